@@ -1,0 +1,144 @@
+//! Motion on the database skeleton, editable: what every stage between retargeting and writing works on.
+
+use glam::{Quat, Vec3};
+use throng_runtime::{Contacts, Joint, NUM_JOINTS, Planar, Skeleton};
+
+/// A run of frames `[start, end)`.
+pub type FrameRange = std::ops::Range<usize>;
+
+/// Frames that are not motion to be used, and why.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Exclusion {
+    /// The frames.
+    pub range: FrameRange,
+    /// Why, as the reports print it.
+    pub reason: ExclusionReason,
+}
+
+/// Why frames are left out.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ExclusionReason {
+    /// The calibration pose at a clip's end.
+    TPose,
+    /// Nothing moves at a clip's end.
+    Still,
+    /// A range named in the sidecar file.
+    Sidecar,
+}
+
+/// A name on a run of frames.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Tag {
+    /// The name, as configs and reports use it.
+    pub name: String,
+    /// The frames.
+    pub range: FrameRange,
+}
+
+/// A clip on the database skeleton: metres, Y up, right-handed.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Clip {
+    /// Unique in its set: file stem, made unique by its folder where needed; a mirrored copy ends in `~mirror`.
+    pub name: String,
+    /// Where the motion came from, as the user wrote it.
+    pub source: String,
+    /// True for a copy with left and right exchanged.
+    pub mirrored: bool,
+    /// Frames a second. [Unit: Hz] [Limit: > 0]
+    pub rate_hz: f64,
+    /// Hips position in the world. [Unit: m] [Size: num_frames]
+    pub root_positions: Vec<Vec3>,
+    /// Joint rotations relative to the parent; the hips' relative to the world.
+    /// [Size: num_frames * NUM_JOINTS], row-major by frame. Unit; neighbouring frames have a positive dot product.
+    pub rotations: Vec<Quat>,
+    /// Foot contacts; empty before the annotate stage. [Size: num_frames]
+    pub contacts: Vec<Contacts>,
+    /// Frames left out, sorted, not overlapping.
+    pub excluded: Vec<Exclusion>,
+    /// Named runs of frames.
+    pub tags: Vec<Tag>,
+}
+
+impl Clip {
+    /// Number of frames.
+    pub fn num_frames(&self) -> usize {
+        self.root_positions.len()
+    }
+
+    /// Local rotations of one frame. [Size: NUM_JOINTS]
+    pub fn frame_rotations(&self, frame: usize) -> &[Quat] {
+        &self.rotations[frame * NUM_JOINTS..(frame + 1) * NUM_JOINTS]
+    }
+
+    /// Planar part of the root at one frame; the heading is in (-pi, pi].
+    pub fn planar(&self, frame: usize) -> Planar {
+        Planar::split(self.root_positions[frame], self.rotations[frame * NUM_JOINTS]).0
+    }
+
+    /// World positions of all joints at one frame. [Unit: m]
+    pub fn joint_positions(&self, skeleton: &Skeleton, frame: usize) -> [Vec3; NUM_JOINTS] {
+        self.joint_transforms(skeleton, frame).map(|t| t.0)
+    }
+
+    /// World position and rotation of all joints at one frame.
+    pub fn joint_transforms(&self, skeleton: &Skeleton, frame: usize) -> [(Vec3, Quat); NUM_JOINTS] {
+        let local = self.frame_rotations(frame);
+        let mut out = [(self.root_positions[frame], local[0]); NUM_JOINTS];
+        for j in &Joint::ALL[1..] {
+            let (p, r) = out[j.parent().map_or(0, Joint::index)];
+            out[j.index()] = (p + r * skeleton.offsets[j.index()], r * local[j.index()]);
+        }
+        out
+    }
+
+    /// True where the frame may be used.
+    pub fn is_usable(&self, frame: usize) -> bool {
+        !self.excluded.iter().any(|e| e.range.contains(&frame))
+    }
+
+    /// The longest runs of usable frames, in order.
+    pub fn usable_ranges(&self) -> Vec<FrameRange> {
+        let mut out = Vec::new();
+        let mut start = None;
+        for f in 0..=self.num_frames() {
+            match (f < self.num_frames() && self.is_usable(f), start) {
+                (true, None) => start = Some(f),
+                (false, Some(s)) => {
+                    out.push(s..f);
+                    start = None;
+                }
+                _ => {}
+            }
+        }
+        out
+    }
+}
+
+/// All clips of a build on one skeleton.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ClipSet {
+    /// Proportions shared by all clips.
+    pub skeleton: Skeleton,
+    /// The clips, in the order of the build's input (sorted by path), each mirrored copy after its original.
+    pub clips: Vec<Clip>,
+}
+
+/// A frame of a [`ClipSet`]: frames of all clips are numbered in one sequence, excluded ones included.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct FrameId(pub u32);
+
+impl ClipSet {
+    /// First [`FrameId`] of every clip, and past the last one the total. [Size: clips.len() + 1]
+    pub fn frame_starts(&self) -> Vec<u32> {
+        let mut starts = vec![0];
+        for c in &self.clips {
+            starts.push(starts[starts.len() - 1] + c.num_frames() as u32);
+        }
+        starts
+    }
+
+    /// Number of frames of all clips, excluded ones included.
+    pub fn num_frames(&self) -> usize {
+        self.clips.iter().map(Clip::num_frames).sum()
+    }
+}
