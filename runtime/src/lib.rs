@@ -4,7 +4,9 @@ pub mod contacts;
 pub mod format;
 mod lanes;
 pub mod planar;
+pub mod pose;
 pub mod skeleton;
+mod troupe;
 
 pub use contacts::Contacts;
 pub use format::FormatError;

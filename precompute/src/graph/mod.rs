@@ -4,18 +4,18 @@ use crate::clip::FrameId;
 use throng_runtime::Planar;
 
 /// A frame with more than one way out. Index into [`MotionGraph::states`].
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, serde::Serialize, serde::Deserialize)]
 pub struct StateId(pub u32);
 
 /// Index into [`MotionGraph::segments`].
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, serde::Serialize, serde::Deserialize)]
 pub struct SegmentId(pub u32);
 
 /// A run of frames inside one clip that ends in a state: the motion of an action.
 ///
 /// Actions of different states share segments: a transition i -> j lays frame j - 1 where frame i is
 /// (003 section 6), so what follows does not depend on i.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Segment {
     /// Frame j - 1, which stands in for the state the action leaves.
     pub start: FrameId,
@@ -28,7 +28,7 @@ pub struct Segment {
 }
 
 /// A choice in a state.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Action {
     /// The motion that is played.
     pub segment: SegmentId,
@@ -38,7 +38,7 @@ pub struct Action {
 
 /// States, actions and the segments they share. Every state has at least one action, every segment ends in a
 /// state, and every state can be reached from every other.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct MotionGraph {
     /// Frame of each state, ascending.
     pub states: Vec<FrameId>,
