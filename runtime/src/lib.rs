@@ -2,6 +2,7 @@
 
 pub mod contacts;
 pub mod planar;
+pub mod policy;
 pub mod skeleton;
 
 pub use contacts::Contacts;
