@@ -4,6 +4,7 @@ pub mod contacts;
 pub mod format;
 mod lanes;
 pub mod planar;
+pub mod policy;
 pub mod pose;
 pub mod skeleton;
 mod troupe;
