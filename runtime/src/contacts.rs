@@ -2,16 +2,7 @@
 
 /// Contact of heels and toes (balls of the feet) with the ground at one frame.
 #[derive(
-    Clone,
-    Copy,
-    Debug,
-    Default,
-    PartialEq,
-    Eq,
-    bytemuck::Pod,
-    bytemuck::Zeroable,
-    serde::Serialize,
-    serde::Deserialize,
+    Clone, Copy, Debug, Default, PartialEq, Eq, bytemuck::Pod, bytemuck::Zeroable, serde::Serialize, serde::Deserialize,
 )]
 #[repr(transparent)]
 pub struct Contacts(pub u8);

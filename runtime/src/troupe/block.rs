@@ -1,6 +1,8 @@
 //! What a troupe remembers of four characters, laid out so that one load fetches a number of all four.
 
+use crate::contacts::Contacts;
 use crate::lanes::{F4, LANES, V4};
+use crate::planar::{Planar, wrap_angle};
 use crate::skeleton::NUM_JOINTS;
 use glam::Vec3;
 
@@ -50,15 +52,6 @@ impl Offsets {
         root: [[0.0; LANES]; 3],
         root_velocity: [[0.0; LANES]; 3],
     };
-
-    /// Forgets one lane.
-    pub fn clear(&mut self, lane: usize) {
-        for v in self.rotation.iter_mut().chain(&mut self.rotation_velocity) {
-            set(v, lane, Vec3::ZERO);
-        }
-        set(&mut self.root, lane, Vec3::ZERO);
-        set(&mut self.root_velocity, lane, Vec3::ZERO);
-    }
 }
 
 /// The lock of one foot of four characters.
@@ -83,26 +76,63 @@ impl FootLock {
         heel_down: [0.0; LANES],
         toe_down: [0.0; LANES],
     };
-
-    /// Forgets one lane: nothing is planted, so nothing holds at the next step.
-    pub fn clear(&mut self, lane: usize) {
-        set(&mut self.correction, lane, Vec3::ZERO);
-        self.heel_down[lane] = 0.0;
-        self.toe_down[lane] = 0.0;
-    }
 }
 
-/// Everything of four characters that a step reads and writes beside the scalars of `Troupe`.
+/// Everything a troupe remembers of four characters.
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(64))]
 pub(crate) struct Block {
+    /// Segment that is played.
+    pub segment: [u32; LANES],
+    /// Time within it. [Unit: frames] [Limit: >= 0]
+    pub time: Lane,
+    /// Planar transform from the clip to the world: x, z, heading. [Unit: m, m, rad]
+    pub clip_to_world: Lane3,
+    /// Planar root in the world at the last step: x, z, heading. [Unit: m, m, rad]
+    pub root: Lane3,
+    /// How fast the action is bent. [Unit: rad/frame]
+    pub bend: Lane,
     /// Time since the last transition. [Unit: s]
     pub age_s: Lane,
+    /// Choices made so far.
+    pub num_choices: [u32; LANES],
+    /// Contacts at the last step.
+    pub contacts: [Contacts; LANES],
     /// Left, right.
     pub feet: [FootLock; 2],
     pub offsets: Offsets,
 }
 
 impl Block {
-    pub const ZERO: Self = Self { age_s: [f32::INFINITY; LANES], feet: [FootLock::ZERO; 2], offsets: Offsets::ZERO };
+    pub const ZERO: Self = Self {
+        segment: [0; LANES],
+        time: [0.0; LANES],
+        clip_to_world: [[0.0; LANES]; 3],
+        root: [[0.0; LANES]; 3],
+        bend: [0.0; LANES],
+        age_s: [f32::INFINITY; LANES],
+        num_choices: [0; LANES],
+        contacts: [Contacts::NONE; LANES],
+        feet: [FootLock::ZERO; 2],
+        offsets: Offsets::ZERO,
+    };
+
+    /// Planar root of one lane at the last step.
+    pub fn root(&self, lane: usize) -> Planar {
+        planar(&self.root, lane)
+    }
+
+    /// Planar transform from the clip to the world of one lane.
+    pub fn clip_to_world(&self, lane: usize) -> Planar {
+        planar(&self.clip_to_world, lane)
+    }
+
+    /// Replaces it; the heading is wrapped.
+    pub fn set_clip_to_world(&mut self, lane: usize, to: Planar) {
+        set(&mut self.clip_to_world, lane, Vec3::new(to.x, to.z, wrap_angle(to.heading)));
+    }
+}
+
+fn planar(v: &Lane3, lane: usize) -> Planar {
+    Planar::new(v[0][lane], v[1][lane], v[2][lane])
 }

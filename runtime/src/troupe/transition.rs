@@ -89,12 +89,7 @@ fn gather(group: &[Change], blocks: &[Block], of: impl Fn(&Block) -> Pair<'_>) -
     (load(&x), load(&v))
 }
 
-fn scatter(
-    group: &[Change],
-    blocks: &mut [Block],
-    of: impl Fn(&mut Block) -> &mut super::block::Lane3,
-    value: V4,
-) {
+fn scatter(group: &[Change], blocks: &mut [Block], of: impl Fn(&mut Block) -> &mut super::block::Lane3, value: V4) {
     let (x, y, z) = (value.x.to_array(), value.y.to_array(), value.z.to_array());
     for (l, c) in group.iter().enumerate() {
         let b = &mut blocks[c.character as usize / LANES];
