@@ -2,6 +2,7 @@
 
 pub mod clip;
 pub mod error;
+pub mod features;
 pub mod graph;
 pub mod progress;
 pub mod raw;

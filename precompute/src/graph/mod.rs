@@ -1,5 +1,21 @@
 //! The motion graph: which frame may follow which, collapsed to states and actions (003 sections 3 and 6).
 
+mod choose;
+mod collapse;
+mod component;
+mod config;
+mod connect;
+mod events;
+mod export;
+mod matches;
+mod report;
+
+pub use config::GraphConfig;
+pub use connect::connect;
+pub use events::standing_frames;
+pub use export::{ActionRow, DisplacementRow, GraphRows, StateRow, graph_json, graph_rows, write_graph_json};
+pub use report::{GraphReport, Spread};
+
 use crate::clip::FrameId;
 use throng_runtime::Planar;
 
