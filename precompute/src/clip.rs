@@ -26,6 +26,16 @@ pub enum ExclusionReason {
     Sidecar,
 }
 
+impl std::fmt::Display for ExclusionReason {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Self::TPose => "T-pose",
+            Self::Still => "still",
+            Self::Sidecar => "sidecar",
+        })
+    }
+}
+
 /// A name on a run of frames.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Tag {

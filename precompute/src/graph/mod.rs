@@ -58,6 +58,8 @@ pub struct Action {
 pub struct MotionGraph {
     /// Frame of each state, ascending.
     pub states: Vec<FrameId>,
+    /// True for states in which the character stands. [Size: states.len()]
+    pub standing: Vec<bool>,
     /// Segments, ascending by start frame.
     pub segments: Vec<Segment>,
     /// Actions of state s are `actions[action_offsets[s]..action_offsets[s + 1]]`, best match first.

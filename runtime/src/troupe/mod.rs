@@ -7,6 +7,8 @@ mod hierarchy;
 mod repertoire;
 mod sample;
 mod step;
+#[cfg(test)]
+mod tests;
 mod transition;
 
 use crate::contacts::Contacts;
