@@ -86,8 +86,10 @@ fn row(frame: u32, clip: u32) -> FrameRow {
         *code = FrameRow::encode(Quat::from_euler(glam::EulerRot::XYZ, a, 0.5 * a, -0.3 * a));
     }
     // Knees bent, so that a locked foot stays within reach.
-    for j in [Joint::LeftShin, Joint::RightShin] {
-        row.rotations[j.index()] = FrameRow::encode(Quat::from_rotation_x(0.9));
+    for (j, angle) in
+        [(Joint::LeftThigh, -0.5), (Joint::LeftShin, 0.9), (Joint::RightThigh, -0.5), (Joint::RightShin, 0.9)]
+    {
+        row.rotations[j.index()] = FrameRow::encode(Quat::from_rotation_x(angle + 0.1 * (4.0 * t).sin()));
     }
     row
 }
