@@ -4,11 +4,17 @@
 //! Units, up axis and rest pose are then found from the body's size and pose, and a skeleton profile (or a guess
 //! by name and topology) says which joint plays which role.
 
+pub mod amc;
+pub mod asf;
+pub mod bvh;
 pub mod config;
+mod scan;
+mod source;
 
 use crate::{Warnings, raw::RawClip};
 pub use config::{Forward, ImportConfig, UpAxis};
 use glam::Quat;
+pub use source::SourceClip;
 use throng_runtime::{Joint, NUM_JOINTS};
 
 /// A clip as read, with everything that was found out about it.
