@@ -1,5 +1,6 @@
 //! Bakes motion capture into Throng tables. [`pipeline`] lists the stages in order.
 
+pub mod annotate;
 pub mod cache;
 pub mod clip;
 pub mod error;
@@ -7,9 +8,12 @@ pub mod features;
 pub mod files;
 pub mod graph;
 pub mod import;
+pub mod mirror;
 pub mod picture;
 pub mod progress;
 pub mod raw;
+pub mod resample;
+pub mod retarget;
 
 pub use clip::{Clip, ClipSet};
 pub use error::{BuildError, ImportError, Warnings};
