@@ -3,6 +3,7 @@
 pub mod annotate;
 pub mod cache;
 pub mod clip;
+pub mod config;
 pub mod error;
 pub mod features;
 pub mod files;
@@ -10,10 +11,16 @@ pub mod graph;
 pub mod import;
 pub mod mirror;
 pub mod picture;
+pub mod pipeline;
+pub mod policy;
 pub mod progress;
+pub mod provenance;
 pub mod raw;
+pub mod report;
 pub mod resample;
 pub mod retarget;
+mod stages;
+pub mod write;
 
 pub use clip::{Clip, ClipSet};
 pub use error::{BuildError, ImportError, Warnings};

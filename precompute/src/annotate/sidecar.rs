@@ -14,6 +14,7 @@
 
 use crate::clip::{Clip, ClipSet, Exclusion, ExclusionReason, FrameRange, Tag};
 use crate::error::BuildError;
+use crate::import::ImportedSet;
 use crate::mirror;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -177,6 +178,29 @@ impl Sidecars {
         let sidecar = Sidecar::parse(&text, &origin)?;
         self.insert(clip_name, sidecar, source_rate_hz, &origin)?;
         Ok(true)
+    }
+
+    /// The sidecar files beside imported clips, and those that a config has in a table by clip name.
+    ///
+    /// - `clips`: the same clips, in the same order, mirrored copies in between.
+    ///
+    /// # Errors
+    /// As [`Sidecars::insert`] and [`Sidecars::insert_beside`].
+    pub fn collect(
+        raw: &ImportedSet,
+        clips: &ClipSet,
+        table: &BTreeMap<String, Sidecar>,
+    ) -> Result<Self, BuildError> {
+        let mut out = Self::default();
+        for (imported, clip) in raw.clips.iter().zip(clips.clips.iter().filter(|c| !c.mirrored)) {
+            out.insert_beside(&clip.name, &imported.clip.path, imported.clip.rate_hz)?;
+        }
+        for (name, sidecar) in table {
+            let index = clips.clips.iter().filter(|c| !c.mirrored).position(|c| c.name == *name);
+            let rate_hz = index.map_or(1.0, |i| raw.clips[i].clip.rate_hz);
+            out.insert(name, sidecar.clone(), rate_hz, &format!("config, clips.{name}"))?;
+        }
+        Ok(out)
     }
 
     /// Refuses sidecars of clips that are not there.

@@ -14,6 +14,7 @@ mod transfer;
 
 use crate::clip::{Clip, ClipSet};
 use crate::error::{BuildError, Warnings};
+use crate::import::ImportedSet;
 use align::Alignment;
 use body::Body;
 pub use body::{Roles, Source};
@@ -85,6 +86,11 @@ impl ExplicitProportions {
                 .into(),
         })
     }
+}
+
+/// Imported clips as this stage takes them.
+pub fn sources(raw: &ImportedSet) -> Vec<Source<'_>> {
+    raw.clips.iter().map(|c| Source { clip: &c.clip, roles: &c.roles.joints }).collect()
 }
 
 /// Lays every clip onto one database skeleton.
