@@ -18,12 +18,7 @@ use std::path::Path;
 ///
 /// # Errors
 /// What the first failing stage says; nothing is written then.
-pub fn build(
-    cfg: &BuildConfig,
-    out: &Path,
-    cache: &Cache,
-    progress: &dyn Progress,
-) -> Result<BuildReport, BuildError> {
+pub fn build(cfg: &BuildConfig, out: &Path, cache: &Cache, progress: &dyn Progress) -> Result<BuildReport, BuildError> {
     let mut s = Stages::new(cache, progress);
     let from: Provenance = s.run("hash", |_| provenance::collect(&cfg.inputs, &cfg.import))?;
 

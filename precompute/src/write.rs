@@ -6,7 +6,9 @@ use crate::files::write_atomically;
 use crate::graph::MotionGraph;
 use crate::policy::PolicyTables;
 use std::path::Path;
-use throng_runtime::format::{AlignedBytes, BundleWriter, ClipMeta, ClipRecord, FormatError, FrameRow, Meta, SkeletonRecord};
+use throng_runtime::format::{
+    AlignedBytes, BundleWriter, ClipMeta, ClipRecord, FormatError, FrameRow, Meta, SkeletonRecord,
+};
 use throng_runtime::graph::{MotionSegment, StateRecord};
 use throng_runtime::planar::wrap_angle;
 use throng_runtime::skeleton::NUM_JOINTS;
@@ -65,11 +67,7 @@ fn clip_meta(c: &Clip) -> ClipMeta {
         name: c.name.clone(),
         source: c.source.clone(),
         tags: c.tags.iter().map(|t| (t.name.clone(), t.range.start as u32, t.range.end as u32)).collect(),
-        excluded: c
-            .excluded
-            .iter()
-            .map(|e| (e.reason.to_string(), e.range.start as u32, e.range.end as u32))
-            .collect(),
+        excluded: c.excluded.iter().map(|e| (e.reason.to_string(), e.range.start as u32, e.range.end as u32)).collect(),
     }
 }
 

@@ -186,11 +186,7 @@ impl Sidecars {
     ///
     /// # Errors
     /// As [`Sidecars::insert`] and [`Sidecars::insert_beside`].
-    pub fn collect(
-        raw: &ImportedSet,
-        clips: &ClipSet,
-        table: &BTreeMap<String, Sidecar>,
-    ) -> Result<Self, BuildError> {
+    pub fn collect(raw: &ImportedSet, clips: &ClipSet, table: &BTreeMap<String, Sidecar>) -> Result<Self, BuildError> {
         let mut out = Self::default();
         for (imported, clip) in raw.clips.iter().zip(clips.clips.iter().filter(|c| !c.mirrored)) {
             out.insert_beside(&clip.name, &imported.clip.path, imported.clip.rate_hz)?;
