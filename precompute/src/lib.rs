@@ -4,6 +4,7 @@ pub mod annotate;
 pub mod clip;
 pub mod error;
 pub mod graph;
+pub mod import;
 pub mod mirror;
 pub mod progress;
 pub mod raw;

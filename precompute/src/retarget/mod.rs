@@ -14,6 +14,7 @@ mod transfer;
 
 use crate::clip::{Clip, ClipSet};
 use crate::error::{BuildError, Warnings};
+use crate::import::Imported;
 use align::Alignment;
 use body::Body;
 pub use body::{Roles, Source};
@@ -97,7 +98,12 @@ impl ExplicitProportions {
 /// # Errors
 /// [`BuildError::Stage`] when a clip has no hips, thighs, shins or feet, or no legs to measure, and
 /// [`BuildError::Config`] for explicit proportions that are not a body.
-pub fn onto(sources: &[Source], cfg: &RetargetConfig, warnings: &mut Warnings) -> Result<ClipSet, BuildError> {
+pub fn onto(clips: &[Imported], cfg: &RetargetConfig, warnings: &mut Warnings) -> Result<ClipSet, BuildError> {
+    let sources: Vec<Source> = clips.iter().map(Source::from).collect();
+    lay_all(&sources, cfg, warnings)
+}
+
+fn lay_all(sources: &[Source], cfg: &RetargetConfig, warnings: &mut Warnings) -> Result<ClipSet, BuildError> {
     for s in sources {
         check(s)?;
     }
@@ -145,7 +151,11 @@ pub fn onto(sources: &[Source], cfg: &RetargetConfig, warnings: &mut Warnings) -
 ///
 /// # Errors
 /// As [`onto`].
-pub fn skeleton_of(source: Source) -> Result<Skeleton, BuildError> {
+pub fn skeleton_of(clip: &Imported) -> Result<Skeleton, BuildError> {
+    own_skeleton(clip.into())
+}
+
+fn own_skeleton(source: Source) -> Result<Skeleton, BuildError> {
     check(&source)?;
     let body = Body::measure(&[source]);
     check_legs(&source, &body)?;
