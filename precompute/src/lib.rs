@@ -5,6 +5,7 @@ pub mod error;
 pub mod graph;
 pub mod progress;
 pub mod raw;
+pub mod synth;
 
 pub use clip::{Clip, ClipSet};
 pub use error::{BuildError, ImportError, Warnings};
