@@ -1,7 +1,7 @@
 //! A foot over time: rolling over the heel, standing flat, rolling over the ball, and swinging to the next place.
 
 use super::side::{Side, forward, leftward};
-use super::signal::{End, bump, quintic};
+use super::signal::{End, bump, cruise, early_bump, quintic};
 use glam::{DQuat, DVec2, DVec3};
 use throng_runtime::{Contacts, Joint, Skeleton};
 
@@ -62,8 +62,10 @@ pub struct Footfall {
 /// The flight between two footfalls, beyond what its ends say.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct Flight {
-    /// Extra height half way. [Unit: m]
+    /// Height the foot is drawn up to, early in the flight. [Unit: m]
     raise: f64,
+    /// Extra height half way, to clear the ground. [Unit: m]
+    clear: f64,
     /// Detour half way, around the standing foot. [Unit: m]
     detour: DVec2,
 }
@@ -119,8 +121,10 @@ pub struct FootTrack {
     flights: Vec<Flight>,
 }
 
-/// Smallest height of the sole half way through a flight. [Unit: m]
-const CLEARANCE: f64 = 0.014;
+/// Smallest height of the sole in the middle of a flight. [Unit: m]
+const CLEARANCE: f64 = 0.015;
+/// Share of a flight in which the foot speeds up, and slows down.
+const RAMP: f64 = 0.36;
 /// Smallest distance of a swinging ankle or ball from the standing one. [Unit: m]
 const PASSING: f64 = 0.105;
 
@@ -134,6 +138,7 @@ impl FootTrack {
             let standing = other.iter().rev().find(|f| f.land <= 0.5 * (lift + land));
             track.flights[i].detour = standing.map_or(DVec2::ZERO, |s| track.detour(i, s));
             track.flights[i].raise = track.raise(i);
+            track.flights[i].clear = track.clear(i);
         }
         track
     }
@@ -183,18 +188,19 @@ impl FootTrack {
         let start = self.ball_flat(a);
         let piece = |from: f64, axis: fn(DVec3) -> f64| {
             let to = End::of(|t| axis(self.ball_over_heel(b, t)), b.land);
-            quintic(End::still(from), to, duration, t)
+            let arrival = quintic(End::default(), End { value: 0.0, ..to }, duration, t);
+            from + (to.value - from) * cruise(RAMP, u) + arrival
         };
         let flight = &self.flights[i];
         let ball = DVec3::new(
             piece(start.x, |p| p.x) + flight.detour.x * bump(u),
-            piece(start.y, |p| p.y) + flight.raise * bump(u),
+            piece(start.y, |p| p.y) + flight.raise * early_bump(u) + flight.clear * bump(u),
             piece(start.z, |p| p.z) + flight.detour.y * bump(u),
         );
         let angle = |from: f64, to: f64| quintic(End::still(from), End::still(to), duration, t);
         let landing = End::of(|t| strike_pitch(b, t), b.land);
         let pitch = quintic(End::of(|t| push_pitch(a, t), a.lift), landing, duration, t);
-        let toe_pitch = quintic(End::still(0.0), landing, duration, t) + 0.3 * a.push * bump(u);
+        let toe_pitch = quintic(End::still(0.0), landing, duration, t) + 0.25 * a.push * bump(u);
         self.from_ball(ball, angle(a.yaw, b.yaw), angle(a.heading, b.heading), pitch, toe_pitch)
     }
 
@@ -218,16 +224,22 @@ impl FootTrack {
         FootPose { ankle, ball, yaw, heading, pitch, toe_pitch, heel_down: false, toe_down: false }
     }
 
-    /// Moments spread over flight `i`, with their bumps.
-    fn moments(&self, i: usize) -> impl Iterator<Item = (f64, f64)> + use<> {
+    /// Moments spread over flight `i`: ratio, time, bump.
+    fn moments(&self, i: usize) -> impl Iterator<Item = (f64, f64, f64)> + use<> {
         let (lift, land) = (self.falls[i].lift, self.falls[i + 1].land);
-        (1..40).map(move |k| f64::from(k) / 40.0).map(move |u| (lift + u * (land - lift), bump(u)))
+        (1..40).map(move |k| f64::from(k) / 40.0).map(move |u| (u, lift + u * (land - lift), bump(u)))
     }
 
-    /// How much flight `i` has to be raised for its sole to clear the ground.
+    /// How high the foot is drawn up in flight `i`: more the further it goes.
     fn raise(&self, i: usize) -> f64 {
-        let lacks = |(t, b): (f64, f64)| CLEARANCE * b.sqrt() - self.sole(&self.flying(i, t));
-        self.moments(i).filter(|m| m.1 > 0.02).map(|m| lacks(m) / m.1).fold(0.0, f64::max)
+        let travel = (self.falls[i + 1].ankle - self.falls[i].ankle).length();
+        0.025 + 0.05 * (travel / 1.4).min(1.0)
+    }
+
+    /// How much higher flight `i` has to be for its sole to clear the ground.
+    fn clear(&self, i: usize) -> f64 {
+        let lacks = |t: f64| CLEARANCE - self.sole(&self.flying(i, t));
+        self.moments(i).filter(|m| m.2 > 0.3).map(|(_, t, b)| lacks(t) / b).fold(0.0, f64::max)
     }
 
     /// How far flight `i` has to step aside from the standing foot.
@@ -238,7 +250,7 @@ impl FootTrack {
         let away = leftward(heading) * (middle - standing.ankle).dot(leftward(heading)).signum();
         let obstacles = [standing.ankle, standing.ankle + forward(standing.yaw) * self.shape.ball];
         let mut need: f64 = 0.0;
-        for (t, b) in self.moments(i).filter(|m| m.1 > 0.2) {
+        for (_, t, b) in self.moments(i).filter(|m| m.2 > 0.2) {
             let p = self.flying(i, t);
             for part in [p.ankle, p.ball] {
                 for o in obstacles {
@@ -265,5 +277,5 @@ fn strike_pitch(fall: &Footfall, t: f64) -> f64 {
 /// Pitch while the foot rolls over its ball: begins at rest, leaves turning.
 fn push_pitch(fall: &Footfall, t: f64) -> f64 {
     let duration = fall.lift - fall.heel_off;
-    quintic(End::still(0.0), End::moving(fall.push, 1.35 * fall.push / duration), duration, t - fall.heel_off)
+    quintic(End::still(0.0), End::moving(fall.push, 2.0 * fall.push / duration), duration, t - fall.heel_off)
 }

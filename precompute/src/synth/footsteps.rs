@@ -91,7 +91,7 @@ fn falls_of(side: Side, placed: &[Placed], width: f64) -> Vec<Footfall> {
             ankle: step.ankle,
             heading: step.heading,
             yaw: step.heading + TOE_OUT * side.sign(),
-            strike: 0.42 * (reach / 0.75).clamp(0.03, 1.0),
+            strike: 0.36 * (reach / 0.75).clamp(0.03, 1.0),
             push: 0.0,
         });
     }
@@ -101,9 +101,9 @@ fn falls_of(side: Side, placed: &[Placed], width: f64) -> Vec<Footfall> {
 /// Completes a footfall with how it is left for the next step.
 fn leave_with(fall: &mut Footfall, step: &Placed, travel: f64) {
     fall.lift = step.lift;
-    let rise = 0.52 * step.shape.period;
+    let rise = 0.46 * step.shape.period;
     fall.heel_off = (step.lift - rise).max(fall.flat + 0.02);
-    fall.push = 0.22 + 0.7 * (travel.max(0.0) / 1.45).min(1.0);
+    fall.push = 0.2 + 0.5 * (travel.max(0.0) / 1.45).min(1.0);
 }
 
 /// The share of the left foot: none while it is in the air, all while the right one is, and between them a

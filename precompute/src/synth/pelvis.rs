@@ -53,11 +53,12 @@ pub struct PelvisInput<'a> {
 }
 
 /// The knees never straighten further than this. [Unit: rad]
-const LEAST_FLEXION: f64 = 0.13;
+const LEAST_FLEXION: f64 = 0.1;
 /// Knee flexion of quiet standing. [Unit: rad]
-const STANDING_FLEXION: f64 = 0.19;
-/// The centre of mass is this far in front of the hips joint. [Unit: m]
-const MASS_FORWARD: f64 = 0.035;
+const STANDING_FLEXION: f64 = 0.17;
+/// How far the hips joint is in front of the centre of mass in standing, and what a speed adds: who walks pushes the
+/// pelvis forward over the leading foot. [Unit: m] [Unit: s]
+const HIPS_FORWARD: [f64; 2] = [-0.035, 0.036];
 
 /// Moves the pelvis over the feet.
 pub fn follow(input: &PelvisInput) -> Pelvis {
@@ -73,8 +74,9 @@ pub fn follow(input: &PelvisInput) -> Pelvis {
     let yaw: Vec<f64> = smooth(&apart, frames(0.03)).iter().map(|d| -0.15 * d).collect();
     let list = list(input);
     let pitch: Vec<f64> = input.speed.iter().map(|v| 0.04 + 0.02 * v).collect();
-    let position = input.mass.iter().zip(&heading).map(|(m, &h)| {
-        let p = *m - forward(h) * MASS_FORWARD;
+    let position = (0..input.mass.len()).map(|i| {
+        let ahead = HIPS_FORWARD[0] + HIPS_FORWARD[1] * input.speed[i].min(1.4);
+        let p = input.mass[i] + forward(heading[i]) * ahead;
         DVec3::new(p.x, 0.0, p.y)
     });
     let mut out = Pelvis { position: position.collect(), heading, yaw, pitch, list, apart };
@@ -98,7 +100,7 @@ fn list(input: &PelvisInput) -> Vec<f64> {
 
 /// As high as both legs reach, rounded off: never above what [`LEAST_FLEXION`] allows at any sample.
 fn height(input: &PelvisInput, pelvis: &Pelvis) -> Vec<f64> {
-    let radius = (0.04 / input.dt).round() as usize;
+    let radius = (0.02 / input.dt).round() as usize;
     let limit: Vec<f64> = (0..input.feet.len())
         .map(|i| {
             let rotation = pelvis.rotation(i);

@@ -48,10 +48,34 @@ pub fn bump(u: f64) -> f64 {
     64.0 * (u * (1.0 - u)).powi(3)
 }
 
-/// 0 below `a`, 1 above `b`, a quintic with still ends between them.
-pub fn smoothstep(a: f64, b: f64, x: f64) -> f64 {
-    let u = ((x - a) / (b - a)).clamp(0.0, 1.0);
-    u * u * u * (10.0 + u * (6.0 * u - 15.0))
+/// A bump like [`bump`] that rises faster than it falls: its top is at 3/8.
+pub fn early_bump(u: f64) -> f64 {
+    let u = u.clamp(0.0, 1.0);
+    let top = 0.375f64.powi(3) * 0.625f64.powi(5);
+    u.powi(3) * (1.0 - u).powi(5) / top
+}
+
+/// From 0 to 1 over `u` in `[0, 1]`: speeds up over the first `ramp`, goes on evenly, slows down over the last.
+///
+/// Rate and acceleration are zero at both ends and continuous between them. The top rate is `1 / (1 - ramp)`,
+/// lower than that of a quintic (1.875).
+///
+/// - `ramp`: [Limit: > 0, <= 0.5]
+pub fn cruise(ramp: f64, u: f64) -> f64 {
+    // Distance covered while the speed rises as a cubic smoothstep.
+    let rising = |u: f64| {
+        let x = u / ramp;
+        ramp * x * x * x * (1.0 - 0.5 * x)
+    };
+    let top = 1.0 / (1.0 - ramp);
+    let u = u.clamp(0.0, 1.0);
+    if u < ramp {
+        top * rising(u)
+    } else if u > 1.0 - ramp {
+        1.0 - top * rising(1.0 - u)
+    } else {
+        top * (u - 0.5 * ramp)
+    }
 }
 
 /// Piecewise linear interpolation of `(time, value)` knots, constant beyond them.
@@ -122,6 +146,18 @@ mod tests {
             assert!((got.value - end.value).abs() < 1e-9);
             assert!((got.rate - end.rate).abs() < 1e-5);
             assert!((got.acceleration - end.acceleration).abs() < 1e-3);
+        }
+    }
+
+    #[test]
+    fn cruise_goes_from_rest_to_rest_without_a_jump() {
+        let ends = [(0.0, 0.0), (0.5, 0.5), (1.0, 1.0)];
+        assert!(ends.iter().all(|(u, x)| (cruise(0.3, *u) - x).abs() < 1e-12));
+        for k in 1..1000 {
+            let (a, b, c) = (f64::from(k - 1) * 1e-3, f64::from(k) * 1e-3, f64::from(k + 1) * 1e-3);
+            let [a, b, c] = [a, b, c].map(|u| cruise(0.3, u));
+            assert!(c >= b && b >= a && c - b < 1e-3 / 0.7 + 1e-9);
+            assert!((a - 2.0 * b + c).abs() < 1e-6 * 1.5 / (0.3 * 0.7) + 1e-9);
         }
     }
 
