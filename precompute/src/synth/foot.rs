@@ -224,10 +224,10 @@ impl FootTrack {
         FootPose { ankle, ball, yaw, heading, pitch, toe_pitch, heel_down: false, toe_down: false }
     }
 
-    /// Moments spread over flight `i`: ratio, time, bump.
-    fn moments(&self, i: usize) -> impl Iterator<Item = (f64, f64, f64)> + use<> {
+    /// Moments spread over flight `i`, with their bumps.
+    fn moments(&self, i: usize) -> impl Iterator<Item = (f64, f64)> + use<> {
         let (lift, land) = (self.falls[i].lift, self.falls[i + 1].land);
-        (1..40).map(move |k| f64::from(k) / 40.0).map(move |u| (u, lift + u * (land - lift), bump(u)))
+        (1..40).map(move |k| f64::from(k) / 40.0).map(move |u| (lift + u * (land - lift), bump(u)))
     }
 
     /// How high the foot is drawn up in flight `i`: more the further it goes.
@@ -239,7 +239,7 @@ impl FootTrack {
     /// How much higher flight `i` has to be for its sole to clear the ground.
     fn clear(&self, i: usize) -> f64 {
         let lacks = |t: f64| CLEARANCE - self.sole(&self.flying(i, t));
-        self.moments(i).filter(|m| m.2 > 0.3).map(|(_, t, b)| lacks(t) / b).fold(0.0, f64::max)
+        self.moments(i).filter(|m| m.1 > 0.3).map(|(t, b)| lacks(t) / b).fold(0.0, f64::max)
     }
 
     /// How far flight `i` has to step aside from the standing foot.
@@ -250,7 +250,7 @@ impl FootTrack {
         let away = leftward(heading) * (middle - standing.ankle).dot(leftward(heading)).signum();
         let obstacles = [standing.ankle, standing.ankle + forward(standing.yaw) * self.shape.ball];
         let mut need: f64 = 0.0;
-        for (_, t, b) in self.moments(i).filter(|m| m.2 > 0.2) {
+        for (t, b) in self.moments(i).filter(|m| m.1 > 0.2) {
             let p = self.flying(i, t);
             for part in [p.ankle, p.ball] {
                 for o in obstacles {

@@ -3,7 +3,7 @@
 use super::foot::FootPose;
 use super::leg::LegShape;
 use super::side::{Side, forward};
-use super::signal::{End, erode, quintic, shifted, smooth};
+use super::signal::{End, quintic, shifted, smooth, smooth_below};
 use glam::{DQuat, DVec2, DVec3};
 
 /// The pelvis at every sample. All vectors have the same length.
@@ -53,9 +53,11 @@ pub struct PelvisInput<'a> {
 }
 
 /// The knees never straighten further than this. [Unit: rad]
-const LEAST_FLEXION: f64 = 0.1;
+const LEAST_FLEXION: f64 = 0.17;
+/// Largest upward acceleration of the hips. [Unit: m/s^2]
+const BOB: f64 = 8.0;
 /// Knee flexion of quiet standing. [Unit: rad]
-const STANDING_FLEXION: f64 = 0.17;
+const STANDING_FLEXION: f64 = 0.2;
 /// How far the hips joint is in front of the centre of mass in standing, and what a speed adds: who walks pushes the
 /// pelvis forward over the leading foot. [Unit: m] [Unit: s]
 const HIPS_FORWARD: [f64; 2] = [-0.035, 0.036];
@@ -100,14 +102,13 @@ fn list(input: &PelvisInput) -> Vec<f64> {
 
 /// As high as both legs reach, rounded off: never above what [`LEAST_FLEXION`] allows at any sample.
 fn height(input: &PelvisInput, pelvis: &Pelvis) -> Vec<f64> {
-    let radius = (0.02 / input.dt).round() as usize;
     let limit: Vec<f64> = (0..input.feet.len())
         .map(|i| {
             let rotation = pelvis.rotation(i);
             Side::BOTH.map(|s| leg_limit(input, pelvis, i, rotation, s)).into_iter().fold(f64::INFINITY, f64::min)
         })
         .collect();
-    smooth(&erode(&limit, 3 * radius), radius)
+    smooth_below(&limit, BOB, (0.03 / input.dt).round() as usize, input.dt)
 }
 
 /// Height of the hips joint at which one leg is as straight as it may be.

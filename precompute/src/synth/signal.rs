@@ -107,14 +107,27 @@ fn running_mean(x: &[f64], radius: usize) -> Vec<f64> {
     (0..n).map(|i| (i - r..=i + r).map(at).sum::<f64>() / (2 * r + 1) as f64).collect()
 }
 
-/// The smallest value within `radius` samples to each side.
-pub fn erode(x: &[f64], radius: usize) -> Vec<f64> {
-    (0..x.len())
+/// A smooth signal that stays below `limit` and bends upwards by no more than `acceleration`.
+///
+/// The lower envelope of parabolas over every sample is the largest signal of that curvature below the limit;
+/// smoothing raises such a signal by at most its curvature times half the variance of the filter, which is taken off.
+///
+/// - `radius`: of the smoothing, as in [`smooth`].
+/// - `acceleration`: [Unit: 1/s^2] [Limit: > 0]
+pub fn smooth_below(limit: &[f64], acceleration: f64, radius: usize, dt: f64) -> Vec<f64> {
+    let per_sample = 0.5 * acceleration * dt * dt;
+    let range = limit.iter().copied().fold(f64::NEG_INFINITY, f64::max) - limit.iter().copied().fold(f64::INFINITY, f64::min);
+    let reach = if limit.is_empty() { 0 } else { (range / per_sample).sqrt().ceil() as usize };
+    let envelope: Vec<f64> = (0..limit.len())
         .map(|i| {
-            let window = &x[i.saturating_sub(radius)..(i + radius + 1).min(x.len())];
-            window.iter().copied().fold(f64::INFINITY, f64::min)
+            let first = i.saturating_sub(reach);
+            let window = limit[first..(i + reach + 1).min(limit.len())].iter().enumerate();
+            window.map(|(k, y)| y + per_sample * ((first + k) as f64 - i as f64).powi(2)).fold(f64::INFINITY, f64::min)
         })
-        .collect()
+        .collect();
+    // A running mean over 2r + 1 samples has the variance r(r + 1)/3; three passes add up.
+    let raised = per_sample * (radius * (radius + 1)) as f64;
+    smooth(&envelope, radius).iter().map(|y| y - raised).collect()
 }
 
 /// Second derivative by central differences, zero at both ends. [Unit: 1/s^2]
@@ -169,10 +182,10 @@ mod tests {
 
     proptest! {
         #[test]
-        fn smoothing_what_was_eroded_stays_below_the_signal(x in prop::collection::vec(-1.0f64..1.0, 1..80), r in 0usize..6) {
-            for (s, x) in smooth(&erode(&x, 3 * r), r).iter().zip(&x) {
-                prop_assert!(*s <= x + 1e-12);
-            }
+        fn smooth_below_stays_below(x in prop::collection::vec(-1.0f64..1.0, 1..80), r in 0usize..6, a in 0.5f64..20.0) {
+            let y = smooth_below(&x, a, r, 0.05);
+            prop_assert!(y.iter().zip(&x).all(|(y, x)| *y <= x + 1e-12));
+            prop_assert!(acceleration(&y, 0.05).iter().all(|b| *b <= a + 1e-6));
         }
 
         #[test]
