@@ -50,7 +50,7 @@ fn arm(input: &ArmInput, side: Side, i: usize, follow: f64, trail: f64) -> ArmPo
     let swing = -s * follow * vigour;
     let bend = -s * trail * vigour;
     let raise = 0.015 * input.breath[i];
-    let flexion = 0.23 * lively + 0.12 * speed + 0.55 * (bend + 0.2 * speed * 0.52).max(0.0);
+    let flexion = lively * (0.22 + 0.07 * speed) + 0.42 * (bend + 0.1 * speed).max(0.0);
     let abduction = 0.13 + 0.02 * speed + 0.05 * swing.abs();
     let turn_in = 0.30 + 0.15 * swing;
     let hang = DQuat::from_rotation_x(-(swing + 0.02 + 0.75 * input.chest_pitch[i] * 0.6))

@@ -116,6 +116,7 @@ impl FootPose {
 
 /// All footfalls of one foot, in order, and the flights between them.
 pub struct FootTrack {
+    side: Side,
     shape: FootShape,
     falls: Vec<Footfall>,
     flights: Vec<Flight>,
@@ -130,9 +131,9 @@ const PASSING: f64 = 0.105;
 
 impl FootTrack {
     /// A foot that stands on `falls` in turn and flies around the other foot's falls.
-    pub fn new(shape: FootShape, falls: Vec<Footfall>, other: &[Footfall]) -> Self {
+    pub fn new(side: Side, shape: FootShape, falls: Vec<Footfall>, other: &[Footfall]) -> Self {
         let flights = vec![Flight::default(); falls.len().saturating_sub(1)];
-        let mut track = Self { shape, falls, flights };
+        let mut track = Self { side, shape, falls, flights };
         for i in 0..track.flights.len() {
             let (lift, land) = (track.falls[i].lift, track.falls[i + 1].land);
             let standing = other.iter().rev().find(|f| f.land <= 0.5 * (lift + land));
@@ -246,8 +247,7 @@ impl FootTrack {
     fn detour(&self, i: usize, standing: &Footfall) -> DVec2 {
         let (a, b) = (&self.falls[i], &self.falls[i + 1]);
         let heading = 0.5 * (a.heading + b.heading);
-        let middle = 0.5 * (a.ankle + b.ankle);
-        let away = leftward(heading) * (middle - standing.ankle).dot(leftward(heading)).signum();
+        let away = leftward(heading) * self.side.sign();
         let obstacles = [standing.ankle, standing.ankle + forward(standing.yaw) * self.shape.ball];
         let mut need: f64 = 0.0;
         for (t, b) in self.moments(i).filter(|m| m.1 > 0.2) {
@@ -277,5 +277,5 @@ fn strike_pitch(fall: &Footfall, t: f64) -> f64 {
 /// Pitch while the foot rolls over its ball: begins at rest, leaves turning.
 fn push_pitch(fall: &Footfall, t: f64) -> f64 {
     let duration = fall.lift - fall.heel_off;
-    quintic(End::still(0.0), End::moving(fall.push, 2.0 * fall.push / duration), duration, t - fall.heel_off)
+    quintic(End::still(0.0), End::moving(fall.push, 2.2 * fall.push / duration), duration, t - fall.heel_off)
 }

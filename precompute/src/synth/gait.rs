@@ -29,11 +29,11 @@ const WALK_RATIO: f64 = 0.0061;
 /// The constant walk ratio is Sekiya and Nagasaki 1998, *Reproducibility of the walking patterns of normal young
 /// adults*; the share of stance in a stride falls with speed as in Murray 1967, *Gait as a total pattern of movement*
 /// (66 % at 0.6 m/s, 62 % at 1.3 m/s, 59 % at 1.8 m/s). Differs: stance ends here when the ball of the foot leaves the
-/// ground, 4 % of a stride before the tip of the toes.
+/// ground, 5 % of a stride before the tip of the toes.
 pub fn step_at(speed: f64) -> StepShape {
     let length = (60.0 * speed * WALK_RATIO).sqrt();
     let period = length / speed;
-    let stance = (0.655 - 0.055 * speed).clamp(0.55, 0.65);
+    let stance = (0.642 - 0.055 * speed).clamp(0.552, 0.64);
     StepShape { length, period, double_support: (2.0 * stance - 1.0) * period }
 }
 

@@ -52,12 +52,13 @@ pub struct PelvisInput<'a> {
     pub dt: f64,
 }
 
-/// The knees never straighten further than this. [Unit: rad]
-const LEAST_FLEXION: f64 = 0.17;
 /// Largest upward acceleration of the hips. [Unit: m/s^2]
 const BOB: f64 = 8.0;
-/// Knee flexion of quiet standing. [Unit: rad]
-const STANDING_FLEXION: f64 = 0.2;
+/// Least knee flexion of a leg under the body. [Unit: rad]
+const STANDING_FLEXION: f64 = 0.11;
+/// Least knee flexion of a leg that reaches out: the more bent, the rounder its turn from stretching to bending.
+/// [Unit: rad]
+const REACHING_FLEXION: f64 = 0.19;
 /// How far the hips joint is in front of the centre of mass in standing, and what a speed adds: who walks pushes the
 /// pelvis forward over the leading foot. [Unit: m] [Unit: s]
 const HIPS_FORWARD: [f64; 2] = [-0.035, 0.036];
@@ -100,7 +101,7 @@ fn list(input: &PelvisInput) -> Vec<f64> {
     smooth(&early, frames(0.02))
 }
 
-/// As high as both legs reach, rounded off: never above what [`LEAST_FLEXION`] allows at any sample.
+/// As high as both legs reach, rounded off: never above what the least flexion of either knee allows.
 fn height(input: &PelvisInput, pelvis: &Pelvis) -> Vec<f64> {
     let limit: Vec<f64> = (0..input.feet.len())
         .map(|i| {
@@ -108,7 +109,7 @@ fn height(input: &PelvisInput, pelvis: &Pelvis) -> Vec<f64> {
             Side::BOTH.map(|s| leg_limit(input, pelvis, i, rotation, s)).into_iter().fold(f64::INFINITY, f64::min)
         })
         .collect();
-    smooth_below(&limit, BOB, (0.03 / input.dt).round() as usize, input.dt)
+    smooth_below(&limit, BOB, (0.02 / input.dt).round() as usize, input.dt)
 }
 
 /// Height of the hips joint at which one leg is as straight as it may be.
@@ -120,8 +121,6 @@ fn leg_limit(input: &PelvisInput, pelvis: &Pelvis, i: usize, rotation: DQuat, si
         let reach = input.leg.reach(flexion);
         ankle.y - offset.y + (reach * reach - across.length_squared()).max(0.01).sqrt()
     };
-    let stretched = at(LEAST_FLEXION);
-    // Legs under the body are kept a little more bent than legs reaching out.
-    let bend = quintic(End::still(STANDING_FLEXION), End::still(LEAST_FLEXION), 0.25, across.length().min(0.25));
-    at(bend).min(stretched)
+    let (under, reaching) = (End::still(STANDING_FLEXION), End::still(REACHING_FLEXION));
+    at(quintic(under, reaching, 0.2, across.length().min(0.2)))
 }
