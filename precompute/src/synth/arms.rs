@@ -45,13 +45,13 @@ pub fn swing(input: &ArmInput) -> Vec<[ArmPose; 2]> {
 fn arm(input: &ArmInput, side: Side, i: usize, follow: f64, trail: f64) -> ArmPose {
     let (s, speed) = (side.sign(), input.speed[i]);
     let lively = input.liveliness[side.index()];
-    let vigour = lively * 0.52 * (speed / 1.3).max(0.0).powf(0.6).min(1.3);
+    let vigour = lively * 0.6 * (speed / 1.3).max(0.0).powf(0.45).min(1.3);
     // Forward (positive) when the other foot is in front.
     let swing = -s * follow * vigour;
     let bend = -s * trail * vigour;
     let raise = 0.015 * input.breath[i];
-    let flexion = lively * (0.22 + 0.07 * speed) + 0.42 * (bend + 0.1 * speed).max(0.0);
-    let abduction = 0.13 + 0.02 * speed + 0.05 * swing.abs();
+    let flexion = lively * (0.21 + 0.09 * speed) + 0.5 * bend.max(-0.3);
+    let abduction = 0.21 + 0.03 * speed;
     let turn_in = 0.30 + 0.15 * swing;
     let hang = DQuat::from_rotation_x(-(swing + 0.02 + 0.75 * input.chest_pitch[i] * 0.6))
         * DQuat::from_rotation_z(-s * (FRAC_PI_2 - abduction))

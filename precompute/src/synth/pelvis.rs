@@ -61,7 +61,7 @@ const STANDING_FLEXION: f64 = 0.11;
 const REACHING_FLEXION: f64 = 0.19;
 /// How far the hips joint is in front of the centre of mass in standing, and what a speed adds: who walks pushes the
 /// pelvis forward over the leading foot. [Unit: m] [Unit: s]
-const HIPS_FORWARD: [f64; 2] = [-0.035, 0.036];
+const HIPS_FORWARD: [f64; 2] = [-0.035, 0.026];
 
 /// Moves the pelvis over the feet.
 pub fn follow(input: &PelvisInput) -> Pelvis {
@@ -74,7 +74,7 @@ pub fn follow(input: &PelvisInput) -> Pelvis {
         .zip(&heading)
         .map(|(f, &h)| (f[0].ankle - f[1].ankle).dot(DVec3::new(forward(h).x, 0.0, forward(h).y)))
         .collect();
-    let yaw: Vec<f64> = smooth(&apart, frames(0.03)).iter().map(|d| -0.15 * d).collect();
+    let yaw: Vec<f64> = smooth(&apart, frames(0.03)).iter().map(|d| -0.21 * d).collect();
     let list = list(input);
     let pitch: Vec<f64> = input.speed.iter().map(|v| 0.04 + 0.02 * v).collect();
     let position = (0..input.mass.len()).map(|i| {
@@ -95,7 +95,7 @@ fn list(input: &PelvisInput) -> Vec<f64> {
     let frames = |seconds: f64| (seconds / input.dt).round() as usize;
     let load = smooth(input.load, frames(0.035));
     let slow = smooth(&load, frames(0.12));
-    let vigour = |v: f64| 0.07 + 0.05 * v.min(1.5);
+    let vigour = |v: f64| 0.17 + 0.1 * v.min(1.5);
     let early: Vec<f64> =
         (0..load.len()).map(|i| vigour(input.speed[i]) * (0.35 * (slow[i] - 0.5) + 0.75 * (load[i] - slow[i]))).collect();
     smooth(&early, frames(0.02))

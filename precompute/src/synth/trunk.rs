@@ -69,8 +69,8 @@ pub fn balance(pelvis: &Pelvis, speed: &[f64], mass: &[DVec2], drift: &Drift, dt
             list: pelvis.list[i],
         };
         let chest = Attitude {
-            yaw: chest_heading[i] - 0.9 * counter[i] + 0.15 * drift.gaze[i],
-            pitch: 0.035 + 0.028 * speed[i] + surge[i] - 0.012 * drift.breath[i],
+            yaw: chest_heading[i] - 0.5 * counter[i] + 0.15 * drift.gaze[i],
+            pitch: 0.02 + 0.022 * speed[i] + surge[i] - 0.012 * drift.breath[i],
             list: -0.25 * pelvis.list[i] + sideways[i],
         };
         let head = Attitude {
