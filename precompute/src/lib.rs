@@ -3,6 +3,7 @@
 pub mod clip;
 pub mod error;
 pub mod graph;
+pub mod import;
 pub mod progress;
 pub mod raw;
 pub mod synth;
