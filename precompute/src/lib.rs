@@ -4,6 +4,7 @@ pub mod clip;
 pub mod error;
 pub mod features;
 pub mod graph;
+pub mod import;
 pub mod progress;
 pub mod raw;
 
