@@ -1,8 +1,12 @@
 //! Bakes motion capture into Throng tables. [`pipeline`] lists the stages in order.
 
+pub mod cache;
 pub mod clip;
 pub mod error;
+pub mod features;
+pub mod files;
 pub mod graph;
+pub mod import;
 pub mod picture;
 pub mod progress;
 pub mod raw;

@@ -1,0 +1,281 @@
+//! Finds out what the zero pose of a source is, and a standing pose to compare with.
+//!
+//! Retargeting needs to know how each joint is turned when the body stands in a known pose. Where the zero pose
+//! is a body, that is simple. Where it is not (Bandai-Namco, LAFAN1: all offsets along X), the turn of each joint
+//! is averaged over the motion as seen from the body, and then swung so that each segment points as in a T-pose.
+
+use super::config::Forward;
+use super::roles::RoleMap;
+use super::units::{feet_to_head, rest_world, sample_frames};
+use crate::raw::RawClip;
+use glam::{Quat, Vec3};
+use throng_runtime::Joint;
+
+/// Frames averaged for a reference pose.
+const MAX_SAMPLES: usize = 240;
+
+/// What the pose is that a source skeleton has when all rotations are zero.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum RestPoseKind {
+    /// A body that stands with its arms held out sideways (within 20 degrees).
+    TPose,
+    /// A body that stands with its arms lowered.
+    APose,
+    /// Not a standing body: offsets follow some other rule, such as every segment along one axis.
+    Other,
+}
+
+impl RestPoseKind {
+    /// As reports write it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::TPose => "t_pose",
+            Self::APose => "a_pose",
+            Self::Other => "other",
+        }
+    }
+}
+
+/// The rest pose of a source and a standing pose to compare with.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RestPose {
+    /// What the zero pose is.
+    pub kind: RestPoseKind,
+    /// World rotation of every source joint when the body stands upright, legs straight down, facing +Z, and is
+    /// as near to a T-pose as is known. Where the zero pose is a body, all entries are the one rotation that
+    /// turns it upright and towards +Z (the identity for most files), and limbs point wherever the offsets take
+    /// them (an A-pose stays one). Where the zero pose is not a body, rotations of role joints are estimated from
+    /// the motion, so that each segment points as it does in a T-pose. Positions follow from the offsets.
+    /// [Size: joints.len()]
+    pub reference: Vec<Quat>,
+    /// What was found and why.
+    pub sentence: String,
+}
+
+/// Looks at the zero pose of a clip in metres, Y up; also returns the heading it faces, 0 where it is not a body
+/// and none is given. [Unit: rad]
+pub(super) fn find_rest_pose(clip: &RawClip, roles: &RoleMap, forward: Option<Forward>) -> (RestPose, f32) {
+    let world = rest_world(clip);
+    match stance(&world, roles) {
+        Ok(stance) => {
+            let heading = forward.map_or(stance.heading, Forward::heading);
+            let upright = Quat::from_rotation_y(-heading) * stance.upright;
+            let given = if forward.is_some() { " (given in the config)" } else { "" };
+            let sentence =
+                format!("{}; it faces a heading of {:.0} degrees{given}.", stance.sentence, heading.to_degrees());
+            (RestPose { kind: stance.kind, reference: vec![upright; clip.joints.len()], sentence }, heading)
+        }
+        Err(why) => {
+            let sentence =
+                format!("The rest pose is not a standing body: {why}. A standing pose was estimated from the motion.");
+            let reference = reference_from_motion(clip, roles);
+            let heading = forward.map_or(0.0, Forward::heading);
+            (RestPose { kind: RestPoseKind::Other, reference, sentence }, heading)
+        }
+    }
+}
+
+/// A zero pose that is a standing body.
+struct Stance {
+    kind: RestPoseKind,
+    /// Turns the body's up axis to +Y.
+    upright: Quat,
+    /// Heading once upright.
+    heading: f32,
+    sentence: String,
+}
+
+/// The body's own up and left axes in a pose.
+fn body_axes(world: &[(Vec3, Quat)], roles: &RoleMap) -> Option<(Vec3, Vec3)> {
+    use Joint::*;
+    let at = |role: Joint| roles.get(role).map(|j| world[j].0);
+    let (left, right) = (at(LeftThigh)?, at(RightThigh)?);
+    let up = (at(Head).or(at(Neck))? - (left + right) * 0.5).try_normalize()?;
+    let across = (left - right).try_normalize()?;
+    Some((up, (across - up * across.dot(up)).try_normalize()?))
+}
+
+/// The stance of the zero pose, or why it is none.
+fn stance(world: &[(Vec3, Quat)], roles: &RoleMap) -> Result<Stance, String> {
+    use Joint::*;
+    let (up, left) = body_axes(world, roles).ok_or("its hips, thighs and head are in one line")?;
+    let segment = |a: Joint, b: Joint| {
+        let (a, b) = (roles.get(a)?, roles.get(b)?);
+        (world[b].0 - world[a].0).try_normalize()
+    };
+    for (thigh, shin, foot, side) in
+        [(LeftThigh, LeftShin, LeftFoot, "left"), (RightThigh, RightShin, RightFoot, "right")]
+    {
+        for (from, to) in [(thigh, shin), (shin, foot)] {
+            let down = segment(from, to).map_or(0.0, |d| -d.dot(up));
+            if down < 35f32.to_radians().cos() {
+                return Err(format!("its {side} leg does not point down"));
+            }
+        }
+    }
+    let mut raised = 0f32;
+    for (arm, end, side, out) in [
+        (LeftUpperArm, [LeftHand, LeftForearm], "left", left),
+        (RightUpperArm, [RightHand, RightForearm], "right", -left),
+    ] {
+        let arm = end.into_iter().find_map(|e| segment(arm, e)).ok_or(format!("its {side} arm has no length"))?;
+        let (sideways, up) = (arm.dot(out), arm.dot(up));
+        if sideways < -0.2 || up > 0.5 || sideways.hypot(up) < 0.8 {
+            return Err(format!("its {side} arm is neither out nor down"));
+        }
+        raised += 0.5 * up.atan2(sideways);
+    }
+    let degrees = raised.to_degrees();
+    let (kind, name) =
+        if degrees.abs() <= 20.0 { (RestPoseKind::TPose, "a T-pose") } else { (RestPoseKind::APose, "an A-pose") };
+    let upright = Quat::from_rotation_arc(nearest_axis(up), Vec3::Y);
+    let ahead = (upright * left).cross(Vec3::Y);
+    Ok(Stance {
+        kind,
+        upright,
+        heading: snap_heading(ahead.x.atan2(ahead.z)),
+        sentence: format!("The rest pose is {name}: legs down, arms {:.0} degrees above level", degrees + 0.0),
+    })
+}
+
+fn nearest_axis(v: Vec3) -> Vec3 {
+    let axes = [Vec3::X, Vec3::Y, Vec3::Z, -Vec3::X, -Vec3::Y, -Vec3::Z];
+    axes.into_iter().max_by(|a, b| a.dot(v).total_cmp(&b.dot(v))).unwrap_or(Vec3::Y)
+}
+
+/// A heading near a quarter turn is that quarter turn.
+fn snap_heading(heading: f32) -> f32 {
+    use std::f32::consts::FRAC_PI_2;
+    let quarter = (heading / FRAC_PI_2).round() * FRAC_PI_2;
+    if (heading - quarter).abs() < 15f32.to_radians() { quarter } else { heading }
+}
+
+/// A segment between two roles, and where it points in a T-pose.
+fn t_pose_segment(role: Joint) -> Option<(Joint, Vec3)> {
+    use Joint::*;
+    Some(match role {
+        LeftClavicle => (LeftUpperArm, Vec3::X),
+        LeftUpperArm => (LeftForearm, Vec3::X),
+        LeftForearm => (LeftHand, Vec3::X),
+        RightClavicle => (RightUpperArm, -Vec3::X),
+        RightUpperArm => (RightForearm, -Vec3::X),
+        RightForearm => (RightHand, -Vec3::X),
+        LeftThigh => (LeftShin, -Vec3::Y),
+        LeftShin => (LeftFoot, -Vec3::Y),
+        RightThigh => (RightShin, -Vec3::Y),
+        RightShin => (RightFoot, -Vec3::Y),
+        _ => return None,
+    })
+}
+
+/// Mean of rotations and positions as seen from the body, over upright frames.
+struct MeanPose {
+    rotations: Vec<Quat>,
+    /// Mean positions relative to each joint's own axes of the joint of each role. [Size: joints.len()]
+    locals: Vec<[Vec3; throng_runtime::NUM_JOINTS]>,
+}
+
+/// Estimates how every joint is turned in a T-pose.
+fn reference_from_motion(clip: &RawClip, roles: &RoleMap) -> Vec<Quat> {
+    let mean = mean_pose(clip, roles);
+    let n = clip.joints.len();
+    let mut role_of = vec![None; n];
+    for role in Joint::ALL {
+        if let Some(j) = roles.get(role) {
+            role_of[j] = Some(role);
+        }
+    }
+    // What each joint is turned by, beyond its mean; children follow their parents.
+    let mut swing = vec![Quat::IDENTITY; n];
+    let mut reference = Vec::with_capacity(n);
+    for j in 0..n {
+        swing[j] = clip.joints[j].parent.map_or(Quat::IDENTITY, |p| swing[p]);
+        if let Some((child, target)) = role_of[j].and_then(t_pose_segment).filter(|(c, _)| roles.get(*c).is_some()) {
+            let now = swing[j] * mean.rotations[j] * mean.locals[j][child.index()];
+            if let Some(now) = now.try_normalize() {
+                swing[j] = Quat::from_rotation_arc(now, target) * swing[j];
+            }
+        } else if matches!(role_of[j], Some(Joint::LeftFoot | Joint::RightFoot)) {
+            // Feet stand flat more often than legs stand straight.
+            swing[j] = Quat::IDENTITY;
+        }
+        reference.push((swing[j] * mean.rotations[j]).normalize());
+    }
+    reference
+}
+
+fn mean_pose(clip: &RawClip, roles: &RoleMap) -> MeanPose {
+    let n = clip.joints.len();
+    let frames: Vec<_> = sample_frames(clip.num_frames, MAX_SAMPLES).map(|f| clip.world(f)).collect();
+    let is_upright = |w: &&Vec<(Vec3, Quat)>| feet_to_head(w, roles).y > 0.85;
+    let mut upright: Vec<_> = frames.iter().filter(is_upright).collect();
+    if upright.is_empty() {
+        upright = frames.iter().collect();
+    }
+    let mut sums = vec![glam::Vec4::ZERO; n];
+    let mut locals = vec![[Vec3::ZERO; throng_runtime::NUM_JOINTS]; n];
+    for world in &upright {
+        let Some(turn) = to_facing_z(world, roles) else { continue };
+        for j in 0..n {
+            let r = glam::Vec4::from(turn * world[j].1);
+            let sign = if sums[j].dot(r) < 0.0 { -1.0 } else { 1.0 };
+            sums[j] += r * sign;
+            for role in Joint::ALL {
+                if let Some(k) = roles.get(role) {
+                    locals[j][role.index()] += world[j].1.inverse() * (world[k].0 - world[j].0);
+                }
+            }
+        }
+    }
+    let rotations = sums.into_iter().map(|s| s.try_normalize().map_or(Quat::IDENTITY, Quat::from_vec4)).collect();
+    MeanPose { rotations, locals }
+}
+
+/// The turn about +Y after which the body of a pose faces +Z.
+fn to_facing_z(world: &[(Vec3, Quat)], roles: &RoleMap) -> Option<Quat> {
+    use Joint::*;
+    let at = |role: Joint| roles.get(role).map(|j| world[j].0);
+    let across = at(LeftThigh)? - at(RightThigh)? + at(LeftUpperArm)? - at(RightUpperArm)?;
+    let left = Vec3::new(across.x, 0.0, across.z).try_normalize()?;
+    let ahead = left.cross(Vec3::Y);
+    Some(Quat::from_rotation_y(-ahead.x.atan2(ahead.z)))
+}
+
+/// Gives clips of one skeleton one reference pose: the mean of what their motions gave, weighted by frames.
+///
+/// Only poses estimated from motion differ between clips; without this, the same source pose would retarget to
+/// different poses in different clips.
+pub(super) fn share_references(clips: &mut [super::Imported]) {
+    let mut done = vec![false; clips.len()];
+    for first in 0..clips.len() {
+        if done[first] || clips[first].rest_pose.kind != RestPoseKind::Other {
+            continue;
+        }
+        let same: Vec<usize> = (first..clips.len()).filter(|&i| same_skeleton(&clips[first], &clips[i])).collect();
+        let mut sums = vec![glam::Vec4::ZERO; clips[first].clip.joints.len()];
+        for &i in &same {
+            done[i] = true;
+            let weight = clips[i].clip.num_frames as f32;
+            for (sum, r) in sums.iter_mut().zip(&clips[i].rest_pose.reference) {
+                let r = glam::Vec4::from(*r) * weight;
+                let sign = if sum.dot(r) < 0.0 { -1.0 } else { 1.0 };
+                *sum += r * sign;
+            }
+        }
+        let shared: Vec<_> = sums.iter().map(|s| Quat::from_vec4(s.normalize_or(glam::Vec4::W))).collect();
+        for &i in &same {
+            clips[i].rest_pose.reference.clone_from(&shared);
+        }
+    }
+}
+
+/// True where joints and roles agree and offsets do so within a centimetre, and neither zero pose is a body.
+fn same_skeleton(a: &super::Imported, b: &super::Imported) -> bool {
+    let close = |(p, q): (&crate::raw::RawJoint, &crate::raw::RawJoint)| {
+        p.name == q.name && p.parent == q.parent && p.offset.distance(q.offset) < 0.01
+    };
+    b.rest_pose.kind == RestPoseKind::Other
+        && a.roles.joints == b.roles.joints
+        && a.clip.joints.len() == b.clip.joints.len()
+        && a.clip.joints.iter().zip(&b.clip.joints).all(close)
+}
