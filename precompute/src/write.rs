@@ -1,13 +1,18 @@
 //! The last stage: everything that was baked, as one bundle.
 
 use crate::clip::{Clip, ClipSet};
+use crate::error::BuildError;
+use crate::files::write_atomically;
 use crate::graph::MotionGraph;
 use crate::policy::PolicyTables;
-use throng_runtime::format::{BundleWriter, ClipMeta, ClipRecord, FormatError, FrameRow, Meta, SkeletonRecord};
+use std::path::Path;
+use throng_runtime::format::{
+    AlignedBytes, BundleWriter, ClipMeta, ClipRecord, FormatError, FrameRow, Meta, SkeletonRecord,
+};
 use throng_runtime::graph::{MotionSegment, StateRecord};
 use throng_runtime::planar::wrap_angle;
 use throng_runtime::skeleton::NUM_JOINTS;
-use throng_runtime::{Contacts, Planar, tables::tags};
+use throng_runtime::{Contacts, Planar, Tables, tables::tags};
 
 /// What a bundle is made of.
 #[derive(Clone, Copy, Debug)]
@@ -20,6 +25,24 @@ pub struct Baked<'a> {
     pub policies: &'a [PolicyTables],
     /// Name, provenance and figures; clips and behaviours are filled in here.
     pub meta: &'a Meta,
+}
+
+/// Writes everything as one bundle, which takes its place only when it is whole, and opens it again to check it.
+///
+/// - returns its length. [Unit: bytes]
+///
+/// # Errors
+/// [`BuildError::Io`] where it cannot be written, [`BuildError::Format`] where it would be refused.
+pub fn bundle(baked: &Baked<'_>, out: &Path) -> Result<u64, BuildError> {
+    let format = |e: FormatError| BuildError::Format(e.to_string());
+    let mut bytes = Vec::new();
+    lay_out(baked)
+        .map_err(format)?
+        .write(&mut bytes)
+        .map_err(|source| BuildError::Io { path: out.to_path_buf(), source })?;
+    Tables::from_bytes(AlignedBytes::from_slice(&bytes)).map_err(format)?;
+    write_atomically(out, |w| w.write_all(&bytes))?;
+    Ok(bytes.len() as u64)
 }
 
 /// Lays everything out as sections.
@@ -44,11 +67,7 @@ fn clip_meta(c: &Clip) -> ClipMeta {
         name: c.name.clone(),
         source: c.source.clone(),
         tags: c.tags.iter().map(|t| (t.name.clone(), t.range.start as u32, t.range.end as u32)).collect(),
-        excluded: c
-            .excluded
-            .iter()
-            .map(|e| (e.reason.to_string(), e.range.start as u32, e.range.end as u32))
-            .collect(),
+        excluded: c.excluded.iter().map(|e| (e.reason.to_string(), e.range.start as u32, e.range.end as u32)).collect(),
     }
 }
 

@@ -302,7 +302,7 @@ impl TargetGrid {
     /// - `POLAR`: must be [`Self::is_polar`].
     /// - `distance`: length of (x, z).
     #[inline(always)]
-    pub(super) fn stencil_at<const POLAR: bool>(&self, x: f32, z: f32, distance: f32) -> Stencil {
+    pub fn stencil_at<const POLAR: bool>(&self, x: f32, z: f32, distance: f32) -> Stencil {
         let r = &self.record;
         let ring_number = self.ring_number(distance).min((r.num_rings - 1) as f32);
         let (ring, ring_ratio) = split_interval(ring_number, r.num_rings - 2);
@@ -384,4 +384,113 @@ fn check_lengths(r: &GridRecord) -> Result<(), PolicyError> {
         return bad("grid angle_start", r.angle_start, "in [-pi, pi], with less than a full turn covered");
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn grids() -> [TargetGrid; 3] {
+        let sector = (Vec3::new(-1.1, 0.3, 1.2), Vec3::new(1.3, 1.3, 1.6));
+        [
+            TargetGrid::polar(16, 32, 8.0, 0.25, 2.5).expect("a valid grid"),
+            TargetGrid::polar(5, 13, 2.0, 0.5, 2.5).expect("a valid grid"),
+            TargetGrid::cylinder([10, 10, 4], sector.0, sector.1, 0.1).expect("a valid grid"),
+        ]
+    }
+
+    #[test]
+    fn record_keeps_the_radii_asked_for() {
+        let g = TargetGrid::polar(16, 32, 8.0, 0.25, 2.5).expect("a valid grid");
+        assert!((g.radius() - 8.0).abs() < 1e-4);
+        assert!((g.cell_coordinates(32).y - 0.25).abs() < 1e-5);
+        let g = TargetGrid::polar(5, 13, 2.0, 0.5, 2.5).expect("a valid grid");
+        assert_eq!(g.record().ring_growth, 0.0);
+        assert!((g.cell_coordinates(13 * 3).y - 1.5).abs() < 1e-6);
+    }
+
+    #[test]
+    fn centre_of_a_cell_is_nearest_to_it_and_gets_all_the_weight() {
+        for g in grids() {
+            for cell in 0..g.num_cells() {
+                let c = g.cell_centre(cell);
+                let s = g.stencil(c.x, c.z);
+                let mut values = vec![0.0; g.num_plane_cells()];
+                values[cell % g.num_plane_cells()] = 1.0;
+                let at_centre = s.interpolate(&values, g.record().num_angles);
+                if g.cell_coordinates(cell).y > 0.0 {
+                    assert_eq!(g.nearest_cell(c), cell);
+                    assert!(at_centre > 0.998, "{cell} {at_centre}");
+                } else {
+                    assert_eq!(g.nearest_cell(c) / g.record().num_angles as usize, 0);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn wraps_around_behind() {
+        let g = TargetGrid::polar(5, 12, 2.0, 0.5, 2.5).expect("a valid grid");
+        let behind = |a: f32| g.nearest_cell(Vec3::new(a.sin(), 0.0, a.cos()));
+        assert_eq!(behind(3.1), behind(-3.1));
+        let just_right_of_ahead = g.stencil(-1e-4, 1.0);
+        assert_eq!((just_right_of_ahead.angle, just_right_of_ahead.next_angle), (11, 0));
+        assert_eq!(g.nearest_cell(Vec3::new(-1e-4, 0.0, 1.0)), 24);
+    }
+
+    #[test]
+    fn direction_counts_beyond_the_last_ring_and_distance_lowers_the_value() {
+        let g = TargetGrid::polar(5, 12, 2.0, 0.5, 2.5).expect("a valid grid");
+        let t = g.clamp(Vec3::new(300.0, 1.0, 400.0));
+        assert!((t - Vec3::new(1.2, 0.0, 1.6)).length() < 1e-5);
+        let values = vec![1.0; g.num_cells()];
+        let at = |z: f32| g.stencil(0.0, z).interpolate(&values, 12);
+        assert!((at(2.0) - 1.0).abs() < 1e-6 && at(2.5) < 1.0 && at(3.0) < at(2.5) && at(50.0) > 0.0);
+    }
+
+    #[test]
+    fn refuses_numbers_out_of_range() {
+        let good = *grids()[0].record();
+        let spoil = |f: &dyn Fn(&mut GridRecord)| {
+            let mut r = good;
+            f(&mut r);
+            TargetGrid::new(r).is_err()
+        };
+        assert!(spoil(&|r| r.num_rings = 1));
+        assert!(spoil(&|r| r.num_angles = 5000));
+        assert!(spoil(&|r| r.kind = 2));
+        assert!(spoil(&|r| r.falloff = f32::NAN));
+        assert!(spoil(&|r| r.ring_spacing = f32::INFINITY));
+        assert!(spoil(&|r| r.angle_spacing *= 0.9));
+        assert!(TargetGrid::polar(8, 8, f32::NAN, 0.1, 1.0).is_err());
+        assert!(TargetGrid::polar(0, 0, 1.0, 0.1, 1.0).is_err());
+    }
+
+    proptest! {
+        #[test]
+        fn weights_sum_to_one_within_and_interpolate_a_linear_function(a in -3.1f32..3.1, r in 0.0f32..2.0) {
+            let [_, g, sector] = grids();
+            let (x, z) = (r * a.sin(), r * a.cos());
+            let ones = vec![1.0; g.num_cells()];
+            prop_assert!((g.stencil(x, z).interpolate(&ones, 13) - 1.0).abs() < 1e-6);
+            let radii: Vec<f32> = (0..g.num_cells()).map(|c| g.cell_coordinates(c).y).collect();
+            prop_assert!((g.stencil(x, z).interpolate(&radii, 13) - r).abs() < 1e-5);
+            let t = Vec3::new(x, 1.4, z);
+            let plane = vec![1.0; sector.num_plane_cells()];
+            let weight = sector.stencil(x, z).interpolate(&plane, 10);
+            prop_assert_eq!(weight > 1.0 - 1e-6, sector.contains(t) || weight == 1.0);
+            let c = sector.clamp(t);
+            prop_assert!(sector.stencil(c.x, c.z).interpolate(&plane, 10) > 0.999);
+        }
+
+        #[test]
+        fn any_place_gives_a_cell_in_range(x in any::<f32>(), y in any::<f32>(), z in any::<f32>()) {
+            for g in grids() {
+                prop_assert!(g.nearest_cell(Vec3::new(x, y, z)) < g.num_cells());
+                let s = g.stencil(x, z);
+                prop_assert!(s.ring + 1 < g.record().num_rings && s.next_angle < g.record().num_angles);
+            }
+        }
+    }
 }

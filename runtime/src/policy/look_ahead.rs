@@ -130,19 +130,14 @@ impl PolicyTable<'_> {
     /// Scores of a lane of actions: reward + discount^frames * value.
     #[inline(always)]
     fn score_lanes<const POLAR: bool>(&self, query: &Query, records: [&SegmentRecord; LANES]) -> [f32; LANES] {
-        let mut after = [[0.0; LANES]; 3];
-        for l in 0..LANES {
-            let [c, s, x, z] = records[l].displacement;
-            let (dx, dz) = (query.target.x - x, query.target.z - z);
-            after[0][l] = c * dx - s * dz;
-            after[1][l] = s * dx + c * dz;
-            after[2][l] = (dx * dx + dz * dz).sqrt();
-        }
-        let reward = self.reward_lanes::<POLAR>(query, records, &after[2]);
+        let after: [_; LANES] = std::array::from_fn(|l| records[l].target_after(query.target));
+        let rewards: [_; LANES] = std::array::from_fn(|l| {
+            self.reward.of_segment::<POLAR>(records[l], query.target, query.start_kernel, after[l][2])
+        });
+        let stencils: [_; LANES] =
+            std::array::from_fn(|l| self.grid.stencil_at::<POLAR>(after[l][0], after[l][1], after[l][2]));
         let num_angles = self.grid.record().num_angles;
         let plane = self.grid.num_plane_cells();
-        let stencils: [_; LANES] =
-            std::array::from_fn(|l| self.grid.stencil_at::<POLAR>(after[0][l], after[1][l], after[2][l]));
         std::array::from_fn(|l| {
             let values = self.values_of(records[l].end);
             let mut value = stencils[l].interpolate(&values[query.height_offsets[0]..][..plane], num_angles);
@@ -150,32 +145,7 @@ impl PolicyTable<'_> {
                 let high = stencils[l].interpolate(&values[query.height_offsets[1]..][..plane], num_angles);
                 value += (high - value) * query.height_ratio;
             }
-            reward[l] + records[l].discount * value
-        })
-    }
-
-    /// Rewards of a lane of actions; `distances` are those after the action.
-    #[inline(always)]
-    fn reward_lanes<const POLAR: bool>(
-        &self,
-        query: &Query,
-        records: [&SegmentRecord; LANES],
-        distances: &[f32; LANES],
-    ) -> [f32; LANES] {
-        let reward = &self.reward;
-        std::array::from_fn(|l| {
-            let r = records[l];
-            let sample = |k: usize| {
-                let (dx, dz) = (query.target.x - r.inner[2 * k], query.target.z - r.inner[2 * k + 1]);
-                let dy = if POLAR { 0.0 } else { query.target.y - r.heights[k] };
-                r.weights[1 + k] * reward.kernel((dx * dx + dz * dz + dy * dy).sqrt())
-            };
-            let inner = reward.combine(sample(0), sample(1));
-            if !POLAR {
-                return inner;
-            }
-            let outer = reward.combine(r.weights[0] * query.start_kernel, r.weights[3] * reward.kernel(distances[l]));
-            reward.combine(inner, outer)
+            rewards[l] + records[l].discount * value
         })
     }
 

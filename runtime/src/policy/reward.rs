@@ -2,7 +2,9 @@
 
 use super::error::PolicyError;
 use super::maths::exp_neg;
+use super::table::SegmentRecord;
 use bytemuck::{Pod, Zeroable};
+use glam::Vec3;
 
 /// [`RewardRecord::combine`]: the weighted samples are added.
 pub const COMBINE_SUM: u32 = 0;
@@ -64,7 +66,7 @@ impl Reward {
 
     /// What the distance of one sample counts for, before its weight.
     #[inline(always)]
-    pub(super) fn kernel(&self, distance: f32) -> f32 {
+    pub fn kernel(&self, distance: f32) -> f32 {
         let ratio = distance * self.inverse_scale;
         if self.record.kernel == KERNEL_EXPONENTIAL {
             exp_neg(ratio)
@@ -75,9 +77,35 @@ impl Reward {
         }
     }
 
+    /// The reward of a segment for a target in the frame of its start.
+    ///
+    /// - `POLAR`: false where heights count, as in a cylinder grid; then the outer samples do not.
+    /// - `start_kernel`: [`Self::kernel`] of the target's distance at the start.
+    /// - `end_distance`: of the target from the segment's end. [Unit: m]
+    #[inline(always)]
+    pub fn of_segment<const POLAR: bool>(
+        &self,
+        segment: &SegmentRecord,
+        target: Vec3,
+        start_kernel: f32,
+        end_distance: f32,
+    ) -> f32 {
+        let sample = |k: usize| {
+            let (dx, dz) = (target.x - segment.inner[2 * k], target.z - segment.inner[2 * k + 1]);
+            let dy = if POLAR { 0.0 } else { target.y - segment.heights[k] };
+            segment.weights[1 + k] * self.kernel((dx * dx + dz * dz + dy * dy).sqrt())
+        };
+        let inner = self.combine(sample(0), sample(1));
+        if !POLAR {
+            return inner;
+        }
+        let end = segment.weights[3] * self.kernel(end_distance);
+        self.combine(inner, self.combine(segment.weights[0] * start_kernel, end))
+    }
+
     /// Two weighted samples together.
     #[inline(always)]
-    pub(super) fn combine(&self, a: f32, b: f32) -> f32 {
+    fn combine(&self, a: f32, b: f32) -> f32 {
         if self.record.combine == COMBINE_SUM { a + b } else { a.max(b) }
     }
 }

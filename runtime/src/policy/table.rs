@@ -57,6 +57,16 @@ pub struct SegmentRecord {
 }
 const _: () = assert!(size_of::<SegmentRecord>() == 64);
 
+impl SegmentRecord {
+    /// A target after the segment was played: x and z in the new frame, and the distance. [Unit: m]
+    #[inline(always)]
+    pub fn target_after(&self, target: Vec3) -> [f32; 3] {
+        let [c, s, x, z] = self.displacement;
+        let (dx, dz) = (target.x - x, target.z - z);
+        [c * dx - s * dz, s * dx + c * dz, (dx * dx + dz * dz).sqrt()]
+    }
+}
+
 /// Checked view on states and their actions: which segment each action plays.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ActionTable<'a> {

@@ -6,6 +6,7 @@ mod foot_lock;
 mod hierarchy;
 mod repertoire;
 mod sample;
+mod sample_job;
 mod step;
 #[cfg(test)]
 mod tests;
@@ -20,6 +21,7 @@ use block::Block;
 pub use foot_lock::FootLockConfig;
 use glam::Vec3;
 pub use repertoire::Repertoire;
+pub use sample_job::SampleJob;
 use step::{RANGE_BLOCKS, Range, Tick};
 
 /// Longest tick. [Unit: s]

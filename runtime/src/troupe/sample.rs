@@ -59,18 +59,18 @@ impl Decay {
 
 /// True where no lane's offsets matter any more.
 #[inline(always)]
-pub(crate) fn settled(block: &Block, half_life_s: f32) -> bool {
+fn settled(block: &Block, half_life_s: f32) -> bool {
     !F4::splat(HALF_LIVES_KEPT * half_life_s).any_gt(F4::load(&block.age_s))
 }
 
 /// Samples four characters.
 #[inline(always)]
-pub(crate) fn sample(cursor: &Cursor<'_>, block: &Block, half_life_s: f32) -> LanePose {
+pub(crate) fn sample(cursor: &Cursor<'_>) -> LanePose {
     let [from, to] = &cursor.rows;
     let height = |rows: &[&FrameRow; LANES]| F4::from_array(rows.map(|r| r.height));
     let (h0, h1) = (height(from), height(to));
     let zero = F4::splat(0.0);
-    let mut pose = LanePose {
+    LanePose {
         root: V4::new(zero, h0 + (h1 - h0) * cursor.ratio, zero),
         rotations: std::array::from_fn(|j| {
             let a = F4::decode(from.map(|r| &r.rotations[j]));
@@ -78,14 +78,19 @@ pub(crate) fn sample(cursor: &Cursor<'_>, block: &Block, half_life_s: f32) -> La
             let [x, y, z, w]: [F4; 4] = std::array::from_fn(|i| a[i] + (b[i] - a[i]) * cursor.ratio);
             Q4::new(V4::new(x, y, z), w).normalize()
         }),
-    };
-    if !settled(block, half_life_s) {
-        let decay = Decay::new(F4::load(&block.age_s), half_life_s);
-        let o = &block.offsets;
-        pose.root = pose.root + decay.apply(load(&o.root), load(&o.root_velocity));
-        for (q, (x, v)) in pose.rotations.iter_mut().zip(o.rotation.iter().zip(&o.rotation_velocity)) {
-            *q = Q4::from_mrp(decay.apply(load(x), load(v))) * *q;
-        }
     }
-    pose
+}
+
+/// Adds the decaying offsets of the last transition.
+#[inline(always)]
+pub(crate) fn add_offsets(pose: &mut LanePose, block: &Block, half_life_s: f32) {
+    if settled(block, half_life_s) {
+        return;
+    }
+    let decay = Decay::new(F4::load(&block.age_s), half_life_s);
+    let o = &block.offsets;
+    pose.root = pose.root + decay.apply(load(&o.root), load(&o.root_velocity));
+    for (q, (x, v)) in pose.rotations.iter_mut().zip(o.rotation.iter().zip(&o.rotation_velocity)) {
+        *q = Q4::from_mrp(decay.apply(load(x), load(v))) * *q;
+    }
 }

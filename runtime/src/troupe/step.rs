@@ -8,7 +8,7 @@ use super::control;
 use super::foot_lock::{Placement, lock_foot};
 use super::hierarchy::{to_model, write_locals, write_matrices};
 use super::repertoire::Repertoire;
-use super::sample::{Cursor, sample};
+use super::sample::{Cursor, add_offsets, sample};
 use super::{Goal, TroupeConfig};
 use crate::contacts::Contacts;
 use crate::lanes::{F4, LANES};
@@ -83,7 +83,8 @@ fn pose(block: &mut Block, matrices: &mut [Mat3x4], locals: &mut [LocalTransform
     let cursor =
         Cursor { rows: [at.map(|f| &r.frames[f]), at.map(|f| &r.frames[f + 1])], ratio: F4::from_array(ratio) };
     let place = place(block, &cursor);
-    let local = sample(&cursor, block, tick.config.half_life_s);
+    let mut local = sample(&cursor);
+    add_offsets(&mut local, block, tick.config.half_life_s);
     let mut model = to_model(&r.skeleton, &local);
     if tick.config.foot_lock.enabled {
         let planted = |c: Contacts| block.contacts.map(|have| f32::from(u8::from(have.any(c))));

@@ -106,13 +106,18 @@ fn targets(n: usize) -> Vec<Vec3> {
 fn reference(r: &Repertoire<'_>, troupe: &Troupe, c: usize) -> [Vec3; NUM_JOINTS] {
     let (segment, time) = troupe.segment(c);
     let frame = r.graph.segments[segment as usize].start as usize + time as usize;
-    let (a, b, ratio) = (&r.frames[frame], &r.frames[frame + 1], time.fract());
     let root = troupe.root(c);
+    model(r, frame, frame + 1, time.fract()).map(|p| root.translation() + root.rotation() * p)
+}
+
+/// Model-space positions of all joints between two rows, joint after joint.
+fn model(r: &Repertoire<'_>, from: usize, to: usize, ratio: f32) -> [Vec3; NUM_JOINTS] {
+    let (a, b) = (&r.frames[from], &r.frames[to]);
     let mut out = [(Vec3::ZERO, Quat::IDENTITY); NUM_JOINTS];
     for j in Joint::ALL {
         let q = a.rotation(j.index()).lerp(b.rotation(j.index()), ratio);
         out[j.index()] = match j.parent() {
-            None => (root.translation() + Vec3::Y * (a.height + (b.height - a.height) * ratio), root.rotation() * q),
+            None => (Vec3::Y * (a.height + (b.height - a.height) * ratio), q),
             Some(p) => {
                 let (position, rotation) = out[p.index()];
                 (position + rotation * r.skeleton.offsets[j.index()], rotation * q)
@@ -143,6 +148,23 @@ fn poses_are_those_of_the_rows_once_a_transition_has_settled() {
             assert!((*got - want).length() < 1e-4, "{got} {want}");
         }
     }
+}
+
+#[test]
+fn sampled_frames_are_those_of_the_rows() {
+    let tables = tables();
+    let r = Repertoire::new(&tables);
+    let (frames, ratios) = ([0, 33, 119, 60, 7], [0.0, 0.25, 0.0, 1.0, 0.5]);
+    let mut matrices = vec![Mat3x4::default(); 5 * NUM_JOINTS];
+    SampleJob { repertoire: &r, frames: &frames, ratios: &ratios, matrices: &mut matrices }.run().unwrap();
+    for (i, (&f, &ratio)) in frames.iter().zip(&ratios).enumerate() {
+        let want = model(&r, f as usize, (f as usize + 1).min(119), ratio);
+        for (got, want) in matrices[i * NUM_JOINTS..].iter().zip(want) {
+            assert!((got.translation() - want).length() < 1e-5);
+        }
+    }
+    let job = SampleJob { repertoire: &r, frames: &[120], ratios: &[0.0], matrices: &mut matrices[..NUM_JOINTS] };
+    assert!(matches!(job.run(), Err(TroupeError::Index { .. })));
 }
 
 #[test]
