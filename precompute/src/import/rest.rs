@@ -61,8 +61,11 @@ pub(super) fn find_rest_pose(clip: &RawClip, roles: &RoleMap, forward: Option<Fo
             let heading = forward.map_or(stance.heading, Forward::heading);
             let upright = Quat::from_rotation_y(-heading) * stance.upright;
             let given = if forward.is_some() { " (given in the config)" } else { "" };
-            let sentence =
-                format!("{}; it faces a heading of {:.0} degrees{given}.", stance.sentence, heading.to_degrees());
+            let sentence = format!(
+                "{}; it faces a heading of {:.0} degrees{given}.",
+                stance.sentence,
+                heading.to_degrees().round() + 0.0
+            );
             (RestPose { kind: stance.kind, reference: vec![upright; clip.joints.len()], sentence }, heading)
         }
         Err(why) => {
@@ -134,7 +137,7 @@ fn stance(world: &[(Vec3, Quat)], roles: &RoleMap) -> Result<Stance, String> {
         kind,
         upright,
         heading: snap_heading(ahead.x.atan2(ahead.z)),
-        sentence: format!("The rest pose is {name}: legs down, arms {:.0} degrees above level", degrees + 0.0),
+        sentence: format!("The rest pose is {name}: legs down, arms {:.0} degrees above level", degrees.round() + 0.0),
     })
 }
 
