@@ -67,7 +67,9 @@ impl Picture {
 
     /// Red, green, blue and opacity of a pixel, premultiplied; `None` outside.
     pub fn pixel(&self, x: u32, y: u32) -> Option<[u8; 4]> {
-        self.pixmap.pixel(x, y).map(|c| [c.red(), c.green(), c.blue(), c.alpha()])
+        // The pixel past the end of a row is outside, although the pixels of a row follow those of the one before.
+        let inside = x < self.width() && y < self.height();
+        inside.then(|| self.pixmap.pixel(x, y)).flatten().map(|c| [c.red(), c.green(), c.blue(), c.alpha()])
     }
 
     /// All pixels, row-major, premultiplied. [Size: width * height]

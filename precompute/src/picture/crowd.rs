@@ -126,11 +126,12 @@ fn draw_ground(panel: &mut Picture, camera: &Camera, unit: f32, characters: &[&C
     for c in characters {
         let Some(target) = c.target.filter(|t| t.is_finite()) else { continue };
         let (at, tint) = (camera.project(on_ground(target)), colour_of(c.arrival));
-        let from = camera.project(c.root.translation());
-        if c.arrival == Arrival::OnTheWay {
-            panel.stroke_line(&[from, at], 1.1 * unit, tint.alpha(0.35));
+        let waits = c.arrival == Arrival::OnTheWay;
+        panel.stroke_oval(at, ring, 1.2 * unit, tint.alpha(if waits { 0.7 } else { 0.3 }));
+        if !waits {
+            continue;
         }
-        panel.stroke_oval(at, ring, 1.2 * unit, tint.alpha(0.55));
+        panel.stroke_line(&[camera.project(c.root.translation()), at], 1.0 * unit, tint.alpha(0.3));
         let arm = 2.6 * unit;
         panel.stroke_line(&[at - Vec2::X * arm, at + Vec2::X * arm], 1.4 * unit, tint);
         panel.stroke_line(&[at - Vec2::Y * arm, at + Vec2::Y * arm], 1.4 * unit, tint);
@@ -149,7 +150,7 @@ fn draw_trail(panel: &mut Picture, camera: &Camera, unit: f32, trail: &[Vec2], t
     let part = points.len().div_ceil(4).max(1);
     for k in 0..4 {
         let run = &points[(k * part).min(points.len())..((k + 1) * part + 1).min(points.len())];
-        panel.stroke_line(run, 1.5 * unit, tint.alpha(0.1 + 0.11 * k as f32));
+        panel.stroke_line(run, 1.9 * unit, tint.alpha(0.12 + 0.16 * k as f32));
     }
 }
 
@@ -171,7 +172,7 @@ fn draw_characters(panel: &mut Picture, camera: &Camera, unit: f32, characters: 
         .par_iter()
         .map(|c| {
             let colours = BodyColours::plain(colour_of(c.arrival));
-            c.figure.as_ref().filter(|_| bodies).and_then(|f| sprite::render(f, &colours, camera, size, 1.0))
+            c.figure.as_ref().filter(|_| bodies).and_then(|f| sprite::render(f, &colours, camera, size))
         })
         .collect();
     for (sprite, c) in sprites.iter().zip(&order) {
@@ -215,4 +216,61 @@ fn draw_legend(page: &mut Picture, unit: f32, view: &CrowdView<'_>) {
         &entries,
         &format!("ring: target, within {:.2} m   line: where the root went", view.reach_m),
     );
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use throng_runtime::Skeleton;
+
+    fn standing(root: Planar) -> CrowdCharacter<'static> {
+        let joints = Skeleton::default().rest_positions().map(|p| root.rotation() * p + root.translation());
+        let figure = Some(Figure::from_positions(&joints));
+        CrowdCharacter { root, figure, trail: &[], target: None, arrival: Arrival::Reached }
+    }
+
+    fn view<'a>(characters: &'a [CrowdCharacter<'a>]) -> CrowdView<'a> {
+        CrowdView { title: "t", subtitle: "s", size: (320, 200), characters, reach_m: 0.5, marked: Some((0, "A")) }
+    }
+
+    #[test]
+    fn everybody_is_inside_the_view() {
+        let at = |x: f32, z: f32| standing(Planar::new(x, z, 0.3));
+        let characters = [at(-30.0, 4.0), at(12.0, -9.0), at(3.0, 25.0)];
+        let size = Vec2::new(800.0, 500.0);
+        let camera = fit(&characters.iter().collect::<Vec<_>>(), size, 0.5);
+        for p in characters.iter().flat_map(|c| c.figure.iter().flat_map(|f| f.joints)) {
+            let s = camera.project(p);
+            assert!(s.cmpge(Vec2::ZERO).all() && s.cmple(size).all(), "{p} is seen at {s}");
+        }
+    }
+
+    #[test]
+    fn same_input_same_bytes_at_any_thread_count() {
+        let characters: Vec<_> =
+            (0..60).map(|i| standing(Planar::new((i % 10) as f32, (i / 10) as f32, i as f32))).collect();
+        let draw = |threads: usize| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
+            pool.install(|| crowd_overview(&view(&characters)).to_png().expect("encodes"))
+        };
+        assert_eq!(draw(1), draw(4));
+    }
+
+    #[test]
+    fn colour_tells_who_has_arrived() {
+        let mut one = [standing(Planar::IDENTITY)];
+        let reached = crowd_overview(&view(&one));
+        one[0].arrival = Arrival::OnTheWay;
+        assert_ne!(crowd_overview(&view(&one)), reached);
+    }
+
+    #[test]
+    fn nobody_and_nonsense_are_drawn_without_a_panic() {
+        crowd_overview(&view(&[]));
+        let trail = [Vec2::NAN, Vec2::splat(1e30), Vec2::ZERO];
+        let mut odd = standing(Planar::new(1e9, 0.0, 0.0));
+        odd.trail = &trail;
+        odd.target = Some(Vec2::INFINITY);
+        crowd_overview(&view(&[odd, standing(Planar::new(f32::NAN, 0.0, 0.0))]));
+    }
 }

@@ -75,6 +75,12 @@ impl Default for BodyColours {
 }
 
 impl BodyColours {
+    /// The same, `amount` of the way to `paper`. [Limit: 0 to 1]
+    pub fn faded(self, paper: Colour, amount: f32) -> Self {
+        let fade = |c: Colour| c.mix(paper, amount);
+        Self { trunk: fade(self.trunk), skin: fade(self.skin), left: fade(self.left), right: fade(self.right) }
+    }
+
     /// A body in shades of one colour: the sides differ a little in lightness.
     pub fn plain(base: Colour) -> Self {
         Self {
@@ -124,28 +130,22 @@ impl Frame {
     }
 }
 
-/// Pelvis, waist, rib cage and shoulders: flattened from front to back.
+/// Pelvis, belly, rib cage and shoulders: all wider than deep.
 fn trunk(f: &Figure, frame: &Frame, colour: Colour, out: &mut Vec<(Solid, Colour)>) {
     let at = |j| f.joint(j);
     let mut add = |solid: Solid| out.push((solid, colour));
-    let hip = 0.045 * frame.pelvis_left;
-    add(Solid::limb(at(Joint::Hips) + hip, at(Joint::Hips) - hip, 0.118, 0.118).flattened(frame.pelvis_front, 0.92));
-    for side in [1.0, -1.0] {
-        let low = at(Joint::Spine) + frame.pelvis_left * (side * 0.035);
-        let mid = at(Joint::Chest) + frame.chest_left * (side * 0.045);
-        let high = at(Joint::UpperChest) + frame.chest_left * (side * 0.058) + 0.03 * frame.chest_front;
-        let thigh = at(Joint::Hips) + hip * side;
-        add(Solid::limb(thigh, low, 0.108, 0.1).flattened(frame.pelvis_front, 0.92));
-        add(Solid::limb(low, mid, 0.1, 0.106).flattened(frame.chest_front, 0.9));
-        add(Solid::limb(mid, high, 0.106, 0.114).flattened(frame.chest_front, 0.92));
-    }
+    let (hips, spine, chest, upper) = (at(Joint::Hips), at(Joint::Spine), at(Joint::Chest), at(Joint::UpperChest));
+    let crotch = hips.lerp(0.5 * (at(Joint::LeftThigh) + at(Joint::RightThigh)), 0.7);
+    let front = 0.012 * frame.chest_front;
+    add(Solid::limb(crotch, spine, 0.106, 0.098).flattened(frame.pelvis_left, 1.5));
+    add(Solid::limb(spine, chest, 0.098, 0.1).flattened(frame.pelvis_left, 1.36));
+    add(Solid::limb(chest + front, upper.lerp(at(Joint::Neck), 0.3) + front, 0.1, 0.107)
+        .flattened(frame.chest_left, 1.42));
     let neck = at(Joint::Neck);
-    for (clavicle, shoulder) in
-        [(Joint::LeftClavicle, Joint::LeftUpperArm), (Joint::RightClavicle, Joint::RightUpperArm)]
-    {
-        let inner = at(clavicle).lerp(at(Joint::UpperChest), 0.35);
-        add(Solid::limb(inner, at(shoulder), 0.078, 0.06));
-        add(Solid::limb(neck - 0.02 * Vec3::Y, at(shoulder).lerp(neck, 0.25), 0.05, 0.045));
+    for shoulder in [at(Joint::LeftUpperArm), at(Joint::RightUpperArm)] {
+        let inner = upper.lerp(neck, 0.55);
+        add(Solid::limb(inner, shoulder, 0.082, 0.06));
+        add(Solid::limb(neck, shoulder.lerp(inner, 0.12), 0.05, 0.042));
     }
 }
 
@@ -156,7 +156,7 @@ fn head(f: &Figure, frame: &Frame, colours: &BodyColours, out: &mut Vec<(Solid, 
     let left = (frame.chest_left - up * frame.chest_left.dot(up)).normalize_or(Vec3::X);
     let front = left.cross(up);
     let size = (top - head).length().clamp(0.08, 0.4) / 0.2;
-    out.push((Solid::limb(neck - 0.03 * up, head + 0.02 * up, 0.055, 0.05), colours.skin));
+    out.push((Solid::limb(neck - 0.03 * up, head + 0.02 * up, 0.056, 0.052), colours.skin));
     let crown = head + up * (0.115 * size) + front * (0.012 * size);
     let jaw = head + up * (0.04 * size) + front * (0.035 * size);
     out.push((Solid::limb(crown, jaw, 0.098 * size, 0.062 * size).flattened(left, 0.84), colours.skin));

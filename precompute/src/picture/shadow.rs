@@ -109,6 +109,7 @@ fn transposed(data: &[u8], width: usize, height: usize) -> Vec<u8> {
 mod tests {
     use super::*;
     use crate::picture::colour;
+    use glam::Vec2;
     use throng_runtime::Skeleton;
 
     #[test]

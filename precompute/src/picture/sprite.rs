@@ -27,19 +27,11 @@ pub(super) struct Sprite {
 
 /// Direction towards the light that shades figures and throws their shadows: from above, the left and the viewer.
 pub(super) fn light(camera: &Camera) -> Vec3 {
-    (Vec3::Y * 1.0 - camera.right * 0.42 - camera.forward.with_y(0.0).normalize_or_zero() * 0.38).normalize()
+    (Vec3::Y * 1.0 - camera.right * 0.34 - camera.forward.with_y(0.0).normalize_or_zero() * 0.42).normalize()
 }
 
 /// Draws a figure. `None` where it cannot be drawn or lies outside of the picture's `size`.
-///
-/// `opacity` fades the whole figure, not its parts: limbs never shine through one another. [Limit: 0 to 1]
-pub(super) fn render(
-    figure: &Figure,
-    colours: &BodyColours,
-    camera: &Camera,
-    size: (u32, u32),
-    opacity: f32,
-) -> Option<Sprite> {
+pub(super) fn render(figure: &Figure, colours: &BodyColours, camera: &Camera, size: (u32, u32)) -> Option<Sprite> {
     if !figure.is_drawable() {
         return None;
     }
@@ -56,7 +48,7 @@ pub(super) fn render(
     for ((solid, colour), bounds) in solids.iter().zip(&boxes) {
         rays.draw(solid, *colour, *bounds);
     }
-    Some(rays.resolve(opacity))
+    Some(rays.resolve())
 }
 
 impl Sprite {
@@ -89,6 +81,8 @@ fn screen_box(solid: &Solid, camera: &Camera) -> (Vec2, Vec2) {
 struct RayGrid {
     camera: Camera,
     light: Vec3,
+    /// Brightness of contours: they fade out where figures are so small that little else would be left.
+    contour: f32,
     corner: Vec2,
     size: (usize, usize),
     /// Depth of the nearest surface. [Unit: m] [Size: width * height]
@@ -101,7 +95,8 @@ impl RayGrid {
     fn new(camera: Camera, corner: Vec2, size: (usize, usize)) -> Self {
         let n = size.0 * size.1;
         let colour = vec![colour::INK; n];
-        Self { camera, light: light(&camera), corner, size, depth: vec![f32::INFINITY; n], colour }
+        let contour = 1.0 - 0.5 * (camera.px_per_m / 110.0).min(1.0);
+        Self { camera, light: light(&camera), contour, corner, size, depth: vec![f32::INFINITY; n], colour }
     }
 
     fn draw(&mut self, solid: &Solid, colour: Colour, bounds: (Vec2, Vec2)) {
@@ -136,30 +131,30 @@ impl RayGrid {
     }
 
     /// The mean of the rays of every pixel.
-    fn resolve(&self, opacity: f32) -> Sprite {
+    fn resolve(&self) -> Sprite {
         let size = (self.size.0 / RAYS, self.size.1 / RAYS);
         let mut pixels = Vec::with_capacity(size.0 * size.1);
         for py in 0..size.1 {
             for px in 0..size.0 {
-                pixels.push(self.pixel(px, py, opacity));
+                pixels.push(self.pixel(px, py));
             }
         }
         Sprite { corner: (self.corner.x as i32, self.corner.y as i32), size, pixels }
     }
 
-    fn pixel(&self, px: usize, py: usize, opacity: f32) -> PremultipliedColorU8 {
+    fn pixel(&self, px: usize, py: usize) -> PremultipliedColorU8 {
         let mut sum = [0.0f32; 4];
         for y in py * RAYS..(py + 1) * RAYS {
             for x in px * RAYS..(px + 1) * RAYS {
                 let i = y * self.size.0 + x;
                 if self.depth[i] < f32::INFINITY {
                     let c = self.colour[i];
-                    let k = if self.is_contour(x, y) { 0.55 } else { 1.0 };
+                    let k = if self.is_contour(x, y) { self.contour } else { 1.0 };
                     sum = [sum[0] + c.r * k, sum[1] + c.g * k, sum[2] + c.b * k, sum[3] + 1.0];
                 }
             }
         }
-        let [r, g, b, a] = sum.map(|v| v / (RAYS * RAYS) as f32 * opacity.clamp(0.0, 1.0));
+        let [r, g, b, a] = sum.map(|v| v / (RAYS * RAYS) as f32);
         let byte = |v: f32| (v * 255.0 + 0.5) as u8;
         let a = byte(a);
         PremultipliedColorU8::from_rgba(byte(r).min(a), byte(g).min(a), byte(b).min(a), a)
@@ -172,7 +167,7 @@ fn shade(base: Colour, normal: Vec3, light: Vec3, forward: Vec3) -> Colour {
     let key = (0.5 + 0.5 * normal.dot(light)).powi(2);
     let sky = 0.5 + 0.5 * normal.y;
     let edge = 1.0 - (-normal.dot(forward)).clamp(0.0, 1.0);
-    let strength = (0.34 + 0.18 * sky + 0.62 * key) * (1.0 - 0.22 * edge * edge * edge);
+    let strength = (0.44 + 0.16 * sky + 0.56 * key) * (1.0 - 0.22 * edge * edge * edge);
     let warm = 0.05 * (1.0 - sky);
     let c = |v: f32, tint: f32| (v * (strength + tint)).clamp(0.0, 1.0);
     Colour { r: c(base.r, warm), g: c(base.g, 0.3 * warm), b: c(base.b, 0.04 * sky), a: base.a }
@@ -190,7 +185,7 @@ mod tests {
     #[test]
     fn what_is_nearer_hides_what_is_farther() {
         let camera = Camera::looking(-std::f32::consts::FRAC_PI_2, 0.0).framed(Vec3::Y, Vec2::new(50.0, 50.0), 40.0);
-        let sprite = render(&standing(), &BodyColours::default(), &camera, (100, 100), 1.0).expect("is drawn");
+        let sprite = render(&standing(), &BodyColours::default(), &camera, (100, 100)).expect("is drawn");
         let knee = camera.project(standing().joint(throng_runtime::Joint::LeftShin));
         let i = (knee.y as i32 - sprite.corner.1) as usize * sprite.size.0 + (knee.x as i32 - sprite.corner.0) as usize;
         let seen = sprite.pixels[i];
@@ -200,7 +195,7 @@ mod tests {
     #[test]
     fn a_figure_outside_or_broken_is_not_drawn() {
         let camera = Camera::looking(0.0, 0.5).framed(Vec3::ZERO, Vec2::new(50.0, 50.0), 20.0);
-        let draw = |f: &Figure| render(f, &BodyColours::default(), &camera, (100, 100), 1.0);
+        let draw = |f: &Figure| render(f, &BodyColours::default(), &camera, (100, 100));
         assert!(draw(&standing()).is_some());
         assert!(draw(&standing().translated(Vec3::X * 100.0)).is_none());
         assert!(draw(&standing().translated(Vec3::X * f32::NAN)).is_none());
@@ -211,7 +206,7 @@ mod tests {
         let camera = Camera::looking(0.0, 0.5).framed(Vec3::ZERO, Vec2::new(0.0, 99.0), 60.0);
         let mut picture = Picture::new(100, 100, colour::PAPER);
         let before = picture.clone();
-        let sprite = render(&standing(), &BodyColours::default(), &camera, (100, 100), 1.0).expect("half of it");
+        let sprite = render(&standing(), &BodyColours::default(), &camera, (100, 100)).expect("half of it");
         sprite.draw(&mut picture);
         assert_ne!(picture, before);
     }

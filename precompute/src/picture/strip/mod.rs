@@ -139,26 +139,27 @@ fn draw_row(
     poses: &[Option<Pose<'_>>],
 ) {
     let unit = layout.unit;
-    page.fill_rect(area, 6.0 * unit, colour::GROUND);
-    let ground_y = area.max().y - 0.2 * layout.px_per_m;
-    let ends = [Vec2::new(area.min.x, ground_y), Vec2::new(area.max().x, ground_y)];
-    page.stroke_line(&ends, 1.2 * unit, colour::GRID);
+    let mut panel = Picture::new(area.size.x as u32, area.size.y as u32, colour::GROUND);
+    let ground_y = area.size.y - 0.2 * layout.px_per_m;
+    let ends = [Vec2::new(0.0, ground_y), Vec2::new(area.size.x, ground_y)];
+    panel.stroke_line(&ends, 1.2 * unit, colour::GRID);
     let views: Vec<(Camera, &StripFrame)> = poses
         .iter()
         .enumerate()
         .filter_map(|(column, pose)| {
             let (i, frame) = (*pose)?;
             let towards = steady_heading(frames, i) + if row == 0 { FRAC_PI_2 } else { PI };
-            let screen = Vec2::new(layout.column_x(column as f32), ground_y);
+            let screen = Vec2::new(layout.column_x(column as f32) - area.min.x, ground_y);
             let camera = Camera::looking(towards, 0.1);
             Some((camera.framed(frame.root.translation(), screen, layout.px_per_m), frame))
         })
         .collect();
-    draw_poses(page, &views, unit, |_| 1.0);
+    draw_poses(&mut panel, &views, unit, |_| 0.0);
+    page.draw_picture(&panel, (area.min.x as i32, area.min.y as i32));
 }
 
-/// Figures with their shadows and contacts, in the order given.
-fn draw_poses(page: &mut Picture, views: &[(Camera, &StripFrame)], unit: f32, opacity: impl Fn(usize) -> f32) {
+/// Figures with their shadows and contacts, in the order given; `faded` tells how far each has gone pale.
+fn draw_poses(page: &mut Picture, views: &[(Camera, &StripFrame)], unit: f32, faded: impl Fn(usize) -> f32) {
     if let Some(mut shadows) = Shadows::new(page) {
         views.iter().for_each(|(camera, frame)| shadows.add(&frame.figure, camera));
         let px_per_m = views.first().map_or(0.0, |v| v.0.px_per_m);
@@ -166,31 +167,27 @@ fn draw_poses(page: &mut Picture, views: &[(Camera, &StripFrame)], unit: f32, op
     }
     let size = (page.width(), page.height());
     for (i, (camera, frame)) in views.iter().enumerate() {
-        draw_contacts(page, camera, frame, unit, opacity(i));
-        if let Some(sprite) = sprite::render(&frame.figure, &BodyColours::default(), camera, size, opacity(i)) {
+        draw_contacts(page, camera, frame, unit, faded(i));
+        let colours = BodyColours::default().faded(colour::GROUND, faded(i));
+        if let Some(sprite) = sprite::render(&frame.figure, &colours, camera, size) {
             sprite.draw(page);
         }
     }
 }
 
-/// A bar on the ground under every planted heel and toe, in the colour of its side.
-fn draw_contacts(page: &mut Picture, camera: &Camera, frame: &StripFrame, unit: f32, opacity: f32) {
-    let f = &frame.figure;
-    for (contact, joint, end, tint) in [
-        (Contacts::LEFT_HEEL, Joint::LeftFoot, f.joint(Joint::LeftToe), colour::LEFT),
-        (Contacts::LEFT_TOE, Joint::LeftToe, f.tips[1], colour::LEFT),
-        (Contacts::RIGHT_HEEL, Joint::RightFoot, f.joint(Joint::RightToe), colour::RIGHT),
-        (Contacts::RIGHT_TOE, Joint::RightToe, f.tips[2], colour::RIGHT),
+/// A bar below every planted heel and toe, in the colour of its side.
+fn draw_contacts(page: &mut Picture, camera: &Camera, frame: &StripFrame, unit: f32, faded: f32) {
+    for (contact, joint, tint) in [
+        (Contacts::LEFT_HEEL, Joint::LeftFoot, colour::LEFT),
+        (Contacts::LEFT_TOE, Joint::LeftToe, colour::LEFT),
+        (Contacts::RIGHT_HEEL, Joint::RightFoot, colour::RIGHT),
+        (Contacts::RIGHT_TOE, Joint::RightToe, colour::RIGHT),
     ] {
-        if !frame.contacts.any(contact) {
-            continue;
+        if frame.contacts.any(contact) {
+            let p = camera.project(frame.figure.joint(joint).with_y(0.0)) + Vec2::new(0.0, 0.085 * camera.px_per_m);
+            let half = Vec2::new(0.04 * camera.px_per_m, 0.0);
+            page.stroke_line(&[p - half, p + half], 4.0 * unit, tint.mix(colour::GROUND, faded));
         }
-        let flat = |p: Vec3| Vec3::new(p.x, 0.0, p.z);
-        let along = (flat(end) - flat(f.joint(joint))).normalize_or_zero();
-        let at = flat(f.joint(joint));
-        let drop = Vec2::new(0.0, 0.085 * camera.px_per_m);
-        let bar = [at - along * 0.045, at + along * 0.045].map(|p| camera.project(p) + drop);
-        page.stroke_line(&bar, 4.0 * unit, tint.alpha(opacity));
     }
 }
 
@@ -216,4 +213,71 @@ fn speed_mps(frames: &[StripFrame], frame: usize) -> Option<f32> {
     let last = frames[frame..].iter().rev().find(|f| f.time_s - time <= 0.1 + 1e-4)?;
     let duration = last.time_s - first.time_s;
     (duration > 0.0).then(|| (last.root.translation() - first.root.translation()).length() / duration)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use throng_runtime::Skeleton;
+
+    /// A statue that glides along +X at 1.5 m/s, facing where it goes.
+    fn gliding(num_frames: usize) -> Vec<StripFrame> {
+        let joints = Skeleton::default().rest_positions();
+        let frame = |i: usize| {
+            let root = Planar::new(0.05 * i as f32, 0.0, FRAC_PI_2);
+            let figure = Figure::from_positions(&joints.map(|p| root.rotation() * p + root.translation()));
+            StripFrame { time_s: i as f32 / 30.0, root, figure, contacts: Contacts::LEFT }
+        };
+        (0..num_frames).map(frame).collect()
+    }
+
+    fn strip(frames: &[StripFrame]) -> PoseStrip<'_> {
+        PoseStrip { title: "t", subtitle: "s", frames, columns: 6, front_row: true, width: 400 }
+    }
+
+    #[test]
+    fn speed_is_that_of_the_root() {
+        let frames = gliding(40);
+        for i in [0, 1, 20, 39] {
+            assert!(speed_mps(&frames, i).is_some_and(|v| (v - 1.5).abs() < 1e-3), "frame {i}");
+        }
+        assert_eq!(speed_mps(&frames[..1], 0), None);
+    }
+
+    #[test]
+    fn poses_are_even_and_hold_both_ends() {
+        let frames = gliding(31);
+        let chosen = Layout::new(&strip(&frames), 0.25).poses(&frames);
+        let numbers: Vec<usize> = chosen.iter().flatten().map(|p| p.0).collect();
+        assert_eq!(numbers, [0, 6, 12, 18, 24, 30]);
+    }
+
+    #[test]
+    fn steady_heading_does_not_break_where_the_angle_wraps() {
+        let mut frames = gliding(9);
+        for (i, f) in frames.iter_mut().enumerate() {
+            f.root.heading = if i % 2 == 0 { PI - 0.1 } else { -PI + 0.1 };
+        }
+        assert!(steady_heading(&frames, 4).abs() > 3.0);
+    }
+
+    #[test]
+    fn pictures_repeat_and_their_height_follows_the_rows() {
+        let frames = gliding(31);
+        let two = pose_strip(&strip(&frames));
+        assert_eq!(two, pose_strip(&strip(&frames)));
+        let one = pose_strip(&PoseStrip { front_row: false, ..strip(&frames) });
+        assert!(one.height() < two.height() && one.width() == two.width());
+    }
+
+    #[test]
+    fn no_frames_and_broken_ones_are_drawn_without_a_panic() {
+        let mut frames = gliding(3);
+        frames[1].figure = frames[1].figure.translated(Vec3::NAN);
+        frames[2].root.x = f32::NAN;
+        for frames in [&frames[..], &frames[..1], &[]] {
+            pose_strip(&strip(frames));
+            onion_skin(&strip(frames));
+        }
+    }
 }

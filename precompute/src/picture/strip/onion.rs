@@ -1,4 +1,4 @@
-//! Poses where they really were, the older the fainter.
+//! Poses where they really were, the older the paler.
 
 use super::super::camera::Camera;
 use super::super::canvas::{Area, Picture};
@@ -29,15 +29,24 @@ pub fn onion_skin(strip: &PoseStrip<'_>) -> Picture {
         depth(&b.1).total_cmp(&depth(&a.1)).then(a.0.cmp(&b.0))
     });
     let views: Vec<(Camera, &StripFrame)> = order.iter().map(|(_, pose)| (camera, pose.1)).collect();
-    draw_poses(&mut panel, &views, unit, |i| 0.4 + 0.6 * (order[i].0 as f32 + 1.0) / poses.len() as f32);
-    let style = TextStyle { size: 18.0 * unit, colour: colour::INK_SOFT, align: Align::Centre, bold: false };
-    for (_, frame) in &poses {
-        let at = camera.project(frame.root.translation()) + Vec2::new(0.0, 40.0 * unit);
-        draw_text(&mut panel, at, &format!("{:.1} s", frame.time_s), style);
-    }
+    draw_poses(&mut panel, &views, unit, |i| 0.62 * (1.0 - (order[i].0 as f32 + 1.0) / poses.len() as f32));
+    draw_times(&mut panel, &camera, unit, &poses);
     scale_bar(&mut panel, &camera, unit);
     page.draw_picture(&panel, (edge as i32, top as i32));
     page
+}
+
+/// The time under every pose that leaves room for it.
+fn draw_times(panel: &mut Picture, camera: &Camera, unit: f32, poses: &[Pose<'_>]) {
+    let style = TextStyle { size: 18.0 * unit, colour: colour::INK_SOFT, align: Align::Centre, bold: false };
+    let mut drawn: Vec<Vec2> = Vec::new();
+    for (_, frame) in poses {
+        let at = camera.project(frame.root.translation()) + Vec2::new(0.0, 0.24 * camera.px_per_m + 14.0 * unit);
+        if drawn.iter().all(|p| (*p - at).abs().cmpgt(Vec2::new(52.0, 20.0) * unit).any()) {
+            draw_text(panel, at, &format!("{:.2} s", frame.time_s), style);
+            drawn.push(at);
+        }
+    }
 }
 
 /// The camera, and the height that its view needs. [Unit: px]
@@ -57,7 +66,7 @@ fn fit(poses: &[Pose<'_>], frames: &[StripFrame], width: f32, unit: f32) -> (Cam
         }
     }
     let extent = (max - min + Vec2::new(0.5, 0.35)).max(Vec2::splat(1.0));
-    let px_per_m = (width / extent.x).min(620.0 * unit / extent.y).clamp(0.01, 170.0 * unit);
+    let px_per_m = (width / extent.x).min(620.0 * unit / extent.y).clamp(0.01, 240.0 * unit);
     let height = extent.y * px_per_m + 56.0 * unit;
     let middle = camera.unproject(0.5 * (min + max));
     (camera.framed(middle, Vec2::new(0.5 * width, 0.5 * (height - 40.0 * unit)), px_per_m), height)
