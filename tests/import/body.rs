@@ -1,10 +1,10 @@
-//! A hand-made body for the tests: twenty-one joints in a T-pose, facing +Z, Y up, 1.75 m tall.
+//! A hand-made body for the tests: the joints of a Mixamo rig in a T-pose, facing +Z, Y up, 1.75 m tall.
 
 use glam::Vec3;
 use std::fmt::Write;
 
 /// Name, parent and offset in metres.
-pub const BODY: [(&str, Option<usize>, [f32; 3]); 20] = [
+pub const BODY: [(&str, Option<usize>, [f32; 3]); 22] = [
     ("Hips", None, [0.0, 0.96, 0.0]),
     ("Spine", Some(0), [0.0, 0.1, 0.0]),
     ("Spine1", Some(1), [0.0, 0.15, 0.0]),
@@ -25,6 +25,8 @@ pub const BODY: [(&str, Option<usize>, [f32; 3]); 20] = [
     ("RightUpLeg", Some(0), [-0.09, -0.05, 0.0]),
     ("RightLeg", Some(17), [0.0, -0.42, 0.0]),
     ("RightFoot", Some(18), [0.0, -0.42, 0.0]),
+    ("LeftToeBase", Some(16), [0.0, -0.06, 0.13]),
+    ("RightToeBase", Some(19), [0.0, -0.06, 0.13]),
 ];
 
 /// The body as BVH text, standing for `num_frames` frames; `map` turns metres and Y up into the file's world.

@@ -48,7 +48,7 @@ fn bvh_quirks_of_line_ends_case_names_and_numbers_change_nothing() {
         BVH.trim_end().to_owned(),
         format!("\u{feff}{BVH}\n\n \n"),
         BVH.replace("Frames: 2", "Frames:\t2").replace("MOTION\n", "MOTION\n\n"),
-        BVH.replace("1 2 3 0 0 0", "1 +2.0 3e0 1.2e-014 -0 .0"),
+        BVH.replace("1 2 3 0 0 0", "1 +2.0 3e0 -0 .0 0"),
         BVH.replace("ROOT", "root").replace("End Site", "end site").replace("CHANNELS", "Channels").replace("Xr", "xR"),
         BVH.replace("\n{\n", " {\n").replace("\n }", "}"),
     ];
@@ -56,6 +56,8 @@ fn bvh_quirks_of_line_ends_case_names_and_numbers_change_nothing() {
         let s = parse_bvh(&text);
         assert_eq!(s.clip, plain.clip, "{text}");
     }
+    let tiny = parse_bvh(&BVH.replace("1 2 3 0 0 0", "1 2 3 1.2e-014 0 -1.2E-14"));
+    assert_at(&tiny, 0, "Knee_end", [1.0, -3.0, -1.0]);
     let s = parse_bvh(&named);
     assert_eq!(s.clip.joints[1].name, "mixamorig:Left Knee");
     assert_eq!(s.clip.joints[2].name, "mixamorig:Left Knee_end");

@@ -7,10 +7,8 @@ use throng_runtime::Joint;
 
 /// The clips of a folder of the motion capture beside the repository, or in `THRONG_MOCAP`.
 fn clips(folder: &str) -> Option<Vec<Imported>> {
-    let root = std::env::var_os("THRONG_MOCAP").map_or_else(
-        || PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../shared/mocap"),
-        PathBuf::from,
-    );
+    let root = std::env::var_os("THRONG_MOCAP")
+        .map_or_else(|| PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../shared/mocap"), PathBuf::from);
     let folder = root.join(folder);
     if !folder.is_dir() {
         eprintln!("skipped: no motion capture at {}", folder.display());

@@ -28,8 +28,9 @@ fn clip() -> impl Strategy<Value = RawClip> {
                     rest_rotation: Quat::IDENTITY,
                     is_end: false,
                 });
-                let translations =
-                    (0..n).map(|k| joints[k % joints.len()].1 + if joints[k % joints.len()].2 { moves[k] } else { Vec3::ZERO });
+                let translations = (0..n).map(|k| {
+                    joints[k % joints.len()].1 + if joints[k % joints.len()].2 { moves[k] } else { Vec3::ZERO }
+                });
                 RawClip {
                     name: "random".into(),
                     path: PathBuf::from("random.bvh"),
@@ -90,6 +91,9 @@ fn position_tables_have_a_row_per_frame_and_joint() {
     let csv = String::from_utf8(csv).unwrap();
     let rows: Vec<_> = csv.lines().collect();
     assert_eq!(rows.len(), 1 + 2 * 3);
-    assert_eq!(rows[..3], ["frame,joint,x,y,z", "0,Hips,1.000000,2.000000,3.000000", "0,\"a,b\",1.000000,-3.000000,3.000000"]);
+    assert_eq!(
+        rows[..3],
+        ["frame,joint,x,y,z", "0,Hips,1.000000,2.000000,3.000000", "0,\"a,b\",1.000000,-3.000000,3.000000"]
+    );
     assert!(rows[4].starts_with("1,Hips,"));
 }
