@@ -87,7 +87,11 @@ fn asf_faults_are_named_by_place() {
         ASF,
         asf_error,
         &[
-            (":bonedata", ":bones", "a.asf:34:10: expected the name of a segment in `:bonedata`, or `root`, found `thigh`"),
+            (
+                ":bonedata",
+                ":bones",
+                "a.asf:34:10: expected the name of a segment in `:bonedata`, or `root`, found `thigh`",
+            ),
             ("length 0.45", "length 0", "a.asf:5:10: expected a length above 0, found `0`"),
             ("angle deg", "angle grad", "a.asf:6:9: expected `deg` or `rad`, found `grad`"),
             ("order TX TY TZ", "order TX TX TZ", "a.asf:10:12: expected `tx`"),

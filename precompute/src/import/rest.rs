@@ -198,7 +198,6 @@ fn reference_from_motion(clip: &RawClip, roles: &RoleMap) -> Vec<Quat> {
             role_of[j] = Some(role);
         }
     }
-    let snaps = Joint::ALL.into_iter().all(|r| along_an_axis(roles, &mean, r));
     // What each joint is turned by, beyond its mean; children follow their parents.
     let mut swing = vec![Quat::IDENTITY; n];
     let mut reference = Vec::with_capacity(n);
@@ -214,22 +213,29 @@ fn reference_from_motion(clip: &RawClip, roles: &RoleMap) -> Vec<Quat> {
             let ahead = roles.get(toe).map_or(Vec3::Z, |_| mean.rotations[j] * mean.locals[j][toe.index()]);
             swing[j] = Quat::from_rotation_y(-ahead.x.atan2(ahead.z));
         }
-        let mut turned = (swing[j] * mean.rotations[j]).normalize();
-        if let Some(snapped) = nearest_quarter_turn(turned).filter(|_| snaps && role_of[j].is_some()) {
-            swing[j] = snapped * turned.inverse() * swing[j];
-            turned = snapped;
-        }
-        reference.push(turned);
+        reference.push((swing[j] * mean.rotations[j]).normalize());
     }
+    snap_to_rig_axes(&mut reference, clip, roles);
     reference
 }
 
-/// True unless the role starts a limb segment that lies askew of the joint's own axes. Where none does, the
-/// skeleton was built with axes along the segments, and in its T-pose those are the axes of the world.
-fn along_an_axis(roles: &RoleMap, mean: &MeanPose, role: Joint) -> bool {
+/// Where limb segments lie along the joints' own axes, the rig was built with those axes along the world's in a
+/// T-pose: role joints that are near such a pose are put into it. Feet are left, as theirs slope to the toes.
+fn snap_to_rig_axes(reference: &mut [Quat], clip: &RawClip, roles: &RoleMap) {
+    let rest = rest_world(clip);
+    if !Joint::ALL.into_iter().all(|role| along_an_axis(&rest, roles, role)) {
+        return;
+    }
+    for j in Joint::ALL.into_iter().filter(|r| toe_of(*r).is_none()).filter_map(|r| roles.get(r)) {
+        reference[j] = nearest_quarter_turn(reference[j]).unwrap_or(reference[j]);
+    }
+}
+
+/// True unless the role starts a limb segment that lies askew of the joint's own axes.
+fn along_an_axis(rest: &[(Vec3, Quat)], roles: &RoleMap, role: Joint) -> bool {
     let Some((child, _)) = t_pose_segment(role) else { return true };
-    let (Some(j), Some(_)) = (roles.get(role), roles.get(child)) else { return true };
-    let segment = mean.locals[j][child.index()];
+    let (Some(j), Some(k)) = (roles.get(role), roles.get(child)) else { return true };
+    let segment = rest[k].0 - rest[j].0;
     segment.abs().max_element() > 2f32.to_radians().cos() * segment.length()
 }
 
@@ -320,7 +326,8 @@ pub(super) fn share_references(clips: &mut [super::Imported]) {
                 *sum += r * sign;
             }
         }
-        let shared: Vec<_> = sums.iter().map(|s| Quat::from_vec4(s.normalize_or(Vec4::W))).collect();
+        let mut shared: Vec<_> = sums.iter().map(|s| Quat::from_vec4(s.normalize_or(Vec4::W))).collect();
+        snap_to_rig_axes(&mut shared, &clips[first].clip, &clips[first].roles);
         for &i in &same {
             clips[i].rest_pose.reference.clone_from(&shared);
         }
