@@ -334,13 +334,18 @@ pub(super) fn share_references(clips: &mut [super::Imported]) {
     }
 }
 
-/// True where joints and roles agree and offsets do so within a centimetre, and neither zero pose is a body.
+/// True where joints and roles agree, offsets below the hips do so within a centimetre, and neither zero pose is a
+/// body. Some files put the body's place in the world into the offsets of the hips and above, and
+/// files of one rig differ in their ends of chains.
 fn same_skeleton(a: &super::Imported, b: &super::Imported) -> bool {
-    let close = |(p, q): (&crate::raw::RawJoint, &crate::raw::RawJoint)| {
-        p.name == q.name && p.parent == q.parent && p.offset.distance(q.offset) < 0.01
+    let (p, q) = (&a.clip.joints, &b.clip.joints);
+    let hips = a.roles.get(Joint::Hips).unwrap_or(0);
+    let close = |j: usize| {
+        let same_place = j <= hips || p[j].is_end || p[j].offset.distance(q[j].offset) < 0.01;
+        same_place && p[j].name == q[j].name && p[j].parent == q[j].parent
     };
     b.rest_pose.kind == RestPoseKind::Other
         && a.roles.joints == b.roles.joints
-        && a.clip.joints.len() == b.clip.joints.len()
-        && a.clip.joints.iter().zip(&b.clip.joints).all(close)
+        && p.len() == q.len()
+        && (0..p.len()).all(close)
 }
