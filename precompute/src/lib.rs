@@ -20,6 +20,7 @@ pub mod report;
 pub mod resample;
 pub mod retarget;
 mod stages;
+pub mod synth;
 pub mod trial;
 pub mod write;
 

@@ -31,11 +31,11 @@ impl Default for EndsConfig {
     }
 }
 
-/// Arms below this angle to the horizontal have left the T-pose (sine of 40 degrees).
-const ARMS_DOWN: f32 = 0.64;
+/// Arms further than this from straight out to the side have left the T-pose. [Unit: rad]
+const ARMS_OUT: f32 = 0.6;
 
-/// Hands slower than this, seen from the shoulders, have arrived. [Unit: m/s]
-const ARRIVED_SPEED: f32 = 0.5;
+/// Arms that turn away from the side slower than this have arrived. [Unit: rad/s]
+const ARRIVED_SPEED: f32 = 0.6;
 
 /// The way out of a T-pose takes no longer. [Unit: s]
 const MAX_WAY_OUT: f32 = 2.0;
@@ -99,15 +99,19 @@ fn t_pose_frames(poses: &[[Vec3; NUM_JOINTS]], at: impl Fn(usize) -> usize, rate
     let Some(first) = (0..searched).find(|&k| is_t_pose(&poses[at(k)])) else { return 0 };
     let last = (first..n).take_while(|&k| is_t_pose(&poses[at(k)])).last().unwrap_or(first);
     let limit = (last + seconds(MAX_WAY_OUT)).min(n);
-    let reach = |k: usize| arms(&poses[at(k)]).map(|(shoulder, _, hand)| hand - shoulder);
-    for k in last + 1..limit {
-        let speed = (0..2).map(|i| (reach(k)[i] - reach(k - 1)[i]).length() * rate_hz as f32).fold(0.0, f32::max);
-        let down = reach(k).iter().all(|r| r.normalize_or_zero().y < -ARMS_DOWN);
-        if down && speed < ARRIVED_SPEED {
-            return k;
-        }
-    }
-    limit
+    let ways_out = (0..2).map(|side| {
+        let angle = |k: usize| angle_from_side(&poses[at(k)], side);
+        let arrived = |k: &usize| angle(*k) > ARMS_OUT && (angle(*k) - angle(k - 1)) * (rate_hz as f32) < ARRIVED_SPEED;
+        (last + 1..limit).find(arrived).unwrap_or(limit)
+    });
+    ways_out.max().unwrap_or(limit)
+}
+
+/// Angle between an arm, shoulder to hand, and the shoulders' line outwards. [Unit: rad]
+fn angle_from_side(pose: &[Vec3; NUM_JOINTS], side: usize) -> f32 {
+    let arms = arms(pose);
+    let (shoulder, _, hand) = arms[side];
+    (hand - shoulder).angle_between(shoulder - arms[1 - side].0)
 }
 
 /// Shoulder, elbow and hand of both arms.

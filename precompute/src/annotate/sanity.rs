@@ -41,7 +41,7 @@ pub fn sanity(clip: &Clip, skeleton: &Skeleton) -> ContactSanity {
     }
     speeds.sort_by(f32::total_cmp);
     let share = |count: usize| if frames == 0 { 0.0 } else { count as f32 / frames as f32 };
-    let mean = speeds.iter().sum::<f32>() / speeds.len().max(1) as f32;
+    let mean = speeds.iter().fold(0.0, |a, b| a + b) / speeds.len().max(1) as f32;
     let p95 = speeds.get((speeds.len() * 95 / 100).min(speeds.len().saturating_sub(1))).copied().unwrap_or(0.0);
     ContactSanity { left_share: share(left), right_share: share(right), mean_speed_mps: mean, p95_speed_mps: p95 }
 }

@@ -40,9 +40,8 @@ impl EventGraph {
 /// event of the result leads on, and every one of them to every other.
 ///
 /// - `spare`: possible links of every event, best first.
-/// - `limit`: largest error of a link taken from them.
 /// - returns which events are in the component; none may be.
-pub(super) fn largest_component(graph: &mut EventGraph, spare: &[Vec<Link>], limit: f32) -> Vec<bool> {
+pub(super) fn largest_component(graph: &mut EventGraph, spare: &[Vec<Link>]) -> Vec<bool> {
     let mut alive = vec![true; graph.next.len()];
     loop {
         alive = strongest(graph, &alive);
@@ -52,7 +51,6 @@ pub(super) fn largest_component(graph: &mut EventGraph, spare: &[Vec<Link>], lim
             let missing = 2usize.saturating_sub(graph.jumps(i, &alive).count());
             let more: Vec<Link> = spare[i]
                 .iter()
-                .take_while(|l| l.error <= limit)
                 .filter(|l| graph.arrives(l, &alive) && graph.links[i].iter().all(|k| k.event != l.event))
                 .take(missing)
                 .copied()

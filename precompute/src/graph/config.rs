@@ -10,13 +10,12 @@ use serde::{Deserialize, Serialize};
 pub struct GraphConfig {
     /// Actions a state should have on average; the threshold is chosen for it. [Limit: 2 to max_actions]
     pub branching: f64,
-    /// Largest distance of a transition, in place of one chosen for `branching`. [Unit: rad] [Limit: > 0]
+    /// Distance up to which frames match, in place of one chosen for `branching`. [Unit: rad] [Limit: > 0]
     pub threshold: Option<f64>,
-    /// No chosen threshold is larger, even if `branching` is not reached. [Unit: rad] [Limit: > 0]
-    pub max_threshold: f64,
-    /// Every event frame may use its two nearest matches, in and out, up to this many thresholds, so that rare
-    /// motion stays in and ends of clips are not dead ends. [Limit: >= 1]
-    pub relaxed_factor: f64,
+    /// Largest distance of any transition. No chosen threshold is larger, even if `branching` is not reached; and
+    /// every event frame may use its two nearest matches, in and out, up to here, whatever the threshold, so that
+    /// rare motion stays in and ends of clips are not dead ends. [Unit: rad] [Limit: > 0]
+    pub max_error: f64,
     /// Most actions a state may have. [Limit: 2 to 255]
     pub max_actions: usize,
     /// Transitions that stay within this time of where they leave in the same clip are left out.
@@ -46,8 +45,7 @@ impl Default for GraphConfig {
         Self {
             branching: 16.0,
             threshold: None,
-            max_threshold: 0.5,
-            relaxed_factor: 1.5,
+            max_error: 0.5,
             max_actions: 64,
             min_jump_s: 0.3,
             outcome_distance: 0.1,
@@ -68,8 +66,7 @@ impl GraphConfig {
     pub(super) fn check(&self) -> Result<(), BuildError> {
         let limits = [
             ("threshold", self.threshold.unwrap_or(1.0), f64::MIN_POSITIVE, f64::MAX),
-            ("max_threshold", self.max_threshold, f64::MIN_POSITIVE, f64::MAX),
-            ("relaxed_factor", self.relaxed_factor, 1.0, f64::MAX),
+            ("max_error", self.max_error, f64::MIN_POSITIVE, f64::MAX),
             ("max_actions", self.max_actions as f64, 2.0, 255.0),
             ("branching", self.branching, 2.0, self.max_actions as f64),
             ("min_jump_s", self.min_jump_s, 0.0, f64::MAX),

@@ -15,6 +15,10 @@ use throng_runtime::Planar;
 /// Steps of the search for the threshold; each halves the interval.
 const SEARCH_STEPS: usize = 20;
 
+/// Share of the frames that the largest error would keep, which a smaller threshold must keep too: a handful of
+/// nearly equal frames may have many actions at a threshold that leaves everything else unconnected.
+const KEPT_SHARE: f64 = 0.95;
+
 /// Connects similar frames to a graph of states and actions.
 ///
 /// - `clips`: with contacts; all at the same rate.
@@ -31,7 +35,7 @@ const SEARCH_STEPS: usize = 20;
 /// # Source
 /// Lee and Lee 2004, sections 3 and 6. Differs: either foot makes an event, not the left one alone; so does
 /// standing; the threshold is searched for; of matches with the same outcome only the best is kept; every event
-/// may use its two nearest matches up to a relaxed threshold.
+/// may use its two nearest matches beyond the threshold.
 pub fn connect(
     clips: &ClipSet,
     features: &Features,
@@ -87,12 +91,12 @@ fn too_small(report: &GraphReport, config: &GraphConfig, rate_hz: f64) -> BuildE
             report.frames_in,
             report.states,
             report.event_frames,
-            report.threshold,
+            config.max_error,
             config.min_component_s
         ),
         help: format!(
             "Add longer clips that return to similar poses ({:.1} s are usable now), check that feet touch the ground \
-             (throng inspect CLIP), add mirrored copies, or raise graph.max_threshold or graph.threshold",
+             (throng inspect CLIP), add mirrored copies, or raise graph.max_error",
             seconds(report.frames_in)
         ),
     }
@@ -107,7 +111,6 @@ struct Search<'a> {
     frames: Vec<u32>,
     outcomes: Vec<Planar>,
     matches: Vec<Vec<Link>>,
-    max_threshold: f32,
 }
 
 impl<'a> Search<'a> {
@@ -126,40 +129,47 @@ impl<'a> Search<'a> {
                 frames[n] = events[n].frame.0 - events[i].frame.0;
             }
         }
-        let max_threshold = config.threshold.unwrap_or(config.max_threshold) as f32;
-        let limit = max_threshold * config.relaxed_factor as f32;
+        let limit = config.max_error.max(config.threshold.unwrap_or(0.0)) as f32;
         let min_jump = (config.min_jump_s * rate_hz).round() as u32;
         let matches = matches::find(&events, features, limit, min_jump, progress);
         let outcomes = matches::outcomes(&events, clips, config.outcome_horizon_s);
-        Self { clips, config, events, next, frames, outcomes, matches, max_threshold }
+        Self { clips, config, events, next, frames, outcomes, matches }
     }
 
-    /// The graph at the threshold that is given, or at the least one that reaches the wanted branching, or at
-    /// the largest.
+    /// The graph at the threshold that is given, or at the least one that reaches the wanted branching and keeps
+    /// nearly everything, or at the largest error.
     fn run(&self) -> (MotionGraph, f32) {
-        let mut best = (self.graph_at(self.max_threshold), self.max_threshold);
-        if self.config.threshold.is_some() || branching(&best.0) < self.config.branching {
+        if let Some(threshold) = self.config.threshold {
+            return (self.graph_at(threshold as f32), threshold as f32);
+        }
+        let (mut low, mut high) = (0.0, self.config.max_error as f32);
+        let mut best = (self.graph_at(high), high);
+        let least_kept = KEPT_SHARE * self.frames_kept(&best.0);
+        let suffices = |g: &MotionGraph| branching(g) >= self.config.branching && self.frames_kept(g) >= least_kept;
+        if !suffices(&best.0) {
             return best;
         }
-        let (mut low, mut high) = (0.0, self.max_threshold);
         for _ in 0..SEARCH_STEPS {
             let middle = 0.5 * (low + high);
             let graph = self.graph_at(middle);
-            if branching(&graph) < self.config.branching {
-                low = middle;
-            } else {
+            if suffices(&graph) {
                 high = middle;
                 best = (graph, middle);
+            } else {
+                low = middle;
             }
         }
         best
     }
 
+    fn frames_kept(&self, graph: &MotionGraph) -> f64 {
+        report::played_frames(graph, self.clips).iter().filter(|p| **p).count() as f64
+    }
+
     fn graph_at(&self, threshold: f32) -> MotionGraph {
         let links = choose::choose(&self.matches, &self.outcomes, threshold, self.config);
         let mut graph = EventGraph { next: self.next.clone(), frames: self.frames.clone(), links };
-        let relaxed = threshold * self.config.relaxed_factor as f32;
-        let alive = largest_component(&mut graph, &self.matches, relaxed);
+        let alive = largest_component(&mut graph, &self.matches);
         collapse::collapse(&graph, &alive, &self.events, self.clips)
     }
 }

@@ -4,13 +4,22 @@
 //! the body stands in a T-pose. Where the source's rest pose is a standing body it says how trunk and limbs are
 //! turned; the rest of the sources (whose rest pose only lists segment lengths) are aligned by their geometry.
 
-use super::body::Body;
+use super::body::{Body, Sample};
 use super::geometry;
 use glam::{Mat3, Quat, Vec3};
 use throng_runtime::{Joint, NUM_JOINTS};
 
 /// Rotation from the database joint's axes to the source joint's, per role.
 pub type Alignment = [Quat; NUM_JOINTS];
+
+/// A rest pose is believed where the hinges of its limbs are this near to those the motion shows. [Unit: rad]
+const MAX_HINGE_ERROR: f32 = 0.26;
+
+/// Fewer frames show nothing.
+pub const MIN_SAMPLES: usize = 5;
+
+/// A foot is level sideways while its shin leans sideways by less than this (sine of the angle).
+const UPRIGHT_SHIN: f32 = 0.1;
 
 /// Finds the constant rotation of every role.
 pub fn align(body: &Body) -> Alignment {
@@ -83,9 +92,26 @@ fn from_rest(body: &Body) -> Alignment {
             (Some(_), None) => j.parent().map_or(Quat::IDENTITY, |p| arc[p.index()]),
             (None, _) => Quat::IDENTITY,
         };
-        out[j.index()] = (rest[j.index()].1.inverse() * arc[j.index()]).normalize();
+        let a = (rest[j.index()].1.inverse() * arc[j.index()]).normalize();
+        out[j.index()] = onto_hinge(body, j, a);
     }
     out
+}
+
+/// Turns a limb about its segment so that its hinge lies as in a T-pose, where the motion shows it far from there.
+///
+/// Rest poses agree on the directions of arms but not on which way the elbows point: CMU's are 30 degrees off.
+fn onto_hinge(body: &Body, j: Joint, a: Quat) -> Quat {
+    let Some((expected, shown)) = limb_direction(j).and_then(|d| {
+        let shown = geometry::hinge_owner(j).and_then(|upper| geometry::hinge(body, j, upper))?;
+        Some((geometry::t_pose_hinge(d), (a.inverse() * shown).reject_from_normalized(d).try_normalize()?))
+    }) else {
+        return a;
+    };
+    if expected.angle_between(shown) < MAX_HINGE_ERROR {
+        return a;
+    }
+    (a * Quat::from_rotation_arc(expected, shown)).normalize()
 }
 
 /// The foot's frame: up is the vertical while the foot stands, forward leads to the toe.
@@ -100,14 +126,14 @@ fn foot_alignment(body: &Body, side: usize, shin: Joint, foot: Joint, toe: Joint
             Quat::from_axis_angle(left, -0.42) * ahead.cross(left).normalize_or(Vec3::Y)
         }
     };
-    let up = sole_normal(body, side, foot, toe).filter(|u| u.dot(fallback) > 0.85).unwrap_or(fallback);
+    let up = sole_normal(body, side, [shin, foot, toe], carried).filter(|u| u.dot(fallback) > 0.85).unwrap_or(fallback);
     frame(up, ahead).unwrap_or(carried)
 }
 
 /// The toe's frame: up is the vertical while the foot stands, forward that of the foot.
 fn toe_alignment(body: &Body, side: usize, foot: Joint, toe: Joint, a: &Alignment) -> Quat {
     let carried = carried(body, foot, toe, a);
-    let up = sole_normal(body, side, toe, toe).filter(|u| u.dot(carried * Vec3::Y) > 0.8);
+    let up = sole_normal(body, side, [foot, toe, toe], carried).filter(|u| u.dot(carried * Vec3::Y) > 0.8);
     frame(up.unwrap_or(carried * Vec3::Y), carried * Vec3::Z).unwrap_or(carried)
 }
 
@@ -120,23 +146,30 @@ fn carried(body: &Body, parent: Joint, child: Joint, a: &Alignment) -> Quat {
     }
 }
 
-/// Mean of the world's vertical in `joint`'s axes over the frames in which the foot stands: hardly moving, the toe
-/// about as low as in the lowest quarter of them.
-fn sole_normal(body: &Body, side: usize, joint: Joint, toe: Joint) -> Option<Vec3> {
-    let mut heights: Vec<f32> = still(body, side).map(|s| s.pose[toe.index()].0.y).collect();
-    if heights.len() < 5 {
-        return None;
-    }
+/// Mean of the world's vertical in the axes of the second of `joints` over the frames in which the foot stands:
+/// hardly moving, the toe (the third) about as low as in the lowest quarter of them, and the segment above the joint
+/// not leaning sideways, because soles that are tracked by few markers lean with the leg.
+fn sole_normal(body: &Body, side: usize, joints: [Joint; 3], carried: Quat) -> Option<Vec3> {
+    let [above, joint, toe] = joints.map(Joint::index);
+    let leans = |s: &Sample| {
+        let up = if above == Joint::LeftFoot.index() || above == Joint::RightFoot.index() {
+            s.pose[above - 1].0 - s.pose[above].0
+        } else {
+            s.pose[above].0 - s.pose[joint].0
+        };
+        up.normalize_or_zero().dot(s.pose[joint].1 * carried * Vec3::X).abs() > UPRIGHT_SHIN
+    };
+    let mut heights: Vec<f32> = still(body, side).map(|s| s.pose[toe].0.y).collect();
     heights.sort_by(f32::total_cmp);
-    let limit = heights[heights.len() / 4] + 0.03;
-    let sum: Vec3 = still(body, side)
-        .filter(|s| s.pose[toe.index()].0.y < limit)
-        .map(|s| s.pose[joint.index()].1.inverse() * Vec3::Y)
-        .sum();
-    sum.try_normalize()
+    let limit = heights.get(heights.len() / 4)? + 0.03;
+    let low: Vec<&Sample> = still(body, side).filter(|s| s.pose[toe].0.y < limit).collect();
+    let upright: Vec<&Sample> = low.iter().copied().filter(|s| !leans(s)).collect();
+    let used = if upright.len() < MIN_SAMPLES { low } else { upright };
+    let sum: Vec3 = used.iter().map(|s| s.pose[joint].1.inverse() * Vec3::Y).sum();
+    if used.len() < MIN_SAMPLES { None } else { sum.try_normalize() }
 }
 
-fn still(body: &Body, side: usize) -> impl Iterator<Item = &super::body::Sample> {
+fn still(body: &Body, side: usize) -> impl Iterator<Item = &Sample> {
     body.samples.iter().filter(move |s| s.still_feet[side])
 }
 

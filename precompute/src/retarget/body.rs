@@ -1,5 +1,6 @@
 //! What a source skeleton looks like: where its roles sit, how they hang together, sampled over its clips.
 
+use crate::import::Imported;
 use crate::raw::RawClip;
 use glam::{Quat, Vec3};
 use throng_runtime::{Joint, NUM_JOINTS};
@@ -14,6 +15,12 @@ pub struct Source<'a> {
     pub clip: &'a RawClip,
     /// Which of its joints plays which role.
     pub roles: &'a Roles,
+}
+
+impl<'a> From<&'a Imported> for Source<'a> {
+    fn from(imported: &'a Imported) -> Self {
+        Self { clip: &imported.clip, roles: &imported.roles.joints }
+    }
 }
 
 /// World position and rotation of every role; absent roles repeat their nearest present ancestor.

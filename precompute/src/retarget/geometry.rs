@@ -5,7 +5,7 @@
 //! frame found by geometry is snapped to the nearest square one. The result then does not depend on what the
 //! clips happen to show.
 
-use super::align::{Alignment, limb_direction, main_child, mean_rotation};
+use super::align::{Alignment, MIN_SAMPLES, limb_direction, main_child, mean_rotation};
 use super::body::{Body, Sample, anchor};
 use glam::{Mat3, Quat, Vec3};
 use throng_runtime::{Joint, NUM_JOINTS};
@@ -89,11 +89,8 @@ fn limb(body: &Body, j: Joint, out: &Alignment) -> Quat {
     let Some(t_pose) = limb_direction(j) else { return Quat::IDENTITY };
     let near = mean_relative(body, j, out);
     let along = segment(body, j).unwrap_or(near * t_pose);
-    let arm = t_pose.y == 0.0;
-    let upper = hinge_owner(j);
-    // Knees turn about +X; elbows, which bend forwards, about -Y on the left and +Y on the right.
-    let t_hinge = if arm { t_pose.cross(Vec3::Z) } else { Vec3::X };
-    let shown = upper.and_then(|upper| hinge(body, j, upper));
+    let t_hinge = t_pose_hinge(t_pose);
+    let shown = hinge_owner(j).and_then(|upper| hinge(body, j, upper));
     let hinge = shown.unwrap_or(near * t_hinge);
     let from = frame_xy(t_pose, t_hinge);
     let to = frame_xy(along, hinge);
@@ -103,8 +100,14 @@ fn limb(body: &Body, j: Joint, out: &Alignment) -> Quat {
     }
 }
 
+/// The axis about which a limb of that T-pose direction bends: +X for knees; elbows, which bend forwards, turn about
+/// -Y on the left and +Y on the right.
+pub fn t_pose_hinge(direction: Vec3) -> Vec3 {
+    if direction.y == 0.0 { direction.cross(Vec3::Z) } else { Vec3::X }
+}
+
 /// The upper segment of the hinge a limb's segment belongs to.
-fn hinge_owner(j: Joint) -> Option<Joint> {
+pub fn hinge_owner(j: Joint) -> Option<Joint> {
     use Joint::*;
     match j {
         LeftThigh | RightThigh | LeftUpperArm | RightUpperArm => Some(j),
@@ -114,7 +117,7 @@ fn hinge_owner(j: Joint) -> Option<Joint> {
 }
 
 /// Mean hinge axis in `j`'s axes, where the motion bends the limb often enough.
-fn hinge(body: &Body, j: Joint, upper: Joint) -> Option<Vec3> {
+pub fn hinge(body: &Body, j: Joint, upper: Joint) -> Option<Vec3> {
     let lower = main_child(upper)?;
     let end = main_child(lower).filter(|e| body.has(*e))?;
     let at = |s: &Sample, j: Joint| s.pose[j.index()].0;
@@ -125,7 +128,7 @@ fn hinge(body: &Body, j: Joint, upper: Joint) -> Option<Vec3> {
         (n.length() > MIN_BEND).then_some(n)
     };
     let shown = body.samples.iter().filter(|s| axis(s).is_some()).count();
-    if shown < 5 { None } else { body.mean_local(j, axis) }
+    if shown < MIN_SAMPLES { None } else { body.mean_local(j, axis) }
 }
 
 /// Local direction of the joint's segment.

@@ -14,7 +14,7 @@ mod transfer;
 
 use crate::clip::{Clip, ClipSet};
 use crate::error::{BuildError, Warnings};
-use crate::import::ImportedSet;
+use crate::import::Imported;
 use align::Alignment;
 use body::Body;
 pub use body::{Roles, Source};
@@ -24,6 +24,7 @@ use rayon::prelude::*;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use throng_runtime::{Joint, Skeleton};
+use transfer::Motion;
 
 /// How clips are laid onto the database skeleton.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -31,7 +32,8 @@ use throng_runtime::{Joint, Skeleton};
 pub struct RetargetConfig {
     /// Whose proportions the database skeleton has.
     pub proportions: Proportions,
-    /// Move each clip up or down, as a whole, so that its feet stand on the ground.
+    /// Move each clip up or down, as a whole, so that its feet stand on the ground, and take out the slope of the
+    /// floor that clips of one source skeleton share, where they show one.
     pub align_ground: bool,
 }
 
@@ -88,22 +90,21 @@ impl ExplicitProportions {
     }
 }
 
-/// Imported clips as this stage takes them.
-pub fn sources(raw: &ImportedSet) -> Vec<Source<'_>> {
-    raw.clips.iter().map(|c| Source { clip: &c.clip, roles: &c.roles.joints }).collect()
-}
-
 /// Lays every clip onto one database skeleton.
 ///
 /// Joint rotations are the source's, aligned so that the T-pose is the identity; hips positions are multiplied by
-/// the quotient of the leg lengths; with `align_ground` each clip moves vertically so that y = 0 is where its feet
-/// stand. A spine joint, clavicle or hand that the source lacks stays rigid with its parent, which keeps the joints
+/// the quotient of the leg lengths; with `align_ground` y = 0 is where the feet stand. A spine joint, clavicle or hand that the source lacks stays rigid with its parent, which keeps the joints
 /// it has where they are.
 ///
 /// # Errors
 /// [`BuildError::Stage`] when a clip has no hips, thighs, shins or feet, or no legs to measure, and
 /// [`BuildError::Config`] for explicit proportions that are not a body.
-pub fn onto(sources: &[Source], cfg: &RetargetConfig, warnings: &mut Warnings) -> Result<ClipSet, BuildError> {
+pub fn onto(clips: &[Imported], cfg: &RetargetConfig, warnings: &mut Warnings) -> Result<ClipSet, BuildError> {
+    let sources: Vec<Source> = clips.iter().map(Source::from).collect();
+    lay_all(&sources, cfg, warnings)
+}
+
+fn lay_all(sources: &[Source], cfg: &RetargetConfig, warnings: &mut Warnings) -> Result<ClipSet, BuildError> {
     for s in sources {
         check(s)?;
     }
@@ -129,13 +130,19 @@ pub fn onto(sources: &[Source], cfg: &RetargetConfig, warnings: &mut Warnings) -
         _ => Skeleton::default(),
     };
     let names = unique_names(sources);
-    let clips: Vec<Clip> = (0..sources.len())
+    let mut motions: Vec<Motion> = (0..sources.len())
         .into_par_iter()
         .map(|i| {
             let (body, a) = &bodies[group_of[i]];
-            lay(sources[i], names[i].clone(), body, a, &skeleton, cfg.align_ground)
+            let own = proportions::own(body, a);
+            transfer::transfer(sources[i], body, a, &own, &skeleton)
         })
         .collect();
+    if cfg.align_ground {
+        stand(&mut motions, sources, &groups, &skeleton);
+    }
+    let clips: Vec<Clip> =
+        motions.into_iter().zip(sources).zip(&names).map(|((m, s), name)| clip_of(m, s, name.clone())).collect();
     for (clip, name) in sources.iter().zip(&names) {
         if clip.clip.num_frames < 2 {
             warnings.push(format!("{}: `{name}` has a single frame and shows no motion.", clip.clip.path.display()));
@@ -151,7 +158,11 @@ pub fn onto(sources: &[Source], cfg: &RetargetConfig, warnings: &mut Warnings) -
 ///
 /// # Errors
 /// As [`onto`].
-pub fn skeleton_of(source: Source) -> Result<Skeleton, BuildError> {
+pub fn skeleton_of(clip: &Imported) -> Result<Skeleton, BuildError> {
+    own_skeleton(clip.into())
+}
+
+fn own_skeleton(source: Source) -> Result<Skeleton, BuildError> {
     check(&source)?;
     let body = Body::measure(&[source]);
     check_legs(&source, &body)?;
@@ -159,14 +170,20 @@ pub fn skeleton_of(source: Source) -> Result<Skeleton, BuildError> {
     Ok(proportions::own(&body, &a))
 }
 
-/// One clip onto `skeleton`.
-fn lay(source: Source, name: String, body: &Body, a: &Alignment, skeleton: &Skeleton, align_ground: bool) -> Clip {
-    let scale = skeleton.leg_length() / proportions::own(body, a).leg_length();
-    let mut motion = transfer::transfer(source, body, a, skeleton, scale);
-    if align_ground {
-        let height = ground::height(&motion, skeleton, source.clip.rate_hz);
-        motion.root_positions.iter_mut().for_each(|p| p.y -= height);
+/// Puts the feet of every clip on y = 0.
+fn stand(motions: &mut [Motion], sources: &[Source], groups: &[Vec<usize>], skeleton: &Skeleton) {
+    let standing: Vec<Vec<Vec3>> =
+        motions.par_iter().zip(sources).map(|(m, s)| ground::standing(m, skeleton, s.clip.rate_hz)).collect();
+    for members in groups {
+        let points: Vec<&[Vec3]> = members.iter().map(|&i| standing[i].as_slice()).collect();
+        let slope = ground::slope(&points);
+        for &i in members {
+            ground::level(&mut motions[i], ground::height(&standing[i], slope), slope);
+        }
     }
+}
+
+fn clip_of(motion: Motion, source: &Source, name: String) -> Clip {
     Clip {
         name,
         source: source.clip.path.display().to_string(),

@@ -8,6 +8,10 @@ use throng_runtime::{Joint, NUM_JOINTS, Skeleton};
 /// Segments shorter than this have no direction. [Unit: m]
 const MIN_SEGMENT: f32 = 0.005;
 
+/// Clavicles and what they carry.
+const SHOULDERS: [(Joint, Joint); 2] =
+    [(Joint::LeftClavicle, Joint::LeftUpperArm), (Joint::RightClavicle, Joint::RightUpperArm)];
+
 /// Root positions and local rotations of a whole clip.
 pub struct Motion {
     /// Hips in the world. [Unit: m]
@@ -16,11 +20,13 @@ pub struct Motion {
     pub rotations: Vec<Quat>,
 }
 
-/// Moves `source` onto `target`; positions are multiplied by `scale`.
+/// Moves `source` onto `target`; `own` is the target with the source's own proportions.
 ///
-/// Every joint turns as its source does. The middle between the thighs is where the source has it (times `scale`),
+/// Every joint turns as its source does, but clavicles: they move the shoulder as far as the source's do. Positions
+/// are multiplied by the quotient of the leg lengths. The middle between the thighs is where the source has it,
 /// because skeletons disagree about where the hips joint lies above it.
-pub fn transfer(source: Source, body: &Body, a: &Alignment, target: &Skeleton, scale: f32) -> Motion {
+pub fn transfer(source: Source, body: &Body, a: &Alignment, own: &Skeleton, target: &Skeleton) -> Motion {
+    let scale = target.leg_length() / own.leg_length();
     let mut scratch = Vec::new();
     let mut root_positions = Vec::with_capacity(source.clip.num_frames);
     let mut rotations: Vec<Quat> = Vec::with_capacity(source.clip.num_frames * NUM_JOINTS);
@@ -28,7 +34,13 @@ pub fn transfer(source: Source, body: &Body, a: &Alignment, target: &Skeleton, s
     let middle = (target.offsets[thighs[0]] + target.offsets[thighs[1]]) * 0.5;
     for frame in 0..source.clip.num_frames {
         let pose = role_pose(source, frame, &mut scratch);
-        let model = model_rotations(&pose, body, a);
+        let mut model = model_rotations(&pose, body, a);
+        for (clavicle, arm) in SHOULDERS {
+            let i = clavicle.index();
+            let chest = model[Joint::UpperChest.index()];
+            let local = chest.inverse() * model[i];
+            model[i] = chest * shoulder(local, own.offsets[arm.index()], target.offsets[arm.index()], scale);
+        }
         root_positions.push((pose[thighs[0]].0 + pose[thighs[1]].0) * 0.5 * scale - model[0] * middle);
         for j in Joint::ALL {
             let local = j.parent().map_or(model[0], |p| model[p.index()].inverse() * model[j.index()]).normalize();
@@ -38,6 +50,17 @@ pub fn transfer(source: Source, body: &Body, a: &Alignment, target: &Skeleton, s
         }
     }
     Motion { root_positions, rotations }
+}
+
+/// The clavicle's rotation that moves the end of `target` as far from rest as `local` moves that of `own`.
+///
+/// Rigs differ in how much of the shoulder they call clavicle; copying the angle would make a long one droop.
+fn shoulder(local: Quat, own: Vec3, target: Vec3, scale: f32) -> Quat {
+    let moved = target + (local * own - own) * scale;
+    match (moved.try_normalize(), (local * target).try_normalize()) {
+        (Some(to), Some(from)) => (Quat::from_rotation_arc(from, to) * local).normalize(),
+        _ => local,
+    }
 }
 
 /// World rotation of every database joint at one frame.

@@ -1,0 +1,66 @@
+//! Arms: hanging at the sides, swinging against the legs, bending more the faster the walk.
+
+use super::side::Side;
+use super::signal::{shifted, smooth};
+use glam::DQuat;
+use std::f64::consts::FRAC_PI_2;
+
+/// Rotations of one arm relative to their parents.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ArmPose {
+    /// Clavicle, relative to the upper chest.
+    pub clavicle: DQuat,
+    /// Upper arm, relative to the clavicle.
+    pub upper_arm: DQuat,
+    /// Forearm, relative to the upper arm.
+    pub forearm: DQuat,
+    /// Hand, relative to the forearm.
+    pub hand: DQuat,
+}
+
+/// What the arms follow.
+pub struct ArmInput<'a> {
+    /// Distance of the left ankle in front of the right one. [Unit: m]
+    pub apart: &'a [f64],
+    /// Speed. [Unit: m/s]
+    pub speed: &'a [f64],
+    /// Forward tilt of the upper chest. [Unit: rad]
+    pub chest_pitch: &'a [f64],
+    /// Breathing, from -1 to 1.
+    pub breath: &'a [f64],
+    /// How far the arms swing and bend, 1 on average, left and right.
+    pub liveliness: [f64; 2],
+    /// Time between samples. [Unit: s]
+    pub dt: f64,
+}
+
+/// Swings both arms, at every sample left and right.
+pub fn swing(input: &ArmInput) -> Vec<[ArmPose; 2]> {
+    let frames = |seconds: f64| (seconds / input.dt).round() as usize;
+    let follow = smooth(&shifted(input.apart, -0.05, input.dt), frames(0.05));
+    let trail = smooth(&shifted(input.apart, -0.11, input.dt), frames(0.06));
+    (0..input.speed.len()).map(|i| Side::BOTH.map(|side| arm(input, side, i, follow[i], trail[i]))).collect()
+}
+
+fn arm(input: &ArmInput, side: Side, i: usize, follow: f64, trail: f64) -> ArmPose {
+    let (s, speed) = (side.sign(), input.speed[i]);
+    let lively = input.liveliness[side.index()];
+    let vigour = lively * 0.6 * (speed / 1.3).max(0.0).powf(0.45).min(1.3);
+    // Forward (positive) when the other foot is in front.
+    let swing = -s * follow * vigour;
+    let bend = -s * trail * vigour;
+    let raise = 0.015 * input.breath[i];
+    let flexion = lively * (0.21 + 0.09 * speed) + 0.5 * bend.max(-0.3);
+    let abduction = 0.21 + 0.03 * speed;
+    let turn_in = 0.30 + 0.15 * swing;
+    let hang = DQuat::from_rotation_x(-(swing + 0.02 + 0.75 * input.chest_pitch[i] * 0.6))
+        * DQuat::from_rotation_z(-s * (FRAC_PI_2 - abduction))
+        * DQuat::from_rotation_x(turn_in);
+    let clavicle = DQuat::from_rotation_y(-s * 0.16 * swing) * DQuat::from_rotation_z(s * (raise - 0.05));
+    ArmPose {
+        clavicle,
+        upper_arm: hang,
+        forearm: DQuat::from_rotation_y(-s * flexion) * DQuat::from_rotation_x(0.15),
+        hand: DQuat::from_rotation_z(-s * 0.12) * DQuat::from_rotation_y(-s * (0.05 + 0.15 * bend)),
+    }
+}

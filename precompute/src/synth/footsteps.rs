@@ -1,0 +1,133 @@
+//! Lays intended steps on the ground and in time: footfalls of both feet, and which foot carries how much.
+
+use super::foot::{FootShape, FootTrack, Footfall};
+use super::gait::StepShape;
+use super::side::{Side, forward, leftward};
+use super::wander::Intent;
+use glam::DVec2;
+use rand::{Rng, RngExt};
+
+/// Feet turn out by this much. [Unit: rad]
+const TOE_OUT: f64 = 0.12;
+/// Time to bring the weight onto one foot before the first step after a pause. [Unit: s]
+const SHIFT: f64 = 0.5;
+/// Time to settle on both feet after the last step. [Unit: s]
+const SETTLE: f64 = 0.45;
+/// Standing at the end of a clip. [Unit: s]
+const LAST_STAND: f64 = 1.6;
+
+/// Both feet over a whole clip.
+pub struct Footsteps {
+    /// Tracks of the left and the right foot.
+    pub feet: [FootTrack; 2],
+    /// Share of the weight on the left foot as `(time, share)` knots.
+    pub load: Vec<(f64, f64)>,
+    /// Length of the clip. [Unit: s]
+    pub duration: f64,
+}
+
+/// A step in time and place.
+struct Placed {
+    side: Side,
+    lift: f64,
+    land: f64,
+    shape: StepShape,
+    ankle: DVec2,
+    heading: f64,
+}
+
+/// Lays out steps from a stand at the origin that faces +Z.
+pub fn place(shape: FootShape, intents: &[Intent], width: f64, rng: &mut impl Rng) -> Footsteps {
+    let placed = placed(intents);
+    let duration = placed.last().map_or(0.0, |s| s.land) + LAST_STAND;
+    let falls = Side::BOTH.map(|side| falls_of(side, &placed, width));
+    let tracks = Side::BOTH
+        .map(|side| FootTrack::new(side, shape, falls[side.index()].clone(), &falls[side.other().index()]));
+    Footsteps { feet: tracks, load: load_knots(&placed, duration, rng), duration }
+}
+
+/// Where and when every step lands.
+fn placed(intents: &[Intent]) -> Vec<Placed> {
+    let (mut path, mut heading, mut last) = (DVec2::ZERO, 0.0, 0.0);
+    let mut out = Vec::with_capacity(intents.len());
+    for step in intents {
+        path += forward(heading + 0.5 * step.turn) * step.shape.length;
+        heading += step.turn;
+        let wait = if step.pause > 0.0 { step.pause + SHIFT } else { step.shape.double_support };
+        let lift = last + wait;
+        last = lift + step.shape.swing();
+        let ankle = path + leftward(heading) * (0.5 * step.width * step.side.sign());
+        out.push(Placed { side: step.side, lift, land: last, shape: step.shape, ankle, heading });
+    }
+    out
+}
+
+/// The footfalls of one foot, from the stand before the first step to the stand after the last one.
+fn falls_of(side: Side, placed: &[Placed], width: f64) -> Vec<Footfall> {
+    let start = leftward(0.0) * (0.5 * width * side.sign());
+    let mut falls = vec![Footfall {
+        land: -2.0,
+        flat: -1.9,
+        heel_off: f64::INFINITY,
+        lift: f64::INFINITY,
+        ankle: start,
+        heading: 0.0,
+        yaw: TOE_OUT * side.sign(),
+        strike: 0.0,
+        push: 0.0,
+    }];
+    for (k, step) in placed.iter().enumerate().filter(|(_, s)| s.side == side) {
+        let ahead = forward(step.heading);
+        let other = placed[..k].iter().rev().find(|s| s.side != side);
+        let other = other.map_or(-start, |s| s.ankle);
+        let leave = falls.len() - 1;
+        let travel = (step.ankle - falls[leave].ankle).dot(forward(falls[leave].heading));
+        leave_with(&mut falls[leave], step, travel);
+        let reach = (step.ankle - other).dot(ahead);
+        falls.push(Footfall {
+            land: step.land,
+            flat: step.land + (0.15 * step.shape.period).clamp(0.07, 0.1),
+            heel_off: f64::INFINITY,
+            lift: f64::INFINITY,
+            ankle: step.ankle,
+            heading: step.heading,
+            yaw: step.heading + TOE_OUT * side.sign(),
+            strike: 0.36 * (reach / 0.75).clamp(0.03, 1.0),
+            push: 0.0,
+        });
+    }
+    falls
+}
+
+/// Completes a footfall with how it is left for the next step.
+fn leave_with(fall: &mut Footfall, step: &Placed, travel: f64) {
+    fall.lift = step.lift;
+    let rise = 0.46 * step.shape.period;
+    fall.heel_off = (step.lift - rise).max(fall.flat + 0.02);
+    fall.push = 0.2 + 0.5 * (travel.max(0.0) / 1.45).min(1.0);
+}
+
+/// The share of the left foot: none while it is in the air, all while the right one is, and between them a
+/// straight change of weight, or a stand on both with the weight shifting now and then.
+fn load_knots(placed: &[Placed], duration: f64, rng: &mut impl Rng) -> Vec<(f64, f64)> {
+    let share_on = |side: Side| if side == Side::Left { 1.0 } else { 0.0 };
+    let mut knots = vec![(0.0, 0.5)];
+    let mut last = 0.0;
+    for step in placed {
+        let carried = share_on(step.side.other());
+        stand_knots(&mut knots, last, step.lift - SHIFT, rng);
+        knots.extend([(step.lift, carried), (step.land, carried)]);
+        last = step.land;
+    }
+    stand_knots(&mut knots, last, duration, rng);
+    knots
+}
+
+/// Weight shifts of a stand between two times; none where the time is too short to settle.
+fn stand_knots(knots: &mut Vec<(f64, f64)>, from: f64, to: f64, rng: &mut impl Rng) {
+    let mut t = from + SETTLE;
+    while t < to {
+        knots.push((t, 0.5 + rng.random_range(-0.14..0.14)));
+        t += rng.random_range(0.9..1.5);
+    }
+}
