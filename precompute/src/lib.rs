@@ -9,6 +9,8 @@ pub mod features;
 pub mod files;
 pub mod graph;
 pub mod import;
+pub mod inspect;
+pub mod measure;
 pub mod mirror;
 pub mod picture;
 pub mod pipeline;

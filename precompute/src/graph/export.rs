@@ -1,9 +1,8 @@
 //! The graph as JSON, for checks from outside.
 
-use super::MotionGraph;
-use crate::clip::{ClipSet, FrameId};
 use serde::Serialize;
 use std::io::{self, Write};
+use throng_runtime::Tables;
 
 /// A state of the listing.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -14,6 +13,8 @@ pub struct StateRow {
     pub clip: String,
     /// Frame within that clip.
     pub frame: u32,
+    /// True where the character stands.
+    pub standing: bool,
 }
 
 /// A planar transform of the listing.
@@ -59,32 +60,31 @@ pub struct GraphRows {
     pub actions: Vec<ActionRow>,
 }
 
-/// The rows of a graph.
-pub fn graph_rows(graph: &MotionGraph, clips: &ClipSet) -> GraphRows {
-    let starts = clips.frame_starts();
-    let rate_hz = clips.clips.first().map_or(0.0, |c| c.rate_hz);
-    let place = |f: FrameId| {
-        let clip = starts.partition_point(|&s| s <= f.0) - 1;
-        (clips.clips[clip].name.clone(), f.0 - starts[clip])
+/// The rows of a bundle's graph.
+pub fn graph_rows(tables: &Tables) -> GraphRows {
+    let (graph, clips) = (tables.graph(), tables.clips());
+    let rate_hz = tables.meta().rate_hz;
+    let place = |frame: u32| {
+        let clip = clips.partition_point(|c| c.first_frame <= frame) - 1;
+        (tables.meta().clips[clip].name.clone(), frame - clips[clip].first_frame)
     };
     let mut rows = GraphRows { rate_hz, states: Vec::new(), actions: Vec::new() };
-    for (index, &state) in graph.states.iter().enumerate() {
-        let (clip, frame) = place(state);
-        let index = index as u32;
-        rows.states.push(StateRow { index, clip, frame });
-        for action in graph.actions_of(super::StateId(index)) {
-            let segment = &graph.segments[action.segment.0 as usize];
+    for (from, state) in graph.states.iter().enumerate() {
+        let (clip, frame) = place(state.frame);
+        rows.states.push(StateRow { index: from as u32, clip, frame, standing: state.standing == 1 });
+        for action in graph.action_offsets[from] as usize..graph.action_offsets[from + 1] as usize {
+            let segment = &graph.segments[graph.action_segments[action] as usize];
             let (clip, start_frame) = place(segment.start);
-            let d = segment.displacement;
+            let d = segment.displacement();
             rows.actions.push(ActionRow {
-                from: index,
-                to: segment.end.0,
+                from: from as u32,
+                to: segment.end,
                 frames: segment.num_frames,
                 duration_s: f64::from(segment.num_frames) / rate_hz,
                 displacement: DisplacementRow { x_m: d.x, z_m: d.z, heading_rad: d.heading },
                 clip,
                 start_frame,
-                error: action.error,
+                error: graph.action_errors[action],
             });
         }
     }
@@ -98,12 +98,4 @@ pub fn graph_rows(graph: &MotionGraph, clips: &ClipSet) -> GraphRows {
 pub fn write_graph_json(rows: &GraphRows, mut out: impl Write) -> io::Result<()> {
     serde_json::to_writer(&mut out, rows)?;
     out.write_all(b"\n")
-}
-
-/// Writes a graph as JSON: [`write_graph_json`] of [`graph_rows`].
-///
-/// # Errors
-/// Whatever the writer fails with.
-pub fn graph_json(graph: &MotionGraph, clips: &ClipSet, out: impl Write) -> io::Result<()> {
-    write_graph_json(&graph_rows(graph, clips), out)
 }

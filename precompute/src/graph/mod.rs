@@ -13,7 +13,7 @@ mod report;
 pub use config::GraphConfig;
 pub use connect::connect;
 pub use events::standing_frames;
-pub use export::{ActionRow, DisplacementRow, GraphRows, StateRow, graph_json, graph_rows, write_graph_json};
+pub use export::{ActionRow, DisplacementRow, GraphRows, StateRow, graph_rows, write_graph_json};
 pub use report::{GraphReport, Spread};
 
 use crate::clip::FrameId;

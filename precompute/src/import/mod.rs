@@ -12,7 +12,6 @@ pub mod config;
 mod files;
 pub mod export;
 mod guess;
-pub mod inspect;
 pub mod profile;
 mod rest;
 pub mod roles;

@@ -10,6 +10,7 @@ pub mod crowd;
 pub mod figure;
 pub mod sheet;
 pub mod strip;
+mod trial;
 
 mod furniture;
 mod shadow;
@@ -23,4 +24,5 @@ pub use colour::Colour;
 pub use crowd::{Arrival, CrowdCharacter, CrowdView, crowd_overview};
 pub use figure::{BodyColours, Figure};
 pub use sheet::sheet;
+pub use trial::trial_sheet;
 pub use strip::{PoseStrip, StripFrame, onion_skin, pose_strip};
