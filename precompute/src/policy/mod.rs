@@ -1,14 +1,20 @@
 //! Policies: behaviours solved by value iteration over the motion graph (003 section 4).
 
+mod bake;
 mod behaviour;
+mod compare;
 mod config;
 pub mod made_up;
 mod model;
 mod pairs;
+mod policies;
 mod solve;
 mod sweep;
 
+pub use bake::bake;
 pub use behaviour::{Approach, Behaviour, segment_records};
+pub use compare::{Comparison, compare};
 pub use config::{ApproachReward, BehaviourConfig, GridConfig, PolicyConfig};
 pub use model::{ActionModel, SegmentMotion};
+pub use policies::{Policy, PolicyReport, PolicyTables, solve, solve_behaviours};
 pub use solve::{Solution, tolerance, value_iteration};

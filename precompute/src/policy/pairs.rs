@@ -2,10 +2,10 @@
 
 use glam::Vec3;
 use rayon::prelude::*;
-use throng_runtime::policy::{PolicyTable, SegmentRecord, TargetGrid};
+use throng_runtime::policy::{PolicyTable, Reward, SegmentRecord, TargetGrid, nearest_index};
 
 /// Cells worked on side by side.
-pub(super) const LANES: usize = 8;
+pub(super) const LANES: usize = 16;
 /// Most cells of one height, with a column to spare: cells are numbered with 16 bits here.
 pub(super) const MAX_PLANE: usize = 1 << 16;
 
@@ -198,10 +198,8 @@ impl Pair {
 
 /// Centres of the cells, in whole lanes; spare ones repeat the first.
 struct Centres {
-    /// Of one height. [Size: row]
-    ground: Vec<Vec3>,
-    /// Kernel of their distances. [Size: row]
-    kernels: Vec<f32>,
+    /// Left, ahead and kernel of the distance, of one height. [Size: row / LANES]
+    ground: Vec<[[f32; LANES]; 3]>,
     /// [Size: heights]
     heights: Vec<f32>,
 }
@@ -209,11 +207,15 @@ struct Centres {
 impl Centres {
     fn new(table: &PolicyTable, shape: &Shape) -> Self {
         let grid = table.grid();
-        let centre = |c: usize| grid.cell_centre(if c < shape.plane() { c } else { 0 });
-        let ground: Vec<Vec3> = (0..shape.row()).map(centre).map(|p| Vec3::new(p.x, 0.0, p.z)).collect();
-        let kernels = ground.iter().map(|p| table.reward().kernel((p.x * p.x + p.z * p.z).sqrt())).collect();
+        let mut ground = vec![[[0.0; LANES]; 3]; shape.row() / LANES];
+        for cell in 0..shape.row() {
+            let p = grid.cell_centre(if cell < shape.plane() { cell } else { 0 });
+            let kernel = table.reward().kernel((p.x * p.x + p.z * p.z).sqrt());
+            let lanes = &mut ground[cell / LANES];
+            (lanes[0][cell % LANES], lanes[1][cell % LANES], lanes[2][cell % LANES]) = (p.x, p.z, kernel);
+        }
         let heights = (0..shape.heights).map(|h| grid.cell_centre(h * shape.plane()).y).collect();
-        Self { ground, kernels, heights }
+        Self { ground, heights }
     }
 }
 
@@ -228,23 +230,65 @@ struct Rows<'a> {
 
 impl Rows<'_> {
     fn fill<const POLAR: bool>(self, table: &PolicyTable, centres: &Centres, segment: &SegmentRecord) {
-        let (grid, stride) = (table.grid(), table.grid().record().num_angles + 1);
+        let (grid, reward, segment) = (*table.grid(), *table.reward(), *segment);
         let row = self.base.len();
-        for c in 0..row {
-            let [x, z, distance] = segment.target_after(centres.ground[c]);
-            let s = grid.stencil_at::<POLAR>(x, z, distance);
-            self.base[c] = (s.ring * stride + s.angle) as u16;
-            self.ratio[c] = (s.angle_ratio * 65535.0 + 0.5) as u16;
-            let weight = s.scale * segment.discount;
-            self.near[c] = weight * (1.0 - s.ring_ratio);
-            self.far[c] = weight * s.ring_ratio;
-        }
-        for (h, rewards) in self.reward.chunks_exact_mut(row).enumerate() {
-            for c in 0..row {
-                let target = centres.ground[c].with_y(centres.heights[h]);
-                let [_, _, distance] = segment.target_after(target);
-                rewards[c] = table.reward().of_segment::<POLAR>(segment, target, centres.kernels[c], distance);
+        for (i, lanes) in centres.ground.iter().enumerate() {
+            let at = i * LANES..(i + 1) * LANES;
+            let g = Geometry::new::<POLAR>(&grid, lanes, &segment);
+            self.base[at.clone()].copy_from_slice(&g.base);
+            self.ratio[at.clone()].copy_from_slice(&g.ratio);
+            self.near[at.clone()].copy_from_slice(&g.near);
+            self.far[at.clone()].copy_from_slice(&g.far);
+            for (&height, rewards) in centres.heights.iter().zip(self.reward.chunks_exact_mut(row)) {
+                let rewards_of_lane = g.rewards::<POLAR>(&reward, lanes, height, &segment);
+                rewards[at.clone()].copy_from_slice(&rewards_of_lane);
             }
         }
+    }
+}
+
+/// Geometry of a lane of pairs. Plain loops, one step each, which the compiler turns into vector instructions.
+struct Geometry {
+    base: [u16; LANES],
+    ratio: [u16; LANES],
+    near: [f32; LANES],
+    far: [f32; LANES],
+    /// Distance of the target after the segment. [Unit: m]
+    distance: [f32; LANES],
+}
+
+impl Geometry {
+    #[inline(always)]
+    fn new<const POLAR: bool>(grid: &TargetGrid, lanes: &[[f32; LANES]; 3], segment: &SegmentRecord) -> Self {
+        let stride = grid.record().num_angles + 1;
+        let (mut base, mut ratio) = ([0; LANES], [0; LANES]);
+        let (mut near, mut far, mut distance) = ([0.0; LANES], [0.0; LANES], [0.0; LANES]);
+        for l in 0..LANES {
+            let [x, z, d] = segment.target_after(Vec3::new(lanes[0][l], 0.0, lanes[1][l]));
+            let s = grid.stencil_at::<POLAR>(x, z, d);
+            distance[l] = d;
+            base[l] = s.ring * stride + s.angle;
+            ratio[l] = nearest_index(s.angle_ratio * 65535.0, 65535);
+            let weight = s.scale * segment.discount;
+            near[l] = weight * (1.0 - s.ring_ratio);
+            far[l] = weight * s.ring_ratio;
+        }
+        Self { base: base.map(|b| b as u16), ratio: ratio.map(|r| r as u16), near, far, distance }
+    }
+
+    #[inline(always)]
+    fn rewards<const POLAR: bool>(
+        &self,
+        reward: &Reward,
+        lanes: &[[f32; LANES]; 3],
+        height: f32,
+        segment: &SegmentRecord,
+    ) -> [f32; LANES] {
+        let mut out = [0.0; LANES];
+        for l in 0..LANES {
+            let target = Vec3::new(lanes[0][l], height, lanes[1][l]);
+            out[l] = reward.of_segment::<POLAR>(segment, target, lanes[2][l], self.distance[l]);
+        }
+        out
     }
 }

@@ -135,7 +135,7 @@ const GREEDY_TOLERANCE: f32 = 0.3;
 /// Greedy sweeps between two full ones, at most.
 const MAX_GREEDY_SWEEPS: u32 = 500;
 
-fn stage_error(message: String, help: &str) -> BuildError {
+pub(super) fn stage_error(message: String, help: &str) -> BuildError {
     BuildError::Stage { stage: "policy", message, help: help.into() }
 }
 

@@ -1,7 +1,7 @@
 //! Where a target is, as a cell: rings x angles (x heights) around the character (003 section 3 and figure 3).
 
 use super::error::PolicyError;
-use super::maths::{angle_of, nearest_index, split_interval};
+use super::maths::{angle_of, greatest, least, nearest_index, split_interval};
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 use std::f32::consts::{PI, TAU};
@@ -304,17 +304,17 @@ impl TargetGrid {
     #[inline(always)]
     pub fn stencil_at<const POLAR: bool>(&self, x: f32, z: f32, distance: f32) -> Stencil {
         let r = &self.record;
-        let ring_number = self.ring_number(distance).min((r.num_rings - 1) as f32);
+        let ring_number = least(self.ring_number(distance), (r.num_rings - 1) as f32);
         let (ring, ring_ratio) = split_interval(ring_number, r.num_rings - 2);
-        let mut beyond = (distance - self.radius).max(0.0);
+        let mut beyond = greatest(distance - self.radius, 0.0);
         let number = self.angle_number(angle_of(x, z));
         let (angle, next_angle, angle_ratio);
         if POLAR {
             (angle, angle_ratio) = split_interval(number, r.num_angles - 1);
             next_angle = if angle + 1 == r.num_angles { 0 } else { angle + 1 };
         } else {
-            let clamped = number.clamp(0.0, (r.num_angles - 1) as f32);
-            beyond += (r.ring_start - distance).max(0.0) + (number - clamped).abs() * r.angle_spacing * distance;
+            let clamped = least(greatest(number, 0.0), (r.num_angles - 1) as f32);
+            beyond += greatest(r.ring_start - distance, 0.0) + (number - clamped).abs() * r.angle_spacing * distance;
             (angle, angle_ratio) = split_interval(clamped, r.num_angles - 2);
             next_angle = angle + 1;
         }
@@ -327,7 +327,7 @@ impl TargetGrid {
     #[inline(always)]
     fn ring_number(&self, distance: f32) -> f32 {
         let r = &self.record;
-        let d = (distance - r.ring_start).max(0.0);
+        let d = greatest(distance - r.ring_start, 0.0);
         2.0 * d / (r.ring_spacing + (r.ring_spacing * r.ring_spacing + 4.0 * r.ring_growth * d).sqrt())
     }
 
@@ -338,7 +338,7 @@ impl TargetGrid {
         if r.kind == KIND_POLAR {
             let t = angle * self.angles_per_radian;
             let t = if t < 0.0 { t + r.num_angles as f32 } else { t };
-            t.min(r.num_angles as f32)
+            least(t, r.num_angles as f32)
         } else {
             // Measured from the middle of the sector, so that the seam lies opposite to it.
             let half = 0.5 * (r.num_angles - 1) as f32;

@@ -5,13 +5,25 @@ use std::f32::consts::{FRAC_PI_2, LOG2_E, PI};
 /// Adding it rounds a small float to an integer that stands in the low bits: 1.5 * 2^23.
 const ROUNDER: f32 = 12_582_912.0;
 
+/// The smaller of two numbers, the second where either is NaN: one instruction, unlike [`f32::min`].
+#[inline(always)]
+pub(super) fn least(a: f32, b: f32) -> f32 {
+    if a < b { a } else { b }
+}
+
+/// The larger of two numbers, the second where either is NaN: one instruction, unlike [`f32::max`].
+#[inline(always)]
+pub(super) fn greatest(a: f32, b: f32) -> f32 {
+    if a > b { a } else { b }
+}
+
 /// Angle of the ground point (x, z) from +Z, positive towards +X, in [-pi, pi]; 0 at the origin. [Unit: rad]
 ///
 /// Within 4e-6 rad of `x.atan2(z)` (odd minimax polynomial of degree 11 on [0, 1]).
 #[inline(always)]
 pub fn angle_of(x: f32, z: f32) -> f32 {
     let (ax, az) = (x.abs(), z.abs());
-    let q = ax.min(az) / ax.max(az).max(f32::MIN_POSITIVE);
+    let q = least(ax, az) / greatest(greatest(ax, az), f32::MIN_POSITIVE);
     let s = q * q;
     let p = 0.052_653_32 + s * -0.011_721_2;
     let p = 0.999_977_26 + s * (-0.332_623_47 + s * (0.193_543_46 + s * (-0.116_432_87 + s * p)));
@@ -24,7 +36,7 @@ pub fn angle_of(x: f32, z: f32) -> f32 {
 /// `exp(-x)` for `x >= 0`, within a relative error of 4e-7; flushes to about 1e-38 where the result is smaller.
 #[inline(always)]
 pub fn exp_neg(x: f32) -> f32 {
-    let y = (x * -LOG2_E).max(-126.0);
+    let y = greatest(x * -LOG2_E, -126.0);
     let k = y + ROUNDER;
     let f = y - (k - ROUNDER);
     let p = 1.0
@@ -38,7 +50,7 @@ pub fn exp_neg(x: f32) -> f32 {
 /// - `t`: [Limit: 0 <= t <= last + 1, last < 2^22]; anything else, NaN too, gives an index in range.
 #[inline(always)]
 pub fn split_interval(t: f32, last: u32) -> (u32, f32) {
-    let i = nearest_index((t - 0.5).max(0.0), last);
+    let i = nearest_index(greatest(t - 0.5, 0.0), last);
     (i, t - i as i32 as f32)
 }
 
@@ -49,7 +61,7 @@ pub fn split_interval(t: f32, last: u32) -> (u32, f32) {
 pub fn nearest_index(t: f32, last: u32) -> u32 {
     let k = (t + ROUNDER).to_bits().wrapping_sub(ROUNDER.to_bits());
     // As signed numbers, which SSE2 compares more cheaply: what is negative or large is out of range.
-    (k as i32).clamp(0, last as i32) as u32
+    (k as i32).max(0).min(last as i32) as u32
 }
 
 #[cfg(test)]

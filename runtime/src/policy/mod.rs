@@ -17,7 +17,7 @@ pub use best_action::BestActionJob;
 pub use error::{PolicyError, PolicyJobError};
 pub use grid::{GridRecord, KIND_CYLINDER, KIND_POLAR, MAX_AXIS, Stencil, TargetGrid};
 pub use look_ahead::{Goal, LookAheadJob};
-pub use maths::{angle_of, exp_neg};
+pub use maths::{angle_of, exp_neg, nearest_index};
 pub use ranked::{MAX_RANKED, RankedActions};
 pub use reward::{COMBINE_MAX, COMBINE_SUM, KERNEL_EXPONENTIAL, KERNEL_WITHIN, Reward, RewardRecord};
 pub use table::{ActionTable, MAX_ACTIONS, NO_ACTION, PolicyRecord, PolicySlices, PolicyTable, SegmentRecord};

@@ -1,7 +1,7 @@
 //! The reward of an action, from four samples of its motion: the same function offline and online.
 
 use super::error::PolicyError;
-use super::maths::exp_neg;
+use super::maths::{exp_neg, greatest};
 use super::table::SegmentRecord;
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
@@ -106,6 +106,6 @@ impl Reward {
     /// Two weighted samples together.
     #[inline(always)]
     fn combine(&self, a: f32, b: f32) -> f32 {
-        if self.record.combine == COMBINE_SUM { a + b } else { a.max(b) }
+        if self.record.combine == COMBINE_SUM { a + b } else { greatest(a, b) }
     }
 }

@@ -1,0 +1,59 @@
+//! The best actions of every (state, cell), found with the runtime's own look-ahead, which also proves the values.
+
+use super::config::PolicyConfig;
+use super::model::ActionModel;
+use super::solve::{Solution, stage_error, tolerance};
+use crate::error::BuildError;
+use glam::Vec3;
+use rayon::prelude::*;
+use throng_runtime::policy::{Goal, LookAheadJob, MAX_RANKED, PolicyTable, RankedActions};
+
+/// Best actions of a policy, best first. [Size: num_states * num_cells * num_choices]
+///
+/// Every (state, cell) asks the runtime's look-ahead with the target at the cell's centre, so that the single-load
+/// answer there is what the look-ahead would say. The same pass is one true sweep: the largest difference between a
+/// best score and the stored value is the residual that `solution.record` keeps. Where the solver's arithmetic
+/// leaves it above the tolerance, values become the scores and the pass is repeated.
+///
+/// # Errors
+/// [`BuildError::Stage`] with the residual where `cfg.max_sweeps` are not enough.
+pub fn bake(model: &ActionModel, solution: &mut Solution, cfg: &PolicyConfig) -> Result<Vec<u8>, BuildError> {
+    if cfg.choices == 0 || cfg.choices as usize > MAX_RANKED {
+        let message = format!("policy: `choices` is {}, expected 1 to {MAX_RANKED}", cfg.choices);
+        return Err(BuildError::Config { message });
+    }
+    let wanted = tolerance(cfg.epsilon, f64::from(solution.record.discount), model.least_frames()) as f32;
+    let first_actions = vec![0; solution.values.len()];
+    loop {
+        let ranked = rank_all(&solution.table(model, &first_actions)?);
+        let changes = ranked.iter().zip(&solution.values).map(|(r, v)| (r.scores[0] - v).abs());
+        let residual = changes.fold(0.0, f32::max);
+        (solution.residual, solution.record.residual) = (residual, residual);
+        solution.num_sweeps += 1;
+        if residual <= wanted {
+            solution.record.num_sweeps = solution.num_sweeps;
+            solution.record.num_choices = cfg.choices;
+            return Ok(ranked.iter().flat_map(|r| r.actions[..cfg.choices as usize].to_vec()).collect());
+        }
+        if solution.num_sweeps >= cfg.max_sweeps {
+            let message = format!("a sweep still changes values by {residual:e}, wanted {wanted:e}");
+            return Err(stage_error(message, "Raise `max_sweeps` or `epsilon`, or lower `discount`."));
+        }
+        solution.values.iter_mut().zip(&ranked).for_each(|(v, r)| *v = r.scores[0]);
+    }
+}
+
+/// Ranks the actions of every (state, cell).
+fn rank_all(table: &PolicyTable) -> Vec<RankedActions> {
+    let num_cells = table.grid().num_cells();
+    let centres: Vec<Vec3> = (0..num_cells).map(|c| table.grid().cell_centre(c)).collect();
+    let weights = vec![1.0; num_cells];
+    let goals = [Goal { policy: *table, weights: &weights, targets: &centres }];
+    let mut ranked = vec![RankedActions::NONE; table.actions().num_states() * num_cells];
+    ranked.par_chunks_mut(num_cells).enumerate().for_each(|(state, ranked)| {
+        let states = vec![state as u32; num_cells];
+        let job = LookAheadJob { goals: &goals, states: &states, ranked };
+        job.run().expect("slices have one length, states exist and centres are finite");
+    });
+    ranked
+}

@@ -1,0 +1,163 @@
+//! The policy stage: all behaviours solved, baked and compared.
+
+use super::bake::bake;
+use super::behaviour::{Approach, Behaviour};
+use super::compare::{Comparison, compare};
+use super::config::{BehaviourConfig, PolicyConfig};
+use super::model::ActionModel;
+use super::solve::{Solution, value_iteration};
+use crate::clip::ClipSet;
+use crate::error::BuildError;
+use crate::graph::MotionGraph;
+use crate::progress::Progress;
+use rand_pcg::Pcg64;
+use std::time::Instant;
+use throng_runtime::policy::{ActionTable, PolicyError, PolicyRecord, PolicySlices, PolicyTable, SegmentRecord};
+
+/// All policies of a build, ready to be written.
+#[derive(Clone, Debug)]
+pub struct PolicyTables {
+    /// Actions of state s are `action_offsets[s]..action_offsets[s + 1]`. [Size: num_states + 1]
+    pub action_offsets: Vec<u32>,
+    /// Segment of each action.
+    pub action_segments: Vec<u32>,
+    /// In the order of the configuration.
+    pub policies: Vec<Policy>,
+}
+
+/// One policy, as [`PolicyTable`] views it.
+#[derive(Clone, Debug)]
+pub struct Policy {
+    /// Name of its behaviour.
+    pub name: String,
+    /// Grid, reward and sizes.
+    pub record: PolicyRecord,
+    /// [Size: num_segments]
+    pub segments: Vec<SegmentRecord>,
+    /// [Size: num_states * num_cells]
+    pub values: Vec<f32>,
+    /// [Size: num_states * num_cells * num_choices]
+    pub best: Vec<u8>,
+    /// What it took; not part of the bundle.
+    pub report: PolicyReport,
+}
+
+/// What a policy took and what it is worth.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct PolicyReport {
+    /// Cells of the grid.
+    pub cells: usize,
+    /// (State, cell, action) triples.
+    pub pairs: u64,
+    /// Full sweeps, the last of which measured the residual.
+    pub sweeps: u32,
+    /// Sweeps over the greedy action alone.
+    pub greedy_sweeps: u32,
+    /// Largest change of a value in the last full sweep, done with the runtime's look-ahead over the stored values.
+    pub residual: f32,
+    /// Values are proven to be within this of the optimal ones: residual / (1 - discount of the shortest segment).
+    pub error_bound: f64,
+    /// Bytes of values, best actions and segments.
+    pub bytes: usize,
+    /// Time from behaviour to tables. [Unit: s]
+    pub seconds: f64,
+    /// Single-load answers against look-aheads.
+    pub comparison: Comparison,
+}
+
+impl PolicyTables {
+    /// The runtime's view on a policy. [Limit: index < policies.len()]
+    ///
+    /// # Errors
+    /// [`PolicyError`] never for what [`solve`] returned; for tables changed since, what does not fit.
+    pub fn table(&self, index: usize) -> Result<PolicyTable<'_>, PolicyError> {
+        let p = &self.policies[index];
+        let actions = ActionTable::new(&self.action_offsets, &self.action_segments, p.segments.len())?;
+        let slices = PolicySlices { segments: &p.segments, values: &p.values, best: &p.best };
+        PolicyTable::new(&p.record, actions, slices)
+    }
+}
+
+/// Solves the configured behaviours over the motion graph.
+///
+/// - `rng`: for the comparison in the reports only; tables do not depend on it.
+///
+/// # Errors
+/// [`BuildError::Config`] for keys out of range or names used twice, [`BuildError::Stage`] where a state has more
+/// than 255 actions or value iteration does not come to its end.
+pub fn solve(
+    clips: &ClipSet,
+    graph: &MotionGraph,
+    behaviours: &[BehaviourConfig],
+    cfg: &PolicyConfig,
+    rng: &mut Pcg64,
+    progress: &dyn Progress,
+) -> Result<PolicyTables, BuildError> {
+    let model = ActionModel::new(clips, graph)?;
+    let made: Vec<Approach> =
+        behaviours.iter().map(|b| Approach::new(b, model.rate_hz)).collect::<Result<_, BuildError>>()?;
+    let made: Vec<&dyn Behaviour> = made.iter().map(|b| b as &dyn Behaviour).collect();
+    solve_behaviours(model, &made, cfg, rng, progress)
+}
+
+/// Solves any behaviours over a model.
+///
+/// # Errors
+/// As [`solve`].
+pub fn solve_behaviours(
+    model: ActionModel,
+    behaviours: &[&dyn Behaviour],
+    cfg: &PolicyConfig,
+    rng: &mut Pcg64,
+    progress: &dyn Progress,
+) -> Result<PolicyTables, BuildError> {
+    let mut policies: Vec<Policy> = Vec::new();
+    for &behaviour in behaviours {
+        if policies.iter().any(|p| p.name == behaviour.name()) {
+            let message = format!("behaviour \"{}\" is there twice; give each its own name", behaviour.name());
+            return Err(BuildError::Config { message });
+        }
+        policies.push(solve_one(&model, behaviour, cfg, rng, progress)?);
+    }
+    let ActionModel { action_offsets, action_segments, .. } = model;
+    Ok(PolicyTables { action_offsets, action_segments, policies })
+}
+
+fn solve_one(
+    model: &ActionModel,
+    behaviour: &dyn Behaviour,
+    cfg: &PolicyConfig,
+    rng: &mut Pcg64,
+    progress: &dyn Progress,
+) -> Result<Policy, BuildError> {
+    let begin = Instant::now();
+    let mut solution = value_iteration(model, behaviour, cfg, progress)?;
+    let best = bake(model, &mut solution, cfg)?;
+    let seconds = begin.elapsed().as_secs_f64();
+    let comparison = compare(&solution.table(model, &best)?, cfg.compare_samples, rng);
+    let report = report(model, behaviour, &solution, &best, seconds, comparison);
+    let Solution { record, segments, values, .. } = solution;
+    Ok(Policy { name: behaviour.name().into(), record, segments, values, best, report })
+}
+
+fn report(
+    model: &ActionModel,
+    behaviour: &dyn Behaviour,
+    solution: &Solution,
+    best: &[u8],
+    seconds: f64,
+    comparison: Comparison,
+) -> PolicyReport {
+    let shrinking = behaviour.discount().powi(model.least_frames() as i32);
+    PolicyReport {
+        cells: behaviour.grid().num_cells(),
+        pairs: solution.num_pairs,
+        sweeps: solution.num_sweeps,
+        greedy_sweeps: solution.num_greedy_sweeps,
+        residual: solution.residual,
+        error_bound: f64::from(solution.residual) / (1.0 - shrinking),
+        bytes: solution.values.len() * 4 + best.len() + size_of_val(&*solution.segments),
+        seconds,
+        comparison,
+    }
+}
