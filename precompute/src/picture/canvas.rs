@@ -2,8 +2,8 @@
 
 use super::colour::Colour;
 use crate::error::BuildError;
+use crate::files::write_atomically;
 use glam::Vec2;
-use std::io::Write;
 use std::path::Path;
 use tiny_skia::{
     FillRule, LineCap, LineJoin, Paint, PathBuilder, Pixmap, PremultipliedColorU8, Rect, Stroke, Transform,
@@ -56,13 +56,7 @@ impl Picture {
     /// [`BuildError::Io`] with the path where the folder is missing or not writable.
     pub fn save_png(&self, path: &Path) -> Result<(), BuildError> {
         let png = self.to_png()?;
-        let io = |source| BuildError::Io { path: path.to_path_buf(), source };
-        let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
-        let mut file = tempfile::Builder::new().prefix(".picture-").suffix(".png").tempfile_in(folder).map_err(io)?;
-        file.write_all(&png).map_err(io)?;
-        make_readable(file.as_file()).map_err(io)?;
-        file.persist(path).map_err(|e| io(e.error))?;
-        Ok(())
+        write_atomically(path, |file| file.write_all(&png))
     }
 
     /// Red, green, blue and opacity of a pixel, premultiplied; `None` outside.
@@ -193,18 +187,6 @@ fn rounded(area: Area, radius: f32) -> Option<tiny_skia::Path> {
     p.quad_to(a.x, a.y, a.x + r, a.y);
     p.close();
     p.finish()
-}
-
-/// Temporary files are private; a picture is for everybody who may read the folder.
-#[cfg(unix)]
-fn make_readable(file: &std::fs::File) -> std::io::Result<()> {
-    use std::os::unix::fs::PermissionsExt;
-    file.set_permissions(std::fs::Permissions::from_mode(0o644))
-}
-
-#[cfg(not(unix))]
-fn make_readable(_: &std::fs::File) -> std::io::Result<()> {
-    Ok(())
 }
 
 #[cfg(test)]

@@ -51,11 +51,22 @@ pub struct CrowdView<'a> {
     pub reach_m: f32,
     /// Index of a character that is ringed and named, for instance the one a strip shows.
     pub marked: Option<(usize, &'a str)>,
+    /// Shows only this part of the ground; everything where `None`.
+    pub focus: Option<Focus>,
+}
+
+/// A part of the ground.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Focus {
+    /// Its middle, as (x, z). [Unit: m]
+    pub centre: Vec2,
+    /// Its width; the height follows from the picture. [Unit: m] [Limit: 1 to 10000]
+    pub width_m: f32,
 }
 
 /// Draws a crowd from obliquely above, in parallel projection: +X to the right, +Z towards the viewer.
 ///
-/// The view fits all roots, targets and trails. Characters whose root is not finite are left out.
+/// The view fits all roots, targets and trails unless `focus` names a part. Characters whose root is not finite are left out.
 pub fn crowd_overview(view: &CrowdView<'_>) -> Picture {
     let mut page = Picture::new(view.size.0, view.size.1, colour::PAPER);
     let unit = page.width() as f32 / 1600.0;
@@ -64,7 +75,11 @@ pub fn crowd_overview(view: &CrowdView<'_>) -> Picture {
     let size = (page.width().saturating_sub(2 * edge), page.height().saturating_sub(top + edge));
     let mut panel = Picture::new(size.0, size.1, colour::GROUND);
     let present: Vec<&CrowdCharacter<'_>> = view.characters.iter().filter(|c| is_finite(c.root)).collect();
-    let camera = fit(&present, Vec2::new(panel.width() as f32, panel.height() as f32), unit);
+    let extent = Vec2::new(panel.width() as f32, panel.height() as f32);
+    let camera = match view.focus.filter(|f| f.centre.is_finite()) {
+        Some(focus) => look_at(focus, extent),
+        None => fit(&present, extent, unit),
+    };
     draw_ground(&mut panel, &camera, unit, &present, view.reach_m);
     draw_characters(&mut panel, &camera, unit, &present);
     if let Some((character, name)) = view.marked.and_then(|(i, name)| Some((view.characters.get(i)?, name))) {
@@ -114,6 +129,13 @@ fn fit(characters: &[&CrowdCharacter<'_>], size: Vec2, unit: f32) -> Camera {
     let px_per_m = (room.x / extent.x).min(room.y / (extent.y * tilt.sin() + body)).clamp(0.01, 150.0 * unit);
     let centre = 0.5 * size + Vec2::new(0.0, 0.5 * body * px_per_m);
     camera.framed(on_ground(0.5 * (min + max)), centre, px_per_m)
+}
+
+/// The camera that shows a part of the ground.
+fn look_at(focus: Focus, size: Vec2) -> Camera {
+    let px_per_m = size.x / focus.width_m.clamp(1.0, 10_000.0);
+    let centre = 0.5 * size + Vec2::new(0.0, 0.6 * px_per_m);
+    Camera::looking(PI, 0.62).framed(on_ground(focus.centre), centre, px_per_m)
 }
 
 /// Grid, trails, targets and the lines to them.
@@ -230,7 +252,15 @@ mod tests {
     }
 
     fn view<'a>(characters: &'a [CrowdCharacter<'a>]) -> CrowdView<'a> {
-        CrowdView { title: "t", subtitle: "s", size: (320, 200), characters, reach_m: 0.5, marked: Some((0, "A")) }
+        CrowdView {
+            title: "t",
+            subtitle: "s",
+            size: (320, 200),
+            characters,
+            reach_m: 0.5,
+            marked: Some((0, "A")),
+            focus: None,
+        }
     }
 
     #[test]

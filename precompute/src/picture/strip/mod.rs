@@ -14,7 +14,7 @@ use super::furniture::header;
 use super::shadow::Shadows;
 use super::sprite;
 use super::text::{Align, TextStyle, draw_text};
-use glam::{Vec2, Vec3};
+use glam::Vec2;
 use std::f32::consts::{FRAC_PI_2, PI};
 use throng_runtime::{Contacts, Joint, Planar};
 
@@ -218,6 +218,7 @@ fn speed_mps(frames: &[StripFrame], frame: usize) -> Option<f32> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use glam::Vec3;
     use throng_runtime::Skeleton;
 
     /// A statue that glides along +X at 1.5 m/s, facing where it goes.
