@@ -50,7 +50,14 @@ pub fn clip(name: String, steps: &Footsteps, skeleton: &Skeleton, cfg: &SynthCon
     clip
 }
 
-fn signals(steps: &Footsteps, skeleton: &Skeleton, times: &[f64], dt: f64, variation: f64, rng: &mut impl Rng) -> Signals {
+fn signals(
+    steps: &Footsteps,
+    skeleton: &Skeleton,
+    times: &[f64],
+    dt: f64,
+    variation: f64,
+    rng: &mut impl Rng,
+) -> Signals {
     let frames = |seconds: f64| (seconds / dt).round() as usize;
     let feet: Vec<_> = times.iter().map(|&t| [0, 1].map(|s: usize| steps.feet[s].pose(t))).collect();
     let load: Vec<f64> = times.iter().map(|&t| interpolate(&steps.load, t)).collect();
@@ -152,10 +159,8 @@ fn pose_trunk(local: &mut [DQuat; NUM_JOINTS], hips: DQuat, trunk: &TrunkPose) {
 
 fn pose_arms(local: &mut [DQuat; NUM_JOINTS], arms: &[ArmPose; 2]) {
     use Joint::*;
-    const CHAINS: [[Joint; 4]; 2] = [
-        [LeftClavicle, LeftUpperArm, LeftForearm, LeftHand],
-        [RightClavicle, RightUpperArm, RightForearm, RightHand],
-    ];
+    const CHAINS: [[Joint; 4]; 2] =
+        [[LeftClavicle, LeftUpperArm, LeftForearm, LeftHand], [RightClavicle, RightUpperArm, RightForearm, RightHand]];
     for (arm, chain) in arms.iter().zip(CHAINS) {
         for (joint, q) in chain.into_iter().zip([arm.clavicle, arm.upper_arm, arm.forearm, arm.hand]) {
             local[joint.index()] = q;
@@ -163,7 +168,14 @@ fn pose_arms(local: &mut [DQuat; NUM_JOINTS], arms: &[ArmPose; 2]) {
     }
 }
 
-fn pose_leg(local: &mut [DQuat; NUM_JOINTS], side: Side, root: DVec3, hips: DQuat, foot: &FootPose, skeleton: &Skeleton) {
+fn pose_leg(
+    local: &mut [DQuat; NUM_JOINTS],
+    side: Side,
+    root: DVec3,
+    hips: DQuat,
+    foot: &FootPose,
+    skeleton: &Skeleton,
+) {
     use Joint::*;
     let [thigh, shin, ankle, toe] = match side {
         Side::Left => [LeftThigh, LeftShin, LeftFoot, LeftToe],

@@ -41,7 +41,12 @@ fn pressure_under(fall: &Footfall, shape: &FootShape, t: f64) -> DVec2 {
     let middle = 0.35 * shape.ball;
     let knots = if fall.lift.is_finite() {
         let leave = fall.heel_off.max(flat + 0.01);
-        vec![(fall.land, -0.1 * shape.ball), (flat, middle), (leave, 0.7 * shape.ball), (fall.lift.max(leave + 0.01), shape.ball)]
+        vec![
+            (fall.land, -0.1 * shape.ball),
+            (flat, middle),
+            (leave, 0.7 * shape.ball),
+            (fall.lift.max(leave + 0.01), shape.ball),
+        ]
     } else {
         vec![(fall.land, -0.1 * shape.ball), (flat, middle)]
     };

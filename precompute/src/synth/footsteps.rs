@@ -41,8 +41,8 @@ pub fn place(shape: FootShape, intents: &[Intent], width: f64, rng: &mut impl Rn
     let placed = placed(intents);
     let duration = placed.last().map_or(0.0, |s| s.land) + LAST_STAND;
     let falls = Side::BOTH.map(|side| falls_of(side, &placed, width));
-    let tracks = Side::BOTH
-        .map(|side| FootTrack::new(side, shape, falls[side.index()].clone(), &falls[side.other().index()]));
+    let tracks =
+        Side::BOTH.map(|side| FootTrack::new(side, shape, falls[side.index()].clone(), &falls[side.other().index()]));
     Footsteps { feet: tracks, load: load_knots(&placed, duration, rng), duration }
 }
 

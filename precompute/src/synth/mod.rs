@@ -8,6 +8,7 @@
 mod arms;
 mod assemble;
 mod balance;
+mod files;
 mod foot;
 mod footsteps;
 mod gait;
@@ -19,6 +20,7 @@ mod signal;
 mod trunk;
 mod wander;
 
+pub use files::save;
 pub use raw::to_raw;
 
 use crate::clip::ClipSet;

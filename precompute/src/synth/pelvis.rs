@@ -96,8 +96,9 @@ fn list(input: &PelvisInput) -> Vec<f64> {
     let load = smooth(input.load, frames(0.035));
     let slow = smooth(&load, frames(0.12));
     let vigour = |v: f64| 0.17 + 0.1 * v.min(1.5);
-    let early: Vec<f64> =
-        (0..load.len()).map(|i| vigour(input.speed[i]) * (0.35 * (slow[i] - 0.5) + 0.75 * (load[i] - slow[i]))).collect();
+    let early: Vec<f64> = (0..load.len())
+        .map(|i| vigour(input.speed[i]) * (0.35 * (slow[i] - 0.5) + 0.75 * (load[i] - slow[i])))
+        .collect();
     smooth(&early, frames(0.02))
 }
 
@@ -116,7 +117,8 @@ fn height(input: &PelvisInput, pelvis: &Pelvis) -> Vec<f64> {
 fn leg_limit(input: &PelvisInput, pelvis: &Pelvis, i: usize, rotation: DQuat, side: Side) -> f64 {
     let offset = rotation * input.hips[side.index()];
     let ankle = input.feet[i][side.index()].ankle;
-    let across = DVec2::new(ankle.x, ankle.z) - DVec2::new(pelvis.position[i].x + offset.x, pelvis.position[i].z + offset.z);
+    let across =
+        DVec2::new(ankle.x, ankle.z) - DVec2::new(pelvis.position[i].x + offset.x, pelvis.position[i].z + offset.z);
     let at = |flexion: f64| {
         let reach = input.leg.reach(flexion);
         ankle.y - offset.y + (reach * reach - across.length_squared()).max(0.01).sqrt()

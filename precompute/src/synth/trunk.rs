@@ -1,8 +1,8 @@
 //! Spine, neck and head: leaning with acceleration, turning against the pelvis, looking ahead into turns.
 
 use super::pelvis::{Pelvis, segment_rotation};
-use super::signal::{acceleration, shifted, smooth};
 use super::side::{forward, leftward};
+use super::signal::{acceleration, shifted, smooth};
 use glam::{DQuat, DVec2};
 
 /// Heading, forward tilt and list of a segment of the trunk. [Unit: rad]
@@ -63,11 +63,7 @@ pub fn balance(pelvis: &Pelvis, speed: &[f64], mass: &[DVec2], drift: &Drift, dt
     let counter = smooth(&shifted(&pelvis.yaw, -0.03, dt), frames(0.03));
     let (surge, sideways) = lean(pelvis, mass, dt);
     let out = (0..speed.len()).map(|i| {
-        let hips = Attitude {
-            yaw: pelvis.heading[i] + pelvis.yaw[i],
-            pitch: pelvis.pitch[i],
-            list: pelvis.list[i],
-        };
+        let hips = Attitude { yaw: pelvis.heading[i] + pelvis.yaw[i], pitch: pelvis.pitch[i], list: pelvis.list[i] };
         let chest = Attitude {
             yaw: chest_heading[i] - 0.5 * counter[i] + 0.15 * drift.gaze[i],
             pitch: 0.02 + 0.022 * speed[i] + surge[i] - 0.012 * drift.breath[i],
