@@ -2,6 +2,7 @@
 
 use super::side::Side;
 use super::signal::{shifted, smooth};
+use super::trunk::Drift;
 use glam::DQuat;
 use std::f64::consts::FRAC_PI_2;
 
@@ -26,8 +27,8 @@ pub struct ArmInput<'a> {
     pub speed: &'a [f64],
     /// Forward tilt of the upper chest. [Unit: rad]
     pub chest_pitch: &'a [f64],
-    /// Breathing, from -1 to 1.
-    pub breath: &'a [f64],
+    /// Breathing and slow changes of posture.
+    pub drift: &'a Drift,
     /// How far the arms swing and bend, 1 on average, left and right.
     pub liveliness: [f64; 2],
     /// Time between samples. [Unit: s]
@@ -47,9 +48,10 @@ fn arm(input: &ArmInput, side: Side, i: usize, follow: f64, trail: f64) -> ArmPo
     let lively = input.liveliness[side.index()];
     let vigour = lively * 0.6 * (speed / 1.3).max(0.0).powf(0.45).min(1.3);
     // Forward (positive) when the other foot is in front.
-    let swing = -s * follow * vigour;
-    let bend = -s * trail * vigour;
-    let raise = 0.015 * input.breath[i];
+    let drift = input.drift.arms[side.index()][i];
+    let swing = -s * follow * vigour + drift;
+    let bend = -s * trail * vigour + 1.5 * drift;
+    let raise = 0.015 * input.drift.breath[i];
     let flexion = lively * (0.21 + 0.09 * speed) + 0.5 * bend.max(-0.3);
     let abduction = 0.21 + 0.03 * speed;
     let turn_in = 0.30 + 0.15 * swing;

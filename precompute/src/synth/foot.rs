@@ -124,6 +124,9 @@ pub struct FootTrack {
 
 /// Smallest height of the sole in the middle of a flight. [Unit: m]
 const CLEARANCE: f64 = 0.015;
+/// How far the toes hang half way through a flight, as a share of the heel's rise at toe-off: the foot follows the
+/// shank rather than the ground.
+const HANG: f64 = 0.48;
 /// Share of a flight in which the foot speeds up, and slows down.
 const RAMP: f64 = 0.36;
 /// Smallest distance of a swinging ankle or ball from the standing one. [Unit: m]
@@ -178,7 +181,7 @@ impl FootTrack {
         FootPose {
             heel_down: t >= fall.flat && t <= fall.heel_off,
             toe_down: t >= fall.flat,
-            ..self.from_ball(ball, fall.yaw, fall.heading, pitch, toe_pitch)
+            ..self.posed(ball, fall.yaw, fall.heading, pitch, toe_pitch)
         }
     }
 
@@ -200,9 +203,9 @@ impl FootTrack {
         );
         let angle = |from: f64, to: f64| quintic(End::still(from), End::still(to), duration, t);
         let landing = End::of(|t| strike_pitch(b, t), b.land);
-        let pitch = quintic(End::of(|t| push_pitch(a, t), a.lift), landing, duration, t);
+        let pitch = quintic(End::of(|t| push_pitch(a, t), a.lift), landing, duration, t) + HANG * a.push * bump(u);
         let toe_pitch = quintic(End::still(0.0), landing, duration, t) + 0.25 * a.push * bump(u);
-        self.from_ball(ball, angle(a.yaw, b.yaw), angle(a.heading, b.heading), pitch, toe_pitch)
+        self.posed(ball, angle(a.yaw, b.yaw), angle(a.heading, b.heading), pitch, toe_pitch)
     }
 
     /// Ball of the foot while it rolls over its heel onto a footfall.
@@ -218,7 +221,7 @@ impl FootTrack {
         DVec3::new(p.x, self.shape.ball_height, p.y)
     }
 
-    fn from_ball(&self, ball: DVec3, yaw: f64, heading: f64, pitch: f64, toe_pitch: f64) -> FootPose {
+    fn posed(&self, ball: DVec3, yaw: f64, heading: f64, pitch: f64, toe_pitch: f64) -> FootPose {
         let s = &self.shape;
         let rotation = DQuat::from_rotation_y(yaw) * DQuat::from_rotation_x(pitch);
         let ankle = ball + rotation * DVec3::new(0.0, s.ankle_height - s.ball_height, -s.ball);
@@ -234,7 +237,7 @@ impl FootTrack {
     /// How high the foot is drawn up in flight `i`: more the further it goes.
     fn raise(&self, i: usize) -> f64 {
         let travel = (self.falls[i + 1].ankle - self.falls[i].ankle).length();
-        0.025 + 0.05 * (travel / 1.4).min(1.0)
+        0.015 + 0.022 * (travel / 1.4).min(1.0)
     }
 
     /// How much higher flight `i` has to be for its sole to clear the ground.

@@ -3,12 +3,10 @@
 use super::foot::{FootShape, FootTrack, Footfall};
 use super::gait::StepShape;
 use super::side::{Side, forward, leftward};
-use super::wander::Intent;
+use super::wander::{Intent, STANDING_WIDTH, TOE_OUT};
 use glam::DVec2;
 use rand::{Rng, RngExt};
 
-/// Feet turn out by this much. [Unit: rad]
-const TOE_OUT: f64 = 0.12;
 /// Time to bring the weight onto one foot before the first step after a pause. [Unit: s]
 const SHIFT: f64 = 0.5;
 /// Time to settle on both feet after the last step. [Unit: s]
@@ -34,13 +32,14 @@ struct Placed {
     shape: StepShape,
     ankle: DVec2,
     heading: f64,
+    toe_out: f64,
 }
 
 /// Lays out steps from a stand at the origin that faces +Z.
-pub fn place(shape: FootShape, intents: &[Intent], width: f64, rng: &mut impl Rng) -> Footsteps {
+pub fn place(shape: FootShape, intents: &[Intent], rng: &mut impl Rng) -> Footsteps {
     let placed = placed(intents);
     let duration = placed.last().map_or(0.0, |s| s.land) + LAST_STAND;
-    let falls = Side::BOTH.map(|side| falls_of(side, &placed, width));
+    let falls = Side::BOTH.map(|side| falls_of(side, &placed));
     let tracks =
         Side::BOTH.map(|side| FootTrack::new(side, shape, falls[side.index()].clone(), &falls[side.other().index()]));
     Footsteps { feet: tracks, load: load_knots(&placed, duration, rng), duration }
@@ -57,14 +56,14 @@ fn placed(intents: &[Intent]) -> Vec<Placed> {
         let lift = last + wait;
         last = lift + step.shape.swing();
         let ankle = path + leftward(heading) * (0.5 * step.width * step.side.sign());
-        out.push(Placed { side: step.side, lift, land: last, shape: step.shape, ankle, heading });
+        out.push(Placed { side: step.side, lift, land: last, shape: step.shape, ankle, heading, toe_out: step.toe_out });
     }
     out
 }
 
 /// The footfalls of one foot, from the stand before the first step to the stand after the last one.
-fn falls_of(side: Side, placed: &[Placed], width: f64) -> Vec<Footfall> {
-    let start = leftward(0.0) * (0.5 * width * side.sign());
+fn falls_of(side: Side, placed: &[Placed]) -> Vec<Footfall> {
+    let start = leftward(0.0) * (0.5 * STANDING_WIDTH * side.sign());
     let mut falls = vec![Footfall {
         land: -2.0,
         flat: -1.9,
@@ -91,7 +90,7 @@ fn falls_of(side: Side, placed: &[Placed], width: f64) -> Vec<Footfall> {
             lift: f64::INFINITY,
             ankle: step.ankle,
             heading: step.heading,
-            yaw: step.heading + TOE_OUT * side.sign(),
+            yaw: step.heading + step.toe_out * side.sign(),
             strike: 0.36 * (reach / 0.75).clamp(0.03, 1.0),
             push: 0.0,
         });

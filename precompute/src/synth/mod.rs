@@ -88,7 +88,7 @@ pub fn walk(cfg: &SynthConfig) -> Result<ClipSet, BuildError> {
     while seconds < cfg.minutes * 60.0 {
         let wanted = (cfg.minutes * 60.0 - seconds).min(cfg.clip_seconds * rng.random_range(0.85..1.1));
         let intents = wanderer.wander(wanted, &mut rng);
-        let steps = footsteps::place(shape, &intents, wander::STANDING_WIDTH, &mut rng);
+        let steps = footsteps::place(shape, &intents, &mut rng);
         seconds += steps.duration;
         let name = format!("walk_{:02}", clips.len());
         clips.push(assemble::clip(name, &steps, &skeleton, cfg, &mut rng));

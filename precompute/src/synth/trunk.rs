@@ -48,6 +48,8 @@ pub struct Drift {
     pub gaze: Vec<f64>,
     /// Looking up and down. [Unit: rad]
     pub nod: Vec<f64>,
+    /// Left and right arm hanging further forward or back. [Unit: rad]
+    pub arms: [Vec<f64>; 2],
     /// Breathing, from -1 (out) to 1 (in).
     pub breath: Vec<f64>,
 }
