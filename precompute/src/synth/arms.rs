@@ -66,3 +66,49 @@ fn arm(input: &ArmInput, side: Side, i: usize, follow: f64, trail: f64) -> ArmPo
         hand: DQuat::from_rotation_z(-s * 0.12) * DQuat::from_rotation_y(-s * (0.05 + 0.15 * bend)),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::DVec3;
+
+    /// Hands as seen from the shoulders, left and right, for a foot distance and a speed.
+    fn hands(apart: f64, speed: f64) -> [DVec3; 2] {
+        let n = 60;
+        let still = vec![0.0; n];
+        let drift = Drift {
+            gaze: still.clone(),
+            nod: still.clone(),
+            arms: [still.clone(), still.clone()],
+            breath: still.clone(),
+        };
+        let (apart, speed) = (vec![apart; n], vec![speed; n]);
+        let arms = swing(&ArmInput {
+            apart: &apart,
+            speed: &speed,
+            chest_pitch: &still,
+            drift: &drift,
+            liveliness: [1.0; 2],
+            dt: 1.0 / 120.0,
+        });
+        Side::BOTH.map(|side| {
+            let arm = &arms[n / 2][side.index()];
+            let along = DVec3::X * side.sign();
+            let upper = arm.clavicle * arm.upper_arm;
+            upper * (along * 0.29 + arm.forearm * (along * 0.255))
+        })
+    }
+
+    #[test]
+    fn idle_arms_hang_beside_the_body_alike() {
+        let [left, right] = hands(0.0, 0.0);
+        assert!((left * DVec3::new(-1.0, 1.0, 1.0) - right).length() < 1e-9);
+        assert!(left.y < -0.5 && left.x > 0.0 && left.x < 0.15 && (0.0..0.2).contains(&left.z), "{left}");
+    }
+
+    #[test]
+    fn arms_swing_against_the_legs() {
+        let [left, right] = hands(0.6, 1.3);
+        assert!(left.z < -0.05 && right.z > 0.2, "{left} {right}");
+    }
+}

@@ -95,3 +95,43 @@ fn lean(pelvis: &Pelvis, mass: &[DVec2], dt: f64) -> (Vec<f64>, Vec<f64>) {
     let sideways: Vec<f64> = (0..mass.len()).map(|i| -0.05 * at(i).dot(leftward(pelvis.heading[i]))).collect();
     (smooth(&surge, radius / 3), smooth(&sideways, radius / 3))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::DVec3;
+
+    /// A body that turns left by a right angle between 1 s and 2 s, on the spot.
+    fn turning(n: usize, dt: f64) -> Vec<TrunkPose> {
+        let still = vec![0.0; n];
+        let heading = (0..n).map(|i| (i as f64 * dt - 1.0).clamp(0.0, 1.0) * 1.57).collect();
+        let pelvis = Pelvis {
+            heading,
+            yaw: still.clone(),
+            pitch: still.clone(),
+            list: still.clone(),
+            position: vec![DVec3::Y; n],
+            apart: still.clone(),
+        };
+        let drift = Drift {
+            gaze: still.clone(),
+            nod: still.clone(),
+            arms: [still.clone(), still.clone()],
+            breath: still.clone(),
+        };
+        balance(&pelvis, &still, &vec![DVec2::ZERO; n], &drift, dt)
+    }
+
+    #[test]
+    fn the_head_turns_first_and_the_hips_last() {
+        let at_one = &turning(360, 1.0 / 120.0)[132].segments;
+        assert!(at_one.windows(2).all(|s| s[1].yaw > s[0].yaw), "{at_one:?}");
+    }
+
+    #[test]
+    fn a_body_at_rest_is_upright() {
+        for s in turning(360, 1.0 / 120.0)[0].segments {
+            assert!(s.yaw == 0.0 && s.list == 0.0 && (0.0..0.1).contains(&s.pitch));
+        }
+    }
+}
