@@ -7,7 +7,7 @@ use throng_runtime::{Contacts, Joint, NUM_JOINTS, Planar, Skeleton};
 pub type FrameRange = std::ops::Range<usize>;
 
 /// Frames that are not motion to be used, and why.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Exclusion {
     /// The frames.
     pub range: FrameRange,
@@ -16,7 +16,7 @@ pub struct Exclusion {
 }
 
 /// Why frames are left out.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub enum ExclusionReason {
     /// The calibration pose at a clip's end.
     TPose,
@@ -26,8 +26,18 @@ pub enum ExclusionReason {
     Sidecar,
 }
 
+impl std::fmt::Display for ExclusionReason {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Self::TPose => "T-pose",
+            Self::Still => "still",
+            Self::Sidecar => "sidecar",
+        })
+    }
+}
+
 /// A name on a run of frames.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Tag {
     /// The name, as configs and reports use it.
     pub name: String,
@@ -36,7 +46,7 @@ pub struct Tag {
 }
 
 /// A clip on the database skeleton: metres, Y up, right-handed.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Clip {
     /// Unique in its set: file stem, made unique by its folder where needed; a mirrored copy ends in `~mirror`.
     pub name: String,
@@ -115,7 +125,7 @@ impl Clip {
 }
 
 /// All clips of a build on one skeleton.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct ClipSet {
     /// Proportions shared by all clips.
     pub skeleton: Skeleton,
@@ -124,7 +134,7 @@ pub struct ClipSet {
 }
 
 /// A frame of a [`ClipSet`]: frames of all clips are numbered in one sequence, excluded ones included.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, serde::Serialize, serde::Deserialize)]
 pub struct FrameId(pub u32);
 
 impl ClipSet {

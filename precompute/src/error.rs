@@ -79,7 +79,7 @@ pub enum BuildError {
 }
 
 /// Tolerable faults of the input, collected and reported once.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Warnings {
     /// One sentence each, naming the file.
     pub messages: Vec<String>,

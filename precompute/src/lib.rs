@@ -1,12 +1,30 @@
 //! Bakes motion capture into Throng tables. [`pipeline`] lists the stages in order.
 
+pub mod annotate;
+pub mod cache;
 pub mod clip;
+pub mod config;
 pub mod error;
+pub mod features;
+pub mod files;
 pub mod graph;
 pub mod import;
+pub mod inspect;
+pub mod measure;
+pub mod mirror;
+pub mod picture;
+pub mod pipeline;
+pub mod policy;
 pub mod progress;
+pub mod provenance;
 pub mod raw;
+pub mod report;
+pub mod resample;
+pub mod retarget;
+mod stages;
 pub mod synth;
+pub mod trial;
+pub mod write;
 
 pub use clip::{Clip, ClipSet};
 pub use error::{BuildError, ImportError, Warnings};

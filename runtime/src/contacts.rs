@@ -1,7 +1,9 @@
 //! Which parts of the feet are planted, a bit each.
 
 /// Contact of heels and toes (balls of the feet) with the ground at one frame.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, bytemuck::Pod, bytemuck::Zeroable)]
+#[derive(
+    Clone, Copy, Debug, Default, PartialEq, Eq, bytemuck::Pod, bytemuck::Zeroable, serde::Serialize, serde::Deserialize,
+)]
 #[repr(transparent)]
 pub struct Contacts(pub u8);
 

@@ -1,9 +1,22 @@
 //! Opens Throng tables, answers queries and steps characters.
+//!
+//! A bundle (`*.throng`) is opened as [`Tables`]; a [`troupe::Repertoire`] takes the views a step needs; a
+//! [`troupe::Troupe`] holds the characters. [`policy`] answers single queries without characters.
 
 pub mod contacts;
+pub mod format;
+pub mod graph;
+mod lanes;
 pub mod planar;
+pub mod policy;
+pub mod pose;
 pub mod skeleton;
+pub mod tables;
+pub mod troupe;
 
 pub use contacts::Contacts;
+pub use format::FormatError;
 pub use planar::Planar;
+pub use pose::{LocalTransform, Mat3x4};
 pub use skeleton::{Joint, NUM_JOINTS, Skeleton};
+pub use tables::Tables;

@@ -6,7 +6,7 @@ use glam::{Quat, Vec2, Vec3};
 ///
 /// Maps a local point `p` to `rotate_y(heading) * p + (x, 0, z)`. A character faces +Z at heading 0;
 /// heading is the angle about +Y, so heading +90 degrees faces +X.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Planar {
     /// Position along X. [Unit: m]
     pub x: f32,

@@ -1,21 +1,37 @@
 //! The motion graph: which frame may follow which, collapsed to states and actions (003 sections 3 and 6).
 
+mod choose;
+mod collapse;
+mod component;
+mod config;
+mod connect;
+mod events;
+mod export;
+mod matches;
+mod report;
+
+pub use config::GraphConfig;
+pub use connect::connect;
+pub use events::standing_frames;
+pub use export::{ActionRow, DisplacementRow, GraphRows, StateRow, graph_rows, write_graph_json};
+pub use report::{GraphReport, Spread};
+
 use crate::clip::FrameId;
 use throng_runtime::Planar;
 
 /// A frame with more than one way out. Index into [`MotionGraph::states`].
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, serde::Serialize, serde::Deserialize)]
 pub struct StateId(pub u32);
 
 /// Index into [`MotionGraph::segments`].
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, serde::Serialize, serde::Deserialize)]
 pub struct SegmentId(pub u32);
 
 /// A run of frames inside one clip that ends in a state: the motion of an action.
 ///
 /// Actions of different states share segments: a transition i -> j lays frame j - 1 where frame i is
 /// (003 section 6), so what follows does not depend on i.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Segment {
     /// Frame j - 1, which stands in for the state the action leaves.
     pub start: FrameId,
@@ -28,7 +44,7 @@ pub struct Segment {
 }
 
 /// A choice in a state.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Action {
     /// The motion that is played.
     pub segment: SegmentId,
@@ -38,10 +54,12 @@ pub struct Action {
 
 /// States, actions and the segments they share. Every state has at least one action, every segment ends in a
 /// state, and every state can be reached from every other.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct MotionGraph {
     /// Frame of each state, ascending.
     pub states: Vec<FrameId>,
+    /// True for states in which the character stands. [Size: states.len()]
+    pub standing: Vec<bool>,
     /// Segments, ascending by start frame.
     pub segments: Vec<Segment>,
     /// Actions of state s are `actions[action_offsets[s]..action_offsets[s + 1]]`, best match first.

@@ -23,7 +23,7 @@ struct Layout {
 ///
 /// # Errors
 /// Whatever `out` fails with.
-pub fn write(clip: &RawClip, out: &mut impl Write) -> io::Result<()> {
+pub fn write(clip: &RawClip, out: &mut (impl Write + ?Sized)) -> io::Result<()> {
     let layout = Layout::of(clip);
     writeln!(out, "HIERARCHY")?;
     let mut order = Vec::with_capacity(clip.joints.len());
@@ -64,7 +64,7 @@ fn write_hierarchy(
     layout: &Layout,
     root: usize,
     order: &mut Vec<usize>,
-    out: &mut impl Write,
+    out: &mut (impl Write + ?Sized),
 ) -> io::Result<()> {
     // A joint to open, or the depth of a block to close.
     enum Step {
@@ -90,7 +90,7 @@ fn write_hierarchy(
     Ok(())
 }
 
-fn write_joint(clip: &RawClip, layout: &Layout, joint: usize, depth: usize, out: &mut impl Write) -> io::Result<()> {
+fn write_joint(clip: &RawClip, layout: &Layout, joint: usize, depth: usize, out: &mut (impl Write + ?Sized)) -> io::Result<()> {
     let indent = "\t".repeat(depth);
     let keyword = if clip.joints[joint].parent.is_none() { "ROOT" } else { "JOINT" };
     let offset = clip.joints[joint].offset * UNITS_PER_METRE;
@@ -101,14 +101,14 @@ fn write_joint(clip: &RawClip, layout: &Layout, joint: usize, depth: usize, out:
 }
 
 /// An end site, of no length where the joint has no end of its own: readers want every chain to have one.
-fn write_end_site(clip: &RawClip, end: Option<usize>, depth: usize, out: &mut impl Write) -> io::Result<()> {
+fn write_end_site(clip: &RawClip, end: Option<usize>, depth: usize, out: &mut (impl Write + ?Sized)) -> io::Result<()> {
     let indent = "\t".repeat(depth);
     let offset = end.map_or(glam::Vec3::ZERO, |e| clip.joints[e].offset * UNITS_PER_METRE);
     writeln!(out, "{indent}End Site\n{indent}{{")?;
     writeln!(out, "{indent}\tOFFSET {:.6} {:.6} {:.6}\n{indent}}}", offset.x, offset.y, offset.z)
 }
 
-fn write_frame(clip: &RawClip, layout: &Layout, order: &[usize], frame: usize, out: &mut impl Write) -> io::Result<()> {
+fn write_frame(clip: &RawClip, layout: &Layout, order: &[usize], frame: usize, out: &mut (impl Write + ?Sized)) -> io::Result<()> {
     let base = frame * clip.joints.len();
     let mut separator = "";
     for &j in order {

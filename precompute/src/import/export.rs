@@ -10,7 +10,7 @@ use std::io::{self, Write};
 ///
 /// # Errors
 /// Whatever `out` fails with.
-pub fn positions_csv(clip: &RawClip, out: &mut impl Write) -> io::Result<()> {
+pub fn positions_csv(clip: &RawClip, out: &mut (impl Write + ?Sized)) -> io::Result<()> {
     let names: Vec<String> = clip.joints.iter().map(|j| quoted(&j.name)).collect();
     writeln!(out, "frame,joint,x,y,z")?;
     for frame in 0..clip.num_frames {

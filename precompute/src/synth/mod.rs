@@ -25,11 +25,14 @@ pub use raw::to_raw;
 
 use crate::clip::ClipSet;
 use crate::error::BuildError;
+use crate::files::write_atomically;
+use crate::import::bvh_write;
 use foot::FootShape;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use std::path::Path;
 use throng_runtime::Skeleton;
 
 /// How much motion to make, and how varied.
@@ -94,6 +97,22 @@ pub fn walk(cfg: &SynthConfig) -> Result<ClipSet, BuildError> {
         clips.push(assemble::clip(name, &steps, &skeleton, cfg, &mut rng));
     }
     Ok(ClipSet { skeleton, clips })
+}
+
+/// Makes the `walk` set and writes each clip as `NAME.bvh` into a folder, which is made if it is not there.
+///
+/// - returns what was written.
+///
+/// # Errors
+/// As [`walk`], and [`BuildError::Io`] for a folder or file that cannot be written.
+pub fn write_walk(cfg: &SynthConfig, folder: &Path) -> Result<ClipSet, BuildError> {
+    let set = walk(cfg)?;
+    std::fs::create_dir_all(folder).map_err(|source| BuildError::Io { path: folder.to_path_buf(), source })?;
+    for clip in &set.clips {
+        let raw = to_raw(clip, &set.skeleton);
+        write_atomically(&folder.join(format!("{}.bvh", clip.name)), |w| bvh_write::write(&raw, w))?;
+    }
+    Ok(set)
 }
 
 #[cfg(test)]

@@ -1,9 +1,14 @@
 //! Says what was found in a clip, for people and for programs.
 
-use super::Imported;
+use crate::annotate::{self, AnnotateConfig, ContactSanity, Sidecars};
+use crate::error::{BuildError, Warnings};
+use crate::import::{self, ImportConfig, Imported};
+use crate::progress::Silent;
 use crate::raw::SourceFormat;
+use crate::retarget::{self, RetargetConfig};
 use std::collections::BTreeMap;
 use std::fmt;
+use std::path::Path;
 
 /// What import found in a clip. The names of the fields are keys of the JSON report.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
@@ -36,27 +41,38 @@ pub struct ClipReport {
     pub roles: BTreeMap<&'static str, String>,
     /// What was detected and why.
     pub findings: Vec<String>,
-    /// How the feet behave; filled in by whoever ran the later stages.
-    pub contact: Option<ContactSanity>,
+    /// How the feet behave once contacts are known.
+    pub contact: ContactSanity,
+    /// Frames that a build would leave out: reason, first frame, frame after the last.
+    pub excluded: Vec<(String, usize, usize)>,
     /// What is odd but tolerable.
     pub warnings: Vec<String>,
 }
 
-/// How the feet of a clip behave once contacts are known: feet of a well-read walk are on the ground about 60 % of
-/// the time and hardly move there.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
-pub struct ContactSanity {
-    /// Share of frames in which the left foot is on the ground. [Limit: 0..=1]
-    pub left_share: f32,
-    /// Share of frames in which the right foot is on the ground. [Limit: 0..=1]
-    pub right_share: f32,
-    /// Mean speed of a foot while on the ground. [Unit: m/s]
-    pub contact_speed_mps: f32,
+/// Reads a clip and finds out what a build would make of it.
+///
+/// # Errors
+/// As the import and retarget stages.
+pub fn inspect(path: &Path, config: &ImportConfig) -> Result<ClipReport, BuildError> {
+    let config = ImportConfig { strict: true, ..config.clone() };
+    let raw = import::read(&[path.to_path_buf()], &config, &Silent)?;
+    let mut warnings = Warnings::default();
+    let clips = retarget::onto(&raw.clips, &RetargetConfig::default(), &mut warnings)?;
+    let clips = annotate::annotate(&clips, &AnnotateConfig::default(), &Sidecars::default())?;
+    let (Some(imported), Some(clip)) = (raw.clips.first(), clips.clips.first()) else {
+        let message = format!("{} holds no clip", path.display());
+        return Err(BuildError::Stage { stage: "inspect", message, help: "Name a .bvh or .amc file".into() });
+    };
+    let mut report = ClipReport::new(imported);
+    report.contact = annotate::sanity(clip, &clips.skeleton);
+    report.excluded = clip.excluded.iter().map(|e| (e.reason.to_string(), e.range.start, e.range.end)).collect();
+    report.warnings.extend(warnings.messages);
+    Ok(report)
 }
 
 impl ClipReport {
-    /// Collects what is known of a clip.
-    pub fn new(imported: &Imported) -> Self {
+    /// Collects what import knows of a clip.
+    fn new(imported: &Imported) -> Self {
         let clip = &imported.clip;
         let roles = imported.roles.pairs(&clip.joints).map(|(role, joint)| (role.name(), joint.to_owned()));
         Self {
@@ -77,8 +93,9 @@ impl ClipReport {
             profile: imported.roles.profile.clone(),
             roles: roles.collect(),
             findings: imported.findings.clone(),
-            contact: None,
-            warnings: imported.warnings.messages.clone(),
+            contact: ContactSanity::default(),
+            excluded: Vec::new(),
+            warnings: imported.warnings.messages.iter().chain(&imported.roles.warnings).cloned().collect(),
         }
     }
 }
@@ -98,10 +115,17 @@ impl fmt::Display for ClipReport {
             let joint = self.roles.get(role.name()).map_or("-", String::as_str);
             writeln!(f, "    {:<16} {joint}", role.name())?;
         }
-        if let Some(c) = &self.contact {
-            let (left, right) = (100.0 * c.left_share, 100.0 * c.right_share);
-            let speed = c.contact_speed_mps;
-            writeln!(f, "  contact  left {left:.0} %, right {right:.0} %, foot speed on the ground {speed:.3} m/s")?;
+        let c = &self.contact;
+        writeln!(
+            f,
+            "  contact  left {:.0} %, right {:.0} %, planted feet move at {:.3} m/s on average, {:.3} at the 95th percentile",
+            100.0 * c.left_share,
+            100.0 * c.right_share,
+            c.mean_speed_mps,
+            c.p95_speed_mps
+        )?;
+        for (reason, start, end) in &self.excluded {
+            writeln!(f, "  excluded frames {start} to {end}: {reason}")?;
         }
         for warning in &self.warnings {
             writeln!(f, "  warning  {warning}")?;

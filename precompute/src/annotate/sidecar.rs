@@ -1,0 +1,322 @@
+//! What people write beside a clip: ranges to leave out, names of ranges.
+//!
+//! `CLIP.toml` beside `CLIP.bvh`:
+//!
+//! ```toml
+//! unit = "seconds"          # or "frames" of the file, from 0; ends are exclusive
+//! exclude = [[0.0, 1.5], [20.0, inf]]
+//!
+//! [[tags]]
+//! name = "punch"
+//! start = 3.2
+//! end = 4.0
+//! ```
+
+use crate::clip::{Clip, ClipSet, Exclusion, ExclusionReason, FrameRange, Tag};
+use crate::error::BuildError;
+use crate::import::ImportedSet;
+use crate::mirror;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+use std::path::Path;
+
+/// Ranges and names for one clip.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct Sidecar {
+    /// What the numbers count.
+    pub unit: TimeUnit,
+    /// Ranges to leave out, `[start, end]`; `inf` is the clip's end. [Unit: as `unit` says]
+    pub exclude: Vec<[f64; 2]>,
+    /// Names of ranges.
+    pub tags: Vec<SidecarTag>,
+}
+
+/// A name on a range.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct SidecarTag {
+    /// The name, as configs and reports use it.
+    pub name: String,
+    /// Where it begins. [Unit: as `unit` says]
+    pub start: f64,
+    /// Where it ends. [Unit: as `unit` says]
+    pub end: f64,
+}
+
+/// What the numbers of a sidecar count.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum TimeUnit {
+    /// Seconds from the clip's first frame.
+    #[default]
+    Seconds,
+    /// Frames of the file, from 0.
+    Frames,
+}
+
+/// The sidecars of a build by clip name.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Sidecars {
+    entries: BTreeMap<String, Entry>,
+}
+
+#[derive(Clone, Debug, PartialEq)]
+struct Entry {
+    sidecar: Sidecar,
+    /// Frames a second of the file.
+    source_rate_hz: f64,
+    /// File or table, as errors name it.
+    origin: String,
+}
+
+/// What a sidecar says about a clip, in the clip's frames.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Marked {
+    /// Ranges to leave out.
+    pub excluded: Vec<Exclusion>,
+    /// Names.
+    pub tags: Vec<Tag>,
+}
+
+/// The ranges again, with their places in the text.
+#[derive(Deserialize)]
+struct Located {
+    #[serde(default)]
+    exclude: Vec<toml::Spanned<toml::Value>>,
+    #[serde(default)]
+    tags: Vec<toml::Spanned<toml::Value>>,
+}
+
+impl Sidecar {
+    /// Reads the sidecar's text; `origin` is the file as errors name it.
+    ///
+    /// # Errors
+    /// [`BuildError::Config`] with file, line and key.
+    pub fn parse(text: &str, origin: &str) -> Result<Self, BuildError> {
+        let line_of = |offset: usize| text[..offset.min(text.len())].matches('\n').count() + 1;
+        let sidecar: Self = toml::from_str(text).map_err(|e| BuildError::Config {
+            message: format!(
+                "{origin}:{}: {}. Expected `unit`, `exclude = [[start, end], ...]` and `[[tags]]` with name, start, end.",
+                line_of(e.span().map_or(0, |s| s.start)),
+                e.message().trim_end_matches('.')
+            ),
+        })?;
+        sidecar.check(origin, |list, i| {
+            let located: Located = toml::from_str(text).ok()?;
+            let spans = if list == "exclude" { located.exclude } else { located.tags };
+            spans.get(i).map(|s| line_of(s.span().start))
+        })?;
+        Ok(sidecar)
+    }
+
+    /// Refuses ranges that end before they start, and names without letters.
+    fn check(&self, origin: &str, line: impl Fn(&str, usize) -> Option<usize>) -> Result<(), BuildError> {
+        let fault = |list: &str, i: usize, what: String| {
+            let place = line(list, i).map_or_else(|| origin.to_string(), |l| format!("{origin}:{l}"));
+            Err(BuildError::Config { message: format!("{place}: {list}[{i}]: {what}") })
+        };
+        let sound = |start: f64, end: f64| start >= 0.0 && start.is_finite() && end > start;
+        for (i, [start, end]) in self.exclude.iter().enumerate() {
+            if !sound(*start, *end) {
+                return fault(
+                    "exclude",
+                    i,
+                    format!("expected 0 <= start < end, found [{start}, {end}]. Exchange or correct them."),
+                );
+            }
+        }
+        for (i, t) in self.tags.iter().enumerate() {
+            if t.name.trim().is_empty() {
+                return fault("tags", i, "expected a name, found an empty one. Name the range.".into());
+            }
+            if !sound(t.start, t.end) {
+                return fault(
+                    "tags",
+                    i,
+                    format!(
+                        "`{}`: expected 0 <= start < end, found start = {}, end = {}. Exchange or correct them.",
+                        t.name, t.start, t.end
+                    ),
+                );
+            }
+        }
+        Ok(())
+    }
+}
+
+impl Sidecars {
+    /// Adds a clip's sidecar. `source_rate_hz` is the rate of its file, `origin` the file or table it is written in.
+    ///
+    /// # Errors
+    /// [`BuildError::Config`] for ranges that end before they start.
+    pub fn insert(
+        &mut self,
+        clip_name: &str,
+        sidecar: Sidecar,
+        source_rate_hz: f64,
+        origin: &str,
+    ) -> Result<(), BuildError> {
+        sidecar.check(origin, |_, _| None)?;
+        self.entries.insert(clip_name.into(), Entry { sidecar, source_rate_hz, origin: origin.into() });
+        Ok(())
+    }
+
+    /// Reads `CLIP.toml` beside the clip's file and adds it; false where there is none.
+    ///
+    /// # Errors
+    /// [`BuildError::Io`] for a file that cannot be read, [`BuildError::Config`] for one that is wrong.
+    pub fn insert_beside(&mut self, clip_name: &str, file: &Path, source_rate_hz: f64) -> Result<bool, BuildError> {
+        let path = file.with_extension("toml");
+        let text = match std::fs::read_to_string(&path) {
+            Ok(text) => text,
+            Err(e) if e.kind() == std::io::ErrorKind::NotFound => return Ok(false),
+            Err(source) => return Err(BuildError::Io { path, source }),
+        };
+        let origin = path.display().to_string();
+        let sidecar = Sidecar::parse(&text, &origin)?;
+        self.insert(clip_name, sidecar, source_rate_hz, &origin)?;
+        Ok(true)
+    }
+
+    /// The sidecar files beside imported clips, and those that a config has in a table by clip name.
+    ///
+    /// - `clips`: the same clips, in the same order, mirrored copies in between.
+    ///
+    /// # Errors
+    /// As [`Sidecars::insert`] and [`Sidecars::insert_beside`].
+    pub fn collect(raw: &ImportedSet, clips: &ClipSet, table: &BTreeMap<String, Sidecar>) -> Result<Self, BuildError> {
+        let mut out = Self::default();
+        for (imported, clip) in raw.clips.iter().zip(clips.clips.iter().filter(|c| !c.mirrored)) {
+            out.insert_beside(&clip.name, &imported.clip.path, imported.clip.rate_hz)?;
+        }
+        for (name, sidecar) in table {
+            let index = clips.clips.iter().filter(|c| !c.mirrored).position(|c| c.name == *name);
+            let rate_hz = index.map_or(1.0, |i| raw.clips[i].clip.rate_hz);
+            out.insert(name, sidecar.clone(), rate_hz, &format!("config, clips.{name}"))?;
+        }
+        Ok(out)
+    }
+
+    /// Refuses sidecars of clips that are not there.
+    pub(super) fn check_names(&self, clips: &ClipSet) -> Result<(), BuildError> {
+        for (name, entry) in &self.entries {
+            if clips.clips.iter().any(|c| original_name(c) == name) {
+                continue;
+            }
+            let nearest = clips
+                .clips
+                .iter()
+                .map(original_name)
+                .max_by(|a, b| strsim::jaro_winkler(a, name).total_cmp(&strsim::jaro_winkler(b, name)))
+                .map_or(String::new(), |n| format!(" The nearest name is `{n}`."));
+            let origin = &entry.origin;
+            return Err(BuildError::Config { message: format!("{origin}: there is no clip `{name}`.{nearest}") });
+        }
+        Ok(())
+    }
+
+    /// What is written about a clip, in its frames. A mirrored copy has its original's.
+    ///
+    /// # Errors
+    /// [`BuildError::Config`] for a range that begins after the clip's end.
+    pub(super) fn ranges(&self, clip: &Clip) -> Result<Marked, BuildError> {
+        let Some(entry) = self.entries.get(original_name(clip)) else { return Ok(Marked::default()) };
+        let n = clip.num_frames();
+        let per_unit = match entry.sidecar.unit {
+            TimeUnit::Seconds => clip.rate_hz,
+            TimeUnit::Frames => clip.rate_hz / entry.source_rate_hz,
+        };
+        let frames = |start: f64, end: f64, key: &str| -> Result<FrameRange, BuildError> {
+            let at = |t: f64| ((t * per_unit - 1e-6).ceil().max(0.0)).min(n as f64) as usize;
+            let range = at(start)..at(end);
+            if range.start >= n {
+                let message = format!(
+                    "{}: {key}: starts at {start}, after the end of clip `{}` ({:.2} in the same unit). Correct the start or remove the range.",
+                    entry.origin,
+                    original_name(clip),
+                    n as f64 / per_unit
+                );
+                return Err(BuildError::Config { message });
+            }
+            Ok(range)
+        };
+        let mut out = Marked::default();
+        for (i, [start, end]) in entry.sidecar.exclude.iter().enumerate() {
+            let range = frames(*start, *end, &format!("exclude[{i}]"))?;
+            out.excluded.push(Exclusion { range, reason: ExclusionReason::Sidecar });
+        }
+        for (i, t) in entry.sidecar.tags.iter().enumerate() {
+            let range = frames(t.start, t.end, &format!("tags[{i}] `{}`", t.name))?;
+            out.tags.push(Tag { name: t.name.clone(), range });
+        }
+        Ok(out)
+    }
+}
+
+fn original_name(clip: &Clip) -> &str {
+    clip.name.strip_suffix(mirror::SUFFIX).unwrap_or(&clip.name)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::{Quat, Vec3};
+    use throng_runtime::{NUM_JOINTS, Skeleton};
+
+    fn clip(name: &str, num_frames: usize) -> Clip {
+        Clip {
+            name: name.into(),
+            source: String::new(),
+            mirrored: false,
+            rate_hz: 30.0,
+            root_positions: vec![Vec3::ZERO; num_frames],
+            rotations: vec![Quat::IDENTITY; num_frames * NUM_JOINTS],
+            contacts: Vec::new(),
+            excluded: Vec::new(),
+            tags: Vec::new(),
+        }
+    }
+
+    fn message(r: Result<impl std::fmt::Debug, BuildError>) -> String {
+        r.unwrap_err().to_string()
+    }
+
+    #[test]
+    fn reads_ranges_and_tags_in_seconds_and_frames() {
+        let text = "exclude = [[0, 0.5], [2.0, inf]]\n[[tags]]\nname = \"punch\"\nstart = 1\nend = 1.5\n";
+        let mut all = Sidecars::default();
+        all.insert("a", Sidecar::parse(text, "a.toml").unwrap(), 120.0, "a.toml").unwrap();
+        let frames = "unit = \"frames\"\nexclude = [[4, 8]]";
+        all.insert("b", Sidecar::parse(frames, "b.toml").unwrap(), 120.0, "b.toml").unwrap();
+        let a = all.ranges(&clip("a~mirror", 90)).unwrap();
+        assert_eq!(a.excluded.iter().map(|e| e.range.clone()).collect::<Vec<_>>(), [0..15, 60..90]);
+        assert_eq!(a.tags, [Tag { name: "punch".into(), range: 30..45 }]);
+        assert_eq!(all.ranges(&clip("b", 90)).unwrap().excluded[0].range, 1..2);
+        assert_eq!(all.ranges(&clip("c", 90)).unwrap(), Marked::default());
+    }
+
+    #[test]
+    fn errors_name_file_line_and_key() {
+        let m = message(Sidecar::parse("\nexcludes = []", "x.toml"));
+        assert!(m.contains("x.toml:2:") && m.contains("excludes"), "{m}");
+        let m = message(Sidecar::parse("exclude = [\n  [0, 1],\n  [3, 2],\n]", "x.toml"));
+        assert!(m.contains("x.toml:3:") && m.contains("exclude[1]") && m.contains("[3, 2]"), "{m}");
+        let m = message(Sidecar::parse("[[tags]]\nname = \"a\"\nstart = 1\n", "x.toml"));
+        assert!(m.contains("x.toml:1:") && m.contains("end"), "{m}");
+        let m = message(Sidecar::parse("[[tags]]\nname = \"a\"\nstart = 1\nend = nan", "x.toml"));
+        assert!(m.contains("tags[0]") && m.contains("`a`"), "{m}");
+    }
+
+    #[test]
+    fn refuses_unknown_clips_and_ranges_outside() {
+        let mut all = Sidecars::default();
+        all.insert("walks", Sidecar { exclude: vec![[9.0, 10.0]], ..Sidecar::default() }, 30.0, "c.toml").unwrap();
+        let set = ClipSet { skeleton: Skeleton::default(), clips: vec![clip("walk", 30), clip("run", 30)] };
+        let m = message(all.check_names(&set));
+        assert!(m.contains("`walks`") && m.contains("`walk`"), "{m}");
+        let m = message(all.ranges(&clip("walks", 30)));
+        assert!(m.contains("c.toml") && m.contains("exclude[0]") && m.contains("1.00"), "{m}");
+    }
+}

@@ -1,0 +1,162 @@
+//! What a build is told: one TOML file, each stage's settings in a table of its own.
+
+use crate::annotate::{AnnotateConfig, Sidecar};
+use crate::error::BuildError;
+use crate::features::FeaturesConfig;
+use crate::graph::GraphConfig;
+use crate::import::ImportConfig;
+use crate::policy::{BehaviourConfig, PolicyConfig};
+use crate::resample::ResampleConfig;
+use crate::retarget::RetargetConfig;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+/// A build. Every table but `inputs` may be left out.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct BuildConfig {
+    /// The database's name; the config file's stem where absent.
+    #[serde(default)]
+    pub name: String,
+    /// Motion files, folders, or patterns with `*` in the file name, relative to the config file's folder.
+    pub inputs: Vec<PathBuf>,
+    /// Reading of files.
+    #[serde(default)]
+    pub import: ImportConfig,
+    /// Retargeting onto the database skeleton.
+    #[serde(default)]
+    pub retarget: RetargetConfig,
+    /// Rate and mirrored copies.
+    #[serde(default)]
+    pub resample: ResampleConfig,
+    /// Contacts, T-poses, still ends.
+    #[serde(default)]
+    pub annotate: AnnotateConfig,
+    /// Ranges to leave out and names of ranges by clip, as a sidecar file beside the clip has them.
+    #[serde(default)]
+    pub clips: BTreeMap<String, Sidecar>,
+    /// How frames are compared.
+    #[serde(default)]
+    pub features: FeaturesConfig,
+    /// The motion graph.
+    #[serde(default)]
+    pub graph: GraphConfig,
+    /// How policies are solved.
+    #[serde(default)]
+    pub policy: PolicyConfig,
+    /// What characters can be asked to do.
+    #[serde(default = "default_behaviours")]
+    pub behaviours: Vec<BehaviourConfig>,
+}
+
+fn default_behaviours() -> Vec<BehaviourConfig> {
+    vec![BehaviourConfig::default()]
+}
+
+impl BuildConfig {
+    /// A build of some files with everything else as it comes.
+    pub fn new(name: impl Into<String>, inputs: Vec<PathBuf>) -> Self {
+        Self {
+            name: name.into(),
+            inputs,
+            import: ImportConfig::default(),
+            retarget: RetargetConfig::default(),
+            resample: ResampleConfig::default(),
+            annotate: AnnotateConfig::default(),
+            clips: BTreeMap::new(),
+            features: FeaturesConfig::default(),
+            graph: GraphConfig::default(),
+            policy: PolicyConfig::default(),
+            behaviours: default_behaviours(),
+        }
+    }
+
+    /// Reads a config file; paths in it are taken from its folder.
+    ///
+    /// # Errors
+    /// [`BuildError::Io`], or [`BuildError::Config`] with file, line and column, and for an unknown key the nearest
+    /// known one.
+    pub fn load(path: &Path) -> Result<Self, BuildError> {
+        let text =
+            std::fs::read_to_string(path).map_err(|source| BuildError::Io { path: path.to_path_buf(), source })?;
+        let mut config = Self::parse(&text, path)?;
+        if config.name.is_empty() {
+            config.name = path.file_stem().map_or_else(String::new, |s| s.to_string_lossy().into_owned());
+        }
+        let folder = path.parent().unwrap_or(Path::new(""));
+        let places = config.inputs.iter_mut().chain(&mut config.import.asf).chain(&mut config.import.profiles);
+        places.for_each(|p| *p = folder.join(&p));
+        Ok(config)
+    }
+
+    /// Reads a config's text; `path` is for messages alone.
+    ///
+    /// # Errors
+    /// [`BuildError::Config`] as [`BuildConfig::load`].
+    pub fn parse(text: &str, path: &Path) -> Result<Self, BuildError> {
+        toml::from_str(text).map_err(|e| BuildError::Config { message: explain(&e, text, path) })
+    }
+
+    /// The config as TOML, as the bundle keeps it.
+    ///
+    /// # Errors
+    /// [`BuildError::Config`] where a value cannot be written.
+    pub fn to_toml(&self) -> Result<String, BuildError> {
+        toml::to_string(self).map_err(|e| BuildError::Config { message: e.to_string() })
+    }
+
+    /// The JSON schema of config files.
+    pub fn json_schema() -> schemars::Schema {
+        schemars::schema_for!(BuildConfig)
+    }
+}
+
+/// The error with file, line and column, and for an unknown key the nearest known one.
+fn explain(error: &toml::de::Error, text: &str, path: &Path) -> String {
+    let before = error.span().and_then(|s| text.get(..s.start)).unwrap_or_default();
+    let line = before.matches('\n').count() + 1;
+    let column = before.chars().rev().take_while(|&c| c != '\n').count() + 1;
+    let message = error.message();
+    let place = format!("{}:{line}:{column}: {message}", path.display());
+    match nearest_key(message) {
+        Some(known) => format!("{place}. Did you mean `{known}`?"),
+        None => format!("{place}. `throng schema` prints what a config may hold."),
+    }
+}
+
+/// The key a message such as "unknown field `a`, expected one of `b`, `c`" most likely meant.
+fn nearest_key(message: &str) -> Option<&str> {
+    let mut quoted = message.strip_prefix("unknown ")?.split('`').skip(1).step_by(2);
+    let unknown = quoted.next()?;
+    quoted.max_by(|a, b| strsim::jaro_winkler(unknown, a).total_cmp(&strsim::jaro_winkler(unknown, b)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_unknown_key_names_its_line_and_the_nearest_known_one() {
+        let text = "inputs = [\"a\"]\n\n[graph]\nbranshing = 3.0\n";
+        let e = BuildConfig::parse(text, Path::new("x.toml")).unwrap_err().to_string();
+        assert!(e.starts_with("x.toml:4:1: unknown field `branshing`"), "{e}");
+        assert!(e.ends_with("Did you mean `branching`?"), "{e}");
+    }
+
+    #[test]
+    fn a_wrong_type_names_its_line() {
+        let e = BuildConfig::parse("inputs = 3\n", Path::new("x.toml")).unwrap_err().to_string();
+        assert!(e.starts_with("x.toml:1:10:"), "{e}");
+        let e = BuildConfig::parse("name = \"a\"\n", Path::new("x.toml")).unwrap_err().to_string();
+        assert!(e.contains("inputs"), "{e}");
+    }
+
+    #[test]
+    fn what_is_written_reads_back() {
+        let config = BuildConfig::new("a", vec!["b".into()]);
+        let text = config.to_toml().unwrap();
+        assert_eq!(BuildConfig::parse(&text, Path::new("x.toml")).unwrap(), config);
+    }
+}

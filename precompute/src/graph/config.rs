@@ -1,0 +1,114 @@
+//! How the motion graph is made.
+
+use crate::error::BuildError;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// Settings of [`super::connect`].
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct GraphConfig {
+    /// Actions a state should have on average; the threshold is chosen for it. [Limit: 2 to max_actions]
+    pub branching: f64,
+    /// Distance up to which frames match, in place of one chosen for `branching`. [Unit: rad] [Limit: > 0]
+    pub threshold: Option<f64>,
+    /// Largest distance of any transition. No chosen threshold is larger, even if `branching` is not reached; and
+    /// every event frame may use its two nearest matches, in and out, up to here, whatever the threshold, so that
+    /// rare motion stays in and ends of clips are not dead ends. [Unit: rad] [Limit: > 0]
+    pub max_error: f64,
+    /// Most actions a state may have. [Limit: 2 to 255]
+    pub max_actions: usize,
+    /// Transitions that stay within this time of where they leave in the same clip are left out.
+    /// [Unit: s] [Limit: >= 0]
+    pub min_jump_s: f64,
+    /// Of two matches whose motion leads within `outcome_horizon_s` to places nearer than this, and to headings
+    /// nearer than `outcome_angle`, only the better is an action. 0 keeps both. [Unit: m] [Limit: >= 0]
+    pub outcome_distance: f64,
+    /// See `outcome_distance`. [Unit: rad] [Limit: >= 0]
+    pub outcome_angle: f64,
+    /// See `outcome_distance`. [Unit: s] [Limit: > 0]
+    pub outcome_horizon_s: f64,
+    /// A character with both feet planted whose root is slower than this stands. [Unit: m/s] [Limit: >= 0]
+    pub standing_speed_mps: f64,
+    /// Shortest time that counts as standing. [Unit: s] [Limit: >= 0]
+    pub standing_min_s: f64,
+    /// Time between event frames while standing. [Unit: s] [Limit: > 0]
+    pub standing_interval_s: f64,
+    /// A foot that comes down again sooner has not left the ground. [Unit: s] [Limit: >= 0]
+    pub min_swing_s: f64,
+    /// Least motion in the graph; less is an error. [Unit: s] [Limit: >= 0]
+    pub min_component_s: f64,
+}
+
+impl Default for GraphConfig {
+    fn default() -> Self {
+        Self {
+            branching: 16.0,
+            threshold: None,
+            max_error: 0.5,
+            max_actions: 64,
+            min_jump_s: 0.3,
+            outcome_distance: 0.1,
+            outcome_angle: 0.1,
+            outcome_horizon_s: 1.0,
+            standing_speed_mps: 0.15,
+            standing_min_s: 0.3,
+            standing_interval_s: 0.25,
+            min_swing_s: 0.1,
+            min_component_s: 10.0,
+        }
+    }
+}
+
+impl GraphConfig {
+    /// # Errors
+    /// [`BuildError::Config`] naming the first key out of its limits.
+    pub(super) fn check(&self) -> Result<(), BuildError> {
+        let limits = [
+            ("threshold", self.threshold.unwrap_or(1.0), f64::MIN_POSITIVE, f64::MAX),
+            ("max_error", self.max_error, f64::MIN_POSITIVE, f64::MAX),
+            ("max_actions", self.max_actions as f64, 2.0, 255.0),
+            ("branching", self.branching, 2.0, self.max_actions as f64),
+            ("min_jump_s", self.min_jump_s, 0.0, f64::MAX),
+            ("outcome_distance", self.outcome_distance, 0.0, f64::MAX),
+            ("outcome_angle", self.outcome_angle, 0.0, f64::MAX),
+            ("outcome_horizon_s", self.outcome_horizon_s, f64::MIN_POSITIVE, f64::MAX),
+            ("standing_speed_mps", self.standing_speed_mps, 0.0, f64::MAX),
+            ("standing_min_s", self.standing_min_s, 0.0, f64::MAX),
+            ("standing_interval_s", self.standing_interval_s, f64::MIN_POSITIVE, f64::MAX),
+            ("min_swing_s", self.min_swing_s, 0.0, f64::MAX),
+            ("min_component_s", self.min_component_s, 0.0, f64::MAX),
+        ];
+        match limits.into_iter().find(|&(_, value, low, high)| !(low..=high).contains(&value)) {
+            None => Ok(()),
+            Some((key, value, low, high)) => {
+                let wanted = match (low == f64::MIN_POSITIVE, high == f64::MAX) {
+                    (true, _) => "a number above 0".to_owned(),
+                    (false, true) => format!("a number of at least {low}"),
+                    (false, false) => format!("a number from {low} to {high}"),
+                };
+                Err(BuildError::Config {
+                    message: format!("graph.{key}: expected {wanted}, found {value}. Correct the config."),
+                })
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn defaults_are_within_their_limits_and_bad_numbers_are_named() {
+        assert!(GraphConfig::default().check().is_ok());
+        for (config, key) in [
+            (GraphConfig { branching: 65.0, ..Default::default() }, "branching"),
+            (GraphConfig { max_actions: 256, ..Default::default() }, "max_actions"),
+            (GraphConfig { threshold: Some(0.0), ..Default::default() }, "threshold"),
+            (GraphConfig { standing_interval_s: f64::NAN, ..Default::default() }, "standing_interval_s"),
+        ] {
+            assert!(config.check().unwrap_err().to_string().contains(&format!("graph.{key}:")));
+        }
+    }
+}

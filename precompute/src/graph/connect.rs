@@ -1,0 +1,179 @@
+//! The stage: event frames, matches, threshold, component, collapse.
+
+use super::component::{EventGraph, largest_component};
+use super::config::GraphConfig;
+use super::events::{self, Event};
+use super::matches::{self, Link};
+use super::report::{self, GraphReport};
+use super::{MotionGraph, choose, collapse};
+use crate::clip::ClipSet;
+use crate::error::BuildError;
+use crate::features::Features;
+use crate::progress::Progress;
+use throng_runtime::Planar;
+
+/// Steps of the search for the threshold; each halves the interval.
+const SEARCH_STEPS: usize = 20;
+
+/// Share of the frames that the largest error would keep, which a smaller threshold must keep too: a handful of
+/// nearly equal frames may have many actions at a threshold that leaves everything else unconnected.
+const KEPT_SHARE: f64 = 0.95;
+
+/// Connects similar frames to a graph of states and actions.
+///
+/// - `clips`: with contacts; all at the same rate.
+/// - `features`: of the same clips.
+///
+/// Transitions join event frames of equal kind: a foot about to leave the ground, with the other foot equally
+/// planted or not, or standing. Their largest distance is chosen so that states have `config.branching` actions
+/// on average. The largest strongly connected component is kept, frames with one way out are collapsed.
+///
+/// # Errors
+/// [`BuildError::Config`] for a number out of range; [`BuildError::Stage`] where clips lack contacts or differ in
+/// rate, and where the largest component has less than `config.min_component_s` of motion.
+///
+/// # Source
+/// Lee and Lee 2004, sections 3 and 6. Differs: either foot makes an event, not the left one alone; so does
+/// standing; the threshold is searched for; of matches with the same outcome only the best is kept; every event
+/// may use its two nearest matches beyond the threshold.
+pub fn connect(
+    clips: &ClipSet,
+    features: &Features,
+    config: &GraphConfig,
+    progress: &dyn Progress,
+) -> Result<(MotionGraph, GraphReport), BuildError> {
+    config.check()?;
+    let rate_hz = check_clips(clips, features)?;
+    let search = Search::new(clips, features, config, rate_hz, progress);
+    let (graph, threshold) = search.run();
+    let standing = events::standing_frames(clips, config);
+    let report = report::report(&graph, clips, &standing, search.events.len(), threshold);
+    if (report.frames_kept as f64) < config.min_component_s * rate_hz || graph.states.is_empty() {
+        return Err(too_small(&report, config, rate_hz));
+    }
+    Ok((graph, report))
+}
+
+fn check_clips(clips: &ClipSet, features: &Features) -> Result<f64, BuildError> {
+    let fail = |message: String, help: &str| BuildError::Stage { stage: "graph", message, help: help.to_owned() };
+    let Some(first) = clips.clips.first() else {
+        return Err(fail("there are no clips".into(), "Check the paths of the config"));
+    };
+    for c in &clips.clips {
+        if c.contacts.len() != c.num_frames() {
+            let message = format!("clip {}: expected {} contacts, found {}", c.name, c.num_frames(), c.contacts.len());
+            return Err(fail(message, "Annotate the clips first"));
+        }
+        if c.rate_hz != first.rate_hz {
+            let message = format!(
+                "clip {}: expected {} Hz as clip {}, found {} Hz",
+                c.name, first.rate_hz, first.name, c.rate_hz
+            );
+            return Err(fail(message, "Resample the clips to one rate first"));
+        }
+    }
+    if features.num_frames() != clips.num_frames() {
+        let message = format!("expected features of {} frames, found {}", clips.num_frames(), features.num_frames());
+        return Err(fail(message, "Extract the features from the same clips"));
+    }
+    Ok(first.rate_hz)
+}
+
+fn too_small(report: &GraphReport, config: &GraphConfig, rate_hz: f64) -> BuildError {
+    let seconds = |frames: usize| frames as f64 / rate_hz;
+    BuildError::Stage {
+        stage: "graph",
+        message: format!(
+            "the largest strongly connected part of the motion has {:.1} s ({} of {} usable frames, {} of {} event frames \
+             as states, transitions up to {:.3} rad), less than graph.min_component_s = {} s",
+            seconds(report.frames_kept),
+            report.frames_kept,
+            report.frames_in,
+            report.states,
+            report.event_frames,
+            config.max_error,
+            config.min_component_s
+        ),
+        help: format!(
+            "Add longer clips that return to similar poses ({:.1} s are usable now), check that feet touch the ground \
+             (throng inspect CLIP), add mirrored copies, or raise graph.max_error",
+            seconds(report.frames_in)
+        ),
+    }
+}
+
+/// Everything that does not depend on the threshold.
+struct Search<'a> {
+    clips: &'a ClipSet,
+    config: &'a GraphConfig,
+    events: Vec<Event>,
+    next: Vec<Option<usize>>,
+    frames: Vec<u32>,
+    outcomes: Vec<Planar>,
+    matches: Vec<Vec<Link>>,
+}
+
+impl<'a> Search<'a> {
+    fn new(
+        clips: &'a ClipSet,
+        features: &Features,
+        config: &'a GraphConfig,
+        rate_hz: f64,
+        progress: &dyn Progress,
+    ) -> Self {
+        let events = events::find(clips, config);
+        let next = matches::successors(&events);
+        let mut frames = vec![0; events.len()];
+        for (i, n) in next.iter().enumerate() {
+            if let Some(n) = *n {
+                frames[n] = events[n].frame.0 - events[i].frame.0;
+            }
+        }
+        let limit = config.max_error.max(config.threshold.unwrap_or(0.0)) as f32;
+        let min_jump = (config.min_jump_s * rate_hz).round() as u32;
+        let matches = matches::find(&events, features, limit, min_jump, progress);
+        let outcomes = matches::outcomes(&events, clips, config.outcome_horizon_s);
+        Self { clips, config, events, next, frames, outcomes, matches }
+    }
+
+    /// The graph at the threshold that is given, or at the least one that reaches the wanted branching and keeps
+    /// nearly everything, or at the largest error.
+    fn run(&self) -> (MotionGraph, f32) {
+        if let Some(threshold) = self.config.threshold {
+            return (self.graph_at(threshold as f32), threshold as f32);
+        }
+        let (mut low, mut high) = (0.0, self.config.max_error as f32);
+        let mut best = (self.graph_at(high), high);
+        let least_kept = KEPT_SHARE * self.frames_kept(&best.0);
+        let suffices = |g: &MotionGraph| branching(g) >= self.config.branching && self.frames_kept(g) >= least_kept;
+        if !suffices(&best.0) {
+            return best;
+        }
+        for _ in 0..SEARCH_STEPS {
+            let middle = 0.5 * (low + high);
+            let graph = self.graph_at(middle);
+            if suffices(&graph) {
+                high = middle;
+                best = (graph, middle);
+            } else {
+                low = middle;
+            }
+        }
+        best
+    }
+
+    fn frames_kept(&self, graph: &MotionGraph) -> f64 {
+        report::played_frames(graph, self.clips).iter().filter(|p| **p).count() as f64
+    }
+
+    fn graph_at(&self, threshold: f32) -> MotionGraph {
+        let links = choose::choose(&self.matches, &self.outcomes, threshold, self.config);
+        let mut graph = EventGraph { next: self.next.clone(), frames: self.frames.clone(), links };
+        let alive = largest_component(&mut graph, &self.matches);
+        collapse::collapse(&graph, &alive, &self.events, self.clips)
+    }
+}
+
+fn branching(graph: &MotionGraph) -> f64 {
+    graph.actions.len() as f64 / graph.states.len().max(1) as f64
+}

@@ -1,0 +1,314 @@
+//! Measures a bundle on this machine: what a query, a joint, a character cost, beside copying the same bytes.
+
+use crate::error::BuildError;
+use crate::policy::made_up::MadeUp;
+use crate::policy::{PolicyConfig, Solution};
+use glam::Vec3;
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg64Mcg;
+use rayon::prelude::*;
+use serde::Serialize;
+use std::f32::consts::TAU;
+use std::hint::black_box;
+use std::time::Instant;
+use throng_runtime::policy::{BestActionJob, Goal as PolicyGoal, LookAheadJob, PolicyTable, RankedActions};
+use throng_runtime::troupe::{Goal, Repertoire, SampleJob, Start, Troupe, TroupeConfig};
+use throng_runtime::{Mat3x4, NUM_JOINTS, Planar, Tables};
+
+/// What is measured.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MeasureConfig {
+    /// Numbers of characters.
+    pub characters: Vec<usize>,
+    /// Numbers of threads.
+    pub threads: Vec<usize>,
+    /// Time given to each figure. [Unit: s] [Limit: > 0]
+    pub seconds: f64,
+}
+
+/// All figures.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Measured {
+    /// One entry for each number of characters and threads.
+    pub results: Vec<CrowdFigures>,
+    /// The made-up problem, on one thread.
+    pub value_iteration: ValueIterationFigures,
+}
+
+/// Medians over many rounds; nanoseconds of wall time.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct CrowdFigures {
+    /// Number of characters.
+    pub characters: usize,
+    /// Number of threads.
+    pub threads: usize,
+    /// Single-load query of a random state and target, in a batch.
+    pub control_ns_per_query: f64,
+    /// Look-ahead over the actions of a random state of this bundle, in a batch.
+    pub lookahead_ns_per_query: f64,
+    /// Actions such a look-ahead weighs, mean.
+    pub lookahead_actions: f64,
+    /// Look-ahead over the 62 actions of a state of the made-up problem, in a batch.
+    pub lookahead_62_ns_per_query: f64,
+    /// Sampling between two rows at a random place, and model matrices.
+    pub sample_ns_per_joint: f64,
+    /// A full step at 60 Hz: control, sampling, transition, foot lock, model matrices of 22 joints.
+    pub step_ns_per_character: f64,
+    /// The same with single-load control.
+    pub step_single_load_ns_per_character: f64,
+    /// Copying as many bytes as the model matrices take.
+    pub memcpy_ns_per_character: f64,
+    /// Steps a second of all characters.
+    pub steps_per_second: f64,
+}
+
+/// The made-up problem: 437 states, 62 actions each, 400 cells.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct ValueIterationFigures {
+    /// (State, cell, action) triples.
+    pub pairs: u64,
+    /// Full sweeps over all of them.
+    pub sweeps: u32,
+    /// Sweeps over the greedy action alone, in between.
+    pub greedy_sweeps: u32,
+    /// Time of all sweeps. [Unit: s]
+    pub seconds: f64,
+    /// Time to work out stencils and rewards before. [Unit: s]
+    pub setup_seconds: f64,
+    /// Measured largest change of the last full sweep.
+    pub residual: f64,
+    /// Bytes a full sweep reads and writes.
+    pub bytes_per_sweep: u64,
+    /// Bytes a second that full sweeps alone would move, were greedy sweeps free.
+    pub sweep_bytes_per_second: f64,
+    /// Bytes a second (read and written) of copying 256 MB.
+    pub copy_bytes_per_second: f64,
+}
+
+/// Measures everything.
+///
+/// # Errors
+/// [`BuildError::Stage`] where the bundle has no behaviour, a number is 0, or a thread pool cannot be had.
+pub fn measure(tables: &Tables, config: &MeasureConfig) -> Result<Measured, BuildError> {
+    if tables.num_policies() == 0 {
+        return Err(fail("the bundle has no behaviour"));
+    }
+    if config.characters.contains(&0) || config.threads.contains(&0) {
+        return Err(fail("numbers of characters and threads must be at least 1"));
+    }
+    let repertoire = Repertoire::new(tables);
+    let made_up = MadeUp::default();
+    let (model, solution) = in_pool(1, || made_up.solve(&PolicyConfig::default()))??;
+    let best = vec![0; solution.values.len()];
+    let large = solution.table(&model, &best)?;
+    let mut results = Vec::new();
+    for &threads in &config.threads {
+        for &characters in &config.characters {
+            let bench = Bench { repertoire: &repertoire, large, characters, seconds: config.seconds };
+            let figures = in_pool(threads, || bench.run(threads))??;
+            results.push(figures);
+        }
+    }
+    Ok(Measured { results, value_iteration: value_iteration(&solution) })
+}
+
+fn fail(message: impl Into<String>) -> BuildError {
+    BuildError::Stage { stage: "bench", message: message.into(), help: "See `throng bench --help`".into() }
+}
+
+fn in_pool<T: Send>(threads: usize, work: impl FnOnce() -> T + Send) -> Result<T, BuildError> {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().map_err(|e| fail(e.to_string()))?;
+    Ok(pool.install(work))
+}
+
+fn value_iteration(s: &Solution) -> ValueIterationFigures {
+    ValueIterationFigures {
+        pairs: s.num_pairs,
+        sweeps: s.num_sweeps,
+        greedy_sweeps: s.num_greedy_sweeps,
+        seconds: s.sweep_s,
+        setup_seconds: s.setup_s,
+        residual: f64::from(s.residual),
+        bytes_per_sweep: s.bytes_per_sweep as u64,
+        sweep_bytes_per_second: s.bytes_per_sweep as f64 * f64::from(s.num_sweeps) / s.sweep_s.max(1e-9),
+        copy_bytes_per_second: copy_bandwidth(),
+    }
+}
+
+/// Bytes read and written a second by a large copy.
+fn copy_bandwidth() -> f64 {
+    let from = vec![1u8; 256 << 20];
+    let mut to = vec![0u8; from.len()];
+    let ns = median_ns(0.5, || to.copy_from_slice(black_box(&from)));
+    black_box(&to);
+    2.0 * from.len() as f64 / (ns * 1e-9)
+}
+
+/// Median time of a round, over as many rounds as fit.
+fn median_ns(seconds: f64, mut round: impl FnMut()) -> f64 {
+    round();
+    let begin = Instant::now();
+    let mut times = Vec::new();
+    while times.len() < 5 || begin.elapsed().as_secs_f64() < seconds {
+        let t = Instant::now();
+        round();
+        times.push(t.elapsed().as_secs_f64() * 1e9);
+    }
+    times.sort_by(f64::total_cmp);
+    times[times.len() / 2]
+}
+
+/// One number of characters, inside a thread pool.
+struct Bench<'a> {
+    repertoire: &'a Repertoire<'a>,
+    large: PolicyTable<'a>,
+    characters: usize,
+    seconds: f64,
+}
+
+impl Bench<'_> {
+    fn run(&self, threads: usize) -> Result<CrowdFigures, BuildError> {
+        let n = self.characters as f64;
+        let Some(&policy) = self.repertoire.policy(0) else { return Err(fail("the bundle has no behaviour")) };
+        let (control, lookahead, lookahead_actions) = self.queries(policy)?;
+        let (_, lookahead_62, _) = self.queries(self.large)?;
+        let single = TroupeConfig { choice: throng_runtime::troupe::Choice::BestAction, ..TroupeConfig::default() };
+        let step = self.step(TroupeConfig::default())?;
+        Ok(CrowdFigures {
+            characters: self.characters,
+            threads,
+            control_ns_per_query: control / n,
+            lookahead_ns_per_query: lookahead / n,
+            lookahead_actions,
+            lookahead_62_ns_per_query: lookahead_62 / n,
+            sample_ns_per_joint: self.sample()? / (n * NUM_JOINTS as f64),
+            step_ns_per_character: step / n,
+            step_single_load_ns_per_character: self.step(single)? / n,
+            memcpy_ns_per_character: self.memcpy() / n,
+            steps_per_second: 1e9 / step,
+        })
+    }
+
+    /// Characters that one task handles: all on one thread.
+    fn share(&self) -> usize {
+        self.characters.div_ceil(rayon::current_num_threads()).max(1)
+    }
+
+    /// Time of a batch of single-load queries and of look-aheads, and the actions a look-ahead weighs.
+    fn queries(&self, policy: PolicyTable<'_>) -> Result<(f64, f64, f64), BuildError> {
+        let mut rng = Pcg64Mcg::seed_from_u64(2);
+        let (n, share) = (self.characters, self.share());
+        let num_states = policy.actions().num_states() as u32;
+        let states: Vec<u32> = (0..n).map(|_| rng.random_range(0..num_states)).collect();
+        let targets: Vec<Vec3> = (0..n)
+            .map(|_| {
+                let (angle, distance) = (rng.random_range(0.0..TAU), rng.random_range(0.2..6.0f32));
+                Vec3::new(distance * angle.sin(), 0.0, distance * angle.cos())
+            })
+            .collect();
+        let weights = vec![1.0; n];
+        let mut actions = vec![0u8; n];
+        let mut ranked = vec![RankedActions::NONE; n];
+        let parts = || states.par_chunks(share).zip(targets.par_chunks(share));
+        BestActionJob { policy, states: &states, targets: &targets, choice: 0, actions: &mut actions }
+            .run()
+            .map_err(|e| fail(e.to_string()))?;
+        let control = median_ns(self.seconds, || {
+            parts().zip(actions.par_chunks_mut(share)).for_each(|((states, targets), actions)| {
+                black_box(BestActionJob { policy, states, targets, choice: 0, actions }.run().is_ok());
+            });
+        });
+        let lookahead = median_ns(self.seconds, || {
+            parts().zip(weights.par_chunks(share)).zip(ranked.par_chunks_mut(share)).for_each(
+                |(((states, targets), weights), ranked)| {
+                    let goals = [PolicyGoal { policy, weights, targets }];
+                    black_box(LookAheadJob { goals: &goals, states, ranked }.run().is_ok());
+                },
+            );
+        });
+        let weighed: usize = states.iter().map(|&s| policy.actions().segments_of(s).len()).sum();
+        black_box((&actions, &ranked));
+        Ok((control, lookahead, weighed as f64 / n as f64))
+    }
+
+    /// Time of sampling everybody at random places.
+    fn sample(&self) -> Result<f64, BuildError> {
+        let mut rng = Pcg64Mcg::seed_from_u64(3);
+        let (n, share) = (self.characters, self.share());
+        let segments = self.repertoire.graph().segments;
+        let mut frames = vec![0u32; n];
+        let mut ratios = vec![0.0f32; n];
+        let mut places = || {
+            for (f, r) in frames.iter_mut().zip(&mut ratios) {
+                let s = &segments[rng.random_range(0..segments.len())];
+                *f = s.start + rng.random_range(0..s.num_frames);
+                *r = rng.random_range(0.0..1.0);
+            }
+        };
+        places();
+        let repertoire = self.repertoire;
+        let mut matrices = vec![Mat3x4::default(); n * NUM_JOINTS];
+        let ns = median_ns(self.seconds, || {
+            let parts = frames.par_chunks(share).zip(ratios.par_chunks(share));
+            parts.zip(matrices.par_chunks_mut(share * NUM_JOINTS)).for_each(|((frames, ratios), matrices)| {
+                black_box(SampleJob { repertoire, frames, ratios, matrices }.run().is_ok());
+            });
+        });
+        black_box(&matrices);
+        Ok(ns)
+    }
+
+    /// Time of a full step, averaged over a second of simulated time a round.
+    fn step(&self, config: TroupeConfig) -> Result<f64, BuildError> {
+        const STEPS: usize = 60;
+        let mut rng = Pcg64Mcg::seed_from_u64(4);
+        let num_states = self.repertoire.graph().states.len() as u32;
+        let starts: Vec<Start> = (0..self.characters)
+            .map(|_| Start {
+                root: Planar::new(
+                    rng.random_range(-50.0..50.0),
+                    rng.random_range(-50.0..50.0),
+                    rng.random_range(0.0..TAU),
+                ),
+                state: rng.random_range(0..num_states),
+            })
+            .collect();
+        let mut troupe = Troupe::new(self.repertoire, config, &starts).map_err(|e| fail(e.to_string()))?;
+        let mut targets = vec![Vec3::ZERO; self.characters];
+        let one_thread = rayon::current_num_threads() == 1;
+        let mut failed = None;
+        let ns = median_ns(self.seconds.max(0.5), || {
+            // Targets move every second, so that nobody comes to rest.
+            for t in &mut targets {
+                *t = Vec3::new(rng.random_range(-50.0..50.0), 0.0, rng.random_range(-50.0..50.0));
+            }
+            for _ in 0..STEPS {
+                let goals = [Goal { policy: 0, weight: 1.0, targets: &targets }];
+                let done = if one_thread {
+                    troupe.step(self.repertoire, 1.0 / STEPS as f32, &goals)
+                } else {
+                    troupe.par_step(self.repertoire, 1.0 / STEPS as f32, &goals)
+                };
+                failed = failed.take().or(done.err());
+            }
+        });
+        black_box(troupe.model_matrices());
+        match failed {
+            Some(e) => Err(fail(e.to_string())),
+            None => Ok(ns / STEPS as f64),
+        }
+    }
+
+    /// Time to copy everybody's model matrices.
+    fn memcpy(&self) -> f64 {
+        let (n, share) = (self.characters * NUM_JOINTS, self.share() * NUM_JOINTS);
+        let from = vec![Mat3x4 { rows: [[1.0; 4]; 3] }; n];
+        let mut to = vec![Mat3x4::default(); n];
+        let ns = median_ns(self.seconds, || {
+            let parts = black_box(&from).par_chunks(share).zip(to.par_chunks_mut(share));
+            parts.for_each(|(from, to)| to.copy_from_slice(from));
+        });
+        black_box(&to);
+        ns
+    }
+}

@@ -1,0 +1,119 @@
+//! What several pictures have in common: headers, legends, grids and scale bars.
+
+use super::camera::Camera;
+use super::canvas::{Area, Picture};
+use super::colour::{self, Colour};
+use super::text::{Align, TextStyle, draw_text, text_width};
+use glam::{Vec2, Vec3};
+
+/// Most lines a grid has in one direction.
+const MAX_LINES: i32 = 400;
+
+/// The largest of 1, 2, 5, 10, 20, ... (and their tenths) that is not above `wanted`; at least 0.1.
+pub(super) fn nice_step(wanted: f32) -> f32 {
+    let power = 10f32.powf(wanted.max(0.1).log10().floor());
+    let times = [5.0, 2.0].into_iter().find(|t| t * power <= wanted).unwrap_or(1.0);
+    times * power
+}
+
+/// A length as text: metres, without needless digits.
+pub(super) fn metres(length: f32) -> String {
+    if length >= 1.0 { format!("{length:.0} m") } else { format!("{length:.1} m") }
+}
+
+/// Title and subtitle at the upper left.
+pub(super) fn header(page: &mut Picture, unit: f32, title: &str, subtitle: &str) {
+    let style = TextStyle { size: 34.0 * unit, colour: colour::INK, align: Align::Left, bold: true };
+    draw_text(page, Vec2::new(18.0, 42.0) * unit, title, style);
+    let style = TextStyle { size: 20.0 * unit, colour: colour::INK_SOFT, align: Align::Left, bold: false };
+    draw_text(page, Vec2::new(18.0, 69.0) * unit, subtitle, style);
+}
+
+/// Coloured entries at the upper right of `area`, a remark below them.
+pub(super) fn legend(page: &mut Picture, area: Area, unit: f32, entries: &[(Colour, String)], remark: &str) {
+    let style = TextStyle { size: 21.0 * unit, colour: colour::INK, align: Align::Right, bold: true };
+    let mut x = area.max().x;
+    let y = area.min.y + 42.0 * unit;
+    for (tint, text) in entries.iter().rev() {
+        draw_text(page, Vec2::new(x, y), text, style);
+        x -= text_width(text, style.size) + 14.0 * unit;
+        page.fill_disc(Vec2::new(x, y - 6.5 * unit), 7.0 * unit, *tint);
+        x -= 30.0 * unit;
+    }
+    let style = TextStyle { size: 18.0 * unit, colour: colour::INK_SOFT, bold: false, ..style };
+    draw_text(page, Vec2::new(area.max().x, area.min.y + 69.0 * unit), remark, style);
+}
+
+/// Lines on the ground, `step` metres apart, over the whole panel; every fifth is stronger.
+pub(super) fn grid(panel: &mut Picture, camera: &Camera, step: f32, unit: f32) {
+    let size = Vec2::new(panel.width() as f32, panel.height() as f32);
+    let corners = [Vec2::ZERO, size.with_y(0.0), size, size.with_x(0.0)].map(|c| camera.ground(c));
+    let (mut min, mut max) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
+    for c in corners.into_iter().flatten() {
+        (min, max) = (min.min(c), max.max(c));
+    }
+    if !(min.is_finite() && max.is_finite()) {
+        return;
+    }
+    let range = |low: f32, high: f32| {
+        let first = (low / step).ceil() as i32;
+        first..=((high / step).floor() as i32).min(first.saturating_add(MAX_LINES))
+    };
+    let mut line = |i: i32, a: Vec3, b: Vec3| {
+        let strong = i % 5 == 0;
+        let (width, opacity) = if strong { (1.3, 0.9) } else { (0.9, 0.45) };
+        panel.stroke_line(&[camera.project(a), camera.project(b)], width * unit, colour::GRID.alpha(opacity));
+    };
+    for i in range(min.x, max.x) {
+        let x = i as f32 * step;
+        line(i, Vec3::new(x, 0.0, min.z), Vec3::new(x, 0.0, max.z));
+    }
+    for i in range(min.z, max.z) {
+        let z = i as f32 * step;
+        line(i, Vec3::new(min.x, 0.0, z), Vec3::new(max.x, 0.0, z));
+    }
+}
+
+/// A length in metres at the lower left.
+pub(super) fn scale_bar(panel: &mut Picture, camera: &Camera, unit: f32) {
+    let length = nice_step(0.14 * panel.width() as f32 / camera.px_per_m);
+    let text = metres(length);
+    let (bar, size) = (length * camera.px_per_m, 19.0 * unit);
+    let width = bar + text_width(&text, size) + 34.0 * unit;
+    let (x, y) = (12.0 * unit, panel.height() as f32 - 44.0 * unit);
+    panel.fill_rect(Area::new(x, y, width, 32.0 * unit), 6.0 * unit, colour::PAPER.alpha(0.88));
+    let (left, mid) = (x + 12.0 * unit, y + 16.0 * unit);
+    let ends = [Vec2::new(left, mid), Vec2::new(left + bar, mid)];
+    panel.stroke_line(&ends, 2.4 * unit, colour::INK);
+    for end in ends {
+        let tick = Vec2::new(0.0, 5.0 * unit);
+        panel.stroke_line(&[end - tick, end + tick], 2.4 * unit, colour::INK);
+    }
+    let style = TextStyle { size, colour: colour::INK, align: Align::Left, bold: true };
+    draw_text(panel, Vec2::new(left + bar + 10.0 * unit, mid + 6.0 * unit), &text, style);
+}
+
+/// A name on a coloured plate whose lower middle is at `at`.
+pub(super) fn tag(panel: &mut Picture, at: Vec2, unit: f32, name: &str, tint: Colour) {
+    let size = 19.0 * unit;
+    let width = text_width(name, size) + 14.0 * unit;
+    let x = (at.x - 0.5 * width).clamp(2.0, (panel.width() as f32 - width - 2.0).max(2.0));
+    let y = (at.y - 24.0 * unit).max(2.0);
+    panel.fill_rect(Area::new(x, y, width, 24.0 * unit), 5.0 * unit, tint);
+    let style = TextStyle { size, colour: colour::GROUND, align: Align::Left, bold: true };
+    draw_text(panel, Vec2::new(x + 7.0 * unit, y + 18.0 * unit), name, style);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn steps_are_one_two_or_five_times_a_power_of_ten() {
+        for (wanted, step) in [(0.01, 0.1), (0.99, 0.5), (1.0, 1.0), (4.9, 2.0), (73.0, 50.0), (199.0, 100.0)] {
+            assert!((nice_step(wanted) - step).abs() < 1e-4 * step, "{wanted}: {}", nice_step(wanted));
+        }
+        assert_eq!(metres(0.5), "0.5 m");
+        assert_eq!(metres(20.0), "20 m");
+    }
+}

@@ -1,0 +1,53 @@
+//! The offline build, in reading order. One line = one stage = one module.
+
+use crate::cache::{Cache, Key};
+use crate::config::BuildConfig;
+use crate::error::{BuildError, Warnings};
+use crate::progress::Progress;
+use crate::provenance::{self, Provenance};
+use crate::report::{self, BuildReport};
+use crate::stages::{Motion, Stages};
+use crate::write::{self, Baked};
+use crate::{annotate, features, graph, import, policy, resample, retarget};
+use std::path::Path;
+
+/// Bakes the files of a config into a bundle.
+///
+/// Stages whose input and config are those of an earlier build are read from the cache. The bundle takes its
+/// place only when it is whole. The same files, config and version give the same bytes at any number of threads.
+///
+/// # Errors
+/// What the first failing stage says; nothing is written then.
+pub fn build(cfg: &BuildConfig, out: &Path, cache: &Cache, progress: &dyn Progress) -> Result<BuildReport, BuildError> {
+    let mut s = Stages::new(cache, progress);
+    let from: Provenance = s.run("hash", |_| provenance::collect(&cfg.inputs, &cfg.import))?;
+
+    let key = Key::root().then("import", &(&from.sources, &cfg.import, &cfg.clips))?;
+    let key = key.then("motion", &(&cfg.retarget, &cfg.resample, &cfg.annotate))?;
+    let motion: Motion = s.cached("motion", key, |s| {
+        let raw = s.run("import", |p| Ok(import::read(&cfg.inputs, &cfg.import, p)?))?;
+        let mut warnings = report::of_import(&raw);
+        let clips = s.run("retarget", |_| retarget::onto(&raw.clips, &cfg.retarget, &mut warnings))?;
+        let clips = s.run("resample", |_| Ok(resample::resample(&clips, &cfg.resample)))?;
+        let marks = annotate::Sidecars::collect(&raw, &clips, &cfg.clips)?;
+        let clips = s.run("annotate", |_| annotate::annotate(&clips, &cfg.annotate, &marks))?;
+        Ok(Motion { clips, skipped: report::of_skipped(&raw), warnings })
+    })?;
+
+    let key = key.then("graph", &(&cfg.features, &cfg.graph))?;
+    let (graph, graph_report) = s.cached("graph", key, |s| {
+        let features = s.run("features", |_| features::extract(&motion.clips, &cfg.features))?;
+        s.run("graph", |p| graph::connect(&motion.clips, &features, &cfg.graph, p))
+    })?;
+
+    let key = key.then("policy", &(&cfg.policy, &cfg.behaviours))?;
+    let policies = s.cached("policy", key, |s| {
+        s.run("policy", |p| policy::solve(&motion.clips, &graph, &cfg.policy, &cfg.behaviours, p))
+    })?;
+
+    let meta = from.meta(cfg, &graph_report)?;
+    let baked = Baked { clips: &motion.clips, graph: &graph, policies: &policies, meta: &meta };
+    let bundle_bytes = s.run("write", |_| write::bundle(&baked, out))?;
+    let warnings = Warnings { messages: [motion.warnings.messages.clone(), s.warnings.messages.clone()].concat() };
+    Ok(report::of_build(cfg, &motion, graph_report, &policies, bundle_bytes, warnings, s.finish()))
+}

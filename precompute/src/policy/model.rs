@@ -1,0 +1,103 @@
+//! The state-action model a policy is solved on: the motion graph without its poses (003 section 3).
+
+use crate::clip::ClipSet;
+use crate::error::BuildError;
+use crate::graph::MotionGraph;
+use glam::Vec2;
+use throng_runtime::Planar;
+use throng_runtime::policy::MAX_ACTIONS;
+
+/// What behaviours know of a segment's motion.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SegmentMotion {
+    /// State at the end.
+    pub end: u32,
+    /// Frames played. [Limit: > 0]
+    pub num_frames: u32,
+    /// Planar root at the end as seen from the start.
+    pub displacement: Planar,
+    /// Ground positions (x, z) of the root at every frame from start to end, as seen from the start. [Unit: m]
+    /// [Size: num_frames + 1]
+    pub path: Vec<Vec2>,
+}
+
+impl SegmentMotion {
+    /// Root position at a moment in [0, num_frames], interpolated between frames. [Unit: m]
+    pub fn position_at(&self, moment: f32) -> Vec2 {
+        let last = self.path.len() - 1;
+        let frame = (moment.max(0.0) as usize).min(last);
+        self.path[frame].lerp(self.path[(frame + 1).min(last)], moment - frame as f32)
+    }
+
+    /// Ground speed of the root during a frame. [Unit: m/s] [Limit: frame < num_frames]
+    pub fn speed(&self, frame: usize, rate_hz: f64) -> f64 {
+        f64::from(self.path[frame].distance(self.path[frame + 1])) * rate_hz
+    }
+}
+
+/// States, actions and the motion of the segments they share.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ActionModel {
+    /// Frames a second. [Unit: Hz]
+    pub rate_hz: f64,
+    /// Actions of state s are `action_offsets[s]..action_offsets[s + 1]`. [Size: num_states + 1]
+    pub action_offsets: Vec<u32>,
+    /// Segment of each action.
+    pub action_segments: Vec<u32>,
+    /// The segments.
+    pub segments: Vec<SegmentMotion>,
+}
+
+impl ActionModel {
+    /// Takes from a motion graph what policies need.
+    ///
+    /// # Errors
+    /// [`BuildError::Stage`] where a state has more than 255 actions or clips have different frame rates.
+    pub fn new(clips: &ClipSet, graph: &MotionGraph) -> Result<Self, BuildError> {
+        let fail = |message, help: &str| BuildError::Stage { stage: "policy", message, help: help.into() };
+        let rate_hz = clips.clips.first().map_or(30.0, |c| c.rate_hz);
+        if let Some(c) = clips.clips.iter().find(|c| c.rate_hz != rate_hz) {
+            let message = format!("clip {} has {} Hz, others {rate_hz} Hz", c.name, c.rate_hz);
+            return Err(fail(message, "Resample all clips to one rate."));
+        }
+        for (s, pair) in graph.action_offsets.windows(2).enumerate() {
+            let n = pair[1].saturating_sub(pair[0]) as usize;
+            if n == 0 || n > MAX_ACTIONS {
+                let message = format!("state {s} has {n} actions, expected 1 to {MAX_ACTIONS}");
+                return Err(fail(message, "Lower the branching or the transition threshold of the graph."));
+            }
+        }
+        let starts = clips.frame_starts();
+        let segments = graph.segments.iter().map(|segment| {
+            let clip = starts.partition_point(|&s| s <= segment.start.0) - 1;
+            let first = (segment.start.0 - starts[clip]) as usize;
+            let root = clips.clips[clip].planar(first);
+            let place = |f: usize| {
+                let p = root.to_local(clips.clips[clip].planar(first + f));
+                Vec2::new(p.x, p.z)
+            };
+            SegmentMotion {
+                end: segment.end.0,
+                num_frames: segment.num_frames,
+                displacement: segment.displacement,
+                path: (0..=segment.num_frames as usize).map(place).collect(),
+            }
+        });
+        Ok(Self {
+            rate_hz,
+            action_offsets: graph.action_offsets.clone(),
+            action_segments: graph.actions.iter().map(|a| a.segment.0).collect(),
+            segments: segments.collect(),
+        })
+    }
+
+    /// Number of states.
+    pub fn num_states(&self) -> usize {
+        self.action_offsets.len() - 1
+    }
+
+    /// Frames of the shortest segment.
+    pub fn least_frames(&self) -> u32 {
+        self.segments.iter().map(|s| s.num_frames).min().unwrap_or(1)
+    }
+}

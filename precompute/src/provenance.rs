@@ -1,0 +1,60 @@
+//! Which files a build depends on, and what they hold.
+
+use crate::cache::content_hash;
+use crate::config::BuildConfig;
+use crate::error::BuildError;
+use crate::graph::GraphReport;
+use crate::import::{self, ImportConfig};
+use rayon::prelude::*;
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+use throng_runtime::format::{Meta, SourceMeta};
+
+/// The files of a build: motion, skeletons, sidecars, profiles.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Provenance {
+    /// Sorted by path.
+    pub sources: Vec<SourceMeta>,
+}
+
+/// Finds and hashes every file that the motion stages read.
+///
+/// # Errors
+/// [`BuildError::Import`] for a path that yields no file, [`BuildError::Io`] for a file that cannot be read.
+pub fn collect(inputs: &[PathBuf], cfg: &ImportConfig) -> Result<Provenance, BuildError> {
+    let motion = import::expand(inputs)?;
+    let mut all: BTreeSet<PathBuf> = motion.iter().cloned().chain(cfg.profiles.iter().cloned()).collect();
+    all.extend(cfg.asf.clone());
+    for path in &motion {
+        all.extend(Some(path.with_extension("toml")).filter(|p| p.is_file()));
+        if path.extension().is_some_and(|e| e.eq_ignore_ascii_case("amc")) && cfg.asf.is_none() {
+            all.extend(import::find_asf(path).ok());
+        }
+    }
+    let sources = all.into_par_iter().map(|p| hash(&p)).collect::<Result<_, _>>()?;
+    Ok(Provenance { sources })
+}
+
+fn hash(path: &Path) -> Result<SourceMeta, BuildError> {
+    let bytes = std::fs::read(path).map_err(|source| BuildError::Io { path: path.to_path_buf(), source })?;
+    Ok(SourceMeta { path: path.display().to_string(), bytes: bytes.len() as u64, hash: content_hash(&bytes) })
+}
+
+impl Provenance {
+    /// What the bundle says of itself; clips and behaviours are filled in when it is written.
+    ///
+    /// # Errors
+    /// [`BuildError::Config`] where the config cannot be written as TOML.
+    pub fn meta(&self, cfg: &BuildConfig, graph: &GraphReport) -> Result<Meta, BuildError> {
+        Ok(Meta {
+            name: cfg.name.clone(),
+            generator: concat!("throng ", env!("CARGO_PKG_VERSION")).into(),
+            rate_hz: cfg.resample.rate_hz,
+            config: cfg.to_toml()?,
+            sources: self.sources.clone(),
+            frames_in: graph.frames_in as u64,
+            frames_kept: graph.frames_kept as u64,
+            ..Meta::default()
+        })
+    }
+}

@@ -1,0 +1,119 @@
+//! What a build did, for people and for machines.
+
+use crate::annotate::{self, ContactSanity};
+use crate::config::BuildConfig;
+use crate::error::Warnings;
+use crate::graph::GraphReport;
+use crate::import::ImportedSet;
+use crate::policy::{PolicyReport, PolicyTables};
+use crate::stages::{Motion, Timing};
+use serde::Serialize;
+use std::collections::BTreeMap;
+
+/// What `throng build --json` prints.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct BuildReport {
+    /// The database's name.
+    pub name: String,
+    /// Clips, mirrored copies included.
+    pub clips: usize,
+    /// Usable frames of all clips.
+    pub frames_in: usize,
+    /// Frames that some action plays.
+    pub frames_kept: usize,
+    /// States of the motion graph.
+    pub states: usize,
+    /// Actions of all states.
+    pub actions: usize,
+    /// Time from the first file to the finished bundle. [Unit: s]
+    pub seconds_total: f64,
+    /// Time of each stage that ran. [Unit: s]
+    pub stage_s: BTreeMap<&'static str, f64>,
+    /// Outputs that were read from the cache: `motion` stands for import to annotate.
+    pub cached: Vec<&'static str>,
+    /// One entry per behaviour.
+    pub policies: Vec<PolicyReport>,
+    /// Length of the bundle. [Unit: bytes]
+    pub bundle_bytes: u64,
+    /// The motion graph's figures.
+    pub graph: GraphReport,
+    /// Foot contacts over all clips: shares and speeds, weighted by frames.
+    pub contacts: ContactSanity,
+    /// Frames left out, by reason.
+    pub excluded_frames: BTreeMap<String, usize>,
+    /// Files that were skipped, and why.
+    pub skipped: Vec<String>,
+    /// What is odd but tolerable.
+    pub warnings: Vec<String>,
+}
+
+/// Warnings of all clips.
+pub(crate) fn of_import(raw: &ImportedSet) -> Warnings {
+    let of_clip = |c: &crate::import::Imported| {
+        let place = c.clip.path.display().to_string();
+        let roles = c.roles.warnings.iter().map(move |w| format!("{place}: {w}"));
+        c.warnings.messages.iter().cloned().chain(roles).collect::<Vec<_>>()
+    };
+    Warnings { messages: raw.clips.iter().flat_map(of_clip).collect() }
+}
+
+/// Messages of the files that were skipped.
+pub(crate) fn of_skipped(raw: &ImportedSet) -> Vec<String> {
+    raw.skipped.iter().map(ToString::to_string).collect()
+}
+
+/// Everything together.
+pub(crate) fn of_build(
+    cfg: &BuildConfig,
+    motion: &Motion,
+    graph: GraphReport,
+    policies: &[PolicyTables],
+    bundle_bytes: u64,
+    warnings: Warnings,
+    timing: Timing,
+) -> BuildReport {
+    let mut stage_s = BTreeMap::new();
+    timing.stage_s.iter().for_each(|(name, s)| *stage_s.entry(*name).or_insert(0.0) += s);
+    let mut excluded_frames = BTreeMap::new();
+    for e in motion.clips.clips.iter().flat_map(|c| &c.excluded) {
+        *excluded_frames.entry(e.reason.to_string()).or_insert(0) += e.range.len();
+    }
+    BuildReport {
+        name: cfg.name.clone(),
+        clips: motion.clips.clips.len(),
+        frames_in: graph.frames_in,
+        frames_kept: graph.frames_kept,
+        states: graph.states,
+        actions: graph.actions,
+        seconds_total: timing.seconds_total,
+        stage_s,
+        cached: timing.cached,
+        policies: policies.iter().map(|p| p.report.clone()).collect(),
+        bundle_bytes,
+        graph,
+        contacts: contacts(motion),
+        excluded_frames,
+        skipped: motion.skipped.clone(),
+        warnings: warnings.messages,
+    }
+}
+
+/// Sanity of all originals, weighted by their frames; the 95th percentile is the largest of any clip.
+fn contacts(motion: &Motion) -> ContactSanity {
+    let (mut sum, mut frames) = (ContactSanity::default(), 0.0f32);
+    for c in motion.clips.clips.iter().filter(|c| !c.mirrored) {
+        let (s, n) = (annotate::sanity(c, &motion.clips.skeleton), c.num_frames() as f32);
+        sum.left_share += n * s.left_share;
+        sum.right_share += n * s.right_share;
+        sum.mean_speed_mps += n * s.mean_speed_mps;
+        sum.p95_speed_mps = sum.p95_speed_mps.max(s.p95_speed_mps);
+        frames += n;
+    }
+    let share = |v: f32| v / frames.max(1.0);
+    ContactSanity {
+        left_share: share(sum.left_share),
+        right_share: share(sum.right_share),
+        mean_speed_mps: share(sum.mean_speed_mps),
+        ..sum
+    }
+}

@@ -1,0 +1,302 @@
+//! A trial of a bundle: characters chase targets of their own, and what they do is measured.
+
+use crate::error::BuildError;
+use glam::{Vec2, Vec3};
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg64Mcg;
+use serde::Serialize;
+use std::f32::consts::TAU;
+use std::time::Instant;
+use throng_runtime::troupe::{Goal, Repertoire, Start, Troupe, TroupeConfig, TroupeError};
+use throng_runtime::{Contacts, Joint, NUM_JOINTS, Planar, Tables};
+
+/// What is tried.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TrialConfig {
+    /// Number of characters.
+    pub characters: usize,
+    /// Simulated time. [Unit: s]
+    pub seconds: f32,
+    /// Steps a simulated second. [Unit: Hz]
+    pub step_hz: f32,
+    /// Seed of places, targets and choices.
+    pub seed: u64,
+    /// Nearest and farthest a target stands at the start. [Unit: m]
+    pub distances: [f32; 2],
+    /// A target counts as reached within this distance. [Unit: m]
+    pub reach_m: f32,
+    /// Character whose poses are recorded.
+    pub recorded: usize,
+    /// How characters move.
+    pub troupe: TroupeConfig,
+}
+
+impl Default for TrialConfig {
+    fn default() -> Self {
+        Self {
+            characters: 1000,
+            seconds: 15.0,
+            step_hz: 60.0,
+            seed: 1,
+            distances: [2.0, 6.0],
+            reach_m: 0.5,
+            recorded: 0,
+            troupe: TroupeConfig::default(),
+        }
+    }
+}
+
+/// What a trial measured.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct TrialReport {
+    /// Number of characters.
+    pub characters: usize,
+    /// Simulated time. [Unit: s]
+    pub simulated_s: f32,
+    /// Share of the characters that came within reach of their target.
+    pub reached_fraction: f64,
+    /// Share of the characters within one and a half reaches at the end.
+    pub stayed_fraction: f64,
+    /// Mean time to reach the target, of those who did. [Unit: s]
+    pub mean_arrival_s: f64,
+    /// Distance to the target at the end, mean over all characters. [Unit: m]
+    pub mean_final_distance_m: f64,
+    /// Mean speed of planted heels and toes. [Unit: m/s]
+    pub foot_slip_mean_mps: f64,
+    /// 95th percentile of the speed of planted heels and toes. [Unit: m/s]
+    pub foot_slip_p95_mps: f64,
+    /// Steps of the whole troupe a second of wall time, control and poses included, on one thread.
+    pub steps_per_second: f64,
+    /// Poses made a second of wall time.
+    pub poses_per_second: f64,
+    /// Choices made a second of wall time.
+    pub choices_per_second: f64,
+}
+
+/// What a trial leaves to be drawn.
+#[derive(Clone, Debug, Default)]
+pub struct TrialRecord {
+    /// Planar roots at the end, and where everybody started.
+    pub roots: Vec<Planar>,
+    /// Where everybody went, five times a second. [Unit: m]
+    pub trails: Vec<Vec<Vec2>>,
+    /// Targets. [Unit: m]
+    pub targets: Vec<Vec3>,
+    /// When each target was reached; infinite where it was not. [Unit: s]
+    pub arrivals_s: Vec<f32>,
+    /// World positions of all joints of everybody at the end. [Unit: m]
+    pub poses: Vec<[Vec3; NUM_JOINTS]>,
+    /// The recorded character, every step.
+    pub frames: Vec<TrialFrame>,
+}
+
+/// The recorded character at one step.
+#[derive(Clone, Copy, Debug)]
+pub struct TrialFrame {
+    /// [Unit: s]
+    pub time_s: f32,
+    /// Planar root.
+    pub root: Planar,
+    /// World positions of all joints. [Unit: m]
+    pub positions: [Vec3; NUM_JOINTS],
+    /// Planted parts of the feet.
+    pub contacts: Contacts,
+    /// Segment that is played.
+    pub segment: u32,
+}
+
+/// Runs a trial of the first behaviour of a bundle.
+///
+/// # Errors
+/// [`BuildError::Stage`] where the bundle has no behaviour or the config is out of range.
+pub fn run(tables: &Tables, config: &TrialConfig) -> Result<(TrialReport, TrialRecord), BuildError> {
+    let fail = |e: TroupeError| stage_error(e.to_string());
+    if tables.num_policies() == 0 {
+        return Err(stage_error("the bundle has no behaviour".into()));
+    }
+    if config.characters == 0 || !(config.step_hz >= 1.0 && config.seconds > 0.0 && config.seconds < 1e5) {
+        return Err(stage_error(format!(
+            "expected characters, a time and at least 1 step a second, found {} characters, {} s, {} Hz",
+            config.characters, config.seconds, config.step_hz
+        )));
+    }
+    let repertoire = Repertoire::new(tables);
+    let (starts, targets) = scatter(tables, config);
+    let mut troupe = Troupe::new(&repertoire, config.troupe, &starts).map_err(fail)?;
+    let mut watch = Watch::new(config, targets);
+    let dt = 1.0 / config.step_hz;
+    let mut busy_s = 0.0;
+    let steps = (config.seconds * config.step_hz).round().max(1.0) as usize;
+    for step in 0..=steps {
+        let goals = [Goal { policy: 0, weight: 1.0, targets: &watch.record.targets }];
+        let begin = Instant::now();
+        // The first step only takes the first choice.
+        troupe.step(&repertoire, if step == 0 { 0.0 } else { dt }, &goals).map_err(fail)?;
+        busy_s += begin.elapsed().as_secs_f64();
+        watch.observe(&troupe, config, step, dt);
+    }
+    Ok(watch.finish(&troupe, config, steps, busy_s))
+}
+
+fn stage_error(message: String) -> BuildError {
+    BuildError::Stage { stage: "trial", message, help: "Give a bundle that `throng build` made".into() }
+}
+
+/// Characters on a loose grid, each with a target in some direction.
+fn scatter(tables: &Tables, config: &TrialConfig) -> (Vec<Start>, Vec<Vec3>) {
+    let mut rng = Pcg64Mcg::seed_from_u64(config.seed);
+    let num_states = tables.graph().states.len() as u32;
+    let side = (config.characters as f32).sqrt().ceil() as usize;
+    let spacing = 2.0;
+    let middle = (side as f32 - 1.0) * 0.5;
+    let [near, far] = config.distances;
+    (0..config.characters)
+        .map(|i| {
+            let place = |k: usize| (k as f32 - middle) * spacing;
+            let (x, z) = (place(i % side), place(i / side));
+            let mut jitter = || rng.random_range(-0.4..0.4f32) * spacing;
+            let (x, z) = (x + jitter(), z + jitter());
+            let root = Planar::new(x, z, rng.random_range(0.0..TAU));
+            let (angle, distance) = (rng.random_range(0.0..TAU), near + (far - near) * rng.random_range(0.0..1.0f32));
+            let target = Vec3::new(x + distance * angle.sin(), 0.0, z + distance * angle.cos());
+            (Start { root, state: rng.random_range(0..num_states) }, target)
+        })
+        .unzip()
+}
+
+/// Parts of the feet and the joints that show them.
+const PARTS: [(Joint, Contacts); 4] = [
+    (Joint::LeftFoot, Contacts::LEFT_HEEL),
+    (Joint::LeftToe, Contacts::LEFT_TOE),
+    (Joint::RightFoot, Contacts::RIGHT_HEEL),
+    (Joint::RightToe, Contacts::RIGHT_TOE),
+];
+
+/// Bins of the histogram of slip: 1 mm/s each.
+const SLIP_BINS: usize = 4000;
+
+/// Looks at a troupe after every step.
+struct Watch {
+    record: TrialRecord,
+    /// Where heels and toes were, and which were planted.
+    feet: Vec<([Vec3; 4], Contacts)>,
+    slip: Vec<u64>,
+    slip_sum: f64,
+}
+
+impl Watch {
+    fn new(config: &TrialConfig, targets: Vec<Vec3>) -> Self {
+        let n = config.characters;
+        let record = TrialRecord {
+            trails: vec![Vec::new(); n],
+            arrivals_s: vec![f32::INFINITY; n],
+            targets,
+            ..TrialRecord::default()
+        };
+        Self { record, feet: vec![([Vec3::ZERO; 4], Contacts::NONE); n], slip: vec![0; SLIP_BINS], slip_sum: 0.0 }
+    }
+
+    fn observe(&mut self, troupe: &Troupe, config: &TrialConfig, step: usize, dt: f32) {
+        let time_s = step as f32 * dt;
+        let trail_every = (config.step_hz / 5.0).round().max(1.0) as usize;
+        for c in 0..config.characters {
+            let root = troupe.root(c);
+            let target = self.record.targets[c];
+            let distance = (root.x - target.x).hypot(root.z - target.z);
+            if distance < config.reach_m {
+                self.record.arrivals_s[c] = self.record.arrivals_s[c].min(time_s);
+            }
+            if step.is_multiple_of(trail_every) {
+                self.record.trails[c].push(Vec2::new(root.x, root.z));
+            }
+            self.measure_slip(troupe, c, dt);
+        }
+        if let Some(c) = Some(config.recorded).filter(|&c| c < config.characters) {
+            self.record.frames.push(TrialFrame {
+                time_s,
+                root: troupe.root(c),
+                positions: troupe.joint_positions(c),
+                contacts: troupe.contacts(c),
+                segment: troupe.segment(c).0,
+            });
+        }
+    }
+
+    fn measure_slip(&mut self, troupe: &Troupe, c: usize, dt: f32) {
+        let (root, pose, contacts) = (troupe.root(c), troupe.pose(c), troupe.contacts(c));
+        let (turn, move_by) = (root.rotation(), root.translation());
+        let now = PARTS.map(|(j, _)| turn * pose[j.index()].translation() + move_by);
+        let (before, were) = std::mem::replace(&mut self.feet[c], (now, contacts));
+        for (k, (_, part)) in PARTS.into_iter().enumerate() {
+            if contacts.any(part) && were.any(part) {
+                let speed = (now[k] - before[k]).length() / dt;
+                self.slip[((speed * 1000.0) as usize).min(SLIP_BINS - 1)] += 1;
+                self.slip_sum += f64::from(speed);
+            }
+        }
+    }
+
+    fn finish(
+        mut self,
+        troupe: &Troupe,
+        config: &TrialConfig,
+        steps: usize,
+        busy_s: f64,
+    ) -> (TrialReport, TrialRecord) {
+        let n = config.characters;
+        self.record.roots = (0..n).map(|c| troupe.root(c)).collect();
+        self.record.poses = (0..n).map(|c| troupe.joint_positions(c)).collect();
+        let left = |c: usize| {
+            let (root, target) = (self.record.roots[c], self.record.targets[c]);
+            f64::from((root.x - target.x).hypot(root.z - target.z))
+        };
+        let arrived: Vec<f64> =
+            self.record.arrivals_s.iter().filter(|t| t.is_finite()).map(|&t| f64::from(t)).collect();
+        let stayed = (0..n).filter(|&c| left(c) < 1.5 * f64::from(config.reach_m)).count();
+        let samples: u64 = self.slip.iter().sum();
+        let choices: u64 = (0..n).map(|c| u64::from(troupe.num_choices(c))).sum();
+        let per_second = |count: f64| count / busy_s.max(1e-9);
+        let report = TrialReport {
+            characters: n,
+            simulated_s: config.seconds,
+            reached_fraction: arrived.len() as f64 / n as f64,
+            stayed_fraction: stayed as f64 / n as f64,
+            mean_arrival_s: arrived.iter().sum::<f64>() / arrived.len().max(1) as f64,
+            mean_final_distance_m: (0..n).map(left).sum::<f64>() / n as f64,
+            foot_slip_mean_mps: self.slip_sum / samples.max(1) as f64,
+            foot_slip_p95_mps: percentile(&self.slip, 0.95),
+            steps_per_second: per_second((steps + 1) as f64),
+            poses_per_second: per_second(((steps + 1) * n) as f64),
+            choices_per_second: per_second(choices as f64),
+        };
+        (report, self.record)
+    }
+}
+
+/// The value below which a share of a histogram of mm/s lies. [Unit: m/s]
+fn percentile(bins: &[u64], share: f64) -> f64 {
+    let wanted = share * bins.iter().sum::<u64>() as f64;
+    let mut seen = 0.0;
+    for (i, &count) in bins.iter().enumerate() {
+        seen += count as f64;
+        if count > 0 && seen >= wanted {
+            return (i as f64 + 0.5) / 1000.0;
+        }
+    }
+    0.0
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn percentiles_of_a_histogram() {
+        let mut bins = vec![0; 100];
+        bins[10] = 95;
+        bins[50] = 5;
+        assert_eq!(percentile(&bins, 0.95), 0.0105);
+        assert_eq!(percentile(&bins, 0.96), 0.0505);
+        assert_eq!(percentile(&[0; 4], 0.5), 0.0);
+    }
+}

@@ -1,0 +1,157 @@
+//! The last stage: everything that was baked, as one bundle.
+
+use crate::clip::{Clip, ClipSet};
+use crate::error::BuildError;
+use crate::files::write_atomically;
+use crate::graph::MotionGraph;
+use crate::policy::PolicyTables;
+use std::path::Path;
+use throng_runtime::format::{
+    AlignedBytes, BundleWriter, ClipMeta, ClipRecord, FormatError, FrameRow, Meta, SkeletonRecord,
+};
+use throng_runtime::graph::{MotionSegment, StateRecord};
+use throng_runtime::planar::wrap_angle;
+use throng_runtime::skeleton::NUM_JOINTS;
+use throng_runtime::{Contacts, Planar, Tables, tables::tags};
+
+/// What a bundle is made of.
+#[derive(Clone, Copy, Debug)]
+pub struct Baked<'a> {
+    /// Motion, annotated.
+    pub clips: &'a ClipSet,
+    /// Which frame may follow which.
+    pub graph: &'a MotionGraph,
+    /// One per behaviour.
+    pub policies: &'a [PolicyTables],
+    /// Name, provenance and figures; clips and behaviours are filled in here.
+    pub meta: &'a Meta,
+}
+
+/// Writes everything as one bundle, which takes its place only when it is whole, and opens it again to check it.
+///
+/// - returns its length. [Unit: bytes]
+///
+/// # Errors
+/// [`BuildError::Io`] where it cannot be written, [`BuildError::Format`] where it would be refused.
+pub fn bundle(baked: &Baked<'_>, out: &Path) -> Result<u64, BuildError> {
+    let format = |e: FormatError| BuildError::Format(e.to_string());
+    let mut bytes = Vec::new();
+    lay_out(baked)
+        .map_err(format)?
+        .write(&mut bytes)
+        .map_err(|source| BuildError::Io { path: out.to_path_buf(), source })?;
+    Tables::from_bytes(AlignedBytes::from_slice(&bytes)).map_err(format)?;
+    write_atomically(out, |w| w.write_all(&bytes))?;
+    Ok(bytes.len() as u64)
+}
+
+/// Lays everything out as sections.
+///
+/// # Errors
+/// [`FormatError`] where META cannot be encoded.
+pub fn lay_out(baked: &Baked<'_>) -> Result<BundleWriter, FormatError> {
+    let mut meta = baked.meta.clone();
+    meta.clips = baked.clips.clips.iter().map(clip_meta).collect();
+    meta.behaviours = baked.policies.iter().map(|p| p.name.clone()).collect();
+    let mut out = BundleWriter::new();
+    out.section(tags::META, &meta.encode()?);
+    out.section(tags::SKELETON, &[SkeletonRecord::from(&baked.clips.skeleton)]);
+    motion(baked.clips, &mut out);
+    graph(baked, &mut out);
+    policies(baked.policies, &mut out);
+    Ok(out)
+}
+
+fn clip_meta(c: &Clip) -> ClipMeta {
+    ClipMeta {
+        name: c.name.clone(),
+        source: c.source.clone(),
+        tags: c.tags.iter().map(|t| (t.name.clone(), t.range.start as u32, t.range.end as u32)).collect(),
+        excluded: c.excluded.iter().map(|e| (e.reason.to_string(), e.range.start as u32, e.range.end as u32)).collect(),
+    }
+}
+
+fn motion(set: &ClipSet, out: &mut BundleWriter) {
+    let starts = set.frame_starts();
+    let records: Vec<_> = set
+        .clips
+        .iter()
+        .zip(&starts)
+        .map(|(c, &first_frame)| ClipRecord {
+            first_frame,
+            num_frames: c.num_frames() as u32,
+            mirrored: u32::from(c.mirrored),
+            reserved: 0,
+        })
+        .collect();
+    let rows: Vec<FrameRow> = set.clips.iter().flat_map(frame_rows).collect();
+    let contacts: Vec<Contacts> = set.clips.iter().flat_map(|c| c.contacts.iter().copied()).collect();
+    out.section(tags::CLIPS, &records);
+    out.section(tags::FRAMES, &rows);
+    out.section(tags::CONTACTS, &contacts);
+}
+
+/// A clip's frames as they are stored: headings unwrapped, rotations of neighbours on the same side.
+pub fn frame_rows(clip: &Clip) -> Vec<FrameRow> {
+    let mut rows: Vec<FrameRow> = Vec::with_capacity(clip.num_frames());
+    for frame in 0..clip.num_frames() {
+        let local = clip.frame_rotations(frame);
+        let (planar, tilt) = Planar::split(clip.root_positions[frame], local[0]);
+        let before = rows.last();
+        let heading = before.map_or(planar.heading, |b| b.planar[2] + wrap_angle(planar.heading - b.planar[2]));
+        let rotations = std::array::from_fn(|j: usize| {
+            let q = if j == 0 { tilt } else { local[j] }.normalize();
+            let code = FrameRow::encode(q);
+            match before {
+                Some(b) if dot(&b.rotations[j], &code) < 0 => FrameRow::encode(-q),
+                _ => code,
+            }
+        });
+        rows.push(FrameRow { planar: [planar.x, planar.z, heading], height: clip.root_positions[frame].y, rotations });
+    }
+    rows
+}
+
+fn dot(a: &[i16; 4], b: &[i16; 4]) -> i64 {
+    (0..4).map(|k| i64::from(a[k]) * i64::from(b[k])).sum()
+}
+
+fn graph(baked: &Baked<'_>, out: &mut BundleWriter) {
+    let (g, starts) = (baked.graph, baked.clips.frame_starts());
+    let states: Vec<_> = g
+        .states
+        .iter()
+        .zip(&g.standing)
+        .map(|(s, &standing)| StateRecord { frame: s.0, standing: u32::from(standing) })
+        .collect();
+    let segments: Vec<_> = g
+        .segments
+        .iter()
+        .map(|s| MotionSegment {
+            start: s.start.0,
+            num_frames: s.num_frames,
+            end: s.end.0,
+            clip: (starts.partition_point(|&f| f <= s.start.0) - 1) as u32,
+            displacement: [s.displacement.x, s.displacement.z, s.displacement.heading],
+            reserved: 0,
+        })
+        .collect();
+    out.section(tags::STATES, &states);
+    out.section(tags::SEGMENTS, &segments);
+    out.section(tags::ACTION_OFFSETS, &g.action_offsets);
+    out.section(tags::ACTION_SEGMENTS, &g.actions.iter().map(|a| a.segment.0).collect::<Vec<_>>());
+    out.section(tags::ACTION_ERRORS, &g.actions.iter().map(|a| a.error).collect::<Vec<_>>());
+}
+
+fn policies(policies: &[PolicyTables], out: &mut BundleWriter) {
+    out.section(tags::POLICIES, &policies.iter().map(|p| p.record).collect::<Vec<_>>());
+    out.section(tags::POLICY_SEGMENTS, &concat(policies, |p| &p.segments));
+    out.section(tags::POLICY_VALUES, &concat(policies, |p| &p.values));
+    out.section(tags::POLICY_BEST, &concat(policies, |p| &p.best));
+}
+
+fn concat<T: Copy>(policies: &[PolicyTables], of: impl Fn(&PolicyTables) -> &Vec<T>) -> Vec<T> {
+    policies.iter().flat_map(|p| of(p).iter().copied()).collect()
+}
+
+const _: () = assert!(NUM_JOINTS == 22, "frame rows hold 22 joints");

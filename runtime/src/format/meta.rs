@@ -1,0 +1,82 @@
+//! The META section: names, units, provenance, configuration; the only part of a bundle that is decoded, not viewed.
+
+use super::FormatError;
+use serde::{Deserialize, Serialize};
+
+/// Most bytes a META section may ask for while it is decoded. [Unit: bytes]
+const LIMIT: usize = 64 << 20;
+
+/// What a bundle says of itself.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Meta {
+    /// The database's name.
+    pub name: String,
+    /// Program and version that wrote it.
+    pub generator: String,
+    /// Frames a second of the rows. [Unit: Hz] [Limit: > 0]
+    pub rate_hz: f64,
+    /// The configuration it was built with, as TOML.
+    pub config: String,
+    /// The files it was built from.
+    pub sources: Vec<SourceMeta>,
+    /// The clips, in the order of their records.
+    pub clips: Vec<ClipMeta>,
+    /// Names of the behaviours, in the order of their policies.
+    pub behaviours: Vec<String>,
+    /// Usable frames that went into the motion graph.
+    pub frames_in: u64,
+    /// Frames that its actions play.
+    pub frames_kept: u64,
+}
+
+/// A file of the input.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct SourceMeta {
+    /// Path as the configuration gives it.
+    pub path: String,
+    /// Length. [Unit: bytes]
+    pub bytes: u64,
+    /// Hash of its content (XXH3, 128 bits).
+    pub hash: u128,
+}
+
+/// A clip and what is known of it.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct ClipMeta {
+    /// Unique name.
+    pub name: String,
+    /// File it came from.
+    pub source: String,
+    /// Names on runs of frames: name, first frame, frame after the last.
+    pub tags: Vec<(String, u32, u32)>,
+    /// Runs of frames that are left out and why: reason, first frame, frame after the last.
+    pub excluded: Vec<(String, u32, u32)>,
+}
+
+impl Meta {
+    /// The section's bytes.
+    ///
+    /// # Errors
+    /// [`FormatError::Layout`] where it cannot be encoded.
+    pub fn encode(&self) -> Result<Vec<u8>, FormatError> {
+        bincode::serde::encode_to_vec(self, bincode::config::standard())
+            .map_err(|e| FormatError::layout(format!("META cannot be written: {e}")))
+    }
+
+    /// Reads a section's bytes.
+    ///
+    /// # Errors
+    /// [`FormatError::Layout`] where they are damaged, ask for too much memory, or are followed by others.
+    pub fn decode(bytes: &[u8]) -> Result<Self, FormatError> {
+        let config = bincode::config::standard().with_limit::<LIMIT>();
+        let (meta, used): (Self, usize) = bincode::serde::decode_from_slice(bytes, config)
+            .map_err(|e| FormatError::layout(format!("META cannot be read: {e}")))?;
+        if used != bytes.len() {
+            return Err(FormatError::layout(format!("META has {} bytes, expected {used}", bytes.len())));
+        }
+        if !(meta.rate_hz.is_finite() && meta.rate_hz > 0.0) {
+            return Err(FormatError::layout(format!("META gives a rate of {} Hz", meta.rate_hz)));
+        }
+        Ok(meta)
+    }
+}

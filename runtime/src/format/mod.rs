@@ -1,0 +1,31 @@
+//! The bundle: one little-endian file of checked, memory-mapped sections (`*.throng`).
+//!
+//! A 64-byte [`Header`] is followed by a table of [`Section`] rows and by the sections themselves, each starting
+//! on 64 bytes with zero padding between, in the order of the table, and nothing after the last. Sections hold
+//! plain-old-data records that are viewed in place.
+//!
+//! Version history (a number is never used twice; any change of layout or meaning takes the next one):
+//!
+//! - 1: 22 joints, frame rows of 192 bytes, motion graph, polar and box policies.
+
+#[cfg(not(target_endian = "little"))]
+compile_error!("bundles are little-endian and viewed in place; this target is big-endian");
+
+mod checksum;
+mod error;
+mod header;
+mod layout;
+mod meta;
+mod records;
+mod storage;
+mod writer;
+
+pub use checksum::crc32;
+pub use error::FormatError;
+pub use header::{ALIGN, Header, MAGIC, Section, Tag, VERSION};
+pub(crate) use layout::Layout;
+pub use meta::{ClipMeta, Meta, SourceMeta};
+pub use records::{ClipRecord, FrameRow, SkeletonRecord};
+pub use storage::AlignedBytes;
+pub(crate) use storage::Storage;
+pub use writer::BundleWriter;

@@ -1,0 +1,496 @@
+//! Where a target is, as a cell: rings x angles (x heights) around the character (003 section 3 and figure 3).
+
+use super::error::PolicyError;
+use super::maths::{angle_of, nearest_index, split_interval};
+use bytemuck::{Pod, Zeroable};
+use glam::Vec3;
+use std::f32::consts::{PI, TAU};
+
+/// [`GridRecord::kind`] of a polar grid: angles go all around, one height, targets beyond the last ring clamp to it.
+pub const KIND_POLAR: u32 = 0;
+/// [`GridRecord::kind`] of a cylinder sector: angles between two bounds, several heights.
+pub const KIND_CYLINDER: u32 = 1;
+/// Most cells a grid may have along one axis.
+pub const MAX_AXIS: u32 = 4096;
+
+/// A grid as it is stored. Ring k lies at `ring_start + ring_spacing k + ring_growth k^2`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct GridRecord {
+    /// [`KIND_POLAR`] or [`KIND_CYLINDER`].
+    pub kind: u32,
+    /// Rings. [Limit: 2 to 4096]
+    pub num_rings: u32,
+    /// Angles. [Limit: 2 to 4096]
+    pub num_angles: u32,
+    /// Heights; 1 where the height does not matter. [Limit: 1 to 4096]
+    pub num_heights: u32,
+    /// Radius of ring 0. [Unit: m] [Limit: >= 0]
+    pub ring_start: f32,
+    /// See the type. [Unit: m] [Limit: > 0]
+    pub ring_spacing: f32,
+    /// See the type; 0 for rings at equal distances. [Unit: m] [Limit: >= 0]
+    pub ring_growth: f32,
+    /// First angle, from straight ahead (+Z) towards +X; 0 for a polar grid. [Unit: rad]
+    pub angle_start: f32,
+    /// Between angles; 2 pi / num_angles for a polar grid. [Unit: rad] [Limit: > 0]
+    pub angle_spacing: f32,
+    /// First height above the ground. [Unit: m]
+    pub height_start: f32,
+    /// Between heights. [Unit: m] [Limit: > 0]
+    pub height_spacing: f32,
+    /// How far beyond the grid values fall to about 1/e. [Unit: m] [Limit: > 0]
+    pub falloff: f32,
+}
+const _: () = assert!(size_of::<GridRecord>() == 48);
+
+/// Where a ground position lies between cells: bilinear weights.
+///
+/// The corners are (ring, angle), (ring, next angle), (ring + 1, angle), (ring + 1, next angle). All weights are
+/// multiplied by `scale`, which is 1 within the grid and falls beyond it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Stencil {
+    /// Lower ring. [Limit: <= num_rings - 2]
+    pub ring: u32,
+    /// Lower angle.
+    pub angle: u32,
+    /// Upper angle: the next one, 0 after the last of a polar grid.
+    pub next_angle: u32,
+    /// Ratio between the rings. [Limit: 0 to 1]
+    pub ring_ratio: f32,
+    /// Ratio between the angles. [Limit: 0 to 1]
+    pub angle_ratio: f32,
+    /// Factor on the interpolated value. [Limit: 0 to 1]
+    pub scale: f32,
+}
+
+impl Stencil {
+    /// Interpolates in the plane of one height.
+    ///
+    /// - `plane`: values of the cells of that height. [Size: num_rings * num_angles]
+    #[inline(always)]
+    pub fn interpolate(&self, plane: &[f32], num_angles: u32) -> f32 {
+        let low = (self.ring * num_angles) as usize;
+        let high = low + num_angles as usize;
+        let (a, b) = (self.angle as usize, self.next_angle as usize);
+        let near = plane[low + a] + (plane[low + b] - plane[low + a]) * self.angle_ratio;
+        let far = plane[high + a] + (plane[high + b] - plane[high + a]) * self.angle_ratio;
+        self.scale * (near + (far - near) * self.ring_ratio)
+    }
+}
+
+/// A checked grid of target cells around a character, in its frame: +Z ahead, +X left, Y the height above ground.
+///
+/// Cells are numbered `(height * num_rings + ring) * num_angles + angle`. A *polar* grid goes all around; a
+/// *cylinder* covers a sector of angles, distances and heights, as 003 uses for punches.
+///
+/// Beyond the grid: a **target** is moved to the nearest place of the grid along each axis, so that its direction
+/// still counts however far away it is. The **place after an action**, which is where a value is read, may then
+/// lie a little outside; there the value of the nearest place is multiplied by 1 / (1 + u + u^2/2), close to
+/// exp(-u), with u the distance beyond the grid over `falloff`. An action that leads away is thus worth less than
+/// one that comes nearer, as if the way back had to be walked.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TargetGrid {
+    record: GridRecord,
+    radius: f32,
+    angles_per_radian: f32,
+    heights_per_metre: f32,
+    inverse_falloff: f32,
+}
+
+impl TargetGrid {
+    /// A polar grid of `num_rings` from the character itself to `radius`. [Unit: m]
+    ///
+    /// - `inner_spacing`: between the first two rings; at most `radius / (num_rings - 1)`, which gives rings at
+    ///   equal distances. Smaller ones make the distances grow outwards. [Unit: m]
+    ///
+    /// # Errors
+    /// [`PolicyError::Value`] names what is out of its range.
+    pub fn polar(
+        num_rings: u32,
+        num_angles: u32,
+        radius: f32,
+        inner_spacing: f32,
+        falloff: f32,
+    ) -> Result<Self, PolicyError> {
+        let last = num_rings.max(2) as f32 - 1.0;
+        // spacing + growth = inner, spacing last + growth last^2 = radius.
+        let growth = if num_rings > 2 { (radius - inner_spacing * last) / (last * (last - 1.0)) } else { 0.0 };
+        let growth = if growth.abs() < 1e-6 * radius { 0.0 } else { growth };
+        let spacing = if num_rings > 2 && growth > 0.0 { inner_spacing - growth } else { radius / last };
+        Self::new(GridRecord {
+            kind: KIND_POLAR,
+            num_rings,
+            num_angles,
+            num_heights: 1,
+            ring_start: 0.0,
+            ring_spacing: spacing,
+            ring_growth: growth,
+            angle_start: 0.0,
+            angle_spacing: TAU / num_angles.max(1) as f32,
+            height_start: 0.0,
+            height_spacing: 1.0,
+            falloff,
+        })
+    }
+
+    /// A cylinder sector: `[num_angles, num_rings, num_heights]` cells whose centres span `min..=max`, both given as
+    /// (angle [Unit: rad], distance [Unit: m], height [Unit: m]).
+    ///
+    /// # Errors
+    /// [`PolicyError::Value`] names what is out of its range.
+    pub fn cylinder(counts: [u32; 3], min: Vec3, max: Vec3, falloff: f32) -> Result<Self, PolicyError> {
+        let step = |i: usize| (max[i] - min[i]) / (counts[i].max(2) - 1) as f32;
+        Self::new(GridRecord {
+            kind: KIND_CYLINDER,
+            num_rings: counts[1],
+            num_angles: counts[0],
+            num_heights: counts[2],
+            ring_start: min.y,
+            ring_spacing: step(1),
+            ring_growth: 0.0,
+            angle_start: min.x,
+            angle_spacing: step(0),
+            height_start: min.z,
+            height_spacing: if counts[2] > 1 { step(2) } else { 1.0 },
+            falloff,
+        })
+    }
+
+    /// Checks a stored grid.
+    ///
+    /// # Errors
+    /// [`PolicyError::Index`] for counts and kinds out of range, [`PolicyError::Value`] for lengths and angles.
+    pub fn new(record: GridRecord) -> Result<Self, PolicyError> {
+        let counts = [record.num_rings, record.num_angles, record.num_heights];
+        for (at, (&n, least)) in counts.iter().zip([2, 2, 1]).enumerate() {
+            if n < least || n > MAX_AXIS {
+                return Err(PolicyError::Index {
+                    what: "grid counts (rings, angles, heights)",
+                    at,
+                    got: n as usize,
+                    limit: MAX_AXIS as usize + 1,
+                });
+            }
+        }
+        if record.kind > KIND_CYLINDER {
+            let (got, limit) = (record.kind as usize, KIND_CYLINDER as usize + 1);
+            return Err(PolicyError::Index { what: "grid kind", at: 0, got, limit });
+        }
+        check_lengths(&record)?;
+        let last = record.num_rings as f32 - 1.0;
+        Ok(Self {
+            record,
+            radius: record.ring_start + last * (record.ring_spacing + record.ring_growth * last),
+            angles_per_radian: record.angle_spacing.recip(),
+            heights_per_metre: record.height_spacing.recip(),
+            inverse_falloff: record.falloff.recip(),
+        })
+    }
+
+    /// The grid as it is stored.
+    pub fn record(&self) -> &GridRecord {
+        &self.record
+    }
+
+    /// Number of cells.
+    pub fn num_cells(&self) -> usize {
+        self.num_plane_cells() * self.record.num_heights as usize
+    }
+
+    /// Number of cells of one height: rings x angles.
+    pub fn num_plane_cells(&self) -> usize {
+        (self.record.num_rings * self.record.num_angles) as usize
+    }
+
+    /// True where angles go all around.
+    pub fn is_polar(&self) -> bool {
+        self.record.kind == KIND_POLAR
+    }
+
+    /// Radius of the outermost ring. [Unit: m]
+    pub fn radius(&self) -> f32 {
+        self.radius
+    }
+
+    /// (angle, distance, height) of a cell's centre. [Unit: rad, m, m] [Limit: cell < num_cells]
+    pub fn cell_coordinates(&self, cell: usize) -> Vec3 {
+        let r = &self.record;
+        let angle = cell % r.num_angles as usize;
+        let ring = (cell / r.num_angles as usize % r.num_rings as usize) as f32;
+        let height = cell / self.num_plane_cells();
+        let a = r.angle_start + angle as f32 * r.angle_spacing;
+        let a = if self.is_polar() && a > PI { a - TAU } else { a };
+        let radius = r.ring_start + ring * (r.ring_spacing + r.ring_growth * ring);
+        Vec3::new(a, radius, r.height_start + height as f32 * r.height_spacing)
+    }
+
+    /// A cell's centre in the character's frame. [Unit: m] [Limit: cell < num_cells]
+    pub fn cell_centre(&self, cell: usize) -> Vec3 {
+        let c = self.cell_coordinates(cell);
+        Vec3::new(c.y * c.x.sin(), c.z, c.y * c.x.cos())
+    }
+
+    /// True where a target is covered by the grid, so that nothing is clamped.
+    pub fn contains(&self, target: Vec3) -> bool {
+        let r = &self.record;
+        let distance = target.x.hypot(target.z);
+        let within = |v: f32, start: f32, spacing: f32, n: u32| v >= start && v <= start + spacing * (n - 1) as f32;
+        let sector = self.is_polar()
+            || within(angle_of(target.x, target.z), r.angle_start, r.angle_spacing, r.num_angles)
+                && within(target.y, r.height_start, r.height_spacing, r.num_heights);
+        sector && distance >= r.ring_start && distance <= self.radius
+    }
+
+    /// The target itself, or the nearest place of the grid: distance first, then (in a cylinder) angle and height.
+    #[inline]
+    pub fn clamp(&self, target: Vec3) -> Vec3 {
+        let distance = (target.x * target.x + target.z * target.z).sqrt();
+        if self.is_polar() {
+            let shrink = if distance > self.radius { self.radius / distance } else { 1.0 };
+            return Vec3::new(target.x * shrink, 0.0, target.z * shrink);
+        }
+        let r = &self.record;
+        let last = |start: f32, spacing: f32, n: u32| start + spacing * (n - 1) as f32;
+        let distance = distance.clamp(r.ring_start, self.radius);
+        let middle = 0.5 * (r.angle_start + last(r.angle_start, r.angle_spacing, r.num_angles));
+        let angle = middle + crate::planar::wrap_angle(angle_of(target.x, target.z) - middle);
+        let angle = angle.clamp(r.angle_start, last(r.angle_start, r.angle_spacing, r.num_angles));
+        let height = target.y.clamp(r.height_start, last(r.height_start, r.height_spacing, r.num_heights));
+        Vec3::new(distance * angle.sin(), height, distance * angle.cos())
+    }
+
+    /// The cell nearest to a target: nearest ring number, angle and height, each clamped.
+    #[inline]
+    pub fn nearest_cell(&self, target: Vec3) -> usize {
+        let r = &self.record;
+        let distance = (target.x * target.x + target.z * target.z).sqrt();
+        let last_ring = r.num_rings - 1;
+        let ring = nearest_index(self.ring_number(distance).min(last_ring as f32), last_ring);
+        let angle = self.angle_number(angle_of(target.x, target.z));
+        let angle = if self.is_polar() {
+            let a = nearest_index(angle, r.num_angles);
+            if a == r.num_angles { 0 } else { a }
+        } else {
+            nearest_index(angle.clamp(0.0, (r.num_angles - 1) as f32), r.num_angles - 1)
+        };
+        let (height, ratio) = self.height_interval(target.y);
+        let height = if ratio > 0.5 { height + 1 } else { height };
+        ((height * r.num_rings + ring) * r.num_angles + angle) as usize
+    }
+
+    /// Lower height of the interval that holds `y`, and the ratio within it; clamped, (0, 0) where there is one height.
+    #[inline]
+    pub fn height_interval(&self, y: f32) -> (u32, f32) {
+        let n = self.record.num_heights;
+        if n == 1 {
+            return (0, 0.0);
+        }
+        let t = ((y - self.record.height_start) * self.heights_per_metre).clamp(0.0, (n - 1) as f32);
+        split_interval(t, n - 2)
+    }
+
+    /// Bilinear weights at a ground position.
+    #[inline]
+    pub fn stencil(&self, x: f32, z: f32) -> Stencil {
+        let distance = (x * x + z * z).sqrt();
+        if self.is_polar() { self.stencil_at::<true>(x, z, distance) } else { self.stencil_at::<false>(x, z, distance) }
+    }
+
+    /// [`Self::stencil`] without branches, for loops over lanes.
+    ///
+    /// - `POLAR`: must be [`Self::is_polar`].
+    /// - `distance`: length of (x, z).
+    #[inline(always)]
+    pub fn stencil_at<const POLAR: bool>(&self, x: f32, z: f32, distance: f32) -> Stencil {
+        let r = &self.record;
+        let ring_number = self.ring_number(distance).min((r.num_rings - 1) as f32);
+        let (ring, ring_ratio) = split_interval(ring_number, r.num_rings - 2);
+        let mut beyond = (distance - self.radius).max(0.0);
+        let number = self.angle_number(angle_of(x, z));
+        let (angle, next_angle, angle_ratio);
+        if POLAR {
+            (angle, angle_ratio) = split_interval(number, r.num_angles - 1);
+            next_angle = if angle + 1 == r.num_angles { 0 } else { angle + 1 };
+        } else {
+            let clamped = number.clamp(0.0, (r.num_angles - 1) as f32);
+            beyond += (r.ring_start - distance).max(0.0) + (number - clamped).abs() * r.angle_spacing * distance;
+            (angle, angle_ratio) = split_interval(clamped, r.num_angles - 2);
+            next_angle = angle + 1;
+        }
+        let u = beyond * self.inverse_falloff;
+        let scale = (1.0 + u + 0.5 * u * u).recip();
+        Stencil { ring, angle, next_angle, ring_ratio, angle_ratio, scale }
+    }
+
+    /// Number of the ring at a distance, fractions in between; 0 within the first one, not clamped outwards.
+    #[inline(always)]
+    fn ring_number(&self, distance: f32) -> f32 {
+        let r = &self.record;
+        let d = (distance - r.ring_start).max(0.0);
+        2.0 * d / (r.ring_spacing + (r.ring_spacing * r.ring_spacing + 4.0 * r.ring_growth * d).sqrt())
+    }
+
+    /// Number of an angle in [-pi, pi], fractions in between: in [0, num_angles] of a polar grid, unbounded else.
+    #[inline(always)]
+    fn angle_number(&self, angle: f32) -> f32 {
+        let r = &self.record;
+        if r.kind == KIND_POLAR {
+            let t = angle * self.angles_per_radian;
+            let t = if t < 0.0 { t + r.num_angles as f32 } else { t };
+            t.min(r.num_angles as f32)
+        } else {
+            // Measured from the middle of the sector, so that the seam lies opposite to it.
+            let half = 0.5 * (r.num_angles - 1) as f32;
+            let from_middle = angle - (r.angle_start + half * r.angle_spacing);
+            let wrapped = if from_middle > PI { from_middle - TAU } else { from_middle };
+            let wrapped = if wrapped < -PI { wrapped + TAU } else { wrapped };
+            wrapped * self.angles_per_radian + half
+        }
+    }
+}
+
+/// Checks the lengths and angles of a record whose counts are in range.
+fn check_lengths(r: &GridRecord) -> Result<(), PolicyError> {
+    let bad = |what, got, expected| Err(PolicyError::Value { what, at: 0, got, expected });
+    let positive = |v: f32| v > 1e-6 && v < 1e6;
+    for (what, v) in [
+        ("grid ring_spacing", r.ring_spacing),
+        ("grid angle_spacing", r.angle_spacing),
+        ("grid height_spacing", r.height_spacing),
+        ("grid falloff", r.falloff),
+    ] {
+        if !positive(v) {
+            return bad(what, v, "between 1e-6 and 1e6");
+        }
+    }
+    for (what, v) in [("grid ring_start", r.ring_start), ("grid ring_growth", r.ring_growth)] {
+        if !(0.0..1e6).contains(&v) {
+            return bad(what, v, "between 0 and 1e6");
+        }
+    }
+    if r.height_start.is_nan() || r.height_start.abs() > 1e6 {
+        return bad("grid height_start", r.height_start, "between -1e6 and 1e6");
+    }
+    let span = r.angle_spacing * (r.num_angles - 1) as f32;
+    if r.kind == KIND_POLAR {
+        if (r.angle_spacing * r.num_angles as f32 - TAU).abs() > 1e-4 {
+            return bad("grid angle_spacing", r.angle_spacing, "2 pi / num_angles");
+        }
+        if r.angle_start != 0.0 || r.num_heights != 1 {
+            return bad("grid angle_start", r.angle_start, "0, with one height, as a polar grid has");
+        }
+    } else if !(-TAU..TAU).contains(&r.angle_start) || r.angle_start.abs() > PI || span >= TAU {
+        return bad("grid angle_start", r.angle_start, "in [-pi, pi], with less than a full turn covered");
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn grids() -> [TargetGrid; 3] {
+        let sector = (Vec3::new(-1.1, 0.3, 1.2), Vec3::new(1.3, 1.3, 1.6));
+        [
+            TargetGrid::polar(16, 32, 8.0, 0.25, 2.5).expect("a valid grid"),
+            TargetGrid::polar(5, 13, 2.0, 0.5, 2.5).expect("a valid grid"),
+            TargetGrid::cylinder([10, 10, 4], sector.0, sector.1, 0.1).expect("a valid grid"),
+        ]
+    }
+
+    #[test]
+    fn record_keeps_the_radii_asked_for() {
+        let g = TargetGrid::polar(16, 32, 8.0, 0.25, 2.5).expect("a valid grid");
+        assert!((g.radius() - 8.0).abs() < 1e-4);
+        assert!((g.cell_coordinates(32).y - 0.25).abs() < 1e-5);
+        let g = TargetGrid::polar(5, 13, 2.0, 0.5, 2.5).expect("a valid grid");
+        assert_eq!(g.record().ring_growth, 0.0);
+        assert!((g.cell_coordinates(13 * 3).y - 1.5).abs() < 1e-6);
+    }
+
+    #[test]
+    fn centre_of_a_cell_is_nearest_to_it_and_gets_all_the_weight() {
+        for g in grids() {
+            for cell in 0..g.num_cells() {
+                let c = g.cell_centre(cell);
+                let s = g.stencil(c.x, c.z);
+                let mut values = vec![0.0; g.num_plane_cells()];
+                values[cell % g.num_plane_cells()] = 1.0;
+                let at_centre = s.interpolate(&values, g.record().num_angles);
+                if g.cell_coordinates(cell).y > 0.0 {
+                    assert_eq!(g.nearest_cell(c), cell);
+                    assert!(at_centre > 0.998, "{cell} {at_centre}");
+                } else {
+                    assert_eq!(g.nearest_cell(c) / g.record().num_angles as usize, 0);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn wraps_around_behind() {
+        let g = TargetGrid::polar(5, 12, 2.0, 0.5, 2.5).expect("a valid grid");
+        let behind = |a: f32| g.nearest_cell(Vec3::new(a.sin(), 0.0, a.cos()));
+        assert_eq!(behind(3.1), behind(-3.1));
+        let just_right_of_ahead = g.stencil(-1e-4, 1.0);
+        assert_eq!((just_right_of_ahead.angle, just_right_of_ahead.next_angle), (11, 0));
+        assert_eq!(g.nearest_cell(Vec3::new(-1e-4, 0.0, 1.0)), 24);
+    }
+
+    #[test]
+    fn direction_counts_beyond_the_last_ring_and_distance_lowers_the_value() {
+        let g = TargetGrid::polar(5, 12, 2.0, 0.5, 2.5).expect("a valid grid");
+        let t = g.clamp(Vec3::new(300.0, 1.0, 400.0));
+        assert!((t - Vec3::new(1.2, 0.0, 1.6)).length() < 1e-5);
+        let values = vec![1.0; g.num_cells()];
+        let at = |z: f32| g.stencil(0.0, z).interpolate(&values, 12);
+        assert!((at(2.0) - 1.0).abs() < 1e-6 && at(2.5) < 1.0 && at(3.0) < at(2.5) && at(50.0) > 0.0);
+    }
+
+    #[test]
+    fn refuses_numbers_out_of_range() {
+        let good = *grids()[0].record();
+        let spoil = |f: &dyn Fn(&mut GridRecord)| {
+            let mut r = good;
+            f(&mut r);
+            TargetGrid::new(r).is_err()
+        };
+        assert!(spoil(&|r| r.num_rings = 1));
+        assert!(spoil(&|r| r.num_angles = 5000));
+        assert!(spoil(&|r| r.kind = 2));
+        assert!(spoil(&|r| r.falloff = f32::NAN));
+        assert!(spoil(&|r| r.ring_spacing = f32::INFINITY));
+        assert!(spoil(&|r| r.angle_spacing *= 0.9));
+        assert!(TargetGrid::polar(8, 8, f32::NAN, 0.1, 1.0).is_err());
+        assert!(TargetGrid::polar(0, 0, 1.0, 0.1, 1.0).is_err());
+    }
+
+    proptest! {
+        #[test]
+        fn weights_sum_to_one_within_and_interpolate_a_linear_function(a in -3.1f32..3.1, r in 0.0f32..2.0) {
+            let [_, g, sector] = grids();
+            let (x, z) = (r * a.sin(), r * a.cos());
+            let ones = vec![1.0; g.num_cells()];
+            prop_assert!((g.stencil(x, z).interpolate(&ones, 13) - 1.0).abs() < 1e-6);
+            let radii: Vec<f32> = (0..g.num_cells()).map(|c| g.cell_coordinates(c).y).collect();
+            prop_assert!((g.stencil(x, z).interpolate(&radii, 13) - r).abs() < 1e-5);
+            let t = Vec3::new(x, 1.4, z);
+            let plane = vec![1.0; sector.num_plane_cells()];
+            let weight = sector.stencil(x, z).interpolate(&plane, 10);
+            prop_assert_eq!(weight > 1.0 - 1e-6, sector.contains(t) || weight == 1.0);
+            let c = sector.clamp(t);
+            prop_assert!(sector.stencil(c.x, c.z).interpolate(&plane, 10) > 0.999);
+        }
+
+        #[test]
+        fn any_place_gives_a_cell_in_range(x in any::<f32>(), y in any::<f32>(), z in any::<f32>()) {
+            for g in grids() {
+                prop_assert!(g.nearest_cell(Vec3::new(x, y, z)) < g.num_cells());
+                let s = g.stencil(x, z);
+                prop_assert!(s.ring + 1 < g.record().num_rings && s.next_angle < g.record().num_angles);
+            }
+        }
+    }
+}

@@ -1,0 +1,111 @@
+//! The reward of an action, from four samples of its motion: the same function offline and online.
+
+use super::error::PolicyError;
+use super::maths::exp_neg;
+use super::table::SegmentRecord;
+use bytemuck::{Pod, Zeroable};
+use glam::Vec3;
+
+/// [`RewardRecord::combine`]: the weighted samples are added.
+pub const COMBINE_SUM: u32 = 0;
+/// [`RewardRecord::combine`]: the largest weighted sample counts (003 eq. 2 and 5).
+pub const COMBINE_MAX: u32 = 1;
+/// [`RewardRecord::kernel`]: exp(-distance / scale), as in 003 eq. 5.
+pub const KERNEL_EXPONENTIAL: u32 = 0;
+/// [`RewardRecord::kernel`]: 1 up to `scale`, 0 beyond: the impulsive signal of 003 eq. 2 and 6.
+pub const KERNEL_WITHIN: u32 = 1;
+
+/// A reward as it is stored: how distances to samples become a number.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct RewardRecord {
+    /// [`COMBINE_SUM`] or [`COMBINE_MAX`].
+    pub combine: u32,
+    /// [`KERNEL_EXPONENTIAL`] or [`KERNEL_WITHIN`].
+    pub kernel: u32,
+    /// See the kernels. [Unit: m] [Limit: > 0]
+    pub scale: f32,
+    /// Zero.
+    pub reserved: u32,
+}
+const _: () = assert!(size_of::<RewardRecord>() == 16);
+
+/// A checked reward.
+///
+/// An action's reward for a target is the sum, or the largest, of `weight * kernel(distance)` over four samples of
+/// its motion: at its start, at two moments within, at its end (see [`super::SegmentRecord`]). Weights hold
+/// everything that does not depend on the target: the discount, the time a sample stands for, the force of a blow.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Reward {
+    record: RewardRecord,
+    inverse_scale: f32,
+}
+
+impl Reward {
+    /// Checks a stored reward.
+    ///
+    /// # Errors
+    /// [`PolicyError`] for an unknown `combine` or `kernel`, or a scale that is not positive.
+    pub fn new(record: RewardRecord) -> Result<Self, PolicyError> {
+        for (what, got) in [("reward combine", record.combine), ("reward kernel", record.kernel)] {
+            if got > 1 {
+                return Err(PolicyError::Index { what, at: 0, got: got as usize, limit: 2 });
+            }
+        }
+        if !(record.scale > 1e-6 && record.scale < 1e6) {
+            let expected = "between 1e-6 and 1e6";
+            return Err(PolicyError::Value { what: "reward scale", at: 0, got: record.scale, expected });
+        }
+        Ok(Self { record, inverse_scale: record.scale.recip() })
+    }
+
+    /// The reward as it is stored.
+    pub fn record(&self) -> &RewardRecord {
+        &self.record
+    }
+
+    /// What the distance of one sample counts for, before its weight.
+    #[inline(always)]
+    pub fn kernel(&self, distance: f32) -> f32 {
+        let ratio = distance * self.inverse_scale;
+        if self.record.kernel == KERNEL_EXPONENTIAL {
+            exp_neg(ratio)
+        } else if ratio <= 1.0 {
+            1.0
+        } else {
+            0.0
+        }
+    }
+
+    /// The reward of a segment for a target in the frame of its start.
+    ///
+    /// - `POLAR`: false where heights count, as in a cylinder grid; then the outer samples do not.
+    /// - `start_kernel`: [`Self::kernel`] of the target's distance at the start.
+    /// - `end_distance`: of the target from the segment's end. [Unit: m]
+    #[inline(always)]
+    pub fn of_segment<const POLAR: bool>(
+        &self,
+        segment: &SegmentRecord,
+        target: Vec3,
+        start_kernel: f32,
+        end_distance: f32,
+    ) -> f32 {
+        let sample = |k: usize| {
+            let (dx, dz) = (target.x - segment.inner[2 * k], target.z - segment.inner[2 * k + 1]);
+            let dy = if POLAR { 0.0 } else { target.y - segment.heights[k] };
+            segment.weights[1 + k] * self.kernel((dx * dx + dz * dz + dy * dy).sqrt())
+        };
+        let inner = self.combine(sample(0), sample(1));
+        if !POLAR {
+            return inner;
+        }
+        let end = segment.weights[3] * self.kernel(end_distance);
+        self.combine(inner, self.combine(segment.weights[0] * start_kernel, end))
+    }
+
+    /// Two weighted samples together.
+    #[inline(always)]
+    fn combine(&self, a: f32, b: f32) -> f32 {
+        if self.record.combine == COMBINE_SUM { a + b } else { a.max(b) }
+    }
+}

@@ -1,0 +1,255 @@
+//! Opening a bundle: map, check everything that could go wrong later, hand out views.
+
+use crate::contacts::Contacts;
+use crate::format::{AlignedBytes, ClipRecord, FormatError, FrameRow, Layout, Meta, SkeletonRecord, Storage, Tag};
+use crate::graph::{MotionGraph, MotionSegment, StateRecord};
+use crate::policy::{ActionTable, PolicyRecord, PolicySlices, PolicyTable, SegmentRecord, TargetGrid};
+use crate::skeleton::Skeleton;
+use bytemuck::Pod;
+use std::{ops::Range, path::Path};
+
+/// Tags of the sections of version 1, in file order.
+pub mod tags {
+    use crate::format::Tag;
+
+    /// [`crate::format::Meta`], encoded.
+    pub const META: Tag = Tag(*b"META");
+    /// One [`crate::format::SkeletonRecord`].
+    pub const SKELETON: Tag = Tag(*b"SKEL");
+    /// [`crate::format::ClipRecord`] per clip.
+    pub const CLIPS: Tag = Tag(*b"CLIP");
+    /// [`crate::format::FrameRow`] per frame.
+    pub const FRAMES: Tag = Tag(*b"FRAM");
+    /// [`crate::Contacts`] per frame.
+    pub const CONTACTS: Tag = Tag(*b"CONT");
+    /// [`crate::graph::StateRecord`] per state.
+    pub const STATES: Tag = Tag(*b"STAT");
+    /// [`crate::graph::MotionSegment`] per segment.
+    pub const SEGMENTS: Tag = Tag(*b"SEGM");
+    /// First action of each state, and the number of actions (u32).
+    pub const ACTION_OFFSETS: Tag = Tag(*b"AOFF");
+    /// Segment of each action (u32).
+    pub const ACTION_SEGMENTS: Tag = Tag(*b"ASEG");
+    /// Error of each action (f32).
+    pub const ACTION_ERRORS: Tag = Tag(*b"AERR");
+    /// [`crate::policy::PolicyRecord`] per policy.
+    pub const POLICIES: Tag = Tag(*b"POLI");
+    /// [`crate::policy::SegmentRecord`] per policy and segment.
+    pub const POLICY_SEGMENTS: Tag = Tag(*b"PSEG");
+    /// Value per policy, state and cell (f32).
+    pub const POLICY_VALUES: Tag = Tag(*b"PVAL");
+    /// Best actions per policy, state, cell and choice (u8).
+    pub const POLICY_BEST: Tag = Tag(*b"PBST");
+}
+
+#[derive(Debug)]
+struct Sections {
+    clips: Range<usize>,
+    frames: Range<usize>,
+    contacts: Range<usize>,
+    states: Range<usize>,
+    segments: Range<usize>,
+    action_offsets: Range<usize>,
+    action_segments: Range<usize>,
+    action_errors: Range<usize>,
+    policies: Range<usize>,
+    policy_segments: Range<usize>,
+    policy_values: Range<usize>,
+    policy_best: Range<usize>,
+}
+
+/// An open bundle. Views borrow from it; nothing is copied but META and the skeleton.
+///
+/// A bundle is mapped, not read: pages come in as they are touched, and several processes share them. Everything a
+/// view relies on is checked once, here: magic, version, lengths, alignment, padding, checksums, every stored
+/// index against its table, every number for being finite.
+#[derive(Debug)]
+pub struct Tables {
+    storage: Storage,
+    meta: Meta,
+    skeleton: Skeleton,
+    sections: Sections,
+    sizes: Vec<(Tag, usize)>,
+}
+
+impl Tables {
+    /// Maps and checks a file.
+    ///
+    /// # Errors
+    /// [`FormatError`] says what is wrong with the file and what to do.
+    pub fn open(path: impl AsRef<Path>) -> Result<Self, FormatError> {
+        Self::new(Storage::map(path.as_ref())?, true)
+    }
+
+    /// As [`Tables::open`], without comparing the sections' checksums. Everything that a view relies on for its
+    /// safety is checked all the same.
+    ///
+    /// # Errors
+    /// As [`Tables::open`].
+    pub fn open_unverified(path: impl AsRef<Path>) -> Result<Self, FormatError> {
+        Self::new(Storage::map(path.as_ref())?, false)
+    }
+
+    /// As [`Tables::open`], of bytes in memory.
+    ///
+    /// # Errors
+    /// As [`Tables::open`].
+    pub fn from_bytes(bytes: AlignedBytes) -> Result<Self, FormatError> {
+        Self::new(Storage::Memory(bytes), true)
+    }
+
+    /// As [`Tables::open_unverified`], of bytes in memory.
+    ///
+    /// # Errors
+    /// As [`Tables::open`].
+    pub fn from_bytes_unverified(bytes: AlignedBytes) -> Result<Self, FormatError> {
+        Self::new(Storage::Memory(bytes), false)
+    }
+
+    fn new(storage: Storage, checksums: bool) -> Result<Self, FormatError> {
+        let layout = Layout::read(storage.bytes(), checksums)?;
+        let sections = Sections {
+            clips: layout.section::<ClipRecord>(tags::CLIPS)?,
+            frames: layout.section::<FrameRow>(tags::FRAMES)?,
+            contacts: layout.section::<Contacts>(tags::CONTACTS)?,
+            states: layout.section::<StateRecord>(tags::STATES)?,
+            segments: layout.section::<MotionSegment>(tags::SEGMENTS)?,
+            action_offsets: layout.section::<u32>(tags::ACTION_OFFSETS)?,
+            action_segments: layout.section::<u32>(tags::ACTION_SEGMENTS)?,
+            action_errors: layout.section::<f32>(tags::ACTION_ERRORS)?,
+            policies: layout.section::<PolicyRecord>(tags::POLICIES)?,
+            policy_segments: layout.section::<SegmentRecord>(tags::POLICY_SEGMENTS)?,
+            policy_values: layout.section::<f32>(tags::POLICY_VALUES)?,
+            policy_best: layout.section::<u8>(tags::POLICY_BEST)?,
+        };
+        let meta = Meta::decode(&storage.bytes()[layout.section::<u8>(tags::META)?])?;
+        let record: &[SkeletonRecord] = view(storage.bytes(), &layout.section::<SkeletonRecord>(tags::SKELETON)?);
+        let [record] = record else {
+            return Err(FormatError::layout(format!("section SKEL has {} elements, expected 1", record.len())));
+        };
+        let skeleton = Skeleton::from(record);
+        let sizes = layout.sizes().collect();
+        let tables = Self { storage, meta, skeleton, sections, sizes };
+        check::skeleton(&tables.skeleton)?;
+        check::motion(&tables)?;
+        check::graph(&tables)?;
+        check::policies(&tables)?;
+        Ok(tables)
+    }
+
+    /// What the bundle says of itself.
+    pub fn meta(&self) -> &Meta {
+        &self.meta
+    }
+
+    /// The database skeleton.
+    pub fn skeleton(&self) -> &Skeleton {
+        &self.skeleton
+    }
+
+    /// The clips' places in [`Tables::frames`].
+    pub fn clips(&self) -> &[ClipRecord] {
+        self.view(&self.sections.clips)
+    }
+
+    /// Every frame of every clip.
+    pub fn frames(&self) -> &[FrameRow] {
+        self.view(&self.sections.frames)
+    }
+
+    /// Foot contacts. [Size: frames().len()]
+    pub fn contacts(&self) -> &[Contacts] {
+        self.view(&self.sections.contacts)
+    }
+
+    /// The motion graph.
+    pub fn graph(&self) -> MotionGraph<'_> {
+        let s = &self.sections;
+        MotionGraph {
+            states: self.view(&s.states),
+            segments: self.view(&s.segments),
+            action_offsets: self.view(&s.action_offsets),
+            action_segments: self.view(&s.action_segments),
+            action_errors: self.view(&s.action_errors),
+        }
+    }
+
+    /// Number of policies; their names are `meta().behaviours`.
+    pub fn num_policies(&self) -> usize {
+        self.policy_records().len()
+    }
+
+    /// Number of the policy of a behaviour.
+    pub fn find_policy(&self, behaviour: &str) -> Option<usize> {
+        self.meta.behaviours.iter().position(|b| b == behaviour)
+    }
+
+    /// What is stored of each policy beside its tables.
+    pub fn policy_records(&self) -> &[PolicyRecord] {
+        self.view(&self.sections.policies)
+    }
+
+    /// A policy; checks its tables anew, so take it once and keep it.
+    ///
+    /// # Panics
+    /// Where `index` is not below [`Tables::num_policies`].
+    pub fn policy(&self, index: usize) -> PolicyTable<'_> {
+        match self.try_policy(index) {
+            Ok(p) => p,
+            Err(e) => unreachable!("checked when the bundle was opened: {e}"),
+        }
+    }
+
+    fn try_policy(&self, index: usize) -> Result<PolicyTable<'_>, FormatError> {
+        let wrong = |e: crate::policy::PolicyError| FormatError::value(tags::POLICIES, index, e.to_string());
+        let graph = self.graph();
+        let actions =
+            ActionTable::new(graph.action_offsets, graph.action_segments, graph.segments.len()).map_err(wrong)?;
+        let (num_states, num_segments) = (graph.states.len(), graph.segments.len());
+        let records = self.policy_records();
+        let mut values_start = 0usize;
+        let mut best_start = 0usize;
+        for (i, r) in records[..=index].iter().enumerate() {
+            let cells = TargetGrid::new(r.grid).map_err(wrong)?.num_cells();
+            let num_values = cells.saturating_mul(num_states);
+            let num_best = num_values.saturating_mul(r.num_choices as usize);
+            if i == index {
+                let slices = PolicySlices {
+                    segments: part(self.view(&self.sections.policy_segments), i * num_segments, num_segments),
+                    values: part(self.view(&self.sections.policy_values), values_start, num_values),
+                    best: part(self.view(&self.sections.policy_best), best_start, num_best),
+                };
+                return PolicyTable::new(r, actions, slices).map_err(wrong);
+            }
+            values_start = values_start.saturating_add(num_values);
+            best_start = best_start.saturating_add(num_best);
+        }
+        Err(FormatError::value(tags::POLICIES, index, "no such policy"))
+    }
+
+    /// Tag and length of every section, in file order. [Unit: bytes]
+    pub fn section_sizes(&self) -> &[(Tag, usize)] {
+        &self.sizes
+    }
+
+    /// Length of the bundle. [Unit: bytes]
+    pub fn num_bytes(&self) -> usize {
+        self.storage.bytes().len()
+    }
+
+    fn view<T: Pod>(&self, range: &Range<usize>) -> &[T] {
+        view(self.storage.bytes(), range)
+    }
+}
+
+/// The part of a slice, or an empty one where it has no such part: the policy's own check then names the lengths.
+fn part<T>(all: &[T], start: usize, len: usize) -> &[T] {
+    start.checked_add(len).and_then(|end| all.get(start..end)).unwrap_or(&[])
+}
+
+/// Sections start on 64 bytes of memory that does too, and their element size was compared with `T`'s.
+fn view<'a, T: Pod>(bytes: &'a [u8], range: &Range<usize>) -> &'a [T] {
+    bytemuck::cast_slice(&bytes[range.clone()])
+}
+
+mod check;

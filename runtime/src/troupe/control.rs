@@ -1,0 +1,218 @@
+//! Control: a character that has come to the end of its segment chooses the next action.
+
+use super::block::Block;
+use super::repertoire::Repertoire;
+use super::transition::{self, Change};
+use super::{Choice, Goal, TroupeConfig};
+use crate::lanes::LANES;
+use crate::planar::{Planar, wrap_angle};
+use crate::policy::{self, BestActionJob, LookAheadJob, RankedActions};
+use glam::{Vec2, Vec3};
+
+/// Characters that choose together; the batch lives on the stack.
+pub(crate) const BATCH: usize = 64;
+/// Behaviours that may be weighed against each other.
+pub(crate) const MAX_GOALS: usize = 4;
+
+/// The characters of one range that wait for a choice.
+struct Pending {
+    len: usize,
+    characters: [u32; BATCH],
+    states: [u32; BATCH],
+    roots: [Planar; BATCH],
+    targets: [[Vec3; BATCH]; MAX_GOALS],
+    weights: [[f32; BATCH]; MAX_GOALS],
+    actions: [u8; BATCH],
+}
+
+/// Lets every character of a range choose until each is inside a segment.
+///
+/// - `first`: number of the range's first character, which random choices depend on.
+/// - `goals`: targets and weights cover the whole troupe.
+pub(crate) fn choose(
+    blocks: &mut [Block],
+    first: usize,
+    count: usize,
+    repertoire: &Repertoire<'_>,
+    config: &TroupeConfig,
+    goals: &[Goal<'_>],
+) {
+    let mut pending = Pending {
+        len: 0,
+        characters: [0; BATCH],
+        states: [0; BATCH],
+        roots: [Planar::IDENTITY; BATCH],
+        targets: [[Vec3::ZERO; BATCH]; MAX_GOALS],
+        weights: [[0.0; BATCH]; MAX_GOALS],
+        actions: [0; BATCH],
+    };
+    let mut from = 0;
+    // Each pass handles up to a batch; a character whose next segment is over at once waits for another pass.
+    while from < count {
+        pending.len = 0;
+        let mut next = from;
+        while next < count && pending.len < BATCH {
+            collect(&mut pending, blocks, next, first, repertoire, goals);
+            next += 1;
+        }
+        if pending.len == 0 {
+            from = next;
+            continue;
+        }
+        select(&mut pending, blocks, first, repertoire, config, goals);
+        apply(&pending, blocks, repertoire, config);
+    }
+}
+
+/// Adds a character that has played its segment to the end.
+fn collect(
+    pending: &mut Pending,
+    blocks: &[Block],
+    character: usize,
+    first: usize,
+    repertoire: &Repertoire<'_>,
+    goals: &[Goal<'_>],
+) {
+    let (b, lane) = (&blocks[character / LANES], character % LANES);
+    let segment = &repertoire.graph.segments[b.segment[lane] as usize];
+    if b.time[lane] < segment.num_frames as f32 {
+        return;
+    }
+    let root = b.clip_to_world(lane).compose(repertoire.planar(segment.start + segment.num_frames));
+    let i = pending.len;
+    pending.len += 1;
+    pending.characters[i] = character as u32;
+    pending.states[i] = segment.end;
+    pending.roots[i] = root;
+    for (g, goal) in goals.iter().enumerate() {
+        let t = goal.targets[first + character];
+        let local = root.inverse_transform_point(Vec2::new(t.x, t.z));
+        pending.targets[g][i] = Vec3::new(local.x, t.y, local.y);
+        pending.weights[g][i] = goal.weight;
+    }
+}
+
+/// Fills in the actions.
+fn select(
+    pending: &mut Pending,
+    blocks: &[Block],
+    first: usize,
+    repertoire: &Repertoire<'_>,
+    config: &TroupeConfig,
+    goals: &[Goal<'_>],
+) {
+    let n = pending.len;
+    let states = &pending.states[..n];
+    match config.choice {
+        Choice::BestAction if goals.len() == 1 => {
+            let policy = repertoire.policies[goals[0].policy];
+            let (targets, actions) = (&pending.targets[0][..n], &mut pending.actions[..n]);
+            let job = BestActionJob { policy, states, targets, choice: 0, actions };
+            job.run().unwrap_or_else(|e| unreachable!("states come from the tables, targets were checked: {e}"));
+        }
+        _ => {
+            let mut ranked = [RankedActions::NONE; BATCH];
+            let jobs: [policy::Goal<'_>; MAX_GOALS] = std::array::from_fn(|g| {
+                let g = g.min(goals.len() - 1);
+                policy::Goal {
+                    policy: repertoire.policies[goals[g].policy],
+                    weights: &pending.weights[g][..n],
+                    targets: &pending.targets[g][..n],
+                }
+            });
+            let job = LookAheadJob { goals: &jobs[..goals.len()], states, ranked: &mut ranked[..n] };
+            job.run().unwrap_or_else(|e| unreachable!("states come from the tables, targets were checked: {e}"));
+            let temperature = match config.choice {
+                Choice::LookAhead { temperature } => temperature,
+                Choice::BestAction => 0.0,
+            };
+            for i in 0..n {
+                let c = pending.characters[i] as usize;
+                let draws = blocks[c / LANES].num_choices[c % LANES];
+                let random = uniform(config.seed, (first + c) as u64, u64::from(draws));
+                pending.actions[i] = ranked[i].choose(temperature, random);
+            }
+        }
+    }
+}
+
+/// Starts the chosen segments.
+fn apply(pending: &Pending, blocks: &mut [Block], repertoire: &Repertoire<'_>, config: &TroupeConfig) {
+    let mut changes = [Change::default(); BATCH];
+    let mut num_changes = 0;
+    let rate = repertoire.rate_hz;
+    for i in 0..pending.len {
+        let character = pending.characters[i];
+        let (b, lane) = (&mut blocks[character as usize / LANES], character as usize % LANES);
+        let old = &repertoire.graph.segments[b.segment[lane] as usize];
+        let id = repertoire.graph.segments_of(pending.states[i])[usize::from(pending.actions[i])];
+        let new = &repertoire.graph.segments[id as usize];
+        let from = old.start + old.num_frames;
+        let left = b.time[lane] - old.num_frames as f32;
+        b.set_clip_to_world(lane, pending.roots[i].compose(repertoire.planar(new.start).inverse()));
+        b.segment[lane] = id;
+        b.time[lane] = left;
+        b.num_choices[lane] = b.num_choices[lane].wrapping_add(1);
+        b.bend[lane] = bend(new.displacement(), new.num_frames, pending.targets[0][i], config.bend_rad_per_m);
+        if new.start != from {
+            let left_s = left / rate;
+            changes[num_changes] = Change { character, from, to: new.start, age_s: b.age_s[lane] - left_s };
+            num_changes += 1;
+            b.age_s[lane] = left_s;
+        }
+    }
+    for group in changes[..num_changes].chunks(LANES) {
+        transition::start(group, repertoire.frames, rate, config.half_life_s, blocks);
+    }
+}
+
+/// How fast an action is bent so that it ends nearer to facing the target, within the limit. [Unit: rad/frame]
+///
+/// The linear path editing of 004 section 6: the change of heading grows linearly over the action.
+fn bend(displacement: Planar, num_frames: u32, target: Vec3, limit_rad_per_m: f32) -> f32 {
+    let path = displacement.x.hypot(displacement.z);
+    let limit = limit_rad_per_m * path;
+    if limit <= 0.0 {
+        return 0.0;
+    }
+    let left = Vec2::new(target.x - displacement.x, target.z - displacement.z);
+    if left.length() < path {
+        return 0.0;
+    }
+    wrap_angle(left.x.atan2(left.y) - displacement.heading).clamp(-limit, limit) / num_frames as f32
+}
+
+/// A number in [0, 1) that depends on nothing but its arguments (SplitMix64 over their combination).
+pub(crate) fn uniform(seed: u64, character: u64, draw: u64) -> f32 {
+    let mut z = seed ^ character.wrapping_mul(0x9E37_79B9_7F4A_7C15) ^ draw.wrapping_mul(0xD1B5_4A32_D192_ED03);
+    for _ in 0..2 {
+        z = z.wrapping_add(0x9E37_79B9_7F4A_7C15);
+        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+        z ^= z >> 31;
+    }
+    (z >> 40) as f32 / (1u64 << 24) as f32
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn random_numbers_are_spread_evenly() {
+        let n = 100_000u64;
+        let mean = (0..n).map(|i| f64::from(uniform(1, i % 100, i / 100))).sum::<f64>() / n as f64;
+        assert!((mean - 0.5).abs() < 0.01, "{mean}");
+        assert_ne!(uniform(1, 2, 3), uniform(1, 3, 2));
+    }
+
+    #[test]
+    fn bending_turns_towards_the_target_and_keeps_its_limit() {
+        let ahead = Planar::new(0.0, 1.0, 0.0);
+        let total = |target: Vec3| bend(ahead, 10, target, 0.2) * 10.0;
+        assert!((total(Vec3::new(0.1, 0.0, 5.0)) - (0.1f32).atan2(4.0)).abs() < 1e-6);
+        assert!((total(Vec3::new(5.0, 0.0, 1.0)) - 0.2).abs() < 1e-6);
+        assert!((total(Vec3::new(-5.0, 0.0, 1.0)) + 0.2).abs() < 1e-6);
+        assert_eq!(bend(ahead, 10, Vec3::new(5.0, 0.0, 1.0), 0.0), 0.0);
+    }
+}

@@ -1,0 +1,176 @@
+//! Feet that do not slide: while a part of a foot is planted, its motion over the ground is taken away.
+//!
+//! Each foot carries a correction in world space. While the foot is planted the correction changes by the opposite of
+//! what the planted part moved since the last step; while it is in the air the correction decays. There is no
+//! moment at which anything jumps, and the leg reaches the corrected place by analytic inverse kinematics.
+
+use super::block::{FootLock, Lane, load, store};
+use super::hierarchy::ModelPose;
+use crate::lanes::{F4, Q4, V4};
+use crate::skeleton::{Joint, Skeleton};
+
+/// How feet are locked.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FootLockConfig {
+    /// False leaves the feet as the clips and transitions move them.
+    pub enabled: bool,
+    /// Time in which the correction of a foot in the air halves. [Unit: s] [Limit: > 0]
+    pub half_life_s: f32,
+    /// Largest horizontal correction; a foot that would need more slides. [Unit: m]
+    pub max_correction_m: f32,
+}
+
+impl Default for FootLockConfig {
+    fn default() -> Self {
+        Self { enabled: true, half_life_s: 0.1, max_correction_m: 0.25 }
+    }
+}
+
+/// Share of the leg's length past which a corrected leg is not stretched, so that the knee stays soft.
+const SOFT_REACH: f32 = 0.995;
+
+/// The joints of one leg and their lengths.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Leg {
+    thigh: usize,
+    shin: usize,
+    foot: usize,
+    toe: usize,
+    thigh_length: f32,
+    shin_length: f32,
+    /// Height of ankle and toe over the ground when the foot stands flat. [Unit: m]
+    ankle_height: f32,
+    toe_height: f32,
+}
+
+impl Leg {
+    /// Left and right leg of a skeleton.
+    pub fn both(skeleton: &Skeleton) -> [Self; 2] {
+        use Joint::*;
+        let rest = skeleton.rest_positions();
+        [[LeftThigh, LeftShin, LeftFoot, LeftToe], [RightThigh, RightShin, RightFoot, RightToe]].map(|leg| {
+            let [thigh, shin, foot, toe] = leg.map(Joint::index);
+            Self {
+                thigh,
+                shin,
+                foot,
+                toe,
+                thigh_length: skeleton.offsets[shin].length(),
+                shin_length: skeleton.offsets[foot].length(),
+                ankle_height: rest[foot].y,
+                toe_height: rest[toe].y,
+            }
+        })
+    }
+}
+
+/// The planar roots of four characters, as what turns model space into world space and back.
+pub(crate) struct Placement {
+    pub x: F4,
+    pub z: F4,
+    pub sin: F4,
+    pub cos: F4,
+}
+
+impl Placement {
+    #[inline(always)]
+    fn to_world(&self, p: V4) -> V4 {
+        V4::new(self.cos * p.x + self.sin * p.z + self.x, p.y, self.cos * p.z - self.sin * p.x + self.z)
+    }
+
+    #[inline(always)]
+    fn vector_to_model(&self, v: V4) -> V4 {
+        V4::new(self.cos * v.x - self.sin * v.z, v.y, self.sin * v.x + self.cos * v.z)
+    }
+}
+
+/// Updates the lock of one foot and moves the leg. `heel` and `toe` are 1 where that part is planted, else 0.
+#[inline(always)]
+pub(crate) fn lock_foot(
+    leg: &Leg,
+    config: &FootLockConfig,
+    dt_s: f32,
+    planted: (Lane, Lane),
+    place: &Placement,
+    lock: &mut FootLock,
+    pose: &mut ModelPose,
+) {
+    let (ankle, toe) = (place.to_world(pose.positions[leg.foot]), place.to_world(pose.positions[leg.toe]));
+    let correction = update_correction(leg, config, dt_s, planted, lock, ankle, toe);
+    store(&mut lock.correction, correction);
+    store(&mut lock.ankle, ankle);
+    store(&mut lock.toe, toe);
+    (lock.heel_down, lock.toe_down) = planted;
+    if correction.dot(correction).any_gt(F4::splat(1e-10)) {
+        move_leg(leg, place.vector_to_model(correction), pose);
+    }
+}
+
+#[inline(always)]
+fn update_correction(
+    leg: &Leg,
+    config: &FootLockConfig,
+    dt_s: f32,
+    (heel, toe_planted): (Lane, Lane),
+    lock: &FootLock,
+    ankle: V4,
+    toe: V4,
+) -> V4 {
+    let (half, one) = (F4::splat(0.5), F4::splat(1.0));
+    let (heel, toe_planted) = (F4::load(&heel), F4::load(&toe_planted));
+    // A part holds where it was planted at both steps; where both parts hold, each counts half.
+    let (hold_heel, hold_toe) = (heel * F4::load(&lock.heel_down), toe_planted * F4::load(&lock.toe_down));
+    let sum = hold_heel + hold_toe;
+    let weight = one / sum.max(one);
+    let slide = (ankle - load(&lock.ankle)) * (hold_heel * weight) + (toe - load(&lock.toe)) * (hold_toe * weight);
+    let old = load(&lock.correction);
+    let keep = F4::splat((-std::f32::consts::LN_2 * dt_s / config.half_life_s).exp());
+    let held = old - slide;
+    let mut new = V4::select_lt(sum, half, old * keep, held);
+
+    // A planted part eases to the height at which it stands flat, and no toe goes below the ground.
+    let parts = heel + toe_planted;
+    let rise = (F4::splat(leg.ankle_height) - ankle.y) * heel + (F4::splat(leg.toe_height) - toe.y) * toe_planted;
+    let flat = rise / parts.max(one);
+    let y = F4::select_lt(parts, half, old.y * keep, flat + (old.y - flat) * keep);
+    new.y = y.max(F4::splat(leg.toe_height) - toe.y);
+
+    // No further than the largest correction over the ground.
+    let length = (new.x * new.x + new.z * new.z).sqrt();
+    let limit = F4::splat(config.max_correction_m);
+    let scale = limit / length.max(limit);
+    new.x = new.x * scale;
+    new.z = new.z * scale;
+    new
+}
+
+/// Moves the ankle by `correction` (model space) and bends the leg to reach; the foot keeps its orientation.
+#[inline(always)]
+fn move_leg(leg: &Leg, correction: V4, pose: &mut ModelPose) {
+    let one = F4::splat(1.0);
+    let (hip, knee, ankle) = (pose.positions[leg.thigh], pose.positions[leg.shin], pose.positions[leg.foot]);
+    let (l1, l2) = (F4::splat(leg.thigh_length), F4::splat(leg.shin_length));
+    let before = ankle - hip;
+    let aim = before + correction;
+    let reach = (F4::splat(leg.thigh_length + leg.shin_length) * F4::splat(SOFT_REACH)).max(before.length());
+    let distance = aim.length().max(F4::splat(1e-4));
+    let d = distance.min(reach).max((l1 - l2).abs() + F4::splat(1e-3));
+    let direction = aim * (one / distance);
+
+    // The knee stays in the plane it bends in; where the leg is straight, it bends towards the toes.
+    let forward = pose.rotations[leg.thigh].rotate(V4::splat(glam::Vec3::Z));
+    let pole = (knee - hip) + forward * F4::splat(0.02);
+    let pole = pole - direction * pole.dot(direction);
+    let pole = pole * (one / pole.length().max(F4::splat(1e-6)));
+    let along = (l1 * l1 - l2 * l2 + d * d) / (d + d);
+    let across = (l1 * l1 - along * along).max(F4::splat(0.0)).sqrt();
+    let new_knee = hip + direction * along + pole * across;
+    let new_ankle = hip + direction * d;
+
+    pose.rotations[leg.thigh] = Q4::between(knee - hip, new_knee - hip) * pose.rotations[leg.thigh];
+    pose.rotations[leg.shin] = Q4::between(ankle - knee, new_ankle - new_knee) * pose.rotations[leg.shin];
+    let moved = new_ankle - ankle;
+    pose.positions[leg.shin] = new_knee;
+    pose.positions[leg.foot] = new_ankle;
+    pose.positions[leg.toe] = pose.positions[leg.toe] + moved;
+}

@@ -1,0 +1,71 @@
+//! From local rotations to model space, for four characters, and out into matrices.
+
+use super::sample::LanePose;
+use crate::lanes::{F4, LANES, Q4, V4};
+use crate::pose::{LocalTransform, Mat3x4};
+use crate::skeleton::{Joint, NUM_JOINTS, Skeleton};
+
+/// Parent index of every joint; the hips' own index stands for none.
+pub(crate) const PARENTS: [usize; NUM_JOINTS] = {
+    let mut p = [0; NUM_JOINTS];
+    let mut i = 1;
+    while i < NUM_JOINTS {
+        p[i] = match Joint::ALL[i].parent() {
+            Some(j) => j.index(),
+            None => 0,
+        };
+        i += 1;
+    }
+    p
+};
+
+/// Rotation and position of every joint in model space.
+pub(crate) struct ModelPose {
+    pub rotations: [Q4; NUM_JOINTS],
+    pub positions: [V4; NUM_JOINTS],
+}
+
+/// Applies the hierarchy.
+#[inline(always)]
+pub(crate) fn to_model(skeleton: &Skeleton, pose: &LanePose) -> ModelPose {
+    let mut out = ModelPose { rotations: pose.rotations, positions: [pose.root; NUM_JOINTS] };
+    for j in 1..NUM_JOINTS {
+        let (r, p) = (out.rotations[PARENTS[j]], out.positions[PARENTS[j]]);
+        out.rotations[j] = r * pose.rotations[j];
+        out.positions[j] = p + r.rotate(V4::splat(skeleton.offsets[j]));
+    }
+    out
+}
+
+/// Writes the matrices of the first `count` lanes. [Size: count * NUM_JOINTS]
+#[inline(always)]
+pub(crate) fn write_matrices(pose: &ModelPose, count: usize, out: &mut [Mat3x4]) {
+    for j in 0..NUM_JOINTS {
+        let m = pose.rotations[j].matrix();
+        let t = [pose.positions[j].x, pose.positions[j].y, pose.positions[j].z];
+        for row in 0..3 {
+            let columns = F4::transpose([m[row][0], m[row][1], m[row][2], t[row]]);
+            for lane in 0..count.min(LANES) {
+                columns[lane].store(&mut out[lane * NUM_JOINTS + j].rows[row]);
+            }
+        }
+    }
+}
+
+/// Writes the local transforms of the first `count` lanes. [Size: count * NUM_JOINTS]
+///
+/// Foot locking moves joints in model space, so the local rotations are taken back from there.
+pub(crate) fn write_locals(skeleton: &Skeleton, pose: &ModelPose, count: usize, out: &mut [LocalTransform]) {
+    for j in 0..NUM_JOINTS {
+        let parent = PARENTS[j];
+        let q = if j == 0 { pose.rotations[0] } else { pose.rotations[parent].conjugate() * pose.rotations[j] };
+        let rotations = F4::transpose([q.v.x, q.v.y, q.v.z, q.w]);
+        let p = if j == 0 { pose.positions[0] } else { V4::splat(skeleton.offsets[j]) };
+        let positions = F4::transpose([p.x, p.y, p.z, F4::splat(0.0)]);
+        for lane in 0..count.min(LANES) {
+            let [x, y, z, padding] = positions[lane].to_array();
+            out[lane * NUM_JOINTS + j] =
+                LocalTransform { rotation: rotations[lane].to_array(), translation: [x, y, z], padding };
+        }
+    }
+}

@@ -1,0 +1,344 @@
+//! Troupes: many characters, moved and posed together.
+
+mod block;
+mod control;
+mod foot_lock;
+mod hierarchy;
+mod repertoire;
+mod sample;
+mod sample_job;
+mod step;
+#[cfg(test)]
+mod tests;
+mod transition;
+
+use crate::contacts::Contacts;
+use crate::lanes::LANES;
+use crate::planar::Planar;
+use crate::pose::{LocalTransform, Mat3x4};
+use crate::skeleton::NUM_JOINTS;
+use block::Block;
+pub use foot_lock::FootLockConfig;
+use glam::Vec3;
+pub use repertoire::Repertoire;
+pub use sample_job::SampleJob;
+use step::{RANGE_BLOCKS, Range, Tick};
+
+/// Longest tick. [Unit: s]
+pub const MAX_STEP_S: f32 = 1.0;
+/// Most behaviours weighed against each other in one step.
+pub const MAX_GOALS: usize = control::MAX_GOALS;
+
+/// How a character chooses among the actions of its state.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Choice {
+    /// The stored best action of the nearest cell: a single load. Needs exactly one goal; more are looked ahead.
+    BestAction,
+    /// One-step look-ahead over values, then one of the best few at random; 0 always takes the best.
+    LookAhead {
+        /// See [`crate::policy::RankedActions::choose`]. [Limit: >= 0]
+        temperature: f32,
+    },
+}
+
+/// How a troupe moves.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TroupeConfig {
+    /// Seed of random choices.
+    pub seed: u64,
+    /// How actions are chosen.
+    pub choice: Choice,
+    /// Time in which the offset of a transition halves. [Unit: s] [Limit: > 0]
+    pub half_life_s: f32,
+    /// How feet are locked.
+    pub foot_lock: FootLockConfig,
+    /// How far a walked action may be bent towards the target; 0 leaves motion as captured (004 section 6, linear
+    /// path editing). [Unit: rad/m] [Limit: >= 0]
+    pub bend_rad_per_m: f32,
+    /// Also write local transforms.
+    pub local_transforms: bool,
+}
+
+impl Default for TroupeConfig {
+    fn default() -> Self {
+        Self {
+            seed: 1,
+            choice: Choice::LookAhead { temperature: 0.0 },
+            half_life_s: 0.1,
+            foot_lock: FootLockConfig::default(),
+            bend_rad_per_m: 0.0,
+            local_transforms: false,
+        }
+    }
+}
+
+/// Where a character starts.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Start {
+    /// Planar root in the world.
+    pub root: Planar,
+    /// State of the motion graph. [Limit: < number of states]
+    pub state: u32,
+}
+
+/// A behaviour and where it is aimed.
+#[derive(Clone, Copy, Debug)]
+pub struct Goal<'a> {
+    /// Number of the policy.
+    pub policy: usize,
+    /// What its values count in the sum over goals; 0 switches it off.
+    pub weight: f32,
+    /// Target of every character in the world. [Unit: m] [Size: number of characters]
+    pub targets: &'a [Vec3],
+}
+
+/// A step that cannot be taken.
+#[non_exhaustive]
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum TroupeError {
+    /// A slice of the wrong length.
+    #[error("`{what}` has {got} elements, expected {expected}: one per character")]
+    Length {
+        /// Which slice.
+        what: &'static str,
+        /// Its length.
+        got: usize,
+        /// Number of characters.
+        expected: usize,
+    },
+    /// A state or policy that the bundle does not have.
+    #[error("{what} {got} does not exist, the bundle has {limit}")]
+    Index {
+        /// What was named.
+        what: &'static str,
+        /// Its number.
+        got: usize,
+        /// How many there are.
+        limit: usize,
+    },
+    /// A number out of its range.
+    #[error("{what} is {got}, expected {expected}")]
+    Value {
+        /// Which number.
+        what: &'static str,
+        /// What it is.
+        got: f32,
+        /// What it may be.
+        expected: &'static str,
+    },
+    /// The repertoire is not the one the troupe was made with.
+    #[error("the troupe was made with a bundle of {expected} frames, this one has {got}; make a new troupe")]
+    OtherBundle {
+        /// Frames of the troupe's bundle.
+        expected: usize,
+        /// Frames of this one.
+        got: usize,
+    },
+}
+
+/// Characters that move together, four to a block; all memory is allocated in [`Troupe::new`].
+///
+/// Every tick, [`Troupe::step`] moves time on, lets characters at the end of a segment choose their next action by
+/// the policies, samples and blends their motion, locks planted feet, and leaves each character's planar root,
+/// contacts and joint matrices to be read.
+#[derive(Clone, Debug)]
+pub struct Troupe {
+    config: TroupeConfig,
+    num_characters: usize,
+    num_frames: usize,
+    blocks: Vec<Block>,
+    matrices: Vec<Mat3x4>,
+    locals: Vec<LocalTransform>,
+}
+
+impl Troupe {
+    /// Puts a character at every start. Poses are there after the first step.
+    ///
+    /// # Errors
+    /// [`TroupeError::Index`] for a state that does not exist, [`TroupeError::Value`] for a start that is not
+    /// finite or a setting out of its range.
+    pub fn new(repertoire: &Repertoire<'_>, config: TroupeConfig, starts: &[Start]) -> Result<Self, TroupeError> {
+        check_config(&config)?;
+        let n = starts.len();
+        let mut blocks = vec![Block::ZERO; n.div_ceil(LANES)];
+        let arrivals = arrivals(repertoire);
+        for (c, start) in starts.iter().enumerate() {
+            let limit = repertoire.graph.states.len();
+            let Some(state) = repertoire.graph.states.get(start.state as usize) else {
+                return Err(TroupeError::Index { what: "state", got: start.state as usize, limit });
+            };
+            let r = start.root;
+            for (what, got) in [("start x", r.x), ("start z", r.z), ("start heading", r.heading)] {
+                check(what, got, got.abs() < 1e6, "a finite number below 1e6")?;
+            }
+            let (b, lane) = (&mut blocks[c / LANES], c % LANES);
+            let segment = arrivals[start.state as usize];
+            b.segment[lane] = segment;
+            b.time[lane] = repertoire.graph.segments[segment as usize].num_frames as f32;
+            b.set_clip_to_world(lane, r.compose(repertoire.planar(state.frame).inverse()));
+            block::set(&mut b.root, lane, Vec3::new(r.x, r.z, r.heading));
+        }
+        let locals = if config.local_transforms { n * NUM_JOINTS } else { 0 };
+        Ok(Self {
+            config,
+            num_characters: n,
+            num_frames: repertoire.frames.len(),
+            blocks,
+            matrices: vec![Mat3x4::default(); n * NUM_JOINTS],
+            locals: vec![LocalTransform::default(); locals],
+        })
+    }
+
+    /// Number of characters.
+    pub fn num_characters(&self) -> usize {
+        self.num_characters
+    }
+
+    /// Moves every character on by `dt_s` on this thread. Allocates nothing.
+    ///
+    /// # Errors
+    /// [`TroupeError`] where `dt_s` is not in `0..=1`, goals do not fit, or the repertoire is another bundle's;
+    /// nothing has moved then.
+    pub fn step(&mut self, repertoire: &Repertoire<'_>, dt_s: f32, goals: &[Goal<'_>]) -> Result<(), TroupeError> {
+        self.validate(repertoire, dt_s, goals)?;
+        let tick = Tick { dt_s, repertoire, config: &self.config, goals };
+        let n = self.num_characters;
+        let matrices = self.matrices.chunks_mut(RANGE_BLOCKS * LANES * NUM_JOINTS);
+        let mut locals = self.locals.chunks_mut(RANGE_BLOCKS * LANES * NUM_JOINTS);
+        for (i, (blocks, matrices)) in self.blocks.chunks_mut(RANGE_BLOCKS).zip(matrices).enumerate() {
+            step::step(range(i, n, blocks, matrices, locals.next().unwrap_or_default()), &tick);
+        }
+        Ok(())
+    }
+
+    /// As [`Troupe::step`], on the threads of the current rayon pool. The result is the same, bit by bit.
+    ///
+    /// # Errors
+    /// As [`Troupe::step`].
+    #[cfg(feature = "rayon")]
+    pub fn par_step(&mut self, repertoire: &Repertoire<'_>, dt_s: f32, goals: &[Goal<'_>]) -> Result<(), TroupeError> {
+        use rayon::prelude::*;
+        self.validate(repertoire, dt_s, goals)?;
+        let tick = Tick { dt_s, repertoire, config: &self.config, goals };
+        let n = self.num_characters;
+        const POSES: usize = RANGE_BLOCKS * LANES * NUM_JOINTS;
+        let parts = self.blocks.par_chunks_mut(RANGE_BLOCKS).zip(self.matrices.par_chunks_mut(POSES)).enumerate();
+        if self.locals.is_empty() {
+            parts.for_each(|(i, (b, m))| step::step(range(i, n, b, m, &mut []), &tick));
+        } else {
+            let parts = parts.zip(self.locals.par_chunks_mut(POSES));
+            parts.for_each(|((i, (b, m)), l)| step::step(range(i, n, b, m, l), &tick));
+        }
+        Ok(())
+    }
+
+    /// Planar root of a character in the world. [Limit: character < num_characters]
+    pub fn root(&self, character: usize) -> Planar {
+        self.blocks[character / LANES].root(character % LANES)
+    }
+
+    /// Planted parts of a character's feet. [Limit: character < num_characters]
+    pub fn contacts(&self, character: usize) -> Contacts {
+        self.blocks[character / LANES].contacts[character % LANES]
+    }
+
+    /// Segment that a character plays, and the time within it. [Unit: frames] [Limit: character < num_characters]
+    pub fn segment(&self, character: usize) -> (u32, f32) {
+        let (b, lane) = (&self.blocks[character / LANES], character % LANES);
+        (b.segment[lane], b.time[lane])
+    }
+
+    /// Choices a character has made so far. [Limit: character < num_characters]
+    pub fn num_choices(&self, character: usize) -> u32 {
+        self.blocks[character / LANES].num_choices[character % LANES]
+    }
+
+    /// Joints of all characters in model space, which [`Troupe::root`] places in the world.
+    /// [Size: num_characters * NUM_JOINTS]
+    pub fn model_matrices(&self) -> &[Mat3x4] {
+        &self.matrices
+    }
+
+    /// Joints of one character in model space. [Size: NUM_JOINTS] [Limit: character < num_characters]
+    pub fn pose(&self, character: usize) -> &[Mat3x4] {
+        &self.matrices[character * NUM_JOINTS..][..NUM_JOINTS]
+    }
+
+    /// Joints of all characters relative to their parents; empty unless the config asks for them.
+    /// [Size: num_characters * NUM_JOINTS]
+    pub fn local_transforms(&self) -> &[LocalTransform] {
+        &self.locals
+    }
+
+    /// World positions of one character's joints. [Unit: m] [Limit: character < num_characters]
+    pub fn joint_positions(&self, character: usize) -> [Vec3; NUM_JOINTS] {
+        let root = self.root(character);
+        let (turn, move_by) = (root.rotation(), root.translation());
+        let pose = self.pose(character);
+        std::array::from_fn(|j| turn * pose[j].translation() + move_by)
+    }
+
+    fn validate(&self, repertoire: &Repertoire<'_>, dt_s: f32, goals: &[Goal<'_>]) -> Result<(), TroupeError> {
+        if repertoire.frames.len() != self.num_frames {
+            return Err(TroupeError::OtherBundle { expected: self.num_frames, got: repertoire.frames.len() });
+        }
+        check("dt_s", dt_s, (0.0..=MAX_STEP_S).contains(&dt_s), "between 0 and 1")?;
+        if goals.is_empty() || goals.len() > MAX_GOALS {
+            return Err(TroupeError::Length { what: "goals", got: goals.len(), expected: MAX_GOALS });
+        }
+        for g in goals {
+            let (got, expected) = (g.targets.len(), self.num_characters);
+            if got != expected {
+                return Err(TroupeError::Length { what: "targets", got, expected });
+            }
+            if g.policy >= repertoire.policies.len() {
+                return Err(TroupeError::Index { what: "policy", got: g.policy, limit: repertoire.policies.len() });
+            }
+            check("weight", g.weight, g.weight.abs() < 1e6, "a finite number below 1e6")?;
+            for t in g.targets {
+                let largest = t.abs().max_element();
+                check("target", largest, largest < 1e6 && !t.is_nan(), "finite coordinates below 1e6")?;
+            }
+        }
+        Ok(())
+    }
+}
+
+/// A segment that ends in each state. [Size: number of states]
+fn arrivals(repertoire: &Repertoire<'_>) -> Vec<u32> {
+    let mut found = vec![0; repertoire.graph.states.len()];
+    for (i, s) in repertoire.graph.segments.iter().enumerate().rev() {
+        found[s.end as usize] = i as u32;
+    }
+    found
+}
+
+fn range<'a>(
+    index: usize,
+    num_characters: usize,
+    blocks: &'a mut [Block],
+    matrices: &'a mut [Mat3x4],
+    locals: &'a mut [LocalTransform],
+) -> Range<'a> {
+    let first = index * RANGE_BLOCKS * LANES;
+    let count = (num_characters - first).min(RANGE_BLOCKS * LANES);
+    Range { first, count, blocks, matrices, locals }
+}
+
+fn check_config(c: &TroupeConfig) -> Result<(), TroupeError> {
+    check("half_life_s", c.half_life_s, c.half_life_s > 1e-3 && c.half_life_s < 10.0, "between 0.001 and 10")?;
+    let lock = c.foot_lock.half_life_s;
+    check("foot_lock.half_life_s", lock, lock > 1e-3 && lock < 10.0, "between 0.001 and 10")?;
+    let most = c.foot_lock.max_correction_m;
+    check("foot_lock.max_correction_m", most, (1e-3..10.0).contains(&most), "between 0.001 and 10")?;
+    let bend = c.bend_rad_per_m;
+    check("bend_rad_per_m", bend, (0.0..10.0).contains(&bend), "between 0 and 10")?;
+    if let Choice::LookAhead { temperature } = c.choice {
+        check("temperature", temperature, (0.0..1e6).contains(&temperature), "between 0 and 1e6")?;
+    }
+    Ok(())
+}
+
+fn check(what: &'static str, got: f32, good: bool, expected: &'static str) -> Result<(), TroupeError> {
+    if good { Ok(()) } else { Err(TroupeError::Value { what, got, expected }) }
+}

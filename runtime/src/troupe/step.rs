@@ -1,0 +1,125 @@
+//! One tick, in reading order: advance -> control -> sample -> foot lock -> poses.
+//!
+//! Characters are handled in ranges of whole blocks; nothing in a range depends on another, so results do not
+//! depend on how a troupe is split.
+
+use super::block::Block;
+use super::control;
+use super::foot_lock::{Placement, lock_foot};
+use super::hierarchy::{to_model, write_locals, write_matrices};
+use super::repertoire::Repertoire;
+use super::sample::{Cursor, add_offsets, sample};
+use super::{Goal, TroupeConfig};
+use crate::contacts::Contacts;
+use crate::lanes::{F4, LANES};
+use crate::pose::{LocalTransform, Mat3x4};
+use crate::skeleton::NUM_JOINTS;
+
+/// Blocks of a range: 128 characters, whose state and poses fit the cache of a core.
+pub(crate) const RANGE_BLOCKS: usize = 32;
+
+/// What all ranges of a tick share.
+pub(crate) struct Tick<'a> {
+    pub dt_s: f32,
+    pub repertoire: &'a Repertoire<'a>,
+    pub config: &'a TroupeConfig,
+    pub goals: &'a [Goal<'a>],
+}
+
+/// The part of a troupe that one call handles.
+pub(crate) struct Range<'a> {
+    /// Number of the first character.
+    pub first: usize,
+    /// Characters; the last block may have empty lanes.
+    pub count: usize,
+    pub blocks: &'a mut [Block],
+    /// [Size: count * NUM_JOINTS]
+    pub matrices: &'a mut [Mat3x4],
+    /// [Size: count * NUM_JOINTS, or 0 where no local transforms are wanted]
+    pub locals: &'a mut [LocalTransform],
+}
+
+/// The list.
+pub(crate) fn step(range: Range<'_>, tick: &Tick<'_>) {
+    advance(range.blocks, range.count, tick);
+    control::choose(range.blocks, range.first, range.count, tick.repertoire, tick.config, tick.goals);
+    let poses = range.matrices.chunks_mut(LANES * NUM_JOINTS);
+    for (i, (block, matrices)) in range.blocks.iter_mut().zip(poses).enumerate() {
+        let locals = range.locals.get_mut(i * LANES * NUM_JOINTS..).unwrap_or_default();
+        pose(block, matrices, locals, tick);
+    }
+}
+
+/// Moves time on, and turns the path of characters whose action is bent.
+fn advance(blocks: &mut [Block], count: usize, tick: &Tick<'_>) {
+    let frames = tick.dt_s * tick.repertoire.rate_hz;
+    for character in 0..count {
+        let (b, lane) = (&mut blocks[character / LANES], character % LANES);
+        if b.bend[lane] != 0.0 {
+            let segment = &tick.repertoire.graph.segments[b.segment[lane] as usize];
+            let played = frames.min(segment.num_frames as f32 - b.time[lane]).max(0.0);
+            let root = b.root(lane);
+            let mut turned = root;
+            turned.heading += b.bend[lane] * played;
+            let placed = root.to_local(b.clip_to_world(lane));
+            b.set_clip_to_world(lane, turned.compose(placed));
+        }
+        b.time[lane] += frames;
+        b.age_s[lane] += tick.dt_s;
+    }
+}
+
+/// Samples a block, locks its feet and writes its poses.
+fn pose(block: &mut Block, matrices: &mut [Mat3x4], locals: &mut [LocalTransform], tick: &Tick<'_>) {
+    let r = tick.repertoire;
+    let mut at = [0usize; LANES];
+    let mut ratio = [0.0; LANES];
+    for lane in 0..LANES {
+        let whole = block.time[lane] as u32;
+        at[lane] = (r.graph.segments[block.segment[lane] as usize].start + whole) as usize;
+        ratio[lane] = block.time[lane] - whole as f32;
+        block.contacts[lane] = r.contacts[at[lane] + usize::from(ratio[lane] > 0.5)];
+    }
+    let cursor =
+        Cursor { rows: [at.map(|f| &r.frames[f]), at.map(|f| &r.frames[f + 1])], ratio: F4::from_array(ratio) };
+    let place = place(block, &cursor);
+    let mut local = sample(&cursor);
+    add_offsets(&mut local, block, tick.config.half_life_s);
+    let mut model = to_model(&r.skeleton, &local);
+    if tick.config.foot_lock.enabled {
+        let planted = |c: Contacts| block.contacts.map(|have| f32::from(u8::from(have.any(c))));
+        let parts = [
+            (planted(Contacts::LEFT_HEEL), planted(Contacts::LEFT_TOE)),
+            (planted(Contacts::RIGHT_HEEL), planted(Contacts::RIGHT_TOE)),
+        ];
+        for (foot, planted) in parts.into_iter().enumerate() {
+            let lock = &mut block.feet[foot];
+            lock_foot(&r.legs[foot], &tick.config.foot_lock, tick.dt_s, planted, &place, lock, &mut model);
+        }
+    }
+    write_matrices(&model, matrices.len() / NUM_JOINTS, matrices);
+    if !locals.is_empty() {
+        write_locals(&r.skeleton, &model, locals.len() / NUM_JOINTS, locals);
+    }
+}
+
+/// Updates the planar roots.
+#[inline(always)]
+fn place(block: &mut Block, cursor: &Cursor<'_>) -> Placement {
+    let [from, to] = &cursor.rows;
+    let lerp = |k: usize| {
+        let (a, b) = (F4::from_array(from.map(|r| r.planar[k])), F4::from_array(to.map(|r| r.planar[k])));
+        a + (b - a) * cursor.ratio
+    };
+    let [tx, tz, th] = [0, 1, 2].map(|k| F4::load(&block.clip_to_world[k]));
+    let (clip_sin, clip_cos) = th.sin_cos();
+    let (px, pz) = (lerp(0), lerp(1));
+    let x = clip_cos * px + clip_sin * pz + tx;
+    let z = clip_cos * pz - clip_sin * px + tz;
+    let heading = th + lerp(2);
+    x.store(&mut block.root[0]);
+    z.store(&mut block.root[1]);
+    heading.store(&mut block.root[2]);
+    let (sin, cos) = heading.sin_cos();
+    Placement { x, z, sin, cos }
+}

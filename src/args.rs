@@ -1,0 +1,93 @@
+//! Arguments that several subcommands share.
+
+use std::path::{Path, PathBuf};
+use throng_precompute::cache::Cache;
+use throng_precompute::trial::TrialConfig;
+use throng_runtime::Tables;
+use throng_runtime::troupe::Choice;
+
+/// Below every `--help`.
+pub const AFTER_HELP: &str = "Exit codes: 0 done, 1 failed (the message names file, line or joint and the way out), \
+2 wrong usage. With --json, a command prints one JSON object on standard output and everything else on standard error.";
+
+/// What a subcommand returns.
+pub type Outcome = Result<(), Box<dyn std::error::Error>>;
+
+/// A message as an error.
+pub fn fail<T>(message: impl Into<String>) -> Result<T, Box<dyn std::error::Error>> {
+    Err(message.into().into())
+}
+
+/// Opens a bundle; messages name the file.
+pub fn open(path: &Path) -> Result<Tables, Box<dyn std::error::Error>> {
+    Tables::open(path).map_err(|e| match e {
+        throng_runtime::FormatError::Io { .. } => e.to_string().into(),
+        e => format!("{}: {e}", path.display()).into(),
+    })
+}
+
+/// Where stages keep their outputs.
+#[derive(clap::Args)]
+pub struct CacheArgs {
+    /// Folder that keeps the outputs of stages between builds.
+    #[arg(long, value_name = "DIR", default_value = ".throng-cache")]
+    cache: PathBuf,
+    /// Run every stage, and keep nothing.
+    #[arg(long)]
+    no_cache: bool,
+}
+
+impl CacheArgs {
+    /// The cache they name.
+    pub fn cache(&self) -> Cache {
+        if self.no_cache { Cache::none() } else { Cache::in_folder(&self.cache) }
+    }
+}
+
+/// A crowd whose characters each chase a target of their own.
+#[derive(clap::Args)]
+pub struct CrowdArgs {
+    /// Number of characters.
+    #[arg(long, default_value_t = 1000, value_name = "N")]
+    characters: usize,
+    /// Simulated time.
+    #[arg(long, default_value_t = 15.0, value_name = "S")]
+    seconds: f32,
+    /// Steps a simulated second.
+    #[arg(long, default_value_t = 60.0, value_name = "HZ")]
+    step_hz: f32,
+    /// Seed of places, targets and choices.
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// Choose by the stored best action instead of looking ahead.
+    #[arg(long)]
+    single_load: bool,
+    /// Choose at random among the best few actions; 0 always takes the best.
+    #[arg(long, default_value_t = 0.0, value_name = "T")]
+    temperature: f32,
+    /// How far a walked action may be bent towards the target, in radians a metre; 0 plays motion as captured.
+    #[arg(long, default_value_t = 0.0, value_name = "RAD_PER_M")]
+    bend: f32,
+    /// Character shown as a strip of poses.
+    #[arg(long, default_value_t = 0, value_name = "N")]
+    follow: usize,
+}
+
+impl CrowdArgs {
+    /// The trial they describe.
+    pub fn trial(&self) -> TrialConfig {
+        let mut trial = TrialConfig {
+            characters: self.characters,
+            seconds: self.seconds,
+            step_hz: self.step_hz,
+            seed: self.seed,
+            recorded: self.follow,
+            ..TrialConfig::default()
+        };
+        trial.troupe.seed = self.seed;
+        trial.troupe.bend_rad_per_m = self.bend;
+        trial.troupe.choice =
+            if self.single_load { Choice::BestAction } else { Choice::LookAhead { temperature: self.temperature } };
+        trial
+    }
+}

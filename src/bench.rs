@@ -1,0 +1,88 @@
+//! `throng bench`: what does it cost on this machine?
+
+use crate::args::Outcome;
+use crate::output;
+use std::path::PathBuf;
+use throng_precompute::measure::{self, MeasureConfig};
+
+/// Measure queries, sampling and steps of a bundle beside copying the same bytes, and value iteration.
+///
+/// JSON keys: results [characters, threads, control_ns_per_query, lookahead_ns_per_query, lookahead_actions,
+/// lookahead_62_ns_per_query, sample_ns_per_joint, step_ns_per_character, step_single_load_ns_per_character,
+/// memcpy_ns_per_character, steps_per_second], value_iteration {pairs, sweeps, greedy_sweeps, seconds, setup_seconds,
+/// residual, bytes_per_sweep, sweep_bytes_per_second, copy_bytes_per_second}.
+#[derive(clap::Args)]
+pub struct Args {
+    /// Bundle.
+    file: PathBuf,
+    /// Numbers of characters.
+    #[arg(long, value_delimiter = ',', default_value = "1000,10000", value_name = "N,...")]
+    characters: Vec<usize>,
+    /// Numbers of threads.
+    #[arg(long, value_delimiter = ',', default_value = "1,2", value_name = "N,...")]
+    threads: Vec<usize>,
+    /// Time given to each figure.
+    #[arg(long, default_value_t = 0.5, value_name = "S")]
+    seconds: f64,
+    /// Print one JSON object.
+    #[arg(long)]
+    json: bool,
+}
+
+pub fn run(args: &Args) -> Outcome {
+    let tables = crate::args::open(&args.file)?;
+    let config = MeasureConfig {
+        characters: args.characters.clone(),
+        threads: args.threads.clone(),
+        seconds: args.seconds,
+    };
+    let measured = measure::measure(&tables, &config)?;
+    if args.json {
+        return output::json(&measured);
+    }
+    for r in &measured.results {
+        output::table(&[
+            ("crowd", format!("{} characters, {} thread(s)", r.characters, r.threads)),
+            ("  single load", format!("{:.1} ns a query", r.control_ns_per_query)),
+            (
+                "  look-ahead",
+                format!(
+                    "{:.1} ns a query over {:.1} actions, {:.1} over 62",
+                    r.lookahead_ns_per_query, r.lookahead_actions, r.lookahead_62_ns_per_query
+                ),
+            ),
+            ("  sampling", format!("{:.2} ns a joint, model matrices included", r.sample_ns_per_joint)),
+            (
+                "  step",
+                format!(
+                    "{:.1} ns a character ({:.1} with single load), {:.0} steps a second",
+                    r.step_ns_per_character, r.step_single_load_ns_per_character, r.steps_per_second
+                ),
+            ),
+            (
+                "  memcpy",
+                format!(
+                    "{:.1} ns a character; a step takes {:.1} times as long",
+                    r.memcpy_ns_per_character,
+                    r.step_ns_per_character / r.memcpy_ns_per_character
+                ),
+            ),
+        ])?;
+    }
+    let v = &measured.value_iteration;
+    output::table(&[(
+        "value iteration",
+        format!(
+            "{:.1} million pairs, {} sweeps ({} greedy), {:.3} s after {:.3} s of setup, residual {:.1e}; a sweep moves {}, {:.1} GB/s, a copy {:.1} GB/s",
+            v.pairs as f64 / 1e6,
+            v.sweeps,
+            v.greedy_sweeps,
+            v.seconds,
+            v.setup_seconds,
+            v.residual,
+            output::bytes(v.bytes_per_sweep),
+            v.sweep_bytes_per_second / 1e9,
+            v.copy_bytes_per_second / 1e9
+        ),
+    )])
+}

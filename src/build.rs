@@ -1,0 +1,91 @@
+//! `throng build`: motion files to a bundle.
+
+use crate::args::{CacheArgs, Outcome};
+use crate::{output, progress};
+use std::path::PathBuf;
+use throng_precompute::config::BuildConfig;
+use throng_precompute::pipeline;
+use throng_precompute::report::BuildReport;
+
+/// Bake motion files into a bundle.
+///
+/// JSON keys: name, clips, frames_in, frames_kept, states, actions, seconds_total, stage_s, cached, policies [name,
+/// cells, sweeps, residual, bytes, seconds, ...], bundle_bytes, graph, contacts, excluded_frames, skipped, warnings.
+#[derive(clap::Args)]
+pub struct Args {
+    /// Config (TOML); `throng schema` prints what it may hold.
+    config: PathBuf,
+    /// Bundle to write.
+    #[arg(long, value_name = "FILE")]
+    out: PathBuf,
+    /// Motion files, folders or patterns instead of the config's.
+    #[arg(long, value_name = "PATH", num_args = 1..)]
+    input: Vec<PathBuf>,
+    /// Stop at the first bad file instead of skipping it.
+    #[arg(long)]
+    strict: bool,
+    #[command(flatten)]
+    cache: CacheArgs,
+    /// Print one JSON object.
+    #[arg(long)]
+    json: bool,
+}
+
+pub fn run(args: &Args) -> Outcome {
+    let mut config = BuildConfig::load(&args.config)?;
+    config.import.strict |= args.strict;
+    if !args.input.is_empty() {
+        config.inputs.clone_from(&args.input);
+    }
+    let report = pipeline::build(&config, &args.out, &args.cache.cache(), &progress::Bar::default())?;
+    output::warnings(&report.skipped, &report.warnings);
+    if args.json { output::json(&report) } else { print(&report, &args.out.display().to_string()) }
+}
+
+/// What was built, for people.
+pub fn print(r: &BuildReport, out: &str) -> Outcome {
+    let g = &r.graph;
+    let stages: Vec<_> = r.stage_s.iter().map(|(name, s)| format!("{name} {s:.2}")).collect();
+    let cached = if r.cached.is_empty() { String::new() } else { format!(", from cache: {}", r.cached.join(", ")) };
+    let mut rows = vec![
+        ("clips", format!("{} ({} skipped)", r.clips, r.skipped.len())),
+        ("frames", format!("{} usable, {} kept in the component", r.frames_in, r.frames_kept)),
+        (
+            "contacts",
+            format!(
+                "left {:.0} %, right {:.0} % of the frames, {:.3} m/s on average while planted",
+                100.0 * r.contacts.left_share,
+                100.0 * r.contacts.right_share,
+                r.contacts.mean_speed_mps
+            ),
+        ),
+        (
+            "graph",
+            format!(
+                "{} states ({} standing), {} actions ({:.1} a state), {} segments of {:.2} s on average",
+                g.states, g.standing_states, g.actions, g.branching.mean, g.segments, g.segment_s.mean
+            ),
+        ),
+        (
+            "transitions",
+            format!("error {:.3} on average, {:.3} at worst", g.transition_error.mean, g.transition_error.max),
+        ),
+    ];
+    rows.extend(r.policies.iter().map(|p| {
+        (
+            "policy",
+            format!(
+                "{}: {} cells, {} sweeps, residual {:.1e} (measured), {}, {:.2} s",
+                p.name,
+                p.cells,
+                p.sweeps,
+                p.residual,
+                output::bytes(p.bytes as u64),
+                p.seconds
+            ),
+        )
+    }));
+    rows.push(("time", format!("{:.2} s ({}{cached})", r.seconds_total, stages.join(", "))));
+    rows.push(("bundle", format!("{out}, {}", output::bytes(r.bundle_bytes))));
+    output::table(&rows)
+}

@@ -1,0 +1,19 @@
+//! `throng completions`: for the shell.
+
+use crate::args::Outcome;
+use clap::CommandFactory;
+use std::io::Write;
+
+/// Print completions for a shell.
+#[derive(clap::Args)]
+pub struct Args {
+    /// The shell.
+    shell: clap_complete::Shell,
+}
+
+pub fn run(args: &Args) -> Outcome {
+    let mut out = Vec::new();
+    clap_complete::generate(args.shell, &mut crate::Cli::command(), "throng", &mut out);
+    std::io::stdout().write_all(&out)?;
+    Ok(())
+}

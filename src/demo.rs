@@ -1,0 +1,59 @@
+//! `throng demo`: the whole way on motion of the project's own.
+
+use crate::args::{CrowdArgs, Outcome};
+use crate::{build, output, progress, run};
+use serde::Serialize;
+use std::path::PathBuf;
+use throng_precompute::cache::Cache;
+use throng_precompute::config::BuildConfig;
+use throng_precompute::report::BuildReport;
+use throng_precompute::synth::SynthConfig;
+use throng_precompute::trial::{self, TrialReport};
+use throng_precompute::{pipeline, synth};
+
+/// Synthesise motion, bake it, run 1000 characters, draw a picture.
+///
+/// JSON keys: those of `run`, and `build` with those of `build`.
+#[derive(clap::Args)]
+pub struct Args {
+    /// Picture to write.
+    #[arg(long, value_name = "FILE", default_value = "demo.png")]
+    out: PathBuf,
+    /// Bundle to keep.
+    #[arg(long, value_name = "FILE", default_value = "demo.throng")]
+    bundle: PathBuf,
+    #[command(flatten)]
+    crowd: CrowdArgs,
+    /// Print one JSON object.
+    #[arg(long)]
+    json: bool,
+}
+
+#[derive(Serialize)]
+struct Report {
+    #[serde(flatten)]
+    trial: TrialReport,
+    build: BuildReport,
+}
+
+pub fn run(args: &Args) -> Outcome {
+    let clips = tempfile::tempdir()?;
+    eprintln!("synthesising motion ...");
+    synth::write_walk(&SynthConfig::default(), clips.path())?;
+    eprintln!("baking it ...");
+    let mut config = BuildConfig::new("demo", vec![clips.path().to_path_buf()]);
+    config.resample.mirror = true;
+    let built = pipeline::build(&config, &args.bundle, &Cache::none(), &progress::Bar::default())?;
+    output::warnings(&built.skipped, &built.warnings);
+    eprintln!("running the crowd ...");
+    let tables = crate::args::open(&args.bundle)?;
+    let trial_config = args.crowd.trial();
+    let (report, record) = trial::run(&tables, &trial_config)?;
+    run::draw(&tables, &trial_config, &report, &record, &args.out)?;
+    if args.json {
+        return output::json(&Report { trial: report, build: built });
+    }
+    build::print(&built, &args.bundle.display().to_string())?;
+    run::print(&report)?;
+    output::table(&[("picture", args.out.display().to_string())])
+}

@@ -1,0 +1,87 @@
+//! `throng export`: motion, graphs and policies for other programs.
+
+use crate::args::{Outcome, fail};
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+use throng_precompute::import::{ImportConfig, bvh_write, export, read_clip};
+use throng_precompute::{Warnings, annotate, files, graph, policy, resample, retarget};
+
+/// Write a clip as positions or BVH, or a bundle's graph or policy.
+#[derive(clap::Args)]
+pub struct Args {
+    /// Motion file (.bvh, .amc) or bundle (.throng).
+    file: PathBuf,
+    /// What to write: of a clip `positions-csv` (frame,joint,x,y,z in metres, Y up) or `bvh`; of a bundle
+    /// `graph-json` (states and actions) or `policy-csv` (values with cell coordinates).
+    #[arg(long)]
+    format: Format,
+    /// File to write; standard output by default.
+    #[arg(long, value_name = "FILE")]
+    out: Option<PathBuf>,
+    /// Write a clip on the database skeleton, at the database rate, instead of as it was read.
+    #[arg(long)]
+    retargeted: bool,
+    /// Skeleton of an AMC file; found beside it by default.
+    #[arg(long, value_name = "FILE")]
+    asf: Option<PathBuf>,
+    /// Behaviour whose policy is written; the first by default.
+    #[arg(long, value_name = "NAME")]
+    behaviour: Option<String>,
+}
+
+#[derive(Clone, Copy, clap::ValueEnum)]
+enum Format {
+    PositionsCsv,
+    Bvh,
+    GraphJson,
+    PolicyCsv,
+}
+
+pub fn run(args: &Args) -> Outcome {
+    match args.format {
+        Format::PositionsCsv | Format::Bvh => clip(args),
+        Format::GraphJson => {
+            let tables = crate::args::open(&args.file)?;
+            write(args.out.as_deref(), |w| graph::write_graph_json(&graph::graph_rows(&tables), w))
+        }
+        Format::PolicyCsv => {
+            let tables = crate::args::open(&args.file)?;
+            let name = args.behaviour.as_ref().or(tables.meta().behaviours.first());
+            let Some(index) = name.and_then(|n| tables.find_policy(n)) else {
+                let known = tables.meta().behaviours.join(", ");
+                return fail(format!("{}: no such behaviour; there are: {known}", args.file.display()));
+            };
+            write(args.out.as_deref(), |w| policy::write_csv(&tables.policy(index), w))
+        }
+    }
+}
+
+fn clip(args: &Args) -> Outcome {
+    let config = ImportConfig { asf: args.asf.clone(), ..ImportConfig::default() };
+    let imported = read_clip(&args.file, &config)?;
+    let raw = if args.retargeted {
+        let clips = retarget::onto(std::slice::from_ref(&imported), &Default::default(), &mut Warnings::default())?;
+        let clips = resample::resample(&clips, &Default::default());
+        let clips = annotate::annotate(&clips, &Default::default(), &Default::default())?;
+        retarget::to_raw(&clips.clips[0], &clips.skeleton)
+    } else {
+        imported.clip
+    };
+    write(args.out.as_deref(), |w| match args.format {
+        Format::Bvh => bvh_write::write(&raw, w),
+        _ => export::positions_csv(&raw, w),
+    })
+}
+
+/// To the file, which appears when it is whole, or to standard output.
+fn write(out: Option<&Path>, body: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> Outcome {
+    match out {
+        Some(path) => Ok(files::write_atomically(path, body)?),
+        None => {
+            let mut buffered = io::BufWriter::new(io::stdout().lock());
+            body(&mut buffered)?;
+            buffered.flush()?;
+            Ok(())
+        }
+    }
+}

@@ -1,0 +1,51 @@
+//! Printing: JSON for machines, lines for people.
+
+use serde::Serialize;
+use std::io::Write;
+
+/// Prints one JSON object on standard output.
+pub fn json(value: &impl Serialize) -> Result<(), Box<dyn std::error::Error>> {
+    let mut out = std::io::stdout().lock();
+    serde_json::to_writer_pretty(&mut out, value)?;
+    writeln!(out)?;
+    Ok(())
+}
+
+/// Prints lines of a label and a text, the texts below each other.
+pub fn table(rows: &[(&str, String)]) -> Result<(), Box<dyn std::error::Error>> {
+    let width = rows.iter().map(|r| r.0.chars().count()).max().unwrap_or(0);
+    let mut out = std::io::stdout().lock();
+    for (label, text) in rows {
+        writeln!(out, "{label:width$}  {text}")?;
+    }
+    Ok(())
+}
+
+/// Warnings and skipped files, on standard error.
+pub fn warnings(skipped: &[String], warnings: &[String]) {
+    for w in warnings {
+        eprintln!("warning: {w}");
+    }
+    for s in skipped {
+        eprintln!("skipped: {s}");
+    }
+    if !skipped.is_empty() {
+        eprintln!("{} file(s) skipped; --strict stops at the first", skipped.len());
+    }
+}
+
+/// A number of bytes for people.
+pub fn bytes(n: u64) -> String {
+    match n {
+        0..10_000 => format!("{n} bytes"),
+        10_000..10_000_000 => format!("{:.1} kB", n as f64 / 1e3),
+        _ => format!("{:.1} MB", n as f64 / 1e6),
+    }
+}
+
+/// True where the reader of our output has gone, which is no failure.
+pub fn is_broken_pipe(e: &(dyn std::error::Error + 'static)) -> bool {
+    let io = e.downcast_ref::<std::io::Error>().map(std::io::Error::kind);
+    let json = e.downcast_ref::<serde_json::Error>().and_then(serde_json::Error::io_error_kind);
+    io.or(json) == Some(std::io::ErrorKind::BrokenPipe)
+}

@@ -1,0 +1,65 @@
+//! `throng synth`: motion of the project's own, as ordinary files.
+
+use crate::args::{Outcome, fail};
+use crate::output;
+use serde::Serialize;
+use std::path::PathBuf;
+use throng_precompute::synth::{self, SynthConfig};
+
+/// Write synthetic motion as BVH files.
+///
+/// JSON keys: set, clips, frames, seconds, out.
+#[derive(clap::Args)]
+pub struct Args {
+    /// Which set: `walk` (wandering with turns, stops and starts).
+    #[arg(long, default_value = "walk")]
+    set: String,
+    /// Folder to write to; made if it is not there.
+    #[arg(long, value_name = "DIR")]
+    out: PathBuf,
+    /// Length of the set.
+    #[arg(long, default_value_t = SynthConfig::default().minutes)]
+    minutes: f64,
+    /// Same seed, same motion.
+    #[arg(long, default_value_t = SynthConfig::default().seed)]
+    seed: u64,
+    /// Frames a second.
+    #[arg(long, default_value_t = SynthConfig::default().rate_hz, value_name = "HZ")]
+    rate_hz: f64,
+    /// Print one JSON object.
+    #[arg(long)]
+    json: bool,
+}
+
+#[derive(Serialize)]
+struct Report {
+    set: String,
+    clips: usize,
+    frames: usize,
+    seconds: f64,
+    out: PathBuf,
+}
+
+pub fn run(args: &Args) -> Outcome {
+    if args.set != "walk" {
+        return fail(format!("--set {}: expected `walk`", args.set));
+    }
+    let config =
+        SynthConfig { minutes: args.minutes, seed: args.seed, rate_hz: args.rate_hz, ..SynthConfig::default() };
+    let set = synth::write_walk(&config, &args.out)?;
+    let frames = set.num_frames();
+    let report = Report {
+        set: args.set.clone(),
+        clips: set.clips.len(),
+        frames,
+        seconds: frames as f64 / args.rate_hz,
+        out: args.out.clone(),
+    };
+    if args.json {
+        return output::json(&report);
+    }
+    output::table(&[(
+        "written",
+        format!("{} clips, {} frames, {:.0} s, to {}", report.clips, frames, report.seconds, args.out.display()),
+    )])
+}
