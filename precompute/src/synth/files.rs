@@ -1,11 +1,11 @@
 //! Synthetic clips as ordinary BVH files, which the ordinary importer reads.
 
 use super::raw::to_raw;
-use crate::clip::ClipSet;
+use crate::clip::{Clip, ClipSet};
 use crate::error::BuildError;
+use crate::files::write_atomically;
 use crate::import::bvh_write;
-use std::fs::{File, create_dir_all};
-use std::io::{BufWriter, Write};
+use std::fs::create_dir_all;
 use std::path::{Path, PathBuf};
 
 /// Writes every clip as `NAME.bvh` into `folder`, which is made if it is not there.
@@ -15,20 +15,14 @@ use std::path::{Path, PathBuf};
 /// # Errors
 /// [`BuildError::Io`] naming the file or folder that cannot be written.
 pub fn save(set: &ClipSet, folder: &Path) -> Result<Vec<PathBuf>, BuildError> {
-    let failed = |path: &Path| {
-        let path = path.to_owned();
-        move |source| BuildError::Io { path, source }
-    };
-    create_dir_all(folder).map_err(failed(folder))?;
-    let mut files = Vec::with_capacity(set.clips.len());
-    for clip in &set.clips {
+    create_dir_all(folder).map_err(|source| BuildError::Io { path: folder.to_owned(), source })?;
+    let save_one = |clip: &Clip| {
         let path = folder.join(format!("{}.bvh", clip.name));
-        let mut out = BufWriter::new(File::create(&path).map_err(failed(&path))?);
-        bvh_write::write(&to_raw(clip, &set.skeleton), &mut out).map_err(failed(&path))?;
-        out.flush().map_err(failed(&path))?;
-        files.push(path);
-    }
-    Ok(files)
+        let raw = to_raw(clip, &set.skeleton);
+        write_atomically(&path, |out| bvh_write::write(&raw, out))?;
+        Ok(path)
+    };
+    set.clips.iter().map(save_one).collect()
 }
 
 #[cfg(test)]

@@ -25,8 +25,6 @@ pub use raw::to_raw;
 
 use crate::clip::ClipSet;
 use crate::error::BuildError;
-use crate::files::write_atomically;
-use crate::import::bvh_write;
 use foot::FootShape;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
@@ -104,14 +102,10 @@ pub fn walk(cfg: &SynthConfig) -> Result<ClipSet, BuildError> {
 /// - returns what was written.
 ///
 /// # Errors
-/// As [`walk`], and [`BuildError::Io`] for a folder or file that cannot be written.
+/// As [`walk`] and [`save`].
 pub fn write_walk(cfg: &SynthConfig, folder: &Path) -> Result<ClipSet, BuildError> {
     let set = walk(cfg)?;
-    std::fs::create_dir_all(folder).map_err(|source| BuildError::Io { path: folder.to_path_buf(), source })?;
-    for clip in &set.clips {
-        let raw = to_raw(clip, &set.skeleton);
-        write_atomically(&folder.join(format!("{}.bvh", clip.name)), |w| bvh_write::write(&raw, w))?;
-    }
+    save(&set, folder)?;
     Ok(set)
 }
 
