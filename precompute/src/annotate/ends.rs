@@ -37,10 +37,14 @@ const ARMS_OUT: f32 = 0.6;
 /// Arms that turn away from the side slower than this have arrived. [Unit: rad/s]
 const ARRIVED_SPEED: f32 = 0.6;
 
-/// Bodies that hold a T-pose move no joint faster. [Unit: m/s]
-const POSING_SPEED: f32 = 0.4;
+/// Bodies that hold a T-pose move no joint faster; where a clip is cut in a T-pose they may be on the way out of a
+/// full one, and faster. [Unit: m/s]
+const POSING_SPEED: f32 = 0.5;
 
-/// T-poses are held for at least this long. [Unit: s]
+/// Poses this near to a clip's end are those it is cut in. [Unit: s]
+const EDGE: f32 = 0.1;
+
+/// T-poses further inside are held for at least this long. [Unit: s]
 const MIN_HOLD: f32 = 0.1;
 
 /// The way out of a T-pose takes no longer. [Unit: s]
@@ -108,16 +112,18 @@ fn t_pose_frames(
     let n = poses.len();
     let seconds = |s: f32| (s as f64 * rate_hz).round() as usize;
     let searched = seconds(cfg.t_pose_within).max(1).min(n);
-    let held = |k: usize| match t_pose(&poses[at(k)]) {
-        TPose::Full => fastest[at(k)] < POSING_SPEED,
-        TPose::Half => fastest[at(k)] < cfg.still_speed,
+    let pose = |k: usize| t_pose(&poses[at(k)]);
+    let speed = |k: usize| fastest[at(k)];
+    let cut = |k: usize| match pose(k) {
+        TPose::Full => speed(k) < 2.5 * POSING_SPEED,
+        TPose::Half => speed(k) < POSING_SPEED,
         TPose::No => false,
     };
-    let Some(first) = (0..searched).find(|&k| held(k)) else { return 0 };
-    let last = (first..n).take_while(|&k| held(k)).last().unwrap_or(first);
-    if last - first < seconds(MIN_HOLD) {
-        return 0;
-    }
+    let hold = seconds(MIN_HOLD).max(1);
+    let held = |k: usize| k + hold <= n && (k..k + hold).all(|k| pose(k) == TPose::Full && speed(k) < POSING_SPEED);
+    let edge = seconds(EDGE).min(n);
+    let Some(first) = (0..edge).find(|&k| cut(k)).or_else(|| (0..searched).find(|&k| held(k))) else { return 0 };
+    let last = (first..n).take_while(|&k| pose(k) != TPose::No).last().unwrap_or(first);
     let limit = (last + seconds(MAX_WAY_OUT)).min(n);
     let ways_out = (0..2).map(|side| {
         let angle = |k: usize| angle_from_side(&poses[at(k)], side);
@@ -144,10 +150,9 @@ fn arms(pose: &[Vec3; NUM_JOINTS]) -> [(Vec3, Vec3, Vec3); 2] {
 /// How much of a T-pose a pose is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum TPose {
-    /// Upright on straight legs, both arms straight and level out to the sides.
+    /// Upright on straight legs, both arms straight and about level out to the sides.
     Full,
-    /// Only one arm is straight and level; the other is not hanging. People hold T-poses sloppily, and markers are
-    /// often not labelled yet.
+    /// Only one arm is straight and about level: markers are often not labelled yet.
     Half,
     /// Something else.
     No,
@@ -164,10 +169,9 @@ fn t_pose(pose: &[Vec3; NUM_JOINTS]) -> TPose {
         let upper = (elbow - shoulder).normalize_or_zero();
         let lower = (hand - elbow).normalize_or_zero();
         let whole = (hand - shoulder).normalize_or_zero();
-        whole.y.abs() < 0.45 && upper.dot(lower) > 0.8 && whole.dot(left).abs() > 0.8
+        (-0.6..0.45).contains(&whole.y) && upper.dot(lower) > 0.8 && whole.dot(left).abs() > 0.8
     });
-    let hanging = arms(pose).iter().any(|(shoulder, elbow, _)| (elbow - shoulder).normalize_or_zero().y < -0.6);
-    match (upright && legs && !hanging, out) {
+    match (upright && legs, out) {
         (true, [true, true]) => TPose::Full,
         (true, [true, false] | [false, true]) => TPose::Half,
         _ => TPose::No,
