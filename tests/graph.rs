@@ -108,7 +108,7 @@ fn wandering(num_clips: usize) -> ClipSet {
             speed: 1.1 + 0.02 * (k % 7) as f32,
             arms: 0.3 + 0.01 * (k % 11) as f32,
             num_frames: 160 + 13 * (k % 4),
-            style: 0.0,
+            style: 0.01 * ((7 * k) % 61) as f32,
             standing: if k % 3 == 0 { 40 } else { 0 },
         })
         .collect();
@@ -249,7 +249,7 @@ fn transitions_join_frames_where_the_same_foot_is_about_to_leave_or_both_stand()
 fn the_search_reaches_the_wanted_branching() {
     let clips = wandering(60);
     let loose = GraphConfig { outcome_distance: 0.0, outcome_angle: 0.0, ..Default::default() };
-    for wanted in [4.0, 8.0, 16.0] {
+    for wanted in [6.0, 10.0, 16.0] {
         let config = GraphConfig { branching: wanted, ..loose.clone() };
         let (_, report, _) = connect(&clips, &config).unwrap();
         assert!((report.branching.mean - wanted).abs() < 0.05 * wanted, "{wanted}: {report:?}");

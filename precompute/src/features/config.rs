@@ -77,14 +77,14 @@ impl FeaturesConfig {
 }
 
 /// Joints count roughly by the length and mass of what they move, legs more than arms, because a leg that
-/// blends badly slides on the ground.
+/// blends badly slides on the ground. The head counts little: captured heads jump where markers swap.
 fn default_weight(joint: Joint) -> f64 {
     use Joint::*;
     match joint {
         Hips => 0.0,
         Spine | Chest | UpperChest => 0.8,
-        Neck => 0.3,
-        Head => 0.2,
+        Neck => 0.2,
+        Head => 0.05,
         LeftClavicle | RightClavicle => 0.3,
         LeftUpperArm | RightUpperArm => 1.0,
         LeftForearm | RightForearm => 0.6,
