@@ -42,7 +42,7 @@ pub struct GraphConfig {
 impl Default for GraphConfig {
     fn default() -> Self {
         Self {
-            branching: 16.0,
+            branching: 14.0,
             threshold: None,
             max_error: 0.5,
             max_actions: 64,
