@@ -15,8 +15,8 @@ use super::matches::Link;
 pub(super) fn bridge(graph: &mut EventGraph, matches: &[Vec<Link>], alive: &[bool], most: usize) {
     loop {
         let parts = components(graph, alive);
-        let more = missing(graph, matches, alive, &parts, most);
-        if parts.len() <= 1 || more.is_empty() {
+        let more = if parts.len() > 1 { missing(graph, matches, alive, &parts, most) } else { Vec::new() };
+        if more.is_empty() {
             break;
         }
         for (i, link) in more {
@@ -58,33 +58,34 @@ fn missing(
         part.iter().for_each(|&i| part_of[i] = p);
     }
     let (mut has_out, mut has_in) = (vec![false; parts.len()], vec![false; parts.len()]);
-    let (mut best_out, mut best_in): (Vec<Option<(usize, Link)>>, _) =
-        (vec![None; parts.len()], vec![None; parts.len()]);
-    let keep_better = |best: &mut Option<(usize, Link)>, i: usize, link: &Link| {
-        if best.is_none_or(|(_, b)| link.error < b.error) {
-            *best = Some((i, *link));
-        }
-    };
-    for i in (0..alive.len()).filter(|&i| alive[i]) {
+    let living = || (0..alive.len()).filter(|&i| alive[i]);
+    for i in living() {
         for n in graph.targets(i).filter(|&n| alive[n] && part_of[n] != part_of[i]) {
             has_out[part_of[i]] = true;
             has_in[part_of[n]] = true;
         }
-        if graph.links[i].len() >= most {
-            continue;
-        }
-        for link in candidates(graph, matches, alive, i) {
-            let arrives = graph.next[link.event].map_or(usize::MAX, |n| part_of[n]);
-            if arrives != part_of[i] {
+    }
+    let (mut best_out, mut best_in) = (vec![None; parts.len()], vec![None; parts.len()]);
+    for i in living().filter(|&i| graph.links[i].len() < most) {
+        for link in &matches[i] {
+            let Some(n) = graph.next[link.event].filter(|&n| alive[n] && part_of[n] != part_of[i]) else { continue };
+            // A link that is chosen already is a way out and a way in, so none is considered twice.
+            if !has_out[part_of[i]] {
                 keep_better(&mut best_out[part_of[i]], i, link);
-                keep_better(&mut best_in[arrives], i, link);
+            }
+            if !has_in[part_of[n]] {
+                keep_better(&mut best_in[part_of[n]], i, link);
             }
         }
     }
-    let outs = (0..parts.len()).filter(|&p| !has_out[p]).filter_map(|p| best_out[p]);
-    let ins = (0..parts.len()).filter(|&p| !has_in[p]).filter_map(|p| best_in[p]);
-    let mut more: Vec<(usize, Link)> = outs.chain(ins).collect();
+    let mut more: Vec<(usize, Link)> = best_out.into_iter().chain(best_in).flatten().collect();
     more.sort_unstable_by_key(|(i, link)| (*i, link.event));
     more.dedup_by_key(|(i, link)| (*i, link.event));
     more
+}
+
+fn keep_better(best: &mut Option<(usize, Link)>, i: usize, link: &Link) {
+    if best.is_none_or(|(_, b)| link.error < b.error) {
+        *best = Some((i, *link));
+    }
 }

@@ -2,6 +2,7 @@
 
 use super::config::GraphConfig;
 use super::matches::Link;
+use rayon::prelude::*;
 use throng_runtime::Planar;
 use throng_runtime::planar::wrap_angle;
 
@@ -27,7 +28,7 @@ pub(super) fn choose(
     config: &GraphConfig,
 ) -> Vec<Vec<Link>> {
     let most = config.max_actions.saturating_sub(1 + RESERVED).max(1);
-    matches.iter().map(|links| choose_of_one(links, outcomes, threshold, most, config)).collect()
+    matches.par_iter().map(|links| choose_of_one(links, outcomes, threshold, most, config)).collect()
 }
 
 fn choose_of_one(all: &[Link], outcomes: &[Planar], threshold: f32, most: usize, config: &GraphConfig) -> Vec<Link> {

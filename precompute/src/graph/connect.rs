@@ -141,37 +141,38 @@ impl<'a> Search<'a> {
     /// The graph at the threshold that is given, or at the least one that reaches the wanted branching, or at
     /// the largest error.
     fn run(&self) -> (MotionGraph, f32) {
-        if let Some(threshold) = self.config.threshold {
-            return (self.graph_at(threshold as f32), threshold as f32);
-        }
+        let threshold = self.config.threshold.map_or_else(|| self.find_threshold(), |t| t as f32);
+        let (graph, alive) = self.events_at(threshold);
+        (collapse::collapse(&graph, &alive, &self.events, self.clips), threshold)
+    }
+
+    fn find_threshold(&self) -> f32 {
+        let suffices = |threshold| {
+            let (graph, alive) = self.events_at(threshold);
+            collapse::branching(&graph, &alive) >= self.config.branching
+        };
         let (mut low, mut high) = (0.0, self.config.max_error as f32);
-        let mut best = (self.graph_at(high), high);
-        if branching(&best.0) < self.config.branching {
-            return best;
+        if !suffices(high) {
+            return high;
         }
         for _ in 0..SEARCH_STEPS {
             let middle = 0.5 * (low + high);
-            let graph = self.graph_at(middle);
-            if branching(&graph) < self.config.branching {
-                low = middle;
-            } else {
+            if suffices(middle) {
                 high = middle;
-                best = (graph, middle);
+            } else {
+                low = middle;
             }
         }
-        best
+        high
     }
 
-    fn graph_at(&self, threshold: f32) -> MotionGraph {
+    /// The event graph with the links that are chosen at a threshold, and its component.
+    fn events_at(&self, threshold: f32) -> (EventGraph, Vec<bool>) {
         let links = choose::choose(&self.whole.links, &self.outcomes, threshold, self.config);
         let mut graph = EventGraph { next: self.whole.next.clone(), frames: self.whole.frames.clone(), links };
         bridge::bridge(&mut graph, &self.whole.links, &self.alive, self.config.max_actions - 1);
         // Where max_actions left no room for a bridge, a part may still be lost.
         let alive = largest_component(&graph);
-        collapse::collapse(&graph, &alive, &self.events, self.clips)
+        (graph, alive)
     }
-}
-
-fn branching(graph: &MotionGraph) -> f64 {
-    graph.actions.len() as f64 / graph.states.len().max(1) as f64
 }
