@@ -69,7 +69,7 @@ pub fn trial_sheet(tables: &Tables, config: &TrialConfig, report: &TrialReport, 
 }
 
 fn characters(record: &TrialRecord) -> Vec<CrowdCharacter<'_>> {
-    let one = |(c, &root)| CrowdCharacter {
+    let one = |(c, &root): (usize, &throng_runtime::Planar)| CrowdCharacter {
         root,
         figure: record.poses.get(c).map(Figure::from_positions),
         trail: record.trails.get(c).map_or(&[], Vec::as_slice),
