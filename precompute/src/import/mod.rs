@@ -7,9 +7,12 @@
 pub mod amc;
 pub mod asf;
 pub mod bvh;
+pub mod bvh_write;
 pub mod config;
+pub mod export;
 pub mod files;
 mod guess;
+pub mod inspect;
 pub mod profile;
 mod rest;
 pub mod roles;
