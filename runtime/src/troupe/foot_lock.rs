@@ -16,18 +16,24 @@ pub struct FootLockConfig {
     pub enabled: bool,
     /// Time in which the correction of a foot in the air halves. [Unit: s] [Limit: > 0]
     pub half_life_s: f32,
+    /// The same for a planted foot, over the ground: slow enough not to be seen, so that a character that stands
+    /// for long comes back to how its clips stand. [Unit: s] [Limit: > 0]
+    pub planted_half_life_s: f32,
     /// Largest horizontal correction; a foot that would need more slides. [Unit: m]
     pub max_correction_m: f32,
 }
 
 impl Default for FootLockConfig {
     fn default() -> Self {
-        Self { enabled: true, half_life_s: 0.1, max_correction_m: 0.25 }
+        Self { enabled: true, half_life_s: 0.1, planted_half_life_s: 2.0, max_correction_m: 0.25 }
     }
 }
 
 /// Share of the leg's length past which a corrected leg is not stretched, so that the knee stays soft.
 const SOFT_REACH: f32 = 0.995;
+
+/// Time in which the vertical correction of a planted foot halves. [Unit: s]
+const PLANTED_HEIGHT_HALF_LIFE_S: f32 = 0.3;
 
 /// The joints of one leg and their lengths.
 #[derive(Clone, Copy, Debug)]
@@ -122,8 +128,13 @@ fn update_correction(
     let weight = one / sum.max(one);
     let slide = (ankle - load(&lock.ankle)) * (hold_heel * weight) + (toe - load(&lock.toe)) * (hold_toe * weight);
     let old = load(&lock.correction);
-    let keep = F4::splat((-std::f32::consts::LN_2 * dt_s / config.half_life_s).exp());
-    let mut new = V4::select_lt(sum, half, old * keep, old - slide);
+    let keep = |half_life_s: f32| F4::splat((-std::f32::consts::LN_2 * dt_s / half_life_s).exp());
+    let held = (old - slide) * keep(config.planted_half_life_s);
+    let mut new = V4::select_lt(sum, half, old * keep(config.half_life_s), held);
+
+    // Over the ground a planted foot eases to the height its clip has it at.
+    let height = (old.y - slide.y) * keep(PLANTED_HEIGHT_HALF_LIFE_S);
+    new.y = F4::select_lt(sum, half, new.y, height);
 
     // No toe goes below the ground.
     new.y = new.y.max(F4::splat(leg.toe_height) - toe.y);
