@@ -3,11 +3,16 @@
 use glam::{Quat, Vec3};
 use proptest::prelude::*;
 use std::f32::consts::{PI, TAU};
+use std::path::{Path, PathBuf};
+use throng_precompute::annotate::{self, AnnotateConfig, Sidecars};
 use throng_precompute::clip::{Exclusion, ExclusionReason, FrameId};
 use throng_precompute::features::{self, Features, FeaturesConfig};
 use throng_precompute::graph::{self, GraphConfig, GraphReport, MotionGraph, StateId};
+use throng_precompute::import::{self, ImportConfig};
 use throng_precompute::progress::Silent;
-use throng_precompute::{BuildError, Clip, ClipSet};
+use throng_precompute::resample::{self, ResampleConfig};
+use throng_precompute::retarget::{self, RetargetConfig};
+use throng_precompute::{BuildError, Clip, ClipSet, Warnings};
 use throng_runtime::{Contacts, Joint, NUM_JOINTS, Planar, Skeleton};
 
 const RATE_HZ: f64 = 30.0;
@@ -108,7 +113,7 @@ fn wandering(num_clips: usize) -> ClipSet {
             speed: 1.1 + 0.02 * (k % 7) as f32,
             arms: 0.3 + 0.01 * (k % 11) as f32,
             num_frames: 160 + 13 * (k % 4),
-            style: 0.0,
+            style: 0.01 * ((7 * k) % 61) as f32,
             standing: if k % 3 == 0 { 40 } else { 0 },
         })
         .collect();
@@ -249,7 +254,7 @@ fn transitions_join_frames_where_the_same_foot_is_about_to_leave_or_both_stand()
 fn the_search_reaches_the_wanted_branching() {
     let clips = wandering(60);
     let loose = GraphConfig { outcome_distance: 0.0, outcome_angle: 0.0, ..Default::default() };
-    for wanted in [4.0, 8.0, 16.0] {
+    for wanted in [6.0, 10.0, 16.0] {
         let config = GraphConfig { branching: wanted, ..loose.clone() };
         let (_, report, _) = connect(&clips, &config).unwrap();
         assert!((report.branching.mean - wanted).abs() < 0.05 * wanted, "{wanted}: {report:?}");
@@ -320,6 +325,52 @@ fn json_lists_states_and_actions() {
     let (clip, frame) = clip_of(&clips, segment.start);
     assert_eq!(first["clip"], clips.clips[clip].name);
     assert_eq!(first["start_frame"], frame);
+}
+
+/// Captured motion, where this machine has it.
+fn captured() -> Option<PathBuf> {
+    let beside = || Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/mocap");
+    let root = std::env::var_os("THRONG_MOCAP").map_or_else(beside, PathBuf::from);
+    root.is_dir().then_some(root)
+}
+
+/// Largest turns to the left and to the right from every state within `frames` frames, by dynamic programming.
+fn turns_within(graph: &MotionGraph, frames: usize) -> Vec<(f32, f32)> {
+    let mut table = vec![vec![(0.0f32, 0.0f32); graph.states.len()]; frames + 1];
+    for t in 1..=frames {
+        for s in 0..graph.states.len() {
+            for a in graph.actions_of(StateId(s as u32)) {
+                let segment = &graph.segments[a.segment.0 as usize];
+                if let Some(left_over) = t.checked_sub(segment.num_frames as usize) {
+                    let (left, right) = table[left_over][segment.end.0 as usize];
+                    let turned = segment.displacement.heading;
+                    table[t][s] = (table[t][s].0.max(left + turned), table[t][s].1.min(right + turned));
+                }
+            }
+        }
+    }
+    table.swap_remove(frames)
+}
+
+#[test]
+fn captured_walks_and_runs_turn_both_ways_everywhere() {
+    let Some(root) = captured() else {
+        eprintln!("skipped: no captured motion at ../shared/mocap and THRONG_MOCAP is not set");
+        return;
+    };
+    let paths = ["walk_*.amc", "run_*.amc"].map(|p| root.join("snu/single").join(p));
+    let imported = import::read(&paths, &ImportConfig::default(), &Silent).unwrap();
+    let clips = retarget::onto(&imported.clips, &RetargetConfig::default(), &mut Warnings::default()).unwrap();
+    let clips = resample::resample(&clips, &ResampleConfig::default());
+    let clips = annotate::annotate(&clips, &AnnotateConfig::default(), &Sidecars::default()).unwrap();
+    let config = GraphConfig::default();
+    let (graph, report, features) = connect(&clips, &config).unwrap();
+    check(&graph, &clips, &features, &config);
+    assert!(report.frames_kept * 10 > report.frames_in * 8, "{report:?}");
+    assert!((report.branching.mean - config.branching).abs() < 0.5, "{report:?}");
+    let turns = turns_within(&graph, 90);
+    let able = turns.iter().filter(|t| t.0 > 1.0 && t.1 < -1.0).count();
+    assert!(able * 100 > 95 * turns.len(), "{able} of {} states turn by 1 rad to either side in 3 s", turns.len());
 }
 
 proptest! {

@@ -22,6 +22,9 @@ pub struct BuildConfig {
     pub name: String,
     /// Motion files, folders, or patterns with `*` in the file name, relative to the config file's folder.
     pub inputs: Vec<PathBuf>,
+    /// Seed of everything random in a build: the samples in its reports.
+    #[serde(default)]
+    pub seed: u64,
     /// Reading of files.
     #[serde(default)]
     pub import: ImportConfig,
@@ -61,6 +64,7 @@ impl BuildConfig {
         Self {
             name: name.into(),
             inputs,
+            seed: 0,
             import: ImportConfig::default(),
             retarget: RetargetConfig::default(),
             resample: ResampleConfig::default(),

@@ -14,6 +14,7 @@ pub mod measure;
 pub mod mirror;
 pub mod picture;
 pub mod pipeline;
+mod pod;
 pub mod policy;
 pub mod progress;
 pub mod provenance;

@@ -2,7 +2,7 @@
 
 use crate::error::BuildError;
 use crate::policy::made_up::MadeUp;
-use crate::policy::{PolicyConfig, Solution};
+use crate::policy::Solution;
 use glam::Vec3;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
@@ -14,6 +14,9 @@ use std::time::Instant;
 use throng_runtime::policy::{BestActionJob, Goal as PolicyGoal, LookAheadJob, PolicyTable, RankedActions};
 use throng_runtime::troupe::{Goal, Repertoire, SampleJob, Start, Troupe, TroupeConfig};
 use throng_runtime::{Mat3x4, NUM_JOINTS, Planar, Tables};
+
+/// Precision of the made-up problem's values.
+const EPSILON: f64 = 1e-4;
 
 /// What is measured.
 #[derive(Clone, Debug, PartialEq)]
@@ -98,7 +101,8 @@ pub fn measure(tables: &Tables, config: &MeasureConfig) -> Result<Measured, Buil
     }
     let repertoire = Repertoire::new(tables);
     let made_up = MadeUp::default();
-    let (model, solution) = in_pool(1, || made_up.solve(&PolicyConfig::default()))??;
+    let model = made_up.model();
+    let solution = in_pool(1, || made_up.solve(&model, EPSILON))??;
     let best = vec![0; solution.values.len()];
     let large = solution.table(&model, &best)?;
     let mut results = Vec::new();

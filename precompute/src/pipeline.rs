@@ -9,6 +9,8 @@ use crate::report::{self, BuildReport};
 use crate::stages::{Motion, Stages};
 use crate::write::{self, Baked};
 use crate::{annotate, features, graph, import, policy, resample, retarget};
+use rand::SeedableRng;
+use rand_pcg::Pcg64;
 use std::path::Path;
 
 /// Bakes the files of a config into a bundle.
@@ -40,14 +42,17 @@ pub fn build(cfg: &BuildConfig, out: &Path, cache: &Cache, progress: &dyn Progre
         s.run("graph", |p| graph::connect(&motion.clips, &features, &cfg.graph, p))
     })?;
 
-    let key = key.then("policy", &(&cfg.policy, &cfg.behaviours))?;
+    let key = key.then("policy", &(&cfg.policy, &cfg.behaviours, cfg.seed))?;
     let policies = s.cached("policy", key, |s| {
-        s.run("policy", |p| policy::solve(&motion.clips, &graph, &cfg.policy, &cfg.behaviours, p))
+        s.run("policy", |p| {
+            let mut rng = Pcg64::seed_from_u64(cfg.seed);
+            policy::solve(&motion.clips, &graph, &cfg.behaviours, &cfg.policy, &mut rng, p)
+        })
     })?;
 
     let meta = from.meta(cfg, &graph_report)?;
-    let baked = Baked { clips: &motion.clips, graph: &graph, policies: &policies, meta: &meta };
+    let baked = Baked { clips: &motion.clips, graph: &graph, policies: &policies.policies, meta: &meta };
     let bundle_bytes = s.run("write", |_| write::bundle(&baked, out))?;
     let warnings = Warnings { messages: [motion.warnings.messages.clone(), s.warnings.messages.clone()].concat() };
-    Ok(report::of_build(cfg, &motion, graph_report, &policies, bundle_bytes, warnings, s.finish()))
+    Ok(report::of_build(cfg, &motion, graph_report, &policies.policies, bundle_bytes, warnings, s.finish()))
 }

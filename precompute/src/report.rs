@@ -5,7 +5,7 @@ use crate::config::BuildConfig;
 use crate::error::Warnings;
 use crate::graph::GraphReport;
 use crate::import::ImportedSet;
-use crate::policy::{PolicyReport, PolicyTables};
+use crate::policy::{Policy, PolicyReport};
 use crate::stages::{Motion, Timing};
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -67,7 +67,7 @@ pub(crate) fn of_build(
     cfg: &BuildConfig,
     motion: &Motion,
     graph: GraphReport,
-    policies: &[PolicyTables],
+    policies: &[Policy],
     bundle_bytes: u64,
     warnings: Warnings,
     timing: Timing,

@@ -4,7 +4,7 @@ use crate::clip::{Clip, ClipSet};
 use crate::error::BuildError;
 use crate::files::write_atomically;
 use crate::graph::MotionGraph;
-use crate::policy::PolicyTables;
+use crate::policy::Policy;
 use std::path::Path;
 use throng_runtime::format::{
     AlignedBytes, BundleWriter, ClipMeta, ClipRecord, FormatError, FrameRow, Meta, SkeletonRecord,
@@ -22,7 +22,7 @@ pub struct Baked<'a> {
     /// Which frame may follow which.
     pub graph: &'a MotionGraph,
     /// One per behaviour.
-    pub policies: &'a [PolicyTables],
+    pub policies: &'a [Policy],
     /// Name, provenance and figures; clips and behaviours are filled in here.
     pub meta: &'a Meta,
 }
@@ -143,14 +143,14 @@ fn graph(baked: &Baked<'_>, out: &mut BundleWriter) {
     out.section(tags::ACTION_ERRORS, &g.actions.iter().map(|a| a.error).collect::<Vec<_>>());
 }
 
-fn policies(policies: &[PolicyTables], out: &mut BundleWriter) {
+fn policies(policies: &[Policy], out: &mut BundleWriter) {
     out.section(tags::POLICIES, &policies.iter().map(|p| p.record).collect::<Vec<_>>());
     out.section(tags::POLICY_SEGMENTS, &concat(policies, |p| &p.segments));
     out.section(tags::POLICY_VALUES, &concat(policies, |p| &p.values));
     out.section(tags::POLICY_BEST, &concat(policies, |p| &p.best));
 }
 
-fn concat<T: Copy>(policies: &[PolicyTables], of: impl Fn(&PolicyTables) -> &Vec<T>) -> Vec<T> {
+fn concat<T: Copy>(policies: &[Policy], of: impl Fn(&Policy) -> &Vec<T>) -> Vec<T> {
     policies.iter().flat_map(|p| of(p).iter().copied()).collect()
 }
 

@@ -17,10 +17,13 @@ pub struct ContactConfig {
     pub height_on: f32,
     /// Height above the joint's own floor that ends a contact. [Unit: m]
     pub height_off: f32,
-    /// Speed that a contact falls below. [Unit: m/s] [Limit: <= speed_off]
+    /// Speed that a contact falls below, for a body in place. [Unit: m/s] [Limit: <= speed_off]
     pub speed_on: f32,
-    /// Speed that ends a contact. [Unit: m/s]
+    /// Speed that ends a contact, for a body in place. [Unit: m/s]
     pub speed_off: f32,
+    /// Share of the hips' speed over the ground that is added to both: tracked feet slide more the faster they
+    /// are put down.
+    pub speed_share: f32,
     /// Contacts that last less are dropped. [Unit: s]
     pub min_duration: f32,
     /// Shorter pauses within a contact are filled. [Unit: s]
@@ -34,8 +37,9 @@ impl Default for ContactConfig {
         Self {
             height_on: 0.025,
             height_off: 0.045,
-            speed_on: 0.3,
-            speed_off: 0.6,
+            speed_on: 0.15,
+            speed_off: 0.3,
+            speed_share: 0.1,
             min_duration: 0.09,
             max_gap: 0.07,
             ground: Ground::Auto,
@@ -60,6 +64,9 @@ pub enum Ground {
 /// Leg length the thresholds are for: the default skeleton's. [Unit: m]
 const REFERENCE_LEG: f32 = 0.83;
 
+/// Slower feet may be standing; their heights show where the floor is. [Unit: m/s]
+const SLOW: f32 = 0.3;
+
 /// Half the window of the local floor on uneven ground. [Unit: s]
 const LOCAL_WINDOW: f32 = 0.33;
 
@@ -79,7 +86,9 @@ pub fn detect(clip: &Clip, skeleton: &Skeleton, cfg: &ContactConfig) -> Vec<Cont
     let scale = skeleton.leg_length() / REFERENCE_LEG;
     let rest = skeleton.rest_positions();
     let tracks = tracks(clip, skeleton);
-    let slow = cfg.speed_on * scale;
+    let path: Vec<Vec3> = clip.root_positions.iter().map(|p| p.with_y(0.0)).collect();
+    let pace = speeds(&path, clip.rate_hz);
+    let slow = SLOW * scale;
     let uneven = match cfg.ground {
         Ground::Flat => false,
         Ground::Uneven => true,
@@ -93,7 +102,8 @@ pub fn detect(clip: &Clip, skeleton: &Skeleton, cfg: &ContactConfig) -> Vec<Cont
             vec![flat_floor(track, slow, rest[joint.index()].y, 0.06 * scale); track.heights.len()]
         };
         let below = |f: usize, height: f32, speed: f32| {
-            track.heights[f] - floor[f] < height * scale && track.speeds[f] < speed * scale
+            let limit = speed * scale + cfg.speed_share * pace[f];
+            track.heights[f] - floor[f] < height * scale && track.speeds[f] < limit
         };
         let weak: Vec<bool> = (0..floor.len()).map(|f| below(f, cfg.height_off, cfg.speed_off)).collect();
         let strong: Vec<bool> = (0..floor.len()).map(|f| below(f, cfg.height_on, cfg.speed_on)).collect();

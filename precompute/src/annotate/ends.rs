@@ -37,6 +37,16 @@ const ARMS_OUT: f32 = 0.6;
 /// Arms that turn away from the side slower than this have arrived. [Unit: rad/s]
 const ARRIVED_SPEED: f32 = 0.6;
 
+/// Bodies that hold a T-pose move no joint faster; where a clip is cut in a T-pose they may be on the way out of a
+/// full one, and faster. [Unit: m/s]
+const POSING_SPEED: f32 = 0.5;
+
+/// Poses this near to a clip's end are those it is cut in. [Unit: s]
+const EDGE: f32 = 0.1;
+
+/// T-poses further inside are held for at least this long. [Unit: s]
+const MIN_HOLD: f32 = 0.1;
+
 /// The way out of a T-pose takes no longer. [Unit: s]
 const MAX_WAY_OUT: f32 = 2.0;
 
@@ -55,7 +65,7 @@ pub fn find(clip: &Clip, skeleton: &Skeleton, cfg: &EndsConfig) -> Vec<Exclusion
                 out.push(Exclusion { range, reason });
             }
         };
-        let posed = if cfg.t_pose { t_pose_frames(&poses, at, clip.rate_hz, cfg) } else { 0 };
+        let posed = if cfg.t_pose { t_pose_frames(&poses, &fastest, at, clip.rate_hz, cfg) } else { 0 };
         add(0..posed, ExclusionReason::TPose);
         let still = (posed..n).take_while(|&k| fastest[at(k)] < cfg.still_speed).count();
         let seconds = |s: f32| (s as f64 * clip.rate_hz).round() as usize;
@@ -92,12 +102,28 @@ fn fastest_joint(poses: &[[Vec3; NUM_JOINTS]], rate_hz: f64) -> Vec<f32> {
 }
 
 /// Number of frames, counted by `at` from one end, up to where the arms have come down from a T-pose.
-fn t_pose_frames(poses: &[[Vec3; NUM_JOINTS]], at: impl Fn(usize) -> usize, rate_hz: f64, cfg: &EndsConfig) -> usize {
+fn t_pose_frames(
+    poses: &[[Vec3; NUM_JOINTS]],
+    fastest: &[f32],
+    at: impl Fn(usize) -> usize,
+    rate_hz: f64,
+    cfg: &EndsConfig,
+) -> usize {
     let n = poses.len();
     let seconds = |s: f32| (s as f64 * rate_hz).round() as usize;
     let searched = seconds(cfg.t_pose_within).max(1).min(n);
-    let Some(first) = (0..searched).find(|&k| is_t_pose(&poses[at(k)])) else { return 0 };
-    let last = (first..n).take_while(|&k| is_t_pose(&poses[at(k)])).last().unwrap_or(first);
+    let pose = |k: usize| t_pose(&poses[at(k)]);
+    let speed = |k: usize| fastest[at(k)];
+    let cut = |k: usize| match pose(k) {
+        TPose::Full => speed(k) < 2.5 * POSING_SPEED,
+        TPose::Half => speed(k) < POSING_SPEED,
+        TPose::No => false,
+    };
+    let hold = seconds(MIN_HOLD).max(1);
+    let held = |k: usize| k + hold <= n && (k..k + hold).all(|k| pose(k) == TPose::Full && speed(k) < POSING_SPEED);
+    let edge = seconds(EDGE).min(n);
+    let Some(first) = (0..edge).find(|&k| cut(k)).or_else(|| (0..searched).find(|&k| held(k))) else { return 0 };
+    let last = (first..n).take_while(|&k| pose(k) != TPose::No).last().unwrap_or(first);
     let limit = (last + seconds(MAX_WAY_OUT)).min(n);
     let ways_out = (0..2).map(|side| {
         let angle = |k: usize| angle_from_side(&poses[at(k)], side);
@@ -121,21 +147,35 @@ fn arms(pose: &[Vec3; NUM_JOINTS]) -> [(Vec3, Vec3, Vec3); 2] {
         .map(|[a, b, c]| (pose[a.index()], pose[b.index()], pose[c.index()]))
 }
 
-/// Upright on straight legs, both arms straight and level out to the sides.
-fn is_t_pose(pose: &[Vec3; NUM_JOINTS]) -> bool {
+/// How much of a T-pose a pose is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum TPose {
+    /// Upright on straight legs, both arms straight and about level out to the sides.
+    Full,
+    /// Only one arm is straight and about level: markers are often not labelled yet.
+    Half,
+    /// Something else.
+    No,
+}
+
+fn t_pose(pose: &[Vec3; NUM_JOINTS]) -> TPose {
     use Joint::*;
     let at = |j: Joint| pose[j.index()];
     let direction = |a: Joint, b: Joint| (at(b) - at(a)).normalize_or_zero();
     let upright = direction(Hips, Neck).y > 0.9;
     let legs = direction(LeftThigh, LeftFoot).y < -0.9 && direction(RightThigh, RightFoot).y < -0.9;
     let left = direction(RightUpperArm, LeftUpperArm);
-    let out = arms(pose).into_iter().zip([1.0, -1.0]).all(|((shoulder, elbow, hand), side)| {
+    let out = arms(pose).map(|(shoulder, elbow, hand)| {
         let upper = (elbow - shoulder).normalize_or_zero();
         let lower = (hand - elbow).normalize_or_zero();
         let whole = (hand - shoulder).normalize_or_zero();
-        whole.y.abs() < 0.35 && upper.dot(lower) > 0.85 && whole.dot(left) * side > 0.85
+        (-0.6..0.45).contains(&whole.y) && upper.dot(lower) > 0.8 && whole.dot(left).abs() > 0.8
     });
-    upright && legs && out
+    match (upright && legs, out) {
+        (true, [true, true]) => TPose::Full,
+        (true, [true, false] | [false, true]) => TPose::Half,
+        _ => TPose::No,
+    }
 }
 
 #[cfg(test)]
@@ -173,7 +213,7 @@ mod tests {
     fn a_t_pose_is_left_out_with_the_way_out_of_it() {
         let angles: Vec<f32> =
             (0..120).map(|f| if f < 30 { 0.0 } else { ((f - 30) as f32 / 20.0).min(1.0) * 1.3 }).collect();
-        let c = clip(&angles, &[0.5; 120]);
+        let c = clip(&angles, &[0.2; 120]);
         let found = find(&c, &Skeleton::default(), &EndsConfig::default());
         assert_eq!(found.len(), 1, "{found:?}");
         assert_eq!(found[0].reason, ExclusionReason::TPose);
@@ -181,7 +221,7 @@ mod tests {
         assert!((49..=52).contains(&found[0].range.end), "{found:?}");
         let mut back: Vec<f32> = angles;
         back.reverse();
-        let found = find(&clip(&back, &[0.5; 120]), &Skeleton::default(), &EndsConfig::default());
+        let found = find(&clip(&back, &[0.2; 120]), &Skeleton::default(), &EndsConfig::default());
         assert_eq!((found.len(), found[0].range.end), (1, 120));
         assert!((68..=71).contains(&found[0].range.start), "{found:?}");
     }

@@ -12,6 +12,10 @@ use throng_runtime::{Joint, NUM_JOINTS};
 /// joint angle; every other feature is turned into an angle by its weight: a velocity counts as what it
 /// moves in `horizon_s`, a length as the joint angle that would cause it. A distance of 0.1 therefore reads
 /// "poses and where they are heading differ by about 0.1 rad a joint".
+///
+/// The defaults were chosen on captured walks and runs, where at equal branching they leave the least distance
+/// between the feet of frames that transitions join. There frames up to about 0.3 apart blend unnoticed within
+/// 0.3 s; at 0.45 arms are visibly elsewhere, and a foot up to 0.2 m.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct FeaturesConfig {
@@ -29,7 +33,7 @@ pub struct FeaturesConfig {
 
 impl Default for FeaturesConfig {
     fn default() -> Self {
-        Self { joint_weights: BTreeMap::new(), orientation_weight: 0.5, angle_per_metre: 1.5, horizon_s: 0.15 }
+        Self { joint_weights: BTreeMap::new(), orientation_weight: 1.0, angle_per_metre: 2.5, horizon_s: 0.12 }
     }
 }
 
@@ -77,20 +81,20 @@ impl FeaturesConfig {
 }
 
 /// Joints count roughly by the length and mass of what they move, legs more than arms, because a leg that
-/// blends badly slides on the ground.
+/// blends badly slides on the ground. The head counts little: captured heads jump where markers swap.
 fn default_weight(joint: Joint) -> f64 {
     use Joint::*;
     match joint {
         Hips => 0.0,
         Spine | Chest | UpperChest => 0.8,
-        Neck => 0.3,
-        Head => 0.2,
+        Neck => 0.2,
+        Head => 0.05,
         LeftClavicle | RightClavicle => 0.3,
         LeftUpperArm | RightUpperArm => 1.0,
         LeftForearm | RightForearm => 0.6,
         LeftHand | RightHand => 0.1,
-        LeftThigh | RightThigh => 2.0,
-        LeftShin | RightShin => 1.5,
+        LeftThigh | RightThigh => 3.0,
+        LeftShin | RightShin => 2.0,
         LeftFoot | RightFoot => 0.6,
         LeftToe | RightToe => 0.1,
     }

@@ -2,55 +2,76 @@
 
 use super::config::GraphConfig;
 use super::matches::Link;
+use rayon::prelude::*;
 use throng_runtime::Planar;
 use throng_runtime::planar::wrap_angle;
 
-/// Matches every event frame may use beyond the threshold, in and out.
-const NEAREST: usize = 2;
+/// Turns beyond this within the horizon are turns to a side. [Unit: rad]
+const TURN: f32 = 0.35;
+/// Travel below this within the horizon is staying. [Unit: m]
+const STAY: f32 = 0.25;
+/// Room left in each state's actions for what the component needs.
+const RESERVED: usize = 4;
 
-/// The links of every event at a threshold, best first; at most `max_actions - 1` each.
+/// The links of every event at a threshold, best first.
 ///
 /// - `matches`: all links up to `max_error`, best first.
 /// - `outcomes`: where the motion after each event leads.
 ///
-/// First come the nearest matches, of this event and of those that have this one as nearest, which may exceed
-/// the threshold; then the rest up to the threshold, each unless a better one has the same outcome.
+/// Of every kind of outcome (turning left, right or not; staying, going forward, back or to a side) the best link
+/// is taken, whatever its error; then the rest up to the threshold, each unless a better one leads nearly to
+/// the same place.
 pub(super) fn choose(
     matches: &[Vec<Link>],
     outcomes: &[Planar],
     threshold: f32,
     config: &GraphConfig,
 ) -> Vec<Vec<Link>> {
-    let mut chosen: Vec<Vec<Link>> = vec![Vec::new(); matches.len()];
-    for (i, links) in matches.iter().enumerate() {
-        for link in links.iter().take(NEAREST) {
-            chosen[i].push(*link);
-            // The way in: the same pair the other way round, where that is possible.
-            if let Some(back) = matches[link.event].iter().find(|l| l.event == i) {
-                chosen[link.event].push(*back);
-            }
+    let most = config.max_actions.saturating_sub(1 + RESERVED).max(1);
+    matches.par_iter().map(|links| choose_of_one(links, outcomes, threshold, most, config)).collect()
+}
+
+fn choose_of_one(all: &[Link], outcomes: &[Planar], threshold: f32, most: usize, config: &GraphConfig) -> Vec<Link> {
+    let mut chosen: Vec<Link> = Vec::new();
+    for link in all {
+        let kind = kind_of(&outcomes[link.event]);
+        if chosen.len() < most && chosen.iter().all(|l| kind_of(&outcomes[l.event]) != kind) {
+            chosen.push(*link);
         }
     }
-    for (links, all) in chosen.iter_mut().zip(matches) {
-        sort(links);
-        links.dedup_by_key(|l| l.event);
-        links.truncate(config.max_actions - 1);
-        for link in all.iter().take_while(|l| l.error <= threshold) {
-            if links.len() + 1 >= config.max_actions {
-                break;
-            }
-            let same =
-                |l: &Link| l.event == link.event || same_outcome(&outcomes[l.event], &outcomes[link.event], config);
-            if !links.iter().any(same) {
-                links.push(*link);
-            }
+    for link in all.iter().take_while(|l| l.error <= threshold) {
+        let same = |l: &Link| same_outcome(&outcomes[l.event], &outcomes[link.event], config) || l.event == link.event;
+        if chosen.len() < most && !chosen.iter().any(same) {
+            chosen.push(*link);
         }
-        sort(links);
     }
+    sort(&mut chosen);
     chosen
 }
 
-fn sort(links: &mut [Link]) {
+/// Kind of an outcome: side turned to, and direction of travel as one of five.
+fn kind_of(outcome: &Planar) -> (i8, u8) {
+    let side = if outcome.heading > TURN {
+        1
+    } else if outcome.heading < -TURN {
+        -1
+    } else {
+        0
+    };
+    let travel = if outcome.x.hypot(outcome.z) < STAY {
+        0
+    } else if outcome.z.abs() >= outcome.x.abs() {
+        if outcome.z > 0.0 { 1 } else { 2 }
+    } else if outcome.x > 0.0 {
+        3
+    } else {
+        4
+    };
+    (side, travel)
+}
+
+/// Best first.
+pub(super) fn sort(links: &mut [Link]) {
     links.sort_unstable_by(|a, b| a.error.total_cmp(&b.error).then(a.event.cmp(&b.event)));
 }
 
@@ -72,32 +93,37 @@ mod tests {
     }
 
     #[test]
-    fn of_equal_outcomes_the_better_stays_and_the_nearest_two_always() {
+    fn of_equal_outcomes_the_better_stays() {
         let mut matches = vec![Vec::new(); 6];
         matches[0] = links(&[(1, 0.1), (2, 0.2), (3, 0.3), (4, 0.4), (5, 0.9)]);
-        let z = [0.0, 1.0, 1.0, 1.02, 2.0, 3.0];
-        let outcomes = z.map(|z| Planar::new(0.0, z, 0.0));
+        let outcomes = [0.0, 1.0, 1.0, 1.02, 2.0, 3.0].map(|z| Planar::new(0.0, z, 0.0));
         let chosen = choose(&matches, &outcomes, 0.5, &GraphConfig::default());
-        assert_eq!(events(&chosen[0]), [1, 2, 4]);
+        assert_eq!(events(&chosen[0]), [1, 4]);
     }
 
     #[test]
-    fn a_rare_event_is_entered_and_left_beyond_the_threshold() {
-        let mut matches = vec![Vec::new(); 4];
-        matches[0] = links(&[(1, 0.1), (2, 0.1), (3, 0.6)]);
-        matches[3] = links(&[(0, 0.6)]);
-        let outcomes = [Planar::IDENTITY; 4];
+    fn the_best_of_each_kind_of_outcome_is_taken_beyond_the_threshold() {
+        let mut matches = vec![Vec::new(); 7];
+        matches[0] = links(&[(1, 0.1), (2, 0.6), (3, 0.7), (4, 0.8), (5, 0.9), (6, 0.95)]);
+        let outcomes = [
+            Planar::IDENTITY,
+            Planar::new(0.0, 1.0, 0.0),
+            Planar::new(0.0, 1.2, 0.0),
+            Planar::new(0.0, 1.0, 1.0),
+            Planar::new(0.0, 1.0, 2.0),
+            Planar::new(0.0, -1.0, -1.0),
+            Planar::new(0.1, 0.1, 0.0),
+        ];
         let chosen = choose(&matches, &outcomes, 0.5, &GraphConfig::default());
-        assert_eq!(events(&chosen[0]), [1, 2, 3]);
-        assert_eq!(events(&chosen[3]), [0]);
+        assert_eq!(events(&chosen[0]), [1, 3, 5, 6]);
     }
 
     #[test]
-    fn never_more_than_the_most_actions() {
+    fn leaves_room_below_the_most_actions() {
         let mut matches = vec![Vec::new(); 100];
         matches[0] = (1..100).map(|event| Link { event, error: 0.1 }).collect();
         let outcomes: Vec<Planar> = (0..100).map(|z| Planar::new(0.0, z as f32, 0.0)).collect();
         let chosen = choose(&matches, &outcomes, 0.5, &GraphConfig { max_actions: 10, ..Default::default() });
-        assert_eq!(chosen[0].len(), 9);
+        assert_eq!(chosen[0].len(), 9 - RESERVED);
     }
 }

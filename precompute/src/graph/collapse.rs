@@ -12,6 +12,13 @@ fn ways_out(graph: &EventGraph, alive: &[bool], i: usize) -> Vec<Link> {
     on.into_iter().chain(graph.jumps(i, alive).copied()).collect()
 }
 
+/// Mean number of actions of the states that [`collapse`] would give.
+pub(super) fn branching(graph: &EventGraph, alive: &[bool]) -> f64 {
+    let ways = (0..alive.len()).filter(|&i| alive[i]).map(|i| ways_out(graph, alive, i).len()).filter(|&n| n > 1);
+    let (states, actions) = ways.fold((0, 0), |(states, actions), n| (states + 1, actions + n));
+    actions as f64 / f64::from(states.max(1))
+}
+
 /// The states, actions and segments of a component.
 ///
 /// - `alive`: a component of [`super::component::largest_component`]: an event with one way out goes on in its

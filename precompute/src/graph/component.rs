@@ -22,71 +22,73 @@ impl EventGraph {
         self.next[i].is_some_and(|n| alive[n])
     }
 
-    /// True where a link arrives in the component.
-    pub fn arrives(&self, link: &Link, alive: &[bool]) -> bool {
-        self.goes_on(link.event, alive)
+    /// Events that may come after `i`.
+    pub fn targets(&self, i: usize) -> impl Iterator<Item = usize> {
+        self.next[i].into_iter().chain(self.links[i].iter().filter_map(|l| self.next[l.event]))
+    }
+
+    /// Drops every way out of or into events that are not in the component.
+    pub fn restrict(&mut self, alive: &[bool]) {
+        for i in 0..self.next.len() {
+            let next = &self.next;
+            self.links[i].retain(|l| alive[i] && next[l.event].is_some_and(|n| alive[n]));
+        }
     }
 
     /// Links of `i` that arrive in the component.
     pub fn jumps<'a>(&'a self, i: usize, alive: &'a [bool]) -> impl Iterator<Item = &'a Link> {
-        self.links[i].iter().filter(|l| self.arrives(l, alive))
+        self.links[i].iter().filter(|l| self.goes_on(l.event, alive))
     }
 }
 
 /// Reduces the graph to its largest strongly connected component, measured in frames.
 ///
-/// An event where the clip does not go on must have two links into the component: one it lacks is taken from
-/// `spare`, and an event that still has fewer is removed. Both are repeated until nothing changes, so every
-/// event of the result leads on, and every one of them to every other.
+/// An event where the clip does not go on must have two links into the component; one with fewer is removed, and
+/// that is repeated until nothing changes: every event of the result leads on, and every one of them to every other.
 ///
-/// - `spare`: possible links of every event, best first.
 /// - returns which events are in the component; none may be.
-pub(super) fn largest_component(graph: &mut EventGraph, spare: &[Vec<Link>]) -> Vec<bool> {
+pub(super) fn largest_component(graph: &EventGraph) -> Vec<bool> {
     let mut alive = vec![true; graph.next.len()];
     loop {
         alive = strongest(graph, &alive);
-        let ends: Vec<usize> = (0..alive.len()).filter(|&i| alive[i] && !graph.goes_on(i, &alive)).collect();
-        let mut removed = false;
-        for i in ends {
-            let missing = 2usize.saturating_sub(graph.jumps(i, &alive).count());
-            let more: Vec<Link> = spare[i]
-                .iter()
-                .filter(|l| graph.arrives(l, &alive) && graph.links[i].iter().all(|k| k.event != l.event))
-                .take(missing)
-                .copied()
-                .collect();
-            if more.len() < missing {
-                alive[i] = false;
-                removed = true;
-            } else {
-                graph.links[i].extend(more);
-            }
-        }
-        if !removed {
+        let is_end = |i: usize| alive[i] && !graph.goes_on(i, &alive) && graph.jumps(i, &alive).count() < 2;
+        let ends: Vec<usize> = (0..alive.len()).filter(|&i| is_end(i)).collect();
+        if ends.is_empty() {
             return alive;
+        }
+        for i in ends {
+            alive[i] = false;
         }
     }
 }
 
-/// The strongly connected component of most frames among the events alive; the one with the first event on a tie.
-fn strongest(graph: &EventGraph, alive: &[bool]) -> Vec<bool> {
+/// Strongly connected components of the events alive, each ascending.
+pub(super) fn components(graph: &EventGraph, alive: &[bool]) -> Vec<Vec<usize>> {
     let mut g = DiGraph::<(), (), usize>::default();
     let nodes: Vec<NodeIndex<usize>> = alive.iter().map(|_| g.add_node(())).collect();
     for i in (0..alive.len()).filter(|&i| alive[i]) {
-        let targets = graph.next[i].into_iter().chain(graph.links[i].iter().filter_map(|l| graph.next[l.event]));
-        for n in targets.filter(|&n| alive[n]) {
-            g.update_edge(nodes[i], nodes[n], ());
+        for n in graph.targets(i).filter(|&n| alive[n]) {
+            g.add_edge(nodes[i], nodes[n], ());
         }
     }
-    let frames = |c: &[NodeIndex<usize>]| c.iter().map(|n| u64::from(graph.frames[n.index()])).sum::<u64>();
-    let first = |c: &[NodeIndex<usize>]| c.iter().map(|n| n.index()).min();
-    let best = kosaraju_scc(&g)
+    let mut out: Vec<Vec<usize>> =
+        kosaraju_scc(&g).into_iter().map(|c| c.into_iter().map(NodeIndex::index).collect()).collect();
+    out.retain(|c: &Vec<usize>| alive[c[0]]);
+    out.iter_mut().for_each(|c| c.sort_unstable());
+    out
+}
+
+/// The component of most frames among the events alive; the one with the first event on a tie. A single event is
+/// one only if it leads to itself.
+fn strongest(graph: &EventGraph, alive: &[bool]) -> Vec<bool> {
+    let frames = |c: &[usize]| c.iter().map(|&n| u64::from(graph.frames[n])).sum::<u64>();
+    let best = components(graph, alive)
         .into_iter()
-        .filter(|c| c.len() > 1 || g.contains_edge(c[0], c[0]))
-        .max_by_key(|c| (frames(c), std::cmp::Reverse(first(c))));
+        .filter(|c| c.len() > 1 || graph.targets(c[0]).any(|n| n == c[0]))
+        .max_by_key(|c| (frames(c), std::cmp::Reverse(c[0])));
     let mut out = vec![false; alive.len()];
     for n in best.into_iter().flatten() {
-        out[n.index()] = true;
+        out[n] = true;
     }
     out
 }

@@ -12,11 +12,10 @@ pub struct GraphConfig {
     pub branching: f64,
     /// Distance up to which frames match, in place of one chosen for `branching`. [Unit: rad] [Limit: > 0]
     pub threshold: Option<f64>,
-    /// Largest distance of any transition. No chosen threshold is larger, even if `branching` is not reached; and
-    /// every event frame may use its two nearest matches, in and out, up to here, whatever the threshold, so that
-    /// rare motion stays in and ends of clips are not dead ends. [Unit: rad] [Limit: > 0]
+    /// Largest distance of any transition: of the threshold chosen for `branching`, and of the transitions beyond
+    /// it that keep rare motion in and offer every kind of outcome. [Unit: rad] [Limit: > 0]
     pub max_error: f64,
-    /// Most actions a state may have. [Limit: 2 to 255]
+    /// Most actions a state may have. [Limit: 4 to 255]
     pub max_actions: usize,
     /// Transitions that stay within this time of where they leave in the same clip are left out.
     /// [Unit: s] [Limit: >= 0]
@@ -43,7 +42,7 @@ pub struct GraphConfig {
 impl Default for GraphConfig {
     fn default() -> Self {
         Self {
-            branching: 16.0,
+            branching: 14.0,
             threshold: None,
             max_error: 0.5,
             max_actions: 64,
@@ -67,7 +66,7 @@ impl GraphConfig {
         let limits = [
             ("threshold", self.threshold.unwrap_or(1.0), f64::MIN_POSITIVE, f64::MAX),
             ("max_error", self.max_error, f64::MIN_POSITIVE, f64::MAX),
-            ("max_actions", self.max_actions as f64, 2.0, 255.0),
+            ("max_actions", self.max_actions as f64, 4.0, 255.0),
             ("branching", self.branching, 2.0, self.max_actions as f64),
             ("min_jump_s", self.min_jump_s, 0.0, f64::MAX),
             ("outcome_distance", self.outcome_distance, 0.0, f64::MAX),

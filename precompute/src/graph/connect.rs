@@ -3,9 +3,9 @@
 use super::component::{EventGraph, largest_component};
 use super::config::GraphConfig;
 use super::events::{self, Event};
-use super::matches::{self, Link};
+use super::matches;
 use super::report::{self, GraphReport};
-use super::{MotionGraph, choose, collapse};
+use super::{MotionGraph, bridge, choose, collapse};
 use crate::clip::ClipSet;
 use crate::error::BuildError;
 use crate::features::Features;
@@ -13,11 +13,7 @@ use crate::progress::Progress;
 use throng_runtime::Planar;
 
 /// Steps of the search for the threshold; each halves the interval.
-const SEARCH_STEPS: usize = 20;
-
-/// Share of the frames that the largest error would keep, which a smaller threshold must keep too: a handful of
-/// nearly equal frames may have many actions at a threshold that leaves everything else unconnected.
-const KEPT_SHARE: f64 = 0.95;
+const SEARCH_STEPS: usize = 16;
 
 /// Connects similar frames to a graph of states and actions.
 ///
@@ -25,8 +21,10 @@ const KEPT_SHARE: f64 = 0.95;
 /// - `features`: of the same clips.
 ///
 /// Transitions join event frames of equal kind: a foot about to leave the ground, with the other foot equally
-/// planted or not, or standing. Their largest distance is chosen so that states have `config.branching` actions
-/// on average. The largest strongly connected component is kept, frames with one way out are collapsed.
+/// planted or not, or standing. The largest strongly connected component of all transitions up to
+/// `config.max_error` is kept. Of its transitions as many are actions as give states `config.branching` of them on
+/// average: the nearer ones, those of every kind of outcome, and those that keep the component whole. Frames
+/// with one way out are collapsed.
 ///
 /// # Errors
 /// [`BuildError::Config`] for a number out of range; [`BuildError::Stage`] where clips lack contacts or differ in
@@ -34,8 +32,8 @@ const KEPT_SHARE: f64 = 0.95;
 ///
 /// # Source
 /// Lee and Lee 2004, sections 3 and 6. Differs: either foot makes an event, not the left one alone; so does
-/// standing; the threshold is searched for; of matches with the same outcome only the best is kept; every event
-/// may use its two nearest matches beyond the threshold.
+/// standing; the threshold is searched for; of matches with the same outcome only the best is kept; matches
+/// beyond the threshold are kept where the component or the variety of outcomes needs them.
 pub fn connect(
     clips: &ClipSet,
     features: &Features,
@@ -107,10 +105,11 @@ struct Search<'a> {
     clips: &'a ClipSet,
     config: &'a GraphConfig,
     events: Vec<Event>,
-    next: Vec<Option<usize>>,
-    frames: Vec<u32>,
     outcomes: Vec<Planar>,
-    matches: Vec<Vec<Link>>,
+    /// All event frames; its links are every transition up to the largest error.
+    whole: EventGraph,
+    /// The largest component of `whole`.
+    alive: Vec<bool>,
 }
 
 impl<'a> Search<'a> {
@@ -131,49 +130,49 @@ impl<'a> Search<'a> {
         }
         let limit = config.max_error.max(config.threshold.unwrap_or(0.0)) as f32;
         let min_jump = (config.min_jump_s * rate_hz).round() as u32;
-        let matches = matches::find(&events, features, limit, min_jump, progress);
+        let links = matches::find(&events, features, limit, min_jump, progress);
         let outcomes = matches::outcomes(&events, clips, config.outcome_horizon_s);
-        Self { clips, config, events, next, frames, outcomes, matches }
+        let mut whole = EventGraph { next, frames, links };
+        let alive = largest_component(&whole);
+        whole.restrict(&alive);
+        Self { clips, config, events, outcomes, whole, alive }
     }
 
-    /// The graph at the threshold that is given, or at the least one that reaches the wanted branching and keeps
-    /// nearly everything, or at the largest error.
+    /// The graph at the threshold that is given, or at the least one that reaches the wanted branching, or at
+    /// the largest error.
     fn run(&self) -> (MotionGraph, f32) {
-        if let Some(threshold) = self.config.threshold {
-            return (self.graph_at(threshold as f32), threshold as f32);
-        }
+        let threshold = self.config.threshold.map_or_else(|| self.find_threshold(), |t| t as f32);
+        let (graph, alive) = self.events_at(threshold);
+        (collapse::collapse(&graph, &alive, &self.events, self.clips), threshold)
+    }
+
+    fn find_threshold(&self) -> f32 {
+        let suffices = |threshold| {
+            let (graph, alive) = self.events_at(threshold);
+            collapse::branching(&graph, &alive) >= self.config.branching
+        };
         let (mut low, mut high) = (0.0, self.config.max_error as f32);
-        let mut best = (self.graph_at(high), high);
-        let least_kept = KEPT_SHARE * self.frames_kept(&best.0);
-        let suffices = |g: &MotionGraph| branching(g) >= self.config.branching && self.frames_kept(g) >= least_kept;
-        if !suffices(&best.0) {
-            return best;
+        if !suffices(high) {
+            return high;
         }
         for _ in 0..SEARCH_STEPS {
             let middle = 0.5 * (low + high);
-            let graph = self.graph_at(middle);
-            if suffices(&graph) {
+            if suffices(middle) {
                 high = middle;
-                best = (graph, middle);
             } else {
                 low = middle;
             }
         }
-        best
+        high
     }
 
-    fn frames_kept(&self, graph: &MotionGraph) -> f64 {
-        report::played_frames(graph, self.clips).iter().filter(|p| **p).count() as f64
+    /// The event graph with the links that are chosen at a threshold, and its component.
+    fn events_at(&self, threshold: f32) -> (EventGraph, Vec<bool>) {
+        let links = choose::choose(&self.whole.links, &self.outcomes, threshold, self.config);
+        let mut graph = EventGraph { next: self.whole.next.clone(), frames: self.whole.frames.clone(), links };
+        bridge::bridge(&mut graph, &self.whole.links, &self.alive, self.config.max_actions - 1);
+        // Where max_actions left no room for a bridge, a part may still be lost.
+        let alive = largest_component(&graph);
+        (graph, alive)
     }
-
-    fn graph_at(&self, threshold: f32) -> MotionGraph {
-        let links = choose::choose(&self.matches, &self.outcomes, threshold, self.config);
-        let mut graph = EventGraph { next: self.next.clone(), frames: self.frames.clone(), links };
-        let alive = largest_component(&mut graph, &self.matches);
-        collapse::collapse(&graph, &alive, &self.events, self.clips)
-    }
-}
-
-fn branching(graph: &MotionGraph) -> f64 {
-    graph.actions.len() as f64 / graph.states.len().max(1) as f64
 }

@@ -1,5 +1,6 @@
 //! The motion graph: which frame may follow which, collapsed to states and actions (003 sections 3 and 6).
 
+mod bridge;
 mod choose;
 mod collapse;
 mod component;
@@ -76,3 +77,6 @@ impl MotionGraph {
         &self.actions[self.action_offsets[s] as usize..self.action_offsets[s + 1] as usize]
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -43,7 +43,7 @@ pub struct GraphReport {
     pub actions: usize,
     /// Segments that actions play.
     pub segments: usize,
-    /// Distance up to which frames match; the two nearest matches may be farther. [Unit: rad]
+    /// Distance up to which frames match; some transitions are farther, as `GraphConfig::max_error` explains. [Unit: rad]
     pub threshold: f64,
     /// Distances of the transitions; natural continuations do not count. [Unit: rad]
     pub transition_error: Spread,

@@ -205,15 +205,16 @@ impl<'a> Reader<'a> {
         let mut name: Option<(&[u8], Mark)> = None;
         let (mut direction, mut length) = (None, None);
         let mut joint = AsfJoint { dofs: Vec::new(), axis: DQuat::IDENTITY };
-        loop {
+        let end = loop {
             if !self.next_entry() {
                 return Err(self.scan.error(self.scan.mark(), "`end` of the segment", HELP));
             }
+            let entry = self.scan.mark();
             let word = self.scan.word().unwrap_or_default().to_ascii_lowercase();
             self.scan.at_line_end();
             let mark = self.scan.mark();
             match word.as_slice() {
-                b"end" => break,
+                b"end" => break entry,
                 b"name" => name = self.scan.word().map(|n| (n, mark)),
                 b"direction" => direction = Some(self.read_vector("a direction")?),
                 b"length" => length = Some(self.scan.number("a length", HELP)?),
@@ -227,9 +228,8 @@ impl<'a> Reader<'a> {
                 _ => {}
             }
             self.scan.next_line();
-        }
-        let mark = self.scan.mark();
-        let missing = |what: &str| self.scan.error_found(mark, what, "the segment's end without it", HELP);
+        };
+        let missing = |what: &str| self.scan.error_found(end, what, "the segment's end without it", HELP);
         let (name, name_mark) = name.ok_or_else(|| missing("`name`"))?;
         let direction = direction.ok_or_else(|| missing("`direction`"))?;
         let length = length.ok_or_else(|| missing("`length`"))?;

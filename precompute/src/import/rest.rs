@@ -8,8 +8,8 @@ use super::config::Forward;
 use super::roles::RoleMap;
 use super::units::{feet_to_head, rest_world, sample_frames};
 use crate::raw::RawClip;
-use glam::{Quat, Vec3};
-use throng_runtime::Joint;
+use glam::{Mat3, Quat, Vec3, Vec4};
+use throng_runtime::{Joint, NUM_JOINTS};
 
 /// Frames averaged for a reference pose.
 const MAX_SAMPLES: usize = 240;
@@ -171,11 +171,21 @@ fn t_pose_segment(role: Joint) -> Option<(Joint, Vec3)> {
     })
 }
 
-/// Mean of rotations and positions as seen from the body, over upright frames.
+/// The toe of a foot.
+fn toe_of(role: Joint) -> Option<Joint> {
+    match role {
+        Joint::LeftFoot => Some(Joint::LeftToe),
+        Joint::RightFoot => Some(Joint::RightToe),
+        _ => None,
+    }
+}
+
+/// Mean of rotations and positions as seen from the body, over upright frames; feet and toes only over the frames
+/// in which that foot is low, because there it stands flat.
 struct MeanPose {
     rotations: Vec<Quat>,
-    /// Mean positions relative to each joint's own axes of the joint of each role. [Size: joints.len()]
-    locals: Vec<[Vec3; throng_runtime::NUM_JOINTS]>,
+    /// Sum of the positions of each role's joint in each joint's own axes. [Size: joints.len()]
+    locals: Vec<[Vec3; NUM_JOINTS]>,
 }
 
 /// Estimates how every joint is turned in a T-pose.
@@ -198,13 +208,43 @@ fn reference_from_motion(clip: &RawClip, roles: &RoleMap) -> Vec<Quat> {
             if let Some(now) = now.try_normalize() {
                 swing[j] = Quat::from_rotation_arc(now, target) * swing[j];
             }
-        } else if matches!(role_of[j], Some(Joint::LeftFoot | Joint::RightFoot)) {
-            // Feet stand flat more often than legs stand straight.
-            swing[j] = Quat::IDENTITY;
+        } else if let Some(toe) = role_of[j].and_then(toe_of) {
+            // Feet keep the tilt they have while they stand, and point ahead.
+            let ahead = roles.get(toe).map_or(Vec3::Z, |_| mean.rotations[j] * mean.locals[j][toe.index()]);
+            swing[j] = Quat::from_rotation_y(-ahead.x.atan2(ahead.z));
         }
         reference.push((swing[j] * mean.rotations[j]).normalize());
     }
+    snap_to_rig_axes(&mut reference, clip, roles);
     reference
+}
+
+/// Where limb segments lie along the joints' own axes, the rig was built with those axes along the world's in a
+/// T-pose: role joints that are near such a pose are put into it. Feet are left, as theirs slope to the toes.
+fn snap_to_rig_axes(reference: &mut [Quat], clip: &RawClip, roles: &RoleMap) {
+    let rest = rest_world(clip);
+    if !Joint::ALL.into_iter().all(|role| along_an_axis(&rest, roles, role)) {
+        return;
+    }
+    for j in Joint::ALL.into_iter().filter(|r| toe_of(*r).is_none()).filter_map(|r| roles.get(r)) {
+        reference[j] = nearest_quarter_turn(reference[j]).unwrap_or(reference[j]);
+    }
+}
+
+/// True unless the role starts a limb segment that lies askew of the joint's own axes.
+fn along_an_axis(rest: &[(Vec3, Quat)], roles: &RoleMap, role: Joint) -> bool {
+    let Some((child, _)) = t_pose_segment(role) else { return true };
+    let (Some(j), Some(k)) = (roles.get(role), roles.get(child)) else { return true };
+    let segment = rest[k].0 - rest[j].0;
+    segment.abs().max_element() > 2f32.to_radians().cos() * segment.length()
+}
+
+/// The rotation that takes axes to axes nearest to `r`, if it is within 35 degrees.
+fn nearest_quarter_turn(r: Quat) -> Option<Quat> {
+    let x = nearest_axis(r * Vec3::X);
+    let y = nearest_axis((r * Vec3::Y).reject_from_normalized(x));
+    let turn = Quat::from_mat3(&Mat3::from_cols(x, y, x.cross(y))).normalize();
+    (turn.angle_between(r) < 35f32.to_radians()).then_some(turn)
 }
 
 fn mean_pose(clip: &RawClip, roles: &RoleMap) -> MeanPose {
@@ -215,12 +255,16 @@ fn mean_pose(clip: &RawClip, roles: &RoleMap) -> MeanPose {
     if upright.is_empty() {
         upright = frames.iter().collect();
     }
-    let mut sums = vec![glam::Vec4::ZERO; n];
-    let mut locals = vec![[Vec3::ZERO; throng_runtime::NUM_JOINTS]; n];
+    let feet = stance_limits(&upright, clip, roles);
+    let mut sums = vec![Vec4::ZERO; n];
+    let mut locals = vec![[Vec3::ZERO; NUM_JOINTS]; n];
     for world in &upright {
         let Some(turn) = to_facing_z(world, roles) else { continue };
         for j in 0..n {
-            let r = glam::Vec4::from(turn * world[j].1);
+            if feet[j].is_some_and(|(foot, limit)| world[foot].0.y > limit) {
+                continue;
+            }
+            let r = Vec4::from(turn * world[j].1);
             let sign = if sums[j].dot(r) < 0.0 { -1.0 } else { 1.0 };
             sums[j] += r * sign;
             for role in Joint::ALL {
@@ -232,6 +276,23 @@ fn mean_pose(clip: &RawClip, roles: &RoleMap) -> MeanPose {
     }
     let rotations = sums.into_iter().map(|s| s.try_normalize().map_or(Quat::IDENTITY, Quat::from_vec4)).collect();
     MeanPose { rotations, locals }
+}
+
+/// For each joint from an ankle down: the ankle, and the height below which it is in a quarter of the frames.
+/// [Size: joints.len()]
+fn stance_limits(frames: &[&Vec<(Vec3, Quat)>], clip: &RawClip, roles: &RoleMap) -> Vec<Option<(usize, f32)>> {
+    let mut limits: Vec<Option<(usize, f32)>> = vec![None; clip.joints.len()];
+    for foot in [Joint::LeftFoot, Joint::RightFoot].into_iter().filter_map(|r| roles.get(r)) {
+        let mut heights: Vec<f32> = frames.iter().map(|w| w[foot].0.y).collect();
+        heights.sort_by(f32::total_cmp);
+        limits[foot] = heights.get(heights.len() / 4).map(|&limit| (foot, limit));
+    }
+    for j in 0..limits.len() {
+        if let (None, Some(p)) = (limits[j], clip.joints[j].parent) {
+            limits[j] = limits[p];
+        }
+    }
+    limits
 }
 
 /// The turn about +Y after which the body of a pose faces +Z.
@@ -255,30 +316,36 @@ pub(super) fn share_references(clips: &mut [super::Imported]) {
             continue;
         }
         let same: Vec<usize> = (first..clips.len()).filter(|&i| same_skeleton(&clips[first], &clips[i])).collect();
-        let mut sums = vec![glam::Vec4::ZERO; clips[first].clip.joints.len()];
+        let mut sums = vec![Vec4::ZERO; clips[first].clip.joints.len()];
         for &i in &same {
             done[i] = true;
             let weight = clips[i].clip.num_frames as f32;
             for (sum, r) in sums.iter_mut().zip(&clips[i].rest_pose.reference) {
-                let r = glam::Vec4::from(*r) * weight;
+                let r = Vec4::from(*r) * weight;
                 let sign = if sum.dot(r) < 0.0 { -1.0 } else { 1.0 };
                 *sum += r * sign;
             }
         }
-        let shared: Vec<_> = sums.iter().map(|s| Quat::from_vec4(s.normalize_or(glam::Vec4::W))).collect();
+        let mut shared: Vec<_> = sums.iter().map(|s| Quat::from_vec4(s.normalize_or(Vec4::W))).collect();
+        snap_to_rig_axes(&mut shared, &clips[first].clip, &clips[first].roles);
         for &i in &same {
             clips[i].rest_pose.reference.clone_from(&shared);
         }
     }
 }
 
-/// True where joints and roles agree and offsets do so within a centimetre, and neither zero pose is a body.
+/// True where joints and roles agree, offsets below the hips do so within a centimetre, and neither zero pose is a
+/// body. Some files put the body's place in the world into the offsets of the hips and above, and
+/// files of one rig differ in their ends of chains.
 fn same_skeleton(a: &super::Imported, b: &super::Imported) -> bool {
-    let close = |(p, q): (&crate::raw::RawJoint, &crate::raw::RawJoint)| {
-        p.name == q.name && p.parent == q.parent && p.offset.distance(q.offset) < 0.01
+    let (p, q) = (&a.clip.joints, &b.clip.joints);
+    let hips = a.roles.get(Joint::Hips).unwrap_or(0);
+    let close = |j: usize| {
+        let same_place = j <= hips || p[j].is_end || p[j].offset.distance(q[j].offset) < 0.01;
+        same_place && p[j].name == q[j].name && p[j].parent == q[j].parent
     };
     b.rest_pose.kind == RestPoseKind::Other
         && a.roles.joints == b.roles.joints
-        && a.clip.joints.len() == b.clip.joints.len()
-        && a.clip.joints.iter().zip(&b.clip.joints).all(close)
+        && p.len() == q.len()
+        && (0..p.len()).all(close)
 }

@@ -6,7 +6,7 @@ use rand_pcg::Pcg64;
 use throng_runtime::policy::{MAX_ACTIONS, PolicyTable};
 
 /// Single-load choices against look-ahead choices, for random states and targets over the whole grid.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Comparison {
     /// (State, target) pairs asked.
     pub samples: u32,

@@ -15,7 +15,7 @@ use std::time::Instant;
 use throng_runtime::policy::{ActionTable, PolicyError, PolicyRecord, PolicySlices, PolicyTable, SegmentRecord};
 
 /// All policies of a build, ready to be written.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
 pub struct PolicyTables {
     /// Actions of state s are `action_offsets[s]..action_offsets[s + 1]`. [Size: num_states + 1]
     pub action_offsets: Vec<u32>,
@@ -26,13 +26,15 @@ pub struct PolicyTables {
 }
 
 /// One policy, as [`PolicyTable`] views it.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
 pub struct Policy {
     /// Name of its behaviour.
     pub name: String,
     /// Grid, reward and sizes.
+    #[serde(with = "crate::pod::one")]
     pub record: PolicyRecord,
     /// [Size: num_segments]
+    #[serde(with = "crate::pod")]
     pub segments: Vec<SegmentRecord>,
     /// [Size: num_states * num_cells]
     pub values: Vec<f32>,
@@ -43,8 +45,10 @@ pub struct Policy {
 }
 
 /// What a policy took and what it is worth.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct PolicyReport {
+    /// Name of its behaviour.
+    pub name: String,
     /// Cells of the grid.
     pub cells: usize,
     /// (State, cell, action) triples.
@@ -150,6 +154,7 @@ fn report(
 ) -> PolicyReport {
     let shrinking = behaviour.discount().powi(model.least_frames() as i32);
     PolicyReport {
+        name: behaviour.name().to_owned(),
         cells: behaviour.grid().num_cells(),
         pairs: solution.num_pairs,
         sweeps: solution.num_sweeps,

@@ -21,17 +21,17 @@ pub const MIN_SAMPLES: usize = 5;
 /// A foot is level sideways while its shin leans sideways by less than this (sine of the angle).
 const UPRIGHT_SHIN: f32 = 0.1;
 
+/// The lower legs, left and right.
+const LEGS: [[Joint; 3]; 2] =
+    [[Joint::LeftShin, Joint::LeftFoot, Joint::LeftToe], [Joint::RightShin, Joint::RightFoot, Joint::RightToe]];
+
 /// Finds the constant rotation of every role.
 pub fn align(body: &Body) -> Alignment {
     let mut a = match &body.rest {
         Some(_) => from_rest(body),
         None => geometry::from_geometry(body),
     };
-    for (side, [shin, foot, toe]) in
-        [[Joint::LeftShin, Joint::LeftFoot, Joint::LeftToe], [Joint::RightShin, Joint::RightFoot, Joint::RightToe]]
-            .into_iter()
-            .enumerate()
-    {
+    for (side, [shin, foot, toe]) in LEGS.into_iter().enumerate() {
         a[foot.index()] = foot_alignment(body, side, shin, foot, toe, &a);
         a[toe.index()] = toe_alignment(body, side, foot, toe, &a);
     }
@@ -126,14 +126,14 @@ fn foot_alignment(body: &Body, side: usize, shin: Joint, foot: Joint, toe: Joint
             Quat::from_axis_angle(left, -0.42) * ahead.cross(left).normalize_or(Vec3::Y)
         }
     };
-    let up = sole_normal(body, side, [shin, foot, toe], carried).filter(|u| u.dot(fallback) > 0.85).unwrap_or(fallback);
+    let up = sole_normal(body, side, foot).filter(|u| u.dot(fallback) > 0.85).unwrap_or(fallback);
     frame(up, ahead).unwrap_or(carried)
 }
 
 /// The toe's frame: up is the vertical while the foot stands, forward that of the foot.
 fn toe_alignment(body: &Body, side: usize, foot: Joint, toe: Joint, a: &Alignment) -> Quat {
     let carried = carried(body, foot, toe, a);
-    let up = sole_normal(body, side, [foot, toe, toe], carried).filter(|u| u.dot(carried * Vec3::Y) > 0.8);
+    let up = sole_normal(body, side, toe).filter(|u| u.dot(carried * Vec3::Y) > 0.8);
     frame(up.unwrap_or(carried * Vec3::Y), carried * Vec3::Z).unwrap_or(carried)
 }
 
@@ -146,27 +146,28 @@ fn carried(body: &Body, parent: Joint, child: Joint, a: &Alignment) -> Quat {
     }
 }
 
-/// Mean of the world's vertical in the axes of the second of `joints` over the frames in which the foot stands:
-/// hardly moving, the toe (the third) about as low as in the lowest quarter of them, and the segment above the joint
-/// not leaning sideways, because soles that are tracked by few markers lean with the leg.
-fn sole_normal(body: &Body, side: usize, joints: [Joint; 3], carried: Quat) -> Option<Vec3> {
-    let [above, joint, toe] = joints.map(Joint::index);
-    let leans = |s: &Sample| {
-        let up = if above == Joint::LeftFoot.index() || above == Joint::RightFoot.index() {
-            s.pose[above - 1].0 - s.pose[above].0
-        } else {
-            s.pose[above].0 - s.pose[joint].0
-        };
-        up.normalize_or_zero().dot(s.pose[joint].1 * carried * Vec3::X).abs() > UPRIGHT_SHIN
-    };
+/// Mean of the world's vertical in the axes of `joint` over the frames in which the foot stands.
+fn sole_normal(body: &Body, side: usize, joint: Joint) -> Option<Vec3> {
+    let standing = standing(body, side);
+    let sum: Vec3 = standing.iter().map(|s| s.pose[joint.index()].1.inverse() * Vec3::Y).sum();
+    if standing.len() < MIN_SAMPLES { None } else { sum.try_normalize() }
+}
+
+/// The frames in which a foot stands flat: hardly moving, the toe about as low as in the lowest quarter of those,
+/// and the shin not leaning sideways, because feet that are tracked by few markers lean with the leg.
+fn standing(body: &Body, side: usize) -> Vec<&Sample> {
+    let [shin, foot, toe] = LEGS[side].map(Joint::index);
     let mut heights: Vec<f32> = still(body, side).map(|s| s.pose[toe].0.y).collect();
     heights.sort_by(f32::total_cmp);
-    let limit = heights.get(heights.len() / 4)? + 0.03;
+    let Some(limit) = heights.get(heights.len() / 4).map(|h| h + 0.03) else { return Vec::new() };
     let low: Vec<&Sample> = still(body, side).filter(|s| s.pose[toe].0.y < limit).collect();
+    let leans = |s: &Sample| {
+        let left = (s.pose[Joint::LeftThigh.index()].0 - s.pose[Joint::RightThigh.index()].0).with_y(0.0);
+        let shin = (s.pose[foot].0 - s.pose[shin].0).normalize_or_zero();
+        shin.dot(left.normalize_or_zero()).abs() > UPRIGHT_SHIN
+    };
     let upright: Vec<&Sample> = low.iter().copied().filter(|s| !leans(s)).collect();
-    let used = if upright.len() < MIN_SAMPLES { low } else { upright };
-    let sum: Vec3 = used.iter().map(|s| s.pose[joint].1.inverse() * Vec3::Y).sum();
-    if used.len() < MIN_SAMPLES { None } else { sum.try_normalize() }
+    if upright.len() < MIN_SAMPLES { low } else { upright }
 }
 
 fn still(body: &Body, side: usize) -> impl Iterator<Item = &Sample> {

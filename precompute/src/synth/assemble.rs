@@ -50,7 +50,14 @@ pub fn clip(name: String, steps: &Footsteps, skeleton: &Skeleton, cfg: &SynthCon
     clip
 }
 
-fn signals(steps: &Footsteps, skeleton: &Skeleton, times: &[f64], dt: f64, variation: f64, rng: &mut impl Rng) -> Signals {
+fn signals(
+    steps: &Footsteps,
+    skeleton: &Skeleton,
+    times: &[f64],
+    dt: f64,
+    variation: f64,
+    rng: &mut impl Rng,
+) -> Signals {
     let frames = |seconds: f64| (seconds / dt).round() as usize;
     let feet: Vec<_> = times.iter().map(|&t| [0, 1].map(|s: usize| steps.feet[s].pose(t))).collect();
     let load: Vec<f64> = times.iter().map(|&t| interpolate(&steps.load, t)).collect();
@@ -73,7 +80,7 @@ fn signals(steps: &Footsteps, skeleton: &Skeleton, times: &[f64], dt: f64, varia
         apart: &pelvis.apart,
         speed: &speed,
         chest_pitch: &chest_pitch,
-        breath: &drift.breath,
+        drift: &drift,
         liveliness: [0, 1].map(|_| 1.0 + variation * rng.random_range(-0.08..0.08)),
         dt,
     });
@@ -100,7 +107,7 @@ fn speed(mass: &[DVec2], dt: f64, radius: usize) -> Vec<f64> {
 /// Slow random changes of gaze, and breathing. Who walks looks around less.
 fn drift(duration: f64, times: &[f64], dt: f64, speed: &[f64], variation: f64, rng: &mut impl Rng) -> Drift {
     let frames = |seconds: f64| (seconds / dt).round() as usize;
-    let mut wander = |amount: f64, every: f64| {
+    let mut wander = |amount: f64, every: f64| -> Vec<f64> {
         let (mut t, mut knots) = (0.0, Vec::new());
         while t < duration + every {
             knots.push((t, variation * rng.random_range(-amount..amount)));
@@ -109,11 +116,12 @@ fn drift(duration: f64, times: &[f64], dt: f64, speed: &[f64], variation: f64, r
         let raw: Vec<f64> = times.iter().map(|&t| interpolate(&knots, t)).collect();
         smooth(&raw, frames(0.15))
     };
-    let (gaze, nod) = (wander(0.16, 1.6), wander(0.035, 1.9));
+    let (gaze, nod) = (wander(0.2, 1.6), wander(0.04, 1.9));
+    let arms = [wander(0.06, 1.7), wander(0.06, 1.7)];
     let calm = |x: Vec<f64>| x.iter().zip(speed).map(|(x, v)| x * (1.0 - 0.65 * v.min(1.0))).collect();
     let phase = rng.random_range(0.0..std::f64::consts::TAU);
     let breath = times.iter().map(|t| (phase + t * std::f64::consts::TAU * 0.27).sin()).collect();
-    Drift { gaze: calm(gaze), nod: calm(nod), breath }
+    Drift { gaze: calm(gaze), nod: calm(nod), arms: arms.map(calm), breath }
 }
 
 /// Adds the pose of one sample to the clip.
@@ -152,10 +160,8 @@ fn pose_trunk(local: &mut [DQuat; NUM_JOINTS], hips: DQuat, trunk: &TrunkPose) {
 
 fn pose_arms(local: &mut [DQuat; NUM_JOINTS], arms: &[ArmPose; 2]) {
     use Joint::*;
-    const CHAINS: [[Joint; 4]; 2] = [
-        [LeftClavicle, LeftUpperArm, LeftForearm, LeftHand],
-        [RightClavicle, RightUpperArm, RightForearm, RightHand],
-    ];
+    const CHAINS: [[Joint; 4]; 2] =
+        [[LeftClavicle, LeftUpperArm, LeftForearm, LeftHand], [RightClavicle, RightUpperArm, RightForearm, RightHand]];
     for (arm, chain) in arms.iter().zip(CHAINS) {
         for (joint, q) in chain.into_iter().zip([arm.clavicle, arm.upper_arm, arm.forearm, arm.hand]) {
             local[joint.index()] = q;
@@ -163,7 +169,14 @@ fn pose_arms(local: &mut [DQuat; NUM_JOINTS], arms: &[ArmPose; 2]) {
     }
 }
 
-fn pose_leg(local: &mut [DQuat; NUM_JOINTS], side: Side, root: DVec3, hips: DQuat, foot: &FootPose, skeleton: &Skeleton) {
+fn pose_leg(
+    local: &mut [DQuat; NUM_JOINTS],
+    side: Side,
+    root: DVec3,
+    hips: DQuat,
+    foot: &FootPose,
+    skeleton: &Skeleton,
+) {
     use Joint::*;
     let [thigh, shin, ankle, toe] = match side {
         Side::Left => [LeftThigh, LeftShin, LeftFoot, LeftToe],

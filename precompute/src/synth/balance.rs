@@ -35,16 +35,18 @@ fn centre_of_pressure(steps: &Footsteps, shape: &FootShape, t: f64) -> DVec2 {
     under(Side::Left) * share + under(Side::Right) * (1.0 - share)
 }
 
-/// The pressure under one foot moves from the heel over the middle to the ball.
+/// The pressure under one foot moves from the heel over the middle, where it stays in standing, to the ball.
 fn pressure_under(fall: &Footfall, shape: &FootShape, t: f64) -> DVec2 {
+    const ROLL: f64 = 0.25;
     let flat = fall.flat + 0.05;
-    let middle = 0.35 * shape.ball;
-    let knots = if fall.lift.is_finite() {
+    let mut knots = vec![(fall.land, -0.1 * shape.ball), (flat, 0.35 * shape.ball)];
+    if fall.lift.is_finite() {
         let leave = fall.heel_off.max(flat + 0.01);
-        vec![(fall.land, -0.1 * shape.ball), (flat, middle), (leave, 0.7 * shape.ball), (fall.lift.max(leave + 0.01), shape.ball)]
-    } else {
-        vec![(fall.land, -0.1 * shape.ball), (flat, middle)]
-    };
+        if leave - ROLL > flat {
+            knots.push((leave - ROLL, 0.35 * shape.ball));
+        }
+        knots.extend([(leave, 0.7 * shape.ball), (fall.lift.max(leave + 0.01), shape.ball)]);
+    }
     fall.ankle + forward(fall.yaw) * interpolate(&knots, t)
 }
 

@@ -124,6 +124,9 @@ pub struct FootTrack {
 
 /// Smallest height of the sole in the middle of a flight. [Unit: m]
 const CLEARANCE: f64 = 0.015;
+/// How far the toes hang half way through a flight, as a share of the heel's rise at toe-off: the foot follows the
+/// shank rather than the ground.
+const HANG: f64 = 0.48;
 /// Share of a flight in which the foot speeds up, and slows down.
 const RAMP: f64 = 0.36;
 /// Smallest distance of a swinging ankle or ball from the standing one. [Unit: m]
@@ -178,7 +181,7 @@ impl FootTrack {
         FootPose {
             heel_down: t >= fall.flat && t <= fall.heel_off,
             toe_down: t >= fall.flat,
-            ..self.from_ball(ball, fall.yaw, fall.heading, pitch, toe_pitch)
+            ..self.posed(ball, fall.yaw, fall.heading, pitch, toe_pitch)
         }
     }
 
@@ -200,9 +203,9 @@ impl FootTrack {
         );
         let angle = |from: f64, to: f64| quintic(End::still(from), End::still(to), duration, t);
         let landing = End::of(|t| strike_pitch(b, t), b.land);
-        let pitch = quintic(End::of(|t| push_pitch(a, t), a.lift), landing, duration, t);
+        let pitch = quintic(End::of(|t| push_pitch(a, t), a.lift), landing, duration, t) + HANG * a.push * bump(u);
         let toe_pitch = quintic(End::still(0.0), landing, duration, t) + 0.25 * a.push * bump(u);
-        self.from_ball(ball, angle(a.yaw, b.yaw), angle(a.heading, b.heading), pitch, toe_pitch)
+        self.posed(ball, angle(a.yaw, b.yaw), angle(a.heading, b.heading), pitch, toe_pitch)
     }
 
     /// Ball of the foot while it rolls over its heel onto a footfall.
@@ -218,7 +221,7 @@ impl FootTrack {
         DVec3::new(p.x, self.shape.ball_height, p.y)
     }
 
-    fn from_ball(&self, ball: DVec3, yaw: f64, heading: f64, pitch: f64, toe_pitch: f64) -> FootPose {
+    fn posed(&self, ball: DVec3, yaw: f64, heading: f64, pitch: f64, toe_pitch: f64) -> FootPose {
         let s = &self.shape;
         let rotation = DQuat::from_rotation_y(yaw) * DQuat::from_rotation_x(pitch);
         let ankle = ball + rotation * DVec3::new(0.0, s.ankle_height - s.ball_height, -s.ball);
@@ -234,7 +237,7 @@ impl FootTrack {
     /// How high the foot is drawn up in flight `i`: more the further it goes.
     fn raise(&self, i: usize) -> f64 {
         let travel = (self.falls[i + 1].ankle - self.falls[i].ankle).length();
-        0.025 + 0.05 * (travel / 1.4).min(1.0)
+        0.015 + 0.022 * (travel / 1.4).min(1.0)
     }
 
     /// How much higher flight `i` has to be for its sole to clear the ground.
@@ -278,4 +281,56 @@ fn strike_pitch(fall: &Footfall, t: f64) -> f64 {
 fn push_pitch(fall: &Footfall, t: f64) -> f64 {
     let duration = fall.lift - fall.heel_off;
     quintic(End::still(0.0), End::moving(fall.push, 2.2 * fall.push / duration), duration, t - fall.heel_off)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn fall(land: f64, lift: f64, ankle: DVec2, yaw: f64) -> Footfall {
+        let (flat, heel_off) = (land + 0.1, lift - 0.25);
+        Footfall { land, flat, heel_off, lift, ankle, heading: yaw, yaw, strike: 0.35, push: 0.7 }
+    }
+
+    /// A left foot that takes one long step past a right foot in its way.
+    fn track() -> FootTrack {
+        let falls = vec![fall(0.0, 0.7, DVec2::ZERO, 0.1), fall(1.1, 2.0, DVec2::new(-0.05, 1.3), 0.4)];
+        let standing = fall(0.6, 1.2, DVec2::new(-0.02, 0.65), 0.0);
+        FootTrack::new(Side::Left, FootShape::of(&Skeleton::default()), falls, &[standing])
+    }
+
+    #[test]
+    fn heel_then_ankle_then_ball_stay_where_they_are() {
+        let (track, shape) = (track(), FootShape::of(&Skeleton::default()));
+        let heel = |p: &FootPose| p.ankle + p.rotation() * DVec3::new(0.0, -shape.ankle_height, -shape.heel);
+        let spread = |from: f64, to: f64, point: &dyn Fn(&FootPose) -> DVec3| {
+            let at = |k: u32| point(&track.pose(from + (to - from) * f64::from(k) / 50.0));
+            (0..=50).map(|k| (at(k) - at(0)).length()).fold(0.0, f64::max)
+        };
+        assert!(spread(1.1, 1.2, &heel) < 1e-9 && spread(1.1, 1.2, &|p| p.ankle) > 0.02);
+        assert!(spread(1.2, 1.75, &|p| p.ankle) < 1e-9);
+        assert!(spread(1.2, 2.0, &|p| p.ball) < 1e-9 && spread(1.75, 2.0, &|p| p.ankle) > 0.05);
+    }
+
+    #[test]
+    fn the_ankle_moves_without_a_jump_in_speed() {
+        let (track, h) = (track(), 1e-4);
+        let speed = |t: f64| (track.pose(t + h).ankle - track.pose(t).ankle) / h;
+        for k in 0..20_000 {
+            let t = f64::from(k) * h;
+            assert!((speed(t + h) - speed(t)).length() < 200.0 * h, "at {t}");
+        }
+    }
+
+    #[test]
+    fn a_flight_clears_the_ground_and_the_standing_foot() {
+        let track = track();
+        for k in 0..=100 {
+            let u = f64::from(k) / 100.0;
+            let p = track.pose(0.7 + 0.4 * u);
+            let least = if (0.3..0.7).contains(&u) { CLEARANCE - 1e-3 } else { -1e-9 };
+            assert!(track.sole(&p) >= least, "at {u}: {}", track.sole(&p));
+            assert!((DVec2::new(p.ankle.x, p.ankle.z) - DVec2::new(-0.02, 0.65)).length() > PASSING - 5e-3);
+        }
+    }
 }

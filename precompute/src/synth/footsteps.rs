@@ -3,12 +3,10 @@
 use super::foot::{FootShape, FootTrack, Footfall};
 use super::gait::StepShape;
 use super::side::{Side, forward, leftward};
-use super::wander::Intent;
+use super::wander::{Intent, STANDING_WIDTH, TOE_OUT};
 use glam::DVec2;
 use rand::{Rng, RngExt};
 
-/// Feet turn out by this much. [Unit: rad]
-const TOE_OUT: f64 = 0.12;
 /// Time to bring the weight onto one foot before the first step after a pause. [Unit: s]
 const SHIFT: f64 = 0.5;
 /// Time to settle on both feet after the last step. [Unit: s]
@@ -34,15 +32,16 @@ struct Placed {
     shape: StepShape,
     ankle: DVec2,
     heading: f64,
+    toe_out: f64,
 }
 
 /// Lays out steps from a stand at the origin that faces +Z.
-pub fn place(shape: FootShape, intents: &[Intent], width: f64, rng: &mut impl Rng) -> Footsteps {
+pub fn place(shape: FootShape, intents: &[Intent], rng: &mut impl Rng) -> Footsteps {
     let placed = placed(intents);
     let duration = placed.last().map_or(0.0, |s| s.land) + LAST_STAND;
-    let falls = Side::BOTH.map(|side| falls_of(side, &placed, width));
-    let tracks = Side::BOTH
-        .map(|side| FootTrack::new(side, shape, falls[side.index()].clone(), &falls[side.other().index()]));
+    let falls = Side::BOTH.map(|side| falls_of(side, &placed));
+    let tracks =
+        Side::BOTH.map(|side| FootTrack::new(side, shape, falls[side.index()].clone(), &falls[side.other().index()]));
     Footsteps { feet: tracks, load: load_knots(&placed, duration, rng), duration }
 }
 
@@ -57,14 +56,22 @@ fn placed(intents: &[Intent]) -> Vec<Placed> {
         let lift = last + wait;
         last = lift + step.shape.swing();
         let ankle = path + leftward(heading) * (0.5 * step.width * step.side.sign());
-        out.push(Placed { side: step.side, lift, land: last, shape: step.shape, ankle, heading });
+        out.push(Placed {
+            side: step.side,
+            lift,
+            land: last,
+            shape: step.shape,
+            ankle,
+            heading,
+            toe_out: step.toe_out,
+        });
     }
     out
 }
 
 /// The footfalls of one foot, from the stand before the first step to the stand after the last one.
-fn falls_of(side: Side, placed: &[Placed], width: f64) -> Vec<Footfall> {
-    let start = leftward(0.0) * (0.5 * width * side.sign());
+fn falls_of(side: Side, placed: &[Placed]) -> Vec<Footfall> {
+    let start = leftward(0.0) * (0.5 * STANDING_WIDTH * side.sign());
     let mut falls = vec![Footfall {
         land: -2.0,
         flat: -1.9,
@@ -91,7 +98,7 @@ fn falls_of(side: Side, placed: &[Placed], width: f64) -> Vec<Footfall> {
             lift: f64::INFINITY,
             ankle: step.ankle,
             heading: step.heading,
-            yaw: step.heading + TOE_OUT * side.sign(),
+            yaw: step.heading + step.toe_out * side.sign(),
             strike: 0.36 * (reach / 0.75).clamp(0.03, 1.0),
             push: 0.0,
         });
@@ -129,5 +136,57 @@ fn stand_knots(knots: &mut Vec<(f64, f64)>, from: f64, to: f64, rng: &mut impl R
     while t < to {
         knots.push((t, 0.5 + rng.random_range(-0.14..0.14)));
         t += rng.random_range(0.9..1.5);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::signal::interpolate;
+    use super::super::wander::Wanderer;
+    use super::*;
+    use rand::SeedableRng;
+    use rand_pcg::Pcg64Mcg;
+    use throng_runtime::Skeleton;
+
+    fn footsteps(seed: u64) -> Footsteps {
+        let mut rng = Pcg64Mcg::seed_from_u64(seed);
+        let intents = Wanderer::new(1.0).wander(120.0, &mut rng);
+        place(FootShape::of(&Skeleton::default()), &intents, &mut rng)
+    }
+
+    #[test]
+    fn every_stay_rolls_from_strike_to_toe_off() {
+        for foot in &footsteps(1).feet {
+            for f in foot.falls() {
+                assert!(f.land < f.flat && f.flat < f.heel_off && f.heel_off < f.lift || f.lift.is_infinite(), "{f:?}");
+            }
+            for w in foot.falls().windows(2) {
+                assert!((0.3..0.7).contains(&(w[1].land - w[0].lift)), "{w:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_foot_in_the_air_carries_nothing() {
+        let steps = footsteps(2);
+        for (foot, empty) in steps.feet.iter().zip([0.0, 1.0]) {
+            for w in foot.falls().windows(2) {
+                for u in [0.0, 0.4, 1.0] {
+                    let t = w[0].lift + u * (w[1].land - w[0].lift);
+                    assert!((interpolate(&steps.load, t) - empty).abs() < 1e-9);
+                }
+            }
+        }
+        assert!(steps.load.windows(2).all(|k| k[0].0 <= k[1].0));
+    }
+
+    #[test]
+    fn one_foot_is_always_on_the_ground() {
+        let [left, right] = footsteps(3).feet;
+        for (a, b) in [(&left, &right), (&right, &left)] {
+            for w in a.falls().windows(2) {
+                assert!(b.falls().iter().any(|f| f.land <= w[0].lift && f.lift >= w[1].land));
+            }
+        }
     }
 }

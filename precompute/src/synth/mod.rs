@@ -8,6 +8,7 @@
 mod arms;
 mod assemble;
 mod balance;
+mod files;
 mod foot;
 mod footsteps;
 mod gait;
@@ -19,12 +20,11 @@ mod signal;
 mod trunk;
 mod wander;
 
+pub use files::save;
 pub use raw::to_raw;
 
 use crate::clip::ClipSet;
 use crate::error::BuildError;
-use crate::files::write_atomically;
-use crate::import::bvh_write;
 use foot::FootShape;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
@@ -89,7 +89,7 @@ pub fn walk(cfg: &SynthConfig) -> Result<ClipSet, BuildError> {
     while seconds < cfg.minutes * 60.0 {
         let wanted = (cfg.minutes * 60.0 - seconds).min(cfg.clip_seconds * rng.random_range(0.85..1.1));
         let intents = wanderer.wander(wanted, &mut rng);
-        let steps = footsteps::place(shape, &intents, wander::STANDING_WIDTH, &mut rng);
+        let steps = footsteps::place(shape, &intents, &mut rng);
         seconds += steps.duration;
         let name = format!("walk_{:02}", clips.len());
         clips.push(assemble::clip(name, &steps, &skeleton, cfg, &mut rng));
@@ -102,14 +102,10 @@ pub fn walk(cfg: &SynthConfig) -> Result<ClipSet, BuildError> {
 /// - returns what was written.
 ///
 /// # Errors
-/// As [`walk`], and [`BuildError::Io`] for a folder or file that cannot be written.
+/// As [`walk`] and [`save`].
 pub fn write_walk(cfg: &SynthConfig, folder: &Path) -> Result<ClipSet, BuildError> {
     let set = walk(cfg)?;
-    std::fs::create_dir_all(folder).map_err(|source| BuildError::Io { path: folder.to_path_buf(), source })?;
-    for clip in &set.clips {
-        let raw = to_raw(clip, &set.skeleton);
-        write_atomically(&folder.join(format!("{}.bvh", clip.name)), |w| bvh_write::write(&raw, w))?;
-    }
+    save(&set, folder)?;
     Ok(set)
 }
 

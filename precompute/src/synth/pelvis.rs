@@ -58,7 +58,7 @@ const BOB: f64 = 8.0;
 const STANDING_FLEXION: f64 = 0.11;
 /// Least knee flexion of a leg that reaches out: the more bent, the rounder its turn from stretching to bending.
 /// [Unit: rad]
-const REACHING_FLEXION: f64 = 0.19;
+const REACHING_FLEXION: f64 = 0.22;
 /// How far the hips joint is in front of the centre of mass in standing, and what a speed adds: who walks pushes the
 /// pelvis forward over the leading foot. [Unit: m] [Unit: s]
 const HIPS_FORWARD: [f64; 2] = [-0.035, 0.026];
@@ -96,8 +96,9 @@ fn list(input: &PelvisInput) -> Vec<f64> {
     let load = smooth(input.load, frames(0.035));
     let slow = smooth(&load, frames(0.12));
     let vigour = |v: f64| 0.17 + 0.1 * v.min(1.5);
-    let early: Vec<f64> =
-        (0..load.len()).map(|i| vigour(input.speed[i]) * (0.35 * (slow[i] - 0.5) + 0.75 * (load[i] - slow[i]))).collect();
+    let early: Vec<f64> = (0..load.len())
+        .map(|i| vigour(input.speed[i]) * (0.35 * (slow[i] - 0.5) + 0.75 * (load[i] - slow[i])))
+        .collect();
     smooth(&early, frames(0.02))
 }
 
@@ -116,7 +117,8 @@ fn height(input: &PelvisInput, pelvis: &Pelvis) -> Vec<f64> {
 fn leg_limit(input: &PelvisInput, pelvis: &Pelvis, i: usize, rotation: DQuat, side: Side) -> f64 {
     let offset = rotation * input.hips[side.index()];
     let ankle = input.feet[i][side.index()].ankle;
-    let across = DVec2::new(ankle.x, ankle.z) - DVec2::new(pelvis.position[i].x + offset.x, pelvis.position[i].z + offset.z);
+    let across =
+        DVec2::new(ankle.x, ankle.z) - DVec2::new(pelvis.position[i].x + offset.x, pelvis.position[i].z + offset.z);
     let at = |flexion: f64| {
         let reach = input.leg.reach(flexion);
         ankle.y - offset.y + (reach * reach - across.length_squared()).max(0.01).sqrt()

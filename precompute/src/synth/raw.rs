@@ -2,7 +2,7 @@
 
 use crate::clip::Clip;
 use crate::raw::{RawClip, RawJoint, SourceFormat};
-use glam::{Quat, Vec3};
+use glam::Quat;
 use std::path::PathBuf;
 use throng_runtime::{Joint, Skeleton};
 
@@ -11,7 +11,7 @@ fn raw_joints(skeleton: &Skeleton) -> Vec<RawJoint> {
     let own = Joint::ALL.into_iter().map(|j| RawJoint {
         name: j.name().to_owned(),
         parent: j.parent().map(Joint::index),
-        offset: if j == Joint::Hips { Vec3::ZERO } else { skeleton.offsets[j.index()] },
+        offset: skeleton.offsets[j.index()],
         rest_rotation: Quat::IDENTITY,
         is_end: false,
     });

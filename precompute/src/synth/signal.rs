@@ -116,7 +116,8 @@ fn running_mean(x: &[f64], radius: usize) -> Vec<f64> {
 /// - `acceleration`: [Unit: 1/s^2] [Limit: > 0]
 pub fn smooth_below(limit: &[f64], acceleration: f64, radius: usize, dt: f64) -> Vec<f64> {
     let per_sample = 0.5 * acceleration * dt * dt;
-    let range = limit.iter().copied().fold(f64::NEG_INFINITY, f64::max) - limit.iter().copied().fold(f64::INFINITY, f64::min);
+    let range =
+        limit.iter().copied().fold(f64::NEG_INFINITY, f64::max) - limit.iter().copied().fold(f64::INFINITY, f64::min);
     let reach = if limit.is_empty() { 0 } else { (range / per_sample).sqrt().ceil() as usize };
     let envelope: Vec<f64> = (0..limit.len())
         .map(|i| {

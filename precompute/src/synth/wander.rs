@@ -15,6 +15,8 @@ pub struct Intent {
     pub turn: f64,
     /// Distance between the feet across the path. [Unit: m]
     pub width: f64,
+    /// How far the foot turns out from the path. [Unit: rad]
+    pub toe_out: f64,
     /// Length and timing.
     pub shape: StepShape,
 }
@@ -43,6 +45,8 @@ const TURNS: [(f64, f64); 14] = [
 ];
 /// Distance between the feet across the path in walking. [Unit: m]
 const WALKING_WIDTH: f64 = 0.115;
+/// Feet turn out by this much. [Unit: rad]
+pub const TOE_OUT: f64 = 0.12;
 /// The same in standing. [Unit: m]
 pub const STANDING_WIDTH: f64 = 0.185;
 
@@ -156,7 +160,8 @@ impl Walk {
             double_support: shape.double_support * time,
         };
         let width = width * vary(0.06);
-        self.steps.push(Intent { side: self.next, pause: self.pause, turn, width, shape });
+        let toe_out = TOE_OUT * vary(0.2);
+        self.steps.push(Intent { side: self.next, pause: self.pause, turn, width, toe_out, shape });
         self.seconds += self.pause + shape.period;
         self.pause = 0.0;
         self.next = self.next.other();
@@ -213,7 +218,8 @@ impl Walk {
         let period = shape.period.clamp(0.52, 0.64);
         let slowing = StepShape { length: shape.length * 0.62, period, double_support: 0.15 };
         self.step(0.0, 0.5 * (WALKING_WIDTH + STANDING_WIDTH), slowing, rng);
-        let closing = StepShape { length: 0.0, period: 0.6, double_support: 0.17 };
+        let stagger = self.variation * rng.random_range(-0.02..0.02);
+        let closing = StepShape { length: stagger, period: 0.6, double_support: 0.17 };
         self.step(0.0, STANDING_WIDTH, closing, rng);
         self.speed = 0.0;
     }

@@ -1,0 +1,89 @@
+//! Real motion capture reads as bodies of plausible size on plausible ground. Skipped where it is not at hand.
+
+use glam::Vec3;
+use std::path::PathBuf;
+use throng_precompute::import::{ImportConfig, Imported, RestPoseKind, read};
+use throng_precompute::progress::Silent;
+use throng_runtime::Joint;
+
+/// The clips of a folder of the motion capture beside the repository, or in `THRONG_MOCAP`.
+fn clips(folder: &str) -> Option<Vec<Imported>> {
+    let root = std::env::var_os("THRONG_MOCAP")
+        .map_or_else(|| PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../shared/mocap"), PathBuf::from);
+    let folder = root.join(folder);
+    if !folder.is_dir() {
+        eprintln!("skipped: no motion capture at {}", folder.display());
+        return None;
+    }
+    let set = read(&[folder], &ImportConfig { strict: true, ..ImportConfig::default() }, &Silent).unwrap();
+    assert!(set.skipped.is_empty());
+    Some(set.clips)
+}
+
+/// Height of the lowest foot or toe joint in each of up to 200 frames, ascending.
+fn foot_heights(i: &Imported) -> Vec<f32> {
+    use Joint::*;
+    let feet: Vec<_> = [LeftFoot, LeftToe, RightFoot, RightToe].into_iter().filter_map(|r| i.roles.get(r)).collect();
+    let step = i.clip.num_frames.div_ceil(200);
+    let mut heights: Vec<f32> = (0..i.clip.num_frames)
+        .step_by(step)
+        .map(|f| {
+            let world = i.clip.world(f);
+            feet.iter().map(|&j| world[j].0.y).fold(f32::INFINITY, f32::min)
+        })
+        .collect();
+    heights.sort_by(f32::total_cmp);
+    heights
+}
+
+fn check(folder: &str, profile: &str, num_clips: usize, rest: RestPoseKind, heights: std::ops::Range<f32>) {
+    let Some(clips) = clips(folder) else { return };
+    assert_eq!(clips.len(), num_clips);
+    for i in &clips {
+        let name = &i.clip.name;
+        assert!(heights.contains(&i.height), "{name}: {} m tall", i.height);
+        assert_eq!((i.roles.profile.as_str(), i.rest_pose.kind), (profile, rest), "{name}");
+        assert_eq!(i.up, throng_precompute::import::UpAxis::Y, "{name}");
+        assert!(i.warnings.messages.is_empty(), "{name}: {:?}", i.warnings);
+        let lowest = foot_heights(i)[0];
+        assert!((-0.1..0.15).contains(&lowest), "{name}: the lowest foot is at {lowest} m");
+    }
+}
+
+#[test]
+fn cmu_clips_read() {
+    for (subject, num_clips) in [("01", 14), ("02", 10), ("03", 4)] {
+        check(&format!("cmu-asfamc/{subject}"), "CMU ASF", num_clips, RestPoseKind::TPose, 1.6..1.9);
+    }
+}
+
+#[test]
+fn snu_clips_read() {
+    for (folder, num_clips) in [("single", 87), ("session23", 10), ("multi", 17)] {
+        check(&format!("snu/{folder}"), "SNU", num_clips, RestPoseKind::TPose, 1.5..1.8);
+    }
+}
+
+#[test]
+fn bandai_namco_clips_read() {
+    check("bandai-1", "Bandai-Namco", 174, RestPoseKind::Other, 1.4..1.8);
+}
+
+#[test]
+fn bandai_namco_reference_poses_are_one_t_pose_along_the_rig_axes() {
+    use Joint::*;
+    let Some(clips) = clips("bandai-1") else { return };
+    let first = &clips[0].rest_pose.reference;
+    assert!(clips.iter().all(|c| c.rest_pose.reference == *first));
+    for (role, child, along) in [
+        (LeftThigh, LeftShin, -Vec3::Y),
+        (RightShin, RightFoot, -Vec3::Y),
+        (LeftUpperArm, LeftForearm, Vec3::X),
+        (RightForearm, RightHand, -Vec3::X),
+        (UpperChest, Neck, Vec3::Y),
+    ] {
+        let (j, k) = (clips[0].roles.get(role).unwrap(), clips[0].roles.get(child).unwrap());
+        let segment = first[j] * clips[0].clip.joints[k].offset.normalize();
+        assert!(segment.dot(along) > 0.999, "{} points along {segment}", role.name());
+    }
+}
