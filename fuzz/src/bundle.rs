@@ -54,7 +54,7 @@ fn graph(out: &mut BundleWriter, rows: &[FrameRow]) -> [MotionSegment; 4] {
 }
 
 fn policy(out: &mut BundleWriter, segments: &[MotionSegment; 4]) {
-    let grid = TargetGrid::polar(3, 4, 6.0, 1.0, 1.0).expect("a grid");
+    let grid = TargetGrid::polar(4, 8, 6.0, 1.0, 1.0).expect("a grid");
     let cells = grid.num_cells() * 4;
     let policy = PolicyRecord {
         grid: *grid.record(),

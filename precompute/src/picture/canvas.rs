@@ -151,6 +151,15 @@ impl Area {
     }
 }
 
+/// Premultiplied `top` over `bottom`.
+pub(super) fn source_over(top: PremultipliedColorU8, bottom: PremultipliedColorU8) -> PremultipliedColorU8 {
+    let rest = 255 - u32::from(top.alpha());
+    let mix = |t: u8, b: u8| (u32::from(t) + (u32::from(b) * rest + 127) / 255).min(255) as u8;
+    let a = mix(top.alpha(), bottom.alpha());
+    let [r, g, b] = [mix(top.red(), bottom.red()), mix(top.green(), bottom.green()), mix(top.blue(), bottom.blue())];
+    PremultipliedColorU8::from_rgba(r.min(a), g.min(a), b.min(a), a).unwrap_or(bottom)
+}
+
 fn paint(colour: Colour) -> Paint<'static> {
     let mut paint = Paint::default();
     paint.set_color(colour.to_skia());

@@ -112,7 +112,6 @@ struct Frame {
     chest_left: Vec3,
     chest_front: Vec3,
     pelvis_left: Vec3,
-    pelvis_front: Vec3,
 }
 
 impl Frame {
@@ -120,12 +119,10 @@ impl Frame {
         let spine = (f.joint(Joint::Neck) - f.joint(Joint::Hips)).normalize_or(Vec3::Y);
         let across = |left: Joint, right: Joint| (f.joint(left) - f.joint(right)).normalize_or(Vec3::X);
         let chest_left = across(Joint::LeftUpperArm, Joint::RightUpperArm);
-        let pelvis_left = across(Joint::LeftThigh, Joint::RightThigh);
         Self {
             chest_left,
             chest_front: chest_left.cross(spine).normalize_or(Vec3::Z),
-            pelvis_left,
-            pelvis_front: pelvis_left.cross(spine).normalize_or(Vec3::Z),
+            pelvis_left: across(Joint::LeftThigh, Joint::RightThigh),
         }
     }
 }

@@ -1,11 +1,10 @@
 //! Soft shadows of figures on the ground.
 
 use super::camera::Camera;
-use super::canvas::Picture;
+use super::canvas::{Picture, source_over};
 use super::colour::Colour;
 use super::figure::{BodyColours, Figure, body};
 use super::sprite::light;
-use super::text::source_over;
 use glam::Vec3;
 use tiny_skia::{FillRule, Mask, Path, PathBuilder, Transform};
 

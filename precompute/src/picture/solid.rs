@@ -68,8 +68,8 @@ impl Solid {
 
     /// The same where the solid is a plain round cone whose first end is the origin.
     ///
-    /// The cone touches both spheres: its points p fulfil |p|^2 m = (p . ba)^2 + ... in the form of
-    /// Inigo Quilez, *Rounded cone - intersection* (iquilezles.org/articles/intersectors, 2018).
+    /// The cone that touches both spheres gives a quadratic in the distance; where its root lies beyond the touching
+    /// circles, the spheres decide. After Inigo Quilez, *Rounded cone, intersection* (iquilezles.org, intersectors).
     fn hit_round(&self, oa: Vec3, rd: Vec3) -> Option<(f32, Vec3)> {
         let (ra, rb) = (self.radius_a, self.radius_b);
         let ba = self.to_round * (self.b - self.a);

@@ -1,11 +1,10 @@
 //! One figure, shaded and anti-aliased: rays against solids, nearest first, several rays a pixel.
 
 use super::camera::Camera;
-use super::canvas::Picture;
+use super::canvas::{Picture, source_over};
 use super::colour::{self, Colour};
 use super::figure::{BodyColours, Figure, body};
 use super::solid::Solid;
-use super::text::source_over;
 use glam::{Vec2, Vec3};
 use tiny_skia::PremultipliedColorU8;
 

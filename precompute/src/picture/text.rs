@@ -1,10 +1,9 @@
 //! Text, in Ubuntu Light (Ubuntu Font Licence 1.0), which comes with the crate `epaint_default_fonts`.
 
-use super::canvas::Picture;
+use super::canvas::{Picture, source_over};
 use super::colour::Colour;
 use ab_glyph::{Font, FontRef, Glyph, PxScale, ScaleFont, point};
 use glam::Vec2;
-use tiny_skia::PremultipliedColorU8;
 
 /// Where a line of text lies relative to the point it is given.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -98,15 +97,6 @@ fn blend(picture: &mut Picture, at: (i64, i64), coverage: f32, colour: Colour) {
     let over = colour.alpha(colour.a * coverage.clamp(0.0, 1.0).powf(0.75)).to_skia().premultiply().to_color_u8();
     let pixel = &mut picture.pixels_mut()[(at.1 * w + at.0) as usize];
     *pixel = source_over(over, *pixel);
-}
-
-/// Premultiplied `top` over `bottom`.
-pub(super) fn source_over(top: PremultipliedColorU8, bottom: PremultipliedColorU8) -> PremultipliedColorU8 {
-    let rest = 255 - u32::from(top.alpha());
-    let mix = |t: u8, b: u8| (u32::from(t) + (u32::from(b) * rest + 127) / 255).min(255) as u8;
-    let a = mix(top.alpha(), bottom.alpha());
-    let [r, g, b] = [mix(top.red(), bottom.red()), mix(top.green(), bottom.green()), mix(top.blue(), bottom.blue())];
-    PremultipliedColorU8::from_rgba(r.min(a), g.min(a), b.min(a), a).unwrap_or(bottom)
 }
 
 #[cfg(test)]
