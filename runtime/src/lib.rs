@@ -3,6 +3,7 @@
 pub mod contacts;
 pub mod planar;
 pub mod policy;
+pub mod simd;
 pub mod skeleton;
 
 pub use contacts::Contacts;

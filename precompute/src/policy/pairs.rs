@@ -3,6 +3,7 @@
 use glam::Vec3;
 use rayon::prelude::*;
 use throng_runtime::policy::{PolicyTable, Reward, SegmentRecord, TargetGrid, nearest_index};
+use throng_runtime::simd::vectorize;
 
 /// Cells worked on side by side.
 pub(super) const LANES: usize = 16;
@@ -125,11 +126,7 @@ impl Pairs {
         geometry.zip(weights).zip(rewards).zip(segments).for_each(
             |((((base, ratio), (near, far)), reward), segment)| {
                 let rows = Rows { base, ratio, near, far, reward };
-                if shape.polar {
-                    rows.fill::<true>(table, &centres, segment)
-                } else {
-                    rows.fill::<false>(table, &centres, segment)
-                }
+                rows.fill_all(table, &centres, segment);
             },
         );
         pairs
@@ -144,6 +141,7 @@ impl Pairs {
     ///
     /// - `values`: of the state at the segment's end, at that height. [Size: value_plane]
     /// - `out`: [Size: row]
+    #[inline(always)]
     pub fn back_up(&self, segment: usize, height: usize, values: &[f32], out: &mut [f32]) {
         let row = self.shape.row();
         let at = segment * row..(segment + 1) * row;
@@ -229,6 +227,20 @@ struct Rows<'a> {
 }
 
 impl Rows<'_> {
+    fn fill_all(self, table: &PolicyTable, centres: &Centres, segment: &SegmentRecord) {
+        vectorize(
+            #[inline(always)]
+            || {
+                if table.grid().is_polar() {
+                    self.fill::<true>(table, centres, segment);
+                } else {
+                    self.fill::<false>(table, centres, segment);
+                }
+            },
+        );
+    }
+
+    #[inline(always)]
     fn fill<const POLAR: bool>(self, table: &PolicyTable, centres: &Centres, segment: &SegmentRecord) {
         let (grid, reward, segment) = (*table.grid(), *table.reward(), *segment);
         let row = self.base.len();

@@ -3,10 +3,11 @@
 use super::error::PolicyJobError;
 use super::ranked::RankedActions;
 use super::table::{MAX_ACTIONS, PolicyTable, SegmentRecord};
-use glam::Vec3;
+use crate::simd::vectorize;
+use glam::{Mat4, Vec3, Vec4};
 
 /// Actions weighed side by side.
-const LANES: usize = 8;
+const LANES: usize = 16;
 
 /// One behaviour of a look-ahead.
 #[derive(Clone, Copy, Debug)]
@@ -59,6 +60,15 @@ impl LookAheadJob<'_> {
     /// As [`Self::validate`].
     pub fn run(self) -> Result<(), PolicyJobError> {
         self.validate()?;
+        vectorize(
+            #[inline(always)]
+            || self.rank(),
+        );
+        Ok(())
+    }
+
+    #[inline(always)]
+    fn rank(self) {
         let mut scores = [0.0; MAX_ACTIONS + LANES];
         for (i, (ranked, &state)) in self.ranked.iter_mut().zip(self.states).enumerate() {
             let mut num_actions = 0;
@@ -78,7 +88,6 @@ impl LookAheadJob<'_> {
                 ranked.insert(a as u8, score);
             }
         }
-        Ok(())
     }
 }
 
@@ -95,10 +104,72 @@ struct Query {
     height_ratio: f32,
 }
 
+impl Query {
+    /// Value of a cell of the plane, interpolated between the heights.
+    #[inline(always)]
+    fn at_height<const POLAR: bool>(&self, values: &[f32], cell: usize) -> f32 {
+        if POLAR {
+            return values[cell];
+        }
+        let [low, high] = self.height_offsets.map(|offset| values[offset + cell]);
+        low + (high - low) * self.height_ratio
+    }
+}
+
+/// A lane of segments, field by field.
+struct SegmentLanes {
+    displacement: [[f32; LANES]; 4],
+    inner: [[f32; LANES]; 4],
+    weights: [[f32; LANES]; 4],
+    /// Two heights, then the discount.
+    rest: [[f32; LANES]; 4],
+}
+
+impl SegmentLanes {
+    #[inline(always)]
+    fn new(records: &[&SegmentRecord; LANES]) -> Self {
+        Self {
+            displacement: transpose(records, |r| r.displacement),
+            inner: transpose(records, |r| r.inner),
+            weights: transpose(records, |r| r.weights),
+            rest: transpose(records, |r| [r.heights[0], r.heights[1], r.discount, 0.0]),
+        }
+    }
+
+    /// One of them, but for its end.
+    #[inline(always)]
+    fn lane(&self, l: usize) -> SegmentRecord {
+        let of = |fields: &[[f32; LANES]; 4]| [fields[0][l], fields[1][l], fields[2][l], fields[3][l]];
+        SegmentRecord {
+            displacement: of(&self.displacement),
+            inner: of(&self.inner),
+            weights: of(&self.weights),
+            heights: [self.rest[0][l], self.rest[1][l]],
+            discount: self.rest[2][l],
+            end: 0,
+        }
+    }
+}
+
+/// Four neighbouring fields of a lane of segments, four by four.
+#[inline(always)]
+fn transpose(records: &[&SegmentRecord; LANES], fields: impl Fn(&SegmentRecord) -> [f32; 4]) -> [[f32; LANES]; 4] {
+    let mut out = [[0.0; LANES]; 4];
+    for (i, four) in records.as_chunks::<4>().0.iter().enumerate() {
+        let columns = four.map(|r| Vec4::from_array(fields(r)));
+        let rows = Mat4::from_cols(columns[0], columns[1], columns[2], columns[3]).transpose().to_cols_array_2d();
+        for (row, out) in rows.iter().zip(&mut out) {
+            out[i * 4..][..4].copy_from_slice(row);
+        }
+    }
+    out
+}
+
 impl PolicyTable<'_> {
     /// Adds `weight` times the score of each action to `scores`.
     ///
     /// - `segments`: of the actions; `scores` has room for whole lanes.
+    #[inline(always)]
     fn add_scores(&self, segments: &[u32], target: Vec3, weight: f32, scores: &mut [f32]) {
         let query = self.query(target);
         for (segments, scores) in segments.chunks(LANES).zip(scores.chunks_exact_mut(LANES)) {
@@ -117,6 +188,7 @@ impl PolicyTable<'_> {
     }
 
     /// What does not depend on the action.
+    #[inline(always)]
     fn query(&self, target: Vec3) -> Query {
         let target = self.grid.clamp(target);
         let (height, height_ratio) = self.grid.height_interval(target.y);
@@ -128,25 +200,38 @@ impl PolicyTable<'_> {
     }
 
     /// Scores of a lane of actions: reward + discount^frames * value.
+    ///
+    /// Plain loops over a lane's arrays, one step each, which the compiler turns into vector instructions.
     #[inline(always)]
     fn score_lanes<const POLAR: bool>(&self, query: &Query, records: [&SegmentRecord; LANES]) -> [f32; LANES] {
-        let after: [_; LANES] = std::array::from_fn(|l| records[l].target_after(query.target));
-        let rewards: [_; LANES] = std::array::from_fn(|l| {
-            self.reward.of_segment::<POLAR>(records[l], query.target, query.start_kernel, after[l][2])
-        });
-        let stencils: [_; LANES] =
-            std::array::from_fn(|l| self.grid.stencil_at::<POLAR>(after[l][0], after[l][1], after[l][2]));
-        let num_angles = self.grid.record().num_angles;
-        let plane = self.grid.num_plane_cells();
-        std::array::from_fn(|l| {
+        let segments = SegmentLanes::new(&records);
+        let (grid, reward) = (self.grid, self.reward);
+        let mut rewards = [0.0; LANES];
+        let (mut low, mut angle, mut next_angle) = ([0; LANES], [0; LANES], [0; LANES]);
+        let (mut ring_ratio, mut angle_ratio, mut scale) = ([0.0; LANES], [0.0; LANES], [0.0; LANES]);
+        for l in 0..LANES {
+            let segment = segments.lane(l);
+            let [x, z, distance] = segment.target_after(query.target);
+            let s = grid.stencil_at::<POLAR>(x, z, distance);
+            (low[l], angle[l], next_angle[l]) = (s.ring * grid.record().num_angles, s.angle, s.next_angle);
+            (ring_ratio[l], angle_ratio[l], scale[l]) = (s.ring_ratio, s.angle_ratio, s.scale * segment.discount);
+            rewards[l] = reward.of_segment::<POLAR>(&segment, query.target, query.start_kernel, distance);
+        }
+        let num_angles = grid.record().num_angles as usize;
+        let mut corners = [[0.0; LANES]; 4];
+        for l in 0..LANES {
             let values = self.values_of(records[l].end);
-            let mut value = stencils[l].interpolate(&values[query.height_offsets[0]..][..plane], num_angles);
-            if !POLAR {
-                let high = stencils[l].interpolate(&values[query.height_offsets[1]..][..plane], num_angles);
-                value += (high - value) * query.height_ratio;
+            let (a, b) = ((low[l] + angle[l]) as usize, (low[l] + next_angle[l]) as usize);
+            for (k, cell) in [a, b, a + num_angles, b + num_angles].into_iter().enumerate() {
+                corners[k][l] = query.at_height::<POLAR>(values, cell);
             }
-            rewards[l] + records[l].discount * value
-        })
+        }
+        for l in 0..LANES {
+            let near = corners[0][l] + (corners[1][l] - corners[0][l]) * angle_ratio[l];
+            let far = corners[2][l] + (corners[3][l] - corners[2][l]) * angle_ratio[l];
+            rewards[l] += scale[l] * (near + (far - near) * ring_ratio[l]);
+        }
+        rewards
     }
 
     /// Scores of all actions of a state for one target, in order: what [`LookAheadJob`] ranks.
