@@ -19,19 +19,12 @@ pub(super) struct Shape {
     pub rings: usize,
     /// Angles of the grid.
     pub angles: usize,
-    /// True where angles wrap around.
-    pub polar: bool,
 }
 
 impl Shape {
     pub fn new(grid: &TargetGrid) -> Self {
         let r = grid.record();
-        Self {
-            heights: r.num_heights as usize,
-            rings: r.num_rings as usize,
-            angles: r.num_angles as usize,
-            polar: grid.is_polar(),
-        }
+        Self { heights: r.num_heights as usize, rings: r.num_rings as usize, angles: r.num_angles as usize }
     }
 
     /// Cells of one height.

@@ -116,51 +116,36 @@ impl Query {
     }
 }
 
-/// A lane of segments, field by field.
-struct SegmentLanes {
-    displacement: [[f32; LANES]; 4],
-    inner: [[f32; LANES]; 4],
-    weights: [[f32; LANES]; 4],
-    /// Two heights, then the discount.
-    rest: [[f32; LANES]; 4],
-}
+/// A lane of segments, field by field: four by four in the order of [`SegmentRecord`].
+struct SegmentLanes([[[f32; LANES]; 4]; 4]);
 
 impl SegmentLanes {
     #[inline(always)]
     fn new(records: &[&SegmentRecord; LANES]) -> Self {
-        Self {
-            displacement: transpose(records, |r| r.displacement),
-            inner: transpose(records, |r| r.inner),
-            weights: transpose(records, |r| r.weights),
-            rest: transpose(records, |r| [r.heights[0], r.heights[1], r.discount, 0.0]),
-        }
+        Self([transpose(records, 0), transpose(records, 1), transpose(records, 2), transpose(records, 3)])
     }
 
-    /// One of them, but for its end.
+    /// One of them.
     #[inline(always)]
     fn lane(&self, l: usize) -> SegmentRecord {
-        let of = |fields: &[[f32; LANES]; 4]| [fields[0][l], fields[1][l], fields[2][l], fields[3][l]];
-        SegmentRecord {
-            displacement: of(&self.displacement),
-            inner: of(&self.inner),
-            weights: of(&self.weights),
-            heights: [self.rest[0][l], self.rest[1][l]],
-            discount: self.rest[2][l],
-            end: 0,
-        }
+        let of = |k: usize| [self.0[k][0][l], self.0[k][1][l], self.0[k][2][l], self.0[k][3][l]];
+        let [height, next_height, discount, end] = of(3);
+        let heights = [height, next_height];
+        SegmentRecord { displacement: of(0), inner: of(1), weights: of(2), heights, discount, end: end.to_bits() }
     }
 }
 
-/// Four neighbouring fields of a lane of segments, four by four.
+/// The `k`-th four fields of a lane of segments.
 #[inline(always)]
-fn transpose(records: &[&SegmentRecord; LANES], fields: impl Fn(&SegmentRecord) -> [f32; 4]) -> [[f32; LANES]; 4] {
+fn transpose(records: &[&SegmentRecord; LANES], k: usize) -> [[f32; LANES]; 4] {
+    let column = |l: usize| Vec4::from_array(bytemuck::cast_ref::<SegmentRecord, [[f32; 4]; 4]>(records[l])[k]);
     let mut out = [[0.0; LANES]; 4];
-    for (i, four) in records.as_chunks::<4>().0.iter().enumerate() {
-        let columns = four.map(|r| Vec4::from_array(fields(r)));
-        let rows = Mat4::from_cols(columns[0], columns[1], columns[2], columns[3]).transpose().to_cols_array_2d();
-        for (row, out) in rows.iter().zip(&mut out) {
-            out[i * 4..][..4].copy_from_slice(row);
-        }
+    for first in (0..LANES).step_by(4) {
+        let m = Mat4::from_cols(column(first), column(first + 1), column(first + 2), column(first + 3)).transpose();
+        out[0][first..first + 4].copy_from_slice(&m.x_axis.to_array());
+        out[1][first..first + 4].copy_from_slice(&m.y_axis.to_array());
+        out[2][first..first + 4].copy_from_slice(&m.z_axis.to_array());
+        out[3][first..first + 4].copy_from_slice(&m.w_axis.to_array());
     }
     out
 }
@@ -172,10 +157,9 @@ impl PolicyTable<'_> {
     #[inline(always)]
     fn add_scores(&self, segments: &[u32], target: Vec3, weight: f32, scores: &mut [f32]) {
         let query = self.query(target);
-        for (segments, scores) in segments.chunks(LANES).zip(scores.chunks_exact_mut(LANES)) {
+        for (segments, scores) in segments.chunks(LANES).zip(scores.as_chunks_mut::<LANES>().0) {
             let last = segments.len() - 1;
-            let records: [&SegmentRecord; LANES] =
-                std::array::from_fn(|l| &self.segments[segments[l.min(last)] as usize]);
+            let records = std::array::from_fn(|l| &self.segments[segments[l.min(last)] as usize]);
             let q = if self.grid.is_polar() {
                 self.score_lanes::<true>(&query, records)
             } else {
