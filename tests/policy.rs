@@ -434,7 +434,7 @@ fn approach_comes_to_the_target_from_anywhere_and_stands_there() {
     let mut rng = Pcg64::seed_from_u64(6);
     let mut arrived = 0;
     for _ in 0..200 {
-        let (angle, distance) = (rng.random_range(-3.14..3.14f32), rng.random_range(2.0..6.0f32));
+        let (angle, distance) = (rng.random_range(0.0..6.28f32), rng.random_range(2.0..6.0f32));
         let target = Vec2::new(distance * angle.sin(), distance * angle.cos());
         let (mut state, mut root, mut frames) = (0u32, Planar::IDENTITY, 0);
         let mut last = 0;
@@ -464,6 +464,8 @@ fn sound() -> Parts {
     (p.record, tables.action_offsets, tables.action_segments, p.segments, p.values, p.best)
 }
 
+/// What is spoilt, and how.
+type Change<'a> = (&'a str, &'a dyn Fn(&mut Parts));
 type Parts = (PolicyRecord, Vec<u32>, Vec<u32>, Vec<SegmentRecord>, Vec<f32>, Vec<u8>);
 
 fn opens(parts: &Parts) -> bool {
@@ -481,7 +483,7 @@ fn spoilt_tables_are_refused() {
         f(&mut parts);
         !opens(&parts)
     };
-    let changes: [(&str, &dyn Fn(&mut Parts)); 16] = [
+    let changes: [Change; 16] = [
         ("value missing", &|p| p.4.truncate(1)),
         ("value too many", &|p| p.4.push(0.0)),
         ("value not finite", &|p| p.4[7] = f32::NAN),

@@ -1,6 +1,6 @@
 //! What every (segment, cell) pair needs of the backup, worked out once and laid out for the sweeps.
 
-use glam::Vec3;
+use glam::{Mat4, Vec3, Vec4};
 use rayon::prelude::*;
 use throng_runtime::policy::{PolicyTable, Reward, SegmentRecord, TargetGrid, nearest_index};
 use throng_runtime::simd::vectorize;
@@ -138,26 +138,26 @@ impl Pairs {
     pub fn back_up(&self, segment: usize, height: usize, values: &[f32], out: &mut [f32]) {
         let row = self.shape.row();
         let at = segment * row..(segment + 1) * row;
-        let (base, _) = self.base[at.clone()].as_chunks::<LANES>();
-        let (ratio, _) = self.angle_ratio[at.clone()].as_chunks::<LANES>();
-        let (near, _) = self.near[at.clone()].as_chunks::<LANES>();
-        let (far, _) = self.far[at].as_chunks::<LANES>();
-        let (reward, _) = self.reward[(segment * self.shape.heights + height) * row..][..row].as_chunks::<LANES>();
-        let (out, _) = out.as_chunks_mut::<LANES>();
+        let (base, _) = self.base[at.clone()].as_chunks::<4>();
+        let (ratio, _) = self.angle_ratio[at.clone()].as_chunks::<4>();
+        let (near, _) = self.near[at.clone()].as_chunks::<4>();
+        let (far, _) = self.far[at].as_chunks::<4>();
+        let (reward, _) = self.reward[(segment * self.shape.heights + height) * row..][..row].as_chunks::<4>();
+        let (out, _) = out.as_chunks_mut::<4>();
         let stride = self.shape.stride();
-        for i in 0..out.len().min(base.len()) {
-            let mut corners = [[0.0f32; LANES]; 4];
-            for l in 0..LANES {
-                let v = &values[usize::from(base[i][l])..][..stride + 2];
-                (corners[0][l], corners[1][l]) = (v[0], v[1]);
-                (corners[2][l], corners[3][l]) = (v[stride], v[stride + 1]);
-            }
-            for l in 0..LANES {
-                let t = f32::from(ratio[i][l]) * RATIO_UNIT;
-                let low = corners[0][l] + (corners[1][l] - corners[0][l]) * t;
-                let high = corners[2][l] + (corners[3][l] - corners[2][l]) * t;
-                out[i][l] = reward[i][l] + (near[i][l] * low + far[i][l] * high);
-            }
+        let corners = |base: u16| {
+            let v = &values[usize::from(base)..][..stride + 2];
+            Vec4::new(v[0], v[1], v[stride], v[stride + 1])
+        };
+        let geometry = base.iter().zip(ratio).zip(near.iter().zip(far));
+        for ((((base, ratio), (near, far)), reward), out) in geometry.zip(reward).zip(out) {
+            let lanes = Mat4::from_cols(corners(base[0]), corners(base[1]), corners(base[2]), corners(base[3]));
+            let c = lanes.transpose();
+            let t = Vec4::from_array(ratio.map(f32::from)) * RATIO_UNIT;
+            let low = c.x_axis + (c.y_axis - c.x_axis) * t;
+            let high = c.z_axis + (c.w_axis - c.z_axis) * t;
+            let value = Vec4::from_array(*near) * low + Vec4::from_array(*far) * high;
+            *out = (Vec4::from_array(*reward) + value).to_array();
         }
     }
 

@@ -202,18 +202,19 @@ impl PolicyTable<'_> {
             rewards[l] = reward.of_segment::<POLAR>(&segment, query.target, query.start_kernel, distance);
         }
         let num_angles = grid.record().num_angles as usize;
-        let mut corners = [[0.0; LANES]; 4];
-        for l in 0..LANES {
+        let corners = |l: usize| {
             let values = self.values_of(records[l].end);
             let (a, b) = ((low[l] + angle[l]) as usize, (low[l] + next_angle[l]) as usize);
-            for (k, cell) in [a, b, a + num_angles, b + num_angles].into_iter().enumerate() {
-                corners[k][l] = query.at_height::<POLAR>(values, cell);
-            }
-        }
-        for l in 0..LANES {
-            let near = corners[0][l] + (corners[1][l] - corners[0][l]) * angle_ratio[l];
-            let far = corners[2][l] + (corners[3][l] - corners[2][l]) * angle_ratio[l];
-            rewards[l] += scale[l] * (near + (far - near) * ring_ratio[l]);
+            let at = |cell: usize| query.at_height::<POLAR>(values, cell);
+            Vec4::new(at(a), at(b), at(a + num_angles), at(b + num_angles))
+        };
+        for (first, reward) in (0..LANES).step_by(4).zip(rewards.as_chunks_mut::<4>().0) {
+            let lanes = Mat4::from_cols(corners(first), corners(first + 1), corners(first + 2), corners(first + 3));
+            let c = lanes.transpose();
+            let [t, u, scale] = [&angle_ratio, &ring_ratio, &scale].map(|x| Vec4::from_slice(&x[first..]));
+            let near = c.x_axis + (c.y_axis - c.x_axis) * t;
+            let far = c.z_axis + (c.w_axis - c.z_axis) * t;
+            *reward = (Vec4::from_array(*reward) + scale * (near + (far - near) * u)).to_array();
         }
         rewards
     }
