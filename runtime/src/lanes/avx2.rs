@@ -104,38 +104,39 @@ impl Lanes for Avx2 {
             let (a, b) = (_mm256_unpacklo_ps(m[0].0, m[1].0), _mm256_unpackhi_ps(m[0].0, m[1].0));
             let (c, d) = (_mm256_unpacklo_ps(m[2].0, m[3].0), _mm256_unpackhi_ps(m[2].0, m[3].0));
             // Each holds a row of a lane and of the lane four further on.
-            let pairs = [
-                _mm256_shuffle_ps::<0x44>(a, c),
-                _mm256_shuffle_ps::<0xEE>(a, c),
-                _mm256_shuffle_ps::<0x44>(b, d),
-                _mm256_shuffle_ps::<0xEE>(b, d),
-            ];
-            for (i, pair) in pairs.into_iter().enumerate() {
-                _mm_storeu_ps(out[i].as_mut_ptr(), _mm256_castps256_ps128(pair));
-                _mm_storeu_ps(out[i + 4].as_mut_ptr(), _mm256_extractf128_ps::<1>(pair));
-            }
+            let (p0, p1) = (_mm256_shuffle_ps::<0x44>(a, c), _mm256_shuffle_ps::<0xEE>(a, c));
+            let (p2, p3) = (_mm256_shuffle_ps::<0x44>(b, d), _mm256_shuffle_ps::<0xEE>(b, d));
+            _mm_storeu_ps(out[0].as_mut_ptr(), _mm256_castps256_ps128(p0));
+            _mm_storeu_ps(out[1].as_mut_ptr(), _mm256_castps256_ps128(p1));
+            _mm_storeu_ps(out[2].as_mut_ptr(), _mm256_castps256_ps128(p2));
+            _mm_storeu_ps(out[3].as_mut_ptr(), _mm256_castps256_ps128(p3));
+            _mm_storeu_ps(out[4].as_mut_ptr(), _mm256_extractf128_ps::<1>(p0));
+            _mm_storeu_ps(out[5].as_mut_ptr(), _mm256_extractf128_ps::<1>(p1));
+            _mm_storeu_ps(out[6].as_mut_ptr(), _mm256_extractf128_ps::<1>(p2));
+            _mm_storeu_ps(out[7].as_mut_ptr(), _mm256_extractf128_ps::<1>(p3));
         });
         out
     }
 
     #[inline(always)]
     fn decode(rows: [&[i16; 4]; LANES]) -> [Self; 4] {
-        avx!({
-            // x0 x1 x2 x3 y0 y1 y2 y3 and z0 .. w3 of four lanes.
-            let interleave = |r: [&[i16; 4]; 4]| {
-                let load = |r: &[i16; 4]| _mm_loadl_epi64(r.as_ptr().cast());
-                let (a, b) = (_mm_unpacklo_epi16(load(r[0]), load(r[2])), _mm_unpacklo_epi16(load(r[1]), load(r[3])));
-                (_mm_unpacklo_epi16(a, b), _mm_unpackhi_epi16(a, b))
-            };
-            let (xy, zw) = interleave([rows[0], rows[1], rows[2], rows[3]]);
-            let (xy_high, zw_high) = interleave([rows[4], rows[5], rows[6], rows[7]]);
-            let float = |v| Self(_mm256_cvtepi32_ps(_mm256_cvtepi16_epi32(v)));
-            [
-                float(_mm_unpacklo_epi64(xy, xy_high)),
-                float(_mm_unpackhi_epi64(xy, xy_high)),
-                float(_mm_unpacklo_epi64(zw, zw_high)),
-                float(_mm_unpackhi_epi64(zw, zw_high)),
-            ]
-        })
+        let (xy, zw) = interleave(rows[0], rows[1], rows[2], rows[3]);
+        let (xy_high, zw_high) = interleave(rows[4], rows[5], rows[6], rows[7]);
+        avx!([
+            Self(_mm256_cvtepi32_ps(_mm256_cvtepi16_epi32(_mm_unpacklo_epi64(xy, xy_high)))),
+            Self(_mm256_cvtepi32_ps(_mm256_cvtepi16_epi32(_mm_unpackhi_epi64(xy, xy_high)))),
+            Self(_mm256_cvtepi32_ps(_mm256_cvtepi16_epi32(_mm_unpacklo_epi64(zw, zw_high)))),
+            Self(_mm256_cvtepi32_ps(_mm256_cvtepi16_epi32(_mm_unpackhi_epi64(zw, zw_high)))),
+        ])
     }
+}
+
+/// x0 x1 x2 x3 y0 y1 y2 y3 and z0 .. w3 of four lanes.
+#[inline(always)]
+fn interleave(r0: &[i16; 4], r1: &[i16; 4], r2: &[i16; 4], r3: &[i16; 4]) -> (__m128i, __m128i) {
+    avx!({
+        let a = _mm_unpacklo_epi16(_mm_loadl_epi64(r0.as_ptr().cast()), _mm_loadl_epi64(r2.as_ptr().cast()));
+        let b = _mm_unpacklo_epi16(_mm_loadl_epi64(r1.as_ptr().cast()), _mm_loadl_epi64(r3.as_ptr().cast()));
+        (_mm_unpacklo_epi16(a, b), _mm_unpackhi_epi16(a, b))
+    })
 }

@@ -128,12 +128,12 @@ fn update_correction<F: Lanes>(
     let weight = one / sum.max(one);
     let slide = (ankle - load(&lock.ankle)) * (hold_heel * weight) + (toe - load(&lock.toe)) * (hold_toe * weight);
     let old = load(&lock.correction);
-    let keep = |half_life_s: f32| F::splat((-std::f32::consts::LN_2 * dt_s / half_life_s).exp());
-    let held = (old - slide) * keep(config.planted_half_life_s);
-    let mut new = V::select_lt(sum, half, old * keep(config.half_life_s), held);
+    let keep = |half_life_s: f32| (-std::f32::consts::LN_2 * dt_s / half_life_s).exp();
+    let held = (old - slide) * F::splat(keep(config.planted_half_life_s));
+    let mut new = V::select_lt(sum, half, old * F::splat(keep(config.half_life_s)), held);
 
     // Over the ground a planted foot eases to the height its clip has it at.
-    let height = (old.y - slide.y) * keep(PLANTED_HEIGHT_HALF_LIFE_S);
+    let height = (old.y - slide.y) * F::splat(keep(PLANTED_HEIGHT_HALF_LIFE_S));
     new.y = F::select_lt(sum, half, new.y, height);
 
     // No toe goes below the ground.

@@ -67,18 +67,30 @@ fn settled<F: Lanes>(block: &Block, half_life_s: f32) -> bool {
 #[inline(always)]
 pub(crate) fn sample<F: Lanes>(cursor: &Cursor<'_, F>) -> LanePose<F> {
     let [from, to] = &cursor.rows;
-    let height = |rows: &[&FrameRow; LANES]| F::from_array(rows.map(|r| r.height));
-    let (h0, h1) = (height(from), height(to));
+    let height = between(&heights(from), &heights(to), cursor.ratio);
     let zero = F::splat(0.0);
-    LanePose {
-        root: V::new(zero, h0 + (h1 - h0) * cursor.ratio, zero),
-        rotations: std::array::from_fn(|j| {
-            let a = F::decode(from.map(|r| &r.rotations[j]));
-            let b = F::decode(to.map(|r| &r.rotations[j]));
-            let [x, y, z, w]: [F; 4] = std::array::from_fn(|i| a[i] + (b[i] - a[i]) * cursor.ratio);
-            Q::new(V::new(x, y, z), w).normalize()
-        }),
+    let mut rotations = [Q::new(V::new(zero, zero, zero), zero); NUM_JOINTS];
+    for (j, rotation) in rotations.iter_mut().enumerate() {
+        let a = F::decode(from.map(|r| &r.rotations[j]));
+        let b = F::decode(to.map(|r| &r.rotations[j]));
+        let x = a[0] + (b[0] - a[0]) * cursor.ratio;
+        let y = a[1] + (b[1] - a[1]) * cursor.ratio;
+        let z = a[2] + (b[2] - a[2]) * cursor.ratio;
+        let w = a[3] + (b[3] - a[3]) * cursor.ratio;
+        *rotation = Q::new(V::new(x, y, z), w).normalize();
     }
+    LanePose { root: V::new(zero, height, zero), rotations }
+}
+
+fn heights(rows: &[&FrameRow; LANES]) -> [f32; LANES] {
+    rows.map(|r| r.height)
+}
+
+/// From `a` at ratio 0 to `b` at ratio 1.
+#[inline(always)]
+pub(crate) fn between<F: Lanes>(a: &[f32; LANES], b: &[f32; LANES], ratio: F) -> F {
+    let (a, b) = (F::load(a), F::load(b));
+    a + (b - a) * ratio
 }
 
 /// Adds the decaying offsets of the last transition.

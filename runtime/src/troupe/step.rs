@@ -8,9 +8,10 @@ use super::control;
 use super::foot_lock::{Placement, lock_foot};
 use super::hierarchy::{to_model, write_locals, write_matrices};
 use super::repertoire::Repertoire;
-use super::sample::{Cursor, add_offsets, sample};
+use super::sample::{Cursor, add_offsets, between, sample};
 use super::{Goal, TroupeConfig};
 use crate::contacts::Contacts;
+use crate::format::FrameRow;
 use crate::lanes::{Functions, LANES, Lanes, Work, dispatch};
 use crate::pose::{LocalTransform, Mat3x4};
 use crate::skeleton::NUM_JOINTS;
@@ -125,16 +126,16 @@ fn pose<F: Lanes>(block: &mut Block, matrices: &mut [Mat3x4], locals: &mut [Loca
 #[inline(always)]
 fn place<F: Lanes>(block: &mut Block, cursor: &Cursor<'_, F>) -> Placement<F> {
     let [from, to] = &cursor.rows;
-    let lerp = |k: usize| {
-        let (a, b) = (F::from_array(from.map(|r| r.planar[k])), F::from_array(to.map(|r| r.planar[k])));
-        a + (b - a) * cursor.ratio
-    };
-    let [tx, tz, th] = [0, 1, 2].map(|k| F::load(&block.clip_to_world[k]));
+    let planar = |rows: &[&FrameRow; LANES], k: usize| rows.map(|r| r.planar[k]);
+    let px = between(&planar(from, 0), &planar(to, 0), cursor.ratio);
+    let pz = between(&planar(from, 1), &planar(to, 1), cursor.ratio);
+    let ph = between(&planar(from, 2), &planar(to, 2), cursor.ratio);
+    let [tx, tz, th] = &block.clip_to_world;
+    let (tx, tz, th) = (F::load(tx), F::load(tz), F::load(th));
     let (clip_sin, clip_cos) = th.sin_cos();
-    let (px, pz) = (lerp(0), lerp(1));
     let x = clip_cos * px + clip_sin * pz + tx;
     let z = clip_cos * pz - clip_sin * px + tz;
-    let heading = th + lerp(2);
+    let heading = th + ph;
     x.store(&mut block.root[0]);
     z.store(&mut block.root[1]);
     heading.store(&mut block.root[2]);

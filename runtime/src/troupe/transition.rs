@@ -76,8 +76,8 @@ fn start_lanes<F: Lanes>(Start { group, frames, rate_hz, half_life_s, blocks }: 
     }
     let (x, v) = gather(group, blocks, |b| (&b.offsets.root, &b.offsets.root_velocity));
     let zero = F::splat(0.0);
-    let height = |r: &[&FrameRow; LANES]| F::from_array(r.map(|r| r.height));
-    let offset = old.apply(x, v) + V::new(zero, height(&last) - height(&first), zero);
+    let height = |r: &[&FrameRow; LANES]| r.map(|r| r.height);
+    let offset = old.apply(x, v) + V::new(zero, F::load(&height(&last)) - F::load(&height(&first)), zero);
     let velocity = (root_step(&before, &last) - root_step(&first, &after)) * rate + old_rate.apply(x, v);
     scatter(group, blocks, |b| &mut b.offsets.root, offset);
     scatter(group, blocks, |b| &mut b.offsets.root_velocity, velocity);
