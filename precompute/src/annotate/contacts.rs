@@ -21,6 +21,9 @@ pub struct ContactConfig {
     pub speed_on: f32,
     /// Speed that ends a contact, for a body in place. [Unit: m/s]
     pub speed_off: f32,
+    /// Vertical speed that ends a contact: a heel that rises while the toe still stands is no longer planted.
+    /// [Unit: m/s]
+    pub vertical_speed_off: f32,
     /// Share of the hips' speed over the ground that is added to both: tracked feet slide more the faster they
     /// are put down.
     pub speed_share: f32,
@@ -39,6 +42,7 @@ impl Default for ContactConfig {
             height_off: 0.045,
             speed_on: 0.15,
             speed_off: 0.3,
+            vertical_speed_off: 0.1,
             speed_share: 0.1,
             min_duration: 0.09,
             max_gap: 0.07,
@@ -103,7 +107,8 @@ pub fn detect(clip: &Clip, skeleton: &Skeleton, cfg: &ContactConfig) -> Vec<Cont
         };
         let below = |f: usize, height: f32, speed: f32| {
             let limit = speed * scale + cfg.speed_share * pace[f];
-            track.heights[f] - floor[f] < height * scale && track.speeds[f] < limit
+            let still = track.vertical_speeds[f] < cfg.vertical_speed_off * scale;
+            still && track.heights[f] - floor[f] < height * scale && track.speeds[f] < limit
         };
         let weak: Vec<bool> = (0..floor.len()).map(|f| below(f, cfg.height_off, cfg.speed_off)).collect();
         let strong: Vec<bool> = (0..floor.len()).map(|f| below(f, cfg.height_on, cfg.speed_on)).collect();
@@ -120,6 +125,7 @@ pub fn detect(clip: &Clip, skeleton: &Skeleton, cfg: &ContactConfig) -> Vec<Cont
 struct Track {
     heights: Vec<f32>,
     speeds: Vec<f32>,
+    vertical_speeds: Vec<f32>,
 }
 
 fn tracks(clip: &Clip, skeleton: &Skeleton) -> Vec<Track> {
@@ -133,7 +139,14 @@ fn tracks(clip: &Clip, skeleton: &Skeleton) -> Vec<Track> {
     }
     positions
         .iter()
-        .map(|p| Track { heights: p.iter().map(|p| p.y).collect(), speeds: speeds(p, clip.rate_hz) })
+        .map(|p| {
+            let upright: Vec<Vec3> = p.iter().map(|p| Vec3::Y * p.y).collect();
+            Track {
+                heights: p.iter().map(|p| p.y).collect(),
+                speeds: speeds(p, clip.rate_hz),
+                vertical_speeds: speeds(&upright, clip.rate_hz),
+            }
+        })
         .collect()
 }
 

@@ -13,9 +13,9 @@ use throng_runtime::{Joint, NUM_JOINTS};
 /// moves in `horizon_s`, a length as the joint angle that would cause it. A distance of 0.1 therefore reads
 /// "poses and where they are heading differ by about 0.1 rad a joint".
 ///
-/// The defaults were chosen on captured walks and runs, where at equal branching they leave the least distance
-/// between the feet of frames that transitions join. There frames up to about 0.3 apart blend unnoticed within
-/// 0.3 s; at 0.45 arms are visibly elsewhere, and a foot up to 0.2 m.
+/// The defaults were chosen on captured walks and runs: of the settings tried, these bring the feet of frames that
+/// transitions join among the nearest at equal branching. There, frames up to about 0.3 apart look alike but for
+/// the arms; at 0.45 arms are clearly elsewhere, and a foot up to 0.2 m.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct FeaturesConfig {

@@ -134,7 +134,7 @@ mod tests {
     fn walk(slope: Vec2, offset: f32, boxes: bool) -> Vec<Vec3> {
         let at = |i: usize| {
             let (x, z) = (i as f32 * 0.03, (i as f32 * 0.11).sin());
-            let step = if boxes && i % 10 == 0 { 0.3 } else { 0.0 };
+            let step = if boxes && i.is_multiple_of(10) { 0.3 } else { 0.0 };
             Vec3::new(x, offset + slope.dot(Vec2::new(x, z)) + step + 0.004 * (i as f32 * 1.7).sin(), z)
         };
         (0..200).map(at).collect()

@@ -15,6 +15,7 @@ mod transfer;
 use crate::clip::{Clip, ClipSet};
 use crate::error::{BuildError, Warnings};
 use crate::import::Imported;
+use crate::raw::RawClip;
 use align::Alignment;
 use body::Body;
 pub use body::{Roles, Source};
@@ -197,13 +198,13 @@ fn clip_of(motion: Motion, source: &Source, name: String) -> Clip {
     }
 }
 
-/// Clips by source skeleton: same joints, rest pose and roles. Groups and members in input order.
+/// Clips by source skeleton: same joints, rest pose and roles, whatever the ends of chains. Groups and members in input order.
 fn group(sources: &[Source]) -> Vec<Vec<usize>> {
     let mut groups: Vec<Vec<usize>> = Vec::new();
     for (i, s) in sources.iter().enumerate() {
         let same = |g: &&mut Vec<usize>| {
             let first = &sources[g[0]];
-            first.roles == s.roles && first.clip.joints == s.clip.joints
+            first.roles == s.roles && same_rig(first.clip, s.clip)
         };
         match groups.iter_mut().find(same) {
             Some(g) => g.push(i),
@@ -211,6 +212,11 @@ fn group(sources: &[Source]) -> Vec<Vec<usize>> {
         }
     }
     groups
+}
+
+fn same_rig(a: &RawClip, b: &RawClip) -> bool {
+    let joints = |c: &RawClip| c.joints.iter().filter(|j| !j.is_end).cloned().collect::<Vec<_>>();
+    joints(a) == joints(b)
 }
 
 /// The roles without which there is nothing to lay onto a body.
@@ -281,3 +287,6 @@ fn unique_names(sources: &[Source]) -> Vec<String> {
     }
     names.iter().enumerate().map(|(i, n)| if names[..i].contains(n) { format!("{n}~{i}") } else { n.clone() }).collect()
 }
+
+#[cfg(test)]
+mod tests;

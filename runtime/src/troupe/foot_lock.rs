@@ -38,8 +38,7 @@ pub(crate) struct Leg {
     toe: usize,
     thigh_length: f32,
     shin_length: f32,
-    /// Height of ankle and toe over the ground when the foot stands flat. [Unit: m]
-    ankle_height: f32,
+    /// Height of the toe over the ground when the foot stands flat. [Unit: m]
     toe_height: f32,
 }
 
@@ -57,7 +56,6 @@ impl Leg {
                 toe,
                 thigh_length: skeleton.offsets[shin].length(),
                 shin_length: skeleton.offsets[foot].length(),
-                ankle_height: rest[foot].y,
                 toe_height: rest[toe].y,
             }
         })
@@ -125,15 +123,10 @@ fn update_correction(
     let slide = (ankle - load(&lock.ankle)) * (hold_heel * weight) + (toe - load(&lock.toe)) * (hold_toe * weight);
     let old = load(&lock.correction);
     let keep = F4::splat((-std::f32::consts::LN_2 * dt_s / config.half_life_s).exp());
-    let held = old - slide;
-    let mut new = V4::select_lt(sum, half, old * keep, held);
+    let mut new = V4::select_lt(sum, half, old * keep, old - slide);
 
-    // A planted part eases to the height at which it stands flat, and no toe goes below the ground.
-    let parts = heel + toe_planted;
-    let rise = (F4::splat(leg.ankle_height) - ankle.y) * heel + (F4::splat(leg.toe_height) - toe.y) * toe_planted;
-    let flat = rise / parts.max(one);
-    let y = F4::select_lt(parts, half, old.y * keep, flat + (old.y - flat) * keep);
-    new.y = y.max(F4::splat(leg.toe_height) - toe.y);
+    // No toe goes below the ground.
+    new.y = new.y.max(F4::splat(leg.toe_height) - toe.y);
 
     // No further than the largest correction over the ground.
     let length = (new.x * new.x + new.z * new.z).sqrt();

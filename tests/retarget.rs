@@ -1,0 +1,89 @@
+//! Real clips on their own proportions keep their joints where they were, T-poses are found, feet stand.
+
+use std::path::PathBuf;
+use throng_precompute::Warnings;
+use throng_precompute::annotate::{AnnotateConfig, Sidecars, annotate, sanity};
+use throng_precompute::clip::ExclusionReason;
+use throng_precompute::import::{ImportConfig, Imported, read};
+use throng_precompute::progress::Silent;
+use throng_precompute::resample::{ResampleConfig, resample};
+use throng_precompute::retarget::{Proportions, RetargetConfig, onto, skeleton_of};
+use throng_runtime::Joint;
+
+/// Clips of the real recordings, or `None` with a word on standard error where they are absent.
+fn clips(patterns: &[&str]) -> Option<Vec<Imported>> {
+    let root = std::env::var_os("THRONG_MOCAP")
+        .map_or_else(|| PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../shared/mocap"), PathBuf::from);
+    if !root.is_dir() {
+        eprintln!("skipped: no recordings at {}; set THRONG_MOCAP to their folder", root.display());
+        return None;
+    }
+    let paths: Vec<PathBuf> = patterns.iter().map(|p| root.join(p)).collect();
+    Some(read(&paths, &ImportConfig::default(), &Silent).expect("the recordings can be read").clips)
+}
+
+#[test]
+fn own_proportions_reproduce_the_joints_of_real_clips() {
+    let patterns = ["snu/single/walk_*.amc", "cmu-asfamc/02/02_0*.amc", "bandai-1/*walk_*.bvh"];
+    let Some(clips) = clips(&patterns) else { return };
+    let cfg = RetargetConfig { proportions: Proportions::Clip, align_ground: false };
+    for clip in &clips {
+        let set = onto(std::slice::from_ref(clip), &cfg, &mut Warnings::default()).expect("a body");
+        assert_eq!(set.skeleton, skeleton_of(clip).expect("a body"));
+        for f in 0..clip.clip.num_frames {
+            let (world, laid) = (clip.clip.world(f), set.clips[0].joint_positions(&set.skeleton, f));
+            for j in Joint::ALL {
+                let Some(source) = clip.roles.get(j) else { continue };
+                let distance = (world[source].0 - laid[j.index()]).length();
+                // CMU's neck has two joints and so no fixed length; its direction must still be right.
+                let stretch = match j {
+                    Joint::Head => clip.roles.get(Joint::Neck).map_or(0.0, |neck| {
+                        let length = (world[source].0 - world[neck].0).length();
+                        (length - set.skeleton.offsets[j.index()].length()).abs()
+                    }),
+                    _ => 0.0,
+                };
+                let limit = stretch + 1e-4;
+                assert!(distance < limit, "{} frame {f} {}: {distance} m", clip.clip.name, j.name());
+            }
+        }
+    }
+}
+
+#[test]
+fn walking_stands_on_each_foot_a_bit_more_than_half_the_time() {
+    let patterns =
+        ["snu/single/walk_straight_*.amc", "snu/single/walk_*_90degree*.amc", "bandai-1/*_walk_normal_*.bvh"];
+    let Some(clips) = clips(&patterns) else { return };
+    let set = onto(&clips, &RetargetConfig::default(), &mut Warnings::default()).expect("bodies");
+    let set = resample(&set, &ResampleConfig { rate_hz: 30.0, mirror: true });
+    let set = annotate(&set, &AnnotateConfig::default(), &Sidecars::default()).expect("annotated");
+    for clip in &set.clips {
+        let s = sanity(clip, &set.skeleton);
+        for share in [s.left_share, s.right_share] {
+            assert!((0.44..0.76).contains(&share), "{}: {s:?}", clip.name);
+        }
+        assert!(s.mean_speed_mps < 0.15 && s.p95_speed_mps < 0.4, "{}: {s:?}", clip.name);
+    }
+}
+
+#[test]
+fn t_poses_of_real_clips_are_left_out_and_motion_is_kept() {
+    let Some(clips) = clips(&["snu/single/walk_straight*.amc", "snu/single/run_straight*.amc"]) else { return };
+    let set = onto(&clips, &RetargetConfig::default(), &mut Warnings::default()).expect("bodies");
+    let set = resample(&set, &ResampleConfig { rate_hz: 30.0, mirror: false });
+    let set = annotate(&set, &AnnotateConfig::default(), &Sidecars::default()).expect("annotated");
+    for clip in &set.clips {
+        let (first, last) = (&clip.excluded[0], &clip.excluded[clip.excluded.len() - 1]);
+        assert_eq!((first.reason, last.reason), (ExclusionReason::TPose, ExclusionReason::TPose), "{}", clip.name);
+        assert_eq!((first.range.start, last.range.end), (0, clip.num_frames()), "{}", clip.name);
+        let usable: usize = clip.usable_ranges().iter().map(|r| r.len()).sum();
+        assert!(usable >= 60, "{}: {usable} usable frames", clip.name);
+        for f in clip.usable_ranges().into_iter().flatten() {
+            let p = clip.joint_positions(&set.skeleton, f);
+            let raised = |shoulder: Joint, hand: Joint| p[hand.index()].y > p[shoulder.index()].y - 0.1;
+            let both = raised(Joint::LeftUpperArm, Joint::LeftHand) && raised(Joint::RightUpperArm, Joint::RightHand);
+            assert!(!both, "{}: arms still up at frame {f}", clip.name);
+        }
+    }
+}
