@@ -31,11 +31,8 @@ pub struct Args {
 
 pub fn run(args: &Args) -> Outcome {
     let tables = crate::args::open(&args.file)?;
-    let config = MeasureConfig {
-        characters: args.characters.clone(),
-        threads: args.threads.clone(),
-        seconds: args.seconds,
-    };
+    let config =
+        MeasureConfig { characters: args.characters.clone(), threads: args.threads.clone(), seconds: args.seconds };
     let measured = measure::measure(&tables, &config)?;
     if args.json {
         return output::json(&measured);

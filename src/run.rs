@@ -35,13 +35,7 @@ pub fn run(args: &Args) -> Outcome {
 }
 
 /// Writes the picture of a trial.
-pub fn draw(
-    tables: &Tables,
-    config: &TrialConfig,
-    report: &TrialReport,
-    record: &TrialRecord,
-    path: &Path,
-) -> Outcome {
+pub fn draw(tables: &Tables, config: &TrialConfig, report: &TrialReport, record: &TrialRecord, path: &Path) -> Outcome {
     throng_precompute::picture::trial_sheet(tables, config, report, record).save_png(path)?;
     Ok(())
 }
@@ -61,7 +55,10 @@ pub fn print(r: &TrialReport) -> Outcome {
         ),
         (
             "foot slip",
-            format!("{:.3} m/s mean, {:.3} m/s 95th percentile, while planted", r.foot_slip_mean_mps, r.foot_slip_p95_mps),
+            format!(
+                "{:.3} m/s mean, {:.3} m/s 95th percentile, while planted",
+                r.foot_slip_mean_mps, r.foot_slip_p95_mps
+            ),
         ),
         (
             "speed",

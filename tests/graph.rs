@@ -12,7 +12,10 @@ use throng_precompute::import::{self, ImportConfig};
 use throng_precompute::progress::Silent;
 use throng_precompute::resample::{self, ResampleConfig};
 use throng_precompute::retarget::{self, RetargetConfig};
+use throng_precompute::write::{self, Baked};
 use throng_precompute::{BuildError, Clip, ClipSet, Warnings};
+use throng_runtime::Tables;
+use throng_runtime::format::{AlignedBytes, Meta};
 use throng_runtime::{Contacts, Joint, NUM_JOINTS, Planar, Skeleton};
 
 const RATE_HZ: f64 = 30.0;
@@ -309,8 +312,13 @@ fn the_graph_does_not_depend_on_the_number_of_threads() {
 fn json_lists_states_and_actions() {
     let clips = wandering(16);
     let (graph, ..) = connect(&clips, &GraphConfig::default()).unwrap();
+    let meta = Meta { rate_hz: RATE_HZ, ..Meta::default() };
+    let baked = Baked { clips: &clips, graph: &graph, policies: &[], meta: &meta };
+    let mut bytes = Vec::new();
+    write::lay_out(&baked).unwrap().write(&mut bytes).unwrap();
+    let tables = Tables::from_bytes(AlignedBytes::from_slice(&bytes)).unwrap();
     let mut text = Vec::new();
-    graph::graph_json(&graph, &clips, &mut text).unwrap();
+    graph::write_graph_json(&graph::graph_rows(&tables), &mut text).unwrap();
     let json: serde_json::Value = serde_json::from_slice(&text).unwrap();
     assert_eq!(json["rate_hz"], 30.0);
     assert_eq!(json["states"].as_array().unwrap().len(), graph.states.len());

@@ -1,8 +1,8 @@
 //! Measures a bundle on this machine: what a query, a joint, a character cost, beside copying the same bytes.
 
 use crate::error::BuildError;
-use crate::policy::made_up::MadeUp;
 use crate::policy::Solution;
+use crate::policy::made_up::MadeUp;
 use glam::Vec3;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;

@@ -10,6 +10,7 @@ mod lanes;
 pub mod planar;
 pub mod policy;
 pub mod pose;
+pub mod simd;
 pub mod skeleton;
 pub mod tables;
 pub mod troupe;

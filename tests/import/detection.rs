@@ -5,9 +5,9 @@ use glam::{Quat, Vec3};
 use std::f32::consts::{FRAC_PI_2, PI};
 use std::path::{Path, PathBuf};
 use throng_precompute::ImportError;
-use throng_precompute::import::inspect::ClipReport;
 use throng_precompute::import::profile::{Profile, load_profiles};
 use throng_precompute::import::{Forward, ImportConfig, Imported, RestPoseKind, UpAxis, bvh, interpret, read};
+use throng_precompute::inspect::inspect;
 use throng_precompute::progress::Silent;
 use throng_runtime::Joint;
 
@@ -298,7 +298,10 @@ fn the_result_does_not_depend_on_the_number_of_threads() {
 
 #[test]
 fn a_report_names_roles_units_and_reasons() {
-    let report = ClipReport::new(&import(&body::bvh(2, same, |v| v * 100.0), &ImportConfig::default()));
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("a.bvh");
+    std::fs::write(&path, body::bvh(2, same, |v| v * 100.0)).unwrap();
+    let report = inspect(&path, &ImportConfig::default()).unwrap();
     assert_eq!((report.format, report.frames, report.rate_hz, report.up), ("bvh", 2, 30.0, 'Y'));
     assert_eq!(report.roles["left_thigh"], "LeftUpLeg");
     let text = report.to_string();

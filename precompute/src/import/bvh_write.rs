@@ -90,7 +90,13 @@ fn write_hierarchy(
     Ok(())
 }
 
-fn write_joint(clip: &RawClip, layout: &Layout, joint: usize, depth: usize, out: &mut (impl Write + ?Sized)) -> io::Result<()> {
+fn write_joint(
+    clip: &RawClip,
+    layout: &Layout,
+    joint: usize,
+    depth: usize,
+    out: &mut (impl Write + ?Sized),
+) -> io::Result<()> {
     let indent = "\t".repeat(depth);
     let keyword = if clip.joints[joint].parent.is_none() { "ROOT" } else { "JOINT" };
     let offset = clip.joints[joint].offset * UNITS_PER_METRE;
@@ -108,7 +114,13 @@ fn write_end_site(clip: &RawClip, end: Option<usize>, depth: usize, out: &mut (i
     writeln!(out, "{indent}\tOFFSET {:.6} {:.6} {:.6}\n{indent}}}", offset.x, offset.y, offset.z)
 }
 
-fn write_frame(clip: &RawClip, layout: &Layout, order: &[usize], frame: usize, out: &mut (impl Write + ?Sized)) -> io::Result<()> {
+fn write_frame(
+    clip: &RawClip,
+    layout: &Layout,
+    order: &[usize],
+    frame: usize,
+    out: &mut (impl Write + ?Sized),
+) -> io::Result<()> {
     let base = frame * clip.joints.len();
     let mut separator = "";
     for &j in order {

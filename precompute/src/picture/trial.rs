@@ -7,7 +7,7 @@ use super::sheet::sheet;
 use super::strip::{PoseStrip, StripFrame, onion_skin, pose_strip};
 use crate::trial::{TrialConfig, TrialRecord, TrialReport};
 use glam::Vec2;
-use throng_runtime::Tables;
+use throng_runtime::{Planar, Tables};
 
 /// Time that the strip shows. [Unit: s]
 const STRIP_S: f32 = 2.6;
@@ -69,7 +69,7 @@ pub fn trial_sheet(tables: &Tables, config: &TrialConfig, report: &TrialReport, 
 }
 
 fn characters(record: &TrialRecord) -> Vec<CrowdCharacter<'_>> {
-    let one = |(c, &root): (usize, &throng_runtime::Planar)| CrowdCharacter {
+    let one = |(c, &root): (usize, &Planar)| CrowdCharacter {
         root,
         figure: record.poses.get(c).map(Figure::from_positions),
         trail: record.trails.get(c).map_or(&[], Vec::as_slice),
@@ -114,7 +114,7 @@ fn stretch(frames: &[StripFrame], duration_s: f32) -> &[StripFrame] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use throng_runtime::{Contacts, Planar, Skeleton};
+    use throng_runtime::{Contacts, Skeleton};
 
     #[test]
     fn the_stretch_is_where_the_root_goes_farthest() {

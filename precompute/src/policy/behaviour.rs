@@ -30,7 +30,7 @@ pub trait Behaviour: Sync {
 ///
 /// The default reward is the discounted *time* spent near: (1 - discount) * sum over the action's frames t of
 /// discount^t * exp(-distance(t) / scale), a little more where the character stands. Standing on the target for ever
-/// is then worth exactly 1, whatever the lengths of the actions that do it. The paper pays each *action* once, by its
+/// is then worth exactly 1, whatever the lengths of the actions that do it. Turning on the spot is not standing. The paper pays each *action* once, by its
 /// best moment (eq. 5); an optimal policy then prefers many short actions to few long ones, and has no reason to
 /// stand. [`ApproachReward::Max`] gives that form.
 ///
@@ -159,7 +159,7 @@ mod tests {
             end: 0,
             num_frames,
             displacement: Planar::new(0.0, length, 0.0),
-            path: (0..=num_frames).map(|f| Vec2::new(0.0, length * f as f32 / num_frames as f32)).collect(),
+            path: (0..=num_frames).map(|f| Planar::new(0.0, length * f as f32 / num_frames as f32, 0.0)).collect(),
         }
     }
 
@@ -191,7 +191,7 @@ mod tests {
                 let got = f64::from(b.reward().of_segment::<true>(&r, target, b.reward().kernel(target.length()), end));
                 let exact: f64 = (0..n)
                     .map(|f| {
-                        let d = motion.path[f as usize].distance(Vec2::new(0.4, z));
+                        let d = motion.position_at(f as f32).distance(Vec2::new(0.4, z));
                         (1.0 - b.discount()) * b.discount().powi(f as i32) * f64::from(-d / 1.5).exp()
                     })
                     .sum();

@@ -20,7 +20,8 @@ pub struct BehaviourConfig {
     pub scale: f64,
     /// How much more a moment counts in which the character stands, as a share. [Limit: 0 to 1]
     pub stand_bonus: f64,
-    /// Ground speed at which most of that bonus is gone. [Unit: m/s] [Limit: > 0]
+    /// Speed, over ground or of the feet in a turn on the spot, at which most of that bonus is gone. [Unit: m/s]
+    /// [Limit: > 0]
     pub stand_speed: f64,
 }
 
@@ -59,8 +60,8 @@ pub struct GridConfig {
     pub angles: u32,
     /// Distance of the last ring; targets farther away are treated as if on it. [Unit: m] [Limit: > 0]
     pub radius: f64,
-    /// Distance between the first two rings; the distances grow outwards where this is less than an equal share.
-    /// [Unit: m] [Limit: > 0]
+    /// Distance between the first two rings: an equal share, radius / (rings - 1), or less, which makes the distances
+    /// grow outwards. [Unit: m] [Limit: > radius / (rings - 1)^2]
     pub inner_spacing: f64,
     /// Distance beyond the last ring over which values fall to about 1/e. [Unit: m] [Limit: > 0]
     pub falloff: f64,

@@ -9,6 +9,7 @@ use crate::progress::Silent;
 use glam::Vec2;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
+use std::time::Instant;
 use throng_runtime::Planar;
 
 /// Size of the problem of [`MadeUp::default`]: that of 003's boxer with a finer grid, 10.8 million pairs.
@@ -24,6 +25,42 @@ pub struct MadeUp {
     pub angles: u32,
     /// Seed of the generator.
     pub seed: u64,
+}
+
+/// What solving took.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Measured {
+    /// (State, cell, action) triples.
+    pub pairs: u64,
+    /// Full sweeps, the last of which measured the residual.
+    pub sweeps: u32,
+    /// Sweeps over the greedy action alone.
+    pub greedy_sweeps: u32,
+    /// Time to work out stencils and rewards of all pairs. [Unit: s]
+    pub setup_seconds: f64,
+    /// Time of all sweeps. [Unit: s]
+    pub sweep_seconds: f64,
+    /// Both together. [Unit: s]
+    pub seconds: f64,
+    /// Largest change of the last full sweep.
+    pub residual: f32,
+    /// Bytes a full sweep reads and writes.
+    pub bytes_per_sweep: usize,
+    /// Bytes read and written a second when one thread copies as many as a sweep moves.
+    pub copy_bytes_per_second: f64,
+}
+
+/// The best of three copies of a buffer to another.
+fn copy_bandwidth(bytes: usize) -> f64 {
+    let from = vec![1u8; bytes];
+    let mut to = vec![2u8; bytes];
+    let mut least = f64::INFINITY;
+    for _ in 0..3 {
+        let begin = Instant::now();
+        std::hint::black_box(&mut to).copy_from_slice(std::hint::black_box(&from));
+        least = least.min(begin.elapsed().as_secs_f64());
+    }
+    2.0 * bytes as f64 / least
 }
 
 impl Default for MadeUp {
@@ -46,7 +83,10 @@ impl MadeUp {
                 end: rng.random_range(0..self.states),
                 num_frames,
                 displacement: Planar::new(end.x, end.y, turn),
-                path: (0..=num_frames).map(|f| end * (f as f32 / num_frames as f32)).collect(),
+                path: (0..=num_frames)
+                    .map(|f| f as f32 / num_frames as f32)
+                    .map(|t| Planar::new(t * end.x, t * end.y, t * turn))
+                    .collect(),
             }
         });
         ActionModel {
@@ -64,6 +104,26 @@ impl MadeUp {
     pub fn behaviour(&self) -> Result<Approach, BuildError> {
         let grid = GridConfig { rings: self.rings, angles: self.angles, ..GridConfig::default() };
         Approach::new(&BehaviourConfig { grid, ..BehaviourConfig::default() }, 30.0)
+    }
+
+    /// Solves it on the current rayon pool and measures what it takes.
+    ///
+    /// # Errors
+    /// As [`value_iteration`].
+    pub fn measure(&self, epsilon: f64) -> Result<Measured, BuildError> {
+        let model = self.model();
+        let s = self.solve(&model, epsilon)?;
+        Ok(Measured {
+            pairs: s.num_pairs,
+            sweeps: s.num_sweeps,
+            greedy_sweeps: s.num_greedy_sweeps,
+            setup_seconds: s.setup_s,
+            sweep_seconds: s.sweep_s,
+            seconds: s.setup_s + s.sweep_s,
+            residual: s.residual,
+            bytes_per_sweep: s.bytes_per_sweep,
+            copy_bytes_per_second: copy_bandwidth(s.bytes_per_sweep / 2),
+        })
     }
 
     /// Solves it on the current rayon pool.

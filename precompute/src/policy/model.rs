@@ -4,7 +4,7 @@ use crate::clip::ClipSet;
 use crate::error::BuildError;
 use crate::graph::MotionGraph;
 use glam::Vec2;
-use throng_runtime::Planar;
+use throng_runtime::planar::{Planar, wrap_angle};
 use throng_runtime::policy::MAX_ACTIONS;
 
 /// What behaviours know of a segment's motion.
@@ -16,24 +16,30 @@ pub struct SegmentMotion {
     pub num_frames: u32,
     /// Planar root at the end as seen from the start.
     pub displacement: Planar,
-    /// Ground positions (x, z) of the root at every frame from start to end, as seen from the start. [Unit: m]
-    /// [Size: num_frames + 1]
-    pub path: Vec<Vec2>,
+    /// Planar root at every frame from start to end, as seen from the start. [Size: num_frames + 1]
+    pub path: Vec<Planar>,
 }
 
 impl SegmentMotion {
-    /// Root position at a moment in [0, num_frames], interpolated between frames. [Unit: m]
+    /// Root position (x, z) at a moment in [0, num_frames], interpolated between frames. [Unit: m]
     pub fn position_at(&self, moment: f32) -> Vec2 {
         let last = self.path.len() - 1;
         let frame = (moment.max(0.0) as usize).min(last);
-        self.path[frame].lerp(self.path[(frame + 1).min(last)], moment - frame as f32)
+        let [a, b] = [frame, (frame + 1).min(last)].map(|f| Vec2::new(self.path[f].x, self.path[f].z));
+        a.lerp(b, moment - frame as f32)
     }
 
-    /// Ground speed of the root during a frame. [Unit: m/s] [Limit: frame < num_frames]
+    /// How fast the body moves during a frame: the root's ground speed, and that of a point beside it as it turns.
+    /// [Unit: m/s] [Limit: frame < num_frames]
     pub fn speed(&self, frame: usize, rate_hz: f64) -> f64 {
-        f64::from(self.path[frame].distance(self.path[frame + 1])) * rate_hz
+        let step = self.path[frame].to_local(self.path[frame + 1]);
+        let turn = wrap_angle(step.heading) * TURN_LEVER;
+        f64::from((step.x * step.x + step.z * step.z + turn * turn).sqrt()) * rate_hz
     }
 }
+
+/// Distance from the vertical axis at which turning counts as speed: about where a foot is put. [Unit: m]
+const TURN_LEVER: f32 = 0.3;
 
 /// States, actions and the motion of the segments they share.
 #[derive(Clone, Debug, PartialEq)]
@@ -72,10 +78,7 @@ impl ActionModel {
             let clip = starts.partition_point(|&s| s <= segment.start.0) - 1;
             let first = (segment.start.0 - starts[clip]) as usize;
             let root = clips.clips[clip].planar(first);
-            let place = |f: usize| {
-                let p = root.to_local(clips.clips[clip].planar(first + f));
-                Vec2::new(p.x, p.z)
-            };
+            let place = |f: usize| root.to_local(clips.clips[clip].planar(first + f));
             SegmentMotion {
                 end: segment.end.0,
                 num_frames: segment.num_frames,

@@ -1,8 +1,9 @@
 //! What every (segment, cell) pair needs of the backup, worked out once and laid out for the sweeps.
 
-use glam::Vec3;
+use glam::{Mat4, Vec3, Vec4};
 use rayon::prelude::*;
 use throng_runtime::policy::{PolicyTable, Reward, SegmentRecord, TargetGrid, nearest_index};
+use throng_runtime::simd::vectorize;
 
 /// Cells worked on side by side.
 pub(super) const LANES: usize = 16;
@@ -18,19 +19,12 @@ pub(super) struct Shape {
     pub rings: usize,
     /// Angles of the grid.
     pub angles: usize,
-    /// True where angles wrap around.
-    pub polar: bool,
 }
 
 impl Shape {
     pub fn new(grid: &TargetGrid) -> Self {
         let r = grid.record();
-        Self {
-            heights: r.num_heights as usize,
-            rings: r.num_rings as usize,
-            angles: r.num_angles as usize,
-            polar: grid.is_polar(),
-        }
+        Self { heights: r.num_heights as usize, rings: r.num_rings as usize, angles: r.num_angles as usize }
     }
 
     /// Cells of one height.
@@ -125,11 +119,7 @@ impl Pairs {
         geometry.zip(weights).zip(rewards).zip(segments).for_each(
             |((((base, ratio), (near, far)), reward), segment)| {
                 let rows = Rows { base, ratio, near, far, reward };
-                if shape.polar {
-                    rows.fill::<true>(table, &centres, segment)
-                } else {
-                    rows.fill::<false>(table, &centres, segment)
-                }
+                rows.fill_all(table, &centres, segment);
             },
         );
         pairs
@@ -144,29 +134,30 @@ impl Pairs {
     ///
     /// - `values`: of the state at the segment's end, at that height. [Size: value_plane]
     /// - `out`: [Size: row]
+    #[inline(always)]
     pub fn back_up(&self, segment: usize, height: usize, values: &[f32], out: &mut [f32]) {
         let row = self.shape.row();
         let at = segment * row..(segment + 1) * row;
-        let (base, _) = self.base[at.clone()].as_chunks::<LANES>();
-        let (ratio, _) = self.angle_ratio[at.clone()].as_chunks::<LANES>();
-        let (near, _) = self.near[at.clone()].as_chunks::<LANES>();
-        let (far, _) = self.far[at].as_chunks::<LANES>();
-        let (reward, _) = self.reward[(segment * self.shape.heights + height) * row..][..row].as_chunks::<LANES>();
-        let (out, _) = out.as_chunks_mut::<LANES>();
+        let (base, _) = self.base[at.clone()].as_chunks::<4>();
+        let (ratio, _) = self.angle_ratio[at.clone()].as_chunks::<4>();
+        let (near, _) = self.near[at.clone()].as_chunks::<4>();
+        let (far, _) = self.far[at].as_chunks::<4>();
+        let (reward, _) = self.reward[(segment * self.shape.heights + height) * row..][..row].as_chunks::<4>();
+        let (out, _) = out.as_chunks_mut::<4>();
         let stride = self.shape.stride();
-        for i in 0..out.len().min(base.len()) {
-            let mut corners = [[0.0f32; LANES]; 4];
-            for l in 0..LANES {
-                let v = &values[usize::from(base[i][l])..][..stride + 2];
-                (corners[0][l], corners[1][l]) = (v[0], v[1]);
-                (corners[2][l], corners[3][l]) = (v[stride], v[stride + 1]);
-            }
-            for l in 0..LANES {
-                let t = f32::from(ratio[i][l]) * RATIO_UNIT;
-                let low = corners[0][l] + (corners[1][l] - corners[0][l]) * t;
-                let high = corners[2][l] + (corners[3][l] - corners[2][l]) * t;
-                out[i][l] = reward[i][l] + (near[i][l] * low + far[i][l] * high);
-            }
+        let corners = |base: u16| {
+            let v = &values[usize::from(base)..][..stride + 2];
+            Vec4::new(v[0], v[1], v[stride], v[stride + 1])
+        };
+        let geometry = base.iter().zip(ratio).zip(near.iter().zip(far));
+        for ((((base, ratio), (near, far)), reward), out) in geometry.zip(reward).zip(out) {
+            let lanes = Mat4::from_cols(corners(base[0]), corners(base[1]), corners(base[2]), corners(base[3]));
+            let c = lanes.transpose();
+            let t = Vec4::from_array(ratio.map(f32::from)) * RATIO_UNIT;
+            let low = c.x_axis + (c.y_axis - c.x_axis) * t;
+            let high = c.z_axis + (c.w_axis - c.z_axis) * t;
+            let value = Vec4::from_array(*near) * low + Vec4::from_array(*far) * high;
+            *out = (Vec4::from_array(*reward) + value).to_array();
         }
     }
 
@@ -229,6 +220,20 @@ struct Rows<'a> {
 }
 
 impl Rows<'_> {
+    fn fill_all(self, table: &PolicyTable, centres: &Centres, segment: &SegmentRecord) {
+        vectorize(
+            #[inline(always)]
+            || {
+                if table.grid().is_polar() {
+                    self.fill::<true>(table, centres, segment);
+                } else {
+                    self.fill::<false>(table, centres, segment);
+                }
+            },
+        );
+    }
+
+    #[inline(always)]
     fn fill<const POLAR: bool>(self, table: &PolicyTable, centres: &Centres, segment: &SegmentRecord) {
         let (grid, reward, segment) = (*table.grid(), *table.reward(), *segment);
         let row = self.base.len();

@@ -3,6 +3,7 @@
 use super::model::ActionModel;
 use super::pairs::{Pair, Pairs};
 use rayon::prelude::*;
+use throng_runtime::simd::vectorize;
 
 /// A segment that one action alone plays is backed up where that action is; others once for all.
 const PRIVATE: u32 = u32::MAX;
@@ -61,15 +62,25 @@ impl<'a> Sweeper<'a> {
         let shape = pairs.shape;
         let (row, plane) = (shape.row(), shape.value_plane());
         shared.par_chunks_mut(shape.heights * row).zip(&*shared_segments).for_each(|(out, &segment)| {
-            for (h, out) in out.chunks_exact_mut(row).enumerate() {
-                let at = pairs.end[segment as usize] as usize * shape.value_row() + h * plane;
-                pairs.back_up(segment as usize, h, &values[at..at + plane], out);
-            }
+            vectorize(
+                #[inline(always)]
+                || {
+                    for (h, out) in out.chunks_exact_mut(row).enumerate() {
+                        let at = pairs.end[segment as usize] as usize * shape.value_row() + h * plane;
+                        pairs.back_up(segment as usize, h, &values[at..at + plane], out);
+                    }
+                },
+            );
         });
         let view = View { pairs, model, shared_rows, shared, values };
         let rows = next.par_chunks_mut(shape.value_row()).zip(greedy.par_chunks_mut(shape.heights * row));
         rows.enumerate()
-            .map_init(Scratch::default, |scratch, (state, (next, greedy))| view.state(state, next, greedy, scratch))
+            .map_init(Scratch::default, |scratch, (state, (next, greedy))| {
+                vectorize(
+                    #[inline(always)]
+                    || view.state(state, next, greedy, scratch),
+                )
+            })
             .reduce(|| 0.0, f32::max)
     }
 
@@ -110,6 +121,7 @@ struct View<'a> {
 
 impl View<'_> {
     /// Backs up one state over all its actions. Returns the largest change.
+    #[inline(always)]
     fn state(&self, state: usize, next: &mut [f32], greedy: &mut [Pair], scratch: &mut Scratch) -> f32 {
         let shape = self.pairs.shape;
         let (row, plane) = (shape.row(), shape.value_plane());
@@ -138,6 +150,7 @@ impl View<'_> {
     }
 
     /// The backups of one segment: looked up where it is shared, worked out in `scratch` where it is not.
+    #[inline(always)]
     fn backup<'b>(&'b self, segment: usize, height: usize, scratch: &'b mut [f32]) -> &'b [f32] {
         let shape = self.pairs.shape;
         if self.shared_rows[segment] != PRIVATE {
@@ -151,6 +164,7 @@ impl View<'_> {
 }
 
 /// Notes an action wherever its backup is better; of equal ones the first stays.
+#[inline(always)]
 fn keep_best(backup: &[f32], action: u32, best: &mut [f32], actions: &mut [u32]) {
     for ((&q, best), noted) in backup.iter().zip(best).zip(actions) {
         let better = q > *best;

@@ -101,8 +101,8 @@ pub struct TargetGrid {
 impl TargetGrid {
     /// A polar grid of `num_rings` from the character itself to `radius`. [Unit: m]
     ///
-    /// - `inner_spacing`: between the first two rings; at most `radius / (num_rings - 1)`, which gives rings at
-    ///   equal distances. Smaller ones make the distances grow outwards. [Unit: m]
+    /// - `inner_spacing`: between the first two rings; `radius / (num_rings - 1)` gives rings at equal distances, less
+    ///   makes the distances grow outwards. [Unit: m] [Limit: > radius / (num_rings - 1)^2]
     ///
     /// # Errors
     /// [`PolicyError::Value`] names what is out of its range.
@@ -114,10 +114,15 @@ impl TargetGrid {
         falloff: f32,
     ) -> Result<Self, PolicyError> {
         let last = num_rings.max(2) as f32 - 1.0;
-        // spacing + growth = inner, spacing last + growth last^2 = radius.
-        let growth = if num_rings > 2 { (radius - inner_spacing * last) / (last * (last - 1.0)) } else { 0.0 };
-        let growth = if growth.abs() < 1e-6 * radius { 0.0 } else { growth };
-        let spacing = if num_rings > 2 && growth > 0.0 { inner_spacing - growth } else { radius / last };
+        let share = radius / last;
+        if !(inner_spacing > share / last && inner_spacing <= share * 1.0001) && num_rings > 2 {
+            let expected = "above radius / (rings - 1)^2 and at most radius / (rings - 1)";
+            return Err(PolicyError::Value { what: "grid inner_spacing", at: 0, got: inner_spacing, expected });
+        }
+        // spacing + growth = inner_spacing, spacing last + growth last^2 = radius.
+        let growth = ((radius - inner_spacing * last) / (last * (last - 1.0)).max(1.0)).max(0.0);
+        let growth = if num_rings > 2 && growth > 1e-6 * radius { growth } else { 0.0 };
+        let spacing = share - growth * last;
         Self::new(GridRecord {
             kind: KIND_POLAR,
             num_rings,

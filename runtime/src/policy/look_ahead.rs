@@ -3,10 +3,11 @@
 use super::error::PolicyJobError;
 use super::ranked::RankedActions;
 use super::table::{MAX_ACTIONS, PolicyTable, SegmentRecord};
-use glam::Vec3;
+use crate::simd::vectorize;
+use glam::{Mat4, Vec3, Vec4};
 
 /// Actions weighed side by side.
-const LANES: usize = 8;
+const LANES: usize = 16;
 
 /// One behaviour of a look-ahead.
 #[derive(Clone, Copy, Debug)]
@@ -59,6 +60,15 @@ impl LookAheadJob<'_> {
     /// As [`Self::validate`].
     pub fn run(self) -> Result<(), PolicyJobError> {
         self.validate()?;
+        vectorize(
+            #[inline(always)]
+            || self.rank(),
+        );
+        Ok(())
+    }
+
+    #[inline(always)]
+    fn rank(self) {
         let mut scores = [0.0; MAX_ACTIONS + LANES];
         for (i, (ranked, &state)) in self.ranked.iter_mut().zip(self.states).enumerate() {
             let mut num_actions = 0;
@@ -78,7 +88,6 @@ impl LookAheadJob<'_> {
                 ranked.insert(a as u8, score);
             }
         }
-        Ok(())
     }
 }
 
@@ -95,16 +104,62 @@ struct Query {
     height_ratio: f32,
 }
 
+impl Query {
+    /// Value of a cell of the plane, interpolated between the heights.
+    #[inline(always)]
+    fn at_height<const POLAR: bool>(&self, values: &[f32], cell: usize) -> f32 {
+        if POLAR {
+            return values[cell];
+        }
+        let [low, high] = self.height_offsets.map(|offset| values[offset + cell]);
+        low + (high - low) * self.height_ratio
+    }
+}
+
+/// A lane of segments, field by field: four by four in the order of [`SegmentRecord`].
+struct SegmentLanes([[[f32; LANES]; 4]; 4]);
+
+impl SegmentLanes {
+    #[inline(always)]
+    fn new(records: &[&SegmentRecord; LANES]) -> Self {
+        Self([transpose(records, 0), transpose(records, 1), transpose(records, 2), transpose(records, 3)])
+    }
+
+    /// One of them.
+    #[inline(always)]
+    fn lane(&self, l: usize) -> SegmentRecord {
+        let of = |k: usize| [self.0[k][0][l], self.0[k][1][l], self.0[k][2][l], self.0[k][3][l]];
+        let [height, next_height, discount, end] = of(3);
+        let heights = [height, next_height];
+        SegmentRecord { displacement: of(0), inner: of(1), weights: of(2), heights, discount, end: end.to_bits() }
+    }
+}
+
+/// The `k`-th four fields of a lane of segments.
+#[inline(always)]
+fn transpose(records: &[&SegmentRecord; LANES], k: usize) -> [[f32; LANES]; 4] {
+    let column = |l: usize| Vec4::from_array(bytemuck::cast_ref::<SegmentRecord, [[f32; 4]; 4]>(records[l])[k]);
+    let mut out = [[0.0; LANES]; 4];
+    for first in (0..LANES).step_by(4) {
+        let m = Mat4::from_cols(column(first), column(first + 1), column(first + 2), column(first + 3)).transpose();
+        out[0][first..first + 4].copy_from_slice(&m.x_axis.to_array());
+        out[1][first..first + 4].copy_from_slice(&m.y_axis.to_array());
+        out[2][first..first + 4].copy_from_slice(&m.z_axis.to_array());
+        out[3][first..first + 4].copy_from_slice(&m.w_axis.to_array());
+    }
+    out
+}
+
 impl PolicyTable<'_> {
     /// Adds `weight` times the score of each action to `scores`.
     ///
     /// - `segments`: of the actions; `scores` has room for whole lanes.
+    #[inline(always)]
     fn add_scores(&self, segments: &[u32], target: Vec3, weight: f32, scores: &mut [f32]) {
         let query = self.query(target);
-        for (segments, scores) in segments.chunks(LANES).zip(scores.chunks_exact_mut(LANES)) {
+        for (segments, scores) in segments.chunks(LANES).zip(scores.as_chunks_mut::<LANES>().0) {
             let last = segments.len() - 1;
-            let records: [&SegmentRecord; LANES] =
-                std::array::from_fn(|l| &self.segments[segments[l.min(last)] as usize]);
+            let records = std::array::from_fn(|l| &self.segments[segments[l.min(last)] as usize]);
             let q = if self.grid.is_polar() {
                 self.score_lanes::<true>(&query, records)
             } else {
@@ -117,6 +172,7 @@ impl PolicyTable<'_> {
     }
 
     /// What does not depend on the action.
+    #[inline(always)]
     fn query(&self, target: Vec3) -> Query {
         let target = self.grid.clamp(target);
         let (height, height_ratio) = self.grid.height_interval(target.y);
@@ -128,25 +184,39 @@ impl PolicyTable<'_> {
     }
 
     /// Scores of a lane of actions: reward + discount^frames * value.
+    ///
+    /// Plain loops over a lane's arrays, one step each, which the compiler turns into vector instructions.
     #[inline(always)]
     fn score_lanes<const POLAR: bool>(&self, query: &Query, records: [&SegmentRecord; LANES]) -> [f32; LANES] {
-        let after: [_; LANES] = std::array::from_fn(|l| records[l].target_after(query.target));
-        let rewards: [_; LANES] = std::array::from_fn(|l| {
-            self.reward.of_segment::<POLAR>(records[l], query.target, query.start_kernel, after[l][2])
-        });
-        let stencils: [_; LANES] =
-            std::array::from_fn(|l| self.grid.stencil_at::<POLAR>(after[l][0], after[l][1], after[l][2]));
-        let num_angles = self.grid.record().num_angles;
-        let plane = self.grid.num_plane_cells();
-        std::array::from_fn(|l| {
+        let segments = SegmentLanes::new(&records);
+        let (grid, reward) = (self.grid, self.reward);
+        let mut rewards = [0.0; LANES];
+        let (mut low, mut angle, mut next_angle) = ([0; LANES], [0; LANES], [0; LANES]);
+        let (mut ring_ratio, mut angle_ratio, mut scale) = ([0.0; LANES], [0.0; LANES], [0.0; LANES]);
+        for l in 0..LANES {
+            let segment = segments.lane(l);
+            let [x, z, distance] = segment.target_after(query.target);
+            let s = grid.stencil_at::<POLAR>(x, z, distance);
+            (low[l], angle[l], next_angle[l]) = (s.ring * grid.record().num_angles, s.angle, s.next_angle);
+            (ring_ratio[l], angle_ratio[l], scale[l]) = (s.ring_ratio, s.angle_ratio, s.scale * segment.discount);
+            rewards[l] = reward.of_segment::<POLAR>(&segment, query.target, query.start_kernel, distance);
+        }
+        let num_angles = grid.record().num_angles as usize;
+        let corners = |l: usize| {
             let values = self.values_of(records[l].end);
-            let mut value = stencils[l].interpolate(&values[query.height_offsets[0]..][..plane], num_angles);
-            if !POLAR {
-                let high = stencils[l].interpolate(&values[query.height_offsets[1]..][..plane], num_angles);
-                value += (high - value) * query.height_ratio;
-            }
-            rewards[l] + records[l].discount * value
-        })
+            let (a, b) = ((low[l] + angle[l]) as usize, (low[l] + next_angle[l]) as usize);
+            let at = |cell: usize| query.at_height::<POLAR>(values, cell);
+            Vec4::new(at(a), at(b), at(a + num_angles), at(b + num_angles))
+        };
+        for (first, reward) in (0..LANES).step_by(4).zip(rewards.as_chunks_mut::<4>().0) {
+            let lanes = Mat4::from_cols(corners(first), corners(first + 1), corners(first + 2), corners(first + 3));
+            let c = lanes.transpose();
+            let [t, u, scale] = [&angle_ratio, &ring_ratio, &scale].map(|x| Vec4::from_slice(&x[first..]));
+            let near = c.x_axis + (c.y_axis - c.x_axis) * t;
+            let far = c.z_axis + (c.w_axis - c.z_axis) * t;
+            *reward = (Vec4::from_array(*reward) + scale * (near + (far - near) * u)).to_array();
+        }
+        rewards
     }
 
     /// Scores of all actions of a state for one target, in order: what [`LookAheadJob`] ranks.

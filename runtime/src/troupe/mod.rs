@@ -136,7 +136,7 @@ pub enum TroupeError {
     },
 }
 
-/// Characters that move together, four to a block; all memory is allocated in [`Troupe::new`].
+/// Characters that move together, eight to a block; all memory is allocated in [`Troupe::new`].
 ///
 /// Every tick, [`Troupe::step`] moves time on, lets characters at the end of a segment choose their next action by
 /// the policies, samples and blends their motion, locks planted feet, and leaves each character's planar root,
@@ -329,6 +329,8 @@ fn check_config(c: &TroupeConfig) -> Result<(), TroupeError> {
     check("half_life_s", c.half_life_s, c.half_life_s > 1e-3 && c.half_life_s < 10.0, "between 0.001 and 10")?;
     let lock = c.foot_lock.half_life_s;
     check("foot_lock.half_life_s", lock, lock > 1e-3 && lock < 10.0, "between 0.001 and 10")?;
+    let planted = c.foot_lock.planted_half_life_s;
+    check("foot_lock.planted_half_life_s", planted, planted > 1e-3 && planted < 1e6, "between 0.001 and a million")?;
     let most = c.foot_lock.max_correction_m;
     check("foot_lock.max_correction_m", most, (1e-3..10.0).contains(&most), "between 0.001 and 10")?;
     let bend = c.bend_rad_per_m;

@@ -1,0 +1,35 @@
+//! Lets the compiler use wide vectors where the processor has them, in code that stays plain Rust.
+
+/// Runs `f`, compiled for AVX2 where the processor has it and for the target's baseline elsewhere.
+///
+/// What `f` calls must be inlined (`#[inline(always)]`) to profit. Both versions do the same IEEE operations in the
+/// same order, as multiply and add are never fused here: results do not depend on the processor.
+#[inline]
+pub fn vectorize<R>(f: impl FnOnce() -> R) -> R {
+    #[cfg(target_arch = "x86_64")]
+    if std::arch::is_x86_feature_detected!("avx2") {
+        // SAFETY: the processor has the one feature that `with_avx2` asks for.
+        #[allow(unsafe_code)]
+        return unsafe { with_avx2(f) };
+    }
+    f()
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2")]
+fn with_avx2<R>(f: impl FnOnce() -> R) -> R {
+    f()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn gives_the_same_bits_as_the_baseline() {
+        let xs: Vec<f32> = (0..1000).map(|i| (i as f32 * 0.37).sin()).collect();
+        let work = || xs.iter().map(|x| (x * 1.7 + 0.3) * x - x.sqrt().max(0.1)).collect::<Vec<f32>>();
+        let bits = |v: Vec<f32>| v.into_iter().map(f32::to_bits).collect::<Vec<u32>>();
+        assert_eq!(bits(vectorize(work)), bits(work()));
+    }
+}
