@@ -13,7 +13,7 @@ pub struct Meta {
     pub name: String,
     /// Program and version that wrote it.
     pub generator: String,
-    /// Frames a second of the rows. [Unit: Hz] [Limit: > 0]
+    /// Frames a second of the rows. [Unit: Hz] [Limit: 1e-3 to 1e6]
     pub rate_hz: f64,
     /// The configuration it was built with, as TOML.
     pub config: String,
@@ -74,7 +74,7 @@ impl Meta {
         if used != bytes.len() {
             return Err(FormatError::layout(format!("META has {} bytes, expected {used}", bytes.len())));
         }
-        if !(meta.rate_hz.is_finite() && meta.rate_hz > 0.0) {
+        if !(1e-3..1e6).contains(&meta.rate_hz) {
             return Err(FormatError::layout(format!("META gives a rate of {} Hz", meta.rate_hz)));
         }
         Ok(meta)
