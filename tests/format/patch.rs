@@ -26,7 +26,7 @@ impl Parts {
         let (_, elem_size, bytes) =
             self.sections.iter_mut().find(|(t, ..)| *t == tag).expect("the bundle has the section");
         assert_eq!(*elem_size as usize, size_of::<T>(), "{tag} holds other records");
-        let mut records: Vec<T> = bytemuck::pod_collect_to_vec(bytes);
+        let mut records: Vec<T> = bytes.chunks(size_of::<T>()).map(bytemuck::pod_read_unaligned).collect();
         change(&mut records);
         *bytes = bytemuck::cast_slice(&records).to_vec();
     }
