@@ -4,7 +4,7 @@ mod common;
 
 use common::{build, mocap, small_config, write_clips};
 use std::path::{Path, PathBuf};
-use throng_precompute::annotate::{AnnotateConfig, Sidecars, annotate};
+use throng_precompute::annotate::{AnnotateConfig, Sidecar, Sidecars, annotate};
 use throng_precompute::cache::Cache;
 use throng_precompute::clip::ClipSet;
 use throng_precompute::config::BuildConfig;
@@ -86,7 +86,9 @@ fn sampled_poses_are_those_that_were_made() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let (clips, out) = (folder.path().join("clips"), folder.path().join("a.throng"));
     let made = synth::write_walk(&SynthConfig { minutes: 0.6, clip_seconds: 15.0, ..Default::default() }, &clips);
-    build(&small_config(vec![clips]), &out, &Cache::none());
+    let mut config = small_config(vec![clips]);
+    config.resample.mirror = false;
+    build(&config, &out, &Cache::none());
     let tables = Tables::open(&out).expect("the bundle opens");
     // Through a file, units of its own and the detection of both, and onto the ground.
     assert_same_motion(&tables, &made.expect("clips"), 0.02);
@@ -204,13 +206,14 @@ fn ranges_left_out_in_sidecars_are_left_out_of_the_bundle() {
     write_clips(&clips, 1.0);
     let cache = Cache::in_folder(folder.path().join("cache"));
     let mut config = small_config(vec![clips.clone()]);
+    config.resample.mirror = true;
     let all = build(&config, &out, &cache);
     let sidecar = "unit = \"frames\"\nexclude = [[100, 160]]\n\n[[tags]]\nname = \"begin\"\nstart = 0\nend = 50\n";
     std::fs::write(clips.join("walk_01.toml"), sidecar).expect("a sidecar");
-    let inline = throng_precompute::annotate::Sidecar { exclude: vec![[5.0, 7.0]], ..Default::default() };
+    let inline = Sidecar { exclude: vec![[5.0, 7.0]], ..Default::default() };
     config.clips.insert("walk_02".into(), inline);
     let some = build(&config, &out, &cache);
-    assert_eq!(some.excluded_frames.get("sidecar"), Some(&(60 + 60)), "{:?}", some.excluded_frames);
+    assert_eq!(some.excluded_frames.get("sidecar"), Some(&(2 * (60 + 60))), "{:?}", some.excluded_frames);
     assert!(some.frames_in < all.frames_in);
 
     let tables = Tables::open(&out).expect("the bundle opens");
@@ -254,8 +257,12 @@ fn too_little_motion_is_an_error_that_says_so() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let (clips, out) = (folder.path().join("clips"), folder.path().join("a.throng"));
     write_clips(&clips, 0.1);
-    let e = pipeline::build(&small_config(vec![clips]), &out, &Cache::none(), &Silent).expect_err("too little");
-    assert!(e.to_string().contains(" s"), "{e}");
+    let mut config = small_config(vec![clips]);
+    let all_but_a_little = Sidecar { exclude: vec![[4.0, f64::INFINITY]], ..Sidecar::default() };
+    config.clips = (0..10).map(|i| (format!("walk_0{i}"), all_but_a_little.clone())).collect();
+    config.clips.retain(|name, _| config.inputs[0].join(format!("{name}.bvh")).exists());
+    let e = pipeline::build(&config, &out, &Cache::none(), &Silent).expect_err("too little");
+    assert!(e.to_string().contains("less than graph.min_component_s = 10 s"), "{e}");
     assert!(!out.exists(), "a failed build left a bundle");
     let left = std::fs::read_dir(folder.path()).expect("the folder").count();
     assert_eq!(left, 1, "only the clips are there");
