@@ -177,6 +177,8 @@ impl<'a> PolicyTable<'a> {
         check_length("values", slices.values.len(), num_values)?;
         check_length("best actions", slices.best.len(), num_values * num_choices)?;
         check_numbers("discount", &[record.discount], |v| v > 0.0 && v < 1.0, "between 0 and 1")?;
+        let figures = [record.epsilon, record.residual];
+        check_numbers("epsilon and residual", &figures, |v| (0.0..1e6).contains(&v), "between 0 and 1e6")?;
         check_numbers("values", slices.values, |v| v.abs() < 1e6, "below 1e6")?;
         check_segments(slices.segments, actions.num_states(), grid.is_polar())?;
         let table = Self {

@@ -1,0 +1,442 @@
+//! Every command does what its help says: output, JSON keys, exit codes, and errors that show the way out.
+
+mod common;
+
+use serde_json::Value;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+use std::sync::OnceLock;
+
+/// Every subcommand.
+const COMMANDS: [&str; 12] =
+    ["demo", "synth", "build", "inspect", "verify", "query", "run", "bench", "export", "view", "schema", "completions"];
+
+fn throng(args: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_throng")).args(args).output().expect("the command line starts")
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8(bytes.to_vec()).expect("output is text")
+}
+
+/// Standard output of a run that succeeds.
+fn done(args: &[&str]) -> String {
+    let out = throng(args);
+    assert_eq!(out.status.code(), Some(0), "{args:?}: {}", text(&out.stderr));
+    text(&out.stdout)
+}
+
+/// The JSON object that is all of standard output, with these keys at least.
+fn json(args: &[&str], keys: &[&str]) -> Value {
+    let printed = done(args);
+    let value: Value = serde_json::from_str(&printed).unwrap_or_else(|e| panic!("{args:?}: {e}: {printed}"));
+    has_keys(&value, keys);
+    value
+}
+
+fn has_keys(value: &Value, keys: &[&str]) {
+    let object = value.as_object().unwrap_or_else(|| panic!("not an object: {value}"));
+    for key in keys {
+        assert!(object.contains_key(*key), "no key `{key}` in {value}");
+    }
+}
+
+/// Standard error of a run that fails with exit code 1 and prints nothing else.
+fn failed(args: &[&str]) -> String {
+    let out = throng(args);
+    let message = text(&out.stderr);
+    assert_eq!(out.status.code(), Some(1), "{args:?}: {message}");
+    assert!(out.stdout.is_empty(), "{args:?} printed {}", text(&out.stdout));
+    assert!(message.contains("error: "), "{args:?}: {message}");
+    message
+}
+
+/// A folder with clips, a config and a bundle, all made by the command line; one for all tests.
+struct Place {
+    folder: tempfile::TempDir,
+}
+
+impl Place {
+    fn path(&self, name: &str) -> String {
+        self.folder.path().join(name).to_str().expect("temporary folders have readable names").to_owned()
+    }
+}
+
+/// A config whose target grid is small.
+const CONFIG: &str = "name = \"little\"\ninputs = [\"clips\"]\n\n[policy]\ncompare_samples = 100\n\n[[behaviours]]\n\
+    grid = { rings = 6, angles = 8, radius = 6.0, inner_spacing = 0.5 }\n";
+
+fn place() -> &'static Place {
+    static PLACE: OnceLock<Place> = OnceLock::new();
+    PLACE.get_or_init(|| {
+        // Inside the build's own temporary folder, so that nothing is left anywhere else.
+        let folder = tempfile::tempdir_in(env!("CARGO_TARGET_TMPDIR")).expect("a temporary folder");
+        let place = Place { folder };
+        let made = json(
+            &["synth", "--out", &place.path("clips"), "--minutes", "1", "--seed", "1", "--json"],
+            &["set", "clips", "frames", "seconds", "out"],
+        );
+        assert!(made["frames"].as_u64() >= Some(1800), "{made}");
+        std::fs::write(place.path("little.toml"), CONFIG).expect("a config");
+        done(&["build", &place.path("little.toml"), "--out", &place.path("little.throng"), "--no-cache"]);
+        place
+    })
+}
+
+fn bundle() -> String {
+    place().path("little.throng")
+}
+
+fn first_clip() -> String {
+    let clips = std::fs::read_dir(place().path("clips")).expect("clips");
+    let mut all: Vec<PathBuf> = clips.map(|e| e.expect("a clip").path()).collect();
+    all.sort();
+    all[0].to_str().expect("a readable name").to_owned()
+}
+
+/// A folder for one test.
+fn folder() -> tempfile::TempDir {
+    tempfile::tempdir().expect("a temporary folder")
+}
+
+fn at(folder: &tempfile::TempDir, name: &str) -> String {
+    folder.path().join(name).to_str().expect("temporary folders have readable names").to_owned()
+}
+
+#[test]
+fn every_command_helps() {
+    let all = done(&["--help"]);
+    assert!(all.contains("Exit codes"), "{all}");
+    for command in COMMANDS {
+        let line = |l: &str| l.trim_start().starts_with(&format!("{command} "));
+        assert!(all.lines().any(line), "{command} is not in {all}");
+        let help = done(&[command, "--help"]);
+        assert!(help.contains("Usage: throng") && help.contains(command), "{help}");
+        if help.contains("--json") {
+            assert!(help.contains("JSON keys:"), "{command} does not document its keys: {help}");
+        }
+    }
+    assert!(done(&["--version"]).starts_with("throng "));
+    let listed = all.lines().filter(|l| l.starts_with("  ") && l.len() > 2 && !l[2..].starts_with([' ', '-'])).count();
+    assert_eq!(listed, COMMANDS.len() + 1, "commands this test does not know (`help` is one more): {all}");
+}
+
+#[test]
+fn wrong_usage_ends_with_2() {
+    let cases: [&[&str]; 9] = [
+        &[],
+        &["fly"],
+        &["verify"],
+        &["build", "a.toml"],
+        &["query", "a.throng", "--state", "0", "--target", "3"],
+        &["query", "a.throng", "--state", "0", "--target", "nan,1"],
+        &["query", "a.throng", "--state", "-1", "--target", "1,1"],
+        &["export", "a.bvh", "--format", "fbx"],
+        &["verify", "a.throng", "--fast"],
+    ];
+    for args in cases {
+        let out = throng(args);
+        assert_eq!(out.status.code(), Some(2), "{args:?}");
+        assert!(out.stdout.is_empty() && !out.stderr.is_empty(), "{args:?}");
+    }
+}
+
+#[test]
+fn build_reports_what_it_did() {
+    let place = place();
+    let folder = folder();
+    let (out, cache) = (at(&folder, "a.throng"), at(&folder, "cache"));
+    let args = ["build", &place.path("little.toml"), "--out", &out, "--cache", &cache, "--json"];
+    let keys = [
+        "clips",
+        "frames_in",
+        "frames_kept",
+        "states",
+        "actions",
+        "seconds_total",
+        "stage_s",
+        "policies",
+        "bundle_bytes",
+    ];
+    let report = json(&args, &keys);
+    has_keys(&report["policies"][0], &["name", "cells", "sweeps", "residual", "bytes", "seconds"]);
+    has_keys(
+        &report["stage_s"],
+        &["import", "retarget", "resample", "annotate", "features", "graph", "policy", "write"],
+    );
+    assert_eq!(report["name"], "little");
+    assert_eq!(report["policies"][0]["cells"], 48);
+    assert_eq!(report["bundle_bytes"].as_u64(), Some(std::fs::metadata(&out).expect("the bundle").len()));
+    assert!(report["policies"][0]["residual"].as_f64() < Some(1e-4), "{report}");
+    let same = std::fs::read(&out).expect("the bundle") == std::fs::read(bundle()).expect("the bundle");
+    assert!(same, "a build with a cache differs from one without");
+    let again = json(&args, &keys);
+    assert_eq!(again["cached"], serde_json::json!(["motion", "graph", "policy"]));
+    let told = done(&args[..args.len() - 1]);
+    assert!(told.contains("states") && told.contains("residual") && told.contains("a.throng"), "{told}");
+}
+
+#[test]
+fn verify_says_what_a_bundle_holds() {
+    let bundle = bundle();
+    let keys =
+        ["file", "name", "version", "bundle_bytes", "frames", "clips", "states", "actions", "policies", "sections"];
+    let report = json(&["verify", &bundle, "--json"], &keys);
+    assert_eq!((&report["name"], &report["version"]), (&Value::from("little"), &Value::from(1)));
+    assert_eq!(report["policies"], serde_json::json!(["approach"]));
+    assert_eq!(report["sections"]["FRAM"].as_u64(), report["frames"].as_u64().map(|n| 192 * n));
+    assert!(done(&["verify", &bundle]).contains("is whole"));
+}
+
+#[test]
+fn query_answers_with_an_action_and_a_value() {
+    let bundle = bundle();
+    let ask = |target: &str| {
+        let args = ["query", &bundle, "--behaviour", "approach", "--state", "0", "--target", target, "--json"];
+        json(&args, &["behaviour", "state", "target_m", "action", "value", "score", "single_load_action", "best"])
+    };
+    let (near, far) = (ask("0.1,0.2"), ask("-1.5,5"));
+    assert!(near["value"].as_f64() > far["value"].as_f64(), "near {near}, far {far}");
+    assert_eq!(far["action"], far["best"][0]["action"]);
+    let negative = json(&["query", &bundle, "--state", "1", "--target=-3,-2", "--json"], &["action", "value"]);
+    assert_eq!(negative["target_m"], serde_json::json!([-3.0, -2.0]));
+    assert!(done(&["query", &bundle, "--state", "0", "--target", "1,1"]).contains("action"));
+
+    let e = failed(&["query", &bundle, "--behaviour", "aproach", "--state", "0", "--target", "1,1", "--json"]);
+    assert!(e.contains("`aproach`") && e.contains("approach") && e.contains("little.throng"), "{e}");
+    let e = failed(&["query", &bundle, "--state", "999999", "--target", "1,1"]);
+    assert!(e.contains("999999"), "{e}");
+}
+
+#[test]
+fn run_measures_a_crowd_and_draws_it() {
+    let (bundle, folder) = (bundle(), folder());
+    let png = at(&folder, "crowd.png");
+    let keys = ["characters", "reached_fraction", "foot_slip_p95_mps", "steps_per_second", "simulated_s"];
+    let report = json(&["run", &bundle, "--characters", "10", "--seconds", "3", "--single-load", "--json"], &keys);
+    assert_eq!(report["characters"], 10);
+    assert!((0.0..=1.0).contains(&report["reached_fraction"].as_f64().expect("a share")));
+    let args = ["run", &bundle, "--characters", "6", "--seconds", "2", "--temperature", "0.1", "--png", &png];
+    assert!(done(&args).contains("reached"));
+    assert_eq!(std::fs::read(&png).expect("a picture")[..8], *b"\x89PNG\r\n\x1a\n");
+    assert!(failed(&["run", &bundle, "--characters", "0"]).contains("0 characters"));
+}
+
+#[test]
+fn bench_reports_every_figure() {
+    let args = ["bench", &bundle(), "--characters", "8", "--threads", "1", "--seconds", "0.01", "--json"];
+    let report = json(&args, &["results", "value_iteration"]);
+    let keys = [
+        "characters",
+        "threads",
+        "control_ns_per_query",
+        "lookahead_ns_per_query",
+        "sample_ns_per_joint",
+        "step_ns_per_character",
+        "memcpy_ns_per_character",
+    ];
+    has_keys(&report["results"][0], &keys);
+    assert_eq!(report["results"].as_array().map(Vec::len), Some(1));
+    for key in &keys[2..] {
+        assert!(report["results"][0][key].as_f64() > Some(0.0), "{key}: {report}");
+    }
+    has_keys(&report["value_iteration"], &["pairs", "sweeps", "seconds", "residual", "bytes_per_sweep"]);
+    assert!(report["value_iteration"]["residual"].as_f64() < Some(1e-4), "{report}");
+}
+
+#[test]
+fn inspect_finds_out_about_a_clip() {
+    let clip = first_clip();
+    let keys = ["format", "joints", "frames", "rate_hz", "metres_per_unit", "up", "height_m", "roles", "warnings"];
+    let report = json(&["inspect", &clip, "--json"], &keys);
+    assert_eq!((&report["format"], &report["up"]), (&Value::from("bvh"), &Value::from("Y")));
+    assert_eq!(report["metres_per_unit"], 0.01);
+    assert!((1.5..2.0).contains(&report["height_m"].as_f64().expect("a height")), "{report}");
+    assert_eq!(report["roles"].as_object().map(serde_json::Map::len), Some(22));
+    assert!(done(&["inspect", &clip]).contains("bvh"));
+}
+
+#[test]
+fn export_writes_positions_and_bvh() {
+    let (clip, folder) = (first_clip(), folder());
+    let frames = json(&["inspect", &clip, "--json"], &["frames"])["frames"].as_u64().expect("a count") as usize;
+    for retargeted in [false, true] {
+        let extra: &[&str] = if retargeted { &["--retargeted"] } else { &[] };
+        let csv = done(&[&["export", &clip, "--format", "positions-csv"], extra].concat());
+        let mut lines = csv.lines();
+        assert_eq!(lines.next(), Some("frame,joint,x,y,z"));
+        let mut heads = Vec::new();
+        let mut last = 0;
+        for line in lines {
+            let fields: Vec<&str> = line.split(',').collect();
+            let [frame, joint, x, y, z] = fields[..] else { panic!("not five fields: {line}") };
+            let at: Vec<f64> = [x, y, z].iter().map(|v| v.parse().unwrap_or_else(|e| panic!("{line}: {e}"))).collect();
+            last = frame.parse().unwrap_or_else(|e| panic!("{line}: {e}"));
+            if joint.eq_ignore_ascii_case("head") {
+                heads.push(at[1]);
+            }
+        }
+        assert_eq!((heads.len(), last), (frames, frames - 1));
+        assert!(heads.iter().all(|y| (1.2..1.9).contains(y)), "heads of a walker in metres, Y up");
+
+        let bvh = at(&folder, "copy.bvh");
+        done(&[&["export", &clip, "--format", "bvh", "--out", &bvh], extra].concat());
+        let report = json(&["inspect", &bvh, "--json"], &["frames", "rate_hz"]);
+        assert_eq!(report["frames"].as_u64(), Some(frames as u64));
+        assert!((report["rate_hz"].as_f64().expect("a rate") - 30.0).abs() < 0.01);
+        let copied = done(&["export", &bvh, "--format", "positions-csv"]);
+        let number = |l: &str| l.split(',').skip(2).map(|v| v.parse::<f64>().expect("a number")).collect::<Vec<_>>();
+        for (a, b) in csv.lines().zip(copied.lines()).skip(1).step_by(101) {
+            assert_eq!(a.split(',').nth(1), b.split(',').nth(1), "joints in another order");
+            let apart = number(a).iter().zip(number(b)).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+            assert!(apart < 1e-3, "{a} became {b}");
+        }
+    }
+}
+
+#[test]
+fn export_writes_graphs_and_policies() {
+    let bundle = bundle();
+    let counts = json(&["verify", &bundle, "--json"], &["states", "actions"]);
+    let graph = json(&["export", &bundle, "--format", "graph-json"], &["states", "actions"]);
+    let (states, actions) =
+        (graph["states"].as_array().expect("states"), graph["actions"].as_array().expect("actions"));
+    assert_eq!(
+        (Some(states.len() as u64), Some(actions.len() as u64)),
+        (counts["states"].as_u64(), counts["actions"].as_u64())
+    );
+    for action in actions {
+        has_keys(action, &["from", "to", "frames"]);
+        for end in ["from", "to"] {
+            assert!(action[end].as_u64() < counts["states"].as_u64(), "{action}");
+        }
+    }
+    let csv = done(&["export", &bundle, "--format", "policy-csv", "--behaviour", "approach"]);
+    assert_eq!(csv.lines().count(), 1 + states.len() * 48, "{:?}", csv.lines().next());
+    let e = failed(&["export", &bundle, "--format", "policy-csv", "--behaviour", "flee"]);
+    assert!(e.contains("approach"), "{e}");
+}
+
+#[test]
+fn completions_and_schema_are_printed() {
+    for shell in ["bash", "zsh", "fish", "powershell", "elvish"] {
+        let script = done(&["completions", shell]);
+        assert!(script.contains("throng") && script.contains("inspect"), "{shell}");
+    }
+    let printed = done(&["schema"]);
+    let schema: Value = serde_json::from_str(&printed).expect("a JSON object");
+    has_keys(&schema["properties"], &["inputs", "graph", "behaviours", "clips"]);
+    let kept = Path::new(env!("CARGO_MANIFEST_DIR")).join("data/throng-config.schema.json");
+    let kept = std::fs::read_to_string(&kept).expect("the published schema");
+    // A checkout may have changed the ends of lines.
+    assert!(
+        kept.replace("\r\n", "\n") == printed,
+        "write it anew with `cargo run -- schema > data/throng-config.schema.json`"
+    );
+}
+
+#[test]
+fn files_that_are_no_bundles_are_refused_by_name() {
+    let folder = folder();
+    let cut = at(&folder, "cut.throng");
+    std::fs::write(&cut, &std::fs::read(bundle()).expect("the bundle")[..5000]).expect("a file");
+    let text = at(&folder, "text.throng");
+    std::fs::write(&text, "HIERARCHY\nROOT hips\n{\n").expect("a file");
+    let absent = at(&folder, "absent.throng");
+    for (file, say) in [(&cut, "5000 bytes"), (&text, "not a Throng bundle"), (&absent, "cannot be opened")] {
+        let cases: [&[&str]; 5] = [
+            &["verify", file, "--json"],
+            &["query", file, "--state", "0", "--target", "1,1", "--json"],
+            &["run", file, "--characters", "2", "--seconds", "1", "--json"],
+            &["bench", file, "--json"],
+            &["export", file, "--format", "graph-json"],
+        ];
+        for args in cases {
+            let e = failed(args);
+            assert!(e.contains(file.as_str()) && e.contains(say) && e.contains("throng build"), "{args:?}: {e}");
+        }
+    }
+    let e = failed(&["inspect", &at(&folder, "absent.bvh")]);
+    assert!(e.contains("absent.bvh"), "{e}");
+    let e = failed(&["export", &at(&folder, "absent.bvh"), "--format", "bvh"]);
+    assert!(e.contains("absent.bvh"), "{e}");
+    let e = failed(&["build", &at(&folder, "absent.toml"), "--out", &at(&folder, "a.throng")]);
+    assert!(e.contains("absent.toml"), "{e}");
+    let e = failed(&["synth", "--set", "swim", "--out", &at(&folder, "clips")]);
+    assert!(e.contains("swim") && e.contains("walk"), "{e}");
+    let e = failed(&["synth", "--minutes=-1", "--out", &at(&folder, "clips")]);
+    assert!(e.contains("minutes"), "{e}");
+}
+
+#[test]
+fn wrong_configs_name_the_place_and_the_nearest_key() {
+    let folder = folder();
+    let (config, out) = (at(&folder, "bad.toml"), at(&folder, "a.throng"));
+    for (text, place, way_out) in [
+        ("inputs = [\"a\"]\n\n[graph]\nbranshing = 3.0\n", "bad.toml:4:1:", "`branching`"),
+        ("inputs = [\"a\"]\n[policy]\nepsilom = 1\n", "bad.toml:3:1:", "`epsilon`"),
+        ("inputs = 3\n", "bad.toml:1:10:", "throng schema"),
+        ("inputs = [\"a\"\n", "bad.toml:", "throng schema"),
+        ("inputs = [\"nowhere/*.bvh\"]\n", "nowhere", "nowhere"),
+    ] {
+        std::fs::write(&config, text).expect("a config");
+        let e = failed(&["build", &config, "--out", &out, "--no-cache", "--json"]);
+        assert!(e.contains(place) && e.contains(way_out), "{e}");
+        assert!(!Path::new(&out).exists(), "a failed build left a bundle");
+    }
+}
+
+#[test]
+fn a_bad_clip_is_skipped_and_counted_or_stops_a_strict_build() {
+    let folder = folder();
+    let clips = folder.path().join("clips");
+    std::fs::create_dir(&clips).expect("a folder");
+    for e in std::fs::read_dir(place().path("clips")).expect("clips") {
+        let from = e.expect("a clip").path();
+        std::fs::copy(&from, clips.join(from.file_name().expect("a name"))).expect("a copy");
+    }
+    let good = std::fs::read_to_string(first_clip()).expect("a clip");
+    let bad_line = good.lines().count() - 5;
+    let mut lines: Vec<&str> = good.lines().collect();
+    lines[bad_line - 1] = "1.0 2.0 three";
+    std::fs::write(clips.join("bad.bvh"), lines.join("\n")).expect("a clip");
+    let (config, out) = (at(&folder, "little.toml"), at(&folder, "a.throng"));
+    std::fs::write(&config, CONFIG).expect("a config");
+
+    let e = failed(&["build", &config, "--out", &out, "--no-cache", "--strict", "--json"]);
+    assert!(e.contains(&format!("bad.bvh:{bad_line}:")), "expected line {bad_line}: {e}");
+    let left: Vec<_> =
+        std::fs::read_dir(folder.path()).expect("the folder").map(|e| e.expect("an entry").file_name()).collect();
+    assert_eq!(left.len(), 2, "a failed build left {left:?}");
+
+    let built = throng(&["build", &config, "--out", &out, "--no-cache", "--json"]);
+    let (report, told) = (text(&built.stdout), text(&built.stderr));
+    let report: Value = serde_json::from_str(&report).unwrap_or_else(|e| panic!("{e}: {told}"));
+    assert_eq!(report["skipped"].as_array().map(Vec::len), Some(1));
+    assert!(told.contains("skipped: ") && told.contains("bad.bvh") && told.contains("1 file(s) skipped"), "{told}");
+
+    std::fs::write(&config, CONFIG.replace("clips", "clips/bad.bvh")).expect("a config");
+    let before = std::fs::read(&out).expect("the bundle");
+    failed(&["build", &config, "--out", &out, "--no-cache"]);
+    assert!(std::fs::read(&out).expect("the bundle") == before, "a failed build changed the old bundle");
+}
+
+#[test]
+fn places_that_cannot_be_written_are_named() {
+    let folder = folder();
+    let nowhere = at(&folder, "no/such/folder/a.throng");
+    let e = failed(&["build", &place().path("little.toml"), "--out", &nowhere, "--no-cache"]);
+    assert!(e.contains("no/such/folder"), "{e}");
+    let e = failed(&["export", &bundle(), "--format", "graph-json", "--out", &nowhere]);
+    assert!(e.contains("no/such/folder"), "{e}");
+}
+
+#[test]
+fn the_viewer_is_asked_for_where_it_is_not_built() {
+    let folder = folder();
+    let alone = folder.path().join(format!("throng{}", std::env::consts::EXE_SUFFIX));
+    std::fs::copy(env!("CARGO_BIN_EXE_throng"), &alone).expect("a copy");
+    let out = Command::new(&alone).arg("view").output().expect("the copy starts");
+    assert_eq!(out.status.code(), Some(1));
+    assert!(text(&out.stderr).contains("cargo build --release -p throng-viewer"));
+}

@@ -1,0 +1,79 @@
+//! Small real bundles, made the ordinary way: synthetic clips are written as files and built from them.
+#![allow(dead_code, reason = "each test binary uses its own part of this module")]
+
+use glam::Vec3;
+use std::path::{Path, PathBuf};
+use std::sync::OnceLock;
+use throng_precompute::cache::Cache;
+use throng_precompute::config::BuildConfig;
+use throng_precompute::pipeline;
+use throng_precompute::policy::GridConfig;
+use throng_precompute::progress::Silent;
+use throng_precompute::report::BuildReport;
+use throng_precompute::synth::{self, SynthConfig};
+use throng_runtime::format::AlignedBytes;
+use throng_runtime::troupe::Start;
+use throng_runtime::{Planar, Tables};
+
+/// Writes synthetic clips of a total length into a folder. [Unit: min]
+pub fn write_clips(folder: &Path, minutes: f64) {
+    let config = SynthConfig { minutes, clip_seconds: 15.0, ..SynthConfig::default() };
+    synth::write_walk(&config, folder).expect("synthetic clips can be written");
+}
+
+/// A build with a target grid so small that it takes no time.
+pub fn small_config(inputs: Vec<PathBuf>) -> BuildConfig {
+    let mut config = BuildConfig::new("small", inputs);
+    config.policy.compare_samples = 100;
+    config.behaviours[0].grid = GridConfig { rings: 6, angles: 8, radius: 6.0, inner_spacing: 0.5, falloff: 2.0 };
+    config
+}
+
+/// Builds a config.
+pub fn build(config: &BuildConfig, out: &Path, cache: &Cache) -> BuildReport {
+    pipeline::build(config, out, cache, &Silent).expect("the config builds")
+}
+
+/// The bytes of one small bundle, the same for every test of a binary.
+pub fn bundle() -> &'static [u8] {
+    static BUNDLE: OnceLock<Vec<u8>> = OnceLock::new();
+    BUNDLE.get_or_init(|| {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let (clips, out) = (folder.path().join("clips"), folder.path().join("small.throng"));
+        write_clips(&clips, 1.0);
+        build(&small_config(vec![clips]), &out, &Cache::none());
+        Tables::open(&out).expect("what was built opens");
+        std::fs::read(&out).expect("what was built can be read")
+    })
+}
+
+/// The small bundle, open.
+pub fn tables() -> Tables {
+    Tables::from_bytes(AlignedBytes::from_slice(bundle())).expect("the small bundle opens")
+}
+
+/// Characters on a line, facing all around, in all kinds of states.
+pub fn starts(tables: &Tables, n: usize) -> Vec<Start> {
+    let states = tables.graph().states.len();
+    let start = |i: usize| Start {
+        root: Planar::new(1.5 * i as f32, 0.5 * (i % 3) as f32, 0.7 * i as f32),
+        state: (i * 37 % states) as u32,
+    };
+    (0..n).map(start).collect()
+}
+
+/// A target for each of [`starts`], some metres away. [Unit: m]
+pub fn targets(n: usize) -> Vec<Vec3> {
+    (0..n).map(|i| Vec3::new(1.5 * i as f32 + 3.0 * (i as f32).sin(), 0.0, 4.0 * (i as f32).cos())).collect()
+}
+
+/// The folder of real recordings, or `None` with a word on standard error where it is absent.
+pub fn mocap() -> Option<PathBuf> {
+    let root = std::env::var_os("THRONG_MOCAP")
+        .map_or_else(|| PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../shared/mocap"), PathBuf::from);
+    if root.is_dir() {
+        return Some(root);
+    }
+    eprintln!("skipped: no recordings at {}; set THRONG_MOCAP to their folder", root.display());
+    None
+}

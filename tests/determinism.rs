@@ -1,0 +1,166 @@
+//! The same input, config and seed give the same bytes: at any number of threads, twice, with and without a cache.
+
+mod common;
+
+use glam::Vec3;
+use std::path::Path;
+use throng_precompute::cache::Cache;
+use throng_precompute::trial::{self, TrialConfig};
+use throng_runtime::Tables;
+use throng_runtime::troupe::{Choice, Goal, Repertoire, Troupe, TroupeConfig};
+
+fn on_threads<T: Send>(num_threads: usize, work: impl FnOnce() -> T + Send) -> T {
+    rayon::ThreadPoolBuilder::new().num_threads(num_threads).build().expect("a thread pool").install(work)
+}
+
+fn built(clips: &Path, out: &Path, cache: &Cache) -> Vec<u8> {
+    let mut config = common::small_config(vec![clips.to_path_buf()]);
+    config.resample.mirror = true;
+    common::build(&config, out, cache);
+    std::fs::read(out).expect("the bundle can be read")
+}
+
+#[test]
+fn a_build_gives_the_same_bytes_at_any_number_of_threads_and_twice() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let (clips, out) = (folder.path().join("clips"), folder.path().join("a.throng"));
+    common::write_clips(&clips, 0.6);
+    let first = on_threads(1, || built(&clips, &out, &Cache::none()));
+    for num_threads in [1, 2, 8] {
+        let again = on_threads(num_threads, || built(&clips, &out, &Cache::none()));
+        assert!(again == first, "{num_threads} threads, run twice");
+    }
+    let cache = Cache::in_folder(folder.path().join("cache"));
+    for what in ["filling the cache", "using the cache"] {
+        assert!(built(&clips, &out, &cache) == first, "{what}");
+    }
+}
+
+#[test]
+fn synthetic_clips_are_the_same_files_twice() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let files = |name: &str| {
+        common::write_clips(&folder.path().join(name), 0.3);
+        let read = |e: std::io::Result<std::fs::DirEntry>| {
+            let e = e.expect("an entry");
+            (e.file_name(), std::fs::read(e.path()).expect("a clip"))
+        };
+        let mut all: Vec<_> = std::fs::read_dir(folder.path().join(name)).expect("the folder").map(read).collect();
+        all.sort();
+        all
+    };
+    let first = files("a");
+    assert!(!first.is_empty() && first == files("b"));
+}
+
+/// Everything that can be read of a troupe, as bytes.
+fn bytes_of(troupe: &Troupe) -> Vec<u8> {
+    let mut out = bytemuck::cast_slice::<_, u8>(troupe.model_matrices()).to_vec();
+    out.extend_from_slice(bytemuck::cast_slice(troupe.local_transforms()));
+    for c in 0..troupe.num_characters() {
+        let (root, (segment, time)) = (troupe.root(c), troupe.segment(c));
+        out.extend([root.x, root.z, root.heading, time].into_iter().flat_map(f32::to_le_bytes));
+        out.extend([segment, troupe.num_choices(c)].into_iter().flat_map(u32::to_le_bytes));
+        out.push(troupe.contacts(c).0);
+    }
+    out
+}
+
+/// Characters of a crowd: several ranges and a part of one, and of a block.
+const N: usize = 203;
+
+/// The bytes of a crowd after each of some steps.
+fn crowd(
+    tables: &Tables,
+    config: TroupeConfig,
+    num_steps: usize,
+    step: impl Fn(&mut Troupe, &Repertoire<'_>, &[Goal<'_>]),
+) -> Vec<Vec<u8>> {
+    let repertoire = Repertoire::new(tables);
+    let mut targets: Vec<Vec3> = common::targets(N);
+    let mut troupe = Troupe::new(&repertoire, config, &common::starts(tables, N)).expect("a troupe");
+    let mut one_step = |k: usize| {
+        targets.iter_mut().for_each(|t| t.x += 0.01 * (k % 7) as f32);
+        step(&mut troupe, &repertoire, &[Goal { policy: 0, weight: 1.0, targets: &targets }]);
+        bytes_of(&troupe)
+    };
+    (0..num_steps).map(|k| one_step(k)).collect()
+}
+
+fn on_this_thread(troupe: &mut Troupe, repertoire: &Repertoire<'_>, goals: &[Goal<'_>]) {
+    troupe.step(repertoire, 1.0 / 30.0, goals).expect("a step");
+}
+
+fn config(choice: Choice) -> TroupeConfig {
+    TroupeConfig { choice, local_transforms: true, bend_rad_per_m: 0.1, ..TroupeConfig::default() }
+}
+
+#[test]
+fn steps_give_the_same_bytes_on_any_number_of_threads() {
+    let tables = common::tables();
+    for choice in [Choice::LookAhead { temperature: 0.05 }, Choice::BestAction] {
+        let alone = crowd(&tables, config(choice), 120, on_this_thread);
+        for num_threads in [1, 2, 8] {
+            let together = on_threads(num_threads, || {
+                crowd(&tables, config(choice), 120, |troupe, repertoire, goals| {
+                    troupe.par_step(repertoire, 1.0 / 30.0, goals).expect("a step");
+                })
+            });
+            let differs = (0..alone.len()).find(|&k| alone[k] != together[k]);
+            assert_eq!(differs, None, "{choice:?}, {num_threads} threads: first step that differs");
+        }
+    }
+}
+
+#[test]
+fn the_same_seed_gives_the_same_crowd_and_another_seed_another() {
+    let tables = common::tables();
+    let random = config(Choice::LookAhead { temperature: 0.05 });
+    let first = crowd(&tables, random, 300, on_this_thread);
+    assert!(first == crowd(&tables, random, 300, on_this_thread));
+    let other = TroupeConfig { seed: 2, ..random };
+    assert!(first[299] != crowd(&tables, other, 300, on_this_thread)[299]);
+    let sure = config(Choice::LookAhead { temperature: 0.0 });
+    let other = TroupeConfig { seed: 2, ..sure };
+    assert!(
+        crowd(&tables, sure, 300, on_this_thread) == crowd(&tables, other, 300, on_this_thread),
+        "without temperature the seed must not matter"
+    );
+}
+
+#[test]
+fn a_character_does_not_depend_on_its_neighbours() {
+    let tables = common::tables();
+    let repertoire = Repertoire::new(&tables);
+    let (starts, targets) = (common::starts(&tables, N), common::targets(N));
+    let mut all = Troupe::new(&repertoire, TroupeConfig::default(), &starts).expect("a troupe");
+    let some = 0..5;
+    let mut few = Troupe::new(&repertoire, TroupeConfig::default(), &starts[some.clone()]).expect("a troupe");
+    for _ in 0..60 {
+        let goal = |targets| [Goal { policy: 0, weight: 1.0, targets }];
+        all.step(&repertoire, 0.05, &goal(&targets)).expect("a step");
+        few.step(&repertoire, 0.05, &goal(&targets[some.clone()])).expect("a step");
+        for c in some.clone() {
+            assert_eq!((all.root(c), all.segment(c)), (few.root(c), few.segment(c)), "character {c}");
+            // The faded rest of a transition is kept up as long as one of four neighbours still needs it.
+            for (a, b) in all.joint_positions(c).iter().zip(few.joint_positions(c)) {
+                assert!(a.distance(b) < 1e-3, "character {c}: {a} and {b}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_trial_measures_the_same_twice() {
+    let tables = common::tables();
+    let trial = TrialConfig { characters: 30, seconds: 5.0, ..TrialConfig::default() };
+    let figures = |config: &TrialConfig| {
+        let (mut r, record) = trial::run(&tables, config).expect("a trial");
+        // The only figures that depend on the machine.
+        [r.steps_per_second, r.poses_per_second, r.choices_per_second] = [0.0; 3];
+        (r, record.roots, record.targets, record.arrivals_s)
+    };
+    let first = figures(&trial);
+    assert_eq!(first, figures(&trial));
+    assert_ne!(first.2, figures(&TrialConfig { seed: 2, ..trial }).2);
+}

@@ -1,0 +1,98 @@
+//! Damaged content that nobody verified: it is refused, or characters move through it with finite poses.
+
+use super::patch::{Frame, Parts, open_unverified};
+use crate::common::{bundle, starts, targets};
+use rand::{Rng, RngExt, SeedableRng};
+use rand_pcg::Pcg64Mcg;
+use throng_runtime::Tables;
+use throng_runtime::format::Section;
+use throng_runtime::policy::MAX_ACTIONS;
+use throng_runtime::troupe::{Choice, Goal, Repertoire, Troupe, TroupeConfig};
+
+/// Characters of a step.
+const N: usize = 8;
+
+/// Steps some characters with every way to choose, and looks at everything that is left to be read.
+fn stays_steppable(tables: &Tables, what: &str) {
+    let repertoire = Repertoire::new(tables);
+    let (starts, targets) = (starts(tables, N), targets(N));
+    for choice in [Choice::LookAhead { temperature: 0.1 }, Choice::BestAction] {
+        let config = TroupeConfig { choice, local_transforms: true, ..TroupeConfig::default() };
+        let mut troupe = Troupe::new(&repertoire, config, &starts).expect("states exist");
+        let goals = [Goal { policy: 0, weight: 1.0, targets: &targets }];
+        for step in 0..15 {
+            troupe.step(&repertoire, 0.1, &goals).expect("a step");
+            let finite = troupe.model_matrices().iter().all(|m| m.rows.as_flattened().iter().all(|v| v.is_finite()));
+            assert!(finite, "{what}: step {step}, {choice:?}: a matrix is not finite");
+            let finite = troupe.local_transforms().iter().all(|l| l.rotation.iter().all(|v| v.is_finite()));
+            assert!(finite, "{what}: step {step}, {choice:?}: a local rotation is not finite");
+            for c in 0..N {
+                let root = troupe.root(c);
+                assert!(root.x.is_finite() && root.z.is_finite() && root.heading.is_finite(), "{what}: root {root:?}");
+            }
+        }
+    }
+    let mut scores = [0.0; MAX_ACTIONS];
+    let n = tables.policy(0).action_scores(0, targets[0], &mut scores).expect("state 0 exists");
+    assert!(scores[..n].iter().all(|s| s.is_finite()), "{what}: a score is not finite");
+}
+
+#[test]
+fn the_whole_bundle_is_steppable() {
+    stays_steppable(&open_unverified(bundle()).expect("a whole bundle"), "undamaged");
+}
+
+/// Changes one to four neighbouring bytes of a section.
+fn damage(bytes: &mut [u8], section: &Section, rng: &mut impl Rng) -> usize {
+    let range = section.range(bytes.len() as u64).expect("a section of a whole bundle");
+    let at = rng.random_range(range.clone());
+    let run = if rng.random_bool(0.5) { 1 } else { 4 };
+    for b in &mut bytes[at..(at + run).min(range.end)] {
+        *b = match rng.random_range(0..4) {
+            0 => 0,
+            1 => 0xff,
+            2 => *b ^ (1 << rng.random_range(0..8)),
+            _ => rng.random_range(0..=255),
+        };
+    }
+    at
+}
+
+#[test]
+fn damaged_content_is_refused_or_stays_steppable() {
+    let mut rng = Pcg64Mcg::seed_from_u64(3);
+    let rows = Frame::of(bundle()).rows;
+    let (mut refused, mut opened) = (0, 0);
+    for round in 0..300 {
+        let mut bytes = bundle().to_vec();
+        let section = &rows[round % rows.len()];
+        let at = damage(&mut bytes, section, &mut rng);
+        match open_unverified(&bytes) {
+            Err(_) => refused += 1,
+            Ok(tables) => {
+                opened += 1;
+                stays_steppable(&tables, &format!("section {}, byte {at}", section.tag));
+            }
+        }
+    }
+    assert!(refused > 30 && opened > 30, "{refused} refused, {opened} opened: one side was hardly tried");
+}
+
+#[test]
+fn values_as_large_as_the_checks_allow_stay_steppable() {
+    use throng_runtime::format::{FrameRow, SkeletonRecord};
+    use throng_runtime::policy::SegmentRecord;
+    use throng_runtime::tables::tags;
+    let mut parts = Parts::of(bundle());
+    parts.edit::<FrameRow>(tags::FRAMES, |rows| {
+        for (i, row) in rows.iter_mut().enumerate() {
+            row.planar = if i % 2 == 0 { [9e5; 3] } else { [-9e5; 3] };
+            row.height = 9e5;
+        }
+    });
+    parts.edit::<SkeletonRecord>(tags::SKELETON, |s| s[0].offsets.iter_mut().for_each(|o| *o = [900.0; 3]));
+    parts.edit::<f32>(tags::POLICY_VALUES, |v| v.fill(-9e5));
+    parts.edit::<SegmentRecord>(tags::POLICY_SEGMENTS, |s| s.iter_mut().for_each(|s| s.inner = [9e5; 4]));
+    let tables = open_unverified(&parts.join()).expect("every number is within its limit");
+    stays_steppable(&tables, "large numbers");
+}

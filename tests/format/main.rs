@@ -1,0 +1,8 @@
+//! Every truncated, extended, flipped or re-versioned file is refused with an error, and none panics.
+
+#[path = "../common/mod.rs"]
+mod common;
+mod damage;
+mod frame;
+mod patch;
+mod records;

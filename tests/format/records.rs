@@ -1,0 +1,308 @@
+//! Records that point nowhere or hold numbers that cannot be, with right checksums around them.
+
+use super::patch::{Parts, refusal};
+use crate::common::{bundle, tables};
+use throng_runtime::Contacts;
+use throng_runtime::format::{ClipRecord, FormatError, FrameRow, SkeletonRecord, Tag};
+use throng_runtime::graph::{MotionSegment, StateRecord};
+use throng_runtime::policy::{NO_ACTION, PolicyRecord, SegmentRecord};
+use throng_runtime::tables::tags;
+
+/// A change of the bundle's content and what it is.
+type Change<'a> = (&'a str, &'a dyn Fn(&mut Parts));
+
+/// Every change is refused by an error of that section; with `None`, by one of the layout.
+fn refuses(tag: Option<Tag>, changes: &[Change<'_>]) {
+    for (what, change) in changes {
+        let mut parts = Parts::of(bundle());
+        change(&mut parts);
+        let bytes = parts.join();
+        assert!(bytes != bundle(), "{what}: nothing was changed");
+        match (refusal(&bytes, what), tag) {
+            (FormatError::Value { tag: got, .. }, Some(wanted)) if got == wanted => {}
+            (FormatError::Layout { .. }, None) => {}
+            (e, _) => panic!("{what}: refused, but by {e:?}"),
+        }
+    }
+}
+
+const BAD: [f32; 3] = [f32::NAN, f32::INFINITY, f32::NEG_INFINITY];
+
+fn states(p: &mut Parts, change: impl FnOnce(&mut Vec<StateRecord>)) {
+    p.edit(tags::STATES, change);
+}
+
+fn segments(p: &mut Parts, change: impl FnOnce(&mut Vec<MotionSegment>)) {
+    p.edit(tags::SEGMENTS, change);
+}
+
+fn policy(p: &mut Parts, change: impl FnOnce(&mut PolicyRecord)) {
+    p.edit::<PolicyRecord>(tags::POLICIES, |all| change(&mut all[0]));
+}
+
+#[test]
+fn states_lie_in_the_frames_and_are_entered() {
+    let num_frames = tables().frames().len() as u32;
+    refuses(
+        Some(tags::STATES),
+        &[
+            ("frame after the last", &|p| states(p, |s| s[0].frame = num_frames)),
+            ("no frame at all", &|p| states(p, |s| s[3].frame = u32::MAX)),
+            ("half standing", &|p| states(p, |s| s[0].standing = 2)),
+        ],
+    );
+    refuses(None, &[("a state without actions", &|p| states(p, |s| s.push(s[0])))]);
+    refuses(
+        None,
+        &[("no state", &|p| {
+            states(p, Vec::clear);
+            segments(p, Vec::clear);
+        })],
+    );
+    let lonely = |p: &mut Parts| {
+        states(p, |s| s.push(s[0]));
+        p.edit::<u32>(tags::ACTION_OFFSETS, |o| o.push(o[o.len() - 1] + 1));
+        p.edit::<u32>(tags::ACTION_SEGMENTS, |s| s.push(s[0]));
+    };
+    refuses(Some(tags::STATES), &[("a state that nothing leads to", &lonely)]);
+}
+
+#[test]
+fn segments_lie_in_their_clip_and_end_at_their_state() {
+    let (num_states, num_clips) = (tables().graph().states.len() as u32, tables().clips().len() as u32);
+    refuses(
+        Some(tags::SEGMENTS),
+        &[
+            ("end after the last state", &|p| segments(p, |s| s[0].end = num_states)),
+            ("no end at all", &|p| segments(p, |s| s[0].end = u32::MAX)),
+            ("clip after the last", &|p| segments(p, |s| s[0].clip = num_clips)),
+            ("another clip", &|p| segments(p, |s| s[0].clip = num_clips - 1)),
+            ("starts a frame later", &|p| segments(p, |s| s[0].start += 1)),
+            ("starts nowhere", &|p| segments(p, |s| s[0].start = u32::MAX)),
+            ("starts in the clip before", &|p| {
+                segments(p, |s| {
+                    let at = s.iter().position(|s| s.clip == 1).expect("a segment of the second clip");
+                    s[at].num_frames += s[at].start;
+                    s[at].start = 0;
+                });
+            }),
+            ("plays no frame", &|p| segments(p, |s| s[0].num_frames = 0)),
+            ("plays a frame more", &|p| segments(p, |s| s[1].num_frames += 1)),
+            ("plays for ever", &|p| segments(p, |s| s[1].num_frames = u32::MAX)),
+            ("reserved field", &|p| segments(p, |s| s[1].reserved = 1)),
+        ],
+    );
+    for bad in BAD.into_iter().chain([1e9]) {
+        for k in 0..3 {
+            refuses(Some(tags::SEGMENTS), &[("displacement", &|p| segments(p, |s| s[2].displacement[k] = bad))]);
+        }
+    }
+}
+
+#[test]
+fn actions_exist() {
+    let num_segments = tables().graph().segments.len() as u32;
+    let offsets = |p: &mut Parts, f: &dyn Fn(&mut Vec<u32>)| p.edit(tags::ACTION_OFFSETS, f);
+    refuses(
+        None,
+        &[
+            ("first offset", &|p| offsets(p, &|o| o[0] = 1)),
+            ("a state without actions", &|p| offsets(p, &|o| o[2] = o[1])),
+            ("offsets that fall", &|p| offsets(p, &|o| o[1] = o[2] + 1)),
+            ("an offset past the actions", &|p| offsets(p, &|o| o[1] = u32::MAX)),
+            ("a last offset past the actions", &|p| {
+                offsets(p, &|o| {
+                    let last = o.len() - 1;
+                    o[last] += 1;
+                });
+            }),
+            ("an offset too few", &|p| offsets(p, &|o| o.truncate(o.len() - 1))),
+            ("an offset too many", &|p| offsets(p, &|o| o.push(o[o.len() - 1]))),
+            ("no offsets", &|p| offsets(p, &Vec::clear)),
+            ("segment after the last", &|p| p.edit::<u32>(tags::ACTION_SEGMENTS, |s| s[0] = num_segments)),
+            ("no segment at all", &|p| p.edit::<u32>(tags::ACTION_SEGMENTS, |s| s[7] = u32::MAX)),
+            ("an action too few", &|p| p.edit::<u32>(tags::ACTION_SEGMENTS, |s| s.truncate(s.len() - 1))),
+            ("an error too few", &|p| p.edit::<f32>(tags::ACTION_ERRORS, |e| e.truncate(e.len() - 1))),
+        ],
+    );
+    for bad in BAD.into_iter().chain([-1.0]) {
+        let change = |p: &mut Parts| p.edit::<f32>(tags::ACTION_ERRORS, |e| e[1] = bad);
+        refuses(Some(tags::ACTION_ERRORS), &[("action error", &change)]);
+    }
+}
+
+#[test]
+fn clips_tile_the_frames() {
+    let clips = |p: &mut Parts, f: &dyn Fn(&mut Vec<ClipRecord>)| p.edit(tags::CLIPS, f);
+    refuses(
+        Some(tags::CLIPS),
+        &[
+            ("starts late", &|p| clips(p, &|c| c[0].first_frame = 1)),
+            ("a frame longer", &|p| clips(p, &|c| c[0].num_frames += 1)),
+            ("a frame shorter", &|p| clips(p, &|c| c[0].num_frames -= 1)),
+            ("empty", &|p| clips(p, &|c| c[0].num_frames = 0)),
+            ("out of order", &|p| clips(p, &|c| c.swap(0, 1))),
+            ("half mirrored", &|p| clips(p, &|c| c[1].mirrored = 2)),
+            ("reserved field", &|p| clips(p, &|c| c[1].reserved = 9)),
+        ],
+    );
+    refuses(
+        None,
+        &[
+            ("a clip too few", &|p| clips(p, &|c| c.truncate(c.len() - 1))),
+            ("no clips", &|p| clips(p, &Vec::clear)),
+            ("a last clip past the frames", &|p| {
+                clips(p, &|c| {
+                    let last = c.len() - 1;
+                    c[last].num_frames += 1;
+                });
+            }),
+            ("a frame too few", &|p| p.edit::<FrameRow>(tags::FRAMES, |f| f.truncate(f.len() - 1))),
+            ("contacts too few", &|p| p.edit::<Contacts>(tags::CONTACTS, |c| c.truncate(c.len() - 1))),
+        ],
+    );
+    for bits in [16, 128, 255] {
+        let change = |p: &mut Parts| p.edit::<Contacts>(tags::CONTACTS, |c| c[5] = Contacts(bits));
+        refuses(Some(tags::CONTACTS), &[("more than four bits", &change)]);
+    }
+}
+
+#[test]
+fn frames_hold_poses() {
+    let row = |p: &mut Parts, f: &dyn Fn(&mut FrameRow)| p.edit::<FrameRow>(tags::FRAMES, |rows| f(&mut rows[30]));
+    for bad in BAD.into_iter().chain([1e9]) {
+        for k in 0..3 {
+            refuses(Some(tags::FRAMES), &[("planar root", &|p| row(p, &|r| r.planar[k] = bad))]);
+        }
+        refuses(Some(tags::FRAMES), &[("height", &|p| row(p, &|r| r.height = bad))]);
+    }
+    refuses(
+        Some(tags::FRAMES),
+        &[
+            ("a rotation of length 0", &|p| row(p, &|r| r.rotations[21] = [0; 4])),
+            ("a rotation far too short", &|p| row(p, &|r| r.rotations[3] = [100, 0, 0, 9000])),
+            ("a rotation on the other side", &|p| row(p, &|r| r.rotations[8] = r.rotations[8].map(|v| -v))),
+        ],
+    );
+}
+
+#[test]
+fn skeletons_have_lengths() {
+    let skeleton = |p: &mut Parts, f: &dyn Fn(&mut SkeletonRecord)| {
+        p.edit::<SkeletonRecord>(tags::SKELETON, |s| f(&mut s[0]));
+    };
+    for bad in BAD.into_iter().chain([1e6]) {
+        let changes: [Change<'_>; 2] = [
+            ("offset", &|p| skeleton(p, &|s| s.offsets[9][1] = bad)),
+            ("tip", &|p| skeleton(p, &|s| s.tips[2][0] = bad)),
+        ];
+        refuses(Some(tags::SKELETON), &changes);
+    }
+    let shin = throng_runtime::Joint::LeftShin.index();
+    refuses(Some(tags::SKELETON), &[("no thigh", &|p| skeleton(p, &|s| s.offsets[shin] = [0.0; 3]))]);
+    refuses(
+        None,
+        &[
+            ("two skeletons", &|p| p.edit::<SkeletonRecord>(tags::SKELETON, |s| s.push(s[0]))),
+            ("no skeleton", &|p| p.edit::<SkeletonRecord>(tags::SKELETON, Vec::clear)),
+        ],
+    );
+}
+
+#[test]
+fn policies_fit_the_graph() {
+    refuses(
+        Some(tags::POLICIES),
+        &[
+            ("other states", &|p| policy(p, |r| r.num_states += 1)),
+            ("other segments", &|p| policy(p, |r| r.num_segments -= 1)),
+            ("no choices", &|p| policy(p, |r| r.num_choices = 0)),
+            ("five choices", &|p| policy(p, |r| r.num_choices = 5)),
+            ("fewer choices", &|p| policy(p, |r| r.num_choices -= 1)),
+            ("no rings", &|p| policy(p, |r| r.grid.num_rings = 0)),
+            ("countless rings", &|p| policy(p, |r| r.grid.num_rings = u32::MAX)),
+            ("a ring more", &|p| policy(p, |r| r.grid.num_rings += 1)),
+            ("countless angles", &|p| policy(p, |r| r.grid.num_angles = u32::MAX)),
+            ("heights of a polar grid", &|p| policy(p, |r| r.grid.num_heights = 0)),
+            ("an unknown grid", &|p| policy(p, |r| r.grid.kind = 7)),
+            ("an unknown kernel", &|p| policy(p, |r| r.reward.kernel = 99)),
+            ("an unknown combination", &|p| policy(p, |r| r.reward.combine = 99)),
+            ("no scale", &|p| policy(p, |r| r.reward.scale = 0.0)),
+            ("discount 1", &|p| policy(p, |r| r.discount = 1.0)),
+            ("discount 0", &|p| policy(p, |r| r.discount = 0.0)),
+        ],
+    );
+    for bad in BAD {
+        let changes: [Change<'_>; 7] = [
+            ("ring spacing", &|p| policy(p, |r| r.grid.ring_spacing = bad)),
+            ("ring growth", &|p| policy(p, |r| r.grid.ring_growth = bad)),
+            ("falloff", &|p| policy(p, |r| r.grid.falloff = bad)),
+            ("scale", &|p| policy(p, |r| r.reward.scale = bad)),
+            ("discount", &|p| policy(p, |r| r.discount = bad)),
+            ("epsilon", &|p| policy(p, |r| r.epsilon = bad)),
+            ("residual", &|p| policy(p, |r| r.residual = bad)),
+        ];
+        refuses(Some(tags::POLICIES), &changes);
+    }
+}
+
+#[test]
+fn policy_tables_hold_actions_and_numbers() {
+    let (num_states, actions) = (tables().graph().states.len() as u32, tables().graph().segments_of(0).len() as u8);
+    let segment = |p: &mut Parts, f: &dyn Fn(&mut SegmentRecord)| {
+        p.edit::<SegmentRecord>(tags::POLICY_SEGMENTS, |s| f(&mut s[1]));
+    };
+    let best = |p: &mut Parts, at: usize, action: u8| p.edit::<u8>(tags::POLICY_BEST, |b| b[at] = action);
+    refuses(
+        Some(tags::POLICIES),
+        &[
+            ("end after the last state", &|p| segment(p, &|s| s.end = num_states)),
+            ("no end at all", &|p| segment(p, &|s| s.end = u32::MAX)),
+            ("action after the last", &|p| best(p, 0, actions)),
+            ("second choice after the last", &|p| best(p, 1, actions)),
+            ("no first choice", &|p| best(p, 0, NO_ACTION)),
+            ("values too few", &|p| p.edit::<f32>(tags::POLICY_VALUES, |v| v.truncate(v.len() - 1))),
+            ("best actions too few", &|p| p.edit::<u8>(tags::POLICY_BEST, |b| b.truncate(b.len() - 1))),
+            ("segments too few", &|p| p.edit::<SegmentRecord>(tags::POLICY_SEGMENTS, |s| s.truncate(s.len() - 1))),
+        ],
+    );
+    refuses(
+        None,
+        &[
+            ("values too many", &|p| p.edit::<f32>(tags::POLICY_VALUES, |v| v.push(0.0))),
+            ("best actions too many", &|p| p.edit::<u8>(tags::POLICY_BEST, |b| b.push(0))),
+            ("segments too many", &|p| p.edit::<SegmentRecord>(tags::POLICY_SEGMENTS, |s| s.push(s[0]))),
+        ],
+    );
+    for bad in BAD {
+        let changes: [Change<'_>; 5] = [
+            ("displacement", &|p| segment(p, &|s| s.displacement[0] = bad)),
+            ("inner sample", &|p| segment(p, &|s| s.inner[3] = bad)),
+            ("weight", &|p| segment(p, &|s| s.weights[2] = bad)),
+            ("discount of a segment", &|p| segment(p, &|s| s.discount = bad)),
+            ("value", &|p| p.edit::<f32>(tags::POLICY_VALUES, |v| v[11] = bad)),
+        ];
+        refuses(Some(tags::POLICIES), &changes);
+    }
+}
+
+#[test]
+fn what_a_bundle_says_of_itself_fits_its_tables() {
+    let meta = |p: &mut Parts, f: &dyn Fn(&mut throng_runtime::format::Meta)| p.edit_meta(f);
+    refuses(
+        None,
+        &[
+            ("a clip more", &|p| meta(p, &|m| m.clips.push(m.clips[0].clone()))),
+            ("no behaviours", &|p| meta(p, &|m| m.behaviours.clear())),
+            ("a behaviour more", &|p| meta(p, &|m| m.behaviours.push("flee".into()))),
+            ("cut META", &|p| p.edit::<u8>(tags::META, |b| b.truncate(b.len() - 1))),
+            ("longer META", &|p| p.edit::<u8>(tags::META, |b| b.push(0))),
+            ("no META", &|p| p.edit::<u8>(tags::META, Vec::clear)),
+            ("a name of endless length", &|p| p.edit::<u8>(tags::META, |b| b[..9].fill(0xfd))),
+            ("nonsense", &|p| p.edit::<u8>(tags::META, |b| b.fill(0xff))),
+        ],
+    );
+    for rate in [0.0, -30.0, f64::NAN, f64::INFINITY, 1e300, 1e-300] {
+        refuses(None, &[("rate", &|p| meta(p, &|m| m.rate_hz = rate))]);
+    }
+}

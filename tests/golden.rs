@@ -1,0 +1,98 @@
+//! Tables of the current version open and say what they always said; tables of other versions are refused by name.
+//!
+//! `data/golden/` keeps the tables of every version for ever; `examples/make_golden.rs` says how they are made.
+
+use std::path::PathBuf;
+use throng_runtime::format::{AlignedBytes, FormatError, Header, VERSION};
+use throng_runtime::troupe::{Goal, Repertoire, SampleJob, Start, Troupe, TroupeConfig};
+use throng_runtime::{Joint, Mat3x4, NUM_JOINTS, Planar, Tables};
+
+fn golden(version: u32) -> PathBuf {
+    PathBuf::from(env!("CARGO_MANIFEST_DIR")).join(format!("data/golden/tables_v{version}.throng"))
+}
+
+#[test]
+fn the_current_version_has_golden_tables_that_open() {
+    let path = golden(VERSION);
+    let tables = Tables::open(&path).expect("tables of the current version");
+    assert!(Tables::open_unverified(&path).is_ok());
+    let graph = tables.graph();
+    assert_eq!(tables.meta().name, "golden");
+    assert_eq!(tables.meta().rate_hz, 20.0);
+    assert_eq!(tables.meta().behaviours, ["approach"]);
+    assert!(tables.meta().sources.iter().all(|s| s.path.starts_with("walk/")), "made of synthetic clips alone");
+    assert_eq!((tables.clips().len(), tables.frames().len()), (CLIPS, FRAMES));
+    assert_eq!((graph.states.len(), graph.segments.len(), graph.action_segments.len()), (STATES, SEGMENTS, ACTIONS));
+    assert_eq!(tables.policy(0).grid().num_cells(), 40);
+    assert!(tables.num_bytes() < 300_000, "golden tables stay small");
+}
+
+#[test]
+fn golden_poses_stand_where_they_always_stood() {
+    let tables = Tables::open(golden(VERSION)).expect("tables of the current version");
+    let repertoire = Repertoire::new(&tables);
+    let frames: Vec<u32> = (0..tables.frames().len() as u32 - 1).collect();
+    let ratios = vec![0.5; frames.len()];
+    let mut matrices = vec![Mat3x4::default(); frames.len() * NUM_JOINTS];
+    SampleJob { repertoire: &repertoire, frames: &frames, ratios: &ratios, matrices: &mut matrices }
+        .run()
+        .expect("a batch of poses");
+    let mean = |j: Joint| {
+        let sum: glam::DVec3 = matrices.chunks(NUM_JOINTS).map(|p| p[j.index()].translation().as_dvec3()).sum();
+        sum / frames.len() as f64
+    };
+    for (joint, place) in POSE {
+        assert!(mean(joint).distance(place.into()) < 1e-4, "{}: {:?}", joint.name(), mean(joint));
+    }
+}
+
+#[test]
+fn a_golden_character_takes_the_way_it_always_took() {
+    let tables = Tables::open(golden(VERSION)).expect("tables of the current version");
+    let repertoire = Repertoire::new(&tables);
+    let start = Start { root: Planar::new(0.0, 0.0, 0.0), state: 0 };
+    let mut troupe = Troupe::new(&repertoire, TroupeConfig::default(), &[start]).expect("a troupe");
+    let targets = [glam::Vec3::new(2.0, 0.0, 3.0)];
+    for _ in 0..40 {
+        let goals = [Goal { policy: 0, weight: 1.0, targets: &targets }];
+        troupe.step(&repertoire, 0.05, &goals).expect("a step");
+    }
+    let root = troupe.root(0);
+    assert!(root.translation().distance(PLACE_AFTER_2_S.into()) < 1e-2, "{root:?}");
+}
+
+#[test]
+fn tables_of_other_versions_are_refused_by_name() {
+    let bytes = std::fs::read(golden(VERSION)).expect("tables of the current version");
+    for version in [0, VERSION + 1, u32::MAX] {
+        let mut header: Header = bytemuck::pod_read_unaligned(&bytes[..64]);
+        header.version = version;
+        header.header_crc32 = header.checksum();
+        let other = [bytemuck::bytes_of(&header), &bytes[64..]].concat();
+        let e = Tables::from_bytes(AlignedBytes::from_slice(&other)).expect_err("another version");
+        assert!(matches!(e, FormatError::Version { got } if got == version), "{e}");
+        assert!(e.to_string().contains(&format!("format version {version}")) && e.to_string().contains("throng build"));
+    }
+}
+
+#[test]
+fn golden_tables_of_every_version_are_kept() {
+    for version in 1..=VERSION {
+        match Tables::open(golden(version)) {
+            Ok(_) => assert_eq!(version, VERSION),
+            Err(FormatError::Version { got }) => assert!(got == version && version < VERSION, "version {got}"),
+            Err(e) => panic!("version {version}: {e}"),
+        }
+    }
+}
+
+const CLIPS: usize = 0;
+const FRAMES: usize = 0;
+const STATES: usize = 0;
+const SEGMENTS: usize = 0;
+const ACTIONS: usize = 0;
+/// Mean place of joints in model space, halfway between frames. [Unit: m]
+const POSE: [(Joint, [f64; 3]); 4] =
+    [(Joint::Head, [0.0; 3]), (Joint::LeftHand, [0.0; 3]), (Joint::RightHand, [0.0; 3]), (Joint::LeftToe, [0.0; 3])];
+/// Where the character comes in 2 s. [Unit: m]
+const PLACE_AFTER_2_S: [f32; 3] = [0.0; 3];

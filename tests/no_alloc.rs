@@ -1,0 +1,146 @@
+//! A step allocates nothing, and neither does a batch of queries or poses.
+#![allow(unsafe_code, reason = "an allocator that counts is an unsafe trait")]
+
+mod common;
+
+use glam::Vec3;
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::cell::Cell;
+use std::hint::black_box;
+use throng_runtime::policy::{self, BestActionJob, LookAheadJob, RankedActions};
+use throng_runtime::troupe::{Choice, Goal, Repertoire, SampleJob, Troupe, TroupeConfig};
+use throng_runtime::{Mat3x4, NUM_JOINTS};
+
+thread_local! {
+    /// Allocations of this thread; what the test harness does on others does not count.
+    static COUNT: Cell<u64> = const { Cell::new(0) };
+}
+
+struct Counting;
+
+fn count() {
+    // A thread that is ending has no counter any more, and none that anybody reads.
+    let _ = COUNT.try_with(|c| c.set(c.get() + 1));
+}
+
+// SAFETY: every call is passed on to the system's allocator unchanged.
+unsafe impl GlobalAlloc for Counting {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        count();
+        // SAFETY: the caller's promises are the system allocator's.
+        unsafe { System.alloc(layout) }
+    }
+
+    unsafe fn alloc_zeroed(&self, layout: Layout) -> *mut u8 {
+        count();
+        // SAFETY: as above.
+        unsafe { System.alloc_zeroed(layout) }
+    }
+
+    unsafe fn realloc(&self, at: *mut u8, layout: Layout, new_size: usize) -> *mut u8 {
+        count();
+        // SAFETY: as above.
+        unsafe { System.realloc(at, layout, new_size) }
+    }
+
+    unsafe fn dealloc(&self, at: *mut u8, layout: Layout) {
+        // SAFETY: as above.
+        unsafe { System.dealloc(at, layout) }
+    }
+}
+
+#[global_allocator]
+static ALLOCATOR: Counting = Counting;
+
+/// Allocations of this thread during `work`.
+fn allocations(work: impl FnOnce()) -> u64 {
+    let before = COUNT.get();
+    work();
+    COUNT.get() - before
+}
+
+#[test]
+fn the_counter_sees_allocations() {
+    assert_eq!(allocations(|| drop(black_box(Box::new(1u64)))), 1);
+    assert_eq!(allocations(|| drop(black_box(vec![0u8; 100]))), 1);
+    let mut grown: Vec<u8> = Vec::with_capacity(1);
+    assert_eq!(allocations(|| black_box(&mut grown).reserve_exact(64)), 1);
+    assert_eq!(allocations(|| drop(black_box(grown))), 0);
+    assert_eq!(allocations(|| ()), 0);
+}
+
+#[test]
+fn steps_allocate_nothing() {
+    const N: usize = 100;
+    let tables = common::tables();
+    let repertoire = Repertoire::new(&tables);
+    let (starts, targets) = (common::starts(&tables, N), common::targets(N));
+    for choice in [Choice::BestAction, Choice::LookAhead { temperature: 0.0 }, Choice::LookAhead { temperature: 0.05 }]
+    {
+        for (local_transforms, bend_rad_per_m) in [(false, 0.0), (true, 0.2)] {
+            let config = TroupeConfig { choice, local_transforms, bend_rad_per_m, ..TroupeConfig::default() };
+            let mut troupe = Troupe::new(&repertoire, config, &starts).expect("a troupe");
+            let goals = [Goal { policy: 0, weight: 1.0, targets: &targets }];
+            troupe.step(&repertoire, 0.0, &goals).expect("a first step");
+            let chosen = |t: &Troupe| (0..N).map(|c| t.num_choices(c)).sum::<u32>();
+            let before = chosen(&troupe);
+            let n = allocations(|| {
+                for _ in 0..300 {
+                    troupe.step(&repertoire, 1.0 / 60.0, &goals).expect("a step");
+                }
+            });
+            let made = chosen(&troupe) - before;
+            assert!(made > 3 * N as u32, "{made} choices in 5 s are too few to prove anything");
+            assert_eq!(n, 0, "{choice:?}, local transforms {local_transforms}");
+        }
+    }
+}
+
+#[test]
+fn a_step_towards_two_goals_allocates_nothing() {
+    const N: usize = 9;
+    let tables = common::tables();
+    let repertoire = Repertoire::new(&tables);
+    let (starts, targets) = (common::starts(&tables, N), common::targets(N));
+    let mut troupe = Troupe::new(&repertoire, TroupeConfig::default(), &starts).expect("a troupe");
+    let goal = |weight| Goal { policy: 0, weight, targets: &targets };
+    let goals = [goal(1.0), goal(0.5)];
+    troupe.step(&repertoire, 0.0, &goals).expect("a first step");
+    let n = allocations(|| (0..100).for_each(|_| troupe.step(&repertoire, 0.05, &goals).expect("a step")));
+    assert_eq!(n, 0);
+}
+
+#[test]
+fn batches_of_queries_allocate_nothing() {
+    const N: usize = 256;
+    let tables = common::tables();
+    let table = tables.policy(0);
+    let states: Vec<u32> = common::starts(&tables, N).iter().map(|s| s.state).collect();
+    let targets = vec![Vec3::new(0.5, 0.0, 3.0); N];
+    let weights = vec![1.0; N];
+    let mut actions = vec![0u8; N];
+    let mut ranked = vec![RankedActions::NONE; N];
+    let goals = [policy::Goal { policy: table, weights: &weights, targets: &targets }];
+    let n = allocations(|| {
+        for choice in 0..4 {
+            BestActionJob { policy: table, states: &states, targets: &targets, choice, actions: &mut actions }
+                .run()
+                .expect("a batch");
+        }
+        LookAheadJob { goals: &goals, states: &states, ranked: &mut ranked }.run().expect("a batch");
+    });
+    assert_eq!(n, 0);
+    assert!(ranked.iter().all(|r| r.scores[0].is_finite()));
+}
+
+#[test]
+fn a_batch_of_poses_allocates_nothing() {
+    let tables = common::tables();
+    let repertoire = Repertoire::new(&tables);
+    let frames: Vec<u32> = (0..333).collect();
+    let ratios = vec![0.25; frames.len()];
+    let mut matrices = vec![Mat3x4::default(); frames.len() * NUM_JOINTS];
+    let job = SampleJob { repertoire: &repertoire, frames: &frames, ratios: &ratios, matrices: &mut matrices };
+    assert_eq!(allocations(|| job.run().expect("a batch")), 0);
+    assert!(matrices.iter().all(|m| *m != Mat3x4::default()));
+}

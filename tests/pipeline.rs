@@ -1,0 +1,269 @@
+//! Clips to poses, end to end: what was recorded is what is sampled, and crowds go where they are sent.
+
+mod common;
+
+use common::{build, mocap, small_config, write_clips};
+use std::path::{Path, PathBuf};
+use throng_precompute::annotate::{AnnotateConfig, Sidecar, Sidecars, annotate};
+use throng_precompute::cache::Cache;
+use throng_precompute::clip::ClipSet;
+use throng_precompute::config::BuildConfig;
+use throng_precompute::import::{ImportConfig, read};
+use throng_precompute::pipeline;
+use throng_precompute::progress::Silent;
+use throng_precompute::resample::{ResampleConfig, resample};
+use throng_precompute::retarget::{RetargetConfig, onto};
+use throng_precompute::synth::{self, SynthConfig};
+use throng_precompute::trial::{self, TrialConfig};
+use throng_precompute::{BuildError, Warnings};
+use throng_runtime::troupe::{Repertoire, SampleJob};
+use throng_runtime::{Joint, Mat3x4, NUM_JOINTS, Planar, Tables};
+
+/// Frames of the bundle as poses in the world of their clip.
+fn sampled(tables: &Tables) -> Vec<(Planar, Vec<Mat3x4>)> {
+    let repertoire = Repertoire::new(tables);
+    let frames: Vec<u32> = (0..tables.frames().len() as u32).collect();
+    let ratios = vec![0.0; frames.len()];
+    let mut matrices = vec![Mat3x4::default(); frames.len() * NUM_JOINTS];
+    SampleJob { repertoire: &repertoire, frames: &frames, ratios: &ratios, matrices: &mut matrices }
+        .run()
+        .expect("a batch of poses");
+    let root = |f: usize| {
+        let [x, z, heading] = tables.frames()[f].planar;
+        Planar::new(x, z, heading)
+    };
+    matrices.chunks(NUM_JOINTS).enumerate().map(|(f, m)| (root(f), m.to_vec())).collect()
+}
+
+/// Every sampled joint is within `tolerance` of where the clips have it. [Unit: m]
+fn assert_same_motion(tables: &Tables, set: &ClipSet, tolerance: f32) {
+    let poses = sampled(tables);
+    assert_eq!((poses.len(), tables.clips().len()), (set.num_frames(), set.clips.len()));
+    for (clip, record) in set.clips.iter().zip(tables.clips()) {
+        for f in 0..clip.num_frames() {
+            let (root, pose) = &poses[record.first_frame as usize + f];
+            let wanted = clip.joint_positions(&set.skeleton, f);
+            for j in Joint::ALL {
+                let at = root.translation() + root.rotation() * pose[j.index()].translation();
+                let apart = at.distance(wanted[j.index()]);
+                assert!(apart < tolerance, "{} frame {f} {}: {apart} m", clip.name, j.name());
+            }
+        }
+    }
+}
+
+#[test]
+fn sampled_poses_are_those_of_the_retargeted_clips() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let (clips, out) = (folder.path().join("clips"), folder.path().join("a.throng"));
+    write_clips(&clips, 0.6);
+    let mut config = small_config(vec![clips.clone()]);
+    config.resample.mirror = true;
+    build(&config, &out, &Cache::none());
+    let tables = Tables::open(&out).expect("the bundle opens");
+
+    let raw = read(&[clips], &ImportConfig::default(), &Silent).expect("clips");
+    let set = onto(&raw.clips, &RetargetConfig::default(), &mut Warnings::default()).expect("bodies");
+    let set = resample(&set, &ResampleConfig { mirror: true, ..ResampleConfig::default() });
+    let set = annotate(&set, &AnnotateConfig::default(), &Sidecars::default()).expect("annotated");
+    assert_same_motion(&tables, &set, 1e-3);
+    let starts = set.frame_starts();
+    for (c, clip) in set.clips.iter().enumerate() {
+        assert_eq!(tables.meta().clips[c].name, clip.name);
+        for f in 0..clip.num_frames() {
+            let row = tables.frames()[starts[c] as usize + f];
+            let (root, wanted) = (Planar::new(row.planar[0], row.planar[1], row.planar[2]), clip.planar(f));
+            let apart = wanted.to_local(root);
+            let turned = throng_runtime::planar::wrap_angle(apart.heading);
+            assert!(apart.x.hypot(apart.z) < 1e-4 && turned.abs() < 1e-4, "{} frame {f}: {apart:?}", clip.name);
+            assert_eq!(tables.contacts()[starts[c] as usize + f], clip.contacts[f], "{} frame {f}", clip.name);
+        }
+    }
+}
+
+#[test]
+fn sampled_poses_are_those_that_were_made() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let (clips, out) = (folder.path().join("clips"), folder.path().join("a.throng"));
+    let made = synth::write_walk(&SynthConfig { minutes: 0.6, clip_seconds: 15.0, ..Default::default() }, &clips);
+    let mut config = small_config(vec![clips]);
+    config.resample.mirror = false;
+    build(&config, &out, &Cache::none());
+    let tables = Tables::open(&out).expect("the bundle opens");
+    // Through a file, units of its own and the detection of both, and onto the ground.
+    assert_same_motion(&tables, &made.expect("clips"), 0.02);
+}
+
+#[test]
+fn segments_lead_from_state_to_state() {
+    let tables = common::tables();
+    let (graph, frames) = (tables.graph(), tables.frames());
+    let root = |f: u32| {
+        let [x, z, heading] = frames[f as usize].planar;
+        Planar::new(x, z, heading)
+    };
+    for (i, s) in graph.segments.iter().enumerate() {
+        let last = s.start + s.num_frames;
+        assert_eq!(last, graph.states[s.end as usize].frame, "segment {i}");
+        let moved = root(s.start).compose(s.displacement()).to_local(root(last));
+        assert!(moved.x.hypot(moved.z) < 1e-3 && moved.heading.abs() < 1e-3, "segment {i}: {moved:?}");
+        let clip = &tables.clips()[s.clip as usize];
+        let excluded = &tables.meta().clips[s.clip as usize].excluded;
+        for (why, from, to) in excluded {
+            let (from, to) = (clip.first_frame + from, clip.first_frame + to);
+            assert!(last < from || s.start >= to, "segment {i} plays frames left out as {why}");
+        }
+    }
+    for state in 0..graph.states.len() as u32 {
+        assert!(!graph.segments_of(state).is_empty(), "state {state} is a dead end");
+    }
+}
+
+/// A crowd reaches its targets on feet that stand.
+fn assert_crowd_arrives(bundle: &Path) {
+    let tables = Tables::open(bundle).expect("the bundle opens");
+    let config = TrialConfig { characters: 100, recorded: usize::MAX, ..TrialConfig::default() };
+    let (report, record) = trial::run(&tables, &config).expect("a trial");
+    assert!(report.reached_fraction > 0.95, "{report:?}");
+    assert!(report.foot_slip_p95_mps < 0.15, "{report:?}");
+    // What the report says, counted again: everybody who arrived has covered the way.
+    let arrived = record.arrivals_s.iter().filter(|t| **t <= 15.0).count();
+    assert_eq!(arrived as f64 / 100.0, report.reached_fraction);
+    for (trail, target) in record.trails.iter().zip(&record.targets) {
+        let way = trail[0].distance(glam::Vec2::new(target.x, target.z));
+        assert!((1.9..6.1).contains(&way), "a target {way} m away at the start");
+    }
+}
+
+#[test]
+fn a_synthetic_crowd_reaches_its_targets() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let (clips, out) = (folder.path().join("clips"), folder.path().join("a.throng"));
+    synth::write_walk(&SynthConfig { minutes: 3.0, ..SynthConfig::default() }, &clips).expect("clips");
+    let mut config = BuildConfig::new("crowd", vec![clips]);
+    config.resample.mirror = true;
+    config.policy.compare_samples = 100;
+    build(&config, &out, &Cache::none());
+    assert_crowd_arrives(&out);
+}
+
+#[test]
+fn a_crowd_of_recorded_walkers_reaches_its_targets() {
+    let Some(mocap) = mocap() else { return };
+    let config = Path::new(env!("CARGO_MANIFEST_DIR")).join("data/snu-walk.toml");
+    let mut config = BuildConfig::load(&config).expect("the config that comes with the project");
+    let of_file = |p: &PathBuf| mocap.join("snu/single").join(p.file_name().expect("a pattern"));
+    config.inputs = config.inputs.iter().map(of_file).collect();
+    config.policy.compare_samples = 100;
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let out = folder.path().join("snu.throng");
+    build(&config, &out, &Cache::none());
+    assert_crowd_arrives(&out);
+}
+
+#[test]
+fn an_unchanged_build_only_hashes_and_writes() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let (clips, out) = (folder.path().join("clips"), folder.path().join("a.throng"));
+    write_clips(&clips, 0.6);
+    let cache = Cache::in_folder(folder.path().join("cache"));
+    let mut config = small_config(vec![clips.clone()]);
+    let stages = |r: &throng_precompute::report::BuildReport| r.stage_s.keys().copied().collect::<Vec<_>>();
+    let bytes = || std::fs::read(&out).expect("the bundle can be read");
+
+    let first = build(&config, &out, &cache);
+    assert!(first.cached.is_empty());
+    assert_eq!(
+        stages(&first),
+        ["annotate", "features", "graph", "hash", "import", "policy", "resample", "retarget", "write"]
+    );
+    let made = bytes();
+    let second = build(&config, &out, &cache);
+    assert_eq!((stages(&second), second.cached), (vec!["hash", "write"], vec!["motion", "graph", "policy"]));
+    assert!(bytes() == made, "the second build wrote other bytes");
+    assert_eq!((second.states, second.policies.len()), (first.states, 1));
+
+    config.behaviours[0].scale = 2.0;
+    let other = build(&config, &out, &cache);
+    assert_eq!((stages(&other), other.cached), (vec!["hash", "policy", "write"], vec!["motion", "graph"]));
+    assert!(bytes() != made, "another behaviour left the bundle as it was");
+
+    config.graph.branching = 8.0;
+    let other = build(&config, &out, &cache);
+    assert_eq!((stages(&other), other.cached), (vec!["features", "graph", "hash", "policy", "write"], vec!["motion"]));
+
+    let clip = clips.join("walk_00.bvh");
+    let text = std::fs::read_to_string(&clip).expect("a clip");
+    std::fs::write(&clip, text + "\n").expect("a clip");
+    let other = build(&config, &out, &cache);
+    assert!(other.cached.is_empty(), "a changed clip was not read again: {:?}", other.cached);
+}
+
+#[test]
+fn ranges_left_out_in_sidecars_are_left_out_of_the_bundle() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let (clips, out) = (folder.path().join("clips"), folder.path().join("a.throng"));
+    write_clips(&clips, 1.0);
+    let cache = Cache::in_folder(folder.path().join("cache"));
+    let mut config = small_config(vec![clips.clone()]);
+    config.resample.mirror = true;
+    let all = build(&config, &out, &cache);
+    let sidecar = "unit = \"frames\"\nexclude = [[100, 160]]\n\n[[tags]]\nname = \"begin\"\nstart = 0\nend = 50\n";
+    std::fs::write(clips.join("walk_01.toml"), sidecar).expect("a sidecar");
+    let inline = Sidecar { exclude: vec![[5.0, 7.0]], ..Default::default() };
+    config.clips.insert("walk_02".into(), inline);
+    let some = build(&config, &out, &cache);
+    assert_eq!(some.excluded_frames.get("sidecar"), Some(&(2 * (60 + 60))), "{:?}", some.excluded_frames);
+    assert!(some.frames_in < all.frames_in);
+
+    let tables = Tables::open(&out).expect("the bundle opens");
+    let clip = |name: &str| tables.meta().clips.iter().position(|c| c.name == name).expect("the clip");
+    for (name, from, to) in [("walk_01", 100, 160), ("walk_02", 150, 210)] {
+        let at = clip(name);
+        let excluded = &tables.meta().clips[at].excluded;
+        assert!(excluded.contains(&("sidecar".into(), from, to)), "{name}: {excluded:?}");
+        let first = tables.clips()[at].first_frame;
+        for s in tables.graph().segments {
+            let last = s.start + s.num_frames;
+            assert!(last < first + from || s.start >= first + to, "a segment plays frames left out of {name}: {s:?}");
+        }
+    }
+    assert_eq!(tables.meta().clips[clip("walk_01")].tags, [("begin".into(), 0, 50)]);
+}
+
+#[test]
+fn one_bad_file_is_skipped_and_named() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let (clips, out) = (folder.path().join("clips"), folder.path().join("a.throng"));
+    write_clips(&clips, 0.6);
+    let whole = small_config(vec![clips.clone()]);
+    let clean = build(&whole, &out, &Cache::none());
+    let good = std::fs::read_to_string(clips.join("walk_00.bvh")).expect("a clip");
+    std::fs::write(clips.join("broken.bvh"), &good[..good.len() / 2]).expect("a clip");
+    let report = build(&whole, &out, &Cache::none());
+    assert_eq!((report.clips, report.frames_in), (clean.clips, clean.frames_in));
+    assert!(matches!(&report.skipped[..], [s] if s.contains("broken.bvh")), "{:?}", report.skipped);
+
+    let before = std::fs::read(&out).expect("the bundle can be read");
+    let mut strict = whole;
+    strict.import.strict = true;
+    let e = pipeline::build(&strict, &out, &Cache::none(), &Silent).expect_err("a broken file");
+    assert!(matches!(e, BuildError::Import(_)) && e.to_string().contains("broken.bvh:"), "{e}");
+    assert!(std::fs::read(&out).expect("the bundle can be read") == before, "a failed build changed the old bundle");
+}
+
+#[test]
+fn too_little_motion_is_an_error_that_says_so() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let (clips, out) = (folder.path().join("clips"), folder.path().join("a.throng"));
+    write_clips(&clips, 0.1);
+    let mut config = small_config(vec![clips]);
+    let all_but_a_little = Sidecar { exclude: vec![[4.0, f64::INFINITY]], ..Sidecar::default() };
+    config.clips = (0..10).map(|i| (format!("walk_0{i}"), all_but_a_little.clone())).collect();
+    config.clips.retain(|name, _| config.inputs[0].join(format!("{name}.bvh")).exists());
+    let e = pipeline::build(&config, &out, &Cache::none(), &Silent).expect_err("too little");
+    assert!(e.to_string().contains("less than graph.min_component_s = 10 s"), "{e}");
+    assert!(!out.exists(), "a failed build left a bundle");
+    let left = std::fs::read_dir(folder.path()).expect("the folder").count();
+    assert_eq!(left, 1, "only the clips are there");
+}
