@@ -97,6 +97,11 @@ impl Lanes for Array {
     }
 
     #[inline(always)]
+    fn integers(a: &[i16; LANES]) -> Self {
+        Self(a.map(f32::from))
+    }
+
+    #[inline(always)]
     fn decode(rows: [&[i16; 4]; LANES]) -> [Self; 4] {
         std::array::from_fn(|i| Self(std::array::from_fn(|j| f32::from(rows[j][i]))))
     }

@@ -119,6 +119,11 @@ impl Lanes for Avx2 {
     }
 
     #[inline(always)]
+    fn integers(a: &[i16; LANES]) -> Self {
+        Self(avx!(_mm256_cvtepi32_ps(_mm256_cvtepi16_epi32(_mm_loadu_si128(a.as_ptr().cast())))))
+    }
+
+    #[inline(always)]
     fn decode(rows: [&[i16; 4]; LANES]) -> [Self; 4] {
         let (xy, zw) = interleave(rows[0], rows[1], rows[2], rows[3]);
         let (xy_high, zw_high) = interleave(rows[4], rows[5], rows[6], rows[7]);

@@ -53,6 +53,9 @@ pub(crate) trait Lanes:
     /// Four integers of each lane as floats: element i of the result holds component i of every lane.
     fn decode(rows: [&[i16; 4]; LANES]) -> [Self; 4];
 
+    /// Eight integers as floats.
+    fn integers(a: &[i16; LANES]) -> Self;
+
     /// From an array.
     #[inline(always)]
     fn from_array(a: [f32; LANES]) -> Self {
@@ -104,6 +107,7 @@ mod tests {
         a: [f32; LANES],
         b: [f32; LANES],
         codes: [[i16; 4]; LANES],
+        integers: [i16; LANES],
     }
 
     impl Work for Everything {
@@ -128,6 +132,7 @@ mod tests {
                 sin,
                 cos,
             ];
+            out.push(F::integers(&self.integers));
             out.extend(F::decode(self.codes.each_ref()));
             let mut out: Vec<[f32; LANES]> = out.into_iter().map(F::to_array).collect();
             let rows = F::rows([x, y, x + y, x - y]);
@@ -143,14 +148,15 @@ mod tests {
     proptest! {
         #[test]
         fn registers_and_arrays_give_the_same_bits(
-            a in eight(), b in eight(), codes in prop::array::uniform8(prop::array::uniform4(any::<i16>()))
+            a in eight(), b in eight(), codes in prop::array::uniform8(prop::array::uniform4(any::<i16>())),
+            integers in prop::array::uniform8(any::<i16>())
         ) {
-            let plain = Everything { a, b, codes }.run::<Array>();
-            let widest = dispatch(Everything { a, b, codes });
+            let plain = Everything { a, b, codes, integers }.run::<Array>();
+            let widest = dispatch(Everything { a, b, codes, integers });
             let bits = |v: &[[f32; LANES]]| v.iter().flatten().map(|f| f.to_bits()).collect::<Vec<_>>();
             prop_assert_eq!(bits(&plain), bits(&widest));
-            prop_assert_eq!(plain[16][3], f32::from(codes[3][2]));
-            prop_assert_eq!(plain[18][..4].to_vec(), vec![a[0], b[0], a[0] + b[0], a[0] - b[0]]);
+            prop_assert_eq!(plain[17][3], f32::from(codes[3][2]));
+            prop_assert_eq!(plain[19][..4].to_vec(), vec![a[0], b[0], a[0] + b[0], a[0] - b[0]]);
         }
     }
 }

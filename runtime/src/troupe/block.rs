@@ -11,6 +11,37 @@ pub(crate) type Lane = [f32; LANES];
 /// A vector of each of eight characters: x, y, z.
 pub(crate) type Lane3 = [Lane; 3];
 
+/// A vector of each character in short integers.
+pub(crate) type Code3 = [[i16; LANES]; 3];
+
+/// Codes of a rotation offset a unit: modified Rodrigues parameters are at most 1.
+pub(crate) const ROTATION_CODES: f32 = 32767.0;
+/// Codes of their rate of change a unit: up to 16, which is 64 rad/s; what is faster is cut off.
+pub(crate) const VELOCITY_CODES: f32 = 2048.0;
+
+/// Puts the vector of one lane in codes.
+pub(crate) fn encode(v: &mut Code3, lane: usize, codes: f32, to: Vec3) {
+    for (axis, value) in v.iter_mut().zip(to.to_array()) {
+        axis[lane] = (value * codes).round().clamp(-32767.0, 32767.0) as i16;
+    }
+}
+
+/// The vector of one lane of codes.
+pub(crate) fn decode(v: &Code3, lane: usize, codes: f32) -> Vec3 {
+    Vec3::new(f32::from(v[0][lane]), f32::from(v[1][lane]), f32::from(v[2][lane])) / codes
+}
+
+/// Loads the codes of all lanes as floats.
+#[inline(always)]
+pub(crate) fn load_codes<F: Lanes>(v: &Code3) -> V<F> {
+    V::new(F::integers(&v[0]), F::integers(&v[1]), F::integers(&v[2]))
+}
+
+/// The vector of one lane.
+pub(crate) fn get(v: &Lane3, lane: usize) -> Vec3 {
+    Vec3::new(v[0][lane], v[1][lane], v[2][lane])
+}
+
 /// Puts the vector of one lane.
 pub(crate) fn set(v: &mut Lane3, lane: usize, to: Vec3) {
     for (axis, value) in v.iter_mut().zip(to.to_array()) {
@@ -35,11 +66,12 @@ pub(crate) fn store<F: Lanes>(v: &mut Lane3, from: V<F>) {
 /// The inertial offsets of the last transition: what the pose differed by, and how fast that changed.
 ///
 /// Rotation offsets are modified Rodrigues parameters, applied on the parent's side; their velocities are per second.
+/// Both are kept as short integers, which halves what a step reads.
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(64))]
 pub(crate) struct Offsets {
-    pub rotation: [Lane3; NUM_JOINTS],
-    pub rotation_velocity: [Lane3; NUM_JOINTS],
+    pub rotation: [Code3; NUM_JOINTS],
+    pub rotation_velocity: [Code3; NUM_JOINTS],
     /// Of the hips, in model space. [Unit: m, m/s]
     pub root: Lane3,
     pub root_velocity: Lane3,
@@ -47,8 +79,8 @@ pub(crate) struct Offsets {
 
 impl Offsets {
     pub const ZERO: Self = Self {
-        rotation: [[[0.0; LANES]; 3]; NUM_JOINTS],
-        rotation_velocity: [[[0.0; LANES]; 3]; NUM_JOINTS],
+        rotation: [[[0; LANES]; 3]; NUM_JOINTS],
+        rotation_velocity: [[[0; LANES]; 3]; NUM_JOINTS],
         root: [[0.0; LANES]; 3],
         root_velocity: [[0.0; LANES]; 3],
     };

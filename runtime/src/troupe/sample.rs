@@ -1,6 +1,6 @@
 //! Sampling: from frame rows to local rotations of eight characters, with the transition's offsets decaying.
 
-use super::block::{Block, load};
+use super::block::{Block, ROTATION_CODES, VELOCITY_CODES, load, load_codes};
 use crate::format::FrameRow;
 use crate::lanes::{Functions, LANES, Lanes, Q, V};
 use crate::skeleton::NUM_JOINTS;
@@ -102,7 +102,11 @@ pub(crate) fn add_offsets<F: Lanes>(pose: &mut LanePose<F>, block: &Block, half_
     let decay = Decay::new(F::load(&block.age_s), half_life_s);
     let o = &block.offsets;
     pose.root = pose.root + decay.apply(load(&o.root), load(&o.root_velocity));
+    let decay = Decay {
+        position: decay.position * F::splat(1.0 / ROTATION_CODES),
+        velocity: decay.velocity * F::splat(1.0 / VELOCITY_CODES),
+    };
     for (q, (x, v)) in pose.rotations.iter_mut().zip(o.rotation.iter().zip(&o.rotation_velocity)) {
-        *q = Q::from_mrp(decay.apply(load(x), load(v))) * *q;
+        *q = Q::from_mrp(decay.apply(load_codes(x), load_codes(v))) * *q;
     }
 }

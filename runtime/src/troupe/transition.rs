@@ -4,7 +4,7 @@
 //! height, and all velocities (inertialisation after Bollo, *Inertialization: High-Performance Animation
 //! Transitions in 'Gears of War'*, 2018, with a critically damped spring in place of its polynomial).
 
-use super::block::{Block, load, set};
+use super::block::{Block, ROTATION_CODES, VELOCITY_CODES, decode, encode, get, load, set, store};
 use super::sample::Decay;
 use crate::format::FrameRow;
 use crate::lanes::{LANES, Lanes, Q, V, Work, dispatch};
@@ -63,7 +63,10 @@ fn start_lanes<F: Lanes>(Start { group, frames, rate_hz, half_life_s, blocks }: 
     let rate = F::splat(rate_hz);
 
     for j in 0..NUM_JOINTS {
-        let (x, v) = gather(group, blocks, |b| (&b.offsets.rotation[j], &b.offsets.rotation_velocity[j]));
+        let (x, v) = gather(group, blocks, |b, lane| {
+            let o = &b.offsets;
+            (decode(&o.rotation[j], lane, ROTATION_CODES), decode(&o.rotation_velocity[j], lane, VELOCITY_CODES))
+        });
         let (q_before, q_last) = (rotation(&before, j), rotation(&last, j));
         let (q_first, q_after) = (rotation(&first, j), rotation(&after, j));
         let shown = Q::from_mrp(old.apply(x, v)) * q_last;
@@ -71,16 +74,20 @@ fn start_lanes<F: Lanes>(Start { group, frames, rate_hz, half_life_s, blocks }: 
         let old_velocity = (q_last * q_before.conjugate()).to_mrp();
         let new_velocity = (q_after * q_first.conjugate()).to_mrp();
         let velocity = (old_velocity - new_velocity) * rate + old_rate.apply(x, v);
-        scatter(group, blocks, |b| &mut b.offsets.rotation[j], offset);
-        scatter(group, blocks, |b| &mut b.offsets.rotation_velocity[j], velocity);
+        scatter(group, blocks, offset, velocity, |b, lane, x, v| {
+            encode(&mut b.offsets.rotation[j], lane, ROTATION_CODES, x);
+            encode(&mut b.offsets.rotation_velocity[j], lane, VELOCITY_CODES, v);
+        });
     }
-    let (x, v) = gather(group, blocks, |b| (&b.offsets.root, &b.offsets.root_velocity));
+    let (x, v) = gather(group, blocks, |b, lane| (get(&b.offsets.root, lane), get(&b.offsets.root_velocity, lane)));
     let zero = F::splat(0.0);
     let height = |r: &[&FrameRow; LANES]| r.map(|r| r.height);
     let offset = old.apply(x, v) + V::new(zero, F::load(&height(&last)) - F::load(&height(&first)), zero);
     let velocity = (root_step(&before, &last) - root_step(&first, &after)) * rate + old_rate.apply(x, v);
-    scatter(group, blocks, |b| &mut b.offsets.root, offset);
-    scatter(group, blocks, |b| &mut b.offsets.root_velocity, velocity);
+    scatter(group, blocks, offset, velocity, |b, lane, x, v| {
+        set(&mut b.offsets.root, lane, x);
+        set(&mut b.offsets.root_velocity, lane, v);
+    });
 }
 
 #[inline(always)]
@@ -100,16 +107,13 @@ fn root_step<F: Lanes>(from: &[&FrameRow; LANES], to: &[&FrameRow; LANES]) -> V<
     V::new(F::from_array(step.map(|s| s.x)), F::from_array(step.map(|s| s.y)), F::from_array(step.map(|s| s.z)))
 }
 
-type Pair<'a> = (&'a super::block::Lane3, &'a super::block::Lane3);
-
 #[inline(always)]
-fn gather<F: Lanes>(group: &[Change], blocks: &[Block], of: impl Fn(&Block) -> Pair<'_>) -> (V<F>, V<F>) {
+fn gather<F: Lanes>(group: &[Change], blocks: &[Block], of: impl Fn(&Block, usize) -> (Vec3, Vec3)) -> (V<F>, V<F>) {
     let (mut x, mut v) = ([[0.0; LANES]; 3], [[0.0; LANES]; 3]);
     for (l, c) in group.iter().enumerate() {
-        let (from_x, from_v) = of(&blocks[c.character as usize / LANES]);
-        let lane = c.character as usize % LANES;
-        set(&mut x, l, Vec3::new(from_x[0][lane], from_x[1][lane], from_x[2][lane]));
-        set(&mut v, l, Vec3::new(from_v[0][lane], from_v[1][lane], from_v[2][lane]));
+        let (from_x, from_v) = of(&blocks[c.character as usize / LANES], c.character as usize % LANES);
+        set(&mut x, l, from_x);
+        set(&mut v, l, from_v);
     }
     (load(&x), load(&v))
 }
@@ -118,12 +122,14 @@ fn gather<F: Lanes>(group: &[Change], blocks: &[Block], of: impl Fn(&Block) -> P
 fn scatter<F: Lanes>(
     group: &[Change],
     blocks: &mut [Block],
-    of: impl Fn(&mut Block) -> &mut super::block::Lane3,
     value: V<F>,
+    rate: V<F>,
+    put: impl Fn(&mut Block, usize, Vec3, Vec3),
 ) {
-    let (x, y, z) = (value.x.to_array(), value.y.to_array(), value.z.to_array());
+    let (mut x, mut v) = ([[0.0; LANES]; 3], [[0.0; LANES]; 3]);
+    store(&mut x, value);
+    store(&mut v, rate);
     for (l, c) in group.iter().enumerate() {
-        let b = &mut blocks[c.character as usize / LANES];
-        set(of(b), c.character as usize % LANES, Vec3::new(x[l], y[l], z[l]));
+        put(&mut blocks[c.character as usize / LANES], c.character as usize % LANES, get(&x, l), get(&v, l));
     }
 }
