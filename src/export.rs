@@ -61,7 +61,7 @@ fn clip(args: &Args) -> Outcome {
     let imported = read_clip(&args.file, &config)?;
     let raw = if args.retargeted {
         let clips = retarget::onto(std::slice::from_ref(&imported), &Default::default(), &mut Warnings::default())?;
-        let clips = resample::resample(&clips, &Default::default());
+        let clips = resample::resample(&clips, &Default::default())?;
         let clips = annotate::annotate(&clips, &Default::default(), &Default::default())?;
         retarget::to_raw(&clips.clips[0], &clips.skeleton)
     } else {

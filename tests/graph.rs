@@ -369,7 +369,7 @@ fn captured_walks_and_runs_turn_both_ways_everywhere() {
     let paths = ["walk_*.amc", "run_*.amc"].map(|p| root.join("snu/single").join(p));
     let imported = import::read(&paths, &ImportConfig::default(), &Silent).unwrap();
     let clips = retarget::onto(&imported.clips, &RetargetConfig::default(), &mut Warnings::default()).unwrap();
-    let clips = resample::resample(&clips, &ResampleConfig::default());
+    let clips = resample::resample(&clips, &ResampleConfig::default()).unwrap();
     let clips = annotate::annotate(&clips, &AnnotateConfig::default(), &Sidecars::default()).unwrap();
     let config = GraphConfig::default();
     let (graph, report, features) = connect(&clips, &config).unwrap();

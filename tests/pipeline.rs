@@ -64,7 +64,7 @@ fn sampled_poses_are_those_of_the_retargeted_clips() {
 
     let raw = read(&[clips], &ImportConfig::default(), &Silent).expect("clips");
     let set = onto(&raw.clips, &RetargetConfig::default(), &mut Warnings::default()).expect("bodies");
-    let set = resample(&set, &ResampleConfig { mirror: true, ..ResampleConfig::default() });
+    let set = resample(&set, &ResampleConfig { mirror: true, ..ResampleConfig::default() }).unwrap();
     let set = annotate(&set, &AnnotateConfig::default(), &Sidecars::default()).expect("annotated");
     assert_same_motion(&tables, &set, 1e-3);
     let starts = set.frame_starts();

@@ -56,7 +56,7 @@ fn walking_stands_on_each_foot_a_bit_more_than_half_the_time() {
         ["snu/single/walk_straight_*.amc", "snu/single/walk_*_90degree*.amc", "bandai-1/*_walk_normal_*.bvh"];
     let Some(clips) = clips(&patterns) else { return };
     let set = onto(&clips, &RetargetConfig::default(), &mut Warnings::default()).expect("bodies");
-    let set = resample(&set, &ResampleConfig { rate_hz: 30.0, mirror: true });
+    let set = resample(&set, &ResampleConfig { rate_hz: 30.0, mirror: true }).unwrap();
     let set = annotate(&set, &AnnotateConfig::default(), &Sidecars::default()).expect("annotated");
     for clip in &set.clips {
         let s = sanity(clip, &set.skeleton);
@@ -71,7 +71,7 @@ fn walking_stands_on_each_foot_a_bit_more_than_half_the_time() {
 fn t_poses_of_real_clips_are_left_out_and_motion_is_kept() {
     let Some(clips) = clips(&["snu/single/walk_straight*.amc", "snu/single/run_straight*.amc"]) else { return };
     let set = onto(&clips, &RetargetConfig::default(), &mut Warnings::default()).expect("bodies");
-    let set = resample(&set, &ResampleConfig { rate_hz: 30.0, mirror: false });
+    let set = resample(&set, &ResampleConfig { rate_hz: 30.0, mirror: false }).unwrap();
     let set = annotate(&set, &AnnotateConfig::default(), &Sidecars::default()).expect("annotated");
     for clip in &set.clips {
         let (first, last) = (&clip.excluded[0], &clip.excluded[clip.excluded.len() - 1]);

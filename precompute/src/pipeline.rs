@@ -30,7 +30,7 @@ pub fn build(cfg: &BuildConfig, out: &Path, cache: &Cache, progress: &dyn Progre
         let raw = s.run("import", |p| Ok(import::read(&cfg.inputs, &cfg.import, p)?))?;
         let mut warnings = report::of_import(&raw);
         let clips = s.run("retarget", |_| retarget::onto(&raw.clips, &cfg.retarget, &mut warnings))?;
-        let clips = s.run("resample", |_| Ok(resample::resample(&clips, &cfg.resample)))?;
+        let clips = s.run("resample", |_| resample::resample(&clips, &cfg.resample))?;
         let marks = annotate::Sidecars::collect(&raw, &clips, &cfg.clips)?;
         let clips = s.run("annotate", |_| annotate::annotate(&clips, &cfg.annotate, &marks))?;
         Ok(Motion { clips, skipped: report::of_skipped(&raw), warnings })

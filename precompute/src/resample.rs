@@ -1,6 +1,7 @@
 //! Clips at one rate, and their mirrored copies.
 
 use crate::clip::{Clip, ClipSet, Exclusion, FrameRange, Tag};
+use crate::error::BuildError;
 use crate::mirror::mirror;
 use glam::Quat;
 use rayon::prelude::*;
@@ -31,7 +32,14 @@ impl Default for ResampleConfig {
 /// is filtered: optical motion capture holds next to nothing above 15 Hz.
 /// Clips keep their first frame; the last one is the last that lies within the clip. Contacts are the nearest
 /// frame's; exclusions and tags keep their times.
-pub fn resample(clips: &ClipSet, cfg: &ResampleConfig) -> ClipSet {
+///
+/// # Errors
+/// [`BuildError::Config`] for a rate outside its limits.
+pub fn resample(clips: &ClipSet, cfg: &ResampleConfig) -> Result<ClipSet, BuildError> {
+    if !(1.0..=1000.0).contains(&cfg.rate_hz) {
+        let message = format!("resample.rate_hz: expected 1 to 1000, found {}. Correct it in the config.", cfg.rate_hz);
+        return Err(BuildError::Config { message });
+    }
     let per_clip: Vec<Vec<Clip>> = clips
         .clips
         .par_iter()
@@ -45,7 +53,7 @@ pub fn resample(clips: &ClipSet, cfg: &ResampleConfig) -> ClipSet {
             }
         })
         .collect();
-    ClipSet { skeleton: clips.skeleton.clone(), clips: per_clip.into_iter().flatten().collect() }
+    Ok(ClipSet { skeleton: clips.skeleton.clone(), clips: per_clip.into_iter().flatten().collect() })
 }
 
 /// One clip at another rate.
@@ -130,15 +138,24 @@ mod tests {
     }
 
     #[test]
+    fn a_rate_that_cannot_be_is_refused() {
+        for rate_hz in [0.0, -30.0, f64::NAN, 1e9] {
+            let cfg = ResampleConfig { rate_hz, mirror: false };
+            let e = resample(&set(steady(30.0, 10, 1.0, 1.0)), &cfg).unwrap_err();
+            assert!(e.to_string().contains("rate_hz"), "{e}");
+        }
+    }
+
+    #[test]
     fn an_unchanged_rate_changes_nothing() {
         let s = set(steady(30.0, 50, 1.0, 1.0));
-        assert_eq!(resample(&s, &ResampleConfig { rate_hz: 30.0, mirror: false }), s);
+        assert_eq!(resample(&s, &ResampleConfig { rate_hz: 30.0, mirror: false }).unwrap(), s);
     }
 
     #[test]
     fn every_fourth_frame_of_120_hz_is_taken_as_it_is() {
         let s = set(steady(120.0, 121, 1.0, 1.0));
-        let r = resample(&s, &ResampleConfig { rate_hz: 30.0, mirror: false });
+        let r = resample(&s, &ResampleConfig { rate_hz: 30.0, mirror: false }).unwrap();
         assert_eq!(r.clips[0].num_frames(), 31);
         for f in 0..31 {
             assert_eq!(r.clips[0].root_positions[f], s.clips[0].root_positions[4 * f]);
@@ -151,7 +168,8 @@ mod tests {
     #[test]
     fn steady_motion_stays_steady_at_any_rate() {
         for rate in [24.0, 25.0, 30.0, 59.94, 60.0, 100.0] {
-            let r = resample(&set(steady(rate, 200, 1.3, 2.0)), &ResampleConfig { rate_hz: 30.0, mirror: false });
+            let r =
+                resample(&set(steady(rate, 200, 1.3, 2.0)), &ResampleConfig { rate_hz: 30.0, mirror: false }).unwrap();
             let c = &r.clips[0];
             for f in 0..c.num_frames() {
                 let t = f as f32 / 30.0;
@@ -169,7 +187,7 @@ mod tests {
         for q in clip.rotations.iter_mut().skip(7 * NUM_JOINTS) {
             *q = -*q;
         }
-        let r = resample(&set(clip), &ResampleConfig::default());
+        let r = resample(&set(clip), &ResampleConfig::default()).unwrap();
         assert_eq!(r.clips[1].name, "steady~mirror");
         for c in &r.clips {
             for f in 1..c.num_frames() {

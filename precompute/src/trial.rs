@@ -25,6 +25,8 @@ pub struct TrialConfig {
     pub distances: [f32; 2],
     /// A target counts as reached within this distance. [Unit: m]
     pub reach_m: f32,
+    /// When the crowd is drawn: while many are still on their way. [Unit: s]
+    pub snapshot_s: f32,
     /// Character whose poses are recorded.
     pub recorded: usize,
     /// How characters move.
@@ -40,6 +42,7 @@ impl Default for TrialConfig {
             seed: 1,
             distances: [2.0, 6.0],
             reach_m: 0.5,
+            snapshot_s: 3.5,
             recorded: 0,
             troupe: TroupeConfig::default(),
         }
@@ -76,15 +79,17 @@ pub struct TrialReport {
 /// What a trial leaves to be drawn.
 #[derive(Clone, Debug, Default)]
 pub struct TrialRecord {
-    /// Planar roots at the end, and where everybody started.
+    /// Time at which the crowd was recorded. [Unit: s]
+    pub snapshot_s: f32,
+    /// Planar roots then.
     pub roots: Vec<Planar>,
-    /// Where everybody went, five times a second. [Unit: m]
+    /// Where everybody had gone by then, five times a second. [Unit: m]
     pub trails: Vec<Vec<Vec2>>,
     /// Targets. [Unit: m]
     pub targets: Vec<Vec3>,
     /// When each target was reached; infinite where it was not. [Unit: s]
     pub arrivals_s: Vec<f32>,
-    /// World positions of all joints of everybody at the end. [Unit: m]
+    /// World positions of all joints of everybody then. [Unit: m]
     pub poses: Vec<[Vec3; NUM_JOINTS]>,
     /// The recorded character, every step.
     pub frames: Vec<TrialFrame>,
@@ -198,16 +203,15 @@ impl Watch {
 
     fn observe(&mut self, troupe: &Troupe, config: &TrialConfig, step: usize, dt: f32) {
         let time_s = step as f32 * dt;
-        let trail_every = (config.step_hz / 5.0).round().max(1.0) as usize;
+        if time_s <= config.snapshot_s.min(config.seconds) + 0.5 * dt {
+            self.follow(troupe, config, step, time_s, dt);
+        }
         for c in 0..config.characters {
             let root = troupe.root(c);
             let target = self.record.targets[c];
             let distance = (root.x - target.x).hypot(root.z - target.z);
             if distance < config.reach_m {
                 self.record.arrivals_s[c] = self.record.arrivals_s[c].min(time_s);
-            }
-            if step.is_multiple_of(trail_every) {
-                self.record.trails[c].push(Vec2::new(root.x, root.z));
             }
             self.measure_slip(troupe, c, dt);
         }
@@ -219,6 +223,21 @@ impl Watch {
                 contacts: troupe.contacts(c),
                 segment: troupe.segment(c).0,
             });
+        }
+    }
+
+    /// Grows the trails up to the snapshot, and takes it.
+    fn follow(&mut self, troupe: &Troupe, config: &TrialConfig, step: usize, time_s: f32, dt: f32) {
+        let trail_every = (config.step_hz / 5.0).round().max(1.0) as usize;
+        let (n, r) = (config.characters, &mut self.record);
+        let is_last = time_s + dt > config.snapshot_s.min(config.seconds) + 0.5 * dt;
+        if is_last || step.is_multiple_of(trail_every) {
+            r.roots = (0..n).map(|c| troupe.root(c)).collect();
+            r.trails.iter_mut().zip(&r.roots).for_each(|(t, p)| t.push(Vec2::new(p.x, p.z)));
+        }
+        if is_last {
+            r.snapshot_s = time_s;
+            r.poses = (0..n).map(|c| troupe.joint_positions(c)).collect();
         }
     }
 
@@ -236,18 +255,10 @@ impl Watch {
         }
     }
 
-    fn finish(
-        mut self,
-        troupe: &Troupe,
-        config: &TrialConfig,
-        steps: usize,
-        busy_s: f64,
-    ) -> (TrialReport, TrialRecord) {
+    fn finish(self, troupe: &Troupe, config: &TrialConfig, steps: usize, busy_s: f64) -> (TrialReport, TrialRecord) {
         let n = config.characters;
-        self.record.roots = (0..n).map(|c| troupe.root(c)).collect();
-        self.record.poses = (0..n).map(|c| troupe.joint_positions(c)).collect();
         let left = |c: usize| {
-            let (root, target) = (self.record.roots[c], self.record.targets[c]);
+            let (root, target) = (troupe.root(c), self.record.targets[c]);
             f64::from((root.x - target.x).hypot(root.z - target.z))
         };
         let arrived: Vec<f64> =

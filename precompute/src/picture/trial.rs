@@ -20,7 +20,12 @@ const NEAR_M: f32 = 13.0;
 /// walks most, side by side and along its way.
 pub fn trial_sheet(tables: &Tables, config: &TrialConfig, report: &TrialReport, record: &TrialRecord) -> Picture {
     let characters = characters(record);
-    let title = format!("{}: {} characters, each with a target of its own", tables.meta().name, report.characters);
+    let title = format!(
+        "{}: {} characters, each with a target of its own, after {:.1} s",
+        tables.meta().name,
+        report.characters,
+        record.snapshot_s
+    );
     let subtitle = format!(
         "{:.1} % came within {} m of it in {:.0} s, after {:.1} s on average; planted feet slip {:.0} mm/s (95th percentile)",
         100.0 * report.reached_fraction,
@@ -75,7 +80,7 @@ fn characters(record: &TrialRecord) -> Vec<CrowdCharacter<'_>> {
         trail: record.trails.get(c).map_or(&[], Vec::as_slice),
         target: record.targets.get(c).map(|t| Vec2::new(t.x, t.z)),
         arrival: match record.arrivals_s.get(c) {
-            Some(t) if t.is_finite() => Arrival::Reached,
+            Some(&t) if t <= record.snapshot_s => Arrival::Reached,
             _ => Arrival::OnTheWay,
         },
     };
