@@ -7,14 +7,37 @@ use super::reward::Reward;
 use super::table::{PolicyTable, SegmentRecord};
 use crate::lanes::{LANES, Lanes};
 
-/// The segments of eight lanes, field by field as in [`SegmentRecord`].
-#[derive(Clone, Copy)]
-pub(super) struct Motion<F> {
-    displacement: [F; 4],
-    inner: [F; 4],
-    weights: [F; 4],
-    /// Heights of the two inner samples, the discount, and the bits of the state at the end.
-    rest: [F; 4],
+/// The segments of eight lanes. Fields are loaded where they are used, as they are more than fit the registers.
+pub(super) trait Motions<F>: Copy {
+    /// Four fields in the order of [`SegmentRecord`]: the displacement, the inner samples, the weights, or the heights
+    /// of the inner samples with the discount and the bits of the state at the end.
+    fn quarter(self, k: usize) -> [F; 4];
+}
+
+/// A segment for each lane.
+impl<F: Lanes> Motions<F> for &[&SegmentRecord; LANES] {
+    #[inline(always)]
+    fn quarter(self, k: usize) -> [F; 4] {
+        F::columns([
+            &self[0].quarters()[k],
+            &self[1].quarters()[k],
+            &self[2].quarters()[k],
+            &self[3].quarters()[k],
+            &self[4].quarters()[k],
+            &self[5].quarters()[k],
+            &self[6].quarters()[k],
+            &self[7].quarters()[k],
+        ])
+    }
+}
+
+/// One segment for all lanes.
+impl<F: Lanes> Motions<F> for &SegmentRecord {
+    #[inline(always)]
+    fn quarter(self, k: usize) -> [F; 4] {
+        let [a, b, c, d] = self.quarters()[k];
+        [F::splat(a), F::splat(b), F::splat(c), F::splat(d)]
+    }
 }
 
 /// Targets of eight lanes in the frame of the start.
@@ -27,77 +50,50 @@ pub(super) struct Targets<F> {
     pub start_kernel: F,
 }
 
-/// What the backup of eight lanes needs: `reward + discount * place.scale * interpolated value`.
-pub(super) struct Backup<F> {
-    pub reward: F,
-    pub place: Place<F>,
+/// Rewards, and places after the segments. A backup is reward + discount * interpolated value, which has the scale.
+#[inline(always)]
+pub(super) fn back_up<F: Lanes, const POLAR: bool>(
+    grid: &TargetGrid,
+    reward: &Reward,
+    motions: impl Motions<F>,
+    target: &Targets<F>,
+) -> (F, Place<F>) {
+    let [c, s, x, z] = motions.quarter(0);
+    let (dx, dz) = (target.x - x, target.z - z);
+    let distance = (dx * dx + dz * dz).sqrt();
+    let place = grid.place::<F, POLAR>(c * dx - s * dz, s * dx + c * dz, distance);
+    (rewards::<F, POLAR>(reward, motions, target, distance), place)
 }
 
-impl<F: Lanes> Motion<F> {
-    /// A segment for each lane.
-    #[inline(always)]
-    pub fn of_each(records: &[&SegmentRecord; LANES]) -> Self {
-        let quarter = |k: usize| records.map(|r| &bytemuck::cast_ref::<SegmentRecord, [[f32; 4]; 4]>(r)[k]);
-        Self {
-            displacement: F::columns(quarter(0)),
-            inner: F::columns(quarter(1)),
-            weights: F::columns(quarter(2)),
-            rest: F::columns(quarter(3)),
-        }
+/// See [`Reward`].
+#[inline(always)]
+fn rewards<F: Lanes, const POLAR: bool>(
+    reward: &Reward,
+    motions: impl Motions<F>,
+    target: &Targets<F>,
+    end_distance: F,
+) -> F {
+    let [x0, z0, x1, z1] = motions.quarter(1);
+    let mut first = squared(target.x - x0, target.z - z0);
+    let mut second = squared(target.x - x1, target.z - z1);
+    if !POLAR {
+        let [y0, y1, ..] = motions.quarter(3);
+        first = first + (target.y - y0) * (target.y - y0);
+        second = second + (target.y - y1) * (target.y - y1);
     }
+    let [start_weight, first_weight, second_weight, end_weight] = motions.quarter(2);
+    let first = first_weight * reward.kernels(first.sqrt());
+    let inner = reward.combined(first, second_weight * reward.kernels(second.sqrt()));
+    if !POLAR {
+        return inner;
+    }
+    let end = end_weight * reward.kernels(end_distance);
+    reward.combined(inner, reward.combined(start_weight * target.start_kernel, end))
+}
 
-    /// One segment for all lanes.
-    #[inline(always)]
-    pub fn of_all(record: &SegmentRecord) -> Self {
-        Self::of_each(&[record; LANES])
-    }
-
-    /// Discount to the power of the frames.
-    #[inline(always)]
-    pub fn discount(&self) -> F {
-        self.rest[2]
-    }
-
-    /// State at the end, as bits.
-    #[inline(always)]
-    pub fn end(&self) -> F {
-        self.rest[3]
-    }
-
-    /// Rewards, and places after the segments.
-    #[inline(always)]
-    pub fn back_up<const POLAR: bool>(&self, grid: &TargetGrid, reward: &Reward, target: &Targets<F>) -> Backup<F> {
-        let [c, s, x, z] = self.displacement;
-        let (dx, dz) = (target.x - x, target.z - z);
-        let distance = (dx * dx + dz * dz).sqrt();
-        let place = grid.place::<F, POLAR>(c * dx - s * dz, s * dx + c * dz, distance);
-        Backup { reward: self.reward::<POLAR>(reward, target, distance), place }
-    }
-
-    /// See [`Reward`].
-    #[inline(always)]
-    fn reward<const POLAR: bool>(&self, reward: &Reward, target: &Targets<F>, end_distance: F) -> F {
-        let first = self.sample::<POLAR>(reward, target, self.inner[0], self.rest[0], self.inner[1]);
-        let second = self.sample::<POLAR>(reward, target, self.inner[2], self.rest[1], self.inner[3]);
-        let inner = reward.combined(self.weights[1] * first, self.weights[2] * second);
-        if !POLAR {
-            return inner;
-        }
-        let end = self.weights[3] * reward.kernels(end_distance);
-        reward.combined(inner, reward.combined(self.weights[0] * target.start_kernel, end))
-    }
-
-    /// Kernel of the distance to an inner sample.
-    #[inline(always)]
-    fn sample<const POLAR: bool>(&self, reward: &Reward, target: &Targets<F>, x: F, y: F, z: F) -> F {
-        let (dx, dz) = (target.x - x, target.z - z);
-        let ground = dx * dx + dz * dz;
-        if POLAR {
-            return reward.kernels(ground.sqrt());
-        }
-        let dy = target.y - y;
-        reward.kernels((ground + dy * dy).sqrt())
-    }
+#[inline(always)]
+fn squared<F: Lanes>(x: F, z: F) -> F {
+    x * x + z * z
 }
 
 impl PolicyTable<'_> {

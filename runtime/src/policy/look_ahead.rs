@@ -1,6 +1,6 @@
 //! One-step look-ahead: all actions of a state by their reward and the value of where they lead (003 section 5).
 
-use super::backup::{Motion, Targets};
+use super::backup::{Motions, Targets, back_up};
 use super::error::PolicyJobError;
 use super::ranked::RankedActions;
 use super::table::{MAX_ACTIONS, PolicyTable};
@@ -128,18 +128,36 @@ impl PolicyTable<'_> {
         let Vec3 { x, y, z } = query.target;
         let start_kernel = F::splat(query.start_kernel);
         let targets = Targets { x: F::splat(x), y: F::splat(y), z: F::splat(z), start_kernel };
-        for (segments, scores) in segments.chunks(LANES).zip(scores) {
-            let last = segments.len() - 1;
-            let motion = Motion::<F>::of_each(&std::array::from_fn(|l| &self.segments[segments[l.min(last)] as usize]));
-            let b = motion.back_up::<POLAR>(&self.grid, &self.reward, &targets);
-            let mut value = self.values_at(motion.end(), &b.place, query.height_offsets[0]);
-            if !POLAR && query.height_ratio > 0.0 {
-                let high = self.values_at(motion.end(), &b.place, query.height_offsets[1]);
-                value = value + (high - value) * F::splat(query.height_ratio);
-            }
-            let score = b.reward + motion.discount() * value;
-            (F::load(scores) + F::splat(weight) * score).store(scores);
+        let (whole, rest) = segments.as_chunks::<LANES>();
+        for (segments, scores) in whole.iter().zip(&mut *scores) {
+            self.add_group::<F, POLAR>(segments, query, &targets, weight, scores);
         }
+        if let (Some(&last), Some(scores)) = (rest.last(), scores.get_mut(whole.len())) {
+            let mut segments = [last; LANES];
+            segments[..rest.len()].copy_from_slice(rest);
+            self.add_group::<F, POLAR>(&segments, query, &targets, weight, scores);
+        }
+    }
+
+    /// The same for eight actions.
+    #[inline(always)]
+    fn add_group<F: Lanes, const POLAR: bool>(
+        &self,
+        segments: &[u32; LANES],
+        query: &Query,
+        targets: &Targets<F>,
+        weight: f32,
+        scores: &mut [f32; LANES],
+    ) {
+        let records = &segments.map(|s| &self.segments[s as usize]);
+        let (reward, place) = back_up::<F, POLAR>(&self.grid, &self.reward, records, targets);
+        let [_, _, discount, end] = Motions::<F>::quarter(records, 3);
+        let mut value = self.values_at(end, &place, query.height_offsets[0]);
+        if !POLAR && query.height_ratio > 0.0 {
+            let high = self.values_at(end, &place, query.height_offsets[1]);
+            value = value + (high - value) * F::splat(query.height_ratio);
+        }
+        (F::load(scores) + F::splat(weight) * (reward + discount * value)).store(scores);
     }
 
     /// What does not depend on the action.

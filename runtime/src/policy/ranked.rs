@@ -1,5 +1,6 @@
 //! The few best actions of a look-ahead, and the choice among them.
 
+use super::maths::{greatest, least};
 use super::table::NO_ACTION;
 use crate::lanes::{LANES, Lanes};
 
@@ -37,8 +38,7 @@ impl RankedActions {
         for group in &*groups {
             most = most.max(F::load(group));
         }
-        let m = most.to_array();
-        let bound = m[0].max(m[4]).min(m[1].max(m[5])).min(m[2].max(m[6]).min(m[3].max(m[7])));
+        let bound = fourth(&most.to_array());
         let mut keys = [key(f32::NEG_INFINITY, NO_ACTION); MAX_RANKED];
         for (first, groups) in groups.chunks(8).enumerate() {
             let mut candidates = 0u64;
@@ -78,6 +78,26 @@ impl RankedActions {
         }
         self.actions[0]
     }
+}
+
+/// The fourth largest of eight.
+#[inline(always)]
+fn fourth(v: &[f32; LANES]) -> f32 {
+    let (a, b) = (sorted(v[0], v[1], v[2], v[3]), sorted(v[4], v[5], v[6], v[7]));
+    // Of the four largest, k are of `a` and the others of `b`: the smallest of them where the two lists cross.
+    let (c, d) = (greatest(a[0], b[3]), greatest(a[1], b[2]));
+    let (e, f) = (greatest(a[2], b[1]), greatest(a[3], b[0]));
+    least(least(c, d), least(e, f))
+}
+
+/// Four numbers, the largest first.
+#[inline(always)]
+fn sorted(a: f32, b: f32, c: f32, d: f32) -> [f32; 4] {
+    let (a, b) = (greatest(a, b), least(a, b));
+    let (c, d) = (greatest(c, d), least(c, d));
+    let (a, c) = (greatest(a, c), least(a, c));
+    let (b, d) = (greatest(b, d), least(b, d));
+    [a, greatest(b, c), least(b, c), d]
 }
 
 /// An integer that is greater for a better score, and of equal ones for a lower action.
