@@ -92,6 +92,11 @@ impl Lanes for Array {
     }
 
     #[inline(always)]
+    fn bits_lt(self, o: Self) -> u8 {
+        (0..LANES).map(|i| u8::from(self.0[i] < o.0[i]) << i).sum()
+    }
+
+    #[inline(always)]
     fn rows(m: [Self; 4]) -> [[f32; 4]; LANES] {
         std::array::from_fn(|i| m.map(|v| v.0[i]))
     }
@@ -99,6 +104,21 @@ impl Lanes for Array {
     #[inline(always)]
     fn integers(a: &[i16; LANES]) -> Self {
         Self(a.map(f32::from))
+    }
+
+    #[inline(always)]
+    fn columns(rows: [&[f32; 4]; LANES]) -> [Self; 4] {
+        std::array::from_fn(|i| Self(std::array::from_fn(|j| rows[j][i])))
+    }
+
+    #[inline(always)]
+    fn gather(table: &[f32], stride: usize, rows: Self, row_len: u32, offsets: Self) -> [Self; 2] {
+        let last = table.len() - 1 - stride;
+        let at = rows.zip(offsets, |row, offset| {
+            f32::from_bits(row.to_bits().wrapping_mul(row_len).wrapping_add(offset as u32))
+        });
+        let at = at.0.map(|i| (i.to_bits() as usize).min(last));
+        [Self(at.map(|i| table[i])), Self(at.map(|i| table[i + stride]))]
     }
 
     #[inline(always)]

@@ -98,6 +98,11 @@ impl Lanes for Avx2 {
     }
 
     #[inline(always)]
+    fn bits_lt(self, o: Self) -> u8 {
+        avx!(_mm256_movemask_ps(_mm256_cmp_ps::<_CMP_LT_OQ>(self.0, o.0))) as u8
+    }
+
+    #[inline(always)]
     fn rows(m: [Self; 4]) -> [[f32; 4]; LANES] {
         let mut out = [[0.0; 4]; LANES];
         avx!({
@@ -124,6 +129,40 @@ impl Lanes for Avx2 {
     }
 
     #[inline(always)]
+    fn columns(rows: [&[f32; 4]; LANES]) -> [Self; 4] {
+        avx!({
+            // Each holds a row and the one four lanes further on.
+            let m0 = _mm256_loadu2_m128(rows[4].as_ptr(), rows[0].as_ptr());
+            let m1 = _mm256_loadu2_m128(rows[5].as_ptr(), rows[1].as_ptr());
+            let m2 = _mm256_loadu2_m128(rows[6].as_ptr(), rows[2].as_ptr());
+            let m3 = _mm256_loadu2_m128(rows[7].as_ptr(), rows[3].as_ptr());
+            let (a, b) = (_mm256_unpacklo_ps(m0, m1), _mm256_unpackhi_ps(m0, m1));
+            let (c, d) = (_mm256_unpacklo_ps(m2, m3), _mm256_unpackhi_ps(m2, m3));
+            [
+                Self(_mm256_shuffle_ps::<0x44>(a, c)),
+                Self(_mm256_shuffle_ps::<0xEE>(a, c)),
+                Self(_mm256_shuffle_ps::<0x44>(b, d)),
+                Self(_mm256_shuffle_ps::<0xEE>(b, d)),
+            ]
+        })
+    }
+
+    #[inline(always)]
+    fn gather(table: &[f32], stride: usize, rows: Self, row_len: u32, offsets: Self) -> [Self; 2] {
+        assert!(stride < table.len(), "the table has one place at least");
+        let last = (table.len() - 1 - stride).min(u32::MAX as usize) as u32;
+        let mut at = [0u32; LANES];
+        // SAFETY: AVX2 is there, see `avx`. Indices are at most `last`, and `last + stride` lies within the table.
+        unsafe {
+            let start = _mm256_mullo_epi32(_mm256_castps_si256(rows.0), _mm256_set1_epi32(row_len as i32));
+            let i = _mm256_add_epi32(start, _mm256_cvtps_epi32(offsets.0));
+            let i = _mm256_min_epu32(i, _mm256_set1_epi32(last as i32));
+            _mm256_storeu_si256(at.as_mut_ptr().cast(), i);
+            [Self(load_each(table.as_ptr(), &at)), Self(load_each(table.as_ptr().add(stride), &at))]
+        }
+    }
+
+    #[inline(always)]
     fn decode(rows: [&[i16; 4]; LANES]) -> [Self; 4] {
         let (xy, zw) = interleave(rows[0], rows[1], rows[2], rows[3]);
         let (xy_high, zw_high) = interleave(rows[4], rows[5], rows[6], rows[7]);
@@ -144,4 +183,17 @@ fn interleave(r0: &[i16; 4], r1: &[i16; 4], r2: &[i16; 4], r3: &[i16; 4]) -> (__
         let b = _mm_unpacklo_epi16(_mm_loadl_epi64(r1.as_ptr().cast()), _mm_loadl_epi64(r3.as_ptr().cast()));
         (_mm_unpacklo_epi16(a, b), _mm_unpackhi_epi16(a, b))
     })
+}
+
+/// Eight single loads: quicker than the gather instruction on many processors.
+///
+/// # Safety
+/// AVX2 is there, and all of `at` lie within what `table` points to.
+#[inline(always)]
+unsafe fn load_each(table: *const f32, at: &[u32; LANES]) -> __m256 {
+    // SAFETY: the caller's promise.
+    unsafe {
+        let v = |l: usize| *table.add(at[l] as usize);
+        _mm256_setr_ps(v(0), v(1), v(2), v(3), v(4), v(5), v(6), v(7))
+    }
 }

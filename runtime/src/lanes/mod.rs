@@ -48,8 +48,20 @@ pub(crate) trait Lanes:
     fn select_lt(a: Self, b: Self, yes: Self, no: Self) -> Self;
     /// True where any lane of `self` is greater than that of `o`.
     fn any_gt(self, o: Self) -> bool;
+    /// Bit i is set where lane i of `self` is less than that of `o`.
+    fn bits_lt(self, o: Self) -> u8;
     /// Four vectors as one row of four for each lane.
     fn rows(m: [Self; 4]) -> [[f32; 4]; LANES];
+    /// The inverse of [`Self::rows`]: element i of the result holds component i of every lane's row.
+    fn columns(rows: [&[f32; 4]; LANES]) -> [Self; 4];
+    /// Two numbers of a table for each lane, `stride` apart: at `row * row_len + offset` and `stride` further.
+    ///
+    /// What would lie beyond the table reads the last place instead, so that nothing is checked lane by lane.
+    ///
+    /// - `rows`: the bits of each lane are an unsigned integer.
+    /// - `offsets`: integer-valued. [Limit: 0 to 2^24]
+    /// - `table`: [Size: > stride]
+    fn gather(table: &[f32], stride: usize, rows: Self, row_len: u32, offsets: Self) -> [Self; 2];
     /// Four integers of each lane as floats: element i of the result holds component i of every lane.
     fn decode(rows: [&[i16; 4]; LANES]) -> [Self; 4];
 

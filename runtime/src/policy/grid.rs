@@ -2,6 +2,7 @@
 
 use super::error::PolicyError;
 use super::maths::{angle_of, greatest, least, nearest_index, split_interval};
+use crate::lanes::{Functions, Lanes};
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 use std::f32::consts::{PI, TAU};
@@ -77,6 +78,17 @@ impl Stencil {
         let far = plane[high + a] + (plane[high + b] - plane[high + a]) * self.angle_ratio;
         self.scale * (near + (far - near) * self.ring_ratio)
     }
+}
+
+/// [`Stencil`]s of eight lanes; rings and angles are integer-valued.
+#[derive(Clone, Copy)]
+pub(super) struct Place<F> {
+    pub ring: F,
+    pub angle: F,
+    pub next_angle: F,
+    pub ring_ratio: F,
+    pub angle_ratio: F,
+    pub scale: F,
 }
 
 /// A checked grid of target cells around a character, in its frame: +Z ahead, +X left, Y the height above ground.
@@ -328,6 +340,54 @@ impl TargetGrid {
         Stencil { ring, angle, next_angle, ring_ratio, angle_ratio, scale }
     }
 
+    /// [`Self::stencil`] for eight lanes.
+    ///
+    /// - `POLAR`: must be [`Self::is_polar`].
+    /// - `distance`: length of (x, z).
+    #[inline(always)]
+    pub(super) fn place<F: Lanes, const POLAR: bool>(&self, x: F, z: F, distance: F) -> Place<F> {
+        let r = &self.record;
+        let zero = F::splat(0.0);
+        let last_ring = F::splat((r.num_rings - 1) as f32);
+        let (ring, ring_ratio) = interval(self.ring_numbers(distance).min(last_ring), (r.num_rings - 2) as f32);
+        let mut beyond = (distance - F::splat(self.radius)).max(zero);
+        let from_ahead = F::angle_from_ahead(x, z);
+        let (angle, next_angle, angle_ratio);
+        if POLAR {
+            let count = F::splat(r.num_angles as f32);
+            let number = from_ahead * F::splat(self.angles_per_radian);
+            let number = F::select_lt(x, zero, count - number, number).min(count);
+            (angle, angle_ratio) = interval(number, (r.num_angles - 1) as f32);
+            let next = angle + F::splat(1.0);
+            next_angle = F::select_lt(next, count, next, zero);
+        } else {
+            let half = 0.5 * (r.num_angles - 1) as f32;
+            let (pi, turn) = (F::splat(PI), F::splat(TAU));
+            let from_middle =
+                F::select_lt(x, zero, -from_ahead, from_ahead) - F::splat(r.angle_start + half * r.angle_spacing);
+            let wrapped = F::select_lt(pi, from_middle, from_middle - turn, from_middle);
+            let wrapped = F::select_lt(wrapped, -pi, wrapped + turn, wrapped);
+            let number = wrapped * F::splat(self.angles_per_radian) + F::splat(half);
+            let clamped = number.max(zero).min(F::splat((r.num_angles - 1) as f32));
+            let aside = (number - clamped).abs() * F::splat(r.angle_spacing) * distance;
+            beyond = beyond + ((F::splat(r.ring_start) - distance).max(zero) + aside);
+            (angle, angle_ratio) = interval(clamped, (r.num_angles - 2) as f32);
+            next_angle = angle + F::splat(1.0);
+        }
+        let u = beyond * F::splat(self.inverse_falloff);
+        let scale = F::splat(1.0) / (F::splat(1.0) + u + F::splat(0.5) * u * u);
+        Place { ring, angle, next_angle, ring_ratio, angle_ratio, scale }
+    }
+
+    /// [`Self::ring_number`] for eight lanes.
+    #[inline(always)]
+    fn ring_numbers<F: Lanes>(&self, distance: F) -> F {
+        let r = &self.record;
+        let d = (distance - F::splat(r.ring_start)).max(F::splat(0.0));
+        let under_root = F::splat(r.ring_spacing * r.ring_spacing) + F::splat(4.0 * r.ring_growth) * d;
+        (d + d) / (F::splat(r.ring_spacing) + under_root.sqrt())
+    }
+
     /// Number of the ring at a distance, fractions in between; 0 within the first one, not clamped outwards.
     #[inline(always)]
     fn ring_number(&self, distance: f32) -> f32 {
@@ -353,6 +413,13 @@ impl TargetGrid {
             wrapped * self.angles_per_radian + half
         }
     }
+}
+
+/// [`split_interval`] for eight lanes.
+#[inline(always)]
+fn interval<F: Lanes>(t: F, last: f32) -> (F, F) {
+    let i = (t - F::splat(0.5)).max(F::splat(0.0)).round().min(F::splat(last));
+    (i, t - i)
 }
 
 /// Checks the lengths and angles of a record whose counts are in range.

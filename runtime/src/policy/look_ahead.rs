@@ -1,13 +1,11 @@
 //! One-step look-ahead: all actions of a state by their reward and the value of where they lead (003 section 5).
 
+use super::backup::{Motions, Targets, back_up};
 use super::error::PolicyJobError;
 use super::ranked::RankedActions;
-use super::table::{MAX_ACTIONS, PolicyTable, SegmentRecord};
-use crate::simd::vectorize;
-use glam::{Mat4, Vec3, Vec4};
-
-/// Actions weighed side by side.
-const LANES: usize = 16;
+use super::table::{MAX_ACTIONS, PolicyTable};
+use crate::lanes::{LANES, Lanes, Work, dispatch};
+use glam::Vec3;
 
 /// One behaviour of a look-ahead.
 #[derive(Clone, Copy, Debug)]
@@ -60,16 +58,17 @@ impl LookAheadJob<'_> {
     /// As [`Self::validate`].
     pub fn run(self) -> Result<(), PolicyJobError> {
         self.validate()?;
-        vectorize(
-            #[inline(always)]
-            || self.rank(),
-        );
+        dispatch(self);
         Ok(())
     }
+}
+
+impl Work for LookAheadJob<'_> {
+    type Output = ();
 
     #[inline(always)]
-    fn rank(self) {
-        let mut scores = [0.0; MAX_ACTIONS + LANES];
+    fn run<F: Lanes>(self) {
+        let mut scores = [[0.0; LANES]; MAX_GROUPS];
         for (i, (ranked, &state)) in self.ranked.iter_mut().zip(self.states).enumerate() {
             let mut num_actions = 0;
             for (g, goal) in self.goals.iter().enumerate() {
@@ -77,19 +76,19 @@ impl LookAheadJob<'_> {
                 num_actions = segments.len();
                 let weight = goal.weights[i];
                 if g == 0 {
-                    scores[..num_actions].fill(0.0);
+                    scores[..num_actions.div_ceil(LANES)].fill([0.0; LANES]);
                 }
                 if weight != 0.0 {
-                    goal.policy.add_scores(segments, goal.targets[i], weight, &mut scores);
+                    goal.policy.add_scores::<F>(segments, goal.targets[i], weight, &mut scores);
                 }
             }
-            *ranked = RankedActions::NONE;
-            for (a, &score) in scores[..num_actions].iter().enumerate() {
-                ranked.insert(a as u8, score);
-            }
+            *ranked = RankedActions::of_scores::<F>(&mut scores, num_actions);
         }
     }
 }
+
+/// Groups of eight actions a state may have.
+pub(super) const MAX_GROUPS: usize = MAX_ACTIONS.div_ceil(LANES);
 
 /// A target as seen by all actions of a query.
 #[derive(Clone, Copy)]
@@ -104,71 +103,61 @@ struct Query {
     height_ratio: f32,
 }
 
-impl Query {
-    /// Value of a cell of the plane, interpolated between the heights.
-    #[inline(always)]
-    fn at_height<const POLAR: bool>(&self, values: &[f32], cell: usize) -> f32 {
-        if POLAR {
-            return values[cell];
-        }
-        let [low, high] = self.height_offsets.map(|offset| values[offset + cell]);
-        low + (high - low) * self.height_ratio
-    }
-}
-
-/// A lane of segments, field by field: four by four in the order of [`SegmentRecord`].
-struct SegmentLanes([[[f32; LANES]; 4]; 4]);
-
-impl SegmentLanes {
-    #[inline(always)]
-    fn new(records: &[&SegmentRecord; LANES]) -> Self {
-        Self([transpose(records, 0), transpose(records, 1), transpose(records, 2), transpose(records, 3)])
-    }
-
-    /// One of them.
-    #[inline(always)]
-    fn lane(&self, l: usize) -> SegmentRecord {
-        let of = |k: usize| [self.0[k][0][l], self.0[k][1][l], self.0[k][2][l], self.0[k][3][l]];
-        let [height, next_height, discount, end] = of(3);
-        let heights = [height, next_height];
-        SegmentRecord { displacement: of(0), inner: of(1), weights: of(2), heights, discount, end: end.to_bits() }
-    }
-}
-
-/// The `k`-th four fields of a lane of segments.
-#[inline(always)]
-fn transpose(records: &[&SegmentRecord; LANES], k: usize) -> [[f32; LANES]; 4] {
-    let column = |l: usize| Vec4::from_array(bytemuck::cast_ref::<SegmentRecord, [[f32; 4]; 4]>(records[l])[k]);
-    let mut out = [[0.0; LANES]; 4];
-    for first in (0..LANES).step_by(4) {
-        let m = Mat4::from_cols(column(first), column(first + 1), column(first + 2), column(first + 3)).transpose();
-        out[0][first..first + 4].copy_from_slice(&m.x_axis.to_array());
-        out[1][first..first + 4].copy_from_slice(&m.y_axis.to_array());
-        out[2][first..first + 4].copy_from_slice(&m.z_axis.to_array());
-        out[3][first..first + 4].copy_from_slice(&m.w_axis.to_array());
-    }
-    out
-}
-
 impl PolicyTable<'_> {
     /// Adds `weight` times the score of each action to `scores`.
     ///
-    /// - `segments`: of the actions; `scores` has room for whole lanes.
+    /// - `segments`: of the actions.
     #[inline(always)]
-    fn add_scores(&self, segments: &[u32], target: Vec3, weight: f32, scores: &mut [f32]) {
+    fn add_scores<F: Lanes>(&self, segments: &[u32], target: Vec3, weight: f32, scores: &mut [[f32; LANES]]) {
         let query = self.query(target);
-        for (segments, scores) in segments.chunks(LANES).zip(scores.as_chunks_mut::<LANES>().0) {
-            let last = segments.len() - 1;
-            let records = std::array::from_fn(|l| &self.segments[segments[l.min(last)] as usize]);
-            let q = if self.grid.is_polar() {
-                self.score_lanes::<true>(&query, records)
-            } else {
-                self.score_lanes::<false>(&query, records)
-            };
-            for l in 0..LANES {
-                scores[l] += weight * q[l];
-            }
+        if self.grid.is_polar() {
+            self.add_scores_of::<F, true>(segments, &query, weight, scores);
+        } else {
+            self.add_scores_of::<F, false>(segments, &query, weight, scores);
         }
+    }
+
+    #[inline(always)]
+    fn add_scores_of<F: Lanes, const POLAR: bool>(
+        &self,
+        segments: &[u32],
+        query: &Query,
+        weight: f32,
+        scores: &mut [[f32; LANES]],
+    ) {
+        let Vec3 { x, y, z } = query.target;
+        let start_kernel = F::splat(query.start_kernel);
+        let targets = Targets { x: F::splat(x), y: F::splat(y), z: F::splat(z), start_kernel };
+        let (whole, rest) = segments.as_chunks::<LANES>();
+        for (segments, scores) in whole.iter().zip(&mut *scores) {
+            self.add_group::<F, POLAR>(segments, query, &targets, weight, scores);
+        }
+        if let (Some(&last), Some(scores)) = (rest.last(), scores.get_mut(whole.len())) {
+            let mut segments = [last; LANES];
+            segments[..rest.len()].copy_from_slice(rest);
+            self.add_group::<F, POLAR>(&segments, query, &targets, weight, scores);
+        }
+    }
+
+    /// The same for eight actions.
+    #[inline(always)]
+    fn add_group<F: Lanes, const POLAR: bool>(
+        &self,
+        segments: &[u32; LANES],
+        query: &Query,
+        targets: &Targets<F>,
+        weight: f32,
+        scores: &mut [f32; LANES],
+    ) {
+        let records = &segments.map(|s| &self.segments[s as usize]);
+        let (reward, place) = back_up::<F, POLAR>(&self.grid, &self.reward, records, targets);
+        let [_, _, discount, end] = Motions::<F>::quarter(records, 3);
+        let mut value = self.values_at(end, &place, query.height_offsets[0]);
+        if !POLAR && query.height_ratio > 0.0 {
+            let high = self.values_at(end, &place, query.height_offsets[1]);
+            value = value + (high - value) * F::splat(query.height_ratio);
+        }
+        (F::load(scores) + F::splat(weight) * (reward + discount * value)).store(scores);
     }
 
     /// What does not depend on the action.
@@ -181,42 +170,6 @@ impl PolicyTable<'_> {
         let high = if height_ratio > 0.0 { low + plane } else { low };
         let start_kernel = self.reward.kernel((target.x * target.x + target.z * target.z).sqrt());
         Query { target, start_kernel, height_offsets: [low, high], height_ratio }
-    }
-
-    /// Scores of a lane of actions: reward + discount^frames * value.
-    ///
-    /// Plain loops over a lane's arrays, one step each, which the compiler turns into vector instructions.
-    #[inline(always)]
-    fn score_lanes<const POLAR: bool>(&self, query: &Query, records: [&SegmentRecord; LANES]) -> [f32; LANES] {
-        let segments = SegmentLanes::new(&records);
-        let (grid, reward) = (self.grid, self.reward);
-        let mut rewards = [0.0; LANES];
-        let (mut low, mut angle, mut next_angle) = ([0; LANES], [0; LANES], [0; LANES]);
-        let (mut ring_ratio, mut angle_ratio, mut scale) = ([0.0; LANES], [0.0; LANES], [0.0; LANES]);
-        for l in 0..LANES {
-            let segment = segments.lane(l);
-            let [x, z, distance] = segment.target_after(query.target);
-            let s = grid.stencil_at::<POLAR>(x, z, distance);
-            (low[l], angle[l], next_angle[l]) = (s.ring * grid.record().num_angles, s.angle, s.next_angle);
-            (ring_ratio[l], angle_ratio[l], scale[l]) = (s.ring_ratio, s.angle_ratio, s.scale * segment.discount);
-            rewards[l] = reward.of_segment::<POLAR>(&segment, query.target, query.start_kernel, distance);
-        }
-        let num_angles = grid.record().num_angles as usize;
-        let corners = |l: usize| {
-            let values = self.values_of(records[l].end);
-            let (a, b) = ((low[l] + angle[l]) as usize, (low[l] + next_angle[l]) as usize);
-            let at = |cell: usize| query.at_height::<POLAR>(values, cell);
-            Vec4::new(at(a), at(b), at(a + num_angles), at(b + num_angles))
-        };
-        for (first, reward) in (0..LANES).step_by(4).zip(rewards.as_chunks_mut::<4>().0) {
-            let lanes = Mat4::from_cols(corners(first), corners(first + 1), corners(first + 2), corners(first + 3));
-            let c = lanes.transpose();
-            let [t, u, scale] = [&angle_ratio, &ring_ratio, &scale].map(|x| Vec4::from_slice(&x[first..]));
-            let near = c.x_axis + (c.y_axis - c.x_axis) * t;
-            let far = c.z_axis + (c.w_axis - c.z_axis) * t;
-            *reward = (Vec4::from_array(*reward) + scale * (near + (far - near) * u)).to_array();
-        }
-        rewards
     }
 
     /// Scores of all actions of a state for one target, in order: what [`LookAheadJob`] ranks.
@@ -234,10 +187,27 @@ impl PolicyTable<'_> {
             let (got, expected) = (scores.len(), segments.len());
             return Err(PolicyJobError::Length { what: "scores", got, expected });
         }
-        let mut padded = [0.0; MAX_ACTIONS + LANES];
-        self.add_scores(segments, target, 1.0, &mut padded);
-        scores[..segments.len()].copy_from_slice(&padded[..segments.len()]);
+        let mut groups = [[0.0; LANES]; MAX_GROUPS];
+        dispatch(AllScores { table: self, segments, target, scores: &mut groups });
+        scores[..segments.len()].copy_from_slice(&groups.as_flattened()[..segments.len()]);
         Ok(segments.len())
+    }
+}
+
+/// Scores of all actions of a state.
+struct AllScores<'a> {
+    table: &'a PolicyTable<'a>,
+    segments: &'a [u32],
+    target: Vec3,
+    scores: &'a mut [[f32; LANES]],
+}
+
+impl Work for AllScores<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<F: Lanes>(self) {
+        self.table.add_scores::<F>(self.segments, self.target, 1.0, self.scores);
     }
 }
 

@@ -4,6 +4,7 @@
 //! nearest cell; [`LookAheadJob`] weighs every action by its reward and the value of where it leads, for one
 //! behaviour or a weighted sum of several, and ranks the best few, of which [`RankedActions::choose`] takes one.
 
+mod backup;
 mod best_action;
 mod error;
 mod grid;

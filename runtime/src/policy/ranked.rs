@@ -1,6 +1,8 @@
 //! The few best actions of a look-ahead, and the choice among them.
 
+use super::maths::{greatest, least};
 use super::table::NO_ACTION;
+use crate::lanes::{LANES, Lanes};
 
 /// Actions a look-ahead ranks.
 pub const MAX_RANKED: usize = 4;
@@ -23,20 +25,35 @@ impl RankedActions {
         self.actions[0]
     }
 
-    /// Takes an action in if it belongs to the best; actions come by ascending index.
-    #[inline]
-    pub fn insert(&mut self, action: u8, score: f32) {
-        if score <= self.scores[MAX_RANKED - 1] {
-            return;
+    /// The best of a state's actions by their scores.
+    ///
+    /// Eight lanes side by side give a bound that four actions reach; the few that reach it are ranked one by one.
+    ///
+    /// - `scores`: of actions 0, 1 and so on; what is beyond `num_actions` in the last group is overwritten.
+    #[inline(always)]
+    pub(crate) fn of_scores<F: Lanes>(scores: &mut [[f32; LANES]], num_actions: usize) -> Self {
+        let groups = &mut scores[..num_actions.div_ceil(LANES)];
+        groups.as_flattened_mut()[num_actions..].fill(f32::NEG_INFINITY);
+        let mut most = F::splat(f32::NEG_INFINITY);
+        for group in &*groups {
+            most = most.max(F::load(group));
         }
-        let mut at = MAX_RANKED - 1;
-        while at > 0 && score > self.scores[at - 1] {
-            self.scores[at] = self.scores[at - 1];
-            self.actions[at] = self.actions[at - 1];
-            at -= 1;
+        let bound = fourth(&most.to_array());
+        let mut keys = [key(f32::NEG_INFINITY, NO_ACTION); MAX_RANKED];
+        for (first, groups) in groups.chunks(8).enumerate() {
+            let mut candidates = 0u64;
+            for (g, group) in groups.iter().enumerate() {
+                candidates |= u64::from(!F::load(group).bits_lt(F::splat(bound))) << (LANES * g);
+            }
+            candidates &= u64::MAX >> 64usize.saturating_sub(num_actions - first * 64);
+            while candidates != 0 {
+                let at = candidates.trailing_zeros() as usize;
+                candidates &= candidates - 1;
+                let action = first * 64 + at;
+                insert(&mut keys, key(groups.as_flattened()[at], action as u8));
+            }
         }
-        self.scores[at] = score;
-        self.actions[at] = action;
+        Self { scores: keys.map(score_of), actions: keys.map(|k| !(k as u8)) }
     }
 
     /// One of the actions at random: the better, the likelier (003 section 5).
@@ -63,18 +80,78 @@ impl RankedActions {
     }
 }
 
+/// The fourth largest of eight.
+#[inline(always)]
+fn fourth(v: &[f32; LANES]) -> f32 {
+    let (a, b) = (sorted(v[0], v[1], v[2], v[3]), sorted(v[4], v[5], v[6], v[7]));
+    // Of the four largest, k are of `a` and the others of `b`: the smallest of them where the two lists cross.
+    let (c, d) = (greatest(a[0], b[3]), greatest(a[1], b[2]));
+    let (e, f) = (greatest(a[2], b[1]), greatest(a[3], b[0]));
+    least(least(c, d), least(e, f))
+}
+
+/// Four numbers, the largest first.
+#[inline(always)]
+fn sorted(a: f32, b: f32, c: f32, d: f32) -> [f32; 4] {
+    let (a, b) = (greatest(a, b), least(a, b));
+    let (c, d) = (greatest(c, d), least(c, d));
+    let (a, c) = (greatest(a, c), least(a, c));
+    let (b, d) = (greatest(b, d), least(b, d));
+    [a, greatest(b, c), least(b, c), d]
+}
+
+/// An integer that is greater for a better score, and of equal ones for a lower action.
+#[inline(always)]
+fn key(score: f32, action: u8) -> u64 {
+    // Adding zero makes the negative zero positive, as they are equal.
+    let bits = (score + 0.0).to_bits();
+    let ordered = bits ^ (((bits as i32 >> 31) as u32) | 1 << 31);
+    u64::from(ordered) << 32 | u64::from(!action)
+}
+
+/// The score in a [`key`].
+#[inline(always)]
+fn score_of(key: u64) -> f32 {
+    let ordered = (key >> 32) as u32;
+    f32::from_bits(ordered ^ ((!((ordered as i32) >> 31)) as u32 | 1 << 31))
+}
+
+/// Takes a key in if it belongs to the greatest, which descend. No branches: which it is cannot be foretold.
+#[inline(always)]
+fn insert(keys: &mut [u64; MAX_RANKED], mut key: u64) {
+    for k in keys {
+        (*k, key) = ((*k).max(key), (*k).min(key));
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::lanes::{Array, Work, dispatch};
     use proptest::prelude::*;
+
+    struct Rank<'a>(&'a [f32]);
+
+    impl Work for Rank<'_> {
+        type Output = RankedActions;
+
+        fn run<F: Lanes>(self) -> RankedActions {
+            let mut groups = [[0.0; LANES]; 32];
+            groups.as_flattened_mut()[..self.0.len()].copy_from_slice(self.0);
+            RankedActions::of_scores::<F>(&mut groups, self.0.len())
+        }
+    }
 
     proptest! {
         #[test]
-        fn ranks_as_a_stable_sort_does(scores in proptest::collection::vec(0i8..6, 1..40)) {
-            let mut ranked = RankedActions::NONE;
-            for (i, &s) in scores.iter().enumerate() {
-                ranked.insert(i as u8, f32::from(s));
+        fn ranks_as_a_stable_sort_does(scores in proptest::collection::vec(-6i8..60, 1..256)) {
+            let floats: Vec<f32> = scores.iter().map(|&s| f32::from(s) * 0.37).collect();
+            let ranked = dispatch(Rank(&floats));
+            prop_assert_eq!(ranked, Rank(&floats).run::<Array>());
+            for k in 0..MAX_RANKED.min(scores.len()) {
+                prop_assert_eq!(ranked.scores[k], floats[usize::from(ranked.actions[k])]);
             }
+            prop_assert!(ranked.scores[scores.len().min(MAX_RANKED)..].iter().all(|&s| s == f32::NEG_INFINITY));
             let mut order: Vec<usize> = (0..scores.len()).collect();
             order.sort_by_key(|&i| -scores[i]);
             for k in 0..MAX_RANKED {

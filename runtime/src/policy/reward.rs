@@ -3,6 +3,7 @@
 use super::error::PolicyError;
 use super::maths::{exp_neg, greatest};
 use super::table::SegmentRecord;
+use crate::lanes::{Functions, Lanes};
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 
@@ -75,6 +76,23 @@ impl Reward {
         } else {
             0.0
         }
+    }
+
+    /// [`Self::kernel`] of eight lanes.
+    #[inline(always)]
+    pub(super) fn kernels<F: Lanes>(&self, distance: F) -> F {
+        let ratio = distance * F::splat(self.inverse_scale);
+        if self.record.kernel == KERNEL_EXPONENTIAL {
+            ratio.exp_neg()
+        } else {
+            F::select_lt(F::splat(1.0), ratio, F::splat(0.0), F::splat(1.0))
+        }
+    }
+
+    /// Two weighted samples together.
+    #[inline(always)]
+    pub(super) fn combined<F: Lanes>(&self, a: F, b: F) -> F {
+        if self.record.combine == COMBINE_SUM { a + b } else { a.max(b) }
     }
 
     /// The reward of a segment for a target in the frame of its start.

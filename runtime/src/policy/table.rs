@@ -58,6 +58,12 @@ pub struct SegmentRecord {
 const _: () = assert!(size_of::<SegmentRecord>() == 64);
 
 impl SegmentRecord {
+    /// The sixteen fields, four by four.
+    #[inline(always)]
+    pub(super) fn quarters(&self) -> &[[f32; 4]; 4] {
+        bytemuck::cast_ref(self)
+    }
+
     /// A target after the segment was played: x and z in the new frame, and the distance. [Unit: m]
     #[inline(always)]
     pub fn target_after(&self, target: Vec3) -> [f32; 3] {
