@@ -4,7 +4,7 @@ use serde_json::Value;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
-use std::sync::OnceLock;
+use std::sync::{Arc, Mutex, PoisonError, Weak};
 
 /// Every subcommand.
 const COMMANDS: [&str; 12] =
@@ -50,47 +50,57 @@ fn failed(args: &[&str]) -> String {
     message
 }
 
-/// A folder with clips, a config and a bundle, all made by the command line; one for all tests.
+/// A config whose target grid is small.
+const CONFIG: &str = "name = \"little\"\ninputs = [\"clips\"]\n\n[policy]\ncompare_samples = 100\n\n[[behaviours]]\n\
+    grid = { rings = 6, angles = 8, radius = 6.0, inner_spacing = 0.5 }\n";
+
+/// A folder with clips, a config and a bundle, all made by the command line.
 struct Place {
     folder: tempfile::TempDir,
 }
 
 impl Place {
-    fn path(&self, name: &str) -> String {
-        self.folder.path().join(name).to_str().expect("temporary folders have readable names").to_owned()
+    /// The place of all tests, as long as one of them holds it.
+    fn shared() -> Arc<Self> {
+        static SHARED: Mutex<Weak<Place>> = Mutex::new(Weak::new());
+        let mut shared = SHARED.lock().unwrap_or_else(PoisonError::into_inner);
+        shared.upgrade().unwrap_or_else(|| {
+            let place = Arc::new(Self::new());
+            *shared = Arc::downgrade(&place);
+            place
+        })
     }
-}
 
-/// A config whose target grid is small.
-const CONFIG: &str = "name = \"little\"\ninputs = [\"clips\"]\n\n[policy]\ncompare_samples = 100\n\n[[behaviours]]\n\
-    grid = { rings = 6, angles = 8, radius = 6.0, inner_spacing = 0.5 }\n";
-
-fn place() -> &'static Place {
-    static PLACE: OnceLock<Place> = OnceLock::new();
-    PLACE.get_or_init(|| {
-        // Inside the build's own temporary folder, so that nothing is left anywhere else.
-        let folder = tempfile::tempdir_in(env!("CARGO_TARGET_TMPDIR")).expect("a temporary folder");
-        let place = Place { folder };
+    fn new() -> Self {
+        let place = Self { folder: folder() };
         let made = json(
             &["synth", "--out", &place.path("clips"), "--minutes", "1", "--seed", "1", "--json"],
             &["set", "clips", "frames", "seconds", "out"],
         );
         assert!(made["frames"].as_u64() >= Some(1800), "{made}");
         std::fs::write(place.path("little.toml"), CONFIG).expect("a config");
-        done(&["build", &place.path("little.toml"), "--out", &place.path("little.throng"), "--no-cache"]);
+        done(&["build", &place.path("little.toml"), "--out", &place.bundle(), "--no-cache"]);
         place
-    })
-}
+    }
 
-fn bundle() -> String {
-    place().path("little.throng")
-}
+    fn path(&self, name: &str) -> String {
+        at(&self.folder, name)
+    }
 
-fn first_clip() -> String {
-    let clips = std::fs::read_dir(place().path("clips")).expect("clips");
-    let mut all: Vec<PathBuf> = clips.map(|e| e.expect("a clip").path()).collect();
-    all.sort();
-    all[0].to_str().expect("a readable name").to_owned()
+    fn bundle(&self) -> String {
+        self.path("little.throng")
+    }
+
+    fn clips(&self) -> Vec<PathBuf> {
+        let clips = std::fs::read_dir(self.path("clips")).expect("clips");
+        let mut all: Vec<PathBuf> = clips.map(|e| e.expect("a clip").path()).collect();
+        all.sort();
+        all
+    }
+
+    fn first_clip(&self) -> String {
+        self.clips()[0].to_str().expect("a readable name").to_owned()
+    }
 }
 
 /// A folder for one test.
@@ -142,7 +152,7 @@ fn wrong_usage_ends_with_2() {
 
 #[test]
 fn build_reports_what_it_did() {
-    let place = place();
+    let place = Place::shared();
     let folder = folder();
     let (out, cache) = (at(&folder, "a.throng"), at(&folder, "cache"));
     let args = ["build", &place.path("little.toml"), "--out", &out, "--cache", &cache, "--json"];
@@ -167,7 +177,7 @@ fn build_reports_what_it_did() {
     assert_eq!(report["policies"][0]["cells"], 48);
     assert_eq!(report["bundle_bytes"].as_u64(), Some(std::fs::metadata(&out).expect("the bundle").len()));
     assert!(report["policies"][0]["residual"].as_f64() < Some(1e-4), "{report}");
-    let same = std::fs::read(&out).expect("the bundle") == std::fs::read(bundle()).expect("the bundle");
+    let same = std::fs::read(&out).expect("the bundle") == std::fs::read(place.bundle()).expect("the bundle");
     assert!(same, "a build with a cache differs from one without");
     let again = json(&args, &keys);
     assert_eq!(again["cached"], serde_json::json!(["motion", "graph", "policy"]));
@@ -177,7 +187,8 @@ fn build_reports_what_it_did() {
 
 #[test]
 fn verify_says_what_a_bundle_holds() {
-    let bundle = bundle();
+    let place = Place::shared();
+    let bundle = place.bundle();
     let keys =
         ["file", "name", "version", "bundle_bytes", "frames", "clips", "states", "actions", "policies", "sections"];
     let report = json(&["verify", &bundle, "--json"], &keys);
@@ -189,7 +200,8 @@ fn verify_says_what_a_bundle_holds() {
 
 #[test]
 fn query_answers_with_an_action_and_a_value() {
-    let bundle = bundle();
+    let place = Place::shared();
+    let bundle = place.bundle();
     let ask = |target: &str| {
         let args = ["query", &bundle, "--behaviour", "approach", "--state", "0", "--target", target, "--json"];
         json(&args, &["behaviour", "state", "target_m", "action", "value", "score", "single_load_action", "best"])
@@ -209,7 +221,8 @@ fn query_answers_with_an_action_and_a_value() {
 
 #[test]
 fn run_measures_a_crowd_and_draws_it() {
-    let (bundle, folder) = (bundle(), folder());
+    let (place, folder) = (Place::shared(), folder());
+    let bundle = place.bundle();
     let png = at(&folder, "crowd.png");
     let keys = ["characters", "reached_fraction", "foot_slip_p95_mps", "steps_per_second", "simulated_s"];
     let report = json(&["run", &bundle, "--characters", "10", "--seconds", "3", "--single-load", "--json"], &keys);
@@ -222,8 +235,21 @@ fn run_measures_a_crowd_and_draws_it() {
 }
 
 #[test]
+fn the_demo_goes_the_whole_way() {
+    let folder = folder();
+    let (png, bundle) = (at(&folder, "demo.png"), at(&folder, "demo.throng"));
+    let args = ["demo", "--characters", "12", "--seconds", "2", "--out", &png, "--bundle", &bundle, "--json"];
+    let report = json(&args, &["characters", "reached_fraction", "foot_slip_p95_mps", "steps_per_second", "build"]);
+    assert_eq!(report["characters"], 12);
+    has_keys(&report["build"], &["states", "actions", "policies", "bundle_bytes"]);
+    assert_eq!(std::fs::read(&png).expect("a picture")[..8], *b"\x89PNG\r\n\x1a\n");
+    done(&["verify", &bundle]);
+}
+
+#[test]
 fn bench_reports_every_figure() {
-    let args = ["bench", &bundle(), "--characters", "8", "--threads", "1", "--seconds", "0.01", "--json"];
+    let place = Place::shared();
+    let args = ["bench", &place.bundle(), "--characters", "8", "--threads", "1", "--seconds", "0.01", "--json"];
     let report = json(&args, &["results", "value_iteration"]);
     let keys = [
         "characters",
@@ -245,7 +271,8 @@ fn bench_reports_every_figure() {
 
 #[test]
 fn inspect_finds_out_about_a_clip() {
-    let clip = first_clip();
+    let place = Place::shared();
+    let clip = place.first_clip();
     let keys = ["format", "joints", "frames", "rate_hz", "metres_per_unit", "up", "height_m", "roles", "warnings"];
     let report = json(&["inspect", &clip, "--json"], &keys);
     assert_eq!((&report["format"], &report["up"]), (&Value::from("bvh"), &Value::from("Y")));
@@ -257,7 +284,8 @@ fn inspect_finds_out_about_a_clip() {
 
 #[test]
 fn export_writes_positions_and_bvh() {
-    let (clip, folder) = (first_clip(), folder());
+    let (place, folder) = (Place::shared(), folder());
+    let clip = place.first_clip();
     let frames = json(&["inspect", &clip, "--json"], &["frames"])["frames"].as_u64().expect("a count") as usize;
     for retargeted in [false, true] {
         let extra: &[&str] = if retargeted { &["--retargeted"] } else { &[] };
@@ -298,7 +326,8 @@ fn positions(csv: &str) -> BTreeMap<(usize, &str), [f64; 3]> {
 
 #[test]
 fn export_writes_graphs_and_policies() {
-    let bundle = bundle();
+    let place = Place::shared();
+    let bundle = place.bundle();
     let counts = json(&["verify", &bundle, "--json"], &["states", "actions"]);
     let graph = json(&["export", &bundle, "--format", "graph-json"], &["states", "actions"]);
     let (states, actions) =
@@ -339,9 +368,9 @@ fn completions_and_schema_are_printed() {
 
 #[test]
 fn files_that_are_no_bundles_are_refused_by_name() {
-    let folder = folder();
+    let (place, folder) = (Place::shared(), folder());
     let cut = at(&folder, "cut.throng");
-    std::fs::write(&cut, &std::fs::read(bundle()).expect("the bundle")[..5000]).expect("a file");
+    std::fs::write(&cut, &std::fs::read(place.bundle()).expect("the bundle")[..5000]).expect("a file");
     let text = at(&folder, "text.throng");
     std::fs::write(&text, "HIERARCHY\nROOT hips\n{\n").expect("a file");
     let absent = at(&folder, "absent.throng");
@@ -390,14 +419,13 @@ fn wrong_configs_name_the_place_and_the_nearest_key() {
 
 #[test]
 fn a_bad_clip_is_skipped_and_counted_or_stops_a_strict_build() {
-    let folder = folder();
+    let (place, folder) = (Place::shared(), folder());
     let clips = folder.path().join("clips");
     std::fs::create_dir(&clips).expect("a folder");
-    for e in std::fs::read_dir(place().path("clips")).expect("clips") {
-        let from = e.expect("a clip").path();
+    for from in place.clips() {
         std::fs::copy(&from, clips.join(from.file_name().expect("a name"))).expect("a copy");
     }
-    let good = std::fs::read_to_string(first_clip()).expect("a clip");
+    let good = std::fs::read_to_string(place.first_clip()).expect("a clip");
     let bad_line = good.lines().count() - 5;
     let mut lines: Vec<&str> = good.lines().collect();
     lines[bad_line - 1] = "1.0 2.0 three";
@@ -425,11 +453,11 @@ fn a_bad_clip_is_skipped_and_counted_or_stops_a_strict_build() {
 
 #[test]
 fn places_that_cannot_be_written_are_named() {
-    let folder = folder();
+    let (place, folder) = (Place::shared(), folder());
     let nowhere = at(&folder, "no/such/folder/a.throng");
-    let e = failed(&["build", &place().path("little.toml"), "--out", &nowhere, "--no-cache"]);
+    let e = failed(&["build", &place.path("little.toml"), "--out", &nowhere, "--no-cache"]);
     assert!(e.contains("no/such/folder"), "{e}");
-    let e = failed(&["export", &bundle(), "--format", "graph-json", "--out", &nowhere]);
+    let e = failed(&["export", &place.bundle(), "--format", "graph-json", "--out", &nowhere]);
     assert!(e.contains("no/such/folder"), "{e}");
 }
 
