@@ -9,8 +9,8 @@ use throng_precompute::measure::{self, MeasureConfig};
 ///
 /// JSON keys: results [characters, threads, control_ns_per_query, lookahead_ns_per_query, lookahead_actions,
 /// lookahead_62_ns_per_query, sample_ns_per_joint, step_ns_per_character, step_single_load_ns_per_character,
-/// memcpy_ns_per_character, steps_per_second], value_iteration {pairs, sweeps, greedy_sweeps, seconds, setup_seconds,
-/// residual, bytes_per_sweep, sweep_bytes_per_second, copy_bytes_per_second}.
+/// memcpy_ns_per_character, steps_per_second], value_iteration {pairs, sweeps, greedy_sweeps, seconds (setup and
+/// sweeps), setup_seconds, sweep_seconds, residual, bytes_per_sweep, copy_bytes_per_second}.
 #[derive(clap::Args)]
 pub struct Args {
     /// Bundle.
@@ -70,15 +70,16 @@ pub fn run(args: &Args) -> Outcome {
     output::table(&[(
         "value iteration",
         format!(
-            "{:.1} million pairs, {} sweeps ({} greedy), {:.3} s after {:.3} s of setup, residual {:.1e}; a sweep moves {}, {:.1} GB/s, a copy {:.1} GB/s",
+            "{:.1} million pairs, {} sweeps ({} greedy), {:.3} s: setup {:.3}, sweeps {:.3}; residual {:.1e}; a sweep moves {}, at {:.1} GB/s if greedy ones were free, a copy moves {:.1} GB/s",
             v.pairs as f64 / 1e6,
             v.sweeps,
             v.greedy_sweeps,
             v.seconds,
             v.setup_seconds,
+            v.sweep_seconds,
             v.residual,
-            output::bytes(v.bytes_per_sweep),
-            v.sweep_bytes_per_second / 1e9,
+            output::bytes(v.bytes_per_sweep as u64),
+            v.bytes_per_sweep as f64 * f64::from(v.sweeps) / v.sweep_seconds.max(1e-9) / 1e9,
             v.copy_bytes_per_second / 1e9
         ),
     )])

@@ -12,7 +12,11 @@ fn main() -> std::io::Result<()> {
     save("bvh", "plain", bvh.as_bytes())?;
     save("bvh", "crlf", bvh.replace('\n', "\r\n").replace("Frames: 6", "Frames:\t6").as_bytes())?;
     save("bvh", "no_last_newline", bvh.trim_end().as_bytes())?;
-    save("bvh", "metres_order_xyz", bvh.replace("Zrotation Xrotation Yrotation", "Xrotation Yrotation Zrotation").as_bytes())?;
+    save(
+        "bvh",
+        "metres_order_xyz",
+        bvh.replace("Zrotation Xrotation Yrotation", "Xrotation Yrotation Zrotation").as_bytes(),
+    )?;
     let (asf, amc) = (asf(&Skeleton::default()), amc(6));
     let join = |asf: &str, amc: &str| [asf.as_bytes(), ASF_AMC_SEAM, amc.as_bytes()].concat();
     save("amc", "plain", &join(&asf, &amc))?;
@@ -115,7 +119,9 @@ fn asf(skeleton: &Skeleton) -> String {
             d.z
         );
         if !name.ends_with("hipjoint") {
-            out.push_str("    dof rx ry rz\n    limits (-160.0 20.0)\n           (-70.0 70.0)\n           (-60.0 70.0)\n");
+            out.push_str(
+                "    dof rx ry rz\n    limits (-160.0 20.0)\n           (-70.0 70.0)\n           (-60.0 70.0)\n",
+            );
         }
         out.push_str("  end\n");
     }

@@ -108,20 +108,25 @@ impl Clip {
 
     /// The longest runs of usable frames, in order.
     pub fn usable_ranges(&self) -> Vec<FrameRange> {
-        let mut out = Vec::new();
-        let mut start = None;
-        for f in 0..=self.num_frames() {
-            match (f < self.num_frames() && self.is_usable(f), start) {
-                (true, None) => start = Some(f),
-                (false, Some(s)) => {
-                    out.push(s..f);
-                    start = None;
-                }
-                _ => {}
-            }
-        }
-        out
+        runs(0..self.num_frames(), |f| self.is_usable(f))
     }
+}
+
+/// The longest runs of frames within `range` for which `holds` is true, in order.
+pub fn runs(range: FrameRange, holds: impl Fn(usize) -> bool) -> Vec<FrameRange> {
+    let mut out = Vec::new();
+    let mut start = None;
+    for f in range.start..=range.end {
+        match (f < range.end && holds(f), start) {
+            (true, None) => start = Some(f),
+            (false, Some(s)) => {
+                out.push(s..f);
+                start = None;
+            }
+            _ => {}
+        }
+    }
+    out
 }
 
 /// All clips of a build on one skeleton.

@@ -1,8 +1,7 @@
 //! Measures a bundle on this machine: what a query, a joint, a character cost, beside copying the same bytes.
 
 use crate::error::BuildError;
-use crate::policy::Solution;
-use crate::policy::made_up::MadeUp;
+use crate::policy::made_up::{self, MadeUp};
 use glam::Vec3;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
@@ -35,7 +34,7 @@ pub struct Measured {
     /// One entry for each number of characters and threads.
     pub results: Vec<CrowdFigures>,
     /// The made-up problem, on one thread.
-    pub value_iteration: ValueIterationFigures,
+    pub value_iteration: made_up::Measured,
 }
 
 /// Medians over many rounds; nanoseconds of wall time.
@@ -65,34 +64,20 @@ pub struct CrowdFigures {
     pub steps_per_second: f64,
 }
 
-/// The made-up problem: 437 states, 62 actions each, 400 cells.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
-pub struct ValueIterationFigures {
-    /// (State, cell, action) triples.
-    pub pairs: u64,
-    /// Full sweeps over all of them.
-    pub sweeps: u32,
-    /// Sweeps over the greedy action alone, in between.
-    pub greedy_sweeps: u32,
-    /// Time of all sweeps. [Unit: s]
-    pub seconds: f64,
-    /// Time to work out stencils and rewards before. [Unit: s]
-    pub setup_seconds: f64,
-    /// Measured largest change of the last full sweep.
-    pub residual: f64,
-    /// Bytes a full sweep reads and writes.
-    pub bytes_per_sweep: u64,
-    /// Bytes a second that full sweeps alone would move, were greedy sweeps free.
-    pub sweep_bytes_per_second: f64,
-    /// Bytes a second (read and written) of copying 256 MB.
-    pub copy_bytes_per_second: f64,
-}
-
 /// Measures everything.
 ///
 /// # Errors
-/// [`BuildError::Stage`] where the bundle has no behaviour, a number is 0, or a thread pool cannot be had.
+/// As [`crowd`].
 pub fn measure(tables: &Tables, config: &MeasureConfig) -> Result<Measured, BuildError> {
+    let value_iteration = in_pool(1, || MadeUp::default().measure(EPSILON))??;
+    Ok(Measured { results: crowd(tables, config)?, value_iteration })
+}
+
+/// Measures queries, sampling and steps.
+///
+/// # Errors
+/// [`BuildError::Stage`] where the bundle has no behaviour, a number is 0, or a thread pool cannot be had.
+pub fn crowd(tables: &Tables, config: &MeasureConfig) -> Result<Vec<CrowdFigures>, BuildError> {
     if tables.num_policies() == 0 {
         return Err(fail("the bundle has no behaviour"));
     }
@@ -109,11 +94,10 @@ pub fn measure(tables: &Tables, config: &MeasureConfig) -> Result<Measured, Buil
     for &threads in &config.threads {
         for &characters in &config.characters {
             let bench = Bench { repertoire: &repertoire, large, characters, seconds: config.seconds };
-            let figures = in_pool(threads, || bench.run(threads))??;
-            results.push(figures);
+            results.push(in_pool(threads, || bench.run(threads))??);
         }
     }
-    Ok(Measured { results, value_iteration: value_iteration(&solution) })
+    Ok(results)
 }
 
 fn fail(message: impl Into<String>) -> BuildError {
@@ -123,29 +107,6 @@ fn fail(message: impl Into<String>) -> BuildError {
 fn in_pool<T: Send>(threads: usize, work: impl FnOnce() -> T + Send) -> Result<T, BuildError> {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().map_err(|e| fail(e.to_string()))?;
     Ok(pool.install(work))
-}
-
-fn value_iteration(s: &Solution) -> ValueIterationFigures {
-    ValueIterationFigures {
-        pairs: s.num_pairs,
-        sweeps: s.num_sweeps,
-        greedy_sweeps: s.num_greedy_sweeps,
-        seconds: s.sweep_s,
-        setup_seconds: s.setup_s,
-        residual: f64::from(s.residual),
-        bytes_per_sweep: s.bytes_per_sweep as u64,
-        sweep_bytes_per_second: s.bytes_per_sweep as f64 * f64::from(s.num_sweeps) / s.sweep_s.max(1e-9),
-        copy_bytes_per_second: copy_bandwidth(),
-    }
-}
-
-/// Bytes read and written a second by a large copy.
-fn copy_bandwidth() -> f64 {
-    let from = vec![1u8; 256 << 20];
-    let mut to = vec![0u8; from.len()];
-    let ns = median_ns(0.5, || to.copy_from_slice(black_box(&from)));
-    black_box(&to);
-    2.0 * from.len() as f64 / (ns * 1e-9)
 }
 
 /// Median time of a round, over as many rounds as fit.

@@ -1,6 +1,6 @@
 //! Foot contacts by height and speed, with hysteresis.
 
-use crate::clip::Clip;
+use crate::clip::{Clip, runs};
 use glam::Vec3;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -204,37 +204,20 @@ fn spread(tracks: &[Track], slow: f32) -> f32 {
 /// Runs of `weak` that hold a `strong` frame, pauses of up to `max_gap` filled, runs below `min_frames` dropped.
 fn hysteresis(weak: &[bool], strong: &[bool], min_frames: usize, max_gap: usize) -> Vec<bool> {
     let mut out = vec![false; weak.len()];
-    for run in runs(weak, true) {
+    for run in runs(0..weak.len(), |f| weak[f]) {
         if strong[run.clone()].contains(&true) {
             out[run].fill(true);
         }
     }
-    for gap in runs(&out, false) {
+    for gap in runs(0..out.len(), |f| !out[f]) {
         if gap.start > 0 && gap.end < out.len() && gap.len() <= max_gap {
             out[gap].fill(true);
         }
     }
-    for run in runs(&out, true) {
+    for run in runs(0..out.len(), |f| out[f]) {
         // What the clip's ends cut may have lasted longer.
         if run.len() < min_frames && run.start > 0 && run.end < out.len() {
             out[run].fill(false);
-        }
-    }
-    out
-}
-
-/// The longest runs of `value`, in order.
-fn runs(values: &[bool], value: bool) -> Vec<std::ops::Range<usize>> {
-    let mut out = Vec::new();
-    let mut start = None;
-    for f in 0..=values.len() {
-        match (values.get(f) == Some(&value), start) {
-            (true, None) => start = Some(f),
-            (false, Some(s)) => {
-                out.push(s..f);
-                start = None;
-            }
-            _ => {}
         }
     }
     out

@@ -1,7 +1,7 @@
 //! Event frames: where a transition may leave a clip or enter one.
 
 use super::config::GraphConfig;
-use crate::clip::{Clip, ClipSet, FrameId, FrameRange};
+use crate::clip::{Clip, ClipSet, FrameId, FrameRange, runs};
 use throng_runtime::Contacts;
 
 /// What happens at an event frame. Transitions join events of equal kind only.
@@ -115,20 +115,9 @@ fn standing_runs_of(clip: &Clip, run: &FrameRange, config: &GraphConfig) -> Vec<
             && clip.contacts[f].any(Contacts::RIGHT)
             && f64::from(travel.length()) / seconds <= config.standing_speed_mps
     };
-    let mut out = Vec::new();
-    let mut start = None;
-    for f in run.start..=run.end {
-        match (f < run.end && stands(f), start) {
-            (true, None) => start = Some(f),
-            (false, Some(s)) => {
-                if f - s >= frames(clip, config.standing_min_s).max(1) {
-                    out.push(s..f);
-                }
-                start = None;
-            }
-            _ => {}
-        }
-    }
+    let least = frames(clip, config.standing_min_s).max(1);
+    let mut out = runs(run.clone(), stands);
+    out.retain(|r| r.len() >= least);
     out
 }
 

@@ -28,7 +28,7 @@ pub struct MadeUp {
 }
 
 /// What solving took.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct Measured {
     /// (State, cell, action) triples.
     pub pairs: u64,

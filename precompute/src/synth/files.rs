@@ -1,10 +1,10 @@
 //! Synthetic clips as ordinary BVH files, which the ordinary importer reads.
 
-use super::raw::to_raw;
 use crate::clip::{Clip, ClipSet};
 use crate::error::BuildError;
 use crate::files::write_atomically;
 use crate::import::bvh_write;
+use crate::retarget::to_raw;
 use std::fs::create_dir_all;
 use std::path::{Path, PathBuf};
 

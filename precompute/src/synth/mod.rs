@@ -14,14 +14,12 @@ mod footsteps;
 mod gait;
 mod leg;
 mod pelvis;
-mod raw;
 mod side;
 mod signal;
 mod trunk;
 mod wander;
 
 pub use files::save;
-pub use raw::to_raw;
 
 use crate::clip::ClipSet;
 use crate::error::BuildError;

@@ -5,6 +5,8 @@ use serde::{Deserialize, Serialize};
 
 /// Most bytes a META section may ask for while it is decoded. [Unit: bytes]
 const LIMIT: usize = 64 << 20;
+/// Lowest and highest frame rate of a bundle: within it, a step plays a bounded number of segments. [Unit: Hz]
+const RATES_HZ: std::ops::RangeInclusive<f64> = 1.0..=1000.0;
 
 /// What a bundle says of itself.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -13,7 +15,7 @@ pub struct Meta {
     pub name: String,
     /// Program and version that wrote it.
     pub generator: String,
-    /// Frames a second of the rows. [Unit: Hz] [Limit: 1e-3 to 1e6]
+    /// Frames a second of the rows. [Unit: Hz] [Limit: 1 to 1000]
     pub rate_hz: f64,
     /// The configuration it was built with, as TOML.
     pub config: String,
@@ -74,9 +76,26 @@ impl Meta {
         if used != bytes.len() {
             return Err(FormatError::layout(format!("META has {} bytes, expected {used}", bytes.len())));
         }
-        if !(1e-3..1e6).contains(&meta.rate_hz) {
-            return Err(FormatError::layout(format!("META gives a rate of {} Hz", meta.rate_hz)));
+        if !RATES_HZ.contains(&meta.rate_hz) {
+            return Err(FormatError::layout(format!("META gives a rate of {} Hz, expected 1 to 1000", meta.rate_hz)));
         }
         Ok(meta)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A rate that is infinite as `f32`, or so large that time no longer notices a segment's end, made steps endless.
+    #[test]
+    fn rates_that_no_step_could_follow_are_refused() {
+        let decode = |rate_hz| Meta::decode(&Meta { rate_hz, ..Meta::default() }.encode().unwrap());
+        for rate_hz in [f64::NAN, f64::INFINITY, 1e200, 1e30, 1000.1, 0.9, 0.0, -30.0] {
+            assert!(decode(rate_hz).is_err(), "{rate_hz}");
+        }
+        for rate_hz in [1.0, 30.0, 120.0, 1000.0] {
+            assert_eq!(decode(rate_hz).unwrap().rate_hz, rate_hz);
+        }
     }
 }

@@ -1,68 +1,156 @@
-//! Four characters at a time: vectors of four floats, one lane a character, and what is built of them.
+//! Eight characters at a time: vectors of eight floats, one lane a character, and what is built of them.
 //!
-//! On x86-64 an [`F4`] is one SSE2 register (SSE2 is part of the architecture's baseline, so there is no detection
-//! and no second code path); elsewhere it is an array that the compiler vectorises. Only operations that IEEE 754
-//! rounds the same way everywhere are used, so results are equal on every machine.
+//! Code is generic over [`Lanes`]: on x86-64 processors with AVX2 a vector is one register, elsewhere it is an array
+//! that the compiler vectorises. Only operations that IEEE 754 rounds the same way everywhere are used, and multiply
+//! and add are never fused, so results are equal on every machine.
 
-#[cfg(all(test, target_arch = "x86_64"))]
-#[path = "array.rs"]
 mod array;
+#[cfg(target_arch = "x86_64")]
+mod avx2;
 mod quat;
-#[cfg_attr(target_arch = "x86_64", path = "sse2.rs")]
-#[cfg_attr(not(target_arch = "x86_64"), path = "array.rs")]
-mod repr;
 mod scalar;
 
-pub(crate) use quat::{Q4, V4};
-pub(crate) use repr::F4;
+pub(crate) use array::Array;
+#[cfg(target_arch = "x86_64")]
+pub(crate) use avx2::Avx2;
+pub(crate) use quat::{Q, V};
+pub(crate) use scalar::Functions;
+
+use std::fmt::Debug;
+use std::ops::{Add, Div, Mul, Neg, Sub};
 
 /// Number of lanes.
-pub(crate) const LANES: usize = 4;
+pub(crate) const LANES: usize = 8;
 
-#[cfg(all(test, target_arch = "x86_64"))]
+/// Eight floats.
+pub(crate) trait Lanes:
+    Copy + Debug + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self> + Neg<Output = Self>
+{
+    /// The same number in every lane.
+    fn splat(v: f32) -> Self;
+    /// From memory.
+    fn load(a: &[f32; LANES]) -> Self;
+    /// To memory.
+    fn store(self, a: &mut [f32; LANES]);
+    /// The smaller; `o` where they cannot be compared.
+    fn min(self, o: Self) -> Self;
+    /// The larger; `o` where they cannot be compared.
+    fn max(self, o: Self) -> Self;
+    /// Without its sign.
+    fn abs(self) -> Self;
+    /// Square root.
+    fn sqrt(self) -> Self;
+    /// Nearest integer, ties to even. [Limit: |self| < 2^31]
+    fn round(self) -> Self;
+    /// 2 to the power of an integer-valued exponent. [Limit: -126 <= self <= 127]
+    fn exp2_integer(self) -> Self;
+    /// Lane by lane: `if a < b { yes } else { no }`.
+    fn select_lt(a: Self, b: Self, yes: Self, no: Self) -> Self;
+    /// True where any lane of `self` is greater than that of `o`.
+    fn any_gt(self, o: Self) -> bool;
+    /// Four vectors as one row of four for each lane.
+    fn rows(m: [Self; 4]) -> [[f32; 4]; LANES];
+    /// Four integers of each lane as floats: element i of the result holds component i of every lane.
+    fn decode(rows: [&[i16; 4]; LANES]) -> [Self; 4];
+
+    /// From an array.
+    #[inline(always)]
+    fn from_array(a: [f32; LANES]) -> Self {
+        Self::load(&a)
+    }
+
+    /// To an array.
+    #[inline(always)]
+    fn to_array(self) -> [f32; LANES] {
+        let mut a = [0.0; LANES];
+        self.store(&mut a);
+        a
+    }
+}
+
+/// Work that is generic over [`Lanes`].
+pub(crate) trait Work {
+    /// What it returns.
+    type Output;
+    /// Does it. Everything it calls must be inlined (`#[inline(always)]`) to profit.
+    fn run<F: Lanes>(self) -> Self::Output;
+}
+
+/// Does the work with the widest vectors the processor has.
+#[inline]
+pub(crate) fn dispatch<W: Work>(work: W) -> W::Output {
+    #[cfg(target_arch = "x86_64")]
+    if std::arch::is_x86_feature_detected!("avx2") {
+        #[allow(unsafe_code)]
+        // SAFETY: the processor has the one feature that `with_avx2` asks for.
+        return unsafe { with_avx2(work) };
+    }
+    work.run::<Array>()
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2")]
+fn with_avx2<W: Work>(work: W) -> W::Output {
+    work.run::<Avx2>()
+}
+
+#[cfg(test)]
 mod tests {
-    use super::{F4, array};
+    use super::*;
     use proptest::prelude::*;
 
-    fn four() -> impl Strategy<Value = [f32; 4]> {
-        prop::array::uniform4(-100.0f32..100.0)
+    /// Results of everything [`Lanes`] can do.
+    struct Everything {
+        a: [f32; LANES],
+        b: [f32; LANES],
+        codes: [[i16; 4]; LANES],
+    }
+
+    impl Work for Everything {
+        type Output = Vec<[f32; LANES]>;
+
+        fn run<F: Lanes>(self) -> Self::Output {
+            let (x, y) = (F::from_array(self.a), F::from_array(self.b));
+            let (sin, cos) = x.sin_cos();
+            let mut out = vec![
+                x + y,
+                x - y,
+                x * y,
+                x / y,
+                -x,
+                x.min(y),
+                x.max(y),
+                x.abs().sqrt(),
+                x.round(),
+                F::select_lt(x, y, x * y, y),
+                F::splat(if x.any_gt(y) { 1.0 } else { 0.0 }),
+                y.exp(),
+                sin,
+                cos,
+            ];
+            out.extend(F::decode(self.codes.each_ref()));
+            let mut out: Vec<[f32; LANES]> = out.into_iter().map(F::to_array).collect();
+            let rows = F::rows([x, y, x + y, x - y]);
+            out.extend(rows.chunks(2).map(|r| std::array::from_fn(|i| r[i / 4][i % 4])));
+            out
+        }
+    }
+
+    fn eight() -> impl Strategy<Value = [f32; LANES]> {
+        prop::array::uniform8(-100.0f32..100.0)
     }
 
     proptest! {
         #[test]
-        fn registers_and_arrays_give_the_same_bits(a in four(), b in four(), s in 0.0f32..1.0) {
-            let (x, y) = (F4::from_array(a), F4::from_array(b));
-            let (p, q) = (array::F4::from_array(a), array::F4::from_array(b));
-            prop_assert_eq!((x + y).to_array(), (p + q).to_array());
-            prop_assert_eq!((x - y).to_array(), (p - q).to_array());
-            prop_assert_eq!((x * y).to_array(), (p * q).to_array());
-            prop_assert_eq!((x / y).to_array(), (p / q).to_array());
-            prop_assert_eq!((-x).to_array(), (-p).to_array());
-            prop_assert_eq!(x.min(y).to_array(), p.min(q).to_array());
-            prop_assert_eq!(x.max(y).to_array(), p.max(q).to_array());
-            prop_assert_eq!(x.abs().sqrt().to_array(), p.abs().sqrt().to_array());
-            prop_assert_eq!(x.round().to_array(), p.round().to_array());
-            prop_assert_eq!(
-                F4::select_lt(x, y, x * F4::splat(s), y).to_array(),
-                array::F4::select_lt(p, q, p * array::F4::splat(s), q).to_array()
-            );
-            prop_assert_eq!(x.any_gt(y), p.any_gt(q));
-        }
-
-        #[test]
-        fn integers_are_decoded_alike(rows in prop::array::uniform4(prop::array::uniform4(any::<i16>()))) {
-            let r = [&rows[0], &rows[1], &rows[2], &rows[3]];
-            let x = F4::decode(r).map(F4::to_array);
-            prop_assert_eq!(x, array::F4::decode(r).map(array::F4::to_array));
-            prop_assert_eq!(x[2][1], f32::from(rows[1][2]));
-        }
-
-        #[test]
-        fn transposes(a in four(), b in four(), c in four(), d in four()) {
-            let m = [a, b, c, d];
-            let t = F4::transpose(m.map(F4::from_array)).map(F4::to_array);
-            for i in 0..4 { for j in 0..4 { prop_assert_eq!(t[i][j], m[j][i]); } }
-            prop_assert_eq!(t, array::F4::transpose(m.map(array::F4::from_array)).map(array::F4::to_array));
+        fn registers_and_arrays_give_the_same_bits(
+            a in eight(), b in eight(), codes in prop::array::uniform8(prop::array::uniform4(any::<i16>()))
+        ) {
+            let plain = Everything { a, b, codes }.run::<Array>();
+            let widest = dispatch(Everything { a, b, codes });
+            let bits = |v: &[[f32; LANES]]| v.iter().flatten().map(|f| f.to_bits()).collect::<Vec<_>>();
+            prop_assert_eq!(bits(&plain), bits(&widest));
+            prop_assert_eq!(plain[16][3], f32::from(codes[3][2]));
+            prop_assert_eq!(plain[18][..4].to_vec(), vec![a[0], b[0], a[0] + b[0], a[0] - b[0]]);
         }
     }
 }

@@ -1,31 +1,31 @@
-//! Vectors and quaternions of four characters.
+//! Vectors and quaternions of eight characters.
 
-use super::F4;
+use super::Lanes;
 use glam::Vec3;
 use std::ops::{Add, Mul, Sub};
 
 /// A vector a lane.
 #[derive(Clone, Copy, Debug)]
-pub struct V4 {
-    pub x: F4,
-    pub y: F4,
-    pub z: F4,
+pub struct V<F> {
+    pub x: F,
+    pub y: F,
+    pub z: F,
 }
 
-impl V4 {
+impl<F: Lanes> V<F> {
     #[inline(always)]
-    pub fn new(x: F4, y: F4, z: F4) -> Self {
+    pub fn new(x: F, y: F, z: F) -> Self {
         Self { x, y, z }
     }
 
     /// The same vector in every lane.
     #[inline(always)]
     pub fn splat(v: Vec3) -> Self {
-        Self::new(F4::splat(v.x), F4::splat(v.y), F4::splat(v.z))
+        Self::new(F::splat(v.x), F::splat(v.y), F::splat(v.z))
     }
 
     #[inline(always)]
-    pub fn dot(self, o: Self) -> F4 {
+    pub fn dot(self, o: Self) -> F {
         self.x * o.x + self.y * o.y + self.z * o.z
     }
 
@@ -35,17 +35,17 @@ impl V4 {
     }
 
     #[inline(always)]
-    pub fn length(self) -> F4 {
+    pub fn length(self) -> F {
         self.dot(self).sqrt()
     }
 
     #[inline(always)]
-    pub fn select_lt(a: F4, b: F4, yes: Self, no: Self) -> Self {
-        Self::new(F4::select_lt(a, b, yes.x, no.x), F4::select_lt(a, b, yes.y, no.y), F4::select_lt(a, b, yes.z, no.z))
+    pub fn select_lt(a: F, b: F, yes: Self, no: Self) -> Self {
+        Self::new(F::select_lt(a, b, yes.x, no.x), F::select_lt(a, b, yes.y, no.y), F::select_lt(a, b, yes.z, no.z))
     }
 }
 
-impl Add for V4 {
+impl<F: Lanes> Add for V<F> {
     type Output = Self;
     #[inline(always)]
     fn add(self, o: Self) -> Self {
@@ -53,7 +53,7 @@ impl Add for V4 {
     }
 }
 
-impl Sub for V4 {
+impl<F: Lanes> Sub for V<F> {
     type Output = Self;
     #[inline(always)]
     fn sub(self, o: Self) -> Self {
@@ -61,41 +61,41 @@ impl Sub for V4 {
     }
 }
 
-impl Mul<F4> for V4 {
+impl<F: Lanes> Mul<F> for V<F> {
     type Output = Self;
     #[inline(always)]
-    fn mul(self, s: F4) -> Self {
+    fn mul(self, s: F) -> Self {
         Self::new(self.x * s, self.y * s, self.z * s)
     }
 }
 
 /// A quaternion a lane, (v, w).
 #[derive(Clone, Copy, Debug)]
-pub struct Q4 {
-    pub v: V4,
-    pub w: F4,
+pub struct Q<F> {
+    pub v: V<F>,
+    pub w: F,
 }
 
-impl Q4 {
+impl<F: Lanes> Q<F> {
     #[inline(always)]
-    pub fn new(v: V4, w: F4) -> Self {
+    pub fn new(v: V<F>, w: F) -> Self {
         Self { v, w }
     }
 
     #[inline(always)]
     pub fn normalize(self) -> Self {
-        let s = F4::splat(1.0) / (self.v.dot(self.v) + self.w * self.w).sqrt();
+        let s = F::splat(1.0) / (self.v.dot(self.v) + self.w * self.w).sqrt();
         Self::new(self.v * s, self.w * s)
     }
 
     #[inline(always)]
     pub fn conjugate(self) -> Self {
-        Self::new(V4::new(-self.v.x, -self.v.y, -self.v.z), self.w)
+        Self::new(V::new(-self.v.x, -self.v.y, -self.v.z), self.w)
     }
 
     /// The vector turned by a unit quaternion.
     #[inline(always)]
-    pub fn rotate(self, p: V4) -> V4 {
+    pub fn rotate(self, p: V<F>) -> V<F> {
         let t = self.v.cross(p);
         let t = t + t;
         p + t * self.w + self.v.cross(t)
@@ -103,42 +103,42 @@ impl Q4 {
 
     /// The shortest rotation that takes the direction of `a` to that of `b`; both longer than 0, not opposite.
     #[inline(always)]
-    pub fn between(a: V4, b: V4) -> Self {
+    pub fn between(a: V<F>, b: V<F>) -> Self {
         let k = (a.dot(a) * b.dot(b)).sqrt();
         Self::new(a.cross(b), k + a.dot(b)).normalize()
     }
 
     /// Modified Rodrigues parameters: axis * tan(angle / 4), the shorter way round.
     #[inline(always)]
-    pub fn to_mrp(self) -> V4 {
-        let zero = F4::splat(0.0);
-        let sign = F4::select_lt(self.w, zero, F4::splat(-1.0), F4::splat(1.0));
-        self.v * (sign / (F4::splat(1.0) + self.w.abs()))
+    pub fn to_mrp(self) -> V<F> {
+        let zero = F::splat(0.0);
+        let sign = F::select_lt(self.w, zero, F::splat(-1.0), F::splat(1.0));
+        self.v * (sign / (F::splat(1.0) + self.w.abs()))
     }
 
     /// The unit quaternion of modified Rodrigues parameters.
     #[inline(always)]
-    pub fn from_mrp(m: V4) -> Self {
+    pub fn from_mrp(m: V<F>) -> Self {
         let m2 = m.dot(m);
-        let one = F4::splat(1.0);
+        let one = F::splat(1.0);
         let s = one / (one + m2);
         Self::new(m * (s + s), (one - m2) * s)
     }
 
     /// The first three columns of its matrix, as rows: `[[xx, xy, xz], ...]` with row i the i-th output coordinate.
     #[inline(always)]
-    pub fn matrix(self) -> [[F4; 3]; 3] {
+    pub fn matrix(self) -> [[F; 3]; 3] {
         let (x, y, z, w) = (self.v.x, self.v.y, self.v.z, self.w);
         let (x2, y2, z2) = (x + x, y + y, z + z);
         let (xx, yy, zz) = (x * x2, y * y2, z * z2);
         let (xy, xz, yz) = (x * y2, x * z2, y * z2);
         let (wx, wy, wz) = (w * x2, w * y2, w * z2);
-        let one = F4::splat(1.0);
+        let one = F::splat(1.0);
         [[one - yy - zz, xy - wz, xz + wy], [xy + wz, one - xx - zz, yz - wx], [xz - wy, yz + wx, one - xx - yy]]
     }
 }
 
-impl Mul for Q4 {
+impl<F: Lanes> Mul for Q<F> {
     type Output = Self;
     #[inline(always)]
     fn mul(self, o: Self) -> Self {
@@ -149,14 +149,15 @@ impl Mul for Q4 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::lanes::Array;
     use glam::Quat;
     use proptest::prelude::*;
 
-    fn lanes(q: Quat) -> Q4 {
-        Q4::new(V4::splat(q.xyz()), F4::splat(q.w))
+    fn lanes(q: Quat) -> Q<Array> {
+        Q::new(V::splat(q.xyz()), Array::splat(q.w))
     }
 
-    fn first(q: Q4) -> Quat {
+    fn first(q: Q<Array>) -> Quat {
         Quat::from_xyzw(q.v.x.to_array()[0], q.v.y.to_array()[0], q.v.z.to_array()[0], q.w.to_array()[0])
     }
 
@@ -172,7 +173,7 @@ mod tests {
         fn agrees_with_glam(a in unit(), b in unit(), p in prop::array::uniform3(-2.0f32..2.0)) {
             let p = Vec3::from_array(p);
             prop_assert!(first(lanes(a) * lanes(b)).abs_diff_eq(a * b, 1e-5));
-            let r = lanes(a).rotate(V4::splat(p));
+            let r = lanes(a).rotate(V::splat(p));
             prop_assert!(Vec3::new(r.x.to_array()[0], r.y.to_array()[1], r.z.to_array()[2]).abs_diff_eq(a * p, 1e-5));
             let m = lanes(a).matrix();
             let want = glam::Mat3::from_quat(a);
@@ -181,7 +182,7 @@ mod tests {
 
         #[test]
         fn rodrigues_parameters_round_trip(a in unit()) {
-            let back = first(Q4::from_mrp(lanes(a).to_mrp()));
+            let back = first(Q::from_mrp(lanes(a).to_mrp()));
             prop_assert!(back.dot(a).abs() > 1.0 - 1e-5);
             let m = lanes(a).to_mrp();
             prop_assert!(m.length().to_array()[0] <= 1.0 + 1e-5);
@@ -191,7 +192,7 @@ mod tests {
         fn between_takes_one_direction_to_the_other(a in unit(), b in unit()) {
             let (u, v) = (a * Vec3::X * 2.0, b * Vec3::Y * 0.5);
             prop_assume!(u.dot(v) > -0.98);
-            let q = first(Q4::between(V4::splat(u), V4::splat(v)));
+            let q = first(Q::between(V::splat(u), V::splat(v)));
             prop_assert!((q * u.normalize()).abs_diff_eq(v.normalize(), 1e-4));
         }
     }

@@ -1,57 +1,63 @@
-//! Elementary functions on [`F4`].
+//! Elementary functions on [`Lanes`].
 
-use super::F4;
+use super::Lanes;
 
-impl F4 {
+/// Functions made of the operations of [`Lanes`].
+pub(crate) trait Functions: Lanes {
     /// Sine and cosine. Error below 2e-6 for |self| <= 8192. [Unit: rad]
     #[inline(always)]
-    pub fn sin_cos(self) -> (Self, Self) {
+    fn sin_cos(self) -> (Self, Self) {
         // Reduced by quarter turns to [-pi/4, pi/4] in two steps, then minimax polynomials (Cephes sinf, cosf).
-        let q = (self * F4::splat(std::f32::consts::FRAC_2_PI)).round();
-        let r = self - q * F4::splat(1.570_312_5) - q * F4::splat(4.838_268e-4);
+        let q = (self * Self::splat(std::f32::consts::FRAC_2_PI)).round();
+        let r = self - q * Self::splat(1.570_312_5) - q * Self::splat(4.838_268e-4);
         let r2 = r * r;
         let s = r + r
             * r2
-            * (F4::splat(-1.666_665_5e-1) + r2 * (F4::splat(8.332_161e-3) + r2 * F4::splat(-1.951_529_6e-4)));
-        let c = F4::splat(1.0) - F4::splat(0.5) * r2
+            * (Self::splat(-1.666_665_5e-1) + r2 * (Self::splat(8.332_161e-3) + r2 * Self::splat(-1.951_529_6e-4)));
+        let c = Self::splat(1.0) - Self::splat(0.5) * r2
             + r2 * r2
-                * (F4::splat(4.166_664_6e-2) + r2 * (F4::splat(-1.388_731_6e-3) + r2 * F4::splat(2.443_315_7e-5)));
+                * (Self::splat(4.166_664_6e-2)
+                    + r2 * (Self::splat(-1.388_731_6e-3) + r2 * Self::splat(2.443_315_7e-5)));
         // Quarter turns modulo 4 as 0, 1, 2 or 3.
-        let m = q - (q * F4::splat(0.25) - F4::splat(0.374)).round() * F4::splat(4.0);
-        let odd = (m - F4::splat(2.0)).abs(); // 2, 1, 0, 1
-        let swap = (odd - F4::splat(1.0)).abs(); // 1 where even, 0 where odd
-        let (half, zero) = (F4::splat(0.5), F4::splat(0.0));
-        let sin = F4::select_lt(swap, half, c, s);
-        let cos = F4::select_lt(swap, half, s, c);
-        let sin = F4::select_lt(m, F4::splat(1.5), sin, zero - sin);
-        let cos = F4::select_lt((m - F4::splat(1.5)).abs(), F4::splat(1.0), zero - cos, cos);
+        let m = q - (q * Self::splat(0.25) - Self::splat(0.374)).round() * Self::splat(4.0);
+        let odd = (m - Self::splat(2.0)).abs(); // 2, 1, 0, 1
+        let swap = (odd - Self::splat(1.0)).abs(); // 1 where even, 0 where odd
+        let (half, zero) = (Self::splat(0.5), Self::splat(0.0));
+        let sin = Self::select_lt(swap, half, c, s);
+        let cos = Self::select_lt(swap, half, s, c);
+        let sin = Self::select_lt(m, Self::splat(1.5), sin, zero - sin);
+        let cos = Self::select_lt((m - Self::splat(1.5)).abs(), Self::splat(1.0), zero - cos, cos);
         (sin, cos)
     }
 
     /// Exponential. Relative error below 1e-6 for -80 <= self <= 80, clamped outside.
     #[inline(always)]
-    pub fn exp(self) -> Self {
-        let x = self.max(F4::splat(-80.0)).min(F4::splat(80.0)) * F4::splat(std::f32::consts::LOG2_E);
+    fn exp(self) -> Self {
+        let x = self.max(Self::splat(-80.0)).min(Self::splat(80.0)) * Self::splat(std::f32::consts::LOG2_E);
         let n = x.round();
-        let f = (x - n) * F4::splat(std::f32::consts::LN_2);
-        let p = F4::splat(1.0)
-            + f * (F4::splat(1.0)
-                + f * (F4::splat(0.5)
-                    + f * (F4::splat(1.0 / 6.0)
-                        + f * (F4::splat(1.0 / 24.0) + f * (F4::splat(1.0 / 120.0) + f * F4::splat(1.0 / 720.0))))));
+        let f = (x - n) * Self::splat(std::f32::consts::LN_2);
+        let p = Self::splat(1.0)
+            + f * (Self::splat(1.0)
+                + f * (Self::splat(0.5)
+                    + f * (Self::splat(1.0 / 6.0)
+                        + f * (Self::splat(1.0 / 24.0)
+                            + f * (Self::splat(1.0 / 120.0) + f * Self::splat(1.0 / 720.0))))));
         p * n.exp2_integer()
     }
 }
 
+impl<F: Lanes> Functions for F {}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::lanes::Array;
 
     #[test]
     fn sine_and_cosine_match_the_library() {
         for i in -40_000..40_000 {
             let x = i as f32 * 0.001_37;
-            let (s, c) = F4::splat(x).sin_cos();
+            let (s, c) = Array::splat(x).sin_cos();
             let (s, c) = (s.to_array()[0], c.to_array()[0]);
             let (es, ec) = (f64::from(x).sin() as f32, f64::from(x).cos() as f32);
             assert!((s - es).abs() < 2e-6 && (c - ec).abs() < 2e-6, "{x}: {s} {es}, {c} {ec}");
@@ -62,7 +68,7 @@ mod tests {
     fn exponential_matches_the_library() {
         for i in -7900..7900 {
             let x = i as f32 * 0.01;
-            let e = F4::splat(x).exp().to_array()[0];
+            let e = Array::splat(x).exp().to_array()[0];
             let want = f64::from(x).exp();
             assert!(((f64::from(e) - want) / want).abs() < 1e-5, "{x}: {e} {want}");
         }

@@ -33,7 +33,7 @@ pub fn angle_of(x: f32, z: f32) -> f32 {
     a.copysign(x)
 }
 
-/// `exp(-x)` for `x >= 0`, within a relative error of 4e-7; flushes to about 1e-38 where the result is smaller.
+/// `exp(-x)` for `x >= 0`, within a relative error of 8e-6 up to 80; about 1e-38 where the result would be smaller.
 #[inline(always)]
 pub fn exp_neg(x: f32) -> f32 {
     let y = greatest(x * -LOG2_E, -126.0);
@@ -91,7 +91,7 @@ mod tests {
             let exact = (-f64::from(x)).exp();
             worst = worst.max((f64::from(exp_neg(x)) - exact).abs() / exact);
         }
-        assert!(worst < 4e-7 + 8e-6, "worst relative error {worst:e}");
+        assert!(worst < 8e-6, "worst relative error {worst:e}");
         assert_eq!(exp_neg(0.0), 1.0);
         assert!(exp_neg(1e6) < 2e-38 && exp_neg(1e6) >= 0.0);
     }

@@ -1,14 +1,14 @@
-//! What a troupe remembers of four characters, laid out so that one load fetches a number of all four.
+//! What a troupe remembers of eight characters, laid out so that one load fetches a number of all four.
 
 use crate::contacts::Contacts;
-use crate::lanes::{F4, LANES, V4};
+use crate::lanes::{LANES, Lanes, V};
 use crate::planar::{Planar, wrap_angle};
 use crate::skeleton::NUM_JOINTS;
 use glam::Vec3;
 
-/// A number of each of four characters.
+/// A number of each of eight characters.
 pub(crate) type Lane = [f32; LANES];
-/// A vector of each of four characters: x, y, z.
+/// A vector of each of eight characters: x, y, z.
 pub(crate) type Lane3 = [Lane; 3];
 
 /// Puts the vector of one lane.
@@ -20,13 +20,13 @@ pub(crate) fn set(v: &mut Lane3, lane: usize, to: Vec3) {
 
 /// Loads a vector of all lanes.
 #[inline(always)]
-pub(crate) fn load(v: &Lane3) -> V4 {
-    V4::new(F4::load(&v[0]), F4::load(&v[1]), F4::load(&v[2]))
+pub(crate) fn load<F: Lanes>(v: &Lane3) -> V<F> {
+    V::new(F::load(&v[0]), F::load(&v[1]), F::load(&v[2]))
 }
 
 /// Stores a vector of all lanes.
 #[inline(always)]
-pub(crate) fn store(v: &mut Lane3, from: V4) {
+pub(crate) fn store<F: Lanes>(v: &mut Lane3, from: V<F>) {
     from.x.store(&mut v[0]);
     from.y.store(&mut v[1]);
     from.z.store(&mut v[2]);
@@ -54,7 +54,7 @@ impl Offsets {
     };
 }
 
-/// The lock of one foot of four characters.
+/// The lock of one foot of eight characters.
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(64))]
 pub(crate) struct FootLock {
@@ -78,7 +78,7 @@ impl FootLock {
     };
 }
 
-/// Everything a troupe remembers of four characters.
+/// Everything a troupe remembers of eight characters.
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(64))]
 pub(crate) struct Block {

@@ -6,7 +6,7 @@
 
 use super::block::{FootLock, Lane, load, store};
 use super::hierarchy::ModelPose;
-use crate::lanes::{F4, Q4, V4};
+use crate::lanes::{Lanes, Q, V};
 use crate::skeleton::{Joint, Skeleton};
 
 /// How feet are locked.
@@ -68,36 +68,36 @@ impl Leg {
     }
 }
 
-/// The planar roots of four characters, as what turns model space into world space and back.
-pub(crate) struct Placement {
-    pub x: F4,
-    pub z: F4,
-    pub sin: F4,
-    pub cos: F4,
+/// The planar roots of eight characters, as what turns model space into world space and back.
+pub(crate) struct Placement<F> {
+    pub x: F,
+    pub z: F,
+    pub sin: F,
+    pub cos: F,
 }
 
-impl Placement {
+impl<F: Lanes> Placement<F> {
     #[inline(always)]
-    fn to_world(&self, p: V4) -> V4 {
-        V4::new(self.cos * p.x + self.sin * p.z + self.x, p.y, self.cos * p.z - self.sin * p.x + self.z)
+    fn to_world(&self, p: V<F>) -> V<F> {
+        V::new(self.cos * p.x + self.sin * p.z + self.x, p.y, self.cos * p.z - self.sin * p.x + self.z)
     }
 
     #[inline(always)]
-    fn vector_to_model(&self, v: V4) -> V4 {
-        V4::new(self.cos * v.x - self.sin * v.z, v.y, self.sin * v.x + self.cos * v.z)
+    fn vector_to_model(&self, v: V<F>) -> V<F> {
+        V::new(self.cos * v.x - self.sin * v.z, v.y, self.sin * v.x + self.cos * v.z)
     }
 }
 
 /// Updates the lock of one foot and moves the leg. `heel` and `toe` are 1 where that part is planted, else 0.
 #[inline(always)]
-pub(crate) fn lock_foot(
+pub(crate) fn lock_foot<F: Lanes>(
     leg: &Leg,
     config: &FootLockConfig,
     dt_s: f32,
     planted: (Lane, Lane),
-    place: &Placement,
+    place: &Placement<F>,
     lock: &mut FootLock,
-    pose: &mut ModelPose,
+    pose: &mut ModelPose<F>,
 ) {
     let (ankle, toe) = (place.to_world(pose.positions[leg.foot]), place.to_world(pose.positions[leg.toe]));
     let correction = update_correction(leg, config, dt_s, planted, lock, ankle, toe);
@@ -105,43 +105,43 @@ pub(crate) fn lock_foot(
     store(&mut lock.ankle, ankle);
     store(&mut lock.toe, toe);
     (lock.heel_down, lock.toe_down) = planted;
-    if correction.dot(correction).any_gt(F4::splat(1e-10)) {
+    if correction.dot(correction).any_gt(F::splat(1e-10)) {
         move_leg(leg, place.vector_to_model(correction), pose);
     }
 }
 
 #[inline(always)]
-fn update_correction(
+fn update_correction<F: Lanes>(
     leg: &Leg,
     config: &FootLockConfig,
     dt_s: f32,
     (heel, toe_planted): (Lane, Lane),
     lock: &FootLock,
-    ankle: V4,
-    toe: V4,
-) -> V4 {
-    let (half, one) = (F4::splat(0.5), F4::splat(1.0));
-    let (heel, toe_planted) = (F4::load(&heel), F4::load(&toe_planted));
+    ankle: V<F>,
+    toe: V<F>,
+) -> V<F> {
+    let (half, one) = (F::splat(0.5), F::splat(1.0));
+    let (heel, toe_planted) = (F::load(&heel), F::load(&toe_planted));
     // A part holds where it was planted at both steps; where both parts hold, each counts half.
-    let (hold_heel, hold_toe) = (heel * F4::load(&lock.heel_down), toe_planted * F4::load(&lock.toe_down));
+    let (hold_heel, hold_toe) = (heel * F::load(&lock.heel_down), toe_planted * F::load(&lock.toe_down));
     let sum = hold_heel + hold_toe;
     let weight = one / sum.max(one);
     let slide = (ankle - load(&lock.ankle)) * (hold_heel * weight) + (toe - load(&lock.toe)) * (hold_toe * weight);
     let old = load(&lock.correction);
-    let keep = |half_life_s: f32| F4::splat((-std::f32::consts::LN_2 * dt_s / half_life_s).exp());
-    let held = (old - slide) * keep(config.planted_half_life_s);
-    let mut new = V4::select_lt(sum, half, old * keep(config.half_life_s), held);
+    let keep = |half_life_s: f32| (-std::f32::consts::LN_2 * dt_s / half_life_s).exp();
+    let held = (old - slide) * F::splat(keep(config.planted_half_life_s));
+    let mut new = V::select_lt(sum, half, old * F::splat(keep(config.half_life_s)), held);
 
     // Over the ground a planted foot eases to the height its clip has it at.
-    let height = (old.y - slide.y) * keep(PLANTED_HEIGHT_HALF_LIFE_S);
-    new.y = F4::select_lt(sum, half, new.y, height);
+    let height = (old.y - slide.y) * F::splat(keep(PLANTED_HEIGHT_HALF_LIFE_S));
+    new.y = F::select_lt(sum, half, new.y, height);
 
     // No toe goes below the ground.
-    new.y = new.y.max(F4::splat(leg.toe_height) - toe.y);
+    new.y = new.y.max(F::splat(leg.toe_height) - toe.y);
 
     // No further than the largest correction over the ground.
     let length = (new.x * new.x + new.z * new.z).sqrt();
-    let limit = F4::splat(config.max_correction_m);
+    let limit = F::splat(config.max_correction_m);
     let scale = limit / length.max(limit);
     new.x = new.x * scale;
     new.z = new.z * scale;
@@ -150,29 +150,29 @@ fn update_correction(
 
 /// Moves the ankle by `correction` (model space) and bends the leg to reach; the foot keeps its orientation.
 #[inline(always)]
-fn move_leg(leg: &Leg, correction: V4, pose: &mut ModelPose) {
-    let one = F4::splat(1.0);
+fn move_leg<F: Lanes>(leg: &Leg, correction: V<F>, pose: &mut ModelPose<F>) {
+    let one = F::splat(1.0);
     let (hip, knee, ankle) = (pose.positions[leg.thigh], pose.positions[leg.shin], pose.positions[leg.foot]);
-    let (l1, l2) = (F4::splat(leg.thigh_length), F4::splat(leg.shin_length));
+    let (l1, l2) = (F::splat(leg.thigh_length), F::splat(leg.shin_length));
     let before = ankle - hip;
     let aim = before + correction;
-    let reach = (F4::splat(leg.thigh_length + leg.shin_length) * F4::splat(SOFT_REACH)).max(before.length());
-    let distance = aim.length().max(F4::splat(1e-4));
-    let d = distance.min(reach).max((l1 - l2).abs() + F4::splat(1e-3));
+    let reach = (F::splat(leg.thigh_length + leg.shin_length) * F::splat(SOFT_REACH)).max(before.length());
+    let distance = aim.length().max(F::splat(1e-4));
+    let d = distance.min(reach).max((l1 - l2).abs() + F::splat(1e-3));
     let direction = aim * (one / distance);
 
     // The knee stays in the plane it bends in; where the leg is straight, it bends towards the toes.
-    let forward = pose.rotations[leg.thigh].rotate(V4::splat(glam::Vec3::Z));
-    let pole = (knee - hip) + forward * F4::splat(0.02);
+    let forward = pose.rotations[leg.thigh].rotate(V::splat(glam::Vec3::Z));
+    let pole = (knee - hip) + forward * F::splat(0.02);
     let pole = pole - direction * pole.dot(direction);
-    let pole = pole * (one / pole.length().max(F4::splat(1e-6)));
+    let pole = pole * (one / pole.length().max(F::splat(1e-6)));
     let along = (l1 * l1 - l2 * l2 + d * d) / (d + d);
-    let across = (l1 * l1 - along * along).max(F4::splat(0.0)).sqrt();
+    let across = (l1 * l1 - along * along).max(F::splat(0.0)).sqrt();
     let new_knee = hip + direction * along + pole * across;
     let new_ankle = hip + direction * d;
 
-    pose.rotations[leg.thigh] = Q4::between(knee - hip, new_knee - hip) * pose.rotations[leg.thigh];
-    pose.rotations[leg.shin] = Q4::between(ankle - knee, new_ankle - new_knee) * pose.rotations[leg.shin];
+    pose.rotations[leg.thigh] = Q::between(knee - hip, new_knee - hip) * pose.rotations[leg.thigh];
+    pose.rotations[leg.shin] = Q::between(ankle - knee, new_ankle - new_knee) * pose.rotations[leg.shin];
     let moved = new_ankle - ankle;
     pose.positions[leg.shin] = new_knee;
     pose.positions[leg.foot] = new_ankle;

@@ -1,7 +1,7 @@
-//! From local rotations to model space, for four characters, and out into matrices.
+//! From local rotations to model space, for eight characters, and out into matrices.
 
 use super::sample::LanePose;
-use crate::lanes::{F4, LANES, Q4, V4};
+use crate::lanes::{LANES, Lanes, Q, V};
 use crate::pose::{LocalTransform, Mat3x4};
 use crate::skeleton::{Joint, NUM_JOINTS, Skeleton};
 
@@ -20,33 +20,33 @@ pub(crate) const PARENTS: [usize; NUM_JOINTS] = {
 };
 
 /// Rotation and position of every joint in model space.
-pub(crate) struct ModelPose {
-    pub rotations: [Q4; NUM_JOINTS],
-    pub positions: [V4; NUM_JOINTS],
+pub(crate) struct ModelPose<F> {
+    pub rotations: [Q<F>; NUM_JOINTS],
+    pub positions: [V<F>; NUM_JOINTS],
 }
 
 /// Applies the hierarchy.
 #[inline(always)]
-pub(crate) fn to_model(skeleton: &Skeleton, pose: &LanePose) -> ModelPose {
+pub(crate) fn to_model<F: Lanes>(skeleton: &Skeleton, pose: &LanePose<F>) -> ModelPose<F> {
     let mut out = ModelPose { rotations: pose.rotations, positions: [pose.root; NUM_JOINTS] };
     for j in 1..NUM_JOINTS {
         let (r, p) = (out.rotations[PARENTS[j]], out.positions[PARENTS[j]]);
         out.rotations[j] = r * pose.rotations[j];
-        out.positions[j] = p + r.rotate(V4::splat(skeleton.offsets[j]));
+        out.positions[j] = p + r.rotate(V::splat(skeleton.offsets[j]));
     }
     out
 }
 
 /// Writes the matrices of the first `count` lanes. [Size: count * NUM_JOINTS]
 #[inline(always)]
-pub(crate) fn write_matrices(pose: &ModelPose, count: usize, out: &mut [Mat3x4]) {
+pub(crate) fn write_matrices<F: Lanes>(pose: &ModelPose<F>, count: usize, out: &mut [Mat3x4]) {
     for j in 0..NUM_JOINTS {
         let m = pose.rotations[j].matrix();
         let t = [pose.positions[j].x, pose.positions[j].y, pose.positions[j].z];
         for row in 0..3 {
-            let columns = F4::transpose([m[row][0], m[row][1], m[row][2], t[row]]);
+            let rows = F::rows([m[row][0], m[row][1], m[row][2], t[row]]);
             for lane in 0..count.min(LANES) {
-                columns[lane].store(&mut out[lane * NUM_JOINTS + j].rows[row]);
+                out[lane * NUM_JOINTS + j].rows[row] = rows[lane];
             }
         }
     }
@@ -55,17 +55,21 @@ pub(crate) fn write_matrices(pose: &ModelPose, count: usize, out: &mut [Mat3x4])
 /// Writes the local transforms of the first `count` lanes. [Size: count * NUM_JOINTS]
 ///
 /// Foot locking moves joints in model space, so the local rotations are taken back from there.
-pub(crate) fn write_locals(skeleton: &Skeleton, pose: &ModelPose, count: usize, out: &mut [LocalTransform]) {
+pub(crate) fn write_locals<F: Lanes>(
+    skeleton: &Skeleton,
+    pose: &ModelPose<F>,
+    count: usize,
+    out: &mut [LocalTransform],
+) {
     for j in 0..NUM_JOINTS {
         let parent = PARENTS[j];
         let q = if j == 0 { pose.rotations[0] } else { pose.rotations[parent].conjugate() * pose.rotations[j] };
-        let rotations = F4::transpose([q.v.x, q.v.y, q.v.z, q.w]);
-        let p = if j == 0 { pose.positions[0] } else { V4::splat(skeleton.offsets[j]) };
-        let positions = F4::transpose([p.x, p.y, p.z, F4::splat(0.0)]);
+        let rotations = F::rows([q.v.x, q.v.y, q.v.z, q.w]);
+        let p = if j == 0 { pose.positions[0] } else { V::splat(skeleton.offsets[j]) };
+        let positions = F::rows([p.x, p.y, p.z, F::splat(0.0)]);
         for lane in 0..count.min(LANES) {
-            let [x, y, z, padding] = positions[lane].to_array();
-            out[lane * NUM_JOINTS + j] =
-                LocalTransform { rotation: rotations[lane].to_array(), translation: [x, y, z], padding };
+            let [x, y, z, padding] = positions[lane];
+            out[lane * NUM_JOINTS + j] = LocalTransform { rotation: rotations[lane], translation: [x, y, z], padding };
         }
     }
 }

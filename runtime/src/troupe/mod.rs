@@ -136,7 +136,7 @@ pub enum TroupeError {
     },
 }
 
-/// Characters that move together, four to a block; all memory is allocated in [`Troupe::new`].
+/// Characters that move together, eight to a block; all memory is allocated in [`Troupe::new`].
 ///
 /// Every tick, [`Troupe::step`] moves time on, lets characters at the end of a segment choose their next action by
 /// the policies, samples and blends their motion, locks planted feet, and leaves each character's planar root,

@@ -1,96 +1,108 @@
-//! Sampling: from frame rows to local rotations of four characters, with the transition's offsets decaying.
+//! Sampling: from frame rows to local rotations of eight characters, with the transition's offsets decaying.
 
 use super::block::{Block, load};
 use crate::format::FrameRow;
-use crate::lanes::{F4, LANES, Q4, V4};
+use crate::lanes::{Functions, LANES, Lanes, Q, V};
 use crate::skeleton::NUM_JOINTS;
 
 /// Past this many half-lives an offset is below a four-hundredth of what it was and is no longer applied.
 const HALF_LIVES_KEPT: f32 = 6.0;
 
-/// Where four characters are in the database.
-pub(crate) struct Cursor<'a> {
+/// Where eight characters are in the database.
+pub(crate) struct Cursor<'a, F> {
     /// The frame at or before, and the one after.
     pub rows: [[&'a FrameRow; LANES]; 2],
     /// How far between them, 0 to 1.
-    pub ratio: F4,
+    pub ratio: F,
 }
 
-/// The pose of four characters before and after the hierarchy is applied.
-pub(crate) struct LanePose {
+/// The pose of eight characters before and after the hierarchy is applied.
+pub(crate) struct LanePose<F> {
     /// Hips in model space (above the character's planar root).
-    pub root: V4,
+    pub root: V<F>,
     /// Relative to the parent; the hips' in model space.
-    pub rotations: [Q4; NUM_JOINTS],
+    pub rotations: [Q<F>; NUM_JOINTS],
 }
 
 /// Coefficients of a critically damped spring that has run for `age_s`: the offset is `position * x + velocity * v`.
 ///
 /// [Unit: s for `velocity`]
-pub(crate) struct Decay {
-    pub position: F4,
-    pub velocity: F4,
+pub(crate) struct Decay<F> {
+    pub position: F,
+    pub velocity: F,
 }
 
-impl Decay {
+impl<F: Lanes> Decay<F> {
     /// `x(t) = exp(-y t) (x0 + (v0 + y x0) t)` with y = 2 ln 2 / half-life.
     #[inline(always)]
-    pub fn new(age_s: F4, half_life_s: f32) -> Self {
-        let y = F4::splat(2.0 * std::f32::consts::LN_2 / half_life_s);
-        let age = age_s.min(F4::splat(8.0 * HALF_LIVES_KEPT * half_life_s));
+    pub fn new(age_s: F, half_life_s: f32) -> Self {
+        let y = F::splat(2.0 * std::f32::consts::LN_2 / half_life_s);
+        let age = age_s.min(F::splat(8.0 * HALF_LIVES_KEPT * half_life_s));
         let e = (-(y * age)).exp();
-        Self { position: e * (F4::splat(1.0) + y * age), velocity: e * age }
+        Self { position: e * (F::splat(1.0) + y * age), velocity: e * age }
     }
 
     /// The rate of change of the offset at that age: `position' * x + velocity' * v`.
     #[inline(always)]
-    pub fn rate(age_s: F4, half_life_s: f32) -> Self {
-        let y = F4::splat(2.0 * std::f32::consts::LN_2 / half_life_s);
-        let age = age_s.min(F4::splat(8.0 * HALF_LIVES_KEPT * half_life_s));
+    pub fn rate(age_s: F, half_life_s: f32) -> Self {
+        let y = F::splat(2.0 * std::f32::consts::LN_2 / half_life_s);
+        let age = age_s.min(F::splat(8.0 * HALF_LIVES_KEPT * half_life_s));
         let e = (-(y * age)).exp();
-        Self { position: -(y * y * age * e), velocity: e * (F4::splat(1.0) - y * age) }
+        Self { position: -(y * y * age * e), velocity: e * (F::splat(1.0) - y * age) }
     }
 
     #[inline(always)]
-    pub fn apply(&self, x: V4, v: V4) -> V4 {
+    pub fn apply(&self, x: V<F>, v: V<F>) -> V<F> {
         x * self.position + v * self.velocity
     }
 }
 
 /// True where no lane's offsets matter any more.
 #[inline(always)]
-fn settled(block: &Block, half_life_s: f32) -> bool {
-    !F4::splat(HALF_LIVES_KEPT * half_life_s).any_gt(F4::load(&block.age_s))
+fn settled<F: Lanes>(block: &Block, half_life_s: f32) -> bool {
+    !F::splat(HALF_LIVES_KEPT * half_life_s).any_gt(F::load(&block.age_s))
 }
 
-/// Samples four characters.
+/// Samples eight characters.
 #[inline(always)]
-pub(crate) fn sample(cursor: &Cursor<'_>) -> LanePose {
+pub(crate) fn sample<F: Lanes>(cursor: &Cursor<'_, F>) -> LanePose<F> {
     let [from, to] = &cursor.rows;
-    let height = |rows: &[&FrameRow; LANES]| F4::from_array(rows.map(|r| r.height));
-    let (h0, h1) = (height(from), height(to));
-    let zero = F4::splat(0.0);
-    LanePose {
-        root: V4::new(zero, h0 + (h1 - h0) * cursor.ratio, zero),
-        rotations: std::array::from_fn(|j| {
-            let a = F4::decode(from.map(|r| &r.rotations[j]));
-            let b = F4::decode(to.map(|r| &r.rotations[j]));
-            let [x, y, z, w]: [F4; 4] = std::array::from_fn(|i| a[i] + (b[i] - a[i]) * cursor.ratio);
-            Q4::new(V4::new(x, y, z), w).normalize()
-        }),
+    let height = between(&heights(from), &heights(to), cursor.ratio);
+    let zero = F::splat(0.0);
+    let mut rotations = [Q::new(V::new(zero, zero, zero), zero); NUM_JOINTS];
+    for (j, rotation) in rotations.iter_mut().enumerate() {
+        let a = F::decode(from.map(|r| &r.rotations[j]));
+        let b = F::decode(to.map(|r| &r.rotations[j]));
+        let x = a[0] + (b[0] - a[0]) * cursor.ratio;
+        let y = a[1] + (b[1] - a[1]) * cursor.ratio;
+        let z = a[2] + (b[2] - a[2]) * cursor.ratio;
+        let w = a[3] + (b[3] - a[3]) * cursor.ratio;
+        *rotation = Q::new(V::new(x, y, z), w).normalize();
     }
+    LanePose { root: V::new(zero, height, zero), rotations }
+}
+
+fn heights(rows: &[&FrameRow; LANES]) -> [f32; LANES] {
+    rows.map(|r| r.height)
+}
+
+/// From `a` at ratio 0 to `b` at ratio 1.
+#[inline(always)]
+pub(crate) fn between<F: Lanes>(a: &[f32; LANES], b: &[f32; LANES], ratio: F) -> F {
+    let (a, b) = (F::load(a), F::load(b));
+    a + (b - a) * ratio
 }
 
 /// Adds the decaying offsets of the last transition.
 #[inline(always)]
-pub(crate) fn add_offsets(pose: &mut LanePose, block: &Block, half_life_s: f32) {
-    if settled(block, half_life_s) {
+pub(crate) fn add_offsets<F: Lanes>(pose: &mut LanePose<F>, block: &Block, half_life_s: f32) {
+    if settled::<F>(block, half_life_s) {
         return;
     }
-    let decay = Decay::new(F4::load(&block.age_s), half_life_s);
+    let decay = Decay::new(F::load(&block.age_s), half_life_s);
     let o = &block.offsets;
     pose.root = pose.root + decay.apply(load(&o.root), load(&o.root_velocity));
     for (q, (x, v)) in pose.rotations.iter_mut().zip(o.rotation.iter().zip(&o.rotation_velocity)) {
-        *q = Q4::from_mrp(decay.apply(load(x), load(v))) * *q;
+        *q = Q::from_mrp(decay.apply(load(x), load(v))) * *q;
     }
 }

@@ -4,7 +4,7 @@ use super::TroupeError;
 use super::hierarchy::{to_model, write_matrices};
 use super::repertoire::Repertoire;
 use super::sample::{Cursor, sample};
-use crate::lanes::{F4, LANES};
+use crate::lanes::{LANES, Lanes, Work, dispatch};
 use crate::pose::Mat3x4;
 use crate::skeleton::NUM_JOINTS;
 
@@ -50,6 +50,16 @@ impl SampleJob<'_> {
     /// As [`Self::validate`].
     pub fn run(self) -> Result<(), TroupeError> {
         self.validate()?;
+        dispatch(self);
+        Ok(())
+    }
+}
+
+impl Work for SampleJob<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<F: Lanes>(self) {
         let rows = self.repertoire.frames;
         let last = rows.len() - 1;
         let batches = self.frames.chunks(LANES).zip(self.ratios.chunks(LANES));
@@ -58,10 +68,9 @@ impl SampleJob<'_> {
             let at: [usize; LANES] = std::array::from_fn(|l| frames[lane(l)] as usize);
             let cursor = Cursor {
                 rows: [at.map(|f| &rows[f]), at.map(|f| &rows[(f + 1).min(last)])],
-                ratio: F4::from_array(std::array::from_fn(|l| ratios[lane(l)])),
+                ratio: F::from_array(std::array::from_fn(|l| ratios[lane(l)])),
             };
-            write_matrices(&to_model(&self.repertoire.skeleton, &sample(&cursor)), frames.len(), out);
+            write_matrices(&to_model(&self.repertoire.skeleton, &sample::<F>(&cursor)), frames.len(), out);
         }
-        Ok(())
     }
 }

@@ -8,15 +8,16 @@ use super::control;
 use super::foot_lock::{Placement, lock_foot};
 use super::hierarchy::{to_model, write_locals, write_matrices};
 use super::repertoire::Repertoire;
-use super::sample::{Cursor, add_offsets, sample};
+use super::sample::{Cursor, add_offsets, between, sample};
 use super::{Goal, TroupeConfig};
 use crate::contacts::Contacts;
-use crate::lanes::{F4, LANES};
+use crate::format::FrameRow;
+use crate::lanes::{Functions, LANES, Lanes, Work, dispatch};
 use crate::pose::{LocalTransform, Mat3x4};
 use crate::skeleton::NUM_JOINTS;
 
 /// Blocks of a range: 128 characters, whose state and poses fit the cache of a core.
-pub(crate) const RANGE_BLOCKS: usize = 32;
+pub(crate) const RANGE_BLOCKS: usize = 16;
 
 /// What all ranges of a tick share.
 pub(crate) struct Tick<'a> {
@@ -43,10 +44,28 @@ pub(crate) struct Range<'a> {
 pub(crate) fn step(range: Range<'_>, tick: &Tick<'_>) {
     advance(range.blocks, range.count, tick);
     control::choose(range.blocks, range.first, range.count, tick.repertoire, tick.config, tick.goals);
-    let poses = range.matrices.chunks_mut(LANES * NUM_JOINTS);
-    for (i, (block, matrices)) in range.blocks.iter_mut().zip(poses).enumerate() {
-        let locals = range.locals.get_mut(i * LANES * NUM_JOINTS..).unwrap_or_default();
-        pose(block, matrices, locals, tick);
+    dispatch(Pose { range, tick });
+}
+
+/// The second half of the list: sample -> foot lock -> poses, for all blocks of a range.
+struct Pose<'a, 't> {
+    range: Range<'a>,
+    tick: &'a Tick<'t>,
+}
+
+impl Work for Pose<'_, '_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<F: Lanes>(self) {
+        let Range { blocks, matrices, locals, .. } = self.range;
+        let poses = matrices.chunks_mut(LANES * NUM_JOINTS);
+        for (i, (block, matrices)) in blocks.iter_mut().zip(poses).enumerate() {
+            let from = i * LANES * NUM_JOINTS;
+            let locals = locals.get_mut(from..).unwrap_or_default();
+            let len = locals.len().min(matrices.len());
+            pose::<F>(block, matrices, &mut locals[..len], self.tick);
+        }
     }
 }
 
@@ -70,7 +89,8 @@ fn advance(blocks: &mut [Block], count: usize, tick: &Tick<'_>) {
 }
 
 /// Samples a block, locks its feet and writes its poses.
-fn pose(block: &mut Block, matrices: &mut [Mat3x4], locals: &mut [LocalTransform], tick: &Tick<'_>) {
+#[inline(always)]
+fn pose<F: Lanes>(block: &mut Block, matrices: &mut [Mat3x4], locals: &mut [LocalTransform], tick: &Tick<'_>) {
     let r = tick.repertoire;
     let mut at = [0usize; LANES];
     let mut ratio = [0.0; LANES];
@@ -80,8 +100,7 @@ fn pose(block: &mut Block, matrices: &mut [Mat3x4], locals: &mut [LocalTransform
         ratio[lane] = block.time[lane] - whole as f32;
         block.contacts[lane] = r.contacts[at[lane] + usize::from(ratio[lane] > 0.5)];
     }
-    let cursor =
-        Cursor { rows: [at.map(|f| &r.frames[f]), at.map(|f| &r.frames[f + 1])], ratio: F4::from_array(ratio) };
+    let cursor = Cursor { rows: [at.map(|f| &r.frames[f]), at.map(|f| &r.frames[f + 1])], ratio: F::from_array(ratio) };
     let place = place(block, &cursor);
     let mut local = sample(&cursor);
     add_offsets(&mut local, block, tick.config.half_life_s);
@@ -105,18 +124,18 @@ fn pose(block: &mut Block, matrices: &mut [Mat3x4], locals: &mut [LocalTransform
 
 /// Updates the planar roots.
 #[inline(always)]
-fn place(block: &mut Block, cursor: &Cursor<'_>) -> Placement {
+fn place<F: Lanes>(block: &mut Block, cursor: &Cursor<'_, F>) -> Placement<F> {
     let [from, to] = &cursor.rows;
-    let lerp = |k: usize| {
-        let (a, b) = (F4::from_array(from.map(|r| r.planar[k])), F4::from_array(to.map(|r| r.planar[k])));
-        a + (b - a) * cursor.ratio
-    };
-    let [tx, tz, th] = [0, 1, 2].map(|k| F4::load(&block.clip_to_world[k]));
+    let planar = |rows: &[&FrameRow; LANES], k: usize| rows.map(|r| r.planar[k]);
+    let px = between(&planar(from, 0), &planar(to, 0), cursor.ratio);
+    let pz = between(&planar(from, 1), &planar(to, 1), cursor.ratio);
+    let ph = between(&planar(from, 2), &planar(to, 2), cursor.ratio);
+    let [tx, tz, th] = &block.clip_to_world;
+    let (tx, tz, th) = (F::load(tx), F::load(tz), F::load(th));
     let (clip_sin, clip_cos) = th.sin_cos();
-    let (px, pz) = (lerp(0), lerp(1));
     let x = clip_cos * px + clip_sin * pz + tx;
     let z = clip_cos * pz - clip_sin * px + tz;
-    let heading = th + lerp(2);
+    let heading = th + ph;
     x.store(&mut block.root[0]);
     z.store(&mut block.root[1]);
     heading.store(&mut block.root[2]);

@@ -7,7 +7,7 @@
 use super::block::{Block, load, set};
 use super::sample::Decay;
 use crate::format::FrameRow;
-use crate::lanes::{F4, LANES, Q4, V4};
+use crate::lanes::{LANES, Lanes, Q, V, Work, dispatch};
 use crate::planar::Planar;
 use crate::skeleton::NUM_JOINTS;
 use glam::Vec3;
@@ -25,8 +25,30 @@ pub(crate) struct Change {
     pub age_s: f32,
 }
 
-/// Replaces the offsets of up to four characters. Equal characters must not stand in one group.
+/// Replaces the offsets of up to eight characters. Equal characters must not stand in one group.
 pub(crate) fn start(group: &[Change], frames: &[FrameRow], rate_hz: f32, half_life_s: f32, blocks: &mut [Block]) {
+    dispatch(Start { group, frames, rate_hz, half_life_s, blocks });
+}
+
+struct Start<'a> {
+    group: &'a [Change],
+    frames: &'a [FrameRow],
+    rate_hz: f32,
+    half_life_s: f32,
+    blocks: &'a mut [Block],
+}
+
+impl Work for Start<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<F: Lanes>(self) {
+        start_lanes::<F>(self);
+    }
+}
+
+#[inline(always)]
+fn start_lanes<F: Lanes>(Start { group, frames, rate_hz, half_life_s, blocks }: Start<'_>) {
     let lane_of = |l: usize| group[l.min(group.len() - 1)];
     let rows = |offset: i64, from: bool| -> [&FrameRow; LANES] {
         std::array::from_fn(|l| {
@@ -36,15 +58,15 @@ pub(crate) fn start(group: &[Change], frames: &[FrameRow], rate_hz: f32, half_li
     };
     let (before, last) = (rows(-1, true), rows(0, true));
     let (first, after) = (rows(0, false), rows(1, false));
-    let age = F4::from_array(std::array::from_fn(|l| lane_of(l).age_s));
+    let age = F::from_array(std::array::from_fn(|l| lane_of(l).age_s));
     let (old, old_rate) = (Decay::new(age, half_life_s), Decay::rate(age, half_life_s));
-    let rate = F4::splat(rate_hz);
+    let rate = F::splat(rate_hz);
 
     for j in 0..NUM_JOINTS {
         let (x, v) = gather(group, blocks, |b| (&b.offsets.rotation[j], &b.offsets.rotation_velocity[j]));
         let (q_before, q_last) = (rotation(&before, j), rotation(&last, j));
         let (q_first, q_after) = (rotation(&first, j), rotation(&after, j));
-        let shown = Q4::from_mrp(old.apply(x, v)) * q_last;
+        let shown = Q::from_mrp(old.apply(x, v)) * q_last;
         let offset = (shown * q_first.conjugate()).to_mrp();
         let old_velocity = (q_last * q_before.conjugate()).to_mrp();
         let new_velocity = (q_after * q_first.conjugate()).to_mrp();
@@ -53,32 +75,35 @@ pub(crate) fn start(group: &[Change], frames: &[FrameRow], rate_hz: f32, half_li
         scatter(group, blocks, |b| &mut b.offsets.rotation_velocity[j], velocity);
     }
     let (x, v) = gather(group, blocks, |b| (&b.offsets.root, &b.offsets.root_velocity));
-    let zero = F4::splat(0.0);
-    let height = |r: &[&FrameRow; LANES]| F4::from_array(r.map(|r| r.height));
-    let offset = old.apply(x, v) + V4::new(zero, height(&last) - height(&first), zero);
+    let zero = F::splat(0.0);
+    let height = |r: &[&FrameRow; LANES]| r.map(|r| r.height);
+    let offset = old.apply(x, v) + V::new(zero, F::load(&height(&last)) - F::load(&height(&first)), zero);
     let velocity = (root_step(&before, &last) - root_step(&first, &after)) * rate + old_rate.apply(x, v);
     scatter(group, blocks, |b| &mut b.offsets.root, offset);
     scatter(group, blocks, |b| &mut b.offsets.root_velocity, velocity);
 }
 
-fn rotation(rows: &[&FrameRow; LANES], joint: usize) -> Q4 {
-    let [x, y, z, w] = F4::decode(rows.map(|r| &r.rotations[joint]));
-    Q4::new(V4::new(x, y, z), w).normalize()
+#[inline(always)]
+fn rotation<F: Lanes>(rows: &[&FrameRow; LANES], joint: usize) -> Q<F> {
+    let [x, y, z, w] = F::decode(rows.map(|r| &r.rotations[joint]));
+    Q::new(V::new(x, y, z), w).normalize()
 }
 
 /// How far the hips move from one row to the next, in the frame of the planar root. [Unit: m]
-fn root_step(from: &[&FrameRow; LANES], to: &[&FrameRow; LANES]) -> V4 {
+#[inline(always)]
+fn root_step<F: Lanes>(from: &[&FrameRow; LANES], to: &[&FrameRow; LANES]) -> V<F> {
     let step: [Vec3; LANES] = std::array::from_fn(|l| {
         let planar = |r: &FrameRow| Planar::new(r.planar[0], r.planar[1], r.planar[2]);
         let d = planar(from[l]).to_local(planar(to[l]));
         Vec3::new(d.x, to[l].height - from[l].height, d.z)
     });
-    V4::new(F4::from_array(step.map(|s| s.x)), F4::from_array(step.map(|s| s.y)), F4::from_array(step.map(|s| s.z)))
+    V::new(F::from_array(step.map(|s| s.x)), F::from_array(step.map(|s| s.y)), F::from_array(step.map(|s| s.z)))
 }
 
 type Pair<'a> = (&'a super::block::Lane3, &'a super::block::Lane3);
 
-fn gather(group: &[Change], blocks: &[Block], of: impl Fn(&Block) -> Pair<'_>) -> (V4, V4) {
+#[inline(always)]
+fn gather<F: Lanes>(group: &[Change], blocks: &[Block], of: impl Fn(&Block) -> Pair<'_>) -> (V<F>, V<F>) {
     let (mut x, mut v) = ([[0.0; LANES]; 3], [[0.0; LANES]; 3]);
     for (l, c) in group.iter().enumerate() {
         let (from_x, from_v) = of(&blocks[c.character as usize / LANES]);
@@ -89,7 +114,13 @@ fn gather(group: &[Change], blocks: &[Block], of: impl Fn(&Block) -> Pair<'_>) -
     (load(&x), load(&v))
 }
 
-fn scatter(group: &[Change], blocks: &mut [Block], of: impl Fn(&mut Block) -> &mut super::block::Lane3, value: V4) {
+#[inline(always)]
+fn scatter<F: Lanes>(
+    group: &[Change],
+    blocks: &mut [Block],
+    of: impl Fn(&mut Block) -> &mut super::block::Lane3,
+    value: V<F>,
+) {
     let (x, y, z) = (value.x.to_array(), value.y.to_array(), value.z.to_array());
     for (l, c) in group.iter().enumerate() {
         let b = &mut blocks[c.character as usize / LANES];

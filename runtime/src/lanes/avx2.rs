@@ -1,0 +1,142 @@
+//! [`Lanes`] in the registers of x86-64 processors with AVX2.
+#![allow(unsafe_code)] // Intrinsics; [`super::dispatch`] is the one place that uses this type, see the SAFETY notes.
+
+use super::{LANES, Lanes};
+use std::arch::x86_64::*;
+use std::ops::{Add, Div, Mul, Neg, Sub};
+
+/// Eight floats in a register.
+#[derive(Clone, Copy, Debug)]
+#[repr(transparent)]
+pub struct Avx2(__m256);
+
+macro_rules! avx {
+    ($e:expr) => {
+        // SAFETY: values of this type are made only under `dispatch`, which has found AVX2; the intrinsic touches
+        // registers alone, or memory that a reference covers and that needs no alignment.
+        unsafe { $e }
+    };
+}
+
+macro_rules! operator {
+    ($($trait:ident $method:ident $f:ident;)*) => { $(
+        impl $trait for Avx2 {
+            type Output = Self;
+            #[inline(always)]
+            fn $method(self, o: Self) -> Self { Self(avx!($f(self.0, o.0))) }
+        }
+    )* };
+}
+
+operator! { Add add _mm256_add_ps; Sub sub _mm256_sub_ps; Mul mul _mm256_mul_ps; Div div _mm256_div_ps; }
+
+impl Neg for Avx2 {
+    type Output = Self;
+    #[inline(always)]
+    fn neg(self) -> Self {
+        Self(avx!(_mm256_xor_ps(self.0, _mm256_set1_ps(-0.0))))
+    }
+}
+
+impl Lanes for Avx2 {
+    #[inline(always)]
+    fn splat(v: f32) -> Self {
+        Self(avx!(_mm256_set1_ps(v)))
+    }
+
+    #[inline(always)]
+    fn load(a: &[f32; LANES]) -> Self {
+        Self(avx!(_mm256_loadu_ps(a.as_ptr())))
+    }
+
+    #[inline(always)]
+    fn store(self, a: &mut [f32; LANES]) {
+        avx!(_mm256_storeu_ps(a.as_mut_ptr(), self.0));
+    }
+
+    #[inline(always)]
+    fn min(self, o: Self) -> Self {
+        Self(avx!(_mm256_min_ps(self.0, o.0)))
+    }
+
+    #[inline(always)]
+    fn max(self, o: Self) -> Self {
+        Self(avx!(_mm256_max_ps(self.0, o.0)))
+    }
+
+    #[inline(always)]
+    fn abs(self) -> Self {
+        Self(avx!(_mm256_andnot_ps(_mm256_set1_ps(-0.0), self.0)))
+    }
+
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        Self(avx!(_mm256_sqrt_ps(self.0)))
+    }
+
+    #[inline(always)]
+    fn round(self) -> Self {
+        Self(avx!(_mm256_round_ps::<{ _MM_FROUND_TO_NEAREST_INT | _MM_FROUND_NO_EXC }>(self.0)))
+    }
+
+    #[inline(always)]
+    fn exp2_integer(self) -> Self {
+        Self(avx!(_mm256_castsi256_ps(_mm256_slli_epi32::<23>(_mm256_add_epi32(
+            _mm256_cvtps_epi32(self.0),
+            _mm256_set1_epi32(127)
+        )))))
+    }
+
+    #[inline(always)]
+    fn select_lt(a: Self, b: Self, yes: Self, no: Self) -> Self {
+        Self(avx!(_mm256_blendv_ps(no.0, yes.0, _mm256_cmp_ps::<_CMP_LT_OQ>(a.0, b.0))))
+    }
+
+    #[inline(always)]
+    fn any_gt(self, o: Self) -> bool {
+        avx!(_mm256_movemask_ps(_mm256_cmp_ps::<_CMP_GT_OQ>(self.0, o.0))) != 0
+    }
+
+    #[inline(always)]
+    fn rows(m: [Self; 4]) -> [[f32; 4]; LANES] {
+        let mut out = [[0.0; 4]; LANES];
+        avx!({
+            let (a, b) = (_mm256_unpacklo_ps(m[0].0, m[1].0), _mm256_unpackhi_ps(m[0].0, m[1].0));
+            let (c, d) = (_mm256_unpacklo_ps(m[2].0, m[3].0), _mm256_unpackhi_ps(m[2].0, m[3].0));
+            // Each holds a row of a lane and of the lane four further on.
+            let (p0, p1) = (_mm256_shuffle_ps::<0x44>(a, c), _mm256_shuffle_ps::<0xEE>(a, c));
+            let (p2, p3) = (_mm256_shuffle_ps::<0x44>(b, d), _mm256_shuffle_ps::<0xEE>(b, d));
+            _mm_storeu_ps(out[0].as_mut_ptr(), _mm256_castps256_ps128(p0));
+            _mm_storeu_ps(out[1].as_mut_ptr(), _mm256_castps256_ps128(p1));
+            _mm_storeu_ps(out[2].as_mut_ptr(), _mm256_castps256_ps128(p2));
+            _mm_storeu_ps(out[3].as_mut_ptr(), _mm256_castps256_ps128(p3));
+            _mm_storeu_ps(out[4].as_mut_ptr(), _mm256_extractf128_ps::<1>(p0));
+            _mm_storeu_ps(out[5].as_mut_ptr(), _mm256_extractf128_ps::<1>(p1));
+            _mm_storeu_ps(out[6].as_mut_ptr(), _mm256_extractf128_ps::<1>(p2));
+            _mm_storeu_ps(out[7].as_mut_ptr(), _mm256_extractf128_ps::<1>(p3));
+        });
+        out
+    }
+
+    #[inline(always)]
+    fn decode(rows: [&[i16; 4]; LANES]) -> [Self; 4] {
+        let (xy, zw) = interleave(rows[0], rows[1], rows[2], rows[3]);
+        let (xy_high, zw_high) = interleave(rows[4], rows[5], rows[6], rows[7]);
+        avx!([
+            Self(_mm256_cvtepi32_ps(_mm256_cvtepi16_epi32(_mm_unpacklo_epi64(xy, xy_high)))),
+            Self(_mm256_cvtepi32_ps(_mm256_cvtepi16_epi32(_mm_unpackhi_epi64(xy, xy_high)))),
+            Self(_mm256_cvtepi32_ps(_mm256_cvtepi16_epi32(_mm_unpacklo_epi64(zw, zw_high)))),
+            Self(_mm256_cvtepi32_ps(_mm256_cvtepi16_epi32(_mm_unpackhi_epi64(zw, zw_high)))),
+        ])
+    }
+}
+
+/// x0 x1 x2 x3 y0 y1 y2 y3 and z0 .. w3 of four lanes.
+#[inline(always)]
+fn interleave(r0: &[i16; 4], r1: &[i16; 4], r2: &[i16; 4], r3: &[i16; 4]) -> (__m128i, __m128i) {
+    avx!({
+        let a = _mm_unpacklo_epi16(_mm_loadl_epi64(r0.as_ptr().cast()), _mm_loadl_epi64(r2.as_ptr().cast()));
+        let b = _mm_unpacklo_epi16(_mm_loadl_epi64(r1.as_ptr().cast()), _mm_loadl_epi64(r3.as_ptr().cast()));
+        (_mm_unpacklo_epi16(a, b), _mm_unpackhi_epi16(a, b))
+    })
+}
