@@ -1,11 +1,10 @@
 //! Every command does what its help says: output, JSON keys, exit codes, and errors that show the way out.
 
-mod common;
-
 use serde_json::Value;
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
-use std::sync::OnceLock;
+use std::sync::{Arc, Mutex, PoisonError, Weak};
 
 /// Every subcommand.
 const COMMANDS: [&str; 12] =
@@ -51,47 +50,57 @@ fn failed(args: &[&str]) -> String {
     message
 }
 
-/// A folder with clips, a config and a bundle, all made by the command line; one for all tests.
+/// A config whose target grid is small.
+const CONFIG: &str = "name = \"little\"\ninputs = [\"clips\"]\n\n[policy]\ncompare_samples = 100\n\n[[behaviours]]\n\
+    grid = { rings = 6, angles = 8, radius = 6.0, inner_spacing = 0.5 }\n";
+
+/// A folder with clips, a config and a bundle, all made by the command line.
 struct Place {
     folder: tempfile::TempDir,
 }
 
 impl Place {
-    fn path(&self, name: &str) -> String {
-        self.folder.path().join(name).to_str().expect("temporary folders have readable names").to_owned()
+    /// The place of all tests, as long as one of them holds it.
+    fn shared() -> Arc<Self> {
+        static SHARED: Mutex<Weak<Place>> = Mutex::new(Weak::new());
+        let mut shared = SHARED.lock().unwrap_or_else(PoisonError::into_inner);
+        shared.upgrade().unwrap_or_else(|| {
+            let place = Arc::new(Self::new());
+            *shared = Arc::downgrade(&place);
+            place
+        })
     }
-}
 
-/// A config whose target grid is small.
-const CONFIG: &str = "name = \"little\"\ninputs = [\"clips\"]\n\n[policy]\ncompare_samples = 100\n\n[[behaviours]]\n\
-    grid = { rings = 6, angles = 8, radius = 6.0, inner_spacing = 0.5 }\n";
-
-fn place() -> &'static Place {
-    static PLACE: OnceLock<Place> = OnceLock::new();
-    PLACE.get_or_init(|| {
-        // Inside the build's own temporary folder, so that nothing is left anywhere else.
-        let folder = tempfile::tempdir_in(env!("CARGO_TARGET_TMPDIR")).expect("a temporary folder");
-        let place = Place { folder };
+    fn new() -> Self {
+        let place = Self { folder: folder() };
         let made = json(
             &["synth", "--out", &place.path("clips"), "--minutes", "1", "--seed", "1", "--json"],
             &["set", "clips", "frames", "seconds", "out"],
         );
         assert!(made["frames"].as_u64() >= Some(1800), "{made}");
         std::fs::write(place.path("little.toml"), CONFIG).expect("a config");
-        done(&["build", &place.path("little.toml"), "--out", &place.path("little.throng"), "--no-cache"]);
+        done(&["build", &place.path("little.toml"), "--out", &place.bundle(), "--no-cache"]);
         place
-    })
-}
+    }
 
-fn bundle() -> String {
-    place().path("little.throng")
-}
+    fn path(&self, name: &str) -> String {
+        at(&self.folder, name)
+    }
 
-fn first_clip() -> String {
-    let clips = std::fs::read_dir(place().path("clips")).expect("clips");
-    let mut all: Vec<PathBuf> = clips.map(|e| e.expect("a clip").path()).collect();
-    all.sort();
-    all[0].to_str().expect("a readable name").to_owned()
+    fn bundle(&self) -> String {
+        self.path("little.throng")
+    }
+
+    fn clips(&self) -> Vec<PathBuf> {
+        let clips = std::fs::read_dir(self.path("clips")).expect("clips");
+        let mut all: Vec<PathBuf> = clips.map(|e| e.expect("a clip").path()).collect();
+        all.sort();
+        all
+    }
+
+    fn first_clip(&self) -> String {
+        self.clips()[0].to_str().expect("a readable name").to_owned()
+    }
 }
 
 /// A folder for one test.
@@ -143,7 +152,7 @@ fn wrong_usage_ends_with_2() {
 
 #[test]
 fn build_reports_what_it_did() {
-    let place = place();
+    let place = Place::shared();
     let folder = folder();
     let (out, cache) = (at(&folder, "a.throng"), at(&folder, "cache"));
     let args = ["build", &place.path("little.toml"), "--out", &out, "--cache", &cache, "--json"];
@@ -168,7 +177,7 @@ fn build_reports_what_it_did() {
     assert_eq!(report["policies"][0]["cells"], 48);
     assert_eq!(report["bundle_bytes"].as_u64(), Some(std::fs::metadata(&out).expect("the bundle").len()));
     assert!(report["policies"][0]["residual"].as_f64() < Some(1e-4), "{report}");
-    let same = std::fs::read(&out).expect("the bundle") == std::fs::read(bundle()).expect("the bundle");
+    let same = std::fs::read(&out).expect("the bundle") == std::fs::read(place.bundle()).expect("the bundle");
     assert!(same, "a build with a cache differs from one without");
     let again = json(&args, &keys);
     assert_eq!(again["cached"], serde_json::json!(["motion", "graph", "policy"]));
@@ -178,7 +187,8 @@ fn build_reports_what_it_did() {
 
 #[test]
 fn verify_says_what_a_bundle_holds() {
-    let bundle = bundle();
+    let place = Place::shared();
+    let bundle = place.bundle();
     let keys =
         ["file", "name", "version", "bundle_bytes", "frames", "clips", "states", "actions", "policies", "sections"];
     let report = json(&["verify", &bundle, "--json"], &keys);
@@ -190,7 +200,8 @@ fn verify_says_what_a_bundle_holds() {
 
 #[test]
 fn query_answers_with_an_action_and_a_value() {
-    let bundle = bundle();
+    let place = Place::shared();
+    let bundle = place.bundle();
     let ask = |target: &str| {
         let args = ["query", &bundle, "--behaviour", "approach", "--state", "0", "--target", target, "--json"];
         json(&args, &["behaviour", "state", "target_m", "action", "value", "score", "single_load_action", "best"])
@@ -210,7 +221,8 @@ fn query_answers_with_an_action_and_a_value() {
 
 #[test]
 fn run_measures_a_crowd_and_draws_it() {
-    let (bundle, folder) = (bundle(), folder());
+    let (place, folder) = (Place::shared(), folder());
+    let bundle = place.bundle();
     let png = at(&folder, "crowd.png");
     let keys = ["characters", "reached_fraction", "foot_slip_p95_mps", "steps_per_second", "simulated_s"];
     let report = json(&["run", &bundle, "--characters", "10", "--seconds", "3", "--single-load", "--json"], &keys);
@@ -223,8 +235,21 @@ fn run_measures_a_crowd_and_draws_it() {
 }
 
 #[test]
+fn the_demo_goes_the_whole_way() {
+    let folder = folder();
+    let (png, bundle) = (at(&folder, "demo.png"), at(&folder, "demo.throng"));
+    let args = ["demo", "--characters", "12", "--seconds", "2", "--out", &png, "--bundle", &bundle, "--json"];
+    let report = json(&args, &["characters", "reached_fraction", "foot_slip_p95_mps", "steps_per_second", "build"]);
+    assert_eq!(report["characters"], 12);
+    has_keys(&report["build"], &["states", "actions", "policies", "bundle_bytes"]);
+    assert_eq!(std::fs::read(&png).expect("a picture")[..8], *b"\x89PNG\r\n\x1a\n");
+    done(&["verify", &bundle]);
+}
+
+#[test]
 fn bench_reports_every_figure() {
-    let args = ["bench", &bundle(), "--characters", "8", "--threads", "1", "--seconds", "0.01", "--json"];
+    let place = Place::shared();
+    let args = ["bench", &place.bundle(), "--characters", "8", "--threads", "1", "--seconds", "0.01", "--json"];
     let report = json(&args, &["results", "value_iteration"]);
     let keys = [
         "characters",
@@ -246,7 +271,8 @@ fn bench_reports_every_figure() {
 
 #[test]
 fn inspect_finds_out_about_a_clip() {
-    let clip = first_clip();
+    let place = Place::shared();
+    let clip = place.first_clip();
     let keys = ["format", "joints", "frames", "rate_hz", "metres_per_unit", "up", "height_m", "roles", "warnings"];
     let report = json(&["inspect", &clip, "--json"], &keys);
     assert_eq!((&report["format"], &report["up"]), (&Value::from("bvh"), &Value::from("Y")));
@@ -258,26 +284,18 @@ fn inspect_finds_out_about_a_clip() {
 
 #[test]
 fn export_writes_positions_and_bvh() {
-    let (clip, folder) = (first_clip(), folder());
+    let (place, folder) = (Place::shared(), folder());
+    let clip = place.first_clip();
     let frames = json(&["inspect", &clip, "--json"], &["frames"])["frames"].as_u64().expect("a count") as usize;
     for retargeted in [false, true] {
         let extra: &[&str] = if retargeted { &["--retargeted"] } else { &[] };
         let csv = done(&[&["export", &clip, "--format", "positions-csv"], extra].concat());
-        let mut lines = csv.lines();
-        assert_eq!(lines.next(), Some("frame,joint,x,y,z"));
-        let mut heads = Vec::new();
-        let mut last = 0;
-        for line in lines {
-            let fields: Vec<&str> = line.split(',').collect();
-            let [frame, joint, x, y, z] = fields[..] else { panic!("not five fields: {line}") };
-            let at: Vec<f64> = [x, y, z].iter().map(|v| v.parse().unwrap_or_else(|e| panic!("{line}: {e}"))).collect();
-            last = frame.parse().unwrap_or_else(|e| panic!("{line}: {e}"));
-            if joint.eq_ignore_ascii_case("head") {
-                heads.push(at[1]);
-            }
-        }
-        assert_eq!((heads.len(), last), (frames, frames - 1));
-        assert!(heads.iter().all(|y| (1.2..1.9).contains(y)), "heads of a walker in metres, Y up");
+        assert_eq!(csv.lines().next(), Some("frame,joint,x,y,z"));
+        let rows = positions(&csv);
+        assert_eq!(rows.len(), csv.lines().count() - 1, "a joint stands there twice");
+        let heads: Vec<_> = rows.iter().filter(|(key, _)| key.1.eq_ignore_ascii_case("head")).collect();
+        assert_eq!((heads.len(), heads[frames - 1].0.0), (frames, frames - 1));
+        assert!(heads.iter().all(|(_, at)| (1.2..1.9).contains(&at[1])), "heads of a walker in metres, Y up");
 
         let bvh = at(&folder, "copy.bvh");
         done(&[&["export", &clip, "--format", "bvh", "--out", &bvh], extra].concat());
@@ -285,18 +303,31 @@ fn export_writes_positions_and_bvh() {
         assert_eq!(report["frames"].as_u64(), Some(frames as u64));
         assert!((report["rate_hz"].as_f64().expect("a rate") - 30.0).abs() < 0.01);
         let copied = done(&["export", &bvh, "--format", "positions-csv"]);
-        let number = |l: &str| l.split(',').skip(2).map(|v| v.parse::<f64>().expect("a number")).collect::<Vec<_>>();
-        for (a, b) in csv.lines().zip(copied.lines()).skip(1).step_by(101) {
-            assert_eq!(a.split(',').nth(1), b.split(',').nth(1), "joints in another order");
-            let apart = number(a).iter().zip(number(b)).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
-            assert!(apart < 1e-3, "{a} became {b}");
+        // BVH ends every chain, so the copy may have more joints.
+        let copied = positions(&copied);
+        for (key, at) in positions(&csv) {
+            let other = copied.get(&key).unwrap_or_else(|| panic!("{key:?} is lost"));
+            let apart = at.iter().zip(other).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+            assert!(apart < 1e-3, "{key:?}: {at:?} became {other:?}");
         }
     }
 }
 
+/// Rows of exported positions by frame and joint.
+fn positions(csv: &str) -> BTreeMap<(usize, &str), [f64; 3]> {
+    let row = |line| {
+        let fields: Vec<&str> = str::split(line, ',').collect();
+        let [frame, joint, x, y, z] = fields[..] else { panic!("not five fields: {line}") };
+        let number = |v: &str| v.parse::<f64>().unwrap_or_else(|e| panic!("{line}: {e}"));
+        ((frame.parse().unwrap_or_else(|e| panic!("{line}: {e}")), joint), [x, y, z].map(number))
+    };
+    csv.lines().skip(1).map(row).collect()
+}
+
 #[test]
 fn export_writes_graphs_and_policies() {
-    let bundle = bundle();
+    let place = Place::shared();
+    let bundle = place.bundle();
     let counts = json(&["verify", &bundle, "--json"], &["states", "actions"]);
     let graph = json(&["export", &bundle, "--format", "graph-json"], &["states", "actions"]);
     let (states, actions) =
@@ -337,9 +368,9 @@ fn completions_and_schema_are_printed() {
 
 #[test]
 fn files_that_are_no_bundles_are_refused_by_name() {
-    let folder = folder();
+    let (place, folder) = (Place::shared(), folder());
     let cut = at(&folder, "cut.throng");
-    std::fs::write(&cut, &std::fs::read(bundle()).expect("the bundle")[..5000]).expect("a file");
+    std::fs::write(&cut, &std::fs::read(place.bundle()).expect("the bundle")[..5000]).expect("a file");
     let text = at(&folder, "text.throng");
     std::fs::write(&text, "HIERARCHY\nROOT hips\n{\n").expect("a file");
     let absent = at(&folder, "absent.throng");
@@ -388,14 +419,13 @@ fn wrong_configs_name_the_place_and_the_nearest_key() {
 
 #[test]
 fn a_bad_clip_is_skipped_and_counted_or_stops_a_strict_build() {
-    let folder = folder();
+    let (place, folder) = (Place::shared(), folder());
     let clips = folder.path().join("clips");
     std::fs::create_dir(&clips).expect("a folder");
-    for e in std::fs::read_dir(place().path("clips")).expect("clips") {
-        let from = e.expect("a clip").path();
+    for from in place.clips() {
         std::fs::copy(&from, clips.join(from.file_name().expect("a name"))).expect("a copy");
     }
-    let good = std::fs::read_to_string(first_clip()).expect("a clip");
+    let good = std::fs::read_to_string(place.first_clip()).expect("a clip");
     let bad_line = good.lines().count() - 5;
     let mut lines: Vec<&str> = good.lines().collect();
     lines[bad_line - 1] = "1.0 2.0 three";
@@ -423,11 +453,11 @@ fn a_bad_clip_is_skipped_and_counted_or_stops_a_strict_build() {
 
 #[test]
 fn places_that_cannot_be_written_are_named() {
-    let folder = folder();
+    let (place, folder) = (Place::shared(), folder());
     let nowhere = at(&folder, "no/such/folder/a.throng");
-    let e = failed(&["build", &place().path("little.toml"), "--out", &nowhere, "--no-cache"]);
+    let e = failed(&["build", &place.path("little.toml"), "--out", &nowhere, "--no-cache"]);
     assert!(e.contains("no/such/folder"), "{e}");
-    let e = failed(&["export", &bundle(), "--format", "graph-json", "--out", &nowhere]);
+    let e = failed(&["export", &place.bundle(), "--format", "graph-json", "--out", &nowhere]);
     assert!(e.contains("no/such/folder"), "{e}");
 }
 

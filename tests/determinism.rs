@@ -4,7 +4,7 @@ mod common;
 
 use glam::Vec3;
 use std::path::Path;
-use throng_precompute::cache::Cache;
+use throng_precompute::cache::{Cache, content_hash};
 use throng_precompute::trial::{self, TrialConfig};
 use throng_runtime::Tables;
 use throng_runtime::troupe::{Choice, Goal, Repertoire, Troupe, TroupeConfig};
@@ -69,22 +69,22 @@ fn bytes_of(troupe: &Troupe) -> Vec<u8> {
 /// Characters of a crowd: several ranges and a part of one, and of a block.
 const N: usize = 203;
 
-/// The bytes of a crowd after each of some steps.
+/// Hashes of the bytes of a crowd after each of some steps.
 fn crowd(
     tables: &Tables,
     config: TroupeConfig,
     num_steps: usize,
     step: impl Fn(&mut Troupe, &Repertoire<'_>, &[Goal<'_>]),
-) -> Vec<Vec<u8>> {
+) -> Vec<u128> {
     let repertoire = Repertoire::new(tables);
     let mut targets: Vec<Vec3> = common::targets(N);
     let mut troupe = Troupe::new(&repertoire, config, &common::starts(tables, N)).expect("a troupe");
-    let mut one_step = |k: usize| {
+    let one_step = |k: usize| {
         targets.iter_mut().for_each(|t| t.x += 0.01 * (k % 7) as f32);
         step(&mut troupe, &repertoire, &[Goal { policy: 0, weight: 1.0, targets: &targets }]);
-        bytes_of(&troupe)
+        content_hash(&bytes_of(&troupe))
     };
-    (0..num_steps).map(|k| one_step(k)).collect()
+    (0..num_steps).map(one_step).collect()
 }
 
 fn on_this_thread(troupe: &mut Troupe, repertoire: &Repertoire<'_>, goals: &[Goal<'_>]) {

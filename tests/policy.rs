@@ -434,7 +434,7 @@ fn approach_comes_to_the_target_from_anywhere_and_stands_there() {
     let mut rng = Pcg64::seed_from_u64(6);
     let mut arrived = 0;
     for _ in 0..200 {
-        let (angle, distance) = (rng.random_range(0.0..6.28f32), rng.random_range(2.0..6.0f32));
+        let (angle, distance) = (rng.random_range(0.0..std::f32::consts::TAU), rng.random_range(2.0..6.0f32));
         let target = Vec2::new(distance * angle.sin(), distance * angle.cos());
         let (mut state, mut root, mut frames) = (0u32, Planar::IDENTITY, 0);
         let mut last = 0;

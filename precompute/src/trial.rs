@@ -272,7 +272,7 @@ impl Watch {
             simulated_s: config.seconds,
             reached_fraction: arrived.len() as f64 / n as f64,
             stayed_fraction: stayed as f64 / n as f64,
-            mean_arrival_s: arrived.iter().sum::<f64>() / arrived.len().max(1) as f64,
+            mean_arrival_s: arrived.iter().fold(0.0, |sum, t| sum + t) / arrived.len().max(1) as f64,
             mean_final_distance_m: (0..n).map(left).sum::<f64>() / n as f64,
             foot_slip_mean_mps: self.slip_sum / samples.max(1) as f64,
             foot_slip_p95_mps: percentile(&self.slip, 0.95),
