@@ -47,9 +47,9 @@ pub fn print(r: &TrialReport) -> Outcome {
         (
             "targets",
             format!(
-                "{:.1} % reached, after {:.1} s on average; {:.1} % near at the end",
+                "{:.1} % reached{}; {:.1} % near at the end",
                 100.0 * r.reached_fraction,
-                r.mean_arrival_s,
+                r.mean_arrival_s.map_or(String::new(), |s| format!(", after {s:.1} s on average")),
                 100.0 * r.stayed_fraction
             ),
         ),

@@ -60,8 +60,8 @@ pub struct TrialReport {
     pub reached_fraction: f64,
     /// Share of the characters within one and a half reaches at the end.
     pub stayed_fraction: f64,
-    /// Mean time to reach the target, of those who did. [Unit: s]
-    pub mean_arrival_s: f64,
+    /// Mean time to reach the target, of those who did; none where nobody did. [Unit: s]
+    pub mean_arrival_s: Option<f64>,
     /// Distance to the target at the end, mean over all characters. [Unit: m]
     pub mean_final_distance_m: f64,
     /// Mean speed of planted heels and toes. [Unit: m/s]
@@ -272,7 +272,7 @@ impl Watch {
             simulated_s: config.seconds,
             reached_fraction: arrived.len() as f64 / n as f64,
             stayed_fraction: stayed as f64 / n as f64,
-            mean_arrival_s: arrived.iter().fold(0.0, |sum, t| sum + t) / arrived.len().max(1) as f64,
+            mean_arrival_s: (!arrived.is_empty()).then(|| arrived.iter().sum::<f64>() / arrived.len() as f64),
             mean_final_distance_m: (0..n).map(left).sum::<f64>() / n as f64,
             foot_slip_mean_mps: self.slip_sum / samples.max(1) as f64,
             foot_slip_p95_mps: percentile(&self.slip, 0.95),

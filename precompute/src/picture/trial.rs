@@ -27,11 +27,11 @@ pub fn trial_sheet(tables: &Tables, config: &TrialConfig, report: &TrialReport, 
         record.snapshot_s
     );
     let subtitle = format!(
-        "{:.1} % came within {} m of it in {:.0} s, after {:.1} s on average; planted feet slip {:.0} mm/s (95th percentile)",
+        "{:.1} % came within {} m of it in {:.0} s{}; planted feet slip {:.0} mm/s (95th percentile)",
         100.0 * report.reached_fraction,
         config.reach_m,
         report.simulated_s,
-        report.mean_arrival_s,
+        report.mean_arrival_s.map_or(String::new(), |s| format!(", after {s:.1} s on average")),
         1000.0 * report.foot_slip_p95_mps
     );
     let marked = record.roots.get(config.recorded).map(|_| (config.recorded, "A"));

@@ -128,6 +128,15 @@ pub(super) fn policies(t: &Tables) -> Result<(), FormatError> {
     for i in 0..n {
         let p = t.try_policy(i)?;
         let here = p.grid().num_cells() * t.graph().states.len();
+        let ends = p.segments().iter().zip(t.graph().segments).position(|(p, s)| p.end != s.end);
+        if let Some(segment) = ends {
+            let message = format!("policy {i} has another end than the motion graph");
+            return Err(FormatError::value(tags::POLICY_SEGMENTS, segment, message));
+        }
+        let record = &t.policy_records()[i];
+        if record.reserved != 0 || record.reward.reserved != 0 {
+            return Err(FormatError::value(tags::POLICIES, i, "its reserved fields are not zero"));
+        }
         values += here;
         best += here * p.num_choices();
     }

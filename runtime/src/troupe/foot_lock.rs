@@ -35,6 +35,9 @@ const SOFT_REACH: f32 = 0.995;
 /// Time in which the vertical correction of a planted foot halves. [Unit: s]
 const PLANTED_HEIGHT_HALF_LIFE_S: f32 = 0.3;
 
+/// Squared length of a correction that is none. [Unit: m^2]
+const NO_CORRECTION: f32 = 1e-10;
+
 /// The joints of one leg and their lengths.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Leg {
@@ -105,7 +108,7 @@ pub(crate) fn lock_foot<F: Lanes>(
     store(&mut lock.ankle, ankle);
     store(&mut lock.toe, toe);
     (lock.heel_down, lock.toe_down) = planted;
-    if correction.dot(correction).any_gt(F::splat(1e-10)) {
+    if correction.dot(correction).any_gt(F::splat(NO_CORRECTION)) {
         move_leg(leg, place.vector_to_model(correction), pose);
     }
 }
@@ -171,10 +174,17 @@ fn move_leg<F: Lanes>(leg: &Leg, correction: V<F>, pose: &mut ModelPose<F>) {
     let new_knee = hip + direction * along + pole * across;
     let new_ankle = hip + direction * d;
 
-    pose.rotations[leg.thigh] = Q::between(knee - hip, new_knee - hip) * pose.rotations[leg.thigh];
-    pose.rotations[leg.shin] = Q::between(ankle - knee, new_ankle - new_knee) * pose.rotations[leg.shin];
-    let moved = new_ankle - ankle;
-    pose.positions[leg.shin] = new_knee;
-    pose.positions[leg.foot] = new_ankle;
-    pose.positions[leg.toe] = pose.positions[leg.toe] + moved;
+    // Lanes that need no correction keep their leg to the last bit, whatever their neighbours do.
+    let amount = correction.dot(correction);
+    let chosen_v = |old: V<F>, new: V<F>| V::select_lt(F::splat(NO_CORRECTION), amount, new, old);
+    let chosen_q = |old: Q<F>, new: Q<F>| {
+        Q::new(chosen_v(old.v, new.v), F::select_lt(F::splat(NO_CORRECTION), amount, new.w, old.w))
+    };
+    let (thigh, shin) = (pose.rotations[leg.thigh], pose.rotations[leg.shin]);
+    pose.rotations[leg.thigh] = chosen_q(thigh, Q::between(knee - hip, new_knee - hip) * thigh);
+    pose.rotations[leg.shin] = chosen_q(shin, Q::between(ankle - knee, new_ankle - new_knee) * shin);
+    let toe = pose.positions[leg.toe];
+    pose.positions[leg.toe] = chosen_v(toe, toe + (new_ankle - ankle));
+    pose.positions[leg.shin] = chosen_v(knee, new_knee);
+    pose.positions[leg.foot] = chosen_v(ankle, new_ankle);
 }

@@ -99,7 +99,12 @@ pub(crate) fn add_offsets<F: Lanes>(pose: &mut LanePose<F>, block: &Block, half_
     if settled::<F>(block, half_life_s) {
         return;
     }
-    let decay = Decay::new(F::load(&block.age_s), half_life_s);
+    let age = F::load(&block.age_s);
+    let mut decay = Decay::new(age, half_life_s);
+    // A lane whose offsets are settled has none, whatever its neighbours do.
+    let (kept, zero) = (F::splat(HALF_LIVES_KEPT * half_life_s), F::splat(0.0));
+    decay.position = F::select_lt(kept, age, zero, decay.position);
+    decay.velocity = F::select_lt(kept, age, zero, decay.velocity);
     let o = &block.offsets;
     pose.root = pose.root + decay.apply(load(&o.root), load(&o.root_velocity));
     let decay = Decay {
