@@ -14,7 +14,7 @@ pub(crate) use array::Array;
 #[cfg(target_arch = "x86_64")]
 pub(crate) use avx2::Avx2;
 pub(crate) use quat::{Q, V};
-pub(crate) use scalar::Functions;
+pub(crate) use scalar::{EXP2, Functions};
 
 use std::fmt::Debug;
 use std::ops::{Add, Div, Mul, Neg, Sub};
@@ -42,8 +42,8 @@ pub(crate) trait Lanes:
     fn sqrt(self) -> Self;
     /// Nearest integer, ties to even. [Limit: |self| < 2^31]
     fn round(self) -> Self;
-    /// 2 to the power of an integer-valued exponent. [Limit: -126 <= self <= 127]
-    fn exp2_integer(self) -> Self;
+    /// Times 2 to the power of an integer-valued exponent. [Limit: self and the result are normal numbers]
+    fn times_exp2(self, exponent: Self) -> Self;
     /// Lane by lane: `if a < b { yes } else { no }`.
     fn select_lt(a: Self, b: Self, yes: Self, no: Self) -> Self;
     /// True where any lane of `self` is greater than that of `o`.
@@ -137,6 +137,8 @@ mod tests {
                 F::select_lt(x, y, x * y, y),
                 F::splat(if x.any_gt(y) { 1.0 } else { 0.0 }),
                 y.exp(),
+                (-y.abs()).exp2_neg(),
+                F::angle_from_ahead(x, y),
                 sin,
                 cos,
             ];
@@ -161,8 +163,8 @@ mod tests {
             let widest = dispatch(Everything { a, b, codes });
             let bits = |v: &[[f32; LANES]]| v.iter().flatten().map(|f| f.to_bits()).collect::<Vec<_>>();
             prop_assert_eq!(bits(&plain), bits(&widest));
-            prop_assert_eq!(plain[16][3], f32::from(codes[3][2]));
-            prop_assert_eq!(plain[18][..4].to_vec(), vec![a[0], b[0], a[0] + b[0], a[0] - b[0]]);
+            prop_assert_eq!(plain[18][3], f32::from(codes[3][2]));
+            prop_assert_eq!(plain[20][..4].to_vec(), vec![a[0], b[0], a[0] + b[0], a[0] - b[0]]);
         }
     }
 }

@@ -104,7 +104,7 @@ impl PolicyTable<'_> {
     #[inline(always)]
     pub(super) fn values_at<F: Lanes>(&self, ends: F, place: &Place<F>, height_offset: usize) -> F {
         let angles = self.grid.record().num_angles;
-        let low = place.ring * F::splat(angles as f32);
+        let low = place.ring * F::splat(self.grid.angles_per_ring());
         let row_len = self.grid.num_cells() as u32;
         let values = &self.values[height_offset..];
         let [near_a, far_a] = F::gather(values, angles as usize, ends, row_len, low + place.angle);
