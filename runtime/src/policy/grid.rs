@@ -210,10 +210,7 @@ impl TargetGrid {
             inverse_falloff: record.falloff.recip(),
             angles: record.num_angles as f32,
             last_ring: last,
-            last_intervals: [
-                last - 1.0,
-                (record.num_angles - if record.kind == KIND_POLAR { 1 } else { 2 }) as f32,
-            ],
+            last_intervals: [last - 1.0, (record.num_angles - if record.kind == KIND_POLAR { 1 } else { 2 }) as f32],
             ring_root: [record.ring_spacing * record.ring_spacing, 4.0 * record.ring_growth],
         })
     }
@@ -376,8 +373,8 @@ impl TargetGrid {
         } else {
             let half = 0.5 * (self.angles - 1.0);
             let (pi, turn) = (F::splat(PI), F::splat(TAU));
-            let from_middle = F::select_lt(x, zero, -from_ahead, from_ahead)
-                - F::splat(r.angle_start + half * r.angle_spacing);
+            let from_middle =
+                F::select_lt(x, zero, -from_ahead, from_ahead) - F::splat(r.angle_start + half * r.angle_spacing);
             let wrapped = F::select_lt(pi, from_middle, from_middle - turn, from_middle);
             let wrapped = F::select_lt(wrapped, -pi, wrapped + turn, wrapped);
             let number = wrapped * F::splat(self.angles_per_radian) + F::splat(half);
