@@ -1,24 +1,26 @@
 //! Lets the compiler use wide vectors where the processor has them, in code that stays plain Rust.
 
+use crate::lanes::{Lanes, Work, dispatch};
+
 /// Runs `f`, compiled for AVX2 where the processor has it and for the target's baseline elsewhere.
 ///
 /// What `f` calls must be inlined (`#[inline(always)]`) to profit. Both versions do the same IEEE operations in the
 /// same order, as multiply and add are never fused here: results do not depend on the processor.
 #[inline]
 pub fn vectorize<R>(f: impl FnOnce() -> R) -> R {
-    #[cfg(target_arch = "x86_64")]
-    if std::arch::is_x86_feature_detected!("avx2") {
-        // SAFETY: the processor has the one feature that `with_avx2` asks for.
-        #[allow(unsafe_code)]
-        return unsafe { with_avx2(f) };
-    }
-    f()
+    dispatch(Plain(f))
 }
 
-#[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx2")]
-fn with_avx2<R>(f: impl FnOnce() -> R) -> R {
-    f()
+/// Work that leaves vectors to the compiler.
+struct Plain<C>(C);
+
+impl<R, C: FnOnce() -> R> Work for Plain<C> {
+    type Output = R;
+
+    #[inline(always)]
+    fn run<F: Lanes>(self) -> R {
+        self.0()
+    }
 }
 
 #[cfg(test)]

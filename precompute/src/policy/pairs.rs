@@ -1,12 +1,12 @@
 //! What every (segment, cell) pair needs of the backup, worked out once and laid out for the sweeps.
 
-use glam::{Mat4, Vec3, Vec4};
+use glam::{Mat4, Vec4};
 use rayon::prelude::*;
-use throng_runtime::policy::{PolicyTable, Reward, SegmentRecord, TargetGrid, nearest_index};
+use throng_runtime::policy::{Backups, GroundTargets, PolicyTable, SegmentRecord, TargetGrid, nearest_index};
 use throng_runtime::simd::vectorize;
 
 /// Cells worked on side by side.
-pub(super) const LANES: usize = 16;
+pub(super) const LANES: usize = 8;
 /// Most cells of one height, with a column to spare: cells are numbered with 16 bits here.
 pub(super) const MAX_PLANE: usize = 1 << 16;
 
@@ -116,10 +116,14 @@ impl Pairs {
         let geometry = pairs.base.par_chunks_mut(row).zip(pairs.angle_ratio.par_chunks_mut(row));
         let weights = pairs.near.par_chunks_mut(row).zip(pairs.far.par_chunks_mut(row));
         let rewards = pairs.reward.par_chunks_mut(row * shape.heights);
-        geometry.zip(weights).zip(rewards).zip(segments).for_each(
-            |((((base, ratio), (near, far)), reward), segment)| {
+        geometry.zip(weights).zip(rewards).zip(segments).for_each_init(
+            || vec![Backups::default(); row / LANES],
+            |backups, ((((base, ratio), (near, far)), reward), segment)| {
                 let rows = Rows { base, ratio, near, far, reward };
-                rows.fill_all(table, &centres, segment);
+                vectorize(
+                    #[inline(always)]
+                    || rows.fill(table, &centres, segment, backups),
+                );
             },
         );
         pairs
@@ -189,8 +193,8 @@ impl Pair {
 
 /// Centres of the cells, in whole lanes; spare ones repeat the first.
 struct Centres {
-    /// Left, ahead and kernel of the distance, of one height. [Size: row / LANES]
-    ground: Vec<[[f32; LANES]; 3]>,
+    /// Of one height. [Size: row / LANES]
+    ground: Vec<GroundTargets>,
     /// [Size: heights]
     heights: Vec<f32>,
 }
@@ -198,12 +202,12 @@ struct Centres {
 impl Centres {
     fn new(table: &PolicyTable, shape: &Shape) -> Self {
         let grid = table.grid();
-        let mut ground = vec![[[0.0; LANES]; 3]; shape.row() / LANES];
+        let mut ground = vec![GroundTargets::default(); shape.row() / LANES];
         for cell in 0..shape.row() {
             let p = grid.cell_centre(if cell < shape.plane() { cell } else { 0 });
-            let kernel = table.reward().kernel((p.x * p.x + p.z * p.z).sqrt());
-            let lanes = &mut ground[cell / LANES];
-            (lanes[0][cell % LANES], lanes[1][cell % LANES], lanes[2][cell % LANES]) = (p.x, p.z, kernel);
+            let (lanes, l) = (&mut ground[cell / LANES], cell % LANES);
+            (lanes.x[l], lanes.z[l]) = (p.x, p.z);
+            lanes.start_kernel[l] = table.reward().kernel((p.x * p.x + p.z * p.z).sqrt());
         }
         let heights = (0..shape.heights).map(|h| grid.cell_centre(h * shape.plane()).y).collect();
         Self { ground, heights }
@@ -220,80 +224,27 @@ struct Rows<'a> {
 }
 
 impl Rows<'_> {
-    fn fill_all(self, table: &PolicyTable, centres: &Centres, segment: &SegmentRecord) {
-        vectorize(
-            #[inline(always)]
-            || {
-                if table.grid().is_polar() {
-                    self.fill::<true>(table, centres, segment);
-                } else {
-                    self.fill::<false>(table, centres, segment);
-                }
-            },
-        );
-    }
-
     #[inline(always)]
-    fn fill<const POLAR: bool>(self, table: &PolicyTable, centres: &Centres, segment: &SegmentRecord) {
-        let (grid, reward, segment) = (*table.grid(), *table.reward(), *segment);
+    fn fill(self, table: &PolicyTable, centres: &Centres, segment: &SegmentRecord, backups: &mut [Backups]) {
         let row = self.base.len();
-        for (i, lanes) in centres.ground.iter().enumerate() {
-            let at = i * LANES..(i + 1) * LANES;
-            let g = Geometry::new::<POLAR>(&grid, lanes, &segment);
-            self.base[at.clone()].copy_from_slice(&g.base);
-            self.ratio[at.clone()].copy_from_slice(&g.ratio);
-            self.near[at.clone()].copy_from_slice(&g.near);
-            self.far[at.clone()].copy_from_slice(&g.far);
-            for (&height, rewards) in centres.heights.iter().zip(self.reward.chunks_exact_mut(row)) {
-                let rewards_of_lane = g.rewards::<POLAR>(&reward, lanes, height, &segment);
-                rewards[at.clone()].copy_from_slice(&rewards_of_lane);
+        for (&height, rewards) in centres.heights.iter().zip(self.reward.chunks_exact_mut(row)) {
+            table.back_up_all(segment, height, &centres.ground, backups);
+            for (rewards, b) in rewards.as_chunks_mut().0.iter_mut().zip(&*backups) {
+                *rewards = b.reward;
             }
         }
-    }
-}
-
-/// Geometry of a lane of pairs. Plain loops, one step each, which the compiler turns into vector instructions.
-struct Geometry {
-    base: [u16; LANES],
-    ratio: [u16; LANES],
-    near: [f32; LANES],
-    far: [f32; LANES],
-    /// Distance of the target after the segment. [Unit: m]
-    distance: [f32; LANES],
-}
-
-impl Geometry {
-    #[inline(always)]
-    fn new<const POLAR: bool>(grid: &TargetGrid, lanes: &[[f32; LANES]; 3], segment: &SegmentRecord) -> Self {
-        let stride = grid.record().num_angles + 1;
-        let (mut base, mut ratio) = ([0; LANES], [0; LANES]);
-        let (mut near, mut far, mut distance) = ([0.0; LANES], [0.0; LANES], [0.0; LANES]);
-        for l in 0..LANES {
-            let [x, z, d] = segment.target_after(Vec3::new(lanes[0][l], 0.0, lanes[1][l]));
-            let s = grid.stencil_at::<POLAR>(x, z, d);
-            distance[l] = d;
-            base[l] = s.ring * stride + s.angle;
-            ratio[l] = nearest_index(s.angle_ratio * 65535.0, 65535);
-            let weight = s.scale * segment.discount;
-            near[l] = weight * (1.0 - s.ring_ratio);
-            far[l] = weight * s.ring_ratio;
+        let stride = (table.grid().record().num_angles + 1) as f32;
+        for (near, b) in self.near.as_chunks_mut().0.iter_mut().zip(&*backups) {
+            *near = b.near;
         }
-        Self { base: base.map(|b| b as u16), ratio: ratio.map(|r| r as u16), near, far, distance }
-    }
-
-    #[inline(always)]
-    fn rewards<const POLAR: bool>(
-        &self,
-        reward: &Reward,
-        lanes: &[[f32; LANES]; 3],
-        height: f32,
-        segment: &SegmentRecord,
-    ) -> [f32; LANES] {
-        let mut out = [0.0; LANES];
-        for l in 0..LANES {
-            let target = Vec3::new(lanes[0][l], height, lanes[1][l]);
-            out[l] = reward.of_segment::<POLAR>(segment, target, lanes[2][l], self.distance[l]);
+        for (far, b) in self.far.as_chunks_mut().0.iter_mut().zip(&*backups) {
+            *far = b.far;
         }
-        out
+        for (base, b) in self.base.as_chunks_mut::<LANES>().0.iter_mut().zip(&*backups) {
+            *base = std::array::from_fn(|l| nearest_index(b.ring[l] * stride + b.angle[l], 65535) as u16);
+        }
+        for (ratio, b) in self.ratio.as_chunks_mut::<LANES>().0.iter_mut().zip(&*backups) {
+            *ratio = b.angle_ratio.map(|r| nearest_index(r * 65535.0, 65535) as u16);
+        }
     }
 }

@@ -77,8 +77,8 @@ impl Lanes for Array {
     }
 
     #[inline(always)]
-    fn exp2_integer(self) -> Self {
-        Self(self.0.map(|v| f32::from_bits(((v as i32 + 127) as u32) << 23)))
+    fn times_exp2(self, exponent: Self) -> Self {
+        self.zip(exponent, |v, n| f32::from_bits(v.to_bits().wrapping_add((n as i32 as u32) << 23)))
     }
 
     #[inline(always)]

@@ -80,11 +80,11 @@ impl Lanes for Avx2 {
     }
 
     #[inline(always)]
-    fn exp2_integer(self) -> Self {
-        Self(avx!(_mm256_castsi256_ps(_mm256_slli_epi32::<23>(_mm256_add_epi32(
-            _mm256_cvtps_epi32(self.0),
-            _mm256_set1_epi32(127)
-        )))))
+    fn times_exp2(self, exponent: Self) -> Self {
+        Self(avx!({
+            let n = _mm256_slli_epi32::<23>(_mm256_cvtps_epi32(exponent.0));
+            _mm256_castsi256_ps(_mm256_add_epi32(_mm256_castps_si256(self.0), n))
+        }))
     }
 
     #[inline(always)]

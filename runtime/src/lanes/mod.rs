@@ -14,7 +14,7 @@ pub(crate) use array::Array;
 #[cfg(target_arch = "x86_64")]
 pub(crate) use avx2::Avx2;
 pub(crate) use quat::{Q, V};
-pub(crate) use scalar::Functions;
+pub(crate) use scalar::{EXP2, Functions};
 
 use std::fmt::Debug;
 use std::ops::{Add, Div, Mul, Neg, Sub};
@@ -42,8 +42,8 @@ pub(crate) trait Lanes:
     fn sqrt(self) -> Self;
     /// Nearest integer, ties to even. [Limit: |self| < 2^31]
     fn round(self) -> Self;
-    /// 2 to the power of an integer-valued exponent. [Limit: -126 <= self <= 127]
-    fn exp2_integer(self) -> Self;
+    /// Times 2 to the power of an integer-valued exponent. [Limit: self and the result are normal numbers]
+    fn times_exp2(self, exponent: Self) -> Self;
     /// Lane by lane: `if a < b { yes } else { no }`.
     fn select_lt(a: Self, b: Self, yes: Self, no: Self) -> Self;
     /// True where any lane of `self` is greater than that of `o`.
@@ -141,6 +141,8 @@ mod tests {
                 F::select_lt(x, y, x * y, y),
                 F::splat(if x.any_gt(y) { 1.0 } else { 0.0 }),
                 y.exp(),
+                (-y.abs()).exp2_neg(),
+                F::angle_from_ahead(x, y),
                 sin,
                 cos,
             ];
@@ -149,8 +151,18 @@ mod tests {
             let mut out: Vec<[f32; LANES]> = out.into_iter().map(F::to_array).collect();
             let rows = F::rows([x, y, x + y, x - y]);
             out.extend(rows.chunks(2).map(|r| std::array::from_fn(|i| r[i / 4][i % 4])));
+            out.extend(F::columns(rows.each_ref()).map(F::to_array));
+            let places = F::from_array(std::array::from_fn(|i| f32::from_bits(i as u32)));
+            let offsets = F::from_array(std::array::from_fn(|i| (i % 3) as f32));
+            out.extend(F::gather(&table(), 4, places, 9, offsets).map(F::to_array));
+            out.push([f32::from(x.bits_lt(y)); LANES]);
             out
         }
+    }
+
+    /// Something to gather from, too short for the last lanes.
+    fn table() -> [f32; 60] {
+        std::array::from_fn(|i| i as f32 * 1.5 - 7.0)
     }
 
     fn eight() -> impl Strategy<Value = [f32; LANES]> {
@@ -167,8 +179,17 @@ mod tests {
             let widest = dispatch(Everything { a, b, codes, integers });
             let bits = |v: &[[f32; LANES]]| v.iter().flatten().map(|f| f.to_bits()).collect::<Vec<_>>();
             prop_assert_eq!(bits(&plain), bits(&widest));
-            prop_assert_eq!(plain[17][3], f32::from(codes[3][2]));
-            prop_assert_eq!(plain[19][..4].to_vec(), vec![a[0], b[0], a[0] + b[0], a[0] - b[0]]);
+            let from_end = |k: usize| plain[plain.len() - k];
+            prop_assert_eq!(from_end(16).to_vec(), integers.map(f32::from).to_vec());
+            prop_assert_eq!(from_end(13)[3], f32::from(codes[3][2]));
+            prop_assert_eq!(from_end(11)[..4].to_vec(), vec![a[0], b[0], a[0] + b[0], a[0] - b[0]]);
+            prop_assert_eq!((from_end(7), from_end(6)), (a, b), "columns undo rows");
+            let table = table();
+            for lane in 0..LANES {
+                let place = (lane * 9 + lane % 3).min(table.len() - 1 - 4);
+                prop_assert_eq!((from_end(3)[lane], from_end(2)[lane]), (table[place], table[place + 4]));
+                prop_assert_eq!(from_end(1)[0] as u8 >> lane & 1 == 1, a[lane] < b[lane]);
+            }
         }
     }
 }

@@ -108,6 +108,12 @@ pub struct TargetGrid {
     angles_per_radian: f32,
     heights_per_metre: f32,
     inverse_falloff: f32,
+    /// Numbers of angles and of the last ring, and of the intervals' last ones, as they are compared.
+    angles: f32,
+    last_ring: f32,
+    last_intervals: [f32; 2],
+    /// Square of the ring spacing, and four times the growth.
+    ring_root: [f32; 2],
 }
 
 impl TargetGrid {
@@ -202,6 +208,10 @@ impl TargetGrid {
             angles_per_radian: record.angle_spacing.recip(),
             heights_per_metre: record.height_spacing.recip(),
             inverse_falloff: record.falloff.recip(),
+            angles: record.num_angles as f32,
+            last_ring: last,
+            last_intervals: [last - 1.0, (record.num_angles - if record.kind == KIND_POLAR { 1 } else { 2 }) as f32],
+            ring_root: [record.ring_spacing * record.ring_spacing, 4.0 * record.ring_growth],
         })
     }
 
@@ -348,30 +358,30 @@ impl TargetGrid {
     pub(super) fn place<F: Lanes, const POLAR: bool>(&self, x: F, z: F, distance: F) -> Place<F> {
         let r = &self.record;
         let zero = F::splat(0.0);
-        let last_ring = F::splat((r.num_rings - 1) as f32);
-        let (ring, ring_ratio) = interval(self.ring_numbers(distance).min(last_ring), (r.num_rings - 2) as f32);
+        let [last_ring, last_angle] = self.last_intervals;
+        let (ring, ring_ratio) = interval(self.ring_numbers(distance).min(F::splat(self.last_ring)), last_ring);
         let mut beyond = (distance - F::splat(self.radius)).max(zero);
         let from_ahead = F::angle_from_ahead(x, z);
         let (angle, next_angle, angle_ratio);
         if POLAR {
-            let count = F::splat(r.num_angles as f32);
+            let count = F::splat(self.angles);
             let number = from_ahead * F::splat(self.angles_per_radian);
             let number = F::select_lt(x, zero, count - number, number).min(count);
-            (angle, angle_ratio) = interval(number, (r.num_angles - 1) as f32);
+            (angle, angle_ratio) = interval(number, last_angle);
             let next = angle + F::splat(1.0);
             next_angle = F::select_lt(next, count, next, zero);
         } else {
-            let half = 0.5 * (r.num_angles - 1) as f32;
+            let half = 0.5 * (self.angles - 1.0);
             let (pi, turn) = (F::splat(PI), F::splat(TAU));
             let from_middle =
                 F::select_lt(x, zero, -from_ahead, from_ahead) - F::splat(r.angle_start + half * r.angle_spacing);
             let wrapped = F::select_lt(pi, from_middle, from_middle - turn, from_middle);
             let wrapped = F::select_lt(wrapped, -pi, wrapped + turn, wrapped);
             let number = wrapped * F::splat(self.angles_per_radian) + F::splat(half);
-            let clamped = number.max(zero).min(F::splat((r.num_angles - 1) as f32));
+            let clamped = number.max(zero).min(F::splat(self.angles - 1.0));
             let aside = (number - clamped).abs() * F::splat(r.angle_spacing) * distance;
             beyond = beyond + ((F::splat(r.ring_start) - distance).max(zero) + aside);
-            (angle, angle_ratio) = interval(clamped, (r.num_angles - 2) as f32);
+            (angle, angle_ratio) = interval(clamped, last_angle);
             next_angle = angle + F::splat(1.0);
         }
         let u = beyond * F::splat(self.inverse_falloff);
@@ -384,8 +394,14 @@ impl TargetGrid {
     fn ring_numbers<F: Lanes>(&self, distance: F) -> F {
         let r = &self.record;
         let d = (distance - F::splat(r.ring_start)).max(F::splat(0.0));
-        let under_root = F::splat(r.ring_spacing * r.ring_spacing) + F::splat(4.0 * r.ring_growth) * d;
+        let under_root = F::splat(self.ring_root[0]) + F::splat(self.ring_root[1]) * d;
         (d + d) / (F::splat(r.ring_spacing) + under_root.sqrt())
+    }
+
+    /// Cells from a ring to the next, as they are multiplied.
+    #[inline(always)]
+    pub(super) fn angles_per_ring(&self) -> f32 {
+        self.angles
     }
 
     /// Number of the ring at a distance, fractions in between; 0 within the first one, not clamped outwards.

@@ -14,6 +14,7 @@ mod ranked;
 mod reward;
 mod table;
 
+pub use backup::{Backups, GroundTargets};
 pub use best_action::BestActionJob;
 pub use error::{PolicyError, PolicyJobError};
 pub use grid::{GridRecord, KIND_CYLINDER, KIND_POLAR, MAX_AXIS, Stencil, TargetGrid};

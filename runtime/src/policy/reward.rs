@@ -6,6 +6,7 @@ use super::table::SegmentRecord;
 use crate::lanes::{Functions, Lanes};
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
+use std::f32::consts::LOG2_E;
 
 /// [`RewardRecord::combine`]: the weighted samples are added.
 pub const COMBINE_SUM: u32 = 0;
@@ -40,6 +41,8 @@ const _: () = assert!(size_of::<RewardRecord>() == 16);
 pub struct Reward {
     record: RewardRecord,
     inverse_scale: f32,
+    /// Of 2, in the exponential kernel. [Unit: 1/m]
+    exponent_per_metre: f32,
 }
 
 impl Reward {
@@ -57,7 +60,8 @@ impl Reward {
             let expected = "between 1e-6 and 1e6";
             return Err(PolicyError::Value { what: "reward scale", at: 0, got: record.scale, expected });
         }
-        Ok(Self { record, inverse_scale: record.scale.recip() })
+        let inverse_scale = record.scale.recip();
+        Ok(Self { record, inverse_scale, exponent_per_metre: -LOG2_E * inverse_scale })
     }
 
     /// The reward as it is stored.
@@ -81,12 +85,11 @@ impl Reward {
     /// [`Self::kernel`] of eight lanes.
     #[inline(always)]
     pub(super) fn kernels<F: Lanes>(&self, distance: F) -> F {
-        let ratio = distance * F::splat(self.inverse_scale);
         if self.record.kernel == KERNEL_EXPONENTIAL {
-            ratio.exp_neg()
-        } else {
-            F::select_lt(F::splat(1.0), ratio, F::splat(0.0), F::splat(1.0))
+            return (distance * F::splat(self.exponent_per_metre)).exp2_neg();
         }
+        let ratio = distance * F::splat(self.inverse_scale);
+        F::select_lt(F::splat(1.0), ratio, F::splat(0.0), F::splat(1.0))
     }
 
     /// Two weighted samples together.

@@ -181,6 +181,8 @@ impl<'a> PolicyTable<'a> {
         let num_choices = record.num_choices as usize;
         let num_values = actions.num_states() * grid.num_cells();
         check_length("values", slices.values.len(), num_values)?;
+        // The look-ahead counts places in the table with 32 bits.
+        check_indices("number of values", [num_values], u32::MAX as usize)?;
         check_length("best actions", slices.best.len(), num_values * num_choices)?;
         check_numbers("discount", &[record.discount], |v| v > 0.0 && v < 1.0, "between 0 and 1")?;
         let figures = [record.epsilon, record.residual];
