@@ -279,6 +279,9 @@ fn one_bad_file_of_a_folder_is_skipped_or_stops_a_strict_build() {
     assert!(set.skipped[0].to_string().contains("b.bvh:2:5:"), "{}", set.skipped[0]);
     let strict = ImportConfig { strict: true, ..ImportConfig::default() };
     assert!(read(&paths, &strict, &Silent).unwrap_err().to_string().contains("b.bvh:2:5:"));
+    // Where no file is good, there is nothing to go on with: the error says why, strict or not.
+    let bad = [dir.path().join("b.bvh")];
+    assert!(read(&bad, &ImportConfig::default(), &Silent).unwrap_err().to_string().contains("b.bvh:2:5:"));
 }
 
 #[test]
@@ -308,4 +311,19 @@ fn a_report_names_roles_units_and_reasons() {
     for part in ["2 frames at 30 Hz", "centimetres", "Y is up", "T-pose", "left_shin", "LeftLeg"] {
         assert!(text.contains(part), "no `{part}` in:\n{text}");
     }
+    let renamed = |n: &str| n.replace("Left", "Left_").replace("Right", "Right_");
+    std::fs::write(&path, body::bvh(2, renamed, |v| v)).unwrap();
+    let report = inspect(&path, &ImportConfig::default()).unwrap();
+    assert_eq!(report.warnings.iter().filter(|w| w.contains("guessed")).count(), 1, "{:?}", report.warnings);
+}
+
+#[test]
+fn a_report_of_a_fast_clip_has_the_speeds_of_a_build_and_the_frames_of_the_file() {
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("a.bvh");
+    let text = body::bvh(600, same, |v| v).replace("0.0333333", "0.00833333");
+    std::fs::write(&path, text).unwrap();
+    let report = inspect(&path, &ImportConfig::default()).unwrap();
+    assert_eq!((report.frames, report.rate_hz), (600, 120.0));
+    assert_eq!(report.excluded, [("T-pose".to_owned(), 0, 600)]);
 }

@@ -51,7 +51,7 @@ pub struct Imported {
     pub height: f32,
     /// One sentence for each thing that was detected: what and why.
     pub findings: Vec<String>,
-    /// What is odd but tolerable, naming the file.
+    /// What is odd but tolerable, naming the file; [`RoleMap::warnings`] included.
     pub warnings: Warnings,
 }
 
@@ -70,7 +70,8 @@ pub struct ImportedSet {
 /// [`ImportedSet::skipped`].
 ///
 /// # Errors
-/// The first bad file (by path) where `config.strict` is set; a path that yields no file; a bad profile.
+/// The first bad file (by path) where `config.strict` is set or no file is good; a path that yields no file; a bad
+/// profile.
 pub fn read(paths: &[PathBuf], config: &ImportConfig, progress: &dyn Progress) -> Result<ImportedSet, ImportError> {
     let files = files::expand(paths)?;
     let profiles = profile::load_profiles(&config.profiles)?;
@@ -91,6 +92,9 @@ pub fn read(paths: &[PathBuf], config: &ImportConfig, progress: &dyn Progress) -
             Err(e) if config.strict => return Err(e),
             Err(e) => set.skipped.push(e),
         }
+    }
+    if set.clips.is_empty() && !set.skipped.is_empty() {
+        return Err(set.skipped.swap_remove(0));
     }
     rest::share_references(&mut set.clips);
     Ok(set)
