@@ -47,6 +47,8 @@ pub struct Imported {
     pub up: UpAxis,
     /// Heading the rest pose faces, about +Y; 0 where the rest pose is not a body. [Unit: rad]
     pub facing: f32,
+    /// Direction that the config says the rest pose faces.
+    pub forward: Option<Forward>,
     /// Body height estimated from the lengths of the segments. [Unit: m]
     pub height: f32,
     /// One sentence for each thing that was detected: what and why.
@@ -157,5 +159,6 @@ pub fn interpret(mut source: SourceClip, config: &ImportConfig, profiles: &[Prof
     for warning in &roles.warnings {
         warnings.push(format!("{}: {warning}", clip.path.display()));
     }
-    Ok(Imported { clip, roles, rest_pose, metres_per_unit, up, facing, height, findings, warnings })
+    let forward = config.forward;
+    Ok(Imported { clip, roles, rest_pose, metres_per_unit, up, facing, forward, height, findings, warnings })
 }
