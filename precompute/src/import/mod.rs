@@ -98,7 +98,6 @@ pub fn read(paths: &[PathBuf], config: &ImportConfig, progress: &dyn Progress) -
     if set.clips.is_empty() && !set.skipped.is_empty() {
         return Err(set.skipped.swap_remove(0));
     }
-    rest::share_references(&mut set.clips);
     Ok(set)
 }
 

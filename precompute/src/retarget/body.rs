@@ -169,7 +169,7 @@ fn mean_offsets(roles: &Roles, samples: &[Sample]) -> [Vec3; NUM_JOINTS] {
     sums.map(|v| (v / samples.len().max(1) as f64).as_vec3())
 }
 
-/// Offset of the end of the chain below `joint`: its first end, followed through first children.
+/// Offset of the first child of `joint`, where it has a length.
 fn tip_of(clip: &RawClip, joint: usize) -> Option<Vec3> {
     let child = clip.joints.iter().position(|j| j.parent == Some(joint))?;
     let offset = clip.joints[child].offset;
