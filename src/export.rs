@@ -57,6 +57,12 @@ pub fn run(args: &Args) -> Outcome {
 }
 
 fn clip(args: &Args) -> Outcome {
+    if args.file.extension().is_some_and(|e| e.eq_ignore_ascii_case("throng")) {
+        return fail(format!(
+            "{}: a bundle is written as graph-json or policy-csv, a clip as positions-csv or bvh",
+            args.file.display()
+        ));
+    }
     let config = ImportConfig { asf: args.asf.clone(), ..ImportConfig::default() };
     let imported = read_clip(&args.file, &config)?;
     let raw = if args.retargeted {

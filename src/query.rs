@@ -63,6 +63,15 @@ pub fn run(args: &Args) -> Outcome {
         let known = tables.meta().behaviours.join(", ");
         return fail(format!("{}: no behaviour `{}`; there are: {known}", args.file.display(), args.behaviour));
     };
+    let num_states = tables.graph().states.len();
+    if args.state as usize >= num_states {
+        return fail(format!(
+            "{}: no state {}; states count from 0 to {}",
+            args.file.display(),
+            args.state,
+            num_states.saturating_sub(1)
+        ));
+    }
     let policy = tables.policy(index);
     let target = Vec3::new(args.target[0], 0.0, args.target[1]);
     let mut scores = [0.0; MAX_ACTIONS];

@@ -216,7 +216,7 @@ fn query_answers_with_an_action_and_a_value() {
     let e = failed(&["query", &bundle, "--behaviour", "aproach", "--state", "0", "--target", "1,1", "--json"]);
     assert!(e.contains("`aproach`") && e.contains("approach") && e.contains("little.throng"), "{e}");
     let e = failed(&["query", &bundle, "--state", "999999", "--target", "1,1"]);
-    assert!(e.contains("999999"), "{e}");
+    assert!(e.contains("little.throng: no state 999999") && e.contains("count from 0 to"), "{e}");
 }
 
 #[test]
@@ -232,6 +232,11 @@ fn run_measures_a_crowd_and_draws_it() {
     assert!(done(&args).contains("reached"));
     assert_eq!(std::fs::read(&png).expect("a picture")[..8], *b"\x89PNG\r\n\x1a\n");
     assert!(failed(&["run", &bundle, "--characters", "0"]).contains("0 characters"));
+    assert!(failed(&["run", &bundle, "--characters", "3", "--follow", "3"]).contains("to follow"));
+    assert!(failed(&["bench", &bundle, "--seconds", "nan"]).contains("--seconds"));
+    let absent = at(&folder, "absent/a.throng");
+    let e = failed(&["build", &place.path("little.toml"), "--out", &absent, "--no-cache"]);
+    assert!(e.contains("there is no folder"), "{e}");
 }
 
 #[test]
@@ -389,6 +394,10 @@ fn files_that_are_no_bundles_are_refused_by_name() {
     }
     let e = failed(&["inspect", &at(&folder, "absent.bvh")]);
     assert!(e.contains("absent.bvh"), "{e}");
+    let e = failed(&["inspect", &place.path("clips")]);
+    assert!(e.contains("expected one clip, found"), "{e}");
+    let e = failed(&["export", &place.bundle(), "--format", "bvh"]);
+    assert!(e.contains("little.throng") && e.contains("graph-json"), "{e}");
     let e = failed(&["export", &at(&folder, "absent.bvh"), "--format", "bvh"]);
     assert!(e.contains("absent.bvh"), "{e}");
     let e = failed(&["build", &at(&folder, "absent.toml"), "--out", &at(&folder, "a.throng")]);

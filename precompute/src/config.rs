@@ -83,8 +83,14 @@ impl BuildConfig {
     /// [`BuildError::Io`], or [`BuildError::Config`] with file, line and column, and for an unknown key the nearest
     /// known one.
     pub fn load(path: &Path) -> Result<Self, BuildError> {
-        let text =
-            std::fs::read_to_string(path).map_err(|source| BuildError::Io { path: path.to_path_buf(), source })?;
+        let bytes = std::fs::read(path).map_err(|source| BuildError::Io { path: path.to_path_buf(), source })?;
+        let text = String::from_utf8(bytes).map_err(|e| {
+            let line = e.as_bytes()[..e.utf8_error().valid_up_to()].iter().filter(|&&b| b == b'\n').count() + 1;
+            let place = path.display();
+            BuildError::Config {
+                message: format!("{place}:{line}: expected a config as TOML in UTF-8, found other bytes"),
+            }
+        })?;
         let mut config = Self::parse(&text, path)?;
         if config.name.is_empty() {
             config.name = path.file_stem().map_or_else(String::new, |s| s.to_string_lossy().into_owned());
@@ -147,6 +153,15 @@ mod tests {
         let e = BuildConfig::parse(text, Path::new("x.toml")).unwrap_err().to_string();
         assert!(e.starts_with("x.toml:4:1: unknown field `branshing`"), "{e}");
         assert!(e.ends_with("Did you mean `branching`?"), "{e}");
+    }
+
+    #[test]
+    fn bytes_that_are_no_text_are_named_by_line() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("x.toml");
+        std::fs::write(&path, b"name = \"a\"\n\xff\xfe").unwrap();
+        let e = BuildConfig::load(&path).unwrap_err().to_string();
+        assert!(e.contains("x.toml:2: expected a config as TOML"), "{e}");
     }
 
     #[test]

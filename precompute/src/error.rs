@@ -66,7 +66,7 @@ pub enum BuildError {
         help: String,
     },
     /// A file could not be written or read.
-    #[error("{}: {source}", path.display())]
+    #[error("{}: {source}. Check the path and its permissions.", path.display())]
     Io {
         /// The file.
         path: PathBuf,

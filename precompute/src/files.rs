@@ -12,11 +12,9 @@ pub fn write_atomically(
     path: &Path,
     write: impl FnOnce(&mut dyn Write) -> std::io::Result<()>,
 ) -> Result<(), BuildError> {
+    check_target(path)?;
     let io = |source| BuildError::Io { path: path.to_path_buf(), source };
-    let folder = match path.parent() {
-        Some(p) if !p.as_os_str().is_empty() => p,
-        _ => Path::new("."),
-    };
+    let folder = folder_of(path);
     let mut file = tempfile::Builder::new().prefix(".throng-").tempfile_in(folder).map_err(io)?;
     {
         let mut buffered = BufWriter::new(file.as_file_mut());
@@ -26,6 +24,31 @@ pub fn write_atomically(
     make_readable(file.as_file()).map_err(io)?;
     file.persist(path).map_err(|e| io(e.error))?;
     Ok(())
+}
+
+/// Checks that a file may stand at a path, so that long work need not be done in vain.
+///
+/// # Errors
+/// [`BuildError::Io`] where the path is a folder or its folder is not there.
+pub fn check_target(path: &Path) -> Result<(), BuildError> {
+    let fail =
+        |kind, what: String| Err(BuildError::Io { path: path.to_path_buf(), source: std::io::Error::new(kind, what) });
+    let folder = folder_of(path);
+    if path.is_dir() {
+        return fail(std::io::ErrorKind::IsADirectory, "expected a file to write, found a folder".into());
+    }
+    if !folder.is_dir() {
+        return fail(std::io::ErrorKind::NotFound, format!("there is no folder {}", folder.display()));
+    }
+    Ok(())
+}
+
+/// The folder a file lies in.
+fn folder_of(path: &Path) -> &Path {
+    match path.parent() {
+        Some(p) if !p.as_os_str().is_empty() => p,
+        _ => Path::new("."),
+    }
 }
 
 /// Temporary files are private; the finished one is for everybody whom the folder lets in.
@@ -43,6 +66,16 @@ fn make_readable(_: &std::fs::File) -> std::io::Result<()> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_folder_and_a_place_without_one_take_no_file() {
+        let dir = tempfile::tempdir().unwrap();
+        let nowhere = dir.path().join("nowhere");
+        assert!(check_target(&dir.path().join("a")).is_ok());
+        assert!(check_target(dir.path()).unwrap_err().to_string().contains("found a folder"));
+        let e = check_target(&nowhere.join("a")).unwrap_err().to_string();
+        assert!(e.contains(&format!("there is no folder {}", nowhere.display())), "{e}");
+    }
 
     #[test]
     fn a_failed_write_leaves_the_old_file() {

@@ -1,10 +1,11 @@
 //! Says what was found in a clip, for people and for programs.
 
 use crate::annotate::{self, AnnotateConfig, ContactSanity, Sidecars};
+use crate::clip::{Clip, Exclusion};
 use crate::error::{BuildError, Warnings};
 use crate::import::{self, ImportConfig, Imported};
-use crate::progress::Silent;
-use crate::raw::SourceFormat;
+use crate::raw::{RawClip, SourceFormat};
+use crate::resample::{self, ResampleConfig};
 use crate::retarget::{self, RetargetConfig};
 use std::collections::BTreeMap;
 use std::fmt;
@@ -41,9 +42,9 @@ pub struct ClipReport {
     pub roles: BTreeMap<&'static str, String>,
     /// What was detected and why.
     pub findings: Vec<String>,
-    /// How the feet behave once contacts are known.
+    /// How the feet behave once contacts are known, at the default database rate.
     pub contact: ContactSanity,
-    /// Frames that a build would leave out: reason, first frame, frame after the last.
+    /// Frames of the file that a build would leave out: reason, first frame, frame after the last.
     pub excluded: Vec<(String, usize, usize)>,
     /// What is odd but tolerable.
     pub warnings: Vec<String>,
@@ -52,22 +53,34 @@ pub struct ClipReport {
 /// Reads a clip and finds out what a build would make of it.
 ///
 /// # Errors
-/// As the import and retarget stages.
+/// As the import and retarget stages; [`BuildError::Stage`] for a folder or pattern of several clips.
 pub fn inspect(path: &Path, config: &ImportConfig) -> Result<ClipReport, BuildError> {
-    let config = ImportConfig { strict: true, ..config.clone() };
-    let raw = import::read(&[path.to_path_buf()], &config, &Silent)?;
-    let mut warnings = Warnings::default();
-    let clips = retarget::onto(&raw.clips, &RetargetConfig::default(), &mut warnings)?;
-    let clips = annotate::annotate(&clips, &AnnotateConfig::default(), &Sidecars::default())?;
-    let (Some(imported), Some(clip)) = (raw.clips.first(), clips.clips.first()) else {
-        let message = format!("{} holds no clip", path.display());
-        return Err(BuildError::Stage { stage: "inspect", message, help: "Name a .bvh or .amc file".into() });
+    let files = import::expand(&[path.to_path_buf()])?;
+    let [file] = files.as_slice() else {
+        let message = format!("{}: expected one clip, found {}", path.display(), files.len());
+        return Err(BuildError::Stage { stage: "inspect", message, help: "Name a single .bvh or .amc file".into() });
     };
-    let mut report = ClipReport::new(imported);
-    report.contact = annotate::sanity(clip, &clips.skeleton);
-    report.excluded = clip.excluded.iter().map(|e| (e.reason.to_string(), e.range.start, e.range.end)).collect();
+    let imported = import::read_clip(file, config)?;
+    let mut warnings = Warnings::default();
+    let clips = retarget::onto(std::slice::from_ref(&imported), &RetargetConfig::default(), &mut warnings)?;
+    // At the rate of a build, so that the speeds are those that a build finds.
+    let clips = resample::resample(&clips, &ResampleConfig { mirror: false, ..ResampleConfig::default() })?;
+    let clips = annotate::annotate(&clips, &AnnotateConfig::default(), &Sidecars::default())?;
+    let mut report = ClipReport::new(&imported);
+    for clip in &clips.clips {
+        report.contact = annotate::sanity(clip, &clips.skeleton);
+        report.excluded = clip.excluded.iter().map(|e| excluded_in_source(e, clip, &imported.clip)).collect();
+    }
     report.warnings.extend(warnings.messages);
     Ok(report)
+}
+
+/// An excluded range in frames of the file: reason, first frame, frame after the last.
+fn excluded_in_source(e: &Exclusion, clip: &Clip, source: &RawClip) -> (String, usize, usize) {
+    let step = source.rate_hz / clip.rate_hz;
+    let at = |frame: usize| ((frame as f64 * step).round() as usize).min(source.num_frames);
+    let end = if e.range.end >= clip.num_frames() { source.num_frames } else { at(e.range.end) };
+    (e.reason.to_string(), at(e.range.start), end)
 }
 
 impl ClipReport {
@@ -95,7 +108,7 @@ impl ClipReport {
             findings: imported.findings.clone(),
             contact: ContactSanity::default(),
             excluded: Vec::new(),
-            warnings: imported.warnings.messages.iter().chain(&imported.roles.warnings).cloned().collect(),
+            warnings: imported.warnings.messages.clone(),
         }
     }
 }

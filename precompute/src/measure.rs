@@ -24,7 +24,7 @@ pub struct MeasureConfig {
     pub characters: Vec<usize>,
     /// Numbers of threads.
     pub threads: Vec<usize>,
-    /// Time given to each figure. [Unit: s] [Limit: > 0]
+    /// Time given to each figure. [Unit: s] [Limit: > 0, <= 3600]
     pub seconds: f64,
 }
 
@@ -69,20 +69,24 @@ pub struct CrowdFigures {
 /// # Errors
 /// As [`crowd`].
 pub fn measure(tables: &Tables, config: &MeasureConfig) -> Result<Measured, BuildError> {
+    let results = crowd(tables, config)?;
     let value_iteration = in_pool(1, || MadeUp::default().measure(EPSILON))??;
-    Ok(Measured { results: crowd(tables, config)?, value_iteration })
+    Ok(Measured { results, value_iteration })
 }
 
 /// Measures queries, sampling and steps.
 ///
 /// # Errors
-/// [`BuildError::Stage`] where the bundle has no behaviour, a number is 0, or a thread pool cannot be had.
+/// [`BuildError::Stage`] where the bundle has no behaviour, a number is out of range, or a thread pool cannot be had.
 pub fn crowd(tables: &Tables, config: &MeasureConfig) -> Result<Vec<CrowdFigures>, BuildError> {
     if tables.num_policies() == 0 {
         return Err(fail("the bundle has no behaviour"));
     }
     if config.characters.contains(&0) || config.threads.contains(&0) {
         return Err(fail("numbers of characters and threads must be at least 1"));
+    }
+    if !(config.seconds > 0.0 && config.seconds <= 3600.0) {
+        return Err(fail(format!("--seconds: expected above 0 and at most 3600, found {}", config.seconds)));
     }
     let repertoire = Repertoire::new(tables);
     let made_up = MadeUp::default();

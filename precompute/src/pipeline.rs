@@ -8,7 +8,7 @@ use crate::provenance::{self, Provenance};
 use crate::report::{self, BuildReport};
 use crate::stages::{Motion, Stages};
 use crate::write::{self, Baked};
-use crate::{annotate, features, graph, import, policy, resample, retarget};
+use crate::{annotate, features, files, graph, import, policy, resample, retarget};
 use rand::SeedableRng;
 use rand_pcg::Pcg64;
 use std::path::Path;
@@ -21,6 +21,7 @@ use std::path::Path;
 /// # Errors
 /// What the first failing stage says; nothing is written then.
 pub fn build(cfg: &BuildConfig, out: &Path, cache: &Cache, progress: &dyn Progress) -> Result<BuildReport, BuildError> {
+    files::check_target(out)?;
     let mut s = Stages::new(cache, progress);
     let from: Provenance = s.run("hash", |_| provenance::collect(&cfg.inputs, &cfg.import))?;
 

@@ -49,12 +49,7 @@ pub struct BuildReport {
 
 /// Warnings of all clips.
 pub(crate) fn of_import(raw: &ImportedSet) -> Warnings {
-    let of_clip = |c: &crate::import::Imported| {
-        let place = c.clip.path.display().to_string();
-        let roles = c.roles.warnings.iter().map(move |w| format!("{place}: {w}"));
-        c.warnings.messages.iter().cloned().chain(roles).collect::<Vec<_>>()
-    };
-    Warnings { messages: raw.clips.iter().flat_map(of_clip).collect() }
+    Warnings { messages: raw.clips.iter().flat_map(|c| c.warnings.messages.iter().cloned()).collect() }
 }
 
 /// Messages of the files that were skipped.

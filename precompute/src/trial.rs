@@ -27,7 +27,7 @@ pub struct TrialConfig {
     pub reach_m: f32,
     /// When the crowd is drawn: while many are still on their way. [Unit: s]
     pub snapshot_s: f32,
-    /// Character whose poses are recorded.
+    /// Character whose poses are recorded. [Limit: < characters]
     pub recorded: usize,
     /// How characters move.
     pub troupe: TroupeConfig,
@@ -117,7 +117,15 @@ pub struct TrialFrame {
 pub fn run(tables: &Tables, config: &TrialConfig) -> Result<(TrialReport, TrialRecord), BuildError> {
     let fail = |e: TroupeError| stage_error(e.to_string());
     if tables.num_policies() == 0 {
-        return Err(stage_error("the bundle has no behaviour".into()));
+        let message = "the bundle has no behaviour".into();
+        let help = "Build it from a config with `behaviours`".into();
+        return Err(BuildError::Stage { stage: "trial", message, help });
+    }
+    if config.recorded >= config.characters.max(1) {
+        return Err(stage_error(format!(
+            "expected one of the {} characters to follow, counted from 0, found {}",
+            config.characters, config.recorded
+        )));
     }
     if config.characters == 0 || !(config.step_hz >= 1.0 && config.seconds > 0.0 && config.seconds < 1e5) {
         return Err(stage_error(format!(
@@ -144,7 +152,7 @@ pub fn run(tables: &Tables, config: &TrialConfig) -> Result<(TrialReport, TrialR
 }
 
 fn stage_error(message: String) -> BuildError {
-    BuildError::Stage { stage: "trial", message, help: "Give a bundle that `throng build` made".into() }
+    BuildError::Stage { stage: "trial", message, help: "`throng run --help` lists what may be given".into() }
 }
 
 /// Characters on a loose grid, each with a target in some direction.
@@ -215,15 +223,14 @@ impl Watch {
             }
             self.measure_slip(troupe, c, dt);
         }
-        if let Some(c) = Some(config.recorded).filter(|&c| c < config.characters) {
-            self.record.frames.push(TrialFrame {
-                time_s,
-                root: troupe.root(c),
-                positions: troupe.joint_positions(c),
-                contacts: troupe.contacts(c),
-                segment: troupe.segment(c).0,
-            });
-        }
+        let c = config.recorded;
+        self.record.frames.push(TrialFrame {
+            time_s,
+            root: troupe.root(c),
+            positions: troupe.joint_positions(c),
+            contacts: troupe.contacts(c),
+            segment: troupe.segment(c).0,
+        });
     }
 
     /// Grows the trails up to the snapshot, and takes it.

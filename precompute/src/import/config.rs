@@ -60,7 +60,8 @@ pub struct ImportConfig {
     pub metres_per_unit: Option<f64>,
     /// Axis that points up in the files; detected where absent.
     pub up: Option<UpAxis>,
-    /// Direction the rest pose faces, once Y is up; detected where absent.
+    /// Direction the rest pose faces, once Y is up; detected where absent. Says nothing of a rest pose that is not a
+    /// standing body.
     pub forward: Option<Forward>,
     /// Frames a second, instead of what the files say. [Unit: Hz] [Limit: > 0]
     pub rate_hz: Option<f64>,

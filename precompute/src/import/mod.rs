@@ -47,11 +47,13 @@ pub struct Imported {
     pub up: UpAxis,
     /// Heading the rest pose faces, about +Y; 0 where the rest pose is not a body. [Unit: rad]
     pub facing: f32,
+    /// Direction that the config says the rest pose faces.
+    pub forward: Option<Forward>,
     /// Body height estimated from the lengths of the segments. [Unit: m]
     pub height: f32,
     /// One sentence for each thing that was detected: what and why.
     pub findings: Vec<String>,
-    /// What is odd but tolerable, naming the file.
+    /// What is odd but tolerable, naming the file; [`RoleMap::warnings`] included.
     pub warnings: Warnings,
 }
 
@@ -70,7 +72,8 @@ pub struct ImportedSet {
 /// [`ImportedSet::skipped`].
 ///
 /// # Errors
-/// The first bad file (by path) where `config.strict` is set; a path that yields no file; a bad profile.
+/// The first bad file (by path) where `config.strict` is set or no file is good; a path that yields no file; a bad
+/// profile.
 pub fn read(paths: &[PathBuf], config: &ImportConfig, progress: &dyn Progress) -> Result<ImportedSet, ImportError> {
     let files = files::expand(paths)?;
     let profiles = profile::load_profiles(&config.profiles)?;
@@ -92,7 +95,9 @@ pub fn read(paths: &[PathBuf], config: &ImportConfig, progress: &dyn Progress) -
             Err(e) => set.skipped.push(e),
         }
     }
-    rest::share_references(&mut set.clips);
+    if set.clips.is_empty() && !set.skipped.is_empty() {
+        return Err(set.skipped.swap_remove(0));
+    }
     Ok(set)
 }
 
@@ -153,5 +158,6 @@ pub fn interpret(mut source: SourceClip, config: &ImportConfig, profiles: &[Prof
     for warning in &roles.warnings {
         warnings.push(format!("{}: {warning}", clip.path.display()));
     }
-    Ok(Imported { clip, roles, rest_pose, metres_per_unit, up, facing, height, findings, warnings })
+    let forward = config.forward;
+    Ok(Imported { clip, roles, rest_pose, metres_per_unit, up, facing, forward, height, findings, warnings })
 }

@@ -1,6 +1,6 @@
 //! What a source skeleton looks like: where its roles sit, how they hang together, sampled over its clips.
 
-use crate::import::Imported;
+use crate::import::{Forward, Imported};
 use crate::raw::RawClip;
 use glam::{Quat, Vec3};
 use throng_runtime::{Joint, NUM_JOINTS};
@@ -15,11 +15,14 @@ pub struct Source<'a> {
     pub clip: &'a RawClip,
     /// Which of its joints plays which role.
     pub roles: &'a Roles,
+    /// Heading that the rest pose faces where it is given; found from the thighs elsewhere. [Unit: rad]
+    pub heading: Option<f32>,
 }
 
 impl<'a> From<&'a Imported> for Source<'a> {
     fn from(imported: &'a Imported) -> Self {
-        Self { clip: &imported.clip, roles: &imported.roles.joints }
+        let heading = imported.forward.map(Forward::heading);
+        Self { clip: &imported.clip, roles: &imported.roles.joints, heading }
     }
 }
 
@@ -107,7 +110,7 @@ impl Body {
         let tip = |j: Joint| first.roles[j.index()].and_then(|s| tip_of(first.clip, s));
         Self {
             roles: *first.roles,
-            rest: standing(rest_pose(first)),
+            rest: standing(rest_pose(first), first.heading),
             offsets: mean_offsets(first.roles, &samples),
             tips: [tip(Joint::Head), tip(Joint::LeftToe), tip(Joint::RightToe)],
             hand_tips: [tip(Joint::LeftHand), tip(Joint::RightHand)],
@@ -166,15 +169,15 @@ fn mean_offsets(roles: &Roles, samples: &[Sample]) -> [Vec3; NUM_JOINTS] {
     sums.map(|v| (v / samples.len().max(1) as f64).as_vec3())
 }
 
-/// Offset of the end of the chain below `joint`: its first end, followed through first children.
+/// Offset of the first child of `joint`, where it has a length.
 fn tip_of(clip: &RawClip, joint: usize) -> Option<Vec3> {
     let child = clip.joints.iter().position(|j| j.parent == Some(joint))?;
     let offset = clip.joints[child].offset;
     (offset.length() > 0.005).then_some(offset)
 }
 
-/// The pose turned so that its left side is +X, where it is a body on straight legs.
-fn standing(pose: RolePose) -> Option<RolePose> {
+/// The pose turned so that its left side is +X, or by the heading that is given, where it is a body on straight legs.
+fn standing(pose: RolePose, heading: Option<f32>) -> Option<RolePose> {
     let at = |j: Joint| pose[j.index()].0;
     use Joint::*;
     let down = |a: Joint, b: Joint| (at(b) - at(a)).normalize_or_zero().y < -0.7;
@@ -185,6 +188,6 @@ fn standing(pose: RolePose) -> Option<RolePose> {
         return None;
     }
     // A direction (x, z) turned by the angle atan2(z, x) about +Y lies along +X.
-    let turn = Quat::from_rotation_y(left.z.atan2(left.x));
+    let turn = Quat::from_rotation_y(heading.map_or_else(|| left.z.atan2(left.x), |h| -h));
     Some(pose.map(|(p, r)| (turn * p, turn * r)))
 }

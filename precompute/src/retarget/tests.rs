@@ -84,7 +84,7 @@ fn rig(clip: &Clip, skeleton: &Skeleton, axes: &[Quat; NUM_JOINTS], left_out: &[
 
 fn lay(raw: &RawClip, roles: &Roles, proportions: Proportions, align_ground: bool) -> ClipSet {
     let cfg = RetargetConfig { proportions, align_ground };
-    lay_all(&[Source { clip: raw, roles }], &cfg, &mut Warnings::default()).unwrap()
+    lay_all(&[Source { clip: raw, roles, heading: None }], &cfg, &mut Warnings::default()).unwrap()
 }
 
 /// Largest distance between a role's joint and the source's. [Unit: m]
@@ -133,7 +133,7 @@ fn a_rig_with_all_segments_along_one_axis_gives_the_same_rotations() {
         };
     }
     let (raw, roles) = rig(&clip, &s, &axes, &[]);
-    let body = Body::measure(&[Source { clip: &raw, roles: &roles }]);
+    let body = Body::measure(&[Source { clip: &raw, roles: &roles, heading: None }]);
     assert!(body.rest.is_none(), "the rest pose must not be a body");
     let set = lay(&raw, &roles, Proportions::Default, false);
     for f in 0..FRAMES {
@@ -202,12 +202,27 @@ fn a_child_of_half_the_size_walks_half_as_far_on_the_ground() {
 }
 
 #[test]
+fn a_given_heading_of_the_rest_pose_turns_the_body() {
+    let s = Skeleton::default();
+    let (raw, roles) = rig(&motion(&s), &s, &PLAIN, &[]);
+    let hips = |heading| {
+        let sources = [Source { clip: &raw, roles: &roles, heading }];
+        let set = lay_all(&sources, &RetargetConfig::default(), &mut Warnings::default()).unwrap();
+        set.clips[0].planar(0).heading
+    };
+    let found = hips(None);
+    assert!((hips(Some(0.0)) - found).abs() < 1e-4);
+    let quarter = std::f32::consts::FRAC_PI_2;
+    assert!((hips(Some(quarter)) - found - quarter).abs() < 1e-3, "{} {found}", hips(Some(quarter)));
+}
+
+#[test]
 fn clips_of_one_name_are_told_apart_by_folders() {
     let s = Skeleton::default();
     let (raw, roles) = rig(&motion(&s), &s, &PLAIN, &[]);
     let at = |path: &str| RawClip { path: path.into(), ..raw.clone() };
     let clips = [at("a/made.bvh"), at("b/made.bvh"), at("b/made.bvh")];
-    let sources: Vec<Source> = clips.iter().map(|clip| Source { clip, roles: &roles }).collect();
+    let sources: Vec<Source> = clips.iter().map(|clip| Source { clip, roles: &roles, heading: None }).collect();
     let names = unique_names(&sources);
     assert_eq!(&names[..2], ["a/made", "b/made"]);
     assert_ne!(names[1], names[2]);
@@ -217,7 +232,7 @@ fn clips_of_one_name_are_told_apart_by_folders() {
 fn refuses_what_has_no_legs() {
     let s = Skeleton::default();
     let (raw, roles) = rig(&motion(&s), &s, &PLAIN, &[Joint::LeftShin]);
-    let sources = [Source { clip: &raw, roles: &roles }];
+    let sources = [Source { clip: &raw, roles: &roles, heading: None }];
     let e = lay_all(&sources, &RetargetConfig::default(), &mut Warnings::default()).unwrap_err().to_string();
     assert!(e.contains("made.bvh") && e.contains("left_shin") && e.contains("profile"), "{e}");
     let wrong = ExplicitProportions { offsets: [("left_shine".to_string(), [0.0; 3])].into() };
@@ -241,7 +256,7 @@ proptest! {
         let (raw, roles) = rig(&motion(&s), &s, &axes, &[]);
         let set = lay(&raw, &roles, Proportions::Clip, false);
         prop_assert!(worst_distance(&set, &raw, &roles) < 1e-4);
-        let own = own_skeleton(Source { clip: &raw, roles: &roles }).unwrap();
+        let own = own_skeleton(Source { clip: &raw, roles: &roles, heading: None }).unwrap();
         prop_assert_eq!(&set.skeleton, &own);
         for f in 1..FRAMES {
             let pairs = set.clips[0].frame_rotations(f - 1).iter().zip(set.clips[0].frame_rotations(f));

@@ -127,11 +127,13 @@ pub enum TroupeError {
         expected: &'static str,
     },
     /// The repertoire is not the one the troupe was made with.
-    #[error("the troupe was made with a bundle of {expected} frames, this one has {got}; make a new troupe")]
+    #[error("the troupe was made with a bundle of {expected} {what}, this one has {got}; make a new troupe")]
     OtherBundle {
-        /// Frames of the troupe's bundle.
+        /// What is counted.
+        what: &'static str,
+        /// How many the troupe's bundle has.
         expected: usize,
-        /// Frames of this one.
+        /// How many this one has.
         got: usize,
     },
 }
@@ -146,6 +148,7 @@ pub struct Troupe {
     config: TroupeConfig,
     num_characters: usize,
     num_frames: usize,
+    num_segments: usize,
     blocks: Vec<Block>,
     matrices: Vec<Mat3x4>,
     locals: Vec<LocalTransform>,
@@ -183,6 +186,7 @@ impl Troupe {
             config,
             num_characters: n,
             num_frames: repertoire.frames.len(),
+            num_segments: repertoire.graph.segments.len(),
             blocks,
             matrices: vec![Mat3x4::default(); n * NUM_JOINTS],
             locals: vec![LocalTransform::default(); locals],
@@ -279,8 +283,13 @@ impl Troupe {
     }
 
     fn validate(&self, repertoire: &Repertoire<'_>, dt_s: f32, goals: &[Goal<'_>]) -> Result<(), TroupeError> {
-        if repertoire.frames.len() != self.num_frames {
-            return Err(TroupeError::OtherBundle { expected: self.num_frames, got: repertoire.frames.len() });
+        for (what, expected, got) in [
+            ("frames", self.num_frames, repertoire.frames.len()),
+            ("segments", self.num_segments, repertoire.graph.segments.len()),
+        ] {
+            if got != expected {
+                return Err(TroupeError::OtherBundle { what, expected, got });
+            }
         }
         check("dt_s", dt_s, (0.0..=MAX_STEP_S).contains(&dt_s), "between 0 and 1")?;
         if goals.is_empty() || goals.len() > MAX_GOALS {

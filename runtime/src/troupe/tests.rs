@@ -308,4 +308,8 @@ fn refuses_what_does_not_fit() {
     let far = [Vec3::NAN; 2];
     assert!(matches!(troupe.step(&r, 0.1, &goal(0, &far)), Err(TroupeError::Value { .. })));
     assert!(matches!(troupe.step(&r, 0.1, &[]), Err(TroupeError::Length { .. })));
+    // The same clips, another graph.
+    let mut other = r.clone();
+    other.graph.segments = &other.graph.segments[..3];
+    assert!(matches!(troupe.step(&other, 0.1, &goal(0, &targets)), Err(TroupeError::OtherBundle { .. })));
 }
