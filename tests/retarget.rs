@@ -58,7 +58,8 @@ fn walking_stands_on_each_foot_a_bit_more_than_half_the_time() {
     let set = onto(&clips, &RetargetConfig::default(), &mut Warnings::default()).expect("bodies");
     let set = resample(&set, &ResampleConfig { rate_hz: 30.0, mirror: true }).unwrap();
     let set = annotate(&set, &AnnotateConfig::default(), &Sidecars::default()).expect("annotated");
-    for clip in &set.clips {
+    // Of a clip of a single step the share says little.
+    for clip in set.clips.iter().filter(|c| c.num_frames() >= 60) {
         let s = sanity(clip, &set.skeleton);
         for share in [s.left_share, s.right_share] {
             assert!((0.44..0.76).contains(&share), "{}: {s:?}", clip.name);

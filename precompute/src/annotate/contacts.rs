@@ -21,7 +21,8 @@ pub struct ContactConfig {
     pub speed_on: f32,
     /// Speed that ends a contact, for a body in place. [Unit: m/s]
     pub speed_off: f32,
-    /// Vertical speed that ends a contact: a heel that rises while the toe still stands is no longer planted.
+    /// Contacts begin and end with a frame whose vertical speed is below this: a heel that rises while the toe still
+    /// stands is no longer planted.
     /// [Unit: m/s]
     pub vertical_speed_off: f32,
     /// Share of the hips' speed over the ground that is added to both: tracked feet slide more the faster they
@@ -42,7 +43,7 @@ impl Default for ContactConfig {
             height_off: 0.045,
             speed_on: 0.15,
             speed_off: 0.3,
-            vertical_speed_off: 0.1,
+            vertical_speed_off: 0.15,
             speed_share: 0.1,
             min_duration: 0.09,
             max_gap: 0.07,
@@ -107,13 +108,13 @@ pub fn detect(clip: &Clip, skeleton: &Skeleton, cfg: &ContactConfig) -> Vec<Cont
         };
         let below = |f: usize, height: f32, speed: f32| {
             let limit = speed * scale + cfg.speed_share * pace[f];
-            let still = track.vertical_speeds[f] < cfg.vertical_speed_off * scale;
-            still && track.heights[f] - floor[f] < height * scale && track.speeds[f] < limit
+            track.heights[f] - floor[f] < height * scale && track.speeds[f] < limit
         };
         let weak: Vec<bool> = (0..floor.len()).map(|f| below(f, cfg.height_off, cfg.speed_off)).collect();
         let strong: Vec<bool> = (0..floor.len()).map(|f| below(f, cfg.height_on, cfg.speed_on)).collect();
         let frames = |s: f32| (s as f64 * clip.rate_hz).round() as usize;
-        let planted = hysteresis(&weak, &strong, frames(cfg.min_duration), frames(cfg.max_gap));
+        let mut planted = hysteresis(&weak, &strong, frames(cfg.min_duration), frames(cfg.max_gap));
+        trim(&mut planted, |f| track.vertical_speeds[f] < cfg.vertical_speed_off * scale);
         for (f, _) in planted.iter().enumerate().filter(|(_, p)| **p) {
             out[f].insert(bit);
         }
@@ -223,11 +224,29 @@ fn hysteresis(weak: &[bool], strong: &[bool], min_frames: usize, max_gap: usize)
     out
 }
 
+/// Cuts frames that are not `still` from both ends of every run.
+fn trim(planted: &mut [bool], still: impl Fn(usize) -> bool) {
+    for run in runs(0..planted.len(), |f| planted[f]) {
+        let kept = run.clone().position(&still).map_or(run.end, |k| run.start + k);
+        let end = run.clone().rev().find(|&f| still(f)).map_or(kept, |f| f + 1);
+        planted[run.start..kept].fill(false);
+        planted[end..run.end].fill(false);
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use glam::Quat;
     use throng_runtime::NUM_JOINTS;
+
+    #[test]
+    fn runs_are_trimmed_at_their_ends_alone() {
+        let mut planted = bools("0111110111");
+        let still = bools("0011011000");
+        trim(&mut planted, |f| still[f]);
+        assert_eq!(planted, bools("0011110000"));
+    }
 
     fn bools(s: &str) -> Vec<bool> {
         s.chars().map(|c| c == '1').collect()
