@@ -6,8 +6,9 @@ use serde::{Serialize, de::DeserializeOwned};
 use std::path::{Path, PathBuf};
 use xxhash_rust::xxh3::Xxh3;
 
-/// Part of every key; a change of what any stage does with the same input must change it.
-const EPOCH: &str = concat!("throng ", env!("CARGO_PKG_VERSION"), " cache 1");
+/// Part of every key: the version and a hash of the sources (`build.rs`), as other code may make something else of the
+/// same input.
+const EPOCH: &str = concat!("throng ", env!("CARGO_PKG_VERSION"), " ", env!("THRONG_SOURCES"));
 /// Most bytes a cached output may ask for while it is decoded.
 const LIMIT: usize = 8 << 30;
 
