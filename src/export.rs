@@ -4,7 +4,7 @@ use crate::args::{Outcome, fail};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use throng_precompute::import::{ImportConfig, bvh_write, export, read_clip};
-use throng_precompute::{Warnings, annotate, files, graph, policy, resample, retarget};
+use throng_precompute::{Warnings, files, graph, pipeline, policy, retarget};
 
 /// Write a clip as positions or BVH, or a bundle's graph or policy.
 #[derive(clap::Args)]
@@ -66,9 +66,7 @@ fn clip(args: &Args) -> Outcome {
     let config = ImportConfig { asf: args.asf.clone(), ..ImportConfig::default() };
     let imported = read_clip(&args.file, &config)?;
     let raw = if args.retargeted {
-        let clips = retarget::onto(std::slice::from_ref(&imported), &Default::default(), &mut Warnings::default())?;
-        let clips = resample::resample(&clips, &Default::default())?;
-        let clips = annotate::annotate(&clips, &Default::default(), &Default::default())?;
+        let clips = pipeline::single(&imported, &mut Warnings::default())?;
         retarget::to_raw(&clips.clips[0], &clips.skeleton)
     } else {
         imported.clip

@@ -1,12 +1,11 @@
 //! Says what was found in a clip, for people and for programs.
 
-use crate::annotate::{self, AnnotateConfig, ContactSanity, Sidecars};
+use crate::annotate::{self, ContactSanity};
 use crate::clip::{Clip, Exclusion};
 use crate::error::{BuildError, Warnings};
 use crate::import::{self, ImportConfig, Imported};
+use crate::pipeline;
 use crate::raw::{RawClip, SourceFormat};
-use crate::resample::{self, ResampleConfig};
-use crate::retarget::{self, RetargetConfig};
 use std::collections::BTreeMap;
 use std::fmt;
 use std::path::Path;
@@ -62,10 +61,8 @@ pub fn inspect(path: &Path, config: &ImportConfig) -> Result<ClipReport, BuildEr
     };
     let imported = import::read_clip(file, config)?;
     let mut warnings = Warnings::default();
-    let clips = retarget::onto(std::slice::from_ref(&imported), &RetargetConfig::default(), &mut warnings)?;
     // At the rate of a build, so that the speeds are those that a build finds.
-    let clips = resample::resample(&clips, &ResampleConfig { mirror: false, ..ResampleConfig::default() })?;
-    let clips = annotate::annotate(&clips, &AnnotateConfig::default(), &Sidecars::default())?;
+    let clips = pipeline::single(&imported, &mut warnings)?;
     let mut report = ClipReport::new(&imported);
     for clip in &clips.clips {
         report.contact = annotate::sanity(clip, &clips.skeleton);

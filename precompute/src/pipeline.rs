@@ -1,11 +1,14 @@
 //! The offline build, in reading order. One line = one stage = one module.
 
 use crate::cache::{Cache, Key};
+use crate::clip::ClipSet;
 use crate::config::BuildConfig;
 use crate::error::{BuildError, Warnings};
+use crate::import::Imported;
 use crate::progress::Progress;
 use crate::provenance::{self, Provenance};
 use crate::report::{self, BuildReport};
+use crate::resample::ResampleConfig;
 use crate::stages::{Motion, Stages};
 use crate::write::{self, Baked};
 use crate::{annotate, features, files, graph, import, policy, resample, retarget};
@@ -56,4 +59,14 @@ pub fn build(cfg: &BuildConfig, out: &Path, cache: &Cache, progress: &dyn Progre
     let bundle_bytes = s.run("write", |_| write::bundle(&baked, out))?;
     let warnings = Warnings { messages: [motion.warnings.messages.clone(), s.warnings.messages.clone()].concat() };
     Ok(report::of_build(cfg, &motion, graph_report, &policies.policies, bundle_bytes, warnings, s.finish()))
+}
+
+/// What a build makes of one clip before the motion graph: the same stages with default settings, no mirrored copy.
+///
+/// # Errors
+/// As the retarget, resample and annotate stages.
+pub fn single(raw: &Imported, warnings: &mut Warnings) -> Result<ClipSet, BuildError> {
+    let clips = retarget::onto(std::slice::from_ref(raw), &Default::default(), warnings)?;
+    let clips = resample::resample(&clips, &ResampleConfig { mirror: false, ..ResampleConfig::default() })?;
+    annotate::annotate(&clips, &Default::default(), &Default::default())
 }

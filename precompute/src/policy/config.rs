@@ -9,6 +9,8 @@ use serde::{Deserialize, Serialize};
 pub struct BehaviourConfig {
     /// Name of the policy in the bundle; unique.
     pub name: String,
+    /// What the behaviour is about.
+    pub kind: BehaviourKind,
     /// Cells of the target.
     pub grid: GridConfig,
     /// Discount per frame at 30 Hz, whatever the database rate; the paper's 0.97 at 15 Hz is 0.985 here.
@@ -29,6 +31,7 @@ impl Default for BehaviourConfig {
     fn default() -> Self {
         Self {
             name: "approach".into(),
+            kind: BehaviourKind::Approach,
             grid: GridConfig::default(),
             discount: 0.985,
             reward: ApproachReward::Integral,
@@ -37,6 +40,15 @@ impl Default for BehaviourConfig {
             stand_speed: 0.3,
         }
     }
+}
+
+/// What a behaviour is about.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum BehaviourKind {
+    /// Coming to a target on the ground and staying there.
+    #[default]
+    Approach,
 }
 
 /// How nearness during an action becomes its reward.

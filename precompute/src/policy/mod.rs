@@ -15,7 +15,7 @@ mod sweep;
 pub use bake::bake;
 pub use behaviour::{Approach, Behaviour, segment_records};
 pub use compare::{Comparison, compare};
-pub use config::{ApproachReward, BehaviourConfig, GridConfig, PolicyConfig};
+pub use config::{ApproachReward, BehaviourConfig, BehaviourKind, GridConfig, PolicyConfig};
 pub use export::write_csv;
 pub use model::{ActionModel, SegmentMotion};
 pub use policies::{Policy, PolicyReport, PolicyTables, solve, solve_behaviours};

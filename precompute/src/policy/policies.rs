@@ -3,7 +3,7 @@
 use super::bake::bake;
 use super::behaviour::{Approach, Behaviour};
 use super::compare::{Comparison, compare};
-use super::config::{BehaviourConfig, PolicyConfig};
+use super::config::{BehaviourConfig, BehaviourKind, PolicyConfig};
 use super::model::ActionModel;
 use super::solve::{Solution, value_iteration};
 use crate::clip::ClipSet;
@@ -98,10 +98,17 @@ pub fn solve(
     progress: &dyn Progress,
 ) -> Result<PolicyTables, BuildError> {
     let model = ActionModel::new(clips, graph)?;
-    let made: Vec<Approach> =
-        behaviours.iter().map(|b| Approach::new(b, model.rate_hz)).collect::<Result<_, BuildError>>()?;
-    let made: Vec<&dyn Behaviour> = made.iter().map(|b| b as &dyn Behaviour).collect();
+    let made: Vec<Box<dyn Behaviour>> =
+        behaviours.iter().map(|b| make(b, model.rate_hz)).collect::<Result<_, BuildError>>()?;
+    let made: Vec<&dyn Behaviour> = made.iter().map(|b| &**b).collect();
     solve_behaviours(model, &made, cfg, rng, progress)
+}
+
+/// The behaviour that a config describes: the one list of kinds.
+fn make(config: &BehaviourConfig, rate_hz: f64) -> Result<Box<dyn Behaviour>, BuildError> {
+    Ok(match config.kind {
+        BehaviourKind::Approach => Box::new(Approach::new(config, rate_hz)?),
+    })
 }
 
 /// Solves any behaviours over a model.
