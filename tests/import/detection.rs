@@ -318,3 +318,12 @@ fn a_report_of_a_fast_clip_has_the_speeds_of_a_build_and_the_frames_of_the_file(
     assert_eq!((report.frames, report.rate_hz), (600, 120.0));
     assert_eq!(report.excluded, [("T-pose".to_owned(), 0, 600)]);
 }
+
+#[test]
+fn legs_without_length_are_refused_and_the_joint_is_named() {
+    let dir = tempfile::tempdir().unwrap();
+    std::fs::write(dir.path().join("a.bvh"), body::bvh(2, same, |v| v * 100.0)).unwrap();
+    let tiny = ImportConfig { metres_per_unit: Some(1e-5), ..ImportConfig::default() };
+    let e = read(&[dir.path().to_owned()], &ImportConfig { strict: true, ..tiny }, &Silent).unwrap_err().to_string();
+    assert!(e.contains("a.bvh") && e.contains("LeftUpLeg") && e.contains("metres_per_unit"), "{e}");
+}

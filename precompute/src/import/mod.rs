@@ -135,6 +135,29 @@ fn load(path: &Path) -> Result<Vec<u8>, ImportError> {
     std::fs::read(path).map_err(|source| ImportError::Io { path: path.to_owned(), source })
 }
 
+/// Legs shorter than this are none. [Unit: m]
+const SHORTEST_LEG_M: f32 = 0.1;
+
+/// Refuses a clip without frames, or whose joints that are called legs lie in one place.
+fn check_legs(clip: &RawClip, roles: &RoleMap) -> Result<(), ImportError> {
+    use throng_runtime::Joint::*;
+    if clip.num_frames == 0 {
+        return Err(content_error(&clip.path, "it has no frames", "Leave it out"));
+    }
+    let world = clip.world(0);
+    for (thigh, shin, foot) in [(LeftThigh, LeftShin, LeftFoot), (RightThigh, RightShin, RightFoot)] {
+        let at = |role| roles.get(role).map(|j| (world[j].0, &clip.joints[j].name));
+        let (Some((hip, name)), Some((knee, _)), Some((ankle, _))) = (at(thigh), at(shin), at(foot)) else { continue };
+        let length = hip.distance(knee) + knee.distance(ankle);
+        if length.is_nan() || length < SHORTEST_LEG_M {
+            let message = format!("joint {name}: expected a leg longer than {SHORTEST_LEG_M} m, found {length} m");
+            let help = "Check `metres_per_unit` and which joints the profile names as thighs, shins and feet";
+            return Err(content_error(&clip.path, message, help));
+        }
+    }
+    Ok(())
+}
+
 /// Finds roles, units, axes and rest pose of a clip, and brings it into metres and Y up.
 ///
 /// # Errors
@@ -152,6 +175,7 @@ pub fn interpret(mut source: SourceClip, config: &ImportConfig, profiles: &[Prof
     }
     let SourceClip { mut clip, mut findings, mut warnings, .. } = source;
     units::normalise(&mut clip, metres_per_unit, up);
+    check_legs(&clip, &roles)?;
     let (rest_pose, facing) = rest::find_rest_pose(&clip, &roles, config.forward);
     findings.push(rest_pose.sentence.clone());
     let height = units::body_height(&clip, &roles);
