@@ -81,7 +81,7 @@ impl CrowdArgs {
             seconds: self.seconds,
             step_hz: self.step_hz,
             seed: self.seed,
-            recorded: self.follow,
+            recorded: Some(self.follow),
             ..TrialConfig::default()
         };
         trial.troupe.seed = self.seed;

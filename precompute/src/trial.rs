@@ -27,8 +27,8 @@ pub struct TrialConfig {
     pub reach_m: f32,
     /// When the crowd is drawn: while many are still on their way. [Unit: s]
     pub snapshot_s: f32,
-    /// Character whose poses are recorded. [Limit: < characters]
-    pub recorded: usize,
+    /// Character whose poses are recorded, if any. [Limit: < characters]
+    pub recorded: Option<usize>,
     /// How characters move.
     pub troupe: TroupeConfig,
 }
@@ -43,7 +43,7 @@ impl Default for TrialConfig {
             distances: [2.0, 6.0],
             reach_m: 0.5,
             snapshot_s: 3.5,
-            recorded: 0,
+            recorded: Some(0),
             troupe: TroupeConfig::default(),
         }
     }
@@ -121,10 +121,10 @@ pub fn run(tables: &Tables, config: &TrialConfig) -> Result<(TrialReport, TrialR
         let help = "Build it from a config with `behaviours`".into();
         return Err(BuildError::Stage { stage: "trial", message, help });
     }
-    if config.recorded >= config.characters.max(1) {
+    if let Some(recorded) = config.recorded.filter(|&c| c >= config.characters.max(1)) {
         return Err(stage_error(format!(
             "expected one of the {} characters to follow, counted from 0, found {}",
-            config.characters, config.recorded
+            config.characters, recorded
         )));
     }
     if config.characters == 0 || !(config.step_hz >= 1.0 && config.seconds > 0.0 && config.seconds < 1e5) {
@@ -223,7 +223,7 @@ impl Watch {
             }
             self.measure_slip(troupe, c, dt);
         }
-        let c = config.recorded;
+        let Some(c) = config.recorded else { return };
         self.record.frames.push(TrialFrame {
             time_s,
             root: troupe.root(c),

@@ -34,7 +34,7 @@ pub fn trial_sheet(tables: &Tables, config: &TrialConfig, report: &TrialReport, 
         report.mean_arrival_s.map_or(String::new(), |s| format!(", after {s:.1} s on average")),
         1000.0 * report.foot_slip_p95_mps
     );
-    let marked = record.roots.get(config.recorded).map(|_| (config.recorded, "A"));
+    let marked = config.recorded.filter(|&c| c < record.roots.len()).map(|c| (c, "A"));
     let overview = CrowdView {
         title: &title,
         subtitle: &subtitle,
