@@ -1,0 +1,174 @@
+//! Where a ground position lies among the cells of a grid: rings, angles and the weights between them.
+
+use super::super::maths::{angle_of, greatest, least, split_interval};
+use super::{KIND_POLAR, TargetGrid};
+use crate::lanes::{Functions, Lanes};
+use std::f32::consts::{PI, TAU};
+
+/// Where a ground position lies between cells: bilinear weights.
+///
+/// The corners are (ring, angle), (ring, next angle), (ring + 1, angle), (ring + 1, next angle). All weights are
+/// multiplied by `scale`, which is 1 within the grid and falls beyond it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Stencil {
+    /// Lower ring. [Limit: <= num_rings - 2]
+    pub ring: u32,
+    /// Lower angle.
+    pub angle: u32,
+    /// Upper angle: the next one, 0 after the last of a polar grid.
+    pub next_angle: u32,
+    /// Ratio between the rings. [Limit: 0 to 1]
+    pub ring_ratio: f32,
+    /// Ratio between the angles. [Limit: 0 to 1]
+    pub angle_ratio: f32,
+    /// Factor on the interpolated value. [Limit: 0 to 1]
+    pub scale: f32,
+}
+
+impl Stencil {
+    /// Interpolates in the plane of one height.
+    ///
+    /// - `plane`: values of the cells of that height. [Size: num_rings * num_angles]
+    #[inline(always)]
+    pub fn interpolate(&self, plane: &[f32], num_angles: u32) -> f32 {
+        let low = (self.ring * num_angles) as usize;
+        let high = low + num_angles as usize;
+        let (a, b) = (self.angle as usize, self.next_angle as usize);
+        let near = plane[low + a] + (plane[low + b] - plane[low + a]) * self.angle_ratio;
+        let far = plane[high + a] + (plane[high + b] - plane[high + a]) * self.angle_ratio;
+        self.scale * (near + (far - near) * self.ring_ratio)
+    }
+}
+
+/// [`Stencil`]s of eight lanes; rings and angles are integer-valued.
+#[derive(Clone, Copy)]
+pub(in crate::policy) struct Place<F> {
+    pub ring: F,
+    pub angle: F,
+    pub next_angle: F,
+    pub ring_ratio: F,
+    pub angle_ratio: F,
+    pub scale: F,
+}
+
+impl TargetGrid {
+    /// Bilinear weights at a ground position.
+    #[inline]
+    pub fn stencil(&self, x: f32, z: f32) -> Stencil {
+        let distance = (x * x + z * z).sqrt();
+        if self.is_polar() { self.stencil_at::<true>(x, z, distance) } else { self.stencil_at::<false>(x, z, distance) }
+    }
+
+    /// [`Self::stencil`] without branches, for loops over lanes.
+    ///
+    /// - `POLAR`: must be [`Self::is_polar`].
+    /// - `distance`: length of (x, z).
+    #[inline(always)]
+    pub fn stencil_at<const POLAR: bool>(&self, x: f32, z: f32, distance: f32) -> Stencil {
+        let r = &self.record;
+        let ring_number = least(self.ring_number(distance), (r.num_rings - 1) as f32);
+        let (ring, ring_ratio) = split_interval(ring_number, r.num_rings - 2);
+        let mut beyond = greatest(distance - self.radius, 0.0);
+        let number = self.angle_number(angle_of(x, z));
+        let (angle, next_angle, angle_ratio);
+        if POLAR {
+            (angle, angle_ratio) = split_interval(number, r.num_angles - 1);
+            next_angle = if angle + 1 == r.num_angles { 0 } else { angle + 1 };
+        } else {
+            let clamped = least(greatest(number, 0.0), (r.num_angles - 1) as f32);
+            beyond += greatest(r.ring_start - distance, 0.0) + (number - clamped).abs() * r.angle_spacing * distance;
+            (angle, angle_ratio) = split_interval(clamped, r.num_angles - 2);
+            next_angle = angle + 1;
+        }
+        let u = beyond * self.inverse_falloff;
+        let scale = (1.0 + u + 0.5 * u * u).recip();
+        Stencil { ring, angle, next_angle, ring_ratio, angle_ratio, scale }
+    }
+
+    /// [`Self::stencil`] for eight lanes.
+    ///
+    /// - `POLAR`: must be [`Self::is_polar`].
+    /// - `distance`: length of (x, z).
+    #[inline(always)]
+    pub(in crate::policy) fn place<F: Lanes, const POLAR: bool>(&self, x: F, z: F, distance: F) -> Place<F> {
+        let r = &self.record;
+        let zero = F::splat(0.0);
+        let [last_ring, last_angle] = self.last_intervals;
+        let (ring, ring_ratio) = interval(self.ring_numbers(distance).min(F::splat(self.last_ring)), last_ring);
+        let mut beyond = (distance - F::splat(self.radius)).max(zero);
+        let from_ahead = F::angle_from_ahead(x, z);
+        let (angle, next_angle, angle_ratio);
+        if POLAR {
+            let count = F::splat(self.angles);
+            let number = from_ahead * F::splat(self.angles_per_radian);
+            let number = F::select_lt(x, zero, count - number, number).min(count);
+            (angle, angle_ratio) = interval(number, last_angle);
+            let next = angle + F::splat(1.0);
+            next_angle = F::select_lt(next, count, next, zero);
+        } else {
+            let half = 0.5 * (self.angles - 1.0);
+            let (pi, turn) = (F::splat(PI), F::splat(TAU));
+            let from_middle =
+                F::select_lt(x, zero, -from_ahead, from_ahead) - F::splat(r.angle_start + half * r.angle_spacing);
+            let wrapped = F::select_lt(pi, from_middle, from_middle - turn, from_middle);
+            let wrapped = F::select_lt(wrapped, -pi, wrapped + turn, wrapped);
+            let number = wrapped * F::splat(self.angles_per_radian) + F::splat(half);
+            let clamped = number.max(zero).min(F::splat(self.angles - 1.0));
+            let aside = (number - clamped).abs() * F::splat(r.angle_spacing) * distance;
+            beyond = beyond + ((F::splat(r.ring_start) - distance).max(zero) + aside);
+            (angle, angle_ratio) = interval(clamped, last_angle);
+            next_angle = angle + F::splat(1.0);
+        }
+        let u = beyond * F::splat(self.inverse_falloff);
+        let scale = F::splat(1.0) / (F::splat(1.0) + u + F::splat(0.5) * u * u);
+        Place { ring, angle, next_angle, ring_ratio, angle_ratio, scale }
+    }
+
+    /// [`Self::ring_number`] for eight lanes.
+    #[inline(always)]
+    fn ring_numbers<F: Lanes>(&self, distance: F) -> F {
+        let r = &self.record;
+        let d = (distance - F::splat(r.ring_start)).max(F::splat(0.0));
+        let under_root = F::splat(self.ring_root[0]) + F::splat(self.ring_root[1]) * d;
+        (d + d) / (F::splat(r.ring_spacing) + under_root.sqrt())
+    }
+
+    /// Cells from a ring to the next, as they are multiplied.
+    #[inline(always)]
+    pub(in crate::policy) fn angles_per_ring(&self) -> f32 {
+        self.angles
+    }
+
+    /// Number of the ring at a distance, fractions in between; 0 within the first one, not clamped outwards.
+    #[inline(always)]
+    pub(super) fn ring_number(&self, distance: f32) -> f32 {
+        let r = &self.record;
+        let d = greatest(distance - r.ring_start, 0.0);
+        2.0 * d / (r.ring_spacing + (r.ring_spacing * r.ring_spacing + 4.0 * r.ring_growth * d).sqrt())
+    }
+
+    /// Number of an angle in [-pi, pi], fractions in between: in [0, num_angles] of a polar grid, unbounded else.
+    #[inline(always)]
+    pub(super) fn angle_number(&self, angle: f32) -> f32 {
+        let r = &self.record;
+        if r.kind == KIND_POLAR {
+            let t = angle * self.angles_per_radian;
+            let t = if t < 0.0 { t + r.num_angles as f32 } else { t };
+            least(t, r.num_angles as f32)
+        } else {
+            // Measured from the middle of the sector, so that the seam lies opposite to it.
+            let half = 0.5 * (r.num_angles - 1) as f32;
+            let from_middle = angle - (r.angle_start + half * r.angle_spacing);
+            let wrapped = if from_middle > PI { from_middle - TAU } else { from_middle };
+            let wrapped = if wrapped < -PI { wrapped + TAU } else { wrapped };
+            wrapped * self.angles_per_radian + half
+        }
+    }
+}
+
+/// [`split_interval`] for eight lanes.
+#[inline(always)]
+fn interval<F: Lanes>(t: F, last: f32) -> (F, F) {
+    let i = (t - F::splat(0.5)).max(F::splat(0.0)).round().min(F::splat(last));
+    (i, t - i)
+}
