@@ -1,7 +1,7 @@
 //! Says what was found in a clip, for people and for programs.
 
 use crate::annotate::{self, ContactSanity};
-use crate::clip::{Clip, Exclusion};
+use crate::clip::{Clip, ClipSet, Exclusion};
 use crate::error::{BuildError, Warnings};
 use crate::import::{self, ImportConfig, Imported};
 use crate::pipeline;
@@ -49,11 +49,30 @@ pub struct ClipReport {
     pub warnings: Vec<String>,
 }
 
+/// A clip as the file holds it, as a build would use it, and what was found.
+#[derive(Clone, Debug)]
+pub struct Inspected {
+    /// The source's own joints.
+    pub imported: Imported,
+    /// The clip on the database skeleton, at the default database rate, annotated.
+    pub clips: ClipSet,
+    /// What was found.
+    pub report: ClipReport,
+}
+
 /// Reads a clip and finds out what a build would make of it.
 ///
 /// # Errors
-/// As the import and retarget stages; [`BuildError::Stage`] for a folder or pattern of several clips.
+/// As [`inspect_clip`].
 pub fn inspect(path: &Path, config: &ImportConfig) -> Result<ClipReport, BuildError> {
+    Ok(inspect_clip(path, config)?.report)
+}
+
+/// As [`inspect`], and keeps the motion.
+///
+/// # Errors
+/// As the import and retarget stages; [`BuildError::Stage`] for a folder or pattern of several clips.
+pub fn inspect_clip(path: &Path, config: &ImportConfig) -> Result<Inspected, BuildError> {
     let files = import::expand(&[path.to_path_buf()])?;
     let [file] = files.as_slice() else {
         let message = format!("{}: expected one clip, found {}", path.display(), files.len());
@@ -69,7 +88,7 @@ pub fn inspect(path: &Path, config: &ImportConfig) -> Result<ClipReport, BuildEr
         report.excluded = clip.excluded.iter().map(|e| excluded_in_source(e, clip, &imported.clip)).collect();
     }
     report.warnings.extend(warnings.messages);
-    Ok(report)
+    Ok(Inspected { imported, clips, report })
 }
 
 /// An excluded range in frames of the file: reason, first frame, frame after the last.

@@ -19,6 +19,9 @@ pub(crate) const ROTATION_CODES: f32 = 32767.0;
 /// Codes of their rate of change a unit: up to 16, which is 64 rad/s; what is faster is cut off.
 pub(crate) const VELOCITY_CODES: f32 = 2048.0;
 
+/// Stands where a segment is played that was not chosen.
+pub(crate) const NO_STATE: u32 = u32::MAX;
+
 /// Puts the vector of one lane in codes.
 pub(crate) fn encode(v: &mut Code3, lane: usize, codes: f32, to: Vec3) {
     for (axis, value) in v.iter_mut().zip(to.to_array()) {
@@ -128,6 +131,10 @@ pub(crate) struct Block {
     pub age_s: Lane,
     /// Choices made so far.
     pub num_choices: [u32; LANES],
+    /// State of the last choice; [`NO_STATE`] where the segment was not chosen.
+    pub choice_state: [u32; LANES],
+    /// Planar root in the world at the last choice: x, z, heading. [Unit: m, m, rad]
+    pub choice_root: Lane3,
     /// Contacts at the last step.
     pub contacts: [Contacts; LANES],
     /// Left, right.
@@ -144,6 +151,8 @@ impl Block {
         bend: [0.0; LANES],
         age_s: [f32::INFINITY; LANES],
         num_choices: [0; LANES],
+        choice_state: [NO_STATE; LANES],
+        choice_root: [[0.0; LANES]; 3],
         contacts: [Contacts::NONE; LANES],
         feet: [FootLock::ZERO; 2],
         offsets: Offsets::ZERO,
@@ -152,6 +161,11 @@ impl Block {
     /// Planar root of one lane at the last step.
     pub fn root(&self, lane: usize) -> Planar {
         planar(&self.root, lane)
+    }
+
+    /// Planar root of one lane at its last choice.
+    pub fn choice_root(&self, lane: usize) -> Planar {
+        planar(&self.choice_root, lane)
     }
 
     /// Planar transform from the clip to the world of one lane.

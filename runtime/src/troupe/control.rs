@@ -1,6 +1,6 @@
 //! Control: a character that has come to the end of its segment chooses the next action.
 
-use super::block::Block;
+use super::block::{Block, NO_STATE, set};
 use super::repertoire::Repertoire;
 use super::transition::{self, Change};
 use super::{Choice, Goal, TroupeConfig};
@@ -151,6 +151,9 @@ fn apply(pending: &Pending, blocks: &mut [Block], repertoire: &Repertoire<'_>, c
         let left = b.time[lane] - old.num_frames as f32;
         b.set_clip_to_world(lane, pending.roots[i].compose(repertoire.planar(new.start).inverse()));
         b.segment[lane] = id;
+        b.choice_state[lane] = pending.states[i];
+        let root = pending.roots[i];
+        set(&mut b.choice_root, lane, Vec3::new(root.x, root.z, root.heading));
         b.time[lane] = left;
         b.num_choices[lane] = b.num_choices[lane].wrapping_add(1);
         b.bend[lane] = bend(new.displacement(), new.num_frames, pending.targets[0][i], config.bend_rad_per_m);
@@ -164,6 +167,29 @@ fn apply(pending: &Pending, blocks: &mut [Block], repertoire: &Repertoire<'_>, c
     for group in changes[..num_changes].chunks(LANES) {
         transition::start(group, repertoire.frames, rate, config.half_life_s, blocks);
     }
+}
+
+/// Starts a segment now, from where the character stands. [Limit: segment exists]
+pub(crate) fn play(
+    blocks: &mut [Block],
+    character: usize,
+    segment: u32,
+    repertoire: &Repertoire<'_>,
+    config: &TroupeConfig,
+) {
+    let (b, lane) = (&mut blocks[character / LANES], character % LANES);
+    let (old, new) =
+        (repertoire.graph.segments[b.segment[lane] as usize], repertoire.graph.segments[segment as usize]);
+    // The frame before it is in the same clip too.
+    let from = old.start + (b.time[lane].round() as u32).clamp(1, old.num_frames);
+    let change = Change { character: character as u32, from, to: new.start, age_s: b.age_s[lane] };
+    b.set_clip_to_world(lane, b.root(lane).compose(repertoire.planar(new.start).inverse()));
+    b.segment[lane] = segment;
+    b.time[lane] = 0.0;
+    b.bend[lane] = 0.0;
+    b.age_s[lane] = 0.0;
+    b.choice_state[lane] = NO_STATE;
+    transition::start(&[change], repertoire.frames, repertoire.rate_hz, config.half_life_s, blocks);
 }
 
 /// How fast an action is bent so that it ends nearer to facing the target, within the limit. [Unit: rad/frame]

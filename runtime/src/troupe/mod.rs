@@ -7,9 +7,11 @@ mod hierarchy;
 mod repertoire;
 mod sample;
 mod sample_job;
+mod snapshot;
 mod step;
 #[cfg(test)]
 mod tests;
+mod times;
 mod transition;
 
 use crate::contacts::Contacts;
@@ -22,7 +24,10 @@ pub use foot_lock::FootLockConfig;
 use glam::Vec3;
 pub use repertoire::Repertoire;
 pub use sample_job::SampleJob;
+pub use snapshot::TroupeSnapshot;
 use step::{RANGE_BLOCKS, Range, Tick};
+pub use times::StepTimes;
+use times::Clock;
 
 /// Longest tick. [Unit: s]
 pub const MAX_STEP_S: f32 = 1.0;
@@ -57,6 +62,8 @@ pub struct TroupeConfig {
     pub bend_rad_per_m: f32,
     /// Also write local transforms.
     pub local_transforms: bool,
+    /// Also measure where the time of a step goes, see [`Troupe::times`].
+    pub timed: bool,
 }
 
 impl Default for TroupeConfig {
@@ -68,6 +75,7 @@ impl Default for TroupeConfig {
             foot_lock: FootLockConfig::default(),
             bend_rad_per_m: 0.0,
             local_transforms: false,
+            timed: false,
         }
     }
 }
@@ -152,6 +160,16 @@ pub struct Troupe {
     blocks: Vec<Block>,
     matrices: Vec<Mat3x4>,
     locals: Vec<LocalTransform>,
+    times: StepTimes,
+}
+
+/// What a character knew when it took its action.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LastChoice {
+    /// State it was in.
+    pub state: u32,
+    /// Planar root in the world.
+    pub root: Planar,
 }
 
 impl Troupe {
@@ -190,6 +208,7 @@ impl Troupe {
             blocks,
             matrices: vec![Mat3x4::default(); n * NUM_JOINTS],
             locals: vec![LocalTransform::default(); locals],
+            times: StepTimes::default(),
         })
     }
 
@@ -205,13 +224,15 @@ impl Troupe {
     /// nothing has moved then.
     pub fn step(&mut self, repertoire: &Repertoire<'_>, dt_s: f32, goals: &[Goal<'_>]) -> Result<(), TroupeError> {
         self.validate(repertoire, dt_s, goals)?;
-        let tick = Tick { dt_s, repertoire, config: &self.config, goals };
+        let clock = self.config.timed.then(Clock::default);
+        let tick = Tick { dt_s, repertoire, config: &self.config, goals, clock: clock.as_ref() };
         let n = self.num_characters;
         let matrices = self.matrices.chunks_mut(RANGE_BLOCKS * LANES * NUM_JOINTS);
         let mut locals = self.locals.chunks_mut(RANGE_BLOCKS * LANES * NUM_JOINTS);
         for (i, (blocks, matrices)) in self.blocks.chunks_mut(RANGE_BLOCKS).zip(matrices).enumerate() {
             step::step(range(i, n, blocks, matrices, locals.next().unwrap_or_default()), &tick);
         }
+        self.times = clock.map_or(self.times, |c| c.times());
         Ok(())
     }
 
@@ -223,7 +244,8 @@ impl Troupe {
     pub fn par_step(&mut self, repertoire: &Repertoire<'_>, dt_s: f32, goals: &[Goal<'_>]) -> Result<(), TroupeError> {
         use rayon::prelude::*;
         self.validate(repertoire, dt_s, goals)?;
-        let tick = Tick { dt_s, repertoire, config: &self.config, goals };
+        let clock = self.config.timed.then(Clock::default);
+        let tick = Tick { dt_s, repertoire, config: &self.config, goals, clock: clock.as_ref() };
         let n = self.num_characters;
         const POSES: usize = RANGE_BLOCKS * LANES * NUM_JOINTS;
         let parts = self.blocks.par_chunks_mut(RANGE_BLOCKS).zip(self.matrices.par_chunks_mut(POSES)).enumerate();
@@ -233,6 +255,7 @@ impl Troupe {
             let parts = parts.zip(self.locals.par_chunks_mut(POSES));
             parts.for_each(|((i, (b, m)), l)| step::step(range(i, n, b, m, l), &tick));
         }
+        self.times = clock.map_or(self.times, |c| c.times());
         Ok(())
     }
 
@@ -255,6 +278,38 @@ impl Troupe {
     /// Choices a character has made so far. [Limit: character < num_characters]
     pub fn num_choices(&self, character: usize) -> u32 {
         self.blocks[character / LANES].num_choices[character % LANES]
+    }
+
+    /// What the action a character plays was chosen by; none before the first choice and after [`Troupe::play`].
+    /// The choice lies as far back as [`Troupe::segment`] has played. [Limit: character < num_characters]
+    pub fn last_choice(&self, character: usize) -> Option<LastChoice> {
+        let (b, lane) = (&self.blocks[character / LANES], character % LANES);
+        let state = b.choice_state[lane];
+        (state != block::NO_STATE).then(|| LastChoice { state, root: b.choice_root(lane) })
+    }
+
+    /// Lets a character leave what it plays and start a segment from where it stands, with a smooth transition.
+    /// After the segment it chooses for itself again.
+    ///
+    /// # Errors
+    /// [`TroupeError::Index`] for a character or segment that does not exist, [`TroupeError::OtherBundle`] as
+    /// [`Troupe::step`]; nothing has changed then.
+    pub fn play(&mut self, repertoire: &Repertoire<'_>, character: usize, segment: u32) -> Result<(), TroupeError> {
+        self.check_bundle(repertoire)?;
+        for (what, got, limit) in
+            [("character", character, self.num_characters), ("segment", segment as usize, self.num_segments)]
+        {
+            if got >= limit {
+                return Err(TroupeError::Index { what, got, limit });
+            }
+        }
+        control::play(&mut self.blocks, character, segment, repertoire, &self.config);
+        Ok(())
+    }
+
+    /// Times of the last step's phases; zero unless [`TroupeConfig::timed`].
+    pub fn times(&self) -> StepTimes {
+        self.times
     }
 
     /// Joints of all characters in model space, which [`Troupe::root`] places in the world.
@@ -283,14 +338,7 @@ impl Troupe {
     }
 
     fn validate(&self, repertoire: &Repertoire<'_>, dt_s: f32, goals: &[Goal<'_>]) -> Result<(), TroupeError> {
-        for (what, expected, got) in [
-            ("frames", self.num_frames, repertoire.frames.len()),
-            ("segments", self.num_segments, repertoire.graph.segments.len()),
-        ] {
-            if got != expected {
-                return Err(TroupeError::OtherBundle { what, expected, got });
-            }
-        }
+        self.check_bundle(repertoire)?;
         check("dt_s", dt_s, (0.0..=MAX_STEP_S).contains(&dt_s), "between 0 and 1")?;
         if goals.is_empty() || goals.len() > MAX_GOALS {
             return Err(TroupeError::Length { what: "goals", got: goals.len(), expected: MAX_GOALS });
@@ -307,6 +355,18 @@ impl Troupe {
             for t in g.targets {
                 let largest = t.abs().max_element();
                 check("target", largest, largest < 1e6 && !t.is_nan(), "finite coordinates below 1e6")?;
+            }
+        }
+        Ok(())
+    }
+
+    fn check_bundle(&self, repertoire: &Repertoire<'_>) -> Result<(), TroupeError> {
+        for (what, expected, got) in [
+            ("frames", self.num_frames, repertoire.frames.len()),
+            ("segments", self.num_segments, repertoire.graph.segments.len()),
+        ] {
+            if got != expected {
+                return Err(TroupeError::OtherBundle { what, expected, got });
             }
         }
         Ok(())

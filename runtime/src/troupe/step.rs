@@ -10,6 +10,7 @@ use super::hierarchy::{to_model, write_locals, write_matrices};
 use super::repertoire::Repertoire;
 use super::sample::{Cursor, add_offsets, between, sample};
 use super::{Goal, TroupeConfig};
+use super::times::{Clock, Laps, Phase};
 use crate::contacts::Contacts;
 use crate::format::FrameRow;
 use crate::lanes::{Functions, LANES, Lanes, Work, dispatch};
@@ -25,6 +26,8 @@ pub(crate) struct Tick<'a> {
     pub repertoire: &'a Repertoire<'a>,
     pub config: &'a TroupeConfig,
     pub goals: &'a [Goal<'a>],
+    /// Where times are added up, if they are wanted.
+    pub clock: Option<&'a Clock>,
 }
 
 /// The part of a troupe that one call handles.
@@ -42,8 +45,11 @@ pub(crate) struct Range<'a> {
 
 /// The list.
 pub(crate) fn step(range: Range<'_>, tick: &Tick<'_>) {
+    let mut laps = Laps::start(tick.clock);
     advance(range.blocks, range.count, tick);
+    laps.end(Phase::Advance);
     control::choose(range.blocks, range.first, range.count, tick.repertoire, tick.config, tick.goals);
+    laps.end(Phase::Control);
     dispatch(Pose { range, tick });
 }
 
@@ -92,6 +98,7 @@ fn advance(blocks: &mut [Block], count: usize, tick: &Tick<'_>) {
 #[inline(always)]
 fn pose<F: Lanes>(block: &mut Block, matrices: &mut [Mat3x4], locals: &mut [LocalTransform], tick: &Tick<'_>) {
     let r = tick.repertoire;
+    let mut laps = Laps::start(tick.clock);
     let mut at = [0usize; LANES];
     let mut ratio = [0.0; LANES];
     for lane in 0..LANES {
@@ -105,6 +112,7 @@ fn pose<F: Lanes>(block: &mut Block, matrices: &mut [Mat3x4], locals: &mut [Loca
     let mut local = sample(&cursor);
     add_offsets(&mut local, block, tick.config.half_life_s);
     let mut model = to_model(&r.skeleton, &local);
+    laps.end(Phase::Sample);
     if tick.config.foot_lock.enabled {
         let planted = |c: Contacts| block.contacts.map(|have| f32::from(u8::from(have.any(c))));
         let parts = [
@@ -116,10 +124,12 @@ fn pose<F: Lanes>(block: &mut Block, matrices: &mut [Mat3x4], locals: &mut [Loca
             lock_foot(&r.legs[foot], &tick.config.foot_lock, tick.dt_s, planted, &place, lock, &mut model);
         }
     }
+    laps.end(Phase::FootLock);
     write_matrices(&model, matrices.len() / NUM_JOINTS, matrices);
     if !locals.is_empty() {
         write_locals(&r.skeleton, &model, locals.len() / NUM_JOINTS, locals);
     }
+    laps.end(Phase::Poses);
 }
 
 /// Updates the planar roots.

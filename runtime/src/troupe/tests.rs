@@ -9,6 +9,8 @@ use crate::tables::{Tables, tags};
 use bytemuck::Zeroable;
 use glam::Quat;
 
+mod replay;
+
 const FRAMES: u32 = 60;
 
 /// Two clips of walking-like rotations and planted feet; states at frames 20 and 40 of each; every state may go

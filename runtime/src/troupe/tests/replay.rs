@@ -1,0 +1,102 @@
+//! Going back, taking a hand in, and asking why.
+
+use super::*;
+
+const DT: f32 = 1.0 / 60.0;
+
+#[test]
+fn a_restored_troupe_repeats_what_followed_bit_by_bit() {
+    let tables = tables();
+    let r = Repertoire::new(&tables);
+    let n = 21;
+    let targets = targets(n);
+    let goals = [Goal { policy: 0, weight: 1.0, targets: &targets }];
+    let config = TroupeConfig { choice: Choice::LookAhead { temperature: 0.5 }, ..TroupeConfig::default() };
+    let mut troupe = Troupe::new(&r, config, &starts(n)).unwrap();
+    for _ in 0..37 {
+        troupe.step(&r, DT, &goals).unwrap();
+    }
+    let kept = troupe.snapshot();
+    let mut record = Vec::new();
+    for _ in 0..100 {
+        troupe.step(&r, DT, &goals).unwrap();
+        record.push(troupe.model_matrices().to_vec());
+    }
+    troupe.restore(&kept).unwrap();
+    for poses in &record {
+        troupe.step(&r, DT, &goals).unwrap();
+        assert!(troupe.model_matrices() == poses.as_slice());
+    }
+    let mut other = Troupe::new(&r, config, &starts(n - 1)).unwrap();
+    assert!(matches!(other.restore(&kept), Err(TroupeError::Length { .. })));
+}
+
+#[test]
+fn the_last_choice_is_the_state_and_place_the_segment_began_at() {
+    let tables = tables();
+    let r = Repertoire::new(&tables);
+    let targets = targets(9);
+    let goals = [Goal { policy: 0, weight: 1.0, targets: &targets }];
+    let mut troupe = Troupe::new(&r, plain(), &starts(9)).unwrap();
+    assert!((0..9).all(|c| troupe.last_choice(c).is_none()));
+    for _ in 0..200 {
+        troupe.step(&r, DT, &goals).unwrap();
+        for c in 0..9 {
+            let (segment, frames) = troupe.segment(c);
+            let choice = troupe.last_choice(c).unwrap();
+            assert!(r.graph.segments_of(choice.state).contains(&segment));
+            // Unbent motion: from the place of the choice, the segment's frames lead to the root.
+            let start = r.graph.segments[segment as usize].start;
+            let (from, to) = (r.planar(start), r.planar(start + frames.round() as u32));
+            let (root, led) = (troupe.root(c), choice.root.compose(from.to_local(to)));
+            assert!((root.x - led.x).hypot(root.z - led.z) < 0.04, "{root:?} {led:?}");
+        }
+    }
+}
+
+#[test]
+fn a_played_segment_starts_at_once_and_without_a_jump() {
+    let tables = tables();
+    let r = Repertoire::new(&tables);
+    let targets = targets(3);
+    let goals = [Goal { policy: 0, weight: 1.0, targets: &targets }];
+    let mut troupe = Troupe::new(&r, plain(), &starts(3)).unwrap();
+    let dt = 1.0 / 240.0;
+    for _ in 0..50 {
+        troupe.step(&r, dt, &goals).unwrap();
+    }
+    let others = [troupe.segment(0).0, troupe.segment(2).0];
+    let new = (troupe.segment(1).0 + 2) % 4;
+    let before = troupe.joint_positions(1);
+    troupe.play(&r, 1, new).unwrap();
+    assert_eq!(troupe.segment(1), (new, 0.0));
+    assert!(troupe.last_choice(1).is_none());
+    assert_eq!(others, [troupe.segment(0).0, troupe.segment(2).0]);
+    troupe.step(&r, dt, &goals).unwrap();
+    for (a, b) in troupe.joint_positions(1).iter().zip(&before) {
+        assert!((*a - *b).length() < 6.0 * dt, "faster than 6 m/s");
+    }
+    for _ in 0..240 {
+        troupe.step(&r, dt, &goals).unwrap();
+    }
+    assert!(troupe.last_choice(1).is_some(), "it chooses for itself again");
+    assert!(matches!(troupe.play(&r, 3, 0), Err(TroupeError::Index { what: "character", .. })));
+    assert!(matches!(troupe.play(&r, 0, 4), Err(TroupeError::Index { what: "segment", .. })));
+}
+
+#[test]
+fn timing_a_step_changes_nothing_else() {
+    let tables = tables();
+    let r = Repertoire::new(&tables);
+    let targets = targets(40);
+    let goals = [Goal { policy: 0, weight: 1.0, targets: &targets }];
+    let mut plain_one = Troupe::new(&r, plain(), &starts(40)).unwrap();
+    let mut timed = Troupe::new(&r, TroupeConfig { timed: true, ..plain() }, &starts(40)).unwrap();
+    for _ in 0..30 {
+        plain_one.step(&r, DT, &goals).unwrap();
+        timed.step(&r, DT, &goals).unwrap();
+    }
+    assert!(plain_one.model_matrices() == timed.model_matrices());
+    assert_eq!(plain_one.times(), StepTimes::default());
+    assert!(timed.times().phases().iter().all(|p| p.1 >= 0.0) && timed.times().total_s() > 0.0);
+}

@@ -1,0 +1,68 @@
+//! Everything a panel may ask for.
+
+use crate::panels::PanelKind;
+use crate::render::Camera;
+use crate::run::{Input, RunConfig};
+use crate::settings::Settings;
+use std::path::PathBuf;
+
+/// What the 3-D view shows of a bundle.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Stage {
+    /// The run of a crowd.
+    #[default]
+    Crowd,
+    /// A clip of the database.
+    Clip,
+}
+
+/// A wish of a panel, carried out by [`crate::model::Model::apply`] after all panels have been shown.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Command {
+    /// Open a bundle or a motion file.
+    Open(PathBuf),
+    /// Read the open file again.
+    Reload,
+    /// Take a message away.
+    Dismiss(u64),
+
+    /// Let time move on, or stop it.
+    Play(bool),
+    /// Move by steps of the run, or frames of the clip.
+    Step(i32),
+    /// Show a step of the run, or a frame of the clip.
+    Seek(u32),
+    /// Seconds that pass in one.
+    Speed(f32),
+    /// Start the run anew, with the same config.
+    Restart,
+    /// Start a run with another config.
+    Configure(RunConfig),
+    /// Do something to the run.
+    Input(Input),
+
+    /// Select a character, or none.
+    SelectCharacter(Option<usize>),
+    /// Show a clip of the database, from a frame within it on.
+    ShowClip {
+        /// Number of the clip.
+        clip: usize,
+        /// Frame within it.
+        frame: u32,
+    },
+    /// Look at a state of the motion graph; none follows the selected character.
+    SelectState(Option<u32>),
+    /// Look at a behaviour in the policy panel.
+    SelectPolicy(usize),
+
+    /// Show the crowd or a clip.
+    Stage(Stage),
+    /// Open a panel, or close it where it is open.
+    TogglePanel(PanelKind),
+    /// Look from somewhere else.
+    Camera(Camera),
+    /// Look at all that there is.
+    FrameAll,
+    /// Other settings; run and panels apart, which have commands of their own.
+    Settings(Box<Settings>),
+}

@@ -1,0 +1,75 @@
+//! Notices when the open file changes on disk.
+
+use std::path::Path;
+use std::time::{Duration, Instant, SystemTime};
+
+/// How often a file is looked at.
+const EVERY: Duration = Duration::from_millis(500);
+
+/// What tells one version of a file from another.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Stamp {
+    modified: SystemTime,
+    len: u64,
+}
+
+impl Stamp {
+    /// Of the file as it is now; none where there is none.
+    pub fn of(path: &Path) -> Option<Self> {
+        let meta = std::fs::metadata(path).ok()?;
+        Some(Self { modified: meta.modified().ok()?, len: meta.len() })
+    }
+}
+
+/// Looks at a file now and then.
+///
+/// A version is reported once, when two looks in a row have seen it, so that a file that is being written is left
+/// alone until it is whole.
+#[derive(Debug)]
+pub struct Watch {
+    reported: Option<Stamp>,
+    seen: Option<Stamp>,
+    looked: Instant,
+}
+
+impl Watch {
+    /// Watches from a version on that is known already.
+    pub fn from(stamp: Option<Stamp>) -> Self {
+        Self { reported: stamp, seen: stamp, looked: Instant::now() }
+    }
+
+    /// True once for every new version.
+    pub fn has_changed(&mut self, path: &Path) -> bool {
+        if self.looked.elapsed() < EVERY {
+            return false;
+        }
+        self.looked = Instant::now();
+        self.sees(Stamp::of(path))
+    }
+
+    fn sees(&mut self, now: Option<Stamp>) -> bool {
+        let settled = now.is_some() && now == self.seen && now != self.reported;
+        self.seen = now;
+        if settled {
+            self.reported = now;
+        }
+        settled
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn stamp(len: u64) -> Option<Stamp> {
+        Some(Stamp { modified: SystemTime::UNIX_EPOCH, len })
+    }
+
+    #[test]
+    fn a_new_version_is_reported_once_and_only_when_it_has_settled() {
+        let mut watch = Watch::from(stamp(1));
+        let seen = [stamp(1), stamp(2), stamp(3), stamp(3), stamp(3), None, stamp(3), stamp(3), stamp(4), stamp(4)];
+        let reports = seen.map(|s| watch.sees(s));
+        assert_eq!(reports, [false, false, false, true, false, false, false, false, false, true]);
+    }
+}

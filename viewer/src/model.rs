@@ -1,0 +1,365 @@
+//! All that the viewer knows: what is open, what is shown of it, what was said of it.
+
+use crate::command::{Command, Stage};
+use crate::document::{BundleDocument, Document, Loader, Opened, Stamp, Watch};
+use crate::panels::Dock;
+use crate::run::{Run, RunConfig};
+use crate::settings::Settings;
+use eframe::egui;
+use std::path::Path;
+
+/// Time that news stay on the screen; errors stay until they are taken away. [Unit: s]
+const NEWS_S: f64 = 6.0;
+
+/// What is looked at.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Selection {
+    /// Character of the run.
+    pub character: Option<usize>,
+    /// State of the motion graph; none follows the character.
+    pub state: Option<u32>,
+    /// Behaviour.
+    pub policy: usize,
+    /// Clip of the database.
+    pub clip: usize,
+}
+
+/// The play head of a clip.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ClipPlayer {
+    /// Frame within the clip.
+    pub frame: f32,
+    /// Time moves on.
+    pub playing: bool,
+    /// Seconds that pass in one.
+    pub speed: f32,
+}
+
+impl Default for ClipPlayer {
+    fn default() -> Self {
+        Self { frame: 0.0, playing: false, speed: 1.0 }
+    }
+}
+
+/// Something said to the user.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Message {
+    /// Number by which it is taken away.
+    pub id: u64,
+    /// What is said.
+    pub text: String,
+    /// Something went wrong.
+    pub is_error: bool,
+    /// When it goes away by itself. [Unit: s of [`egui::InputState::time`]]
+    pub until: f64,
+}
+
+/// Where the time of the last frame went, as far as this thread is concerned. [Unit: s]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct FrameTimes {
+    /// Steps of the crowd.
+    pub simulation_s: f64,
+    /// Laying out what is drawn.
+    pub layout_s: f64,
+    /// Handing poses to the graphics device.
+    pub upload_s: f64,
+    /// Encoding the drawing; in a picture, waiting for it too.
+    pub drawing_s: f64,
+    /// From one frame to the next.
+    pub frame_s: f64,
+    /// Steps taken in the frame.
+    pub steps: u32,
+}
+
+/// All that the viewer knows. Panels borrow it.
+#[derive(Debug, Default)]
+pub struct Model {
+    /// What is open.
+    pub document: Document,
+    /// What is remembered from run to run.
+    pub settings: Settings,
+    /// What is looked at.
+    pub selection: Selection,
+    /// What the 3-D view shows of a bundle.
+    pub stage: Stage,
+    /// The play head of the clip that is shown.
+    pub player: ClipPlayer,
+    /// What was said.
+    pub messages: Vec<Message>,
+    /// Where the time goes.
+    pub times: FrameTimes,
+    weights: Vec<f32>,
+    loader: Loader,
+    watch: Option<Watch>,
+    num_messages: u64,
+    now_s: f64,
+}
+
+impl Model {
+    /// Nothing open.
+    pub fn new(settings: Settings) -> Self {
+        Self { settings, ..Self::default() }
+    }
+
+    /// The file that is being read.
+    pub fn loading(&self) -> Option<&Path> {
+        self.loader.path()
+    }
+
+    /// True where the 3-D view shows a clip, of the database or of a motion file.
+    pub fn shows_clip(&self) -> bool {
+        match &self.document {
+            Document::Nothing => false,
+            Document::Bundle(b) => self.stage == Stage::Clip || b.run.is_err(),
+            Document::Clip(_) => true,
+        }
+    }
+
+    /// Frames and rate of the clip that is shown. [Unit: frames, Hz]
+    pub fn shown_clip(&self) -> Option<(u32, f32)> {
+        match &self.document {
+            Document::Nothing => None,
+            Document::Bundle(b) => {
+                Some((b.bundle.tables().clips().get(self.selection.clip)?.num_frames, b.bundle.rate_hz()))
+            }
+            Document::Clip(c) => Some((c.imported.clip.num_frames as u32, c.imported.clip.rate_hz as f32)),
+        }
+    }
+
+    /// Row of the frame of the database that is shown as a clip.
+    pub fn shown_row(&self) -> Option<u32> {
+        let clip = self.document.bundle()?.tables().clips().get(self.selection.clip)?;
+        Some(clip.first_frame + (self.player.frame as u32).min(clip.num_frames - 1))
+    }
+
+    /// The state that panels look at: the selected one, or that in which the selected character last chose.
+    pub fn looked_at_state(&self) -> Option<u32> {
+        let followed = || {
+            let (_, run) = self.document.crowd()?;
+            Some(run.troupe().last_choice(self.selection.character?)?.state)
+        };
+        self.selection.state.or_else(followed)
+    }
+
+    /// True where something moves by itself, so that the next frame has to be shown soon.
+    pub fn is_playing(&self) -> bool {
+        if self.shows_clip() { self.player.playing } else { self.document.crowd().is_some_and(|c| c.1.is_playing()) }
+    }
+
+    /// Says something.
+    pub fn say(&mut self, text: impl Into<String>) {
+        self.push_message(text.into(), false);
+    }
+
+    /// Says that something went wrong.
+    pub fn complain(&mut self, text: impl Into<String>) {
+        self.push_message(text.into(), true);
+    }
+
+    fn push_message(&mut self, text: String, is_error: bool) {
+        self.messages.retain(|m| m.text != text);
+        self.num_messages += 1;
+        let until = if is_error { f64::INFINITY } else { self.now_s + NEWS_S };
+        self.messages.push(Message { id: self.num_messages, text, is_error, until });
+    }
+
+    /// Moves time on and takes in what has been read meanwhile.
+    pub fn advance(&mut self, ctx: &egui::Context, wall_s: f32) {
+        self.now_s = ctx.input(|i| i.time);
+        let now = self.now_s;
+        self.messages.retain(|m| m.until > now);
+        self.take_in();
+        self.look_for_changes(ctx);
+        self.times.steps = 0;
+        if self.shows_clip() {
+            self.advance_clip(wall_s);
+        } else if let Some((bundle, run)) = self.document.crowd_mut() {
+            match run.advance(bundle, wall_s) {
+                Ok(steps) => self.times.steps = steps,
+                Err(e) => {
+                    run.play(false);
+                    self.complain(format!("The run stopped: {e}"));
+                }
+            }
+        }
+    }
+
+    fn advance_clip(&mut self, wall_s: f32) {
+        let Some((num_frames, rate)) = self.shown_clip() else { return };
+        let last = num_frames.saturating_sub(1) as f32;
+        let p = &mut self.player;
+        if p.playing {
+            p.frame += wall_s * rate * p.speed;
+            if p.frame > last {
+                p.frame = 0.0;
+            }
+        }
+        p.frame = p.frame.clamp(0.0, last);
+    }
+
+    /// Shows a file that has been read; one that could not be leaves the old one in place.
+    fn take_in(&mut self) {
+        let Some(loaded) = self.loader.poll() else { return };
+        let is_reload = self.document.path() == Some(loaded.path.as_path());
+        match loaded.result {
+            Ok(opened) => {
+                self.watch = Some(Watch::from(loaded.stamp));
+                self.settings.remember(&loaded.path);
+                self.show(opened, is_reload);
+                let name = loaded.path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+                self.say(if is_reload { format!("{name} has changed and was read again") } else { format!("Opened {name}") });
+            }
+            Err(why) if matches!(self.document, Document::Nothing) => self.complain(why),
+            Err(why) => self.complain(format!("{why}\nWhat was open is kept.")),
+        }
+    }
+
+    fn show(&mut self, opened: Opened, is_reload: bool) {
+        self.document = match opened {
+            Opened::Clip(clip) => Document::Clip(clip),
+            Opened::Bundle(bundle) => {
+                let mut run = Run::new(&bundle, self.settings.run, &self.weights);
+                let played = self.document.crowd().is_none_or(|c| c.1.is_playing());
+                if let Ok(run) = &mut run {
+                    run.play(!is_reload || played);
+                }
+                Document::Bundle(Box::new(BundleDocument { bundle: *bundle, run }))
+            }
+        };
+        let clips = self.document.bundle().map_or(0, |b| b.tables().clips().len());
+        let policies = self.document.bundle().map_or(0, |b| b.tables().num_policies());
+        if !is_reload {
+            self.selection = Selection::default();
+            self.player = ClipPlayer { playing: matches!(self.document, Document::Clip(_)), ..ClipPlayer::default() };
+            self.stage = Stage::Crowd;
+            self.frame_all();
+        }
+        // The new bundle may have fewer of everything.
+        self.selection.clip = self.selection.clip.min(clips.saturating_sub(1));
+        self.selection.policy = self.selection.policy.min(policies.saturating_sub(1));
+        self.selection.state = None;
+    }
+
+    fn look_for_changes(&mut self, ctx: &egui::Context) {
+        let Some(path) = self.document.path().map(Path::to_path_buf) else { return };
+        if self.loader.path().is_none() && self.watch.as_mut().is_some_and(|w| w.has_changed(&path)) {
+            self.start_reading(ctx, &path);
+        }
+    }
+
+    /// Starts to read a file; [`Model::advance`] takes it in when it is there.
+    pub fn start_reading(&mut self, ctx: &egui::Context, path: &Path) {
+        let ctx = ctx.clone();
+        self.loader.start(path, move || ctx.request_repaint());
+    }
+
+    /// Shows a file at once.
+    ///
+    /// # Errors
+    /// A message that names the file, what is wrong with it and the way out.
+    pub fn open_now(&mut self, path: &Path) -> Result<(), String> {
+        let stamp = Stamp::of(path);
+        let opened = Opened::read(path)?;
+        self.watch = Some(Watch::from(stamp));
+        self.settings.remember(path);
+        self.show(opened, false);
+        Ok(())
+    }
+
+    /// Carries out a command.
+    pub fn apply(&mut self, ctx: &egui::Context, command: Command) {
+        match command {
+            Command::Open(path) => self.start_reading(ctx, &path),
+            Command::Reload => {
+                if let Some(path) = self.document.path().map(Path::to_path_buf) {
+                    self.start_reading(ctx, &path);
+                }
+            }
+            Command::Dismiss(id) => self.messages.retain(|m| m.id != id),
+            Command::Play(_) | Command::Step(_) | Command::Seek(_) | Command::Speed(_) => self.move_time(&command),
+            Command::Restart => self.configure(self.settings.run),
+            Command::Configure(config) => self.configure(config),
+            Command::Input(input) => {
+                if let Some((_, run)) = self.document.crowd_mut() {
+                    run.input(input);
+                    self.weights = run.weights().to_vec();
+                }
+            }
+            Command::SelectCharacter(c) => {
+                let n = self.document.crowd().map_or(0, |c| c.1.config().characters);
+                self.selection.character = c.filter(|&c| c < n);
+                self.selection.state = None;
+            }
+            Command::ShowClip { clip, frame } => {
+                self.selection.clip = clip;
+                self.player.frame = frame as f32;
+                self.stage = Stage::Clip;
+                self.advance_clip(0.0);
+            }
+            Command::SelectState(state) => self.selection.state = state,
+            Command::SelectPolicy(policy) => self.selection.policy = policy,
+            Command::Stage(stage) => self.stage = stage,
+            Command::TogglePanel(kind) => self.toggle_panel(kind),
+            Command::Camera(camera) => self.settings.camera = camera,
+            Command::FrameAll => self.frame_all(),
+            Command::Settings(settings) => self.settings = *settings,
+        }
+    }
+
+    fn move_time(&mut self, command: &Command) {
+        let shows_clip = self.shows_clip();
+        let result = match self.document.crowd_mut().filter(|_| !shows_clip) {
+            Some((bundle, run)) => match command {
+                Command::Play(on) => Ok(run.play(*on)),
+                Command::Speed(speed) => Ok(run.set_speed(*speed)),
+                Command::Seek(step) => run.seek(bundle, *step),
+                Command::Step(by) if *by > 0 && run.is_live() => (0..*by).try_for_each(|_| run.step(bundle)),
+                Command::Step(by) => run.seek(bundle, run.now().saturating_add_signed(*by)),
+                _ => Ok(()),
+            },
+            None => {
+                let p = &mut self.player;
+                match command {
+                    Command::Play(on) => p.playing = *on,
+                    Command::Speed(speed) if speed.is_finite() => p.speed = speed.clamp(0.05, 8.0),
+                    Command::Seek(frame) => p.frame = *frame as f32,
+                    Command::Step(by) => p.frame = p.frame.round() + *by as f32,
+                    _ => {}
+                }
+                self.advance_clip(0.0);
+                Ok(())
+            }
+        };
+        if let Err(e) = result {
+            self.complain(format!("The run cannot show that moment: {e}"));
+        }
+    }
+
+    fn configure(&mut self, config: RunConfig) {
+        self.settings.run = config.limited();
+        let Document::Bundle(b) = &mut self.document else { return };
+        let playing = b.run.as_ref().is_ok_and(Run::is_playing);
+        let speed = b.run.as_ref().map_or(1.0, Run::speed);
+        b.run = Run::new(&b.bundle, self.settings.run, &self.weights);
+        if let Ok(run) = &mut b.run {
+            run.play(playing);
+            run.set_speed(speed);
+        }
+        self.selection.character = self.selection.character.filter(|&c| c < self.settings.run.characters);
+    }
+
+    fn toggle_panel(&mut self, kind: crate::panels::PanelKind) {
+        let Some(panel) = kind.panel() else { return };
+        let open = match panel.dock {
+            Dock::Side => &mut self.settings.side_panel,
+            Dock::Bottom => &mut self.settings.bottom_panel,
+        };
+        *open = if *open == Some(kind) { None } else { Some(kind) };
+    }
+
+    /// Moves the camera so that everything can be seen.
+    fn frame_all(&mut self) {
+        let (low, high) = crate::stage::bounds(self);
+        self.settings.camera.frame_box(low, high);
+    }
+}

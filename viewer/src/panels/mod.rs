@@ -1,0 +1,88 @@
+//! The panels. One panel, one file, one entry in [`PANELS`].
+//!
+//! A panel is a function of the borrowed [`Model`]: it shows, and puts what it asks for on the list of commands. What
+//! only concerns how it looks (a filter, a zoom) is its own state.
+
+pub mod control;
+pub mod help;
+pub mod messages;
+pub mod statistics;
+pub mod top_bar;
+pub mod transport;
+pub mod viewport;
+
+use crate::command::Command;
+use crate::model::Model;
+use eframe::egui::{Key, Ui};
+use serde::{Deserialize, Serialize};
+
+/// Which panel.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum PanelKind {
+    /// How the crowd is driven.
+    Control,
+    /// What was measured.
+    Statistics,
+}
+
+/// Where a panel lies.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Dock {
+    /// Right of the 3-D view.
+    Side,
+    /// Below it.
+    Bottom,
+}
+
+/// A panel.
+#[derive(Clone, Copy, Debug)]
+pub struct Panel {
+    /// Which one.
+    pub kind: PanelKind,
+    /// What it is called.
+    pub title: &'static str,
+    /// What it is for, in a sentence.
+    pub purpose: &'static str,
+    /// Where it lies.
+    pub dock: Dock,
+    /// Key that opens and closes it.
+    pub key: Key,
+    /// Shows it.
+    pub show: fn(&mut Ui, &Model, &mut PanelStates, &mut Vec<Command>),
+}
+
+/// All panels, in the order of their tabs.
+pub const PANELS: &[Panel] = &[
+    Panel {
+        kind: PanelKind::Control,
+        title: "Control",
+        purpose: "targets, behaviours, number of characters, seed",
+        dock: Dock::Side,
+        key: Key::F1,
+        show: |ui, model, _, commands| control::show(ui, model, commands),
+    },
+    Panel {
+        kind: PanelKind::Statistics,
+        title: "Statistics",
+        purpose: "time of a step and a frame, memory, foot slip, arrivals",
+        dock: Dock::Side,
+        key: Key::F3,
+        show: |ui, model, _, commands| statistics::show(ui, model, commands),
+    },
+];
+
+/// What panels remember of how they look.
+#[derive(Clone, Debug, Default)]
+pub struct PanelStates {
+    /// The 3-D view.
+    pub viewport: viewport::State,
+    /// The list of keys is shown.
+    pub help: bool,
+}
+
+impl PanelKind {
+    /// Its entry in the list.
+    pub fn panel(self) -> Option<&'static Panel> {
+        PANELS.iter().find(|p| p.kind == self)
+    }
+}

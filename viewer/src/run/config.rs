@@ -1,0 +1,125 @@
+//! What a run is made of.
+
+use serde::{Deserialize, Serialize};
+use throng_runtime::troupe::{Choice, FootLockConfig, TroupeConfig};
+
+/// Steps a second of simulated time. [Unit: Hz]
+pub const STEP_HZ: f32 = 60.0;
+/// Most characters of a run.
+pub const MAX_CHARACTERS: usize = 20_000;
+
+/// What targets do.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum TargetMode {
+    /// Everybody has a target of its own that stays where it is.
+    #[default]
+    Own,
+    /// Everybody has a target of its own, which moves on when it is reached.
+    Wander,
+    /// One target for all.
+    Shared,
+}
+
+impl TargetMode {
+    /// All of them, with what they are called.
+    pub const ALL: [(Self, &'static str); 3] =
+        [(Self::Own, "own, fixed"), (Self::Wander, "own, moves on when reached"), (Self::Shared, "one for all")];
+}
+
+/// What a run is made of. The same config on the same bundle gives the same run.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct RunConfig {
+    /// Number of characters. [Limit: 1 to MAX_CHARACTERS]
+    pub characters: usize,
+    /// Seed of places, targets and choices.
+    pub seed: u64,
+    /// What targets do.
+    pub targets: TargetMode,
+    /// Nearest and farthest a target stands. [Unit: m]
+    pub distances: [f32; 2],
+    /// Distance between neighbours at the start. [Unit: m]
+    pub spacing_m: f32,
+    /// A target counts as reached within this distance. [Unit: m]
+    pub reach_m: f32,
+    /// Load the stored best action instead of looking ahead.
+    pub single_load: bool,
+    /// Randomness of the choice among the best actions; 0 takes the best.
+    pub temperature: f32,
+    /// How far a walked action may be bent towards the target. [Unit: rad/m]
+    pub bend_rad_per_m: f32,
+    /// Hold planted feet.
+    pub foot_lock: bool,
+}
+
+impl Default for RunConfig {
+    fn default() -> Self {
+        Self {
+            characters: 100,
+            seed: 1,
+            targets: TargetMode::Wander,
+            distances: [2.0, 6.0],
+            spacing_m: 2.0,
+            reach_m: 0.5,
+            single_load: false,
+            temperature: 0.0,
+            bend_rad_per_m: 0.0,
+            foot_lock: true,
+        }
+    }
+}
+
+impl RunConfig {
+    /// The nearest config that can be run.
+    pub fn limited(self) -> Self {
+        let finite = |v: f32, low: f32, high: f32, or: f32| if v.is_finite() { v.clamp(low, high) } else { or };
+        let d = Self::default();
+        let near = finite(self.distances[0], 0.0, 100.0, d.distances[0]);
+        Self {
+            characters: self.characters.clamp(1, MAX_CHARACTERS),
+            distances: [near, finite(self.distances[1], near, 100.0, d.distances[1].max(near))],
+            spacing_m: finite(self.spacing_m, 0.5, 20.0, d.spacing_m),
+            reach_m: finite(self.reach_m, 0.05, 10.0, d.reach_m),
+            temperature: finite(self.temperature, 0.0, 10.0, d.temperature),
+            bend_rad_per_m: finite(self.bend_rad_per_m, 0.0, 2.0, d.bend_rad_per_m),
+            ..self
+        }
+    }
+
+    /// How characters move.
+    pub fn troupe(&self) -> TroupeConfig {
+        let choice =
+            if self.single_load { Choice::BestAction } else { Choice::LookAhead { temperature: self.temperature } };
+        TroupeConfig {
+            seed: self.seed,
+            choice,
+            bend_rad_per_m: self.bend_rad_per_m,
+            foot_lock: FootLockConfig { enabled: self.foot_lock, ..FootLockConfig::default() },
+            timed: true,
+            ..TroupeConfig::default()
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn any_config_can_be_limited_to_one_that_runs() {
+        let wild = RunConfig {
+            characters: usize::MAX,
+            distances: [f32::NAN, f32::INFINITY],
+            spacing_m: -1.0,
+            reach_m: f32::NEG_INFINITY,
+            temperature: f32::NAN,
+            bend_rad_per_m: 1e30,
+            ..RunConfig::default()
+        };
+        let l = wild.limited();
+        assert_eq!(l.characters, MAX_CHARACTERS);
+        assert!(l.distances[0] <= l.distances[1] && l.spacing_m >= 0.5 && l.reach_m > 0.0);
+        assert!(l.temperature == 0.0 && l.bend_rad_per_m == 2.0);
+        assert_eq!(RunConfig::default().limited(), RunConfig::default());
+    }
+}

@@ -1,0 +1,212 @@
+//! The crowd at one instant, and one step of it.
+
+use super::config::{RunConfig, STEP_HZ, TargetMode};
+use super::figures::{Feet, StepFigures};
+use crate::document::Bundle;
+use glam::Vec3;
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg64Mcg;
+use std::f32::consts::TAU;
+use std::time::Instant;
+use throng_runtime::Planar;
+use throng_runtime::troupe::{Goal, Start, Troupe, TroupeError, TroupeSnapshot};
+
+/// Characters from which on a step is split over threads.
+const PARALLEL_FROM: usize = 1000;
+
+/// Something done to a run from outside. Inputs are recorded and repeated when the run is.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Input {
+    /// A target is moved; everybody's where no character is named. [Unit: m]
+    Target {
+        /// Whose.
+        character: Option<usize>,
+        /// Where to.
+        to: Vec3,
+    },
+    /// What every behaviour counts. [Size: number of behaviours]
+    Weights(Vec<f32>),
+    /// A character plays a segment at once.
+    Play {
+        /// Which character.
+        character: usize,
+        /// Which segment.
+        segment: u32,
+    },
+}
+
+/// What of the run is not the troupe's: targets, weights, and when each character last chose.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Surroundings {
+    pub targets: Vec<Vec3>,
+    /// Targets that each character has reached so far.
+    pub reached: Vec<u32>,
+    pub weights: Vec<f32>,
+    /// Step at which each character last chose.
+    pub choice_steps: Vec<u32>,
+    /// Choices each character had made by the last step.
+    pub num_choices: Vec<u32>,
+    /// Target of each character when it last chose.
+    pub choice_targets: Vec<Vec3>,
+    /// The step that comes next.
+    pub step: u32,
+}
+
+/// All that later steps depend on.
+#[derive(Clone, Debug)]
+pub(super) struct Keyframe {
+    troupe: TroupeSnapshot,
+    around: Surroundings,
+}
+
+impl Keyframe {
+    /// The step that comes next after it.
+    pub fn step(&self) -> u32 {
+        self.around.step
+    }
+
+    pub fn weights(&self) -> &[f32] {
+        &self.around.weights
+    }
+
+    /// Memory that it takes. [Unit: bytes]
+    pub fn num_bytes(&self) -> usize {
+        let a = &self.around;
+        let vectors = size_of_val(a.targets.as_slice()) + size_of_val(a.choice_targets.as_slice());
+        let numbers = a.reached.len() + a.choice_steps.len() + a.num_choices.len() + a.weights.len();
+        self.troupe.num_bytes() + vectors + 4 * numbers
+    }
+}
+
+/// The crowd at one instant.
+#[derive(Clone, Debug)]
+pub(super) struct Simulation {
+    pub config: RunConfig,
+    pub troupe: Troupe,
+    pub around: Surroundings,
+    feet: Feet,
+}
+
+impl Simulation {
+    /// Characters on a loose grid, each with a target in some direction. No step has been taken.
+    pub fn new(bundle: &Bundle, config: RunConfig, weights: Vec<f32>) -> Result<Self, TroupeError> {
+        let n = config.characters;
+        let num_states = bundle.tables().graph().states.len() as u32;
+        let (starts, targets) = scatter(&config, num_states);
+        let around = Surroundings {
+            targets,
+            reached: vec![0; n],
+            weights,
+            choice_steps: vec![0; n],
+            num_choices: vec![0; n],
+            choice_targets: vec![Vec3::ZERO; n],
+            step: 0,
+        };
+        let troupe = Troupe::new(bundle.repertoire(), config.troupe(), &starts)?;
+        Ok(Self { config, troupe, around, feet: Feet::new(n) })
+    }
+
+    pub fn keyframe(&self) -> Keyframe {
+        Keyframe { troupe: self.troupe.snapshot(), around: self.around.clone() }
+    }
+
+    pub fn restore(&mut self, keyframe: &Keyframe) -> Result<(), TroupeError> {
+        self.troupe.restore(&keyframe.troupe)?;
+        self.around.clone_from(&keyframe.around);
+        self.feet.forget();
+        Ok(())
+    }
+
+    /// Lets an input take effect.
+    pub fn take(&mut self, bundle: &Bundle, input: &Input) -> Result<(), TroupeError> {
+        match input {
+            Input::Target { character: Some(c), to } => {
+                if let Some(target) = self.around.targets.get_mut(*c) {
+                    *target = *to;
+                }
+            }
+            Input::Target { character: None, to } => self.around.targets.fill(*to),
+            Input::Weights(weights) => self.around.weights.clone_from(weights),
+            Input::Play { character, segment } => self.troupe.play(bundle.repertoire(), *character, *segment)?,
+        }
+        Ok(())
+    }
+
+    /// One step; the very first one only takes the first choices. Measures it.
+    pub fn step(&mut self, bundle: &Bundle) -> Result<StepFigures, TroupeError> {
+        let dt = if self.around.step == 0 { 0.0 } else { 1.0 / STEP_HZ };
+        let a = &mut self.around;
+        let goals: Vec<Goal<'_>> = a
+            .weights
+            .iter()
+            .enumerate()
+            .map(|(policy, &weight)| Goal { policy, weight, targets: &a.targets })
+            .collect();
+        let begin = Instant::now();
+        if self.config.characters >= PARALLEL_FROM {
+            self.troupe.par_step(bundle.repertoire(), dt, &goals)?;
+        } else {
+            self.troupe.step(bundle.repertoire(), dt, &goals)?;
+        }
+        let wall_s = begin.elapsed().as_secs_f64();
+        for c in 0..self.config.characters {
+            let made = self.troupe.num_choices(c);
+            if made != std::mem::replace(&mut a.num_choices[c], made) {
+                a.choice_steps[c] = a.step;
+                a.choice_targets[c] = a.targets[c];
+            }
+        }
+        let figures = StepFigures { wall_s, ..self.measure(dt) };
+        self.around.step += 1;
+        if self.config.targets == TargetMode::Wander {
+            self.move_targets_on();
+        }
+        Ok(figures)
+    }
+
+    fn measure(&mut self, dt: f32) -> StepFigures {
+        let slip = self.feet.measure(&self.troupe, dt);
+        let at_target = (0..self.config.characters).filter(|&c| self.is_at_target(c)).count();
+        StepFigures { times: self.troupe.times(), slip, at_target, ..StepFigures::default() }
+    }
+
+    fn is_at_target(&self, c: usize) -> bool {
+        let (root, target) = (self.troupe.root(c), self.around.targets[c]);
+        (root.x - target.x).hypot(root.z - target.z) < self.config.reach_m
+    }
+
+    fn move_targets_on(&mut self) {
+        for c in 0..self.config.characters {
+            if self.is_at_target(c) {
+                self.around.reached[c] += 1;
+                let draw = u64::from(self.around.reached[c]) << 32 | c as u64;
+                let mut rng = Pcg64Mcg::seed_from_u64(self.config.seed ^ draw.wrapping_mul(0x9E37_79B9_7F4A_7C15));
+                self.around.targets[c] = self.around.targets[c] + somewhere(&mut rng, self.config.distances);
+            }
+        }
+    }
+}
+
+/// A place in some direction, within the distances.
+fn somewhere(rng: &mut Pcg64Mcg, [near, far]: [f32; 2]) -> Vec3 {
+    let (angle, ratio) = (rng.random_range(0.0..TAU), rng.random_range(0.0..1.0f32));
+    let distance = near + (far - near) * ratio;
+    Vec3::new(distance * angle.sin(), 0.0, distance * angle.cos())
+}
+
+fn scatter(config: &RunConfig, num_states: u32) -> (Vec<Start>, Vec<Vec3>) {
+    let mut rng = Pcg64Mcg::seed_from_u64(config.seed);
+    let side = (config.characters as f32).sqrt().ceil() as usize;
+    let middle = (side as f32 - 1.0) * 0.5;
+    (0..config.characters)
+        .map(|i| {
+            let place = |k: usize| (k as f32 - middle) * config.spacing_m;
+            let mut jitter = || rng.random_range(-0.3..0.3f32) * config.spacing_m;
+            let (x, z) = (place(i % side) + jitter(), place(i / side) + jitter());
+            let root = Planar::new(x, z, rng.random_range(0.0..TAU));
+            let own = Vec3::new(x, 0.0, z) + somewhere(&mut rng, config.distances);
+            let target = if config.targets == TargetMode::Shared { Vec3::ZERO } else { own };
+            (Start { root, state: rng.random_range(0..num_states.max(1)) }, target)
+        })
+        .unzip()
+}

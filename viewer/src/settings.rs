@@ -1,0 +1,160 @@
+//! What the viewer remembers from run to run.
+
+use crate::panels::PanelKind;
+use crate::render::{Body, Camera};
+use crate::run::RunConfig;
+use eframe::egui::ThemePreference;
+use serde::{Deserialize, Serialize};
+use std::path::{Path, PathBuf};
+
+/// Files remembered.
+const MAX_RECENT: usize = 8;
+
+/// Cues drawn in the 3-D view beside bodies.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct Overlays {
+    /// Axes of every joint of the selected character.
+    pub joint_axes: bool,
+    /// Planted heels and toes.
+    pub contacts: bool,
+    /// Where characters have been.
+    pub trails: bool,
+    /// Where the action that is played leads.
+    pub trajectory: bool,
+    /// Targets.
+    pub targets: bool,
+    /// Cues of everybody, not only of the selected character.
+    pub of_all: bool,
+    /// Poses before and after the one that is shown, in the clip view.
+    pub onion_skin: bool,
+}
+
+impl Default for Overlays {
+    fn default() -> Self {
+        Self {
+            joint_axes: false,
+            contacts: true,
+            trails: true,
+            trajectory: true,
+            targets: true,
+            of_all: false,
+            onion_skin: true,
+        }
+    }
+}
+
+/// What the colours of characters tell.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Colouring {
+    /// Who has reached its target.
+    #[default]
+    Target,
+    /// Which clip is played.
+    Clip,
+    /// How fast the character moves.
+    Speed,
+    /// Nothing: all alike.
+    Plain,
+}
+
+impl Colouring {
+    /// All of them, with what they are called.
+    pub const ALL: [(Self, &'static str); 4] =
+        [(Self::Target, "target reached"), (Self::Clip, "clip"), (Self::Speed, "speed"), (Self::Plain, "plain")];
+}
+
+/// What of a motion file is shown.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum RawView {
+    /// The source's joints and, beside them, the body that a build would use.
+    #[default]
+    Both,
+    /// The source's own joints.
+    Source,
+    /// The body that a build would use.
+    Retargeted,
+}
+
+impl RawView {
+    /// All of them, with what they are called.
+    pub const ALL: [(Self, &'static str); 3] =
+        [(Self::Both, "both"), (Self::Source, "source joints"), (Self::Retargeted, "retargeted")];
+}
+
+/// What the viewer remembers from run to run.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct Settings {
+    /// Dark, light, or as the system.
+    pub theme: ThemePreference,
+    /// Scale of everything in the window. [Limit: 0.5 to 3]
+    pub zoom: f32,
+    /// Body of the characters.
+    pub body: Body,
+    /// Colours of the characters.
+    pub colouring: Colouring,
+    /// What of a motion file is shown.
+    pub raw_view: RawView,
+    /// Cues.
+    pub overlays: Overlays,
+    /// Panel at the right.
+    pub side_panel: Option<PanelKind>,
+    /// Panel below the view.
+    pub bottom_panel: Option<PanelKind>,
+    /// Camera.
+    pub camera: Camera,
+    /// The camera goes with the selected character.
+    pub follow: bool,
+    /// What runs are made of.
+    pub run: RunConfig,
+    /// Files opened last, the latest first.
+    pub recent: Vec<PathBuf>,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self {
+            theme: ThemePreference::Dark,
+            zoom: 1.0,
+            body: Body::default(),
+            colouring: Colouring::default(),
+            raw_view: RawView::default(),
+            overlays: Overlays::default(),
+            side_panel: Some(PanelKind::Control),
+            bottom_panel: None,
+            camera: Camera::default(),
+            follow: false,
+            run: RunConfig::default(),
+            recent: Vec::new(),
+        }
+    }
+}
+
+impl Settings {
+    /// Puts a file at the head of those opened last.
+    pub fn remember(&mut self, path: &Path) {
+        let path = std::path::absolute(path).unwrap_or_else(|_| path.to_path_buf());
+        self.recent.retain(|p| *p != path);
+        self.recent.insert(0, path);
+        self.recent.truncate(MAX_RECENT);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_latest_files_are_remembered_once_each() {
+        let mut settings = Settings::default();
+        for i in 0..20 {
+            settings.remember(Path::new(&format!("/{}.throng", i % 10)));
+        }
+        assert_eq!(settings.recent.len(), MAX_RECENT);
+        assert_eq!(settings.recent[0], Path::new("/9.throng"));
+        settings.remember(Path::new("/5.throng"));
+        assert_eq!(settings.recent[0], Path::new("/5.throng"));
+        assert_eq!(settings.recent.iter().filter(|p| p.ends_with("5.throng")).count(), 1);
+    }
+}
