@@ -1,0 +1,3 @@
+//! The viewer: everything that is baked, seen and tried.
+
+pub mod render;
