@@ -12,7 +12,7 @@ use glam::{Quat, Vec2, Vec3};
 use std::collections::HashMap;
 use std::error::Error;
 use std::time::Instant;
-use throng_runtime::troupe::{Repertoire, Start, Troupe, TroupeConfig};
+use throng_runtime::troupe::{Goal, Repertoire, Start, Troupe, TroupeConfig};
 use throng_runtime::{Joint, Planar, Tables};
 use throng_viewer::render::{
     Body, Camera, CharacterInstance, Emphasis, Rgba, SceneColours, SceneFrame, SceneRenderer, Shapes,
@@ -95,8 +95,14 @@ fn walk(tables: &Tables, repertoire: &Repertoire<'_>, settings: &Settings) -> Re
     };
     let starts: Vec<Start> = (0..count).map(start).collect();
     let mut troupe = Troupe::new(repertoire, TroupeConfig::default(), &starts)?;
+    // The first behaviour decides, towards a far target.
+    let targets = vec![Vec3::new(20.0, 0.0, 30.0); count];
+    let weight = |policy| if policy == 0 { 1.0 } else { 0.0 };
+    let goals: Vec<Goal<'_>> = (0..repertoire.num_policies())
+        .map(|policy| Goal { policy, weight: weight(policy), targets: &targets })
+        .collect();
     for _ in 0..settings.get("steps", "20").parse()? {
-        troupe.step(repertoire, 1.0 / 60.0, &[])?;
+        troupe.step(repertoire, 1.0 / 60.0, &goals)?;
     }
     Ok(troupe)
 }
