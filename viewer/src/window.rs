@@ -1,6 +1,6 @@
 //! The window.
 
-use crate::app::Viewer;
+use crate::app::{SETTINGS_KEY, Viewer};
 use crate::args::{Args, Size};
 use crate::settings::Settings;
 use eframe::egui;
@@ -10,7 +10,6 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Under this name the settings are kept between runs.
 const APP_ID: &str = "throng-viewer";
-const SETTINGS_KEY: &str = "settings";
 /// The window is at least as large. [Unit: points]
 const MIN_SIZE: [f32; 2] = [640.0, 400.0];
 /// Below every message that says why there is no window.
@@ -84,7 +83,7 @@ impl Window {
         if let Some(scale) = args.scale {
             settings.zoom = scale;
         }
-        let mut viewer = Viewer::new(&cc.egui_ctx, settings, cc.wgpu_render_state.as_ref());
+        let mut viewer = Viewer::new(settings, cc.wgpu_render_state.as_ref());
         args.open(&cc.egui_ctx, &mut viewer.model)?;
         Ok(Self { viewer, frames_left: args.frames })
     }
@@ -107,6 +106,6 @@ impl eframe::App for Window {
     }
 
     fn save(&mut self, storage: &mut dyn eframe::Storage) {
-        eframe::set_value(storage, SETTINGS_KEY, &self.viewer.model.settings);
+        eframe::App::save(&mut self.viewer, storage);
     }
 }

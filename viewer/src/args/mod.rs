@@ -29,7 +29,7 @@ Examples:
 
 /// Shows what is baked, and lets it be tried: bundles (*.throng) and motion files (*.bvh, *.amc).
 ///
-/// Opens a window. With --png or --bench it needs no screen. F1 lists the keys.
+/// Opens a window, in which H lists the keys. With --png or --bench it needs no screen.
 #[derive(clap::Parser, Clone, Debug, Default)]
 #[command(name = "throng-viewer", version, after_help = AFTER_HELP)]
 #[command(group(clap::ArgGroup::new("screenless").args(["png", "bench"])))]

@@ -77,7 +77,9 @@ impl Args {
 
     fn check_stage(&self, stage: Stage, model: &Model) -> Result<(), String> {
         match (&model.document, stage) {
-            (Document::Bundle(b), Stage::Crowd) => b.run.as_ref().map(|_| ()).map_err(|e| format!("--stage crowd: {e}")),
+            (Document::Bundle(b), Stage::Crowd) => {
+                b.run.as_ref().map(|_| ()).map_err(|e| format!("--stage crowd: {e}"))
+            }
             (Document::Clip(_), Stage::Crowd) => {
                 Err("--stage crowd: a motion file holds no crowd; open a bundle, or leave --stage away".into())
             }
@@ -102,7 +104,11 @@ fn find_clip(model: &Model, wanted: &str) -> Result<usize, String> {
         [] => Err(format!("--clip {wanted}: no clip has that name; there are {}", some_of(&names))),
         _ => {
             let like: Vec<&str> = like.iter().map(|&c| names[c]).collect();
-            Err(format!("--clip {wanted}: {} clips have that in their names; say which: {}", like.len(), some_of(&like)))
+            Err(format!(
+                "--clip {wanted}: {} clips have that in their names; say which: {}",
+                like.len(),
+                some_of(&like)
+            ))
         }
     }
 }

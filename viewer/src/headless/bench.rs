@@ -22,7 +22,11 @@ pub struct BenchReport {
 
 impl fmt::Display for BenchReport {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        writeln!(f, "{}, {} x {} pixels; median (95th percentile) of a frame, in ms", self.adapter, self.width, self.height)?;
+        writeln!(
+            f,
+            "{}, {} x {} pixels; median (95th percentile) of a frame, in ms",
+            self.adapter, self.width, self.height
+        )?;
         let columns = ["simulation", "layout", "upload", "drawing", "interface", "frame"];
         write!(f, "{:>10}", "characters")?;
         for column in columns {

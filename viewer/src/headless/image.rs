@@ -1,7 +1,6 @@
 //! A picture as pixels, and as a file.
 
 use crate::args::Size;
-use std::io::Write;
 use std::path::Path;
 use throng_precompute::BuildError;
 use throng_precompute::files::write_atomically;

@@ -18,7 +18,6 @@ use crate::app::Viewer;
 use crate::args::{Args, PICTURE_FRAMES, Size};
 use crate::run::STEP_HZ;
 use eframe::egui;
-use eframe::egui_wgpu::wgpu;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -98,7 +97,7 @@ impl Headless {
         let screen = Screen::new(args.adapter, args.size.unwrap_or_default(), args.scale.unwrap_or(1.0))?;
         let ctx = egui::Context::default();
         let settings = args.settings(crate::settings::Settings::default());
-        let mut viewer = Viewer::new(&ctx, settings, Some(screen.render_state()));
+        let mut viewer = Viewer::new(settings, Some(screen.render_state()));
         args.open(&ctx, &mut viewer.model).map_err(HeadlessError::Scene)?;
         Ok(Self { ctx, viewer, screen, frame: 0 })
     }
