@@ -2,7 +2,7 @@
 
 use super::HeadlessError;
 use crate::args::Adapter;
-use eframe::egui_wgpu::{self, RenderState, RendererOptions, WgpuConfiguration, WgpuSetup, WgpuSetupCreateNew, wgpu};
+use eframe::egui_wgpu::{RenderState, RendererOptions, WgpuConfiguration, WgpuSetup, WgpuSetupCreateNew, wgpu};
 use std::sync::Arc;
 use wgpu::{Backend, DeviceType};
 
@@ -11,13 +11,13 @@ pub(super) fn open(choice: Adapter) -> Result<RenderState, HeadlessError> {
     let mut setup = WgpuSetupCreateNew::without_display_handle();
     setup.native_adapter_selector = Some(Arc::new(move |adapters, _| {
         let best = adapters.iter().min_by_key(|a| rank(choice, &a.get_info()));
-        best.cloned().ok_or_else(|| "the system names none".to_owned())
+        best.cloned().ok_or_else(|| "the system has none".to_owned())
     }));
     let setup = WgpuSetup::CreateNew(setup);
     let instance = pollster::block_on(setup.new_instance());
     let config = WgpuConfiguration { wgpu_setup: setup, ..WgpuConfiguration::default() };
-    let state = RenderState::create(&config, &instance, None, RendererOptions::PREDICTABLE);
-    pollster::block_on(state).map_err(|e: egui_wgpu::WgpuError| HeadlessError::NoAdapter { reason: e.to_string() })
+    let state = pollster::block_on(RenderState::create(&config, &instance, None, RendererOptions::PREDICTABLE));
+    state.map_err(|e| HeadlessError::NoAdapter { reason: e.to_string() })
 }
 
 /// The lower, the better: first the kind of adapter, then the interface to it.
@@ -37,7 +37,7 @@ fn rank(choice: Adapter, info: &wgpu::AdapterInfo) -> (u8, u8) {
         Backend::Gl => 1,
         Backend::BrowserWebGpu | Backend::Noop => 2,
     };
-    // An interface that draws nothing, or little of what is needed, is the last resort whatever lies behind it.
+    // An interface that draws nothing is the last resort whatever lies behind it.
     if backend == 2 { (5, backend) } else { (kind, backend) }
 }
 

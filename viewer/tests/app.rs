@@ -1,0 +1,215 @@
+//! The real app, driven as people drive it.
+
+mod common;
+
+use common::{Viewing, golden};
+use eframe::egui::{self, Key, Modifiers, PointerButton, pos2};
+use egui_kittest::kittest::Queryable;
+use glam::Vec3;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use throng_viewer::command::Command;
+use throng_viewer::panels::{Dock, PANELS};
+use throng_viewer::run::Run;
+
+/// A file as the window system drops it.
+#[derive(Debug)]
+struct Dropped(PathBuf);
+
+impl egui::DroppedFile for Dropped {
+    fn path(&self) -> &Path {
+        &self.0
+    }
+
+    fn bytes(&self) -> Result<Vec<u8>, String> {
+        std::fs::read(&self.0).map_err(|e| e.to_string())
+    }
+}
+
+fn run(v: &Viewing) -> &Run {
+    v.model().document.crowd().expect("a crowd").1
+}
+
+/// All poses as bits.
+fn poses(v: &Viewing) -> Vec<u32> {
+    let matrices = run(v).troupe().model_matrices();
+    bytemuck::cast_slice::<_, f32>(matrices).iter().map(|f| f.to_bits()).collect()
+}
+
+fn drop_file(v: &mut Viewing, path: &Path) {
+    v.harness.input_mut().dropped_files.push(Arc::new(Dropped(path.to_path_buf())));
+    v.harness.step();
+}
+
+/// A copy of the golden bundle in a folder of its own.
+fn copied() -> (tempfile::TempDir, PathBuf) {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("copy.throng");
+    std::fs::copy(golden(), &path).expect("a copy");
+    (folder, path)
+}
+
+fn has_message(v: &Viewing, part: &str) -> bool {
+    v.model().messages.iter().any(|m| m.text.contains(part))
+}
+
+#[test]
+fn a_run_that_is_scrubbed_back_shows_the_same_step_again() {
+    let mut v = Viewing::of(&golden());
+    v.harness.run_steps(40);
+    v.harness.get_by_label("Pause").click();
+    v.harness.run_steps(2);
+    assert!(!run(&v).is_playing());
+    let (step, seen) = (run(&v).now(), poses(&v));
+    assert!(step >= 30, "step {step}");
+
+    v.harness.get_by_label("Play").click();
+    v.harness.run_steps(50);
+    assert!(run(&v).now() > step + 30 && poses(&v) != seen);
+    v.apply(Command::Seek(step));
+    assert_eq!(run(&v).now(), step);
+    assert!(poses(&v) == seen, "step {step} is another one after scrubbing back");
+
+    v.harness.get_by_label("Pause").click();
+    v.harness.run_steps(2);
+    v.harness.key_press(Key::ArrowLeft);
+    v.harness.run_steps(2);
+    let back = run(&v).now();
+    v.harness.get_by_label("Step").click();
+    v.harness.run_steps(2);
+    assert_eq!(run(&v).now(), back + 1);
+}
+
+#[test]
+fn a_target_dragged_in_the_view_is_walked_to() {
+    let mut v = Viewing::of(&golden());
+    v.apply(Command::SelectCharacter(Some(0)));
+    v.apply(Command::Play(false));
+    v.harness.run_steps(2);
+    let rect = v.harness.get_by_label("3-D view").rect();
+    let old = run(&v).targets()[0];
+    let camera = v.model().settings.camera;
+    let at = camera.project(old, glam::Vec2::new(rect.width(), rect.height())).expect("the target is in the view");
+    let from = pos2(rect.left() + at.x, rect.top() + at.y);
+    let to = from + egui::vec2(60.0, 40.0);
+    let button = |pos, pressed| egui::Event::PointerButton {
+        pos,
+        button: PointerButton::Primary,
+        pressed,
+        modifiers: Modifiers::NONE,
+    };
+    v.harness.event(egui::Event::PointerMoved(from));
+    v.harness.event(button(from, true));
+    for i in 1..=6 {
+        v.harness.event(egui::Event::PointerMoved(from.lerp(to, i as f32 / 6.0)));
+    }
+    v.harness.event(button(to, false));
+    v.harness.run_steps(3);
+    let target = run(&v).targets()[0];
+    let wanted = camera.ray(glam::Vec2::new(to.x - rect.left(), to.y - rect.top()), rect.size().into_glam());
+    let wanted = wanted.meets_ground().expect("the ground");
+    assert!((target - wanted).length() < 0.05, "{target} is not at {wanted}; it was at {old}");
+    assert_eq!(v.model().settings.camera, camera, "the camera moved instead");
+
+    let far = |v: &Viewing| {
+        let root = run(v).troupe().root(0);
+        (Vec3::new(root.x, 0.0, root.z) - target.with_y(0.0)).length()
+    };
+    let before = far(&v);
+    v.apply(Command::Play(true));
+    let mut nearest = before;
+    for _ in 0..900 {
+        v.harness.step();
+        nearest = nearest.min(far(&v));
+    }
+    assert!(nearest < 0.6, "came only as near as {nearest} m from {before} m");
+}
+
+/// Sizes as the camera takes them.
+trait IntoGlam {
+    fn into_glam(self) -> glam::Vec2;
+}
+
+impl IntoGlam for egui::Vec2 {
+    fn into_glam(self) -> glam::Vec2 {
+        glam::Vec2::new(self.x, self.y)
+    }
+}
+
+#[test]
+fn every_panel_opens_and_closes_by_its_key() {
+    let mut v = Viewing::of(&golden());
+    for panel in PANELS {
+        let open = |v: &Viewing| match panel.dock {
+            Dock::Side => v.model().settings.side_panel == Some(panel.kind),
+            Dock::Bottom => v.model().settings.bottom_panel == Some(panel.kind),
+        };
+        let was_open = open(&v);
+        v.harness.key_press(panel.key);
+        v.harness.run_steps(3);
+        assert_ne!(open(&v), was_open, "{}", panel.title);
+        if was_open {
+            v.harness.key_press(panel.key);
+            v.harness.run_steps(3);
+        }
+        assert!(open(&v), "{}", panel.title);
+        assert!(v.model().messages.iter().all(|m| !m.is_error), "{}: {:?}", panel.title, v.model().messages);
+    }
+}
+
+#[test]
+fn the_list_of_keys_is_shown_and_closed() {
+    let mut v = Viewing::of(&golden());
+    v.harness.key_press(Key::H);
+    v.harness.run_steps(3);
+    v.harness.get_by_label("play or pause");
+    v.harness.get_by_label("Close").click();
+    v.harness.run_steps(3);
+    assert!(v.harness.query_by_label("play or pause").is_none());
+}
+
+#[test]
+fn a_broken_file_that_is_dropped_is_refused_and_the_old_bundle_kept() {
+    let mut v = Viewing::of(&golden());
+    let folder = tempfile::tempdir().expect("a folder");
+    let broken = folder.path().join("broken.throng");
+    std::fs::write(&broken, "no tables").expect("a file");
+    drop_file(&mut v, &broken);
+    v.until("a message about the broken file", |v| has_message(v, "broken.throng"));
+    assert!(has_message(&v, "What was open is kept"));
+    assert_eq!(v.model().document.path(), Some(golden().as_path()));
+    v.harness.get_by_label("✖").click();
+    v.harness.run_steps(2);
+    assert!(!has_message(&v, "broken.throng"));
+    let now = run(&v).now();
+    v.harness.run_steps(5);
+    assert!(run(&v).now() > now, "the old run stopped");
+}
+
+#[test]
+fn bundles_and_motion_files_that_are_dropped_are_opened() {
+    let mut v = Viewing::empty();
+    drop_file(&mut v, &golden());
+    v.until("the bundle", |v| v.model().document.bundle().is_some());
+    let folder = tempfile::tempdir().expect("a folder");
+    let motion = common::bvh(folder.path());
+    drop_file(&mut v, &motion);
+    v.until("the motion file", |v| v.model().document.raw_motion().is_some());
+    assert_eq!(v.model().document.path(), Some(motion.as_path()));
+    v.harness.run_steps(5);
+    assert!(v.model().player.frame > 0.0, "the motion is not played");
+}
+
+#[test]
+fn a_file_that_changes_on_disk_is_read_again_unless_it_is_broken() {
+    let (_folder, path) = copied();
+    let mut v = Viewing::of(&path);
+    v.harness.run_steps(20);
+    std::fs::write(&path, "no tables").expect("written over");
+    v.until("a message about the broken version", |v| has_message(v, "What was open is kept"));
+    assert!(run(&v).now() > 0, "the old run is gone");
+    std::fs::copy(golden(), &path).expect("written over");
+    v.until("the good version", |v| has_message(v, "was read again"));
+    assert_eq!(v.model().document.path(), Some(path.as_path()));
+    assert!(v.model().document.crowd().is_some());
+}
