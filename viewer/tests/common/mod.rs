@@ -58,7 +58,13 @@ impl Viewing {
     pub fn new(args: &Args, size: egui::Vec2) -> Self {
         let settings = args.settings(Settings::default());
         let theme = if settings.theme == egui::ThemePreference::Light { egui::Theme::Light } else { egui::Theme::Dark };
-        let builder = Harness::builder().with_size(size).with_step_dt(1.0 / 60.0).with_max_steps(8).with_theme(theme);
+        let builder = Harness::builder()
+            .with_size(size)
+            .with_step_dt(1.0 / 60.0)
+            .with_max_steps(8)
+            .with_theme(theme)
+            .with_accessibility_check(false)
+            .allow_missing_glyphs();
         let builder = if adapter().is_some() { builder.wgpu() } else { builder };
         let args = args.clone();
         let harness = builder.build_eframe(move |cc| {

@@ -1,0 +1,144 @@
+//! Every panel and the 3-D view look as they did: pictures in `tests/snapshots`.
+//!
+//! `UPDATE_SNAPSHOTS=1 cargo test -p throng-viewer --test snapshots` takes new ones; look at them before they are kept.
+//! Pixels are compared where Mesa's software adapter draws, since others round in other ways.
+
+mod common;
+
+use common::{Viewing, adapter, bvh, golden};
+use eframe::egui::{self, Rect, vec2};
+use egui_kittest::kittest::Queryable;
+use egui_kittest::{SnapshotOptions, SnapshotResults};
+use throng_viewer::args::{Args, Character, PanelChoice, ThemeName};
+use throng_viewer::command::Command;
+use throng_viewer::panels::{Dock, PANELS, PanelKind};
+
+/// Size of a picture. [Unit: points]
+const SIZE: egui::Vec2 = vec2(640.0, 400.0);
+/// Step of the run that is shown.
+const STEP: u32 = 60;
+
+/// True where pictures can be compared; otherwise prints why not.
+fn can_compare() -> bool {
+    let Some(name) = adapter() else { return false };
+    let comparable = name.contains("llvmpipe");
+    if !comparable {
+        println!("skipped: {name} is not the adapter that the pictures were made with (llvmpipe)");
+    }
+    comparable
+}
+
+/// Other versions of the adapter differ at some edges.
+fn tolerance() -> SnapshotOptions {
+    SnapshotOptions::new().threshold(1.5).max_failed_pixels(250)
+}
+
+fn crowd() -> Args {
+    Args {
+        file: Some(golden()),
+        characters: Some(12),
+        character: Some(Character(Some(3))),
+        panel: vec![PanelChoice::None],
+        ..Args::default()
+    }
+}
+
+/// The viewer at rest, at a known step of the run.
+fn at_rest(args: &Args, size: egui::Vec2) -> Viewing {
+    let mut v = Viewing::new(args, size);
+    if !v.model().shows_clip() {
+        v.until("the step", |v| v.model().document.crowd().is_some_and(|c| c.1.now() >= STEP));
+        v.apply(Command::Seek(STEP));
+    }
+    v.apply(Command::Play(false));
+    v.apply(Command::FrameAll);
+    v.harness.remove_cursor();
+    v.harness.run_steps(4);
+    v
+}
+
+fn compare(results: &mut SnapshotResults, mut v: Viewing, name: &str) {
+    v.harness.snapshot_options(name, &tolerance());
+    results.extend(v.harness.take_snapshot_results());
+}
+
+#[test]
+fn the_view_of_a_crowd() {
+    if can_compare() {
+        let mut results = SnapshotResults::new();
+        compare(&mut results, at_rest(&crowd(), SIZE), "view_crowd");
+        let light = Args { theme: Some(ThemeName::Light), ..crowd() };
+        compare(&mut results, at_rest(&light, SIZE), "view_crowd_light");
+    }
+}
+
+#[test]
+fn the_view_of_a_clip() {
+    if can_compare() {
+        let mut results = SnapshotResults::new();
+        compare(&mut results, at_rest(&Args { character: None, frame: Some(40), ..crowd() }, SIZE), "view_clip");
+    }
+}
+
+#[test]
+fn the_view_of_a_motion_file() {
+    if can_compare() {
+        let mut results = SnapshotResults::new();
+        let folder = tempfile::tempdir().expect("a folder");
+        let args = Args { file: Some(bvh(folder.path())), frame: Some(40), panel: crowd().panel, ..Args::default() };
+        compare(&mut results, at_rest(&args, SIZE), "view_motion_file");
+    }
+}
+
+#[test]
+fn nothing_open_and_the_list_of_keys() {
+    if can_compare() {
+        let mut results = SnapshotResults::new();
+        let mut v = Viewing::new(&Args::default(), SIZE);
+        v.harness.run_steps(4);
+        compare(&mut results, v, "nothing_open");
+        let mut v = at_rest(&crowd(), vec2(760.0, 560.0));
+        v.harness.key_press(egui::Key::H);
+        v.harness.run_steps(4);
+        compare(&mut results, v, "keys");
+    }
+}
+
+#[test]
+fn every_panel() {
+    if !can_compare() {
+        return;
+    }
+    let mut results = SnapshotResults::new();
+    for panel in PANELS {
+        let args = Args { panel: vec![PanelChoice::Open(panel.kind)], ..crowd() };
+        let size = if panel.dock == Dock::Side { SIZE } else { vec2(800.0, 560.0) };
+        let mut v = at_rest(&args, size);
+        if panel.kind == PanelKind::Statistics {
+            show_memory(&mut v);
+        }
+        let name = panel.title.to_lowercase().replace(' ', "_");
+        compare(&mut results, v, &format!("panel_{name}"));
+    }
+}
+
+/// Times differ from run to run: shows the part of the statistics below them, and hides what is left of them.
+fn show_memory(v: &mut Viewing) {
+    let panel = v.harness.get_by_label("Statistics").rect();
+    let within = panel.left_bottom() + vec2(20.0, 100.0);
+    v.harness.hover_at(within);
+    v.harness.run_steps(2);
+    v.harness.event(egui::Event::MouseWheel {
+        unit: egui::MouseWheelUnit::Point,
+        delta: vec2(0.0, -5000.0),
+        phase: egui::TouchPhase::Move,
+        source: egui::MouseWheelSource::Wheel,
+        modifiers: egui::Modifiers::NONE,
+    });
+    v.harness.run_steps(60);
+    v.harness.remove_cursor();
+    v.harness.run_steps(4);
+    let memory = v.harness.get_by_label("Memory of the tables").rect();
+    let times = Rect::from_min_max(panel.left_bottom(), egui::pos2(SIZE.x, memory.top()));
+    v.harness.mask(times);
+}
