@@ -13,8 +13,10 @@ use throng_viewer::args::{Args, Character, PanelChoice, ThemeName};
 use throng_viewer::command::Command;
 use throng_viewer::panels::{Dock, PANELS, PanelKind};
 
-/// Size of a picture. [Unit: points]
-const SIZE: egui::Vec2 = vec2(640.0, 400.0);
+/// Size of a picture of a panel. [Unit: points]
+const SIZE: egui::Vec2 = vec2(560.0, 380.0);
+/// Size of a picture of the 3-D view. [Unit: points]
+const VIEW_SIZE: egui::Vec2 = vec2(420.0, 260.0);
 /// Step of the run that is shown.
 const STEP: u32 = 60;
 
@@ -66,9 +68,9 @@ fn compare(results: &mut SnapshotResults, mut v: Viewing, name: &str) {
 fn the_view_of_a_crowd() {
     if can_compare() {
         let mut results = SnapshotResults::new();
-        compare(&mut results, at_rest(&crowd(), SIZE), "view_crowd");
+        compare(&mut results, at_rest(&crowd(), VIEW_SIZE), "view_crowd");
         let light = Args { theme: Some(ThemeName::Light), ..crowd() };
-        compare(&mut results, at_rest(&light, SIZE), "view_crowd_light");
+        compare(&mut results, at_rest(&light, VIEW_SIZE), "view_crowd_light");
     }
 }
 
@@ -76,7 +78,7 @@ fn the_view_of_a_crowd() {
 fn the_view_of_a_clip() {
     if can_compare() {
         let mut results = SnapshotResults::new();
-        compare(&mut results, at_rest(&Args { character: None, frame: Some(40), ..crowd() }, SIZE), "view_clip");
+        compare(&mut results, at_rest(&Args { character: None, frame: Some(40), ..crowd() }, VIEW_SIZE), "view_clip");
     }
 }
 
@@ -86,7 +88,7 @@ fn the_view_of_a_motion_file() {
         let mut results = SnapshotResults::new();
         let folder = tempfile::tempdir().expect("a folder");
         let args = Args { file: Some(bvh(folder.path())), frame: Some(40), panel: crowd().panel, ..Args::default() };
-        compare(&mut results, at_rest(&args, SIZE), "view_motion_file");
+        compare(&mut results, at_rest(&args, VIEW_SIZE), "view_motion_file");
     }
 }
 
@@ -94,7 +96,7 @@ fn the_view_of_a_motion_file() {
 fn nothing_open_and_the_list_of_keys() {
     if can_compare() {
         let mut results = SnapshotResults::new();
-        let mut v = Viewing::new(&Args::default(), SIZE);
+        let mut v = Viewing::new(&Args::default(), VIEW_SIZE);
         v.harness.run_steps(4);
         compare(&mut results, v, "nothing_open");
         let mut v = at_rest(&crowd(), vec2(760.0, 560.0));
