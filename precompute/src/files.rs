@@ -29,13 +29,17 @@ pub fn write_atomically(
 /// Checks that a file may stand at a path, so that long work need not be done in vain.
 ///
 /// # Errors
-/// [`BuildError::Io`] where the path is a folder or its folder is not there.
+/// [`BuildError::Io`] where the path is a folder or a device, or its folder is not there.
 pub fn check_target(path: &Path) -> Result<(), BuildError> {
     let fail =
         |kind, what: String| Err(BuildError::Io { path: path.to_path_buf(), source: std::io::Error::new(kind, what) });
     let folder = folder_of(path);
     if path.is_dir() {
         return fail(std::io::ErrorKind::IsADirectory, "expected a file to write, found a folder".into());
+    }
+    // The file takes the place of what was there: that must not be a device or a pipe.
+    if path.exists() && !path.is_file() {
+        return fail(std::io::ErrorKind::InvalidInput, "expected a file to write, found a device or a pipe".into());
     }
     if !folder.is_dir() {
         return fail(std::io::ErrorKind::NotFound, format!("there is no folder {}", folder.display()));
@@ -89,5 +93,14 @@ mod tests {
         assert!(failed.unwrap_err().to_string().contains("full"));
         assert_eq!(std::fs::read(&path).unwrap(), b"old");
         assert_eq!(std::fs::read_dir(dir.path()).unwrap().count(), 1);
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn devices_are_not_replaced() {
+        for device in ["/dev/null", "/dev/zero"] {
+            let error = check_target(Path::new(device)).unwrap_err().to_string();
+            assert!(error.contains(device) && error.contains("device"), "{error}");
+        }
     }
 }

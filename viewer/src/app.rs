@@ -103,12 +103,9 @@ impl Viewer {
 
     fn panels(&mut self, ui: &mut Ui, commands: &mut Vec<Command>) {
         let (model, states) = (&self.model, &mut self.states);
-        Panel::top("top bar").show(ui, |ui| top_bar::show(ui, model, states, commands));
-        Panel::bottom("transport").show(ui, |ui| {
-            ui.add_space(3.0);
-            transport::show(ui, model, commands);
-            ui.add_space(3.0);
-        });
+        if !states.bare {
+            bars(ui, model, states, commands);
+        }
         if model.settings.side_panel.is_some() {
             let side = Panel::right("side").default_size(370.0).size_range(260.0..=900.0);
             side.show(ui, |ui| dock(ui, Dock::Side, model, states, commands));
@@ -233,6 +230,16 @@ impl Viewer {
 fn next_body(body: Body) -> Body {
     let at = BODIES.iter().position(|b| b.0 == body).unwrap_or(0);
     BODIES[(at + 1) % BODIES.len()].0
+}
+
+/// The bars at the top and at the bottom.
+fn bars(ui: &mut Ui, model: &Model, states: &mut PanelStates, commands: &mut Vec<Command>) {
+    Panel::top("top bar").show(ui, |ui| top_bar::show(ui, model, states, commands));
+    Panel::bottom("transport").show(ui, |ui| {
+        ui.add_space(3.0);
+        transport::show(ui, model, commands);
+        ui.add_space(3.0);
+    });
 }
 
 /// The panels of one dock: tabs, and the one that is open.

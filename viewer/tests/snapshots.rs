@@ -96,10 +96,10 @@ fn the_view_of_a_motion_file() {
 fn nothing_open_and_the_list_of_keys() {
     if can_compare() {
         let mut results = SnapshotResults::new();
-        let mut v = Viewing::new(&Args::default(), VIEW_SIZE);
+        let mut v = Viewing::new(&Args { panel: crowd().panel, ..Args::default() }, vec2(560.0, 260.0));
         v.harness.run_steps(4);
         compare(&mut results, v, "nothing_open");
-        let mut v = at_rest(&crowd(), vec2(760.0, 560.0));
+        let mut v = at_rest(&crowd(), vec2(1000.0, 640.0));
         v.harness.key_press(egui::Key::H);
         v.harness.run_steps(4);
         compare(&mut results, v, "keys");

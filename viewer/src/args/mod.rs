@@ -14,10 +14,10 @@ pub const PICTURE_FRAMES: u32 = 150;
 pub const BENCH_FRAMES: u32 = 60;
 
 const AFTER_HELP: &str = "\
-JSON keys of --png: file, characters, frames, adapter, width, height, simulation_ms, layout_ms, upload_ms, drawing_ms, \
+JSON keys: with --png file, characters, frames, adapter, width, height, simulation_ms, layout_ms, upload_ms, drawing_ms, \
 interface_ms, frame_ms (medians of the frames that ran), and simulation_p95_ms to frame_p95_ms (their 95th percentiles). \
 `characters` is 0 where a clip is shown. \
-With --bench: adapter, width, height, and crowds, a list with characters, frames and the same times.
+With --bench adapter, width, height, and crowds, a list with characters, frames and the same times.
 
 Exit codes: 0 done, 1 failed (the message names what and the way out), 2 wrong usage.
 
@@ -82,7 +82,7 @@ pub struct Args {
     /// all is in the picture.
     #[arg(long, value_name = "SPEC")]
     pub camera: Option<View>,
-    /// Panels that are open, with commas; `none` for the 3-D view alone.
+    /// Panels that are open, with commas; `none` for none, and in a picture for the 3-D view alone.
     #[arg(long, value_name = "NAME", value_delimiter = ',', value_parser = parse::panel)]
     pub panel: Vec<PanelChoice>,
     /// Body of the characters: capsules or mannequin.

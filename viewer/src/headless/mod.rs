@@ -15,7 +15,7 @@ pub use image::Image;
 pub use screen::Screen;
 
 use crate::app::Viewer;
-use crate::args::{Args, PICTURE_FRAMES, Size};
+use crate::args::{Args, PICTURE_FRAMES, PanelChoice, Size};
 use crate::run::STEP_HZ;
 use eframe::egui;
 use serde::Serialize;
@@ -98,6 +98,7 @@ impl Headless {
         let ctx = egui::Context::default();
         let settings = args.settings(crate::settings::Settings::default());
         let mut viewer = Viewer::new(settings, Some(screen.render_state()));
+        viewer.states.bare = args.panel.contains(&PanelChoice::None);
         args.open(&ctx, &mut viewer.model).map_err(HeadlessError::Scene)?;
         Ok(Self { ctx, viewer, screen, frame: 0 })
     }

@@ -80,6 +80,8 @@ pub struct PanelStates {
     pub control: control::State,
     /// The list of keys is shown.
     pub help: bool,
+    /// The 3-D view is shown alone, without bars.
+    pub bare: bool,
     /// A dialog to open a file is wanted.
     pub open_dialog: bool,
 }
