@@ -28,7 +28,7 @@ impl GrowingBuffer {
         } else {
             limits.max_buffer_size
         };
-        let needed = count as u64 * size as u64;
+        let needed = (count as u64).saturating_mul(size as u64);
         if needed > limit {
             let most = limit / size.max(1) as u64;
             return Err(RenderError::TooMany { what: self.what, count, needed, limit, most });

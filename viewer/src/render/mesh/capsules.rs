@@ -14,7 +14,7 @@ pub(super) fn build(skeleton: &Skeleton, level: usize) -> Mesh {
     let mut mesh = Mesh::default();
     let (segments, end_rings) = DETAIL[level];
     let scale = skeleton.leg_length() / Skeleton::default().leg_length();
-    for limb in limbs(skeleton).into_iter().filter(|l| level < 2 || l.radius > 0.03) {
+    for limb in limbs(skeleton).into_iter().filter(|l| level < 2 || l.radius > 0.028) {
         let side = Side::of_joint(limb.joint);
         capsule(&limb, limb.radius * scale, side, (segments, end_rings), &mut mesh);
     }
@@ -92,5 +92,5 @@ fn capsule(limb: &Limb, radius: f32, side: Side, (segments, end_rings): (usize, 
     let upper = (0..end_rings).map(|i| ring(to, step(i)));
     let rings: Vec<Ring> = lower.chain(upper).collect();
     let poles = [from - along * radius, to + along * radius];
-    Loft { rings: &rings, segments, poles, side }.build(mesh, |_| Influence::rigid(limb.joint), |_, _| limb.part);
+    Loft { rings: &rings, segments, poles }.build(mesh, |_| Influence::rigid(limb.joint), |_| (limb.part, side));
 }
