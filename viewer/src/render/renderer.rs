@@ -219,6 +219,7 @@ fn picture_pass<'e>(encoder: &'e mut wgpu::CommandEncoder, targets: &Targets) ->
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::render::offscreen::read_back;
     use crate::render::{Emphasis, Rgba};
     use glam::{Quat, Vec2, Vec3};
     use throng_runtime::{Joint, NUM_JOINTS, Planar};
@@ -227,6 +228,10 @@ mod tests {
 
     /// A renderer, or `None` with a printed reason.
     fn renderer() -> Option<SceneRenderer> {
+        renderer_for(wgpu::TextureFormat::Bgra8Unorm)
+    }
+
+    fn renderer_for(format: wgpu::TextureFormat) -> Option<SceneRenderer> {
         let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle());
         let options = wgpu::RequestAdapterOptions::default();
         let device = pollster::block_on(async {
@@ -234,7 +239,7 @@ mod tests {
             adapter.request_device(&wgpu::DeviceDescriptor::default()).await.map_err(|e| e.to_string())
         });
         match device {
-            Ok((device, queue)) => SceneRenderer::new(&device, &queue, wgpu::TextureFormat::Bgra8Unorm).ok(),
+            Ok((device, queue)) => SceneRenderer::new(&device, &queue, format).ok(),
             Err(reason) => {
                 println!("skipped: no graphics adapter ({reason})");
                 None
@@ -340,6 +345,42 @@ mod tests {
         let red = Rgba::hex(0xd02020);
         let (solid, ghost) = (take(red), take(red.alpha(0.3)));
         assert!(ghost.at(chest)[1] > solid.at(chest)[1] + 40);
+    }
+
+    #[test]
+    fn a_window_shows_the_picture_unchanged_whether_it_encodes_or_not() {
+        use wgpu::TextureFormat::{Rgba8Unorm, Rgba8UnormSrgb};
+        for format in [Rgba8Unorm, Rgba8UnormSrgb] {
+            let Some(mut renderer) = renderer_for(format) else { return };
+            renderer.draw(SIZE, &Camera::default(), &SceneColours::DARK);
+            let (device, queue) = (renderer.device.clone(), renderer.queue.clone());
+            let window = device.create_texture(&wgpu::TextureDescriptor {
+                label: None,
+                size: wgpu::Extent3d { width: SIZE[0], height: SIZE[1], depth_or_array_layers: 1 },
+                mip_level_count: 1,
+                sample_count: 1,
+                dimension: wgpu::TextureDimension::D2,
+                format,
+                usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC,
+                view_formats: &[],
+            });
+            let view = window.create_view(&wgpu::TextureViewDescriptor::default());
+            let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+            renderer.blit(&mut encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+                color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+                    view: &view,
+                    depth_slice: None,
+                    resolve_target: None,
+                    ops: wgpu::Operations::default(),
+                })],
+                ..Default::default()
+            }));
+            queue.submit([encoder.finish()]);
+            let shown = read_back(&device, &queue, &window).unwrap_or_default().1;
+            let picture = renderer.pixels().unwrap_or_default().1;
+            assert_eq!((shown.len(), picture.len()), (400 * 300 * 4, 400 * 300 * 4));
+            assert!(shown.iter().zip(&picture).all(|(a, b)| a.abs_diff(*b) <= 1), "{format:?}");
+        }
     }
 
     #[test]

@@ -32,6 +32,13 @@ impl Ring {
     }
 }
 
+/// By how much a polygon of so many corners is larger than the circle it stands for, at the same area: coarse levels of
+/// detail look as stout as fine ones. [Limit: segments >= 3]
+pub(super) fn equal_area(segments: usize) -> f32 {
+    let corner = TAU / segments as f32;
+    (corner / corner.sin()).sqrt()
+}
+
 /// A closed tube through rings, from pole to pole.
 pub(super) struct Loft<'a> {
     /// At least one, in order along the tube.

@@ -1,6 +1,6 @@
 //! Legs and arms: a tube along two joints, and the balls within.
 
-use super::super::loft::{Loft, Ring};
+use super::super::loft::{Loft, Ring, equal_area};
 use super::super::{Influence, Mesh, Part, Side};
 use super::Plan;
 use glam::Vec3;
@@ -99,7 +99,8 @@ impl Tube {
             .map(|section| {
                 let across = if self.across == Vec3::X { Vec3::X * mirror } else { self.across };
                 let centre = place(section.along) + Vec3::Z * (section.forward * s);
-                Ring::ellipse(centre, across * (section.half[0] * s), Vec3::Z * (section.half[1] * s))
+                let [u, v] = section.half.map(|half| half * s * equal_area(segments));
+                Ring::ellipse(centre, across * u, Vec3::Z * v)
             })
             .collect();
         let ends = sections.first().zip(sections.last()).map_or([0.0, 2.0], |(f, l)| [f.along - 0.04, l.along + 0.02]);
