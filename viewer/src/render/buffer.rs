@@ -36,7 +36,7 @@ impl GrowingBuffer {
         if needed <= self.buffer.size() {
             return Ok(false);
         }
-        let room = needed.next_power_of_two().clamp(256, limit) & !3;
+        let room = needed.checked_next_power_of_two().unwrap_or(limit).min(limit).max(256) & !3;
         self.buffer = allocate(device, self.what, self.usage, room.max(needed));
         Ok(true)
     }

@@ -117,7 +117,7 @@ impl SceneRenderer {
     ///
     /// # Errors
     /// [`RenderError::PaletteLength`] where the palette does not fit the instances, [`RenderError::TooMany`] where the
-    /// device cannot hold all. After an error nothing is drawn but the ground, until an upload succeeds.
+    /// device cannot hold all. After an error no characters are drawn until an upload succeeds.
     pub fn upload(&mut self, frame: &SceneFrame<'_>) -> Result<UploadStats, RenderError> {
         let result = self.try_upload(frame);
         if result.is_err() {

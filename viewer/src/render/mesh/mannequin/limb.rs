@@ -24,8 +24,8 @@ const fn section(along: f32, across: f32, depth: f32, forward: f32, level: usize
 
 const LEG: [Section; 14] = [
     section(-0.11, 0.036, 0.050, -0.008, 1),
-    section(-0.02, 0.062, 0.084, -0.007, 2),
-    section(0.12, 0.079, 0.095, -0.005, 0),
+    section(-0.02, 0.064, 0.090, -0.006, 2),
+    section(0.12, 0.079, 0.098, -0.004, 0),
     section(0.30, 0.081, 0.091, 0.001, 1),
     section(0.55, 0.071, 0.079, 0.007, 0),
     section(0.80, 0.058, 0.065, 0.006, 1),
@@ -59,7 +59,7 @@ const ARM: [Section; 13] = [
 pub(super) fn leg(plan: &Plan, side: Side, mesh: &mut Mesh) {
     let joints = [Joint::LeftThigh, Joint::LeftShin, Joint::LeftFoot].map(|j| side.of(j));
     let tube = Tube { joints, before: Joint::Hips, across: Vec3::X, blends: [0.075, 0.07], part: Part::Trousers };
-    tube.build(plan, side, &LEG, plan.segments([12, 6, 4]), mesh);
+    tube.build(plan, side, &LEG, plan.segments([14, 6, 4]), mesh);
     plan.ball(joints[0], 0.062, Part::Trousers, mesh);
     plan.ball(joints[1], 0.052, Part::Trousers, mesh);
 }
@@ -69,7 +69,7 @@ pub(super) fn arm(plan: &Plan, side: Side, mesh: &mut Mesh) {
     let joints = [Joint::LeftUpperArm, Joint::LeftForearm, Joint::LeftHand].map(|j| side.of(j));
     let before = side.of(Joint::LeftClavicle);
     let tube = Tube { joints, before, across: Vec3::Y, blends: [0.075, 0.05], part: Part::Shirt };
-    tube.build(plan, side, &ARM, plan.segments([10, 5, 3]), mesh);
+    tube.build(plan, side, &ARM, plan.segments([12, 5, 3]), mesh);
     plan.ball(joints[0], 0.047, Part::Shirt, mesh);
     plan.ball(joints[1], 0.036, Part::Shirt, mesh);
 }
