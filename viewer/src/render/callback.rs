@@ -101,7 +101,9 @@ mod tests {
             .with_size([300.0, 200.0])
             .with_pixels_per_point(2.0)
             .renderer(WgpuTestRenderer::from_render_state(state))
-            .build_ui(move |ui| drop(ui.painter().add(shown.clone().shape(ui, rect))));
+            .build_ui(move |ui| {
+                ui.painter().add(shown.clone().shape(ui, rect));
+            });
         let Ok(image) = harness.render() else { panic!("egui drew nothing") };
         let blue = |x: u32, y: u32| {
             let [r, g, b, _] = image.get_pixel(x, y).0;
