@@ -118,7 +118,7 @@ fn every_shape(troupe: &Troupe) -> Shapes {
         let q = root.transform_point(Vec2::new(p.x, p.z));
         Vec3::new(q.x, p.y, q.y)
     };
-    let joints = troupe.joint_positions(0).map(world);
+    let joints = troupe.joint_positions(0);
     let mut shapes = Shapes::new();
     let trail: Vec<Vec3> =
         (0..60).map(|i| world(Vec3::new((i as f32 * 0.1).sin() * 0.2, 0.004, -0.05 * i as f32))).collect();

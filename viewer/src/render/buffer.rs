@@ -28,7 +28,7 @@ impl GrowingBuffer {
         } else {
             limits.max_buffer_size
         };
-        let needed = count as u64 * size as u64;
+        let needed = (count as u64).saturating_mul(size as u64);
         if needed > limit {
             let most = limit / size.max(1) as u64;
             return Err(RenderError::TooMany { what: self.what, count, needed, limit, most });
@@ -36,7 +36,7 @@ impl GrowingBuffer {
         if needed <= self.buffer.size() {
             return Ok(false);
         }
-        let room = needed.next_power_of_two().clamp(256, limit) & !3;
+        let room = needed.checked_next_power_of_two().unwrap_or(limit).min(limit).max(256) & !3;
         self.buffer = allocate(device, self.what, self.usage, room.max(needed));
         Ok(true)
     }

@@ -16,6 +16,9 @@ pub struct DrawReport {
 }
 
 /// Draws the uploaded scene before egui's own pass and shows it there.
+///
+/// A renderer keeps one picture: for two views in one frame, use two renderers. The window's pass must have one sample a
+/// pixel and no depth buffer, which is what eframe makes unless told otherwise.
 #[derive(Clone)]
 pub struct SceneCallback {
     /// What draws, shared with whoever uploads.
@@ -63,5 +66,52 @@ impl CallbackTrait for SceneCallback {
         _resources: &CallbackResources,
     ) {
         self.renderer.lock().unwrap_or_else(PoisonError::into_inner).blit(pass);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use eframe::egui_wgpu::RendererOptions;
+    use egui_kittest::wgpu::{WgpuTestRenderer, create_render_state, default_wgpu_setup};
+
+    #[test]
+    fn a_panel_shows_the_view_at_its_own_size() {
+        let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle());
+        if let Err(reason) = pollster::block_on(instance.request_adapter(&wgpu::RequestAdapterOptions::default())) {
+            println!("skipped: no graphics adapter ({reason})");
+            return;
+        }
+        let state = create_render_state(default_wgpu_setup(), RendererOptions::PREDICTABLE);
+        let Ok(renderer) = SceneRenderer::new(&state.device, &state.queue, state.target_format) else {
+            panic!("the renderer was refused by this adapter");
+        };
+        let colours = SceneColours { horizon: crate::render::Rgba::hex(0x2080c0), ..SceneColours::LIGHT };
+        let colours = SceneColours { sky: colours.horizon, ..colours };
+        let callback = SceneCallback {
+            renderer: Arc::new(Mutex::new(renderer)),
+            camera: Camera::default(),
+            size: [1, 1],
+            colours,
+            report: Arc::default(),
+        };
+        let shown = callback.clone();
+        let rect = egui::Rect::from_min_size(egui::pos2(40.0, 20.0), egui::vec2(200.0, 100.0));
+        let mut harness = egui_kittest::Harness::builder()
+            .with_size([300.0, 200.0])
+            .with_pixels_per_point(2.0)
+            .renderer(WgpuTestRenderer::from_render_state(state))
+            .build_ui(move |ui| {
+                ui.painter().add(shown.clone().shape(ui, rect));
+            });
+        let Ok(image) = harness.render() else { panic!("egui drew nothing") };
+        let blue = |x: u32, y: u32| {
+            let [r, g, b, _] = image.get_pixel(x, y).0;
+            r.abs_diff(0x20) < 3 && g.abs_diff(0x80) < 3 && b.abs_diff(0xc0) < 3
+        };
+        assert!(blue(84, 44) && blue(476, 44), "{:?}", image.get_pixel(84, 44));
+        assert!(!blue(70, 44) && !blue(490, 44) && !blue(84, 30));
+        let size = callback.renderer.lock().unwrap_or_else(PoisonError::into_inner).pixels().map(|p| p.0);
+        assert_eq!(size, Ok([400, 200]));
     }
 }

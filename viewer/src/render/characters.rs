@@ -11,7 +11,7 @@ use std::ops::Range;
 use throng_runtime::{Mat3x4, NUM_JOINTS, Planar, Skeleton};
 
 /// From these heights in pixels on, a body is drawn at the finest and at the middle level of detail.
-const LEVEL_PIXELS: [f32; LEVELS - 1] = [170.0, 52.0];
+const LEVEL_PIXELS: [f32; LEVELS - 1] = [170.0, 72.0];
 /// Shadows fall this far beyond the sphere of their body at most. [Unit: m]
 const SHADOW_REACH: f32 = 1.6;
 

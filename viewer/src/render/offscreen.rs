@@ -124,30 +124,39 @@ impl Offscreen {
     /// # Errors
     /// [`RenderError::ReadBack`] where the device fails, or where nothing has been drawn.
     pub fn pixels(&self, device: &wgpu::Device, queue: &wgpu::Queue) -> Result<([u32; 2], Vec<u8>), RenderError> {
-        let failed = |e: &dyn std::fmt::Display| RenderError::ReadBack(e.to_string());
-        let targets = self.targets.as_ref().ok_or_else(|| failed(&"nothing has been drawn"))?;
-        let [width, height] = targets.size;
-        let row = (width * 4).next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
-        let buffer = device.create_buffer(&wgpu::BufferDescriptor {
-            label: Some("read back"),
-            size: u64::from(row) * u64::from(height),
-            usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ,
-            mapped_at_creation: false,
-        });
-        let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("read back") });
-        let layout = wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(row), rows_per_image: None };
-        encoder.copy_texture_to_buffer(
-            targets.picture.as_image_copy(),
-            wgpu::TexelCopyBufferInfo { buffer: &buffer, layout },
-            wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
-        );
-        queue.submit([encoder.finish()]);
-        let (sender, receiver) = std::sync::mpsc::channel();
-        buffer.slice(..).map_async(wgpu::MapMode::Read, move |result| drop(sender.send(result)));
-        device.poll(wgpu::PollType::wait_indefinitely()).map_err(|e| failed(&e))?;
-        receiver.recv().map_err(|e| failed(&e))?.map_err(|e| failed(&e))?;
-        let mapped = buffer.slice(..).get_mapped_range().map_err(|e| failed(&e))?;
-        let rows = mapped.chunks_exact(row as usize).flat_map(|r| &r[..width as usize * 4]);
-        Ok((targets.size, rows.copied().collect()))
+        let nothing = || RenderError::ReadBack("nothing has been drawn".to_owned());
+        read_back(device, queue, &self.targets.as_ref().ok_or_else(nothing)?.picture)
     }
+}
+
+/// Size and bytes of a texture of four bytes a pixel; waits for the device.
+pub(super) fn read_back(
+    device: &wgpu::Device,
+    queue: &wgpu::Queue,
+    texture: &wgpu::Texture,
+) -> Result<([u32; 2], Vec<u8>), RenderError> {
+    let failed = |e: &dyn std::fmt::Display| RenderError::ReadBack(e.to_string());
+    let [width, height] = [texture.width(), texture.height()];
+    let row = (width * 4).next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
+    let buffer = device.create_buffer(&wgpu::BufferDescriptor {
+        label: Some("read back"),
+        size: u64::from(row) * u64::from(height),
+        usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ,
+        mapped_at_creation: false,
+    });
+    let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("read back") });
+    let layout = wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(row), rows_per_image: None };
+    encoder.copy_texture_to_buffer(
+        texture.as_image_copy(),
+        wgpu::TexelCopyBufferInfo { buffer: &buffer, layout },
+        wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
+    );
+    queue.submit([encoder.finish()]);
+    let (sender, receiver) = std::sync::mpsc::channel();
+    buffer.slice(..).map_async(wgpu::MapMode::Read, move |result| drop(sender.send(result)));
+    device.poll(wgpu::PollType::wait_indefinitely()).map_err(|e| failed(&e))?;
+    receiver.recv().map_err(|e| failed(&e))?.map_err(|e| failed(&e))?;
+    let mapped = buffer.slice(..).get_mapped_range().map_err(|e| failed(&e))?;
+    let rows = mapped.chunks_exact(row as usize).flat_map(|r| &r[..width as usize * 4]);
+    Ok(([width, height], rows.copied().collect()))
 }

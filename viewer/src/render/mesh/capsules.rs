@@ -1,6 +1,6 @@
 //! A body of capsules: one around every limb, rigid on the joint at its start.
 
-use super::loft::{Loft, Ring};
+use super::loft::{Loft, Ring, equal_area};
 use super::{Influence, Mesh, Part, Side};
 use glam::Vec3;
 use std::f32::consts::FRAC_PI_2;
@@ -14,7 +14,7 @@ pub(super) fn build(skeleton: &Skeleton, level: usize) -> Mesh {
     let mut mesh = Mesh::default();
     let (segments, end_rings) = DETAIL[level];
     let scale = skeleton.leg_length() / Skeleton::default().leg_length();
-    for limb in limbs(skeleton).into_iter().filter(|l| level < 2 || l.radius > 0.03) {
+    for limb in limbs(skeleton).into_iter().filter(|l| level < 2 || l.radius > 0.028) {
         let side = Side::of_joint(limb.joint);
         capsule(&limb, limb.radius * scale, side, (segments, end_rings), &mut mesh);
     }
@@ -45,6 +45,10 @@ fn limbs(skeleton: &Skeleton) -> Vec<Limb> {
         let to = from + skeleton.tips[i] * if i == 0 { 0.58 } else { 1.0 };
         limbs.push(Limb { joint, from, to, radius, part });
     }
+    // The face.
+    let top = skeleton.tips[0].length().clamp(0.05, 0.6);
+    let eye = |x: f32| rest[Joint::Head.index()] + Vec3::new(x * top, 0.42 * top, 0.36 * top);
+    limbs.push(Limb { joint: Joint::Head, from: eye(0.18), to: eye(-0.18), radius: 0.029, part: Part::Visor });
     for side in Side::BOTH {
         let joint = side.of(Joint::LeftHand);
         let fore = skeleton.offsets[joint.index()];
@@ -67,7 +71,7 @@ fn look(joint: Joint) -> (f32, Part) {
         LeftUpperArm | RightUpperArm => (0.05, Part::Shirt),
         LeftForearm | RightForearm => (0.045, Part::Shirt),
         LeftHand | RightHand => (0.034, Part::Shirt),
-        LeftThigh | RightThigh => (0.085, Part::Trousers),
+        LeftThigh | RightThigh => (0.074, Part::Trousers),
         LeftShin | RightShin => (0.068, Part::Trousers),
         LeftFoot | RightFoot => (0.05, Part::Trousers),
         LeftToe | RightToe => (0.03, Part::Shoe),
@@ -85,12 +89,13 @@ fn capsule(limb: &Limb, radius: f32, side: Side, (segments, end_rings): (usize, 
     let u = (v.cross(along) * mirrored).normalize_or(Vec3::X);
     let ring = |centre: Vec3, angle: f32| {
         let (s, c) = angle.sin_cos();
-        Ring::ellipse(centre + along * (s * radius), u * (c * radius), v * (c * radius))
+        let across = c * radius * equal_area(segments);
+        Ring::ellipse(centre + along * (s * radius), u * across, v * across)
     };
     let step = |i: usize| FRAC_PI_2 * i as f32 / end_rings as f32;
     let lower = (0..end_rings).rev().map(|i| ring(from, -step(i)));
     let upper = (0..end_rings).map(|i| ring(to, step(i)));
     let rings: Vec<Ring> = lower.chain(upper).collect();
     let poles = [from - along * radius, to + along * radius];
-    Loft { rings: &rings, segments, poles, side }.build(mesh, |_| Influence::rigid(limb.joint), |_, _| limb.part);
+    Loft { rings: &rings, segments, poles }.build(mesh, |_| Influence::rigid(limb.joint), |_| (limb.part, side));
 }

@@ -32,6 +32,13 @@ impl Ring {
     }
 }
 
+/// By how much a polygon of so many corners is larger than the circle it stands for, at the same area: coarse levels of
+/// detail look as stout as fine ones. [Limit: segments >= 3]
+pub(super) fn equal_area(segments: usize) -> f32 {
+    let corner = TAU / segments as f32;
+    (corner / corner.sin()).sqrt()
+}
+
 /// A closed tube through rings, from pole to pole.
 pub(super) struct Loft<'a> {
     /// At least one, in order along the tube.
@@ -40,30 +47,27 @@ pub(super) struct Loft<'a> {
     pub segments: usize,
     /// Tips before the first and after the last ring. [Unit: m]
     pub poles: [Vec3; 2],
-    /// The side of the body it is on.
-    pub side: Side,
 }
 
 impl Loft<'_> {
     /// Adds the surface to a mesh.
     ///
     /// - `weigh`: joints that move a rest position.
-    /// - `part`: what a face is, from its middle and its outward direction.
-    pub fn build(&self, mesh: &mut Mesh, weigh: impl Fn(Vec3) -> Influence, part: impl Fn(Vec3, Vec3) -> Part) {
+    /// - `part`: what a face is and on which side, from its middle.
+    pub fn build(&self, mesh: &mut Mesh, weigh: impl Fn(Vec3) -> Influence, part: impl Fn(Vec3) -> (Part, Side)) {
         let points = self.points();
         let faces = self.faces();
         let normals = normals(&points, &faces);
-        let mut known: BTreeMap<(usize, Part), u32> = BTreeMap::new();
+        let mut known: BTreeMap<(usize, Part, Side), u32> = BTreeMap::new();
         for face in faces {
             let middle = face.iter().map(|&i| points[i]).sum::<Vec3>() / face.len() as f32;
-            let outward = face.iter().map(|&i| normals[i]).sum::<Vec3>().normalize_or_zero();
-            let part = part(middle, outward);
+            let (part, side) = part(middle);
             let corners: Vec<u32> = face
                 .iter()
                 .map(|&i| {
-                    *known.entry((i, part)).or_insert_with(|| {
+                    *known.entry((i, part, side)).or_insert_with(|| {
                         let (joints, weights) = weigh(points[i]).to_bytes();
-                        let part = part as u32 + self.side as u32;
+                        let part = part as u32 + side as u32;
                         let (position, normal) = (points[i].to_array(), normals[i].to_array());
                         mesh.vertices.push(Vertex { position, part, normal, joints, weights });
                         mesh.vertices.len() as u32 - 1

@@ -123,8 +123,9 @@ mod tests {
 
     fn skeletons() -> [Skeleton; 2] {
         let mut small = Skeleton::default();
-        for (i, o) in small.offsets.iter_mut().enumerate() {
-            *o *= 0.7 + 0.02 * (i % 3) as f32;
+        for joint in Joint::ALL {
+            let kind = joint.index().min(joint.mirrored().index()) % 3;
+            small.offsets[joint.index()] *= 0.7 + 0.02 * kind as f32;
         }
         [Skeleton::default(), small]
     }

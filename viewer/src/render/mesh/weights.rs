@@ -61,12 +61,13 @@ mod tests {
 
     #[test]
     fn weights_sum_to_one_in_bytes() {
-        let links = [(Joint::Hips, 0.0, 0.1), (Joint::Spine, 1.0, 0.5), (Joint::Chest, 1.2, 0.5), (Joint::Neck, 1.4, 0.5)];
+        let links =
+            [(Joint::Hips, 0.0, 0.1), (Joint::Spine, 1.0, 0.5), (Joint::Chest, 1.2, 0.5), (Joint::Neck, 1.4, 0.5)];
         for i in 0..100 {
             let (_, w) = Influence::chain(&links, i as f32 * 0.03).to_bytes();
             assert_eq!(w.iter().map(|&w| u32::from(w)).sum::<u32>(), 255);
         }
-        assert_eq!(Influence::chain(&links, 0.0), Influence::rigid(Joint::Hips));
+        assert_eq!(Influence::chain(&links, 0.0).0[0], (Joint::Hips, 1.0));
         assert_eq!(Influence::chain(&links, 9.0).to_bytes().1[0], 255);
         assert_eq!(Influence::chain(&links[..2], 1.0).to_bytes().1[..2], [127, 128]);
     }

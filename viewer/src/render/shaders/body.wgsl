@@ -12,8 +12,8 @@ struct Shaded {
 fn part_colour(part: u32) -> vec4<f32> {
     switch part {
         case 0u: { return vec4(0.88, 0.76, 0.66, 0.86); }
-        case 2u: { return vec4(0.23, 0.26, 0.32, 0.62); }
-        case 3u: { return vec4(0.13, 0.14, 0.17, 0.86); }
+        case 2u: { return vec4(0.27, 0.30, 0.36, 0.62); }
+        case 3u: { return vec4(0.17, 0.18, 0.21, 0.86); }
         case 4u: { return vec4(0.93, 0.91, 0.86, 0.92); }
         case 5u: { return vec4(0.10, 0.12, 0.15, 0.94); }
         default: { return vec4(0.5, 0.5, 0.5, 0.0); }
@@ -24,10 +24,10 @@ fn part_colour(part: u32) -> vec4<f32> {
 fn sided(colour: vec3<f32>, side: u32, part: u32) -> vec3<f32> {
     let strength = select(1.0, 0.35, part == 0u);
     if side == 1u {
-        return mix(colour, vec3(1.0), 0.20 * strength);
+        return mix(colour, vec3(1.0), 0.13 * strength);
     }
     if side == 2u {
-        return mix(colour, vec3(0.0), 0.20 * strength);
+        return mix(colour, vec3(0.0), 0.13 * strength);
     }
     return colour;
 }

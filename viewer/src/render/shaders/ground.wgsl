@@ -41,9 +41,9 @@ fn axis(coordinate: f32, change: f32, width: f32) -> f32 {
     return smoothstep(half_width + 0.6 * change, half_width - 0.6 * change, abs(coordinate));
 }
 
-// Mean of the mask around a pixel.
-fn softened(pixel: vec2<f32>) -> vec2<f32> {
-    let step = 1.25 / scene.viewport.xy;
+// Mean of the mask around a pixel, over neighbours `reach` pixels away.
+fn softened(pixel: vec2<f32>, reach: f32) -> vec2<f32> {
+    let step = reach / scene.viewport.xy;
     let at = pixel / scene.viewport.xy;
     var sum = vec2(0.0);
     for (var y = -1; y <= 1; y++) {
@@ -63,11 +63,13 @@ fn ground_fragment(in: Surface) -> @location(0) vec4<f32> {
     let close = 1.0 - smoothstep(0.002, 0.006, max(change.x, change.y));
     colour = mix(colour, scene.grid.rgb, 0.42 * close * lines(world, change, 0.1, 0.003));
     colour = mix(colour, scene.grid.rgb, lines(world, change, 1.0, 0.012));
-    colour = mix(colour, scene.grid_strong.rgb, 0.9 * lines(world, change, 10.0, 0.03));
+    colour = mix(colour, scene.grid_strong.rgb, 0.9 * lines(world, change, 10.0, 0.02));
     colour = mix(colour, scene.axis_x.rgb, 0.8 * axis(world.y, change.y, 0.014));
     colour = mix(colour, scene.axis_z.rgb, 0.8 * axis(world.x, change.x, 0.014));
-    let shade = softened(in.clip.xy);
-    let dark = scene.shadow.a * max(shade.r * 0.72, shade.g);
+    let sun = softened(in.clip.xy, 1.25).r;
+    // Contact is soft over about two centimetres, whatever the distance.
+    let contact = softened(in.clip.xy, clamp(0.011 / max(change.x, change.y), 0.75, 5.0)).g;
+    let dark = scene.shadow.a * max(sun * 0.85, contact);
     colour = mix(colour, scene.shadow.rgb, dark);
     let far = smoothstep(0.25, 1.0, length(in.place) / scene.eye.w);
     return vec4(mix(colour, scene.horizon.rgb, far), 1.0);

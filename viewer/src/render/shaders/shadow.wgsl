@@ -7,8 +7,10 @@ struct Dropped {
     @location(1) @interpolate(flat) opacity: f32,
 }
 
-fn dropped(v: BodyVertex, direction: vec3<f32>) -> Dropped {
-    let p = skin(v).position;
+// `wider` moves the surface outwards. [Unit: m]
+fn dropped(v: BodyVertex, direction: vec3<f32>, wider: f32) -> Dropped {
+    let skinned = skin(v);
+    let p = skinned.position + vec3(wider, 0.0, wider) * skinned.normal;
     let height = max(p.y, 0.0);
     let q = p - direction * (p.y / direction.y);
     var out: Dropped;
@@ -20,7 +22,7 @@ fn dropped(v: BodyVertex, direction: vec3<f32>) -> Dropped {
 
 @vertex
 fn sun_vertex(v: BodyVertex) -> Dropped {
-    return dropped(v, scene.sun.xyz);
+    return dropped(v, scene.sun.xyz, 0.0);
 }
 
 @fragment
@@ -31,7 +33,7 @@ fn sun_fragment(in: Dropped) -> @location(0) vec4<f32> {
 
 @vertex
 fn contact_vertex(v: BodyVertex) -> Dropped {
-    return dropped(v, vec3(0.0, 1.0, 0.0));
+    return dropped(v, vec3(0.0, 1.0, 0.0), 0.014);
 }
 
 @fragment

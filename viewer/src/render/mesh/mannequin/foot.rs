@@ -49,7 +49,7 @@ pub(super) fn build(plan: &Plan, side: Side, mesh: &mut Mesh) {
         .collect();
     let poles = [place(HEEL) + Vec3::Y * (0.03 * s), place(TIP) + Vec3::Y * (0.018 * s)];
     let links = [(joints[0], f32::NEG_INFINITY, 0.0), (joints[1], ball.z, 0.025 * s)];
-    let part = |_, outward: Vec3| if outward.y < -0.75 { Part::Sole } else { Part::Shoe };
-    let loft = Loft { rings: &rings, segments: plan.segments([12, 8, 4]), poles, side };
+    let part = |middle: Vec3| (if middle.y < sole + 0.004 * s { Part::Sole } else { Part::Shoe }, side);
+    let loft = Loft { rings: &rings, segments: plan.segments([12, 6, 4]), poles };
     loft.build(mesh, |p| Influence::chain(&links, p.z), part);
 }

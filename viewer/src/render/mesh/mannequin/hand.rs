@@ -45,15 +45,14 @@ pub(super) fn build(plan: &Plan, side: Side, mesh: &mut Mesh) {
         })
         .collect();
     let poles = PALM_ENDS.map(|along| place([along, 0.0, 0.0]));
-    let loft = Loft { rings: &rings, segments: plan.segments([10, 6, 3]), poles, side };
-    loft.build(mesh, weigh, |_, _| Part::Skin);
+    let loft = Loft { rings: &rings, segments: plan.segments([10, 5, 3]), poles };
+    loft.build(mesh, weigh, |_| (Part::Skin, side));
     if plan.level == 0 {
         let across = Vec3::new(mirror, 0.0, -1.0).normalize();
-        let ring = |&(at, radius): &([f32; 3], f32)| {
-            Ring::ellipse(place(at), across * (radius * s), Vec3::Y * (radius * s))
-        };
+        let ring =
+            |&(at, radius): &([f32; 3], f32)| Ring::ellipse(place(at), across * (radius * s), Vec3::Y * (radius * s));
         let rings: Vec<Ring> = THUMB.iter().map(ring).collect();
-        let loft = Loft { rings: &rings, segments: 7, poles: THUMB_ENDS.map(place), side };
-        loft.build(mesh, weigh, |_, _| Part::Skin);
+        let loft = Loft { rings: &rings, segments: 7, poles: THUMB_ENDS.map(place) };
+        loft.build(mesh, weigh, |_| (Part::Skin, side));
     }
 }

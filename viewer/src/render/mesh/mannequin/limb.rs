@@ -1,6 +1,6 @@
 //! Legs and arms: a tube along two joints, and the balls within.
 
-use super::super::loft::{Loft, Ring};
+use super::super::loft::{Loft, Ring, equal_area};
 use super::super::{Influence, Mesh, Part, Side};
 use super::Plan;
 use glam::Vec3;
@@ -23,10 +23,10 @@ const fn section(along: f32, across: f32, depth: f32, forward: f32, level: usize
 }
 
 const LEG: [Section; 14] = [
-    section(-0.11, 0.050, 0.055, -0.008, 1),
-    section(-0.02, 0.081, 0.092, -0.006, 2),
-    section(0.12, 0.086, 0.098, -0.004, 0),
-    section(0.30, 0.084, 0.092, 0.002, 1),
+    section(-0.11, 0.036, 0.050, -0.008, 1),
+    section(-0.02, 0.064, 0.090, -0.006, 2),
+    section(0.12, 0.079, 0.098, -0.004, 0),
+    section(0.30, 0.081, 0.091, 0.001, 1),
     section(0.55, 0.071, 0.079, 0.007, 0),
     section(0.80, 0.058, 0.065, 0.006, 1),
     section(0.94, 0.053, 0.061, 0.005, 0),
@@ -40,9 +40,9 @@ const LEG: [Section; 14] = [
 ];
 
 const ARM: [Section; 13] = [
-    section(-0.22, 0.044, 0.052, 0.0, 1),
-    section(-0.06, 0.057, 0.061, 0.0, 2),
-    section(0.08, 0.058, 0.060, 0.0, 0),
+    section(-0.26, 0.040, 0.052, 0.0, 1),
+    section(-0.06, 0.055, 0.060, 0.0, 2),
+    section(0.08, 0.056, 0.059, 0.0, 0),
     section(0.24, 0.052, 0.055, 0.0, 1),
     section(0.48, 0.045, 0.050, 0.001, 0),
     section(0.74, 0.041, 0.044, 0.0, 1),
@@ -59,8 +59,8 @@ const ARM: [Section; 13] = [
 pub(super) fn leg(plan: &Plan, side: Side, mesh: &mut Mesh) {
     let joints = [Joint::LeftThigh, Joint::LeftShin, Joint::LeftFoot].map(|j| side.of(j));
     let tube = Tube { joints, before: Joint::Hips, across: Vec3::X, blends: [0.075, 0.07], part: Part::Trousers };
-    tube.build(plan, side, &LEG, plan.segments([12, 7, 4]), mesh);
-    plan.ball(joints[0], 0.08, Part::Trousers, mesh);
+    tube.build(plan, side, &LEG, plan.segments([14, 6, 4]), mesh);
+    plan.ball(joints[0], 0.062, Part::Trousers, mesh);
     plan.ball(joints[1], 0.052, Part::Trousers, mesh);
 }
 
@@ -68,10 +68,10 @@ pub(super) fn leg(plan: &Plan, side: Side, mesh: &mut Mesh) {
 pub(super) fn arm(plan: &Plan, side: Side, mesh: &mut Mesh) {
     let joints = [Joint::LeftUpperArm, Joint::LeftForearm, Joint::LeftHand].map(|j| side.of(j));
     let before = side.of(Joint::LeftClavicle);
-    let tube = Tube { joints, before, across: Vec3::Y, blends: [0.05, 0.05], part: Part::Shirt };
-    tube.build(plan, side, &ARM, plan.segments([10, 6, 3]), mesh);
-    plan.ball(joints[0], 0.058, Part::Shirt, mesh);
-    plan.ball(joints[1], 0.0385, Part::Shirt, mesh);
+    let tube = Tube { joints, before, across: Vec3::Y, blends: [0.075, 0.05], part: Part::Shirt };
+    tube.build(plan, side, &ARM, plan.segments([12, 5, 3]), mesh);
+    plan.ball(joints[0], 0.047, Part::Shirt, mesh);
+    plan.ball(joints[1], 0.036, Part::Shirt, mesh);
 }
 
 /// A limb's joints and how its surface bends.
@@ -99,12 +99,13 @@ impl Tube {
             .map(|section| {
                 let across = if self.across == Vec3::X { Vec3::X * mirror } else { self.across };
                 let centre = place(section.along) + Vec3::Z * (section.forward * s);
-                Ring::ellipse(centre, across * (section.half[0] * s), Vec3::Z * (section.half[1] * s))
+                let [u, v] = section.half.map(|half| half * s * equal_area(segments));
+                Ring::ellipse(centre, across * u, Vec3::Z * v)
             })
             .collect();
         let ends = sections.first().zip(sections.last()).map_or([0.0, 2.0], |(f, l)| [f.along - 0.04, l.along + 0.02]);
-        let loft = Loft { rings: &rings, segments, poles: ends.map(place), side };
-        loft.build(mesh, |p| self.weigh(plan, p), |_, _| self.part);
+        let loft = Loft { rings: &rings, segments, poles: ends.map(place) };
+        loft.build(mesh, |p| self.weigh(plan, p), |_| (self.part, side));
     }
 
     /// By the distance from the first joint along the limb.

@@ -36,21 +36,22 @@ impl Plan {
         by_level[self.level]
     }
 
-    /// A ball around a joint, half way between its own and its parent's turn: it is round, so either does.
+    /// A ball around a joint, moved by the joint. It is round, so turns do not show. Only close up.
     fn ball(&self, joint: Joint, radius: f32, part: Part, mesh: &mut Mesh) {
-        if self.level == 2 {
+        if self.level > 0 {
             return;
         }
         let (centre, radius) = (self.at(joint), radius * self.scale);
-        let bands = self.segments([4, 2, 1]);
+        let bands = 4;
         let ring = |i: usize| {
             let (s, c) = (std::f32::consts::PI * ((i as f32 + 0.5) / bands as f32 - 0.5)).sin_cos();
             Ring::ellipse(centre + Vec3::Y * s * radius, Vec3::X * c * radius, Vec3::Z * c * radius)
         };
         let rings: Vec<Ring> = (0..bands).map(ring).collect();
         let poles = [centre - Vec3::Y * radius, centre + Vec3::Y * radius];
-        let loft = Loft { rings: &rings, segments: self.segments([9, 6, 4]), poles, side: Side::of_joint(joint) };
-        loft.build(mesh, |_| Influence::rigid(joint), |_, _| part);
+        let loft = Loft { rings: &rings, segments: 8, poles };
+        let side = Side::of_joint(joint);
+        loft.build(mesh, |_| Influence::rigid(joint), |_| (part, side));
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::super::loft::{Loft, Ring};
 use super::super::weights::smooth;
-use super::super::{Influence, Mesh, Part, Side};
+use super::super::{Influence, Mesh, Part, Side, Vertex};
 use super::Plan;
 use glam::Vec3;
 use throng_runtime::{Joint, Skeleton};
@@ -12,10 +12,10 @@ use throng_runtime::{Joint, Skeleton};
 type Section = (f32, f32, f32, f32, usize);
 
 const SECTIONS: [Section; 15] = [
-    (0.842, 0.060, 0.062, -0.006, 1),
-    (0.868, 0.118, 0.092, -0.008, 2),
-    (0.905, 0.148, 0.108, -0.010, 0),
-    (0.945, 0.158, 0.113, -0.010, 1),
+    (0.838, 0.070, 0.050, -0.016, 1),
+    (0.862, 0.128, 0.078, -0.018, 2),
+    (0.900, 0.155, 0.100, -0.016, 0),
+    (0.945, 0.163, 0.111, -0.012, 1),
     (0.990, 0.152, 0.108, -0.006, 0),
     (1.045, 0.136, 0.097, 0.000, 1),
     (1.100, 0.127, 0.092, 0.004, 2),
@@ -23,13 +23,13 @@ const SECTIONS: [Section; 15] = [
     (1.235, 0.144, 0.106, 0.009, 1),
     (1.305, 0.156, 0.112, 0.010, 0),
     (1.370, 0.161, 0.108, 0.007, 2),
-    (1.420, 0.154, 0.096, 0.002, 1),
-    (1.455, 0.131, 0.078, -0.002, 0),
-    (1.482, 0.094, 0.063, -0.003, 1),
-    (1.503, 0.062, 0.054, -0.001, 0),
+    (1.420, 0.166, 0.098, 0.002, 1),
+    (1.458, 0.148, 0.080, -0.003, 0),
+    (1.487, 0.108, 0.073, 0.001, 1),
+    (1.509, 0.073, 0.070, 0.004, 0),
 ];
-const BOTTOM: f32 = 0.832;
-const TOP: f32 = 1.512;
+const BOTTOM: f32 = 0.828;
+const TOP: f32 = 1.516;
 /// Trousers below, shirt above. [Unit: m]
 const WAIST: f32 = 1.03;
 
@@ -77,9 +77,25 @@ pub(super) fn build(plan: &Plan, mesh: &mut Mesh) {
         .collect();
     let poles = [heights.middle(BOTTOM), heights.middle(TOP)];
     let waist = heights.middle(WAIST).y;
-    let part = |middle: Vec3, _| if middle.y < waist { Part::Trousers } else { Part::Shirt };
-    let loft = Loft { rings: &rings, segments: plan.segments([18, 10, 5]), poles, side: Side::Middle };
+    // Trousers have two legs, which begin at the belt.
+    let part = |middle: Vec3| match middle.y < waist {
+        true if middle.x > 0.0 => (Part::Trousers, Side::Left),
+        true => (Part::Trousers, Side::Right),
+        false => (Part::Shirt, Side::Middle),
+    };
+    let loft = Loft { rings: &rings, segments: plan.segments([18, 8, 6]), poles };
+    let first = mesh.vertices.len();
     loft.build(mesh, |p| weigh(plan, p), part);
+    mesh.vertices[first..].iter_mut().for_each(|v| hide_hem(plan, v));
+}
+
+/// Where the pelvis ends on the thighs, light falls on it as on them, so that no edge is seen.
+fn hide_hem(plan: &Plan, vertex: &mut Vertex) {
+    let thigh = plan.at(Joint::LeftThigh).y;
+    let flat = smooth(thigh + 0.05 * plan.scale, thigh, vertex.position[1]);
+    let normal = Vec3::from(vertex.normal);
+    let level = Vec3::new(normal.x, normal.y * (1.0 - flat), normal.z);
+    vertex.normal = level.try_normalize().unwrap_or(normal).to_array();
 }
 
 /// Along the spine by height; the lower flanks follow the thighs a little, the shoulders the clavicles.
