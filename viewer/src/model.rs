@@ -88,6 +88,8 @@ pub struct Model {
     pub messages: Vec<Message>,
     /// Where the time goes.
     pub times: FrameTimes,
+    /// Grows with every file that is shown, so that what was worked out of an older version is known for what it is.
+    pub generation: u64,
     weights: Vec<f32>,
     loader: Loader,
     watch: Option<Watch>,
@@ -207,7 +209,11 @@ impl Model {
                 self.settings.remember(&loaded.path);
                 self.show(opened, is_reload);
                 let name = loaded.path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-                self.say(if is_reload { format!("{name} has changed and was read again") } else { format!("Opened {name}") });
+                self.say(if is_reload {
+                    format!("{name} has changed and was read again")
+                } else {
+                    format!("Opened {name}")
+                });
             }
             Err(why) if matches!(self.document, Document::Nothing) => self.complain(why),
             Err(why) => self.complain(format!("{why}\nWhat was open is kept.")),
@@ -215,6 +221,7 @@ impl Model {
     }
 
     fn show(&mut self, opened: Opened, is_reload: bool) {
+        self.generation += 1;
         self.document = match opened {
             Opened::Clip(clip) => Document::Clip(clip),
             Opened::Bundle(bundle) => {
