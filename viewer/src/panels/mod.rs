@@ -66,7 +66,7 @@ pub const PANELS: &[Panel] = &[
         purpose: "targets, behaviours, number of characters, seed",
         dock: Dock::Side,
         key: Key::F1,
-        show: |ui, model, _, commands| control::show(ui, model, commands),
+        show: |ui, model, states, commands| control::show(ui, model, &mut states.control, commands),
     },
     Panel {
         kind: PanelKind::Statistics,
@@ -74,7 +74,7 @@ pub const PANELS: &[Panel] = &[
         purpose: "time of a step and a frame, memory, foot slip, arrivals",
         dock: Dock::Side,
         key: Key::F3,
-        show: |ui, model, _, commands| statistics::show(ui, model, commands),
+        show: |ui, model, _, _| statistics::show(ui, model),
     },
     Panel {
         kind: PanelKind::Database,
@@ -99,8 +99,12 @@ pub const PANELS: &[Panel] = &[
 pub struct PanelStates {
     /// The 3-D view.
     pub viewport: viewport::State,
+    /// Control.
+    pub control: control::State,
     /// The list of keys is shown.
     pub help: bool,
+    /// A dialog to open a file is wanted.
+    pub open_dialog: bool,
     /// The database browser.
     pub database: database::State,
     /// The import report.

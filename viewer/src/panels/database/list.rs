@@ -111,10 +111,10 @@ fn search(ui: &mut Ui, state: &mut State) {
             format!("{} of {total}", state.rows.len())
         };
         let name = ui.label("Search");
-        let width = (ui.available_width() - 110.0).max(60.0);
+        let width = (ui.available_width() - 120.0).max(60.0);
         let edit = TextEdit::singleline(&mut state.query).hint_text("name, tag, source").desired_width(width);
         ui.add(edit).labelled_by(name.id);
-        let clear = eframe::egui::Button::new("✖").small();
+        let clear = eframe::egui::Button::new("Clear").small();
         if ui.add_enabled(!state.query.is_empty(), clear).on_hover_text("Clear the search").clicked() {
             state.query.clear();
         }

@@ -47,7 +47,7 @@ fn a_search_leaves_what_matches_and_is_cleared() {
     harness.get_by_role_and_label(Role::TextInput, "Search").type_text(" no such word");
     harness.run();
     harness.get_by_label_contains("No clip matches");
-    harness.get_by_label("✖").click();
+    harness.get_by_label("Clear").click();
     harness.run();
     harness.get_by_label(&format!("{} clips", names.len()));
 }

@@ -1,8 +1,9 @@
 //! A table of which only the visible rows are laid out.
 
+use eframe::egui::text::{LayoutJob, TextWrapping};
 use eframe::egui::{
-    Align, Align2, CursorIcon, EventFilter, FontId, Id, Key, Modifiers, Rect, Response, Role, ScrollArea, Sense,
-    TextStyle, Ui, Vec2, WidgetInfo, pos2, vec2,
+    Align, Align2, Color32, CursorIcon, EventFilter, FontId, Id, Key, Modifiers, Rect, Response, Role, ScrollArea,
+    Sense, Shape, Stroke, TextStyle, Ui, Vec2, WidgetInfo, pos2, vec2,
 };
 use std::ops::Range;
 
@@ -135,8 +136,10 @@ impl Table<'_> {
             } else {
                 visuals.weak_text_color()
             };
-            let mark = sorted.map_or("", |s| if s.descending { " ⏷" } else { " ⏶" });
-            text(ui, rect, column.is_number, &format!("{}{mark}", column.title), FontId::proportional(11.5), colour);
+            if let Some(sort) = sorted {
+                sort_mark(ui, rect, sort.descending, colour);
+            }
+            text(ui, rect, column.is_number, column.title, FontId::proportional(11.5), colour);
             if response.clicked() {
                 out.sort = Some(Sort { column: i, descending: sorted.is_some_and(|s| !s.descending) });
             }
@@ -207,6 +210,14 @@ impl Table<'_> {
     }
 }
 
+/// A small triangle above a title: its broad side is where the largest rows are.
+fn sort_mark(ui: &Ui, title: Rect, descending: bool, colour: Color32) {
+    let (tip, base) = if descending { (3.0, -1.0) } else { (-1.0, 3.0) };
+    let at = title.center_top() + vec2(0.0, 1.0);
+    let points = vec![at + vec2(-3.5, base), at + vec2(3.5, base), at + vec2(0.0, tip)];
+    ui.painter().add(Shape::convex_polygon(points, colour, Stroke::NONE));
+}
+
 /// Where to scroll so that a row is seen; none where it is seen already.
 fn shown_offset(ui: &Ui, id: Id, row: usize, row_height: f32, height: f32) -> Option<f32> {
     let now = ui.data(|d| d.get_temp::<f32>(id)).unwrap_or(0.0);
@@ -242,13 +253,13 @@ fn cell_rect(row: Rect, place: &Range<f32>) -> Rect {
 }
 
 /// One line; what does not fit ends in dots.
-fn text(ui: &Ui, rect: Rect, is_number: bool, text: &str, font: FontId, colour: eframe::egui::Color32) {
+fn text(ui: &Ui, rect: Rect, is_number: bool, text: &str, font: FontId, colour: Color32) {
     if text.is_empty() {
         return;
     }
     let room = (rect.width() - 2.0 * PAD).max(1.0);
-    let mut job = eframe::egui::text::LayoutJob::simple_singleline(text.to_owned(), font, colour);
-    job.wrap = eframe::egui::text::TextWrapping::truncate_at_width(room);
+    let mut job = LayoutJob::simple_singleline(text.to_owned(), font, colour);
+    job.wrap = TextWrapping::truncate_at_width(room);
     let galley = ui.painter().layout_job(job);
     let align = if is_number { Align2([Align::Max, Align::Center]) } else { Align2([Align::Min, Align::Center]) };
     let place = align.align_size_within_rect(galley.size(), rect.shrink2(vec2(PAD, 0.0)));

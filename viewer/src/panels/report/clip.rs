@@ -5,7 +5,7 @@ use super::{facts, section};
 use crate::command::Command;
 use crate::document::RawMotion;
 use crate::panels::paint::{Palette, time_text};
-use eframe::egui::{Frame, Grid, Label, RichText, Stroke, Ui};
+use eframe::egui::{Frame, Grid, Label, RichText, Sense, Stroke, TextStyle, Ui, vec2};
 use throng_precompute::inspect::ClipReport;
 use throng_runtime::Joint;
 
@@ -90,7 +90,8 @@ fn contacts(ui: &mut Ui, r: &ClipReport) {
     for (mood, text) in verdict(&r.contact) {
         let colour = if mood == Mood::Good { palette.good } else { palette.warning };
         ui.horizontal_top(|ui| {
-            ui.label(RichText::new(if mood == Mood::Good { "✔" } else { "⚠" }).color(colour));
+            let (dot, _) = ui.allocate_exact_size(vec2(10.0, ui.text_style_height(&TextStyle::Body)), Sense::hover());
+            ui.painter().circle_filled(dot.center(), 4.0, colour);
             ui.add(Label::new(text).selectable(true).wrap());
         });
     }

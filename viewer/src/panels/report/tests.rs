@@ -20,7 +20,7 @@ fn a_bundle_tells_what_it_was_made_of() {
     let meta = bundle.tables().meta();
     harness.get_by_label(&meta.generator);
     harness.get_by_label("Copy").click();
-    harness.run();
+    harness.step();
     let copied = harness
         .output()
         .platform_output
