@@ -22,10 +22,12 @@ pub struct Figure {
 pub struct Look {
     /// Points a metre.
     pub scale: f32,
-    /// Opacity. [Limit: 0 to 1]
-    pub opacity: f32,
-    /// Colour of all limbs instead of those of the sides.
-    pub colour: Option<Color32>,
+    /// What lies behind it.
+    pub paper: Color32,
+    /// How much it fades into what lies behind it. [Limit: 0 to 1]
+    pub fade: f32,
+    /// A silhouette of one colour, so much larger than the body on all sides. [Unit: m]
+    pub halo: Option<(Color32, f32)>,
 }
 
 impl Figure {
@@ -46,12 +48,14 @@ impl Figure {
     /// Paints it with its place on the ground at `foot`: the far, left side first.
     pub fn paint(&self, painter: &Painter, foot: Pos2, look: Look, palette: &Palette) {
         use Joint::*;
-        let colour = |c: Color32| look.colour.unwrap_or(c).gamma_multiply(look.opacity);
+        // Opaque, so that limbs which lie over each other do not show their joints.
+        let colour = |c: Color32| look.halo.map_or(c.lerp_to_gamma(look.paper, look.fade), |h| h.0);
+        let grown = 2.0 * look.halo.map_or(0.0, |h| h.1);
         let (left, right, trunk) = (colour(palette.left), colour(palette.right), colour(palette.trunk));
         let at = |p: Vec2| foot + vec2(p.x, -p.y) * look.scale;
         let joint = |j: Joint| at(self.joints[j.index()]);
         let chain = |points: &[Pos2], metres: f32, colour: Color32| {
-            let stroke = Stroke::new((metres * look.scale).max(1.0), colour);
+            let stroke = Stroke::new(((metres + grown) * look.scale).max(1.0), colour);
             for pair in points.windows(2) {
                 painter.line_segment([pair[0], pair[1]], stroke);
             }
@@ -65,7 +69,7 @@ impl Figure {
         chain(&[joint(Hips), joint(Spine), joint(Chest), joint(UpperChest), joint(Neck)], 0.14, trunk);
         let head = joint(Head) + 0.5 * (at(self.tips[0]) - joint(Head));
         chain(&[joint(Neck), head], 0.06, trunk);
-        painter.circle_filled(head, (0.1 * look.scale).max(1.5), trunk);
+        painter.circle_filled(head, ((0.1 + 0.5 * grown) * look.scale).max(1.5), trunk);
         chain(&[joint(RightThigh), joint(RightShin), joint(RightFoot), joint(RightToe), at(self.tips[2])], 0.08, right);
         chain(&[joint(RightUpperArm), joint(RightForearm), joint(RightHand)], 0.06, right);
         self.paint_contacts(painter, foot, look, palette);
@@ -84,7 +88,7 @@ impl Figure {
             if self.contacts.any(part) {
                 let x = foot.x + self.joints[joint.index()].x * look.scale;
                 let half = (0.07 * look.scale).max(2.0);
-                let stroke = Stroke::new(2.0, colour.gamma_multiply(look.opacity));
+                let stroke = Stroke::new(2.0, colour.lerp_to_gamma(look.paper, look.fade));
                 painter.hline(x - half..=x + half, foot.y + below, stroke);
             }
         }

@@ -2,7 +2,7 @@
 
 use super::outgoing::Outgoing;
 use super::timeline::Scene;
-use super::track::{FEET, Named, Track};
+use super::track::{Named, Track};
 use crate::panels::paint::{Axis, Palette, hatch};
 use eframe::egui::{
     Align2, Color32, FontId, Painter, Pos2, Rangef, Rect, Shape, Stroke, StrokeKind, Ui, Visuals,
@@ -61,8 +61,8 @@ pub fn paint(ui: &Ui, lanes: &Lanes, axis: &Axis, scene: &Scene<'_>) {
     let clip = Rect::from_x_y_ranges(axis.x, ui.clip_rect().y_range());
     let painter = ui.painter().with_clip_rect(clip.intersect(ui.clip_rect()));
     let (track, label) = (scene.track, |rect: Rect, text| label(ui, lanes.labels, rect, text));
-    label(lanes.feet[0].union(lanes.feet[1]), "left foot");
-    label(lanes.feet[2].union(lanes.feet[3]), "right foot");
+    label(lanes.feet[0].union(lanes.feet[1]), "left heel, toe");
+    label(lanes.feet[2].union(lanes.feet[3]), "right heel, toe");
     feet(&painter, lanes, axis, track, &palette, visuals);
     if let [first, ..] = lanes.tags.as_slice() {
         label(*first, "tags");
@@ -101,11 +101,6 @@ fn feet(painter: &Painter, lanes: &Lanes, axis: &Axis, track: &Track, palette: &
         let colour = if i % 2 == 0 { side } else { side.gamma_multiply(0.6) };
         for rect in runs.iter().filter_map(|r| run_rect(*lane, axis, r)) {
             painter.rect_filled(rect, 1.0, colour);
-        }
-        if lane.height() >= FOOT && axis.points_per_frame() > 0.0 {
-            let part = if FEET[i].1.ends_with("heel") { "heel" } else { "toe" };
-            let at = lane.left_center() + vec2(2.0, 0.0);
-            painter.text(at, Align2::LEFT_CENTER, part, FontId::proportional(8.0), visuals.weak_text_color());
         }
     }
 }

@@ -13,7 +13,7 @@ const fn number(title: &'static str, hint: &'static str, width: f32) -> Column {
 const COLUMNS: [Column; Field::ALL.len()] = [
     Column {
         title: "Clip",
-        hint: "Name; copies with left and right exchanged end in ~mirror",
+        hint: "Name; copies with left and right exchanged are dimmed and end in ~mirror",
         width: 110.0,
         grows: 2.0,
         is_number: false,
@@ -96,8 +96,7 @@ pub fn show(
     if let Some(sort) = response.sort {
         state.sort = Some(sort);
     }
-    if let Some(clip) = response.chosen.map(|row| state.rows[row]).filter(|c| *c != selected || response.sort.is_none())
-    {
+    if let Some(clip) = response.chosen.map(|row| state.rows[row]) {
         commands.push(Command::ShowClip { clip, frame: 0 });
     }
 }
@@ -126,11 +125,11 @@ fn cell(entry: &Entry, field: Field) -> Cell {
     let share = |v: f32| format!("{:.0} %", 100.0 * v);
     let count = |n: u32| if n == 0 { Cell::weak("0") } else { Cell::new(n.to_string()) };
     match field {
-        Field::Name if entry.mirrored => Cell::weak(&entry.name),
-        Field::Name => Cell::new(&entry.name),
+        Field::Name if entry.mirrored => Cell::weak(&entry.name).ending(),
+        Field::Name => Cell::new(&entry.name).ending(),
         Field::Duration => Cell::new(time_text(entry.duration_s)),
-        Field::Usable => Cell { text: share(entry.usable), weak: entry.usable >= 1.0 },
-        Field::Played => Cell { text: share(entry.played), weak: entry.played <= 0.0 },
+        Field::Usable => Cell { text: share(entry.usable), weak: entry.usable >= 1.0, ..Cell::default() },
+        Field::Played => Cell { text: share(entry.played), weak: entry.played <= 0.0, ..Cell::default() },
         Field::States => count(entry.states),
         Field::Actions => count(entry.actions),
         Field::Tags => Cell::new(&entry.tags),

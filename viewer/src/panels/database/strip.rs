@@ -71,14 +71,16 @@ impl Strip {
         let highest = self.figures.iter().map(|f| f.1.top()).fold(LEAST_HEIGHT_M, f32::max);
         let scale = (ground - rect.top() - 2.0) / highest;
         let Some((head, others)) = self.figures.split_last() else { return };
-        let paint = |(frame, figure): &(u32, Figure), opacity, colour| {
+        let paper = ui.visuals().extreme_bg_color;
+        let paint = |(frame, figure): &(u32, Figure), fade, halo| {
             let foot = pos2(axis.x_of(*frame as f32), ground);
-            figure.paint(&painter, foot, Look { scale, opacity, colour }, &palette);
+            figure.paint(&painter, foot, Look { scale, paper, fade, halo }, &palette);
         };
         for other in others.iter().filter(|o| o.0 != head.0) {
             paint(other, 0.5, None);
         }
-        paint(head, 1.0, Some(palette.head));
+        paint(head, 0.0, Some((palette.head, 0.05)));
+        paint(head, 0.0, None);
     }
 }
 

@@ -10,7 +10,7 @@ use eframe::egui::{
 };
 
 /// Width of the labels left of the lanes. [Unit: points]
-const GUTTER: f32 = 66.0;
+const GUTTER: f32 = 88.0;
 /// Zoom of a point of the scroll wheel, as an exponent.
 const ZOOM_PER_POINT: f32 = 0.004;
 

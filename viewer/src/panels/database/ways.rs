@@ -17,15 +17,15 @@ const COLUMNS: [Column; 4] = [
     Column {
         title: "Moves",
         hint: "Displacement over the action, as seen from its start",
-        width: 120.0,
-        grows: 0.6,
+        width: 150.0,
+        grows: 0.4,
         is_number: false,
     },
     Column { title: "Lasts", hint: "Duration of the action", width: 50.0, grows: 0.0, is_number: true },
     Column {
         title: "Error",
         hint: "How much the pose that is left and the one that follows differ; none where the clip goes on",
-        width: 44.0,
+        width: 54.0,
         grows: 0.0,
         is_number: true,
     },
@@ -74,7 +74,7 @@ pub fn show(
         match column {
             0 => {
                 let name = bundle.clip_name(way.clip);
-                Cell::new(format!("{name} {}–{}", way.start, way.start + way.num_frames))
+                Cell::new(format!("{name} {}–{}", way.start, way.start + way.num_frames)).ending()
             }
             1 => Cell::new(displacement_text(way.displacement)),
             2 => Cell::new(time_text(f64::from(way.num_frames) / f64::from(bundle.rate_hz()))),

@@ -41,17 +41,24 @@ pub struct Cell {
     pub text: String,
     /// It matters less.
     pub weak: bool,
+    /// Where there is no room for all of it, its end is shown instead of its beginning.
+    pub ending: bool,
 }
 
 impl Cell {
     /// A text.
     pub fn new(text: impl Into<String>) -> Self {
-        Self { text: text.into(), weak: false }
+        Self { text: text.into(), ..Self::default() }
     }
 
     /// A text that matters less.
     pub fn weak(text: impl Into<String>) -> Self {
-        Self { text: text.into(), weak: true }
+        Self { text: text.into(), weak: true, ..Self::default() }
+    }
+
+    /// The same, of which the end tells more than the beginning.
+    pub fn ending(self) -> Self {
+        Self { ending: true, ..self }
     }
 }
 
@@ -180,7 +187,13 @@ impl Table<'_> {
                 (false, true) => visuals.weak_text_color(),
                 (false, false) => visuals.text_color(),
             };
-            text(ui, cell_rect(rect, place), column.is_number, &cell.text, font.clone(), colour);
+            let rect = cell_rect(rect, place);
+            if cell.ending {
+                let ending = shortened(ui, &cell.text, &font, rect.width());
+                text(ui, rect, column.is_number, &ending, font.clone(), colour);
+            } else {
+                text(ui, rect, column.is_number, &cell.text, font.clone(), colour);
+            }
         }
         response
     }
@@ -264,6 +277,20 @@ fn text(ui: &Ui, rect: Rect, is_number: bool, text: &str, font: FontId, colour: 
     let align = if is_number { Align2([Align::Max, Align::Center]) } else { Align2([Align::Min, Align::Center]) };
     let place = align.align_size_within_rect(galley.size(), rect.shrink2(vec2(PAD, 0.0)));
     ui.painter().with_clip_rect(rect.intersect(ui.clip_rect())).galley(place.min, galley, colour);
+}
+
+/// The end of a text that is wider than `width`, after dots.
+fn shortened(ui: &Ui, text: &str, font: &FontId, width: f32) -> String {
+    let wide = ui.painter().layout_no_wrap(text.to_owned(), font.clone(), Color32::PLACEHOLDER).size().x;
+    let room = (width - 2.0 * PAD).max(1.0);
+    if wide <= room {
+        return text.to_owned();
+    }
+    let num_chars = text.chars().count();
+    // Letters differ in width: a little less than their mean allows.
+    let kept = (0.94 * num_chars as f32 * room / wide) as usize;
+    let dropped = num_chars.saturating_sub(kept.saturating_sub(1));
+    std::iter::once('…').chain(text.chars().skip(dropped)).collect()
 }
 
 #[cfg(test)]

@@ -102,7 +102,7 @@ fn source_list(ui: &mut Ui, sources: &[SourceMeta], document: u64, state: &mut S
             table.show(ui, |row, column| {
                 let s = &sources[rows[row]];
                 match column {
-                    0 => Cell::new(&s.path),
+                    0 => Cell::new(&s.path).ending(),
                     1 => Cell::new(bytes_text(s.bytes)),
                     _ => Cell::weak(format!("{:032x}", s.hash)),
                 }
@@ -120,9 +120,10 @@ fn source_list(ui: &mut Ui, sources: &[SourceMeta], document: u64, state: &mut S
 }
 
 fn config(ui: &mut Ui, toml: &str) {
+    ui.add_space(8.0);
     let name = ui
         .horizontal(|ui| {
-            let name = section(ui, "Configuration");
+            let name = ui.label(RichText::new("Configuration").strong().size(15.0)).id;
             if ui.small_button("Copy").on_hover_text("Copy the configuration").clicked() {
                 ui.copy_text(toml.to_owned());
             }

@@ -63,8 +63,8 @@ fn motion(ui: &mut Ui, r: &ClipReport) {
     let all = [
         ("File", r.file.clone()),
         ("Format", format!("{format}, {} joints", r.joints)),
-        ("Motion", format!("{} frames at {:.4} Hz, {}", r.frames, Rate(r.rate_hz), time_text(r.duration_s))),
-        ("Unit", format!("{} m", r.metres_per_unit)),
+        ("Motion", format!("{} frames at {:.4} Hz, {}", r.frames, Rounded(r.rate_hz), time_text(r.duration_s))),
+        ("Unit", format!("{:.6} m", Rounded(r.metres_per_unit))),
         ("Up axis", r.up.to_string()),
         ("Rest pose", format!("{rest}, faces {:.0}°", r.facing_deg)),
         ("Height", format!("{:.2} m", r.height_m)),
@@ -73,10 +73,10 @@ fn motion(ui: &mut Ui, r: &ClipReport) {
     facts(ui, "motion", all);
 }
 
-/// A rate without zeros that say nothing.
-struct Rate(f64);
+/// A number without digits that say nothing.
+struct Rounded(f64);
 
-impl std::fmt::Display for Rate {
+impl std::fmt::Display for Rounded {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let digits = f.precision().unwrap_or(2) as i32;
         let unit = 10f64.powi(digits);
@@ -145,11 +145,11 @@ fn roles(ui: &mut Ui, r: &ClipReport) {
 
 #[cfg(test)]
 mod tests {
-    use super::Rate;
+    use super::Rounded;
 
     #[test]
-    fn rates_have_no_needless_digits() {
-        assert_eq!(format!("{:.4}", Rate(30.000_003)), "30");
-        assert_eq!(format!("{:.4}", Rate(119.88)), "119.88");
+    fn numbers_have_no_needless_digits() {
+        assert_eq!(format!("{:.4}", Rounded(30.000_003)), "30");
+        assert_eq!(format!("{:.4}", Rounded(119.88)), "119.88");
     }
 }

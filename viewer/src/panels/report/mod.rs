@@ -8,7 +8,7 @@ use super::paint::nothing_open;
 use crate::command::Command;
 use crate::document::Document;
 use crate::model::Model;
-use eframe::egui::{Grid, Id, Label, RichText, ScrollArea, TextWrapMode, Ui};
+use eframe::egui::{Grid, Label, RichText, ScrollArea, TextWrapMode, Ui};
 
 /// What the panel remembers of how it looks.
 #[derive(Clone, Debug, Default)]
@@ -28,11 +28,10 @@ pub fn show(ui: &mut Ui, model: &Model, state: &mut State, commands: &mut Vec<Co
 }
 
 /// A heading with space above it.
-fn section(ui: &mut Ui, title: &str) -> Id {
+fn section(ui: &mut Ui, title: &str) {
     ui.add_space(8.0);
-    let id = ui.label(RichText::new(title).strong().size(15.0)).id;
+    ui.label(RichText::new(title).strong().size(15.0));
     ui.add_space(2.0);
-    id
 }
 
 /// Names and values, the values to be copied.
