@@ -20,7 +20,7 @@ pub enum Field {
     States,
     /// Actions that leave its states.
     Actions,
-    /// Tags.
+    /// Tags; the last column, so that it can be left out.
     Tags,
 }
 
@@ -88,6 +88,11 @@ impl Catalogue {
             })
             .collect();
         Self { entries }
+    }
+
+    /// True where any clip has tags.
+    pub fn has_tags(&self) -> bool {
+        self.entries.iter().any(|e| !e.tags.is_empty())
     }
 
     /// Numbers of the clips that have every word of the query in name, tags or source, in the order asked for.

@@ -14,8 +14,8 @@ const COLUMNS: [Column; Field::ALL.len()] = [
     Column {
         title: "Clip",
         hint: "Name; copies with left and right exchanged are dimmed and end in ~mirror",
-        width: 110.0,
-        grows: 2.0,
+        width: 130.0,
+        grows: 3.0,
         is_number: false,
     },
     number("Length", "Duration", 62.0),
@@ -85,7 +85,7 @@ pub fn show(
     }
     let table = Table {
         id: "clips",
-        columns: &COLUMNS,
+        columns: if state.catalogue.has_tags() { &COLUMNS } else { &COLUMNS[..Field::ALL.len() - 1] },
         num_rows: state.rows.len(),
         selected: state.rows.iter().position(|r| *r == selected),
         sort: Some(state.sort.unwrap_or(Sort { column: usize::MAX, descending: false })),

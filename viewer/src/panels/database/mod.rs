@@ -10,12 +10,12 @@ mod timeline;
 mod track;
 mod ways;
 
-use super::paint::{nothing_open, time_text};
+use super::paint::{Palette, nothing_open, time_text};
 use crate::command::Command;
 use crate::document::{Bundle, Document, RawMotion};
 use crate::model::Model;
 use catalogue::Catalogue;
-use eframe::egui::{CentralPanel, Frame, Label, Panel, RichText, Ui};
+use eframe::egui::{Button, CentralPanel, Frame, Label, Panel, RichText, ScrollArea, Ui};
 use outgoing::Outgoing;
 use strip::{Source, Strip};
 use timeline::{Scene, View};
@@ -45,7 +45,7 @@ pub fn show(ui: &mut Ui, model: &Model, state: &mut State, commands: &mut Vec<Co
 
 fn bundle_view(ui: &mut Ui, bundle: &Bundle, model: &Model, state: &mut State, commands: &mut Vec<Command>) {
     let (document, clip) = (model.generation, model.selection.clip);
-    Panel::left("clips").default_size(400.0).min_size(240.0).frame(Frame::NONE.inner_margin(4)).show(ui, |ui| {
+    Panel::left("clips").default_size(420.0).min_size(240.0).frame(Frame::NONE.inner_margin(4)).show(ui, |ui| {
         list::show(ui, &mut state.list, document, || Catalogue::of(bundle), clip, commands);
     });
     if state.track.as_ref().is_none_or(|t| (t.0, t.1) != (document, clip)) {
@@ -92,7 +92,7 @@ fn clip_view(ui: &mut Ui, scene: &Scene<'_>, view: &mut View, strip: &mut Strip)
         .frame(frame)
         .show(ui, |ui| {
             header(ui, scene, view);
-            eframe::egui::ScrollArea::vertical()
+            ScrollArea::vertical()
                 .id_salt("timeline")
                 .auto_shrink([false, false])
                 .show(ui, |ui| timeline::show(ui, scene, view, strip))
@@ -104,22 +104,18 @@ fn clip_view(ui: &mut Ui, scene: &Scene<'_>, view: &mut View, strip: &mut Strip)
 fn header(ui: &mut Ui, scene: &Scene<'_>, view: &mut View) {
     let track = scene.track;
     ui.horizontal(|ui| {
-        ui.strong(&track.name);
-        if track.mirrored {
-            ui.label(RichText::new("mirrored").italics().weak());
-        }
-        let facts = format!("{} frames at {} Hz, {}", track.num_frames, track.rate_hz, time_text(track.duration_s()));
-        ui.label(facts);
-        let here = format!("at {:.2} s, frame {}", scene.head as f32 / track.rate_hz, scene.head);
-        ui.label(RichText::new(here).color(super::paint::Palette::of(ui.visuals()).head));
-        let fit = eframe::egui::Button::new("Fit").small();
+        let fit = Button::new("Fit").small();
         let hint = "Show all of the clip. Scroll to zoom, drag with the right button to move.";
         if ui.add_enabled(view.is_zoomed(), fit).on_hover_text(hint).on_disabled_hover_text(hint).clicked() {
             view.fit();
         }
-        if track.source != track.name {
-            ui.add(Label::new(RichText::new(&track.source).weak()).truncate());
-        }
+        ui.strong(&track.name);
+        let here = format!("at {:.2} s, frame {}", scene.head as f32 / track.rate_hz, scene.head);
+        ui.label(RichText::new(here).color(Palette::of(ui.visuals()).head));
+        let mirrored = if track.mirrored { "mirrored, " } else { "" };
+        let (frames, rate, time) = (track.num_frames, track.rate_hz, time_text(track.duration_s()));
+        let facts = format!("{mirrored}{frames} frames at {rate} Hz, {time}, from {}", track.source);
+        ui.add(Label::new(RichText::new(facts).weak()).truncate());
     });
 }
 

@@ -79,7 +79,7 @@ impl Strip {
         for other in others.iter().filter(|o| o.0 != head.0) {
             paint(other, 0.5, None);
         }
-        paint(head, 0.0, Some((palette.head, 0.05)));
+        paint(head, 0.0, Some((palette.head, 0.035)));
         paint(head, 0.0, None);
     }
 }

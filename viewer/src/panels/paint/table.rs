@@ -279,17 +279,16 @@ fn text(ui: &Ui, rect: Rect, is_number: bool, text: &str, font: FontId, colour: 
     ui.painter().with_clip_rect(rect.intersect(ui.clip_rect())).galley(place.min, galley, colour);
 }
 
-/// The end of a text that is wider than `width`, after dots.
+/// The end of a text that is wider than a cell, after dots.
 fn shortened(ui: &Ui, text: &str, font: &FontId, width: f32) -> String {
-    let wide = ui.painter().layout_no_wrap(text.to_owned(), font.clone(), Color32::PLACEHOLDER).size().x;
-    let room = (width - 2.0 * PAD).max(1.0);
-    if wide <= room {
+    let lay_out = |text: &str| ui.painter().layout_no_wrap(text.to_owned(), font.clone(), Color32::PLACEHOLDER);
+    let (whole, room) = (lay_out(text), width - 2.0 * PAD);
+    if whole.size().x <= room {
         return text.to_owned();
     }
-    let num_chars = text.chars().count();
-    // Letters differ in width: a little less than their mean allows.
-    let kept = (0.94 * num_chars as f32 * room / wide) as usize;
-    let dropped = num_chars.saturating_sub(kept.saturating_sub(1));
+    let least = whole.size().x + lay_out("…").size().x + 1.0 - room;
+    let places = whole.rows.iter().flat_map(|r| r.glyphs.iter().map(|g| g.pos.x));
+    let dropped = places.take_while(|x| *x < least).count();
     std::iter::once('…').chain(text.chars().skip(dropped)).collect()
 }
 

@@ -127,7 +127,7 @@ fn roles(ui: &mut Ui, r: &ClipReport) {
     section(ui, "Roles of the joints");
     let missing = Joint::ALL.iter().filter(|j| !r.roles.contains_key(j.name())).count();
     if missing > 0 {
-        let text = format!("{missing} of {} roles have no joint; they keep their rest pose.", Joint::ALL.len());
+        let text = format!("Roles without a joint of their own: {missing} of {}.", Joint::ALL.len());
         ui.label(RichText::new(text).weak());
     }
     let warning = Palette::of(ui.visuals()).warning;
