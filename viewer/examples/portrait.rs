@@ -77,11 +77,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         let drawn = renderer.draw(size, &camera, &colours);
         let submitted = started.elapsed();
         let (size, pixels) = renderer.pixels()?;
-        println!(
-            "{uploaded:?} in {upload:?}; {drawn:?} in {:?}; done after {:?}",
-            submitted - upload,
-            started.elapsed()
-        );
+        println!("{uploaded:?} in {upload:?}; {drawn:?} in {:?}; done after {:?}", submitted - upload, started.elapsed());
         write_ppm(&picture, size, &pixels)?;
     }
     Ok(())
@@ -120,8 +116,7 @@ fn every_shape(troupe: &Troupe) -> Shapes {
     };
     let joints = troupe.joint_positions(0).map(world);
     let mut shapes = Shapes::new();
-    let trail: Vec<Vec3> =
-        (0..60).map(|i| world(Vec3::new((i as f32 * 0.1).sin() * 0.2, 0.004, -0.05 * i as f32))).collect();
+    let trail: Vec<Vec3> = (0..60).map(|i| world(Vec3::new((i as f32 * 0.1).sin() * 0.2, 0.004, -0.05 * i as f32))).collect();
     shapes.polyline(&trail, 3.0, Rgba::hex(0xe8743b));
     shapes.ring(world(Vec3::ZERO), 0.42, 0.46, Rgba::hex(0x7a2bbf).alpha(0.8));
     shapes.disc(world(Vec3::new(1.2, 0.0, 0.6)), 0.25, Rgba::hex(0x1f9e89).alpha(0.6));

@@ -3,9 +3,7 @@
 use glam::Vec4;
 
 /// An sRGB colour with straight alpha, eight bits a channel.
-#[derive(
-    Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize, bytemuck::Pod, bytemuck::Zeroable,
-)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C)]
 pub struct Rgba(pub [u8; 4]);
 

@@ -63,8 +63,7 @@ mod tests {
             let mut within = |r: f32| rng.random_range(-r..r);
             let centre = Vec3::new(within(30.0), within(3.0), within(30.0));
             let offset = Vec3::new(within(1.0), within(1.0), within(1.0)).clamp_length_max(1.0);
-            let visible =
-                camera.project(centre + offset, size).is_some_and(|p| p.cmpge(Vec2::ZERO).all() && p.cmple(size).all());
+            let visible = camera.project(centre + offset, size).is_some_and(|p| p.cmpge(Vec2::ZERO).all() && p.cmple(size).all());
             if visible {
                 seen += 1;
                 assert!(frustum.sees(centre, 1.0), "{camera:?} {centre}");
@@ -82,10 +81,7 @@ mod tests {
         let mut rng = Pcg32::seed_from_u64(6);
         for mesh in bodies.into_iter().flat_map(|b| mesh::build(b, &skeleton)) {
             for _ in 0..20 {
-                let mut turn = || {
-                    Quat::from_rotation_y(rng.random_range(-3.0..3.0))
-                        * Quat::from_rotation_x(rng.random_range(-3.0..3.0))
-                };
+                let mut turn = || Quat::from_rotation_y(rng.random_range(-3.0..3.0)) * Quat::from_rotation_x(rng.random_range(-3.0..3.0));
                 let mut pose = [(Vec3::ZERO, Quat::IDENTITY); throng_runtime::NUM_JOINTS];
                 for j in Joint::ALL {
                     let (p, q) = j.parent().map_or((Vec3::ZERO, Quat::IDENTITY), |p| pose[p.index()]);

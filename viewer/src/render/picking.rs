@@ -177,8 +177,7 @@ mod tests {
         let mut rng = Pcg32::seed_from_u64(12);
         let (mut met, mut missed) = (0, 0);
         for _ in 0..400 {
-            let mut point =
-                |r: f32| Vec3::new(rng.random_range(-r..r), rng.random_range(-r..r), rng.random_range(-r..r));
+            let mut point = |r: f32| Vec3::new(rng.random_range(-r..r), rng.random_range(-r..r), rng.random_range(-r..r));
             let (a, b, origin) = (point(0.5), point(0.5), point(2.0));
             let ray = Ray { origin, direction: (point(0.6) - origin).normalize() };
             let distance = |p: Vec3| {

@@ -59,7 +59,12 @@ impl ShapeDraws {
     }
 
     /// Hands the shapes over; returns the bytes moved.
-    pub fn upload(&mut self, device: &wgpu::Device, queue: &wgpu::Queue, shapes: &Shapes) -> Result<u64, RenderError> {
+    pub fn upload(
+        &mut self,
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        shapes: &Shapes,
+    ) -> Result<u64, RenderError> {
         self.lines.1.write(device, queue, &shapes.lines)?;
         self.rounds.1.write(device, queue, &shapes.rounds)?;
         self.rings.1.write(device, queue, &shapes.rings)?;

@@ -22,7 +22,7 @@ use timeline::{Scene, View};
 use track::Track;
 
 /// Width from which on the ways out lie beside the timeline. [Unit: points]
-const WIDE: f32 = 760.0;
+const WIDE: f32 = 820.0;
 
 /// What the panel remembers of how it looks, and what it has worked out.
 #[derive(Clone, Debug, Default)]
@@ -63,7 +63,7 @@ fn bundle_view(ui: &mut Ui, bundle: &Bundle, model: &Model, state: &mut State, c
         head,
     };
     let wide = ui.available_width() >= WIDE;
-    let ways = if wide { Panel::right("ways").default_size(380.0) } else { Panel::bottom("ways").default_size(90.0) };
+    let ways = if wide { Panel::right("ways").default_size(420.0) } else { Panel::bottom("ways").default_size(90.0) };
     ways.min_size(60.0).frame(Frame::NONE.inner_margin(4)).show(ui, |ui| {
         state.highlighted = ways::show(ui, bundle, outgoing.as_ref(), head, commands);
     });

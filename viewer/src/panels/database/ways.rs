@@ -17,7 +17,7 @@ const COLUMNS: [Column; 4] = [
     Column {
         title: "Moves",
         hint: "Displacement over the action, as seen from its start",
-        width: 150.0,
+        width: 172.0,
         grows: 0.4,
         is_number: false,
     },
@@ -25,7 +25,7 @@ const COLUMNS: [Column; 4] = [
     Column {
         title: "Error",
         hint: "How much the pose that is left and the one that follows differ; none where the clip goes on",
-        width: 54.0,
+        width: 66.0,
         grows: 0.0,
         is_number: true,
     },

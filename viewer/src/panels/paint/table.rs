@@ -303,4 +303,28 @@ mod tests {
         assert_eq!(places(&columns, 140.0), [0.0..60.0, 60.0..90.0, 90.0..140.0]);
         assert_eq!(places(&columns, 10.0), [0.0..50.0, 50.0..80.0, 80.0..100.0]);
     }
+
+    #[test]
+    fn only_rows_in_sight_are_laid_out_and_the_selected_one_is_brought_there() {
+        let columns = [Column { title: "Row", hint: "", width: 80.0, grows: 1.0, is_number: false }];
+        let mut asked = Vec::new();
+        let mut harness = egui_kittest::Harness::builder().with_size(vec2(200.0, 300.0)).build_ui(|ui| {
+            let table = Table {
+                id: "rows",
+                columns: &columns,
+                num_rows: 100_000,
+                selected: Some(70_000),
+                sort: None,
+                scroll_to_selected: true,
+            };
+            asked.clear();
+            table.show(ui, |row, _| {
+                asked.push(row);
+                Cell::new(row.to_string())
+            });
+        });
+        harness.run_steps(3);
+        drop(harness);
+        assert!(asked.contains(&70_000) && asked.len() < 40, "{asked:?}");
+    }
 }

@@ -150,8 +150,7 @@ fn ranged(
 }
 
 fn point(value: &str) -> Result<Vec3, CameraParseError> {
-    let parts: Vec<f32> =
-        value.split(':').filter_map(|p| p.trim().parse().ok()).filter(|v: &f32| v.is_finite()).collect();
+    let parts: Vec<f32> = value.split(':').filter_map(|p| p.trim().parse().ok()).filter(|v: &f32| v.is_finite()).collect();
     match parts[..] {
         [x, y, z] if value.split(':').count() == 3 => Ok(Vec3::new(x, y, z)),
         _ => Err(CameraParseError::Value { key: "target", got: value.to_owned(), expected: "three numbers x:y:z" }),
@@ -182,10 +181,7 @@ mod tests {
 
     #[test]
     fn what_is_written_parses_back() {
-        for text in [
-            "yaw=30,pitch=20,distance=6,target=0:1:0,fov=35",
-            "yaw=-171.5,pitch=90,distance=0.5,target=-3.25:0:2,fov=60",
-        ] {
+        for text in ["yaw=30,pitch=20,distance=6,target=0:1:0,fov=35", "yaw=-171.5,pitch=90,distance=0.5,target=-3.25:0:2,fov=60"] {
             assert_eq!(text.parse::<Camera>().map(|c| c.to_string()), Ok(text.to_owned()));
         }
         for preset in Preset::ALL {

@@ -61,8 +61,7 @@ mod tests {
 
     #[test]
     fn weights_sum_to_one_in_bytes() {
-        let links =
-            [(Joint::Hips, 0.0, 0.1), (Joint::Spine, 1.0, 0.5), (Joint::Chest, 1.2, 0.5), (Joint::Neck, 1.4, 0.5)];
+        let links = [(Joint::Hips, 0.0, 0.1), (Joint::Spine, 1.0, 0.5), (Joint::Chest, 1.2, 0.5), (Joint::Neck, 1.4, 0.5)];
         for i in 0..100 {
             let (_, w) = Influence::chain(&links, i as f32 * 0.03).to_bytes();
             assert_eq!(w.iter().map(|&w| u32::from(w)).sum::<u32>(), 255);

@@ -49,8 +49,9 @@ pub(super) fn build(plan: &Plan, side: Side, mesh: &mut Mesh) {
     loft.build(mesh, weigh, |_, _| Part::Skin);
     if plan.level == 0 {
         let across = Vec3::new(mirror, 0.0, -1.0).normalize();
-        let ring =
-            |&(at, radius): &([f32; 3], f32)| Ring::ellipse(place(at), across * (radius * s), Vec3::Y * (radius * s));
+        let ring = |&(at, radius): &([f32; 3], f32)| {
+            Ring::ellipse(place(at), across * (radius * s), Vec3::Y * (radius * s))
+        };
         let rings: Vec<Ring> = THUMB.iter().map(ring).collect();
         let loft = Loft { rings: &rings, segments: 7, poles: THUMB_ENDS.map(place), side };
         loft.build(mesh, weigh, |_, _| Part::Skin);

@@ -39,9 +39,8 @@ pub(super) fn build(plan: &Plan, mesh: &mut Mesh) {
     let size = ((plan.tips[0] - head).length() / 0.2).clamp(0.2, 5.0);
     let base = head + Vec3::Y * ((plan.tips[0].y - head.y) - 0.2 * size);
     let place = |y: f32, forward: f32| base + Vec3::new(0.0, y, forward) * size;
-    let ring = |&(y, width, depth, forward, _): &Section| Ring {
-        square: [2.2, 2.2],
-        ..Ring::ellipse(place(y, forward), Vec3::X * (width * size), Vec3::Z * (depth * size))
+    let ring = |&(y, width, depth, forward, _): &Section| {
+        Ring { square: [2.2, 2.2], ..Ring::ellipse(place(y, forward), Vec3::X * (width * size), Vec3::Z * (depth * size)) }
     };
     let sections = |all: &[Section]| -> Vec<Ring> { all.iter().filter(|s| s.4 >= plan.level).map(ring).collect() };
 
