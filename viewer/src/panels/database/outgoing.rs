@@ -64,21 +64,16 @@ impl Outgoing {
     }
 }
 
-/// Where a displacement leads, for people: metres ahead, to the side, and the turn.
-pub fn displacement_text(d: Planar) -> String {
-    let (ahead, left, turn) = (d.z, d.x, d.heading.to_degrees());
-    let mut out = if ahead.abs() < 0.05 && left.abs() < 0.05 {
-        "on the spot".to_owned()
-    } else {
-        format!("{:.1} m {}", ahead.abs(), if ahead < 0.0 { "back" } else { "ahead" })
-    };
-    if left.abs() >= 0.05 {
-        out += &format!(", {:.1} m {}", left.abs(), if left > 0.0 { "left" } else { "right" });
-    }
-    if turn.abs() >= 1.0 {
-        out += &format!(", {:.0}° {}", turn.abs(), if turn > 0.0 { "left" } else { "right" });
-    }
-    out
+/// Where a displacement leads, for people: metres ahead, metres to the side, the turn. What is too little to be seen
+/// is empty.
+pub fn displacement_texts(d: Planar) -> [String; 3] {
+    let side = |v: f32| if v > 0.0 { "left" } else { "right" };
+    let turn = d.heading.to_degrees();
+    [
+        if d.z.abs() < 0.05 { String::new() } else { format!("{:.1} m", d.z) },
+        if d.x.abs() < 0.05 { String::new() } else { format!("{:.1} m {}", d.x.abs(), side(d.x)) },
+        if turn.abs() < 0.5 { String::new() } else { format!("{:.0}° {}", turn.abs(), side(turn)) },
+    ]
 }
 
 #[cfg(test)]
@@ -120,8 +115,8 @@ mod tests {
 
     #[test]
     fn displacements_are_said_in_directions() {
-        assert_eq!(displacement_text(Planar::new(0.0, 0.0, 0.0)), "on the spot");
-        assert_eq!(displacement_text(Planar::new(0.2, 1.0, 0.5)), "1.0 m ahead, 0.2 m left, 29° left");
-        assert_eq!(displacement_text(Planar::new(-0.2, -1.0, -0.5)), "1.0 m back, 0.2 m right, 29° right");
+        assert_eq!(displacement_texts(Planar::new(0.0, 0.0, 0.0)), ["", "", ""]);
+        assert_eq!(displacement_texts(Planar::new(0.2, 1.0, 0.5)), ["1.0 m", "0.2 m left", "29° left"]);
+        assert_eq!(displacement_texts(Planar::new(-0.2, -1.0, -0.5)), ["-1.0 m", "0.2 m right", "29° right"]);
     }
 }

@@ -1,12 +1,16 @@
 //! The list of the ways out of a frame.
 
-use super::outgoing::{Outgoing, displacement_text};
+use super::outgoing::{Outgoing, displacement_texts};
 use crate::command::Command;
 use crate::document::Bundle;
 use crate::panels::paint::{Cell, Column, Table, time_text};
 use eframe::egui::{RichText, Ui};
 
-const COLUMNS: [Column; 4] = [
+const fn number(title: &'static str, hint: &'static str, width: f32) -> Column {
+    Column { title, hint, width, grows: 0.0, is_number: true }
+}
+
+const COLUMNS: [Column; 6] = [
     Column {
         title: "Leads to",
         hint: "Clip, and the frames of it that are played",
@@ -14,21 +18,15 @@ const COLUMNS: [Column; 4] = [
         grows: 1.0,
         is_number: false,
     },
-    Column {
-        title: "Moves",
-        hint: "Displacement over the action, as seen from its start",
-        width: 172.0,
-        grows: 0.4,
-        is_number: false,
-    },
-    Column { title: "Lasts", hint: "Duration of the action", width: 50.0, grows: 0.0, is_number: true },
-    Column {
-        title: "Error",
-        hint: "How much the pose that is left and the one that follows differ; none where the clip goes on",
-        width: 66.0,
-        grows: 0.0,
-        is_number: true,
-    },
+    number("Ahead", "How far it goes ahead, as seen from its start", 48.0),
+    number("Aside", "How far it goes to the side, as seen from its start", 74.0),
+    number("Turn", "How far it turns", 66.0),
+    number("Lasts", "Duration", 52.0),
+    number(
+        "Error",
+        "How much the pose that is left and the one that follows differ; none where the clip goes on",
+        60.0,
+    ),
 ];
 
 /// Shows the actions; a click shows where one leads.
@@ -76,8 +74,11 @@ pub fn show(
                 let name = bundle.clip_name(way.clip);
                 Cell::new(format!("{name} {}–{}", way.start, way.start + way.num_frames)).ending()
             }
-            1 => Cell::new(displacement_text(way.displacement)),
-            2 => Cell::new(time_text(f64::from(way.num_frames) / f64::from(bundle.rate_hz()))),
+            1..=3 => {
+                let texts = displacement_texts(way.displacement);
+                Cell::new(texts.into_iter().nth(column - 1).unwrap_or_default())
+            }
+            4 => Cell::new(time_text(f64::from(way.num_frames) / f64::from(bundle.rate_hz()))),
             _ if way.goes_on => Cell::weak("goes on"),
             _ => Cell::new(format!("{:.2}", way.error)),
         }
