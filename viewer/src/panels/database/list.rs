@@ -14,7 +14,7 @@ const COLUMNS: [Column; Field::ALL.len()] = [
     Column {
         title: "Clip",
         hint: "Name; copies with left and right exchanged are dimmed and end in ~mirror",
-        width: 130.0,
+        width: 100.0,
         grows: 3.0,
         is_number: false,
     },

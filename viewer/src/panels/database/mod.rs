@@ -45,7 +45,7 @@ pub fn show(ui: &mut Ui, model: &Model, state: &mut State, commands: &mut Vec<Co
 
 fn bundle_view(ui: &mut Ui, bundle: &Bundle, model: &Model, state: &mut State, commands: &mut Vec<Command>) {
     let (document, clip) = (model.generation, model.selection.clip);
-    Panel::left("clips").default_size(400.0).min_size(240.0).frame(Frame::NONE.inner_margin(4)).show(ui, |ui| {
+    Panel::left("clips").default_size(430.0).min_size(300.0).frame(Frame::NONE.inner_margin(4)).show(ui, |ui| {
         list::show(ui, &mut state.list, document, || Catalogue::of(bundle), clip, commands);
     });
     if state.track.as_ref().is_none_or(|t| (t.0, t.1) != (document, clip)) {
