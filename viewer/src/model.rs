@@ -90,6 +90,8 @@ pub struct Model {
     pub times: FrameTimes,
     /// Width of the 3-D view over its height; 0 before it was first shown.
     pub aspect: f32,
+    /// Grows with every file that is shown, so that what was worked out of an older version is known for what it is.
+    pub generation: u64,
     weights: Vec<f32>,
     loader: Loader,
     watch: Option<Watch>,
@@ -228,6 +230,7 @@ impl Model {
     }
 
     fn show(&mut self, opened: Opened, is_reload: bool) {
+        self.generation += 1;
         self.document = match opened {
             Opened::Clip(clip) => Document::Clip(clip),
             Opened::Bundle(bundle) => {

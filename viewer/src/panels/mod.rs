@@ -4,8 +4,11 @@
 //! only concerns how it looks (a filter, a zoom) is its own state.
 
 pub mod control;
+pub mod database;
 pub mod help;
 pub mod messages;
+pub mod paint;
+pub mod report;
 pub mod statistics;
 pub mod top_bar;
 pub mod transport;
@@ -23,6 +26,10 @@ pub enum PanelKind {
     Control,
     /// What was measured.
     Statistics,
+    /// Clips, and a timeline of one of them.
+    Database,
+    /// What import found in a motion file, and what a bundle was made of.
+    Report,
 }
 
 /// Where a panel lies.
@@ -69,6 +76,22 @@ pub const PANELS: &[Panel] = &[
         key: Key::F3,
         show: |ui, model, _, _| statistics::show(ui, model),
     },
+    Panel {
+        kind: PanelKind::Database,
+        title: "Database",
+        purpose: "clips, their contacts, tags, poses, and the ways out of a frame",
+        dock: Dock::Bottom,
+        key: Key::F5,
+        show: |ui, model, states, commands| database::show(ui, model, &mut states.database, commands),
+    },
+    Panel {
+        kind: PanelKind::Report,
+        title: "Import report",
+        purpose: "what import found in a motion file; what a bundle was made of",
+        dock: Dock::Side,
+        key: Key::F6,
+        show: |ui, model, states, commands| report::show(ui, model, &mut states.report, commands),
+    },
 ];
 
 /// What panels remember of how they look.
@@ -84,6 +107,10 @@ pub struct PanelStates {
     pub bare: bool,
     /// A dialog to open a file is wanted.
     pub open_dialog: bool,
+    /// The database browser.
+    pub database: database::State,
+    /// The import report.
+    pub report: report::State,
 }
 
 impl PanelKind {
@@ -92,3 +119,6 @@ impl PanelKind {
         PANELS.iter().find(|p| p.kind == self)
     }
 }
+
+#[cfg(test)]
+pub(crate) mod tests;

@@ -1,0 +1,204 @@
+//! The clips of a bundle as a list: searched and sorted.
+
+use crate::document::Bundle;
+use crate::panels::paint::Sort;
+use std::cmp::Ordering;
+use std::ops::Range;
+
+/// Columns of the list, in order.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Field {
+    /// Name.
+    Name,
+    /// Length.
+    Duration,
+    /// Share of the frames that are not left out.
+    Usable,
+    /// Share of the frames that the motion graph plays.
+    Played,
+    /// States.
+    States,
+    /// Actions that leave its states.
+    Actions,
+    /// Tags; the last column, so that it can be left out.
+    Tags,
+}
+
+impl Field {
+    /// All of them, as the list shows them.
+    pub const ALL: [Self; 7] =
+        [Self::Name, Self::Duration, Self::Usable, Self::Played, Self::States, Self::Actions, Self::Tags];
+}
+
+/// A clip in the list.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Entry {
+    /// Name.
+    pub name: String,
+    /// A copy with left and right exchanged.
+    pub mirrored: bool,
+    /// Length. [Unit: s]
+    pub duration_s: f64,
+    /// Share of the frames that are not left out. [Limit: 0 to 1]
+    pub usable: f32,
+    /// Share of the frames that the motion graph plays. [Limit: 0 to 1]
+    pub played: f32,
+    /// States of the motion graph in it.
+    pub states: u32,
+    /// Actions that leave them.
+    pub actions: u32,
+    /// Names of its tags, each once.
+    pub tags: String,
+    /// What is searched, in lower case.
+    haystack: String,
+}
+
+/// All clips of a bundle.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Catalogue {
+    /// In the order of the bundle.
+    pub entries: Vec<Entry>,
+}
+
+impl Catalogue {
+    /// Collects what the list shows.
+    pub fn of(bundle: &Bundle) -> Self {
+        let played = played_rows(bundle);
+        let graph = bundle.tables().graph();
+        let entries = bundle
+            .clips()
+            .map(|(record, meta)| {
+                let rows = record.first_frame..record.first_frame + record.num_frames;
+                let states = states_within(bundle, &rows);
+                let n = record.num_frames as f32;
+                let excluded = (0..record.num_frames).filter(|f| meta.excluded.iter().any(|e| e.1 <= *f && *f < e.2));
+                let kept = played[rows.start as usize..rows.end as usize].iter().filter(|p| **p).count();
+                let tags = tag_names(&meta.tags);
+                Entry {
+                    name: meta.name.clone(),
+                    mirrored: record.mirrored != 0,
+                    duration_s: f64::from(record.num_frames) / f64::from(bundle.rate_hz()),
+                    usable: 1.0 - excluded.count() as f32 / n,
+                    played: kept as f32 / n,
+                    actions: graph.action_offsets[states.end] - graph.action_offsets[states.start],
+                    states: states.len() as u32,
+                    haystack: format!("{}\n{}\n{tags}", meta.name, meta.source).to_lowercase(),
+                    tags,
+                }
+            })
+            .collect();
+        Self { entries }
+    }
+
+    /// True where any clip has tags.
+    pub fn has_tags(&self) -> bool {
+        self.entries.iter().any(|e| !e.tags.is_empty())
+    }
+
+    /// Numbers of the clips that have every word of the query in name, tags or source, in the order asked for.
+    pub fn select(&self, query: &str, sort: Sort) -> Vec<usize> {
+        let query = query.to_lowercase();
+        let words: Vec<&str> = query.split_whitespace().collect();
+        let matches = |e: &Entry| words.iter().all(|w| e.haystack.contains(w));
+        let mut out: Vec<usize> = (0..self.entries.len()).filter(|&i| matches(&self.entries[i])).collect();
+        if let Some(field) = Field::ALL.get(sort.column) {
+            out.sort_by(|&a, &b| {
+                let order = compare(&self.entries[a], &self.entries[b], *field);
+                if sort.descending { order.reverse() } else { order }
+            });
+        }
+        out
+    }
+}
+
+fn compare(a: &Entry, b: &Entry, field: Field) -> Ordering {
+    match field {
+        Field::Name => a.name.cmp(&b.name),
+        Field::Duration => a.duration_s.total_cmp(&b.duration_s),
+        Field::Usable => a.usable.total_cmp(&b.usable),
+        Field::Played => a.played.total_cmp(&b.played),
+        Field::States => a.states.cmp(&b.states),
+        Field::Actions => a.actions.cmp(&b.actions),
+        Field::Tags => a.tags.cmp(&b.tags),
+    }
+}
+
+fn tag_names(tags: &[(String, u32, u32)]) -> String {
+    let mut names: Vec<&str> = tags.iter().map(|t| t.0.as_str()).collect();
+    names.sort_unstable();
+    names.dedup();
+    names.join(", ")
+}
+
+/// Numbers of the states whose frames lie in a range of rows.
+pub fn states_within(bundle: &Bundle, rows: &Range<u32>) -> Range<usize> {
+    let states = bundle.tables().graph().states;
+    states.partition_point(|s| s.frame < rows.start)..states.partition_point(|s| s.frame < rows.end)
+}
+
+/// True for every row that some segment plays: its first frame takes the place of the one that is left and does not
+/// count. [Size: number of frames]
+pub fn played_rows(bundle: &Bundle) -> Vec<bool> {
+    let tables = bundle.tables();
+    let mut played = vec![false; tables.frames().len()];
+    for s in tables.graph().segments {
+        played[s.start as usize + 1..=(s.start + s.num_frames) as usize].fill(true);
+    }
+    played
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::panels::tests::golden;
+
+    fn entry(name: &str, source: &str, tags: &str, states: u32) -> Entry {
+        let haystack = format!("{name}\n{source}\n{tags}").to_lowercase();
+        let (name, tags) = (name.to_owned(), tags.to_owned());
+        let duration_s = name.len() as f64;
+        Entry { name, mirrored: false, duration_s, usable: 1.0, played: 0.5, states, actions: 2, tags, haystack }
+    }
+
+    fn catalogue() -> Catalogue {
+        Catalogue {
+            entries: vec![
+                entry("Walk_01", "mocap/a.bvh", "walk, slow", 3),
+                entry("run_02", "mocap/b.bvh", "run", 9),
+                entry("walk_03~mirror", "mocap/b.bvh", "walk", 5),
+            ],
+        }
+    }
+
+    #[test]
+    fn every_word_has_to_match_name_tags_or_source_in_any_case() {
+        let c = catalogue();
+        let found = |query| c.select(query, Sort::default());
+        assert_eq!(found("").len(), 3);
+        assert_eq!(found("  WALK "), [0, 2]);
+        assert_eq!(found("walk b.bvh"), [2]);
+        assert_eq!(found("slow mocap"), [0]);
+        assert_eq!(found("walk run"), [0usize; 0]);
+    }
+
+    #[test]
+    fn the_order_is_that_of_the_column() {
+        let c = catalogue();
+        let column = Field::ALL.iter().position(|f| *f == Field::States).unwrap();
+        assert_eq!(c.select("", Sort { column, descending: false }), [0, 2, 1]);
+        assert_eq!(c.select("", Sort { column, descending: true }), [1, 2, 0]);
+        assert_eq!(c.select("walk", Sort { column, descending: true }), [2, 0]);
+    }
+
+    #[test]
+    fn sums_over_clips_are_those_of_the_bundle() {
+        let bundle = golden();
+        let c = Catalogue::of(&bundle);
+        let graph = bundle.tables().graph();
+        assert_eq!(c.entries.iter().map(|e| e.states as usize).sum::<usize>(), graph.states.len());
+        assert_eq!(c.entries.iter().map(|e| e.actions as usize).sum::<usize>(), graph.action_segments.len());
+        let played: f32 = bundle.clips().zip(&c.entries).map(|((r, _), e)| e.played * r.num_frames as f32).sum();
+        assert_eq!(played.round() as u64, bundle.tables().meta().frames_kept);
+        let usable: f32 = bundle.clips().zip(&c.entries).map(|((r, _), e)| e.usable * r.num_frames as f32).sum();
+        assert_eq!(usable.round() as u64, bundle.tables().meta().frames_in);
+    }
+}

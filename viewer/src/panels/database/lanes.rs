@@ -1,0 +1,188 @@
+//! The lanes of a timeline: contacts, tags, what is left out or played, states, ways out.
+
+use super::outgoing::Outgoing;
+use super::timeline::Scene;
+use super::track::{Named, Track};
+use crate::panels::paint::{Axis, Palette, hatch};
+use eframe::egui::{
+    Align2, Color32, FontId, Painter, Pos2, Rangef, Rect, Shape, Stroke, StrokeKind, Ui, Visuals,
+    epaint::CubicBezierShape, pos2, vec2,
+};
+use std::ops::Range;
+
+const FOOT: f32 = 8.0;
+const TAG: f32 = 17.0;
+const USE: f32 = 17.0;
+const STATES: f32 = 15.0;
+const WAYS: f32 = 30.0;
+/// Space between lanes. [Unit: points]
+const GAP: f32 = 4.0;
+
+/// Where the lanes lie.
+#[derive(Clone, Debug)]
+pub struct Lanes {
+    labels: Rangef,
+    feet: [Rect; 4],
+    tags: Vec<Rect>,
+    /// What is left out or played.
+    usage: Rect,
+    /// States, and below them the ways out; none without a motion graph.
+    states: Option<[Rect; 2]>,
+}
+
+impl Lanes {
+    /// Height of all lanes of a clip. [Unit: points]
+    pub fn height(track: &Track) -> f32 {
+        let states = if track.played.is_some() { GAP + STATES + WAYS } else { GAP };
+        GAP + 4.0 * (FOOT + 1.0) + GAP + TAG * track.tag_lanes() as f32 + GAP + USE + states
+    }
+
+    /// Lays them out below `top`; `rect` holds the labels too, `plot` only the frames.
+    pub fn below(top: f32, rect: Rect, plot: Rect, track: &Track) -> Self {
+        let mut y = top + GAP;
+        let mut lane = |height: f32, space: f32| {
+            let rect = Rect::from_x_y_ranges(plot.x_range(), y..=y + height);
+            y += height + space;
+            rect
+        };
+        let feet = [lane(FOOT, 1.0), lane(FOOT, 1.0), lane(FOOT, 1.0), lane(FOOT, 1.0 + GAP)];
+        let tags: Vec<Rect> = (0..track.tag_lanes()).map(|_| lane(TAG - 1.0, 1.0)).collect();
+        lane(0.0, GAP);
+        let usage = lane(USE, GAP);
+        let states = track.played.is_some().then(|| [lane(STATES, 0.0), lane(WAYS, 0.0)]);
+        Self { labels: Rangef::new(rect.left(), plot.left()), feet, tags, usage, states }
+    }
+}
+
+/// Paints the lanes.
+pub fn paint(ui: &Ui, lanes: &Lanes, axis: &Axis, scene: &Scene<'_>) {
+    let visuals = ui.visuals();
+    let palette = Palette::of(visuals);
+    let clip = Rect::from_x_y_ranges(axis.x, ui.clip_rect().y_range());
+    let painter = ui.painter().with_clip_rect(clip.intersect(ui.clip_rect()));
+    let (track, label) = (scene.track, |rect: Rect, text| label(ui, lanes.labels, rect, text));
+    label(lanes.feet[0].union(lanes.feet[1]), "left heel, toe");
+    label(lanes.feet[2].union(lanes.feet[3]), "right heel, toe");
+    feet(&painter, lanes, axis, track, &palette, visuals);
+    if let [first, ..] = lanes.tags.as_slice() {
+        label(*first, "tags");
+        for tag in &track.tags {
+            named_run(&painter, lanes.tags[tag.lane], axis, tag, palette.of_name(&tag.name), visuals);
+        }
+    }
+    label(lanes.usage, if track.played.is_some() { "played" } else { "left out" });
+    usage(&painter, lanes.usage, axis, track, &palette, visuals);
+    if let Some([states, ways]) = lanes.states {
+        label(states, "states");
+        label(ways, "ways out");
+        state_marks(&painter, states, axis, scene, &palette);
+        if let Some(outgoing) = scene.outgoing {
+            arcs(&painter, ways, axis, outgoing, scene, &palette);
+        }
+    }
+}
+
+fn label(ui: &Ui, x: Rangef, lane: Rect, text: &str) {
+    let at = pos2(x.max - 6.0, lane.center().y);
+    ui.painter().text(at, Align2::RIGHT_CENTER, text, FontId::proportional(11.0), ui.visuals().weak_text_color());
+}
+
+fn run_rect(lane: Rect, axis: &Axis, frames: &Range<u32>) -> Option<Rect> {
+    let x = axis.place(frames)?;
+    // A run of a few frames stays visible when a long clip is seen as a whole.
+    Some(Rect::from_x_y_ranges(x.min..=x.max.max(x.min + 1.0), lane.y_range()))
+}
+
+/// Heels and toes; the two parts of a foot differ in strength.
+fn feet(painter: &Painter, lanes: &Lanes, axis: &Axis, track: &Track, palette: &Palette, visuals: &Visuals) {
+    for (i, (lane, runs)) in lanes.feet.iter().zip(&track.planted).enumerate() {
+        painter.rect_filled(*lane, 0.0, visuals.faint_bg_color);
+        let side = if i < 2 { palette.left } else { palette.right };
+        let colour = if i % 2 == 0 { side } else { side.gamma_multiply(0.6) };
+        for rect in runs.iter().filter_map(|r| run_rect(*lane, axis, r)) {
+            painter.rect_filled(rect, 1.0, colour);
+        }
+    }
+}
+
+fn named_run(painter: &Painter, lane: Rect, axis: &Axis, run: &Named, fill: Color32, visuals: &Visuals) {
+    let Some(rect) = run_rect(lane, axis, &run.frames) else { return };
+    painter.rect_filled(rect, 3.0, fill);
+    if rect.width() > 24.0 {
+        let text = painter.with_clip_rect(rect.shrink(2.0).intersect(painter.clip_rect()));
+        let at = rect.left_center() + vec2(5.0, 0.0);
+        text.text(at, Align2::LEFT_CENTER, &run.name, FontId::proportional(11.5), visuals.strong_text_color());
+    }
+}
+
+/// What the motion graph plays, and over it what is left out, hatched, with the reason.
+fn usage(painter: &Painter, lane: Rect, axis: &Axis, track: &Track, palette: &Palette, visuals: &Visuals) {
+    painter.rect_filled(lane, 0.0, visuals.faint_bg_color);
+    for rect in track.played.iter().flatten().filter_map(|r| run_rect(lane, axis, r)) {
+        painter.rect_filled(rect, 0.0, palette.kept);
+    }
+    for run in &track.excluded {
+        let Some(rect) = run_rect(lane, axis, &run.frames) else { continue };
+        painter.rect_filled(rect, 0.0, visuals.extreme_bg_color);
+        hatch(painter, rect, Stroke::new(1.0, palette.excluded.gamma_multiply(0.8)));
+        painter.rect_stroke(rect, 0.0, Stroke::new(1.0, palette.excluded), StrokeKind::Inside);
+        let text = painter.layout_no_wrap(run.name.clone(), FontId::proportional(11.0), visuals.strong_text_color());
+        if rect.width() > text.size().x + 8.0 {
+            let place = Align2::CENTER_CENTER.align_size_within_rect(text.size(), rect);
+            painter.rect_filled(place.expand2(vec2(3.0, 0.0)), 2.0, visuals.extreme_bg_color);
+            painter.galley(place.min, text, visuals.strong_text_color());
+        }
+    }
+}
+
+/// A tick for every state; standing ones have a dot, the one that is next is longer.
+fn state_marks(painter: &Painter, lane: Rect, axis: &Axis, scene: &Scene<'_>, palette: &Palette) {
+    let seen = axis.seen();
+    let states = &scene.track.states;
+    let from = states.partition_point(|s| s.frame < seen.start);
+    let mut last_x = f32::NEG_INFINITY;
+    for mark in states[from..].iter().take_while(|s| s.frame < seen.end) {
+        let x = axis.x_of(mark.frame as f32);
+        let is_next = scene.outgoing.is_some_and(|o| o.from == *mark);
+        // More ticks than points cannot be told apart.
+        if x - last_x < 1.0 && !is_next && !mark.standing {
+            continue;
+        }
+        last_x = x;
+        let colour = if mark.standing { palette.standing } else { palette.state };
+        let (top, width) = if is_next { (lane.top(), 2.5) } else { (lane.top() + 4.0, 1.0) };
+        painter.vline(x, top..=lane.bottom() - 1.0, Stroke::new(width, colour));
+        if mark.standing {
+            painter.circle_filled(pos2(x, lane.top() + 4.0), 2.5, colour);
+        }
+    }
+}
+
+/// Curves from the state to where its actions start, for those that stay inside the clip.
+fn arcs(painter: &Painter, lane: Rect, axis: &Axis, out: &Outgoing, scene: &Scene<'_>, palette: &Palette) {
+    let from = pos2(axis.x_of(out.from.frame as f32), lane.top());
+    let inside = out.ways.iter().filter(|w| scene.stays(w.clip));
+    for way in inside {
+        let strong = scene.highlighted == Some(way.segment);
+        let stroke =
+            Stroke::new(if strong { 2.5 } else { 1.2 }, palette.state.gamma_multiply(if strong { 1.0 } else { 0.7 }));
+        let end = axis.x_of((way.start + way.num_frames) as f32);
+        if way.goes_on {
+            // The clip goes on: a straight arrow to the next state.
+            painter.line_segment([from, pos2(end, lane.top())], stroke);
+            arrow_head(painter, pos2(end, lane.top()), vec2(1.0, 0.0), stroke.color);
+            continue;
+        }
+        let to = pos2(axis.x_of(way.start as f32), lane.top());
+        let depth = (4.0 + 1.4 * (to.x - from.x).abs().sqrt()).min(lane.height() * 1.25);
+        let points = [from, from + vec2(0.0, depth), to + vec2(0.0, depth), to];
+        painter.add(CubicBezierShape::from_points_stroke(points, false, Color32::TRANSPARENT, stroke));
+        arrow_head(painter, to, vec2(0.0, -1.0), stroke.color);
+    }
+}
+
+/// A small triangle that ends at `tip`, pointing along the unit vector `along`.
+fn arrow_head(painter: &Painter, tip: Pos2, along: eframe::egui::Vec2, colour: Color32) {
+    let (back, side) = (tip - along * 6.0, along.rot90() * 3.0);
+    painter.add(Shape::convex_polygon(vec![tip, back + side, back - side], colour, Stroke::NONE));
+}

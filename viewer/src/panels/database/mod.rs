@@ -1,0 +1,123 @@
+//! The database browser: clips, and a timeline of the one that is looked at.
+
+mod catalogue;
+mod figure;
+mod lanes;
+mod list;
+mod outgoing;
+mod strip;
+mod timeline;
+mod track;
+mod ways;
+
+use super::paint::{Palette, nothing_open, time_text};
+use crate::command::Command;
+use crate::document::{Bundle, Document, RawMotion};
+use crate::model::Model;
+use catalogue::Catalogue;
+use eframe::egui::{Button, CentralPanel, Frame, Label, Panel, RichText, ScrollArea, Ui};
+use outgoing::Outgoing;
+use strip::{Source, Strip};
+use timeline::{Scene, View};
+use track::Track;
+
+/// Width from which on the ways out lie beside the timeline. [Unit: points]
+const WIDE: f32 = 820.0;
+
+/// What the panel remembers of how it looks, and what it has worked out.
+#[derive(Clone, Debug, Default)]
+pub struct State {
+    list: list::State,
+    view: View,
+    strip: Strip,
+    track: Option<(u64, usize, Track)>,
+    highlighted: Option<u32>,
+}
+
+/// Shows the panel.
+pub fn show(ui: &mut Ui, model: &Model, state: &mut State, commands: &mut Vec<Command>) {
+    match &model.document {
+        Document::Nothing => nothing_open(ui),
+        Document::Bundle(b) => bundle_view(ui, &b.bundle, model, state, commands),
+        Document::Clip(raw) => raw_view(ui, raw, model, state, commands),
+    }
+}
+
+fn bundle_view(ui: &mut Ui, bundle: &Bundle, model: &Model, state: &mut State, commands: &mut Vec<Command>) {
+    let (document, clip) = (model.generation, model.selection.clip);
+    Panel::left("clips").default_size(430.0).min_size(300.0).frame(Frame::NONE.inner_margin(4)).show(ui, |ui| {
+        list::show(ui, &mut state.list, document, || Catalogue::of(bundle), clip, commands);
+    });
+    if state.track.as_ref().is_none_or(|t| (t.0, t.1) != (document, clip)) {
+        state.track = Track::of_bundle(bundle, clip).map(|t| (document, clip, t));
+    }
+    let Some((_, _, track)) = &state.track else { return };
+    let head = (model.player.frame as u32).min(track.num_frames - 1);
+    let outgoing = Outgoing::of(bundle, clip, track, head);
+    let scene = Scene {
+        document,
+        track,
+        source: Source::Bundle(bundle, clip),
+        outgoing: outgoing.as_ref(),
+        highlighted: state.highlighted,
+        head,
+    };
+    let wide = ui.available_width() >= WIDE;
+    let ways = if wide { Panel::right("ways").default_size(460.0) } else { Panel::bottom("ways").default_size(90.0) };
+    ways.min_size(60.0).frame(Frame::NONE.inner_margin(4)).show(ui, |ui| {
+        state.highlighted = ways::show(ui, bundle, outgoing.as_ref(), head, commands);
+    });
+    let goes_to = clip_view(ui, &scene, &mut state.view, &mut state.strip);
+    commands.extend(goes_to.map(|frame| Command::ShowClip { clip, frame }));
+}
+
+fn raw_view(ui: &mut Ui, raw: &RawMotion, model: &Model, state: &mut State, commands: &mut Vec<Command>) {
+    let document = model.generation;
+    if state.track.as_ref().is_none_or(|t| (t.0, t.1) != (document, 0)) {
+        state.track = Track::of_raw(raw).map(|t| (document, 0, t));
+    }
+    let Some((_, _, track)) = &state.track else { return };
+    // The player counts frames of the file.
+    let step = raw.imported.clip.rate_hz / f64::from(track.rate_hz);
+    let head = ((f64::from(model.player.frame) / step).round() as u32).min(track.num_frames - 1);
+    let scene = Scene { document, track, source: Source::Raw(raw), outgoing: None, highlighted: None, head };
+    let goes_to = clip_view(ui, &scene, &mut state.view, &mut state.strip);
+    commands.extend(goes_to.map(|frame| Command::Seek((f64::from(frame) * step).round() as u32)));
+}
+
+/// What is known of a clip in words, and its timeline.
+fn clip_view(ui: &mut Ui, scene: &Scene<'_>, view: &mut View, strip: &mut Strip) -> Option<u32> {
+    let frame = Frame::NONE.inner_margin(4);
+    CentralPanel::default_margins()
+        .frame(frame)
+        .show(ui, |ui| {
+            header(ui, scene, view);
+            ScrollArea::vertical()
+                .id_salt("timeline")
+                .auto_shrink([false, false])
+                .show(ui, |ui| timeline::show(ui, scene, view, strip))
+                .inner
+        })
+        .inner
+}
+
+fn header(ui: &mut Ui, scene: &Scene<'_>, view: &mut View) {
+    let track = scene.track;
+    ui.horizontal(|ui| {
+        let fit = Button::new("Fit").small();
+        let hint = "Show all of the clip. Scroll to zoom, drag with the right button to move.";
+        if ui.add_enabled(view.is_zoomed(), fit).on_hover_text(hint).on_disabled_hover_text(hint).clicked() {
+            view.fit();
+        }
+        ui.strong(&track.name);
+        let here = format!("at {:.2} s, frame {}", scene.head as f32 / track.rate_hz, scene.head);
+        ui.label(RichText::new(here).color(Palette::of(ui.visuals()).head));
+        let mirrored = if track.mirrored { "mirrored, " } else { "" };
+        let (frames, rate, time) = (track.num_frames, track.rate_hz, time_text(track.duration_s()));
+        let facts = format!("{mirrored}{frames} frames at {rate} Hz, {time}, from {}", track.source);
+        ui.add(Label::new(RichText::new(facts).weak()).truncate());
+    });
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,122 @@
+//! The ways out of a frame: actions of its state, or of the next one.
+
+use super::track::{StateMark, Track};
+use crate::document::Bundle;
+use throng_runtime::Planar;
+
+/// An action of a state.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Way {
+    /// Segment that is played.
+    pub segment: u32,
+    /// Clip it lies in.
+    pub clip: usize,
+    /// Its first frame within that clip.
+    pub start: u32,
+    /// Frames played.
+    pub num_frames: u32,
+    /// Where it leads, as seen from its start.
+    pub displacement: Planar,
+    /// How much the frame that is left and the segment's first frame differ.
+    pub error: f32,
+    /// The clip simply goes on.
+    pub goes_on: bool,
+}
+
+/// A state and its actions.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Outgoing {
+    /// The state.
+    pub from: StateMark,
+    /// Its actions, the one that goes on first, then by error.
+    pub ways: Vec<Way>,
+}
+
+impl Outgoing {
+    /// The ways out of a frame; none where no state of the clip follows.
+    ///
+    /// - `clip`: the clip that `track` shows.
+    pub fn of(bundle: &Bundle, clip: usize, track: &Track, frame: u32) -> Option<Self> {
+        let from = track.state_from(frame)?;
+        let tables = bundle.tables();
+        let graph = tables.graph();
+        let first = *graph.action_offsets.get(from.state as usize)? as usize;
+        let mut ways: Vec<Way> = graph
+            .segments_of(from.state)
+            .iter()
+            .zip(&graph.action_errors[first..])
+            .map(|(&segment, &error)| {
+                let s = &graph.segments[segment as usize];
+                let start = s.start - tables.clips()[s.clip as usize].first_frame;
+                Way {
+                    segment,
+                    clip: s.clip as usize,
+                    start,
+                    num_frames: s.num_frames,
+                    displacement: s.displacement(),
+                    error,
+                    goes_on: s.clip as usize == clip && start == from.frame,
+                }
+            })
+            .collect();
+        ways.sort_by(|a, b| b.goes_on.cmp(&a.goes_on).then(a.error.total_cmp(&b.error)));
+        Some(Self { from, ways })
+    }
+}
+
+/// Where a displacement leads, for people: metres ahead, metres to the side, the turn. What is too little to be seen
+/// is empty.
+pub fn displacement_texts(d: Planar) -> [String; 3] {
+    let side = |v: f32| if v > 0.0 { "left" } else { "right" };
+    let turn = d.heading.to_degrees();
+    [
+        if d.z.abs() < 0.05 { String::new() } else { format!("{:.1} m", d.z) },
+        if d.x.abs() < 0.05 { String::new() } else { format!("{:.1} m {}", d.x.abs(), side(d.x)) },
+        if turn.abs() < 0.5 { String::new() } else { format!("{:.0}° {}", turn.abs(), side(turn)) },
+    ]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::panels::tests::golden;
+
+    #[test]
+    fn ways_are_those_that_a_search_through_the_whole_graph_finds() {
+        let bundle = golden();
+        let (tables, graph) = (bundle.tables(), bundle.tables().graph());
+        let mut found = 0;
+        for (clip, record) in tables.clips().iter().enumerate() {
+            let track = Track::of_bundle(&bundle, clip).unwrap();
+            let rows = record.first_frame..record.first_frame + record.num_frames;
+            for frame in 0..record.num_frames {
+                let after = |s: &usize| {
+                    let row = graph.states[*s].frame;
+                    rows.contains(&row) && row >= rows.start + frame
+                };
+                let state = (0..graph.states.len()).filter(after).min_by_key(|s| graph.states[*s].frame);
+                let out = Outgoing::of(&bundle, clip, &track, frame);
+                assert_eq!(out.as_ref().map(|o| o.from.state as usize), state);
+                let Some((out, state)) = out.zip(state) else { continue };
+                let actions = graph.action_offsets[state] as usize..graph.action_offsets[state + 1] as usize;
+                let mut expected: Vec<_> =
+                    actions.map(|a| (graph.action_segments[a], graph.action_errors[a].to_bits())).collect();
+                let mut got: Vec<_> = out.ways.iter().map(|w| (w.segment, w.error.to_bits())).collect();
+                expected.sort_unstable();
+                got.sort_unstable();
+                assert_eq!(got, expected);
+                assert!(out.ways.iter().skip(1).is_sorted_by(|a, b| a.error <= b.error));
+                assert!(out.ways.iter().filter(|w| w.goes_on).all(|w| w.error == 0.0));
+                found += out.ways.len();
+            }
+        }
+        assert!(found > 100, "{found}");
+    }
+
+    #[test]
+    fn displacements_are_said_in_directions() {
+        assert_eq!(displacement_texts(Planar::new(0.0, 0.0, 0.0)), ["", "", ""]);
+        assert_eq!(displacement_texts(Planar::new(0.2, 1.0, 0.5)), ["1.0 m", "0.2 m left", "29° left"]);
+        assert_eq!(displacement_texts(Planar::new(-0.2, -1.0, -0.5)), ["-1.0 m", "0.2 m right", "29° right"]);
+    }
+}

@@ -1,0 +1,169 @@
+//! Poses of a clip at regular intervals along an axis, as an onion skin.
+
+use super::figure::{Figure, Look};
+use crate::document::{Bundle, RawMotion};
+use crate::panels::paint::{Axis, Palette};
+use eframe::egui::{Rect, Stroke, Ui, pos2};
+use glam::{Quat, Vec3};
+use throng_runtime::troupe::SampleJob;
+use throng_runtime::{Mat3x4, NUM_JOINTS, Planar, Skeleton};
+
+/// Least distance of two figures, as a share of the height of the strip.
+const DISTANCE: f32 = 0.42;
+/// Room below the ground, for contacts. [Unit: points]
+const BELOW: f32 = 7.0;
+/// A body fits where it is no higher than this. [Unit: m]
+const LEAST_HEIGHT_M: f32 = 1.8;
+
+/// Where poses come from.
+#[derive(Clone, Copy, Debug)]
+pub enum Source<'a> {
+    /// A clip of a bundle.
+    Bundle(&'a Bundle, usize),
+    /// What a build would make of a motion file.
+    Raw(&'a RawMotion),
+}
+
+/// Which poses have been sampled.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Key {
+    document: u64,
+    clip: usize,
+    first: u32,
+    last: u32,
+    step: u32,
+    head: u32,
+}
+
+/// Poses as they were last sampled.
+#[derive(Clone, Debug, Default)]
+pub struct Strip {
+    key: Option<Key>,
+    /// Frames and their poses; that of the play head comes last.
+    figures: Vec<(u32, Figure)>,
+}
+
+impl Strip {
+    /// Paints the poses within the axis and that of the play head.
+    ///
+    /// - `document`: differs from one version of what is open to the next.
+    pub fn show(&mut self, ui: &Ui, rect: Rect, axis: &Axis, source: Source<'_>, document: u64, head: u32) {
+        let clip = if let Source::Bundle(_, clip) = source { clip } else { 0 };
+        let step = step(DISTANCE * rect.height() / axis.points_per_frame());
+        let seen = axis.seen();
+        let (first, last) = (seen.start / step * step, seen.end.saturating_sub(1));
+        let key = Key { document, clip, first, last, step, head };
+        if self.key != Some(key) {
+            let mut frames: Vec<u32> = (first..=last).step_by(step as usize).collect();
+            frames.push(head);
+            self.figures = frames.iter().copied().zip(source.sample(&frames)).collect();
+            self.key = Some(key);
+        }
+        self.paint(ui, rect, axis);
+    }
+
+    fn paint(&self, ui: &Ui, rect: Rect, axis: &Axis) {
+        let palette = Palette::of(ui.visuals());
+        let painter = ui.painter().with_clip_rect(rect.intersect(ui.clip_rect()));
+        let ground = rect.bottom() - BELOW;
+        let line = Stroke::new(1.0, ui.visuals().widgets.noninteractive.bg_stroke.color);
+        painter.hline(rect.x_range(), ground, line);
+        let highest = self.figures.iter().map(|f| f.1.top()).fold(LEAST_HEIGHT_M, f32::max);
+        let scale = (ground - rect.top() - 2.0) / highest;
+        let Some((head, others)) = self.figures.split_last() else { return };
+        let paper = ui.visuals().extreme_bg_color;
+        let paint = |(frame, figure): &(u32, Figure), fade, halo| {
+            let foot = pos2(axis.x_of(*frame as f32), ground);
+            figure.paint(&painter, foot, Look { scale, paper, fade, halo }, &palette);
+        };
+        for other in others.iter().filter(|o| o.0 != head.0) {
+            paint(other, 0.5, None);
+        }
+        paint(head, 0.0, Some((palette.head, 0.035)));
+        paint(head, 0.0, None);
+    }
+}
+
+/// The least number of frames of a round series that is not below `least`.
+fn step(least: f32) -> u32 {
+    let least = least.clamp(1.0, 1e8).ceil() as u32;
+    let mut power = 1;
+    loop {
+        if let Some(m) = [1, 2, 5].into_iter().find(|m| m * power >= least) {
+            return m * power;
+        }
+        power *= 10;
+    }
+}
+
+impl Source<'_> {
+    /// Figures of frames of the clip, numbered from its start.
+    fn sample(self, frames: &[u32]) -> Vec<Figure> {
+        match self {
+            Self::Bundle(bundle, clip) => sample_bundle(bundle, clip, frames).unwrap_or_default(),
+            Self::Raw(raw) => sample_raw(raw, frames),
+        }
+    }
+}
+
+fn sample_bundle(bundle: &Bundle, clip: usize, frames: &[u32]) -> Option<Vec<Figure>> {
+    let tables = bundle.tables();
+    let record = tables.clips().get(clip)?;
+    let rows: Vec<u32> = frames.iter().map(|f| record.first_frame + f.min(&(record.num_frames - 1))).collect();
+    let mut matrices = vec![Mat3x4::default(); rows.len() * NUM_JOINTS];
+    let ratios = vec![0.0; rows.len()];
+    let repertoire = bundle.repertoire();
+    SampleJob { repertoire, frames: &rows, ratios: &ratios, matrices: &mut matrices }.run().ok()?;
+    let figures = rows.iter().zip(matrices.chunks(NUM_JOINTS));
+    Some(figures.map(|(r, m)| Figure::new(tables.skeleton(), m, tables.contacts()[*r as usize])).collect())
+}
+
+fn sample_raw(raw: &RawMotion, frames: &[u32]) -> Vec<Figure> {
+    let Some(clip) = raw.clips.clips.first().filter(|c| c.num_frames() > 0) else { return Vec::new() };
+    let skeleton: &Skeleton = &raw.clips.skeleton;
+    let figure = |f: &u32| {
+        let frame = (*f as usize).min(clip.num_frames() - 1);
+        let planar: Planar = clip.planar(frame);
+        let turn = planar.rotation().inverse();
+        let joints = clip
+            .joint_transforms(skeleton, frame)
+            .map(|(p, r): (Vec3, Quat)| Mat3x4::from_rotation_translation(turn * r, turn * (p - planar.translation())));
+        Figure::new(skeleton, &joints, clip.contacts.get(frame).copied().unwrap_or_default())
+    };
+    frames.iter().map(figure).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::panels::tests::{golden, mocap};
+
+    #[test]
+    fn steps_are_round_and_wide_enough() {
+        for (least, expected) in
+            [(0.1, 1), (1.0, 1), (1.5, 2), (3.0, 5), (6.0, 10), (11.0, 20), (45.0, 50), (51.0, 100)]
+        {
+            assert_eq!(step(least), expected, "{least}");
+        }
+    }
+
+    #[test]
+    fn poses_of_a_bundle_stand_on_the_ground() {
+        let bundle = golden();
+        for clip in 0..bundle.tables().clips().len() {
+            for figure in Source::Bundle(&bundle, clip).sample(&[0, 10, 1_000_000]) {
+                assert!((1.0..2.2).contains(&figure.top()), "{figure:?}");
+            }
+        }
+        assert!(Source::Bundle(&bundle, usize::MAX).sample(&[0]).is_empty());
+    }
+
+    #[test]
+    fn poses_of_a_motion_file_face_ahead_wherever_the_body_goes() {
+        let Some(path) = mocap("bandai-1/dataset-1_walk_normal_001.bvh") else { return };
+        let raw = RawMotion::open(&path).unwrap();
+        let figures = Source::Raw(&raw).sample(&[0, 20, 40, 60]);
+        assert_eq!(figures.len(), 4);
+        assert!(figures.iter().all(|f| (1.2..2.2).contains(&f.top())));
+    }
+}

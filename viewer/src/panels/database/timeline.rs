@@ -1,0 +1,218 @@
+//! The timeline of a clip: a ruler, poses, and lanes for everything that is known of its frames.
+
+use super::lanes::{self, Lanes};
+use super::outgoing::Outgoing;
+use super::strip::{Source, Strip};
+use super::track::{FEET, Track};
+use crate::panels::paint::{Axis, Palette, RULER_HEIGHT, Span, ruler};
+use eframe::egui::{
+    CursorIcon, Id, PointerButton, Pos2, Rangef, Rect, Response, Role, Sense, Shape, Stroke, Ui, WidgetInfo, pos2, vec2,
+};
+
+/// Width of the labels left of the lanes. [Unit: points]
+const GUTTER: f32 = 88.0;
+/// Zoom of a point of the scroll wheel, as an exponent.
+const ZOOM_PER_POINT: f32 = 0.004;
+
+/// What a timeline shows.
+#[derive(Clone, Copy, Debug)]
+pub struct Scene<'a> {
+    /// Tells one version of what is open from the next.
+    pub document: u64,
+    /// What is known of the clip.
+    pub track: &'a Track,
+    /// Where its poses come from.
+    pub source: Source<'a>,
+    /// Ways out of the play head.
+    pub outgoing: Option<&'a Outgoing>,
+    /// Segment of a way to point out.
+    pub highlighted: Option<u32>,
+    /// Frame of the play head.
+    pub head: u32,
+}
+
+impl Scene<'_> {
+    /// True where a clip of the bundle is the one that is shown.
+    pub fn stays(&self, clip: usize) -> bool {
+        matches!(self.source, Source::Bundle(_, shown) if shown == clip)
+    }
+}
+
+/// What of a clip is seen.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct View {
+    /// The document and the name's clip it is of.
+    shown: Option<(u64, usize)>,
+    span: Option<Span>,
+    head: u32,
+}
+
+impl View {
+    /// The part that is seen: all of a clip that was not shown before, else with the play head in sight.
+    fn span(&mut self, scene: &Scene<'_>) -> Span {
+        let n = scene.track.num_frames;
+        let clip = if let Source::Bundle(_, clip) = scene.source { clip } else { 0 };
+        if self.shown != Some((scene.document, clip)) {
+            *self = Self { shown: Some((scene.document, clip)), span: None, head: scene.head };
+        }
+        let mut span = self.span.unwrap_or(Span::whole(n));
+        if self.head != scene.head {
+            self.head = scene.head;
+            span = span.followed(scene.head as f32, n);
+        }
+        span
+    }
+
+    /// True where only a part is seen.
+    pub fn is_zoomed(&self) -> bool {
+        self.span.is_some()
+    }
+
+    /// Shows all of the clip.
+    pub fn fit(&mut self) {
+        self.span = None;
+    }
+}
+
+/// Shows a timeline in a height of its own choice.
+///
+/// - returns the frame that the user went to.
+pub fn show(ui: &mut Ui, scene: &Scene<'_>, view: &mut View, strip: &mut Strip) -> Option<u32> {
+    let rest = Lanes::height(scene.track);
+    let poses = (ui.available_height() - rest - RULER_HEIGHT).clamp(56.0, 150.0);
+    let (rect, _) = ui.allocate_exact_size(vec2(ui.available_width(), RULER_HEIGHT + poses + rest), Sense::hover());
+    let plot = rect.with_min_x((rect.left() + GUTTER).min(rect.right() - 1.0));
+    let response = interact(ui, plot, ui.scope_id().with("timeline"));
+    let mut axis = Axis {
+        span: view.span(scene),
+        x: plot.x_range(),
+        rate_hz: scene.track.rate_hz,
+        num_frames: scene.track.num_frames,
+    };
+    axis.span = moved(ui, &response, &axis);
+    view.span = Some(axis.span).filter(|s| !s.is_whole(scene.track.num_frames));
+
+    let ruler_rect = plot.with_max_y(plot.top() + RULER_HEIGHT);
+    let poses_rect = Rect::from_x_y_ranges(plot.x_range(), ruler_rect.bottom()..=ruler_rect.bottom() + poses);
+    ui.painter().rect_filled(plot, 2.0, ui.visuals().extreme_bg_color);
+    ruler(ui, ruler_rect, &axis);
+    strip.show(ui, poses_rect, &axis, scene.source, scene.document, scene.head);
+    let lanes = Lanes::below(poses_rect.bottom(), rect, plot, scene.track);
+    lanes::paint(ui, &lanes, &axis, scene);
+    paint_head(ui, plot, &axis, scene.head);
+    hover(ui, &response, plot, &axis, scene);
+    let goes_to = scrubbed(&response, &axis).filter(|f| *f != scene.head);
+    if goes_to.is_some() {
+        // The view follows the play head on its own accord, not while the user holds it.
+        view.head = goes_to.unwrap_or(view.head);
+    }
+    goes_to
+}
+
+fn interact(ui: &Ui, plot: Rect, id: Id) -> Response {
+    let response = ui.interact(plot, id, Sense::click_and_drag());
+    response.widget_info(|| WidgetInfo::labeled(Role::Slider, true, "Timeline"));
+    response
+}
+
+/// The span after scrolling, zooming and panning. What was used of the scroll wheel is taken away from others.
+fn moved(ui: &Ui, response: &Response, axis: &Axis) -> Span {
+    let (mut span, n) = (axis.span, axis.num_frames);
+    if response.dragged_by(PointerButton::Middle) || response.dragged_by(PointerButton::Secondary) {
+        span = span.panned(-response.drag_delta().x / axis.points_per_frame(), n);
+    }
+    let Some(pointer) = response.hover_pos() else { return span };
+    let (scroll, zoom) = ui.input_mut(|i| {
+        let scroll = std::mem::take(&mut i.smooth_scroll_delta);
+        (scroll, i.zoom_delta())
+    });
+    let factor = zoom * (scroll.y * ZOOM_PER_POINT).exp();
+    if factor != 1.0 {
+        span = span.zoomed(axis.instant_at(pointer.x), factor, n);
+    }
+    if scroll.x != 0.0 {
+        span = span.panned(-scroll.x / axis.points_per_frame(), n);
+    }
+    span
+}
+
+/// The frame that the user points at while the primary button is down, or was clicked.
+fn scrubbed(response: &Response, axis: &Axis) -> Option<u32> {
+    let scrubs = response.clicked() || response.dragged_by(PointerButton::Primary);
+    let held = response.is_pointer_button_down_on() && response.ctx.input(|i| i.pointer.primary_down());
+    let pointer = response.interact_pointer_pos().filter(|_| scrubs || held)?;
+    Some(axis.frame_at(pointer.x))
+}
+
+fn paint_head(ui: &Ui, plot: Rect, axis: &Axis, head: u32) {
+    let colour = Palette::of(ui.visuals()).head;
+    let x = axis.x_of(head as f32);
+    let painter = ui.painter().with_clip_rect(plot.expand2(vec2(5.0, 0.0)).intersect(ui.clip_rect()));
+    if !plot.x_range().contains(x) {
+        return;
+    }
+    painter.vline(x, plot.y_range(), Stroke::new(1.5, colour));
+    let top: Pos2 = pos2(x, plot.top());
+    let points = vec![top + vec2(-5.0, 0.0), top + vec2(5.0, 0.0), top + vec2(0.0, 8.0)];
+    painter.add(Shape::convex_polygon(points, colour, Stroke::NONE));
+}
+
+fn hover(ui: &Ui, response: &Response, plot: Rect, axis: &Axis, scene: &Scene<'_>) {
+    let Some(pointer) = response.hover_pos() else { return };
+    let frame = axis.frame_at(pointer.x);
+    let x = axis.x_of(frame as f32);
+    let range: Rangef = plot.y_range();
+    ui.painter().with_clip_rect(plot).vline(x, range, Stroke::new(1.0, ui.visuals().weak_text_color()));
+    response.clone().on_hover_cursor(CursorIcon::ResizeHorizontal).on_hover_ui_at_pointer(|ui| {
+        for (i, line) in describe(scene.track, frame).into_iter().enumerate() {
+            if i == 0 {
+                ui.strong(line)
+            } else {
+                ui.label(line)
+            };
+        }
+    });
+}
+
+/// What is known of a frame, a line each.
+pub fn describe(track: &Track, frame: u32) -> Vec<String> {
+    let mut out = vec![format!("{:.3} s, frame {frame}", frame as f32 / track.rate_hz)];
+    let contacts = track.contacts.get(frame as usize).copied().unwrap_or_default();
+    let planted: Vec<&str> = FEET.iter().filter(|(part, _)| contacts.any(*part)).map(|f| f.1).collect();
+    out.push(if planted.is_empty() { "no foot planted".into() } else { format!("planted: {}", planted.join(", ")) });
+    let tags: Vec<&str> = track.tags.iter().filter(|t| t.frames.contains(&frame)).map(|t| t.name.as_str()).collect();
+    if !tags.is_empty() {
+        out.push(format!("tags: {}", tags.join(", ")));
+    }
+    let excluded = track.excluded.iter().filter(|e| e.frames.contains(&frame));
+    out.extend(excluded.map(|e| format!("left out: {}", e.name)));
+    if let Some(played) = &track.played {
+        let kept = played.iter().any(|r| r.contains(&frame));
+        out.push(if kept { "played by the motion graph".into() } else { "not played by the motion graph".into() });
+    }
+    let states = track.states.iter().filter(|s| s.frame == frame);
+    out.extend(states.map(|s| format!("state {}{}", s.state, if s.standing { ", standing" } else { "" })));
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::panels::tests::golden;
+
+    #[test]
+    fn a_frame_is_described_by_all_that_is_known_of_it() {
+        let bundle = golden();
+        let clip = (0..bundle.tables().clips().len())
+            .find(|c| Track::of_bundle(&bundle, *c).is_some_and(|t| !t.states.is_empty()))
+            .unwrap();
+        let mut track = Track::of_bundle(&bundle, clip).unwrap();
+        let state = track.states[0];
+        track.tags = vec![super::super::track::Named { name: "walk".into(), frames: 0..track.num_frames, lane: 0 }];
+        let lines = describe(&track, state.frame);
+        assert!(lines[0].ends_with(&format!("frame {}", state.frame)));
+        assert!(lines.contains(&"tags: walk".to_owned()));
+        assert!(lines.iter().any(|l| l.starts_with(&format!("state {}", state.state))));
+        assert!(lines.iter().any(|l| l.contains("played by the motion graph")));
+    }
+}

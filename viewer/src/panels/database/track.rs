@@ -1,0 +1,213 @@
+//! What a timeline shows of a clip: runs of frames and marks.
+
+use super::catalogue::{played_rows, states_within};
+use crate::document::{Bundle, RawMotion};
+use std::ops::Range;
+use throng_runtime::Contacts;
+
+/// The four parts of the feet, from the top lane to the bottom one.
+pub const FEET: [(Contacts, &str); 4] = [
+    (Contacts::LEFT_HEEL, "left heel"),
+    (Contacts::LEFT_TOE, "left toe"),
+    (Contacts::RIGHT_HEEL, "right heel"),
+    (Contacts::RIGHT_TOE, "right toe"),
+];
+
+/// A named run of frames.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Named {
+    /// The name, or the reason.
+    pub name: String,
+    /// The frames.
+    pub frames: Range<u32>,
+    /// Lane in which it does not overlap another one.
+    pub lane: usize,
+}
+
+/// A state of the motion graph.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct StateMark {
+    /// Its number.
+    pub state: u32,
+    /// Its frame within the clip.
+    pub frame: u32,
+    /// The character stands.
+    pub standing: bool,
+}
+
+/// What a timeline shows of a clip. Frames are numbered from the clip's start at the database rate.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Track {
+    /// Name.
+    pub name: String,
+    /// File it came from.
+    pub source: String,
+    /// A copy with left and right exchanged.
+    pub mirrored: bool,
+    /// Frames a second. [Unit: Hz]
+    pub rate_hz: f32,
+    /// Number of frames. [Limit: > 0]
+    pub num_frames: u32,
+    /// Contacts of every frame.
+    pub contacts: Vec<Contacts>,
+    /// Runs of contact of each of [`FEET`].
+    pub planted: [Vec<Range<u32>>; 4],
+    /// Tags.
+    pub tags: Vec<Named>,
+    /// What is left out and why.
+    pub excluded: Vec<Named>,
+    /// What the motion graph plays; none where there is no graph.
+    pub played: Option<Vec<Range<u32>>>,
+    /// States, ascending by frame.
+    pub states: Vec<StateMark>,
+}
+
+impl Track {
+    /// A clip of a bundle.
+    pub fn of_bundle(bundle: &Bundle, clip: usize) -> Option<Self> {
+        let (record, meta) = bundle.clips().nth(clip)?;
+        let rows = record.first_frame..record.first_frame + record.num_frames;
+        let within = rows.start as usize..rows.end as usize;
+        let all_states = bundle.tables().graph().states;
+        let states = states_within(bundle, &rows);
+        let played = played_rows(bundle);
+        let contacts = bundle.tables().contacts()[within.clone()].to_vec();
+        Some(Self {
+            name: meta.name.clone(),
+            source: meta.source.clone(),
+            mirrored: record.mirrored != 0,
+            rate_hz: bundle.rate_hz(),
+            num_frames: record.num_frames,
+            planted: planted(&contacts),
+            tags: in_lanes(meta.tags.iter().map(|t| (t.0.clone(), t.1..t.2)), record.num_frames),
+            excluded: in_lanes(meta.excluded.iter().map(|e| (e.0.clone(), e.1..e.2)), record.num_frames),
+            played: Some(runs(&played[within], |p| *p)),
+            states: states
+                .map(|s| StateMark {
+                    state: s as u32,
+                    frame: all_states[s].frame - rows.start,
+                    standing: all_states[s].standing != 0,
+                })
+                .collect(),
+            contacts,
+        })
+    }
+
+    /// The clip that a build would make of a motion file.
+    pub fn of_raw(raw: &RawMotion) -> Option<Self> {
+        let clip = raw.clips.clips.first().filter(|c| c.num_frames() > 0)?;
+        let n = clip.num_frames() as u32;
+        let range = |r: &Range<usize>| r.start as u32..r.end as u32;
+        Some(Self {
+            name: clip.name.clone(),
+            source: clip.source.clone(),
+            mirrored: clip.mirrored,
+            rate_hz: clip.rate_hz as f32,
+            num_frames: n,
+            planted: planted(&clip.contacts),
+            tags: in_lanes(clip.tags.iter().map(|t| (t.name.clone(), range(&t.range))), n),
+            excluded: in_lanes(clip.excluded.iter().map(|e| (e.reason.to_string(), range(&e.range))), n),
+            played: None,
+            states: Vec::new(),
+            contacts: clip.contacts.clone(),
+        })
+    }
+
+    /// Length. [Unit: s]
+    pub fn duration_s(&self) -> f64 {
+        f64::from(self.num_frames) / f64::from(self.rate_hz)
+    }
+
+    /// The state of a frame, or the next one after it.
+    pub fn state_from(&self, frame: u32) -> Option<StateMark> {
+        self.states.get(self.states.partition_point(|s| s.frame < frame)).copied()
+    }
+
+    /// Lanes that tags need.
+    pub fn tag_lanes(&self) -> usize {
+        self.tags.iter().map(|t| t.lane + 1).max().unwrap_or(0)
+    }
+}
+
+fn planted(contacts: &[Contacts]) -> [Vec<Range<u32>>; 4] {
+    FEET.map(|(part, _)| runs(contacts, |c| c.any(part)))
+}
+
+/// The longest runs of items for which `holds` is true, in order.
+fn runs<T>(items: &[T], holds: impl Fn(&T) -> bool) -> Vec<Range<u32>> {
+    let mut out = Vec::new();
+    let mut start = None;
+    for (i, item) in items.iter().enumerate() {
+        match (holds(item), start) {
+            (true, None) => start = Some(i),
+            (false, Some(s)) => {
+                out.push(s as u32..i as u32);
+                start = None;
+            }
+            _ => {}
+        }
+    }
+    out.extend(start.map(|s| s as u32..items.len() as u32));
+    out
+}
+
+/// Sorts runs by their start and lays each into the first lane that is free.
+fn in_lanes(runs: impl Iterator<Item = (String, Range<u32>)>, num_frames: u32) -> Vec<Named> {
+    let mut out: Vec<Named> = runs
+        .map(|(name, r)| Named { name, frames: r.start.min(num_frames)..r.end.min(num_frames), lane: 0 })
+        .filter(|n| !n.frames.is_empty())
+        .collect();
+    out.sort_by(|a, b| (a.frames.start, a.frames.end, &a.name).cmp(&(b.frames.start, b.frames.end, &b.name)));
+    let mut ends: Vec<u32> = Vec::new();
+    for named in &mut out {
+        named.lane = ends.iter().position(|e| *e <= named.frames.start).unwrap_or(ends.len());
+        if named.lane == ends.len() {
+            ends.push(0);
+        }
+        ends[named.lane] = named.frames.end;
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::panels::tests::golden;
+
+    #[test]
+    fn runs_are_the_longest_ones() {
+        assert_eq!(runs(&[1, 1, 0, 1, 0, 0, 1], |v| *v == 1), [0..2, 3..4, 6..7]);
+        assert_eq!(runs(&[0; 4], |v| *v == 1), []);
+    }
+
+    #[test]
+    fn overlapping_names_get_lanes_of_their_own() {
+        let named = in_lanes(
+            [("a", 0..10), ("b", 5..8), ("c", 8..99), ("d", 50..60)].map(|(n, r)| (n.into(), r)).into_iter(),
+            20,
+        );
+        let got: Vec<_> = named.iter().map(|n| (n.name.as_str(), n.frames.clone(), n.lane)).collect();
+        assert_eq!(got, [("a", 0..10, 0), ("b", 5..8, 1), ("c", 8..20, 1)]);
+    }
+
+    #[test]
+    fn contacts_and_states_of_the_track_are_those_of_the_tables() {
+        let bundle = golden();
+        let tables = bundle.tables();
+        for (i, record) in tables.clips().iter().enumerate() {
+            let track = Track::of_bundle(&bundle, i).unwrap();
+            for f in 0..track.num_frames {
+                let row = record.first_frame + f;
+                for ((part, _), runs) in FEET.iter().zip(&track.planted) {
+                    let planted = tables.contacts()[row as usize].any(*part);
+                    assert_eq!(runs.iter().any(|r| r.contains(&f)), planted);
+                }
+                let expected = tables.graph().states.iter().position(|s| s.frame >= row);
+                let expected =
+                    expected.filter(|s| tables.graph().states[*s].frame < record.first_frame + track.num_frames);
+                assert_eq!(track.state_from(f).map(|s| s.state as usize), expected);
+            }
+        }
+        assert_eq!(Track::of_bundle(&bundle, tables.clips().len()), None);
+    }
+}

@@ -1,0 +1,179 @@
+//! Frames along a horizontal axis.
+
+use eframe::egui::Rangef;
+use std::ops::Range;
+
+/// Fewest frames that a view may show. [Unit: frames]
+const FEWEST: f32 = 8.0;
+
+/// The part of a clip that a view shows, from the left edge to the right one. A frame is as wide as the time to the
+/// next and its instant lies in its middle, so that a whole clip of n frames goes from -0.5 to n - 0.5.
+/// [Unit: frames]
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Span {
+    /// At the left edge.
+    pub from: f32,
+    /// At the right edge.
+    pub to: f32,
+}
+
+impl Span {
+    /// All of a clip.
+    pub fn whole(num_frames: u32) -> Self {
+        Self { from: -0.5, to: num_frames.max(1) as f32 - 0.5 }
+    }
+
+    /// Frames shown.
+    pub fn len(self) -> f32 {
+        self.to - self.from
+    }
+
+    /// True where everything of a clip is shown.
+    pub fn is_whole(self, num_frames: u32) -> bool {
+        self == Self::whole(num_frames)
+    }
+
+    /// `factor` times closer, with `about` at the same place.
+    pub fn zoomed(self, about: f32, factor: f32, num_frames: u32) -> Self {
+        let whole = Self::whole(num_frames).len();
+        if !(factor.is_finite() && factor > 0.0) {
+            return self;
+        }
+        let len = (self.len() / factor).clamp(FEWEST.min(whole), whole);
+        let ratio = (about - self.from) / self.len();
+        Self { from: about - ratio * len, to: about + (1.0 - ratio) * len }.inside(num_frames)
+    }
+
+    /// Moved, as far as the clip goes.
+    pub fn panned(self, by: f32, num_frames: u32) -> Self {
+        Self { from: self.from + by, to: self.to + by }.inside(num_frames)
+    }
+
+    /// Moved, where the frame is out of sight, so that it is at the left or, going back, in the middle.
+    pub fn followed(self, frame: f32, num_frames: u32) -> Self {
+        let at = if frame > self.to {
+            0.05
+        } else if frame < self.from {
+            0.5
+        } else {
+            return self;
+        };
+        self.panned(frame - at * self.len() - self.from, num_frames)
+    }
+
+    /// Of the same length, inside the clip; all of it where it is shorter.
+    fn inside(self, num_frames: u32) -> Self {
+        let whole = Self::whole(num_frames);
+        let len = self.len();
+        if len >= whole.len() {
+            return whole;
+        }
+        let from = self.from.clamp(whole.from, whole.to - len);
+        Self { from, to: from + len }
+    }
+}
+
+/// Where frames lie on the screen.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Axis {
+    /// The frames that are seen.
+    pub span: Span,
+    /// Where they are seen. [Unit: points]
+    pub x: Rangef,
+    /// Frames a second. [Unit: Hz]
+    pub rate_hz: f32,
+    /// Frames of the clip.
+    pub num_frames: u32,
+}
+
+impl Axis {
+    /// Place of an instant. [Unit: points]
+    pub fn x_of(&self, frame: f32) -> f32 {
+        self.x.min + (frame - self.span.from) * self.points_per_frame()
+    }
+
+    /// Instant at a place. [Unit: frames]
+    pub fn instant_at(&self, x: f32) -> f32 {
+        self.span.from + (x - self.x.min) / self.points_per_frame()
+    }
+
+    /// The frame at a place; the first or the last one where it lies outside.
+    pub fn frame_at(&self, x: f32) -> u32 {
+        (self.instant_at(x).round().max(0.0) as u32).min(self.num_frames.saturating_sub(1))
+    }
+
+    /// Width of a frame. [Unit: points]
+    pub fn points_per_frame(&self) -> f32 {
+        self.x.span() / self.span.len()
+    }
+
+    /// Where a run of frames is seen; none where it is out of sight.
+    pub fn place(&self, run: &Range<u32>) -> Option<Rangef> {
+        let (from, to) = (self.x_of(run.start as f32 - 0.5), self.x_of(run.end as f32 - 0.5));
+        let seen = Rangef::new(from.max(self.x.min), to.min(self.x.max));
+        (seen.min < seen.max).then_some(seen)
+    }
+
+    /// The frames of which something is seen.
+    pub fn seen(&self) -> Range<u32> {
+        let at = |v: f32| (v.max(0.0) as u32).min(self.num_frames);
+        at((self.span.from + 0.5).floor())..at((self.span.to + 0.5).ceil())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn axis(span: Span) -> Axis {
+        Axis { span, x: Rangef::new(70.0, 770.0), rate_hz: 30.0, num_frames: 1000 }
+    }
+
+    #[test]
+    fn a_frame_goes_to_its_place_and_back() {
+        for span in [Span::whole(1000), Span { from: 11.3, to: 42.0 }, Span { from: 900.0, to: 999.5 }] {
+            let axis = axis(span);
+            for frame in axis.seen() {
+                assert_eq!(axis.frame_at(axis.x_of(frame as f32)), frame, "{span:?}");
+                assert!((axis.instant_at(axis.x_of(frame as f32)) - frame as f32).abs() < 1e-2);
+            }
+        }
+        assert_eq!(axis(Span::whole(1000)).frame_at(-1e6), 0);
+        assert_eq!(axis(Span::whole(1000)).frame_at(1e6), 999);
+    }
+
+    #[test]
+    fn neighbouring_runs_meet_and_those_out_of_sight_have_no_place() {
+        let axis = axis(Span { from: 99.5, to: 199.5 });
+        let (a, b) = (axis.place(&(90..120)).unwrap(), axis.place(&(120..150)).unwrap());
+        assert_eq!(a.min, 70.0);
+        assert_eq!(a.max, b.min);
+        assert_eq!(axis.place(&(0..100)), None);
+        assert_eq!(axis.place(&(200..300)), None);
+        assert_eq!(axis.seen(), 100..200);
+    }
+
+    #[test]
+    fn zooming_keeps_what_is_pointed_at_and_stays_inside() {
+        let span = Span::whole(1000).zoomed(400.0, 4.0, 1000);
+        assert!((span.len() - 250.0).abs() < 1e-3);
+        let ratio = |s: Span| (400.0 - s.from) / s.len();
+        assert!((ratio(span) - ratio(Span::whole(1000))).abs() < 1e-4);
+        assert!(span.zoomed(400.0, 1e-6, 1000).is_whole(1000));
+        assert!((span.zoomed(400.0, 1e9, 1000).len() - FEWEST).abs() < 1e-3);
+        assert_eq!(span.zoomed(400.0, f32::NAN, 1000), span);
+        assert_eq!(span.panned(1e6, 1000).to, 999.5);
+        assert_eq!(span.panned(-1e6, 1000).from, -0.5);
+        assert!(Span::whole(3).zoomed(1.0, 100.0, 3).is_whole(3));
+    }
+
+    #[test]
+    fn a_frame_out_of_sight_is_followed() {
+        let span = Span { from: 100.0, to: 200.0 };
+        assert_eq!(span.followed(150.0, 1000), span);
+        for frame in [201.0, 640.0, 999.0, 99.0, 0.0] {
+            let s = span.followed(frame, 1000);
+            assert!(s.from <= frame && frame <= s.to && (s.len() - 100.0).abs() < 1e-3, "{frame} {s:?}");
+        }
+    }
+}

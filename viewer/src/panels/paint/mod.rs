@@ -1,0 +1,52 @@
+//! Small painters that panels share: a time axis with its ruler, colours that work on dark and light, tables of many
+//! rows.
+
+mod axis;
+mod hatch;
+mod palette;
+mod ruler;
+mod table;
+
+pub use axis::{Axis, Span};
+pub use hatch::hatch;
+pub use palette::Palette;
+pub use ruler::{RULER_HEIGHT, ruler};
+pub use table::{Cell, Column, Sort, Table, TableResponse};
+
+use eframe::egui::{Align, Layout, RichText, Ui};
+
+/// Says in the middle of an empty panel what to do.
+pub fn empty(ui: &mut Ui, title: &str, hint: &str) {
+    ui.with_layout(Layout::top_down(Align::Center), |ui| {
+        ui.add_space((0.5 * ui.available_height() - 30.0).max(8.0));
+        ui.label(RichText::new(title).strong());
+        ui.label(RichText::new(hint).weak());
+    });
+}
+
+/// What panels without a document say.
+pub fn nothing_open(ui: &mut Ui) {
+    empty(ui, "Nothing is open", "Open a bundle or a motion file: drop it here or use File > Open.");
+}
+
+/// A length of time as people read it, such as `3.20 s` or `2:05 min`. [Unit: s]
+pub fn time_text(seconds: f64) -> String {
+    if seconds < 60.0 {
+        format!("{seconds:.2} s")
+    } else {
+        let whole = seconds.round() as u64;
+        format!("{}:{:02} min", whole / 60, whole % 60)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::time_text;
+
+    #[test]
+    fn times_are_short() {
+        assert_eq!(time_text(3.2), "3.20 s");
+        assert_eq!(time_text(125.4), "2:05 min");
+        assert_eq!(time_text(59.999), "60.00 s");
+    }
+}

@@ -1,0 +1,84 @@
+//! Colours with a meaning, for dark and light themes.
+
+use eframe::egui::{Color32, Visuals};
+
+/// Colours with a meaning. Left and right are those of the pictures: they differ in hue and in lightness.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Palette {
+    /// The left side of a body.
+    pub left: Color32,
+    /// The right side.
+    pub right: Color32,
+    /// Trunk and head.
+    pub trunk: Color32,
+    /// What the motion graph plays.
+    pub kept: Color32,
+    /// What is left out.
+    pub excluded: Color32,
+    /// States, and where actions lead.
+    pub state: Color32,
+    /// States at which the character stands.
+    pub standing: Color32,
+    /// The play head.
+    pub head: Color32,
+    /// What is fine.
+    pub good: Color32,
+    /// What is odd.
+    pub warning: Color32,
+    tags: [Color32; 6],
+}
+
+impl Palette {
+    const DARK: Self = Self {
+        left: Color32::from_rgb(0xf0, 0xa6, 0x52),
+        right: Color32::from_rgb(0x6a, 0xa3, 0xe8),
+        trunk: Color32::from_rgb(0xa6, 0xae, 0xb8),
+        kept: Color32::from_rgb(0x2f, 0x8f, 0x7e),
+        excluded: Color32::from_rgb(0xc8, 0x6b, 0x66),
+        state: Color32::from_rgb(0xc7, 0x9b, 0xff),
+        standing: Color32::from_rgb(0x5f, 0xe0, 0xc8),
+        head: Color32::from_rgb(0xff, 0xd8, 0x4d),
+        good: Color32::from_rgb(0x5f, 0xd0, 0xa8),
+        warning: Color32::from_rgb(0xff, 0xb0, 0x54),
+        tags: [
+            Color32::from_rgb(0x4a, 0x6f, 0xa5),
+            Color32::from_rgb(0x8a, 0x5a, 0x9b),
+            Color32::from_rgb(0x9a, 0x6b, 0x3f),
+            Color32::from_rgb(0x4d, 0x86, 0x59),
+            Color32::from_rgb(0x9b, 0x4f, 0x68),
+            Color32::from_rgb(0x3f, 0x84, 0x8f),
+        ],
+    };
+
+    const LIGHT: Self = Self {
+        left: Color32::from_rgb(0xd8, 0x7f, 0x22),
+        right: Color32::from_rgb(0x2f, 0x63, 0xa8),
+        trunk: Color32::from_rgb(0x6d, 0x77, 0x84),
+        kept: Color32::from_rgb(0x6c, 0xc4, 0xb3),
+        excluded: Color32::from_rgb(0xb5, 0x4a, 0x45),
+        state: Color32::from_rgb(0x7a, 0x2b, 0xbf),
+        standing: Color32::from_rgb(0x0f, 0x7d, 0x6c),
+        head: Color32::from_rgb(0xc4, 0x2f, 0x1d),
+        good: Color32::from_rgb(0x1b, 0x7a, 0x58),
+        warning: Color32::from_rgb(0xa8, 0x5a, 0x00),
+        tags: [
+            Color32::from_rgb(0xbf, 0xd3, 0xee),
+            Color32::from_rgb(0xde, 0xc6, 0xe8),
+            Color32::from_rgb(0xee, 0xd5, 0xb4),
+            Color32::from_rgb(0xc2, 0xe2, 0xc8),
+            Color32::from_rgb(0xf0, 0xc6, 0xd2),
+            Color32::from_rgb(0xbc, 0xe0, 0xe5),
+        ],
+    };
+
+    /// The colours that go with a theme.
+    pub fn of(visuals: &Visuals) -> Self {
+        if visuals.dark_mode { Self::DARK } else { Self::LIGHT }
+    }
+
+    /// Colour of a name: the same for the same name, whatever else there is.
+    pub fn of_name(&self, name: &str) -> Color32 {
+        let hash = name.bytes().fold(0x811c_9dc5_u32, |h, b| (h ^ u32::from(b)).wrapping_mul(0x0100_0193));
+        self.tags[(hash >> 8) as usize % self.tags.len()]
+    }
+}

@@ -1,0 +1,75 @@
+//! Seconds along an axis.
+
+use super::Axis;
+use eframe::egui::{Align2, FontId, Rect, Stroke, Ui, Visuals};
+
+/// Height of a ruler. [Unit: points]
+pub const RULER_HEIGHT: f32 = 20.0;
+/// Least distance of two labels. [Unit: points]
+const LABEL_DISTANCE: f32 = 72.0;
+/// Least distance of two ticks. [Unit: points]
+const TICK_DISTANCE: f32 = 7.0;
+
+/// Paints a ruler in seconds; where frames are wide enough, they have ticks of their own.
+pub fn ruler(ui: &Ui, rect: Rect, axis: &Axis) {
+    let visuals = ui.visuals();
+    let painter = ui.painter().with_clip_rect(rect.intersect(ui.clip_rect()));
+    let points_per_s = axis.points_per_frame() * axis.rate_hz;
+    let step = nice_step(LABEL_DISTANCE / points_per_s);
+    let base = rect.bottom();
+    painter.hline(rect.x_range(), base, Stroke::new(1.0, line(visuals)));
+    ticks(axis, step / 5.0, |x, _| {
+        painter.vline(x, base - 4.0..=base, Stroke::new(1.0, line(visuals)));
+    });
+    if axis.points_per_frame() >= TICK_DISTANCE {
+        for frame in axis.seen() {
+            painter.vline(axis.x_of(frame as f32), base - 3.0..=base, Stroke::new(1.0, line(visuals)));
+        }
+    }
+    ticks(axis, step, |x, seconds| {
+        painter.vline(x, base - 8.0..=base, Stroke::new(1.0, visuals.weak_text_color()));
+        let at = rect.left_top() + eframe::egui::vec2(x - rect.left() + 3.0, 1.0);
+        painter.text(at, Align2::LEFT_TOP, label(seconds, step), FontId::proportional(11.0), visuals.weak_text_color());
+    });
+}
+
+fn line(visuals: &Visuals) -> eframe::egui::Color32 {
+    visuals.widgets.noninteractive.bg_stroke.color
+}
+
+fn ticks(axis: &Axis, step_s: f64, mut tick: impl FnMut(f32, f64)) {
+    let rate = f64::from(axis.rate_hz);
+    let first = (f64::from(axis.span.from.max(0.0)) / rate / step_s).ceil() as i64;
+    let last = (f64::from(axis.span.to) / rate / step_s).floor() as i64;
+    for i in first..=last {
+        let seconds = i as f64 * step_s;
+        tick(axis.x_of((seconds * rate) as f32), seconds);
+    }
+}
+
+/// The smallest of 1, 2 and 5 times a power of ten that is not below `least`. [Unit: s]
+fn nice_step(least: f32) -> f64 {
+    let least = f64::from(least.clamp(1e-3, 1e6));
+    let power = 10f64.powf(least.log10().floor());
+    [1.0, 2.0, 5.0].into_iter().map(|m| m * power).find(|s| *s >= least * (1.0 - 1e-6)).unwrap_or(10.0 * power)
+}
+
+fn label(seconds: f64, step: f64) -> String {
+    let decimals = (-step.log10().floor()).clamp(0.0, 3.0) as usize;
+    format!("{seconds:.decimals$} s")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn steps_are_round() {
+        for (least, step) in [(0.013, 0.02), (0.02, 0.02), (0.3, 0.5), (0.6, 1.0), (1.0, 1.0), (7.0, 10.0)] {
+            assert!((nice_step(least) - step).abs() < 1e-9, "{least}");
+        }
+        assert_eq!(label(1.5, 0.5), "1.5 s");
+        assert_eq!(label(20.0, 10.0), "20 s");
+        assert_eq!(label(0.04, 0.02), "0.04 s");
+    }
+}

@@ -1,0 +1,175 @@
+//! What a bundle was made of.
+
+use super::{facts, section};
+use crate::document::Bundle;
+use crate::panels::paint::{Cell, Column, Sort, Table};
+use eframe::egui::{RichText, ScrollArea, TextEdit, TextStyle, Ui};
+use throng_runtime::format::SourceMeta;
+
+const COLUMNS: [Column; 3] = [
+    Column { title: "File", hint: "As the configuration names it", width: 120.0, grows: 1.0, is_number: false },
+    Column { title: "Size", hint: "Length of the file", width: 66.0, grows: 0.0, is_number: true },
+    Column {
+        title: "Hash",
+        hint: "XXH3 of its content; click a row to copy path and hash",
+        width: 84.0,
+        grows: 0.3,
+        is_number: false,
+    },
+];
+/// Rows of sources that are seen at once.
+const ROWS: f32 = 9.0;
+
+/// The list of source files as it was last sorted.
+#[derive(Clone, Debug, Default)]
+pub struct Sources {
+    sort: Option<Sort>,
+    copied: Option<usize>,
+    /// What `rows` were made of: document and order.
+    made_of: Option<(u64, Option<Sort>)>,
+    rows: Vec<usize>,
+}
+
+impl Sources {
+    fn refresh(&mut self, document: u64, sources: &[SourceMeta]) {
+        if self.made_of == Some((document, self.sort)) {
+            return;
+        }
+        if self.made_of.map(|m| m.0) != Some(document) {
+            self.copied = None;
+        }
+        self.rows = (0..sources.len()).collect();
+        if let Some(sort) = self.sort {
+            self.rows.sort_by(|&a, &b| {
+                let (a, b) = (&sources[a], &sources[b]);
+                let order = match sort.column {
+                    0 => a.path.cmp(&b.path),
+                    1 => a.bytes.cmp(&b.bytes),
+                    _ => a.hash.cmp(&b.hash),
+                };
+                if sort.descending { order.reverse() } else { order }
+            });
+        }
+        self.made_of = Some((document, self.sort));
+    }
+}
+
+/// Shows where a bundle comes from.
+pub fn show(ui: &mut Ui, bundle: &Bundle, document: u64, sources: &mut Sources) {
+    let meta = bundle.tables().meta();
+    ScrollArea::vertical().id_salt("provenance").auto_shrink([false, false]).show(ui, |ui| {
+        section(ui, "Bundle");
+        let mirrored = bundle.clips().filter(|c| c.0.mirrored != 0).count();
+        let kept = 100.0 * meta.frames_kept as f64 / meta.frames_in.max(1) as f64;
+        let all = [
+            ("File", bundle.path().display().to_string()),
+            ("Name", meta.name.clone()),
+            ("Written by", meta.generator.clone()),
+            ("Rate", format!("{} Hz", meta.rate_hz)),
+            ("Clips", format!("{}, {mirrored} of them mirrored copies", meta.clips.len())),
+            ("Usable frames", meta.frames_in.to_string()),
+            ("Kept by the graph", format!("{} frames, {kept:.0} %", meta.frames_kept)),
+            ("Behaviours", if meta.behaviours.is_empty() { "none".into() } else { meta.behaviours.join(", ") }),
+        ];
+        facts(ui, "bundle", all);
+        source_list(ui, &meta.sources, document, sources);
+        config(ui, &meta.config);
+    });
+}
+
+fn source_list(ui: &mut Ui, sources: &[SourceMeta], document: u64, state: &mut Sources) {
+    state.refresh(document, sources);
+    let bytes: u64 = sources.iter().map(|s| s.bytes).sum();
+    section(ui, &format!("Made from {} files, {}", sources.len(), bytes_text(bytes)));
+    if sources.is_empty() {
+        ui.label(RichText::new("The bundle names no source files: it was made from generated motion.").weak());
+        return;
+    }
+    let row = ui.text_style_height(&TextStyle::Body) + 4.0;
+    let height = row * (1.0 + ROWS.min(sources.len() as f32)) + 2.0;
+    let rows = &state.rows;
+    let table = Table {
+        id: "sources",
+        columns: &COLUMNS,
+        num_rows: rows.len(),
+        selected: state.copied.and_then(|c| rows.iter().position(|r| *r == c)),
+        sort: Some(state.sort.unwrap_or(Sort { column: usize::MAX, descending: false })),
+        scroll_to_selected: false,
+    };
+    let response = ui
+        .allocate_ui(eframe::egui::vec2(ui.available_width(), height), |ui| {
+            ui.set_min_height(height);
+            table.show(ui, |row, column| {
+                let s = &sources[rows[row]];
+                match column {
+                    0 => Cell::new(&s.path).ending(),
+                    1 => Cell::new(bytes_text(s.bytes)),
+                    _ => Cell::weak(format!("{:032x}", s.hash)),
+                }
+            })
+        })
+        .inner;
+    if let Some(source) = response.chosen.map(|row| rows[row]) {
+        let s = &sources[source];
+        ui.copy_text(format!("{} {:032x}", s.path, s.hash));
+        state.copied = Some(source);
+    }
+    if let Some(sort) = response.sort {
+        state.sort = Some(sort);
+    }
+}
+
+fn config(ui: &mut Ui, toml: &str) {
+    ui.add_space(8.0);
+    let name = ui
+        .horizontal(|ui| {
+            let name = ui.label(RichText::new("Configuration").strong().size(15.0)).id;
+            if ui.small_button("Copy").on_hover_text("Copy the configuration").clicked() {
+                ui.copy_text(toml.to_owned());
+            }
+            name
+        })
+        .inner;
+    ScrollArea::both().id_salt("config").max_height(420.0).auto_shrink([false, true]).show(ui, |ui| {
+        // Text to select and copy; a borrowed string takes no changes.
+        let mut text = toml;
+        let edit = TextEdit::multiline(&mut text).code_editor().desired_width(f32::INFINITY);
+        ui.add(edit).labelled_by(name);
+    });
+}
+
+/// A number of bytes for people, in steps of 1024.
+fn bytes_text(bytes: u64) -> String {
+    let b = bytes as f64;
+    match bytes {
+        0..1024 => format!("{bytes} B"),
+        1024..1_048_576 => format!("{:.1} KiB", b / 1024.0),
+        _ => format!("{:.1} MiB", b / 1_048_576.0),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sources_are_sorted_by_the_column_asked_for() {
+        let source = |path: &str, bytes, hash| SourceMeta { path: path.into(), bytes, hash };
+        let all = [source("b", 5, 1), source("a", 7, 3), source("c", 6, 2)];
+        let mut state = Sources::default();
+        let mut rows = |sort| {
+            state.sort = sort;
+            state.refresh(1, &all);
+            state.rows.clone()
+        };
+        assert_eq!(rows(None), [0, 1, 2]);
+        assert_eq!(rows(Some(Sort { column: 0, descending: false })), [1, 0, 2]);
+        assert_eq!(rows(Some(Sort { column: 1, descending: true })), [1, 2, 0]);
+        assert_eq!(rows(Some(Sort { column: 2, descending: false })), [0, 2, 1]);
+    }
+
+    #[test]
+    fn bytes_are_said_in_units_that_fit() {
+        assert_eq!([999, 2048, 3 << 20].map(bytes_text), ["999 B", "2.0 KiB", "3.0 MiB"]);
+    }
+}

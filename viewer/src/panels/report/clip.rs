@@ -1,0 +1,155 @@
+//! The report on a motion file.
+
+use super::verdict::{Mood, verdict};
+use super::{facts, section};
+use crate::command::Command;
+use crate::document::RawMotion;
+use crate::panels::paint::{Palette, time_text};
+use eframe::egui::{Frame, Grid, Label, RichText, Sense, Stroke, TextStyle, Ui, vec2};
+use throng_precompute::inspect::ClipReport;
+use throng_runtime::Joint;
+
+/// Shows all that import found.
+pub fn show(ui: &mut Ui, raw: &RawMotion, commands: &mut Vec<Command>) {
+    let report = &raw.report;
+    warnings(ui, report);
+    motion(ui, report);
+    contacts(ui, report);
+    excluded(ui, report, commands);
+    section(ui, "What was found and why");
+    for finding in &report.findings {
+        bullet(ui, finding);
+    }
+    roles(ui, report);
+}
+
+fn warnings(ui: &mut Ui, report: &ClipReport) {
+    if report.warnings.is_empty() {
+        return;
+    }
+    let colour = Palette::of(ui.visuals()).warning;
+    let frame = Frame::group(ui.style()).stroke(Stroke::new(1.5, colour)).fill(colour.gamma_multiply(0.08));
+    frame.show(ui, |ui| {
+        ui.set_width(ui.available_width());
+        let n = report.warnings.len();
+        let title = if n == 1 { "1 warning".to_owned() } else { format!("{n} warnings") };
+        ui.label(RichText::new(title).strong().color(colour));
+        for warning in &report.warnings {
+            bullet(ui, warning);
+        }
+    });
+}
+
+fn bullet(ui: &mut Ui, text: &str) {
+    ui.horizontal_top(|ui| {
+        ui.label(RichText::new("•").weak());
+        ui.add(Label::new(text).selectable(true).wrap());
+    });
+}
+
+fn motion(ui: &mut Ui, r: &ClipReport) {
+    section(ui, "Motion and body");
+    let format = match r.format {
+        "asf_amc" => "ASF/AMC",
+        "bvh" => "BVH",
+        other => other,
+    };
+    let rest = match r.rest_pose {
+        "t_pose" => "T-pose",
+        "a_pose" => "A-pose",
+        "other" => "neither a T-pose nor an A-pose",
+        other => other,
+    };
+    let all = [
+        ("File", r.file.clone()),
+        ("Format", format!("{format}, {} joints", r.joints)),
+        ("Motion", format!("{} frames at {:.4} Hz, {}", r.frames, Rounded(r.rate_hz), time_text(r.duration_s))),
+        ("Unit", format!("{:.6} m", Rounded(r.metres_per_unit))),
+        ("Up axis", r.up.to_string()),
+        ("Rest pose", format!("{rest}, faces {:.0}°", r.facing_deg)),
+        ("Height", format!("{:.2} m", r.height_m)),
+        ("Profile", r.profile.clone()),
+    ];
+    facts(ui, "motion", all);
+}
+
+/// A number without digits that say nothing.
+struct Rounded(f64);
+
+impl std::fmt::Display for Rounded {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let digits = f.precision().unwrap_or(2) as i32;
+        let unit = 10f64.powi(digits);
+        write!(f, "{}", (self.0 * unit).round() / unit)
+    }
+}
+
+fn contacts(ui: &mut Ui, r: &ClipReport) {
+    section(ui, "Feet");
+    let palette = Palette::of(ui.visuals());
+    for (mood, text) in verdict(&r.contact) {
+        let colour = if mood == Mood::Good { palette.good } else { palette.warning };
+        ui.horizontal_top(|ui| {
+            let (dot, _) = ui.allocate_exact_size(vec2(10.0, ui.text_style_height(&TextStyle::Body)), Sense::hover());
+            ui.painter().circle_filled(dot.center(), 4.0, colour);
+            ui.add(Label::new(text).selectable(true).wrap());
+        });
+    }
+    let c = &r.contact;
+    let share = |v: f32| format!("{:.0} % of the frames that are used", 100.0 * v);
+    let all = [
+        ("Left foot planted", share(c.left_share)),
+        ("Right foot planted", share(c.right_share)),
+        (
+            "Speed while planted",
+            format!("{:.3} m/s on average, {:.3} m/s at the 95th percentile", c.mean_speed_mps, c.p95_speed_mps),
+        ),
+    ];
+    facts(ui, "contacts", all);
+}
+
+/// Ranges that a build would leave out; a click goes there.
+fn excluded(ui: &mut Ui, r: &ClipReport, commands: &mut Vec<Command>) {
+    section(ui, "Left out by a build");
+    if r.excluded.is_empty() {
+        ui.label(RichText::new("Nothing: every frame is used.").weak());
+    }
+    for (reason, start, end) in &r.excluded {
+        let seconds = end.saturating_sub(*start) as f64 / r.rate_hz;
+        let text = format!("{reason}: frames {start} to {end}, {}", time_text(seconds));
+        if ui.link(text).on_hover_text("Go there").clicked() {
+            commands.push(Command::Seek(*start as u32));
+        }
+    }
+}
+
+fn roles(ui: &mut Ui, r: &ClipReport) {
+    section(ui, "Roles of the joints");
+    let missing = Joint::ALL.iter().filter(|j| !r.roles.contains_key(j.name())).count();
+    if missing > 0 {
+        let text = format!("Roles without a joint of their own: {missing} of {}.", Joint::ALL.len());
+        ui.label(RichText::new(text).weak());
+    }
+    let warning = Palette::of(ui.visuals()).warning;
+    Grid::new("roles").num_columns(2).striped(true).spacing([16.0, 3.0]).show(ui, |ui| {
+        for role in Joint::ALL {
+            ui.label(role.name().replace('_', " "));
+            match r.roles.get(role.name()) {
+                Some(joint) => ui.add(Label::new(RichText::new(joint).monospace()).selectable(true)),
+                None => ui.label(RichText::new("missing").color(warning)),
+            };
+            ui.end_row();
+        }
+    });
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Rounded;
+
+    #[test]
+    fn numbers_have_no_needless_digits() {
+        assert_eq!(format!("{:.4}", Rounded(30.000_003)), "30");
+        assert_eq!(format!("{:.4}", Rounded(119.88)), "119.88");
+    }
+}

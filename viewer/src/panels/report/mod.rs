@@ -1,0 +1,49 @@
+//! Where motion comes from: what import found in a motion file, what a bundle was made of.
+
+mod bundle;
+mod clip;
+mod verdict;
+
+use super::paint::nothing_open;
+use crate::command::Command;
+use crate::document::Document;
+use crate::model::Model;
+use eframe::egui::{Grid, Label, RichText, ScrollArea, TextWrapMode, Ui};
+
+/// What the panel remembers of how it looks.
+#[derive(Clone, Debug, Default)]
+pub struct State {
+    sources: bundle::Sources,
+}
+
+/// Shows the panel.
+pub fn show(ui: &mut Ui, model: &Model, state: &mut State, commands: &mut Vec<Command>) {
+    match &model.document {
+        Document::Nothing => nothing_open(ui),
+        Document::Bundle(b) => bundle::show(ui, &b.bundle, model.generation, &mut state.sources),
+        Document::Clip(raw) => {
+            ScrollArea::vertical().auto_shrink([false, false]).show(ui, |ui| clip::show(ui, raw, commands));
+        }
+    }
+}
+
+/// A heading with space above it.
+fn section(ui: &mut Ui, title: &str) {
+    ui.add_space(8.0);
+    ui.label(RichText::new(title).strong().size(15.0));
+    ui.add_space(2.0);
+}
+
+/// Names and values, the values to be copied.
+fn facts<'a>(ui: &mut Ui, id: &str, facts: impl IntoIterator<Item = (&'a str, String)>) {
+    Grid::new(id).num_columns(2).spacing([12.0, 3.0]).show(ui, |ui| {
+        for (name, value) in facts {
+            ui.label(RichText::new(name).weak());
+            ui.add(Label::new(value).selectable(true).wrap_mode(TextWrapMode::Wrap));
+            ui.end_row();
+        }
+    });
+}
+
+#[cfg(test)]
+mod tests;

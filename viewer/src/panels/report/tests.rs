@@ -1,0 +1,46 @@
+//! The report driven as a user would.
+
+use super::*;
+use crate::panels::tests::{golden_path, mocap, trial};
+use eframe::egui::vec2;
+use egui_kittest::kittest::Queryable;
+
+#[test]
+fn without_a_document_the_panel_says_what_to_do() {
+    let mut harness = trial::<State>(None, vec2(400.0, 300.0), show);
+    harness.run();
+    harness.get_by_label_contains("Open a bundle or a motion file");
+}
+
+#[test]
+fn a_bundle_tells_what_it_was_made_of() {
+    let mut harness = trial::<State>(Some(&golden_path()), vec2(420.0, 1400.0), show);
+    harness.run();
+    let bundle = crate::panels::tests::golden();
+    let meta = bundle.tables().meta();
+    harness.get_by_label(&meta.generator);
+    harness.get_by_label("Copy").click();
+    harness.step();
+    let copied = harness
+        .output()
+        .platform_output
+        .commands
+        .iter()
+        .any(|c| matches!(c, eframe::egui::OutputCommand::CopyText(text) if *text == meta.config));
+    assert!(copied);
+}
+
+#[test]
+fn a_click_on_what_is_left_out_goes_there() {
+    let Some(path) = mocap("bandai-1/dataset-1_bow_normal_001.bvh") else { return };
+    let mut harness = trial::<State>(Some(&path), vec2(420.0, 1400.0), show);
+    harness.run();
+    let Document::Clip(raw) = &harness.state().model.document else { panic!("a motion file is open") };
+    let (excluded, rate) = (raw.report.excluded.clone(), raw.report.rate_hz);
+    assert!(rate > 0.0);
+    for (reason, start, end) in excluded {
+        harness.get_by_label_contains(&format!("{reason}: frames {start} to {end}")).click();
+        harness.run();
+        assert_eq!(harness.state().commands.last(), Some(&Command::Seek(start as u32)));
+    }
+}
