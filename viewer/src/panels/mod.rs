@@ -3,13 +3,17 @@
 //! A panel is a function of the borrowed [`Model`]: it shows, and puts what it asks for on the list of commands. What
 //! only concerns how it looks (a filter, a zoom) is its own state.
 
+pub mod colour;
 pub mod control;
+pub mod graph;
 pub mod help;
 pub mod messages;
 pub mod statistics;
+pub mod table;
 pub mod top_bar;
 pub mod transport;
 pub mod viewport;
+pub mod words;
 
 use crate::command::Command;
 use crate::model::Model;
@@ -23,6 +27,8 @@ pub enum PanelKind {
     Control,
     /// What was measured.
     Statistics,
+    /// States and actions.
+    Graph,
 }
 
 /// Where a panel lies.
@@ -69,6 +75,14 @@ pub const PANELS: &[Panel] = &[
         key: Key::F3,
         show: |ui, model, _, commands| statistics::show(ui, model, commands),
     },
+    Panel {
+        kind: PanelKind::Graph,
+        title: "Motion graph",
+        purpose: "states, actions and where they lead; a click plays an action",
+        dock: Dock::Bottom,
+        key: Key::F4,
+        show: |ui, model, states, commands| graph::show(ui, model, &mut states.graph, commands),
+    },
 ];
 
 /// What panels remember of how they look.
@@ -76,6 +90,8 @@ pub const PANELS: &[Panel] = &[
 pub struct PanelStates {
     /// The 3-D view.
     pub viewport: viewport::State,
+    /// The motion graph.
+    pub graph: graph::State,
     /// The list of keys is shown.
     pub help: bool,
 }
