@@ -54,7 +54,11 @@ fn main() -> ExitCode {
         Command::Run(a) => run::run(&a),
         Command::Bench(a) => bench::run(&a),
         Command::Export(a) => export::run(&a),
-        Command::View(a) => view::run(&a),
+        // The viewer has said what went wrong itself; its exit code is ours.
+        Command::View(a) => match view::run(&a) {
+            Ok(code) => return code,
+            Err(e) => Err(e),
+        },
         Command::Schema(a) => schema::run(&a),
         Command::Completions(a) => completions::run(&a),
     };

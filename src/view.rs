@@ -1,24 +1,46 @@
 //! `throng view`: starts the viewer, an executable of its own beside this one.
 
-use crate::args::{Outcome, fail};
-use std::process::Command;
+use std::error::Error;
+use std::ffi::OsString;
+use std::io::Write;
+use std::path::Path;
+use std::process::{Command, ExitCode};
 
-/// Start the viewer.
+const HOW_TO_BUILD: &str = "`cargo build --release -p throng-viewer` builds it";
+
+/// Open the viewer on a bundle or a motion file: `throng view FILE`.
+///
+/// The viewer is an executable of its own beside this one; `cargo build --release -p throng-viewer` builds it. All
+/// arguments are handed on to it. Where it is built, `throng view --help` prints its own help.
 #[derive(clap::Args)]
+#[command(disable_help_flag = true)]
 pub struct Args {
-    /// What the viewer is to show.
-    #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
-    rest: Vec<String>,
+    /// What the viewer is to do.
+    #[arg(trailing_var_arg = true, allow_hyphen_values = true, value_name = "ARGUMENTS")]
+    rest: Vec<OsString>,
 }
 
-pub fn run(args: &Args) -> Outcome {
-    let here = std::env::current_exe()?;
-    let viewer = here.with_file_name(format!("throng-viewer{}", std::env::consts::EXE_SUFFIX));
-    if !viewer.is_file() {
-        return fail("the viewer is not built; `cargo build --release -p throng-viewer` builds it");
+/// Returns the exit code of the viewer.
+pub fn run(args: &Args) -> Result<ExitCode, Box<dyn Error>> {
+    let viewer = std::env::current_exe()?.with_file_name(format!("throng-viewer{}", std::env::consts::EXE_SUFFIX));
+    if viewer.is_file() {
+        return start(&viewer, args);
     }
-    match Command::new(&viewer).args(&args.rest).status()? {
-        s if s.success() => Ok(()),
-        s => fail(format!("the viewer ended with {s}")),
+    if args.rest.iter().any(|a| a == "--help" || a == "-h") {
+        let help = format!(
+            "Open the viewer on a bundle or a motion file\n\nUsage: throng view [FILE] [OPTIONS]\n\n\
+             The viewer, which knows the options, is not built; {HOW_TO_BUILD}.\n"
+        );
+        std::io::stdout().write_all(help.as_bytes())?;
+        return Ok(ExitCode::SUCCESS);
+    }
+    Err(format!("the viewer is not built; {HOW_TO_BUILD}").into())
+}
+
+fn start(viewer: &Path, args: &Args) -> Result<ExitCode, Box<dyn Error>> {
+    let status = Command::new(viewer).args(&args.rest).status().map_err(|e| format!("{}: {e}", viewer.display()))?;
+    match status.code() {
+        Some(code) => Ok(ExitCode::from(u8::try_from(code).unwrap_or(1))),
+        None => Err(format!("the viewer ended unexpectedly: {status}").into()),
     }
 }

@@ -1,15 +1,19 @@
 //! The viewer: everything that is baked, seen and tried.
 //!
-//! [`app::Viewer`] is the whole program but for its window. In reading order of a frame: [`model::Model::apply`]
-//! carries out what the panels asked for, [`model::Model::advance`] moves time on, [`stage`] lays out what is to be
-//! drawn, [`render`] draws it, [`panels`] show the model and ask for more.
+//! [`app::Viewer`] is the whole program but for its [`window`], or its picture where there is none ([`headless`]). In
+//! reading order of a frame: [`model::Model::apply`] carries out what the panels asked for, [`model::Model::advance`]
+//! moves time on, [`stage`] lays out what is to be drawn, [`render`] draws it, [`panels`] show the model and ask for
+//! more.
 
 pub mod app;
+pub mod args;
 pub mod command;
 pub mod document;
+pub mod headless;
 pub mod model;
 pub mod panels;
 pub mod render;
 pub mod run;
 pub mod settings;
 pub mod stage;
+pub mod window;

@@ -1,6 +1,45 @@
-//! The viewer: everything that is baked, seen and tried. Its window is not built yet.
+//! `throng-viewer`: a window, a picture or a measurement, as the arguments say.
 
-fn main() -> std::process::ExitCode {
-    eprintln!("throng-viewer has no window yet; `throng demo` draws a picture of a crowd");
-    std::process::ExitCode::FAILURE
+use clap::Parser;
+use serde::Serialize;
+use std::error::Error;
+use std::io::Write;
+use std::process::ExitCode;
+use throng_viewer::args::Args;
+use throng_viewer::{headless, window};
+
+fn main() -> ExitCode {
+    match run(&Args::parse()) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(e) => {
+            eprintln!("error: {e}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn run(args: &Args) -> Result<(), Box<dyn Error>> {
+    if !args.bench.is_empty() {
+        let report = headless::bench(args)?;
+        return if args.json { print_json(&report) } else { print(&report.to_string()) };
+    }
+    let Some(out) = &args.png else { return Ok(window::run(args)?) };
+    let report = headless::draw_picture(args, out)?;
+    if args.json {
+        return print_json(&report);
+    }
+    eprintln!("{}: {} x {} pixels, drawn by {}", out.display(), report.width, report.height, report.adapter);
+    Ok(())
+}
+
+fn print_json(report: &impl Serialize) -> Result<(), Box<dyn Error>> {
+    print(&(serde_json::to_string_pretty(report)? + "\n"))
+}
+
+/// Prints; a reader that has gone away is no failure.
+fn print(text: &str) -> Result<(), Box<dyn Error>> {
+    match std::io::stdout().write_all(text.as_bytes()) {
+        Err(e) if e.kind() != std::io::ErrorKind::BrokenPipe => Err(e.into()),
+        _ => Ok(()),
+    }
 }

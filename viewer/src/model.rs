@@ -88,6 +88,8 @@ pub struct Model {
     pub messages: Vec<Message>,
     /// Where the time goes.
     pub times: FrameTimes,
+    /// Width of the 3-D view over its height; 0 before it was first shown.
+    pub aspect: f32,
     weights: Vec<f32>,
     loader: Loader,
     watch: Option<Watch>,
@@ -181,6 +183,17 @@ impl Model {
                     self.complain(format!("The run stopped: {e}"));
                 }
             }
+        }
+        self.follow();
+    }
+
+    /// Lets the camera go with who is looked at.
+    fn follow(&mut self) {
+        if self.settings.follow
+            && let Some(place) = crate::stage::followed(self)
+        {
+            let camera = &mut self.settings.camera;
+            camera.target = place.with_y(camera.target.y);
         }
     }
 
@@ -364,6 +377,7 @@ impl Model {
     /// Moves the camera so that everything can be seen.
     fn frame_all(&mut self) {
         let (low, high) = crate::stage::bounds(self);
-        self.settings.camera.frame_box(low, high);
+        let aspect = if self.aspect > 0.0 { self.aspect } else { 1.5 };
+        self.settings.camera.frame_box(low, high, aspect);
     }
 }

@@ -10,6 +10,9 @@ use std::path::{Path, PathBuf};
 /// Files remembered.
 const MAX_RECENT: usize = 8;
 
+/// Bodies, with what they are called.
+pub const BODIES: [(Body, &str); 2] = [(Body::Mannequin, "mannequin"), (Body::Capsules, "capsules")];
+
 /// Cues drawn in the 3-D view beside bodies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default)]

@@ -65,7 +65,7 @@ pub const PANELS: &[Panel] = &[
         purpose: "targets, behaviours, number of characters, seed",
         dock: Dock::Side,
         key: Key::F1,
-        show: |ui, model, _, commands| control::show(ui, model, commands),
+        show: |ui, model, states, commands| control::show(ui, model, &mut states.control, commands),
     },
     Panel {
         kind: PanelKind::Statistics,
@@ -73,7 +73,7 @@ pub const PANELS: &[Panel] = &[
         purpose: "time of a step and a frame, memory, foot slip, arrivals",
         dock: Dock::Side,
         key: Key::F3,
-        show: |ui, model, _, commands| statistics::show(ui, model, commands),
+        show: |ui, model, _, _| statistics::show(ui, model),
     },
     Panel {
         kind: PanelKind::Graph,
@@ -92,8 +92,12 @@ pub struct PanelStates {
     pub viewport: viewport::State,
     /// The motion graph.
     pub graph: graph::State,
+    /// Control.
+    pub control: control::State,
     /// The list of keys is shown.
     pub help: bool,
+    /// A dialog to open a file is wanted.
+    pub open_dialog: bool,
 }
 
 impl PanelKind {

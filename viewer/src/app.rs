@@ -1,0 +1,291 @@
+//! The viewer but for its window: the same in a window, in a picture and in a test.
+
+use crate::command::{Command, Stage};
+use crate::model::Model;
+use crate::panels::{Dock, PANELS, PanelStates, help, top_bar, transport, viewport};
+use crate::render::{Body, DrawReport, SceneCallback, SceneFrame, SceneRenderer};
+use crate::settings::{BODIES, Settings};
+use crate::stage::{Layout, scene_colours};
+use eframe::egui::{self, CentralPanel, Frame, Panel, Ui};
+use eframe::egui_wgpu::RenderState;
+use help::Action;
+use std::path::PathBuf;
+use std::sync::mpsc::{Receiver, channel};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::Instant;
+
+/// Key of the settings in the store.
+pub const SETTINGS_KEY: &str = "settings";
+
+/// The viewer.
+pub struct Viewer {
+    /// All that it knows.
+    pub model: Model,
+    /// How the panels look.
+    pub states: PanelStates,
+    renderer: Result<Arc<Mutex<SceneRenderer>>, String>,
+    /// What the last frame drew, and how long encoding it took.
+    drawing: Arc<Mutex<DrawReport>>,
+    layout: Layout,
+    dialog: Option<Receiver<PathBuf>>,
+}
+
+impl Viewer {
+    /// Nothing open. Without a graphics device, the 3-D view says so.
+    pub fn new(settings: Settings, render_state: Option<&RenderState>) -> Self {
+        let renderer = match render_state {
+            None => Err("There is no graphics device to draw with.".to_owned()),
+            Some(r) => SceneRenderer::new(&r.device, &r.queue, r.target_format)
+                .map(|r| Arc::new(Mutex::new(r)))
+                .map_err(|e| e.to_string()),
+        };
+        Self {
+            model: Model::new(settings),
+            states: PanelStates::default(),
+            renderer,
+            drawing: Arc::default(),
+            layout: Layout::default(),
+            dialog: None,
+        }
+    }
+
+    /// Moves time on. No user interface is shown in here, and nothing is simulated elsewhere.
+    pub fn logic(&mut self, ctx: &egui::Context, wall_s: f32) {
+        self.model.times.frame_s = f64::from(wall_s);
+        self.model.times.drawing_s = self.drawn().time.as_secs_f64();
+        if let Some(path) = self.dialog.as_ref().and_then(|d| d.try_recv().ok()) {
+            self.dialog = None;
+            self.model.apply(ctx, Command::Open(path));
+        }
+        let begin = Instant::now();
+        self.model.advance(ctx, wall_s);
+        self.model.times.simulation_s = begin.elapsed().as_secs_f64();
+        if self.model.is_playing() {
+            ctx.request_repaint();
+        } else {
+            // Files are watched while nothing moves, too.
+            ctx.request_repaint_after(std::time::Duration::from_millis(500));
+        }
+    }
+
+    /// Shows everything, and carries out what was asked for.
+    pub fn ui(&mut self, ui: &mut Ui) {
+        let ctx = ui.ctx().clone();
+        self.appearance(&ctx);
+        let mut commands = Vec::new();
+        self.keys(&ctx, &mut commands);
+        let dropped = ctx.input(|i| i.raw.dropped_files.iter().map(|f| f.path().to_path_buf()).collect::<Vec<_>>());
+        commands.extend(dropped.into_iter().map(Command::Open));
+        self.upload(ctx.theme() == egui::Theme::Dark);
+        self.panels(ui, &mut commands);
+        help::show(ui, &mut self.states.help);
+        for command in commands {
+            self.model.apply(&ctx, command);
+        }
+        if std::mem::take(&mut self.states.open_dialog) {
+            self.open_dialog(&ctx);
+        }
+    }
+
+    /// What the last frame drew of the 3-D view, and how long encoding it took.
+    pub fn drawn(&self) -> DrawReport {
+        *self.drawing.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn appearance(&self, ctx: &egui::Context) {
+        let s = &self.model.settings;
+        ctx.set_theme(s.theme);
+        let zoom = s.zoom.clamp(0.5, 3.0);
+        if ctx.zoom_factor() != zoom {
+            ctx.set_zoom_factor(zoom);
+        }
+    }
+
+    fn panels(&mut self, ui: &mut Ui, commands: &mut Vec<Command>) {
+        let (model, states) = (&self.model, &mut self.states);
+        Panel::top("top bar").show(ui, |ui| top_bar::show(ui, model, states, commands));
+        Panel::bottom("transport").show(ui, |ui| {
+            ui.add_space(3.0);
+            transport::show(ui, model, commands);
+            ui.add_space(3.0);
+        });
+        if model.settings.side_panel.is_some() {
+            let side = Panel::right("side").default_size(370.0).size_range(260.0..=900.0);
+            side.show(ui, |ui| dock(ui, Dock::Side, model, states, commands));
+        }
+        if model.settings.bottom_panel.is_some() {
+            let bottom = Panel::bottom("bottom").resizable(true).default_size(300.0).size_range(140.0..=900.0);
+            bottom.show(ui, |ui| dock(ui, Dock::Bottom, model, states, commands));
+        }
+        let dark = ui.visuals().dark_mode;
+        let (renderer, drawing, layout) = (&self.renderer, &self.drawing, &self.layout);
+        CentralPanel::default().frame(Frame::NONE).show(ui, |ui| {
+            let paint = |ui: &Ui, drawn: viewport::Drawn| {
+                let renderer = renderer.as_ref().map_err(Clone::clone)?;
+                let callback = SceneCallback {
+                    renderer: Arc::clone(renderer),
+                    camera: drawn.camera,
+                    size: [1, 1],
+                    colours: scene_colours(dark),
+                    report: Arc::clone(drawing),
+                };
+                ui.painter().add(callback.shape(ui, drawn.rect));
+                Ok(())
+            };
+            let mut viewport = std::mem::take(&mut states.viewport);
+            viewport::show(ui, model, layout, &mut viewport, commands, paint);
+            states.viewport = viewport;
+        });
+    }
+
+    /// Lays out the frame and hands it to the graphics device.
+    fn upload(&mut self, dark: bool) {
+        let begin = Instant::now();
+        self.layout.lay_out(&self.model, dark);
+        self.model.times.layout_s = begin.elapsed().as_secs_f64();
+        let Ok(renderer) = &self.renderer else { return };
+        let mut renderer = renderer.lock().unwrap_or_else(PoisonError::into_inner);
+        let begin = Instant::now();
+        let frame = SceneFrame {
+            skeleton: &self.layout.skeleton,
+            body: self.model.settings.body,
+            palette: self.layout.poses(&self.model),
+            instances: &self.layout.instances,
+            shapes: &self.layout.shapes,
+        };
+        let uploaded = renderer.upload(&frame);
+        drop(renderer);
+        self.model.times.upload_s = begin.elapsed().as_secs_f64();
+        if let Err(e) = uploaded {
+            self.model.complain(e.to_string());
+        }
+    }
+
+    fn keys(&mut self, ctx: &egui::Context, commands: &mut Vec<Command>) {
+        if ctx.egui_wants_keyboard_input() {
+            return;
+        }
+        for panel in PANELS {
+            if ctx.input_mut(|i| i.consume_key(egui::Modifiers::NONE, panel.key)) {
+                commands.push(Command::TogglePanel(panel.kind));
+            }
+        }
+        for action in help::pressed(ctx) {
+            self.act(action, commands);
+        }
+    }
+
+    fn act(&mut self, action: Action, commands: &mut Vec<Command>) {
+        let m = &self.model;
+        let mut s = m.settings.clone();
+        let second = if m.shows_clip() { m.shown_clip().map_or(30.0, |c| c.1) } else { crate::run::STEP_HZ } as i32;
+        let speed = if m.shows_clip() { m.player.speed } else { m.document.crowd().map_or(1.0, |c| c.1.speed()) };
+        commands.push(match action {
+            Action::PlayPause => Command::Play(!m.is_playing()),
+            Action::Back => Command::Step(-1),
+            Action::On => Command::Step(1),
+            Action::BackSecond => Command::Step(-second),
+            Action::OnSecond => Command::Step(second),
+            Action::First => Command::Seek(0),
+            Action::Last => Command::Seek(u32::MAX),
+            Action::Slower => Command::Speed(speed * 0.5),
+            Action::Faster => Command::Speed(speed * 2.0),
+            Action::Restart => Command::Restart,
+            Action::Stage => Command::Stage(if m.stage == Stage::Crowd { Stage::Clip } else { Stage::Crowd }),
+            Action::FrameAll => Command::FrameAll,
+            Action::SelectNone => Command::SelectCharacter(None),
+            Action::Reload => Command::Reload,
+            Action::Open => return self.states.open_dialog = true,
+            Action::Help => return self.states.help = !self.states.help,
+            Action::Follow | Action::Body | Action::JointAxes | Action::Theme => {
+                match action {
+                    Action::Follow => s.follow = !s.follow,
+                    Action::Body => s.body = next_body(s.body),
+                    Action::JointAxes => s.overlays.joint_axes = !s.overlays.joint_axes,
+                    _ => {
+                        s.theme = if s.theme == egui::ThemePreference::Dark {
+                            egui::ThemePreference::Light
+                        } else {
+                            egui::ThemePreference::Dark
+                        }
+                    }
+                }
+                Command::Settings(Box::new(s))
+            }
+        });
+    }
+
+    /// Asks for a file in the system's own dialog, away from this thread.
+    fn open_dialog(&mut self, ctx: &egui::Context) {
+        let dialog = rfd::AsyncFileDialog::new()
+            .add_filter("bundles and motion files", &["throng", "bvh", "amc"])
+            .add_filter("all files", &["*"])
+            .pick_file();
+        let (send, receive) = channel();
+        let ctx = ctx.clone();
+        std::thread::spawn(move || {
+            // Nothing is sent where the dialog is closed, or where the viewer is.
+            if let Some(file) = pollster::block_on(dialog)
+                && send.send(file.path().to_path_buf()).is_ok()
+            {
+                ctx.request_repaint();
+            }
+        });
+        self.dialog = Some(receive);
+    }
+}
+
+/// The body after another, the first one after the last.
+fn next_body(body: Body) -> Body {
+    let at = BODIES.iter().position(|b| b.0 == body).unwrap_or(0);
+    BODIES[(at + 1) % BODIES.len()].0
+}
+
+/// The panels of one dock: tabs, and the one that is open.
+fn dock(ui: &mut Ui, dock: Dock, model: &Model, states: &mut PanelStates, commands: &mut Vec<Command>) {
+    let open = match dock {
+        Dock::Side => model.settings.side_panel,
+        Dock::Bottom => model.settings.bottom_panel,
+    };
+    ui.add_space(3.0);
+    ui.horizontal_wrapped(|ui| {
+        for panel in PANELS.iter().filter(|p| p.dock == dock) {
+            let tip = format!("{} ({})", panel.purpose, panel.key.name());
+            if ui.selectable_label(open == Some(panel.kind), panel.title).on_hover_text(tip).clicked()
+                && open != Some(panel.kind)
+            {
+                commands.push(Command::TogglePanel(panel.kind));
+            }
+        }
+        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+            if let Some(kind) = open
+                && ui.small_button("✖").on_hover_text("Close the panel").clicked()
+            {
+                commands.push(Command::TogglePanel(kind));
+            }
+        });
+    });
+    ui.separator();
+    let Some(panel) = open.and_then(|k| k.panel()) else { return };
+    match dock {
+        Dock::Side => {
+            egui::ScrollArea::vertical().auto_shrink(false).show(ui, |ui| (panel.show)(ui, model, states, commands));
+        }
+        Dock::Bottom => (panel.show)(ui, model, states, commands),
+    }
+}
+
+impl eframe::App for Viewer {
+    fn logic(&mut self, ctx: &egui::Context, _frame: &mut eframe::Frame) {
+        let wall_s = ctx.input(|i| i.unstable_dt);
+        Self::logic(self, ctx, wall_s);
+    }
+
+    fn ui(&mut self, ui: &mut Ui, _frame: &mut eframe::Frame) {
+        Self::ui(self, ui);
+    }
+
+    fn save(&mut self, storage: &mut dyn eframe::Storage) {
+        eframe::set_value(storage, SETTINGS_KEY, &self.model.settings);
+    }
+}

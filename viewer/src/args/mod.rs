@@ -1,0 +1,164 @@
+//! The command line of `throng-viewer`.
+
+mod parse;
+mod scene;
+
+pub use parse::{Adapter, Character, PanelChoice, Size, StageName, ThemeName, View};
+
+use crate::render::Body;
+use std::path::PathBuf;
+
+/// Frames that run before a picture, unless given. [Unit: 1/60 s]
+pub const PICTURE_FRAMES: u32 = 150;
+/// Frames that are measured of every crowd of `--bench`, unless given.
+pub const BENCH_FRAMES: u32 = 60;
+
+const AFTER_HELP: &str = "\
+JSON keys of --png: file, characters, frames, adapter, width, height, simulation_ms, layout_ms, upload_ms, drawing_ms, \
+interface_ms, frame_ms (medians of the frames that ran), and simulation_p95_ms to frame_p95_ms (their 95th percentiles). \
+`characters` is 0 where a clip is shown. \
+With --bench: adapter, width, height, and crowds, a list with characters, frames and the same times.
+
+Exit codes: 0 done, 1 failed (the message names what and the way out), 2 wrong usage.
+
+Examples:
+  throng-viewer walk.throng
+  throng-viewer clip.bvh
+  throng-viewer walk.throng --png crowd.png --characters 1000 --panel none --camera yaw=30,pitch=20,distance=25
+  throng-viewer walk.throng --bench 1000,10000 --json";
+
+/// Shows what is baked, and lets it be tried: bundles (*.throng) and motion files (*.bvh, *.amc).
+///
+/// Opens a window. With --png or --bench it needs no screen. F1 lists the keys.
+#[derive(clap::Parser, Clone, Debug, Default)]
+#[command(name = "throng-viewer", version, after_help = AFTER_HELP)]
+#[command(group(clap::ArgGroup::new("screenless").args(["png", "bench"])))]
+pub struct Args {
+    /// Bundle or motion file.
+    pub file: Option<PathBuf>,
+
+    /// Draw a picture instead of opening a window.
+    #[arg(long, value_name = "OUT", help_heading = "Without a screen")]
+    pub png: Option<PathBuf>,
+    /// Measure the frames of crowds instead of opening a window: numbers of characters, with commas.
+    #[arg(
+        long,
+        value_name = "N,...",
+        value_delimiter = ',',
+        value_parser = parse::characters,
+        requires = "file",
+        help_heading = "Without a screen"
+    )]
+    pub bench: Vec<usize>,
+    /// Print one JSON object.
+    #[arg(long, requires = "screenless", help_heading = "Without a screen")]
+    pub json: bool,
+    /// Graphics adapter: `software` draws the same everywhere, `any` takes the fastest.
+    #[arg(
+        long,
+        value_enum,
+        default_value_t,
+        value_name = "WHICH",
+        requires = "screenless",
+        help_heading = "Without a screen"
+    )]
+    pub adapter: Adapter,
+
+    /// Size of the picture or the window. [default: 1280x720]
+    #[arg(long, value_name = "WxH", value_parser = parse::size)]
+    pub size: Option<Size>,
+    /// Scale of text and everything else, 0.5 to 3.
+    #[arg(long, value_name = "FACTOR", value_parser = parse::scale)]
+    pub scale: Option<f32>,
+    /// Frames of 1/60 s that run before the picture [default: 150] or are measured [default: 60]; a window closes
+    /// after so many.
+    #[arg(long, value_name = "N")]
+    pub frames: Option<u32>,
+    /// Dark or light.
+    #[arg(long, value_enum)]
+    pub theme: Option<ThemeName>,
+    /// Camera: front, side, top or three-quarter, or settings such as
+    /// `yaw=30,pitch=20,distance=6,target=0:1:0,fov=35` (angles in degrees), or both. Without distance and target,
+    /// all is in the picture.
+    #[arg(long, value_name = "SPEC")]
+    pub camera: Option<View>,
+    /// Panels that are open, with commas; `none` for the 3-D view alone.
+    #[arg(long, value_name = "NAME", value_delimiter = ',', value_parser = parse::panel)]
+    pub panel: Vec<PanelChoice>,
+    /// Body of the characters: capsules or mannequin.
+    #[arg(long, value_parser = parse::body)]
+    pub body: Option<Body>,
+
+    /// What is shown of a bundle.
+    #[arg(long, value_enum, requires = "file")]
+    pub stage: Option<StageName>,
+    /// Show a clip of the bundle: its name, or a part that no other name has.
+    #[arg(long, value_name = "NAME", requires = "file")]
+    pub clip: Option<String>,
+    /// Stop the clip at a frame of it.
+    #[arg(long, value_name = "N", requires = "file")]
+    pub frame: Option<u32>,
+    /// Select a character, counted from 0, or `none`.
+    #[arg(long, value_name = "N", requires = "file")]
+    pub character: Option<Character>,
+    /// Number of characters of the crowd.
+    #[arg(long, value_name = "N", value_parser = parse::characters)]
+    pub characters: Option<usize>,
+    /// Seed of places, targets and choices.
+    #[arg(long)]
+    pub seed: Option<u64>,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::Parser;
+    use clap::error::ErrorKind;
+
+    fn parse(line: &str) -> Result<Args, clap::Error> {
+        Args::try_parse_from(std::iter::once("throng-viewer").chain(line.split_whitespace()))
+    }
+
+    #[test]
+    fn the_command_is_well_formed() {
+        use clap::CommandFactory;
+        Args::command().debug_assert();
+    }
+
+    #[test]
+    fn a_full_line_is_understood() {
+        let args = parse(
+            "a.throng --png a.png --size 640x400 --frames 3 --camera front --panel control,statistics --theme light \
+             --characters 7 --seed 9 --body capsules --character 2 --json --adapter any --scale 1.5",
+        )
+        .expect("a right line");
+        assert_eq!(args.size, Some(Size { width: 640, height: 400 }));
+        assert_eq!((args.frames, args.characters, args.seed), (Some(3), Some(7), Some(9)));
+        assert_eq!((args.panel.len(), args.character), (2, Some(Character(Some(2)))));
+        assert_eq!((args.body, args.adapter, args.scale), (Some(Body::Capsules), Adapter::Any, Some(1.5)));
+        assert_eq!(parse("a.throng --bench 10,20").expect("a right line").bench, [10, 20]);
+    }
+
+    #[test]
+    fn wrong_usage_is_named() {
+        for (line, kind, say) in [
+            ("a.throng --json", ErrorKind::MissingRequiredArgument, "--png"),
+            ("a.throng --adapter any", ErrorKind::MissingRequiredArgument, "--png"),
+            ("--bench 10", ErrorKind::MissingRequiredArgument, "FILE"),
+            ("a.throng --bench 10 --png a.png", ErrorKind::ArgumentConflict, "--png"),
+            ("a.throng --bench 0", ErrorKind::ValueValidation, "1 to 20000"),
+            ("a.throng --bench 10,x", ErrorKind::ValueValidation, "`x`"),
+            ("a.throng --size 640", ErrorKind::ValueValidation, "640x400"),
+            ("a.throng --size 0x5", ErrorKind::ValueValidation, "8192"),
+            ("a.throng --panel kitchen", ErrorKind::ValueValidation, "control"),
+            ("a.throng --camera up", ErrorKind::ValueValidation, "three-quarter"),
+            ("a.throng --body cube", ErrorKind::ValueValidation, "mannequin"),
+            ("a.throng --scale 9", ErrorKind::ValueValidation, "0.5 to 3"),
+            ("a.throng --character x", ErrorKind::ValueValidation, "none"),
+        ] {
+            let e = parse(line).expect_err(line);
+            assert_eq!(e.kind(), kind, "{line}: {e}");
+            assert!(e.to_string().contains(say), "{line}: {e}");
+        }
+    }
+}

@@ -1,0 +1,195 @@
+//! Values of arguments.
+
+use crate::panels::{PANELS, Panel, PanelKind};
+use crate::render::{Body, Camera, CameraParseError};
+use crate::run::MAX_CHARACTERS;
+use eframe::egui::ThemePreference;
+use std::str::FromStr;
+
+/// Sides that a picture may have. [Unit: pixels]
+const SIDES: std::ops::RangeInclusive<u32> = 16..=8192;
+
+/// Size of a picture or a window. [Unit: pixels]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Size {
+    /// From left to right. [Limit: 16 to 8192]
+    pub width: u32,
+    /// From top to bottom. [Limit: 16 to 8192]
+    pub height: u32,
+}
+
+impl Default for Size {
+    fn default() -> Self {
+        Self { width: 1280, height: 720 }
+    }
+}
+
+/// Which graphics adapter draws pictures.
+#[derive(clap::ValueEnum, Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Adapter {
+    /// One that draws on the processor, where there is one: its pictures do not depend on the machine.
+    #[default]
+    Software,
+    /// The fastest.
+    Any,
+}
+
+/// Theme on the command line.
+#[derive(clap::ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ThemeName {
+    /// Light text on dark.
+    Dark,
+    /// Dark text on light.
+    Light,
+}
+
+impl From<ThemeName> for ThemePreference {
+    fn from(name: ThemeName) -> Self {
+        match name {
+            ThemeName::Dark => Self::Dark,
+            ThemeName::Light => Self::Light,
+        }
+    }
+}
+
+/// Stage on the command line.
+#[derive(clap::ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
+pub enum StageName {
+    /// The run of a crowd.
+    Crowd,
+    /// A clip of the database.
+    Clip,
+}
+
+impl From<StageName> for crate::command::Stage {
+    fn from(name: StageName) -> Self {
+        match name {
+            StageName::Crowd => Self::Crowd,
+            StageName::Clip => Self::Clip,
+        }
+    }
+}
+
+/// A panel on the command line, or `none`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PanelChoice {
+    /// The 3-D view alone.
+    None,
+    /// This one is open.
+    Open(PanelKind),
+}
+
+/// A character on the command line, or `none`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Character(pub Option<usize>);
+
+impl FromStr for Character {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        match text {
+            "none" => Ok(Self(None)),
+            _ => text.parse().map(|n| Self(Some(n))).map_err(|_| "expected a number from 0 on, or `none`".into()),
+        }
+    }
+}
+
+/// A camera on the command line.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct View {
+    /// The camera.
+    pub camera: Camera,
+    /// Its target or its distance was given; otherwise both are such that all can be seen.
+    pub is_placed: bool,
+}
+
+impl FromStr for View {
+    type Err = CameraParseError;
+
+    fn from_str(text: &str) -> Result<Self, CameraParseError> {
+        let given = |key: &str| text.split(',').any(|part| part.split('=').next().is_some_and(|k| k.trim() == key));
+        Ok(Self { camera: text.parse()?, is_placed: given("distance") || given("target") })
+    }
+}
+
+/// Name of a panel on the command line: its title in lower case, with dashes.
+pub(super) fn panel_name(panel: &Panel) -> String {
+    panel.title.to_lowercase().replace(' ', "-")
+}
+
+pub(super) fn panel(text: &str) -> Result<PanelChoice, String> {
+    let wanted = text.trim().to_lowercase().replace(' ', "-");
+    if wanted == "none" {
+        return Ok(PanelChoice::None);
+    }
+    let found = PANELS.iter().find(|p| panel_name(p) == wanted);
+    found.map(|p| PanelChoice::Open(p.kind)).ok_or_else(|| {
+        let names: Vec<String> = PANELS.iter().map(panel_name).collect();
+        format!("there is no such panel; the panels are {}, or `none`", names.join(", "))
+    })
+}
+
+pub(super) fn size(text: &str) -> Result<Size, String> {
+    let sides = text.split_once(['x', 'X']).and_then(|(w, h)| Some((w.parse().ok()?, h.parse().ok()?)));
+    match sides {
+        Some((width, height)) if SIDES.contains(&width) && SIDES.contains(&height) => Ok(Size { width, height }),
+        Some(_) => Err(format!("both sides must be {} to {} pixels", SIDES.start(), SIDES.end())),
+        None => Err("expected width x height, as in 640x400".into()),
+    }
+}
+
+pub(super) fn scale(text: &str) -> Result<f32, String> {
+    text.parse().ok().filter(|s| (0.5..=3.0).contains(s)).ok_or_else(|| "expected a number from 0.5 to 3".into())
+}
+
+pub(super) fn characters(text: &str) -> Result<usize, String> {
+    let number = text.trim().parse().ok().filter(|n| (1..=MAX_CHARACTERS).contains(n));
+    number.ok_or_else(|| format!("`{text}` is no number of characters; expected 1 to {MAX_CHARACTERS}"))
+}
+
+pub(super) fn body(text: &str) -> Result<Body, String> {
+    match text {
+        "capsules" => Ok(Body::Capsules),
+        "mannequin" => Ok(Body::Mannequin),
+        _ => Err("the bodies are capsules and mannequin".into()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_panel_has_a_name_of_its_own() {
+        for p in PANELS {
+            assert_eq!(panel(&panel_name(p)), Ok(PanelChoice::Open(p.kind)));
+            assert_ne!(panel_name(p), "none");
+        }
+    }
+
+    #[test]
+    fn sizes_need_two_sides_within_limits() {
+        assert_eq!(size("640x400"), Ok(Size { width: 640, height: 400 }));
+        for wrong in ["", "x", "640", "640x", "-640x400", "640x400x3", "15x400", "640x8193", "1e3x400"] {
+            assert!(size(wrong).is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn a_camera_is_placed_where_target_or_distance_is_given() {
+        let placed = |text: &str| text.parse::<View>().map(|v| v.is_placed);
+        assert_eq!(placed("side"), Ok(false));
+        assert_eq!(placed("yaw=3,pitch=10"), Ok(false));
+        assert_eq!(placed("front, distance=4"), Ok(true));
+        assert_eq!(placed("target=0:1:0"), Ok(true));
+        assert!(placed("distance").is_err());
+    }
+
+    #[test]
+    fn scales_are_limited() {
+        assert_eq!(scale("2"), Ok(2.0));
+        for wrong in ["0.4", "3.1", "nan", "inf", "big"] {
+            assert!(scale(wrong).is_err(), "{wrong}");
+        }
+    }
+}

@@ -1,0 +1,215 @@
+//! What the arguments make of settings and model.
+
+use super::{Args, PanelChoice};
+use crate::command::{Command, Stage};
+use crate::document::Document;
+use crate::model::Model;
+use crate::panels::Dock;
+use crate::settings::Settings;
+use eframe::egui;
+
+/// Names that a message lists.
+const MAX_NAMES: usize = 8;
+
+impl Args {
+    /// Settings with what the arguments say put over them.
+    pub fn settings(&self, base: Settings) -> Settings {
+        let mut s = base;
+        if let Some(theme) = self.theme {
+            s.theme = theme.into();
+        }
+        if let Some(body) = self.body {
+            s.body = body;
+        }
+        if let Some(characters) = self.characters {
+            s.run.characters = characters;
+        }
+        if let Some(seed) = self.seed {
+            s.run.seed = seed;
+        }
+        if let Some(view) = self.camera {
+            s.camera = view.camera;
+        }
+        if !self.panel.is_empty() {
+            (s.side_panel, s.bottom_panel) = (None, None);
+        }
+        for choice in &self.panel {
+            let PanelChoice::Open(kind) = *choice else { continue };
+            match kind.panel().map(|p| p.dock) {
+                Some(Dock::Side) => s.side_panel = Some(kind),
+                Some(Dock::Bottom) => s.bottom_panel = Some(kind),
+                None => {}
+            }
+        }
+        s
+    }
+
+    /// Opens the file and shows of it what the arguments say.
+    ///
+    /// # Errors
+    /// A message that names what is wrong and the way out.
+    pub fn open(&self, ctx: &egui::Context, model: &mut Model) -> Result<(), String> {
+        let Some(file) = &self.file else { return Ok(()) };
+        model.open_now(file)?;
+        if let Some(stage) = self.stage {
+            self.check_stage(stage.into(), model)?;
+            model.apply(ctx, Command::Stage(stage.into()));
+        }
+        if let Some(name) = &self.clip {
+            let clip = find_clip(model, name)?;
+            model.apply(ctx, Command::ShowClip { clip, frame: 0 });
+        }
+        if let Some(frame) = self.frame {
+            show_frame(ctx, model, frame)?;
+        }
+        if let Some(character) = self.character {
+            if let Some(wanted) = character.0 {
+                check_character(model, wanted)?;
+            }
+            model.apply(ctx, Command::SelectCharacter(character.0));
+        }
+        match self.camera {
+            Some(view) if view.is_placed => model.apply(ctx, Command::Camera(view.camera)),
+            _ => model.apply(ctx, Command::FrameAll),
+        }
+        Ok(())
+    }
+
+    fn check_stage(&self, stage: Stage, model: &Model) -> Result<(), String> {
+        match (&model.document, stage) {
+            (Document::Bundle(b), Stage::Crowd) => {
+                b.run.as_ref().map(|_| ()).map_err(|e| format!("--stage crowd: {e}"))
+            }
+            (Document::Clip(_), Stage::Crowd) => {
+                Err("--stage crowd: a motion file holds no crowd; open a bundle, or leave --stage away".into())
+            }
+            _ => Ok(()),
+        }
+    }
+}
+
+/// Number of the clip of this name, or of the only one whose name has it as a part.
+fn find_clip(model: &Model, wanted: &str) -> Result<usize, String> {
+    let Some(bundle) = model.document.bundle() else {
+        return Err(format!("--clip {wanted}: a motion file is one clip; open a bundle, or leave --clip away"));
+    };
+    let names: Vec<&str> = bundle.clips().map(|c| c.1.name.as_str()).collect();
+    if let Some(exact) = names.iter().position(|n| *n == wanted) {
+        return Ok(exact);
+    }
+    let low = wanted.to_lowercase();
+    let like: Vec<usize> = (0..names.len()).filter(|&c| names[c].to_lowercase().contains(&low)).collect();
+    match like[..] {
+        [only] => Ok(only),
+        [] => Err(format!("--clip {wanted}: no clip has that name; there are {}", some_of(&names))),
+        _ => {
+            let like: Vec<&str> = like.iter().map(|&c| names[c]).collect();
+            Err(format!(
+                "--clip {wanted}: {} clips have that in their names; say which: {}",
+                like.len(),
+                some_of(&like)
+            ))
+        }
+    }
+}
+
+/// The first few of many names.
+fn some_of(names: &[&str]) -> String {
+    let first = names[..names.len().min(MAX_NAMES)].join(", ");
+    if names.len() > MAX_NAMES { format!("{first} and {} more", names.len() - MAX_NAMES) } else { first }
+}
+
+fn show_frame(ctx: &egui::Context, model: &mut Model, frame: u32) -> Result<(), String> {
+    if !model.shows_clip() {
+        model.apply(ctx, Command::Stage(Stage::Clip));
+    }
+    let num_frames = model.shown_clip().map_or(0, |c| c.0);
+    if frame >= num_frames {
+        return Err(format!("--frame {frame}: the clip has {num_frames} frames, counted from 0"));
+    }
+    model.apply(ctx, Command::Play(false));
+    model.apply(ctx, Command::Seek(frame));
+    Ok(())
+}
+
+fn check_character(model: &Model, wanted: usize) -> Result<(), String> {
+    let Some((_, run)) = model.document.crowd() else {
+        return Err(format!("--character {wanted}: there is no crowd to select from"));
+    };
+    let n = run.config().characters;
+    if wanted < n {
+        return Ok(());
+    }
+    Err(format!("--character {wanted}: the crowd has {n} characters, counted from 0; --characters makes more"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::args::{Character, StageName};
+    use crate::panels::PanelKind;
+    use std::path::{Path, PathBuf};
+    use throng_precompute::synth::SynthConfig;
+
+    fn golden() -> PathBuf {
+        Path::new(env!("CARGO_MANIFEST_DIR")).join("../data/golden/tables_v1.throng")
+    }
+
+    fn opened(args: &Args) -> Result<Model, String> {
+        let mut model = Model::new(args.settings(Settings::default()));
+        args.open(&egui::Context::default(), &mut model).map(|()| model)
+    }
+
+    #[test]
+    fn arguments_go_over_settings() {
+        let args = Args { seed: Some(5), panel: vec![PanelChoice::Open(PanelKind::Statistics)], ..Args::default() };
+        let s = args.settings(Settings::default());
+        assert_eq!((s.run.seed, s.side_panel), (5, Some(PanelKind::Statistics)));
+        assert_eq!(s.theme, Settings::default().theme);
+        let alone = Args { panel: vec![PanelChoice::None], ..Args::default() }.settings(s);
+        assert_eq!((alone.side_panel, alone.bottom_panel, alone.run.seed), (None, None, 5));
+    }
+
+    #[test]
+    fn clips_frames_and_characters_are_shown() {
+        let first = opened(&Args { file: Some(golden()), ..Args::default() }).expect("the golden bundle");
+        let name = first.document.bundle().expect("a bundle").clip_name(0).to_owned();
+        let args = Args { file: Some(golden()), clip: Some(name), frame: Some(7), ..Args::default() };
+        let model = opened(&args).expect("a clip of it");
+        assert!(model.shows_clip() && !model.player.playing);
+        assert_eq!((model.selection.clip, model.player.frame), (0, 7.0));
+        let args = Args { file: Some(golden()), character: Some(Character(Some(3))), ..Args::default() };
+        assert_eq!(opened(&args).expect("a crowd").selection.character, Some(3));
+    }
+
+    #[test]
+    fn what_is_not_there_is_named_with_the_way_out() {
+        let file = Some(golden());
+        for (args, say) in [
+            (Args { file: Some("no.throng".into()), ..Args::default() }, "no.throng"),
+            (Args { file: file.clone(), clip: Some("moonwalk".into()), ..Args::default() }, "there are "),
+            (Args { file: file.clone(), frame: Some(1_000_000), ..Args::default() }, "frames, counted from 0"),
+            (Args { file, character: Some(Character(Some(100))), ..Args::default() }, "has 100 characters"),
+        ] {
+            let e = opened(&args).expect_err(say);
+            assert!(e.contains(say), "{e}");
+        }
+    }
+
+    #[test]
+    fn a_motion_file_has_no_crowd_and_no_clips_to_choose_from() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let short = SynthConfig { minutes: 0.1, clip_seconds: 10.0, ..SynthConfig::default() };
+        let made = throng_precompute::synth::walk(&short).expect("a walk");
+        let files = throng_precompute::synth::save(&made, folder.path()).expect("files");
+        let file = files[0].clone();
+        for (args, say) in [
+            (Args { file: Some(file.clone()), stage: Some(StageName::Crowd), ..Args::default() }, "no crowd"),
+            (Args { file: Some(file.clone()), clip: Some("a".into()), ..Args::default() }, "one clip"),
+            (Args { file: Some(file.clone()), character: Some(Character(Some(0))), ..Args::default() }, "no crowd"),
+        ] {
+            let e = opened(&args).expect_err(say);
+            assert!(e.contains(say), "{e}");
+        }
+    }
+}

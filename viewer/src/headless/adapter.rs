@@ -1,0 +1,67 @@
+//! Finds what draws.
+
+use super::HeadlessError;
+use crate::args::Adapter;
+use eframe::egui_wgpu::{self, RenderState, RendererOptions, WgpuConfiguration, WgpuSetup, WgpuSetupCreateNew, wgpu};
+use std::sync::Arc;
+use wgpu::{Backend, DeviceType};
+
+/// Opens a graphics adapter without a window.
+pub(super) fn open(choice: Adapter) -> Result<RenderState, HeadlessError> {
+    let mut setup = WgpuSetupCreateNew::without_display_handle();
+    setup.native_adapter_selector = Some(Arc::new(move |adapters, _| {
+        let best = adapters.iter().min_by_key(|a| rank(choice, &a.get_info()));
+        best.cloned().ok_or_else(|| "the system names none".to_owned())
+    }));
+    let setup = WgpuSetup::CreateNew(setup);
+    let instance = pollster::block_on(setup.new_instance());
+    let config = WgpuConfiguration { wgpu_setup: setup, ..WgpuConfiguration::default() };
+    let state = RenderState::create(&config, &instance, None, RendererOptions::PREDICTABLE);
+    pollster::block_on(state).map_err(|e: egui_wgpu::WgpuError| HeadlessError::NoAdapter { reason: e.to_string() })
+}
+
+/// The lower, the better: first the kind of adapter, then the interface to it.
+fn rank(choice: Adapter, info: &wgpu::AdapterInfo) -> (u8, u8) {
+    let by_speed = match info.device_type {
+        DeviceType::DiscreteGpu => 1,
+        DeviceType::IntegratedGpu => 2,
+        DeviceType::VirtualGpu | DeviceType::Other => 3,
+        DeviceType::Cpu => 4,
+    };
+    let kind = match (choice, info.device_type) {
+        (Adapter::Software, DeviceType::Cpu) => 0,
+        _ => by_speed,
+    };
+    let backend = match info.backend {
+        Backend::Vulkan | Backend::Metal | Backend::Dx12 => 0,
+        Backend::Gl => 1,
+        Backend::BrowserWebGpu | Backend::Noop => 2,
+    };
+    // An interface that draws nothing, or little of what is needed, is the last resort whatever lies behind it.
+    if backend == 2 { (5, backend) } else { (kind, backend) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn info(device_type: DeviceType, backend: Backend) -> wgpu::AdapterInfo {
+        wgpu::AdapterInfo::new(device_type, backend)
+    }
+
+    #[test]
+    fn software_comes_first_where_pictures_are_to_be_alike() {
+        let lavapipe = info(DeviceType::Cpu, Backend::Vulkan);
+        let llvmpipe = info(DeviceType::Cpu, Backend::Gl);
+        let card = info(DeviceType::DiscreteGpu, Backend::Vulkan);
+        let none = info(DeviceType::Cpu, Backend::Noop);
+        let order = |choice, all: [&wgpu::AdapterInfo; 4]| {
+            let mut ranks = all.map(|i| rank(choice, i));
+            let given = ranks;
+            ranks.sort();
+            given == ranks
+        };
+        assert!(order(Adapter::Software, [&lavapipe, &llvmpipe, &card, &none]));
+        assert!(order(Adapter::Any, [&card, &lavapipe, &llvmpipe, &none]));
+    }
+}

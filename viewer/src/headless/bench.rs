@@ -1,0 +1,79 @@
+//! Frame times of crowds of several sizes.
+
+use super::{FrameFigures, Headless, HeadlessError};
+use crate::args::{Args, BENCH_FRAMES, Size};
+use crate::command::Command;
+use crate::run::RunConfig;
+use serde::Serialize;
+use std::fmt;
+
+/// Frame times of crowds of several sizes.
+#[derive(Clone, Debug, Serialize)]
+pub struct BenchReport {
+    /// Name of the graphics adapter.
+    pub adapter: String,
+    /// From left to right. [Unit: pixels]
+    pub width: u32,
+    /// From top to bottom. [Unit: pixels]
+    pub height: u32,
+    /// One entry for every number of characters.
+    pub crowds: Vec<FrameFigures>,
+}
+
+impl fmt::Display for BenchReport {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        writeln!(
+            f,
+            "{}, {} x {} pixels; median (95th percentile) of a frame, in ms",
+            self.adapter, self.width, self.height
+        )?;
+        let columns = ["simulation", "layout", "upload", "drawing", "interface", "frame"];
+        write!(f, "{:>10}", "characters")?;
+        for column in columns {
+            write!(f, " {column:>17}")?;
+        }
+        writeln!(f)?;
+        for c in &self.crowds {
+            let cells = [
+                (c.simulation_ms, c.simulation_p95_ms),
+                (c.layout_ms, c.layout_p95_ms),
+                (c.upload_ms, c.upload_p95_ms),
+                (c.drawing_ms, c.drawing_p95_ms),
+                (c.interface_ms, c.interface_p95_ms),
+                (c.frame_ms, c.frame_p95_ms),
+            ];
+            write!(f, "{:>10}", c.characters)?;
+            for (median, p95) in cells {
+                write!(f, " {:>17}", format!("{median:.2} ({p95:.2})"))?;
+            }
+            writeln!(f)?;
+        }
+        Ok(())
+    }
+}
+
+/// Measures frames of every crowd that the arguments ask for.
+///
+/// # Errors
+/// [`HeadlessError`]
+pub fn bench(args: &Args) -> Result<BenchReport, HeadlessError> {
+    let mut headless = Headless::new(args)?;
+    if headless.viewer().model.document.crowd().is_none() {
+        let why = "--bench: there is no crowd to measure; open a bundle that was built with `behaviours`";
+        return Err(HeadlessError::Scene(why.into()));
+    }
+    let mut crowds = Vec::new();
+    for &characters in &args.bench {
+        let run = RunConfig { characters, ..headless.viewer().model.settings.run };
+        headless.apply(Command::Configure(run));
+        headless.apply(Command::Play(true));
+        if !args.camera.is_some_and(|view| view.is_placed) {
+            headless.apply(Command::FrameAll);
+        }
+        let frames = args.frames.unwrap_or(BENCH_FRAMES);
+        let spans = (0..frames).map(|_| headless.advance(true)).collect::<Result<Vec<_>, _>>()?;
+        crowds.push(FrameFigures::of(super::figures::num_characters(headless.viewer()), &spans));
+    }
+    let Size { width, height } = args.size.unwrap_or_default();
+    Ok(BenchReport { adapter: headless.adapter(), width, height, crowds })
+}

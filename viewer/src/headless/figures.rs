@@ -1,0 +1,117 @@
+//! Times of frames.
+
+use crate::app::Viewer;
+use serde::Serialize;
+
+/// Where the time of one frame went. [Unit: s]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct FrameSpans {
+    /// Steps of the crowd.
+    pub simulation_s: f64,
+    /// Laying out what is drawn.
+    pub layout_s: f64,
+    /// Handing poses to the graphics device.
+    pub upload_s: f64,
+    /// From encoding until all is drawn.
+    pub drawing_s: f64,
+    /// All of it, panels included.
+    pub frame_s: f64,
+}
+
+/// Times of many frames: medians and 95th percentiles. [Unit: ms]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct FrameFigures {
+    /// Characters of the crowd; 0 where a clip is shown.
+    pub characters: usize,
+    /// Frames that were measured.
+    pub frames: usize,
+    /// Steps of the crowd.
+    pub simulation_ms: f64,
+    /// Its 95th percentile.
+    pub simulation_p95_ms: f64,
+    /// Laying out what is drawn.
+    pub layout_ms: f64,
+    /// Its 95th percentile.
+    pub layout_p95_ms: f64,
+    /// Handing poses to the graphics device.
+    pub upload_ms: f64,
+    /// Its 95th percentile.
+    pub upload_p95_ms: f64,
+    /// From encoding until all is drawn.
+    pub drawing_ms: f64,
+    /// Its 95th percentile.
+    pub drawing_p95_ms: f64,
+    /// What is left: panels and text.
+    pub interface_ms: f64,
+    /// Its 95th percentile.
+    pub interface_p95_ms: f64,
+    /// All of it.
+    pub frame_ms: f64,
+    /// Its 95th percentile.
+    pub frame_p95_ms: f64,
+}
+
+impl FrameFigures {
+    /// Figures of frames; the first ones, up to ten, warm up and do not count.
+    pub fn of(characters: usize, all: &[FrameSpans]) -> Self {
+        let counted = &all[(all.len() / 4).min(10)..];
+        let figures = |part: fn(&FrameSpans) -> f64| {
+            let mut ms: Vec<f64> = counted.iter().map(|s| 1000.0 * part(s)).collect();
+            ms.sort_by(f64::total_cmp);
+            (share(&ms, 0.5), share(&ms, 0.95))
+        };
+        let (simulation_ms, simulation_p95_ms) = figures(|s| s.simulation_s);
+        let (layout_ms, layout_p95_ms) = figures(|s| s.layout_s);
+        let (upload_ms, upload_p95_ms) = figures(|s| s.upload_s);
+        let (drawing_ms, drawing_p95_ms) = figures(|s| s.drawing_s);
+        let (interface_ms, interface_p95_ms) =
+            figures(|s| (s.frame_s - s.simulation_s - s.layout_s - s.upload_s - s.drawing_s).max(0.0));
+        let (frame_ms, frame_p95_ms) = figures(|s| s.frame_s);
+        Self {
+            characters,
+            frames: counted.len(),
+            simulation_ms,
+            simulation_p95_ms,
+            layout_ms,
+            layout_p95_ms,
+            upload_ms,
+            upload_p95_ms,
+            drawing_ms,
+            drawing_p95_ms,
+            interface_ms,
+            interface_p95_ms,
+            frame_ms,
+            frame_p95_ms,
+        }
+    }
+}
+
+/// The value that a share of sorted values does not exceed; 0 of none.
+fn share(sorted: &[f64], share: f64) -> f64 {
+    let rank = (share * sorted.len() as f64).ceil() as usize;
+    sorted.get(rank.saturating_sub(1)).copied().unwrap_or(0.0)
+}
+
+/// Characters of the crowd that is shown; 0 where a clip is shown.
+pub(super) fn num_characters(viewer: &Viewer) -> usize {
+    let crowd = viewer.model.document.crowd().filter(|_| !viewer.model.shows_clip());
+    crowd.map_or(0, |c| c.1.config().characters)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn medians_leave_the_first_frames_out() {
+        let frame = |ms: f64| FrameSpans { simulation_s: 0.001, frame_s: ms / 1000.0, ..FrameSpans::default() };
+        let mut frames = vec![frame(1000.0); 10];
+        frames.extend((1..=100).map(|ms| frame(f64::from(ms))));
+        let f = FrameFigures::of(7, &frames);
+        assert_eq!((f.characters, f.frames), (7, 100));
+        assert!((f.frame_ms - 50.0).abs() < 1e-9 && (f.frame_p95_ms - 95.0).abs() < 1e-9, "{f:?}");
+        assert!((f.interface_ms - 49.0).abs() < 1e-9 && f.drawing_ms == 0.0, "{f:?}");
+        assert_eq!(FrameFigures::of(1, &[]), FrameFigures { characters: 1, ..FrameFigures::default() });
+        assert_eq!(FrameFigures::of(1, &frames[..1]).frames, 1);
+    }
+}

@@ -1,0 +1,181 @@
+//! The viewer without a window: pictures and frame times.
+//!
+//! The same [`Viewer`] as in the window runs on an own egui context; time is counted in frames, and frames are drawn
+//! into a texture. On a software adapter the same arguments give the same picture, to the last bit.
+
+mod adapter;
+mod bench;
+mod figures;
+mod image;
+mod screen;
+
+pub use bench::{BenchReport, bench};
+pub use figures::{FrameFigures, FrameSpans};
+pub use image::Image;
+pub use screen::Screen;
+
+use crate::app::Viewer;
+use crate::args::{Args, PICTURE_FRAMES, Size};
+use crate::run::STEP_HZ;
+use eframe::egui;
+use eframe::egui_wgpu::wgpu;
+use serde::Serialize;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+/// Frames at the end during which time stands still, so that what is laid out in two goes comes to rest.
+const SETTLING_FRAMES: u32 = 3;
+
+/// Why there is no picture.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum HeadlessError {
+    /// Nothing can draw.
+    #[error(
+        "no graphics adapter was found ({reason}); Mesa's software adapter is enough: `apt-get install \
+         mesa-vulkan-drivers` on Debian and Ubuntu, the package vulkan-swrast or mesa-vulkan-drivers elsewhere"
+    )]
+    NoAdapter {
+        /// What the graphics library said.
+        reason: String,
+    },
+    /// The adapter does not draw so large a picture.
+    #[error("--size {}x{}: {adapter} draws pictures of at most {limit} pixels a side", size.width, size.height)]
+    Size {
+        /// What was asked for.
+        size: Size,
+        /// Name of the adapter.
+        adapter: String,
+        /// What it can draw. [Unit: pixels]
+        limit: u32,
+    },
+    /// The adapter failed.
+    #[error("{adapter} failed to draw: {reason}; a smaller --size, fewer --characters or another --adapter may help")]
+    Drawing {
+        /// Name of the adapter.
+        adapter: String,
+        /// What the graphics library said.
+        reason: String,
+    },
+    /// What the arguments ask to be shown is not there.
+    #[error("{0}")]
+    Scene(String),
+    /// The picture cannot be written.
+    #[error(transparent)]
+    Write(#[from] throng_precompute::BuildError),
+}
+
+/// What was drawn, and how long it took.
+#[derive(Debug, Serialize)]
+pub struct PictureReport {
+    /// The picture.
+    pub file: PathBuf,
+    /// Name of the graphics adapter.
+    pub adapter: String,
+    /// From left to right. [Unit: pixels]
+    pub width: u32,
+    /// From top to bottom. [Unit: pixels]
+    pub height: u32,
+    /// Times of its frames.
+    #[serde(flatten)]
+    pub figures: FrameFigures,
+}
+
+/// The viewer without a window.
+pub struct Headless {
+    ctx: egui::Context,
+    viewer: Viewer,
+    screen: Screen,
+    frame: u32,
+}
+
+impl Headless {
+    /// Opens what the arguments name.
+    ///
+    /// # Errors
+    /// [`HeadlessError`] where nothing can draw, or what is asked for is not there.
+    pub fn new(args: &Args) -> Result<Self, HeadlessError> {
+        let screen = Screen::new(args.adapter, args.size.unwrap_or_default(), args.scale.unwrap_or(1.0))?;
+        let ctx = egui::Context::default();
+        let settings = args.settings(crate::settings::Settings::default());
+        let mut viewer = Viewer::new(settings, Some(screen.render_state()));
+        args.open(&ctx, &mut viewer.model).map_err(HeadlessError::Scene)?;
+        Ok(Self { ctx, viewer, screen, frame: 0 })
+    }
+
+    /// The viewer.
+    pub fn viewer(&self) -> &Viewer {
+        &self.viewer
+    }
+
+    /// Name of the graphics adapter.
+    pub fn adapter(&self) -> String {
+        self.screen.adapter_name()
+    }
+
+    /// Carries out a command as a panel's would be.
+    pub fn apply(&mut self, command: crate::command::Command) {
+        self.viewer.model.apply(&self.ctx, command);
+    }
+
+    /// One frame of 1/60 s; where it is not to be seen, it need not be drawn.
+    ///
+    /// # Errors
+    /// [`HeadlessError::Drawing`]
+    pub fn advance(&mut self, draws: bool) -> Result<FrameSpans, HeadlessError> {
+        self.frame += 1;
+        self.run_frame(1.0 / STEP_HZ, draws)
+    }
+
+    /// The picture, as soon as what is shown has come to rest. No time passes.
+    ///
+    /// # Errors
+    /// [`HeadlessError::Drawing`]
+    pub fn picture(&mut self) -> Result<Image, HeadlessError> {
+        for i in 1..=SETTLING_FRAMES {
+            self.run_frame(0.0, i == SETTLING_FRAMES)?;
+        }
+        self.screen.read()
+    }
+
+    fn run_frame(&mut self, wall_s: f32, draws: bool) -> Result<FrameSpans, HeadlessError> {
+        let begin = Instant::now();
+        let mut passed_s = Some(wall_s);
+        let (ctx, viewer) = (&self.ctx, &mut self.viewer);
+        let output = ctx.run_ui(self.screen.input(f64::from(self.frame) / f64::from(STEP_HZ)), |ui| {
+            // Where a frame is laid out twice, time passes once.
+            if let Some(wall_s) = passed_s.take() {
+                viewer.logic(&ui.ctx().clone(), wall_s);
+            }
+            viewer.ui(ui);
+        });
+        let drawing_s = self.screen.take(&self.ctx, output, draws)?;
+        let times = &mut self.viewer.model.times;
+        Ok(FrameSpans {
+            simulation_s: times.simulation_s,
+            layout_s: times.layout_s,
+            upload_s: times.upload_s,
+            drawing_s,
+            frame_s: begin.elapsed().as_secs_f64(),
+        })
+    }
+}
+
+/// Draws the picture that the arguments ask for and writes it.
+///
+/// # Errors
+/// [`HeadlessError`]; what stood at the place of the picture before stays as it was.
+pub fn draw_picture(args: &Args, out: &Path) -> Result<PictureReport, HeadlessError> {
+    throng_precompute::files::check_target(out)?;
+    let mut headless = Headless::new(args)?;
+    let frames = args.frames.unwrap_or(PICTURE_FRAMES);
+    let mut spans = Vec::new();
+    for _ in 0..frames {
+        spans.push(headless.advance(args.json)?);
+    }
+    let image = headless.picture()?;
+    image.save_png(out)?;
+    let Size { width, height } = image.size();
+    let figures = FrameFigures::of(figures::num_characters(headless.viewer()), &spans);
+    Ok(PictureReport { file: out.to_path_buf(), adapter: headless.adapter(), width, height, figures })
+}

@@ -1,0 +1,190 @@
+//! The texture that stands for a screen.
+
+use super::{HeadlessError, Image, adapter};
+use crate::args::{Adapter, Size};
+use eframe::egui;
+use eframe::egui_wgpu::{RenderState, ScreenDescriptor, wgpu};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::{Duration, Instant};
+
+/// Longest time that a frame may take to be drawn; what takes longer hangs.
+const WAIT: Duration = Duration::from_secs(120);
+
+/// A texture that egui draws into.
+pub struct Screen {
+    state: RenderState,
+    texture: wgpu::Texture,
+    size: Size,
+    scale: f32,
+    /// The first thing that the graphics library complained about.
+    complaint: Arc<Mutex<Option<String>>>,
+}
+
+impl Screen {
+    /// Opens an adapter and makes a texture of a size; `scale` pixels are a point.
+    ///
+    /// # Errors
+    /// [`HeadlessError`] where there is no adapter or it does not draw so large a picture.
+    pub fn new(choice: Adapter, size: Size, scale: f32) -> Result<Self, HeadlessError> {
+        let state = adapter::open(choice)?;
+        let limit = state.device.limits().max_texture_dimension_2d;
+        if size.width.max(size.height) > limit {
+            return Err(HeadlessError::Size { size, adapter: state.adapter.get_info().name, limit });
+        }
+        let complaint = Arc::new(Mutex::new(None));
+        let heard = Arc::clone(&complaint);
+        state.device.on_uncaptured_error(Arc::new(move |e: wgpu::Error| {
+            heard.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert_with(|| e.to_string());
+        }));
+        let texture = state.device.create_texture(&wgpu::TextureDescriptor {
+            label: Some("screen"),
+            size: wgpu::Extent3d { width: size.width, height: size.height, depth_or_array_layers: 1 },
+            mip_level_count: 1,
+            sample_count: 1,
+            dimension: wgpu::TextureDimension::D2,
+            format: state.target_format,
+            usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC,
+            view_formats: &[],
+        });
+        Ok(Self { state, texture, size, scale, complaint })
+    }
+
+    /// What egui and the 3-D view draw with.
+    pub fn render_state(&self) -> &RenderState {
+        &self.state
+    }
+
+    /// Name of the graphics adapter.
+    pub fn adapter_name(&self) -> String {
+        self.state.adapter.get_info().name
+    }
+
+    /// What a window of this size would tell egui.
+    pub(super) fn input(&self, time_s: f64) -> egui::RawInput {
+        let size = egui::vec2(self.size.width as f32, self.size.height as f32) / self.scale;
+        let mut input = egui::RawInput {
+            screen_rect: Some(egui::Rect::from_min_size(egui::Pos2::ZERO, size)),
+            max_texture_side: Some(self.state.device.limits().max_texture_dimension_2d as usize),
+            time: Some(time_s),
+            ..egui::RawInput::default()
+        };
+        input.viewports.entry(egui::ViewportId::ROOT).or_default().native_pixels_per_point = Some(self.scale);
+        input
+    }
+
+    /// Takes what egui put out, and draws it if it is to be seen; returns the time from encoding until all is drawn.
+    /// [Unit: s]
+    pub(super) fn take(
+        &self,
+        ctx: &egui::Context,
+        mut output: egui::FullOutput,
+        draws: bool,
+    ) -> Result<f64, HeadlessError> {
+        self.update_textures(&mut output.textures_delta);
+        let shapes = std::mem::take(&mut output.shapes);
+        let drawing_s = if draws {
+            let primitives = ctx.tessellate(shapes, output.pixels_per_point);
+            let begin = Instant::now();
+            self.draw(&primitives, output.pixels_per_point)?;
+            begin.elapsed().as_secs_f64()
+        } else {
+            // Hands on the textures, which would pile up.
+            self.state.queue.submit([]);
+            0.0
+        };
+        let mut renderer = self.state.renderer.write();
+        for id in output.textures_delta.free.drain() {
+            renderer.free_texture(&id);
+        }
+        drop(renderer);
+        self.complaint()?;
+        Ok(drawing_s)
+    }
+
+    fn update_textures(&self, delta: &mut egui::TexturesDelta) {
+        let mut renderer = self.state.renderer.write();
+        for (id, images) in delta.set.drain() {
+            for image in images {
+                renderer.update_texture(&self.state.device, &self.state.queue, id, &image);
+            }
+        }
+    }
+
+    fn draw(&self, primitives: &[egui::ClippedPrimitive], pixels_per_point: f32) -> Result<(), HeadlessError> {
+        let RenderState { device, queue, renderer, .. } = &self.state;
+        let screen = ScreenDescriptor { size_in_pixels: [self.size.width, self.size.height], pixels_per_point };
+        let mut renderer = renderer.write();
+        let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("frame") });
+        let mut commands = renderer.update_buffers(device, queue, &mut encoder, primitives, &screen);
+        let view = self.texture.create_view(&wgpu::TextureViewDescriptor::default());
+        let mut pass = encoder
+            .begin_render_pass(&wgpu::RenderPassDescriptor {
+                label: Some("frame"),
+                color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+                    view: &view,
+                    resolve_target: None,
+                    ops: wgpu::Operations {
+                        load: wgpu::LoadOp::Clear(wgpu::Color::BLACK),
+                        store: wgpu::StoreOp::Store,
+                    },
+                    depth_slice: None,
+                })],
+                ..wgpu::RenderPassDescriptor::default()
+            })
+            .forget_lifetime();
+        renderer.render(&mut pass, primitives, &screen);
+        drop(pass);
+        commands.push(encoder.finish());
+        queue.submit(commands);
+        self.wait()
+    }
+
+    fn wait(&self) -> Result<(), HeadlessError> {
+        let poll = self.state.device.poll(wgpu::PollType::Wait { submission_index: None, timeout: Some(WAIT) });
+        poll.map(|_| ()).map_err(|e| self.failed(&e))
+    }
+
+    /// What the graphics library complained about since the last call.
+    fn complaint(&self) -> Result<(), HeadlessError> {
+        let complaint = self.complaint.lock().unwrap_or_else(PoisonError::into_inner).take();
+        complaint.map_or(Ok(()), |c| Err(self.failed(&c)))
+    }
+
+    fn failed(&self, reason: &dyn std::fmt::Display) -> HeadlessError {
+        HeadlessError::Drawing { adapter: self.adapter_name(), reason: reason.to_string() }
+    }
+
+    /// What was drawn last.
+    ///
+    /// # Errors
+    /// [`HeadlessError::Drawing`]
+    pub fn read(&self) -> Result<Image, HeadlessError> {
+        let (Size { width, height }, device) = (self.size, &self.state.device);
+        let row = 4 * width;
+        let padded_row = row.next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
+        let buffer = device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some("picture"),
+            size: u64::from(padded_row) * u64::from(height),
+            usage: wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST,
+            mapped_at_creation: false,
+        });
+        let layout = wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(padded_row), rows_per_image: None };
+        let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("picture") });
+        encoder.copy_texture_to_buffer(
+            self.texture.as_image_copy(),
+            wgpu::TexelCopyBufferInfo { buffer: &buffer, layout },
+            self.texture.size(),
+        );
+        self.state.queue.submit([encoder.finish()]);
+        // The range below tells whether mapping it succeeded.
+        buffer.map_async(wgpu::MapMode::Read, .., |_| ());
+        self.wait()?;
+        self.complaint()?;
+        let bytes = buffer.get_mapped_range(..).map_err(|e| self.failed(&e))?;
+        let pixels = |line: &[u8]| -> Vec<u8> {
+            line[..row as usize].chunks_exact(4).flat_map(|p| [p[0], p[1], p[2]]).collect()
+        };
+        let rgb = bytes.chunks_exact(padded_row as usize).flat_map(pixels).collect();
+        Ok(Image::new(self.size, rgb))
+    }
+}

@@ -1,0 +1,178 @@
+//! The list of keys.
+
+use super::PANELS;
+use eframe::egui::{self, Grid, Key, Modal, Modifiers, RichText, Ui};
+
+/// What a key does.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Action {
+    /// Let time move on, or stop it.
+    PlayPause,
+    /// One step back.
+    Back,
+    /// One step on.
+    On,
+    /// A second back.
+    BackSecond,
+    /// A second on.
+    OnSecond,
+    /// To the start of what is recorded.
+    First,
+    /// To the end of what is recorded.
+    Last,
+    /// Slower.
+    Slower,
+    /// Faster.
+    Faster,
+    /// Start the run anew.
+    Restart,
+    /// Crowd or clip.
+    Stage,
+    /// Camera follows.
+    Follow,
+    /// Look at everything.
+    FrameAll,
+    /// Next body.
+    Body,
+    /// Joint axes.
+    JointAxes,
+    /// Select nothing.
+    SelectNone,
+    /// Next theme.
+    Theme,
+    /// Open a file.
+    Open,
+    /// Read the file again.
+    Reload,
+    /// This list.
+    Help,
+}
+
+/// A key and what it does.
+#[derive(Clone, Copy, Debug)]
+pub struct Shortcut {
+    /// Held with it.
+    pub modifiers: Modifiers,
+    /// The key.
+    pub key: Key,
+    /// What it does.
+    pub action: Action,
+    /// The same in words.
+    pub text: &'static str,
+}
+
+const fn plain(key: Key, action: Action, text: &'static str) -> Shortcut {
+    Shortcut { modifiers: Modifiers::NONE, key, action, text }
+}
+
+const fn with(modifiers: Modifiers, key: Key, action: Action, text: &'static str) -> Shortcut {
+    Shortcut { modifiers, key, action, text }
+}
+
+/// All keys but those of the panels, which are in [`PANELS`]. Longer ones come first: they are looked for first.
+pub const SHORTCUTS: &[Shortcut] = &[
+    plain(Key::Space, Action::PlayPause, "play or pause"),
+    with(Modifiers::SHIFT, Key::ArrowLeft, Action::BackSecond, "a second back"),
+    with(Modifiers::SHIFT, Key::ArrowRight, Action::OnSecond, "a second on"),
+    plain(Key::ArrowLeft, Action::Back, "one step back"),
+    plain(Key::ArrowRight, Action::On, "one step on"),
+    plain(Key::Home, Action::First, "start of what is recorded"),
+    plain(Key::End, Action::Last, "end of what is recorded"),
+    plain(Key::OpenBracket, Action::Slower, "half as fast"),
+    plain(Key::CloseBracket, Action::Faster, "twice as fast"),
+    with(Modifiers::COMMAND, Key::R, Action::Reload, "read the file again"),
+    plain(Key::R, Action::Restart, "start the run anew"),
+    plain(Key::C, Action::Stage, "crowd or clip"),
+    plain(Key::F, Action::Follow, "camera follows the selected character"),
+    plain(Key::A, Action::FrameAll, "look at everything"),
+    plain(Key::B, Action::Body, "next body"),
+    plain(Key::J, Action::JointAxes, "joint axes"),
+    plain(Key::Escape, Action::SelectNone, "select nothing"),
+    plain(Key::T, Action::Theme, "dark or light"),
+    with(Modifiers::COMMAND, Key::O, Action::Open, "open a file"),
+    plain(Key::H, Action::Help, "this list"),
+];
+
+/// What the mouse does in the 3-D view.
+const MOUSE: [(&str, &str); 8] = [
+    ("click", "select a character"),
+    ("drag a target", "move it; with Shift, everybody's"),
+    ("Ctrl + click the ground", "put the selected character's target there"),
+    ("drag", "turn the camera"),
+    ("middle or Shift + drag", "move the camera"),
+    ("right drag, scroll", "nearer and farther"),
+    ("double click", "turn the camera about that place"),
+    ("Ctrl + plus, minus, 0", "size of everything in the window"),
+];
+
+/// The actions of the keys pressed since the last frame, taken out of the input.
+pub fn pressed(ctx: &egui::Context) -> Vec<Action> {
+    if ctx.egui_wants_keyboard_input() {
+        return Vec::new();
+    }
+    let hit = |s: &&Shortcut| ctx.input_mut(|i| i.consume_key(s.modifiers, s.key));
+    SHORTCUTS.iter().filter(hit).map(|s| s.action).collect()
+}
+
+/// Shows the list until it is closed.
+pub fn show(ui: &Ui, open: &mut bool) {
+    if !*open {
+        return;
+    }
+    let shown = Modal::new(egui::Id::unique("keys")).show(ui.ctx(), |ui| {
+        ui.heading("Keys");
+        ui.add_space(6.0);
+        ui.horizontal_top(|ui| {
+            let keys = SHORTCUTS.iter().map(|s| (key_name(ui.ctx(), s), s.text));
+            table(ui, "keys", keys.collect::<Vec<_>>());
+            ui.add_space(24.0);
+            ui.vertical(|ui| {
+                table(ui, "panels", PANELS.iter().map(|p| (p.key.name().to_owned(), p.title)).collect());
+                ui.add_space(12.0);
+                ui.strong("Mouse in the 3-D view");
+                table(ui, "mouse", MOUSE.map(|m| (m.0.to_owned(), m.1)).to_vec());
+            });
+        });
+        ui.add_space(6.0);
+        ui.button("Close").clicked()
+    });
+    if shown.should_close() || shown.inner {
+        *open = false;
+    }
+}
+
+fn key_name(ctx: &egui::Context, s: &Shortcut) -> String {
+    ctx.format_shortcut(&egui::KeyboardShortcut::new(s.modifiers, s.key))
+}
+
+fn table(ui: &mut Ui, id: &str, rows: Vec<(String, &str)>) {
+    Grid::new(id).num_columns(2).spacing([16.0, 3.0]).show(ui, |ui| {
+        for (key, text) in rows {
+            ui.label(RichText::new(key).monospace().strong());
+            ui.label(text);
+            ui.end_row();
+        }
+    });
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_two_things_share_a_key() {
+        let mut keys: Vec<_> = SHORTCUTS.iter().map(|s| (s.modifiers, s.key)).collect();
+        keys.extend(PANELS.iter().map(|p| (Modifiers::NONE, p.key)));
+        for (i, a) in keys.iter().enumerate() {
+            assert!(!keys[..i].contains(a), "{a:?}");
+        }
+    }
+
+    #[test]
+    fn a_key_with_shift_or_ctrl_is_looked_for_before_the_plain_one() {
+        for (i, s) in SHORTCUTS.iter().enumerate() {
+            let hidden = SHORTCUTS[..i].iter().any(|e| e.key == s.key && e.modifiers.is_none());
+            assert!(!hidden, "{:?} would never be reached", s.action);
+        }
+    }
+}

@@ -1,0 +1,36 @@
+//! What was said to the user, over the 3-D view.
+
+use crate::command::Command;
+use crate::model::Model;
+use eframe::egui::{self, Align2, Area, Color32, Frame, Id, Rect, RichText, Ui, vec2};
+
+/// Shows the messages in the upper left corner of a part of the window, the latest at the top.
+pub fn show(ui: &Ui, within: Rect, model: &Model, commands: &mut Vec<Command>) {
+    if model.messages.is_empty() {
+        return;
+    }
+    let at = within.left_top() + vec2(10.0, 10.0);
+    let area = Area::new(Id::unique("messages")).fixed_pos(at).pivot(Align2::LEFT_TOP).constrain_to(within);
+    area.show(ui.ctx(), |ui| {
+        ui.set_max_width((within.width() - 20.0).clamp(120.0, 520.0));
+        for m in model.messages.iter().rev() {
+            let stripe = if m.is_error { ui.visuals().error_fg_color } else { ui.visuals().selection.bg_fill };
+            Frame::popup(ui.style()).stroke(egui::Stroke::new(1.0, stripe)).show(ui, |ui| {
+                ui.horizontal_top(|ui| {
+                    let mark = if m.is_error { "⚠" } else { "ℹ" };
+                    ui.label(RichText::new(mark).color(readable(ui, stripe)).strong());
+                    let close = ui.button("✖").on_hover_text("Take this message away");
+                    if close.clicked() {
+                        commands.push(Command::Dismiss(m.id));
+                    }
+                    ui.add(egui::Label::new(&m.text).wrap().selectable(true));
+                });
+            });
+        }
+    });
+}
+
+/// A colour that stands out from the background of messages.
+fn readable(ui: &Ui, colour: Color32) -> Color32 {
+    if ui.visuals().dark_mode { colour.lerp_to_gamma(Color32::WHITE, 0.3) } else { colour }
+}

@@ -1,0 +1,157 @@
+//! The bar at the top: file, view, panels, help.
+
+use super::{PANELS, PanelStates};
+use crate::command::{Command, Stage};
+use crate::document::Document;
+use crate::model::Model;
+use crate::render::Preset;
+use crate::settings::{BODIES, Colouring, RawView, Settings};
+use eframe::egui::{self, MenuBar, ThemePreference, Ui};
+
+/// Shows the bar.
+pub fn show(ui: &mut Ui, model: &Model, states: &mut PanelStates, commands: &mut Vec<Command>) {
+    MenuBar::new().ui(ui, |ui| {
+        ui.menu_button("File", |ui| file(ui, model, states, commands));
+        ui.menu_button("View", |ui| view(ui, model, commands));
+        ui.menu_button("Panels", |ui| panels(ui, model, commands));
+        if ui.button("Keys").on_hover_text("All keys (H)").clicked() {
+            states.help = !states.help;
+        }
+        ui.separator();
+        if model.document.bundle().is_some() {
+            stages(ui, model, commands);
+            ui.separator();
+        }
+        ui.add(egui::Label::new(title(model)).truncate());
+    });
+}
+
+fn title(model: &Model) -> String {
+    if let Some(path) = model.loading() {
+        return format!("Reading {} …", path.display());
+    }
+    match &model.document {
+        Document::Nothing => "Nothing open".into(),
+        Document::Bundle(b) => {
+            let t = b.bundle.tables();
+            let name = b.bundle.path().file_name().unwrap_or_default().to_string_lossy();
+            let (clips, states) = (t.clips().len(), t.graph().states.len());
+            format!("{name} · {clips} clips · {states} states · {} actions", t.graph().action_segments.len())
+        }
+        Document::Clip(c) => {
+            let name = c.path().file_name().unwrap_or_default().to_string_lossy();
+            format!("{name} · {} joints · {:.1} s at {} Hz", c.report.joints, c.duration_s(), c.report.rate_hz)
+        }
+    }
+}
+
+fn file(ui: &mut Ui, model: &Model, states: &mut PanelStates, commands: &mut Vec<Command>) {
+    if ui.button("Open…").on_hover_text("A bundle, .bvh or .amc; or drop one on the window (Ctrl+O)").clicked() {
+        states.open_dialog = true;
+    }
+    ui.menu_button("Open recent", |ui| {
+        if model.settings.recent.is_empty() {
+            ui.weak("Nothing yet");
+        }
+        for path in &model.settings.recent {
+            if ui.button(path.display().to_string()).clicked() {
+                commands.push(Command::Open(path.clone()));
+            }
+        }
+    });
+    if ui.add_enabled(model.document.path().is_some(), egui::Button::new("Read again")).clicked() {
+        commands.push(Command::Reload);
+    }
+    ui.separator();
+    if ui.button("Quit").clicked() {
+        ui.send_viewport_cmd(egui::ViewportCommand::Close);
+    }
+}
+
+fn view(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
+    let mut s = model.settings.clone();
+    if ui.button("Look at everything").on_hover_text("A").clicked() {
+        commands.push(Command::FrameAll);
+    }
+    ui.menu_button("Camera", |ui| {
+        for preset in Preset::ALL {
+            if ui.button(preset.name()).clicked() {
+                let mut camera = s.camera;
+                preset.turn(&mut camera);
+                commands.push(Command::Camera(camera));
+            }
+        }
+    });
+    ui.checkbox(&mut s.follow, "Follow the selected character");
+    ui.separator();
+    ui.menu_button("Body", |ui| {
+        for (body, name) in BODIES {
+            ui.radio_value(&mut s.body, body, name);
+        }
+    });
+    ui.menu_button("Colours", |ui| {
+        for (colouring, name) in Colouring::ALL {
+            ui.radio_value(&mut s.colouring, colouring, name);
+        }
+    });
+    ui.menu_button("Motion file", |ui| {
+        for (raw, name) in RawView::ALL {
+            ui.radio_value(&mut s.raw_view, raw, name);
+        }
+    });
+    ui.separator();
+    overlays(ui, &mut s);
+    ui.separator();
+    appearance(ui, &mut s);
+    if s != model.settings {
+        commands.push(Command::Settings(Box::new(s)));
+    }
+}
+
+fn overlays(ui: &mut Ui, s: &mut Settings) {
+    let o = &mut s.overlays;
+    ui.checkbox(&mut o.contacts, "Contacts");
+    ui.checkbox(&mut o.trails, "Trails of the roots");
+    ui.checkbox(&mut o.trajectory, "Where the action leads");
+    ui.checkbox(&mut o.targets, "Targets");
+    ui.checkbox(&mut o.joint_axes, "Joint axes");
+    ui.checkbox(&mut o.of_all, "Of all characters");
+    ui.checkbox(&mut o.onion_skin, "Onion skin of clips");
+}
+
+fn appearance(ui: &mut Ui, s: &mut Settings) {
+    ui.menu_button("Theme", |ui| {
+        let all = [
+            (ThemePreference::Dark, "Dark"),
+            (ThemePreference::Light, "Light"),
+            (ThemePreference::System, "As the system"),
+        ];
+        for (theme, name) in all {
+            ui.radio_value(&mut s.theme, theme, name);
+        }
+    });
+    ui.menu_button("Size of text", |ui| {
+        for zoom in [0.8, 0.9, 1.0, 1.1, 1.25, 1.5, 1.75, 2.0] {
+            ui.radio_value(&mut s.zoom, zoom, format!("{:.0} %", zoom * 100.0));
+        }
+    });
+}
+
+fn panels(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
+    for panel in PANELS {
+        let open = [model.settings.side_panel, model.settings.bottom_panel].contains(&Some(panel.kind));
+        let text = format!("{} ({})", panel.title, panel.key.name());
+        if ui.selectable_label(open, text).on_hover_text(panel.purpose).clicked() {
+            commands.push(Command::TogglePanel(panel.kind));
+        }
+    }
+}
+
+fn stages(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
+    let shown = if model.shows_clip() { Stage::Clip } else { Stage::Crowd };
+    for (stage, name, tip) in [(Stage::Crowd, "Crowd", "The run of a crowd"), (Stage::Clip, "Clip", "A clip alone")] {
+        if ui.selectable_label(shown == stage, name).on_hover_text(format!("{tip} (C)")).clicked() {
+            commands.push(Command::Stage(stage));
+        }
+    }
+}

@@ -1,0 +1,106 @@
+//! Time: play, pause, step, speed, and the last minute to be scrubbed through.
+
+use crate::command::Command;
+use crate::model::Model;
+use crate::run::STEP_HZ;
+use eframe::egui::{self, Button, Slider, Ui, vec2};
+
+/// What the bar shows: of the run or of the clip.
+struct Time {
+    playing: bool,
+    speed: f32,
+    now: u32,
+    first: u32,
+    last: u32,
+    rate_hz: f32,
+    live: bool,
+}
+
+fn time_of(model: &Model) -> Option<Time> {
+    if model.shows_clip() {
+        let (num_frames, rate_hz) = model.shown_clip()?;
+        let p = &model.player;
+        let (now, last) = (p.frame as u32, num_frames.saturating_sub(1));
+        return Some(Time { playing: p.playing, speed: p.speed, now, first: 0, last, rate_hz, live: false });
+    }
+    let (_, run) = model.document.crowd()?;
+    let recorded = run.recorded();
+    Some(Time {
+        playing: run.is_playing(),
+        speed: run.speed(),
+        now: run.now(),
+        first: *recorded.start(),
+        last: *recorded.end(),
+        rate_hz: STEP_HZ,
+        live: run.is_live(),
+    })
+}
+
+/// Shows the bar.
+pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
+    let Some(t) = time_of(model) else {
+        ui.weak("Time is played here once a file is open.");
+        return;
+    };
+    ui.horizontal(|ui| {
+        buttons(ui, &t, model.shows_clip(), commands);
+        ui.separator();
+        speed(ui, &t, commands);
+        ui.separator();
+        let seconds = |frame: u32| frame as f32 / t.rate_hz;
+        let what = if model.shows_clip() { "frame" } else { "step" };
+        let text = format!("{:>6.2} s  {what} {:<5}", seconds(t.now), t.now);
+        ui.add_sized([150.0, 18.0], egui::Label::new(egui::RichText::new(text).monospace()));
+        let note = if model.shows_clip() {
+            format!("of {:.2} s", seconds(t.last))
+        } else if t.live {
+            format!("live · {:.0} s recorded", seconds(t.last - t.first))
+        } else {
+            format!("{:.1} s ago", seconds(t.last - t.now))
+        };
+        ui.spacing_mut().slider_width = (ui.available_width() - 170.0).max(60.0);
+        let mut now = t.now;
+        let slider = Slider::new(&mut now, t.first..=t.last.max(t.first + 1)).show_value(false);
+        let scrubber = ui.add(slider).on_hover_text("Drag to scrub; the last minute of a run is kept");
+        scrubber.widget_info(|| egui::WidgetInfo::slider(true, f64::from(now), "Time"));
+        if scrubber.drag_started() || scrubber.clicked() {
+            commands.push(Command::Play(false));
+        }
+        if now != t.now {
+            commands.push(Command::Seek(now));
+        }
+        ui.add_sized(vec2(ui.available_width().max(100.0), 18.0), egui::Label::new(note).truncate());
+    });
+}
+
+fn buttons(ui: &mut Ui, t: &Time, is_clip: bool, commands: &mut Vec<Command>) {
+    let mut button = |text: &str, name: &str, tip: &str, command: Command| {
+        let r = ui.add(Button::new(text).min_size(vec2(26.0, 22.0))).on_hover_text(tip);
+        r.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, name));
+        if r.clicked() {
+            commands.push(command);
+        }
+    };
+    button("⏮", "First", "Start of what is recorded (Home)", Command::Seek(t.first));
+    button("⏪", "Step back", "One step back (Left; Shift+Left a second)", Command::Step(-1));
+    match t.playing {
+        true => button("⏸", "Pause", "Pause (Space)", Command::Play(false)),
+        false => button("▶", "Play", "Play (Space)", Command::Play(true)),
+    }
+    button("⏩", "Step", "One step on (Right; Shift+Right a second)", Command::Step(1));
+    button("⏭", "Last", "End of what is recorded (End)", Command::Seek(t.last));
+    if !is_clip {
+        button("⟲", "Restart", "Start the run anew, with the same seed (R)", Command::Restart);
+    }
+}
+
+fn speed(ui: &mut Ui, t: &Time, commands: &mut Vec<Command>) {
+    let name = |s: f32| format!("{s} ×");
+    egui::ComboBox::from_id_salt("speed").width(64.0).selected_text(name(t.speed)).show_ui(ui, |ui| {
+        for s in [0.1, 0.25, 0.5, 1.0, 2.0, 4.0] {
+            if ui.selectable_label(t.speed == s, name(s)).clicked() {
+                commands.push(Command::Speed(s));
+            }
+        }
+    });
+}

@@ -1,0 +1,197 @@
+//! The 3-D view: camera, selection, and targets that are dragged.
+
+use super::messages;
+use crate::command::Command;
+use crate::document::Document;
+use crate::model::Model;
+use crate::render::{self, Camera};
+use crate::run::{Input, Run, TargetMode};
+use crate::stage::Layout;
+use eframe::egui::{self, Align2, Color32, CursorIcon, FontId, PointerButton, Pos2, Rect, Response, Sense, Ui};
+use glam::{Vec2, Vec3};
+
+/// A target can be taken hold of within this distance of the pointer. [Unit: points]
+const GRAB: f32 = 16.0;
+/// Targets of others can be taken hold of in crowds of up to so many.
+const MAX_GRABBED: usize = 2000;
+
+/// What the view remembers.
+#[derive(Clone, Debug, Default)]
+pub struct State {
+    /// Whose target is dragged; everybody's where it names nobody.
+    dragged: Option<Option<usize>>,
+}
+
+/// What the view asks of who draws it.
+#[derive(Clone, Copy, Debug)]
+pub struct Drawn {
+    /// Where.
+    pub rect: Rect,
+    /// From where.
+    pub camera: Camera,
+}
+
+/// Shows the view in all that is left of the window. `paint` adds what is drawn in 3-D.
+pub fn show(
+    ui: &mut Ui,
+    model: &Model,
+    layout: &Layout,
+    state: &mut State,
+    commands: &mut Vec<Command>,
+    paint: impl FnOnce(&Ui, Drawn) -> Result<(), String>,
+) {
+    let response = ui.allocate_rect(ui.available_rect_before_wrap(), Sense::click_and_drag());
+    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, "3-D view"));
+    let rect = response.rect;
+    let camera = model.settings.camera;
+    match paint(ui, Drawn { rect, camera }) {
+        Ok(()) => {}
+        Err(why) => note(ui, rect.center(), &why, ui.visuals().error_fg_color),
+    }
+    if matches!(model.document, Document::Nothing) && model.loading().is_none() {
+        let text = "Drop a bundle (.throng) or a motion file (.bvh, .amc) here\nor open one with File > Open (Ctrl+O)";
+        note(ui, rect.center(), text, ui.visuals().text_color());
+    }
+    drag(ui, &response, model, state, commands);
+    click(ui, &response, model, layout, commands);
+    label(ui, rect, model);
+    messages::show(ui, rect, model, commands);
+}
+
+fn note(ui: &Ui, at: Pos2, text: &str, colour: Color32) {
+    ui.painter().text(at, Align2::CENTER_CENTER, text, FontId::proportional(16.0), colour);
+}
+
+fn size(rect: Rect) -> Vec2 {
+    Vec2::new(rect.width(), rect.height())
+}
+
+/// Place of the pointer within the view.
+fn within(rect: Rect, at: Pos2) -> Vec2 {
+    Vec2::new(at.x - rect.left(), at.y - rect.top())
+}
+
+/// Camera and targets.
+fn drag(ui: &Ui, response: &Response, model: &Model, state: &mut State, commands: &mut Vec<Command>) {
+    let rect = response.rect;
+    let shift = ui.input(|i| i.modifiers.shift);
+    let crowd = model.document.crowd().filter(|_| !model.shows_clip());
+    if response.drag_started_by(PointerButton::Primary)
+        && let (Some((_, run)), Some(at)) = (crowd, ui.input(|i| i.pointer.press_origin()))
+    {
+        let held = grabbed(model, run, rect, at);
+        state.dragged = held.map(|c| if shift { None } else { c });
+    }
+    if !response.dragged_by(PointerButton::Primary) {
+        state.dragged = None;
+    }
+    if let (Some(character), Some(at)) = (state.dragged, response.interact_pointer_pos()) {
+        let ray = model.settings.camera.ray(within(rect, at), size(rect));
+        if let Some(to) = ray.meets_ground() {
+            commands.push(Command::Input(Input::Target { character, to: to.with_y(0.0) }));
+        }
+        ui.set_cursor_icon(CursorIcon::Grabbing);
+        return;
+    }
+    if let (Some((_, run)), Some(at)) = (crowd, response.hover_pos())
+        && grabbed(model, run, rect, at).is_some()
+    {
+        ui.set_cursor_icon(CursorIcon::Grab);
+    }
+    move_camera(ui, response, model, shift, commands);
+}
+
+fn move_camera(ui: &Ui, response: &Response, model: &Model, shift: bool, commands: &mut Vec<Command>) {
+    let mut camera = model.settings.camera;
+    let by = response.drag_delta();
+    if response.dragged_by(PointerButton::Middle) || (response.dragged_by(PointerButton::Primary) && shift) {
+        camera.pan(by.x, by.y, response.rect.height());
+    } else if response.dragged_by(PointerButton::Primary) {
+        camera.orbit(by.x, by.y);
+    } else if response.dragged_by(PointerButton::Secondary) {
+        camera.zoom((0.006 * by.y).exp());
+    }
+    if response.contains_pointer() {
+        let (scroll, pinch) = ui.input(|i| (i.smooth_scroll_delta().y, i.zoom_delta()));
+        camera.zoom((-0.0025 * scroll).exp() / pinch);
+    }
+    if camera != model.settings.camera {
+        commands.push(Command::Camera(camera));
+    }
+}
+
+/// Whose target is under the pointer.
+fn grabbed(model: &Model, run: &Run, rect: Rect, at: Pos2) -> Option<Option<usize>> {
+    let camera = model.settings.camera;
+    let near = |target: Vec3| {
+        let place = camera.project(target, size(rect))?;
+        let distance = (place - within(rect, at)).length();
+        (distance < GRAB).then_some(distance)
+    };
+    if run.config().targets == TargetMode::Shared {
+        return near(run.targets()[0]).map(|_| None);
+    }
+    let selected = model.selection.character.filter(|&c| c < run.targets().len());
+    if let Some(c) = selected
+        && (near(run.targets()[c]).is_some() || near(run.targets()[c] + Vec3::Y * 0.9).is_some())
+    {
+        return Some(Some(c));
+    }
+    let all = run.targets().iter().take(MAX_GRABBED).enumerate();
+    let found = all.filter_map(|(c, &t)| Some((c, near(t)?))).min_by(|a, b| a.1.total_cmp(&b.1));
+    found.map(|(c, _)| Some(c))
+}
+
+fn click(ui: &Ui, response: &Response, model: &Model, layout: &Layout, commands: &mut Vec<Command>) {
+    let rect = response.rect;
+    let Some(at) = response.interact_pointer_pos() else { return };
+    let ray = model.settings.camera.ray(within(rect, at), size(rect));
+    if response.double_clicked() {
+        if let Some(place) = ray.meets_ground() {
+            let mut camera = model.settings.camera;
+            camera.target = place.with_y(camera.target.y);
+            commands.push(Command::Camera(camera));
+        }
+        return;
+    }
+    let Some((_, run)) = model.document.crowd().filter(|_| !model.shows_clip()) else { return };
+    if !response.clicked() {
+        return;
+    }
+    let everybody = run.config().targets == TargetMode::Shared;
+    if ui.input(|i| i.modifiers.command) {
+        let who = if everybody { Some(None) } else { model.selection.character.map(Some) };
+        if let (Some(character), Some(to)) = (who, ray.meets_ground()) {
+            commands.push(Command::Input(Input::Target { character, to: to.with_y(0.0) }));
+        }
+        return;
+    }
+    let hit = render::pick(&ray, &layout.skeleton, layout.poses(model), &layout.instances);
+    commands.push(Command::SelectCharacter(hit.map(|h| h.character)));
+}
+
+/// Who is selected, and what it does, at the upper right.
+fn label(ui: &Ui, rect: Rect, model: &Model) {
+    let Some(text) = describe(model) else { return };
+    let font = FontId::proportional(13.0);
+    let galley = ui.painter().layout(text, font, ui.visuals().strong_text_color(), (rect.width() * 0.6).max(100.0));
+    let at = rect.right_top() + egui::vec2(-galley.size().x - 16.0, 12.0);
+    let back = Rect::from_min_size(at, galley.size()).expand(6.0);
+    ui.painter().rect_filled(back, 4.0, ui.visuals().extreme_bg_color.gamma_multiply(0.75));
+    ui.painter().galley(at, galley, ui.visuals().strong_text_color());
+}
+
+fn describe(model: &Model) -> Option<String> {
+    if model.shows_clip() {
+        let bundle = model.document.bundle()?;
+        let row = model.shown_row()?;
+        let first = bundle.tables().clips().get(model.selection.clip)?.first_frame;
+        return Some(format!("{}  frame {}", bundle.clip_name(model.selection.clip), row - first));
+    }
+    let (bundle, run) = model.document.crowd()?;
+    let c = model.selection.character.filter(|&c| c < run.troupe().num_characters())?;
+    let (root, target) = (run.troupe().root(c), run.targets()[c]);
+    let distance = (root.x - target.x).hypot(root.z - target.z);
+    let plays = bundle.describe_segment(run.troupe().segment(c).0);
+    Some(format!("character {c} · {plays} · target {distance:.1} m away"))
+}

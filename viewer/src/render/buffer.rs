@@ -1,0 +1,69 @@
+//! GPU buffers that grow with what is written to them.
+
+use super::RenderError;
+
+/// A buffer that is replaced by a larger one where data does not fit.
+#[derive(Debug)]
+pub(super) struct GrowingBuffer {
+    buffer: wgpu::Buffer,
+    usage: wgpu::BufferUsages,
+    what: &'static str,
+}
+
+impl GrowingBuffer {
+    /// An empty buffer; `what` names its elements in errors.
+    pub fn new(device: &wgpu::Device, what: &'static str, usage: wgpu::BufferUsages) -> Self {
+        let usage = usage | wgpu::BufferUsages::COPY_DST;
+        Self { buffer: allocate(device, what, usage, 256), usage, what }
+    }
+
+    /// Makes room for `count` elements of `size` bytes; true where the buffer was replaced (its content is lost).
+    ///
+    /// # Errors
+    /// [`RenderError::TooMany`] beyond what the device can hold or bind.
+    pub fn reserve(&mut self, device: &wgpu::Device, count: usize, size: usize) -> Result<bool, RenderError> {
+        let limits = device.limits();
+        let limit = if self.usage.contains(wgpu::BufferUsages::STORAGE) {
+            limits.max_buffer_size.min(limits.max_storage_buffer_binding_size)
+        } else {
+            limits.max_buffer_size
+        };
+        let needed = count as u64 * size as u64;
+        if needed > limit {
+            let most = limit / size.max(1) as u64;
+            return Err(RenderError::TooMany { what: self.what, count, needed, limit, most });
+        }
+        if needed <= self.buffer.size() {
+            return Ok(false);
+        }
+        let room = needed.next_power_of_two().clamp(256, limit) & !3;
+        self.buffer = allocate(device, self.what, self.usage, room.max(needed));
+        Ok(true)
+    }
+
+    /// Replaces the content from the start; true where the buffer was replaced, so that bind groups must be.
+    ///
+    /// # Errors
+    /// As [`Self::reserve`].
+    pub fn write<T: bytemuck::NoUninit>(
+        &mut self,
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        data: &[T],
+    ) -> Result<bool, RenderError> {
+        let replaced = self.reserve(device, data.len(), size_of::<T>())?;
+        if !data.is_empty() {
+            queue.write_buffer(&self.buffer, 0, bytemuck::cast_slice(data));
+        }
+        Ok(replaced)
+    }
+
+    /// The buffer of the moment.
+    pub fn get(&self) -> &wgpu::Buffer {
+        &self.buffer
+    }
+}
+
+fn allocate(device: &wgpu::Device, label: &str, usage: wgpu::BufferUsages, size: u64) -> wgpu::Buffer {
+    device.create_buffer(&wgpu::BufferDescriptor { label: Some(label), size, usage, mapped_at_creation: false })
+}

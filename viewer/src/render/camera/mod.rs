@@ -1,0 +1,247 @@
+//! The camera: it orbits a target, and stays above the ground.
+
+mod ray;
+mod text;
+
+pub use ray::Ray;
+pub use text::{CameraParseError, Preset};
+
+use glam::{Mat4, Vec2, Vec3};
+use std::f32::consts::FRAC_PI_2;
+
+/// The eye is never lower than this. [Unit: m]
+const MIN_EYE_HEIGHT: f32 = 0.04;
+/// Allowed distances between eye and target. [Unit: m]
+const DISTANCES: std::ops::RangeInclusive<f32> = 0.15..=2000.0;
+/// Turn for a drag of one pixel. [Unit: rad]
+const TURN_PER_PIXEL: f32 = 0.0065;
+
+/// An orbit camera: `eye = target + distance * direction(yaw, pitch)`.
+///
+/// At yaw 0 the eye is on the +Z side and sees the face of a character at heading 0; the character's left is at the
+/// right of the picture. Depth is reversed: 1 at the near plane, 0 at infinity.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct Camera {
+    /// What the camera looks at. [Unit: m]
+    pub target: Vec3,
+    /// From eye to target. [Unit: m]
+    pub distance: f32,
+    /// Angle of the eye about +Y, 0 is +Z, a quarter turn is +X. [Unit: rad]
+    pub yaw: f32,
+    /// Angle of the eye above the horizon of the target. [Unit: rad]
+    pub pitch: f32,
+    /// Vertical opening angle. [Unit: rad]
+    pub fov_y: f32,
+}
+
+impl Default for Camera {
+    /// A character at the origin, seen from its front left and a little above.
+    fn default() -> Self {
+        Preset::ThreeQuarter.camera()
+    }
+}
+
+impl Camera {
+    /// Turns around the target by a drag. [Unit: pixels]
+    pub fn orbit(&mut self, dx: f32, dy: f32) {
+        self.yaw = throng_runtime::planar::wrap_angle(self.yaw - dx * TURN_PER_PIXEL);
+        self.pitch += dy * TURN_PER_PIXEL;
+        self.limit();
+    }
+
+    /// Moves the target so that it stays under the pointer of a drag. [Unit: pixels]
+    pub fn pan(&mut self, dx: f32, dy: f32, viewport_height: f32) {
+        let [right, up, _] = self.axes();
+        let per_pixel = 2.0 * self.distance * (0.5 * self.fov_y).tan() / viewport_height.max(1.0);
+        self.target += (up * dy - right * dx) * per_pixel;
+        self.limit();
+    }
+
+    /// Multiplies the distance by `factor`. [Limit: > 0]
+    pub fn zoom(&mut self, factor: f32) {
+        self.distance *= factor;
+        self.limit();
+    }
+
+    /// Brings every number into its range: the eye above the ground, nothing infinite.
+    pub fn limit(&mut self) {
+        let fallback = Self { target: Vec3::Y, distance: 4.5, yaw: 0.0, pitch: 0.2, fov_y: 0.6 };
+        let or = |v: f32, other: f32| if v.is_finite() { v } else { other };
+        if !self.target.is_finite() {
+            self.target = fallback.target;
+        }
+        self.target.y = self.target.y.clamp(0.0, *DISTANCES.end());
+        self.distance = or(self.distance, fallback.distance).clamp(*DISTANCES.start(), *DISTANCES.end());
+        self.yaw = or(self.yaw, fallback.yaw);
+        self.fov_y = or(self.fov_y, fallback.fov_y).clamp(0.05, 2.4);
+        let lowest = ((MIN_EYE_HEIGHT - self.target.y) / self.distance).clamp(-1.0, 1.0).asin();
+        self.pitch = or(self.pitch, fallback.pitch).clamp(lowest.max(-1.4), FRAC_PI_2);
+    }
+
+    /// Where the camera is. [Unit: m]
+    pub fn eye(&self) -> Vec3 {
+        self.target + self.axes()[2] * self.distance
+    }
+
+    /// Right, up and backward (from target to eye). Unit.
+    pub fn axes(&self) -> [Vec3; 3] {
+        let ((sy, cy), (sp, cp)) = (self.yaw.sin_cos(), self.pitch.sin_cos());
+        let back = Vec3::new(sy * cp, sp, cy * cp);
+        let right = Vec3::new(cy, 0.0, -sy);
+        [right, back.cross(right), back]
+    }
+
+    /// Distance of the near plane. [Unit: m]
+    pub fn near(&self) -> f32 {
+        (self.distance * 0.02).clamp(0.004, 0.1)
+    }
+
+    /// World to camera space (X right, Y up, looking along -Z).
+    pub fn view(&self) -> Mat4 {
+        let [x, y, z] = self.axes();
+        let (e, col) = (self.eye(), |a: f32, b: f32, c: f32| Vec3::new(a, b, c).extend(0.0));
+        Mat4::from_cols(
+            col(x.x, y.x, z.x),
+            col(x.y, y.y, z.y),
+            col(x.z, y.z, z.z),
+            Vec3::new(-x.dot(e), -y.dot(e), -z.dot(e)).extend(1.0),
+        )
+    }
+
+    /// World to clip space; `aspect` is width over height.
+    pub fn view_proj(&self, aspect: f32) -> Mat4 {
+        let f = 1.0 / (0.5 * self.fov_y).tan();
+        let projection = Mat4::from_cols_array_2d(&[
+            [f / aspect, 0.0, 0.0, 0.0],
+            [0.0, f, 0.0, 0.0],
+            [0.0, 0.0, 0.0, -1.0],
+            [0.0, 0.0, self.near(), 0.0],
+        ]);
+        projection * self.view()
+    }
+
+    /// The ray through a pixel position of a viewport, (0, 0) at its upper left corner. [Unit: pixels]
+    pub fn ray(&self, pixel: Vec2, size: Vec2) -> Ray {
+        let [right, up, back] = self.axes();
+        let ndc = (pixel / size.max(Vec2::ONE)) * 2.0 - Vec2::ONE;
+        let tan = (0.5 * self.fov_y).tan();
+        let aspect = size.x.max(1.0) / size.y.max(1.0);
+        let direction = right * (ndc.x * tan * aspect) - up * (ndc.y * tan) - back;
+        Ray { origin: self.eye(), direction: direction.normalize() }
+    }
+
+    /// Where a point appears in a viewport; `None` behind the near plane. [Unit: pixels]
+    pub fn project(&self, point: Vec3, size: Vec2) -> Option<Vec2> {
+        let size = size.max(Vec2::ONE);
+        let clip = self.view_proj(size.x / size.y) * point.extend(1.0);
+        (clip.w >= self.near()).then(|| Vec2::new(clip.x / clip.w + 1.0, 1.0 - clip.y / clip.w) * 0.5 * size)
+    }
+
+    /// Height in pixels of something one metre tall at a distance from the eye.
+    pub fn pixels_per_metre(&self, distance: f32, viewport_height: f32) -> f32 {
+        viewport_height / (2.0 * (0.5 * self.fov_y).tan() * distance.max(self.near()))
+    }
+
+    /// Looks at a box from the present direction, from as near as shows all of it; `aspect` is width over height.
+    pub fn frame_box(&mut self, min: Vec3, max: Vec3, aspect: f32) {
+        let (low, high) = (min.min(max), min.max(max));
+        if !(low.is_finite() && high.is_finite()) {
+            return;
+        }
+        let [right, up, back] = self.axes();
+        let centre = 0.5 * (low + high);
+        let tan = (0.5 * self.fov_y).tan();
+        let needed = (0..8).map(|i| {
+            let pick = |bit: usize, a: f32, b: f32| if i >> bit & 1 == 0 { a } else { b };
+            let p = Vec3::new(pick(0, low.x, high.x), pick(1, low.y, high.y), pick(2, low.z, high.z)) - centre;
+            let across = (p.dot(right).abs() / aspect.max(0.05)).max(p.dot(up).abs());
+            p.dot(back) + across / tan
+        });
+        self.target = centre;
+        self.distance = 1.06 * needed.fold(0.5, f32::max);
+        self.limit();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand::{RngExt, SeedableRng};
+    use rand_pcg::Pcg32;
+
+    const SIZE: Vec2 = Vec2::new(1280.0, 720.0);
+
+    fn any_camera(rng: &mut Pcg32) -> Camera {
+        let mut c = Camera {
+            target: Vec3::new(rng.random_range(-9.0..9.0), rng.random_range(0.0..2.0), rng.random_range(-9.0..9.0)),
+            distance: rng.random_range(0.5..40.0),
+            yaw: rng.random_range(-3.1..3.1),
+            pitch: rng.random_range(-0.5..1.57),
+            fov_y: rng.random_range(0.3..1.2),
+        };
+        c.limit();
+        c
+    }
+
+    #[test]
+    fn a_projected_point_lies_on_the_ray_through_its_pixel() {
+        let mut rng = Pcg32::seed_from_u64(1);
+        for _ in 0..500 {
+            let camera = any_camera(&mut rng);
+            let pixel = Vec2::new(rng.random_range(0.0..SIZE.x), rng.random_range(0.0..SIZE.y));
+            let ray = camera.ray(pixel, SIZE);
+            let point = ray.at(rng.random_range(0.5..60.0));
+            let back = camera.project(point, SIZE).unwrap_or(Vec2::NAN);
+            assert!((back - pixel).length() < 0.1, "{pixel} became {back}");
+        }
+    }
+
+    #[test]
+    fn no_gesture_leads_below_the_ground() {
+        let mut rng = Pcg32::seed_from_u64(2);
+        let mut camera = Camera::default();
+        for _ in 0..5000 {
+            let (x, y) = (rng.random_range(-300.0..300.0), rng.random_range(-300.0..300.0));
+            match rng.random_range(0..3) {
+                0 => camera.orbit(x, y),
+                1 => camera.pan(x, y, 700.0),
+                _ => camera.zoom(1.5_f32.powf(x / 100.0)),
+            }
+            assert!(camera.eye().y > 0.0 && camera.eye().is_finite(), "{camera:?}");
+        }
+        camera.zoom(f32::NAN);
+        assert!(camera.eye().is_finite());
+    }
+
+    #[test]
+    fn panning_keeps_the_target_under_the_pointer() {
+        let mut camera = Camera::default();
+        let before = camera.target;
+        camera.pan(100.0, 40.0, SIZE.y);
+        let moved = camera.project(before, SIZE).unwrap_or(Vec2::NAN) - SIZE * 0.5;
+        assert!((moved - Vec2::new(100.0, 40.0)).length() < 12.0, "{moved}");
+    }
+
+    #[test]
+    fn a_framed_box_is_seen_whole() {
+        let mut rng = Pcg32::seed_from_u64(3);
+        for _ in 0..200 {
+            let mut camera = any_camera(&mut rng);
+            let low = Vec3::new(rng.random_range(-20.0..0.0), 0.0, rng.random_range(-20.0..0.0));
+            let high = Vec3::new(rng.random_range(0.1..30.0), 1.8, rng.random_range(0.1..30.0));
+            camera.frame_box(low, high, SIZE.x / SIZE.y);
+            for corner in [low, high, Vec3::new(low.x, high.y, high.z), Vec3::new(high.x, low.y, high.z)] {
+                let p = camera.project(corner, SIZE).unwrap_or(Vec2::NAN);
+                assert!(p.cmpge(Vec2::splat(-0.5)).all() && p.cmple(SIZE + 0.5).all(), "{camera:?} {p}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_left_side_of_a_character_is_at_the_right_of_its_front_view() {
+        let camera = Preset::Front.camera();
+        let at = |x: f32| camera.project(Vec3::new(x, 1.0, 0.0), SIZE).map_or(f32::NAN, |p| p.x);
+        assert!(at(0.5) > at(-0.5));
+        assert!(camera.ray(SIZE * 0.5, SIZE).direction.z < 0.0);
+    }
+}

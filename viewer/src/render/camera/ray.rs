@@ -1,0 +1,46 @@
+//! Rays, and where they meet the ground.
+
+use glam::Vec3;
+
+/// A half-line in the world.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Ray {
+    /// Where it starts. [Unit: m]
+    pub origin: Vec3,
+    /// Where it goes. Unit.
+    pub direction: Vec3,
+}
+
+impl Ray {
+    /// The point at a distance along the ray. [Unit: m]
+    pub fn at(&self, distance: f32) -> Vec3 {
+        self.origin + self.direction * distance
+    }
+
+    /// Where the ray meets the horizontal plane at `height`; `None` where it never does. [Unit: m]
+    pub fn meets_height(&self, height: f32) -> Option<Vec3> {
+        let t = (height - self.origin.y) / self.direction.y;
+        (t.is_finite() && t >= 0.0).then(|| {
+            let p = self.at(t);
+            Vec3::new(p.x, height, p.z)
+        })
+    }
+
+    /// Where the ray meets the ground, y = 0.
+    pub fn meets_ground(&self) -> Option<Vec3> {
+        self.meets_height(0.0)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn meets_the_ground_only_ahead() {
+        let down = Ray { origin: Vec3::new(1.0, 2.0, 3.0), direction: Vec3::new(0.6, -0.8, 0.0) };
+        assert!(down.meets_ground().is_some_and(|p| p.abs_diff_eq(Vec3::new(2.5, 0.0, 3.0), 1e-5)));
+        assert_eq!(Ray { direction: Vec3::Y, ..down }.meets_ground(), None);
+        assert_eq!(Ray { direction: Vec3::X, ..down }.meets_ground(), None);
+    }
+}

@@ -1,0 +1,209 @@
+//! Cameras as text: a preset's name, numbers, or both.
+
+use super::Camera;
+use glam::Vec3;
+use std::fmt;
+use std::str::FromStr;
+
+/// A named view of a character at the origin.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Preset {
+    /// Face to face.
+    Front,
+    /// From the character's left.
+    Side,
+    /// From straight above, +Z up in the picture.
+    Top,
+    /// From the front left and above.
+    ThreeQuarter,
+}
+
+impl Preset {
+    /// Every preset, in the order of menus.
+    pub const ALL: [Self; 4] = [Self::Front, Self::Side, Self::Top, Self::ThreeQuarter];
+
+    /// The name on the command line.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Front => "front",
+            Self::Side => "side",
+            Self::Top => "top",
+            Self::ThreeQuarter => "three-quarter",
+        }
+    }
+
+    /// Yaw and pitch. [Unit: degrees]
+    const fn angles_deg(self) -> (f32, f32) {
+        match self {
+            Self::Front => (0.0, 6.0),
+            Self::Side => (90.0, 6.0),
+            Self::Top => (180.0, 90.0),
+            Self::ThreeQuarter => (35.0, 18.0),
+        }
+    }
+
+    /// The view of one character at the origin.
+    pub fn camera(self) -> Camera {
+        let (yaw, pitch) = self.angles_deg();
+        Camera {
+            target: Vec3::new(0.0, 0.9, 0.0),
+            distance: 4.5,
+            yaw: yaw.to_radians(),
+            pitch: pitch.to_radians(),
+            fov_y: 35_f32.to_radians(),
+        }
+    }
+
+    /// Turns a camera into this direction and leaves its target and distance.
+    pub fn turn(self, camera: &mut Camera) {
+        let view = self.camera();
+        (camera.yaw, camera.pitch) = (view.yaw, view.pitch);
+        camera.limit();
+    }
+}
+
+/// Why a text is not a camera.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum CameraParseError {
+    /// A part is neither a preset nor `key=value`.
+    #[error("camera: `{got}` is no view; use front, side, top or three-quarter, or key=value")]
+    UnknownView {
+        /// The part.
+        got: String,
+    },
+    /// A key that cameras do not have.
+    #[error("camera: `{got}` is no setting; the settings are yaw, pitch, distance, target and fov")]
+    UnknownKey {
+        /// The key.
+        got: String,
+    },
+    /// A value that cannot be read.
+    #[error("camera: {key}={got} is not {expected}")]
+    Value {
+        /// The key.
+        key: &'static str,
+        /// The value.
+        got: String,
+        /// What it should be.
+        expected: &'static str,
+    },
+    /// A value out of its range.
+    #[error("camera: {key}={got} is out of range; it must be {expected}")]
+    Range {
+        /// The key.
+        key: &'static str,
+        /// The value.
+        got: f32,
+        /// What it should be.
+        expected: &'static str,
+    },
+}
+
+impl FromStr for Camera {
+    type Err = CameraParseError;
+
+    /// A preset's name, or settings such as `yaw=30,pitch=20,distance=6,target=0:1:0,fov=35`, or a name followed by
+    /// settings. Angles are in degrees; what is not given is as in the three-quarter view.
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        let mut camera = Self::default();
+        for part in text.split(',').map(str::trim) {
+            match part.split_once('=') {
+                Some((key, value)) => set(&mut camera, key.trim(), value.trim())?,
+                None => {
+                    let preset = Preset::ALL.into_iter().find(|p| p.name() == part);
+                    let preset = preset.ok_or_else(|| CameraParseError::UnknownView { got: part.to_owned() })?;
+                    preset.turn(&mut camera);
+                }
+            }
+        }
+        camera.limit();
+        Ok(camera)
+    }
+}
+
+fn set(camera: &mut Camera, key: &str, value: &str) -> Result<(), CameraParseError> {
+    match key {
+        "yaw" => camera.yaw = number("yaw", value)?.to_radians(),
+        "pitch" => camera.pitch = ranged("pitch", value, -80.0..=90.0, "-80 to 90 degrees")?.to_radians(),
+        "distance" => camera.distance = ranged("distance", value, 0.15..=2000.0, "0.15 to 2000 m")?,
+        "fov" => camera.fov_y = ranged("fov", value, 3.0..=135.0, "3 to 135 degrees")?.to_radians(),
+        "target" => camera.target = point(value)?,
+        _ => return Err(CameraParseError::UnknownKey { got: key.to_owned() }),
+    }
+    Ok(())
+}
+
+fn number(key: &'static str, value: &str) -> Result<f32, CameraParseError> {
+    let parsed = value.parse::<f32>().ok().filter(|v| v.is_finite());
+    parsed.ok_or_else(|| CameraParseError::Value { key, got: value.to_owned(), expected: "a number" })
+}
+
+fn ranged(
+    key: &'static str,
+    value: &str,
+    range: std::ops::RangeInclusive<f32>,
+    expected: &'static str,
+) -> Result<f32, CameraParseError> {
+    let v = number(key, value)?;
+    if range.contains(&v) { Ok(v) } else { Err(CameraParseError::Range { key, got: v, expected }) }
+}
+
+fn point(value: &str) -> Result<Vec3, CameraParseError> {
+    let parts: Vec<f32> =
+        value.split(':').filter_map(|p| p.trim().parse().ok()).filter(|v: &f32| v.is_finite()).collect();
+    match parts[..] {
+        [x, y, z] if value.split(':').count() == 3 => Ok(Vec3::new(x, y, z)),
+        _ => Err(CameraParseError::Value { key: "target", got: value.to_owned(), expected: "three numbers x:y:z" }),
+    }
+}
+
+impl fmt::Display for Camera {
+    /// Text that parses back to the same camera, to three decimals.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Vec3 { x, y, z } = self.target;
+        let (yaw, pitch, fov) = (self.yaw.to_degrees(), self.pitch.to_degrees(), self.fov_y.to_degrees());
+        let parts = [yaw, pitch, self.distance, x, y, z, fov].map(short);
+        let [yaw, pitch, distance, x, y, z, fov] = parts;
+        write!(f, "yaw={yaw},pitch={pitch},distance={distance},target={x}:{y}:{z},fov={fov}")
+    }
+}
+
+/// Three decimals, fewer where they are zero.
+fn short(v: f32) -> String {
+    let text = format!("{v:.3}");
+    let text = text.trim_end_matches('0').trim_end_matches('.');
+    if text == "-0" { "0".to_owned() } else { text.to_owned() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_written_parses_back() {
+        for text in [
+            "yaw=30,pitch=20,distance=6,target=0:1:0,fov=35",
+            "yaw=-171.5,pitch=90,distance=0.5,target=-3.25:0:2,fov=60",
+        ] {
+            assert_eq!(text.parse::<Camera>().map(|c| c.to_string()), Ok(text.to_owned()));
+        }
+        for preset in Preset::ALL {
+            let parsed: Result<Camera, _> = preset.name().parse();
+            assert_eq!(parsed.map(|c| c.to_string()), Ok(preset.camera().to_string()));
+        }
+        assert!("side, distance=9".parse::<Camera>().is_ok_and(|c| c.distance == 9.0 && c.yaw > 1.5));
+    }
+
+    #[test]
+    fn says_what_is_wrong() {
+        let error = |text: &str| text.parse::<Camera>().err().map(|e| e.to_string()).unwrap_or_default();
+        assert!(error("frnt").contains("three-quarter"));
+        assert!(error("roll=3").contains("`roll` is no setting"));
+        assert!(error("yaw=x").contains("yaw=x is not a number"));
+        assert!(error("distance=0").contains("0.15 to 2000 m"));
+        assert!(error("target=1:2").contains("x:y:z"));
+        assert!(error("target=1:2:b:3").contains("x:y:z"));
+        assert!(!error("").is_empty());
+    }
+}

@@ -1,0 +1,276 @@
+//! Characters on the GPU: the matrix palette, roots and colours, and which are drawn at which level of detail.
+
+use super::buffer::GrowingBuffer;
+use super::cull::{self, Frustum};
+use super::mesh::{self, Body, LEVELS};
+use super::pipelines::{self, Input, Output, Recipe};
+use super::{Camera, RenderError, Rgba};
+use bytemuck::{Pod, Zeroable};
+use glam::{Vec2, Vec3};
+use std::ops::Range;
+use throng_runtime::{Mat3x4, NUM_JOINTS, Planar, Skeleton};
+
+/// From these heights in pixels on, a body is drawn at the finest and at the middle level of detail.
+const LEVEL_PIXELS: [f32; LEVELS - 1] = [170.0, 52.0];
+/// Shadows fall this far beyond the sphere of their body at most. [Unit: m]
+const SHADOW_REACH: f32 = 1.6;
+
+/// How a character stands out.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[repr(u32)]
+pub enum Emphasis {
+    /// Not at all.
+    #[default]
+    None = 0,
+    /// Its edge glows: pointed at.
+    Highlighted = 1,
+    /// Its edge glows in another colour: chosen.
+    Selected = 2,
+}
+
+/// One character to draw; its pose is in the palette.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CharacterInstance {
+    /// Model to world.
+    pub root: Planar,
+    /// Main colour; other parts are shades of it. With alpha below 1 it is a ghost, drawn after all others.
+    pub colour: Rgba,
+    /// How it stands out.
+    pub emphasis: Emphasis,
+}
+
+/// The struct `Instance` of `shaders/skin.wgsl`.
+#[derive(Clone, Copy, Pod, Zeroable)]
+#[repr(C)]
+struct GpuInstance {
+    root: [f32; 4],
+    colour: Rgba,
+    emphasis: u32,
+    unused: [u32; 2],
+}
+
+/// Where a character is, to choose how it is drawn.
+#[derive(Clone, Copy)]
+struct Place {
+    hips: Vec3,
+    ghost: bool,
+}
+
+/// Draws of one frame: for each level of detail, a range of the list of character numbers.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct DrawLists {
+    pub solid: [Range<u32>; LEVELS],
+    pub ghosts: [Range<u32>; LEVELS],
+    /// Those whose shadow can be in view, by the level of the shadow.
+    pub shadows: [Range<u32>; LEVELS],
+}
+
+impl DrawLists {
+    /// Characters in view, by level of detail.
+    pub fn per_level(&self) -> [usize; LEVELS] {
+        std::array::from_fn(|i| self.solid[i].len() + self.ghosts[i].len())
+    }
+}
+
+/// One body's triangles on the GPU.
+struct GpuMesh {
+    vertices: GrowingBuffer,
+    indices: GrowingBuffer,
+    num_indices: u32,
+}
+
+/// Everything about characters that lives on the GPU.
+pub(super) struct Characters {
+    layout: wgpu::BindGroupLayout,
+    group: Option<wgpu::BindGroup>,
+    palette: GrowingBuffer,
+    instances: GrowingBuffer,
+    lists: GrowingBuffer,
+    meshes: [GpuMesh; LEVELS],
+    built: Option<(Body, Skeleton)>,
+    places: Vec<Place>,
+    staging: Vec<GpuInstance>,
+    numbers: Vec<u32>,
+    reach: f32,
+    solid: wgpu::RenderPipeline,
+    ghost: wgpu::RenderPipeline,
+    /// The sun's shadow, and what touches the ground.
+    shadows: [wgpu::RenderPipeline; 2],
+}
+
+impl Characters {
+    pub fn new(device: &wgpu::Device, scene_layout: &wgpu::BindGroupLayout) -> Self {
+        use wgpu::BufferUsages as Usage;
+        let storage = wgpu::BufferBindingType::Storage { read_only: true };
+        let layout = pipelines::buffer_layout(device, "characters", &[storage, storage]);
+        let pieces = [include_str!("shaders/scene.wgsl"), include_str!("shaders/skin.wgsl")];
+        let body = pipelines::shader(device, "body", &[pieces[0], pieces[1], include_str!("shaders/body.wgsl")]);
+        let shadow = pipelines::shader(device, "shadow", &[pieces[0], pieces[1], include_str!("shaders/shadow.wgsl")]);
+        let build = |label, shader, stages, output| {
+            let groups = &[scene_layout, &layout];
+            let input = Input::Body;
+            // Both faces cast shadows: which one is seen from above does not matter to a maximum.
+            let one_sided = output != Output::Mask;
+            Recipe { label, shader, stages, groups, input, output, strip: false, one_sided }.build(device)
+        };
+        Self {
+            solid: build("bodies", &body, ["vertex", "fragment"], Output::SOLID),
+            ghost: build("ghosts", &body, ["vertex", "fragment"], Output::GHOST),
+            shadows: [
+                build("shadows", &shadow, ["sun_vertex", "sun_fragment"], Output::Mask),
+                build("contacts", &shadow, ["contact_vertex", "contact_fragment"], Output::Mask),
+            ],
+            layout,
+            group: None,
+            palette: GrowingBuffer::new(device, "joint matrices", Usage::STORAGE),
+            instances: GrowingBuffer::new(device, "characters", Usage::STORAGE),
+            lists: GrowingBuffer::new(device, "draws of characters", Usage::VERTEX),
+            meshes: std::array::from_fn(|_| GpuMesh {
+                vertices: GrowingBuffer::new(device, "body vertices", Usage::VERTEX),
+                indices: GrowingBuffer::new(device, "body triangles", Usage::INDEX),
+                num_indices: 0,
+            }),
+            built: None,
+            places: Vec::new(),
+            staging: Vec::new(),
+            numbers: Vec::new(),
+            reach: 0.0,
+        }
+    }
+
+    /// Makes the meshes of a body around a skeleton, unless they are there.
+    pub fn set_body(
+        &mut self,
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        body: Body,
+        skeleton: &Skeleton,
+    ) -> Result<(), RenderError> {
+        if self.built.as_ref().is_some_and(|(b, s)| *b == body && s == skeleton) {
+            return Ok(());
+        }
+        for (gpu, mesh) in self.meshes.iter_mut().zip(mesh::build(body, skeleton)) {
+            gpu.vertices.write(device, queue, &mesh.vertices)?;
+            gpu.indices.write(device, queue, &mesh.indices)?;
+            gpu.num_indices = mesh.indices.len() as u32;
+        }
+        self.reach = cull::reach(skeleton);
+        self.built = Some((body, skeleton.clone()));
+        Ok(())
+    }
+
+    /// Hands over poses and instances; returns the bytes moved.
+    pub fn upload(
+        &mut self,
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        palette: &[Mat3x4],
+        instances: &[CharacterInstance],
+    ) -> Result<u64, RenderError> {
+        let (characters, got, expected) = (instances.len(), palette.len(), instances.len() * NUM_JOINTS);
+        if got != expected {
+            return Err(RenderError::PaletteLength { characters, expected, got });
+        }
+        self.places.clear();
+        self.staging.clear();
+        for (instance, pose) in instances.iter().zip(palette.chunks_exact(NUM_JOINTS)) {
+            let root = instance.root;
+            let hips = pose[0].translation();
+            let p = root.transform_point(Vec2::new(hips.x, hips.z));
+            self.places.push(Place { hips: Vec3::new(p.x, hips.y, p.y), ghost: instance.colour.0[3] < 255 });
+            let (sin, cos) = root.heading.sin_cos();
+            let (colour, emphasis) = (instance.colour, instance.emphasis as u32);
+            self.staging.push(GpuInstance { root: [root.x, root.z, sin, cos], colour, emphasis, unused: [0; 2] });
+        }
+        // Every character may be in two lists: its body's and its shadow's.
+        self.lists.reserve(device, 2 * characters, size_of::<u32>())?;
+        let moved = self.palette.write(device, queue, palette)?;
+        let moved = self.instances.write(device, queue, &self.staging)? || moved;
+        if moved || self.group.is_none() {
+            let bind = |binding, resource| wgpu::BindGroupEntry { binding, resource };
+            let [palette, instances] = [&self.palette, &self.instances].map(|b| b.get().as_entire_binding());
+            self.group = Some(device.create_bind_group(&wgpu::BindGroupDescriptor {
+                label: Some("characters"),
+                layout: &self.layout,
+                entries: &[bind(0, palette), bind(1, instances)],
+            }));
+        }
+        Ok((size_of_val(palette) + size_of_val(self.staging.as_slice())) as u64)
+    }
+
+    /// Forgets all characters.
+    pub fn clear(&mut self) {
+        self.places.clear();
+    }
+
+    /// Chooses what is drawn, at which level of detail, and hands the lists over.
+    pub fn choose(&mut self, queue: &wgpu::Queue, camera: &Camera, size: [u32; 2]) -> DrawLists {
+        let [width, height] = size.map(|s| s.max(1) as f32);
+        let frustum = Frustum::new(camera.view_proj(width / height));
+        let (eye, per_metre) = (camera.eye(), camera.pixels_per_metre(1.0, height));
+        let level = |p: &Place| {
+            let pixels = 1.8 * per_metre / p.hips.distance(eye).max(1e-3);
+            LEVEL_PIXELS.iter().filter(|&&least| pixels < least).count()
+        };
+        let mut bins: [Vec<u32>; 3 * LEVELS] = Default::default();
+        for (i, place) in self.places.iter().enumerate() {
+            if !frustum.sees(place.hips, self.reach + SHADOW_REACH) {
+                continue;
+            }
+            let level = level(place);
+            if frustum.sees(place.hips, self.reach) {
+                bins[level + if place.ghost { LEVELS } else { 0 }].push(i as u32);
+            }
+            bins[2 * LEVELS + (level + 1).min(LEVELS - 1)].push(i as u32);
+        }
+        self.numbers.clear();
+        let mut ranges = bins.iter().map(|bin| {
+            let start = self.numbers.len() as u32;
+            self.numbers.extend(bin);
+            start..self.numbers.len() as u32
+        });
+        let mut three = || std::array::from_fn(|_| ranges.next().unwrap_or_default());
+        let lists = DrawLists { solid: three(), ghosts: three(), shadows: three() };
+        if !self.numbers.is_empty() {
+            queue.write_buffer(self.lists.get(), 0, bytemuck::cast_slice(&self.numbers));
+        }
+        lists
+    }
+
+    /// Draws opaque bodies; returns how many triangles.
+    pub fn draw_solid(&self, pass: &mut wgpu::RenderPass<'_>, lists: &DrawLists) -> u64 {
+        self.draw(pass, &self.solid, &lists.solid)
+    }
+
+    /// Draws ghosts; returns how many triangles.
+    pub fn draw_ghosts(&self, pass: &mut wgpu::RenderPass<'_>, lists: &DrawLists) -> u64 {
+        self.draw(pass, &self.ghost, &lists.ghosts)
+    }
+
+    /// Draws shadows into the mask; returns how many triangles. Far away, contact is too small to be seen.
+    pub fn draw_shadows(&self, pass: &mut wgpu::RenderPass<'_>, lists: &DrawLists) -> u64 {
+        let [sun, contact] = &self.shadows;
+        let near = [lists.shadows[0].clone(), lists.shadows[1].clone(), 0..0];
+        self.draw(pass, sun, &lists.shadows) + self.draw(pass, contact, &near)
+    }
+
+    fn draw(
+        &self,
+        pass: &mut wgpu::RenderPass<'_>,
+        pipeline: &wgpu::RenderPipeline,
+        lists: &[Range<u32>; LEVELS],
+    ) -> u64 {
+        let Some(group) = &self.group else { return 0 };
+        pass.set_pipeline(pipeline);
+        pass.set_bind_group(1, group, &[]);
+        let mut triangles = 0;
+        for (mesh, list) in self.meshes.iter().zip(lists).filter(|(_, list)| !list.is_empty()) {
+            pass.set_vertex_buffer(0, mesh.vertices.get().slice(..));
+            pass.set_vertex_buffer(1, self.lists.get().slice(..));
+            pass.set_index_buffer(mesh.indices.get().slice(..), wgpu::IndexFormat::Uint32);
+            pass.draw_indexed(0..mesh.num_indices, 0, list.clone());
+            triangles += u64::from(mesh.num_indices / 3) * list.len() as u64;
+        }
+        triangles
+    }
+}

@@ -1,0 +1,122 @@
+//! Colours of the view, as plain data.
+
+use glam::Vec4;
+
+/// An sRGB colour with straight alpha, eight bits a channel.
+#[derive(
+    Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize, bytemuck::Pod, bytemuck::Zeroable,
+)]
+#[repr(C)]
+pub struct Rgba(pub [u8; 4]);
+
+impl Rgba {
+    /// White.
+    pub const WHITE: Self = Self::hex(0xff_ff_ff);
+
+    /// An opaque colour from 0xRRGGBB.
+    pub const fn hex(rgb: u32) -> Self {
+        Self([(rgb >> 16) as u8, (rgb >> 8) as u8, rgb as u8, 255])
+    }
+
+    /// The same with another opacity. [Limit: 0 to 1]
+    pub fn alpha(self, alpha: f32) -> Self {
+        let [r, g, b, _] = self.0;
+        Self([r, g, b, (alpha.clamp(0.0, 1.0) * 255.0).round() as u8])
+    }
+
+    /// `self` at `t = 0`, `other` at `t = 1`.
+    pub fn mix(self, other: Self, t: f32) -> Self {
+        let t = t.clamp(0.0, 1.0);
+        Self(std::array::from_fn(|i| (self.0[i] as f32 * (1.0 - t) + other.0[i] as f32 * t).round() as u8))
+    }
+
+    /// Linear light, alpha unchanged.
+    pub fn linear(self) -> Vec4 {
+        let channel = |v: u8| {
+            let v = v as f32 / 255.0;
+            if v <= 0.04045 { v / 12.92 } else { ((v + 0.055) / 1.055).powf(2.4) }
+        };
+        let [r, g, b, a] = self.0;
+        Vec4::new(channel(r), channel(g), channel(b), a as f32 / 255.0)
+    }
+}
+
+/// Colours of everything in the view that has none of its own.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SceneColours {
+    /// Above the horizon, far up.
+    pub sky: Rgba,
+    /// At the horizon, and what the ground fades into.
+    pub horizon: Rgba,
+    /// The ground.
+    pub ground: Rgba,
+    /// Lines every metre.
+    pub grid: Rgba,
+    /// Lines every ten metres.
+    pub grid_strong: Rgba,
+    /// The line along X.
+    pub axis_x: Rgba,
+    /// The line along Z.
+    pub axis_z: Rgba,
+    /// Where no light falls on the ground; alpha is how strong it is.
+    pub shadow: Rgba,
+    /// Light from above; alpha is its strength.
+    pub light_above: Rgba,
+    /// Light from below; alpha is its strength.
+    pub light_below: Rgba,
+    /// Light of the sun; alpha is its strength.
+    pub light_key: Rgba,
+    /// Edge of selected characters.
+    pub selected: Rgba,
+    /// Edge of characters pointed at.
+    pub highlighted: Rgba,
+}
+
+impl SceneColours {
+    /// For light themes: warm paper.
+    pub const LIGHT: Self = Self {
+        sky: Rgba::hex(0xd9dee5),
+        horizon: Rgba::hex(0xeceae6),
+        ground: Rgba::hex(0xf1efeb),
+        grid: Rgba::hex(0xd3cfc7),
+        grid_strong: Rgba::hex(0xb3aea4),
+        axis_x: Rgba::hex(0xc9625c),
+        axis_z: Rgba::hex(0x4f7fc4),
+        shadow: Rgba([0x3a, 0x3f, 0x4c, 150]),
+        light_above: Rgba([0xf2, 0xf5, 0xff, 170]),
+        light_below: Rgba([0xd8, 0xcf, 0xc2, 105]),
+        light_key: Rgba([0xff, 0xf3, 0xe2, 175]),
+        selected: Rgba::hex(0x7a2bbf),
+        highlighted: Rgba::hex(0x1f9e89),
+    };
+
+    /// For dark themes: slate.
+    pub const DARK: Self = Self {
+        sky: Rgba::hex(0x14171c),
+        horizon: Rgba::hex(0x23272e),
+        ground: Rgba::hex(0x2a2e35),
+        grid: Rgba::hex(0x3a3f48),
+        grid_strong: Rgba::hex(0x545b67),
+        axis_x: Rgba::hex(0xb4544f),
+        axis_z: Rgba::hex(0x4d7cc0),
+        shadow: Rgba([0x06, 0x08, 0x0b, 190]),
+        light_above: Rgba([0xdc, 0xe6, 0xff, 120]),
+        light_below: Rgba([0x8a, 0x86, 0x80, 70]),
+        light_key: Rgba([0xff, 0xf1, 0xdc, 190]),
+        selected: Rgba::hex(0xc79bff),
+        highlighted: Rgba::hex(0x5fe0c8),
+    };
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn colours_mix_and_become_linear() {
+        assert_eq!(Rgba::hex(0x102030).0, [0x10, 0x20, 0x30, 255]);
+        assert_eq!(Rgba::hex(0).mix(Rgba::WHITE, 0.5).0, [128, 128, 128, 255]);
+        assert_eq!(Rgba::WHITE.alpha(0.5).0[3], 128);
+        assert!((Rgba::hex(0x808080).linear().x - 0.2158).abs() < 1e-3);
+    }
+}

@@ -1,0 +1,44 @@
+//! What can go wrong before anything is drawn.
+
+/// Why a scene cannot be drawn.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum RenderError {
+    /// The device cannot read a storage buffer in a vertex shader.
+    #[error(
+        "this graphics device offers {available} storage buffers per shader stage, 2 are needed: choose another adapter or backend (WGPU_BACKEND=vulkan)"
+    )]
+    NoStorageBuffers {
+        /// What the device offers.
+        available: u32,
+    },
+    /// One kind of data outgrows what the device can bind.
+    #[error(
+        "{count} {what} take {needed} bytes, this graphics device binds {limit} at most: show fewer than {most} of them"
+    )]
+    TooMany {
+        /// What there is too much of.
+        what: &'static str,
+        /// How many were asked for.
+        count: usize,
+        /// [Unit: bytes]
+        needed: u64,
+        /// [Unit: bytes]
+        limit: u64,
+        /// How many fit.
+        most: u64,
+    },
+    /// The palette does not hold one pose per character.
+    #[error("{characters} characters need {expected} joint matrices, got {got}: pass num_joints matrices for each")]
+    PaletteLength {
+        /// How many characters there are.
+        characters: usize,
+        /// Matrices needed.
+        expected: usize,
+        /// Matrices passed.
+        got: usize,
+    },
+    /// The picture could not be copied back from the device.
+    #[error("the picture could not be read back from the graphics device: {0}")]
+    ReadBack(String),
+}

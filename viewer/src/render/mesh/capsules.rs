@@ -1,0 +1,96 @@
+//! A body of capsules: one around every limb, rigid on the joint at its start.
+
+use super::loft::{Loft, Ring};
+use super::{Influence, Mesh, Part, Side};
+use glam::Vec3;
+use std::f32::consts::FRAC_PI_2;
+use throng_runtime::{Joint, Skeleton};
+
+/// Points of a ring and rings of each end, by level of detail.
+const DETAIL: [(usize, usize); 3] = [(12, 3), (7, 1), (3, 1)];
+
+/// The body at one level of detail.
+pub(super) fn build(skeleton: &Skeleton, level: usize) -> Mesh {
+    let mut mesh = Mesh::default();
+    let (segments, end_rings) = DETAIL[level];
+    let scale = skeleton.leg_length() / Skeleton::default().leg_length();
+    for limb in limbs(skeleton).into_iter().filter(|l| level < 2 || l.radius > 0.03) {
+        let side = Side::of_joint(limb.joint);
+        capsule(&limb, limb.radius * scale, side, (segments, end_rings), &mut mesh);
+    }
+    mesh
+}
+
+/// A capsule and the joint that carries it.
+struct Limb {
+    joint: Joint,
+    from: Vec3,
+    to: Vec3,
+    radius: f32,
+    part: Part,
+}
+
+fn limbs(skeleton: &Skeleton) -> Vec<Limb> {
+    let rest = skeleton.rest_positions();
+    let mut limbs: Vec<Limb> = Vec::with_capacity(26);
+    for joint in Joint::ALL {
+        if let Some(parent) = joint.parent() {
+            let (radius, part) = look(joint);
+            limbs.push(Limb { joint: parent, from: rest[parent.index()], to: rest[joint.index()], radius, part });
+        }
+    }
+    for (i, joint) in [Joint::Head, Joint::LeftToe, Joint::RightToe].into_iter().enumerate() {
+        let from = rest[joint.index()];
+        let (radius, part) = if i == 0 { (0.085, Part::Skin) } else { (0.02, Part::Shoe) };
+        let to = from + skeleton.tips[i] * if i == 0 { 0.58 } else { 1.0 };
+        limbs.push(Limb { joint, from, to, radius, part });
+    }
+    for side in Side::BOTH {
+        let joint = side.of(Joint::LeftHand);
+        let fore = skeleton.offsets[joint.index()];
+        let from = rest[joint.index()];
+        limbs.push(Limb { joint, from, to: from + fore * 0.45, radius: 0.028, part: Part::Skin });
+    }
+    limbs
+}
+
+/// Radius and part of the limb that ends in a joint. [Unit: m]
+fn look(joint: Joint) -> (f32, Part) {
+    use Joint::*;
+    match joint {
+        Hips | Spine => (0.1, Part::Trousers),
+        Chest => (0.1, Part::Shirt),
+        UpperChest => (0.105, Part::Shirt),
+        Neck => (0.07, Part::Shirt),
+        Head => (0.045, Part::Skin),
+        LeftClavicle | RightClavicle => (0.05, Part::Shirt),
+        LeftUpperArm | RightUpperArm => (0.05, Part::Shirt),
+        LeftForearm | RightForearm => (0.045, Part::Shirt),
+        LeftHand | RightHand => (0.034, Part::Shirt),
+        LeftThigh | RightThigh => (0.085, Part::Trousers),
+        LeftShin | RightShin => (0.068, Part::Trousers),
+        LeftFoot | RightFoot => (0.05, Part::Trousers),
+        LeftToe | RightToe => (0.03, Part::Shoe),
+    }
+}
+
+fn capsule(limb: &Limb, radius: f32, side: Side, (segments, end_rings): (usize, usize), mesh: &mut Mesh) {
+    // Feet do not sink into the ground.
+    let lift = |p: Vec3| if limb.part == Part::Shoe { p.with_y(p.y.max(radius)) } else { p };
+    let (from, to) = (lift(limb.from), lift(limb.to));
+    let along = (to - from).normalize_or(Vec3::Y);
+    let mirrored = if side == Side::Right { -1.0 } else { 1.0 };
+    let guide = if along.z.abs() < 0.7 { Vec3::Z } else { Vec3::Y };
+    let v = (guide - along * guide.dot(along)).normalize_or(Vec3::Y);
+    let u = (v.cross(along) * mirrored).normalize_or(Vec3::X);
+    let ring = |centre: Vec3, angle: f32| {
+        let (s, c) = angle.sin_cos();
+        Ring::ellipse(centre + along * (s * radius), u * (c * radius), v * (c * radius))
+    };
+    let step = |i: usize| FRAC_PI_2 * i as f32 / end_rings as f32;
+    let lower = (0..end_rings).rev().map(|i| ring(from, -step(i)));
+    let upper = (0..end_rings).map(|i| ring(to, step(i)));
+    let rings: Vec<Ring> = lower.chain(upper).collect();
+    let poles = [from - along * radius, to + along * radius];
+    Loft { rings: &rings, segments, poles, side }.build(mesh, |_| Influence::rigid(limb.joint), |_, _| limb.part);
+}

@@ -1,0 +1,79 @@
+//! Neck and head, with a nose and a visor that show where the face is.
+
+use super::super::loft::{Loft, Ring};
+use super::super::{Influence, Mesh, Part, Side};
+use super::Plan;
+use glam::Vec3;
+use throng_runtime::Joint;
+
+/// A cross-section: height above the head joint, half width, half depth, how far forward, and the coarsest level of
+/// detail that has it. For a head 0.2 m high. [Unit: m]
+type Section = (f32, f32, f32, f32, usize);
+
+const SKULL: [Section; 11] = [
+    (-0.040, 0.030, 0.034, 0.050, 1),
+    (-0.026, 0.046, 0.055, 0.036, 0),
+    (0.000, 0.058, 0.073, 0.024, 2),
+    (0.030, 0.067, 0.087, 0.015, 0),
+    (0.062, 0.073, 0.096, 0.008, 1),
+    (0.092, 0.076, 0.100, 0.004, 2),
+    (0.122, 0.077, 0.100, 0.000, 1),
+    (0.150, 0.073, 0.094, -0.003, 0),
+    (0.173, 0.063, 0.081, -0.004, 2),
+    (0.189, 0.047, 0.060, -0.004, 0),
+    (0.197, 0.028, 0.036, -0.004, 1),
+];
+const SKULL_ENDS: [(f32, f32); 2] = [(-0.046, 0.05), (0.2, -0.004)];
+/// Between these heights the front of the skull is a visor. [Unit: m]
+const VISOR: std::ops::Range<f32> = 0.062..0.122;
+
+const NECK: [Section; 4] = [
+    (-0.150, 0.058, 0.056, -0.004, 1),
+    (-0.085, 0.056, 0.055, -0.006, 2),
+    (-0.040, 0.052, 0.054, -0.004, 0),
+    (0.020, 0.050, 0.056, 0.000, 2),
+];
+
+pub(super) fn build(plan: &Plan, mesh: &mut Mesh) {
+    let (neck, head) = (plan.at(Joint::Neck), plan.at(Joint::Head));
+    let size = ((plan.tips[0] - head).length() / 0.2).clamp(0.2, 5.0);
+    let base = head + Vec3::Y * ((plan.tips[0].y - head.y) - 0.2 * size);
+    let place = |y: f32, forward: f32| base + Vec3::new(0.0, y, forward) * size;
+    let ring = |&(y, width, depth, forward, _): &Section| Ring {
+        square: [2.2, 2.2],
+        ..Ring::ellipse(place(y, forward), Vec3::X * (width * size), Vec3::Z * (depth * size))
+    };
+    let sections = |all: &[Section]| -> Vec<Ring> { all.iter().filter(|s| s.4 >= plan.level).map(ring).collect() };
+
+    let links = [
+        (Joint::UpperChest, f32::NEG_INFINITY, 0.0),
+        (Joint::Neck, neck.y, 0.04 * size),
+        (Joint::Head, head.y - 0.01 * size, 0.04 * size),
+    ];
+    let rings = sections(&NECK);
+    let poles = [place(-0.16, 0.0), place(0.03, 0.0)];
+    let loft = Loft { rings: &rings, segments: plan.segments([12, 7, 3]), poles, side: Side::Middle };
+    loft.build(mesh, |p| Influence::chain(&links, p.y), |_, _| Part::Skin);
+
+    let rings = sections(&SKULL);
+    let poles = SKULL_ENDS.map(|(y, forward)| place(y, forward));
+    let loft = Loft { rings: &rings, segments: plan.segments([18, 10, 6]), poles, side: Side::Middle };
+    let part = |middle: Vec3, _| {
+        let p = (middle - base) / size;
+        if p.z > 0.045 && VISOR.contains(&p.y) { Part::Visor } else { Part::Skin }
+    };
+    loft.build(mesh, |_| Influence::rigid(Joint::Head), part);
+    if plan.level == 0 {
+        nose(&place, size, mesh);
+    }
+}
+
+/// A small wedge below the visor.
+fn nose(place: &impl Fn(f32, f32) -> Vec3, size: f32, mesh: &mut Mesh) {
+    let ring = |y: f32, forward: f32, radius: f32| {
+        Ring::ellipse(place(y, forward), Vec3::X * (radius * 0.8 * size), Vec3::Z * (radius * size))
+    };
+    let rings = [ring(0.030, 0.100, 0.010), ring(0.040, 0.103, 0.014), ring(0.062, 0.098, 0.011)];
+    let loft = Loft { rings: &rings, segments: 6, poles: [place(0.026, 0.1), place(0.08, 0.096)], side: Side::Middle };
+    loft.build(mesh, |_| Influence::rigid(Joint::Head), |_, _| Part::Skin);
+}

@@ -1,0 +1,122 @@
+//! Legs and arms: a tube along two joints, and the balls within.
+
+use super::super::loft::{Loft, Ring};
+use super::super::{Influence, Mesh, Part, Side};
+use super::Plan;
+use glam::Vec3;
+use throng_runtime::Joint;
+
+/// A cross-section of a limb in a body of the default size.
+struct Section {
+    /// Along the limb: 0 to 1 from the first to the second joint, 1 to 2 from there to the third.
+    along: f32,
+    /// Half axes across: sideways (arms: up and down), and front to back. [Unit: m]
+    half: [f32; 2],
+    /// How far forward. [Unit: m]
+    forward: f32,
+    /// The coarsest level of detail that has it.
+    level: usize,
+}
+
+const fn section(along: f32, across: f32, depth: f32, forward: f32, level: usize) -> Section {
+    Section { along, half: [across, depth], forward, level }
+}
+
+const LEG: [Section; 14] = [
+    section(-0.11, 0.050, 0.055, -0.008, 1),
+    section(-0.02, 0.081, 0.092, -0.006, 2),
+    section(0.12, 0.086, 0.098, -0.004, 0),
+    section(0.30, 0.084, 0.092, 0.002, 1),
+    section(0.55, 0.071, 0.079, 0.007, 0),
+    section(0.80, 0.058, 0.065, 0.006, 1),
+    section(0.94, 0.053, 0.061, 0.005, 0),
+    section(1.04, 0.051, 0.059, 0.003, 2),
+    section(1.13, 0.050, 0.057, -0.004, 0),
+    section(1.25, 0.052, 0.060, -0.012, 1),
+    section(1.42, 0.048, 0.054, -0.013, 0),
+    section(1.64, 0.039, 0.044, -0.008, 1),
+    section(1.86, 0.035, 0.041, -0.003, 2),
+    section(1.94, 0.037, 0.045, -0.002, 1),
+];
+
+const ARM: [Section; 13] = [
+    section(-0.22, 0.044, 0.052, 0.0, 1),
+    section(-0.06, 0.057, 0.061, 0.0, 2),
+    section(0.08, 0.058, 0.060, 0.0, 0),
+    section(0.24, 0.052, 0.055, 0.0, 1),
+    section(0.48, 0.045, 0.050, 0.001, 0),
+    section(0.74, 0.041, 0.044, 0.0, 1),
+    section(0.94, 0.039, 0.041, 0.0, 0),
+    section(1.04, 0.039, 0.041, 0.0, 2),
+    section(1.17, 0.041, 0.043, 0.001, 1),
+    section(1.40, 0.038, 0.039, 0.001, 0),
+    section(1.68, 0.031, 0.031, 0.0, 0),
+    section(1.92, 0.028, 0.028, 0.0, 2),
+    section(1.99, 0.027, 0.027, 0.0, 0),
+];
+
+/// A leg from the hip to the ankle, in trousers.
+pub(super) fn leg(plan: &Plan, side: Side, mesh: &mut Mesh) {
+    let joints = [Joint::LeftThigh, Joint::LeftShin, Joint::LeftFoot].map(|j| side.of(j));
+    let tube = Tube { joints, before: Joint::Hips, across: Vec3::X, blends: [0.075, 0.07], part: Part::Trousers };
+    tube.build(plan, side, &LEG, plan.segments([12, 7, 4]), mesh);
+    plan.ball(joints[0], 0.08, Part::Trousers, mesh);
+    plan.ball(joints[1], 0.052, Part::Trousers, mesh);
+}
+
+/// An arm from the shoulder to the wrist, in a sleeve.
+pub(super) fn arm(plan: &Plan, side: Side, mesh: &mut Mesh) {
+    let joints = [Joint::LeftUpperArm, Joint::LeftForearm, Joint::LeftHand].map(|j| side.of(j));
+    let before = side.of(Joint::LeftClavicle);
+    let tube = Tube { joints, before, across: Vec3::Y, blends: [0.05, 0.05], part: Part::Shirt };
+    tube.build(plan, side, &ARM, plan.segments([10, 6, 3]), mesh);
+    plan.ball(joints[0], 0.058, Part::Shirt, mesh);
+    plan.ball(joints[1], 0.0385, Part::Shirt, mesh);
+}
+
+/// A limb's joints and how its surface bends.
+struct Tube {
+    /// Where the limb starts, its middle and its end.
+    joints: [Joint; 3],
+    /// What carries the part before the first joint.
+    before: Joint,
+    /// Direction of the first half axis.
+    across: Vec3,
+    /// Half widths of the soft stretches around the first and the second joint. [Unit: m]
+    blends: [f32; 2],
+    part: Part,
+}
+
+impl Tube {
+    fn build(&self, plan: &Plan, side: Side, sections: &[Section], segments: usize, mesh: &mut Mesh) {
+        let [a, b, c] = self.joints.map(|j| plan.at(j));
+        let mirror = if side == Side::Right { -1.0 } else { 1.0 };
+        let s = plan.scale;
+        let place = |t: f32| if t <= 1.0 { a + (b - a) * t } else { b + (c - b) * (t - 1.0) };
+        let rings: Vec<Ring> = sections
+            .iter()
+            .filter(|section| section.level >= plan.level)
+            .map(|section| {
+                let across = if self.across == Vec3::X { Vec3::X * mirror } else { self.across };
+                let centre = place(section.along) + Vec3::Z * (section.forward * s);
+                Ring::ellipse(centre, across * (section.half[0] * s), Vec3::Z * (section.half[1] * s))
+            })
+            .collect();
+        let ends = sections.first().zip(sections.last()).map_or([0.0, 2.0], |(f, l)| [f.along - 0.04, l.along + 0.02]);
+        let loft = Loft { rings: &rings, segments, poles: ends.map(place), side };
+        loft.build(mesh, |p| self.weigh(plan, p), |_, _| self.part);
+    }
+
+    /// By the distance from the first joint along the limb.
+    fn weigh(&self, plan: &Plan, p: Vec3) -> Influence {
+        let [a, b, c] = self.joints.map(|j| plan.at(j));
+        let along = (c - a).normalize_or(Vec3::NEG_Y);
+        let s = plan.scale;
+        let links = [
+            (self.before, f32::NEG_INFINITY, 0.0),
+            (self.joints[0], 0.0, self.blends[0] * s),
+            (self.joints[1], (b - a).dot(along), self.blends[1] * s),
+        ];
+        Influence::chain(&links, (p - a).dot(along))
+    }
+}

@@ -1,0 +1,74 @@
+//! A smooth figure in the manner of an artist's mannequin: lofts through tables of cross-sections.
+//!
+//! The tables are for the default skeleton; lengths follow the joints of the one at hand, widths its height. The surface
+//! blends over knees, elbows, hips and shoulders; a ball inside each of these keeps the volume that a bend takes away.
+
+mod foot;
+mod hand;
+mod head;
+mod limb;
+mod trunk;
+
+use super::loft::{Loft, Ring};
+use super::{Influence, Mesh, Part, Side};
+use glam::Vec3;
+use throng_runtime::{Joint, NUM_JOINTS, Skeleton};
+
+/// What all parts of one mannequin share.
+struct Plan {
+    /// Rest positions of the joints. [Unit: m]
+    rest: [Vec3; NUM_JOINTS],
+    /// Ends of head and toes. [Unit: m]
+    tips: [Vec3; 3],
+    /// Size relative to the default skeleton.
+    scale: f32,
+    /// Level of detail, 0 is the finest.
+    level: usize,
+}
+
+impl Plan {
+    fn at(&self, joint: Joint) -> Vec3 {
+        self.rest[joint.index()]
+    }
+
+    /// The points of a ring at this level. `by_level` is finest first.
+    fn segments(&self, by_level: [usize; 3]) -> usize {
+        by_level[self.level]
+    }
+
+    /// A ball around a joint, half way between its own and its parent's turn: it is round, so either does.
+    fn ball(&self, joint: Joint, radius: f32, part: Part, mesh: &mut Mesh) {
+        if self.level == 2 {
+            return;
+        }
+        let (centre, radius) = (self.at(joint), radius * self.scale);
+        let bands = self.segments([4, 2, 1]);
+        let ring = |i: usize| {
+            let (s, c) = (std::f32::consts::PI * ((i as f32 + 0.5) / bands as f32 - 0.5)).sin_cos();
+            Ring::ellipse(centre + Vec3::Y * s * radius, Vec3::X * c * radius, Vec3::Z * c * radius)
+        };
+        let rings: Vec<Ring> = (0..bands).map(ring).collect();
+        let poles = [centre - Vec3::Y * radius, centre + Vec3::Y * radius];
+        let loft = Loft { rings: &rings, segments: self.segments([9, 6, 4]), poles, side: Side::of_joint(joint) };
+        loft.build(mesh, |_| Influence::rigid(joint), |_, _| part);
+    }
+}
+
+/// The body at one level of detail.
+pub(super) fn build(skeleton: &Skeleton, level: usize) -> Mesh {
+    let rest = skeleton.rest_positions();
+    let [head, left_toe, right_toe] = [Joint::Head, Joint::LeftToe, Joint::RightToe].map(|j| rest[j.index()]);
+    let tips = [head + skeleton.tips[0], left_toe + skeleton.tips[1], right_toe + skeleton.tips[2]];
+    let scale = (tips[0].y / 1.785).clamp(0.2, 5.0);
+    let plan = Plan { rest, tips, scale, level };
+    let mut mesh = Mesh::default();
+    trunk::build(&plan, &mut mesh);
+    head::build(&plan, &mut mesh);
+    for side in Side::BOTH {
+        limb::leg(&plan, side, &mut mesh);
+        foot::build(&plan, side, &mut mesh);
+        limb::arm(&plan, side, &mut mesh);
+        hand::build(&plan, side, &mut mesh);
+    }
+    mesh
+}

@@ -1,0 +1,201 @@
+//! Bodies as triangle meshes, generated around the joints of a skeleton.
+//!
+//! Two bodies: capsules, one for each limb and rigid on one joint, and a mannequin whose surface bends. Each comes in
+//! [`LEVELS`] levels of detail.
+
+mod capsules;
+mod loft;
+mod mannequin;
+mod weights;
+
+pub use weights::Influence;
+
+use throng_runtime::{Joint, Skeleton};
+
+/// Levels of detail of a body, finest first.
+pub const LEVELS: usize = 3;
+
+/// What a character looks like.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
+pub enum Body {
+    /// A capsule around every limb.
+    Capsules,
+    /// A smooth figure, skinned.
+    #[default]
+    Mannequin,
+}
+
+/// What a part of the surface is; colours depend on it. Numbers are those of `shaders/body.wgsl`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[repr(u32)]
+pub enum Part {
+    /// Head, neck, hands.
+    Skin = 0,
+    /// Trunk and arms.
+    Shirt,
+    /// Pelvis and legs.
+    Trousers,
+    /// Feet.
+    Shoe,
+    /// The underside of the feet.
+    Sole,
+    /// Where the eyes are.
+    Visor,
+}
+
+/// Which side of the body a part is on: left and right are tinted apart.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[repr(u32)]
+pub enum Side {
+    /// Trunk and head.
+    Middle = 0,
+    /// +X.
+    Left = 8,
+    /// -X.
+    Right = 16,
+}
+
+impl Side {
+    /// Both sides.
+    pub const BOTH: [Self; 2] = [Self::Left, Self::Right];
+
+    /// A joint of the left side, on this side.
+    pub fn of(self, left: Joint) -> Joint {
+        if self == Self::Right { left.mirrored() } else { left }
+    }
+
+    /// The side a joint is on.
+    pub fn of_joint(joint: Joint) -> Self {
+        match joint.index() {
+            6..=9 | 14..=17 => Self::Left,
+            10..=13 | 18..=21 => Self::Right,
+            _ => Self::Middle,
+        }
+    }
+}
+
+/// One vertex, as the GPU reads it.
+#[derive(Clone, Copy, Debug, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
+pub struct Vertex {
+    /// Place in rest pose, model space. [Unit: m]
+    pub position: [f32; 3],
+    /// [`Part`] plus [`Side`].
+    pub part: u32,
+    /// Outward in rest pose. Unit.
+    pub normal: [f32; 3],
+    /// Joints that move it.
+    pub joints: [u8; 4],
+    /// How much each does. [Limit: they sum to 255]
+    pub weights: [u8; 4],
+}
+
+/// A body at one level of detail.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Mesh {
+    /// Corners.
+    pub vertices: Vec<Vertex>,
+    /// Three for each triangle, anticlockwise from outside.
+    pub indices: Vec<u32>,
+}
+
+impl Mesh {
+    /// How many triangles there are.
+    pub fn num_triangles(&self) -> usize {
+        self.indices.len() / 3
+    }
+}
+
+/// The body of a skeleton at every level of detail, finest first.
+pub fn build(body: Body, skeleton: &Skeleton) -> [Mesh; LEVELS] {
+    std::array::from_fn(|level| match body {
+        Body::Capsules => capsules::build(skeleton, level),
+        Body::Mannequin => mannequin::build(skeleton, level),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::Vec3;
+    use std::collections::HashMap;
+    use throng_runtime::NUM_JOINTS;
+
+    fn skeletons() -> [Skeleton; 2] {
+        let mut small = Skeleton::default();
+        for (i, o) in small.offsets.iter_mut().enumerate() {
+            *o *= 0.7 + 0.02 * (i % 3) as f32;
+        }
+        [Skeleton::default(), small]
+    }
+
+    fn every_mesh(mut check: impl FnMut(Body, usize, &Mesh)) {
+        for skeleton in skeletons() {
+            for body in [Body::Capsules, Body::Mannequin] {
+                for (level, mesh) in build(body, &skeleton).iter().enumerate() {
+                    check(body, level, mesh);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn vertices_are_sound() {
+        every_mesh(|body, level, mesh| {
+            for v in &mesh.vertices {
+                assert!(Vec3::from(v.position).is_finite());
+                assert!((Vec3::from(v.normal).length() - 1.0).abs() < 1e-4, "{body:?} {level} {v:?}");
+                assert_eq!(v.weights.iter().map(|&w| u32::from(w)).sum::<u32>(), 255);
+                assert!(v.joints.iter().all(|&j| usize::from(j) < NUM_JOINTS));
+            }
+            assert!(mesh.indices.iter().all(|&i| (i as usize) < mesh.vertices.len()));
+        });
+    }
+
+    #[test]
+    fn surfaces_are_closed_and_face_outwards() {
+        every_mesh(|body, level, mesh| {
+            let key = |i: u32| mesh.vertices[i as usize].position.map(f32::to_bits);
+            let mut edges: HashMap<_, i32> = HashMap::new();
+            let mut volume = 0.0;
+            for t in mesh.indices.chunks_exact(3) {
+                let [a, b, c] = [0, 1, 2].map(|i| Vec3::from(mesh.vertices[t[i] as usize].position));
+                volume += a.dot(b.cross(c)) / 6.0;
+                for (p, q) in [(t[0], t[1]), (t[1], t[2]), (t[2], t[0])] {
+                    *edges.entry((key(p), key(q))).or_default() += 1;
+                    *edges.entry((key(q), key(p))).or_default() -= 1;
+                }
+            }
+            assert!(edges.values().all(|&n| n == 0), "{body:?} {level} has a hole");
+            assert!((0.01..0.2).contains(&volume), "{body:?} {level}: {volume} cubic metres");
+        });
+    }
+
+    #[test]
+    fn coarser_levels_are_much_lighter() {
+        let limits = [1500..4000, 350..1100, 80..320];
+        every_mesh(|body, level, mesh| {
+            assert!(limits[level].contains(&mesh.num_triangles()), "{body:?} {level}: {}", mesh.num_triangles());
+        });
+    }
+
+    #[test]
+    fn soles_rest_on_the_ground() {
+        let lowest = |m: &Mesh| m.vertices.iter().map(|v| v.position[1]).fold(f32::INFINITY, f32::min);
+        for body in [Body::Capsules, Body::Mannequin] {
+            for mesh in build(body, &Skeleton::default()) {
+                assert!(lowest(&mesh).abs() < 0.02, "{body:?}: {}", lowest(&mesh));
+            }
+        }
+    }
+
+    #[test]
+    fn both_sides_are_mirror_images() {
+        every_mesh(|body, level, mesh| {
+            let has = |p: Vec3| mesh.vertices.iter().any(|v| Vec3::from(v.position).abs_diff_eq(p, 2e-3));
+            let limbs = mesh.vertices.iter().filter(|v| v.part & 24 == Side::Left as u32);
+            let missing = limbs.filter(|v| !has(Vec3::from(v.position) * Vec3::new(-1.0, 1.0, 1.0))).count();
+            assert_eq!(missing, 0, "{body:?} {level}");
+        });
+    }
+}

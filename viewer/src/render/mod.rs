@@ -1,0 +1,30 @@
+//! The 3-D view: plain data in, pixels out.
+//!
+//! The caller hands over matrices, roots and shapes ([`SceneFrame`]), then asks for a picture from a [`Camera`].
+//! Nothing in here knows where characters come from.
+
+mod buffer;
+mod callback;
+pub mod camera;
+mod characters;
+mod colours;
+mod cull;
+mod error;
+pub mod mesh;
+mod offscreen;
+pub mod picking;
+mod pipelines;
+mod renderer;
+mod scene_uniform;
+mod shape_draws;
+mod shapes;
+
+pub use callback::{DrawReport, SceneCallback};
+pub use camera::{Camera, CameraParseError, Preset, Ray};
+pub use characters::{CharacterInstance, Emphasis};
+pub use colours::{Rgba, SceneColours};
+pub use error::RenderError;
+pub use mesh::Body;
+pub use picking::{Hit, pick};
+pub use renderer::{DrawStats, SceneFrame, SceneRenderer, UploadStats};
+pub use shapes::Shapes;

@@ -1,0 +1,153 @@
+//! The textures the view is drawn into, and the way from there into a window.
+
+use super::RenderError;
+use super::pipelines::{self, COLOUR, DEPTH, Input, MASK, Output, Recipe, SAMPLES};
+
+/// Textures of one size.
+pub(super) struct Targets {
+    /// Width and height. [Unit: pixels]
+    pub size: [u32; 2],
+    /// Colour with several samples a pixel.
+    pub colour: wgpu::TextureView,
+    pub depth: wgpu::TextureView,
+    /// Where the samples are averaged into.
+    pub resolved: wgpu::TextureView,
+    /// Shadows on the ground, as the camera sees them.
+    pub mask: wgpu::TextureView,
+    /// The mask for the ground's shader.
+    pub mask_group: wgpu::BindGroup,
+    picture: wgpu::Texture,
+    picture_group: wgpu::BindGroup,
+}
+
+/// Makes targets, shows them, reads them back.
+pub(super) struct Offscreen {
+    /// Layout of the mask in the ground's shader.
+    pub mask_layout: wgpu::BindGroupLayout,
+    sampler: wgpu::Sampler,
+    picture_layout: wgpu::BindGroupLayout,
+    blit: wgpu::RenderPipeline,
+    targets: Option<Targets>,
+}
+
+impl Offscreen {
+    /// For windows of a format; nothing is allocated before the first picture.
+    pub fn new(device: &wgpu::Device, window: wgpu::TextureFormat) -> Self {
+        let picture_layout = pipelines::texture_layout(device, "picture");
+        let shader = pipelines::shader(device, "blit", &[include_str!("shaders/blit.wgsl")]);
+        let fragment = if window.is_srgb() { "linear_fragment" } else { "encoded_fragment" };
+        let blit = Recipe {
+            label: "blit",
+            shader: &shader,
+            stages: ["vertex", fragment],
+            groups: &[&picture_layout],
+            input: Input::Nothing,
+            output: Output::Window(window),
+            strip: false,
+            one_sided: false,
+        };
+        let sampler = device.create_sampler(&wgpu::SamplerDescriptor {
+            label: Some("picture"),
+            mag_filter: wgpu::FilterMode::Linear,
+            min_filter: wgpu::FilterMode::Linear,
+            ..Default::default()
+        });
+        let blit = blit.build(device);
+        let mask_layout = pipelines::texture_layout(device, "shadow mask");
+        Self { mask_layout, sampler, picture_layout, blit, targets: None }
+    }
+
+    /// The targets of a size, made anew where it has changed; sizes are brought into what the device can do.
+    pub fn resize(&mut self, device: &wgpu::Device, size: [u32; 2]) -> &Targets {
+        let most = device.limits().max_texture_dimension_2d;
+        let size = size.map(|s| s.clamp(1, most));
+        let kept = self.targets.take().filter(|t| t.size == size);
+        let targets = kept.unwrap_or_else(|| self.allocate(device, size));
+        self.targets.insert(targets)
+    }
+
+    fn allocate(&self, device: &wgpu::Device, size: [u32; 2]) -> Targets {
+        use wgpu::TextureUsages as Usage;
+        let [width, height] = size;
+        let texture = |label, format, sample_count, usage| {
+            device.create_texture(&wgpu::TextureDescriptor {
+                label: Some(label),
+                size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
+                mip_level_count: 1,
+                sample_count,
+                dimension: wgpu::TextureDimension::D2,
+                format,
+                usage: usage | Usage::RENDER_ATTACHMENT,
+                view_formats: &[],
+            })
+        };
+        let view = |t: &wgpu::Texture| t.create_view(&wgpu::TextureViewDescriptor::default());
+        let picture = texture("picture", COLOUR, 1, Usage::TEXTURE_BINDING | Usage::COPY_SRC);
+        let resolved = view(&picture);
+        let mask = view(&texture("shadow mask", MASK, 1, Usage::TEXTURE_BINDING));
+        Targets {
+            size,
+            colour: view(&texture("samples", COLOUR, SAMPLES, Usage::empty())),
+            depth: view(&texture("depth", DEPTH, SAMPLES, Usage::empty())),
+            mask_group: self.group(device, &self.mask_layout, &mask),
+            picture_group: self.group(device, &self.picture_layout, &resolved),
+            resolved,
+            mask,
+            picture,
+        }
+    }
+
+    fn group(
+        &self,
+        device: &wgpu::Device,
+        layout: &wgpu::BindGroupLayout,
+        view: &wgpu::TextureView,
+    ) -> wgpu::BindGroup {
+        let entries = [
+            wgpu::BindGroupEntry { binding: 0, resource: wgpu::BindingResource::TextureView(view) },
+            wgpu::BindGroupEntry { binding: 1, resource: wgpu::BindingResource::Sampler(&self.sampler) },
+        ];
+        device.create_bind_group(&wgpu::BindGroupDescriptor { label: Some("texture"), layout, entries: &entries })
+    }
+
+    /// Draws the last picture over the viewport of a pass with one sample and no depth.
+    pub fn blit(&self, pass: &mut wgpu::RenderPass<'_>) {
+        if let Some(targets) = &self.targets {
+            pass.set_pipeline(&self.blit);
+            pass.set_bind_group(0, &targets.picture_group, &[]);
+            pass.draw(0..3, 0..1);
+        }
+    }
+
+    /// The last picture: its size, and sRGB with alpha, four bytes a pixel, rows from the top.
+    ///
+    /// # Errors
+    /// [`RenderError::ReadBack`] where the device fails, or where nothing has been drawn.
+    pub fn pixels(&self, device: &wgpu::Device, queue: &wgpu::Queue) -> Result<([u32; 2], Vec<u8>), RenderError> {
+        let failed = |e: &dyn std::fmt::Display| RenderError::ReadBack(e.to_string());
+        let targets = self.targets.as_ref().ok_or_else(|| failed(&"nothing has been drawn"))?;
+        let [width, height] = targets.size;
+        let row = (width * 4).next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
+        let buffer = device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some("read back"),
+            size: u64::from(row) * u64::from(height),
+            usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ,
+            mapped_at_creation: false,
+        });
+        let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("read back") });
+        let layout = wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(row), rows_per_image: None };
+        encoder.copy_texture_to_buffer(
+            targets.picture.as_image_copy(),
+            wgpu::TexelCopyBufferInfo { buffer: &buffer, layout },
+            wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
+        );
+        queue.submit([encoder.finish()]);
+        let (sender, receiver) = std::sync::mpsc::channel();
+        buffer.slice(..).map_async(wgpu::MapMode::Read, move |result| drop(sender.send(result)));
+        device.poll(wgpu::PollType::wait_indefinitely()).map_err(|e| failed(&e))?;
+        receiver.recv().map_err(|e| failed(&e))?.map_err(|e| failed(&e))?;
+        let mapped = buffer.slice(..).get_mapped_range().map_err(|e| failed(&e))?;
+        let rows = mapped.chunks_exact(row as usize).flat_map(|r| &r[..width as usize * 4]);
+        Ok((targets.size, rows.copied().collect()))
+    }
+}

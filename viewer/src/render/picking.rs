@@ -1,0 +1,218 @@
+//! Which character, and which of its joints, is under the pointer.
+
+use super::{CharacterInstance, Ray, cull};
+use glam::{Vec2, Vec3};
+use throng_runtime::{Joint, Mat3x4, NUM_JOINTS, Skeleton};
+
+/// What a ray meets first.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Hit {
+    /// Index of the character.
+    pub character: usize,
+    /// The joint that is nearer to the place that was met, of the two at the ends of a limb.
+    pub joint: Joint,
+    /// From the start of the ray. [Unit: m]
+    pub distance: f32,
+}
+
+/// The character that a ray meets first.
+///
+/// Bodies are taken as capsules between joints and their parents; spheres around whole characters are tried before.
+/// Characters with fewer than `num_joints` matrices in the palette are passed over.
+///
+/// - `palette`: joints in model space. [Size: num_characters * num_joints]
+pub fn pick(ray: &Ray, skeleton: &Skeleton, palette: &[Mat3x4], instances: &[CharacterInstance]) -> Option<Hit> {
+    let reach = cull::reach(skeleton);
+    let mut nearest: Option<Hit> = None;
+    for (character, (instance, pose)) in instances.iter().zip(palette.chunks_exact(NUM_JOINTS)).enumerate() {
+        let limit = nearest.map_or(f32::INFINITY, |h| h.distance);
+        if !may_meet(ray, world(instance, pose[0].translation()), reach, limit) {
+            continue;
+        }
+        let found = pick_one(ray, skeleton, pose, instance).filter(|(_, d)| *d < limit);
+        nearest = found.map(|(joint, distance)| Hit { character, joint, distance }).or(nearest);
+    }
+    nearest
+}
+
+fn world(instance: &CharacterInstance, p: Vec3) -> Vec3 {
+    let q = instance.root.transform_point(Vec2::new(p.x, p.z));
+    Vec3::new(q.x, p.y, q.y)
+}
+
+/// False only where the ray passes the sphere by, or enters it beyond `limit`.
+fn may_meet(ray: &Ray, centre: Vec3, radius: f32, limit: f32) -> bool {
+    let to = centre - ray.origin;
+    let along = to.dot(ray.direction);
+    along > -radius && along - radius < limit && (to - ray.direction * along).length_squared() <= radius * radius
+}
+
+/// The nearest limb of one character.
+fn pick_one(ray: &Ray, skeleton: &Skeleton, pose: &[Mat3x4], instance: &CharacterInstance) -> Option<(Joint, f32)> {
+    let scale = skeleton.leg_length() / Skeleton::default().leg_length();
+    let mut joints = [Vec3::ZERO; NUM_JOINTS];
+    joints.iter_mut().zip(pose).for_each(|(p, m)| *p = world(instance, m.translation()));
+    let mut nearest: Option<(Joint, f32)> = None;
+    let mut consider = |ends: [(Joint, Vec3); 2], radius: f32| {
+        let [(_, a), (_, b)] = ends;
+        if let Some(t) = meets_capsule(ray, a, b, radius * scale).filter(|t| nearest.is_none_or(|n| *t < n.1)) {
+            let p = ray.at(t);
+            let near = usize::from(p.distance_squared(b) < p.distance_squared(a));
+            nearest = Some((ends[near].0, t));
+        }
+    };
+    for joint in Joint::ALL {
+        if let Some(parent) = joint.parent() {
+            consider([(parent, joints[parent.index()]), (joint, joints[joint.index()])], radius(joint));
+        }
+    }
+    for (i, joint) in [Joint::Head, Joint::LeftToe, Joint::RightToe].into_iter().enumerate() {
+        let m = &pose[joint.index()];
+        let tip = world(instance, m.to_mat4().transform_point3(skeleton.tips[i]));
+        consider([(joint, joints[joint.index()]), (joint, tip)], if i == 0 { 0.08 } else { 0.03 });
+    }
+    nearest
+}
+
+/// Half thickness of the limb that ends in a joint. [Unit: m]
+fn radius(joint: Joint) -> f32 {
+    use Joint::*;
+    match joint {
+        Hips | Spine | Chest | UpperChest => 0.14,
+        Neck => 0.11,
+        Head => 0.06,
+        LeftShin | RightShin | LeftThigh | RightThigh => 0.085,
+        LeftFoot | RightFoot => 0.055,
+        LeftToe | RightToe => 0.045,
+        _ => 0.055,
+    }
+}
+
+/// Distance along a ray to a capsule; 0 where it starts inside.
+fn meets_capsule(ray: &Ray, a: Vec3, b: Vec3, radius: f32) -> Option<f32> {
+    let axis = b - a;
+    let closest = |p: Vec3| {
+        let t = if axis.length_squared() > 1e-12 { (p - a).dot(axis) / axis.length_squared() } else { 0.0 };
+        p - (a + axis * t.clamp(0.0, 1.0))
+    };
+    if closest(ray.origin).length_squared() <= radius * radius {
+        return Some(0.0);
+    }
+    let spheres = [a, b].into_iter().filter_map(|c| meets_sphere(ray, c, radius));
+    spheres.chain(meets_cylinder(ray, a, axis, radius)).reduce(f32::min)
+}
+
+fn meets_sphere(ray: &Ray, centre: Vec3, radius: f32) -> Option<f32> {
+    let from = ray.origin - centre;
+    let m = from.dot(ray.direction);
+    let h = m * m - from.length_squared() + radius * radius;
+    (h >= 0.0).then(|| -m - h.sqrt()).filter(|t| *t >= 0.0)
+}
+
+/// The mantle of a cylinder between its two ends.
+fn meets_cylinder(ray: &Ray, a: Vec3, axis: Vec3, radius: f32) -> Option<f32> {
+    let length2 = axis.length_squared();
+    if length2 < 1e-12 {
+        return None;
+    }
+    let across = |v: Vec3| v - axis * (v.dot(axis) / length2);
+    let (from, direction) = (across(ray.origin - a), across(ray.direction));
+    let (q2, q1, q0) = (direction.length_squared(), from.dot(direction), from.length_squared() - radius * radius);
+    let h = q1 * q1 - q2 * q0;
+    if q2 < 1e-9 || h < 0.0 {
+        return None;
+    }
+    let t = (-q1 - h.sqrt()) / q2;
+    let along = (ray.at(t) - a).dot(axis) / length2;
+    (t >= 0.0 && (0.0..=1.0).contains(&along)).then_some(t)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::render::{Emphasis, Rgba};
+    use glam::Quat;
+    use rand::{RngExt, SeedableRng};
+    use rand_pcg::Pcg32;
+    use throng_runtime::Planar;
+
+    fn rest_pose(skeleton: &Skeleton) -> [Mat3x4; NUM_JOINTS] {
+        skeleton.rest_positions().map(|p| Mat3x4::from_rotation_translation(Quat::IDENTITY, p))
+    }
+
+    fn crowd(n: usize, rng: &mut Pcg32) -> (Vec<Mat3x4>, Vec<CharacterInstance>) {
+        let skeleton = Skeleton::default();
+        let palette = (0..n).flat_map(|_| rest_pose(&skeleton)).collect();
+        let mut place = || {
+            let root =
+                Planar::new(rng.random_range(-6.0..6.0), rng.random_range(-6.0..6.0), rng.random_range(-3.0..3.0));
+            CharacterInstance { root, colour: Rgba::WHITE, emphasis: Emphasis::None }
+        };
+        (palette, (0..n).map(|_| place()).collect())
+    }
+
+    #[test]
+    fn finds_what_trying_everything_finds() {
+        let (skeleton, mut rng) = (Skeleton::default(), Pcg32::seed_from_u64(11));
+        let (palette, instances) = crowd(60, &mut rng);
+        let mut hits = 0;
+        for _ in 0..600 {
+            let origin = Vec3::new(rng.random_range(-9.0..9.0), rng.random_range(0.2..6.0), 12.0);
+            let aim = Vec3::new(rng.random_range(-6.0..6.0), rng.random_range(0.0..1.8), rng.random_range(-6.0..6.0));
+            let ray = Ray { origin, direction: (aim - origin).normalize() };
+            let poses = palette.chunks_exact(NUM_JOINTS);
+            let all = poses.zip(&instances).enumerate().filter_map(|(character, (pose, instance))| {
+                let (joint, distance) = pick_one(&ray, &skeleton, pose, instance)?;
+                Some(Hit { character, joint, distance })
+            });
+            let expected = all.min_by(|a, b| a.distance.total_cmp(&b.distance));
+            hits += usize::from(expected.is_some());
+            assert_eq!(pick(&ray, &skeleton, &palette, &instances), expected);
+        }
+        assert!((100..600).contains(&hits), "{hits}");
+    }
+
+    #[test]
+    fn capsules_are_met_where_marching_meets_them() {
+        let mut rng = Pcg32::seed_from_u64(12);
+        let (mut met, mut missed) = (0, 0);
+        for _ in 0..400 {
+            let mut point =
+                |r: f32| Vec3::new(rng.random_range(-r..r), rng.random_range(-r..r), rng.random_range(-r..r));
+            let (a, b, origin) = (point(0.5), point(0.5), point(2.0));
+            let ray = Ray { origin, direction: (point(0.6) - origin).normalize() };
+            let distance = |p: Vec3| {
+                let t = ((p - a).dot(b - a) / (b - a).length_squared()).clamp(0.0, 1.0);
+                (p - a.lerp(b, t)).length() - 0.2
+            };
+            // Sphere tracing: every step is as long as the way is surely free.
+            let mut t = 0.0_f32;
+            for _ in 0..500 {
+                t += distance(ray.at(t)).max(0.0);
+            }
+            match meets_capsule(&ray, a, b, 0.2) {
+                Some(found) => {
+                    met += 1;
+                    assert!((found - t).abs() < 2e-2, "{found} {t}");
+                }
+                None => {
+                    missed += 1;
+                    assert!(t > 4.0, "{t}");
+                }
+            }
+        }
+        assert!(met > 50 && missed > 50, "{met} {missed}");
+    }
+
+    #[test]
+    fn names_the_joint_that_was_met() {
+        let (skeleton, mut rng) = (Skeleton::default(), Pcg32::seed_from_u64(13));
+        let (palette, mut instances) = crowd(1, &mut rng);
+        instances[0].root = Planar::new(1.0, 2.0, 0.0);
+        let hand = Vec3::new(1.0, 0.0, 2.0) + skeleton.rest_positions()[Joint::LeftHand.index()];
+        let ray = Ray { origin: hand + Vec3::Z * 5.0, direction: -Vec3::Z };
+        let hit = pick(&ray, &skeleton, &palette, &instances);
+        assert_eq!(hit.map(|h| (h.character, h.joint)), Some((0, Joint::LeftHand)));
+        assert_eq!(pick(&ray, &skeleton, &palette[..5], &instances), None);
+    }
+}

@@ -1,0 +1,222 @@
+//! How render pipelines are put together: one short description each.
+
+/// Colour format of the picture.
+pub(super) const COLOUR: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8UnormSrgb;
+/// Depth format of the picture.
+pub(super) const DEPTH: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
+/// Format of the shadow mask.
+pub(super) const MASK: wgpu::TextureFormat = wgpu::TextureFormat::Rg8Unorm;
+/// Samples of a pixel of the picture.
+pub(super) const SAMPLES: u32 = 4;
+
+/// Attributes of [`super::mesh::Vertex`] and, in a second buffer, the character's number.
+const VERTEX: [wgpu::VertexAttribute; 5] =
+    wgpu::vertex_attr_array![0 => Float32x3, 1 => Uint32, 2 => Float32x3, 3 => Uint8x4, 4 => Unorm8x4];
+const CHARACTER: [wgpu::VertexAttribute; 1] = wgpu::vertex_attr_array![5 => Uint32];
+const LINE: [wgpu::VertexAttribute; 5] =
+    wgpu::vertex_attr_array![0 => Float32x3, 1 => Float32, 2 => Float32x3, 3 => Uint32, 4 => Unorm8x4];
+const ROUND_CORNER: [wgpu::VertexAttribute; 2] = wgpu::vertex_attr_array![0 => Float32x3, 1 => Float32];
+const ROUND: [wgpu::VertexAttribute; 6] = wgpu::vertex_attr_array![
+    2 => Float32x3, 3 => Float32, 4 => Float32x3, 5 => Float32, 6 => Uint32, 7 => Unorm8x4
+];
+const RING: [wgpu::VertexAttribute; 5] =
+    wgpu::vertex_attr_array![0 => Float32x3, 1 => Float32, 2 => Float32, 3 => Uint32, 4 => Unorm8x4];
+
+// Each attribute list above ends where its struct does.
+const _: () = assert!(size_of::<super::mesh::Vertex>() == 36);
+const _: () = assert!(size_of::<super::shapes::LineInstance>() == 36);
+const _: () = assert!(size_of::<super::shapes::RoundInstance>() == 40);
+const _: () = assert!(size_of::<super::shapes::RingInstance>() == 28);
+
+/// The vertex buffers a pipeline reads.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Input {
+    /// None: corners come from their number.
+    Nothing,
+    /// A body, and one character number an instance.
+    Body,
+    /// One line an instance.
+    Lines,
+    /// The corners of a round cone, and one an instance.
+    Rounds,
+    /// One ring an instance.
+    Rings,
+}
+
+impl Input {
+    fn buffers(self) -> Vec<Option<wgpu::VertexBufferLayout<'static>>> {
+        let layout = |attributes: &'static [wgpu::VertexAttribute], step_mode| {
+            let array_stride = attributes.iter().map(|a| a.format.size()).sum();
+            Some(wgpu::VertexBufferLayout { array_stride, step_mode, attributes })
+        };
+        let (vertex, instance) = (wgpu::VertexStepMode::Vertex, wgpu::VertexStepMode::Instance);
+        match self {
+            Self::Nothing => Vec::new(),
+            Self::Body => vec![layout(&VERTEX, vertex), layout(&CHARACTER, instance)],
+            Self::Lines => vec![layout(&LINE, instance)],
+            Self::Rounds => vec![layout(&ROUND_CORNER, vertex), layout(&ROUND, instance)],
+            Self::Rings => vec![layout(&RING, instance)],
+        }
+    }
+}
+
+/// What a pipeline draws into.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Output {
+    /// The picture: how it is blended and whether it hides what is behind.
+    Picture {
+        /// Blending; `None` replaces.
+        blend: Option<wgpu::BlendState>,
+        /// Whether depth is written.
+        hides: bool,
+        /// Which depths pass.
+        compare: wgpu::CompareFunction,
+    },
+    /// The shadow mask, blended by maximum.
+    Mask,
+    /// A pass of somebody else: one sample, no depth.
+    Window(wgpu::TextureFormat),
+}
+
+impl Output {
+    /// Opaque things.
+    pub const SOLID: Self = Self::Picture { blend: None, hides: true, compare: wgpu::CompareFunction::Greater };
+    /// Bodies one can see through: of each only the nearest surface.
+    pub const GHOST: Self = Self::Picture {
+        blend: Some(wgpu::BlendState::ALPHA_BLENDING),
+        hides: true,
+        compare: wgpu::CompareFunction::Greater,
+    };
+    /// Flat things drawn onto others.
+    pub const OVERLAY: Self = Self::Picture {
+        blend: Some(wgpu::BlendState::ALPHA_BLENDING),
+        hides: false,
+        compare: wgpu::CompareFunction::Greater,
+    };
+    /// What is seen where there is nothing else.
+    pub const BACKDROP: Self =
+        Self::Picture { blend: None, hides: false, compare: wgpu::CompareFunction::GreaterEqual };
+
+    fn target(self) -> wgpu::ColorTargetState {
+        let maximum = wgpu::BlendComponent {
+            src_factor: wgpu::BlendFactor::One,
+            dst_factor: wgpu::BlendFactor::One,
+            operation: wgpu::BlendOperation::Max,
+        };
+        let (format, blend) = match self {
+            Self::Picture { blend, .. } => (COLOUR, blend),
+            Self::Mask => (MASK, Some(wgpu::BlendState { color: maximum, alpha: maximum })),
+            Self::Window(format) => (format, None),
+        };
+        wgpu::ColorTargetState { format, blend, write_mask: wgpu::ColorWrites::ALL }
+    }
+
+    fn depth(self) -> Option<wgpu::DepthStencilState> {
+        let Self::Picture { hides, compare, .. } = self else { return None };
+        Some(wgpu::DepthStencilState {
+            format: DEPTH,
+            depth_write_enabled: Some(hides),
+            depth_compare: Some(compare),
+            stencil: wgpu::StencilState::default(),
+            bias: wgpu::DepthBiasState::default(),
+        })
+    }
+
+    fn samples(self) -> u32 {
+        if matches!(self, Self::Picture { .. }) { SAMPLES } else { 1 }
+    }
+}
+
+/// All that tells one pipeline from another.
+pub(super) struct Recipe<'a> {
+    pub label: &'a str,
+    pub shader: &'a wgpu::ShaderModule,
+    /// Entry points of the vertex and the fragment stage.
+    pub stages: [&'a str; 2],
+    pub groups: &'a [&'a wgpu::BindGroupLayout],
+    pub input: Input,
+    pub output: Output,
+    /// Triangles of four corners in a strip instead of three each.
+    pub strip: bool,
+    /// Faces seen from behind are left out.
+    pub one_sided: bool,
+}
+
+impl Recipe<'_> {
+    /// The pipeline.
+    pub fn build(&self, device: &wgpu::Device) -> wgpu::RenderPipeline {
+        let groups: Vec<Option<&wgpu::BindGroupLayout>> = self.groups.iter().copied().map(Some).collect();
+        let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+            label: Some(self.label),
+            bind_group_layouts: &groups,
+            immediate_size: 0,
+        });
+        let topology =
+            if self.strip { wgpu::PrimitiveTopology::TriangleStrip } else { wgpu::PrimitiveTopology::TriangleList };
+        device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+            label: Some(self.label),
+            layout: Some(&layout),
+            vertex: wgpu::VertexState {
+                module: self.shader,
+                entry_point: Some(self.stages[0]),
+                compilation_options: wgpu::PipelineCompilationOptions::default(),
+                buffers: &self.input.buffers(),
+            },
+            primitive: wgpu::PrimitiveState {
+                topology,
+                cull_mode: self.one_sided.then_some(wgpu::Face::Back),
+                ..Default::default()
+            },
+            depth_stencil: self.output.depth(),
+            multisample: wgpu::MultisampleState { count: self.output.samples(), ..Default::default() },
+            fragment: Some(wgpu::FragmentState {
+                module: self.shader,
+                entry_point: Some(self.stages[1]),
+                compilation_options: wgpu::PipelineCompilationOptions::default(),
+                targets: &[Some(self.output.target())],
+            }),
+            multiview_mask: None,
+            cache: None,
+        })
+    }
+}
+
+/// A shader from its pieces.
+pub(super) fn shader(device: &wgpu::Device, label: &str, pieces: &[&str]) -> wgpu::ShaderModule {
+    let source = wgpu::ShaderSource::Wgsl(pieces.concat().into());
+    device.create_shader_module(wgpu::ShaderModuleDescriptor { label: Some(label), source })
+}
+
+/// A layout of buffers that both stages read, in binding order.
+pub(super) fn buffer_layout(
+    device: &wgpu::Device,
+    label: &str,
+    types: &[wgpu::BufferBindingType],
+) -> wgpu::BindGroupLayout {
+    let entry = |(i, &ty): (usize, &wgpu::BufferBindingType)| wgpu::BindGroupLayoutEntry {
+        binding: i as u32,
+        visibility: if ty == wgpu::BufferBindingType::Uniform {
+            wgpu::ShaderStages::VERTEX_FRAGMENT
+        } else {
+            wgpu::ShaderStages::VERTEX
+        },
+        ty: wgpu::BindingType::Buffer { ty, has_dynamic_offset: false, min_binding_size: None },
+        count: None,
+    };
+    let entries: Vec<_> = types.iter().enumerate().map(entry).collect();
+    device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some(label), entries: &entries })
+}
+
+/// A layout of one texture and its sampler.
+pub(super) fn texture_layout(device: &wgpu::Device, label: &str) -> wgpu::BindGroupLayout {
+    let entry =
+        |binding, ty| wgpu::BindGroupLayoutEntry { binding, visibility: wgpu::ShaderStages::FRAGMENT, ty, count: None };
+    let texture = wgpu::BindingType::Texture {
+        sample_type: wgpu::TextureSampleType::Float { filterable: true },
+        view_dimension: wgpu::TextureViewDimension::D2,
+        multisampled: false,
+    };
+    let sampler = wgpu::BindingType::Sampler(wgpu::SamplerBindingType::Filtering);
+    let entries = [entry(0, texture), entry(1, sampler)];
+    device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some(label), entries: &entries })
+}

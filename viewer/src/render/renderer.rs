@@ -1,0 +1,217 @@
+//! The whole view: upload what there is, then draw it from a camera.
+
+use super::characters::{CharacterInstance, Characters};
+use super::mesh::{Body, LEVELS};
+use super::offscreen::{Offscreen, Targets};
+use super::pipelines::{self, Input, Output, Recipe};
+use super::scene_uniform::SceneUniform;
+use super::shape_draws::ShapeDraws;
+use super::{Camera, RenderError, SceneColours, Shapes};
+use throng_runtime::{Mat3x4, Skeleton};
+
+/// Storage buffers that the vertex stage reads.
+const STORAGE_BUFFERS: u32 = 2;
+
+/// Everything to show, borrowed.
+#[derive(Clone, Copy, Debug)]
+pub struct SceneFrame<'a> {
+    /// Proportions of all characters.
+    pub skeleton: &'a Skeleton,
+    /// What they look like.
+    pub body: Body,
+    /// Joints in model space. [Size: num_characters * num_joints]
+    pub palette: &'a [Mat3x4],
+    /// Where they are. [Size: num_characters]
+    pub instances: &'a [CharacterInstance],
+    /// What else there is.
+    pub shapes: &'a Shapes,
+}
+
+/// What an upload moved.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct UploadStats {
+    /// Characters.
+    pub characters: usize,
+    /// Shapes.
+    pub shapes: usize,
+    /// [Unit: bytes]
+    pub bytes: u64,
+}
+
+/// What was drawn.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct DrawStats {
+    /// Triangles of everything, shadows included.
+    pub triangles: u64,
+    /// Characters in view by level of detail, finest first.
+    pub per_level: [usize; LEVELS],
+    /// Characters out of view.
+    pub culled: usize,
+}
+
+/// Draws scenes into a picture of its own, which can be shown in a window or read back.
+pub struct SceneRenderer {
+    device: wgpu::Device,
+    queue: wgpu::Queue,
+    uniform: wgpu::Buffer,
+    scene_group: wgpu::BindGroup,
+    ground: wgpu::RenderPipeline,
+    sky: wgpu::RenderPipeline,
+    characters: Characters,
+    shapes: ShapeDraws,
+    offscreen: Offscreen,
+    skeleton: Skeleton,
+    num_characters: usize,
+}
+
+impl SceneRenderer {
+    /// A renderer for windows whose surface has the format `target_format`.
+    ///
+    /// # Errors
+    /// [`RenderError::NoStorageBuffers`] where the device cannot read them in vertex shaders.
+    pub fn new(
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        target_format: wgpu::TextureFormat,
+    ) -> Result<Self, RenderError> {
+        let available = device.limits().max_storage_buffers_per_shader_stage;
+        if available < STORAGE_BUFFERS {
+            return Err(RenderError::NoStorageBuffers { available });
+        }
+        let scene_layout = pipelines::buffer_layout(device, "scene", &[wgpu::BufferBindingType::Uniform]);
+        let uniform = device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some("scene"),
+            size: size_of::<SceneUniform>() as u64,
+            usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
+            mapped_at_creation: false,
+        });
+        let scene_group = device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some("scene"),
+            layout: &scene_layout,
+            entries: &[wgpu::BindGroupEntry { binding: 0, resource: uniform.as_entire_binding() }],
+        });
+        let offscreen = Offscreen::new(device, target_format);
+        let pieces = [include_str!("shaders/scene.wgsl"), include_str!("shaders/ground.wgsl")];
+        let shader = &pipelines::shader(device, "ground", &pieces);
+        let surface = |label, stages, output, strip| {
+            let groups = &[&scene_layout, &offscreen.mask_layout];
+            Recipe { label, shader, stages, groups, input: Input::Nothing, output, strip, one_sided: false }
+                .build(device)
+        };
+        Ok(Self {
+            ground: surface("ground", ["ground_vertex", "ground_fragment"], Output::SOLID, true),
+            sky: surface("sky", ["sky_vertex", "sky_fragment"], Output::BACKDROP, false),
+            characters: Characters::new(device, &scene_layout),
+            shapes: ShapeDraws::new(device, queue, &scene_layout)?,
+            offscreen,
+            device: device.clone(),
+            queue: queue.clone(),
+            uniform,
+            scene_group,
+            skeleton: Skeleton::default(),
+            num_characters: 0,
+        })
+    }
+
+    /// Hands over everything to show; it stays until the next upload.
+    ///
+    /// # Errors
+    /// [`RenderError::PaletteLength`] where the palette does not fit the instances, [`RenderError::TooMany`] where the
+    /// device cannot hold all. After an error nothing is drawn but the ground, until an upload succeeds.
+    pub fn upload(&mut self, frame: &SceneFrame<'_>) -> Result<UploadStats, RenderError> {
+        let result = self.try_upload(frame);
+        if result.is_err() {
+            self.characters.clear();
+            self.num_characters = 0;
+        }
+        result
+    }
+
+    fn try_upload(&mut self, frame: &SceneFrame<'_>) -> Result<UploadStats, RenderError> {
+        let (device, queue) = (&self.device, &self.queue);
+        self.characters.set_body(device, queue, frame.body, frame.skeleton)?;
+        let mut bytes = self.characters.upload(device, queue, frame.palette, frame.instances)?;
+        bytes += self.shapes.upload(device, queue, frame.shapes)?;
+        if self.skeleton != *frame.skeleton {
+            self.skeleton = frame.skeleton.clone();
+        }
+        self.num_characters = frame.instances.len();
+        Ok(UploadStats { characters: frame.instances.len(), shapes: frame.shapes.len(), bytes })
+    }
+
+    /// Draws into the picture and submits the work; the picture has the size that was asked for, within what the device
+    /// can do. [Unit: pixels]
+    pub fn draw(&mut self, size_px: [u32; 2], camera: &Camera, colours: &SceneColours) -> DrawStats {
+        let targets = self.offscreen.resize(&self.device, size_px);
+        let uniform = SceneUniform::new(camera, targets.size, colours, &self.skeleton);
+        self.queue.write_buffer(&self.uniform, 0, bytemuck::bytes_of(&uniform));
+        let lists = self.characters.choose(&self.queue, camera, targets.size);
+        let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("scene") });
+        let mut triangles = 0;
+        {
+            let mut pass = mask_pass(&mut encoder, targets);
+            pass.set_bind_group(0, &self.scene_group, &[]);
+            triangles += self.characters.draw_shadows(&mut pass, &lists);
+        }
+        {
+            let mut pass = picture_pass(&mut encoder, targets);
+            pass.set_bind_group(0, &self.scene_group, &[]);
+            triangles += self.characters.draw_solid(&mut pass, &lists);
+            pass.set_bind_group(1, &targets.mask_group, &[]);
+            pass.set_pipeline(&self.ground);
+            pass.draw(0..4, 0..1);
+            pass.set_pipeline(&self.sky);
+            pass.draw(0..3, 0..1);
+            triangles += self.shapes.draw_solids(&mut pass);
+            triangles += self.characters.draw_ghosts(&mut pass, &lists);
+            triangles += self.shapes.draw_flat(&mut pass);
+        }
+        self.queue.submit([encoder.finish()]);
+        let per_level = lists.per_level();
+        DrawStats { triangles, per_level, culled: self.num_characters - per_level.iter().sum::<usize>() }
+    }
+
+    /// Shows the last picture in the viewport of a pass that has one sample and no depth.
+    pub fn blit(&self, pass: &mut wgpu::RenderPass<'_>) {
+        self.offscreen.blit(pass);
+    }
+
+    /// The last picture: its size, and sRGB with alpha, four bytes a pixel, rows from the top. Waits for the device.
+    ///
+    /// # Errors
+    /// [`RenderError::ReadBack`] where the device fails, or where nothing has been drawn.
+    pub fn pixels(&self) -> Result<([u32; 2], Vec<u8>), RenderError> {
+        self.offscreen.pixels(&self.device, &self.queue)
+    }
+}
+
+fn mask_pass<'e>(encoder: &'e mut wgpu::CommandEncoder, targets: &Targets) -> wgpu::RenderPass<'e> {
+    encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+        label: Some("shadow mask"),
+        color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+            view: &targets.mask,
+            depth_slice: None,
+            resolve_target: None,
+            ops: wgpu::Operations { load: wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT), store: wgpu::StoreOp::Store },
+        })],
+        ..Default::default()
+    })
+}
+
+fn picture_pass<'e>(encoder: &'e mut wgpu::CommandEncoder, targets: &Targets) -> wgpu::RenderPass<'e> {
+    encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+        label: Some("picture"),
+        color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+            view: &targets.colour,
+            depth_slice: None,
+            resolve_target: Some(&targets.resolved),
+            ops: wgpu::Operations { load: wgpu::LoadOp::Clear(wgpu::Color::BLACK), store: wgpu::StoreOp::Discard },
+        })],
+        depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
+            view: &targets.depth,
+            depth_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Clear(0.0), store: wgpu::StoreOp::Discard }),
+            stencil_ops: None,
+        }),
+        ..Default::default()
+    })
+}

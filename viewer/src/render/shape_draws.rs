@@ -1,0 +1,141 @@
+//! Draws a list of shapes: one instanced draw for each kind.
+
+use super::buffer::GrowingBuffer;
+use super::pipelines::{self, Input, Output, Recipe};
+use super::{RenderError, Shapes};
+use bytemuck::{Pod, Zeroable};
+use std::f32::consts::{PI, TAU};
+
+/// Points around a round cone, and rings of each of its ends.
+const AROUND: usize = 14;
+const END_RINGS: usize = 4;
+
+/// Corner of the mesh all round cones share: a direction, and 0 at the first or 1 at the second end.
+#[derive(Clone, Copy, Pod, Zeroable)]
+#[repr(C)]
+struct RoundCorner {
+    direction: [f32; 3],
+    end: f32,
+}
+
+/// Shapes on the GPU.
+pub(super) struct ShapeDraws {
+    lines: (wgpu::RenderPipeline, GrowingBuffer, u32),
+    rounds: (wgpu::RenderPipeline, GrowingBuffer, u32),
+    rings: (wgpu::RenderPipeline, GrowingBuffer, u32),
+    corners: GrowingBuffer,
+    indices: GrowingBuffer,
+    num_indices: u32,
+}
+
+impl ShapeDraws {
+    pub fn new(
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        scene_layout: &wgpu::BindGroupLayout,
+    ) -> Result<Self, RenderError> {
+        let pieces = [include_str!("shaders/scene.wgsl"), include_str!("shaders/shapes.wgsl")];
+        let shader = &pipelines::shader(device, "shapes", &pieces);
+        let kind = |label, stages, input, output| {
+            let strip = input != Input::Rounds;
+            let one_sided = !strip;
+            let groups = &[scene_layout];
+            let pipeline = Recipe { label, shader, stages, groups, input, output, strip, one_sided }.build(device);
+            (pipeline, GrowingBuffer::new(device, label, wgpu::BufferUsages::VERTEX), 0)
+        };
+        let mut corners = GrowingBuffer::new(device, "corners", wgpu::BufferUsages::VERTEX);
+        let mut indices = GrowingBuffer::new(device, "triangles", wgpu::BufferUsages::INDEX);
+        let (points, triangles) = round_mesh();
+        corners.write(device, queue, &points)?;
+        indices.write(device, queue, &triangles)?;
+        Ok(Self {
+            lines: kind("lines", ["line_vertex", "line_fragment"], Input::Lines, Output::OVERLAY),
+            rounds: kind("solids", ["round_vertex", "round_fragment"], Input::Rounds, Output::GHOST),
+            rings: kind("rings", ["ring_vertex", "ring_fragment"], Input::Rings, Output::OVERLAY),
+            corners,
+            indices,
+            num_indices: triangles.len() as u32,
+        })
+    }
+
+    /// Hands the shapes over; returns the bytes moved.
+    pub fn upload(&mut self, device: &wgpu::Device, queue: &wgpu::Queue, shapes: &Shapes) -> Result<u64, RenderError> {
+        self.lines.1.write(device, queue, &shapes.lines)?;
+        self.rounds.1.write(device, queue, &shapes.rounds)?;
+        self.rings.1.write(device, queue, &shapes.rings)?;
+        self.lines.2 = shapes.lines.len() as u32;
+        self.rounds.2 = shapes.rounds.len() as u32;
+        self.rings.2 = shapes.rings.len() as u32;
+        let bytes = [size_of_val(&shapes.lines[..]), size_of_val(&shapes.rounds[..]), size_of_val(&shapes.rings[..])];
+        Ok(bytes.iter().sum::<usize>() as u64)
+    }
+
+    /// Draws solids; returns how many triangles.
+    pub fn draw_solids(&self, pass: &mut wgpu::RenderPass<'_>) -> u64 {
+        let (pipeline, instances, count) = &self.rounds;
+        if *count == 0 {
+            return 0;
+        }
+        pass.set_pipeline(pipeline);
+        pass.set_vertex_buffer(0, self.corners.get().slice(..));
+        pass.set_vertex_buffer(1, instances.get().slice(..));
+        pass.set_index_buffer(self.indices.get().slice(..), wgpu::IndexFormat::Uint32);
+        pass.draw_indexed(0..self.num_indices, 0, 0..*count);
+        u64::from(self.num_indices / 3) * u64::from(*count)
+    }
+
+    /// Draws rings, then lines; returns how many triangles.
+    pub fn draw_flat(&self, pass: &mut wgpu::RenderPass<'_>) -> u64 {
+        for (pipeline, instances, count) in [&self.rings, &self.lines] {
+            if *count > 0 {
+                pass.set_pipeline(pipeline);
+                pass.set_vertex_buffer(0, instances.get().slice(..));
+                pass.draw(0..4, 0..*count);
+            }
+        }
+        2 * (u64::from(self.rings.2) + u64::from(self.lines.2))
+    }
+}
+
+/// A sphere cut at its equator; the halves belong to the two ends.
+fn round_mesh() -> (Vec<RoundCorner>, Vec<u32>) {
+    let mut corners = Vec::new();
+    let mut ring = |angle: f32, end: f32| {
+        for i in 0..AROUND {
+            let ((s, c), (up, out)) = ((TAU * i as f32 / AROUND as f32).sin_cos(), angle.sin_cos());
+            corners.push(RoundCorner { direction: [out * s, up, out * c], end });
+        }
+    };
+    let step = |i: usize| 0.5 * PI * i as f32 / END_RINGS as f32;
+    (0..=END_RINGS).rev().for_each(|i| ring(-step(i), 0.0));
+    (0..=END_RINGS).for_each(|i| ring(step(i), 1.0));
+    let mut indices = Vec::new();
+    for r in 0..2 * END_RINGS + 1 {
+        for i in 0..AROUND {
+            let at = |r: usize, i: usize| (r * AROUND + i % AROUND) as u32;
+            let [a, b, c, d] = [at(r, i), at(r, i + 1), at(r + 1, i + 1), at(r + 1, i)];
+            indices.extend([a, b, c, a, c, d]);
+        }
+    }
+    (corners, indices)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::Vec3;
+
+    #[test]
+    fn the_shared_mesh_faces_outwards() {
+        let (corners, indices) = round_mesh();
+        for t in indices.chunks_exact(3) {
+            let [a, b, c] = [0, 1, 2].map(|i| {
+                let corner = corners[t[i] as usize];
+                Vec3::from(corner.direction) + Vec3::Y * corner.end
+            });
+            let normal = (b - a).cross(c - a);
+            let middle = (a + b + c) / 3.0 - Vec3::Y * 0.5;
+            assert!(normal.dot(middle) > -1e-6);
+        }
+    }
+}

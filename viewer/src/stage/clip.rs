@@ -1,0 +1,89 @@
+//! A clip of the database: the pose at the play head, and poses before and after it.
+
+use super::{Layout, Palette, cues};
+use crate::document::Bundle;
+use crate::model::Model;
+use crate::render::{CharacterInstance, Emphasis};
+use glam::Vec3;
+use throng_runtime::troupe::SampleJob;
+use throng_runtime::{Mat3x4, NUM_JOINTS, Planar};
+
+/// Time between two poses of the onion skin. [Unit: s]
+const SKIN_EVERY_S: f32 = 0.4;
+/// Poses of the onion skin on either side.
+const SKINS: i32 = 4;
+
+pub(super) fn lay_out(out: &mut Layout, model: &Model, bundle: &Bundle, palette: &Palette) {
+    let Some(row) = model.shown_row() else { return };
+    let record = bundle.tables().clips()[model.selection.clip];
+    let ratio = model.player.frame.fract();
+    let mut frames = vec![row];
+    let mut ratios = vec![if row + 1 < record.first_frame + record.num_frames { ratio } else { 0.0 }];
+    let stride = (SKIN_EVERY_S * bundle.rate_hz()).round().max(1.0) as i32;
+    let mut ages = vec![0];
+    if model.settings.overlays.onion_skin {
+        // Ghosts stand still while the play head moves, so that they can be compared.
+        let within = (row - record.first_frame) as i32;
+        for k in -SKINS..=SKINS + 1 {
+            let frame = (within.div_euclid(stride) + k) * stride;
+            let apart = (frame - within).abs();
+            if apart > stride / 3 && frame >= 0 && frame < record.num_frames as i32 {
+                frames.push(record.first_frame + frame as u32);
+                ratios.push(0.0);
+                ages.push(apart / stride + 1);
+            }
+        }
+    }
+    out.poses.resize(frames.len() * NUM_JOINTS, Mat3x4::default());
+    let job = SampleJob { repertoire: bundle.repertoire(), frames: &frames, ratios: &ratios, matrices: &mut out.poses };
+    if job.run().is_err() {
+        out.poses.clear();
+        return;
+    }
+    for (i, &frame) in frames.iter().enumerate() {
+        let colour = if i == 0 { palette.on_the_way } else { palette.plain.alpha(0.42 / (0.6 + 0.4 * ages[i] as f32)) };
+        let root = planar(bundle, frame, ratios[i]);
+        out.instances.push(CharacterInstance { root, colour, emphasis: Emphasis::None });
+    }
+    draw_cues(out, model, bundle, row, palette);
+}
+
+fn draw_cues(out: &mut Layout, model: &Model, bundle: &Bundle, row: u32, palette: &Palette) {
+    let o = model.settings.overlays;
+    if o.trails {
+        let points: Vec<Vec3> = path(model, bundle).map(|p| p.with_y(0.012)).collect();
+        out.shapes.polyline(&points, 2.0, palette.middle.alpha(0.5));
+    }
+    let root = out.instances[0].root;
+    let pose = &out.poses[..NUM_JOINTS];
+    if o.contacts {
+        let joints = std::array::from_fn(|j| root.translation() + root.rotation() * pose[j].translation());
+        cues::contacts(&mut out.shapes, &joints, bundle.tables().contacts()[row as usize], palette);
+    }
+    if o.joint_axes {
+        cues::joint_axes(&mut out.shapes, root, pose);
+    }
+}
+
+/// Planar root between a row and the next.
+fn planar(bundle: &Bundle, row: u32, ratio: f32) -> Planar {
+    let a = bundle.planar(row);
+    if ratio == 0.0 {
+        return a;
+    }
+    let b = bundle.planar(row + 1);
+    // Headings are unwrapped within a clip.
+    Planar::new(a.x + (b.x - a.x) * ratio, a.z + (b.z - a.z) * ratio, a.heading + (b.heading - a.heading) * ratio)
+}
+
+/// The ground path of the clip that is shown. [Unit: m]
+pub(super) fn path(model: &Model, bundle: &Bundle) -> impl Iterator<Item = Vec3> {
+    let record = bundle.tables().clips().get(model.selection.clip);
+    let rows = record.map_or(0..0, |r| r.first_frame..r.first_frame + r.num_frames);
+    rows.step_by(3).map(|row| bundle.planar(row).translation())
+}
+
+/// Where the character stands. [Unit: m]
+pub(super) fn place(model: &Model, bundle: &Bundle) -> Option<Vec3> {
+    Some(bundle.planar(model.shown_row()?).translation())
+}

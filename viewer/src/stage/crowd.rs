@@ -1,0 +1,123 @@
+//! A crowd: everybody's place and colour, and the cues of who is selected.
+
+use super::{Layout, Palette, cues};
+use crate::document::Bundle;
+use crate::model::Model;
+use crate::render::{CharacterInstance, Emphasis, Rgba};
+use crate::run::{Run, TargetMode};
+use crate::settings::Colouring;
+use glam::Vec3;
+
+/// Speed at which colours of speed are those of somebody fast. [Unit: m/s]
+const FAST_MPS: f32 = 2.5;
+/// Cues of everybody are drawn for so many characters at most.
+const MAX_CUES: usize = 2000;
+/// Length of trails. [Unit: s]
+const TRAIL_S: f32 = 6.0;
+
+pub(super) fn lay_out(out: &mut Layout, model: &Model, bundle: &Bundle, run: &Run, palette: &Palette) {
+    let n = run.troupe().num_characters();
+    let selected = model.selection.character;
+    out.instances.extend((0..n).map(|c| CharacterInstance {
+        root: run.troupe().root(c),
+        colour: colour(model, bundle, run, c, palette),
+        emphasis: if selected == Some(c) { Emphasis::Selected } else { Emphasis::None },
+    }));
+    let o = model.settings.overlays;
+    let count = if o.of_all { n.min(MAX_CUES) } else { 0 };
+    for c in (0..count).chain(selected.filter(|&c| c >= count && c < n)) {
+        let is_selected = selected == Some(c);
+        if o.trails {
+            trail(out, run, c, is_selected, palette);
+        }
+        if o.trajectory {
+            trajectory(out, bundle, run, c, palette);
+        }
+        if o.contacts {
+            cues::contacts(&mut out.shapes, &run.troupe().joint_positions(c), run.troupe().contacts(c), palette);
+        }
+        if o.joint_axes {
+            cues::joint_axes(&mut out.shapes, run.troupe().root(c), run.troupe().pose(c));
+        }
+    }
+    if o.targets {
+        targets(out, run, selected, palette);
+    }
+}
+
+fn colour(model: &Model, bundle: &Bundle, run: &Run, c: usize, palette: &Palette) -> Rgba {
+    match model.settings.colouring {
+        Colouring::Plain => palette.plain,
+        Colouring::Target => {
+            let (root, target) = (run.troupe().root(c), run.targets()[c]);
+            let distance = (root.x - target.x).hypot(root.z - target.z);
+            if distance < run.config().reach_m { palette.reached } else { palette.on_the_way }
+        }
+        Colouring::Clip => {
+            let segment = run.troupe().segment(c).0;
+            cues::category(bundle.tables().graph().segments[segment as usize].clip as usize)
+        }
+        Colouring::Speed => {
+            let s = &bundle.tables().graph().segments[run.troupe().segment(c).0 as usize];
+            let metres = s.displacement[0].hypot(s.displacement[1]);
+            let speed = metres / s.num_frames as f32 * bundle.rate_hz();
+            palette.slow.mix(palette.fast, (speed / FAST_MPS).min(1.0))
+        }
+    }
+}
+
+fn trail(out: &mut Layout, run: &Run, c: usize, is_selected: bool, palette: &Palette) {
+    let points: Vec<Vec3> = run.trail(c, TRAIL_S).map(|p| Vec3::new(p.x, 0.012, p.y)).collect();
+    let (width, colour) = if is_selected { (3.0, palette.selected) } else { (1.5, palette.middle.alpha(0.45)) };
+    let last = points.len().max(2) as f32 - 1.0;
+    for (i, pair) in points.windows(2).enumerate() {
+        let strength = 0.15 + 0.85 * (i as f32 + 1.0) / last;
+        out.shapes.line(pair[0], pair[1], width, colour.alpha(strength * f32::from(colour.0[3]) / 255.0));
+    }
+}
+
+/// The ground path of the rest of the segment that is played, and the way it faces at the end.
+fn trajectory(out: &mut Layout, bundle: &Bundle, run: &Run, c: usize, palette: &Palette) {
+    let (segment, time) = run.troupe().segment(c);
+    let s = bundle.tables().graph().segments[segment as usize];
+    let root = run.troupe().root(c);
+    let now = s.start + (time as u32).min(s.num_frames);
+    let clip_to_world = root.compose(bundle.planar(now).inverse());
+    let end = s.start + s.num_frames;
+    let mut points = vec![root.translation().with_y(0.016)];
+    let stride = (s.num_frames / 12).max(1) as usize;
+    points
+        .extend((now..end).step_by(stride).skip(1).map(|row| clip_to_world.compose(bundle.planar(row)).translation()));
+    let goal = clip_to_world.compose(bundle.planar(end));
+    points.push(goal.translation());
+    points.iter_mut().for_each(|p| p.y = 0.016);
+    out.shapes.polyline(&points, 2.5, palette.slow);
+    let ahead = goal.rotation() * Vec3::Z * 0.22;
+    let foot = goal.translation().with_y(0.02);
+    out.shapes.arrow(foot, foot + ahead, 0.014, palette.slow);
+}
+
+fn targets(out: &mut Layout, run: &Run, selected: Option<usize>, palette: &Palette) {
+    let mut put = |target: Vec3, is_selected: bool| {
+        let (colour, at) = (palette.target, target.with_y(0.008));
+        out.shapes.disc(at, 0.09, colour);
+        out.shapes.ring(at, 0.17, if is_selected { 0.25 } else { 0.20 }, colour);
+        if is_selected {
+            out.shapes.line(at, at + Vec3::Y * 0.9, 2.5, colour);
+            out.shapes.sphere(at + Vec3::Y * 0.9, 0.06, colour);
+        }
+    };
+    if run.config().targets == TargetMode::Shared {
+        put(run.targets()[0], true);
+        return;
+    }
+    let n = run.targets().len();
+    for c in (0..n.min(MAX_CUES)).filter(|&c| selected != Some(c)) {
+        put(run.targets()[c], false);
+    }
+    if let Some(c) = selected.filter(|&c| c < n) {
+        put(run.targets()[c], true);
+        let (from, to) = (run.troupe().root(c).translation().with_y(0.01), run.targets()[c].with_y(0.01));
+        out.shapes.line(from, to, 1.0, palette.target.alpha(0.7));
+    }
+}

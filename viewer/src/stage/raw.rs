@@ -1,0 +1,107 @@
+//! A motion file: the source's own joints, and the body that a build would make of them.
+
+use super::{Layout, Palette, cues};
+use crate::document::RawMotion;
+use crate::model::Model;
+use crate::render::{CharacterInstance, Emphasis, Rgba};
+use crate::settings::RawView;
+use glam::Vec3;
+use throng_precompute::Clip;
+use throng_runtime::{Mat3x4, Planar};
+
+/// How far the source's joints stand beside the body. [Unit: m]
+const BESIDE: Vec3 = Vec3::new(1.1, 0.0, 0.0);
+
+pub(super) fn lay_out(out: &mut Layout, model: &Model, motion: &RawMotion, palette: &Palette) {
+    let view = model.settings.raw_view;
+    if view != RawView::Retargeted {
+        let shift = if view == RawView::Both { BESIDE } else { Vec3::ZERO };
+        source(out, model, motion, shift, palette);
+    }
+    let Some(clip) = motion.clips.clips.first() else { return };
+    out.skeleton.clone_from(&motion.clips.skeleton);
+    if view == RawView::Source {
+        return;
+    }
+    let frame = frame_of(model, motion, clip);
+    let joints = clip.joint_transforms(&motion.clips.skeleton, frame);
+    out.poses.extend(joints.map(|(p, r)| Mat3x4::from_rotation_translation(r, p)));
+    let usable = clip.is_usable(frame);
+    out.instances.push(CharacterInstance {
+        root: Planar::IDENTITY,
+        colour: if usable { palette.on_the_way } else { palette.plain },
+        emphasis: Emphasis::None,
+    });
+    let o = model.settings.overlays;
+    if o.contacts {
+        let contacts = clip.contacts.get(frame).copied().unwrap_or_default();
+        cues::contacts(&mut out.shapes, &joints.map(|j| j.0), contacts, palette);
+    }
+    if o.trails {
+        let points: Vec<Vec3> = (0..clip.num_frames()).step_by(3).map(|f| on_ground(clip, f)).collect();
+        out.shapes.polyline(&points, 2.0, palette.middle.alpha(0.5));
+    }
+    if o.joint_axes {
+        cues::joint_axes(&mut out.shapes, Planar::IDENTITY, &out.poses);
+    }
+}
+
+/// The source's joints as limbs and balls, left and right in their colours.
+fn source(out: &mut Layout, model: &Model, motion: &RawMotion, shift: Vec3, palette: &Palette) {
+    let raw = &motion.imported.clip;
+    if raw.num_frames == 0 {
+        return;
+    }
+    let frame = (model.player.frame as usize).min(raw.num_frames - 1);
+    let world = raw.world(frame);
+    // Limbs of any size have balls that can be told from them.
+    let radius = (0.011 * motion.imported.height / 1.7).clamp(0.003, 0.03);
+    for (joint, &(at, rotation)) in raw.joints.iter().zip(&world) {
+        let colour = side(&joint.name, palette);
+        if let Some(parent) = joint.parent {
+            out.shapes.capsule(world[parent].0 + shift, at + shift, radius, colour.mix(palette.middle, 0.25));
+        }
+        if !joint.is_end {
+            out.shapes.sphere(at + shift, radius * 1.9, colour);
+        }
+        if model.settings.overlays.joint_axes {
+            out.shapes.axes(at + shift, rotation, 0.07, 1.5);
+        }
+    }
+}
+
+fn side(name: &str, palette: &Palette) -> Rgba {
+    let lower = name.to_lowercase();
+    let starts = |short: char, long: &str| lower.starts_with(long) || (lower.starts_with(short) && name.len() > 1);
+    let named = |word: &str| lower.contains(word);
+    if named("left") || (starts('l', "left") && !named("lower") && !named("lum")) {
+        palette.left
+    } else if named("right") || (starts('r', "right") && !named("root")) {
+        palette.right
+    } else {
+        palette.middle
+    }
+}
+
+/// Frame of the retargeted clip at the play head, which counts frames of the source.
+fn frame_of(model: &Model, motion: &RawMotion, clip: &Clip) -> usize {
+    let seconds = f64::from(model.player.frame) / motion.imported.clip.rate_hz;
+    ((seconds * clip.rate_hz).round() as usize).min(clip.num_frames().saturating_sub(1))
+}
+
+fn on_ground(clip: &Clip, frame: usize) -> Vec3 {
+    clip.root_positions[frame].with_y(0.012)
+}
+
+/// The ground path. [Unit: m]
+pub(super) fn path(motion: &RawMotion) -> impl Iterator<Item = Vec3> {
+    let clip = motion.clips.clips.first();
+    let frames = clip.map_or(0, Clip::num_frames);
+    (0..frames).step_by(3).filter_map(move |f| Some(on_ground(clip?, f)))
+}
+
+/// Where the body stands. [Unit: m]
+pub(super) fn place(model: &Model, motion: &RawMotion) -> Option<Vec3> {
+    let clip = motion.clips.clips.first()?;
+    Some(on_ground(clip, frame_of(model, motion, clip)).with_y(0.0))
+}

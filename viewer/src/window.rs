@@ -1,0 +1,111 @@
+//! The window.
+
+use crate::app::{SETTINGS_KEY, Viewer};
+use crate::args::{Args, Size};
+use crate::settings::Settings;
+use eframe::egui;
+use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// Under this name the settings are kept between runs.
+const APP_ID: &str = "throng-viewer";
+/// The window is at least as large. [Unit: points]
+const MIN_SIZE: [f32; 2] = [640.0, 400.0];
+/// Below every message that says why there is no window.
+const WAY_OUT: &str = "`throng-viewer FILE --png OUT` draws a picture without one";
+
+/// Opens the window, and returns when it is closed.
+///
+/// # Errors
+/// A message that says why there is no window, and the way out.
+pub fn run(args: &Args) -> Result<(), String> {
+    if needs_display() && !["DISPLAY", "WAYLAND_DISPLAY"].iter().any(has_value) {
+        return Err(format!("there is no display (neither DISPLAY nor WAYLAND_DISPLAY is set); {WAY_OUT}"));
+    }
+    if let Some(file) = &args.file {
+        std::fs::File::open(file).map_err(|e| format!("{}: {e}", file.display()))?;
+    }
+    let is_open = Arc::new(AtomicBool::new(false));
+    let (args, opened) = (args.clone(), Arc::clone(&is_open));
+    let native = options(args.size);
+    let create: eframe::AppCreator<'_> = Box::new(move |cc| {
+        opened.store(true, Ordering::Relaxed);
+        Ok(Box::new(Window::new(&args, cc)?))
+    });
+    // The windowing library panics where a shared library of the system is not there.
+    match catch_unwind(AssertUnwindSafe(|| eframe::run_native(APP_ID, native, create))) {
+        Ok(Ok(())) => Ok(()),
+        Ok(Err(eframe::Error::AppCreation(e))) => Err(e.to_string()),
+        Ok(Err(e)) => Err(format!("the window cannot be opened: {e}; {WAY_OUT}")),
+        Err(panic) if is_open.load(Ordering::Relaxed) => resume_unwind(panic),
+        Err(_) => Err(format!("the window cannot be opened on this system; {WAY_OUT}")),
+    }
+}
+
+/// True where windows need a display server that the environment names.
+fn needs_display() -> bool {
+    cfg!(all(unix, not(target_os = "macos")))
+}
+
+fn has_value(variable: &&str) -> bool {
+    std::env::var_os(variable).is_some_and(|v| !v.is_empty())
+}
+
+fn options(size: Option<Size>) -> eframe::NativeOptions {
+    let asked = size.unwrap_or_default();
+    let viewport = egui::ViewportBuilder::default()
+        .with_title("Throng")
+        .with_app_id(APP_ID)
+        .with_inner_size([asked.width as f32, asked.height as f32])
+        .with_min_inner_size(MIN_SIZE)
+        .with_drag_and_drop(true);
+    eframe::NativeOptions {
+        viewport,
+        renderer: eframe::Renderer::Wgpu,
+        // A size that was asked for goes over the one of the last run.
+        persist_window: size.is_none(),
+        ..eframe::NativeOptions::default()
+    }
+}
+
+/// The viewer with what only a window has: settings that are kept, and an end.
+struct Window {
+    viewer: Viewer,
+    /// The window closes after so many frames.
+    frames_left: Option<u32>,
+}
+
+impl Window {
+    fn new(args: &Args, cc: &eframe::CreationContext<'_>) -> Result<Self, String> {
+        let kept = cc.storage.and_then(|s| eframe::get_value::<Settings>(s, SETTINGS_KEY)).unwrap_or_default();
+        let mut settings = args.settings(kept);
+        if let Some(scale) = args.scale {
+            settings.zoom = scale;
+        }
+        let mut viewer = Viewer::new(settings, cc.wgpu_render_state.as_ref());
+        args.open(&cc.egui_ctx, &mut viewer.model)?;
+        Ok(Self { viewer, frames_left: args.frames })
+    }
+}
+
+impl eframe::App for Window {
+    fn logic(&mut self, ctx: &egui::Context, frame: &mut eframe::Frame) {
+        eframe::App::logic(&mut self.viewer, ctx, frame);
+        if let Some(left) = &mut self.frames_left {
+            *left = left.saturating_sub(1);
+            if *left == 0 {
+                ctx.send_viewport_cmd(egui::ViewportCommand::Close);
+            }
+            ctx.request_repaint();
+        }
+    }
+
+    fn ui(&mut self, ui: &mut egui::Ui, frame: &mut eframe::Frame) {
+        eframe::App::ui(&mut self.viewer, ui, frame);
+    }
+
+    fn save(&mut self, storage: &mut dyn eframe::Storage) {
+        eframe::App::save(&mut self.viewer, storage);
+    }
+}
