@@ -8,6 +8,7 @@ pub mod control;
 pub mod graph;
 pub mod help;
 pub mod messages;
+pub mod policy;
 pub mod statistics;
 pub mod table;
 pub mod top_bar;
@@ -29,6 +30,8 @@ pub enum PanelKind {
     Statistics,
     /// States and actions.
     Graph,
+    /// Values and choices.
+    Policy,
 }
 
 /// Where a panel lies.
@@ -68,6 +71,14 @@ pub const PANELS: &[Panel] = &[
         show: |ui, model, states, commands| control::show(ui, model, &mut states.control, commands),
     },
     Panel {
+        kind: PanelKind::Policy,
+        title: "Policy",
+        purpose: "what a state is worth for every place of the target, and why an action was taken",
+        dock: Dock::Side,
+        key: Key::F2,
+        show: |ui, model, states, commands| policy::show(ui, model, &mut states.policy, commands),
+    },
+    Panel {
         kind: PanelKind::Statistics,
         title: "Statistics",
         purpose: "time of a step and a frame, memory, foot slip, arrivals",
@@ -92,6 +103,8 @@ pub struct PanelStates {
     pub viewport: viewport::State,
     /// The motion graph.
     pub graph: graph::State,
+    /// Policies.
+    pub policy: policy::State,
     /// Control.
     pub control: control::State,
     /// The list of keys is shown.

@@ -1,7 +1,8 @@
 //! A table of rows that can be clicked as a whole.
 
 use eframe::egui::{
-    Align2, Color32, CursorIcon, FontId, Pos2, Rect, Response, Role, Sense, TextStyle, Ui, Vec2, WidgetInfo,
+    Align2, Color32, CursorIcon, FontId, Pos2, Rect, Response, Role, Sense, Shape, Stroke, TextStyle, Ui, Vec2,
+    WidgetInfo,
 };
 
 /// Space between columns, and at both ends. [Unit: points]
@@ -70,10 +71,11 @@ pub fn header(ui: &mut Ui, columns: &[Column], mut order: Option<&mut Order>) {
         let id = ui.unique_id().with(("title", column.title, i));
         let sense = if order.is_some() { Sense::click() } else { Sense::hover() };
         let response = ui.interact(rect.expand2(Vec2::new(GAP * 0.5, 0.0)), id, sense);
-        let mark = match &order {
-            Some(o) if o.column == i => [" ⏶", " ⏷"][usize::from(o.descending)],
-            _ => "",
-        };
+        if let Some(o) = &order
+            && o.column == i
+        {
+            order_mark(ui, rect, column.is_number, o.descending);
+        }
         if let Some(order) = &mut order {
             response.widget_info(|| WidgetInfo::labeled(Role::Button, true, format!("Order by {}", column.title)));
             if response.clicked() {
@@ -81,9 +83,17 @@ pub fn header(ui: &mut Ui, columns: &[Column], mut order: Option<&mut Order>) {
             }
         }
         let colour = if response.hovered() { ui.visuals().strong_text_color() } else { ui.visuals().weak_text_color() };
-        text(ui, rect, &format!("{}{mark}", column.title), column.is_number, colour);
+        text(ui, rect, column.title, column.is_number, colour);
         response.on_hover_text(column.hint);
     }
+}
+
+/// A triangle under the title, or above it where the largest comes first.
+fn order_mark(ui: &Ui, rect: Rect, right: bool, descending: bool) {
+    let x = if right { rect.right() - 5.0 } else { rect.left() + 5.0 };
+    let (base, tip) = if descending { (rect.top(), 3.0) } else { (rect.bottom(), -3.0) };
+    let corners = vec![Pos2::new(x - 4.0, base), Pos2::new(x + 4.0, base), Pos2::new(x, base + tip)];
+    ui.painter().add(Shape::convex_polygon(corners, ui.visuals().strong_text_color(), Stroke::NONE));
 }
 
 /// A row; `label` is what it does when it is clicked.

@@ -144,11 +144,6 @@ impl Layout {
         }
     }
 
-    /// Lane of a clip, where it takes part.
-    pub fn lane_of_clip(&self, clip: usize) -> Option<&Lane> {
-        self.lanes.iter().find(|l| l.clip == clip)
-    }
-
     /// The bar that a segment is drawn as. [Limit: segment < number of segments]
     pub fn bar(&self, segment: u32) -> &Bar {
         &self.segments[self.bar_of[segment as usize] as usize]

@@ -121,7 +121,7 @@ fn show_header(ui: &mut Ui, bundle: &Bundle, state: &mut State) {
         colour::legend(ui, [0.0, most], "bars: actions that play them", |t| colour::line(t.sqrt(), dark));
         colour::legend(ui, [0.0, drawn.links.max_error], "links: error [rad]", |t| colour::line(t, dark));
         ui.colored_label(draw::incoming_colour(ui), "links in");
-        ui.colored_label(draw::standing_colour(ui), "■ standing");
+        ui.colored_label(draw::standing_colour(ui), "standing");
     });
 }
 
