@@ -39,21 +39,18 @@ pub fn ratio(v: f32, [low, high]: [f32; 2]) -> f32 {
     if high > low { (v - low) / (high - low) } else { 1.0 }
 }
 
-/// A bar that runs through colours, with the numbers at its ends.
+/// A bar that runs through colours, with the numbers at its ends. Goes into a row of widgets.
 pub fn legend(ui: &mut Ui, [low, high]: [f32; 2], what: &str, colour: impl Fn(f32) -> Color32) {
-    ui.horizontal(|ui| {
-        ui.label(what);
-        ui.monospace(number(low));
-        let (rect, _) = ui.allocate_exact_size([90.0, 10.0].into(), eframe::egui::Sense::hover());
-        ui.painter().add(Shape::mesh(bar(rect, colour)));
-        ui.monospace(number(high));
-    });
+    ui.label(format!("{what} {}", number(low)));
+    let (rect, _) = ui.allocate_exact_size([70.0, 10.0].into(), eframe::egui::Sense::hover());
+    ui.painter().add(Shape::mesh(bar(rect, colour)));
+    ui.label(number(high));
 }
 
 /// A number with as many digits as tell it from its likes.
 pub fn number(v: f32) -> String {
     match v.abs() {
-        a if a >= 100.0 || a == 0.0 => format!("{v:.0}"),
+        a if a >= 100.0 || a.fract() == 0.0 => format!("{v:.0}"),
         a if a >= 1.0 => format!("{v:.2}"),
         _ => format!("{v:.3}"),
     }

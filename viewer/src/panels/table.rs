@@ -19,6 +19,8 @@ pub struct Column {
     pub width: f32,
     /// Numbers stand at the right.
     pub is_number: bool,
+    /// Where a text is too long, its end is kept, not its beginning.
+    pub keeps_end: bool,
 }
 
 /// By which column rows are ordered.
@@ -41,7 +43,7 @@ impl Order {
 /// What a cell shows.
 #[derive(Clone, Debug, Default)]
 pub struct Cell {
-    /// Its text; what does not fit is cut off.
+    /// Its text; what does not fit is left out.
     pub text: String,
     /// A bar behind the text. [Limit: 0 to 1]
     pub bar: Option<f32>,
@@ -83,7 +85,7 @@ pub fn header(ui: &mut Ui, columns: &[Column], mut order: Option<&mut Order>) {
             }
         }
         let colour = if response.hovered() { ui.visuals().strong_text_color() } else { ui.visuals().weak_text_color() };
-        text(ui, rect, column.title, column.is_number, colour);
+        text(ui, rect, column.title, column, colour);
         response.on_hover_text(column.hint);
     }
 }
@@ -115,7 +117,7 @@ pub fn row(ui: &mut Ui, columns: &[Column], label: &str, marked: bool, cells: &[
             let full = Rect::from_min_size(rect.min, Vec2::new(rect.width() * ratio.clamp(0.0, 1.0), rect.height()));
             ui.painter().rect_filled(full.shrink2(Vec2::new(0.0, 3.0)), 1.0, bar);
         }
-        text(ui, rect, &cell.text, column.is_number, colour);
+        text(ui, rect, &cell.text, column, colour);
     }
     response.on_hover_cursor(CursorIcon::PointingHand)
 }
@@ -129,12 +131,39 @@ fn rects(columns: &[Column], row: Rect) -> impl Iterator<Item = Rect> {
     })
 }
 
-fn text(ui: &Ui, rect: Rect, text: &str, right: bool, colour: Color32) {
+fn text(ui: &Ui, rect: Rect, text: &str, column: &Column, colour: Color32) {
     let font: FontId = TextStyle::Body.resolve(ui.style());
     let painter = ui.painter().with_clip_rect(rect.intersect(ui.clip_rect()));
-    let (pos, align) =
-        if right { (rect.right_center(), Align2::RIGHT_CENTER) } else { (rect.left_center(), Align2::LEFT_CENTER) };
+    let width = |text: &str| painter.layout_no_wrap(text.to_owned(), font.clone(), colour).size().x;
+    let text = fitted(text, column.keeps_end, |t| width(t) <= rect.width());
+    let (pos, align) = if column.is_number {
+        (rect.right_center(), Align2::RIGHT_CENTER)
+    } else {
+        (rect.left_center(), Align2::LEFT_CENTER)
+    };
     painter.text(pos, align, text, font, colour);
+}
+
+/// The text, or as much of its beginning or end as fits, with an ellipsis.
+fn fitted(text: &str, keeps_end: bool, fits: impl Fn(&str) -> bool) -> String {
+    if fits(text) {
+        return text.to_owned();
+    }
+    let chars: Vec<char> = text.chars().collect();
+    let part = |n: usize| -> String {
+        if keeps_end {
+            std::iter::once('…').chain(chars[chars.len() - n..].iter().copied()).collect()
+        } else {
+            chars[..n].iter().copied().chain(std::iter::once('…')).collect()
+        }
+    };
+    // The longest part that fits, by halves.
+    let (mut low, mut high) = (0, chars.len());
+    while low + 1 < high {
+        let middle = (low + high) / 2;
+        if fits(&part(middle)) { low = middle } else { high = middle }
+    }
+    part(low)
 }
 
 #[cfg(test)]
@@ -143,13 +172,22 @@ mod tests {
 
     #[test]
     fn cells_lie_side_by_side_within_the_row() {
-        let column = Column { title: "", hint: "", width: 30.0, is_number: false };
+        let column = Column { title: "", hint: "", width: 30.0, is_number: false, keeps_end: false };
         let columns = [column, Column { width: 50.0, ..column }, column];
         let row = Rect::from_min_size(Pos2::new(5.0, 5.0), Vec2::new(width(&columns), 20.0));
         let cells: Vec<Rect> = rects(&columns, row).collect();
         assert!(cells.windows(2).all(|w| w[1].left() >= w[0].right()));
         assert!(cells.iter().all(|c| row.contains_rect(*c)));
         assert_eq!(cells.len(), 3);
+    }
+
+    #[test]
+    fn the_most_that_fits_of_a_text_is_kept() {
+        let fits = |n: usize| move |t: &str| t.chars().count() <= n;
+        assert_eq!(fitted("walk_left 12–30", true, fits(20)), "walk_left 12–30");
+        assert_eq!(fitted("walk_left 12–30", true, fits(8)), "…t 12–30");
+        assert_eq!(fitted("walk_left 12–30", false, fits(5)), "walk…");
+        assert_eq!(fitted("", false, fits(0)), "");
     }
 
     #[test]

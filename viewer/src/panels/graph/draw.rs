@@ -126,7 +126,8 @@ impl Drawing<'_> {
         if from.distance(to) < 2.0 {
             return;
         }
-        let points = curve(from, to);
+        let below = from.y - self.scale.rect.top() < 40.0;
+        let points = curve(from, to, below);
         if !Rect::from_points(&points).intersects(self.scale.rect) {
             return;
         }
@@ -203,11 +204,13 @@ impl Drawing<'_> {
     }
 }
 
-/// A curve that leaves along time and arrives along time; between rows as an S, within a row as an arc above it.
-fn curve(from: Pos2, to: Pos2) -> [Pos2; 4] {
+/// A curve that leaves along time and arrives along time; between rows as an S, within a row as an arc above
+/// or below it.
+fn curve(from: Pos2, to: Pos2, below: bool) -> [Pos2; 4] {
     let (dx, dy) = (to.x - from.x, to.y - from.y);
     if dy.abs() < 6.0 {
-        let lift = Vec2::new(0.0, -(6.0 + 0.12 * dx.abs()).min(40.0));
+        let height = (6.0 + 0.12 * dx.abs()).min(40.0);
+        let lift = Vec2::new(0.0, if below { height } else { -height });
         return [from, from + lift, to + lift, to];
     }
     let reach = (0.25 * dx.abs()).clamp(12.0, 80.0);

@@ -14,21 +14,23 @@ use throng_runtime::Planar;
 
 /// The columns.
 const COLUMNS: &[Column] = &[
-    Column { title: "plays", hint: "Clip and frames of the segment", width: 150.0, is_number: false },
-    Column { title: "s", hint: "Duration [s]", width: 34.0, is_number: true },
+    Column { title: "plays", hint: "Clip and frames of the segment", width: 150.0, is_number: false, keeps_end: true },
+    Column { title: "s", hint: "Duration [s]", width: 34.0, is_number: true, keeps_end: false },
     Column {
         title: "leads",
         hint: "Displacement and turn, as seen from the character",
         width: 150.0,
         is_number: false,
+        keeps_end: false,
     },
     Column {
         title: "error",
         hint: "How much frames differ at the transition [rad]; 0 where the clip goes on",
         width: 44.0,
         is_number: true,
+        keeps_end: false,
     },
-    Column { title: "to", hint: "State it leads to", width: 40.0, is_number: true },
+    Column { title: "to", hint: "State it leads to", width: 40.0, is_number: true, keeps_end: false },
 ];
 
 /// Width of the list. [Unit: points]

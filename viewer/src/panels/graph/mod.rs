@@ -118,8 +118,8 @@ fn show_header(ui: &mut Ui, bundle: &Bundle, state: &mut State) {
         ui.separator();
         let dark = ui.visuals().dark_mode;
         let most = drawn.links.max_plays as f32;
-        colour::legend(ui, [0.0, most], "bars: actions that play them", |t| colour::line(t.sqrt(), dark));
-        colour::legend(ui, [0.0, drawn.links.max_error], "links: error [rad]", |t| colour::line(t, dark));
+        colour::legend(ui, [0.0, most], "bars: played by", |t| colour::line(t.sqrt(), dark));
+        colour::legend(ui, [0.0, drawn.links.max_error], "links: error", |t| colour::line(t, dark));
         ui.colored_label(draw::incoming_colour(ui), "links in");
         ui.colored_label(draw::standing_colour(ui), "standing");
     });

@@ -62,7 +62,9 @@ pub fn show(ui: &mut Ui, shown: &Shown<'_>, own: &mut State) {
     choice(&painter, shown, own, &heat.plan);
     targets(&painter, shown, &heat.plan);
     tell(response, shown, own, heat);
-    colour::legend(ui, heat.range, &format!("value by {}", name(shown.bundle, shown.number)), colour::map);
+    ui.horizontal_wrapped(|ui| {
+        colour::legend(ui, heat.range, &format!("value by {}", name(shown.bundle, shown.number)), colour::map)
+    });
     ui.horizontal_wrapped(|ui| {
         ui.weak("cross: target now; ring: when it chose;");
         ui.colored_label(taken_text(ui), "action taken;");
@@ -101,7 +103,7 @@ fn directions(ui: &Ui, painter: &Painter, shown: &Shown<'_>, plan: &Plan) {
     let up = plan.centre - Span::new(0.0, radius + 3.0);
     painter.text(up, Align2::CENTER_BOTTOM, "ahead", font.clone(), weak);
     let down = plan.centre + Span::new(0.0, radius + 3.0);
-    painter.text(down, Align2::CENTER_TOP, format!("{:.1} m behind", chart.rim()), font, weak);
+    painter.text(down, Align2::CENTER_TOP, "behind", font, weak);
     painter.circle_stroke(plan.centre, radius, Stroke::new(1.0, weak.gamma_multiply(0.5)));
     let c = plan.centre;
     let nose =

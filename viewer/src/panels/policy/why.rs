@@ -11,13 +11,25 @@ use eframe::egui::{DragValue, ScrollArea, Ui};
 
 /// The columns that are always there.
 const COLUMNS: [Column; 7] = [
-    Column { title: "#", hint: "Place by score", width: 18.0, is_number: true },
-    Column { title: "plays", hint: "Clip and frames of the segment", width: 118.0, is_number: false },
-    Column { title: "s", hint: "Duration [s]", width: 30.0, is_number: true },
-    Column { title: "leads", hint: "Displacement and turn", width: 140.0, is_number: false },
-    Column { title: "score", hint: "Reward and discounted value of where it leads", width: 56.0, is_number: true },
-    Column { title: "gap", hint: "How far its score lies below the best", width: 48.0, is_number: true },
-    Column { title: "chance", hint: "How likely it was to be taken", width: 46.0, is_number: true },
+    Column { title: "#", hint: "Place by score", width: 18.0, is_number: true, keeps_end: false },
+    Column { title: "plays", hint: "Clip and frames of the segment", width: 112.0, is_number: false, keeps_end: true },
+    Column {
+        title: "score",
+        hint: "Reward and discounted value of where it leads",
+        width: 56.0,
+        is_number: true,
+        keeps_end: false,
+    },
+    Column { title: "leads", hint: "Displacement and turn", width: 104.0, is_number: false, keeps_end: false },
+    Column { title: "s", hint: "Duration [s]", width: 30.0, is_number: true, keeps_end: false },
+    Column {
+        title: "gap",
+        hint: "How far its score lies below the best",
+        width: 48.0,
+        is_number: true,
+        keeps_end: false,
+    },
+    Column { title: "chance", hint: "How likely it was to be taken", width: 46.0, is_number: true, keeps_end: false },
 ];
 
 /// Shows the choice of the selected character.
@@ -73,7 +85,7 @@ fn behaviours(ui: &mut Ui, bundle: &Bundle, why: &Why) {
 fn candidates(ui: &mut Ui, bundle: &Bundle, run: &Run, why: &Why, own: &mut State) {
     let by_each = if why.behaviours.len() > 1 { why.behaviours.len() } else { 0 };
     let mut columns = COLUMNS.to_vec();
-    let each = Column { title: "by", hint: "", width: 56.0, is_number: true };
+    let each = Column { title: "by", hint: "", width: 56.0, is_number: true, keeps_end: false };
     columns.resize(COLUMNS.len() + by_each, each);
     let chances = story::chances(why, run.config());
     let range = [why.candidates.last().map_or(0.0, |c| c.score), why.candidates[0].score];
@@ -109,9 +121,9 @@ fn cells(bundle: &Bundle, why: &Why, rank: usize, c: &Candidate, chance: f32, ra
     let mut cells = vec![
         Cell::text((rank + 1).to_string()),
         Cell::text(bundle.describe_segment(c.segment)),
-        Cell::text(format!("{:.2}", frames as f32 / bundle.rate_hz())),
-        Cell::text(words::way(c.displacement)),
         Cell { text: format!("{:.3}", c.score), bar: Some(colour::ratio(c.score, range)) },
+        Cell::text(words::way(c.displacement)),
+        Cell::text(format!("{:.2}", frames as f32 / bundle.rate_hz())),
         Cell::text(format!("{gap:.3}")),
         Cell::text(chance),
     ];
