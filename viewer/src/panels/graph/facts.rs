@@ -56,7 +56,7 @@ impl Facts {
             format!("Frames at which a character may choose; {} of them standing.", self.standing),
         );
         fact(self.actions.to_string(), "actions", format!("{least:.0} to {most:.0} a state, {mean:.1} on average."));
-        fact(format!("{mean:.1}"), "a state", format!("Actions of a state; {most:.0} at most."));
+        fact(format!("{mean:.1}"), &format!("a state, {most:.0} at most"), "Actions of a state: mean and most.".into());
         fact(
             self.segments.to_string(),
             "segments",

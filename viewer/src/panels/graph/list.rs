@@ -19,7 +19,7 @@ const COLUMNS: &[Column] = &[
     Column {
         title: "leads",
         hint: "Displacement and turn, as seen from the character",
-        width: 150.0,
+        width: 190.0,
         is_number: false,
         keeps_end: false,
     },
