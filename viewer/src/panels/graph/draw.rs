@@ -71,7 +71,7 @@ impl Drawing<'_> {
         if self.scale.has_names() {
             let seen = rect.intersect(self.scale.rect.shrink(2.0));
             if seen.width() >= NAMED_FROM {
-                self.paint_name(ui, painter, lane.clip, seen.left_top(), seen.width());
+                self.paint_name(ui, painter, lane.clip, pos2(seen.left(), rect.top()), seen.width());
             }
         }
         // Neighbours stay apart where there is room.
