@@ -199,7 +199,13 @@ impl Viewer {
                     Action::Follow => s.follow = !s.follow,
                     Action::Body => s.body = next_body(s.body),
                     Action::JointAxes => s.overlays.joint_axes = !s.overlays.joint_axes,
-                    _ => s.theme = if s.theme == egui::ThemePreference::Dark { egui::ThemePreference::Light } else { egui::ThemePreference::Dark },
+                    _ => {
+                        s.theme = if s.theme == egui::ThemePreference::Dark {
+                            egui::ThemePreference::Light
+                        } else {
+                            egui::ThemePreference::Dark
+                        }
+                    }
                 }
                 Command::Settings(Box::new(s))
             }

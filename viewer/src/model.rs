@@ -222,7 +222,11 @@ impl Model {
                 self.settings.remember(&loaded.path);
                 self.show(opened, is_reload);
                 let name = loaded.path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-                self.say(if is_reload { format!("{name} has changed and was read again") } else { format!("Opened {name}") });
+                self.say(if is_reload {
+                    format!("{name} has changed and was read again")
+                } else {
+                    format!("Opened {name}")
+                });
             }
             Err(why) if matches!(self.document, Document::Nothing) => self.complain(why),
             Err(why) => self.complain(format!("{why}\nWhat was open is kept.")),

@@ -3,16 +3,21 @@
 //! A panel is a function of the borrowed [`Model`]: it shows, and puts what it asks for on the list of commands. What
 //! only concerns how it looks (a filter, a zoom) is its own state.
 
+pub mod colour;
 pub mod control;
 pub mod database;
+pub mod graph;
 pub mod help;
 pub mod messages;
 pub mod paint;
+pub mod policy;
 pub mod report;
 pub mod statistics;
+pub mod table;
 pub mod top_bar;
 pub mod transport;
 pub mod viewport;
+pub mod words;
 
 use crate::command::Command;
 use crate::model::Model;
@@ -30,6 +35,10 @@ pub enum PanelKind {
     Database,
     /// What import found in a motion file, and what a bundle was made of.
     Report,
+    /// States and actions.
+    Graph,
+    /// Values and choices.
+    Policy,
 }
 
 /// Where a panel lies.
@@ -69,12 +78,28 @@ pub const PANELS: &[Panel] = &[
         show: |ui, model, states, commands| control::show(ui, model, &mut states.control, commands),
     },
     Panel {
+        kind: PanelKind::Policy,
+        title: "Policy",
+        purpose: "what a state is worth for every place of the target, and why an action was taken",
+        dock: Dock::Side,
+        key: Key::F2,
+        show: |ui, model, states, commands| policy::show(ui, model, &mut states.policy, commands),
+    },
+    Panel {
         kind: PanelKind::Statistics,
         title: "Statistics",
         purpose: "time of a step and a frame, memory, foot slip, arrivals",
         dock: Dock::Side,
         key: Key::F3,
         show: |ui, model, _, _| statistics::show(ui, model),
+    },
+    Panel {
+        kind: PanelKind::Graph,
+        title: "Motion graph",
+        purpose: "states, actions and where they lead; a click plays an action",
+        dock: Dock::Bottom,
+        key: Key::F4,
+        show: |ui, model, states, commands| graph::show(ui, model, &mut states.graph, commands),
     },
     Panel {
         kind: PanelKind::Database,
@@ -99,6 +124,10 @@ pub const PANELS: &[Panel] = &[
 pub struct PanelStates {
     /// The 3-D view.
     pub viewport: viewport::State,
+    /// The motion graph.
+    pub graph: graph::State,
+    /// Policies.
+    pub policy: policy::State,
     /// Control.
     pub control: control::State,
     /// The list of keys is shown.

@@ -31,12 +31,20 @@ fn now(ui: &mut Ui, model: &Model, run: &Run) {
     let f = run.figures();
     let n = run.config().characters;
     Grid::new("now").num_columns(2).spacing([14.0, 3.0]).show(ui, |ui| {
-        row(ui, "characters at target", format!("{} of {n} ({:.0} %)", f.at_target, 100.0 * f.at_target as f32 / n as f32));
+        row(
+            ui,
+            "characters at target",
+            format!("{} of {n} ({:.0} %)", f.at_target, 100.0 * f.at_target as f32 / n as f32),
+        );
         row(ui, "foot slip", format!("{:.3} m/s mean, {:.3} at the 95th percentile", f.slip.mean_mps, f.slip.p95_mps));
         let per_character = 1e9 * f.wall_s / n as f64;
         row(ui, "step", format!("{:.3} ms, {per_character:.0} ns a character", 1e3 * f.wall_s));
         row(ui, "frame", format!("{:.1} ms, {} steps in it", 1e3 * model.times.frame_s, model.times.steps));
-        row(ui, "record", format!("{} for {:.0} s", bytes(run.recording_bytes()), run.history().count() as f32 / STEP_HZ));
+        row(
+            ui,
+            "record",
+            format!("{} for {:.0} s", bytes(run.recording_bytes()), run.history().count() as f32 / STEP_HZ),
+        );
     });
 }
 

@@ -35,12 +35,7 @@ pub(super) fn lay_out(out: &mut Layout, model: &Model, bundle: &Bundle, palette:
         }
     }
     out.poses.resize(frames.len() * NUM_JOINTS, Mat3x4::default());
-    let job = SampleJob {
-        repertoire: bundle.repertoire(),
-        frames: &frames,
-        ratios: &ratios,
-        matrices: &mut out.poses,
-    };
+    let job = SampleJob { repertoire: bundle.repertoire(), frames: &frames, ratios: &ratios, matrices: &mut out.poses };
     if job.run().is_err() {
         out.poses.clear();
         return;

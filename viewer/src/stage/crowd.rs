@@ -86,7 +86,8 @@ fn trajectory(out: &mut Layout, bundle: &Bundle, run: &Run, c: usize, palette: &
     let end = s.start + s.num_frames;
     let mut points = vec![root.translation().with_y(0.016)];
     let stride = (s.num_frames / 12).max(1) as usize;
-    points.extend((now..end).step_by(stride).skip(1).map(|row| clip_to_world.compose(bundle.planar(row)).translation()));
+    points
+        .extend((now..end).step_by(stride).skip(1).map(|row| clip_to_world.compose(bundle.planar(row)).translation()));
     let goal = clip_to_world.compose(bundle.planar(end));
     points.push(goal.translation());
     points.iter_mut().for_each(|p| p.y = 0.016);

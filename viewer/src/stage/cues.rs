@@ -37,8 +37,7 @@ pub(super) fn joint_axes(shapes: &mut Shapes, root: Planar, pose: &[Mat3x4]) {
 
 /// A colour for the n-th of many things; neighbours differ.
 pub(super) fn category(n: usize) -> Rgba {
-    const COLOURS: [u32; 10] = [
-        0x4e79a7, 0xf28e2b, 0x59a14f, 0xe15759, 0x76b7b2, 0xedc948, 0xb07aa1, 0xff9da7, 0x9c755f, 0x8cd17d,
-    ];
+    const COLOURS: [u32; 10] =
+        [0x4e79a7, 0xf28e2b, 0x59a14f, 0xe15759, 0x76b7b2, 0xedc948, 0xb07aa1, 0xff9da7, 0x9c755f, 0x8cd17d];
     Rgba::hex(COLOURS[n % COLOURS.len()])
 }

@@ -1,0 +1,237 @@
+//! Paints the graph: clips, segments, states, and the links of the states that are looked at.
+
+use super::layout::{Bar, Lane, Layout};
+use super::links::{Link, Links, outgoing};
+use super::view::Scale;
+use crate::document::Bundle;
+use crate::panels::colour;
+use eframe::egui::epaint::CubicBezierShape;
+use eframe::egui::text::{LayoutJob, TextFormat, TextWrapping};
+use eframe::egui::{Color32, FontId, Painter, Pos2, Rect, Shape, Stroke, Ui, Vec2, pos2};
+use throng_runtime::graph::MotionGraph;
+
+/// Lanes narrower than this have no name. [Unit: points]
+const NAMED_FROM: f32 = 44.0;
+/// Distance from which a state can be pointed at. [Unit: points]
+const REACH: f32 = 7.0;
+
+/// What is painted.
+#[derive(Clone, Copy)]
+pub struct Drawing<'a> {
+    /// The bundle.
+    pub bundle: &'a Bundle,
+    /// Places.
+    pub layout: &'a Layout,
+    /// Links.
+    pub links: &'a Links,
+    /// Places on the screen.
+    pub scale: Scale,
+    /// State that is looked at.
+    pub selected: Option<u32>,
+    /// State under the pointer.
+    pub hovered: Option<u32>,
+    /// Segment that stands out, such as the one under the pointer in the list.
+    pub marked: Option<u32>,
+    /// Segment that the selected character plays, and the time within it. [Unit: frames]
+    pub playing: Option<(u32, f32)>,
+}
+
+impl Drawing<'_> {
+    /// Paints all that can be seen.
+    pub fn paint(&self, ui: &Ui, painter: &Painter) {
+        let focused: Vec<u32> = self.selected.into_iter().chain(self.hovered).collect();
+        let graph = self.bundle.tables().graph();
+        for lane in self.lanes() {
+            self.paint_lane(ui, painter, lane, !focused.is_empty());
+        }
+        for &state in &focused {
+            self.paint_played(ui, painter, &graph, state);
+        }
+        for &state in &focused {
+            self.paint_links(ui, painter, &graph, state);
+        }
+        self.paint_states(ui, painter, &graph);
+        self.paint_character(ui, painter);
+    }
+
+    fn lanes(&self) -> impl Iterator<Item = &Lane> {
+        let [low, high] = self.scale.range_s();
+        let rows = &self.layout.rows[self.scale.rows(self.layout)];
+        rows.iter().flat_map(|r| &self.layout.lanes[r.clone()]).filter(move |l| l.end >= low && l.start <= high)
+    }
+
+    fn rect(&self, bar: &Bar) -> Rect {
+        self.scale.bar(&self.layout.lanes[bar.lane as usize], bar)
+    }
+
+    fn paint_lane(&self, ui: &Ui, painter: &Painter, lane: &Lane, faint: bool) {
+        let visuals = ui.visuals();
+        let rect = self.scale.lane(lane);
+        painter.rect_filled(rect.expand2(Vec2::new(2.0, 0.0)), 2.0, visuals.faint_bg_color);
+        if self.scale.has_names() {
+            let seen = rect.intersect(self.scale.rect.shrink(2.0));
+            if seen.width() >= NAMED_FROM {
+                self.paint_name(ui, painter, lane.clip, pos2(seen.left(), rect.top()), seen.width());
+            }
+        }
+        // Neighbours stay apart where there is room.
+        let gap = (0.03 * self.scale.per_s()).min(1.0);
+        for bar in self.layout.bars_within(lane, self.scale.range_s()) {
+            let plays = self.links.plays[bar.segment as usize] as f32 / self.links.max_plays.max(1) as f32;
+            let colour = colour::line(plays.sqrt(), visuals.dark_mode);
+            let colour = if faint { blend(visuals.panel_fill, colour, 0.3) } else { colour };
+            let rect = self.scale.bar(lane, bar);
+            painter.rect_filled(rect.with_max_x((rect.right() - gap).max(rect.left() + 0.5)), 1.0, colour);
+        }
+    }
+
+    fn paint_name(&self, ui: &Ui, painter: &Painter, clip: usize, at: Pos2, width: f32) {
+        let colour = ui.visuals().weak_text_color();
+        let format = TextFormat::simple(FontId::proportional(11.0), colour);
+        let mut job = LayoutJob::single_section(self.bundle.clip_name(clip).to_owned(), format);
+        job.wrap = TextWrapping { max_width: width, max_rows: 1, break_anywhere: true, ..TextWrapping::default() };
+        painter.galley(at, painter.layout_job(job), colour);
+    }
+
+    /// Segments that a state's actions play.
+    fn paint_played(&self, ui: &Ui, painter: &Painter, graph: &MotionGraph<'_>, state: u32) {
+        for link in outgoing(graph, state) {
+            let rect = self.rect(self.layout.bar(link.segment));
+            if rect.intersects(self.scale.rect) {
+                painter.rect_filled(rect, 1.0, self.cost_colour(ui, link.error));
+            }
+        }
+    }
+
+    fn paint_links(&self, ui: &Ui, painter: &Painter, graph: &MotionGraph<'_>, state: u32) {
+        for link in self.links.leading_to(state) {
+            self.paint_link(painter, link, Stroke::new(0.8, incoming_colour(ui).gamma_multiply(0.7)));
+        }
+        for link in outgoing(graph, state) {
+            self.paint_link(painter, &link, Stroke::new(1.3, self.cost_colour(ui, link.error)));
+        }
+        let marked = outgoing(graph, state).find(|l| Some(l.segment) == self.marked);
+        if let Some(link) = marked {
+            let colour = ui.visuals().strong_text_color();
+            self.paint_link(painter, &link, Stroke::new(2.5, colour));
+            let rect = self.rect(self.layout.bar(link.segment)).expand(1.5);
+            painter.rect_stroke(rect, 1.0, Stroke::new(1.5, colour), eframe::egui::StrokeKind::Outside);
+        }
+    }
+
+    /// From a state to where the next segment starts.
+    fn paint_link(&self, painter: &Painter, link: &Link, stroke: Stroke) {
+        let Some(from) = self.state_place(link.from) else { return };
+        let to = self.rect(self.layout.bar(link.segment)).left_center();
+        if from.distance(to) < 2.0 {
+            return;
+        }
+        let below = from.y - self.scale.rect.top() < 40.0;
+        let points = curve(from, to, below);
+        if !Rect::from_points(&points).intersects(self.scale.rect) {
+            return;
+        }
+        painter.add(CubicBezierShape::from_points_stroke(points, false, Color32::TRANSPARENT, stroke));
+        painter.circle_filled(to, stroke.width + 0.7, stroke.color);
+    }
+
+    fn paint_states(&self, ui: &Ui, painter: &Painter, graph: &MotionGraph<'_>) {
+        let visuals = ui.visuals();
+        let radius = (0.1 * self.scale.per_s()).clamp(1.2, 4.0);
+        let (fill, edge) = (visuals.text_color(), visuals.panel_fill);
+        for lane in self.lanes() {
+            for bar in self.layout.bars_within(lane, self.scale.range_s()) {
+                let state = graph.segments[bar.segment as usize].end;
+                let at = self.scale.bar(lane, bar).right_center();
+                if graph.states[state as usize].standing != 0 {
+                    let square = Rect::from_center_size(at, Vec2::splat(2.2 * radius));
+                    painter.rect_filled(square, 0.0, standing_colour(ui));
+                } else {
+                    painter.circle(at, radius, fill, Stroke::new(0.5, edge));
+                }
+            }
+        }
+        for (state, colour) in [(self.hovered, visuals.text_color()), (self.selected, visuals.strong_text_color())] {
+            if let Some(at) = state.and_then(|s| self.state_place(s)) {
+                painter.circle(at, radius.max(3.0) + 2.0, edge, Stroke::new(2.0, colour));
+                painter.circle_filled(at, radius.max(2.0), colour);
+            }
+        }
+    }
+
+    /// A pointer above the bar that the character plays.
+    fn paint_character(&self, ui: &Ui, painter: &Painter) {
+        let Some((segment, frames)) = self.playing else { return };
+        let bar = self.layout.bar(segment);
+        let rect = self.rect(bar);
+        let x = self.scale.x(self.layout.moment(bar, frames));
+        let colour = character_colour(ui);
+        painter.rect_stroke(rect.expand(1.0), 1.0, Stroke::new(1.5, colour), eframe::egui::StrokeKind::Outside);
+        painter.vline(x, rect.expand(3.0).y_range(), Stroke::new(2.0, colour));
+        let tip = pos2(x, rect.top() - 2.0);
+        let corners = vec![tip, tip + Vec2::new(-5.0, -8.0), tip + Vec2::new(5.0, -8.0)];
+        painter.add(Shape::convex_polygon(corners, colour, Stroke::new(1.0, ui.visuals().panel_fill)));
+    }
+
+    /// Where a state is drawn.
+    pub fn state_place(&self, state: u32) -> Option<Pos2> {
+        let bar = self.layout.state_bars.get(state as usize).copied().flatten()?;
+        Some(self.rect(&self.layout.segments[bar as usize]).right_center())
+    }
+
+    /// The state near a point.
+    pub fn state_at(&self, point: Pos2) -> Option<u32> {
+        let graph = self.bundle.tables().graph();
+        let reach = [-REACH, REACH].map(|r| self.scale.seconds(point.x + r));
+        let near = |lane: &Lane| self.scale.lane(lane).expand(REACH).contains(point);
+        let bars = self.lanes().filter(|l| near(l)).flat_map(|l| {
+            self.layout.bars_within(l, reach).iter().map(|b| (b, self.scale.bar(l, b).right_center().distance(point)))
+        });
+        let nearest = bars.filter(|b| b.1 <= REACH).min_by(|a, b| a.1.total_cmp(&b.1))?;
+        Some(graph.segments[nearest.0.segment as usize].end)
+    }
+
+    /// The segment at a point.
+    pub fn segment_at(&self, point: Pos2) -> Option<u32> {
+        let s = self.scale.seconds(point.x);
+        let lane = self.lanes().find(|l| self.scale.lane(l).contains(point))?;
+        let mut bars = self.layout.bars_within(lane, [s, s]).iter();
+        bars.find(|b| self.scale.bar(lane, b).expand2(Vec2::new(0.0, 2.0)).contains(point)).map(|b| b.segment)
+    }
+
+    fn cost_colour(&self, ui: &Ui, error: f32) -> Color32 {
+        colour::line(colour::ratio(error, [0.0, self.links.max_error]), ui.visuals().dark_mode)
+    }
+}
+
+/// A curve that leaves along time and arrives along time; between rows as an S, within a row as an arc above
+/// or below it.
+fn curve(from: Pos2, to: Pos2, below: bool) -> [Pos2; 4] {
+    let (dx, dy) = (to.x - from.x, to.y - from.y);
+    if dy.abs() < 6.0 {
+        let height = (6.0 + 0.12 * dx.abs()).min(40.0);
+        let lift = Vec2::new(0.0, if below { height } else { -height });
+        return [from, from + lift, to + lift, to];
+    }
+    let reach = (0.25 * dx.abs()).clamp(12.0, 80.0);
+    [from, from + Vec2::new(reach, 0.0), to - Vec2::new(reach, 0.0), to]
+}
+
+fn blend(back: Color32, front: Color32, part: f32) -> Color32 {
+    back.lerp_to_gamma(front, part)
+}
+
+/// Colour of the links into a state.
+pub fn incoming_colour(ui: &Ui) -> Color32 {
+    if ui.visuals().dark_mode { Color32::from_rgb(240, 140, 180) } else { Color32::from_rgb(190, 40, 110) }
+}
+
+/// Colour of standing states.
+pub fn standing_colour(ui: &Ui) -> Color32 {
+    if ui.visuals().dark_mode { Color32::from_rgb(255, 170, 80) } else { Color32::from_rgb(200, 95, 0) }
+}
+
+/// Colour of what the selected character plays.
+pub fn character_colour(ui: &Ui) -> Color32 {
+    if ui.visuals().dark_mode { Color32::from_rgb(255, 95, 80) } else { Color32::from_rgb(210, 30, 20) }
+}

@@ -1,0 +1,91 @@
+//! Who leads where: the actions that lead into a state, and how many play a segment.
+
+use throng_runtime::graph::MotionGraph;
+
+/// An action, by the state that may take it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Link {
+    /// State that may take it.
+    pub from: u32,
+    /// Segment it plays.
+    pub segment: u32,
+    /// How much frames differ where it leaves its clip; 0 where the clip goes on. [Unit: rad]
+    pub error: f32,
+}
+
+/// Actions by the state that they lead to.
+#[derive(Clone, Debug, Default)]
+pub struct Links {
+    offsets: Vec<u32>,
+    incoming: Vec<Link>,
+    /// Actions that play each segment. [Size: number of segments]
+    pub plays: Vec<u32>,
+    /// The largest of them.
+    pub max_plays: u32,
+    /// The largest error of all actions. [Unit: rad]
+    pub max_error: f32,
+}
+
+impl Links {
+    /// Goes through all actions of a graph.
+    pub fn new(graph: &MotionGraph<'_>) -> Self {
+        let num_states = graph.states.len();
+        let mut offsets = vec![0; num_states + 1];
+        let mut plays = vec![0; graph.segments.len()];
+        for &segment in graph.action_segments {
+            offsets[graph.segments[segment as usize].end as usize + 1] += 1;
+            plays[segment as usize] += 1;
+        }
+        for s in 0..num_states {
+            offsets[s + 1] += offsets[s];
+        }
+        let mut next = offsets.clone();
+        let mut incoming = vec![Link { from: 0, segment: 0, error: 0.0 }; graph.action_segments.len()];
+        for from in 0..num_states as u32 {
+            for link in outgoing(graph, from) {
+                let to = graph.segments[link.segment as usize].end as usize;
+                incoming[next[to] as usize] = link;
+                next[to] += 1;
+            }
+        }
+        let max_plays = plays.iter().copied().max().unwrap_or(0);
+        let max_error = graph.action_errors.iter().copied().fold(0.0, f32::max);
+        Self { offsets, incoming, plays, max_plays, max_error }
+    }
+
+    /// Actions that lead into a state, by the state that may take them. [Limit: state < number of states]
+    pub fn leading_to(&self, state: u32) -> &[Link] {
+        let s = state as usize;
+        &self.incoming[self.offsets[s] as usize..self.offsets[s + 1] as usize]
+    }
+}
+
+/// Actions of a state, in order. [Limit: state < number of states]
+pub fn outgoing(graph: &MotionGraph<'_>, from: u32) -> impl Iterator<Item = Link> {
+    let first = graph.action_offsets[from as usize] as usize;
+    let errors = &graph.action_errors[first..];
+    graph.segments_of(from).iter().zip(errors).map(move |(&segment, &error)| Link { from, segment, error })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::tests::golden;
+    use super::*;
+
+    #[test]
+    fn actions_into_a_state_are_those_that_a_search_finds() {
+        let b = golden();
+        let graph = b.tables().graph();
+        let links = Links::new(&graph);
+        let mut total = 0;
+        for to in 0..graph.states.len() as u32 {
+            let leads = |l: &Link| graph.segments[l.segment as usize].end == to;
+            let searched: Vec<Link> =
+                (0..graph.states.len() as u32).flat_map(|s| outgoing(&graph, s)).filter(leads).collect();
+            assert_eq!(links.leading_to(to), searched);
+            total += searched.len();
+        }
+        assert_eq!(total, graph.action_segments.len());
+        assert_eq!(links.plays.iter().sum::<u32>() as usize, total);
+    }
+}

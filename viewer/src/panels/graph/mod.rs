@@ -1,0 +1,205 @@
+//! The motion graph: segments along the time of their clips, states between them, and the links of a state.
+
+mod draw;
+mod facts;
+mod layout;
+mod links;
+mod list;
+mod view;
+
+use crate::command::Command;
+use crate::document::Bundle;
+use crate::model::Model;
+use crate::panels::{colour, table};
+use draw::Drawing;
+use eframe::egui::{
+    Align, CursorIcon, Layout as UiLayout, Rect, Response, RichText, Role, Sense, Ui, UiBuilder, Vec2, WidgetInfo,
+};
+use facts::Facts;
+use layout::Layout;
+use links::Links;
+use view::View;
+
+/// Motion shown around a clip that is searched. [Unit: s]
+const AROUND_S: f32 = 8.0;
+
+/// What is worked out of a bundle once.
+#[derive(Clone, Debug)]
+struct Drawn {
+    serial: u64,
+    layout: Layout,
+    links: Links,
+    facts: Facts,
+}
+
+/// How the graph is looked at.
+#[derive(Clone, Debug)]
+pub struct State {
+    drawn: Option<Drawn>,
+    view: View,
+    order: table::Order,
+    search: String,
+    follow: bool,
+    /// Segment that stands out since the last frame.
+    marked: Option<u32>,
+    /// Segment whose row is under the pointer in this frame.
+    hovered_action: Option<u32>,
+    rect: Rect,
+}
+
+impl Default for State {
+    fn default() -> Self {
+        Self {
+            drawn: None,
+            view: View::default(),
+            order: table::Order { column: 3, descending: false },
+            search: String::new(),
+            follow: false,
+            marked: None,
+            hovered_action: None,
+            rect: Rect::NOTHING,
+        }
+    }
+}
+
+/// Shows the motion graph of the open bundle.
+pub fn show(ui: &mut Ui, model: &Model, state: &mut State, commands: &mut Vec<Command>) {
+    let Some(bundle) = model.document.bundle() else {
+        ui.weak("A motion graph is part of a bundle; open one to see it.");
+        return;
+    };
+    if bundle.tables().graph().states.is_empty() {
+        ui.weak("This bundle has no motion graph.");
+        return;
+    }
+    state.prepare(bundle);
+    show_header(ui, bundle, state);
+    state.marked = state.hovered_action.take();
+    let looked_at = model.looked_at_state().filter(|&s| (s as usize) < bundle.tables().graph().states.len());
+    let rest = ui.available_rect_before_wrap();
+    let list_width = if looked_at.is_some() { list::width().min(0.5 * rest.width()) } else { 0.0 };
+    let (drawing, side) = rest.split_left_right_at_x(rest.right() - list_width);
+    show_drawing(ui, drawing, model, bundle, state, commands);
+    if let Some(looked_at) = looked_at {
+        let builder =
+            UiBuilder::new().max_rect(side.shrink2(Vec2::new(8.0, 0.0))).layout(UiLayout::top_down(Align::Min));
+        ui.scope_builder(builder, |ui| list::show(ui, model, bundle, looked_at, state, commands));
+    }
+}
+
+impl State {
+    /// Works out what depends on the bundle alone.
+    fn prepare(&mut self, bundle: &Bundle) {
+        if self.drawn.as_ref().is_some_and(|d| d.serial == bundle.serial()) {
+            return;
+        }
+        let tables = bundle.tables();
+        let (layout, links, facts) = (Layout::new(tables), Links::new(&tables.graph()), Facts::new(tables));
+        self.drawn = Some(Drawn { serial: bundle.serial(), layout, links, facts });
+        self.view = View::default();
+    }
+}
+
+fn show_header(ui: &mut Ui, bundle: &Bundle, state: &mut State) {
+    let State { drawn, view, search, follow, rect, .. } = state;
+    let Some(drawn) = drawn else { return };
+    ui.horizontal_wrapped(|ui| {
+        drawn.facts.show(ui);
+        ui.separator();
+        if ui.button("Fit").on_hover_text("Show all of the graph").clicked() {
+            *view = View::default();
+        }
+        ui.checkbox(follow, "Follow").on_hover_text("Keep the segment of the selected character in sight");
+        let edit = eframe::egui::TextEdit::singleline(search).hint_text("find clip").desired_width(110.0);
+        let searched = ui.add(edit).changed();
+        if searched && let Some(found) = find(bundle, &drawn.layout, search) {
+            view.show(&drawn.layout, *rect, found, AROUND_S);
+        }
+        ui.separator();
+        let dark = ui.visuals().dark_mode;
+        let most = drawn.links.max_plays as f32;
+        colour::legend(ui, [0.0, most], "bars: played by", |t| colour::line(t.sqrt(), dark));
+        colour::legend(ui, [0.0, drawn.links.max_error], "links: error", |t| colour::line(t, dark));
+        ui.colored_label(draw::incoming_colour(ui), "links in");
+        ui.colored_label(draw::standing_colour(ui), "standing");
+    });
+}
+
+/// Place of the first clip that takes part and whose name holds a text.
+fn find(bundle: &Bundle, layout: &Layout, text: &str) -> Option<(usize, f32)> {
+    let text = text.trim().to_lowercase();
+    let is_meant = |clip: usize| bundle.clip_name(clip).to_lowercase().contains(&text);
+    let lane = layout.lanes.iter().find(|l| !text.is_empty() && is_meant(l.clip))?;
+    Some((lane.row, 0.5 * (lane.start + lane.end).min(2.0 * lane.start + AROUND_S)))
+}
+
+fn show_drawing(
+    ui: &mut Ui,
+    rect: Rect,
+    model: &Model,
+    bundle: &Bundle,
+    state: &mut State,
+    commands: &mut Vec<Command>,
+) {
+    let response = ui.allocate_rect(rect, Sense::click_and_drag());
+    response.widget_info(|| WidgetInfo::labeled(Role::Canvas, true, "Motion graph"));
+    let Some(drawn) = &state.drawn else { return };
+    state.rect = rect;
+    state.view.interact(ui, &drawn.layout, &response);
+    let character = model.selection.character;
+    let playing = character.and_then(|c| Some(model.document.crowd()?.1.troupe().segment(c)));
+    if let Some((segment, frames)) = playing.filter(|_| state.follow) {
+        let bar = drawn.layout.bar(segment);
+        let row = drawn.layout.lanes[bar.lane as usize].row;
+        state.view.centre(&drawn.layout, rect, (row, drawn.layout.moment(bar, frames)));
+    }
+    let mut drawing = Drawing {
+        bundle,
+        layout: &drawn.layout,
+        links: &drawn.links,
+        scale: state.view.scale(&drawn.layout, rect),
+        selected: model.looked_at_state(),
+        hovered: None,
+        marked: state.marked,
+        playing,
+    };
+    drawing.hovered = response.hover_pos().and_then(|p| drawing.state_at(p));
+    let painter = ui.painter_at(rect);
+    painter.rect_filled(rect, 2.0, ui.visuals().extreme_bg_color);
+    drawing.paint(ui, &painter);
+    if response.clicked()
+        && let Some(point) = response.interact_pointer_pos()
+    {
+        commands.push(Command::SelectState(drawing.state_at(point)));
+    }
+    tell(response, &drawing);
+}
+
+/// Says what is under the pointer.
+fn tell(response: Response, drawing: &Drawing<'_>) {
+    let Some(point) = response.hover_pos().filter(|_| !response.dragged()) else { return };
+    let (bundle, graph) = (drawing.bundle, drawing.bundle.tables().graph());
+    if let Some(state) = drawing.hovered {
+        let record = graph.states[state as usize];
+        let clip = bundle.clip_of(record.frame);
+        let frame = record.frame - bundle.tables().clips()[clip].first_frame;
+        response.on_hover_cursor(CursorIcon::PointingHand).on_hover_ui_at_pointer(|ui| {
+            let standing = if record.standing != 0 { ", standing" } else { "" };
+            ui.label(RichText::new(format!("State {state}{standing}")).strong());
+            ui.label(format!("{} {frame}", bundle.clip_name(clip)));
+            let (out, into) = (graph.segments_of(state).len(), drawing.links.leading_to(state).len());
+            ui.label(format!("{out} actions, {into} lead here"));
+        });
+    } else if let Some(segment) = drawing.segment_at(point) {
+        response.on_hover_ui_at_pointer(|ui| {
+            let record = &graph.segments[segment as usize];
+            ui.label(RichText::new(bundle.describe_segment(segment)).strong());
+            let plays = drawing.links.plays[segment as usize];
+            let seconds = record.num_frames as f32 / bundle.rate_hz();
+            ui.label(format!("{seconds:.2} s, leads to state {}; {plays} actions play it", record.end));
+        });
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,187 @@
+//! The picture of a state's values over the target grid, kept until it changes.
+
+use super::chart::{Chart, polar};
+use crate::panels::colour;
+use eframe::egui::epaint::Mesh;
+use eframe::egui::{Color32, Pos2, Rect};
+use glam::Vec2;
+use std::collections::HashSet;
+use std::f32::consts::TAU;
+use std::sync::Arc;
+use throng_runtime::graph::MotionGraph;
+use throng_runtime::policy::PolicyTable;
+
+/// Longest piece of an arc that is drawn straight. [Unit: rad]
+const ARC: f32 = TAU / 90.0;
+/// Colours between two cells along each axis, where values are interpolated.
+const FINENESS: usize = 4;
+/// Space around the rim for the words "ahead" and so on. [Unit: points]
+const MARGIN: f32 = 18.0;
+/// Longest arrow. [Unit: points]
+const LONGEST: f32 = 22.0;
+/// Space between the feet of arrows. [Unit: points]
+const APART: f32 = 17.0;
+
+/// What a picture shows.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Key {
+    /// Of the bundle.
+    pub serial: u64,
+    /// Behaviour.
+    pub policy: usize,
+    /// State.
+    pub state: u32,
+    /// Height of the targets.
+    pub height: u32,
+    /// Interpolated values, not those of cells.
+    pub smooth: bool,
+    /// Where it lies on the screen.
+    pub rect: Rect,
+}
+
+/// From the ground around the character to the screen.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Plan {
+    /// Where the character stands.
+    pub centre: Pos2,
+    /// Points that a metre takes.
+    pub per_m: f32,
+}
+
+impl Plan {
+    /// Fits a chart into a part of the screen.
+    pub fn new(chart: &Chart, rect: Rect) -> Self {
+        let radius = 0.5 * rect.width().min(rect.height()) - MARGIN;
+        Self { centre: rect.center(), per_m: radius.max(1.0) / chart.rim() }
+    }
+
+    /// Screen position of a place: the character's left is at the left, ahead is up.
+    pub fn screen(&self, p: Vec2) -> Pos2 {
+        Pos2::new(self.centre.x - p.x * self.per_m, self.centre.y - p.y * self.per_m)
+    }
+
+    /// Place of a screen position.
+    pub fn ground(&self, p: Pos2) -> Vec2 {
+        Vec2::new(self.centre.x - p.x, self.centre.y - p.y) / self.per_m
+    }
+}
+
+/// The picture.
+#[derive(Clone, Debug)]
+pub struct Heat {
+    /// What it shows.
+    pub key: Key,
+    /// Places on the screen.
+    pub plan: Plan,
+    /// Coloured sectors.
+    pub mesh: Arc<Mesh>,
+    /// Least and largest value of the state.
+    pub range: [f32; 2],
+    /// Feet and tips of the arrows.
+    pub arrows: Vec<[Pos2; 2]>,
+    /// Length of arrows against the distance on the map.
+    pub arrow_scale: f32,
+}
+
+impl Heat {
+    /// Works the picture out.
+    pub fn new(key: Key, policy: &PolicyTable<'_>, graph: &MotionGraph<'_>) -> Self {
+        let chart = Chart::new(policy.grid());
+        let plan = Plan::new(&chart, key.rect);
+        let values = policy.values_of(key.state);
+        let range = values.iter().fold([f32::INFINITY, f32::NEG_INFINITY], |[a, b], &v| [a.min(v), b.max(v)]);
+        let colour = |v: f32| colour::map(colour::ratio(v, range));
+        let mesh = if key.smooth {
+            smooth(&chart, &plan, |p| colour(policy.value(key.state, chart.target(p, key.height))), policy)
+        } else {
+            cells(&chart, &plan, key.height, |cell| colour(values[cell]))
+        };
+        let (arrows, arrow_scale) = arrows(&key, &chart, &plan, policy, graph);
+        Self { key, plan, mesh: Arc::new(mesh), range, arrows, arrow_scale }
+    }
+}
+
+/// Sectors of one colour each.
+fn cells(chart: &Chart, plan: &Plan, height: u32, colour: impl Fn(usize) -> Color32) -> Mesh {
+    let mut mesh = Mesh::default();
+    for cell in chart.cells(height) {
+        let sector = chart.sector(cell);
+        let [from, to] = sector.angles;
+        let parts = ((to - from) / ARC).ceil().max(1.0) as usize;
+        let colour = colour(cell);
+        let row = |mesh: &mut Mesh, radius: f32| {
+            for i in 0..=parts {
+                let angle = from + (to - from) * i as f32 / parts as f32;
+                mesh.colored_vertex(plan.screen(polar(angle, radius)), colour);
+            }
+        };
+        let first = mesh.vertices.len() as u32;
+        row(&mut mesh, sector.radii[0]);
+        row(&mut mesh, sector.radii[1]);
+        stitch(&mut mesh, first, parts as u32);
+    }
+    mesh
+}
+
+/// A net of colours over all of the chart.
+fn smooth(chart: &Chart, plan: &Plan, colour: impl Fn(Vec2) -> Color32, policy: &PolicyTable<'_>) -> Mesh {
+    let mut mesh = Mesh::default();
+    let record = policy.grid().record();
+    let around = (record.num_angles as usize * FINENESS).max(90) as u32;
+    let out = record.num_rings as usize * FINENESS;
+    let [from, to] = chart.angles();
+    for ring in 0..=out {
+        let radius = chart.radius(ring as f32 / FINENESS as f32 - 0.5);
+        for i in 0..=around {
+            let p = polar(from + (to - from) * i as f32 / around as f32, radius);
+            mesh.colored_vertex(plan.screen(p), colour(p));
+        }
+        if ring > 0 {
+            stitch(&mut mesh, (ring as u32 - 1) * (around + 1), around);
+        }
+    }
+    mesh
+}
+
+/// Triangles between two rows of vertices that follow each other.
+fn stitch(mesh: &mut Mesh, first: u32, parts: u32) {
+    for i in first..first + parts {
+        let above = i + parts + 1;
+        mesh.add_triangle(i, i + 1, above);
+        mesh.add_triangle(i + 1, above, above + 1);
+    }
+}
+
+/// Where the best actions of cells lead, of as many cells as there is room for.
+fn arrows(
+    key: &Key,
+    chart: &Chart,
+    plan: &Plan,
+    policy: &PolicyTable<'_>,
+    graph: &MotionGraph<'_>,
+) -> (Vec<[Pos2; 2]>, f32) {
+    let segments = graph.segments_of(key.state);
+    let way = |cell: usize| {
+        let best = usize::from(policy.best_of(key.state, cell)[0]);
+        let d = graph.segments[segments[best] as usize].displacement;
+        Vec2::new(d[0], d[1])
+    };
+    let longest = chart.cells(key.height).map(|c| way(c).length()).fold(0.0, f32::max) * plan.per_m;
+    let scale = if longest > LONGEST { LONGEST / longest } else { 1.0 };
+    let mut taken = HashSet::new();
+    let mut found = Vec::new();
+    for cell in chart.cells(key.height).rev() {
+        let centre = policy.grid().cell_centre(cell);
+        let foot = plan.screen(Vec2::new(centre.x, centre.z));
+        let bucket = ((foot.x / APART) as i32, (foot.y / APART) as i32);
+        let around = (-1..=1).flat_map(|x| (-1..=1).map(move |y| (bucket.0 + x, bucket.1 + y)));
+        let near = |b: (i32, i32)| taken.contains(&b) && found.iter().any(|a: &[Pos2; 2]| a[0].distance(foot) < APART);
+        if around.into_iter().any(near) {
+            continue;
+        }
+        taken.insert(bucket);
+        let way = way(cell) * scale;
+        found.push([foot, Pos2::new(foot.x - way.x * plan.per_m, foot.y - way.y * plan.per_m)]);
+    }
+    (found, scale)
+}

@@ -1,0 +1,148 @@
+//! The policy: what a state is worth for every place of the target, and why an action was taken.
+
+mod chances;
+mod chart;
+mod heat;
+mod map;
+mod story;
+mod why;
+
+use crate::command::Command;
+use crate::document::Bundle;
+use crate::model::Model;
+use eframe::egui::{ComboBox, RichText, Ui};
+use glam::{Vec2, Vec3};
+use heat::Heat;
+use throng_runtime::policy::PolicyTable;
+use why::name;
+
+/// How the policy is looked at.
+#[derive(Clone, Debug)]
+pub struct State {
+    heat: Option<Heat>,
+    smooth: bool,
+    arrows: bool,
+    height: u32,
+    /// Candidates listed.
+    shown: usize,
+    /// Segment whose arrow is kept on the map.
+    picked: Option<u32>,
+    /// Segment whose row is under the pointer in this frame, and in the one before.
+    hovered: Option<u32>,
+    hovered_before: Option<u32>,
+}
+
+impl Default for State {
+    fn default() -> Self {
+        Self {
+            heat: None,
+            smooth: false,
+            arrows: true,
+            height: 0,
+            shown: 6,
+            picked: None,
+            hovered: None,
+            hovered_before: None,
+        }
+    }
+}
+
+/// Shows a behaviour's policy and the choice of the selected character.
+pub fn show(ui: &mut Ui, model: &Model, state: &mut State, commands: &mut Vec<Command>) {
+    let Some(bundle) = model.document.bundle() else {
+        ui.weak("Policies are part of a bundle; open one to see them.");
+        return;
+    };
+    let number = model.selection.policy;
+    let Some(policy) = bundle.repertoire().policy(number) else {
+        ui.weak("This bundle has no behaviour. Build it from a config with `behaviours`.");
+        return;
+    };
+    state.hovered_before = state.hovered.take();
+    let character = model.selection.character;
+    let why = character.and_then(|c| {
+        let (bundle, run) = model.document.crowd()?;
+        run.why(bundle, c)
+    });
+    behaviour(ui, bundle, number, commands);
+    facts(ui, bundle, policy, number);
+    ui.separator();
+    show_state(ui, model, bundle, commands);
+    if let Some(looked_at) = model.looked_at_state().filter(|&s| (s as usize) < policy.actions().num_states()) {
+        let why = why.as_ref().filter(|w| w.state == looked_at);
+        let target_now = local_target(model);
+        let shown = map::Shown { bundle, policy, number, state: looked_at, why, target_now };
+        map::show(ui, &shown, state);
+    }
+    ui.separator();
+    why::show(ui, model, state, why.as_ref(), commands);
+}
+
+/// Target of the selected character, as it sees it now. [Unit: m]
+fn local_target(model: &Model) -> Option<Vec3> {
+    let (_, run) = model.document.crowd()?;
+    let character = model.selection.character?;
+    let target = run.targets().get(character)?;
+    let local = run.troupe().root(character).inverse_transform_point(Vec2::new(target.x, target.z));
+    Some(Vec3::new(local.x, target.y, local.y))
+}
+
+fn behaviour(ui: &mut Ui, bundle: &Bundle, number: usize, commands: &mut Vec<Command>) {
+    ComboBox::new("behaviour", "behaviour").selected_text(name(bundle, number)).show_ui(ui, |ui| {
+        for policy in 0..bundle.tables().num_policies() {
+            if ui.selectable_label(policy == number, name(bundle, policy)).clicked() {
+                commands.push(Command::SelectPolicy(policy));
+            }
+        }
+    });
+}
+
+fn facts(ui: &mut Ui, bundle: &Bundle, policy: &PolicyTable<'_>, number: usize) {
+    let Some(record) = bundle.tables().policy_records().get(number) else { return };
+    let grid = policy.grid();
+    let g = grid.record();
+    let heights = if g.num_heights > 1 { format!(" × {} heights", g.num_heights) } else { String::new() };
+    let rate_hz = bundle.rate_hz();
+    let half_life_s = 0.5f32.ln() / record.discount.ln() / rate_hz;
+    let text = format!(
+        "{} rings × {} angles{heights}, up to {:.1} m; discount {:.4} a frame (halves in {half_life_s:.1} s); \
+         {} sweeps, residual {:.1e}, within {:.1e} of the best values",
+        g.num_rings,
+        g.num_angles,
+        grid.radius(),
+        record.discount,
+        record.num_sweeps,
+        record.residual,
+        record.epsilon
+    );
+    ui.label(RichText::new(text).weak());
+}
+
+/// Which state is looked at, and how to look at another.
+fn show_state(ui: &mut Ui, model: &Model, bundle: &Bundle, commands: &mut Vec<Command>) {
+    let graph = bundle.tables().graph();
+    let Some(state) = model.looked_at_state() else {
+        ui.horizontal_wrapped(|ui| {
+            ui.label("No state is looked at: click one in the motion graph, or");
+            if ui.small_button("look at state 0").clicked() {
+                commands.push(Command::SelectState(Some(0)));
+            }
+        });
+        return;
+    };
+    let Some(record) = graph.states.get(state as usize) else { return };
+    let clip = bundle.clip_of(record.frame);
+    let frame = record.frame - bundle.tables().clips()[clip].first_frame;
+    ui.horizontal_wrapped(|ui| {
+        ui.strong(format!("State {state}"));
+        ui.label(format!("{} {frame}", bundle.clip_name(clip)));
+        if model.selection.state.is_none() {
+            ui.weak("where the selected character last chose");
+        } else if model.selection.character.is_some() && ui.small_button("follow the character").clicked() {
+            commands.push(Command::SelectState(None));
+        }
+    });
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,84 @@
+//! Why a character took its action, in plain words.
+
+use super::chances;
+use crate::document::Bundle;
+use crate::panels::words;
+use crate::run::{RunConfig, STEP_HZ, Why};
+use glam::Vec2;
+
+/// True where the stored best action of the nearest cell is loaded: weighing several behaviours needs a look ahead.
+pub fn is_single_load(why: &Why, config: &RunConfig) -> bool {
+    config.single_load && why.behaviours.len() == 1
+}
+
+/// Chances of the candidates. [Size: number of candidates]
+pub fn chances(why: &Why, config: &RunConfig) -> Vec<f32> {
+    let scores: Vec<f32> = why.candidates.iter().map(|c| c.score).collect();
+    chances::of(&scores, if is_single_load(why, config) { 0.0 } else { config.temperature })
+}
+
+/// When, where and towards what the character chose.
+pub fn situation(why: &Why, bundle: &Bundle, character: usize, now: u32) -> String {
+    let tables = bundle.tables();
+    let frame = tables.graph().states[why.state as usize].frame;
+    let clip = bundle.clip_of(frame);
+    let within = frame - tables.clips()[clip].first_frame;
+    let (at, ago) = (why.step as f32 / STEP_HZ, now.saturating_sub(why.step) as f32 / STEP_HZ);
+    let place = words::place(Vec2::new(why.local_target.x, why.local_target.z));
+    format!(
+        "At {at:.2} s, {ago:.2} s ago, character {character} was in state {} ({}, frame {within}), its target {place}.",
+        why.state,
+        bundle.clip_name(clip),
+    )
+}
+
+/// Which action it took, and by what rule.
+pub fn decision(why: &Why, bundle: &Bundle, config: &RunConfig) -> String {
+    let Some(taken) = why.candidates.get(why.chosen) else { return String::new() };
+    let action = format!("{}: {}", bundle.describe_segment(taken.segment), words::way(taken.displacement));
+    let n = why.candidates.len();
+    let gap = why.candidates[0].score - taken.score;
+    if is_single_load(why, config) {
+        let agreement = match why.chosen {
+            0 => "Looking ahead agrees.".to_owned(),
+            k => format!(
+                "Looking ahead would have taken {}; this one is {} of {n} by its score, {gap:.3} below.",
+                bundle.describe_segment(why.candidates[0].segment),
+                words::ordinal(k + 1)
+            ),
+        };
+        return format!("It loaded the stored best action of the nearest cell, {action}. {agreement}");
+    }
+    match (why.chosen, chances(why, config)[why.chosen]) {
+        (0, chance) if chance > 0.999 => format!("Of {n} actions it took the best, {action}."),
+        (0, chance) => format!("Of {n} actions it took the best (its chance was {:.0} %), {action}.", 100.0 * chance),
+        (k, chance) => format!(
+            "Of {n} actions it took the {} best (at random; its chance was {:.0} %), {action}.",
+            words::ordinal(k + 1),
+            100.0 * chance
+        ),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::tests::golden_run;
+    use super::*;
+
+    #[test]
+    fn the_story_names_the_action_that_is_played() {
+        for (single_load, temperature) in [(false, 0.0), (false, 0.5), (true, 0.0)] {
+            let (bundle, run) = golden_run(RunConfig { single_load, temperature, ..RunConfig::default() });
+            for c in 0..run.config().characters {
+                let why = run.why(&bundle, c).unwrap();
+                let text = decision(&why, &bundle, run.config());
+                let played = bundle.describe_segment(run.troupe().segment(c).0);
+                assert!(text.contains(&played), "{text}");
+                assert_eq!(text.contains("nearest cell"), single_load);
+                assert!((chances(&why, run.config()).iter().sum::<f32>() - 1.0).abs() < 1e-5);
+                let text = situation(&why, &bundle, c, run.now());
+                assert!(text.contains(&format!("state {} ", why.state)), "{text}");
+            }
+        }
+    }
+}

@@ -1,0 +1,78 @@
+//! The panel, driven as a user does.
+
+use super::*;
+use crate::run::{Run, RunConfig};
+use crate::settings::Settings;
+use egui_kittest::Harness;
+use egui_kittest::kittest::Queryable;
+use std::path::{Path, PathBuf};
+
+fn golden_path() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../data/golden/tables_v1.throng")
+}
+
+/// The bundle that every checkout has, and a run of some seconds.
+pub fn golden_run(config: RunConfig) -> (Bundle, Run) {
+    let bundle = Bundle::open(&golden_path()).unwrap();
+    let mut run = Run::new(&bundle, RunConfig { characters: 12, ..config }, &[]).unwrap();
+    (0..150).for_each(|_| run.step(&bundle).unwrap());
+    (bundle, run)
+}
+
+struct Panel {
+    model: Model,
+    state: State,
+    commands: Vec<Command>,
+}
+
+fn panel(prepare: impl FnOnce(&mut Model)) -> Harness<'static, Panel> {
+    let mut model = Model::new(Settings::default());
+    model.open_now(&golden_path()).unwrap();
+    prepare(&mut model);
+    let panel = Panel { model, state: State::default(), commands: Vec::new() };
+    Harness::builder()
+        .with_size([620.0, 1000.0])
+        .build_ui_state(|ui, p: &mut Panel| show(ui, &p.model, &mut p.state, &mut p.commands), panel)
+}
+
+#[test]
+fn without_a_selection_it_says_what_to_do() {
+    let mut h = panel(|_| {});
+    h.step();
+    h.get_by_label("select character 0").click();
+    h.step();
+    assert_eq!(h.state().commands, [Command::SelectCharacter(Some(0))]);
+    assert!(h.state().state.heat.is_none());
+}
+
+#[test]
+fn the_motion_of_a_candidate_can_be_shown() {
+    let mut h = panel(|m| m.selection.character = Some(4));
+    h.step();
+    let (bundle, run) = h.state().model.document.crowd().unwrap();
+    let why = run.why(bundle, 4).unwrap();
+    let second = why.candidates[1].segment;
+    let record = bundle.tables().graph().segments[second as usize];
+    let frame = record.start - bundle.tables().clips()[record.clip as usize].first_frame;
+    let label = format!("Candidate {}", bundle.describe_segment(second));
+    h.get_by_label(&label).click();
+    h.step();
+    assert_eq!(h.state().state.picked, Some(second));
+    h.get_by_label("Show motion").click();
+    h.step();
+    assert_eq!(h.state().commands, [Command::ShowClip { clip: record.clip as usize, frame }]);
+}
+
+#[test]
+fn the_picture_is_kept_until_what_it_shows_changes() {
+    let mut h = panel(|m| m.selection.state = Some(3));
+    h.step();
+    let first = h.state().state.heat.clone().unwrap();
+    h.step();
+    assert!(std::sync::Arc::ptr_eq(&first.mesh, &h.state().state.heat.as_ref().unwrap().mesh));
+    h.state_mut().model.selection.state = Some(4);
+    h.step();
+    let other = h.state().state.heat.as_ref().unwrap();
+    assert_eq!(other.key.state, 4);
+    assert!(!std::sync::Arc::ptr_eq(&first.mesh, &other.mesh));
+}

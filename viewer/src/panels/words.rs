@@ -1,0 +1,90 @@
+//! Places and ways in plain words.
+
+use glam::Vec2;
+use throng_runtime::Planar;
+
+/// Turns smaller than this are not worth a word. [Unit: degrees]
+const STRAIGHT_DEG: f32 = 3.0;
+/// Ways shorter than this are no way. [Unit: m]
+const STAYS_M: f32 = 0.05;
+
+/// A direction from straight ahead, positive to the left. [Unit: rad]
+pub fn direction(angle: f32) -> String {
+    let degrees = angle.to_degrees().round();
+    match degrees.abs() {
+        d if d < STRAIGHT_DEG => "straight ahead".into(),
+        d if d > 180.0 - STRAIGHT_DEG => "straight behind".into(),
+        d => format!("{d:.0}° to the {}", side(degrees)),
+    }
+}
+
+/// Distance and direction of a place in a character's frame (x to the left, z ahead). [Unit: m]
+pub fn place(p: Vec2) -> String {
+    if p.length() < STAYS_M {
+        return "where it stood".into();
+    }
+    format!("{:.1} m away, {}", p.length(), direction(p.x.atan2(p.y)))
+}
+
+/// Where an action leads, in a few letters: distance, direction, turn.
+pub fn way(d: Planar) -> String {
+    let p = Vec2::new(d.x, d.z);
+    let turn = d.heading.to_degrees();
+    let turns = match turn {
+        t if t.abs() < STRAIGHT_DEG => String::new(),
+        t => format!(", turns {:.0}° {}", t.abs(), side(t)),
+    };
+    if p.length() < STAYS_M {
+        return if turns.is_empty() { "stays".into() } else { format!("stays{turns}") };
+    }
+    let angle = p.x.atan2(p.y).to_degrees().round();
+    let towards = match angle.abs() {
+        a if a < STRAIGHT_DEG => "ahead".into(),
+        a if a > 180.0 - STRAIGHT_DEG => "back".into(),
+        a => format!("{a:.0}° {}", side(angle)),
+    };
+    format!("{:.2} m {towards}{turns}", p.length())
+}
+
+/// 1st, 2nd, 3rd, ...
+pub fn ordinal(n: usize) -> String {
+    let ending = match (n % 10, n % 100) {
+        (_, 11..=13) => "th",
+        (1, _) => "st",
+        (2, _) => "nd",
+        (3, _) => "rd",
+        _ => "th",
+    };
+    format!("{n}{ending}")
+}
+
+fn side(degrees: f32) -> &'static str {
+    if degrees > 0.0 { "left" } else { "right" }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn left_is_where_x_grows() {
+        assert_eq!(place(Vec2::new(2.0, 2.0)), "2.8 m away, 45° to the left");
+        assert_eq!(place(Vec2::new(-1.0, 0.0)), "1.0 m away, 90° to the right");
+        assert_eq!(place(Vec2::new(0.0, -3.0)), "3.0 m away, straight behind");
+        assert_eq!(place(Vec2::ZERO), "where it stood");
+    }
+
+    #[test]
+    fn a_way_names_distance_direction_and_turn() {
+        assert_eq!(way(Planar::new(0.0, 0.61, 0.0)), "0.61 m ahead");
+        assert_eq!(way(Planar::new(0.5, 0.5, -0.35)), "0.71 m 45° left, turns 20° right");
+        assert_eq!(way(Planar::new(0.01, 0.0, 1.0)), "stays, turns 57° left");
+        assert_eq!(way(Planar::IDENTITY), "stays");
+    }
+
+    #[test]
+    fn ordinals_end_as_they_are_spoken() {
+        let said = [1, 2, 3, 4, 11, 12, 13, 21, 102, 111].map(ordinal);
+        assert_eq!(said, ["1st", "2nd", "3rd", "4th", "11th", "12th", "13th", "21st", "102nd", "111th"]);
+    }
+}
