@@ -28,6 +28,8 @@ pub struct Viewer {
     drawing: Arc<Mutex<DrawReport>>,
     layout: Layout,
     dialog: Option<Receiver<PathBuf>>,
+    /// Scale of the window as it was last set.
+    zoom: Option<f32>,
 }
 
 impl Viewer {
@@ -46,12 +48,15 @@ impl Viewer {
             drawing: Arc::default(),
             layout: Layout::default(),
             dialog: None,
+            zoom: None,
         }
     }
 
     /// Moves time on. No user interface is shown in here, and nothing is simulated elsewhere.
     pub fn logic(&mut self, ctx: &egui::Context, wall_s: f32) {
-        self.model.times.frame_s = f64::from(wall_s);
+        if wall_s > 0.0 {
+            self.model.times.frame_s = f64::from(wall_s);
+        }
         self.model.times.drawing_s = self.drawn().time.as_secs_f64();
         if let Some(path) = self.dialog.as_ref().and_then(|d| d.try_recv().ok()) {
             self.dialog = None;
@@ -78,6 +83,7 @@ impl Viewer {
         commands.extend(dropped.into_iter().map(Command::Open));
         self.upload(ctx.theme() == egui::Theme::Dark);
         self.panels(ui, &mut commands);
+        self.model.aspect = self.states.viewport.aspect;
         help::show(ui, &mut self.states.help);
         for command in commands {
             self.model.apply(&ctx, command);
@@ -92,13 +98,16 @@ impl Viewer {
         *self.drawing.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    fn appearance(&self, ctx: &egui::Context) {
-        let s = &self.model.settings;
+    fn appearance(&mut self, ctx: &egui::Context) {
+        let s = &mut self.model.settings;
         ctx.set_theme(s.theme);
-        let zoom = s.zoom.clamp(0.5, 3.0);
-        if ctx.zoom_factor() != zoom {
-            ctx.set_zoom_factor(zoom);
+        if self.zoom.is_some_and(|z| z != ctx.zoom_factor()) {
+            // Changed by the keys that every window has for it.
+            s.zoom = ctx.zoom_factor();
         }
+        s.zoom = s.zoom.clamp(0.5, 3.0);
+        self.zoom = Some(s.zoom);
+        ctx.set_zoom_factor(s.zoom);
     }
 
     fn panels(&mut self, ui: &mut Ui, commands: &mut Vec<Command>) {
@@ -159,7 +168,7 @@ impl Viewer {
     }
 
     fn keys(&mut self, ctx: &egui::Context, commands: &mut Vec<Command>) {
-        if ctx.egui_wants_keyboard_input() {
+        if ctx.text_edit_focused() {
             return;
         }
         for panel in PANELS {

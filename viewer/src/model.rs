@@ -3,6 +3,7 @@
 use crate::command::{Command, Stage};
 use crate::document::{BundleDocument, Document, Loader, Opened, Stamp, Watch};
 use crate::panels::Dock;
+use crate::render::Camera;
 use crate::run::{Run, RunConfig};
 use crate::settings::Settings;
 use eframe::egui;
@@ -96,6 +97,8 @@ pub struct Model {
     loader: Loader,
     watch: Option<Watch>,
     num_messages: u64,
+    /// Camera of the stage that is not shown.
+    other_camera: Option<Camera>,
     now_s: f64,
 }
 
@@ -252,6 +255,7 @@ impl Model {
             self.selection = Selection::default();
             self.player = ClipPlayer { playing: matches!(self.document, Document::Clip(_)), ..ClipPlayer::default() };
             self.stage = Stage::Crowd;
+            self.other_camera = None;
             self.frame_all();
         }
         // The new bundle may have fewer of everything.
@@ -310,15 +314,10 @@ impl Model {
                 self.selection.character = c.filter(|&c| c < n);
                 self.selection.state = None;
             }
-            Command::ShowClip { clip, frame } => {
-                self.selection.clip = clip;
-                self.player.frame = frame as f32;
-                self.stage = Stage::Clip;
-                self.advance_clip(0.0);
-            }
+            Command::ShowClip { clip, frame } => self.show_clip(clip, frame),
             Command::SelectState(state) => self.selection.state = state,
             Command::SelectPolicy(policy) => self.selection.policy = policy,
-            Command::Stage(stage) => self.stage = stage,
+            Command::Stage(stage) => self.set_stage(stage),
             Command::TogglePanel(kind) => self.toggle_panel(kind),
             Command::Camera(camera) => self.settings.camera = camera,
             Command::FrameAll => self.frame_all(),
@@ -330,8 +329,14 @@ impl Model {
         let shows_clip = self.shows_clip();
         let result = match self.document.crowd_mut().filter(|_| !shows_clip) {
             Some((bundle, run)) => match command {
-                Command::Play(on) => Ok(run.play(*on)),
-                Command::Speed(speed) => Ok(run.set_speed(*speed)),
+                Command::Play(on) => {
+                    run.play(*on);
+                    Ok(())
+                }
+                Command::Speed(speed) => {
+                    run.set_speed(*speed);
+                    Ok(())
+                }
                 Command::Seek(step) => run.seek(bundle, *step),
                 Command::Step(by) if *by > 0 && run.is_live() => (0..*by).try_for_each(|_| run.step(bundle)),
                 Command::Step(by) => run.seek(bundle, run.now().saturating_add_signed(*by)),
@@ -366,6 +371,29 @@ impl Model {
             run.set_speed(speed);
         }
         self.selection.character = self.selection.character.filter(|&c| c < self.settings.run.characters);
+    }
+
+    fn show_clip(&mut self, clip: usize, frame: u32) {
+        let is_other = self.selection.clip != clip;
+        self.selection.clip = clip;
+        self.player.frame = frame as f32;
+        self.set_stage(Stage::Clip);
+        self.advance_clip(0.0);
+        if is_other {
+            self.frame_all();
+        }
+    }
+
+    /// Every stage keeps a camera of its own.
+    fn set_stage(&mut self, stage: Stage) {
+        if std::mem::replace(&mut self.stage, stage) == stage {
+            return;
+        }
+        let left = self.settings.camera;
+        match self.other_camera.replace(left) {
+            Some(camera) => self.settings.camera = camera,
+            None => self.frame_all(),
+        }
     }
 
     fn toggle_panel(&mut self, kind: crate::panels::PanelKind) {

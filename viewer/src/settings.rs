@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 const MAX_RECENT: usize = 8;
 
 /// Bodies, with what they are called.
-pub const BODIES: [(Body, &str); 2] = [(Body::Mannequin, "mannequin"), (Body::Capsules, "capsules")];
+pub const BODIES: [(Body, &str); 2] = [(Body::Capsules, "capsules"), (Body::Mannequin, "mannequin")];
 
 /// Cues drawn in the 3-D view beside bodies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]

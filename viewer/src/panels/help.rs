@@ -107,7 +107,7 @@ const MOUSE: [(&str, &str); 8] = [
 
 /// The actions of the keys pressed since the last frame, taken out of the input.
 pub fn pressed(ctx: &egui::Context) -> Vec<Action> {
-    if ctx.egui_wants_keyboard_input() {
+    if ctx.text_edit_focused() {
         return Vec::new();
     }
     let hit = |s: &&Shortcut| ctx.input_mut(|i| i.consume_key(s.modifiers, s.key));
@@ -122,17 +122,8 @@ pub fn show(ui: &Ui, open: &mut bool) {
     let shown = Modal::new(egui::Id::unique("keys")).show(ui.ctx(), |ui| {
         ui.heading("Keys");
         ui.add_space(6.0);
-        ui.horizontal_top(|ui| {
-            let keys = SHORTCUTS.iter().map(|s| (key_name(ui.ctx(), s), s.text));
-            table(ui, "keys", keys.collect::<Vec<_>>());
-            ui.add_space(24.0);
-            ui.vertical(|ui| {
-                table(ui, "panels", PANELS.iter().map(|p| (p.key.name().to_owned(), p.title)).collect());
-                ui.add_space(12.0);
-                ui.strong("Mouse in the 3-D view");
-                table(ui, "mouse", MOUSE.map(|m| (m.0.to_owned(), m.1)).to_vec());
-            });
-        });
+        let room = ui.ctx().content_rect().size() - egui::vec2(60.0, 150.0);
+        egui::ScrollArea::both().max_height(room.y).max_width(room.x).show(ui, |ui| tables(ui));
         ui.add_space(6.0);
         ui.button("Close").clicked()
     });
@@ -141,8 +132,25 @@ pub fn show(ui: &Ui, open: &mut bool) {
     }
 }
 
+fn tables(ui: &mut Ui) {
+    ui.horizontal_top(|ui| {
+        let keys = SHORTCUTS.iter().map(|s| (key_name(ui.ctx(), s), s.text));
+        table(ui, "keys", keys.collect::<Vec<_>>());
+        ui.add_space(24.0);
+        ui.vertical(|ui| {
+            table(ui, "panels", PANELS.iter().map(|p| (p.key.name().to_owned(), p.title)).collect());
+            ui.add_space(12.0);
+            ui.strong("Mouse in the 3-D view");
+            table(ui, "mouse", MOUSE.map(|m| (m.0.to_owned(), m.1)).to_vec());
+        });
+    });
+}
+
 fn key_name(ctx: &egui::Context, s: &Shortcut) -> String {
-    ctx.format_shortcut(&egui::KeyboardShortcut::new(s.modifiers, s.key))
+    match s.modifiers.is_none() {
+        true => s.key.symbol_or_name().to_owned(),
+        false => ctx.format_shortcut(&egui::KeyboardShortcut::new(s.modifiers, s.key)),
+    }
 }
 
 fn table(ui: &mut Ui, id: &str, rows: Vec<(String, &str)>) {

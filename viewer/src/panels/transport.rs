@@ -42,7 +42,8 @@ pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
         ui.weak("Time is played here once a file is open.");
         return;
     };
-    ui.horizontal(|ui| {
+    scrubber(ui, &t, commands);
+    ui.horizontal_wrapped(|ui| {
         buttons(ui, &t, model.shows_clip(), commands);
         ui.separator();
         speed(ui, &t, commands);
@@ -50,7 +51,7 @@ pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
         let seconds = |frame: u32| frame as f32 / t.rate_hz;
         let what = if model.shows_clip() { "frame" } else { "step" };
         let text = format!("{:>6.2} s  {what} {:<5}", seconds(t.now), t.now);
-        ui.add_sized([150.0, 18.0], egui::Label::new(egui::RichText::new(text).monospace()));
+        ui.label(egui::RichText::new(text).monospace());
         let note = if model.shows_clip() {
             format!("of {:.2} s", seconds(t.last))
         } else if t.live {
@@ -58,19 +59,23 @@ pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
         } else {
             format!("{:.1} s ago", seconds(t.last - t.now))
         };
-        ui.spacing_mut().slider_width = (ui.available_width() - 170.0).max(60.0);
-        let mut now = t.now;
-        let slider = Slider::new(&mut now, t.first..=t.last.max(t.first + 1)).show_value(false);
-        let scrubber = ui.add(slider).on_hover_text("Drag to scrub; the last minute of a run is kept");
-        scrubber.widget_info(|| egui::WidgetInfo::slider(true, f64::from(now), "Time"));
-        if scrubber.drag_started() || scrubber.clicked() {
-            commands.push(Command::Play(false));
-        }
-        if now != t.now {
-            commands.push(Command::Seek(now));
-        }
-        ui.add_sized(vec2(ui.available_width().max(100.0), 18.0), egui::Label::new(note).truncate());
+        ui.weak(note);
     });
+}
+
+/// The time line over the whole width.
+fn scrubber(ui: &mut Ui, t: &Time, commands: &mut Vec<Command>) {
+    ui.spacing_mut().slider_width = ui.available_width().max(60.0);
+    let mut now = t.now;
+    let slider = Slider::new(&mut now, t.first..=t.last.max(t.first + 1)).show_value(false).trailing_fill(true);
+    let scrubber = ui.add(slider).on_hover_text("Drag to scrub; the last minute of a run is kept");
+    scrubber.widget_info(|| egui::WidgetInfo::slider(true, f64::from(now), "Time"));
+    if scrubber.drag_started() || scrubber.clicked() {
+        commands.push(Command::Play(false));
+    }
+    if now != t.now {
+        commands.push(Command::Seek(now));
+    }
 }
 
 fn buttons(ui: &mut Ui, t: &Time, is_clip: bool, commands: &mut Vec<Command>) {
@@ -96,11 +101,12 @@ fn buttons(ui: &mut Ui, t: &Time, is_clip: bool, commands: &mut Vec<Command>) {
 
 fn speed(ui: &mut Ui, t: &Time, commands: &mut Vec<Command>) {
     let name = |s: f32| format!("{s} ×");
-    egui::ComboBox::from_id_salt("speed").width(64.0).selected_text(name(t.speed)).show_ui(ui, |ui| {
+    let combo = egui::ComboBox::from_id_salt("speed").width(64.0).selected_text(name(t.speed)).show_ui(ui, |ui| {
         for s in [0.1, 0.25, 0.5, 1.0, 2.0, 4.0] {
             if ui.selectable_label(t.speed == s, name(s)).clicked() {
                 commands.push(Command::Speed(s));
             }
         }
     });
+    combo.response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::ComboBox, true, "Speed"));
 }

@@ -20,6 +20,8 @@ const MAX_GRABBED: usize = 2000;
 pub struct State {
     /// Whose target is dragged; everybody's where it names nobody.
     dragged: Option<Option<usize>>,
+    /// Width over height.
+    pub aspect: f32,
 }
 
 /// What the view asks of who draws it.
@@ -43,6 +45,7 @@ pub fn show(
     let response = ui.allocate_rect(ui.available_rect_before_wrap(), Sense::click_and_drag());
     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, "3-D view"));
     let rect = response.rect;
+    state.aspect = rect.width() / rect.height().max(1.0);
     let camera = model.settings.camera;
     match paint(ui, Drawn { rect, camera }) {
         Ok(()) => {}

@@ -181,7 +181,7 @@ impl Simulation {
                 self.around.reached[c] += 1;
                 let draw = u64::from(self.around.reached[c]) << 32 | c as u64;
                 let mut rng = Pcg64Mcg::seed_from_u64(self.config.seed ^ draw.wrapping_mul(0x9E37_79B9_7F4A_7C15));
-                self.around.targets[c] = self.around.targets[c] + somewhere(&mut rng, self.config.distances);
+                self.around.targets[c] += somewhere(&mut rng, self.config.distances);
             }
         }
     }

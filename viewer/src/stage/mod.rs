@@ -126,3 +126,75 @@ pub fn followed(model: &Model) -> Option<Vec3> {
         },
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::command::{Command, Stage};
+    use crate::document::Document;
+    use crate::run::RunConfig;
+    use crate::settings::Settings;
+    use eframe::egui;
+    use std::path::Path;
+    use throng_runtime::NUM_JOINTS;
+
+    fn open() -> Model {
+        let run = RunConfig { characters: 12, ..RunConfig::default() };
+        let mut model = Model::new(Settings { run, ..Settings::default() });
+        model.open_now(&Path::new(env!("CARGO_MANIFEST_DIR")).join("../data/golden/tables_v1.throng")).unwrap();
+        model
+    }
+
+    #[test]
+    fn every_character_has_a_place_and_a_pose() {
+        let (mut model, mut layout) = (open(), Layout::default());
+        layout.lay_out(&model, true);
+        assert_eq!(layout.instances.len(), 12);
+        assert_eq!(layout.poses(&model).len(), 12 * NUM_JOINTS);
+        model.apply(&egui::Context::default(), Command::ShowClip { clip: 0, frame: 40 });
+        layout.lay_out(&model, false);
+        // One at the play head, and some before and after it.
+        assert!(layout.instances.len() > 3, "{}", layout.instances.len());
+        assert_eq!(layout.poses(&model).len(), layout.instances.len() * NUM_JOINTS);
+    }
+
+    #[test]
+    fn the_pose_of_a_clip_is_the_one_at_the_play_head() {
+        let (mut model, mut layout) = (open(), Layout::default());
+        model.apply(&egui::Context::default(), Command::ShowClip { clip: 0, frame: 7 });
+        model.player.frame = 7.25;
+        layout.lay_out(&model, true);
+        let bundle = model.document.bundle().unwrap();
+        let first = bundle.tables().clips()[0].first_frame;
+        let (a, b) = (bundle.planar(first + 7), bundle.planar(first + 8));
+        let root = layout.instances[0].root;
+        assert!((root.x - (a.x + 0.25 * (b.x - a.x))).abs() < 1e-5);
+        let heights = [7, 8].map(|f| bundle.tables().frames()[(first + f) as usize].height);
+        let hips = layout.poses(&model)[0].translation().y;
+        assert!((hips - (heights[0] + 0.25 * (heights[1] - heights[0]))).abs() < 1e-4);
+    }
+
+    #[test]
+    fn the_bounds_hold_everybody() {
+        let model = open();
+        let (low, high) = bounds(&model);
+        let Document::Bundle(b) = &model.document else { panic!("no bundle") };
+        let troupe = b.run.as_ref().unwrap().troupe();
+        for c in 0..12 {
+            for p in troupe.joint_positions(c) {
+                assert!(p.cmpge(low - 0.3).all() && p.cmple(high + 0.3).all(), "{p}");
+            }
+        }
+    }
+
+    #[test]
+    fn cameras_of_the_stages_are_kept_apart() {
+        let mut model = open();
+        let ctx = egui::Context::default();
+        let crowd = model.settings.camera;
+        model.apply(&ctx, Command::Stage(Stage::Clip));
+        assert_ne!(model.settings.camera, crowd);
+        model.apply(&ctx, Command::Stage(Stage::Crowd));
+        assert_eq!(model.settings.camera, crowd);
+    }
+}

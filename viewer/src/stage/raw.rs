@@ -3,14 +3,22 @@
 use super::{Layout, Palette, cues};
 use crate::document::RawMotion;
 use crate::model::Model;
-use crate::render::{CharacterInstance, Emphasis, Rgba};
+use crate::render::{CharacterInstance, Emphasis};
 use crate::settings::RawView;
 use glam::Vec3;
 use throng_precompute::Clip;
-use throng_runtime::{Mat3x4, Planar};
+use throng_runtime::{Joint, Mat3x4, Planar};
 
 /// How far the source's joints stand beside the body. [Unit: m]
 const BESIDE: Vec3 = Vec3::new(1.1, 0.0, 0.0);
+
+/// Of the body.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Side {
+    Left,
+    Right,
+    Middle,
+}
 
 pub(super) fn lay_out(out: &mut Layout, model: &Model, motion: &RawMotion, palette: &Palette) {
     let view = model.settings.raw_view;
@@ -56,8 +64,12 @@ fn source(out: &mut Layout, model: &Model, motion: &RawMotion, shift: Vec3, pale
     let world = raw.world(frame);
     // Limbs of any size have balls that can be told from them.
     let radius = (0.011 * motion.imported.height / 1.7).clamp(0.003, 0.03);
-    for (joint, &(at, rotation)) in raw.joints.iter().zip(&world) {
-        let colour = side(&joint.name, palette);
+    for ((joint, &(at, rotation)), side) in raw.joints.iter().zip(&world).zip(sides(motion)) {
+        let colour = match side {
+            Side::Left => palette.left,
+            Side::Right => palette.right,
+            Side::Middle => palette.middle,
+        };
         if let Some(parent) = joint.parent {
             out.shapes.capsule(world[parent].0 + shift, at + shift, radius, colour.mix(palette.middle, 0.25));
         }
@@ -70,17 +82,20 @@ fn source(out: &mut Layout, model: &Model, motion: &RawMotion, shift: Vec3, pale
     }
 }
 
-fn side(name: &str, palette: &Palette) -> Rgba {
-    let lower = name.to_lowercase();
-    let starts = |short: char, long: &str| lower.starts_with(long) || (lower.starts_with(short) && name.len() > 1);
-    let named = |word: &str| lower.contains(word);
-    if named("left") || (starts('l', "left") && !named("lower") && !named("lum")) {
-        palette.left
-    } else if named("right") || (starts('r', "right") && !named("root")) {
-        palette.right
-    } else {
-        palette.middle
+/// The side each of the source's joints is on: that of its role, or else its parent's. [Size: number of joints]
+fn sides(motion: &RawMotion) -> Vec<Side> {
+    let joints = &motion.imported.clip.joints;
+    let mut sides: Vec<Side> = Vec::with_capacity(joints.len());
+    for (j, joint) in joints.iter().enumerate() {
+        let role = Joint::ALL.into_iter().find(|&role| motion.imported.roles.get(role) == Some(j));
+        sides.push(match (role, joint.parent) {
+            (Some(role), _) if role.name().starts_with("left") => Side::Left,
+            (Some(role), _) if role.name().starts_with("right") => Side::Right,
+            (Some(_), _) | (None, None) => Side::Middle,
+            (None, Some(parent)) => sides[parent],
+        });
     }
+    sides
 }
 
 /// Frame of the retargeted clip at the play head, which counts frames of the source.
