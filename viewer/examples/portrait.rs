@@ -15,7 +15,7 @@ use std::time::Instant;
 use throng_runtime::troupe::{Goal, Repertoire, Start, Troupe, TroupeConfig};
 use throng_runtime::{Joint, Planar, Tables};
 use throng_viewer::render::{
-    Body, Camera, CharacterInstance, Emphasis, Rgba, SceneColours, SceneFrame, SceneRenderer, Shapes,
+    Body, Camera, CharacterInstance, Emphasis, Rgba, SceneColours, SceneFrame, SceneRenderer, Shapes, device_descriptor,
 };
 
 const COLOURS: [u32; 6] = [0x4f8fc0, 0xe08a4a, 0x5aa88a, 0xb0699c, 0xc9a83f, 0x7d87a6];
@@ -140,7 +140,7 @@ fn every_shape(troupe: &Troupe) -> Shapes {
 fn device() -> Result<(wgpu::Device, wgpu::Queue), Box<dyn Error>> {
     let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env());
     let adapter = pollster::block_on(instance.request_adapter(&wgpu::RequestAdapterOptions::default()))?;
-    Ok(pollster::block_on(adapter.request_device(&wgpu::DeviceDescriptor::default()))?)
+    Ok(pollster::block_on(adapter.request_device(&device_descriptor(&adapter)))?)
 }
 
 fn write_ppm(path: &str, size: [u32; 2], rgba: &[u8]) -> std::io::Result<()> {

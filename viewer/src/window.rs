@@ -2,8 +2,10 @@
 
 use crate::app::{SETTINGS_KEY, Viewer};
 use crate::args::{Args, Size};
+use crate::render::device_descriptor;
 use crate::settings::Settings;
 use eframe::egui;
+use eframe::egui_wgpu::{WgpuConfiguration, WgpuSetup, WgpuSetupCreateNew};
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -60,8 +62,15 @@ fn options(size: Option<Size>) -> eframe::NativeOptions {
         .with_inner_size([asked.width as f32, asked.height as f32])
         .with_min_inner_size(MIN_SIZE)
         .with_drag_and_drop(true);
+    // eframe adds the handle of the display.
+    let setup = WgpuSetupCreateNew {
+        device_descriptor: Arc::new(device_descriptor),
+        ..WgpuSetupCreateNew::without_display_handle()
+    };
+    let wgpu_options = WgpuConfiguration { wgpu_setup: WgpuSetup::CreateNew(setup), ..WgpuConfiguration::default() };
     eframe::NativeOptions {
         viewport,
+        wgpu_options,
         renderer: eframe::Renderer::Wgpu,
         // A size that was asked for goes over the one of the last run.
         persist_window: size.is_none(),

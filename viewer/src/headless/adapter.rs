@@ -2,6 +2,7 @@
 
 use super::HeadlessError;
 use crate::args::Adapter;
+use crate::render::device_descriptor;
 use eframe::egui_wgpu::{RenderState, RendererOptions, WgpuConfiguration, WgpuSetup, WgpuSetupCreateNew, wgpu};
 use std::sync::Arc;
 use wgpu::{Backend, DeviceType};
@@ -13,6 +14,7 @@ pub(super) fn open(choice: Adapter) -> Result<RenderState, HeadlessError> {
         let best = adapters.iter().min_by_key(|a| rank(choice, &a.get_info()));
         best.cloned().ok_or_else(|| "the system has none".to_owned())
     }));
+    setup.device_descriptor = Arc::new(device_descriptor);
     let setup = WgpuSetup::CreateNew(setup);
     let instance = pollster::block_on(setup.new_instance());
     let config = WgpuConfiguration { wgpu_setup: setup, ..WgpuConfiguration::default() };

@@ -1,0 +1,188 @@
+use super::*;
+use crate::render::offscreen::read_back;
+use crate::render::{Emphasis, Rgba, device_descriptor};
+use glam::{Quat, Vec2, Vec3};
+use throng_runtime::{Joint, NUM_JOINTS, Planar};
+
+const SIZE: [u32; 2] = [400, 300];
+
+/// A renderer, or `None` with a printed reason.
+fn renderer() -> Option<SceneRenderer> {
+    renderer_for(wgpu::TextureFormat::Bgra8Unorm)
+}
+
+fn renderer_for(format: wgpu::TextureFormat) -> Option<SceneRenderer> {
+    let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle());
+    let options = wgpu::RequestAdapterOptions::default();
+    let device = pollster::block_on(async {
+        let adapter = instance.request_adapter(&options).await.map_err(|e| e.to_string())?;
+        adapter.request_device(&device_descriptor(&adapter)).await.map_err(|e| e.to_string())
+    });
+    match device {
+        Ok((device, queue)) => SceneRenderer::new(&device, &queue, format).ok(),
+        Err(reason) => {
+            println!("skipped: no graphics adapter ({reason})");
+            None
+        }
+    }
+}
+
+/// Standing at the origin, `lift` above the ground.
+fn standing(skeleton: &Skeleton, lift: f32) -> Vec<Mat3x4> {
+    let place = |p: Vec3| Mat3x4::from_rotation_translation(Quat::IDENTITY, p + Vec3::Y * lift);
+    skeleton.rest_positions().map(place).to_vec()
+}
+
+fn at_origin(colour: Rgba) -> CharacterInstance {
+    CharacterInstance { root: Planar::IDENTITY, colour, emphasis: Emphasis::None }
+}
+
+struct Picture(Vec<u8>);
+
+impl Picture {
+    fn take(
+        renderer: &mut SceneRenderer,
+        body: Body,
+        palette: &[Mat3x4],
+        instances: &[CharacterInstance],
+        camera: &Camera,
+    ) -> (Self, DrawStats) {
+        let (skeleton, shapes) = (&Skeleton::default(), &Shapes::new());
+        let uploaded = renderer.upload(&SceneFrame { skeleton, body, palette, instances, shapes });
+        assert_eq!(uploaded.map(|u| u.characters), Ok(instances.len()));
+        let stats = renderer.draw(SIZE, camera, &SceneColours::LIGHT);
+        let (size, pixels) = renderer.pixels().unwrap_or_default();
+        assert_eq!((size, pixels.len()), (SIZE, 400 * 300 * 4));
+        (Self(pixels), stats)
+    }
+
+    fn at(&self, p: Vec2) -> [i32; 3] {
+        let i = 4 * (p.y as usize * SIZE[0] as usize + p.x as usize);
+        [0, 1, 2].map(|k| i32::from(self.0[i + k]))
+    }
+
+    /// Sum of the differences of the channels.
+    fn differs(&self, other: &Self, p: Vec2) -> i32 {
+        self.at(p).iter().zip(other.at(p)).map(|(a, b)| (a - b).abs()).sum()
+    }
+}
+
+fn size() -> Vec2 {
+    Vec2::new(SIZE[0] as f32, SIZE[1] as f32)
+}
+
+#[test]
+fn a_body_appears_where_its_joints_project() {
+    let Some(mut renderer) = renderer() else { return };
+    let skeleton = Skeleton::default();
+    let (camera, palette) = (Camera::default(), standing(&skeleton, 0.0));
+    let instance = [at_origin(Rgba::hex(0xd02020))];
+    let (empty, nothing) = Picture::take(&mut renderer, Body::Mannequin, &[], &[], &camera);
+    assert_eq!((nothing.triangles, nothing.culled), (0, 0));
+    for body in [Body::Mannequin, Body::Capsules] {
+        let (picture, stats) = Picture::take(&mut renderer, body, &palette, &instance, &camera);
+        assert_eq!(stats.per_level, [1, 0, 0]);
+        for joint in Joint::ALL {
+            let p = camera.project(skeleton.rest_positions()[joint.index()], size()).unwrap_or_default();
+            assert!(picture.differs(&empty, p) > 40, "{body:?} {}", joint.name());
+        }
+        let above = camera.project(Vec3::new(0.0, 2.1, 0.0), size()).unwrap_or_default();
+        assert_eq!(picture.differs(&empty, above), 0);
+    }
+    let mut away = camera;
+    away.target.x += 50.0;
+    let (_, stats) = Picture::take(&mut renderer, Body::Mannequin, &palette, &instance, &away);
+    assert_eq!((stats.per_level, stats.culled), ([0; 3], 1));
+}
+
+#[test]
+fn the_ground_is_darkest_at_a_planted_foot() {
+    let Some(mut renderer) = renderer() else { return };
+    let skeleton = Skeleton::default();
+    let camera: Camera = "yaw=60,pitch=12,distance=1,target=0.1:0.05:0.05".parse().unwrap_or_default();
+    let instance = [at_origin(Rgba::WHITE)];
+    let (empty, _) = Picture::take(&mut renderer, Body::Mannequin, &[], &[], &camera);
+    // Just outside the outer edge of the left sole, on the side of the camera.
+    let beside = Vec3::new(skeleton.rest_positions()[Joint::LeftToe.index()].x + 0.056, 0.0, 0.1);
+    let pixel = camera.project(beside, size()).unwrap_or_default();
+    let mut darkening = |lift: f32| {
+        let palette = standing(&skeleton, lift);
+        let (picture, _) = Picture::take(&mut renderer, Body::Mannequin, &palette, &instance, &camera);
+        picture.differs(&empty, pixel)
+    };
+    let (planted, lifted) = (darkening(0.0), darkening(0.2));
+    assert!(planted > 60 && planted > lifted + 30, "planted {planted}, lifted {lifted}");
+}
+
+#[test]
+fn ghosts_let_the_ground_through() {
+    let Some(mut renderer) = renderer() else { return };
+    let skeleton = Skeleton::default();
+    let (camera, palette) = (Camera::default(), standing(&skeleton, 0.0));
+    let chest = camera.project(skeleton.rest_positions()[Joint::Chest.index()], size()).unwrap_or_default();
+    let mut take = |colour| Picture::take(&mut renderer, Body::Mannequin, &palette, &[at_origin(colour)], &camera).0;
+    let red = Rgba::hex(0xd02020);
+    let (solid, ghost) = (take(red), take(red.alpha(0.3)));
+    assert!(ghost.at(chest)[1] > solid.at(chest)[1] + 40);
+}
+
+#[test]
+fn a_window_shows_the_picture_unchanged_whether_it_encodes_or_not() {
+    use wgpu::TextureFormat::{Rgba8Unorm, Rgba8UnormSrgb};
+    for format in [Rgba8Unorm, Rgba8UnormSrgb] {
+        let Some(mut renderer) = renderer_for(format) else { return };
+        renderer.draw(SIZE, &Camera::default(), &SceneColours::DARK);
+        let (device, queue) = (renderer.device.clone(), renderer.queue.clone());
+        let window = device.create_texture(&wgpu::TextureDescriptor {
+            label: None,
+            size: wgpu::Extent3d { width: SIZE[0], height: SIZE[1], depth_or_array_layers: 1 },
+            mip_level_count: 1,
+            sample_count: 1,
+            dimension: wgpu::TextureDimension::D2,
+            format,
+            usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC,
+            view_formats: &[],
+        });
+        let view = window.create_view(&wgpu::TextureViewDescriptor::default());
+        let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        renderer.blit(&mut encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+                view: &view,
+                depth_slice: None,
+                resolve_target: None,
+                ops: wgpu::Operations::default(),
+            })],
+            ..Default::default()
+        }));
+        queue.submit([encoder.finish()]);
+        let shown = read_back(&device, &queue, &window).unwrap_or_default().1;
+        let picture = renderer.pixels().unwrap_or_default().1;
+        assert_eq!((shown.len(), picture.len()), (400 * 300 * 4, 400 * 300 * 4));
+        assert!(shown.iter().zip(&picture).all(|(a, b)| a.abs_diff(*b) <= 1), "{format:?}");
+    }
+}
+
+#[test]
+fn bad_uploads_are_refused_and_the_view_lives_on() {
+    let Some(mut renderer) = renderer() else { return };
+    let (skeleton, shapes) = (&Skeleton::default(), &Shapes::new());
+    let (palette, instances) = (&standing(skeleton, 0.0)[1..], &[at_origin(Rgba::WHITE)]);
+    let frame = SceneFrame { skeleton, body: Body::Mannequin, palette, instances, shapes };
+    let expected = RenderError::PaletteLength { characters: 1, expected: NUM_JOINTS, got: NUM_JOINTS - 1 };
+    assert!(renderer.pixels().is_err());
+    assert_eq!(renderer.upload(&frame), Err(expected));
+    let stats = renderer.draw([0, 0], &Camera::default(), &SceneColours::DARK);
+    assert_eq!(stats.per_level, [0; 3]);
+    assert_eq!(renderer.pixels().map(|p| p.0), Ok([1, 1]));
+}
+
+#[test]
+fn more_than_the_device_can_hold_is_an_error() {
+    use crate::render::buffer::GrowingBuffer;
+    let Some(renderer) = renderer() else { return };
+    let mut buffer = GrowingBuffer::new(&renderer.device, "joint matrices", wgpu::BufferUsages::STORAGE);
+    assert_eq!(buffer.reserve(&renderer.device, 1000, 48), Ok(true));
+    assert_eq!(buffer.reserve(&renderer.device, 900, 48), Ok(false));
+    let error = buffer.reserve(&renderer.device, usize::MAX / 64, 48).err().map(|e| e.to_string());
+    assert!(error.is_some_and(|e| e.contains("joint matrices") && e.contains("fewer than")));
+}
