@@ -9,9 +9,14 @@ use bytemuck::{Pod, Zeroable};
 use glam::{Vec2, Vec3};
 use std::ops::Range;
 use throng_runtime::{Mat3x4, NUM_JOINTS, Planar, Skeleton};
+use wgpu::Face;
 
-/// From these heights in pixels on, a body is drawn at the finest and at the middle level of detail.
-const LEVEL_PIXELS: [f32; LEVELS - 1] = [170.0, 72.0];
+/// From these heights in pixels on, a body is drawn at a level of detail, finest first; below, at the coarsest.
+const LEVEL_PIXELS: [f32; LEVELS - 1] = [170.0, 72.0, 40.0];
+/// The level of the shadow, by the level of the body.
+const SHADOW_LEVEL: [usize; LEVELS] = [1, 2, 3, 3];
+/// Where a body touches the ground is seen up to this level of its shadow.
+const CONTACT_LEVELS: usize = 2;
 /// Shadows fall this far beyond the sphere of their body at most. [Unit: m]
 const SHADOW_REACH: f32 = 1.6;
 
@@ -109,9 +114,9 @@ impl Characters {
         let build = |label, shader, stages, output| {
             let groups = &[scene_layout, &layout];
             let input = Input::Body;
-            // Both faces cast shadows: which one is seen from above does not matter to a maximum.
-            let one_sided = output != Output::Mask;
-            Recipe { label, shader, stages, groups, input, output, strip: false, one_sided }.build(device)
+            // The faces that look away from the light are the lower ones, which is where shadows are darkest.
+            let hidden = if output == Output::Mask { Face::Front } else { Face::Back };
+            Recipe { label, shader, stages, groups, input, output, strip: false, hidden: Some(hidden) }.build(device)
         };
         Self {
             solid: build("bodies", &body, ["vertex", "fragment"], Output::SOLID),
@@ -221,7 +226,7 @@ impl Characters {
             if frustum.sees(place.hips, self.reach) {
                 bins[level + if place.ghost { LEVELS } else { 0 }].push(i as u32);
             }
-            bins[2 * LEVELS + (level + 1).min(LEVELS - 1)].push(i as u32);
+            bins[2 * LEVELS + SHADOW_LEVEL[level]].push(i as u32);
         }
         self.numbers.clear();
         let mut ranges = bins.iter().map(|bin| {
@@ -229,8 +234,8 @@ impl Characters {
             self.numbers.extend(bin);
             start..self.numbers.len() as u32
         });
-        let mut three = || std::array::from_fn(|_| ranges.next().unwrap_or_default());
-        let lists = DrawLists { solid: three(), ghosts: three(), shadows: three() };
+        let mut by_level = || std::array::from_fn(|_| ranges.next().unwrap_or_default());
+        let lists = DrawLists { solid: by_level(), ghosts: by_level(), shadows: by_level() };
         if !self.numbers.is_empty() {
             queue.write_buffer(self.lists.get(), 0, bytemuck::cast_slice(&self.numbers));
         }
@@ -250,16 +255,10 @@ impl Characters {
     /// Draws shadows into the mask; returns how many triangles. Far away, contact is too small to be seen.
     pub fn draw_shadows(&self, pass: &mut wgpu::RenderPass<'_>, lists: &DrawLists) -> u64 {
         let [sun, contact] = &self.shadows;
-        let near = [lists.shadows[0].clone(), lists.shadows[1].clone(), 0..0];
-        self.draw(pass, sun, &lists.shadows) + self.draw(pass, contact, &near)
+        self.draw(pass, sun, &lists.shadows) + self.draw(pass, contact, &lists.shadows[..CONTACT_LEVELS])
     }
 
-    fn draw(
-        &self,
-        pass: &mut wgpu::RenderPass<'_>,
-        pipeline: &wgpu::RenderPipeline,
-        lists: &[Range<u32>; LEVELS],
-    ) -> u64 {
+    fn draw(&self, pass: &mut wgpu::RenderPass<'_>, pipeline: &wgpu::RenderPipeline, lists: &[Range<u32>]) -> u64 {
         let Some(group) = &self.group else { return 0 };
         pass.set_pipeline(pipeline);
         pass.set_bind_group(1, group, &[]);

@@ -44,7 +44,7 @@ impl Offscreen {
             input: Input::Nothing,
             output: Output::Window(window),
             strip: false,
-            one_sided: false,
+            hidden: None,
         };
         let sampler = device.create_sampler(&wgpu::SamplerDescriptor {
             label: Some("picture"),

@@ -138,8 +138,8 @@ pub(super) struct Recipe<'a> {
     pub output: Output,
     /// Triangles of four corners in a strip instead of three each.
     pub strip: bool,
-    /// Faces seen from behind are left out.
-    pub one_sided: bool,
+    /// Faces that are left out: those seen from the front or from behind.
+    pub hidden: Option<wgpu::Face>,
 }
 
 impl Recipe<'_> {
@@ -162,11 +162,7 @@ impl Recipe<'_> {
                 compilation_options: wgpu::PipelineCompilationOptions::default(),
                 buffers: &self.input.buffers(),
             },
-            primitive: wgpu::PrimitiveState {
-                topology,
-                cull_mode: self.one_sided.then_some(wgpu::Face::Back),
-                ..Default::default()
-            },
+            primitive: wgpu::PrimitiveState { topology, cull_mode: self.hidden, ..Default::default() },
             depth_stencil: self.output.depth(),
             multisample: wgpu::MultisampleState { count: self.output.samples(), ..Default::default() },
             fragment: Some(wgpu::FragmentState {

@@ -95,8 +95,7 @@ impl SceneRenderer {
         let shader = &pipelines::shader(device, "ground", &pieces);
         let surface = |label, stages, output, strip| {
             let groups = &[&scene_layout, &offscreen.mask_layout];
-            Recipe { label, shader, stages, groups, input: Input::Nothing, output, strip, one_sided: false }
-                .build(device)
+            Recipe { label, shader, stages, groups, input: Input::Nothing, output, strip, hidden: None }.build(device)
         };
         Ok(Self {
             ground: surface("ground", ["ground_vertex", "ground_fragment"], Output::SOLID, true),

@@ -38,9 +38,9 @@ impl ShapeDraws {
         let shader = &pipelines::shader(device, "shapes", &pieces);
         let kind = |label, stages, input, output| {
             let strip = input != Input::Rounds;
-            let one_sided = !strip;
+            let hidden = (!strip).then_some(wgpu::Face::Back);
             let groups = &[scene_layout];
-            let pipeline = Recipe { label, shader, stages, groups, input, output, strip, one_sided }.build(device);
+            let pipeline = Recipe { label, shader, stages, groups, input, output, strip, hidden }.build(device);
             (pipeline, GrowingBuffer::new(device, label, wgpu::BufferUsages::VERTEX), 0)
         };
         let mut corners = GrowingBuffer::new(device, "corners", wgpu::BufferUsages::VERTEX);

@@ -6,8 +6,10 @@ use glam::Vec3;
 use std::f32::consts::FRAC_PI_2;
 use throng_runtime::{Joint, Skeleton};
 
+/// Levels of detail that are made of capsules.
+pub(super) const LEVELS: usize = 3;
 /// Points of a ring and rings of each end, by level of detail.
-const DETAIL: [(usize, usize); 3] = [(12, 3), (7, 1), (3, 1)];
+const DETAIL: [(usize, usize); LEVELS] = [(12, 3), (7, 1), (3, 1)];
 
 /// The body at one level of detail.
 pub(super) fn build(skeleton: &Skeleton, level: usize) -> Mesh {

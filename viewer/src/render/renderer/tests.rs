@@ -81,7 +81,7 @@ fn a_body_appears_where_its_joints_project() {
     assert_eq!((nothing.triangles, nothing.culled), (0, 0));
     for body in [Body::Mannequin, Body::Capsules] {
         let (picture, stats) = Picture::take(&mut renderer, body, &palette, &instance, &camera);
-        assert_eq!(stats.per_level, [1, 0, 0]);
+        assert_eq!(stats.per_level, [1, 0, 0, 0]);
         for joint in Joint::ALL {
             let p = camera.project(skeleton.rest_positions()[joint.index()], size()).unwrap_or_default();
             assert!(picture.differs(&empty, p) > 40, "{body:?} {}", joint.name());
@@ -92,7 +92,7 @@ fn a_body_appears_where_its_joints_project() {
     let mut away = camera;
     away.target.x += 50.0;
     let (_, stats) = Picture::take(&mut renderer, Body::Mannequin, &palette, &instance, &away);
-    assert_eq!((stats.per_level, stats.culled), ([0; 3], 1));
+    assert_eq!((stats.per_level, stats.culled), ([0; LEVELS], 1));
 }
 
 #[test]
@@ -172,7 +172,7 @@ fn bad_uploads_are_refused_and_the_view_lives_on() {
     assert!(renderer.pixels().is_err());
     assert_eq!(renderer.upload(&frame), Err(expected));
     let stats = renderer.draw([0, 0], &Camera::default(), &SceneColours::DARK);
-    assert_eq!(stats.per_level, [0; 3]);
+    assert_eq!(stats.per_level, [0; LEVELS]);
     assert_eq!(renderer.pixels().map(|p| p.0), Ok([1, 1]));
 }
 

@@ -29,16 +29,18 @@ fn skin(v: BodyVertex) -> Skinned {
     var normal = vec3(0.0);
     for (var i = 0; i < 4; i++) {
         let weight = v.weights[i];
-        if weight > 0.0 {
-            let joint = v.joints[i];
-            let row = 3u * (22u * v.character + joint);
-            let r0 = palette[row];
-            let r1 = palette[row + 1u];
-            let r2 = palette[row + 2u];
-            let p = vec4(v.position - scene.rest[joint].xyz, 1.0);
-            position += weight * vec3(dot(r0, p), dot(r1, p), dot(r2, p));
-            normal += weight * vec3(dot(r0.xyz, v.normal), dot(r1.xyz, v.normal), dot(r2.xyz, v.normal));
+        // The strongest come first.
+        if weight == 0.0 {
+            break;
         }
+        let joint = v.joints[i];
+        let row = 3u * (22u * v.character + joint);
+        let r0 = palette[row];
+        let r1 = palette[row + 1u];
+        let r2 = palette[row + 2u];
+        let p = vec4(v.position - scene.rest[joint].xyz, 1.0);
+        position += weight * vec3(dot(r0, p), dot(r1, p), dot(r2, p));
+        normal += weight * vec3(dot(r0.xyz, v.normal), dot(r1.xyz, v.normal), dot(r2.xyz, v.normal));
     }
     let root = instances[v.character].root;
     return Skinned(turned(position, root) + vec3(root.x, 0.0, root.y), turned(normal, root));

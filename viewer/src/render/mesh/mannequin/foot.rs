@@ -14,7 +14,7 @@ const SECTIONS: [Section; 9] = [
     (-0.44, 0.024, 0.062, 0.000, 0),
     (-0.36, 0.034, 0.086, 0.000, 2),
     (-0.15, 0.039, 0.104, 0.000, 1),
-    (0.12, 0.041, 0.107, 0.001, 0),
+    (0.12, 0.041, 0.107, 0.001, 3),
     (0.40, 0.042, 0.088, 0.003, 1),
     (0.72, 0.046, 0.066, 0.004, 0),
     (1.05, 0.049, 0.052, 0.004, 2),
@@ -50,6 +50,6 @@ pub(super) fn build(plan: &Plan, side: Side, mesh: &mut Mesh) {
     let poles = [place(HEEL) + Vec3::Y * (0.03 * s), place(TIP) + Vec3::Y * (0.018 * s)];
     let links = [(joints[0], f32::NEG_INFINITY, 0.0), (joints[1], ball.z, 0.025 * s)];
     let part = |middle: Vec3| (if middle.y < sole + 0.004 * s { Part::Sole } else { Part::Shoe }, side);
-    let loft = Loft { rings: &rings, segments: plan.segments([12, 6, 4]), poles };
+    let loft = Loft { rings: &rings, segments: plan.segments([12, 6, 4, 3]), poles };
     loft.build(mesh, |p| Influence::chain(&links, p.z), part);
 }

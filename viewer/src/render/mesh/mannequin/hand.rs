@@ -45,7 +45,7 @@ pub(super) fn build(plan: &Plan, side: Side, mesh: &mut Mesh) {
         })
         .collect();
     let poles = PALM_ENDS.map(|along| place([along, 0.0, 0.0]));
-    let loft = Loft { rings: &rings, segments: plan.segments([10, 5, 3]), poles };
+    let loft = Loft { rings: &rings, segments: plan.segments([10, 5, 3, 3]), poles };
     loft.build(mesh, weigh, |_| (Part::Skin, side));
     if plan.level == 0 {
         let across = Vec3::new(mirror, 0.0, -1.0).normalize();

@@ -15,9 +15,9 @@ const SKULL: [Section; 11] = [
     (-0.026, 0.046, 0.055, 0.036, 0),
     (0.000, 0.058, 0.073, 0.024, 2),
     (0.030, 0.067, 0.087, 0.015, 0),
-    (0.062, 0.073, 0.096, 0.008, 2),
+    (0.062, 0.073, 0.096, 0.008, 3),
     (0.092, 0.076, 0.100, 0.004, 1),
-    (0.122, 0.077, 0.100, 0.000, 2),
+    (0.122, 0.077, 0.100, 0.000, 3),
     (0.150, 0.073, 0.094, -0.003, 0),
     (0.173, 0.063, 0.081, -0.004, 2),
     (0.189, 0.047, 0.060, -0.004, 0),
@@ -33,6 +33,8 @@ const NECK: [Section; 4] = [
     (-0.040, 0.055, 0.057, -0.004, 0),
     (0.015, 0.046, 0.048, 0.000, 2),
 ];
+/// Heights of its poles. [Unit: m]
+const NECK_ENDS: [f32; 2] = [-0.16, 0.03];
 
 pub(super) fn build(plan: &Plan, mesh: &mut Mesh) {
     let (neck, head) = (plan.at(Joint::Neck), plan.at(Joint::Head));
@@ -50,14 +52,16 @@ pub(super) fn build(plan: &Plan, mesh: &mut Mesh) {
         (Joint::Neck, neck.y, 0.04 * size),
         (Joint::Head, head.y - 0.01 * size, 0.04 * size),
     ];
-    let rings = sections(&NECK);
-    let poles = [place(-0.16, 0.0), place(0.03, 0.0)];
-    let loft = Loft { rings: &rings, segments: plan.segments([12, 6, 4]), poles };
-    loft.build(mesh, |p| Influence::chain(&links, p.y), |_| (Part::Skin, Side::Middle));
+    if !plan.is_coarsest() {
+        let (rings, poles) = (sections(&NECK), NECK_ENDS.map(|y| place(y, 0.0)));
+        let loft = Loft { rings: &rings, segments: plan.segments([12, 6, 4, 4]), poles };
+        loft.build(mesh, |p| Influence::chain(&links, p.y), |_| (Part::Skin, Side::Middle));
+    }
 
     let rings = sections(&SKULL);
-    let poles = SKULL_ENDS.map(|(y, forward)| place(y, forward));
-    let loft = Loft { rings: &rings, segments: plan.segments([18, 8, 6]), poles };
+    let [chin, crown] = SKULL_ENDS.map(|(y, forward)| place(y, forward));
+    let chin = if plan.is_coarsest() { place(NECK_ENDS[0], 0.0) } else { chin };
+    let loft = Loft { rings: &rings, segments: plan.segments([18, 8, 6, 4]), poles: [chin, crown] };
     let part = |middle: Vec3| {
         let p = (middle - base) / size;
         let visor = p.z > 0.045 && VISOR.contains(&p.y);

@@ -24,13 +24,13 @@ const fn section(along: f32, across: f32, depth: f32, forward: f32, level: usize
 
 const LEG: [Section; 14] = [
     section(-0.11, 0.036, 0.050, -0.008, 1),
-    section(-0.02, 0.064, 0.090, -0.006, 2),
+    section(-0.02, 0.064, 0.090, -0.006, 3),
     section(0.12, 0.079, 0.098, -0.004, 0),
     section(0.30, 0.081, 0.091, 0.001, 1),
     section(0.55, 0.071, 0.079, 0.007, 0),
     section(0.80, 0.058, 0.065, 0.006, 1),
     section(0.94, 0.053, 0.061, 0.005, 0),
-    section(1.04, 0.051, 0.059, 0.003, 2),
+    section(1.04, 0.051, 0.059, 0.003, 3),
     section(1.13, 0.050, 0.057, -0.004, 0),
     section(1.25, 0.052, 0.060, -0.012, 1),
     section(1.42, 0.048, 0.054, -0.013, 0),
@@ -47,7 +47,7 @@ const ARM: [Section; 13] = [
     section(0.48, 0.045, 0.050, 0.001, 0),
     section(0.74, 0.041, 0.044, 0.0, 1),
     section(0.94, 0.039, 0.041, 0.0, 0),
-    section(1.04, 0.039, 0.041, 0.0, 2),
+    section(1.04, 0.039, 0.041, 0.0, 3),
     section(1.17, 0.041, 0.043, 0.001, 1),
     section(1.40, 0.038, 0.039, 0.001, 0),
     section(1.68, 0.031, 0.031, 0.0, 0),
@@ -58,8 +58,9 @@ const ARM: [Section; 13] = [
 /// A leg from the hip to the ankle, in trousers.
 pub(super) fn leg(plan: &Plan, side: Side, mesh: &mut Mesh) {
     let joints = [Joint::LeftThigh, Joint::LeftShin, Joint::LeftFoot].map(|j| side.of(j));
-    let tube = Tube { joints, before: Joint::Hips, across: Vec3::X, blends: [0.075, 0.07], part: Part::Trousers };
-    tube.build(plan, side, &LEG, plan.segments([14, 6, 4]), mesh);
+    let (part, coarse_end) = (Part::Trousers, 2.0);
+    let tube = Tube { joints, before: Joint::Hips, across: Vec3::X, blends: [0.075, 0.07], part, coarse_end };
+    tube.build(plan, side, &LEG, plan.segments([14, 6, 4, 3]), mesh);
     plan.ball(joints[0], 0.062, Part::Trousers, mesh);
     plan.ball(joints[1], 0.052, Part::Trousers, mesh);
 }
@@ -68,8 +69,9 @@ pub(super) fn leg(plan: &Plan, side: Side, mesh: &mut Mesh) {
 pub(super) fn arm(plan: &Plan, side: Side, mesh: &mut Mesh) {
     let joints = [Joint::LeftUpperArm, Joint::LeftForearm, Joint::LeftHand].map(|j| side.of(j));
     let before = side.of(Joint::LeftClavicle);
-    let tube = Tube { joints, before, across: Vec3::Y, blends: [0.075, 0.05], part: Part::Shirt };
-    tube.build(plan, side, &ARM, plan.segments([12, 5, 3]), mesh);
+    let (part, coarse_end) = (Part::Shirt, 2.4);
+    let tube = Tube { joints, before, across: Vec3::Y, blends: [0.075, 0.05], part, coarse_end };
+    tube.build(plan, side, &ARM, plan.segments([12, 5, 3, 3]), mesh);
     plan.ball(joints[0], 0.047, Part::Shirt, mesh);
     plan.ball(joints[1], 0.036, Part::Shirt, mesh);
 }
@@ -85,6 +87,8 @@ struct Tube {
     /// Half widths of the soft stretches around the first and the second joint. [Unit: m]
     blends: [f32; 2],
     part: Part,
+    /// Where it ends, along the limb, at the coarsest level of detail.
+    coarse_end: f32,
 }
 
 impl Tube {
@@ -104,6 +108,7 @@ impl Tube {
             })
             .collect();
         let ends = sections.first().zip(sections.last()).map_or([0.0, 2.0], |(f, l)| [f.along - 0.04, l.along + 0.02]);
+        let ends = if plan.is_coarsest() { [ends[0], self.coarse_end] } else { ends };
         let loft = Loft { rings: &rings, segments, poles: ends.map(place) };
         loft.build(mesh, |p| self.weigh(plan, p), |_| (self.part, side));
     }

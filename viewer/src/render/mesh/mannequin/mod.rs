@@ -10,7 +10,7 @@ mod limb;
 mod trunk;
 
 use super::loft::{Loft, Ring};
-use super::{Influence, Mesh, Part, Side};
+use super::{Influence, LEVELS, Mesh, Part, Side};
 use glam::Vec3;
 use throng_runtime::{Joint, NUM_JOINTS, Skeleton};
 
@@ -31,8 +31,13 @@ impl Plan {
         self.rest[joint.index()]
     }
 
+    /// At the coarsest level there are no neck and no hands: head and arms reach over to where they end.
+    fn is_coarsest(&self) -> bool {
+        self.level == LEVELS - 1
+    }
+
     /// The points of a ring at this level. `by_level` is finest first.
-    fn segments(&self, by_level: [usize; 3]) -> usize {
+    fn segments(&self, by_level: [usize; LEVELS]) -> usize {
         by_level[self.level]
     }
 
@@ -69,7 +74,9 @@ pub(super) fn build(skeleton: &Skeleton, level: usize) -> Mesh {
         limb::leg(&plan, side, &mut mesh);
         foot::build(&plan, side, &mut mesh);
         limb::arm(&plan, side, &mut mesh);
-        hand::build(&plan, side, &mut mesh);
+        if !plan.is_coarsest() {
+            hand::build(&plan, side, &mut mesh);
+        }
     }
     mesh
 }

@@ -1,6 +1,6 @@
 //! Pelvis, waist, chest and the slope of the shoulders: one tube from crotch to neck.
 
-use super::super::loft::{Loft, Ring};
+use super::super::loft::{Loft, Ring, equal_area};
 use super::super::weights::smooth;
 use super::super::{Influence, Mesh, Part, Side, Vertex};
 use super::Plan;
@@ -13,16 +13,16 @@ type Section = (f32, f32, f32, f32, usize);
 
 const SECTIONS: [Section; 15] = [
     (0.838, 0.070, 0.050, -0.016, 1),
-    (0.862, 0.128, 0.078, -0.018, 2),
+    (0.862, 0.128, 0.078, -0.018, 3),
     (0.900, 0.155, 0.100, -0.016, 0),
     (0.945, 0.163, 0.111, -0.012, 1),
     (0.990, 0.152, 0.108, -0.006, 0),
     (1.045, 0.136, 0.097, 0.000, 1),
-    (1.100, 0.127, 0.092, 0.004, 2),
+    (1.100, 0.127, 0.092, 0.004, 3),
     (1.165, 0.131, 0.097, 0.007, 0),
     (1.235, 0.144, 0.106, 0.009, 1),
     (1.305, 0.156, 0.112, 0.010, 0),
-    (1.370, 0.161, 0.108, 0.007, 2),
+    (1.370, 0.161, 0.108, 0.007, 3),
     (1.420, 0.166, 0.098, 0.002, 1),
     (1.458, 0.148, 0.080, -0.003, 0),
     (1.487, 0.108, 0.073, 0.001, 1),
@@ -65,13 +65,15 @@ impl Heights {
 pub(super) fn build(plan: &Plan, mesh: &mut Mesh) {
     let heights = Heights::new(plan);
     let s = plan.scale;
+    let segments = plan.segments([18, 8, 6, 4]);
+    let stout = s * equal_area(segments);
     let rings: Vec<Ring> = SECTIONS
         .iter()
         .filter(|section| section.4 >= plan.level)
         .map(|&(y, width, depth, forward, _)| Ring {
             centre: heights.middle(y) + Vec3::Z * (forward * s),
-            u: Vec3::X * (width * s),
-            v: Vec3::Z * (depth * s),
+            u: Vec3::X * (width * stout),
+            v: Vec3::Z * (depth * stout),
             square: [2.35; 2],
         })
         .collect();
@@ -83,7 +85,7 @@ pub(super) fn build(plan: &Plan, mesh: &mut Mesh) {
         true => (Part::Trousers, Side::Right),
         false => (Part::Shirt, Side::Middle),
     };
-    let loft = Loft { rings: &rings, segments: plan.segments([18, 8, 6]), poles };
+    let loft = Loft { rings: &rings, segments, poles };
     let first = mesh.vertices.len();
     loft.build(mesh, |p| weigh(plan, p), part);
     mesh.vertices[first..].iter_mut().for_each(|v| hide_hem(plan, v));
