@@ -3,7 +3,6 @@
 use self_cell::self_cell;
 use std::fmt;
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicU64, Ordering};
 use throng_runtime::format::{AlignedBytes, ClipMeta, ClipRecord};
 use throng_runtime::troupe::Repertoire;
 use throng_runtime::{Planar, Tables};
@@ -16,13 +15,9 @@ self_cell!(
     }
 );
 
-/// Bundles opened so far.
-static OPENED: AtomicU64 = AtomicU64::new(0);
-
 /// An open bundle.
 pub struct Bundle {
     path: PathBuf,
-    serial: u64,
     views: Views,
 }
 
@@ -43,18 +38,12 @@ impl Bundle {
         let fail = |e: &dyn fmt::Display| format!("{}: {e}", path.display());
         let bytes = std::fs::read(path).map_err(|e| fail(&e))?;
         let tables = Tables::from_bytes(AlignedBytes::from_slice(&bytes)).map_err(|e| fail(&e))?;
-        let serial = OPENED.fetch_add(1, Ordering::Relaxed);
-        Ok(Self { path: path.to_path_buf(), serial, views: Views::new(tables, |t| Repertoire::new(t)) })
+        Ok(Self { path: path.to_path_buf(), views: Views::new(tables, |t| Repertoire::new(t)) })
     }
 
     /// The file.
     pub fn path(&self) -> &Path {
         &self.path
-    }
-
-    /// Number that no other opening has, of this file or another: what was worked out of a bundle is known by it.
-    pub fn serial(&self) -> u64 {
-        self.serial
     }
 
     /// The tables.

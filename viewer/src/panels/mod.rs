@@ -3,7 +3,6 @@
 //! A panel is a function of the borrowed [`Model`]: it shows, and puts what it asks for on the list of commands. What
 //! only concerns how it looks (a filter, a zoom) is its own state.
 
-pub mod colour;
 pub mod control;
 pub mod database;
 pub mod graph;
@@ -13,7 +12,6 @@ pub mod paint;
 pub mod policy;
 pub mod report;
 pub mod statistics;
-pub mod table;
 pub mod top_bar;
 pub mod transport;
 pub mod viewport;

@@ -1,4 +1,4 @@
-//! Places and ways in plain words.
+//! Places, ways and numbers in plain words.
 
 use glam::Vec2;
 use throng_runtime::Planar;
@@ -56,6 +56,15 @@ pub fn ordinal(n: usize) -> String {
         _ => "th",
     };
     format!("{n}{ending}")
+}
+
+/// A number with as many digits as tell it from its likes.
+pub fn number(v: f32) -> String {
+    match v.abs() {
+        a if a >= 100.0 || a.fract() == 0.0 => format!("{v:.0}"),
+        a if a >= 1.0 => format!("{v:.2}"),
+        _ => format!("{v:.3}"),
+    }
 }
 
 fn side(degrees: f32) -> &'static str {

@@ -5,37 +5,40 @@ use crate::command::Command;
 use crate::panels::paint::{Cell, Column, Sort, Table, time_text};
 use eframe::egui::{Label, RichText, TextEdit, Ui};
 
-const fn number(title: &'static str, hint: &'static str, width: f32) -> Column {
-    Column { title, hint, width, grows: 0.0, is_number: true }
-}
-
 /// Columns, in the order of [`Field::ALL`].
-const COLUMNS: [Column; Field::ALL.len()] = [
-    Column {
-        title: "Clip",
-        hint: "Name; copies with left and right exchanged are dimmed and end in ~mirror",
-        width: 100.0,
-        grows: 3.0,
-        is_number: false,
-    },
-    number("Length", "Duration", 62.0),
-    number("Usable", "Share of the frames that are not left out", 52.0),
-    number("Played", "Share of the frames that the motion graph plays", 52.0),
-    number("States", "States of the motion graph that lie in the clip", 48.0),
-    number("Actions", "Actions that leave these states", 54.0),
-    Column { title: "Tags", hint: "Names of its tags", width: 48.0, grows: 1.0, is_number: false },
+const COLUMNS: [Column<'static>; Field::ALL.len()] = [
+    Column::text("Clip", "Name; copies with left and right exchanged are dimmed and end in ~mirror", 100.0, 3.0),
+    Column::number("Length", "Duration", 62.0),
+    Column::number("Usable", "Share of the frames that are not left out", 52.0).spare(1),
+    Column::number("Played", "Share of the frames that the motion graph plays", 52.0).spare(1),
+    Column::number("States", "States of the motion graph that lie in the clip", 48.0).spare(2),
+    Column::number("Actions", "Actions that leave these states", 54.0).spare(2),
+    Column::text("Tags", "Names of its tags", 48.0, 1.0),
 ];
 
 /// What the list remembers.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub struct State {
     query: String,
-    sort: Option<Sort>,
+    sort: Sort,
     /// What the rows were made of: document, query, order.
-    made_of: Option<(u64, String, Option<Sort>)>,
+    made_of: Option<(u64, String, Sort)>,
     catalogue: Catalogue,
     rows: Vec<usize>,
     shown: Option<usize>,
+}
+
+impl Default for State {
+    fn default() -> Self {
+        Self {
+            query: String::new(),
+            sort: Sort::NONE,
+            made_of: None,
+            catalogue: Catalogue::default(),
+            rows: Vec::new(),
+            shown: None,
+        }
+    }
 }
 
 impl State {
@@ -55,8 +58,7 @@ impl State {
             self.catalogue = catalogue();
             self.shown = None;
         }
-        let in_file_order = Sort { column: usize::MAX, descending: false };
-        self.rows = self.catalogue.select(&self.query, self.sort.unwrap_or(in_file_order));
+        self.rows = self.catalogue.select(&self.query, self.sort);
         self.made_of = Some(now);
     }
 }
@@ -83,18 +85,17 @@ pub fn show(
         });
         return;
     }
+    let columns = if state.catalogue.has_tags() { &COLUMNS[..] } else { &COLUMNS[..Field::ALL.len() - 1] };
     let table = Table {
-        id: "clips",
-        columns: if state.catalogue.has_tags() { &COLUMNS } else { &COLUMNS[..Field::ALL.len() - 1] },
-        num_rows: state.rows.len(),
         selected: state.rows.iter().position(|r| *r == selected),
-        sort: Some(state.sort.unwrap_or(Sort { column: usize::MAX, descending: false })),
+        sort: Some(state.sort),
         scroll_to_selected: state.shown != Some(selected),
+        ..Table::new("clips", columns, state.rows.len())
     };
     let response = table.show(ui, |row, column| cell(&state.catalogue.entries[state.rows[row]], Field::ALL[column]));
     state.shown = Some(selected);
     if let Some(sort) = response.sort {
-        state.sort = Some(sort);
+        state.sort = sort;
     }
     if let Some(clip) = response.chosen.map(|row| state.rows[row]) {
         commands.push(Command::ShowClip { clip, frame: 0 });

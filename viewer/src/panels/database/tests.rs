@@ -128,7 +128,7 @@ fn a_way_out_leads_to_the_start_of_its_segment() {
     let track = Track::of_bundle(bundle, clip).unwrap();
     let out = Outgoing::of(bundle, clip, &track, 0).unwrap();
     let way = *out.ways.last().unwrap();
-    let label = format!("{} {}–{}", bundle.clip_name(way.clip), way.start, way.start + way.num_frames);
+    let label = format!("Go to {} {}–{}", bundle.clip_name(way.clip), way.start, way.start + way.num_frames);
     harness.get_by_label(&label).click();
     harness.run();
     assert_eq!(harness.state().commands, [Command::ShowClip { clip: way.clip, frame: way.start }]);

@@ -3,31 +3,18 @@
 use super::outgoing::{Outgoing, displacement_texts};
 use crate::command::Command;
 use crate::document::Bundle;
-use crate::panels::paint::{Cell, Column, Table, time_text};
+use crate::panels::paint::{Cell, Click, Column, Table, time_text};
 use eframe::egui::{RichText, Ui};
 
-const fn number(title: &'static str, hint: &'static str, width: f32) -> Column {
-    Column { title, hint, width, grows: 0.0, is_number: true }
-}
-
-const COLUMNS: [Column; 6] = [
-    Column {
-        title: "Leads to",
-        hint: "Clip, and the frames of it that are played",
-        width: 96.0,
-        grows: 1.0,
-        is_number: false,
-    },
-    number("Ahead", "How far it goes ahead, as seen from its start", 48.0),
-    number("Aside", "How far it goes to the side, as seen from its start", 74.0),
-    number("Turn", "How far it turns", 66.0),
-    number("Lasts", "Duration", 52.0),
-    number(
-        "Error",
-        "How much the pose that is left and the one that follows differ; none where the clip goes on",
-        60.0,
-    ),
+const COLUMNS: [Column<'static>; 6] = [
+    Column::text("Leads to", "Clip, and the frames of it that are played", 96.0, 1.0),
+    Column::number("Ahead", "How far it goes ahead, as seen from its start", 48.0),
+    Column::number("Aside", "How far it goes to the side, as seen from its start", 74.0).spare(1),
+    Column::number("Turn", "How far it turns", 66.0).spare(1),
+    Column::number("Lasts", "Duration", 52.0).spare(2),
+    Column::number("Error", ERROR_HINT, 60.0),
 ];
+const ERROR_HINT: &str = "How much the pose that is left and the one that follows differ; none where the clip goes on";
 
 /// Shows the actions; a click shows where one leads.
 ///
@@ -59,14 +46,7 @@ pub fn show(
             commands.push(Command::ShowClip { clip: bundle.clip_of(row_of(bundle, out)), frame: out.from.frame });
         }
     });
-    let table = Table {
-        id: "ways",
-        columns: &COLUMNS,
-        num_rows: out.ways.len(),
-        selected: None,
-        sort: None,
-        scroll_to_selected: false,
-    };
+    let table = Table { click: Click::Does("Go to"), ..Table::new("ways", &COLUMNS, out.ways.len()) };
     let response = table.show(ui, |row, column| {
         let way = &out.ways[row];
         match column {
@@ -86,7 +66,7 @@ pub fn show(
     if let Some(way) = response.chosen.and_then(|row| out.ways.get(row)) {
         commands.push(Command::ShowClip { clip: way.clip, frame: way.start });
     }
-    response.hovered.and_then(|row| out.ways.get(row)).map(|w| w.segment)
+    response.hovered.and_then(|(row, _)| out.ways.get(row)).map(|w| w.segment)
 }
 
 fn row_of(bundle: &Bundle, out: &Outgoing) -> u32 {

@@ -4,7 +4,7 @@ use super::layout::{Bar, Lane, Layout};
 use super::links::{Link, Links, outgoing};
 use super::view::Scale;
 use crate::document::Bundle;
-use crate::panels::colour;
+use crate::panels::paint::{Palette, viridis};
 use eframe::egui::epaint::CubicBezierShape;
 use eframe::egui::text::{LayoutJob, TextFormat, TextWrapping};
 use eframe::egui::{Color32, FontId, Painter, Pos2, Rect, Shape, Stroke, Ui, Vec2, pos2};
@@ -78,7 +78,7 @@ impl Drawing<'_> {
         let gap = (0.03 * self.scale.per_s()).min(1.0);
         for bar in self.layout.bars_within(lane, self.scale.range_s()) {
             let plays = self.links.plays[bar.segment as usize] as f32 / self.links.max_plays.max(1) as f32;
-            let colour = colour::line(plays.sqrt(), visuals.dark_mode);
+            let colour = viridis::line(plays.sqrt(), visuals.dark_mode);
             let colour = if faint { blend(visuals.panel_fill, colour, 0.3) } else { colour };
             let rect = self.scale.bar(lane, bar);
             painter.rect_filled(rect.with_max_x((rect.right() - gap).max(rect.left() + 0.5)), 1.0, colour);
@@ -105,7 +105,7 @@ impl Drawing<'_> {
 
     fn paint_links(&self, ui: &Ui, painter: &Painter, graph: &MotionGraph<'_>, state: u32) {
         for link in self.links.leading_to(state) {
-            self.paint_link(painter, link, Stroke::new(0.8, incoming_colour(ui).gamma_multiply(0.7)));
+            self.paint_link(painter, link, Stroke::new(0.8, Palette::of(ui.visuals()).incoming.gamma_multiply(0.7)));
         }
         for link in outgoing(graph, state) {
             self.paint_link(painter, &link, Stroke::new(1.3, self.cost_colour(ui, link.error)));
@@ -145,7 +145,7 @@ impl Drawing<'_> {
                 let at = self.scale.bar(lane, bar).right_center();
                 if graph.states[state as usize].standing != 0 {
                     let square = Rect::from_center_size(at, Vec2::splat(2.2 * radius));
-                    painter.rect_filled(square, 0.0, standing_colour(ui));
+                    painter.rect_filled(square, 0.0, Palette::of(visuals).standing);
                 } else {
                     painter.circle(at, radius, fill, Stroke::new(0.5, edge));
                 }
@@ -165,7 +165,7 @@ impl Drawing<'_> {
         let bar = self.layout.bar(segment);
         let rect = self.rect(bar);
         let x = self.scale.x(self.layout.moment(bar, frames));
-        let colour = character_colour(ui);
+        let colour = Palette::of(ui.visuals()).character;
         painter.rect_stroke(rect.expand(1.0), 1.0, Stroke::new(1.5, colour), eframe::egui::StrokeKind::Outside);
         painter.vline(x, rect.expand(3.0).y_range(), Stroke::new(2.0, colour));
         let tip = pos2(x, rect.top() - 2.0);
@@ -200,7 +200,7 @@ impl Drawing<'_> {
     }
 
     fn cost_colour(&self, ui: &Ui, error: f32) -> Color32 {
-        colour::line(colour::ratio(error, [0.0, self.links.max_error]), ui.visuals().dark_mode)
+        viridis::line(viridis::ratio(error, [0.0, self.links.max_error]), ui.visuals().dark_mode)
     }
 }
 
@@ -219,19 +219,4 @@ fn curve(from: Pos2, to: Pos2, below: bool) -> [Pos2; 4] {
 
 fn blend(back: Color32, front: Color32, part: f32) -> Color32 {
     back.lerp_to_gamma(front, part)
-}
-
-/// Colour of the links into a state.
-pub fn incoming_colour(ui: &Ui) -> Color32 {
-    if ui.visuals().dark_mode { Color32::from_rgb(240, 140, 180) } else { Color32::from_rgb(190, 40, 110) }
-}
-
-/// Colour of standing states.
-pub fn standing_colour(ui: &Ui) -> Color32 {
-    if ui.visuals().dark_mode { Color32::from_rgb(255, 170, 80) } else { Color32::from_rgb(200, 95, 0) }
-}
-
-/// Colour of what the selected character plays.
-pub fn character_colour(ui: &Ui) -> Color32 {
-    if ui.visuals().dark_mode { Color32::from_rgb(255, 95, 80) } else { Color32::from_rgb(210, 30, 20) }
 }

@@ -5,37 +5,25 @@ use super::links::{Link, outgoing};
 use crate::command::Command;
 use crate::document::Bundle;
 use crate::model::Model;
-use crate::panels::table::{self, Cell, Column};
+use crate::panels::paint::{Cell, Click, Column, Sort, Table, least_width};
 use crate::panels::words;
 use crate::run::Input;
-use eframe::egui::{RichText, ScrollArea, Ui};
+use eframe::egui::{Response, RichText, Ui};
 use std::cmp::Ordering;
 use throng_runtime::Planar;
 
 /// The columns.
-const COLUMNS: &[Column] = &[
-    Column { title: "plays", hint: "Clip and frames of the segment", width: 150.0, is_number: false, keeps_end: true },
-    Column { title: "s", hint: "Duration [s]", width: 34.0, is_number: true, keeps_end: false },
-    Column {
-        title: "leads",
-        hint: "Displacement and turn, as seen from the character",
-        width: 190.0,
-        is_number: false,
-        keeps_end: false,
-    },
-    Column {
-        title: "error",
-        hint: "How much frames differ at the transition [rad]; 0 where the clip goes on",
-        width: 44.0,
-        is_number: true,
-        keeps_end: false,
-    },
-    Column { title: "to", hint: "State it leads to", width: 40.0, is_number: true, keeps_end: false },
+const COLUMNS: [Column<'static>; 5] = [
+    Column::text("plays", "Clip and frames of the segment", 130.0, 1.0),
+    Column::number("s", "Duration [s]", 44.0).spare(1),
+    Column::text("leads", "Displacement and turn, as seen from the character", 200.0, 0.5).spare(2),
+    Column::number("error", "How much frames differ at the transition [rad]; 0 where the clip goes on", 56.0),
+    Column::number("to", "State it leads to", 46.0).spare(3),
 ];
 
 /// Width of the list. [Unit: points]
 pub fn width() -> f32 {
-    table::width(COLUMNS) + 16.0
+    least_width(&COLUMNS) + 28.0
 }
 
 /// Shows the actions of a state; notes the segment under the pointer.
@@ -67,49 +55,54 @@ pub fn show(ui: &mut Ui, model: &Model, bundle: &Bundle, state: u32, own: &mut S
         Some(c) => ui.label(RichText::new(format!("Click an action: character {c} plays it.")).weak()),
         None => ui.label(RichText::new("No character is selected: a click shows the motion instead.").weak()),
     };
-    let rows = sorted(bundle, state, own);
-    ScrollArea::both().id_salt("actions").auto_shrink([false, false]).show(ui, |ui| {
-        ui.spacing_mut().item_spacing.y = 0.0;
-        table::header(ui, COLUMNS, Some(&mut own.order));
-        for link in &rows {
-            show_action(ui, bundle, link, player, own, commands);
-        }
+    let rows = sorted(bundle, state, own.sort);
+    let table =
+        Table { click: Click::Does("Play"), sort: Some(own.sort), ..Table::new("actions", &COLUMNS, rows.len()) };
+    let response = table.show(ui, |row, column| cell(bundle, &rows[row], column));
+    own.sort = response.sort.unwrap_or(own.sort);
+    if let Some(link) = response.chosen.and_then(|row| rows.get(row)) {
+        commands.push(play(bundle, link.segment, player));
+    }
+    if let Some((row, response)) = response.hovered {
+        own.hovered_action = Some(rows[row].segment);
+        tell(bundle, response, &rows[row]);
+    }
+}
+
+fn cell(bundle: &Bundle, link: &Link, column: usize) -> Cell {
+    let segment = bundle.tables().graph().segments[link.segment as usize];
+    match column {
+        0 => Cell::new(bundle.describe_segment(link.segment)).ending(),
+        1 => Cell::new(format!("{:.2}", segment.num_frames as f32 / bundle.rate_hz())),
+        2 => Cell::new(words::way(segment.displacement())),
+        3 => Cell::new(format!("{:.3}", link.error)),
+        _ => Cell::new(segment.end.to_string()),
+    }
+}
+
+/// Lets a character play a segment; without one, shows its motion.
+fn play(bundle: &Bundle, segment: u32, player: Option<usize>) -> Command {
+    let record = bundle.tables().graph().segments[segment as usize];
+    let first = bundle.tables().clips()[record.clip as usize].first_frame;
+    match player {
+        Some(character) => Command::Input(Input::Play { character, segment }),
+        None => Command::ShowClip { clip: record.clip as usize, frame: record.start - first },
+    }
+}
+
+/// Says what there may be no room for in the row.
+fn tell(bundle: &Bundle, response: Response, link: &Link) {
+    let segment = bundle.tables().graph().segments[link.segment as usize];
+    response.on_hover_ui(|ui| {
+        ui.strong(bundle.describe_segment(link.segment));
+        let seconds = segment.num_frames as f32 / bundle.rate_hz();
+        ui.label(format!("{seconds:.2} s, {} frames: {}", segment.num_frames, words::way(segment.displacement())));
+        ui.label(format!("error {:.3} rad, leads to state {}", link.error, segment.end));
     });
 }
 
-fn show_action(
-    ui: &mut Ui,
-    bundle: &Bundle,
-    link: &Link,
-    player: Option<usize>,
-    own: &mut State,
-    commands: &mut Vec<Command>,
-) {
-    let segment = bundle.tables().graph().segments[link.segment as usize];
-    let plays = bundle.describe_segment(link.segment);
-    let cells = [
-        Cell::text(plays.as_str()),
-        Cell::text(format!("{:.2}", segment.num_frames as f32 / bundle.rate_hz())),
-        Cell::text(words::way(segment.displacement())),
-        Cell::text(format!("{:.3}", link.error)),
-        Cell::text(segment.end.to_string()),
-    ];
-    let response = table::row(ui, COLUMNS, &format!("Play {plays}"), own.marked == Some(link.segment), &cells);
-    if response.hovered() {
-        own.hovered_action = Some(link.segment);
-    }
-    if response.clicked() {
-        let first = bundle.tables().clips()[segment.clip as usize].first_frame;
-        commands.push(match player {
-            Some(character) => Command::Input(Input::Play { character, segment: link.segment }),
-            None => Command::ShowClip { clip: segment.clip as usize, frame: segment.start - first },
-        });
-    }
-    response.on_hover_text(format!("{plays}, {} frames, leads to state {}", segment.num_frames, segment.end));
-}
-
 /// A state's actions in the order asked for.
-fn sorted(bundle: &Bundle, state: u32, own: &State) -> Vec<Link> {
+fn sorted(bundle: &Bundle, state: u32, sort: Sort) -> Vec<Link> {
     let graph = bundle.tables().graph();
     let mut links: Vec<Link> = outgoing(&graph, state).collect();
     let of = |l: &Link| &graph.segments[l.segment as usize];
@@ -118,7 +111,7 @@ fn sorted(bundle: &Bundle, state: u32, own: &State) -> Vec<Link> {
         x.hypot(z)
     };
     let compare = |a: &Link, b: &Link| -> Ordering {
-        match own.order.column {
+        match sort.column {
             0 => (of(a).clip, of(a).start).cmp(&(of(b).clip, of(b).start)),
             1 => of(a).num_frames.cmp(&of(b).num_frames),
             2 => distance(a).total_cmp(&distance(b)),
@@ -126,6 +119,6 @@ fn sorted(bundle: &Bundle, state: u32, own: &State) -> Vec<Link> {
             _ => of(a).end.cmp(&of(b).end),
         }
     };
-    links.sort_by(|a, b| if own.order.descending { compare(b, a) } else { compare(a, b) });
+    links.sort_by(|a, b| if sort.descending { compare(b, a) } else { compare(a, b) });
     links
 }

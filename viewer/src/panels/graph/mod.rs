@@ -10,7 +10,7 @@ mod view;
 use crate::command::Command;
 use crate::document::Bundle;
 use crate::model::Model;
-use crate::panels::{colour, table};
+use crate::panels::paint::{Palette, Sort, legend, viridis};
 use draw::Drawing;
 use eframe::egui::{
     Align, CursorIcon, Layout as UiLayout, Rect, Response, RichText, Role, Sense, Ui, UiBuilder, Vec2, WidgetInfo,
@@ -26,7 +26,8 @@ const AROUND_S: f32 = 8.0;
 /// What is worked out of a bundle once.
 #[derive(Clone, Debug)]
 struct Drawn {
-    serial: u64,
+    /// Generation of the document that it was worked out of.
+    document: u64,
     layout: Layout,
     links: Links,
     facts: Facts,
@@ -37,13 +38,15 @@ struct Drawn {
 pub struct State {
     drawn: Option<Drawn>,
     view: View,
-    order: table::Order,
+    sort: Sort,
     search: String,
     follow: bool,
     /// Segment that stands out since the last frame.
     marked: Option<u32>,
     /// Segment whose row is under the pointer in this frame.
     hovered_action: Option<u32>,
+    /// State that was under the pointer when the button was pressed.
+    pressed: Option<u32>,
     rect: Rect,
 }
 
@@ -52,11 +55,12 @@ impl Default for State {
         Self {
             drawn: None,
             view: View::default(),
-            order: table::Order { column: 3, descending: false },
+            sort: Sort { column: 3, descending: false },
             search: String::new(),
             follow: false,
             marked: None,
             hovered_action: None,
+            pressed: None,
             rect: Rect::NOTHING,
         }
     }
@@ -72,7 +76,7 @@ pub fn show(ui: &mut Ui, model: &Model, state: &mut State, commands: &mut Vec<Co
         ui.weak("This bundle has no motion graph.");
         return;
     }
-    state.prepare(bundle);
+    state.prepare(bundle, model.generation);
     show_header(ui, bundle, state);
     state.marked = state.hovered_action.take();
     let looked_at = model.looked_at_state().filter(|&s| (s as usize) < bundle.tables().graph().states.len());
@@ -89,13 +93,13 @@ pub fn show(ui: &mut Ui, model: &Model, state: &mut State, commands: &mut Vec<Co
 
 impl State {
     /// Works out what depends on the bundle alone.
-    fn prepare(&mut self, bundle: &Bundle) {
-        if self.drawn.as_ref().is_some_and(|d| d.serial == bundle.serial()) {
+    fn prepare(&mut self, bundle: &Bundle, document: u64) {
+        if self.drawn.as_ref().is_some_and(|d| d.document == document) {
             return;
         }
         let tables = bundle.tables();
         let (layout, links, facts) = (Layout::new(tables), Links::new(&tables.graph()), Facts::new(tables));
-        self.drawn = Some(Drawn { serial: bundle.serial(), layout, links, facts });
+        self.drawn = Some(Drawn { document, layout, links, facts });
         self.view = View::default();
     }
 }
@@ -110,7 +114,8 @@ fn show_header(ui: &mut Ui, bundle: &Bundle, state: &mut State) {
             *view = View::default();
         }
         ui.checkbox(follow, "Follow").on_hover_text("Keep the segment of the selected character in sight");
-        let edit = eframe::egui::TextEdit::singleline(search).hint_text("find clip").desired_width(110.0);
+        let edit =
+            eframe::egui::TextEdit::singleline(search).id_salt("find clip").hint_text("find clip").desired_width(110.0);
         let searched = ui.add(edit).changed();
         if searched && let Some(found) = find(bundle, &drawn.layout, search) {
             view.show(&drawn.layout, *rect, found, AROUND_S);
@@ -118,10 +123,11 @@ fn show_header(ui: &mut Ui, bundle: &Bundle, state: &mut State) {
         ui.separator();
         let dark = ui.visuals().dark_mode;
         let most = drawn.links.max_plays as f32;
-        colour::legend(ui, [0.0, most], "bars: played by", |t| colour::line(t.sqrt(), dark));
-        colour::legend(ui, [0.0, drawn.links.max_error], "links: error", |t| colour::line(t, dark));
-        ui.colored_label(draw::incoming_colour(ui), "links in");
-        ui.colored_label(draw::standing_colour(ui), "standing");
+        legend(ui, [0.0, most], "bars: played by", |t| viridis::line(t.sqrt(), dark));
+        legend(ui, [0.0, drawn.links.max_error], "links: error", |t| viridis::line(t, dark));
+        let palette = Palette::of(ui.visuals());
+        ui.colored_label(palette.incoming, "links in");
+        ui.colored_label(palette.standing, "standing");
     });
 }
 
@@ -141,7 +147,9 @@ fn show_drawing(
     state: &mut State,
     commands: &mut Vec<Command>,
 ) {
-    let response = ui.allocate_rect(rect, Sense::click_and_drag());
+    ui.advance_cursor_after_rect(rect);
+    // Known by a name, whatever else is shown above it in this frame.
+    let response = ui.interact(rect, ui.scope_id().with("drawing"), Sense::click_and_drag());
     response.widget_info(|| WidgetInfo::labeled(Role::Canvas, true, "Motion graph"));
     let Some(drawn) = &state.drawn else { return };
     state.rect = rect;
@@ -167,10 +175,12 @@ fn show_drawing(
     let painter = ui.painter_at(rect);
     painter.rect_filled(rect, 2.0, ui.visuals().extreme_bg_color);
     drawing.paint(ui, &painter);
-    if response.clicked()
-        && let Some(point) = response.interact_pointer_pos()
-    {
-        commands.push(Command::SelectState(drawing.state_at(point)));
+    // The drawing may move under the pointer before it is released.
+    if response.contains_pointer() && ui.input(|i| i.pointer.primary_pressed()) {
+        state.pressed = drawing.hovered;
+    }
+    if response.clicked() && response.interact_pointer_pos().is_some() {
+        commands.push(Command::SelectState(state.pressed.take()));
     }
     tell(response, &drawing);
 }

@@ -71,6 +71,27 @@ fn a_click_on_a_state_selects_it_and_one_beside_it_none() {
 }
 
 #[test]
+fn a_click_selects_what_was_pressed_though_the_drawing_moves_before_the_release() {
+    let mut h = panel(|_| {});
+    h.step();
+    let at = place_of(&h, 5);
+    let top = h.state().state.rect.top();
+    h.hover_at(at);
+    h.step();
+    let button =
+        |pressed| Event::PointerButton { pos: at, button: PointerButton::Primary, pressed, modifiers: Modifiers::NONE };
+    h.event(button(true));
+    h.step();
+    // The header is wrapped into more lines.
+    h.set_size(Vec2::new(420.0, 320.0));
+    h.step();
+    assert!(h.state().state.rect.top() > top + 10.0);
+    h.event(button(false));
+    h.step();
+    assert_eq!(h.state().commands, [Command::SelectState(Some(5))]);
+}
+
+#[test]
 fn a_click_on_an_action_lets_the_selected_character_play_it() {
     let mut h = panel(|m| {
         m.selection.character = Some(3);

@@ -3,15 +3,18 @@
 
 mod axis;
 mod hatch;
+mod legend;
 mod palette;
 mod ruler;
 mod table;
+pub mod viridis;
 
 pub use axis::{Axis, Span};
 pub use hatch::hatch;
+pub use legend::legend;
 pub use palette::Palette;
 pub use ruler::{RULER_HEIGHT, ruler};
-pub use table::{Cell, Column, Sort, Table, TableResponse};
+pub use table::{Cell, Click, Column, Sort, Table, TableResponse, least_width};
 
 use eframe::egui::{Align, Layout, RichText, Ui};
 

@@ -19,6 +19,10 @@ pub struct Palette {
     pub state: Color32,
     /// States at which the character stands.
     pub standing: Color32,
+    /// Links into a state.
+    pub incoming: Color32,
+    /// What the selected character does.
+    pub character: Color32,
     /// The play head.
     pub head: Color32,
     /// What is fine.
@@ -36,7 +40,9 @@ impl Palette {
         kept: Color32::from_rgb(0x2f, 0x8f, 0x7e),
         excluded: Color32::from_rgb(0xc8, 0x6b, 0x66),
         state: Color32::from_rgb(0xc7, 0x9b, 0xff),
-        standing: Color32::from_rgb(0x5f, 0xe0, 0xc8),
+        standing: Color32::from_rgb(0xff, 0x8c, 0xb4),
+        incoming: Color32::from_rgb(0xf2, 0xa0, 0x50),
+        character: Color32::from_rgb(0xff, 0x5f, 0x50),
         head: Color32::from_rgb(0xff, 0xd8, 0x4d),
         good: Color32::from_rgb(0x5f, 0xd0, 0xa8),
         warning: Color32::from_rgb(0xff, 0xb0, 0x54),
@@ -57,7 +63,9 @@ impl Palette {
         kept: Color32::from_rgb(0x6c, 0xc4, 0xb3),
         excluded: Color32::from_rgb(0xb5, 0x4a, 0x45),
         state: Color32::from_rgb(0x7a, 0x2b, 0xbf),
-        standing: Color32::from_rgb(0x0f, 0x7d, 0x6c),
+        standing: Color32::from_rgb(0xbe, 0x28, 0x6e),
+        incoming: Color32::from_rgb(0xc8, 0x5f, 0x00),
+        character: Color32::from_rgb(0xd2, 0x1e, 0x14),
         head: Color32::from_rgb(0xc4, 0x2f, 0x1d),
         good: Color32::from_rgb(0x1b, 0x7a, 0x58),
         warning: Color32::from_rgb(0xa8, 0x5a, 0x00),
@@ -70,6 +78,11 @@ impl Palette {
             Color32::from_rgb(0xbc, 0xe0, 0xe5),
         ],
     };
+
+    /// What the selected character does, over the colour map, which is the same in every theme.
+    pub const CHARACTER_ON_MAP: Color32 = Self::DARK.character;
+    /// What is pointed at or picked, over the colour map.
+    pub const POINTED_ON_MAP: Color32 = Color32::from_rgb(0xff, 0xeb, 0x78);
 
     /// The colours that go with a theme.
     pub fn of(visuals: &Visuals) -> Self {

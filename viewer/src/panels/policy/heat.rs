@@ -1,7 +1,7 @@
 //! The picture of a state's values over the target grid, kept until it changes.
 
 use super::chart::{Chart, polar};
-use crate::panels::colour;
+use crate::panels::paint::viridis;
 use eframe::egui::epaint::Mesh;
 use eframe::egui::{Color32, Pos2, Rect};
 use glam::Vec2;
@@ -25,8 +25,8 @@ const APART: f32 = 17.0;
 /// What a picture shows.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Key {
-    /// Of the bundle.
-    pub serial: u64,
+    /// Generation of the document.
+    pub document: u64,
     /// Behaviour.
     pub policy: usize,
     /// State.
@@ -90,7 +90,7 @@ impl Heat {
         let plan = Plan::new(&chart, key.rect);
         let values = policy.values_of(key.state);
         let range = values.iter().fold([f32::INFINITY, f32::NEG_INFINITY], |[a, b], &v| [a.min(v), b.max(v)]);
-        let colour = |v: f32| colour::map(colour::ratio(v, range));
+        let colour = |v: f32| viridis::map(viridis::ratio(v, range));
         let mesh = if key.smooth {
             smooth(&chart, &plan, |p| colour(policy.value(key.state, chart.target(p, key.height))), policy)
         } else {

@@ -4,7 +4,8 @@ use super::chart::Chart;
 use super::heat::{Heat, Key, Plan};
 use super::{State, why::name};
 use crate::document::Bundle;
-use crate::panels::{colour, words};
+use crate::panels::paint::{Palette, legend, viridis};
+use crate::panels::words;
 use crate::run::{Candidate, Why};
 use eframe::egui::{
     Align2, Color32, FontId, Painter, Pos2, Response, RichText, Role, Sense, Shape, Stroke, Ui, Vec2 as Span,
@@ -15,12 +16,12 @@ use throng_runtime::policy::PolicyTable;
 
 /// Largest side of the map. [Unit: points]
 const LARGEST: f32 = 460.0;
-/// Colour of the action that was taken.
-const TAKEN: Color32 = Color32::from_rgb(255, 90, 80);
 
 /// What is shown on the map.
 #[derive(Clone, Copy)]
 pub struct Shown<'a> {
+    /// Generation of the document.
+    pub document: u64,
     /// The bundle.
     pub bundle: &'a Bundle,
     /// The behaviour.
@@ -42,7 +43,7 @@ pub fn show(ui: &mut Ui, shown: &Shown<'_>, own: &mut State) {
     let (rect, response) = ui.allocate_exact_size(Span::splat(side), Sense::hover());
     response.widget_info(|| WidgetInfo::labeled(Role::Canvas, true, "Values around the character"));
     let key = Key {
-        serial: shown.bundle.serial(),
+        document: shown.document,
         policy: shown.number,
         state: shown.state,
         height: own.height,
@@ -63,20 +64,15 @@ pub fn show(ui: &mut Ui, shown: &Shown<'_>, own: &mut State) {
     targets(&painter, shown, &heat.plan);
     tell(response, shown, own, heat);
     ui.horizontal_wrapped(|ui| {
-        colour::legend(ui, heat.range, &format!("value by {}", name(shown.bundle, shown.number)), colour::map)
+        legend(ui, heat.range, &format!("value by {}", name(shown.bundle, shown.number)), viridis::map)
     });
     ui.horizontal_wrapped(|ui| {
         ui.weak("cross: target now; ring: when it chose;");
-        ui.colored_label(taken_text(ui), "action taken;");
+        ui.colored_label(Palette::of(ui.visuals()).character, "action taken;");
         let scale =
             if heat.arrow_scale < 1.0 { format!(" at {:.0} %", 100.0 * heat.arrow_scale) } else { String::new() };
         ui.weak(format!("small arrows: best action if the target were there{scale}"));
     });
-}
-
-/// The colour of the taken action, as text.
-fn taken_text(ui: &Ui) -> Color32 {
-    if ui.visuals().dark_mode { TAKEN } else { Color32::from_rgb(200, 30, 20) }
 }
 
 fn options(ui: &mut Ui, shown: &Shown<'_>, own: &mut State) {
@@ -115,11 +111,11 @@ fn choice(painter: &Painter, shown: &Shown<'_>, own: &State, plan: &Plan) {
     let Some(why) = shown.why else { return };
     let tip = |c: &Candidate| plan.screen(Vec2::new(c.displacement.x, c.displacement.z));
     if let Some(taken) = why.candidates.get(why.chosen) {
-        arrow(painter, plan.centre, tip(taken), 2.6, TAKEN);
+        arrow(painter, plan.centre, tip(taken), 2.6, Palette::CHARACTER_ON_MAP);
     }
     for (segment, width) in [(own.picked, 2.0), (own.hovered_before, 2.6)] {
         if let Some(c) = why.candidates.iter().find(|c| Some(c.segment) == segment) {
-            arrow(painter, plan.centre, tip(c), width, Color32::from_rgb(255, 235, 120));
+            arrow(painter, plan.centre, tip(c), width, Palette::POINTED_ON_MAP);
         }
     }
 }
@@ -184,7 +180,7 @@ fn tell(response: Response, shown: &Shown<'_>, own: &State, heat: &Heat) {
     let best = usize::from(shown.policy.best_of(shown.state, cell)[0]);
     let segment = graph.segments_of(shown.state)[best];
     response.on_hover_ui_at_pointer(|ui| {
-        ui.label(RichText::new(format!("value {}", colour::number(value))).strong());
+        ui.label(RichText::new(format!("value {}", words::number(value))).strong());
         ui.label(format!("target {}", words::place(place)));
         let centre = shown.policy.grid().cell_coordinates(cell);
         ui.label(format!("cell {cell}: {:.2} m, {}", centre.y, words::direction(centre.x)));

@@ -71,7 +71,8 @@ pub fn show(ui: &mut Ui, model: &Model, state: &mut State, commands: &mut Vec<Co
     if let Some(looked_at) = model.looked_at_state().filter(|&s| (s as usize) < policy.actions().num_states()) {
         let why = why.as_ref().filter(|w| w.state == looked_at);
         let target_now = local_target(model);
-        let shown = map::Shown { bundle, policy, number, state: looked_at, why, target_now };
+        let document = model.generation;
+        let shown = map::Shown { document, bundle, policy, number, state: looked_at, why, target_now };
         map::show(ui, &shown, state);
     }
     ui.separator();

@@ -26,12 +26,16 @@ struct Panel {
 }
 
 fn panel(prepare: impl FnOnce(&mut Model)) -> Harness<'static, Panel> {
+    panel_of_width(620.0, prepare)
+}
+
+fn panel_of_width(width: f32, prepare: impl FnOnce(&mut Model)) -> Harness<'static, Panel> {
     let mut model = Model::new(Settings::default());
     model.open_now(&golden_path()).unwrap();
     prepare(&mut model);
     let panel = Panel { model, state: State::default(), commands: Vec::new() };
     Harness::builder()
-        .with_size([620.0, 1000.0])
+        .with_size([width, 1000.0])
         .build_ui_state(|ui, p: &mut Panel| show(ui, &p.model, &mut p.state, &mut p.commands), panel)
 }
 
@@ -75,4 +79,23 @@ fn the_picture_is_kept_until_what_it_shows_changes() {
     let other = h.state().state.heat.as_ref().unwrap();
     assert_eq!(other.key.state, 4);
     assert!(!std::sync::Arc::ptr_eq(&first.mesh, &other.mesh));
+}
+
+#[test]
+fn what_was_taken_and_why_needs_no_wide_panel() {
+    // Sides of the window, and what the default and the smallest width of the panel leave.
+    for width in [400.0, 345.0, 300.0] {
+        let mut h = panel_of_width(width, |m| m.selection.character = Some(4));
+        h.run_steps(2);
+        let mut left = 0.0;
+        for title in ["#", "plays", "score", "gap", "chance"] {
+            let rect = h.get_by_label(title).rect();
+            assert!(rect.left() >= left && rect.right() <= width, "{title} at {rect} of {width}");
+            left = rect.right();
+        }
+        assert!(h.query_by_label("leads").is_none());
+    }
+    let mut h = panel(|m| m.selection.character = Some(4));
+    h.run_steps(2);
+    h.get_by_label("leads");
 }

@@ -4,32 +4,20 @@ use super::{State, story};
 use crate::command::Command;
 use crate::document::Bundle;
 use crate::model::Model;
-use crate::panels::table::{self, Cell, Column};
-use crate::panels::{colour, words};
+use crate::panels::paint::{Cell, Click, Column, Table, viridis};
+use crate::panels::words;
 use crate::run::{Candidate, Run, Why};
-use eframe::egui::{DragValue, ScrollArea, Ui};
+use eframe::egui::{DragValue, Response, Ui};
 
-/// The columns that are always there.
-const COLUMNS: [Column; 7] = [
-    Column { title: "#", hint: "Place by score", width: 18.0, is_number: true, keeps_end: false },
-    Column { title: "plays", hint: "Clip and frames of the segment", width: 112.0, is_number: false, keeps_end: true },
-    Column {
-        title: "score",
-        hint: "Reward and discounted value of where it leads",
-        width: 56.0,
-        is_number: true,
-        keeps_end: false,
-    },
-    Column { title: "leads", hint: "Displacement and turn", width: 104.0, is_number: false, keeps_end: false },
-    Column { title: "s", hint: "Duration [s]", width: 30.0, is_number: true, keeps_end: false },
-    Column {
-        title: "gap",
-        hint: "How far its score lies below the best",
-        width: 48.0,
-        is_number: true,
-        keeps_end: false,
-    },
-    Column { title: "chance", hint: "How likely it was to be taken", width: 46.0, is_number: true, keeps_end: false },
+/// The columns of every choice. The narrowest panel has room for those that say what was taken and why.
+const COLUMNS: [Column<'static>; 7] = [
+    Column::number("#", "Place by score", 26.0),
+    Column::text("plays", "Clip and frames of the segment", 96.0, 1.0),
+    Column::number("score", "Reward and discounted value of where it leads", 58.0),
+    Column::text("leads", "Displacement and turn", 124.0, 0.6).spare(3),
+    Column::number("s", "Duration [s]", 40.0).spare(1),
+    Column::number("gap", "How far its score lies below the best", 52.0),
+    Column::number("chance", "How likely it was to be taken", 56.0),
 ];
 
 /// Shows the choice of the selected character.
@@ -78,59 +66,69 @@ fn behaviours(ui: &mut Ui, bundle: &Bundle, why: &Why) {
     }
     for b in &why.behaviours {
         let name = name(bundle, b.policy);
-        ui.weak(format!("{name}: weight {:.2}, value of the state {}", b.weight, colour::number(b.value)));
+        ui.weak(format!("{name}: weight {:.2}, value of the state {}", b.weight, words::number(b.value)));
     }
 }
 
 fn candidates(ui: &mut Ui, bundle: &Bundle, run: &Run, why: &Why, own: &mut State) {
-    let by_each = if why.behaviours.len() > 1 { why.behaviours.len() } else { 0 };
-    let mut columns = COLUMNS.to_vec();
-    let each = Column { title: "by", hint: "", width: 56.0, is_number: true, keeps_end: false };
-    columns.resize(COLUMNS.len() + by_each, each);
+    let mut columns: Vec<Column<'_>> = COLUMNS.to_vec();
+    if why.behaviours.len() > 1 {
+        let by_each = why.behaviours.iter().map(|b| name(bundle, b.policy));
+        columns.extend(by_each.map(|n| Column::number(n, "Score by this behaviour alone", 60.0).spare(2)));
+    }
     let chances = story::chances(why, run.config());
-    let range = [why.candidates.last().map_or(0.0, |c| c.score), why.candidates[0].score];
-    ScrollArea::horizontal().id_salt("candidates").show(ui, |ui| {
-        ui.spacing_mut().item_spacing.y = 0.0;
-        table::header(ui, &columns, None);
-        for (rank, c) in why.candidates.iter().enumerate().take(own.shown) {
-            let cells = cells(bundle, why, rank, c, chances[rank], range);
-            let plays = bundle.describe_segment(c.segment);
-            let response = table::row(ui, &columns, &format!("Candidate {plays}"), rank == why.chosen, &cells);
-            if response.hovered() {
-                own.hovered = Some(c.segment);
-            }
-            if response.clicked() {
-                own.picked = if own.picked == Some(c.segment) { None } else { Some(c.segment) };
-            }
-            response.on_hover_ui(|ui| {
-                ui.strong(plays);
-                ui.label(words::way(c.displacement));
-                for (b, score) in why.behaviours.iter().zip(&c.by_behaviour) {
-                    ui.label(format!("{}: {score:.4}", name(bundle, b.policy)));
-                }
-                ui.weak("A click keeps its arrow on the map.");
-            });
+    let shown = own.shown.min(why.candidates.len());
+    let table = Table {
+        named_by: 1,
+        click: Click::Does("Candidate"),
+        selected: Some(why.chosen),
+        most_rows: Some(shown),
+        ..Table::new("candidates", &columns, shown)
+    };
+    let response = table.show(ui, |row, column| cell(bundle, why, row, column, &chances));
+    if let Some(c) = response.chosen.and_then(|row| why.candidates.get(row)) {
+        own.picked = if own.picked == Some(c.segment) { None } else { Some(c.segment) };
+    }
+    if let Some((row, response)) = response.hovered {
+        own.hovered = Some(why.candidates[row].segment);
+        tell(bundle, why, response, &why.candidates[row]);
+    }
+}
+
+fn cell(bundle: &Bundle, why: &Why, rank: usize, column: usize, chances: &[f32]) -> Cell {
+    let c = &why.candidates[rank];
+    let best = why.candidates[0].score;
+    match column {
+        0 => Cell::new((rank + 1).to_string()),
+        1 => Cell::new(bundle.describe_segment(c.segment)).ending(),
+        2 => {
+            let least = why.candidates.last().map_or(0.0, |c| c.score);
+            Cell::new(format!("{:.3}", c.score)).bar(viridis::ratio(c.score, [least, best]))
         }
+        3 => Cell::new(words::way(c.displacement)),
+        4 => Cell::new(format!("{:.2}", seconds(bundle, c))),
+        5 => Cell::new(format!("{:.3}", best - c.score)),
+        6 if chances[rank] > 0.0 => Cell::new(format!("{:.0} %", 100.0 * chances[rank])),
+        6 => Cell::weak("–"),
+        _ => c.by_behaviour.get(column - COLUMNS.len()).map_or_else(Cell::default, |s| Cell::new(format!("{s:.3}"))),
+    }
+}
+
+/// Says what there may be no room for in the row.
+fn tell(bundle: &Bundle, why: &Why, response: Response, c: &Candidate) {
+    response.on_hover_ui(|ui| {
+        ui.strong(bundle.describe_segment(c.segment));
+        ui.label(format!("{:.2} s: {}", seconds(bundle, c), words::way(c.displacement)));
+        for (b, score) in why.behaviours.iter().zip(&c.by_behaviour) {
+            ui.label(format!("{}: {score:.4}", name(bundle, b.policy)));
+        }
+        ui.weak("A click keeps its arrow on the map.");
     });
 }
 
-fn cells(bundle: &Bundle, why: &Why, rank: usize, c: &Candidate, chance: f32, range: [f32; 2]) -> Vec<Cell> {
-    let frames = bundle.tables().graph().segments[c.segment as usize].num_frames;
-    let chance = if chance > 0.0 { format!("{:.0} %", 100.0 * chance) } else { "–".into() };
-    let gap = why.candidates[0].score - c.score;
-    let mut cells = vec![
-        Cell::text((rank + 1).to_string()),
-        Cell::text(bundle.describe_segment(c.segment)),
-        Cell { text: format!("{:.3}", c.score), bar: Some(colour::ratio(c.score, range)) },
-        Cell::text(words::way(c.displacement)),
-        Cell::text(format!("{:.2}", frames as f32 / bundle.rate_hz())),
-        Cell::text(format!("{gap:.3}")),
-        Cell::text(chance),
-    ];
-    if why.behaviours.len() > 1 {
-        cells.extend(c.by_behaviour.iter().map(|s| Cell::text(format!("{s:.3}"))));
-    }
-    cells
+/// How long a candidate's segment lasts. [Unit: s]
+fn seconds(bundle: &Bundle, c: &Candidate) -> f32 {
+    bundle.tables().graph().segments[c.segment as usize].num_frames as f32 / bundle.rate_hz()
 }
 
 /// Name of a behaviour.

@@ -3,31 +3,32 @@
 use super::{facts, section};
 use crate::document::Bundle;
 use crate::panels::paint::{Cell, Column, Sort, Table};
-use eframe::egui::{RichText, ScrollArea, TextEdit, TextStyle, Ui};
+use eframe::egui::{RichText, ScrollArea, TextEdit, Ui};
+use std::cmp::Ordering;
 use throng_runtime::format::SourceMeta;
 
-const COLUMNS: [Column; 3] = [
-    Column { title: "File", hint: "As the configuration names it", width: 120.0, grows: 1.0, is_number: false },
-    Column { title: "Size", hint: "Length of the file", width: 66.0, grows: 0.0, is_number: true },
-    Column {
-        title: "Hash",
-        hint: "XXH3 of its content; click a row to copy path and hash",
-        width: 84.0,
-        grows: 0.3,
-        is_number: false,
-    },
+const COLUMNS: [Column<'static>; 3] = [
+    Column::text("File", "As the configuration names it", 120.0, 1.0),
+    Column::number("Size", "Length of the file", 66.0),
+    Column::text("Hash", "XXH3 of its content; click a row to copy path and hash", 84.0, 0.3).spare(1),
 ];
 /// Rows of sources that are seen at once.
-const ROWS: f32 = 9.0;
+const ROWS: usize = 9;
 
 /// The list of source files as it was last sorted.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub struct Sources {
-    sort: Option<Sort>,
+    sort: Sort,
     copied: Option<usize>,
     /// What `rows` were made of: document and order.
-    made_of: Option<(u64, Option<Sort>)>,
+    made_of: Option<(u64, Sort)>,
     rows: Vec<usize>,
+}
+
+impl Default for Sources {
+    fn default() -> Self {
+        Self { sort: Sort::NONE, copied: None, made_of: None, rows: Vec::new() }
+    }
 }
 
 impl Sources {
@@ -39,17 +40,17 @@ impl Sources {
             self.copied = None;
         }
         self.rows = (0..sources.len()).collect();
-        if let Some(sort) = self.sort {
-            self.rows.sort_by(|&a, &b| {
-                let (a, b) = (&sources[a], &sources[b]);
-                let order = match sort.column {
-                    0 => a.path.cmp(&b.path),
-                    1 => a.bytes.cmp(&b.bytes),
-                    _ => a.hash.cmp(&b.hash),
-                };
-                if sort.descending { order.reverse() } else { order }
-            });
-        }
+        let Sort { column, descending } = self.sort;
+        self.rows.sort_by(|&a, &b| {
+            let (a, b) = (&sources[a], &sources[b]);
+            let order = match column {
+                0 => a.path.cmp(&b.path),
+                1 => a.bytes.cmp(&b.bytes),
+                2 => a.hash.cmp(&b.hash),
+                _ => Ordering::Equal,
+            };
+            if descending { order.reverse() } else { order }
+        });
         self.made_of = Some((document, self.sort));
     }
 }
@@ -85,37 +86,28 @@ fn source_list(ui: &mut Ui, sources: &[SourceMeta], document: u64, state: &mut S
         ui.label(RichText::new("The bundle names no source files: it was made from generated motion.").weak());
         return;
     }
-    let row = ui.text_style_height(&TextStyle::Body) + 4.0;
-    let height = row * (1.0 + ROWS.min(sources.len() as f32)) + 2.0;
     let rows = &state.rows;
     let table = Table {
-        id: "sources",
-        columns: &COLUMNS,
-        num_rows: rows.len(),
         selected: state.copied.and_then(|c| rows.iter().position(|r| *r == c)),
-        sort: Some(state.sort.unwrap_or(Sort { column: usize::MAX, descending: false })),
-        scroll_to_selected: false,
+        sort: Some(state.sort),
+        most_rows: Some(ROWS),
+        ..Table::new("sources", &COLUMNS, rows.len())
     };
-    let response = ui
-        .allocate_ui(eframe::egui::vec2(ui.available_width(), height), |ui| {
-            ui.set_min_height(height);
-            table.show(ui, |row, column| {
-                let s = &sources[rows[row]];
-                match column {
-                    0 => Cell::new(&s.path).ending(),
-                    1 => Cell::new(bytes_text(s.bytes)),
-                    _ => Cell::weak(format!("{:032x}", s.hash)),
-                }
-            })
-        })
-        .inner;
+    let response = table.show(ui, |row, column| {
+        let s = &sources[rows[row]];
+        match column {
+            0 => Cell::new(&s.path).ending(),
+            1 => Cell::new(bytes_text(s.bytes)),
+            _ => Cell::weak(format!("{:032x}", s.hash)),
+        }
+    });
     if let Some(source) = response.chosen.map(|row| rows[row]) {
         let s = &sources[source];
         ui.copy_text(format!("{} {:032x}", s.path, s.hash));
         state.copied = Some(source);
     }
     if let Some(sort) = response.sort {
-        state.sort = Some(sort);
+        state.sort = sort;
     }
 }
 
@@ -162,10 +154,10 @@ mod tests {
             state.refresh(1, &all);
             state.rows.clone()
         };
-        assert_eq!(rows(None), [0, 1, 2]);
-        assert_eq!(rows(Some(Sort { column: 0, descending: false })), [1, 0, 2]);
-        assert_eq!(rows(Some(Sort { column: 1, descending: true })), [1, 2, 0]);
-        assert_eq!(rows(Some(Sort { column: 2, descending: false })), [0, 2, 1]);
+        assert_eq!(rows(Sort::NONE), [0, 1, 2]);
+        assert_eq!(rows(Sort { column: 0, descending: false }), [1, 0, 2]);
+        assert_eq!(rows(Sort { column: 1, descending: true }), [1, 2, 0]);
+        assert_eq!(rows(Sort { column: 2, descending: false }), [0, 2, 1]);
     }
 
     #[test]

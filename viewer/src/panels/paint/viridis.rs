@@ -1,6 +1,6 @@
-//! Colours that tell numbers apart, in the dark and in the light theme.
+//! The colour map of numbers, in the dark and in the light theme.
 
-use eframe::egui::{Color32, Pos2, Rect, Shape, Ui, epaint::Mesh};
+use eframe::egui::Color32;
 
 /// Stations of viridis, at equal distances: perceptually uniform, told apart by colour-blind people too.
 const VIRIDIS: [[u8; 3]; 10] = [
@@ -37,40 +37,6 @@ pub fn line(ratio: f32, dark: bool) -> Color32 {
 /// A number between two others as a ratio; 1 where they are the same.
 pub fn ratio(v: f32, [low, high]: [f32; 2]) -> f32 {
     if high > low { (v - low) / (high - low) } else { 1.0 }
-}
-
-/// A bar that runs through colours, with the numbers at its ends. Goes into a row of widgets.
-pub fn legend(ui: &mut Ui, [low, high]: [f32; 2], what: &str, colour: impl Fn(f32) -> Color32) {
-    ui.label(format!("{what} {}", number(low)));
-    let (rect, _) = ui.allocate_exact_size([70.0, 10.0].into(), eframe::egui::Sense::hover());
-    ui.painter().add(Shape::mesh(bar(rect, colour)));
-    ui.label(number(high));
-}
-
-/// A number with as many digits as tell it from its likes.
-pub fn number(v: f32) -> String {
-    match v.abs() {
-        a if a >= 100.0 || a.fract() == 0.0 => format!("{v:.0}"),
-        a if a >= 1.0 => format!("{v:.2}"),
-        _ => format!("{v:.3}"),
-    }
-}
-
-fn bar(rect: Rect, colour: impl Fn(f32) -> Color32) -> Mesh {
-    const PARTS: usize = 18;
-    let mut mesh = Mesh::default();
-    for i in 0..=PARTS {
-        let t = i as f32 / PARTS as f32;
-        let x = rect.left() + rect.width() * t;
-        mesh.colored_vertex(Pos2::new(x, rect.top()), colour(t));
-        mesh.colored_vertex(Pos2::new(x, rect.bottom()), colour(t));
-        if i > 0 {
-            let k = 2 * i as u32;
-            mesh.add_triangle(k - 2, k - 1, k);
-            mesh.add_triangle(k - 1, k, k + 1);
-        }
-    }
-    mesh
 }
 
 #[cfg(test)]

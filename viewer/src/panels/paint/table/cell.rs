@@ -1,0 +1,123 @@
+//! What stands in a cell: a text, and a bar behind it.
+
+use eframe::egui::text::LayoutJob;
+use eframe::egui::{Align, Align2, Color32, FontId, Galley, Rect, TextStyle, Ui, vec2};
+use std::sync::Arc;
+
+/// Space between the edge of a cell and its text. [Unit: points]
+const PAD: f32 = 5.0;
+
+/// What stands in a cell.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Cell {
+    /// The text.
+    pub text: String,
+    /// It matters less.
+    pub weak: bool,
+    /// Where there is no room for all of it, its end is shown instead of its beginning.
+    pub ending: bool,
+    /// Length of a bar behind the text. [Limit: 0 to 1]
+    pub bar: Option<f32>,
+}
+
+impl Cell {
+    /// A text.
+    pub fn new(text: impl Into<String>) -> Self {
+        Self { text: text.into(), ..Self::default() }
+    }
+
+    /// A text that matters less.
+    pub fn weak(text: impl Into<String>) -> Self {
+        Self { text: text.into(), weak: true, ..Self::default() }
+    }
+
+    /// The same, of which the end tells more than the beginning.
+    pub fn ending(self) -> Self {
+        Self { ending: true, ..self }
+    }
+
+    /// The same with a bar behind it. [Limit: 0 to 1]
+    pub fn bar(self, length: f32) -> Self {
+        Self { bar: Some(length), ..self }
+    }
+
+    /// Paints it.
+    pub(super) fn paint(&self, ui: &Ui, rect: Rect, is_number: bool, selected: bool) {
+        let visuals = ui.visuals();
+        if let Some(length) = self.bar {
+            let back = if selected { visuals.selection.stroke.color } else { visuals.selection.bg_fill };
+            let full = rect.shrink2(vec2(0.5 * PAD, 3.0));
+            let bar = full.with_max_x(full.left() + full.width() * length.clamp(0.0, 1.0));
+            let strength = if selected { 0.25 } else { 0.45 };
+            ui.painter().with_clip_rect(rect.intersect(ui.clip_rect())).rect_filled(
+                bar,
+                1.0,
+                back.gamma_multiply(strength),
+            );
+        }
+        let colour = match (selected, self.weak) {
+            (true, _) => visuals.selection.stroke.color,
+            (false, true) => visuals.weak_text_color(),
+            (false, false) => visuals.text_color(),
+        };
+        paint_text(ui, rect, is_number, (&self.text, self.ending), TextStyle::Body.resolve(ui.style()), colour);
+    }
+}
+
+/// One line; what does not fit of it is left out at its end or, where its end tells more, at its beginning.
+pub(super) fn paint_text(
+    ui: &Ui,
+    rect: Rect,
+    is_number: bool,
+    (text, ending): (&str, bool),
+    font: FontId,
+    colour: Color32,
+) {
+    if text.is_empty() {
+        return;
+    }
+    let lay_out = |text: &str| -> Arc<Galley> {
+        ui.painter().layout_job(LayoutJob::simple_singleline(text.to_owned(), font.clone(), colour))
+    };
+    let room = (rect.width() - 2.0 * PAD).max(1.0);
+    let galley = lay_out(&fitted(text, ending, |t| lay_out(t).size().x <= room));
+    let align = if is_number { Align2([Align::Max, Align::Center]) } else { Align2([Align::Min, Align::Center]) };
+    let place = align.align_size_within_rect(galley.size(), rect.shrink2(vec2(PAD, 0.0)));
+    ui.painter().with_clip_rect(rect.intersect(ui.clip_rect())).galley(place.min, galley, colour);
+}
+
+/// The text, or as much of its beginning or end as fits, with an ellipsis.
+fn fitted(text: &str, ending: bool, fits: impl Fn(&str) -> bool) -> String {
+    if fits(text) {
+        return text.to_owned();
+    }
+    let chars: Vec<char> = text.chars().collect();
+    let part = |n: usize| -> String {
+        if ending {
+            std::iter::once('…').chain(chars[chars.len() - n..].iter().copied()).collect()
+        } else {
+            chars[..n].iter().copied().chain(std::iter::once('…')).collect()
+        }
+    };
+    // The longest part that fits, by halves.
+    let (mut low, mut high) = (0, chars.len());
+    while low + 1 < high {
+        let middle = (low + high) / 2;
+        if fits(&part(middle)) { low = middle } else { high = middle }
+    }
+    part(low)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_most_that_fits_of_a_text_is_kept() {
+        let fits = |n: usize| move |t: &str| t.chars().count() <= n;
+        assert_eq!(fitted("walk_left 12–30", true, fits(20)), "walk_left 12–30");
+        assert_eq!(fitted("walk_left 12–30", true, fits(8)), "…t 12–30");
+        assert_eq!(fitted("walk_left 12–30", false, fits(5)), "walk…");
+        assert_eq!(fitted("", false, fits(0)), "");
+    }
+}

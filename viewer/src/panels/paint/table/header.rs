@@ -1,0 +1,87 @@
+//! The titles of a table, and by which of them rows are sorted.
+
+use super::cell::paint_text;
+use super::column::Place;
+use super::{Table, place_rect};
+use eframe::egui::{Color32, CursorIcon, FontId, Id, Rect, Role, Sense, Shape, Stroke, Ui, WidgetInfo, vec2};
+
+/// By which column rows are sorted.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Sort {
+    /// Number of the column.
+    pub column: usize,
+    /// The largest first.
+    pub descending: bool,
+}
+
+impl Sort {
+    /// By no column: rows stay in the order in which they come.
+    pub const NONE: Self = Self { column: usize::MAX, descending: false };
+
+    /// By a column; by the same one again the other way round.
+    pub fn by(self, column: usize) -> Self {
+        Self { column, descending: self.column == column && !self.descending }
+    }
+}
+
+/// Shows the titles.
+///
+/// - returns the order that was asked for.
+pub(super) fn show(ui: &mut Ui, table: &Table<'_>, id: Id, row: Rect, places: &[Place]) -> Option<Sort> {
+    let mut asked = None;
+    let visuals = ui.visuals().clone();
+    for place in places {
+        let column = &table.columns[place.column];
+        let rect = place_rect(row, place);
+        let sense = if table.sort.is_some() { Sense::click() } else { Sense::hover() };
+        let response = ui.interact(rect, id.with(("title", place.column)), sense);
+        let sorted = table.sort.filter(|s| s.column == place.column);
+        let stands_out = sorted.is_some() || table.sort.is_some() && response.hovered();
+        let colour = if stands_out { visuals.strong_text_color() } else { visuals.weak_text_color() };
+        if let Some(sort) = sorted {
+            mark(ui, rect, sort.descending, colour);
+        }
+        paint_text(ui, rect, column.is_number, (column.title, false), FontId::proportional(11.5), colour);
+        let response = match table.sort {
+            Some(sort) => {
+                let name = || WidgetInfo::labeled(Role::Button, true, format!("Sort by {}", column.title));
+                response.widget_info(name);
+                if response.clicked() {
+                    asked = Some(sort.by(place.column));
+                }
+                response.on_hover_cursor(CursorIcon::PointingHand)
+            }
+            None => {
+                response.widget_info(|| WidgetInfo::labeled(Role::ColumnHeader, true, column.title));
+                response
+            }
+        };
+        if !column.hint.is_empty() {
+            response.on_hover_text(column.hint);
+        }
+    }
+    ui.painter().hline(row.x_range(), row.bottom(), visuals.widgets.noninteractive.bg_stroke);
+    asked
+}
+
+/// A small triangle above a title: its broad side is where the largest rows are.
+fn mark(ui: &Ui, title: Rect, descending: bool, colour: Color32) {
+    let (tip, base) = if descending { (3.0, -1.0) } else { (-1.0, 3.0) };
+    let at = title.center_top() + vec2(0.0, 1.0);
+    let points = vec![at + vec2(-3.5, base), at + vec2(3.5, base), at + vec2(0.0, tip)];
+    ui.painter().add(Shape::convex_polygon(points, colour, Stroke::NONE));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_same_column_again_turns_the_order_round() {
+        let sort = Sort::NONE.by(2);
+        assert_eq!(sort, Sort { column: 2, descending: false });
+        assert!(sort.by(2).descending);
+        assert_eq!(sort.by(2).by(2), sort);
+        assert_eq!(sort.by(2).by(1), Sort { column: 1, descending: false });
+    }
+}

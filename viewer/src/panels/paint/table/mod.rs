@@ -1,0 +1,214 @@
+//! A table of which only the visible rows are laid out; its rows are clicked as a whole.
+
+mod cell;
+mod column;
+mod header;
+mod keys;
+#[cfg(test)]
+mod tests;
+
+pub use cell::Cell;
+pub use column::{Column, least_width};
+pub use header::Sort;
+
+use column::{Place, places};
+use eframe::egui::{
+    CursorIcon, Id, Rect, Response, Role, ScrollArea, Sense, Stroke, StrokeKind, TextStyle, Ui, UiBuilder, WidgetInfo,
+    pos2, vec2,
+};
+
+/// What a click on a row does.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Click<'a> {
+    /// It selects the row, as the arrow keys do while the table has the focus. Rows are called by their names.
+    #[default]
+    Selects,
+    /// It does what this word says with what the row stands for. The arrow keys only move a mark to another row, and
+    /// the enter key does it. Rows are called by the word and their names.
+    Does(&'a str),
+}
+
+/// A table of many rows.
+#[derive(Clone, Copy, Debug)]
+pub struct Table<'a> {
+    /// Tells it from others in the same place.
+    pub id: &'a str,
+    /// Its columns.
+    pub columns: &'a [Column<'a>],
+    /// Number of rows.
+    pub num_rows: usize,
+    /// The column that has the names of rows.
+    pub named_by: usize,
+    /// What a click on a row does.
+    pub click: Click<'a>,
+    /// The row that stands out.
+    pub selected: Option<usize>,
+    /// The order; none where rows cannot be sorted.
+    pub sort: Option<Sort>,
+    /// Bring the selected row into sight.
+    pub scroll_to_selected: bool,
+    /// Most rows that are seen at once; without, the table takes all the room there is.
+    pub most_rows: Option<usize>,
+}
+
+/// What the user did to a table.
+#[derive(Clone, Debug, Default)]
+pub struct TableResponse {
+    /// Row that was clicked, or chosen by keys.
+    pub chosen: Option<usize>,
+    /// Row that is pointed at, to tell more of it.
+    pub hovered: Option<(usize, Response)>,
+    /// Another order was asked for.
+    pub sort: Option<Sort>,
+}
+
+/// What a table remembers from one frame to the next.
+#[derive(Clone, Copy, Debug, Default)]
+struct Memory {
+    /// How far it is scrolled. [Unit: points]
+    offset: f32,
+    /// Row that the keys have moved to.
+    cursor: Option<usize>,
+}
+
+impl<'a> Table<'a> {
+    /// A table in which a click selects a row and the first column has the names.
+    pub fn new(id: &'a str, columns: &'a [Column<'a>], num_rows: usize) -> Self {
+        Self {
+            id,
+            columns,
+            num_rows,
+            named_by: 0,
+            click: Click::Selects,
+            selected: None,
+            sort: None,
+            scroll_to_selected: false,
+            most_rows: None,
+        }
+    }
+
+    /// Shows the table; `cell` is asked for the row and the column of what is seen.
+    pub fn show(&self, ui: &mut Ui, cell: impl FnMut(usize, usize) -> Cell) -> TableResponse {
+        let row_height = row_height(ui);
+        let all = ui.available_rect_before_wrap();
+        let height = match self.most_rows {
+            Some(most) => row_height * (1 + most.min(self.num_rows)) as f32,
+            None => all.height(),
+        };
+        let rect = Rect::from_min_size(all.min, vec2(all.width(), height));
+        let inner = ui.scope_builder(UiBuilder::new().id_salt(self.id).max_rect(rect), |ui| {
+            ui.spacing_mut().item_spacing.y = 0.0;
+            self.show_in(ui, rect, row_height, cell)
+        });
+        inner.inner
+    }
+
+    fn show_in(
+        &self,
+        ui: &mut Ui,
+        rect: Rect,
+        row_height: f32,
+        mut cell: impl FnMut(usize, usize) -> Cell,
+    ) -> TableResponse {
+        let id = ui.scope_id().with("rows");
+        let mut memory: Memory = ui.data(|d| d.get_temp(id)).unwrap_or_default();
+        memory.cursor = memory.cursor.filter(|c| *c < self.num_rows);
+        let body_height = rect.height() - row_height;
+        let scrolls = self.num_rows as f32 * row_height > body_height + 0.5;
+        let bar = ui.spacing().scroll.allocated_width().max(ui.spacing().scroll.bar_width);
+        let width = (rect.width() - if scrolls { bar } else { 0.0 }).max(1.0);
+        let places = places(self.columns, width);
+        let mut out = TableResponse::default();
+        let (_, titles) = ui.allocate_space(vec2(width, row_height));
+        out.sort = header::show(ui, self, id, titles, &places);
+        let body = rect.with_min_y(titles.bottom());
+        ui.interact(body, id, Sense::focusable_noninteractive());
+        let page = (body_height / row_height) as usize;
+        let moved = keys::pressed(ui, id, self, page, &mut memory, &mut out);
+        let mut area = ScrollArea::vertical()
+            .id_salt("rows")
+            .auto_shrink([false, false])
+            .min_scrolled_height(0.0)
+            .max_height(body_height);
+        let wanted = moved.or(self.selected.filter(|_| self.scroll_to_selected));
+        if let Some(offset) = wanted.and_then(|row| shown_offset(memory.offset, row, row_height, body_height)) {
+            area = area.vertical_scroll_offset(offset);
+        }
+        let focused = ui.memory(|m| m.has_focus(id));
+        let scrolled = area.show_rows(ui, row_height, self.num_rows, |ui, rows| {
+            for row in rows {
+                let (_, rect) = ui.allocate_space(vec2(width, row_height));
+                let response = self.row(ui, id, row, rect, &places, &mut cell);
+                if focused && self.click != Click::Selects && memory.cursor == Some(row) {
+                    let stroke = Stroke::new(1.0, ui.visuals().selection.stroke.color);
+                    ui.painter().rect_stroke(rect, 3.0, stroke, StrokeKind::Inside);
+                }
+                if response.clicked() {
+                    out.chosen = Some(row);
+                    memory.cursor = Some(row);
+                    ui.memory_mut(|m| m.request_focus(id));
+                }
+                if response.hovered() {
+                    out.hovered = Some((row, response));
+                }
+            }
+        });
+        memory.offset = scrolled.state.clamped_offset().y;
+        ui.data_mut(|d| d.insert_temp(id, memory));
+        out
+    }
+
+    fn row(
+        &self,
+        ui: &Ui,
+        id: Id,
+        row: usize,
+        rect: Rect,
+        places: &[Place],
+        cell: &mut impl FnMut(usize, usize) -> Cell,
+    ) -> Response {
+        // Known by its number, whatever else is shown in this frame.
+        let response = ui.interact(rect, id.with(row), Sense::CLICK);
+        let selected = self.selected == Some(row);
+        let name = cell(row, self.named_by).text;
+        response.widget_info(|| match self.click {
+            Click::Selects => WidgetInfo::selected(Role::Row, true, selected, &name),
+            Click::Does(what) => WidgetInfo::selected(Role::Button, true, selected, format!("{what} {name}")),
+        });
+        let visuals = ui.visuals();
+        if selected {
+            ui.painter().rect_filled(rect, 3.0, visuals.selection.bg_fill);
+        } else if response.hovered() {
+            ui.painter().rect_filled(rect, 3.0, visuals.widgets.hovered.weak_bg_fill);
+        } else if row % 2 == 1 {
+            ui.painter().rect_filled(rect, 0.0, visuals.faint_bg_color);
+        }
+        for place in places {
+            let is_number = self.columns[place.column].is_number;
+            cell(row, place.column).paint(ui, place_rect(rect, place), is_number, selected);
+        }
+        response.on_hover_cursor(CursorIcon::PointingHand)
+    }
+}
+
+/// Height of a row. [Unit: points]
+fn row_height(ui: &Ui) -> f32 {
+    ui.text_style_height(&TextStyle::Body) + 4.0
+}
+
+/// Where to scroll so that a row is seen; none where it is seen already.
+fn shown_offset(now: f32, row: usize, row_height: f32, height: f32) -> Option<f32> {
+    let (top, bottom) = (row as f32 * row_height, (row + 1) as f32 * row_height);
+    if top < now {
+        Some(top)
+    } else if bottom > now + height {
+        Some((bottom - height).max(0.0))
+    } else {
+        None
+    }
+}
+
+/// The part of a row that a column takes.
+fn place_rect(row: Rect, place: &Place) -> Rect {
+    Rect::from_min_max(pos2(row.left() + place.x.start, row.top()), pos2(row.left() + place.x.end, row.bottom()))
+}
