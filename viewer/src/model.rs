@@ -2,7 +2,7 @@
 
 use crate::command::{Command, Stage};
 use crate::document::{BundleDocument, Document, Loader, Opened, Stamp, Watch};
-use crate::panels::Dock;
+use crate::panels::{Dock, PanelKind};
 use crate::render::Camera;
 use crate::run::{Run, RunConfig};
 use crate::settings::Settings;
@@ -256,6 +256,10 @@ impl Model {
             self.player = ClipPlayer { playing: matches!(self.document, Document::Clip(_)), ..ClipPlayer::default() };
             self.stage = Stage::Crowd;
             self.other_camera = None;
+            // Panels about crowds have nothing to say of a motion file.
+            if matches!(self.document, Document::Clip(_)) && self.settings.side_panel.is_some() {
+                self.settings.side_panel = Some(PanelKind::Report);
+            }
             self.frame_all();
         }
         // The new bundle may have fewer of everything.
@@ -396,7 +400,7 @@ impl Model {
         }
     }
 
-    fn toggle_panel(&mut self, kind: crate::panels::PanelKind) {
+    fn toggle_panel(&mut self, kind: PanelKind) {
         let Some(panel) = kind.panel() else { return };
         let open = match panel.dock {
             Dock::Side => &mut self.settings.side_panel,

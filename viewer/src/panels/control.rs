@@ -108,8 +108,12 @@ fn crowd(ui: &mut Ui, config: &RunConfig, state: &mut State, commands: &mut Vec<
         });
         row(ui, "target distance", "Nearest and farthest a target stands", &mut |ui| {
             let [near, far] = &mut c.distances;
-            let a = ui.add(DragValue::new(near).speed(0.05).range(0.0..=100.0).suffix(" m"));
-            a | ui.add(DragValue::new(far).speed(0.05).range(0.0..=100.0).suffix(" m"))
+            let pair = ui.horizontal(|ui| {
+                let a = ui.add(DragValue::new(near).speed(0.05).range(0.0..=100.0).suffix(" m"));
+                ui.label("to");
+                a | ui.add(DragValue::new(far).speed(0.05).range(0.0..=100.0).suffix(" m"))
+            });
+            pair.inner
         });
         row(ui, "spacing", "Between neighbours at the start", &mut |ui| {
             ui.add(Slider::new(&mut c.spacing_m, 0.5..=10.0).suffix(" m"))

@@ -2,12 +2,20 @@
 
 use crate::model::Model;
 use crate::run::{Run, STEP_HZ};
-use eframe::egui::{self, CollapsingHeader, Grid, Ui};
-use egui_plot::{Corner, HoverPosition, Legend, Line, Plot, PlotPoints};
+use eframe::egui::{self, CollapsingHeader, Color32, Grid, Ui};
+use egui_plot::{HoverPosition, Line, Plot, PlotPoints};
 use throng_runtime::Tables;
 
 /// Height of a plot. [Unit: points]
 const PLOT_HEIGHT: f32 = 130.0;
+/// Colours of lines, told apart on dark and light.
+const COLOURS: [Color32; 5] = [
+    Color32::from_rgb(0x4b, 0x8b, 0xd6),
+    Color32::from_rgb(0xe8, 0x74, 0x3b),
+    Color32::from_rgb(0x2f, 0xb3, 0x9b),
+    Color32::from_rgb(0xb0, 0x6c, 0xc9),
+    Color32::from_rgb(0xc9, 0x9a, 0x2e),
+];
 /// Steps that a plot averages over, so that single outliers do not hide the rest.
 const SMOOTH: usize = 6;
 
@@ -56,24 +64,23 @@ fn row(ui: &mut Ui, name: &str, text: String) {
 
 fn step_times(ui: &mut Ui, run: &Run) {
     section(ui, "Time of a step by phase", |ui| {
-        ui.weak("Milliseconds of all threads together, over the last minute.");
-        let plot = plot("step times", "ms").legend(Legend::default().position(Corner::LeftTop));
+        ui.weak("Microseconds of all threads together, one phase on top of the other.");
         let history: Vec<_> = run.history().map(|(step, f)| (step, f.times.phases())).collect();
-        plot.show(ui, |p| {
+        plot("step times", "µs").show(ui, |p| {
             let mut below = vec![0.0; history.len()];
-            for phase in 0..5 {
+            for (phase, colour) in COLOURS.into_iter().enumerate() {
                 let name = history.first().map_or("", |h| h.1[phase].0);
                 for (b, h) in below.iter_mut().zip(&history) {
-                    *b += 1e3 * h.1[phase].1;
+                    *b += 1e6 * h.1[phase].1;
                 }
-                p.line(Line::new(name, smooth(history.iter().map(|h| h.0), &below)));
+                p.line(line(name, colour, smooth(history.iter().map(|h| h.0), &below)));
             }
         });
         let last = run.figures().times;
         let total = last.total_s().max(1e-12);
         Grid::new("phases").num_columns(3).striped(true).show(ui, |ui| {
-            for (name, s) in last.phases() {
-                ui.label(name);
+            for ((name, s), colour) in last.phases().into_iter().zip(COLOURS) {
+                key(ui, name, colour);
                 ui.monospace(format!("{:>8.1} µs", 1e6 * s));
                 ui.monospace(format!("{:>3.0} %", 100.0 * s / total));
                 ui.end_row();
@@ -86,15 +93,33 @@ fn quality(ui: &mut Ui, run: &Run) {
     let steps = || run.history().map(|h| h.0);
     section(ui, "Foot slip", |ui| {
         let of = |f: fn(&crate::run::StepFigures) -> f32| run.history().map(|h| f64::from(f(h.1))).collect::<Vec<_>>();
-        plot("slip", "m/s").legend(Legend::default().position(Corner::LeftTop)).show(ui, |p| {
-            p.line(Line::new("mean", smooth(steps(), &of(|f| f.slip.mean_mps))));
-            p.line(Line::new("95th percentile", smooth(steps(), &of(|f| f.slip.p95_mps))));
+        ui.horizontal(|ui| {
+            key(ui, "mean", COLOURS[0]);
+            key(ui, "95th percentile", COLOURS[1]);
+        });
+        plot("slip", "m/s").show(ui, |p| {
+            p.line(line("mean", COLOURS[0], smooth(steps(), &of(|f| f.slip.mean_mps))));
+            p.line(line("95th percentile", COLOURS[1], smooth(steps(), &of(|f| f.slip.p95_mps))));
         });
     });
     section(ui, "Characters at target", |ui| {
         let n = run.config().characters as f64;
         let share: Vec<f64> = run.history().map(|h| 100.0 * h.1.at_target as f64 / n).collect();
-        plot("at target", "%").include_y(100.0).show(ui, |p| p.line(Line::new("at target", smooth(steps(), &share))));
+        let of_all = line("at target", COLOURS[2], smooth(steps(), &share));
+        plot("at target", "%").include_y(100.0).show(ui, |p| p.line(of_all));
+    });
+}
+
+fn line<'a>(name: &str, colour: Color32, points: PlotPoints<'a>) -> Line<'a> {
+    Line::new(name, points).color(colour).width(1.6)
+}
+
+/// A name with the colour of its line.
+fn key(ui: &mut Ui, name: &str, colour: Color32) {
+    ui.horizontal(|ui| {
+        let (rect, _) = ui.allocate_exact_size(egui::vec2(10.0, 10.0), egui::Sense::hover());
+        ui.painter().rect_filled(rect, 2.0, colour);
+        ui.label(name);
     });
 }
 
