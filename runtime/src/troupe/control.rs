@@ -178,8 +178,7 @@ pub(crate) fn play(
     config: &TroupeConfig,
 ) {
     let (b, lane) = (&mut blocks[character / LANES], character % LANES);
-    let (old, new) =
-        (repertoire.graph.segments[b.segment[lane] as usize], repertoire.graph.segments[segment as usize]);
+    let (old, new) = (repertoire.graph.segments[b.segment[lane] as usize], repertoire.graph.segments[segment as usize]);
     // The frame before it is in the same clip too.
     let from = old.start + (b.time[lane].round() as u32).clamp(1, old.num_frames);
     let change = Change { character: character as u32, from, to: new.start, age_s: b.age_s[lane] };

@@ -26,8 +26,8 @@ pub use repertoire::Repertoire;
 pub use sample_job::SampleJob;
 pub use snapshot::TroupeSnapshot;
 use step::{RANGE_BLOCKS, Range, Tick};
-pub use times::StepTimes;
 use times::Clock;
+pub use times::StepTimes;
 
 /// Longest tick. [Unit: s]
 pub const MAX_STEP_S: f32 = 1.0;

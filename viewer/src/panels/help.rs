@@ -123,7 +123,7 @@ pub fn show(ui: &Ui, open: &mut bool) {
         ui.heading("Keys");
         ui.add_space(6.0);
         let room = ui.ctx().content_rect().size() - egui::vec2(60.0, 150.0);
-        egui::ScrollArea::both().max_height(room.y).max_width(room.x).show(ui, |ui| tables(ui));
+        egui::ScrollArea::both().max_height(room.y).max_width(room.x).show(ui, tables);
         ui.add_space(6.0);
         ui.button("Close").clicked()
     });
