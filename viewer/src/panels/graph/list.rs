@@ -14,7 +14,7 @@ use throng_runtime::Planar;
 
 /// The columns.
 const COLUMNS: [Column<'static>; 5] = [
-    Column::text("plays", "Clip and frames of the segment", 130.0, 1.0),
+    Column::text("plays", "Clip and frames of the segment", 165.0, 1.0),
     Column::number("s", "Duration [s]", 44.0).spare(1),
     Column::text("leads", "Displacement and turn, as seen from the character", 200.0, 0.5).spare(2),
     Column::number("error", "How much frames differ at the transition [rad]; 0 where the clip goes on", 56.0),

@@ -9,14 +9,14 @@ use crate::panels::words;
 use crate::run::{Candidate, Run, Why};
 use eframe::egui::{DragValue, Response, Ui};
 
-/// The columns of every choice. The narrowest panel has room for those that say what was taken and why.
+/// The columns of every choice. A panel of the usual width has room for those that say what was taken and why.
 const COLUMNS: [Column<'static>; 7] = [
     Column::number("#", "Place by score", 26.0),
-    Column::text("plays", "Clip and frames of the segment", 96.0, 1.0),
+    Column::text("plays", "Clip and frames of the segment", 122.0, 1.0),
     Column::number("score", "Reward and discounted value of where it leads", 58.0),
-    Column::text("leads", "Displacement and turn", 124.0, 0.6).spare(3),
-    Column::number("s", "Duration [s]", 40.0).spare(1),
-    Column::number("gap", "How far its score lies below the best", 52.0),
+    Column::text("leads", "Displacement and turn", 124.0, 0.6).spare(4),
+    Column::number("s", "Duration [s]", 40.0).spare(2),
+    Column::number("gap", "How far its score lies below the best", 52.0).spare(1),
     Column::number("chance", "How likely it was to be taken", 56.0),
 ];
 
@@ -74,7 +74,7 @@ fn candidates(ui: &mut Ui, bundle: &Bundle, run: &Run, why: &Why, own: &mut Stat
     let mut columns: Vec<Column<'_>> = COLUMNS.to_vec();
     if why.behaviours.len() > 1 {
         let by_each = why.behaviours.iter().map(|b| name(bundle, b.policy));
-        columns.extend(by_each.map(|n| Column::number(n, "Score by this behaviour alone", 60.0).spare(2)));
+        columns.extend(by_each.map(|n| Column::number(n, "Score by this behaviour alone", 60.0).spare(3)));
     }
     let chances = story::chances(why, run.config());
     let shown = own.shown.min(why.candidates.len());
