@@ -1,6 +1,6 @@
 //! Neck and head, with a nose and a visor that show where the face is.
 
-use super::super::loft::{Loft, Ring};
+use super::super::loft::{Loft, Ring, equal_area};
 use super::super::{Influence, Mesh, Part, Side};
 use super::Plan;
 use glam::Vec3;
@@ -41,11 +41,14 @@ pub(super) fn build(plan: &Plan, mesh: &mut Mesh) {
     let size = ((plan.tips[0] - head).length() / 0.2).clamp(0.2, 5.0);
     let base = head + Vec3::Y * ((plan.tips[0].y - head.y) - 0.2 * size);
     let place = |y: f32, forward: f32| base + Vec3::new(0.0, y, forward) * size;
-    let ring = |&(y, width, depth, forward, _): &Section| Ring {
-        square: [2.2, 2.2],
-        ..Ring::ellipse(place(y, forward), Vec3::X * (width * size), Vec3::Z * (depth * size))
+    let sections = |all: &[Section], segments: usize| -> Vec<Ring> {
+        let stout = size * equal_area(segments);
+        let ring = |&(y, width, depth, forward, _): &Section| Ring {
+            square: [2.2, 2.2],
+            ..Ring::ellipse(place(y, forward), Vec3::X * (width * stout), Vec3::Z * (depth * stout))
+        };
+        all.iter().filter(|s| s.4 >= plan.level).map(ring).collect()
     };
-    let sections = |all: &[Section]| -> Vec<Ring> { all.iter().filter(|s| s.4 >= plan.level).map(ring).collect() };
 
     let links = [
         (Joint::UpperChest, f32::NEG_INFINITY, 0.0),
@@ -53,15 +56,17 @@ pub(super) fn build(plan: &Plan, mesh: &mut Mesh) {
         (Joint::Head, head.y - 0.01 * size, 0.04 * size),
     ];
     if !plan.is_coarsest() {
-        let (rings, poles) = (sections(&NECK), NECK_ENDS.map(|y| place(y, 0.0)));
-        let loft = Loft { rings: &rings, segments: plan.segments([12, 6, 4, 4]), poles };
+        let segments = plan.segments([12, 6, 4, 4]);
+        let (rings, poles) = (sections(&NECK, segments), NECK_ENDS.map(|y| place(y, 0.0)));
+        let loft = Loft { rings: &rings, segments, poles };
         loft.build(mesh, |p| Influence::chain(&links, p.y), |_| (Part::Skin, Side::Middle));
     }
 
-    let rings = sections(&SKULL);
+    let segments = plan.segments([18, 8, 6, 4]);
+    let rings = sections(&SKULL, segments);
     let [chin, crown] = SKULL_ENDS.map(|(y, forward)| place(y, forward));
     let chin = if plan.is_coarsest() { place(NECK_ENDS[0], 0.0) } else { chin };
-    let loft = Loft { rings: &rings, segments: plan.segments([18, 8, 6, 4]), poles: [chin, crown] };
+    let loft = Loft { rings: &rings, segments, poles: [chin, crown] };
     let part = |middle: Vec3| {
         let p = (middle - base) / size;
         let visor = p.z > 0.045 && VISOR.contains(&p.y);

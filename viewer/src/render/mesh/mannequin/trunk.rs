@@ -93,11 +93,14 @@ pub(super) fn build(plan: &Plan, mesh: &mut Mesh) {
 
 /// Where the pelvis ends on the thighs, light falls on it as on them, so that no edge is seen.
 fn hide_hem(plan: &Plan, vertex: &mut Vertex) {
-    let thigh = plan.at(Joint::LeftThigh).y;
-    let flat = smooth(thigh + 0.05 * plan.scale, thigh, vertex.position[1]);
-    let normal = Vec3::from(vertex.normal);
-    let level = Vec3::new(normal.x, normal.y * (1.0 - flat), normal.z);
-    vertex.normal = level.try_normalize().unwrap_or(normal).to_array();
+    let (p, normal, s) = (Vec3::from(vertex.position), Vec3::from(vertex.normal), plan.scale);
+    let thigh = plan.at(if p.x < 0.0 { Joint::RightThigh } else { Joint::LeftThigh });
+    let low = 1.0 - smooth(thigh.y + 0.02 * s, thigh.y + 0.12 * s, p.y);
+    let level = Vec3::new(normal.x, normal.y * (1.0 - low), normal.z).normalize_or(normal);
+    // Thighs are deeper than wide. Between them the crotch stays as it is.
+    let outward = Vec3::new(1.5 * (p.x - thigh.x), 0.0, p.z - thigh.z).normalize_or(level);
+    let beside = smooth(0.0, 0.05 * s, p.x.abs());
+    vertex.normal = level.lerp(outward, low * beside).normalize_or(level).to_array();
 }
 
 /// Along the spine by height; the lower flanks follow the thighs a little, the shoulders the clavicles.
@@ -116,6 +119,28 @@ fn weigh(plan: &Plan, p: Vec3) -> Influence {
     let (clavicle, thigh) = (side.of(Joint::LeftClavicle), side.of(Joint::LeftThigh));
     let out = p.x.abs() / s;
     let shoulder = smooth(0.05, 0.15, out) * smooth(start(clavicle) - 0.12 * s, start(clavicle) + 0.01 * s, p.y);
-    let flank = smooth(0.03, 0.14, out) * smooth(start(thigh) + 0.03 * s, start(thigh) - 0.05 * s, p.y);
-    spine.mix(Influence::rigid(clavicle), 0.65 * shoulder).mix(Influence::rigid(thigh), 0.35 * flank)
+    let flank = smooth(0.03, 0.14, out) * (1.0 - smooth(start(thigh) - 0.05 * s, start(thigh) + 0.06 * s, p.y));
+    spine.mix(Influence::rigid(clavicle), 0.65 * shoulder).mix(Influence::rigid(thigh), 0.5 * flank)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn legs_move_nothing_above_the_hips() {
+        let skeleton = Skeleton::default();
+        let rest = skeleton.rest_positions();
+        let moved_by = |v: &Vertex, joint: Joint| -> u32 {
+            let pairs = v.joints.iter().zip(v.weights);
+            pairs.filter(|(j, _)| usize::from(**j) == joint.index()).map(|(_, w)| u32::from(w)).sum()
+        };
+        for level in 0..super::super::LEVELS {
+            let mesh = super::super::build(&skeleton, level);
+            let by_legs = |v: &&Vertex| moved_by(v, Joint::LeftThigh) + moved_by(v, Joint::RightThigh) > 0;
+            let highest = mesh.vertices.iter().filter(by_legs).map(|v| v.position[1]).fold(0.0, f32::max);
+            let thigh = rest[Joint::LeftThigh.index()].y;
+            assert!((thigh - 0.1..thigh + 0.1).contains(&highest), "{level}: {highest}");
+        }
+    }
 }
