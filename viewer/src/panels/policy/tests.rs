@@ -99,3 +99,11 @@ fn what_was_taken_and_why_needs_no_wide_panel() {
     h.run_steps(2);
     h.get_by_label("leads");
 }
+
+#[test]
+fn a_choice_of_few_candidates_leaves_the_length_of_the_list_as_it_was() {
+    let mut h = panel(|m| m.selection.character = Some(4));
+    h.state_mut().state.shown = 1000;
+    h.run_steps(2);
+    assert_eq!(h.state().state.shown, 1000);
+}

@@ -48,7 +48,11 @@ pub fn show(ui: &mut Ui, model: &Model, own: &mut State, why: Option<&Why>, comm
     let most = why.candidates.len();
     ui.horizontal(|ui| {
         let label = ui.label("Best");
-        ui.add(DragValue::new(&mut own.shown).range(1..=most)).labelled_by(label.id);
+        // A choice of few candidates does not change how many are listed of the next one.
+        let mut shown = own.shown.min(most);
+        if ui.add(DragValue::new(&mut shown).range(1..=most)).labelled_by(label.id).changed() {
+            own.shown = shown;
+        }
         ui.label(format!("of {most} candidates"));
         let picked = own.picked.and_then(|s| why.candidates.iter().find(|c| c.segment == s));
         if let Some(c) = picked.or(why.candidates.get(why.chosen))
