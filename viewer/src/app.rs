@@ -177,7 +177,12 @@ impl Viewer {
             }
         }
         for action in help::pressed(ctx) {
-            self.act(action, commands);
+            if self.states.help {
+                // Over everything else, the list only waits to be closed.
+                self.states.help = !matches!(action, Action::SelectNone | Action::Help);
+            } else {
+                self.act(action, commands);
+            }
         }
     }
 

@@ -7,6 +7,7 @@ use crate::render::Camera;
 use crate::run::{Run, RunConfig};
 use crate::settings::Settings;
 use eframe::egui;
+use glam::Vec3;
 use std::path::Path;
 
 /// Time that news stay on the screen; errors stay until they are taken away. [Unit: s]
@@ -97,6 +98,8 @@ pub struct Model {
     loader: Loader,
     watch: Option<Watch>,
     num_messages: u64,
+    /// Who was followed by the camera in the last frame, and where that was.
+    followed: Option<((bool, Option<usize>, usize), Vec3)>,
     /// Camera of the stage that is not shown.
     other_camera: Option<Camera>,
     now_s: f64,
@@ -192,14 +195,25 @@ impl Model {
         self.follow();
     }
 
-    /// Lets the camera go with who is looked at.
+    /// Lets the camera go with who is looked at: always with a clip's character, with a crowd's where that is wanted.
     fn follow(&mut self) {
-        if self.settings.follow
-            && let Some(place) = crate::stage::followed(self)
-        {
-            let camera = &mut self.settings.camera;
-            camera.target = place.with_y(camera.target.y);
+        let place = if self.shows_clip() || self.settings.follow { crate::stage::followed(self) } else { None };
+        let Some(at) = place else {
+            self.followed = None;
+            return;
+        };
+        let who = self.who_is_followed();
+        let before = self.followed.replace((who, at)).filter(|f| f.0 == who);
+        let target = &mut self.settings.camera.target;
+        match before {
+            Some((_, before)) => *target += (at - before).with_y(0.0),
+            None => *target = at.with_y(target.y),
         }
+    }
+
+    /// What tells one who is followed from another.
+    fn who_is_followed(&self) -> (bool, Option<usize>, usize) {
+        (self.shows_clip(), self.selection.character, self.selection.clip)
     }
 
     fn advance_clip(&mut self, wall_s: f32) {
@@ -395,7 +409,10 @@ impl Model {
         }
         let left = self.settings.camera;
         match self.other_camera.replace(left) {
-            Some(camera) => self.settings.camera = camera,
+            Some(camera) => {
+                self.settings.camera = camera;
+                self.followed = crate::stage::followed(self).map(|at| (self.who_is_followed(), at));
+            }
             None => self.frame_all(),
         }
     }
@@ -414,5 +431,6 @@ impl Model {
         let (low, high) = crate::stage::bounds(self);
         let aspect = if self.aspect > 0.0 { self.aspect } else { 1.5 };
         self.settings.camera.frame_box(low, high, aspect);
+        self.followed = crate::stage::followed(self).map(|at| (self.who_is_followed(), at));
     }
 }

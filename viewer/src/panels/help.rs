@@ -93,6 +93,9 @@ pub const SHORTCUTS: &[Shortcut] = &[
     plain(Key::H, Action::Help, "this list"),
 ];
 
+/// Width of the list, where the window has room for it. [Unit: points]
+const WIDTH: f32 = 860.0;
+
 /// What the mouse does in the 3-D view.
 const MOUSE: [(&str, &str); 8] = [
     ("click", "select a character"),
@@ -123,7 +126,8 @@ pub fn show(ui: &Ui, open: &mut bool) {
         ui.heading("Keys");
         ui.add_space(6.0);
         let room = ui.ctx().content_rect().size() - egui::vec2(60.0, 150.0);
-        egui::ScrollArea::both().max_height(room.y).max_width(room.x).show(ui, tables);
+        ui.set_width(room.x.min(WIDTH));
+        egui::ScrollArea::both().max_height(room.y).show(ui, tables);
         ui.add_space(6.0);
         ui.button("Close").clicked()
     });

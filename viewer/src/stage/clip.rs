@@ -77,7 +77,7 @@ fn planar(bundle: &Bundle, row: u32, ratio: f32) -> Planar {
 }
 
 /// The ground path of the clip that is shown. [Unit: m]
-pub(super) fn path(model: &Model, bundle: &Bundle) -> impl Iterator<Item = Vec3> {
+fn path(model: &Model, bundle: &Bundle) -> impl Iterator<Item = Vec3> {
     let record = bundle.tables().clips().get(model.selection.clip);
     let rows = record.map_or(0..0, |r| r.first_frame..r.first_frame + r.num_frames);
     rows.step_by(3).map(|row| bundle.planar(row).translation())

@@ -100,19 +100,25 @@ pub fn bounds(model: &Model) -> (Vec3, Vec3) {
     let mut points: Vec<Vec3> = Vec::new();
     match &model.document {
         Document::Nothing => {}
-        Document::Clip(motion) => points.extend(raw::path(motion)),
-        Document::Bundle(b) => match model.document.crowd().filter(|_| !model.shows_clip()) {
+        Document::Clip(_) => points.extend(around(model)),
+        Document::Bundle(_) => match model.document.crowd().filter(|_| !model.shows_clip()) {
             Some((_, run)) => {
                 let troupe = run.troupe();
                 points.extend((0..troupe.num_characters()).map(|c| troupe.root(c).translation()));
                 points.extend(run.targets());
             }
-            None => points.extend(clip::path(model, &b.bundle)),
+            None => points.extend(around(model)),
         },
     }
     let Some(&first) = points.first() else { return (Vec3::new(-2.0, 0.0, -2.0), Vec3::new(2.0, 1.8, 2.0)) };
     let (low, high) = points.iter().fold((first, first), |(l, h), &p| (l.min(p), h.max(p)));
     (low.with_y(0.0) - Vec3::new(0.6, 0.0, 0.6), high.with_y(1.8) + Vec3::new(0.6, 0.0, 0.6))
+}
+
+/// The corners of a place for a clip's character and its next steps, which the camera follows. [Unit: m]
+fn around(model: &Model) -> impl Iterator<Item = Vec3> {
+    let corners = [Vec3::new(-0.9, 0.0, -0.9), Vec3::new(0.9, 0.0, 0.9)];
+    followed(model).into_iter().flat_map(move |at| corners.map(|c| at + c))
 }
 
 /// Place of the character that the camera follows. [Unit: m]

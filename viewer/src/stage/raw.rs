@@ -108,13 +108,6 @@ fn on_ground(clip: &Clip, frame: usize) -> Vec3 {
     clip.root_positions[frame].with_y(0.012)
 }
 
-/// The ground path. [Unit: m]
-pub(super) fn path(motion: &RawMotion) -> impl Iterator<Item = Vec3> {
-    let clip = motion.clips.clips.first();
-    let frames = clip.map_or(0, Clip::num_frames);
-    (0..frames).step_by(3).filter_map(move |f| Some(on_ground(clip?, f)))
-}
-
 /// Where the body stands. [Unit: m]
 pub(super) fn place(model: &Model, motion: &RawMotion) -> Option<Vec3> {
     let clip = motion.clips.clips.first()?;
