@@ -48,8 +48,9 @@ impl Run {
         if behaviours == 0 {
             return Err("This bundle has no behaviour to run: build it from a config with `behaviours`.".into());
         }
-        let mut weights = weights.to_vec();
-        weights.resize(behaviours.min(throng_runtime::troupe::MAX_GOALS), 1.0);
+        // The first behaviour alone, until others are asked for.
+        let mut weights = if weights.is_empty() { vec![1.0] } else { weights.to_vec() };
+        weights.resize(behaviours.min(throng_runtime::troupe::MAX_GOALS), 0.0);
         let start = || -> Result<Self, TroupeError> {
             let simulation = Simulation::new(bundle, config.limited(), weights)?;
             let recording = Recording::new(simulation.keyframe());
