@@ -6,7 +6,12 @@ use std::io::Write;
 use std::path::Path;
 use std::process::{Command, ExitCode};
 
-const HOW_TO_BUILD: &str = "`cargo build --release -p throng-viewer` builds it";
+/// For a viewer beside this executable, in the same profile.
+const HOW_TO_BUILD: &str = if cfg!(debug_assertions) {
+    "`cargo build -p throng-viewer` builds it"
+} else {
+    "`cargo build --release -p throng-viewer` builds it"
+};
 
 /// Open the viewer on a bundle or a motion file: `throng view FILE`.
 ///

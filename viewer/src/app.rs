@@ -27,6 +27,8 @@ pub struct Viewer {
     /// What the last frame drew, and how long encoding it took.
     drawing: Arc<Mutex<DrawReport>>,
     layout: Layout,
+    /// What the panels asked for in the last frame.
+    pending: Vec<Command>,
     dialog: Option<Receiver<PathBuf>>,
     /// Scale of the window as it was last set.
     zoom: Option<f32>,
@@ -42,17 +44,19 @@ impl Viewer {
                 .map_err(|e| e.to_string()),
         };
         Self {
-            model: Model::new(settings),
+            model: Model::new(settings.limited()),
             states: PanelStates::default(),
             renderer,
             drawing: Arc::default(),
             layout: Layout::default(),
+            pending: Vec::new(),
             dialog: None,
             zoom: None,
         }
     }
 
-    /// Moves time on. No user interface is shown in here, and nothing is simulated elsewhere.
+    /// Carries out what was asked for in the last frame, and moves time on. No user interface is shown in here, and
+    /// nothing is simulated elsewhere.
     pub fn logic(&mut self, ctx: &egui::Context, wall_s: f32) {
         if wall_s > 0.0 {
             self.model.times.frame_s = f64::from(wall_s);
@@ -63,6 +67,9 @@ impl Viewer {
             self.model.apply(ctx, Command::Open(path));
         }
         let begin = Instant::now();
+        for command in self.pending.drain(..) {
+            self.model.apply(ctx, command);
+        }
         self.model.advance(ctx, wall_s);
         self.model.times.simulation_s = begin.elapsed().as_secs_f64();
         if self.model.is_playing() {
@@ -73,7 +80,7 @@ impl Viewer {
         }
     }
 
-    /// Shows everything, and carries out what was asked for.
+    /// Shows everything, and keeps what is asked for until [`Viewer::logic`] carries it out.
     pub fn ui(&mut self, ui: &mut Ui) {
         let ctx = ui.ctx().clone();
         self.appearance(&ctx);
@@ -85,8 +92,9 @@ impl Viewer {
         self.panels(ui, &mut commands);
         self.model.aspect = self.states.viewport.aspect;
         help::show(ui, &mut self.states.help);
-        for command in commands {
-            self.model.apply(&ctx, command);
+        if !commands.is_empty() {
+            self.pending.append(&mut commands);
+            ctx.request_repaint();
         }
         if std::mem::take(&mut self.states.open_dialog) {
             self.open_dialog(&ctx);
@@ -168,7 +176,7 @@ impl Viewer {
     }
 
     fn keys(&mut self, ctx: &egui::Context, commands: &mut Vec<Command>) {
-        if ctx.text_edit_focused() {
+        if ctx.text_edit_focused() || egui::Popup::is_any_open(ctx) {
             return;
         }
         for panel in PANELS {
@@ -181,12 +189,12 @@ impl Viewer {
                 // Over everything else, the list only waits to be closed.
                 self.states.help = !matches!(action, Action::SelectNone | Action::Help);
             } else {
-                self.act(action, commands);
+                self.act(action, ctx.theme() == egui::Theme::Dark, commands);
             }
         }
     }
 
-    fn act(&mut self, action: Action, commands: &mut Vec<Command>) {
+    fn act(&mut self, action: Action, is_dark: bool, commands: &mut Vec<Command>) {
         let m = &self.model;
         let mut s = m.settings.clone();
         let second = if m.shows_clip() { m.shown_clip().map_or(30.0, |c| c.1) } else { crate::run::STEP_HZ } as i32;
@@ -214,11 +222,7 @@ impl Viewer {
                     Action::Body => s.body = next_body(s.body),
                     Action::JointAxes => s.overlays.joint_axes = !s.overlays.joint_axes,
                     _ => {
-                        s.theme = if s.theme == egui::ThemePreference::Dark {
-                            egui::ThemePreference::Light
-                        } else {
-                            egui::ThemePreference::Dark
-                        }
+                        s.theme = if is_dark { egui::ThemePreference::Light } else { egui::ThemePreference::Dark };
                     }
                 }
                 Command::Settings(Box::new(s))

@@ -43,6 +43,11 @@ impl Default for ClipPlayer {
     }
 }
 
+/// What tells one whom the camera goes with from another: clip or crowd, character, clip.
+type Who = (bool, Option<usize>, usize);
+/// Whom the camera went with, and where that was. [Unit: m]
+type Followed = (Who, Vec3);
+
 /// Something said to the user.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Message {
@@ -98,10 +103,12 @@ pub struct Model {
     loader: Loader,
     watch: Option<Watch>,
     num_messages: u64,
+    /// Side panel that was open before a motion file was.
+    panel_of_bundles: Option<PanelKind>,
     /// Who was followed by the camera in the last frame, and where that was.
-    followed: Option<((bool, Option<usize>, usize), Vec3)>,
-    /// Camera of the stage that is not shown.
-    other_camera: Option<Camera>,
+    followed: Option<Followed>,
+    /// Camera of the stage that is not shown, and whom it went with.
+    other_view: Option<(Camera, Option<Followed>)>,
     now_s: f64,
 }
 
@@ -212,7 +219,7 @@ impl Model {
     }
 
     /// What tells one who is followed from another.
-    fn who_is_followed(&self) -> (bool, Option<usize>, usize) {
+    fn who_is_followed(&self) -> Who {
         (self.shows_clip(), self.selection.character, self.selection.clip)
     }
 
@@ -255,10 +262,16 @@ impl Model {
         self.document = match opened {
             Opened::Clip(clip) => Document::Clip(clip),
             Opened::Bundle(bundle) => {
+                if !is_reload {
+                    // Those of another bundle's behaviours.
+                    self.weights.clear();
+                }
                 let mut run = Run::new(&bundle, self.settings.run, &self.weights);
-                let played = self.document.crowd().is_none_or(|c| c.1.is_playing());
+                let old = self.document.crowd().map(|c| (c.1.is_playing(), c.1.speed())).filter(|_| is_reload);
+                let (playing, speed) = old.unwrap_or((true, 1.0));
                 if let Ok(run) = &mut run {
-                    run.play(!is_reload || played);
+                    run.play(playing);
+                    run.set_speed(speed);
                 }
                 Document::Bundle(Box::new(BundleDocument { bundle: *bundle, run }))
             }
@@ -269,17 +282,26 @@ impl Model {
             self.selection = Selection::default();
             self.player = ClipPlayer { playing: matches!(self.document, Document::Clip(_)), ..ClipPlayer::default() };
             self.stage = Stage::Crowd;
-            self.other_camera = None;
-            // Panels about crowds have nothing to say of a motion file.
-            if matches!(self.document, Document::Clip(_)) && self.settings.side_panel.is_some() {
-                self.settings.side_panel = Some(PanelKind::Report);
-            }
+            self.other_view = None;
+            self.change_side_panel();
             self.frame_all();
         }
         // The new bundle may have fewer of everything.
         self.selection.clip = self.selection.clip.min(clips.saturating_sub(1));
         self.selection.policy = self.selection.policy.min(policies.saturating_sub(1));
         self.selection.state = None;
+    }
+
+    /// Panels about crowds have nothing to say of a motion file: it is shown with its report instead, until a bundle is
+    /// open again.
+    fn change_side_panel(&mut self) {
+        let side = &mut self.settings.side_panel;
+        let is_clip = matches!(self.document, Document::Clip(_));
+        if is_clip && side.is_some_and(|p| p != PanelKind::Report) {
+            self.panel_of_bundles = side.replace(PanelKind::Report);
+        } else if !is_clip && *side == Some(PanelKind::Report) {
+            *side = self.panel_of_bundles.take().or(*side);
+        }
     }
 
     fn look_for_changes(&mut self, ctx: &egui::Context) {
@@ -393,26 +415,23 @@ impl Model {
 
     fn show_clip(&mut self, clip: usize, frame: u32) {
         let is_other = self.selection.clip != clip;
+        self.set_stage(Stage::Clip);
         self.selection.clip = clip;
         self.player.frame = frame as f32;
-        self.set_stage(Stage::Clip);
         self.advance_clip(0.0);
         if is_other {
             self.frame_all();
         }
     }
 
-    /// Every stage keeps a camera of its own.
+    /// Every stage keeps a camera of its own, and whom it went with.
     fn set_stage(&mut self, stage: Stage) {
-        if std::mem::replace(&mut self.stage, stage) == stage {
+        if self.document.crowd().is_none() || std::mem::replace(&mut self.stage, stage) == stage {
             return;
         }
-        let left = self.settings.camera;
-        match self.other_camera.replace(left) {
-            Some(camera) => {
-                self.settings.camera = camera;
-                self.followed = crate::stage::followed(self).map(|at| (self.who_is_followed(), at));
-            }
+        let left = (self.settings.camera, self.followed);
+        match self.other_view.replace(left) {
+            Some(view) => (self.settings.camera, self.followed) = view,
             None => self.frame_all(),
         }
     }

@@ -135,6 +135,14 @@ impl Default for Settings {
 }
 
 impl Settings {
+    /// The nearest settings that can be shown: what was kept may have been made by another version, or by hand.
+    pub fn limited(mut self) -> Self {
+        self.zoom = if self.zoom.is_finite() { self.zoom.clamp(0.5, 3.0) } else { 1.0 };
+        self.camera.limit();
+        self.run = self.run.limited();
+        self
+    }
+
     /// Puts a file at the head of those opened last.
     pub fn remember(&mut self, path: &Path) {
         let path = std::path::absolute(path).unwrap_or_else(|_| path.to_path_buf());

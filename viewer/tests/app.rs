@@ -49,6 +49,25 @@ fn copied() -> (tempfile::TempDir, PathBuf) {
     (folder, path)
 }
 
+/// Drags with the primary button, a frame for each move.
+fn drag(v: &mut Viewing, from: egui::Pos2, to: egui::Pos2) {
+    let button = |pos, pressed| egui::Event::PointerButton {
+        pos,
+        button: PointerButton::Primary,
+        pressed,
+        modifiers: Modifiers::NONE,
+    };
+    v.harness.event(egui::Event::PointerMoved(from));
+    v.harness.event(button(from, true));
+    v.harness.step();
+    for i in 1..=6 {
+        v.harness.event(egui::Event::PointerMoved(from.lerp(to, i as f32 / 6.0)));
+        v.harness.step();
+    }
+    v.harness.event(button(to, false));
+    v.harness.run_steps(3);
+}
+
 fn has_message(v: &Viewing, part: &str) -> bool {
     v.model().messages.iter().any(|m| m.text.contains(part))
 }
@@ -64,14 +83,21 @@ fn a_run_that_is_scrubbed_back_shows_the_same_step_again() {
     assert!(step >= 30, "step {step}");
 
     v.harness.get_by_label("Play").click();
-    v.harness.run_steps(50);
-    assert!(run(&v).now() > step + 30 && poses(&v) != seen);
-    v.apply(Command::Seek(step));
-    assert_eq!(run(&v).now(), step);
-    assert!(poses(&v) == seen, "step {step} is another one after scrubbing back");
+    let mut shown = vec![(step, seen)];
+    for _ in 0..60 {
+        v.harness.step();
+        shown.push((run(&v).now(), poses(&v)));
+    }
+    let last = run(&v).now();
+    assert!(last > step + 30);
+    let line = v.harness.get_by_label("Time").rect();
+    let at = |ratio: f32| pos2(line.left() + ratio * line.width(), line.center().y);
+    drag(&mut v, at(1.0) - egui::vec2(6.0, 0.0), at(0.5 * (step + last) as f32 / last as f32));
+    let now = run(&v).now();
+    assert!((step..last - 5).contains(&now) && !run(&v).is_playing(), "step {now} of {last} is shown");
+    let (_, seen) = shown.iter().find(|s| s.0 == now).expect("every step was shown");
+    assert!(poses(&v) == *seen, "step {now} is another one after scrubbing back");
 
-    v.harness.get_by_label("Pause").click();
-    v.harness.run_steps(2);
     v.harness.key_press(Key::ArrowLeft);
     v.harness.run_steps(2);
     let back = run(&v).now();
@@ -92,19 +118,7 @@ fn a_target_dragged_in_the_view_is_walked_to() {
     let at = camera.project(old, glam::Vec2::new(rect.width(), rect.height())).expect("the target is in the view");
     let from = pos2(rect.left() + at.x, rect.top() + at.y);
     let to = from + egui::vec2(60.0, 40.0);
-    let button = |pos, pressed| egui::Event::PointerButton {
-        pos,
-        button: PointerButton::Primary,
-        pressed,
-        modifiers: Modifiers::NONE,
-    };
-    v.harness.event(egui::Event::PointerMoved(from));
-    v.harness.event(button(from, true));
-    for i in 1..=6 {
-        v.harness.event(egui::Event::PointerMoved(from.lerp(to, i as f32 / 6.0)));
-    }
-    v.harness.event(button(to, false));
-    v.harness.run_steps(3);
+    drag(&mut v, from, to);
     let target = run(&v).targets()[0];
     let wanted = camera.ray(glam::Vec2::new(to.x - rect.left(), to.y - rect.top()), rect.size().into_glam());
     let wanted = wanted.meets_ground().expect("the ground");

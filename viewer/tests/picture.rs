@@ -85,7 +85,7 @@ fn what_is_asked_for_changes_the_picture() {
     }
     let folder = tempfile::tempdir().expect("a folder");
     let file = golden();
-    let plain = ["--size", "320x200", "--frames", "5", "--characters", "4"];
+    let plain = ["--size", "640x400", "--frames", "5", "--characters", "4"];
     let draw = |name: &str, more: &[&str]| {
         let out = folder.path().join(name);
         let args = [&[utf8(&file), "--png", utf8(&out)], &plain[..], more].concat();
@@ -98,7 +98,6 @@ fn what_is_asked_for_changes_the_picture() {
         &["--camera", "top"],
         &["--panel", "none"],
         &["--seed", "2"],
-        &["--body", "capsules"],
         &["--stage", "clip"],
         &["--frame", "9"],
         &["--character", "2"],
@@ -106,6 +105,10 @@ fn what_is_asked_for_changes_the_picture() {
     ] {
         assert!(before != draw("other.png", more), "{more:?} changes nothing");
     }
+    // From far away all bodies are alike.
+    let near = ["--stage", "clip", "--camera", "distance=3"];
+    let other = [&near[..], &["--body", "mannequin"]].concat();
+    assert!(draw("near.png", &near) != draw("other.png", &other), "bodies look the same");
 }
 
 #[test]

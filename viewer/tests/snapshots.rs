@@ -32,7 +32,7 @@ fn can_compare() -> bool {
 
 /// Other versions of the adapter differ at some edges.
 fn tolerance() -> SnapshotOptions {
-    SnapshotOptions::new().threshold(1.5).max_failed_pixels(250)
+    SnapshotOptions::new().threshold(1.5).max_failed_pixels(40)
 }
 
 fn crowd() -> Args {

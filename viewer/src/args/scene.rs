@@ -68,6 +68,9 @@ impl Args {
             }
             model.apply(ctx, Command::SelectCharacter(character.0));
         }
+        if !self.panel.is_empty() {
+            model.settings.side_panel = self.settings(Settings::default()).side_panel;
+        }
         match self.camera {
             Some(view) if view.is_placed => model.apply(ctx, Command::Camera(view.camera)),
             _ => model.apply(ctx, Command::FrameAll),

@@ -1,8 +1,9 @@
 //! How the crowd is driven: behaviours and weights, targets, number of characters, seed.
 
 use crate::command::Command;
+use crate::document::Document;
 use crate::model::Model;
-use crate::run::{Input, MAX_CHARACTERS, Run, RunConfig, TargetMode};
+use crate::run::{Input, MAX_CHARACTERS, MAX_TARGET_M, Run, RunConfig, TargetMode};
 use eframe::egui::{self, ComboBox, DragValue, Grid, Slider, Ui};
 use glam::Vec3;
 
@@ -19,9 +20,16 @@ pub fn show(ui: &mut Ui, model: &Model, state: &mut State, commands: &mut Vec<Co
         ui.weak("Open a bundle to run a crowd: drop it on the window, or File > Open.");
         return;
     };
-    let Some((_, run)) = model.document.crowd() else {
-        ui.label("This bundle has no behaviour to run a crowd by. Build it from a config with `behaviours`.");
-        return;
+    let run = match &model.document {
+        Document::Bundle(b) => &b.run,
+        _ => return,
+    };
+    let run = match run {
+        Ok(run) => run,
+        Err(why) => {
+            ui.label(why);
+            return;
+        }
     };
     behaviours(ui, bundle.tables().meta().behaviours.as_slice(), run, commands);
     ui.add_space(8.0);
@@ -41,6 +49,9 @@ fn behaviours(ui: &mut Ui, names: &[String], run: &Run, commands: &mut Vec<Comma
             ui.end_row();
         }
     });
+    if names.len() > weights.len() {
+        ui.weak(format!("The first {} of {} behaviours can be weighed.", weights.len(), names.len()));
+    }
     if weights != run.weights() {
         commands.push(Command::Input(Input::Weights(weights)));
     }
@@ -67,9 +78,23 @@ fn character(ui: &mut Ui, model: &Model, run: &Run, commands: &mut Vec<Command>)
             commands.push(Command::SelectCharacter(Some(number)));
         }
         ui.label("x");
-        ui.add(DragValue::new(&mut to.x).speed(0.02).suffix(" m").fixed_decimals(2));
+        ui.add(
+            DragValue::new(&mut to.x)
+                .range(-MAX_TARGET_M..=MAX_TARGET_M)
+                .update_while_editing(false)
+                .speed(0.02)
+                .suffix(" m")
+                .fixed_decimals(2),
+        );
         ui.label("z");
-        ui.add(DragValue::new(&mut to.z).speed(0.02).suffix(" m").fixed_decimals(2));
+        ui.add(
+            DragValue::new(&mut to.z)
+                .range(-MAX_TARGET_M..=MAX_TARGET_M)
+                .update_while_editing(false)
+                .speed(0.02)
+                .suffix(" m")
+                .fixed_decimals(2),
+        );
     });
     ui.label(format!("{:.2} m away", (root.x - target.x).hypot(root.z - target.z)));
     if to != target {
@@ -94,9 +119,11 @@ fn crowd(ui: &mut Ui, config: &RunConfig, state: &mut State, commands: &mut Vec<
             ui.end_row();
         };
         row(ui, "characters", "How many", &mut |ui| {
-            ui.add(Slider::new(&mut c.characters, 1..=MAX_CHARACTERS).logarithmic(true))
+            ui.add(Slider::new(&mut c.characters, 1..=MAX_CHARACTERS).update_while_editing(false).logarithmic(true))
         });
-        row(ui, "seed", "Of places, targets and choices", &mut |ui| ui.add(DragValue::new(&mut c.seed)));
+        row(ui, "seed", "Of places, targets and choices", &mut |ui| {
+            ui.add(DragValue::new(&mut c.seed).update_while_editing(false))
+        });
         row(ui, "targets", "What targets do", &mut |ui| {
             let name = TargetMode::ALL.iter().find(|t| t.0 == c.targets).map_or("", |t| t.1);
             let combo = ComboBox::from_id_salt("targets").selected_text(name).show_ui(ui, |ui| {
@@ -109,23 +136,24 @@ fn crowd(ui: &mut Ui, config: &RunConfig, state: &mut State, commands: &mut Vec<
         row(ui, "target distance", "Nearest and farthest a target stands", &mut |ui| {
             let [near, far] = &mut c.distances;
             let pair = ui.horizontal(|ui| {
-                let a = ui.add(DragValue::new(near).speed(0.05).range(0.0..=100.0).suffix(" m"));
+                let a = ui
+                    .add(DragValue::new(near).update_while_editing(false).speed(0.05).range(0.0..=100.0).suffix(" m"));
                 ui.label("to");
-                a | ui.add(DragValue::new(far).speed(0.05).range(0.0..=100.0).suffix(" m"))
+                a | ui.add(DragValue::new(far).update_while_editing(false).speed(0.05).range(0.0..=100.0).suffix(" m"))
             });
             pair.inner
         });
         row(ui, "spacing", "Between neighbours at the start", &mut |ui| {
-            ui.add(Slider::new(&mut c.spacing_m, 0.5..=10.0).suffix(" m"))
+            ui.add(Slider::new(&mut c.spacing_m, 0.5..=10.0).update_while_editing(false).suffix(" m"))
         });
         row(ui, "reach", "A target counts as reached within this distance", &mut |ui| {
-            ui.add(Slider::new(&mut c.reach_m, 0.1..=2.0).suffix(" m"))
+            ui.add(Slider::new(&mut c.reach_m, 0.1..=2.0).update_while_editing(false).suffix(" m"))
         });
         row(ui, "bend", "How far a walked action may be turned towards the target", &mut |ui| {
-            ui.add(Slider::new(&mut c.bend_rad_per_m, 0.0..=1.0).suffix(" rad/m"))
+            ui.add(Slider::new(&mut c.bend_rad_per_m, 0.0..=1.0).update_while_editing(false).suffix(" rad/m"))
         });
         row(ui, "temperature", "Chance in the choice among the best actions; 0 takes the best", &mut |ui| {
-            ui.add_enabled(!c.single_load, Slider::new(&mut c.temperature, 0.0..=1.0))
+            ui.add_enabled(!c.single_load, Slider::new(&mut c.temperature, 0.0..=1.0).update_while_editing(false))
         });
         row(ui, "single load", "Take the stored best action instead of looking ahead", &mut |ui| {
             ui.checkbox(&mut c.single_load, "")

@@ -12,8 +12,11 @@ use glam::{Vec2, Vec3};
 
 /// A target can be taken hold of within this distance of the pointer. [Unit: points]
 const GRAB: f32 = 16.0;
-/// Targets of others can be taken hold of in crowds of up to so many.
-const MAX_GRABBED: usize = 2000;
+/// Targets of those who are not selected can be taken hold of in crowds of up to so many: in larger ones, they would be
+/// everywhere the camera is to be turned from.
+const MAX_GRABBED: usize = 50;
+/// And within this distance. [Unit: points]
+const GRAB_OTHERS: f32 = 6.0;
 
 /// What the view remembers.
 #[derive(Clone, Debug, Default)]
@@ -140,8 +143,12 @@ fn grabbed(model: &Model, run: &Run, rect: Rect, at: Pos2) -> Option<Option<usiz
     {
         return Some(Some(c));
     }
-    let all = run.targets().iter().take(MAX_GRABBED).enumerate();
-    let found = all.filter_map(|(c, &t)| Some((c, near(t)?))).min_by(|a, b| a.1.total_cmp(&b.1));
+    if run.targets().len() > MAX_GRABBED || !model.settings.overlays.targets {
+        return None;
+    }
+    let all = run.targets().iter().enumerate();
+    let found =
+        all.filter_map(|(c, &t)| Some((c, near(t).filter(|&d| d < GRAB_OTHERS)?))).min_by(|a, b| a.1.total_cmp(&b.1));
     found.map(|(c, _)| Some(c))
 }
 

@@ -8,6 +8,9 @@ pub const STEP_HZ: f32 = 60.0;
 /// Most characters of a run.
 pub const MAX_CHARACTERS: usize = 20_000;
 
+/// Farthest from the origin that a target may be moved. [Unit: m]
+pub const MAX_TARGET_M: f32 = 1e4;
+
 /// What targets do.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum TargetMode {

@@ -9,7 +9,7 @@ mod recording;
 mod simulation;
 mod why;
 
-pub use config::{MAX_CHARACTERS, RunConfig, STEP_HZ, TargetMode};
+pub use config::{MAX_CHARACTERS, MAX_TARGET_M, RunConfig, STEP_HZ, TargetMode};
 pub use figures::{Slip, StepFigures};
 pub use recording::{RECORDED_STEPS, TRAIL_EVERY};
 pub use simulation::Input;
@@ -205,8 +205,14 @@ impl Run {
     }
 
     /// Takes an input before the next step. What was recorded after the step that is shown is dropped: it did not
-    /// know of the input.
-    pub fn input(&mut self, input: Input) {
+    /// know of the input. A target is kept within [`MAX_TARGET_M`]; one that is nowhere is not taken.
+    pub fn input(&mut self, mut input: Input) {
+        if let Input::Target { to, .. } = &mut input {
+            if to.is_nan() {
+                return;
+            }
+            *to = to.clamp(Vec3::splat(-MAX_TARGET_M), Vec3::splat(MAX_TARGET_M));
+        }
         let next = self.simulation.around.step;
         // The target is shown where it is dragged to at once, even while time stands still.
         match &input {

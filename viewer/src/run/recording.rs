@@ -10,6 +10,8 @@ use std::ops::RangeInclusive;
 pub const RECORDED_STEPS: u32 = 3600;
 /// Steps between two points of a trail.
 pub const TRAIL_EVERY: u32 = 12;
+/// Steps that the weights of a choice are remembered for, before the first step that can be shown.
+const LONGEST_ACTION: u32 = 600;
 /// Steps between two keyframes.
 const KEYFRAME_EVERY: u32 = 60;
 
@@ -101,7 +103,8 @@ impl Recording {
         let Some(first) = self.keyframes.get(1).map(Keyframe::step) else { return };
         self.keyframes.pop_front();
         self.figures.drain(..(first - self.first) as usize);
-        while let Some((_, input)) = self.inputs.pop_front_if(|i| i.0 < first) {
+        // Choices that still play may lie before the first step that can be shown.
+        while let Some((_, input)) = self.inputs.pop_front_if(|i| i.0 + LONGEST_ACTION < first) {
             if let Input::Weights(w) = input {
                 self.first_weights = w;
             }

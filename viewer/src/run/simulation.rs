@@ -136,12 +136,10 @@ impl Simulation {
     pub fn step(&mut self, bundle: &Bundle) -> Result<StepFigures, TroupeError> {
         let dt = if self.around.step == 0 { 0.0 } else { 1.0 / STEP_HZ };
         let a = &mut self.around;
-        let goals: Vec<Goal<'_>> = a
-            .weights
-            .iter()
-            .enumerate()
-            .map(|(policy, &weight)| Goal { policy, weight, targets: &a.targets })
-            .collect();
+        let all = a.weights.iter().enumerate().map(|(policy, &weight)| Goal { policy, weight, targets: &a.targets });
+        // One behaviour alone can be loaded without looking ahead; those switched off do not count.
+        let none_counts = a.weights.iter().all(|&w| w == 0.0);
+        let goals: Vec<Goal<'_>> = all.filter(|g| g.weight != 0.0 || none_counts).collect();
         let begin = Instant::now();
         if self.config.characters >= PARALLEL_FROM {
             self.troupe.par_step(bundle.repertoire(), dt, &goals)?;

@@ -29,6 +29,10 @@ fn a_restored_troupe_repeats_what_followed_bit_by_bit() {
     }
     let mut other = Troupe::new(&r, config, &starts(n - 1)).unwrap();
     assert!(matches!(other.restore(&kept), Err(TroupeError::Length { .. })));
+    let mut cut = r.clone();
+    cut.frames = &cut.frames[..cut.frames.len() - 1];
+    let mut other = Troupe::new(&cut, config, &starts(n)).unwrap();
+    assert!(matches!(other.restore(&kept), Err(TroupeError::OtherBundle { what: "frames", .. })));
 }
 
 #[test]

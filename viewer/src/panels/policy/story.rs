@@ -8,13 +8,15 @@ use glam::Vec2;
 
 /// True where the stored best action of the nearest cell is loaded: weighing several behaviours needs a look ahead.
 pub fn is_single_load(why: &Why, config: &RunConfig) -> bool {
-    config.single_load && why.behaviours.len() == 1
+    let weighed = why.behaviours.iter().filter(|b| b.weight != 0.0).count();
+    config.single_load && (weighed == 1 || (weighed == 0 && why.behaviours.len() == 1))
 }
 
 /// Chances of the candidates. [Size: number of candidates]
 pub fn chances(why: &Why, config: &RunConfig) -> Vec<f32> {
     let scores: Vec<f32> = why.candidates.iter().map(|c| c.score).collect();
-    chances::of(&scores, if is_single_load(why, config) { 0.0 } else { config.temperature })
+    // Where single loads are asked for, several behaviours are looked ahead without chance.
+    chances::of(&scores, if config.single_load { 0.0 } else { config.temperature })
 }
 
 /// When, where and towards what the character chose.

@@ -21,6 +21,7 @@ const TURN_PER_PIXEL: f32 = 0.0065;
 /// At yaw 0 the eye is on the +Z side and sees the face of a character at heading 0; the character's left is at the
 /// right of the picture. Depth is reversed: 1 at the near plane, 0 at infinity.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(default)]
 pub struct Camera {
     /// What the camera looks at. [Unit: m]
     pub target: Vec3,
