@@ -19,9 +19,9 @@ pub const LEVELS: usize = 4;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
 pub enum Body {
     /// A capsule around every limb.
+    #[default]
     Capsules,
     /// A smooth figure, skinned.
-    #[default]
     Mannequin,
 }
 
