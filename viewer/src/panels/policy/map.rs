@@ -14,6 +14,9 @@ use eframe::egui::{
 use glam::{Vec2, Vec3};
 use throng_runtime::policy::PolicyTable;
 
+/// The arrow of an action is at least as long, so that it shows beside the character. [Unit: points]
+const MIN_ARROW: f32 = 30.0;
+
 /// Largest side of the map. [Unit: points]
 const LARGEST: f32 = 460.0;
 
@@ -68,7 +71,7 @@ pub fn show(ui: &mut Ui, shown: &Shown<'_>, own: &mut State) {
     });
     ui.horizontal_wrapped(|ui| {
         ui.weak("cross: target now; ring: when it chose;");
-        ui.colored_label(Palette::of(ui.visuals()).character, "action taken;");
+        ui.colored_label(Palette::of(ui.visuals()).character, "action taken (lengthened);");
         let scale =
             if heat.arrow_scale < 1.0 { format!(" at {:.0} %", 100.0 * heat.arrow_scale) } else { String::new() };
         ui.weak(format!("small arrows: best action if the target were there{scale}"));
@@ -109,7 +112,12 @@ fn directions(ui: &Ui, painter: &Painter, shown: &Shown<'_>, plan: &Plan) {
 
 fn choice(painter: &Painter, shown: &Shown<'_>, own: &State, plan: &Plan) {
     let Some(why) = shown.why else { return };
-    let tip = |c: &Candidate| plan.screen(Vec2::new(c.displacement.x, c.displacement.z));
+    let tip = |c: &Candidate| {
+        let to = plan.screen(Vec2::new(c.displacement.x, c.displacement.z)) - plan.centre;
+        // A step is small on a map of many metres; one that stays where it is has no direction.
+        let length = if to.length() > 2.0 { to.length().max(MIN_ARROW) } else { 0.0 };
+        plan.centre + to.normalized() * length
+    };
     if let Some(taken) = why.candidates.get(why.chosen) {
         arrow(painter, plan.centre, tip(taken), 2.6, Palette::CHARACTER_ON_MAP);
     }
