@@ -1,6 +1,7 @@
 //! A trial of a bundle: characters chase targets of their own, and what they do is measured.
 
 use crate::error::BuildError;
+use crate::slip::SlipMeter;
 use glam::{Vec2, Vec3};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
@@ -8,7 +9,7 @@ use serde::Serialize;
 use std::f32::consts::TAU;
 use std::time::Instant;
 use throng_runtime::troupe::{Goal, Repertoire, Start, Troupe, TroupeConfig, TroupeError};
-use throng_runtime::{Contacts, Joint, NUM_JOINTS, Planar, Tables};
+use throng_runtime::{Contacts, NUM_JOINTS, Planar, Tables};
 
 /// What is tried.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -177,24 +178,10 @@ fn scatter(tables: &Tables, config: &TrialConfig) -> (Vec<Start>, Vec<Vec3>) {
         .unzip()
 }
 
-/// Parts of the feet and the joints that show them.
-const PARTS: [(Joint, Contacts); 4] = [
-    (Joint::LeftFoot, Contacts::LEFT_HEEL),
-    (Joint::LeftToe, Contacts::LEFT_TOE),
-    (Joint::RightFoot, Contacts::RIGHT_HEEL),
-    (Joint::RightToe, Contacts::RIGHT_TOE),
-];
-
-/// Bins of the histogram of slip: 1 mm/s each.
-const SLIP_BINS: usize = 4000;
-
 /// Looks at a troupe after every step.
 struct Watch {
     record: TrialRecord,
-    /// Where heels and toes were, and which were planted.
-    feet: Vec<([Vec3; 4], Contacts)>,
-    slip: Vec<u64>,
-    slip_sum: f64,
+    slip: SlipMeter,
 }
 
 impl Watch {
@@ -206,7 +193,7 @@ impl Watch {
             targets,
             ..TrialRecord::default()
         };
-        Self { record, feet: vec![([Vec3::ZERO; 4], Contacts::NONE); n], slip: vec![0; SLIP_BINS], slip_sum: 0.0 }
+        Self { record, slip: SlipMeter::new(n) }
     }
 
     fn observe(&mut self, troupe: &Troupe, config: &TrialConfig, step: usize, dt: f32) {
@@ -221,8 +208,8 @@ impl Watch {
             if distance < config.reach_m {
                 self.record.arrivals_s[c] = self.record.arrivals_s[c].min(time_s);
             }
-            self.measure_slip(troupe, c, dt);
         }
+        self.slip.observe(troupe, dt);
         let Some(c) = config.recorded else { return };
         self.record.frames.push(TrialFrame {
             time_s,
@@ -248,20 +235,6 @@ impl Watch {
         }
     }
 
-    fn measure_slip(&mut self, troupe: &Troupe, c: usize, dt: f32) {
-        let (root, pose, contacts) = (troupe.root(c), troupe.pose(c), troupe.contacts(c));
-        let (turn, move_by) = (root.rotation(), root.translation());
-        let now = PARTS.map(|(j, _)| turn * pose[j.index()].translation() + move_by);
-        let (before, were) = std::mem::replace(&mut self.feet[c], (now, contacts));
-        for (k, (_, part)) in PARTS.into_iter().enumerate() {
-            if contacts.any(part) && were.any(part) {
-                let speed = (now[k] - before[k]).length() / dt;
-                self.slip[((speed * 1000.0) as usize).min(SLIP_BINS - 1)] += 1;
-                self.slip_sum += f64::from(speed);
-            }
-        }
-    }
-
     fn finish(self, troupe: &Troupe, config: &TrialConfig, steps: usize, busy_s: f64) -> (TrialReport, TrialRecord) {
         let n = config.characters;
         let left = |c: usize| {
@@ -271,7 +244,6 @@ impl Watch {
         let arrived: Vec<f64> =
             self.record.arrivals_s.iter().filter(|t| t.is_finite()).map(|&t| f64::from(t)).collect();
         let stayed = (0..n).filter(|&c| left(c) < 1.5 * f64::from(config.reach_m)).count();
-        let samples: u64 = self.slip.iter().sum();
         let choices: u64 = (0..n).map(|c| u64::from(troupe.num_choices(c))).sum();
         let per_second = |count: f64| count / busy_s.max(1e-9);
         let report = TrialReport {
@@ -281,40 +253,12 @@ impl Watch {
             stayed_fraction: stayed as f64 / n as f64,
             mean_arrival_s: (!arrived.is_empty()).then(|| arrived.iter().sum::<f64>() / arrived.len() as f64),
             mean_final_distance_m: (0..n).map(left).sum::<f64>() / n as f64,
-            foot_slip_mean_mps: self.slip_sum / samples.max(1) as f64,
-            foot_slip_p95_mps: percentile(&self.slip, 0.95),
+            foot_slip_mean_mps: self.slip.mean_mps(),
+            foot_slip_p95_mps: self.slip.p95_mps(),
             steps_per_second: per_second((steps + 1) as f64),
             poses_per_second: per_second(((steps + 1) * n) as f64),
             choices_per_second: per_second(choices as f64),
         };
         (report, self.record)
-    }
-}
-
-/// The value below which a share of a histogram of mm/s lies. [Unit: m/s]
-fn percentile(bins: &[u64], share: f64) -> f64 {
-    let wanted = share * bins.iter().sum::<u64>() as f64;
-    let mut seen = 0.0;
-    for (i, &count) in bins.iter().enumerate() {
-        seen += count as f64;
-        if count > 0 && seen >= wanted {
-            return (i as f64 + 0.5) / 1000.0;
-        }
-    }
-    0.0
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn percentiles_of_a_histogram() {
-        let mut bins = vec![0; 100];
-        bins[10] = 95;
-        bins[50] = 5;
-        assert_eq!(percentile(&bins, 0.95), 0.0105);
-        assert_eq!(percentile(&bins, 0.96), 0.0505);
-        assert_eq!(percentile(&[0; 4], 0.5), 0.0);
     }
 }

@@ -1,13 +1,14 @@
 //! The crowd at one instant, and one step of it.
 
 use super::config::{RunConfig, STEP_HZ, TargetMode};
-use super::figures::{Feet, StepFigures};
+use super::figures::{Slip, StepFigures};
 use crate::document::Bundle;
 use glam::Vec3;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use std::f32::consts::TAU;
 use std::time::Instant;
+use throng_precompute::slip::SlipMeter;
 use throng_runtime::Planar;
 use throng_runtime::troupe::{Goal, Start, Troupe, TroupeError, TroupeSnapshot};
 
@@ -84,7 +85,7 @@ pub(super) struct Simulation {
     pub config: RunConfig,
     pub troupe: Troupe,
     pub around: Surroundings,
-    feet: Feet,
+    slip: SlipMeter,
 }
 
 impl Simulation {
@@ -103,7 +104,7 @@ impl Simulation {
             step: 0,
         };
         let troupe = Troupe::new(bundle.repertoire(), config.troupe(), &starts)?;
-        Ok(Self { config, troupe, around, feet: Feet::new(n) })
+        Ok(Self { config, troupe, around, slip: SlipMeter::new(n) })
     }
 
     pub fn keyframe(&self) -> Keyframe {
@@ -113,7 +114,7 @@ impl Simulation {
     pub fn restore(&mut self, keyframe: &Keyframe) -> Result<(), TroupeError> {
         self.troupe.restore(&keyframe.troupe)?;
         self.around.clone_from(&keyframe.around);
-        self.feet.forget();
+        self.slip.forget_step();
         Ok(())
     }
 
@@ -163,7 +164,9 @@ impl Simulation {
     }
 
     fn measure(&mut self, dt: f32) -> StepFigures {
-        let slip = self.feet.measure(&self.troupe, dt);
+        self.slip.clear();
+        self.slip.observe(&self.troupe, dt);
+        let slip = Slip::from(&self.slip);
         let at_target = (0..self.config.characters).filter(|&c| self.is_at_target(c)).count();
         StepFigures { times: self.troupe.times(), slip, at_target, ..StepFigures::default() }
     }

@@ -1,0 +1,104 @@
+//! Foot slip: how fast heels and toes move that should stand.
+
+use glam::Vec3;
+use throng_runtime::troupe::Troupe;
+use throng_runtime::{Contacts, Joint};
+
+/// Parts of the feet and the joints that show them.
+const PARTS: [(Joint, Contacts); 4] = [
+    (Joint::LeftFoot, Contacts::LEFT_HEEL),
+    (Joint::LeftToe, Contacts::LEFT_TOE),
+    (Joint::RightFoot, Contacts::RIGHT_HEEL),
+    (Joint::RightToe, Contacts::RIGHT_TOE),
+];
+
+/// Bins of the histogram: 1 mm/s each.
+const BINS: usize = 4000;
+
+/// Measures the speed of planted heels and toes from step to step.
+#[derive(Clone, Debug)]
+pub struct SlipMeter {
+    /// Where heels and toes were at the last step, and which were planted.
+    before: Vec<([Vec3; 4], Contacts)>,
+    bins: Vec<u64>,
+    sum: f64,
+}
+
+impl SlipMeter {
+    /// For so many characters; nothing has been seen.
+    pub fn new(num_characters: usize) -> Self {
+        Self { before: vec![([Vec3::ZERO; 4], Contacts::NONE); num_characters], bins: vec![0; BINS], sum: 0.0 }
+    }
+
+    /// Forgets the last step: the next one is not its neighbour.
+    pub fn forget_step(&mut self) {
+        self.before.fill(([Vec3::ZERO; 4], Contacts::NONE));
+    }
+
+    /// Forgets what was measured, not the last step.
+    pub fn clear(&mut self) {
+        self.bins.fill(0);
+        self.sum = 0.0;
+    }
+
+    /// Looks at a troupe after a step of `dt_s`; parts that were planted before and are now count.
+    /// [Limit: of as many characters]
+    pub fn observe(&mut self, troupe: &Troupe, dt_s: f32) {
+        for (c, before) in self.before.iter_mut().enumerate() {
+            let (root, pose, contacts) = (troupe.root(c), troupe.pose(c), troupe.contacts(c));
+            let (turn, move_by) = (root.rotation(), root.translation());
+            let now = PARTS.map(|(j, _)| turn * pose[j.index()].translation() + move_by);
+            let (was, were) = std::mem::replace(before, (now, contacts));
+            for (k, (_, part)) in PARTS.into_iter().enumerate() {
+                if dt_s > 0.0 && contacts.any(part) && were.any(part) {
+                    let speed = (now[k] - was[k]).length() / dt_s;
+                    self.bins[((speed * 1000.0) as usize).min(BINS - 1)] += 1;
+                    self.sum += f64::from(speed);
+                }
+            }
+        }
+    }
+
+    /// Planted heels and toes that were measured.
+    pub fn samples(&self) -> u64 {
+        self.bins.iter().sum()
+    }
+
+    /// [Unit: m/s]
+    pub fn mean_mps(&self) -> f64 {
+        self.sum / self.samples().max(1) as f64
+    }
+
+    /// 95th percentile. [Unit: m/s]
+    pub fn p95_mps(&self) -> f64 {
+        percentile(&self.bins, 0.95)
+    }
+}
+
+/// The value below which a share of a histogram of mm/s lies. [Unit: m/s]
+fn percentile(bins: &[u64], share: f64) -> f64 {
+    let wanted = share * bins.iter().sum::<u64>() as f64;
+    let mut seen = 0.0;
+    for (i, &count) in bins.iter().enumerate() {
+        seen += count as f64;
+        if count > 0 && seen >= wanted {
+            return (i as f64 + 0.5) / 1000.0;
+        }
+    }
+    0.0
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn percentiles_of_a_histogram() {
+        let mut bins = vec![0; 100];
+        bins[10] = 95;
+        bins[50] = 5;
+        assert_eq!(percentile(&bins, 0.95), 0.0105);
+        assert_eq!(percentile(&bins, 0.96), 0.0505);
+        assert_eq!(percentile(&[0; 4], 0.5), 0.0);
+    }
+}
