@@ -36,7 +36,7 @@ impl Bundle {
     /// A message that names the file, what is wrong with it and the way out.
     pub fn open(path: &Path) -> Result<Self, String> {
         let fail = |e: &dyn fmt::Display| format!("{}: {e}", path.display());
-        let bytes = std::fs::read(path).map_err(|e| fail(&e))?;
+        let bytes = std::fs::read(path).map_err(|e| fail(&format!("{e}. Check the path and its permissions")))?;
         let tables = Tables::from_bytes(AlignedBytes::from_slice(&bytes)).map_err(|e| fail(&e))?;
         Ok(Self { path: path.to_path_buf(), views: Views::new(tables, |t| Repertoire::new(t)) })
     }

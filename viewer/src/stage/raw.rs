@@ -64,13 +64,15 @@ fn source(out: &mut Layout, model: &Model, motion: &RawMotion, shift: Vec3, pale
     let world = raw.world(frame);
     // Limbs of any size have balls that can be told from them.
     let radius = (0.011 * motion.imported.height / 1.7).clamp(0.003, 0.03);
-    for ((joint, &(at, rotation)), side) in raw.joints.iter().zip(&world).zip(sides(motion)) {
+    let hips = motion.imported.roles.get(Joint::Hips);
+    for (j, ((joint, &(at, rotation)), side)) in raw.joints.iter().zip(&world).zip(sides(motion)).enumerate() {
         let colour = match side {
             Side::Left => palette.left,
             Side::Right => palette.right,
             Side::Middle => palette.middle,
         };
-        if let Some(parent) = joint.parent {
+        // What leads from the origin to the hips is no limb.
+        if let Some(parent) = joint.parent.filter(|_| hips != Some(j)) {
             out.shapes.capsule(world[parent].0 + shift, at + shift, radius, colour.mix(palette.middle, 0.25));
         }
         if !joint.is_end {
