@@ -2,13 +2,13 @@
 
 use crate::command::{Command, Stage};
 use crate::model::Model;
-use crate::panels::{Dock, PANELS, PanelStates, help, top_bar, transport, viewport};
+use crate::panels::{Dock, PANELS, PanelStates, keys, top_bar, transport, viewport};
 use crate::render::{Body, DrawReport, SceneCallback, SceneFrame, SceneRenderer};
 use crate::settings::{BODIES, Settings};
 use crate::stage::{Layout, scene_colours};
 use eframe::egui::{self, CentralPanel, Frame, Panel, Ui};
 use eframe::egui_wgpu::RenderState;
-use help::Action;
+use keys::Action;
 use std::path::PathBuf;
 use std::sync::mpsc::{Receiver, channel};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -91,7 +91,7 @@ impl Viewer {
         self.upload(ctx.theme() == egui::Theme::Dark);
         self.panels(ui, &mut commands);
         self.model.aspect = self.states.viewport.aspect;
-        help::show(ui, &mut self.states.help);
+        keys::show(ui, &mut self.states.help);
         if !commands.is_empty() {
             self.pending.append(&mut commands);
             ctx.request_repaint();
@@ -184,7 +184,7 @@ impl Viewer {
                 commands.push(Command::TogglePanel(panel.kind));
             }
         }
-        for action in help::pressed(ctx) {
+        for action in keys::pressed(ctx) {
             if self.states.help {
                 // Over everything else, the list only waits to be closed.
                 self.states.help = !matches!(action, Action::SelectNone | Action::Help);

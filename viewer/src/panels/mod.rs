@@ -6,7 +6,8 @@
 pub mod control;
 pub mod database;
 pub mod graph;
-pub mod help;
+pub mod keys;
+
 pub mod messages;
 pub mod paint;
 pub mod policy;
