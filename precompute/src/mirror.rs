@@ -1,6 +1,6 @@
 //! Left and right exchanged.
 
-use crate::clip::Clip;
+use crate::clip::{Clip, Hit};
 use glam::{Quat, Vec3};
 use throng_runtime::{Contacts, Joint, NUM_JOINTS};
 
@@ -30,7 +30,14 @@ pub fn mirror(clip: &Clip) -> Clip {
         contacts: clip.contacts.iter().copied().map(Contacts::mirrored).collect(),
         excluded: clip.excluded.clone(),
         tags: clip.tags.clone(),
+        hits: clip.hits.iter().map(mirror_hit).collect(),
     }
+}
+
+/// The hit as seen in the mirror.
+pub fn mirror_hit(hit: &Hit) -> Hit {
+    let flip = Vec3::new(-1.0, 1.0, 1.0);
+    Hit { joint: hit.joint.mirrored(), position: hit.position * flip, direction: hit.direction * flip, ..hit.clone() }
 }
 
 /// The rotation seen in the mirror x = 0: its axis is a pseudovector, so y and z of it change sign.
@@ -57,6 +64,7 @@ mod tests {
             contacts: (0..frames).map(|f| Contacts(f as u8 & 15)).collect(),
             excluded: Vec::new(),
             tags: vec![Tag { name: "t".into(), range: 0..1 }],
+            hits: Vec::new(),
         }
     }
 

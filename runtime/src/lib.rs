@@ -6,6 +6,7 @@
 pub mod contacts;
 pub mod format;
 pub mod graph;
+pub mod hits;
 mod lanes;
 pub mod planar;
 pub mod policy;
@@ -17,6 +18,7 @@ pub mod troupe;
 
 pub use contacts::Contacts;
 pub use format::FormatError;
+pub use hits::HitRecord;
 pub use planar::Planar;
 pub use pose::{LocalTransform, Mat3x4};
 pub use skeleton::{Joint, NUM_JOINTS, Skeleton};

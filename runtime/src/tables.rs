@@ -3,12 +3,13 @@
 use crate::contacts::Contacts;
 use crate::format::{AlignedBytes, ClipRecord, FormatError, FrameRow, Layout, Meta, SkeletonRecord, Storage, Tag};
 use crate::graph::{MotionGraph, MotionSegment, StateRecord};
+use crate::hits::HitRecord;
 use crate::policy::{ActionTable, PolicyRecord, PolicySlices, PolicyTable, SegmentRecord, TargetGrid};
 use crate::skeleton::Skeleton;
 use bytemuck::Pod;
 use std::{ops::Range, path::Path};
 
-/// Tags of the sections of version 1, in file order.
+/// Tags of the sections, in file order.
 pub mod tags {
     use crate::format::Tag;
 
@@ -22,6 +23,8 @@ pub mod tags {
     pub const FRAMES: Tag = Tag(*b"FRAM");
     /// [`crate::Contacts`] per frame.
     pub const CONTACTS: Tag = Tag(*b"CONT");
+    /// [`crate::HitRecord`] per effective hit, ascending by frame.
+    pub const HITS: Tag = Tag(*b"HITS");
     /// [`crate::graph::StateRecord`] per state.
     pub const STATES: Tag = Tag(*b"STAT");
     /// [`crate::graph::MotionSegment`] per segment.
@@ -47,6 +50,7 @@ struct Sections {
     clips: Range<usize>,
     frames: Range<usize>,
     contacts: Range<usize>,
+    hits: Range<usize>,
     states: Range<usize>,
     segments: Range<usize>,
     action_offsets: Range<usize>,
@@ -112,6 +116,7 @@ impl Tables {
             clips: layout.section::<ClipRecord>(tags::CLIPS)?,
             frames: layout.section::<FrameRow>(tags::FRAMES)?,
             contacts: layout.section::<Contacts>(tags::CONTACTS)?,
+            hits: layout.section::<HitRecord>(tags::HITS)?,
             states: layout.section::<StateRecord>(tags::STATES)?,
             segments: layout.section::<MotionSegment>(tags::SEGMENTS)?,
             action_offsets: layout.section::<u32>(tags::ACTION_OFFSETS)?,
@@ -132,6 +137,7 @@ impl Tables {
         let tables = Self { storage, meta, skeleton, sections, sizes };
         check::skeleton(&tables.skeleton)?;
         check::motion(&tables)?;
+        check::hits(&tables)?;
         check::graph(&tables)?;
         check::policies(&tables)?;
         Ok(tables)
@@ -160,6 +166,11 @@ impl Tables {
     /// Foot contacts. [Size: frames().len()]
     pub fn contacts(&self) -> &[Contacts] {
         self.view(&self.sections.contacts)
+    }
+
+    /// Effective hits, ascending by frame.
+    pub fn hits(&self) -> &[HitRecord] {
+        self.view(&self.sections.hits)
     }
 
     /// The motion graph.

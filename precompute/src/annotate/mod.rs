@@ -49,6 +49,7 @@ pub fn annotate(clips: &ClipSet, cfg: &AnnotateConfig, sidecars: &Sidecars) -> R
                 contacts: o.contacts.iter().map(|c| c.mirrored()).collect(),
                 excluded: o.excluded.clone(),
                 tags: o.tags.clone(),
+                hits: o.hits.iter().map(mirror::mirror_hit).collect(),
                 ..clip
             },
             None if clip.mirrored => annotate_clip(&clip, &clips.skeleton, cfg, sidecars)?,

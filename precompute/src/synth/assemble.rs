@@ -43,6 +43,7 @@ pub fn clip(name: String, steps: &Footsteps, skeleton: &Skeleton, cfg: &SynthCon
         contacts: Vec::with_capacity(num_frames),
         excluded: Vec::new(),
         tags: Vec::new(),
+        hits: Vec::new(),
     };
     for frame in 0..num_frames {
         push_frame(&mut clip, &signals, frame * oversampling, skeleton);

@@ -3,7 +3,7 @@
 use super::{Tables, tags};
 use crate::format::FormatError;
 use crate::policy::ActionTable;
-use crate::skeleton::{Joint, Skeleton};
+use crate::skeleton::{Joint, NUM_JOINTS, Skeleton};
 
 /// Offsets are finite and legs have a length.
 pub(super) fn skeleton(s: &Skeleton) -> Result<(), FormatError> {
@@ -53,6 +53,26 @@ pub(super) fn motion(t: &Tables) -> Result<(), FormatError> {
         Some(i) => Err(FormatError::value(tags::CONTACTS, i, format!("{} is not four bits", contacts[i].0))),
         None => Ok(()),
     }
+}
+
+/// Hits ascend by frame, name frames, joints and kinds that exist, and have moderate numbers.
+pub(super) fn hits(t: &Tables) -> Result<(), FormatError> {
+    let (hits, num_kinds) = (t.hits(), t.meta().hit_kinds().count());
+    for (i, h) in hits.iter().enumerate() {
+        let wrong = |what: &str| Err(FormatError::value(tags::HITS, i, format!("{what}: {h:?}")));
+        if h.frame as usize >= t.frames().len() || i > 0 && hits[i - 1].frame > h.frame {
+            return wrong("its frame does not exist or comes before the last one");
+        }
+        if h.kind as usize >= num_kinds || h.joint as usize >= NUM_JOINTS || h.reserved != 0 {
+            return wrong("no such kind or joint");
+        }
+        let moderate = h.position.iter().chain([&h.speed_mps]).all(|v| v.abs() < 1e6) && h.speed_mps >= 0.0;
+        let unit = (h.direction().length() - 1.0).abs() < 1e-3;
+        if !moderate || !unit || !(h.force > 0.0 && h.force <= 1.0) {
+            return wrong("it holds a number that cannot be");
+        }
+    }
+    Ok(())
 }
 
 /// Neighbouring frames of a clip have rotations on the same side, so that interpolation never meets zero.

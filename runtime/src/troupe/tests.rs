@@ -31,6 +31,7 @@ fn tables() -> Tables {
     let rows: Vec<FrameRow> = (0..2 * FRAMES).map(|f| row(f % FRAMES, f / FRAMES)).collect();
     out.section(tags::FRAMES, &rows);
     out.section(tags::CONTACTS, &vec![Contacts::LEFT; rows.len()]);
+    out.section::<crate::HitRecord>(tags::HITS, &[]);
     let frames = [20, 40, FRAMES + 20, FRAMES + 40];
     out.section(tags::STATES, &frames.map(|frame| StateRecord { frame, standing: 0 }));
     // Segments: 0 -> 20 and 20 -> 40 in each clip.
