@@ -6,7 +6,7 @@ use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 use throng_precompute::policy::made_up::MadeUp;
 use throng_precompute::policy::{
-    ActionModel, Approach, ApproachReward, Behaviour, BehaviourConfig, GridConfig, PolicyConfig, PolicyTables,
+    ActionModel, Approach, Behaviour, BehaviourConfig, GridConfig, PolicyConfig, PolicyTables, RewardForm,
     SegmentMotion, bake, segment_records, solve_behaviours, value_iteration,
 };
 use throng_precompute::progress::Silent;
@@ -34,7 +34,7 @@ impl Behaviour for Hit {
     }
 
     fn reward(&self) -> Reward {
-        let record = RewardRecord { combine: COMBINE_MAX, kernel: KERNEL_WITHIN, scale: self.radius, reserved: 0 };
+        let record = RewardRecord::new(COMBINE_MAX, KERNEL_WITHIN, self.radius);
         Reward::new(record).expect("a valid reward")
     }
 
@@ -78,9 +78,10 @@ fn random_model(rng: &mut Pcg64, num_states: u32) -> ActionModel {
     model(&offsets, &actions, segments)
 }
 
-fn approach(rings: u32, angles: u32, reward: ApproachReward, discount: f64) -> Approach {
-    let grid = GridConfig { rings, angles, radius: 3.0, inner_spacing: 0.4, falloff: 1.0 };
-    Approach::new(&BehaviourConfig { grid, reward, discount, ..BehaviourConfig::default() }, 30.0).expect("valid")
+fn approach(rings: u32, angles: u32, reward: RewardForm, discount: f64) -> Approach {
+    let reward = Some(reward);
+    let grid = GridConfig::polar(rings, angles, 3.0, 0.4, 1.0);
+    Approach::new(&BehaviourConfig { grid, reward, discount, ..BehaviourConfig::default() }, 30.0, None).expect("valid")
 }
 
 /// The backup in f64, written down again from the definitions and sharing no code with the solver.
@@ -251,7 +252,7 @@ fn values_are_within_epsilon_of_brute_force() {
     for seed in 0..6 {
         let mut rng = Pcg64::seed_from_u64(seed);
         let model = random_model(&mut rng, 4);
-        let reward = if seed % 2 == 0 { ApproachReward::Integral } else { ApproachReward::Max };
+        let reward = if seed % 2 == 0 { RewardForm::Integral } else { RewardForm::Max };
         let behaviour = approach(5, 9, reward, 0.95);
         for epsilon in [1e-2, 1e-4] {
             let cfg = PolicyConfig { epsilon, ..PolicyConfig::default() };
@@ -290,7 +291,7 @@ fn values_are_those_of_an_exhaustive_search() {
         let own = model.action_segments.clone();
         model.action_segments = vec![own[0], extra[0], own[1], extra[1], own[2], extra[2]];
         model.action_offsets = vec![0, 2, 4, 6];
-        let behaviour = approach(4, 7, ApproachReward::Integral, 0.5);
+        let behaviour = approach(4, 7, RewardForm::Integral, 0.5);
         let tables = solved(&model, &behaviour, &PolicyConfig { epsilon: 1e-5, ..PolicyConfig::default() });
         let naive = Naive::new(&model, &behaviour);
         let n = naive.grid.num_cells();
@@ -305,7 +306,7 @@ fn values_are_those_of_an_exhaustive_search() {
 fn residual_is_that_of_the_stored_values() {
     let mut rng = Pcg64::seed_from_u64(9);
     let model = random_model(&mut rng, 6);
-    let behaviour = approach(5, 9, ApproachReward::Integral, 0.97);
+    let behaviour = approach(5, 9, RewardForm::Integral, 0.97);
     let tables = solved(&model, &behaviour, &PolicyConfig::default());
     let policy = &tables.policies[0];
     let naive = Naive::new(&model, &behaviour);
@@ -338,7 +339,7 @@ fn same_tables_at_any_thread_count() {
 fn stored_actions_are_those_of_the_look_ahead_at_cell_centres() {
     let mut rng = Pcg64::seed_from_u64(4);
     let model = random_model(&mut rng, 8);
-    let behaviour = approach(6, 11, ApproachReward::Integral, 0.97);
+    let behaviour = approach(6, 11, RewardForm::Integral, 0.97);
     let tables = solved(&model, &behaviour, &PolicyConfig::default());
     let table = tables.table(0).expect("sound tables");
     let n = table.grid().num_cells();
@@ -364,7 +365,7 @@ fn stored_actions_are_those_of_the_look_ahead_at_cell_centres() {
 fn weighted_behaviours_are_the_weighted_sum_of_their_scores() {
     let mut rng = Pcg64::seed_from_u64(5);
     let model = random_model(&mut rng, 5);
-    let come = approach(6, 11, ApproachReward::Integral, 0.97);
+    let come = approach(6, 11, RewardForm::Integral, 0.97);
     let grid = Hit { discount: 0.95, blows: vec![], radius: 0.5 }.grid();
     let blows = (0..model.segments.len()).map(|s| (s, 2, grid.cell_centre(s), 1.0)).collect();
     let hit = Hit { discount: 0.95, blows, radius: 0.5 };
@@ -403,7 +404,7 @@ fn sweeps_that_do_not_suffice_are_an_error_with_the_residual() {
 fn configuration_refuses_unknown_keys_and_takes_the_paper_s() {
     let text = "name = \"a\"\nreward = \"max\"\ngrid = { rings = 5, angles = 13, radius = 2.0, inner_spacing = 0.5 }";
     let config: BehaviourConfig = toml::from_str(text).expect("a valid behaviour");
-    assert_eq!((config.grid, config.reward), (GridConfig::paper(), ApproachReward::Max));
+    assert_eq!((config.grid, config.reward), (GridConfig::paper(), Some(RewardForm::Max)));
     assert!(toml::from_str::<BehaviourConfig>("discont = 0.9").is_err());
     assert!(toml::from_str::<PolicyConfig>("epsilon = 1e-3\nsweeps = 4").is_err());
 }
@@ -428,7 +429,7 @@ fn walker() -> ActionModel {
 #[test]
 fn approach_comes_to_the_target_from_anywhere_and_stands_there() {
     let model = walker();
-    let behaviour = Approach::new(&BehaviourConfig::default(), 30.0).expect("a valid behaviour");
+    let behaviour = Approach::new(&BehaviourConfig::default(), 30.0, None).expect("a valid behaviour");
     let tables = solved(&model, &behaviour, &PolicyConfig::default());
     let table = tables.table(0).expect("sound tables");
     let mut rng = Pcg64::seed_from_u64(6);
@@ -458,8 +459,7 @@ fn approach_comes_to_the_target_from_anywhere_and_stands_there() {
 /// Sound tables, to be spoilt.
 fn sound() -> Parts {
     let mut rng = Pcg64::seed_from_u64(8);
-    let tables =
-        solved(&random_model(&mut rng, 3), &approach(4, 5, ApproachReward::Max, 0.9), &PolicyConfig::default());
+    let tables = solved(&random_model(&mut rng, 3), &approach(4, 5, RewardForm::Max, 0.9), &PolicyConfig::default());
     let p = tables.policies.into_iter().next().expect("one policy");
     (p.record, tables.action_offsets, tables.action_segments, p.segments, p.values, p.best)
 }
@@ -471,7 +471,7 @@ type Parts = (PolicyRecord, Vec<u32>, Vec<u32>, Vec<SegmentRecord>, Vec<f32>, Ve
 fn opens(parts: &Parts) -> bool {
     let (record, offsets, actions, segments, values, best) = parts;
     let Ok(actions) = ActionTable::new(offsets, actions, segments.len()) else { return false };
-    PolicyTable::new(record, actions, PolicySlices { segments, values, best }).is_ok()
+    PolicyTable::new(record, actions, PolicySlices { segments, paths: &[], values, best }).is_ok()
 }
 
 #[test]
@@ -521,7 +521,7 @@ proptest! {
         }
         let (record, offsets, actions, segments, values, best) = &parts;
         let actions = ActionTable::new(offsets, actions, segments.len()).expect("untouched");
-        if let Ok(policy) = PolicyTable::new(record, actions, PolicySlices { segments, values, best }) {
+        if let Ok(policy) = PolicyTable::new(record, actions, PolicySlices { segments, paths: &[], values, best }) {
             let (states, targets) = ([state], [Vec3::from_array(target)]);
             let mut ranked = [RankedActions::NONE];
             let goals = [Goal { policy, weights: &[1.0], targets: &targets }];
