@@ -31,7 +31,7 @@ pub struct Blow {
 
 impl Blow {
     /// Stands in memory that holds no blow.
-    const NONE: Self = Self {
+    pub(crate) const NONE: Self = Self {
         character: 0,
         hit: 0,
         joint: Joint::Hips,

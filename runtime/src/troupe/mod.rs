@@ -22,6 +22,7 @@ use crate::lanes::LANES;
 use crate::planar::Planar;
 use crate::pose::{LocalTransform, Mat3x4};
 use crate::skeleton::{Joint, NUM_JOINTS};
+pub(crate) use anatomy::head_centre;
 use block::Block;
 pub use blow::{Blow, MAX_BLOWS};
 use blow::{Blows, PassedHits};
@@ -132,6 +133,12 @@ pub enum TroupeError {
         got: usize,
         /// How many there are.
         limit: usize,
+    },
+    /// A character without an opponent.
+    #[error("{got} starts are not pairs: characters 2i and 2i + 1 spar with each other, add a start or take one away")]
+    Odd {
+        /// Number of starts.
+        got: usize,
     },
     /// A number out of its range.
     #[error("{what} is {got}, expected {expected}")]
@@ -361,7 +368,7 @@ impl Troupe {
         Ok(())
     }
 
-    /// Moves a character over the ground as a whole. Planted feet stay, where they are locked and as far as the lock
+    /// Moves a character over the ground as a whole, at the next step. Planted feet stay, where they are locked and as far as the lock
     /// reaches, and follow when they are lifted.
     ///
     /// - `by`: x and z in the world. [Unit: m]
@@ -373,10 +380,8 @@ impl Troupe {
         let largest = by.abs().max_element();
         check("shift", largest, by.is_finite() && largest < 1e3, "finite and below 1e3")?;
         let (block, lane) = (&mut self.blocks[character / LANES], character % LANES);
-        for place in [&mut block.clip_to_world, &mut block.root] {
-            place[0][lane] += by.x;
-            place[1][lane] += by.y;
-        }
+        block.clip_to_world[0][lane] += by.x;
+        block.clip_to_world[1][lane] += by.y;
         Ok(())
     }
 
