@@ -90,8 +90,10 @@ fn collect(
     for (g, goal) in goals.iter().enumerate() {
         let t = goal.targets[first + character];
         let local = root.inverse_transform_point(Vec2::new(t.x, t.z));
-        pending.targets[g][i] = Vec3::new(local.x, t.y, local.y);
-        pending.weights[g][i] = goal.weight;
+        let target = Vec3::new(local.x, t.y, local.y);
+        let active = repertoire.policies[goal.policy].region().contains(target);
+        pending.targets[g][i] = target;
+        pending.weights[g][i] = if active { goal.weight } else { 0.0 };
     }
 }
 

@@ -104,9 +104,10 @@ pub struct Start {
 pub struct Goal<'a> {
     /// Number of the policy.
     pub policy: usize,
-    /// What its values count in the sum over goals; 0 switches it off.
+    /// What its values count in the sum over goals; 0 switches it off, as does a target outside the policy's region.
     pub weight: f32,
-    /// Target of every character in the world. [Unit: m] [Size: number of characters]
+    /// Target of every character in the world, for a grid of moments with the time left as y. [Unit: m, s]
+    /// [Size: number of characters]
     pub targets: &'a [Vec3],
 }
 
