@@ -48,7 +48,7 @@ pub fn annotate(clips: &ClipSet, cfg: &AnnotateConfig, sidecars: &Sidecars) -> R
             Some(o) => Clip {
                 contacts: o.contacts.iter().map(|c| c.mirrored()).collect(),
                 excluded: o.excluded.clone(),
-                tags: o.tags.clone(),
+                tags: mirror::tags(&o.tags),
                 ..clip
             },
             None if clip.mirrored => annotate_clip(&clip, &clips.skeleton, cfg, sidecars)?,
