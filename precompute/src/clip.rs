@@ -1,6 +1,7 @@
 //! Motion on the database skeleton, editable: what every stage between retargeting and writing works on.
 
 use glam::{Quat, Vec3};
+use throng_runtime::hits::KIND_NAMES;
 use throng_runtime::{Contacts, Joint, NUM_JOINTS, Planar, Skeleton};
 
 /// A run of frames `[start, end)`.
@@ -45,6 +46,47 @@ pub struct Tag {
     pub range: FrameRange,
 }
 
+/// A moment at which a joint could deliver a blow (003 section 6).
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct Hit {
+    /// The frame.
+    pub frame: usize,
+    /// What kind of blow.
+    pub kind: HitKind,
+    /// The joint that strikes.
+    pub joint: Joint,
+    /// Effective hitting point, as seen from the frame's planar root. [Unit: m]
+    pub position: Vec3,
+    /// Direction in which it moves, likewise, of unit length.
+    pub direction: Vec3,
+    /// How fast it moves. [Unit: m/s]
+    pub speed_mps: f32,
+    /// Speed over that of the fastest hit of its kind in the set. [Limit: > 0, <= 1]
+    pub force: f32,
+}
+
+/// What kind of blow a hit is.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, serde::Serialize, serde::Deserialize)]
+pub enum HitKind {
+    /// With a fist, found by its speed.
+    Punch,
+    /// With a foot, found by its speed.
+    Kick,
+    /// What a sidecar file says, by its name.
+    Tag(String),
+}
+
+impl HitKind {
+    /// The name, as configs, bundles and reports write it.
+    pub fn name(&self) -> &str {
+        match self {
+            Self::Punch => KIND_NAMES[0],
+            Self::Kick => KIND_NAMES[1],
+            Self::Tag(name) => name,
+        }
+    }
+}
+
 /// A clip on the database skeleton: metres, Y up, right-handed.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Clip {
@@ -67,6 +109,8 @@ pub struct Clip {
     pub excluded: Vec<Exclusion>,
     /// Named runs of frames.
     pub tags: Vec<Tag>,
+    /// Effective hits, ascending by frame; empty before the annotate stage.
+    pub hits: Vec<Hit>,
 }
 
 impl Clip {
@@ -150,6 +194,13 @@ impl ClipSet {
             starts.push(starts[starts.len() - 1] + c.num_frames() as u32);
         }
         starts
+    }
+
+    /// Kinds of all hits: punch, kick, then those of tags by name.
+    pub fn hit_kinds(&self) -> Vec<HitKind> {
+        let of_tags = self.clips.iter().flat_map(|c| &c.hits).map(|h| &h.kind).filter(|k| matches!(k, HitKind::Tag(_)));
+        let of_tags: std::collections::BTreeSet<_> = of_tags.cloned().collect();
+        [HitKind::Punch, HitKind::Kick].into_iter().chain(of_tags).collect()
     }
 
     /// Number of frames of all clips, excluded ones included.

@@ -1,6 +1,6 @@
 //! Left and right exchanged.
 
-use crate::clip::{Clip, Tag};
+use crate::clip::{Clip, Hit, Tag};
 use glam::{Quat, Vec3};
 use throng_runtime::{Contacts, Joint, NUM_JOINTS};
 
@@ -30,6 +30,7 @@ pub fn mirror(clip: &Clip) -> Clip {
         contacts: clip.contacts.iter().copied().map(Contacts::mirrored).collect(),
         excluded: clip.excluded.clone(),
         tags: tags(&clip.tags),
+        hits: clip.hits.iter().map(mirror_hit).collect(),
     }
 }
 
@@ -47,6 +48,12 @@ fn mirrored_name(name: &str) -> String {
     name.split('_').map(other).collect::<Vec<_>>().join("_")
 }
 
+/// The hit as seen in the mirror.
+pub fn mirror_hit(hit: &Hit) -> Hit {
+    let flip = Vec3::new(-1.0, 1.0, 1.0);
+    Hit { joint: hit.joint.mirrored(), position: hit.position * flip, direction: hit.direction * flip, ..hit.clone() }
+}
+
 /// The rotation seen in the mirror x = 0: its axis is a pseudovector, so y and z of it change sign.
 fn mirror_rotation(q: Quat) -> Quat {
     Quat::from_xyzw(q.x, -q.y, -q.z, q.w)
@@ -55,7 +62,6 @@ fn mirror_rotation(q: Quat) -> Quat {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::clip::Tag;
     use proptest::prelude::*;
     use throng_runtime::Skeleton;
 
@@ -71,7 +77,14 @@ mod tests {
             contacts: (0..frames).map(|f| Contacts(f as u8 & 15)).collect(),
             excluded: Vec::new(),
             tags: vec![Tag { name: "t".into(), range: 0..1 }],
+            hits: Vec::new(),
         }
+    }
+
+    #[test]
+    fn sides_change_places_in_tags() {
+        let name = |s: &str| tags(&[Tag { name: s.into(), range: 0..1 }])[0].name.clone();
+        assert_eq!(["left_hook", "slip_right", "lefty", "jab"].map(name), ["right_hook", "slip_left", "lefty", "jab"]);
     }
 
     proptest! {

@@ -1,6 +1,6 @@
 //! Clips at one rate, and their mirrored copies.
 
-use crate::clip::{Clip, ClipSet, Exclusion, FrameRange, Tag};
+use crate::clip::{Clip, ClipSet, Exclusion, FrameRange, Hit, Tag};
 use crate::error::BuildError;
 use crate::mirror::mirror;
 use glam::Quat;
@@ -90,6 +90,7 @@ fn to_rate(clip: &Clip, rate_hz: f64) -> Clip {
         contacts,
         excluded: clip.excluded.iter().map(|e| Exclusion { range: range(&e.range), reason: e.reason }).collect(),
         tags: clip.tags.iter().map(|t| Tag { name: t.name.clone(), range: range(&t.range) }).collect(),
+        hits: clip.hits.iter().map(|h| Hit { frame: nearest_frame(h.frame, step, num_frames), ..h.clone() }).collect(),
     }
 }
 
@@ -102,6 +103,11 @@ fn neighbours(at: f64, num_frames: usize) -> (usize, usize, f32) {
     }
     let a = (at as usize).min(num_frames - 2);
     (a, a + 1, (at - a as f64) as f32)
+}
+
+/// The frame nearest in time to one of the source's.
+fn nearest_frame(frame: usize, step: f64, num_frames: usize) -> usize {
+    ((frame as f64 / step).round() as usize).min(num_frames - 1)
 }
 
 /// The frames whose times lie in the range.
@@ -130,6 +136,7 @@ mod tests {
             contacts: Vec::new(),
             excluded: vec![Exclusion { range: 0..num_frames / 3, reason: ExclusionReason::Still }],
             tags: vec![Tag { name: "all".into(), range: 0..num_frames }],
+            hits: Vec::new(),
         }
     }
 

@@ -1,6 +1,6 @@
 //! The last stage: everything that was baked, as one bundle.
 
-use crate::clip::{Clip, ClipSet};
+use crate::clip::{Clip, ClipSet, Hit};
 use crate::error::BuildError;
 use crate::files::write_atomically;
 use crate::graph::MotionGraph;
@@ -10,9 +10,10 @@ use throng_runtime::format::{
     AlignedBytes, BundleWriter, ClipMeta, ClipRecord, FormatError, FrameRow, Meta, SkeletonRecord,
 };
 use throng_runtime::graph::{MotionSegment, StateRecord};
+use throng_runtime::hits::KIND_NAMES;
 use throng_runtime::planar::wrap_angle;
 use throng_runtime::skeleton::NUM_JOINTS;
-use throng_runtime::{Contacts, Planar, Tables, tables::tags};
+use throng_runtime::{Contacts, HitRecord, Planar, Tables, tables::tags};
 
 /// What a bundle is made of.
 #[derive(Clone, Copy, Debug)]
@@ -52,6 +53,8 @@ pub fn bundle(baked: &Baked<'_>, out: &Path) -> Result<u64, BuildError> {
 pub fn lay_out(baked: &Baked<'_>) -> Result<BundleWriter, FormatError> {
     let mut meta = baked.meta.clone();
     meta.clips = baked.clips.clips.iter().map(clip_meta).collect();
+    let kinds = baked.clips.hit_kinds();
+    meta.hit_tags = kinds[KIND_NAMES.len()..].iter().map(|k| k.name().to_owned()).collect();
     meta.behaviours = baked.policies.iter().map(|p| p.name.clone()).collect();
     let mut out = BundleWriter::new();
     out.section(tags::META, &meta.encode()?);
@@ -89,6 +92,28 @@ fn motion(set: &ClipSet, out: &mut BundleWriter) {
     out.section(tags::CLIPS, &records);
     out.section(tags::FRAMES, &rows);
     out.section(tags::CONTACTS, &contacts);
+    out.section(tags::HITS, &hit_records(set));
+}
+
+/// All hits as they are stored, ascending by frame.
+pub fn hit_records(set: &ClipSet) -> Vec<HitRecord> {
+    let kinds = set.hit_kinds();
+    let record = |(h, first): (&Hit, u32)| HitRecord {
+        frame: first + h.frame as u32,
+        kind: kinds.iter().position(|k| *k == h.kind).unwrap_or(0) as u32,
+        joint: h.joint.index() as u32,
+        force: h.force,
+        position: h.position.to_array(),
+        speed_mps: h.speed_mps,
+        direction: h.direction.to_array(),
+        reserved: 0,
+    };
+    set.clips
+        .iter()
+        .zip(set.frame_starts())
+        .flat_map(|(c, first)| c.hits.iter().map(move |h| (h, first)))
+        .map(record)
+        .collect()
 }
 
 /// A clip's frames as they are stored: headings unwrapped, rotations of neighbours on the same side.
@@ -146,6 +171,7 @@ fn graph(baked: &Baked<'_>, out: &mut BundleWriter) {
 fn policies(policies: &[Policy], out: &mut BundleWriter) {
     out.section(tags::POLICIES, &policies.iter().map(|p| p.record).collect::<Vec<_>>());
     out.section(tags::POLICY_SEGMENTS, &concat(policies, |p| &p.segments));
+    out.section(tags::POLICY_PATHS, &concat(policies, |p| &p.paths));
     out.section(tags::POLICY_VALUES, &concat(policies, |p| &p.values));
     out.section(tags::POLICY_BEST, &concat(policies, |p| &p.best));
 }

@@ -7,7 +7,8 @@ pub const NUM_JOINTS: usize = 22;
 
 /// The joints of the database skeleton, parents before children.
 #[allow(missing_docs)]
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "snake_case")]
 #[repr(u8)]
 pub enum Joint {
     Hips = 0,

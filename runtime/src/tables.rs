@@ -3,12 +3,15 @@
 use crate::contacts::Contacts;
 use crate::format::{AlignedBytes, ClipRecord, FormatError, FrameRow, Layout, Meta, SkeletonRecord, Storage, Tag};
 use crate::graph::{MotionGraph, MotionSegment, StateRecord};
-use crate::policy::{ActionTable, PolicyRecord, PolicySlices, PolicyTable, SegmentRecord, TargetGrid};
+use crate::hits::HitRecord;
+use crate::policy::{
+    ActionTable, KIND_MOMENTS, PathRecord, PolicyRecord, PolicySlices, PolicyTable, SegmentRecord, TargetGrid,
+};
 use crate::skeleton::Skeleton;
 use bytemuck::Pod;
 use std::{ops::Range, path::Path};
 
-/// Tags of the sections of version 1, in file order.
+/// Tags of the sections, in file order.
 pub mod tags {
     use crate::format::Tag;
 
@@ -22,6 +25,8 @@ pub mod tags {
     pub const FRAMES: Tag = Tag(*b"FRAM");
     /// [`crate::Contacts`] per frame.
     pub const CONTACTS: Tag = Tag(*b"CONT");
+    /// [`crate::HitRecord`] per effective hit, ascending by frame.
+    pub const HITS: Tag = Tag(*b"HITS");
     /// [`crate::graph::StateRecord`] per state.
     pub const STATES: Tag = Tag(*b"STAT");
     /// [`crate::graph::MotionSegment`] per segment.
@@ -36,6 +41,8 @@ pub mod tags {
     pub const POLICIES: Tag = Tag(*b"POLI");
     /// [`crate::policy::SegmentRecord`] per policy and segment.
     pub const POLICY_SEGMENTS: Tag = Tag(*b"PSEG");
+    /// [`crate::policy::PathRecord`] per policy with a grid of moments, and segment.
+    pub const POLICY_PATHS: Tag = Tag(*b"PPTH");
     /// Value per policy, state and cell (f32).
     pub const POLICY_VALUES: Tag = Tag(*b"PVAL");
     /// Best actions per policy, state, cell and choice (u8).
@@ -47,6 +54,7 @@ struct Sections {
     clips: Range<usize>,
     frames: Range<usize>,
     contacts: Range<usize>,
+    hits: Range<usize>,
     states: Range<usize>,
     segments: Range<usize>,
     action_offsets: Range<usize>,
@@ -54,6 +62,7 @@ struct Sections {
     action_errors: Range<usize>,
     policies: Range<usize>,
     policy_segments: Range<usize>,
+    policy_paths: Range<usize>,
     policy_values: Range<usize>,
     policy_best: Range<usize>,
 }
@@ -112,6 +121,7 @@ impl Tables {
             clips: layout.section::<ClipRecord>(tags::CLIPS)?,
             frames: layout.section::<FrameRow>(tags::FRAMES)?,
             contacts: layout.section::<Contacts>(tags::CONTACTS)?,
+            hits: layout.section::<HitRecord>(tags::HITS)?,
             states: layout.section::<StateRecord>(tags::STATES)?,
             segments: layout.section::<MotionSegment>(tags::SEGMENTS)?,
             action_offsets: layout.section::<u32>(tags::ACTION_OFFSETS)?,
@@ -119,6 +129,7 @@ impl Tables {
             action_errors: layout.section::<f32>(tags::ACTION_ERRORS)?,
             policies: layout.section::<PolicyRecord>(tags::POLICIES)?,
             policy_segments: layout.section::<SegmentRecord>(tags::POLICY_SEGMENTS)?,
+            policy_paths: layout.section::<PathRecord>(tags::POLICY_PATHS)?,
             policy_values: layout.section::<f32>(tags::POLICY_VALUES)?,
             policy_best: layout.section::<u8>(tags::POLICY_BEST)?,
         };
@@ -132,6 +143,7 @@ impl Tables {
         let tables = Self { storage, meta, skeleton, sections, sizes };
         check::skeleton(&tables.skeleton)?;
         check::motion(&tables)?;
+        check::hits(&tables)?;
         check::graph(&tables)?;
         check::policies(&tables)?;
         Ok(tables)
@@ -160,6 +172,11 @@ impl Tables {
     /// Foot contacts. [Size: frames().len()]
     pub fn contacts(&self) -> &[Contacts] {
         self.view(&self.sections.contacts)
+    }
+
+    /// Effective hits, ascending by frame.
+    pub fn hits(&self) -> &[HitRecord] {
+        self.view(&self.sections.hits)
     }
 
     /// The motion graph.
@@ -208,19 +225,23 @@ impl Tables {
         let (num_states, num_segments) = (graph.states.len(), graph.segments.len());
         let records = self.policy_records();
         let mut values_start = 0usize;
+        let mut paths_start = 0usize;
         let mut best_start = 0usize;
         for (i, r) in records[..=index].iter().enumerate() {
             let cells = TargetGrid::new(r.grid).map_err(wrong)?.num_cells();
             let num_values = cells.saturating_mul(num_states);
+            let num_paths = if r.grid.kind == KIND_MOMENTS { num_segments } else { 0 };
             let num_best = num_values.saturating_mul(r.num_choices as usize);
             if i == index {
                 let slices = PolicySlices {
                     segments: part(self.view(&self.sections.policy_segments), i * num_segments, num_segments),
+                    paths: part(self.view(&self.sections.policy_paths), paths_start, num_paths),
                     values: part(self.view(&self.sections.policy_values), values_start, num_values),
                     best: part(self.view(&self.sections.policy_best), best_start, num_best),
                 };
                 return PolicyTable::new(r, actions, slices).map_err(wrong);
             }
+            paths_start = paths_start.saturating_add(num_paths);
             values_start = values_start.saturating_add(num_values);
             best_start = best_start.saturating_add(num_best);
         }

@@ -281,6 +281,7 @@ mod tests {
             contacts: Vec::new(),
             excluded: Vec::new(),
             tags: Vec::new(),
+            hits: Vec::new(),
         }
     }
 

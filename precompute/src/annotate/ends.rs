@@ -206,6 +206,7 @@ mod tests {
             contacts: Vec::new(),
             excluded: Vec::new(),
             tags: Vec::new(),
+            hits: Vec::new(),
         }
     }
 

@@ -66,6 +66,7 @@ mod tests {
             contacts: (0..20).map(|f| if f % 10 < 5 { Contacts::LEFT_TOE } else { Contacts::RIGHT }).collect(),
             excluded: vec![Exclusion { range: 15..20, reason: ExclusionReason::Still }],
             tags: Vec::new(),
+            hits: Vec::new(),
         };
         let r = sanity(&clip, &s);
         assert!((r.left_share - 10.0 / 15.0).abs() < 1e-6);

@@ -28,6 +28,7 @@ fn random_clip(seed: u64, num_frames: usize) -> Clip {
         contacts: Vec::new(),
         excluded: Vec::new(),
         tags: Vec::new(),
+        hits: Vec::new(),
     }
 }
 

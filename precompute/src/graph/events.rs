@@ -148,6 +148,7 @@ mod tests {
             contacts,
             excluded: Vec::new(),
             tags: Vec::new(),
+            hits: Vec::new(),
         }
     }
 

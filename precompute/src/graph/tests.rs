@@ -81,6 +81,7 @@ fn clip_and_events(n: usize) -> (ClipSet, Vec<Event>) {
         contacts: Vec::new(),
         excluded: Vec::new(),
         tags: Vec::new(),
+        hits: Vec::new(),
     };
     let event = |i: usize| Event {
         frame: FrameId(3 * i as u32),

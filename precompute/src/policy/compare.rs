@@ -29,10 +29,10 @@ pub fn compare(table: &PolicyTable, samples: u32, rng: &mut Pcg64) -> Comparison
         let angle = r.angle_start + r.angle_spacing * (r.num_angles - 1) as f32 * rng.random::<f32>();
         let distance = r.ring_start + (table.grid().radius() - r.ring_start) * rng.random::<f32>();
         let height = r.height_start + r.height_spacing * (r.num_heights - 1) as f32 * rng.random::<f32>();
-        let target = Vec3::new(distance * angle.sin(), height, distance * angle.cos());
+        let target = Vec3::new(distance * angle.sin(), height, distance * angle.cos()) + table.centre();
         let n = table.action_scores(state, target, &mut scores).expect("the state exists and the target is finite");
         let best = scores[..n].iter().copied().fold(f32::NEG_INFINITY, f32::max);
-        let stored = table.best_of(state, table.grid().nearest_cell(target))[0];
+        let stored = table.best_of(state, table.nearest_cell(target))[0];
         let loss = f64::from(best - scores[usize::from(stored)]) / f64::from(best.abs()).max(1e-12);
         out.different_share += f64::from(u8::from(loss > 0.0)) / f64::from(samples);
         out.mean_loss += loss / f64::from(samples);

@@ -195,6 +195,7 @@ fn clip_of(motion: Motion, source: &Source, name: String) -> Clip {
         contacts: Vec::new(),
         excluded: Vec::new(),
         tags: Vec::new(),
+        hits: Vec::new(),
     }
 }
 

@@ -83,6 +83,7 @@ pub fn empty_clip(name: String, set: &str, cfg: &SynthConfig) -> Clip {
         contacts: Vec::new(),
         excluded: Vec::new(),
         tags: Vec::new(),
+        hits: Vec::new(),
     }
 }
 

@@ -7,7 +7,7 @@ use std::ops::Range;
 /// First bytes of every bundle.
 pub const MAGIC: [u8; 8] = *b"\x89THRONG\n";
 /// The version this code writes and reads.
-pub const VERSION: u32 = 1;
+pub const VERSION: u32 = 2;
 /// Sections start on multiples of this. [Unit: bytes]
 pub const ALIGN: u64 = 64;
 

@@ -1,6 +1,7 @@
 //! The META section: names, units, provenance, configuration; the only part of a bundle that is decoded, not viewed.
 
 use super::FormatError;
+use crate::hits::KIND_NAMES;
 use serde::{Deserialize, Serialize};
 
 /// Most bytes a META section may ask for while it is decoded. [Unit: bytes]
@@ -25,6 +26,8 @@ pub struct Meta {
     pub clips: Vec<ClipMeta>,
     /// Names of the behaviours, in the order of their policies.
     pub behaviours: Vec<String>,
+    /// Names of the kinds of hits that come from tags, after [`crate::hits::KIND_NAMES`].
+    pub hit_tags: Vec<String>,
     /// Usable frames that went into the motion graph.
     pub frames_in: u64,
     /// Frames that its actions play.
@@ -56,6 +59,11 @@ pub struct ClipMeta {
 }
 
 impl Meta {
+    /// Names of the kinds of hits, by number: punch, kick, then those of tags.
+    pub fn hit_kinds(&self) -> impl Iterator<Item = &str> {
+        KIND_NAMES.into_iter().chain(self.hit_tags.iter().map(String::as_str))
+    }
+
     /// The section's bytes.
     ///
     /// # Errors

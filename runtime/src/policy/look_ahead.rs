@@ -14,7 +14,8 @@ pub struct Goal<'a> {
     pub policy: PolicyTable<'a>,
     /// Weight of the behaviour for each character; 0 where it is not active. [Size: num_characters]
     pub weights: &'a [f32],
-    /// Target of each character in its own frame: +Z ahead, +X left, Y the height above ground. [Unit: m]
+    /// Target of each character in its own frame: +Z ahead, +X left, Y the height above ground, or in a grid of moments
+    /// the time left. [Unit: m, s]
     /// [Size: num_characters]
     pub targets: &'a [Vec3],
 }
@@ -109,6 +110,14 @@ impl PolicyTable<'_> {
     /// - `segments`: of the actions.
     #[inline(always)]
     fn add_scores<F: Lanes>(&self, segments: &[u32], target: Vec3, weight: f32, scores: &mut [[f32; LANES]]) {
+        let target = self.grid.clamp(self.to_grid(target));
+        if self.grid.is_moments() {
+            let scores = scores.as_flattened_mut();
+            for (score, &segment) in scores.iter_mut().zip(segments) {
+                *score += weight * self.score_of_moment(segment, target);
+            }
+            return;
+        }
         let query = self.query(target);
         if self.grid.is_polar() {
             self.add_scores_of::<F, true>(segments, &query, weight, scores);
@@ -161,9 +170,10 @@ impl PolicyTable<'_> {
     }
 
     /// What does not depend on the action.
+    ///
+    /// - `target`: within the grid.
     #[inline(always)]
     fn query(&self, target: Vec3) -> Query {
-        let target = self.grid.clamp(target);
         let (height, height_ratio) = self.grid.height_interval(target.y);
         let plane = self.grid.num_plane_cells();
         let low = height as usize * plane;

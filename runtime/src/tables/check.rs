@@ -3,7 +3,7 @@
 use super::{Tables, tags};
 use crate::format::FormatError;
 use crate::policy::ActionTable;
-use crate::skeleton::{Joint, Skeleton};
+use crate::skeleton::{Joint, NUM_JOINTS, Skeleton};
 
 /// Offsets are finite and legs have a length.
 pub(super) fn skeleton(s: &Skeleton) -> Result<(), FormatError> {
@@ -53,6 +53,26 @@ pub(super) fn motion(t: &Tables) -> Result<(), FormatError> {
         Some(i) => Err(FormatError::value(tags::CONTACTS, i, format!("{} is not four bits", contacts[i].0))),
         None => Ok(()),
     }
+}
+
+/// Hits ascend by frame, name frames, joints and kinds that exist, and have moderate numbers.
+pub(super) fn hits(t: &Tables) -> Result<(), FormatError> {
+    let (hits, num_kinds) = (t.hits(), t.meta().hit_kinds().count());
+    for (i, h) in hits.iter().enumerate() {
+        let wrong = |what: &str| Err(FormatError::value(tags::HITS, i, format!("{what}: {h:?}")));
+        if h.frame as usize >= t.frames().len() || i > 0 && hits[i - 1].frame > h.frame {
+            return wrong("its frame does not exist or comes before the last one");
+        }
+        if h.kind as usize >= num_kinds || h.joint as usize >= NUM_JOINTS || h.reserved != 0 {
+            return wrong("no such kind or joint");
+        }
+        let moderate = h.position.iter().chain([&h.speed_mps]).all(|v| v.abs() < 1e6) && h.speed_mps >= 0.0;
+        let unit = (h.direction().length() - 1.0).abs() < 1e-3;
+        if !moderate || !unit || !(h.force > 0.0 && h.force <= 1.0) {
+            return wrong("it holds a number that cannot be");
+        }
+    }
+    Ok(())
 }
 
 /// Neighbouring frames of a clip have rotations on the same side, so that interpolation never meets zero.
@@ -124,7 +144,7 @@ pub(super) fn policies(t: &Tables) -> Result<(), FormatError> {
         let names = t.meta().behaviours.len();
         return Err(FormatError::layout(format!("META names {names} behaviours, there are {n} policies")));
     }
-    let (mut values, mut best) = (0, 0);
+    let (mut values, mut best, mut paths) = (0, 0, 0);
     for i in 0..n {
         let p = t.try_policy(i)?;
         let here = p.grid().num_cells() * t.graph().states.len();
@@ -134,11 +154,12 @@ pub(super) fn policies(t: &Tables) -> Result<(), FormatError> {
             return Err(FormatError::value(tags::POLICY_SEGMENTS, segment, message));
         }
         let record = &t.policy_records()[i];
-        if record.reserved != 0 || record.reward.reserved != 0 {
+        if record.reserved != 0 || record.reward.reserved != [0; 2] {
             return Err(FormatError::value(tags::POLICIES, i, "its reserved fields are not zero"));
         }
         values += here;
         best += here * p.num_choices();
+        paths += if p.grid().is_moments() { t.graph().segments.len() } else { 0 };
     }
     let s = &t.sections;
     let lengths = [
@@ -147,6 +168,7 @@ pub(super) fn policies(t: &Tables) -> Result<(), FormatError> {
             t.view::<crate::policy::SegmentRecord>(&s.policy_segments).len(),
             n * t.graph().segments.len(),
         ),
+        (tags::POLICY_PATHS, t.view::<crate::policy::PathRecord>(&s.policy_paths).len(), paths),
         (tags::POLICY_VALUES, t.view::<f32>(&s.policy_values).len(), values),
         (tags::POLICY_BEST, t.view::<u8>(&s.policy_best).len(), best),
     ];

@@ -14,7 +14,7 @@ const STAND: f64 = 0.8;
 /// From the last hit of a combination to the guard. [Unit: s]
 const RECOVER: f64 = 0.38;
 /// The body is furthest into a blow this long after the hit: it drives through. [Unit: s]
-const THROUGH: f64 = 0.045;
+const THROUGH: f64 = 0.06;
 
 /// Where a blow is meant to land.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -250,11 +250,11 @@ fn aimed(technique: &Technique, height: f64, azimuth: f64, attack: &Attack) -> i
     let lunge = if technique.load.is_none() { attack.reach } else { 0.5 * attack.reach };
     move |p: Posture, share: f64| Posture {
         flexion: (p.flexion + share * (4.0 * lower - 0.8 * higher)).max(0.36),
-        pitch: p.pitch + share * (0.9 * lower + 0.2 * lunge - 0.5 * higher),
+        pitch: p.pitch + share * (0.9 * lower + 0.28 * lunge - 0.4 * higher),
         hips: p.hips + 0.5 * share * azimuth,
         chest: p.chest + 0.8 * share * azimuth,
-        weight: p.weight + 0.12 * share * lunge,
-        shift: [0.0, 0.05 * share * lunge],
+        weight: p.weight + 0.16 * share * lunge,
+        shift: [0.0, 0.09 * share * lunge],
         ..p
     }
 }
@@ -264,18 +264,18 @@ fn height(punch: Punch, level: Level, rng: &mut impl Rng) -> f64 {
     rng.random_range(match (punch, level) {
         (Punch::Uppercut, Level::Body) => 1.2..1.32,
         (_, Level::Body) => 1.16..1.3,
-        (_, Level::Head) => 1.36..1.54,
-        (_, Level::High) => 1.54..1.68,
+        (_, Level::Head) => 1.36..1.5,
+        (_, Level::High) => 1.5..1.62,
     })
 }
 
 /// Speed of the wrist at the hit. [Unit: m/s]
 fn technique_speed(blow: Blow, rng: &mut impl Rng) -> f64 {
     let mean = match (blow.punch, blow.lead) {
-        (Punch::Straight, true) => 7.0,
-        (Punch::Straight, false) => 7.8,
-        (Punch::Hook, _) => 7.2,
-        (Punch::Uppercut, _) => 6.2,
+        (Punch::Straight, true) => 6.6,
+        (Punch::Straight, false) => 7.4,
+        (Punch::Hook, _) => 6.9,
+        (Punch::Uppercut, _) => 6.0,
     };
     mean + rng.random_range(-0.9..0.9)
 }

@@ -51,7 +51,7 @@ fn jab() -> Technique {
             ..GUARD
         },
         arm: HandPose { pole: DVec3::new(0.65, -1.0, 0.1), twist: 1.15, reach: 0.5, shrug: 0.22, ..HandPose::GUARD[0] },
-        extend: 0.19,
+        extend: 0.165,
         retract: 0.27,
         stretch: 0.84,
         along: DVec3::Z,
@@ -74,7 +74,7 @@ fn cross() -> Technique {
             ..GUARD
         },
         arm: HandPose { pole: DVec3::new(-0.7, -1.0, 0.1), twist: 1.1, reach: 0.5, shrug: 0.22, ..HandPose::GUARD[1] },
-        extend: 0.23,
+        extend: 0.195,
         retract: 0.31,
         stretch: 0.84,
         along: DVec3::Z,
