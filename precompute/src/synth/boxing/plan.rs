@@ -14,7 +14,7 @@ const STAND: f64 = 0.8;
 /// From the last hit of a combination to the guard. [Unit: s]
 const RECOVER: f64 = 0.38;
 /// The body is furthest into a blow this long after the hit: it drives through. [Unit: s]
-const THROUGH: f64 = 0.06;
+const THROUGH: f64 = 0.1;
 
 /// Where a blow is meant to land.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -222,7 +222,7 @@ impl Boxer {
         let height = height(blow.punch, level, rng);
         let speed = technique_speed(blow, rng) * self.vary(0.08, rng);
         let azimuth = attack.azimuth + self.variation * rng.random_range(-0.06..0.06);
-        let longest = hit + 2.0 * technique.follow / speed;
+        let longest = hit + 2.2 * technique.follow / speed;
         let start = hit - technique.extend;
         let (side, aimed) = (blow.side().index(), aimed(&technique, height, azimuth, attack));
         if let Some((before, load)) = technique.load {
@@ -272,12 +272,12 @@ fn height(punch: Punch, level: Level, rng: &mut impl Rng) -> f64 {
 /// Speed of the wrist at the hit. [Unit: m/s]
 fn technique_speed(blow: Blow, rng: &mut impl Rng) -> f64 {
     let mean = match (blow.punch, blow.lead) {
-        (Punch::Straight, true) => 6.6,
-        (Punch::Straight, false) => 7.4,
-        (Punch::Hook, _) => 6.9,
-        (Punch::Uppercut, _) => 6.0,
+        (Punch::Straight, true) => 5.2,
+        (Punch::Straight, false) => 6.0,
+        (Punch::Hook, _) => 6.5,
+        (Punch::Uppercut, _) => 5.8,
     };
-    mean + rng.random_range(-0.9..0.9)
+    mean + rng.random_range(-0.7..0.7)
 }
 
 /// From hit to hit. [Unit: s]
