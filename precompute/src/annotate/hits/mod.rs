@@ -9,6 +9,7 @@
 mod config;
 mod mark;
 mod peaks;
+mod point;
 mod report;
 mod track;
 
@@ -18,6 +19,7 @@ pub use config::HitConfig;
 use config::{KickConfig, PunchConfig};
 pub use mark::HitMark;
 use peaks::{Blow, Rule};
+pub use point::{HitPoint, write_csv};
 pub use report::HitReport;
 use std::collections::BTreeMap;
 use throng_runtime::{Contacts, Joint, Skeleton};
