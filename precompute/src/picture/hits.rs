@@ -82,12 +82,12 @@ struct Layout {
 
 impl Layout {
     fn new(view: &HitView<'_>, unit: f32) -> Self {
-        let (edge, gap, top, label) = (20.0 * unit, 24.0 * unit, 92.0 * unit, 56.0 * unit);
+        let (edge, gap, top, label) = (20.0 * unit, 24.0 * unit, 112.0 * unit, 56.0 * unit);
         let (min, max) = bounds(view);
         let span = max - min;
         let room = 1600.0 * unit - 2.0 * edge - 2.0 * gap - 3.0 * label;
         let px_per_m = room / (2.0 * span.x + span.z);
-        let (left, ahead, up) = (Axis::new("left", Vec3::X), Axis::new("ahead", Vec3::Z), Axis::new("up", Vec3::Y));
+        let (left, ahead, up) = (Axis::new("left", Vec3::X), Axis::new("ahead", Vec3::Z), Axis::new("height", Vec3::Y));
         let height = px_per_m * span.y.max(span.z);
         let mut x = edge;
         let mut panel = |title, camera: Camera, across: Axis, upwards: Axis| {
