@@ -11,7 +11,8 @@ use throng_precompute::report::{self, BuildReport};
 /// Bake motion files into a bundle.
 ///
 /// JSON keys: name, clips, frames_in, frames_kept, states, actions, seconds_total, stage_s, cached, policies [name,
-/// cells, sweeps, residual, bytes, seconds, ...], bundle_bytes, graph, contacts, excluded_frames, skipped, warnings.
+/// cells, sweeps, residual, bytes, seconds, ...], bundle_bytes, graph, contacts, hits {count, angle_rad, distance_m, height_m as
+/// [min, max] (null without hits), kinds {name: count}}, excluded_frames, skipped, warnings.
 #[derive(clap::Args)]
 pub struct Args {
     /// Config (TOML); `throng schema` prints what it may hold.
@@ -68,6 +69,7 @@ pub fn print(r: &BuildReport, out: &str) -> Outcome {
                 r.contacts.mean_speed_mps
             ),
         ),
+        ("hits", r.hits.to_string()),
         (
             "graph",
             format!(

@@ -2,6 +2,7 @@
 
 mod paper;
 
+use crate::annotate::hits::HitReport;
 use crate::annotate::{self, ContactSanity};
 use crate::config::BuildConfig;
 use crate::error::Warnings;
@@ -46,6 +47,8 @@ pub struct BuildReport {
     pub graph: GraphReport,
     /// Foot contacts over all clips: shares and speeds, weighted by frames.
     pub contacts: ContactSanity,
+    /// Effective hitting points of all clips, mirrored copies included.
+    pub hits: HitReport,
     /// Frames left out, by reason.
     pub excluded_frames: BTreeMap<String, usize>,
     /// Files that were skipped, and why.
@@ -103,6 +106,7 @@ pub(crate) fn of_build(
         bundle_bytes,
         graph,
         contacts: contacts(motion),
+        hits: HitReport::of_set(&motion.clips),
         excluded_frames,
         skipped: motion.skipped.clone(),
         warnings: warnings.messages,
