@@ -1,7 +1,7 @@
 //! Writes the golden tables of the current format version, which `tests/golden.rs` opens:
 //!
 //! ```text
-//! cargo run --example make_golden -- data/golden/tables_v1.throng
+//! cargo run --example make_golden -- data/golden/tables_v2.throng
 //! ```
 //!
 //! They are made of synthetic motion alone, by the ordinary build. Tables of a version are written once, when the
@@ -27,7 +27,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     synth::write_walk(&motion, "walk".as_ref())?;
     let mut config = BuildConfig::new("golden", vec!["walk".into()]);
     config.resample.rate_hz = 20.0;
-    config.behaviours[0].grid = GridConfig { rings: 5, angles: 8, radius: 6.0, inner_spacing: 0.75, falloff: 2.5 };
+    config.behaviours[0].grid = GridConfig::polar(5, 8, 6.0, 0.75, 2.5);
     let report = pipeline::build(&config, &out, &Cache::none(), &Silent)?;
     println!("{} bytes, {} states, {} actions", report.bundle_bytes, report.states, report.actions);
     Ok(())

@@ -58,13 +58,13 @@ fn policy(out: &mut BundleWriter, segments: &[MotionSegment; 4]) {
     let cells = grid.num_cells() * 4;
     let policy = PolicyRecord {
         grid: *grid.record(),
-        reward: RewardRecord { scale: 1.0, ..RewardRecord::zeroed() },
+        reward: RewardRecord::new(0, 0, 1.0),
         num_states: 4,
         num_segments: 4,
         num_choices: 1,
         discount: 0.98,
         epsilon: 1e-3,
-        ..PolicyRecord::zeroed()
+        ..PolicyRecord::default()
     };
     out.section(tags::POLICIES, &[policy]);
     let known = segments.map(|s| SegmentRecord {

@@ -25,7 +25,7 @@ pub fn write_clips(folder: &Path, minutes: f64) {
 pub fn small_config(inputs: Vec<PathBuf>) -> BuildConfig {
     let mut config = BuildConfig::new("small", inputs);
     config.policy.compare_samples = 100;
-    config.behaviours[0].grid = GridConfig { rings: 6, angles: 8, radius: 6.0, inner_spacing: 0.5, falloff: 2.0 };
+    config.behaviours[0].grid = GridConfig::polar(6, 8, 6.0, 0.5, 2.0);
     config
 }
 

@@ -46,7 +46,7 @@ pub fn bake(model: &ActionModel, solution: &mut Solution, cfg: &PolicyConfig) ->
 /// Ranks the actions of every (state, cell).
 fn rank_all(table: &PolicyTable) -> Vec<RankedActions> {
     let num_cells = table.grid().num_cells();
-    let centres: Vec<Vec3> = (0..num_cells).map(|c| table.grid().cell_centre(c)).collect();
+    let centres: Vec<Vec3> = (0..num_cells).map(|c| table.cell_target(c)).collect();
     let weights = vec![1.0; num_cells];
     let goals = [Goal { policy: *table, weights: &weights, targets: &centres }];
     let mut ranked = vec![RankedActions::NONE; table.actions().num_states() * num_cells];

@@ -14,7 +14,7 @@ pub fn write_csv(policy: &PolicyTable<'_>, mut out: impl Write) -> io::Result<()
     writeln!(out, "state,cell,angle_rad,distance_m,height_m,x_m,z_m,value,best_action")?;
     for state in 0..policy.actions().num_states() as u32 {
         for (cell, value) in policy.values_of(state).iter().enumerate() {
-            let (c, p) = (policy.grid().cell_coordinates(cell), policy.grid().cell_centre(cell));
+            let (c, p) = (policy.grid().cell_coordinates(cell), policy.cell_target(cell));
             let best = policy.best_of(state, cell)[0];
             writeln!(out, "{state},{cell},{},{},{},{},{},{value},{best}", c.x, c.y, c.z, p.x, p.z)?;
         }

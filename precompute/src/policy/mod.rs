@@ -15,9 +15,12 @@ mod solve;
 mod sweep;
 
 pub use bake::bake;
-pub use behaviour::{Approach, Behaviour, segment_records};
+pub use behaviour::{Approach, Behaviour, Evade, SegmentHit, ThrowPunches, segment_hits, segment_records};
 pub use compare::{Comparison, compare};
-pub use config::{ApproachReward, BehaviourConfig, BehaviourKind, GridConfig, PolicyConfig};
+pub use config::{
+    BehaviourConfig, BehaviourKind, BoundsConfig, CentreConfig, GridConfig, KernelConfig, PolicyConfig, RegionConfig,
+    RewardForm,
+};
 pub use export::write_csv;
 pub use model::{ActionModel, SegmentMotion};
 pub use policies::{Policy, PolicyReport, PolicyTables, solve, solve_behaviours};

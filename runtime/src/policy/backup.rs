@@ -84,11 +84,12 @@ fn rewards<F: Lanes, const POLAR: bool>(
     let [start_weight, first_weight, second_weight, end_weight] = motions.quarter(2);
     let first = first_weight * reward.kernels(first.sqrt());
     let inner = reward.combined(first, second_weight * reward.kernels(second.sqrt()));
+    let gain = F::splat(reward.gain());
     if !POLAR {
-        return inner;
+        return gain * inner;
     }
     let end = end_weight * reward.kernels(end_distance);
-    reward.combined(inner, reward.combined(start_weight * target.start_kernel, end))
+    gain * reward.combined(inner, reward.combined(start_weight * target.start_kernel, end))
 }
 
 #[inline(always)]
@@ -225,14 +226,14 @@ mod tests {
                     end: 0,
                 };
                 let combine = if sum { COMBINE_SUM } else { COMBINE_MAX };
-                let reward = RewardRecord { combine, kernel: KERNEL_EXPONENTIAL, scale: 0.7, reserved: 0 };
+                let reward = RewardRecord { offset: 0.2, gain: -1.5, ..RewardRecord::new(combine, KERNEL_EXPONENTIAL, 0.7) };
                 let record = PolicyRecord {
                     grid: *grid.record(), reward, num_states: 1, num_segments: 1, num_choices: 1, discount: 0.99,
                     epsilon: 1e-4, ..PolicyRecord::default()
                 };
                 let values = vec![0.0; grid.num_cells()];
                 let best = vec![0; grid.num_cells()];
-                let slices = PolicySlices { segments: &[segment], values: &values, best: &best };
+                let slices = PolicySlices { segments: &[segment], paths: &[], values: &values, best: &best };
                 let actions = ActionTable::new(&[0, 1], &[0], 1).expect("one action");
                 let table = PolicyTable::new(&record, actions, slices).expect("sound");
                 let kernel = |(x, z): (f32, f32)| table.reward().kernel((x * x + z * z).sqrt());

@@ -14,7 +14,8 @@ pub struct Goal<'a> {
     pub policy: PolicyTable<'a>,
     /// Weight of the behaviour for each character; 0 where it is not active. [Size: num_characters]
     pub weights: &'a [f32],
-    /// Target of each character in its own frame: +Z ahead, +X left, Y the height above ground. [Unit: m]
+    /// Target of each character in its own frame: +Z ahead, +X left, Y the height above ground, or in a grid of moments
+    /// the time left. [Unit: m, s]
     /// [Size: num_characters]
     pub targets: &'a [Vec3],
 }
@@ -79,7 +80,7 @@ impl Work for LookAheadJob<'_> {
                     scores[..num_actions.div_ceil(LANES)].fill([0.0; LANES]);
                 }
                 if weight != 0.0 {
-                    let target = goal.policy.grid.clamp(goal.targets[i]);
+                    let target = goal.policy.grid.clamp(goal.policy.to_grid(goal.targets[i]));
                     goal.policy.add_scores::<F>(segments, target, weight, &mut scores);
                 }
             }
@@ -108,8 +109,16 @@ impl PolicyTable<'_> {
     /// Adds `weight` times the score of each action to `scores`.
     ///
     /// - `segments`: of the actions.
+    /// - `target`: as the grid counts.
     #[inline(always)]
     fn add_scores<F: Lanes>(&self, segments: &[u32], target: Vec3, weight: f32, scores: &mut [[f32; LANES]]) {
+        if self.grid.is_moments() {
+            let scores = scores.as_flattened_mut();
+            for (score, &segment) in scores.iter_mut().zip(segments) {
+                *score += weight * self.score_of_moment(segment, target);
+            }
+            return;
+        }
         let query = self.query(target);
         if self.grid.is_polar() {
             self.add_scores_of::<F, true>(segments, &query, weight, scores);
@@ -181,17 +190,19 @@ impl PolicyTable<'_> {
     /// [`PolicyJobError`] where the state does not exist, the target is not finite or `scores` is too short.
     pub fn action_scores(&self, state: u32, target: Vec3, scores: &mut [f32]) -> Result<usize, PolicyJobError> {
         check_targets(&[target])?;
-        self.scores_at(state, self.grid.clamp(target), scores)
+        self.scores_at(state, self.grid.clamp(self.to_grid(target)), scores)
     }
 
     /// As [`Self::action_scores`], with the target left where it is beyond the grid: the exact rewards, and the values
     /// of the places after the actions, which fall with the distance from the grid.
     ///
+    /// - `target`: the time left in a grid of moments is not negative.
+    ///
     /// # Errors
     /// As [`Self::action_scores`].
     pub fn exact_scores(&self, state: u32, target: Vec3, scores: &mut [f32]) -> Result<usize, PolicyJobError> {
         check_targets(&[target])?;
-        self.scores_at(state, target, scores)
+        self.scores_at(state, self.to_grid(target), scores)
     }
 
     fn scores_at(&self, state: u32, target: Vec3, scores: &mut [f32]) -> Result<usize, PolicyJobError> {

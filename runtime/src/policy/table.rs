@@ -2,6 +2,8 @@
 
 use super::error::PolicyError;
 use super::grid::{GridRecord, TargetGrid};
+use super::moments::PathRecord;
+use super::region::RegionRecord;
 use super::reward::{Reward, RewardRecord};
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
@@ -19,6 +21,10 @@ pub struct PolicyRecord {
     pub grid: GridRecord,
     /// How the samples of a [`SegmentRecord`] become a reward.
     pub reward: RewardRecord,
+    /// Where the behaviour is active.
+    pub region: RegionRecord,
+    /// What the grid is around, as seen from the character: x, z. [Unit: m]
+    pub centre: [f32; 2],
     /// States of the motion graph.
     pub num_states: u32,
     /// Segments of the motion graph.
@@ -36,9 +42,11 @@ pub struct PolicyRecord {
     /// Zero.
     pub reserved: u32,
 }
-const _: () = assert!(size_of::<PolicyRecord>() == 96);
+const _: () = assert!(size_of::<PolicyRecord>() == 144);
 
 /// What a policy knows of a segment, one cache line. Segments are shared by the actions of many states.
+///
+/// Places and the displacement are those of the grid, which stands around [`PolicyRecord::centre`].
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct SegmentRecord {
@@ -141,6 +149,8 @@ impl<'a> ActionTable<'a> {
 pub struct PolicySlices<'a> {
     /// Motion of each segment. [Size: num_segments]
     pub segments: &'a [SegmentRecord],
+    /// In a grid of moments, the way of the point that is to be away. [Size: num_segments, 0 in other grids]
+    pub paths: &'a [PathRecord],
     /// Value of each (state, cell). [Size: num_states * num_cells]
     pub values: &'a [f32],
     /// Best actions of each (state, cell), best first, [`NO_ACTION`] where there are no more.
@@ -162,7 +172,10 @@ pub struct PolicyTable<'a> {
     pub(super) reward: Reward,
     pub(super) actions: ActionTable<'a>,
     pub(super) segments: &'a [SegmentRecord],
+    pub(super) paths: &'a [PathRecord],
     pub(super) values: &'a [f32],
+    region: RegionRecord,
+    centre: Vec3,
     best: &'a [u8],
     num_choices: usize,
     discount: f32,
@@ -189,12 +202,19 @@ impl<'a> PolicyTable<'a> {
         check_numbers("epsilon and residual", &figures, |v| (0.0..1e6).contains(&v), "between 0 and 1e6")?;
         check_numbers("values", slices.values, |v| v.abs() < 1e6, "below 1e6")?;
         check_segments(slices.segments, actions.num_states(), grid.is_polar())?;
+        record.region.check()?;
+        check_numbers("centre", &record.centre, |v| v.abs() < 1e3, "below 1000")?;
+        check_length("paths", slices.paths.len(), if grid.is_moments() { actions.num_segments() } else { 0 })?;
+        check_paths(slices.paths)?;
         let table = Self {
             grid,
             reward,
             actions,
             segments: slices.segments,
+            paths: slices.paths,
             values: slices.values,
+            region: record.region,
+            centre: Vec3::new(record.centre[0], 0.0, record.centre[1]),
             best: slices.best,
             num_choices,
             discount: record.discount,
@@ -213,6 +233,33 @@ impl<'a> PolicyTable<'a> {
         &self.reward
     }
 
+    /// Where the behaviour is active, in the character's frame.
+    pub fn region(&self) -> &RegionRecord {
+        &self.region
+    }
+
+    /// What the grid is around, in the character's frame. [Unit: m]
+    pub fn centre(&self) -> Vec3 {
+        self.centre
+    }
+
+    /// A target of the character's frame, as the grid counts. [Unit: m]
+    #[inline]
+    pub fn to_grid(&self, target: Vec3) -> Vec3 {
+        target - self.centre
+    }
+
+    /// The target in the middle of a cell, in the character's frame. [Unit: m] [Limit: cell < num_cells]
+    pub fn cell_target(&self, cell: usize) -> Vec3 {
+        self.grid.cell_centre(cell) + self.centre
+    }
+
+    /// The cell nearest to a target in the character's frame.
+    #[inline]
+    pub fn nearest_cell(&self, target: Vec3) -> usize {
+        self.grid.nearest_cell(self.to_grid(target))
+    }
+
     /// States and their actions.
     pub fn actions(&self) -> ActionTable<'a> {
         self.actions
@@ -221,6 +268,11 @@ impl<'a> PolicyTable<'a> {
     /// Motion of each segment.
     pub fn segments(&self) -> &'a [SegmentRecord] {
         self.segments
+    }
+
+    /// In a grid of moments, the way of the guarded point over each segment; else none.
+    pub fn paths(&self) -> &'a [PathRecord] {
+        self.paths
     }
 
     /// Best actions stored per (state, cell).
@@ -249,14 +301,7 @@ impl<'a> PolicyTable<'a> {
 
     /// Value of a state with the target at a place in the character's frame, interpolated. [Limit: state < num_states]
     pub fn value(&self, state: u32, target: Vec3) -> f32 {
-        let target = self.grid.clamp(target);
-        let stencil = self.grid.stencil(target.x, target.z);
-        let n = self.grid.num_plane_cells();
-        let values = self.values_of(state);
-        let (height, ratio) = self.grid.height_interval(target.y);
-        let at = |h: usize| stencil.interpolate(&values[h * n..][..n], self.grid.record().num_angles);
-        let low = at(height as usize);
-        if ratio > 0.0 { low + (at(height as usize + 1) - low) * ratio } else { low }
+        self.value_in(state, &self.grid, self.grid.clamp(self.to_grid(target)))
     }
 
     /// Every stored action exists in its state, and every cell has a first choice.
@@ -300,6 +345,15 @@ fn check_numbers(
         Some((at, &got)) => Err(PolicyError::Value { what, at, got, expected }),
         None => Ok(()),
     }
+}
+
+/// Paths are finite and take time.
+fn check_paths(paths: &[PathRecord]) -> Result<(), PolicyError> {
+    for p in paths {
+        check_numbers("path points", p.points.as_flattened(), |v| v.abs() < 1e6, "below 1e6")?;
+        check_numbers("path duration", &[p.duration_s], |v| v > 1e-6 && v < 1e6, "between 1e-6 and 1e6")?;
+    }
+    Ok(())
 }
 
 /// Ends exist, numbers are finite and moderate, factors are in range.

@@ -144,7 +144,7 @@ pub(super) fn policies(t: &Tables) -> Result<(), FormatError> {
         let names = t.meta().behaviours.len();
         return Err(FormatError::layout(format!("META names {names} behaviours, there are {n} policies")));
     }
-    let (mut values, mut best) = (0, 0);
+    let (mut values, mut best, mut paths) = (0, 0, 0);
     for i in 0..n {
         let p = t.try_policy(i)?;
         let here = p.grid().num_cells() * t.graph().states.len();
@@ -154,11 +154,12 @@ pub(super) fn policies(t: &Tables) -> Result<(), FormatError> {
             return Err(FormatError::value(tags::POLICY_SEGMENTS, segment, message));
         }
         let record = &t.policy_records()[i];
-        if record.reserved != 0 || record.reward.reserved != 0 {
+        if record.reserved != 0 || record.reward.reserved != [0; 2] {
             return Err(FormatError::value(tags::POLICIES, i, "its reserved fields are not zero"));
         }
         values += here;
         best += here * p.num_choices();
+        paths += if p.grid().is_moments() { t.graph().segments.len() } else { 0 };
     }
     let s = &t.sections;
     let lengths = [
@@ -167,6 +168,7 @@ pub(super) fn policies(t: &Tables) -> Result<(), FormatError> {
             t.view::<crate::policy::SegmentRecord>(&s.policy_segments).len(),
             n * t.graph().segments.len(),
         ),
+        (tags::POLICY_PATHS, t.view::<crate::policy::PathRecord>(&s.policy_paths).len(), paths),
         (tags::POLICY_VALUES, t.view::<f32>(&s.policy_values).len(), values),
         (tags::POLICY_BEST, t.view::<u8>(&s.policy_best).len(), best),
     ];

@@ -52,13 +52,13 @@ fn tables() -> Tables {
     let grid = TargetGrid::polar(4, 8, 6.0, 1.0, 1.0).unwrap();
     let policy = PolicyRecord {
         grid: *grid.record(),
-        reward: RewardRecord { scale: 1.0, ..RewardRecord::zeroed() },
+        reward: RewardRecord::new(0, 0, 1.0),
         num_states: 4,
         num_segments: 4,
         num_choices: 1,
         discount: 0.98,
         epsilon: 1e-3,
-        ..PolicyRecord::zeroed()
+        ..PolicyRecord::default()
     };
     out.section(tags::POLICIES, &[policy]);
     let known = segments.map(|s| SegmentRecord {
@@ -69,6 +69,7 @@ fn tables() -> Tables {
         ..SegmentRecord::zeroed()
     });
     out.section(tags::POLICY_SEGMENTS, &known);
+    out.section::<crate::policy::PathRecord>(tags::POLICY_PATHS, &[]);
     out.section(tags::POLICY_VALUES, &[0.0f32; 4 * 32]);
     let best: Vec<u8> = (0..4 * 32).map(|i| (i / 3 % 2) as u8).collect();
     out.section(tags::POLICY_BEST, &best);

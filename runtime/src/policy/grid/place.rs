@@ -1,7 +1,7 @@
 //! Where a ground position lies among the cells of a grid: rings, angles and the weights between them.
 
 use super::super::maths::{angle_of, greatest, least, split_interval};
-use super::{KIND_POLAR, TargetGrid};
+use super::TargetGrid;
 use crate::lanes::{Functions, Lanes};
 use std::f32::consts::{PI, TAU};
 
@@ -151,7 +151,7 @@ impl TargetGrid {
     #[inline(always)]
     pub(super) fn angle_number(&self, angle: f32) -> f32 {
         let r = &self.record;
-        if r.kind == KIND_POLAR {
+        if self.is_polar() {
             let t = angle * self.angles_per_radian;
             let t = if t < 0.0 { t + r.num_angles as f32 } else { t };
             least(t, r.num_angles as f32)

@@ -1,30 +1,12 @@
-//! Behaviours: a grid of target cells and a reward (003 sections 4.1 and 6).
+//! Coming to a target and staying there.
 
-use super::config::{ApproachReward, BehaviourConfig};
-use super::model::SegmentMotion;
+use super::super::config::{BehaviourConfig, CentreConfig, KernelConfig, RewardForm};
+use super::super::model::SegmentMotion;
+use super::Behaviour;
 use crate::error::BuildError;
-use throng_runtime::policy::{
-    COMBINE_MAX, COMBINE_SUM, KERNEL_EXPONENTIAL, PolicyError, Reward, RewardRecord, SegmentRecord, TargetGrid,
-};
-
-/// What a policy is solved for.
-///
-/// The reward is a function the runtime evaluates too, for any target: a weighted kernel of the distances to four
-/// samples of the action's motion. A behaviour says which samples and weights a segment has.
-pub trait Behaviour: Sync {
-    /// Name of the policy; unique in a bundle.
-    fn name(&self) -> &str;
-    /// Cells of the target.
-    fn grid(&self) -> TargetGrid;
-    /// Kernel of the distance, and how samples are combined.
-    fn reward(&self) -> Reward;
-    /// Discount per frame at the database rate. [Limit: > 0, < 1]
-    fn discount(&self) -> f64;
-    /// Sets the reward's samples: `inner`, `heights` and `weights` of `record`; the rest is set already.
-    ///
-    /// - `segment`: its index, for what a behaviour knows of segments beyond their path.
-    fn sample(&self, segment: usize, motion: &SegmentMotion, record: &mut SegmentRecord);
-}
+use glam::Vec2;
+use throng_runtime::Planar;
+use throng_runtime::policy::{RegionRecord, Reward, SegmentRecord, TargetGrid};
 
 /// Come to the target and stay there.
 ///
@@ -32,15 +14,19 @@ pub trait Behaviour: Sync {
 /// discount^t * exp(-distance(t) / scale), a little more where the character stands. Standing on the target for ever
 /// is then worth exactly 1, whatever the lengths of the actions that do it. Turning on the spot is not standing. The paper pays each *action* once, by its
 /// best moment (eq. 5); an optimal policy then prefers many short actions to few long ones, and has no reason to
-/// stand. [`ApproachReward::Max`] gives that form.
+/// stand. [`RewardForm::Max`] gives that form.
 ///
 /// Either is evaluated at four moments: start, one third, two thirds, end. For the sum, the distance's kernel is
-/// taken as linear in time between them, which gives four weights that already hold discount and standing. Differs
-/// from the paper also in p(t): the root's ground path instead of the centre of the effective hitting points.
+/// taken as linear in time between them, which gives four weights that already hold discount and standing. p(t) is the
+/// root's way over ground, or with [`CentreConfig::Hits`] that of the centroid of the effective hitting points, as in
+/// the paper.
 #[derive(Clone, Debug)]
 pub struct Approach {
     config: BehaviourConfig,
+    form: RewardForm,
+    centre: Vec2,
     grid: TargetGrid,
+    region: RegionRecord,
     reward: Reward,
     discount: f64,
     rate_hz: f64,
@@ -48,33 +34,46 @@ pub struct Approach {
 
 impl Approach {
     /// - `rate_hz`: of the database. [Unit: Hz] [Limit: > 0]
+    /// - `hit_centre`: centroid of the effective hitting points in the character's frame (x, z), if there are any.
+    ///   [Unit: m]
     ///
     /// # Errors
     /// [`BuildError::Config`] names the key that is out of its range.
-    pub fn new(config: &BehaviourConfig, rate_hz: f64) -> Result<Self, BuildError> {
+    pub fn new(config: &BehaviourConfig, rate_hz: f64, hit_centre: Option<Vec2>) -> Result<Self, BuildError> {
         let c = config;
-        for (key, value, low, high) in [
-            ("discount", c.discount, 0.5, 0.9999),
-            ("scale", c.scale, 1e-3, 1e3),
-            ("stand_bonus", c.stand_bonus, 0.0, 1.0),
-            ("stand_speed", c.stand_speed, 1e-3, 1e3),
-        ] {
-            if !(low..=high).contains(&value) {
-                let message = format!("behaviour \"{}\", key `{key}`: {value} is not between {low} and {high}", c.name);
-                return Err(BuildError::Config { message });
-            }
+        c.check()?;
+        let form = c.reward.unwrap_or(RewardForm::Integral);
+        if form == RewardForm::Sum {
+            return Err(c.fault("reward", "the kind `approach` has `integral` and `max`"));
         }
-        let g = &c.grid;
-        let of_key = |e: PolicyError| BuildError::Config {
-            message: format!("behaviour \"{}\", key `grid`: {}", c.name, bare(&e)),
+        let centre = match c.centre {
+            CentreConfig::Root => Vec2::ZERO,
+            CentreConfig::Place([x, z]) if x.abs() < 100.0 && z.abs() < 100.0 => Vec2::new(x as f32, z as f32),
+            CentreConfig::Place(_) => return Err(c.fault("centre", "expected two lengths below 100 m")),
+            CentreConfig::Hits => hit_centre.ok_or_else(|| {
+                c.fault(
+                    "centre",
+                    "the database has no effective hits. Add clips with blows, lower `annotate.hits`, or choose `root`",
+                )
+            })?,
         };
-        let (radius, inner, falloff) = (g.radius as f32, g.inner_spacing as f32, g.falloff as f32);
-        let grid = TargetGrid::polar(g.rings, g.angles, radius, inner, falloff).map_err(of_key)?;
-        let combine = if c.reward == ApproachReward::Max { COMBINE_MAX } else { COMBINE_SUM };
-        let record = RewardRecord { combine, kernel: KERNEL_EXPONENTIAL, scale: c.scale as f32, reserved: 0 };
-        let reward = Reward::new(record).map_err(of_key)?;
-        let discount = c.discount.powf(30.0 / rate_hz);
-        Ok(Self { config: config.clone(), grid, reward, discount, rate_hz })
+        Ok(Self {
+            grid: c.grid.make_polar(&c.name)?,
+            region: c.region.make(&c.name, false, RegionRecord::EVERYWHERE)?,
+            reward: c.make_reward(form, KernelConfig::Exponential, 1.5, 1.0)?,
+            discount: c.discount_at(rate_hz),
+            config: config.clone(),
+            form,
+            centre,
+            rate_hz,
+        })
+    }
+
+    /// Where what is to come to the target is at a moment, around where it was. [Unit: m]
+    fn place_at(&self, motion: &SegmentMotion, moment: f32) -> Vec2 {
+        let heading = motion.path[(moment.round() as usize).min(motion.path.len() - 1)].heading;
+        let turned = Planar::new(0.0, 0.0, heading).transform_point(self.centre);
+        motion.position_at(moment) + turned - self.centre
     }
 
     /// Weights of the four moments: discounted time, shared between the two moments around each frame.
@@ -114,44 +113,27 @@ impl Behaviour for Approach {
 
     fn sample(&self, _segment: usize, motion: &SegmentMotion, record: &mut SegmentRecord) {
         let n = motion.num_frames as f32;
-        let (a, b) = (motion.position_at(n / 3.0), motion.position_at(2.0 * n / 3.0));
+        let (a, b) = (self.place_at(motion, n / 3.0), self.place_at(motion, 2.0 * n / 3.0));
         record.inner = [a.x, a.y, b.x, b.y];
-        record.weights = match self.config.reward {
-            ApproachReward::Integral => self.time_weights(motion),
-            ApproachReward::Max => {
-                [0.0, 1.0, 2.0, 3.0].map(|k| self.discount.powf(f64::from(motion.num_frames) * k / 3.0) as f32)
-            }
+        record.weights = match self.form {
+            RewardForm::Integral => self.time_weights(motion),
+            _ => [0.0, 1.0, 2.0, 3.0].map(|k| self.discount.powf(f64::from(motion.num_frames) * k / 3.0) as f32),
         };
     }
-}
 
-/// The fault without the advice to rebuild, which does not help a configuration.
-fn bare(e: &PolicyError) -> String {
-    let text = e.to_string();
-    text.strip_suffix("; rebuild the bundle").unwrap_or(&text).trim_start_matches("policy table ").to_string()
-}
+    fn region(&self) -> RegionRecord {
+        self.region
+    }
 
-/// Geometry and discount of every segment, with the samples of a behaviour.
-pub fn segment_records(behaviour: &dyn Behaviour, segments: &[SegmentMotion]) -> Vec<SegmentRecord> {
-    let record = |(i, motion): (usize, &SegmentMotion)| {
-        let d = motion.displacement;
-        let mut record = SegmentRecord {
-            displacement: [d.heading.cos(), d.heading.sin(), d.x, d.z],
-            discount: behaviour.discount().powi(motion.num_frames as i32) as f32,
-            end: motion.end,
-            ..SegmentRecord::default()
-        };
-        behaviour.sample(i, motion, &mut record);
-        record
-    };
-    segments.iter().enumerate().map(record).collect()
+    fn centre(&self) -> Vec2 {
+        self.centre
+    }
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::segment_records;
     use super::*;
-    use glam::Vec2;
-    use throng_runtime::Planar;
 
     fn straight(num_frames: u32, speed: f32) -> SegmentMotion {
         let length = speed * num_frames as f32 / 30.0;
@@ -164,7 +146,7 @@ mod tests {
     }
 
     fn record(config: &BehaviourConfig, motion: &SegmentMotion) -> (Approach, SegmentRecord) {
-        let b = Approach::new(config, 30.0).expect("a valid behaviour");
+        let b = Approach::new(config, 30.0, None).expect("a valid behaviour");
         let r = segment_records(&b, std::slice::from_ref(motion))[0];
         (b, r)
     }
@@ -203,18 +185,18 @@ mod tests {
     #[test]
     fn discount_follows_the_rate() {
         let config = BehaviourConfig::default();
-        let at = |rate| Approach::new(&config, rate).expect("a valid behaviour").discount();
+        let at = |rate| Approach::new(&config, rate, None).expect("a valid behaviour").discount();
         assert!((at(15.0) - 0.985f64.powi(2)).abs() < 1e-12 && (at(60.0).powi(2) - 0.985).abs() < 1e-12);
     }
 
     #[test]
     fn refuses_numbers_out_of_range_by_name() {
         let config = BehaviourConfig { discount: 1.0, ..BehaviourConfig::default() };
-        let message = Approach::new(&config, 30.0).expect_err("out of range").to_string();
+        let message = Approach::new(&config, 30.0, None).expect_err("out of range").to_string();
         assert!(message.contains("`discount`") && message.contains("0.9999"), "{message}");
         let mut config = BehaviourConfig::default();
-        config.grid.rings = 0;
-        let message = Approach::new(&config, 30.0).expect_err("out of range").to_string();
+        config.grid.rings = Some(0);
+        let message = Approach::new(&config, 30.0, None).expect_err("out of range").to_string();
         assert!(message.contains("`grid`") && !message.contains("rebuild"), "{message}");
     }
 }
