@@ -121,11 +121,12 @@ fn print_quality(q: &Quality) -> Outcome {
         (
             "  against search",
             format!(
-                "{} on average, {} at the 5th percentile, above 99 % in {} of the pairs; {} of what can be had by its actions",
+                "{} on average, {} at the 5th percentile, above 99 % in {} of the pairs; {} of what can be had by its actions; regret {:.5}",
                 percent(q.ratio_mean),
                 percent(q.ratio_p05),
                 percent(q.near_best_fraction),
-                percent(q.realised_ratio_mean)
+                percent(q.realised_ratio_mean),
+                q.regret_mean
             ),
         ),
         ("  single load", format!("{} on average", percent(q.single_load_ratio_mean))),

@@ -56,6 +56,8 @@ pub struct Quality {
     pub near_best_fraction: f64,
     /// Mean ratio to the realised best.
     pub realised_ratio_mean: f64,
+    /// Mean of what the best is worth beyond what the policy collects, over all pairs that were asked.
+    pub regret_mean: f64,
     /// Mean ratio when the stored best action of the nearest cell is followed.
     pub single_load_ratio_mean: f64,
     /// The same for choices among the best few at random.
@@ -108,6 +110,7 @@ pub fn quality(table: &PolicyTable<'_>, name: &str, config: &QualityConfig) -> Q
     let near_best = ascending.iter().filter(|&&r| r > 0.99).count();
     let to_realised: Vec<f64> =
         counted.iter().map(|&i| collected[i] / realised[i].max(collected[i]).max(1e-9)).collect();
+    let regrets: Vec<f64> = found.iter().zip(&collected).map(|(f, c)| f64::from(f.score) - c).collect();
     Quality {
         policy: name.to_owned(),
         asked: pairs.len(),
@@ -116,6 +119,7 @@ pub fn quality(table: &PolicyTable<'_>, name: &str, config: &QualityConfig) -> Q
         ratio_p05: ascending.get(ascending.len() / 20).copied().unwrap_or(0.0),
         near_best_fraction: near_best as f64 / counted.len().max(1) as f64,
         realised_ratio_mean: mean(&to_realised),
+        regret_mean: mean(&regrets),
         single_load_ratio_mean: mean(&ratios(&single_load)),
         temperatures: config
             .temperatures
@@ -136,12 +140,17 @@ fn mean(v: &[f64]) -> f64 {
 fn random_pairs(table: &PolicyTable<'_>, count: usize, rng: &mut Pcg64) -> Vec<Situation> {
     let num_states = table.actions().num_states() as u32;
     (0..count)
-        .map(|_| Situation { state: rng.random_range(0..num_states), target: random_target(table.grid(), rng) })
+        .map(|_| Situation { state: rng.random_range(0..num_states), target: random_target(table, rng) })
         .collect()
 }
 
 /// The best sequence of every pair.
 fn search_all(table: &PolicyTable<'_>, pairs: &[Situation], depth: usize) -> Vec<Found> {
+    if table.grid().is_moments() {
+        // What happens does so after an action or two: there is little to leave out.
+        let search = Search::new(*table, depth, None);
+        return pairs.par_iter().map(|&pair| search.best(pair)).collect();
+    }
     let r = table.grid().record();
     let bands = if r.num_heights > 1 { BANDS } else { 1 };
     let height = r.height_spacing * (r.num_heights - 1) as f32 / bands as f32;

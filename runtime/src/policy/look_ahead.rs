@@ -80,7 +80,7 @@ impl Work for LookAheadJob<'_> {
                     scores[..num_actions.div_ceil(LANES)].fill([0.0; LANES]);
                 }
                 if weight != 0.0 {
-                    let target = goal.policy.grid.clamp(goal.targets[i]);
+                    let target = goal.policy.grid.clamp(goal.policy.to_grid(goal.targets[i]));
                     goal.policy.add_scores::<F>(segments, target, weight, &mut scores);
                 }
             }
@@ -109,9 +109,9 @@ impl PolicyTable<'_> {
     /// Adds `weight` times the score of each action to `scores`.
     ///
     /// - `segments`: of the actions.
+    /// - `target`: as the grid counts.
     #[inline(always)]
     fn add_scores<F: Lanes>(&self, segments: &[u32], target: Vec3, weight: f32, scores: &mut [[f32; LANES]]) {
-        let target = self.grid.clamp(self.to_grid(target));
         if self.grid.is_moments() {
             let scores = scores.as_flattened_mut();
             for (score, &segment) in scores.iter_mut().zip(segments) {
@@ -171,8 +171,6 @@ impl PolicyTable<'_> {
     }
 
     /// What does not depend on the action.
-    ///
-    /// - `target`: within the grid.
     #[inline(always)]
     fn query(&self, target: Vec3) -> Query {
         let (height, height_ratio) = self.grid.height_interval(target.y);
@@ -192,17 +190,19 @@ impl PolicyTable<'_> {
     /// [`PolicyJobError`] where the state does not exist, the target is not finite or `scores` is too short.
     pub fn action_scores(&self, state: u32, target: Vec3, scores: &mut [f32]) -> Result<usize, PolicyJobError> {
         check_targets(&[target])?;
-        self.scores_at(state, self.grid.clamp(target), scores)
+        self.scores_at(state, self.grid.clamp(self.to_grid(target)), scores)
     }
 
     /// As [`Self::action_scores`], with the target left where it is beyond the grid: the exact rewards, and the values
     /// of the places after the actions, which fall with the distance from the grid.
     ///
+    /// - `target`: the time left in a grid of moments is not negative.
+    ///
     /// # Errors
     /// As [`Self::action_scores`].
     pub fn exact_scores(&self, state: u32, target: Vec3, scores: &mut [f32]) -> Result<usize, PolicyJobError> {
         check_targets(&[target])?;
-        self.scores_at(state, target, scores)
+        self.scores_at(state, self.to_grid(target), scores)
     }
 
     fn scores_at(&self, state: u32, target: Vec3, scores: &mut [f32]) -> Result<usize, PolicyJobError> {

@@ -270,6 +270,11 @@ impl<'a> PolicyTable<'a> {
         self.segments
     }
 
+    /// In a grid of moments, the way of the guarded point over each segment; else none.
+    pub fn paths(&self) -> &'a [PathRecord] {
+        self.paths
+    }
+
     /// Best actions stored per (state, cell).
     pub fn num_choices(&self) -> usize {
         self.num_choices

@@ -13,7 +13,8 @@ const MAX_SQUARES: usize = 1 << 23;
 /// Squares along a side, at most and at least.
 const SIDES: (usize, usize) = (128, 16);
 
-/// Upper bounds of what a search finds, for every state and square of ground that the target may stand in.
+/// Upper bounds of what a search finds, for every state and square of ground that the target may stand in. Not for
+/// grids of moments.
 ///
 /// Level 0 is the greatest value within the square. Level k is the greatest reward of an action anywhere in the
 /// square, and the discounted bound of level k - 1 of all squares that the action may lead to from it. Every step takes
@@ -21,6 +22,8 @@ const SIDES: (usize, usize) = (128, 16);
 #[derive(Clone, Debug)]
 pub struct Bounds {
     squares: Squares,
+    /// What the grid is around. [Unit: m]
+    centre: Vec2,
     num_states: usize,
     /// Of sequences of 1, 2 and so on actions: [row][state][column].
     levels: Vec<Vec<f32>>,
@@ -36,8 +39,9 @@ impl Bounds {
         let num_states = table.actions().num_states();
         let side = ((MAX_SQUARES / num_states.max(1)) as f64).sqrt() as usize;
         let reach = 1.01 * (table.grid().radius() + depth as f32 * longest) + 0.1;
+        let centre = Vec2::new(table.centre().x, table.centre().z);
         let squares = Squares { side: side.clamp(SIDES.1, SIDES.0), reach };
-        let mut bounds = Self { squares, num_states, levels: Vec::new() };
+        let mut bounds = Self { squares, centre, num_states, levels: Vec::new() };
         let mut before = bounds.of_values(table, heights);
         for _ in 1..depth {
             let level = bounds.of_actions(table, heights, &bounds.widened(&before));
@@ -50,7 +54,7 @@ impl Bounds {
     /// The most that `left` actions can be worth; infinite where that is not known. [Limit: state exists, left > 0]
     #[inline]
     pub fn most(&self, left: usize, at: Situation) -> f32 {
-        match (self.levels.get(left - 1), self.squares.find(Vec2::new(at.target.x, at.target.z))) {
+        match (self.levels.get(left - 1), self.squares.find(Vec2::new(at.target.x, at.target.z) - self.centre)) {
             (Some(level), Some([column, row])) => level[self.index(row, at.state as usize) + column],
             _ => f32::INFINITY,
         }
@@ -150,13 +154,15 @@ fn most_reward(reward: &Reward, segment: &SegmentRecord, centre: Vec2, radius: f
     let [ax, az, bx, bz] = segment.inner;
     let inner = [Vec3::new(ax, segment.heights[0], az), Vec3::new(bx, segment.heights[1], bz)];
     let samples = [Vec3::ZERO, inner[0], inner[1], Vec3::new(end_x, 0.0, end_z)];
+    let r = reward.record();
     let most = |k: usize| {
         let [near, far] = distances(centre, radius, heights, samples[k]);
-        let weight = segment.weights[k];
-        weight * reward.kernel(if weight > 0.0 { near } else { far })
+        let nearest = r.offset.clamp(near, far);
+        let farthest = if r.offset - near > far - r.offset { near } else { far };
+        segment.weights[k] * reward.kernel(if r.gain > 0.0 { nearest } else { farthest })
     };
     // Where heights count, the outer samples do not.
     let counted = if heights.is_some() { 1..3 } else { 0..4 };
     let all = counted.map(most);
-    if reward.record().combine == COMBINE_SUM { all.sum() } else { all.fold(f32::NEG_INFINITY, f32::max) }
+    r.gain * if r.combine == COMBINE_SUM { all.sum::<f32>() } else { all.fold(f32::NEG_INFINITY, f32::max) }
 }

@@ -3,15 +3,24 @@
 use glam::Vec3;
 use rand::RngExt;
 use rand_pcg::Pcg64;
-use throng_runtime::policy::{BestActionJob, Goal, LookAheadJob, PolicyTable, RankedActions};
+use throng_runtime::policy::{
+    BestActionJob, Goal, LookAheadJob, PathRecord, PolicyTable, RankedActions, SegmentRecord,
+};
 
 /// A state, and a target in the character's frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Situation {
     /// State of the motion graph.
     pub state: u32,
-    /// Target: +Z ahead, +X left, Y the height above ground. [Unit: m]
+    /// Target: +Z ahead, +X left, Y the height above ground, or in a grid of moments the time left. [Unit: m, or s]
     pub target: Vec3,
+}
+
+impl Situation {
+    /// True where what a grid of moments waits for has happened: nothing is to be gained or lost any more.
+    pub fn is_over(&self, table: &PolicyTable<'_>) -> bool {
+        table.grid().is_moments() && self.target.y < 0.0
+    }
 }
 
 /// What a segment of motion pays and where it leads.
@@ -27,16 +36,33 @@ pub struct Played {
 
 /// Plays a segment. The target stays where it is in the world, and is not moved into the grid. [Limit: segment exists]
 pub fn play(table: &PolicyTable<'_>, segment: u32, target: Vec3) -> Played {
-    let (record, reward) = (&table.segments()[segment as usize], table.reward());
-    let [x, z, distance] = record.target_after(target);
-    let start_kernel = reward.kernel((target.x * target.x + target.z * target.z).sqrt());
-    let reward = if table.grid().is_polar() {
-        reward.of_segment::<true>(record, target, start_kernel, distance)
-    } else {
-        reward.of_segment::<false>(record, target, start_kernel, distance)
+    let (record, place) = (&table.segments()[segment as usize], table.to_grid(target));
+    let [x, z, distance] = record.target_after(place);
+    let (y, reward) = match table.paths().get(segment as usize) {
+        Some(path) => (target.y - path.duration_s, of_moment(table, record, path, place)),
+        None => (target.y, of_samples(table, record, place, distance)),
     };
-    let then = Situation { state: record.end, target: Vec3::new(x, target.y, z) };
-    Played { reward, discount: record.discount, then }
+    let target = Vec3::new(x, y, z) + table.centre();
+    Played { reward, discount: record.discount, then: Situation { state: record.end, target } }
+}
+
+/// The reward of a segment's samples.
+fn of_samples(table: &PolicyTable<'_>, record: &SegmentRecord, place: Vec3, end_distance: f32) -> f32 {
+    let reward = table.reward();
+    let start_kernel = reward.kernel((place.x * place.x + place.z * place.z).sqrt());
+    if table.grid().is_polar() {
+        reward.of_segment::<true>(record, place, start_kernel, end_distance)
+    } else {
+        reward.of_segment::<false>(record, place, start_kernel, end_distance)
+    }
+}
+
+/// The reward of a segment during which the time comes, discounted to then.
+fn of_moment(table: &PolicyTable<'_>, record: &SegmentRecord, path: &PathRecord, place: Vec3) -> f32 {
+    if !(0.0..path.duration_s).contains(&place.y) {
+        return 0.0;
+    }
+    record.discount.powf(place.y / path.duration_s) * table.reward().of_moment(path.at(place.y), place)
 }
 
 /// How a policy is followed.

@@ -57,6 +57,9 @@ impl<'a> Search<'a> {
 
     /// The best score with `left` actions to go, and the actions; no more than `enough` where there is none above it.
     fn descend(&self, at: Situation, left: usize, enough: f32, look_aheads: &mut u64) -> (f32, [u8; MAX_DEPTH]) {
+        if at.is_over(&self.table) {
+            return (0.0, [0; MAX_DEPTH]);
+        }
         let mut scores = [0.0; MAX_ACTIONS];
         let n = self.table.exact_scores(at.state, at.target, &mut scores);
         let n = n.unwrap_or_else(|e| unreachable!("the state exists, the target is finite: {e}"));

@@ -4,7 +4,7 @@ use glam::{Vec2, Vec3};
 use std::f32::consts::PI;
 use throng_runtime::policy::{PolicyTable, Stencil};
 
-/// Squares side by side, the character in the middle.
+/// Squares side by side, what a policy's grid is around in the middle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Squares {
     /// Squares along a side.

@@ -26,7 +26,7 @@ impl Behaviour for Blows {
     }
 
     fn reward(&self) -> Reward {
-        let record = RewardRecord { combine: COMBINE_SUM, kernel: KERNEL_WITHIN, scale: 0.4, reserved: 0 };
+        let record = RewardRecord { offset: 0.1, ..RewardRecord::new(COMBINE_SUM, KERNEL_WITHIN, 0.3) };
         Reward::new(record).expect("a valid reward")
     }
 
@@ -50,8 +50,9 @@ fn solved(model: ActionModel, behaviour: &dyn Behaviour) -> PolicyTables {
 
 fn made_up(seed: u64) -> (PolicyTables, PolicyTables) {
     let small = MadeUp { states: 5, actions: 4, rings: 7, angles: 9, seed };
-    let grid = GridConfig { rings: small.rings, angles: small.angles, radius: 3.0, inner_spacing: 0.25, falloff: 1.0 };
-    let approach = Approach::new(&BehaviourConfig { grid, ..BehaviourConfig::default() }, 30.0).expect("a valid grid");
+    let grid = GridConfig::polar(small.rings, small.angles, 3.0, 0.25, 1.0);
+    let approach =
+        Approach::new(&BehaviourConfig { grid, ..BehaviourConfig::default() }, 30.0, None).expect("a valid grid");
     (solved(small.model(), &approach), solved(small.model(), &Blows))
 }
 
@@ -153,12 +154,12 @@ fn bounds_leave_out_most_of_what_there_is_to_try() {
 #[test]
 fn walks_to_the_target_and_stands_there() {
     let config = BehaviourConfig::default();
-    let tables = solved(line(), &Approach::new(&config, 30.0).expect("a valid behaviour"));
+    let tables = solved(line(), &Approach::new(&config, 30.0, None).expect("a valid behaviour"));
     let table = tables.table(0).expect("sound tables");
     let found = Search::new(table, 4, None).best(Situation { state: 0, target: Vec3::new(0.0, 0.0, 1.0) });
     assert_eq!(found.actions[..4], [0, 0, 1, 1]);
     // Two steps, then standing on the target for ever, which is worth 1.
-    let records = segment_records(&Approach::new(&config, 30.0).expect("a valid behaviour"), &line().segments);
+    let records = segment_records(&Approach::new(&config, 30.0, None).expect("a valid behaviour"), &line().segments);
     let reward = |z: f32| {
         let [_, _, end] = records[0].target_after(Vec3::new(0.0, 0.0, z));
         let kernel = table.reward().kernel(z);
@@ -171,7 +172,7 @@ fn walks_to_the_target_and_stands_there() {
 
 #[test]
 fn following_the_policy_collects_what_was_worked_out_by_hand() {
-    let tables = solved(line(), &Approach::new(&BehaviourConfig::default(), 30.0).expect("a valid behaviour"));
+    let tables = solved(line(), &Approach::new(&BehaviourConfig::default(), 30.0, None).expect("a valid behaviour"));
     let table = tables.table(0).expect("sound tables");
     let from = [Situation { state: 0, target: Vec3::ZERO }, Situation { state: 0, target: Vec3::new(0.0, 0.0, -2.0) }];
     let mut rng = Pcg64::seed_from_u64(1);
@@ -183,9 +184,9 @@ fn following_the_policy_collects_what_was_worked_out_by_hand() {
 
 #[test]
 fn a_policy_on_a_fine_grid_collects_nearly_all_there_is() {
-    let fine = GridConfig { rings: 65, angles: 64, radius: 4.0, inner_spacing: 0.0625, falloff: 2.5 };
+    let fine = GridConfig::polar(65, 64, 4.0, 0.0625, 2.5);
     let config = BehaviourConfig { grid: fine, ..BehaviourConfig::default() };
-    let tables = solved(line(), &Approach::new(&config, 30.0).expect("a valid behaviour"));
+    let tables = solved(line(), &Approach::new(&config, 30.0, None).expect("a valid behaviour"));
     let asked = QualityConfig { pairs: 200, ..QualityConfig::default() };
     let q = quality(&tables.table(0).expect("sound tables"), "approach", &asked);
     assert_eq!((q.asked, q.pairs), (200, 200));
