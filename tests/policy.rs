@@ -404,7 +404,10 @@ fn sweeps_that_do_not_suffice_are_an_error_with_the_residual() {
 fn configuration_refuses_unknown_keys_and_takes_the_paper_s() {
     let text = "name = \"a\"\nreward = \"max\"\ngrid = { rings = 5, angles = 13, radius = 2.0, inner_spacing = 0.5 }";
     let config: BehaviourConfig = toml::from_str(text).expect("a valid behaviour");
-    assert_eq!((config.grid, config.reward), (GridConfig { falloff: None, ..GridConfig::paper() }, Some(RewardForm::Max)));
+    assert_eq!(
+        (config.grid, config.reward),
+        (GridConfig { falloff: None, ..GridConfig::paper() }, Some(RewardForm::Max))
+    );
     assert!(toml::from_str::<BehaviourConfig>("discont = 0.9").is_err());
     assert!(toml::from_str::<PolicyConfig>("epsilon = 1e-3\nsweeps = 4").is_err());
 }

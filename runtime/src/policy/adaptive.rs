@@ -187,3 +187,252 @@ impl TargetGrid {
         ((nearest_index(height, heights - 1) * rings + ring) * angles + angle) as usize
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::look_ahead::{Goal, LookAheadJob};
+    use super::super::ranked::RankedActions;
+    use super::super::reward::{COMBINE_MAX, KERNEL_EXPONENTIAL, RewardRecord};
+    use super::super::table::{ActionTable, PolicyRecord, PolicySlices};
+    use super::super::{BestActionJob, GridRecord};
+    use super::*;
+    use crate::lanes::{Array, Work};
+    use proptest::prelude::*;
+
+    const STATES: usize = 5;
+    const ACTIONS: usize = 11;
+
+    fn grids() -> [TargetGrid; 3] {
+        let sector = (Vec3::new(-1.1, 0.3, 1.2), Vec3::new(1.3, 1.3, 1.6));
+        [
+            TargetGrid::polar(9, 16, 6.0, 0.25, 2.5).expect("a valid grid"),
+            TargetGrid::cylinder([8, 9, 6], sector.0, sector.1, 0.5).expect("a valid grid"),
+            TargetGrid::cylinder([8, 9, 1], sector.0, sector.1, 0.5).expect("a valid grid"),
+        ]
+    }
+
+    /// Numbers that look like noise.
+    fn noise(seed: u32) -> impl Iterator<Item = f32> {
+        (0..).map(move |i: u32| ((i.wrapping_add(seed)) as f32 * 12.9898).sin() * 0.5 + 0.5)
+    }
+
+    struct Tables {
+        record: PolicyRecord,
+        offsets: Vec<u32>,
+        actions: Vec<u32>,
+        segments: Vec<SegmentRecord>,
+        state_grids: Vec<StateGridRecord>,
+        values: Vec<f32>,
+        best: Vec<u8>,
+    }
+
+    impl Tables {
+        /// Every state has each of the counts in turn.
+        fn new(grid: &TargetGrid, counts: &[[u32; 3]]) -> Self {
+            let mut first = 0;
+            let state_grids = (0..STATES).map(|s| {
+                let record = StateGridRecord::new(counts[s % counts.len()], first);
+                first += record.num_cells() as u32;
+                record
+            });
+            let state_grids: Vec<_> = state_grids.collect();
+            let outer = if grid.is_polar() { 0.3 } else { 0.0 };
+            let segments = noise(7).take(ACTIONS).enumerate().map(|(i, v)| {
+                let turn = 3.0 * (v - 0.5);
+                SegmentRecord {
+                    displacement: [turn.cos(), turn.sin(), 0.8 * (v - 0.3), 0.4 * v],
+                    inner: [0.1 * v, 0.2, 0.3, v],
+                    weights: [outer, 0.4, v, outer],
+                    heights: [1.3, 1.5],
+                    discount: 0.9,
+                    end: (i * 3 % STATES) as u32,
+                }
+            });
+            Self {
+                record: PolicyRecord {
+                    grid: *grid.record(),
+                    reward: RewardRecord::new(COMBINE_MAX, KERNEL_EXPONENTIAL, 0.7),
+                    num_states: STATES as u32,
+                    num_segments: ACTIONS as u32,
+                    num_choices: 1,
+                    discount: 0.99,
+                    epsilon: 1e-4,
+                    adaptive: 1,
+                    centre: [0.1, -0.2],
+                    ..PolicyRecord::default()
+                },
+                offsets: (0..=STATES as u32).map(|s| s * ACTIONS as u32).collect(),
+                actions: (0..STATES).flat_map(|_| 0..ACTIONS as u32).collect(),
+                segments: segments.collect(),
+                values: noise(1).take(first as usize).collect(),
+                best: noise(3).take(first as usize).map(|v| (v * 10.9) as u8).collect(),
+                state_grids,
+            }
+        }
+
+        fn open(&self) -> Result<PolicyTable<'_>, PolicyError> {
+            let actions = ActionTable::new(&self.offsets, &self.actions, self.segments.len())?;
+            let slices = PolicySlices {
+                segments: &self.segments,
+                paths: &[],
+                state_grids: &self.state_grids,
+                values: &self.values,
+                best: &self.best,
+            };
+            PolicyTable::new(&self.record, actions, slices)
+        }
+    }
+
+    /// Shapes of all kinds: the finest, coarse ones, one height, odd ones.
+    fn shapes(grid: &TargetGrid) -> Vec<[u32; 3]> {
+        let [r, a, h] = grid.counts();
+        vec![[r, a, h], [2, 2, 1], [r / 2, a, h.min(2)], [r, a / 2, 1], [3, 5, h.min(3)]]
+    }
+
+    /// Scores as they are defined, one action after the other, with the state's own grid.
+    fn by_definition(table: &PolicyTable<'_>, state: u32, target: Vec3) -> Vec<f32> {
+        let t = table.grid().clamp(table.to_grid(target));
+        let start = table.reward().kernel(t.x.hypot(t.z));
+        let score = |&segment: &u32| {
+            let s = &table.segments()[segment as usize];
+            let [x, z, distance] = s.target_after(t);
+            let polar = table.grid().is_polar();
+            let reward = if polar {
+                table.reward().of_segment::<true>(s, t, start, distance)
+            } else {
+                table.reward().of_segment::<false>(s, t, start, distance)
+            };
+            reward + s.discount * table.value_in(s.end, &table.grid_of(s.end), Vec3::new(x, t.y, z))
+        };
+        table.actions().segments_of(state).iter().map(score).collect()
+    }
+
+    fn scores(table: &PolicyTable<'_>, state: u32, target: Vec3) -> Vec<f32> {
+        let mut out = vec![0.0; ACTIONS];
+        table.action_scores(state, target, &mut out).expect("a sound query");
+        out
+    }
+
+    #[test]
+    fn the_finest_grid_everywhere_gives_the_uniform_policy_bit_by_bit() {
+        for grid in grids() {
+            let adaptive = Tables::new(&grid, &[grid.counts()]);
+            let mut uniform = Tables::new(&grid, &[grid.counts()]);
+            uniform.record.adaptive = 0;
+            uniform.state_grids.clear();
+            let (a, u) = (adaptive.open().expect("sound"), uniform.open().expect("sound"));
+            for (x, z) in noise(20).zip(noise(40)).take(500) {
+                let target = Vec3::new(7.0 * x - 3.0, 1.1 + 0.6 * x, 7.0 * z - 3.0);
+                let bits = |t: &PolicyTable<'_>| scores(t, 2, target).iter().map(|v| v.to_bits()).collect::<Vec<_>>();
+                assert_eq!(bits(&a), bits(&u), "{target}");
+                assert_eq!(a.value(3, target).to_bits(), u.value(3, target).to_bits());
+                assert_eq!(a.best_of(1, a.nearest_cell(1, target)), u.best_of(1, u.nearest_cell(1, target)));
+            }
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn look_ahead_interpolates_in_every_state_s_own_grid(x in -4.0f32..4.0, y in 1.0f32..1.8, z in -4.0f32..4.0) {
+            for grid in grids() {
+                let tables = Tables::new(&grid, &shapes(&grid));
+                let table = tables.open().expect("sound");
+                let target = Vec3::new(x, y, z);
+                let (got, wanted) = (scores(&table, 0, target), by_definition(&table, 0, target));
+                for (a, b) in got.iter().zip(&wanted) {
+                    prop_assert!((a - b).abs() < 2e-5, "{:?} {:?}", got, wanted);
+                }
+                for state in 0..STATES as u32 {
+                    let (own, cell) = (table.grid_of(state), table.nearest_cell(state, target));
+                    let nearest = own.nearest_cell(table.grid().clamp(table.to_grid(target)));
+                    let apart = |c: usize| own.cell_centre(c).distance(table.grid().clamp(table.to_grid(target)));
+                    prop_assert!(cell == nearest || (apart(cell) - apart(nearest)).abs() < 1e-2, "{} {}", cell, nearest);
+                }
+            }
+        }
+
+        #[test]
+        fn any_state_grid_is_refused_or_answers_without_a_panic(
+            at in 0usize..STATES * 16, byte in any::<u8>(), x in any::<f32>(), y in any::<f32>(), z in any::<f32>(),
+        ) {
+            for grid in grids() {
+                let mut tables = Tables::new(&grid, &shapes(&grid));
+                bytemuck::cast_slice_mut::<_, u8>(&mut tables.state_grids)[at] = byte;
+                let changed = tables.state_grids != Tables::new(&grid, &shapes(&grid)).state_grids;
+                let Ok(policy) = tables.open() else { continue };
+                prop_assert!(!changed, "a record that does not tile the values is accepted");
+                let (states, targets) = ([1u32], [Vec3::new(x, y, z)]);
+                let mut ranked = [RankedActions::NONE];
+                let goals = [Goal { policy, weights: &[1.0], targets: &targets }];
+                let looked = LookAheadJob { goals: &goals, states: &states, ranked: &mut ranked }.run();
+                let mut actions = [0];
+                let job = BestActionJob { policy, states: &states, targets: &targets, choice: 0, actions: &mut actions };
+                prop_assert_eq!(looked.is_ok(), job.run().is_ok());
+            }
+        }
+    }
+
+    #[test]
+    fn refuses_what_does_not_tile_the_values() {
+        let grid = grids()[1];
+        let spoilt = |change: &dyn Fn(&mut Tables)| {
+            let mut tables = Tables::new(&grid, &shapes(&grid));
+            assert!(tables.open().is_ok());
+            change(&mut tables);
+            tables.open().is_err()
+        };
+        assert!(spoilt(&|t| t.state_grids[0].counts[0] += 1));
+        assert!(spoilt(&|t| t.state_grids[1].counts[2] = 0));
+        assert!(spoilt(&|t| t.state_grids[1].counts[1] = 1));
+        assert!(spoilt(&|t| t.state_grids[1].counts[3] = 1));
+        assert!(spoilt(&|t| t.state_grids[4].first += 1));
+        assert!(spoilt(&|t| t.state_grids[2].reserved = 1));
+        assert!(spoilt(&|t| t.state_grids.truncate(4)));
+        assert!(spoilt(&|t| t.state_grids.clear()));
+        assert!(spoilt(&|t| t.record.adaptive = 0));
+        assert!(spoilt(&|t| t.record.adaptive = 2));
+        assert!(spoilt(&|t| t.values.truncate(20)));
+        assert!(spoilt(&|t| t.values.push(0.0)));
+        assert!(spoilt(&|t| {
+            t.best.pop();
+        }));
+        assert!(spoilt(&|t| t.best[9] = ACTIONS as u8));
+        // Larger than its policy's grid, in a swap that keeps the number of cells.
+        assert!(spoilt(&|t| t.state_grids[0].counts = [8, 9, 6, 0]));
+    }
+
+    #[test]
+    fn grids_of_moments_have_one_resolution() {
+        let grid = TargetGrid::moments([4, 6, 3], 1.2, 0.8, 0.3).expect("a valid grid");
+        let mut tables = Tables::new(&grid, &[grid.counts()]);
+        tables.record.grid = GridRecord { ..*grid.record() };
+        assert!(matches!(tables.open(), Err(PolicyError::Index { what: "adaptive", .. })));
+    }
+
+    /// Scores by plain arrays.
+    struct ByArrays<'a>(&'a PolicyTable<'a>, Vec3);
+
+    impl Work for ByArrays<'_> {
+        type Output = Vec<f32>;
+
+        fn run<F: Lanes>(self) -> Vec<f32> {
+            let t = self.0.grid().clamp(self.0.to_grid(self.1));
+            let records: [&SegmentRecord; LANES] = std::array::from_fn(|i| &self.0.segments()[i]);
+            let (x, z) = (F::splat(t.x), F::splat(t.z));
+            let spot = self.0.grid().spot::<F, false>(x, z, (x * x + z * z).sqrt());
+            self.0.adaptive_values::<F, false>(&records, &spot, 2.6).to_array().to_vec()
+        }
+    }
+
+    #[test]
+    fn registers_and_arrays_give_the_same_bits() {
+        let grid = grids()[1];
+        let tables = Tables::new(&grid, &shapes(&grid));
+        let table = tables.open().expect("sound");
+        for (x, z) in noise(20).zip(noise(40)).take(200) {
+            let target = Vec3::new(4.0 * x - 2.0, 1.4, 3.0 * z - 1.0);
+            let arrays = ByArrays(&table, target).run::<Array>();
+            assert_eq!(arrays, crate::lanes::dispatch(ByArrays(&table, target)));
+        }
+    }
+}
