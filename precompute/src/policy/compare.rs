@@ -3,7 +3,7 @@
 use glam::Vec3;
 use rand::RngExt;
 use rand_pcg::Pcg64;
-use throng_runtime::policy::{MAX_ACTIONS, PolicyTable};
+use throng_runtime::policy::{MAX_ACTIONS, PolicyTable, TargetGrid};
 
 /// Single-load choices against look-ahead choices, for random states and targets over the whole grid.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -21,9 +21,11 @@ pub struct Comparison {
 /// Asks both ways for random states and targets: angles and distances uniform, heights too where there are several.
 pub fn compare(table: &PolicyTable, samples: u32, rng: &mut Pcg64) -> Comparison {
     let mut scores = [0.0; MAX_ACTIONS];
+    let num_states = table.actions().num_states() as u32;
     let mut out = Comparison { samples, ..Comparison::default() };
     for _ in 0..samples {
-        let (state, target) = random_query(table, rng);
+        let state = rng.random_range(0..num_states);
+        let target = random_target(table.grid(), rng) + table.centre();
         let n = table.action_scores(state, target, &mut scores).expect("the state exists and the target is finite");
         let best = scores[..n].iter().copied().fold(f32::NEG_INFINITY, f32::max);
         let stored = table.best_of(state, table.nearest_cell(state, target))[0];
@@ -35,12 +37,11 @@ pub fn compare(table: &PolicyTable, samples: u32, rng: &mut Pcg64) -> Comparison
     out
 }
 
-/// A state and a target in the character's frame: angle and distance uniform, the height too where there are several.
-pub(super) fn random_query(table: &PolicyTable, rng: &mut Pcg64) -> (u32, Vec3) {
-    let r = table.grid().record();
-    let state = rng.random_range(0..table.actions().num_states() as u32);
+/// A place in a grid: angle and distance uniform, the height too where there are several.
+pub(super) fn random_target(grid: &TargetGrid, rng: &mut Pcg64) -> Vec3 {
+    let r = grid.record();
     let angle = r.angle_start + r.angle_spacing * (r.num_angles - 1) as f32 * rng.random::<f32>();
-    let distance = r.ring_start + (table.grid().radius() - r.ring_start) * rng.random::<f32>();
+    let distance = r.ring_start + (grid.radius() - r.ring_start) * rng.random::<f32>();
     let height = r.height_start + r.height_spacing * (r.num_heights - 1) as f32 * rng.random::<f32>();
-    (state, Vec3::new(distance * angle.sin(), height, distance * angle.cos()) + table.centre())
+    Vec3::new(distance * angle.sin(), height, distance * angle.cos())
 }

@@ -10,6 +10,8 @@ pub mod made_up;
 mod model;
 mod pairs;
 mod policies;
+mod quality;
+pub mod search;
 mod solve;
 mod sweep;
 
@@ -24,4 +26,5 @@ pub use config::{
 pub use export::write_csv;
 pub use model::{ActionModel, SegmentMotion};
 pub use policies::{Policy, PolicyReport, PolicyTables, solve, solve_behaviours};
+pub use quality::{Quality, QualityConfig, TemperatureQuality, quality};
 pub use solve::{Solution, tolerance, value_iteration};

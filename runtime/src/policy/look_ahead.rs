@@ -80,7 +80,8 @@ impl Work for LookAheadJob<'_> {
                     scores[..num_actions.div_ceil(LANES)].fill([0.0; LANES]);
                 }
                 if weight != 0.0 {
-                    goal.policy.add_scores::<F>(segments, goal.targets[i], weight, &mut scores);
+                    let target = goal.policy.grid.clamp(goal.targets[i]);
+                    goal.policy.add_scores::<F>(segments, target, weight, &mut scores);
                 }
             }
             *ranked = RankedActions::of_scores::<F>(&mut scores, num_actions);
@@ -94,7 +95,7 @@ pub(super) const MAX_GROUPS: usize = MAX_ACTIONS.div_ceil(LANES);
 /// A target as seen by all actions of a query.
 #[derive(Clone, Copy)]
 struct Query {
-    /// The target, moved into the grid.
+    /// The target; a look-ahead has moved it into the grid.
     target: Vec3,
     /// Kernel of the distance at the start, which all actions share.
     start_kernel: f32,
@@ -201,8 +202,22 @@ impl PolicyTable<'_> {
     /// # Errors
     /// [`PolicyJobError`] where the state does not exist, the target is not finite or `scores` is too short.
     pub fn action_scores(&self, state: u32, target: Vec3, scores: &mut [f32]) -> Result<usize, PolicyJobError> {
-        check_states(&[state], self.actions.num_states())?;
         check_targets(&[target])?;
+        self.scores_at(state, self.grid.clamp(target), scores)
+    }
+
+    /// As [`Self::action_scores`], with the target left where it is beyond the grid: the exact rewards, and the values
+    /// of the places after the actions, which fall with the distance from the grid.
+    ///
+    /// # Errors
+    /// As [`Self::action_scores`].
+    pub fn exact_scores(&self, state: u32, target: Vec3, scores: &mut [f32]) -> Result<usize, PolicyJobError> {
+        check_targets(&[target])?;
+        self.scores_at(state, target, scores)
+    }
+
+    fn scores_at(&self, state: u32, target: Vec3, scores: &mut [f32]) -> Result<usize, PolicyJobError> {
+        check_states(&[state], self.actions.num_states())?;
         let segments = self.actions.segments_of(state);
         if scores.len() < segments.len() {
             let (got, expected) = (scores.len(), segments.len());

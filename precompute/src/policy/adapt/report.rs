@@ -1,7 +1,7 @@
 //! What an adaptive policy gives away, and what uniform grids of the same size do.
 
 use super::super::behaviour::Behaviour;
-use super::super::compare::random_query;
+use super::super::compare::random_target;
 use super::super::config::PolicyConfig;
 use super::super::model::ActionModel;
 use super::super::solve::{Solution, value_iteration};
@@ -11,6 +11,7 @@ use super::{bytes, bytes_per_cell, with_shapes};
 use crate::error::BuildError;
 use crate::progress::Silent;
 use glam::Vec3;
+use rand::RngExt;
 use rand_pcg::Pcg64;
 use throng_runtime::policy::{MAX_ACTIONS, PolicyTable, TargetGrid};
 
@@ -125,7 +126,9 @@ impl Queries {
     fn new(model: &ActionModel, finest: &Solution, samples: u32, rng: &mut Pcg64) -> Result<Self, BuildError> {
         let best = first_actions(finest);
         let table = finest.table(model, &best)?;
-        let at: Vec<(u32, Vec3)> = (0..samples).map(|_| random_query(&table, rng)).collect();
+        let num_states = model.num_states() as u32;
+        let query = |_| (rng.random_range(0..num_states), random_target(table.grid(), rng) + table.centre());
+        let at: Vec<(u32, Vec3)> = (0..samples).map(query).collect();
         let values = at.iter().map(|&(state, target)| table.value(state, target)).collect();
         let mut scores = Vec::new();
         let mut buffer = [0.0; MAX_ACTIONS];
