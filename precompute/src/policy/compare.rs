@@ -21,14 +21,14 @@ pub struct Comparison {
 /// Asks both ways for random states and targets: angles and distances uniform, heights too where there are several.
 pub fn compare(table: &PolicyTable, samples: u32, rng: &mut Pcg64) -> Comparison {
     let mut scores = [0.0; MAX_ACTIONS];
-    let mut out = Comparison { samples, ..Comparison::default() };
     let num_states = table.actions().num_states() as u32;
+    let mut out = Comparison { samples, ..Comparison::default() };
     for _ in 0..samples {
         let state = rng.random_range(0..num_states);
         let target = random_target(table, rng);
         let n = table.action_scores(state, target, &mut scores).expect("the state exists and the target is finite");
         let best = scores[..n].iter().copied().fold(f32::NEG_INFINITY, f32::max);
-        let stored = table.best_of(state, table.nearest_cell(target))[0];
+        let stored = table.best_of(state, table.nearest_cell(state, target))[0];
         let loss = f64::from(best - scores[usize::from(stored)]) / f64::from(best.abs()).max(1e-12);
         out.different_share += f64::from(u8::from(loss > 0.0)) / f64::from(samples);
         out.mean_loss += loss / f64::from(samples);

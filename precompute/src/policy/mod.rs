@@ -1,5 +1,6 @@
 //! Policies: behaviours solved by value iteration over the motion graph (003 section 4).
 
+mod adapt;
 mod bake;
 mod behaviour;
 mod compare;
@@ -14,12 +15,13 @@ pub mod search;
 mod solve;
 mod sweep;
 
+pub use adapt::{AdaptiveReport, Approximation, adapt};
 pub use bake::bake;
 pub use behaviour::{Approach, Behaviour, Evade, SegmentHit, ThrowPunches, segment_hits, segment_records};
 pub use compare::{Comparison, compare};
 pub use config::{
-    BehaviourConfig, BehaviourKind, BoundsConfig, CentreConfig, GridConfig, KernelConfig, PolicyConfig, RegionConfig,
-    RewardForm,
+    AdaptiveConfig, BehaviourConfig, BehaviourKind, BoundsConfig, CentreConfig, GridConfig, KernelConfig, PolicyConfig,
+    RegionConfig, RewardForm,
 };
 pub use export::write_csv;
 pub use model::{ActionModel, SegmentMotion};

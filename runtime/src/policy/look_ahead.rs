@@ -103,6 +103,8 @@ struct Query {
     height_offsets: [usize; 2],
     /// Ratio between the heights.
     height_ratio: f32,
+    /// Number of the height, fractions in between.
+    height_number: f32,
 }
 
 impl PolicyTable<'_> {
@@ -120,15 +122,16 @@ impl PolicyTable<'_> {
             return;
         }
         let query = self.query(target);
-        if self.grid.is_polar() {
-            self.add_scores_of::<F, true>(segments, &query, weight, scores);
-        } else {
-            self.add_scores_of::<F, false>(segments, &query, weight, scores);
+        match (self.grid.is_polar(), self.is_adaptive()) {
+            (true, false) => self.add_scores_of::<F, true, false>(segments, &query, weight, scores),
+            (false, false) => self.add_scores_of::<F, false, false>(segments, &query, weight, scores),
+            (true, true) => self.add_scores_of::<F, true, true>(segments, &query, weight, scores),
+            (false, true) => self.add_scores_of::<F, false, true>(segments, &query, weight, scores),
         }
     }
 
     #[inline(always)]
-    fn add_scores_of<F: Lanes, const POLAR: bool>(
+    fn add_scores_of<F: Lanes, const POLAR: bool, const ADAPTIVE: bool>(
         &self,
         segments: &[u32],
         query: &Query,
@@ -140,18 +143,18 @@ impl PolicyTable<'_> {
         let targets = Targets { x: F::splat(x), y: F::splat(y), z: F::splat(z), start_kernel };
         let (whole, rest) = segments.as_chunks::<LANES>();
         for (segments, scores) in whole.iter().zip(&mut *scores) {
-            self.add_group::<F, POLAR>(segments, query, &targets, weight, scores);
+            self.add_group::<F, POLAR, ADAPTIVE>(segments, query, &targets, weight, scores);
         }
         if let (Some(&last), Some(scores)) = (rest.last(), scores.get_mut(whole.len())) {
             let mut segments = [last; LANES];
             segments[..rest.len()].copy_from_slice(rest);
-            self.add_group::<F, POLAR>(&segments, query, &targets, weight, scores);
+            self.add_group::<F, POLAR, ADAPTIVE>(&segments, query, &targets, weight, scores);
         }
     }
 
     /// The same for eight actions.
     #[inline(always)]
-    fn add_group<F: Lanes, const POLAR: bool>(
+    fn add_group<F: Lanes, const POLAR: bool, const ADAPTIVE: bool>(
         &self,
         segments: &[u32; LANES],
         query: &Query,
@@ -160,13 +163,20 @@ impl PolicyTable<'_> {
         scores: &mut [f32; LANES],
     ) {
         let records = &segments.map(|s| &self.segments[s as usize]);
-        let (reward, place) = back_up::<F, POLAR>(&self.grid, &self.reward, records, targets);
+        let (reward, spot) = back_up::<F, POLAR>(&self.grid, &self.reward, records, targets);
         let [_, _, discount, end] = Motions::<F>::quarter(records, 3);
-        let mut value = self.values_at(end, &place, query.height_offsets[0]);
-        if !POLAR && query.height_ratio > 0.0 {
-            let high = self.values_at(end, &place, query.height_offsets[1]);
-            value = value + (high - value) * F::splat(query.height_ratio);
-        }
+        let value = if ADAPTIVE {
+            self.adaptive_values::<F, POLAR>(records, &spot, query.height_number)
+        } else {
+            let place = self.grid.place::<F, POLAR>(&spot);
+            let low = self.values_at(end, &place, query.height_offsets[0]);
+            if !POLAR && query.height_ratio > 0.0 {
+                let high = self.values_at(end, &place, query.height_offsets[1]);
+                low + (high - low) * F::splat(query.height_ratio)
+            } else {
+                low
+            }
+        };
         (F::load(scores) + F::splat(weight) * (reward + discount * value)).store(scores);
     }
 
@@ -178,7 +188,8 @@ impl PolicyTable<'_> {
         let low = height as usize * plane;
         let high = if height_ratio > 0.0 { low + plane } else { low };
         let start_kernel = self.reward.kernel((target.x * target.x + target.z * target.z).sqrt());
-        Query { target, start_kernel, height_offsets: [low, high], height_ratio }
+        let height_number = height as f32 + height_ratio;
+        Query { target, start_kernel, height_offsets: [low, high], height_ratio, height_number }
     }
 
     /// Scores of all actions of a state for one target, in order: what [`LookAheadJob`] ranks.

@@ -89,6 +89,10 @@ impl Candidates {
         let (plane, angles) = (table.grid().num_plane_cells(), table.grid().record().num_angles);
         let values = table.values_of(state);
         let mut most = f32::NEG_INFINITY;
+        if table.is_adaptive() {
+            // The stencils are those of the finest grid; all of a state's values bound it in any grid.
+            return values.iter().copied().fold(0.0, f32::max) * self.scale;
+        }
         for stencil in &self.stencils {
             for &(height, ratio) in &self.heights {
                 let at = |h: usize| stencil.interpolate(&values[h * plane..][..plane], angles);
