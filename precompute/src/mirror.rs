@@ -34,6 +34,12 @@ pub fn mirror(clip: &Clip) -> Clip {
     }
 }
 
+/// The hit as seen in the mirror.
+pub fn mirror_hit(hit: &Hit) -> Hit {
+    let flip = Vec3::new(-1.0, 1.0, 1.0);
+    Hit { joint: hit.joint.mirrored(), position: hit.position * flip, direction: hit.direction * flip, ..hit.clone() }
+}
+
 /// The tags of a clip as seen in the mirror: the words `left` and `right` in their names change places.
 pub fn tags(of: &[Tag]) -> Vec<Tag> {
     of.iter().map(|t| Tag { name: mirrored_name(&t.name), range: t.range.clone() }).collect()
@@ -46,12 +52,6 @@ fn mirrored_name(name: &str) -> String {
         _ => word.to_string(),
     };
     name.split('_').map(other).collect::<Vec<_>>().join("_")
-}
-
-/// The hit as seen in the mirror.
-pub fn mirror_hit(hit: &Hit) -> Hit {
-    let flip = Vec3::new(-1.0, 1.0, 1.0);
-    Hit { joint: hit.joint.mirrored(), position: hit.position * flip, direction: hit.direction * flip, ..hit.clone() }
 }
 
 /// The rotation seen in the mirror x = 0: its axis is a pseudovector, so y and z of it change sign.
