@@ -1,7 +1,7 @@
 //! Writes the golden tables of the current format version, which `tests/golden.rs` opens:
 //!
 //! ```text
-//! cargo run --example make_golden -- data/golden/tables_v1.throng
+//! cargo run --example make_golden -- data/golden/tables_v2.throng
 //! ```
 //!
 //! They are made of synthetic motion alone, by the ordinary build. Tables of a version are written once, when the
@@ -15,7 +15,7 @@ use throng_precompute::config::BuildConfig;
 use throng_precompute::pipeline;
 use throng_precompute::policy::GridConfig;
 use throng_precompute::progress::Silent;
-use throng_precompute::synth::{self, SynthConfig};
+use throng_precompute::synth::{self, SynthConfig, SynthSet};
 
 fn main() -> Result<(), Box<dyn Error>> {
     let out = std::env::args_os().nth(1).ok_or("usage: make_golden FILE")?;
@@ -24,10 +24,10 @@ fn main() -> Result<(), Box<dyn Error>> {
     // The bundle names its sources: from inside the folder, their names are the same on every machine.
     std::env::set_current_dir(folder.path())?;
     let motion = SynthConfig { minutes: 0.35, clip_seconds: 12.0, ..SynthConfig::default() };
-    synth::write_walk(&motion, "walk".as_ref())?;
+    synth::write(SynthSet::Walk, &motion, "walk".as_ref())?;
     let mut config = BuildConfig::new("golden", vec!["walk".into()]);
     config.resample.rate_hz = 20.0;
-    config.behaviours[0].grid = GridConfig { rings: 5, angles: 8, radius: 6.0, inner_spacing: 0.75, falloff: 2.5 };
+    config.behaviours[0].grid = GridConfig::polar(5, 8, 6.0, 0.75, 2.5);
     let report = pipeline::build(&config, &out, &Cache::none(), &Silent)?;
     println!("{} bytes, {} states, {} actions", report.bundle_bytes, report.states, report.actions);
     Ok(())

@@ -4,28 +4,34 @@ use crate::args::{CacheArgs, Outcome};
 use crate::{output, progress};
 use std::path::PathBuf;
 use throng_precompute::config::BuildConfig;
+use throng_precompute::files;
 use throng_precompute::pipeline;
-use throng_precompute::report::BuildReport;
+use throng_precompute::policy::{AdaptiveReport, Approximation};
+use throng_precompute::report::{self, BuildReport};
 
 /// Bake motion files into a bundle.
 ///
 /// JSON keys: name, clips, frames_in, frames_kept, states, actions, seconds_total, stage_s, cached, policies [name,
-/// cells, sweeps, residual, bytes, seconds, ...], bundle_bytes, graph, contacts, hits {count, angle_rad,
-/// distance_m, height_m (each [min, max], null without hits), kinds (object: name to count)}, excluded_frames, skipped,
-/// warnings.
+/// cells, sweeps, residual, bytes, seconds, adaptive {finest_bytes, samples, mean_value, and for adaptive, uniform and
+/// uniform_fitted each bytes, counts, mean_error, p95_error, max_error, changed_share, mean_loss} (null where it is not),
+/// ...], bundle_bytes, graph, contacts, hits {count, angle_rad, distance_m, height_m (each [min, max], null without
+/// hits), kinds (object: name to count)}, excluded_frames, skipped, warnings.
 #[derive(clap::Args)]
 pub struct Args {
     /// Config (TOML); `throng schema` prints what it may hold.
     config: PathBuf,
-    /// Bundle to write.
+    /// Bundle to write; the database's name with `.throng`, in the current folder, where absent.
     #[arg(long, value_name = "FILE")]
-    out: PathBuf,
+    out: Option<PathBuf>,
     /// Motion files, folders or patterns instead of the config's.
     #[arg(long, value_name = "PATH", num_args = 1..)]
     input: Vec<PathBuf>,
     /// Stop at the first bad file instead of skipping it.
     #[arg(long)]
     strict: bool,
+    /// Write the figures beside those of the paper, as Markdown.
+    #[arg(long, value_name = "FILE")]
+    report: Option<PathBuf>,
     #[command(flatten)]
     cache: CacheArgs,
     /// Print one JSON object.
@@ -39,9 +45,14 @@ pub fn run(args: &Args) -> Outcome {
     if !args.input.is_empty() {
         config.inputs.clone_from(&args.input);
     }
-    let report = pipeline::build(&config, &args.out, &args.cache.cache(), &progress::Bar::default())?;
+    let out = args.out.clone().unwrap_or_else(|| PathBuf::from(format!("{}.throng", config.name)));
+    let report = pipeline::build(&config, &out, &args.cache.cache(), &progress::Bar::default())?;
     output::warnings(&report.skipped, &report.warnings);
-    if args.json { output::json(&report) } else { print(&report, &args.out.display().to_string()) }
+    if let Some(path) = &args.report {
+        let text = report::markdown(&report);
+        files::write_atomically(path, |w| w.write_all(text.as_bytes()))?;
+    }
+    if args.json { output::json(&report) } else { print(&report, &out.display().to_string()) }
 }
 
 /// What was built, for people.
@@ -74,8 +85,8 @@ pub fn print(r: &BuildReport, out: &str) -> Outcome {
             format!("error {:.3} on average, {:.3} at worst", g.transition_error.mean, g.transition_error.max),
         ),
     ];
-    rows.extend(r.policies.iter().map(|p| {
-        (
+    for p in &r.policies {
+        rows.push((
             "policy",
             format!(
                 "{}: {} cells, {} sweeps, residual {:.1e} (measured), {}, {:.2} s",
@@ -86,9 +97,37 @@ pub fn print(r: &BuildReport, out: &str) -> Outcome {
                 output::bytes(p.bytes as u64),
                 p.seconds
             ),
-        )
-    }));
+        ));
+        rows.extend(p.adaptive.as_ref().map_or(Vec::new(), adaptive));
+    }
     rows.push(("time", format!("{:.2} s ({}{cached})", r.seconds_total, stages.join(", "))));
     rows.push(("bundle", format!("{out}, {}", output::bytes(r.bundle_bytes))));
-    output::table(&rows)
+    output::table(&rows)?;
+    if r.hits.count > 0 {
+        println!();
+        let lines = report::beside_paper(r);
+        output::columns(["", "Lee and Lee 2004", "this build"], lines.iter().map(|l| [&*l.figure, l.paper, &*l.here]))?;
+    }
+    Ok(())
+}
+
+/// What an adaptive policy gives away, one row for each way to store it.
+fn adaptive(r: &AdaptiveReport) -> Vec<(&'static str, String)> {
+    let row = |name: &'static str, a: &Approximation| {
+        let [rings, angles, heights] = a.counts;
+        let text = format!(
+            "{} of {} ({rings:.1} rings, {angles:.1} angles, {heights:.1} heights a state); values of {:.3} are off by \
+             {:.4} on average, {:.4} at the 95th percentile, {:.3} at worst; {:.1} % other decisions lose {:.2} %",
+            output::bytes(a.bytes as u64),
+            output::bytes(r.finest_bytes as u64),
+            r.mean_value,
+            a.mean_error,
+            a.p95_error,
+            a.max_error,
+            100.0 * a.changed_share,
+            100.0 * a.mean_loss
+        );
+        (name, text)
+    };
+    vec![row("  adaptive", &r.adaptive), row("  or uniform", &r.uniform), row("  uniform, fitted", &r.uniform_fitted)]
 }

@@ -10,7 +10,7 @@ use throng_precompute::pipeline;
 use throng_precompute::policy::GridConfig;
 use throng_precompute::progress::Silent;
 use throng_precompute::report::BuildReport;
-use throng_precompute::synth::{self, SynthConfig};
+use throng_precompute::synth::{self, SynthConfig, SynthSet};
 use throng_runtime::format::AlignedBytes;
 use throng_runtime::troupe::Start;
 use throng_runtime::{Planar, Tables};
@@ -18,14 +18,14 @@ use throng_runtime::{Planar, Tables};
 /// Writes synthetic clips of a total length into a folder. [Unit: min]
 pub fn write_clips(folder: &Path, minutes: f64) {
     let config = SynthConfig { minutes, clip_seconds: 15.0, ..SynthConfig::default() };
-    synth::write_walk(&config, folder).expect("synthetic clips can be written");
+    synth::write(SynthSet::Walk, &config, folder).expect("synthetic clips can be written");
 }
 
 /// A build with a target grid so small that it takes no time.
 pub fn small_config(inputs: Vec<PathBuf>) -> BuildConfig {
     let mut config = BuildConfig::new("small", inputs);
     config.policy.compare_samples = 100;
-    config.behaviours[0].grid = GridConfig { rings: 6, angles: 8, radius: 6.0, inner_spacing: 0.5, falloff: 2.0 };
+    config.behaviours[0].grid = GridConfig::polar(6, 8, 6.0, 0.5, 2.0);
     config
 }
 

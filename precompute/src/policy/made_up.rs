@@ -102,8 +102,8 @@ impl MadeUp {
     /// # Errors
     /// [`BuildError::Config`] where the grid's size is out of its range.
     pub fn behaviour(&self) -> Result<Approach, BuildError> {
-        let grid = GridConfig { rings: self.rings, angles: self.angles, ..GridConfig::default() };
-        Approach::new(&BehaviourConfig { grid, ..BehaviourConfig::default() }, 30.0)
+        let grid = GridConfig { rings: Some(self.rings), angles: Some(self.angles), ..GridConfig::default() };
+        Approach::new(&BehaviourConfig { grid, ..BehaviourConfig::default() }, 30.0, None)
     }
 
     /// Solves it on the current rayon pool and measures what it takes.

@@ -1,7 +1,8 @@
 //! The policy stage: all behaviours solved, baked and compared.
 
-use super::bake::bake;
-use super::behaviour::{Approach, Behaviour};
+use super::adapt::{AdaptiveReport, adapt};
+use super::bake::{bake, best_actions};
+use super::behaviour::{Approach, Behaviour, Evade, SegmentHit, ThrowPunches, segment_hits};
 use super::compare::{Comparison, compare};
 use super::config::{BehaviourConfig, BehaviourKind, PolicyConfig};
 use super::model::ActionModel;
@@ -10,9 +11,12 @@ use crate::clip::ClipSet;
 use crate::error::BuildError;
 use crate::graph::MotionGraph;
 use crate::progress::Progress;
+use glam::Vec2;
 use rand_pcg::Pcg64;
 use std::time::Instant;
-use throng_runtime::policy::{ActionTable, PolicyError, PolicyRecord, PolicySlices, PolicyTable, SegmentRecord};
+use throng_runtime::policy::{
+    ActionTable, PathRecord, PolicyError, PolicyRecord, PolicySlices, PolicyTable, SegmentRecord, StateGridRecord,
+};
 
 /// All policies of a build, ready to be written.
 #[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
@@ -36,9 +40,15 @@ pub struct Policy {
     /// [Size: num_segments]
     #[serde(with = "crate::pod")]
     pub segments: Vec<SegmentRecord>,
-    /// [Size: num_states * num_cells]
+    /// [Size: num_segments in a grid of moments, else 0]
+    #[serde(with = "crate::pod")]
+    pub paths: Vec<PathRecord>,
+    /// [Size: num_states in an adaptive policy, else 0]
+    #[serde(with = "crate::pod")]
+    pub state_grids: Vec<StateGridRecord>,
+    /// [Size: num_states * num_cells, in an adaptive policy the cells of all state grids]
     pub values: Vec<f32>,
-    /// [Size: num_states * num_cells * num_choices]
+    /// [Size: values.len() * num_choices]
     pub best: Vec<u8>,
     /// What it took; not part of the bundle.
     pub report: PolicyReport,
@@ -49,7 +59,7 @@ pub struct Policy {
 pub struct PolicyReport {
     /// Name of its behaviour.
     pub name: String,
-    /// Cells of the grid.
+    /// Cells of the grid; in an adaptive policy of the finest one.
     pub cells: usize,
     /// (State, cell, action) triples.
     pub pairs: u64,
@@ -57,16 +67,22 @@ pub struct PolicyReport {
     pub sweeps: u32,
     /// Sweeps over the greedy action alone.
     pub greedy_sweeps: u32,
-    /// Largest change of a value in the last full sweep, done with the runtime's look-ahead over the stored values.
+    /// Largest change of a value in the last full sweep, done with the runtime's look-ahead over the stored values; in
+    /// an adaptive policy over those on the finest grid, from which the stored ones were made.
     pub residual: f32,
-    /// Values are proven to be within this of the optimal ones: residual / (1 - discount of the shortest segment).
+    /// Values are proven to be within this of the optimal ones: residual / (1 - discount of the shortest segment). In an
+    /// adaptive policy the error that its grids add is in `adaptive`.
     pub error_bound: f64,
-    /// Bytes of values, best actions and segments.
+    /// Bytes of values, best actions, segments, paths and state grids.
     pub bytes: usize,
+    /// Bytes of the values alone: what the paper's tables hold.
+    pub value_bytes: usize,
     /// Time from behaviour to tables. [Unit: s]
     pub seconds: f64,
     /// Single-load answers against look-aheads.
     pub comparison: Comparison,
+    /// What an adaptive policy gives away, beside uniform grids of the same size.
+    pub adaptive: Option<AdaptiveReport>,
 }
 
 impl PolicyTables {
@@ -77,7 +93,13 @@ impl PolicyTables {
     pub fn table(&self, index: usize) -> Result<PolicyTable<'_>, PolicyError> {
         let p = &self.policies[index];
         let actions = ActionTable::new(&self.action_offsets, &self.action_segments, p.segments.len())?;
-        let slices = PolicySlices { segments: &p.segments, values: &p.values, best: &p.best };
+        let slices = PolicySlices {
+            segments: &p.segments,
+            paths: &p.paths,
+            state_grids: &p.state_grids,
+            values: &p.values,
+            best: &p.best,
+        };
         PolicyTable::new(&p.record, actions, slices)
     }
 }
@@ -98,17 +120,33 @@ pub fn solve(
     progress: &dyn Progress,
 ) -> Result<PolicyTables, BuildError> {
     let model = ActionModel::new(clips, graph)?;
+    let hits = segment_hits(clips, graph);
     let made: Vec<Box<dyn Behaviour>> =
-        behaviours.iter().map(|b| make(b, model.rate_hz)).collect::<Result<_, BuildError>>()?;
+        behaviours.iter().map(|b| make(b, clips, graph, &hits)).collect::<Result<_, BuildError>>()?;
     let made: Vec<&dyn Behaviour> = made.iter().map(|b| &**b).collect();
     solve_behaviours(model, &made, cfg, rng, progress)
 }
 
 /// The behaviour that a config describes: the one list of kinds.
-fn make(config: &BehaviourConfig, rate_hz: f64) -> Result<Box<dyn Behaviour>, BuildError> {
+fn make(
+    config: &BehaviourConfig,
+    clips: &ClipSet,
+    graph: &MotionGraph,
+    hits: &[Vec<SegmentHit>],
+) -> Result<Box<dyn Behaviour>, BuildError> {
+    let rate_hz = clips.clips.first().map_or(30.0, |c| c.rate_hz);
     Ok(match config.kind {
-        BehaviourKind::Approach => Box::new(Approach::new(config, rate_hz)?),
+        BehaviourKind::Approach => Box::new(Approach::new(config, rate_hz, hit_centre(clips))?),
+        BehaviourKind::ThrowPunches => Box::new(ThrowPunches::new(config, rate_hz, hits)?),
+        BehaviourKind::Evade => Box::new(Evade::new(config, clips, graph)?),
     })
+}
+
+/// Centroid of the effective hitting points over ground, in the character's frame: x, z. [Unit: m]
+fn hit_centre(clips: &ClipSet) -> Option<Vec2> {
+    let places: Vec<Vec2> =
+        clips.clips.iter().flat_map(|c| &c.hits).map(|h| Vec2::new(h.position.x, h.position.z)).collect();
+    (!places.is_empty()).then(|| places.iter().sum::<Vec2>() / places.len() as f32)
 }
 
 /// Solves any behaviours over a model.
@@ -143,12 +181,20 @@ fn solve_one(
 ) -> Result<Policy, BuildError> {
     let begin = Instant::now();
     let mut solution = value_iteration(model, behaviour, cfg, progress)?;
-    let best = bake(model, &mut solution, cfg)?;
+    let mut best = bake(model, &mut solution, cfg)?;
+    behaviour.check_values(&solution.values)?;
+    let mut adaptive = None;
+    if let Some(config) = behaviour.adaptive() {
+        let finest = solution;
+        solution = adapt(&finest, behaviour, &config)?;
+        best = best_actions(model, &mut solution, cfg.choices)?;
+        adaptive = Some(AdaptiveReport::new(model, behaviour, &finest, &solution, cfg, rng)?);
+    }
     let seconds = begin.elapsed().as_secs_f64();
     let comparison = compare(&solution.table(model, &best)?, cfg.compare_samples, rng);
-    let report = report(model, behaviour, &solution, &best, seconds, comparison);
-    let Solution { record, segments, values, .. } = solution;
-    Ok(Policy { name: behaviour.name().into(), record, segments, values, best, report })
+    let report = PolicyReport { adaptive, ..report(model, behaviour, &solution, &best, seconds, comparison) };
+    let Solution { record, segments, paths, state_grids, values, .. } = solution;
+    Ok(Policy { name: behaviour.name().into(), record, segments, paths, state_grids, values, best, report })
 }
 
 fn report(
@@ -168,8 +214,14 @@ fn report(
         greedy_sweeps: solution.num_greedy_sweeps,
         residual: solution.residual,
         error_bound: f64::from(solution.residual) / (1.0 - shrinking),
-        bytes: solution.values.len() * 4 + best.len() + size_of_val(&*solution.segments),
+        value_bytes: solution.values.len() * 4,
+        bytes: solution.values.len() * 4
+            + best.len()
+            + size_of_val(&*solution.segments)
+            + size_of_val(&*solution.paths)
+            + size_of_val(&*solution.state_grids),
         seconds,
         comparison,
+        adaptive: None,
     }
 }

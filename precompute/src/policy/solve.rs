@@ -8,7 +8,9 @@ use super::sweep::Sweeper;
 use crate::error::BuildError;
 use crate::progress::Progress;
 use std::time::Instant;
-use throng_runtime::policy::{ActionTable, PolicyRecord, PolicySlices, PolicyTable, SegmentRecord};
+use throng_runtime::policy::{
+    ActionTable, PathRecord, PolicyRecord, PolicySlices, PolicyTable, SegmentRecord, StateGridRecord,
+};
 
 /// Values of a solved policy, and what it took.
 #[derive(Clone, Debug)]
@@ -17,7 +19,11 @@ pub struct Solution {
     pub record: PolicyRecord,
     /// [Size: num_segments]
     pub segments: Vec<SegmentRecord>,
-    /// [Size: num_states * num_cells]
+    /// [Size: num_segments in a grid of moments, else 0]
+    pub paths: Vec<PathRecord>,
+    /// [Size: num_states in an adaptive policy, else 0]
+    pub state_grids: Vec<StateGridRecord>,
+    /// [Size: num_states * num_cells, in an adaptive policy the cells of all state grids]
     pub values: Vec<f32>,
     /// (State, cell, action) triples a full sweep covers.
     pub num_pairs: u64,
@@ -49,6 +55,8 @@ pub fn tolerance(epsilon: f64, discount: f64, least_frames: u32) -> f64 {
 /// bring its values near their end, and so on until a full sweep changes nothing by more than [`tolerance`]. All
 /// sweeps read old values and write new ones, so the result does not depend on the number of threads.
 ///
+/// In a grid of moments, values stay 0 here.
+///
 /// # Errors
 /// [`BuildError::Stage`] where the grid is too large, or with the last residual after `cfg.max_sweeps`.
 ///
@@ -63,6 +71,10 @@ pub fn value_iteration(
     let begin = Instant::now();
     let segments = segment_records(behaviour, &model.segments);
     let mut solution = blank(model, behaviour, segments, cfg)?;
+    if behaviour.grid().is_moments() {
+        // Less time is left after every action: the few true sweeps of the bake are all it takes.
+        return Ok(solution);
+    }
     let shape = Shape::new(&behaviour.grid());
     if shape.value_plane() + LANES_TO_SPARE > MAX_PLANE {
         let message = format!("behaviour \"{}\" has {} cells at one height", behaviour.name(), shape.plane());
@@ -158,6 +170,8 @@ fn blank(
     let record = PolicyRecord {
         grid: *grid.record(),
         reward: *behaviour.reward().record(),
+        region: behaviour.region(),
+        centre: behaviour.centre().to_array(),
         num_states: model.num_states() as u32,
         num_segments: segments.len() as u32,
         num_choices: 1,
@@ -169,6 +183,8 @@ fn blank(
     Ok(Solution {
         record,
         segments,
+        paths: behaviour.paths().to_vec(),
+        state_grids: Vec::new(),
         values: vec![0.0; num_values],
         num_pairs: (model.action_segments.len() * grid.num_cells()) as u64,
         num_sweeps: 0,
@@ -190,7 +206,13 @@ impl Solution {
             stage_error(e.to_string(), "The motion graph is not sound: build it again.")
         };
         let actions = ActionTable::new(&model.action_offsets, &model.action_segments, model.segments.len());
-        let slices = PolicySlices { segments: &self.segments, values: &self.values, best };
+        let slices = PolicySlices {
+            segments: &self.segments,
+            paths: &self.paths,
+            state_grids: &self.state_grids,
+            values: &self.values,
+            best,
+        };
         PolicyTable::new(&self.record, actions.map_err(fault)?, slices).map_err(fault)
     }
 }

@@ -2,7 +2,7 @@
 //!
 //! A look-ahead weighs eight actions for one target, an offline sweep one action for eight targets: both are this.
 
-use super::grid::{Place, TargetGrid};
+use super::grid::{Place, Spot, TargetGrid};
 use super::reward::Reward;
 use super::table::{PolicyTable, SegmentRecord};
 use crate::lanes::{LANES, Lanes, Work, dispatch};
@@ -57,12 +57,12 @@ pub(super) fn back_up<F: Lanes, const POLAR: bool>(
     reward: &Reward,
     motions: impl Motions<F>,
     target: &Targets<F>,
-) -> (F, Place<F>) {
+) -> (F, Spot<F>) {
     let [c, s, x, z] = motions.quarter(0);
     let (dx, dz) = (target.x - x, target.z - z);
     let distance = (dx * dx + dz * dz).sqrt();
-    let place = grid.place::<F, POLAR>(c * dx - s * dz, s * dx + c * dz, distance);
-    (rewards::<F, POLAR>(reward, motions, target, distance), place)
+    let spot = grid.spot::<F, POLAR>(c * dx - s * dz, s * dx + c * dz, distance);
+    (rewards::<F, POLAR>(reward, motions, target, distance), spot)
 }
 
 /// See [`Reward`].
@@ -84,11 +84,12 @@ fn rewards<F: Lanes, const POLAR: bool>(
     let [start_weight, first_weight, second_weight, end_weight] = motions.quarter(2);
     let first = first_weight * reward.kernels(first.sqrt());
     let inner = reward.combined(first, second_weight * reward.kernels(second.sqrt()));
+    let gain = F::splat(reward.gain());
     if !POLAR {
-        return inner;
+        return gain * inner;
     }
     let end = end_weight * reward.kernels(end_distance);
-    reward.combined(inner, reward.combined(start_weight * target.start_kernel, end))
+    gain * reward.combined(inner, reward.combined(start_weight * target.start_kernel, end))
 }
 
 #[inline(always)]
@@ -179,7 +180,8 @@ impl BackUpAll<'_> {
         for (t, out) in self.targets.iter().zip(self.out) {
             let start_kernel = F::load(&t.start_kernel);
             let targets = Targets { x: F::load(&t.x), y: F::splat(self.height), z: F::load(&t.z), start_kernel };
-            let (rewards, place) = back_up::<F, POLAR>(grid, reward, self.segment, &targets);
+            let (rewards, spot) = back_up::<F, POLAR>(grid, reward, self.segment, &targets);
+            let place = grid.place::<F, POLAR>(&spot);
             let weight = place.scale * discount;
             place.ring.store(&mut out.ring);
             place.angle.store(&mut out.angle);
@@ -225,14 +227,14 @@ mod tests {
                     end: 0,
                 };
                 let combine = if sum { COMBINE_SUM } else { COMBINE_MAX };
-                let reward = RewardRecord { combine, kernel: KERNEL_EXPONENTIAL, scale: 0.7, reserved: 0 };
+                let reward = RewardRecord { offset: 0.2, gain: -1.5, ..RewardRecord::new(combine, KERNEL_EXPONENTIAL, 0.7) };
                 let record = PolicyRecord {
                     grid: *grid.record(), reward, num_states: 1, num_segments: 1, num_choices: 1, discount: 0.99,
                     epsilon: 1e-4, ..PolicyRecord::default()
                 };
                 let values = vec![0.0; grid.num_cells()];
                 let best = vec![0; grid.num_cells()];
-                let slices = PolicySlices { segments: &[segment], values: &values, best: &best };
+                let slices = PolicySlices { segments: &[segment], values: &values, best: &best, ..PolicySlices::default() };
                 let actions = ActionTable::new(&[0, 1], &[0], 1).expect("one action");
                 let table = PolicyTable::new(&record, actions, slices).expect("sound");
                 let kernel = |(x, z): (f32, f32)| table.reward().kernel((x * x + z * z).sqrt());

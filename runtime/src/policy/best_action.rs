@@ -37,9 +37,8 @@ impl BestActionJob<'_> {
     pub fn run(self) -> Result<(), PolicyJobError> {
         self.validate()?;
         let choice = usize::from(self.choice).min(self.policy.num_choices() - 1);
-        let grid = *self.policy.grid();
         for ((action, &state), &target) in self.actions.iter_mut().zip(self.states).zip(self.targets) {
-            let best = self.policy.best_of(state, grid.nearest_cell(target));
+            let best = self.policy.best_of(state, self.policy.nearest_cell(state, target));
             *action = if best[choice] == NO_ACTION { best[0] } else { best[choice] };
         }
         Ok(())

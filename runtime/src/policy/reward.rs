@@ -27,15 +27,30 @@ pub struct RewardRecord {
     pub kernel: u32,
     /// See the kernels. [Unit: m] [Limit: > 0]
     pub scale: f32,
+    /// Distance at which a kernel is largest; kernels take what the distance differs from it by. [Unit: m]
+    /// [Limit: >= 0]
+    pub offset: f32,
+    /// Factor on the whole reward: 1, or negative where nearness is to be avoided.
+    pub gain: f32,
+    /// Height at which the target is, in a grid of moments, where a target's third coordinate is the time left.
+    /// [Unit: m]
+    pub height: f32,
     /// Zero.
-    pub reserved: u32,
+    pub reserved: [u32; 2],
 }
-const _: () = assert!(size_of::<RewardRecord>() == 16);
+const _: () = assert!(size_of::<RewardRecord>() == 32);
+
+impl RewardRecord {
+    /// The kernel of the distance itself, with a factor of 1.
+    pub fn new(combine: u32, kernel: u32, scale: f32) -> Self {
+        Self { combine, kernel, scale, offset: 0.0, gain: 1.0, height: 0.0, reserved: [0; 2] }
+    }
+}
 
 /// A checked reward.
 ///
-/// An action's reward for a target is the sum, or the largest, of `weight * kernel(distance)` over four samples of
-/// its motion: at its start, at two moments within, at its end (see [`super::SegmentRecord`]). Weights hold
+/// An action's reward for a target is the gain times the sum, or the largest, of `weight * kernel(distance)` over four
+/// samples of its motion: at its start, at two moments within, at its end (see [`super::SegmentRecord`]). Weights hold
 /// everything that does not depend on the target: the discount, the time a sample stands for, the force of a blow.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Reward {
@@ -49,7 +64,7 @@ impl Reward {
     /// Checks a stored reward.
     ///
     /// # Errors
-    /// [`PolicyError`] for an unknown `combine` or `kernel`, or a scale that is not positive.
+    /// [`PolicyError`] for an unknown `combine` or `kernel`, a scale that is not positive, or numbers out of range.
     pub fn new(record: RewardRecord) -> Result<Self, PolicyError> {
         for (what, got) in [("reward combine", record.combine), ("reward kernel", record.kernel)] {
             if got > 1 {
@@ -59,6 +74,15 @@ impl Reward {
         if !(record.scale > 1e-6 && record.scale < 1e6) {
             let expected = "between 1e-6 and 1e6";
             return Err(PolicyError::Value { what: "reward scale", at: 0, got: record.scale, expected });
+        }
+        for (what, got, low) in [
+            ("reward offset", record.offset, 0.0),
+            ("reward gain", record.gain, -1e3),
+            ("reward height", record.height, -1e3),
+        ] {
+            if !(low..=1e3).contains(&got) {
+                return Err(PolicyError::Value { what, at: 0, got, expected: "at most 1000, offsets from 0" });
+            }
         }
         let inverse_scale = record.scale.recip();
         Ok(Self { record, inverse_scale, exponent_per_metre: -LOG2_E * inverse_scale })
@@ -72,7 +96,7 @@ impl Reward {
     /// What the distance of one sample counts for, before its weight.
     #[inline(always)]
     pub fn kernel(&self, distance: f32) -> f32 {
-        let ratio = distance * self.inverse_scale;
+        let ratio = (distance - self.record.offset).abs() * self.inverse_scale;
         if self.record.kernel == KERNEL_EXPONENTIAL {
             exp_neg(ratio)
         } else if ratio <= 1.0 {
@@ -85,11 +109,18 @@ impl Reward {
     /// [`Self::kernel`] of eight lanes.
     #[inline(always)]
     pub(super) fn kernels<F: Lanes>(&self, distance: F) -> F {
+        let distance = (distance - F::splat(self.record.offset)).abs();
         if self.record.kernel == KERNEL_EXPONENTIAL {
             return (distance * F::splat(self.exponent_per_metre)).exp2_neg();
         }
         let ratio = distance * F::splat(self.inverse_scale);
         F::select_lt(F::splat(1.0), ratio, F::splat(0.0), F::splat(1.0))
+    }
+
+    /// The factor on the whole reward.
+    #[inline(always)]
+    pub(super) fn gain(&self) -> f32 {
+        self.record.gain
     }
 
     /// Two weighted samples together.
@@ -118,10 +149,10 @@ impl Reward {
         };
         let inner = self.combine(sample(0), sample(1));
         if !POLAR {
-            return inner;
+            return self.record.gain * inner;
         }
         let end = segment.weights[3] * self.kernel(end_distance);
-        self.combine(inner, self.combine(segment.weights[0] * start_kernel, end))
+        self.record.gain * self.combine(inner, self.combine(segment.weights[0] * start_kernel, end))
     }
 
     /// Two weighted samples together.

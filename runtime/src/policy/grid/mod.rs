@@ -6,14 +6,16 @@ use super::error::PolicyError;
 use super::maths::{angle_of, nearest_index, split_interval};
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
-pub(super) use place::Place;
 pub use place::Stencil;
+pub(super) use place::{Place, Spot, interval};
 use std::f32::consts::{PI, TAU};
 
 /// [`GridRecord::kind`] of a polar grid: angles go all around, one height, targets beyond the last ring clamp to it.
 pub const KIND_POLAR: u32 = 0;
 /// [`GridRecord::kind`] of a cylinder sector: angles between two bounds, several heights.
 pub const KIND_CYLINDER: u32 = 1;
+/// [`GridRecord::kind`] of a grid of moments: polar, with the time left until something happens in place of the height.
+pub const KIND_MOMENTS: u32 = 2;
 /// Most cells a grid may have along one axis.
 pub const MAX_AXIS: u32 = 4096;
 
@@ -21,7 +23,7 @@ pub const MAX_AXIS: u32 = 4096;
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct GridRecord {
-    /// [`KIND_POLAR`] or [`KIND_CYLINDER`].
+    /// [`KIND_POLAR`], [`KIND_CYLINDER`] or [`KIND_MOMENTS`].
     pub kind: u32,
     /// Rings. [Limit: 2 to 4096]
     pub num_rings: u32,
@@ -39,9 +41,9 @@ pub struct GridRecord {
     pub angle_start: f32,
     /// Between angles; 2 pi / num_angles for a polar grid. [Unit: rad] [Limit: > 0]
     pub angle_spacing: f32,
-    /// First height above the ground. [Unit: m]
+    /// First height above the ground. [Unit: m, or s of moments]
     pub height_start: f32,
-    /// Between heights. [Unit: m] [Limit: > 0]
+    /// Between heights. [Unit: m, or s of moments] [Limit: > 0]
     pub height_spacing: f32,
     /// How far beyond the grid values fall to about 1/e. [Unit: m] [Limit: > 0]
     pub falloff: f32,
@@ -51,7 +53,9 @@ const _: () = assert!(size_of::<GridRecord>() == 48);
 /// A checked grid of target cells around a character, in its frame: +Z ahead, +X left, Y the height above ground.
 ///
 /// Cells are numbered `(height * num_rings + ring) * num_angles + angle`. A *polar* grid goes all around; a
-/// *cylinder* covers a sector of angles, distances and heights, as 003 uses for punches.
+/// *cylinder* covers a sector of angles, distances and heights, as 003 uses for punches. A grid of *moments* goes all
+/// around too, and counts the time left until something happens at the target where a cylinder counts heights; the
+/// third coordinate of a target is that time in seconds.
 ///
 /// Beyond the grid: a **target** is moved to the nearest place of the grid along each axis, so that its direction
 /// still counts however far away it is. The **place after an action**, which is where a value is read, may then
@@ -137,6 +141,17 @@ impl TargetGrid {
         })
     }
 
+    /// A grid of moments: a polar grid of equal distances to `radius` times `num_moments` from 0 to `horizon_s`.
+    ///
+    /// # Errors
+    /// [`PolicyError::Value`] names what is out of its range.
+    pub fn moments(counts: [u32; 3], radius: f32, horizon_s: f32, falloff: f32) -> Result<Self, PolicyError> {
+        let [num_rings, num_angles, num_heights] = counts;
+        let polar = Self::polar(num_rings, num_angles, radius, radius / (num_rings.max(2) - 1) as f32, falloff)?;
+        let height_spacing = horizon_s / (num_heights.max(2) - 1) as f32;
+        Self::new(GridRecord { kind: KIND_MOMENTS, num_heights, height_spacing, ..polar.record })
+    }
+
     /// Checks a stored grid.
     ///
     /// # Errors
@@ -153,13 +168,18 @@ impl TargetGrid {
                 });
             }
         }
-        if record.kind > KIND_CYLINDER {
-            let (got, limit) = (record.kind as usize, KIND_CYLINDER as usize + 1);
+        if record.kind > KIND_MOMENTS {
+            let (got, limit) = (record.kind as usize, KIND_MOMENTS as usize + 1);
             return Err(PolicyError::Index { what: "grid kind", at: 0, got, limit });
         }
         check_lengths(&record)?;
+        Ok(Self::of(record))
+    }
+
+    /// The grid of a sound record.
+    fn of(record: GridRecord) -> Self {
         let last = record.num_rings as f32 - 1.0;
-        Ok(Self {
+        Self {
             record,
             radius: record.ring_start + last * (record.ring_spacing + record.ring_growth * last),
             angles_per_radian: record.angle_spacing.recip(),
@@ -167,9 +187,36 @@ impl TargetGrid {
             inverse_falloff: record.falloff.recip(),
             angles: record.num_angles as f32,
             last_ring: last,
-            last_intervals: [last - 1.0, (record.num_angles - if record.kind == KIND_POLAR { 1 } else { 2 }) as f32],
+            last_intervals: [last - 1.0, (record.num_angles - if goes_around(record.kind) { 1 } else { 2 }) as f32],
             ring_root: [record.ring_spacing * record.ring_spacing, 4.0 * record.ring_growth],
+        }
+    }
+
+    /// The same place covered with other counts of (rings, angles, heights). One height of several stands for all.
+    ///
+    /// - `counts`: [Limit: those of [`GridRecord`]]
+    pub fn with_counts(&self, counts: [u32; 3]) -> Self {
+        let r = self.record;
+        let [num_rings, num_angles, num_heights] = counts;
+        // Rings keep their numbers, so that growing distances go on growing.
+        let rings = ratio(r.num_rings - 1, num_rings - 1);
+        let (old, new) = if self.is_polar() { (r.num_angles, num_angles) } else { (r.num_angles - 1, num_angles - 1) };
+        Self::of(GridRecord {
+            num_rings,
+            num_angles,
+            num_heights,
+            ring_spacing: r.ring_spacing * rings,
+            ring_growth: r.ring_growth * (rings * rings),
+            angle_spacing: r.angle_spacing * ratio(old, new),
+            height_spacing: r.height_spacing
+                * if num_heights > 1 { ratio(r.num_heights - 1, num_heights - 1) } else { 1.0 },
+            ..r
         })
+    }
+
+    /// Numbers of rings, angles and heights.
+    pub fn counts(&self) -> [u32; 3] {
+        [self.record.num_rings, self.record.num_angles, self.record.num_heights]
     }
 
     /// The grid as it is stored.
@@ -187,9 +234,14 @@ impl TargetGrid {
         (self.record.num_rings * self.record.num_angles) as usize
     }
 
-    /// True where angles go all around.
+    /// True where angles go all around: in polar grids and those of moments.
     pub fn is_polar(&self) -> bool {
-        self.record.kind == KIND_POLAR
+        goes_around(self.record.kind)
+    }
+
+    /// True where the third axis is the time left.
+    pub fn is_moments(&self) -> bool {
+        self.record.kind == KIND_MOMENTS
     }
 
     /// Radius of the outermost ring. [Unit: m]
@@ -220,21 +272,22 @@ impl TargetGrid {
         let r = &self.record;
         let distance = target.x.hypot(target.z);
         let within = |v: f32, start: f32, spacing: f32, n: u32| v >= start && v <= start + spacing * (n - 1) as f32;
-        let sector = self.is_polar()
-            || within(angle_of(target.x, target.z), r.angle_start, r.angle_spacing, r.num_angles)
-                && within(target.y, r.height_start, r.height_spacing, r.num_heights);
-        sector && distance >= r.ring_start && distance <= self.radius
+        let angle =
+            self.is_polar() || within(angle_of(target.x, target.z), r.angle_start, r.angle_spacing, r.num_angles);
+        let height = r.kind == KIND_POLAR || within(target.y, r.height_start, r.height_spacing, r.num_heights);
+        angle && height && distance >= r.ring_start && distance <= self.radius
     }
 
     /// The target itself, or the nearest place of the grid: distance first, then (in a cylinder) angle and height.
     #[inline]
     pub fn clamp(&self, target: Vec3) -> Vec3 {
         let distance = (target.x * target.x + target.z * target.z).sqrt();
+        let r = &self.record;
         if self.is_polar() {
             let shrink = if distance > self.radius { self.radius / distance } else { 1.0 };
-            return Vec3::new(target.x * shrink, 0.0, target.z * shrink);
+            let top = if r.num_heights > 1 { r.height_spacing * (r.num_heights - 1) as f32 } else { 0.0 };
+            return Vec3::new(target.x * shrink, target.y.clamp(0.0, top), target.z * shrink);
         }
-        let r = &self.record;
         let last = |start: f32, spacing: f32, n: u32| start + spacing * (n - 1) as f32;
         let distance = distance.clamp(r.ring_start, self.radius);
         let middle = 0.5 * (r.angle_start + last(r.angle_start, r.angle_spacing, r.num_angles));
@@ -275,6 +328,16 @@ impl TargetGrid {
     }
 }
 
+/// One count over another.
+fn ratio(a: u32, b: u32) -> f32 {
+    a as f32 / b as f32
+}
+
+/// True for the kinds whose angles go all around.
+fn goes_around(kind: u32) -> bool {
+    kind != KIND_CYLINDER
+}
+
 /// Checks the lengths and angles of a record whose counts are in range.
 fn check_lengths(r: &GridRecord) -> Result<(), PolicyError> {
     let bad = |what, got, expected| Err(PolicyError::Value { what, at: 0, got, expected });
@@ -298,12 +361,14 @@ fn check_lengths(r: &GridRecord) -> Result<(), PolicyError> {
         return bad("grid height_start", r.height_start, "between -1e6 and 1e6");
     }
     let span = r.angle_spacing * (r.num_angles - 1) as f32;
-    if r.kind == KIND_POLAR {
+    if goes_around(r.kind) {
         if (r.angle_spacing * r.num_angles as f32 - TAU).abs() > 1e-4 {
             return bad("grid angle_spacing", r.angle_spacing, "2 pi / num_angles");
         }
-        if r.angle_start != 0.0 || r.num_heights != 1 {
-            return bad("grid angle_start", r.angle_start, "0, with one height, as a polar grid has");
+        let heights = if r.kind == KIND_POLAR { r.num_heights == 1 } else { r.num_heights > 1 };
+        if r.angle_start != 0.0 || !heights || r.height_start != 0.0 {
+            let expected = "0, with one height, or several moments from 0, as a grid that goes all around has";
+            return bad("grid angle_start", r.angle_start, expected);
         }
     } else if !(-TAU..TAU).contains(&r.angle_start) || r.angle_start.abs() > PI || span >= TAU {
         return bad("grid angle_start", r.angle_start, "in [-pi, pi], with less than a full turn covered");
