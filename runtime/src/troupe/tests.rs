@@ -78,6 +78,7 @@ pub(crate) fn tables_with(hits: &[HitRecord]) -> Tables {
     });
     out.section(tags::POLICY_SEGMENTS, &known);
     out.section::<crate::policy::PathRecord>(tags::POLICY_PATHS, &[]);
+    out.section::<crate::policy::StateGridRecord>(tags::POLICY_STATE_GRIDS, &[]);
     out.section(tags::POLICY_VALUES, &[0.0f32; 4 * 32]);
     let best: Vec<u8> = (0..4 * 32).map(|i| (i / 3 % 2) as u8).collect();
     out.section(tags::POLICY_BEST, &best);
