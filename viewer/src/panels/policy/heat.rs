@@ -94,7 +94,7 @@ impl Heat {
         let mesh = if key.smooth {
             smooth(&chart, &plan, |p| colour(policy.value(key.state, chart.target(p, key.height))), policy)
         } else {
-            cells(&chart, &plan, key.height, |cell| colour(values[cell]))
+            cells(&chart, &plan, key.height, |cell| colour(values[policy.own_cell(key.state, cell)]))
         };
         let (arrows, arrow_scale) = arrows(&key, &chart, &plan, policy, graph);
         Self { key, plan, mesh: Arc::new(mesh), range, arrows, arrow_scale }
@@ -162,7 +162,7 @@ fn arrows(
 ) -> (Vec<[Pos2; 2]>, f32) {
     let segments = graph.segments_of(key.state);
     let way = |cell: usize| {
-        let best = usize::from(policy.best_of(key.state, cell)[0]);
+        let best = usize::from(policy.best_of(key.state, policy.own_cell(key.state, cell))[0]);
         let d = graph.segments[segments[best] as usize].displacement;
         Vec2::new(d[0], d[1])
     };

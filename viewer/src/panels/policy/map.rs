@@ -182,10 +182,14 @@ fn tell(response: Response, shown: &Shown<'_>, own: &State, heat: &Heat) {
     }
     let target = chart.target(place, own.height);
     let cell = shown.policy.grid().nearest_cell(target);
-    let value =
-        if own.smooth { shown.policy.value(shown.state, target) } else { shown.policy.values_of(shown.state)[cell] };
+    let own_cell = shown.policy.own_cell(shown.state, cell);
+    let value = if own.smooth {
+        shown.policy.value(shown.state, target)
+    } else {
+        shown.policy.values_of(shown.state)[own_cell]
+    };
     let graph = shown.bundle.tables().graph();
-    let best = usize::from(shown.policy.best_of(shown.state, cell)[0]);
+    let best = usize::from(shown.policy.best_of(shown.state, own_cell)[0]);
     let segment = graph.segments_of(shown.state)[best];
     response.on_hover_ui_at_pointer(|ui| {
         ui.label(RichText::new(format!("value {}", words::number(value))).strong());
