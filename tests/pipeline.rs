@@ -2,7 +2,8 @@
 
 mod common;
 
-use common::{build, mocap, small_config, write_clips};
+use common::{build, mocap, small_config, starts, targets, write_clips};
+use glam::Vec3;
 use std::path::{Path, PathBuf};
 use throng_precompute::annotate::{AnnotateConfig, Sidecar, Sidecars, annotate};
 use throng_precompute::cache::Cache;
@@ -10,12 +11,14 @@ use throng_precompute::clip::ClipSet;
 use throng_precompute::config::BuildConfig;
 use throng_precompute::import::{ImportConfig, read};
 use throng_precompute::pipeline;
+use throng_precompute::policy::{AdaptiveConfig, BehaviourConfig, GridConfig};
 use throng_precompute::progress::Silent;
 use throng_precompute::resample::{ResampleConfig, resample};
 use throng_precompute::retarget::{RetargetConfig, onto};
 use throng_precompute::synth::{self, SynthConfig, SynthSet};
 use throng_precompute::trial::{self, TrialConfig};
 use throng_precompute::{BuildError, Warnings};
+use throng_runtime::policy::{MAX_ACTIONS, PolicyTable};
 use throng_runtime::troupe::{Goal, Repertoire, SampleJob, Troupe, TroupeConfig};
 use throng_runtime::{Joint, Mat3x4, NUM_JOINTS, Planar, Tables};
 
@@ -160,6 +163,45 @@ fn a_crowd_of_recorded_walkers_reaches_its_targets() {
     let out = folder.path().join("snu.throng");
     build(&config, &out, &Cache::none());
     assert_crowd_arrives(&out);
+}
+
+#[test]
+fn an_adaptive_policy_goes_from_the_config_to_queries() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let (clips, out) = (folder.path().join("clips"), folder.path().join("a.throng"));
+    write_clips(&clips, 1.0);
+    let mut config = small_config(vec![clips]);
+    let fine = GridConfig { rings: Some(9), angles: Some(16), ..config.behaviours[0].grid };
+    let adaptive = Some(AdaptiveConfig { share: 0.25, ..AdaptiveConfig::default() });
+    let compact = GridConfig { adaptive, ..fine };
+    let behaviour = |name: &str, grid| BehaviourConfig { name: name.into(), grid, ..config.behaviours[0].clone() };
+    config.behaviours = vec![behaviour("fine", fine), behaviour("compact", compact), behaviour("again", fine)];
+    let report = build(&config, &out, &Cache::none());
+    let figures = report.policies[1].adaptive.as_ref().expect("an adaptive policy");
+    assert!(4 * figures.adaptive.bytes <= figures.finest_bytes && report.policies[0].adaptive.is_none());
+
+    let tables = Tables::open(&out).expect("the bundle opens");
+    let [fine, compact, again] = [0, 1, 2].map(|i| tables.policy(i));
+    assert!(compact.is_adaptive() && !fine.is_adaptive() && 4 * compact.num_values() <= fine.num_values());
+    let values = |p: &PolicyTable<'_>| (0..4).map(|s| p.values_of(s).to_vec()).collect::<Vec<_>>();
+    assert_eq!(values(&fine), values(&again), "what follows an adaptive policy is found behind it");
+    let mut scores = [[0.0; MAX_ACTIONS]; 2];
+    let n = fine.action_scores(1, Vec3::new(1.0, 0.0, 2.0), &mut scores[0]).expect("a sound query");
+    compact.action_scores(1, Vec3::new(1.0, 0.0, 2.0), &mut scores[1]).expect("a sound query");
+    for (a, b) in scores[0][..n].iter().zip(&scores[1][..n]) {
+        assert!((a - b).abs() <= 2.0 * figures.adaptive.max_error as f32, "{a} {b}, {figures:?}");
+    }
+    // A troupe follows it like any other.
+    let (repertoire, targets) = (Repertoire::new(&tables), targets(8));
+    let mut troupe = Troupe::new(&repertoire, TroupeConfig::default(), &starts(&tables, 8)).expect("a troupe");
+    let far =
+        |troupe: &Troupe| -> f32 { (0..8).map(|c| troupe.root(c).translation().distance(targets[c])).sum::<f32>() };
+    let before = far(&troupe);
+    for _ in 0..300 {
+        let goals = [Goal { policy: 1, weight: 1.0, targets: &targets }];
+        troupe.step(&repertoire, 1.0 / 30.0, &goals).expect("a step");
+    }
+    assert!(far(&troupe) < 0.5 * before, "{} of {before} m", far(&troupe));
 }
 
 #[test]

@@ -1,5 +1,6 @@
 //! Policies are the optimal ones: value iteration against hand-solved, brute-force and exhaustive answers.
 
+mod adaptive;
 mod damage;
 mod moments;
 mod naive;
