@@ -1,9 +1,11 @@
 //! A shadow-boxer: orthodox, on guard, always about to move.
 //!
 //! From intention to pose, in this order: `plan` deals footwork, combinations and defences (`moves`), which become
-//! keys, steps and blows (`script`) by the postures of `technique` and `posture`; `foot` stands and steps, `body` is
-//! balanced over the feet and turns as planned, `fist` strikes from wherever the body has brought the shoulder.
+//! keys, steps and blows (`script`) by the postures of `technique` and `posture`, as `attack` bends them to a target;
+//! `foot` stands and steps, `body` is balanced over the feet and turns as planned, `fist` strikes from wherever the
+//! body has brought the shoulder.
 
+mod attack;
 mod body;
 mod fist;
 mod foot;

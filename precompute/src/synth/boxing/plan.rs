@@ -1,10 +1,11 @@
 //! What the boxer intends: footwork, combinations and defences, dealt so that everything comes equally often.
 
 use super::super::deck::Deck;
-use super::moves::{Blow, COMBINATIONS, Defence, FOOTWORK, Punch, Shuffle};
+use super::attack::{self, Attack, Level};
+use super::moves::{Blow, COMBINATIONS, Defence, FOOTWORK, Shuffle};
 use super::posture::{HandPose, Posture};
 use super::script::{Script, Strike};
-use super::technique::{self, Technique};
+use super::technique;
 use glam::DVec2;
 use rand::{Rng, RngExt};
 use throng_runtime::Skeleton;
@@ -15,25 +16,8 @@ const STAND: f64 = 0.8;
 const RECOVER: f64 = 0.38;
 /// The body is furthest into a blow this long after the hit: it drives through. [Unit: s]
 const THROUGH: f64 = 0.1;
-
-/// Where a blow is meant to land.
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum Level {
-    Body,
-    Head,
-    High,
-}
-
-/// What a combination is thrown at, and how.
-#[derive(Clone, Copy, Debug)]
-struct Attack {
-    /// Direction as seen from the shoulder, left of straight ahead. [Unit: rad]
-    azimuth: f64,
-    /// From close (-1) over no lean (0) to a lunge (1).
-    reach: f64,
-    /// Time between blows as a share of the usual.
-    tempo: f64,
-}
+/// The body gathers this long before a later blow of a combination: there is no time for more. [Unit: s]
+const IN_BETWEEN: f64 = 0.17;
 
 /// Deals the moves. One boxer serves all clips of a set, so that they are spread evenly over it.
 pub struct Boxer {
@@ -189,7 +173,7 @@ impl Boxer {
         let mut earlier: Option<Blow> = None;
         for &blow in combination {
             if let Some(earlier) = earlier {
-                hit += attack.tempo * self.vary(0.06, rng) * gap(earlier, blow);
+                hit += attack.tempo * self.vary(0.06, rng) * attack::gap(earlier, blow);
             }
             self.strike(script, blow, hit, earlier.is_none(), &attack, rng);
             earlier = Some(blow);
@@ -219,80 +203,27 @@ impl Boxer {
     fn strike(&mut self, script: &mut Script, blow: Blow, hit: f64, first: bool, attack: &Attack, rng: &mut impl Rng) {
         let technique = technique::of(blow);
         let level = self.levels[blow.punch as usize].deal(rng);
-        let height = height(blow.punch, level, rng);
-        let speed = technique_speed(blow, rng) * self.vary(0.08, rng);
+        let height = attack.height(blow.punch, level, rng);
+        let speed = technique.speed * self.vary(0.16, rng);
         let azimuth = attack.azimuth + self.variation * rng.random_range(-0.06..0.06);
-        let longest = hit + 2.2 * technique.follow / speed;
-        let start = hit - technique.extend;
-        let (side, aimed) = (blow.side().index(), aimed(&technique, height, azimuth, attack));
+        let longest = hit + technique.braking(speed);
+        let (start, back) = (hit - technique.extend, longest + technique.retract);
+        let side = blow.side().index();
+        let aimed = |p: Posture, share: f64| attack.aimed(&technique, p, height, azimuth, share);
         if let Some((before, load)) = technique.load {
-            let time = if first { hit - before } else { (hit - before).max(hit - 0.17) };
-            script.body.push(time, aimed(load, 0.5).channels());
+            let before = if first { before } else { before.min(IN_BETWEEN) };
+            script.body.push(hit - before, aimed(load, 0.5).channels());
         }
         script.body.push(hit + THROUGH, aimed(technique.strike, 1.0).channels());
         let hand = &mut script.hands[side];
         hand.hold(start);
         hand.push(hit, technique.arm.channels());
         hand.push(longest + 0.55 * technique.retract, HandPose::GUARD[side].channels());
-        let back = longest + technique.retract;
         if let Some(last) = script.strikes.iter_mut().rev().find(|s| s.blow.side() == blow.side()) {
             last.back = last.back.min(start);
         }
-        let close = if blow.punch == Punch::Straight { 0.0 } else { 0.26 * attack.reach.min(0.0) };
-        let stretch = technique.stretch * (1.0 + close);
+        let stretch = technique.stretch * attack.stretch(blow.punch);
         script.strikes.push(Strike { blow, start, hit, longest, back, azimuth, height, stretch, speed });
         script.tags.push((blow.tag(), start, back));
-    }
-}
-
-/// The posture of a technique as it is used against a height and a direction.
-fn aimed(technique: &Technique, height: f64, azimuth: f64, attack: &Attack) -> impl Fn(Posture, f64) -> Posture {
-    let lower = (1.3 - height).clamp(0.0, 0.2);
-    let higher = (height - 1.55).clamp(0.0, 0.15);
-    let lunge = attack.reach.max(0.0) * if technique.load.is_none() { 1.0 } else { 0.5 };
-    let close = (-attack.reach).max(0.0);
-    move |p: Posture, share: f64| Posture {
-        flexion: (p.flexion + share * (4.0 * lower - 0.8 * higher)).max(0.36),
-        pitch: p.pitch + share * (0.9 * lower + 0.48 * lunge - 0.12 * close - 0.4 * higher),
-        hips: p.hips + 0.5 * share * azimuth,
-        chest: p.chest + 0.8 * share * azimuth + 0.12 * share * lunge * (p.chest - Posture::GUARD.chest).signum(),
-        weight: p.weight + 0.2 * share * lunge,
-        shift: [0.0, 0.12 * share * lunge],
-        ..p
-    }
-}
-
-/// Height of the wrist at the hit. [Unit: m]
-fn height(punch: Punch, level: Level, rng: &mut impl Rng) -> f64 {
-    rng.random_range(match (punch, level) {
-        (Punch::Uppercut, Level::Body) => 1.18..1.28,
-        (Punch::Uppercut, Level::Head) => 1.3..1.4,
-        (Punch::Uppercut, Level::High) => 1.4..1.48,
-        (_, Level::Body) => 1.16..1.3,
-        (_, Level::Head) => 1.36..1.5,
-        (_, Level::High) => 1.5..1.62,
-    })
-}
-
-/// Speed of the wrist at the hit. [Unit: m/s]
-fn technique_speed(blow: Blow, rng: &mut impl Rng) -> f64 {
-    let mean = match (blow.punch, blow.lead) {
-        (Punch::Straight, true) => 5.2,
-        (Punch::Straight, false) => 6.0,
-        (Punch::Hook, _) => 6.5,
-        (Punch::Uppercut, _) => 5.8,
-    };
-    mean + rng.random_range(-0.7..0.7)
-}
-
-/// From hit to hit. [Unit: s]
-fn gap(earlier: Blow, blow: Blow) -> f64 {
-    if earlier.lead == blow.lead {
-        return if blow.punch == Punch::Straight { 0.46 } else { 0.56 };
-    }
-    match blow.punch {
-        Punch::Straight => 0.31,
-        Punch::Hook => 0.34,
-        Punch::Uppercut => 0.38,
     }
 }

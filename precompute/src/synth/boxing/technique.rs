@@ -24,8 +24,17 @@ pub struct Technique {
     /// The wrist's velocity at the hit: to the other side of the body, up, and away from the shoulder.
     /// [Unit: share of the speed]
     pub along: DVec3,
+    /// Speed of the wrist at the hit, on average. [Unit: m/s]
+    pub speed: f64,
     /// How far the wrist goes on: straight on to the arm's full length, or around the shoulder. [Unit: m]
     pub follow: f64,
+}
+
+impl Technique {
+    /// From the hit to the arm at its longest: the way is about that of an even deceleration. [Unit: s]
+    pub fn braking(&self, speed: f64) -> f64 {
+        2.2 * self.follow / speed
+    }
 }
 
 /// The technique of a blow.
@@ -55,6 +64,7 @@ fn jab() -> Technique {
         retract: 0.27,
         stretch: 0.72,
         along: DVec3::Z,
+        speed: 5.8,
         follow: 0.21,
     }
 }
@@ -78,6 +88,7 @@ fn cross() -> Technique {
         retract: 0.31,
         stretch: 0.71,
         along: DVec3::Z,
+        speed: 6.6,
         follow: 0.24,
     }
 }
@@ -124,6 +135,7 @@ fn hook(lead: bool) -> Technique {
         retract: 0.34,
         stretch: 0.72,
         along: DVec3::new(0.82, 0.04, 0.55),
+        speed: 6.7,
         follow: 0.19,
     }
 }
@@ -170,6 +182,7 @@ fn uppercut(lead: bool) -> Technique {
         retract: 0.34,
         stretch: 0.56,
         along: DVec3::new(0.05, 0.86, 0.5),
+        speed: 6.0,
         follow: 0.12,
     }
 }

@@ -44,8 +44,8 @@ impl<const N: usize> Track<N> {
     /// - `ahead`: how much earlier each channel gets to its keys. [Unit: s]
     pub fn sample(&self, times: &[f64], ahead: &[f64; N], radius: f64, dt: f64) -> Vec<[f64; N]> {
         let mut out = vec![[0.0; N]; times.len()];
-        for c in 0..N {
-            let knots: Vec<(f64, f64)> = self.keys.iter().map(|k| (k.0 - ahead[c], k.1[c])).collect();
+        for (c, ahead) in ahead.iter().enumerate() {
+            let knots: Vec<(f64, f64)> = self.keys.iter().map(|k| (k.0 - ahead, k.1[c])).collect();
             let slopes = slopes(&knots);
             let raw: Vec<f64> = times.iter().map(|&t| hermite(&knots, &slopes, t)).collect();
             for (o, v) in out.iter_mut().zip(smooth(&raw, (radius / dt).round() as usize)) {

@@ -40,7 +40,8 @@ fn arm(input: &ArmInput, side: Side, i: usize, follow: f64, trail: f64) -> ArmPo
     let swing = -s * follow * vigour + drift;
     let bend = -s * trail * vigour + 1.5 * drift;
     let raise = 0.015 * input.drift.breath[i];
-    let flexion = lively * (0.21 + 0.09 * speed) + 0.5 * bend.max(-0.3);
+    // The elbow bends as the arm comes forward and hardly stretches as it goes back.
+    let flexion = lively * (0.23 + 0.1 * speed) + 0.95 * soft_floor(bend, -0.1);
     let abduction = 0.21 + 0.03 * speed;
     let turn_in = 0.30 + 0.15 * swing;
     let hang = DQuat::from_rotation_x(-(swing + 0.02 + 0.75 * input.chest_pitch[i] * 0.6))
@@ -53,6 +54,12 @@ fn arm(input: &ArmInput, side: Side, i: usize, follow: f64, trail: f64) -> ArmPo
         forearm: DQuat::from_rotation_y(-s * flexion) * DQuat::from_rotation_x(0.15),
         hand: DQuat::from_rotation_z(-s * 0.12) * DQuat::from_rotation_y(-s * (0.05 + 0.15 * bend)),
     }
+}
+
+/// The larger of `x` and `floor`, without a corner.
+fn soft_floor(x: f64, floor: f64) -> f64 {
+    const ROUNDING: f64 = 0.06;
+    0.5 * (x + floor + (x - floor).hypot(ROUNDING))
 }
 
 #[cfg(test)]

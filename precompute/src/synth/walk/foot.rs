@@ -51,7 +51,7 @@ pub struct FootTrack {
 const CLEARANCE: f64 = 0.015;
 /// How far the toes hang half way through a flight, as a share of the heel's rise at toe-off: the foot follows the
 /// shank rather than the ground.
-const HANG: f64 = 0.48;
+const HANG: f64 = 0.38;
 /// Share of a flight in which the foot speeds up, and slows down.
 const RAMP: f64 = 0.36;
 /// Smallest distance of a swinging ankle or ball from the standing one. [Unit: m]
@@ -155,7 +155,7 @@ impl FootTrack {
     /// How high the foot is drawn up in flight `i`: more the further it goes.
     fn raise(&self, i: usize) -> f64 {
         let travel = (self.falls[i + 1].ankle - self.falls[i].ankle).length();
-        0.015 + 0.022 * (travel / 1.4).min(1.0)
+        0.015 + 0.016 * (travel / 1.4).min(1.0)
     }
 
     /// How much higher flight `i` has to be for its sole to clear the ground.

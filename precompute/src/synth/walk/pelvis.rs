@@ -50,6 +50,9 @@ pub struct PelvisInput<'a> {
 
 /// Largest upward acceleration of the hips. [Unit: m/s^2]
 const BOB: f64 = 8.0;
+/// The hips rise by no more than this above where the longest steps take them: brisk walkers bend the standing knee.
+/// [Unit: m]
+const RISE: f64 = 0.055;
 /// Least knee flexion of a leg under the body. [Unit: rad]
 const STANDING_FLEXION: f64 = 0.11;
 /// Least knee flexion of a leg that reaches out: the more bent, the rounder its turn from stretching to bending.
@@ -106,7 +109,20 @@ fn height(input: &PelvisInput, pelvis: &Pelvis) -> Vec<f64> {
             Side::BOTH.map(|s| leg_limit(input, pelvis, i, rotation, s)).into_iter().fold(f64::INFINITY, f64::min)
         })
         .collect();
-    smooth_below(&limit, BOB, (0.02 / input.dt).round() as usize, input.dt)
+    let (stride, rounding) = ((0.55 / input.dt).round() as usize, (0.02 / input.dt).round() as usize);
+    let highest = smooth(&lowest_within(&limit, stride), stride / 3);
+    let limit: Vec<f64> = limit.iter().zip(highest).map(|(l, low)| l.min(low + RISE)).collect();
+    smooth_below(&limit, BOB, rounding, input.dt)
+}
+
+/// Least value within `radius` samples.
+fn lowest_within(x: &[f64], radius: usize) -> Vec<f64> {
+    (0..x.len())
+        .map(|i| {
+            let around = &x[i.saturating_sub(radius)..(i + radius + 1).min(x.len())];
+            around.iter().copied().fold(f64::INFINITY, f64::min)
+        })
+        .collect()
 }
 
 /// Height of the hips joint at which one leg is as straight as it may be.

@@ -42,22 +42,29 @@ pub fn balance(pelvis: &Pelvis, speed: &[f64], mass: &[DVec2], drift: &Drift, dt
     let gaze_heading = smooth(&shifted(&pelvis.heading, 0.38, dt), frames(0.07));
     let counter = smooth(&shifted(&pelvis.yaw, -0.03, dt), frames(0.03));
     let (surge, sideways) = lean(pelvis, mass, dt);
+    let bob = bob(pelvis, frames(0.35));
     let out = (0..speed.len()).map(|i| {
         let hips = Attitude { yaw: pelvis.heading[i] + pelvis.yaw[i], pitch: pelvis.pitch[i], list: pelvis.list[i] };
         let chest = Attitude {
             yaw: chest_heading[i] - 0.5 * counter[i] + 0.15 * drift.gaze[i],
             pitch: 0.02 + 0.022 * speed[i] + surge[i] - 0.012 * drift.breath[i],
-            list: -0.25 * pelvis.list[i] + sideways[i],
+            list: -0.45 * pelvis.list[i] + sideways[i],
         };
         let head = Attitude {
             yaw: gaze_heading[i] + drift.gaze[i],
-            pitch: 0.06 + drift.nod[i] + 0.25 * surge[i],
+            pitch: 0.06 + drift.nod[i] + 0.25 * surge[i] + bob[i],
             list: 0.3 * sideways[i],
         };
         let neck = chest.mix(head, 0.45);
         TrunkPose { segments: [hips.mix(chest, 0.3), hips.mix(chest, 0.65), chest, neck, head] }
     });
     out.collect()
+}
+
+/// The head nods down as the body rises and up as it sinks, which keeps the gaze on its point. [Unit: rad]
+fn bob(pelvis: &Pelvis, radius: usize) -> Vec<f64> {
+    let height: Vec<f64> = pelvis.position.iter().map(|p| p.y).collect();
+    smooth(&height, radius).iter().zip(&height).map(|(slow, h)| 1.1 * (h - slow)).collect()
 }
 
 /// Forward tilt and list that lean into the body's acceleration over a step or so.
