@@ -84,7 +84,7 @@ grid = { rings = 5, angles = 5, heights = 3 }
 [[behaviours]]
 name = "evade"
 kind = "evade"
-grid = { rings = 4, angles = 8, heights = 4 }
+grid = { rings = 4, angles = 8, moments = 4 }
 "#;
 
 /// Boxers of [`boxing_tables`], each weighing all of its behaviours.
