@@ -95,7 +95,8 @@ fn characters_play_on_between_searches_and_never_leave_a_run() {
 
 #[test]
 fn figures_are_of_the_same_bundle_and_targets() {
-    let config = MatchingConfig { characters: 24, queries: 50, batch: 100, seconds: 0.001, ..MatchingConfig::default() };
+    let config =
+        MatchingConfig { characters: 24, queries: 50, batch: 100, seconds: 0.001, ..MatchingConfig::default() };
     let tables = common::tables();
     let figures = measure::matching(&tables, &config).expect("the bundle approaches");
     assert!(figures.policy_reached_fraction > 0.5 && figures.matching_reached_fraction > 0.3, "{figures:?}");
