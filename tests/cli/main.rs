@@ -281,7 +281,8 @@ fn bench_reports_every_figure() {
 fn bench_sets_policies_against_search_and_matching() {
     let place = Place::shared();
     let sizes = ["--characters", "8", "--threads", "1", "--seconds", "0.001"];
-    let args = [&["bench", &place.bundle(), "--quality", "--pairs", "20", "--json"], &sizes[..]].concat();
+    let bundle = place.bundle();
+    let args = [&["bench", &bundle, "--quality", "--pairs", "20", "--json"], &sizes[..]].concat();
     let report = json(&args, &["quality", "matching"]);
     let quality = &report["quality"][0];
     for key in ["ratio_mean", "ratio_p05", "near_best_fraction", "single_load_ratio_mean", "realised_ratio_mean"] {
@@ -297,7 +298,7 @@ fn bench_sets_policies_against_search_and_matching() {
     }
     assert!(matching["policy_time_to_reach_s"].as_f64() > Some(0.5), "{matching}");
     assert!(matching["policy_hits_per_minute"].is_null(), "{matching}");
-    assert!(failed(&["bench", &place.bundle(), "--quality", "--pairs", "0", "--seconds", "0.001"]).contains("--pairs"));
+    assert!(failed(&["bench", &bundle, "--quality", "--pairs", "0", "--seconds", "0.001"]).contains("--pairs"));
 }
 
 #[test]
