@@ -226,7 +226,7 @@ fn an_unchanged_build_only_hashes_and_writes() {
     assert!(bytes() == made, "the second build wrote other bytes");
     assert_eq!((second.states, second.policies.len()), (first.states, 1));
 
-    config.behaviours[0].scale = 2.0;
+    config.behaviours[0].scale = Some(2.0);
     let other = build(&config, &out, &cache);
     assert_eq!((stages(&other), other.cached), (vec!["hash", "policy", "write"], vec!["motion", "graph"]));
     assert!(bytes() != made, "another behaviour left the bundle as it was");

@@ -61,7 +61,8 @@ fn damage(bytes: &mut [u8], section: &Section, rng: &mut impl Rng) -> usize {
 #[test]
 fn damaged_content_is_refused_or_stays_steppable() {
     let mut rng = Pcg64Mcg::seed_from_u64(3);
-    let rows = Frame::of(bundle()).rows;
+    // This bundle has no hits and no adaptive policy, whose sections are empty.
+    let rows: Vec<Section> = Frame::of(bundle()).rows.into_iter().filter(|row| row.count > 0).collect();
     let (mut refused, mut opened) = (0, 0);
     for round in 0..300 {
         let mut bytes = bundle().to_vec();

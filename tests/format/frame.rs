@@ -42,7 +42,8 @@ fn every_prefix_is_refused() {
 
 #[test]
 fn a_prefix_whose_header_claims_its_length_is_refused_too() {
-    for n in prefix_lengths().into_iter().filter(|n| *n >= 64 + 32 * 14) {
+    let head = 64 + 32 * Frame::of(bundle()).rows.len();
+    for n in prefix_lengths().into_iter().filter(|n| *n >= head) {
         let mut frame = Frame::of(bundle());
         frame.bytes.truncate(n);
         frame.header.file_len = n as u64;
@@ -134,7 +135,7 @@ fn other_magic_is_refused_as_no_bundle() {
 
 #[test]
 fn other_versions_are_refused_with_what_to_run() {
-    for version in [0, 2, 3, 256, u32::MAX] {
+    for version in [0, 1, 3, 256, u32::MAX] {
         let mut frame = Frame::of(bundle());
         frame.header.version = version;
         let e = refusal(&frame.seal(), "other version");
@@ -146,6 +147,11 @@ fn other_versions_are_refused_with_what_to_run() {
 
 /// A change of header and rows, what it is, and whether an error is the right one.
 type Change = (&'static str, fn(&mut Frame), fn(&FormatError) -> bool);
+
+/// The last row of the section table.
+fn last(frame: &mut Frame) -> &mut Section {
+    frame.rows.last_mut().expect("a bundle has sections")
+}
 
 #[test]
 fn tables_that_break_a_rule_are_refused() {
@@ -161,17 +167,22 @@ fn tables_that_break_a_rule_are_refused() {
         ("a section over the header", |f| f.rows[0].offset = 0, layout),
         ("misaligned by 1", |f| f.rows[5].offset += 1, section),
         ("misaligned by 32", |f| f.rows[5].offset += 32, section),
-        ("past the end", |f| f.rows[13].count += 64, section),
+        ("past the end", |f| last(f).count += 64, section),
         ("length past any integer", |f| f.rows[3].count = u64::MAX, section),
         ("offset past any integer", |f| f.rows[3].offset = u64::MAX - 63, section),
         ("elements of no size", |f| f.rows[3].elem_size = 0, section),
-        ("a shorter last section", |f| f.rows[13].count -= 1, length),
+        ("a shorter last section", |f| last(f).count -= 1, length),
         ("order", |f| f.rows.swap(4, 5), layout),
         ("twice the same tag", |f| f.rows[5].tag = f.rows[4].tag, layout),
         ("reserved field of a row", |f| f.rows[7].reserved = 1, layout),
         ("reserved bytes of the header", |f| f.header.reserved[31] = 1, layout),
         ("no sections", |f| f.header.num_sections = 0, length),
-        ("more sections than there are", |f| f.header.num_sections += 1, layout),
+        // The row too many is padding or the beginning of the first section.
+        (
+            "more sections than there are",
+            |f| f.header.num_sections += 1,
+            |e| matches!(e, FormatError::Layout { .. } | FormatError::Section { .. }),
+        ),
         (
             "fewer sections than there are",
             |f| f.header.num_sections -= 1,

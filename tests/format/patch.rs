@@ -2,7 +2,7 @@
 //! and not the one before it.
 
 use bytemuck::Pod;
-use throng_runtime::format::{ALIGN, AlignedBytes, FormatError, Header, Meta, Section, Tag, crc32};
+use throng_runtime::format::{ALIGN, AlignedBytes, FormatError, Header, Meta, Section, Tag, VERSION, crc32};
 use throng_runtime::{Tables, tables::tags};
 
 /// The sections of a bundle, to be changed in content and length.
@@ -58,7 +58,7 @@ impl Parts {
         }
         let header = Header {
             magic: *b"\x89THRONG\n",
-            version: 1,
+            version: VERSION,
             num_sections: rows.len() as u32,
             file_len: out.len() as u64,
             table_crc32: 0,

@@ -190,7 +190,7 @@ fn stored_actions_are_those_of_the_look_ahead_at_the_centres_of_a_state_s_own_ce
     }
 }
 
-/// Mean and largest distance between the values of two policies on a lattice of targets.
+/// Mean and 95th percentile of the distance between the values of two policies on a lattice of targets.
 fn apart(a: &PolicyTable<'_>, b: &PolicyTable<'_>) -> (f64, f64) {
     let mut errors = Vec::new();
     for state in 0..STATES {
@@ -202,7 +202,8 @@ fn apart(a: &PolicyTable<'_>, b: &PolicyTable<'_>) -> (f64, f64) {
             errors.push(f64::from((a.value(state, target) - b.value(state, target)).abs()));
         }
     }
-    (errors.iter().sum::<f64>() / errors.len() as f64, errors.iter().copied().fold(0.0, f64::max))
+    errors.sort_by(f64::total_cmp);
+    (errors.iter().sum::<f64>() / errors.len() as f64, errors[errors.len() * 95 / 100])
 }
 
 #[test]
@@ -217,10 +218,10 @@ fn the_report_says_what_the_values_say() {
     let compact = solve(&Compact { behaviour: &hit, grid, adaptive });
     let whole = solve(&Compact { behaviour: &hit, grid, adaptive: None });
     let report = compact.policies[0].report.adaptive.clone().expect("an adaptive policy");
-    let (mean, largest) = apart(&compact.table(0).expect("sound"), &whole.table(0).expect("sound"));
+    let (mean, p95) = apart(&compact.table(0).expect("sound"), &whole.table(0).expect("sound"));
     assert!((report.adaptive.mean_error / mean - 1.0).abs() < 0.05, "{report:?}: {mean}");
-    assert!((report.adaptive.max_error / largest - 1.0).abs() < 0.2, "{report:?}: {largest}");
-    assert!(report.adaptive.mean_error < report.adaptive.p95_error);
+    assert!((report.adaptive.p95_error / p95 - 1.0).abs() < 0.1, "{report:?}: {p95}");
+    assert!(report.adaptive.max_error > report.adaptive.p95_error);
     assert!(whole.policies[0].report.adaptive.is_none());
     // The uniform grid has as much memory at least, and what it solves is what it would be by itself.
     assert!(report.uniform.bytes >= report.adaptive.bytes && report.uniform.bytes < report.finest_bytes / 3);

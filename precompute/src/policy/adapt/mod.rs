@@ -28,6 +28,11 @@ use throng_runtime::policy::{PolicyRecord, StateGridRecord};
 /// a fit to the finest ones has it once. On 2258 boxing states with an eighth of the memory, all states counted alike,
 /// what the policy collects falls short of the finest grid's by 4.9 %, by 9.6 % after a sweep and by 11.9 % after 21.
 ///
+/// Errors of all cells count alike, whatever ground they cover: where rings grow outwards, cells near the character weigh
+/// more than queries at random distances do. There (`approach`, 16 x 32 cells, a quarter of the memory) one grid of
+/// 8 x 16 cells with fitted values is as good: off by 0.0018 on average against 0.0021. On the grids of blows, with
+/// equal rings, it is off by 1.7 times as much as these.
+///
 /// # Errors
 /// [`BuildError::Config`] where not even the coarsest grids fit the memory.
 ///
