@@ -151,12 +151,9 @@ mod tests {
     use super::*;
     use crate::args::{Character, StageName};
     use crate::panels::PanelKind;
-    use std::path::{Path, PathBuf};
+    use crate::panels::tests::golden_path as golden;
+    use std::path::PathBuf;
     use throng_precompute::synth::SynthConfig;
-
-    fn golden() -> PathBuf {
-        Path::new(env!("CARGO_MANIFEST_DIR")).join("../data/golden/tables_v1.throng")
-    }
 
     fn opened(args: &Args) -> Result<Model, String> {
         let mut model = Model::new(args.settings(Settings::default()));

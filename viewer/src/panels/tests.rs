@@ -7,10 +7,11 @@ use crate::settings::Settings;
 use eframe::egui::{Modifiers, PointerButton, Pos2, Ui, Vec2};
 use egui_kittest::Harness;
 use std::path::{Path, PathBuf};
+use throng_runtime::format::VERSION;
 
-/// The bundle that is always there.
+/// The bundle of the current version that every checkout has.
 pub(crate) fn golden_path() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../data/golden/tables_v1.throng")
+    Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("../data/golden/tables_v{VERSION}.throng"))
 }
 
 /// The bundle that is always there.

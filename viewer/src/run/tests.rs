@@ -1,14 +1,8 @@
 //! A run against itself: played, rewound, branched.
 
 use super::*;
-use crate::document::Bundle;
-use std::path::Path;
+use crate::panels::tests::golden as bundle;
 use throng_runtime::Mat3x4;
-
-/// The bundle that every checkout has.
-fn bundle() -> Bundle {
-    Bundle::open(&Path::new(env!("CARGO_MANIFEST_DIR")).join("../data/golden/tables_v1.throng")).unwrap()
-}
 
 fn config() -> RunConfig {
     RunConfig { characters: 20, temperature: 0.2, ..RunConfig::default() }

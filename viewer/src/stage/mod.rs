@@ -138,16 +138,16 @@ mod tests {
     use super::*;
     use crate::command::{Command, Stage};
     use crate::document::Document;
+    use crate::panels::tests::golden_path;
     use crate::run::RunConfig;
     use crate::settings::Settings;
     use eframe::egui;
-    use std::path::Path;
     use throng_runtime::NUM_JOINTS;
 
     fn open() -> Model {
         let run = RunConfig { characters: 12, ..RunConfig::default() };
         let mut model = Model::new(Settings { run, ..Settings::default() });
-        model.open_now(&Path::new(env!("CARGO_MANIFEST_DIR")).join("../data/golden/tables_v1.throng")).unwrap();
+        model.open_now(&golden_path()).unwrap();
         model
     }
 

@@ -1,15 +1,11 @@
 //! The panel, driven as a user does.
 
 use super::*;
+use crate::panels::tests::golden_path;
 use crate::run::{Run, RunConfig};
 use crate::settings::Settings;
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
-use std::path::{Path, PathBuf};
-
-fn golden_path() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../data/golden/tables_v1.throng")
-}
 
 /// The bundle that every checkout has, and a run of some seconds.
 pub fn golden_run(config: RunConfig) -> (Bundle, Run) {
