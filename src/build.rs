@@ -4,26 +4,31 @@ use crate::args::{CacheArgs, Outcome};
 use crate::{output, progress};
 use std::path::PathBuf;
 use throng_precompute::config::BuildConfig;
+use throng_precompute::files;
 use throng_precompute::pipeline;
-use throng_precompute::report::BuildReport;
+use throng_precompute::report::{self, BuildReport};
 
 /// Bake motion files into a bundle.
 ///
 /// JSON keys: name, clips, frames_in, frames_kept, states, actions, seconds_total, stage_s, cached, policies [name,
-/// cells, sweeps, residual, bytes, seconds, ...], bundle_bytes, graph, contacts, excluded_frames, skipped, warnings.
+/// cells, sweeps, residual, bytes, seconds, ...], bundle_bytes, graph, contacts, hits {count, angle_rad, distance_m, height_m as
+/// [min, max] (null without hits), kinds {name: count}}, excluded_frames, skipped, warnings.
 #[derive(clap::Args)]
 pub struct Args {
     /// Config (TOML); `throng schema` prints what it may hold.
     config: PathBuf,
-    /// Bundle to write.
+    /// Bundle to write; the database's name with `.throng`, in the current folder, where absent.
     #[arg(long, value_name = "FILE")]
-    out: PathBuf,
+    out: Option<PathBuf>,
     /// Motion files, folders or patterns instead of the config's.
     #[arg(long, value_name = "PATH", num_args = 1..)]
     input: Vec<PathBuf>,
     /// Stop at the first bad file instead of skipping it.
     #[arg(long)]
     strict: bool,
+    /// Write the figures beside those of the paper, as Markdown.
+    #[arg(long, value_name = "FILE")]
+    report: Option<PathBuf>,
     #[command(flatten)]
     cache: CacheArgs,
     /// Print one JSON object.
@@ -37,9 +42,14 @@ pub fn run(args: &Args) -> Outcome {
     if !args.input.is_empty() {
         config.inputs.clone_from(&args.input);
     }
-    let report = pipeline::build(&config, &args.out, &args.cache.cache(), &progress::Bar::default())?;
+    let out = args.out.clone().unwrap_or_else(|| PathBuf::from(format!("{}.throng", config.name)));
+    let report = pipeline::build(&config, &out, &args.cache.cache(), &progress::Bar::default())?;
     output::warnings(&report.skipped, &report.warnings);
-    if args.json { output::json(&report) } else { print(&report, &args.out.display().to_string()) }
+    if let Some(path) = &args.report {
+        let text = report::markdown(&report);
+        files::write_atomically(path, |w| w.write_all(text.as_bytes()))?;
+    }
+    if args.json { output::json(&report) } else { print(&report, &out.display().to_string()) }
 }
 
 /// What was built, for people.
@@ -59,6 +69,7 @@ pub fn print(r: &BuildReport, out: &str) -> Outcome {
                 r.contacts.mean_speed_mps
             ),
         ),
+        ("hits", r.hits.to_string()),
         (
             "graph",
             format!(
@@ -87,5 +98,11 @@ pub fn print(r: &BuildReport, out: &str) -> Outcome {
     }));
     rows.push(("time", format!("{:.2} s ({}{cached})", r.seconds_total, stages.join(", "))));
     rows.push(("bundle", format!("{out}, {}", output::bytes(r.bundle_bytes))));
-    output::table(&rows)
+    output::table(&rows)?;
+    if r.hits.count > 0 {
+        println!();
+        let lines = report::beside_paper(r);
+        output::columns(["", "Lee and Lee 2004", "this build"], lines.iter().map(|l| [&*l.figure, l.paper, &*l.here]))?;
+    }
+    Ok(())
 }

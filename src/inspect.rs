@@ -9,7 +9,8 @@ use throng_precompute::inspect;
 /// Report what is in a motion file: format, units, axes, rest pose, roles, foot contacts, and why.
 ///
 /// JSON keys: file, format, joints, frames, rate_hz, duration_s, metres_per_unit, up, rest_pose, facing_deg, height_m,
-/// profile, roles (object: role to joint), findings, contact, excluded, warnings.
+/// profile, roles (object: role to joint), findings, contact, hits {count, angle_rad, distance_m, height_m as
+/// [min, max] (null without hits), kinds {name: count}}, excluded, warnings.
 #[derive(clap::Args)]
 pub struct Args {
     /// Motion file (.bvh, .amc).

@@ -21,6 +21,21 @@ pub fn table(rows: &[(&str, String)]) -> Result<(), Box<dyn std::error::Error>> 
     Ok(())
 }
 
+/// Prints rows of three texts below a heading, in columns.
+pub fn columns<'a>(
+    heading: [&'a str; 3],
+    rows: impl Iterator<Item = [&'a str; 3]>,
+) -> Result<(), Box<dyn std::error::Error>> {
+    let rows: Vec<[&str; 3]> = std::iter::once(heading).chain(rows).collect();
+    let width = |column: usize| rows.iter().map(|r| r[column].chars().count()).max().unwrap_or(0);
+    let (first, second) = (width(0), width(1));
+    let mut out = std::io::stdout().lock();
+    for [a, b, c] in rows {
+        writeln!(out, "{a:first$}  {b:second$}  {c}")?;
+    }
+    Ok(())
+}
+
 /// Warnings and skipped files, on standard error.
 pub fn warnings(skipped: &[String], warnings: &[String]) {
     for w in warnings {

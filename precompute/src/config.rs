@@ -124,7 +124,7 @@ impl BuildConfig {
 }
 
 /// The error with file, line and column, and for an unknown key the nearest known one.
-fn explain(error: &toml::de::Error, text: &str, path: &Path) -> String {
+pub(crate) fn explain(error: &toml::de::Error, text: &str, path: &Path) -> String {
     let before = error.span().and_then(|s| text.get(..s.start)).unwrap_or_default();
     let line = before.matches('\n').count() + 1;
     let column = before.chars().rev().take_while(|&c| c != '\n').count() + 1;

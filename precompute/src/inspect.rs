@@ -1,5 +1,6 @@
 //! Says what was found in a clip, for people and for programs.
 
+use crate::annotate::hits::HitReport;
 use crate::annotate::{self, ContactSanity};
 use crate::clip::{Clip, ClipSet, Exclusion};
 use crate::error::{BuildError, Warnings};
@@ -43,6 +44,8 @@ pub struct ClipReport {
     pub findings: Vec<String>,
     /// How the feet behave once contacts are known, at the default database rate.
     pub contact: ContactSanity,
+    /// Effective hitting points a build would find.
+    pub hits: HitReport,
     /// Frames of the file that a build would leave out: reason, first frame, frame after the last.
     pub excluded: Vec<(String, usize, usize)>,
     /// What is odd but tolerable.
@@ -85,6 +88,7 @@ pub fn inspect_clip(path: &Path, config: &ImportConfig) -> Result<Inspected, Bui
     let mut report = ClipReport::new(&imported);
     for clip in &clips.clips {
         report.contact = annotate::sanity(clip, &clips.skeleton);
+        report.hits = HitReport::of_clip(clip);
         report.excluded = clip.excluded.iter().map(|e| excluded_in_source(e, clip, &imported.clip)).collect();
     }
     report.warnings.extend(warnings.messages);
@@ -123,6 +127,7 @@ impl ClipReport {
             roles: roles.collect(),
             findings: imported.findings.clone(),
             contact: ContactSanity::default(),
+            hits: HitReport::default(),
             excluded: Vec::new(),
             warnings: imported.warnings.messages.clone(),
         }
@@ -153,6 +158,7 @@ impl fmt::Display for ClipReport {
             c.mean_speed_mps,
             c.p95_speed_mps
         )?;
+        writeln!(f, "  hits     {}", self.hits)?;
         for (reason, start, end) in &self.excluded {
             writeln!(f, "  excluded frames {start} to {end}: {reason}")?;
         }

@@ -22,6 +22,7 @@ pub mod raw;
 pub mod report;
 pub mod resample;
 pub mod retarget;
+pub mod scene;
 pub mod slip;
 mod stages;
 pub mod synth;

@@ -1,5 +1,8 @@
 //! What a build did, for people and for machines.
 
+mod paper;
+
+use crate::annotate::hits::HitReport;
 use crate::annotate::{self, ContactSanity};
 use crate::config::BuildConfig;
 use crate::error::Warnings;
@@ -7,6 +10,7 @@ use crate::graph::GraphReport;
 use crate::import::ImportedSet;
 use crate::policy::{Policy, PolicyReport};
 use crate::stages::{Motion, Timing};
+pub use paper::{Line, beside_paper, markdown};
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -17,6 +21,10 @@ pub struct BuildReport {
     pub name: String,
     /// Clips, mirrored copies included.
     pub clips: usize,
+    /// Frames a second of the database. [Unit: Hz]
+    pub rate_hz: f64,
+    /// Usable motion, mirrored copies not counted. [Unit: min]
+    pub minutes_in: f64,
     /// Usable frames of all clips.
     pub frames_in: usize,
     /// Frames that some action plays.
@@ -39,6 +47,8 @@ pub struct BuildReport {
     pub graph: GraphReport,
     /// Foot contacts over all clips: shares and speeds, weighted by frames.
     pub contacts: ContactSanity,
+    /// Effective hitting points of all clips, mirrored copies included.
+    pub hits: HitReport,
     /// Frames left out, by reason.
     pub excluded_frames: BTreeMap<String, usize>,
     /// Files that were skipped, and why.
@@ -73,9 +83,18 @@ pub(crate) fn of_build(
     for e in motion.clips.clips.iter().flat_map(|c| &c.excluded) {
         *excluded_frames.entry(e.reason.to_string()).or_insert(0) += e.range.len();
     }
+    let originals: usize = motion
+        .clips
+        .clips
+        .iter()
+        .filter(|c| !c.mirrored)
+        .map(|c| c.usable_ranges().iter().map(ExactSizeIterator::len).sum::<usize>())
+        .sum();
     BuildReport {
         name: cfg.name.clone(),
         clips: motion.clips.clips.len(),
+        rate_hz: cfg.resample.rate_hz,
+        minutes_in: originals as f64 / cfg.resample.rate_hz / 60.0,
         frames_in: graph.frames_in,
         frames_kept: graph.frames_kept,
         states: graph.states,
@@ -87,6 +106,7 @@ pub(crate) fn of_build(
         bundle_bytes,
         graph,
         contacts: contacts(motion),
+        hits: HitReport::of_set(&motion.clips),
         excluded_frames,
         skipped: motion.skipped.clone(),
         warnings: warnings.messages,

@@ -1,7 +1,7 @@
 //! Opens Throng tables, answers queries and steps characters.
 //!
 //! A bundle (`*.throng`) is opened as [`Tables`]; a [`troupe::Repertoire`] takes the views a step needs; a
-//! [`troupe::Troupe`] holds the characters. [`policy`] answers single queries without characters.
+//! [`troupe::Troupe`] holds the characters. [`sparring::Sparring`] lets pairs of them box. [`policy`] answers single queries without characters.
 
 pub mod contacts;
 pub mod format;
@@ -13,6 +13,7 @@ pub mod policy;
 pub mod pose;
 pub mod simd;
 pub mod skeleton;
+pub mod sparring;
 pub mod tables;
 pub mod troupe;
 

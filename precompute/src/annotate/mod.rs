@@ -1,7 +1,8 @@
-//! What happens in the clips: foot contacts, frames not to be used, names of ranges.
+//! What happens in the clips: foot contacts, effective hits, frames not to be used, names of ranges.
 
 mod contacts;
 mod ends;
+pub mod hits;
 mod sanity;
 pub mod sidecar;
 
@@ -10,6 +11,7 @@ use crate::error::BuildError;
 use crate::mirror;
 pub use contacts::{ContactConfig, Ground};
 pub use ends::EndsConfig;
+pub use hits::HitConfig;
 use rayon::prelude::*;
 pub use sanity::{ContactSanity, sanity};
 use schemars::JsonSchema;
@@ -17,7 +19,7 @@ use serde::{Deserialize, Serialize};
 pub use sidecar::{Sidecar, Sidecars};
 use throng_runtime::Skeleton;
 
-/// How contacts and unusable frames are found.
+/// How contacts, effective hits and unusable frames are found.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct AnnotateConfig {
@@ -25,16 +27,20 @@ pub struct AnnotateConfig {
     pub contacts: ContactConfig,
     /// T-poses and stillness at the ends of clips.
     pub ends: EndsConfig,
+    /// Effective hits.
+    pub hits: HitConfig,
 }
 
-/// Finds foot contacts and unusable ends of every clip, and adds the ranges and tags of the sidecars.
+/// Finds foot contacts, unusable ends and effective hits of every clip, and adds what the sidecars mark.
 ///
 /// Exclusions and tags the clips bring are kept. A mirrored copy that follows its original gets the original's
 /// annotations, sides exchanged.
 ///
 /// # Errors
-/// [`BuildError::Config`] for a sidecar of a clip that is not there or of a range outside its clip.
+/// [`BuildError::Config`] for a setting outside its limits, for a sidecar of a clip that is not there, or of a range
+/// or hit outside its clip.
 pub fn annotate(clips: &ClipSet, cfg: &AnnotateConfig, sidecars: &Sidecars) -> Result<ClipSet, BuildError> {
+    cfg.hits.check()?;
     sidecars.check_names(clips)?;
     let annotated: Vec<Clip> = clips
         .clips
@@ -57,6 +63,7 @@ pub fn annotate(clips: &ClipSet, cfg: &AnnotateConfig, sidecars: &Sidecars) -> R
         };
         out.push(clip);
     }
+    hits::set_forces(&mut out);
     Ok(ClipSet { skeleton: clips.skeleton.clone(), clips: out })
 }
 
@@ -74,6 +81,7 @@ fn annotate_clip(
     excluded.extend(marked.excluded);
     out.tags.extend(marked.tags);
     out.excluded = disjoint(excluded);
+    out.hits = hits::find(&out, skeleton, &cfg.hits, &marked.hits, marked.automatic_hits)?;
     Ok(out)
 }
 

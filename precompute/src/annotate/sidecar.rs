@@ -1,4 +1,4 @@
-//! What people write beside a clip: ranges to leave out, names of ranges.
+//! What people write beside a clip: ranges to leave out, names of ranges, effective hits.
 //!
 //! `CLIP.toml` beside `CLIP.bvh`:
 //!
@@ -10,9 +10,17 @@
 //! name = "punch"
 //! start = 3.2
 //! end = 4.0
+//!
+//! [[hits]]
+//! name = "punch"            # a punch, a kick, or a name of your own
+//! joint = "right_hand"
+//! at = 3.6                  # or start and end: the joint's fastest moment in between
 //! ```
+//!
+//! `automatic_hits = false` leaves the clip with the hits that are marked.
 
-use crate::clip::{Clip, ClipSet, Exclusion, ExclusionReason, FrameRange, Tag};
+use super::hits::HitMark;
+use crate::clip::{Clip, ClipSet, Exclusion, ExclusionReason, FrameRange, HitKind, Tag};
 use crate::error::BuildError;
 use crate::import::ImportedSet;
 use crate::mirror;
@@ -20,9 +28,10 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::Path;
+use throng_runtime::Joint;
 
-/// Ranges and names for one clip.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+/// Ranges, names and hits for one clip.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct Sidecar {
     /// What the numbers count.
@@ -31,6 +40,22 @@ pub struct Sidecar {
     pub exclude: Vec<[f64; 2]>,
     /// Names of ranges.
     pub tags: Vec<SidecarTag>,
+    /// Effective hits; each takes the place of what is found for the same joint nearby.
+    pub hits: Vec<SidecarHit>,
+    /// Look for hits, too; false leaves those of `hits` alone.
+    pub automatic_hits: bool,
+}
+
+impl Default for Sidecar {
+    fn default() -> Self {
+        Self {
+            unit: TimeUnit::default(),
+            exclude: Vec::new(),
+            tags: Vec::new(),
+            hits: Vec::new(),
+            automatic_hits: true,
+        }
+    }
 }
 
 /// A name on a range.
@@ -43,6 +68,66 @@ pub struct SidecarTag {
     pub start: f64,
     /// Where it ends. [Unit: as `unit` says]
     pub end: f64,
+}
+
+/// A hit: at one moment, or at the fastest moment of a range.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct SidecarHit {
+    /// `punch`, `kick`, or any other name: a kind of its own.
+    pub name: String,
+    /// The joint that strikes, in snake_case: `left_hand`, `right_foot`, `head`.
+    pub joint: String,
+    /// The moment; without `start` and `end`. [Unit: as `unit` says]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub at: Option<f64>,
+    /// Where the range begins in which the joint's fastest moment is the hit; with `end`. [Unit: as `unit` says]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub start: Option<f64>,
+    /// Where the range ends. [Unit: as `unit` says]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub end: Option<f64>,
+}
+
+impl SidecarHit {
+    /// Its beginning and end, the same for a single moment, or what is wrong with it.
+    fn times(&self) -> Result<(f64, f64), String> {
+        let sound = |t: f64| t >= 0.0 && t.is_finite();
+        let name = &self.name;
+        match (self.at, self.start, self.end) {
+            (Some(at), None, None) if sound(at) => Ok((at, at)),
+            (Some(at), None, None) => Err(format!("`{name}`: expected at >= 0, found {at}. Correct it.")),
+            (None, Some(start), Some(end)) if sound(start) && end > start => Ok((start, end)),
+            (None, Some(start), Some(end)) => Err(format!(
+                "`{name}`: expected 0 <= start < end, found start = {start}, end = {end}. Exchange or correct them."
+            )),
+            _ => {
+                Err(format!("`{name}`: expected `at`, or `start` and `end`, found neither or both. Keep one of them."))
+            }
+        }
+    }
+
+    /// The joint of that name, or what is wrong with the name.
+    fn joint(&self) -> Result<Joint, String> {
+        Joint::from_name(&self.joint).ok_or_else(|| {
+            let likeness = |j: &Joint| strsim::jaro_winkler(j.name(), &self.joint);
+            let nearest = Joint::ALL.into_iter().max_by(|a, b| likeness(a).total_cmp(&likeness(b)));
+            format!(
+                "`{}`: there is no joint `{}`. Did you mean `{}`?",
+                self.name,
+                self.joint,
+                nearest.map_or("", Joint::name)
+            )
+        })
+    }
+
+    /// What kind of blow it is.
+    fn kind(&self) -> HitKind {
+        [HitKind::Punch, HitKind::Kick]
+            .into_iter()
+            .find(|k| k.name() == self.name)
+            .unwrap_or_else(|| HitKind::Tag(self.name.clone()))
+    }
 }
 
 /// What the numbers of a sidecar count.
@@ -72,12 +157,22 @@ struct Entry {
 }
 
 /// What a sidecar says about a clip, in the clip's frames.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Marked {
     /// Ranges to leave out.
     pub excluded: Vec<Exclusion>,
     /// Names.
     pub tags: Vec<Tag>,
+    /// Hits.
+    pub hits: Vec<HitMark>,
+    /// Look for hits, too.
+    pub automatic_hits: bool,
+}
+
+impl Default for Marked {
+    fn default() -> Self {
+        Self { excluded: Vec::new(), tags: Vec::new(), hits: Vec::new(), automatic_hits: true }
+    }
 }
 
 /// The ranges again, with their places in the text.
@@ -87,6 +182,8 @@ struct Located {
     exclude: Vec<toml::Spanned<toml::Value>>,
     #[serde(default)]
     tags: Vec<toml::Spanned<toml::Value>>,
+    #[serde(default)]
+    hits: Vec<toml::Spanned<toml::Value>>,
 }
 
 impl Sidecar {
@@ -98,20 +195,25 @@ impl Sidecar {
         let line_of = |offset: usize| text[..offset.min(text.len())].matches('\n').count() + 1;
         let sidecar: Self = toml::from_str(text).map_err(|e| BuildError::Config {
             message: format!(
-                "{origin}:{}: {}. Expected `unit`, `exclude = [[start, end], ...]` and `[[tags]]` with name, start, end.",
+                "{origin}:{}: {}. Expected `unit`, `exclude = [[start, end], ...]`, `[[tags]]` with name, start, end, \
+                 `[[hits]]` with name, joint, at, and `automatic_hits`.",
                 line_of(e.span().map_or(0, |s| s.start)),
                 e.message().trim_end_matches('.')
             ),
         })?;
         sidecar.check(origin, |list, i| {
             let located: Located = toml::from_str(text).ok()?;
-            let spans = if list == "exclude" { located.exclude } else { located.tags };
+            let spans = match list {
+                "exclude" => located.exclude,
+                "tags" => located.tags,
+                _ => located.hits,
+            };
             spans.get(i).map(|s| line_of(s.span().start))
         })?;
         Ok(sidecar)
     }
 
-    /// Refuses ranges that end before they start, and names without letters.
+    /// Refuses ranges that end before they start, names without letters, and joints that do not exist.
     fn check(&self, origin: &str, line: impl Fn(&str, usize) -> Option<usize>) -> Result<(), BuildError> {
         let fault = |list: &str, i: usize, what: String| {
             let place = line(list, i).map_or_else(|| origin.to_string(), |l| format!("{origin}:{l}"));
@@ -142,6 +244,14 @@ impl Sidecar {
                 );
             }
         }
+        for (i, h) in self.hits.iter().enumerate() {
+            if h.name.trim().is_empty() {
+                return fault("hits", i, "expected a name, found an empty one. Name the kind of blow.".into());
+            }
+            if let Err(what) = h.times().map(|_| ()).and(h.joint().map(|_| ())) {
+                return fault("hits", i, what);
+            }
+        }
         Ok(())
     }
 }
@@ -150,7 +260,7 @@ impl Sidecars {
     /// Adds a clip's sidecar. `source_rate_hz` is the rate of its file, `origin` the file or table it is written in.
     ///
     /// # Errors
-    /// [`BuildError::Config`] for ranges that end before they start.
+    /// [`BuildError::Config`] for ranges that end before they start, or joints that do not exist.
     pub fn insert(
         &mut self,
         clip_name: &str,
@@ -217,10 +327,10 @@ impl Sidecars {
         Ok(())
     }
 
-    /// What is written about a clip, in its frames. A mirrored copy has its original's.
+    /// What is written about a clip, in its frames. A mirrored copy has its original's, sides exchanged.
     ///
     /// # Errors
-    /// [`BuildError::Config`] for a range that begins after the clip's end.
+    /// [`BuildError::Config`] for a range or hit that begins after the clip's end.
     pub(super) fn ranges(&self, clip: &Clip) -> Result<Marked, BuildError> {
         let Some(entry) = self.entries.get(original_name(clip)) else { return Ok(Marked::default()) };
         let n = clip.num_frames();
@@ -242,7 +352,7 @@ impl Sidecars {
             }
             Ok(range)
         };
-        let mut out = Marked::default();
+        let mut out = Marked { automatic_hits: entry.sidecar.automatic_hits, ..Marked::default() };
         for (i, [start, end]) in entry.sidecar.exclude.iter().enumerate() {
             let range = frames(*start, *end, &format!("exclude[{i}]"))?;
             out.excluded.push(Exclusion { range, reason: ExclusionReason::Sidecar });
@@ -250,6 +360,18 @@ impl Sidecars {
         for (i, t) in entry.sidecar.tags.iter().enumerate() {
             let range = frames(t.start, t.end, &format!("tags[{i}] `{}`", t.name))?;
             out.tags.push(Tag { name: t.name.clone(), range });
+        }
+        for (i, h) in entry.sidecar.hits.iter().enumerate() {
+            let key = format!("hits[{i}] `{}`", h.name);
+            let wrong = |what: String| BuildError::Config { message: format!("{}: hits[{i}]: {what}", entry.origin) };
+            let ((start, end), joint) = (h.times().map_err(wrong)?, h.joint().map_err(wrong)?);
+            let mut range = frames(start, end, &key)?;
+            if start == end {
+                range.start = (start * per_unit).round() as usize;
+            }
+            range.end = range.end.max(range.start + 1);
+            let joint = if clip.mirrored { joint.mirrored() } else { joint };
+            out.hits.push(HitMark { kind: h.kind(), joint, range, origin: format!("{}: {key}", entry.origin) });
         }
         Ok(out)
     }

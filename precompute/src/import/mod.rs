@@ -19,8 +19,10 @@ mod scan;
 mod source;
 mod units;
 
+use crate::clip::{Clip, ClipSet};
 use crate::progress::Progress;
 use crate::raw::RawClip;
+use crate::retarget::to_raw;
 use crate::{ImportError, Warnings};
 pub use config::{Forward, ImportConfig, UpAxis};
 pub use files::{expand, find_asf};
@@ -99,6 +101,23 @@ pub fn read(paths: &[PathBuf], config: &ImportConfig, progress: &dyn Progress) -
         return Err(set.skipped.swap_remove(0));
     }
     Ok(set)
+}
+
+/// Takes clips that were made, not read, the way that files go: each is written as BVH in memory and read again.
+///
+/// - `folder`: what their paths begin with, in messages and provenance; it need not exist.
+///
+/// # Errors
+/// As [`read`].
+pub fn made(set: &ClipSet, folder: &Path, config: &ImportConfig) -> Result<ImportedSet, ImportError> {
+    let one = |clip: &Clip| {
+        let path = folder.join(format!("{}.bvh", clip.name));
+        let mut text = Vec::new();
+        let failed = |source| ImportError::Io { path: path.clone(), source };
+        bvh_write::write(&to_raw(clip, &set.skeleton), &mut text).map_err(failed)?;
+        interpret(bvh::parse(&text, &path)?, config, &[])
+    };
+    Ok(ImportedSet { clips: set.clips.par_iter().map(one).collect::<Result<_, _>>()?, skipped: Vec::new() })
 }
 
 /// Reads one motion file.

@@ -69,6 +69,8 @@ pub struct PolicyReport {
     pub error_bound: f64,
     /// Bytes of values, best actions, segments and paths.
     pub bytes: usize,
+    /// Bytes of the values alone: what the paper's tables hold.
+    pub value_bytes: usize,
     /// Time from behaviour to tables. [Unit: s]
     pub seconds: f64,
     /// Single-load answers against look-aheads.
@@ -191,6 +193,7 @@ fn report(
         greedy_sweeps: solution.num_greedy_sweeps,
         residual: solution.residual,
         error_bound: f64::from(solution.residual) / (1.0 - shrinking),
+        value_bytes: solution.values.len() * 4,
         bytes: solution.values.len() * 4
             + best.len()
             + size_of_val(&*solution.segments)

@@ -1,5 +1,6 @@
 //! What a troupe remembers of eight characters, laid out so that one load fetches a number of all four.
 
+use super::reaction::Reaction;
 use crate::contacts::Contacts;
 use crate::lanes::{LANES, Lanes, V};
 use crate::planar::{Planar, wrap_angle};
@@ -140,6 +141,7 @@ pub(crate) struct Block {
     /// Left, right.
     pub feet: [FootLock; 2],
     pub offsets: Offsets,
+    pub reaction: Reaction,
 }
 
 impl Block {
@@ -156,6 +158,7 @@ impl Block {
         contacts: [Contacts::NONE; LANES],
         feet: [FootLock::ZERO; 2],
         offsets: Offsets::ZERO,
+        reaction: Reaction::ZERO,
     };
 
     /// Planar root of one lane at the last step.

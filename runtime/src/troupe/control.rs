@@ -1,6 +1,7 @@
 //! Control: a character that has come to the end of its segment chooses the next action.
 
 use super::block::{Block, NO_STATE, set};
+use super::blow::PassedHits;
 use super::repertoire::Repertoire;
 use super::transition::{self, Change};
 use super::{Choice, Goal, TroupeConfig};
@@ -28,9 +29,11 @@ struct Pending {
 /// Lets every character of a range choose until each is inside a segment.
 ///
 /// - `first`: number of the range's first character, which random choices depend on.
+/// - `passed`: takes the hits that new segments begin with.
 /// - `goals`: targets and weights cover the whole troupe.
 pub(crate) fn choose(
     blocks: &mut [Block],
+    passed: &mut PassedHits,
     first: usize,
     count: usize,
     repertoire: &Repertoire<'_>,
@@ -60,7 +63,7 @@ pub(crate) fn choose(
             continue;
         }
         select(&mut pending, blocks, first, repertoire, config, goals);
-        apply(&pending, blocks, repertoire, config);
+        apply(&pending, blocks, passed, first, repertoire, config);
     }
 }
 
@@ -139,7 +142,14 @@ fn select(
 }
 
 /// Starts the chosen segments.
-fn apply(pending: &Pending, blocks: &mut [Block], repertoire: &Repertoire<'_>, config: &TroupeConfig) {
+fn apply(
+    pending: &Pending,
+    blocks: &mut [Block],
+    passed: &mut PassedHits,
+    first: usize,
+    repertoire: &Repertoire<'_>,
+    config: &TroupeConfig,
+) {
     let mut changes = [Change::default(); BATCH];
     let mut num_changes = 0;
     let rate = repertoire.rate_hz;
@@ -158,6 +168,9 @@ fn apply(pending: &Pending, blocks: &mut [Block], repertoire: &Repertoire<'_>, c
         set(&mut b.choice_root, lane, Vec3::new(root.x, root.z, root.heading));
         b.time[lane] = left;
         b.num_choices[lane] = b.num_choices[lane].wrapping_add(1);
+        if !passed.is_off() {
+            passed.pass(repertoire, first as u32 + character, id, (0.0, left), b.clip_to_world(lane));
+        }
         b.bend[lane] = bend(new.displacement(), new.num_frames, pending.targets[0][i], config.bend_rad_per_m);
         if new.start != from {
             let left_s = left / rate;

@@ -41,10 +41,10 @@ const NO_CORRECTION: f32 = 1e-10;
 /// The joints of one leg and their lengths.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Leg {
-    thigh: usize,
-    shin: usize,
-    foot: usize,
-    toe: usize,
+    pub thigh: usize,
+    pub shin: usize,
+    pub foot: usize,
+    pub toe: usize,
     thigh_length: f32,
     shin_length: f32,
     /// Height of the toe over the ground when the foot stands flat. [Unit: m]
@@ -81,12 +81,12 @@ pub(crate) struct Placement<F> {
 
 impl<F: Lanes> Placement<F> {
     #[inline(always)]
-    fn to_world(&self, p: V<F>) -> V<F> {
+    pub fn to_world(&self, p: V<F>) -> V<F> {
         V::new(self.cos * p.x + self.sin * p.z + self.x, p.y, self.cos * p.z - self.sin * p.x + self.z)
     }
 
     #[inline(always)]
-    fn vector_to_model(&self, v: V<F>) -> V<F> {
+    pub fn vector_to_model(&self, v: V<F>) -> V<F> {
         V::new(self.cos * v.x - self.sin * v.z, v.y, self.sin * v.x + self.cos * v.z)
     }
 }
@@ -153,7 +153,7 @@ fn update_correction<F: Lanes>(
 
 /// Moves the ankle by `correction` (model space) and bends the leg to reach; the foot keeps its orientation.
 #[inline(always)]
-fn move_leg<F: Lanes>(leg: &Leg, correction: V<F>, pose: &mut ModelPose<F>) {
+pub(crate) fn move_leg<F: Lanes>(leg: &Leg, correction: V<F>, pose: &mut ModelPose<F>) {
     let one = F::splat(1.0);
     let (hip, knee, ankle) = (pose.positions[leg.thigh], pose.positions[leg.shin], pose.positions[leg.foot]);
     let (l1, l2) = (F::splat(leg.thigh_length), F::splat(leg.shin_length));

@@ -1,9 +1,12 @@
 //! Troupes: many characters, moved and posed together.
 
+mod anatomy;
 mod block;
+mod blow;
 mod control;
 mod foot_lock;
 mod hierarchy;
+mod reaction;
 mod repertoire;
 mod sample;
 mod sample_job;
@@ -18,10 +21,14 @@ use crate::contacts::Contacts;
 use crate::lanes::LANES;
 use crate::planar::Planar;
 use crate::pose::{LocalTransform, Mat3x4};
-use crate::skeleton::NUM_JOINTS;
+use crate::skeleton::{Joint, NUM_JOINTS};
+pub(crate) use anatomy::head_centre;
 use block::Block;
+pub use blow::{Blow, MAX_BLOWS};
+use blow::{Blows, PassedHits};
 pub use foot_lock::FootLockConfig;
-use glam::Vec3;
+use glam::{Vec2, Vec3};
+pub use reaction::ReactionConfig;
 pub use repertoire::Repertoire;
 pub use sample_job::SampleJob;
 pub use snapshot::TroupeSnapshot;
@@ -57,6 +64,8 @@ pub struct TroupeConfig {
     pub half_life_s: f32,
     /// How feet are locked.
     pub foot_lock: FootLockConfig,
+    /// How those who are struck give way, see [`Troupe::push`].
+    pub reaction: ReactionConfig,
     /// How far a walked action may be bent towards the target; 0 leaves motion as captured (004 section 6, linear
     /// path editing). [Unit: rad/m] [Limit: >= 0]
     pub bend_rad_per_m: f32,
@@ -73,6 +82,7 @@ impl Default for TroupeConfig {
             choice: Choice::LookAhead { temperature: 0.0 },
             half_life_s: 0.1,
             foot_lock: FootLockConfig::default(),
+            reaction: ReactionConfig::default(),
             bend_rad_per_m: 0.0,
             local_transforms: false,
             timed: false,
@@ -125,6 +135,12 @@ pub enum TroupeError {
         /// How many there are.
         limit: usize,
     },
+    /// A character without an opponent.
+    #[error("{got} starts are not pairs: characters 2i and 2i + 1 spar with each other, add a start or take one away")]
+    Odd {
+        /// Number of starts.
+        got: usize,
+    },
     /// A number out of its range.
     #[error("{what} is {got}, expected {expected}")]
     Value {
@@ -159,6 +175,8 @@ pub struct Troupe {
     num_frames: usize,
     num_segments: usize,
     blocks: Vec<Block>,
+    passed: Vec<PassedHits>,
+    blows: Blows,
     matrices: Vec<Mat3x4>,
     locals: Vec<LocalTransform>,
     times: StepTimes,
@@ -200,6 +218,8 @@ impl Troupe {
             b.set_clip_to_world(lane, r.compose(repertoire.planar(state.frame).inverse()));
             block::set(&mut b.root, lane, Vec3::new(r.x, r.z, r.heading));
         }
+        let ranges = starts.chunks(RANGE_BLOCKS * LANES);
+        let passed: Vec<_> = ranges.map(|s| PassedHits::new(s.len(), repertoire)).collect();
         let locals = if config.local_transforms { n * NUM_JOINTS } else { 0 };
         Ok(Self {
             config,
@@ -207,6 +227,8 @@ impl Troupe {
             num_frames: repertoire.frames.len(),
             num_segments: repertoire.graph.segments.len(),
             blocks,
+            blows: Blows::new(&passed),
+            passed,
             matrices: vec![Mat3x4::default(); n * NUM_JOINTS],
             locals: vec![LocalTransform::default(); locals],
             times: StepTimes::default(),
@@ -230,9 +252,11 @@ impl Troupe {
         let n = self.num_characters;
         let matrices = self.matrices.chunks_mut(RANGE_BLOCKS * LANES * NUM_JOINTS);
         let mut locals = self.locals.chunks_mut(RANGE_BLOCKS * LANES * NUM_JOINTS);
-        for (i, (blocks, matrices)) in self.blocks.chunks_mut(RANGE_BLOCKS).zip(matrices).enumerate() {
-            step::step(range(i, n, blocks, matrices, locals.next().unwrap_or_default()), &tick);
+        let parts = self.blocks.chunks_mut(RANGE_BLOCKS).zip(&mut self.passed);
+        for (i, (part, matrices)) in parts.zip(matrices).enumerate() {
+            step::step(range(i, n, part, matrices, locals.next().unwrap_or_default()), &tick);
         }
+        self.blows.gather(&self.passed, repertoire);
         self.times = clock.map_or(self.times, |c| c.times());
         Ok(())
     }
@@ -249,13 +273,15 @@ impl Troupe {
         let tick = Tick { dt_s, repertoire, config: &self.config, goals, clock: clock.as_ref() };
         let n = self.num_characters;
         const POSES: usize = RANGE_BLOCKS * LANES * NUM_JOINTS;
-        let parts = self.blocks.par_chunks_mut(RANGE_BLOCKS).zip(self.matrices.par_chunks_mut(POSES)).enumerate();
+        let parts = self.blocks.par_chunks_mut(RANGE_BLOCKS).zip(&mut self.passed);
+        let parts = parts.zip(self.matrices.par_chunks_mut(POSES)).enumerate();
         if self.locals.is_empty() {
             parts.for_each(|(i, (b, m))| step::step(range(i, n, b, m, &mut []), &tick));
         } else {
             let parts = parts.zip(self.locals.par_chunks_mut(POSES));
             parts.for_each(|((i, (b, m)), l)| step::step(range(i, n, b, m, l), &tick));
         }
+        self.blows.gather(&self.passed, repertoire);
         self.times = clock.map_or(self.times, |c| c.times());
         Ok(())
     }
@@ -297,14 +323,66 @@ impl Troupe {
     /// [`Troupe::step`]; nothing has changed then.
     pub fn play(&mut self, repertoire: &Repertoire<'_>, character: usize, segment: u32) -> Result<(), TroupeError> {
         self.check_bundle(repertoire)?;
-        for (what, got, limit) in
-            [("character", character, self.num_characters), ("segment", segment as usize, self.num_segments)]
-        {
-            if got >= limit {
-                return Err(TroupeError::Index { what, got, limit });
-            }
-        }
+        check_index("character", character, self.num_characters)?;
+        check_index("segment", segment as usize, self.num_segments)?;
         control::play(&mut self.blocks, character, segment, repertoire, &self.config);
+        Ok(())
+    }
+
+    /// Blows of the last step, in the order of characters. [Size: at most MAX_BLOWS a character]
+    ///
+    /// A character strikes where it passes the frame of an effective hit; a hit on the frame that a segment starts
+    /// with belongs to the segment before.
+    pub fn blows(&self) -> &[Blow] {
+        self.blows.get()
+    }
+
+    /// The next blow of the segment that a character plays, and the time until it; its place is where it would land
+    /// if the path were bent no further. [Unit: s] [Limit: character < num_characters]
+    pub fn next_blow(&self, repertoire: &Repertoire<'_>, character: usize) -> Option<(Blow, f32)> {
+        let (segment, time) = self.segment(character);
+        let start = repertoire.graph.segments[segment as usize].start;
+        let frames = |hit: u32| (repertoire.hits[hit as usize].frame - start) as f32 - time;
+        let hit = repertoire.hits_of(segment).find(|&hit| frames(hit) > 0.0)?;
+        let place = self.blocks[character / LANES].clip_to_world(character % LANES);
+        Some((Blow::new(repertoire, character as u32, hit, place), frames(hit) / repertoire.rate_hz))
+    }
+
+    /// Displaces a part of a character's body, which then comes back; see [`ReactionConfig`].
+    ///
+    /// The head (for head and neck) or the upper trunk reaches the displacement shortly after; what stands for limbs
+    /// moves the trunk by a share. Pushes add up to the largest displacement of the config.
+    ///
+    /// - `displacement`: in the world. [Unit: m]
+    ///
+    /// # Errors
+    /// [`TroupeError::Index`] for a character that does not exist, [`TroupeError::Value`] for a displacement that is
+    /// not finite; nothing has changed then.
+    pub fn push(&mut self, character: usize, joint: Joint, displacement: Vec3) -> Result<(), TroupeError> {
+        check_index("character", character, self.num_characters)?;
+        let largest = displacement.abs().max_element();
+        check("displacement", largest, displacement.is_finite() && largest < 1e3, "finite and below 1e3")?;
+        if self.config.reaction.enabled {
+            let block = &mut self.blocks[character / LANES];
+            reaction::push(&mut block.reaction, character % LANES, &self.config.reaction, joint, displacement);
+        }
+        Ok(())
+    }
+
+    /// Moves a character over the ground as a whole, at the next step. Planted feet stay, where they are locked and as far as the lock
+    /// reaches, and follow when they are lifted.
+    ///
+    /// - `by`: x and z in the world. [Unit: m]
+    ///
+    /// # Errors
+    /// As [`Troupe::push`].
+    pub fn shift(&mut self, character: usize, by: Vec2) -> Result<(), TroupeError> {
+        check_index("character", character, self.num_characters)?;
+        let largest = by.abs().max_element();
+        check("shift", largest, by.is_finite() && largest < 1e3, "finite and below 1e3")?;
+        let (block, lane) = (&mut self.blocks[character / LANES], character % LANES);
+        block.clip_to_world[0][lane] += by.x;
+        block.clip_to_world[1][lane] += by.y;
         Ok(())
     }
 
@@ -386,13 +464,17 @@ fn arrivals(repertoire: &Repertoire<'_>) -> Vec<u32> {
 fn range<'a>(
     index: usize,
     num_characters: usize,
-    blocks: &'a mut [Block],
+    (blocks, passed): (&'a mut [Block], &'a mut PassedHits),
     matrices: &'a mut [Mat3x4],
     locals: &'a mut [LocalTransform],
 ) -> Range<'a> {
     let first = index * RANGE_BLOCKS * LANES;
     let count = (num_characters - first).min(RANGE_BLOCKS * LANES);
-    Range { first, count, blocks, matrices, locals }
+    Range { first, count, blocks, passed, matrices, locals }
+}
+
+fn check_index(what: &'static str, got: usize, limit: usize) -> Result<(), TroupeError> {
+    if got < limit { Ok(()) } else { Err(TroupeError::Index { what, got, limit }) }
 }
 
 fn check_config(c: &TroupeConfig) -> Result<(), TroupeError> {
@@ -403,6 +485,7 @@ fn check_config(c: &TroupeConfig) -> Result<(), TroupeError> {
     check("foot_lock.planted_half_life_s", planted, planted > 1e-3 && planted < 1e6, "between 0.001 and a million")?;
     let most = c.foot_lock.max_correction_m;
     check("foot_lock.max_correction_m", most, (1e-3..10.0).contains(&most), "between 0.001 and 10")?;
+    c.reaction.check()?;
     let bend = c.bend_rad_per_m;
     check("bend_rad_per_m", bend, (0.0..10.0).contains(&bend), "between 0 and 10")?;
     if let Choice::LookAhead { temperature } = c.choice {

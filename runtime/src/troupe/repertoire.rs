@@ -3,22 +3,26 @@
 use crate::contacts::Contacts;
 use crate::format::FrameRow;
 use crate::graph::MotionGraph;
+use crate::hits::HitRecord;
 use crate::planar::Planar;
 use crate::policy::PolicyTable;
 use crate::skeleton::Skeleton;
 use crate::tables::Tables;
 
-use super::foot_lock::Leg;
+use super::anatomy::Anatomy;
 
 /// Views on everything in a bundle that characters need to move. Make it once and keep it as long as the tables.
 #[derive(Clone, Debug)]
 pub struct Repertoire<'t> {
     pub(crate) frames: &'t [FrameRow],
     pub(crate) contacts: &'t [Contacts],
+    pub(crate) hits: &'t [HitRecord],
+    /// First hit of each segment, and the one after its last. [Size: number of segments]
+    segment_hits: Vec<[u32; 2]>,
     pub(crate) graph: MotionGraph<'t>,
     pub(crate) policies: Vec<PolicyTable<'t>>,
     pub(crate) skeleton: Skeleton,
-    pub(crate) legs: [Leg; 2],
+    pub(crate) anatomy: Anatomy,
     pub(crate) rate_hz: f32,
 }
 
@@ -28,10 +32,12 @@ impl<'t> Repertoire<'t> {
         Self {
             frames: tables.frames(),
             contacts: tables.contacts(),
+            hits: tables.hits(),
+            segment_hits: segment_hits(&tables.graph(), tables.hits()),
             graph: tables.graph(),
             policies: (0..tables.num_policies()).map(|i| tables.policy(i)).collect(),
             skeleton: tables.skeleton().clone(),
-            legs: Leg::both(tables.skeleton()),
+            anatomy: Anatomy::new(tables.skeleton()),
             rate_hz: tables.meta().rate_hz as f32,
         }
     }
@@ -51,6 +57,18 @@ impl<'t> Repertoire<'t> {
         &self.graph
     }
 
+    /// Effective hits, ascending by frame; a [`super::Blow`] names one of them.
+    pub fn hits(&self) -> &'t [HitRecord] {
+        self.hits
+    }
+
+    /// Numbers of the hits that a segment passes: those on its start belong to the segment before.
+    /// [Limit: segment < number of segments]
+    pub fn hits_of(&self, segment: u32) -> std::ops::Range<u32> {
+        let [first, end] = self.segment_hits[segment as usize];
+        first..end
+    }
+
     /// The skeleton of all characters.
     pub fn skeleton(&self) -> &Skeleton {
         &self.skeleton
@@ -61,4 +79,10 @@ impl<'t> Repertoire<'t> {
         let [x, z, heading] = self.frames[frame as usize].planar;
         Planar::new(x, z, heading)
     }
+}
+
+/// The hits in `(start, start + num_frames]` of every segment.
+fn segment_hits(graph: &MotionGraph<'_>, hits: &[HitRecord]) -> Vec<[u32; 2]> {
+    let up_to = |frame: u32| hits.partition_point(|h| h.frame <= frame) as u32;
+    graph.segments.iter().map(|s| [up_to(s.start), up_to(s.start + s.num_frames)]).collect()
 }

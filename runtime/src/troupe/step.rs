@@ -1,12 +1,14 @@
-//! One tick, in reading order: advance -> control -> sample -> foot lock -> poses.
+//! One tick, in reading order: advance -> control -> sample -> reaction -> foot lock -> poses.
 //!
 //! Characters are handled in ranges of whole blocks; nothing in a range depends on another, so results do not
 //! depend on how a troupe is split.
 
 use super::block::Block;
+use super::blow::PassedHits;
 use super::control;
 use super::foot_lock::{Placement, lock_foot};
 use super::hierarchy::{to_model, write_locals, write_matrices};
+use super::reaction;
 use super::repertoire::Repertoire;
 use super::sample::{Cursor, add_offsets, between, sample};
 use super::times::{Clock, Laps, Phase};
@@ -37,6 +39,8 @@ pub(crate) struct Range<'a> {
     /// Characters; the last block may have empty lanes.
     pub count: usize,
     pub blocks: &'a mut [Block],
+    /// Hits that are passed.
+    pub passed: &'a mut PassedHits,
     /// [Size: count * NUM_JOINTS]
     pub matrices: &'a mut [Mat3x4],
     /// [Size: count * NUM_JOINTS, or 0 where no local transforms are wanted]
@@ -46,17 +50,21 @@ pub(crate) struct Range<'a> {
 /// The list.
 pub(crate) fn step(range: Range<'_>, tick: &Tick<'_>) {
     let mut laps = Laps::start(tick.clock);
-    advance(range.blocks, range.count, tick);
+    range.passed.clear();
+    advance(range.blocks, range.passed, range.first, range.count, tick);
     laps.end(Phase::Advance);
-    control::choose(range.blocks, range.first, range.count, tick.repertoire, tick.config, tick.goals);
+    control::choose(range.blocks, range.passed, range.first, range.count, tick.repertoire, tick.config, tick.goals);
+    range.passed.sort();
     laps.end(Phase::Control);
-    dispatch(Pose { range, tick });
+    let decay = reaction::Step::new(&tick.config.reaction, tick.dt_s);
+    dispatch(Pose { range, tick, decay });
 }
 
-/// The second half of the list: sample -> foot lock -> poses, for all blocks of a range.
+/// The second half of the list: sample -> reaction -> foot lock -> poses, for all blocks of a range.
 struct Pose<'a, 't> {
     range: Range<'a>,
     tick: &'a Tick<'t>,
+    decay: reaction::Step,
 }
 
 impl Work for Pose<'_, '_> {
@@ -70,13 +78,13 @@ impl Work for Pose<'_, '_> {
             let from = i * LANES * NUM_JOINTS;
             let locals = locals.get_mut(from..).unwrap_or_default();
             let len = locals.len().min(matrices.len());
-            pose::<F>(block, matrices, &mut locals[..len], self.tick);
+            pose::<F>(block, matrices, &mut locals[..len], self.tick, &self.decay);
         }
     }
 }
 
-/// Moves time on, and turns the path of characters whose action is bent.
-fn advance(blocks: &mut [Block], count: usize, tick: &Tick<'_>) {
+/// Moves time on, turns the path of characters whose action is bent, and notes the hits that are passed.
+fn advance(blocks: &mut [Block], passed: &mut PassedHits, first: usize, count: usize, tick: &Tick<'_>) {
     let frames = tick.dt_s * tick.repertoire.rate_hz;
     for character in 0..count {
         let (b, lane) = (&mut blocks[character / LANES], character % LANES);
@@ -89,14 +97,25 @@ fn advance(blocks: &mut [Block], count: usize, tick: &Tick<'_>) {
             let placed = root.to_local(b.clip_to_world(lane));
             b.set_clip_to_world(lane, turned.compose(placed));
         }
+        let from = b.time[lane];
         b.time[lane] += frames;
+        if !passed.is_off() {
+            let (span, place) = ((from, b.time[lane]), b.clip_to_world(lane));
+            passed.pass(tick.repertoire, (first + character) as u32, b.segment[lane], span, place);
+        }
         b.age_s[lane] += tick.dt_s;
     }
 }
 
-/// Samples a block, locks its feet and writes its poses.
+/// Samples a block, displaces those who were struck, locks feet and writes its poses.
 #[inline(always)]
-fn pose<F: Lanes>(block: &mut Block, matrices: &mut [Mat3x4], locals: &mut [LocalTransform], tick: &Tick<'_>) {
+fn pose<F: Lanes>(
+    block: &mut Block,
+    matrices: &mut [Mat3x4],
+    locals: &mut [LocalTransform],
+    tick: &Tick<'_>,
+    decay: &reaction::Step,
+) {
     let r = tick.repertoire;
     let mut laps = Laps::start(tick.clock);
     let mut at = [0usize; LANES];
@@ -113,6 +132,10 @@ fn pose<F: Lanes>(block: &mut Block, matrices: &mut [Mat3x4], locals: &mut [Loca
     add_offsets(&mut local, block, tick.config.half_life_s);
     let mut model = to_model(&r.skeleton, &local);
     laps.end(Phase::Sample);
+    if tick.config.reaction.enabled && reaction::any::<F>(&block.reaction) {
+        reaction::react(&r.anatomy, &tick.config.reaction, decay, &place, &mut block.reaction, &mut model);
+    }
+    laps.end(Phase::Reaction);
     if tick.config.foot_lock.enabled {
         let planted = |c: Contacts| block.contacts.map(|have| f32::from(u8::from(have.any(c))));
         let parts = [
@@ -121,7 +144,7 @@ fn pose<F: Lanes>(block: &mut Block, matrices: &mut [Mat3x4], locals: &mut [Loca
         ];
         for (foot, planted) in parts.into_iter().enumerate() {
             let lock = &mut block.feet[foot];
-            lock_foot(&r.legs[foot], &tick.config.foot_lock, tick.dt_s, planted, &place, lock, &mut model);
+            lock_foot(&r.anatomy.legs[foot], &tick.config.foot_lock, tick.dt_s, planted, &place, lock, &mut model);
         }
     }
     laps.end(Phase::FootLock);

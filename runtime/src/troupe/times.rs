@@ -14,6 +14,8 @@ pub struct StepTimes {
     pub control_s: f64,
     /// Sampling between frames, adding the offsets of transitions, model space. [Unit: s]
     pub sample_s: f64,
+    /// Displacing those who were struck. [Unit: s]
+    pub reaction_s: f64,
     /// Holding planted feet. [Unit: s]
     pub foot_lock_s: f64,
     /// Writing matrices and local transforms. [Unit: s]
@@ -22,11 +24,12 @@ pub struct StepTimes {
 
 impl StepTimes {
     /// Names and times, in the order of a step. [Unit: s]
-    pub fn phases(&self) -> [(&'static str, f64); 5] {
+    pub fn phases(&self) -> [(&'static str, f64); 6] {
         [
             ("advance", self.advance_s),
             ("control", self.control_s),
             ("sample", self.sample_s),
+            ("reaction", self.reaction_s),
             ("foot lock", self.foot_lock_s),
             ("poses", self.poses_s),
         ]
@@ -44,13 +47,14 @@ pub(crate) enum Phase {
     Advance,
     Control,
     Sample,
+    Reaction,
     FootLock,
     Poses,
 }
 
 /// Adds up the times of a step's phases over all threads.
 #[derive(Debug, Default)]
-pub(crate) struct Clock([AtomicU64; 5]);
+pub(crate) struct Clock([AtomicU64; 6]);
 
 impl Clock {
     pub fn times(&self) -> StepTimes {
@@ -59,6 +63,7 @@ impl Clock {
             advance_s: of(Phase::Advance),
             control_s: of(Phase::Control),
             sample_s: of(Phase::Sample),
+            reaction_s: of(Phase::Reaction),
             foot_lock_s: of(Phase::FootLock),
             poses_s: of(Phase::Poses),
         }

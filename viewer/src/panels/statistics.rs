@@ -9,12 +9,13 @@ use throng_runtime::Tables;
 /// Height of a plot. [Unit: points]
 const PLOT_HEIGHT: f32 = 130.0;
 /// Colours of lines, told apart on dark and light.
-const COLOURS: [Color32; 5] = [
+const COLOURS: [Color32; 6] = [
     Color32::from_rgb(0x4b, 0x8b, 0xd6),
     Color32::from_rgb(0xe8, 0x74, 0x3b),
     Color32::from_rgb(0x2f, 0xb3, 0x9b),
     Color32::from_rgb(0xb0, 0x6c, 0xc9),
     Color32::from_rgb(0xc9, 0x9a, 0x2e),
+    Color32::from_rgb(0xc7, 0x52, 0x6b),
 ];
 /// Steps that a plot averages over, so that single outliers do not hide the rest.
 const SMOOTH: usize = 6;

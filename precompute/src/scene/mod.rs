@@ -1,0 +1,9 @@
+//! Scenes: characters on a bundle with something to do, from a file, run and measured.
+
+mod config;
+mod play;
+mod run;
+
+pub use config::{DragPoint, Scene, SceneGoal, SceneKind, TargetConfig};
+pub use play::{Cast, Play};
+pub use run::{RunConfig, SceneEvent, SceneFrame, SceneRecord, SceneReport, run};

@@ -1,0 +1,45 @@
+//! Behaviours and what they are about, as a troupe takes them.
+
+use super::config::within;
+use crate::troupe::{Goal, MAX_GOALS, Repertoire, TroupeError};
+use glam::Vec3;
+
+/// Checks that behaviours exist: their policies and weights.
+pub(super) fn check(
+    repertoire: &Repertoire<'_>,
+    goals: impl ExactSizeIterator<Item = (usize, f32)>,
+) -> Result<(), TroupeError> {
+    if goals.len() == 0 || goals.len() > MAX_GOALS {
+        return Err(TroupeError::Length { what: "goals", got: goals.len(), expected: MAX_GOALS });
+    }
+    let limit = repertoire.num_policies();
+    for (policy, weight) in goals {
+        if policy >= limit {
+            return Err(TroupeError::Index { what: "policy", got: policy, limit });
+        }
+        within("weight", weight, -1e6, 1e6, "a finite number below 1e6")?;
+    }
+    Ok(())
+}
+
+/// The goals of one step, on the stack.
+pub(super) struct Goals<'a> {
+    slots: [Goal<'a>; MAX_GOALS],
+    len: usize,
+}
+
+impl<'a> Goals<'a> {
+    /// Of policies, weights and targets. [Limit: at most MAX_GOALS]
+    pub fn new(of: impl Iterator<Item = (usize, f32, &'a [Vec3])>) -> Self {
+        let mut goals = Self { slots: [Goal { policy: 0, weight: 0.0, targets: &[] }; MAX_GOALS], len: 0 };
+        for (slot, (policy, weight, targets)) in goals.slots.iter_mut().zip(of) {
+            *slot = Goal { policy, weight, targets };
+            goals.len += 1;
+        }
+        goals
+    }
+
+    pub fn get(&self) -> &[Goal<'a>] {
+        &self.slots[..self.len]
+    }
+}

@@ -1,0 +1,50 @@
+//! What became of blows.
+
+use std::ops::AddAssign;
+
+/// Numbers of blows; those thrown are landed, blocked or missed.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Tally {
+    /// Effective hits that were reached.
+    pub thrown: u32,
+    /// Met what they were meant for.
+    pub landed: u32,
+    /// Were caught by the opponent's arms.
+    pub blocked: u32,
+    /// Met nothing.
+    pub missed: u32,
+}
+
+/// What became of one blow.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Outcome {
+    Landed,
+    Blocked,
+    Missed,
+}
+
+impl Tally {
+    /// Share of the blows thrown that landed; 0 where none was thrown.
+    pub fn landed_fraction(&self) -> f32 {
+        self.landed as f32 / self.thrown.max(1) as f32
+    }
+
+    /// Counts one blow.
+    pub(super) fn count(&mut self, outcome: Outcome) {
+        self.thrown += 1;
+        match outcome {
+            Outcome::Landed => self.landed += 1,
+            Outcome::Blocked => self.blocked += 1,
+            Outcome::Missed => self.missed += 1,
+        }
+    }
+}
+
+impl AddAssign for Tally {
+    fn add_assign(&mut self, o: Self) {
+        self.thrown += o.thrown;
+        self.landed += o.landed;
+        self.blocked += o.blocked;
+        self.missed += o.missed;
+    }
+}

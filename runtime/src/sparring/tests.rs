@@ -1,0 +1,1 @@
+//! Sparring on made-up tables.
