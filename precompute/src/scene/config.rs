@@ -168,7 +168,10 @@ impl Scene {
         for p in &self.target.drag {
             let moderate = [p.x_m, p.y_m, p.z_m].iter().all(|v| v.abs() < 1e3);
             if !(p.time_s > before && p.time_s < 1e5 && moderate) {
-                return fail("target.drag", format!("expected times that ascend from above 0, and places, found {p:?}"));
+                return fail(
+                    "target.drag",
+                    format!("expected times that ascend from above 0, and places, found {p:?}"),
+                );
             }
             before = p.time_s;
         }
@@ -205,7 +208,10 @@ mod tests {
             (format!("{HEAD}characters = 2\ngoals = []\n"), ["`goals`", "1 to 4"]),
             (format!("{HEAD}charcters = 2\n{GOAL}"), ["duel.toml:3", "`characters`"]),
             (format!("{HEAD}characters = 2\ndistance_m = -1.0\n{GOAL}"), ["`distance_m`", "found -1"]),
-            (format!("{HEAD}characters = 2\n{GOAL}[target]\ndrag = [{{ time_s = 0.0 }}]\n"), ["`target.drag`", "ascend"]),
+            (
+                format!("{HEAD}characters = 2\n{GOAL}[target]\ndrag = [{{ time_s = 0.0 }}]\n"),
+                ["`target.drag`", "ascend"],
+            ),
         ] {
             let message = load(&text).unwrap_err();
             assert!(parts.iter().all(|p| message.contains(p)), "{message}");
