@@ -4,7 +4,7 @@ use throng_precompute::cache::Cache;
 use throng_precompute::config::BuildConfig;
 use throng_precompute::measure::{self, MeasureConfig};
 use throng_precompute::progress::Silent;
-use throng_precompute::synth::{self, SynthConfig};
+use throng_precompute::synth::{self, SynthConfig, SynthSet};
 use throng_precompute::{BuildError, pipeline};
 use throng_runtime::Tables;
 
@@ -28,7 +28,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 }
 
 fn build(folder: &std::path::Path, bundle: &std::path::Path, minutes: f64) -> Result<(), BuildError> {
-    synth::write_walk(&SynthConfig { minutes, ..SynthConfig::default() }, folder)?;
+    synth::write(SynthSet::Walk, &SynthConfig { minutes, ..SynthConfig::default() }, folder)?;
     let config = BuildConfig::new("bench", vec![folder.to_path_buf()]);
     pipeline::build(&config, bundle, &Cache::none(), &Silent)?;
     Ok(())

@@ -7,13 +7,13 @@
 use throng_precompute::cache::Cache;
 use throng_precompute::config::BuildConfig;
 use throng_precompute::progress::Silent;
-use throng_precompute::synth::{self, SynthConfig};
+use throng_precompute::synth::{self, SynthConfig, SynthSet};
 use throng_precompute::{pipeline, policy::BehaviourConfig};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     // Any BVH or ASF/AMC files will do; these are made here.
     let folder = tempfile::tempdir()?;
-    synth::write_walk(&SynthConfig { minutes: 2.0, ..SynthConfig::default() }, folder.path())?;
+    synth::write(SynthSet::Walk, &SynthConfig { minutes: 2.0, ..SynthConfig::default() }, folder.path())?;
 
     // What a config file says, field by field. A second behaviour looks further ahead.
     let mut config = BuildConfig::new("walk", vec![folder.path().to_path_buf()]);

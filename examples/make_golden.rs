@@ -15,7 +15,7 @@ use throng_precompute::config::BuildConfig;
 use throng_precompute::pipeline;
 use throng_precompute::policy::GridConfig;
 use throng_precompute::progress::Silent;
-use throng_precompute::synth::{self, SynthConfig};
+use throng_precompute::synth::{self, SynthConfig, SynthSet};
 
 fn main() -> Result<(), Box<dyn Error>> {
     let out = std::env::args_os().nth(1).ok_or("usage: make_golden FILE")?;
@@ -24,7 +24,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     // The bundle names its sources: from inside the folder, their names are the same on every machine.
     std::env::set_current_dir(folder.path())?;
     let motion = SynthConfig { minutes: 0.35, clip_seconds: 12.0, ..SynthConfig::default() };
-    synth::write_walk(&motion, "walk".as_ref())?;
+    synth::write(SynthSet::Walk, &motion, "walk".as_ref())?;
     let mut config = BuildConfig::new("golden", vec!["walk".into()]);
     config.resample.rate_hz = 20.0;
     config.behaviours[0].grid = GridConfig::polar(5, 8, 6.0, 0.75, 2.5);

@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 use throng_precompute::cache::Cache;
+use throng_precompute::scene::{RunConfig, Scene};
 use throng_precompute::trial::TrialConfig;
 use throng_runtime::Tables;
 use throng_runtime::troupe::Choice;
@@ -44,31 +45,32 @@ impl CacheArgs {
     }
 }
 
-/// A crowd whose characters each chase a target of their own.
+/// Who runs, for how long and how.
 #[derive(clap::Args)]
 pub struct CrowdArgs {
-    /// Number of characters.
-    #[arg(long, default_value_t = 1000, value_name = "N")]
-    characters: usize,
+    /// Number of characters; 1000, or what the scene says, where absent.
+    #[arg(long, value_name = "N")]
+    characters: Option<usize>,
     /// Simulated time.
     #[arg(long, default_value_t = 15.0, value_name = "S")]
     seconds: f32,
     /// Steps a simulated second.
     #[arg(long, default_value_t = 60.0, value_name = "HZ")]
     step_hz: f32,
-    /// Seed of places, targets and choices.
-    #[arg(long, default_value_t = 1)]
-    seed: u64,
-    /// Choose by the stored best action instead of looking ahead.
+    /// Seed of places, targets and choices; 1, or what the scene says, where absent.
+    #[arg(long)]
+    seed: Option<u64>,
+    /// Choose by the stored best action instead of looking ahead; not for scenes.
     #[arg(long)]
     single_load: bool,
-    /// Choose at random among the best few actions; 0 always takes the best.
-    #[arg(long, default_value_t = 0.0, value_name = "T")]
-    temperature: f32,
-    /// How far a walked action may be bent towards the target, in radians a metre; 0 plays motion as captured.
+    /// Choose at random among the best few actions, 0 for always the best; 0, or what the scene says, where absent.
+    #[arg(long, value_name = "T")]
+    temperature: Option<f32>,
+    /// How far a walked action may be bent towards the target, in radians a metre; 0 plays motion as captured. Not
+    /// for scenes.
     #[arg(long, default_value_t = 0.0, value_name = "RAD_PER_M")]
     bend: f32,
-    /// Character shown as a strip of poses.
+    /// Character shown as a strip of poses; not for scenes.
     #[arg(long, default_value_t = 0, value_name = "N")]
     follow: usize,
 }
@@ -77,17 +79,33 @@ impl CrowdArgs {
     /// The trial they describe.
     pub fn trial(&self) -> TrialConfig {
         let mut trial = TrialConfig {
-            characters: self.characters,
             seconds: self.seconds,
             step_hz: self.step_hz,
-            seed: self.seed,
             recorded: Some(self.follow),
             ..TrialConfig::default()
         };
-        trial.troupe.seed = self.seed;
+        trial.characters = self.characters.unwrap_or(trial.characters);
+        trial.seed = self.seed.unwrap_or(trial.seed);
+        trial.troupe.seed = trial.seed;
         trial.troupe.bend_rad_per_m = self.bend;
-        trial.troupe.choice =
-            if self.single_load { Choice::BestAction } else { Choice::LookAhead { temperature: self.temperature } };
+        let temperature = self.temperature.unwrap_or(0.0);
+        trial.troupe.choice = if self.single_load { Choice::BestAction } else { Choice::LookAhead { temperature } };
         trial
+    }
+
+    /// How long a scene runs.
+    pub fn scene_run(&self) -> RunConfig {
+        RunConfig { seconds: self.seconds, step_hz: self.step_hz, ..RunConfig::default() }
+    }
+
+    /// Puts what is given in place of what a scene says.
+    pub fn change(&self, scene: &mut Scene) -> Outcome {
+        if self.single_load || self.bend != 0.0 || self.follow != 0 {
+            return fail("--single-load, --bend and --follow are for bundles, not for scenes");
+        }
+        scene.characters = self.characters.unwrap_or(scene.characters);
+        scene.seed = self.seed.unwrap_or(scene.seed);
+        scene.temperature = self.temperature.map_or(scene.temperature, f64::from);
+        Ok(())
     }
 }

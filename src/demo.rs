@@ -7,7 +7,7 @@ use std::path::PathBuf;
 use throng_precompute::cache::Cache;
 use throng_precompute::config::BuildConfig;
 use throng_precompute::report::BuildReport;
-use throng_precompute::synth::SynthConfig;
+use throng_precompute::synth::{SynthConfig, SynthSet};
 use throng_precompute::trial::{self, TrialReport};
 use throng_precompute::{pipeline, synth};
 
@@ -39,7 +39,7 @@ struct Report {
 pub fn run(args: &Args) -> Outcome {
     let clips = tempfile::tempdir()?;
     eprintln!("synthesising motion ...");
-    synth::write_walk(&SynthConfig::default(), clips.path())?;
+    synth::write(SynthSet::Walk, &SynthConfig::default(), clips.path())?;
     eprintln!("baking it ...");
     let mut config = BuildConfig::new("demo", vec![clips.path().to_path_buf()]);
     config.resample.mirror = true;

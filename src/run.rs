@@ -1,37 +1,128 @@
-//! `throng run`: a crowd on a bundle.
+//! `throng run`: a crowd on a bundle, or a scene.
 
-use crate::args::{CrowdArgs, Outcome};
-use crate::output;
+use crate::args::{CacheArgs, CrowdArgs, Outcome, fail};
+use crate::{output, progress};
 use std::path::{Path, PathBuf};
+use throng_precompute::config::BuildConfig;
+use throng_precompute::picture;
+use throng_precompute::pipeline;
+use throng_precompute::scene::{self, RunConfig, Scene, SceneKind, SceneReport};
 use throng_precompute::trial::{self, TrialConfig, TrialRecord, TrialReport};
 use throng_runtime::Tables;
 
-/// Run characters that each chase a target of their own, and measure what they do.
+/// Run a scene, or characters on a bundle that each chase a target of their own, and measure what they do.
 ///
-/// JSON keys: characters, simulated_s, reached_fraction, stayed_fraction, mean_arrival_s, mean_final_distance_m,
-/// foot_slip_mean_mps, foot_slip_p95_mps, steps_per_second, poses_per_second, choices_per_second.
+/// JSON keys of a scene: scene, characters, simulated_s, steps_per_second (of all characters, on one thread),
+/// hits_per_minute (that landed, for each character), landed_fraction, blocked_fraction, thrown, foot_slip_mean_mps,
+/// foot_slip_p95_mps, max_penetration_m, deep_fraction, distance_mean_m, distance_max_m.
+///
+/// JSON keys of a bundle: characters, simulated_s, reached_fraction, stayed_fraction, mean_arrival_s,
+/// mean_final_distance_m, foot_slip_mean_mps, foot_slip_p95_mps, steps_per_second, poses_per_second,
+/// choices_per_second.
 #[derive(clap::Args)]
 pub struct Args {
-    /// Bundle.
-    bundle: PathBuf,
-    /// Picture to write: the crowd from above and a strip of one character's poses.
+    /// Scene (`.toml`) or bundle. A scene's bundle is built from its config where it is not there.
+    #[arg(value_name = "SCENE_OR_BUNDLE")]
+    file: PathBuf,
+    /// Picture to write: of a bundle, the crowd from above and a strip of one character's poses; of a scene, those
+    /// who fight.
     #[arg(long, value_name = "FILE")]
     png: Option<PathBuf>,
+    /// Bundle in place of the scene's.
+    #[arg(long, value_name = "FILE")]
+    bundle: Option<PathBuf>,
     #[command(flatten)]
     crowd: CrowdArgs,
+    #[command(flatten)]
+    cache: CacheArgs,
     /// Print one JSON object.
     #[arg(long)]
     json: bool,
 }
 
 pub fn run(args: &Args) -> Outcome {
-    let tables = crate::args::open(&args.bundle)?;
+    if Scene::is_scene(&args.file) {
+        return run_scene(args);
+    }
+    if args.bundle.is_some() {
+        return fail("--bundle is for scenes; name the bundle alone");
+    }
+    let tables = crate::args::open(&args.file)?;
     let config = args.crowd.trial();
     let (report, record) = trial::run(&tables, &config)?;
     if let Some(png) = &args.png {
         draw(&tables, &config, &report, &record, png)?;
     }
     if args.json { output::json(&report) } else { print(&report) }
+}
+
+fn run_scene(args: &Args) -> Outcome {
+    let mut scene = Scene::load(&args.file)?;
+    args.crowd.change(&mut scene)?;
+    scene.check(&args.file)?;
+    if let Some(bundle) = &args.bundle {
+        (scene.bundle, scene.config) = (bundle.clone(), None);
+    }
+    make_bundle(&scene, &args.cache)?;
+    let tables = crate::args::open(&scene.bundle)?;
+    let config = RunConfig { recorded: args.png.is_some(), ..args.crowd.scene_run() };
+    let (report, record) = scene::run(&tables, &scene, &config)?;
+    if let Some(png) = &args.png {
+        picture::scene_sheet(&tables, &scene, &report, &record).save_png(png)?;
+    }
+    if args.json { output::json(&report) } else { print_scene(&scene, &report) }
+}
+
+/// Builds a scene's bundle where it is not there.
+fn make_bundle(scene: &Scene, cache: &CacheArgs) -> Outcome {
+    let (bundle, config) = (&scene.bundle, &scene.config);
+    if bundle.exists() {
+        return Ok(());
+    }
+    let Some(config) = config else {
+        let name = bundle.display();
+        return fail(format!(
+            "{name}: there is no such bundle; build it with `throng build`, or name another with --bundle"
+        ));
+    };
+    eprintln!("{} is not there: building it from {} ...", bundle.display(), config.display());
+    let report = pipeline::build(&BuildConfig::load(config)?, bundle, &cache.cache(), &progress::Bar::default())?;
+    output::warnings(&report.skipped, &report.warnings);
+    Ok(())
+}
+
+/// What was measured of a scene, for people.
+fn print_scene(scene: &Scene, r: &SceneReport) -> Outcome {
+    let what = if scene.kind == SceneKind::Pairs { "opponent" } else { "target" };
+    let mut rows = vec![
+        ("scene", format!("{}: {} characters, {:.0} s", r.scene, r.characters, r.simulated_s)),
+        (
+            "blows",
+            format!(
+                "{} thrown: {:.1} % landed, {:.1} % blocked; {:.1} landed a minute and character",
+                r.thrown,
+                100.0 * r.landed_fraction,
+                100.0 * r.blocked_fraction,
+                r.hits_per_minute
+            ),
+        ),
+        (
+            "distance",
+            format!("{:.2} m from the {what} on average, {:.2} m at most", r.distance_mean_m, r.distance_max_m),
+        ),
+    ];
+    if scene.kind == SceneKind::Pairs {
+        rows.push((
+            "penetration",
+            format!("{:.3} m at most, deep {:.2} % of the time", r.max_penetration_m, 100.0 * r.deep_fraction),
+        ));
+    }
+    rows.push((
+        "foot slip",
+        format!("{:.3} m/s mean, {:.3} m/s 95th percentile, while planted", r.foot_slip_mean_mps, r.foot_slip_p95_mps),
+    ));
+    rows.push(("speed", format!("{:.0} steps a second of everybody, on one thread", r.steps_per_second)));
+    output::table(&rows)
 }
 
 /// Writes the picture of a trial.

@@ -1,25 +1,26 @@
 //! `throng synth`: motion of the project's own, as ordinary files.
 
-use crate::args::{Outcome, fail};
+use crate::args::Outcome;
 use crate::output;
 use serde::Serialize;
 use std::path::PathBuf;
-use throng_precompute::synth::{self, SynthConfig};
+use throng_precompute::synth::{self, SynthConfig, SynthSet};
 
-/// Write synthetic motion as BVH files.
+/// Write synthetic motion as BVH files, with what happens in it as tags in sidecars.
 ///
 /// JSON keys: set, clips, frames, seconds, out.
 #[derive(clap::Args)]
 pub struct Args {
-    /// Which set: `walk` (wandering with turns, stops and starts).
+    /// Which set: `walk` (wandering with turns, stops and starts) or `boxing` (shadow-boxing with footwork,
+    /// combinations and defences).
     #[arg(long, default_value = "walk")]
     set: String,
     /// Folder to write to; made if it is not there.
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
-    /// Length of the set.
-    #[arg(long, default_value_t = SynthConfig::default().minutes)]
-    minutes: f64,
+    /// Length of the set; 6 for `walk` and 8 for `boxing` where it is not given.
+    #[arg(long)]
+    minutes: Option<f64>,
     /// Same seed, same motion.
     #[arg(long, default_value_t = SynthConfig::default().seed)]
     seed: u64,
@@ -41,12 +42,11 @@ struct Report {
 }
 
 pub fn run(args: &Args) -> Outcome {
-    if args.set != "walk" {
-        return fail(format!("--set {}: expected `walk`", args.set));
-    }
-    let config =
-        SynthConfig { minutes: args.minutes, seed: args.seed, rate_hz: args.rate_hz, ..SynthConfig::default() };
-    let set = synth::write_walk(&config, &args.out)?;
+    let which = SynthSet::from_name(&args.set)?;
+    let usual = SynthConfig::for_set(which);
+    let minutes = args.minutes.unwrap_or(usual.minutes);
+    let config = SynthConfig { minutes, seed: args.seed, rate_hz: args.rate_hz, ..usual };
+    let set = synth::write(which, &config, &args.out)?;
     let frames = set.num_frames();
     let report = Report {
         set: args.set.clone(),

@@ -13,7 +13,7 @@ use throng_precompute::pipeline;
 use throng_precompute::progress::Silent;
 use throng_precompute::resample::{ResampleConfig, resample};
 use throng_precompute::retarget::{RetargetConfig, onto};
-use throng_precompute::synth::{self, SynthConfig};
+use throng_precompute::synth::{self, SynthConfig, SynthSet};
 use throng_precompute::trial::{self, TrialConfig};
 use throng_precompute::{BuildError, Warnings};
 use throng_runtime::troupe::{Repertoire, SampleJob};
@@ -85,7 +85,8 @@ fn sampled_poses_are_those_of_the_retargeted_clips() {
 fn sampled_poses_are_those_that_were_made() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let (clips, out) = (folder.path().join("clips"), folder.path().join("a.throng"));
-    let made = synth::write_walk(&SynthConfig { minutes: 0.6, clip_seconds: 15.0, ..Default::default() }, &clips);
+    let made =
+        synth::write(SynthSet::Walk, &SynthConfig { minutes: 0.6, clip_seconds: 15.0, ..Default::default() }, &clips);
     let mut config = small_config(vec![clips]);
     config.resample.mirror = false;
     build(&config, &out, &Cache::none());
@@ -139,7 +140,7 @@ fn assert_crowd_arrives(bundle: &Path) {
 fn a_synthetic_crowd_reaches_its_targets() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let (clips, out) = (folder.path().join("clips"), folder.path().join("a.throng"));
-    synth::write_walk(&SynthConfig { minutes: 3.0, ..SynthConfig::default() }, &clips).expect("clips");
+    synth::write(SynthSet::Walk, &SynthConfig { minutes: 3.0, ..SynthConfig::default() }, &clips).expect("clips");
     let mut config = BuildConfig::new("crowd", vec![clips]);
     config.resample.mirror = true;
     config.policy.compare_samples = 100;

@@ -1,6 +1,6 @@
 //! Left and right exchanged.
 
-use crate::clip::{Clip, Hit};
+use crate::clip::{Clip, Hit, Tag};
 use glam::{Quat, Vec3};
 use throng_runtime::{Contacts, Joint, NUM_JOINTS};
 
@@ -29,7 +29,7 @@ pub fn mirror(clip: &Clip) -> Clip {
         rotations,
         contacts: clip.contacts.iter().copied().map(Contacts::mirrored).collect(),
         excluded: clip.excluded.clone(),
-        tags: clip.tags.clone(),
+        tags: tags(&clip.tags),
         hits: clip.hits.iter().map(mirror_hit).collect(),
     }
 }
@@ -38,6 +38,20 @@ pub fn mirror(clip: &Clip) -> Clip {
 pub fn mirror_hit(hit: &Hit) -> Hit {
     let flip = Vec3::new(-1.0, 1.0, 1.0);
     Hit { joint: hit.joint.mirrored(), position: hit.position * flip, direction: hit.direction * flip, ..hit.clone() }
+}
+
+/// The tags of a clip as seen in the mirror: the words `left` and `right` in their names change places.
+pub fn tags(of: &[Tag]) -> Vec<Tag> {
+    of.iter().map(|t| Tag { name: mirrored_name(&t.name), range: t.range.clone() }).collect()
+}
+
+fn mirrored_name(name: &str) -> String {
+    let other = |word: &str| match word {
+        "left" => "right".to_string(),
+        "right" => "left".to_string(),
+        _ => word.to_string(),
+    };
+    name.split('_').map(other).collect::<Vec<_>>().join("_")
 }
 
 /// The rotation seen in the mirror x = 0: its axis is a pseudovector, so y and z of it change sign.

@@ -10,7 +10,7 @@ use throng_precompute::pipeline;
 use throng_precompute::policy::GridConfig;
 use throng_precompute::progress::Silent;
 use throng_precompute::report::BuildReport;
-use throng_precompute::synth::{self, SynthConfig};
+use throng_precompute::synth::{self, SynthConfig, SynthSet};
 use throng_runtime::format::AlignedBytes;
 use throng_runtime::troupe::Start;
 use throng_runtime::{Planar, Tables};
@@ -18,7 +18,7 @@ use throng_runtime::{Planar, Tables};
 /// Writes synthetic clips of a total length into a folder. [Unit: min]
 pub fn write_clips(folder: &Path, minutes: f64) {
     let config = SynthConfig { minutes, clip_seconds: 15.0, ..SynthConfig::default() };
-    synth::write_walk(&config, folder).expect("synthetic clips can be written");
+    synth::write(SynthSet::Walk, &config, folder).expect("synthetic clips can be written");
 }
 
 /// A build with a target grid so small that it takes no time.

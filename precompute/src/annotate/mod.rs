@@ -54,7 +54,7 @@ pub fn annotate(clips: &ClipSet, cfg: &AnnotateConfig, sidecars: &Sidecars) -> R
             Some(o) => Clip {
                 contacts: o.contacts.iter().map(|c| c.mirrored()).collect(),
                 excluded: o.excluded.clone(),
-                tags: o.tags.clone(),
+                tags: mirror::tags(&o.tags),
                 hits: o.hits.iter().map(mirror::mirror_hit).collect(),
                 ..clip
             },

@@ -1,13 +1,14 @@
 //! Pictures of motion as PNG files: figures with bodies, crowds, strips of poses. Plain data in, pixels out.
 //!
 //! The same input gives the same bytes. The painters take joint positions, contacts and ground
-//! positions; [`trial`] alone knows where those of a trial come from.
+//! positions; [`trial`] and [`scene`] alone know where those of a trial and a scene come from.
 
 pub mod camera;
 pub mod canvas;
 pub mod colour;
 pub mod crowd;
 pub mod figure;
+pub mod scene;
 pub mod sheet;
 pub mod strip;
 pub mod trial;
@@ -23,6 +24,7 @@ pub use canvas::Picture;
 pub use colour::Colour;
 pub use crowd::{Arrival, CrowdCharacter, CrowdView, Focus, crowd_overview};
 pub use figure::{BodyColours, Figure};
+pub use scene::scene_sheet;
 pub use sheet::sheet;
 pub use strip::{PoseStrip, StripFrame, onion_skin, pose_strip};
 pub use trial::trial_sheet;

@@ -139,7 +139,11 @@ impl Scene {
         path.extension().is_some_and(|e| e.eq_ignore_ascii_case("toml"))
     }
 
-    fn check(&self, path: &Path) -> Result<(), BuildError> {
+    /// Checks numbers; `path` is for messages alone.
+    ///
+    /// # Errors
+    /// [`BuildError::Config`] with file and key.
+    pub fn check(&self, path: &Path) -> Result<(), BuildError> {
         let fail = |key: &str, why: String| {
             Err(BuildError::Config { message: format!("{}: key `{key}`: {why}", path.display()) })
         };

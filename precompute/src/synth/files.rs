@@ -1,16 +1,19 @@
-//! Synthetic clips as ordinary BVH files, which the ordinary importer reads.
+//! Synthetic clips as ordinary BVH files with sidecars, which the ordinary importer reads.
 
-use crate::clip::{Clip, ClipSet};
+use crate::annotate::sidecar::{Sidecar, SidecarTag, TimeUnit};
+use crate::clip::{Clip, ClipSet, Tag};
 use crate::error::BuildError;
 use crate::files::write_atomically;
 use crate::import::bvh_write;
 use crate::retarget::to_raw;
 use std::fs::create_dir_all;
+use std::io::Error;
 use std::path::{Path, PathBuf};
 
-/// Writes every clip as `NAME.bvh` into `folder`, which is made if it is not there.
+/// Writes every clip as `NAME.bvh` into `folder`, which is made if it is not there, and its tags, where it has any, as
+/// the sidecar `NAME.toml`.
 ///
-/// - returns the files, in the order of the clips.
+/// - returns the BVH files, in the order of the clips.
 ///
 /// # Errors
 /// [`BuildError::Io`] naming the file or folder that cannot be written.
@@ -20,23 +23,41 @@ pub fn save(set: &ClipSet, folder: &Path) -> Result<Vec<PathBuf>, BuildError> {
         let path = folder.join(format!("{}.bvh", clip.name));
         let raw = to_raw(clip, &set.skeleton);
         write_atomically(&path, |out| bvh_write::write(&raw, out))?;
+        save_tags(clip, &path.with_extension("toml"))?;
         Ok(path)
     };
     set.clips.iter().map(save_one).collect()
 }
 
+/// Writes the tags of a clip as a sidecar.
+fn save_tags(clip: &Clip, path: &Path) -> Result<(), BuildError> {
+    if clip.tags.is_empty() {
+        return Ok(());
+    }
+    let tag = |t: &Tag| SidecarTag { name: t.name.clone(), start: t.range.start as f64, end: t.range.end as f64 };
+    let tags = clip.tags.iter().map(tag).collect();
+    let sidecar = Sidecar { unit: TimeUnit::Frames, tags, ..Sidecar::default() };
+    write_atomically(path, |out| {
+        let text = toml::to_string(&sidecar).map_err(Error::other)?;
+        out.write_all(text.as_bytes())
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::annotate::{AnnotateConfig, Sidecars, annotate};
     use crate::import::{ImportConfig, read};
     use crate::progress::Silent;
-    use crate::synth::{SynthConfig, walk};
+    use crate::synth::{SynthConfig, SynthSet, make};
+    use std::collections::BTreeMap;
     use throng_runtime::Joint;
 
     #[test]
     fn the_ordinary_importer_reads_back_what_was_saved() {
         let folder = tempfile::tempdir().unwrap();
-        let set = walk(&SynthConfig { minutes: 0.5, clip_seconds: 15.0, ..SynthConfig::default() }).unwrap();
+        let set =
+            make(SynthSet::Walk, &SynthConfig { minutes: 0.5, clip_seconds: 15.0, ..SynthConfig::default() }).unwrap();
         let files = save(&set, &folder.path().join("walk")).unwrap();
         let config = ImportConfig { strict: true, ..ImportConfig::default() };
         let imported = read(&[folder.path().join("walk")], &config, &Silent).unwrap();
@@ -53,6 +74,20 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn tags_come_back_by_the_sidecar() {
+        let folder = tempfile::tempdir().unwrap();
+        let set = make(SynthSet::Boxing, &SynthConfig { minutes: 0.2, ..SynthConfig::default() }).unwrap();
+        let files = save(&set, folder.path()).unwrap();
+        let raw = read(&files, &ImportConfig::default(), &Silent).unwrap();
+        let bare = set.clips.iter().map(|c| Clip { tags: Vec::new(), ..c.clone() }).collect();
+        let bare = ClipSet { skeleton: set.skeleton.clone(), clips: bare };
+        let marks = Sidecars::collect(&raw, &bare, &BTreeMap::new()).unwrap();
+        let annotated = annotate(&bare, &AnnotateConfig::default(), &marks).unwrap();
+        assert!(set.clips[0].tags.len() > 10);
+        assert_eq!(annotated.clips[0].tags, set.clips[0].tags);
     }
 
     #[test]

@@ -2,6 +2,7 @@
 
 use super::side::forward;
 use glam::{DMat3, DQuat, DVec3};
+use throng_runtime::{Joint, Skeleton};
 
 /// World rotation of the thigh, and the knee's flexion.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -22,6 +23,12 @@ pub struct LegShape {
 }
 
 impl LegShape {
+    /// The left leg of a skeleton.
+    pub fn of(skeleton: &Skeleton) -> Self {
+        let length = |j: Joint| f64::from(skeleton.offsets[j.index()].length());
+        Self { thigh: length(Joint::LeftShin), shin: length(Joint::LeftFoot) }
+    }
+
     /// Distance from hip to ankle with the knee bent by `flexion`. [Unit: m]
     pub fn reach(&self, flexion: f64) -> f64 {
         let (a, b) = (self.thigh, self.shin);

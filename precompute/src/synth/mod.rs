@@ -1,35 +1,29 @@
-//! Synthetic motion: a procedural walker, so that a fresh machine needs no captured motion.
+//! Synthetic motion, so that a fresh machine needs no captured motion: rigs that walk and box by rule and chance.
 //!
-//! From intention to pose, in this order: `wander` deals the steps, `footsteps` lays them on the ground and in time,
-//! `foot` rolls and swings the feet, `balance` moves the centre of mass over them, `pelvis`, `trunk` and `arms` carry
-//! the body along, and `leg` closes the legs. Feet come first: what stands on the ground never slides, and the rest of
-//! the body follows from it.
+//! A rig goes from intention to pose. Feet come first: what stands on the ground never slides, and the rest of the
+//! body follows from it. Each rig has a folder; what they share is here: the feet's and limbs' geometry (`foot`,
+//! `leg`, `arm`), balance (`pendulum`), smooth signals (`signal`), chance (`deck`), and the way into a clip (`frame`).
 
-mod arms;
-mod assemble;
-mod balance;
+mod arm;
+mod attitude;
+mod boxing;
+mod deck;
 mod files;
 mod foot;
-mod footsteps;
-mod gait;
+mod frame;
 mod leg;
-mod pelvis;
+mod pendulum;
+mod set;
 mod side;
 mod signal;
-mod trunk;
-mod wander;
+mod walk;
 
 pub use files::save;
+pub use set::{SynthSet, make, write};
 
-use crate::clip::ClipSet;
 use crate::error::BuildError;
-use foot::FootShape;
-use rand::{RngExt, SeedableRng};
-use rand_pcg::Pcg64Mcg;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use std::path::Path;
-use throng_runtime::Skeleton;
 
 /// How much motion to make, and how varied.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -54,6 +48,14 @@ impl Default for SynthConfig {
 }
 
 impl SynthConfig {
+    /// The settings of a set as `throng synth` makes it: its own length, the defaults otherwise.
+    pub fn for_set(set: SynthSet) -> Self {
+        match set {
+            SynthSet::Walk => Self::default(),
+            SynthSet::Boxing => Self { minutes: 8.0, clip_seconds: 60.0, ..Self::default() },
+        }
+    }
+
     fn check(&self) -> Result<(), BuildError> {
         let limits = [
             ("minutes", self.minutes, 0.05, 240.0),
@@ -69,43 +71,3 @@ impl SynthConfig {
         }
     }
 }
-
-/// Makes the `walk` set: wandering with straights, turns from gentle to on the spot, stops and starts, from slow to
-/// brisk, on the default skeleton, with the true foot contacts.
-///
-/// - returns clips `walk_00`, `walk_01`, ... that begin and end standing.
-///
-/// # Errors
-/// [`BuildError::Config`] for a value outside its limits.
-pub fn walk(cfg: &SynthConfig) -> Result<ClipSet, BuildError> {
-    cfg.check()?;
-    let skeleton = Skeleton::default();
-    let shape = FootShape::of(&skeleton);
-    let mut rng = Pcg64Mcg::seed_from_u64(cfg.seed);
-    let mut wanderer = wander::Wanderer::new(cfg.variation);
-    let (mut clips, mut seconds) = (Vec::new(), 0.0);
-    while seconds < cfg.minutes * 60.0 {
-        let wanted = (cfg.minutes * 60.0 - seconds).min(cfg.clip_seconds * rng.random_range(0.85..1.1));
-        let intents = wanderer.wander(wanted, &mut rng);
-        let steps = footsteps::place(shape, &intents, &mut rng);
-        seconds += steps.duration;
-        let name = format!("walk_{:02}", clips.len());
-        clips.push(assemble::clip(name, &steps, &skeleton, cfg, &mut rng));
-    }
-    Ok(ClipSet { skeleton, clips })
-}
-
-/// Makes the `walk` set and writes each clip as `NAME.bvh` into a folder, which is made if it is not there.
-///
-/// - returns what was written.
-///
-/// # Errors
-/// As [`walk`] and [`save`].
-pub fn write_walk(cfg: &SynthConfig, folder: &Path) -> Result<ClipSet, BuildError> {
-    let set = walk(cfg)?;
-    save(&set, folder)?;
-    Ok(set)
-}
-
-#[cfg(test)]
-mod tests;

@@ -1,6 +1,7 @@
 //! Left and right, and the directions of a heading on the ground.
 
 use glam::DVec2;
+use throng_runtime::Joint;
 
 /// A side of the body.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -33,6 +34,29 @@ impl Side {
         match self {
             Self::Left => Self::Right,
             Self::Right => Self::Left,
+        }
+    }
+
+    /// Thigh joint.
+    pub fn thigh(self) -> Joint {
+        self.leg()[0]
+    }
+
+    /// Thigh, shin, foot and toe joints.
+    pub fn leg(self) -> [Joint; 4] {
+        use Joint::*;
+        match self {
+            Self::Left => [LeftThigh, LeftShin, LeftFoot, LeftToe],
+            Self::Right => [RightThigh, RightShin, RightFoot, RightToe],
+        }
+    }
+
+    /// Clavicle, upper arm, forearm and hand joints.
+    pub fn arm(self) -> [Joint; 4] {
+        use Joint::*;
+        match self {
+            Self::Left => [LeftClavicle, LeftUpperArm, LeftForearm, LeftHand],
+            Self::Right => [RightClavicle, RightUpperArm, RightForearm, RightHand],
         }
     }
 

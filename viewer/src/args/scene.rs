@@ -153,7 +153,7 @@ mod tests {
     use crate::panels::PanelKind;
     use crate::panels::tests::golden_path as golden;
     use std::path::PathBuf;
-    use throng_precompute::synth::SynthConfig;
+    use throng_precompute::synth::{SynthConfig, SynthSet};
 
     fn opened(args: &Args) -> Result<Model, String> {
         let mut model = Model::new(args.settings(Settings::default()));
@@ -200,7 +200,7 @@ mod tests {
     fn a_motion_file_has_no_crowd_and_no_clips_to_choose_from() {
         let folder = tempfile::tempdir().expect("a folder");
         let short = SynthConfig { minutes: 0.1, clip_seconds: 10.0, ..SynthConfig::default() };
-        let made = throng_precompute::synth::walk(&short).expect("a walk");
+        let made = throng_precompute::synth::make(SynthSet::Walk, &short).expect("a walk");
         let files = throng_precompute::synth::save(&made, folder.path()).expect("files");
         let file = files[0].clone();
         for (args, say) in [

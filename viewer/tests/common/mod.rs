@@ -5,7 +5,7 @@
 use eframe::egui;
 use egui_kittest::Harness;
 use std::path::{Path, PathBuf};
-use throng_precompute::synth::{SynthConfig, save, walk};
+use throng_precompute::synth::{SynthConfig, SynthSet, make, save};
 use throng_runtime::format::VERSION;
 use throng_viewer::app::Viewer;
 use throng_viewer::args::Args;
@@ -22,7 +22,7 @@ pub fn golden() -> PathBuf {
 /// A short synthetic walk as a BVH file in a folder.
 pub fn bvh(folder: &Path) -> PathBuf {
     let short = SynthConfig { minutes: 0.1, clip_seconds: 10.0, ..SynthConfig::default() };
-    let files = save(&walk(&short).expect("a walk"), folder).expect("motion files");
+    let files = save(&make(SynthSet::Walk, &short).expect("a walk"), folder).expect("motion files");
     files.into_iter().next().expect("at least one file")
 }
 

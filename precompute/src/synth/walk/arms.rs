@@ -1,23 +1,11 @@
 //! Arms: hanging at the sides, swinging against the legs, bending more the faster the walk.
 
-use super::side::Side;
-use super::signal::{shifted, smooth};
+use super::super::frame::ArmPose;
+use super::super::side::Side;
+use super::super::signal::{shifted, smooth};
 use super::trunk::Drift;
 use glam::DQuat;
 use std::f64::consts::FRAC_PI_2;
-
-/// Rotations of one arm relative to their parents.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ArmPose {
-    /// Clavicle, relative to the upper chest.
-    pub clavicle: DQuat,
-    /// Upper arm, relative to the clavicle.
-    pub upper_arm: DQuat,
-    /// Forearm, relative to the upper arm.
-    pub forearm: DQuat,
-    /// Hand, relative to the forearm.
-    pub hand: DQuat,
-}
 
 /// What the arms follow.
 pub struct ArmInput<'a> {

@@ -1,8 +1,9 @@
 //! Lays intended steps on the ground and in time: footfalls of both feet, and which foot carries how much.
 
-use super::foot::{FootShape, FootTrack, Footfall};
+use super::super::foot::FootShape;
+use super::super::side::{Side, forward, leftward};
+use super::foot::{FootTrack, Footfall};
 use super::gait::StepShape;
-use super::side::{Side, forward, leftward};
 use super::wander::{Intent, STANDING_WIDTH, TOE_OUT};
 use glam::DVec2;
 use rand::{Rng, RngExt};
@@ -141,7 +142,7 @@ fn stand_knots(knots: &mut Vec<(f64, f64)>, from: f64, to: f64, rng: &mut impl R
 
 #[cfg(test)]
 mod tests {
-    use super::super::signal::interpolate;
+    use super::super::super::signal::interpolate;
     use super::super::wander::Wanderer;
     use super::*;
     use rand::SeedableRng;

@@ -1,9 +1,10 @@
 //! The pelvis: heading from the feet, turning, listing and bobbing with the steps, as high as both legs allow.
 
-use super::foot::FootPose;
-use super::leg::LegShape;
-use super::side::{Side, forward};
-use super::signal::{End, quintic, shifted, smooth, smooth_below};
+use super::super::attitude::Attitude;
+use super::super::foot::FootPose;
+use super::super::leg::LegShape;
+use super::super::side::{Side, forward};
+use super::super::signal::{End, quintic, shifted, smooth, smooth_below};
 use glam::{DQuat, DVec2, DVec3};
 
 /// The pelvis at every sample. All vectors have the same length.
@@ -25,13 +26,8 @@ pub struct Pelvis {
 impl Pelvis {
     /// World rotation at a sample.
     pub fn rotation(&self, i: usize) -> DQuat {
-        segment_rotation(self.heading[i] + self.yaw[i], self.pitch[i], self.list[i])
+        Attitude { yaw: self.heading[i] + self.yaw[i], pitch: self.pitch[i], list: self.list[i] }.rotation()
     }
-}
-
-/// World rotation of a segment of the trunk: heading, then forward tilt, then left side up.
-pub fn segment_rotation(yaw: f64, pitch: f64, list: f64) -> DQuat {
-    DQuat::from_rotation_y(yaw) * DQuat::from_rotation_x(pitch) * DQuat::from_rotation_z(list)
 }
 
 /// What the pelvis is made from.

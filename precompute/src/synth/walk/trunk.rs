@@ -1,32 +1,10 @@
 //! Spine, neck and head: leaning with acceleration, turning against the pelvis, looking ahead into turns.
 
-use super::pelvis::{Pelvis, segment_rotation};
-use super::side::{forward, leftward};
-use super::signal::{acceleration, shifted, smooth};
-use glam::{DQuat, DVec2};
-
-/// Heading, forward tilt and list of a segment of the trunk. [Unit: rad]
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Attitude {
-    /// Heading.
-    pub yaw: f64,
-    /// Forward tilt.
-    pub pitch: f64,
-    /// Left side up.
-    pub list: f64,
-}
-
-impl Attitude {
-    fn mix(self, other: Self, share: f64) -> Self {
-        let mix = |a: f64, b: f64| a + (b - a) * share;
-        Self { yaw: mix(self.yaw, other.yaw), pitch: mix(self.pitch, other.pitch), list: mix(self.list, other.list) }
-    }
-
-    /// World rotation.
-    pub fn rotation(self) -> DQuat {
-        segment_rotation(self.yaw, self.pitch, self.list)
-    }
-}
+use super::super::attitude::Attitude;
+use super::super::side::{forward, leftward};
+use super::super::signal::{acceleration, shifted, smooth};
+use super::pelvis::Pelvis;
+use glam::DVec2;
 
 /// The trunk at one sample, from the spine to the head.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -1,0 +1,255 @@
+//! A foot over time: rolling over the heel, standing flat, rolling over the ball, and swinging to the next place.
+
+use super::super::foot::{FootPose, FootShape};
+use super::super::side::{Side, forward, leftward};
+use super::super::signal::{End, bump, cruise, early_bump, quintic};
+use glam::{DQuat, DVec2, DVec3};
+
+/// One stay of a foot on the ground, from heel strike to toe-off.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Footfall {
+    /// Heel strike. [Unit: s]
+    pub land: f64,
+    /// The foot is flat. [Unit: s]
+    pub flat: f64,
+    /// The heel leaves the ground. [Unit: s]
+    pub heel_off: f64,
+    /// Toe-off. [Unit: s]
+    pub lift: f64,
+    /// Ankle of the flat foot on the ground plane (x, z). [Unit: m]
+    pub ankle: DVec2,
+    /// Heading of the path here. [Unit: rad]
+    pub heading: f64,
+    /// Heading of the foot. [Unit: rad]
+    pub yaw: f64,
+    /// Toes up at heel strike. [Unit: rad]
+    pub strike: f64,
+    /// Heel up at toe-off. [Unit: rad]
+    pub push: f64,
+}
+
+/// The flight between two footfalls, beyond what its ends say.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct Flight {
+    /// Height the foot is drawn up to, early in the flight. [Unit: m]
+    raise: f64,
+    /// Extra height half way, to clear the ground. [Unit: m]
+    clear: f64,
+    /// Detour half way, around the standing foot. [Unit: m]
+    detour: DVec2,
+}
+
+/// All footfalls of one foot, in order, and the flights between them.
+pub struct FootTrack {
+    side: Side,
+    shape: FootShape,
+    falls: Vec<Footfall>,
+    flights: Vec<Flight>,
+}
+
+/// Smallest height of the sole in the middle of a flight. [Unit: m]
+const CLEARANCE: f64 = 0.015;
+/// How far the toes hang half way through a flight, as a share of the heel's rise at toe-off: the foot follows the
+/// shank rather than the ground.
+const HANG: f64 = 0.48;
+/// Share of a flight in which the foot speeds up, and slows down.
+const RAMP: f64 = 0.36;
+/// Smallest distance of a swinging ankle or ball from the standing one. [Unit: m]
+const PASSING: f64 = 0.105;
+
+impl FootTrack {
+    /// A foot that stands on `falls` in turn and flies around the other foot's falls.
+    pub fn new(side: Side, shape: FootShape, falls: Vec<Footfall>, other: &[Footfall]) -> Self {
+        let flights = vec![Flight::default(); falls.len().saturating_sub(1)];
+        let mut track = Self { side, shape, falls, flights };
+        for i in 0..track.flights.len() {
+            let (lift, land) = (track.falls[i].lift, track.falls[i + 1].land);
+            let standing = other.iter().rev().find(|f| f.land <= 0.5 * (lift + land));
+            track.flights[i].detour = standing.map_or(DVec2::ZERO, |s| track.detour(i, s));
+            track.flights[i].raise = track.raise(i);
+            track.flights[i].clear = track.clear(i);
+        }
+        track
+    }
+
+    /// The footfalls.
+    pub fn falls(&self) -> &[Footfall] {
+        &self.falls
+    }
+
+    /// The foot at `t` seconds.
+    pub fn pose(&self, t: f64) -> FootPose {
+        let i = self.falls.partition_point(|f| f.land <= t).saturating_sub(1);
+        let fall = &self.falls[i];
+        if t <= fall.lift || i + 1 == self.falls.len() { self.standing(fall, t) } else { self.flying(i, t) }
+    }
+
+    /// Height of the lowest point of the sole. [Unit: m]
+    pub fn sole(&self, p: &FootPose) -> f64 {
+        let s = &self.shape;
+        let up = |pitch: f64, y: f64, z: f64| pitch.cos() * y - pitch.sin() * z;
+        let heel = up(p.pitch, -s.ball_height, -s.ball - s.heel);
+        let tip = up(p.toe_pitch, -s.ball_height, s.tip);
+        p.ball.y + heel.min(-s.ball_height).min(tip)
+    }
+
+    fn standing(&self, fall: &Footfall, t: f64) -> FootPose {
+        let (pitch, toe_pitch) = if t < fall.flat {
+            let p = strike_pitch(fall, t);
+            (p, p)
+        } else if t > fall.heel_off {
+            (push_pitch(fall, t), 0.0)
+        } else {
+            (0.0, 0.0)
+        };
+        let ball = if t < fall.flat { self.ball_over_heel(fall, t) } else { self.ball_flat(fall) };
+        FootPose {
+            heel_down: t >= fall.flat && t <= fall.heel_off,
+            toe_down: t >= fall.flat,
+            ..self.shape.posed(ball, fall.yaw, fall.heading, pitch, toe_pitch)
+        }
+    }
+
+    fn flying(&self, i: usize, t: f64) -> FootPose {
+        let (a, b) = (&self.falls[i], &self.falls[i + 1]);
+        let (t, duration) = (t - a.lift, b.land - a.lift);
+        let u = t / duration;
+        let start = self.ball_flat(a);
+        let piece = |from: f64, axis: fn(DVec3) -> f64| {
+            let to = End::of(|t| axis(self.ball_over_heel(b, t)), b.land);
+            let arrival = quintic(End::default(), End { value: 0.0, ..to }, duration, t);
+            from + (to.value - from) * cruise(RAMP, u) + arrival
+        };
+        let flight = &self.flights[i];
+        let ball = DVec3::new(
+            piece(start.x, |p| p.x) + flight.detour.x * bump(u),
+            piece(start.y, |p| p.y) + flight.raise * early_bump(u) + flight.clear * bump(u),
+            piece(start.z, |p| p.z) + flight.detour.y * bump(u),
+        );
+        let angle = |from: f64, to: f64| quintic(End::still(from), End::still(to), duration, t);
+        let landing = End::of(|t| strike_pitch(b, t), b.land);
+        let pitch = quintic(End::of(|t| push_pitch(a, t), a.lift), landing, duration, t) + HANG * a.push * bump(u);
+        let toe_pitch = quintic(End::still(0.0), landing, duration, t) + 0.25 * a.push * bump(u);
+        self.shape.posed(ball, angle(a.yaw, b.yaw), angle(a.heading, b.heading), pitch, toe_pitch)
+    }
+
+    /// Ball of the foot while it rolls over its heel onto a footfall.
+    fn ball_over_heel(&self, fall: &Footfall, t: f64) -> DVec3 {
+        let s = &self.shape;
+        let heel = fall.ankle - forward(fall.yaw) * s.heel;
+        let rotation = DQuat::from_rotation_y(fall.yaw) * DQuat::from_rotation_x(strike_pitch(fall, t));
+        DVec3::new(heel.x, 0.0, heel.y) + rotation * DVec3::new(0.0, s.ball_height, s.heel + s.ball)
+    }
+
+    fn ball_flat(&self, fall: &Footfall) -> DVec3 {
+        let p = fall.ankle + forward(fall.yaw) * self.shape.ball;
+        DVec3::new(p.x, self.shape.ball_height, p.y)
+    }
+
+    /// Moments spread over flight `i`, with their bumps.
+    fn moments(&self, i: usize) -> impl Iterator<Item = (f64, f64)> + use<> {
+        let (lift, land) = (self.falls[i].lift, self.falls[i + 1].land);
+        (1..40).map(move |k| f64::from(k) / 40.0).map(move |u| (lift + u * (land - lift), bump(u)))
+    }
+
+    /// How high the foot is drawn up in flight `i`: more the further it goes.
+    fn raise(&self, i: usize) -> f64 {
+        let travel = (self.falls[i + 1].ankle - self.falls[i].ankle).length();
+        0.015 + 0.022 * (travel / 1.4).min(1.0)
+    }
+
+    /// How much higher flight `i` has to be for its sole to clear the ground.
+    fn clear(&self, i: usize) -> f64 {
+        let lacks = |t: f64| CLEARANCE - self.sole(&self.flying(i, t));
+        self.moments(i).filter(|m| m.1 > 0.3).map(|(t, b)| lacks(t) / b).fold(0.0, f64::max)
+    }
+
+    /// How far flight `i` has to step aside from the standing foot.
+    fn detour(&self, i: usize, standing: &Footfall) -> DVec2 {
+        let (a, b) = (&self.falls[i], &self.falls[i + 1]);
+        let heading = 0.5 * (a.heading + b.heading);
+        let away = leftward(heading) * self.side.sign();
+        let obstacles = [standing.ankle, standing.ankle + forward(standing.yaw) * self.shape.ball];
+        let mut need: f64 = 0.0;
+        for (t, b) in self.moments(i).filter(|m| m.1 > 0.2) {
+            let p = self.flying(i, t);
+            for part in [p.ankle, p.ball] {
+                for o in obstacles {
+                    let from = DVec2::new(part.x, part.z) - o;
+                    let along = (from - away * from.dot(away)).length();
+                    let wanted = (PASSING * PASSING - along * along).max(0.0).sqrt();
+                    if wanted > 0.0 {
+                        need = need.max((wanted - from.dot(away)) / b);
+                    }
+                }
+            }
+        }
+        away * need.min(0.2)
+    }
+}
+
+/// Pitch while the foot rolls over its heel: lands turning down, ends flat and at rest.
+fn strike_pitch(fall: &Footfall, t: f64) -> f64 {
+    let duration = fall.flat - fall.land;
+    let from = End::moving(-fall.strike, 1.1 * fall.strike / duration);
+    quintic(from, End::still(0.0), duration, t - fall.land)
+}
+
+/// Pitch while the foot rolls over its ball: begins at rest, leaves turning.
+fn push_pitch(fall: &Footfall, t: f64) -> f64 {
+    let duration = fall.lift - fall.heel_off;
+    quintic(End::still(0.0), End::moving(fall.push, 2.2 * fall.push / duration), duration, t - fall.heel_off)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use throng_runtime::Skeleton;
+
+    fn fall(land: f64, lift: f64, ankle: DVec2, yaw: f64) -> Footfall {
+        let (flat, heel_off) = (land + 0.1, lift - 0.25);
+        Footfall { land, flat, heel_off, lift, ankle, heading: yaw, yaw, strike: 0.35, push: 0.7 }
+    }
+
+    /// A left foot that takes one long step past a right foot in its way.
+    fn track() -> FootTrack {
+        let falls = vec![fall(0.0, 0.7, DVec2::ZERO, 0.1), fall(1.1, 2.0, DVec2::new(-0.05, 1.3), 0.4)];
+        let standing = fall(0.6, 1.2, DVec2::new(-0.02, 0.65), 0.0);
+        FootTrack::new(Side::Left, FootShape::of(&Skeleton::default()), falls, &[standing])
+    }
+
+    #[test]
+    fn heel_then_ankle_then_ball_stay_where_they_are() {
+        let (track, shape) = (track(), FootShape::of(&Skeleton::default()));
+        let heel = |p: &FootPose| p.ankle + p.rotation() * DVec3::new(0.0, -shape.ankle_height, -shape.heel);
+        let spread = |from: f64, to: f64, point: &dyn Fn(&FootPose) -> DVec3| {
+            let at = |k: u32| point(&track.pose(from + (to - from) * f64::from(k) / 50.0));
+            (0..=50).map(|k| (at(k) - at(0)).length()).fold(0.0, f64::max)
+        };
+        assert!(spread(1.1, 1.2, &heel) < 1e-9 && spread(1.1, 1.2, &|p| p.ankle) > 0.02);
+        assert!(spread(1.2, 1.75, &|p| p.ankle) < 1e-9);
+        assert!(spread(1.2, 2.0, &|p| p.ball) < 1e-9 && spread(1.75, 2.0, &|p| p.ankle) > 0.05);
+    }
+
+    #[test]
+    fn the_ankle_moves_without_a_jump_in_speed() {
+        let (track, h) = (track(), 1e-4);
+        let speed = |t: f64| (track.pose(t + h).ankle - track.pose(t).ankle) / h;
+        for k in 0..20_000 {
+            let t = f64::from(k) * h;
+            assert!((speed(t + h) - speed(t)).length() < 200.0 * h, "at {t}");
+        }
+    }
+
+    #[test]
+    fn a_flight_clears_the_ground_and_the_standing_foot() {
+        let track = track();
+        for k in 0..=100 {
+            let u = f64::from(k) / 100.0;
+            let p = track.pose(0.7 + 0.4 * u);
+            let least = if (0.3..0.7).contains(&u) { CLEARANCE - 1e-3 } else { -1e-9 };
+            assert!(track.sole(&p) >= least, "at {u}: {}", track.sole(&p));
+            assert!((DVec2::new(p.ankle.x, p.ankle.z) - DVec2::new(-0.02, 0.65)).length() > PASSING - 5e-3);
+        }
+    }
+}
