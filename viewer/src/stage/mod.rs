@@ -1,15 +1,18 @@
 //! Lays out what the 3-D view is to draw: poses, colours, cues.
 
+mod bout;
 mod clip;
 mod crowd;
 mod cues;
 mod raw;
+mod values;
 
 use crate::document::Document;
 use crate::model::Model;
 use crate::render::{CharacterInstance, Rgba, SceneColours, Shapes};
 use glam::Vec3;
 use throng_runtime::{Mat3x4, Skeleton};
+pub use values::ValueCell;
 
 /// What is drawn in one frame.
 #[derive(Debug, Default)]
@@ -22,6 +25,8 @@ pub struct Layout {
     pub instances: Vec<CharacterInstance>,
     /// Everything that is not a body.
     pub shapes: Shapes,
+    /// Cells of a policy that are drawn.
+    pub cells: Vec<ValueCell>,
 }
 
 /// Colours of what is laid out; the view's own are [`SceneColours`].
@@ -73,6 +78,7 @@ impl Layout {
         self.instances.clear();
         self.shapes.clear();
         self.poses.clear();
+        self.cells.clear();
         match &model.document {
             Document::Nothing => {}
             Document::Clip(motion) => raw::lay_out(self, model, motion, &palette),

@@ -12,6 +12,7 @@ use super::words;
 use crate::command::Command;
 use crate::document::Bundle;
 use crate::model::Model;
+use crate::volume::Volume;
 use body::Body;
 use collection::{Collection, Entry, Filter, Ranges, joint_name};
 use eframe::egui::epaint::Mesh;
@@ -164,7 +165,7 @@ fn options(ui: &mut Ui, bundle: &Bundle, hits: &Collection, state: &mut State, r
 /// Behaviours that have a volume to be drawn.
 fn volumes(bundle: &Bundle) -> impl Iterator<Item = (usize, &PolicyTable<'_>)> {
     let policies = (0..bundle.tables().num_policies()).filter_map(|p| Some((p, bundle.repertoire().policy(p)?)));
-    policies.filter(|(_, p)| !p.grid().is_polar() || outline::Volume::of_region(p.region()).is_some())
+    policies.filter(|(_, p)| !p.grid().is_polar() || Volume::of_region(p.region()).is_some())
 }
 
 fn outlined(bundle: &Bundle, state: &State) -> Option<usize> {
@@ -264,7 +265,7 @@ fn views(
 fn sensed(ui: &Ui, place: &Place) -> Response {
     let rect: Rect = place.rect;
     let name = format!("Hits, {} view", place.view.title().to_lowercase());
-    let response = ui.interact(rect, ui.id().with(&name), Sense::click());
+    let response = ui.interact(rect, ui.scope_id().with(&name), Sense::click());
     response.widget_info(|| WidgetInfo::labeled(Role::Canvas, true, &name));
     response
 }

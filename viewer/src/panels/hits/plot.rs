@@ -3,6 +3,7 @@
 use super::Scene;
 use super::outline;
 use super::view::{Place, View};
+use crate::volume::Volume;
 use eframe::egui::epaint::Mesh;
 use eframe::egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Stroke, StrokeKind, Visuals, vec2};
 use glam::{Vec2, Vec3};
@@ -29,7 +30,7 @@ pub fn paint(painter: &Painter, visuals: &Visuals, place: &Place, scene: &Scene<
         if !policy.grid().is_polar() {
             outline::paint_cells(&inside, place, policy, colour.gamma_multiply(0.35));
         }
-        if let Some(region) = outline::Volume::of_region(policy.region()) {
+        if let Some(region) = Volume::of_region(policy.region()) {
             outline::paint(&inside, place, &region, colour.gamma_multiply(0.9));
         }
     }

@@ -42,7 +42,7 @@ fn without_a_selection_it_says_what_to_do() {
     h.get_by_label("select character 0").click();
     h.step();
     assert_eq!(h.state().commands, [Command::SelectCharacter(Some(0))]);
-    assert!(h.state().state.heat.is_none());
+    assert!(h.state().state.heats.is_empty());
 }
 
 #[test]
@@ -67,12 +67,12 @@ fn the_motion_of_a_candidate_can_be_shown() {
 fn the_picture_is_kept_until_what_it_shows_changes() {
     let mut h = panel(|m| m.selection.state = Some(3));
     h.step();
-    let first = h.state().state.heat.clone().unwrap();
+    let first = h.state().state.heats[0].clone();
     h.step();
-    assert!(std::sync::Arc::ptr_eq(&first.mesh, &h.state().state.heat.as_ref().unwrap().mesh));
+    assert!(std::sync::Arc::ptr_eq(&first.mesh, &h.state().state.heats[0].mesh));
     h.state_mut().model.selection.state = Some(4);
     h.step();
-    let other = h.state().state.heat.as_ref().unwrap();
+    let other = &h.state().state.heats[0];
     assert_eq!(other.key.state, 4);
     assert!(!std::sync::Arc::ptr_eq(&first.mesh, &other.mesh));
 }
