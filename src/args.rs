@@ -19,6 +19,11 @@ pub fn fail<T>(message: impl Into<String>) -> Result<T, Box<dyn std::error::Erro
     Err(message.into().into())
 }
 
+/// True for the name of a bundle, as against that of a motion file.
+pub fn is_bundle(file: &Path) -> bool {
+    file.extension().is_some_and(|e| e.eq_ignore_ascii_case("throng"))
+}
+
 /// Opens a bundle; messages name the file.
 pub fn open(path: &Path) -> Result<Tables, Box<dyn std::error::Error>> {
     Tables::open(path).map_err(|e| match e {

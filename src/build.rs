@@ -6,13 +6,16 @@ use std::path::PathBuf;
 use throng_precompute::config::BuildConfig;
 use throng_precompute::files;
 use throng_precompute::pipeline;
+use throng_precompute::policy::{AdaptiveReport, Approximation};
 use throng_precompute::report::{self, BuildReport};
 
 /// Bake motion files into a bundle.
 ///
 /// JSON keys: name, clips, frames_in, frames_kept, states, actions, seconds_total, stage_s, cached, policies [name,
-/// cells, sweeps, residual, bytes, seconds, ...], bundle_bytes, graph, contacts, hits {count, angle_rad, distance_m, height_m as
-/// [min, max] (null without hits), kinds {name: count}}, excluded_frames, skipped, warnings.
+/// cells, sweeps, residual, bytes, seconds, adaptive {finest_bytes, samples, mean_value, and for adaptive, uniform and
+/// uniform_fitted each bytes, counts, mean_error, p95_error, max_error, changed_share, mean_loss} (null where it is not),
+/// ...], bundle_bytes, graph, contacts, hits {count, angle_rad, distance_m, height_m (each [min, max], null without
+/// hits), kinds (object: name to count)}, excluded_frames, skipped, warnings.
 #[derive(clap::Args)]
 pub struct Args {
     /// Config (TOML); `throng schema` prints what it may hold.
@@ -82,8 +85,8 @@ pub fn print(r: &BuildReport, out: &str) -> Outcome {
             format!("error {:.3} on average, {:.3} at worst", g.transition_error.mean, g.transition_error.max),
         ),
     ];
-    rows.extend(r.policies.iter().map(|p| {
-        (
+    for p in &r.policies {
+        rows.push((
             "policy",
             format!(
                 "{}: {} cells, {} sweeps, residual {:.1e} (measured), {}, {:.2} s",
@@ -94,8 +97,9 @@ pub fn print(r: &BuildReport, out: &str) -> Outcome {
                 output::bytes(p.bytes as u64),
                 p.seconds
             ),
-        )
-    }));
+        ));
+        rows.extend(p.adaptive.as_ref().map_or(Vec::new(), adaptive));
+    }
     rows.push(("time", format!("{:.2} s ({}{cached})", r.seconds_total, stages.join(", "))));
     rows.push(("bundle", format!("{out}, {}", output::bytes(r.bundle_bytes))));
     output::table(&rows)?;
@@ -105,4 +109,25 @@ pub fn print(r: &BuildReport, out: &str) -> Outcome {
         output::columns(["", "Lee and Lee 2004", "this build"], lines.iter().map(|l| [&*l.figure, l.paper, &*l.here]))?;
     }
     Ok(())
+}
+
+/// What an adaptive policy gives away, one row for each way to store it.
+fn adaptive(r: &AdaptiveReport) -> Vec<(&'static str, String)> {
+    let row = |name: &'static str, a: &Approximation| {
+        let [rings, angles, heights] = a.counts;
+        let text = format!(
+            "{} of {} ({rings:.1} rings, {angles:.1} angles, {heights:.1} heights a state); values of {:.3} are off by \
+             {:.4} on average, {:.4} at the 95th percentile, {:.3} at worst; {:.1} % other decisions lose {:.2} %",
+            output::bytes(a.bytes as u64),
+            output::bytes(r.finest_bytes as u64),
+            r.mean_value,
+            a.mean_error,
+            a.p95_error,
+            a.max_error,
+            100.0 * a.changed_share,
+            100.0 * a.mean_loss
+        );
+        (name, text)
+    };
+    vec![row("  adaptive", &r.adaptive), row("  or uniform", &r.uniform), row("  uniform, fitted", &r.uniform_fitted)]
 }

@@ -3,16 +3,18 @@
 use crate::args::{Outcome, fail};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
+use throng_precompute::annotate::hits::{self, HitPoint};
 use throng_precompute::import::{ImportConfig, bvh_write, export, read_clip};
 use throng_precompute::{Warnings, files, graph, pipeline, policy, retarget};
 
-/// Write a clip as positions or BVH, or a bundle's graph or policy.
+/// Write a clip as positions or BVH, a bundle's graph or policy, or the effective hits of either.
 #[derive(clap::Args)]
 pub struct Args {
     /// Motion file (.bvh, .amc) or bundle (.throng).
     file: PathBuf,
     /// What to write: of a clip `positions-csv` (frame,joint,x,y,z in metres, Y up) or `bvh`; of a bundle
-    /// `graph-json` (states and actions) or `policy-csv` (values with cell coordinates).
+    /// `graph-json` (states and actions) or `policy-csv` (values with cell coordinates); of either `hits-csv` (effective
+    /// hits as seen from the planar root: +X left, Y up, +Z ahead, in metres).
     #[arg(long)]
     format: Format,
     /// File to write; standard output by default.
@@ -35,11 +37,21 @@ enum Format {
     Bvh,
     GraphJson,
     PolicyCsv,
+    HitsCsv,
 }
 
 pub fn run(args: &Args) -> Outcome {
     match args.format {
         Format::PositionsCsv | Format::Bvh => clip(args),
+        Format::HitsCsv => {
+            let points = if crate::args::is_bundle(&args.file) {
+                HitPoint::of_tables(&crate::args::open(&args.file)?)
+            } else {
+                let imported = read_clip(&args.file, &import_config(args))?;
+                HitPoint::of_set(&pipeline::single(&imported, &mut Warnings::default())?)
+            };
+            write(args.out.as_deref(), |w| hits::write_csv(&points, w))
+        }
         Format::GraphJson => {
             let tables = crate::args::open(&args.file)?;
             write(args.out.as_deref(), |w| graph::write_graph_json(&graph::graph_rows(&tables), w))
@@ -56,15 +68,18 @@ pub fn run(args: &Args) -> Outcome {
     }
 }
 
+fn import_config(args: &Args) -> ImportConfig {
+    ImportConfig { asf: args.asf.clone(), ..ImportConfig::default() }
+}
+
 fn clip(args: &Args) -> Outcome {
-    if args.file.extension().is_some_and(|e| e.eq_ignore_ascii_case("throng")) {
+    if crate::args::is_bundle(&args.file) {
         return fail(format!(
-            "{}: a bundle is written as graph-json or policy-csv, a clip as positions-csv or bvh",
+            "{}: a bundle is written as graph-json, policy-csv or hits-csv, a clip as positions-csv, bvh or hits-csv",
             args.file.display()
         ));
     }
-    let config = ImportConfig { asf: args.asf.clone(), ..ImportConfig::default() };
-    let imported = read_clip(&args.file, &config)?;
+    let imported = read_clip(&args.file, &import_config(args))?;
     let raw = if args.retargeted {
         let clips = pipeline::single(&imported, &mut Warnings::default())?;
         retarget::to_raw(&clips.clips[0], &clips.skeleton)

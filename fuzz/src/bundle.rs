@@ -1,11 +1,11 @@
-//! A small bundle that opens: two clips, four states, one policy.
+//! A small bundle that opens: two clips, four states, a policy with one grid and an adaptive one.
 
 use bytemuck::Zeroable;
 use glam::Quat;
 use throng_runtime::format::{BundleWriter, ClipMeta, ClipRecord, FrameRow, Meta, SkeletonRecord};
 use throng_runtime::graph::{MotionSegment, StateRecord};
-use throng_runtime::policy::{PolicyRecord, RewardRecord, SegmentRecord, TargetGrid};
-use throng_runtime::{Contacts, NUM_JOINTS, Planar, Skeleton, tables::tags};
+use throng_runtime::policy::{PathRecord, PolicyRecord, RewardRecord, SegmentRecord, StateGridRecord, TargetGrid};
+use throng_runtime::{Contacts, HitRecord, NUM_JOINTS, Planar, Skeleton, tables::tags};
 
 /// Frames of each clip.
 const FRAMES: u32 = 12;
@@ -17,8 +17,9 @@ pub fn small() -> Vec<u8> {
     head(&mut out);
     out.section(tags::FRAMES, &rows);
     out.section(tags::CONTACTS, &vec![Contacts::LEFT; rows.len()]);
+    out.section::<HitRecord>(tags::HITS, &[]);
     let segments = graph(&mut out, &rows);
-    policy(&mut out, &segments);
+    policies(&mut out, &segments);
     let mut bytes = Vec::new();
     out.write(&mut bytes).expect("memory takes all bytes");
     bytes
@@ -27,7 +28,7 @@ pub fn small() -> Vec<u8> {
 fn head(out: &mut BundleWriter) {
     let clip = |name: &str| ClipMeta { name: name.into(), ..ClipMeta::default() };
     let clips = vec![clip("a"), clip("b")];
-    let meta = Meta { rate_hz: 30.0, clips, behaviours: vec!["approach".into()], ..Meta::default() };
+    let meta = Meta { rate_hz: 30.0, clips, behaviours: vec!["approach".into(), "adaptive".into()], ..Meta::default() };
     out.section(tags::META, &meta.encode().expect("META can be encoded"));
     out.section(tags::SKELETON, &[SkeletonRecord::from(&Skeleton::default())]);
     let record = |first_frame| ClipRecord { first_frame, num_frames: FRAMES, mirrored: 0, reserved: 0 };
@@ -53,10 +54,10 @@ fn graph(out: &mut BundleWriter, rows: &[FrameRow]) -> [MotionSegment; 4] {
     segments
 }
 
-fn policy(out: &mut BundleWriter, segments: &[MotionSegment; 4]) {
+/// The same behaviour twice: with one grid for all states, and with one for each.
+fn policies(out: &mut BundleWriter, segments: &[MotionSegment; 4]) {
     let grid = TargetGrid::polar(4, 8, 6.0, 1.0, 1.0).expect("a grid");
-    let cells = grid.num_cells() * 4;
-    let policy = PolicyRecord {
+    let uniform = PolicyRecord {
         grid: *grid.record(),
         reward: RewardRecord::new(0, 0, 1.0),
         num_states: 4,
@@ -66,7 +67,7 @@ fn policy(out: &mut BundleWriter, segments: &[MotionSegment; 4]) {
         epsilon: 1e-3,
         ..PolicyRecord::default()
     };
-    out.section(tags::POLICIES, &[policy]);
+    out.section(tags::POLICIES, &[uniform, PolicyRecord { adaptive: 1, ..uniform }]);
     let known = segments.map(|s| SegmentRecord {
         displacement: [s.displacement[2].cos(), s.displacement[2].sin(), s.displacement[0], s.displacement[1]],
         weights: [0.0, 0.0, 0.0, 1.0],
@@ -74,7 +75,12 @@ fn policy(out: &mut BundleWriter, segments: &[MotionSegment; 4]) {
         end: s.end,
         ..SegmentRecord::zeroed()
     });
-    out.section(tags::POLICY_SEGMENTS, &known);
+    out.section(tags::POLICY_SEGMENTS, &[known, known].concat());
+    out.section::<PathRecord>(tags::POLICY_PATHS, &[]);
+    let state_grids =
+        [([4, 8, 1], 0), ([2, 8, 1], 32), ([4, 2, 1], 48), ([3, 5, 1], 56)].map(|(n, at)| StateGridRecord::new(n, at));
+    out.section(tags::POLICY_STATE_GRIDS, &state_grids);
+    let cells = grid.num_cells() * 4 + 71;
     out.section(tags::POLICY_VALUES, &vec![0.0f32; cells]);
     let best: Vec<u8> = (0..cells).map(|i| (i / 3 % 2) as u8).collect();
     out.section(tags::POLICY_BEST, &best);

@@ -137,12 +137,7 @@ impl Clip {
     /// World position and rotation of all joints at one frame.
     pub fn joint_transforms(&self, skeleton: &Skeleton, frame: usize) -> [(Vec3, Quat); NUM_JOINTS] {
         let local = self.frame_rotations(frame);
-        let mut out = [(self.root_positions[frame], local[0]); NUM_JOINTS];
-        for j in &Joint::ALL[1..] {
-            let (p, r) = out[j.parent().map_or(0, Joint::index)];
-            out[j.index()] = (p + r * skeleton.offsets[j.index()], r * local[j.index()]);
-        }
-        out
+        joint_transforms(skeleton, self.root_positions[frame], |j| local[j])
     }
 
     /// True where the frame may be used.
@@ -154,6 +149,23 @@ impl Clip {
     pub fn usable_ranges(&self) -> Vec<FrameRange> {
         runs(0..self.num_frames(), |f| self.is_usable(f))
     }
+}
+
+/// Position and rotation of all joints of a pose.
+///
+/// - `root_position`: of the hips. [Unit: m]
+/// - `local`: rotation of a joint relative to its parent, by index; the hips' in the frame of `root_position`.
+pub fn joint_transforms(
+    skeleton: &Skeleton,
+    root_position: Vec3,
+    local: impl Fn(usize) -> Quat,
+) -> [(Vec3, Quat); NUM_JOINTS] {
+    let mut out = [(root_position, local(0)); NUM_JOINTS];
+    for j in &Joint::ALL[1..] {
+        let (p, r) = out[j.parent().map_or(0, Joint::index)];
+        out[j.index()] = (p + r * skeleton.offsets[j.index()], r * local(j.index()));
+    }
+    out
 }
 
 /// The longest runs of frames within `range` for which `holds` is true, in order.

@@ -8,12 +8,13 @@ use crate::import::ImportConfig;
 use crate::policy::{BehaviourConfig, PolicyConfig};
 use crate::resample::ResampleConfig;
 use crate::retarget::RetargetConfig;
+use crate::synth::SynthInput;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-/// A build. Every table but `inputs` may be left out.
+/// A build. Every table but `inputs` or `synth` may be left out.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct BuildConfig {
@@ -21,7 +22,11 @@ pub struct BuildConfig {
     #[serde(default)]
     pub name: String,
     /// Motion files, folders, or patterns with `*` in the file name, relative to the config file's folder.
+    #[serde(default)]
     pub inputs: Vec<PathBuf>,
+    /// Motion that the project makes itself, in place of files.
+    #[serde(default)]
+    pub synth: Option<SynthInput>,
     /// Seed of everything random in a build: the samples in its reports.
     #[serde(default)]
     pub seed: u64,
@@ -64,6 +69,7 @@ impl BuildConfig {
         Self {
             name: name.into(),
             inputs,
+            synth: None,
             seed: 0,
             import: ImportConfig::default(),
             retarget: RetargetConfig::default(),
@@ -95,6 +101,7 @@ impl BuildConfig {
         if config.name.is_empty() {
             config.name = path.file_stem().map_or_else(String::new, |s| s.to_string_lossy().into_owned());
         }
+        config.check(path)?;
         let folder = path.parent().unwrap_or(Path::new(""));
         let places = config.inputs.iter_mut().chain(&mut config.import.asf).chain(&mut config.import.profiles);
         places.for_each(|p| *p = folder.join(&p));
@@ -107,6 +114,15 @@ impl BuildConfig {
     /// [`BuildError::Config`] as [`BuildConfig::load`].
     pub fn parse(text: &str, path: &Path) -> Result<Self, BuildError> {
         toml::from_str(text).map_err(|e| BuildError::Config { message: explain(&e, text, path) })
+    }
+
+    fn check(&self, path: &Path) -> Result<(), BuildError> {
+        let fault = match (self.inputs.is_empty(), &self.synth) {
+            (true, None) => "expected `inputs = [\"folder\"]` or a table `[synth]`, found neither",
+            (false, Some(_)) => "expected `inputs` or `[synth]`, found both; leave one out",
+            _ => return Ok(()),
+        };
+        Err(BuildError::Config { message: format!("{}: {fault}", path.display()) })
     }
 
     /// The config as TOML, as the bundle keeps it.

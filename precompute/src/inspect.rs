@@ -1,12 +1,16 @@
-//! Says what was found in a clip, for people and for programs.
+//! Says what was found in a clip or bundle, for people and for programs.
 
-use crate::annotate::hits::HitReport;
+mod bundle;
+pub mod hit_picture;
+
+use crate::annotate::hits::{HitPoint, HitReport};
 use crate::annotate::{self, ContactSanity};
 use crate::clip::{Clip, ClipSet, Exclusion};
 use crate::error::{BuildError, Warnings};
 use crate::import::{self, ImportConfig, Imported};
 use crate::pipeline;
 use crate::raw::{RawClip, SourceFormat};
+pub use bundle::BundleReport;
 use std::collections::BTreeMap;
 use std::fmt;
 use std::path::Path;
@@ -88,7 +92,7 @@ pub fn inspect_clip(path: &Path, config: &ImportConfig) -> Result<Inspected, Bui
     let mut report = ClipReport::new(&imported);
     for clip in &clips.clips {
         report.contact = annotate::sanity(clip, &clips.skeleton);
-        report.hits = HitReport::of_clip(clip);
+        report.hits = HitReport::new(&HitPoint::of_clip(clip));
         report.excluded = clip.excluded.iter().map(|e| excluded_in_source(e, clip, &imported.clip)).collect();
     }
     report.warnings.extend(warnings.messages);

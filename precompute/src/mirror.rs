@@ -62,7 +62,6 @@ fn mirror_rotation(q: Quat) -> Quat {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::clip::Tag;
     use proptest::prelude::*;
     use throng_runtime::Skeleton;
 
@@ -80,6 +79,12 @@ mod tests {
             tags: vec![Tag { name: "t".into(), range: 0..1 }],
             hits: Vec::new(),
         }
+    }
+
+    #[test]
+    fn sides_change_places_in_tags() {
+        let name = |s: &str| tags(&[Tag { name: s.into(), range: 0..1 }])[0].name.clone();
+        assert_eq!(["left_hook", "slip_right", "lefty", "jab"].map(name), ["right_hook", "slip_left", "lefty", "jab"]);
     }
 
     proptest! {

@@ -11,9 +11,10 @@ use crate::report::{self, BuildReport};
 use crate::resample::ResampleConfig;
 use crate::stages::{Motion, Stages};
 use crate::write::{self, Baked};
-use crate::{annotate, features, files, graph, import, policy, resample, retarget};
+use crate::{annotate, features, files, graph, import, policy, resample, retarget, synth};
 use rand::SeedableRng;
 use rand_pcg::Pcg64;
+use std::collections::BTreeMap;
 use std::path::Path;
 
 /// Bakes the files of a config into a bundle.
@@ -26,16 +27,20 @@ use std::path::Path;
 pub fn build(cfg: &BuildConfig, out: &Path, cache: &Cache, progress: &dyn Progress) -> Result<BuildReport, BuildError> {
     files::check_target(out)?;
     let mut s = Stages::new(cache, progress);
-    let from: Provenance = s.run("hash", |_| provenance::collect(&cfg.inputs, &cfg.import))?;
+    let from: Provenance = s.run("hash", |_| provenance::collect(cfg))?;
 
     let key = Key::root().then("import", &(&from.sources, &cfg.import, &cfg.clips))?;
     let key = key.then("motion", &(&cfg.retarget, &cfg.resample, &cfg.annotate))?;
     let motion: Motion = s.cached("motion", key, |s| {
-        let raw = s.run("import", |p| Ok(import::read(&cfg.inputs, &cfg.import, p)?))?;
+        let (raw, sidecars) = s.run("import", |p| match &cfg.synth {
+            Some(synth) => synth::input(synth, cfg.resample.rate_hz, &cfg.import),
+            None => Ok((import::read(&cfg.inputs, &cfg.import, p)?, BTreeMap::new())),
+        })?;
+        let sidecars = sidecars.into_iter().chain(cfg.clips.clone()).collect();
         let mut warnings = report::of_import(&raw);
         let clips = s.run("retarget", |_| retarget::onto(&raw.clips, &cfg.retarget, &mut warnings))?;
         let clips = s.run("resample", |_| resample::resample(&clips, &cfg.resample))?;
-        let marks = annotate::Sidecars::collect(&raw, &clips, &cfg.clips)?;
+        let marks = annotate::Sidecars::collect(&raw, &clips, &sidecars)?;
         let clips = s.run("annotate", |_| annotate::annotate(&clips, &cfg.annotate, &marks))?;
         Ok(Motion { clips, skipped: report::of_skipped(&raw), warnings })
     })?;

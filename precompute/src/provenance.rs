@@ -4,7 +4,8 @@ use crate::cache::content_hash;
 use crate::config::BuildConfig;
 use crate::error::BuildError;
 use crate::graph::GraphReport;
-use crate::import::{self, ImportConfig};
+use crate::import;
+use crate::synth::SynthInput;
 use rayon::prelude::*;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -17,12 +18,13 @@ pub struct Provenance {
     pub sources: Vec<SourceMeta>,
 }
 
-/// Finds and hashes every file that the motion stages read.
+/// Finds and hashes every file that the motion stages read; synthetic motion is named by what it is made by.
 ///
 /// # Errors
 /// [`BuildError::Import`] for a path that yields no file, [`BuildError::Io`] for a file that cannot be read.
-pub fn collect(inputs: &[PathBuf], cfg: &ImportConfig) -> Result<Provenance, BuildError> {
-    let motion = import::expand(inputs)?;
+pub fn collect(config: &BuildConfig) -> Result<Provenance, BuildError> {
+    let cfg = &config.import;
+    let motion = import::expand(&config.inputs)?;
     let mut all: BTreeSet<PathBuf> = motion.iter().cloned().chain(cfg.profiles.iter().cloned()).collect();
     all.extend(cfg.asf.clone());
     for path in &motion {
@@ -31,8 +33,16 @@ pub fn collect(inputs: &[PathBuf], cfg: &ImportConfig) -> Result<Provenance, Bui
             all.extend(import::find_asf(path).ok());
         }
     }
-    let sources = all.into_par_iter().map(|p| hash(&p)).collect::<Result<_, _>>()?;
+    let mut sources: Vec<SourceMeta> = all.into_par_iter().map(|p| hash(&p)).collect::<Result<_, _>>()?;
+    sources.extend(config.synth.as_ref().map(|s| made(s, config.resample.rate_hz)));
     Ok(Provenance { sources })
+}
+
+/// Synthetic motion: what it is made by stands for its content.
+fn made(synth: &SynthInput, rate_hz: f64) -> SourceMeta {
+    let (name, how) = (synth.set.name(), synth.config(rate_hz));
+    let path = format!("synthetic {name}, {} min, seed {}", how.minutes, how.seed);
+    SourceMeta { hash: content_hash(format!("{how:?}").as_bytes()), path, bytes: 0 }
 }
 
 fn hash(path: &Path) -> Result<SourceMeta, BuildError> {

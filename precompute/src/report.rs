@@ -2,7 +2,7 @@
 
 mod paper;
 
-use crate::annotate::hits::HitReport;
+use crate::annotate::hits::{HitPoint, HitReport};
 use crate::annotate::{self, ContactSanity};
 use crate::config::BuildConfig;
 use crate::error::Warnings;
@@ -106,7 +106,7 @@ pub(crate) fn of_build(
         bundle_bytes,
         graph,
         contacts: contacts(motion),
-        hits: HitReport::of_set(&motion.clips),
+        hits: HitReport::new(&HitPoint::of_set(&motion.clips)),
         excluded_frames,
         skipped: motion.skipped.clone(),
         warnings: warnings.messages,

@@ -172,6 +172,7 @@ fn policies(policies: &[Policy], out: &mut BundleWriter) {
     out.section(tags::POLICIES, &policies.iter().map(|p| p.record).collect::<Vec<_>>());
     out.section(tags::POLICY_SEGMENTS, &concat(policies, |p| &p.segments));
     out.section(tags::POLICY_PATHS, &concat(policies, |p| &p.paths));
+    out.section(tags::POLICY_STATE_GRIDS, &concat(policies, |p| &p.state_grids));
     out.section(tags::POLICY_VALUES, &concat(policies, |p| &p.values));
     out.section(tags::POLICY_BEST, &concat(policies, |p| &p.best));
 }

@@ -5,7 +5,8 @@ use crate::format::{AlignedBytes, ClipRecord, FormatError, FrameRow, Layout, Met
 use crate::graph::{MotionGraph, MotionSegment, StateRecord};
 use crate::hits::HitRecord;
 use crate::policy::{
-    ActionTable, KIND_MOMENTS, PathRecord, PolicyRecord, PolicySlices, PolicyTable, SegmentRecord, TargetGrid,
+    ActionTable, KIND_MOMENTS, PathRecord, PolicyRecord, PolicySlices, PolicyTable, SegmentRecord, StateGridRecord,
+    TargetGrid,
 };
 use crate::skeleton::Skeleton;
 use bytemuck::Pod;
@@ -43,6 +44,8 @@ pub mod tags {
     pub const POLICY_SEGMENTS: Tag = Tag(*b"PSEG");
     /// [`crate::policy::PathRecord`] per policy with a grid of moments, and segment.
     pub const POLICY_PATHS: Tag = Tag(*b"PPTH");
+    /// [`crate::policy::StateGridRecord`] per adaptive policy and state.
+    pub const POLICY_STATE_GRIDS: Tag = Tag(*b"PGRD");
     /// Value per policy, state and cell (f32).
     pub const POLICY_VALUES: Tag = Tag(*b"PVAL");
     /// Best actions per policy, state, cell and choice (u8).
@@ -63,6 +66,7 @@ struct Sections {
     policies: Range<usize>,
     policy_segments: Range<usize>,
     policy_paths: Range<usize>,
+    policy_state_grids: Range<usize>,
     policy_values: Range<usize>,
     policy_best: Range<usize>,
 }
@@ -130,6 +134,7 @@ impl Tables {
             policies: layout.section::<PolicyRecord>(tags::POLICIES)?,
             policy_segments: layout.section::<SegmentRecord>(tags::POLICY_SEGMENTS)?,
             policy_paths: layout.section::<PathRecord>(tags::POLICY_PATHS)?,
+            policy_state_grids: layout.section::<StateGridRecord>(tags::POLICY_STATE_GRIDS)?,
             policy_values: layout.section::<f32>(tags::POLICY_VALUES)?,
             policy_best: layout.section::<u8>(tags::POLICY_BEST)?,
         };
@@ -224,24 +229,28 @@ impl Tables {
             ActionTable::new(graph.action_offsets, graph.action_segments, graph.segments.len()).map_err(wrong)?;
         let (num_states, num_segments) = (graph.states.len(), graph.segments.len());
         let records = self.policy_records();
-        let mut values_start = 0usize;
-        let mut paths_start = 0usize;
-        let mut best_start = 0usize;
+        let (mut values_start, mut paths_start, mut grids_start, mut best_start) = (0usize, 0usize, 0usize, 0usize);
         for (i, r) in records[..=index].iter().enumerate() {
-            let cells = TargetGrid::new(r.grid).map_err(wrong)?.num_cells();
-            let num_values = cells.saturating_mul(num_states);
             let num_paths = if r.grid.kind == KIND_MOMENTS { num_segments } else { 0 };
+            let num_grids = if r.adaptive == 0 { 0 } else { num_states };
+            let state_grids = part(self.view(&self.sections.policy_state_grids), grids_start, num_grids);
+            let num_values = match r.adaptive {
+                0 => TargetGrid::new(r.grid).map_err(wrong)?.num_cells().saturating_mul(num_states),
+                _ => state_grids.iter().fold(0, |sum: usize, g: &StateGridRecord| sum.saturating_add(g.num_cells())),
+            };
             let num_best = num_values.saturating_mul(r.num_choices as usize);
             if i == index {
                 let slices = PolicySlices {
                     segments: part(self.view(&self.sections.policy_segments), i * num_segments, num_segments),
                     paths: part(self.view(&self.sections.policy_paths), paths_start, num_paths),
+                    state_grids,
                     values: part(self.view(&self.sections.policy_values), values_start, num_values),
                     best: part(self.view(&self.sections.policy_best), best_start, num_best),
                 };
                 return PolicyTable::new(r, actions, slices).map_err(wrong);
             }
             paths_start = paths_start.saturating_add(num_paths);
+            grids_start = grids_start.saturating_add(num_grids);
             values_start = values_start.saturating_add(num_values);
             best_start = best_start.saturating_add(num_best);
         }

@@ -2,11 +2,11 @@
 
 use super::patch::{Parts, refusal};
 use crate::common::{bundle, tables};
-use throng_runtime::Contacts;
-use throng_runtime::format::{ClipRecord, FormatError, FrameRow, SkeletonRecord, Tag};
+use throng_runtime::format::{AlignedBytes, ClipRecord, FormatError, FrameRow, SkeletonRecord, Tag};
 use throng_runtime::graph::{MotionSegment, StateRecord};
-use throng_runtime::policy::{NO_ACTION, PolicyRecord, SegmentRecord};
+use throng_runtime::policy::{NO_ACTION, PolicyRecord, SegmentRecord, StateGridRecord};
 use throng_runtime::tables::tags;
+use throng_runtime::{Contacts, Tables};
 
 /// A change of the bundle's content and what it is.
 type Change<'a> = (&'a str, &'a dyn Fn(&mut Parts));
@@ -284,6 +284,55 @@ fn policy_tables_hold_actions_and_numbers() {
         ];
         refuses(Some(tags::POLICIES), &changes);
     }
+}
+
+/// The small bundle with its one policy made adaptive, the finest grid in every state: the same values.
+fn adaptive() -> Parts {
+    let mut parts = Parts::of(bundle());
+    let (grid, num_states) = (*tables().policy(0).grid(), tables().graph().states.len() as u32);
+    let record = |s| StateGridRecord::new(grid.counts(), s * grid.num_cells() as u32);
+    parts.edit::<StateGridRecord>(tags::POLICY_STATE_GRIDS, |g| g.extend((0..num_states).map(record)));
+    policy(&mut parts, |r| r.adaptive = 1);
+    parts
+}
+
+#[test]
+fn state_grids_tile_the_values() {
+    let bytes = adaptive().join();
+    let opened = Tables::from_bytes(AlignedBytes::from_slice(&bytes)).expect("an adaptive policy opens");
+    assert!(opened.policy(0).is_adaptive());
+    let (from, to) = (tables(), opened);
+    assert_eq!(from.policy(0).values_of(3), to.policy(0).values_of(3));
+    let grids = |p: &mut Parts, f: &dyn Fn(&mut Vec<StateGridRecord>)| p.edit(tags::POLICY_STATE_GRIDS, f);
+    let changes: [(Option<Tag>, Change<'_>); 10] = [
+        (Some(tags::POLICIES), ("a ring less", &|p| grids(p, &|g| g[0].counts[0] -= 1))),
+        (Some(tags::POLICIES), ("an angle more", &|p| grids(p, &|g| g[1].counts[1] += 1))),
+        (Some(tags::POLICIES), ("no height", &|p| grids(p, &|g| g[1].counts[2] = 0))),
+        (Some(tags::POLICIES), ("counts below zero", &|p| grids(p, &|g| g[1].counts = [-1, -1, 1, 0]))),
+        (Some(tags::POLICIES), ("a gap", &|p| grids(p, &|g| g[2].first += 1))),
+        (Some(tags::POLICIES), ("reserved field", &|p| grids(p, &|g| g[2].reserved = 1))),
+        (Some(tags::POLICIES), ("a state grid too few", &|p| grids(p, &|g| g.truncate(g.len() - 1)))),
+        (Some(tags::POLICIES), ("no state grids", &|p| grids(p, &Vec::clear))),
+        (Some(tags::POLICIES), ("twice adaptive", &|p| policy(p, |r| r.adaptive = 2))),
+        (None, ("a state grid too many", &|p| grids(p, &|g| g.push(g[0])))),
+    ];
+    for (tag, (what, change)) in changes {
+        let mut parts = adaptive();
+        change(&mut parts);
+        match (refusal(&parts.join(), what), tag) {
+            (FormatError::Value { tag: got, .. }, Some(wanted)) if got == wanted => {}
+            (FormatError::Layout { .. }, None) => {}
+            (e, _) => panic!("{what}: refused, but by {e:?}"),
+        }
+    }
+    refuses(None, &[("state grids of a policy that has none", &|p| *p = adaptive_in_part())]);
+}
+
+/// State grids without a policy that says so.
+fn adaptive_in_part() -> Parts {
+    let mut parts = adaptive();
+    policy(&mut parts, |r| r.adaptive = 0);
+    parts
 }
 
 #[test]

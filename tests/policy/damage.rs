@@ -26,7 +26,7 @@ type Parts = (PolicyRecord, Vec<u32>, Vec<u32>, Vec<SegmentRecord>, Vec<f32>, Ve
 fn opens(parts: &Parts) -> bool {
     let (record, offsets, actions, segments, values, best) = parts;
     let Ok(actions) = ActionTable::new(offsets, actions, segments.len()) else { return false };
-    PolicyTable::new(record, actions, PolicySlices { segments, paths: &[], values, best }).is_ok()
+    PolicyTable::new(record, actions, PolicySlices { segments, values, best, ..PolicySlices::default() }).is_ok()
 }
 
 #[test]
@@ -76,7 +76,7 @@ proptest! {
         }
         let (record, offsets, actions, segments, values, best) = &parts;
         let actions = ActionTable::new(offsets, actions, segments.len()).expect("untouched");
-        if let Ok(policy) = PolicyTable::new(record, actions, PolicySlices { segments, paths: &[], values, best }) {
+        if let Ok(policy) = PolicyTable::new(record, actions, PolicySlices { segments, values, best, ..PolicySlices::default() }) {
             let (states, targets) = ([state], [Vec3::from_array(target)]);
             let mut ranked = [RankedActions::NONE];
             let goals = [Goal { policy, weights: &[1.0], targets: &targets }];

@@ -110,12 +110,13 @@ pub fn read(paths: &[PathBuf], config: &ImportConfig, progress: &dyn Progress) -
 /// # Errors
 /// As [`read`].
 pub fn made(set: &ClipSet, folder: &Path, config: &ImportConfig) -> Result<ImportedSet, ImportError> {
+    let profiles = profile::load_profiles(&config.profiles)?;
     let one = |clip: &Clip| {
         let path = folder.join(format!("{}.bvh", clip.name));
         let mut text = Vec::new();
         let failed = |source| ImportError::Io { path: path.clone(), source };
         bvh_write::write(&to_raw(clip, &set.skeleton), &mut text).map_err(failed)?;
-        interpret(bvh::parse(&text, &path)?, config, &[])
+        interpret(bvh::parse(&text, &path)?, config, &profiles)
     };
     Ok(ImportedSet { clips: set.clips.par_iter().map(one).collect::<Result<_, _>>()?, skipped: Vec::new() })
 }

@@ -4,7 +4,6 @@ use super::config::PolicyConfig;
 use super::model::ActionModel;
 use super::solve::{Solution, stage_error, tolerance};
 use crate::error::BuildError;
-use glam::Vec3;
 use rayon::prelude::*;
 use throng_runtime::policy::{Goal, LookAheadJob, MAX_RANKED, PolicyTable, RankedActions};
 
@@ -43,17 +42,36 @@ pub fn bake(model: &ActionModel, solution: &mut Solution, cfg: &PolicyConfig) ->
     }
 }
 
+/// Best actions at the centres of an adaptive policy's cells, best first. [Size: values.len() * num_choices]
+///
+/// # Errors
+/// [`BuildError::Stage`] where the solution does not fit the model.
+pub(super) fn best_actions(
+    model: &ActionModel,
+    solution: &mut Solution,
+    num_choices: u32,
+) -> Result<Vec<u8>, BuildError> {
+    solution.record.num_choices = 1;
+    let ranked = rank_all(&solution.table(model, &vec![0; solution.values.len()])?);
+    solution.record.num_choices = num_choices;
+    Ok(ranked.iter().flat_map(|r| r.actions[..num_choices as usize].to_vec()).collect())
+}
+
 /// Ranks the actions of every (state, cell).
 fn rank_all(table: &PolicyTable) -> Vec<RankedActions> {
-    let num_cells = table.grid().num_cells();
-    let centres: Vec<Vec3> = (0..num_cells).map(|c| table.cell_target(c)).collect();
-    let weights = vec![1.0; num_cells];
-    let goals = [Goal { policy: *table, weights: &weights, targets: &centres }];
-    let mut ranked = vec![RankedActions::NONE; table.actions().num_states() * num_cells];
-    ranked.par_chunks_mut(num_cells).enumerate().for_each(|(state, ranked)| {
-        let states = vec![state as u32; num_cells];
-        let job = LookAheadJob { goals: &goals, states: &states, ranked };
-        job.run().expect("slices have one length, states exist and centres are finite");
-    });
+    let states: Vec<u32> = (0..table.actions().num_states() as u32).collect();
+    let ranked: Vec<Vec<RankedActions>> = states.par_iter().map(|&state| rank_state(table, state)).collect();
+    ranked.concat()
+}
+
+fn rank_state(table: &PolicyTable, state: u32) -> Vec<RankedActions> {
+    let grid = table.grid_of(state);
+    let n = grid.num_cells();
+    let targets: Vec<_> = (0..n).map(|c| grid.cell_centre(c) + table.centre()).collect();
+    let (states, weights) = (vec![state; n], vec![1.0; n]);
+    let mut ranked = vec![RankedActions::NONE; n];
+    let goals = [Goal { policy: *table, weights: &weights, targets: &targets }];
+    let job = LookAheadJob { goals: &goals, states: &states, ranked: &mut ranked };
+    job.run().expect("slices have one length, states exist and centres are finite");
     ranked
 }

@@ -1,5 +1,6 @@
 //! Policies: behaviours solved by value iteration over the motion graph (003 section 4).
 
+mod adapt;
 mod bake;
 mod behaviour;
 mod compare;
@@ -9,17 +10,21 @@ pub mod made_up;
 mod model;
 mod pairs;
 mod policies;
+mod quality;
+pub mod search;
 mod solve;
 mod sweep;
 
+pub use adapt::{AdaptiveReport, Approximation, adapt};
 pub use bake::bake;
 pub use behaviour::{Approach, Behaviour, Evade, SegmentHit, ThrowPunches, segment_hits, segment_records};
 pub use compare::{Comparison, compare};
 pub use config::{
-    BehaviourConfig, BehaviourKind, BoundsConfig, CentreConfig, GridConfig, KernelConfig, PolicyConfig, RegionConfig,
-    RewardForm,
+    AdaptiveConfig, BehaviourConfig, BehaviourKind, BoundsConfig, CentreConfig, GridConfig, KernelConfig, PolicyConfig,
+    RegionConfig, RewardForm,
 };
 pub use export::write_csv;
 pub use model::{ActionModel, SegmentMotion};
 pub use policies::{Policy, PolicyReport, PolicyTables, solve, solve_behaviours};
+pub use quality::{Quality, QualityConfig, TemperatureQuality, quality};
 pub use solve::{Solution, tolerance, value_iteration};

@@ -1,6 +1,7 @@
 //! The policy stage: all behaviours solved, baked and compared.
 
-use super::bake::bake;
+use super::adapt::{AdaptiveReport, adapt};
+use super::bake::{bake, best_actions};
 use super::behaviour::{Approach, Behaviour, Evade, SegmentHit, ThrowPunches, segment_hits};
 use super::compare::{Comparison, compare};
 use super::config::{BehaviourConfig, BehaviourKind, PolicyConfig};
@@ -14,7 +15,7 @@ use glam::Vec2;
 use rand_pcg::Pcg64;
 use std::time::Instant;
 use throng_runtime::policy::{
-    ActionTable, PathRecord, PolicyError, PolicyRecord, PolicySlices, PolicyTable, SegmentRecord,
+    ActionTable, PathRecord, PolicyError, PolicyRecord, PolicySlices, PolicyTable, SegmentRecord, StateGridRecord,
 };
 
 /// All policies of a build, ready to be written.
@@ -42,9 +43,12 @@ pub struct Policy {
     /// [Size: num_segments in a grid of moments, else 0]
     #[serde(with = "crate::pod")]
     pub paths: Vec<PathRecord>,
-    /// [Size: num_states * num_cells]
+    /// [Size: num_states in an adaptive policy, else 0]
+    #[serde(with = "crate::pod")]
+    pub state_grids: Vec<StateGridRecord>,
+    /// [Size: num_states * num_cells, in an adaptive policy the cells of all state grids]
     pub values: Vec<f32>,
-    /// [Size: num_states * num_cells * num_choices]
+    /// [Size: values.len() * num_choices]
     pub best: Vec<u8>,
     /// What it took; not part of the bundle.
     pub report: PolicyReport,
@@ -55,7 +59,7 @@ pub struct Policy {
 pub struct PolicyReport {
     /// Name of its behaviour.
     pub name: String,
-    /// Cells of the grid.
+    /// Cells of the grid; in an adaptive policy of the finest one.
     pub cells: usize,
     /// (State, cell, action) triples.
     pub pairs: u64,
@@ -63,11 +67,13 @@ pub struct PolicyReport {
     pub sweeps: u32,
     /// Sweeps over the greedy action alone.
     pub greedy_sweeps: u32,
-    /// Largest change of a value in the last full sweep, done with the runtime's look-ahead over the stored values.
+    /// Largest change of a value in the last full sweep, done with the runtime's look-ahead over the stored values; in
+    /// an adaptive policy over those on the finest grid, from which the stored ones were made.
     pub residual: f32,
-    /// Values are proven to be within this of the optimal ones: residual / (1 - discount of the shortest segment).
+    /// Values are proven to be within this of the optimal ones: residual / (1 - discount of the shortest segment). In an
+    /// adaptive policy the error that its grids add is in `adaptive`.
     pub error_bound: f64,
-    /// Bytes of values, best actions, segments and paths.
+    /// Bytes of values, best actions, segments, paths and state grids.
     pub bytes: usize,
     /// Bytes of the values alone: what the paper's tables hold.
     pub value_bytes: usize,
@@ -75,6 +81,8 @@ pub struct PolicyReport {
     pub seconds: f64,
     /// Single-load answers against look-aheads.
     pub comparison: Comparison,
+    /// What an adaptive policy gives away, beside uniform grids of the same size.
+    pub adaptive: Option<AdaptiveReport>,
 }
 
 impl PolicyTables {
@@ -85,7 +93,13 @@ impl PolicyTables {
     pub fn table(&self, index: usize) -> Result<PolicyTable<'_>, PolicyError> {
         let p = &self.policies[index];
         let actions = ActionTable::new(&self.action_offsets, &self.action_segments, p.segments.len())?;
-        let slices = PolicySlices { segments: &p.segments, paths: &p.paths, values: &p.values, best: &p.best };
+        let slices = PolicySlices {
+            segments: &p.segments,
+            paths: &p.paths,
+            state_grids: &p.state_grids,
+            values: &p.values,
+            best: &p.best,
+        };
         PolicyTable::new(&p.record, actions, slices)
     }
 }
@@ -167,13 +181,20 @@ fn solve_one(
 ) -> Result<Policy, BuildError> {
     let begin = Instant::now();
     let mut solution = value_iteration(model, behaviour, cfg, progress)?;
-    let best = bake(model, &mut solution, cfg)?;
+    let mut best = bake(model, &mut solution, cfg)?;
     behaviour.check_values(&solution.values)?;
+    let mut adaptive = None;
+    if let Some(config) = behaviour.adaptive() {
+        let finest = solution;
+        solution = adapt(&finest, behaviour, &config)?;
+        best = best_actions(model, &mut solution, cfg.choices)?;
+        adaptive = Some(AdaptiveReport::new(model, behaviour, &finest, &solution, cfg, rng)?);
+    }
     let seconds = begin.elapsed().as_secs_f64();
     let comparison = compare(&solution.table(model, &best)?, cfg.compare_samples, rng);
-    let report = report(model, behaviour, &solution, &best, seconds, comparison);
-    let Solution { record, segments, paths, values, .. } = solution;
-    Ok(Policy { name: behaviour.name().into(), record, segments, paths, values, best, report })
+    let report = PolicyReport { adaptive, ..report(model, behaviour, &solution, &best, seconds, comparison) };
+    let Solution { record, segments, paths, state_grids, values, .. } = solution;
+    Ok(Policy { name: behaviour.name().into(), record, segments, paths, state_grids, values, best, report })
 }
 
 fn report(
@@ -197,8 +218,10 @@ fn report(
         bytes: solution.values.len() * 4
             + best.len()
             + size_of_val(&*solution.segments)
-            + size_of_val(&*solution.paths),
+            + size_of_val(&*solution.paths)
+            + size_of_val(&*solution.state_grids),
         seconds,
         comparison,
+        adaptive: None,
     }
 }

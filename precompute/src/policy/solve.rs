@@ -8,7 +8,9 @@ use super::sweep::Sweeper;
 use crate::error::BuildError;
 use crate::progress::Progress;
 use std::time::Instant;
-use throng_runtime::policy::{ActionTable, PathRecord, PolicyRecord, PolicySlices, PolicyTable, SegmentRecord};
+use throng_runtime::policy::{
+    ActionTable, PathRecord, PolicyRecord, PolicySlices, PolicyTable, SegmentRecord, StateGridRecord,
+};
 
 /// Values of a solved policy, and what it took.
 #[derive(Clone, Debug)]
@@ -19,7 +21,9 @@ pub struct Solution {
     pub segments: Vec<SegmentRecord>,
     /// [Size: num_segments in a grid of moments, else 0]
     pub paths: Vec<PathRecord>,
-    /// [Size: num_states * num_cells]
+    /// [Size: num_states in an adaptive policy, else 0]
+    pub state_grids: Vec<StateGridRecord>,
+    /// [Size: num_states * num_cells, in an adaptive policy the cells of all state grids]
     pub values: Vec<f32>,
     /// (State, cell, action) triples a full sweep covers.
     pub num_pairs: u64,
@@ -180,6 +184,7 @@ fn blank(
         record,
         segments,
         paths: behaviour.paths().to_vec(),
+        state_grids: Vec::new(),
         values: vec![0.0; num_values],
         num_pairs: (model.action_segments.len() * grid.num_cells()) as u64,
         num_sweeps: 0,
@@ -201,7 +206,13 @@ impl Solution {
             stage_error(e.to_string(), "The motion graph is not sound: build it again.")
         };
         let actions = ActionTable::new(&model.action_offsets, &model.action_segments, model.segments.len());
-        let slices = PolicySlices { segments: &self.segments, paths: &self.paths, values: &self.values, best };
+        let slices = PolicySlices {
+            segments: &self.segments,
+            paths: &self.paths,
+            state_grids: &self.state_grids,
+            values: &self.values,
+            best,
+        };
         PolicyTable::new(&self.record, actions.map_err(fault)?, slices).map_err(fault)
     }
 }

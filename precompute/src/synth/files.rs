@@ -31,16 +31,18 @@ pub fn save(set: &ClipSet, folder: &Path) -> Result<Vec<PathBuf>, BuildError> {
 
 /// Writes the tags of a clip as a sidecar.
 fn save_tags(clip: &Clip, path: &Path) -> Result<(), BuildError> {
-    if clip.tags.is_empty() {
-        return Ok(());
-    }
-    let tag = |t: &Tag| SidecarTag { name: t.name.clone(), start: t.range.start as f64, end: t.range.end as f64 };
-    let tags = clip.tags.iter().map(tag).collect();
-    let sidecar = Sidecar { unit: TimeUnit::Frames, tags, ..Sidecar::default() };
+    let Some(sidecar) = sidecar(clip) else { return Ok(()) };
     write_atomically(path, |out| {
         let text = toml::to_string(&sidecar).map_err(Error::other)?;
         out.write_all(text.as_bytes())
     })
+}
+
+/// The sidecar that says what a clip's tags say; none for a clip without.
+pub(super) fn sidecar(clip: &Clip) -> Option<Sidecar> {
+    let tag = |t: &Tag| SidecarTag { name: t.name.clone(), start: t.range.start as f64, end: t.range.end as f64 };
+    let tags: Vec<_> = clip.tags.iter().map(tag).collect();
+    (!tags.is_empty()).then(|| Sidecar { unit: TimeUnit::Frames, tags, ..Sidecar::default() })
 }
 
 #[cfg(test)]

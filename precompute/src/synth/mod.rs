@@ -11,6 +11,7 @@ mod deck;
 mod files;
 mod foot;
 mod frame;
+mod input;
 mod leg;
 mod pendulum;
 mod set;
@@ -19,6 +20,7 @@ mod signal;
 mod walk;
 
 pub use files::save;
+pub use input::{SynthInput, input};
 pub use set::{SynthSet, make, write};
 
 use crate::error::BuildError;

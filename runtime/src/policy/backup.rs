@@ -2,7 +2,7 @@
 //!
 //! A look-ahead weighs eight actions for one target, an offline sweep one action for eight targets: both are this.
 
-use super::grid::{Place, TargetGrid};
+use super::grid::{Place, Spot, TargetGrid};
 use super::reward::Reward;
 use super::table::{PolicyTable, SegmentRecord};
 use crate::lanes::{LANES, Lanes, Work, dispatch};
@@ -57,12 +57,12 @@ pub(super) fn back_up<F: Lanes, const POLAR: bool>(
     reward: &Reward,
     motions: impl Motions<F>,
     target: &Targets<F>,
-) -> (F, Place<F>) {
+) -> (F, Spot<F>) {
     let [c, s, x, z] = motions.quarter(0);
     let (dx, dz) = (target.x - x, target.z - z);
     let distance = (dx * dx + dz * dz).sqrt();
-    let place = grid.place::<F, POLAR>(c * dx - s * dz, s * dx + c * dz, distance);
-    (rewards::<F, POLAR>(reward, motions, target, distance), place)
+    let spot = grid.spot::<F, POLAR>(c * dx - s * dz, s * dx + c * dz, distance);
+    (rewards::<F, POLAR>(reward, motions, target, distance), spot)
 }
 
 /// See [`Reward`].
@@ -180,7 +180,8 @@ impl BackUpAll<'_> {
         for (t, out) in self.targets.iter().zip(self.out) {
             let start_kernel = F::load(&t.start_kernel);
             let targets = Targets { x: F::load(&t.x), y: F::splat(self.height), z: F::load(&t.z), start_kernel };
-            let (rewards, place) = back_up::<F, POLAR>(grid, reward, self.segment, &targets);
+            let (rewards, spot) = back_up::<F, POLAR>(grid, reward, self.segment, &targets);
+            let place = grid.place::<F, POLAR>(&spot);
             let weight = place.scale * discount;
             place.ring.store(&mut out.ring);
             place.angle.store(&mut out.angle);
@@ -233,7 +234,7 @@ mod tests {
                 };
                 let values = vec![0.0; grid.num_cells()];
                 let best = vec![0; grid.num_cells()];
-                let slices = PolicySlices { segments: &[segment], paths: &[], values: &values, best: &best };
+                let slices = PolicySlices { segments: &[segment], values: &values, best: &best, ..PolicySlices::default() };
                 let actions = ActionTable::new(&[0, 1], &[0], 1).expect("one action");
                 let table = PolicyTable::new(&record, actions, slices).expect("sound");
                 let kernel = |(x, z): (f32, f32)| table.reward().kernel((x * x + z * z).sqrt());

@@ -38,7 +38,7 @@ impl BestActionJob<'_> {
         self.validate()?;
         let choice = usize::from(self.choice).min(self.policy.num_choices() - 1);
         for ((action, &state), &target) in self.actions.iter_mut().zip(self.states).zip(self.targets) {
-            let best = self.policy.best_of(state, self.policy.nearest_cell(target));
+            let best = self.policy.best_of(state, self.policy.nearest_cell(state, target));
             *action = if best[choice] == NO_ACTION { best[0] } else { best[choice] };
         }
         Ok(())

@@ -80,7 +80,8 @@ impl Work for LookAheadJob<'_> {
                     scores[..num_actions.div_ceil(LANES)].fill([0.0; LANES]);
                 }
                 if weight != 0.0 {
-                    goal.policy.add_scores::<F>(segments, goal.targets[i], weight, &mut scores);
+                    let target = goal.policy.grid.clamp(goal.policy.to_grid(goal.targets[i]));
+                    goal.policy.add_scores::<F>(segments, target, weight, &mut scores);
                 }
             }
             *ranked = RankedActions::of_scores::<F>(&mut scores, num_actions);
@@ -94,7 +95,7 @@ pub(super) const MAX_GROUPS: usize = MAX_ACTIONS.div_ceil(LANES);
 /// A target as seen by all actions of a query.
 #[derive(Clone, Copy)]
 struct Query {
-    /// The target, moved into the grid.
+    /// The target; a look-ahead has moved it into the grid.
     target: Vec3,
     /// Kernel of the distance at the start, which all actions share.
     start_kernel: f32,
@@ -102,15 +103,17 @@ struct Query {
     height_offsets: [usize; 2],
     /// Ratio between the heights.
     height_ratio: f32,
+    /// Number of the height, fractions in between.
+    height_number: f32,
 }
 
 impl PolicyTable<'_> {
     /// Adds `weight` times the score of each action to `scores`.
     ///
     /// - `segments`: of the actions.
+    /// - `target`: as the grid counts.
     #[inline(always)]
     fn add_scores<F: Lanes>(&self, segments: &[u32], target: Vec3, weight: f32, scores: &mut [[f32; LANES]]) {
-        let target = self.grid.clamp(self.to_grid(target));
         if self.grid.is_moments() {
             let scores = scores.as_flattened_mut();
             for (score, &segment) in scores.iter_mut().zip(segments) {
@@ -119,15 +122,16 @@ impl PolicyTable<'_> {
             return;
         }
         let query = self.query(target);
-        if self.grid.is_polar() {
-            self.add_scores_of::<F, true>(segments, &query, weight, scores);
-        } else {
-            self.add_scores_of::<F, false>(segments, &query, weight, scores);
+        match (self.grid.is_polar(), self.is_adaptive()) {
+            (true, false) => self.add_scores_of::<F, true, false>(segments, &query, weight, scores),
+            (false, false) => self.add_scores_of::<F, false, false>(segments, &query, weight, scores),
+            (true, true) => self.add_scores_of::<F, true, true>(segments, &query, weight, scores),
+            (false, true) => self.add_scores_of::<F, false, true>(segments, &query, weight, scores),
         }
     }
 
     #[inline(always)]
-    fn add_scores_of<F: Lanes, const POLAR: bool>(
+    fn add_scores_of<F: Lanes, const POLAR: bool, const ADAPTIVE: bool>(
         &self,
         segments: &[u32],
         query: &Query,
@@ -139,18 +143,18 @@ impl PolicyTable<'_> {
         let targets = Targets { x: F::splat(x), y: F::splat(y), z: F::splat(z), start_kernel };
         let (whole, rest) = segments.as_chunks::<LANES>();
         for (segments, scores) in whole.iter().zip(&mut *scores) {
-            self.add_group::<F, POLAR>(segments, query, &targets, weight, scores);
+            self.add_group::<F, POLAR, ADAPTIVE>(segments, query, &targets, weight, scores);
         }
         if let (Some(&last), Some(scores)) = (rest.last(), scores.get_mut(whole.len())) {
             let mut segments = [last; LANES];
             segments[..rest.len()].copy_from_slice(rest);
-            self.add_group::<F, POLAR>(&segments, query, &targets, weight, scores);
+            self.add_group::<F, POLAR, ADAPTIVE>(&segments, query, &targets, weight, scores);
         }
     }
 
     /// The same for eight actions.
     #[inline(always)]
-    fn add_group<F: Lanes, const POLAR: bool>(
+    fn add_group<F: Lanes, const POLAR: bool, const ADAPTIVE: bool>(
         &self,
         segments: &[u32; LANES],
         query: &Query,
@@ -159,19 +163,24 @@ impl PolicyTable<'_> {
         scores: &mut [f32; LANES],
     ) {
         let records = &segments.map(|s| &self.segments[s as usize]);
-        let (reward, place) = back_up::<F, POLAR>(&self.grid, &self.reward, records, targets);
+        let (reward, spot) = back_up::<F, POLAR>(&self.grid, &self.reward, records, targets);
         let [_, _, discount, end] = Motions::<F>::quarter(records, 3);
-        let mut value = self.values_at(end, &place, query.height_offsets[0]);
-        if !POLAR && query.height_ratio > 0.0 {
-            let high = self.values_at(end, &place, query.height_offsets[1]);
-            value = value + (high - value) * F::splat(query.height_ratio);
-        }
+        let value = if ADAPTIVE {
+            self.adaptive_values::<F, POLAR>(records, &spot, query.height_number)
+        } else {
+            let place = self.grid.place::<F, POLAR>(&spot);
+            let low = self.values_at(end, &place, query.height_offsets[0]);
+            if !POLAR && query.height_ratio > 0.0 {
+                let high = self.values_at(end, &place, query.height_offsets[1]);
+                low + (high - low) * F::splat(query.height_ratio)
+            } else {
+                low
+            }
+        };
         (F::load(scores) + F::splat(weight) * (reward + discount * value)).store(scores);
     }
 
     /// What does not depend on the action.
-    ///
-    /// - `target`: within the grid.
     #[inline(always)]
     fn query(&self, target: Vec3) -> Query {
         let (height, height_ratio) = self.grid.height_interval(target.y);
@@ -179,7 +188,8 @@ impl PolicyTable<'_> {
         let low = height as usize * plane;
         let high = if height_ratio > 0.0 { low + plane } else { low };
         let start_kernel = self.reward.kernel((target.x * target.x + target.z * target.z).sqrt());
-        Query { target, start_kernel, height_offsets: [low, high], height_ratio }
+        let height_number = height as f32 + height_ratio;
+        Query { target, start_kernel, height_offsets: [low, high], height_ratio, height_number }
     }
 
     /// Scores of all actions of a state for one target, in order: what [`LookAheadJob`] ranks.
@@ -190,8 +200,24 @@ impl PolicyTable<'_> {
     /// # Errors
     /// [`PolicyJobError`] where the state does not exist, the target is not finite or `scores` is too short.
     pub fn action_scores(&self, state: u32, target: Vec3, scores: &mut [f32]) -> Result<usize, PolicyJobError> {
-        check_states(&[state], self.actions.num_states())?;
         check_targets(&[target])?;
+        self.scores_at(state, self.grid.clamp(self.to_grid(target)), scores)
+    }
+
+    /// As [`Self::action_scores`], with the target left where it is beyond the grid: the exact rewards, and the values
+    /// of the places after the actions, which fall with the distance from the grid.
+    ///
+    /// - `target`: the time left in a grid of moments is not negative.
+    ///
+    /// # Errors
+    /// As [`Self::action_scores`].
+    pub fn exact_scores(&self, state: u32, target: Vec3, scores: &mut [f32]) -> Result<usize, PolicyJobError> {
+        check_targets(&[target])?;
+        self.scores_at(state, self.to_grid(target), scores)
+    }
+
+    fn scores_at(&self, state: u32, target: Vec3, scores: &mut [f32]) -> Result<usize, PolicyJobError> {
+        check_states(&[state], self.actions.num_states())?;
         let segments = self.actions.segments_of(state);
         if scores.len() < segments.len() {
             let (got, expected) = (scores.len(), segments.len());

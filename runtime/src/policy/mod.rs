@@ -4,6 +4,7 @@
 //! nearest cell; [`LookAheadJob`] weighs every action by its reward and the value of where it leads, for one
 //! behaviour or a weighted sum of several, and ranks the best few, of which [`RankedActions::choose`] takes one.
 
+mod adaptive;
 mod backup;
 mod best_action;
 mod error;
@@ -16,6 +17,7 @@ mod region;
 mod reward;
 mod table;
 
+pub use adaptive::{MAX_STATE_CELLS, StateGridRecord};
 pub use backup::{Backups, GroundTargets};
 pub use best_action::BestActionJob;
 pub use error::{PolicyError, PolicyJobError};

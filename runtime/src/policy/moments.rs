@@ -4,7 +4,6 @@
 //! reduced to what matters to the one who is to be hit. An action that is still under way at that time has the reward
 //! of where the character's point is then; another one has the value of where it leads, with less time left.
 
-use super::grid::TargetGrid;
 use super::reward::Reward;
 use super::table::{PolicyTable, SegmentRecord};
 use bytemuck::{Pod, Zeroable};
@@ -65,18 +64,4 @@ impl PolicyTable<'_> {
 fn after(motion: &SegmentRecord, target: Vec3, left_s: f32) -> Vec3 {
     let [x, z, _] = motion.target_after(target);
     Vec3::new(x, left_s, z)
-}
-
-impl PolicyTable<'_> {
-    /// Value of a state at a place in the grid, interpolated. [Limit: state < num_states]
-    #[inline]
-    pub(super) fn value_in(&self, state: u32, grid: &TargetGrid, at: Vec3) -> f32 {
-        let stencil = grid.stencil(at.x, at.z);
-        let n = grid.num_plane_cells();
-        let values = self.values_of(state);
-        let (height, ratio) = grid.height_interval(at.y);
-        let of = |h: usize| stencil.interpolate(&values[h * n..][..n], grid.record().num_angles);
-        let low = of(height as usize);
-        if ratio > 0.0 { low + (of(height as usize + 1) - low) * ratio } else { low }
-    }
 }

@@ -1,5 +1,6 @@
 //! Policy tables as they are stored, and the checked view on them.
 
+use super::adaptive::{StateGridRecord, check_state_grids};
 use super::error::PolicyError;
 use super::grid::{GridRecord, TargetGrid};
 use super::moments::PathRecord;
@@ -7,6 +8,7 @@ use super::region::RegionRecord;
 use super::reward::{Reward, RewardRecord};
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
+use std::ops::Range;
 
 /// Stands where a state has fewer actions than the table has room for.
 pub const NO_ACTION: u8 = 255;
@@ -17,7 +19,7 @@ pub const MAX_ACTIONS: usize = 255;
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct PolicyRecord {
-    /// Cells of the target.
+    /// Cells of the target; in an adaptive policy the finest ones.
     pub grid: GridRecord,
     /// How the samples of a [`SegmentRecord`] become a reward.
     pub reward: RewardRecord,
@@ -33,14 +35,16 @@ pub struct PolicyRecord {
     pub num_choices: u32,
     /// Discount per frame at the database rate. [Limit: > 0, < 1]
     pub discount: f32,
-    /// Values are within this of the optimal ones. [Limit: > 0]
+    /// Values are within this of the optimal ones; in an adaptive policy those it was made of, on the finest grid
+    /// everywhere. [Limit: > 0]
     pub epsilon: f32,
-    /// Measured largest change of a value in one full sweep over the stored values.
+    /// Measured largest change of a value in one full sweep over the stored values; in an adaptive policy over those
+    /// it was made of.
     pub residual: f32,
     /// Full sweeps it took.
     pub num_sweeps: u32,
-    /// Zero.
-    pub reserved: u32,
+    /// 1 where every state has a grid of its own ([`StateGridRecord`]), else 0.
+    pub adaptive: u32,
 }
 const _: () = assert!(size_of::<PolicyRecord>() == 144);
 
@@ -145,16 +149,18 @@ impl<'a> ActionTable<'a> {
 }
 
 /// The slices of a policy, borrowed from a bundle.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub struct PolicySlices<'a> {
     /// Motion of each segment. [Size: num_segments]
     pub segments: &'a [SegmentRecord],
     /// In a grid of moments, the way of the point that is to be away. [Size: num_segments, 0 in other grids]
     pub paths: &'a [PathRecord],
-    /// Value of each (state, cell). [Size: num_states * num_cells]
+    /// In an adaptive policy, the resolution of each state. [Size: num_states, 0 in other policies]
+    pub state_grids: &'a [StateGridRecord],
+    /// Value of each (state, cell). [Size: num_states * num_cells, or the cells of all state grids]
     pub values: &'a [f32],
     /// Best actions of each (state, cell), best first, [`NO_ACTION`] where there are no more.
-    /// [Size: num_states * num_cells * num_choices]
+    /// [Size: values.len() * num_choices]
     pub best: &'a [u8],
 }
 
@@ -165,7 +171,8 @@ pub struct PolicySlices<'a> {
 ///
 /// # Source
 /// J. Lee and K. H. Lee, "Precomputing Avatar Behavior from Human Motion Data", SCA 2004, sections 3 to 5. Differs:
-/// values come from full sweeps to a measured residual instead of random updates; rings may lie at growing distances.
+/// values come from full sweeps to a measured residual instead of random updates; rings may lie at growing distances;
+/// every state may have a resolution of its own, as section 7 looks forward to.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PolicyTable<'a> {
     pub(super) grid: TargetGrid,
@@ -173,6 +180,7 @@ pub struct PolicyTable<'a> {
     pub(super) actions: ActionTable<'a>,
     pub(super) segments: &'a [SegmentRecord],
     pub(super) paths: &'a [PathRecord],
+    pub(super) state_grids: &'a [StateGridRecord],
     pub(super) values: &'a [f32],
     region: RegionRecord,
     centre: Vec3,
@@ -192,7 +200,7 @@ impl<'a> PolicyTable<'a> {
         check_length("segments", slices.segments.len(), actions.num_segments())?;
         check_indices("num_choices", [(record.num_choices as usize).wrapping_sub(1)], super::MAX_RANKED)?;
         let num_choices = record.num_choices as usize;
-        let num_values = actions.num_states() * grid.num_cells();
+        let num_values = check_resolution(record, &grid, slices.state_grids, actions.num_states())?;
         check_length("values", slices.values.len(), num_values)?;
         // The look-ahead counts places in the table with 32 bits.
         check_indices("number of values", [num_values], u32::MAX as usize)?;
@@ -212,6 +220,7 @@ impl<'a> PolicyTable<'a> {
             actions,
             segments: slices.segments,
             paths: slices.paths,
+            state_grids: slices.state_grids,
             values: slices.values,
             region: record.region,
             centre: Vec3::new(record.centre[0], 0.0, record.centre[1]),
@@ -223,7 +232,7 @@ impl<'a> PolicyTable<'a> {
         Ok(table)
     }
 
-    /// The target grid.
+    /// The target grid; in an adaptive policy the finest one, see [`Self::grid_of`].
     pub fn grid(&self) -> &TargetGrid {
         &self.grid
     }
@@ -249,15 +258,20 @@ impl<'a> PolicyTable<'a> {
         target - self.centre
     }
 
-    /// The target in the middle of a cell, in the character's frame. [Unit: m] [Limit: cell < num_cells]
-    pub fn cell_target(&self, cell: usize) -> Vec3 {
-        self.grid.cell_centre(cell) + self.centre
+    /// The target in the middle of a cell of a state's grid, in the character's frame. [Unit: m]
+    /// [Limit: state < num_states, cell < that grid's num_cells]
+    pub fn cell_target(&self, state: u32, cell: usize) -> Vec3 {
+        self.grid_of(state).cell_centre(cell) + self.centre
     }
 
-    /// The cell nearest to a target in the character's frame.
+    /// The cell of a state's grid that is nearest to a target in the character's frame. [Limit: state < num_states]
     #[inline]
-    pub fn nearest_cell(&self, target: Vec3) -> usize {
-        self.grid.nearest_cell(self.to_grid(target))
+    pub fn nearest_cell(&self, state: u32, target: Vec3) -> usize {
+        let target = self.to_grid(target);
+        match self.state_grids.get(state as usize) {
+            None => self.grid.nearest_cell(target),
+            Some(own) => self.grid.nearest_cell_of(own.counts(), target),
+        }
     }
 
     /// States and their actions.
@@ -270,9 +284,19 @@ impl<'a> PolicyTable<'a> {
         self.segments
     }
 
+    /// In a grid of moments, the way of the guarded point over each segment; else none.
+    pub fn paths(&self) -> &'a [PathRecord] {
+        self.paths
+    }
+
     /// Best actions stored per (state, cell).
     pub fn num_choices(&self) -> usize {
         self.num_choices
+    }
+
+    /// Number of values of all states.
+    pub fn num_values(&self) -> usize {
+        self.values.len()
     }
 
     /// Discount per frame at the database rate.
@@ -280,39 +304,78 @@ impl<'a> PolicyTable<'a> {
         self.discount
     }
 
-    /// Values of a state. [Size: num_cells] [Limit: state < num_states]
+    /// Places of a state's cells in the values. [Limit: state < num_states]
     #[inline]
-    pub fn values_of(&self, state: u32) -> &'a [f32] {
-        let n = self.grid.num_cells();
-        &self.values[state as usize * n..][..n]
+    fn cells_of(&self, state: u32) -> Range<usize> {
+        let (first, n) = match self.state_grids.get(state as usize) {
+            None => (state as usize * self.grid.num_cells(), self.grid.num_cells()),
+            Some(own) => (own.first as usize, own.num_cells()),
+        };
+        first..first + n
     }
 
-    /// The stored best actions of a cell, best first. [Size: num_choices] [Limit: state < num_states, cell < num_cells]
+    /// Values of a state. [Size: num_cells of its grid] [Limit: state < num_states]
+    #[inline]
+    pub fn values_of(&self, state: u32) -> &'a [f32] {
+        &self.values[self.cells_of(state)]
+    }
+
+    /// The stored best actions of a cell of a state's grid, best first. [Size: num_choices]
+    /// [Limit: state < num_states, cell < that grid's num_cells]
     #[inline]
     pub fn best_of(&self, state: u32, cell: usize) -> &'a [u8] {
-        let at = (state as usize * self.grid.num_cells() + cell) * self.num_choices;
+        let at = (self.cells_of(state).start + cell) * self.num_choices;
         &self.best[at..at + self.num_choices]
     }
 
     /// Value of a state with the target at a place in the character's frame, interpolated. [Limit: state < num_states]
     pub fn value(&self, state: u32, target: Vec3) -> f32 {
-        self.value_in(state, &self.grid, self.grid.clamp(self.to_grid(target)))
+        self.value_in(state, &self.grid_of(state), self.grid.clamp(self.to_grid(target)))
+    }
+
+    /// Value of a state at a place in its grid, interpolated. [Limit: state < num_states]
+    #[inline]
+    pub(super) fn value_in(&self, state: u32, grid: &TargetGrid, at: Vec3) -> f32 {
+        let stencil = grid.stencil(at.x, at.z);
+        let n = grid.num_plane_cells();
+        let values = self.values_of(state);
+        let (height, ratio) = grid.height_interval(at.y);
+        let of = |h: usize| stencil.interpolate(&values[h * n..][..n], grid.record().num_angles);
+        let low = of(height as usize);
+        if ratio > 0.0 { low + (of(height as usize + 1) - low) * ratio } else { low }
     }
 
     /// Every stored action exists in its state, and every cell has a first choice.
     fn check_best(&self) -> Result<(), PolicyError> {
-        let row = self.grid.num_cells() * self.num_choices;
-        for state in 0..self.actions.num_states() {
-            let limit = self.actions.segments_of(state as u32).len();
-            for (i, &a) in self.best[state * row..][..row].iter().enumerate() {
-                let none_allowed = i % self.num_choices > 0;
+        for state in 0..self.actions.num_states() as u32 {
+            let limit = self.actions.segments_of(state).len();
+            let cells = self.cells_of(state);
+            let row = cells.start * self.num_choices..cells.end * self.num_choices;
+            for (at, &a) in row.clone().zip(&self.best[row]) {
+                let none_allowed = at % self.num_choices > 0;
                 if usize::from(a) >= limit && !(a == NO_ACTION && none_allowed) {
-                    return Err(PolicyError::Index { what: "best actions", at: state * row + i, got: a.into(), limit });
+                    return Err(PolicyError::Index { what: "best actions", at, got: a.into(), limit });
                 }
             }
         }
         Ok(())
     }
+}
+
+/// Checks the resolution of the states. Returns the number of values.
+fn check_resolution(
+    record: &PolicyRecord,
+    grid: &TargetGrid,
+    state_grids: &[StateGridRecord],
+    num_states: usize,
+) -> Result<usize, PolicyError> {
+    check_indices("adaptive", [record.adaptive as usize], if grid.is_moments() { 1 } else { 2 })?;
+    if record.adaptive == 0 {
+        check_length("state grids", state_grids.len(), 0)?;
+        return Ok(num_states * grid.num_cells());
+    }
+    check_length("state grids", state_grids.len(), num_states)?;
+    check_state_grids(state_grids, grid)
 }
 
 fn check_length(what: &'static str, got: usize, expected: usize) -> Result<(), PolicyError> {

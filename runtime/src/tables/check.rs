@@ -144,22 +144,23 @@ pub(super) fn policies(t: &Tables) -> Result<(), FormatError> {
         let names = t.meta().behaviours.len();
         return Err(FormatError::layout(format!("META names {names} behaviours, there are {n} policies")));
     }
-    let (mut values, mut best, mut paths) = (0, 0, 0);
+    let (mut values, mut best, mut paths, mut grids) = (0, 0, 0, 0);
     for i in 0..n {
         let p = t.try_policy(i)?;
-        let here = p.grid().num_cells() * t.graph().states.len();
+        let here = p.num_values();
         let ends = p.segments().iter().zip(t.graph().segments).position(|(p, s)| p.end != s.end);
         if let Some(segment) = ends {
             let message = format!("policy {i} has another end than the motion graph");
             return Err(FormatError::value(tags::POLICY_SEGMENTS, segment, message));
         }
         let record = &t.policy_records()[i];
-        if record.reserved != 0 || record.reward.reserved != [0; 2] {
+        if record.reward.reserved != [0; 2] {
             return Err(FormatError::value(tags::POLICIES, i, "its reserved fields are not zero"));
         }
         values += here;
         best += here * p.num_choices();
         paths += if p.grid().is_moments() { t.graph().segments.len() } else { 0 };
+        grids += if p.is_adaptive() { t.graph().states.len() } else { 0 };
     }
     let s = &t.sections;
     let lengths = [
@@ -169,6 +170,7 @@ pub(super) fn policies(t: &Tables) -> Result<(), FormatError> {
             n * t.graph().segments.len(),
         ),
         (tags::POLICY_PATHS, t.view::<crate::policy::PathRecord>(&s.policy_paths).len(), paths),
+        (tags::POLICY_STATE_GRIDS, t.view::<crate::policy::StateGridRecord>(&s.policy_state_grids).len(), grids),
         (tags::POLICY_VALUES, t.view::<f32>(&s.policy_values).len(), values),
         (tags::POLICY_BEST, t.view::<u8>(&s.policy_best).len(), best),
     ];

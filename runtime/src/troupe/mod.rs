@@ -13,7 +13,7 @@ mod sample_job;
 mod snapshot;
 mod step;
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;
 mod times;
 mod transition;
 

@@ -330,3 +330,56 @@ fn bend<F: Lanes, const N: usize>(links: [V<F>; N], by: V<F>) -> [Q<F>; N] {
 fn turn<F: Lanes>(angle: V<F>) -> Q<F> {
     Q::from_mrp(angle * F::splat(0.25))
 }
+
+#[cfg(test)]
+pub(crate) mod tests {
+    use super::*;
+    use crate::lanes::Array;
+
+    /// The reaction of a trunk that was pushed.
+    pub fn pushed(config: &ReactionConfig, by: Vec3) -> Reaction {
+        let mut reaction = Reaction::ZERO;
+        push(&mut reaction, 0, config, Joint::Chest, by);
+        reaction
+    }
+
+    /// Displacement of the trunk after another time. [Unit: m]
+    pub fn trunk_after(reaction: &mut Reaction, config: &ReactionConfig, dt_s: f32) -> Vec3 {
+        let (place, size) = reaction.trunk.step::<Array>(&Step::new(config, dt_s));
+        reaction.trunk.stop(size);
+        Vec3::new(place.x.to_array()[0], place.y.to_array()[0], place.z.to_array()[0])
+    }
+
+    #[test]
+    fn the_closed_form_is_that_of_the_spring() {
+        let config = ReactionConfig { half_life_s: 0.15, ..ReactionConfig::default() };
+        let rate = f64::from(config.rate());
+        let mut reaction = pushed(&config, Vec3::Z * 0.1);
+        let (mut x, mut v, mut f) = (0.0f64, 0.0, f64::from(reaction.trunk.force[2][0]));
+        for step in 0..40 {
+            let dt_s = 0.004 * (1 + step % 4) as f32;
+            // Small Euler steps in double precision.
+            let h = f64::from(dt_s) / 4000.0;
+            for _ in 0..4000 {
+                let a = f - 2.0 * rate * v - rate * rate * x;
+                (x, v, f) = (x + h * v, v + h * a, f - h * f64::from(FORCE_RATE) * rate * f);
+            }
+            let got = trunk_after(&mut reaction, &config, dt_s).z;
+            assert!((f64::from(got) - x).abs() < 2e-5, "{got} {x}");
+        }
+    }
+
+    #[test]
+    fn a_bent_chain_ends_where_it_should() {
+        let links = [Vec3::new(0.0, 0.2, 0.01), Vec3::new(0.02, 0.15, 0.03), Vec3::new(0.0, 0.18, -0.02)];
+        let by = Vec3::new(0.1, -0.03, 0.08);
+        let turns = bend(links.map(V::<Array>::splat), V::splat(by));
+        let first = |f: Array| f.to_array()[0];
+        let end = links.iter().zip(turns).fold(Vec3::ZERO, |end, (&l, q)| {
+            let l = q.rotate(V::splat(l));
+            end + Vec3::new(first(l.x), first(l.y), first(l.z))
+        });
+        let want = links.iter().sum::<Vec3>() + by;
+        assert!(end.distance(want) < 0.01, "{end} {want}");
+    }
+}

@@ -3,12 +3,15 @@
 use super::*;
 use crate::format::{AlignedBytes, BundleWriter, ClipMeta, ClipRecord, FrameRow, Meta, SkeletonRecord};
 use crate::graph::{MotionSegment, StateRecord};
+use crate::hits::HitRecord;
 use crate::policy::{PolicyRecord, RewardRecord, SegmentRecord, TargetGrid};
 use crate::skeleton::{Joint, Skeleton};
 use crate::tables::{Tables, tags};
 use bytemuck::Zeroable;
 use glam::Quat;
 
+mod blows;
+mod reactions;
 mod replay;
 
 const FRAMES: u32 = 60;
@@ -16,6 +19,11 @@ const FRAMES: u32 = 60;
 /// Two clips of walking-like rotations and planted feet; states at frames 20 and 40 of each; every state may go
 /// on or change to the other clip.
 fn tables() -> Tables {
+    tables_with(&[])
+}
+
+/// The same with effective hits.
+pub(crate) fn tables_with(hits: &[HitRecord]) -> Tables {
     let mut out = BundleWriter::new();
     let clip = |name: &str| ClipMeta { name: name.into(), ..ClipMeta::default() };
     let meta = Meta {
@@ -31,7 +39,7 @@ fn tables() -> Tables {
     let rows: Vec<FrameRow> = (0..2 * FRAMES).map(|f| row(f % FRAMES, f / FRAMES)).collect();
     out.section(tags::FRAMES, &rows);
     out.section(tags::CONTACTS, &vec![Contacts::LEFT; rows.len()]);
-    out.section::<crate::HitRecord>(tags::HITS, &[]);
+    out.section(tags::HITS, hits);
     let frames = [20, 40, FRAMES + 20, FRAMES + 40];
     out.section(tags::STATES, &frames.map(|frame| StateRecord { frame, standing: 0 }));
     // Segments: 0 -> 20 and 20 -> 40 in each clip.
@@ -70,6 +78,7 @@ fn tables() -> Tables {
     });
     out.section(tags::POLICY_SEGMENTS, &known);
     out.section::<crate::policy::PathRecord>(tags::POLICY_PATHS, &[]);
+    out.section::<crate::policy::StateGridRecord>(tags::POLICY_STATE_GRIDS, &[]);
     out.section(tags::POLICY_VALUES, &[0.0f32; 4 * 32]);
     let best: Vec<u8> = (0..4 * 32).map(|i| (i / 3 % 2) as u8).collect();
     out.section(tags::POLICY_BEST, &best);

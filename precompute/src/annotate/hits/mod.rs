@@ -9,6 +9,7 @@
 mod config;
 mod mark;
 mod peaks;
+mod point;
 mod report;
 mod track;
 
@@ -18,14 +19,20 @@ pub use config::HitConfig;
 use config::{KickConfig, PunchConfig};
 pub use mark::HitMark;
 use peaks::{Blow, Rule};
+pub use point::{HitPoint, write_csv};
 pub use report::HitReport;
 use std::collections::BTreeMap;
 use throng_runtime::{Contacts, Joint, Skeleton};
 use track::{Limb, Poses, Track};
 
-/// Blows that are shorter at half their speed are faults of the recording: a joint that jumps from one frame to the
-/// next. [Unit: s]
-const MIN_DURATION: f64 = 0.08;
+/// Blows that are shorter are faults of the recording: a joint that jumps from one frame to the next. [Unit: s]
+const MIN_DURATION: f64 = 0.05;
+
+/// A thrust lasts as long as the fist moves out along the forearm, with at least this share of its greatest speed.
+const THRUST_LASTS: f32 = 0.1;
+
+/// The same of a swing, whose speed never turns negative.
+const SWING_LASTS: f32 = 0.25;
 
 /// A slower joint has no direction to strike in. [Unit: m/s]
 const MIN_SPEED: f32 = 0.05;
@@ -93,10 +100,11 @@ impl Search<'_> {
             let track = self.track(limb);
             let mut blows = self.thrusts(&track, cfg.thrust_speed, cfg.extension, cfg.min_gap);
             if let Some(speed) = cfg.swing_speed {
-                let high = |f: usize| track.tips[f].y > self.poses[f][limb.root.index()].0.y - cfg.swing_drop;
-                // A bent arm keeps its length.
-                let swings = self.blows(&track.speeds, &track, speed, -1.0, cfg.min_gap);
-                add_apart(&mut blows, swings.into_iter().filter(|b| high(b.landing)), self.frames(cfg.min_gap));
+                // A bent arm need not grow longer.
+                let mut swings = self.swings(&track, speed, f32::NEG_INFINITY, cfg.min_gap);
+                let shoulder = |f: usize| self.poses[f][limb.root.index()].0.y;
+                swings.retain(|b| track.tips[b.landing].y >= shoulder(b.landing) - cfg.swing_drop);
+                add_apart(&mut blows, swings, self.frames(cfg.min_gap));
             }
             out.extend(blows.iter().filter_map(|b| self.hit(HitKind::Punch, limb.end, &track, b.landing)));
         }
@@ -110,8 +118,11 @@ impl Search<'_> {
         for (side, limb) in Limb::LEGS.into_iter().enumerate() {
             let (track, other) = (&tracks[side], &tracks[1 - side]);
             let mut blows = self.thrusts(track, cfg.thrust_speed, cfg.extension, cfg.min_gap);
-            let swings = self.blows(&track.speeds, track, cfg.swing_speed, cfg.extension, cfg.min_gap);
-            add_apart(&mut blows, swings, self.frames(cfg.min_gap));
+            add_apart(
+                &mut blows,
+                self.swings(track, cfg.swing_speed, cfg.extension, cfg.min_gap),
+                self.frames(cfg.min_gap),
+            );
             blows.retain(|b| {
                 let stands = self.clip.contacts.get(b.landing).is_some_and(|c| c.any(planted[side]));
                 !stands && track.tips[b.landing].y - other.tips[b.landing].y >= cfg.height
@@ -127,20 +138,30 @@ impl Search<'_> {
 
     /// Blows along forearm or shin; in the world, too, they go where the limb points.
     fn thrusts(&self, track: &Track, speed: f32, extension: f32, min_gap: f32) -> Vec<Blow> {
-        let mut found = self.blows(&track.thrusts, track, speed, extension, min_gap);
+        let rule = Rule { lasting_share: THRUST_LASTS, ..self.rule(speed, extension, min_gap) };
+        let mut found = self.blows(&track.thrusts, track, &rule);
         found.retain(|b| track.velocities[b.landing].dot(track.axes[b.landing]) > 0.0);
         found
     }
 
-    fn blows(&self, speeds: &[f32], track: &Track, speed: f32, extension: f32, min_gap: f32) -> Vec<Blow> {
-        let rule = Rule {
+    /// Blows in any direction.
+    fn swings(&self, track: &Track, speed: f32, extension: f32, min_gap: f32) -> Vec<Blow> {
+        self.blows(&track.speeds, track, &self.rule(speed, extension, min_gap))
+    }
+
+    fn rule(&self, speed: f32, extension: f32, min_gap: f32) -> Rule {
+        Rule {
             speed,
+            lasting_share: SWING_LASTS,
             extension,
             min_frames: (MIN_DURATION * self.clip.rate_hz).ceil() as usize,
             min_gap: self.frames(min_gap),
             landing_share: self.landing_share,
-        };
-        let in_range = |range: &FrameRange| peaks::blows(speeds, &track.extensions, range.clone(), &rule);
+        }
+    }
+
+    fn blows(&self, speeds: &[f32], track: &Track, rule: &Rule) -> Vec<Blow> {
+        let in_range = |range: &FrameRange| peaks::blows(speeds, &track.extensions, range.clone(), rule);
         self.ranges.iter().flat_map(in_range).collect()
     }
 

@@ -7,9 +7,11 @@ use crate::clip::FrameRange;
 pub struct Rule {
     /// Least speed at the peak. [Unit: m/s]
     pub speed: f32,
-    /// Least growth of the limb while it has half that speed.
+    /// A blow lasts as long as it has at least this share of its peak's speed.
+    pub lasting_share: f32,
+    /// Least growth of the limb while it lasts, up to the peak and beyond.
     pub extension: f32,
-    /// Least number of frames for which it has half that speed: what is shorter is a fault of the recording.
+    /// Least number of frames it lasts: what is shorter is a fault of the recording.
     pub min_frames: usize,
     /// Least number of frames between two peaks.
     pub min_gap: usize,
@@ -32,10 +34,10 @@ pub struct Blow {
 pub fn blows(speeds: &[f32], extensions: &[f32], range: FrameRange, rule: &Rule) -> Vec<Blow> {
     let mut peaks: Vec<usize> = range.clone().filter(|&f| is_peak(speeds, &range, f, rule.speed)).collect();
     peaks.retain(|&peak| {
-        let half = around(speeds, &range, peak, 0.5 * speeds[peak]);
-        let shortest = extensions[half.start..=peak].iter().copied().fold(f32::INFINITY, f32::min);
-        let longest = extensions[peak..half.end].iter().copied().fold(0.0, f32::max);
-        longest - shortest >= rule.extension && half.len() >= rule.min_frames
+        let blow = around(speeds, &range, peak, rule.lasting_share * speeds[peak]);
+        let shortest = extensions[blow.start..=peak].iter().copied().fold(f32::INFINITY, f32::min);
+        let longest = extensions[peak..blow.end].iter().copied().fold(0.0, f32::max);
+        longest - shortest >= rule.extension && blow.len() >= rule.min_frames
     });
     let landing = |peak: usize| around(speeds, &range, peak, rule.landing_share * speeds[peak]).end - 1;
     strongest(peaks, speeds, rule.min_gap).into_iter().map(|peak| Blow { peak, landing: landing(peak) }).collect()
@@ -71,7 +73,8 @@ fn around(speeds: &[f32], range: &FrameRange, peak: usize, least: f32) -> FrameR
 mod tests {
     use super::*;
 
-    const RULE: Rule = Rule { speed: 2.0, extension: 0.2, min_frames: 2, min_gap: 4, landing_share: 0.7 };
+    const RULE: Rule =
+        Rule { speed: 2.0, lasting_share: 0.25, extension: 0.2, min_frames: 2, min_gap: 4, landing_share: 0.7 };
 
     /// Speeds, and the extension they add up to.
     fn find(speeds: &[f32], rule: &Rule) -> Vec<Blow> {

@@ -1,10 +1,8 @@
 //! How many hits there are and where they land, as the paper reports it.
 
-use crate::clip::{Clip, ClipSet};
-use glam::Vec3;
+use super::HitPoint;
 use serde::Serialize;
 use std::collections::BTreeMap;
-use throng_runtime::Tables;
 
 /// Effective hitting points as seen from the planar root: number, kinds and extent. The names of the fields are keys
 /// of JSON reports.
@@ -23,37 +21,14 @@ pub struct HitReport {
 }
 
 impl HitReport {
-    /// Of all clips, mirrored copies included.
-    pub fn of_set(set: &ClipSet) -> Self {
-        set.clips.iter().flat_map(points_of_clip).collect()
-    }
-
-    /// Of one clip.
-    pub fn of_clip(clip: &Clip) -> Self {
-        points_of_clip(clip).collect()
-    }
-
-    /// Of a bundle.
-    pub fn of_tables(tables: &Tables) -> Self {
-        let kinds: Vec<&str> = tables.meta().hit_kinds().collect();
-        tables.hits().iter().map(|h| (kinds[h.kind as usize], h.position())).collect()
-    }
-}
-
-fn points_of_clip(clip: &Clip) -> impl Iterator<Item = (&str, Vec3)> {
-    clip.hits.iter().map(|h| (h.kind.name(), h.position))
-}
-
-impl<'a> FromIterator<(&'a str, Vec3)> for HitReport {
-    /// Of kinds and points as seen from the planar root.
-    fn from_iter<I: IntoIterator<Item = (&'a str, Vec3)>>(points: I) -> Self {
-        let mut out = Self::default();
-        for (kind, p) in points {
-            out.count += 1;
-            *out.kinds.entry(kind.to_owned()).or_insert(0) += 1;
-            widen(&mut out.angle_rad, p.x.atan2(p.z));
-            widen(&mut out.distance_m, p.x.hypot(p.z));
-            widen(&mut out.height_m, p.y);
+    /// Of some hits.
+    pub fn new(points: &[HitPoint]) -> Self {
+        let mut out = Self { count: points.len(), ..Self::default() };
+        for h in points {
+            *out.kinds.entry(h.kind.clone()).or_insert(0) += 1;
+            widen(&mut out.angle_rad, h.angle());
+            widen(&mut out.distance_m, h.distance());
+            widen(&mut out.height_m, h.position.y);
         }
         out
     }
@@ -90,12 +65,32 @@ impl std::fmt::Display for HitReport {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use glam::Vec3;
     use std::f32::consts::FRAC_PI_2;
+    use throng_runtime::Joint;
+
+    fn point(kind: &str, position: Vec3) -> HitPoint {
+        HitPoint {
+            clip: "a".into(),
+            frame: 0,
+            time_s: 0.0,
+            kind: kind.into(),
+            joint: Joint::LeftHand,
+            position,
+            direction: Vec3::Z,
+            speed_mps: 1.0,
+            force: 1.0,
+        }
+    }
 
     #[test]
     fn ranges_hold_every_point_and_kinds_are_counted() {
-        let points = [("punch", Vec3::new(0.0, 1.4, 0.6)), ("kick", Vec3::new(-0.8, 1.0, 0.0)), ("punch", Vec3::Y)];
-        let r: HitReport = points.into_iter().collect();
+        let points = [
+            point("punch", Vec3::new(0.0, 1.4, 0.6)),
+            point("kick", Vec3::new(-0.8, 1.0, 0.0)),
+            point("punch", Vec3::Y),
+        ];
+        let r = HitReport::new(&points);
         assert_eq!((r.count, r.kinds["punch"], r.kinds["kick"]), (3, 2, 1));
         assert_eq!(r.angle_rad, Some([-FRAC_PI_2, 0.0]));
         assert_eq!((r.distance_m, r.height_m), (Some([0.0, 0.8]), Some([1.0, 1.4])));

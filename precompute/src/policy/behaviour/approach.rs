@@ -1,6 +1,6 @@
 //! Coming to a target and staying there.
 
-use super::super::config::{BehaviourConfig, CentreConfig, KernelConfig, RewardForm};
+use super::super::config::{AdaptiveConfig, BehaviourConfig, CentreConfig, KernelConfig, RewardForm};
 use super::super::model::SegmentMotion;
 use super::Behaviour;
 use crate::error::BuildError;
@@ -123,6 +123,10 @@ impl Behaviour for Approach {
 
     fn region(&self) -> RegionRecord {
         self.region
+    }
+
+    fn adaptive(&self) -> Option<AdaptiveConfig> {
+        self.config.grid.adaptive
     }
 
     fn centre(&self) -> Vec2 {

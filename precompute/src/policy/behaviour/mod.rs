@@ -4,6 +4,7 @@ mod approach;
 mod evade;
 mod throw_punches;
 
+use super::config::AdaptiveConfig;
 use super::model::SegmentMotion;
 use crate::error::BuildError;
 pub use approach::Approach;
@@ -46,6 +47,11 @@ pub trait Behaviour: Sync {
     /// In a grid of moments, the way of the point that is to be away. [Size: num_segments, else 0]
     fn paths(&self) -> &[PathRecord] {
         &[]
+    }
+
+    /// Where every state is to have a resolution of its own: the memory for that. Not in a grid of moments.
+    fn adaptive(&self) -> Option<AdaptiveConfig> {
+        None
     }
 
     /// Checks solved values: a behaviour that can never be rewarded is a mistake.

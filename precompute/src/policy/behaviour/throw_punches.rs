@@ -1,6 +1,6 @@
 //! Effective hits on a target in space: punches, kicks, and whatever tags say (003 eq. 2 and 6).
 
-use super::super::config::{BehaviourConfig, BehaviourKind, KernelConfig, RewardForm};
+use super::super::config::{AdaptiveConfig, BehaviourConfig, BehaviourKind, KernelConfig, RewardForm};
 use super::super::model::SegmentMotion;
 use super::Behaviour;
 use crate::clip::ClipSet;
@@ -188,6 +188,10 @@ impl Behaviour for ThrowPunches {
 
     fn region(&self) -> RegionRecord {
         self.region
+    }
+
+    fn adaptive(&self) -> Option<AdaptiveConfig> {
+        self.config.grid.adaptive
     }
 
     fn check_values(&self, values: &[f32]) -> Result<(), BuildError> {

@@ -1,5 +1,6 @@
 //! Cells of a behaviour's target.
 
+use super::AdaptiveConfig;
 use crate::error::BuildError;
 use glam::Vec3;
 use schemars::JsonSchema;
@@ -34,6 +35,8 @@ pub struct GridConfig {
     pub falloff: Option<f64>,
     /// For `throw_punches`, the volume covered in place of the bounding volume of the hits.
     pub bounds: BoundsConfig,
+    /// For `approach` and `throw_punches`: a resolution for every state, in place of these counts for all.
+    pub adaptive: Option<AdaptiveConfig>,
 }
 
 /// A volume in front of the character; what is absent is that of the hits.
@@ -72,6 +75,10 @@ impl GridConfig {
         Self::polar(5, 13, 2.0, 0.5, 2.5)
     }
 
+    fn check_adaptive(&self, behaviour: &str) -> Result<(), BuildError> {
+        self.adaptive.map_or(Ok(()), |a| a.check(behaviour))
+    }
+
     /// The polar grid it describes.
     ///
     /// # Errors
@@ -84,6 +91,7 @@ impl GridConfig {
             ("bounds", self.bounds != BoundsConfig::default()),
         ];
         refuse(behaviour, "approach", &keys)?;
+        self.check_adaptive(behaviour)?;
         let (rings, radius) = (self.rings.unwrap_or(16), self.radius.unwrap_or(8.0));
         let inner = self.inner_spacing.unwrap_or(0.25);
         let falloff = self.falloff.unwrap_or(2.5) as f32;
@@ -103,6 +111,7 @@ impl GridConfig {
             ("inner_spacing", self.inner_spacing.is_some()),
         ];
         refuse(behaviour, "throw_punches", &keys)?;
+        self.check_adaptive(behaviour)?;
         let b = &self.bounds;
         let [mut low, mut high] = bounds;
         let middle = 0.5 * (low + high);
@@ -134,6 +143,7 @@ impl GridConfig {
             ("heights", self.heights.is_some()),
             ("inner_spacing", self.inner_spacing.is_some()),
             ("bounds", self.bounds != BoundsConfig::default()),
+            ("adaptive", self.adaptive.is_some()),
         ];
         refuse(behaviour, "evade", &keys)?;
         let counts = [self.rings.unwrap_or(8), self.angles.unwrap_or(16), self.moments.unwrap_or(9)];

@@ -1,9 +1,11 @@
 //! What the configuration says about behaviours and about solving them.
 
+mod adaptive;
 mod behaviour;
 mod grid;
 mod region;
 
+pub use adaptive::AdaptiveConfig;
 pub use behaviour::{BehaviourConfig, BehaviourKind, CentreConfig, KernelConfig, RewardForm};
 pub use grid::{BoundsConfig, GridConfig};
 pub use region::RegionConfig;

@@ -98,7 +98,7 @@ fn pressure(script: &Script, postures: &[Posture], feet: &[[FootPose; 2]], times
 /// The body over its centre of mass, with the hips at height 0. The hips go back from where the trunk leans.
 fn placed(p: &Posture, facing: f64, mass: DVec2, feet: [FootPose; 2], skeleton: &Skeleton) -> Body {
     let ahead = 0.02 - 0.3 * p.pitch.sin() + p.shift[1];
-    let aside = 0.24 * p.list.sin() + p.shift[0];
+    let aside = 0.14 * p.list.sin() + p.shift[0];
     let ground = mass + forward(facing) * ahead + leftward(facing) * aside;
     let root = DVec3::new(ground.x, 0.0, ground.y);
     let world = DQuat::from_rotation_y(facing);

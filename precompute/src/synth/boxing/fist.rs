@@ -107,12 +107,7 @@ impl Way {
         let aim = Aim::of(strike, &technique, goals[hit].shoulder, track.bodies[hit].facing, arm);
         let guard_velocity = (guard[(hit + 1).min(last)] - guard[hit.saturating_sub(1)]) / (2.0 * track.dt);
         let target = goals[hit].shoulder + aim.to_target;
-        let end = if strike.blow.punch == Punch::Straight {
-            goals[longest].shoulder + aim.to_target.normalize_or(DVec3::Z) * 0.975 * arm.length()
-        } else {
-            let on = target + aim.velocity.normalize_or(DVec3::Z) * technique.follow + aim.inward * 0.05;
-            within(on, goals[longest].shoulder, 0.95 * arm.length())
-        };
+        let end = goals[longest].shoulder + aim.end(strike.blow.punch, technique.follow, arm);
         Self {
             strike: *strike,
             hit: target - guard[hit],
@@ -146,8 +141,6 @@ impl Way {
 struct Aim {
     to_target: DVec3,
     velocity: DVec3,
-    /// Across the body, where bent blows end.
-    inward: DVec3,
 }
 
 /// The steepest way from the shoulder to a target. [Unit: sine]
@@ -164,11 +157,18 @@ impl Aim {
         // Straights go out along the arm; bent blows keep their own directions, whatever the height.
         let out = if strike.blow.punch == Punch::Straight { away } else { ahead };
         let along = inward * technique.along.x + DVec3::Y * technique.along.y + out * technique.along.z;
-        Self { to_target: away * length, velocity: along.normalize_or(away) * strike.speed, inward }
+        Self { to_target: away * length, velocity: along.normalize_or(away) * strike.speed }
     }
-}
 
-/// The point, or where the way to it from `centre` gets too long.
-fn within(point: DVec3, centre: DVec3, most: f64) -> DVec3 {
-    centre + (point - centre).clamp_length_max(most)
+    /// Where the wrist is, seen from the shoulder, as the blow ends: straights stretch the arm, bent blows go on
+    /// around the shoulder.
+    fn end(&self, punch: Punch, follow: f64, arm: &ArmShape) -> DVec3 {
+        let away = self.to_target.normalize_or(DVec3::Z);
+        if punch == Punch::Straight {
+            return away * (0.975 * arm.length());
+        }
+        let across = (self.velocity - away * self.velocity.dot(away)).normalize_or(DVec3::Y);
+        let angle = follow / self.to_target.length();
+        (away * angle.cos() + across * angle.sin()) * (self.to_target.length() + 0.12 * follow)
+    }
 }

@@ -14,7 +14,7 @@ const STAND: f64 = 0.8;
 /// From the last hit of a combination to the guard. [Unit: s]
 const RECOVER: f64 = 0.38;
 /// The body is furthest into a blow this long after the hit: it drives through. [Unit: s]
-const THROUGH: f64 = 0.045;
+const THROUGH: f64 = 0.1;
 
 /// Where a blow is meant to land.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -222,7 +222,7 @@ impl Boxer {
         let height = height(blow.punch, level, rng);
         let speed = technique_speed(blow, rng) * self.vary(0.08, rng);
         let azimuth = attack.azimuth + self.variation * rng.random_range(-0.06..0.06);
-        let longest = hit + 2.0 * technique.follow / speed;
+        let longest = hit + 2.2 * technique.follow / speed;
         let start = hit - technique.extend;
         let (side, aimed) = (blow.side().index(), aimed(&technique, height, azimuth, attack));
         if let Some((before, load)) = technique.load {
@@ -250,11 +250,11 @@ fn aimed(technique: &Technique, height: f64, azimuth: f64, attack: &Attack) -> i
     let lunge = if technique.load.is_none() { attack.reach } else { 0.5 * attack.reach };
     move |p: Posture, share: f64| Posture {
         flexion: (p.flexion + share * (4.0 * lower - 0.8 * higher)).max(0.36),
-        pitch: p.pitch + share * (0.9 * lower + 0.2 * lunge - 0.5 * higher),
+        pitch: p.pitch + share * (0.9 * lower + 0.28 * lunge - 0.4 * higher),
         hips: p.hips + 0.5 * share * azimuth,
         chest: p.chest + 0.8 * share * azimuth,
-        weight: p.weight + 0.12 * share * lunge,
-        shift: [0.0, 0.05 * share * lunge],
+        weight: p.weight + 0.16 * share * lunge,
+        shift: [0.0, 0.09 * share * lunge],
         ..p
     }
 }
@@ -264,20 +264,20 @@ fn height(punch: Punch, level: Level, rng: &mut impl Rng) -> f64 {
     rng.random_range(match (punch, level) {
         (Punch::Uppercut, Level::Body) => 1.2..1.32,
         (_, Level::Body) => 1.16..1.3,
-        (_, Level::Head) => 1.36..1.54,
-        (_, Level::High) => 1.54..1.68,
+        (_, Level::Head) => 1.36..1.5,
+        (_, Level::High) => 1.5..1.62,
     })
 }
 
 /// Speed of the wrist at the hit. [Unit: m/s]
 fn technique_speed(blow: Blow, rng: &mut impl Rng) -> f64 {
     let mean = match (blow.punch, blow.lead) {
-        (Punch::Straight, true) => 7.0,
-        (Punch::Straight, false) => 7.8,
-        (Punch::Hook, _) => 7.2,
-        (Punch::Uppercut, _) => 6.2,
+        (Punch::Straight, true) => 5.2,
+        (Punch::Straight, false) => 6.0,
+        (Punch::Hook, _) => 6.5,
+        (Punch::Uppercut, _) => 5.8,
     };
-    mean + rng.random_range(-0.9..0.9)
+    mean + rng.random_range(-0.7..0.7)
 }
 
 /// From hit to hit. [Unit: s]

@@ -10,7 +10,7 @@ use glam::DVec2;
 use throng_runtime::Skeleton;
 
 /// Ankles in the stance, left and right: to the left and forward. [Unit: m]
-pub const ANKLES: [DVec2; 2] = [DVec2::new(0.125, 0.2), DVec2::new(-0.115, -0.21)];
+pub const ANKLES: [DVec2; 2] = [DVec2::new(0.14, 0.205), DVec2::new(-0.13, -0.215)];
 /// Headings of the feet in the stance. [Unit: rad]
 pub const YAWS: [f64; 2] = [-0.3, -0.86];
 /// Both feet stand between two steps. [Unit: s]
@@ -153,7 +153,7 @@ mod tests {
             let [left, right] = [0, 1].map(|i| script.feet[i].last().0);
             let apart = left - right;
             assert!(
-                (apart.dot(leftward(turned)) - 0.24).abs() < 1e-9 && (apart.dot(forward(turned)) - 0.41).abs() < 1e-9
+                (apart.dot(leftward(turned)) - 0.27).abs() < 1e-9 && (apart.dot(forward(turned)) - 0.42).abs() < 1e-9
             );
             assert!((turned - heading - shuffle.turn).abs() < 1e-9);
         }

@@ -24,7 +24,7 @@ pub struct Technique {
     /// The wrist's velocity at the hit: to the other side of the body, up, and away from the shoulder.
     /// [Unit: share of the speed]
     pub along: DVec3,
-    /// How far the wrist goes on. [Unit: m]
+    /// How far the wrist goes on: straight on to the arm's full length, or around the shoulder. [Unit: m]
     pub follow: f64,
 }
 
@@ -51,11 +51,11 @@ fn jab() -> Technique {
             ..GUARD
         },
         arm: HandPose { pole: DVec3::new(0.65, -1.0, 0.1), twist: 1.15, reach: 0.5, shrug: 0.22, ..HandPose::GUARD[0] },
-        extend: 0.19,
+        extend: 0.17,
         retract: 0.27,
-        stretch: 0.84,
+        stretch: 0.72,
         along: DVec3::Z,
-        follow: 0.1,
+        follow: 0.21,
     }
 }
 
@@ -74,11 +74,11 @@ fn cross() -> Technique {
             ..GUARD
         },
         arm: HandPose { pole: DVec3::new(-0.7, -1.0, 0.1), twist: 1.1, reach: 0.5, shrug: 0.22, ..HandPose::GUARD[1] },
-        extend: 0.23,
+        extend: 0.18,
         retract: 0.31,
-        stretch: 0.84,
+        stretch: 0.71,
         along: DVec3::Z,
-        follow: 0.1,
+        follow: 0.24,
     }
 }
 
@@ -120,11 +120,11 @@ fn hook(lead: bool) -> Technique {
         load: Some((0.2, gather)),
         strike,
         arm: HandPose { pole, twist: 0.1, reach: 0.42, shrug: 0.3, ..HandPose::GUARD[side] },
-        extend: 0.27,
+        extend: 0.22,
         retract: 0.34,
-        stretch: 0.73,
-        along: DVec3::new(0.86, 0.06, 0.45),
-        follow: 0.17,
+        stretch: 0.72,
+        along: DVec3::new(0.82, 0.04, 0.55),
+        follow: 0.19,
     }
 }
 
@@ -166,11 +166,11 @@ fn uppercut(lead: bool) -> Technique {
         load: Some((0.2, gather)),
         strike,
         arm: HandPose { pole, twist: -1.1, reach: 0.42, shrug: 0.12, ..HandPose::GUARD[side] },
-        extend: 0.3,
+        extend: 0.25,
         retract: 0.34,
         stretch: 0.56,
-        along: DVec3::new(0.05, 0.9, 0.42),
-        follow: 0.15,
+        along: DVec3::new(0.05, 0.88, 0.46),
+        follow: 0.16,
     }
 }
 
@@ -197,20 +197,20 @@ pub fn defend(defence: Defence) -> Vec<Moment> {
         flexion: 0.78,
         ..GUARD
     };
-    let low = Posture { flexion: 1.45, pitch: 0.5, chin: 0.05, heels: [0.0, 0.5], ..GUARD };
+    let low = Posture { flexion: 1.55, pitch: 0.52, chin: 0.05, heels: [0.0, 0.5], ..GUARD };
     match defence {
-        Defence::SlipLeft => vec![on_guard(0.2, lean(-0.36, -0.34, -0.1, 0.63))],
-        Defence::SlipRight => vec![on_guard(0.2, lean(0.36, -0.66, -0.8, 0.35))],
+        Defence::SlipLeft => vec![on_guard(0.2, lean(-0.43, -0.34, -0.1, 0.63))],
+        Defence::SlipRight => vec![on_guard(0.2, lean(0.43, -0.66, -0.8, 0.35))],
         Defence::Duck => vec![on_guard(0.27, low)],
         Defence::RollLeft => vec![
             on_guard(0.16, Posture { flexion: 0.95, ..lean(0.2, -0.6, -0.6, 0.38) }),
             on_guard(0.33, low),
-            on_guard(0.52, Posture { flexion: 0.85, ..lean(-0.32, -0.34, -0.15, 0.62) }),
+            on_guard(0.52, Posture { flexion: 0.85, ..lean(-0.38, -0.34, -0.15, 0.62) }),
         ],
         Defence::RollRight => vec![
             on_guard(0.16, Posture { flexion: 0.95, ..lean(-0.2, -0.36, -0.25, 0.6) }),
             on_guard(0.33, low),
-            on_guard(0.52, Posture { flexion: 0.85, ..lean(0.32, -0.64, -0.75, 0.36) }),
+            on_guard(0.52, Posture { flexion: 0.85, ..lean(0.38, -0.64, -0.75, 0.36) }),
         ],
         Defence::PullBack => {
             vec![on_guard(0.22, Posture { pitch: -0.16, weight: 0.22, shift: [0.0, -0.05], flexion: 0.62, ..GUARD })]

@@ -6,8 +6,8 @@ use super::error::PolicyError;
 use super::maths::{angle_of, nearest_index, split_interval};
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
-pub(super) use place::Place;
 pub use place::Stencil;
+pub(super) use place::{Place, Spot, interval};
 use std::f32::consts::{PI, TAU};
 
 /// [`GridRecord::kind`] of a polar grid: angles go all around, one height, targets beyond the last ring clamp to it.
@@ -173,8 +173,13 @@ impl TargetGrid {
             return Err(PolicyError::Index { what: "grid kind", at: 0, got, limit });
         }
         check_lengths(&record)?;
+        Ok(Self::of(record))
+    }
+
+    /// The grid of a sound record.
+    fn of(record: GridRecord) -> Self {
         let last = record.num_rings as f32 - 1.0;
-        Ok(Self {
+        Self {
             record,
             radius: record.ring_start + last * (record.ring_spacing + record.ring_growth * last),
             angles_per_radian: record.angle_spacing.recip(),
@@ -184,7 +189,34 @@ impl TargetGrid {
             last_ring: last,
             last_intervals: [last - 1.0, (record.num_angles - if goes_around(record.kind) { 1 } else { 2 }) as f32],
             ring_root: [record.ring_spacing * record.ring_spacing, 4.0 * record.ring_growth],
+        }
+    }
+
+    /// The same place covered with other counts of (rings, angles, heights). One height of several stands for all.
+    ///
+    /// - `counts`: [Limit: those of [`GridRecord`]]
+    pub fn with_counts(&self, counts: [u32; 3]) -> Self {
+        let r = self.record;
+        let [num_rings, num_angles, num_heights] = counts;
+        // Rings keep their numbers, so that growing distances go on growing.
+        let rings = ratio(r.num_rings - 1, num_rings - 1);
+        let (old, new) = if self.is_polar() { (r.num_angles, num_angles) } else { (r.num_angles - 1, num_angles - 1) };
+        Self::of(GridRecord {
+            num_rings,
+            num_angles,
+            num_heights,
+            ring_spacing: r.ring_spacing * rings,
+            ring_growth: r.ring_growth * (rings * rings),
+            angle_spacing: r.angle_spacing * ratio(old, new),
+            height_spacing: r.height_spacing
+                * if num_heights > 1 { ratio(r.num_heights - 1, num_heights - 1) } else { 1.0 },
+            ..r
         })
+    }
+
+    /// Numbers of rings, angles and heights.
+    pub fn counts(&self) -> [u32; 3] {
+        [self.record.num_rings, self.record.num_angles, self.record.num_heights]
     }
 
     /// The grid as it is stored.
@@ -294,6 +326,11 @@ impl TargetGrid {
         let t = ((y - self.record.height_start) * self.heights_per_metre).clamp(0.0, (n - 1) as f32);
         split_interval(t, n - 2)
     }
+}
+
+/// One count over another.
+fn ratio(a: u32, b: u32) -> f32 {
+    a as f32 / b as f32
 }
 
 /// True for the kinds whose angles go all around.

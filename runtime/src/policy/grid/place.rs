@@ -40,6 +40,17 @@ impl Stencil {
     }
 }
 
+/// Where eight places lie, in numbers of rings and angles with fractions in between, moved into the grid.
+#[derive(Clone, Copy)]
+pub(in crate::policy) struct Spot<F> {
+    /// [Limit: 0 to num_rings - 1]
+    pub ring: F,
+    /// [Limit: 0 to num_angles where they go all around, else to num_angles - 1]
+    pub angle: F,
+    /// Factor on the interpolated value.
+    pub scale: F,
+}
+
 /// [`Stencil`]s of eight lanes; rings and angles are integer-valued.
 #[derive(Clone, Copy)]
 pub(in crate::policy) struct Place<F> {
@@ -85,26 +96,22 @@ impl TargetGrid {
         Stencil { ring, angle, next_angle, ring_ratio, angle_ratio, scale }
     }
 
-    /// [`Self::stencil`] for eight lanes.
+    /// Where eight lanes lie.
     ///
     /// - `POLAR`: must be [`Self::is_polar`].
     /// - `distance`: length of (x, z).
     #[inline(always)]
-    pub(in crate::policy) fn place<F: Lanes, const POLAR: bool>(&self, x: F, z: F, distance: F) -> Place<F> {
+    pub(in crate::policy) fn spot<F: Lanes, const POLAR: bool>(&self, x: F, z: F, distance: F) -> Spot<F> {
         let r = &self.record;
         let zero = F::splat(0.0);
-        let [last_ring, last_angle] = self.last_intervals;
-        let (ring, ring_ratio) = interval(self.ring_numbers(distance).min(F::splat(self.last_ring)), last_ring);
+        let ring = self.ring_numbers(distance).min(F::splat(self.last_ring));
         let mut beyond = (distance - F::splat(self.radius)).max(zero);
         let from_ahead = F::angle_from_ahead(x, z);
-        let (angle, next_angle, angle_ratio);
+        let angle;
         if POLAR {
             let count = F::splat(self.angles);
             let number = from_ahead * F::splat(self.angles_per_radian);
-            let number = F::select_lt(x, zero, count - number, number).min(count);
-            (angle, angle_ratio) = interval(number, last_angle);
-            let next = angle + F::splat(1.0);
-            next_angle = F::select_lt(next, count, next, zero);
+            angle = F::select_lt(x, zero, count - number, number).min(count);
         } else {
             let half = 0.5 * (self.angles - 1.0);
             let (pi, turn) = (F::splat(PI), F::splat(TAU));
@@ -113,15 +120,26 @@ impl TargetGrid {
             let wrapped = F::select_lt(pi, from_middle, from_middle - turn, from_middle);
             let wrapped = F::select_lt(wrapped, -pi, wrapped + turn, wrapped);
             let number = wrapped * F::splat(self.angles_per_radian) + F::splat(half);
-            let clamped = number.max(zero).min(F::splat(self.angles - 1.0));
-            let aside = (number - clamped).abs() * F::splat(r.angle_spacing) * distance;
+            angle = number.max(zero).min(F::splat(self.angles - 1.0));
+            let aside = (number - angle).abs() * F::splat(r.angle_spacing) * distance;
             beyond = beyond + ((F::splat(r.ring_start) - distance).max(zero) + aside);
-            (angle, angle_ratio) = interval(clamped, last_angle);
-            next_angle = angle + F::splat(1.0);
         }
         let u = beyond * F::splat(self.inverse_falloff);
         let scale = F::splat(1.0) / (F::splat(1.0) + u + F::splat(0.5) * u * u);
-        Place { ring, angle, next_angle, ring_ratio, angle_ratio, scale }
+        Spot { ring, angle, scale }
+    }
+
+    /// [`Self::stencil`] for eight lanes.
+    ///
+    /// - `POLAR`: must be [`Self::is_polar`].
+    #[inline(always)]
+    pub(in crate::policy) fn place<F: Lanes, const POLAR: bool>(&self, spot: &Spot<F>) -> Place<F> {
+        let [last_ring, last_angle] = self.last_intervals;
+        let (ring, ring_ratio) = interval(spot.ring, F::splat(last_ring));
+        let (angle, angle_ratio) = interval(spot.angle, F::splat(last_angle));
+        let next = angle + F::splat(1.0);
+        let next_angle = if POLAR { F::select_lt(next, F::splat(self.angles), next, F::splat(0.0)) } else { next };
+        Place { ring, angle, next_angle, ring_ratio, angle_ratio, scale: spot.scale }
     }
 
     /// [`Self::ring_number`] for eight lanes.
@@ -141,7 +159,7 @@ impl TargetGrid {
 
     /// Number of the ring at a distance, fractions in between; 0 within the first one, not clamped outwards.
     #[inline(always)]
-    pub(super) fn ring_number(&self, distance: f32) -> f32 {
+    pub(in crate::policy) fn ring_number(&self, distance: f32) -> f32 {
         let r = &self.record;
         let d = greatest(distance - r.ring_start, 0.0);
         2.0 * d / (r.ring_spacing + (r.ring_spacing * r.ring_spacing + 4.0 * r.ring_growth * d).sqrt())
@@ -149,7 +167,7 @@ impl TargetGrid {
 
     /// Number of an angle in [-pi, pi], fractions in between: in [0, num_angles] of a polar grid, unbounded else.
     #[inline(always)]
-    pub(super) fn angle_number(&self, angle: f32) -> f32 {
+    pub(in crate::policy) fn angle_number(&self, angle: f32) -> f32 {
         let r = &self.record;
         if self.is_polar() {
             let t = angle * self.angles_per_radian;
@@ -168,7 +186,7 @@ impl TargetGrid {
 
 /// [`split_interval`] for eight lanes.
 #[inline(always)]
-fn interval<F: Lanes>(t: F, last: f32) -> (F, F) {
-    let i = (t - F::splat(0.5)).max(F::splat(0.0)).round().min(F::splat(last));
+pub(in crate::policy) fn interval<F: Lanes>(t: F, last: F) -> (F, F) {
+    let i = (t - F::splat(0.5)).max(F::splat(0.0)).round().min(last);
     (i, t - i)
 }

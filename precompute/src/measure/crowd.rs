@@ -1,7 +1,9 @@
-//! Measures a bundle on this machine: what a query, a joint, a character cost, beside copying the same bytes.
+//! What a query, a joint, a character cost, beside copying the same bytes.
 
+use super::timing::{Batch, fail, in_pool, median_ns};
+use super::{EPSILON, MeasureConfig};
 use crate::error::BuildError;
-use crate::policy::made_up::{self, MadeUp};
+use crate::policy::made_up::MadeUp;
 use glam::Vec3;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
@@ -9,33 +11,9 @@ use rayon::prelude::*;
 use serde::Serialize;
 use std::f32::consts::TAU;
 use std::hint::black_box;
-use std::time::Instant;
-use throng_runtime::policy::{BestActionJob, Goal as PolicyGoal, LookAheadJob, PolicyTable, RankedActions};
+use throng_runtime::policy::PolicyTable;
 use throng_runtime::troupe::{Goal, Repertoire, SampleJob, Start, Troupe, TroupeConfig};
 use throng_runtime::{Mat3x4, NUM_JOINTS, Planar, Tables};
-
-/// Precision of the made-up problem's values.
-const EPSILON: f64 = 1e-4;
-
-/// What is measured.
-#[derive(Clone, Debug, PartialEq)]
-pub struct MeasureConfig {
-    /// Numbers of characters.
-    pub characters: Vec<usize>,
-    /// Numbers of threads.
-    pub threads: Vec<usize>,
-    /// Time given to each figure. [Unit: s] [Limit: > 0, <= 3600]
-    pub seconds: f64,
-}
-
-/// All figures.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Measured {
-    /// One entry for each number of characters and threads.
-    pub results: Vec<CrowdFigures>,
-    /// The made-up problem, on one thread.
-    pub value_iteration: made_up::Measured,
-}
 
 /// Medians over many rounds; nanoseconds of wall time.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
@@ -62,16 +40,6 @@ pub struct CrowdFigures {
     pub memcpy_ns_per_character: f64,
     /// Steps a second of all characters.
     pub steps_per_second: f64,
-}
-
-/// Measures everything.
-///
-/// # Errors
-/// As [`crowd`].
-pub fn measure(tables: &Tables, config: &MeasureConfig) -> Result<Measured, BuildError> {
-    let results = crowd(tables, config)?;
-    let value_iteration = in_pool(1, || MadeUp::default().measure(EPSILON))??;
-    Ok(Measured { results, value_iteration })
 }
 
 /// Measures queries, sampling and steps.
@@ -102,29 +70,6 @@ pub fn crowd(tables: &Tables, config: &MeasureConfig) -> Result<Vec<CrowdFigures
         }
     }
     Ok(results)
-}
-
-fn fail(message: impl Into<String>) -> BuildError {
-    BuildError::Stage { stage: "bench", message: message.into(), help: "See `throng bench --help`".into() }
-}
-
-fn in_pool<T: Send>(threads: usize, work: impl FnOnce() -> T + Send) -> Result<T, BuildError> {
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().map_err(|e| fail(e.to_string()))?;
-    Ok(pool.install(work))
-}
-
-/// Median time of a round, over as many rounds as fit.
-fn median_ns(seconds: f64, mut round: impl FnMut()) -> f64 {
-    round();
-    let begin = Instant::now();
-    let mut times = Vec::new();
-    while times.len() < 5 || begin.elapsed().as_secs_f64() < seconds {
-        let t = Instant::now();
-        round();
-        times.push(t.elapsed().as_secs_f64() * 1e9);
-    }
-    times.sort_by(f64::total_cmp);
-    times[times.len() / 2]
 }
 
 /// One number of characters, inside a thread pool.
@@ -166,38 +111,16 @@ impl Bench<'_> {
     /// Time of a batch of single-load queries and of look-aheads, and the actions a look-ahead weighs.
     fn queries(&self, policy: PolicyTable<'_>) -> Result<(f64, f64, f64), BuildError> {
         let mut rng = Pcg64Mcg::seed_from_u64(2);
-        let (n, share) = (self.characters, self.share());
         let num_states = policy.actions().num_states() as u32;
-        let states: Vec<u32> = (0..n).map(|_| rng.random_range(0..num_states)).collect();
-        let targets: Vec<Vec3> = (0..n)
-            .map(|_| {
-                let (angle, distance) = (rng.random_range(0.0..TAU), rng.random_range(0.2..6.0f32));
-                Vec3::new(distance * angle.sin(), 0.0, distance * angle.cos())
-            })
-            .collect();
-        let weights = vec![1.0; n];
-        let mut actions = vec![0u8; n];
-        let mut ranked = vec![RankedActions::NONE; n];
-        let parts = || states.par_chunks(share).zip(targets.par_chunks(share));
-        BestActionJob { policy, states: &states, targets: &targets, choice: 0, actions: &mut actions }
-            .run()
-            .map_err(|e| fail(e.to_string()))?;
-        let control = median_ns(self.seconds, || {
-            parts().zip(actions.par_chunks_mut(share)).for_each(|((states, targets), actions)| {
-                black_box(BestActionJob { policy, states, targets, choice: 0, actions }.run().is_ok());
-            });
-        });
-        let lookahead = median_ns(self.seconds, || {
-            parts().zip(weights.par_chunks(share)).zip(ranked.par_chunks_mut(share)).for_each(
-                |(((states, targets), weights), ranked)| {
-                    let goals = [PolicyGoal { policy, weights, targets }];
-                    black_box(LookAheadJob { goals: &goals, states, ranked }.run().is_ok());
-                },
-            );
-        });
-        let weighed: usize = states.iter().map(|&s| policy.actions().segments_of(s).len()).sum();
-        black_box((&actions, &ranked));
-        Ok((control, lookahead, weighed as f64 / n as f64))
+        let states: Vec<u32> = (0..self.characters).map(|_| rng.random_range(0..num_states)).collect();
+        let target = |_| {
+            let (angle, distance) = (rng.random_range(0.0..TAU), rng.random_range(0.2..6.0f32));
+            Vec3::new(distance * angle.sin(), 0.0, distance * angle.cos())
+        };
+        let targets: Vec<Vec3> = (0..self.characters).map(target).collect();
+        let batch = Batch { policy, states: &states, targets: &targets, seconds: self.seconds };
+        let single_load = batch.single_load_ns()?;
+        Ok((single_load, batch.look_ahead_ns()?, batch.actions_weighed()))
     }
 
     /// Time of sampling everybody at random places.

@@ -1,0 +1,61 @@
+//! Measures a bundle on this machine. One file answers one question.
+
+mod crowd;
+mod timing;
+
+pub use crowd::{CrowdFigures, crowd};
+
+use crate::error::BuildError;
+use crate::policy::made_up::{self, MadeUp};
+use crate::policy::{self, Quality, QualityConfig};
+use serde::Serialize;
+use throng_runtime::Tables;
+use timing::{fail, in_pool};
+
+/// Precision of the made-up problem's values.
+const EPSILON: f64 = 1e-4;
+
+/// What is measured.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MeasureConfig {
+    /// Numbers of characters.
+    pub characters: Vec<usize>,
+    /// Numbers of threads.
+    pub threads: Vec<usize>,
+    /// Time given to each figure. [Unit: s] [Limit: > 0, <= 3600]
+    pub seconds: f64,
+}
+
+/// All figures.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Measured {
+    /// One entry for each number of characters and threads.
+    pub results: Vec<CrowdFigures>,
+    /// The made-up problem, on one thread.
+    pub value_iteration: made_up::Measured,
+}
+
+/// Measures everything.
+///
+/// # Errors
+/// As [`crowd`].
+pub fn measure(tables: &Tables, config: &MeasureConfig) -> Result<Measured, BuildError> {
+    let results = crowd(tables, config)?;
+    let value_iteration = in_pool(1, || MadeUp::default().measure(EPSILON))??;
+    Ok(Measured { results, value_iteration })
+}
+
+/// Measures what the policies of a bundle collect against what search finds, on the current rayon pool.
+///
+/// # Errors
+/// [`BuildError::Stage`] where the bundle has no behaviour or a number is out of range.
+pub fn quality(tables: &Tables, config: &QualityConfig) -> Result<Vec<Quality>, BuildError> {
+    if tables.num_policies() == 0 {
+        return Err(fail("the bundle has no behaviour"));
+    }
+    if config.pairs == 0 {
+        return Err(fail("--pairs: expected at least 1, found 0"));
+    }
+    let names = &tables.meta().behaviours;
+    Ok(names.iter().enumerate().map(|(i, name)| policy::quality(&tables.policy(i), name, config)).collect())
+}

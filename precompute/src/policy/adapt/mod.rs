@@ -1,0 +1,99 @@
+//! A resolution for every state: the policy solved on the finest grid, compacted to where its values change fast
+//! (003 section 7).
+
+mod axis;
+mod choose;
+mod fit;
+mod on_grid;
+mod report;
+
+use super::behaviour::Behaviour;
+use super::config::AdaptiveConfig;
+use super::solve::Solution;
+use crate::error::BuildError;
+use choose::Choices;
+use fit::{Scratch, Shapes};
+use rayon::prelude::*;
+pub use report::{AdaptiveReport, Approximation};
+use throng_runtime::policy::{PolicyRecord, StateGridRecord};
+
+/// Gives every state of a solved policy a grid of its own.
+///
+/// Values are fitted to each state's grid by least squares over the finest cells; a state that keeps the finest grid
+/// keeps its values bit by bit. Best actions are not touched: see [`super::bake::best_actions`].
+///
+/// # Errors
+/// [`BuildError::Config`] where not even the coarsest grids fit the memory.
+///
+/// # Source
+/// 003 section 7 names adaptive resolution as a way to compact its tables. Here cells are spent by state, as the paper
+/// keeps one small table a state, so that a look-up stays one.
+pub fn adapt(solution: &Solution, behaviour: &dyn Behaviour, cfg: &AdaptiveConfig) -> Result<Solution, BuildError> {
+    let grid = behaviour.grid();
+    let shapes = Shapes::new(&grid);
+    let (num_states, num_cells) = (solution.record.num_states as usize, grid.num_cells());
+    let mut errors = vec![0.0; num_states * shapes.len()];
+    let states = solution.values.par_chunks(num_cells).zip(errors.par_chunks_mut(shapes.len()));
+    states.for_each_init(Scratch::default, |scratch, (values, out)| shapes.errors(values, scratch, out));
+    let cells: Vec<usize> = (0..shapes.len()).map(|k| shapes.num_cells(k)).collect();
+    let enough = cfg.tolerance * cfg.tolerance * num_cells as f64;
+    let choices = Choices { cells: &cells, errors: &errors, budget: budget(solution, num_cells, cfg), enough };
+    let chosen = choices.choose().map_err(|least| too_little(behaviour, solution, num_cells, cfg, least))?;
+    Ok(with_shapes(solution, &shapes, &chosen))
+}
+
+/// The same values with a shape for each state.
+fn with_shapes(solution: &Solution, shapes: &Shapes, chosen: &[usize]) -> Solution {
+    let mut first = 0;
+    let state_grids = chosen.iter().map(|&shape| {
+        let record = StateGridRecord::new(shapes.counts(shape), first);
+        first += record.num_cells() as u32;
+        record
+    });
+    let state_grids: Vec<StateGridRecord> = state_grids.collect();
+    let num_cells = solution.values.len() / chosen.len().max(1);
+    let fitted = chosen.par_iter().zip(solution.values.par_chunks(num_cells.max(1)));
+    let fitted: Vec<Vec<f32>> = fitted.map(|(&shape, values)| shapes.fit(shape, values)).collect();
+    let record = PolicyRecord { adaptive: 1, ..solution.record };
+    Solution { record, state_grids, values: fitted.concat(), ..solution.clone() }
+}
+
+/// Bytes of a value and its best actions.
+fn bytes_per_cell(solution: &Solution) -> usize {
+    size_of::<f32>() + solution.record.num_choices as usize
+}
+
+/// Bytes of values, best actions and state grids.
+fn bytes(solution: &Solution) -> usize {
+    solution.values.len() * bytes_per_cell(solution) + size_of_val(&*solution.state_grids)
+}
+
+/// Cells that there is memory for.
+fn budget(solution: &Solution, num_cells: usize, cfg: &AdaptiveConfig) -> usize {
+    let num_states = solution.record.num_states as usize;
+    let bytes = cfg.share * (num_states * num_cells * bytes_per_cell(solution)) as f64;
+    let records = num_states * size_of::<StateGridRecord>();
+    // A state that keeps the finest grid costs its record too: the whole share is enough for all of them.
+    let whole = if cfg.share >= 1.0 { records } else { 0 };
+    (bytes as usize + whole).saturating_sub(records) / bytes_per_cell(solution)
+}
+
+fn too_little(
+    behaviour: &dyn Behaviour,
+    solution: &Solution,
+    num_cells: usize,
+    cfg: &AdaptiveConfig,
+    least: usize,
+) -> BuildError {
+    let num_states = solution.record.num_states as usize;
+    let needed = least * bytes_per_cell(solution) + num_states * size_of::<StateGridRecord>();
+    let share = needed as f64 / (num_states * num_cells * bytes_per_cell(solution)) as f64;
+    BuildError::Config {
+        message: format!(
+            "behaviour \"{}\", key `grid.adaptive.share`: {} is too little even for the coarsest grids, which take \
+             {share:.3}",
+            behaviour.name(),
+            cfg.share
+        ),
+    }
+}

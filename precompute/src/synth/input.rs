@@ -1,0 +1,49 @@
+//! Synthetic clips as the input of a build.
+
+use super::{SynthConfig, SynthSet, files, make};
+use crate::annotate::Sidecar;
+use crate::error::BuildError;
+use crate::import::{self, ImportConfig, ImportedSet};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+use std::path::Path;
+
+/// Motion that the project makes itself.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct SynthInput {
+    /// Which set.
+    pub set: SynthSet,
+    /// Length; that of `throng synth` where absent. [Unit: min] [Limit: 0.05 to 240]
+    #[serde(default)]
+    pub minutes: Option<f64>,
+    /// Same seed, same motion; that of `throng synth` where absent.
+    #[serde(default)]
+    pub seed: Option<u64>,
+}
+
+impl SynthInput {
+    /// How it is made, at a rate. [Unit: Hz]
+    pub fn config(&self, rate_hz: f64) -> SynthConfig {
+        let usual = SynthConfig::for_set(self.set);
+        let (minutes, seed) = (self.minutes.unwrap_or(usual.minutes), self.seed.unwrap_or(usual.seed));
+        SynthConfig { minutes, seed, rate_hz, ..usual }
+    }
+}
+
+/// Makes the clips, as if they had been written as files and read again; and what sidecars beside the files would say.
+///
+/// - `rate_hz`: of the clips. [Unit: Hz]
+///
+/// # Errors
+/// As [`make`] and [`import::made`].
+pub fn input(
+    cfg: &SynthInput,
+    rate_hz: f64,
+    import: &ImportConfig,
+) -> Result<(ImportedSet, BTreeMap<String, Sidecar>), BuildError> {
+    let set = make(cfg.set, &cfg.config(rate_hz))?;
+    let sidecars = set.clips.iter().filter_map(|c| Some((c.name.clone(), files::sidecar(c)?))).collect();
+    Ok((import::made(&set, Path::new(cfg.set.name()), import)?, sidecars))
+}
