@@ -127,7 +127,7 @@ impl Queries {
         let best = first_actions(finest);
         let table = finest.table(model, &best)?;
         let num_states = model.num_states() as u32;
-        let query = |_| (rng.random_range(0..num_states), random_target(table.grid(), rng) + table.centre());
+        let query = |_| (rng.random_range(0..num_states), random_target(&table, rng));
         let at: Vec<(u32, Vec3)> = (0..samples).map(query).collect();
         let values = at.iter().map(|&(state, target)| table.value(state, target)).collect();
         let mut scores = Vec::new();
