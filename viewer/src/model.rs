@@ -266,6 +266,9 @@ impl Model {
             Opened::Bundle(bundle) => self.with_run(*bundle, None, is_reload),
             Opened::Scene(scene, bundle) => self.with_run(*bundle, Some(*scene), is_reload),
         };
+        if let Some(why) = self.document.scene_fault().map(str::to_owned) {
+            self.complain(why);
+        }
         let clips = self.document.bundle().map_or(0, |b| b.tables().clips().len());
         let policies = self.document.bundle().map_or(0, |b| b.tables().num_policies());
         if !is_reload {

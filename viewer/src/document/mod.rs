@@ -65,6 +65,14 @@ impl Document {
         }
     }
 
+    /// Why the scene that is open cannot be run.
+    pub fn scene_fault(&self) -> Option<&str> {
+        match self {
+            Self::Bundle(b) if b.scene.is_some() => b.run.as_ref().err().map(String::as_str),
+            _ => None,
+        }
+    }
+
     /// The bundle, where one is open.
     pub fn bundle(&self) -> Option<&Bundle> {
         match self {

@@ -1,5 +1,8 @@
 //! What tests of panels share.
 
+#[path = "../../tests/common/boxing.rs"]
+pub(crate) mod boxing;
+
 use crate::command::Command;
 use crate::document::Bundle;
 use crate::model::Model;

@@ -48,7 +48,8 @@ fn title(model: &Model) -> String {
 }
 
 fn file(ui: &mut Ui, model: &Model, states: &mut PanelStates, commands: &mut Vec<Command>) {
-    if ui.button("Open…").on_hover_text("A bundle, a scene, .bvh or .amc; or drop one on the window (Ctrl+O)").clicked() {
+    if ui.button("Open…").on_hover_text("A bundle, a scene, .bvh or .amc; or drop one on the window (Ctrl+O)").clicked()
+    {
         states.open_dialog = true;
     }
     ui.menu_button("Open recent", |ui| {

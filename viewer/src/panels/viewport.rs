@@ -214,12 +214,11 @@ fn tell_value(response: Response, model: &Model, layout: &Layout) {
     };
     let (rect, camera) = (response.rect, model.settings.camera);
     let eye = camera.eye();
-    let near = |c: &ValueCell| {
-        let apart = camera.project(c.place, size(rect))?.distance(within(rect, at));
-        (apart < NEAR_CELL).then_some((c, c.place.distance(eye)))
-    };
+    let is_near =
+        |c: &&ValueCell| camera.project(c.place, size(rect)).is_some_and(|p| p.distance(within(rect, at)) < NEAR_CELL);
     // Of those that lie behind each other, the first.
-    let Some((found, _)) = layout.cells.iter().filter_map(near).min_by(|a, b| a.1.total_cmp(&b.1)) else { return };
+    let depth = |c: &ValueCell| c.place.distance(eye);
+    let Some(found) = layout.cells.iter().filter(is_near).min_by(|a, b| depth(a).total_cmp(&depth(b))) else { return };
     let Some(policy) = bundle.repertoire().policy(model.selection.policy) else { return };
     let (Some(&value), graph) = (policy.values_of(state).get(found.cell), bundle.tables().graph()) else { return };
     let best = usize::from(policy.best_of(state, found.cell)[0]);

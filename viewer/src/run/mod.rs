@@ -276,7 +276,8 @@ impl Run {
         let next = self.simulation.around.step;
         // The target is shown where it is dragged to at once, even while time stands still.
         match &input {
-            // What cannot be moved stays where it is, now as in the step.
+            // An opponent's head is not to be moved.
+            Input::Target { .. } if !self.has_movable_targets() => return,
             Input::Target { character, to } if self.simulation.move_target(*character, *to).is_err() => return,
             Input::Weights(weights) => self.simulation.around.weights.clone_from(weights),
             Input::Target { .. } | Input::Play { .. } => {}

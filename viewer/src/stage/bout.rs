@@ -13,6 +13,15 @@ const MAX_MARKS: usize = 400;
 /// Length of the string above a target. [Unit: m]
 const STRING_M: f32 = 0.7;
 
+/// What blows meet, for the key to the marks.
+pub const KINDS: [(Met, &str); 5] = [
+    (Met::Body(Part::Head), "head or target"),
+    (Met::Body(Part::Trunk), "trunk"),
+    (Met::Body(Part::Leg), "leg"),
+    (Met::Body(Part::Arm), "blocked"),
+    (Met::Nothing, "missed: a streak"),
+];
+
 /// Colours by what a blow met; none where it met nothing.
 pub fn colour_of(met: Met) -> Option<Rgba> {
     match met {
@@ -61,7 +70,12 @@ fn hanging(
     palette: &Palette,
 ) {
     let home = run.home(character).unwrap_or(at);
-    shapes.line(home + Vec3::Y * STRING_M, at + (home + Vec3::Y * STRING_M - at).normalize() * radius, 1.5, palette.middle.alpha(0.6));
+    shapes.line(
+        home + Vec3::Y * STRING_M,
+        at + (home + Vec3::Y * STRING_M - at).normalize() * radius,
+        1.5,
+        palette.middle.alpha(0.6),
+    );
     shapes.sphere(at, radius, palette.target);
     if home.distance(at) > 0.02 {
         shapes.circle(home, radius, 1.0, palette.target.alpha(0.8));

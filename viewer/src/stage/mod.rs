@@ -1,6 +1,6 @@
 //! Lays out what the 3-D view is to draw: poses, colours, cues.
 
-mod bout;
+pub mod bout;
 mod clip;
 mod crowd;
 mod cues;
@@ -168,6 +168,25 @@ mod tests {
         // One at the play head, and some before and after it.
         assert!(layout.instances.len() > 3, "{}", layout.instances.len());
         assert_eq!(layout.poses(&model).len(), layout.instances.len() * NUM_JOINTS);
+    }
+
+    #[test]
+    fn cells_of_the_policy_lie_around_where_the_character_chose() {
+        let (mut model, mut layout) = (open(), Layout::default());
+        layout.lay_out(&model, true);
+        assert!(layout.cells.is_empty());
+        model.settings.overlays.values = true;
+        model.selection.character = Some(3);
+        layout.lay_out(&model, true);
+        let (bundle, run) = model.document.crowd().unwrap();
+        let policy = bundle.repertoire().policy(0).unwrap();
+        let choice = run.troupe().last_choice(3).unwrap();
+        assert_eq!(layout.cells.len(), policy.grid_of(choice.state).num_cells());
+        for c in &layout.cells {
+            let seen = choice.root.inverse_transform_point(glam::Vec2::new(c.place.x, c.place.z));
+            let target = policy.cell_target(choice.state, c.cell);
+            assert!(seen.distance(glam::Vec2::new(target.x, target.z)) < 1e-3, "{c:?}");
+        }
     }
 
     #[test]

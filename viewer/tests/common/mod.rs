@@ -2,6 +2,8 @@
 
 #![allow(dead_code)] // Every test file is a crate of its own and uses a part of this.
 
+pub mod boxing;
+
 use eframe::egui;
 use egui_kittest::Harness;
 use std::path::{Path, PathBuf};

@@ -34,6 +34,12 @@ impl Body {
         bundle.tables().graph().states.iter().find(|s| s.standing != 0).map_or(0, |s| s.frame)
     }
 
+    /// Where a joint is. [Unit: m]
+    #[cfg(test)]
+    pub fn joint(&self, joint: Joint) -> Vec3 {
+        self.joints[joint.index()]
+    }
+
     /// Paints it in one colour, which is opaque so that limbs that lie over each other do not show.
     pub fn paint(&self, painter: &Painter, place: &Place, colour: Color32) {
         use Joint::*;

@@ -192,7 +192,17 @@ mod tests {
 
     fn entry(row: u32, kind: u32, joint: Joint, position: Vec3) -> Entry {
         let direction = Vec3::Z;
-        Entry { row, clip: 0, frame: row, kind, joint, force: 1.0 / (1.0 + row as f32), speed_mps: 5.0, position, direction }
+        Entry {
+            row,
+            clip: 0,
+            frame: row,
+            kind,
+            joint,
+            force: 1.0 / (1.0 + row as f32),
+            speed_mps: 5.0,
+            position,
+            direction,
+        }
     }
 
     fn collection() -> Collection {

@@ -43,10 +43,7 @@ pub fn show(
     let response = table.show(ui, |row, column| cell(bundle, hits, &hits.entries[shown[row]], Field::ALL[column]));
     *sort = response.sort.unwrap_or(*sort);
     let of_row = |row: usize| shown.get(row).copied();
-    Listed {
-        chosen: response.chosen.and_then(of_row),
-        hovered: response.hovered.and_then(|(row, _)| of_row(row)),
-    }
+    Listed { chosen: response.chosen.and_then(of_row), hovered: response.hovered.and_then(|(row, _)| of_row(row)) }
 }
 
 fn cell(bundle: &Bundle, hits: &Collection, e: &Entry, field: Field) -> Cell {

@@ -42,6 +42,8 @@ pub struct State {
     hits: Option<(u64, Collection)>,
     filter: Filter,
     colours: Colours,
+    /// All of the body is in the views, not only what is near the hits.
+    whole_body: bool,
     /// Behaviour whose volume is drawn; without a choice, the first one with heights.
     outlined: Option<Option<usize>>,
     sort: Sort,
@@ -76,7 +78,8 @@ pub fn show(ui: &mut Ui, model: &Model, state: &mut State, commands: &mut Vec<Co
         return nothing_open(ui);
     };
     if state.hits.as_ref().is_none_or(|h| h.0 != model.generation) {
-        *state = State { colours: state.colours, sort: state.sort, ..State::default() };
+        let (colours, whole_body, sort) = (state.colours, state.whole_body, state.sort);
+        *state = State { colours, whole_body, sort, ..State::default() };
         state.hits = Some((model.generation, Collection::of(bundle)));
     }
     let Some((_, hits)) = state.hits.take() else { return };
@@ -113,11 +116,14 @@ fn show_hits(
     let mut chosen = None;
     if ui.available_width() >= WIDE {
         let scrolls = before.is_some_and(|h| !h.1);
-        Panel::right("list of hits").default_size(400.0).min_size(200.0).frame(Frame::NONE.inner_margin(4)).show(ui, |ui| {
-            let listed = list::show(ui, (bundle, hits), &shown, &mut state.sort, (standing_out, scrolls));
-            chosen = listed.chosen;
-            state.hovered = listed.hovered.map(|i| (i, true));
-        });
+        Panel::right("list of hits").default_size(400.0).min_size(200.0).frame(Frame::NONE.inner_margin(4)).show(
+            ui,
+            |ui| {
+                let listed = list::show(ui, (bundle, hits), &shown, &mut state.sort, (standing_out, scrolls));
+                chosen = listed.chosen;
+                state.hovered = listed.hovered.map(|i| (i, true));
+            },
+        );
     }
     CentralPanel::default_margins().frame(Frame::NONE.inner_margin(2)).show(ui, |ui| {
         let clicked = views(ui, model, (bundle, hits), &shown, state, standing_out);
@@ -145,6 +151,7 @@ fn options(ui: &mut Ui, bundle: &Bundle, hits: &Collection, state: &mut State, r
             }
         });
         outline_choice(ui, bundle, state);
+        ui.checkbox(&mut state.whole_body, "whole body");
         ui.separator();
         ui.label("colour");
         ui.selectable_value(&mut state.colours, Colours::Force, "force");
@@ -195,16 +202,12 @@ fn outline_choice(ui: &mut Ui, bundle: &Bundle, state: &mut State) {
 fn summary(ui: &mut Ui, hits: &Collection, shown: &[usize], ranges: Option<Ranges>) {
     let Some(r) = ranges else { return };
     let all = hits.entries.len();
-    let count = if shown.len() == all { format!("{all} effective hits") } else { format!("{} of {all} hits", shown.len()) };
+    let count =
+        if shown.len() == all { format!("{all} effective hits") } else { format!("{} of {all} hits", shown.len()) };
     let span = |[low, high]: [f32; 2]| format!("{low:.2} to {high:.2}");
     ui.horizontal_wrapped(|ui| {
         ui.strong(count);
-        ui.label(format!(
-            "angle {} rad, distance {} m, height {} m",
-            span(r.angle),
-            span(r.distance),
-            span(r.height)
-        ));
+        ui.label(format!("angle {} rad, distance {} m, height {} m", span(r.angle), span(r.distance), span(r.height)));
     });
 }
 
@@ -218,7 +221,7 @@ fn views(
     standing_out: Option<usize>,
 ) -> Option<usize> {
     let (rect, _) = ui.allocate_exact_size(ui.available_size(), Sense::hover());
-    let bounds = Bounds::around(hits.entries.iter().map(|e| e.position));
+    let bounds = Bounds::around(hits.entries.iter().map(|e| e.position), state.whole_body);
     let places = Place::lay_out(bounds, rect);
     let visuals = ui.visuals().clone();
     let row = standing_out.map_or_else(|| Body::standing_row(bundle), |i| hits.entries[i].row);
@@ -284,7 +287,9 @@ fn tell(response: Response, bundle: &Bundle, hits: &Collection, e: &Entry) {
 
 fn colour(e: &Entry, colours: Colours, ranges: Option<Ranges>, visuals: &Visuals) -> Color32 {
     match colours {
-        Colours::Force => viridis::line(viridis::ratio(e.force, ranges.map_or([0.0, 1.0], |r| r.force)), visuals.dark_mode),
+        Colours::Force => {
+            viridis::line(viridis::ratio(e.force, ranges.map_or([0.0, 1.0], |r| r.force)), visuals.dark_mode)
+        }
         Colours::Limb => of_limb(e.joint, visuals),
     }
 }

@@ -11,10 +11,11 @@ pub fn paint(painter: &Painter, place: &Place, volume: &Volume, colour: Color32)
     let mut points: Vec<Pos2> = volume.over_ground().iter().map(|p| seen(place, *p, 0.0)).collect();
     if place.view != View::Top {
         // Seen from a side, it is as wide as its outline over ground and as high as its heights.
-        let [low, high] = volume.over_ground().iter().map(|p| place.view.flat(Vec3::new(p.x, 0.0, p.y)).x).fold(
-            [f32::INFINITY, f32::NEG_INFINITY],
-            |[low, high], v| [low.min(v), high.max(v)],
-        );
+        let [low, high] = volume
+            .over_ground()
+            .iter()
+            .map(|p| place.view.flat(Vec3::new(p.x, 0.0, p.y)).x)
+            .fold([f32::INFINITY, f32::NEG_INFINITY], |[low, high], v| [low.min(v), high.max(v)]);
         let [bottom, top] = volume.height;
         let corners = [(low, bottom), (high, bottom), (high, top), (low, top)];
         points = corners.map(|(x, y)| place.screen_of(Vec2::new(x, y))).to_vec();

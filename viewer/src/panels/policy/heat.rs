@@ -104,7 +104,13 @@ impl Heat {
         let range = values.iter().fold([f32::INFINITY, f32::NEG_INFINITY], |[a, b], &v| [a.min(v), b.max(v)]);
         let colour = |v: f32| viridis::map(viridis::ratio(v, range));
         let mesh = if key.smooth {
-            smooth(&chart, &plan, |p| colour(policy.value(key.state, chart.target(p, key.height) + centre)), key, policy)
+            smooth(
+                &chart,
+                &plan,
+                |p| colour(policy.value(key.state, chart.target(p, key.height) + centre)),
+                key,
+                policy,
+            )
         } else {
             cells(&chart, &plan, key.height, |cell| colour(values[cell]))
         };

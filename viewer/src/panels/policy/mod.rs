@@ -74,7 +74,9 @@ pub fn show(ui: &mut Ui, model: &Model, state: &mut State, commands: &mut Vec<Co
     show_state(ui, model, bundle, commands);
     if let Some(looked_at) = model.looked_at_state().filter(|&s| (s as usize) < policy.actions().num_states()) {
         let why = why.as_ref().filter(|w| w.state == looked_at);
-        let then = why.and_then(|w| w.behaviours.iter().find(|b| b.policy == number).map_or(Some(w.local_target), |b| near(b.target)));
+        let then = why.and_then(|w| {
+            w.behaviours.iter().find(|b| b.policy == number).map_or(Some(w.local_target), |b| near(b.target))
+        });
         let document = model.generation;
         let slice = model.selection.slice.min(policy.grid_of(looked_at).record().num_heights - 1);
         let targets = [local_target(model, number), then];

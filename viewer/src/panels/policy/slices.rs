@@ -21,10 +21,8 @@ pub fn show(ui: &mut Ui, shown: &Shown<'_>, own: &mut State, heights: u32, comma
     let width = (ui.available_width() - GAP * (columns - 1) as f32) / columns as f32;
     let height = width * ((high.y - low.y) / (high.x - low.x)).clamp(0.4, 1.5) + TITLE;
     let rows = heights.div_ceil(columns);
-    let (area, _) = ui.allocate_exact_size(
-        vec2(ui.available_width(), rows as f32 * (height + GAP) - GAP),
-        Sense::hover(),
-    );
+    let (area, _) =
+        ui.allocate_exact_size(vec2(ui.available_width(), rows as f32 * (height + GAP) - GAP), Sense::hover());
     own.heats.truncate(heights as usize);
     let mut arrow_scale = 1.0f32;
     for k in 0..heights {

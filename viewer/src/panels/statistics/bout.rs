@@ -1,8 +1,10 @@
 //! What became of blows, and how deep opponents are in each other.
 
 use super::{COLOURS, SMOOTH, key, line, plot, row, section, smooth};
+use crate::render::Rgba;
 use crate::run::{BoutFigures, Run, STEP_HZ};
-use eframe::egui::{Grid, Ui};
+use crate::stage::bout::{KINDS, colour_of};
+use eframe::egui::{Color32, Grid, Ui};
 
 /// Time that hits a minute are counted over, in the plot. [Unit: s]
 const WINDOW_S: f32 = 10.0;
@@ -28,6 +30,15 @@ pub fn show(ui: &mut Ui, run: &Run) {
             if let Some(now) = f.penetration_m {
                 let most = f.max_penetration_m;
                 row(ui, "penetration", format!("{:.1} cm now, {:.1} cm at most", 100.0 * now, 100.0 * most));
+            }
+        });
+        ui.horizontal_wrapped(|ui| {
+            ui.weak("marks:");
+            for (met, name) in KINDS {
+                match colour_of(met) {
+                    Some(Rgba([r, g, b, _])) => key(ui, name, Color32::from_rgb(r, g, b)),
+                    None => _ = ui.label(name),
+                }
             }
         });
         let history: Vec<(u32, BoutFigures)> = run.history().filter_map(|(s, f)| Some((s, f.bout?))).collect();
