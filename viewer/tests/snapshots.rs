@@ -140,7 +140,9 @@ fn boxing() {
     let hits = Args { panel: vec![PanelChoice::Open(PanelKind::Hits)], character: None, ..bundle.clone() };
     compare(&mut results, at_rest(&hits, vec2(1000.0, 560.0)), "panel_hits");
 
-    let policy = Args { panel: vec![PanelChoice::Open(PanelKind::Policy)], ..bundle };
+    let alone =
+        Args { file: Some(boxing.targets(1)), characters: None, character: Some(Character(Some(0))), ..crowd() };
+    let policy = Args { panel: vec![PanelChoice::Open(PanelKind::Policy)], ..alone.clone() };
     let mut v = Viewing::new(&policy, vec2(1000.0, 560.0));
     let mut settings = v.model().settings.clone();
     settings.overlays.values = true;
@@ -148,11 +150,9 @@ fn boxing() {
     v.apply(Command::SelectPolicy(1));
     compare(&mut results, rest(v), "panel_policy_heights");
 
-    let pair = Args { file: Some(boxing.pairs(2)), ..crowd() };
-    let pair = Args { characters: None, character: Some(Character(Some(0))), ..pair };
-    compare(&mut results, at_rest(&pair, VIEW_SIZE), "view_pair");
-    let target = Args { file: Some(boxing.targets(1)), ..pair };
-    compare(&mut results, at_rest(&target, VIEW_SIZE), "view_target");
+    compare(&mut results, at_rest(&alone, SIZE), "view_target");
+    let pair = Args { file: Some(boxing.pairs(2)), ..alone };
+    compare(&mut results, at_rest(&pair, SIZE), "view_pair");
 }
 
 /// Times differ from run to run: shows the part of the statistics below them, and hides what is left of them.

@@ -172,7 +172,6 @@ mod tests {
     use crate::args::{Character, StageName};
     use crate::panels::PanelKind;
     use crate::panels::tests::golden_path as golden;
-    use std::path::PathBuf;
     use throng_precompute::synth::{SynthConfig, SynthSet};
 
     fn opened(args: &Args) -> Result<Model, String> {

@@ -18,7 +18,7 @@ pub const KINDS: [(Met, &str); 5] = [
     (Met::Body(Part::Head), "head or target"),
     (Met::Body(Part::Trunk), "trunk"),
     (Met::Body(Part::Leg), "leg"),
-    (Met::Body(Part::Arm), "blocked"),
+    (Met::Body(Part::Arm), "arm: blocked"),
     (Met::Nothing, "missed: a streak"),
 ];
 

@@ -1,7 +1,7 @@
 //! The panel, driven as a user does.
 
 use super::*;
-pub use crate::panels::tests::golden;
+pub(super) use crate::panels::tests::golden;
 use crate::panels::tests::golden_path;
 use crate::run::Input;
 use crate::settings::Settings;

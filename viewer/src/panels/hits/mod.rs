@@ -19,6 +19,7 @@ use eframe::egui::epaint::Mesh;
 use eframe::egui::{
     CentralPanel, Color32, ComboBox, Frame, Panel, Rect, Response, RichText, Role, Sense, Ui, Visuals, WidgetInfo,
 };
+use glam::{Vec2, Vec3};
 use throng_runtime::Joint;
 use throng_runtime::policy::PolicyTable;
 use view::{Bounds, Place};
@@ -137,19 +138,21 @@ fn show_hits(
 fn options(ui: &mut Ui, bundle: &Bundle, hits: &Collection, state: &mut State, ranges: Option<Ranges>) {
     ui.horizontal_wrapped(|ui| {
         let kind = state.filter.kind.map_or("all kinds", |k| hits.kind(k));
-        ComboBox::from_id_salt("kind").selected_text(kind).width(84.0).show_ui(ui, |ui| {
+        let combo = ComboBox::from_id_salt("kind").selected_text(kind).width(84.0).show_ui(ui, |ui| {
             ui.selectable_value(&mut state.filter.kind, None, "all kinds");
             for kind in hits.kinds_present() {
                 ui.selectable_value(&mut state.filter.kind, Some(kind), hits.kind(kind));
             }
         });
+        combo.response.widget_info(|| WidgetInfo::labeled(Role::ComboBox, true, "Kind"));
         let limb = state.filter.joint.map_or("all limbs".into(), joint_name);
-        ComboBox::from_id_salt("limb").selected_text(limb).width(94.0).show_ui(ui, |ui| {
+        let combo = ComboBox::from_id_salt("limb").selected_text(limb).width(94.0).show_ui(ui, |ui| {
             ui.selectable_value(&mut state.filter.joint, None, "all limbs");
             for joint in hits.joints_present() {
                 ui.selectable_value(&mut state.filter.joint, Some(joint), joint_name(joint));
             }
         });
+        combo.response.widget_info(|| WidgetInfo::labeled(Role::ComboBox, true, "Limb"));
         outline_choice(ui, bundle, state);
         ui.checkbox(&mut state.whole_body, "whole body");
         ui.separator();
@@ -193,6 +196,7 @@ fn outline_choice(ui: &mut Ui, bundle: &Bundle, state: &mut State) {
             ui.selectable_value(&mut chosen, Some(policy), name(policy));
         }
     });
+    combo.response.widget_info(|| WidgetInfo::labeled(Role::ComboBox, true, "Grid"));
     combo.response.on_hover_text("Cells of a behaviour, and, dashed, where it is active");
     if chosen != now {
         state.outlined = Some(chosen);
@@ -221,7 +225,10 @@ fn views(
     standing_out: Option<usize>,
 ) -> Option<usize> {
     let (rect, _) = ui.allocate_exact_size(ui.available_size(), Sense::hover());
-    let bounds = Bounds::around(hits.entries.iter().map(|e| e.position), state.whole_body);
+    let outlined = outlined(bundle, state).and_then(|p| bundle.repertoire().policy(p));
+    let edges = outlined.into_iter().flat_map(edges);
+    let seen = hits.entries.iter().map(|e| e.position).chain(edges).collect::<Vec<_>>();
+    let bounds = Bounds::around(seen.iter().copied(), state.whole_body);
     let places = Place::lay_out(bounds, rect);
     let visuals = ui.visuals().clone();
     let row = standing_out.map_or_else(|| Body::standing_row(bundle), |i| hits.entries[i].row);
@@ -241,7 +248,6 @@ fn views(
         let of = |p: &Place| plot::dots(p, shown.iter().map(|&i| &hits.entries[i]).map(|e| (e.position, colour(e))));
         state.dots = Some((key, places.each_ref().map(of)));
     }
-    let outlined = outlined(bundle, state).and_then(|p| bundle.repertoire().policy(p));
     let scene = Scene { body: state.body.as_ref().map(|b| &b.1), outlined };
     let painter = ui.painter_at(rect);
     let mut clicked = None;
@@ -265,6 +271,18 @@ fn views(
     clicked
 }
 
+/// Places on the edge of what is drawn of a behaviour. [Unit: m]
+fn edges(policy: &PolicyTable<'_>) -> Vec<Vec3> {
+    let of_grid = (!policy.grid().is_polar()).then(|| Volume::of_grid(policy));
+    let volumes = of_grid.into_iter().chain(Volume::of_region(policy.region()));
+    let of_volume = |v: Volume| {
+        let [low, high] = v.height;
+        let ends = move |p: Vec2| [low, high].map(|y| Vec3::new(p.x, y, p.y));
+        v.over_ground().into_iter().flat_map(ends).collect::<Vec<_>>()
+    };
+    volumes.flat_map(of_volume).collect()
+}
+
 fn sensed(ui: &Ui, place: &Place) -> Response {
     let rect: Rect = place.rect;
     let name = format!("Hits, {} view", place.view.title().to_lowercase());
@@ -278,7 +296,7 @@ fn tell(response: Response, bundle: &Bundle, hits: &Collection, e: &Entry) {
     response.on_hover_ui_at_pointer(|ui| {
         ui.label(RichText::new(format!("{}, {}", hits.kind(e.kind), joint_name(e.joint))).strong());
         ui.label(format!("force {:.2}, {:.1} m/s", e.force, e.speed_mps));
-        let place = words::place(glam::Vec2::new(e.position.x, e.position.z));
+        let place = words::place(Vec2::new(e.position.x, e.position.z));
         ui.label(format!("{place}, {:.2} m high", e.position.y));
         ui.label(format!("{}, frame {}", list::moment(bundle, e), e.frame));
         ui.weak("A click shows the clip at this frame.");

@@ -129,14 +129,18 @@ fn options(ui: &mut Ui, shown: &Shown<'_>, own: &mut State, commands: &mut Vec<C
             let chart = shown.chart();
             let all = if chart.is_of_moments() { "all moments" } else { "all heights" };
             ui.checkbox(&mut own.slices, all).on_hover_text("Side by side, with the same colours");
-            let mut slice = shown.slice;
-            let slider = eframe::egui::Slider::new(&mut slice, 0..=heights - 1);
-            ui.add(slider.custom_formatter(move |n, _| chart.height_name(n as u32)));
-            if slice != shown.slice {
-                commands.push(Command::SelectSlice(slice));
-            }
         }
     });
+    if heights > 1 && !own.slices {
+        let chart = shown.chart();
+        let mut slice = shown.slice;
+        let what = if chart.is_of_moments() { "moment" } else { "height" };
+        let slider = eframe::egui::Slider::new(&mut slice, 0..=heights - 1).text(what);
+        ui.add(slider.custom_formatter(move |n, _| chart.height_name(n as u32)));
+        if slice != shown.slice {
+            commands.push(Command::SelectSlice(slice));
+        }
+    }
 }
 
 /// Where the behaviour is active, dashed; a word where it is not at this height.
