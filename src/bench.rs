@@ -4,7 +4,7 @@ use crate::args::Outcome;
 use crate::output;
 use serde::Serialize;
 use std::path::PathBuf;
-use throng_precompute::measure::{self, MeasureConfig, Measured};
+use throng_precompute::measure::{self, MatchingConfig, MatchingFigures, MeasureConfig, Measured};
 use throng_precompute::policy::{Quality, QualityConfig};
 
 /// Measure queries, sampling and steps of a bundle beside copying the same bytes, and value iteration.
@@ -12,7 +12,17 @@ use throng_precompute::policy::{Quality, QualityConfig};
 /// JSON keys: results [characters, threads, control_ns_per_query, lookahead_ns_per_query, lookahead_actions,
 /// lookahead_62_ns_per_query, sample_ns_per_joint, step_ns_per_character, step_single_load_ns_per_character,
 /// memcpy_ns_per_character, steps_per_second], value_iteration {pairs, sweeps, greedy_sweeps, seconds (setup and
-/// sweeps), setup_seconds, sweep_seconds, residual, bytes_per_sweep, copy_bytes_per_second}.
+/// sweeps), setup_seconds, sweep_seconds, residual, bytes_per_sweep, copy_bytes_per_second}; with --quality also
+/// quality [policy, asked, pairs (with something to gain), ratio_mean, ratio_p05, near_best_fraction,
+/// realised_ratio_mean, regret_mean, single_load_ratio_mean, temperatures [temperature, ratio_mean], look_aheads,
+/// search_s, seconds] and matching {frames, query_ns, kd_tree_query_ns, brute_force_query_ns, lookahead_ns,
+/// single_load_ns, query_over_lookahead, query_over_single_load, policy_reached_fraction, matching_reached_fraction,
+/// policy_time_to_reach_s, matching_time_to_reach_s, policy_hits_per_minute, matching_hits_per_minute,
+/// policy_landed_fraction, matching_landed_fraction, policy_gap_m, matching_gap_m (distance of hips, feet and fists where
+/// one frame takes the place of another)}.
+///
+/// `quality` is the discounted reward that a policy collects over the best that search to a depth of four actions
+/// finds; `matching` sets the policies against motion matching over all frames of the bundle, the same targets for both.
 #[derive(clap::Args)]
 pub struct Args {
     /// Bundle.
@@ -26,7 +36,7 @@ pub struct Args {
     /// Time given to each figure.
     #[arg(long, default_value_t = 0.5, value_name = "S")]
     seconds: f64,
-    /// Also measure what the policies collect against search.
+    /// Also measure what the policies collect against search, and against motion matching.
     #[arg(long)]
     quality: bool,
     /// Random (state, target) pairs that are searched.
@@ -44,6 +54,8 @@ struct Report {
     measured: Measured,
     #[serde(skip_serializing_if = "Option::is_none")]
     quality: Option<Vec<Quality>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    matching: Option<MatchingFigures>,
 }
 
 pub fn run(args: &Args) -> Outcome {
@@ -53,14 +65,17 @@ pub fn run(args: &Args) -> Outcome {
     let measured = measure::measure(&tables, &config)?;
     let asked = QualityConfig { pairs: args.pairs, ..QualityConfig::default() };
     let quality = args.quality.then(|| measure::quality(&tables, &asked)).transpose()?;
-    let report = Report { measured, quality };
+    let against = MatchingConfig { seconds: args.seconds, ..MatchingConfig::default() };
+    let matching = args.quality.then(|| measure::matching(&tables, &against)).transpose()?;
+    let report = Report { measured, quality, matching };
     if args.json { output::json(&report) } else { print(&report) }
 }
 
 /// The figures for people.
 fn print(report: &Report) -> Outcome {
     print_crowds(&report.measured)?;
-    report.quality.iter().flatten().try_for_each(print_quality)
+    report.quality.iter().flatten().try_for_each(print_quality)?;
+    report.matching.iter().try_for_each(print_matching)
 }
 
 fn print_crowds(measured: &Measured) -> Outcome {
@@ -116,8 +131,13 @@ fn print_quality(q: &Quality) -> Outcome {
     let percent = |v: f64| format!("{:.2} %", 100.0 * v);
     let temperatures: Vec<String> =
         q.temperatures.iter().map(|t| format!("{} at {}", percent(t.ratio_mean), t.temperature)).collect();
+    let asked = ("quality", format!("{}: {} of {} pairs have something to gain", q.policy, q.pairs, q.asked));
+    let time = ("  time", format!("{:.2} s, {:.2} of them for {} look-aheads", q.seconds, q.search_s, q.look_aheads));
+    if q.pairs == 0 {
+        return output::table(&[asked, ("  regret", format!("{:.5} on average", q.regret_mean)), time]);
+    }
     output::table(&[
-        ("quality", format!("{}: {} of {} pairs have something to gain", q.policy, q.pairs, q.asked)),
+        asked,
         (
             "  against search",
             format!(
@@ -131,6 +151,51 @@ fn print_quality(q: &Quality) -> Outcome {
         ),
         ("  single load", format!("{} on average", percent(q.single_load_ratio_mean))),
         ("  at random", format!("{} (temperature)", temperatures.join(", "))),
-        ("  time", format!("{:.2} s, {:.2} of them for {} look-aheads", q.seconds, q.search_s, q.look_aheads)),
+        time,
     ])
+}
+
+fn print_matching(m: &MatchingFigures) -> Outcome {
+    let seconds = |s: Option<f64>| s.map_or("never".to_owned(), |s| format!("{s:.2} s"));
+    let mut rows = vec![
+        ("matching", format!("{} frames", m.frames)),
+        (
+            "  a query",
+            format!(
+                "{:.1} us through boxes, {:.1} through a k-d tree, {:.1} through all; {:.0} look-aheads of {:.1} ns, {:.0} single loads of {:.1} ns",
+                m.query_ns / 1e3,
+                m.kd_tree_query_ns / 1e3,
+                m.brute_force_query_ns / 1e3,
+                m.query_over_lookahead,
+                m.lookahead_ns,
+                m.query_over_single_load,
+                m.single_load_ns
+            ),
+        ),
+        (
+            "  reached",
+            format!(
+                "{:.1} % by the policy, after {}; {:.1} % by matching, after {}",
+                100.0 * m.policy_reached_fraction,
+                seconds(m.policy_time_to_reach_s),
+                100.0 * m.matching_reached_fraction,
+                seconds(m.matching_time_to_reach_s)
+            ),
+        ),
+    ];
+    if let (Some(policy), Some(matching)) = (m.policy_hits_per_minute, m.matching_hits_per_minute) {
+        let share = |v: Option<f64>| format!("{:.0} % of them land", 100.0 * v.unwrap_or(0.0));
+        let gap = |v: Option<f64>| format!("{:.1} cm between frames", 100.0 * v.unwrap_or(0.0));
+        rows.push((
+            "  hits",
+            format!(
+                "{policy:.1} a minute by the policies, {}, {}; {matching:.1} by matching, {}, {}",
+                share(m.policy_landed_fraction),
+                gap(m.policy_gap_m),
+                share(m.matching_landed_fraction),
+                gap(m.matching_gap_m)
+            ),
+        ));
+    }
+    output::table(&rows)
 }

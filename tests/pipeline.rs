@@ -2,7 +2,8 @@
 
 mod common;
 
-use common::{build, mocap, small_config, write_clips};
+use common::{build, mocap, small_config, starts, targets, write_clips};
+use glam::Vec3;
 use std::path::{Path, PathBuf};
 use throng_precompute::annotate::{AnnotateConfig, Sidecar, Sidecars, annotate};
 use throng_precompute::cache::Cache;
@@ -10,13 +11,15 @@ use throng_precompute::clip::ClipSet;
 use throng_precompute::config::BuildConfig;
 use throng_precompute::import::{ImportConfig, read};
 use throng_precompute::pipeline;
+use throng_precompute::policy::{AdaptiveConfig, BehaviourConfig, GridConfig};
 use throng_precompute::progress::Silent;
 use throng_precompute::resample::{ResampleConfig, resample};
 use throng_precompute::retarget::{RetargetConfig, onto};
 use throng_precompute::synth::{self, SynthConfig, SynthSet};
 use throng_precompute::trial::{self, TrialConfig};
 use throng_precompute::{BuildError, Warnings};
-use throng_runtime::troupe::{Repertoire, SampleJob};
+use throng_runtime::policy::{MAX_ACTIONS, PolicyTable};
+use throng_runtime::troupe::{Goal, Repertoire, SampleJob, Troupe, TroupeConfig};
 use throng_runtime::{Joint, Mat3x4, NUM_JOINTS, Planar, Tables};
 
 /// Frames of the bundle as poses in the world of their clip.
@@ -163,6 +166,45 @@ fn a_crowd_of_recorded_walkers_reaches_its_targets() {
 }
 
 #[test]
+fn an_adaptive_policy_goes_from_the_config_to_queries() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let (clips, out) = (folder.path().join("clips"), folder.path().join("a.throng"));
+    write_clips(&clips, 1.0);
+    let mut config = small_config(vec![clips]);
+    let fine = GridConfig { rings: Some(9), angles: Some(16), ..config.behaviours[0].grid };
+    let adaptive = Some(AdaptiveConfig { share: 0.25, ..AdaptiveConfig::default() });
+    let compact = GridConfig { adaptive, ..fine };
+    let behaviour = |name: &str, grid| BehaviourConfig { name: name.into(), grid, ..config.behaviours[0].clone() };
+    config.behaviours = vec![behaviour("fine", fine), behaviour("compact", compact), behaviour("again", fine)];
+    let report = build(&config, &out, &Cache::none());
+    let figures = report.policies[1].adaptive.as_ref().expect("an adaptive policy");
+    assert!(4 * figures.adaptive.bytes <= figures.finest_bytes && report.policies[0].adaptive.is_none());
+
+    let tables = Tables::open(&out).expect("the bundle opens");
+    let [fine, compact, again] = [0, 1, 2].map(|i| tables.policy(i));
+    assert!(compact.is_adaptive() && !fine.is_adaptive() && 4 * compact.num_values() <= fine.num_values());
+    let values = |p: &PolicyTable<'_>| (0..4).map(|s| p.values_of(s).to_vec()).collect::<Vec<_>>();
+    assert_eq!(values(&fine), values(&again), "what follows an adaptive policy is found behind it");
+    let mut scores = [[0.0; MAX_ACTIONS]; 2];
+    let n = fine.action_scores(1, Vec3::new(1.0, 0.0, 2.0), &mut scores[0]).expect("a sound query");
+    compact.action_scores(1, Vec3::new(1.0, 0.0, 2.0), &mut scores[1]).expect("a sound query");
+    for (a, b) in scores[0][..n].iter().zip(&scores[1][..n]) {
+        assert!((a - b).abs() <= 2.0 * figures.adaptive.max_error as f32, "{a} {b}, {figures:?}");
+    }
+    // A troupe follows it like any other.
+    let (repertoire, targets) = (Repertoire::new(&tables), targets(8));
+    let mut troupe = Troupe::new(&repertoire, TroupeConfig::default(), &starts(&tables, 8)).expect("a troupe");
+    let far =
+        |troupe: &Troupe| -> f32 { (0..8).map(|c| troupe.root(c).translation().distance(targets[c])).sum::<f32>() };
+    let before = far(&troupe);
+    for _ in 0..300 {
+        let goals = [Goal { policy: 1, weight: 1.0, targets: &targets }];
+        troupe.step(&repertoire, 1.0 / 30.0, &goals).expect("a step");
+    }
+    assert!(far(&troupe) < 0.5 * before, "{} of {before} m", far(&troupe));
+}
+
+#[test]
 fn an_unchanged_build_only_hashes_and_writes() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let (clips, out) = (folder.path().join("clips"), folder.path().join("a.throng"));
@@ -267,4 +309,34 @@ fn too_little_motion_is_an_error_that_says_so() {
     assert!(!out.exists(), "a failed build left a bundle");
     let left = std::fs::read_dir(folder.path()).expect("the folder").count();
     assert_eq!(left, 1, "only the clips are there");
+}
+
+#[test]
+fn a_behaviour_of_ones_own_needs_the_config_alone() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let (file, out) = (folder.path().join("own.toml"), folder.path().join("own.throng"));
+    // Keep two metres away from the target; nothing beyond five metres matters.
+    let text = "[synth]\nset = \"walk\"\nminutes = 2.0\n\n[policy]\ncompare_samples = 50\n\n[[behaviours]]\n\
+        name = \"keep-distance\"\noffset = 2.0\nscale = 0.5\nregion = { distance_m = [0.0, 5.0] }\n\
+        grid = { rings = 12, angles = 16, radius = 5.0, inner_spacing = 0.3 }\n";
+    std::fs::write(&file, text).expect("a config");
+    let config = BuildConfig::load(&file).expect("a sound config");
+    build(&config, &out, &Cache::none());
+    let tables = Tables::open(&out).expect("a bundle");
+    let repertoire = Repertoire::new(&tables);
+    let n = 40;
+    let (starts, mut targets) = (common::starts(&tables, n), Vec::new());
+    // Half of them stand too near, half too far.
+    for (i, s) in starts.iter().enumerate() {
+        let distance = if i % 2 == 0 { 0.3 } else { 4.0 };
+        targets.push(s.root.translation() + glam::Vec3::new(distance, 0.0, 0.0));
+    }
+    let mut troupe = Troupe::new(&repertoire, TroupeConfig::default(), &starts).expect("a troupe");
+    for _ in 0..15 * 30 {
+        let goals = [Goal { policy: 0, weight: 1.0, targets: &targets }];
+        troupe.step(&repertoire, 1.0 / 30.0, &goals).expect("a step");
+    }
+    let off = |c: usize| (troupe.root(c).translation().distance(targets[c]) - 2.0).abs();
+    let near = (0..n).filter(|&c| off(c) < 0.7).count();
+    assert!(near > n * 8 / 10, "{near} of {n} keep their distance");
 }

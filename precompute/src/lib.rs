@@ -10,6 +10,7 @@ pub mod files;
 pub mod graph;
 pub mod import;
 pub mod inspect;
+pub mod matching;
 pub mod measure;
 pub mod mirror;
 pub mod picture;

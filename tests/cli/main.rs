@@ -1,5 +1,6 @@
 //! Every command does what its help says: output, JSON keys, exit codes, and errors that show the way out.
 
+mod scene;
 mod view;
 
 use serde_json::Value;
@@ -277,6 +278,29 @@ fn bench_reports_every_figure() {
 }
 
 #[test]
+fn bench_sets_policies_against_search_and_matching() {
+    let place = Place::shared();
+    let sizes = ["--characters", "8", "--threads", "1", "--seconds", "0.001"];
+    let args = [&["bench", &place.bundle(), "--quality", "--pairs", "20", "--json"], &sizes[..]].concat();
+    let report = json(&args, &["quality", "matching"]);
+    let quality = &report["quality"][0];
+    for key in ["ratio_mean", "ratio_p05", "near_best_fraction", "single_load_ratio_mean", "realised_ratio_mean"] {
+        assert!(quality[key].as_f64().is_some_and(|v| v > 0.5 && v < 1.5), "{key}: {quality}");
+    }
+    assert_eq!((quality["asked"].as_u64(), quality["pairs"].as_u64()), (Some(20), Some(20)));
+    has_keys(&quality["temperatures"][5], &["temperature", "ratio_mean"]);
+    let matching = &report["matching"];
+    for key in
+        ["frames", "query_ns", "lookahead_ns", "single_load_ns", "query_over_lookahead", "query_over_single_load"]
+    {
+        assert!(matching[key].as_f64() > Some(0.0), "{key}: {matching}");
+    }
+    assert!(matching["policy_time_to_reach_s"].as_f64() > Some(0.5), "{matching}");
+    assert!(matching["policy_hits_per_minute"].is_null(), "{matching}");
+    assert!(failed(&["bench", &place.bundle(), "--quality", "--pairs", "0", "--seconds", "0.001"]).contains("--pairs"));
+}
+
+#[test]
 fn inspect_finds_out_about_a_clip() {
     let place = Place::shared();
     let clip = place.first_clip();
@@ -287,6 +311,42 @@ fn inspect_finds_out_about_a_clip() {
     assert!((1.5..2.0).contains(&report["height_m"].as_f64().expect("a height")), "{report}");
     assert_eq!(report["roles"].as_object().map(serde_json::Map::len), Some(22));
     assert!(done(&["inspect", &clip]).contains("bvh"));
+    assert_eq!(report["hits"]["count"], 0);
+}
+
+#[test]
+fn hits_are_reported_exported_and_drawn() {
+    let (place, folder) = (Place::shared(), folder());
+    // A walker's fist, marked by hand: the only hit, and its mirror image.
+    let clip = at(&folder, "walker.bvh");
+    std::fs::copy(place.first_clip(), &clip).expect("a copy");
+    let sidecar = "[[hits]]\nname = \"tap\"\njoint = \"left_hand\"\nstart = 2\nend = 6\n";
+    std::fs::write(at(&folder, "walker.toml"), sidecar).expect("a sidecar");
+    let (bundle, png) = (at(&folder, "a.throng"), at(&folder, "hits.png"));
+    let args = ["build", &place.path("little.toml"), "--input", &clip, "--out", &bundle, "--no-cache", "--json"];
+    let hits = json(&args, &["hits"])["hits"].clone();
+    has_keys(&hits, &["count", "angle_rad", "distance_m", "height_m", "kinds"]);
+    assert_eq!((hits["count"].as_u64(), hits["kinds"]["tap"].as_u64()), (Some(2), Some(2)));
+    let range = |key: &str| [0, 1].map(|i| hits[key][i].as_f64().expect("a number"));
+    let [right, left] = range("angle_rad");
+    assert!((right + left).abs() < 1e-3 && left >= 0.0, "a mirrored copy hits to the other side: {hits}");
+    assert!(range("height_m").iter().all(|h| (0.5..1.5).contains(h)), "{hits}");
+
+    let keys = ["file", "name", "clips", "frames", "rate_hz", "states", "actions", "behaviours", "hits", "clip_hits"];
+    let report = json(&["inspect", &bundle, "--hits-png", &png, "--json"], &keys);
+    assert_eq!(report["hits"], hits);
+    assert_eq!(report["clip_hits"]["walker~mirror"]["tap"], 1);
+    assert!(std::fs::read(&png).expect("a picture").starts_with(b"\x89PNG"));
+    let printed = done(&["inspect", &bundle]);
+    assert!(printed.contains("2 effective hitting points (tap 2)") && printed.contains("walker~mirror"), "{printed}");
+    let csv = done(&["export", &bundle, "--format", "hits-csv"]);
+    assert!(csv.starts_with("clip,frame,time_s,kind,joint,x_m,y_m,z_m,") && csv.lines().count() == 3, "{csv}");
+    assert!(csv.contains(",tap,left_hand,") && csv.contains(",tap,right_hand,"), "{csv}");
+
+    let none = json(&["inspect", &place.bundle(), "--json"], &["hits"])["hits"].clone();
+    assert_eq!((none["count"].as_u64(), &none["angle_rad"]), (Some(0), &Value::Null));
+    let csv = done(&["export", &place.first_clip(), "--format", "hits-csv"]);
+    assert_eq!(csv.lines().count(), 1, "a walk strikes nothing");
 }
 
 #[test]
@@ -382,12 +442,14 @@ fn files_that_are_no_bundles_are_refused_by_name() {
     std::fs::write(&text, "HIERARCHY\nROOT hips\n{\n").expect("a file");
     let absent = at(&folder, "absent.throng");
     for (file, say) in [(&cut, "5000 bytes"), (&text, "not a Throng bundle"), (&absent, "cannot be opened")] {
-        let cases: [&[&str]; 5] = [
+        let cases: [&[&str]; 7] = [
             &["verify", file, "--json"],
             &["query", file, "--state", "0", "--target", "1,1", "--json"],
             &["run", file, "--characters", "2", "--seconds", "1", "--json"],
             &["bench", file, "--json"],
             &["export", file, "--format", "graph-json"],
+            &["export", file, "--format", "hits-csv"],
+            &["inspect", file],
         ];
         for args in cases {
             let e = failed(args);

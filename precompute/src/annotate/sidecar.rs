@@ -19,16 +19,20 @@
 //!
 //! `automatic_hits = false` leaves the clip with the hits that are marked.
 
+mod hit;
+#[cfg(test)]
+mod tests;
+
 use super::hits::HitMark;
-use crate::clip::{Clip, ClipSet, Exclusion, ExclusionReason, FrameRange, HitKind, Tag};
+use crate::clip::{Clip, ClipSet, Exclusion, ExclusionReason, FrameRange, Tag};
 use crate::error::BuildError;
 use crate::import::ImportedSet;
 use crate::mirror;
+pub use hit::SidecarHit;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::Path;
-use throng_runtime::Joint;
 
 /// Ranges, names and hits for one clip.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -68,66 +72,6 @@ pub struct SidecarTag {
     pub start: f64,
     /// Where it ends. [Unit: as `unit` says]
     pub end: f64,
-}
-
-/// A hit: at one moment, or at the fastest moment of a range.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct SidecarHit {
-    /// `punch`, `kick`, or any other name: a kind of its own.
-    pub name: String,
-    /// The joint that strikes, in snake_case: `left_hand`, `right_foot`, `head`.
-    pub joint: String,
-    /// The moment; without `start` and `end`. [Unit: as `unit` says]
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub at: Option<f64>,
-    /// Where the range begins in which the joint's fastest moment is the hit; with `end`. [Unit: as `unit` says]
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub start: Option<f64>,
-    /// Where the range ends. [Unit: as `unit` says]
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub end: Option<f64>,
-}
-
-impl SidecarHit {
-    /// Its beginning and end, the same for a single moment, or what is wrong with it.
-    fn times(&self) -> Result<(f64, f64), String> {
-        let sound = |t: f64| t >= 0.0 && t.is_finite();
-        let name = &self.name;
-        match (self.at, self.start, self.end) {
-            (Some(at), None, None) if sound(at) => Ok((at, at)),
-            (Some(at), None, None) => Err(format!("`{name}`: expected at >= 0, found {at}. Correct it.")),
-            (None, Some(start), Some(end)) if sound(start) && end > start => Ok((start, end)),
-            (None, Some(start), Some(end)) => Err(format!(
-                "`{name}`: expected 0 <= start < end, found start = {start}, end = {end}. Exchange or correct them."
-            )),
-            _ => {
-                Err(format!("`{name}`: expected `at`, or `start` and `end`, found neither or both. Keep one of them."))
-            }
-        }
-    }
-
-    /// The joint of that name, or what is wrong with the name.
-    fn joint(&self) -> Result<Joint, String> {
-        Joint::from_name(&self.joint).ok_or_else(|| {
-            let likeness = |j: &Joint| strsim::jaro_winkler(j.name(), &self.joint);
-            let nearest = Joint::ALL.into_iter().max_by(|a, b| likeness(a).total_cmp(&likeness(b)));
-            format!(
-                "`{}`: there is no joint `{}`. Did you mean `{}`?",
-                self.name,
-                self.joint,
-                nearest.map_or("", Joint::name)
-            )
-        })
-    }
-
-    /// What kind of blow it is.
-    fn kind(&self) -> HitKind {
-        [HitKind::Punch, HitKind::Kick]
-            .into_iter()
-            .find(|k| k.name() == self.name)
-            .unwrap_or_else(|| HitKind::Tag(self.name.clone()))
-    }
 }
 
 /// What the numbers of a sidecar count.
@@ -379,67 +323,4 @@ impl Sidecars {
 
 fn original_name(clip: &Clip) -> &str {
     clip.name.strip_suffix(mirror::SUFFIX).unwrap_or(&clip.name)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use glam::{Quat, Vec3};
-    use throng_runtime::{NUM_JOINTS, Skeleton};
-
-    fn clip(name: &str, num_frames: usize) -> Clip {
-        Clip {
-            name: name.into(),
-            source: String::new(),
-            mirrored: false,
-            rate_hz: 30.0,
-            root_positions: vec![Vec3::ZERO; num_frames],
-            rotations: vec![Quat::IDENTITY; num_frames * NUM_JOINTS],
-            contacts: Vec::new(),
-            excluded: Vec::new(),
-            tags: Vec::new(),
-            hits: Vec::new(),
-        }
-    }
-
-    fn message(r: Result<impl std::fmt::Debug, BuildError>) -> String {
-        r.unwrap_err().to_string()
-    }
-
-    #[test]
-    fn reads_ranges_and_tags_in_seconds_and_frames() {
-        let text = "exclude = [[0, 0.5], [2.0, inf]]\n[[tags]]\nname = \"punch\"\nstart = 1\nend = 1.5\n";
-        let mut all = Sidecars::default();
-        all.insert("a", Sidecar::parse(text, "a.toml").unwrap(), 120.0, "a.toml").unwrap();
-        let frames = "unit = \"frames\"\nexclude = [[4, 8]]";
-        all.insert("b", Sidecar::parse(frames, "b.toml").unwrap(), 120.0, "b.toml").unwrap();
-        let a = all.ranges(&clip("a~mirror", 90)).unwrap();
-        assert_eq!(a.excluded.iter().map(|e| e.range.clone()).collect::<Vec<_>>(), [0..15, 60..90]);
-        assert_eq!(a.tags, [Tag { name: "punch".into(), range: 30..45 }]);
-        assert_eq!(all.ranges(&clip("b", 90)).unwrap().excluded[0].range, 1..2);
-        assert_eq!(all.ranges(&clip("c", 90)).unwrap(), Marked::default());
-    }
-
-    #[test]
-    fn errors_name_file_line_and_key() {
-        let m = message(Sidecar::parse("\nexcludes = []", "x.toml"));
-        assert!(m.contains("x.toml:2:") && m.contains("excludes"), "{m}");
-        let m = message(Sidecar::parse("exclude = [\n  [0, 1],\n  [3, 2],\n]", "x.toml"));
-        assert!(m.contains("x.toml:3:") && m.contains("exclude[1]") && m.contains("[3, 2]"), "{m}");
-        let m = message(Sidecar::parse("[[tags]]\nname = \"a\"\nstart = 1\n", "x.toml"));
-        assert!(m.contains("x.toml:1:") && m.contains("end"), "{m}");
-        let m = message(Sidecar::parse("[[tags]]\nname = \"a\"\nstart = 1\nend = nan", "x.toml"));
-        assert!(m.contains("tags[0]") && m.contains("`a`"), "{m}");
-    }
-
-    #[test]
-    fn refuses_unknown_clips_and_ranges_outside() {
-        let mut all = Sidecars::default();
-        all.insert("walks", Sidecar { exclude: vec![[9.0, 10.0]], ..Sidecar::default() }, 30.0, "c.toml").unwrap();
-        let set = ClipSet { skeleton: Skeleton::default(), clips: vec![clip("walk", 30), clip("run", 30)] };
-        let m = message(all.check_names(&set));
-        assert!(m.contains("`walks`") && m.contains("`walk`"), "{m}");
-        let m = message(all.ranges(&clip("walks", 30)));
-        assert!(m.contains("c.toml") && m.contains("exclude[0]") && m.contains("1.00"), "{m}");
-    }
 }

@@ -1,6 +1,6 @@
 //! What a query, a joint, a character cost, beside copying the same bytes.
 
-use super::timing::{Batch, fail, in_pool, median_ns};
+use super::timing::{Batch, fail, in_pool, median_ns, random_queries};
 use super::{EPSILON, MeasureConfig};
 use crate::error::BuildError;
 use crate::policy::made_up::MadeUp;
@@ -110,14 +110,7 @@ impl Bench<'_> {
 
     /// Time of a batch of single-load queries and of look-aheads, and the actions a look-ahead weighs.
     fn queries(&self, policy: PolicyTable<'_>) -> Result<(f64, f64, f64), BuildError> {
-        let mut rng = Pcg64Mcg::seed_from_u64(2);
-        let num_states = policy.actions().num_states() as u32;
-        let states: Vec<u32> = (0..self.characters).map(|_| rng.random_range(0..num_states)).collect();
-        let target = |_| {
-            let (angle, distance) = (rng.random_range(0.0..TAU), rng.random_range(0.2..6.0f32));
-            Vec3::new(distance * angle.sin(), 0.0, distance * angle.cos())
-        };
-        let targets: Vec<Vec3> = (0..self.characters).map(target).collect();
+        let (states, targets) = random_queries(policy, self.characters);
         let batch = Batch { policy, states: &states, targets: &targets, seconds: self.seconds };
         let single_load = batch.single_load_ns()?;
         Ok((single_load, batch.look_ahead_ns()?, batch.actions_weighed()))

@@ -1,9 +1,11 @@
 //! Measures a bundle on this machine. One file answers one question.
 
 mod crowd;
+mod matching;
 mod timing;
 
 pub use crowd::{CrowdFigures, crowd};
+pub use matching::{MatchingConfig, MatchingFigures, matching};
 
 use crate::error::BuildError;
 use crate::policy::made_up::{self, MadeUp};

@@ -2,7 +2,10 @@
 
 use crate::error::BuildError;
 use glam::Vec3;
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg64Mcg;
 use rayon::prelude::*;
+use std::f32::consts::TAU;
 use std::hint::black_box;
 use std::time::Instant;
 use throng_runtime::policy::{BestActionJob, Goal, LookAheadJob, PolicyTable, RankedActions};
@@ -29,6 +32,18 @@ pub(super) fn median_ns(seconds: f64, mut round: impl FnMut()) -> f64 {
     }
     times.sort_by(f64::total_cmp);
     times[times.len() / 2]
+}
+
+/// Random states of a policy, and targets around them at 0.2 to 6 m.
+pub(super) fn random_queries(policy: PolicyTable<'_>, count: usize) -> (Vec<u32>, Vec<Vec3>) {
+    let mut rng = Pcg64Mcg::seed_from_u64(2);
+    let num_states = policy.actions().num_states() as u32;
+    let states = (0..count).map(|_| rng.random_range(0..num_states)).collect();
+    let target = |_| {
+        let (angle, distance) = (rng.random_range(0.0..TAU), rng.random_range(0.2..6.0f32));
+        Vec3::new(distance * angle.sin(), 0.0, distance * angle.cos())
+    };
+    (states, (0..count).map(target).collect())
 }
 
 /// Queries of many characters at once, split over the threads of the current pool.

@@ -49,6 +49,10 @@ pub struct CrowdView<'a> {
     pub characters: &'a [CrowdCharacter<'a>],
     /// Radius around a target within which it is reached; drawn as a ring. [Unit: m]
     pub reach_m: f32,
+    /// What the two colours stand for: [`Arrival::Reached`], [`Arrival::OnTheWay`].
+    pub names: [&'a str; 2],
+    /// What else the legend says.
+    pub remark: &'a str,
     /// Index of a character that is ringed and named, for instance the one a strip shows.
     pub marked: Option<(usize, &'a str)>,
     /// Shows only this part of the ground; everything where `None`.
@@ -227,17 +231,11 @@ fn draw_mark(panel: &mut Picture, camera: &Camera, unit: f32, character: &CrowdC
 fn draw_legend(page: &mut Picture, unit: f32, view: &CrowdView<'_>) {
     let reached = view.characters.iter().filter(|c| c.arrival == Arrival::Reached).count();
     let entries = [
-        (colour::REACHED, format!("at its target: {reached}")),
-        (colour::ON_THE_WAY, format!("on its way: {}", view.characters.len() - reached)),
+        (colour::REACHED, format!("{}: {reached}", view.names[0])),
+        (colour::ON_THE_WAY, format!("{}: {}", view.names[1], view.characters.len() - reached)),
     ];
     let area = Area::new(0.0, 0.0, page.width() as f32 - 16.0 * unit, 84.0 * unit);
-    legend(
-        page,
-        area,
-        unit,
-        &entries,
-        &format!("ring: target, within {:.2} m   line: where the root went", view.reach_m),
-    );
+    legend(page, area, unit, &entries, view.remark);
 }
 
 #[cfg(test)]
@@ -258,6 +256,8 @@ mod tests {
             size: (320, 200),
             characters,
             reach_m: 0.5,
+            names: ["here", "there"],
+            remark: "r",
             marked: Some((0, "A")),
             focus: None,
         }

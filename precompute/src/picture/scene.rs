@@ -62,6 +62,8 @@ fn overview(scene: &Scene, record: &SceneRecord, title: &str, subtitle: &str) ->
         size: (1600, if few { 620 } else { 1000 }),
         characters: &characters,
         reach_m: scene.target.radius_m as f32,
+        names: if is_pairs { ["the first of a pair", "the second"] } else { ["characters", "others"] },
+        remark: if is_pairs { "at the end" } else { "at the end; ring: target" },
         marked: None,
         focus: few.then_some(Focus { centre, width_m: 6.0 }),
     })

@@ -34,6 +34,7 @@ pub fn trial_sheet(tables: &Tables, config: &TrialConfig, report: &TrialReport, 
         report.mean_arrival_s.map_or(String::new(), |s| format!(", after {s:.1} s on average")),
         1000.0 * report.foot_slip_p95_mps
     );
+    let remark = format!("ring: target, within {:.2} m   line: where the root went", config.reach_m);
     let marked = config.recorded.filter(|&c| c < record.roots.len()).map(|c| (c, "A"));
     let overview = CrowdView {
         title: &title,
@@ -41,6 +42,8 @@ pub fn trial_sheet(tables: &Tables, config: &TrialConfig, report: &TrialReport, 
         size: (1600, 1000),
         characters: &characters,
         reach_m: config.reach_m,
+        names: ["at its target", "on its way"],
+        remark: &remark,
         marked,
         focus: None,
     };

@@ -186,7 +186,7 @@ fn solve_one(
     let mut adaptive = None;
     if let Some(config) = behaviour.adaptive() {
         let finest = solution;
-        solution = adapt(&finest, behaviour, &config)?;
+        solution = adapt(model, &finest, behaviour, &config)?;
         best = best_actions(model, &mut solution, cfg.choices)?;
         adaptive = Some(AdaptiveReport::new(model, behaviour, &finest, &solution, cfg, rng)?);
     }

@@ -39,7 +39,7 @@ impl Default for QualityConfig {
 /// all sequences of a few actions, their rewards exact too, with the stored value of where they end. That value is
 /// interpolated between cells and may promise a little more or less than can be had, so ratios above 1 are possible;
 /// the ratio to the *realised* best, for which the search's actions are carried out and the policy followed from
-/// there, is at most 1.
+/// there, is at most 1. Where no pair counts, ratios are not numbers, null in JSON.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Quality {
     /// Name of the behaviour.
@@ -116,8 +116,8 @@ pub fn quality(table: &PolicyTable<'_>, name: &str, config: &QualityConfig) -> Q
         asked: pairs.len(),
         pairs: counted.len(),
         ratio_mean,
-        ratio_p05: ascending.get(ascending.len() / 20).copied().unwrap_or(0.0),
-        near_best_fraction: near_best as f64 / counted.len().max(1) as f64,
+        ratio_p05: ascending.get(ascending.len() / 20).copied().unwrap_or(f64::NAN),
+        near_best_fraction: near_best as f64 / counted.len() as f64,
         realised_ratio_mean: mean(&to_realised),
         regret_mean: mean(&regrets),
         single_load_ratio_mean: mean(&ratios(&single_load)),
@@ -133,8 +133,9 @@ pub fn quality(table: &PolicyTable<'_>, name: &str, config: &QualityConfig) -> Q
     }
 }
 
+/// The mean; not a number where there is nothing.
 fn mean(v: &[f64]) -> f64 {
-    v.iter().sum::<f64>() / v.len().max(1) as f64
+    v.iter().sum::<f64>() / v.len() as f64
 }
 
 fn random_pairs(table: &PolicyTable<'_>, count: usize, rng: &mut Pcg64) -> Vec<Situation> {
@@ -144,13 +145,24 @@ fn random_pairs(table: &PolicyTable<'_>, count: usize, rng: &mut Pcg64) -> Vec<S
         .collect()
 }
 
+/// Look-aheads of a whole search from which on bounds, which take some seconds, save more than they cost.
+const WORTH_BOUNDS: f64 = 3e7;
+
 /// The best sequence of every pair.
 fn search_all(table: &PolicyTable<'_>, pairs: &[Situation], depth: usize) -> Vec<Found> {
-    if table.grid().is_moments() {
-        // What happens does so after an action or two: there is little to leave out.
+    let actions = table.actions();
+    let branching = actions.num_actions() as f64 / actions.num_states() as f64;
+    let look_aheads = pairs.len() as f64 * branching.powi(depth as i32 - 1);
+    // What a grid of moments waits for happens after an action or two.
+    if look_aheads < WORTH_BOUNDS || table.grid().is_moments() {
         let search = Search::new(*table, depth, None);
         return pairs.par_iter().map(|&pair| search.best(pair)).collect();
     }
+    search_with_bounds(table, pairs, depth)
+}
+
+/// The same with bounds of every band of heights.
+fn search_with_bounds(table: &PolicyTable<'_>, pairs: &[Situation], depth: usize) -> Vec<Found> {
     let r = table.grid().record();
     let bands = if r.num_heights > 1 { BANDS } else { 1 };
     let height = r.height_spacing * (r.num_heights - 1) as f32 / bands as f32;
@@ -184,4 +196,43 @@ fn realise(table: &PolicyTable<'_>, pairs: &[Situation], found: &[Found], config
     let mut rng = Pcg64::seed_from_u64(config.seed);
     let rest = collect(table, &at, Follow::LookAhead { temperature: 0.0 }, config.negligible, &mut rng);
     (0..pairs.len()).map(|i| sums[i] + discounts[i] * rest[i]).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::policy::made_up::MadeUp;
+    use crate::policy::{PolicyConfig, solve_behaviours};
+    use crate::progress::Silent;
+
+    #[test]
+    fn bounds_change_nothing_but_the_time() {
+        let small = MadeUp { states: 6, actions: 5, rings: 12, angles: 9, seed: 4 };
+        let behaviour = small.behaviour().expect("a valid grid");
+        let mut rng = Pcg64::seed_from_u64(1);
+        let cfg = PolicyConfig { compare_samples: 1, ..PolicyConfig::default() };
+        let tables = solve_behaviours(small.model(), &[&behaviour], &cfg, &mut rng, &Silent).expect("it converges");
+        let table = tables.table(0).expect("sound tables");
+        let pairs = random_pairs(&table, 40, &mut rng);
+        let (plain, bounded) = (search_all(&table, &pairs, 4), search_with_bounds(&table, &pairs, 4));
+        for (a, b) in plain.iter().zip(&bounded) {
+            assert_eq!(a.score, b.score);
+        }
+        let count = |all: &[Found]| all.iter().map(|f| f.look_aheads).sum::<u64>();
+        assert!(count(&bounded) < count(&plain), "{} {}", count(&bounded), count(&plain));
+    }
+
+    #[test]
+    fn ratios_of_nothing_are_no_numbers() {
+        let small = MadeUp { states: 3, actions: 2, rings: 12, angles: 9, seed: 4 };
+        let behaviour = small.behaviour().expect("a valid grid");
+        let cfg = PolicyConfig { compare_samples: 1, ..PolicyConfig::default() };
+        let mut rng = Pcg64::seed_from_u64(1);
+        let tables = solve_behaviours(small.model(), &[&behaviour], &cfg, &mut rng, &Silent).expect("it converges");
+        let config = QualityConfig { pairs: 5, least_best: 10.0, ..QualityConfig::default() };
+        let q = quality(&tables.table(0).expect("sound tables"), "approach", &config);
+        assert_eq!((q.asked, q.pairs), (5, 0));
+        assert!(q.ratio_mean.is_nan() && q.near_best_fraction.is_nan() && q.regret_mean.is_finite());
+        assert_eq!(serde_json::to_value(&q).expect("it serialises")["ratio_mean"], serde_json::Value::Null);
+    }
 }

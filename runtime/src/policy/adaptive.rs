@@ -98,6 +98,15 @@ impl PolicyTable<'_> {
         }
     }
 
+    /// The cell of a state's own grid that is nearest to a cell of the policy's grid; that cell itself where the policy
+    /// is not adaptive. [Limit: state < num_states, cell < num_cells]
+    pub fn own_cell(&self, state: u32, cell: usize) -> usize {
+        match self.state_grids.get(state as usize) {
+            None => cell,
+            Some(own) => self.grid.nearest_cell_of(own.counts(), self.grid.cell_centre(cell)),
+        }
+    }
+
     /// Values where eight segments end, interpolated in the grids of the states there, with the place's scale.
     ///
     /// - `height`: number of the height in the finest grid, the same for all.
@@ -190,11 +199,11 @@ impl TargetGrid {
 
 #[cfg(test)]
 mod tests {
+    use super::super::BestActionJob;
     use super::super::look_ahead::{Goal, LookAheadJob};
     use super::super::ranked::RankedActions;
     use super::super::reward::{COMBINE_MAX, KERNEL_EXPONENTIAL, RewardRecord};
     use super::super::table::{ActionTable, PolicyRecord, PolicySlices};
-    use super::super::{BestActionJob, GridRecord};
     use super::*;
     use crate::lanes::{Array, Work};
     use proptest::prelude::*;
@@ -326,7 +335,9 @@ mod tests {
                 let bits = |t: &PolicyTable<'_>| scores(t, 2, target).iter().map(|v| v.to_bits()).collect::<Vec<_>>();
                 assert_eq!(bits(&a), bits(&u), "{target}");
                 assert_eq!(a.value(3, target).to_bits(), u.value(3, target).to_bits());
-                assert_eq!(a.best_of(1, a.nearest_cell(1, target)), u.best_of(1, u.nearest_cell(1, target)));
+                let cell = u.nearest_cell(1, target);
+                assert_eq!((a.nearest_cell(1, target), a.own_cell(1, cell)), (cell, cell));
+                assert_eq!(a.best_of(1, cell), u.best_of(1, cell));
             }
         }
     }
@@ -405,7 +416,7 @@ mod tests {
     fn grids_of_moments_have_one_resolution() {
         let grid = TargetGrid::moments([4, 6, 3], 1.2, 0.8, 0.3).expect("a valid grid");
         let mut tables = Tables::new(&grid, &[grid.counts()]);
-        tables.record.grid = GridRecord { ..*grid.record() };
+        tables.record.grid = *grid.record();
         assert!(matches!(tables.open(), Err(PolicyError::Index { what: "adaptive", .. })));
     }
 

@@ -11,6 +11,8 @@ mod mark;
 mod peaks;
 mod point;
 mod report;
+#[cfg(test)]
+mod tests;
 mod track;
 
 use crate::clip::{Clip, FrameRange, Hit, HitKind};
@@ -33,6 +35,9 @@ const THRUST_LASTS: f32 = 0.1;
 
 /// The same of a swing, whose speed never turns negative.
 const SWING_LASTS: f32 = 0.25;
+
+/// Arms whose wrist is this near to the shoulder, as a share of the arm's length, are bent: the elbow by 50 degrees.
+const BENT: f32 = 0.9;
 
 /// A slower joint has no direction to strike in. [Unit: m/s]
 const MIN_SPEED: f32 = 0.05;
@@ -100,9 +105,10 @@ impl Search<'_> {
             let track = self.track(limb);
             let mut blows = self.thrusts(&track, cfg.thrust_speed, cfg.extension, cfg.min_gap);
             if let Some(speed) = cfg.swing_speed {
-                // A bent arm need not grow longer.
+                // The arm is bent and need not grow longer.
                 let mut swings = self.swings(&track, speed, f32::NEG_INFINITY, cfg.min_gap);
                 let shoulder = |f: usize| self.poses[f][limb.root.index()].0.y;
+                swings.retain(|b| track.extensions[b.landing] < BENT);
                 swings.retain(|b| track.tips[b.landing].y >= shoulder(b.landing) - cfg.swing_drop);
                 add_apart(&mut blows, swings, self.frames(cfg.min_gap));
             }

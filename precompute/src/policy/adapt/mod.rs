@@ -9,6 +9,7 @@ mod report;
 
 use super::behaviour::Behaviour;
 use super::config::AdaptiveConfig;
+use super::model::ActionModel;
 use super::solve::Solution;
 use crate::error::BuildError;
 use choose::Choices;
@@ -20,7 +21,12 @@ use throng_runtime::policy::{PolicyRecord, StateGridRecord};
 /// Gives every state of a solved policy a grid of its own.
 ///
 /// Values are fitted to each state's grid by least squares over the finest cells; a state that keeps the finest grid
-/// keeps its values bit by bit. Best actions are not touched: see [`super::bake::best_actions`].
+/// keeps its values bit by bit. Cells go where they lower the squared error most, each state's counted as often as an
+/// action leads to it, as values are only read there. Best actions are not touched: see `bake`.
+///
+/// Sweeps over the fitted values would make them worse: every one of them adds the error of the coarse grids anew, while
+/// a fit to the finest ones has it once. On 2258 boxing states with an eighth of the memory, all states counted alike,
+/// what the policy collects falls short of the finest grid's by 4.9 %, by 9.6 % after a sweep and by 11.9 % after 21.
 ///
 /// # Errors
 /// [`BuildError::Config`] where not even the coarsest grids fit the memory.
@@ -28,7 +34,12 @@ use throng_runtime::policy::{PolicyRecord, StateGridRecord};
 /// # Source
 /// 003 section 7 names adaptive resolution as a way to compact its tables. Here cells are spent by state, as the paper
 /// keeps one small table a state, so that a look-up stays one.
-pub fn adapt(solution: &Solution, behaviour: &dyn Behaviour, cfg: &AdaptiveConfig) -> Result<Solution, BuildError> {
+pub fn adapt(
+    model: &ActionModel,
+    solution: &Solution,
+    behaviour: &dyn Behaviour,
+    cfg: &AdaptiveConfig,
+) -> Result<Solution, BuildError> {
     let grid = behaviour.grid();
     let shapes = Shapes::new(&grid);
     let (num_states, num_cells) = (solution.record.num_states as usize, grid.num_cells());
@@ -37,9 +48,17 @@ pub fn adapt(solution: &Solution, behaviour: &dyn Behaviour, cfg: &AdaptiveConfi
     states.for_each_init(Scratch::default, |scratch, (values, out)| shapes.errors(values, scratch, out));
     let cells: Vec<usize> = (0..shapes.len()).map(|k| shapes.num_cells(k)).collect();
     let enough = cfg.tolerance * cfg.tolerance * num_cells as f64;
-    let choices = Choices { cells: &cells, errors: &errors, budget: budget(solution, num_cells, cfg), enough };
+    let (weights, budget) = (uses(model), budget(solution, num_cells, cfg));
+    let choices = Choices { cells: &cells, errors: &errors, weights: &weights, budget, enough };
     let chosen = choices.choose().map_err(|least| too_little(behaviour, solution, num_cells, cfg, least))?;
     Ok(with_shapes(solution, &shapes, &chosen))
+}
+
+/// Actions that lead to each state, at least 1.
+fn uses(model: &ActionModel) -> Vec<f64> {
+    let mut uses = vec![0.0f64; model.num_states()];
+    model.action_segments.iter().for_each(|&s| uses[model.segments[s as usize].end as usize] += 1.0);
+    uses.iter().map(|n| n.max(1.0)).collect()
 }
 
 /// The same values with a shape for each state.

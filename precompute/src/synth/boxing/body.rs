@@ -17,6 +17,9 @@ const SPRING: f64 = 14.0;
 /// A bouncing knee: how far it goes, and how often. [Unit: rad] [Unit: Hz]
 const BOUNCE: (f64, f64) = (0.045, 1.7);
 
+/// Slower heels stand. [Unit: m/s]
+const HEEL_SPEED: f64 = 0.015;
+
 /// The body at one sample, in the world.
 #[derive(Clone, Copy, Debug)]
 pub struct Body {
@@ -65,7 +68,7 @@ pub fn follow(script: &Script, skeleton: &Skeleton, times: &[f64], dt: f64, rhyt
 
 fn feet(script: &Script, postures: &[Posture], times: &[f64], dt: f64) -> Vec<[FootPose; 2]> {
     let yaws = [0, 1].map(|i: usize| script.feet[i].yaws(times, dt));
-    (0..times.len())
+    let mut feet: Vec<[FootPose; 2]> = (0..times.len())
         .map(|k| {
             [0, 1].map(|i: usize| {
                 let p = &postures[k];
@@ -73,7 +76,22 @@ fn feet(script: &Script, postures: &[Posture], times: &[f64], dt: f64) -> Vec<[F
                 script.feet[i].pose(times[k], stance)
             })
         })
-        .collect()
+        .collect();
+    for i in 0..2 {
+        lift_turning_heels(&mut feet, i, dt);
+    }
+    feet
+}
+
+/// A heel that moves over the ground while the foot turns on its ball does not carry.
+fn lift_turning_heels(feet: &mut [[FootPose; 2]], i: usize, dt: f64) {
+    let ankles: Vec<DVec3> = feet.iter().map(|f| f[i].ankle).collect();
+    for (k, pair) in ankles.windows(2).enumerate() {
+        if pair[0].distance(pair[1]) > HEEL_SPEED * dt {
+            feet[k][i].heel_down = false;
+            feet[k + 1][i].heel_down = false;
+        }
+    }
 }
 
 /// The centre of pressure: under the standing foot while the other one flies, shared as the posture says otherwise.

@@ -148,7 +148,7 @@ const STEEPEST: f64 = 0.6;
 
 impl Aim {
     fn of(strike: &Strike, technique: &Technique, shoulder: DVec3, facing: f64, arm: &ArmShape) -> Self {
-        let length = technique.stretch * arm.length();
+        let length = strike.stretch * arm.length();
         let rise = ((strike.height - shoulder.y) / length).clamp(-STEEPEST, STEEPEST);
         let ahead = forward(facing + strike.azimuth);
         let ahead = DVec3::new(ahead.x, 0.0, ahead.y);

@@ -38,7 +38,7 @@ const RAMP: f64 = 0.42;
 /// The heel comes up before the ball does. [Unit: s]
 const PEEL: f64 = 0.09;
 /// Heel angle below which the heel carries. [Unit: rad]
-const HEEL_DOWN: f64 = 0.012;
+const HEEL_DOWN: f64 = 0.006;
 
 impl BoxerFoot {
     /// A foot that stands with its ankle at `ankle`, and turns by `yaw`.

@@ -117,3 +117,6 @@ fn arm(side: Side, body: &Body, goal: &ArmGoal, skeleton: &Skeleton) -> ArmPose 
         hand: DQuat::IDENTITY,
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -29,7 +29,7 @@ enum Level {
 struct Attack {
     /// Direction as seen from the shoulder, left of straight ahead. [Unit: rad]
     azimuth: f64,
-    /// From no lean at all to a lunge. [Limit: 0 to 1]
+    /// From close (-1) over no lean (0) to a lunge (1).
     reach: f64,
     /// Time between blows as a share of the usual.
     tempo: f64,
@@ -61,7 +61,7 @@ impl Boxer {
                 Deck::new(&[Body, Head, Head, High]),
             ],
             azimuths: Deck::new(&[-0.38, -0.26, -0.14, -0.07, 0.0, 0.0, 0.07, 0.14, 0.26, 0.38]),
-            reaches: Deck::new(&[0.0, 0.1, 0.25, 0.4, 0.6, 0.8, 1.0]),
+            reaches: Deck::new(&[-1.0, -0.5, 0.0, 0.2, 0.4, 0.6, 0.8, 1.0]),
             moves: Deck::new(&[1, 1, 2, 2, 3]),
             variation,
         }
@@ -238,7 +238,9 @@ impl Boxer {
         if let Some(last) = script.strikes.iter_mut().rev().find(|s| s.blow.side() == blow.side()) {
             last.back = last.back.min(start);
         }
-        script.strikes.push(Strike { blow, start, hit, longest, back, azimuth, height, speed });
+        let close = if blow.punch == Punch::Straight { 0.0 } else { 0.26 * attack.reach.min(0.0) };
+        let stretch = technique.stretch * (1.0 + close);
+        script.strikes.push(Strike { blow, start, hit, longest, back, azimuth, height, stretch, speed });
         script.tags.push((blow.tag(), start, back));
     }
 }
@@ -247,14 +249,15 @@ impl Boxer {
 fn aimed(technique: &Technique, height: f64, azimuth: f64, attack: &Attack) -> impl Fn(Posture, f64) -> Posture {
     let lower = (1.3 - height).clamp(0.0, 0.2);
     let higher = (height - 1.55).clamp(0.0, 0.15);
-    let lunge = if technique.load.is_none() { attack.reach } else { 0.5 * attack.reach };
+    let lunge = attack.reach.max(0.0) * if technique.load.is_none() { 1.0 } else { 0.5 };
+    let close = (-attack.reach).max(0.0);
     move |p: Posture, share: f64| Posture {
         flexion: (p.flexion + share * (4.0 * lower - 0.8 * higher)).max(0.36),
-        pitch: p.pitch + share * (0.9 * lower + 0.28 * lunge - 0.4 * higher),
+        pitch: p.pitch + share * (0.9 * lower + 0.48 * lunge - 0.12 * close - 0.4 * higher),
         hips: p.hips + 0.5 * share * azimuth,
-        chest: p.chest + 0.8 * share * azimuth,
-        weight: p.weight + 0.16 * share * lunge,
-        shift: [0.0, 0.09 * share * lunge],
+        chest: p.chest + 0.8 * share * azimuth + 0.12 * share * lunge * (p.chest - Posture::GUARD.chest).signum(),
+        weight: p.weight + 0.2 * share * lunge,
+        shift: [0.0, 0.12 * share * lunge],
         ..p
     }
 }
@@ -262,7 +265,9 @@ fn aimed(technique: &Technique, height: f64, azimuth: f64, attack: &Attack) -> i
 /// Height of the wrist at the hit. [Unit: m]
 fn height(punch: Punch, level: Level, rng: &mut impl Rng) -> f64 {
     rng.random_range(match (punch, level) {
-        (Punch::Uppercut, Level::Body) => 1.2..1.32,
+        (Punch::Uppercut, Level::Body) => 1.18..1.28,
+        (Punch::Uppercut, Level::Head) => 1.3..1.4,
+        (Punch::Uppercut, Level::High) => 1.4..1.48,
         (_, Level::Body) => 1.16..1.3,
         (_, Level::Head) => 1.36..1.5,
         (_, Level::High) => 1.5..1.62,

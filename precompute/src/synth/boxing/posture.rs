@@ -88,14 +88,14 @@ impl HandPose {
     /// Hands on guard, left and right: the lead one in front of the cheek, the rear one at the chin, elbows in.
     pub const GUARD: [Self; 2] = [
         Self {
-            guard: DVec3::new(0.1, 0.0, 0.27),
+            guard: DVec3::new(0.1, -0.01, 0.29),
             pole: DVec3::new(0.3, -1.0, -0.1),
             twist: 0.2,
             reach: 0.25,
             shrug: 0.1,
         },
         Self {
-            guard: DVec3::new(-0.085, -0.01, 0.185),
+            guard: DVec3::new(-0.085, -0.02, 0.2),
             pole: DVec3::new(-0.4, -1.0, -0.15),
             twist: 0.15,
             reach: 0.3,

@@ -33,6 +33,8 @@ pub struct Strike {
     pub azimuth: f64,
     /// Height of the wrist at the hit, where the arm gets there. [Unit: m]
     pub height: f64,
+    /// Distance from shoulder to wrist at the hit, as a share of the arm's length.
+    pub stretch: f64,
     /// Speed of the wrist at the hit. [Unit: m/s]
     pub speed: f64,
 }

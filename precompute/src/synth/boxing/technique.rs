@@ -169,8 +169,8 @@ fn uppercut(lead: bool) -> Technique {
         extend: 0.25,
         retract: 0.34,
         stretch: 0.56,
-        along: DVec3::new(0.05, 0.88, 0.46),
-        follow: 0.16,
+        along: DVec3::new(0.05, 0.86, 0.5),
+        follow: 0.12,
     }
 }
 

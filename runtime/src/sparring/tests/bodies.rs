@@ -1,0 +1,136 @@
+//! What a blow meets of a body.
+
+use super::*;
+
+fn met(pose: &[Mat3x4], blow: &Blow) -> Option<(Part, Joint, f32)> {
+    let (skeleton, config) = (Skeleton::default(), config());
+    let body = Body::new(&skeleton, &config.body);
+    // Turned and moved: the blow comes along.
+    let root = Planar::new(3.0, -1.0, 2.0);
+    let blow = Blow {
+        point: root.rotation() * blow.point + root.translation(),
+        direction: root.rotation() * blow.direction,
+        ..*blow
+    };
+    let (capsule, depth) = meet(&config, &body, &Posed::new(pose, root), &blow)?;
+    Some((body.part(capsule), body.joint(capsule), depth))
+}
+
+#[test]
+fn blows_meet_the_part_they_come_to() {
+    let (pose, skeleton) = (rest_pose(), Skeleton::default());
+    let p = skeleton.rest_positions();
+    let at = |j: Joint| p[j.index()];
+    let face = at(Joint::Head) + Vec3::new(0.0, 0.1, 0.12);
+    for (point, part, joint) in [
+        (face, Part::Head, Joint::Head),
+        (at(Joint::Head) + Vec3::new(0.13, 0.1, 0.0), Part::Head, Joint::Head),
+        (at(Joint::UpperChest) + Vec3::Z * 0.15, Part::Trunk, Joint::UpperChest),
+        (at(Joint::Spine) + Vec3::Z * 0.15, Part::Trunk, Joint::Chest),
+        (at(Joint::Hips) + Vec3::new(0.05, -0.03, 0.15), Part::Pelvis, Joint::Hips),
+        (at(Joint::LeftForearm) + Vec3::new(0.1, 0.0, 0.05), Part::Arm, Joint::LeftForearm),
+        (at(Joint::RightHand) + Vec3::new(-0.05, 0.02, 0.0), Part::Arm, Joint::RightHand),
+        (at(Joint::LeftShin) + Vec3::new(0.0, 0.2, 0.1), Part::Leg, Joint::LeftThigh),
+    ] {
+        let (got, pushed, depth) = met(&pose, &blow(point, -Vec3::Z)).unwrap();
+        assert_eq!((got, pushed), (part, joint), "{point}");
+        assert!(depth > 0.0);
+    }
+    // The head is a capsule of 0.1 m, within whose reach of 0.06 m the fist is by 0.04 m.
+    let (_, _, depth) = met(&pose, &blow(face, -Vec3::Z)).unwrap();
+    assert!((depth - 0.04).abs() < 1e-5, "{depth}");
+    assert_eq!(met(&pose, &blow(face + Vec3::Z * 0.05, -Vec3::Z)), None);
+    assert_eq!(met(&pose, &blow(Vec3::new(0.0, 1.7, 1.0), -Vec3::Z)), None);
+}
+
+#[test]
+fn an_arm_in_the_way_catches_a_blow() {
+    let (mut pose, skeleton) = (rest_pose(), Skeleton::default());
+    let face = skeleton.rest_positions()[Joint::Head.index()] + Vec3::new(0.0, 0.1, 0.12);
+    // A forearm held upright before the face.
+    let guard = |z: f32| {
+        [(Joint::LeftForearm, -0.15), (Joint::LeftHand, 0.1)].map(|(joint, y)| {
+            let at = face + Vec3::new(0.0, y, z);
+            (joint, Mat3x4::from_rotation_translation(Quat::from_rotation_z(std::f32::consts::FRAC_PI_2), at))
+        })
+    };
+    for (joint, m) in guard(0.1) {
+        pose[joint.index()] = m;
+    }
+    assert_eq!(met(&pose, &blow(face, -Vec3::Z)).unwrap().0, Part::Arm);
+    for (joint, m) in guard(0.4) {
+        pose[joint.index()] = m;
+    }
+    assert_eq!(met(&pose, &blow(face, -Vec3::Z)).unwrap().0, Part::Head, "what the fist has passed long ago");
+    for (joint, m) in guard(-0.3) {
+        pose[joint.index()] = m;
+    }
+    assert_eq!(met(&pose, &blow(face, -Vec3::Z)).unwrap().0, Part::Head, "what is behind the head");
+}
+
+#[test]
+fn capsules_follow_the_joints_of_a_turned_pose() {
+    let (skeleton, mut pose) = (Skeleton::default(), rest_pose());
+    let (turn, at) = (Quat::from_euler(glam::EulerRot::XYZ, 0.4, -1.1, 0.3), Vec3::new(0.3, 1.2, -0.2));
+    pose[Joint::LeftHand.index()] = Mat3x4::from_rotation_translation(turn, at);
+    let root = Planar::new(-2.0, 0.7, 1.9);
+    let body = Body::new(&skeleton, &BodyShape::default());
+    let fist = body.capsules(&Posed::new(&pose, root))[7];
+    let world = |p: Vec3| root.rotation() * p + root.translation();
+    assert!(fist.ends[0].distance(world(at)) < 1e-5);
+    assert!(fist.ends[1].distance(world(at + turn * striking_offset(&skeleton, Joint::LeftHand))) < 1e-5);
+    assert_eq!(body.core(&Posed::new(&pose, root)).len(), NUM_CORE);
+}
+
+#[test]
+fn radii_grow_with_the_skeleton() {
+    let mut skeleton = Skeleton::default();
+    skeleton.offsets.iter_mut().chain(&mut skeleton.tips).for_each(|o| *o *= 1.2);
+    let pose = skeleton.rest_positions().map(|p| Mat3x4::from_rotation_translation(Quat::IDENTITY, p));
+    let body = Body::new(&skeleton, &BodyShape::default());
+    for c in body.capsules(&Posed::new(&pose, Planar::IDENTITY)).iter().take(1) {
+        assert!((c.radius - 0.12).abs() < 1e-5, "{}", c.radius);
+    }
+}
+
+#[test]
+fn overlapping_bodies_part_at_a_speed_that_grows_to_the_allowed_one() {
+    let (skeleton, pose) = (Skeleton::default(), rest_pose());
+    let body = Body::new(&skeleton, &BodyShape::default());
+    let poses = [Planar::IDENTITY, Planar::new(0.0, 0.1, 0.0)].map(|r| Posed::new(&pose, r));
+    let (config, dt) = (SeparationConfig::default(), 1.0 / 60.0);
+    let mut pair = pair::Pair::default();
+    let mut last = 0.0;
+    for _ in 0..60 {
+        pair.observe(&body, [&poses[0], &poses[1]], &config, dt);
+        let by = pair.part(dt).unwrap();
+        // Both are moved by this, away from each other.
+        let speed = 2.0 * by.y / dt;
+        assert!(by.x.abs() < 1e-6 && speed > last && speed < config.max_speed_mps);
+        last = speed;
+    }
+    assert!(last > 0.95 * config.max_speed_mps, "{last}");
+    let off = SeparationConfig { enabled: false, ..config };
+    (0..600).for_each(|_| pair.observe(&body, [&poses[0], &poses[1]], &off, dt));
+    assert_eq!(pair.part(dt), None);
+}
+
+#[test]
+fn bodies_overlap_as_far_as_their_capsules_do() {
+    let (skeleton, pose) = (Skeleton::default(), rest_pose());
+    let body = Body::new(&skeleton, &BodyShape::default());
+    let overlap = |x: f32, z: f32| {
+        let mut pair = pair::Pair::default();
+        let poses = [Planar::IDENTITY, Planar::new(x, z, std::f32::consts::PI)].map(|r| Posed::new(&pose, r));
+        pair.observe(&body, [&poses[0], &poses[1]], &SeparationConfig::default(), 1.0 / 60.0);
+        pair.overlap_m
+    };
+    // Chest to chest, 0.12 m thick each, parallel from side to side.
+    assert!((overlap(0.0, 0.2) - 0.04).abs() < 1e-5, "{}", overlap(0.0, 0.2));
+    assert_eq!(overlap(0.0, 0.25), 0.0);
+    // Side by side: chests reach out by two fifths of the shoulders' 0.185 m and their radius.
+    let chest = 2.0 * (0.4 * 0.185 + 0.12);
+    assert!((overlap(chest - 0.03, 0.0) - 0.03).abs() < 1e-5, "{}", overlap(chest - 0.03, 0.0));
+    assert_eq!(overlap(chest + 0.01, 0.0), 0.0);
+    assert_eq!(overlap(0.0, 9.0), 0.0);
+}

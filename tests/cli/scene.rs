@@ -1,0 +1,109 @@
+//! `throng run` on scenes: what it prints, and what it says where a scene cannot be run.
+
+use super::{at, done, failed, folder, json};
+use std::path::Path;
+use std::sync::LazyLock;
+
+/// Half a minute of shadow-boxing, small grids.
+const CONFIG: &str = "[synth]\nset = \"boxing\"\nminutes = 0.5\n\n[policy]\ncompare_samples = 50\n\n\
+    [[behaviours]]\nname = \"approach\"\ncentre = \"hits\"\ngrid = { rings = 5, angles = 9, radius = 2.0, inner_spacing = 0.5 }\n\n\
+    [[behaviours]]\nname = \"throw-punches\"\nkind = \"throw_punches\"\ngrid = { rings = 5, angles = 5, heights = 3 }\n\n\
+    [[behaviours]]\nname = \"evade\"\nkind = \"evade\"\ngrid = { rings = 4, angles = 8, moments = 5 }\n";
+
+/// A folder with a config and scenes; the bundle is built by the first run.
+static PLACE: LazyLock<tempfile::TempDir> = LazyLock::new(|| {
+    let place = folder();
+    write(&at(&place, "fight.toml"), CONFIG);
+    write(&at(&place, "pair.toml"), &scene("pairs", 2, ""));
+    place
+});
+
+fn write(path: &str, text: &str) {
+    std::fs::write(path, text).expect("a file");
+}
+
+fn scene(kind: &str, characters: usize, more: &str) -> String {
+    let goals = ["approach", "throw-punches", "evade"].map(|b| format!("[[goals]]\nbehaviour = \"{b}\"\n")).concat();
+    let head = "bundle = \"fight.throng\"\nconfig = \"fight.toml\"\n";
+    format!("{head}kind = \"{kind}\"\ncharacters = {characters}\n{goals}{more}")
+}
+
+/// The bundle, built where it is not there yet.
+fn bundle() -> String {
+    static BUILT: LazyLock<String> = LazyLock::new(|| {
+        let bundle = at(&PLACE, "fight.throng");
+        done(&["run", &at(&PLACE, "pair.toml"), "--seconds", "1", "--no-cache"]);
+        assert!(Path::new(&bundle).exists(), "the run has built the scene's bundle");
+        bundle
+    });
+    BUILT.clone()
+}
+
+#[test]
+fn pairs_spar_and_are_measured_and_drawn() {
+    let bundle = bundle();
+    let (scene, png) = (at(&PLACE, "pair.toml"), at(&PLACE, "pair.png"));
+    let keys = [
+        "characters",
+        "steps_per_second",
+        "hits_per_minute",
+        "landed_fraction",
+        "blocked_fraction",
+        "foot_slip_p95_mps",
+        "max_penetration_m",
+        "distance_mean_m",
+    ];
+    let args = ["run", &scene, "--bundle", &bundle, "--characters", "6", "--seconds", "20", "--json", "--png", &png];
+    let report = json(&args, &keys);
+    assert_eq!(report["characters"], 6);
+    assert!(report["thrown"].as_u64() > Some(0), "{report}");
+    let number = |key: &str| report[key].as_f64().expect("a number");
+    assert!((0.0..=1.0).contains(&number("landed_fraction")) && number("distance_mean_m") < 2.0, "{report}");
+    assert!(std::fs::read(&png).is_ok_and(|b| b.starts_with(b"\x89PNG")));
+    // Everything but the time it took repeats.
+    let again = json(&args, &keys);
+    assert!(keys.iter().filter(|k| **k != "steps_per_second").all(|k| report[k] == again[k]), "{report} {again}");
+}
+
+#[test]
+fn targets_are_struck() {
+    let (bundle, scene_file) = (bundle(), at(&PLACE, "bags.toml"));
+    write(&scene_file, &scene("targets", 4, "[target]\nheight_m = 1.5\ndrag = [{ time_s = 4.0, x_m = 0.5 }]\n"));
+    let report = json(&["run", &scene_file, "--bundle", &bundle, "--seconds", "20", "--json"], &["landed_fraction"]);
+    assert!(report["landed_fraction"].as_f64() > Some(0.0), "{report}");
+}
+
+#[test]
+fn scenes_that_cannot_be_run_say_what_to_change() {
+    let bundle = bundle();
+    let fails = |text: &str, parts: &[&str]| {
+        let file = at(&PLACE, &format!("bad{}.toml", text.len()));
+        write(&file, text);
+        let message = failed(&["run", &file, "--bundle", &bundle, "--seconds", "1"]);
+        assert!(parts.iter().all(|p| message.contains(p)), "{parts:?}: {message}");
+    };
+    fails(&scene("targets", 1, "[target]\nheight_m = 3.0\n"), &["nobody can reach", "3.00 m", "target.height_m"]);
+    fails(&scene("pairs", 3, ""), &["`characters`", "even"]);
+    fails(&scene("trios", 3, ""), &[":3:8", "pairs"]);
+    fails(&scene("pairs", 2, "[[goals]]\nbehaviour = \"dance\"\n"), &["dance", "throw-punches"]);
+    let lost = at(&PLACE, "lost.toml");
+    write(&lost, &scene("pairs", 2, "").replace("fight.t", "gone.t").replace("config = \"gone.toml\"\n", ""));
+    assert!(failed(&["run", &lost]).contains("gone.throng"));
+}
+
+#[test]
+fn builds_without_hits_or_out_of_reach_say_what_to_change() {
+    let place = folder();
+    let fails = |config: String, parts: &[&str]| {
+        let file = at(&place, "c.toml");
+        write(&file, &config);
+        let message = failed(&["build", &file, "--out", &at(&place, "c.throng"), "--no-cache"]);
+        assert!(parts.iter().all(|p| message.contains(p)), "{parts:?}: {message}");
+        assert!(!Path::new(&at(&place, "c.throng")).exists());
+    };
+    fails(CONFIG.replace("set = \"boxing\"", "set = \"walk\""), &["no effective hit", "annotate.hits"]);
+    let far = "grid = { rings = 5, angles = 5, heights = 3, bounds = { distance_m = [5.0, 6.0] } }";
+    let near = "grid = { rings = 5, angles = 5, heights = 3 }";
+    fails(CONFIG.replace(near, far), &["no hit comes near", "grid.bounds"]);
+    fails(CONFIG.replace("[synth]", "inputs = [\"x\"]\n[synth]"), &["`inputs` or `[synth]`", "both"]);
+}
