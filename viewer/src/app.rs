@@ -233,7 +233,7 @@ impl Viewer {
     /// Asks for a file in the system's own dialog, away from this thread.
     fn open_dialog(&mut self, ctx: &egui::Context) {
         let dialog = rfd::AsyncFileDialog::new()
-            .add_filter("bundles and motion files", &["throng", "bvh", "amc"])
+            .add_filter("bundles, scenes and motion files", &["throng", "toml", "bvh", "amc"])
             .add_filter("all files", &["*"])
             .pick_file();
         let (send, receive) = channel();

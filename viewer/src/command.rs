@@ -5,6 +5,7 @@ use crate::render::Camera;
 use crate::run::{Input, RunConfig};
 use crate::settings::Settings;
 use std::path::PathBuf;
+use throng_precompute::scene::Scene;
 
 /// What the 3-D view shows of a bundle.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -19,7 +20,7 @@ pub enum Stage {
 /// A wish of a panel, carried out by [`crate::model::Model::apply`] after all panels have been shown.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Command {
-    /// Open a bundle or a motion file.
+    /// Open a bundle, a scene or a motion file.
     Open(PathBuf),
     /// Read the open file again.
     Reload,
@@ -38,6 +39,8 @@ pub enum Command {
     Restart,
     /// Start a run with another config.
     Configure(RunConfig),
+    /// Start the scene anew, as changed.
+    ConfigureScene(Box<Scene>),
     /// Do something to the run.
     Input(Input),
 
@@ -54,6 +57,8 @@ pub enum Command {
     SelectState(Option<u32>),
     /// Look at a behaviour in the policy panel.
     SelectPolicy(usize),
+    /// Look at a height, or moment, of its grid.
+    SelectSlice(u32),
 
     /// Show the crowd or a clip.
     Stage(Stage),

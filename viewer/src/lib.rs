@@ -16,4 +16,5 @@ pub mod render;
 pub mod run;
 pub mod settings;
 pub mod stage;
+pub mod volume;
 pub mod window;

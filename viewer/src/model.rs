@@ -1,14 +1,14 @@
 //! All that the viewer knows: what is open, what is shown of it, what was said of it.
 
 use crate::command::{Command, Stage};
-use crate::document::{BundleDocument, Document, Loader, Opened, Stamp, Watch};
+use crate::document::{Bundle, BundleDocument, Document, Loader, Opened, SceneFile, Stamp, Watch};
 use crate::panels::{Dock, PanelKind};
 use crate::render::Camera;
-use crate::run::{Run, RunConfig};
+use crate::run::Run;
 use crate::settings::Settings;
 use eframe::egui;
 use glam::Vec3;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Time that news stay on the screen; errors stay until they are taken away. [Unit: s]
 const NEWS_S: f64 = 6.0;
@@ -22,6 +22,8 @@ pub struct Selection {
     pub state: Option<u32>,
     /// Behaviour.
     pub policy: usize,
+    /// Height, or moment, of its grid; the last one where it has not so many.
+    pub slice: u32,
     /// Clip of the database.
     pub clip: usize,
 }
@@ -261,21 +263,12 @@ impl Model {
         self.generation += 1;
         self.document = match opened {
             Opened::Clip(clip) => Document::Clip(clip),
-            Opened::Bundle(bundle) => {
-                if !is_reload {
-                    // Those of another bundle's behaviours.
-                    self.weights.clear();
-                }
-                let mut run = Run::new(&bundle, self.settings.run, &self.weights);
-                let old = self.document.crowd().map(|c| (c.1.is_playing(), c.1.speed())).filter(|_| is_reload);
-                let (playing, speed) = old.unwrap_or((true, 1.0));
-                if let Ok(run) = &mut run {
-                    run.play(playing);
-                    run.set_speed(speed);
-                }
-                Document::Bundle(Box::new(BundleDocument { bundle: *bundle, run }))
-            }
+            Opened::Bundle(bundle) => self.with_run(*bundle, None, is_reload),
+            Opened::Scene(scene, bundle) => self.with_run(*bundle, Some(*scene), is_reload),
         };
+        if let Some(why) = self.document.scene_fault().map(str::to_owned) {
+            self.complain(why);
+        }
         let clips = self.document.bundle().map_or(0, |b| b.tables().clips().len());
         let policies = self.document.bundle().map_or(0, |b| b.tables().num_policies());
         if !is_reload {
@@ -292,6 +285,21 @@ impl Model {
         self.selection.state = None;
     }
 
+    /// A bundle with a crowd or its scene.
+    fn with_run(&mut self, bundle: Bundle, scene: Option<SceneFile>, is_reload: bool) -> Document {
+        if !is_reload {
+            // Those of another bundle's behaviours.
+            self.weights.clear();
+        }
+        let run = match &scene {
+            Some(file) => Run::of_scene(&bundle, &file.scene),
+            None => Run::new(&bundle, self.settings.run, &self.weights),
+        };
+        let old = self.document.crowd().map(|c| (c.1.is_playing(), c.1.speed())).filter(|_| is_reload);
+        let run = started(run, old.unwrap_or((true, 1.0)));
+        Document::Bundle(Box::new(BundleDocument { bundle, run, scene }))
+    }
+
     /// Panels about crowds have nothing to say of a motion file: it is shown with its report instead, until a bundle is
     /// open again.
     fn change_side_panel(&mut self) {
@@ -306,7 +314,9 @@ impl Model {
 
     fn look_for_changes(&mut self, ctx: &egui::Context) {
         let Some(path) = self.document.path().map(Path::to_path_buf) else { return };
-        if self.loader.path().is_none() && self.watch.as_mut().is_some_and(|w| w.has_changed(&path)) {
+        let files = self.document.files();
+        let more = files.get(1).map(PathBuf::as_path);
+        if self.loader.path().is_none() && self.watch.as_mut().is_some_and(|w| w.has_changed(&path, more)) {
             self.start_reading(ctx, &path);
         }
     }
@@ -322,9 +332,9 @@ impl Model {
     /// # Errors
     /// A message that names the file, what is wrong with it and the way out.
     pub fn open_now(&mut self, path: &Path) -> Result<(), String> {
-        let stamp = Stamp::of(path);
+        let before = Stamp::of(path);
         let opened = Opened::read(path)?;
-        self.watch = Some(Watch::from(stamp));
+        self.watch = Some(Watch::from(Stamp::with(before, opened.more_files())));
         self.settings.remember(path);
         self.show(opened, false);
         Ok(())
@@ -341,8 +351,19 @@ impl Model {
             }
             Command::Dismiss(id) => self.messages.retain(|m| m.id != id),
             Command::Play(_) | Command::Step(_) | Command::Seek(_) | Command::Speed(_) => self.move_time(&command),
-            Command::Restart => self.configure(self.settings.run),
-            Command::Configure(config) => self.configure(config),
+            Command::Restart => self.restart(),
+            Command::Configure(config) => {
+                self.settings.run = config.limited();
+                self.restart();
+            }
+            Command::ConfigureScene(scene) => {
+                if let Document::Bundle(b) = &mut self.document
+                    && let Some(file) = &mut b.scene
+                {
+                    file.scene = *scene;
+                }
+                self.restart();
+            }
             Command::Input(input) => {
                 if let Some((_, run)) = self.document.crowd_mut() {
                     run.input(input);
@@ -357,6 +378,7 @@ impl Model {
             Command::ShowClip { clip, frame } => self.show_clip(clip, frame),
             Command::SelectState(state) => self.selection.state = state,
             Command::SelectPolicy(policy) => self.selection.policy = policy,
+            Command::SelectSlice(slice) => self.selection.slice = slice,
             Command::Stage(stage) => self.set_stage(stage),
             Command::TogglePanel(kind) => self.toggle_panel(kind),
             Command::Camera(camera) => self.settings.camera = camera,
@@ -400,17 +422,17 @@ impl Model {
         }
     }
 
-    fn configure(&mut self, config: RunConfig) {
-        self.settings.run = config.limited();
+    /// Starts the run anew.
+    fn restart(&mut self) {
         let Document::Bundle(b) = &mut self.document else { return };
-        let playing = b.run.as_ref().is_ok_and(Run::is_playing);
-        let speed = b.run.as_ref().map_or(1.0, Run::speed);
-        b.run = Run::new(&b.bundle, self.settings.run, &self.weights);
-        if let Ok(run) = &mut b.run {
-            run.play(playing);
-            run.set_speed(speed);
-        }
-        self.selection.character = self.selection.character.filter(|&c| c < self.settings.run.characters);
+        let old = b.run.as_ref().map_or((false, 1.0), |r| (r.is_playing(), r.speed()));
+        let run = match &b.scene {
+            Some(file) => Run::of_scene(&b.bundle, &file.scene),
+            None => Run::new(&b.bundle, self.settings.run, &self.weights),
+        };
+        b.run = started(run, old);
+        let n = b.run.as_ref().map_or(0, |r| r.config().characters);
+        self.selection.character = self.selection.character.filter(|&c| c < n);
     }
 
     fn show_clip(&mut self, clip: usize, frame: u32) {
@@ -452,4 +474,13 @@ impl Model {
         self.settings.camera.frame_box(low, high, aspect);
         self.followed = crate::stage::followed(self).map(|at| (self.who_is_followed(), at));
     }
+}
+
+/// A run that plays, or not, at a speed.
+fn started(run: Result<Run, String>, (playing, speed): (bool, f32)) -> Result<Run, String> {
+    run.map(|mut run| {
+        run.play(playing);
+        run.set_speed(speed);
+        run
+    })
 }

@@ -27,6 +27,8 @@ pub struct Overlays {
     pub trajectory: bool,
     /// Targets.
     pub targets: bool,
+    /// Values of the policy's cells around the selected character.
+    pub values: bool,
     /// Cues of everybody, not only of the selected character.
     pub of_all: bool,
     /// Poses before and after the one that is shown, in the clip view.
@@ -41,6 +43,7 @@ impl Default for Overlays {
             trails: true,
             trajectory: true,
             targets: true,
+            values: false,
             of_all: false,
             onion_skin: true,
         }

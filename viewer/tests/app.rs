@@ -2,6 +2,7 @@
 
 mod common;
 
+use common::boxing::Boxing;
 use common::{Viewing, golden};
 use eframe::egui::{self, Key, Modifiers, PointerButton, pos2};
 use egui_kittest::kittest::Queryable;
@@ -9,7 +10,7 @@ use glam::Vec3;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use throng_viewer::command::Command;
-use throng_viewer::panels::{Dock, PANELS};
+use throng_viewer::panels::{Dock, PANELS, PanelKind};
 use throng_viewer::run::Run;
 
 /// A file as the window system drops it.
@@ -231,4 +232,57 @@ fn a_file_that_changes_on_disk_is_read_again_unless_it_is_broken() {
     v.until("the good version", |v| has_message(v, "was read again"));
     assert_eq!(v.model().document.path(), Some(path.as_path()));
     assert!(v.model().document.crowd().is_some());
+}
+
+#[test]
+fn a_scene_that_is_dropped_is_run_recorded_and_counted() {
+    let boxing = Boxing::new();
+    let mut v = Viewing::empty();
+    drop_file(&mut v, &boxing.pairs(4));
+    v.until("the scene", |v| v.model().document.scene().is_some());
+    assert_eq!(v.model().settings.recent[0].file_name(), Some("pairs.toml".as_ref()));
+    v.apply(Command::TogglePanel(PanelKind::Statistics));
+    let thrown = |v: &Viewing| run(v).figures().bout.expect("figures of blows").blows.thrown;
+    v.until("some blows", |v| thrown(v) > 3);
+    v.harness.get_by_label("thrown");
+    v.harness.get_by_label("blocked");
+    v.apply(Command::Play(false));
+    v.harness.run_steps(2);
+    let (last, seen) = (run(&v).now(), poses(&v));
+    v.apply(Command::Seek(20));
+    assert_eq!(thrown(&v), 0);
+    v.apply(Command::Seek(last));
+    assert!(poses(&v) == seen, "another bout after scrubbing back and on");
+    assert!(v.model().messages.iter().all(|m| !m.is_error), "{:?}", v.model().messages);
+
+    let changed = throng_precompute::scene::Scene { characters: 8, ..run(&v).scene().expect("a scene").clone() };
+    v.apply(Command::ConfigureScene(Box::new(changed)));
+    assert_eq!(run(&v).troupe().num_characters(), 8);
+    v.apply(Command::Restart);
+    assert_eq!((run(&v).troupe().num_characters(), run(&v).now()), (8, 0));
+}
+
+#[test]
+fn a_hanging_target_dragged_in_the_view_keeps_its_height_unless_alt_is_held() {
+    let boxing = Boxing::new();
+    let mut v = Viewing::of(&boxing.targets(1));
+    v.apply(Command::Play(false));
+    v.harness.run_steps(2);
+    let rect = v.harness.get_by_label("3-D view").rect();
+    let camera = v.model().settings.camera;
+    let place = |home: Vec3| {
+        let at = camera.project(home, rect.size().into_glam()).expect("the target is in the view");
+        pos2(rect.left() + at.x, rect.top() + at.y)
+    };
+    let old = run(&v).home(0).expect("a home");
+    drag(&mut v, place(old), place(old) + egui::vec2(50.0, 30.0));
+    let moved = run(&v).home(0).expect("a home");
+    assert!((moved.y - old.y).abs() < 1e-4 && moved.distance(old) > 0.1, "{old} became {moved}");
+    assert_eq!(v.model().settings.camera, camera, "the camera moved instead");
+
+    v.harness.event(egui::Event::ModifiersChanged(Modifiers::ALT));
+    drag(&mut v, place(moved), place(moved) - egui::vec2(0.0, 40.0));
+    let lifted = run(&v).home(0).expect("a home");
+    assert!(lifted.y > moved.y + 0.05, "{moved} became {lifted}");
+    assert!((lifted - moved).with_y(0.0).length() < 1e-3);
 }

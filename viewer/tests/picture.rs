@@ -2,6 +2,7 @@
 
 mod common;
 
+use common::boxing::Boxing;
 use common::{adapter, bvh, golden};
 use std::io::BufReader;
 use std::path::Path;
@@ -135,6 +136,35 @@ fn times_are_reported() {
     assert_eq!(sizes, [Some(5), Some(50)]);
     let table = done(&bench);
     assert!(table.contains("characters") && table.lines().count() == 4, "{table}");
+}
+
+#[test]
+fn scenes_are_drawn_and_measured() {
+    if adapter().is_none() {
+        return;
+    }
+    let boxing = Boxing::new();
+    let (pairs, targets) = (boxing.pairs(4), boxing.targets(2));
+    for scene in [&pairs, &targets] {
+        let (a, b) = (boxing.folder().join("a.png"), boxing.folder().join("b.png"));
+        for out in [&a, &b] {
+            done(&[utf8(scene), "--png", utf8(out), "--size", "320x200", "--frames", "90", "--panel", "none"]);
+        }
+        assert!(colours_in_the_middle(&a) > 40, "{} is blank", scene.display());
+        assert!(std::fs::read(&a).expect("a picture") == std::fs::read(&b).expect("a picture"), "two pictures differ");
+    }
+    let bench = [utf8(&pairs), "--bench", "3,10", "--size", "160x100", "--frames", "4", "--json"];
+    let report: serde_json::Value = serde_json::from_str(&done(&bench)).expect("a JSON object");
+    let sizes: Vec<_> = report["crowds"].as_array().expect("a list").iter().map(|c| c["characters"].as_u64()).collect();
+    assert_eq!(sizes, [Some(4), Some(10)]);
+    let out = boxing.folder().join("c.png");
+    let odd = ended_with(1, &[utf8(&pairs), "--png", utf8(&out), "--characters", "3"]);
+    assert!(odd.contains("even"), "{odd}");
+    let lost = boxing.folder().join("lost.toml");
+    let text = std::fs::read_to_string(&pairs).expect("a scene").replace("boxing.throng", "no.throng");
+    std::fs::write(&lost, text).expect("a scene");
+    let lost = ended_with(1, &[utf8(&lost), "--png", utf8(&out)]);
+    assert!(lost.contains("no.throng") && lost.contains("bundle"), "{lost}");
 }
 
 #[test]

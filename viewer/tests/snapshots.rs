@@ -5,6 +5,7 @@
 
 mod common;
 
+use common::boxing::Boxing;
 use common::{Viewing, adapter, bvh, golden};
 use eframe::egui::{self, Rect, vec2};
 use egui_kittest::kittest::Queryable;
@@ -47,7 +48,11 @@ fn crowd() -> Args {
 
 /// The viewer at rest, at a known step of the run.
 fn at_rest(args: &Args, size: egui::Vec2) -> Viewing {
-    let mut v = Viewing::new(args, size);
+    rest(Viewing::new(args, size))
+}
+
+/// The same, of one that has been opened.
+fn rest(mut v: Viewing) -> Viewing {
     if !v.model().shows_clip() {
         v.until("the step", |v| v.model().document.crowd().is_some_and(|c| c.1.now() >= STEP));
         v.apply(Command::Seek(STEP));
@@ -112,7 +117,7 @@ fn every_panel() {
         return;
     }
     let mut results = SnapshotResults::new();
-    for panel in PANELS {
+    for panel in PANELS.iter().filter(|p| p.kind != PanelKind::Hits) {
         let args = Args { panel: vec![PanelChoice::Open(panel.kind)], ..crowd() };
         let size = if panel.dock == Dock::Side { SIZE } else { vec2(800.0, 560.0) };
         let mut v = at_rest(&args, size);
@@ -122,6 +127,32 @@ fn every_panel() {
         let name = panel.title.to_lowercase().replace(' ', "_");
         compare(&mut results, v, &format!("panel_{name}"));
     }
+}
+
+#[test]
+fn boxing() {
+    if !can_compare() {
+        return;
+    }
+    let mut results = SnapshotResults::new();
+    let boxing = Boxing::new();
+    let bundle = Args { file: Some(boxing.bundle()), ..crowd() };
+    let hits = Args { panel: vec![PanelChoice::Open(PanelKind::Hits)], character: None, ..bundle.clone() };
+    compare(&mut results, at_rest(&hits, vec2(1000.0, 560.0)), "panel_hits");
+
+    let alone =
+        Args { file: Some(boxing.targets(1)), characters: None, character: Some(Character(Some(0))), ..crowd() };
+    let policy = Args { panel: vec![PanelChoice::Open(PanelKind::Policy)], ..alone.clone() };
+    let mut v = Viewing::new(&policy, vec2(1000.0, 560.0));
+    let mut settings = v.model().settings.clone();
+    settings.overlays.values = true;
+    v.apply(Command::Settings(Box::new(settings)));
+    v.apply(Command::SelectPolicy(1));
+    compare(&mut results, rest(v), "panel_policy_heights");
+
+    compare(&mut results, at_rest(&alone, SIZE), "view_target");
+    let pair = Args { file: Some(boxing.pairs(2)), ..alone };
+    compare(&mut results, at_rest(&pair, SIZE), "view_pair");
 }
 
 /// Times differ from run to run: shows the part of the statistics below them, and hides what is left of them.

@@ -71,7 +71,7 @@ fn the_window_opens_shows_frames_keeps_settings_and_closes() {
     }
     assert_eq!(shown.status.code(), Some(0), "{message}");
     let kept = std::fs::read_to_string(home.path().join("data/throng-viewer/app.ron")).expect("settings are kept");
-    assert!(kept.contains("Light") && kept.contains("tables_v1.throng"), "{kept}");
+    assert!(kept.contains("Light") && kept.contains("golden/tables_v"), "{kept}");
 
     let absent = run(&["absent.throng", "--frames", "5"]);
     assert_eq!(absent.status.code(), Some(1));

@@ -3,7 +3,9 @@
 mod config;
 mod play;
 mod run;
+mod snapshot;
 
 pub use config::{DragPoint, Scene, SceneGoal, SceneKind, TargetConfig};
 pub use play::{Cast, Play};
 pub use run::{RunConfig, SceneEvent, SceneFrame, SceneRecord, SceneReport, run};
+pub use snapshot::PlaySnapshot;

@@ -29,8 +29,8 @@ pub struct Play {
     pub cast: Cast,
     /// Where targets hang when nobody drags them. [Unit: m] [Size: number of characters, 0 for pairs]
     pub homes: Vec<Vec3>,
-    drag: Vec<DragPoint>,
-    time_s: f64,
+    pub(super) drag: Vec<DragPoint>,
+    pub(super) time_s: f64,
 }
 
 impl Scene {
@@ -160,6 +160,50 @@ impl Play {
                 }
                 practice.step(repertoire, dt_s)
             }
+        }
+    }
+
+    /// Moves the place where a character's target hangs, as a hand does: from now on the scene's own drags it no more.
+    ///
+    /// # Errors
+    /// [`TroupeError::Index`] in a scene of pairs or for a character that does not exist, [`TroupeError::Value`] for a
+    /// place that is not finite; nothing has changed then.
+    pub fn set_home(&mut self, character: usize, home: Vec3) -> Result<(), TroupeError> {
+        match &mut self.cast {
+            Cast::Pairs(_) => Err(TroupeError::Index { what: "target", got: character, limit: 0 }),
+            Cast::Targets(practice) => {
+                practice.set_home(character, home)?;
+                if !self.drag.is_empty() {
+                    // Everybody's target stays where it has been dragged to.
+                    self.drag.clear();
+                    self.homes = practice.targets().iter().map(|t| t.home).collect();
+                }
+                self.homes[character] = home;
+                Ok(())
+            }
+        }
+    }
+
+    /// Sets what each goal of the scene counts from the next step on; 0 switches it off.
+    ///
+    /// # Errors
+    /// [`TroupeError::Length`] where there are not as many weights as goals, [`TroupeError::Value`] for one that is
+    /// not finite or too large.
+    pub fn set_weights(&mut self, weights: &[f32]) -> Result<(), TroupeError> {
+        match &mut self.cast {
+            Cast::Pairs(pairs) => pairs.set_weights(weights),
+            Cast::Targets(practice) => practice.set_weights(weights),
+        }
+    }
+
+    /// Lets a character play a segment at once, see [`Troupe::play`].
+    ///
+    /// # Errors
+    /// As [`Troupe::play`].
+    pub fn play(&mut self, repertoire: &Repertoire<'_>, character: usize, segment: u32) -> Result<(), TroupeError> {
+        match &mut self.cast {
+            Cast::Pairs(pairs) => pairs.play(repertoire, character, segment),
+            Cast::Targets(practice) => practice.play(repertoire, character, segment),
         }
     }
 

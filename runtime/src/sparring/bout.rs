@@ -17,7 +17,7 @@ use glam::Vec3;
 /// opponent's body, pushes that part in the direction of the blow, and moves bodies apart that overlap.
 #[derive(Clone, Debug)]
 pub struct Sparring {
-    config: SparringConfig,
+    pub(super) config: SparringConfig,
     body: Body,
     pub(super) troupe: Troupe,
     pub(super) state: State,

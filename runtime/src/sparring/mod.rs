@@ -6,6 +6,7 @@
 mod body;
 mod bout;
 mod config;
+mod direct;
 mod distance;
 mod goals;
 mod landing;

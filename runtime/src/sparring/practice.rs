@@ -68,8 +68,8 @@ pub struct PracticeFigures {
 /// hit swing out in the direction of the blow.
 #[derive(Clone, Debug)]
 pub struct TargetPractice {
-    config: PracticeConfig,
-    troupe: Troupe,
+    pub(super) config: PracticeConfig,
+    pub(super) troupe: Troupe,
     state: State,
     hits: Vec<TargetHit>,
     num_hits: usize,
@@ -90,6 +90,15 @@ struct State {
 pub struct PracticeSnapshot {
     troupe: TroupeSnapshot,
     state: State,
+}
+
+impl PracticeSnapshot {
+    /// Memory that it takes. [Unit: bytes]
+    pub fn num_bytes(&self) -> usize {
+        let s = &self.state;
+        let vectors = size_of_val(s.targets.as_slice()) + size_of_val(s.positions.as_slice());
+        self.troupe.num_bytes() + vectors + size_of_val(s.tallies.as_slice())
+    }
 }
 
 impl TargetPractice {

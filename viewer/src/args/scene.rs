@@ -7,6 +7,7 @@ use crate::model::Model;
 use crate::panels::Dock;
 use crate::settings::Settings;
 use eframe::egui;
+use throng_precompute::scene::SceneKind;
 
 /// Names that a message lists.
 const MAX_NAMES: usize = 8;
@@ -51,6 +52,7 @@ impl Args {
     pub fn open(&self, ctx: &egui::Context, model: &mut Model) -> Result<(), String> {
         let Some(file) = &self.file else { return Ok(()) };
         model.open_now(file)?;
+        self.change_scene(ctx, model)?;
         if let Some(stage) = self.stage {
             self.check_stage(stage.into(), model)?;
             model.apply(ctx, Command::Stage(stage.into()));
@@ -76,6 +78,24 @@ impl Args {
             _ => model.apply(ctx, Command::FrameAll),
         }
         Ok(())
+    }
+
+    /// Gives a scene another number of characters and another seed.
+    fn change_scene(&self, ctx: &egui::Context, model: &mut Model) -> Result<(), String> {
+        let Some(file) = model.document.scene() else { return Ok(()) };
+        let mut scene = file.scene.clone();
+        scene.seed = self.seed.unwrap_or(scene.seed);
+        scene.characters = self.characters.unwrap_or(scene.characters);
+        if scene.kind == SceneKind::Pairs && !scene.characters.is_multiple_of(2) {
+            return Err(format!("--characters {}: the scene is one of pairs; give an even number", scene.characters));
+        }
+        if scene != file.scene {
+            model.apply(ctx, Command::ConfigureScene(Box::new(scene)));
+        }
+        match &model.document {
+            Document::Bundle(b) => b.run.as_ref().map(|_| ()).map_err(Clone::clone),
+            _ => Ok(()),
+        }
     }
 
     fn check_stage(&self, stage: Stage, model: &Model) -> Result<(), String> {
@@ -151,12 +171,8 @@ mod tests {
     use super::*;
     use crate::args::{Character, StageName};
     use crate::panels::PanelKind;
-    use std::path::{Path, PathBuf};
+    use crate::panels::tests::golden_path as golden;
     use throng_precompute::synth::{SynthConfig, SynthSet};
-
-    fn golden() -> PathBuf {
-        Path::new(env!("CARGO_MANIFEST_DIR")).join("../data/golden/tables_v1.throng")
-    }
 
     fn opened(args: &Args) -> Result<Model, String> {
         let mut model = Model::new(args.settings(Settings::default()));

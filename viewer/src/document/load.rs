@@ -1,20 +1,23 @@
 //! Opens files away from the window's thread.
 
-use super::{Bundle, RawMotion, Stamp};
+use super::{Bundle, RawMotion, SceneFile, Stamp};
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
+use throng_precompute::scene::Scene;
 
 /// A file as it was read.
 #[derive(Debug)]
 pub enum Opened {
     /// A bundle.
     Bundle(Box<Bundle>),
+    /// A scene and its bundle.
+    Scene(Box<SceneFile>, Box<Bundle>),
     /// A motion file.
     Clip(Box<RawMotion>),
 }
 
 impl Opened {
-    /// Reads a file: `.bvh` and `.amc` as motion, anything else as a bundle.
+    /// Reads a file: `.bvh` and `.amc` as motion, `.toml` as a scene, anything else as a bundle.
     ///
     /// # Errors
     /// A message that names the file, what is wrong with it and the way out.
@@ -22,7 +25,19 @@ impl Opened {
         let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase());
         match extension.as_deref() {
             Some("bvh" | "amc") => Ok(Self::Clip(Box::new(RawMotion::open(path)?))),
+            _ if Scene::is_scene(path) => {
+                let (scene, bundle) = SceneFile::open(path)?;
+                Ok(Self::Scene(Box::new(scene), Box::new(bundle)))
+            }
             _ => Ok(Self::Bundle(Box::new(Bundle::open(path)?))),
+        }
+    }
+
+    /// Files that it was read from, beside the one that was asked for.
+    pub fn more_files(&self) -> Option<&Path> {
+        match self {
+            Self::Scene(_, bundle) => Some(bundle.path()),
+            _ => None,
         }
     }
 }
@@ -51,8 +66,9 @@ impl Loader {
         let owned = path.to_path_buf();
         self.running = Some((owned.clone(), receive));
         std::thread::spawn(move || {
-            let stamp = Stamp::of(&owned);
+            let before = Stamp::of(&owned);
             let result = Opened::read(&owned);
+            let stamp = Stamp::with(before, result.as_ref().ok().and_then(Opened::more_files));
             // Nobody listens where another file was asked for meanwhile.
             if send.send(Loaded { path: owned, stamp, result }).is_ok() {
                 wake();

@@ -1,17 +1,19 @@
-//! What is open: nothing, a bundle, or a raw motion file.
+//! What is open: nothing, a bundle, a scene on a bundle, or a raw motion file.
 
 mod bundle;
 mod clip;
 mod load;
+mod scene;
 mod watch;
 
 pub use bundle::Bundle;
 pub use clip::RawMotion;
 pub use load::{Loader, Opened};
+pub use scene::SceneFile;
 pub use watch::{Stamp, Watch};
 
 use crate::run::Run;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// What is open.
 #[derive(Debug, Default)]
@@ -19,19 +21,21 @@ pub enum Document {
     /// Nothing yet.
     #[default]
     Nothing,
-    /// A bundle, and the crowd that runs on it.
+    /// A bundle, and the crowd or the scene that runs on it.
     Bundle(Box<BundleDocument>),
     /// A motion file as it is, and as a build would use it.
     Clip(Box<RawMotion>),
 }
 
-/// A bundle and the crowd that runs on it.
+/// A bundle and the crowd or the scene that runs on it.
 #[derive(Debug)]
 pub struct BundleDocument {
     /// The tables.
     pub bundle: Bundle,
     /// The recorded run; none where the bundle has no behaviour, with the reason.
     pub run: Result<Run, String>,
+    /// The scene that was opened; none where the bundle itself was.
+    pub scene: Option<SceneFile>,
 }
 
 impl Document {
@@ -39,8 +43,33 @@ impl Document {
     pub fn path(&self) -> Option<&Path> {
         match self {
             Self::Nothing => None,
-            Self::Bundle(b) => Some(b.bundle.path()),
+            Self::Bundle(b) => Some(b.scene.as_ref().map_or(b.bundle.path(), |s| &s.path)),
             Self::Clip(c) => Some(c.path()),
+        }
+    }
+
+    /// All files that it is made of.
+    pub fn files(&self) -> Vec<PathBuf> {
+        let scene_bundle = match self {
+            Self::Bundle(b) if b.scene.is_some() => Some(b.bundle.path()),
+            _ => None,
+        };
+        self.path().into_iter().chain(scene_bundle).map(Path::to_path_buf).collect()
+    }
+
+    /// The scene, where one is open.
+    pub fn scene(&self) -> Option<&SceneFile> {
+        match self {
+            Self::Bundle(b) => b.scene.as_ref(),
+            _ => None,
+        }
+    }
+
+    /// Why the scene that is open cannot be run.
+    pub fn scene_fault(&self) -> Option<&str> {
+        match self {
+            Self::Bundle(b) if b.scene.is_some() => b.run.as_ref().err().map(String::as_str),
+            _ => None,
         }
     }
 

@@ -19,6 +19,13 @@ impl Stamp {
         let meta = std::fs::metadata(path).ok()?;
         Some(Self { modified: meta.modified().ok()?, len: meta.len() })
     }
+
+    /// Of two files that belong together: changed where either is.
+    pub fn with(first: Option<Self>, more: Option<&Path>) -> Option<Self> {
+        let Some(more) = more else { return first };
+        let (a, b) = (first?, Self::of(more)?);
+        Some(Self { modified: a.modified.max(b.modified), len: a.len.wrapping_add(b.len) })
+    }
 }
 
 /// Looks at a file now and then.
@@ -38,13 +45,13 @@ impl Watch {
         Self { reported: stamp, seen: stamp, looked: Instant::now() }
     }
 
-    /// True once for every new version.
-    pub fn has_changed(&mut self, path: &Path) -> bool {
+    /// True once for every new version of a file, or of one that belongs to it.
+    pub fn has_changed(&mut self, path: &Path, more: Option<&Path>) -> bool {
         if self.looked.elapsed() < EVERY {
             return false;
         }
         self.looked = Instant::now();
-        self.sees(Stamp::of(path))
+        self.sees(Stamp::with(Stamp::of(path), more))
     }
 
     fn sees(&mut self, now: Option<Stamp>) -> bool {

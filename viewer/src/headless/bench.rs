@@ -3,9 +3,11 @@
 use super::{FrameFigures, Headless, HeadlessError};
 use crate::args::{Args, BENCH_FRAMES, Size};
 use crate::command::Command;
+use crate::model::Model;
 use crate::run::RunConfig;
 use serde::Serialize;
 use std::fmt;
+use throng_precompute::scene::{Scene, SceneKind};
 
 /// Frame times of crowds of several sizes.
 #[derive(Clone, Debug, Serialize)]
@@ -52,6 +54,16 @@ impl fmt::Display for BenchReport {
     }
 }
 
+/// Another number of characters, rounded up to pairs where a scene has those.
+fn with_characters(model: &Model, characters: usize) -> Command {
+    let Some(file) = model.document.scene() else {
+        return Command::Configure(RunConfig { characters, ..model.settings.run });
+    };
+    let of_pairs = file.scene.kind == SceneKind::Pairs;
+    let characters = if of_pairs { characters.next_multiple_of(2) } else { characters };
+    Command::ConfigureScene(Box::new(Scene { characters, ..file.scene.clone() }))
+}
+
 /// Measures frames of every crowd that the arguments ask for.
 ///
 /// # Errors
@@ -64,8 +76,7 @@ pub fn bench(args: &Args) -> Result<BenchReport, HeadlessError> {
     }
     let mut crowds = Vec::new();
     for &characters in &args.bench {
-        let run = RunConfig { characters, ..headless.viewer().model.settings.run };
-        headless.apply(Command::Configure(run));
+        headless.apply(with_characters(&headless.viewer().model, characters));
         headless.apply(Command::Play(true));
         if !args.camera.is_some_and(|view| view.is_placed) {
             headless.apply(Command::FrameAll);

@@ -6,6 +6,7 @@
 pub mod control;
 pub mod database;
 pub mod graph;
+pub mod hits;
 pub mod keys;
 
 pub mod messages;
@@ -38,6 +39,8 @@ pub enum PanelKind {
     Graph,
     /// Values and choices.
     Policy,
+    /// Effective hits.
+    Hits,
 }
 
 /// Where a panel lies.
@@ -87,7 +90,7 @@ pub const PANELS: &[Panel] = &[
     Panel {
         kind: PanelKind::Statistics,
         title: "Statistics",
-        purpose: "time of a step and a frame, memory, foot slip, arrivals",
+        purpose: "time of a step and a frame, memory, foot slip, arrivals, blows",
         dock: Dock::Side,
         key: Key::F3,
         show: |ui, model, _, _| statistics::show(ui, model),
@@ -116,6 +119,14 @@ pub const PANELS: &[Panel] = &[
         key: Key::F6,
         show: |ui, model, states, commands| report::show(ui, model, &mut states.report, commands),
     },
+    Panel {
+        kind: PanelKind::Hits,
+        title: "Hits",
+        purpose: "where blows land, from three sides; a click shows the clip",
+        dock: Dock::Bottom,
+        key: Key::F7,
+        show: |ui, model, states, commands| hits::show(ui, model, &mut states.hits, commands),
+    },
 ];
 
 /// What panels remember of how they look.
@@ -139,6 +150,8 @@ pub struct PanelStates {
     pub database: database::State,
     /// The import report.
     pub report: report::State,
+    /// Effective hits.
+    pub hits: hits::State,
 }
 
 impl PanelKind {

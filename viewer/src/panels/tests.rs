@@ -1,5 +1,9 @@
 //! What tests of panels share.
 
+#[allow(dead_code)] // Tests in files of their own use more of it.
+#[path = "../../tests/common/boxing.rs"]
+pub(crate) mod boxing;
+
 use crate::command::Command;
 use crate::document::Bundle;
 use crate::model::Model;
@@ -7,10 +11,11 @@ use crate::settings::Settings;
 use eframe::egui::{Modifiers, PointerButton, Pos2, Ui, Vec2};
 use egui_kittest::Harness;
 use std::path::{Path, PathBuf};
+use throng_runtime::format::VERSION;
 
-/// The bundle that is always there.
+/// The bundle of the current version that every checkout has.
 pub(crate) fn golden_path() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../data/golden/tables_v1.throng")
+    Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("../data/golden/tables_v{VERSION}.throng"))
 }
 
 /// The bundle that is always there.

@@ -34,7 +34,9 @@ fn title(model: &Model) -> String {
         Document::Nothing => "Nothing open".into(),
         Document::Bundle(b) => {
             let t = b.bundle.tables();
-            let name = b.bundle.path().file_name().unwrap_or_default().to_string_lossy();
+            let bundle = b.bundle.path().file_name().unwrap_or_default().to_string_lossy();
+            let scene = b.scene.as_ref().map_or(String::new(), |s| format!("{} · ", s.scene.name));
+            let name = format!("{scene}{bundle}");
             let (clips, states) = (t.clips().len(), t.graph().states.len());
             format!("{name} · {clips} clips · {states} states · {} actions", t.graph().action_segments.len())
         }
@@ -46,7 +48,8 @@ fn title(model: &Model) -> String {
 }
 
 fn file(ui: &mut Ui, model: &Model, states: &mut PanelStates, commands: &mut Vec<Command>) {
-    if ui.button("Open…").on_hover_text("A bundle, .bvh or .amc; or drop one on the window (Ctrl+O)").clicked() {
+    if ui.button("Open…").on_hover_text("A bundle, a scene, .bvh or .amc; or drop one on the window (Ctrl+O)").clicked()
+    {
         states.open_dialog = true;
     }
     ui.menu_button("Open recent", |ui| {
@@ -114,6 +117,7 @@ fn overlays(ui: &mut Ui, s: &mut Settings) {
     ui.checkbox(&mut o.trails, "Trails of the roots");
     ui.checkbox(&mut o.trajectory, "Where the action leads");
     ui.checkbox(&mut o.targets, "Targets");
+    ui.checkbox(&mut o.values, "Values around the selected character");
     ui.checkbox(&mut o.joint_axes, "Joint axes");
     ui.checkbox(&mut o.of_all, "Of all characters");
     ui.checkbox(&mut o.onion_skin, "Onion skin of clips");
@@ -149,7 +153,11 @@ fn panels(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
 
 fn stages(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     let shown = if model.shows_clip() { Stage::Clip } else { Stage::Crowd };
-    for (stage, name, tip) in [(Stage::Crowd, "Crowd", "The run of a crowd"), (Stage::Clip, "Clip", "A clip alone")] {
+    let run = match model.document.scene() {
+        Some(_) => (Stage::Crowd, "Scene", "The run of the scene"),
+        None => (Stage::Crowd, "Crowd", "The run of a crowd"),
+    };
+    for (stage, name, tip) in [run, (Stage::Clip, "Clip", "A clip alone")] {
         if ui.selectable_label(shown == stage, name).on_hover_text(format!("{tip} (C)")).clicked() {
             commands.push(Command::Stage(stage));
         }

@@ -1,12 +1,12 @@
 //! The 3-D view: camera, selection, and targets that are dragged.
 
-use super::messages;
+use super::{messages, words};
 use crate::command::Command;
 use crate::document::Document;
 use crate::model::Model;
-use crate::render::{self, Camera};
+use crate::render::{self, Camera, Ray};
 use crate::run::{Input, Run, TargetMode};
-use crate::stage::Layout;
+use crate::stage::{Layout, ValueCell};
 use eframe::egui::{self, Align2, Color32, CursorIcon, FontId, PointerButton, Pos2, Rect, Response, Sense, Ui};
 use glam::{Vec2, Vec3};
 
@@ -17,6 +17,9 @@ const GRAB: f32 = 16.0;
 const MAX_GRABBED: usize = 50;
 /// And within this distance. [Unit: points]
 const GRAB_OTHERS: f32 = 6.0;
+
+/// A cell of a policy is pointed at within this distance. [Unit: points]
+const NEAR_CELL: f32 = 7.0;
 
 /// What the view remembers.
 #[derive(Clone, Debug, Default)]
@@ -55,12 +58,13 @@ pub fn show(
         Err(why) => note(ui, rect.center(), &why, ui.visuals().error_fg_color),
     }
     if matches!(model.document, Document::Nothing) && model.loading().is_none() {
-        let text = "Drop a bundle (.throng) or a motion file (.bvh, .amc) here\nor open one with File > Open (Ctrl+O)";
+        let text = "Drop a bundle (.throng), a scene (.toml) or a motion file (.bvh, .amc) here\nor open one with File > Open (Ctrl+O)";
         note(ui, rect.center(), text, ui.visuals().text_color());
     }
     drag(ui, &response, model, state, commands);
     click(ui, &response, model, layout, commands);
     label(ui, rect, model);
+    tell_value(response, model, layout);
     messages::show(ui, rect, model, commands);
 }
 
@@ -91,10 +95,19 @@ fn drag(ui: &Ui, response: &Response, model: &Model, state: &mut State, commands
     if !response.dragged_by(PointerButton::Primary) {
         state.dragged = None;
     }
-    if let (Some(character), Some(at)) = (state.dragged, response.interact_pointer_pos()) {
+    if let (Some(character), Some(at)) = (state.dragged, response.interact_pointer_pos())
+        && let Some((_, run)) = crowd
+    {
         let ray = model.settings.camera.ray(within(rect, at), size(rect));
-        if let Some(to) = ray.meets_ground() {
-            commands.push(Command::Input(Input::Target { character, to: to.with_y(0.0) }));
+        let home = run.home(character.unwrap_or(0));
+        let to = match home {
+            // A target in the air goes up and down while the Alt key is held, else it keeps its height.
+            Some(home) if ui.input(|i| i.modifiers.alt) => upright(&ray, model.settings.camera, home),
+            Some(home) => ray.meets_height(home.y),
+            None => ray.meets_ground(),
+        };
+        if let Some(to) = to {
+            commands.push(Command::Input(Input::Target { character, to }));
         }
         ui.set_cursor_icon(CursorIcon::Grabbing);
         return;
@@ -126,8 +139,19 @@ fn move_camera(ui: &Ui, response: &Response, model: &Model, shift: bool, command
     }
 }
 
+/// Where a ray passes nearest to the vertical line through a place, as far as it meets the upright plane there that
+/// faces the camera; above the ground. [Unit: m]
+fn upright(ray: &Ray, camera: Camera, place: Vec3) -> Option<Vec3> {
+    let facing = camera.axes()[2].with_y(0.0).try_normalize()?;
+    let distance = (place - ray.origin).dot(facing) / ray.direction.dot(facing);
+    (distance.is_finite() && distance > 0.0).then(|| place.with_y(ray.at(distance).y.max(0.05)))
+}
+
 /// Whose target is under the pointer.
 fn grabbed(model: &Model, run: &Run, rect: Rect, at: Pos2) -> Option<Option<usize>> {
+    if !run.has_movable_targets() {
+        return None;
+    }
     let camera = model.settings.camera;
     let near = |target: Vec3| {
         let place = camera.project(target, size(rect))?;
@@ -169,15 +193,42 @@ fn click(ui: &Ui, response: &Response, model: &Model, layout: &Layout, commands:
         return;
     }
     let everybody = run.config().targets == TargetMode::Shared;
-    if ui.input(|i| i.modifiers.command) {
+    if ui.input(|i| i.modifiers.command) && run.has_movable_targets() {
         let who = if everybody { Some(None) } else { model.selection.character.map(Some) };
-        if let (Some(character), Some(to)) = (who, ray.meets_ground()) {
-            commands.push(Command::Input(Input::Target { character, to: to.with_y(0.0) }));
+        let height = model.selection.character.and_then(|c| run.home(c)).map_or(0.0, |h| h.y);
+        if let (Some(character), Some(to)) = (who, ray.meets_height(height)) {
+            commands.push(Command::Input(Input::Target { character, to }));
         }
         return;
     }
     let hit = render::pick(&ray, &layout.skeleton, layout.poses(model), &layout.instances);
     commands.push(Command::SelectCharacter(hit.map(|h| h.character)));
+}
+
+/// Says what the cell of a policy under the pointer is worth, and what would be done there.
+fn tell_value(response: Response, model: &Model, layout: &Layout) {
+    let (Some(at), Some(bundle), Some(state)) =
+        (response.hover_pos(), model.document.bundle(), model.looked_at_state())
+    else {
+        return;
+    };
+    let (rect, camera) = (response.rect, model.settings.camera);
+    let eye = camera.eye();
+    let is_near =
+        |c: &&ValueCell| camera.project(c.place, size(rect)).is_some_and(|p| p.distance(within(rect, at)) < NEAR_CELL);
+    // Of those that lie behind each other, the first.
+    let depth = |c: &ValueCell| c.place.distance(eye);
+    let Some(found) = layout.cells.iter().filter(is_near).min_by(|a, b| depth(a).total_cmp(&depth(b))) else { return };
+    let Some(policy) = bundle.repertoire().policy(model.selection.policy) else { return };
+    let (Some(&value), graph) = (policy.values_of(state).get(found.cell), bundle.tables().graph()) else { return };
+    let best = usize::from(policy.best_of(state, found.cell)[0]);
+    let Some(&segment) = graph.segments_of(state).get(best) else { return };
+    response.on_hover_ui_at_pointer(|ui| {
+        ui.strong(format!("value {}", words::number(value)));
+        let c = policy.grid_of(state).cell_coordinates(found.cell);
+        ui.label(format!("cell {}: {:.2} m, {}", found.cell, c.y, words::direction(c.x)));
+        ui.label(format!("best: {}", bundle.describe_segment(segment)));
+    });
 }
 
 /// Who is selected, and what it does, at the upper right.
@@ -203,5 +254,6 @@ fn describe(model: &Model) -> Option<String> {
     let (root, target) = (run.troupe().root(c), run.targets()[c]);
     let distance = (root.x - target.x).hypot(root.z - target.z);
     let plays = bundle.describe_segment(run.troupe().segment(c).0);
-    Some(format!("character {c} · {plays} · target {distance:.1} m away"))
+    let what = if run.has_movable_targets() { "target" } else { "opponent" };
+    Some(format!("character {c} · {plays} · {what} {distance:.1} m away"))
 }

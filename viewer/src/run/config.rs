@@ -1,6 +1,7 @@
 //! What a run is made of.
 
 use serde::{Deserialize, Serialize};
+use throng_precompute::scene::Scene;
 use throng_runtime::troupe::{Choice, FootLockConfig, TroupeConfig};
 
 /// Steps a second of simulated time. [Unit: Hz]
@@ -86,6 +87,18 @@ impl RunConfig {
             temperature: finite(self.temperature, 0.0, 10.0, d.temperature),
             bend_rad_per_m: finite(self.bend_rad_per_m, 0.0, 2.0, d.bend_rad_per_m),
             ..self
+        }
+    }
+
+    /// What a scene says of the same things; where targets are is the scene's own.
+    pub fn of_scene(scene: &Scene) -> Self {
+        Self {
+            characters: scene.characters,
+            seed: scene.seed,
+            targets: TargetMode::Own,
+            spacing_m: scene.spacing_m as f32,
+            temperature: scene.temperature as f32,
+            ..Self::default()
         }
     }
 

@@ -1,6 +1,8 @@
 //! What is measured of every step.
 
+use throng_precompute::scene::{Cast as SceneCast, Play};
 use throng_precompute::slip::SlipMeter;
+use throng_runtime::sparring::Tally;
 use throng_runtime::troupe::StepTimes;
 
 /// Speed of planted heels and toes over all characters at one step.
@@ -20,6 +22,44 @@ impl From<&SlipMeter> for Slip {
     }
 }
 
+/// What became of all blows of a scene so far, and how deep its pairs are in each other.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct BoutFigures {
+    /// Blows of all characters.
+    pub blows: Tally,
+    /// Simulated time. [Unit: s]
+    pub seconds: f64,
+    /// Deepest overlap of two opponents at the step; none where nobody has an opponent. [Unit: m]
+    pub penetration_m: Option<f32>,
+    /// The deepest so far. [Unit: m]
+    pub max_penetration_m: f32,
+}
+
+impl BoutFigures {
+    /// Blows that landed, a minute and character, since earlier figures.
+    pub fn hits_per_minute(&self, since: &Self, characters: usize) -> f64 {
+        let seconds = self.seconds - since.seconds;
+        let hits = self.blows.landed.saturating_sub(since.blows.landed);
+        if seconds > 0.0 { f64::from(hits) * 60.0 / seconds / characters.max(1) as f64 } else { 0.0 }
+    }
+}
+
+impl From<&Play> for BoutFigures {
+    fn from(play: &Play) -> Self {
+        match &play.cast {
+            SceneCast::Pairs(pairs) => {
+                let f = pairs.figures();
+                let penetration_m = Some(f.penetration_m);
+                Self { blows: f.blows, seconds: f.seconds, penetration_m, max_penetration_m: f.max_penetration_m }
+            }
+            SceneCast::Targets(practice) => {
+                let f = practice.figures();
+                Self { blows: f.blows, seconds: f.seconds, ..Self::default() }
+            }
+        }
+    }
+}
+
 /// What is measured of a step.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct StepFigures {
@@ -31,4 +71,6 @@ pub struct StepFigures {
     pub slip: Slip,
     /// Characters within reach of their targets.
     pub at_target: usize,
+    /// What became of blows, in a scene.
+    pub bout: Option<BoutFigures>,
 }

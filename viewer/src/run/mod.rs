@@ -3,14 +3,18 @@
 //! Poses are not recorded. A keyframe every second and every input since are; a step in between is found again by
 //! repeating the steps from the keyframe before it, which give the same poses to the last bit.
 
+mod cast;
 mod config;
 mod figures;
+mod marks;
 mod recording;
 mod simulation;
 mod why;
 
+pub use cast::{About, RunGoal};
 pub use config::{MAX_CHARACTERS, MAX_TARGET_M, RunConfig, STEP_HZ, TargetMode};
-pub use figures::{Slip, StepFigures};
+pub use figures::{BoutFigures, Slip, StepFigures};
+pub use marks::{Mark, Met};
 pub use recording::{RECORDED_STEPS, TRAIL_EVERY};
 pub use simulation::Input;
 pub use why::{BehaviourScore, Candidate, Why};
@@ -21,15 +25,19 @@ use recording::Recording;
 use simulation::Simulation;
 use std::ops::RangeInclusive;
 use std::time::{Duration, Instant};
+use throng_precompute::BuildError;
+use throng_precompute::scene::{Cast as SceneCast, Play, Scene};
 use throng_runtime::troupe::{Troupe, TroupeError};
 
 /// Longest time that one call of [`Run::advance`] spends on steps, at least one step apart.
 const BUDGET: Duration = Duration::from_millis(50);
 
-/// A run of a crowd, with the record of its last minute.
+/// A run of a crowd or a scene, with the record of its last minute.
 #[derive(Clone, Debug)]
 pub struct Run {
     simulation: Simulation,
+    /// The scene that is run, if it is one.
+    scene: Option<Box<Scene>>,
     recording: Recording,
     playing: bool,
     speed: f32,
@@ -51,15 +59,62 @@ impl Run {
         // The first behaviour alone, until others are asked for.
         let mut weights = if weights.is_empty() { vec![1.0] } else { weights.to_vec() };
         weights.resize(behaviours.min(throng_runtime::troupe::MAX_GOALS), 0.0);
-        let start = || -> Result<Self, TroupeError> {
-            let simulation = Simulation::new(bundle, config.limited(), weights)?;
-            let recording = Recording::new(simulation.keyframe());
-            let last = StepFigures::default();
-            let mut run = Self { simulation, recording, playing: false, speed: 1.0, owed_s: 0.0, last };
-            run.step(bundle)?;
-            Ok(run)
-        };
-        start().map_err(|e| e.to_string())
+        let simulation = Simulation::new(bundle, config.limited(), weights).map_err(|e| e.to_string())?;
+        Self::begin(bundle, simulation, None)
+    }
+
+    /// Puts the characters of a scene at their starts and takes the first choices.
+    ///
+    /// # Errors
+    /// A message where the bundle lacks what the scene needs, with the way out.
+    pub fn of_scene(bundle: &Bundle, scene: &Scene) -> Result<Self, String> {
+        let simulation = Simulation::of_scene(bundle, scene).map_err(|e: BuildError| e.to_string())?;
+        Self::begin(bundle, simulation, Some(Box::new(scene.clone())))
+    }
+
+    fn begin(bundle: &Bundle, simulation: Simulation, scene: Option<Box<Scene>>) -> Result<Self, String> {
+        let recording = Recording::new(simulation.keyframe());
+        let last = StepFigures::default();
+        let mut run = Self { simulation, scene, recording, playing: false, speed: 1.0, owed_s: 0.0, last };
+        run.step(bundle).map_err(|e| e.to_string())?;
+        Ok(run)
+    }
+
+    /// The scene that is run; none of a crowd.
+    pub fn scene(&self) -> Option<&Scene> {
+        self.scene.as_deref()
+    }
+
+    /// The scene as it stands; none of a crowd.
+    pub fn play_of_scene(&self) -> Option<&Play> {
+        self.simulation.cast.play()
+    }
+
+    /// Where a target of a scene hangs when nobody has struck it; none where there is no such target. [Unit: m]
+    pub fn home(&self, character: usize) -> Option<Vec3> {
+        match &self.play_of_scene()?.cast {
+            SceneCast::Pairs(_) => None,
+            SceneCast::Targets(practice) => practice.targets().get(character).map(|t| t.home),
+        }
+    }
+
+    /// Radius of the targets of a scene. [Unit: m]
+    pub fn target_radius_m(&self) -> Option<f32> {
+        match &self.play_of_scene()?.cast {
+            SceneCast::Pairs(_) => None,
+            SceneCast::Targets(practice) => Some(practice.config().target.radius_m),
+        }
+    }
+
+    /// True where targets can be moved: not where each is an opponent's head.
+    pub fn has_movable_targets(&self) -> bool {
+        self.play_of_scene().is_none_or(|p| !p.homes.is_empty())
+    }
+
+    /// Blows of the last `seconds`.
+    pub fn marks(&self, seconds: f32) -> impl Iterator<Item = &Mark> {
+        let now = self.now();
+        self.recording.marks((now + 1).saturating_sub((seconds * STEP_HZ) as u32), now)
     }
 
     /// What it is made of.
@@ -69,7 +124,7 @@ impl Run {
 
     /// The characters as they are now.
     pub fn troupe(&self) -> &Troupe {
-        &self.simulation.troupe
+        self.simulation.cast.troupe()
     }
 
     /// Target of every character. [Unit: m] [Size: number of characters]
@@ -77,7 +132,17 @@ impl Run {
         &self.simulation.around.targets
     }
 
-    /// What every behaviour counts. [Size: number of behaviours]
+    /// What is weighed against each other.
+    pub fn goals(&self) -> &[RunGoal] {
+        &self.simulation.goals
+    }
+
+    /// Coming blow of every character of a pair: x, seconds, z; empty where nobody has an opponent.
+    pub fn threats(&self) -> &[Vec3] {
+        &self.simulation.around.threats
+    }
+
+    /// What every goal counts. [Size: number of goals]
     pub fn weights(&self) -> &[f32] {
         &self.simulation.around.weights
     }
@@ -206,24 +271,16 @@ impl Run {
 
     /// Takes an input before the next step. What was recorded after the step that is shown is dropped: it did not
     /// know of the input. A target is kept within [`MAX_TARGET_M`]; one that is nowhere is not taken.
-    pub fn input(&mut self, mut input: Input) {
-        if let Input::Target { to, .. } = &mut input {
-            if to.is_nan() {
-                return;
-            }
-            *to = to.clamp(Vec3::splat(-MAX_TARGET_M), Vec3::splat(MAX_TARGET_M));
-        }
+    pub fn input(&mut self, input: Input) {
+        let Some(input) = input.limited() else { return };
         let next = self.simulation.around.step;
         // The target is shown where it is dragged to at once, even while time stands still.
         match &input {
-            Input::Target { character: Some(c), to } => {
-                if let Some(target) = self.simulation.around.targets.get_mut(*c) {
-                    *target = *to;
-                }
-            }
-            Input::Target { character: None, to } => self.simulation.around.targets.fill(*to),
+            // An opponent's head is not to be moved.
+            Input::Target { .. } if !self.has_movable_targets() => return,
+            Input::Target { character, to } if self.simulation.move_target(*character, *to).is_err() => return,
             Input::Weights(weights) => self.simulation.around.weights.clone_from(weights),
-            Input::Play { .. } => {}
+            Input::Target { .. } | Input::Play { .. } => {}
         }
         self.recording.branch(next, input);
     }
@@ -233,10 +290,14 @@ impl Run {
         why::explain(bundle, self, character)
     }
 
-    /// Target and step of a character's last choice.
-    fn last_choice(&self, character: usize) -> (Vec3, u32) {
+    /// What a character's last choice was about, and at which step it was.
+    fn last_choice(&self, character: usize, about: About) -> (Vec3, u32) {
         let a = &self.simulation.around;
-        (a.choice_targets[character], a.choice_steps[character])
+        let target = match about {
+            About::Target => a.choice_targets[character],
+            About::Threat => a.choice_threats[character],
+        };
+        (target, a.choice_steps[character])
     }
 
     /// Weights at a step, from the inputs before it.

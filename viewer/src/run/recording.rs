@@ -1,6 +1,7 @@
 //! The record of a run: keyframes, inputs, figures and trails of the last minute.
 
 use super::figures::StepFigures;
+use super::marks::{self, Mark};
 use super::simulation::{Input, Keyframe, Simulation};
 use glam::Vec2;
 use std::collections::VecDeque;
@@ -29,6 +30,8 @@ pub(super) struct Recording {
     first: u32,
     /// Planar positions of all characters at every [`TRAIL_EVERY`]th step.
     trails: VecDeque<(u32, Vec<Vec2>)>,
+    /// What became of blows, ascending by step.
+    marks: VecDeque<Mark>,
 }
 
 impl Recording {
@@ -42,6 +45,7 @@ impl Recording {
             figures: VecDeque::new(),
             first: 0,
             trails: VecDeque::new(),
+            marks: VecDeque::new(),
         }
     }
 
@@ -89,8 +93,9 @@ impl Recording {
             return;
         }
         self.figures.push_back(figures);
+        self.marks.extend(marks::of_step(&s.cast, step));
         if step.is_multiple_of(TRAIL_EVERY) {
-            let places = (0..s.config.characters).map(|c| s.troupe.root(c)).map(|r| Vec2::new(r.x, r.z));
+            let places = (0..s.config.characters).map(|c| s.cast.troupe().root(c)).map(|r| Vec2::new(r.x, r.z));
             self.trails.push_back((step, places.collect()));
         }
         if self.figures.len() as u32 > RECORDED_STEPS + KEYFRAME_EVERY {
@@ -110,6 +115,7 @@ impl Recording {
             }
         }
         while self.trails.pop_front_if(|t| t.0 < first).is_some() {}
+        while self.marks.pop_front_if(|m| m.step < first).is_some() {}
         self.first = first;
     }
 
@@ -118,6 +124,7 @@ impl Recording {
         self.keyframes.truncate(self.keyframes.partition_point(|k| k.step() <= step).max(1));
         self.figures.truncate(step.saturating_sub(self.first) as usize);
         self.trails.truncate(self.trails.partition_point(|t| t.0 < step));
+        self.marks.truncate(self.marks.partition_point(|m| m.step < step));
         self.inputs.truncate(self.inputs.partition_point(|i| i.0 <= step));
         // Of many drags of one target within a step only the last one counts.
         let replaces = |old: &(u32, Input)| match (&old.1, &input) {
@@ -146,10 +153,16 @@ impl Recording {
         places.filter_map(move |t| t.1.get(character).copied())
     }
 
+    /// Blows between two steps.
+    pub fn marks(&self, from: u32, to: u32) -> impl Iterator<Item = &Mark> {
+        let first = self.marks.partition_point(|m| m.step < from);
+        self.marks.range(first..).take_while(move |m| m.step <= to)
+    }
+
     /// Memory that it takes. [Unit: bytes]
     pub fn num_bytes(&self) -> usize {
         let keyframes: usize = self.keyframes.iter().map(Keyframe::num_bytes).sum();
         let trails: usize = self.trails.iter().map(|t| size_of_val(t.1.as_slice())).sum();
-        keyframes + trails + self.figures.len() * size_of::<StepFigures>()
+        keyframes + trails + self.figures.len() * size_of::<StepFigures>() + self.marks.len() * size_of::<Mark>()
     }
 }

@@ -1,19 +1,19 @@
-//! The crowd at one instant, and one step of it.
+//! The characters at one instant, and one step of them.
 
+use super::cast::{About, Cast, CastSnapshot, RunGoal};
 use super::config::{RunConfig, STEP_HZ, TargetMode};
-use super::figures::{Slip, StepFigures};
+use super::figures::{BoutFigures, Slip, StepFigures};
 use crate::document::Bundle;
 use glam::Vec3;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use std::f32::consts::TAU;
 use std::time::Instant;
+use throng_precompute::BuildError;
+use throng_precompute::scene::Scene;
 use throng_precompute::slip::SlipMeter;
 use throng_runtime::Planar;
-use throng_runtime::troupe::{Goal, Start, Troupe, TroupeError, TroupeSnapshot};
-
-/// Characters from which on a step is split over threads.
-const PARALLEL_FROM: usize = 1000;
+use throng_runtime::troupe::{Start, Troupe, TroupeError};
 
 /// Something done to a run from outside. Inputs are recorded and repeated when the run is.
 #[derive(Clone, Debug, PartialEq)]
@@ -36,12 +36,16 @@ pub enum Input {
     },
 }
 
-/// What of the run is not the troupe's: targets, weights, and when each character last chose.
+/// What of the run is not the characters' own: targets, weights, and when each character last chose.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Surroundings {
+    /// What each character's next choice is about.
     pub targets: Vec<Vec3>,
+    /// Coming blows, for each character of a pair: x, seconds, z.
+    pub threats: Vec<Vec3>,
     /// Targets that each character has reached so far.
     pub reached: Vec<u32>,
+    /// What every goal counts.
     pub weights: Vec<f32>,
     /// Step at which each character last chose.
     pub choice_steps: Vec<u32>,
@@ -49,6 +53,8 @@ pub(super) struct Surroundings {
     pub num_choices: Vec<u32>,
     /// Target of each character when it last chose.
     pub choice_targets: Vec<Vec3>,
+    /// Coming blow when it last chose.
+    pub choice_threats: Vec<Vec3>,
     /// The step that comes next.
     pub step: u32,
 }
@@ -56,7 +62,7 @@ pub(super) struct Surroundings {
 /// All that later steps depend on.
 #[derive(Clone, Debug)]
 pub(super) struct Keyframe {
-    troupe: TroupeSnapshot,
+    cast: CastSnapshot,
     around: Surroundings,
 }
 
@@ -73,46 +79,64 @@ impl Keyframe {
     /// Memory that it takes. [Unit: bytes]
     pub fn num_bytes(&self) -> usize {
         let a = &self.around;
-        let vectors = size_of_val(a.targets.as_slice()) + size_of_val(a.choice_targets.as_slice());
+        let vectors = a.targets.len() + a.threats.len() + a.choice_targets.len() + a.choice_threats.len();
         let numbers = a.reached.len() + a.choice_steps.len() + a.num_choices.len() + a.weights.len();
-        self.troupe.num_bytes() + vectors + 4 * numbers
+        self.cast.num_bytes() + vectors * size_of::<Vec3>() + 4 * numbers
     }
 }
 
-/// The crowd at one instant.
+/// The characters at one instant.
 #[derive(Clone, Debug)]
 pub(super) struct Simulation {
     pub config: RunConfig,
-    pub troupe: Troupe,
+    pub cast: Cast,
+    /// What is weighed. [Size: number of weights]
+    pub goals: Vec<RunGoal>,
     pub around: Surroundings,
     slip: SlipMeter,
 }
 
 impl Simulation {
     /// Characters on a loose grid, each with a target in some direction. No step has been taken.
+    ///
+    /// - `weights`: of the first behaviours, which are weighed.
     pub fn new(bundle: &Bundle, config: RunConfig, weights: Vec<f32>) -> Result<Self, TroupeError> {
-        let n = config.characters;
         let num_states = bundle.tables().graph().states.len() as u32;
         let (starts, targets) = scatter(&config, num_states);
+        let troupe = Troupe::new(bundle.repertoire(), config.troupe(), &starts)?;
+        let goals = (0..weights.len()).map(|policy| RunGoal { policy, about: About::Target }).collect();
+        let around = Surroundings { targets, weights, ..Surroundings::default() };
+        Ok(Self::at_start(config, Cast::Crowd(Box::new(troupe)), goals, around))
+    }
+
+    /// The characters of a scene where they start. No step has been taken.
+    pub fn of_scene(bundle: &Bundle, scene: &Scene) -> Result<Self, BuildError> {
+        let cast = Cast::Scene(Box::new(scene.play(bundle.tables(), bundle.repertoire())?));
+        let mut around = Surroundings { weights: cast.weights(), ..Surroundings::default() };
+        cast.observe(&mut around.targets, &mut around.threats);
+        let goals = cast.goals();
+        Ok(Self::at_start(RunConfig::of_scene(scene), cast, goals, around))
+    }
+
+    fn at_start(config: RunConfig, cast: Cast, goals: Vec<RunGoal>, around: Surroundings) -> Self {
+        let n = config.characters;
         let around = Surroundings {
-            targets,
             reached: vec![0; n],
-            weights,
             choice_steps: vec![0; n],
             num_choices: vec![0; n],
-            choice_targets: vec![Vec3::ZERO; n],
-            step: 0,
+            choice_targets: around.targets.clone(),
+            choice_threats: around.threats.clone(),
+            ..around
         };
-        let troupe = Troupe::new(bundle.repertoire(), config.troupe(), &starts)?;
-        Ok(Self { config, troupe, around, slip: SlipMeter::new(n) })
+        Self { config, cast, goals, around, slip: SlipMeter::new(n) }
     }
 
     pub fn keyframe(&self) -> Keyframe {
-        Keyframe { troupe: self.troupe.snapshot(), around: self.around.clone() }
+        Keyframe { cast: self.cast.snapshot(), around: self.around.clone() }
     }
 
     pub fn restore(&mut self, keyframe: &Keyframe) -> Result<(), TroupeError> {
-        self.troupe.restore(&keyframe.troupe)?;
+        self.cast.restore(&keyframe.cast)?;
         self.around.clone_from(&keyframe.around);
         self.slip.forget_step();
         Ok(())
@@ -121,14 +145,27 @@ impl Simulation {
     /// Lets an input take effect.
     pub fn take(&mut self, bundle: &Bundle, input: &Input) -> Result<(), TroupeError> {
         match input {
-            Input::Target { character: Some(c), to } => {
-                if let Some(target) = self.around.targets.get_mut(*c) {
-                    *target = *to;
+            Input::Target { character, to } => self.move_target(*character, *to)?,
+            Input::Weights(weights) => self.around.weights.clone_from(weights),
+            Input::Play { character, segment } => self.cast.play_segment(bundle, *character, *segment)?,
+        }
+        Ok(())
+    }
+
+    /// Moves a target; everybody's where no character is named. Opponents' heads cannot be moved.
+    pub fn move_target(&mut self, character: Option<usize>, to: Vec3) -> Result<(), TroupeError> {
+        if self.cast.play().is_some() {
+            self.cast.move_target(character, to)?;
+            self.cast.observe(&mut self.around.targets, &mut self.around.threats);
+            return Ok(());
+        }
+        match character {
+            None => self.around.targets.fill(to),
+            Some(c) => {
+                if let Some(target) = self.around.targets.get_mut(c) {
+                    *target = to;
                 }
             }
-            Input::Target { character: None, to } => self.around.targets.fill(*to),
-            Input::Weights(weights) => self.around.weights.clone_from(weights),
-            Input::Play { character, segment } => self.troupe.play(bundle.repertoire(), *character, *segment)?,
         }
         Ok(())
     }
@@ -137,42 +174,40 @@ impl Simulation {
     pub fn step(&mut self, bundle: &Bundle) -> Result<StepFigures, TroupeError> {
         let dt = if self.around.step == 0 { 0.0 } else { 1.0 / STEP_HZ };
         let a = &mut self.around;
-        let all = a.weights.iter().enumerate().map(|(policy, &weight)| Goal { policy, weight, targets: &a.targets });
-        // One behaviour alone can be loaded without looking ahead; those switched off do not count.
-        let none_counts = a.weights.iter().all(|&w| w == 0.0);
-        let goals: Vec<Goal<'_>> = all.filter(|g| g.weight != 0.0 || none_counts).collect();
         let begin = Instant::now();
-        if self.config.characters >= PARALLEL_FROM {
-            self.troupe.par_step(bundle.repertoire(), dt, &goals)?;
-        } else {
-            self.troupe.step(bundle.repertoire(), dt, &goals)?;
-        }
+        self.cast.step(bundle, dt, (&self.goals, &a.weights), &a.targets)?;
         let wall_s = begin.elapsed().as_secs_f64();
         for c in 0..self.config.characters {
-            let made = self.troupe.num_choices(c);
+            let made = self.cast.troupe().num_choices(c);
             if made != std::mem::replace(&mut a.num_choices[c], made) {
                 a.choice_steps[c] = a.step;
                 a.choice_targets[c] = a.targets[c];
+                if let Some(&threat) = a.threats.get(c) {
+                    a.choice_threats[c] = threat;
+                }
             }
         }
+        self.cast.observe(&mut a.targets, &mut a.threats);
         let figures = StepFigures { wall_s, ..self.measure(dt) };
         self.around.step += 1;
-        if self.config.targets == TargetMode::Wander {
+        if self.cast.play().is_none() && self.config.targets == TargetMode::Wander {
             self.move_targets_on();
         }
         Ok(figures)
     }
 
     fn measure(&mut self, dt: f32) -> StepFigures {
+        let troupe = self.cast.troupe();
         self.slip.clear();
-        self.slip.observe(&self.troupe, dt);
+        self.slip.observe(troupe, dt);
         let slip = Slip::from(&self.slip);
         let at_target = (0..self.config.characters).filter(|&c| self.is_at_target(c)).count();
-        StepFigures { times: self.troupe.times(), slip, at_target, ..StepFigures::default() }
+        let bout = self.cast.play().map(BoutFigures::from);
+        StepFigures { times: troupe.times(), slip, at_target, bout, ..StepFigures::default() }
     }
 
     fn is_at_target(&self, c: usize) -> bool {
-        let (root, target) = (self.troupe.root(c), self.around.targets[c]);
+        let (root, target) = (self.cast.troupe().root(c), self.around.targets[c]);
         (root.x - target.x).hypot(root.z - target.z) < self.config.reach_m
     }
 

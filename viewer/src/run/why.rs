@@ -1,6 +1,6 @@
 //! Why a character took its action: the scores of all it could have done, as they were when it chose.
 
-use super::Run;
+use super::{About, Run};
 use crate::document::Bundle;
 use glam::{Vec2, Vec3};
 use throng_runtime::Planar;
@@ -10,10 +10,23 @@ use throng_runtime::Planar;
 pub struct BehaviourScore {
     /// Number of the policy.
     pub policy: usize,
-    /// What it counted.
+    /// What it counts where it is active.
     pub weight: f32,
+    /// What it is about.
+    pub about: About,
+    /// What it was about, as seen from the character: x, height or seconds, z. [Unit: m]
+    pub target: Vec3,
+    /// The target was where the behaviour is active (003 section 6); otherwise it did not count.
+    pub is_active: bool,
     /// Value of the state for the target, before any action (003 eq. 4).
     pub value: f32,
+}
+
+impl BehaviourScore {
+    /// What it counted.
+    pub fn counted(&self) -> f32 {
+        if self.is_active { self.weight } else { 0.0 }
+    }
 }
 
 /// An action that could have been taken.
@@ -54,9 +67,11 @@ pub struct Why {
 
 pub(super) fn explain(bundle: &Bundle, run: &Run, character: usize) -> Option<Why> {
     let choice = run.troupe().last_choice(character)?;
-    let (target, step) = run.last_choice(character);
-    let local = choice.root.inverse_transform_point(Vec2::new(target.x, target.z));
-    let local_target = Vec3::new(local.x, target.y, local.y);
+    let seen = |target: Vec3| {
+        let local = choice.root.inverse_transform_point(Vec2::new(target.x, target.z));
+        Vec3::new(local.x, target.y, local.y)
+    };
+    let (target, step) = run.last_choice(character, About::Target);
     let weights = run.weights_at(step);
     let graph = bundle.tables().graph();
     let segments = graph.segments_of(choice.state);
@@ -73,18 +88,22 @@ pub(super) fn explain(bundle: &Bundle, run: &Run, character: usize) -> Option<Wh
         .collect();
     let mut behaviours = Vec::new();
     let mut scores = vec![0.0; segments.len()];
-    for (policy, &weight) in weights.iter().enumerate() {
-        let table = bundle.repertoire().policy(policy)?;
-        table.action_scores(choice.state, local_target, &mut scores).ok()?;
+    for (goal, &weight) in run.goals().iter().zip(weights) {
+        let table = bundle.repertoire().policy(goal.policy)?;
+        let target = seen(run.last_choice(character, goal.about).0);
+        table.action_scores(choice.state, target, &mut scores).ok()?;
+        let value = table.value(choice.state, target);
+        let is_active = table.region().contains(target);
+        let b = BehaviourScore { policy: goal.policy, weight, about: goal.about, target, is_active, value };
         for (c, &score) in candidates.iter_mut().zip(&scores) {
             c.by_behaviour.push(score);
-            c.score += weight * score;
+            c.score += b.counted() * score;
         }
-        behaviours.push(BehaviourScore { policy, weight, value: table.value(choice.state, local_target) });
+        behaviours.push(b);
     }
     candidates.sort_by(|a, b| b.score.total_cmp(&a.score).then(a.action.cmp(&b.action)));
     let played = run.troupe().segment(character).0;
     let chosen = candidates.iter().position(|c| c.segment == played)?;
     let state = choice.state;
-    Some(Why { step, state, root: choice.root, target, local_target, behaviours, candidates, chosen })
+    Some(Why { step, state, root: choice.root, target, local_target: seen(target), behaviours, candidates, chosen })
 }

@@ -54,6 +54,9 @@ fn draw_cues(out: &mut Layout, model: &Model, bundle: &Bundle, row: u32, palette
         let points: Vec<Vec3> = path(model, bundle).map(|p| p.with_y(0.012)).collect();
         out.shapes.polyline(&points, 2.0, palette.middle.alpha(0.5));
     }
+    if o.contacts {
+        cues::hits(&mut out.shapes, model, bundle, row, palette);
+    }
     let root = out.instances[0].root;
     let pose = &out.poses[..NUM_JOINTS];
     if o.contacts {

@@ -1,6 +1,6 @@
 //! A crowd: everybody's place and colour, and the cues of who is selected.
 
-use super::{Layout, Palette, cues};
+use super::{Layout, Palette, bout, cues, values};
 use crate::document::Bundle;
 use crate::model::Model;
 use crate::render::{CharacterInstance, Emphasis, Rgba};
@@ -23,7 +23,13 @@ pub(super) fn lay_out(out: &mut Layout, model: &Model, bundle: &Bundle, run: &Ru
         colour: colour(model, bundle, run, c, palette),
         emphasis: if selected == Some(c) { Emphasis::Selected } else { Emphasis::None },
     }));
+    if run.scene().is_some() {
+        bout::lay_out(out, run, selected, palette);
+    }
     let o = model.settings.overlays;
+    if o.values {
+        values::lay_out(out, model, bundle, run, palette);
+    }
     let count = if o.of_all { n.min(MAX_CUES) } else { 0 };
     for c in (0..count).chain(selected.filter(|&c| c >= count && c < n)) {
         let is_selected = selected == Some(c);
@@ -40,7 +46,7 @@ pub(super) fn lay_out(out: &mut Layout, model: &Model, bundle: &Bundle, run: &Ru
             cues::joint_axes(&mut out.shapes, run.troupe().root(c), run.troupe().pose(c));
         }
     }
-    if o.targets {
+    if o.targets && run.scene().is_none() {
         targets(out, run, selected, palette);
     }
 }
@@ -48,6 +54,8 @@ pub(super) fn lay_out(out: &mut Layout, model: &Model, bundle: &Bundle, run: &Ru
 fn colour(model: &Model, bundle: &Bundle, run: &Run, c: usize, palette: &Palette) -> Rgba {
     match model.settings.colouring {
         Colouring::Plain => palette.plain,
+        // Opponents are told apart; who has reached a target to be struck is seen from the marks.
+        Colouring::Target if run.scene().is_some() => bout::corner(run, c, palette),
         Colouring::Target => {
             let (root, target) = (run.troupe().root(c), run.targets()[c]);
             let distance = (root.x - target.x).hypot(root.z - target.z);

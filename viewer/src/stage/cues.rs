@@ -1,6 +1,8 @@
 //! Cues on bodies: contacts, joint axes, colours of categories.
 
 use super::Palette;
+use crate::document::Bundle;
+use crate::model::Model;
 use crate::render::{Rgba, Shapes};
 use glam::Vec3;
 use throng_runtime::{Contacts, Joint, Mat3x4, NUM_JOINTS, Planar};
@@ -22,6 +24,30 @@ pub(super) fn contacts(shapes: &mut Shapes, joints: &[Vec3; NUM_JOINTS], contact
         } else {
             shapes.ring(at, 0.035, 0.042, palette.lifted);
         }
+    }
+}
+
+/// Time before and after a hit during which it is shown. [Unit: s]
+const HIT_S: f32 = 0.25;
+/// Length of the arrow of a hit at full force. [Unit: m]
+const HIT_ARROW_M: f32 = 0.35;
+
+/// Effective hits near the play head: where they land, and which way.
+pub(super) fn hits(shapes: &mut Shapes, model: &Model, bundle: &Bundle, row: u32, palette: &Palette) {
+    let Some(clip) = bundle.tables().clips().get(model.selection.clip) else { return };
+    let near = (HIT_S * bundle.rate_hz()).ceil();
+    let all = bundle.tables().hits();
+    let from = all.partition_point(|h| h.frame < row.saturating_sub(near as u32).max(clip.first_frame));
+    let last = (row + near as u32).min(clip.first_frame + clip.num_frames - 1);
+    for h in all[from..].iter().take_while(|h| h.frame <= last) {
+        let root = bundle.planar(h.frame);
+        let place = root.translation() + root.rotation() * h.position();
+        let way = root.rotation() * h.direction() * (HIT_ARROW_M * h.force);
+        let strength = 1.0 - (h.frame.abs_diff(row) as f32 / (near + 1.0));
+        shapes.on_top(true);
+        shapes.sphere(place, 0.035, palette.target.alpha(strength));
+        shapes.arrow(place, place + way, 0.008, palette.target.alpha(strength));
+        shapes.on_top(false);
     }
 }
 

@@ -1,15 +1,18 @@
 //! Lays out what the 3-D view is to draw: poses, colours, cues.
 
+pub mod bout;
 mod clip;
 mod crowd;
 mod cues;
 mod raw;
+mod values;
 
 use crate::document::Document;
 use crate::model::Model;
 use crate::render::{CharacterInstance, Rgba, SceneColours, Shapes};
 use glam::Vec3;
 use throng_runtime::{Mat3x4, Skeleton};
+pub use values::ValueCell;
 
 /// What is drawn in one frame.
 #[derive(Debug, Default)]
@@ -22,6 +25,8 @@ pub struct Layout {
     pub instances: Vec<CharacterInstance>,
     /// Everything that is not a body.
     pub shapes: Shapes,
+    /// Cells of a policy that are drawn.
+    pub cells: Vec<ValueCell>,
 }
 
 /// Colours of what is laid out; the view's own are [`SceneColours`].
@@ -73,6 +78,7 @@ impl Layout {
         self.instances.clear();
         self.shapes.clear();
         self.poses.clear();
+        self.cells.clear();
         match &model.document {
             Document::Nothing => {}
             Document::Clip(motion) => raw::lay_out(self, model, motion, &palette),
@@ -138,16 +144,16 @@ mod tests {
     use super::*;
     use crate::command::{Command, Stage};
     use crate::document::Document;
+    use crate::panels::tests::golden_path;
     use crate::run::RunConfig;
     use crate::settings::Settings;
     use eframe::egui;
-    use std::path::Path;
     use throng_runtime::NUM_JOINTS;
 
     fn open() -> Model {
         let run = RunConfig { characters: 12, ..RunConfig::default() };
         let mut model = Model::new(Settings { run, ..Settings::default() });
-        model.open_now(&Path::new(env!("CARGO_MANIFEST_DIR")).join("../data/golden/tables_v1.throng")).unwrap();
+        model.open_now(&golden_path()).unwrap();
         model
     }
 
@@ -162,6 +168,25 @@ mod tests {
         // One at the play head, and some before and after it.
         assert!(layout.instances.len() > 3, "{}", layout.instances.len());
         assert_eq!(layout.poses(&model).len(), layout.instances.len() * NUM_JOINTS);
+    }
+
+    #[test]
+    fn cells_of_the_policy_lie_around_where_the_character_chose() {
+        let (mut model, mut layout) = (open(), Layout::default());
+        layout.lay_out(&model, true);
+        assert!(layout.cells.is_empty());
+        model.settings.overlays.values = true;
+        model.selection.character = Some(3);
+        layout.lay_out(&model, true);
+        let (bundle, run) = model.document.crowd().unwrap();
+        let policy = bundle.repertoire().policy(0).unwrap();
+        let choice = run.troupe().last_choice(3).unwrap();
+        assert_eq!(layout.cells.len(), policy.grid_of(choice.state).num_cells());
+        for c in &layout.cells {
+            let seen = choice.root.inverse_transform_point(glam::Vec2::new(c.place.x, c.place.z));
+            let target = policy.cell_target(choice.state, c.cell);
+            assert!(seen.distance(glam::Vec2::new(target.x, target.z)) < 1e-3, "{c:?}");
+        }
     }
 
     #[test]

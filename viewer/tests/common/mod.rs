@@ -2,20 +2,23 @@
 
 #![allow(dead_code)] // Every test file is a crate of its own and uses a part of this.
 
+pub mod boxing;
+
 use eframe::egui;
 use egui_kittest::Harness;
 use std::path::{Path, PathBuf};
 use throng_precompute::synth::{SynthConfig, SynthSet, make, save};
+use throng_runtime::format::VERSION;
 use throng_viewer::app::Viewer;
 use throng_viewer::args::Args;
 use throng_viewer::command::Command;
 use throng_viewer::model::Model;
 use throng_viewer::settings::Settings;
 
-/// The bundle that is kept for ever.
+/// The bundle of the current version that every checkout has.
 pub fn golden() -> PathBuf {
     // Tests run in the package's folder; a path that is the same everywhere looks the same in pictures.
-    PathBuf::from("../data/golden/tables_v1.throng")
+    PathBuf::from(format!("../data/golden/tables_v{VERSION}.throng"))
 }
 
 /// A short synthetic walk as a BVH file in a folder.

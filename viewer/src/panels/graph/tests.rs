@@ -1,20 +1,13 @@
 //! The panel, driven as a user does.
 
 use super::*;
+pub(super) use crate::panels::tests::golden;
+use crate::panels::tests::golden_path;
 use crate::run::Input;
 use crate::settings::Settings;
 use eframe::egui::{Event, Modifiers, PointerButton, Pos2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
-use std::path::{Path, PathBuf};
-
-pub fn golden_path() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../data/golden/tables_v1.throng")
-}
-
-pub fn golden() -> Bundle {
-    Bundle::open(&golden_path()).unwrap()
-}
 
 struct Panel {
     model: Model,

@@ -1,9 +1,10 @@
-//! A target grid seen from above: ring sectors around a character that faces up, its left side at the left.
+//! A target grid seen from above: ring sectors around its centre, for a character that faces up, its left side at the
+//! left. Places are those of the grid; the character stands at minus the centre.
 
 use glam::{Vec2, Vec3};
 use std::f32::consts::{PI, TAU};
 use std::ops::Range;
-use throng_runtime::policy::{GridRecord, TargetGrid};
+use throng_runtime::policy::{GridRecord, KIND_MOMENTS, TargetGrid};
 
 /// The part of the ground that is nearest to a cell.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -88,12 +89,39 @@ impl Chart {
         inside && distance >= self.radius(-0.5) && distance <= self.rim()
     }
 
-    /// Height of a plane. [Unit: m]
+    /// A box around all sectors and one more place: least and greatest left and ahead. [Unit: m]
+    pub fn bounds(&self, more: Vec2) -> [Vec2; 2] {
+        let [from, to] = self.angles();
+        let radii = [self.radius(-0.5), self.rim()];
+        const PARTS: usize = 64;
+        let angle = |i: usize| from + (to - from) * i as f32 / PARTS as f32;
+        let places = (0..=PARTS).flat_map(|i| radii.map(|r| polar(angle(i), r)));
+        places.fold([more, more], |[low, high], p| [low.min(p), high.max(p)])
+    }
+
+    /// True where heights stand for the time left.
+    pub fn is_of_moments(&self) -> bool {
+        self.record.kind == KIND_MOMENTS
+    }
+
+    /// What a plane stands for.
+    pub fn height_name(&self, index: u32) -> String {
+        let h = self.height(index);
+        if self.is_of_moments() { format!("{h:.2} s left") } else { format!("{h:.2} m high") }
+    }
+
+    /// The plane nearest to a height.
+    pub fn nearest_height(&self, height: f32) -> u32 {
+        let number = (height - self.record.height_start) / self.record.height_spacing;
+        (number.round().max(0.0) as u32).min(self.record.num_heights - 1)
+    }
+
+    /// Height of a plane, or the time left that it stands for. [Unit: m or s]
     pub fn height(&self, index: u32) -> f32 {
         self.record.height_start + index as f32 * self.record.height_spacing
     }
 
-    /// A place of the ground at a height, as a target.
+    /// A place of the ground at a height, as a target in the grid.
     pub fn target(&self, p: Vec2, height: u32) -> Vec3 {
         Vec3::new(p.x, self.height(height), p.y)
     }
@@ -140,6 +168,29 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn the_bounds_hold_every_sector_and_no_more() {
+        for grid in grids() {
+            let chart = Chart::new(&grid);
+            let [low, high] = chart.bounds(Vec2::ZERO);
+            let mut reached = [Vec2::ZERO; 2];
+            let edges = chart.cells(0).map(|c| chart.sector(c));
+            let corners = edges.flat_map(|s| s.angles.map(|a| s.radii.map(|r| polar(a, r)))).flatten();
+            for p in corners {
+                assert!(p.cmpge(low - 0.01).all() && p.cmple(high + 0.01).all(), "{p}");
+                reached = [reached[0].min(p), reached[1].max(p)];
+            }
+            assert!((reached[1] - high).abs().max_element() < 0.15 * chart.rim(), "{reached:?} {high}");
+        }
+    }
+
+    #[test]
+    fn the_nearest_height_is_found_within_the_grid() {
+        let chart = Chart::new(&grids()[2]);
+        assert_eq!(chart.nearest_height(chart.height(2) + 0.01), 2);
+        assert_eq!((chart.nearest_height(-9.0), chart.nearest_height(9.0)), (0, 3));
     }
 
     #[test]

@@ -3,7 +3,7 @@
 use super::chart::{Chart, polar};
 use crate::panels::paint::viridis;
 use eframe::egui::epaint::Mesh;
-use eframe::egui::{Color32, Pos2, Rect};
+use eframe::egui::{Color32, Pos2, Rect, vec2};
 use glam::Vec2;
 use std::collections::HashSet;
 use std::f32::consts::TAU;
@@ -15,8 +15,6 @@ use throng_runtime::policy::PolicyTable;
 const ARC: f32 = TAU / 90.0;
 /// Colours between two cells along each axis, where values are interpolated.
 const FINENESS: usize = 4;
-/// Space around the rim for the words "ahead" and so on. [Unit: points]
-const MARGIN: f32 = 18.0;
 /// Longest arrow. [Unit: points]
 const LONGEST: f32 = 22.0;
 /// Space between the feet of arrows. [Unit: points]
@@ -31,38 +29,51 @@ pub struct Key {
     pub policy: usize,
     /// State.
     pub state: u32,
-    /// Height of the targets.
+    /// Height of the targets, or moment.
     pub height: u32,
     /// Interpolated values, not those of cells.
     pub smooth: bool,
     /// Where it lies on the screen.
     pub rect: Rect,
+    /// Space around it, for the words "ahead" and so on. [Unit: points]
+    pub margin: f32,
 }
 
-/// From the ground around the character to the screen.
+/// From the ground around the character to the screen. Places are those of the grid.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Plan {
-    /// Where the character stands.
-    pub centre: Pos2,
+    /// Where the grid's own centre lies.
+    origin: Pos2,
     /// Points that a metre takes.
     pub per_m: f32,
+    /// Where the character stands.
+    pub character: Pos2,
 }
 
 impl Plan {
-    /// Fits a chart into a part of the screen.
-    pub fn new(chart: &Chart, rect: Rect) -> Self {
-        let radius = 0.5 * rect.width().min(rect.height()) - MARGIN;
-        Self { centre: rect.center(), per_m: radius.max(1.0) / chart.rim() }
+    /// Fits a chart and the character into a part of the screen.
+    ///
+    /// - `centre`: what the grid is around, as seen from the character. [Unit: m]
+    /// - `margin`: left free on all sides. [Unit: points]
+    pub fn new(chart: &Chart, centre: Vec2, rect: Rect, margin: f32) -> Self {
+        let [low, high] = chart.bounds(-centre);
+        let (room, size) = (rect.shrink(margin), high - low);
+        let per_m = (room.width() / size.x).min(room.height() / size.y).max(1.0);
+        let middle = 0.5 * (low + high);
+        let origin = rect.center() + vec2(middle.x, middle.y) * per_m;
+        let mut plan = Self { origin, per_m, character: origin };
+        plan.character = plan.screen(-centre);
+        plan
     }
 
     /// Screen position of a place: the character's left is at the left, ahead is up.
     pub fn screen(&self, p: Vec2) -> Pos2 {
-        Pos2::new(self.centre.x - p.x * self.per_m, self.centre.y - p.y * self.per_m)
+        Pos2::new(self.origin.x - p.x * self.per_m, self.origin.y - p.y * self.per_m)
     }
 
     /// Place of a screen position.
     pub fn ground(&self, p: Pos2) -> Vec2 {
-        Vec2::new(self.centre.x - p.x, self.centre.y - p.y) / self.per_m
+        Vec2::new(self.origin.x - p.x, self.origin.y - p.y) / self.per_m
     }
 }
 
@@ -86,15 +97,22 @@ pub struct Heat {
 impl Heat {
     /// Works the picture out.
     pub fn new(key: Key, policy: &PolicyTable<'_>, graph: &MotionGraph<'_>) -> Self {
-        let chart = Chart::new(policy.grid());
-        let plan = Plan::new(&chart, key.rect);
+        let chart = Chart::new(&policy.grid_of(key.state));
+        let centre = policy.centre();
+        let plan = Plan::new(&chart, Vec2::new(centre.x, centre.z), key.rect, key.margin);
         let values = policy.values_of(key.state);
         let range = values.iter().fold([f32::INFINITY, f32::NEG_INFINITY], |[a, b], &v| [a.min(v), b.max(v)]);
         let colour = |v: f32| viridis::map(viridis::ratio(v, range));
         let mesh = if key.smooth {
-            smooth(&chart, &plan, |p| colour(policy.value(key.state, chart.target(p, key.height))), policy)
+            smooth(
+                &chart,
+                &plan,
+                |p| colour(policy.value(key.state, chart.target(p, key.height) + centre)),
+                key,
+                policy,
+            )
         } else {
-            cells(&chart, &plan, key.height, |cell| colour(values[policy.own_cell(key.state, cell)]))
+            cells(&chart, &plan, key.height, |cell| colour(values[cell]))
         };
         let (arrows, arrow_scale) = arrows(&key, &chart, &plan, policy, graph);
         Self { key, plan, mesh: Arc::new(mesh), range, arrows, arrow_scale }
@@ -124,9 +142,10 @@ fn cells(chart: &Chart, plan: &Plan, height: u32, colour: impl Fn(usize) -> Colo
 }
 
 /// A net of colours over all of the chart.
-fn smooth(chart: &Chart, plan: &Plan, colour: impl Fn(Vec2) -> Color32, policy: &PolicyTable<'_>) -> Mesh {
+fn smooth(chart: &Chart, plan: &Plan, colour: impl Fn(Vec2) -> Color32, key: Key, policy: &PolicyTable<'_>) -> Mesh {
     let mut mesh = Mesh::default();
-    let record = policy.grid().record();
+    let grid = policy.grid_of(key.state);
+    let record = grid.record();
     let around = (record.num_angles as usize * FINENESS).max(90) as u32;
     let out = record.num_rings as usize * FINENESS;
     let [from, to] = chart.angles();
@@ -162,7 +181,7 @@ fn arrows(
 ) -> (Vec<[Pos2; 2]>, f32) {
     let segments = graph.segments_of(key.state);
     let way = |cell: usize| {
-        let best = usize::from(policy.best_of(key.state, policy.own_cell(key.state, cell))[0]);
+        let best = usize::from(policy.best_of(key.state, cell)[0]);
         let d = graph.segments[segments[best] as usize].displacement;
         Vec2::new(d[0], d[1])
     };
@@ -171,7 +190,7 @@ fn arrows(
     let mut taken = HashSet::new();
     let mut found = Vec::new();
     for cell in chart.cells(key.height).rev() {
-        let centre = policy.grid().cell_centre(cell);
+        let centre = policy.grid_of(key.state).cell_centre(cell);
         let foot = plan.screen(Vec2::new(centre.x, centre.z));
         let bucket = ((foot.x / APART) as i32, (foot.y / APART) as i32);
         let around = (-1..=1).flat_map(|x| (-1..=1).map(move |y| (bucket.0 + x, bucket.1 + y)));

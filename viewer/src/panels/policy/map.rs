@@ -2,13 +2,15 @@
 
 use super::chart::Chart;
 use super::heat::{Heat, Key, Plan};
-use super::{State, why::name};
+use super::{State, slices, why::name};
+use crate::command::Command;
 use crate::document::Bundle;
 use crate::panels::paint::{Palette, legend, viridis};
 use crate::panels::words;
 use crate::run::{Candidate, Why};
+use crate::volume::Volume;
 use eframe::egui::{
-    Align2, Color32, FontId, Painter, Pos2, Response, RichText, Role, Sense, Shape, Stroke, Ui, Vec2 as Span,
+    Align2, Color32, FontId, Painter, Pos2, Rect, Response, RichText, Role, Sense, Shape, Stroke, Ui, Vec2 as Span,
     WidgetInfo,
 };
 use glam::{Vec2, Vec3};
@@ -19,6 +21,9 @@ const MIN_ARROW: f32 = 30.0;
 
 /// Largest side of the map. [Unit: points]
 const LARGEST: f32 = 460.0;
+
+/// Space around the only map, for the words "ahead" and so on, and around one of many. [Unit: points]
+const MARGINS: [f32; 2] = [18.0, 5.0];
 
 /// What is shown on the map.
 #[derive(Clone, Copy)]
@@ -33,121 +38,187 @@ pub struct Shown<'a> {
     pub number: usize,
     /// State whose values are shown.
     pub state: u32,
+    /// Height, or moment, that is looked at.
+    pub slice: u32,
     /// Choice of the selected character, where it was made in that state.
     pub why: Option<&'a Why>,
-    /// Target as the selected character sees it now. [Unit: m]
-    pub target_now: Option<Vec3>,
+    /// Target as the selected character sees it now, and as it saw it when it chose. [Unit: m]
+    pub targets: [Option<Vec3>; 2],
 }
 
-/// Shows the map with its options and legend.
-pub fn show(ui: &mut Ui, shown: &Shown<'_>, own: &mut State) {
-    options(ui, shown, own);
-    let side = ui.available_width().min(LARGEST);
-    let (rect, response) = ui.allocate_exact_size(Span::splat(side), Sense::hover());
-    response.widget_info(|| WidgetInfo::labeled(Role::Canvas, true, "Values around the character"));
-    let key = Key {
-        document: shown.document,
-        policy: shown.number,
-        state: shown.state,
-        height: own.height,
-        smooth: own.smooth,
-        rect,
+impl Shown<'_> {
+    /// The grid of the state from above.
+    pub fn chart(&self) -> Chart {
+        Chart::new(&self.policy.grid_of(self.state))
+    }
+
+    /// What the grid is around, over ground. [Unit: m]
+    fn centre(&self) -> Vec2 {
+        Vec2::new(self.policy.centre().x, self.policy.centre().z)
+    }
+}
+
+/// Shows the map, or those of all heights, with options and legend.
+pub fn show(ui: &mut Ui, shown: &Shown<'_>, own: &mut State, commands: &mut Vec<Command>) {
+    options(ui, shown, own, commands);
+    let heights = shown.policy.grid_of(shown.state).record().num_heights;
+    let arrow_scale = if own.slices && heights > 1 {
+        slices::show(ui, shown, own, heights, commands)
+    } else {
+        let side = ui.available_width().min(LARGEST);
+        let (rect, response) = ui.allocate_exact_size(Span::splat(side), Sense::hover());
+        response.widget_info(|| WidgetInfo::labeled(Role::Canvas, true, "Values around the character"));
+        own.heats.truncate(1);
+        paint(ui, shown, own, (0, shown.slice), rect, response)
     };
-    if own.heat.as_ref().is_none_or(|h| h.key != key) {
-        own.heat = Some(Heat::new(key, shown.policy, &shown.bundle.tables().graph()));
-    }
-    let Some(heat) = &own.heat else { return };
-    let painter = ui.painter_at(rect);
-    painter.add(Shape::mesh(heat.mesh.clone()));
-    directions(ui, &painter, shown, &heat.plan);
-    if own.arrows {
-        heat.arrows.iter().for_each(|&[from, to]| arrow(&painter, from, to, 1.0, Color32::WHITE));
-    }
-    choice(&painter, shown, own, &heat.plan);
-    targets(&painter, shown, &heat.plan);
-    tell(response, shown, own, heat);
+    let range = own.heats.first().map_or([0.0, 1.0], |h| h.range);
     ui.horizontal_wrapped(|ui| {
-        legend(ui, heat.range, &format!("value by {}", name(shown.bundle, shown.number)), viridis::map)
+        legend(ui, range, &format!("value by {}", name(shown.bundle, shown.number)), viridis::map)
     });
     ui.horizontal_wrapped(|ui| {
         ui.weak("cross: target now; ring: when it chose;");
         ui.colored_label(Palette::of(ui.visuals()).character, "action taken (lengthened);");
-        let scale =
-            if heat.arrow_scale < 1.0 { format!(" at {:.0} %", 100.0 * heat.arrow_scale) } else { String::new() };
+        let scale = if arrow_scale < 1.0 { format!(" at {:.0} %", 100.0 * arrow_scale) } else { String::new() };
         ui.weak(format!("small arrows: best action if the target were there{scale}"));
     });
 }
 
-fn options(ui: &mut Ui, shown: &Shown<'_>, own: &mut State) {
-    let heights = shown.policy.grid().record().num_heights;
-    own.height = own.height.min(heights - 1);
+/// Paints one height into a part of the screen; returns the scale of its arrows.
+///
+/// - `at`: number of the picture that is kept, and the height.
+pub fn paint(
+    ui: &Ui,
+    shown: &Shown<'_>,
+    own: &mut State,
+    (at, height): (usize, u32),
+    rect: Rect,
+    response: Response,
+) -> f32 {
+    let margin = MARGINS[usize::from(own.slices)];
+    let (document, policy, state) = (shown.document, shown.number, shown.state);
+    let key = Key { document, policy, state, height, smooth: own.smooth, rect, margin };
+    if own.heats.get(at).is_none_or(|h| h.key != key) {
+        let heat = Heat::new(key, shown.policy, &shown.bundle.tables().graph());
+        own.heats.truncate(at);
+        own.heats.push(heat);
+    }
+    let Some(heat) = own.heats.get(at) else { return 1.0 };
+    let painter = ui.painter_at(rect);
+    painter.add(Shape::mesh(heat.mesh.clone()));
+    if !own.slices {
+        directions(ui, &painter, shown, &heat.plan);
+    }
+    region(&painter, shown, height, &heat.plan);
+    nose(&painter, &heat.plan, if own.slices { 0.7 } else { 1.0 });
+    if own.arrows {
+        heat.arrows.iter().for_each(|&[from, to]| arrow(&painter, from, to, 1.0, Color32::WHITE));
+    }
+    choice(&painter, shown, own, &heat.plan);
+    targets(&painter, shown, height, &heat.plan);
+    tell(response, shown, own, height, heat);
+    heat.arrow_scale
+}
+
+fn options(ui: &mut Ui, shown: &Shown<'_>, own: &mut State, commands: &mut Vec<Command>) {
+    let heights = shown.policy.grid_of(shown.state).record().num_heights;
     ui.horizontal_wrapped(|ui| {
         ui.selectable_value(&mut own.smooth, false, "cells").on_hover_text("The stored value of every cell");
         ui.selectable_value(&mut own.smooth, true, "interpolated").on_hover_text("Values as the look-ahead reads them");
         ui.checkbox(&mut own.arrows, "best actions");
         if heights > 1 {
-            let chart = Chart::new(shown.policy.grid());
-            let slider = eframe::egui::Slider::new(&mut own.height, 0..=heights - 1).text("height");
-            ui.add(slider.custom_formatter(move |n, _| format!("{:.2} m", chart.height(n as u32))));
+            let chart = shown.chart();
+            let all = if chart.is_of_moments() { "all moments" } else { "all heights" };
+            ui.checkbox(&mut own.slices, all).on_hover_text("Side by side, with the same colours");
         }
     });
+    if heights > 1 && !own.slices {
+        let chart = shown.chart();
+        let mut slice = shown.slice;
+        let what = if chart.is_of_moments() { "moment" } else { "height" };
+        let slider = eframe::egui::Slider::new(&mut slice, 0..=heights - 1).text(what);
+        ui.add(slider.custom_formatter(move |n, _| chart.height_name(n as u32)));
+        if slice != shown.slice {
+            commands.push(Command::SelectSlice(slice));
+        }
+    }
 }
 
-/// The character, and which way is which.
+/// Where the behaviour is active, dashed; a word where it is not at this height.
+fn region(painter: &Painter, shown: &Shown<'_>, height: u32, plan: &Plan) {
+    let region = shown.policy.region();
+    let Some(volume) = Volume::of_region(region) else { return };
+    let mut outline: Vec<Pos2> = volume.over_ground().iter().map(|p| plan.screen(*p - shown.centre())).collect();
+    outline.extend(outline.first().copied());
+    let at = shown.chart().height(height);
+    let is_active = shown.policy.grid().record().num_heights == 1 || (at >= region.height[0] && at <= region.height[1]);
+    let colour = if is_active { Color32::WHITE } else { Color32::from_white_alpha(110) };
+    painter.extend(Shape::dashed_line(&outline, Stroke::new(1.2, colour), 5.0, 4.0));
+}
+
+/// Which way is which, on a grid that goes all around.
 fn directions(ui: &Ui, painter: &Painter, shown: &Shown<'_>, plan: &Plan) {
-    let chart = Chart::new(shown.policy.grid());
-    let radius = chart.rim() * plan.per_m;
+    let chart = shown.chart();
+    let radius = chart.rim();
     let weak = ui.visuals().weak_text_color();
     let font = FontId::proportional(11.0);
-    let up = plan.centre - Span::new(0.0, radius + 3.0);
-    painter.text(up, Align2::CENTER_BOTTOM, "ahead", font.clone(), weak);
-    let down = plan.centre + Span::new(0.0, radius + 3.0);
-    painter.text(down, Align2::CENTER_TOP, "behind", font, weak);
-    painter.circle_stroke(plan.centre, radius, Stroke::new(1.0, weak.gamma_multiply(0.5)));
-    let c = plan.centre;
-    let nose =
-        vec![c + Span::new(0.0, -7.0), c + Span::new(5.0, 5.0), c + Span::new(0.0, 2.0), c + Span::new(-5.0, 5.0)];
-    painter.add(Shape::convex_polygon(nose, Color32::WHITE, Stroke::new(1.5, Color32::BLACK)));
+    let ahead = plan.screen(Vec2::new(0.0, radius)) - Span::new(0.0, 3.0);
+    painter.text(ahead, Align2::CENTER_BOTTOM, "ahead", font.clone(), weak);
+    if shown.policy.grid().is_polar() {
+        let behind = plan.screen(Vec2::new(0.0, -radius)) + Span::new(0.0, 3.0);
+        painter.text(behind, Align2::CENTER_TOP, "behind", font, weak);
+        painter.circle_stroke(plan.screen(Vec2::ZERO), radius * plan.per_m, Stroke::new(1.0, weak.gamma_multiply(0.5)));
+    }
+}
+
+/// The character, which faces up.
+fn nose(painter: &Painter, plan: &Plan, size: f32) {
+    let corners = [Span::new(0.0, -7.0), Span::new(5.0, 5.0), Span::new(0.0, 2.0), Span::new(-5.0, 5.0)];
+    let points = corners.map(|d| plan.character + d * size).to_vec();
+    painter.add(Shape::convex_polygon(points, Color32::WHITE, Stroke::new(1.5 * size, Color32::BLACK)));
 }
 
 fn choice(painter: &Painter, shown: &Shown<'_>, own: &State, plan: &Plan) {
     let Some(why) = shown.why else { return };
     let tip = |c: &Candidate| {
-        let to = plan.screen(Vec2::new(c.displacement.x, c.displacement.z)) - plan.centre;
+        let to = Span::new(-c.displacement.x, -c.displacement.z) * plan.per_m;
         // A step is small on a map of many metres; one that stays where it is has no direction.
         let length = if to.length() > 2.0 { to.length().max(MIN_ARROW) } else { 0.0 };
-        plan.centre + to.normalized() * length
+        plan.character + to.normalized() * length
     };
     if let Some(taken) = why.candidates.get(why.chosen) {
-        arrow(painter, plan.centre, tip(taken), 2.6, Palette::CHARACTER_ON_MAP);
+        arrow(painter, plan.character, tip(taken), 2.6, Palette::CHARACTER_ON_MAP);
     }
     for (segment, width) in [(own.picked, 2.0), (own.hovered_before, 2.6)] {
         if let Some(c) = why.candidates.iter().find(|c| Some(c.segment) == segment) {
-            arrow(painter, plan.centre, tip(c), width, Palette::POINTED_ON_MAP);
+            arrow(painter, plan.character, tip(c), width, Palette::POINTED_ON_MAP);
         }
     }
 }
 
-fn targets(painter: &Painter, shown: &Shown<'_>, plan: &Plan) {
-    let grid = shown.policy.grid();
+/// The target now and when it chose, on the map of the height that is nearest to it.
+fn targets(painter: &Painter, shown: &Shown<'_>, height: u32, plan: &Plan) {
+    let (grid, chart) = (shown.policy.grid(), shown.chart());
     let at = |t: Vec3| {
+        let t = shown.policy.to_grid(t);
         let c = grid.clamp(t);
         (plan.screen(Vec2::new(c.x, c.z)), !grid.contains(t))
     };
+    let [now, then] = shown.targets.map(|t| t.filter(|t| chart.nearest_height(t.y) == height).map(at));
     let ring = |p: Pos2, r: f32| {
         painter.circle_stroke(p, r, Stroke::new(4.0, Color32::from_black_alpha(170)));
         painter.circle_stroke(p, r, Stroke::new(2.0, Color32::WHITE));
     };
-    if let Some(why) = shown.why {
-        ring(at(why.local_target).0, 5.0);
+    if let Some((p, _)) = then {
+        ring(p, 5.0);
     }
-    if let Some((p, beyond)) = shown.target_now.map(at) {
+    if let Some((p, beyond)) = now {
         ring(p, 7.0);
         for d in [Span::new(10.0, 0.0), Span::new(0.0, 10.0)] {
             painter.line_segment([p - d, p + d], Stroke::new(1.5, Color32::WHITE));
         }
-        if beyond && (p - plan.centre).length() > 20.0 {
-            let out = (p - plan.centre).normalized();
+        let centre = plan.screen(Vec2::ZERO);
+        if beyond && (p - centre).length() > 20.0 {
+            let out = (p - centre).normalized();
             arrow(painter, p + out * 3.0, p + out * 16.0, 2.0, Color32::WHITE);
         }
     }
@@ -173,28 +244,29 @@ fn arrow(painter: &Painter, from: Pos2, to: Pos2, width: f32, colour: Color32) {
 }
 
 /// Says what the value is under the pointer, and what would be done there.
-fn tell(response: Response, shown: &Shown<'_>, own: &State, heat: &Heat) {
+fn tell(response: Response, shown: &Shown<'_>, own: &State, height: u32, heat: &Heat) {
     let Some(point) = response.hover_pos() else { return };
-    let chart = Chart::new(shown.policy.grid());
+    let chart = shown.chart();
     let place = heat.plan.ground(point);
     if !chart.covers(place) {
         return;
     }
-    let target = chart.target(place, own.height);
-    let cell = shown.policy.grid().nearest_cell(target);
-    let own_cell = shown.policy.own_cell(shown.state, cell);
-    let value = if own.smooth {
-        shown.policy.value(shown.state, target)
-    } else {
-        shown.policy.values_of(shown.state)[own_cell]
-    };
+    let target = chart.target(place, height) + shown.policy.centre();
+    let cell = shown.policy.nearest_cell(shown.state, target);
+    let value =
+        if own.smooth { shown.policy.value(shown.state, target) } else { shown.policy.values_of(shown.state)[cell] };
     let graph = shown.bundle.tables().graph();
-    let best = usize::from(shown.policy.best_of(shown.state, own_cell)[0]);
+    let best = usize::from(shown.policy.best_of(shown.state, cell)[0]);
     let segment = graph.segments_of(shown.state)[best];
+    let of_heights = shown.policy.grid_of(shown.state).record().num_heights > 1;
     response.on_hover_ui_at_pointer(|ui| {
         ui.label(RichText::new(format!("value {}", words::number(value))).strong());
-        ui.label(format!("target {}", words::place(place)));
-        let centre = shown.policy.grid().cell_coordinates(cell);
+        let height = if of_heights { format!(", {}", chart.height_name(height)) } else { String::new() };
+        ui.label(format!("target {}{height}", words::place(Vec2::new(target.x, target.z))));
+        if !shown.policy.region().contains(target) {
+            ui.label("not active there");
+        }
+        let centre = shown.policy.grid_of(shown.state).cell_coordinates(cell);
         ui.label(format!("cell {cell}: {:.2} m, {}", centre.y, words::direction(centre.x)));
         ui.label(format!("best: {}", shown.bundle.describe_segment(segment)));
         ui.label(words::way(graph.segments[segment as usize].displacement()));

@@ -4,12 +4,14 @@ mod chances;
 mod chart;
 mod heat;
 mod map;
+mod slices;
 mod story;
 mod why;
 
 use crate::command::Command;
 use crate::document::Bundle;
 use crate::model::Model;
+use crate::run::About;
 use eframe::egui::{ComboBox, RichText, Ui};
 use glam::{Vec2, Vec3};
 use heat::Heat;
@@ -19,10 +21,12 @@ use why::name;
 /// How the policy is looked at.
 #[derive(Clone, Debug)]
 pub struct State {
-    heat: Option<Heat>,
+    /// Pictures that are kept, one for each map.
+    heats: Vec<Heat>,
     smooth: bool,
     arrows: bool,
-    height: u32,
+    /// All heights side by side.
+    slices: bool,
     /// Candidates listed.
     shown: usize,
     /// Segment whose arrow is kept on the map.
@@ -35,10 +39,10 @@ pub struct State {
 impl Default for State {
     fn default() -> Self {
         Self {
-            heat: None,
+            heats: Vec::new(),
             smooth: false,
             arrows: true,
-            height: 0,
+            slices: true,
             shown: 6,
             picked: None,
             hovered: None,
@@ -70,20 +74,33 @@ pub fn show(ui: &mut Ui, model: &Model, state: &mut State, commands: &mut Vec<Co
     show_state(ui, model, bundle, commands);
     if let Some(looked_at) = model.looked_at_state().filter(|&s| (s as usize) < policy.actions().num_states()) {
         let why = why.as_ref().filter(|w| w.state == looked_at);
-        let target_now = local_target(model);
+        let then = why.and_then(|w| {
+            w.behaviours.iter().find(|b| b.policy == number).map_or(Some(w.local_target), |b| near(b.target))
+        });
         let document = model.generation;
-        let shown = map::Shown { document, bundle, policy, number, state: looked_at, why, target_now };
-        map::show(ui, &shown, state);
+        let slice = model.selection.slice.min(policy.grid_of(looked_at).record().num_heights - 1);
+        let targets = [local_target(model, number), then];
+        let shown = map::Shown { document, bundle, policy, number, state: looked_at, slice, why, targets };
+        map::show(ui, &shown, state, commands);
     }
     ui.separator();
     why::show(ui, model, state, why.as_ref(), commands);
 }
 
-/// Target of the selected character, as it sees it now. [Unit: m]
-fn local_target(model: &Model) -> Option<Vec3> {
+/// Time left from which on a blow is none that is coming. [Unit: s]
+const NEVER_S: f32 = 100.0;
+
+/// A target, unless it stands for no coming blow.
+fn near(target: Vec3) -> Option<Vec3> {
+    (target.y < NEVER_S).then_some(target)
+}
+
+/// What a behaviour is about for the selected character, as it sees it now. [Unit: m]
+fn local_target(model: &Model, policy: usize) -> Option<Vec3> {
     let (_, run) = model.document.crowd()?;
     let character = model.selection.character?;
-    let target = run.targets().get(character)?;
+    let is_threat = run.goals().iter().any(|g| g.policy == policy && g.about == About::Threat);
+    let target = near(*if is_threat { run.threats() } else { run.targets() }.get(character)?)?;
     let local = run.troupe().root(character).inverse_transform_point(Vec2::new(target.x, target.z));
     Some(Vec3::new(local.x, target.y, local.y))
 }
@@ -102,7 +119,8 @@ fn facts(ui: &mut Ui, bundle: &Bundle, policy: &PolicyTable<'_>, number: usize) 
     let Some(record) = bundle.tables().policy_records().get(number) else { return };
     let grid = policy.grid();
     let g = grid.record();
-    let heights = if g.num_heights > 1 { format!(" × {} heights", g.num_heights) } else { String::new() };
+    let third = if grid.is_moments() { "moments" } else { "heights" };
+    let heights = if g.num_heights > 1 { format!(" × {} {third}", g.num_heights) } else { String::new() };
     let rate_hz = bundle.rate_hz();
     let half_life_s = 0.5f32.ln() / record.discount.ln() / rate_hz;
     let text = format!(

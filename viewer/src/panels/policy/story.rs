@@ -3,8 +3,9 @@
 use super::chances;
 use crate::document::Bundle;
 use crate::panels::words;
-use crate::run::{RunConfig, STEP_HZ, Why};
+use crate::run::{About, BehaviourScore, RunConfig, STEP_HZ, Why};
 use glam::Vec2;
+use throng_runtime::policy::RegionRecord;
 
 /// True where the stored best action of the nearest cell is loaded: weighing several behaviours needs a look ahead.
 pub fn is_single_load(why: &Why, config: &RunConfig) -> bool {
@@ -34,11 +35,35 @@ pub fn situation(why: &Why, bundle: &Bundle, character: usize, now: u32) -> Stri
     )
 }
 
+/// Why a behaviour was not active: by how its target missed the region, in words.
+pub fn inactivity(region: &RegionRecord, b: &BehaviourScore) -> String {
+    let t = b.target;
+    let (is_threat, distance, angle) = (b.about == About::Threat, t.x.hypot(t.z), t.x.atan2(t.z));
+    let outside = |v: f32, [low, high]: [f32; 2]| v < low || v > high;
+    let within = |[low, high]: [f32; 2]| format!("{low:.2} to {high:.2}");
+    if outside(t.y, region.height) {
+        return match is_threat {
+            true if t.y > 100.0 => "no blow was coming".into(),
+            true => format!("the blow was {:.2} s away, it acts at {} s", t.y, within(region.height)),
+            false => format!("the target was {:.2} m high, it acts at {} m", t.y, within(region.height)),
+        };
+    }
+    let what = if is_threat { "the blow" } else { "the target" };
+    if outside(distance, region.distance) {
+        return format!("{what} was {distance:.2} m away, it acts at {} m", within(region.distance));
+    }
+    let degrees = region.angle.map(f32::to_degrees);
+    format!("{what} was {}, it acts from {:.0}° to {:.0}°", words::direction(angle), degrees[0], degrees[1])
+}
+
 /// Which action it took, and by what rule.
 pub fn decision(why: &Why, bundle: &Bundle, config: &RunConfig) -> String {
     let Some(taken) = why.candidates.get(why.chosen) else { return String::new() };
     let action = format!("{}: {}", bundle.describe_segment(taken.segment), words::way(taken.displacement));
     let n = why.candidates.len();
+    if why.behaviours.iter().all(|b| b.counted() == 0.0) && !is_single_load(why, config) {
+        return format!("No behaviour counted, so all {n} actions were alike; it took {action}.");
+    }
     let gap = why.candidates[0].score - taken.score;
     if is_single_load(why, config) {
         let agreement = match why.chosen {
@@ -66,6 +91,20 @@ pub fn decision(why: &Why, bundle: &Bundle, config: &RunConfig) -> String {
 mod tests {
     use super::super::tests::golden_run;
     use super::*;
+    use glam::Vec3;
+
+    #[test]
+    fn what_kept_a_behaviour_from_acting_is_said() {
+        let region = RegionRecord { distance: [0.3, 1.2], angle: [-1.0, 1.0], height: [1.2, 1.7] };
+        let why = |about, x, y, z| {
+            let target = Vec3::new(x, y, z);
+            inactivity(&region, &BehaviourScore { policy: 0, weight: 1.0, about, target, is_active: false, value: 0.0 })
+        };
+        assert_eq!(why(About::Target, 0.0, 1.5, 2.0), "the target was 2.00 m away, it acts at 0.30 to 1.20 m");
+        assert_eq!(why(About::Target, 0.0, 1.9, 2.0), "the target was 1.90 m high, it acts at 1.20 to 1.70 m");
+        assert_eq!(why(About::Target, 0.9, 1.5, 0.0), "the target was 90° to the left, it acts from -57° to 57°");
+        assert_eq!(why(About::Threat, 0.0, 1e3, 0.0), "no blow was coming");
+    }
 
     #[test]
     fn the_story_names_the_action_that_is_played() {

@@ -1,15 +1,12 @@
 //! The panel, driven as a user does.
 
 use super::*;
+use crate::panels::tests::boxing::Boxing;
+use crate::panels::tests::golden_path;
 use crate::run::{Run, RunConfig};
 use crate::settings::Settings;
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
-use std::path::{Path, PathBuf};
-
-fn golden_path() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../data/golden/tables_v1.throng")
-}
 
 /// The bundle that every checkout has, and a run of some seconds.
 pub fn golden_run(config: RunConfig) -> (Bundle, Run) {
@@ -46,7 +43,7 @@ fn without_a_selection_it_says_what_to_do() {
     h.get_by_label("select character 0").click();
     h.step();
     assert_eq!(h.state().commands, [Command::SelectCharacter(Some(0))]);
-    assert!(h.state().state.heat.is_none());
+    assert!(h.state().state.heats.is_empty());
 }
 
 #[test]
@@ -71,12 +68,12 @@ fn the_motion_of_a_candidate_can_be_shown() {
 fn the_picture_is_kept_until_what_it_shows_changes() {
     let mut h = panel(|m| m.selection.state = Some(3));
     h.step();
-    let first = h.state().state.heat.clone().unwrap();
+    let first = h.state().state.heats[0].clone();
     h.step();
-    assert!(std::sync::Arc::ptr_eq(&first.mesh, &h.state().state.heat.as_ref().unwrap().mesh));
+    assert!(std::sync::Arc::ptr_eq(&first.mesh, &h.state().state.heats[0].mesh));
     h.state_mut().model.selection.state = Some(4);
     h.step();
-    let other = h.state().state.heat.as_ref().unwrap();
+    let other = &h.state().state.heats[0];
     assert_eq!(other.key.state, 4);
     assert!(!std::sync::Arc::ptr_eq(&first.mesh, &other.mesh));
 }
@@ -106,4 +103,32 @@ fn a_choice_of_few_candidates_leaves_the_length_of_the_list_as_it_was() {
     h.state_mut().state.shown = 1000;
     h.run_steps(2);
     assert_eq!(h.state().state.shown, 1000);
+}
+
+#[test]
+fn all_heights_are_shown_with_the_same_colours_and_a_click_looks_at_one() {
+    let boxing = Boxing::new();
+    let mut model = Model::new(Settings::default());
+    model.open_now(&boxing.bundle()).unwrap();
+    model.selection.state = Some(0);
+    for (policy, heights, name) in [(1, 3, "high"), (2, 4, "left")] {
+        model.selection.policy = policy;
+        let panel = Panel { model: std::mem::take(&mut model), state: State::default(), commands: Vec::new() };
+        let mut h = Harness::builder()
+            .with_size([420.0, 900.0])
+            .build_ui_state(|ui, p: &mut Panel| show(ui, &p.model, &mut p.state, &mut p.commands), panel);
+        h.run_steps(2);
+        let heats = &h.state().state.heats;
+        assert_eq!(heats.len(), heights);
+        assert!(heats.iter().all(|k| k.range == heats[0].range));
+        assert!(heats.windows(2).all(|k| k[0].key.height + 1 == k[1].key.height));
+        let bundle = h.state().model.document.bundle().unwrap();
+        let label = chart::Chart::new(&bundle.repertoire().policy(policy).unwrap().grid_of(0)).height_name(1);
+        assert!(label.ends_with(name), "{label}");
+        h.get_by_label(&format!("Values {label}")).click();
+        h.run_steps(2);
+        assert_eq!(h.state().commands, [Command::SelectSlice(1)]);
+        assert!(!h.state().state.slices && h.state().state.heats.len() == 1);
+        model = std::mem::take(&mut h.state_mut().model);
+    }
 }

@@ -65,12 +65,16 @@ pub fn show(ui: &mut Ui, model: &Model, own: &mut State, why: Option<&Why>, comm
 }
 
 fn behaviours(ui: &mut Ui, bundle: &Bundle, why: &Why) {
-    if why.behaviours.len() < 2 {
+    if why.behaviours.len() < 2 && why.behaviours.iter().all(|b| b.is_active) {
         return;
     }
     for b in &why.behaviours {
         let name = name(bundle, b.policy);
-        ui.weak(format!("{name}: weight {:.2}, value of the state {}", b.weight, words::number(b.value)));
+        if b.is_active {
+            ui.weak(format!("{name}: weight {:.2}, value of the state {}", b.weight, words::number(b.value)));
+        } else if let Some(policy) = bundle.repertoire().policy(b.policy) {
+            ui.label(format!("{name}: not active, it does not count: {}", story::inactivity(policy.region(), b)));
+        }
     }
 }
 

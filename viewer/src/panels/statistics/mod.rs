@@ -1,4 +1,6 @@
-//! What was measured: time of a step and a frame, memory, foot slip, arrivals.
+//! What was measured: time of a step and a frame, memory, foot slip, arrivals, blows.
+
+mod bout;
 
 use crate::model::Model;
 use crate::run::{Run, STEP_HZ};
@@ -24,6 +26,9 @@ const SMOOTH: usize = 6;
 pub fn show(ui: &mut Ui, model: &Model) {
     if let Some((_, run)) = model.document.crowd() {
         now(ui, model, run);
+        if run.scene().is_some() {
+            bout::show(ui, run);
+        }
         step_times(ui, run);
         quality(ui, run);
     }
@@ -40,11 +45,10 @@ fn now(ui: &mut Ui, model: &Model, run: &Run) {
     let f = run.figures();
     let n = run.config().characters;
     Grid::new("now").num_columns(2).spacing([14.0, 3.0]).show(ui, |ui| {
-        row(
-            ui,
-            "characters at target",
-            format!("{} of {n} ({:.0} %)", f.at_target, 100.0 * f.at_target as f32 / n as f32),
-        );
+        if run.scene().is_none() {
+            let share = 100.0 * f.at_target as f32 / n as f32;
+            row(ui, "characters at target", format!("{} of {n} ({share:.0} %)", f.at_target));
+        }
         row(ui, "foot slip", format!("{:.3} m/s mean, {:.3} at the 95th percentile", f.slip.mean_mps, f.slip.p95_mps));
         let per_character = 1e9 * f.wall_s / n as f64;
         row(ui, "step", format!("{:.3} ms, {per_character:.0} ns a character", 1e3 * f.wall_s));
@@ -64,6 +68,10 @@ fn row(ui: &mut Ui, name: &str, text: String) {
 }
 
 fn step_times(ui: &mut Ui, run: &Run) {
+    // Characters of a scene are not timed phase by phase.
+    if run.figures().times.total_s() == 0.0 {
+        return;
+    }
     section(ui, "Time of a step by phase", |ui| {
         ui.weak("Microseconds of all threads together, one phase on top of the other.");
         let history: Vec<_> = run.history().map(|(step, f)| (step, f.times.phases())).collect();
@@ -103,6 +111,9 @@ fn quality(ui: &mut Ui, run: &Run) {
             p.line(line("95th percentile", COLOURS[1], smooth(steps(), &of(|f| f.slip.p95_mps))));
         });
     });
+    if run.scene().is_some() {
+        return;
+    }
     section(ui, "Characters at target", |ui| {
         let n = run.config().characters as f64;
         let share: Vec<f64> = run.history().map(|h| 100.0 * h.1.at_target as f64 / n).collect();
@@ -207,11 +218,13 @@ fn section_name(tag: &str) -> String {
         "CLIP" => "clips",
         "FRAM" => "frames",
         "CONT" => "contacts",
+        "HITS" => "effective hits",
         "STAT" => "states",
         "SEGM" => "segments",
         "AOFF" | "ASEG" | "AERR" => "actions",
         "POLI" => "policies",
         "PSEG" => "segments of policies",
+        "PPTH" => "ways in moments",
         "PVAL" => "values",
         "PBST" => "best actions",
         _ => return tag.to_owned(),

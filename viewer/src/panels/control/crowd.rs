@@ -1,0 +1,67 @@
+//! What a crowd is made of.
+
+use crate::command::Command;
+use crate::run::{MAX_CHARACTERS, RunConfig, TargetMode};
+use eframe::egui::{self, ComboBox, DragValue, Grid, Slider, Ui};
+
+/// Shows what a crowd is made of.
+///
+/// - `dragged`: the config as it is dragged to.
+pub fn show(ui: &mut Ui, config: &RunConfig, dragged: &mut Option<RunConfig>, commands: &mut Vec<Command>) {
+    ui.strong("Crowd");
+    ui.weak("A change starts the run anew. The same numbers give the same run.");
+    let mut c = dragged.unwrap_or(*config);
+    let mut is_dragged = false;
+    Grid::new("crowd").num_columns(2).spacing([8.0, 5.0]).show(ui, |ui| {
+        let mut row = |ui: &mut Ui, name: &str, tip: &str, add: &mut dyn FnMut(&mut Ui) -> egui::Response| {
+            ui.label(name).on_hover_text(tip);
+            is_dragged |= add(ui).on_hover_text(tip).dragged();
+            ui.end_row();
+        };
+        row(ui, "characters", "How many", &mut |ui| {
+            ui.add(Slider::new(&mut c.characters, 1..=MAX_CHARACTERS).update_while_editing(false).logarithmic(true))
+        });
+        row(ui, "seed", "Of places, targets and choices", &mut |ui| {
+            ui.add(DragValue::new(&mut c.seed).update_while_editing(false))
+        });
+        row(ui, "targets", "What targets do", &mut |ui| {
+            let name = TargetMode::ALL.iter().find(|t| t.0 == c.targets).map_or("", |t| t.1);
+            let combo = ComboBox::from_id_salt("targets").selected_text(name).show_ui(ui, |ui| {
+                for (mode, name) in TargetMode::ALL {
+                    ui.selectable_value(&mut c.targets, mode, name);
+                }
+            });
+            combo.response
+        });
+        row(ui, "target distance", "Nearest and farthest a target stands", &mut |ui| {
+            let [near, far] = &mut c.distances;
+            let pair = ui.horizontal(|ui| {
+                let a = ui
+                    .add(DragValue::new(near).update_while_editing(false).speed(0.05).range(0.0..=100.0).suffix(" m"));
+                ui.label("to");
+                a | ui.add(DragValue::new(far).update_while_editing(false).speed(0.05).range(0.0..=100.0).suffix(" m"))
+            });
+            pair.inner
+        });
+        row(ui, "spacing", "Between neighbours at the start", &mut |ui| {
+            ui.add(Slider::new(&mut c.spacing_m, 0.5..=10.0).update_while_editing(false).suffix(" m"))
+        });
+        row(ui, "reach", "A target counts as reached within this distance", &mut |ui| {
+            ui.add(Slider::new(&mut c.reach_m, 0.1..=2.0).update_while_editing(false).suffix(" m"))
+        });
+        row(ui, "bend", "How far a walked action may be turned towards the target", &mut |ui| {
+            ui.add(Slider::new(&mut c.bend_rad_per_m, 0.0..=1.0).update_while_editing(false).suffix(" rad/m"))
+        });
+        row(ui, "temperature", "Chance in the choice among the best actions; 0 takes the best", &mut |ui| {
+            ui.add_enabled(!c.single_load, Slider::new(&mut c.temperature, 0.0..=1.0).update_while_editing(false))
+        });
+        row(ui, "single load", "Take the stored best action instead of looking ahead", &mut |ui| {
+            ui.checkbox(&mut c.single_load, "")
+        });
+        row(ui, "foot lock", "Hold planted feet where they are", &mut |ui| ui.checkbox(&mut c.foot_lock, ""));
+    });
+    *dragged = is_dragged.then_some(c);
+    if c != *config && !is_dragged {
+        commands.push(Command::Configure(c));
+    }
+}

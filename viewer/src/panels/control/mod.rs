@@ -1,0 +1,69 @@
+//! How the crowd or the scene is driven: behaviours and weights, targets, number of characters, seed.
+
+mod crowd;
+mod scene;
+mod target;
+
+use crate::command::Command;
+use crate::document::Document;
+use crate::model::Model;
+use crate::run::{Input, Run, RunConfig};
+use eframe::egui::{Grid, Slider, Ui};
+use throng_precompute::scene::Scene;
+
+/// What the panel remembers.
+#[derive(Clone, Debug, Default)]
+pub struct State {
+    /// The config as it is dragged to: every change is a new run, so it takes effect when it is let go.
+    dragged: Option<RunConfig>,
+    /// The same of a scene.
+    dragged_scene: Option<Box<Scene>>,
+}
+
+/// Shows the panel.
+pub fn show(ui: &mut Ui, model: &Model, state: &mut State, commands: &mut Vec<Command>) {
+    let Some(bundle) = model.document.bundle() else {
+        ui.weak("Open a bundle to run a crowd: drop it on the window, or File > Open.");
+        return;
+    };
+    let run = match &model.document {
+        Document::Bundle(b) => &b.run,
+        _ => return,
+    };
+    let run = match run {
+        Ok(run) => run,
+        Err(why) => {
+            ui.label(why);
+            return;
+        }
+    };
+    behaviours(ui, bundle.tables().meta().behaviours.as_slice(), run, commands);
+    ui.add_space(8.0);
+    target::show(ui, model, run, commands);
+    ui.add_space(8.0);
+    match model.document.scene() {
+        Some(file) => scene::show(ui, &file.scene, &mut state.dragged_scene, commands),
+        None => crowd::show(ui, run.config(), &mut state.dragged, commands),
+    }
+}
+
+fn behaviours(ui: &mut Ui, names: &[String], run: &Run, commands: &mut Vec<Command>) {
+    ui.strong("Behaviours");
+    ui.weak("What counts how much when an action is chosen; 0 switches a behaviour off.");
+    let mut weights = run.weights().to_vec();
+    // A scene may weigh more.
+    let most = weights.iter().fold(2.0, |most: f32, w| most.max(2.0 * w));
+    Grid::new("weights").num_columns(2).show(ui, |ui| {
+        for (weight, goal) in weights.iter_mut().zip(run.goals()) {
+            ui.label(names.get(goal.policy).map_or("behaviour", String::as_str));
+            ui.add(Slider::new(weight, 0.0..=most).step_by(0.05).fixed_decimals(2));
+            ui.end_row();
+        }
+    });
+    if run.scene().is_none() && names.len() > weights.len() {
+        ui.weak(format!("The first {} of {} behaviours can be weighed.", weights.len(), names.len()));
+    }
+    if weights != run.weights() {
+        commands.push(Command::Input(Input::Weights(weights)));
+    }
+}

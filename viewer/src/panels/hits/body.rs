@@ -1,0 +1,65 @@
+//! A body for scale: the pose of a frame, as a silhouette.
+
+use super::view::Place;
+use crate::document::Bundle;
+use eframe::egui::{Color32, Painter, Stroke};
+use glam::Vec3;
+use throng_runtime::troupe::SampleJob;
+use throng_runtime::{Joint, Mat3x4, NUM_JOINTS};
+
+/// The pose of a frame, as seen from its planar root.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Body {
+    /// Its frame row.
+    pub row: u32,
+    /// [Unit: m]
+    joints: [Vec3; NUM_JOINTS],
+    /// Top of the head, tips of the left and the right toe. [Unit: m]
+    tips: [Vec3; 3],
+}
+
+impl Body {
+    /// The pose of a frame; none where there is no such frame.
+    pub fn of(bundle: &Bundle, row: u32) -> Option<Self> {
+        let mut matrices = [Mat3x4::default(); NUM_JOINTS];
+        let repertoire = bundle.repertoire();
+        SampleJob { repertoire, frames: &[row], ratios: &[0.0], matrices: &mut matrices }.run().ok()?;
+        let ends = [Joint::Head, Joint::LeftToe, Joint::RightToe];
+        let tip = |k: usize| matrices[ends[k].index()].to_mat4().transform_point3(bundle.tables().skeleton().tips[k]);
+        Some(Self { row, joints: matrices.map(|m| m.translation()), tips: [tip(0), tip(1), tip(2)] })
+    }
+
+    /// A frame at which the character stands, where the motion graph knows one; otherwise the first of all.
+    pub fn standing_row(bundle: &Bundle) -> u32 {
+        bundle.tables().graph().states.iter().find(|s| s.standing != 0).map_or(0, |s| s.frame)
+    }
+
+    /// Where a joint is. [Unit: m]
+    #[cfg(test)]
+    pub fn joint(&self, joint: Joint) -> Vec3 {
+        self.joints[joint.index()]
+    }
+
+    /// Paints it in one colour, which is opaque so that limbs that lie over each other do not show.
+    pub fn paint(&self, painter: &Painter, place: &Place, colour: Color32) {
+        use Joint::*;
+        let at = |p: Vec3| place.screen(p);
+        let joint = |j: Joint| at(self.joints[j.index()]);
+        let head = at(0.5 * (self.joints[Head.index()] + self.tips[0]));
+        let chains: [(&[_], f32); 7] = [
+            (&[joint(Hips), joint(Spine), joint(Chest), joint(UpperChest), joint(Neck)], 0.17),
+            (&[joint(LeftUpperArm), joint(UpperChest), joint(RightUpperArm)], 0.12),
+            (&[joint(LeftUpperArm), joint(LeftForearm), joint(LeftHand)], 0.07),
+            (&[joint(RightUpperArm), joint(RightForearm), joint(RightHand)], 0.07),
+            (&[joint(LeftThigh), joint(LeftShin), joint(LeftFoot), joint(LeftToe), at(self.tips[1])], 0.1),
+            (&[joint(RightThigh), joint(RightShin), joint(RightFoot), joint(RightToe), at(self.tips[2])], 0.1),
+            (&[joint(Neck), head], 0.09),
+        ];
+        for (points, metres) in chains {
+            let stroke = Stroke::new((metres * place.per_m).max(1.0), colour);
+            points.windows(2).for_each(|w| _ = painter.line_segment([w[0], w[1]], stroke));
+            points.iter().for_each(|p| _ = painter.circle_filled(*p, 0.5 * stroke.width, colour));
+        }
+        painter.circle_filled(head, (0.115 * place.per_m).max(1.5), colour);
+    }
+}

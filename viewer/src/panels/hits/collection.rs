@@ -1,0 +1,251 @@
+//! The effective hits of a bundle, and which of them are looked at.
+
+use crate::document::Bundle;
+use crate::panels::paint::Sort;
+use glam::Vec3;
+use std::cmp::Ordering;
+use std::collections::BTreeSet;
+use throng_runtime::Joint;
+
+/// Columns of the list, in order.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Field {
+    /// Clip and time.
+    Moment,
+    /// Kind of blow.
+    Kind,
+    /// What strikes.
+    Limb,
+    /// Speed over that of the fastest of its kind.
+    Force,
+    /// From straight ahead to the left.
+    Angle,
+    /// Over ground.
+    Distance,
+    /// Above the ground.
+    Height,
+}
+
+impl Field {
+    /// All of them, as the list shows them.
+    pub const ALL: [Self; 7] =
+        [Self::Moment, Self::Kind, Self::Limb, Self::Force, Self::Angle, Self::Distance, Self::Height];
+}
+
+/// An effective hit.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Entry {
+    /// Its frame row.
+    pub row: u32,
+    /// Its clip.
+    pub clip: usize,
+    /// Its frame within the clip.
+    pub frame: u32,
+    /// Number of its kind.
+    pub kind: u32,
+    /// What strikes.
+    pub joint: Joint,
+    /// Speed over that of the fastest of its kind.
+    pub force: f32,
+    /// [Unit: m/s]
+    pub speed_mps: f32,
+    /// As seen from the planar root: left, up, ahead. [Unit: m]
+    pub position: Vec3,
+    /// Of unit length.
+    pub direction: Vec3,
+}
+
+impl Entry {
+    /// Angle from straight ahead to the left. [Unit: rad]
+    pub fn angle(&self) -> f32 {
+        self.position.x.atan2(self.position.z)
+    }
+
+    /// Distance over ground. [Unit: m]
+    pub fn distance(&self) -> f32 {
+        self.position.x.hypot(self.position.z)
+    }
+}
+
+/// Which hits are looked at.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Filter {
+    /// Only of this kind.
+    pub kind: Option<u32>,
+    /// Only with this joint.
+    pub joint: Option<Joint>,
+}
+
+impl Filter {
+    /// True for a hit that is looked at.
+    pub fn admits(&self, e: &Entry) -> bool {
+        self.kind.is_none_or(|k| k == e.kind) && self.joint.is_none_or(|j| j == e.joint)
+    }
+}
+
+/// Least and greatest angle, distance and height, as the paper reports them.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Ranges {
+    /// [Unit: rad]
+    pub angle: [f32; 2],
+    /// [Unit: m]
+    pub distance: [f32; 2],
+    /// [Unit: m]
+    pub height: [f32; 2],
+    /// Share of the fastest hit's speed.
+    pub force: [f32; 2],
+}
+
+/// All hits of a bundle.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Collection {
+    /// In the order of the bundle.
+    pub entries: Vec<Entry>,
+    /// Names of the kinds, by number.
+    pub kinds: Vec<String>,
+}
+
+impl Collection {
+    /// Collects them.
+    pub fn of(bundle: &Bundle) -> Self {
+        let tables = bundle.tables();
+        let entry = |h: &throng_runtime::HitRecord| {
+            let clip = bundle.clip_of(h.frame);
+            Entry {
+                row: h.frame,
+                clip,
+                frame: h.frame - tables.clips()[clip].first_frame,
+                kind: h.kind,
+                joint: Joint::ALL[h.joint as usize],
+                force: h.force,
+                speed_mps: h.speed_mps,
+                position: h.position(),
+                direction: h.direction(),
+            }
+        };
+        let kinds = tables.meta().hit_kinds().map(str::to_owned).collect();
+        Self { entries: tables.hits().iter().map(entry).collect(), kinds }
+    }
+
+    /// Name of a kind.
+    pub fn kind(&self, kind: u32) -> &str {
+        self.kinds.get(kind as usize).map_or("hit", String::as_str)
+    }
+
+    /// Kinds that there are hits of.
+    pub fn kinds_present(&self) -> BTreeSet<u32> {
+        self.entries.iter().map(|e| e.kind).collect()
+    }
+
+    /// Joints that strike.
+    pub fn joints_present(&self) -> BTreeSet<Joint> {
+        self.entries.iter().map(|e| e.joint).collect()
+    }
+
+    /// Numbers of the hits that are looked at, in the order asked for.
+    pub fn select(&self, filter: Filter, sort: Sort) -> Vec<usize> {
+        let mut out: Vec<usize> = (0..self.entries.len()).filter(|&i| filter.admits(&self.entries[i])).collect();
+        if let Some(field) = Field::ALL.get(sort.column) {
+            out.sort_by(|&a, &b| {
+                let order = compare(&self.entries[a], &self.entries[b], *field);
+                if sort.descending { order.reverse() } else { order }
+            });
+        }
+        out
+    }
+
+    /// Ranges over some of the hits; none where there are none.
+    pub fn ranges(&self, of: &[usize]) -> Option<Ranges> {
+        let bounds = |value: fn(&Entry) -> f32| {
+            let grow = |[low, high]: [f32; 2], v: f32| [low.min(v), high.max(v)];
+            of.iter().map(|&i| value(&self.entries[i])).fold([f32::INFINITY, f32::NEG_INFINITY], grow)
+        };
+        (!of.is_empty()).then(|| Ranges {
+            angle: bounds(Entry::angle),
+            distance: bounds(Entry::distance),
+            height: bounds(|e| e.position.y),
+            force: bounds(|e| e.force),
+        })
+    }
+}
+
+fn compare(a: &Entry, b: &Entry, field: Field) -> Ordering {
+    match field {
+        Field::Moment => a.row.cmp(&b.row),
+        Field::Kind => a.kind.cmp(&b.kind),
+        Field::Limb => a.joint.cmp(&b.joint),
+        Field::Force => a.force.total_cmp(&b.force),
+        Field::Angle => a.angle().total_cmp(&b.angle()),
+        Field::Distance => a.distance().total_cmp(&b.distance()),
+        Field::Height => a.position.y.total_cmp(&b.position.y),
+    }
+}
+
+/// A joint's name for people, such as `left hand`.
+pub fn joint_name(joint: Joint) -> String {
+    joint.name().replace('_', " ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn entry(row: u32, kind: u32, joint: Joint, position: Vec3) -> Entry {
+        let direction = Vec3::Z;
+        Entry {
+            row,
+            clip: 0,
+            frame: row,
+            kind,
+            joint,
+            force: 1.0 / (1.0 + row as f32),
+            speed_mps: 5.0,
+            position,
+            direction,
+        }
+    }
+
+    fn collection() -> Collection {
+        Collection {
+            entries: vec![
+                entry(3, 0, Joint::LeftHand, Vec3::new(0.3, 1.5, 0.4)),
+                entry(5, 0, Joint::RightHand, Vec3::new(0.0, 1.2, 1.0)),
+                entry(9, 1, Joint::RightFoot, Vec3::new(-0.2, 0.8, 0.2)),
+            ],
+            kinds: vec!["punch".into(), "kick".into()],
+        }
+    }
+
+    #[test]
+    fn only_hits_of_the_kind_and_the_limb_are_looked_at() {
+        let c = collection();
+        let found = |kind, joint| c.select(Filter { kind, joint }, Sort::NONE);
+        assert_eq!(found(None, None), [0, 1, 2]);
+        assert_eq!(found(Some(0), None), [0, 1]);
+        assert_eq!(found(None, Some(Joint::RightHand)), [1]);
+        assert_eq!(found(Some(1), Some(Joint::RightHand)), [0usize; 0]);
+        assert_eq!((c.kind(1), c.kind(7)), ("kick", "hit"));
+    }
+
+    #[test]
+    fn the_order_is_that_of_the_column() {
+        let c = collection();
+        let by = |field: Field, descending| {
+            let column = Field::ALL.iter().position(|f| *f == field).unwrap();
+            c.select(Filter::default(), Sort { column, descending })
+        };
+        assert_eq!(by(Field::Distance, false), [2, 0, 1]);
+        assert_eq!(by(Field::Force, true), [0, 1, 2]);
+        assert_eq!(by(Field::Height, true), [0, 1, 2]);
+    }
+
+    #[test]
+    fn ranges_are_those_of_the_hits_that_are_looked_at() {
+        let c = collection();
+        let r = c.ranges(&[0, 1]).unwrap();
+        assert!((r.angle[0] - 0.0).abs() < 1e-6 && (r.angle[1] - 0.3f32.atan2(0.4)).abs() < 1e-6, "{r:?}");
+        assert!((r.distance[0] - 0.5).abs() < 1e-6 && r.distance[1] == 1.0);
+        assert_eq!(r.height, [1.2, 1.5]);
+        assert_eq!(c.ranges(&[]), None);
+    }
+}

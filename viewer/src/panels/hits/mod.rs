@@ -1,0 +1,327 @@
+//! Effective hits: where blows land, seen from three sides (003 figure 4).
+
+mod body;
+mod collection;
+mod list;
+mod outline;
+mod plot;
+mod view;
+
+use super::paint::{Palette, Sort, empty, legend, nothing_open, viridis};
+use super::words;
+use crate::command::Command;
+use crate::document::Bundle;
+use crate::model::Model;
+use crate::volume::Volume;
+use body::Body;
+use collection::{Collection, Entry, Filter, Ranges, joint_name};
+use eframe::egui::epaint::Mesh;
+use eframe::egui::{
+    CentralPanel, Color32, ComboBox, Frame, Panel, Rect, Response, RichText, Role, Sense, Ui, Visuals, WidgetInfo,
+};
+use glam::{Vec2, Vec3};
+use throng_runtime::Joint;
+use throng_runtime::policy::PolicyTable;
+use view::{Bounds, Place};
+
+/// Width from which on the list lies beside the views. [Unit: points]
+const WIDE: f32 = 700.0;
+
+/// What the colours of hits tell.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+enum Colours {
+    /// How strong they are.
+    #[default]
+    Force,
+    /// What strikes.
+    Limb,
+}
+
+/// What the panel remembers of how it looks, and what it has worked out.
+#[derive(Clone, Debug, Default)]
+pub struct State {
+    hits: Option<(u64, Collection)>,
+    filter: Filter,
+    colours: Colours,
+    /// All of the body is in the views, not only what is near the hits.
+    whole_body: bool,
+    /// Behaviour whose volume is drawn; without a choice, the first one with heights.
+    outlined: Option<Option<usize>>,
+    sort: Sort,
+    body: Option<(u64, Body)>,
+    dots: Option<(Key, [Mesh; 3])>,
+    /// Hit under the pointer in the frame before, and whether it is so in the list.
+    hovered: Option<(usize, bool)>,
+}
+
+/// What the dots depend on.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Key {
+    document: u64,
+    filter: Filter,
+    colours: Colours,
+    dark: bool,
+    places: [Place; 3],
+}
+
+/// What every view shows.
+struct Scene<'a> {
+    body: Option<&'a Body>,
+    outlined: Option<&'a PolicyTable<'a>>,
+}
+
+/// Shows the panel.
+pub fn show(ui: &mut Ui, model: &Model, state: &mut State, commands: &mut Vec<Command>) {
+    let Some(bundle) = model.document.bundle() else {
+        if model.document.raw_motion().is_some() {
+            return empty(ui, "Hits are part of a bundle", "Build one from this motion, then open it.");
+        }
+        return nothing_open(ui);
+    };
+    if state.hits.as_ref().is_none_or(|h| h.0 != model.generation) {
+        let (colours, whole_body, sort) = (state.colours, state.whole_body, state.sort);
+        *state = State { colours, whole_body, sort, ..State::default() };
+        state.hits = Some((model.generation, Collection::of(bundle)));
+    }
+    let Some((_, hits)) = state.hits.take() else { return };
+    if hits.entries.is_empty() {
+        empty(ui, "This bundle has no effective hits", NO_HITS);
+    } else {
+        show_hits(ui, model, bundle, &hits, state, commands);
+    }
+    state.hits = Some((model.generation, hits));
+}
+
+const NO_HITS: &str = "A hit is where a fist or foot moves fast along its limb. Build from clips with blows \
+     (`throng synth --set boxing` makes some), lower the thresholds in `annotate.hits`, or mark hits in sidecar files.";
+
+fn show_hits(
+    ui: &mut Ui,
+    model: &Model,
+    bundle: &Bundle,
+    hits: &Collection,
+    state: &mut State,
+    commands: &mut Vec<Command>,
+) {
+    let shown = hits.select(state.filter, state.sort);
+    let ranges = hits.ranges(&shown);
+    options(ui, bundle, hits, state, ranges);
+    summary(ui, hits, &shown, ranges);
+    if shown.is_empty() {
+        return empty(ui, "No hit is of this kind and limb", "Choose other ones above.");
+    }
+    let playing = model.shown_row().filter(|_| model.shows_clip());
+    let playing = playing.and_then(|row| shown.iter().copied().find(|&i| hits.entries[i].row == row));
+    let before = state.hovered.take();
+    let standing_out = before.map(|h| h.0).filter(|i| shown.contains(i)).or(playing);
+    let mut chosen = None;
+    if ui.available_width() >= WIDE {
+        let scrolls = before.is_some_and(|h| !h.1);
+        Panel::right("list of hits").default_size(400.0).min_size(200.0).frame(Frame::NONE.inner_margin(4)).show(
+            ui,
+            |ui| {
+                let listed = list::show(ui, (bundle, hits), &shown, &mut state.sort, (standing_out, scrolls));
+                chosen = listed.chosen;
+                state.hovered = listed.hovered.map(|i| (i, true));
+            },
+        );
+    }
+    CentralPanel::default_margins().frame(Frame::NONE.inner_margin(2)).show(ui, |ui| {
+        let clicked = views(ui, model, (bundle, hits), &shown, state, standing_out);
+        chosen = chosen.or(clicked);
+    });
+    if let Some(e) = chosen.map(|i| hits.entries[i]) {
+        commands.push(Command::ShowClip { clip: e.clip, frame: e.frame });
+    }
+}
+
+fn options(ui: &mut Ui, bundle: &Bundle, hits: &Collection, state: &mut State, ranges: Option<Ranges>) {
+    ui.horizontal_wrapped(|ui| {
+        let kind = state.filter.kind.map_or("all kinds", |k| hits.kind(k));
+        let combo = ComboBox::from_id_salt("kind").selected_text(kind).width(84.0).show_ui(ui, |ui| {
+            ui.selectable_value(&mut state.filter.kind, None, "all kinds");
+            for kind in hits.kinds_present() {
+                ui.selectable_value(&mut state.filter.kind, Some(kind), hits.kind(kind));
+            }
+        });
+        combo.response.widget_info(|| WidgetInfo::labeled(Role::ComboBox, true, "Kind"));
+        let limb = state.filter.joint.map_or("all limbs".into(), joint_name);
+        let combo = ComboBox::from_id_salt("limb").selected_text(limb).width(94.0).show_ui(ui, |ui| {
+            ui.selectable_value(&mut state.filter.joint, None, "all limbs");
+            for joint in hits.joints_present() {
+                ui.selectable_value(&mut state.filter.joint, Some(joint), joint_name(joint));
+            }
+        });
+        combo.response.widget_info(|| WidgetInfo::labeled(Role::ComboBox, true, "Limb"));
+        outline_choice(ui, bundle, state);
+        ui.checkbox(&mut state.whole_body, "whole body");
+        ui.separator();
+        ui.label("colour");
+        ui.selectable_value(&mut state.colours, Colours::Force, "force");
+        ui.selectable_value(&mut state.colours, Colours::Limb, "limb");
+        let visuals = ui.visuals().clone();
+        match (state.colours, ranges) {
+            (Colours::Force, Some(r)) => legend(ui, r.force, "", |t| viridis::line(t, visuals.dark_mode)),
+            (Colours::Limb, _) => {
+                for joint in hits.joints_present() {
+                    ui.colored_label(of_limb(joint, &visuals), joint_name(joint));
+                }
+            }
+            _ => {}
+        }
+    });
+}
+
+/// Behaviours that have a volume to be drawn.
+fn volumes(bundle: &Bundle) -> impl Iterator<Item = (usize, &PolicyTable<'_>)> {
+    let policies = (0..bundle.tables().num_policies()).filter_map(|p| Some((p, bundle.repertoire().policy(p)?)));
+    policies.filter(|(_, p)| !p.grid().is_polar() || Volume::of_region(p.region()).is_some())
+}
+
+fn outlined(bundle: &Bundle, state: &State) -> Option<usize> {
+    state.outlined.unwrap_or_else(|| volumes(bundle).find(|v| !v.1.grid().is_polar()).map(|v| v.0))
+}
+
+fn outline_choice(ui: &mut Ui, bundle: &Bundle, state: &mut State) {
+    if volumes(bundle).next().is_none() {
+        return;
+    }
+    let now = outlined(bundle, state);
+    let name = |p: usize| bundle.tables().meta().behaviours.get(p).map_or("behaviour", String::as_str);
+    let text = now.map_or("no grid".into(), |p| format!("grid of {}", name(p)));
+    let mut chosen = now;
+    let combo = ComboBox::from_id_salt("outline").selected_text(text).show_ui(ui, |ui| {
+        ui.selectable_value(&mut chosen, None, "no grid");
+        for (policy, _) in volumes(bundle) {
+            ui.selectable_value(&mut chosen, Some(policy), name(policy));
+        }
+    });
+    combo.response.widget_info(|| WidgetInfo::labeled(Role::ComboBox, true, "Grid"));
+    combo.response.on_hover_text("Cells of a behaviour, and, dashed, where it is active");
+    if chosen != now {
+        state.outlined = Some(chosen);
+    }
+}
+
+fn summary(ui: &mut Ui, hits: &Collection, shown: &[usize], ranges: Option<Ranges>) {
+    let Some(r) = ranges else { return };
+    let all = hits.entries.len();
+    let count =
+        if shown.len() == all { format!("{all} effective hits") } else { format!("{} of {all} hits", shown.len()) };
+    let span = |[low, high]: [f32; 2]| format!("{low:.2} to {high:.2}");
+    ui.horizontal_wrapped(|ui| {
+        ui.strong(count);
+        ui.label(format!("angle {} rad, distance {} m, height {} m", span(r.angle), span(r.distance), span(r.height)));
+    });
+}
+
+/// Shows the three views; returns the hit that was clicked.
+fn views(
+    ui: &mut Ui,
+    model: &Model,
+    (bundle, hits): (&Bundle, &Collection),
+    shown: &[usize],
+    state: &mut State,
+    standing_out: Option<usize>,
+) -> Option<usize> {
+    let (rect, _) = ui.allocate_exact_size(ui.available_size(), Sense::hover());
+    let outlined = outlined(bundle, state).and_then(|p| bundle.repertoire().policy(p));
+    let edges = outlined.into_iter().flat_map(edges);
+    let seen = hits.entries.iter().map(|e| e.position).chain(edges).collect::<Vec<_>>();
+    let bounds = Bounds::around(seen.iter().copied(), state.whole_body);
+    let places = Place::lay_out(bounds, rect);
+    let visuals = ui.visuals().clone();
+    let row = standing_out.map_or_else(|| Body::standing_row(bundle), |i| hits.entries[i].row);
+    if state.body.as_ref().is_none_or(|b| (b.0, b.1.row) != (model.generation, row)) {
+        state.body = Body::of(bundle, row).map(|b| (model.generation, b));
+    }
+    let key = Key {
+        document: model.generation,
+        filter: state.filter,
+        colours: state.colours,
+        dark: visuals.dark_mode,
+        places,
+    };
+    if state.dots.as_ref().is_none_or(|d| d.0 != key) {
+        let ranges = hits.ranges(shown);
+        let colour = |e: &Entry| colour(e, state.colours, ranges, &visuals);
+        let of = |p: &Place| plot::dots(p, shown.iter().map(|&i| &hits.entries[i]).map(|e| (e.position, colour(e))));
+        state.dots = Some((key, places.each_ref().map(of)));
+    }
+    let scene = Scene { body: state.body.as_ref().map(|b| &b.1), outlined };
+    let painter = ui.painter_at(rect);
+    let mut clicked = None;
+    for (k, place) in places.iter().enumerate() {
+        let dots = state.dots.as_ref().map(|d| d.1[k].clone()).unwrap_or_default();
+        plot::paint(&painter, &visuals, place, &scene, dots);
+        if let Some(e) = standing_out.map(|i| &hits.entries[i]) {
+            let colour = colour(e, state.colours, hits.ranges(shown), &visuals);
+            plot::mark(&painter, place, e.position, e.direction, colour, &visuals);
+        }
+        let response = sensed(ui, place);
+        let Some(at) = response.hover_pos() else { continue };
+        let places = shown.iter().map(|&i| (i, hits.entries[i].position));
+        if let Some(hit) = plot::pointed_at(place, at, places) {
+            state.hovered = Some((hit, false));
+            clicked = response.clicked().then_some(hit).or(clicked);
+            tell(response, bundle, hits, &hits.entries[hit]);
+            ui.ctx().request_repaint();
+        }
+    }
+    clicked
+}
+
+/// Places on the edge of what is drawn of a behaviour. [Unit: m]
+fn edges(policy: &PolicyTable<'_>) -> Vec<Vec3> {
+    let of_grid = (!policy.grid().is_polar()).then(|| Volume::of_grid(policy));
+    let volumes = of_grid.into_iter().chain(Volume::of_region(policy.region()));
+    let of_volume = |v: Volume| {
+        let [low, high] = v.height;
+        let ends = move |p: Vec2| [low, high].map(|y| Vec3::new(p.x, y, p.y));
+        v.over_ground().into_iter().flat_map(ends).collect::<Vec<_>>()
+    };
+    volumes.flat_map(of_volume).collect()
+}
+
+fn sensed(ui: &Ui, place: &Place) -> Response {
+    let rect: Rect = place.rect;
+    let name = format!("Hits, {} view", place.view.title().to_lowercase());
+    let response = ui.interact(rect, ui.scope_id().with(&name), Sense::click());
+    response.widget_info(|| WidgetInfo::labeled(Role::Canvas, true, &name));
+    response
+}
+
+/// Says what is known of a hit.
+fn tell(response: Response, bundle: &Bundle, hits: &Collection, e: &Entry) {
+    response.on_hover_ui_at_pointer(|ui| {
+        ui.label(RichText::new(format!("{}, {}", hits.kind(e.kind), joint_name(e.joint))).strong());
+        ui.label(format!("force {:.2}, {:.1} m/s", e.force, e.speed_mps));
+        let place = words::place(Vec2::new(e.position.x, e.position.z));
+        ui.label(format!("{place}, {:.2} m high", e.position.y));
+        ui.label(format!("{}, frame {}", list::moment(bundle, e), e.frame));
+        ui.weak("A click shows the clip at this frame.");
+    });
+}
+
+fn colour(e: &Entry, colours: Colours, ranges: Option<Ranges>, visuals: &Visuals) -> Color32 {
+    match colours {
+        Colours::Force => {
+            viridis::line(viridis::ratio(e.force, ranges.map_or([0.0, 1.0], |r| r.force)), visuals.dark_mode)
+        }
+        Colours::Limb => of_limb(e.joint, visuals),
+    }
+}
+
+fn of_limb(joint: Joint, visuals: &Visuals) -> Color32 {
+    let p = Palette::of(visuals);
+    match joint {
+        Joint::LeftHand => p.left,
+        Joint::RightHand => p.right,
+        Joint::LeftFoot => p.standing,
+        Joint::RightFoot => p.state,
+        other => p.of_name(other.name()),
+    }
+}
+
+#[cfg(test)]
+mod tests;

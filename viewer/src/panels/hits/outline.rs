@@ -1,0 +1,47 @@
+//! The volume of a behaviour, seen from three sides: where it is active, and the cells of its grid.
+
+use super::view::{Place, View};
+use crate::volume::Volume;
+use eframe::egui::{Color32, Painter, Pos2, Shape, Stroke};
+use glam::{Vec2, Vec3};
+use throng_runtime::policy::PolicyTable;
+
+/// Paints the outline of a volume as a view sees it.
+pub fn paint(painter: &Painter, place: &Place, volume: &Volume, colour: Color32) {
+    let mut points: Vec<Pos2> = volume.over_ground().iter().map(|p| seen(place, *p, 0.0)).collect();
+    if place.view != View::Top {
+        // Seen from a side, it is as wide as its outline over ground and as high as its heights.
+        let [low, high] = volume
+            .over_ground()
+            .iter()
+            .map(|p| place.view.flat(Vec3::new(p.x, 0.0, p.y)).x)
+            .fold([f32::INFINITY, f32::NEG_INFINITY], |[low, high], v| [low.min(v), high.max(v)]);
+        let [bottom, top] = volume.height;
+        let corners = [(low, bottom), (high, bottom), (high, top), (low, top)];
+        points = corners.map(|(x, y)| place.screen_of(Vec2::new(x, y))).to_vec();
+    }
+    points.extend(points.first().copied());
+    painter.extend(Shape::dashed_line(&points, Stroke::new(1.6, colour), 6.0, 3.5));
+}
+
+/// Paints the cells of a grid as a view sees them: rings and rays from above, heights from the sides.
+pub fn paint_cells(painter: &Painter, place: &Place, policy: &PolicyTable<'_>, colour: Color32) {
+    let (volume, r) = (Volume::of_grid(policy), policy.grid().record());
+    let stroke = Stroke::new(0.7, colour);
+    if place.view == View::Top {
+        for line in volume.lines_over_ground([r.num_angles, r.num_rings]) {
+            painter.add(Shape::line(line.iter().map(|p| seen(place, *p, 0.0)).collect(), stroke));
+        }
+        return;
+    }
+    let across = volume.over_ground().iter().map(|p| seen(place, *p, 0.0).x).collect::<Vec<_>>();
+    let (low, high) = across.iter().fold((f32::INFINITY, f32::NEG_INFINITY), |(l, h), x| (l.min(*x), h.max(*x)));
+    for i in 0..r.num_heights {
+        let y = place.screen(Vec3::Y * (r.height_start + i as f32 * r.height_spacing)).y;
+        painter.hline(low..=high, y, stroke);
+    }
+}
+
+fn seen(place: &Place, ground: Vec2, height: f32) -> Pos2 {
+    place.screen(Vec3::new(ground.x, height, ground.y))
+}

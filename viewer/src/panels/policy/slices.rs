@@ -1,0 +1,50 @@
+//! All heights, or moments, of a grid side by side, with the same colours.
+
+use super::State;
+use super::map::{Shown, paint};
+use crate::command::Command;
+use eframe::egui::{Align2, FontId, Rect, Role, Sense, Stroke, StrokeKind, Ui, WidgetInfo, pos2, vec2};
+
+/// Least width of one map. [Unit: points]
+const LEAST: f32 = 104.0;
+/// Height of its title. [Unit: points]
+const TITLE: f32 = 15.0;
+/// Space between maps. [Unit: points]
+const GAP: f32 = 4.0;
+
+/// Shows the maps; a click looks at one of them alone. Returns the least scale of their arrows.
+pub fn show(ui: &mut Ui, shown: &Shown<'_>, own: &mut State, heights: u32, commands: &mut Vec<Command>) -> f32 {
+    let chart = shown.chart();
+    let centre = shown.policy.centre();
+    let [low, high] = chart.bounds(-glam::Vec2::new(centre.x, centre.z));
+    let columns = ((ui.available_width() / LEAST) as u32).clamp(1, heights.min(6));
+    let width = (ui.available_width() - GAP * (columns - 1) as f32) / columns as f32;
+    let height = width * ((high.y - low.y) / (high.x - low.x)).clamp(0.4, 1.5) + TITLE;
+    let rows = heights.div_ceil(columns);
+    let (area, _) =
+        ui.allocate_exact_size(vec2(ui.available_width(), rows as f32 * (height + GAP) - GAP), Sense::hover());
+    own.heats.truncate(heights as usize);
+    let mut arrow_scale = 1.0f32;
+    for k in 0..heights {
+        let (column, row) = ((k % columns) as f32, (k / columns) as f32);
+        let corner = pos2(area.left() + column * (width + GAP), area.top() + row * (height + GAP));
+        let tile = Rect::from_min_size(corner, vec2(width, height));
+        let name = chart.height_name(k);
+        let response = ui.interact(tile, ui.scope_id().with(("slice", k)), Sense::click());
+        response.widget_info(|| WidgetInfo::labeled(Role::Button, true, format!("Values {name}")));
+        let visuals = ui.visuals();
+        let is_chosen = shown.slice == k;
+        let colour = if is_chosen { visuals.strong_text_color() } else { visuals.weak_text_color() };
+        ui.painter().text(tile.center_top(), Align2::CENTER_TOP, &name, FontId::proportional(11.0), colour);
+        if is_chosen || response.hovered() {
+            ui.painter().rect_stroke(tile, 3.0, Stroke::new(1.0, colour), StrokeKind::Inside);
+        }
+        if response.clicked() {
+            commands.push(Command::SelectSlice(k));
+            own.slices = false;
+        }
+        let map = tile.with_min_y(tile.top() + TITLE);
+        arrow_scale = arrow_scale.min(paint(ui, shown, own, (k as usize, k), map, response));
+    }
+    arrow_scale
+}

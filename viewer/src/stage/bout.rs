@@ -1,0 +1,112 @@
+//! What is struck in a scene: targets that hang in the air, and marks where blows have landed, were blocked or missed.
+
+use super::{Layout, Palette};
+use crate::render::{Rgba, Shapes};
+use crate::run::{Mark, Met, Run, STEP_HZ};
+use glam::Vec3;
+use throng_runtime::sparring::Part;
+
+/// Time that a mark stays. [Unit: s]
+const MARK_S: f32 = 0.6;
+/// Marks that are drawn at most; in larger scenes there are always some to be seen.
+const MAX_MARKS: usize = 400;
+/// Length of the string above a target. [Unit: m]
+const STRING_M: f32 = 0.7;
+
+/// What blows meet, for the key to the marks.
+pub const KINDS: [(Met, &str); 5] = [
+    (Met::Body(Part::Head), "head or target"),
+    (Met::Body(Part::Trunk), "trunk"),
+    (Met::Body(Part::Leg), "leg"),
+    (Met::Body(Part::Arm), "arm: blocked"),
+    (Met::Nothing, "missed: a streak"),
+];
+
+/// Colours by what a blow met; none where it met nothing.
+pub fn colour_of(met: Met) -> Option<Rgba> {
+    match met {
+        Met::Body(Part::Head | Part::Neck) => Some(Rgba::hex(0xff4b3e)),
+        Met::Body(Part::Trunk | Part::Pelvis) => Some(Rgba::hex(0xffa42e)),
+        Met::Body(Part::Leg) => Some(Rgba::hex(0xc77dff)),
+        Met::Body(Part::Arm) => Some(Rgba::hex(0x4aa8ff)),
+        Met::Target => Some(Rgba::hex(0xff4b3e)),
+        Met::Nothing => None,
+    }
+}
+
+/// Colour of a character of a scene: those of a pair differ.
+pub(super) fn corner(run: &Run, character: usize, palette: &Palette) -> Rgba {
+    if run.has_movable_targets() {
+        palette.on_the_way
+    } else {
+        [palette.left, palette.right][character % 2].mix(palette.plain, 0.25)
+    }
+}
+
+/// Targets and marks.
+pub(super) fn lay_out(out: &mut Layout, run: &Run, selected: Option<usize>, palette: &Palette) {
+    if let Some(radius) = run.target_radius_m() {
+        for (c, &target) in run.targets().iter().enumerate() {
+            hanging(&mut out.shapes, run, (c, target), radius, selected == Some(c), palette);
+        }
+    } else if let Some(c) = selected.filter(|&c| c < run.targets().len()) {
+        let (from, to) = (run.troupe().root(c).translation(), run.troupe().root(c ^ 1).translation());
+        out.shapes.line(from.with_y(0.012), to.with_y(0.012), 1.5, palette.target.alpha(0.7));
+    }
+    let recent: Vec<&Mark> = run.marks(MARK_S).collect();
+    for m in recent.iter().rev().take(MAX_MARKS) {
+        let age = (run.now() - m.step) as f32 / STEP_HZ / MARK_S;
+        mark(&mut out.shapes, m, age.min(1.0), palette);
+    }
+}
+
+/// A ball on a string, its shadow on the ground, and where it hangs while it swings.
+fn hanging(
+    shapes: &mut Shapes,
+    run: &Run,
+    (character, at): (usize, Vec3),
+    radius: f32,
+    is_selected: bool,
+    palette: &Palette,
+) {
+    let home = run.home(character).unwrap_or(at);
+    shapes.line(
+        home + Vec3::Y * STRING_M,
+        at + (home + Vec3::Y * STRING_M - at).normalize() * radius,
+        1.5,
+        palette.middle.alpha(0.6),
+    );
+    shapes.sphere(at, radius, palette.target);
+    if home.distance(at) > 0.02 {
+        shapes.circle(home, radius, 1.0, palette.target.alpha(0.8));
+    }
+    let below = at.with_y(0.008);
+    shapes.disc(below, 0.5 * radius, palette.target.alpha(0.5));
+    shapes.ring(below, radius, 1.25 * radius, palette.target.alpha(if is_selected { 0.9 } else { 0.4 }));
+}
+
+/// A flash where a blow came to its end, with rays that grow; a blow that met nothing leaves a faint streak.
+///
+/// - `age`: 0 at the blow, 1 when the mark goes away.
+fn mark(shapes: &mut Shapes, m: &Mark, age: f32, palette: &Palette) {
+    let fade = (1.0 - age).powf(1.5);
+    let size = 0.06 + 0.06 * m.force;
+    let Some(colour) = colour_of(m.met) else {
+        let from = m.point - m.direction * 0.16;
+        shapes.line(from, m.point, 2.0, palette.middle.alpha(0.45 * fade));
+        return;
+    };
+    shapes.on_top(true);
+    shapes.sphere(m.point, 0.45 * size * (1.0 - 0.5 * age), colour.alpha(0.9 * fade));
+    let aside = m.direction.any_orthonormal_vector();
+    let other = m.direction.cross(aside);
+    let (near, far) = (size * (0.5 + 1.0 * age), size * (0.9 + 2.2 * age));
+    const RAYS: usize = 8;
+    for i in 0..RAYS {
+        let (s, c) = (std::f32::consts::TAU * i as f32 / RAYS as f32).sin_cos();
+        // Away from where the blow came from, like a splash.
+        let way = (aside * c + other * s - m.direction * 0.35).normalize();
+        shapes.line(m.point + way * near, m.point + way * far, 2.5, colour.alpha(fade));
+    }
+    shapes.on_top(false);
+}

@@ -1,0 +1,105 @@
+//! The volume of a behaviour around a character: where it is active, or what its cells cover.
+
+use glam::{Vec2, Vec3};
+use std::f32::consts::{PI, TAU};
+use throng_runtime::policy::{PolicyTable, RegionRecord, TargetGrid};
+
+/// Longest piece of an arc that is drawn straight. [Unit: rad]
+const ARC: f32 = TAU / 90.0;
+/// Bounds beyond this are none. [Unit: m]
+const NO_BOUND: f32 = 1e3;
+
+/// A part of a ring, between two heights.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Volume {
+    /// Middle of the ring, as seen from the planar root. [Unit: m]
+    pub centre: Vec3,
+    /// [Unit: m]
+    pub distance: [f32; 2],
+    /// From straight ahead to the left. [Unit: rad]
+    pub angle: [f32; 2],
+    /// [Unit: m]
+    pub height: [f32; 2],
+}
+
+impl Volume {
+    /// Where a behaviour is active; none where it has no bounds over ground. One without bounds of height reaches from
+    /// the ground to above the head.
+    pub fn of_region(region: &RegionRecord) -> Option<Self> {
+        let bounded = region.distance[1] < NO_BOUND;
+        let height = [region.height[0].max(0.0), region.height[1].min(2.0)];
+        bounded.then_some(Self { centre: Vec3::ZERO, distance: region.distance, angle: region.angle, height })
+    }
+
+    /// What the cells of a grid with heights cover, from centre to centre.
+    pub fn of_grid(policy: &PolicyTable<'_>) -> Self {
+        let grid: &TargetGrid = policy.grid();
+        let (first, last) = (grid.cell_coordinates(0), grid.cell_coordinates(grid.num_cells() - 1));
+        let angle = [first.x, last.x];
+        Self { centre: policy.centre(), distance: [first.y, last.y], angle, height: [first.z, last.z] }
+    }
+
+    /// Its outline over ground: to the left and ahead. One that goes all around is a circle. [Unit: m]
+    pub fn over_ground(&self) -> Vec<Vec2> {
+        let [near, far] = self.distance;
+        if self.angle[1] - self.angle[0] > TAU - 0.01 {
+            return arc(far, [-PI, PI]).iter().map(|p| *p + Vec2::new(self.centre.x, self.centre.z)).collect();
+        }
+        let mut out = arc(far, self.angle);
+        out.extend(arc(near, self.angle).into_iter().rev());
+        out.iter().map(|p| *p + Vec2::new(self.centre.x, self.centre.z)).collect()
+    }
+
+    /// Lines between the cells of a grid over it, seen from above; counts of angles and rings.
+    pub fn lines_over_ground(&self, [angles, rings]: [u32; 2]) -> Vec<Vec<Vec2>> {
+        let part = |[low, high]: [f32; 2], i: u32, n: u32| low + (high - low) * i as f32 / (n.max(2) - 1) as f32;
+        let centre = Vec2::new(self.centre.x, self.centre.z);
+        let moved = |line: Vec<Vec2>| line.into_iter().map(|p| p + centre).collect();
+        let ring = |i| moved(arc(part(self.distance, i, rings), self.angle));
+        let ray = |i| {
+            let a = part(self.angle, i, angles);
+            moved(self.distance.map(|d| Vec2::new(a.sin(), a.cos()) * d).to_vec())
+        };
+        (0..rings).map(ring).chain((0..angles).map(ray)).collect()
+    }
+}
+
+fn arc(radius: f32, [from, to]: [f32; 2]) -> Vec<Vec2> {
+    let parts = ((to - from) / ARC).ceil().clamp(1.0, 360.0) as usize;
+    let at = |i: usize| from + (to - from) * i as f32 / parts as f32;
+    (0..=parts).map(|i| Vec2::new(at(i).sin(), at(i).cos()) * radius).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn volume() -> Volume {
+        Volume { centre: Vec3::ZERO, distance: [0.3, 1.2], angle: [-1.0, 0.5], height: [1.1, 1.7] }
+    }
+
+    #[test]
+    fn the_outline_lies_on_the_edges_of_the_region() {
+        let v = volume();
+        let region = RegionRecord { distance: v.distance, angle: v.angle, height: v.height };
+        assert_eq!(Volume::of_region(&region), Some(v));
+        let middle = Vec2::new((-0.25f32).sin(), (-0.25f32).cos()) * 0.75;
+        for p in v.over_ground() {
+            let inwards = p + 0.01 * (middle - p).normalize();
+            let outwards = p - 0.01 * (middle - p).normalize();
+            assert!(!region.contains(Vec3::new(outwards.x, 1.4, outwards.y)), "{p}");
+            // Along the near edge the straight way to the middle leaves the ring for no more than a moment.
+            assert!(region.contains(Vec3::new(inwards.x, 1.4, inwards.y)) || p.length() < 0.31, "{p}");
+        }
+        assert_eq!(Volume::of_region(&RegionRecord::EVERYWHERE), None);
+    }
+
+    #[test]
+    fn lines_between_cells_reach_from_edge_to_edge() {
+        let lines = volume().lines_over_ground([4, 3]);
+        assert_eq!(lines.len(), 7);
+        let lengths: Vec<f32> = lines[..3].iter().map(|l| l[0].length()).collect();
+        assert!((lengths[0] - 0.3).abs() < 1e-5 && (lengths[1] - 0.75).abs() < 1e-5, "{lengths:?}");
+        assert!(lines[3..].iter().all(|l| (l[1].length() - 1.2).abs() < 1e-5));
+    }
+}
