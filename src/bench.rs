@@ -17,7 +17,9 @@ use throng_precompute::policy::{Quality, QualityConfig};
 /// realised_ratio_mean, regret_mean, single_load_ratio_mean, temperatures [temperature, ratio_mean], look_aheads,
 /// search_s, seconds] and matching {frames, query_ns, kd_tree_query_ns, brute_force_query_ns, lookahead_ns,
 /// single_load_ns, query_over_lookahead, query_over_single_load, policy_reached_fraction, matching_reached_fraction,
-/// policy_time_to_reach_s, matching_time_to_reach_s, policy_hits_per_minute, matching_hits_per_minute}.
+/// policy_time_to_reach_s, matching_time_to_reach_s, policy_hits_per_minute, matching_hits_per_minute,
+/// policy_landed_fraction, matching_landed_fraction, policy_gap_m, matching_gap_m (distance of hips, feet and fists where
+/// one frame takes the place of another)}.
 ///
 /// `quality` is the discounted reward that a policy collects over the best that search to a depth of four actions
 /// finds; `matching` sets the policies against motion matching over all frames of the bundle, the same targets for both.
@@ -182,7 +184,18 @@ fn print_matching(m: &MatchingFigures) -> Outcome {
         ),
     ];
     if let (Some(policy), Some(matching)) = (m.policy_hits_per_minute, m.matching_hits_per_minute) {
-        rows.push(("  hits", format!("{policy:.1} a minute by the policies, {matching:.1} by matching")));
+        let share = |v: Option<f64>| format!("{:.0} % of them land", 100.0 * v.unwrap_or(0.0));
+        let gap = |v: Option<f64>| format!("{:.1} cm between frames", 100.0 * v.unwrap_or(0.0));
+        rows.push((
+            "  hits",
+            format!(
+                "{policy:.1} a minute by the policies, {}, {}; {matching:.1} by matching, {}, {}",
+                share(m.policy_landed_fraction),
+                gap(m.policy_gap_m),
+                share(m.matching_landed_fraction),
+                gap(m.matching_gap_m)
+            ),
+        ));
     }
     output::table(&rows)
 }

@@ -7,6 +7,7 @@ use std::path::Path;
 use throng_precompute::cache::{Cache, content_hash};
 use throng_precompute::trial::{self, TrialConfig};
 use throng_runtime::Tables;
+use throng_runtime::sparring::Sparring;
 use throng_runtime::troupe::{Choice, Goal, Repertoire, Troupe, TroupeConfig};
 
 fn on_threads<T: Send>(num_threads: usize, work: impl FnOnce() -> T + Send) -> T {
@@ -109,6 +110,29 @@ fn steps_give_the_same_bytes_on_any_number_of_threads() {
             let differs = (0..alone.len()).find(|&k| alone[k] != together[k]);
             assert_eq!(differs, None, "{choice:?}, {num_threads} threads: first step that differs");
         }
+    }
+}
+
+#[test]
+fn pairs_spar_the_same_on_any_number_of_threads() {
+    let tables = common::boxing_tables();
+    let repertoire = Repertoire::new(&tables);
+    // Everything that can be read of pairs after each of some steps.
+    let run = |step: &(dyn Fn(&mut Sparring) + Sync)| {
+        let mut sparring = Sparring::new(&repertoire, common::boxing(), &common::pairs(&tables, N)).expect("pairs");
+        let one_step = |_| {
+            step(&mut sparring);
+            let of = [content_hash(&bytes_of(sparring.troupe()))];
+            (of, sparring.landed().to_vec(), sparring.heads().to_vec(), sparring.threats().to_vec(), sparring.figures())
+        };
+        (0..200).map(one_step).collect::<Vec<_>>()
+    };
+    let alone = run(&|s| s.step(&repertoire, 1.0 / 30.0).expect("a step"));
+    assert!(alone.iter().map(|a| a.1.len()).sum::<usize>() > 100, "blows that met");
+    for num_threads in [1, 2, 8] {
+        let together = on_threads(num_threads, || run(&|s| s.par_step(&repertoire, 1.0 / 30.0).expect("a step")));
+        let differs = (0..alone.len()).find(|&k| alone[k] != together[k]);
+        assert_eq!(differs, None, "{num_threads} threads: first step that differs");
     }
 }
 

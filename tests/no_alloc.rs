@@ -8,6 +8,7 @@ use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 use std::hint::black_box;
 use throng_runtime::policy::{self, BestActionJob, LookAheadJob, RankedActions};
+use throng_runtime::sparring::{PracticeConfig, PracticeGoal, Sparring, TargetPractice};
 use throng_runtime::troupe::{Choice, Goal, Repertoire, SampleJob, Troupe, TroupeConfig};
 use throng_runtime::{Mat3x4, NUM_JOINTS};
 
@@ -15,6 +16,9 @@ thread_local! {
     /// Allocations of this thread; what the test harness does on others does not count.
     static COUNT: Cell<u64> = const { Cell::new(0) };
 }
+
+/// Where a target hangs before its boxer. [Unit: m]
+const HOME: Vec3 = Vec3::new(0.0, 1.5, 0.6);
 
 struct Counting;
 
@@ -107,6 +111,29 @@ fn a_step_towards_two_goals_allocates_nothing() {
     let goals = [goal(1.0), goal(0.5)];
     troupe.step(&repertoire, 0.0, &goals).expect("a first step");
     let n = allocations(|| (0..100).for_each(|_| troupe.step(&repertoire, 0.05, &goals).expect("a step")));
+    assert_eq!(n, 0);
+}
+
+#[test]
+fn sparring_and_practice_allocate_nothing() {
+    let tables = common::boxing_tables();
+    let repertoire = Repertoire::new(&tables);
+    let starts = common::pairs(&tables, 40);
+    let mut sparring = Sparring::new(&repertoire, common::boxing(), &starts).expect("pairs");
+    sparring.step(&repertoire, 0.0).expect("a first step");
+    let n = allocations(|| (0..600).for_each(|_| sparring.step(&repertoire, 1.0 / 60.0).expect("a step")));
+    let blows = sparring.figures().blows;
+    assert!(blows.landed + blows.blocked > 10, "{blows:?} are too few to prove anything");
+    assert_eq!(n, 0);
+    // One step that plays many segments.
+    assert_eq!(allocations(|| sparring.step(&repertoire, 1.0).expect("a long step")), 0);
+
+    let goals = (0..2).map(|policy| PracticeGoal { policy, weight: 1.0 }).collect();
+    let homes: Vec<Vec3> = starts.iter().map(|s| s.root.translation() + s.root.rotation() * HOME).collect();
+    let config = PracticeConfig::new(goals);
+    let mut practice = TargetPractice::new(&repertoire, config, &starts, &homes).expect("boxers with targets");
+    let n = allocations(|| (0..600).for_each(|_| practice.step(&repertoire, 1.0 / 60.0).expect("a step")));
+    assert!(practice.figures().blows.landed > 10, "{:?}", practice.figures().blows);
     assert_eq!(n, 0);
 }
 

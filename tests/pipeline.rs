@@ -310,3 +310,33 @@ fn too_little_motion_is_an_error_that_says_so() {
     let left = std::fs::read_dir(folder.path()).expect("the folder").count();
     assert_eq!(left, 1, "only the clips are there");
 }
+
+#[test]
+fn a_behaviour_of_ones_own_needs_the_config_alone() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let (file, out) = (folder.path().join("own.toml"), folder.path().join("own.throng"));
+    // Keep two metres away from the target; nothing beyond five metres matters.
+    let text = "[synth]\nset = \"walk\"\nminutes = 2.0\n\n[policy]\ncompare_samples = 50\n\n[[behaviours]]\n\
+        name = \"keep-distance\"\noffset = 2.0\nscale = 0.5\nregion = { distance_m = [0.0, 5.0] }\n\
+        grid = { rings = 12, angles = 16, radius = 5.0, inner_spacing = 0.3 }\n";
+    std::fs::write(&file, text).expect("a config");
+    let config = BuildConfig::load(&file).expect("a sound config");
+    build(&config, &out, &Cache::none());
+    let tables = Tables::open(&out).expect("a bundle");
+    let repertoire = Repertoire::new(&tables);
+    let n = 40;
+    let (starts, mut targets) = (common::starts(&tables, n), Vec::new());
+    // Half of them stand too near, half too far.
+    for (i, s) in starts.iter().enumerate() {
+        let distance = if i % 2 == 0 { 0.3 } else { 4.0 };
+        targets.push(s.root.translation() + glam::Vec3::new(distance, 0.0, 0.0));
+    }
+    let mut troupe = Troupe::new(&repertoire, TroupeConfig::default(), &starts).expect("a troupe");
+    for _ in 0..15 * 30 {
+        let goals = [Goal { policy: 0, weight: 1.0, targets: &targets }];
+        troupe.step(&repertoire, 1.0 / 30.0, &goals).expect("a step");
+    }
+    let off = |c: usize| (troupe.root(c).translation().distance(targets[c]) - 2.0).abs();
+    let near = (0..n).filter(|&c| off(c) < 0.7).count();
+    assert!(near > n * 8 / 10, "{near} of {n} keep their distance");
+}

@@ -442,7 +442,7 @@ fn files_that_are_no_bundles_are_refused_by_name() {
     std::fs::write(&text, "HIERARCHY\nROOT hips\n{\n").expect("a file");
     let absent = at(&folder, "absent.throng");
     for (file, say) in [(&cut, "5000 bytes"), (&text, "not a Throng bundle"), (&absent, "cannot be opened")] {
-        let cases: [&[&str]; 5] = [
+        let cases: [&[&str]; 7] = [
             &["verify", file, "--json"],
             &["query", file, "--state", "0", "--target", "1,1", "--json"],
             &["run", file, "--characters", "2", "--seconds", "1", "--json"],

@@ -12,7 +12,8 @@ use throng_precompute::progress::Silent;
 use throng_precompute::report::BuildReport;
 use throng_precompute::synth::{self, SynthConfig, SynthSet};
 use throng_runtime::format::AlignedBytes;
-use throng_runtime::troupe::Start;
+use throng_runtime::sparring::{Aim, SparringConfig, SparringGoal};
+use throng_runtime::troupe::{Choice, Start, TroupeConfig};
 use throng_runtime::{Planar, Tables};
 
 /// Writes synthetic clips of a total length into a folder. [Unit: min]
@@ -50,6 +51,60 @@ pub fn bundle() -> &'static [u8] {
 /// The small bundle, open.
 pub fn tables() -> Tables {
     Tables::from_bytes(AlignedBytes::from_slice(bundle())).expect("the small bundle opens")
+}
+
+/// A small bundle of boxing: an approach, blows at a target and evasion, all on small grids; built once a binary.
+pub fn boxing_tables() -> Tables {
+    static BUNDLE: OnceLock<Vec<u8>> = OnceLock::new();
+    let bytes = BUNDLE.get_or_init(|| {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let (clips, out) = (folder.path().join("clips"), folder.path().join("boxing.throng"));
+        let config = SynthConfig { minutes: 0.5, clip_seconds: 15.0, ..SynthConfig::for_set(SynthSet::Boxing) };
+        synth::write(SynthSet::Boxing, &config, &clips).expect("synthetic clips can be written");
+        let mut config = BuildConfig::parse(BOXING, Path::new("boxing.toml")).expect("a config");
+        config.inputs = vec![clips];
+        config.policy.compare_samples = 100;
+        build(&config, &out, &Cache::none());
+        std::fs::read(&out).expect("what was built can be read")
+    });
+    Tables::from_bytes(AlignedBytes::from_slice(bytes)).expect("the bundle of boxing opens")
+}
+
+const BOXING: &str = r#"
+name = "boxing"
+[[behaviours]]
+name = "approach"
+kind = "approach"
+centre = "hits"
+grid = { rings = 5, angles = 8, radius = 2.0, inner_spacing = 0.5 }
+[[behaviours]]
+name = "throw-punches"
+kind = "throw_punches"
+grid = { rings = 5, angles = 5, heights = 3 }
+[[behaviours]]
+name = "evade"
+kind = "evade"
+grid = { rings = 4, angles = 8, heights = 4 }
+"#;
+
+/// Boxers of [`boxing_tables`], each weighing all of its behaviours.
+pub fn boxing() -> SparringConfig {
+    let aims = [Aim::OpponentHead, Aim::OpponentHead, Aim::OpponentThreat];
+    let goal = |(policy, aim)| SparringGoal { policy, weight: 1.0, aim };
+    let troupe = TroupeConfig { choice: Choice::LookAhead { temperature: 0.05 }, ..TroupeConfig::default() };
+    SparringConfig { troupe, ..SparringConfig::new(aims.into_iter().enumerate().map(goal).collect()) }
+}
+
+/// Pairs face to face, within reach of each other.
+pub fn pairs(tables: &Tables, n: usize) -> Vec<Start> {
+    let states = tables.graph().states.len();
+    let start = |i: usize| {
+        let (pair, far) = (i / 2, i % 2 == 1);
+        let side = if far { Planar::new(0.0, 0.9, std::f32::consts::PI) } else { Planar::IDENTITY };
+        let root = Planar::new(3.0 * pair as f32, 0.0, 0.7 * pair as f32).compose(side);
+        Start { root, state: (i * 37 % states) as u32 }
+    };
+    (0..2 * n).map(start).collect()
 }
 
 /// Characters on a line, facing all around, in all kinds of states.

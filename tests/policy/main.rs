@@ -56,6 +56,24 @@ fn values_are_within_epsilon_of_brute_force() {
 }
 
 #[test]
+fn offsets_and_gains_are_within_epsilon_of_brute_force() {
+    for (seed, offset, gain) in [(1, 0.8, 1.0), (2, 0.0, -1.0), (3, 1.5, -0.5), (4, 0.3, 3.0)] {
+        let model = random_model(&mut Pcg64::seed_from_u64(400 + seed), 4);
+        let config = BehaviourConfig {
+            grid: GridConfig::polar(5, 9, 3.0, 0.4, 1.0),
+            reward: Some(if seed % 2 == 0 { RewardForm::Integral } else { RewardForm::Max }),
+            discount: 0.95,
+            offset,
+            gain: Some(gain),
+            ..BehaviourConfig::default()
+        };
+        let behaviour = Approach::new(&config, 30.0, None).expect("a valid behaviour");
+        let error = largest_error(&model, &behaviour, &PolicyConfig::default());
+        assert!(error <= 1e-4 + ARITHMETIC * gain.abs().max(1.0), "offset {offset}, gain {gain}: {error:e}");
+    }
+}
+
+#[test]
 fn hits_in_three_dimensions_are_within_epsilon_of_brute_force() {
     for seed in 0..4 {
         let mut rng = Pcg64::seed_from_u64(100 + seed);

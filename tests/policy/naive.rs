@@ -107,11 +107,12 @@ impl<'a> Naive<'a> {
         ];
         let terms = places.iter().zip(r.weights).map(|(p, w)| {
             let d = ((target[0] - p[0]).powi(2) + (target[1] - p[1]).powi(2) + (target[2] - p[2]).powi(2)).sqrt();
-            let ratio = d / f64::from(self.reward.scale);
+            let ratio = (d - f64::from(self.reward.offset)).abs() / f64::from(self.reward.scale);
             let kernel = if self.reward.kernel == KERNEL_WITHIN { f64::from(ratio <= 1.0) } else { (-ratio).exp() };
             f64::from(w) * kernel
         });
-        if self.reward.combine == COMBINE_MAX { terms.fold(0.0, f64::max) } else { terms.sum() }
+        let together = if self.reward.combine == COMBINE_MAX { terms.fold(0.0, f64::max) } else { terms.sum() };
+        f64::from(self.reward.gain) * together
     }
 
     /// Cells of one height and their weights.

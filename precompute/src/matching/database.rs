@@ -33,6 +33,8 @@ pub struct Database {
     run_ends: Vec<u32>,
     /// Planar root of each frame within its clip.
     roots: Vec<Planar>,
+    /// Hips, feet and fists of each frame, as its planar root sees them.
+    points: Vec<Points>,
     /// Root velocity of each frame, in its own frame: x, z. [Unit: m/s]
     velocities: Vec<Vec2>,
     mean: Row,
@@ -46,7 +48,6 @@ impl Database {
     /// # Panics
     /// Never for an open bundle: its frames are sampled in range.
     pub fn new(tables: &Tables, weights: &FeatureWeights) -> Self {
-        let points = points(tables);
         let roots: Vec<Planar> =
             tables.frames().iter().map(|f| Planar::new(f.planar[0], f.planar[1], f.planar[2])).collect();
         let n = roots.len();
@@ -56,6 +57,7 @@ impl Database {
             all: vec![[0.0; WIDTH]; n],
             run_ends: vec![0; n],
             roots,
+            points: points(tables),
             velocities: vec![Vec2::ZERO; n],
             mean: [0.0; WIDTH],
             factor: [0.0; WIDTH],
@@ -64,7 +66,7 @@ impl Database {
         for run in runs(tables) {
             for frame in run.clone() {
                 db.run_ends[frame as usize] = run.end;
-                db.all[frame as usize] = db.raw(tables, &points, frame, &run);
+                db.all[frame as usize] = db.raw(tables, frame, &run);
                 let [x, _, z] = db.all[frame as usize][Group::Hips.range()] else { unreachable!("three numbers") };
                 db.velocities[frame as usize] = Vec2::new(x, z);
             }
@@ -109,6 +111,13 @@ impl Database {
         self.roots[frame as usize].to_local(self.roots[frame as usize + 1])
     }
 
+    /// How far hips, feet and fists of two frames are apart, mean: what is seen where one takes the other's place.
+    /// [Unit: m] [Limit: frames exist]
+    pub fn gap(&self, a: u32, b: u32) -> f32 {
+        let (a, b) = (&self.points[a as usize], &self.points[b as usize]);
+        a.iter().zip(b).map(|(p, q)| p.distance(*q)).sum::<f32>() / a.len() as f32
+    }
+
     /// The root's velocity at a frame, in its own frame: x, z. [Unit: m/s] [Limit: frame exists]
     pub fn velocity(&self, frame: u32) -> Vec2 {
         self.velocities[frame as usize]
@@ -138,7 +147,7 @@ impl Database {
     }
 
     /// Features before they are normalised.
-    fn raw(&self, tables: &Tables, points: &[Points], frame: u32, run: &Range<u32>) -> Row {
+    fn raw(&self, tables: &Tables, frame: u32, run: &Range<u32>) -> Row {
         let mut row = [0.0; WIDTH];
         let root = self.roots[frame as usize];
         let ahead = AHEAD_S.map(|s| {
@@ -153,9 +162,9 @@ impl Database {
         let duration = (after - before).max(1) as f32 / self.rate_hz;
         let seen = |f: u32| {
             let r = root.to_local(self.roots[f as usize]);
-            points[f as usize].map(|p| r.translation() + r.rotation() * p)
+            self.points[f as usize].map(|p| r.translation() + r.rotation() * p)
         };
-        let (from, to, now) = (seen(before), seen(after), points[frame as usize]);
+        let (from, to, now) = (seen(before), seen(after), self.points[frame as usize]);
         let velocity = |k: usize| ((to[k] - from[k]) / duration).to_array();
         let [_, left_foot, right_foot, left_fist, right_fist] = now.map(|p| p.to_array());
         store(&mut row, Group::Hips, &[velocity(0)]);

@@ -35,7 +35,7 @@ pub struct PunchConfig {
     /// swing beside a walking or running body keep their length. [Limit: 0 to 1]
     pub extension: f32,
     /// Least speed of the fist in any direction with which a bent arm punches; absent: only thrusts count. Hooks that
-    /// open the elbow are thrusts at the moment they land; uppercuts and tight hooks need this, 4.5 m/s finds them.
+    /// open the elbow are thrusts at the moment they land; uppercuts and tight hooks need this, 4 m/s finds them.
     /// Sprinting, waving and dancing arms are as fast: set it for motion of fighting alone. [Unit: m/s] [Limit: > 0]
     pub swing_speed: Option<f32>,
     /// A swing's fist is at most this far below its shoulder where it lands. [Unit: m] [Limit: >= 0]

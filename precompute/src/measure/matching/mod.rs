@@ -37,6 +37,8 @@ pub struct MatchingConfig {
     pub seed: u64,
     /// What matching compares.
     pub weights: FeatureWeights,
+    /// What the policy for hits counts beside the one that approaches, which never stops paying. [Limit: >= 0]
+    pub hit_weight: f32,
     /// Share of the database's frames that are slower than matching wants to go. [Limit: 0 to 1]
     pub speed_share: f32,
 }
@@ -51,12 +53,13 @@ impl Default for MatchingConfig {
             reach_m: trial.reach_m,
             distances: trial.distances,
             hits_s: 60.0,
-            target_mps: 0.2,
+            target_mps: 0.1,
             queries: 2000,
             batch: 10_000,
             seconds: 0.5,
             seed: 1,
             weights: FeatureWeights::default(),
+            hit_weight: 2.0,
             speed_share: 0.95,
         }
     }
@@ -93,6 +96,15 @@ pub struct MatchingFigures {
     pub policy_hits_per_minute: Option<f64>,
     /// The same of matching.
     pub matching_hits_per_minute: Option<f64>,
+    /// Share of the policies' hits that land.
+    pub policy_landed_fraction: Option<f64>,
+    /// The same of matching.
+    pub matching_landed_fraction: Option<f64>,
+    /// Mean distance of hips, feet and fists where the policies go over to another frame, which nothing blends here.
+    /// [Unit: m]
+    pub policy_gap_m: Option<f64>,
+    /// The same of matching. [Unit: m]
+    pub matching_gap_m: Option<f64>,
 }
 
 /// Measures a bundle's policies against matching over its frames.
@@ -111,7 +123,7 @@ pub fn matching(tables: &Tables, config: &MatchingConfig) -> Result<MatchingFigu
     let boxes = BoxSearch::new(database.rows());
     let scene = Scene::new(tables, &repertoire, &database, &boxes, config)?;
     let (by_policy, by_matching, queries) = scene.reach();
-    let hits = scene.hits();
+    let sparring = scene.spar();
     let times = in_pool(1, || times(&scene, &queries, config))??;
     let [query_ns, kd_tree_query_ns, brute_force_query_ns, lookahead_ns, single_load_ns] = times;
     Ok(MatchingFigures {
@@ -127,8 +139,12 @@ pub fn matching(tables: &Tables, config: &MatchingConfig) -> Result<MatchingFigu
         matching_reached_fraction: by_matching.reached_fraction(),
         policy_time_to_reach_s: by_policy.mean_s(),
         matching_time_to_reach_s: by_matching.mean_s(),
-        policy_hits_per_minute: hits.map(|h| h[0]),
-        matching_hits_per_minute: hits.map(|h| h[1]),
+        policy_hits_per_minute: sparring.map(|s| s[0].landed_per_minute()),
+        matching_hits_per_minute: sparring.map(|s| s[1].landed_per_minute()),
+        policy_landed_fraction: sparring.and_then(|s| s[0].landed_fraction()),
+        matching_landed_fraction: sparring.and_then(|s| s[1].landed_fraction()),
+        policy_gap_m: sparring.and_then(|s| s[0].gap_m()),
+        matching_gap_m: sparring.and_then(|s| s[1].gap_m()),
     })
 }
 

@@ -15,7 +15,8 @@ pub(super) trait Mover {
     ///
     /// - `target`: in the world. [Unit: m]
     /// - `is_hit`: the frame that plays is that of an effective hit.
-    fn step(&mut self, target: Vec3, is_hit: bool);
+    /// - returns the frame that took the place of the one that played, where motion does not simply go on.
+    fn step(&mut self, target: Vec3, is_hit: bool) -> Option<u32>;
 }
 
 /// A target as a root sees it.
@@ -79,12 +80,14 @@ impl Mover for ByPolicy<'_> {
         self.tables.graph().segments[self.segment as usize].start + self.played
     }
 
-    fn step(&mut self, target: Vec3, _is_hit: bool) {
-        let segment = self.tables.graph().segments[self.segment as usize];
+    fn step(&mut self, target: Vec3, _is_hit: bool) -> Option<u32> {
+        let (segment, before) = (self.tables.graph().segments[self.segment as usize], self.frame());
         if self.played == segment.num_frames {
             self.choose(segment.end, self.root(), target);
         }
+        let now = self.frame();
         self.played += 1;
+        (now != before).then_some(now)
     }
 }
 
@@ -136,7 +139,8 @@ impl Mover for ByMatching<'_> {
         self.character.frame
     }
 
-    fn step(&mut self, target: Vec3, is_hit: bool) {
+    fn step(&mut self, target: Vec3, is_hit: bool) -> Option<u32> {
+        let before = self.frame();
         if self.character.wants_search(self.database, is_hit) {
             let wish = self.aim.wish(local(self.character.root, target));
             if let Some(asked) = &mut self.asked {
@@ -144,6 +148,8 @@ impl Mover for ByMatching<'_> {
             }
             self.character.search(self.database, self.boxes, &wish);
         }
+        let now = self.frame();
         self.character.advance(self.database);
+        (now != before).then_some(now)
     }
 }

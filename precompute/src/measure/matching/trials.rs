@@ -14,8 +14,6 @@ use throng_runtime::policy::{KIND_CYLINDER, KIND_POLAR, PolicyTable};
 use throng_runtime::troupe::Repertoire;
 use throng_runtime::{Planar, Tables};
 
-/// What the policy for hits counts beside the one that approaches, which never stops paying.
-const HIT_WEIGHT: f32 = 2.0;
 /// Radius of the circle on which the target of hits moves. [Unit: m]
 const CIRCLE_M: f32 = 0.6;
 
@@ -72,7 +70,7 @@ impl<'a> Scene<'a> {
             return Err(fail("matching is compared with a behaviour of the kind `approach`, and the bundle has none"));
         };
         let mut goals = vec![(approach, 1.0)];
-        goals.extend(first(KIND_CYLINDER).map(|p| (p, HIT_WEIGHT)));
+        goals.extend(first(KIND_CYLINDER).map(|p| (p, config.hit_weight)));
         let stand_off = approach.centre().length();
         let aim = Aim { stand_off, speed_mps: database.speed_quantile(config.speed_share), reach: None };
         Ok(Self { tables, database, boxes, config, goals, aim })
@@ -130,8 +128,8 @@ impl<'a> Scene<'a> {
         f32::INFINITY
     }
 
-    /// Hits a minute that land on a moving target, by the policies and by matching; none without a policy for hits.
-    pub fn hits(&self) -> Option<[f64; 2]> {
+    /// What the policies and matching do with a moving target in a while; nothing without a policy for hits.
+    pub fn spar(&self) -> Option<[Sparring; 2]> {
         let (punches, _) = self.goals.get(1)?;
         let r = punches.grid().record();
         let [low, high] = [r.height_start, r.height_start + r.height_spacing * (r.num_heights - 1) as f32];
@@ -140,26 +138,29 @@ impl<'a> Scene<'a> {
         let starts = self.starts(self.config.characters.div_ceil(4), [distance; 2], head.clamp(low, high));
         let aim = Aim { reach: Some(*punches.region()), ..self.aim };
         let within = punches.reward().record().scale;
-        let minutes = f64::from(self.config.hits_s) / 60.0 * starts.len() as f64;
         let by_policy = starts.par_iter().map(|s| {
             let mut mover = ByPolicy::new(self.tables, &self.goals, Planar::IDENTITY, s.state, s.target);
-            self.count_hits(&mut mover, s, within)
+            self.watch(&mut mover, s, within)
         });
-        let by_matching = starts.par_iter().map(|s| self.count_hits(&mut self.by_matching(s, aim, false), s, within));
-        Some([by_policy.sum::<u32>(), by_matching.sum::<u32>()].map(|hits| f64::from(hits) / minutes))
+        let by_matching = starts.par_iter().map(|s| self.watch(&mut self.by_matching(s, aim, false), s, within));
+        Some([by_policy.collect::<Vec<_>>(), by_matching.collect()].map(|all| all.iter().sum()))
     }
 
-    /// Effective hits that land within a distance of the target, which moves on a circle.
-    fn count_hits(&self, mover: &mut dyn Mover, start: &Start, within: f32) -> u32 {
+    /// Counts the effective hits that land within a distance of the target, which moves on a circle.
+    fn watch(&self, mover: &mut dyn Mover, start: &Start, within: f32) -> Sparring {
         let rate = self.database.rate_hz();
         let hits = self.tables.hits();
-        let mut count = 0;
+        let mut out = Sparring { minutes: f64::from(self.config.hits_s) / 60.0, ..Sparring::default() };
         let mut is_hit = false;
         let on_circle = |angle: f32| CIRCLE_M * Vec3::new(angle.sin(), 0.0, angle.cos());
         for frame in 1..=(self.config.hits_s * rate) as u32 {
             let angle = start.phase + self.config.target_mps / CIRCLE_M * frame as f32 / rate;
             let target = start.target + on_circle(angle) - on_circle(start.phase);
-            mover.step(target, is_hit);
+            let before = mover.frame();
+            if let Some(now) = mover.step(target, is_hit) {
+                out.jumps += 1;
+                out.gap_sum_m += f64::from(self.database.gap(before, now));
+            }
             let first = hits.partition_point(|h| h.frame < mover.frame());
             let here = hits[first..].iter().take_while(|h| h.frame == mover.frame());
             is_hit = false;
@@ -167,9 +168,50 @@ impl<'a> Scene<'a> {
                 is_hit = true;
                 let place = hit.position();
                 let ground = mover.root().transform_point(Vec2::new(place.x, place.z));
-                count += u32::from(Vec3::new(ground.x, place.y, ground.y).distance(target) < within);
+                out.thrown += 1;
+                out.landed += u32::from(Vec3::new(ground.x, place.y, ground.y).distance(target) < within);
             }
         }
-        count
+        out
+    }
+}
+
+/// What was done with a moving target.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Sparring {
+    minutes: f64,
+    thrown: u32,
+    landed: u32,
+    jumps: u32,
+    gap_sum_m: f64,
+}
+
+impl Sparring {
+    /// Hits a minute that land.
+    pub fn landed_per_minute(&self) -> f64 {
+        f64::from(self.landed) / self.minutes
+    }
+
+    /// Share of the hits that land; none where nothing is thrown.
+    pub fn landed_fraction(&self) -> Option<f64> {
+        (self.thrown > 0).then(|| f64::from(self.landed) / f64::from(self.thrown))
+    }
+
+    /// Distance of hips, feet and fists where another frame takes the place of the one that plays, mean; none where
+    /// that never happens. [Unit: m]
+    pub fn gap_m(&self) -> Option<f64> {
+        (self.jumps > 0).then(|| self.gap_sum_m / f64::from(self.jumps))
+    }
+}
+
+impl<'a> std::iter::Sum<&'a Sparring> for Sparring {
+    fn sum<I: Iterator<Item = &'a Sparring>>(all: I) -> Self {
+        all.fold(Self::default(), |a, b| Self {
+            minutes: a.minutes + b.minutes,
+            thrown: a.thrown + b.thrown,
+            landed: a.landed + b.landed,
+            jumps: a.jumps + b.jumps,
+            gap_sum_m: a.gap_sum_m + b.gap_sum_m,
+        })
     }
 }

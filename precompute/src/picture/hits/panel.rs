@@ -13,6 +13,8 @@ use glam::{Vec2, Vec3};
 const STEP: f32 = 0.25;
 /// Radii of the least and the most forceful hit. [Unit: px of a picture 1600 px wide]
 const RADII: [f32; 2] = [3.5, 8.5];
+/// More points than this are drawn smaller, so that they do not hide each other and the body.
+const MANY: usize = 150;
 /// Length of the tail of the most forceful hit. [Unit: m]
 const TAIL: f32 = 0.12;
 
@@ -62,14 +64,15 @@ impl Panel {
         // Farther ones first.
         let mut order: Vec<&HitPoint> = points.iter().collect();
         order.sort_by(|a, b| self.camera.depth(b.position).total_cmp(&self.camera.depth(a.position)));
-        order.into_iter().for_each(|h| self.point(&mut panel, h, unit));
+        let scale = (MANY as f32 / points.len().max(1) as f32).sqrt().clamp(0.4, 1.0);
+        order.into_iter().for_each(|h| self.point(&mut panel, h, scale * unit));
         page.draw_picture(&panel, (self.area.min.x as i32, self.area.min.y as i32));
         self.labels(page, unit);
     }
 
     fn point(&self, panel: &mut Picture, hit: &HitPoint, unit: f32) {
         let at = self.camera.project(hit.position);
-        let radius = (RADII[0] + (RADII[1] - RADII[0]) * hit.force.clamp(0.0, 1.0)) * unit;
+        let radius = unit * (RADII[0] + (RADII[1] - RADII[0]) * hit.force.clamp(0.0, 1.0));
         let tail = self.camera.project(hit.position - hit.direction * TAIL * hit.force);
         panel.stroke_line(&[tail, at], 1.6 * unit, tint(hit).alpha(0.55));
         if is_ring(hit) {
@@ -121,12 +124,7 @@ impl Panel {
         draw_text(page, place, &format!("{} [m]", self.across.name), style);
         let strong = TextStyle { size: 21.0 * unit, colour: colour::INK, align: Align::Left, bold: true };
         draw_text(page, min + Vec2::new(10.0, 26.0) * unit, self.title, strong);
-        let place = min + Vec2::new(10.0, 48.0) * unit;
-        draw_text(
-            page,
-            place,
-            &format!("upwards: {} [m]", self.upwards.name),
-            TextStyle { align: Align::Left, ..style },
-        );
+        let place = min - Vec2::new(44.0, 10.0) * unit;
+        draw_text(page, place, &format!("{} [m]", self.upwards.name), TextStyle { align: Align::Left, ..style });
     }
 }

@@ -187,6 +187,28 @@ mod tests {
     }
 
     #[test]
+    fn a_grid_around_a_centre_sees_the_target_from_there() {
+        let turning = |f: u32| Planar::new(0.02 * f as f32, 0.05 * f as f32, 0.06 * f as f32);
+        let path: Vec<Planar> = (0..=12).map(turning).collect();
+        let motion = SegmentMotion { end: 0, num_frames: 12, displacement: path[12], path };
+        let config = BehaviourConfig { centre: CentreConfig::Hits, ..BehaviourConfig::default() };
+        let centre = Vec2::new(0.1, 0.7);
+        let b = Approach::new(&config, 30.0, Some(centre)).expect("a valid behaviour");
+        let r = segment_records(&b, std::slice::from_ref(&motion))[0];
+        let target = Vec2::new(-0.6, 1.9);
+        let seen = target - centre;
+        let [x, z, distance] = r.target_after(glam::Vec3::new(seen.x, 0.0, seen.y));
+        let after = motion.displacement.inverse_transform_point(target) - centre;
+        assert!(Vec2::new(x, z).distance(after) < 1e-5 && (distance - after.length()).abs() < 1e-5);
+        for (k, moment) in [4, 8].into_iter().enumerate() {
+            let place = motion.path[moment].transform_point(centre);
+            let inner = Vec2::new(r.inner[2 * k], r.inner[2 * k + 1]);
+            assert!((inner.distance(seen) - place.distance(target)).abs() < 1e-5, "moment {moment}");
+        }
+        assert!(Approach::new(&config, 30.0, None).expect_err("no hits").to_string().contains("annotate.hits"));
+    }
+
+    #[test]
     fn discount_follows_the_rate() {
         let config = BehaviourConfig::default();
         let at = |rate| Approach::new(&config, rate, None).expect("a valid behaviour").discount();

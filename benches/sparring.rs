@@ -1,0 +1,135 @@
+//! What does sparring cost beside moving and posing the same characters? `cargo bench --bench sparring`.
+//!
+//! Thirty boxers, as in 003 section 6, and a thousand: choice, poses, blows, landing, reactions and parting, beside a
+//! troupe that only moves and is posed, and a copy of its poses, all in the same run on one thread.
+
+use std::hint::black_box;
+use std::path::Path;
+use std::time::Instant;
+use throng_precompute::cache::Cache;
+use throng_precompute::config::BuildConfig;
+use throng_precompute::pipeline;
+use throng_precompute::progress::Silent;
+use throng_precompute::synth::{self, SynthConfig, SynthSet};
+use throng_runtime::sparring::{Aim, Sparring, SparringConfig, SparringGoal};
+use throng_runtime::troupe::{Choice, Goal, ReactionConfig, Repertoire, Start, Troupe, TroupeConfig};
+use throng_runtime::{Planar, Tables};
+
+/// What is baked: the paper's two behaviours on grids of their size, and evasion.
+const CONFIG: &str = r#"
+name = "bench"
+[resample]
+mirror = true
+[[behaviours]]
+name = "approach"
+kind = "approach"
+centre = "hits"
+grid = { rings = 5, angles = 13, radius = 2.0, inner_spacing = 0.5 }
+[[behaviours]]
+name = "throw-punches"
+kind = "throw_punches"
+[[behaviours]]
+name = "evade"
+kind = "evade"
+"#;
+
+/// A simulated step. [Unit: s]
+const DT: f32 = 1.0 / 60.0;
+
+fn main() -> Result<(), Box<dyn std::error::Error>> {
+    // `cargo test` runs benches too: a short look is enough there.
+    let whole = std::env::args().any(|a| a == "--bench");
+    let folder = tempfile::tempdir()?;
+    let bundle = folder.path().join("bench.throng");
+    build(folder.path(), &bundle, if whole { 4.0 } else { 0.5 })?;
+    let tables = Tables::open(&bundle)?;
+    let repertoire = Repertoire::new(&tables);
+    let (sizes, steps): (&[usize], usize) = if whole { (&[30, 1000], 600) } else { (&[4], 3) };
+    for &characters in sizes {
+        report(&repertoire, characters, steps)?;
+    }
+    Ok(())
+}
+
+fn report(repertoire: &Repertoire<'_>, characters: usize, steps: usize) -> Result<(), Box<dyn std::error::Error>> {
+    let choice = Choice::LookAhead { temperature: 0.05 };
+    let troupe = TroupeConfig { choice, ..TroupeConfig::default() };
+    let goal = |policy, aim| SparringGoal { policy, weight: 1.0, aim };
+    let goals = [Aim::OpponentHead, Aim::OpponentHead, Aim::OpponentThreat];
+    let goals: Vec<_> = goals.into_iter().enumerate().map(|(policy, aim)| goal(policy, aim)).collect();
+    let config = SparringConfig { troupe, ..SparringConfig::new(goals) };
+    let mut sparring = Sparring::new(repertoire, config, &starts(repertoire, characters))?;
+    // Until everybody has come to blows.
+    for _ in 0..steps {
+        sparring.step(repertoire, DT)?;
+    }
+    let plain = TroupeConfig { reaction: ReactionConfig { enabled: false, ..troupe.reaction }, ..troupe };
+    let mut alone = Troupe::new(repertoire, plain, &starts(repertoire, characters))?;
+    alone.restore(&sparring.troupe().snapshot())?;
+    let (heads, threats) = (sparring.heads().to_vec(), sparring.threats().to_vec());
+    let mut copy = sparring.troupe().model_matrices().to_vec();
+
+    // Taking turns, so that whatever else the machine does meets all three alike.
+    let mut times = [Vec::new(), Vec::new(), Vec::new()];
+    for _ in 0..steps {
+        times[0].push(timed(|| sparring.step(repertoire, DT))?);
+        let goal = |policy, targets| Goal { policy, weight: 1.0, targets };
+        let goals: [Goal<'_>; 3] = [goal(0, &heads), goal(1, &heads), goal(2, &threats)];
+        times[1].push(timed(|| alone.step(repertoire, DT, &goals))?);
+        times[2].push(timed(|| {
+            copy.copy_from_slice(black_box(sparring.troupe().model_matrices()));
+            Ok::<_, std::convert::Infallible>(())
+        })?);
+    }
+    let [whole, moving, copying] = times.map(mean_of_faster_half);
+    let blows = sparring.figures().blows;
+    println!(
+        "{characters} boxers, {} blows in {:.0} s, {} met:",
+        blows.thrown,
+        sparring.figures().seconds,
+        blows.landed + blows.blocked
+    );
+    println!("  sparring {:>9.1} us a step, {:>7.0} steps a second", whole * 1e6, 1.0 / whole);
+    println!("  moving   {:>9.1} us a step; sparring takes {:.2} times as long", moving * 1e6, whole / moving);
+    println!("  copying  {:>9.1} us;        sparring takes {:.1} times as long", copying * 1e6, whole / copying);
+    Ok(())
+}
+
+/// Time of some work. [Unit: s]
+fn timed<E>(work: impl FnOnce() -> Result<(), E>) -> Result<f64, E> {
+    let begin = Instant::now();
+    work()?;
+    Ok(begin.elapsed().as_secs_f64())
+}
+
+/// Mean without the rounds that something else took the processor from: choices make some steps dearer than others, so
+/// that a median would leave out what they cost.
+fn mean_of_faster_half(times: Vec<f64>) -> f64 {
+    // In groups of steps, each long enough to hold its share of choices.
+    let mut groups: Vec<f64> = times.chunks(20).map(|g| g.iter().sum::<f64>() / g.len() as f64).collect();
+    groups.sort_by(f64::total_cmp);
+    let half = &groups[..groups.len().div_ceil(2)];
+    half.iter().sum::<f64>() / half.len() as f64
+}
+
+/// Pairs on a square, two metres apart and face to face.
+fn starts(repertoire: &Repertoire<'_>, characters: usize) -> Vec<Start> {
+    let num_states = repertoire.graph().states.len();
+    let start = |c: usize| {
+        let pair = c / 2;
+        let middle = Planar::new(4.0 * (pair % 32) as f32, 4.0 * (pair / 32) as f32, pair as f32);
+        let side =
+            if c.is_multiple_of(2) { Planar::new(0.0, -1.0, 0.0) } else { Planar::new(0.0, 1.0, std::f32::consts::PI) };
+        Start { root: middle.compose(side), state: (c * 37 % num_states) as u32 }
+    };
+    (0..characters).map(start).collect()
+}
+
+fn build(folder: &Path, bundle: &Path, minutes: f64) -> Result<(), Box<dyn std::error::Error>> {
+    let clips = folder.join("clips");
+    synth::write(SynthSet::Boxing, &SynthConfig { minutes, ..SynthConfig::for_set(SynthSet::Boxing) }, &clips)?;
+    let mut config = BuildConfig::parse(CONFIG, Path::new("bench.toml"))?;
+    config.inputs = vec![clips];
+    pipeline::build(&config, bundle, &Cache::none(), &Silent)?;
+    Ok(())
+}
