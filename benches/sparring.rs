@@ -81,7 +81,7 @@ fn report(repertoire: &Repertoire<'_>, characters: usize, steps: usize) -> Resul
             Ok::<_, std::convert::Infallible>(())
         })?);
     }
-    let [whole, moving, copying] = times.map(mean_of_faster_half);
+    let [whole, moving, copying] = times.map(undisturbed_mean);
     let blows = sparring.figures().blows;
     println!(
         "{characters} boxers, {} blows in {:.0} s, {} met:",
@@ -102,14 +102,13 @@ fn timed<E>(work: impl FnOnce() -> Result<(), E>) -> Result<f64, E> {
     Ok(begin.elapsed().as_secs_f64())
 }
 
-/// Mean without the rounds that something else took the processor from: choices make some steps dearer than others, so
-/// that a median would leave out what they cost.
-fn mean_of_faster_half(times: Vec<f64>) -> f64 {
-    // In groups of steps, each long enough to hold its share of choices.
-    let mut groups: Vec<f64> = times.chunks(20).map(|g| g.iter().sum::<f64>() / g.len() as f64).collect();
+/// Mean of the quarter that was least disturbed by what else the machine does, in groups of steps that each hold their
+/// share of choices.
+fn undisturbed_mean(times: Vec<f64>) -> f64 {
+    let mut groups: Vec<f64> = times.chunks(10).map(|g| g.iter().sum::<f64>() / g.len() as f64).collect();
     groups.sort_by(f64::total_cmp);
-    let half = &groups[..groups.len().div_ceil(2)];
-    half.iter().sum::<f64>() / half.len() as f64
+    let quarter = &groups[..groups.len().div_ceil(4)];
+    quarter.iter().sum::<f64>() / quarter.len() as f64
 }
 
 /// Pairs on a square, two metres apart and face to face.

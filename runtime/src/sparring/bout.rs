@@ -198,8 +198,8 @@ impl Sparring {
         }
         for (i, pair) in self.state.pairs.iter().enumerate() {
             if let Some(by) = pair.part(dt_s) {
-                self.troupe.shift(2 * i, -by)?;
-                self.troupe.shift(2 * i + 1, by)?;
+                self.troupe.shift(2 * i, by[0])?;
+                self.troupe.shift(2 * i + 1, by[1])?;
             }
         }
         Ok(())
@@ -244,7 +244,8 @@ fn observe(
             None => Vec3::new(0.0, NO_THREAT_S, 0.0),
         };
     }
-    to.pair.observe(body, [&poses[0], &poses[1]], &config.separation, dt_s);
+    let contacts = characters.map(|c| troupe.contacts(c));
+    to.pair.observe(body, [&poses[0], &poses[1]], contacts, &config.separation, dt_s);
 }
 
 /// The goals of a step.

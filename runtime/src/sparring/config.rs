@@ -33,7 +33,10 @@ pub struct SparringGoal {
 pub struct SeparationConfig {
     /// False lets bodies pass through each other.
     pub enabled: bool,
-    /// Fastest that a character is moved out of the other. [Unit: m/s] [Limit: 0 to 10]
+    /// Gap below which bodies already begin to part. [Unit: m] [Limit: 0 to 1]
+    pub margin_m: f32,
+    /// Fastest that two characters with a foot in the air part; one that stands on both feet takes a quarter of its
+    /// share. [Unit: m/s] [Limit: 0 to 10]
     pub max_speed_mps: f32,
     /// Overlap above which time counts as deep. [Unit: m] [Limit: 0 to 1]
     pub deep_m: f32,
@@ -41,7 +44,7 @@ pub struct SeparationConfig {
 
 impl Default for SeparationConfig {
     fn default() -> Self {
-        Self { enabled: true, max_speed_mps: 0.3, deep_m: 0.05 }
+        Self { enabled: true, margin_m: 0.04, max_speed_mps: 0.6, deep_m: 0.05 }
     }
 }
 
@@ -77,6 +80,7 @@ impl SparringConfig {
             ("reach_m", self.reach_m),
             ("block_m", self.block_m),
             ("push_m_per_mps", self.push_m_per_mps),
+            ("separation.margin_m", self.separation.margin_m),
             ("separation.deep_m", self.separation.deep_m),
         ] {
             within(what, got, 0.0, 1.0, "between 0 and 1")?;

@@ -3,6 +3,7 @@
 use super::body::{Body, BodyShape, NUM_CORE, Part, Posed};
 use super::landing::meet;
 use super::*;
+use crate::contacts::Contacts;
 use crate::hits::{HitRecord, striking_offset};
 use crate::planar::Planar;
 use crate::pose::Mat3x4;

@@ -68,7 +68,7 @@ pub(super) fn hits(t: &Tables) -> Result<(), FormatError> {
         }
         let moderate = h.position.iter().chain([&h.speed_mps]).all(|v| v.abs() < 1e6) && h.speed_mps >= 0.0;
         let unit = (h.direction().length() - 1.0).abs() < 1e-3;
-        if !moderate || !unit || !(h.force > 0.0 && h.force <= 1.0) {
+        if !(moderate && unit && h.force > 0.0 && h.force <= 1.0) {
             return wrong("it holds a number that cannot be");
         }
     }

@@ -83,7 +83,6 @@ const NUM_UPPER: usize = Joint::RightHand.index() + 1;
 
 /// A spring of each of eight characters, in world space.
 #[derive(Clone, Copy, Debug)]
-#[repr(C, align(64))]
 struct Spring {
     /// [Unit: m]
     place: Lane3,

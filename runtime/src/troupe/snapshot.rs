@@ -4,7 +4,7 @@ use super::block::Block;
 use super::{Troupe, TroupeError};
 
 /// What a troupe remembers at one instant: all that its next steps depend on, poses not among it.
-/// [Size: about 440 bytes a character]
+/// [Size: about 520 bytes a character]
 #[derive(Clone, Debug, Default)]
 pub struct TroupeSnapshot {
     blocks: Vec<Block>,

@@ -99,19 +99,24 @@ fn overlapping_bodies_part_at_a_speed_that_grows_to_the_allowed_one() {
     let body = Body::new(&skeleton, &BodyShape::default());
     let poses = [Planar::IDENTITY, Planar::new(0.0, 0.1, 0.0)].map(|r| Posed::new(&pose, r));
     let (config, dt) = (SeparationConfig::default(), 1.0 / 60.0);
+    let (lifted, stands) = (Contacts::LEFT, Contacts(Contacts::LEFT.0 | Contacts::RIGHT_TOE.0));
     let mut pair = pair::Pair::default();
     let mut last = 0.0;
-    for _ in 0..60 {
-        pair.observe(&body, [&poses[0], &poses[1]], &config, dt);
-        let by = pair.part(dt).unwrap();
-        // Both are moved by this, away from each other.
-        let speed = 2.0 * by.y / dt;
-        assert!(by.x.abs() < 1e-6 && speed > last && speed < config.max_speed_mps);
+    for _ in 0..90 {
+        pair.observe(&body, [&poses[0], &poses[1]], [lifted; 2], &config, dt);
+        // Both are moved alike, away from each other.
+        let [first, second] = pair.part(dt).unwrap();
+        let speed = (second.y - first.y) / dt;
+        assert!((first + second).length() < 1e-7 && second.x.abs() < 1e-6);
+        assert!(speed > last && speed < config.max_speed_mps);
         last = speed;
     }
     assert!(last > 0.95 * config.max_speed_mps, "{last}");
+    (0..90).for_each(|_| pair.observe(&body, [&poses[0], &poses[1]], [stands, lifted], &config, dt));
+    let [first, second] = pair.part(dt).unwrap();
+    assert!((first.length() / second.length() - 0.25).abs() < 0.01, "who stands on both feet is moved less");
     let off = SeparationConfig { enabled: false, ..config };
-    (0..600).for_each(|_| pair.observe(&body, [&poses[0], &poses[1]], &off, dt));
+    (0..600).for_each(|_| pair.observe(&body, [&poses[0], &poses[1]], [lifted; 2], &off, dt));
     assert_eq!(pair.part(dt), None);
 }
 
@@ -122,7 +127,8 @@ fn bodies_overlap_as_far_as_their_capsules_do() {
     let overlap = |x: f32, z: f32| {
         let mut pair = pair::Pair::default();
         let poses = [Planar::IDENTITY, Planar::new(x, z, std::f32::consts::PI)].map(|r| Posed::new(&pose, r));
-        pair.observe(&body, [&poses[0], &poses[1]], &SeparationConfig::default(), 1.0 / 60.0);
+        let config = SeparationConfig::default();
+        pair.observe(&body, [&poses[0], &poses[1]], [Contacts::NONE; 2], &config, 1.0 / 60.0);
         pair.overlap_m
     };
     // Chest to chest, 0.12 m thick each, parallel from side to side.
