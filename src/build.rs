@@ -44,6 +44,7 @@ pub fn run(args: &Args) -> Outcome {
     config.import.strict |= args.strict;
     if !args.input.is_empty() {
         config.inputs.clone_from(&args.input);
+        config.synth = None;
     }
     let out = args.out.clone().unwrap_or_else(|| PathBuf::from(format!("{}.throng", config.name)));
     let report = pipeline::build(&config, &out, &args.cache.cache(), &progress::Bar::default())?;

@@ -12,11 +12,9 @@ use throng_runtime::Tables;
 
 /// Run a scene, or characters on a bundle that each chase a target of their own, and measure what they do.
 ///
-/// JSON keys of a scene: scene, characters, simulated_s, steps_per_second (of all characters, on one thread),
+/// JSON keys: of a scene, scene, characters, simulated_s, steps_per_second (of all characters, on one thread),
 /// hits_per_minute (that landed, for each character), landed_fraction, blocked_fraction, thrown, foot_slip_mean_mps,
-/// foot_slip_p95_mps, max_penetration_m, deep_fraction, distance_mean_m, distance_max_m.
-///
-/// JSON keys of a bundle: characters, simulated_s, reached_fraction, stayed_fraction, mean_arrival_s,
+/// foot_slip_p95_mps, max_penetration_m, deep_fraction, distance_mean_m, distance_max_m; of a bundle, characters, simulated_s, reached_fraction, stayed_fraction, mean_arrival_s,
 /// mean_final_distance_m, foot_slip_mean_mps, foot_slip_p95_mps, steps_per_second, poses_per_second,
 /// choices_per_second.
 #[derive(clap::Args)]

@@ -69,6 +69,7 @@ impl Gait {
             contacts,
             excluded: Vec::new(),
             tags: Vec::new(),
+            hits: Vec::new(),
         }
     }
 

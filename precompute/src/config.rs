@@ -101,7 +101,6 @@ impl BuildConfig {
         if config.name.is_empty() {
             config.name = path.file_stem().map_or_else(String::new, |s| s.to_string_lossy().into_owned());
         }
-        config.check(path)?;
         let folder = path.parent().unwrap_or(Path::new(""));
         let places = config.inputs.iter_mut().chain(&mut config.import.asf).chain(&mut config.import.profiles);
         places.for_each(|p| *p = folder.join(&p));
@@ -113,7 +112,9 @@ impl BuildConfig {
     /// # Errors
     /// [`BuildError::Config`] as [`BuildConfig::load`].
     pub fn parse(text: &str, path: &Path) -> Result<Self, BuildError> {
-        toml::from_str(text).map_err(|e| BuildError::Config { message: explain(&e, text, path) })
+        let config: Self = toml::from_str(text).map_err(|e| BuildError::Config { message: explain(&e, text, path) })?;
+        config.check(path)?;
+        Ok(config)
     }
 
     fn check(&self, path: &Path) -> Result<(), BuildError> {

@@ -139,7 +139,7 @@ fn wrong_usage_ends_with_2() {
         &[],
         &["fly"],
         &["verify"],
-        &["build", "a.toml"],
+        &["build"],
         &["query", "a.throng", "--state", "0", "--target", "3"],
         &["query", "a.throng", "--state", "0", "--target", "nan,1"],
         &["query", "a.throng", "--state", "-1", "--target", "1,1"],
@@ -195,7 +195,7 @@ fn verify_says_what_a_bundle_holds() {
     let keys =
         ["file", "name", "version", "bundle_bytes", "frames", "clips", "states", "actions", "policies", "sections"];
     let report = json(&["verify", &bundle, "--json"], &keys);
-    assert_eq!((&report["name"], &report["version"]), (&Value::from("little"), &Value::from(1)));
+    assert_eq!((&report["name"], &report["version"]), (&Value::from("little"), &Value::from(2)));
     assert_eq!(report["policies"], serde_json::json!(["approach"]));
     assert_eq!(report["sections"]["FRAM"].as_u64(), report["frames"].as_u64().map(|n| 192 * n));
     assert!(done(&["verify", &bundle]).contains("is whole"));

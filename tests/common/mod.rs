@@ -72,6 +72,9 @@ pub fn boxing_tables() -> Tables {
 
 const BOXING: &str = r#"
 name = "boxing"
+inputs = ["clips"]
+[annotate.hits.punches]
+swing_speed = 4.0
 [[behaviours]]
 name = "approach"
 kind = "approach"

@@ -239,7 +239,7 @@ mod tests {
         let motion =
             SegmentMotion { end: 0, num_frames: 9, displacement: Planar::IDENTITY, path: vec![Planar::IDENTITY; 10] };
         let r = super::super::segment_records(&b, &[motion])[0];
-        let weight = |force: f64, frame: i32| (force * 0.985f64.powi(frame)) as f32;
+        let weight = |force: f32, frame: i32| force * 0.985f64.powi(frame) as f32;
         assert_eq!(r.weights, [0.0, weight(1.0, 6), weight(0.9, 9), 0.0]);
         assert_eq!((r.inner, r.heights), ([0.2, 0.8, 0.3, 1.0], [1.5, 1.2]));
         // The grid covers all three.
