@@ -15,7 +15,7 @@ use throng_precompute::policy::{Quality, QualityConfig};
 /// sweeps), setup_seconds, sweep_seconds, residual, bytes_per_sweep, copy_bytes_per_second}; with --quality also
 /// quality [policy, asked, pairs (with something to gain), ratio_mean, ratio_p05, near_best_fraction,
 /// realised_ratio_mean, regret_mean, single_load_ratio_mean, temperatures [temperature, ratio_mean], look_aheads,
-/// search_s, seconds] and matching {frames, query_ns, kd_tree_query_ns, brute_force_query_ns, lookahead_ns,
+/// search_s, seconds] and matching {policies, frames, query_ns, kd_tree_query_ns, brute_force_query_ns, lookahead_ns,
 /// single_load_ns, query_over_lookahead, query_over_single_load, policy_reached_fraction, matching_reached_fraction,
 /// policy_time_to_reach_s, matching_time_to_reach_s, policy_hits_per_minute, matching_hits_per_minute,
 /// policy_landed_fraction, matching_landed_fraction, policy_gap_m, matching_gap_m (distance of hips, feet and fists where

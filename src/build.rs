@@ -1,6 +1,6 @@
 //! `throng build`: motion files to a bundle.
 
-use crate::args::{CacheArgs, Outcome};
+use crate::args::{CacheArgs, Outcome, fail};
 use crate::{output, progress};
 use std::path::PathBuf;
 use throng_precompute::config::BuildConfig;
@@ -11,10 +11,10 @@ use throng_precompute::report::{self, BuildReport};
 
 /// Bake motion files into a bundle.
 ///
-/// JSON keys: name, clips, frames_in, frames_kept, states, actions, seconds_total, stage_s, cached, policies [name,
-/// cells, sweeps, residual, bytes, seconds, adaptive {finest_bytes, samples, mean_value, and for adaptive, uniform and
-/// uniform_fitted each bytes, counts, mean_error, p95_error, max_error, changed_share, mean_loss} (null where it is not),
-/// ...], bundle_bytes, graph, contacts, hits {count, angle_rad, distance_m, height_m (each [min, max], null without
+/// JSON keys: name, clips, rate_hz, minutes_in, frames_in, frames_kept, states, actions, seconds_total, stage_s, cached, policies [name,
+/// cells, pairs, sweeps, greedy_sweeps, residual, error_bound, bytes, value_bytes, seconds, comparison, adaptive {finest_bytes, samples, mean_value, and for adaptive, uniform and
+/// uniform_fitted each bytes, counts, mean_error, p95_error, max_error, changed_share, mean_loss} (null where it is not)],
+/// bundle_bytes, graph, contacts, hits {count, angle_rad, distance_m, height_m (each [min, max], null without
 /// hits), kinds (object: name to count)}, excluded_frames, skipped, warnings.
 #[derive(clap::Args)]
 pub struct Args {
@@ -46,7 +46,13 @@ pub fn run(args: &Args) -> Outcome {
         config.inputs.clone_from(&args.input);
         config.synth = None;
     }
-    let out = args.out.clone().unwrap_or_else(|| PathBuf::from(format!("{}.throng", config.name)));
+    let out = match &args.out {
+        Some(out) => out.clone(),
+        None if config.name.contains(['/', '\\']) => {
+            return fail(format!("the name \"{}\" is a path: name the bundle with --out", config.name));
+        }
+        None => PathBuf::from(format!("{}.throng", config.name)),
+    };
     let report = pipeline::build(&config, &out, &args.cache.cache(), &progress::Bar::default())?;
     output::warnings(&report.skipped, &report.warnings);
     if let Some(path) = &args.report {

@@ -29,6 +29,9 @@ pub struct Args {
     /// Bundle in place of the scene's.
     #[arg(long, value_name = "FILE")]
     bundle: Option<PathBuf>,
+    /// Leave out a behaviour of the scene; may be given several times.
+    #[arg(long, value_name = "BEHAVIOUR")]
+    without: Vec<String>,
     #[command(flatten)]
     crowd: CrowdArgs,
     #[command(flatten)]
@@ -42,8 +45,8 @@ pub fn run(args: &Args) -> Outcome {
     if Scene::is_scene(&args.file) {
         return run_scene(args);
     }
-    if args.bundle.is_some() {
-        return fail("--bundle is for scenes; name the bundle alone");
+    if args.bundle.is_some() || !args.without.is_empty() {
+        return fail("--bundle and --without are for scenes; name the bundle alone");
     }
     let tables = crate::args::open(&args.file)?;
     let config = args.crowd.trial();
@@ -57,6 +60,7 @@ pub fn run(args: &Args) -> Outcome {
 fn run_scene(args: &Args) -> Outcome {
     let mut scene = Scene::load(&args.file)?;
     args.crowd.change(&mut scene)?;
+    leave_out(&mut scene, &args.without)?;
     scene.check(&args.file)?;
     if let Some(bundle) = &args.bundle {
         (scene.bundle, scene.config) = (bundle.clone(), None);
@@ -69,6 +73,18 @@ fn run_scene(args: &Args) -> Outcome {
         picture::scene_sheet(&tables, &scene, &report, &record).save_png(png)?;
     }
     if args.json { output::json(&report) } else { print_scene(&scene, &report) }
+}
+
+/// Takes behaviours out of a scene.
+fn leave_out(scene: &mut Scene, without: &[String]) -> Outcome {
+    for name in without {
+        if !scene.goals.iter().any(|g| g.behaviour == *name) {
+            let known: Vec<_> = scene.goals.iter().map(|g| g.behaviour.as_str()).collect();
+            return fail(format!("--without {name}: expected one of {}", known.join(", ")));
+        }
+        scene.goals.retain(|g| g.behaviour != *name);
+    }
+    Ok(())
 }
 
 /// Builds a scene's bundle where it is not there.

@@ -41,7 +41,9 @@ pub fn compare(table: &PolicyTable, samples: u32, rng: &mut Pcg64) -> Comparison
 /// several.
 pub(super) fn random_target(table: &PolicyTable, rng: &mut Pcg64) -> Vec3 {
     let r = table.grid().record();
-    let angle = r.angle_start + r.angle_spacing * (r.num_angles - 1) as f32 * rng.random::<f32>();
+    // Where angles go all around, the last cell reaches to the first.
+    let sectors = if table.grid().is_polar() { r.num_angles } else { r.num_angles - 1 };
+    let angle = r.angle_start + r.angle_spacing * sectors as f32 * rng.random::<f32>();
     let distance = r.ring_start + (table.grid().radius() - r.ring_start) * rng.random::<f32>();
     let height = r.height_start + r.height_spacing * (r.num_heights - 1) as f32 * rng.random::<f32>();
     Vec3::new(distance * angle.sin(), height, distance * angle.cos()) + table.centre()

@@ -69,6 +69,7 @@ pub fn value_iteration(
     progress: &dyn Progress,
 ) -> Result<Solution, BuildError> {
     let begin = Instant::now();
+    check_size(model, behaviour, cfg)?;
     let segments = segment_records(behaviour, &model.segments);
     let mut solution = blank(model, behaviour, segments, cfg)?;
     if behaviour.grid().is_moments() {
@@ -76,10 +77,6 @@ pub fn value_iteration(
         return Ok(solution);
     }
     let shape = Shape::new(&behaviour.grid());
-    if shape.value_plane() + LANES_TO_SPARE > MAX_PLANE {
-        let message = format!("behaviour \"{}\" has {} cells at one height", behaviour.name(), shape.plane());
-        return Err(stage_error(message, "Use fewer rings or angles: rings * (angles + 1) up to 65000."));
-    }
     let best = vec![0; solution.values.len()];
     let pairs = Pairs::new(&solution.table(model, &best)?, &solution.segments);
     let mut sweeper = Sweeper::new(pairs, model);
@@ -101,6 +98,33 @@ pub fn value_iteration(
     solution.values.iter_mut().zip(cells).for_each(|(out, &v)| *out = v);
     Ok(solution)
 }
+
+/// Refuses grids that number too many cells or take more memory than solving may.
+fn check_size(model: &ActionModel, behaviour: &dyn Behaviour, cfg: &PolicyConfig) -> Result<(), BuildError> {
+    let (grid, name) = (behaviour.grid(), behaviour.name());
+    let shape = Shape::new(&grid);
+    if !grid.is_moments() && shape.value_plane() + LANES_TO_SPARE > MAX_PLANE {
+        let message = format!("behaviour \"{name}\" has {} cells at one height", shape.plane());
+        return Err(stage_error(message, "Use fewer rings or angles: rings * (angles + 1) up to 65000."));
+    }
+    let (states, segments) = (model.num_states() as f64, model.segments.len() as f64);
+    let (cells, plane) = (grid.num_cells() as f64, grid.num_plane_cells() as f64);
+    // Values three times over and best actions; geometry of a height and rewards of all cells for each segment.
+    let bytes = states * cells * (12.0 + f64::from(cfg.choices)) + segments * (12.0 * plane + 4.0 * cells);
+    if bytes > MAX_BYTES || states * cells > f64::from(u32::MAX) {
+        let [rings, angles, heights] = [shape.rings, shape.angles, shape.heights];
+        let message = format!(
+            "behaviour \"{name}\": {rings} rings x {angles} angles x {heights} heights for {states} states would take \
+             {:.0} GB to solve",
+            bytes / 1e9
+        );
+        return Err(stage_error(message, "Use fewer rings, angles or heights in `grid`; up to 12 GB are taken."));
+    }
+    Ok(())
+}
+
+/// Most memory that solving a policy may take. [Unit: bytes]
+const MAX_BYTES: f64 = 12e9;
 
 /// Room that keeps the corners of the last cell within 16 bits.
 const LANES_TO_SPARE: usize = 2;

@@ -68,6 +68,8 @@ impl Default for MatchingConfig {
 /// Policies against matching, on the same bundle with the same targets. Times are of one thread.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct MatchingFigures {
+    /// Names of the policies: the one that approaches, then the one for hits.
+    pub policies: Vec<String>,
     /// Frames that matching looks through.
     pub frames: usize,
     /// One search through boxes around 16 and 64 frames, for the queries of the trial.
@@ -127,6 +129,7 @@ pub fn matching(tables: &Tables, config: &MatchingConfig) -> Result<MatchingFigu
     let times = in_pool(1, || times(&scene, &queries, config))??;
     let [query_ns, kd_tree_query_ns, brute_force_query_ns, lookahead_ns, single_load_ns] = times;
     Ok(MatchingFigures {
+        policies: scene.names.clone(),
         frames: database.rows().len(),
         query_ns,
         kd_tree_query_ns,

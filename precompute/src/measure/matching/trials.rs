@@ -47,13 +47,15 @@ pub(super) struct Scene<'a> {
     pub database: &'a Database,
     pub boxes: &'a BoxSearch<'a>,
     config: &'a MatchingConfig,
+    /// Names of the policies.
+    pub names: Vec<String>,
     /// The policy that approaches, then the one for hits if there is one.
     goals: Vec<(PolicyTable<'a>, f32)>,
     aim: Aim,
 }
 
 impl<'a> Scene<'a> {
-    /// Takes the first policy that approaches and the first one for hits.
+    /// Takes the policy that approaches on the finest grid, and the finest one for hits.
     ///
     /// # Errors
     /// [`BuildError::Stage`] where none approaches.
@@ -64,16 +66,20 @@ impl<'a> Scene<'a> {
         boxes: &'a BoxSearch<'a>,
         config: &'a MatchingConfig,
     ) -> Result<Self, BuildError> {
-        let all = || (0..repertoire.num_policies()).filter_map(|i| repertoire.policy(i).copied());
-        let first = |kind: u32| all().find(|p| p.grid().record().kind == kind);
-        let Some(approach) = first(KIND_POLAR) else {
+        let all = || (0..repertoire.num_policies()).filter_map(|i| Some((i, *repertoire.policy(i)?)));
+        let finest =
+            |kind: u32| all().filter(|(_, p)| p.grid().record().kind == kind).max_by_key(|(_, p)| p.grid().num_cells());
+        let Some((first, approach)) = finest(KIND_POLAR) else {
             return Err(fail("matching is compared with a behaviour of the kind `approach`, and the bundle has none"));
         };
         let mut goals = vec![(approach, 1.0)];
-        goals.extend(first(KIND_CYLINDER).map(|p| (p, config.hit_weight)));
+        let hits = finest(KIND_CYLINDER);
+        goals.extend(hits.map(|(_, p)| (p, config.hit_weight)));
+        let numbers = [Some(first), hits.map(|h| h.0)];
+        let names = numbers.into_iter().flatten().map(|i| tables.meta().behaviours[i].clone()).collect();
         let stand_off = approach.centre().length();
         let aim = Aim { stand_off, speed_mps: database.speed_quantile(config.speed_share), reach: None };
-        Ok(Self { tables, database, boxes, config, goals, aim })
+        Ok(Self { tables, database, boxes, config, goals, names, aim })
     }
 
     /// The policy that approaches.

@@ -102,7 +102,7 @@ impl ThrowPunches {
         };
         let reach = reach(hits.iter().flatten().filter(counts)).ok_or_else(|| nothing_counts(c, hits))?;
         let grid = c.grid.make_cylinder(&c.name, reach)?;
-        let default = region_of(&grid);
+        let default = region_of(&grid, reach);
         Ok(Self {
             region: c.region.make(&c.name, false, default)?,
             reward: c.make_reward(form, KernelConfig::Within, 0.15, 1.0)?,
@@ -151,14 +151,14 @@ fn nothing_counts(c: &BehaviourConfig, hits: &[Vec<SegmentHit>]) -> BuildError {
     c.fault("hits", format!("none of the {total} effective hits is of these kinds and joints; there are {found}"))
 }
 
-/// The volume that a cylinder grid covers.
-fn region_of(grid: &TargetGrid) -> RegionRecord {
+/// The volume that a cylinder grid covers; with one height, those of the hits.
+fn region_of(grid: &TargetGrid, reach: [Vec3; 2]) -> RegionRecord {
     let last = grid.cell_coordinates(grid.num_cells() - 1);
     let first = grid.cell_coordinates(0);
     RegionRecord {
         angle: [first.x, last.x],
         distance: [first.y, last.y],
-        height: [first.z, if last.z > first.z { last.z } else { 1e6 }],
+        height: if last.z > first.z { [first.z, last.z] } else { reach.map(|r| r.z) },
     }
 }
 
@@ -242,12 +242,17 @@ mod tests {
         let weight = |force: f32, frame: i32| force * 0.985f64.powi(frame) as f32;
         assert_eq!(r.weights, [0.0, weight(1.0, 6), weight(0.9, 9), 0.0]);
         assert_eq!((r.inner, r.heights), ([0.2, 0.8, 0.3, 1.0], [1.5, 1.2]));
-        // The grid covers all three.
-        for h in &hits[0] {
-            assert!(
-                b.region().contains(h.place * Vec3::new(0.999, 1.0, 0.999)) || b.region().contains(h.place * 1.0001)
-            );
-        }
+        // The region covers all three, but for what rounding leaves out.
+        let r = b.region();
+        let wide = |[low, high]: [f32; 2]| [low - 1e-4, high + 1e-4];
+        let wide = RegionRecord { distance: wide(r.distance), angle: wide(r.angle), height: wide(r.height) };
+        assert!(hits[0].iter().all(|h| wide.contains(h.place)), "{wide:?}");
+        assert!(!wide.contains(Vec3::new(0.0, 1.4, 0.4)) && !wide.contains(Vec3::new(0.0, 1.7, 0.7)));
+        // With one height, heights are those of the hits all the same.
+        let mut flat = config();
+        flat.grid.heights = Some(1);
+        let flat = ThrowPunches::new(&flat, 30.0, &hits).expect("a valid behaviour");
+        assert_eq!(flat.region().height, [1.2, 1.5]);
     }
 
     #[test]

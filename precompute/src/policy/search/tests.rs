@@ -96,7 +96,8 @@ fn every_sequence(table: &PolicyTable<'_>, at: Situation, left: usize) -> f64 {
 /// The place at (angle, distance, height), each from 0 to 1 over the grid.
 fn place(grid: &TargetGrid, at: [f32; 3]) -> Vec3 {
     let r = grid.record();
-    let angle = r.angle_start + at[0] * r.angle_spacing * (r.num_angles - 1) as f32;
+    let sectors = if grid.is_polar() { r.num_angles } else { r.num_angles - 1 };
+    let angle = r.angle_start + at[0] * r.angle_spacing * sectors as f32;
     let distance = r.ring_start + at[1] * (grid.radius() - r.ring_start);
     let height = r.height_start + at[2] * r.height_spacing * (r.num_heights - 1) as f32;
     Vec3::new(distance * angle.sin(), height, distance * angle.cos())
