@@ -4,7 +4,7 @@
 //! from sparring with an opponent. What an opponent's motion means to the one who is to be hit is where the blow
 //! will land and how long that takes; the two make the cells of a grid of moments.
 
-use super::super::config::{BehaviourConfig, KernelConfig, RewardForm};
+use super::super::config::{BehaviourConfig, KernelConfig, RewardForm, without_advice};
 use super::super::model::SegmentMotion;
 use super::Behaviour;
 use crate::clip::ClipSet;
@@ -54,7 +54,7 @@ impl Evade {
         let reward = RewardRecord { height: height as f32, ..*reward.record() };
         Ok(Self {
             region: c.region.make(&c.name, true, default)?,
-            reward: Reward::new(reward).map_err(|e| c.fault("height", e))?,
+            reward: Reward::new(reward).map_err(|e| c.fault("height", without_advice(&e)))?,
             discount: c.discount_at(rate_hz),
             config: config.clone(),
             grid,

@@ -1,9 +1,11 @@
 //! One behaviour, as the configuration describes it.
 
-use super::{GridConfig, RegionConfig};
+use super::{GridConfig, RegionConfig, without_advice};
 use crate::error::BuildError;
 use schemars::JsonSchema;
+use serde::de::{Deserializer, Error, SeqAccess, Visitor};
 use serde::{Deserialize, Serialize};
+use std::fmt;
 use throng_runtime::policy::{
     COMBINE_MAX, COMBINE_SUM, KERNEL_EXPONENTIAL, KERNEL_WITHIN, PolicyError, Reward, RewardRecord,
 };
@@ -17,7 +19,7 @@ use throng_runtime::policy::{
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct BehaviourConfig {
-    /// Name of the policy in the bundle; unique.
+    /// Name of the policy in the bundle; unique, not empty.
     pub name: String,
     /// What is looked at.
     pub kind: BehaviourKind,
@@ -55,7 +57,7 @@ pub struct BehaviourConfig {
     /// For `evade`: the joint that is not to be hit; `head` stands for its middle.
     pub point: String,
     /// For `evade`: height at which blows land; that of the point when the character stands at ease, as the median
-    /// over the database, where absent. [Unit: m]
+    /// over the database, where absent. [Unit: m] [Limit: -10 to 10]
     pub height: Option<f64>,
 }
 
@@ -119,7 +121,7 @@ pub enum KernelConfig {
 }
 
 /// What is to come to the target.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum CentreConfig {
     /// The character's planar root.
@@ -132,12 +134,63 @@ pub enum CentreConfig {
     Place([f64; 2]),
 }
 
+/// By hand, so that the error says what was found.
+impl<'de> Deserialize<'de> for CentreConfig {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_any(CentreVisitor)
+    }
+}
+
+struct CentreVisitor;
+
+impl<'de> Visitor<'de> for CentreVisitor {
+    type Value = CentreConfig;
+
+    fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str("`root`, `hits` or [x, z]")
+    }
+
+    fn visit_str<E: Error>(self, word: &str) -> Result<CentreConfig, E> {
+        match word {
+            "root" => Ok(CentreConfig::Root),
+            "hits" => Ok(CentreConfig::Hits),
+            _ => Err(E::custom(format!("expected `root`, `hits` or [x, z], found `{word}`"))),
+        }
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, mut numbers: A) -> Result<CentreConfig, A::Error> {
+        let mut place = [0.0; 2];
+        for (at, to) in place.iter_mut().enumerate() {
+            *to = numbers.next_element()?.ok_or_else(|| A::Error::invalid_length(at, &self))?;
+        }
+        match numbers.next_element::<f64>()? {
+            None => Ok(CentreConfig::Place(place)),
+            Some(_) => Err(A::Error::invalid_length(3, &self)),
+        }
+    }
+}
+
+impl BehaviourKind {
+    /// As the configuration writes it.
+    fn name(self) -> &'static str {
+        match self {
+            Self::Approach => "approach",
+            Self::ThrowPunches => "throw_punches",
+            Self::Evade => "evade",
+        }
+    }
+}
+
 impl BehaviourConfig {
-    /// Checks the numbers that all kinds share.
+    /// Checks the name, the numbers that all kinds share, and that no key is given that the kind does not read.
     ///
     /// # Errors
-    /// [`BuildError::Config`] names the key that is out of its range.
+    /// [`BuildError::Config`] names the key that is out of its range or not read.
     pub(in crate::policy) fn check(&self) -> Result<(), BuildError> {
+        if self.name.trim().is_empty() {
+            return Err(self.fault("name", "expected the policy's name in the bundle, found none"));
+        }
+        self.refuse_unread()?;
         for (key, value, low, high) in [
             ("discount", self.discount, 0.5, 0.9999),
             ("scale", self.scale.unwrap_or(1.0), 1e-3, 1e3),
@@ -145,9 +198,31 @@ impl BehaviourConfig {
             ("gain", self.gain.unwrap_or(1.0), -100.0, 100.0),
             ("stand_bonus", self.stand_bonus, 0.0, 1.0),
             ("stand_speed", self.stand_speed, 1e-3, 1e3),
+            ("height", self.height.unwrap_or(0.0), -10.0, 10.0),
         ] {
             if !(low..=high).contains(&value) {
                 return Err(self.fault(key, format!("{value} is not between {low} and {high}")));
+            }
+        }
+        Ok(())
+    }
+
+    /// Refuses keys of other kinds: one who writes them expects something of them.
+    fn refuse_unread(&self) -> Result<(), BuildError> {
+        use BehaviourKind::{Approach, Evade, ThrowPunches};
+        let usual = Self::default();
+        for (key, read_by, given) in [
+            ("centre", Approach, self.centre != usual.centre),
+            ("stand_bonus", Approach, self.stand_bonus != usual.stand_bonus),
+            ("stand_speed", Approach, self.stand_speed != usual.stand_speed),
+            ("hits", ThrowPunches, self.hits != usual.hits),
+            ("joints", ThrowPunches, self.joints != usual.joints),
+            ("point", Evade, self.point != usual.point),
+            ("height", Evade, self.height != usual.height),
+        ] {
+            if given && read_by != self.kind {
+                let kind = self.kind.name();
+                return Err(self.fault(key, format!("the kind `{kind}` has no such key; leave it out")));
             }
         }
         Ok(())
@@ -178,7 +253,8 @@ impl BehaviourConfig {
         };
         let record = RewardRecord::new(combine, kernel, self.scale.unwrap_or(scale) as f32);
         let (offset, gain) = (self.offset as f32, self.gain.unwrap_or(gain) as f32);
-        Reward::new(RewardRecord { offset, gain, ..record }).map_err(|e: PolicyError| self.fault("scale", e))
+        Reward::new(RewardRecord { offset, gain, ..record })
+            .map_err(|e: PolicyError| self.fault("scale", without_advice(&e)))
     }
 }
 
@@ -192,6 +268,65 @@ mod tests {
         assert_eq!(read("centre = \"hits\"").unwrap(), CentreConfig::Hits);
         assert_eq!(read("centre = \"root\"").unwrap(), CentreConfig::Root);
         assert_eq!(read("centre = [0.1, 0.7]").unwrap(), CentreConfig::Place([0.1, 0.7]));
-        assert!(read("centre = \"fist\"").is_err());
+        assert_eq!(read("centre = [0, 1]").unwrap(), CentreConfig::Place([0.0, 1.0]));
+        for (text, expected) in [
+            ("centre = \"hitz\"", "expected `root`, `hits` or [x, z], found `hitz`"),
+            ("centre = [0.1]", "expected `root`, `hits` or [x, z]"),
+            ("centre = [0.1, 0.2, 0.3]", "expected `root`, `hits` or [x, z]"),
+            ("centre = true", "expected `root`, `hits` or [x, z]"),
+        ] {
+            let message = read(text).unwrap_err().to_string();
+            assert!(message.contains(expected), "{text}: {message}");
+        }
+    }
+
+    #[test]
+    fn centres_are_written_as_they_are_read() {
+        for centre in [CentreConfig::Root, CentreConfig::Hits, CentreConfig::Place([0.1, -0.7])] {
+            let config = BehaviourConfig { centre, ..BehaviourConfig::default() };
+            let text = toml::to_string(&config).unwrap();
+            assert_eq!(toml::from_str::<BehaviourConfig>(&text).unwrap(), config);
+        }
+    }
+
+    #[test]
+    fn refuses_keys_that_its_kind_does_not_read() {
+        let keys = [
+            ("centre = \"hits\"", "approach"),
+            ("stand_bonus = 0.5", "approach"),
+            ("stand_speed = 0.5", "approach"),
+            ("hits = [\"kick\"]", "throw_punches"),
+            ("joints = [\"left_hand\"]", "throw_punches"),
+            ("point = \"hips\"", "evade"),
+            ("height = 1.5", "evade"),
+        ];
+        for (line, read_by) in keys {
+            for kind in ["approach", "throw_punches", "evade"] {
+                let config: BehaviourConfig =
+                    toml::from_str(&format!("name = \"b\"\nkind = \"{kind}\"\n{line}")).unwrap();
+                let key = line.split(' ').next().unwrap();
+                match config.check() {
+                    Ok(()) => assert_eq!(kind, read_by, "{line}"),
+                    Err(e) => {
+                        let expected =
+                            format!("behaviour \"b\", key `{key}`: the kind `{kind}` has no such key; leave it out");
+                        assert!(kind != read_by && e.to_string().contains(&expected), "{e}");
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn refuses_names_and_heights_that_are_none() {
+        let message = |c: BehaviourConfig| c.check().unwrap_err().to_string();
+        for name in ["", "  "] {
+            assert!(message(BehaviourConfig { name: name.into(), ..BehaviourConfig::default() }).contains("`name`"));
+        }
+        for height in [f64::NAN, f64::INFINITY, 11.0, -11.0] {
+            let config =
+                BehaviourConfig { kind: BehaviourKind::Evade, height: Some(height), ..BehaviourConfig::default() };
+            assert!(message(config).contains("key `height`"), "{height}");
+        }
     }
 }

@@ -3,6 +3,7 @@
 use crate::error::BuildError;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use std::f64::consts::PI;
 use throng_runtime::policy::RegionRecord;
 
 /// Targets for which a behaviour counts, in the character's frame; what is absent is that of the behaviour's kind:
@@ -20,8 +21,13 @@ pub struct RegionConfig {
     pub time_s: Option<[f64; 2]>,
 }
 
+/// How far beyond a half turn an angle may be, for those who write few digits of pi. [Unit: rad]
+pub(super) const ANGLE_TOLERANCE: f64 = 1e-4;
+
 impl RegionConfig {
     /// The region, `default` where the config says nothing.
+    ///
+    /// - `default`: all targets that the behaviour can deal with; a region that has none of them is a mistake.
     ///
     /// # Errors
     /// [`BuildError::Config`] that names behaviour and key.
@@ -44,8 +50,68 @@ impl RegionConfig {
             if !(from <= until && from.abs() <= 1e6 && until.abs() <= 1e6) {
                 return fail(key, format!("expected [least, greatest], found [{from}, {until}]"));
             }
+            if key == "angle_rad" && from.abs().max(until.abs()) > PI + ANGLE_TOLERANCE {
+                return fail(key, format!("expected angles from -pi to pi, found [{from}, {until}]"));
+            }
+            let [low, high] = to.map(f64::from);
+            if until < low || from > high {
+                let why = format!(
+                    "[{from}, {until}] has no target of this behaviour, whose own are from {low:.3} to {high:.3}; \
+                     change it, or what `grid` covers"
+                );
+                return fail(key, why);
+            }
             *to = [from as f32, until as f32];
         }
         Ok(out)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const GRID: RegionRecord = RegionRecord { distance: [0.4, 1.2], angle: [-1.0, 1.0], height: [0.0, 0.8] };
+
+    fn fault(text: &str, moments: bool, default: RegionRecord) -> String {
+        let config: RegionConfig = toml::from_str(text).unwrap();
+        config.make("b", moments, default).unwrap_err().to_string()
+    }
+
+    #[test]
+    fn takes_what_is_given_and_the_default_for_the_rest() {
+        let config: RegionConfig = toml::from_str("distance_m = [0.5, 9.0]\nangle_rad = [-3.1416, 3.1416]").unwrap();
+        let region = config.make("b", false, GRID).unwrap();
+        assert_eq!(region, RegionRecord { distance: [0.5, 9.0], angle: [-3.1416, 3.1416], ..GRID });
+    }
+
+    #[test]
+    fn refuses_angles_beyond_a_half_turn() {
+        for text in ["angle_rad = [-90.0, 90.0]", "angle_rad = [0.0, 4.0]", "angle_rad = [-3.2, 0.0]"] {
+            let message = fault(text, false, RegionRecord::EVERYWHERE);
+            assert!(message.contains("`region.angle_rad`") && message.contains("-pi to pi"), "{message}");
+        }
+    }
+
+    #[test]
+    fn refuses_what_holds_no_target_of_the_grid() {
+        for (key, bounds, moments) in [
+            ("distance_m", "[1.5, 2.0]", false),
+            ("distance_m", "[0.0, 0.3]", true),
+            ("angle_rad", "[1.5, 2.0]", false),
+            ("height_m", "[0.9, 2.0]", false),
+            ("time_s", "[-1.0, -0.5]", true),
+        ] {
+            let message = fault(&format!("{key} = {bounds}"), moments, GRID);
+            assert!(message.contains(&format!("`region.{key}`")) && message.contains("`grid`"), "{message}");
+        }
+        assert!(fault("distance_m = [-2.0, -1.0]", false, RegionRecord::EVERYWHERE).contains("`region.distance_m`"));
+    }
+
+    #[test]
+    fn refuses_bounds_that_do_not_ascend() {
+        for text in ["distance_m = [1.0, 0.5]", "height_m = [nan, 1.0]", "angle_rad = [0.0, inf]"] {
+            assert!(fault(text, false, GRID).contains("expected [least, greatest]"), "{text}");
+        }
     }
 }
