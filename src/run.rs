@@ -122,7 +122,11 @@ fn print_scene(scene: &Scene, r: &SceneReport) -> Outcome {
         ),
         (
             "distance",
-            format!("{:.2} m from the {what} on average, {:.2} m at most", r.distance_mean_m, r.distance_max_m),
+            format!(
+                "{:.2} m from the {what} on average{}",
+                r.distance_mean_m,
+                r.distance_max_m.map_or(String::new(), |m| format!(", {m:.2} m at most after 5 s"))
+            ),
         ),
     ];
     if scene.kind == SceneKind::Pairs {

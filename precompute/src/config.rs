@@ -89,15 +89,7 @@ impl BuildConfig {
     /// [`BuildError::Io`], or [`BuildError::Config`] with file, line and column, and for an unknown key the nearest
     /// known one.
     pub fn load(path: &Path) -> Result<Self, BuildError> {
-        let bytes = std::fs::read(path).map_err(|source| BuildError::Io { path: path.to_path_buf(), source })?;
-        let text = String::from_utf8(bytes).map_err(|e| {
-            let line = e.as_bytes()[..e.utf8_error().valid_up_to()].iter().filter(|&&b| b == b'\n').count() + 1;
-            let place = path.display();
-            BuildError::Config {
-                message: format!("{place}:{line}: expected a config as TOML in UTF-8, found other bytes"),
-            }
-        })?;
-        let mut config = Self::parse(&text, path)?;
+        let mut config = Self::parse(&read_text(path, "config")?, path)?;
         if config.name.is_empty() {
             config.name = path.file_stem().map_or_else(String::new, |s| s.to_string_lossy().into_owned());
         }
@@ -112,7 +104,9 @@ impl BuildConfig {
     /// # Errors
     /// [`BuildError::Config`] as [`BuildConfig::load`].
     pub fn parse(text: &str, path: &Path) -> Result<Self, BuildError> {
-        let config: Self = toml::from_str(text).map_err(|e| BuildError::Config { message: explain(&e, text, path) })?;
+        let help = "`throng schema` prints what a config may hold.";
+        let config: Self =
+            toml::from_str(text).map_err(|e| BuildError::Config { message: explain(&e, text, path, help) })?;
         config.check(path)?;
         Ok(config)
     }
@@ -140,8 +134,21 @@ impl BuildConfig {
     }
 }
 
-/// The error with file, line and column, and for an unknown key the nearest known one.
-pub(crate) fn explain(error: &toml::de::Error, text: &str, path: &Path) -> String {
+/// Reads a TOML file's text; `what` is what it holds, for messages.
+///
+/// # Errors
+/// [`BuildError::Io`], or [`BuildError::Config`] with file and line for bytes that are not UTF-8.
+pub(crate) fn read_text(path: &Path, what: &str) -> Result<String, BuildError> {
+    let bytes = std::fs::read(path).map_err(|source| BuildError::Io { path: path.to_path_buf(), source })?;
+    String::from_utf8(bytes).map_err(|e| {
+        let line = e.as_bytes()[..e.utf8_error().valid_up_to()].iter().filter(|&&b| b == b'\n').count() + 1;
+        let place = path.display();
+        BuildError::Config { message: format!("{place}:{line}: expected a {what} as TOML in UTF-8, found other bytes") }
+    })
+}
+
+/// The error with file, line and column, and for an unknown key the nearest known one; `help` where there is none.
+pub(crate) fn explain(error: &toml::de::Error, text: &str, path: &Path, help: &str) -> String {
     let before = error.span().and_then(|s| text.get(..s.start)).unwrap_or_default();
     let line = before.matches('\n').count() + 1;
     let column = before.chars().rev().take_while(|&c| c != '\n').count() + 1;
@@ -149,7 +156,7 @@ pub(crate) fn explain(error: &toml::de::Error, text: &str, path: &Path) -> Strin
     let place = format!("{}:{line}:{column}: {message}", path.display());
     match nearest_key(message) {
         Some(known) => format!("{place}. Did you mean `{known}`?"),
-        None => format!("{place}. `throng schema` prints what a config may hold."),
+        None => format!("{place}. {help}"),
     }
 }
 

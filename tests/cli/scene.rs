@@ -6,9 +6,13 @@ use std::sync::LazyLock;
 
 /// Half a minute of shadow-boxing, small grids.
 const CONFIG: &str = "[synth]\nset = \"boxing\"\nminutes = 0.5\n\n[policy]\ncompare_samples = 50\n\n\
-    [[behaviours]]\nname = \"approach\"\ncentre = \"hits\"\ngrid = { rings = 5, angles = 9, radius = 2.0, inner_spacing = 0.5 }\n\n\
-    [[behaviours]]\nname = \"throw-punches\"\nkind = \"throw_punches\"\ngrid = { rings = 5, angles = 5, heights = 3 }\n\n\
+    [[behaviours]]\nname = \"approach\"\ncentre = \"hits\"\n\
+    grid = { rings = 5, angles = 9, radius = 2.0, inner_spacing = 0.5 }\n\n\
+    [[behaviours]]\nname = \"throw-punches\"\nkind = \"throw_punches\"\n\
+    grid = { rings = 5, angles = 5, heights = 3 }\n\n\
     [[behaviours]]\nname = \"evade\"\nkind = \"evade\"\ngrid = { rings = 4, angles = 8, moments = 5 }\n";
+
+const NAMES: [&str; 3] = ["approach", "throw-punches", "evade"];
 
 /// A folder with a config and scenes; the bundle is built by the first run.
 static PLACE: LazyLock<tempfile::TempDir> = LazyLock::new(|| {
@@ -23,7 +27,9 @@ fn write(path: &str, text: &str) {
 }
 
 fn scene(kind: &str, characters: usize, more: &str) -> String {
-    let goals = ["approach", "throw-punches", "evade"].map(|b| format!("[[goals]]\nbehaviour = \"{b}\"\n")).concat();
+    // Targets do not strike: there is nothing to evade.
+    let names: &[&str] = if kind == "targets" { &NAMES[..2] } else { &NAMES };
+    let goals: String = names.iter().map(|b| format!("[[goals]]\nbehaviour = \"{b}\"\n")).collect();
     let head = "bundle = \"fight.throng\"\nconfig = \"fight.toml\"\n";
     format!("{head}kind = \"{kind}\"\ncharacters = {characters}\n{goals}{more}")
 }
@@ -71,6 +77,9 @@ fn targets_are_struck() {
     write(&scene_file, &scene("targets", 4, "[target]\nheight_m = 1.5\ndrag = [{ time_s = 4.0, x_m = 0.5 }]\n"));
     let report = json(&["run", &scene_file, "--bundle", &bundle, "--seconds", "20", "--json"], &["landed_fraction"]);
     assert!(report["landed_fraction"].as_f64() > Some(0.0), "{report}");
+    assert!(report["distance_max_m"].as_f64() > Some(0.0), "{report}");
+    let short = json(&["run", &scene_file, "--bundle", &bundle, "--seconds", "1", "--json"], &["distance_mean_m"]);
+    assert!(short["distance_max_m"].is_null(), "{short}");
 }
 
 #[test]
@@ -86,6 +95,10 @@ fn scenes_that_cannot_be_run_say_what_to_change() {
     fails(&scene("pairs", 3, ""), &["`characters`", "even"]);
     fails(&scene("trios", 3, ""), &[":3:8", "pairs"]);
     fails(&scene("pairs", 2, "[[goals]]\nbehaviour = \"dance\"\n"), &["dance", "throw-punches"]);
+    let evade = "[[goals]]\nbehaviour = \"evade\"\n";
+    fails(&scene("targets", 1, evade), &["\"evade\"", "targets do not strike", "Leave the goal out"]);
+    fails(&scene("pairs", 2, evade), &["`goals[3].behaviour`", "\"evade\""]);
+    fails(&scene("pairs", 2, "[target]\nheight_m = 1.2\n"), &["`target`", "pairs"]);
     let lost = at(&PLACE, "lost.toml");
     write(&lost, &scene("pairs", 2, "").replace("fight.t", "gone.t").replace("config = \"gone.toml\"\n", ""));
     assert!(failed(&["run", &lost]).contains("gone.throng"));

@@ -49,7 +49,7 @@ pub struct CrowdView<'a> {
     pub characters: &'a [CrowdCharacter<'a>],
     /// Radius around a target within which it is reached; drawn as a ring. [Unit: m]
     pub reach_m: f32,
-    /// What the two colours stand for: [`Arrival::Reached`], [`Arrival::OnTheWay`].
+    /// What the two colours stand for: [`Arrival::Reached`], [`Arrival::OnTheWay`]. The legend leaves an empty one out.
     pub names: [&'a str; 2],
     /// What else the legend says.
     pub remark: &'a str,
@@ -70,7 +70,8 @@ pub struct Focus {
 
 /// Draws a crowd from obliquely above, in parallel projection: +X to the right, +Z towards the viewer.
 ///
-/// The view fits all roots, targets and trails unless `focus` names a part. Characters whose root is not finite are left out.
+/// The view fits all roots, targets and trails unless `focus` names a part. Characters whose root is not finite are
+/// left out.
 pub fn crowd_overview(view: &CrowdView<'_>) -> Picture {
     let mut page = Picture::new(view.size.0, view.size.1, colour::PAPER);
     let unit = page.width() as f32 / 1600.0;
@@ -230,10 +231,13 @@ fn draw_mark(panel: &mut Picture, camera: &Camera, unit: f32, character: &CrowdC
 
 fn draw_legend(page: &mut Picture, unit: f32, view: &CrowdView<'_>) {
     let reached = view.characters.iter().filter(|c| c.arrival == Arrival::Reached).count();
-    let entries = [
-        (colour::REACHED, format!("{}: {reached}", view.names[0])),
-        (colour::ON_THE_WAY, format!("{}: {}", view.names[1], view.characters.len() - reached)),
-    ];
+    let counts = [reached, view.characters.len() - reached];
+    let entries: Vec<(Colour, String)> = [colour::REACHED, colour::ON_THE_WAY]
+        .into_iter()
+        .zip(view.names.into_iter().zip(counts))
+        .filter(|(_, (name, _))| !name.is_empty())
+        .map(|(tint, (name, count))| (tint, format!("{name}: {count}")))
+        .collect();
     let area = Area::new(0.0, 0.0, page.width() as f32 - 16.0 * unit, 84.0 * unit);
     legend(page, area, unit, &entries, view.remark);
 }

@@ -27,7 +27,9 @@ const WIDTH_M: f32 = 2.1;
 
 /// Draws a scene: rows of moments around blows that landed, and everybody from above.
 pub fn scene_sheet(tables: &Tables, scene: &Scene, report: &SceneReport, record: &SceneRecord) -> Picture {
-    let title = format!("{} on {}: {} characters", scene.name, tables.meta().name, report.characters);
+    let n = report.characters;
+    let who = if n == 1 { "character" } else { "characters" };
+    let title = format!("{} on {}: {n} {who}", scene.name, tables.meta().name);
     let subtitle = format!(
         "{:.0} s: {} blows thrown, {:.0} % landed, {:.0} % blocked; {:.1} landed a minute and character; planted feet \
          slip {:.0} mm/s (95th percentile)",
@@ -39,7 +41,7 @@ pub fn scene_sheet(tables: &Tables, scene: &Scene, report: &SceneReport, record:
         1000.0 * report.foot_slip_p95_mps
     );
     let crowd = overview(scene, record, &title, &subtitle);
-    let moments = moments(record);
+    let moments = moments(record, scene.target.radius_m as f32);
     sheet(&[&crowd, &moments])
 }
 
@@ -62,7 +64,7 @@ fn overview(scene: &Scene, record: &SceneRecord, title: &str, subtitle: &str) ->
         size: (1600, if few { 620 } else { 1000 }),
         characters: &characters,
         reach_m: scene.target.radius_m as f32,
-        names: if is_pairs { ["the first of a pair", "the second"] } else { ["characters", "others"] },
+        names: if is_pairs { ["the first of a pair", "the second"] } else { ["characters", ""] },
         remark: if is_pairs { "at the end" } else { "at the end; ring: target" },
         marked: None,
         focus: few.then_some(Focus { centre, width_m: 6.0 }),
@@ -70,7 +72,9 @@ fn overview(scene: &Scene, record: &SceneRecord, title: &str, subtitle: &str) ->
 }
 
 /// Rows of moments, each around a blow that landed.
-fn moments(record: &SceneRecord) -> Picture {
+///
+/// - `radius_m`: of the target, where there is one. [Unit: m]
+fn moments(record: &SceneRecord, radius_m: f32) -> Picture {
     let rows = chosen(&record.events);
     let (width, edge, top, label) = (1600.0, 16.0, 84.0, 30.0);
     let cell = (width - 2.0 * edge) / COLUMNS as f32;
@@ -90,7 +94,7 @@ fn moments(record: &SceneRecord) -> Picture {
             let time_s = event.time_s + (column as f32 - 3.0) * MOMENT_S;
             let Some(frame) = nearest(&record.frames, time_s) else { continue };
             let area = Area::new(edge + column as f32 * cell, y, cell, height);
-            let panel = moment(frame, event, record, area.size, px_per_m);
+            let panel = moment(frame, event, record, radius_m, (area.size, px_per_m));
             page.draw_picture(&panel, (area.min.x as i32, area.min.y as i32));
             let style = TextStyle { size: 19.0, colour: colour::INK, align: Align::Centre, bold: column == 3 };
             let at = Vec2::new(area.min.x + 0.5 * cell, area.max().y + 22.0);
@@ -119,7 +123,13 @@ fn nearest(frames: &[SceneFrame], time_s: f32) -> Option<&SceneFrame> {
 }
 
 /// One moment, seen from beside the line of the blow.
-fn moment(frame: &SceneFrame, event: &SceneEvent, record: &SceneRecord, size: Vec2, px_per_m: f32) -> Picture {
+fn moment(
+    frame: &SceneFrame,
+    event: &SceneEvent,
+    record: &SceneRecord,
+    radius_m: f32,
+    (size, px_per_m): (Vec2, f32),
+) -> Picture {
     let mut panel = Picture::new(size.x as u32, size.y as u32, colour::GROUND);
     let ground_y = size.y - 0.16 * px_per_m;
     panel.stroke_line(&[Vec2::new(0.0, ground_y), Vec2::new(size.x, ground_y)], 1.2, colour::GRID);
@@ -138,7 +148,7 @@ fn moment(frame: &SceneFrame, event: &SceneEvent, record: &SceneRecord, size: Ve
         shadows.draw(&mut panel, (0.03 * px_per_m) as usize + 1, colour::INK.alpha(0.22));
     }
     if let Some(target) = frame.target {
-        panel.fill_disc(camera.project(target), 0.12 * px_per_m, colour::MARK.mix(colour::GROUND, 0.5));
+        panel.fill_disc(camera.project(target), radius_m * px_per_m, colour::MARK.mix(colour::GROUND, 0.5));
     }
     for (character, figure) in &figures {
         let colours = if *character == 0 { BodyColours::default() } else { BodyColours::plain(SECOND) };
@@ -186,7 +196,8 @@ mod tests {
             events: vec![event(0.5), event(5.0)],
             ..SceneRecord::default()
         };
-        assert!(moments(&whole).height() > moments(&SceneRecord::default()).height() / 2);
-        assert_eq!(moments(&whole), moments(&whole));
+        assert!(moments(&whole, 0.12).height() > moments(&SceneRecord::default(), 0.12).height() / 2);
+        assert_eq!(moments(&whole, 0.12), moments(&whole, 0.12));
+        assert_ne!(moments(&whole, 0.12), moments(&whole, 0.3), "the target has its radius");
     }
 }

@@ -1,10 +1,11 @@
 //! Scene files: who is there, on which bundle, and what they are to do.
 
-use crate::config::explain;
+use crate::config::{explain, read_text};
 use crate::error::BuildError;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
+use throng_runtime::troupe::MAX_GOALS;
 
 /// A scene.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -34,9 +35,9 @@ pub struct Scene {
     /// Choose at random among the best few actions; 0 always takes the best. [Limit: >= 0]
     #[serde(default)]
     pub temperature: f64,
-    /// What characters weigh against each other. [Size: 1 to 4]
+    /// What characters weigh against each other, every behaviour once. [Size: 1 to 4]
     pub goals: Vec<SceneGoal>,
-    /// For `targets`: where the targets are, and how they move.
+    /// For `targets` alone: where the targets are, and how they move.
     #[serde(default)]
     pub target: TargetConfig,
 }
@@ -69,7 +70,7 @@ pub enum SceneKind {
 pub struct SceneGoal {
     /// Name of a behaviour of the bundle.
     pub behaviour: String,
-    /// Weight of its values in the sum.
+    /// Weight of its values in the sum. [Limit: -1e6 to 1e6]
     #[serde(default = "weight")]
     pub weight: f64,
 }
@@ -120,10 +121,10 @@ impl Scene {
     /// # Errors
     /// [`BuildError::Io`], or [`BuildError::Config`] with file, line and column, or file and key.
     pub fn load(path: &Path) -> Result<Self, BuildError> {
-        let text =
-            std::fs::read_to_string(path).map_err(|source| BuildError::Io { path: path.to_path_buf(), source })?;
+        let text = read_text(path, "scene")?;
+        let help = "data/scenes/ has examples of scenes.";
         let mut scene: Self =
-            toml::from_str(&text).map_err(|e| BuildError::Config { message: explain(&e, &text, path) })?;
+            toml::from_str(&text).map_err(|e| BuildError::Config { message: explain(&e, &text, path, help) })?;
         if scene.name.is_empty() {
             scene.name = path.file_stem().map_or_else(String::new, |s| s.to_string_lossy().into_owned());
         }
@@ -144,18 +145,19 @@ impl Scene {
     /// # Errors
     /// [`BuildError::Config`] with file and key.
     pub fn check(&self, path: &Path) -> Result<(), BuildError> {
-        let fail = |key: &str, why: String| {
-            Err(BuildError::Config { message: format!("{}: key `{key}`: {why}", path.display()) })
-        };
+        self.check_cast()
+            .and_then(|()| self.check_goals())
+            .and_then(|()| self.check_target())
+            .map_err(|(key, why)| BuildError::Config { message: format!("{}: key `{key}`: {why}", path.display()) })
+    }
+
+    /// Who is there, and where.
+    fn check_cast(&self) -> Result<(), Fault> {
         if self.characters == 0 || self.characters > 1_000_000 {
-            return fail("characters", format!("expected 1 to 1000000, found {}", self.characters));
+            return fault("characters", format!("expected 1 to 1000000, found {}", self.characters));
         }
         if self.kind == SceneKind::Pairs && !self.characters.is_multiple_of(2) {
-            return fail("characters", format!("expected an even number for pairs, found {}", self.characters));
-        }
-        if self.goals.is_empty() || self.goals.len() > throng_runtime::troupe::MAX_GOALS {
-            let most = throng_runtime::troupe::MAX_GOALS;
-            return fail("goals", format!("expected 1 to {most} behaviours, found {}", self.goals.len()));
+            return fault("characters", format!("expected an even number for pairs, found {}", self.characters));
         }
         for (key, value, low, high) in [
             ("spacing_m", self.spacing_m, 0.5, 1e3),
@@ -165,14 +167,45 @@ impl Scene {
             ("target.radius_m", self.target.radius_m, 0.01, 1.0),
         ] {
             if !(low..=high).contains(&value) {
-                return fail(key, format!("expected {low} to {high}, found {value}"));
+                return fault(key, format!("expected {low} to {high}, found {value}"));
             }
+        }
+        Ok(())
+    }
+
+    /// What they want.
+    fn check_goals(&self) -> Result<(), Fault> {
+        if self.goals.is_empty() || self.goals.len() > MAX_GOALS {
+            return fault("goals", format!("expected 1 to {MAX_GOALS} behaviours, found {}", self.goals.len()));
+        }
+        for (i, goal) in self.goals.iter().enumerate() {
+            if !(-1e6..=1e6).contains(&goal.weight) {
+                return fault(&format!("goals[{i}].weight"), format!("expected -1e6 to 1e6, found {}", goal.weight));
+            }
+            if let Some(first) = self.goals[..i].iter().position(|g| g.behaviour == goal.behaviour) {
+                let name = &goal.behaviour;
+                return fault(
+                    &format!("goals[{i}].behaviour"),
+                    format!("expected every behaviour once, found \"{name}\" as in `goals[{first}]`"),
+                );
+            }
+        }
+        Ok(())
+    }
+
+    /// What they strike.
+    fn check_target(&self) -> Result<(), Fault> {
+        if self.kind == SceneKind::Pairs && self.target != TargetConfig::default() {
+            return fault(
+                "target",
+                format!("expected none in a scene of pairs, who strike each other's heads, found {:?}", self.target),
+            );
         }
         let mut before = 0.0;
         for p in &self.target.drag {
             let moderate = [p.x_m, p.y_m, p.z_m].iter().all(|v| v.abs() < 1e3);
             if !(p.time_s > before && p.time_s < 1e5 && moderate) {
-                return fail(
+                return fault(
                     "target.drag",
                     format!("expected times that ascend from above 0, and places, found {p:?}"),
                 );
@@ -181,6 +214,13 @@ impl Scene {
         }
         Ok(())
     }
+}
+
+/// A key, and what is wrong with its value.
+type Fault = (String, String);
+
+fn fault(key: &str, why: String) -> Result<(), Fault> {
+    Err((key.into(), why))
 }
 
 #[cfg(test)]
@@ -195,6 +235,7 @@ mod tests {
     }
 
     const HEAD: &str = "bundle = \"b.throng\"\nkind = \"pairs\"\n";
+    const TARGETS: &str = "bundle = \"b.throng\"\nkind = \"targets\"\n";
     const GOAL: &str = "[[goals]]\nbehaviour = \"approach\"\n";
 
     #[test]
@@ -206,6 +247,15 @@ mod tests {
     }
 
     #[test]
+    fn bytes_that_are_no_text_are_named_by_line() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("duel.toml");
+        std::fs::write(&path, b"name = \"a\"\n\xff\xfe").unwrap();
+        let message = Scene::load(&path).unwrap_err().to_string();
+        assert!(message.contains("duel.toml:2: expected a scene as TOML"), "{message}");
+    }
+
+    #[test]
     fn faults_name_the_place_and_what_was_expected() {
         for (text, parts) in [
             (format!("{HEAD}characters = 3\n{GOAL}"), ["`characters`", "even"]),
@@ -213,9 +263,14 @@ mod tests {
             (format!("{HEAD}charcters = 2\n{GOAL}"), ["duel.toml:3", "`characters`"]),
             (format!("{HEAD}characters = 2\ndistance_m = -1.0\n{GOAL}"), ["`distance_m`", "found -1"]),
             (
-                format!("{HEAD}characters = 2\n{GOAL}[target]\ndrag = [{{ time_s = 0.0 }}]\n"),
+                format!("{TARGETS}characters = 2\n{GOAL}[target]\ndrag = [{{ time_s = 0.0 }}]\n"),
                 ["`target.drag`", "ascend"],
             ),
+            (format!("{HEAD}characters = 2\n{GOAL}[target]\nheight_m = 1.4\n"), ["`target`", "height_m: 1.4"]),
+            (format!("{HEAD}characters = 2\n{GOAL}weight = nan\n"), ["`goals[0].weight`", "found NaN"]),
+            (format!("{HEAD}characters = 2\n{GOAL}weight = 2e6\n"), ["`goals[0].weight`", "found 2000000"]),
+            (format!("{HEAD}characters = 2\n{GOAL}{GOAL}"), ["`goals[1].behaviour`", "\"approach\""]),
+            (format!("{HEAD}characters = \"two\"\n{GOAL}"), ["duel.toml:3:14", "data/scenes/"]),
         ] {
             let message = load(&text).unwrap_err();
             assert!(parts.iter().all(|p| message.contains(p)), "{message}");

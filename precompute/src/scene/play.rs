@@ -37,8 +37,8 @@ impl Scene {
     /// Puts everybody in place.
     ///
     /// # Errors
-    /// [`BuildError::Stage`] for a behaviour that the bundle does not have, a target nobody can reach, or a bundle
-    /// without effective hits.
+    /// [`BuildError::Stage`] for a behaviour that the bundle does not have or that targets give no reason for, a
+    /// target or head nobody can reach, or a bundle without effective hits.
     pub fn play(&self, tables: &Tables, repertoire: &Repertoire<'_>) -> Result<Play, BuildError> {
         let policies = self.goals.iter().map(|g| self.policy(tables, g)).collect::<Result<Vec<_>, _>>()?;
         let weights = self.goals.iter().map(|g| g.weight as f32);
@@ -52,12 +52,17 @@ impl Scene {
                 let goal = |(&policy, weight): (&usize, f32)| SparringGoal { policy, weight, aim: aim(policy) };
                 let goals = policies.iter().zip(weights).map(goal).collect();
                 let config = SparringConfig { troupe, ..SparringConfig::new(goals) };
-                Cast::Pairs(Sparring::new(repertoire, config, &starts).map_err(|e| self.fault(&e))?)
+                let pairs = Sparring::new(repertoire, config, &starts).map_err(|e| self.fault(&e))?;
+                self.check_heads(tables, &policies, pairs.heads())?;
+                Cast::Pairs(pairs)
             }
             SceneKind::Targets => {
-                self.check_reach(tables, &policies)?;
+                if let Some(i) = policies.iter().position(|&p| is_threat(p)) {
+                    return Err(self.idle(&self.goals[i]));
+                }
+                self.check_targets(tables, &policies)?;
                 let goal = |(&policy, weight): (&usize, f32)| PracticeGoal { policy, weight };
-                let goals = policies.iter().zip(weights).filter(|(p, _)| !is_threat(**p)).map(goal).collect();
+                let goals = policies.iter().zip(weights).map(goal).collect();
                 let mut config = PracticeConfig { troupe, ..PracticeConfig::new(goals) };
                 config.target.radius_m = self.target.radius_m as f32;
                 Cast::Targets(TargetPractice::new(repertoire, config, &starts, &homes).map_err(|e| self.fault(&e))?)
@@ -75,6 +80,18 @@ impl Scene {
         }
     }
 
+    /// The error for a goal that answers blows, where nobody strikes.
+    fn idle(&self, goal: &SceneGoal) -> BuildError {
+        BuildError::Stage {
+            stage: "scene",
+            message: format!(
+                "scene \"{}\": goal \"{}\" answers an opponent's blows, and targets do not strike",
+                self.name, goal.behaviour
+            ),
+            help: "Leave the goal out, or make it a scene of pairs.".into(),
+        }
+    }
+
     fn policy(&self, tables: &Tables, goal: &SceneGoal) -> Result<usize, BuildError> {
         tables.find_policy(&goal.behaviour).ok_or_else(|| BuildError::Stage {
             stage: "scene",
@@ -84,29 +101,40 @@ impl Scene {
     }
 
     /// Refuses targets at heights that no blow of the scene's behaviours reaches.
-    fn check_reach(&self, tables: &Tables, policies: &[usize]) -> Result<(), BuildError> {
-        let records = || policies.iter().map(|&p| &tables.policy_records()[p]).filter(|r| r.grid.kind == KIND_CYLINDER);
-        if records().next().is_none() {
-            return Ok(());
-        }
+    fn check_targets(&self, tables: &Tables, policies: &[usize]) -> Result<(), BuildError> {
+        let regions = hit_regions(tables, policies);
         let drags = self.target.drag.iter().map(|d| d.y_m).chain(Some(0.0));
-        for height in drags.map(|y| (self.target.height_m + y) as f32) {
-            let within = |r: &RegionRecord| height >= r.height[0] && height <= r.height[1];
-            if records().any(|r| within(&r.region)) {
-                continue;
+        match drags.map(|y| (self.target.height_m + y) as f32).find(|&h| !is_reached(&regions, h, 0.0)) {
+            None => Ok(()),
+            Some(h) => {
+                Err(self.out_of_reach(&regions, "target", h, "Change `target.height_m` or the `y_m` of `target.drag`."))
             }
-            let low = records().map(|r| r.region.height[0]).fold(f32::INFINITY, f32::min);
-            let high = records().map(|r| r.region.height[1]).fold(f32::NEG_INFINITY, f32::max);
-            return Err(BuildError::Stage {
-                stage: "scene",
-                message: format!(
-                    "scene \"{}\": nobody can reach a target {height:.2} m high: blows land {low:.2} to {high:.2} m high",
-                    self.name
-                ),
-                help: "Change `target.height_m` or the `y_m` of `target.drag`.".into(),
-            });
         }
-        Ok(())
+    }
+
+    /// Refuses pairs where no blow reaches the head of anybody as they stand at the start.
+    fn check_heads(&self, tables: &Tables, policies: &[usize], heads: &[Vec3]) -> Result<(), BuildError> {
+        let regions = hit_regions(tables, policies);
+        match heads.first() {
+            Some(first) if !heads.iter().any(|h| is_reached(&regions, h.y, HALF_HEAD_M)) => {
+                let help = "Build the bundle from motion with blows at heads, with `grid.bounds` that hold them.";
+                Err(self.out_of_reach(&regions, "head", first.y, help))
+            }
+            _ => Ok(()),
+        }
+    }
+
+    fn out_of_reach(&self, regions: &[RegionRecord], what: &str, height: f32, help: &str) -> BuildError {
+        let low = regions.iter().map(|r| r.height[0]).fold(f32::INFINITY, f32::min);
+        let high = regions.iter().map(|r| r.height[1]).fold(f32::NEG_INFINITY, f32::max);
+        BuildError::Stage {
+            stage: "scene",
+            message: format!(
+                "scene \"{}\": nobody can reach a {what} {height:.2} m high: blows land {low:.2} to {high:.2} m high",
+                self.name
+            ),
+            help: help.into(),
+        }
     }
 
     /// Where characters start, and where their targets hang: pairs, or characters with targets, on a square of
@@ -133,6 +161,21 @@ impl Scene {
         }
         (starts, homes)
     }
+}
+
+/// A blow this far above or below a head's centre meets it. [Unit: m]
+const HALF_HEAD_M: f32 = 0.12;
+
+/// Where the blows of behaviours that strike land.
+fn hit_regions(tables: &Tables, policies: &[usize]) -> Vec<RegionRecord> {
+    let records = policies.iter().map(|&p| &tables.policy_records()[p]);
+    records.filter(|r| r.grid.kind == KIND_CYLINDER).map(|r| r.region).collect()
+}
+
+/// Whether blows land at a height, give or take `margin`; so where nobody wants to strike. [Unit: m]
+fn is_reached(regions: &[RegionRecord], height: f32, margin: f32) -> bool {
+    let holds = |r: &RegionRecord| height >= r.height[0] - margin && height <= r.height[1] + margin;
+    regions.is_empty() || regions.iter().any(holds)
 }
 
 /// States in which characters stand; all where nobody does.
@@ -244,6 +287,16 @@ fn dragged(drag: &[DragPoint], time_s: f64) -> Vec3 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn heights_are_reached_inside_a_region_or_where_nobody_strikes() {
+        let at = |low, high| RegionRecord { height: [low, high], ..RegionRecord::EVERYWHERE };
+        let regions = [at(0.8, 1.0), at(1.4, 1.6)];
+        for (height, margin, reached) in [(0.9, 0.0, true), (1.2, 0.0, false), (1.7, 0.0, false), (1.7, 0.12, true)] {
+            assert_eq!(is_reached(&regions, height, margin), reached, "{height} {margin}");
+        }
+        assert!(is_reached(&[], 9.0, 0.0));
+    }
 
     #[test]
     fn a_hand_goes_from_place_to_place_and_begins_anew() {

@@ -57,8 +57,8 @@ pub struct SceneReport {
     pub deep_fraction: f64,
     /// Distance over ground from the opponent or target, mean over time and characters. [Unit: m]
     pub distance_mean_m: f64,
-    /// The greatest such distance after the first five seconds. [Unit: m]
-    pub distance_max_m: f64,
+    /// The greatest such distance after the first 5 s; none where the run is no longer. [Unit: m]
+    pub distance_max_m: Option<f64>,
 }
 
 /// What a run leaves to be drawn.
@@ -139,7 +139,7 @@ struct Watch {
     record: SceneRecord,
     distance_sum: f64,
     distances: u64,
-    distance_max: f32,
+    distance_max: Option<f32>,
 }
 
 /// Time that characters have to come together before their greatest distance counts. [Unit: s]
@@ -152,7 +152,7 @@ impl Watch {
             record: SceneRecord::default(),
             distance_sum: 0.0,
             distances: 0,
-            distance_max: 0.0,
+            distance_max: None,
         }
     }
 
@@ -164,7 +164,7 @@ impl Watch {
             self.distance_sum += f64::from(distance);
             self.distances += 1;
             if play.time_s() > COMING_S {
-                self.distance_max = self.distance_max.max(distance);
+                self.distance_max = Some(self.distance_max.map_or(distance, |most| most.max(distance)));
             }
         }
         if recorded {
@@ -211,7 +211,7 @@ impl Watch {
             max_penetration_m,
             deep_fraction: deep_s / (seconds * (n / 2).max(1) as f64),
             distance_mean_m: self.distance_sum / self.distances.max(1) as f64,
-            distance_max_m: f64::from(self.distance_max),
+            distance_max_m: self.distance_max.map(f64::from),
         }
     }
 

@@ -33,7 +33,7 @@ use serde::{Deserialize, Serialize};
 pub struct SynthConfig {
     /// Same seed, same motion, to the bit.
     pub seed: u64,
-    /// Length of the whole set; clips end standing, so it comes out a little longer. [Unit: min] [Limit: 0 to 240]
+    /// Length of the whole set; clips end standing, so it comes out a little longer. [Unit: min] [Limit: 0.05 to 240]
     pub minutes: f64,
     /// Length of one clip, about. [Unit: s] [Limit: 10 to 600]
     pub clip_seconds: f64,
@@ -67,9 +67,9 @@ impl SynthConfig {
         ];
         match limits.into_iter().find(|(_, v, low, high)| !(low..=high).contains(&v)) {
             None => Ok(()),
-            Some((key, v, low, high)) => Err(BuildError::Config {
-                message: format!("synth.{key}: expected {low} to {high}, found {v}. Change it in the config."),
-            }),
+            Some((key, v, low, high)) => {
+                Err(BuildError::Config { message: format!("synth {key}: expected {low} to {high}, found {v}") })
+            }
         }
     }
 }

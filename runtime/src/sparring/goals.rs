@@ -4,13 +4,17 @@ use super::config::within;
 use crate::troupe::{Goal, MAX_GOALS, Repertoire, TroupeError};
 use glam::Vec3;
 
+const EXPECTED: &str = "1 to 4";
+const _: () = assert!(MAX_GOALS == 4, "the message names it");
+
 /// Checks that behaviours exist: their policies and weights.
 pub(super) fn check(
     repertoire: &Repertoire<'_>,
     goals: impl ExactSizeIterator<Item = (usize, f32)>,
 ) -> Result<(), TroupeError> {
     if goals.len() == 0 || goals.len() > MAX_GOALS {
-        return Err(TroupeError::Length { what: "goals", got: goals.len(), expected: MAX_GOALS });
+        let got = goals.len() as f32;
+        return Err(TroupeError::Value { what: "the number of goals", got, expected: EXPECTED });
     }
     let limit = repertoire.num_policies();
     for (policy, weight) in goals {

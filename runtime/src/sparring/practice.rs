@@ -107,7 +107,7 @@ impl TargetPractice {
     /// - `homes`: where targets hang. [Unit: m] [Size: starts.len()]
     ///
     /// # Errors
-    /// [`TroupeError::Length`] where homes or goals do not fit, [`TroupeError::Index`] for a policy that does not
+    /// [`TroupeError::Length`] where homes do not fit, [`TroupeError::Index`] for a policy that does not
     /// exist, [`TroupeError::Value`] for a number out of its range, and as [`Troupe::new`].
     pub fn new(
         repertoire: &Repertoire<'_>,

@@ -369,8 +369,8 @@ impl Troupe {
         Ok(())
     }
 
-    /// Moves a character over the ground as a whole, at the next step. Planted feet stay, where they are locked and as far as the lock
-    /// reaches, and follow when they are lifted.
+    /// Moves a character over the ground as a whole, at the next step. Planted feet stay, where they are locked and as
+    /// far as the lock reaches, and follow when they are lifted.
     ///
     /// - `by`: x and z in the world. [Unit: m]
     ///

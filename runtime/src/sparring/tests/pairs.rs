@@ -214,7 +214,7 @@ fn refuses_what_does_not_fit() {
     let r = Repertoire::new(&tables);
     let new = |config: SparringConfig, n: usize| Sparring::new(&r, config, &facing(2, 2.0)[..n]);
     assert!(matches!(new(config(), 3), Err(TroupeError::Odd { got: 3 })));
-    assert!(matches!(new(SparringConfig::default(), 2), Err(TroupeError::Length { what: "goals", .. })));
+    assert!(matches!(new(SparringConfig::default(), 2), Err(TroupeError::Value { what: "the number of goals", .. })));
     let goal = SparringGoal { policy: 1, weight: 1.0, aim: Aim::OpponentHead };
     assert!(matches!(new(SparringConfig::new(vec![goal]), 2), Err(TroupeError::Index { what: "policy", .. })));
     let goal = SparringGoal { policy: 0, weight: f32::NAN, aim: Aim::OpponentHead };

@@ -125,7 +125,10 @@ fn refuses_what_does_not_fit() {
     let new = |config: &PracticeConfig, homes: &[Vec3]| TargetPractice::new(&r, config.clone(), &starts, homes);
     assert!(matches!(new(&good, &[]), Err(TroupeError::Length { what: "homes", .. })));
     assert!(matches!(new(&good, &[Vec3::NAN]), Err(TroupeError::Value { what: "home", .. })));
-    assert!(matches!(new(&PracticeConfig::default(), &[Vec3::Y]), Err(TroupeError::Length { what: "goals", .. })));
+    assert!(matches!(
+        new(&PracticeConfig::default(), &[Vec3::Y]),
+        Err(TroupeError::Value { what: "the number of goals", .. })
+    ));
     let far = PracticeConfig { reach_m: -1.0, ..good.clone() };
     assert!(matches!(new(&far, &[Vec3::Y]), Err(TroupeError::Value { what: "reach_m", .. })));
     let mut practice = new(&good, &[Vec3::Y]).unwrap();
