@@ -89,7 +89,7 @@ fn characters_play_on_between_searches_and_never_leave_a_run() {
         assert!(before.translation().distance(c.root.translation()) < 0.15);
         nearest = nearest.min(c.root.translation().distance(Vec3::new(target.x, 0.0, target.y)));
     }
-    assert!(searches >= 600 / SEARCH_FRAMES && searches < 300, "{searches}");
+    assert!((600 / SEARCH_FRAMES..300).contains(&searches), "{searches}");
     assert!(nearest < 1.0, "{nearest}");
 }
 

@@ -15,6 +15,7 @@ use throng_runtime::{Planar, Tables};
 
 /// The characters of a scene, by its kind.
 #[derive(Clone, Debug)]
+#[expect(clippy::large_enum_variant, reason = "a scene has one, for as long as it runs")]
 pub enum Cast {
     /// Pairs that spar.
     Pairs(Sparring),

@@ -125,7 +125,8 @@ mod tests {
     #[test]
     fn numbers_outside_their_limits_are_named() {
         assert!(HitConfig::default().check().is_ok());
-        let wrong: [(&str, fn(&mut HitConfig)); 5] = [
+        type Change = fn(&mut HitConfig);
+        let wrong: [(&str, Change); 5] = [
             ("annotate.hits.landing_share: expected more than 0, at most 1, found 0", |c| c.landing_share = 0.0),
             ("annotate.hits.punches.thrust_speed: expected more than 0 m/s, found -1", |c| {
                 c.punches.thrust_speed = -1.0;

@@ -278,7 +278,7 @@ fn marks_are_taken_as_they_are_and_replace_what_is_found_nearby() {
     assert_eq!(marked.len(), 3);
     assert_eq!((marked[0].kind.name(), &marked[1..]), ("jab", &found[1..]));
     assert!(marked[0].speed_mps >= found[0].speed_mps, "the fastest moment of the range");
-    assert_eq!(with(&[jab.clone()], false).unwrap().len(), 1);
+    assert_eq!(with(std::slice::from_ref(&jab), false).unwrap().len(), 1);
     assert!(with(&[], false).unwrap().is_empty());
 
     let e = with(&[mark(HitKind::Punch, Joint::LeftHand, 40..41)], true).unwrap_err();

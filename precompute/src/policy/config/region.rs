@@ -80,9 +80,9 @@ mod tests {
 
     #[test]
     fn takes_what_is_given_and_the_default_for_the_rest() {
-        let config: RegionConfig = toml::from_str("distance_m = [0.5, 9.0]\nangle_rad = [-3.1416, 3.1416]").unwrap();
+        let config: RegionConfig = toml::from_str("distance_m = [0.5, 9.0]\nangle_rad = [-3.0, 3.0]").unwrap();
         let region = config.make("b", false, GRID).unwrap();
-        assert_eq!(region, RegionRecord { distance: [0.5, 9.0], angle: [-3.1416, 3.1416], ..GRID });
+        assert_eq!(region, RegionRecord { distance: [0.5, 9.0], angle: [-3.0, 3.0], ..GRID });
     }
 
     #[test]
