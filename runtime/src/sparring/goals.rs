@@ -4,6 +4,7 @@ use super::config::within;
 use crate::troupe::{Goal, MAX_GOALS, Repertoire, TroupeError};
 use glam::Vec3;
 
+/// Numbers of goals that there may be, as [`MAX_GOALS`] sets them.
 const EXPECTED: &str = "1 to 4";
 const _: () = assert!(MAX_GOALS == 4, "the message names it");
 
