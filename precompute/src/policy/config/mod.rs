@@ -2,11 +2,13 @@
 
 mod adaptive;
 mod behaviour;
+mod centre;
 mod grid;
 mod region;
 
 pub use adaptive::AdaptiveConfig;
-pub use behaviour::{BehaviourConfig, BehaviourKind, CentreConfig, KernelConfig, RewardForm};
+pub use behaviour::{BehaviourConfig, BehaviourKind, KernelConfig, RewardForm};
+pub use centre::CentreConfig;
 pub use grid::{BoundsConfig, GridConfig};
 pub use region::RegionConfig;
 use schemars::JsonSchema;
