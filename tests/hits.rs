@@ -53,7 +53,8 @@ fn synthetic_walking_has_no_hits() {
 #[test]
 fn recorded_punches_and_kicks_are_found() {
     let Some(root) = common::mocap() else { return };
-    let expected: [(&str, &[(&str, std::ops::RangeInclusive<usize>)]); 7] = [
+    type Counts<'a> = &'a [(&'a str, std::ops::RangeInclusive<usize>)];
+    let expected: [(&str, Counts<'_>); 7] = [
         ("snu/single/punch.amc", &[("right_hand", 1..=1)]),
         ("snu/single/slap.amc", &[("right_hand", 1..=1)]),
         ("cmu-asfamc/02/02_05.amc", &[("right_hand", 9..=9)]),

@@ -124,10 +124,11 @@ fn builds_without_hits_or_out_of_reach_say_what_to_change() {
 #[test]
 fn a_scene_runs_without_one_of_its_behaviours() {
     let (bundle, scene) = (bundle(), at(&PLACE, "pair.toml"));
-    let run = |more: &[&str]| [&["run", &*scene, "--bundle", &*bundle, "--seconds", "10", "--json"], more].concat();
-    let all = json(&run(&[]), &["thrown"]);
-    let tame = json(&run(&["--without", "throw-punches", "--without", "evade"]), &["thrown"]);
+    let plain = ["run", &scene, "--bundle", &bundle, "--seconds", "10", "--json"];
+    let without = |name| [&plain[..], &["--without", name]].concat();
+    let all = json(&plain, &["thrown"]);
+    let tame = json(&without("throw-punches"), &["thrown"]);
     assert_ne!(all["distance_mean_m"], tame["distance_mean_m"]);
-    let message = failed(&run(&["--without", "dance"]));
+    let message = failed(&without("dance"));
     assert!(message.contains("dance") && message.contains("throw-punches"), "{message}");
 }
