@@ -128,7 +128,8 @@ fn pairs_spar_the_same_on_any_number_of_threads() {
         (0..200).map(one_step).collect::<Vec<_>>()
     };
     let alone = run(&|s| s.step(&repertoire, 1.0 / 30.0).expect("a step"));
-    assert!(alone.iter().map(|a| a.1.len()).sum::<usize>() > 100, "blows that met");
+    let met = alone.iter().map(|a| a.1.len()).sum::<usize>();
+    assert!(met > 100, "{met} blows that met are too few to prove anything");
     for num_threads in [1, 2, 8] {
         let together = on_threads(num_threads, || run(&|s| s.par_step(&repertoire, 1.0 / 30.0).expect("a step")));
         let differs = (0..alone.len()).find(|&k| alone[k] != together[k]);

@@ -83,7 +83,8 @@ grid = { rings = 5, angles = 8, radius = 2.0, inner_spacing = 0.5 }
 [[behaviours]]
 name = "throw-punches"
 kind = "throw_punches"
-grid = { rings = 5, angles = 5, heights = 3 }
+scale = 0.25
+grid = { rings = 6, angles = 6, heights = 3 }
 [[behaviours]]
 name = "evade"
 kind = "evade"
@@ -93,8 +94,8 @@ grid = { rings = 4, angles = 8, moments = 4 }
 /// Boxers of [`boxing_tables`], each weighing all of its behaviours.
 pub fn boxing() -> SparringConfig {
     let aims = [Aim::OpponentHead, Aim::OpponentHead, Aim::OpponentThreat];
-    let goal = |(policy, aim)| SparringGoal { policy, weight: 1.0, aim };
-    let troupe = TroupeConfig { choice: Choice::LookAhead { temperature: 0.05 }, ..TroupeConfig::default() };
+    let goal = |(policy, aim)| SparringGoal { policy, weight: if policy == 1 { 2.0 } else { 1.0 }, aim };
+    let troupe = TroupeConfig { choice: Choice::LookAhead { temperature: 0.01 }, ..TroupeConfig::default() };
     SparringConfig { troupe, ..SparringConfig::new(aims.into_iter().enumerate().map(goal).collect()) }
 }
 
