@@ -109,7 +109,7 @@ fn make_bundle(scene: &Scene, cache: &CacheArgs) -> Outcome {
 fn print_scene(scene: &Scene, r: &SceneReport) -> Outcome {
     let what = if scene.kind == SceneKind::Pairs { "opponent" } else { "target" };
     let mut rows = vec![
-        ("scene", format!("{}: {} characters, {:.0} s", r.scene, r.characters, r.simulated_s)),
+        ("scene", format!("{}: {} character(s), {:.0} s", r.scene, r.characters, r.simulated_s)),
         (
             "blows",
             format!(
