@@ -18,7 +18,7 @@ use throng_precompute::retarget::{RetargetConfig, onto};
 use throng_precompute::synth::{self, SynthConfig, SynthSet};
 use throng_precompute::trial::{self, TrialConfig};
 use throng_precompute::{BuildError, Warnings};
-use throng_runtime::policy::{MAX_ACTIONS, PolicyTable};
+use throng_runtime::policy::{MAX_ACTIONS, PATH_POINTS, PolicyTable};
 use throng_runtime::troupe::{Goal, Repertoire, SampleJob, Troupe, TroupeConfig};
 use throng_runtime::{Joint, Mat3x4, NUM_JOINTS, Planar, Tables};
 
@@ -339,4 +339,40 @@ fn a_behaviour_of_ones_own_needs_the_config_alone() {
     let off = |c: usize| (troupe.root(c).translation().distance(targets[c]) - 2.0).abs();
     let near = (0..n).filter(|&c| off(c) < 0.7).count();
     assert!(near > n * 8 / 10, "{near} of {n} keep their distance");
+}
+
+#[test]
+fn evasion_knows_where_heads_go() {
+    let tables = common::boxing_tables();
+    let number = tables.find_policy("evade").expect("a policy that evades");
+    let (policy, poses, graph) = (tables.policy(number), sampled(&tables), tables.graph());
+    let middle_of_head = 0.5 * tables.skeleton().tips[0];
+    let head = |frame: u32| {
+        let (root, pose) = &poses[frame as usize];
+        let m = &pose[Joint::Head.index()].rows;
+        let turned = glam::Vec3::from_array(std::array::from_fn(|r| {
+            m[r][0] * middle_of_head.x + m[r][1] * middle_of_head.y + m[r][2] * middle_of_head.z + m[r][3]
+        }));
+        root.translation() + root.rotation() * turned
+    };
+    assert_eq!(policy.paths().len(), graph.segments.len());
+    for (segment, path) in graph.segments.iter().zip(policy.paths()) {
+        let start = poses[segment.start as usize].0.inverse();
+        for (point, frame) in [(0, segment.start), (PATH_POINTS - 1, segment.start + segment.num_frames)] {
+            let wanted = start.translation() + start.rotation() * head(frame);
+            let found = glam::Vec3::from_array(path.points[point]);
+            assert!(found.distance(wanted) < 2e-3, "frame {frame}: {found} {wanted}");
+        }
+        assert!((path.duration_s * 30.0 - segment.num_frames as f32).abs() < 1e-3);
+    }
+    // A blow at a head that stays is worse than one a metre beside it.
+    let mut scores = [0.0; MAX_ACTIONS];
+    let mut worst = |target| {
+        let n = policy.action_scores(0, target, &mut scores).expect("state 0");
+        scores[..n].iter().copied().fold(f32::INFINITY, f32::min)
+    };
+    let at_head = head(graph.states[0].frame) - poses[graph.states[0].frame as usize].0.translation();
+    let near = poses[graph.states[0].frame as usize].0.rotation().inverse() * at_head;
+    let (hit, missed) = (worst(near.with_y(0.05)), worst(near.with_y(0.05) + glam::Vec3::X));
+    assert!(hit < -0.3 && missed > -0.05, "{hit} {missed}");
 }

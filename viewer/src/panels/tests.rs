@@ -1,6 +1,6 @@
 //! What tests of panels share.
 
-#[allow(dead_code)] // Tests in files of their own use more of it.
+#[allow(dead_code, reason = "tests in files of their own use more of it")]
 #[path = "../../tests/common/boxing.rs"]
 pub(crate) mod boxing;
 
