@@ -10,7 +10,6 @@ use throng_precompute::cache::Cache;
 use throng_precompute::config::BuildConfig;
 use throng_precompute::pipeline;
 use throng_precompute::progress::Silent;
-use throng_precompute::synth::{self, SynthConfig, SynthSet};
 use throng_runtime::sparring::{Aim, Sparring, SparringConfig, SparringGoal};
 use throng_runtime::troupe::{Choice, Goal, ReactionConfig, Repertoire, Start, Troupe, TroupeConfig};
 use throng_runtime::{Planar, Tables};
@@ -18,8 +17,10 @@ use throng_runtime::{Planar, Tables};
 /// What is baked: the paper's two behaviours on grids of their size, and evasion.
 const CONFIG: &str = r#"
 name = "bench"
-[resample]
-mirror = true
+[synth]
+set = "boxing"
+[annotate.hits.punches]
+swing_speed = 4.0
 [[behaviours]]
 name = "approach"
 kind = "approach"
@@ -41,7 +42,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let whole = std::env::args().any(|a| a == "--bench");
     let folder = tempfile::tempdir()?;
     let bundle = folder.path().join("bench.throng");
-    build(folder.path(), &bundle, if whole { 4.0 } else { 0.5 })?;
+    build(&bundle, if whole { 4.0 } else { 0.5 })?;
     let tables = Tables::open(&bundle)?;
     let repertoire = Repertoire::new(&tables);
     let (sizes, steps): (&[usize], usize) = if whole { (&[30, 1000], 600) } else { (&[4], 3) };
@@ -124,11 +125,9 @@ fn starts(repertoire: &Repertoire<'_>, characters: usize) -> Vec<Start> {
     (0..characters).map(start).collect()
 }
 
-fn build(folder: &Path, bundle: &Path, minutes: f64) -> Result<(), Box<dyn std::error::Error>> {
-    let clips = folder.join("clips");
-    synth::write(SynthSet::Boxing, &SynthConfig { minutes, ..SynthConfig::for_set(SynthSet::Boxing) }, &clips)?;
+fn build(bundle: &Path, minutes: f64) -> Result<(), Box<dyn std::error::Error>> {
     let mut config = BuildConfig::parse(CONFIG, Path::new("bench.toml"))?;
-    config.inputs = vec![clips];
+    config.synth.iter_mut().for_each(|s| s.minutes = Some(minutes));
     pipeline::build(&config, bundle, &Cache::none(), &Silent)?;
     Ok(())
 }
