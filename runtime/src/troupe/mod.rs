@@ -44,7 +44,8 @@ pub const MAX_GOALS: usize = control::MAX_GOALS;
 /// How a character chooses among the actions of its state.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Choice {
-    /// The stored best action of the nearest cell: a single load. Needs exactly one goal; more are looked ahead.
+    /// The stored best action of the nearest cell: a single load, whatever the policy's region. Needs exactly one goal;
+    /// more are looked ahead.
     BestAction,
     /// One-step look-ahead over values, then one of the best few at random; 0 always takes the best.
     LookAhead {
@@ -105,6 +106,7 @@ pub struct Goal<'a> {
     /// Number of the policy.
     pub policy: usize,
     /// What its values count in the sum over goals; 0 switches it off, as does a target outside the policy's region.
+    /// A character all of whose goals are off takes the first action of its state.
     pub weight: f32,
     /// Target of every character in the world, for a grid of moments with the time left as y. [Unit: m, s]
     /// [Size: number of characters]
