@@ -70,6 +70,7 @@ impl Gait {
             excluded: Vec::new(),
             tags: Vec::new(),
             hits: Vec::new(),
+            support: Vec::new(),
         }
     }
 

@@ -111,6 +111,9 @@ pub struct Clip {
     pub tags: Vec<Tag>,
     /// Effective hits, ascending by frame; empty before the annotate stage.
     pub hits: Vec<Hit>,
+    /// Height of what holds the character up: the lowest thing that a planted part touches, between contacts that of
+    /// the last one. Empty where all of it is the ground at y = 0. [Unit: m] [Size: num_frames or 0]
+    pub support: Vec<f32>,
 }
 
 impl Clip {

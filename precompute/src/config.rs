@@ -1,10 +1,12 @@
 //! What a build is told: one TOML file, each stage's settings in a table of its own.
 
 use crate::annotate::{AnnotateConfig, Sidecar};
+use crate::cluster::ClusterConfig;
 use crate::error::BuildError;
 use crate::features::FeaturesConfig;
 use crate::graph::GraphConfig;
 use crate::import::ImportConfig;
+use crate::patch::PatchConfig;
 use crate::policy::{BehaviourConfig, PolicyConfig};
 use crate::resample::ResampleConfig;
 use crate::retarget::RetargetConfig;
@@ -48,9 +50,15 @@ pub struct BuildConfig {
     /// How frames are compared.
     #[serde(default)]
     pub features: FeaturesConfig,
+    /// Pose groups.
+    #[serde(default)]
+    pub cluster: ClusterConfig,
     /// The motion graph.
     #[serde(default)]
     pub graph: GraphConfig,
+    /// Motion patches.
+    #[serde(default)]
+    pub patches: PatchConfig,
     /// How policies are solved.
     #[serde(default)]
     pub policy: PolicyConfig,
@@ -77,7 +85,9 @@ impl BuildConfig {
             annotate: AnnotateConfig::default(),
             clips: BTreeMap::new(),
             features: FeaturesConfig::default(),
+            cluster: ClusterConfig::default(),
             graph: GraphConfig::default(),
+            patches: PatchConfig::default(),
             policy: PolicyConfig::default(),
             behaviours: default_behaviours(),
         }
@@ -95,6 +105,8 @@ impl BuildConfig {
         }
         let folder = path.parent().unwrap_or(Path::new(""));
         let places = config.inputs.iter_mut().chain(&mut config.import.asf).chain(&mut config.import.profiles);
+        let patches = &mut config.patches;
+        let places = places.chain(&mut patches.units).chain(patches.environments.iter_mut().map(|e| &mut e.file));
         places.for_each(|p| *p = folder.join(&p));
         Ok(config)
     }

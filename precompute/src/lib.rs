@@ -3,7 +3,9 @@
 pub mod annotate;
 pub mod cache;
 pub mod clip;
+pub mod cluster;
 pub mod config;
+pub mod environment;
 pub mod error;
 pub mod features;
 pub mod files;
@@ -13,6 +15,7 @@ pub mod inspect;
 pub mod matching;
 pub mod measure;
 pub mod mirror;
+pub mod patch;
 pub mod picture;
 pub mod pipeline;
 mod pod;

@@ -31,6 +31,7 @@ pub fn mirror(clip: &Clip) -> Clip {
         excluded: clip.excluded.clone(),
         tags: tags(&clip.tags),
         hits: clip.hits.iter().map(mirror_hit).collect(),
+        support: clip.support.clone(),
     }
 }
 
@@ -78,6 +79,7 @@ mod tests {
             excluded: Vec::new(),
             tags: vec![Tag { name: "t".into(), range: 0..1 }],
             hits: Vec::new(),
+            support: Vec::new(),
         }
     }
 

@@ -91,6 +91,7 @@ fn to_rate(clip: &Clip, rate_hz: f64) -> Clip {
         excluded: clip.excluded.iter().map(|e| Exclusion { range: range(&e.range), reason: e.reason }).collect(),
         tags: clip.tags.iter().map(|t| Tag { name: t.name.clone(), range: range(&t.range) }).collect(),
         hits: clip.hits.iter().map(|h| Hit { frame: nearest_frame(h.frame, step, num_frames), ..h.clone() }).collect(),
+        support: Vec::new(),
     }
 }
 
@@ -137,6 +138,7 @@ mod tests {
             excluded: vec![Exclusion { range: 0..num_frames / 3, reason: ExclusionReason::Still }],
             tags: vec![Tag { name: "all".into(), range: 0..num_frames }],
             hits: Vec::new(),
+            support: Vec::new(),
         }
     }
 

@@ -1,6 +1,6 @@
-//! Which parts of the feet are planted, a bit each.
+//! Which parts of the body are planted, a bit each.
 
-/// Contact of heels and toes (balls of the feet) with the ground at one frame.
+/// Contact of heels and toes (balls of the feet), hands and seat with the ground or an object at one frame.
 #[derive(
     Clone, Copy, Debug, Default, PartialEq, Eq, bytemuck::Pod, bytemuck::Zeroable, serde::Serialize, serde::Deserialize,
 )]
@@ -18,6 +18,12 @@ impl Contacts {
     pub const RIGHT_HEEL: Self = Self(4);
     /// The right toe.
     pub const RIGHT_TOE: Self = Self(8);
+    /// The left hand holds or leans on something.
+    pub const LEFT_HAND: Self = Self(16);
+    /// The right hand.
+    pub const RIGHT_HAND: Self = Self(32);
+    /// The seat, at rest or sliding.
+    pub const SEAT: Self = Self(64);
     /// Either part of the left foot.
     pub const LEFT: Self = Self(3);
     /// Either part of the right foot.
@@ -40,6 +46,7 @@ impl Contacts {
 
     /// The same with left and right exchanged.
     pub fn mirrored(self) -> Self {
-        Self((self.0 & 3) << 2 | (self.0 >> 2) & 3)
+        let b = self.0;
+        Self((b & 3) << 2 | (b >> 2) & 3 | (b & 16) << 1 | (b & 32) >> 1 | b & 64)
     }
 }

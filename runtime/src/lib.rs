@@ -8,6 +8,7 @@ pub mod format;
 pub mod graph;
 pub mod hits;
 mod lanes;
+pub mod patch;
 pub mod planar;
 pub mod policy;
 pub mod pose;
@@ -16,6 +17,7 @@ pub mod skeleton;
 pub mod sparring;
 pub mod tables;
 pub mod troupe;
+pub mod world;
 
 pub use contacts::Contacts;
 pub use format::FormatError;

@@ -207,6 +207,7 @@ mod tests {
             excluded: Vec::new(),
             tags: Vec::new(),
             hits: Vec::new(),
+            support: Vec::new(),
         }
     }
 

@@ -67,6 +67,7 @@ mod tests {
             excluded: vec![Exclusion { range: 15..20, reason: ExclusionReason::Still }],
             tags: Vec::new(),
             hits: Vec::new(),
+            support: Vec::new(),
         };
         let r = sanity(&clip, &s);
         assert!((r.left_share - 10.0 / 15.0).abs() < 1e-6);

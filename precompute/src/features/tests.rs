@@ -29,6 +29,7 @@ fn random_clip(seed: u64, num_frames: usize) -> Clip {
         excluded: Vec::new(),
         tags: Vec::new(),
         hits: Vec::new(),
+        support: Vec::new(),
     }
 }
 

@@ -149,6 +149,7 @@ mod tests {
             excluded: Vec::new(),
             tags: Vec::new(),
             hits: Vec::new(),
+            support: Vec::new(),
         }
     }
 

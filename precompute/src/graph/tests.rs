@@ -82,6 +82,7 @@ fn clip_and_events(n: usize) -> (ClipSet, Vec<Event>) {
         excluded: Vec::new(),
         tags: Vec::new(),
         hits: Vec::new(),
+        support: Vec::new(),
     };
     let event = |i: usize| Event {
         frame: FrameId(3 * i as u32),

@@ -196,6 +196,7 @@ fn clip_of(motion: Motion, source: &Source, name: String) -> Clip {
         excluded: Vec::new(),
         tags: Vec::new(),
         hits: Vec::new(),
+        support: Vec::new(),
     }
 }
 

@@ -84,6 +84,7 @@ pub fn empty_clip(name: String, set: &str, cfg: &SynthConfig) -> Clip {
         excluded: Vec::new(),
         tags: Vec::new(),
         hits: Vec::new(),
+        support: Vec::new(),
     }
 }
 

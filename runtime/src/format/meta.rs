@@ -28,6 +28,14 @@ pub struct Meta {
     pub behaviours: Vec<String>,
     /// Names of the kinds of hits that come from tags, after [`crate::hits::KIND_NAMES`].
     pub hit_tags: Vec<String>,
+    /// The motion patches, in the order of their records.
+    pub patches: Vec<PatchMeta>,
+    /// What links of patches show, see [`crate::patch::LinkRecord::tag`].
+    pub link_tags: Vec<String>,
+    /// The unit objects that patches consist of, as TOML.
+    pub units: String,
+    /// Number of pose groups; 0 where frames were not grouped.
+    pub pose_groups: u64,
     /// Usable frames that went into the motion graph.
     pub frames_in: u64,
     /// Frames that its actions play.
@@ -56,6 +64,15 @@ pub struct ClipMeta {
     pub tags: Vec<(String, u32, u32)>,
     /// Runs of frames that are left out and why: reason, first frame, frame after the last.
     pub excluded: Vec<(String, u32, u32)>,
+}
+
+/// A motion patch: its name and the units it consists of.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct PatchMeta {
+    /// Unique name: the units', joined by `+`, and a number where several arrangements of them occur.
+    pub name: String,
+    /// Name of each unit object and where it stands in the patch's frame; the first one stands at the identity.
+    pub units: Vec<(String, crate::patch::Placement)>,
 }
 
 impl Meta {

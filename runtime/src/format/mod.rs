@@ -24,7 +24,7 @@ pub use checksum::crc32;
 pub use error::FormatError;
 pub use header::{ALIGN, Header, MAGIC, Section, Tag, VERSION};
 pub(crate) use layout::Layout;
-pub use meta::{ClipMeta, Meta, SourceMeta};
+pub use meta::{ClipMeta, Meta, PatchMeta, SourceMeta};
 pub use records::{ClipRecord, FrameRow, SkeletonRecord};
 pub use storage::AlignedBytes;
 pub(crate) use storage::Storage;

@@ -20,7 +20,7 @@ pub(super) fn skeleton(s: &Skeleton) -> Result<(), FormatError> {
     Ok(())
 }
 
-/// Clips tile the frames; rows are finite, their rotations not zero; contacts have four bits and a byte a frame.
+/// Clips tile the frames; rows are finite, their rotations not zero; contacts have seven bits and a byte a frame.
 pub(super) fn motion(t: &Tables) -> Result<(), FormatError> {
     let (frames, contacts) = (t.frames(), t.contacts());
     if contacts.len() != frames.len() {
@@ -49,8 +49,8 @@ pub(super) fn motion(t: &Tables) -> Result<(), FormatError> {
         }
     }
     rotations_continue(t)?;
-    match contacts.iter().position(|c| c.0 > 15) {
-        Some(i) => Err(FormatError::value(tags::CONTACTS, i, format!("{} is not four bits", contacts[i].0))),
+    match contacts.iter().position(|c| c.0 > 127) {
+        Some(i) => Err(FormatError::value(tags::CONTACTS, i, format!("{} is not seven bits", contacts[i].0))),
         None => Ok(()),
     }
 }

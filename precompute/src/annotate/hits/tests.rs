@@ -45,6 +45,7 @@ fn clip(rate_hz: f64, way: impl Fn(f32) -> Vec3, local: impl Fn(f32, &mut [Quat]
         excluded: Vec::new(),
         tags: Vec::new(),
         hits: Vec::new(),
+        support: Vec::new(),
     }
 }
 

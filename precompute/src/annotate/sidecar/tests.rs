@@ -17,6 +17,7 @@ fn clip(name: &str, num_frames: usize) -> Clip {
         excluded: Vec::new(),
         tags: Vec::new(),
         hits: Vec::new(),
+        support: Vec::new(),
     }
 }
 
