@@ -82,6 +82,11 @@ pub(crate) fn tables_with(hits: &[HitRecord]) -> Tables {
     out.section(tags::POLICY_VALUES, &[0.0f32; 4 * 32]);
     let best: Vec<u8> = (0..4 * 32).map(|i| (i / 3 % 2) as u8).collect();
     out.section(tags::POLICY_BEST, &best);
+    out.section::<crate::patch::PatchRecord>(tags::PATCHES, &[]);
+    out.section::<crate::patch::EdgeRecord>(tags::PATCH_EDGES, &[]);
+    out.section::<crate::patch::CellRecord>(tags::PATCH_CELLS, &[]);
+    out.section::<crate::patch::LinkRecord>(tags::PATCH_LINKS, &[]);
+    out.section::<u32>(tags::POSE_GROUPS, &[]);
     let mut bytes = Vec::new();
     out.write(&mut bytes).unwrap();
     Tables::from_bytes(AlignedBytes::from_slice(&bytes)).unwrap()
