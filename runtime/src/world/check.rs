@@ -41,7 +41,9 @@ impl Tiling {
     fn end(&self, len: usize) -> Result<(), WorldError> {
         match len as u64 == self.next {
             true => Ok(()),
-            false => Err(WorldError::layout(format!("section {} has {len} elements, expected {}", self.tag, self.next))),
+            false => {
+                Err(WorldError::layout(format!("section {} has {len} elements, expected {}", self.tag, self.next)))
+            }
         }
     }
 }
@@ -134,8 +136,7 @@ fn instances(w: &WorldView<'_>, patches: &Patches<'_>) -> Result<(), WorldError>
             part.part(tags::INSTANCES, i, first, count)?;
         }
     }
-    let lengths =
-        [w.neighbours.len(), w.cell_words.len(), w.link_words.len(), w.adjacencies.len(), w.resources.len()];
+    let lengths = [w.neighbours.len(), w.cell_words.len(), w.link_words.len(), w.adjacencies.len(), w.resources.len()];
     parts.iter().zip(lengths).try_for_each(|(part, len)| part.end(len))?;
     resources(w)
 }

@@ -164,7 +164,11 @@ fn links(t: &Tables, p: &PatchRecord, cells: &[CellRecord], links: &[LinkRecord]
         }
         if c.is(CellRecord::IS_REST) && !stays {
             let index = p.first_cell as usize + from;
-            return Err(FormatError::value(tags::PATCH_CELLS, index, "nobody can stay there: no link leads back to it"));
+            return Err(FormatError::value(
+                tags::PATCH_CELLS,
+                index,
+                "nobody can stay there: no link leads back to it",
+            ));
         }
     }
     Ok(())
