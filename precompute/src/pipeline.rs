@@ -60,7 +60,14 @@ pub fn build(cfg: &BuildConfig, out: &Path, cache: &Cache, progress: &dyn Progre
     })?;
 
     let meta = from.meta(cfg, &graph_report)?;
-    let baked = Baked { clips: &motion.clips, graph: &graph, policies: &policies.policies, meta: &meta };
+    let baked = Baked {
+        clips: &motion.clips,
+        graph: &graph,
+        policies: &policies.policies,
+        groups: None,
+        patches: None,
+        meta: &meta,
+    };
     let bundle_bytes = s.run("write", |_| write::bundle(&baked, out))?;
     let warnings = Warnings { messages: [motion.warnings.messages.clone(), s.warnings.messages.clone()].concat() };
     Ok(report::of_build(cfg, &motion, graph_report, &policies.policies, bundle_bytes, warnings, s.finish()))
