@@ -34,7 +34,7 @@ pub fn collect(config: &BuildConfig) -> Result<Provenance, BuildError> {
         }
     }
     let mut sources: Vec<SourceMeta> = all.into_par_iter().map(|p| hash(&p)).collect::<Result<_, _>>()?;
-    sources.extend(config.synth.as_ref().map(|s| made(s, config.resample.rate_hz)));
+    sources.extend(config.synth.iter().flat_map(SynthInput::all).map(|s| made(s, config.resample.rate_hz)));
     Ok(Provenance { sources })
 }
 

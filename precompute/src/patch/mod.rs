@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use throng_runtime::patch::{CellRecord, EdgeRecord, LinkRecord, Placement};
 
 /// A motion patch, as the bundle stores it.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Patch {
     /// Unique name: the units', joined by `+`, and a number where several arrangements of them occur.
     pub name: String,
@@ -27,7 +27,7 @@ pub struct Patch {
 }
 
 /// All patches of a build.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Patches {
     /// The patches.
     pub patches: Vec<Patch>,
