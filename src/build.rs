@@ -11,7 +11,8 @@ use throng_precompute::report::{self, BuildReport};
 
 /// Bake motion files into a bundle.
 ///
-/// JSON keys: name, clips, rate_hz, minutes_in, frames_in, frames_kept, states, actions, seconds_total, stage_s, cached, policies [name,
+/// JSON keys: name, clips, rate_hz, minutes_in, frames_in, frames_kept, states, actions, seconds_total, stage_s, cached, pose_groups,
+/// max_group_diameter and group_threshold (in radians, as the config's `features` explains), group_frames {mean, max}, policies [name,
 /// cells, pairs, sweeps, greedy_sweeps, residual, error_bound, bytes, value_bytes, seconds, comparison, adaptive {finest_bytes, samples, mean_value, and for adaptive, uniform and
 /// uniform_fitted each bytes, counts, mean_error, p95_error, max_error, changed_share, mean_loss} (null where it is not)],
 /// bundle_bytes, graph, contacts, hits {count, angle_rad, distance_m, height_m (each [min, max], null without
@@ -80,6 +81,13 @@ pub fn print(r: &BuildReport, out: &str) -> Outcome {
             ),
         ),
         ("hits", r.hits.to_string()),
+        (
+            "pose groups",
+            format!(
+                "{} of {:.1} frames on average, {:.0} at most; largest diameter {:.3}, threshold {}",
+                r.pose_groups, r.group_frames.mean, r.group_frames.max, r.max_group_diameter, r.group_threshold
+            ),
+        ),
         (
             "graph",
             format!(

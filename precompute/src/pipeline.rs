@@ -2,6 +2,7 @@
 
 use crate::cache::{Cache, Key};
 use crate::clip::ClipSet;
+use crate::cluster::PoseGroups;
 use crate::config::BuildConfig;
 use crate::error::{BuildError, Warnings};
 use crate::import::Imported;
@@ -11,7 +12,7 @@ use crate::report::{self, BuildReport};
 use crate::resample::ResampleConfig;
 use crate::stages::{Motion, Stages};
 use crate::write::{self, Baked};
-use crate::{annotate, features, files, graph, import, policy, resample, retarget, synth};
+use crate::{annotate, cluster, features, files, graph, import, policy, resample, retarget, synth};
 use rand::SeedableRng;
 use rand_pcg::Pcg64;
 use std::collections::BTreeMap;
@@ -45,6 +46,12 @@ pub fn build(cfg: &BuildConfig, out: &Path, cache: &Cache, progress: &dyn Progre
         Ok(Motion { clips, skipped: report::of_skipped(&raw), warnings })
     })?;
 
+    let cluster_key = key.then("cluster", &(&cfg.features, &cfg.cluster))?;
+    let groups: PoseGroups = s.cached("cluster", cluster_key, |s| {
+        let features = s.run("features", |_| features::extract(&motion.clips, &cfg.features))?;
+        s.run("cluster", |p| cluster::group(&motion.clips, &features, &cfg.cluster, p))
+    })?;
+
     let key = key.then("graph", &(&cfg.features, &cfg.graph))?;
     let (graph, graph_report) = s.cached("graph", key, |s| {
         let features = s.run("features", |_| features::extract(&motion.clips, &cfg.features))?;
@@ -64,13 +71,13 @@ pub fn build(cfg: &BuildConfig, out: &Path, cache: &Cache, progress: &dyn Progre
         clips: &motion.clips,
         graph: &graph,
         policies: &policies.policies,
-        groups: None,
+        groups: Some(&groups),
         patches: None,
         meta: &meta,
     };
     let bundle_bytes = s.run("write", |_| write::bundle(&baked, out))?;
     let warnings = Warnings { messages: [motion.warnings.messages.clone(), s.warnings.messages.clone()].concat() };
-    Ok(report::of_build(cfg, &motion, graph_report, &policies.policies, bundle_bytes, warnings, s.finish()))
+    Ok(report::of_build(cfg, &motion, &groups, graph_report, &policies.policies, bundle_bytes, warnings, s.finish()))
 }
 
 /// What a build makes of one clip before the motion graph: the same stages with default settings, no mirrored copy.
