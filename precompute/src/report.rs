@@ -9,6 +9,7 @@ use crate::config::BuildConfig;
 use crate::error::Warnings;
 use crate::graph::{GraphReport, Spread};
 use crate::import::ImportedSet;
+use crate::patch::{PatchReport, Patches};
 use crate::policy::{Policy, PolicyReport};
 use crate::stages::{Motion, Timing};
 pub use paper::{Line, beside_paper, markdown};
@@ -48,6 +49,8 @@ pub struct BuildReport {
     pub group_threshold: f64,
     /// Frames of a group, on average and at most.
     pub group_frames: Spread,
+    /// What was made of each motion patch.
+    pub patches: Vec<PatchReport>,
     /// One entry per behaviour.
     pub policies: Vec<PolicyReport>,
     /// Length of the bundle. [Unit: bytes]
@@ -81,6 +84,7 @@ pub(crate) fn of_build(
     cfg: &BuildConfig,
     motion: &Motion,
     groups: &PoseGroups,
+    patches: &Patches,
     graph: GraphReport,
     policies: &[Policy],
     bundle_bytes: u64,
@@ -116,6 +120,7 @@ pub(crate) fn of_build(
         max_group_diameter: f64::from(groups.max_diameter),
         group_threshold: f64::from(groups.threshold),
         group_frames: group_frames(groups),
+        patches: patches.report.clone(),
         policies: policies.iter().map(|p| p.report.clone()).collect(),
         bundle_bytes,
         graph,

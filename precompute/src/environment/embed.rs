@@ -2,12 +2,12 @@
 
 use super::contacts::annotate_in;
 use super::touch::TouchConfig;
-use super::{EnvironmentFile, PlacedGeometry, UnitGeometry, UnitSet, geometries};
+use super::{Belonging, Environment, EnvironmentFile, PlacedGeometry, UnitGeometry, UnitSet, geometries};
 use crate::annotate::ContactConfig;
 use crate::clip::{Clip, ClipSet};
 use crate::error::BuildError;
 use crate::mirror;
-use crate::patch::PatchConfig;
+use crate::patch::{PatchConfig, Setting};
 use rayon::prelude::*;
 use std::path::Path;
 use std::sync::Arc;
@@ -27,46 +27,75 @@ pub struct SourceScenes {
     pub geometries: Vec<Arc<UnitGeometry>>,
 }
 
-/// Loads the environments of a config and finds contacts and supports of the clips that were captured in them.
-///
-/// Mirrored copies of such clips get the contacts of their originals, sides exchanged, and their supports.
+/// Loads the environments of a config.
 ///
 /// # Errors
 /// [`BuildError::Io`] and [`BuildError::Config`] as [`EnvironmentFile::load`], [`EnvironmentFile::expand`] and
 /// [`geometries`]; for a pattern that no clip matches, with the clips there are; for a clip in two environments; for an
 /// environment that was made with another unit file.
-pub fn embed(
-    clips: &mut ClipSet,
-    cfg: &PatchConfig,
-    units: &UnitSet,
-    contacts: &ContactConfig,
-    touch: &TouchConfig,
-) -> Result<SourceScenes, BuildError> {
+pub fn scenes(clips: &[Clip], cfg: &PatchConfig, units: &UnitSet) -> Result<SourceScenes, BuildError> {
     let geometries = geometries(units)?;
-    let mut of_clip = vec![None; clips.clips.len()];
+    let mut of_clip = vec![None; clips.len()];
     let mut scenes = Vec::with_capacity(cfg.environments.len());
     for (number, source) in cfg.environments.iter().enumerate() {
         let file = EnvironmentFile::load(&source.file)?;
         check_units(&file, &source.file, cfg)?;
         scenes.push(PlacedGeometry::new(&file.expand(units, &source.file)?, &geometries));
         for pattern in &source.clips {
-            for clip in matching(&clips.clips, pattern, &source.file)? {
+            for clip in matching(clips, pattern, &source.file)? {
                 if of_clip[clip].replace(number).is_some_and(|n| n != number) {
-                    let name = &clips.clips[clip].name;
+                    let name = &clips[clip].name;
                     let what = format!("patches.environments[{number}]: clip `{name}` is in another environment too");
                     return Err(BuildError::Config { message: format!("{what}; leave it out of one of them") });
                 }
             }
         }
     }
+    Ok(SourceScenes { scenes, of_clip, geometries })
+}
+
+/// Finds contacts and supports of the clips that were captured in the environments of a config.
+///
+/// Mirrored copies of such clips get the contacts of their originals, sides exchanged, and their supports.
+///
+/// # Errors
+/// As [`scenes`].
+pub fn embed(
+    clips: &mut ClipSet,
+    cfg: &PatchConfig,
+    units: &UnitSet,
+    contacts: &ContactConfig,
+) -> Result<SourceScenes, BuildError> {
+    let found = scenes(&clips.clips, cfg, units)?;
     let skeleton = clips.skeleton.clone();
-    clips.clips.par_iter_mut().zip(&of_clip).for_each(|(clip, scene)| {
+    clips.clips.par_iter_mut().zip(&found.of_clip).for_each(|(clip, scene)| {
         if let Some(s) = scene {
-            annotate_in(clip, &skeleton, &scenes[*s], contacts, touch);
+            annotate_in(clip, &skeleton, &found.scenes[*s], contacts, &cfg.touch);
         }
     });
-    mirror_contacts(&mut clips.clips, &of_clip);
-    Ok(SourceScenes { scenes, of_clip, geometries })
+    mirror_contacts(&mut clips.clips, &found.of_clip);
+    Ok(found)
+}
+
+impl SourceScenes {
+    /// For every clip in an environment, the environment and which of its units each frame belongs to.
+    /// [Size: clips.clips.len()]
+    ///
+    /// - `clips`: with the contacts that [`embed`] found.
+    pub fn settings(&self, clips: &ClipSet, touch: &TouchConfig) -> Vec<Option<Setting>> {
+        let belongs = Belonging::new(&clips.skeleton, touch);
+        let units_of = |clip: &Clip, scene: &PlacedGeometry, f: usize| {
+            let transforms = clip.joint_transforms(&clips.skeleton, f);
+            belongs.units_of(&transforms, clip.contacts[f], scene).into_iter().map(|u| u as u32).collect()
+        };
+        let of_clip = |(clip, scene): (&Clip, &Option<usize>)| {
+            let scene = &self.scenes[(*scene)?];
+            let environment = Environment { name: scene.name.clone(), units: scene.units.clone() };
+            let frames = 0..clip.num_frames();
+            Some(Setting { environment, units_of: frames.map(|f| units_of(clip, scene, f)).collect() })
+        };
+        clips.clips.par_iter().zip(&self.of_clip).map(of_clip).collect()
+    }
 }
 
 /// An environment counts in the units of its own file, which must be the build's.

@@ -22,7 +22,7 @@ pub use belong::Belonging;
 pub use body::{Body, BodyPose, NUM_SPHERES, Penetration, Sphere};
 pub use bounds::{Bounds, BoundsTree};
 pub use contacts::annotate_in;
-pub use embed::{SourceScenes, embed, matching};
+pub use embed::{SourceScenes, embed, matching, scenes};
 pub use file::{EnvironmentFile, Place};
 pub use geometry::{Nearest, UnitGeometry, geometries};
 pub use placed::{PlacedGeometry, Touched};

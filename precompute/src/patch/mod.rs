@@ -71,7 +71,7 @@ pub struct PatchReport {
 
 /// Where a clip was captured, and what the character is at.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Belonging {
+pub struct Setting {
     /// The environment.
     pub environment: Environment,
     /// For each frame the units it belongs to, as ascending indices into `environment.units`. [Size: num_frames]
@@ -92,7 +92,7 @@ pub struct Belonging {
 pub fn build(
     clips: &ClipSet,
     groups: &PoseGroups,
-    scenes: &[Option<Belonging>],
+    scenes: &[Option<Setting>],
     config: &PatchConfig,
     units: &UnitSet,
     progress: &dyn Progress,
