@@ -1,5 +1,6 @@
 //! How motion patches are built.
 
+use crate::environment::TouchConfig;
 use crate::error::BuildError;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -13,6 +14,8 @@ pub struct PatchConfig {
     pub units: Option<PathBuf>,
     /// Which clips were captured where.
     pub environments: Vec<SourceEnvironment>,
+    /// When a body touches its surroundings.
+    pub touch: TouchConfig,
     /// Numbers of units that building blocks consist of. [Limit: 1 to 4 each]
     pub block_units: Vec<usize>,
     /// Edge length of cells. [Unit: m] [Limit: 0.02 to 0.5]
@@ -33,6 +36,7 @@ impl Default for PatchConfig {
         Self {
             units: None,
             environments: Vec::new(),
+            touch: TouchConfig::default(),
             block_units: vec![1, 2],
             cell_m: 0.1,
             cell_deg: 10.0,

@@ -19,7 +19,7 @@ use throng_runtime::patch::{CellRecord, EdgeRecord, LinkRecord, Placement};
 use track::Track;
 
 /// A motion patch, as the bundle stores it.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Patch {
     /// Unique name: the units', joined by `+`, and a number where several arrangements of them occur.
     pub name: String,
@@ -38,7 +38,7 @@ pub struct Patch {
 }
 
 /// All patches of a build.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Patches {
     /// The patches.
     pub patches: Vec<Patch>,
@@ -71,7 +71,7 @@ pub struct PatchReport {
 
 /// Where a clip was captured, and what the character is at.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Belonging {
+pub struct Setting {
     /// The environment.
     pub environment: Environment,
     /// For each frame the units it belongs to, as ascending indices into `environment.units`. [Size: num_frames]
@@ -92,7 +92,7 @@ pub struct Belonging {
 pub fn build(
     clips: &ClipSet,
     groups: &PoseGroups,
-    scenes: &[Option<Belonging>],
+    scenes: &[Option<Setting>],
     config: &PatchConfig,
     units: &UnitSet,
     progress: &dyn Progress,

@@ -15,7 +15,7 @@ pub use prune::{Pruned, TileCell, TileGraph, prune};
 
 use super::bounds::Bounds;
 use super::track::Track;
-use super::{Belonging, Patch, PatchReport, TileConfig, is_ground};
+use super::{Patch, PatchReport, Setting, TileConfig, is_ground};
 use crate::clip::ClipSet;
 use crate::environment::{TileEdges, Unit, UnitSet};
 use crate::error::BuildError;
@@ -31,7 +31,7 @@ use vocabulary::Vocabulary;
 pub(super) struct Given<'a> {
     pub clips: &'a ClipSet,
     pub tracks: &'a [Track],
-    pub scenes: &'a [Option<Belonging>],
+    pub scenes: &'a [Option<Setting>],
     pub units: &'a UnitSet,
     /// Mean height of the hips above what holds the character up, by pose group. [Unit: m]
     pub hips: &'a [f32],
