@@ -26,9 +26,8 @@ impl Bodies {
     /// Places the spheres of every frame.
     pub fn new(frames: &[FrameRow], contacts: &[Contacts], skeleton: &Skeleton) -> Self {
         let body = Body::new(skeleton);
-        let spheres = |row: &FrameRow| {
-            body.spheres(&joint_transforms(skeleton, Vec3::Y * row.height, |j| row.rotation(j)))
-        };
+        let spheres =
+            |row: &FrameRow| body.spheres(&joint_transforms(skeleton, Vec3::Y * row.height, |j| row.rotation(j)));
         let centres: Vec<_> = frames.par_iter().map(|row| spheres(row).map(|s| s.centre)).collect();
         let at_rest = body.spheres(&joint_transforms(skeleton, Vec3::ZERO, |_| Quat::IDENTITY));
         let spheres = at_rest.map(|s: Sphere| (s.radius, s.contact));

@@ -18,12 +18,14 @@ mod paths;
 mod relation;
 mod report;
 mod solids;
+mod source;
 mod table;
 
 pub use config::StitchConfig;
 pub use editor::Editor;
 pub use library::Library;
 pub use report::{Reason, StitchReport};
+pub use source::{Kit, WorldSource, save, stitch_source};
 
 use crate::environment::Environment;
 use crate::error::BuildError;
