@@ -1,4 +1,4 @@
-//! Synthetic motion, so that a fresh machine needs no captured motion: rigs that walk and box by rule and chance.
+//! Synthetic motion, so that a fresh machine needs no captured motion: rigs that walk, box and play by rule and chance.
 //!
 //! A rig goes from intention to pose. Feet come first: what stands on the ground never slides, and the rest of the
 //! body follows from it. Each rig has a folder; what they share is here: the feet's and limbs' geometry (`foot`,
@@ -14,9 +14,11 @@ mod frame;
 mod input;
 mod leg;
 mod pendulum;
+mod playground;
 mod set;
 mod side;
 mod signal;
+mod track;
 mod walk;
 
 pub use files::save;
@@ -55,6 +57,7 @@ impl SynthConfig {
         match set {
             SynthSet::Walk => Self::default(),
             SynthSet::Boxing => Self { minutes: 8.0, clip_seconds: 60.0, ..Self::default() },
+            SynthSet::Playground => Self { minutes: 12.0, clip_seconds: 60.0, ..Self::default() },
         }
     }
 

@@ -28,12 +28,24 @@ struct Signals {
 /// Makes a clip from its footsteps.
 pub fn clip(name: String, steps: &Footsteps, skeleton: &Skeleton, cfg: &SynthConfig, rng: &mut impl Rng) -> Clip {
     let samples = Samples::of(steps.duration, cfg.rate_hz);
-    let signals = signals(steps, skeleton, &samples.times, samples.dt, cfg.variation, rng);
+    let poses = poses(steps, skeleton, &samples, cfg.variation, rng);
     let mut clip = frame::empty_clip(name, "walk", cfg);
     for i in samples.frames() {
-        frame::push(&mut clip, &pose(&signals, i), skeleton);
+        frame::push(&mut clip, &poses[i], skeleton);
     }
     clip
+}
+
+/// The walker at every sample.
+pub fn poses(
+    steps: &Footsteps,
+    skeleton: &Skeleton,
+    samples: &Samples,
+    variation: f64,
+    rng: &mut impl Rng,
+) -> Vec<BodyPose> {
+    let signals = signals(steps, skeleton, &samples.times, samples.dt, variation, rng);
+    (0..samples.times.len()).map(|i| pose(&signals, i)).collect()
 }
 
 fn signals(
@@ -74,7 +86,7 @@ fn signals(
 }
 
 /// Speed of the centre of mass, smoothed over about a step.
-fn speed(mass: &[DVec2], dt: f64, radius: usize) -> Vec<f64> {
+pub fn speed(mass: &[DVec2], dt: f64, radius: usize) -> Vec<f64> {
     let n = mass.len();
     let raw: Vec<f64> = (0..n)
         .map(|i| {
@@ -86,7 +98,7 @@ fn speed(mass: &[DVec2], dt: f64, radius: usize) -> Vec<f64> {
 }
 
 /// Slow random changes of gaze, and breathing. Who walks looks around less.
-fn drift(duration: f64, times: &[f64], dt: f64, speed: &[f64], variation: f64, rng: &mut impl Rng) -> Drift {
+pub fn drift(duration: f64, times: &[f64], dt: f64, speed: &[f64], variation: f64, rng: &mut impl Rng) -> Drift {
     let frames = |seconds: f64| (seconds / dt).round() as usize;
     let mut wander = |amount: f64, every: f64| -> Vec<f64> {
         let (mut t, mut knots) = (0.0, Vec::new());
