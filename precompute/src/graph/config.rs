@@ -8,6 +8,8 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct GraphConfig {
+    /// False builds no graph: for databases whose characters live in worlds of patches and are steered by no policy.
+    pub enabled: bool,
     /// Actions a state should have on average; the threshold is chosen for it. [Limit: 2 to max_actions]
     pub branching: f64,
     /// Distance up to which frames match, in place of one chosen for `branching`. [Unit: rad] [Limit: > 0]
@@ -42,6 +44,7 @@ pub struct GraphConfig {
 impl Default for GraphConfig {
     fn default() -> Self {
         Self {
+            enabled: true,
             branching: 14.0,
             threshold: None,
             max_error: 0.5,

@@ -1,14 +1,25 @@
 //! Motion patches: building blocks found from motion, and the motion embedded in them (004 sections 4 and 6).
 
+mod bounds;
 mod config;
+mod tile;
+mod track;
 
 pub use config::{PatchConfig, SourceEnvironment, TileConfig};
+pub use tile::{Pruned, TileCell, TileGraph, prune};
 
+use crate::clip::ClipSet;
+use crate::cluster::PoseGroups;
+use crate::environment::{Environment, Unit, UnitSet};
+use crate::error::BuildError;
+use crate::progress::Progress;
+use bounds::Bounds;
 use serde::{Deserialize, Serialize};
 use throng_runtime::patch::{CellRecord, EdgeRecord, LinkRecord, Placement};
+use track::Track;
 
 /// A motion patch, as the bundle stores it.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Patch {
     /// Unique name: the units', joined by `+`, and a number where several arrangements of them occur.
     pub name: String,
@@ -27,7 +38,7 @@ pub struct Patch {
 }
 
 /// All patches of a build.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Patches {
     /// The patches.
     pub patches: Vec<Patch>,
@@ -56,4 +67,107 @@ pub struct PatchReport {
     pub pruned_directions: usize,
     /// Links taken out because they were outside the largest strongly connected component of the torus (second one).
     pub pruned_component: usize,
+}
+
+/// Where a clip was captured, and what the character is at.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Setting {
+    /// The environment.
+    pub environment: Environment,
+    /// For each frame the units it belongs to, as ascending indices into `environment.units`. [Size: num_frames]
+    pub units_of: Vec<Vec<u32>>,
+}
+
+/// Makes the patches of a clip set.
+///
+/// - `scenes`: where each clip was captured; none where there was level ground only. [Size: clips.clips.len()]
+/// - returns tiles in the order of the config, then building blocks in the order of the motion.
+///
+/// # Errors
+/// [`BuildError::Config`] for a setting out of its limits or a tile whose unit or clips are not there;
+/// [`BuildError::Stage`] for a tile that cannot be made, with the condition that could not be met.
+///
+/// # Source
+/// Lee, Choi and Lee 2006, sections 4 and 6.
+pub fn build(
+    clips: &ClipSet,
+    groups: &PoseGroups,
+    scenes: &[Option<Setting>],
+    config: &PatchConfig,
+    units: &UnitSet,
+    progress: &dyn Progress,
+) -> Result<Patches, BuildError> {
+    config.check()?;
+    let (tracks, tags) = Track::of_all(clips, groups);
+    let (bounds, hips) = (Bounds::new(clips), hips_heights(clips, groups));
+    let given = tile::Given {
+        clips,
+        tracks: &tracks,
+        scenes,
+        units,
+        hips: &hips,
+        bounds: &bounds,
+        min_frames: config.min_link_frames,
+    };
+    progress.begin("patch", config.tiles.len() as u64, "tiles");
+    let mut out = Patches::default();
+    for tile in &config.tiles {
+        let (patch, report) = tile::build(&given, tile)?;
+        out.patches.push(patch);
+        out.report.push(report);
+        progress.advance(1);
+    }
+    out.link_tags = tags;
+    out.keep_used_tags();
+    out.units = units_text(units)?;
+    progress.end();
+    Ok(out)
+}
+
+impl Patches {
+    /// Forgets tags that no link carries.
+    fn keep_used_tags(&mut self) {
+        let mut number = vec![0u16; self.link_tags.len() + 1];
+        for link in self.patches.iter().flat_map(|p| &p.links) {
+            number[usize::from(link.tag)] = 1;
+        }
+        number[0] = 0;
+        let mut used = 0;
+        for n in number.iter_mut().filter(|n| **n > 0) {
+            used += 1;
+            *n = used;
+        }
+        let mut tags = number[1..].iter();
+        self.link_tags.retain(|_| tags.next().is_some_and(|&n| n > 0));
+        for link in self.patches.iter_mut().flat_map(|p| &mut p.links) {
+            link.tag = number[usize::from(link.tag)];
+        }
+    }
+}
+
+/// True for a panel of level ground that is tiled in two directions: motion over it may be laid anywhere.
+fn is_ground(unit: &Unit) -> bool {
+    unit.floor && unit.tile.as_ref().is_some_and(|t| t.steps.len() == 2 && t.steps.iter().all(|s| s[1] == 0.0))
+}
+
+/// Mean height of the hips above what holds the character up, by pose group. [Unit: m]
+fn hips_heights(clips: &ClipSet, groups: &PoseGroups) -> Vec<f32> {
+    let mut sums = vec![(0.0f64, 0u32); groups.num_groups()];
+    for (clip, start) in clips.clips.iter().zip(clips.frame_starts()) {
+        for (f, root) in clip.root_positions.iter().enumerate() {
+            if let Some(group) = groups.of(crate::clip::FrameId(start + f as u32)) {
+                let sum = &mut sums[group as usize];
+                *sum = (sum.0 + f64::from(root.y - clip.support.get(f).copied().unwrap_or(0.0)), sum.1 + 1);
+            }
+        }
+    }
+    sums.iter().map(|&(sum, n)| (sum / f64::from(n.max(1))) as f32).collect()
+}
+
+fn units_text(units: &UnitSet) -> Result<String, BuildError> {
+    toml::to_string(units).map_err(|e| BuildError::Stage {
+        stage: "patch",
+        message: format!("the units cannot be written as TOML: {e}"),
+        help: "Correct the unit file".to_owned(),
+    })
 }

@@ -21,6 +21,9 @@ pub struct SynthInput {
     /// Same seed, same motion; that of `throng synth` where absent.
     #[serde(default)]
     pub seed: Option<u64>,
+    /// Other sets that are made as well.
+    #[serde(default)]
+    pub also: Vec<SynthInput>,
 }
 
 impl SynthInput {
@@ -29,6 +32,11 @@ impl SynthInput {
         let usual = SynthConfig::for_set(self.set);
         let (minutes, seed) = (self.minutes.unwrap_or(usual.minutes), self.seed.unwrap_or(usual.seed));
         SynthConfig { minutes, seed, rate_hz, ..usual }
+    }
+
+    /// This set and those that are made as well.
+    pub fn all(&self) -> Vec<&SynthInput> {
+        std::iter::once(self).chain(self.also.iter().flat_map(SynthInput::all)).collect()
     }
 }
 
@@ -43,7 +51,18 @@ pub fn input(
     rate_hz: f64,
     import: &ImportConfig,
 ) -> Result<(ImportedSet, BTreeMap<String, Sidecar>), BuildError> {
-    let set = make(cfg.set, &cfg.config(rate_hz))?;
-    let sidecars = set.clips.iter().filter_map(|c| Some((c.name.clone(), files::sidecar(c)?))).collect();
-    Ok((import::made(&set, Path::new(cfg.set.name()), import)?, sidecars))
+    let (mut all, mut sidecars) = (ImportedSet { clips: Vec::new(), skipped: Vec::new() }, BTreeMap::new());
+    let inputs = cfg.all();
+    for (i, one) in inputs.iter().enumerate() {
+        if inputs[..i].iter().any(|o| o.set == one.set) {
+            let name = one.set.name();
+            let message =
+                format!("synth.also: expected every set once, found `{name}` again. Raise its minutes instead");
+            return Err(BuildError::Config { message });
+        }
+        let set = make(one.set, &one.config(rate_hz))?;
+        sidecars.extend(set.clips.iter().filter_map(|c| Some((c.name.clone(), files::sidecar(c)?))));
+        all.clips.extend(import::made(&set, Path::new(one.set.name()), import)?.clips);
+    }
+    Ok((all, sidecars))
 }

@@ -2,6 +2,7 @@
 
 use super::placement::Placement;
 use bytemuck::{Pod, Zeroable};
+use serde::{Deserialize, Serialize};
 
 /// Stands where there is no cell, edge or instance.
 pub const NONE: u32 = u32::MAX;
@@ -41,7 +42,7 @@ pub struct PatchRecord {
 }
 
 /// An edge of a tile, which its copies join.
-#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable, Serialize, Deserialize)]
 #[repr(C)]
 pub struct EdgeRecord {
     /// Where the neighbour across it stands, as seen from the tile; its heading is 0. [Unit: m]
@@ -51,7 +52,7 @@ pub struct EdgeRecord {
 }
 
 /// Where links of a patch meet: places, headings and poses that are alike.
-#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable, Serialize, Deserialize)]
 #[repr(C)]
 pub struct CellRecord {
     /// Planar root, and height of the hips, in the patch's frame: the mean over what lies in it.
@@ -94,7 +95,7 @@ impl CellRecord {
 /// The planar root of frame k is `start` composed with what the clip moved since its first frame, plus k / num_frames
 /// of what is missing to `end` then: position and heading change linearly (004 section 6). Where the motion lies in
 /// the patch as it was captured, nothing is missing.
-#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable, Serialize, Deserialize)]
 #[repr(C)]
 pub struct LinkRecord {
     /// Cell it begins in, within the patch.

@@ -1,0 +1,197 @@
+//! Scene files of worlds: how many live there, and what they wish to do.
+
+use crate::config::{explain, read_text};
+use crate::error::BuildError;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use std::path::{Path, PathBuf};
+
+/// A scene in a world of patches.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct WorldScene {
+    /// The scene's name; the file's stem where absent.
+    #[serde(default)]
+    pub name: String,
+    /// World file (TOML), relative to the scene file's folder; it is stitched where that has not been done.
+    pub world: PathBuf,
+    /// Number of characters.
+    pub characters: usize,
+    /// Seed of places and choices.
+    #[serde(default = "one")]
+    pub seed: u64,
+    /// What they wish, one after the other, drawn by their shares.
+    #[serde(default = "roaming")]
+    pub wishes: Vec<SharedWish>,
+    /// What the picture shows.
+    #[serde(default)]
+    pub picture: PictureConfig,
+}
+
+fn one() -> u64 {
+    1
+}
+
+fn roaming() -> Vec<SharedWish> {
+    vec![SharedWish { share: 1.0, wish: WishConfig::Roam { seconds: [20.0, 40.0] } }]
+}
+
+/// A wish and how often it is drawn.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct SharedWish {
+    /// How often it is drawn, against the others' shares. [Limit: > 0]
+    #[serde(default = "share")]
+    pub share: f64,
+    /// The wish.
+    pub wish: WishConfig,
+}
+
+fn share() -> f64 {
+    1.0
+}
+
+/// What a character wishes to do.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub enum WishConfig {
+    /// Go wherever chance leads.
+    Roam {
+        /// For how long: at least, at most. [Unit: s]
+        seconds: [f64; 2],
+    },
+    /// Go to a place drawn at random within a box of the world; anywhere where it is absent.
+    Visit {
+        /// Lowest and highest x and z of the places: [x, z, x, z]. [Unit: m]
+        #[serde(default)]
+        within: Option<[f64; 4]>,
+    },
+    /// Go to where something can be done that the motion is tagged with, and do it.
+    Perform {
+        /// The tag, as the bundle names it.
+        tag: String,
+        /// For how long: at least, at most. [Unit: s]
+        seconds: [f64; 2],
+    },
+}
+
+/// What a scene's picture shows.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct PictureConfig {
+    /// Number of the character that the lower row follows; the one that did the most different things where absent.
+    pub follow: Option<usize>,
+    /// What the overview looks at: x, y, z; the middle of the world where absent. [Unit: m]
+    pub focus: Option<[f32; 3]>,
+    /// Width of what the overview shows; all of the world where absent. [Unit: m]
+    pub width_m: Option<f32>,
+}
+
+impl WorldScene {
+    /// True for the text of a scene in a world, as against one on a bundle.
+    pub fn is_one(path: &Path) -> bool {
+        let text = std::fs::read_to_string(path).unwrap_or_default();
+        text.parse::<toml::Table>().is_ok_and(|t| t.contains_key("world"))
+    }
+
+    /// Reads a scene file; paths in it are taken from its folder.
+    ///
+    /// # Errors
+    /// [`BuildError::Io`], or [`BuildError::Config`] with file, line and column, or file and key.
+    pub fn load(path: &Path) -> Result<Self, BuildError> {
+        let text = read_text(path, "scene")?;
+        let help = "data/scenes/ has examples of scenes.";
+        let mut scene: Self =
+            toml::from_str(&text).map_err(|e| BuildError::Config { message: explain(&e, &text, path, help) })?;
+        if scene.name.is_empty() {
+            scene.name = path.file_stem().map_or_else(String::new, |s| s.to_string_lossy().into_owned());
+        }
+        scene.world = path.parent().unwrap_or(Path::new("")).join(&scene.world);
+        scene.check(path)?;
+        Ok(scene)
+    }
+
+    /// Checks numbers; `path` is for messages alone.
+    ///
+    /// # Errors
+    /// [`BuildError::Config`] with file and key.
+    pub fn check(&self, path: &Path) -> Result<(), BuildError> {
+        let fault = |key: &str, why: String| {
+            Err(BuildError::Config { message: format!("{}: key `{key}`: {why}", path.display()) })
+        };
+        if self.characters == 0 || self.characters > 1_000_000 {
+            return fault("characters", format!("expected 1 to 1000000, found {}", self.characters));
+        }
+        if self.wishes.is_empty() {
+            return fault("wishes", "expected at least one wish, found none".into());
+        }
+        for (i, w) in self.wishes.iter().enumerate() {
+            if !(w.share > 0.0 && w.share < 1e6) {
+                return fault(&format!("wishes[{i}].share"), format!("expected more than 0, found {}", w.share));
+            }
+            if let Some([low, high]) = w.wish.seconds()
+                && !(0.0 < low && low <= high && high < 1e6)
+            {
+                let found = format!("expected two times that ascend from above 0, found {low} and {high}");
+                return fault(&format!("wishes[{i}].wish.seconds"), found);
+            }
+            if let WishConfig::Visit { within: Some(b) } = &w.wish
+                && !(b.iter().all(|v| v.abs() < 1e6) && b[0] <= b[2] && b[1] <= b[3])
+            {
+                return fault(
+                    &format!("wishes[{i}].wish.within"),
+                    format!("expected lowest x and z, then highest x and z, found {b:?}"),
+                );
+            }
+        }
+        Ok(())
+    }
+}
+
+impl WishConfig {
+    /// How long it takes, where that is given. [Unit: s]
+    pub fn seconds(&self) -> Option<[f64; 2]> {
+        match self {
+            Self::Roam { seconds } | Self::Perform { seconds, .. } => Some(*seconds),
+            Self::Visit { .. } => None,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn load(text: &str) -> Result<WorldScene, String> {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("square.toml");
+        std::fs::write(&path, text).unwrap();
+        assert!(WorldScene::is_one(&path) || !text.contains("world ="));
+        WorldScene::load(&path).map_err(|e| e.to_string())
+    }
+
+    #[test]
+    fn a_scene_needs_a_world_and_characters_and_they_roam_unless_told_otherwise() {
+        let scene = load("world = \"../w.toml\"\ncharacters = 3\n").unwrap();
+        assert_eq!(scene.name, "square");
+        assert!(matches!(scene.wishes[0].wish, WishConfig::Roam { .. }));
+        assert!(load("characters = 3\n").unwrap_err().contains("`world`"));
+    }
+
+    #[test]
+    fn faults_name_the_key_and_what_was_expected() {
+        let head = "world = \"w.toml\"\ncharacters = 3\n";
+        let wish = |share: &str, wish: &str| format!("{head}[[wishes]]\nshare = {share}\nwish = {wish}\n");
+        for (text, parts) in [
+            ("world = \"w\"\ncharacters = 0\n".to_owned(), ["`characters`", "found 0"]),
+            (format!("{head}wishes = []\n"), ["`wishes`", "at least one"]),
+            (wish("0.0", "{ visit = {} }"), ["`wishes[0].share`", "found 0"]),
+            (wish("1.0", "{ roam = { seconds = [3.0, 2.0] } }"), ["`wishes[0].wish.seconds`", "3 and 2"]),
+            (wish("1.0", "{ visit = { within = [1.0, 0.0, 0.0, 1.0] } }"), ["`wishes[0].wish.within`", "lowest"]),
+            (wish("1.0", "{ dance = {} }"), ["square.toml:5", "dance"]),
+        ] {
+            let message = load(&text).unwrap_err();
+            assert!(parts.iter().all(|p| message.contains(p)), "{message}");
+        }
+    }
+}

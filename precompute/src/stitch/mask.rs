@@ -1,0 +1,98 @@
+//! What of a patch's motion a unit is in the way of, for every way in which the unit may stand to the patch.
+
+use super::bodies::Bodies;
+use super::paths::Paths;
+use super::relation::Relation;
+use crate::environment::UnitGeometry;
+use throng_runtime::patch::{Patches, Placement};
+
+/// Of a walk at 30 Hz every second frame is looked at: a hand moves some centimetres between them.
+const STRIDE: usize = 2;
+
+/// A link on whose way a unit stands.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Hit {
+    /// The link.
+    pub link: u32,
+    /// First frame of it at which the body is in the unit.
+    pub first: u16,
+    /// Last such frame.
+    pub last: u16,
+}
+
+/// All links of patch `relation.a` that collide with the unit `relation.b`, ascending.
+///
+/// - `depth_m`: bodies may be that deep in the unit.
+pub(super) fn hits(
+    patches: &Patches<'_>,
+    paths: &Paths,
+    bodies: &Bodies,
+    unit: &UnitGeometry,
+    relation: &Relation,
+    depth_m: f32,
+) -> Vec<Hit> {
+    let to_unit = relation.placement().inverse();
+    let reach = bodies.reach();
+    let near = unit.bounds.grown(reach);
+    let mut out = Vec::new();
+    for (l, link) in patches.links_of(relation.a as usize).iter().enumerate() {
+        let roots = paths.of(l);
+        let collides = |k: usize| {
+            let root = to_unit.compose(roots[k]);
+            near.contains(root.translation()) && bodies.collides(link.frame as usize + k, root, unit, depth_m)
+        };
+        if let Some(hit) = of_link(l as u32, roots, collides) {
+            out.push(hit);
+        }
+    }
+    out
+}
+
+/// First and last frame of a link that collide: from both ends, so that what lies between is not looked at.
+fn of_link(link: u32, roots: &[Placement], collides: impl Fn(usize) -> bool) -> Option<Hit> {
+    let last = roots.len() - 1;
+    // The last frame is looked at in any case.
+    let looked_at = || (0..last).step_by(STRIDE).chain([last]);
+    let first = looked_at().find(|&k| collides(k))?;
+    let last = looked_at().rev().find(|&k| k <= first || collides(k)).unwrap_or(first);
+    Some(Hit { link, first: first as u16, last: last as u16 })
+}
+
+/// First and last colliding frame of every link of an instance over all that is in its way.
+///
+/// - `masks`: the hits of each obstacle, ascending by link.
+/// - returns hits ascending by link, one for each.
+pub(super) fn merged<'m>(masks: impl Iterator<Item = &'m [Hit]>) -> Vec<Hit> {
+    let mut all: Vec<Hit> = masks.flatten().copied().collect();
+    all.sort_unstable_by_key(|h| (h.link, h.first, h.last));
+    all.dedup_by(|next, kept| {
+        let same = next.link == kept.link;
+        if same {
+            kept.last = kept.last.max(next.last);
+        }
+        same
+    });
+    all
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_first_and_the_last_collision_of_a_link_are_found() {
+        let roots = vec![Placement::IDENTITY; 30];
+        let hit = |frames: &'static [usize]| of_link(3, &roots, |k| frames.contains(&k));
+        assert_eq!(hit(&[]), None);
+        assert_eq!(hit(&[4, 6, 20]), Some(Hit { link: 3, first: 4, last: 20 }));
+        assert_eq!(hit(&[29]), Some(Hit { link: 3, first: 29, last: 29 }));
+        assert_eq!(hit(&[8]), Some(Hit { link: 3, first: 8, last: 8 }));
+    }
+
+    #[test]
+    fn obstacles_are_put_together() {
+        let h = |link, first, last| Hit { link, first, last };
+        let (a, b) = ([h(1, 5, 9), h(4, 0, 2)], [h(0, 1, 1), h(1, 2, 3)]);
+        assert_eq!(merged([&a[..], &b[..]].into_iter()), [h(0, 1, 1), h(1, 2, 9), h(4, 0, 2)]);
+    }
+}
