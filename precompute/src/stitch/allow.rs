@@ -56,7 +56,12 @@ fn parts(laid: &Laid, hits: &[Vec<Hit>], joined: &mut Joined<'_>) -> Result<(), 
         if joined.num_nodes as u64 + u64::from(patch.num_cells) >= u64::from(NONE) || words >= u64::from(NONE) {
             return Err(BuildError::Stage {
                 stage: STAGE,
-                message: format!("the first {} of {} instances have {} cells already", i, laid.fitted.len(), joined.num_nodes),
+                message: format!(
+                    "the first {} of {} instances have {} cells already",
+                    i,
+                    laid.fitted.len(),
+                    joined.num_nodes
+                ),
                 help: "Stitch a smaller world".into(),
             });
         }

@@ -11,9 +11,7 @@ use crate::environment::Environment;
 use rayon::prelude::*;
 use std::collections::BTreeSet;
 use throng_runtime::patch::{CellRecord, NONE};
-use throng_runtime::world::{
-    AdjacencyRecord, InstanceRecord, JointTableRecord, UnitRecord, WorldData, is_set,
-};
+use throng_runtime::world::{AdjacencyRecord, InstanceRecord, JointTableRecord, UnitRecord, WorldData, is_set};
 
 /// Figures of a world.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -144,8 +142,7 @@ pub(super) fn assemble(
     judged: &Judged<'_, '_>,
 ) -> (WorldData, Counts) {
     let units = environment.units.iter().map(|u| UnitRecord { unit: u.unit as u32, placement: u.placement });
-    let mut world =
-        WorldData { units: units.collect(), neighbours: laid.neighbours.clone(), ..WorldData::default() };
+    let mut world = WorldData { units: units.collect(), neighbours: laid.neighbours.clone(), ..WorldData::default() };
     let mut counts = instances(laid, judged, &mut world);
     counts.joints = joints(stitcher, laid, judged, &mut world);
     resources(stitcher, laid, &mut world);

@@ -135,8 +135,7 @@ pub(super) fn largest<G: Ways>(graph: &G) -> Option<Vec<Standing>> {
         component.iter().map(|&c| if c == main { Standing::Inside } else { Standing::DeadEnd }).collect();
     // Ways lead to components finished before, so that one pass in that order settles who gets to the main one;
     // those finished before it do not.
-    let mut others: Vec<u32> =
-        (0..component.len() as u32).filter(|&n| component[n as usize] < main).collect();
+    let mut others: Vec<u32> = (0..component.len() as u32).filter(|&n| component[n as usize] < main).collect();
     others.sort_unstable_by_key(|&n| std::cmp::Reverse(component[n as usize]));
     for same in others.chunk_by(|&n, &m| component[n as usize] == component[m as usize]) {
         let leads = same.iter().any(|&n| graph.ways(n).any(|w| standing[w as usize] != Standing::DeadEnd));
@@ -184,9 +183,8 @@ mod tests {
     }
 
     fn graphs() -> impl Strategy<Value = Explicit> {
-        (1usize..16).prop_flat_map(|n| {
-            prop::collection::vec(prop::collection::vec(0..n as u32, 0..3), n).prop_map(Explicit)
-        })
+        (1usize..16)
+            .prop_flat_map(|n| prop::collection::vec(prop::collection::vec(0..n as u32, 0..3), n).prop_map(Explicit))
     }
 
     proptest! {

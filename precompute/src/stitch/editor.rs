@@ -161,7 +161,8 @@ fn make<'a>(
     progress.begin("component", allowed.joined.num_nodes as u64, "cells");
     let standing = largest(&allowed.joined).ok_or_else(|| no_component(stitcher, environment))?;
     progress.end();
-    let (mut world, counts) = assemble(stitcher, environment, &laid, &Judged { allowed: &allowed, standing: &standing });
+    let (mut world, counts) =
+        assemble(stitcher, environment, &laid, &Judged { allowed: &allowed, standing: &standing });
     check_reached(stitcher, environment, &laid, &allowed, &standing)?;
     let mut report = report(stitcher, &laid, &world, &counts);
     world.meta = meta(stitcher, environment, &report)?;

@@ -49,7 +49,9 @@ impl<'a> UnitIndex<'a> {
     pub fn near(&self, unit: usize, at: Placement, radius: f32) -> Vec<u32> {
         let p = at.translation();
         let mut corners: Vec<[i32; 3]> = (0..8)
-            .map(|k: usize| std::array::from_fn(|a| Self::bucket(p[a] + if k >> a & 1 == 0 { -radius } else { radius })))
+            .map(|k: usize| {
+                std::array::from_fn(|a| Self::bucket(p[a] + if k >> a & 1 == 0 { -radius } else { radius }))
+            })
             .collect();
         corners.sort_unstable();
         corners.dedup();
@@ -131,7 +133,9 @@ pub(super) fn neighbours(
         let place = f.placement.compose(Placement::new(x, y, z, 0.0));
         let unit = patterns[f.patch as usize].units[0].0;
         let other = |i: u32| tiles.get(&(f.patch, i)).copied();
-        let same_way = |&i: &u32| turned(fitted[i as usize].placement.heading, f.placement.heading, std::f32::consts::TAU) <= TOLERANCE;
+        let same_way = |&i: &u32| {
+            turned(fitted[i as usize].placement.heading, f.placement.heading, std::f32::consts::TAU) <= TOLERANCE
+        };
         index.near(unit, place, TOLERANCE_M).into_iter().filter_map(other).find(same_way).unwrap_or(NONE)
     };
     let (mut out, mut first) = (Vec::new(), Vec::with_capacity(fitted.len()));

@@ -135,8 +135,7 @@ impl<'a> Stitcher<'a> {
         let new_spots =
             || Spots::new(&self.patches, &self.library, self.paths(relation.a), patch, self.config.min_frames);
         let spots = self.spots[patch].get_or_init(new_spots);
-        let nearness =
-            Nearness { position: c.position_m, height: c.height_m, heading: c.heading_deg.to_radians() };
+        let nearness = Nearness { position: c.position_m, height: c.height_m, heading: c.heading_deg.to_radians() };
         let rule = Rule { nearness, joints_per_cell: c.joints_per_cell };
         let pattern = &self.patterns[patch];
         let panel = &self.library.geometries[pattern.units[0].0].bounds;
@@ -145,14 +144,7 @@ impl<'a> Stitcher<'a> {
 
     fn mask(&self, relation: &Relation) -> Vec<Hit> {
         let unit = &self.library.geometries[relation.b as usize];
-        mask::hits(
-            &self.patches,
-            self.paths(relation.a),
-            self.bodies(),
-            unit,
-            relation,
-            self.config.penetration_m,
-        )
+        mask::hits(&self.patches, self.paths(relation.a), self.bodies(), unit, relation, self.config.penetration_m)
     }
 
     /// All that bodies reach in an instance.
@@ -200,7 +192,11 @@ impl<'a> Stitcher<'a> {
     fn check_units(&self, environment: &Environment) -> Result<(), BuildError> {
         let count = self.library.units.units.len();
         let refuse = |message: String, help: &str| {
-            Err(BuildError::Stage { stage: STAGE, message: format!("environment {}: {message}", environment.name), help: help.into() })
+            Err(BuildError::Stage {
+                stage: STAGE,
+                message: format!("environment {}: {message}", environment.name),
+                help: help.into(),
+            })
         };
         let wrong = |u: &PlacedUnit| u.unit >= count || !u.placement.is_moderate(1e5);
         if let Some(i) = environment.units.iter().position(wrong) {
@@ -214,7 +210,10 @@ impl<'a> Stitcher<'a> {
         match self.config.obstacles.iter().find(known) {
             None => Ok(()),
             Some(name) => refuse(
-                format!("[stitch] obstacles names the unit {name}, which the bundle {} does not have", self.library.bundle),
+                format!(
+                    "[stitch] obstacles names the unit {name}, which the bundle {} does not have",
+                    self.library.bundle
+                ),
                 "Correct the name",
             ),
         }

@@ -4,10 +4,10 @@ use crate::environment::{Environment, UnitGeometry, UnitSet};
 use crate::error::BuildError;
 use std::f32::consts::TAU;
 use std::sync::Arc;
-use throng_runtime::{Contacts, Skeleton};
 use throng_runtime::format::{FrameRow, PatchMeta};
 use throng_runtime::patch::{KIND_TILE, LinkRecord, Patches, Placement};
 use throng_runtime::planar::{Planar, wrap_angle};
+use throng_runtime::{Contacts, Skeleton};
 
 /// The name of the stage in messages.
 pub(super) const STAGE: &str = "stitch";
@@ -73,9 +73,7 @@ impl Library<'_> {
             let units: Result<Vec<_>, String> =
                 meta.units.iter().map(|(name, at)| number(name).map(|n| (n, *at)).ok_or(name.clone())).collect();
             match units {
-                Ok(units) if !units.is_empty() => {
-                    Ok(Pattern { units, is_tile: patches.patches[p].kind == KIND_TILE })
-                }
+                Ok(units) if !units.is_empty() => Ok(Pattern { units, is_tile: patches.patches[p].kind == KIND_TILE }),
                 Ok(_) => Err(damaged(format!("patch {} of bundle {} has no units", meta.name, self.bundle))),
                 Err(unit) => Err(damaged(format!(
                     "patch {} of bundle {} has the unit {unit}, which the bundle does not describe",

@@ -19,11 +19,13 @@ mod relation;
 mod report;
 mod solids;
 mod table;
+mod why;
 
 pub use config::StitchConfig;
 pub use editor::Editor;
 pub use library::Library;
 pub use report::{Reason, StitchReport};
+pub use why::{Collision, Item, Why};
 
 use crate::environment::Environment;
 use crate::error::BuildError;

@@ -37,13 +37,7 @@ impl JointTable {
     ///
     /// Of a link's frames that are near a cell, the nearest is taken; of all joints of a cell of b the nearest ones.
     /// - `floor`: the panel, where a is a tile.
-    pub fn new(
-        patches: &Patches<'_>,
-        spots: &Spots,
-        floor: Option<&Bounds>,
-        relation: &Relation,
-        rule: Rule,
-    ) -> Self {
+    pub fn new(patches: &Patches<'_>, spots: &Spots, floor: Option<&Bounds>, relation: &Relation, rule: Rule) -> Self {
         let (a, b, at) = (relation.a as usize, relation.b as usize, relation.placement());
         let mut joints = Vec::new();
         for (c, cell) in patches.cells_of(b).iter().enumerate() {
