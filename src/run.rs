@@ -65,7 +65,7 @@ fn run_scene(args: &Args) -> Outcome {
     if let Some(bundle) = &args.bundle {
         (scene.bundle, scene.config) = (bundle.clone(), None);
     }
-    make_bundle(&scene, &args.cache)?;
+    make_bundle(&scene.bundle, scene.config.as_deref(), &args.cache)?;
     let tables = crate::args::open(&scene.bundle)?;
     let config = RunConfig { recorded: args.png.is_some(), ..args.crowd.scene_run() };
     let (report, record) = scene::run(&tables, &scene, &config)?;
@@ -87,9 +87,8 @@ fn leave_out(scene: &mut Scene, without: &[String]) -> Outcome {
     Ok(())
 }
 
-/// Builds a scene's bundle where it is not there.
-fn make_bundle(scene: &Scene, cache: &CacheArgs) -> Outcome {
-    let (bundle, config) = (&scene.bundle, &scene.config);
+/// Builds a bundle where it is not there.
+pub fn make_bundle(bundle: &Path, config: Option<&Path>, cache: &CacheArgs) -> Outcome {
     if bundle.exists() {
         return Ok(());
     }

@@ -211,7 +211,11 @@ fn colliding(m: &MadeUp, w: &WorldData, e: &Environment, i: usize, depth: f32) -
             .any(|u| pose.penetration(geometry.placement(u), geometry.geometry(u), depth).is_some())
     };
     let links = m.patches().links_of(r.patch as usize);
-    (0u32..).zip(links).filter(|(_, l)| (0..=u32::from(l.num_frames)).step_by(2).any(|k| collides(l, k))).map(|(l, _)| l).collect()
+    (0u32..)
+        .zip(links)
+        .filter(|(_, l)| (0..=u32::from(l.num_frames)).step_by(2).any(|k| collides(l, k)))
+        .map(|(l, _)| l)
+        .collect()
 }
 
 /// Environments of a few panels with benches and walls anywhere.
@@ -287,9 +291,22 @@ fn what_cannot_be_a_world_is_refused_by_name() {
     let none = StitchConfig::default();
     let cases = [
         (refusal(&m, &Environment::default(), &c), "no block of bundle made-up fits environment"),
-        (refusal(&m, &with(panels(2, 2), WALL, 0.0, 0.0, 0.0), &none), "no block fits unit wall (place 4, at 0.00, 0.00"),
-        (refusal(&m, &with(panels(2, 2), GROUND, 0.03, 0.0, 0.0), &c), "unit ground (place 4, at 0.03, 0.00, 0.00, heading 0 deg) stand in the same place"),
-        (refusal(&m, &with(panels(2, 2), WALL, 0.0, 0.0, 0.0), &StitchConfig { obstacles: vec!["wal".into()], ..c.clone() }), "names the unit wal,"),
+        (
+            refusal(&m, &with(panels(2, 2), WALL, 0.0, 0.0, 0.0), &none),
+            "no block fits unit wall (place 4, at 0.00, 0.00",
+        ),
+        (
+            refusal(&m, &with(panels(2, 2), GROUND, 0.03, 0.0, 0.0), &c),
+            "unit ground (place 4, at 0.03, 0.00, 0.00, heading 0 deg) stand in the same place",
+        ),
+        (
+            refusal(
+                &m,
+                &with(panels(2, 2), WALL, 0.0, 0.0, 0.0),
+                &StitchConfig { obstacles: vec!["wal".into()], ..c.clone() },
+            ),
+            "names the unit wal,",
+        ),
         (refusal(&m, &with(panels(2, 2), BENCH, 9.0, 9.0, 0.0), &c), "unit bench (place 4, at 9.00, 0.00, 9.00"),
         (refusal(&m, &with(Environment::default(), BENCH, 0.0, 0.0, 0.0), &c), "no way leads out of it"),
         (refusal(&m, &with(with(panels(2, 2), BENCH, 0.0, 0.8, 0.0), BENCH, 0.1, 0.8, 0.0), &c), "in each other"),
@@ -297,7 +314,8 @@ fn what_cannot_be_a_world_is_refused_by_name() {
     for (message, expected) in cases {
         assert!(message.contains(expected), "{message}\nexpected: {expected}");
     }
-    let unknown = Environment { name: "e".into(), units: vec![PlacedUnit { unit: 77, placement: Placement::IDENTITY }] };
+    let unknown =
+        Environment { name: "e".into(), units: vec![PlacedUnit { unit: 77, placement: Placement::IDENTITY }] };
     assert!(refusal(&m, &unknown, &c).contains("unit number 77"));
 }
 

@@ -1,10 +1,10 @@
 //! Complete linkage of any number of frames, in bounded memory.
 
-use super::linkage::{self, Merges};
+use super::linkage;
 use super::neighbours::{Item, Space};
 use super::projection::{DIMS, Point};
 
-/// Near pairs that may be known at a time. About 24 bytes each.
+/// Near pairs that may be known at a time. About 36 bytes each.
 pub(super) const MAX_PAIRS: usize = 12_000_000;
 /// How often the height is halved before items are split.
 const MAX_HALVINGS: u32 = 6;
@@ -51,7 +51,7 @@ impl Agglomeration<'_> {
     /// Complete linkage up to `limit`; the items themselves where too many are near.
     fn merge(&self, items: Vec<Item>, limit: f32) -> Result<Vec<Item>, Vec<Item>> {
         match self.space.near(&items, limit, self.max_pairs) {
-            Some(near) => Ok(merged(items, &linkage::link(near))),
+            Some(near) => Ok(linkage::link(items, near, |a, b| self.space.linkage_below(a, b, limit))),
             None => Err(items),
         }
     }
@@ -88,18 +88,4 @@ impl Agglomeration<'_> {
 fn is_second(p: &Point, means: &[Point; 2]) -> bool {
     let squared = means.map(|m| m.iter().zip(p).map(|(m, p)| (m - p) * (m - p)).sum::<f32>());
     squared[1] < squared[0]
-}
-
-/// What is left when merges are done.
-fn merged(items: Vec<Item>, merges: &Merges) -> Vec<Item> {
-    let mut items: Vec<Option<Item>> = items.into_iter().map(Some).collect();
-    for (pair, &height) in merges.pairs.iter().zip(&merges.heights) {
-        let mut all = Item { frames: Vec::new(), diameter: height };
-        for item in pair.iter().filter_map(|&i| items[i as usize].take()) {
-            all.frames.extend(item.frames);
-            all.diameter = all.diameter.max(item.diameter);
-        }
-        items.push(Some(all));
-    }
-    items.into_iter().flatten().collect()
 }

@@ -26,6 +26,9 @@ pub(super) struct Space<'a> {
 /// By how much the squared distance of points may exceed that of frames, by rounding.
 const SLACK: f32 = 1e-3;
 
+/// Frames of an item whose points are looked at to tell from below how far another item is.
+const SOME: usize = 8;
+
 impl<'a> Space<'a> {
     pub fn new(features: &'a Features) -> Self {
         Self { features, points: projection::project(features) }
@@ -41,7 +44,7 @@ impl<'a> Space<'a> {
     }
 
     /// Largest distance between a frame of `a` and one of `b` where it is below `limit`. [Unit: rad]
-    fn linkage_below(&self, a: &Item, b: &Item, limit: f32) -> Option<f32> {
+    pub fn linkage_below(&self, a: &Item, b: &Item, limit: f32) -> Option<f32> {
         let mut largest = 0.0f32;
         for &f in &a.frames {
             for &g in &b.frames {
@@ -51,7 +54,22 @@ impl<'a> Space<'a> {
         Some(largest)
     }
 
-    /// For every item the ones with a linkage below `limit`, ascending, if there are no more than `max_pairs` pairs.
+    /// Largest distance between the points of some frames of `a` and `b`, squared, where it is not above `reach`.
+    fn squared_gap_within(&self, a: &Item, b: &Item, reach: f32) -> Option<f32> {
+        let mut largest = 0.0f32;
+        for f in some_of(&a.frames) {
+            for g in some_of(&b.frames) {
+                largest = largest.max(squared_gap(&self.points[f as usize], &self.points[g as usize]));
+                if largest > reach {
+                    return None;
+                }
+            }
+        }
+        Some(largest)
+    }
+
+    /// For every item the ones that may have a linkage below `limit`, ascending, if there are no more than `max_pairs`
+    /// pairs. Linkages are given from below.
     pub fn near(&self, items: &[Item], limit: f32, max_pairs: usize) -> Option<Vec<Vec<Neighbour>>> {
         // Sorted by the first dimension, items that are near are near each other in the list.
         let first = |i: u32| self.points[items[i as usize].frames[0] as usize];
@@ -66,8 +84,8 @@ impl<'a> Space<'a> {
             for (other, p) in rest.take_while(|(_, p)| (p[0] - points[k][0]).powi(2) <= reach) {
                 if squared_gap(&points[k], p) <= reach {
                     let item = order[other];
-                    let linkage = self.linkage_below(&items[order[k] as usize], &items[item as usize], limit);
-                    near.extend(linkage.map(|linkage| Neighbour { item, linkage }));
+                    let gap = self.squared_gap_within(&items[order[k] as usize], &items[item as usize], reach);
+                    near.extend(gap.map(|g| Neighbour { item, linkage: from_below(g), exact: false }));
                 }
             }
             (found.fetch_add(near.len(), Ordering::Relaxed) + near.len() <= max_pairs).then_some(near)
@@ -75,6 +93,11 @@ impl<'a> Space<'a> {
         let half: Vec<Vec<Neighbour>> = (0..order.len()).into_par_iter().map(after).collect::<Option<_>>()?;
         Some(both_ways(&order, half))
     }
+}
+
+/// Frames of an item, at most [`SOME`], spread evenly.
+fn some_of(frames: &[u32]) -> impl Iterator<Item = u32> {
+    frames.iter().step_by(frames.len().div_ceil(SOME)).copied()
 }
 
 /// Pairs known to the first item of each, made known to both.
@@ -108,4 +131,9 @@ fn squared_gap(a: &Point, b: &Point) -> f32 {
 /// Points farther apart than this belong to frames farther apart than `limit`.
 fn squared_reach(limit: f32) -> f32 {
     limit * limit * (1.0 + SLACK) + 1e-7
+}
+
+/// What the distance of frames is at least whose points are that far apart.
+fn from_below(squared_gap: f32) -> f32 {
+    ((squared_gap - 1e-7).max(0.0) / (1.0 + SLACK)).sqrt()
 }

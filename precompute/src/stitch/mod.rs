@@ -18,6 +18,7 @@ mod paths;
 mod relation;
 mod report;
 mod solids;
+mod source;
 mod table;
 mod why;
 
@@ -25,6 +26,7 @@ pub use config::StitchConfig;
 pub use editor::Editor;
 pub use library::Library;
 pub use report::{Reason, StitchReport};
+pub use source::{Kit, WorldSource, save, stitch_source};
 pub use why::{Collision, Item, Why};
 
 use crate::environment::Environment;

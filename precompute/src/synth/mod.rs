@@ -13,10 +13,12 @@ mod foot;
 mod frame;
 mod input;
 mod leg;
+mod office;
 mod pendulum;
 mod set;
 mod side;
 mod signal;
+mod track;
 mod walk;
 
 pub use files::save;
@@ -55,6 +57,7 @@ impl SynthConfig {
         match set {
             SynthSet::Walk => Self::default(),
             SynthSet::Boxing => Self { minutes: 8.0, clip_seconds: 60.0, ..Self::default() },
+            SynthSet::Office => Self { minutes: 13.0, clip_seconds: 60.0, ..Self::default() },
         }
     }
 

@@ -1,6 +1,6 @@
 //! The list of synthetic sets.
 
-use super::{SynthConfig, boxing, files, walk};
+use super::{SynthConfig, boxing, files, office, walk};
 use crate::clip::ClipSet;
 use crate::error::BuildError;
 use schemars::JsonSchema;
@@ -16,17 +16,20 @@ pub enum SynthSet {
     Walk,
     /// Shadow-boxing with footwork, combinations and defences.
     Boxing,
+    /// People in an office, at the desk and standing about.
+    Office,
 }
 
 impl SynthSet {
     /// Every set.
-    pub const ALL: [Self; 2] = [Self::Walk, Self::Boxing];
+    pub const ALL: [Self; 3] = [Self::Walk, Self::Boxing, Self::Office];
 
     /// The name, as the command line, configs and clips write it.
     pub fn name(self) -> &'static str {
         match self {
             Self::Walk => "walk",
             Self::Boxing => "boxing",
+            Self::Office => "office",
         }
     }
 
@@ -53,6 +56,7 @@ pub fn make(set: SynthSet, cfg: &SynthConfig) -> Result<ClipSet, BuildError> {
     Ok(match set {
         SynthSet::Walk => walk::walk(cfg),
         SynthSet::Boxing => boxing::boxing(cfg),
+        SynthSet::Office => office::office(cfg),
     })
 }
 
@@ -80,7 +84,7 @@ mod tests {
             assert_eq!(serde_json::to_value(set).unwrap(), set.name());
         }
         let error = SynthSet::from_name("dance").unwrap_err().to_string();
-        assert!(error.contains("`walk` or `boxing`") && error.contains("`dance`"), "{error}");
+        assert!(error.contains("`walk` or `boxing` or `office`") && error.contains("`dance`"), "{error}");
     }
 
     #[test]

@@ -3,10 +3,13 @@
 mod check;
 mod error;
 mod file;
+mod graph;
+pub mod plan;
 mod records;
 
 pub use error::WorldError;
 pub use file::{WORLD_MAGIC, WORLD_VERSION, WorldFile, tags};
+pub use graph::{Node, Step, WorldGraph};
 pub use records::{AdjacencyRecord, InstanceRecord, JointRecord, JointTableRecord, UnitRecord};
 
 use serde::{Deserialize, Serialize};

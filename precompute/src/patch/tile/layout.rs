@@ -43,8 +43,6 @@ pub(super) struct Layout {
     pub spots: Vec<Spot>,
     /// Number of edges.
     pub num_edges: usize,
-    /// How many of the spots are entries; as many are exits.
-    pub num_entries: usize,
 }
 
 /// Spots along the edges and within, before it is known which of them motion can serve.
@@ -86,7 +84,7 @@ pub(super) fn lay_out(
         e.twin = (num_entries + i) as u32;
     }
     let rest = rest_spots(unit, region, words, config);
-    Layout { spots: entries.into_iter().chain(exits).chain(rest).collect(), num_edges, num_entries }
+    Layout { spots: entries.into_iter().chain(exits).chain(rest).collect(), num_edges }
 }
 
 /// The exit that leads to an entry of the neighbour: as seen from this tile, across the opposite edge.

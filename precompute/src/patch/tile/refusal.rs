@@ -40,19 +40,38 @@ pub(super) fn no_clips(unit: &Unit, config: &TileConfig) -> BuildError {
 
 /// Pruning left nothing.
 pub(super) fn nothing_left(unit: &Unit, source: &Source, region: &Region, graph: &TileGraph) -> BuildError {
-    let (message, help) = match missing(region, graph) {
-        Some(found) => found,
-        None => (
-            "every condition can be met, but not all of them by the same entries".to_owned(),
-            "Add walking and stopping of more kinds, allow more editing, or take more pose groups at the edges (edge_groups)",
-        ),
-    };
+    let (message, help) = missing(region, graph).unwrap_or_else(|| {
+        let help = "Add walking and stopping of more kinds, allow more editing (edit_m_per_m, edit_deg_per_m), or take \
+                    more pose groups at the edges (edge_groups)";
+        (format!("no entries meet all conditions together: {}", met(region, graph)), help)
+    });
     let minutes = source.minutes();
     BuildError::Stage {
         stage: "patch",
         message: format!("the tile `{}` cannot be made from {minutes:.1} min of motion: {message}", unit.name),
         help: help.to_owned(),
     }
+}
+
+/// How many of the entries across the first edge meet each condition.
+fn met(region: &Region, graph: &TileGraph) -> String {
+    let entries: Vec<u32> =
+        (0..graph.cells.len() as u32).filter(|&i| graph.cells[i as usize] == TileCell::Entry(0)).collect();
+    let leads = |from: u32, fits: &dyn Fn(TileCell) -> bool| {
+        graph.links.iter().any(|&(f, to)| f == from && fits(graph.cells[to as usize]))
+    };
+    let count = |fits: &dyn Fn(TileCell) -> bool| entries.iter().filter(|&&e| leads(e, fits)).count();
+    let mut out: Vec<String> = graph.ways_out[0]
+        .iter()
+        .map(|&way| {
+            let n = count(&|c| matches!(c, TileCell::Exit(e, _) if e == way));
+            format!("{n} can leave {}", Layout::direction(region, 0, way))
+        })
+        .collect();
+    if graph.must_rest {
+        out.push(format!("{} can come to rest", count(&|c| c == TileCell::Rest)));
+    }
+    format!("of {} entries across an edge, {}", entries.len(), out.join(", "))
 }
 
 /// The first condition that no entry meets.

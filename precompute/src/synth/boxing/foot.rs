@@ -3,7 +3,7 @@
 use super::super::foot::{FootPose, FootShape};
 use super::super::side::forward;
 use super::super::signal::{bump, cruise};
-use super::track::Track;
+use super::super::track::Track;
 use glam::{DVec2, DVec3};
 
 /// One stay of the ball of a foot on the ground.

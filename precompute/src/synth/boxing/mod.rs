@@ -14,7 +14,6 @@ mod plan;
 mod posture;
 mod script;
 mod technique;
-mod track;
 
 use super::SynthConfig;
 use super::arm::ArmShape;

@@ -2,10 +2,10 @@
 
 use super::super::foot::FootShape;
 use super::super::side::{Side, forward, leftward};
+use super::super::track::Track;
 use super::foot::BoxerFoot;
 use super::moves::{Blow, Shuffle};
 use super::posture::{BODY, HAND, HandPose, Posture};
-use super::track::Track;
 use glam::DVec2;
 use throng_runtime::Skeleton;
 

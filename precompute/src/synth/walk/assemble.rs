@@ -12,7 +12,7 @@ use super::footsteps::Footsteps;
 use super::pelvis::{self, Pelvis, PelvisInput};
 use super::trunk::{self, Drift, TrunkPose};
 use crate::clip::Clip;
-use glam::DVec2;
+use glam::{DQuat, DVec2, DVec3};
 use rand::{Rng, RngExt};
 use throng_runtime::planar::wrap_angle;
 use throng_runtime::{Joint, Planar, Skeleton};
@@ -74,7 +74,7 @@ fn signals(
 }
 
 /// Speed of the centre of mass, smoothed over about a step.
-fn speed(mass: &[DVec2], dt: f64, radius: usize) -> Vec<f64> {
+pub fn speed(mass: &[DVec2], dt: f64, radius: usize) -> Vec<f64> {
     let n = mass.len();
     let raw: Vec<f64> = (0..n)
         .map(|i| {
@@ -86,7 +86,7 @@ fn speed(mass: &[DVec2], dt: f64, radius: usize) -> Vec<f64> {
 }
 
 /// Slow random changes of gaze, and breathing. Who walks looks around less.
-fn drift(duration: f64, times: &[f64], dt: f64, speed: &[f64], variation: f64, rng: &mut impl Rng) -> Drift {
+pub fn drift(duration: f64, times: &[f64], dt: f64, speed: &[f64], variation: f64, rng: &mut impl Rng) -> Drift {
     let frames = |seconds: f64| (seconds / dt).round() as usize;
     let mut wander = |amount: f64, every: f64| -> Vec<f64> {
         let (mut t, mut knots) = (0.0, Vec::new());
@@ -109,17 +109,18 @@ fn drift(duration: f64, times: &[f64], dt: f64, speed: &[f64], variation: f64, r
 fn pose(signals: &Signals, i: usize) -> BodyPose {
     let hips = signals.pelvis.rotation(i);
     let root = signals.pelvis.position[i];
-    let (body, _) = Planar::split(root.as_vec3(), hips.as_quat());
-    let knees = signals.feet[i].map(|foot| {
-        let to_foot = f64::from(wrap_angle((foot.yaw - f64::from(body.heading)) as f32));
-        f64::from(body.heading) + 0.6 * to_foot
-    });
     BodyPose {
         root,
         hips,
         trunk: signals.trunk[i].segments.map(Attitude::rotation),
         arms: signals.arms[i],
         feet: signals.feet[i],
-        knees,
+        knees: knees(root, hips, &signals.feet[i]),
     }
+}
+
+/// Headings of the knees, between the hips and the feet. [Unit: rad]
+pub fn knees(root: DVec3, hips: DQuat, feet: &[FootPose; 2]) -> [f64; 2] {
+    let heading = f64::from(Planar::split(root.as_vec3(), hips.as_quat()).0.heading);
+    feet.map(|foot| heading + 0.6 * f64::from(wrap_angle((foot.yaw - heading) as f32)))
 }

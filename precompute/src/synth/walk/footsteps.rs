@@ -9,11 +9,11 @@ use glam::DVec2;
 use rand::{Rng, RngExt};
 
 /// Time to bring the weight onto one foot before the first step after a pause. [Unit: s]
-const SHIFT: f64 = 0.5;
+pub const SHIFT: f64 = 0.5;
 /// Time to settle on both feet after the last step. [Unit: s]
 const SETTLE: f64 = 0.45;
 /// Standing at the end of a clip. [Unit: s]
-const LAST_STAND: f64 = 1.6;
+pub const LAST_STAND: f64 = 1.6;
 
 /// Both feet over a whole clip.
 pub struct Footsteps {
@@ -23,6 +23,35 @@ pub struct Footsteps {
     pub load: Vec<(f64, f64)>,
     /// Length of the clip. [Unit: s]
     pub duration: f64,
+}
+
+/// Where a pair of feet stands side by side.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Stance {
+    /// Between the ankles on the ground plane (x, z). [Unit: m]
+    pub at: DVec2,
+    /// Heading. [Unit: rad]
+    pub heading: f64,
+}
+
+impl Stance {
+    /// The stance after a step: the path bends evenly over the step, and is moved aside.
+    pub fn after(self, step: &Intent) -> Self {
+        let along = self.heading + 0.5 * step.turn;
+        let at = self.at + forward(along) * step.shape.length + leftward(along) * step.aside;
+        Self { at, heading: self.heading + step.turn }
+    }
+
+    /// Ankle of a foot, `width` metres from the other one. [Unit: m]
+    pub fn ankle(self, side: Side, width: f64) -> DVec2 {
+        self.at + leftward(self.heading) * (0.5 * width * side.sign())
+    }
+}
+
+/// When a step lifts and lands, given the landing before it. [Unit: s]
+pub fn timing(step: &Intent, last: f64) -> (f64, f64) {
+    let wait = if step.pause > 0.0 { step.pause + SHIFT } else { step.shape.double_support };
+    (last + wait, last + wait + step.shape.swing())
 }
 
 /// A step in time and place.
@@ -36,34 +65,31 @@ struct Placed {
     toe_out: f64,
 }
 
-/// Lays out steps from a stand at the origin that faces +Z.
-pub fn place(shape: FootShape, intents: &[Intent], rng: &mut impl Rng) -> Footsteps {
-    let placed = placed(intents);
-    let duration = placed.last().map_or(0.0, |s| s.land) + LAST_STAND;
-    let falls = Side::BOTH.map(|side| falls_of(side, &placed));
+/// Lays out steps from a stand, and stands on for `last` seconds after them.
+pub fn place(shape: FootShape, start: Stance, intents: &[Intent], last: f64, rng: &mut impl Rng) -> Footsteps {
+    let placed = placed(start, intents);
+    let duration = placed.last().map_or(0.0, |s| s.land) + last;
+    let falls = Side::BOTH.map(|side| falls_of(side, start, &placed));
     let tracks =
         Side::BOTH.map(|side| FootTrack::new(side, shape, falls[side.index()].clone(), &falls[side.other().index()]));
     Footsteps { feet: tracks, load: load_knots(&placed, duration, rng), duration }
 }
 
 /// Where and when every step lands.
-fn placed(intents: &[Intent]) -> Vec<Placed> {
-    let (mut path, mut heading, mut last) = (DVec2::ZERO, 0.0, 0.0);
+fn placed(start: Stance, intents: &[Intent]) -> Vec<Placed> {
+    let (mut stance, mut last) = (start, 0.0);
     let mut out = Vec::with_capacity(intents.len());
     for step in intents {
-        path += forward(heading + 0.5 * step.turn) * step.shape.length;
-        heading += step.turn;
-        let wait = if step.pause > 0.0 { step.pause + SHIFT } else { step.shape.double_support };
-        let lift = last + wait;
-        last = lift + step.shape.swing();
-        let ankle = path + leftward(heading) * (0.5 * step.width * step.side.sign());
+        stance = stance.after(step);
+        let (lift, land) = timing(step, last);
+        last = land;
         out.push(Placed {
             side: step.side,
             lift,
-            land: last,
+            land,
             shape: step.shape,
-            ankle,
-            heading,
+            ankle: stance.ankle(step.side, step.width),
+            heading: stance.heading,
             toe_out: step.toe_out,
         });
     }
@@ -71,23 +97,22 @@ fn placed(intents: &[Intent]) -> Vec<Placed> {
 }
 
 /// The footfalls of one foot, from the stand before the first step to the stand after the last one.
-fn falls_of(side: Side, placed: &[Placed]) -> Vec<Footfall> {
-    let start = leftward(0.0) * (0.5 * STANDING_WIDTH * side.sign());
+fn falls_of(side: Side, start: Stance, placed: &[Placed]) -> Vec<Footfall> {
     let mut falls = vec![Footfall {
         land: -2.0,
         flat: -1.9,
         heel_off: f64::INFINITY,
         lift: f64::INFINITY,
-        ankle: start,
-        heading: 0.0,
-        yaw: TOE_OUT * side.sign(),
+        ankle: start.ankle(side, STANDING_WIDTH),
+        heading: start.heading,
+        yaw: start.heading + TOE_OUT * side.sign(),
         strike: 0.0,
         push: 0.0,
     }];
     for (k, step) in placed.iter().enumerate().filter(|(_, s)| s.side == side) {
         let ahead = forward(step.heading);
         let other = placed[..k].iter().rev().find(|s| s.side != side);
-        let other = other.map_or(-start, |s| s.ankle);
+        let other = other.map_or(start.ankle(side.other(), STANDING_WIDTH), |s| s.ankle);
         let leave = falls.len() - 1;
         let travel = (step.ankle - falls[leave].ankle).dot(forward(falls[leave].heading));
         leave_with(&mut falls[leave], step, travel);
@@ -152,7 +177,7 @@ mod tests {
     fn footsteps(seed: u64) -> Footsteps {
         let mut rng = Pcg64Mcg::seed_from_u64(seed);
         let intents = Wanderer::new(1.0).wander(120.0, &mut rng);
-        place(FootShape::of(&Skeleton::default()), &intents, &mut rng)
+        place(FootShape::of(&Skeleton::default()), Stance::default(), &intents, LAST_STAND, &mut rng)
     }
 
     #[test]

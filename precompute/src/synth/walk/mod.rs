@@ -4,19 +4,20 @@
 //! `foot` rolls and swings the feet, `balance` moves the centre of mass over them, `pelvis`, `trunk` and `arms` carry
 //! the body along.
 
-mod arms;
-mod assemble;
-mod balance;
+pub(super) mod arms;
+pub(super) mod assemble;
+pub(super) mod balance;
 mod foot;
-mod footsteps;
-mod gait;
-mod pelvis;
-mod trunk;
-mod wander;
+pub(super) mod footsteps;
+pub(super) mod gait;
+pub(super) mod pelvis;
+pub(super) mod trunk;
+pub(super) mod wander;
 
 use super::SynthConfig;
 use super::foot::FootShape;
 use crate::clip::ClipSet;
+use footsteps::{LAST_STAND, Stance};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use throng_runtime::Skeleton;
@@ -34,7 +35,7 @@ pub fn walk(cfg: &SynthConfig) -> ClipSet {
     while seconds < cfg.minutes * 60.0 {
         let wanted = (cfg.minutes * 60.0 - seconds).min(cfg.clip_seconds * rng.random_range(0.85..1.1));
         let intents = wanderer.wander(wanted, &mut rng);
-        let steps = footsteps::place(shape, &intents, &mut rng);
+        let steps = footsteps::place(shape, Stance::default(), &intents, LAST_STAND, &mut rng);
         seconds += steps.duration;
         let name = format!("walk_{:02}", clips.len());
         clips.push(assemble::clip(name, &steps, &skeleton, cfg, &mut rng));

@@ -24,6 +24,14 @@ pub struct Pelvis {
 }
 
 impl Pelvis {
+    /// Raises the hips as high as both legs allow.
+    pub fn stand_up(&mut self, input: &PelvisInput) {
+        let height = height(input, self);
+        for (p, h) in self.position.iter_mut().zip(height) {
+            p.y = h;
+        }
+    }
+
     /// World rotation at a sample.
     pub fn rotation(&self, i: usize) -> DQuat {
         Attitude { yaw: self.heading[i] + self.yaw[i], pitch: self.pitch[i], list: self.list[i] }.rotation()
@@ -82,10 +90,7 @@ pub fn follow(input: &PelvisInput) -> Pelvis {
         DVec3::new(p.x, 0.0, p.y)
     });
     let mut out = Pelvis { position: position.collect(), heading, yaw, pitch, list, apart };
-    let height = height(input, &out);
-    for (p, h) in out.position.iter_mut().zip(height) {
-        p.y = h;
-    }
+    out.stand_up(input);
     out
 }
 

@@ -14,6 +14,8 @@ pub struct Intent {
     pub pause: f64,
     /// Change of the path's heading. [Unit: rad]
     pub turn: f64,
+    /// How far the path moves to the left beside its bend; 0 in walking. [Unit: m]
+    pub aside: f64,
     /// Distance between the feet across the path. [Unit: m]
     pub width: f64,
     /// How far the foot turns out from the path. [Unit: rad]
@@ -45,7 +47,7 @@ const TURNS: [(f64, f64); 14] = [
     (180.0, 45.0),
 ];
 /// Distance between the feet across the path in walking. [Unit: m]
-const WALKING_WIDTH: f64 = 0.115;
+pub const WALKING_WIDTH: f64 = 0.115;
 /// Feet turn out by this much. [Unit: rad]
 pub const TOE_OUT: f64 = 0.12;
 /// The same in standing. [Unit: m]
@@ -139,7 +141,7 @@ impl Walk {
         };
         let width = width * vary(0.06);
         let toe_out = TOE_OUT * vary(0.2);
-        self.steps.push(Intent { side: self.next, pause: self.pause, turn, width, toe_out, shape });
+        self.steps.push(Intent { side: self.next, pause: self.pause, turn, aside: 0.0, width, toe_out, shape });
         self.seconds += self.pause + shape.period;
         self.pause = 0.0;
         self.next = self.next.other();
@@ -221,7 +223,7 @@ impl Walk {
 
 /// A heading change no larger than `most`, nor than the hips allow for the stepping foot: opening is easier
 /// than crossing.
-fn limited(turn: f64, foot: Side, most: f64) -> f64 {
+pub fn limited(turn: f64, foot: Side, most: f64) -> f64 {
     let most = most.min(if foot == Side::inside(turn) { 0.9 } else { 0.55 });
     turn.clamp(-most, most)
 }

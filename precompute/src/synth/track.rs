@@ -1,6 +1,6 @@
 //! Keys of several channels over time, and the smooth signals through them.
 
-use super::super::signal::smooth;
+use super::signal::smooth;
 
 /// Keys closer together than this are one intention: the later one wins. [Unit: s]
 const APART: f64 = 0.045;

@@ -1,0 +1,4 @@
+//! Motion patches and worlds of them: mathematics against brute force and small cases made up by hand.
+
+mod made_up;
+mod stitch;
