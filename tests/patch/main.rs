@@ -1,3 +1,5 @@
-//! Worlds are put together from motion: groups of poses that may follow each other, and what is built on them.
+//! Motion patches and worlds of them: mathematics against brute force and small cases made up by hand.
 
 mod groups;
+mod made_up;
+mod stitch;

@@ -48,13 +48,15 @@ pub(super) fn hits(
     out
 }
 
+/// The frames of a link that are looked at; the last one in any case. [Limit: num_frames > 0]
+pub(super) fn looked_at(num_frames: usize) -> impl DoubleEndedIterator<Item = usize> {
+    (0..num_frames - 1).step_by(STRIDE).chain([num_frames - 1])
+}
+
 /// First and last frame of a link that collide: from both ends, so that what lies between is not looked at.
 fn of_link(link: u32, roots: &[Placement], collides: impl Fn(usize) -> bool) -> Option<Hit> {
-    let last = roots.len() - 1;
-    // The last frame is looked at in any case.
-    let looked_at = || (0..last).step_by(STRIDE).chain([last]);
-    let first = looked_at().find(|&k| collides(k))?;
-    let last = looked_at().rev().find(|&k| k <= first || collides(k)).unwrap_or(first);
+    let first = looked_at(roots.len()).find(|&k| collides(k))?;
+    let last = looked_at(roots.len()).rev().find(|&k| k <= first || collides(k)).unwrap_or(first);
     Some(Hit { link, first: first as u16, last: last as u16 })
 }
 
