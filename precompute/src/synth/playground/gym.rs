@@ -35,11 +35,6 @@ pub struct Stairs {
 }
 
 impl Stairs {
-    /// Height of the upper end. [Unit: m]
-    pub fn top(&self) -> f64 {
-        RISE * self.num_steps as f64
-    }
-
     /// The upper end (x, z). [Unit: m]
     pub fn end(&self) -> DVec2 {
         self.foot + DVec2::Y * (GOING * self.num_steps as f64)
@@ -113,8 +108,8 @@ pub fn is_free(p: DVec2) -> bool {
 
 /// Where a walker's path is as he stands on the `k`-th tread on the way up; the ground before the stairs is tread 0.
 pub fn tread_up(stairs: &Stairs, aside: f64, k: usize) -> Stance {
-    // The heel hangs over a little, so that the toes have room before the next riser.
-    const HEEL_IN: f64 = 0.023;
+    // The heel hangs over, so that the toes have room before the next riser.
+    const HEEL_IN: f64 = 0.003;
     let along = if k == 0 { -0.3 } else { GOING * (k - 1) as f64 + HEEL_IN };
     Stance { at: stairs.foot + DVec2::new(aside, along), heading: 0.0 }
 }

@@ -87,11 +87,9 @@ impl Visitor {
         let start = Stance { at: jittered(at, rng), heading: rng.random_range(-PI..PI) };
         let route = Route::from(start, self.variation, rng);
         let mut visit = Visit { legs: Vec::new(), route, variation: self.variation, rng };
-        let mut rounds = 0.0;
-        // A round takes about 38 s.
-        while rounds == 0.0 || rounds * 38.0 < seconds - 19.0 {
+        // A round takes about 40 s.
+        while visit.is_fresh() || visit.seconds() < seconds - 20.0 {
             self.round(&mut visit);
-            rounds += 1.0;
         }
         visit.leave()
     }
@@ -130,9 +128,11 @@ impl<R: Rng> Visit<'_, R> {
 
     /// Walks over the ground to a stance.
     fn cross(&mut self, goal: Stance, arrival: Arrival) {
-        for place in way(self.route.at.at, goal.at) {
-            let place = jittered(place, self.rng);
-            self.route.via(place, self.rng);
+        let places: Vec<DVec2> = way(self.route.at.at, goal.at).into_iter().map(|p| jittered(p, self.rng)).collect();
+        for (i, &at) in places.iter().enumerate() {
+            let next = places.get(i + 1).copied().unwrap_or(goal.at) - at;
+            let goal = Stance { at, heading: next.x.atan2(next.y) };
+            self.walk(goal, Arrival::Pass, &|p| gym::is_free(p));
         }
         self.walk(goal, arrival, &|p| gym::is_free(p));
     }
@@ -156,9 +156,23 @@ impl<R: Rng> Visit<'_, R> {
         let begin = self.route.at.at;
         let near = |p: DVec2| (p - goal.at).length() < 0.75 || (p - begin).length() < 0.75;
         self.route.to(goal, arrival, &|p| near(p) || free(p), self.rng);
-        if arrival == Arrival::Stand {
+        if self.route.stands() {
             self.route.walk.pause = self.rng.random_range(0.5..1.8);
         }
+    }
+
+    /// True before anything has happened.
+    fn is_fresh(&self) -> bool {
+        self.legs.is_empty() && self.route.walk.steps.is_empty()
+    }
+
+    /// How long it takes so far, about. [Unit: s]
+    fn seconds(&self) -> f64 {
+        let leg = |leg: &Leg| match leg {
+            Leg::Walk(route) => route.seconds(),
+            _ => 8.0,
+        };
+        self.legs.iter().map(leg).sum::<f64>() + self.route.seconds()
     }
 
     fn arrival(&mut self) -> Arrival {
@@ -207,10 +221,11 @@ impl<R: Rng> Visit<'_, R> {
     /// Goes a few steps further and stops.
     fn leave(mut self) -> Vec<Leg> {
         let at = self.route.at;
-        let nearest = LOOKOUTS.into_iter().min_by(|a, b| (*a - at.at).length().total_cmp(&(*b - at.at).length()));
-        let towards = nearest.map_or(DVec2::Y, |p| (p - at.at).normalize_or(DVec2::Y));
-        self.route.via(at.at + towards * 2.2, self.rng);
-        self.route.rest(self.rng);
+        let to_lookout = |p: &DVec2| (*p - at.at).length();
+        let nearest = LOOKOUTS.into_iter().min_by(|a, b| to_lookout(a).total_cmp(&to_lookout(b)));
+        let way = nearest.map_or(DVec2::Y, |p| (p - at.at).normalize_or(DVec2::Y));
+        let goal = Stance { at: at.at + way * 2.4, heading: way.x.atan2(way.y) };
+        self.walk(goal, Arrival::Stand, &|p| gym::is_free(p));
         self.legs.push(Leg::Walk(Box::new(self.route)));
         self.legs
     }
