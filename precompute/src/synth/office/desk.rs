@@ -3,11 +3,11 @@
 use glam::{DVec2, DVec3};
 
 /// Where the seat carries: the middle of what touches it. [Unit: m]
-pub const SEAT: DVec3 = DVec3::new(0.0, 0.46, -0.05);
+pub const SEAT: DVec3 = DVec3::new(0.0, 0.46, 0.03);
 /// Upper side of the desk. [Unit: m]
 pub const TOP: f64 = 0.74;
 /// The ankles' distance in front of the middle of the seat before sitting down: between chair and desk. [Unit: m]
-pub const BEFORE_SEAT: f64 = 0.31;
+pub const BEFORE_SEAT: f64 = 0.3;
 
 /// What must not be walked through: lowest and highest corner on the ground (x, z). [Unit: m]
 const BLOCKED: [[DVec2; 2]; 2] =

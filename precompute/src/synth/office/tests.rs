@@ -78,9 +78,9 @@ fn assert_joints_bend_the_right_way(set: &ClipSet) {
 
 /// Distance of what touches the seat from where it sits. [Unit: m]
 fn off_the_seat(clip: &Clip, frame: usize) -> f32 {
-    let buttocks = Vec3::new(0.0, -0.135, -0.03);
+    let buttocks = assemble::BUTTOCKS.as_vec3();
     let at = clip.root_positions[frame] + clip.frame_rotations(frame)[0] * buttocks;
-    at.distance(Vec3::new(0.0, 0.46, -0.05))
+    at.distance(desk::SEAT.as_vec3())
 }
 
 fn assert_the_seat_stays_on_the_chair(set: &ClipSet) {
@@ -250,7 +250,7 @@ fn behaviours_begin_and_end_in_the_neutral_stand() {
         for tag in clip.tags.iter().filter(|t| STANDING.contains(&t.name.as_str())) {
             for f in [tag.range.start, tag.range.end + 2] {
                 let moved = clip.root_positions[f].distance(home);
-                assert!(moved < 0.04, "{} {} frame {f}: {moved} m", clip.name, tag.name);
+                assert!(moved < 0.08, "{} {} frame {f}: {moved} m", clip.name, tag.name);
                 let apart = apart(clip.frame_rotations(f), clip.frame_rotations(5));
                 for (j, apart) in Joint::ALL.into_iter().zip(apart) {
                     // The walker's own drift of gaze and arms goes on in the stand.
@@ -264,7 +264,7 @@ fn behaviours_begin_and_end_in_the_neutral_stand() {
 
 #[test]
 fn the_neutral_stand_is_the_walk_sets() {
-    let calm = |set| make(set, &SynthConfig { minutes: 0.3, variation: 0.0, ..SynthConfig::default() }).unwrap();
+    let calm = |set| make(set, &SynthConfig { minutes: 0.05, variation: 0.0, ..SynthConfig::default() }).unwrap();
     let (office, walk) = (calm(SynthSet::Office), calm(SynthSet::Walk));
     let stand = office.clips.iter().find(|c| c.name == "office_stand_00").unwrap();
     for f in 0..15 {
@@ -308,10 +308,13 @@ fn people_come_from_all_sides_and_leave_to_all_sides() {
                 2
             }
         };
-        sectors[0][sector(0)] += 1;
-        sectors[1][sector(clip.num_frames() - 1)] += 1;
+        let stands: Vec<usize> = tagged(clip, "stand").map(|t| t.range.start + t.range.len() / 2).collect();
+        for (come, leave) in stands.iter().zip(&stands[1..]) {
+            sectors[0][sector(*come)] += 1;
+            sectors[1][sector(*leave)] += 1;
+        }
     }
-    assert!(sectors.iter().all(|s| s.iter().all(|n| *n >= 1)), "{sectors:?}");
+    assert!(sectors.iter().all(|s| s.iter().all(|n| *n >= 2)), "{sectors:?}");
 }
 #[test]
 fn dump() {

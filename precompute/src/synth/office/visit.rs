@@ -23,9 +23,9 @@ const DIRECTIONS: [f64; 14] =
 /// Speeds. [Unit: m/s]
 const SPEEDS: [f64; 4] = [0.8, 0.95, 1.1, 1.2];
 /// Where somebody who sits has his feet: the ankles in front of the middle of the seat. [Unit: m]
-const UNDER_KNEES: f64 = 0.4;
+const UNDER_KNEES: f64 = 0.45;
 /// The same before he rises. [Unit: m]
-const DRAWN_BACK: f64 = 0.27;
+const DRAWN_BACK: f64 = 0.29;
 
 /// How the trunk is held in sitting: a little slumped.
 pub const SITTING: Posture = Posture {
@@ -38,7 +38,7 @@ pub const SITTING: Posture = Posture {
 /// Hands on the thighs, left; [`HandPose::mirrored`] for the right one.
 pub const LAP: HandPose = HandPose {
     held: 1.0,
-    room: DVec3::new(0.14, 0.655, 0.25),
+    room: DVec3::new(0.14, 0.655, 0.3),
     placed: 1.0,
     pole: DVec3::new(0.9, -0.5, -0.6),
     twist: 1.1,
@@ -198,15 +198,15 @@ fn sit_down(script: &mut Script, begin: f64, end: f64, rng: &mut impl Rng) {
         let lap = on(side, LAP);
         if support == Some(side) {
             let touch = begin + 0.4 * over;
-            let until = end + script.vary(0.1, rng);
-            let edge = on(side, work::edge(0.3));
+            let until = begin + 0.72 * over;
+            let edge = on(side, work::edge(0.26));
             let above = HandPose { room: edge.room + DVec3::new(0.0, 0.1, -0.06), ..edge };
             script.hand(side, touch - 0.3, touch - 0.3 - begin, above);
             script.hand(side, touch, 0.3, edge);
             script.hand(side, until, 0.1, edge);
             script.hand(side, until + 0.3, 0.3, above);
             script.hand(side, until + 0.75, 0.45, lap);
-            script.rests[side.index()].push([touch, until]);
+            script.rest(side, touch, until);
         } else {
             script.hand(side, begin + 0.85 * over, 0.8 * over, lap);
         }
@@ -224,14 +224,14 @@ fn stand_up(script: &mut Script, begin: f64, end: f64, rng: &mut impl Rng) {
     for side in Side::BOTH {
         if support == Some(side) {
             let (touch, until) = (begin + 0.15 * over, begin + 0.62 * over);
-            let edge = on(side, work::edge(0.3));
+            let edge = on(side, work::edge(0.26));
             let above = HandPose { room: edge.room + DVec3::new(0.0, 0.08, -0.05), ..edge };
             script.hand(side, touch - 0.1, 0.45, above);
             script.hand(side, touch, 0.1, edge);
             script.hand(side, until, 0.1, edge);
             script.hand(side, until + 0.25, 0.25, HandPose { held: 0.8, ..above });
             script.let_hang(side, end + 0.2, end + 0.2 - (until + 0.25));
-            script.rests[side.index()].push([touch, until]);
+            script.rest(side, touch, until);
         } else {
             script.let_hang(side, end, 0.6 * over);
         }
