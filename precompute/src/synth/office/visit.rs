@@ -23,7 +23,7 @@ const DIRECTIONS: [f64; 14] =
 /// Speeds. [Unit: m/s]
 const SPEEDS: [f64; 4] = [0.8, 0.95, 1.1, 1.2];
 /// Where somebody who sits has his feet: the ankles in front of the middle of the seat. [Unit: m]
-const UNDER_KNEES: f64 = 0.45;
+const UNDER_KNEES: f64 = 0.47;
 /// The same before he rises. [Unit: m]
 const DRAWN_BACK: f64 = 0.29;
 
@@ -35,10 +35,15 @@ pub const SITTING: Posture = Posture {
     dip: 0.0,
 };
 
+/// No turn or lean of its own.
+const UPRIGHT: Attitude = Attitude { yaw: 0.0, pitch: 0.0, list: 0.0 };
+/// The hips held back between chair and desk, so that the thighs pass the desk's edge.
+const SQUEEZED: Posture = Posture { hips: UPRIGHT, chest: UPRIGHT, shift: [0.0, -0.025], dip: 0.0 };
+
 /// Hands on the thighs, left; [`HandPose::mirrored`] for the right one.
 pub const LAP: HandPose = HandPose {
     held: 1.0,
-    room: DVec3::new(0.14, 0.655, 0.3),
+    room: DVec3::new(0.14, 0.655, 0.31),
     placed: 1.0,
     pole: DVec3::new(0.9, -0.5, -0.6),
     twist: 1.1,
@@ -121,6 +126,7 @@ impl Visitor {
             let forward = (1.7 * u).min(1.0);
             DVec2::new(from.x + (to.at.x - from.x) * u, from.y + (to.at.y - from.y) * forward)
         };
+        script.pose(script.now() + 0.6, 0.6, SQUEEZED);
         script.side_step(to, path, rng);
         script.tag("walk", began);
         script.wait_until(script.now() + rng.random_range(0.05..0.4));
@@ -174,6 +180,7 @@ fn step_out(script: &mut Script, side: Side, rng: &mut impl Rng) {
     };
     let heading = side.sign() * rng.random_range(0.0..0.5);
     script.side_step(Stance { at: out, heading }, path, rng);
+    script.pose(script.now(), 0.8, Posture::default());
 }
 
 /// Puts one foot after the other to a distance in front of the seat.
@@ -217,7 +224,7 @@ fn sit_down(script: &mut Script, begin: f64, end: f64, rng: &mut impl Rng) {
 /// Trunk and hands while standing up: pushing off the thighs, or off the desk with one hand.
 fn stand_up(script: &mut Script, begin: f64, end: f64, rng: &mut impl Rng) {
     let over = end - begin;
-    script.pose(begin + 0.75 * over, 0.75 * over, Posture::default());
+    script.pose(begin + 0.75 * over, 0.75 * over, SQUEEZED);
     script.look(begin + 0.4 * over, 0.35 * over, 0.0, 0.05, 0.0);
     script.look(end, 0.5 * over, 0.0, 0.0, 0.0);
     let support = [Some(Side::Left), Some(Side::Right), None][rng.random_range(0..3)];

@@ -45,7 +45,7 @@ impl Worker {
 pub fn edge(aside: f64) -> HandPose {
     HandPose {
         held: 1.0,
-        room: DVec3::new(aside, WRIST, 0.46),
+        room: DVec3::new(aside, WRIST, 0.515),
         placed: 1.0,
         pole: DVec3::new(0.7, -0.8, -0.5),
         twist: 1.25,
@@ -55,7 +55,7 @@ pub fn edge(aside: f64) -> HandPose {
 
 /// A hand over the keyboard, left.
 fn keys() -> HandPose {
-    HandPose { room: DVec3::new(0.11, WRIST + 0.012, 0.46), flex: -0.05, ..edge(0.0) }
+    HandPose { room: DVec3::new(0.11, WRIST + 0.012, 0.515), flex: -0.05, ..edge(0.0) }
 }
 
 /// Works from `begin` until about `end`; the hands begin and end on the thighs.
@@ -128,7 +128,7 @@ fn to_desk(script: &mut Script, side: Side, t: f64, pose: HandPose, rng: &mut im
         return there;
     }
     let start = t + rng.random_range(0.0..0.15);
-    let before = HandPose { room: DVec3::new(0.5 * (now.room.x + pose.room.x), 0.86, 0.35), twist: 0.7, ..pose };
+    let before = HandPose { room: DVec3::new(0.5 * (now.room.x + pose.room.x), 0.88, 0.38), twist: 0.7, ..pose };
     script.hand(side, start + 0.5, 0.5, before);
     script.hand(side, start + 0.95, 0.45, pose);
     start + 0.95
@@ -141,7 +141,7 @@ fn to_lap(script: &mut Script, side: Side, t: f64, rng: &mut impl Rng) -> f64 {
     let lap = HandPose { room: lap.room + DVec3::new(script.vary(0.015, rng), 0.0, script.vary(0.03, rng)), ..lap };
     let start = t + rng.random_range(0.0..0.1);
     if at_desk(&now) {
-        let before = HandPose { room: DVec3::new(now.room.x, 0.85, 0.37), twist: 0.8, flex: 0.1, ..lap };
+        let before = HandPose { room: DVec3::new(now.room.x, 0.88, 0.4), twist: 0.8, flex: 0.1, ..lap };
         script.hand(side, start + 0.4, 0.4, before);
         script.hand(side, start + 0.85, 0.45, lap);
         return start + 0.85;
@@ -206,7 +206,7 @@ fn use_mouse(script: &mut Script, from: f64, to: f64, rng: &mut impl Rng) {
         script.hand(Side::Left, to, 0.1, arm);
         script.rest(Side::Left, touched, to);
     }
-    let mouse = HandPose { room: DVec3::new(0.31, WRIST + 0.01, 0.48), flex: -0.1, ..edge(0.0) }.mirrored();
+    let mouse = HandPose { room: DVec3::new(0.31, WRIST + 0.01, 0.53), flex: -0.1, ..edge(0.0) }.mirrored();
     let touched = to_desk(script, Side::Right, from, mouse, rng);
     let mut t = touched;
     while t < to - 0.8 {
@@ -227,7 +227,7 @@ fn read(script: &mut Script, from: f64, to: f64, rng: &mut impl Rng) {
     sit(script, from, 1.3, 0.24, thinker.map_or(0.0, |s| -0.1 * s.sign()), rng);
     watch(script, from, to, [0.0, 0.12], rng);
     for side in Side::BOTH {
-        let arm = on(side, HandPose { room: DVec3::new(0.15, WRIST, 0.5), ..edge(0.0) });
+        let arm = on(side, HandPose { room: DVec3::new(0.15, WRIST, 0.55), ..edge(0.0) });
         let touched = to_desk(script, side, from, arm, rng);
         if thinker == Some(side) && to - from > 4.5 {
             let chin = on(side, gesture::CHIN);
