@@ -42,6 +42,7 @@ pub fn embed(
     contacts: &ContactConfig,
     touch: &TouchConfig,
 ) -> Result<SourceScenes, BuildError> {
+    touch.check()?;
     let geometries = geometries(units)?;
     let mut of_clip = vec![None; clips.clips.len()];
     let mut scenes = Vec::with_capacity(cfg.environments.len());

@@ -13,6 +13,8 @@ const LONGEST_GAP: f32 = 0.8;
 const APART: f32 = 0.15;
 /// Fewest places that show the direction of a bar.
 const FEWEST: usize = 3;
+/// A hand that is alone in its place holds something where it stays there for so long; others only paused. [Unit: s]
+const LONG_HOLD: f32 = 0.5;
 /// Bars reach this far beyond the places. [Unit: m]
 const BEYOND: f32 = 0.12;
 /// [Unit: m]
@@ -38,7 +40,7 @@ impl Bar {
 }
 
 /// Bars through all places: the line that most of them lie on first, then that of most of the others, and so on. Where
-/// fewer than three lie on a line, a short bar across the body is all that can be said.
+/// fewer than three lie on a line, a short bar across the body is all that can be said, and only of long holds.
 pub fn through(places: &[Touch]) -> Vec<Bar> {
     let mut left: Vec<Touch> = places.to_vec();
     let mut bars = Vec::new();
@@ -54,6 +56,9 @@ pub fn through(places: &[Touch]) -> Vec<Bar> {
     while let Some(first) = left.first().copied() {
         let together: Vec<Touch> = left.iter().filter(|t| t.point.distance(first.point) < APART).copied().collect();
         left.retain(|t| t.point.distance(first.point) >= APART);
+        if together.iter().map(|t| t.lasts_s).sum::<f32>() < LONG_HOLD {
+            continue;
+        }
         let middle = together.iter().map(|t| t.point).sum::<Vec3>() / together.len() as f32;
         let across = first.across.with_y(0.0).normalize_or(Vec3::X);
         let off = together.iter().map(|t| (t.point - middle).reject_from(across).length()).collect();
@@ -124,7 +129,7 @@ mod tests {
     use super::*;
 
     fn hold(p: Vec3) -> Touch {
-        Touch { kind: Kind::Hand, point: p, extent: Bounds::of([p]), across: Vec3::X }
+        Touch { kind: Kind::Hand, point: p, extent: Bounds::of([p]), across: Vec3::X, lasts_s: 1.0 }
     }
 
     #[test]
@@ -138,6 +143,7 @@ mod tests {
         assert!(along(&bars[0]).x > 0.99 && along(&bars[1]).y > 0.99 && along(&bars[2]).x > 0.99);
         assert!(((bars[0].to - bars[0].from).length() - 1.04).abs() < 0.01);
         assert!(bars[0].off.iter().all(|d| *d < 0.011));
-        assert!(through(&[]).is_empty());
+        let pause = Touch { lasts_s: 0.3, ..places[9] };
+        assert!(through(&[pause]).is_empty() && through(&[]).is_empty());
     }
 }

@@ -43,6 +43,8 @@ pub struct Touch {
     pub extent: Bounds,
     /// Direction from the right shoulder to the left one. Unit.
     pub across: Vec3,
+    /// How long it was planted. [Unit: s]
+    pub lasts_s: f32,
 }
 
 /// All places of a clip, part by part.
@@ -74,12 +76,13 @@ pub fn find(clip: &Clip, skeleton: &Skeleton, cfg: &ContactConfig) -> Vec<Touch>
 struct Motion {
     transforms: Vec<[(Vec3, Quat); NUM_JOINTS]>,
     probes: Probes,
+    rate_hz: f64,
 }
 
 impl Motion {
     fn new(clip: &Clip, skeleton: &Skeleton) -> Self {
         let transforms = (0..clip.num_frames()).map(|f| clip.joint_transforms(skeleton, f)).collect();
-        Self { transforms, probes: Probes::new(skeleton) }
+        Self { transforms, probes: Probes::new(skeleton), rate_hz: clip.rate_hz }
     }
 
     fn joint(&self, frame: usize, joint: Joint) -> Vec3 {
@@ -117,13 +120,14 @@ impl Motion {
             let heights = probes.iter().map(|p| p.at(&self.transforms[f]).y - p.radius.max(0.0));
             heights.fold(f32::INFINITY, f32::min)
         };
+        let lasts_s = (run.len() as f64 / self.rate_hz) as f32;
         let mut point = median(track);
         let extent = Bounds::of(probes.iter().map(|p| p.at(&self.transforms[at])));
         if kind != Kind::Hand {
             point.y = median(run.map(|f| Vec3::splat(lowest(f))).collect()).y;
         }
         let across = self.joint(at, Joint::LeftUpperArm) - self.joint(at, Joint::RightUpperArm);
-        Some(Touch { kind, point, extent, across: across.normalize_or(Vec3::X) })
+        Some(Touch { kind, point, extent, across: across.normalize_or(Vec3::X), lasts_s })
     }
 
     /// True where both thighs are level and the trunk is upright.

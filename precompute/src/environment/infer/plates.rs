@@ -11,6 +11,9 @@ pub const ON_GROUND: f32 = 0.05;
 const SAME_HEIGHT: f32 = 0.035;
 /// Places on one plate are nearer to it than this. [Unit: m]
 const REACH: f32 = 0.35;
+/// A place that is farther from a plate's height than places on it, but less than this, cannot be above or below it:
+/// the plate does not reach there. Rungs of ladders are farther apart. [Unit: m]
+const STEP: f32 = 0.2;
 /// Plates reach this far beyond the skin that touched them. [Unit: m]
 const MARGIN: f32 = 0.04;
 /// Of plates. [Unit: m]
@@ -40,13 +43,19 @@ impl Plate {
         self.height = self.heights[self.heights.len() / 2];
     }
 
-    /// True where the other may be part of it.
-    fn continues(&self, other: &Self) -> bool {
-        let range = |a: f32, b: f32| b - a < 2.0 * SAME_HEIGHT;
+    /// True where the other may be part of it: as high, near, and no place between them says otherwise.
+    fn continues(&self, other: &Self, places: &[Touch]) -> bool {
         let (low, high) = (self.heights[0].min(other.heights[0]), self.highest().max(other.highest()));
-        range(low, high)
-            && (self.height - other.height).abs() < SAME_HEIGHT
-            && self.extent.grown(REACH).overlaps(&other.extent)
+        let as_high = high - low < 2.0 * SAME_HEIGHT && (self.height - other.height).abs() < SAME_HEIGHT;
+        if !(as_high && self.extent.grown(REACH).overlaps(&other.extent)) {
+            return false;
+        }
+        let both = self.extent.union(other.extent);
+        let denies = |t: &Touch| {
+            let off = (t.point.y - self.height).abs();
+            t.kind == Kind::Foot && off > 2.0 * SAME_HEIGHT && off < STEP && both.contains(t.point.with_y(0.0))
+        };
+        !places.iter().any(denies)
     }
 
     fn highest(&self) -> f32 {
@@ -75,12 +84,12 @@ pub fn under(places: &[Touch]) -> Vec<Plate> {
     let mut plates: Vec<Plate> = Vec::new();
     for touch in raised {
         let new = Plate::new(touch);
-        match plates.iter_mut().find(|p| p.continues(&new)) {
+        match plates.iter_mut().find(|p| p.continues(&new, places)) {
             Some(plate) => plate.join(&new),
             None => plates.push(new),
         }
     }
-    while let Some((i, j)) = joinable(&plates) {
+    while let Some((i, j)) = joinable(&plates, places) {
         let other = plates.remove(j);
         plates[i].join(&other);
     }
@@ -88,8 +97,29 @@ pub fn under(places: &[Touch]) -> Vec<Plate> {
 }
 
 /// Two plates that are one.
-fn joinable(plates: &[Plate]) -> Option<(usize, usize)> {
+fn joinable(plates: &[Plate], places: &[Touch]) -> Option<(usize, usize)> {
     (0..plates.len())
         .flat_map(|i| (i + 1..plates.len()).map(move |j| (i, j)))
-        .find(|&(i, j)| plates[i].continues(&plates[j]))
+        .find(|&(i, j)| plates[i].continues(&plates[j], places))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn foot(x: f32, y: f32) -> Touch {
+        let point = Vec3::new(x, y, 0.0);
+        let extent = Bounds::of([point]).grown(0.05);
+        Touch { kind: Kind::Foot, point, extent, across: Vec3::X, lasts_s: 1.0 }
+    }
+
+    #[test]
+    fn a_plate_does_not_reach_over_a_lower_place_but_rungs_lie_above_each_other() {
+        let heights = |places: &[Touch]| under(places).iter().map(|p| (p.height, p.heights.len())).collect::<Vec<_>>();
+        assert_eq!(heights(&[foot(0.0, 0.3), foot(0.4, 0.32), foot(0.9, 0.0)]), [(0.32, 2)]);
+        assert_eq!(heights(&[foot(0.0, 0.3), foot(0.2, 0.15), foot(0.4, 0.3)]), [(0.15, 1), (0.3, 1), (0.3, 1)]);
+        let ladder = [foot(0.0, 0.3), foot(0.2, 0.3), foot(0.1, 0.58), foot(0.0, 0.6), foot(0.2, 0.6)];
+        assert_eq!(heights(&ladder), [(0.3, 2), (0.6, 3)]);
+        assert_eq!(heights(&[foot(0.0, 0.3), foot(2.0, 0.3)]), [(0.3, 1), (0.3, 1)]);
+    }
 }

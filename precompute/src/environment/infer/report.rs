@@ -19,6 +19,8 @@ pub struct InferReport {
     pub seat_places: usize,
     /// Places that hands held.
     pub hand_places: usize,
+    /// Places of hands that are on no bar: pauses in the air, or things nothing else is known of.
+    pub hands_unexplained: usize,
     /// Places of feet and seats on the ground.
     pub on_ground: usize,
     /// Plates.
@@ -54,6 +56,7 @@ impl InferReport {
             foot_places: count(Kind::Foot),
             seat_places: count(Kind::Seat),
             hand_places: hands.len(),
+            hands_unexplained: hands.len() - bars.iter().map(|b| b.off.len()).sum::<usize>(),
             on_ground: ground().count(),
             plates: plates.len(),
             plates_of_one: plates.iter().filter(|p| p.heights.len() == 1).count(),
@@ -106,8 +109,8 @@ impl fmt::Display for InferReport {
         )?;
         writeln!(
             f,
-            "{} bars ({} of fewer than three places, direction guessed); {} units",
-            self.bars, self.bars_guessed, self.units
+            "{} bars ({} of fewer than three places, direction guessed), {} places of hands on none; {} units",
+            self.bars, self.bars_guessed, self.hands_unexplained, self.units
         )?;
         let (rms, max) = (1000.0 * self.residual_rms_m, 1000.0 * self.residual_max_m);
         writeln!(f, "residual {rms:.0} mm rms, {max:.0} mm at most")?;
