@@ -54,7 +54,7 @@ pub(super) fn build(given: &Given, config: &TileConfig) -> Result<(Patch, PatchR
     let words = if is_ground(unit) {
         Vocabulary::of_ground(&source, num_edges, config)
     } else {
-        Vocabulary::of_rising(&source, &region, edges.steps[0][1], config)
+        Vocabulary::of_rising(&source, &region, edges, config)
     };
     let layout = lay_out(unit, edges, &region, &words, config);
     let links = all_links(&Search::new(&source, &layout, &region, config, given.min_frames));
