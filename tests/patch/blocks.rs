@@ -36,7 +36,12 @@ fn setting(placed: &[(usize, Placement)], units_of: Vec<Vec<u32>>) -> Option<Set
     Some(Setting { environment: Environment { name: "room".into(), units }, units_of })
 }
 
-fn built(clips: &ClipSet, group: impl Fn(usize, usize) -> u32, settings: &[Option<Setting>], config: &PatchConfig) -> Patches {
+fn built(
+    clips: &ClipSet,
+    group: impl Fn(usize, usize) -> u32,
+    settings: &[Option<Setting>],
+    config: &PatchConfig,
+) -> Patches {
     patch::build(clips, &groups_of(clips, group), settings, config, &units(), &Silent).unwrap()
 }
 
@@ -117,14 +122,18 @@ fn who_stands_still_may_stay_and_levels_are_apart() {
 /// A walk on a coarse lattice that comes back to the same cells now and then.
 fn lattice_walk(steps: &[(u8, u8)]) -> (Clip, Vec<u32>) {
     let at = |s: u8| Planar::new(0.05 + 0.1 * f32::from(s % 3), 0.05 + 0.1 * f32::from(s / 3), 0.0);
-    (clip_of("lattice", &steps.iter().map(|s| at(s.0)).collect::<Vec<_>>()), steps.iter().map(|s| u32::from(s.1)).collect())
+    (
+        clip_of("lattice", &steps.iter().map(|s| at(s.0)).collect::<Vec<_>>()),
+        steps.iter().map(|s| u32::from(s.1)).collect(),
+    )
 }
 
 /// All pairs that chains of the given pairs join.
 fn closure(pairs: &BTreeSet<(usize, usize)>) -> BTreeSet<(usize, usize)> {
     let mut all = pairs.clone();
     loop {
-        let more: Vec<_> = all.iter().flat_map(|&(a, b)| pairs.range((b, 0)..=(b, usize::MAX)).map(move |&(_, c)| (a, c))).collect();
+        let more: Vec<_> =
+            all.iter().flat_map(|&(a, b)| pairs.range((b, 0)..=(b, usize::MAX)).map(move |&(_, c)| (a, c))).collect();
         let before = all.len();
         all.extend(more);
         if all.len() == before {

@@ -304,7 +304,9 @@ fn naive_prune(g: &TileGraph) -> Vec<bool> {
         let alive = || g.links.iter().zip(&left).filter(|(_, l)| **l).map(|(&(a, b), _)| (node(a), node(b)));
         let edges: Vec<(usize, usize)> = alive().map(|(a, b)| (a as usize, b as usize)).collect();
         let from: Vec<BTreeSet<usize>> = (0..g.cells.len()).map(|i| reached(g.cells.len(), &edges, i)).collect();
-        let component = |i: usize| -> Vec<usize> { (0..g.cells.len()).filter(|&j| from[i].contains(&j) && from[j].contains(&i)).collect() };
+        let component = |i: usize| -> Vec<usize> {
+            (0..g.cells.len()).filter(|&j| from[i].contains(&j) && from[j].contains(&i)).collect()
+        };
         let mut kept = BTreeSet::new();
         for edges_together in &g.together {
             let mut best: Vec<usize> = Vec::new();

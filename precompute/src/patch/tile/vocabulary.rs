@@ -64,7 +64,8 @@ impl Vocabulary {
     /// and also where the opposite one is left.
     pub fn of_rising(source: &Source, region: &Region, edges: &TileEdges, config: &TileConfig) -> Self {
         let edges = (0..2).map(|edge| {
-            let [entered, left] = [edge, edge ^ 1].map(|e| crossings(source, region, e, edge_height(edges, e), e == edge));
+            let [entered, left] =
+                [edge, edge ^ 1].map(|e| crossings(source, region, e, edge_height(edges, e), e == edge));
             let both = entered.into_iter().filter_map(|(word, n)| Some((word, n.min(*left.get(&word)?))));
             let found = commonest(both.collect(), config.edge_groups);
             let word = |(group, level)| Word { group, level: level as f32 * LEVEL_M };
@@ -90,7 +91,7 @@ fn crossings(source: &Source, region: &Region, edge: usize, height: f32, inward:
         for f in 1..track.places.len() {
             let (before, now) = (inset(f - 1), inset(f));
             // Not only the very frame: those around it may be moved onto the edge.
-            let near = now.abs() < 0.05 && (now > before) == inward && now != before;
+            let near = now.abs() < (now - before).abs().max(0.05) && (now > before) == inward && now != before;
             if near && track.groups[f] != PoseGroups::NO_GROUP {
                 let level = ((track.support[f] - copy.y - height) / LEVEL_M).round() as i32;
                 passed.insert((track.groups[f], level));
