@@ -13,12 +13,15 @@ pub mod scene;
 pub mod sheet;
 pub mod strip;
 pub mod trial;
+pub mod world;
 
 mod furniture;
+mod piece;
 mod shadow;
 mod solid;
 mod sprite;
 mod text;
+mod visible;
 
 pub use camera::Camera;
 pub use canvas::Picture;
@@ -30,3 +33,5 @@ pub use scene::scene_sheet;
 pub use sheet::sheet;
 pub use strip::{PoseStrip, StripFrame, onion_skin, pose_strip};
 pub use trial::trial_sheet;
+pub use world::{WorldFigure, WorldLook, WorldStrip, WorldUnit, WorldView, unit_colour, world_sheet};
+pub use world::{world_strip, world_units};

@@ -27,6 +27,7 @@ pub(crate) use anatomy::head_centre;
 use block::Block;
 pub use blow::{Blow, MAX_BLOWS};
 use blow::{Blows, PassedHits};
+pub(crate) use control::uniform;
 pub use course::Course;
 pub use foot_lock::FootLockConfig;
 use glam::{Vec2, Vec3};

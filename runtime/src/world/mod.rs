@@ -4,6 +4,7 @@ mod check;
 mod error;
 mod file;
 mod graph;
+pub mod inhabitants;
 pub mod plan;
 mod records;
 

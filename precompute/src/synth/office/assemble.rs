@@ -138,7 +138,8 @@ fn move_hips(pelvis: &mut Pelvis, input: &PelvisInput, keyed: &Keyed) {
         pelvis.position[i] += DVec3::new(shift.x, 0.0, shift.y);
         pelvis.yaw[i] += body.hips.yaw;
         pelvis.pitch[i] += body.hips.pitch + SHARED[0] * keyed.seated[i].lean;
-        pelvis.list[i] += body.hips.list;
+        // On the seat, lifting a foot does not tilt the hips.
+        pelvis.list[i] = pelvis.list[i] * (1.0 - keyed.seated[i].down) + body.hips.list;
     }
     pelvis.stand_up(input);
     for (i, (body, seated)) in keyed.body.iter().zip(&keyed.seated).enumerate() {

@@ -142,9 +142,9 @@ impl Script {
         self.steps.push(intent);
     }
 
-    /// Time at which the foot of the next step leaves the ground, less the shift of weight before it. [Unit: s]
-    pub fn next_shift(&self) -> f64 {
-        if self.now > self.landed + 0.02 { self.now } else { self.landed }
+    /// When the next step lifts its foot, where it comes after standing still. [Unit: s]
+    pub fn next_lift(&self) -> f64 {
+        self.now.max(self.landed) + SHIFT
     }
 
     /// Turns on the spot by `angle` in alternating steps, the inner foot first.
@@ -232,10 +232,5 @@ impl Script {
     /// Names what happens from `from` to now.
     pub fn tag(&mut self, name: &'static str, from: f64) {
         self.tags.push((name, from, self.now));
-    }
-
-    /// When the weight first moves for the next step: the end of standing still.
-    pub fn shift_time() -> f64 {
-        SHIFT
     }
 }

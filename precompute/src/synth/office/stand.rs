@@ -171,9 +171,10 @@ impl Stander {
         script.pose(from + 0.9, 0.85, facing);
         script.look(from + 0.6, 0.55, 1.3 * partner, 0.02, 0.0);
         let talk = Talk { from: from + 0.2, to: to - 0.1, facing, gaze: 1.3 * partner, seated: false, heat };
-        gesture::talk(script, &talk, rng);
-        script.relax(to, 0.9);
-        script.wait_until(to);
+        let to = gesture::talk(script, &talk, rng).max(to);
+        script.pose(to, 0.9, Posture::default());
+        script.look(to, 0.7, 0.0, 0.0, 0.0);
+        script.wait_until(to + 0.1);
         if heat > 0.5 { "dispute" } else { "chat" }
     }
 }

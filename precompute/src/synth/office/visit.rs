@@ -102,12 +102,11 @@ impl Visitor {
         let side = if from.x.abs() > 0.8 { Side::inside(from.x) } else { dealt };
         let s = side.sign();
         let across = from.y > 0.3;
-        let at = DVec2::new(s * rng.random_range(0.62..0.72), if across { 0.05 } else { rng.random_range(0.12..0.22) });
+        let at = DVec2::new(s * rng.random_range(0.62..0.72), if across { 0.02 } else { rng.random_range(0.04..0.14) });
         let arrive = if across { s * 2.0 - 0.35..s * 2.0 + 0.35 } else { -0.75..0.75 };
         let arrive = if across { -arrive.end..-arrive.start } else { arrive };
         let cruise = self.speeds.deal(rng);
-        walk(script, &Goal { at, arrive, cruise }, blocked, rng);
-        let began = script.now();
+        let began = walk(script, &Goal { at, arrive, cruise }, blocked, rng);
         let turned = script.stance().heading;
         let turned = f64::from(throng_runtime::planar::wrap_angle(turned as f32));
         if rng.random_bool(0.45) {
@@ -141,39 +140,40 @@ impl Visitor {
 
     /// Stands up, gets out from between chair and desk, and walks away.
     fn leave(&mut self, script: &mut Script, rng: &mut impl Rng) {
-        let heading = script.stance().heading;
-        place_feet(script, Side::BOTH[usize::from(rng.random_bool(0.5))], DRAWN_BACK, 0.5 * heading, rng);
+        let ready = script.now();
+        let heading = script.vary(0.04, rng);
+        place_feet(script, Side::BOTH[usize::from(rng.random_bool(0.5))], DRAWN_BACK, heading, rng);
         let begin = script.now();
         let end = begin + 2.0 + script.vary(0.2, rng);
         if let Some(sitting) = script.sittings.last_mut() {
             sitting.up = [begin, end];
         }
         stand_up(script, begin, end, rng);
-        script.tag("stand_up", begin);
+        script.tag("stand_up", ready);
         script.wait_until(end + rng.random_range(0.0..0.3));
         let goal = self.place(1, rng);
         let dealt = self.sides[1].deal(rng);
         let side = if goal.x.abs() > 0.6 { Side::inside(goal.x) } else { dealt };
-        self.step_out(script, side, rng);
+        let began = script.next_lift();
+        step_out(script, side, rng);
         let direct = goal - script.stance().at;
         let ahead = direct.x.atan2(direct.y);
         let cruise = self.speeds.deal(rng);
         walk(script, &Goal { at: goal, arrive: ahead - 0.9..ahead + 0.9, cruise }, blocked, rng);
-    }
-
-    /// Sideways out to where the way behind is free, turning a little outwards.
-    fn step_out(&mut self, script: &mut Script, side: Side, rng: &mut impl Rng) {
-        let began = script.now();
-        let from = script.stance().at;
-        let out = DVec2::new(side.sign() * rng.random_range(0.6..0.7), rng.random_range(0.1..0.2));
-        let path = |u: f64| {
-            let back = ((u - 0.45) / 0.55).max(0.0);
-            DVec2::new(from.x + (out.x - from.x) * u, from.y + (out.y - from.y) * back)
-        };
-        let heading = side.sign() * rng.random_range(0.0..0.5);
-        script.side_step(Stance { at: out, heading }, path, rng);
         script.tag("walk", began);
     }
+}
+
+/// Sideways out to where the way behind is free, turning a little outwards.
+fn step_out(script: &mut Script, side: Side, rng: &mut impl Rng) {
+    let from = script.stance().at;
+    let out = DVec2::new(side.sign() * rng.random_range(0.6..0.7), rng.random_range(0.1..0.2));
+    let path = |u: f64| {
+        let back = ((u - 0.45) / 0.55).max(0.0);
+        DVec2::new(from.x + (out.x - from.x) * u, from.y + (out.y - from.y) * back)
+    };
+    let heading = side.sign() * rng.random_range(0.0..0.5);
+    script.side_step(Stance { at: out, heading }, path, rng);
 }
 
 /// Puts one foot after the other to a distance in front of the seat.

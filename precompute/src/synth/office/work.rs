@@ -3,12 +3,14 @@
 use super::super::attitude::Attitude;
 use super::super::deck::Deck;
 use super::super::side::Side;
+use super::super::walk::footsteps::Stance;
+use super::super::walk::wander::TOE_OUT;
 use super::desk::TOP;
 use super::gesture::{self, Talk};
 use super::posture::{HandPose, Posture};
-use super::script::Script;
+use super::script::{Script, Step};
 use super::visit::{LAP, SITTING, on};
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use rand::{Rng, RngExt};
 
 /// Height of a wrist whose hand lies on the desk. [Unit: m]
@@ -60,11 +62,14 @@ pub fn work(worker: &mut Worker, script: &mut Script, begin: f64, end: f64, rng:
     let (mut t, mut began) = (begin + 0.9, begin);
     let mut last = None;
     while t < end - 2.5 {
+        if last.is_some() && rng.random_bool(0.5) {
+            move_foot(script, t, rng);
+        }
         let mut task = worker.tasks.deal(rng);
         if last == Some(task) {
             task = worker.tasks.deal(rng);
         }
-        let until = (t + rng.random_range(4.0..9.0)).min(end);
+        let mut until = (t + rng.random_range(4.0..9.0)).min(end);
         match task {
             Task::Type => type_text(script, t, until, rng),
             Task::Mouse => use_mouse(script, t, until, rng),
@@ -72,7 +77,7 @@ pub fn work(worker: &mut Worker, script: &mut Script, begin: f64, end: f64, rng:
             Task::LeanBack => lean_back(script, t, until, rng),
             Task::Chat(side) => {
                 close(script, "work", began, t);
-                chat(script, side, t, until, rng);
+                until = chat(script, side, t, until, rng);
                 close(script, "desk_chat", t, until);
                 began = until;
             }
@@ -87,6 +92,15 @@ pub fn work(worker: &mut Worker, script: &mut Script, begin: f64, end: f64, rng:
     script.look(t + 0.8, 0.6, 0.0, 0.05, 0.0);
     script.wait_until(t + 1.0);
     close(script, "work", began, t + 1.0);
+}
+
+/// Moves one foot under the desk a little.
+fn move_foot(script: &mut Script, t: f64, rng: &mut impl Rng) {
+    script.wait_until(t);
+    let side = Side::BOTH[usize::from(rng.random_bool(0.5))];
+    let to = Stance { at: DVec2::new(0.0, rng.random_range(0.34..0.48)), heading: 0.0 };
+    let (width, toe_out) = (0.24 + script.vary(0.04, rng), TOE_OUT * (1.0 + script.vary(0.8, rng)));
+    script.step(Step { width, toe_out, period: 0.6, ..Step::aside(side, to) });
 }
 
 fn close(script: &mut Script, name: &'static str, from: f64, to: f64) {
@@ -244,7 +258,9 @@ fn lean_back(script: &mut Script, from: f64, to: f64, rng: &mut impl Rng) {
 }
 
 /// Turns to somebody beside the desk and talks to him.
-fn chat(script: &mut Script, side: Side, from: f64, to: f64, rng: &mut impl Rng) {
+///
+/// - returns when it is over. [Unit: s]
+fn chat(script: &mut Script, side: Side, from: f64, to: f64, rng: &mut impl Rng) -> f64 {
     let turn = side.sign() * (0.5 + script.vary(0.12, rng));
     let turned = Posture {
         hips: Attitude { yaw: 0.12 * turn, ..SITTING.hips },
@@ -255,11 +271,10 @@ fn chat(script: &mut Script, side: Side, from: f64, to: f64, rng: &mut impl Rng)
     script.look(from + 0.8, 0.8, 1.5 * turn, 0.0, 0.0);
     // The hands leave the desk before they talk.
     let ready = Side::BOTH.map(|s| to_lap(script, s, from, rng)).into_iter().fold(from, f64::max);
-    gesture::talk(
-        script,
-        &Talk { from: ready.max(from + 1.1), to: to - 0.9, facing: turned, gaze: 1.5 * turn, seated: true, heat: 0.0 },
-        rng,
-    );
+    let (begin, gaze) = (ready.max(from + 1.1), 1.5 * turn);
+    let talk = Talk { from: begin, to: to - 0.9, facing: turned, gaze, seated: true, heat: 0.0 };
+    let to = gesture::talk(script, &talk, rng) + 0.9;
     script.look(to, 0.7, 0.0, 0.1, 0.0);
     script.pose(to, 0.8, SITTING);
+    to
 }
