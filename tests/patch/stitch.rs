@@ -6,7 +6,7 @@ use std::collections::BTreeSet;
 use throng_precompute::clip::joint_transforms;
 use throng_precompute::environment::{Body, Environment, PlacedGeometry, PlacedUnit};
 use throng_precompute::progress::Silent;
-use throng_precompute::stitch::{Editor, StitchConfig, StitchReport, stitch};
+use throng_precompute::stitch::{Editor, Item, Reason, StitchConfig, StitchReport, stitch};
 use throng_runtime::patch::{CellRecord, NONE, Placement};
 use throng_runtime::planar::wrap_angle;
 use throng_runtime::world::{InstanceRecord, WorldData, is_set};
@@ -218,12 +218,13 @@ fn colliding(m: &MadeUp, w: &WorldData, e: &Environment, i: usize, depth: f32) -
         .collect()
 }
 
-/// As [`stitched`]; none where no motion goes on for ever.
+/// As [`stitched`]; none where no motion goes on for ever, or copies of a unit stand in one place.
 fn maybe_stitched(m: &MadeUp, e: &Environment, c: &StitchConfig) -> Option<(WorldData, StitchReport)> {
     match stitch(&m.patches(), &m.library(), e, c, &Silent) {
         Ok(_) => Some(stitched(m, e, c)),
         Err(error) => {
-            assert!(error.to_string().contains("no motion leads on"), "{error}");
+            let error = error.to_string();
+            assert!(error.contains("no motion leads on") || error.contains("in the same place"), "{error}");
             None
         }
     }
@@ -329,6 +330,33 @@ fn what_cannot_be_a_world_is_refused_by_name() {
     let unknown =
         Environment { name: "e".into(), units: vec![PlacedUnit { unit: 77, placement: Placement::IDENTITY }] };
     assert!(refusal(&m, &unknown, &c).contains("unit number 77"));
+}
+
+#[test]
+fn whatever_is_taken_out_can_say_why() {
+    let m = MadeUp::new();
+    let e = with(panels(3, 3), BENCH, PANEL_M, PANEL_M + 0.8, 0.0);
+    let editor = Editor::new(m.patches(), m.library(), e, &config(), &Silent).unwrap();
+    let world = editor.world();
+    let mut counted = std::collections::BTreeMap::new();
+    for (i, r) in (0u32..).zip(&world.instances) {
+        let patch = &m.patches[r.patch as usize];
+        let cells = (0..patch.num_cells).map(|c| (Item::Cell(c), is_set(&world.cell_words, r.first_cell_word, c)));
+        let links = (0..patch.num_links).map(|l| (Item::Link(l), is_set(&world.link_words, r.first_link_word, l)));
+        for (item, enabled) in cells.chain(links) {
+            let why = editor.why(i, item);
+            assert_eq!(why.is_none(), enabled, "{i} {item:?}");
+            let Some(why) = why else { continue };
+            *counted.entry(why.reason.name().to_owned()).or_insert(0u64) += 1;
+            assert_eq!(why.collision.is_some(), why.reason == Reason::Obstacle);
+            if let Some(c) = &why.collision {
+                assert!(c.unit == 9 && c.depth_m > 0.05 && why.message.contains("m in unit bench (place 9"), "{why:?}");
+            }
+        }
+    }
+    let mut reported = editor.report().disabled.clone();
+    reported.retain(|_, n| *n > 0);
+    assert_eq!(counted, reported);
 }
 
 #[test]

@@ -8,6 +8,7 @@ mod bodies;
 mod component;
 mod config;
 mod editor;
+mod field;
 mod fit;
 mod joined;
 mod lay;

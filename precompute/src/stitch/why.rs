@@ -44,7 +44,7 @@ impl Editor<'_> {
     ///
     /// [Limit: instance < number of instances, the item within its patch]
     pub fn why(&self, instance: u32, item: Item) -> Option<Why> {
-        let judged = Judged { allowed: &self.allowed, standing: &self.standing };
+        let judged = Judged { joined: &self.joined, standing: &self.standing };
         let (reason, what) = match item {
             Item::Cell(c) => (judged.cell(instance, c)?, format!("cell {c}")),
             Item::Link(l) => (judged.link(instance, l)?, format!("link {l}")),
@@ -85,10 +85,10 @@ impl Editor<'_> {
         let first = self.laid.obstacles.partition_point(|o| o.0 < instance);
         let mut deepest: Option<Collision> = None;
         for (_, unit, relation) in self.laid.obstacles[first..].iter().take_while(|o| o.0 == instance) {
-            let (geometry, to_unit) = (&s.library.geometries[relation.b as usize], relation.placement().inverse());
+            let (field, to_unit) = (s.field(relation.b), relation.placement().inverse());
             for k in mask::looked_at(roots.len()) {
                 let root = to_unit.compose(roots[k]);
-                let Some((joint, depth_m)) = s.bodies().deepest(first_row + k, root, geometry, s.config.penetration_m)
+                let Some((joint, depth_m)) = s.bodies().deepest(first_row + k, root, field, s.config.penetration_m)
                 else {
                     continue;
                 };
