@@ -94,8 +94,8 @@ impl Planner {
         }
     }
 
-    /// Looks for a way from a node to a target that is not the node itself, and writes as many of its first steps as
-    /// there is room for. Allocates nothing.
+    /// Looks for a way from a node to a target, and writes as many of its first steps as there is room for; a way to
+    /// where it begins has none. Allocates nothing.
     ///
     /// - returns `None` where no way leads there.
     ///
