@@ -127,12 +127,12 @@ impl<'w> WorldGraph<'w> {
         self.to_rest[self.index(node)] != NONE
     }
 
-    /// True where motion with a tag begins at a node, and a character may stay in its instance.
+    /// True where motion with a tag begins at a node inside of an instance, and a character may stay there.
     pub fn begins(&self, node: Node, tag: u16) -> bool {
         let cell = self.cell(node);
         let mut links = cell.first_link..cell.first_link + cell.num_links;
         let shows = |l| self.links(node.instance)[l as usize].tag == tag && self.step_along(node.instance, l).is_some();
-        self.is_safe(node) && links.any(shows)
+        self.is_safe(node) && cell.edge == NONE && links.any(shows)
     }
 
     /// Units that are held in an instance. [Limit: instance < num_instances]
