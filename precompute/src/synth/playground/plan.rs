@@ -83,12 +83,12 @@ impl Visitor {
 
     /// The legs of a visit of at least `seconds`, walks and others in turn, from standing to standing.
     pub fn visit(&mut self, seconds: f64, rng: &mut impl Rng) -> Vec<Leg> {
-        let at = LOOKOUTS[rng.random_range(0..LOOKOUTS.len())];
-        let start = Stance { at: jittered(at, rng), heading: rng.random_range(-PI..PI) };
+        let at = DVec2::new(rng.random_range(-9.0..6.0), rng.random_range(-8.5..-5.8));
+        let start = Stance { at, heading: rng.random_range(-PI..PI) };
         let route = Route::from(start, self.variation, rng);
         let mut visit = Visit { legs: Vec::new(), route, variation: self.variation, rng };
         // A round takes about 40 s.
-        while visit.is_fresh() || visit.seconds() < seconds - 30.0 {
+        while visit.is_fresh() || visit.seconds() < seconds - 32.0 {
             self.round(&mut visit);
         }
         visit.leave()
