@@ -18,6 +18,9 @@ use throng_runtime::planar::wrap_angle;
 /// Steps are stretched or shortened by no more than this share.
 const STRETCH: f64 = 0.22;
 
+/// What speaks against every step, so that detours are short.
+const WAY: f64 = 0.06;
+
 /// How a walk comes to its end.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Arrival {
@@ -42,8 +45,8 @@ pub struct Route {
     cruise: f64,
 }
 
-/// Where a walk may go.
-pub type Free<'a> = &'a dyn Fn(DVec2) -> bool;
+/// What speaks against a place of the path, 0 where nothing does.
+pub type Against<'a> = &'a dyn Fn(DVec2) -> f64;
 
 impl Route {
     /// Stands.
@@ -86,12 +89,12 @@ impl Route {
 
     /// Walks to a place and heading. Where it was to pass and cannot, it stands.
     ///
-    /// - `free`: where it may go.
-    pub fn to(&mut self, goal: Stance, arrival: Arrival, free: Free, rng: &mut impl Rng) {
+    /// - `against`: what speaks against the places on the way; a stretch of all steps by a tenth counts 0.1.
+    pub fn to(&mut self, goal: Stance, arrival: Arrival, against: Against, rng: &mut impl Rng) {
         let seed = rng.random();
         let mut best: Option<(f64, Self)> = None;
         for plan in plans(self.at, goal, arrival, step_at(self.cruise).length) {
-            let (cost, route) = self.tried(&plan, goal, free, seed);
+            let (cost, route) = self.tried(&plan, goal, against, seed);
             if best.as_ref().is_none_or(|b| cost < b.0) {
                 best = Some((cost, route));
             }
@@ -102,7 +105,7 @@ impl Route {
     }
 
     /// A way to arrive, and what speaks against it.
-    fn tried(&self, plan: &Plan, goal: Stance, free: Free, seed: u64) -> (f64, Self) {
+    fn tried(&self, plan: &Plan, goal: Stance, against: Against, seed: u64) -> (f64, Self) {
         let mut rng = Pcg64Mcg::seed_from_u64(seed);
         let mut route = self.clone();
         let walk = &mut route.walk;
@@ -125,13 +128,12 @@ impl Route {
             walk.pause = rng.random_range(0.1..0.5);
             walk.turn_in_place(plan.last, &mut rng);
         }
-        let cost = route.arrive(begin, &groups, goal, free);
+        let cost = route.arrive(begin, &groups, goal, against);
         (cost + 0.02 * (plan.first.abs() + plan.second.abs()) + plan.cost, route)
     }
 
     /// Stretches the steps of two groups so that the last one arrives; what that takes, and what is in the way.
-    fn arrive(&mut self, begin: usize, groups: &[Range<usize>; 2], goal: Stance, free: Free) -> f64 {
-        const BLOCKED: f64 = 100.0;
+    fn arrive(&mut self, begin: usize, groups: &[Range<usize>; 2], goal: Stance, against: Against) -> f64 {
         self.straighten(begin, groups[1].start, goal.heading);
         let end = self.walk.steps[begin..].iter().fold(self.at, |at, s| at.after(s)).at;
         let [a, b] = [0, 1].map(|g: usize| self.travel(begin, &groups[g]));
@@ -151,7 +153,7 @@ impl Route {
         let mut at = self.at;
         for step in &self.walk.steps[begin..] {
             at = at.after(step);
-            cost += if free(at.at) { 0.0 } else { BLOCKED };
+            cost += WAY + against(at.at);
         }
         cost += 1e4 * (at.at - goal.at).length();
         self.at = Stance { at: at.at, heading: goal.heading };
@@ -290,7 +292,7 @@ mod tests {
             let goal = Stance { at: DVec2::new(0.0, 6.0), heading: rng.random_range(-3.0..3.0) };
             let mut route = Route::from(from, 1.0, &mut rng);
             let arrival = if seed % 2 == 0 { Arrival::Stand } else { Arrival::Pass };
-            route.to(goal, arrival, &|_| true, &mut rng);
+            route.to(goal, arrival, &|_| 0.0, &mut rng);
             let end = route.walk.steps.iter().fold(from, |at, s| at.after(s));
             assert!((end.at - goal.at).length() < 1e-9, "seed {seed}: {end:?}");
             assert!(wrap_angle((end.heading - goal.heading) as f32).abs() < 1e-6, "seed {seed}: {end:?}");
