@@ -28,8 +28,12 @@ impl Glide {
     pub fn clip(&self, name: &str) -> Clip {
         let step = Planar::new(0.0, self.speed_mps / 30.0, self.turning_radps / 30.0);
         let mut at = self.start;
-        let places = (0..self.frames).map(|_| std::mem::replace(&mut at, at.compose(step)));
-        clip_of(name, &places.collect::<Vec<_>>())
+        let mut places = Vec::with_capacity(self.frames);
+        for _ in 0..self.frames {
+            places.push(at);
+            at = at.compose(step);
+        }
+        clip_of(name, &places)
     }
 }
 

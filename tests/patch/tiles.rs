@@ -35,9 +35,9 @@ fn with_tile(tile: TileConfig) -> PatchConfig {
     PatchConfig { tiles: vec![tile], ..PatchConfig::default() }
 }
 
-/// Six minutes of walking and their mirrored copies.
+/// Twelve minutes of walking and their mirrored copies; six are too few turns for a tile.
 static WALK: LazyLock<(ClipSet, PoseGroups)> = LazyLock::new(|| {
-    let made = synth::make(SynthSet::Walk, &SynthConfig::default()).unwrap();
+    let made = synth::make(SynthSet::Walk, &SynthConfig { minutes: 12.0, ..SynthConfig::default() }).unwrap();
     let clips = resample::resample(&made, &ResampleConfig::default()).unwrap();
     let features = features::extract(&clips, &FeaturesConfig::default()).unwrap();
     let groups = cluster::group(&clips, &features, &ClusterConfig::default(), &Silent).unwrap();
