@@ -2,7 +2,7 @@
 
 use super::field::Field;
 use crate::clip::joint_transforms;
-use crate::environment::{Body, NUM_SPHERES, Sphere};
+use crate::environment::{Body, Bounds, NUM_SPHERES, Sphere};
 use glam::{Quat, Vec3};
 use rayon::prelude::*;
 use throng_runtime::format::FrameRow;
@@ -19,6 +19,10 @@ pub(super) struct Bodies {
     frames: Vec<Pose>,
     /// At rest, for what does not depend on the frame.
     spheres: [Sphere; NUM_SPHERES],
+    /// The widest of all frames. [Unit: m]
+    radius: f32,
+    /// The lowest and the highest point of all frames. [Unit: m]
+    heights: [f32; 2],
 }
 
 /// The spheres of one frame.
@@ -43,6 +47,13 @@ impl Pose {
     }
 }
 
+/// How far a root is from a box, over the ground. [Unit: m]
+pub(super) fn beside(shapes: &Bounds, root: Placement) -> f32 {
+    let x = (shapes.min.x - root.x).max(root.x - shapes.max.x).max(0.0);
+    let z = (shapes.min.z - root.z).max(root.z - shapes.max.z).max(0.0);
+    (x * x + z * z).sqrt()
+}
+
 impl Bodies {
     /// Places the spheres of every frame.
     pub fn new(frames: &[FrameRow], contacts: &[Contacts], skeleton: &Skeleton) -> Self {
@@ -53,7 +64,24 @@ impl Bodies {
         };
         let frames: Vec<Pose> = frames.par_iter().zip(contacts).map(pose).collect();
         let spheres = body.spheres(&joint_transforms(skeleton, Vec3::ZERO, |_| Quat::IDENTITY));
-        Self { frames, spheres }
+        let radius = frames.iter().map(|f| f.radius).fold(0.0, f32::max);
+        let lowest = frames.iter().map(|f| f.heights[0]).fold(f32::INFINITY, f32::min);
+        let highest = frames.iter().map(|f| f.heights[1]).fold(f32::NEG_INFINITY, f32::max);
+        Self { frames, spheres, radius, heights: [lowest, highest] }
+    }
+
+    /// No body reaches farther from the vertical through its root than this. [Unit: m]
+    pub fn radius(&self) -> f32 {
+        self.radius
+    }
+
+    /// Where a root must be for a body to touch what is in a box.
+    pub fn around(&self, shapes: &Bounds) -> Bounds {
+        let side = Vec3::new(self.radius, 0.0, self.radius);
+        Bounds {
+            min: shapes.min - side - Vec3::Y * self.heights[1],
+            max: shapes.max + side - Vec3::Y * self.heights[0],
+        }
     }
 
     /// True where the body of a frame is deeper in a unit than `depth_m`; what is planted may be pressed in by its
@@ -62,9 +90,7 @@ impl Bodies {
     /// - `root`: in the unit's frame.
     pub fn collides(&self, frame: usize, root: Placement, unit: &Field, depth_m: f32) -> bool {
         let (pose, shapes) = (&self.frames[frame], &unit.geometry.bounds);
-        let x = (shapes.min.x - root.x).max(root.x - shapes.max.x).max(0.0);
-        let z = (shapes.min.z - root.z).max(root.z - shapes.max.z).max(0.0);
-        let beside = x * x + z * z > pose.radius * pose.radius
+        let beside = beside(shapes, root) > pose.radius
             || root.y + pose.heights[1] < shapes.min.y
             || root.y + pose.heights[0] > shapes.max.y;
         !beside && self.limits(pose, root, unit, depth_m).any(|(_, p, limit)| unit.is_nearer(p, limit))

@@ -162,8 +162,7 @@ fn make<'a>(
     progress.begin("component", joined.num_nodes as u64, "cells");
     let standing = largest(&joined).ok_or_else(|| no_component(stitcher, environment))?;
     progress.end();
-    let (mut world, counts) =
-        assemble(stitcher, environment, &laid, &Judged { joined: &joined, standing: &standing });
+    let (mut world, counts) = assemble(stitcher, environment, &laid, &Judged { joined: &joined, standing: &standing });
     check_reached(stitcher, environment, &laid, &joined, &standing)?;
     let mut report = report(stitcher, &laid, &world, &counts);
     world.meta = meta(stitcher, environment, &report)?;

@@ -146,9 +146,8 @@ impl<'a> Stitcher<'a> {
     }
 
     fn mask(&self, relation: &Relation) -> Vec<Hit> {
-        let num_links = self.patches.patches[relation.a as usize].num_links as usize;
         let (paths, unit) = (self.paths(relation.a), self.field(relation.b));
-        mask::hits(paths, num_links, self.bodies(), unit, relation.placement(), self.config.penetration_m)
+        mask::hits(paths, self.bodies(), unit, relation.placement(), self.config.penetration_m)
     }
 
     /// Distances from a unit.

@@ -1,8 +1,9 @@
 //! What of a patch's motion a unit is in the way of, for every way in which the unit may stand to the patch.
 
-use super::bodies::Bodies;
+use super::bodies::{Bodies, beside};
 use super::field::Field;
 use super::paths::Paths;
+use std::collections::HashMap;
 use throng_runtime::patch::Placement;
 
 /// Of a walk at 30 Hz every second frame is looked at: a hand moves some centimetres between them.
@@ -22,37 +23,67 @@ pub(super) struct Hit {
 /// All links of a patch that collide with a unit which stands at `unit_at` in its frame, ascending.
 ///
 /// - `depth_m`: bodies may be that deep in the unit.
-pub(super) fn hits(paths: &Paths, num_links: usize, bodies: &Bodies, unit: &Field, unit_at: Placement, depth_m: f32) -> Vec<Hit> {
+pub(super) fn hits(paths: &Paths, bodies: &Bodies, unit: &Field, unit_at: Placement, depth_m: f32) -> Vec<Hit> {
+    let shapes = &unit.geometry.bounds;
+    if shapes.is_empty() {
+        return Vec::new();
+    }
     let (sin, cos) = unit_at.heading.sin_cos();
     let in_unit = |p: &Placement| {
         let (x, z) = (p.x - unit_at.x, p.z - unit_at.z);
         Placement::new(cos * x - sin * z, p.y - unit_at.y, sin * x + cos * z, p.heading - unit_at.heading)
     };
-    // Links share roots: each is looked at once.
-    let mut known: Vec<Option<bool>> = vec![None; paths.roots().len()];
-    let mut collides = |at: usize| {
-        *known[at].get_or_insert_with(|| {
-            bodies.collides(paths.rows()[at] as usize, in_unit(&paths.roots()[at]), unit, depth_m)
-        })
+    // Links of blocks share roots: each is looked at once.
+    let mut known: HashMap<u32, bool> = HashMap::new();
+    let mut look = |at: usize| {
+        let root = in_unit(&paths.roots()[at]);
+        let way = beside(shapes, root) - bodies.radius();
+        if way > 0.0 {
+            return Some((way / paths.step().max(1e-3)) as usize);
+        }
+        let collides = || bodies.collides(paths.rows()[at] as usize, root, unit, depth_m);
+        let hit = if paths.is_shared() { *known.entry(at as u32).or_insert_with(collides) } else { collides() };
+        (!hit).then_some(0)
     };
-    (0..num_links as u32)
+    let near = bodies.around(&shapes.placed(unit_at));
+    (0..paths.num_links())
+        .filter(|&l| near.overlaps(paths.bounds(l)))
         .filter_map(|l| {
-            let range = paths.range(l as usize);
-            of_link(l, range.len(), |k| collides(range.start + k))
+            let range = paths.range(l);
+            of_link(l as u32, range.len(), |k| look(range.start + k))
         })
         .collect()
 }
 
+/// Number of frames of a link that are looked at. [Limit: num_frames > 0]
+fn num_looks(num_frames: usize) -> usize {
+    (num_frames - 1).div_ceil(STRIDE) + 1
+}
+
 /// The frames of a link that are looked at; the last one in any case. [Limit: num_frames > 0]
-pub(super) fn looked_at(num_frames: usize) -> impl DoubleEndedIterator<Item = usize> {
-    (0..num_frames - 1).step_by(STRIDE).chain([num_frames - 1])
+pub(super) fn looked_at(num_frames: usize) -> impl Iterator<Item = usize> {
+    (0..num_looks(num_frames)).map(move |i| (i * STRIDE).min(num_frames - 1))
 }
 
 /// First and last frame of a link that collide: from both ends, so that what lies between is not looked at.
-fn of_link(link: u32, num_frames: usize, mut collides: impl FnMut(usize) -> bool) -> Option<Hit> {
-    let first = looked_at(num_frames).find(|&k| collides(k))?;
-    let last = looked_at(num_frames).rev().find(|&k| k <= first || collides(k)).unwrap_or(first);
-    Some(Hit { link, first: first as u16, last: last as u16 })
+///
+/// - `look`: none where a frame collides, else how many frames before and after it do not either.
+fn of_link(link: u32, num_frames: usize, mut look: impl FnMut(usize) -> Option<usize>) -> Option<Hit> {
+    let count = num_looks(num_frames);
+    let frame = |i: usize| (i * STRIDE).min(num_frames - 1);
+    let mut first = 0;
+    while let Some(clear) = look(frame(first)) {
+        first += (clear / STRIDE).max(1);
+        if first >= count {
+            return None;
+        }
+    }
+    let mut last = count - 1;
+    while last > first {
+        let Some(clear) = look(frame(last)) else { break };
+        last = last.saturating_sub((clear / STRIDE).max(1)).max(first);
+    }
+    Some(Hit { link, first: frame(first) as u16, last: frame(last) as u16 })
 }
 
 /// First and last colliding frame of every link of an instance over all that is in its way.
@@ -78,7 +109,10 @@ mod tests {
 
     #[test]
     fn the_first_and_the_last_collision_of_a_link_are_found() {
-        let hit = |frames: &[usize]| of_link(3, 30, |k| frames.contains(&k));
+        let clear = |frames: &[usize], k: usize| {
+            frames.iter().map(|&f| f.abs_diff(k)).min().map_or(99, |d| d.saturating_sub(1))
+        };
+        let hit = |frames: &[usize]| of_link(3, 30, |k| (!frames.contains(&k)).then(|| clear(frames, k)));
         assert_eq!(hit(&[]), None);
         assert_eq!(hit(&[4, 6, 20]), Some(Hit { link: 3, first: 4, last: 20 }));
         assert_eq!(hit(&[29]), Some(Hit { link: 3, first: 29, last: 29 }));

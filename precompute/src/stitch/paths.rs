@@ -1,6 +1,7 @@
 //! Where motion of a patch is, frame by frame and cell by cell, so that what is near is found without a search.
 
 use super::library::Library;
+use crate::environment::Bounds;
 use throng_runtime::patch::{KIND_TILE, LinkRecord, NONE, Patches, Placement};
 use throng_runtime::planar::wrap_angle;
 
@@ -17,6 +18,12 @@ pub(super) struct Paths {
     roots: Vec<Placement>,
     /// Frame row of each root. [Size: roots.len()]
     rows: Vec<u32>,
+    /// The box around the roots of each link. [Size: links]
+    bounds: Vec<Bounds>,
+    /// The longest way over the ground from one frame to the next. [Unit: m]
+    step: f32,
+    /// True where links have roots in common.
+    shared: bool,
 }
 
 /// Links that play one motion in one place: where frame row 0 of the motion would lie, in steps.
@@ -50,7 +57,33 @@ impl Paths {
             }
             before = motion;
         }
-        out
+        let around = |l: usize| Bounds::of(out.of(l).iter().map(|r| r.translation()));
+        let longest =
+            |l: usize| out.of(l).windows(2).map(|w| (w[1].x - w[0].x).hypot(w[1].z - w[0].z)).fold(0.0, f32::max);
+        let (bounds, step) =
+            ((0..links.len()).map(around).collect(), (0..links.len()).map(longest).fold(0.0, f32::max));
+        let shared = out.roots.len() < out.counts.iter().map(|&n| n as usize).sum();
+        Self { bounds, step, shared, ..out }
+    }
+
+    /// True where links have roots in common.
+    pub fn is_shared(&self) -> bool {
+        self.shared
+    }
+
+    /// Number of links.
+    pub fn num_links(&self) -> usize {
+        self.starts.len()
+    }
+
+    /// The box around the roots of a link.
+    pub fn bounds(&self, link: usize) -> &Bounds {
+        &self.bounds[link]
+    }
+
+    /// The longest way over the ground from one frame to the next. [Unit: m]
+    pub fn step(&self) -> f32 {
+        self.step
     }
 
     /// Roots of one link. [Size: num_frames + 1]
