@@ -1,6 +1,6 @@
 //! Characters in made-up worlds: nobody enters what others hold, and everybody keeps arriving.
 
-use crate::made_up::{self, SIDE, SIT};
+use crate::made_up_world::{self, SIDE, SIT};
 use throng_runtime::patch::Placement;
 use throng_runtime::troupe::{Repertoire, TroupeConfig};
 use throng_runtime::world::inhabitants::{Doing, Inhabitants, InhabitantsConfig, InhabitantsError, Wish, scatter};
@@ -24,7 +24,7 @@ fn tile(world: &WorldData, x: i32, z: i32) -> u32 {
 fn nobody_is_where_others_hold(world: &WorldData, people: &Inhabitants) {
     for c in 0..people.num_characters() {
         let root = people.troupe().root(c);
-        for (unit, u) in world.units.iter().enumerate().filter(|(_, u)| u.unit == made_up::FLOOR) {
+        for (unit, u) in world.units.iter().enumerate().filter(|(_, u)| u.unit == made_up_world::FLOOR) {
             let inside = |a: f32, b: f32| (a - b).abs() < SIDE * 0.5 - 0.1;
             if inside(root.x, u.placement.x) && inside(root.z, u.placement.z) {
                 assert_eq!(people.holder(unit as u32), Some(c as u32), "character {c} is in unit {unit}");
@@ -37,8 +37,8 @@ fn nobody_is_where_others_hold(world: &WorldData, people: &Inhabitants) {
 
 #[test]
 fn nobody_enters_a_held_unit_and_motion_ends_where_its_node_is() {
-    let tables = made_up::tables();
-    let world = made_up::world(&tables, &PLAIN);
+    let tables = made_up_world::tables();
+    let world = made_up_world::world(&tables, &PLAIN);
     let (graph, repertoire) = (graph(&tables, &world), Repertoire::new(&tables));
     let starts = scatter(&graph, 12, 3);
     assert_eq!(starts.len(), 12);
@@ -61,8 +61,8 @@ fn nobody_enters_a_held_unit_and_motion_ends_where_its_node_is() {
 
 #[test]
 fn nothing_jumps() {
-    let tables = made_up::tables();
-    let world = made_up::world(&tables, &["###", "#b#", "###"]);
+    let tables = made_up_world::tables();
+    let world = made_up_world::world(&tables, &["###", "#b#", "###"]);
     let (graph, repertoire) = (graph(&tables, &world), Repertoire::new(&tables));
     let mut people =
         Inhabitants::new(&repertoire, &graph, InhabitantsConfig::default(), &scatter(&graph, 3, 1)).unwrap();
@@ -123,8 +123,8 @@ fn commute(
 
 #[test]
 fn a_crossing_crowd_keeps_arriving_for_ten_minutes() {
-    let tables = made_up::tables();
-    let world = made_up::world(&tables, &["######"; 6]);
+    let tables = made_up_world::tables();
+    let world = made_up_world::world(&tables, &["######"; 6]);
     let mut ends = Vec::new();
     for i in 0..6 {
         if i % 2 == 0 {
@@ -145,8 +145,8 @@ fn a_crossing_crowd_keeps_arriving_for_ten_minutes() {
 
 #[test]
 fn a_narrow_passage_that_is_walked_both_ways_does_not_clog() {
-    let tables = made_up::tables();
-    let world = made_up::world(&tables, &["###...###", "#########", "###...###"]);
+    let tables = made_up_world::tables();
+    let world = made_up_world::world(&tables, &["###...###", "#########", "###...###"]);
     let ends: Vec<_> = [(0, 0, 8, 0), (0, 2, 8, 2), (8, 1, 0, 1), (7, 2, 1, 2)]
         .map(|(ax, az, bx, bz)| [tile(&world, ax, az), tile(&world, bx, bz)])
         .to_vec();
@@ -158,8 +158,8 @@ fn a_narrow_passage_that_is_walked_both_ways_does_not_clog() {
 
 #[test]
 fn a_bench_is_sat_on_by_one_after_the_other() {
-    let tables = made_up::tables();
-    let world = made_up::world(&tables, &["####", "#b##", "####"]);
+    let tables = made_up_world::tables();
+    let world = made_up_world::world(&tables, &["####", "#b##", "####"]);
     let (graph, repertoire) = (graph(&tables, &world), Repertoire::new(&tables));
     let mut people =
         Inhabitants::new(&repertoire, &graph, InhabitantsConfig::default(), &scatter(&graph, 3, 8)).unwrap();
@@ -188,8 +188,8 @@ fn a_bench_is_sat_on_by_one_after_the_other() {
 
 #[test]
 fn the_nearest_place_to_a_point_is_gone_to() {
-    let tables = made_up::tables();
-    let world = made_up::world(&tables, &PLAIN);
+    let tables = made_up_world::tables();
+    let world = made_up_world::world(&tables, &PLAIN);
     let (graph, repertoire) = (graph(&tables, &world), Repertoire::new(&tables));
     let from = graph.rest_cells(tile(&world, 0, 0)).next().unwrap();
     let mut people = Inhabitants::new(&repertoire, &graph, InhabitantsConfig::default(), &[from]).unwrap();
@@ -210,9 +210,9 @@ fn the_nearest_place_to_a_point_is_gone_to() {
 
 #[test]
 fn results_do_not_depend_on_the_number_of_threads() {
-    let tables = made_up::tables();
+    let tables = made_up_world::tables();
     let rows = vec!["####################"; 20];
-    let world = made_up::world(&tables, &rows);
+    let world = made_up_world::world(&tables, &rows);
     let (graph, repertoire) = (graph(&tables, &world), Repertoire::new(&tables));
     let starts = scatter(&graph, 200, 5);
     let on = |threads| {
@@ -235,8 +235,8 @@ fn results_do_not_depend_on_the_number_of_threads() {
 
 #[test]
 fn starts_and_wishes_that_cannot_be_are_refused() {
-    let tables = made_up::tables();
-    let world = made_up::world(&tables, &["###", "#b#", "###"]);
+    let tables = made_up_world::tables();
+    let world = made_up_world::world(&tables, &["###", "#b#", "###"]);
     let (graph, repertoire) = (graph(&tables, &world), Repertoire::new(&tables));
     let new = |starts: &[Node]| Inhabitants::new(&repertoire, &graph, InhabitantsConfig::default(), starts);
     let rest = graph.rest_cells(4).next().unwrap();
@@ -252,12 +252,12 @@ fn starts_and_wishes_that_cannot_be_are_refused() {
     let mut people = new(&[rest]).unwrap();
     assert!(matches!(people.set_wish(&graph, 1, Wish::Roam), Err(InhabitantsError::Index { .. })));
     assert!(matches!(people.set_wish(&graph, 0, Wish::GoTo { instance: 50 }), Err(InhabitantsError::Index { .. })));
-    let chat = Wish::Perform { tag: made_up::CHAT, seconds: 1.0 };
-    assert_eq!(people.set_wish(&graph, 0, chat), Err(InhabitantsError::NoTag { tag: made_up::CHAT }));
+    let chat = Wish::Perform { tag: made_up_world::CHAT, seconds: 1.0 };
+    assert_eq!(people.set_wish(&graph, 0, chat), Err(InhabitantsError::NoTag { tag: made_up_world::CHAT }));
     let nowhere = Wish::GoToPlace { place: glam::Vec3::NAN };
     assert!(matches!(people.set_wish(&graph, 0, nowhere), Err(InhabitantsError::Value { .. })));
     assert!(matches!(people.step(&repertoire, &graph, 2.0), Err(InhabitantsError::Value { .. })));
-    let other = made_up::world(&tables, &["##"]);
+    let other = made_up_world::world(&tables, &["##"]);
     let other = WorldGraph::new(tables.patches(), other.view()).unwrap();
     assert!(matches!(people.step(&repertoire, &other, DT), Err(InhabitantsError::OtherWorld { .. })));
 }

@@ -1,6 +1,6 @@
 //! Paths in two layers against plain Dijkstra over the whole graph.
 
-use crate::made_up::{self, SIT};
+use crate::made_up_world::{self, SIT};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use std::collections::{BTreeMap, BTreeSet};
@@ -54,12 +54,12 @@ fn floor(rng: &mut Pcg64Mcg) -> Vec<String> {
 
 #[test]
 fn paths_are_as_short_as_the_shortest_within_five_percent() {
-    let tables = made_up::tables();
+    let tables = made_up_world::tables();
     let mut rng = Pcg64Mcg::seed_from_u64(7);
     let (mut paths, mut none) = (0, 0);
     for _ in 0..12 {
         let rows = floor(&mut rng);
-        let world = made_up::world(&tables, &rows.iter().map(String::as_str).collect::<Vec<_>>());
+        let world = made_up_world::world(&tables, &rows.iter().map(String::as_str).collect::<Vec<_>>());
         let graph = WorldGraph::new(tables.patches(), world.view()).unwrap();
         let mut planner = Planner::new(&graph);
         let mut steps = vec![Step::NONE; 400];
@@ -94,8 +94,8 @@ fn paths_are_as_short_as_the_shortest_within_five_percent() {
 
 #[test]
 fn the_first_steps_of_a_long_path_are_kept() {
-    let tables = made_up::tables();
-    let world = made_up::world(&tables, &["####################"]);
+    let tables = made_up_world::tables();
+    let world = made_up_world::world(&tables, &["####################"]);
     let graph = WorldGraph::new(tables.patches(), world.view()).unwrap();
     let mut planner = Planner::new(&graph);
     let from = graph.rest_cells(0).next().unwrap();
@@ -112,8 +112,8 @@ fn the_first_steps_of_a_long_path_are_kept() {
 
 #[test]
 fn the_way_of_a_target_that_is_a_node_ends_there() {
-    let tables = made_up::tables();
-    let world = made_up::world(&tables, &["####"; 4]);
+    let tables = made_up_world::tables();
+    let world = made_up_world::world(&tables, &["####"; 4]);
     let graph = WorldGraph::new(tables.patches(), world.view()).unwrap();
     let mut planner = Planner::new(&graph);
     let from = graph.rest_cells(0).next().unwrap();

@@ -1,6 +1,6 @@
 //! World files: what is written is read again; damaged files, and those of another bundle, are refused.
 
-use crate::made_up;
+use crate::made_up_world;
 use bytemuck::Pod;
 use throng_runtime::Tables;
 use throng_runtime::format::{AlignedBytes, Header};
@@ -8,7 +8,7 @@ use throng_runtime::patch::NONE;
 use throng_runtime::world::{WORLD_VERSION, WorldData, WorldError, WorldFile};
 
 fn world(tables: &Tables) -> WorldData {
-    made_up::world(tables, &["####", "#b##", "###."])
+    made_up_world::world(tables, &["####", "#b##", "###."])
 }
 
 fn bytes(world: &WorldData) -> Vec<u8> {
@@ -23,7 +23,7 @@ fn open(bytes: &[u8], tables: &Tables) -> Result<WorldFile, WorldError> {
 
 #[test]
 fn what_is_written_is_read_again() {
-    let tables = made_up::tables();
+    let tables = made_up_world::tables();
     let world = world(&tables);
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("made-up.world");
@@ -40,7 +40,7 @@ fn what_is_written_is_read_again() {
 
 #[test]
 fn another_bundle_is_refused_by_name() {
-    let (tables, other) = (made_up::tables(), made_up::named("other"));
+    let (tables, other) = (made_up_world::tables(), made_up_world::named("other"));
     assert_ne!(tables.fingerprint(), other.fingerprint());
     let e = open(&bytes(&world(&tables)), &other).unwrap_err();
     assert!(matches!(e, WorldError::OtherBundle { .. }));
@@ -53,8 +53,8 @@ fn another_bundle_is_refused_by_name() {
 
 #[test]
 fn bundles_and_worlds_are_told_apart() {
-    let tables = made_up::tables();
-    let e = open(&made_up::bundle("made up"), &tables).unwrap_err();
+    let tables = made_up_world::tables();
+    let e = open(&made_up_world::bundle("made up"), &tables).unwrap_err();
     assert!(e.to_string().contains("not the file of a Throng world"), "{e}");
     let e = Tables::from_bytes(AlignedBytes::from_slice(&bytes(&world(&tables)))).unwrap_err();
     assert!(e.to_string().contains("not a Throng bundle"), "{e}");
@@ -62,7 +62,7 @@ fn bundles_and_worlds_are_told_apart() {
 
 #[test]
 fn truncated_extended_and_flipped_files_are_refused() {
-    let tables = made_up::tables();
+    let tables = made_up_world::tables();
     let whole = bytes(&world(&tables));
     for len in (0..whole.len()).step_by(whole.len() / 150 + 1) {
         assert!(open(&whole[..len], &tables).is_err(), "cut to {len}");
@@ -118,7 +118,7 @@ const DAMAGES: [(&str, Damage); 27] = [
 
 #[test]
 fn records_that_cannot_be_are_refused() {
-    let tables = made_up::tables();
+    let tables = made_up_world::tables();
     for (what, damage) in DAMAGES {
         let mut world = world(&tables);
         damage(&mut world);
@@ -158,7 +158,7 @@ fn walk(file: &WorldFile, tables: &Tables, name: &str) {
 
 #[test]
 fn no_damage_to_records_leads_out_of_their_tables() {
-    let tables = made_up::tables();
+    let tables = made_up_world::tables();
     scramble("instances", &tables, |w| &mut w.instances);
     scramble("neighbours", &tables, |w| &mut w.neighbours);
     scramble("adjacencies", &tables, |w| &mut w.adjacencies);

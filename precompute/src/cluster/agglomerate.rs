@@ -1,11 +1,18 @@
 //! Complete linkage of any number of frames, in bounded memory.
 
 use super::linkage;
-use super::neighbours::{Item, Space};
+use super::neighbours::{Below, Item, Space};
 use super::projection::{DIMS, Point};
 
-/// Near pairs that may be known at a time. About 36 bytes each.
-pub(super) const MAX_PAIRS: usize = 12_000_000;
+/// Near pairs that may be known at a time, about 36 bytes each: so many a frame, within limits.
+const PAIRS_A_FRAME: usize = 128;
+const FEW_PAIRS: usize = 100_000;
+const MANY_PAIRS: usize = 6_000_000;
+/// Near pairs of so many frames that may be known at a time.
+pub(super) fn max_pairs(num_frames: usize) -> usize {
+    (PAIRS_A_FRAME * num_frames).clamp(FEW_PAIRS, MANY_PAIRS)
+}
+
 /// How often the height is halved before items are split.
 const MAX_HALVINGS: u32 = 6;
 /// Rounds of moving the two means.
@@ -51,7 +58,7 @@ impl Agglomeration<'_> {
     /// Complete linkage up to `limit`; the items themselves where too many are near.
     fn merge(&self, items: Vec<Item>, limit: f32) -> Result<Vec<Item>, Vec<Item>> {
         match self.space.near(&items, limit, self.max_pairs) {
-            Some(near) => Ok(linkage::link(items, near, |a, b| self.space.linkage_below(a, b, limit))),
+            Some(near) => Ok(linkage::link(items, near, &Below { space: self.space, limit })),
             None => Err(items),
         }
     }

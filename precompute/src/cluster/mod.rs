@@ -66,9 +66,9 @@ const MEDOID_SAMPLE: usize = 256;
 /// features of other clips.
 ///
 /// # Source
-/// Lee, Choi and Lee 2006, section 3. Differs: in place of agglomerative hierarchical k-means, complete linkage itself
-/// is done wherever the near pairs of a contact state fit into memory, as they do in half a million frames of walking;
-/// k-means splits what is denser.
+/// Lee, Choi and Lee 2006, section 3. Differs: in place of agglomerative hierarchical k-means, near pairs are merged
+/// first wherever those of a contact state are few enough, which is complete linkage but for how it estimates which
+/// of two pairs is nearer; k-means splits what is denser.
 pub fn group(
     clips: &ClipSet,
     features: &Features,
@@ -76,16 +76,19 @@ pub fn group(
     progress: &dyn Progress,
 ) -> Result<PoseGroups, BuildError> {
     let limit = check(clips, features, config)?;
-    let classes = classes::of_contacts(clips);
-    progress.begin("cluster", classes.values().map(|frames| frames.len() as u64).sum(), "frames");
+    // Large ones first, so that no thread begins one when the others are done.
+    let mut classes: Vec<Vec<u32>> = classes::of_contacts(clips).into_values().collect();
+    classes.sort_by_key(|frames| std::cmp::Reverse(frames.len()));
+    progress.begin("cluster", classes.iter().map(|frames| frames.len() as u64).sum(), "frames");
     let space = Space::new(features);
-    let mut items = Vec::new();
-    for frames in classes.values() {
-        items.extend(agglomerate::agglomerate(&space, frames, limit, agglomerate::MAX_PAIRS));
+    let merged = classes.par_iter().with_max_len(1).map(|frames| {
+        let items = agglomerate::agglomerate(&space, frames, limit, agglomerate::max_pairs(frames.len()));
         progress.advance(frames.len() as u64);
-    }
+        items
+    });
+    let items: Vec<Vec<Item>> = merged.collect();
     progress.end();
-    Ok(numbered(items, features, limit))
+    Ok(numbered(items.concat(), features, limit))
 }
 
 /// The threshold as the distances are counted, if everything fits together.

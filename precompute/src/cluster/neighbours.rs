@@ -1,6 +1,6 @@
 //! Which items are near each other.
 
-use super::linkage::Neighbour;
+use super::linkage::{Distance, Neighbour};
 use super::projection::{self, Point};
 use crate::clip::FrameId;
 use crate::features::Features;
@@ -26,8 +26,10 @@ pub(super) struct Space<'a> {
 /// By how much the squared distance of points may exceed that of frames, by rounding.
 const SLACK: f32 = 1e-3;
 
-/// Frames of an item whose points are looked at to tell from below how far another item is.
-const SOME: usize = 8;
+/// Frames of an item whose points are looked at to find near items.
+const GLANCE: usize = 6;
+/// Frames of an item that are looked at to estimate how far another item is.
+const SAMPLE: usize = 32;
 
 impl<'a> Space<'a> {
     pub fn new(features: &'a Features) -> Self {
@@ -43,22 +45,11 @@ impl<'a> Space<'a> {
         Some(squared.sqrt()).filter(|&d| d < limit)
     }
 
-    /// Largest distance between a frame of `a` and one of `b` where it is below `limit`. [Unit: rad]
-    pub fn linkage_below(&self, a: &Item, b: &Item, limit: f32) -> Option<f32> {
-        let mut largest = 0.0f32;
-        for &f in &a.frames {
-            for &g in &b.frames {
-                largest = largest.max(self.distance_below(f, g, limit)?);
-            }
-        }
-        Some(largest)
-    }
-
     /// Largest distance between the points of some frames of `a` and `b`, squared, where it is not above `reach`.
     fn squared_gap_within(&self, a: &Item, b: &Item, reach: f32) -> Option<f32> {
         let mut largest = 0.0f32;
-        for f in some_of(&a.frames) {
-            for g in some_of(&b.frames) {
+        for f in some_of(&a.frames, GLANCE) {
+            for g in some_of(&b.frames, GLANCE) {
                 largest = largest.max(squared_gap(&self.points[f as usize], &self.points[g as usize]));
                 if largest > reach {
                     return None;
@@ -85,7 +76,7 @@ impl<'a> Space<'a> {
                 if squared_gap(&points[k], p) <= reach {
                     let item = order[other];
                     let gap = self.squared_gap_within(&items[order[k] as usize], &items[item as usize], reach);
-                    near.extend(gap.map(|g| Neighbour { item, linkage: from_below(g), exact: false }));
+                    near.extend(gap.map(|g| Neighbour { item, linkage: from_below(g), estimated: false }));
                 }
             }
             (found.fetch_add(near.len(), Ordering::Relaxed) + near.len() <= max_pairs).then_some(near)
@@ -95,9 +86,42 @@ impl<'a> Space<'a> {
     }
 }
 
-/// Frames of an item, at most [`SOME`], spread evenly.
-fn some_of(frames: &[u32]) -> impl Iterator<Item = u32> {
-    frames.iter().step_by(frames.len().div_ceil(SOME)).copied()
+/// Distances that keep below a limit.
+pub(super) struct Below<'a> {
+    pub space: &'a Space<'a>,
+    /// [Unit: rad]
+    pub limit: f32,
+}
+
+impl Distance for Below<'_> {
+    /// Of some frames of either item, the distance to the one of the other whose point is farthest away.
+    fn estimate(&self, a: &Item, b: &Item) -> Option<f32> {
+        let mut largest = 0.0f32;
+        for (from, to) in [(a, b), (b, a)] {
+            for f in some_of(&from.frames, SAMPLE) {
+                let gap = |g: u32| squared_gap(&self.space.points[f as usize], &self.space.points[g as usize]);
+                let gaps = some_of(&to.frames, SAMPLE).map(|g| (gap(g), g));
+                let farthest = gaps.max_by(|x, y| x.0.total_cmp(&y.0)).map_or(to.frames[0], |(_, g)| g);
+                largest = largest.max(self.space.distance_below(f, farthest, self.limit)?);
+            }
+        }
+        Some(largest)
+    }
+
+    fn linkage(&self, a: &Item, b: &Item) -> Option<f32> {
+        let mut largest = 0.0f32;
+        for &f in &a.frames {
+            for &g in &b.frames {
+                largest = largest.max(self.space.distance_below(f, g, self.limit)?);
+            }
+        }
+        Some(largest)
+    }
+}
+
+/// Frames of an item, at most `n`, spread evenly.
+fn some_of(frames: &[u32], n: usize) -> impl Iterator<Item = u32> {
+    frames.iter().step_by(frames.len().div_ceil(n)).copied()
 }
 
 /// Pairs known to the first item of each, made known to both.

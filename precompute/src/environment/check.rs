@@ -115,7 +115,7 @@ fn check_shape(shape: &Shape) -> Result<(), String> {
 }
 
 fn moderate(key: &str, numbers: &[f32]) -> Result<(), String> {
-    match numbers.iter().find(|v| !(v.abs() < MAX_LENGTH)) {
+    match numbers.iter().find(|v| v.is_nan() || v.abs() >= MAX_LENGTH) {
         Some(v) => Err(format!("{key}: expected finite numbers below {MAX_LENGTH}, found {v}")),
         None => Ok(()),
     }

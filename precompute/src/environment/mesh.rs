@@ -12,6 +12,9 @@ use std::path::Path;
 /// Most levels of nodes.
 const MAX_DEPTH: usize = 64;
 
+/// Coordinates are smaller than this. [Unit: m]
+const MAX_POSITION: f32 = 1e6;
+
 /// Triangles, not lines or points.
 const TRIANGLES: u32 = 4;
 
@@ -96,7 +99,7 @@ impl Scene<'_> {
             return Err("expected an attribute POSITION, found none".into());
         };
         let points: Vec<Vec3> = self.reader.positions(accessor)?.into_iter().map(|p| at.transform_point3(p)).collect();
-        if let Some(i) = points.iter().position(|p| !(p.abs().max_element() < 1e6)) {
+        if let Some(i) = points.iter().position(|p| p.is_nan() || p.abs().max_element() >= MAX_POSITION) {
             return Err(format!(
                 "accessors[{accessor}]: position {i} is not a moderate number of metres: {}",
                 points[i]

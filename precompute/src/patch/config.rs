@@ -138,7 +138,7 @@ fn edit_heading() -> f64 {
 }
 
 fn variety() -> usize {
-    2
+    1
 }
 
 fn margin() -> f64 {
@@ -201,7 +201,7 @@ fn within(key: &str, value: f64, low: f64, high: f64) -> Result<(), BuildError> 
     if (low..=high).contains(&value) {
         return Ok(());
     }
-    let message = format!("patch.{key}: expected {low} to {high}, found {value}. Correct the config.");
+    let message = format!("patches.{key}: expected {low} to {high}, found {value}. Correct the config.");
     Err(BuildError::Config { message })
 }
 
@@ -231,7 +231,7 @@ mod tests {
                 "tiles.slots",
             ),
         ] {
-            assert!(config.check().unwrap_err().to_string().contains(&format!("patch.{key}:")));
+            assert!(config.check().unwrap_err().to_string().contains(&format!("patches.{key}:")));
         }
     }
 

@@ -1,10 +1,12 @@
 //! Motion patches: building blocks found from motion, and the motion embedded in them (004 sections 4 and 6).
 
+mod block;
 mod bounds;
 mod config;
 mod tile;
 mod track;
 
+pub use block::spans;
 pub use config::{PatchConfig, SourceEnvironment, TileConfig};
 pub use tile::{Pruned, TileCell, TileGraph, prune};
 
@@ -80,7 +82,7 @@ pub struct Setting {
 
 /// Makes the patches of a clip set.
 ///
-/// - `scenes`: where each clip was captured; none where there was level ground only. [Size: clips.clips.len()]
+/// - `settings`: where each clip was captured; none where there was level ground only. [Size: clips.clips.len()]
 /// - returns tiles in the order of the config, then building blocks in the order of the motion.
 ///
 /// # Errors
@@ -92,39 +94,50 @@ pub struct Setting {
 pub fn build(
     clips: &ClipSet,
     groups: &PoseGroups,
-    scenes: &[Option<Setting>],
+    settings: &[Option<Setting>],
     config: &PatchConfig,
     units: &UnitSet,
     progress: &dyn Progress,
 ) -> Result<Patches, BuildError> {
     config.check()?;
     let (tracks, tags) = Track::of_all(clips, groups);
-    let (bounds, hips) = (Bounds::new(clips), hips_heights(clips, groups));
-    let given = tile::Given {
-        clips,
-        tracks: &tracks,
-        scenes,
-        units,
-        hips: &hips,
-        bounds: &bounds,
-        min_frames: config.min_link_frames,
-    };
+    let bounds = Bounds::new(clips);
+    let mut out = Patches { link_tags: tags, ..Patches::default() };
+    let hips = hips_heights(clips, groups);
+    let (tracks, hips, min_frames) = (tracks.as_slice(), hips.as_slice(), config.min_link_frames);
+    let given = tile::Given { clips, tracks, settings, units, hips, bounds: &bounds, min_frames };
     progress.begin("patch", config.tiles.len() as u64, "tiles");
-    let mut out = Patches::default();
     for tile in &config.tiles {
         let (patch, report) = tile::build(&given, tile)?;
         out.patches.push(patch);
         out.report.push(report);
         progress.advance(1);
     }
-    out.link_tags = tags;
+    progress.end();
+    let heights: Vec<f32> = clips.clips.iter().flat_map(|c| &c.root_positions).map(|p| p.y).collect();
+    for (patch, report) in block::build(tracks, settings, units, config, &bounds, &heights, progress) {
+        out.patches.push(patch);
+        out.report.push(report);
+    }
+    out.tell_apart();
     out.keep_used_tags();
     out.units = units_text(units)?;
-    progress.end();
     Ok(out)
 }
 
 impl Patches {
+    /// Numbers patches of the same units from the second on.
+    fn tell_apart(&mut self) {
+        let mut uses = std::collections::BTreeMap::<String, usize>::new();
+        for (patch, report) in self.patches.iter_mut().zip(&mut self.report) {
+            let n = uses.entry(patch.name.clone()).and_modify(|n| *n += 1).or_insert(1);
+            if *n > 1 {
+                patch.name = format!("{} {n}", patch.name);
+            }
+            report.name.clone_from(&patch.name);
+        }
+    }
+
     /// Forgets tags that no link carries.
     fn keep_used_tags(&mut self) {
         let mut number = vec![0u16; self.link_tags.len() + 1];

@@ -11,19 +11,11 @@ use std::collections::HashMap;
 use std::sync::Arc;
 use throng_runtime::patch::NONE;
 
-/// The graph of a world, and what units are in the way of.
-pub(super) struct Allowed<'a> {
-    /// The graph.
-    pub joined: Joined<'a>,
-    /// Of every instance the links that collide, ascending.
-    pub hits: Vec<Vec<Hit>>,
-}
-
 /// Puts the graph of a world together. [Limit: prepared for `laid`]
 ///
 /// # Errors
 /// [`BuildError::Stage`] where there are more cells or links than numbers of 32 bits count.
-pub(super) fn allow<'a>(stitcher: &Stitcher<'a>, laid: &Laid) -> Result<Allowed<'a>, BuildError> {
+pub(super) fn allow<'a>(stitcher: &Stitcher<'a>, laid: &Laid) -> Result<Joined<'a>, BuildError> {
     let hits = hits(stitcher, laid);
     let mut joined = Joined {
         patches: stitcher.patches,
@@ -37,7 +29,7 @@ pub(super) fn allow<'a>(stitcher: &Stitcher<'a>, laid: &Laid) -> Result<Allowed<
     };
     parts(laid, &hits, &mut joined)?;
     overlaps(stitcher, laid, &hits, &mut joined);
-    Ok(Allowed { joined, hits })
+    Ok(joined)
 }
 
 /// The links of every instance that anything is in the way of.

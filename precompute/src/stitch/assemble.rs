@@ -1,15 +1,15 @@
 //! The world that is left: bits of what belongs to the component, the tables it needs, and the figures.
 
-use super::allow::Allowed;
 use super::bits::{Pool, num_words, set};
 use super::component::Standing;
 use super::joined::{Joined, Overlap};
 use super::lay::{Laid, Stitcher};
+use super::relation::Relation;
 use super::report::Reason;
 use super::table::JointTable;
 use crate::environment::Environment;
 use rayon::prelude::*;
-use std::collections::BTreeSet;
+use std::collections::{BTreeSet, HashSet};
 use throng_runtime::patch::{CellRecord, NONE};
 use throng_runtime::world::{AdjacencyRecord, InstanceRecord, JointTableRecord, UnitRecord, WorldData, is_set};
 
@@ -31,16 +31,12 @@ pub(super) struct Counts {
 /// The graph of a world and what each of its nodes is to the component.
 pub(super) struct Judged<'j, 'a> {
     /// The graph.
-    pub allowed: &'j Allowed<'a>,
+    pub joined: &'j Joined<'a>,
     /// What every node is. [Size: nodes]
     pub standing: &'j [Standing],
 }
 
-impl<'a> Judged<'_, 'a> {
-    fn joined(&self) -> &Joined<'a> {
-        &self.allowed.joined
-    }
-
+impl Judged<'_, '_> {
     /// True where a node is left.
     fn inside(&self, node: Option<u32>) -> bool {
         node.is_some_and(|n| self.standing[n as usize] == Standing::Inside)
@@ -48,11 +44,11 @@ impl<'a> Judged<'_, 'a> {
 
     /// Why a cell is taken out; none where it is left.
     pub fn cell(&self, part: u32, cell: u32) -> Option<Reason> {
-        let c = &self.joined().cells(part)[cell as usize];
-        let p = &self.joined().parts[part as usize];
+        let c = &self.joined.cells(part)[cell as usize];
+        let p = &self.joined.parts[part as usize];
         let at_end = c.flags & (CellRecord::IS_ENTRY | CellRecord::IS_EXIT) != 0
-            && self.joined().neighbours[(p.first_neighbour + c.edge) as usize] == NONE;
-        let standing = self.joined().node(part, cell).map_or(Standing::DeadEnd, |n| self.standing[n as usize]);
+            && self.joined.neighbours[(p.first_neighbour + c.edge) as usize] == NONE;
+        let standing = self.joined.node(part, cell).map_or(Standing::DeadEnd, |n| self.standing[n as usize]);
         match standing {
             Standing::Inside => None,
             _ if at_end => Some(Reason::NoNeighbour),
@@ -63,24 +59,25 @@ impl<'a> Judged<'_, 'a> {
 
     /// Why a link is taken out; none where it is left.
     pub fn link(&self, part: u32, link: u32) -> Option<Reason> {
-        let j = self.joined();
+        let j = self.joined;
         let p = &j.parts[part as usize];
         if !is_set(&j.link_words, p.first_link_word, link) {
             return Some(Reason::Obstacle);
         }
         let Some(end) = j.end_of(part, link) else { return Some(Reason::NoNeighbour) };
-        let from = p.first_node + j.patches.links_of(p.patch as usize)[link as usize].from;
-        match (self.standing[from as usize], self.standing[end as usize]) {
-            (Standing::Inside, Standing::Inside) => None,
-            (_, Standing::DeadEnd) => Some(Reason::DeadEnd),
-            _ => Some(Reason::OutsideComponent),
+        let from = j.patches.links_of(p.patch as usize)[link as usize].from;
+        match self.standing[end as usize] {
+            _ if self.standing[(p.first_node + from) as usize] != Standing::Inside => self.cell(part, from),
+            Standing::Inside => None,
+            // It would be part of the component if it led back to it.
+            _ => Some(Reason::DeadEnd),
         }
     }
 
     /// Bits of cells and links of an instance.
     fn bits(&self, part: u32) -> (Vec<u64>, Vec<u64>, Counts) {
-        let patch = self.joined().parts[part as usize].patch as usize;
-        let (cells, links) = (self.joined().cells(part), self.joined().patches.links_of(patch));
+        let patch = self.joined.parts[part as usize].patch as usize;
+        let (cells, links) = (self.joined.cells(part), self.joined.patches.links_of(patch));
         let mut counts = Counts::default();
         let (mut cell_words, mut link_words) = (vec![0; num_words(cells.len())], vec![0; num_words(links.len())]);
         for (c, cell) in cells.iter().enumerate() {
@@ -108,7 +105,7 @@ impl<'a> Judged<'_, 'a> {
 
     /// Bits of the joints that are left between an instance on side a and another; none where none is.
     fn joint_bits(&self, part: u32, overlap: &Overlap) -> Option<(Vec<u64>, u64)> {
-        let j = self.joined();
+        let j = self.joined;
         let p = &j.parts[part as usize];
         let links = j.patches.links_of(p.patch as usize);
         let table = &j.tables[overlap.table as usize];
@@ -176,7 +173,7 @@ fn instances(laid: &Laid, judged: &Judged<'_, '_>, world: &mut WorldData) -> Cou
 
 /// Joint tables that are needed, bits of joints, adjacencies.
 fn joints(stitcher: &Stitcher<'_>, laid: &Laid, judged: &Judged<'_, '_>, world: &mut WorldData) -> u64 {
-    let joined = judged.joined();
+    let joined = judged.joined;
     let left = |part: u32| -> Vec<Option<(Vec<u64>, u64)>> {
         joined.overlaps_of(part).iter().map(|o| if o.side == 0 { judged.joint_bits(part, o) } else { None }).collect()
     };
@@ -200,7 +197,7 @@ fn joints(stitcher: &Stitcher<'_>, laid: &Laid, judged: &Judged<'_, '_>, world: 
         }
     }
     world.joint_words = pool.words;
-    let used: BTreeSet<(super::relation::Relation, u32)> =
+    let used: BTreeSet<(Relation, u32)> =
         by_owner.iter().flatten().map(|a| (relation_of[a.table as usize], a.table)).collect();
     let mut numbers = vec![NONE; joined.tables.len()];
     for (number, (relation, table)) in used.into_iter().enumerate() {
@@ -217,13 +214,13 @@ fn joints(stitcher: &Stitcher<'_>, laid: &Laid, judged: &Judged<'_, '_>, world: 
 }
 
 /// The relation of every table of the graph, which numbers them in the order of the pairs.
-fn table_relations(stitcher: &Stitcher<'_>, laid: &Laid) -> Vec<super::relation::Relation> {
-    let mut seen = std::collections::HashSet::new();
+fn table_relations(stitcher: &Stitcher<'_>, laid: &Laid) -> Vec<Relation> {
+    let mut seen = HashSet::new();
     let with_joints = laid.pairs.iter().map(|p| p.2).filter(|r| !stitcher.table_of(r).joints.is_empty());
     with_joints.filter(|r| seen.insert(*r)).collect()
 }
 
-fn add_table(table: &JointTable, relation: &super::relation::Relation, world: &mut WorldData) {
+fn add_table(table: &JointTable, relation: &Relation, world: &mut WorldData) {
     world.tables.push(JointTableRecord {
         patch_a: relation.a,
         patch_b: relation.b,

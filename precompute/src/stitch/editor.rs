@@ -1,9 +1,10 @@
 //! A world that can be changed: what stays as it was is not computed again.
 
-use super::allow::{Allowed, allow};
+use super::allow::allow;
 use super::assemble::{Counts, Judged, assemble};
 use super::component::{Standing, largest};
 use super::config::StitchConfig;
+use super::joined::Joined;
 use super::lay::{Laid, Stitcher};
 use super::library::{Library, STAGE};
 use super::report::{Reason, StitchReport, peak_bytes};
@@ -22,7 +23,7 @@ pub struct Editor<'a> {
     stitcher: Stitcher<'a>,
     environment: Environment,
     pub(super) laid: Laid,
-    pub(super) allowed: Allowed<'a>,
+    pub(super) joined: Joined<'a>,
     pub(super) standing: Vec<Standing>,
     world: WorldData,
     report: StitchReport,
@@ -46,7 +47,7 @@ impl<'a> Editor<'a> {
             stitcher,
             environment,
             laid: made.laid,
-            allowed: made.allowed,
+            joined: made.joined,
             standing: made.standing,
             world: made.world,
             report: made.report,
@@ -128,7 +129,7 @@ impl<'a> Editor<'a> {
         let made = make(&mut self.stitcher, &environment, &Silent)?;
         self.environment = environment;
         self.laid = made.laid;
-        self.allowed = made.allowed;
+        self.joined = made.joined;
         self.standing = made.standing;
         self.world = made.world;
         self.report = made.report;
@@ -142,7 +143,7 @@ impl<'a> Editor<'a> {
 
 struct Made<'a> {
     laid: Laid,
-    allowed: Allowed<'a>,
+    joined: Joined<'a>,
     standing: Vec<Standing>,
     world: WorldData,
     report: StitchReport,
@@ -157,17 +158,17 @@ fn make<'a>(
     let begin = Instant::now();
     let laid = stitcher.lay(environment)?;
     stitcher.prepare(&laid, progress);
-    let allowed = allow(stitcher, &laid)?;
-    progress.begin("component", allowed.joined.num_nodes as u64, "cells");
-    let standing = largest(&allowed.joined).ok_or_else(|| no_component(stitcher, environment))?;
+    let joined = allow(stitcher, &laid)?;
+    progress.begin("component", joined.num_nodes as u64, "cells");
+    let standing = largest(&joined).ok_or_else(|| no_component(stitcher, environment))?;
     progress.end();
     let (mut world, counts) =
-        assemble(stitcher, environment, &laid, &Judged { allowed: &allowed, standing: &standing });
-    check_reached(stitcher, environment, &laid, &allowed, &standing)?;
+        assemble(stitcher, environment, &laid, &Judged { joined: &joined, standing: &standing });
+    check_reached(stitcher, environment, &laid, &joined, &standing)?;
     let mut report = report(stitcher, &laid, &world, &counts);
     world.meta = meta(stitcher, environment, &report)?;
     report.seconds = begin.elapsed().as_secs_f64();
-    Ok(Made { laid, allowed, standing, world, report })
+    Ok(Made { laid, joined, standing, world, report })
 }
 
 fn no_component(stitcher: &Stitcher<'_>, environment: &Environment) -> BuildError {
@@ -186,15 +187,15 @@ fn check_reached(
     stitcher: &Stitcher<'_>,
     environment: &Environment,
     laid: &Laid,
-    allowed: &Allowed<'_>,
+    joined: &Joined<'_>,
     standing: &[Standing],
 ) -> Result<(), BuildError> {
     if stitcher.config.allow_unreachable {
         return Ok(());
     }
     let nodes = |i: usize| {
-        let first = allowed.joined.parts[i].first_node as usize;
-        first..first + allowed.joined.cells(i as u32).len()
+        let first = joined.parts[i].first_node as usize;
+        first..first + joined.cells(i as u32).len()
     };
     let has = |i: usize, what: Standing| standing[nodes(i)].contains(&what);
     let mut reached = vec![false; environment.units.len()];

@@ -2,6 +2,7 @@
 
 use super::bodies::Bodies;
 use super::config::StitchConfig;
+use super::field::Field;
 use super::fit::{Fitted, UnitIndex, fit, neighbours};
 use super::library::{Library, Pattern, STAGE};
 use super::mask::{self, Hit};
@@ -46,6 +47,7 @@ pub(super) struct Stitcher<'a> {
     paths: Vec<OnceLock<Paths>>,
     spots: Vec<OnceLock<Spots>>,
     bodies: OnceLock<Bodies>,
+    fields: Vec<OnceLock<Field>>,
     tables: HashMap<Relation, Arc<JointTable>>,
     masks: HashMap<Relation, Arc<Vec<Hit>>>,
 }
@@ -67,6 +69,7 @@ impl<'a> Stitcher<'a> {
             paths: (0..count).map(|_| OnceLock::new()).collect(),
             spots: (0..count).map(|_| OnceLock::new()).collect(),
             bodies: OnceLock::new(),
+            fields: library.units.units.iter().map(|_| OnceLock::new()).collect(),
             tables: HashMap::new(),
             masks: HashMap::new(),
         })
@@ -143,8 +146,15 @@ impl<'a> Stitcher<'a> {
     }
 
     fn mask(&self, relation: &Relation) -> Vec<Hit> {
-        let unit = &self.library.geometries[relation.b as usize];
-        mask::hits(&self.patches, self.paths(relation.a), self.bodies(), unit, relation, self.config.penetration_m)
+        let num_links = self.patches.patches[relation.a as usize].num_links as usize;
+        let (paths, unit) = (self.paths(relation.a), self.field(relation.b));
+        mask::hits(paths, num_links, self.bodies(), unit, relation.placement(), self.config.penetration_m)
+    }
+
+    /// Distances from a unit.
+    pub fn field(&self, unit: u32) -> &Field {
+        let unit = unit as usize;
+        self.fields[unit].get_or_init(|| Field::new(&self.library.geometries[unit]))
     }
 
     /// All that bodies reach in an instance.

@@ -1,10 +1,9 @@
 //! What of a patch's motion a unit is in the way of, for every way in which the unit may stand to the patch.
 
 use super::bodies::Bodies;
+use super::field::Field;
 use super::paths::Paths;
-use super::relation::Relation;
-use crate::environment::UnitGeometry;
-use throng_runtime::patch::{Patches, Placement};
+use throng_runtime::patch::Placement;
 
 /// Of a walk at 30 Hz every second frame is looked at: a hand moves some centimetres between them.
 const STRIDE: usize = 2;
@@ -20,41 +19,39 @@ pub(super) struct Hit {
     pub last: u16,
 }
 
-/// All links of patch `relation.a` that collide with the unit `relation.b`, ascending.
+/// All links of a patch that collide with a unit which stands at `unit_at` in its frame, ascending.
 ///
 /// - `depth_m`: bodies may be that deep in the unit.
-pub(super) fn hits(
-    patches: &Patches<'_>,
-    paths: &Paths,
-    bodies: &Bodies,
-    unit: &UnitGeometry,
-    relation: &Relation,
-    depth_m: f32,
-) -> Vec<Hit> {
-    let to_unit = relation.placement().inverse();
-    let reach = bodies.reach();
-    let near = unit.bounds.grown(reach);
-    let mut out = Vec::new();
-    for (l, link) in patches.links_of(relation.a as usize).iter().enumerate() {
-        let roots = paths.of(l);
-        let collides = |k: usize| {
-            let root = to_unit.compose(roots[k]);
-            near.contains(root.translation()) && bodies.collides(link.frame as usize + k, root, unit, depth_m)
-        };
-        if let Some(hit) = of_link(l as u32, roots, collides) {
-            out.push(hit);
-        }
-    }
-    out
+pub(super) fn hits(paths: &Paths, num_links: usize, bodies: &Bodies, unit: &Field, unit_at: Placement, depth_m: f32) -> Vec<Hit> {
+    let (sin, cos) = unit_at.heading.sin_cos();
+    let in_unit = |p: &Placement| {
+        let (x, z) = (p.x - unit_at.x, p.z - unit_at.z);
+        Placement::new(cos * x - sin * z, p.y - unit_at.y, sin * x + cos * z, p.heading - unit_at.heading)
+    };
+    // Links share roots: each is looked at once.
+    let mut known: Vec<Option<bool>> = vec![None; paths.roots().len()];
+    let mut collides = |at: usize| {
+        *known[at].get_or_insert_with(|| {
+            bodies.collides(paths.rows()[at] as usize, in_unit(&paths.roots()[at]), unit, depth_m)
+        })
+    };
+    (0..num_links as u32)
+        .filter_map(|l| {
+            let range = paths.range(l as usize);
+            of_link(l, range.len(), |k| collides(range.start + k))
+        })
+        .collect()
+}
+
+/// The frames of a link that are looked at; the last one in any case. [Limit: num_frames > 0]
+pub(super) fn looked_at(num_frames: usize) -> impl DoubleEndedIterator<Item = usize> {
+    (0..num_frames - 1).step_by(STRIDE).chain([num_frames - 1])
 }
 
 /// First and last frame of a link that collide: from both ends, so that what lies between is not looked at.
-fn of_link(link: u32, roots: &[Placement], collides: impl Fn(usize) -> bool) -> Option<Hit> {
-    let last = roots.len() - 1;
-    // The last frame is looked at in any case.
-    let looked_at = || (0..last).step_by(STRIDE).chain([last]);
-    let first = looked_at().find(|&k| collides(k))?;
-    let last = looked_at().rev().find(|&k| k <= first || collides(k)).unwrap_or(first);
+fn of_link(link: u32, num_frames: usize, mut collides: impl FnMut(usize) -> bool) -> Option<Hit> {
+    let first = looked_at(num_frames).find(|&k| collides(k))?;
+    let last = looked_at(num_frames).rev().find(|&k| k <= first || collides(k)).unwrap_or(first);
     Some(Hit { link, first: first as u16, last: last as u16 })
 }
 
@@ -81,8 +78,7 @@ mod tests {
 
     #[test]
     fn the_first_and_the_last_collision_of_a_link_are_found() {
-        let roots = vec![Placement::IDENTITY; 30];
-        let hit = |frames: &'static [usize]| of_link(3, &roots, |k| frames.contains(&k));
+        let hit = |frames: &[usize]| of_link(3, 30, |k| frames.contains(&k));
         assert_eq!(hit(&[]), None);
         assert_eq!(hit(&[4, 6, 20]), Some(Hit { link: 3, first: 4, last: 20 }));
         assert_eq!(hit(&[29]), Some(Hit { link: 3, first: 29, last: 29 }));

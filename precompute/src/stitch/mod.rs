@@ -8,6 +8,7 @@ mod bodies;
 mod component;
 mod config;
 mod editor;
+mod field;
 mod fit;
 mod joined;
 mod lay;
@@ -20,12 +21,14 @@ mod report;
 mod solids;
 mod source;
 mod table;
+mod why;
 
 pub use config::StitchConfig;
 pub use editor::Editor;
 pub use library::Library;
 pub use report::{Reason, StitchReport};
 pub use source::{Kit, WorldSource, save, stitch_source};
+pub use why::{Collision, Item, Why};
 
 use crate::environment::Environment;
 use crate::error::BuildError;

@@ -27,11 +27,15 @@ use source::Source;
 use throng_runtime::patch::{CellRecord, EdgeRecord, KIND_TILE, LinkRecord, NONE, Placement};
 use vocabulary::Vocabulary;
 
+/// Shortest link of a tile with two edges. A piece of a slide takes less time than links last elsewhere, and is too short
+/// for more than one link. [Unit: frames]
+const RISING_FRAMES: usize = 5;
+
 /// What all tiles of a build share.
 pub(super) struct Given<'a> {
     pub clips: &'a ClipSet,
     pub tracks: &'a [Track],
-    pub scenes: &'a [Option<Setting>],
+    pub settings: &'a [Option<Setting>],
     pub units: &'a UnitSet,
     /// Mean height of the hips above what holds the character up, by pose group. [Unit: m]
     pub hips: &'a [f32],
@@ -54,10 +58,11 @@ pub(super) fn build(given: &Given, config: &TileConfig) -> Result<(Patch, PatchR
     let words = if is_ground(unit) {
         Vocabulary::of_ground(&source, num_edges, config)
     } else {
-        Vocabulary::of_rising(&source, &region, edges.steps[0][1], config)
+        Vocabulary::of_rising(&source, &region, edges, config)
     };
     let layout = lay_out(unit, edges, &region, &words, config);
-    let links = all_links(&Search::new(&source, &layout, &region, config, given.min_frames));
+    let min_frames = if is_ground(unit) { given.min_frames } else { RISING_FRAMES.min(given.min_frames) };
+    let links = all_links(&Search::new(&source, &layout, &region, config, min_frames));
     let graph = graph_of(unit, &layout, &links);
     let pruned = prune(&graph);
     if !pruned.links.contains(&true) {
@@ -70,19 +75,25 @@ pub(super) fn build(given: &Given, config: &TileConfig) -> Result<(Patch, PatchR
 fn source_of<'a>(given: &Given<'a>, unit: &Unit, config: &TileConfig) -> Result<Source<'a>, BuildError> {
     let mut clips = Vec::new();
     let mut copies = Vec::new();
-    for (c, (clip, scene)) in given.clips.clips.iter().zip(given.scenes).enumerate() {
+    for (c, (clip, setting)) in given.clips.clips.iter().zip(given.settings).enumerate() {
         let named = config.clips.iter().any(|p| super::config::matches(p, &clip.name));
-        if is_ground(unit) {
-            if named || config.clips.is_empty() && scene.is_none() {
-                clips.push(c);
+        // The mirrored copy of a clip in an environment has nothing to stand on.
+        let afloat = setting.is_none() && clip.mirrored && c > 0 && given.settings[c - 1].is_some();
+        if afloat || !named && !config.clips.is_empty() {
+            continue;
+        }
+        match setting {
+            None if is_ground(unit) => clips.push(c),
+            Some(_) if is_ground(unit) && named => clips.push(c),
+            Some(setting) if !is_ground(unit) => {
+                let placed = setting.environment.units.iter();
+                let of_unit: Vec<_> = placed.filter(|p| given.units.units[p.unit].name == unit.name).collect();
+                if !of_unit.is_empty() {
+                    clips.push(c);
+                }
+                copies.extend(of_unit.iter().map(|p| (c, p.placement)));
             }
-        } else if let Some(scene) = scene.as_ref().filter(|_| named || config.clips.is_empty()) {
-            let of_unit = scene.environment.units.iter().filter(|p| given.units.units[p.unit].name == unit.name);
-            let before = copies.len();
-            copies.extend(of_unit.map(|p| (c, p.placement)));
-            if copies.len() > before {
-                clips.push(c);
-            }
+            _ => {}
         }
     }
     if clips.is_empty() {

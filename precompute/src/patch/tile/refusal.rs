@@ -13,14 +13,14 @@ use crate::patch::is_ground;
 pub(super) fn no_unit(given: &Given, config: &TileConfig) -> BuildError {
     let names: Vec<_> = given.units.units.iter().map(|u| format!("`{}`", u.name)).collect();
     let message =
-        format!("patch.tiles: expected a unit ({}), found `{}`. Correct the config.", names.join(", "), config.unit);
+        format!("patches.tiles: expected a unit ({}), found `{}`. Correct the config.", names.join(", "), config.unit);
     BuildError::Config { message }
 }
 
 /// The unit does not say where its edges are.
 pub(super) fn no_edges(unit: &Unit) -> BuildError {
     let message = format!(
-        "patch.tiles: the unit `{}` has no edges. Give it `tile = {{ steps = [[...]], widths = [...] }}` in the unit \
+        "patches.tiles: the unit `{}` has no edges. Give it `tile = {{ steps = [[...]], widths = [...] }}` in the unit \
          file, or take it out of the tiles.",
         unit.name
     );
@@ -34,7 +34,7 @@ pub(super) fn no_clips(unit: &Unit, config: &TileConfig) -> BuildError {
         (true, false) => format!("a clip whose name matches {}", config.clips.join(", ")),
         (false, _) => format!("a clip captured in an environment that holds `{}`", unit.name),
     };
-    let message = format!("patch.tiles: `{}`: expected {wanted}, found none. Correct the config.", unit.name);
+    let message = format!("patches.tiles: `{}`: expected {wanted}, found none. Correct the config.", unit.name);
     BuildError::Config { message }
 }
 
@@ -86,7 +86,9 @@ fn missing(region: &Region, graph: &TileGraph) -> Option<(String, &'static str)>
             "Add motion that crosses it, or check where the environment places it",
         ));
     }
-    for (edge, ways) in graph.ways_out.iter().enumerate() {
+    // Nobody enters a slide from below.
+    let entered = |edge: usize| graph.cells.contains(&TileCell::Entry(edge as u32));
+    for (edge, ways) in graph.ways_out.iter().enumerate().filter(|(e, _)| entered(*e)) {
         let leaves = |way: u32| {
             let mut links = graph.links.iter().filter(|l| enters(l.0) == Some(edge as u32));
             links.any(|l| matches!(graph.cells[l.1 as usize], TileCell::Exit(e, _) if e == way))

@@ -24,7 +24,7 @@ use rand::{Rng, RngExt};
 use throng_runtime::{Contacts, Joint, Skeleton};
 
 /// What touches the seat, as seen from the hips joint. [Unit: m]
-const BUTTOCKS: DVec3 = DVec3::new(0.0, -0.135, -0.03);
+pub const BUTTOCKS: DVec3 = DVec3::new(0.0, -0.135, -0.03);
 /// How much of a lean of the chest the hips and the head share.
 const SHARED: [f64; 2] = [0.5, 0.5];
 /// Smoothing of keyed postures, and of hands. [Unit: s]
@@ -138,7 +138,8 @@ fn move_hips(pelvis: &mut Pelvis, input: &PelvisInput, keyed: &Keyed) {
         pelvis.position[i] += DVec3::new(shift.x, 0.0, shift.y);
         pelvis.yaw[i] += body.hips.yaw;
         pelvis.pitch[i] += body.hips.pitch + SHARED[0] * keyed.seated[i].lean;
-        pelvis.list[i] += body.hips.list;
+        // On the seat, lifting a foot does not tilt the hips.
+        pelvis.list[i] = pelvis.list[i] * (1.0 - keyed.seated[i].down) + body.hips.list;
     }
     pelvis.stand_up(input);
     for (i, (body, seated)) in keyed.body.iter().zip(&keyed.seated).enumerate() {

@@ -59,7 +59,9 @@ enum Phrase {
 }
 
 /// Talks: phrases with one hand or both, and listens now and then.
-pub fn talk(script: &mut Script, talk: &Talk, rng: &mut impl Rng) {
+///
+/// - returns when the hands are back, which may be a little later than asked. [Unit: s]
+pub fn talk(script: &mut Script, talk: &Talk, rng: &mut impl Rng) -> f64 {
     let speaks = rng.random_range(0..4);
     let free = |side: Side| speaks > 1 || speaks == side.index();
     // The other hand hangs, or is on the hip.
@@ -83,14 +85,15 @@ pub fn talk(script: &mut Script, talk: &Talk, rng: &mut impl Rng) {
         attend(script, talk, phrase, t, until, rng);
         t = until.max(t + 0.5);
     }
+    let end = talk.to.max(t + 0.9);
     for side in Side::BOTH {
-        let over = 0.9_f64.min(talk.to - t);
         if talk.seated {
-            script.hand(side, talk.to, over, on(side, LAP));
+            script.hand(side, end, 0.85, on(side, LAP));
         } else {
-            script.let_hang(side, talk.to, over);
+            script.let_hang(side, end, 0.85);
         }
     }
+    end
 }
 
 fn deal(heat: f64, rng: &mut impl Rng) -> Phrase {

@@ -34,35 +34,50 @@ impl Held {
     }
 }
 
+/// Twist of a hanging forearm, and the direction of its elbow in the upper arm's frame.
+const HANGING: (f64, DVec3) = (0.15, DVec3::NEG_Z);
+/// The share of being held from which on the arm is all reach. The wrist is on its way from hanging to where it is held
+/// from the beginning, so that only what a hanging arm stretches further than a reaching one is blended over.
+const TAKEN: f64 = 0.25;
+
 /// An arm: hanging where the hand is not held, reaching for its wrist where it is, between them otherwise.
 pub fn arm(side: Side, held: &Held, hanging: &ArmPose, hand: &HandPose, skeleton: &Skeleton) -> ArmPose {
     if hand.held <= 0.0 {
         return *hanging;
     }
-    let reaching = reach(side, held, hand, skeleton);
-    let mix = |a: DQuat, b: DQuat| a.slerp(b, hand.held.min(1.0));
+    let reaching = reach(side, held, hanging, hand, skeleton);
+    let u = (hand.held / TAKEN).min(1.0);
+    let taken = u * u * (3.0 - 2.0 * u);
     ArmPose {
-        clavicle: mix(hanging.clavicle, reaching.clavicle),
-        upper_arm: mix(hanging.upper_arm, reaching.upper_arm),
-        forearm: mix(hanging.forearm, reaching.forearm),
-        hand: mix(hanging.hand, reaching.hand),
+        clavicle: reaching.clavicle,
+        upper_arm: hanging.upper_arm.slerp(reaching.upper_arm, taken),
+        forearm: hanging.forearm.slerp(reaching.forearm, taken),
+        hand: hanging.hand.slerp(reaching.hand, hand.held.min(1.0)),
     }
 }
 
-fn reach(side: Side, held: &Held, hand: &HandPose, skeleton: &Skeleton) -> ArmPose {
+fn reach(side: Side, held: &Held, hanging: &ArmPose, hand: &HandPose, skeleton: &Skeleton) -> ArmPose {
     let [clavicle_at, shoulder_at, fore, wrist] = side.arm().map(|j| skeleton.offsets[j.index()].as_dvec3());
-    let s = side.sign();
+    let (s, share) = (side.sign(), hand.held.min(1.0));
     let clavicle = DQuat::from_rotation_y(-s * hand.reach) * DQuat::from_rotation_z(s * (hand.shrug - 0.05));
+    let clavicle = hanging.clavicle.slerp(clavicle, share);
     let shoulder = held.chest + held.rotation * (clavicle_at + clavicle * shoulder_at);
+    let hung = held.rotation * clavicle * hanging.upper_arm;
+    let hung_wrist = shoulder + hung * (fore + hanging.forearm * wrist);
     let body = held.neck + held.frame * hand.body;
-    let goal = body.lerp(hand.room, hand.placed);
+    let goal = hung_wrist.lerp(body.lerp(hand.room, hand.placed), share);
+    let pole = (hung * HANGING.1).lerp((held.frame * hand.pole).normalize_or(DVec3::NEG_Y), share);
     let shape = ArmShape { upper_arm: fore.length(), forearm: wrist.length() };
-    let bent = shape.solve(side, shoulder, goal, held.frame * hand.pole);
+    let bent = shape.solve(side, shoulder, goal, pole);
+    let forearm = ArmShape::forearm(side, bent.elbow, HANGING.0 + share * (hand.twist - HANGING.0));
+    let along = bent.upper_arm * forearm * (DVec3::X * s);
+    // A hand that is put down lies level, however steep the forearm comes down.
+    let level = hand.placed * hand.twist.sin().max(0.0) * along.y.clamp(-0.9, 0.9).asin();
     ArmPose {
         clavicle,
         upper_arm: (held.rotation * clavicle).inverse() * bent.upper_arm,
-        forearm: ArmShape::forearm(side, bent.elbow, hand.twist),
-        hand: DQuat::from_rotation_z(-s * hand.flex),
+        forearm,
+        hand: DQuat::from_rotation_z(-s * (hand.flex + level)),
     }
 }
 

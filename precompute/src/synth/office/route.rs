@@ -78,10 +78,11 @@ pub struct Goal {
 /// Walks from a stand to a stand.
 ///
 /// - `blocked`: how deep a point is within what is in the way. [Unit: m]
-pub fn walk(script: &mut Script, goal: &Goal, blocked: impl Fn(DVec2) -> f64, rng: &mut impl Rng) {
+/// - returns when the first foot leaves the ground. [Unit: s]
+pub fn walk(script: &mut Script, goal: &Goal, blocked: impl Fn(DVec2) -> f64, rng: &mut impl Rng) -> f64 {
     let from = script.stance();
     let curve = choose(from, goal, blocked, rng);
-    let began = script.next_shift() + Script::shift_time();
+    let began = script.next_lift();
     let first = turn_to(from.heading, curve.heading(0.0));
     if first.abs() > 0.8 {
         script.turn_in_place(first);
@@ -90,7 +91,7 @@ pub fn walk(script: &mut Script, goal: &Goal, blocked: impl Fn(DVec2) -> f64, rn
         }
     }
     follow(script, &curve, goal.cruise, rng);
-    script.tag("walk", began);
+    began
 }
 
 fn turn_to(from: f64, to: f64) -> f64 {
@@ -131,7 +132,8 @@ fn follow(script: &mut Script, curve: &Curve, cruise: f64, rng: &mut impl Rng) {
     let distance = lengths[POINTS].0;
     let shares = shares(distance, step_at(cruise).length);
     let turn = turn_to(script.stance().heading, curve.heading(0.15));
-    let mut side = if turn.abs() < 0.1 && rng.random_bool(0.5) { Side::Right } else { Side::inside(turn) };
+    let inside = if turn.abs() < 0.1 && rng.random_bool(0.5) { Side::Right } else { Side::inside(turn) };
+    let mut side = script.free_foot().unwrap_or(inside);
     let mut gone = 0.0;
     for (k, share) in shares.iter().enumerate() {
         gone += share * distance;

@@ -63,9 +63,6 @@ impl<'w> WorldGraph<'w> {
         let cell = self.cell(node);
         let tile = self.is_tile(node.instance);
         for link in cell.first_link..cell.first_link + cell.num_links {
-            if !self.is_link_enabled(node.instance, link) {
-                continue;
-            }
             if let Some(step) = self.step_along(node.instance, link) {
                 visit(step);
             }
@@ -116,7 +113,8 @@ impl<'w> WorldGraph<'w> {
         &self.world.joints[table.first_joint as usize..][..table.num_joints as usize]
     }
 
-    /// Steps that leave a link of a tile before its end, into blocks.
+    /// Steps that leave a link of a tile before its end, into blocks. The rest of the link may be disabled: joints have
+    /// bits of their own, set where what is played of the link is free of obstacles.
     fn for_each_way_out(&self, instance: u32, link: u32, visit: &mut impl FnMut(Step)) {
         for (_, adjacency, table) in self.adjacencies(instance).filter(|(_, a, _)| a.side == 0) {
             let joints = self.joints(table);
@@ -162,12 +160,13 @@ impl<'w> WorldGraph<'w> {
         }
     }
 
-    /// From a cell of a block into a link of a tile, which is played to its end.
+    /// From a cell of a block into a link of a tile, which is played to its end; what comes before may be disabled.
     fn enter_link(&self, adjacency: &AdjacencyRecord, joint: usize, j: &JointRecord, visit: &mut impl FnMut(Step)) {
+        let (instance, l) = (adjacency.other, &self.links(adjacency.other)[j.a as usize]);
         if self.may_go(adjacency, joint, false)
-            && let Some(step) = self.step_along(adjacency.other, j.a)
+            && let Some(to) = self.end_node(instance, l)
         {
-            visit(Step { from_offset: j.a_offset as u16, ..step });
+            visit(Step { to, instance, link: j.a, from_offset: j.a_offset as u16, to_offset: l.num_frames });
         }
     }
 
