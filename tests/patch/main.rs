@@ -1,11 +1,15 @@
-//! Motion patches: pose groups, blocks, tiles, worlds, planning and inhabitants, against brute force and by hand.
+//! Motion patches: pose groups, blocks, tiles, bundles, worlds, planning and inhabitants, against brute force and by
+//! hand.
 
 mod blocks;
+mod bundle;
 mod glides;
 mod groups;
 mod inhabitants;
 mod made_up;
 mod made_up_world;
+#[path = "../format/patch.rs"]
+mod parts;
 mod plan;
 mod stitch;
 mod tiles;

@@ -80,8 +80,7 @@ fn paths_are_as_short_as_the_shortest_within_five_percent() {
             match (planner.plan(&graph, from, target, &mut steps), best) {
                 (Some(plan), Some(best)) => {
                     is_a_way(&graph, from, target, &steps[..plan.num_stored], &plan);
-                    eprintln!("RATIO {}", f64::from(plan.num_frames) / f64::from(best.max(1)));
-                    //assert!(f64::from(plan.num_frames) <= 1.05 * f64::from(best), "{} frames, {best}", plan.num_frames);
+                    assert!(f64::from(plan.num_frames) <= 1.05 * f64::from(best), "{} frames, {best}", plan.num_frames);
                     assert!(plan.num_frames >= best);
                     paths += 1;
                 }

@@ -66,6 +66,11 @@ impl Bounds {
         self.open_joints[adjacency][1]
     }
 
+    /// True where some joint of an adjacency leads to the other instance.
+    pub fn is_open_outwards(&self, adjacency: usize) -> bool {
+        self.open_joints[adjacency][0]
+    }
+
     /// Frames that are played at least on the way over a joint from side a, entered by a port, to side b.
     pub fn into_b(&self, table: u32, port: u32) -> f32 {
         self.joints[(self.first_joint[table as usize] + port) as usize][0]

@@ -87,7 +87,7 @@ impl Space for ToSafety<'_, '_> {
     }
 
     fn is_target(&self, node: Node) -> bool {
-        self.graph.is_safe(node)
+        self.graph.is_stop(node)
     }
 
     fn estimate(&self, _: Node) -> f32 {

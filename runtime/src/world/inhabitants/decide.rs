@@ -135,22 +135,26 @@ impl Inhabitants {
         self.rest(graph, c)
     }
 
+    /// Steps of a character's path up to where it may come to rest; none where they are not known.
+    fn stretch(&self, graph: &WorldGraph<'_>, c: usize) -> Option<&[Step]> {
+        let (path, target) = (self.paths.from(c, self.minds[c].at), self.paths.target(c)?);
+        let last = path.iter().position(|s| graph.is_stop(s.to) || target.is_at(graph, s.to))?;
+        (last < MAX_CHAIN).then(|| &path[..=last])
+    }
+
     /// The next steps of the path, where what they need is free.
     fn follow(&mut self, graph: &WorldGraph<'_>, c: usize) -> Option<Step> {
-        let path = self.paths.from(c, self.minds[c].at);
-        let target = self.paths.target(c)?;
-        let len = path.iter().position(|s| graph.is_safe(s.to) || target.is_at(graph, s.to)).map(|i| i + 1);
-        let Some(len) = len.filter(|&len| len <= MAX_CHAIN) else {
+        let Some(steps) = self.stretch(graph, c) else {
             self.minds[c].doing = Doing::Planning;
             self.paths.ask(c);
             return None;
         };
-        let steps = &path[..len];
         if let Some(holder) = steps.iter().find_map(|s| chain::holder(graph, &self.holders, c as u32, s)) {
             self.refuse(graph, c, holder as usize);
             return None;
         }
-        self.chains.set(c, steps);
+        let len = steps.len();
+        self.chains.set(c, &self.paths.from(c, self.minds[c].at)[..len]);
         self.paths.advance(c, len);
         let mind = &mut self.minds[c];
         mind.doing = Doing::Walking;
@@ -185,10 +189,10 @@ impl Inhabitants {
         self.paths.forget(c, self.paths.target(c));
     }
 
-    /// True where the next step of a character's path needs what another one holds.
+    /// True where the next steps of a character's path need what another one holds.
     fn needs_what_is_held(&self, graph: &WorldGraph<'_>, character: usize, by: usize) -> bool {
-        let next = self.paths.from(character, self.minds[character].at).first();
-        next.is_some_and(|s| chain::holder(graph, &self.holders, character as u32, s) == Some(by as u32))
+        let held = |s| chain::holder(graph, &self.holders, character as u32, s);
+        self.stretch(graph, character).is_some_and(|steps| steps.iter().find_map(held) == Some(by as u32))
     }
 
     /// Nothing is in the way any more.
@@ -206,7 +210,7 @@ impl Inhabitants {
                 return Some(step);
             }
         }
-        let step = self.pick(graph, c, |s| s.to != at && graph.is_safe(s.to))?;
+        let step = self.pick(graph, c, |s| s.to != at && graph.is_stop(s.to))?;
         self.go(graph, c, step)
     }
 
@@ -239,7 +243,7 @@ impl Inhabitants {
 
     /// Makes sure of a step, and of what follows until the character can come to rest.
     fn go(&mut self, graph: &WorldGraph<'_>, c: usize, step: Step) -> Option<Step> {
-        if graph.is_safe(step.to) {
+        if graph.is_stop(step.to) {
             self.chains.set(c, &[step]);
             return self.reserve(graph, c);
         }
