@@ -2,6 +2,8 @@
 #![allow(unsafe_code, reason = "an allocator that counts is an unsafe trait")]
 
 mod common;
+#[path = "patch/made_up.rs"]
+mod made_up;
 
 use glam::Vec3;
 use std::alloc::{GlobalAlloc, Layout, System};
@@ -10,6 +12,8 @@ use std::hint::black_box;
 use throng_runtime::policy::{self, BestActionJob, LookAheadJob, RankedActions};
 use throng_runtime::sparring::{PracticeConfig, PracticeGoal, Sparring, TargetPractice};
 use throng_runtime::troupe::{Choice, Goal, Repertoire, SampleJob, Troupe, TroupeConfig};
+use throng_runtime::world::WorldGraph;
+use throng_runtime::world::inhabitants::{Inhabitants, InhabitantsConfig, Wish, scatter};
 use throng_runtime::{Mat3x4, NUM_JOINTS};
 
 thread_local! {
@@ -111,6 +115,31 @@ fn a_step_towards_two_goals_allocates_nothing() {
     let goals = [goal(1.0), goal(0.5)];
     troupe.step(&repertoire, 0.0, &goals).expect("a first step");
     let n = allocations(|| (0..100).for_each(|_| troupe.step(&repertoire, 0.05, &goals).expect("a step")));
+    assert_eq!(n, 0);
+}
+
+#[test]
+fn inhabitants_allocate_nothing() {
+    let tables = made_up::tables();
+    let world = made_up::world(&tables, &["#########", "#b#####b#", "###...###", "##b######", "#########"]);
+    let graph = WorldGraph::new(tables.patches(), world.view()).expect("a world");
+    let repertoire = Repertoire::new(&tables);
+    let starts = scatter(&graph, 14, 2);
+    let mut people = Inhabitants::new(&repertoire, &graph, InhabitantsConfig::default(), &starts).expect("inhabitants");
+    let mut n = 0;
+    for round in 0..20u32 {
+        for c in 0..starts.len() {
+            let wish = match c % 3 {
+                0 => Wish::Roam,
+                1 => Wish::GoTo { instance: (7 * c as u32 + 11 * round) % 40 },
+                _ => Wish::Perform { tag: made_up::SIT, seconds: 4.0 },
+            };
+            n += allocations(|| people.set_wish(&graph, c, wish).expect("a wish"));
+        }
+        n += allocations(|| (0..900).for_each(|_| people.step(&repertoire, &graph, 1.0 / 30.0).expect("a step")));
+    }
+    let fulfilled: u32 = (0..starts.len()).map(|c| people.status(c).num_fulfilled).sum();
+    assert!(fulfilled > 40, "{fulfilled} wishes are too few to prove anything");
     assert_eq!(n, 0);
 }
 

@@ -1,5 +1,16 @@
-//! Motion patches and worlds of them: mathematics against brute force and small cases made up by hand.
+//! Motion patches: pose groups, blocks, tiles, bundles, worlds, planning and inhabitants, against brute force and by
+//! hand.
 
+mod blocks;
+mod bundle;
+mod glides;
 mod groups;
+mod inhabitants;
 mod made_up;
+mod made_up_world;
+#[path = "../format/patch.rs"]
+mod parts;
+mod plan;
 mod stitch;
+mod tiles;
+mod world_file;

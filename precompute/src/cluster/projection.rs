@@ -13,7 +13,7 @@ pub(super) type Point = [f32; DIMS];
 /// Frames of which the directions are found.
 const SAMPLE: usize = 2048;
 /// Rounds of finding directions. They need not be exact: any orthonormal ones keep the promise.
-const ROUNDS: usize = 12;
+const ROUNDS: usize = 8;
 
 type Direction = [f32; EMBEDDING];
 
@@ -44,12 +44,12 @@ fn principal_directions(mut sample: Vec<Direction>) -> [Direction; DIMS] {
     let mut directions = [[0.0; EMBEDDING]; DIMS];
     directions.iter_mut().zip(widest).for_each(|(d, axis)| d[axis] = 1.0);
     for _ in 0..ROUNDS {
-        directions = directions.map(|d| {
+        directions.par_iter_mut().for_each(|d| {
             let mut turned = [0.0; EMBEDDING];
             for x in &sample {
-                add(&mut turned, x, dot(&d, x));
+                add(&mut turned, x, dot(d, x));
             }
-            turned
+            *d = turned;
         });
         make_orthonormal(&mut directions);
     }

@@ -34,6 +34,7 @@ pub struct SourceScenes {
 /// [`geometries`]; for a pattern that no clip matches, with the clips there are; for a clip in two environments; for an
 /// environment that was made with another unit file.
 pub fn scenes(clips: &[Clip], cfg: &PatchConfig, units: &UnitSet) -> Result<SourceScenes, BuildError> {
+    cfg.touch.check()?;
     let geometries = geometries(units)?;
     let mut of_clip = vec![None; clips.len()];
     let mut scenes = Vec::with_capacity(cfg.environments.len());

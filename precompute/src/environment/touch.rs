@@ -1,5 +1,6 @@
 //! Which points of a body touch what is around it, and when that counts as a contact.
 
+use crate::error::BuildError;
 use glam::{Quat, Vec3};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -39,6 +40,33 @@ impl Default for TouchConfig {
             seat_off: 0.06,
             penetration: 0.06,
         }
+    }
+}
+
+impl TouchConfig {
+    /// Checks that every number is within its limits.
+    ///
+    /// # Errors
+    /// [`BuildError::Config`] names the setting.
+    pub fn check(&self) -> Result<(), BuildError> {
+        let fail = |key: &str, what: String| Err(BuildError::Config { message: format!("{key}: {what}") });
+        let pairs = [
+            ("foot_on", self.foot_on, self.foot_off),
+            ("hand_on", self.hand_on, self.hand_off),
+            ("seat_on", self.seat_on, self.seat_off),
+        ];
+        for (key, on, off) in pairs {
+            if !(on > 0.0 && on <= off && off < 1.0) {
+                return fail(
+                    key,
+                    format!("expected above 0 and at most the distance that ends it, found {on} and {off}"),
+                );
+            }
+        }
+        if !(0.0..1.0).contains(&self.penetration) {
+            return fail("penetration", format!("expected 0 to 1 m, found {}", self.penetration));
+        }
+        Ok(())
     }
 }
 
@@ -137,4 +165,30 @@ fn seat(skeleton: &Skeleton, scale: f32) -> Vec<Probe> {
         out.push(Probe { joint: thigh, offset: skeleton.offsets[shin.index()] / 3.0, radius: 0.08 * scale });
     }
     out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn settings_outside_their_limits_are_named() {
+        let fault = |cfg: TouchConfig| cfg.check().unwrap_err().to_string();
+        TouchConfig::default().check().unwrap();
+        assert!(fault(TouchConfig { hand_on: 0.2, ..TouchConfig::default() }).starts_with("hand_on: expected above 0"));
+        assert!(fault(TouchConfig { seat_on: f32::NAN, ..TouchConfig::default() }).starts_with("seat_on"));
+        assert!(fault(TouchConfig { penetration: -0.1, ..TouchConfig::default() }).starts_with("penetration"));
+    }
+
+    #[test]
+    fn soles_of_a_standing_body_are_on_the_ground_and_palms_beyond_the_wrists() {
+        let s = Skeleton::default();
+        let t = crate::clip::joint_transforms(&s, s.offsets[0], |_| Quat::IDENTITY);
+        let probes = Probes::new(&s);
+        for part in 0..4 {
+            assert!(probes.of(part).iter().all(|p| p.at(&t).y.abs() < 1e-5), "{part}");
+        }
+        let palm = probes.of(4)[1].at(&t);
+        assert!((palm - t[Joint::LeftHand.index()].0 - Vec3::X * 0.06).length() < 1e-4, "{palm}");
+    }
 }

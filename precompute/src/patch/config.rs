@@ -138,7 +138,7 @@ fn edit_heading() -> f64 {
 }
 
 fn variety() -> usize {
-    2
+    1
 }
 
 fn margin() -> f64 {

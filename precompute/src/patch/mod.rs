@@ -119,12 +119,25 @@ pub fn build(
         out.patches.push(patch);
         out.report.push(report);
     }
+    out.tell_apart();
     out.keep_used_tags();
     out.units = units_text(units)?;
     Ok(out)
 }
 
 impl Patches {
+    /// Numbers patches of the same units from the second on.
+    fn tell_apart(&mut self) {
+        let mut uses = std::collections::BTreeMap::<String, usize>::new();
+        for (patch, report) in self.patches.iter_mut().zip(&mut self.report) {
+            let n = uses.entry(patch.name.clone()).and_modify(|n| *n += 1).or_insert(1);
+            if *n > 1 {
+                patch.name = format!("{} {n}", patch.name);
+            }
+            report.name.clone_from(&patch.name);
+        }
+    }
+
     /// Forgets tags that no link carries.
     fn keep_used_tags(&mut self) {
         let mut number = vec![0u16; self.link_tags.len() + 1];

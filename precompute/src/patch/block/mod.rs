@@ -12,7 +12,6 @@ use crate::environment::{PlacedUnit, UnitSet};
 use crate::progress::Progress;
 use rayon::prelude::*;
 use shape::Shape;
-use std::collections::BTreeMap;
 use throng_runtime::patch::{KIND_BLOCK, LinkRecord, Placement};
 
 pub use spans::spans;
@@ -37,7 +36,7 @@ struct Block {
 /// Finds the blocks of all clips and embeds the motion in them.
 ///
 /// - returns blocks of one unit, then of two and so on as `config.block_units` lists them, each in the order of the
-///   motion; blocks without any link are left out.
+///   motion, named by their units; blocks without any link are left out.
 pub(super) fn build(
     tracks: &[Track],
     settings: &[Option<Setting>],
@@ -60,14 +59,11 @@ pub(super) fn build(
             patch
         })
         .collect();
-    let mut uses = BTreeMap::<String, usize>::new();
     let mut out = Vec::new();
     for (block, (cells, links)) in blocks.iter().zip(made).filter(|(_, (_, links))| !links.is_empty()) {
         let placed = block.shape.units().map(|p| (units.units[p.unit].name.clone(), p.placement));
         let placed: Vec<(String, Placement)> = placed.collect();
-        let stem = placed.iter().map(|u| u.0.as_str()).collect::<Vec<_>>().join("+");
-        let n = uses.entry(stem.clone()).and_modify(|n| *n += 1).or_insert(1);
-        let name = if *n == 1 { stem } else { format!("{stem} {n}") };
+        let name = placed.iter().map(|u| u.0.as_str()).collect::<Vec<_>>().join("+");
         let segments = block.segments.iter();
         let report = PatchReport {
             name: name.clone(),

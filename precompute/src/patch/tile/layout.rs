@@ -58,9 +58,9 @@ pub(super) fn lay_out(
     for edge in 0..num_edges {
         let (step, width) = (edges.steps[edge / 2], edges.widths[edge / 2]);
         let ahead = -region.sides[edge].normal;
-        let middle = region.sides[edge].normal * region.sides[edge].offset;
+        let middle = region.centre - ahead * (step[0].hypot(step[2]) / 2.0);
         let room = (width / 2.0 - region.margin).max(0.0);
-        let height = if edge % 2 == 0 { step[1] / 2.0 } else { -step[1] / 2.0 };
+        let height = edge_height(edges, edge);
         for slot in 0..config.slots {
             let aside = if config.slots > 1 { slot as f32 * 2.0 / (config.slots - 1) as f32 - 1.0 } else { 0.0 };
             let p = middle + lateral(ahead) * (aside * room);
@@ -87,6 +87,12 @@ pub(super) fn lay_out(
     Layout { spots: entries.into_iter().chain(exits).chain(rest).collect(), num_edges }
 }
 
+/// Height of the middle of an edge. [Unit: m]
+pub(super) fn edge_height(edges: &TileEdges, edge: usize) -> f32 {
+    let half = edges.steps[edge / 2][1] / 2.0;
+    edges.centre[1] + if edge % 2 == 0 { half } else { -half }
+}
+
 /// The exit that leads to an entry of the neighbour: as seen from this tile, across the opposite edge.
 fn exit_into(entry: &Spot, number: usize, edges: &TileEdges) -> Spot {
     let edge = entry.edge ^ 1;
@@ -102,17 +108,19 @@ fn rest_spots(unit: &Unit, region: &Region, words: &Vocabulary, config: &TileCon
     if !is_ground(unit) {
         return out;
     }
-    let half = region.sides.iter().map(|s| s.offset).fold(f32::MAX, f32::min) - 2.0 * region.margin;
+    let insets = (0..region.sides.len()).map(|s| region.inset(s, region.centre));
+    let half = insets.fold(f32::MAX, f32::min) - 2.0 * region.margin;
     let n = config.rest_spots;
+    let level = unit.tile.as_ref().map_or(0.0, |t| t.centre[1]);
     let at = |k: usize| half.max(0.0) * (2.0 * (k as f32 + 0.5) / n as f32 - 1.0);
     for spot in 0..n * n {
         for turn in 0..config.rest_headings {
             let heading = turn as f32 * TAU / config.rest_headings as f32;
             let heading = if heading > PI { heading - TAU } else { heading };
-            let place = Planar::new(at(spot % n), at(spot / n), heading);
+            let place = Planar::new(region.centre.x + at(spot % n), region.centre.y + at(spot / n), heading);
             out.extend(words.rest.iter().map(|&group| Spot {
                 place,
-                support: 0.0,
+                support: level,
                 group,
                 edge: NONE,
                 twin: NONE,

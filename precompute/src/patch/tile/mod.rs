@@ -27,6 +27,10 @@ use source::Source;
 use throng_runtime::patch::{CellRecord, EdgeRecord, KIND_TILE, LinkRecord, NONE, Placement};
 use vocabulary::Vocabulary;
 
+/// Shortest link of a tile with two edges. A piece of a slide takes less time than links last elsewhere, and is too short
+/// for more than one link. [Unit: frames]
+const RISING_FRAMES: usize = 5;
+
 /// What all tiles of a build share.
 pub(super) struct Given<'a> {
     pub clips: &'a ClipSet,
@@ -54,10 +58,11 @@ pub(super) fn build(given: &Given, config: &TileConfig) -> Result<(Patch, PatchR
     let words = if is_ground(unit) {
         Vocabulary::of_ground(&source, num_edges, config)
     } else {
-        Vocabulary::of_rising(&source, &region, edges.steps[0][1], config)
+        Vocabulary::of_rising(&source, &region, edges, config)
     };
     let layout = lay_out(unit, edges, &region, &words, config);
-    let links = all_links(&Search::new(&source, &layout, &region, config, given.min_frames));
+    let min_frames = if is_ground(unit) { given.min_frames } else { RISING_FRAMES.min(given.min_frames) };
+    let links = all_links(&Search::new(&source, &layout, &region, config, min_frames));
     let graph = graph_of(unit, &layout, &links);
     let pruned = prune(&graph);
     if !pruned.links.contains(&true) {

@@ -86,7 +86,9 @@ fn missing(region: &Region, graph: &TileGraph) -> Option<(String, &'static str)>
             "Add motion that crosses it, or check where the environment places it",
         ));
     }
-    for (edge, ways) in graph.ways_out.iter().enumerate() {
+    // Nobody enters a slide from below.
+    let entered = |edge: usize| graph.cells.contains(&TileCell::Entry(edge as u32));
+    for (edge, ways) in graph.ways_out.iter().enumerate().filter(|(e, _)| entered(*e)) {
         let leaves = |way: u32| {
             let mut links = graph.links.iter().filter(|l| enters(l.0) == Some(edge as u32));
             links.any(|l| matches!(graph.cells[l.1 as usize], TileCell::Exit(e, _) if e == way))

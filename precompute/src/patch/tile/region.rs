@@ -21,6 +21,8 @@ pub(super) struct Side {
 pub(super) struct Region {
     /// Sides; those of edges come first, in the order of the edges.
     pub sides: Vec<Side>,
+    /// The middle of it: (x, z). [Unit: m]
+    pub centre: Vec2,
     /// Roots stay this far from the sides. [Unit: m]
     pub margin: f32,
     /// Length of the longest step to a neighbour. [Unit: m]
@@ -30,24 +32,24 @@ pub(super) struct Region {
 impl Region {
     /// The outline that edges imply; a margin takes at most half of the narrowest edge.
     pub fn new(edges: &TileEdges, margin: f32) -> Self {
+        let centre = Vec2::new(edges.centre[0], edges.centre[2]);
+        let side = |normal: Vec2, half: f32, edge| Side { normal, offset: normal.dot(centre) + half, edge };
         let mut sides = Vec::new();
         let mut narrowest = f32::MAX;
         for (i, (step, width)) in edges.steps.iter().zip(&edges.widths).enumerate() {
             let across = Vec2::new(step[0], step[2]);
             let normal = across.normalize_or_zero();
-            let side = |normal, offset, edge| Side { normal, offset, edge };
             sides.push(side(normal, across.length() / 2.0, Some(2 * i as u32)));
             sides.push(side(-normal, across.length() / 2.0, Some(2 * i as u32 + 1)));
             narrowest = narrowest.min(*width);
         }
         if edges.steps.len() == 1 {
             let lateral = lateral(sides[1].normal);
-            let offset = edges.widths[0] / 2.0;
-            sides.push(Side { normal: lateral, offset, edge: None });
-            sides.push(Side { normal: -lateral, offset, edge: None });
+            sides.push(side(lateral, edges.widths[0] / 2.0, None));
+            sides.push(side(-lateral, edges.widths[0] / 2.0, None));
         }
         let size = edges.steps.iter().map(|s| s[0].hypot(s[2])).fold(0.0, f32::max);
-        Self { sides, margin: margin.min(narrowest / 4.0), size }
+        Self { sides, centre, margin: margin.min(narrowest / 4.0), size }
     }
 
     /// How far inside a side a point is; negative outside. [Unit: m]

@@ -130,8 +130,8 @@ fn everywhere<'a>(
             frame: track.first_row + c.start as u32,
             num_frames: (c.end - c.start) as u16,
             tag,
-            start: Placement::at(spot.place, -track.support[c.start]),
-            end: Placement::at(end, -track.support[c.end]),
+            start: Placement::at(spot.place, spot.support - track.support[c.start]),
+            end: Placement::at(end, spot.support - track.support[c.end]),
         })
     })
 }

@@ -1,8 +1,10 @@
 //! Which pose groups people enter, leave and rest in.
 
 use super::Source;
+use super::layout::edge_height;
 use super::region::Region;
 use crate::cluster::PoseGroups;
+use crate::environment::TileEdges;
 use crate::patch::TileConfig;
 use glam::Vec2;
 use std::collections::{BTreeMap, BTreeSet};
@@ -60,9 +62,10 @@ impl Vocabulary {
 
     /// Poses in which captured copies of a rising tile were crossed: for each edge what is common where it is entered
     /// and also where the opposite one is left.
-    pub fn of_rising(source: &Source, region: &Region, rise: f32, config: &TileConfig) -> Self {
+    pub fn of_rising(source: &Source, region: &Region, edges: &TileEdges, config: &TileConfig) -> Self {
         let edges = (0..2).map(|edge| {
-            let [entered, left] = [edge, edge ^ 1].map(|e| crossings(source, region, e, rise, e == edge));
+            let [entered, left] =
+                [edge, edge ^ 1].map(|e| crossings(source, region, e, edge_height(edges, e), e == edge));
             let both = entered.into_iter().filter_map(|(word, n)| Some((word, n.min(*left.get(&word)?))));
             let found = commonest(both.collect(), config.edge_groups);
             let word = |(group, level)| Word { group, level: level as f32 * LEVEL_M };
@@ -74,9 +77,9 @@ impl Vocabulary {
 
 /// How often an edge of the captured copies is crossed, by pose group and level.
 ///
+/// - `height`: of the edge, which levels count from. [Unit: m]
 /// - `inward`: count those who enter the tile, else those who leave it.
-fn crossings(source: &Source, region: &Region, edge: usize, rise: f32, inward: bool) -> BTreeMap<(u32, i32), usize> {
-    let middle = if edge == 0 { rise / 2.0 } else { -rise / 2.0 };
+fn crossings(source: &Source, region: &Region, edge: usize, height: f32, inward: bool) -> BTreeMap<(u32, i32), usize> {
     let mut counts = BTreeMap::new();
     for (c, copy) in &source.copies {
         let track = &source.tracks[*c];
@@ -88,9 +91,9 @@ fn crossings(source: &Source, region: &Region, edge: usize, rise: f32, inward: b
         for f in 1..track.places.len() {
             let (before, now) = (inset(f - 1), inset(f));
             // Not only the very frame: those around it may be moved onto the edge.
-            let near = now.abs() < 0.05 && (now > before) == inward && now != before;
+            let near = now.abs() < (now - before).abs().max(0.05) && (now > before) == inward && now != before;
             if near && track.groups[f] != PoseGroups::NO_GROUP {
-                let level = ((track.support[f] - copy.y - middle) / LEVEL_M).round() as i32;
+                let level = ((track.support[f] - copy.y - height) / LEVEL_M).round() as i32;
                 passed.insert((track.groups[f], level));
             } else if !passed.is_empty() {
                 for word in std::mem::take(&mut passed) {

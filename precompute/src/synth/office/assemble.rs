@@ -24,7 +24,7 @@ use rand::{Rng, RngExt};
 use throng_runtime::{Contacts, Joint, Skeleton};
 
 /// What touches the seat, as seen from the hips joint. [Unit: m]
-const BUTTOCKS: DVec3 = DVec3::new(0.0, -0.135, -0.03);
+pub const BUTTOCKS: DVec3 = DVec3::new(0.0, -0.135, -0.03);
 /// How much of a lean of the chest the hips and the head share.
 const SHARED: [f64; 2] = [0.5, 0.5];
 /// Smoothing of keyed postures, and of hands. [Unit: s]

@@ -3,17 +3,17 @@
 use glam::{DVec2, DVec3};
 
 /// Where the seat carries: the middle of what touches it. [Unit: m]
-pub const SEAT: DVec3 = DVec3::new(0.0, 0.46, -0.05);
+pub const SEAT: DVec3 = DVec3::new(0.0, 0.46, 0.05);
 /// Upper side of the desk. [Unit: m]
 pub const TOP: f64 = 0.74;
 /// The ankles' distance in front of the middle of the seat before sitting down: between chair and desk. [Unit: m]
-pub const BEFORE_SEAT: f64 = 0.31;
+pub const BEFORE_SEAT: f64 = 0.285;
 
 /// What must not be walked through: lowest and highest corner on the ground (x, z). [Unit: m]
 const BLOCKED: [[DVec2; 2]; 2] =
-    [[DVec2::new(-0.21, -0.24), DVec2::new(0.21, 0.21)], [DVec2::new(-0.7, 0.42), DVec2::new(0.7, 1.12)]];
+    [[DVec2::new(-0.21, -0.24), DVec2::new(0.21, 0.21)], [DVec2::new(-0.7, 0.48), DVec2::new(0.7, 1.18)]];
 /// Room that a walker needs around the chair and around the desk. [Unit: m]
-const ROOM: [f64; 2] = [0.4, 0.3];
+const ROOM: [f64; 2] = [0.4, 0.32];
 
 /// How deep a point of a path is within what a walker must keep out of; 0 where there is room. [Unit: m]
 pub fn blocked(at: DVec2) -> f64 {

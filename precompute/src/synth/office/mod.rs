@@ -48,7 +48,7 @@ pub fn office(cfg: &SynthConfig) -> ClipSet {
     set
 }
 
-/// Adds clips until they last `seconds`.
+/// Adds clips until they last `seconds`, and one at least.
 ///
 /// - returns how long they are together. [Unit: s]
 fn fill(
@@ -60,7 +60,7 @@ fn fill(
     write: &mut impl FnMut(f64, &mut Pcg64Mcg) -> Script,
 ) -> f64 {
     let (mut spent, mut number) = (0.0, 0);
-    while spent < seconds {
+    while spent < seconds || number == 0 {
         let wanted = (seconds - spent).min(cfg.clip_seconds * rng.random_range(0.85..1.1));
         let script = write(wanted, rng);
         spent += script.duration();

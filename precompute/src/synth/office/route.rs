@@ -132,7 +132,8 @@ fn follow(script: &mut Script, curve: &Curve, cruise: f64, rng: &mut impl Rng) {
     let distance = lengths[POINTS].0;
     let shares = shares(distance, step_at(cruise).length);
     let turn = turn_to(script.stance().heading, curve.heading(0.15));
-    let mut side = if turn.abs() < 0.1 && rng.random_bool(0.5) { Side::Right } else { Side::inside(turn) };
+    let inside = if turn.abs() < 0.1 && rng.random_bool(0.5) { Side::Right } else { Side::inside(turn) };
+    let mut side = script.free_foot().unwrap_or(inside);
     let mut gone = 0.0;
     for (k, share) in shares.iter().enumerate() {
         gone += share * distance;

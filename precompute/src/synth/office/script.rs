@@ -66,6 +66,9 @@ const OPENING: [f64; 2] = [0.85, 1.1];
 /// The same of the outer foot. [Unit: rad]
 const CLOSING: f64 = 0.3;
 
+/// Least stand between two steps of the same foot. [Unit: s]
+const LANDED: f64 = 0.15;
+
 impl Script {
     /// A script that begins standing.
     pub fn new(start: Stance, variation: f64) -> Self {
@@ -123,7 +126,16 @@ impl Script {
         let way = step.to.at - self.stance.at;
         let shape =
             StepShape { length: way.dot(forward(along)), period: step.period, double_support: step.double_support };
-        let pause = if self.now > self.landed + 0.02 { self.now - self.landed } else { 0.0 };
+        // A foot that has just landed carries a while before it steps again.
+        let again = self.steps.last().is_some_and(|s| s.side == step.side);
+        let waits = self.now - self.landed;
+        let pause = if waits > 0.02 {
+            waits
+        } else if again {
+            LANDED
+        } else {
+            0.0
+        };
         self.take(Intent {
             side: step.side,
             pause,
@@ -145,6 +157,18 @@ impl Script {
     /// When the next step lifts its foot, where it comes after standing still. [Unit: s]
     pub fn next_lift(&self) -> f64 {
         self.now.max(self.landed) + SHIFT
+    }
+
+    /// The foot that can step at once, where the script is in the middle of stepping.
+    pub fn free_foot(&self) -> Option<Side> {
+        self.steps.last().filter(|_| self.now <= self.landed + 0.02).map(|s| s.side.other())
+    }
+
+    /// A hand rests on something from a little after `from` until a little before `to`.
+    pub fn rest(&mut self, side: Side, from: f64, to: f64) {
+        if to - from > 0.4 {
+            self.rests[side.index()].push([from + 0.1, to - 0.12]);
+        }
     }
 
     /// Turns on the spot by `angle` in alternating steps, the inner foot first.

@@ -108,27 +108,12 @@ impl Stander {
                 look_around(script, from + 1.0, end, rng);
             }
             Idling::Watch => {
-                let watch = pose([0.06, -0.27, 0.27], [0.9, -0.7, 0.0], 1.2);
-                let at = from + rng.random_range(0.6..1.2);
-                script.hand(Side::Left, at + 0.8, 0.8, watch);
-                script.look(at + 0.8, 0.6, 0.1, 0.42, 0.0);
-                script.hand(Side::Left, at + 1.8, 0.1, watch);
-                script.look(at + 1.9, 0.1, 0.1, 0.42, 0.0);
-                script.let_hang(Side::Left, at + 2.8, 0.9);
-                look_around(script, at + 1.9, end, rng);
+                let free = look_at_watch(script, from, rng);
+                look_around(script, free, end, rng);
             }
             Idling::Scratch(side) => {
-                let head = on(side, pose([0.09, 0.09, 0.1], [0.9, -0.6, 0.2], 0.3));
-                script.hand(side, from + 1.0, 0.95, head);
-                script.look(from + 1.0, 0.6, -0.1 * side.sign(), 0.12, 0.1 * side.sign());
-                let mut t = from + 1.0;
-                for k in 0..5 {
-                    t += 0.2;
-                    let up = DVec3::Y * if k % 2 == 0 { 0.02 } else { -0.01 };
-                    script.hand(side, t, 0.2, HandPose { body: head.body + up, ..head });
-                }
-                script.let_hang(side, t + 1.1, 1.0);
-                look_around(script, t + 0.4, end, rng);
+                let free = scratch(script, side, from);
+                look_around(script, free, end, rng);
             }
             Idling::Clasp => {
                 for side in Side::BOTH {
@@ -138,21 +123,8 @@ impl Stander {
                 look_around(script, from + 0.8, end, rng);
             }
             Idling::Stretch => {
-                let back = Posture {
-                    chest: Attitude { pitch: -0.09, ..Attitude::default() },
-                    hips: Attitude { pitch: -0.03, ..Attitude::default() },
-                    shift: [0.0, 0.025],
-                    dip: 0.0,
-                };
-                for side in Side::BOTH {
-                    let behind = on(side, HandPose { flex: 0.3, ..on_hip(Side::Left) });
-                    script.hand(side, from + 1.0, 0.9, behind);
-                }
-                script.pose(from + 1.8, 0.9, back);
-                script.look(from + 1.8, 0.8, 0.0, -0.2, 0.0);
-                script.pose(from + 2.6, 0.2, back);
-                script.look(from + 2.6, 0.2, 0.0, -0.2, 0.0);
-                look_around(script, from + 2.6, end, rng);
+                let free = stretch(script, from);
+                look_around(script, free, end, rng);
             }
         }
     }
@@ -194,6 +166,52 @@ fn lean_on(side: Side, script: &Script, rng: &mut impl Rng) -> Posture {
 /// A hand held before the body, left.
 fn pose(body: [f64; 3], pole: [f64; 3], twist: f64) -> HandPose {
     HandPose { held: 1.0, body: body.into(), pole: pole.into(), twist, ..HandPose::HANGING }
+}
+
+/// Raises the left wrist, looks at it and lets it down.
+///
+/// - returns when the eyes are free. [Unit: s]
+fn look_at_watch(script: &mut Script, from: f64, rng: &mut impl Rng) -> f64 {
+    let watch = pose([0.06, -0.27, 0.27], [0.9, -0.7, 0.0], 1.2);
+    let at = from + rng.random_range(0.6..1.2);
+    script.hand(Side::Left, at + 0.8, 0.8, watch);
+    script.look(at + 0.8, 0.6, 0.1, 0.42, 0.0);
+    script.hand(Side::Left, at + 1.8, 0.1, watch);
+    script.look(at + 1.9, 0.1, 0.1, 0.42, 0.0);
+    script.let_hang(Side::Left, at + 2.8, 0.9);
+    at + 1.9
+}
+
+/// Scratches the head.
+///
+/// - returns when the head is free. [Unit: s]
+fn scratch(script: &mut Script, side: Side, from: f64) -> f64 {
+    let head = on(side, pose([0.09, 0.09, 0.1], [0.9, -0.6, 0.2], 0.3));
+    script.hand(side, from + 1.0, 0.95, head);
+    script.look(from + 1.0, 0.6, -0.1 * side.sign(), 0.12, 0.1 * side.sign());
+    let mut t = from + 1.0;
+    for up in [0.02, -0.01, 0.02, -0.01, 0.02] {
+        t += 0.2;
+        script.hand(side, t, 0.2, HandPose { body: head.body + DVec3::Y * up, ..head });
+    }
+    script.let_hang(side, t + 1.1, 1.0);
+    t + 0.4
+}
+
+/// Bends backwards a little, the hands on the hips.
+///
+/// - returns when the head is free. [Unit: s]
+fn stretch(script: &mut Script, from: f64) -> f64 {
+    let lean = |pitch: f64| Attitude { pitch, ..Attitude::default() };
+    let back = Posture { hips: lean(-0.03), chest: lean(-0.09), shift: [0.0, 0.025], dip: 0.0 };
+    for side in Side::BOTH {
+        script.hand(side, from + 1.0, 0.9, on_hip(side));
+    }
+    script.pose(from + 1.8, 0.9, back);
+    script.look(from + 1.8, 0.8, 0.0, -0.2, 0.0);
+    script.pose(from + 2.6, 0.2, back);
+    script.look(from + 2.6, 0.2, 0.0, -0.2, 0.0);
+    from + 2.6
 }
 
 /// Turns the head here and there.

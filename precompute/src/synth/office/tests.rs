@@ -78,9 +78,9 @@ fn assert_joints_bend_the_right_way(set: &ClipSet) {
 
 /// Distance of what touches the seat from where it sits. [Unit: m]
 fn off_the_seat(clip: &Clip, frame: usize) -> f32 {
-    let buttocks = Vec3::new(0.0, -0.135, -0.03);
+    let buttocks = assemble::BUTTOCKS.as_vec3();
     let at = clip.root_positions[frame] + clip.frame_rotations(frame)[0] * buttocks;
-    at.distance(Vec3::new(0.0, 0.46, -0.05))
+    at.distance(desk::SEAT.as_vec3())
 }
 
 fn assert_the_seat_stays_on_the_chair(set: &ClipSet) {
@@ -183,7 +183,7 @@ fn hands_rest_on_the_desk() {
                 let p = at[f][hand.index()];
                 let over = p.y - desk::TOP as f32;
                 assert!((0.02..0.075).contains(&over), "{} frame {f} {}: {over} m", clip.name, hand.name());
-                assert!((0.42..0.7).contains(&p.z) && p.x.abs() < 0.6, "{} frame {f}: {p}", clip.name);
+                assert!((0.48..0.7).contains(&p.z) && p.x.abs() < 0.6, "{} frame {f}: {p}", clip.name);
                 rested[side] += 1;
             }
         }
@@ -215,7 +215,7 @@ fn nothing_pops() {
         for (j, (peak, f)) in Joint::ALL.into_iter().zip(peak_accelerations(clip)) {
             let most = match j {
                 _ if j >= Joint::LeftThigh => 380.0,
-                Joint::LeftUpperArm | Joint::RightUpperArm | Joint::LeftForearm | Joint::RightForearm => 200.0,
+                Joint::LeftUpperArm | Joint::RightUpperArm | Joint::LeftForearm | Joint::RightForearm => 240.0,
                 Joint::LeftHand | Joint::RightHand => 150.0,
                 _ => 60.0,
             };
@@ -250,7 +250,7 @@ fn behaviours_begin_and_end_in_the_neutral_stand() {
         for tag in clip.tags.iter().filter(|t| STANDING.contains(&t.name.as_str())) {
             for f in [tag.range.start, tag.range.end + 2] {
                 let moved = clip.root_positions[f].distance(home);
-                assert!(moved < 0.04, "{} {} frame {f}: {moved} m", clip.name, tag.name);
+                assert!(moved < 0.08, "{} {} frame {f}: {moved} m", clip.name, tag.name);
                 let apart = apart(clip.frame_rotations(f), clip.frame_rotations(5));
                 for (j, apart) in Joint::ALL.into_iter().zip(apart) {
                     // The walker's own drift of gaze and arms goes on in the stand.
@@ -264,12 +264,12 @@ fn behaviours_begin_and_end_in_the_neutral_stand() {
 
 #[test]
 fn the_neutral_stand_is_the_walk_sets() {
-    let calm = |set| make(set, &SynthConfig { minutes: 0.3, variation: 0.0, ..SynthConfig::default() }).unwrap();
+    let calm = |set| make(set, &SynthConfig { minutes: 0.05, variation: 0.0, ..SynthConfig::default() }).unwrap();
     let (office, walk) = (calm(SynthSet::Office), calm(SynthSet::Walk));
     let stand = office.clips.iter().find(|c| c.name == "office_stand_00").unwrap();
     for f in 0..15 {
-        let apart = apart(&stand.frame_rotations(f)[1..], &walk.clips[0].frame_rotations(f)[1..]);
-        for (j, apart) in Joint::ALL[1..].iter().zip(apart) {
+        let apart = apart(stand.frame_rotations(f), walk.clips[0].frame_rotations(f));
+        for (j, apart) in Joint::ALL.into_iter().zip(apart) {
             assert!(apart < 0.06, "frame {f} {}: {apart} rad", j.name());
         }
         assert!((stand.root_positions[f].y - walk.clips[0].root_positions[f].y).abs() < 5e-3);
@@ -308,26 +308,11 @@ fn people_come_from_all_sides_and_leave_to_all_sides() {
                 2
             }
         };
-        sectors[0][sector(0)] += 1;
-        sectors[1][sector(clip.num_frames() - 1)] += 1;
+        let stands: Vec<usize> = tagged(clip, "stand").map(|t| t.range.start + t.range.len() / 2).collect();
+        for (come, leave) in stands.iter().zip(&stands[1..]) {
+            sectors[0][sector(*come)] += 1;
+            sectors[1][sector(*leave)] += 1;
+        }
     }
-    assert!(sectors.iter().all(|s| s.iter().all(|n| *n >= 1)), "{sectors:?}");
-}
-#[test]
-fn dump() {
-    let set = office(&SynthConfig::for_set(crate::synth::SynthSet::Office));
-    let path = std::env::var("OFFICE_DUMP").unwrap();
-    let clips: Vec<_> = set
-        .clips
-        .iter()
-        .map(|c| {
-            let pos: Vec<Vec<[f32; 3]>> = (0..c.num_frames())
-                .map(|f| c.joint_positions(&set.skeleton, f).iter().map(|p| p.to_array()).collect())
-                .collect();
-            let tags: Vec<_> = c.tags.iter().map(|t| (t.name.clone(), t.range.start, t.range.end)).collect();
-            let contacts: Vec<u8> = c.contacts.iter().map(|c| c.0).collect();
-            serde_json::json!({"name": c.name, "pos": pos, "tags": tags, "contacts": contacts})
-        })
-        .collect();
-    std::fs::write(path, serde_json::to_string(&clips).unwrap()).unwrap();
+    assert!(sectors.iter().all(|s| s.iter().all(|n| *n >= 2)), "{sectors:?}");
 }

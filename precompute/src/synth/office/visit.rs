@@ -23,9 +23,9 @@ const DIRECTIONS: [f64; 14] =
 /// Speeds. [Unit: m/s]
 const SPEEDS: [f64; 4] = [0.8, 0.95, 1.1, 1.2];
 /// Where somebody who sits has his feet: the ankles in front of the middle of the seat. [Unit: m]
-const UNDER_KNEES: f64 = 0.4;
+const UNDER_KNEES: f64 = 0.47;
 /// The same before he rises. [Unit: m]
-const DRAWN_BACK: f64 = 0.27;
+const DRAWN_BACK: f64 = 0.29;
 
 /// How the trunk is held in sitting: a little slumped.
 pub const SITTING: Posture = Posture {
@@ -35,10 +35,15 @@ pub const SITTING: Posture = Posture {
     dip: 0.0,
 };
 
+/// No turn or lean of its own.
+const UPRIGHT: Attitude = Attitude { yaw: 0.0, pitch: 0.0, list: 0.0 };
+/// The hips held back between chair and desk, so that the thighs pass the desk's edge.
+const SQUEEZED: Posture = Posture { hips: UPRIGHT, chest: UPRIGHT, shift: [0.0, -0.025], dip: 0.0 };
+
 /// Hands on the thighs, left; [`HandPose::mirrored`] for the right one.
 pub const LAP: HandPose = HandPose {
     held: 1.0,
-    room: DVec3::new(0.14, 0.655, 0.25),
+    room: DVec3::new(0.14, 0.655, 0.31),
     placed: 1.0,
     pole: DVec3::new(0.9, -0.5, -0.6),
     twist: 1.1,
@@ -121,6 +126,7 @@ impl Visitor {
             let forward = (1.7 * u).min(1.0);
             DVec2::new(from.x + (to.at.x - from.x) * u, from.y + (to.at.y - from.y) * forward)
         };
+        script.pose(script.now() + 0.6, 0.6, SQUEEZED);
         script.side_step(to, path, rng);
         script.tag("walk", began);
         script.wait_until(script.now() + rng.random_range(0.05..0.4));
@@ -174,6 +180,7 @@ fn step_out(script: &mut Script, side: Side, rng: &mut impl Rng) {
     };
     let heading = side.sign() * rng.random_range(0.0..0.5);
     script.side_step(Stance { at: out, heading }, path, rng);
+    script.pose(script.now(), 0.8, Posture::default());
 }
 
 /// Puts one foot after the other to a distance in front of the seat.
@@ -198,15 +205,15 @@ fn sit_down(script: &mut Script, begin: f64, end: f64, rng: &mut impl Rng) {
         let lap = on(side, LAP);
         if support == Some(side) {
             let touch = begin + 0.4 * over;
-            let until = end + script.vary(0.1, rng);
-            let edge = on(side, work::edge(0.3));
+            let until = begin + 0.72 * over;
+            let edge = on(side, work::edge(0.26));
             let above = HandPose { room: edge.room + DVec3::new(0.0, 0.1, -0.06), ..edge };
             script.hand(side, touch - 0.3, touch - 0.3 - begin, above);
             script.hand(side, touch, 0.3, edge);
             script.hand(side, until, 0.1, edge);
             script.hand(side, until + 0.3, 0.3, above);
             script.hand(side, until + 0.75, 0.45, lap);
-            script.rests[side.index()].push([touch, until]);
+            script.rest(side, touch, until);
         } else {
             script.hand(side, begin + 0.85 * over, 0.8 * over, lap);
         }
@@ -217,21 +224,21 @@ fn sit_down(script: &mut Script, begin: f64, end: f64, rng: &mut impl Rng) {
 /// Trunk and hands while standing up: pushing off the thighs, or off the desk with one hand.
 fn stand_up(script: &mut Script, begin: f64, end: f64, rng: &mut impl Rng) {
     let over = end - begin;
-    script.pose(begin + 0.75 * over, 0.75 * over, Posture::default());
+    script.pose(begin + 0.75 * over, 0.75 * over, SQUEEZED);
     script.look(begin + 0.4 * over, 0.35 * over, 0.0, 0.05, 0.0);
     script.look(end, 0.5 * over, 0.0, 0.0, 0.0);
     let support = [Some(Side::Left), Some(Side::Right), None][rng.random_range(0..3)];
     for side in Side::BOTH {
         if support == Some(side) {
             let (touch, until) = (begin + 0.15 * over, begin + 0.62 * over);
-            let edge = on(side, work::edge(0.3));
+            let edge = on(side, work::edge(0.26));
             let above = HandPose { room: edge.room + DVec3::new(0.0, 0.08, -0.05), ..edge };
             script.hand(side, touch - 0.1, 0.45, above);
             script.hand(side, touch, 0.1, edge);
             script.hand(side, until, 0.1, edge);
             script.hand(side, until + 0.25, 0.25, HandPose { held: 0.8, ..above });
             script.let_hang(side, end + 0.2, end + 0.2 - (until + 0.25));
-            script.rests[side.index()].push([touch, until]);
+            script.rest(side, touch, until);
         } else {
             script.let_hang(side, end, 0.6 * over);
         }

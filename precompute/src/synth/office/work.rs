@@ -35,7 +35,8 @@ impl Worker {
     /// A worker who has done nothing yet.
     pub fn new() -> Self {
         use Task::*;
-        let tasks = [Type, Mouse, Type, Read, Mouse, Chat(Side::Left), Type, LeanBack, Chat(Side::Right), Read];
+        let chats = [Chat(Side::Left), Chat(Side::Right), Chat(Side::Left), Chat(Side::Right)];
+        let tasks = [&[Type, Mouse, Type, Read, Mouse, Type, LeanBack, Read, LeanBack], chats.as_slice()].concat();
         Self { tasks: Deck::new(&tasks) }
     }
 }
@@ -44,7 +45,7 @@ impl Worker {
 pub fn edge(aside: f64) -> HandPose {
     HandPose {
         held: 1.0,
-        room: DVec3::new(aside, WRIST, 0.47),
+        room: DVec3::new(aside, WRIST, 0.515),
         placed: 1.0,
         pole: DVec3::new(0.7, -0.8, -0.5),
         twist: 1.25,
@@ -54,7 +55,7 @@ pub fn edge(aside: f64) -> HandPose {
 
 /// A hand over the keyboard, left.
 fn keys() -> HandPose {
-    HandPose { room: DVec3::new(0.11, WRIST + 0.012, 0.49), flex: -0.05, ..edge(0.0) }
+    HandPose { room: DVec3::new(0.11, WRIST + 0.012, 0.515), flex: -0.05, ..edge(0.0) }
 }
 
 /// Works from `begin` until about `end`; the hands begin and end on the thighs.
@@ -98,7 +99,7 @@ pub fn work(worker: &mut Worker, script: &mut Script, begin: f64, end: f64, rng:
 fn move_foot(script: &mut Script, t: f64, rng: &mut impl Rng) {
     script.wait_until(t);
     let side = Side::BOTH[usize::from(rng.random_bool(0.5))];
-    let to = Stance { at: DVec2::new(0.0, rng.random_range(0.34..0.48)), heading: 0.0 };
+    let to = Stance { at: DVec2::new(0.0, rng.random_range(0.38..0.52)), heading: 0.0 };
     let (width, toe_out) = (0.24 + script.vary(0.04, rng), TOE_OUT * (1.0 + script.vary(0.8, rng)));
     script.step(Step { width, toe_out, period: 0.6, ..Step::aside(side, to) });
 }
@@ -127,7 +128,7 @@ fn to_desk(script: &mut Script, side: Side, t: f64, pose: HandPose, rng: &mut im
         return there;
     }
     let start = t + rng.random_range(0.0..0.15);
-    let before = HandPose { room: DVec3::new(0.5 * (now.room.x + pose.room.x), 0.86, 0.35), twist: 0.7, ..pose };
+    let before = HandPose { room: DVec3::new(0.5 * (now.room.x + pose.room.x), 0.88, 0.38), twist: 0.7, ..pose };
     script.hand(side, start + 0.5, 0.5, before);
     script.hand(side, start + 0.95, 0.45, pose);
     start + 0.95
@@ -140,7 +141,7 @@ fn to_lap(script: &mut Script, side: Side, t: f64, rng: &mut impl Rng) -> f64 {
     let lap = HandPose { room: lap.room + DVec3::new(script.vary(0.015, rng), 0.0, script.vary(0.03, rng)), ..lap };
     let start = t + rng.random_range(0.0..0.1);
     if at_desk(&now) {
-        let before = HandPose { room: DVec3::new(now.room.x, 0.85, 0.37), twist: 0.8, flex: 0.1, ..lap };
+        let before = HandPose { room: DVec3::new(now.room.x, 0.88, 0.4), twist: 0.8, flex: 0.1, ..lap };
         script.hand(side, start + 0.4, 0.4, before);
         script.hand(side, start + 0.85, 0.45, lap);
         return start + 0.85;
@@ -189,7 +190,7 @@ fn type_text(script: &mut Script, from: f64, to: f64, rng: &mut impl Rng) {
             t += rng.random_range(0.2..0.8);
         }
         script.hand(side, to, 0.2, home);
-        script.rests[side.index()].push([touched, to]);
+        script.rest(side, touched, to);
     }
 }
 
@@ -203,9 +204,9 @@ fn use_mouse(script: &mut Script, from: f64, to: f64, rng: &mut impl Rng) {
         let arm = edge(0.17 + script.vary(0.03, rng));
         let touched = to_desk(script, Side::Left, from, arm, rng);
         script.hand(Side::Left, to, 0.1, arm);
-        script.rests[0].push([touched, to]);
+        script.rest(Side::Left, touched, to);
     }
-    let mouse = HandPose { room: DVec3::new(0.31, WRIST + 0.01, 0.5), flex: -0.1, ..edge(0.0) }.mirrored();
+    let mouse = HandPose { room: DVec3::new(0.31, WRIST + 0.01, 0.53), flex: -0.1, ..edge(0.0) }.mirrored();
     let touched = to_desk(script, Side::Right, from, mouse, rng);
     let mut t = touched;
     while t < to - 0.8 {
@@ -217,7 +218,7 @@ fn use_mouse(script: &mut Script, from: f64, to: f64, rng: &mut impl Rng) {
         script.hand(Side::Right, t, moves, HandPose { room, flex, ..mouse });
     }
     script.hand(Side::Right, to, 0.25, mouse);
-    script.rests[1].push([touched, to]);
+    script.rest(Side::Right, touched, to);
 }
 
 /// Leans towards the screen, the forearms on the desk, now and then with the chin on a hand.
@@ -226,17 +227,16 @@ fn read(script: &mut Script, from: f64, to: f64, rng: &mut impl Rng) {
     sit(script, from, 1.3, 0.24, thinker.map_or(0.0, |s| -0.1 * s.sign()), rng);
     watch(script, from, to, [0.0, 0.12], rng);
     for side in Side::BOTH {
-        let arm = on(side, HandPose { room: DVec3::new(0.15, WRIST, 0.5), ..edge(0.0) });
+        let arm = on(side, HandPose { room: DVec3::new(0.15, WRIST, 0.55), ..edge(0.0) });
         let touched = to_desk(script, side, from, arm, rng);
         if thinker == Some(side) && to - from > 4.5 {
             let chin = on(side, gesture::CHIN);
-            script.rests[side.index()].push([touched, touched + 0.3]);
             script.hand(side, touched + 1.3, 1.0, chin);
             script.hand(side, to - 1.1, 0.3, chin);
             script.hand(side, to - 0.1, 1.0, arm);
         } else {
             script.hand(side, to, 0.1, arm);
-            script.rests[side.index()].push([touched, to]);
+            script.rest(side, touched, to);
         }
     }
 }
@@ -244,8 +244,8 @@ fn read(script: &mut Script, from: f64, to: f64, rng: &mut impl Rng) {
 /// Leans back, the hands on the thighs.
 fn lean_back(script: &mut Script, from: f64, to: f64, rng: &mut impl Rng) {
     let back = Posture {
-        hips: Attitude { pitch: -0.27, ..Attitude::default() },
-        chest: Attitude { pitch: -0.17, ..Attitude::default() },
+        hips: Attitude { pitch: -0.34, ..Attitude::default() },
+        chest: Attitude { pitch: -0.25, ..Attitude::default() },
         ..SITTING
     };
     for side in Side::BOTH {

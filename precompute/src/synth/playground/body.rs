@@ -14,7 +14,7 @@ pub const CHANNELS: usize = 11;
 /// The palm's distance from the wrist. [Unit: m]
 const PALM: f64 = 0.065;
 /// A palm closer than this to its place holds on. [Unit: m]
-const HOLDS: f64 = 0.02;
+const HOLDS: f64 = 0.008;
 
 /// Hips and trunk, relative to a way: a ladder, or the bed of a slide.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -35,11 +35,6 @@ pub struct Stairs {
 }
 
 impl Stairs {
-    /// Height of the upper end. [Unit: m]
-    pub fn top(&self) -> f64 {
-        RISE * self.num_steps as f64
-    }
-
     /// The upper end (x, z). [Unit: m]
     pub fn end(&self) -> DVec2 {
         self.foot + DVec2::Y * (GOING * self.num_steps as f64)
@@ -95,9 +90,13 @@ pub fn ground(p: DVec2) -> f64 {
     deck.or_else(|| [STAIRS_A, STAIRS_B].into_iter().find_map(|s| s.tread(p))).unwrap_or(0.0)
 }
 
-/// True where somebody on the ground has room for his elbows.
-pub fn is_free(p: DVec2) -> bool {
-    const ROOM: f64 = 0.45;
+/// Room for the elbows. [Unit: m]
+pub const ELBOWS: f64 = 0.45;
+/// Closer than this to what stands there, or to an edge, nobody goes. [Unit: m]
+pub const CLOSE: f64 = 0.2;
+
+/// True where somebody on the ground is at least `room` metres from all that stands there.
+pub fn is_free(p: DVec2, room: f64) -> bool {
     let stairs = |s: Stairs| (s.foot - DVec2::X * STAIRS_ASIDE, s.end() + DVec2::X * STAIRS_ASIDE);
     let taken = [
         (DECK_A.min, DECK_A.max),
@@ -108,13 +107,13 @@ pub fn is_free(p: DVec2) -> bool {
         (SLIDE_B.at - DVec2::X * 0.35, SLIDE_B.at + DVec2::new(0.35, 6.0)),
         (SLIDE_CURVED.at - DVec2::new(0.0, 2.115), SLIDE_CURVED.at + DVec2::new(2.25, 0.35)),
     ];
-    taken.iter().all(|(min, max)| !(p.cmpgt(*min - ROOM).all() && p.cmplt(*max + ROOM).all()))
+    taken.iter().all(|(min, max)| !(p.cmpgt(*min - room).all() && p.cmplt(*max + room).all()))
 }
 
 /// Where a walker's path is as he stands on the `k`-th tread on the way up; the ground before the stairs is tread 0.
 pub fn tread_up(stairs: &Stairs, aside: f64, k: usize) -> Stance {
-    // The heel hangs over a little, so that the toes have room before the next riser.
-    const HEEL_IN: f64 = 0.023;
+    // The heel hangs over, so that the toes have room before the next riser.
+    const HEEL_IN: f64 = 0.003;
     let along = if k == 0 { -0.3 } else { GOING * (k - 1) as f64 + HEEL_IN };
     Stance { at: stairs.foot + DVec2::new(aside, along), heading: 0.0 }
 }

@@ -165,7 +165,8 @@ fn foot(stays: &[Stay], t: f64, shape: &FootShape) -> FootPose {
 fn hands_of(side: Side, starts: &[f64], mover: impl Fn(usize) -> Side) -> HandTrack {
     let s = side.sign();
     let grip = |land: f64, lift: f64, height: f64| {
-        let on_rail = height > LEVEL + 0.1;
+        // At the top the body passes between the hands, elbows out.
+        let (on_rail, at_top) = (height > LEVEL + 0.1, height > RAIL_TOP - 0.1);
         // The bone of the hand passes behind what the palm lies on.
         let behind = RUNG_RADIUS + 0.026;
         let (aside, along) = if on_rail { (RAIL_ASIDE - 0.02, behind + 0.012) } else { (0.19, behind) };
@@ -173,7 +174,7 @@ fn hands_of(side: Side, starts: &[f64], mover: impl Fn(usize) -> Side) -> HandTr
             land,
             lift,
             hold: Hold::Still(world(s * aside, height.min(RAIL_TOP - 0.06), -LADDER_FRONT - along)),
-            pole: DVec3::new(s * if on_rail { 0.9 } else { 0.45 }, -1.0, -0.25),
+            pole: if at_top { DVec3::new(0.9 * s, -0.3, -0.4) } else { DVec3::new(0.45 * s, -1.0, -0.3) },
             twist: if on_rail { 0.25 } else { 1.0 },
         }
     };

@@ -92,7 +92,8 @@ fn walked(leg: &Leg, skeleton: &Skeleton, cfg: &SynthConfig, rng: &mut impl Rng)
     let shape = FootShape::of(skeleton);
     let last = rng.random_range(0.9..1.7);
     let steps = footsteps::place_on(shape, route.start, &route.walk.steps, last, gym::ground, rng);
-    let samples = Samples::of(steps.duration, cfg.rate_hz);
+    // Whole tenths of a second, so that what follows begins at the same time at every rate.
+    let samples = Samples::of((10.0 * steps.duration).floor() / 10.0 + 1e-6, cfg.rate_hz);
     let poses = assemble::poses(&steps, skeleton, &samples, cfg.variation, rng);
     Some((poses.into_iter().map(Moment::upright).collect(), on_stairs(route)))
 }

@@ -2,7 +2,7 @@
 
 use super::super::foot::FootPose;
 use super::super::frame::{ArmPose, BodyPose};
-use super::super::side::{Side, forward, leftward};
+use super::super::side::{forward, leftward};
 use super::super::signal::{End, quintic};
 use glam::DVec3;
 use throng_runtime::Contacts;
@@ -26,15 +26,6 @@ impl Moment {
     pub fn upright(body: BodyPose) -> Self {
         let knees = body.knees.map(ahead);
         Self { body, knees, held: Contacts::NONE, seat: None }
-    }
-
-    /// What is planted.
-    pub fn contacts(&self) -> Contacts {
-        let mut out = self.held;
-        for side in Side::BOTH {
-            out.insert(self.body.feet[side.index()].contacts(side));
-        }
-        out
     }
 
     /// Height of the lowest thing that a foot or the seat is planted on. [Unit: m]

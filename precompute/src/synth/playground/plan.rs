@@ -3,8 +3,8 @@
 use super::super::deck::Deck as Pile;
 use super::super::walk::footsteps::Stance;
 use super::course::Course;
-use super::gym::{self, DECK_A, DECK_B, Deck, LEVEL, STAIRS_A, STAIRS_B, Stairs};
-use super::route::{Arrival, Route};
+use super::gym::{self, CLOSE, DECK_A, DECK_B, Deck, ELBOWS, LEVEL, STAIRS_A, STAIRS_B, Stairs};
+use super::route::{Against, Arrival, Route};
 use super::{ladder, slide};
 use glam::DVec2;
 use rand::{Rng, RngExt};
@@ -83,15 +83,13 @@ impl Visitor {
 
     /// The legs of a visit of at least `seconds`, walks and others in turn, from standing to standing.
     pub fn visit(&mut self, seconds: f64, rng: &mut impl Rng) -> Vec<Leg> {
-        let at = LOOKOUTS[rng.random_range(0..LOOKOUTS.len())];
-        let start = Stance { at: jittered(at, rng), heading: rng.random_range(-PI..PI) };
+        let at = DVec2::new(rng.random_range(-9.0..6.0), rng.random_range(-8.5..-5.8));
+        let start = Stance { at, heading: rng.random_range(-PI..PI) };
         let route = Route::from(start, self.variation, rng);
         let mut visit = Visit { legs: Vec::new(), route, variation: self.variation, rng };
-        let mut rounds = 0.0;
-        // A round takes about 38 s.
-        while rounds == 0.0 || rounds * 38.0 < seconds - 19.0 {
+        // A round takes about 40 s.
+        while visit.is_fresh() || visit.seconds() < seconds - 32.0 {
             self.round(&mut visit);
-            rounds += 1.0;
         }
         visit.leave()
     }
@@ -130,35 +128,52 @@ impl<R: Rng> Visit<'_, R> {
 
     /// Walks over the ground to a stance.
     fn cross(&mut self, goal: Stance, arrival: Arrival) {
-        for place in way(self.route.at.at, goal.at) {
-            let place = jittered(place, self.rng);
-            self.route.via(place, self.rng);
+        let places: Vec<DVec2> = way(self.route.at.at, goal.at).into_iter().map(|p| jittered(p, self.rng)).collect();
+        for (i, &at) in places.iter().enumerate() {
+            let next = places.get(i + 1).copied().unwrap_or(goal.at) - at;
+            let goal = Stance { at, heading: next.x.atan2(next.y) };
+            self.walk(goal, Arrival::Pass, &on_ground);
         }
-        self.walk(goal, arrival, &|p| gym::is_free(p));
+        self.walk(goal, arrival, &on_ground);
     }
 
     /// Walks on a deck to a stance, now and then with a stop on the way.
     fn stroll(&mut self, goal: Stance, deck: &Deck, arrival: Arrival) {
-        let free = |p: DVec2| deck.contains(p, 0.3);
-        if self.rng.random_bool(0.35) {
-            let size = deck.max - deck.min - 1.8;
-            let at = deck.min + 0.9 + size * DVec2::new(self.rng.random(), self.rng.random());
-            if (at - self.route.at.at).length() > 1.2 && (at - goal.at).length() > 1.2 {
-                let heading = self.rng.random_range(-PI..PI);
-                self.walk(Stance { at, heading }, Arrival::Stand, &free);
-            }
+        let against = |p: DVec2| against(deck.contains(p, CLOSE), deck.contains(p, ELBOWS));
+        let begin = self.route.at.at;
+        if (goal.at - begin).length() < 1.5 || self.rng.random_bool(0.35) {
+            let size = deck.max - deck.min - 1.6;
+            let places = (0..40).map(|_| deck.min + 0.8 + size * DVec2::new(self.rng.random(), self.rng.random()));
+            let near = |p: &DVec2| (*p - begin).length().min((*p - goal.at).length()).min(1.6);
+            let at = places.max_by(|a, b| near(a).total_cmp(&near(b))).unwrap_or(goal.at);
+            let heading = self.rng.random_range(-PI..PI);
+            self.walk(Stance { at, heading }, Arrival::Stand, &against);
         }
-        self.walk(goal, arrival, &free);
+        self.walk(goal, arrival, &against);
     }
 
     /// Walks to a stance; close to it and to where it begins, anything goes.
-    fn walk(&mut self, goal: Stance, arrival: Arrival, free: &dyn Fn(DVec2) -> bool) {
+    fn walk(&mut self, goal: Stance, arrival: Arrival, against: Against) {
         let begin = self.route.at.at;
-        let near = |p: DVec2| (p - goal.at).length() < 0.75 || (p - begin).length() < 0.75;
-        self.route.to(goal, arrival, &|p| near(p) || free(p), self.rng);
-        if arrival == Arrival::Stand {
+        let near = |p: DVec2| (p - goal.at).length() < 0.6 || (p - begin).length() < 0.6;
+        self.route.to(goal, arrival, &|p| if near(p) { 0.0 } else { against(p) }, self.rng);
+        if self.route.stands() {
             self.route.walk.pause = self.rng.random_range(0.5..1.8);
         }
+    }
+
+    /// True before anything has happened.
+    fn is_fresh(&self) -> bool {
+        self.legs.is_empty() && self.route.walk.steps.is_empty()
+    }
+
+    /// How long it takes so far, about. [Unit: s]
+    fn seconds(&self) -> f64 {
+        let leg = |leg: &Leg| match leg {
+            Leg::Walk(route) => route.seconds(),
+            _ => 8.0,
+        };
+        self.legs.iter().map(leg).sum::<f64>() + self.route.seconds()
     }
 
     fn arrival(&mut self) -> Arrival {
@@ -207,12 +222,27 @@ impl<R: Rng> Visit<'_, R> {
     /// Goes a few steps further and stops.
     fn leave(mut self) -> Vec<Leg> {
         let at = self.route.at;
-        let nearest = LOOKOUTS.into_iter().min_by(|a, b| (*a - at.at).length().total_cmp(&(*b - at.at).length()));
-        let towards = nearest.map_or(DVec2::Y, |p| (p - at.at).normalize_or(DVec2::Y));
-        self.route.via(at.at + towards * 2.2, self.rng);
-        self.route.rest(self.rng);
+        let to_lookout = |p: &DVec2| (*p - at.at).length();
+        let nearest = LOOKOUTS.into_iter().min_by(|a, b| to_lookout(a).total_cmp(&to_lookout(b)));
+        let way = nearest.map_or(DVec2::Y, |p| (p - at.at).normalize_or(DVec2::Y));
+        let goal = Stance { at: at.at + way * 2.4, heading: way.x.atan2(way.y) };
+        self.walk(goal, Arrival::Stand, &on_ground);
         self.legs.push(Leg::Walk(Box::new(self.route)));
         self.legs
+    }
+}
+
+/// What speaks against a place on the ground.
+fn on_ground(p: DVec2) -> f64 {
+    against(gym::is_free(p, CLOSE), gym::is_free(p, ELBOWS))
+}
+
+/// What speaks against a place that is possible, and comfortable.
+fn against(possible: bool, comfortable: bool) -> f64 {
+    match (possible, comfortable) {
+        (false, _) => 100.0,
+        (true, false) => 0.25,
+        (true, true) => 0.0,
     }
 }
 
@@ -254,7 +284,7 @@ fn sees(a: DVec2, b: DVec2) -> bool {
     let length = (b - a).length();
     (1..(length / 0.15) as usize).all(|k| {
         let at = 0.15 * k as f64;
-        at < 0.7 || at > length - 0.7 || gym::is_free(a + (b - a) * (at / length))
+        at < 0.7 || at > length - 0.7 || gym::is_free(a + (b - a) * (at / length), ELBOWS)
     })
 }
 

@@ -4,8 +4,8 @@
 //! straight steps have to be stretched least for the last step to fall into place.
 
 use super::super::side::{Side, forward};
-use super::super::walk::footsteps::Stance;
-use super::super::walk::gait::StepShape;
+use super::super::walk::footsteps::{Stance, timing};
+use super::super::walk::gait::{StepShape, step_at};
 use super::super::walk::wander::{Intent, SPEEDS, TOE_OUT, WALKING_WIDTH, Walk};
 use super::gym::{self, Stairs};
 use glam::{DMat2, DVec2};
@@ -17,6 +17,9 @@ use throng_runtime::planar::wrap_angle;
 
 /// Steps are stretched or shortened by no more than this share.
 const STRETCH: f64 = 0.22;
+
+/// What speaks against every step, so that detours are short.
+const WAY: f64 = 0.06;
 
 /// How a walk comes to its end.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -36,14 +39,14 @@ pub struct Route {
     pub at: Stance,
     /// The steps.
     pub walk: Walk,
-    /// Steps on stairs.
+    /// Runs of steps on stairs.
     pub stairs: Vec<Range<usize>>,
     variation: f64,
     cruise: f64,
 }
 
-/// Where a walk may go.
-pub type Free<'a> = &'a dyn Fn(DVec2) -> bool;
+/// What speaks against a place of the path, 0 where nothing does.
+pub type Against<'a> = &'a dyn Fn(DVec2) -> f64;
 
 impl Route {
     /// Stands.
@@ -55,24 +58,18 @@ impl Route {
     }
 
     /// True before the first step and after a stop.
-    fn stands(&self) -> bool {
+    pub fn stands(&self) -> bool {
         self.walk.speed == 0.0
+    }
+
+    /// How long it takes so far. [Unit: s]
+    pub fn seconds(&self) -> f64 {
+        self.walk.steps.iter().fold(0.0, |last, step| timing(step, last).1)
     }
 
     /// Steps taken since `first` move the path.
     fn catch_up(&mut self, first: usize) {
         self.at = self.walk.steps[first..].iter().fold(self.at, |at, step| at.after(step));
-    }
-
-    /// Walks past a place, without caring for the last metre.
-    pub fn via(&mut self, place: DVec2, rng: &mut impl Rng) {
-        let first = self.walk.steps.len();
-        self.face(bearing(self.at, place), rng);
-        self.catch_up(first);
-        let (first, length) = (self.walk.steps.len(), gait_length(self.cruise));
-        let steps = ((place - self.at.at).length() / length - 0.5).floor().max(0.0) as usize;
-        self.walk.straight(steps, self.cruise, rng);
-        self.catch_up(first);
     }
 
     /// Turns by an angle: on the spot or into the first steps from a stand, on the way otherwise.
@@ -90,14 +87,14 @@ impl Route {
         }
     }
 
-    /// Walks to a place and heading.
+    /// Walks to a place and heading. Where it was to pass and cannot, it stands.
     ///
-    /// - `free`: where it may go.
-    pub fn to(&mut self, goal: Stance, arrival: Arrival, free: Free, rng: &mut impl Rng) {
+    /// - `against`: what speaks against the places on the way; a stretch of all steps by a tenth counts 0.1.
+    pub fn to(&mut self, goal: Stance, arrival: Arrival, against: Against, rng: &mut impl Rng) {
         let seed = rng.random();
         let mut best: Option<(f64, Self)> = None;
-        for plan in plans(self.at, goal) {
-            let (cost, route) = self.tried(&plan, goal, arrival, free, seed);
+        for plan in plans(self.at, goal, arrival, step_at(self.cruise).length) {
+            let (cost, route) = self.tried(&plan, goal, against, seed);
             if best.as_ref().is_none_or(|b| cost < b.0) {
                 best = Some((cost, route));
             }
@@ -108,7 +105,7 @@ impl Route {
     }
 
     /// A way to arrive, and what speaks against it.
-    fn tried(&self, plan: &Plan, goal: Stance, arrival: Arrival, free: Free, seed: u64) -> (f64, Self) {
+    fn tried(&self, plan: &Plan, goal: Stance, against: Against, seed: u64) -> (f64, Self) {
         let mut rng = Pcg64Mcg::seed_from_u64(seed);
         let mut route = self.clone();
         let walk = &mut route.walk;
@@ -122,17 +119,21 @@ impl Route {
         walk.turn(plan.second, plan.rate, self.cruise, &mut rng);
         groups[1].start = walk.steps.len();
         walk.straight(plan.steps[1], self.cruise, &mut rng);
-        if arrival == Arrival::Stand {
+        if plan.arrival == Arrival::Stand {
             walk.stop(&mut rng);
         }
         groups[1].end = walk.steps.len();
-        let cost = route.arrive(begin, &groups, goal, free);
-        (cost + 0.02 * (plan.first.abs() + plan.second.abs()), route)
+        if plan.last != 0.0 {
+            walk.next = Side::inside(plan.last);
+            walk.pause = rng.random_range(0.1..0.5);
+            walk.turn_in_place(plan.last, &mut rng);
+        }
+        let cost = route.arrive(begin, &groups, goal, against);
+        (cost + 0.02 * (plan.first.abs() + plan.second.abs()) + plan.cost, route)
     }
 
     /// Stretches the steps of two groups so that the last one arrives; what that takes, and what is in the way.
-    fn arrive(&mut self, begin: usize, groups: &[Range<usize>; 2], goal: Stance, free: Free) -> f64 {
-        const BLOCKED: f64 = 100.0;
+    fn arrive(&mut self, begin: usize, groups: &[Range<usize>; 2], goal: Stance, against: Against) -> f64 {
         self.straighten(begin, groups[1].start, goal.heading);
         let end = self.walk.steps[begin..].iter().fold(self.at, |at, s| at.after(s)).at;
         let [a, b] = [0, 1].map(|g: usize| self.travel(begin, &groups[g]));
@@ -148,11 +149,11 @@ impl Route {
                 step.shape.length *= 1.0 + stretch;
             }
         }
-        let mut cost = stretch.to_array().iter().map(|s| s.abs() + 20.0 * (s.abs() - STRETCH).max(0.0)).sum::<f64>();
+        let mut cost = stretch.to_array().iter().map(|s| s.abs() + 50.0 * (s.abs() - STRETCH).max(0.0)).sum::<f64>();
         let mut at = self.at;
         for step in &self.walk.steps[begin..] {
             at = at.after(step);
-            cost += if free(at.at) { 0.0 } else { BLOCKED };
+            cost += WAY + against(at.at);
         }
         cost += 1e4 * (at.at - goal.at).length();
         self.at = Stance { at: at.at, heading: goal.heading };
@@ -235,27 +236,38 @@ impl Route {
     }
 }
 
-/// A way to arrive: a turn, straight steps, another turn, straight steps.
+/// A way to arrive: a turn, straight steps, another turn, straight steps, and maybe a last turn on the spot.
 struct Plan {
     first: f64,
     second: f64,
     rate: f64,
     steps: [usize; 2],
+    arrival: Arrival,
+    last: f64,
+    /// What speaks against it.
+    cost: f64,
 }
 
-/// Ways from a stance to another one that come near.
-fn plans(from: Stance, goal: Stance) -> impl Iterator<Item = Plan> {
+/// Ways from a stance to another one that come near. Where passing is too hard, one may stand.
+///
+/// - `length`: of a step. [Unit: m]
+fn plans(from: Stance, goal: Stance, arrival: Arrival, length: f64) -> impl Iterator<Item = Plan> {
     const BENDS: [f64; 15] = [0.0, 0.15, -0.15, 0.3, -0.3, 0.5, -0.5, 0.75, -0.75, 1.0, -1.0, 1.3, -1.3, 1.6, -1.6];
+    const LAST: [f64; 6] = [1.0, -1.0, 1.8, -1.8, 2.6, -2.6];
+    let stop = if arrival == Arrival::Stand { 0.0 } else { 0.6 };
+    let rates = move |bend: f64| {
+        let walked = [0.35, 0.6].map(|rate| (bend, rate, arrival, 0.0, 0.0));
+        let spot = LAST.map(|last| (bend, 0.45, Arrival::Stand, last, 0.12 + stop));
+        walked.into_iter().chain(spot).chain([(bend, 0.45, Arrival::Stand, 0.0, stop)])
+    };
     let distance = (goal.at - from.at).length();
-    let most = (distance / 0.45) as usize + 2;
-    let at_least = (distance / 1.1) as usize;
-    BENDS.into_iter().flat_map(move |bend| {
+    let (most, least) = ((distance / length) as usize + 4, ((distance / length) as usize).saturating_sub(5));
+    BENDS.into_iter().flat_map(rates).flat_map(move |(bend, rate, arrival, last, cost)| {
         let first = f64::from(wrap_angle((bearing(from, goal.at) + bend) as f32));
-        let second = f64::from(wrap_angle((goal.heading - from.heading - first) as f32));
-        let counts = (0..=most).flat_map(move |a| (0..=(most - a).min(9)).map(move |b| [a, b]));
-        counts
-            .filter(move |[a, b]| a + b + 4 >= at_least)
-            .flat_map(move |steps| [0.35, 0.6].map(|rate| Plan { first, second, rate, steps }))
+        let second = f64::from(wrap_angle((goal.heading - last - from.heading - first) as f32));
+        let counts = (0..=most).flat_map(move |a| (0..=(most - a).min(6)).map(move |b| [a, b]));
+        let likely = counts.filter(move |[a, b]| a + b >= least);
+        likely.map(move |steps| Plan { first, second, rate, steps, arrival, last, cost })
     })
 }
 
@@ -263,11 +275,6 @@ fn plans(from: Stance, goal: Stance) -> impl Iterator<Item = Plan> {
 fn bearing(from: Stance, to: DVec2) -> f64 {
     let way = to - from.at;
     f64::from(wrap_angle((way.x.atan2(way.y) - from.heading) as f32))
-}
-
-/// Length of a step at a speed. [Unit: m]
-fn gait_length(speed: f64) -> f64 {
-    super::super::walk::gait::step_at(speed).length
 }
 
 #[cfg(test)]
@@ -285,7 +292,7 @@ mod tests {
             let goal = Stance { at: DVec2::new(0.0, 6.0), heading: rng.random_range(-3.0..3.0) };
             let mut route = Route::from(from, 1.0, &mut rng);
             let arrival = if seed % 2 == 0 { Arrival::Stand } else { Arrival::Pass };
-            route.to(goal, arrival, &|_| true, &mut rng);
+            route.to(goal, arrival, &|_| 0.0, &mut rng);
             let end = route.walk.steps.iter().fold(from, |at, s| at.after(s));
             assert!((end.at - goal.at).length() < 1e-9, "seed {seed}: {end:?}");
             assert!(wrap_angle((end.heading - goal.heading) as f32).abs() < 1e-6, "seed {seed}: {end:?}");

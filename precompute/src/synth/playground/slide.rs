@@ -24,14 +24,14 @@ const SEATED: f64 = -0.6;
 const SEAT: f64 = 0.13;
 /// Hips come to rest this far before the lower end. [Unit: m]
 const REST: f64 = 0.17;
-/// How far the heels slide ahead of the hips. [Unit: m]
-const LEGS: f64 = 0.73;
+/// How far the heels slide ahead of the hips, as the crow flies. [Unit: m]
+const LEGS: f64 = 0.78;
 /// Height of a sliding ankle over the bed. [Unit: m]
 const HEEL: f64 = 0.08;
 /// Friction of trousers on steel.
 const FRICTION: f64 = 0.47;
 /// What the air and the sides take, by the square of the speed. [Unit: 1/m]
-const DRAG: f64 = 0.12;
+const DRAG: f64 = 0.17;
 /// How hard the feet brake at the end. [Unit: m/s^2]
 const BRAKING: f64 = 3.2;
 /// Steps of the sliding motion. [Unit: s]
@@ -191,7 +191,7 @@ fn carriages(course: &Course, from: &BodyPose, to: &BodyPose, t: &Times, rng: &m
     push(t.seat, key(SEATED, SEAT, 0.0, -0.3, 0.12, 0.2));
     push(t.scoot, key(SEATED, SEAT, 0.0, -0.28, -0.02, 0.22));
     push(t.go - 0.3, key(SEATED, SEAT, 0.0, -0.36, 0.06, 0.22));
-    let back = rng.random_range(-0.42..-0.28);
+    let back = rng.random_range(-0.52..-0.38);
     let leaning = |lean: f64| {
         let bent = course.bends(2.0);
         let c = key(end, SEAT, 0.0, back - 0.22, back + lean, 0.1 + 0.4 * (back + lean));
@@ -311,9 +311,18 @@ impl Ride<'_> {
         sliding
     }
 
+    /// Distance of heels that are a leg's length ahead of the hips. [Unit: m]
+    fn heels(&self, hips: f64) -> f64 {
+        let height = |s: f64| self.course.point(s).at.y;
+        (0..6).fold(hips + LEGS, |s, _| {
+            let drop = height(hips) - height(s);
+            hips + (LEGS * LEGS - drop * drop).max(0.0).sqrt()
+        })
+    }
+
     /// A foot that slides on its heel ahead of the hips.
     fn sliding(&self, side: Side, hips: f64, shape: &FootShape) -> FootPose {
-        let s = hips + LEGS;
+        let s = self.heels(hips);
         let at: CoursePoint = self.course.point(s.min(self.course.length() + 0.3));
         let ankle = at.beside(side.sign() * 0.115, HEEL);
         let (yaw, pitch) = (at.heading + 0.1 * side.sign(), at.pitch - 1.0);

@@ -213,13 +213,14 @@ impl FootTrack {
 /// How far a flight has got across and up: on stairs it first clears the step and then goes over it, or the other way
 /// round on the way down.
 fn stair_pace(rise: f64, u: f64) -> (f64, f64) {
-    let (early, late) = (1.0 - (1.0 - u) * (1.0 - u), u * u);
+    let early = |power: f64| 1.0 - (1.0 - u).max(0.0).powf(power);
+    let late = |power: f64| u.max(0.0).powf(power);
     if rise.abs() < STAIR {
         (u, u)
     } else if rise > 0.0 {
-        (late, early)
+        (late(1.5), early(1.4))
     } else {
-        (early, late)
+        (early(1.7), late(1.5))
     }
 }
 

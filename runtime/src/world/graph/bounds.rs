@@ -19,8 +19,10 @@ pub(crate) struct Bounds {
     open_edges: Vec<bool>,
     /// Per adjacency: true where some joint leads to the other instance, and from it.
     open_joints: Vec<[bool; 2]>,
-    /// Per table: frames that are played at least from side a to side b, and back.
-    tables: Vec<[f32; 2]>,
+    /// Per table: where its costs begin in `joints`.
+    first_joint: Vec<u32>,
+    /// Per table and port of side a: frames that are played at least from there to side b, and from side b to there.
+    joints: Vec<[f32; 2]>,
     /// Largest distance between cells that a link covers. [Unit: m/frame]
     pub fastest: f32,
 }
@@ -36,7 +38,9 @@ impl Bounds {
         for i in (0..graph.num_instances() as u32).filter(|&i| graph.is_tile(i)) {
             out.open_edges_of(graph, i);
         }
-        out.tables = graph.world().tables.iter().map(|t| table(graph, t, out.fastest)).collect();
+        for t in graph.world().tables {
+            out.add_table(graph, t);
+        }
         out.open_joints = vec![[false; 2]; graph.world().adjacencies.len()];
         for i in 0..graph.num_instances() as u32 {
             for (k, a, t) in graph.adjacencies(i) {
@@ -62,9 +66,19 @@ impl Bounds {
         self.open_joints[adjacency][1]
     }
 
-    /// Frames that are played at least on the way over a joint to side `to` of a table.
-    pub fn over_joint(&self, table: u32, to: u32) -> f32 {
-        self.tables[table as usize][if to == 1 { 0 } else { 1 }]
+    /// True where some joint of an adjacency leads to the other instance.
+    pub fn is_open_outwards(&self, adjacency: usize) -> bool {
+        self.open_joints[adjacency][0]
+    }
+
+    /// Frames that are played at least on the way over a joint from side a, entered by a port, to side b.
+    pub fn into_b(&self, table: u32, port: u32) -> f32 {
+        self.joints[(self.first_joint[table as usize] + port) as usize][0]
+    }
+
+    /// Frames that are played at least on the way over a joint from side b until side a is left by a port.
+    pub fn out_of_b(&self, table: u32, port: u32) -> f32 {
+        self.joints[(self.first_joint[table as usize] + port) as usize][1]
     }
 
     fn add_patch(&mut self, patches: &Patches<'_>, p: usize) {
@@ -75,12 +89,36 @@ impl Bounds {
         self.across.resize(first + (side * side) as usize, CLOSED);
         for l in patches.links_of(p) {
             let (from, to) = (&cells[l.from as usize], &cells[l.to as usize]);
-            let port = |c: &CellRecord| if c.edge == NONE { num_edges } else { c.edge };
             let frames = f32::from(l.num_frames);
-            let cost = &mut self.across[first + (port(from) * side + port(to)) as usize];
+            let cost = &mut self.across[first + (port(from, num_edges) * side + port(to, num_edges)) as usize];
             *cost = cost.min(frames);
             let covered = (to.placement.translation() - from.placement.translation()).length();
             self.fastest = self.fastest.max(covered / frames);
+        }
+    }
+
+    fn add_table(&mut self, graph: &WorldGraph<'_>, t: &JointTableRecord) {
+        let patches = graph.patches();
+        self.first_joint.push(self.joints.len() as u32);
+        let a = &patches.patches[t.patch_a as usize];
+        if a.kind != KIND_TILE {
+            // Nothing is played, but the blocks are as far apart as they are.
+            let middle = |p: u32| {
+                let p = &patches.patches[p as usize];
+                (Vec3::from_array(p.min) + Vec3::from_array(p.max)) * 0.5
+            };
+            let apart = (t.placement.transform_point(middle(t.patch_b)) - middle(t.patch_a)).length();
+            self.joints.push([apart / self.fastest; 2]);
+            return;
+        }
+        let (cells, links) = (patches.cells_of(t.patch_a as usize), patches.links_of(t.patch_a as usize));
+        let first = self.joints.len();
+        self.joints.resize(first + a.num_edges as usize + 1, [CLOSED; 2]);
+        for j in graph.joints(t) {
+            let l = &links[j.a as usize];
+            let [from, to] = [l.from, l.to].map(|c| first + port(&cells[c as usize], a.num_edges) as usize);
+            self.joints[from][0] = self.joints[from][0].min(j.a_offset as f32);
+            self.joints[to][1] = self.joints[to][1].min((u32::from(l.num_frames) - j.a_offset) as f32);
         }
     }
 
@@ -99,23 +137,9 @@ impl Bounds {
     }
 }
 
-/// Frames that are played at least over a joint of a table: into a block, and out of it.
-fn table(graph: &WorldGraph<'_>, t: &JointTableRecord, fastest: f32) -> [f32; 2] {
-    let patches = graph.patches();
-    if patches.patches[t.patch_a as usize].kind != KIND_TILE {
-        // Nothing is played, but the blocks are as far apart as they are.
-        let middle = |p: u32| {
-            let p = &patches.patches[p as usize];
-            (Vec3::from_array(p.min) + Vec3::from_array(p.max)) * 0.5
-        };
-        let apart = (t.placement.transform_point(middle(t.patch_b)) - middle(t.patch_a)).length();
-        return [apart / fastest; 2];
-    }
-    let links = patches.links_of(t.patch_a as usize);
-    graph.joints(t).iter().fold([CLOSED; 2], |[to_b, to_a], j| {
-        let left = u32::from(links[j.a as usize].num_frames) - j.a_offset;
-        [to_b.min(j.a_offset as f32), to_a.min(left as f32)]
-    })
+/// What a cell of a tile is entered or left by: its edge, or past the last one the inside.
+fn port(cell: &CellRecord, num_edges: u32) -> u32 {
+    if cell.edge == NONE { num_edges } else { cell.edge }
 }
 
 /// True where some joint may be taken, from side a to side b and back.

@@ -1,6 +1,7 @@
 //! The graph over a world: nodes are (instance, cell), edges are links and joints. It is never stored, only walked.
 
 mod bounds;
+mod passages;
 mod rest;
 mod steps;
 
@@ -21,6 +22,8 @@ pub struct WorldGraph<'w> {
     first_node: Vec<u32>,
     /// Link of each node that leads towards the nearest rest cell within its instance; [`NONE`] where none does.
     to_rest: Vec<u32>,
+    /// True for instances that are part of a narrow passage.
+    narrow: Vec<bool>,
     /// What planning between instances relies on.
     pub(crate) bounds: Bounds,
 }
@@ -45,9 +48,11 @@ impl<'w> WorldGraph<'w> {
                 .ok_or_else(|| WorldError::layout("the world has more cells than can be counted"))?;
         }
         first_node.push(next);
-        let mut graph = Self { patches, world, first_node, to_rest: Vec::new(), bounds: Bounds::default() };
+        let mut graph =
+            Self { patches, world, first_node, to_rest: Vec::new(), narrow: Vec::new(), bounds: Bounds::default() };
         graph.to_rest = rest::ways(&graph);
         graph.bounds = Bounds::new(&graph);
+        graph.narrow = passages::find(&graph);
         Ok(graph)
     }
 
@@ -127,12 +132,18 @@ impl<'w> WorldGraph<'w> {
         self.to_rest[self.index(node)] != NONE
     }
 
-    /// True where motion with a tag begins at a node, and a character may stay in its instance.
+    /// True where a character may come to rest on its way: within the instance, which is no narrow passage.
+    /// [Limit: the node exists]
+    pub fn is_stop(&self, node: Node) -> bool {
+        self.is_safe(node) && !self.narrow[node.instance as usize]
+    }
+
+    /// True where motion with a tag begins at a node inside of an instance, and a character may stay there.
     pub fn begins(&self, node: Node, tag: u16) -> bool {
         let cell = self.cell(node);
         let mut links = cell.first_link..cell.first_link + cell.num_links;
         let shows = |l| self.links(node.instance)[l as usize].tag == tag && self.step_along(node.instance, l).is_some();
-        self.is_safe(node) && links.any(shows)
+        self.is_safe(node) && cell.edge == NONE && links.any(shows)
     }
 
     /// Units that are held in an instance. [Limit: instance < num_instances]

@@ -58,17 +58,18 @@ impl Chains {
         self.ranges[character] = if fits { [0, 1 + num_steps] } else { [0, 0] };
         fits
     }
+}
 
-    pub fn clear(&mut self, character: usize) {
-        self.ranges[character] = [0, 0];
-    }
+/// Who else holds a unit that a step needs.
+pub(super) fn holder(graph: &WorldGraph<'_>, holders: &Holders, character: u32, step: &Step) -> Option<u32> {
+    let other = |instance| holders.other(graph.resources(instance), character);
+    let played = graph.link(step).is_some() && step.instance != step.to.instance;
+    other(step.to.instance).or_else(|| if played { other(step.instance) } else { None })
 }
 
 /// True where all units that a step needs are free or held by the character.
 pub(super) fn is_free(graph: &WorldGraph<'_>, holders: &Holders, character: u32, step: &Step) -> bool {
-    let admits = |instance| holders.are_free(graph.resources(instance), character);
-    admits(step.to.instance)
-        && (graph.link(step).is_none() || step.instance == step.to.instance || admits(step.instance))
+    holder(graph, holders, character, step).is_none()
 }
 
 /// A search for the nearest place to come to rest, through what is free, on ways that chance prefers.
@@ -86,7 +87,7 @@ impl Space for ToSafety<'_, '_> {
     }
 
     fn is_target(&self, node: Node) -> bool {
-        self.graph.is_safe(node)
+        self.graph.is_stop(node)
     }
 
     fn estimate(&self, _: Node) -> f32 {

@@ -15,8 +15,11 @@ const MAX_STILL: usize = 16;
 const TRIES: usize = 4;
 /// Most times that a detour doubles.
 const MAX_IMPATIENCE: u32 = 5;
-/// Steps of its path after which who lost patience is calm again.
-const CALM_AFTER: u32 = 4;
+/// Steps of its path after which who lost patience is calmer again.
+const CALM_AFTER: u32 = 12;
+/// Share of its patience that somebody has with one whose way it bars itself: who gives way, and who insists.
+const GIVES_WAY: f32 = 0.25;
+const INSISTS: f32 = 4.0;
 /// Who lost patience walks this much further to avoid an instance that others hold. [Unit: frames]
 const TOLL: f32 = 120.0;
 
@@ -85,7 +88,11 @@ impl Inhabitants {
         if self.minds[c].detour > 0 {
             self.minds[c].detour -= 1;
             self.minds[c].doing = Doing::Detour;
-            return self.roam(graph, c).or_else(|| self.rest(graph, c));
+            // On through: who only steps aside to rest has not gone far.
+            let at = self.minds[c].at;
+            let on = self.pick(graph, c, |s| s.to != at && !graph.is_rest(s.to));
+            let step = on.and_then(|step| self.go(graph, c, step));
+            return step.or_else(|| self.roam(graph, c)).or_else(|| self.rest(graph, c));
         }
         let Some(target) = self.paths.target(c) else {
             self.minds[c].doing = Doing::Roaming;
@@ -128,49 +135,64 @@ impl Inhabitants {
         self.rest(graph, c)
     }
 
+    /// Steps of a character's path up to where it may come to rest; none where they are not known.
+    fn stretch(&self, graph: &WorldGraph<'_>, c: usize) -> Option<&[Step]> {
+        let (path, target) = (self.paths.from(c, self.minds[c].at), self.paths.target(c)?);
+        let last = path.iter().position(|s| graph.is_stop(s.to) || target.is_at(graph, s.to))?;
+        (last < MAX_CHAIN).then(|| &path[..=last])
+    }
+
     /// The next steps of the path, where what they need is free.
     fn follow(&mut self, graph: &WorldGraph<'_>, c: usize) -> Option<Step> {
-        let path = self.paths.from(c, self.minds[c].at);
-        let target = self.paths.target(c)?;
-        let len = path.iter().position(|s| graph.is_safe(s.to) || target.is_at(graph, s.to)).map(|i| i + 1);
-        let Some(len) = len.filter(|&len| len <= MAX_CHAIN) else {
+        let Some(steps) = self.stretch(graph, c) else {
             self.minds[c].doing = Doing::Planning;
             self.paths.ask(c);
             return None;
         };
-        let steps = &path[..len];
-        if !steps.iter().all(|s| chain::is_free(graph, &self.holders, c as u32, s)) {
-            self.refuse(c);
+        if let Some(holder) = steps.iter().find_map(|s| chain::holder(graph, &self.holders, c as u32, s)) {
+            self.refuse(graph, c, holder as usize);
             return None;
         }
-        self.chains.set(c, steps);
+        let len = steps.len();
+        self.chains.set(c, &self.paths.from(c, self.minds[c].at)[..len]);
         self.paths.advance(c, len);
         let mind = &mut self.minds[c];
         mind.doing = Doing::Walking;
         mind.refused_s = None;
         mind.progress += 1;
         if mind.progress >= CALM_AFTER {
-            self.calm(c);
+            (mind.progress, mind.impatience) = (0, mind.impatience.saturating_sub(1));
         }
         self.reserve(graph, c)
     }
 
-    /// Notes that others hold what is needed; in the end patience is lost.
-    fn refuse(&mut self, c: usize) {
-        let (now, patience_s) = (self.time_s, f64::from(self.config.patience_s));
+    /// Notes that another one holds what is needed; in the end patience is lost.
+    fn refuse(&mut self, graph: &WorldGraph<'_>, c: usize, holder: usize) {
+        // Of two who bar each other's way, one gives way soon and the other one late.
+        let share = match self.needs_what_is_held(graph, holder, c) {
+            true if holder < c => GIVES_WAY,
+            true => INSISTS,
+            false => 1.0,
+        };
         let chance = self.chance(c);
+        let (now, patience_s) = (self.time_s, f64::from(self.config.patience_s * share * (0.5 + chance)));
         let mind = &mut self.minds[c];
         mind.doing = Doing::Waiting;
         mind.progress = 0;
-        let since = *mind.refused_s.get_or_insert(now);
-        if now - since < patience_s * f64::from(0.5 + chance) {
+        if now - *mind.refused_s.get_or_insert(now) < patience_s {
             return;
         }
-        // Longer each time, so that of two who bar each other's way one gets far enough out of it.
+        // Longer each time, so that it gets far enough out of the way.
         mind.refused_s = None;
-        mind.detour = 1 + (f64::from(chance) * f64::from(2u32 << mind.impatience)) as u32;
+        mind.detour = 1 + (chance * (2u32 << mind.impatience) as f32) as u32;
         mind.impatience = (mind.impatience + 1).min(MAX_IMPATIENCE);
         self.paths.forget(c, self.paths.target(c));
+    }
+
+    /// True where the next steps of a character's path need what another one holds.
+    fn needs_what_is_held(&self, graph: &WorldGraph<'_>, character: usize, by: usize) -> bool {
+        let held = |s| chain::holder(graph, &self.holders, character as u32, s);
+        self.stretch(graph, character).is_some_and(|steps| steps.iter().find_map(held) == Some(by as u32))
     }
 
     /// Nothing is in the way any more.
@@ -188,7 +210,7 @@ impl Inhabitants {
                 return Some(step);
             }
         }
-        let step = self.pick(graph, c, |s| s.to != at && graph.is_safe(s.to))?;
+        let step = self.pick(graph, c, |s| s.to != at && graph.is_stop(s.to))?;
         self.go(graph, c, step)
     }
 
@@ -221,7 +243,7 @@ impl Inhabitants {
 
     /// Makes sure of a step, and of what follows until the character can come to rest.
     fn go(&mut self, graph: &WorldGraph<'_>, c: usize, step: Step) -> Option<Step> {
-        if graph.is_safe(step.to) {
+        if graph.is_stop(step.to) {
             self.chains.set(c, &[step]);
             return self.reserve(graph, c);
         }

@@ -32,9 +32,14 @@ impl Holders {
         Some(self.holder[unit as usize]).filter(|&c| c != NONE)
     }
 
+    /// Who else holds one of these units.
+    pub fn other(&self, units: &[u32], character: u32) -> Option<u32> {
+        units.iter().filter_map(|&u| self.of(u)).find(|&c| c != character)
+    }
+
     /// True where all units are free or held by the character.
     pub fn are_free(&self, units: &[u32], character: u32) -> bool {
-        units.iter().all(|&u| self.of(u).is_none_or(|c| c == character))
+        self.other(units, character).is_none()
     }
 
     /// Gives units to a character, which are free or its own.

@@ -8,10 +8,10 @@ pub(super) fn by_tag(graph: &WorldGraph<'_>) -> Vec<Vec<u32>> {
     let num_tags = graph.patches().links.iter().map(|l| usize::from(l.tag)).max().unwrap_or(0);
     let mut out = vec![Vec::new(); num_tags];
     for instance in 0..graph.num_instances() as u32 {
-        for (k, l) in graph.links(instance).iter().enumerate() {
+        for l in graph.links(instance) {
             let Some(list) = usize::from(l.tag).checked_sub(1).map(|t| &mut out[t]) else { continue };
             let from = Node { instance, cell: l.from };
-            if list.last() != Some(&instance) && graph.is_safe(from) && graph.step_along(instance, k as u32).is_some() {
+            if list.last() != Some(&instance) && graph.begins(from, l.tag) {
                 list.push(instance);
             }
         }

@@ -61,6 +61,11 @@ impl Instances {
         }
     }
 
+    /// The state of what is inside of an instance: neither an entry nor an exit.
+    pub fn inside_of(&self, instance: u32) -> u32 {
+        self.num_ports + instance
+    }
+
     /// Cost from a state to the target, or less. [Unit: frames]
     pub fn cost(&self, state: u32) -> f32 {
         let s = state as usize;
@@ -77,7 +82,7 @@ impl Instances {
         if state < self.num_ports { self.owners[state as usize] } else { state - self.num_ports }
     }
 
-    /// Dijkstra from the target backwards. `toll` is what it costs beside to enter an instance.
+    /// Dijkstra from the state of the target backwards. `toll` is what it costs beside to enter an instance.
     ///
     /// - returns false where `from` cannot be left for the target.
     pub fn run(&mut self, graph: &WorldGraph<'_>, target: u32, from: u32, toll: impl Fn(u32) -> f32) -> bool {
@@ -89,12 +94,7 @@ impl Instances {
         self.heap.clear();
         self.opened = 0;
         self.least_left = f32::INFINITY;
-        self.reach(self.num_ports + target, 0.0, NONE);
-        // A target that is an entry is at the edge that it is entered by.
-        let r = graph.instance(target);
-        for edge in 0..graph.patches().patches[r.patch as usize].num_edges {
-            self.reach(r.first_neighbour + edge, 0.0, NONE);
-        }
+        self.reach(target, 0.0, NONE);
         let mut limit = f32::INFINITY;
         while let Some((cost, state)) = self.heap.pop() {
             if cost > limit {
@@ -127,8 +127,7 @@ impl Instances {
         self.heap.push(state, cost);
     }
 
-    /// What leads across an edge into a tile: the neighbour there, by each of its own edges and from its inside, and
-    /// the blocks that lead into the neighbour's links.
+    /// What leads across an edge into a tile: what leads through the neighbour there.
     fn into_port(&mut self, graph: &WorldGraph<'_>, state: u32, cost: f32) {
         let instance = self.owners[state as usize];
         let r = graph.instance(instance);
@@ -143,7 +142,6 @@ impl Instances {
             return;
         }
         self.through_tile(graph, neighbour, exit, cost, state);
-        self.from_blocks(graph, neighbour, cost, state);
     }
 
     /// What leads to the inside of an instance.
@@ -152,22 +150,27 @@ impl Instances {
         if graph.is_tile(instance) {
             let num_edges = graph.patches().patches[graph.instance(instance).patch as usize].num_edges;
             self.through_tile(graph, instance, num_edges, cost, state);
-            self.from_blocks(graph, instance, cost, state);
             return;
         }
         for (k, a, _) in graph.adjacencies(instance) {
             if !graph.bounds.is_open_inwards(k) {
                 continue;
             }
-            let through = cost + graph.bounds.over_joint(a.table, a.side);
-            self.reach(self.num_ports + a.other, through, state);
+            // A block on side a has no edges: its one port is its inside.
+            if a.side == 0 {
+                self.reach(self.num_ports + a.other, cost + graph.bounds.out_of_b(a.table, 0), state);
+                continue;
+            }
             let o = graph.instance(a.other);
-            for edge in 0..graph.patches().patches[o.patch as usize].num_edges {
-                self.reach(o.first_neighbour + edge, through, state);
+            let num_edges = graph.patches().patches[o.patch as usize].num_edges;
+            for port in 0..=num_edges {
+                let from = if port == num_edges { self.num_ports + a.other } else { o.first_neighbour + port };
+                self.reach(from, cost + graph.bounds.into_b(a.table, port), state);
             }
         }
     }
 
+    /// What leads to where a tile is left by a port: its own ports, and the blocks that lead into its links.
     fn through_tile(&mut self, graph: &WorldGraph<'_>, tile: u32, exit: u32, cost: f32, state: u32) {
         let r = graph.instance(tile);
         let num_edges = graph.patches().patches[r.patch as usize].num_edges;
@@ -178,14 +181,10 @@ impl Instances {
                 self.reach(from, through, state);
             }
         }
-    }
-
-    /// Blocks that lead into links of a tile.
-    fn from_blocks(&mut self, graph: &WorldGraph<'_>, tile: u32, cost: f32, state: u32) {
+        // Blocks that lead into its links.
         for (k, a, _) in graph.adjacencies(tile) {
             if graph.bounds.is_open_inwards(k) {
-                let through = cost + graph.bounds.over_joint(a.table, a.side);
-                self.reach(self.num_ports + a.other, through, state);
+                self.reach(self.num_ports + a.other, cost + graph.bounds.out_of_b(a.table, exit), state);
             }
         }
     }

@@ -13,7 +13,7 @@ pub(crate) use nodes::{Found, Nodes, Space};
 /// Most nodes that a search keeps at once. [Size: 32 bytes a node, touched only as far as searches go]
 const MAX_NODES: usize = 1 << 23;
 /// How far around the way over instances the lower layer looks, in instances; wider where nothing is found.
-const SURROUNDINGS: [u32; 2] = [1, 3];
+const SURROUNDINGS: [u32; 2] = [2, 5];
 
 /// Where a plan leads.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -94,8 +94,8 @@ impl Planner {
         }
     }
 
-    /// Looks for a way from a node to a target that is not the node itself, and writes as many of its first steps as
-    /// there is room for. Allocates nothing.
+    /// Looks for a way from a node to a target, and writes as many of its first steps as there is room for; a way to
+    /// where it begins has none. Allocates nothing.
     ///
     /// - returns `None` where no way leads there.
     ///
@@ -115,7 +115,11 @@ impl Planner {
     ) -> Option<Plan> {
         let state = self.instances.state_of(graph, from);
         let region = Region::of(graph, target)?;
-        if !self.instances.run(graph, target.instance(), state, &toll) {
+        let end = match target {
+            Target::Node(node) => self.instances.state_of(graph, node),
+            Target::Rest { instance } | Target::Tag { instance, .. } => self.instances.inside_of(instance),
+        };
+        if !self.instances.run(graph, end, state, &toll) {
             return None;
         }
         let mut opened_nodes = 0;

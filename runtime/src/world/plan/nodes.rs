@@ -61,7 +61,7 @@ impl Nodes {
         }
     }
 
-    /// Looks for the cheapest way from a node to a target that is not the node itself, opening at most `most` nodes.
+    /// Looks for the cheapest way from a node to a target, opening at most `most` nodes.
     pub fn search(&mut self, graph: &WorldGraph<'_>, from: Node, space: &impl Space, most: usize) -> Found {
         self.begin();
         let Some(first) = self.place(graph, from, space) else {
@@ -71,7 +71,7 @@ impl Nodes {
         let mut full = false;
         while let Some((_, at)) = self.heap.pop() {
             let node = self.steps[at as usize].to;
-            if self.parents[at as usize] != NONE && space.is_target(node) {
+            if space.is_target(node) {
                 return Found::Way(at);
             }
             if self.opened == most {
