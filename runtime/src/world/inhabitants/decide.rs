@@ -14,13 +14,13 @@ const MAX_STILL: usize = 16;
 /// Random steps that are tried before those that need no search are taken.
 const TRIES: usize = 4;
 /// Most times that a detour doubles.
-const MAX_IMPATIENCE: u32 = 5;
+const MAX_IMPATIENCE: u32 = 3;
 /// Next steps of a path that are looked for a way to, and most steps of the way.
 const MAX_REJOINED: usize = 8;
 /// Most nodes that are opened in looking for it.
 const MAX_REJOIN_OPENED: usize = 1000;
 /// Steps of its path after which who lost patience is calmer again.
-const CALM_AFTER: u32 = 12;
+const CALM_AFTER: u32 = 6;
 /// Share of its patience that somebody has with one whose way it bars itself: who gives way, and who insists.
 const GIVES_WAY: f32 = 0.25;
 const INSISTS: f32 = 4.0;
@@ -89,9 +89,15 @@ impl Inhabitants {
         if let Some(step) = self.chains.pop(c) {
             return Some(step);
         }
+        if self.minds[c].detour == 0 && self.time_s < self.minds[c].until_s {
+            return self.rest(graph, c);
+        }
         if self.minds[c].detour > 0 {
             self.minds[c].detour -= 1;
             self.minds[c].doing = Doing::Detour;
+            if self.minds[c].detour == 0 {
+                self.pause(c);
+            }
             // On through: who only steps aside to rest has not gone far.
             let at = self.minds[c].at;
             let on = self.pick(graph, c, |s| s.to != at && !graph.is_rest(s.to));
@@ -230,6 +236,13 @@ impl Inhabitants {
         mind.detour = 1 + (chance * (2u32 << mind.impatience) as f32) as u32;
         mind.impatience = (mind.impatience + 1).min(MAX_IMPATIENCE);
         self.paths.forget(c, self.paths.target(c));
+    }
+
+    /// After a detour others have time to pass.
+    fn pause(&mut self, c: usize) {
+        let longest_s = 0.5 * self.config.patience_s * (1u32 << self.minds[c].impatience) as f32;
+        let pause_s = self.chance(c) * longest_s;
+        self.minds[c].until_s = self.time_s + f64::from(pause_s);
     }
 
     /// True where the next steps of a character's path need what another one holds.
