@@ -232,7 +232,8 @@ fn maybe_stitched(m: &MadeUp, e: &Environment, c: &StitchConfig) -> Option<(Worl
 
 /// Environments of a few panels with benches and walls anywhere.
 fn environments() -> impl Strategy<Value = Environment> {
-    let bench = (-1.0f32..5.0, -1.0f32..5.0, 0u32..8).prop_map(|(x, z, h)| (BENCH, x, z, h as f32 * 0.7853982));
+    let bench = (-1.0f32..5.0, -1.0f32..5.0, 0u32..8)
+        .prop_map(|(x, z, h)| (BENCH, x, z, h as f32 * std::f32::consts::FRAC_PI_4));
     let near = (0u32..4, 0u32..4).prop_map(|(k, h)| {
         let heading = h as f32 * std::f32::consts::FRAC_PI_2;
         let at = Placement::new((k % 2) as f32 * PANEL_M, 0.0, (k / 2) as f32 * PANEL_M, heading);

@@ -10,7 +10,7 @@ pub(super) fn num_words(count: usize) -> usize {
 /// `count` bits, all set.
 pub(super) fn all_set(count: usize) -> Vec<u64> {
     let mut words = vec![u64::MAX; num_words(count)];
-    if count % 64 != 0
+    if !count.is_multiple_of(64)
         && let Some(last) = words.last_mut()
     {
         *last = (1 << (count % 64)) - 1;

@@ -18,7 +18,7 @@ pub(super) struct Field {
 
 impl Field {
     /// Edge length of a grid cell. [Unit: m]
-    const STEP_M: f32 = 0.06;
+    const STEP_M: f32 = 0.04;
     /// The grid reaches this far from the unit's shapes. No ball may be thicker. [Unit: m]
     pub const MARGIN_M: f32 = 0.2;
     /// From the middle of a grid cell to its corners. [Unit: m]
@@ -56,10 +56,12 @@ impl Field {
             return false;
         }
         let distance = self.distances[(z * size[1] + y) * size[0] + x];
-        if distance - Self::ERROR_M >= limit {
+        // Distances change by no more than the way to the middle of the grid cell, and rounding.
+        let off = (at - Vec3::new(x as f32, y as f32, z as f32) - 0.5).length() * Self::STEP_M + 1e-4;
+        if distance - off >= limit {
             return false;
         }
-        distance + Self::ERROR_M < limit || self.geometry.nearest(p, limit).is_some()
+        distance + off < limit || self.geometry.nearest(p, limit).is_some()
     }
 }
 

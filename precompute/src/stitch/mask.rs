@@ -3,7 +3,6 @@
 use super::bodies::{Bodies, beside};
 use super::field::Field;
 use super::paths::Paths;
-use std::collections::HashMap;
 use throng_runtime::patch::Placement;
 
 /// Of a walk at 30 Hz every second frame is looked at: a hand moves some centimetres between them.
@@ -34,7 +33,7 @@ pub(super) fn hits(paths: &Paths, bodies: &Bodies, unit: &Field, unit_at: Placem
         Placement::new(cos * x - sin * z, p.y - unit_at.y, sin * x + cos * z, p.heading - unit_at.heading)
     };
     // Links of blocks share roots: each is looked at once.
-    let mut known: HashMap<u32, bool> = HashMap::new();
+    let mut known: Vec<Option<bool>> = vec![None; if paths.is_shared() { paths.roots().len() } else { 0 }];
     let mut look = |at: usize| {
         let root = in_unit(&paths.roots()[at]);
         let way = beside(shapes, root) - bodies.radius();
@@ -42,7 +41,7 @@ pub(super) fn hits(paths: &Paths, bodies: &Bodies, unit: &Field, unit_at: Placem
             return Some((way / paths.step().max(1e-3)) as usize);
         }
         let collides = || bodies.collides(paths.rows()[at] as usize, root, unit, depth_m);
-        let hit = if paths.is_shared() { *known.entry(at as u32).or_insert_with(collides) } else { collides() };
+        let hit = known.get_mut(at).map_or_else(collides, |k| *k.get_or_insert_with(collides));
         (!hit).then_some(0)
     };
     let near = bodies.around(&shapes.placed(unit_at));
