@@ -17,7 +17,7 @@ use throng_runtime::world::inhabitants::InhabitantsError;
 const NEWS_S: f64 = 6.0;
 
 /// What is looked at.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Selection {
     /// Character of the run.
     pub character: Option<usize>,

@@ -33,7 +33,7 @@ impl Facts {
         let mut facts = Self { neighbours: graph.instance(instance).num_adjacencies as usize, ..Self::default() };
         for (c, cell) in graph.cells(instance).iter().enumerate() {
             let left = usize::from(world.reason(instance, Item::Cell(c as u32)).is_none());
-            let mut count = |is_one: bool, counts: &mut [usize; 2]| {
+            let count = |is_one: bool, counts: &mut [usize; 2]| {
                 if is_one {
                     (counts[0], counts[1]) = (counts[0] + left, counts[1] + 1);
                 }
