@@ -87,7 +87,7 @@ impl SolidMesh {
             for i in 0..AROUND {
                 let at = |r: usize, i: usize| first + (r * AROUND + i % AROUND) as u32;
                 let [a, b, c, d] = [at(r, i), at(r + 1, i), at(r + 1, i + 1), at(r, i + 1)];
-                self.indices.extend([a, b, c, a, c, d]);
+                self.indices.extend([a, c, b, a, d, c]);
             }
         }
     }

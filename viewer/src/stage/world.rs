@@ -14,8 +14,8 @@ use throng_runtime::world::{Node, Step};
 
 /// Length of trails. [Unit: s]
 const TRAIL_S: f32 = 6.0;
-/// Links of an instance that are drawn at most: the first ones, enabled and disabled.
-const MAX_LINKS: usize = 1500;
+/// About so many links of an instance are drawn at most, spread over all of them.
+const MAX_LINKS: usize = 500;
 /// Lines on the ground lie so much above it. [Unit: m]
 const ABOVE: f32 = 0.02;
 
@@ -83,7 +83,10 @@ fn colour_of_unit(name: &str, floor: bool, at: Placement, dark: bool) -> Rgba {
     }
     let base = if dark { Rgba::hex(0x4a4f57) } else { Rgba::hex(0xc4c6c8) };
     let is_odd = ((at.x / 1.4).round() + (at.z / 1.4).round()).rem_euclid(4.0) < 1.0;
-    base.mix(hue, 0.18).mix(if dark { Rgba::WHITE } else { Rgba::hex(0) }, if is_odd { 0.07 } else { 0.0 })
+    let ink = if dark { Rgba::WHITE } else { Rgba::hex(0) };
+    // Decks stand out from the ground below them.
+    let raised = (at.y / 12.0).clamp(0.0, 1.0).sqrt() * 0.3;
+    base.mix(hue, 0.18).mix(ink, if is_odd { 0.07 } else { 0.0 } + raised)
 }
 
 /// The edges of a box, seen through everything.
@@ -167,9 +170,10 @@ fn way(out: &mut Layout, world: &WorldDocument, steps: &[Step], colour: Rgba) {
 fn patch(out: &mut Layout, model: &Model, world: &WorldDocument, instance: u32, palette: &Palette) {
     let (graph, look) = (world.graph(), &model.selection.world);
     if !look.hides_links {
-        for (l, link) in graph.links(instance).iter().enumerate().take(MAX_LINKS) {
+        let links = graph.links(instance);
+        for (l, link) in links.iter().enumerate().step_by(links.len() / MAX_LINKS + 1) {
             let is_left = world.reason(instance, Item::Link(l as u32)).is_none();
-            let colour = if is_left { ENABLED.alpha(0.5) } else { DISABLED.alpha(0.3) };
+            let colour = if is_left { ENABLED.alpha(0.45) } else { DISABLED.alpha(0.25) };
             let points: Vec<Vec3> = world
                 .link_path(instance, link, 0..=link.num_frames)
                 .iter()
@@ -204,15 +208,19 @@ fn patch(out: &mut Layout, model: &Model, world: &WorldDocument, instance: u32, 
     }
 }
 
-/// Height of the ground at a cell: that of a link that begins or ends there. [Unit: m]
+/// Height of the ground at a cell: where a link begins there. [Unit: m]
 fn ground_of(world: &WorldDocument, instance: u32, cell: u32) -> f32 {
-    let graph = world.graph();
-    let (record, links) = (&graph.cells(instance)[cell as usize], graph.links(instance));
-    let height = match links.get(record.first_link as usize) {
-        Some(link) if record.num_links > 0 => link.start.y,
-        _ => links.iter().find(|l| l.to == cell).map_or(0.0, |l| l.end.y),
+    let (graph, record) = (world.graph(), world.graph().instance(instance));
+    let (cells, links) = (graph.cells(instance), graph.links(instance));
+    let begin = |c: &CellRecord| links.get(c.first_link as usize).filter(|_| c.num_links > 0).map(|l| l.start.y);
+    let here = &cells[cell as usize];
+    let across = || {
+        // None begins at an exit, but at the entry of the neighbour, which may stand higher.
+        let entry = cells.get(here.twin as usize).filter(|_| here.is(CellRecord::IS_EXIT))?;
+        let edge = graph.patches().edges_of(record.patch as usize).get(here.edge as usize)?;
+        Some(begin(entry)? + edge.step[1])
     };
-    graph.instance(instance).placement.y + height + ABOVE
+    record.placement.y + begin(here).or_else(across).unwrap_or(0.0) + ABOVE
 }
 
 /// A box around the units and the characters. [Unit: m]

@@ -58,9 +58,15 @@ fn lives(world: &mut WorldDocument) {
     let place = panel(2, 2).translation();
     world.tell(0, Some(Wish::GoToPlace { place })).unwrap();
     assert!(world.run().is_live() && world.run().now() == 200);
-    run_for(world, 60 * 40);
+    for _ in 0..180 {
+        run_for(world, 60);
+        if world.run().moment().minds[0].doing == Doing::Arrived {
+            break;
+        }
+    }
     let (mind, hips) = (world.run().moment().minds[0], world.run().hips(0));
-    assert_eq!(mind.doing, Doing::Arrived, "{mind:?}");
+    let plan = world.run().life().inhabitants().plan(0);
+    assert_eq!(mind.doing, Doing::Arrived, "{mind:?} at {hips}: {plan:?}");
     assert!((hips - place).with_y(0.0).length() < 1.4, "{hips}");
     assert_eq!(world.run().told(0), Some(Wish::GoToPlace { place }));
     world.tell(0, None).unwrap();

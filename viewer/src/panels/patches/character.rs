@@ -52,7 +52,8 @@ fn population(ui: &mut Ui, world: &WorldDocument, state: &mut State, commands: &
         let minds = &run.moment().minds;
         let waiting = minds.iter().filter(|m| m.doing == Doing::Waiting).count();
         let done: u32 = minds.iter().map(|m| m.num_fulfilled).sum();
-        ui.weak(format!("{waiting} wait · {done} wishes fulfilled · step {:.2} ms", 1e3 * run.step_s()));
+        let tip = format!("The last step of all of them took {:.2} ms", 1e3 * run.step_s());
+        ui.weak(format!("{waiting} wait · {done} wishes fulfilled")).on_hover_text(tip);
     });
 }
 

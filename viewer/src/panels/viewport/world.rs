@@ -85,6 +85,9 @@ fn fitted(ui: &Ui, world: &WorldDocument, unit: usize, but: Option<usize>, free:
 
 /// Angle that keys turn a unit by. [Unit: rad]
 fn turned(ui: &Ui) -> f32 {
+    if ui.ctx().text_edit_focused() {
+        return 0.0;
+    }
     ui.input(|i| {
         let step = if i.modifiers.shift { QUARTER } else { TURN };
         let count = |key| f32::from(u8::from(i.key_pressed(key)));
@@ -98,16 +101,13 @@ pub fn keys(ui: &Ui, model: &Model, is_dragging: bool, commands: &mut Vec<Comman
         return;
     };
     let Some(place) = model.selection.world.place.filter(|&p| p < world.placed().len()) else { return };
-    if ui.ctx().text_edit_focused() {
-        return;
-    }
     let angle = turned(ui);
     if angle != 0.0 {
         let at = world.placed()[place].placement;
         let to = Placement { heading: at.heading + angle, ..at }.wrapped();
         commands.push(Command::World(WorldCommand::Edit(Change::Move { place, to })));
     }
-    if ui.input(|i| i.key_pressed(Key::Delete)) {
+    if !ui.ctx().text_edit_focused() && ui.input(|i| i.key_pressed(Key::Delete)) {
         commands.push(Command::World(WorldCommand::Edit(Change::Remove { place })));
     }
 }
