@@ -67,7 +67,8 @@ fn units_are_created_dragged_turned_and_removed_and_characters_are_sent() {
         v.harness.hover_at(from + (to - from) * part);
         v.harness.run_steps(2);
     }
-    assert!(v.model().selection.world.draft.is_some_and(|d| (d.at.z - 2.0).abs() < 0.3));
+    let draft = v.model().selection.world.draft;
+    assert!(draft.is_some_and(|d| (d.at.z - 2.0).abs() < 0.3), "{draft:?}");
     assert_eq!(post(&v).z, 0.0, "nothing is stitched before it is let go");
     press(&mut v, to, false, Modifiers::NONE);
     v.harness.run_steps(3);
@@ -140,7 +141,7 @@ fn a_scene_in_a_world_is_drawn_the_same_every_time() {
     }
     let read = |path| std::fs::read(path).expect("a picture");
     assert!(read(&a) == read(&b), "two pictures differ");
-    let one = Args { characters: Some(1), ..args };
+    let one = Args { characters: Some(1), character: None, ..args };
     draw_picture(&one, &b).expect("a picture");
     assert!(read(&a) != read(&b), "the number of characters changes nothing");
 }

@@ -23,8 +23,10 @@ const QUARTER: f32 = PI / 2.0;
 pub struct Dragged {
     /// Number of the place.
     place: usize,
-    /// From where it was taken hold of to its origin. [Unit: m]
+    /// From where it was taken hold of, at that height, to its origin. [Unit: m]
     offset: Vec3,
+    /// That height. [Unit: m]
+    height: f32,
     /// Where it would stand, before it is fitted to others.
     free: Placement,
 }
@@ -48,13 +50,13 @@ pub fn drag(
         && let Some((Some(place), met)) = world.pick(&ray(at))
         && let Some(p) = world.placed().get(place)
     {
-        let held = met.with_y(p.placement.y);
-        *dragged = Some(Dragged { place, offset: p.placement.translation() - held, free: p.placement });
+        let offset = p.placement.translation() - met;
+        *dragged = Some(Dragged { place, offset, height: met.y, free: p.placement });
         commands.push(Command::World(WorldCommand::SelectPlace(Some(place))));
     }
     let Some(d) = dragged else { return false };
     let Some(unit) = world.placed().get(d.place).map(|p| p.unit) else { return false };
-    if let Some(to) = response.interact_pointer_pos().and_then(|p| ray(p).meets_height(d.free.y)) {
+    if let Some(to) = response.interact_pointer_pos().and_then(|p| ray(p).meets_height(d.height)) {
         let at = to + d.offset;
         d.free = Placement { x: at.x, z: at.z, heading: d.free.heading + turned(ui), ..d.free };
     }
