@@ -15,7 +15,7 @@ use throng_runtime::world::{Node, Step};
 /// Length of trails. [Unit: s]
 const TRAIL_S: f32 = 6.0;
 /// About so many links of an instance are drawn at most, spread over all of them.
-const MAX_LINKS: usize = 500;
+const MAX_LINKS: usize = 160;
 /// Lines on the ground lie so much above it. [Unit: m]
 const ABOVE: f32 = 0.02;
 
@@ -25,6 +25,17 @@ pub const ENABLED: Rgba = Rgba::hex(0x2fb39b);
 pub const DISABLED: Rgba = Rgba::hex(0xe0564f);
 /// What the way that is planned is drawn in.
 pub const PLANNED: Rgba = Rgba::hex(0xf2b134);
+
+/// What the colours of characters tell, for a key.
+pub const KINDS: [(Doing, &str); 7] = [
+    (Doing::Roaming, "roams"),
+    (Doing::Walking, "on its way"),
+    (Doing::Waiting, "waits"),
+    (Doing::Detour, "detour"),
+    (Doing::Performing, "performs"),
+    (Doing::Arrived, "there"),
+    (Doing::Unreachable, "finds no way"),
+];
 
 /// What somebody is about, in a colour.
 pub fn colour_of(doing: Doing) -> Rgba {

@@ -6,7 +6,8 @@ use crate::document::WorldDocument;
 use crate::model::Model;
 use crate::model::world::WorldCommand;
 use crate::panels::words;
-use eframe::egui::{DragValue, Grid, Ui};
+use crate::stage::world::{KINDS, colour_of};
+use eframe::egui::{Color32, DragValue, Grid, Ui};
 use throng_runtime::world::inhabitants::{Doing, Wish};
 
 /// How long somebody does something, unless it is told otherwise. [Unit: s]
@@ -54,6 +55,14 @@ fn population(ui: &mut Ui, world: &WorldDocument, state: &mut State, commands: &
         let done: u32 = minds.iter().map(|m| m.num_fulfilled).sum();
         let tip = format!("The last step of all of them took {:.2} ms", 1e3 * run.step_s());
         ui.weak(format!("{waiting} wait · {done} wishes fulfilled")).on_hover_text(tip);
+    });
+    ui.horizontal_wrapped(|ui| {
+        ui.spacing_mut().item_spacing.x = 4.0;
+        for (doing, name) in KINDS {
+            let [r, g, b, _] = colour_of(doing).0;
+            ui.colored_label(Color32::from_rgb(r, g, b), "■");
+            ui.weak(name);
+        }
     });
 }
 
