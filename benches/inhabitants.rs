@@ -1,7 +1,7 @@
 //! What does a world with 1000 characters on tiles cost, motion, control and poses, and what a path across a floor?
 //! `cargo bench --bench inhabitants`.
 
-#[path = "../tests/patch/made_up.rs"]
+#[path = "../tests/patch/made_up_world.rs"]
 mod made_up;
 
 use std::time::Instant;

@@ -2,7 +2,7 @@
 #![allow(unsafe_code, reason = "an allocator that counts is an unsafe trait")]
 
 mod common;
-#[path = "patch/made_up.rs"]
+#[path = "patch/made_up_world.rs"]
 mod made_up;
 
 use glam::Vec3;

@@ -1,6 +1,6 @@
 //! Bundles with motion patches: a motion graph may be absent, and patches that cannot be are refused.
 
-use crate::made_up;
+use crate::made_up_world as made_up;
 use crate::parts::{Parts, refusal};
 use throng_runtime::patch::{CellRecord, EdgeRecord, KIND_BLOCK, KIND_TILE, LinkRecord, NONE, PatchRecord};
 use throng_runtime::troupe::{Repertoire, Start, Troupe, TroupeConfig};

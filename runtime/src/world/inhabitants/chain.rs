@@ -101,3 +101,34 @@ impl Space for ToSafety<'_, '_> {
         if free { step.num_frames() as f32 * (0.5 + chance) } else { f32::INFINITY }
     }
 }
+
+/// A search for a way to one of the steps of a path.
+pub(super) struct ToPath<'a, 'w> {
+    pub graph: &'a WorldGraph<'w>,
+    pub holders: &'a Holders,
+    pub character: u32,
+    /// Where the character is.
+    pub at: Node,
+    /// The steps.
+    pub steps: &'a [Step],
+    /// True where it may lead through what others hold.
+    pub through: bool,
+}
+
+impl Space for ToPath<'_, '_> {
+    fn admits(&self, instance: u32) -> bool {
+        self.through || self.holders.are_free(self.graph.resources(instance), self.character)
+    }
+
+    fn is_target(&self, node: Node) -> bool {
+        node != self.at && self.steps.iter().any(|s| s.to == node)
+    }
+
+    fn estimate(&self, _: Node) -> f32 {
+        0.0
+    }
+
+    fn cost(&self, step: &Step) -> f32 {
+        step.num_frames() as f32
+    }
+}

@@ -2,21 +2,23 @@
 //!
 //! Decisions are made in the order of the characters, on one thread; they are few.
 
-use super::chain::{self, MAX_CHAIN, MAX_OPENED, ToSafety};
+use super::chain::{self, MAX_CHAIN, MAX_OPENED, ToPath, ToSafety};
 use super::config::{Doing, Wish, check_time};
 use super::{Inhabitants, InhabitantsError, lay};
 use crate::troupe::{Repertoire, uniform};
 use crate::world::plan::{Found, Target};
 use crate::world::{Node, Step, WorldGraph};
 
-/// Most steps without motion that are taken at once.
-const MAX_STILL: usize = 16;
 /// Random steps that are tried before those that need no search are taken.
 const TRIES: usize = 4;
 /// Most times that a detour doubles.
-const MAX_IMPATIENCE: u32 = 5;
+const MAX_IMPATIENCE: u32 = 3;
+/// Next steps of a path that are looked for a way to, and most steps of the way.
+const MAX_REJOINED: usize = 8;
+/// Most nodes that are opened in looking for it.
+const MAX_REJOIN_OPENED: usize = 1000;
 /// Steps of its path after which who lost patience is calmer again.
-const CALM_AFTER: u32 = 12;
+const CALM_AFTER: u32 = 6;
 /// Share of its patience that somebody has with one whose way it bars itself: who gives way, and who insists.
 const GIVES_WAY: f32 = 0.25;
 const INSISTS: f32 = 4.0;
@@ -35,16 +37,12 @@ impl Inhabitants {
         self.plan_paths(graph);
         let frames = dt_s * self.rate_hz;
         for c in 0..self.minds.len() {
-            let mut still = 0;
-            while self.troupe.frames_left(c) <= frames && still < MAX_STILL {
-                let step = if still + 1 < MAX_STILL { self.decide(graph, c) } else { self.rest(graph, c) };
-                let Some(step) = step else { break };
+            while self.troupe.frames_left(c) <= frames {
+                let Some(step) = self.decide(graph, c) else { break };
                 let from = std::mem::replace(&mut self.minds[c].at, step.to);
                 let root = self.troupe.course_end(repertoire, c);
-                match lay::course(graph, repertoire, &step, Some(root)) {
-                    Some(course) => self.troupe.lay(repertoire, c, &course)?,
-                    None => still += 1,
-                }
+                let Some(course) = lay::course(graph, repertoire, &step, Some(root)) else { break };
+                self.troupe.lay(repertoire, c, &course)?;
                 self.release(graph, c, from, &step);
             }
         }
@@ -85,9 +83,15 @@ impl Inhabitants {
         if let Some(step) = self.chains.pop(c) {
             return Some(step);
         }
+        if self.minds[c].detour == 0 && self.time_s < self.minds[c].until_s {
+            return self.rest(graph, c);
+        }
         if self.minds[c].detour > 0 {
             self.minds[c].detour -= 1;
             self.minds[c].doing = Doing::Detour;
+            if self.minds[c].detour == 0 {
+                self.pause(c);
+            }
             // On through: who only steps aside to rest has not gone far.
             let at = self.minds[c].at;
             let on = self.pick(graph, c, |s| s.to != at && !graph.is_rest(s.to));
@@ -135,6 +139,37 @@ impl Inhabitants {
         self.rest(graph, c)
     }
 
+    /// Goes on to one of the next steps of its path, past some of them, on a way of its own: back to a path that was left
+    /// to wait, or around what others hold, unless it may lead through that too.
+    ///
+    /// - returns false where there is no such way, or none that is short.
+    fn rejoin(&mut self, graph: &WorldGraph<'_>, c: usize, past: usize, through: bool) -> bool {
+        let at = self.minds[c].at;
+        let left = self.paths.of(c);
+        let next = &left[past.min(left.len())..left.len().min(past + MAX_REJOINED)];
+        if next.is_empty() {
+            return false;
+        }
+        let space = ToPath { graph, holders: &self.holders, character: c as u32, at, steps: next, through };
+        let nodes = &mut self.planner.nodes;
+        let Found::Way(way) = nodes.search(graph, at, &space, MAX_REJOIN_OPENED) else { return false };
+        let mut steps = [Step::NONE; MAX_REJOINED];
+        let len = nodes.path(way, &mut steps);
+        if len > MAX_REJOINED {
+            return false;
+        }
+        let end = steps[..len].last().map(|s| s.to);
+        let Some(joined) = next.iter().position(|s| Some(s.to) == end) else { return false };
+        self.paths.rejoin(c, at, &steps[..len], past + joined);
+        true
+    }
+
+    /// Who else holds what the first steps of a character's path need.
+    fn barred(&self, graph: &WorldGraph<'_>, c: usize, num_steps: usize) -> Option<usize> {
+        let steps = &self.paths.of(c)[..num_steps];
+        steps.iter().find_map(|s| chain::holder(graph, &self.holders, c as u32, s)).map(|h| h as usize)
+    }
+
     /// Steps of a character's path up to where it may come to rest; none where they are not known.
     fn stretch(&self, graph: &WorldGraph<'_>, c: usize) -> Option<&[Step]> {
         let (path, target) = (self.paths.from(c, self.minds[c].at), self.paths.target(c)?);
@@ -144,16 +179,24 @@ impl Inhabitants {
 
     /// The next steps of the path, where what they need is free.
     fn follow(&mut self, graph: &WorldGraph<'_>, c: usize) -> Option<Step> {
+        if self.paths.begin(c).is_some_and(|from| from != self.minds[c].at) {
+            let _ = self.rejoin(graph, c, 0, false) || self.rejoin(graph, c, 0, true);
+        }
         let Some(steps) = self.stretch(graph, c) else {
             self.minds[c].doing = Doing::Planning;
             self.paths.ask(c);
             return None;
         };
-        if let Some(holder) = steps.iter().find_map(|s| chain::holder(graph, &self.holders, c as u32, s)) {
-            self.refuse(graph, c, holder as usize);
-            return None;
+        let mut len = steps.len();
+        if let Some(holder) = self.barred(graph, c, len) {
+            if self.rejoin(graph, c, len, false) {
+                len = self.stretch(graph, c).map_or(0, <[Step]>::len);
+            }
+            if len == 0 || self.barred(graph, c, len).is_some() {
+                self.refuse(graph, c, holder);
+                return None;
+            }
         }
-        let len = steps.len();
         self.chains.set(c, &self.paths.from(c, self.minds[c].at)[..len]);
         self.paths.advance(c, len);
         let mind = &mut self.minds[c];
@@ -189,10 +232,17 @@ impl Inhabitants {
         self.paths.forget(c, self.paths.target(c));
     }
 
+    /// After a detour others have time to pass.
+    fn pause(&mut self, c: usize) {
+        let longest_s = 0.5 * self.config.patience_s * (1u32 << self.minds[c].impatience) as f32;
+        let pause_s = self.chance(c) * longest_s;
+        self.minds[c].until_s = self.time_s + f64::from(pause_s);
+    }
+
     /// True where the next steps of a character's path need what another one holds.
     fn needs_what_is_held(&self, graph: &WorldGraph<'_>, character: usize, by: usize) -> bool {
-        let held = |s| chain::holder(graph, &self.holders, character as u32, s);
-        self.stretch(graph, character).is_some_and(|steps| steps.iter().find_map(held) == Some(by as u32))
+        let stretch = self.stretch(graph, character).map_or(0, <[Step]>::len);
+        stretch > 0 && self.barred(graph, character, stretch) == Some(by)
     }
 
     /// Nothing is in the way any more.
@@ -204,8 +254,11 @@ impl Inhabitants {
     /// A random step to anywhere else, and what follows until a character can come to rest.
     fn roam(&mut self, graph: &WorldGraph<'_>, c: usize) -> Option<Step> {
         let at = self.minds[c].at;
-        for _ in 0..TRIES {
-            let step = self.pick(graph, c, |s| s.to != at)?;
+        let rests = graph.is_rest(at);
+        for attempt in 0..TRIES {
+            // Who has rested first thinks of leaving, not of resting elsewhere.
+            let leave = rests && attempt < TRIES / 2;
+            let Some(step) = self.pick(graph, c, |s| s.to != at && !(leave && graph.is_rest(s.to))) else { continue };
             if let Some(step) = self.go(graph, c, step) {
                 return Some(step);
             }

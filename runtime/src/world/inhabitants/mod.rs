@@ -39,6 +39,8 @@ struct Mind {
     impatience: u32,
     /// Steps of its detour that are left.
     detour: u32,
+    /// When it goes on after its detour. [Unit: s]
+    until_s: f64,
     /// How long it has done what it was to perform. [Unit: frames]
     performed: u32,
 }
@@ -103,6 +105,7 @@ impl Inhabitants {
             progress: 0,
             impatience: 0,
             detour: 0,
+            until_s: 0.0,
             performed: 0,
         };
         Ok(Self {
@@ -207,7 +210,8 @@ impl Inhabitants {
         let mind = &mut self.minds[character];
         mind.wish = wish;
         mind.doing = if wish == Wish::Roam { Doing::Roaming } else { Doing::Planning };
-        (mind.detour, mind.impatience, mind.performed, mind.refused_s) = (0, 0, 0, None);
+        (mind.detour, mind.until_s, mind.impatience) = (0, 0.0, 0);
+        (mind.performed, mind.refused_s) = (0, None);
         if wish != Wish::Roam {
             self.paths.ask(character);
         }

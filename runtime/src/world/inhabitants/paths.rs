@@ -68,6 +68,26 @@ impl Paths {
         p.from = Some(self.steps[character * self.max_path + p.next - 1].to);
     }
 
+    /// Lets a path begin at another node, from which other steps lead to where its step `joined` (of those left) ends.
+    /// Where there is no room, its last steps are given up.
+    pub fn rejoin(&mut self, character: usize, from: Node, way: &[Step], joined: usize) {
+        let p = &mut self.paths[character];
+        let steps = &mut self.steps[character * self.max_path..][..self.max_path];
+        let rest = p.next + joined + 1..p.end;
+        let at = rest.start.saturating_sub(way.len());
+        let room = self.max_path - at - way.len();
+        let kept = rest.start..rest.end.min(rest.start + room);
+        let end = at + way.len() + kept.len();
+        steps.copy_within(kept, at + way.len());
+        steps[at..at + way.len()].copy_from_slice(way);
+        (p.from, p.next, p.end) = (Some(from), at, end);
+    }
+
+    /// Node that the next step of a path begins at.
+    pub fn begin(&self, character: usize) -> Option<Node> {
+        self.paths[character].from
+    }
+
     /// Forgets a path, for another target or none.
     pub fn forget(&mut self, character: usize, target: Option<Target>) {
         let p = &mut self.paths[character];
