@@ -9,7 +9,7 @@ use super::report::Reason;
 use super::table::JointTable;
 use crate::environment::Environment;
 use rayon::prelude::*;
-use std::collections::{BTreeSet, HashSet};
+use std::collections::{BTreeSet, HashMap, HashSet};
 use throng_runtime::patch::{CellRecord, NONE};
 use throng_runtime::world::{AdjacencyRecord, InstanceRecord, JointTableRecord, UnitRecord, WorldData, is_set};
 
@@ -59,48 +59,49 @@ impl Judged<'_, '_> {
 
     /// Why a link is taken out; none where it is left.
     pub fn link(&self, part: u32, link: u32) -> Option<Reason> {
-        let j = self.joined;
-        let p = &j.parts[part as usize];
-        if !is_set(&j.link_words, p.first_link_word, link) {
-            return Some(Reason::Obstacle);
-        }
-        let Some(end) = j.end_of(part, link) else { return Some(Reason::NoNeighbour) };
-        let from = j.patches.links_of(p.patch as usize)[link as usize].from;
-        match self.standing[end as usize] {
-            _ if self.standing[(p.first_node + from) as usize] != Standing::Inside => self.cell(part, from),
-            Standing::Inside => None,
-            // It would be part of the component if it led back to it.
-            _ => Some(Reason::DeadEnd),
-        }
+        let l = &self.joined.patches.links_of(self.joined.parts[part as usize].patch as usize)[link as usize];
+        let free = is_set(&self.joined.situation(part).link_words, 0, link);
+        of_link(free, self.cell(part, l.from), || self.cell(part, l.to))
     }
 
-    /// Bits of cells and links of an instance.
-    fn bits(&self, part: u32) -> (Vec<u64>, Vec<u64>, Counts) {
-        let patch = self.joined.parts[part as usize].patch as usize;
-        let (cells, links) = (self.joined.cells(part), self.joined.patches.links_of(patch));
-        let mut counts = Counts::default();
-        let (mut cell_words, mut link_words) = (vec![0; num_words(cells.len())], vec![0; num_words(links.len())]);
-        for (c, cell) in cells.iter().enumerate() {
-            match self.cell(part, c as u32) {
-                Some(reason) => counts.disabled[reason as usize] += 1,
+    /// Why each cell of an instance is taken out.
+    fn cells(&self, part: u32) -> Vec<Option<Reason>> {
+        (0..self.joined.cells(part).len() as u32).map(|c| self.cell(part, c)).collect()
+    }
+
+    /// What is left of an instance.
+    ///
+    /// - `taken_out`: as [`Self::cells`].
+    fn outcome(&self, part: u32, taken_out: &[Option<Reason>]) -> Outcome {
+        let links = self.joined.patches.links_of(self.joined.parts[part as usize].patch as usize);
+        let cells = self.joined.cells(part);
+        let mut out = Outcome {
+            cells: vec![0; num_words(cells.len())],
+            links: vec![0; num_words(links.len())],
+            counts: Counts::default(),
+        };
+        for ((c, cell), reason) in (0u32..).zip(cells).zip(taken_out) {
+            match reason {
+                Some(reason) => out.counts.disabled[*reason as usize] += 1,
                 None => {
-                    set(&mut cell_words, c as u32);
+                    set(&mut out.cells, c);
                     // An exit is the neighbour's entry.
-                    counts.cells += u64::from(!cell.is(CellRecord::IS_EXIT));
+                    out.counts.cells += u64::from(!cell.is(CellRecord::IS_EXIT));
                 }
             }
         }
-        for (l, link) in links.iter().enumerate() {
-            match self.link(part, l as u32) {
-                Some(reason) => counts.disabled[reason as usize] += 1,
+        let free = &self.joined.situation(part).link_words;
+        for (l, link) in (0u32..).zip(links) {
+            match of_link(is_set(free, 0, l), taken_out[link.from as usize], || taken_out[link.to as usize]) {
+                Some(reason) => out.counts.disabled[reason as usize] += 1,
                 None => {
-                    set(&mut link_words, l as u32);
-                    counts.links += 1;
-                    counts.frames += u64::from(link.num_frames);
+                    set(&mut out.links, l);
+                    out.counts.links += 1;
+                    out.counts.frames += u64::from(link.num_frames);
                 }
             }
         }
-        (cell_words, link_words, counts)
+        out
     }
 
     /// Bits of the joints that are left between an instance on side a and another; none where none is.
@@ -131,6 +132,29 @@ impl Judged<'_, '_> {
     }
 }
 
+/// Why a link is taken out; none where it is left.
+///
+/// - `free`: nothing is in its way.
+/// - `from`, `to`: why the cells are taken out that it leads from and to.
+fn of_link(free: bool, from: Option<Reason>, to: impl FnOnce() -> Option<Reason>) -> Option<Reason> {
+    if !free {
+        return Some(Reason::Obstacle);
+    }
+    match to() {
+        Some(Reason::NoNeighbour) => Some(Reason::NoNeighbour),
+        None => from,
+        // It would be part of the component if it led back to it.
+        Some(_) => from.or(Some(Reason::DeadEnd)),
+    }
+}
+
+/// What is left of an instance.
+struct Outcome {
+    cells: Vec<u64>,
+    links: Vec<u64>,
+    counts: Counts,
+}
+
 /// Puts the world together that is left. Its meta data are still empty.
 pub(super) fn assemble(
     stitcher: &Stitcher<'_>,
@@ -147,9 +171,22 @@ pub(super) fn assemble(
 }
 
 fn instances(laid: &Laid, judged: &Judged<'_, '_>, world: &mut WorldData) -> Counts {
-    let bits: Vec<_> = (0..laid.fitted.len() as u32).into_par_iter().map(|i| judged.bits(i)).collect();
+    let parts = 0..laid.fitted.len() as u32;
+    let taken_out: Vec<_> = parts.clone().into_par_iter().map(|i| judged.cells(i)).collect();
+    // What is left of one instance is left of all in the same situation of which the same cells are.
+    let mut numbers = HashMap::new();
+    let mut first: Vec<u32> = Vec::new();
+    let mut number = |i: u32| {
+        *numbers.entry((judged.joined.parts[i as usize].situation, &taken_out[i as usize])).or_insert_with(|| {
+            first.push(i);
+            first.len() - 1
+        })
+    };
+    let of: Vec<usize> = parts.map(&mut number).collect();
+    let outcomes: Vec<_> = first.par_iter().map(|&i| judged.outcome(i, &taken_out[i as usize])).collect();
     let mut sum = Counts::default();
-    for (i, (cells, links, counts)) in bits.into_iter().enumerate() {
+    for (i, outcome) in of.into_iter().map(|n| &outcomes[n]).enumerate() {
+        let counts = &outcome.counts;
         world.instances.push(InstanceRecord {
             patch: laid.fitted[i].patch,
             first_neighbour: laid.first_neighbour[i],
@@ -161,8 +198,8 @@ fn instances(laid: &Laid, judged: &Judged<'_, '_>, world: &mut WorldData) -> Cou
             first_resource: 0,
             num_resources: 0,
         });
-        world.cell_words.extend(cells);
-        world.link_words.extend(links);
+        world.cell_words.extend(&outcome.cells);
+        world.link_words.extend(&outcome.links);
         sum.cells += counts.cells;
         sum.links += counts.links;
         sum.frames += counts.frames;

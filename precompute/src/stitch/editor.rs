@@ -157,8 +157,8 @@ fn make<'a>(
 ) -> Result<Made<'a>, BuildError> {
     let begin = Instant::now();
     let laid = stitcher.lay(environment)?;
-    stitcher.prepare(&laid, progress);
-    let joined = allow(stitcher, &laid)?;
+    let situated = stitcher.prepare(&laid, progress);
+    let joined = allow(stitcher, &laid, situated)?;
     progress.begin("component", joined.num_nodes as u64, "cells");
     let standing = largest(&joined).ok_or_else(|| no_component(stitcher, environment))?;
     progress.end();

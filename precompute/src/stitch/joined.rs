@@ -2,6 +2,7 @@
 //! bits belong to an instance; where a node leads is looked up in its patch and in tables.
 
 use super::component::Ways;
+use super::situation::Situation;
 use super::table::JointTable;
 use std::sync::Arc;
 use throng_runtime::patch::{CellRecord, NONE, Patches};
@@ -14,8 +15,8 @@ pub(super) struct Part {
     pub patch: u32,
     /// Node of its first cell.
     pub first_node: u32,
-    /// First word of its links' bits.
-    pub first_link_word: u32,
+    /// Number of its situation.
+    pub situation: u32,
     /// Its edges' neighbours.
     pub first_neighbour: u32,
     /// Its first overlap.
@@ -46,8 +47,8 @@ pub(super) struct Joined<'a> {
     pub parts: Vec<Part>,
     /// Instance across each edge of each tile.
     pub neighbours: Vec<u32>,
-    /// Links that nothing is in the way of.
-    pub link_words: Vec<u64>,
+    /// What is left of their motion.
+    pub situations: Vec<Arc<Situation>>,
     /// Overlaps of all instances.
     pub overlaps: Vec<Overlap>,
     /// Joint tables.
@@ -103,15 +104,22 @@ impl Joined<'_> {
         &self.overlaps[p.first_overlap as usize..(p.first_overlap + p.num_overlaps) as usize]
     }
 
+    /// What is left of an instance's motion.
+    pub fn situation(&self, part: u32) -> &Situation {
+        &self.situations[self.parts[part as usize].situation as usize]
+    }
+
     fn next_link(&self, part: u32, cell: u32, at: &mut u32) -> Option<u32> {
-        let (p, c) = (&self.parts[part as usize], &self.cells(part)[cell as usize]);
-        while *at < c.num_links {
-            let link = c.first_link + *at;
+        let p = &self.parts[part as usize];
+        let ends = self.situation(part).ends_of(cell);
+        while let Some(end) = ends.get(*at as usize) {
             *at += 1;
-            if is_set(&self.link_words, p.first_link_word, link)
-                && let Some(node) = self.end_of(part, link)
-            {
-                return Some(node);
+            if end.edge == NONE {
+                return Some(p.first_node + end.cell);
+            }
+            let other = self.neighbours[(p.first_neighbour + end.edge) as usize];
+            if other != NONE {
+                return Some(self.parts[other as usize].first_node + end.cell);
             }
         }
         None

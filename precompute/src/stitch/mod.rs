@@ -16,10 +16,13 @@ mod library;
 mod mask;
 mod near;
 mod paths;
+mod prepare;
 mod relation;
 mod report;
+mod situation;
 mod solids;
 mod source;
+mod swept;
 mod table;
 mod why;
 

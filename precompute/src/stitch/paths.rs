@@ -22,7 +22,7 @@ pub(super) struct Paths {
     bounds: Vec<Bounds>,
     /// The longest way over the ground from one frame to the next. [Unit: m]
     step: f32,
-    /// True where links have roots in common.
+    /// True where links have most of their roots in common.
     shared: bool,
 }
 
@@ -62,11 +62,11 @@ impl Paths {
             |l: usize| out.of(l).windows(2).map(|w| (w[1].x - w[0].x).hypot(w[1].z - w[0].z)).fold(0.0, f32::max);
         let (bounds, step) =
             ((0..links.len()).map(around).collect(), (0..links.len()).map(longest).fold(0.0, f32::max));
-        let shared = out.roots.len() < out.counts.iter().map(|&n| n as usize).sum();
+        let shared = 2 * out.roots.len() <= out.counts.iter().map(|&n| n as usize).sum();
         Self { bounds, step, shared, ..out }
     }
 
-    /// True where links have roots in common.
+    /// True where links have most of their roots in common.
     pub fn is_shared(&self) -> bool {
         self.shared
     }
