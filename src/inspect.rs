@@ -16,7 +16,7 @@ use throng_precompute::inspect::{self, BundleReport, hit_picture};
 /// [min, max], null without hits), kinds (object: name to count)}, excluded, warnings; of a bundle: file, name, clips,
 /// frames, rate_hz, states, actions, behaviours, hits, clip_hits (object: clip to kinds); with --environment-out or
 /// --environment-png: clips, frames, foot_places, seat_places, hand_places, hands_unexplained, on_ground, plates,
-/// plates_of_one, bars, bars_guessed, units, residual_rms_m, residual_max_m, planted_share, penetrating_share,
+/// plates_of_one, bars, bars_guessed, dismissed, units, residual_rms_m, residual_max_m, planted_share, penetrating_share,
 /// environment_out, units_out, world_out.
 #[derive(clap::Args)]
 pub struct Args {

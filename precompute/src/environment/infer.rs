@@ -1,9 +1,11 @@
 //! Geometry inferred from contacts, for captured motion whose surroundings nobody measured.
 //!
 //! What a body stands, sits and hangs on must be where its feet, seat and hands stay in the world while the rest of it
-//! moves: level plates under feet and seats, bars in hands. Nothing is known about where nobody touched.
+//! moves: level plates under feet and seats, bars in hands; and nothing is where the body goes through. Nothing is known
+//! about where nobody touched.
 
 mod bars;
+mod clear;
 mod places;
 mod plates;
 mod report;
@@ -49,8 +51,9 @@ pub fn infer(clips: &[&Clip], skeleton: &Skeleton, name: &str) -> Result<Inferre
     let places: Vec<_> = clips.iter().flat_map(|c| places::find(c, skeleton, &contacts)).collect();
     let hands: Vec<_> = places.iter().filter(|p| p.kind == Kind::Hand).copied().collect();
     let others: Vec<_> = places.iter().filter(|p| p.kind != Kind::Hand).copied().collect();
-    let plates = plates::under(&others);
-    let bars = bars::through(&hands);
+    let mut plates = plates::under(&others);
+    let mut bars = bars::through(&hands);
+    let dismissed = dismiss(&mut plates, &mut bars, clips, skeleton)?;
     if plates.is_empty() && bars.is_empty() {
         return Err(BuildError::Stage {
             stage: "environment",
@@ -62,10 +65,30 @@ pub fn infer(clips: &[&Clip], skeleton: &Skeleton, name: &str) -> Result<Inferre
     let environment = EnvironmentFile { name: name.to_owned(), place, ..EnvironmentFile::default() };
     let report = InferReport::of_places(&others, &hands, &plates, &bars);
     let mut inferred = Inferred { units, environment, report };
+    inferred.report.dismissed = dismissed;
     inferred.report.units = inferred.units.units.len();
     let geometry = inferred.geometry()?;
     inferred.report.measure(clips, skeleton, &geometry, &contacts, &TouchConfig::default());
     Ok(inferred)
+}
+
+/// Takes out the pieces that a body goes through, and returns how many.
+///
+/// # Errors
+/// As [`clear::standing`].
+fn dismiss(
+    plates: &mut Vec<Plate>,
+    bars: &mut Vec<Bar>,
+    clips: &[&Clip],
+    skeleton: &Skeleton,
+) -> Result<usize, BuildError> {
+    let flat = plates.iter().map(|p| (p.piece(), p.held_s));
+    let pieces: Vec<(Piece, f32)> = flat.chain(bars.iter().map(|b| (b.piece(), b.held_s))).collect();
+    let standing = clear::standing(&pieces, clips, skeleton)?;
+    let mut stands = standing.iter().copied();
+    plates.retain(|_| stands.next().unwrap_or(true));
+    bars.retain(|_| stands.next().unwrap_or(true));
+    Ok(standing.iter().filter(|s| !**s).count())
 }
 
 impl Inferred {
