@@ -92,10 +92,15 @@ fn what_is_saved_loads_again() {
     let found = infer(&[&standing_at(&[0.0, 0.3])], &Skeleton::default(), "step").unwrap();
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("yard.toml");
-    let units = found.save(&path).unwrap();
-    assert_eq!(units, folder.path().join("yard-units.toml"));
+    let saved = found.save(&path).unwrap();
+    let units = saved.units_out;
+    assert_eq!((&saved.environment_out, &units), (&path, &folder.path().join("yard-units.toml")));
     let file = EnvironmentFile::load(&path).unwrap();
     assert_eq!((file.units.clone(), file.place.clone()), (units.clone(), found.environment.place.clone()));
     assert_eq!(UnitSet::load(&units).unwrap(), found.units);
-    file.expand(&found.units, &path).unwrap();
+    let geometry = found.geometry().unwrap();
+    assert_eq!(file.expand(&found.units, &path).unwrap().units, geometry.units);
+    let world = crate::stitch::WorldSource::load(&saved.world_out).unwrap();
+    assert_eq!(world.environment(&found.units, &path).unwrap().units, geometry.units);
+    assert_eq!((world.bundle, world.stitch.allow_unreachable), (folder.path().join("yard.throng"), true));
 }
