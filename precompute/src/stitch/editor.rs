@@ -2,7 +2,7 @@
 
 use super::allow::allow;
 use super::assemble::{Counts, Judged, assemble};
-use super::component::{Standing, largest};
+use super::component::Standing;
 use super::config::StitchConfig;
 use super::joined::Joined;
 use super::lay::{Laid, Stitcher};
@@ -158,9 +158,9 @@ fn make<'a>(
     let begin = Instant::now();
     let laid = stitcher.lay(environment)?;
     let situated = stitcher.prepare(&laid, progress);
-    let joined = allow(stitcher, &laid, situated)?;
+    let mut joined = allow(stitcher, &laid, situated)?;
     progress.begin("component", joined.num_nodes as u64, "cells");
-    let standing = largest(&joined).ok_or_else(|| no_component(stitcher, environment))?;
+    let standing = joined.settle().ok_or_else(|| no_component(stitcher, environment))?;
     progress.end();
     let (mut world, counts) = assemble(stitcher, environment, &laid, &Judged { joined: &joined, standing: &standing });
     check_reached(stitcher, environment, &laid, &joined, &standing)?;
