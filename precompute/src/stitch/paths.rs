@@ -169,13 +169,15 @@ impl Nearness {
 
 impl Spots {
     /// Collects the spots of a patch: all cells of a block, and of a tile's links the frames that are at least
-    /// `min_frames` from both ends.
+    /// `min_frames` from both ends, or a quarter of short links.
     pub fn new(patches: &Patches<'_>, library: &Library<'_>, paths: &Paths, patch: usize, min_frames: u32) -> Self {
         let mut of_groups: Vec<(u32, Spot)> = Vec::new();
         if patches.patches[patch].kind == KIND_TILE {
             for (l, link) in patches.links_of(patch).iter().enumerate() {
-                let last = u32::from(link.num_frames).saturating_sub(min_frames);
-                for offset in min_frames..=last {
+                let frames = u32::from(link.num_frames);
+                // Slides cross a tile in a few frames: of short links, a quarter is enough.
+                let margin = min_frames.min(frames / 4).max(1);
+                for offset in margin..=frames.saturating_sub(margin) {
                     let row = (link.frame + offset) as usize;
                     let root = paths.of(l)[offset as usize];
                     let at = Placement { y: root.y + library.frames[row].height, ..root };
