@@ -17,7 +17,7 @@ use throng_precompute::inspect::{self, BundleReport, hit_picture};
 /// frames, rate_hz, states, actions, behaviours, hits, clip_hits (object: clip to kinds); with --environment-out or
 /// --environment-png: clips, frames, foot_places, seat_places, hand_places, hands_unexplained, on_ground, plates,
 /// plates_of_one, bars, bars_guessed, dismissed, units, residual_rms_m, residual_max_m, planted_share, penetrating_share,
-/// environment_out, units_out, world_out.
+/// environment_out, units_out, world_out (the files written, with --environment-out).
 #[derive(clap::Args)]
 pub struct Args {
     /// Motion file (.bvh, .amc) or bundle (.throng); several motion files with --environment-out and --environment-png.

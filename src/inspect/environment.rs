@@ -2,7 +2,6 @@
 
 use crate::args::{Outcome, fail};
 use crate::{output, progress};
-use glam::Vec3;
 use serde::Serialize;
 use std::path::Path;
 use throng_precompute::environment::{InferReport, Inferred, SavedFiles, infer};
@@ -14,9 +13,13 @@ use throng_precompute::{BuildError, Clip, ClipSet, Warnings, annotate, files, re
 use throng_runtime::Joint;
 
 /// Bodies in a picture are at least this far apart. [Unit: m]
-const APART: f32 = 0.75;
+const APART: f32 = 0.5;
 /// Most bodies in a picture.
-const MOST: usize = 16;
+const MOST: usize = 14;
+/// Bodies are chosen from every so many frames.
+const EVERY: usize = 5;
+/// Clips that a title names.
+const NAMED: usize = 4;
 /// Width and height of one view. [Unit: px]
 const SIZE: (u32, u32) = (1600, 900);
 /// The picture looks along +Z and along +X, tilted down. [Unit: rad]
@@ -85,9 +88,10 @@ fn draw(set: &ClipSet, inferred: &Inferred) -> Result<Picture, BuildError> {
     let tint = |i: usize| Colour::hex([0x4a6fa5, 0xb5653f, 0x5f8f56, 0x87609c][i % 4]);
     let figure = |(i, f): (usize, &Figure)| WorldFigure { figure: *f, colours: BodyColours::plain(tint(i)) };
     let figures: Vec<WorldFigure> = bodies.iter().enumerate().map(figure).collect();
-    let names: Vec<&str> = set.clips.iter().map(|c| c.name.as_str()).collect();
+    let mut names: Vec<&str> = set.clips.iter().take(NAMED).map(|c| c.name.as_str()).collect();
+    names.extend((set.clips.len() > NAMED).then_some("..."));
     let title = format!("{}: inferred from {}", inferred.environment.name, names.join(", "));
-    let subtitle = inferred.report.to_string().lines().take(3).collect::<Vec<_>>().join("; ");
+    let subtitle = inferred.report.to_string().lines().take(2).collect::<Vec<_>>().join("; ");
     let view = |(heading, elevation)| {
         let look = WorldLook { heading, elevation, focus: None };
         let (trails, names) = (&[], &[]);
@@ -107,19 +111,21 @@ fn draw(set: &ClipSet, inferred: &Inferred) -> Result<Picture, BuildError> {
     Ok(picture::sheet(&[&front, &side]))
 }
 
-/// Bodies that are apart from each other, in the order of the motion.
+/// Bodies in poses that are far from each other: beginning with the first, each time the one farthest from all others.
 fn apart(set: &ClipSet) -> Vec<Figure> {
-    let mut hips: Vec<Vec3> = Vec::new();
+    let figure =
+        |clip: &Clip, f: usize| Figure::from_transforms(&set.skeleton, &clip.joint_transforms(&set.skeleton, f));
+    let frames = |clip: &Clip| (0..clip.num_frames()).step_by(EVERY).filter(|&f| clip.is_usable(f)).collect::<Vec<_>>();
+    let all: Vec<Figure> = set.clips.iter().flat_map(|c| frames(c).into_iter().map(move |f| figure(c, f))).collect();
+    let mut near = vec![f32::INFINITY; all.len()];
     let mut out = Vec::new();
-    for clip in &set.clips {
-        for f in (0..clip.num_frames()).filter(|&f| clip.is_usable(f)) {
-            let figure = Figure::from_transforms(&set.skeleton, &clip.joint_transforms(&set.skeleton, f));
-            let at = figure.joint(Joint::Hips);
-            if out.len() < MOST && hips.iter().all(|p| p.distance(at) > APART) {
-                hips.push(at);
-                out.push(figure);
-            }
-        }
+    let mut next = all.first();
+    while let Some(one) = next.filter(|_| out.len() < MOST) {
+        out.push(*one);
+        let hips = one.joint(Joint::Hips);
+        near.iter_mut().zip(&all).for_each(|(d, f)| *d = d.min(f.joint(Joint::Hips).distance(hips)));
+        let farthest = near.iter().zip(&all).filter(|(d, _)| **d > APART).max_by(|a, b| a.0.total_cmp(b.0));
+        next = farthest.map(|(_, f)| f);
     }
     out
 }

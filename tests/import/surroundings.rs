@@ -41,7 +41,7 @@ fn standing_share(clip: &Clip, skeleton: &Skeleton, geometry: &PlacedGeometry) -
     let (mut planted, mut near) = (0, 0);
     for f in (0..clip.num_frames()).filter(|&f| clip.is_usable(f)) {
         let joints = clip.joint_positions(skeleton, f);
-        for (contact, joint) in feet.into_iter().filter(|(c, _)| clip.contacts[f].any(*c)) {
+        for (_, joint) in feet.into_iter().filter(|(c, _)| clip.contacts[f].any(*c)) {
             // The ball of the foot is so high above what it stands on.
             let limit = NEAR + rest[joint.index()].y;
             planted += 1;

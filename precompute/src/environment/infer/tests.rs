@@ -82,6 +82,18 @@ fn plates_lie_where_feet_stood() {
 }
 
 #[test]
+fn what_the_body_goes_through_is_not_there() {
+    let bar = |z: f32| {
+        let (from, to) = ([-0.5, 1.0, z], [0.5, 1.0, z]);
+        let bounds = Bounds::of([Vec3::from(from), Vec3::from(to)]).grown(0.02);
+        ((Shape::Bar { from, to, radius: 0.02 }, bounds), 1.0)
+    };
+    let clip = standing_at(&[0.0, 0.0]);
+    let standing = clear::standing(&[bar(0.0), bar(-1.0)], &[&clip], &Skeleton::default()).unwrap();
+    assert_eq!(standing, [false, true], "the first bar is in the waist of who stands there, the second behind him");
+}
+
+#[test]
 fn who_stays_on_the_ground_needs_no_environment() {
     let e = infer(&[&standing_at(&[0.0, 0.0])], &Skeleton::default(), "flat").unwrap_err().to_string();
     assert!(e.contains("flat: of") && e.contains("none is above the ground"), "{e}");
