@@ -166,6 +166,7 @@ impl Viewer {
             palette: self.layout.poses(&self.model),
             instances: &self.layout.instances,
             shapes: &self.layout.shapes,
+            solids: &self.layout.solids,
         };
         let uploaded = renderer.upload(&frame);
         drop(renderer);
@@ -198,7 +199,9 @@ impl Viewer {
         let m = &self.model;
         let mut s = m.settings.clone();
         let second = if m.shows_clip() { m.shown_clip().map_or(30.0, |c| c.1) } else { crate::run::STEP_HZ } as i32;
-        let speed = if m.shows_clip() { m.player.speed } else { m.document.crowd().map_or(1.0, |c| c.1.speed()) };
+        let run_speed = m.document.crowd().map(|c| c.1.speed());
+        let run_speed = run_speed.or_else(|| Some(m.document.world()?.run().speed()));
+        let speed = if m.shows_clip() { m.player.speed } else { run_speed.unwrap_or(1.0) };
         commands.push(match action {
             Action::PlayPause => Command::Play(!m.is_playing()),
             Action::Back => Command::Step(-1),
@@ -233,7 +236,7 @@ impl Viewer {
     /// Asks for a file in the system's own dialog, away from this thread.
     fn open_dialog(&mut self, ctx: &egui::Context) {
         let dialog = rfd::AsyncFileDialog::new()
-            .add_filter("bundles, scenes and motion files", &["throng", "toml", "bvh", "amc"])
+            .add_filter("bundles, scenes, worlds and motion files", &["throng", "toml", "bvh", "amc"])
             .add_filter("all files", &["*"])
             .pick_file();
         let (send, receive) = channel();

@@ -1,5 +1,6 @@
 //! Everything a panel may ask for.
 
+use crate::model::world::WorldCommand;
 use crate::panels::PanelKind;
 use crate::render::Camera;
 use crate::run::{Input, RunConfig};
@@ -20,7 +21,7 @@ pub enum Stage {
 /// A wish of a panel, carried out by [`crate::model::Model::apply`] after all panels have been shown.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Command {
-    /// Open a bundle, a scene or a motion file.
+    /// Open a bundle, a scene, a world or a motion file.
     Open(PathBuf),
     /// Read the open file again.
     Reload,
@@ -43,6 +44,8 @@ pub enum Command {
     ConfigureScene(Box<Scene>),
     /// Do something to the run.
     Input(Input),
+    /// Do something to the world.
+    World(WorldCommand),
 
     /// Select a character, or none.
     SelectCharacter(Option<usize>),

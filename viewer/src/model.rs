@@ -1,7 +1,9 @@
 //! All that the viewer knows: what is open, what is shown of it, what was said of it.
 
+pub mod world;
+
 use crate::command::{Command, Stage};
-use crate::document::{Bundle, BundleDocument, Document, Loader, Opened, SceneFile, Stamp, Watch};
+use crate::document::{Bundle, BundleDocument, Document, Loader, Opened, SceneFile, Stamp, Watch, WorldDocument};
 use crate::panels::{Dock, PanelKind};
 use crate::render::Camera;
 use crate::run::Run;
@@ -9,12 +11,13 @@ use crate::settings::Settings;
 use eframe::egui;
 use glam::Vec3;
 use std::path::{Path, PathBuf};
+use throng_runtime::world::inhabitants::InhabitantsError;
 
 /// Time that news stay on the screen; errors stay until they are taken away. [Unit: s]
 const NEWS_S: f64 = 6.0;
 
 /// What is looked at.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Selection {
     /// Character of the run.
     pub character: Option<usize>,
@@ -26,6 +29,8 @@ pub struct Selection {
     pub slice: u32,
     /// Clip of the database.
     pub clip: usize,
+    /// What is looked at in a world.
+    pub world: world::WorldLook,
 }
 
 /// The play head of a clip.
@@ -130,6 +135,7 @@ impl Model {
         match &self.document {
             Document::Nothing => false,
             Document::Bundle(b) => self.stage == Stage::Clip || b.run.is_err(),
+            Document::World(_) => self.stage == Stage::Clip,
             Document::Clip(_) => true,
         }
     }
@@ -137,11 +143,11 @@ impl Model {
     /// Frames and rate of the clip that is shown. [Unit: frames, Hz]
     pub fn shown_clip(&self) -> Option<(u32, f32)> {
         match &self.document {
-            Document::Nothing => None,
-            Document::Bundle(b) => {
-                Some((b.bundle.tables().clips().get(self.selection.clip)?.num_frames, b.bundle.rate_hz()))
-            }
             Document::Clip(c) => Some((c.imported.clip.num_frames as u32, c.imported.clip.rate_hz as f32)),
+            document => {
+                let bundle = document.bundle()?;
+                Some((bundle.tables().clips().get(self.selection.clip)?.num_frames, bundle.rate_hz()))
+            }
         }
     }
 
@@ -162,7 +168,17 @@ impl Model {
 
     /// True where something moves by itself, so that the next frame has to be shown soon.
     pub fn is_playing(&self) -> bool {
-        if self.shows_clip() { self.player.playing } else { self.document.crowd().is_some_and(|c| c.1.is_playing()) }
+        if self.shows_clip() {
+            return self.player.playing;
+        }
+        let in_world = self.document.world().is_some_and(|w| w.run().is_playing());
+        in_world || self.document.crowd().is_some_and(|c| c.1.is_playing())
+    }
+
+    /// Number of characters of the crowd or the world.
+    pub fn num_characters(&self) -> usize {
+        let in_world = self.document.world().map(|w| w.run().num_characters());
+        in_world.or_else(|| Some(self.document.crowd()?.1.config().characters)).unwrap_or(0)
     }
 
     /// Says something.
@@ -198,6 +214,14 @@ impl Model {
                 Err(e) => {
                     run.play(false);
                     self.complain(format!("The run stopped: {e}"));
+                }
+            }
+        } else if let Some(world) = self.document.world_mut() {
+            match world.advance(wall_s) {
+                Ok(steps) => self.times.steps = steps,
+                Err(e) => {
+                    world.run_mut().play(false);
+                    self.complain(format!("The world stopped: {e}"));
                 }
             }
         }
@@ -265,6 +289,13 @@ impl Model {
             Opened::Clip(clip) => Document::Clip(clip),
             Opened::Bundle(bundle) => self.with_run(*bundle, None, is_reload),
             Opened::Scene(scene, bundle) => self.with_run(*bundle, Some(*scene), is_reload),
+            Opened::World(mut world) => {
+                let old = self.document.world().filter(|_| is_reload).map(|w| (w.run().is_playing(), w.run().speed()));
+                let (playing, speed) = old.unwrap_or((true, 1.0));
+                world.run_mut().play(playing);
+                world.run_mut().set_speed(speed);
+                Document::World(world)
+            }
         };
         if let Some(why) = self.document.scene_fault().map(str::to_owned) {
             self.complain(why);
@@ -283,6 +314,9 @@ impl Model {
         self.selection.clip = self.selection.clip.min(clips.saturating_sub(1));
         self.selection.policy = self.selection.policy.min(policies.saturating_sub(1));
         self.selection.state = None;
+        self.selection.world = world::WorldLook { tool: self.selection.world.tool, ..Default::default() };
+        let n = self.num_characters();
+        self.selection.character = self.selection.character.filter(|&c| c < n);
     }
 
     /// A bundle with a crowd or its scene.
@@ -309,6 +343,14 @@ impl Model {
             self.panel_of_bundles = side.replace(PanelKind::Report);
         } else if !is_clip && *side == Some(PanelKind::Report) {
             *side = self.panel_of_bundles.take().or(*side);
+        }
+        // What moves a crowd is in one panel, what moves those who live in a world in another.
+        let (here, elsewhere) = match self.document {
+            Document::World(_) => (PanelKind::Patches, PanelKind::Control),
+            _ => (PanelKind::Control, PanelKind::Patches),
+        };
+        if *side == Some(elsewhere) {
+            *side = Some(here);
         }
     }
 
@@ -370,8 +412,11 @@ impl Model {
                     self.weights = run.weights().to_vec();
                 }
             }
+            Command::World(command) => self.apply_to_world(command),
             Command::SelectCharacter(c) => {
-                let n = self.document.crowd().map_or(0, |c| c.1.config().characters);
+                let n = self.num_characters();
+                self.selection.world.place = None;
+                (self.selection.world.instance, self.selection.world.link) = (None, None);
                 self.selection.character = c.filter(|&c| c < n);
                 self.selection.state = None;
             }
@@ -389,6 +434,12 @@ impl Model {
 
     fn move_time(&mut self, command: &Command) {
         let shows_clip = self.shows_clip();
+        if let Some(world) = self.document.world_mut().filter(|_| !shows_clip) {
+            if let Err(e) = move_world_time(world, command) {
+                self.complain(format!("The world stopped: {e}"));
+            }
+            return;
+        }
         let result = match self.document.crowd_mut().filter(|_| !shows_clip) {
             Some((bundle, run)) => match command {
                 Command::Play(on) => {
@@ -424,6 +475,10 @@ impl Model {
 
     /// Starts the run anew.
     fn restart(&mut self) {
+        if let Some(world) = self.document.world() {
+            let (characters, seed) = (world.scene().characters, world.scene().seed);
+            return self.populate(characters, seed);
+        }
         let Document::Bundle(b) = &mut self.document else { return };
         let old = b.run.as_ref().map_or((false, 1.0), |r| (r.is_playing(), r.speed()));
         let run = match &b.scene {
@@ -448,7 +503,8 @@ impl Model {
 
     /// Every stage keeps a camera of its own, and whom it went with.
     fn set_stage(&mut self, stage: Stage) {
-        if self.document.crowd().is_none() || std::mem::replace(&mut self.stage, stage) == stage {
+        let has_run = self.document.crowd().is_some() || self.document.world().is_some();
+        if !has_run || std::mem::replace(&mut self.stage, stage) == stage {
             return;
         }
         let left = (self.settings.camera, self.followed);
@@ -474,6 +530,20 @@ impl Model {
         self.settings.camera.frame_box(low, high, aspect);
         self.followed = crate::stage::followed(self).map(|at| (self.who_is_followed(), at));
     }
+}
+
+/// Plays, stops, and moves through what is kept of a world.
+fn move_world_time(world: &mut WorldDocument, command: &Command) -> Result<(), InhabitantsError> {
+    let now = world.run().now();
+    match command {
+        Command::Play(on) => world.run_mut().play(*on),
+        Command::Speed(speed) => world.run_mut().set_speed(*speed),
+        Command::Seek(step) => world.run_mut().seek(*step),
+        Command::Step(by) if *by > 0 && world.run().is_live() => return (0..*by).try_for_each(|_| world.step()),
+        Command::Step(by) => world.run_mut().seek(now.saturating_add_signed(*by)),
+        _ => {}
+    }
+    Ok(())
 }
 
 /// A run that plays, or not, at a speed.

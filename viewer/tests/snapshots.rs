@@ -6,6 +6,7 @@
 mod common;
 
 use common::boxing::Boxing;
+use common::square::Square;
 use common::{Viewing, adapter, bvh, golden};
 use eframe::egui::{self, Rect, vec2};
 use egui_kittest::kittest::Queryable;
@@ -54,7 +55,11 @@ fn at_rest(args: &Args, size: egui::Vec2) -> Viewing {
 /// The same, of one that has been opened.
 fn rest(mut v: Viewing) -> Viewing {
     if !v.model().shows_clip() {
-        v.until("the step", |v| v.model().document.crowd().is_some_and(|c| c.1.now() >= STEP));
+        let now = |v: &Viewing| {
+            let document = &v.model().document;
+            document.crowd().map(|c| c.1.now()).or_else(|| Some(document.world()?.run().now()))
+        };
+        v.until("the step", |v| now(v).is_some_and(|step| step >= STEP));
         v.apply(Command::Seek(STEP));
     }
     v.apply(Command::Play(false));
@@ -127,6 +132,23 @@ fn every_panel() {
         let name = panel.title.to_lowercase().replace(' ', "_");
         compare(&mut results, v, &format!("panel_{name}"));
     }
+}
+
+#[test]
+fn world() {
+    if !can_compare() {
+        return;
+    }
+    let mut results = SnapshotResults::new();
+    let square = Square::new();
+    let panel = vec![PanelChoice::Open(PanelKind::Patches)];
+    let args = Args { file: Some(square.world(3)), panel, characters: Some(3), ..crowd() };
+    let args = Args { character: Some(Character(Some(1))), ..args };
+    let mut v = at_rest(&args, vec2(1000.0, 640.0));
+    // The name of the folder is another one every time.
+    let field = v.harness.get_by_label("Save").rect();
+    v.harness.mask(Rect::from_min_size(field.right_top(), vec2(500.0, field.height() + 4.0)));
+    compare(&mut results, v, "panel_patches_world");
 }
 
 #[test]

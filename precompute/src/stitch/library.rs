@@ -106,7 +106,7 @@ impl Library<'_> {
     /// Root of every frame of a link in its patch's frame: y is the height of the clip's ground there.
     ///
     /// [Size: num_frames + 1]
-    pub(super) fn link_roots<'s>(&'s self, link: &LinkRecord) -> impl Iterator<Item = Placement> + use<'s> {
+    pub fn link_roots<'s>(&'s self, link: &LinkRecord) -> impl Iterator<Item = Placement> + use<'s> {
         let (link, n) = (*link, f32::from(link.num_frames));
         let planar = move |k: u32| {
             let [x, z, heading] = self.frames[(link.frame + k) as usize].planar;

@@ -2,14 +2,14 @@
 
 use super::{Editor, Library, StitchConfig, StitchReport};
 use crate::config::{explain, read_text};
-use crate::environment::{Environment, EnvironmentFile, Place, UnitGeometry, UnitSet, geometries};
+use crate::environment::{Environment, EnvironmentFile, Place, PlacedUnit, UnitGeometry, UnitSet, geometries};
 use crate::error::BuildError;
 use crate::files::write_atomically;
 use crate::progress::Progress;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
+use std::path::{Component, Path, PathBuf};
 use std::sync::Arc;
 use throng_runtime::Tables;
 use throng_runtime::world::WorldData;
@@ -19,7 +19,7 @@ use throng_runtime::world::WorldData;
 #[serde(deny_unknown_fields)]
 pub struct WorldSource {
     /// Its name; the file's stem where absent.
-    #[serde(default)]
+    #[serde(default, skip_serializing_if = "String::is_empty")]
     pub name: String,
     /// Bundle whose patches it is made of, relative to this file's folder.
     pub bundle: PathBuf,
@@ -66,6 +66,40 @@ impl WorldSource {
         self.bundle.with_file_name(format!("{}.world", self.name))
     }
 
+    /// The same world with what stands in an environment, unit by unit.
+    ///
+    /// - `units`: the bundle's.
+    pub fn with_environment(&self, environment: &Environment, units: &UnitSet) -> Self {
+        let place = |p: &PlacedUnit| Place {
+            unit: units.units[p.unit].name.clone(),
+            at: p.placement.translation().to_array(),
+            heading_deg: p.placement.wrapped().heading.to_degrees(),
+            repeat: [1; 3],
+            step: [[0.0; 3]; 3],
+        };
+        let place = environment.units.iter().map(place).collect();
+        Self { prefabs: BTreeMap::new(), place, ..self.clone() }
+    }
+
+    /// Writes a world file, which takes its place only when it is whole. Its name is that of the file; the bundle and
+    /// its config are named relative to the file's folder.
+    ///
+    /// # Errors
+    /// [`BuildError::Io`] where it cannot be written, [`BuildError::Stage`] for numbers that TOML cannot hold.
+    pub fn save(&self, path: &Path) -> Result<(), BuildError> {
+        let io = |source| BuildError::Io { path: path.to_path_buf(), source };
+        let folder = std::path::absolute(path.parent().unwrap_or(Path::new(""))).map_err(io)?;
+        let beside = |p: &Path| std::path::absolute(p).map(|p| relative(&p, &folder)).map_err(io);
+        let config = self.config.as_deref().map(beside).transpose()?;
+        let saved = Self { name: String::new(), bundle: beside(&self.bundle)?, config, ..self.clone() };
+        let text = toml::to_string(&saved).map_err(|e| BuildError::Stage {
+            stage: "stitch",
+            message: format!("world {} cannot be written as TOML: {e}", self.name),
+            help: "Give every unit a finite place".into(),
+        })?;
+        write_atomically(path, |w| w.write_all(text.as_bytes()))
+    }
+
     /// What stands where.
     ///
     /// - `units`: the bundle's.
@@ -82,6 +116,28 @@ impl WorldSource {
         };
         file.expand(units, path)
     }
+}
+
+/// A path as seen from a folder; both are absolute. Other drives have no such path.
+fn relative(path: &Path, folder: &Path) -> PathBuf {
+    let (path, folder) = (plain(path), plain(folder));
+    let shared = path.components().zip(folder.components()).take_while(|(a, b)| a == b).count();
+    if shared == 0 {
+        return path;
+    }
+    let up = folder.components().skip(shared).map(|_| Component::ParentDir);
+    up.chain(path.components().skip(shared)).collect()
+}
+
+/// An absolute path without `..`.
+fn plain(path: &Path) -> PathBuf {
+    path.components().fold(PathBuf::new(), |mut plain, c| {
+        match c {
+            Component::ParentDir => _ = plain.pop(),
+            c => plain.push(c),
+        }
+        plain
+    })
 }
 
 /// What a bundle's patches need to be stitched, decoded once.
@@ -175,6 +231,31 @@ mod tests {
         let world = load("bundle = \"../b.throng\"\n[[place]]\nunit = \"ground\"\nat = [0, 0, 0]\n").unwrap();
         assert_eq!(world.name, "square");
         assert!(world.stitched_path().ends_with("../square.world"), "{}", world.stitched_path().display());
+    }
+
+    #[test]
+    fn a_world_that_is_saved_elsewhere_is_the_same_unit_by_unit() {
+        let folder = tempfile::tempdir().unwrap();
+        let (a, b) = (folder.path().join("a.toml"), folder.path().join("more/b.toml"));
+        std::fs::create_dir(folder.path().join("more")).unwrap();
+        let text = "bundle = \"b.throng\"\nconfig = \"c.toml\"\n[stitch]\nobstacles = [\"wall\"]\n\
+                    [[prefabs.pair]]\nunit = \"wall\"\nat = [0.1, 0, 2]\nrepeat = [2, 1, 1]\n\
+                    step = [[3, 0, 0], [0, 0, 0], [0, 0, 0]]\n\
+                    [[place]]\nunit = \"pair\"\nat = [1, 0, 0.7]\nheading_deg = 30\n";
+        std::fs::write(&a, text).unwrap();
+        let units = UnitSet::parse("[[units]]\nname = \"wall\"\n", Path::new("u.toml")).unwrap();
+        let source = WorldSource::load(&a).unwrap();
+        let before = source.environment(&units, &a).unwrap();
+        source.with_environment(&before, &units).save(&b).unwrap();
+        let saved = WorldSource::load(&b).unwrap();
+        assert_eq!((saved.name.as_str(), saved.place.len(), &saved.stitch), ("b", 2, &source.stitch));
+        assert_eq!(plain(&saved.bundle), folder.path().join("b.throng"));
+        assert!(saved.bundle.ends_with("../b.throng") && saved.config.is_some_and(|c| c.ends_with("../c.toml")));
+        let saved = WorldSource::load(&b).unwrap();
+        let after = saved.environment(&units, &b).unwrap();
+        for (a, b) in before.units.iter().zip(&after.units) {
+            assert!(a.placement.to_local(b.placement).wrapped().is_moderate(1e-4), "{a:?} {b:?}");
+        }
     }
 
     #[test]

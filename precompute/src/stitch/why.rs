@@ -40,14 +40,25 @@ pub struct Collision {
 }
 
 impl Editor<'_> {
+    /// In a word why a cell or a link of an instance is taken out; none where it is left.
+    ///
+    /// [Limit: instance < number of instances, the item within its patch]
+    pub fn reason(&self, instance: u32, item: Item) -> Option<Reason> {
+        let judged = Judged { joined: &self.joined, standing: &self.standing };
+        match item {
+            Item::Cell(c) => judged.cell(instance, c),
+            Item::Link(l) => judged.link(instance, l),
+        }
+    }
+
     /// Why a cell or a link of an instance is taken out; none where it is left.
     ///
     /// [Limit: instance < number of instances, the item within its patch]
     pub fn why(&self, instance: u32, item: Item) -> Option<Why> {
-        let judged = Judged { joined: &self.joined, standing: &self.standing };
-        let (reason, what) = match item {
-            Item::Cell(c) => (judged.cell(instance, c)?, format!("cell {c}")),
-            Item::Link(l) => (judged.link(instance, l)?, format!("link {l}")),
+        let reason = self.reason(instance, item)?;
+        let what = match item {
+            Item::Cell(c) => format!("cell {c}"),
+            Item::Link(l) => format!("link {l}"),
         };
         let collision = match (reason, item) {
             (Reason::Obstacle, Item::Link(l)) => self.collision(instance, l),

@@ -25,17 +25,19 @@ Examples:
   throng-viewer walk.throng
   throng-viewer clip.bvh
   throng-viewer data/scenes/boxing-pair.toml
+  throng-viewer data/worlds/logo.toml
   throng-viewer walk.throng --png crowd.png --characters 1000 --panel none --camera yaw=30,pitch=20,distance=25
   throng-viewer walk.throng --bench 1000,10000 --json";
 
-/// Shows what is baked, and lets it be tried: bundles (*.throng), scenes (*.toml) and motion files (*.bvh, *.amc).
+/// Shows what is baked, and lets it be tried: bundles (*.throng), scenes and worlds (*.toml) and
+/// motion files (*.bvh, *.amc).
 ///
 /// Opens a window, in which H lists the keys. With --png or --bench it needs no screen.
 #[derive(clap::Parser, Clone, Debug, Default)]
 #[command(name = "throng-viewer", version, after_help = AFTER_HELP)]
 #[command(group(clap::ArgGroup::new("screenless").args(["png", "bench"])))]
 pub struct Args {
-    /// Bundle, scene or motion file.
+    /// Bundle, scene, world of motion patches or motion file.
     pub file: Option<PathBuf>,
 
     /// Draw a picture instead of opening a window.
@@ -102,7 +104,7 @@ pub struct Args {
     /// Select a character, counted from 0, or `none`.
     #[arg(long, value_name = "N", requires = "file")]
     pub character: Option<Character>,
-    /// Number of characters of the crowd or scene.
+    /// Number of characters of the crowd, scene or world.
     #[arg(long, value_name = "N", value_parser = parse::characters)]
     pub characters: Option<usize>,
     /// Seed of places, targets and choices.

@@ -4,6 +4,7 @@ use super::{Args, PanelChoice};
 use crate::command::{Command, Stage};
 use crate::document::Document;
 use crate::model::Model;
+use crate::model::world::WorldCommand;
 use crate::panels::Dock;
 use crate::settings::Settings;
 use eframe::egui;
@@ -82,6 +83,14 @@ impl Args {
 
     /// Gives a scene another number of characters and another seed.
     fn change_scene(&self, ctx: &egui::Context, model: &mut Model) -> Result<(), String> {
+        if let Some(world) = model.document.world() {
+            let (old, more) = (world.scene(), self.characters.is_some() || self.seed.is_some());
+            let (characters, seed) = (self.characters.unwrap_or(old.characters), self.seed.unwrap_or(old.seed));
+            if more {
+                model.apply(ctx, Command::World(WorldCommand::Populate { characters, seed }));
+            }
+            return Ok(());
+        }
         let Some(file) = model.document.scene() else { return Ok(()) };
         let mut scene = file.scene.clone();
         scene.seed = self.seed.unwrap_or(scene.seed);
@@ -156,10 +165,10 @@ fn show_frame(ctx: &egui::Context, model: &mut Model, frame: u32) -> Result<(), 
 }
 
 fn check_character(model: &Model, wanted: usize) -> Result<(), String> {
-    let Some((_, run)) = model.document.crowd() else {
+    let n = model.num_characters();
+    if n == 0 {
         return Err(format!("--character {wanted}: there is no crowd to select from"));
-    };
-    let n = run.config().characters;
+    }
     if wanted < n {
         return Ok(());
     }

@@ -1,6 +1,6 @@
 //! Opens files away from the window's thread.
 
-use super::{Bundle, RawMotion, SceneFile, Stamp};
+use super::{Bundle, RawMotion, SceneFile, Stamp, WorldDocument};
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
 use throng_precompute::scene::Scene;
@@ -14,10 +14,12 @@ pub enum Opened {
     Scene(Box<SceneFile>, Box<Bundle>),
     /// A motion file.
     Clip(Box<RawMotion>),
+    /// A world of motion patches, or a scene in one.
+    World(Box<WorldDocument>),
 }
 
 impl Opened {
-    /// Reads a file: `.bvh` and `.amc` as motion, `.toml` as a scene, anything else as a bundle.
+    /// Reads a file: `.bvh` and `.amc` as motion, `.toml` as a scene or a world, anything else as a bundle.
     ///
     /// # Errors
     /// A message that names the file, what is wrong with it and the way out.
@@ -25,6 +27,7 @@ impl Opened {
         let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase());
         match extension.as_deref() {
             Some("bvh" | "amc") => Ok(Self::Clip(Box::new(RawMotion::open(path)?))),
+            _ if WorldDocument::is_one(path) => Ok(Self::World(Box::new(WorldDocument::open(path)?))),
             _ if Scene::is_scene(path) => {
                 let (scene, bundle) = SceneFile::open(path)?;
                 Ok(Self::Scene(Box::new(scene), Box::new(bundle)))
@@ -37,6 +40,7 @@ impl Opened {
     pub fn more_files(&self) -> Option<&Path> {
         match self {
             Self::Scene(_, bundle) => Some(bundle.path()),
+            Self::World(world) => Some(world.bundle().path()),
             _ => None,
         }
     }

@@ -1,16 +1,18 @@
-//! What is open: nothing, a bundle, a scene on a bundle, or a raw motion file.
+//! What is open: nothing, a bundle, a scene on a bundle, a world of motion patches, or a raw motion file.
 
 mod bundle;
 mod clip;
 mod load;
 mod scene;
 mod watch;
+pub mod world;
 
 pub use bundle::Bundle;
 pub use clip::RawMotion;
 pub use load::{Loader, Opened};
 pub use scene::SceneFile;
 pub use watch::{Stamp, Watch};
+pub use world::WorldDocument;
 
 use crate::run::Run;
 use std::path::{Path, PathBuf};
@@ -25,6 +27,8 @@ pub enum Document {
     Bundle(Box<BundleDocument>),
     /// A motion file as it is, and as a build would use it.
     Clip(Box<RawMotion>),
+    /// A world of motion patches, and who lives there.
+    World(Box<WorldDocument>),
 }
 
 /// A bundle and the crowd or the scene that runs on it.
@@ -45,6 +49,7 @@ impl Document {
             Self::Nothing => None,
             Self::Bundle(b) => Some(b.scene.as_ref().map_or(b.bundle.path(), |s| &s.path)),
             Self::Clip(c) => Some(c.path()),
+            Self::World(w) => Some(w.path()),
         }
     }
 
@@ -52,6 +57,7 @@ impl Document {
     pub fn files(&self) -> Vec<PathBuf> {
         let scene_bundle = match self {
             Self::Bundle(b) if b.scene.is_some() => Some(b.bundle.path()),
+            Self::World(w) => Some(w.bundle().path()),
             _ => None,
         };
         self.path().into_iter().chain(scene_bundle).map(Path::to_path_buf).collect()
@@ -77,6 +83,7 @@ impl Document {
     pub fn bundle(&self) -> Option<&Bundle> {
         match self {
             Self::Bundle(b) => Some(&b.bundle),
+            Self::World(w) => Some(w.bundle()),
             _ => None,
         }
     }
@@ -93,6 +100,22 @@ impl Document {
     pub fn crowd_mut(&mut self) -> Option<(&Bundle, &mut Run)> {
         match self {
             Self::Bundle(b) => Some((&b.bundle, b.run.as_mut().ok()?)),
+            _ => None,
+        }
+    }
+
+    /// The world, where one is open.
+    pub fn world(&self) -> Option<&WorldDocument> {
+        match self {
+            Self::World(w) => Some(w),
+            _ => None,
+        }
+    }
+
+    /// The same, to be changed.
+    pub fn world_mut(&mut self) -> Option<&mut WorldDocument> {
+        match self {
+            Self::World(w) => Some(w),
             _ => None,
         }
     }

@@ -4,6 +4,7 @@ use super::{FrameFigures, Headless, HeadlessError};
 use crate::args::{Args, BENCH_FRAMES, Size};
 use crate::command::Command;
 use crate::model::Model;
+use crate::model::world::WorldCommand;
 use crate::run::RunConfig;
 use serde::Serialize;
 use std::fmt;
@@ -56,6 +57,9 @@ impl fmt::Display for BenchReport {
 
 /// Another number of characters, rounded up to pairs where a scene has those.
 fn with_characters(model: &Model, characters: usize) -> Command {
+    if let Some(world) = model.document.world() {
+        return Command::World(WorldCommand::Populate { characters, seed: world.scene().seed });
+    }
     let Some(file) = model.document.scene() else {
         return Command::Configure(RunConfig { characters, ..model.settings.run });
     };
@@ -70,7 +74,7 @@ fn with_characters(model: &Model, characters: usize) -> Command {
 /// [`HeadlessError`]
 pub fn bench(args: &Args) -> Result<BenchReport, HeadlessError> {
     let mut headless = Headless::new(args)?;
-    if headless.viewer().model.document.crowd().is_none() {
+    if headless.viewer().model.num_characters() == 0 {
         let why = "--bench: there is no crowd to measure; open a bundle that was built with `behaviours`";
         return Err(HeadlessError::Scene(why.into()));
     }

@@ -94,8 +94,7 @@ fn share(sorted: &[f64], share: f64) -> f64 {
 
 /// Characters of the crowd that is shown; 0 where a clip is shown.
 pub(super) fn num_characters(viewer: &Viewer) -> usize {
-    let crowd = viewer.model.document.crowd().filter(|_| !viewer.model.shows_clip());
-    crowd.map_or(0, |c| c.1.config().characters)
+    if viewer.model.shows_clip() { 0 } else { viewer.model.num_characters() }
 }
 
 #[cfg(test)]

@@ -97,10 +97,12 @@ pub const SHORTCUTS: &[Shortcut] = &[
 const WIDTH: f32 = 860.0;
 
 /// What the mouse does in the 3-D view.
-const MOUSE: [(&str, &str); 8] = [
-    ("click", "select a character"),
+const MOUSE: [(&str, &str); 10] = [
+    ("click", "select a character, or a unit of a world"),
     ("drag a target", "move it; with Shift, everybody's"),
     ("Ctrl + click the ground", "put the selected character's target there"),
+    ("drag a unit", "move it, where Patches says Move"),
+    ("Q, E, Delete", "turn or remove it"),
     ("drag", "turn the camera"),
     ("middle or Shift + drag", "move the camera"),
     ("right drag, scroll", "nearer and farther"),

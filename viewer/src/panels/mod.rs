@@ -11,6 +11,7 @@ pub mod keys;
 
 pub mod messages;
 pub mod paint;
+pub mod patches;
 pub mod policy;
 pub mod report;
 pub mod statistics;
@@ -41,6 +42,8 @@ pub enum PanelKind {
     Policy,
     /// Effective hits.
     Hits,
+    /// Worlds of motion patches.
+    Patches,
 }
 
 /// Where a panel lies.
@@ -127,6 +130,14 @@ pub const PANELS: &[Panel] = &[
         key: Key::F7,
         show: |ui, model, states, commands| hits::show(ui, model, &mut states.hits, commands),
     },
+    Panel {
+        kind: PanelKind::Patches,
+        title: "Patches",
+        purpose: "worlds of motion patches: what a patch has left, ways, wishes, and units that are moved",
+        dock: Dock::Side,
+        key: Key::F8,
+        show: |ui, model, states, commands| patches::show(ui, model, &mut states.patches, commands),
+    },
 ];
 
 /// What panels remember of how they look.
@@ -152,6 +163,8 @@ pub struct PanelStates {
     pub report: report::State,
     /// Effective hits.
     pub hits: hits::State,
+    /// Worlds of motion patches.
+    pub patches: patches::State,
 }
 
 impl PanelKind {

@@ -4,6 +4,10 @@
 #[path = "../../tests/common/boxing.rs"]
 pub(crate) mod boxing;
 
+#[allow(dead_code, reason = "tests in files of their own use more of it")]
+#[path = "../../tests/common/square.rs"]
+pub(crate) mod square;
+
 use crate::command::Command;
 use crate::document::Bundle;
 use crate::model::Model;

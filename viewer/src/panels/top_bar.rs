@@ -40,6 +40,12 @@ fn title(model: &Model) -> String {
             let (clips, states) = (t.clips().len(), t.graph().states.len());
             format!("{name} · {clips} clips · {states} states · {} actions", t.graph().action_segments.len())
         }
+        Document::World(w) => {
+            let name = w.path().file_name().unwrap_or_default().to_string_lossy();
+            let (units, instances) = (w.placed().len(), w.graph().num_instances());
+            let edits = if w.revision() > 0 { " · edited" } else { "" };
+            format!("{name} · {units} units · {instances} patches · {} characters{edits}", w.run().num_characters())
+        }
         Document::Clip(c) => {
             let name = c.path().file_name().unwrap_or_default().to_string_lossy();
             format!("{name} · {} joints · {:.1} s at {} Hz", c.report.joints, c.duration_s(), c.report.rate_hz)
@@ -154,6 +160,7 @@ fn panels(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
 fn stages(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     let shown = if model.shows_clip() { Stage::Clip } else { Stage::Crowd };
     let run = match model.document.scene() {
+        _ if model.document.world().is_some() => (Stage::Crowd, "World", "Who lives in the world"),
         Some(_) => (Stage::Crowd, "Scene", "The run of the scene"),
         None => (Stage::Crowd, "Crowd", "The run of a crowd"),
     };

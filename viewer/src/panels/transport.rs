@@ -23,6 +23,19 @@ fn time_of(model: &Model) -> Option<Time> {
         let (now, last) = (p.frame as u32, num_frames.saturating_sub(1));
         return Some(Time { playing: p.playing, speed: p.speed, now, first: 0, last, rate_hz, live: false });
     }
+    if let Some(world) = model.document.world() {
+        let run = world.run();
+        let recorded = run.recorded();
+        return Some(Time {
+            playing: run.is_playing(),
+            speed: run.speed(),
+            now: run.now(),
+            first: *recorded.start(),
+            last: *recorded.end(),
+            rate_hz: STEP_HZ,
+            live: run.is_live(),
+        });
+    }
     let (_, run) = model.document.crowd()?;
     let recorded = run.recorded();
     Some(Time {

@@ -1,5 +1,7 @@
 //! The 3-D view: camera, selection, and targets that are dragged.
 
+pub mod world;
+
 use super::{messages, words};
 use crate::command::Command;
 use crate::document::Document;
@@ -26,6 +28,10 @@ const NEAR_CELL: f32 = 7.0;
 pub struct State {
     /// Whose target is dragged; everybody's where it names nobody.
     dragged: Option<Option<usize>>,
+    /// A unit of a world that is dragged.
+    dragged_unit: Option<world::Dragged>,
+    /// Heading of the unit that a click would place. [Unit: rad]
+    heading: f32,
     /// Width over height.
     pub aspect: f32,
 }
@@ -58,7 +64,7 @@ pub fn show(
         Err(why) => note(ui, rect.center(), &why, ui.visuals().error_fg_color),
     }
     if matches!(model.document, Document::Nothing) && model.loading().is_none() {
-        let text = "Drop a bundle (.throng), a scene (.toml) or a motion file (.bvh, .amc) here\nor open one with File > Open (Ctrl+O)";
+        let text = "Drop a bundle (.throng), a scene or a world (.toml) or a motion file (.bvh, .amc) here\nor open one with File > Open (Ctrl+O)";
         note(ui, rect.center(), text, ui.visuals().text_color());
     }
     drag(ui, &response, model, state, commands);
@@ -85,6 +91,14 @@ fn within(rect: Rect, at: Pos2) -> Vec2 {
 fn drag(ui: &Ui, response: &Response, model: &Model, state: &mut State, commands: &mut Vec<Command>) {
     let rect = response.rect;
     let shift = ui.input(|i| i.modifiers.shift);
+    let ray = |at: Pos2| model.settings.camera.ray(within(rect, at), size(rect));
+    let was_dragged = state.dragged_unit.is_some();
+    let drags_unit = world::drag(ui, response, model, ray, &mut state.dragged_unit, commands);
+    world::keys(ui, model, was_dragged, commands);
+    world::hover(ui, model, response.hover_pos().map(ray), &mut state.heading, commands);
+    if drags_unit {
+        return;
+    }
     let crowd = model.document.crowd().filter(|_| !model.shows_clip());
     if response.drag_started_by(PointerButton::Primary)
         && let (Some((_, run)), Some(at)) = (crowd, ui.input(|i| i.pointer.press_origin()))
@@ -188,10 +202,13 @@ fn click(ui: &Ui, response: &Response, model: &Model, layout: &Layout, commands:
         }
         return;
     }
-    let Some((_, run)) = model.document.crowd().filter(|_| !model.shows_clip()) else { return };
     if !response.clicked() {
         return;
     }
+    if let Some(world) = model.shown_world() {
+        return world::click(ui, model, world, layout, &ray, commands);
+    }
+    let Some((_, run)) = model.document.crowd().filter(|_| !model.shows_clip()) else { return };
     let everybody = run.config().targets == TargetMode::Shared;
     if ui.input(|i| i.modifiers.command) && run.has_movable_targets() {
         let who = if everybody { Some(None) } else { model.selection.character.map(Some) };
@@ -248,6 +265,13 @@ fn describe(model: &Model) -> Option<String> {
         let row = model.shown_row()?;
         let first = bundle.tables().clips().get(model.selection.clip)?.first_frame;
         return Some(format!("{}  frame {}", bundle.clip_name(model.selection.clip), row - first));
+    }
+    if let Some(world) = model.document.world() {
+        let c = model.selection.character?;
+        let mind = world.run().moment().minds.get(c)?;
+        let tags = &world.bundle().tables().meta().link_tags;
+        let patch = world.patch_name(mind.node.instance);
+        return Some(format!("character {c} · {} · {} · on {patch}", words::doing(mind), words::wish(mind.wish, tags)));
     }
     let (bundle, run) = model.document.crowd()?;
     let c = model.selection.character.filter(|&c| c < run.troupe().num_characters())?;

@@ -2,6 +2,7 @@
 
 use glam::Vec2;
 use throng_runtime::Planar;
+use throng_runtime::world::inhabitants::{Doing, Status, Wish};
 
 /// Turns smaller than this are not worth a word. [Unit: degrees]
 const STRAIGHT_DEG: f32 = 3.0;
@@ -69,6 +70,36 @@ pub fn number(v: f32) -> String {
 
 fn side(degrees: f32) -> &'static str {
     if degrees > 0.0 { "left" } else { "right" }
+}
+
+/// What an inhabitant of a world is about, and how long it has waited.
+pub fn doing(mind: &Status) -> String {
+    let word = match mind.doing {
+        Doing::Roaming => "roams",
+        Doing::Planning => "looks for a way",
+        Doing::Walking => "on its way",
+        Doing::Waiting => return format!("has waited {:.1} s for others", mind.waited_s),
+        Doing::Detour => "goes out of others' way",
+        Doing::Performing => "does it",
+        Doing::Arrived => "is there",
+        Doing::Unreachable => "finds no way",
+    };
+    word.to_owned()
+}
+
+/// What an inhabitant is to do.
+///
+/// - `tags`: names of what motion shows, as the bundle has them.
+pub fn wish(wish: Wish, tags: &[String]) -> String {
+    match wish {
+        Wish::Roam => "roam".to_owned(),
+        Wish::GoTo { instance } => format!("go to patch {instance}"),
+        Wish::GoToPlace { place } => format!("go to {:.1}, {:.1}, {:.1} m", place.x, place.y, place.z),
+        Wish::Perform { tag, seconds } => {
+            let name = tags.get(usize::from(tag).wrapping_sub(1)).map_or("something", String::as_str);
+            format!("{name} for {seconds:.0} s")
+        }
+    }
 }
 
 #[cfg(test)]

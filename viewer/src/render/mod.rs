@@ -19,6 +19,8 @@ mod renderer;
 mod scene_uniform;
 mod shape_draws;
 mod shapes;
+mod solid_draws;
+mod solids;
 
 pub use callback::{DrawReport, SceneCallback};
 pub use camera::{Camera, CameraParseError, Preset, Ray};
@@ -30,3 +32,4 @@ pub use mesh::Body;
 pub use picking::{Hit, pick};
 pub use renderer::{DrawStats, SceneFrame, SceneRenderer, UploadStats};
 pub use shapes::Shapes;
+pub use solids::{SolidInstance, SolidMesh, Solids};

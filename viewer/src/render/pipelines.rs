@@ -22,11 +22,16 @@ const ROUND: [wgpu::VertexAttribute; 6] = wgpu::vertex_attr_array![
 const RING: [wgpu::VertexAttribute; 5] =
     wgpu::vertex_attr_array![0 => Float32x3, 1 => Float32, 2 => Float32, 3 => Uint32, 4 => Unorm8x4];
 
+const SOLID_CORNER: [wgpu::VertexAttribute; 2] = wgpu::vertex_attr_array![0 => Float32x3, 1 => Float32x3];
+const SOLID: [wgpu::VertexAttribute; 2] = wgpu::vertex_attr_array![2 => Float32x4, 3 => Unorm8x4];
+
 // Each attribute list above ends where its struct does.
 const _: () = assert!(size_of::<super::mesh::Vertex>() == 36);
 const _: () = assert!(size_of::<super::shapes::LineInstance>() == 36);
 const _: () = assert!(size_of::<super::shapes::RoundInstance>() == 40);
 const _: () = assert!(size_of::<super::shapes::RingInstance>() == 28);
+const _: () = assert!(size_of::<super::solids::SolidVertex>() == 24);
+const _: () = assert!(size_of::<super::solid_draws::GpuSolid>() == 20);
 
 /// The vertex buffers a pipeline reads.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -41,6 +46,8 @@ pub(super) enum Input {
     Rounds,
     /// One ring an instance.
     Rings,
+    /// The corners of a thing, and one an instance.
+    Solids,
 }
 
 impl Input {
@@ -56,6 +63,7 @@ impl Input {
             Self::Lines => vec![layout(&LINE, instance)],
             Self::Rounds => vec![layout(&ROUND_CORNER, vertex), layout(&ROUND, instance)],
             Self::Rings => vec![layout(&RING, instance)],
+            Self::Solids => vec![layout(&SOLID_CORNER, vertex), layout(&SOLID, instance)],
         }
     }
 }

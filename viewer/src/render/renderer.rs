@@ -6,7 +6,8 @@ use super::offscreen::{Offscreen, Targets};
 use super::pipelines::{self, Input, Output, Recipe};
 use super::scene_uniform::SceneUniform;
 use super::shape_draws::ShapeDraws;
-use super::{Camera, RenderError, SceneColours, Shapes};
+use super::solid_draws::SolidDraws;
+use super::{Camera, RenderError, SceneColours, Shapes, Solids};
 use throng_runtime::{Mat3x4, Skeleton};
 
 /// Storage buffers that the vertex stage reads.
@@ -25,6 +26,8 @@ pub struct SceneFrame<'a> {
     pub instances: &'a [CharacterInstance],
     /// What else there is.
     pub shapes: &'a Shapes,
+    /// What stands in the world.
+    pub solids: &'a Solids,
 }
 
 /// What an upload moved.
@@ -59,6 +62,7 @@ pub struct SceneRenderer {
     sky: wgpu::RenderPipeline,
     characters: Characters,
     shapes: ShapeDraws,
+    solids: SolidDraws,
     offscreen: Offscreen,
     skeleton: Skeleton,
     num_characters: usize,
@@ -102,6 +106,7 @@ impl SceneRenderer {
             sky: surface("sky", ["sky_vertex", "sky_fragment"], Output::BACKDROP, false),
             characters: Characters::new(device, &scene_layout),
             shapes: ShapeDraws::new(device, queue, &scene_layout)?,
+            solids: SolidDraws::new(device, &scene_layout, &offscreen.mask_layout),
             offscreen,
             device: device.clone(),
             queue: queue.clone(),
@@ -131,6 +136,7 @@ impl SceneRenderer {
         self.characters.set_body(device, queue, frame.body, frame.skeleton)?;
         let mut bytes = self.characters.upload(device, queue, frame.palette, frame.instances)?;
         bytes += self.shapes.upload(device, queue, frame.shapes)?;
+        bytes += self.solids.upload(device, queue, frame.solids)?;
         if self.skeleton != *frame.skeleton {
             self.skeleton = frame.skeleton.clone();
         }
@@ -157,10 +163,12 @@ impl SceneRenderer {
             pass.set_bind_group(0, &self.scene_group, &[]);
             triangles += self.characters.draw_solid(&mut pass, &lists);
             pass.set_bind_group(1, &targets.mask_group, &[]);
+            triangles += self.solids.draw_solid(&mut pass);
             pass.set_pipeline(&self.ground);
             pass.draw(0..4, 0..1);
             pass.set_pipeline(&self.sky);
             pass.draw(0..3, 0..1);
+            triangles += self.solids.draw_ghosts(&mut pass);
             triangles += self.shapes.draw_solids(&mut pass);
             triangles += self.characters.draw_ghosts(&mut pass, &lists);
             triangles += self.shapes.draw_flat(&mut pass);

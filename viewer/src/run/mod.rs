@@ -10,6 +10,7 @@ mod marks;
 mod recording;
 mod simulation;
 mod why;
+mod world;
 
 pub use cast::{About, RunGoal};
 pub use config::{MAX_CHARACTERS, MAX_TARGET_M, RunConfig, STEP_HZ, TargetMode};
@@ -18,6 +19,7 @@ pub use marks::{Mark, Met};
 pub use recording::{RECORDED_STEPS, TRAIL_EVERY};
 pub use simulation::Input;
 pub use why::{BehaviourScore, Candidate, Why};
+pub use world::{Moment, WorldRun};
 
 use crate::document::Bundle;
 use glam::{Vec2, Vec3};

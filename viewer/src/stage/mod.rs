@@ -6,10 +6,11 @@ mod crowd;
 mod cues;
 mod raw;
 mod values;
+pub mod world;
 
 use crate::document::Document;
 use crate::model::Model;
-use crate::render::{CharacterInstance, Rgba, SceneColours, Shapes};
+use crate::render::{CharacterInstance, Rgba, SceneColours, Shapes, Solids};
 use glam::Vec3;
 use throng_runtime::{Mat3x4, Skeleton};
 pub use values::ValueCell;
@@ -25,6 +26,8 @@ pub struct Layout {
     pub instances: Vec<CharacterInstance>,
     /// Everything that is not a body.
     pub shapes: Shapes,
+    /// What stands in a world.
+    pub solids: Solids,
     /// Cells of a policy that are drawn.
     pub cells: Vec<ValueCell>,
 }
@@ -79,9 +82,18 @@ impl Layout {
         self.shapes.clear();
         self.poses.clear();
         self.cells.clear();
+        self.solids.instances.clear();
         match &model.document {
             Document::Nothing => {}
             Document::Clip(motion) => raw::lay_out(self, model, motion, &palette),
+            Document::World(w) => {
+                self.skeleton.clone_from(w.bundle().tables().skeleton());
+                self.solids.meshes = std::sync::Arc::clone(w.meshes());
+                match model.shows_clip() {
+                    true => clip::lay_out(self, model, w.bundle(), &palette),
+                    false => world::lay_out(self, model, w, &palette, dark),
+                }
+            }
             Document::Bundle(b) => {
                 self.skeleton.clone_from(b.bundle.tables().skeleton());
                 match model.document.crowd().filter(|_| !model.shows_clip()) {
@@ -94,6 +106,9 @@ impl Layout {
 
     /// Joints in model space. [Size: instances * NUM_JOINTS]
     pub fn poses<'a>(&'a self, model: &'a Model) -> &'a [Mat3x4] {
+        if let Some(world) = model.shown_world() {
+            return &world.run().moment().poses;
+        }
         match model.document.crowd().filter(|_| !model.shows_clip()) {
             Some((_, run)) => run.troupe().model_matrices(),
             None => &self.poses,
@@ -107,6 +122,10 @@ pub fn bounds(model: &Model) -> (Vec3, Vec3) {
     match &model.document {
         Document::Nothing => {}
         Document::Clip(_) => points.extend(around(model)),
+        Document::World(_) => match model.shown_world() {
+            Some(world) => points.extend(world::bounds(world)),
+            None => points.extend(around(model)),
+        },
         Document::Bundle(_) => match model.document.crowd().filter(|_| !model.shows_clip()) {
             Some((_, run)) => {
                 let troupe = run.troupe();
@@ -118,7 +137,8 @@ pub fn bounds(model: &Model) -> (Vec3, Vec3) {
     }
     let Some(&first) = points.first() else { return (Vec3::new(-2.0, 0.0, -2.0), Vec3::new(2.0, 1.8, 2.0)) };
     let (low, high) = points.iter().fold((first, first), |(l, h), &p| (l.min(p), h.max(p)));
-    (low.with_y(0.0) - Vec3::new(0.6, 0.0, 0.6), high.with_y(1.8) + Vec3::new(0.6, 0.0, 0.6))
+    let top = if model.shown_world().is_some() { high.y.max(1.8) } else { 1.8 };
+    (low.with_y(0.0) - Vec3::new(0.6, 0.0, 0.6), high.with_y(top) + Vec3::new(0.6, 0.0, 0.6))
 }
 
 /// The corners of a place for a clip's character and its next steps, which the camera follows. [Unit: m]
@@ -132,6 +152,13 @@ pub fn followed(model: &Model) -> Option<Vec3> {
     match &model.document {
         Document::Nothing => None,
         Document::Clip(motion) => raw::place(model, motion),
+        Document::World(w) => match model.shown_world() {
+            Some(world) => {
+                let c = model.selection.character.filter(|&c| c < world.run().num_characters())?;
+                Some(world.run().hips(c).with_y(0.0))
+            }
+            None => clip::place(model, w.bundle()),
+        },
         Document::Bundle(b) => match model.document.crowd().filter(|_| !model.shows_clip()) {
             Some((_, run)) => Some(run.troupe().root(model.selection.character?).translation()),
             None => clip::place(model, &b.bundle),

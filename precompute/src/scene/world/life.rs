@@ -29,6 +29,8 @@ pub struct Life {
     rng: Pcg64Mcg,
     /// When each character wishes something else, whatever has become of its wish. [Unit: s]
     until_s: Vec<f64>,
+    /// Who was told what to do, and wishes nothing of its own.
+    told: Vec<bool>,
     time_s: f64,
 }
 
@@ -54,13 +56,28 @@ impl WorldScene {
             );
             return Err(self.wrong(message, "Ask for fewer characters, or enlarge the world"));
         }
+        self.live_at(tables, repertoire, graph, &starts)
+    }
+
+    /// Puts characters at starts of their own, whatever their number.
+    ///
+    /// # Errors
+    /// As [`WorldScene::live`], or where nobody can stay at a start or two would share a unit.
+    pub fn live_at(
+        &self,
+        tables: &Tables,
+        repertoire: &Repertoire<'_>,
+        graph: &WorldGraph<'_>,
+        starts: &[Node],
+    ) -> Result<Life, BuildError> {
         let kinds = self.wishes.iter().map(|w| Ok((w.share, self.kind(&w.wish, tables, graph)?)));
         let kinds = kinds.collect::<Result<Vec<_>, BuildError>>()?;
         let troupe = TroupeConfig { seed: self.seed, ..TroupeConfig::default() };
         let config = InhabitantsConfig { troupe, ..InhabitantsConfig::default() };
-        let inhabitants = Inhabitants::new(repertoire, graph, config, &starts).map_err(|e| self.fault(&e))?;
+        let inhabitants = Inhabitants::new(repertoire, graph, config, starts).map_err(|e| self.fault(&e))?;
         let mut life = Life {
             until_s: vec![0.0; inhabitants.num_characters()],
+            told: vec![false; inhabitants.num_characters()],
             inhabitants,
             kinds,
             rng: Pcg64Mcg::seed_from_u64(self.seed),
@@ -139,6 +156,28 @@ impl Life {
         &mut self.inhabitants
     }
 
+    /// Tells a character what to do, until it is told something else; none lets it wish by itself again.
+    ///
+    /// # Errors
+    /// As [`Inhabitants::set_wish`]; nothing has changed then.
+    pub fn tell(
+        &mut self,
+        graph: &WorldGraph<'_>,
+        character: usize,
+        wish: Option<Wish>,
+    ) -> Result<(), InhabitantsError> {
+        self.inhabitants.set_wish(graph, character, wish.unwrap_or_default())?;
+        self.told[character] = wish.is_some();
+        // Its next own wish comes with the next step.
+        self.until_s[character] = self.time_s;
+        Ok(())
+    }
+
+    /// True for who was told what to do. [Limit: character < number of characters]
+    pub fn is_told(&self, character: usize) -> bool {
+        self.told[character]
+    }
+
     /// Time since everybody was put in place. [Unit: s]
     pub fn time_s(&self) -> f64 {
         self.time_s
@@ -147,6 +186,9 @@ impl Life {
     /// Gives a new wish to all whose time has come or who have what they wished for.
     fn wish(&mut self, graph: &WorldGraph<'_>) -> Result<(), InhabitantsError> {
         for c in 0..self.inhabitants.num_characters() {
+            if self.told[c] {
+                continue;
+            }
             let doing = self.inhabitants.status(c).doing;
             if doing == Doing::Unreachable {
                 self.until_s[c] = self.until_s[c].min(self.time_s + GIVE_UP_S);

@@ -7,6 +7,7 @@ mod target;
 use crate::command::Command;
 use crate::document::Document;
 use crate::model::Model;
+use crate::panels::PanelKind;
 use crate::run::{Input, Run, RunConfig};
 use eframe::egui::{Grid, Slider, Ui};
 use throng_precompute::scene::Scene;
@@ -22,6 +23,13 @@ pub struct State {
 
 /// Shows the panel.
 pub fn show(ui: &mut Ui, model: &Model, state: &mut State, commands: &mut Vec<Command>) {
+    if model.document.world().is_some() {
+        ui.weak("Who lives in a world of motion patches is told what to do in the panel Patches.");
+        if ui.button("Open it").clicked() {
+            commands.push(Command::TogglePanel(PanelKind::Patches));
+        }
+        return;
+    }
     let Some(bundle) = model.document.bundle() else {
         ui.weak("Open a bundle to run a crowd: drop it on the window, or File > Open.");
         return;

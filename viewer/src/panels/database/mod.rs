@@ -39,6 +39,7 @@ pub fn show(ui: &mut Ui, model: &Model, state: &mut State, commands: &mut Vec<Co
     match &model.document {
         Document::Nothing => nothing_open(ui),
         Document::Bundle(b) => bundle_view(ui, &b.bundle, model, state, commands),
+        Document::World(w) => bundle_view(ui, w.bundle(), model, state, commands),
         Document::Clip(raw) => raw_view(ui, raw, model, state, commands),
     }
 }

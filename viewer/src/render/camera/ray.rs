@@ -26,6 +26,13 @@ impl Ray {
         })
     }
 
+    /// True where the ray passes a point within a distance. [Unit: m]
+    pub fn may_meet(&self, centre: Vec3, radius: f32) -> bool {
+        let to = centre - self.origin;
+        let along = to.dot(self.direction).max(0.0);
+        (to - self.direction * along).length_squared() <= radius * radius
+    }
+
     /// Where the ray meets the ground, y = 0.
     pub fn meets_ground(&self) -> Option<Vec3> {
         self.meets_height(0.0)

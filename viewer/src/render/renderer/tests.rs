@@ -1,6 +1,6 @@
 use super::*;
 use crate::render::offscreen::read_back;
-use crate::render::{Emphasis, Rgba, device_descriptor};
+use crate::render::{Emphasis, Rgba, Solids, device_descriptor};
 use glam::{Quat, Vec2, Vec3};
 use throng_runtime::{Joint, NUM_JOINTS, Planar};
 
@@ -48,7 +48,8 @@ impl Picture {
         camera: &Camera,
     ) -> (Self, DrawStats) {
         let (skeleton, shapes) = (&Skeleton::default(), &Shapes::new());
-        let uploaded = renderer.upload(&SceneFrame { skeleton, body, palette, instances, shapes });
+        let uploaded =
+            renderer.upload(&SceneFrame { skeleton, body, palette, instances, shapes, solids: &Solids::default() });
         assert_eq!(uploaded.map(|u| u.characters), Ok(instances.len()));
         let stats = renderer.draw(SIZE, camera, &SceneColours::LIGHT);
         let (size, pixels) = renderer.pixels().unwrap_or_default();
@@ -167,7 +168,8 @@ fn bad_uploads_are_refused_and_the_view_lives_on() {
     let Some(mut renderer) = renderer() else { return };
     let (skeleton, shapes) = (&Skeleton::default(), &Shapes::new());
     let (palette, instances) = (&standing(skeleton, 0.0)[1..], &[at_origin(Rgba::WHITE)]);
-    let frame = SceneFrame { skeleton, body: Body::Mannequin, palette, instances, shapes };
+    let solids = &Solids::default();
+    let frame = SceneFrame { skeleton, body: Body::Mannequin, palette, instances, shapes, solids };
     let expected = RenderError::PaletteLength { characters: 1, expected: NUM_JOINTS, got: NUM_JOINTS - 1 };
     assert!(renderer.pixels().is_err());
     assert_eq!(renderer.upload(&frame), Err(expected));

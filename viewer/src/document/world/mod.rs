@@ -1,0 +1,235 @@
+//! An open world of motion patches: the units that stand in it, the patches stitched over them, and who lives there.
+
+mod edit;
+mod open;
+mod settle;
+mod views;
+
+pub use edit::{Change, Edited};
+
+use super::Bundle;
+use crate::render::{Ray, SolidMesh};
+use crate::run::WorldRun;
+use glam::Vec3;
+use std::fmt;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use throng_precompute::environment::{Environment, PlacedGeometry, PlacedUnit, Unit};
+use throng_precompute::scene::world::WorldScene;
+use throng_precompute::stitch::{Item, Kit, Library, Reason, StitchReport, Why, WorldSource};
+use throng_runtime::patch::{LinkRecord, Placement};
+use throng_runtime::world::WorldGraph;
+use throng_runtime::world::inhabitants::{InhabitantsError, Wish};
+use views::{Ground, Workshop};
+
+/// A world that is open.
+pub struct WorldDocument {
+    path: PathBuf,
+    source: WorldSource,
+    scene: WorldScene,
+    /// The scene was opened, not the world itself.
+    is_scene: bool,
+    workshop: Workshop,
+    ground: Ground,
+    geometry: PlacedGeometry,
+    meshes: Arc<[SolidMesh]>,
+    run: WorldRun,
+    edited: Option<Edited>,
+    /// Grows with every edit.
+    revision: u64,
+}
+
+impl fmt::Debug for WorldDocument {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("WorldDocument").field("path", &self.path).field("source", &self.source).finish_non_exhaustive()
+    }
+}
+
+impl WorldDocument {
+    /// The file: of the world, or of the scene in it.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// The bundle whose patches it is made of.
+    pub fn bundle(&self) -> &Bundle {
+        self.ground.bundle()
+    }
+
+    /// What the world's file says; what was edited since is not in it.
+    pub fn source(&self) -> &WorldSource {
+        &self.source
+    }
+
+    /// Who lives there.
+    pub fn scene(&self) -> &WorldScene {
+        &self.scene
+    }
+
+    /// True where a scene was opened, false for a world of its own, in which a few roam.
+    pub fn is_scene(&self) -> bool {
+        self.is_scene
+    }
+
+    /// The bundle's units, decoded.
+    pub fn kit(&self) -> &Kit {
+        self.workshop.kit()
+    }
+
+    /// A unit object of the bundle. [Limit: unit < number of units of the bundle]
+    pub fn unit(&self, unit: usize) -> &Unit {
+        &self.kit().units.units[unit]
+    }
+
+    /// What stitching knows of the bundle.
+    pub fn library(&self) -> Library<'_> {
+        self.kit().library(self.bundle().tables())
+    }
+
+    /// The world as it can be walked.
+    pub fn graph(&self) -> &WorldGraph<'_> {
+        self.ground.graph()
+    }
+
+    /// What stands where.
+    pub fn placed(&self) -> &[PlacedUnit] {
+        &self.geometry.units
+    }
+
+    /// The same with its geometry.
+    pub fn geometry(&self) -> &PlacedGeometry {
+        &self.geometry
+    }
+
+    /// A mesh of every unit of the bundle.
+    pub fn meshes(&self) -> &Arc<[SolidMesh]> {
+        &self.meshes
+    }
+
+    /// Who lives there now.
+    pub fn run(&self) -> &WorldRun {
+        &self.run
+    }
+
+    /// What came of stitching, or of the last edit.
+    pub fn report(&self) -> StitchReport {
+        self.workshop.with(|editor| editor.report().clone())
+    }
+
+    /// The last edit, and what it took.
+    pub fn edited(&self) -> Option<&Edited> {
+        self.edited.as_ref()
+    }
+
+    /// Number of edits so far.
+    pub fn revision(&self) -> u64 {
+        self.revision
+    }
+
+    /// Name of an instance's patch. [Limit: instance < number of instances]
+    pub fn patch_name(&self, instance: u32) -> &str {
+        let patch = self.graph().instance(instance).patch as usize;
+        self.bundle().tables().meta().patches.get(patch).map_or("", |p| &p.name)
+    }
+
+    /// In a word why something of an instance is taken out; none where it is left.
+    pub fn reason(&self, instance: u32, item: Item) -> Option<Reason> {
+        self.workshop.with(|editor| editor.reason(instance, item))
+    }
+
+    /// The same with what is in the way.
+    pub fn why(&self, instance: u32, item: Item) -> Option<Why> {
+        self.workshop.with(|editor| editor.why(instance, item))
+    }
+
+    /// Instances that a placed unit is part of.
+    pub fn instances_of(&self, place: usize) -> Vec<u32> {
+        let graph = self.graph();
+        (0..graph.num_instances() as u32).filter(|&i| graph.resources(i).contains(&(place as u32))).collect()
+    }
+
+    /// Roots of a link of an instance from one of its frames to another, in the world.
+    pub fn link_path(&self, instance: u32, link: &LinkRecord, frames: std::ops::RangeInclusive<u16>) -> Vec<Placement> {
+        let at = self.graph().instance(instance).placement;
+        let (first, last) = (usize::from(*frames.start()), usize::from(*frames.end()));
+        let roots: Vec<Placement> = self.library().link_roots(link).map(|r| at.compose(r)).collect();
+        let last = last.min(roots.len().saturating_sub(1));
+        // A few straight pieces show the way.
+        let stride = ((last.saturating_sub(first)) / 6).max(1);
+        let mut kept: Vec<Placement> = (first..last).step_by(stride).filter_map(|k| roots.get(k).copied()).collect();
+        kept.extend(roots.get(last));
+        kept
+    }
+
+    /// The placed unit that a ray meets first, and where; the ground, where it meets no unit before.
+    pub fn pick(&self, ray: &Ray) -> Option<(Option<usize>, Vec3)> {
+        let units = self.placed().iter().enumerate().filter_map(|(place, p)| {
+            let bounds = self.geometry.geometry(place).bounds;
+            let near =
+                ray.may_meet(p.placement.transform_point(bounds.centre()), 0.5 * (bounds.max - bounds.min).length());
+            let met = near.then(|| self.meshes.get(p.unit)?.meets(ray, p.placement)).flatten();
+            met.map(|distance| (distance, Some(place)))
+        });
+        let unit = units.min_by(|a, b| a.0.total_cmp(&b.0));
+        let ground = ray.meets_ground().map(|p| (p.distance(ray.origin), None));
+        // A panel whose upper side is the ground is met before the ground.
+        let nearest = match (unit, ground) {
+            (Some(u), Some(g)) => Some(if u.0 <= g.0 + 1e-3 { u } else { g }),
+            (u, g) => u.or(g),
+        };
+        nearest.map(|(distance, place)| (place, ray.at(distance)))
+    }
+
+    /// Moves time on by wall time; returns the steps taken.
+    ///
+    /// # Errors
+    /// [`InhabitantsError`] where a step cannot be taken.
+    pub fn advance(&mut self, wall_s: f32) -> Result<u32, InhabitantsError> {
+        self.run.advance(self.ground.bundle(), self.ground.graph(), wall_s)
+    }
+
+    /// One step on, or a recorded one.
+    ///
+    /// # Errors
+    /// As [`WorldDocument::advance`].
+    pub fn step(&mut self) -> Result<(), InhabitantsError> {
+        self.run.step(self.ground.bundle(), self.ground.graph())
+    }
+
+    /// The run, to be played, stopped and rewound.
+    pub fn run_mut(&mut self) -> &mut WorldRun {
+        &mut self.run
+    }
+
+    /// Tells a character what to do; none lets it wish by itself.
+    ///
+    /// # Errors
+    /// A message for a place or a tag that is not there.
+    pub fn tell(&mut self, character: usize, wish: Option<Wish>) -> Result<(), String> {
+        if character >= self.run.num_characters() {
+            return Err(format!("there is no character {character}"));
+        }
+        self.run.tell(self.ground.graph(), character, wish).map_err(|e| e.to_string())
+    }
+
+    /// Starts the run anew with so many characters, as far as there is room, and a seed.
+    ///
+    /// # Errors
+    /// A message where nobody can live there.
+    pub fn populate(&mut self, characters: usize, seed: u64) -> Result<(), String> {
+        (self.scene.characters, self.scene.seed) = (characters, seed);
+        let old = (self.run.is_playing(), self.run.speed());
+        self.run = open::populate(&mut self.scene, &self.ground)?;
+        self.run.play(old.0);
+        self.run.set_speed(old.1);
+        Ok(())
+    }
+
+    /// The environment as it is.
+    pub fn environment(&self) -> Environment {
+        self.workshop.with(|editor| editor.environment().clone())
+    }
+}
+
+#[cfg(test)]
+mod tests;

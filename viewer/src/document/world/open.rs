@@ -1,0 +1,132 @@
+//! Opens worlds, and scenes in worlds; the world is stitched in memory.
+
+use super::super::Bundle;
+use super::WorldDocument;
+use super::views::{Ground, Workshop};
+use crate::render::SolidMesh;
+use crate::run::WorldRun;
+use std::path::Path;
+use std::sync::Arc;
+use throng_precompute::environment::{PlacedGeometry, Solid, UnitGeometry};
+use throng_precompute::scene::world::{SharedWish, WishConfig, WorldScene};
+use throng_precompute::stitch::{Kit, WorldSource};
+use throng_runtime::world::inhabitants::scatter;
+
+/// Who roams in a world that no scene is of.
+const ROAMERS: usize = 20;
+
+impl WorldDocument {
+    /// True for the file of a world, or of a scene in one.
+    pub fn is_one(path: &Path) -> bool {
+        WorldSource::is_one(path) || WorldScene::is_one(path)
+    }
+
+    /// Reads a world file, or the file of a scene in a world, and stitches the world.
+    ///
+    /// # Errors
+    /// A message that names the file and line or key, the bundle that is not there, or the units that do not go
+    /// together, and the way out.
+    pub fn open(path: &Path) -> Result<Self, String> {
+        let is_scene = WorldScene::is_one(path);
+        let scene = is_scene.then(|| WorldScene::load(path)).transpose().map_err(|e| e.to_string())?;
+        let world_path = scene.as_ref().map_or(path, |s| s.world.as_path()).to_path_buf();
+        let source = WorldSource::load(&world_path).map_err(|e| e.to_string())?;
+        if !source.bundle.exists() {
+            return Err(missing(&world_path, &source));
+        }
+        let bundle = Bundle::open(&source.bundle).map_err(|e| format!("{}: its bundle: {e}", world_path.display()))?;
+        let bundle = Arc::new(bundle);
+        let kit = Kit::new(bundle.tables(), &source.bundle).map_err(|e| e.to_string())?;
+        let environment = source.environment(&kit.units, &world_path).map_err(|e| e.to_string())?;
+        let geometry = PlacedGeometry::new(&environment, &kit.geometries);
+        let meshes = kit.geometries.iter().map(|g| mesh(g)).collect();
+        let workshop = Workshop::new(Arc::clone(&bundle), kit, environment, &source.stitch)
+            .map_err(|e| format!("{}: {e}", world_path.display()))?;
+        let ground = Ground::new(bundle, workshop.with(|editor| editor.world().clone()))?;
+        let mut scene = scene.unwrap_or_else(|| roaming(&source, &world_path));
+        let run = populate_as_told(&mut scene, &ground, is_scene)?;
+        let path = path.to_path_buf();
+        let (edited, revision) = (None, 0);
+        Ok(Self { path, source, scene, is_scene, workshop, ground, geometry, meshes, run, edited, revision })
+    }
+}
+
+fn missing(world: &Path, source: &WorldSource) -> String {
+    let (file, bundle) = (world.display(), source.bundle.display());
+    match &source.config {
+        Some(config) => {
+            let config = config.display();
+            format!("{file}: its bundle {bundle} is not there; `throng build {config} --out {bundle}` makes it")
+        }
+        None => format!("{file}: its bundle {bundle} is not there; build it, or correct the key `bundle`"),
+    }
+}
+
+/// A scene in which everybody roams.
+fn roaming(source: &WorldSource, world: &Path) -> WorldScene {
+    let wish = WishConfig::Roam { seconds: [20.0, 40.0] };
+    WorldScene {
+        name: source.name.clone(),
+        world: world.to_path_buf(),
+        characters: ROAMERS,
+        seed: 1,
+        wishes: vec![SharedWish { share: 1.0, wish }],
+        picture: Default::default(),
+    }
+}
+
+/// Characters of a scene as it says; of a world without a scene, as many as there is room for.
+fn populate_as_told(scene: &mut WorldScene, ground: &Ground, is_scene: bool) -> Result<WorldRun, String> {
+    if !is_scene {
+        return populate(scene, ground);
+    }
+    let bundle = ground.bundle();
+    let life = scene.live(bundle.tables(), bundle.repertoire(), ground.graph()).map_err(|e| e.to_string())?;
+    WorldRun::new(life, bundle, ground.graph()).map_err(|e| e.to_string())
+}
+
+/// As many characters as are asked for and there is room for.
+pub(super) fn populate(scene: &mut WorldScene, ground: &Ground) -> Result<WorldRun, String> {
+    let (bundle, graph) = (ground.bundle(), ground.graph());
+    let starts = scatter(graph, scene.characters, scene.seed);
+    scene.characters = starts.len();
+    let life = scene.live_at(bundle.tables(), bundle.repertoire(), graph, &starts).map_err(|e| e.to_string())?;
+    WorldRun::new(life, bundle, graph).map_err(|e| e.to_string())
+}
+
+/// Triangles of a unit.
+fn mesh(geometry: &UnitGeometry) -> SolidMesh {
+    let mut mesh = SolidMesh::default();
+    for solid in &geometry.solids {
+        match solid {
+            Solid::Box { centre, rotation, half } => mesh.add_box(*centre, *rotation, *half),
+            Solid::Bar { from, to, radius } => mesh.add_bar(*from, *to, *radius),
+            Solid::Mesh(triangles) => triangles.corners().iter().for_each(|t| mesh.add_triangle(*t)),
+        }
+    }
+    mesh
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn refused(name: &str, text: &str) -> String {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join(name);
+        std::fs::write(&path, text).unwrap();
+        assert!(WorldDocument::is_one(&path));
+        WorldDocument::open(&path).map(|_| ()).unwrap_err()
+    }
+
+    #[test]
+    fn a_world_without_its_bundle_is_refused_with_the_way_out() {
+        let place = "[[place]]\nunit = \"ground\"\nat = [0, 0, 0]\n";
+        let e = refused("square.toml", &format!("bundle = \"no.throng\"\nconfig = \"tiles.toml\"\n{place}"));
+        assert!(e.contains("square.toml") && e.contains("throng build") && e.contains("tiles.toml"), "{e}");
+        let e = refused("square.toml", &format!("bundle = \"no.throng\"\n{place}"));
+        assert!(e.contains("no.throng is not there") && e.contains("`bundle`"), "{e}");
+        let e = refused("scene.toml", "world = \"nowhere.toml\"\ncharacters = 3\n");
+        assert!(e.contains("nowhere.toml"), "{e}");
+    }
+}

@@ -1,0 +1,133 @@
+//! A small world: opened, lived in, edited, saved.
+
+use super::*;
+use crate::panels::tests::square::Square;
+use crate::render::Ray;
+use throng_runtime::world::inhabitants::Doing;
+
+fn panel(x: i32, z: i32) -> Placement {
+    Placement::new(2.8 * x as f32, 0.0, 2.8 * z as f32, 0.0)
+}
+
+fn run_for(world: &mut WorldDocument, steps: u32) {
+    (0..steps).for_each(|_| world.step().unwrap());
+}
+
+/// Hips of everybody lie over a panel.
+fn all_are_on_panels(world: &WorldDocument) -> bool {
+    (0..world.run().num_characters()).all(|c| {
+        let hips = world.run().hips(c);
+        let panels = world.placed().iter().filter(|p| world.unit(p.unit).floor);
+        panels.map(|p| p.placement.inverse_transform_point(hips)).any(|p| p.x.abs().max(p.z.abs()) < 1.7)
+    })
+}
+
+#[test]
+fn a_world_is_lived_in_edited_and_saved() {
+    let square = Square::new();
+    let mut world = WorldDocument::open(&square.world(3)).unwrap();
+    assert_eq!((world.placed().len(), world.graph().num_instances()), (10, 9));
+    assert!(world.run().num_characters() >= 2 && !world.is_scene());
+    lives(&mut world);
+    is_picked(&world);
+    edits(&mut world);
+    saves(&world, square.folder());
+    let mut scene = WorldDocument::open(&square.scene(2)).unwrap();
+    assert!(scene.is_scene() && scene.run().num_characters() == 2);
+    run_for(&mut scene, 30);
+    assert!(WorldDocument::open(&square.scene(500)).unwrap_err().contains("room for"));
+    // A change of their number takes as many as there is room for.
+    scene.populate(500, 3).unwrap();
+    assert!((3..=9).contains(&scene.run().num_characters()), "{}", scene.run().num_characters());
+}
+
+fn lives(world: &mut WorldDocument) {
+    world.populate(2, 1).unwrap();
+    let mut seen = vec![world.run().moment().poses.clone()];
+    for _ in 0..200 {
+        world.step().unwrap();
+        seen.push(world.run().moment().poses.clone());
+    }
+    for step in [200, 0, 77, 199] {
+        world.run_mut().seek(step);
+        assert_eq!(world.run().now(), step);
+        assert!(world.run().moment().poses == seen[step as usize]);
+    }
+    assert!(!world.run().is_live() && all_are_on_panels(world));
+    // A wish is told in the present.
+    let place = panel(2, 2).translation();
+    world.tell(0, Some(Wish::GoToPlace { place })).unwrap();
+    assert!(world.run().is_live() && world.run().now() == 200);
+    for _ in 0..180 {
+        run_for(world, 60);
+        if world.run().moment().minds[0].doing == Doing::Arrived {
+            break;
+        }
+    }
+    let (mind, hips) = (world.run().moment().minds[0], world.run().hips(0));
+    let plan = world.run().life().inhabitants().plan(0);
+    assert_eq!(mind.doing, Doing::Arrived, "{mind:?} at {hips}: {plan:?}");
+    assert!((hips - place).with_y(0.0).length() < 1.4, "{hips}");
+    assert_eq!(world.run().told(0), Some(Wish::GoToPlace { place }));
+    world.tell(0, None).unwrap();
+    assert_eq!(world.run().told(0), None);
+    assert!(world.tell(7, None).is_err());
+    assert!(world.tell(0, Some(Wish::Perform { tag: 900, seconds: 1.0 })).is_err());
+}
+
+fn is_picked(world: &WorldDocument) {
+    let down = |x: f32, z: f32| Ray { origin: Vec3::new(x, 9.0, z), direction: -Vec3::Y };
+    let found = |x, z| world.pick(&down(x, z)).unwrap();
+    let (place, met) = found(2.8, 5.6);
+    assert_eq!(world.placed()[place.unwrap()].placement, panel(1, 2));
+    assert!(met.y.abs() < 1e-4);
+    let (place, met) = found(-2.2, 0.0);
+    assert_eq!(world.unit(world.placed()[place.unwrap()].unit).name, "post");
+    assert!(met.y > 1.0, "{met}");
+    assert_eq!(found(-9.0, -9.0).0, None);
+    assert_eq!(world.pick(&Ray { direction: Vec3::Y, ..down(0.0, 0.0) }), None);
+}
+
+fn edits(world: &mut WorldDocument) {
+    let left = |world: &WorldDocument| world.report().transitions;
+    let before = left(world);
+    // One more panel at the side.
+    let place = world.edit(Change::Add { unit: 0, at: panel(3, 1) }).unwrap().unwrap();
+    assert_eq!((world.placed()[place].placement, world.revision()), (panel(3, 1), 1));
+    assert!(left(world) > before && all_are_on_panels(world) && world.run().num_characters() == 2);
+    let edited = world.edited().unwrap();
+    assert!(edited.what == "added ground" && edited.total_s >= edited.stitch_s && edited.lost == 0, "{edited:?}");
+    // A post in its middle takes motion away, which is said of its links; moved away, it gives them back.
+    let with_panel = left(world);
+    world.edit(Change::Move { place: 9, to: panel(3, 1) }).unwrap();
+    assert!(left(world) < with_panel);
+    let instance = world.instances_of(place)[0];
+    let links = 0..world.graph().links(instance).len() as u32;
+    let hit = |l: &u32| world.reason(instance, Item::Link(*l)) == Some(Reason::Obstacle);
+    let link = links.clone().find(hit).unwrap();
+    let why = world.why(instance, Item::Link(link)).unwrap();
+    assert!(why.message.contains("post") && why.reason == Reason::Obstacle, "{}", why.message);
+    world.edit(Change::Move { place: 9, to: Placement::new(-2.2, 0.0, 0.0, 0.35) }).unwrap();
+    assert_eq!(left(world), with_panel);
+    // What cannot be leaves the world alone.
+    let same = |world: &WorldDocument| (world.environment(), left(world), world.revision());
+    let kept = same(world);
+    let why = world.edit(Change::Move { place, to: Placement::new(50.0, 0.0, 50.0, 0.0) }).unwrap_err();
+    assert!(why.contains("ground") && same(world) == kept, "{why}");
+    assert!(world.edit(Change::Remove { place: 99 }).is_err() && same(world) == kept);
+    world.edit(Change::Remove { place }).unwrap();
+    assert_eq!(left(world), before);
+    run_for(world, 60);
+    assert!(all_are_on_panels(world));
+}
+
+fn saves(world: &WorldDocument, folder: &Path) {
+    let file = folder.join("saved.toml");
+    world.save(&file).unwrap();
+    let again = WorldDocument::open(&file).unwrap();
+    assert_eq!(again.report().transitions, world.report().transitions);
+    for (a, b) in again.placed().iter().zip(world.placed()) {
+        assert!(a.unit == b.unit && a.placement.to_local(b.placement).wrapped().is_moderate(1e-4), "{a:?} {b:?}");
+    }
+    assert!(world.save(&folder.join("no/such/folder/w.toml")).is_err());
+}

@@ -1,0 +1,217 @@
+//! What is looked at in a world, what the mouse does there, and what panels may ask of it.
+
+use super::Model;
+use crate::document::world::Change;
+use crate::document::{Document, WorldDocument};
+use std::path::PathBuf;
+use throng_precompute::environment::Unit;
+use throng_runtime::patch::Placement;
+use throng_runtime::world::inhabitants::Wish;
+
+/// What a click does in a world.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Tool {
+    /// It selects a character, or a unit.
+    #[default]
+    Look,
+    /// It sends the selected character there.
+    Send,
+    /// Units are dragged over the ground.
+    Move,
+    /// It places a unit of the bundle.
+    Create(usize),
+}
+
+/// A unit that is about to be placed or moved.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Draft {
+    /// Its number in the bundle's set.
+    pub unit: usize,
+    /// Where it would stand.
+    pub at: Placement,
+}
+
+/// What is looked at in a world.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct WorldLook {
+    /// What a click does.
+    pub tool: Tool,
+    /// Placed unit that is selected.
+    pub place: Option<usize>,
+    /// Instance that is selected; none follows the unit, or else the selected character.
+    pub instance: Option<u32>,
+    /// Link of the instance that is selected.
+    pub link: Option<u32>,
+    /// A unit that is about to be placed or moved.
+    pub draft: Option<Draft>,
+    /// Links of the instance are not drawn.
+    pub hides_links: bool,
+}
+
+/// A wish of a panel about a world.
+#[derive(Clone, Debug, PartialEq)]
+pub enum WorldCommand {
+    /// Let a click do something else.
+    Tool(Tool),
+    /// Select a placed unit, or none.
+    SelectPlace(Option<usize>),
+    /// Select an instance; none follows the unit or the character.
+    SelectInstance(Option<u32>),
+    /// Select a link of the instance, or none.
+    SelectLink(Option<u32>),
+    /// Draw the links of the instance, or hide them.
+    ShowLinks(bool),
+    /// Show a unit where it would stand.
+    Draft(Option<Draft>),
+    /// Change what stands where.
+    Edit(Change),
+    /// Tell a character what to do; none lets it wish by itself.
+    Tell {
+        /// Which character.
+        character: usize,
+        /// What it is to do.
+        wish: Option<Wish>,
+    },
+    /// Start anew with so many characters, as far as there is room.
+    Populate {
+        /// How many.
+        characters: usize,
+        /// Seed of places and choices.
+        seed: u64,
+    },
+    /// Write the world as it is.
+    Save(PathBuf),
+}
+
+impl Model {
+    /// The world whose inhabitants are shown; none while a clip is.
+    pub fn shown_world(&self) -> Option<&WorldDocument> {
+        self.document.world().filter(|_| !self.shows_clip())
+    }
+
+    /// The instance that panels look at: the selected one, that of the selected unit, or where the selected character
+    /// is.
+    pub fn looked_at_instance(&self) -> Option<u32> {
+        let world = self.document.world()?;
+        let look = &self.selection.world;
+        let of_unit = || look.place.map(|p| world.instances_of(p).first().copied());
+        let of_character = || {
+            let c = self.selection.character?;
+            Some(world.run().moment().minds.get(c)?.node.instance)
+        };
+        let found = look.instance.or_else(|| of_unit().unwrap_or_else(of_character));
+        found.filter(|&i| (i as usize) < world.graph().num_instances())
+    }
+
+    pub(super) fn apply_to_world(&mut self, command: WorldCommand) {
+        let Document::World(world) = &mut self.document else { return };
+        let look = &mut self.selection.world;
+        match command {
+            WorldCommand::Tool(tool) => (look.tool, look.draft) = (tool, None),
+            WorldCommand::SelectPlace(place) => {
+                (look.place, look.instance, look.link) = (place.filter(|&p| p < world.placed().len()), None, None);
+            }
+            WorldCommand::SelectInstance(instance) => (look.instance, look.link) = (instance, None),
+            WorldCommand::SelectLink(link) => look.link = link,
+            WorldCommand::ShowLinks(on) => look.hides_links = !on,
+            WorldCommand::Draft(draft) => look.draft = draft,
+            WorldCommand::Edit(change) => self.edit(change),
+            WorldCommand::Tell { character, wish } => {
+                if let Err(why) = world.tell(character, wish) {
+                    self.complain(format!("Character {character}: {why}"));
+                }
+            }
+            WorldCommand::Populate { characters, seed } => self.populate(characters, seed),
+            WorldCommand::Save(path) => match world.save(&path) {
+                Ok(()) => self.say(format!("Saved {}", path.display())),
+                Err(why) => self.complain(why),
+            },
+        }
+    }
+
+    fn edit(&mut self, change: Change) {
+        let Document::World(world) = &mut self.document else { return };
+        let look = &mut self.selection.world;
+        look.draft = None;
+        match world.edit(change) {
+            Ok(place) => {
+                (look.place, look.instance, look.link) = (place, None, None);
+                let n = world.run().num_characters();
+                self.selection.character = self.selection.character.filter(|&c| c < n);
+            }
+            Err(why) => self.complain(format!("The world stays as it was: {why}")),
+        }
+    }
+
+    /// Starts the life of a world anew.
+    pub(super) fn populate(&mut self, characters: usize, seed: u64) {
+        let Document::World(world) = &mut self.document else { return };
+        if let Err(why) = world.populate(characters, seed) {
+            self.complain(why);
+        }
+        let Document::World(world) = &self.document else { return };
+        let n = world.run().num_characters();
+        self.selection.character = self.selection.character.filter(|&c| c < n);
+    }
+}
+
+/// A place near `to` that goes with others of its kind: panels stand side by side, anything else on a fine grid.
+///
+/// - `others`: where units of the kind stand already.
+pub fn snapped(unit: &Unit, others: impl Iterator<Item = Placement>, to: Placement) -> Placement {
+    let far = |p: &Placement| p.translation().distance_squared(to.translation());
+    let steps = unit.tile.as_ref().map_or(&[][..], |t| &t.steps);
+    if let Some(near) = others.min_by(|a, b| far(a).total_cmp(&far(b)))
+        && !steps.is_empty()
+    {
+        // The neighbours of the nearest one, as it stands.
+        let mut best = near;
+        let mut distance = f32::INFINITY;
+        let mut consider = |step: glam::Vec3| {
+            let there = near.compose(Placement::new(step.x, step.y, step.z, 0.0));
+            if far(&there) < distance {
+                (best, distance) = (there, far(&there));
+            }
+        };
+        for step in steps {
+            for side in [-1.0, 1.0] {
+                consider(side * glam::Vec3::from(*step));
+            }
+        }
+        if distance < SNAP_M * SNAP_M {
+            return Placement { heading: to.heading, ..best };
+        }
+    }
+    let fine = |v: f32| (v / GRID_M).round() * GRID_M;
+    Placement { x: fine(to.x), z: fine(to.z), ..to }
+}
+
+/// Panels go beside others that they are dragged so near to. [Unit: m]
+const SNAP_M: f32 = 0.9;
+/// Everything else stands on a grid. [Unit: m]
+const GRID_M: f32 = 0.05;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use throng_precompute::environment::TileEdges;
+
+    fn unit(steps: Vec<[f32; 3]>) -> Unit {
+        let tile = TileEdges { widths: vec![2.0; steps.len()], steps, centre: [0.0; 3] };
+        let tile = Some(tile).filter(|t| !t.steps.is_empty());
+        Unit { name: "u".into(), shapes: Vec::new(), region: None, symmetry: 1, tile, floor: true }
+    }
+
+    #[test]
+    fn panels_are_placed_beside_others_and_anything_else_on_a_grid() {
+        let panel = unit(vec![[2.8, 0.0, 0.0], [0.0, 0.0, 2.8]]);
+        let others = [Placement::new(10.0, 0.0, 5.0, 0.0), Placement::new(99.0, 0.0, 0.0, 0.0)];
+        let near = |x, z| snapped(&panel, others.iter().copied(), Placement::new(x, 0.0, z, 0.5));
+        assert_eq!(near(12.5, 5.3), Placement::new(12.8, 0.0, 5.0, 0.5));
+        assert_eq!(near(10.2, 2.0), Placement::new(10.0, 0.0, 2.2, 0.5));
+        let free = near(30.02, 7.0);
+        assert!((free.x - 30.0).abs() < 1e-4 && (free.z - 7.0).abs() < 1e-4, "{free:?}");
+        let desk = snapped(&unit(Vec::new()), others.iter().copied(), Placement::new(12.61, 0.3, 5.0, 0.5));
+        assert!((desk.x - 12.6).abs() < 1e-4 && desk.y == 0.3, "{desk:?}");
+    }
+}

@@ -1,0 +1,133 @@
+//! The selected inhabitant: what it is about, the way that is planned for it, and what it is told to do.
+
+use super::State;
+use crate::command::Command;
+use crate::document::WorldDocument;
+use crate::model::Model;
+use crate::model::world::WorldCommand;
+use crate::panels::words;
+use eframe::egui::{DragValue, Grid, Ui};
+use throng_runtime::world::inhabitants::{Doing, Wish};
+
+/// How long somebody does something, unless it is told otherwise. [Unit: s]
+const PERFORM_S: f32 = 10.0;
+
+/// Shows the character that is selected.
+pub fn show(ui: &mut Ui, model: &Model, world: &WorldDocument, state: &mut State, commands: &mut Vec<Command>) {
+    population(ui, world, state, commands);
+    let run = world.run();
+    let Some(c) = model.selection.character.filter(|&c| c < run.num_characters()) else {
+        ui.horizontal_wrapped(|ui| {
+            ui.weak("Click a character in the 3-D view, or");
+            if run.num_characters() > 0 && ui.small_button("select character 0").clicked() {
+                commands.push(Command::SelectCharacter(Some(0)));
+            }
+        });
+        return;
+    };
+    ui.horizontal_wrapped(|ui| {
+        let mut number = c;
+        ui.strong("Character");
+        if ui.add(DragValue::new(&mut number).range(0..=run.num_characters() - 1)).changed() {
+            commands.push(Command::SelectCharacter(Some(number)));
+        }
+        ui.weak(if run.told(c).is_some() { "does as it was told" } else { "does as it wishes" });
+    });
+    status(ui, world, c);
+    tell(ui, world, c, state, commands);
+}
+
+fn population(ui: &mut Ui, world: &WorldDocument, state: &mut State, commands: &mut Vec<Command>) {
+    let (run, scene) = (world.run(), world.scene());
+    ui.horizontal_wrapped(|ui| {
+        let mut n = state.characters.unwrap_or(run.num_characters());
+        let field = ui.add(DragValue::new(&mut n).range(1..=20_000).update_while_editing(false));
+        field.clone().on_hover_text("As many as there is room for, each on units of its own; starts anew");
+        state.characters = field.dragged().then_some(n);
+        if !field.dragged() && n != run.num_characters() {
+            let seed = scene.seed;
+            commands.push(Command::World(WorldCommand::Populate { characters: n, seed }));
+        }
+        ui.label("characters");
+        let minds = &run.moment().minds;
+        let waiting = minds.iter().filter(|m| m.doing == Doing::Waiting).count();
+        let done: u32 = minds.iter().map(|m| m.num_fulfilled).sum();
+        let tip = format!("The last step of all of them took {:.2} ms", 1e3 * run.step_s());
+        ui.weak(format!("{waiting} wait · {done} wishes fulfilled")).on_hover_text(tip);
+    });
+}
+
+fn status(ui: &mut Ui, world: &WorldDocument, c: usize) {
+    let run = world.run();
+    let mind = run.moment().minds[c];
+    let tags = &world.bundle().tables().meta().link_tags;
+    let inhabitants = run.life().inhabitants();
+    Grid::new("character").num_columns(2).spacing([14.0, 3.0]).show(ui, |ui| {
+        let mut row = |name: &str, value: String| {
+            ui.label(name);
+            ui.label(value);
+            ui.end_row();
+        };
+        row("is to", words::wish(mind.wish, tags));
+        row("now", words::doing(&mind));
+        row("patch", format!("{} ({})", world.patch_name(mind.node.instance), mind.node.instance));
+        if !run.is_live() {
+            row("way", "known in the present alone".into());
+            return;
+        }
+        let rate = world.bundle().rate_hz();
+        match inhabitants.plan(c) {
+            Some(p) => row(
+                "way",
+                format!(
+                    "{:.1} m, {:.1} s, {} steps; {} of it left",
+                    p.length_m,
+                    p.num_frames as f32 / rate,
+                    p.num_steps,
+                    inhabitants.path(c).len()
+                ),
+            ),
+            None => row("way", "none is planned".into()),
+        }
+        if let Some(p) = inhabitants.plan(c) {
+            row("planning", format!("opened {} instances, {} nodes", p.opened_instances, p.opened_nodes));
+        }
+        let name = |u: u32| world.placed().get(u as usize).map_or("unit", |p| &world.unit(p.unit).name);
+        let held: Vec<String> = inhabitants.held(c).map(|u| format!("{} {u}", name(u))).collect();
+        row("holds", held.join(", "));
+        if let Some(step) = inhabitants.path(c).first().filter(|_| mind.doing == Doing::Waiting) {
+            let wanted = world.graph().resources(step.to.instance).iter();
+            let others = wanted.filter_map(|&u| Some((u, inhabitants.holder(u).filter(|&h| h as usize != c)?)));
+            let text: Vec<String> =
+                others.map(|(u, holder)| format!("{} {u}, which {holder} holds", name(u))).collect();
+            row("waits for", if text.is_empty() { "units further on".into() } else { text.join("; ") });
+        }
+    });
+}
+
+fn tell(ui: &mut Ui, world: &WorldDocument, c: usize, state: &mut State, commands: &mut Vec<Command>) {
+    let mut told = |wish| commands.push(Command::World(WorldCommand::Tell { character: c, wish }));
+    ui.horizontal_wrapped(|ui| {
+        if ui.button("Roam").on_hover_text("Wander about until told otherwise").clicked() {
+            told(Some(Wish::Roam));
+        }
+        let tip = "It wishes by itself again, as the scene says";
+        if world.run().told(c).is_some() && ui.button("Let go").on_hover_text(tip).clicked() {
+            told(None);
+        }
+        let tags = &world.bundle().tables().meta().link_tags;
+        if tags.is_empty() {
+            return;
+        }
+        let seconds = state.seconds.get_or_insert(PERFORM_S);
+        for (t, tag) in tags.iter().enumerate() {
+            let tip = format!("Go to the nearest place where motion is tagged {tag}, and do that");
+            if ui.button(tag).on_hover_text(tip).clicked() {
+                told(Some(Wish::Perform { tag: t as u16 + 1, seconds: *seconds }));
+            }
+        }
+        ui.label("for");
+        ui.add(DragValue::new(seconds).range(0.0..=600.0).speed(0.2).suffix(" s"));
+    });
+    ui.weak("Ctrl + click sends it somewhere.");
+}

@@ -1,0 +1,118 @@
+//! Units of a world: one that is created, the selected one, the last edit, and the file to save to.
+
+use super::State;
+use crate::command::Command;
+use crate::document::WorldDocument;
+use crate::document::world::Change;
+use crate::model::Model;
+use crate::model::world::{Tool, WorldCommand};
+use eframe::egui::{ComboBox, DragValue, TextEdit, Ui};
+use std::path::{Path, PathBuf};
+use throng_runtime::patch::Placement;
+
+/// Shows what can be changed.
+pub fn show(ui: &mut Ui, model: &Model, world: &WorldDocument, state: &mut State, commands: &mut Vec<Command>) {
+    ui.strong("Units");
+    create(ui, model, world, state, commands);
+    selected(ui, model, world, commands);
+    if let Some(e) = world.edited() {
+        let lost = if e.lost > 0 { format!("; {} characters found no place", e.lost) } else { String::new() };
+        ui.label(format!("{} in {:.0} ms, {:.0} ms of it stitching{lost}", e.what, 1e3 * e.total_s, 1e3 * e.stitch_s));
+    }
+    let r = world.report();
+    ui.weak(format!(
+        "{} patches, {} cells, {} transitions, {:.2} h of motion, {} kinds of joints",
+        r.instances, r.cells, r.transitions, r.motion_hours, r.tables
+    ));
+    save(ui, world, state, commands);
+}
+
+fn create(ui: &mut Ui, model: &Model, world: &WorldDocument, state: &mut State, commands: &mut Vec<Command>) {
+    let units = &world.kit().units.units;
+    state.unit = state.unit.min(units.len().saturating_sub(1));
+    ui.horizontal_wrapped(|ui| {
+        ui.label("Create");
+        let name = units.get(state.unit).map_or("nothing", |u| &u.name);
+        let before = state.unit;
+        ComboBox::from_id_salt("unit").selected_text(name).show_ui(ui, |ui| {
+            for (i, unit) in units.iter().enumerate() {
+                ui.selectable_value(&mut state.unit, i, &unit.name);
+            }
+        });
+        let creates = matches!(model.selection.world.tool, Tool::Create(_));
+        let text = if creates { "click where it is to stand" } else { "Place …" };
+        let clicked = ui.selectable_label(creates, text).clicked();
+        if clicked || (creates && before != state.unit) {
+            let tool = if clicked && creates { Tool::Look } else { Tool::Create(state.unit) };
+            commands.push(Command::World(WorldCommand::Tool(tool)));
+        }
+    });
+}
+
+/// The selected unit by its numbers.
+fn selected(ui: &mut Ui, model: &Model, world: &WorldDocument, commands: &mut Vec<Command>) {
+    let Some(place) = model.selection.world.place.filter(|&p| p < world.placed().len()) else {
+        ui.weak("No unit is selected.");
+        return;
+    };
+    let placed = &world.placed()[place];
+    let mut p = placed.placement;
+    ui.horizontal_wrapped(|ui| {
+        ui.label(format!("{} {place}", world.unit(placed.unit).name));
+        for (name, value) in [("x", &mut p.x), ("y", &mut p.y), ("z", &mut p.z)] {
+            ui.label(name);
+            let field = DragValue::new(value).range(-1e4..=1e4).speed(0.0).update_while_editing(false);
+            ui.add(field.suffix(" m").fixed_decimals(2));
+        }
+        let mut degrees = p.wrapped().heading.to_degrees();
+        let field = DragValue::new(&mut degrees).range(-180.0..=180.0).speed(0.0).update_while_editing(false);
+        if ui.add(field.suffix("°").fixed_decimals(0)).changed() {
+            p.heading = degrees.to_radians();
+        }
+        if p != placed.placement {
+            commands.push(edit(Change::Move { place, to: p }));
+        }
+    });
+    ui.horizontal_wrapped(|ui| {
+        for (text, tip, degrees) in [("⟲ 90°", "Turn it left", 90.0f32), ("⟳ 90°", "Turn it right", -90.0)] {
+            if ui.button(text).on_hover_text(tip).clicked() {
+                let to = Placement { heading: p.heading + degrees.to_radians(), ..p }.wrapped();
+                commands.push(edit(Change::Move { place, to }));
+            }
+        }
+        if ui.button("Remove").on_hover_text("Delete, while units are moved").clicked() {
+            commands.push(edit(Change::Remove { place }));
+        }
+    });
+}
+
+fn edit(change: Change) -> Command {
+    Command::World(WorldCommand::Edit(change))
+}
+
+fn save(ui: &mut Ui, world: &WorldDocument, state: &mut State, commands: &mut Vec<Command>) {
+    ui.horizontal(|ui| {
+        let file = state.file.get_or_insert_with(|| suggested(&world.scene().world).display().to_string());
+        let button = ui.button("Save").on_hover_text("Write the world as a list of places");
+        ui.add(TextEdit::singleline(file).desired_width(f32::INFINITY));
+        if button.clicked() && !file.trim().is_empty() {
+            commands.push(Command::World(WorldCommand::Save(PathBuf::from(file.trim()))));
+        }
+    });
+}
+
+/// A file beside a world's that is not its own.
+fn suggested(world: &Path) -> PathBuf {
+    let stem = world.file_stem().unwrap_or_default().to_string_lossy();
+    world.with_file_name(format!("{stem}-edited.toml"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_world_itself_is_not_written_over_unless_that_is_asked_for() {
+        assert_eq!(suggested(Path::new("worlds/logo.toml")), Path::new("worlds/logo-edited.toml"));
+    }
+}

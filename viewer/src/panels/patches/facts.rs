@@ -1,0 +1,143 @@
+//! What there is to say of an instance of a patch.
+
+use crate::command::Command;
+use crate::document::WorldDocument;
+use crate::model::Model;
+use crate::model::world::WorldCommand;
+use crate::stage::world::{DISABLED, ENABLED};
+use eframe::egui::{Color32, ComboBox, Grid, Ui};
+use throng_precompute::stitch::{Item, Reason};
+use throng_runtime::patch::CellRecord;
+
+/// Figures of an instance.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Facts {
+    /// Cells that are left, and all.
+    pub cells: [usize; 2],
+    /// Entries that are left, and all.
+    pub entries: [usize; 2],
+    /// Exits that are left, and all.
+    pub exits: [usize; 2],
+    /// Places to stay that are left, and all.
+    pub rests: [usize; 2],
+    /// Why each link is taken out; none where it is left.
+    pub links: Vec<Option<Reason>>,
+    /// Instances that it has joints with.
+    pub neighbours: usize,
+}
+
+impl Facts {
+    /// Counts cells and links of an instance. [Limit: instance < number of instances]
+    pub fn of(world: &WorldDocument, instance: u32) -> Self {
+        let graph = world.graph();
+        let mut facts = Self { neighbours: graph.instance(instance).num_adjacencies as usize, ..Self::default() };
+        for (c, cell) in graph.cells(instance).iter().enumerate() {
+            let left = usize::from(world.reason(instance, Item::Cell(c as u32)).is_none());
+            let count = |is_one: bool, counts: &mut [usize; 2]| {
+                if is_one {
+                    (counts[0], counts[1]) = (counts[0] + left, counts[1] + 1);
+                }
+            };
+            count(true, &mut facts.cells);
+            count(cell.is(CellRecord::IS_ENTRY), &mut facts.entries);
+            count(cell.is(CellRecord::IS_EXIT), &mut facts.exits);
+            count(cell.is(CellRecord::IS_REST), &mut facts.rests);
+        }
+        let links = 0..graph.links(instance).len() as u32;
+        facts.links = links.map(|l| world.reason(instance, Item::Link(l))).collect();
+        facts
+    }
+
+    /// Links that are taken out for a reason.
+    pub fn taken_out(&self, reason: Reason) -> usize {
+        self.links.iter().filter(|l| **l == Some(reason)).count()
+    }
+
+    /// Links that are left.
+    pub fn left(&self) -> usize {
+        self.links.iter().filter(|l| l.is_none()).count()
+    }
+}
+
+/// A reason in plain words.
+pub fn words(reason: Reason) -> &'static str {
+    match reason {
+        Reason::NoNeighbour => "no tile across the edge",
+        Reason::Obstacle => "a unit is in the way",
+        Reason::DeadEnd => "leads nowhere",
+        Reason::OutsideComponent => "not reached from the rest",
+    }
+}
+
+/// Shows what there is to say of an instance.
+pub fn show(
+    ui: &mut Ui,
+    model: &Model,
+    world: &WorldDocument,
+    (instance, facts): (u32, &Facts),
+    commands: &mut Vec<Command>,
+) {
+    ui.horizontal_wrapped(|ui| {
+        ui.strong(format!("Patch {}", world.patch_name(instance)));
+        ui.weak(format!("instance {instance}, {}", if world.graph().is_tile(instance) { "tile" } else { "block" }));
+    });
+    choose(ui, model, world, instance, commands);
+    let of = |[left, all]: [usize; 2]| format!("{left} of {all} left");
+    Grid::new("facts").num_columns(2).spacing([14.0, 3.0]).show(ui, |ui| {
+        let mut row = |name: &str, value: String| {
+            ui.label(name);
+            ui.label(value);
+            ui.end_row();
+        };
+        let units: Vec<String> = world.graph().resources(instance).iter().map(|&u| unit(world, u)).collect();
+        row("units", units.join(", "));
+        row("cells", of(facts.cells));
+        if facts.entries[1] + facts.exits[1] > 0 {
+            row("entries", of(facts.entries));
+            row("exits", of(facts.exits));
+        }
+        row("places to stay", of(facts.rests));
+        row("links", of([facts.left(), facts.links.len()]));
+        row("overlaps", format!("{} others", facts.neighbours));
+    });
+    for reason in Reason::ALL.into_iter().filter(|&r| facts.taken_out(r) > 0) {
+        ui.label(format!("{} taken out: {}", facts.taken_out(reason), words(reason)));
+    }
+    let mut shown = !model.selection.world.hides_links;
+    ui.horizontal_wrapped(|ui| {
+        if ui.checkbox(&mut shown, "Draw links:").changed() {
+            commands.push(Command::World(WorldCommand::ShowLinks(shown)));
+        }
+        for (colour, name) in [(ENABLED, "left"), (DISABLED, "taken out")] {
+            let [r, g, b, _] = colour.0;
+            ui.colored_label(Color32::from_rgb(r, g, b), "■");
+            ui.label(name);
+        }
+    });
+}
+
+/// Name and number of a placed unit.
+fn unit(world: &WorldDocument, place: u32) -> String {
+    let name = world.placed().get(place as usize).map_or("unit", |p| &world.unit(p.unit).name);
+    format!("{name} {place}")
+}
+
+/// One of the instances that the selected unit is part of.
+fn choose(ui: &mut Ui, model: &Model, world: &WorldDocument, instance: u32, commands: &mut Vec<Command>) {
+    let Some(place) = model.selection.world.place else { return };
+    let all = world.instances_of(place);
+    if all.len() < 2 {
+        return;
+    }
+    let name = |i: u32| format!("{} ({i})", world.patch_name(i));
+    ui.horizontal_wrapped(|ui| {
+        ui.label(format!("The unit is in {} patches:", all.len()));
+        ComboBox::from_id_salt("instance").selected_text(name(instance)).show_ui(ui, |ui| {
+            for i in all {
+                if ui.selectable_label(i == instance, name(i)).clicked() {
+                    commands.push(Command::World(WorldCommand::SelectInstance(Some(i))));
+                }
+            }
+        });
+    });
+}

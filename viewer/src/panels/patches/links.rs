@@ -1,0 +1,65 @@
+//! The links of an instance that are taken out, as a list.
+
+use super::facts::{Facts, words};
+use crate::command::Command;
+use crate::document::WorldDocument;
+use crate::model::Model;
+use crate::model::world::WorldCommand;
+use crate::panels::paint::{Cell, Click, Column, Table};
+use eframe::egui::{CollapsingHeader, Ui, vec2};
+use throng_runtime::patch::LinkRecord;
+
+const COLUMNS: [Column<'static>; 4] = [
+    Column::number("link", "Number within the patch", 44.0),
+    Column::text("clip and time", "Motion that it plays", 110.0, 1.0),
+    Column::number("frames", "Frames that it plays", 48.0),
+    Column::text("taken out", "In a word; a click shows all of it", 120.0, 1.0),
+];
+/// Height of the list. [Unit: points]
+const HEIGHT: f32 = 170.0;
+
+/// Shows the list; a click selects a link.
+pub fn show(
+    ui: &mut Ui,
+    model: &Model,
+    world: &WorldDocument,
+    (instance, facts): (u32, &Facts),
+    commands: &mut Vec<Command>,
+) {
+    let (graph, selected) = (world.graph(), model.selection.world.link);
+    let out: Vec<usize> = (0..facts.links.len()).filter(|&l| facts.links[l].is_some()).collect();
+    if out.is_empty() {
+        return;
+    }
+    CollapsingHeader::new(format!("{} links taken out", out.len())).default_open(true).show(ui, |ui| {
+        let size = vec2(ui.available_width(), HEIGHT);
+        ui.allocate_ui(size, |ui| {
+            ui.set_min_size(size);
+            let table = Table {
+                click: Click::Does("Show"),
+                selected: selected.and_then(|s| out.iter().position(|&l| l == s as usize)),
+                ..Table::new("links taken out", &COLUMNS, out.len())
+            };
+            let response = table.show(ui, |row, column| {
+                let (number, link) = (out[row], &graph.links(instance)[out[row]]);
+                match column {
+                    0 => Cell::new(number.to_string()),
+                    1 => Cell::new(motion(world, link)).ending(),
+                    2 => Cell::new(link.num_frames.to_string()),
+                    _ => Cell::new(facts.links[number].map_or("", words)),
+                }
+            });
+            if let Some(&link) = response.chosen.and_then(|row| out.get(row)) {
+                commands.push(Command::World(WorldCommand::SelectLink(Some(link as u32))));
+            }
+        });
+    });
+}
+
+/// Clip and time that a link begins at.
+fn motion(world: &WorldDocument, link: &LinkRecord) -> String {
+    let bundle = world.bundle();
+    let clip = bundle.clip_of(link.frame);
+    let first = bundle.tables().clips().get(clip).map_or(0, |c| c.first_frame);
+    format!("{} {:.2} s", bundle.clip_name(clip), (link.frame - first) as f32 / bundle.rate_hz())
+}

@@ -1,0 +1,103 @@
+//! Worlds of motion patches: the patch that is looked at, the way of a character, what it is told to do, and edits.
+
+mod character;
+mod edit;
+mod facts;
+mod links;
+
+use crate::command::Command;
+use crate::model::Model;
+use crate::model::world::{Tool, WorldCommand};
+use eframe::egui::Ui;
+use facts::Facts;
+use throng_precompute::stitch::Item;
+
+/// What the panel remembers.
+#[derive(Clone, Debug, Default)]
+pub struct State {
+    /// What was counted of the patch that is looked at, and of which state of which world.
+    facts: Option<((u64, u64, u32), Facts)>,
+    /// Why the selected link is taken out, likewise.
+    why: Option<((u64, u64, u32, u32), Option<String>)>,
+    /// Unit that is to be placed.
+    unit: usize,
+    /// File that the world is written to, as it was typed.
+    file: Option<String>,
+    /// How long somebody is to do something. [Unit: s]
+    seconds: Option<f32>,
+    /// Number of characters as it is typed.
+    characters: Option<usize>,
+}
+
+/// Shows the panel.
+pub fn show(ui: &mut Ui, model: &Model, state: &mut State, commands: &mut Vec<Command>) {
+    let Some(world) = model.document.world() else {
+        ui.weak("Open a world of motion patches, or a scene in one: data/worlds/*.toml, data/scenes/*.toml.");
+        return;
+    };
+    tools(ui, model, state, commands);
+    ui.separator();
+    character::show(ui, model, world, state, commands);
+    ui.separator();
+    match model.looked_at_instance() {
+        None => _ = ui.weak("Click a unit, or a character, to see the patch there."),
+        Some(instance) => {
+            let key = (model.generation, world.revision(), instance);
+            if state.facts.as_ref().is_none_or(|f| f.0 != key) {
+                state.facts = Some((key, Facts::of(world, instance)));
+            }
+            if let Some((_, facts)) = &state.facts {
+                facts::show(ui, model, world, (instance, facts), commands);
+                links::show(ui, model, world, (instance, facts), commands);
+            }
+            why(ui, model, state, instance);
+        }
+    }
+    ui.separator();
+    edit::show(ui, model, world, state, commands);
+}
+
+/// What a click does.
+fn tools(ui: &mut Ui, model: &Model, state: &State, commands: &mut Vec<Command>) {
+    let now = model.selection.world.tool;
+    ui.horizontal_wrapped(|ui| {
+        for (tool, name, tip) in [
+            (Tool::Look, "Look", "A click selects a character or a unit"),
+            (Tool::Send, "Send", "A click sends the selected character there; with Ctrl, it does so always"),
+            (Tool::Move, "Move", "Units are dragged; Q and E turn the selected one, Delete removes it"),
+            (Tool::Create(state.unit), "Create", "A click places a unit; Q and E turn it before"),
+        ] {
+            let is_on = std::mem::discriminant(&now) == std::mem::discriminant(&tool);
+            if ui.selectable_label(is_on, name).on_hover_text(tip).clicked() {
+                commands.push(Command::World(WorldCommand::Tool(tool)));
+            }
+        }
+    });
+    let hint = match now {
+        Tool::Look => "Click a character or a unit.",
+        Tool::Send if model.selection.character.is_none() => "Select a character first (Look).",
+        Tool::Send => "Click where the selected character is to go.",
+        Tool::Move => {
+            "Drag a unit; Q, E turn it (Shift: quarter turns), Alt leaves it off the grid, Delete removes it."
+        }
+        Tool::Create(_) => "Click where the unit is to stand; Q, E turn it.",
+    };
+    ui.weak(hint);
+}
+
+/// Why the selected link is taken out.
+fn why(ui: &mut Ui, model: &Model, state: &mut State, instance: u32) {
+    let (Some(world), Some(link)) = (model.document.world(), model.selection.world.link) else { return };
+    if link as usize >= world.graph().links(instance).len() {
+        return;
+    }
+    let key = (model.generation, world.revision(), instance, link);
+    if state.why.as_ref().is_none_or(|w| w.0 != key) {
+        state.why = Some((key, world.why(instance, Item::Link(link)).map(|w| w.message)));
+    }
+    ui.add_space(4.0);
+    match state.why.as_ref().and_then(|w| w.1.as_deref()) {
+        Some(message) => ui.label(message),
+        None => ui.label(format!("Link {link} is left: characters take it.")),
+    };
+}

@@ -1,0 +1,172 @@
+//! What the mouse and keys do in a world: select, send, place, drag and turn.
+
+use crate::command::Command;
+use crate::document::WorldDocument;
+use crate::document::world::Change;
+use crate::model::Model;
+use crate::model::world::{Draft, Tool, WorldCommand, snapped};
+use crate::render::{self, Ray};
+use crate::stage::Layout;
+use eframe::egui::{CursorIcon, Key, PointerButton, Response, Ui};
+use glam::Vec3;
+use std::f32::consts::PI;
+use throng_runtime::patch::Placement;
+use throng_runtime::world::inhabitants::Wish;
+
+/// One press of a key turns a unit by this. [Unit: rad]
+const TURN: f32 = PI / 12.0;
+/// The same with Shift. [Unit: rad]
+const QUARTER: f32 = PI / 2.0;
+
+/// A unit that is dragged.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Dragged {
+    /// Number of the place.
+    place: usize,
+    /// From where it was taken hold of, at that height, to its origin. [Unit: m]
+    offset: Vec3,
+    /// That height. [Unit: m]
+    height: f32,
+    /// Where it would stand, before it is fitted to others.
+    free: Placement,
+}
+
+/// Lets units be dragged; true where one is.
+pub fn drag(
+    ui: &Ui,
+    response: &Response,
+    model: &Model,
+    ray: impl Fn(eframe::egui::Pos2) -> Ray,
+    dragged: &mut Option<Dragged>,
+    commands: &mut Vec<Command>,
+) -> bool {
+    let Some(world) = model.shown_world().filter(|_| model.selection.world.tool == Tool::Move) else {
+        *dragged = None;
+        return false;
+    };
+    if response.drag_started_by(PointerButton::Primary)
+        && !ui.input(|i| i.modifiers.shift)
+        && let Some(at) = ui.input(|i| i.pointer.press_origin())
+        && let Some((Some(place), met)) = world.pick(&ray(at))
+        && let Some(p) = world.placed().get(place)
+    {
+        let offset = p.placement.translation() - met;
+        *dragged = Some(Dragged { place, offset, height: met.y, free: p.placement });
+        commands.push(Command::World(WorldCommand::SelectPlace(Some(place))));
+    }
+    let Some(d) = dragged else { return false };
+    let Some(unit) = world.placed().get(d.place).map(|p| p.unit) else { return false };
+    if let Some(to) = response.interact_pointer_pos().and_then(|p| ray(p).meets_height(d.height)) {
+        let at = to + d.offset;
+        d.free = Placement { x: at.x, z: at.z, heading: d.free.heading + turned(ui), ..d.free };
+    }
+    let at = fitted(ui, world, unit, Some(d.place), d.free);
+    commands.push(Command::World(WorldCommand::Draft(Some(Draft { unit, at }))));
+    if !response.dragged_by(PointerButton::Primary) {
+        let change = Change::Move { place: d.place, to: at };
+        commands.push(Command::World(if world.placed()[d.place].placement == at {
+            WorldCommand::Draft(None)
+        } else {
+            WorldCommand::Edit(change)
+        }));
+        *dragged = None;
+        return false;
+    }
+    ui.set_cursor_icon(CursorIcon::Grabbing);
+    true
+}
+
+/// Where a unit would go: beside others of its kind; where it is held, with the Alt key.
+fn fitted(ui: &Ui, world: &WorldDocument, unit: usize, but: Option<usize>, free: Placement) -> Placement {
+    if ui.input(|i| i.modifiers.alt) {
+        return free;
+    }
+    let others = world.placed().iter().enumerate().filter(|(i, p)| p.unit == unit && Some(*i) != but);
+    snapped(world.unit(unit), others.map(|o| o.1.placement), free)
+}
+
+/// Angle that keys turn a unit by. [Unit: rad]
+fn turned(ui: &Ui) -> f32 {
+    if ui.ctx().text_edit_focused() {
+        return 0.0;
+    }
+    ui.input(|i| {
+        let step = if i.modifiers.shift { QUARTER } else { TURN };
+        let count = |key| f32::from(u8::from(i.key_pressed(key)));
+        step * (count(Key::Q) - count(Key::E))
+    })
+}
+
+/// Keys that turn and remove the selected unit, while units are moved.
+pub fn keys(ui: &Ui, model: &Model, is_dragging: bool, commands: &mut Vec<Command>) {
+    let Some(world) = model.shown_world().filter(|_| model.selection.world.tool == Tool::Move && !is_dragging) else {
+        return;
+    };
+    let Some(place) = model.selection.world.place.filter(|&p| p < world.placed().len()) else { return };
+    let angle = turned(ui);
+    if angle != 0.0 {
+        let at = world.placed()[place].placement;
+        let to = Placement { heading: at.heading + angle, ..at }.wrapped();
+        commands.push(Command::World(WorldCommand::Edit(Change::Move { place, to })));
+    }
+    if !ui.ctx().text_edit_focused() && ui.input(|i| i.key_pressed(Key::Delete)) {
+        commands.push(Command::World(WorldCommand::Edit(Change::Remove { place })));
+    }
+}
+
+/// Shows the unit that a click would place.
+pub fn hover(ui: &Ui, model: &Model, ray: Option<Ray>, heading: &mut f32, commands: &mut Vec<Command>) {
+    let (Some(world), Tool::Create(unit)) = (model.shown_world(), model.selection.world.tool) else { return };
+    if unit >= world.kit().units.units.len() {
+        return;
+    }
+    *heading += turned(ui);
+    let draft = ray
+        .and_then(|r| r.meets_height(height(world, unit, &r)))
+        .map(|p| Draft { unit, at: fitted(ui, world, unit, None, Placement::new(p.x, p.y, p.z, *heading)) });
+    if draft != model.selection.world.draft {
+        commands.push(Command::World(WorldCommand::Draft(draft)));
+    }
+}
+
+/// Height that a new unit stands at: that of what is pointed at; panels lie level with others. [Unit: m]
+fn height(world: &WorldDocument, unit: usize, ray: &Ray) -> f32 {
+    match world.pick(ray) {
+        Some((Some(place), _)) if world.unit(unit).floor => world.placed()[place].placement.y,
+        Some((Some(_), met)) => met.y,
+        _ => 0.0,
+    }
+}
+
+/// What a click does.
+pub fn click(ui: &Ui, model: &Model, world: &WorldDocument, layout: &Layout, ray: &Ray, commands: &mut Vec<Command>) {
+    let look = &model.selection.world;
+    let sends = look.tool == Tool::Send || ui.input(|i| i.modifiers.command);
+    if sends && let Some(character) = model.selection.character {
+        if let Some((_, place)) = world.pick(ray) {
+            let wish = Some(Wish::GoToPlace { place });
+            commands.push(Command::World(WorldCommand::Tell { character, wish }));
+        }
+        return;
+    }
+    if let Tool::Create(_) = look.tool {
+        if let Some(d) = look.draft {
+            let change = Change::Add { unit: d.unit, at: d.at };
+            commands.push(Command::World(WorldCommand::Edit(change)));
+        }
+        return;
+    }
+    let character = render::pick(ray, &layout.skeleton, layout.poses(model), &layout.instances);
+    let unit = world.pick(ray);
+    let far = unit.map_or(f32::INFINITY, |u| u.1.distance(ray.origin));
+    match character.filter(|h| look.tool != Tool::Move && h.distance < far + 0.3) {
+        Some(hit) => commands.push(Command::SelectCharacter(Some(hit.character))),
+        None => {
+            let place = unit.and_then(|u| u.0);
+            if place.is_none() && look.place.is_none() {
+                commands.push(Command::SelectCharacter(None));
+            }
+            commands.push(Command::World(WorldCommand::SelectPlace(place)));
+        }
+    }
+}

@@ -1,0 +1,159 @@
+//! Draws what stands in the world: one instanced draw for each mesh.
+
+use super::buffer::GrowingBuffer;
+use super::pipelines::{self, Input, Output, Recipe};
+use super::solids::{SolidInstance, SolidMesh};
+use super::{RenderError, Rgba, Solids};
+use bytemuck::{Pod, Zeroable};
+use std::ops::Range;
+use std::sync::Arc;
+
+/// The struct `SolidIn` of `shaders/solids.wgsl`, but for the corner.
+#[derive(Clone, Copy, Pod, Zeroable)]
+#[repr(C)]
+pub(super) struct GpuSolid {
+    /// x, y, z, heading.
+    placement: [f32; 4],
+    colour: Rgba,
+}
+
+/// Copies of one mesh that are drawn at once.
+struct Batch {
+    indices: Range<u32>,
+    base_vertex: i32,
+    instances: Range<u32>,
+    is_ghost: bool,
+}
+
+/// What stands in the world, on the GPU.
+pub(super) struct SolidDraws {
+    solid: wgpu::RenderPipeline,
+    ghost: wgpu::RenderPipeline,
+    vertices: GrowingBuffer,
+    indices: GrowingBuffer,
+    instances: GrowingBuffer,
+    /// What was uploaded last.
+    meshes: Arc<[SolidMesh]>,
+    /// First index and first vertex of each mesh.
+    starts: Vec<(u32, i32)>,
+    shown: Vec<SolidInstance>,
+    batches: Vec<Batch>,
+}
+
+impl SolidDraws {
+    /// - `mask_layout`: of the shadow mask, which falls on what lies on the ground.
+    pub fn new(
+        device: &wgpu::Device,
+        scene_layout: &wgpu::BindGroupLayout,
+        mask_layout: &wgpu::BindGroupLayout,
+    ) -> Self {
+        let pieces = [include_str!("shaders/scene.wgsl"), include_str!("shaders/solids.wgsl")];
+        let shader = &pipelines::shader(device, "solids", &pieces);
+        let groups = &[scene_layout, mask_layout];
+        let pipeline = |output| {
+            let (stages, hidden) = (["solid_vertex", "solid_fragment"], Some(wgpu::Face::Back));
+            let input = Input::Solids;
+            Recipe { label: "things", shader, stages, groups, input, output, strip: false, hidden }.build(device)
+        };
+        Self {
+            solid: pipeline(Output::SOLID),
+            ghost: pipeline(Output::GHOST),
+            vertices: GrowingBuffer::new(device, "corners of things", wgpu::BufferUsages::VERTEX),
+            indices: GrowingBuffer::new(device, "triangles of things", wgpu::BufferUsages::INDEX),
+            instances: GrowingBuffer::new(device, "things", wgpu::BufferUsages::VERTEX),
+            meshes: Arc::default(),
+            starts: Vec::new(),
+            shown: Vec::new(),
+            batches: Vec::new(),
+        }
+    }
+
+    /// Hands over what has changed; returns the bytes moved.
+    pub fn upload(&mut self, device: &wgpu::Device, queue: &wgpu::Queue, solids: &Solids) -> Result<u64, RenderError> {
+        let mut bytes = 0;
+        let are_new = !Arc::ptr_eq(&self.meshes, &solids.meshes);
+        if are_new {
+            bytes += self.upload_meshes(device, queue, &solids.meshes)?;
+            self.meshes = Arc::clone(&solids.meshes);
+        }
+        if are_new || self.shown != solids.instances {
+            self.shown.clone_from(&solids.instances);
+            bytes += self.upload_instances(device, queue)?;
+        }
+        Ok(bytes)
+    }
+
+    fn upload_meshes(
+        &mut self,
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        meshes: &[SolidMesh],
+    ) -> Result<u64, RenderError> {
+        self.batches.clear();
+        self.starts.clear();
+        let (mut vertices, mut indices) = (Vec::new(), Vec::new());
+        for mesh in meshes {
+            self.starts.push((indices.len() as u32, vertices.len() as i32));
+            vertices.extend_from_slice(&mesh.vertices);
+            indices.extend_from_slice(&mesh.indices);
+        }
+        self.vertices.write(device, queue, &vertices)?;
+        self.indices.write(device, queue, &indices)?;
+        Ok((size_of_val(&vertices[..]) + size_of_val(&indices[..])) as u64)
+    }
+
+    fn upload_instances(&mut self, device: &wgpu::Device, queue: &wgpu::Queue) -> Result<u64, RenderError> {
+        self.batches.clear();
+        let is_ghost = |s: &SolidInstance| s.colour.0[3] < 255;
+        let mut sorted: Vec<&SolidInstance> =
+            self.shown.iter().filter(|s| (s.mesh as usize) < self.starts.len()).collect();
+        sorted.sort_by_key(|s| (is_ghost(s), s.mesh));
+        let gpu: Vec<GpuSolid> = sorted
+            .iter()
+            .map(|s| {
+                let p = s.placement;
+                GpuSolid { placement: [p.x, p.y, p.z, p.heading], colour: s.colour }
+            })
+            .collect();
+        self.instances.write(device, queue, &gpu)?;
+        let mut first = 0;
+        for group in sorted.chunk_by(|a, b| (is_ghost(a), a.mesh) == (is_ghost(b), b.mesh)) {
+            let mesh = group[0].mesh as usize;
+            let (start, base_vertex) = self.starts[mesh];
+            let next = first + group.len() as u32;
+            self.batches.push(Batch {
+                indices: start..start + self.meshes[mesh].indices.len() as u32,
+                base_vertex,
+                instances: first..next,
+                is_ghost: is_ghost(group[0]),
+            });
+            first = next;
+        }
+        Ok(size_of_val(&gpu[..]) as u64)
+    }
+
+    /// Draws what hides what is behind; returns how many triangles. Group 1 has to be the shadow mask.
+    pub fn draw_solid(&self, pass: &mut wgpu::RenderPass<'_>) -> u64 {
+        self.draw(pass, false)
+    }
+
+    /// Draws what can be seen through; returns how many triangles. Group 1 has to be the shadow mask.
+    pub fn draw_ghosts(&self, pass: &mut wgpu::RenderPass<'_>) -> u64 {
+        self.draw(pass, true)
+    }
+
+    fn draw(&self, pass: &mut wgpu::RenderPass<'_>, ghosts: bool) -> u64 {
+        let mut triangles = 0;
+        for b in self.batches.iter().filter(|b| b.is_ghost == ghosts && !b.indices.is_empty()) {
+            if triangles == 0 {
+                pass.set_pipeline(if ghosts { &self.ghost } else { &self.solid });
+                pass.set_vertex_buffer(0, self.vertices.get().slice(..));
+                pass.set_vertex_buffer(1, self.instances.get().slice(..));
+                pass.set_index_buffer(self.indices.get().slice(..), wgpu::IndexFormat::Uint32);
+            }
+            pass.draw_indexed(b.indices.clone(), b.base_vertex, b.instances.clone());
+            triangles += b.indices.len() as u64 / 3 * b.instances.len() as u64;
+        }
+        triangles
+    }
+}

@@ -1,0 +1,192 @@
+//! Things that stand in the world: meshes of boxes, bars and triangles, each made once and drawn wherever it stands.
+
+use super::{Ray, Rgba};
+use bytemuck::{Pod, Zeroable};
+use glam::{Quat, Vec3};
+use std::f32::consts::{PI, TAU};
+use std::sync::Arc;
+use throng_runtime::patch::Placement;
+
+/// Corners around a bar, and rings of each of its ends.
+const AROUND: usize = 10;
+const END_RINGS: usize = 2;
+
+/// Corner of a mesh.
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub(super) struct SolidVertex {
+    pub position: [f32; 3],
+    pub normal: [f32; 3],
+}
+
+/// Triangles in the frame of a thing.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct SolidMesh {
+    pub(super) vertices: Vec<SolidVertex>,
+    pub(super) indices: Vec<u32>,
+}
+
+/// A thing and where it stands. With alpha below 1 it can be seen through and is drawn after all others.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SolidInstance {
+    /// Number of its mesh.
+    pub mesh: u32,
+    /// Its frame in the world.
+    pub placement: Placement,
+    /// Its colour.
+    pub colour: Rgba,
+}
+
+/// All that stands in the world.
+#[derive(Clone, Debug, Default)]
+pub struct Solids {
+    /// The meshes; the same `Arc` stands for the same meshes.
+    pub meshes: Arc<[SolidMesh]>,
+    /// What stands where.
+    pub instances: Vec<SolidInstance>,
+}
+
+impl SolidMesh {
+    /// Adds a box. [Unit: m]
+    ///
+    /// - `half`: half of its edge lengths along its own axes, which `rotation` turns.
+    pub fn add_box(&mut self, centre: Vec3, rotation: Quat, half: Vec3) {
+        for axis in 0..3 {
+            for side in [-1.0, 1.0] {
+                let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
+                let mut normal = Vec3::ZERO;
+                normal[axis] = side;
+                let corner = |a: f32, b: f32| {
+                    let mut p = normal * half;
+                    (p[u], p[v]) = (a * side * half[u], b * half[v]);
+                    centre + rotation * p
+                };
+                let face = [corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.0), corner(-1.0, 1.0)];
+                self.add_face(&face, rotation * normal);
+            }
+        }
+    }
+
+    /// Adds a bar with round ends. [Unit: m]
+    pub fn add_bar(&mut self, from: Vec3, to: Vec3, radius: f32) {
+        let y = (to - from).normalize_or(Vec3::Y);
+        let (x, z) = y.any_orthonormal_pair();
+        let first = self.vertices.len() as u32;
+        let rings = 2 * (END_RINGS + 1);
+        for r in 0..rings {
+            let (end, step) = if r <= END_RINGS { (from, r as f32) } else { (to, (r - 1) as f32) };
+            let (up, out) = (PI * (step / (2 * END_RINGS) as f32 - 0.5)).sin_cos();
+            for i in 0..AROUND {
+                let (s, c) = (TAU * i as f32 / AROUND as f32).sin_cos();
+                let normal = (x * c + z * s) * out + y * up;
+                let position = (end + normal * radius).to_array();
+                self.vertices.push(SolidVertex { position, normal: normal.to_array() });
+            }
+        }
+        for r in 0..rings - 1 {
+            for i in 0..AROUND {
+                let at = |r: usize, i: usize| first + (r * AROUND + i % AROUND) as u32;
+                let [a, b, c, d] = [at(r, i), at(r + 1, i), at(r + 1, i + 1), at(r, i + 1)];
+                self.indices.extend([a, c, b, a, d, c]);
+            }
+        }
+    }
+
+    /// Adds a triangle, which is seen from both sides. [Unit: m]
+    pub fn add_triangle(&mut self, [a, b, c]: [Vec3; 3]) {
+        let normal = (b - a).cross(c - a).normalize_or(Vec3::Y);
+        self.add_face(&[a, b, c], normal);
+        self.add_face(&[a, c, b], -normal);
+    }
+
+    /// A convex face, its corners counter-clockwise as seen from outside.
+    fn add_face(&mut self, corners: &[Vec3], normal: Vec3) {
+        let first = self.vertices.len() as u32;
+        let normal = normal.to_array();
+        self.vertices.extend(corners.iter().map(|c| SolidVertex { position: c.to_array(), normal }));
+        for i in 2..corners.len() as u32 {
+            self.indices.extend([first, first + i - 1, first + i]);
+        }
+    }
+
+    /// Where a ray first meets it, standing somewhere: the distance along the ray. [Unit: m]
+    pub fn meets(&self, ray: &Ray, at: Placement) -> Option<f32> {
+        let turn = Quat::from_rotation_y(-at.heading);
+        let local = Ray { origin: at.inverse_transform_point(ray.origin), direction: turn * ray.direction };
+        let corner = |i: u32| Vec3::from(self.vertices[i as usize].position);
+        let met = self.indices.chunks_exact(3).filter_map(|t| meets_triangle(&local, [0, 1, 2].map(|k| corner(t[k]))));
+        met.min_by(f32::total_cmp)
+    }
+}
+
+/// Where a ray meets a triangle from outside.
+fn meets_triangle(ray: &Ray, [a, b, c]: [Vec3; 3]) -> Option<f32> {
+    let (ab, ac) = (b - a, c - a);
+    let across = ray.direction.cross(ac);
+    let size = ab.dot(across);
+    if size <= 1e-12 {
+        return None;
+    }
+    let from = ray.origin - a;
+    let u = from.dot(across) / size;
+    let over = from.cross(ab);
+    let v = ray.direction.dot(over) / size;
+    let t = ac.dot(over) / size;
+    (u >= 0.0 && v >= 0.0 && u + v <= 1.0 && t > 0.0).then_some(t)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn every_triangle_faces_away_from(mesh: &SolidMesh, middle: Vec3) {
+        for t in mesh.indices.chunks_exact(3) {
+            let v = [0, 1, 2].map(|k| mesh.vertices[t[k] as usize]);
+            let p = v.map(|v| Vec3::from(v.position));
+            let normal = (p[1] - p[0]).cross(p[2] - p[0]);
+            assert!(normal.dot((p[0] + p[1] + p[2]) / 3.0 - middle) > -1e-7);
+            assert!(normal.length() < 1e-7 || normal.dot(Vec3::from(v[0].normal)) > 0.0);
+        }
+    }
+
+    #[test]
+    fn boxes_and_bars_face_outwards() {
+        let mut mesh = SolidMesh::default();
+        let centre = Vec3::new(1.0, 2.0, -0.5);
+        mesh.add_box(centre, Quat::from_rotation_y(0.7), Vec3::new(0.5, 0.2, 1.0));
+        assert_eq!((mesh.vertices.len(), mesh.indices.len()), (24, 36));
+        every_triangle_faces_away_from(&mesh, centre);
+        let mut mesh = SolidMesh::default();
+        let (from, to) = (Vec3::new(0.0, 0.3, 0.0), Vec3::new(0.4, 1.0, 0.2));
+        mesh.add_bar(from, to, 0.05);
+        every_triangle_faces_away_from(&mesh, 0.5 * (from + to));
+        for v in &mesh.vertices {
+            let p = Vec3::from(v.position);
+            let t = ((p - from).dot(to - from) / (to - from).length_squared()).clamp(0.0, 1.0);
+            assert!((p.distance(from.lerp(to, t)) - 0.05).abs() < 1e-5);
+        }
+    }
+
+    #[test]
+    fn rays_meet_what_stands_turned_and_elsewhere() {
+        let mut mesh = SolidMesh::default();
+        mesh.add_box(Vec3::new(0.0, 0.5, 0.0), Quat::IDENTITY, Vec3::new(1.0, 0.5, 0.1));
+        let ray = Ray { origin: Vec3::new(5.0, 0.5, -7.0), direction: Vec3::Z };
+        let at = |heading| Placement::new(5.0, 0.0, 3.0, heading);
+        assert!(mesh.meets(&ray, at(0.0)).is_some_and(|d| (d - 9.9).abs() < 1e-4));
+        assert!(mesh.meets(&ray, at(0.5 * PI)).is_some_and(|d| (d - 9.0).abs() < 1e-4));
+        let beside = Ray { origin: ray.origin + Vec3::X * 0.5, ..ray };
+        assert!(mesh.meets(&beside, at(0.0)).is_some() && mesh.meets(&beside, at(0.5 * PI)).is_none());
+        assert!(mesh.meets(&Ray { direction: -Vec3::Z, ..ray }, at(0.0)).is_none());
+    }
+
+    #[test]
+    fn a_triangle_is_met_from_both_sides() {
+        let mut mesh = SolidMesh::default();
+        mesh.add_triangle([Vec3::ZERO, Vec3::X, Vec3::Y]);
+        for side in [-1.0, 1.0] {
+            let ray = Ray { origin: Vec3::new(0.2, 0.2, 2.0 * side), direction: Vec3::Z * -side };
+            assert!(mesh.meets(&ray, Placement::IDENTITY).is_some_and(|d| (d - 2.0).abs() < 1e-5));
+        }
+    }
+}

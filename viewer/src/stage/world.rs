@@ -1,0 +1,233 @@
+//! A world: what stands there, who lives there, and the patch that is looked at.
+
+use super::{Layout, Palette, cues};
+use crate::document::WorldDocument;
+use crate::model::Model;
+use crate::render::{CharacterInstance, Emphasis, Rgba, SolidInstance};
+use crate::settings::Colouring;
+use glam::Vec3;
+use throng_precompute::environment::Bounds;
+use throng_precompute::stitch::Item;
+use throng_runtime::patch::{CellRecord, KIND_TILE, Placement};
+use throng_runtime::world::inhabitants::Doing;
+use throng_runtime::world::{Node, Step};
+
+/// Length of trails. [Unit: s]
+const TRAIL_S: f32 = 6.0;
+/// About so many links of an instance are drawn at most, spread over all of them.
+const MAX_LINKS: usize = 500;
+/// Lines on the ground lie so much above it. [Unit: m]
+const ABOVE: f32 = 0.02;
+
+/// What links that are left are drawn in.
+pub const ENABLED: Rgba = Rgba::hex(0x2fb39b);
+/// What links that are taken out are drawn in.
+pub const DISABLED: Rgba = Rgba::hex(0xe0564f);
+/// What the way that is planned is drawn in.
+pub const PLANNED: Rgba = Rgba::hex(0xf2b134);
+
+/// What somebody is about, in a colour.
+pub fn colour_of(doing: Doing) -> Rgba {
+    match doing {
+        Doing::Roaming => Rgba::hex(0xb9c0c9),
+        Doing::Planning | Doing::Walking => Rgba::hex(0xe8743b),
+        Doing::Waiting => Rgba::hex(0xe0457b),
+        Doing::Detour => Rgba::hex(0xf2b134),
+        Doing::Performing => Rgba::hex(0x8f6fd6),
+        Doing::Arrived => Rgba::hex(0x2fb39b),
+        Doing::Unreachable => Rgba::hex(0x9c2f2f),
+    }
+}
+
+pub(super) fn lay_out(out: &mut Layout, model: &Model, world: &WorldDocument, palette: &Palette, dark: bool) {
+    units(out, model, world, palette, dark);
+    inhabitants(out, model, world, palette);
+    if let Some(c) = model.selection.character.filter(|&c| c < world.run().num_characters()) {
+        cues_of(out, model, world, c, palette);
+    }
+    if let Some(instance) = model.looked_at_instance() {
+        patch(out, model, world, instance, palette);
+    }
+}
+
+fn units(out: &mut Layout, model: &Model, world: &WorldDocument, palette: &Palette, dark: bool) {
+    let look = &model.selection.world;
+    let moved = look.draft.and(look.place);
+    let placed = world.placed().iter().enumerate();
+    out.solids.instances.extend(placed.map(|(i, p)| {
+        let unit = world.unit(p.unit);
+        let colour = colour_of_unit(&unit.name, unit.floor, p.placement, dark);
+        let colour = if moved == Some(i) { colour.alpha(0.25) } else { colour };
+        SolidInstance { mesh: p.unit as u32, placement: p.placement, colour }
+    }));
+    if let Some(p) = look.place.and_then(|p| world.placed().get(p)) {
+        outline(out, world.kit().geometries[p.unit].bounds, p.placement, palette.selected);
+    }
+    if let Some(draft) = look.draft.filter(|d| d.unit < world.kit().geometries.len()) {
+        let colour = palette.selected.alpha(0.6);
+        out.solids.instances.push(SolidInstance { mesh: draft.unit as u32, placement: draft.at, colour });
+        outline(out, world.kit().geometries[draft.unit].bounds, draft.at, palette.selected);
+        let (from, ahead) = (draft.at.translation().with_y(draft.at.y + ABOVE), draft.at.planar().rotation() * Vec3::Z);
+        out.shapes.on_top(true).arrow(from, from + ahead * 0.8, 0.03, palette.selected);
+        out.shapes.on_top(false);
+    }
+}
+
+/// The same colour for the same unit; panels that are walked on lie on a chequered board, so that each can be seen.
+fn colour_of_unit(name: &str, floor: bool, at: Placement, dark: bool) -> Rgba {
+    let hash = name.bytes().fold(0x811c_9dc5_u32, |h, b| (h ^ u32::from(b)).wrapping_mul(0x0100_0193));
+    const HUES: [u32; 6] = [0x8a7458, 0x5f7a94, 0x8a6070, 0x6c8560, 0x7a6a94, 0x9a8a50];
+    let hue = Rgba::hex(HUES[(hash >> 8) as usize % HUES.len()]);
+    if !floor {
+        return if dark { hue } else { hue.mix(Rgba::WHITE, 0.25) };
+    }
+    let base = if dark { Rgba::hex(0x4a4f57) } else { Rgba::hex(0xc4c6c8) };
+    let is_odd = ((at.x / 1.4).round() + (at.z / 1.4).round()).rem_euclid(4.0) < 1.0;
+    let ink = if dark { Rgba::WHITE } else { Rgba::hex(0) };
+    // Decks stand out from the ground below them.
+    let raised = (at.y / 12.0).clamp(0.0, 1.0).sqrt() * 0.3;
+    base.mix(hue, 0.18).mix(ink, if is_odd { 0.07 } else { 0.0 } + raised)
+}
+
+/// The edges of a box, seen through everything.
+fn outline(out: &mut Layout, bounds: Bounds, at: Placement, colour: Rgba) {
+    if bounds.is_empty() {
+        return;
+    }
+    out.shapes.on_top(true);
+    let corner = |i: usize| {
+        let pick = |k: usize, bit: usize| if i & bit == 0 { bounds.min[k] } else { bounds.max[k] };
+        at.transform_point(Vec3::new(pick(0, 1), pick(1, 2), pick(2, 4)))
+    };
+    for i in 0..8usize {
+        for bit in [1, 2, 4] {
+            if i & bit == 0 {
+                out.shapes.line(corner(i), corner(i | bit), 2.0, colour);
+            }
+        }
+    }
+    out.shapes.on_top(false);
+}
+
+fn inhabitants(out: &mut Layout, model: &Model, world: &WorldDocument, palette: &Palette) {
+    let moment = world.run().moment();
+    let selected = model.selection.character;
+    let colour = |c: usize| match model.settings.colouring {
+        Colouring::Target => colour_of(moment.minds[c].doing),
+        Colouring::Clip => cues::category(moment.minds[c].node.instance as usize),
+        Colouring::Speed | Colouring::Plain => palette.plain,
+    };
+    out.instances.extend(moment.roots.iter().enumerate().map(|(c, &root)| CharacterInstance {
+        root,
+        colour: colour(c),
+        emphasis: if selected == Some(c) { Emphasis::Selected } else { Emphasis::None },
+    }));
+}
+
+/// Where the selected character was, the way it goes, and what it holds.
+fn cues_of(out: &mut Layout, model: &Model, world: &WorldDocument, c: usize, palette: &Palette) {
+    let run = world.run();
+    let o = model.settings.overlays;
+    if o.trails {
+        let points: Vec<Vec3> = run.trail(c, TRAIL_S).map(|p| p - Vec3::Y * 0.9).collect();
+        out.shapes.polyline(&points, 2.0, palette.selected.alpha(0.7));
+    }
+    if o.joint_axes {
+        let pose = &run.moment().poses[c * throng_runtime::NUM_JOINTS..][..throng_runtime::NUM_JOINTS];
+        cues::joint_axes(&mut out.shapes, run.moment().roots[c], pose);
+    }
+    if !run.is_live() {
+        return;
+    }
+    let inhabitants = run.life().inhabitants();
+    for unit in inhabitants.held(c) {
+        if let Some(p) = world.placed().get(unit as usize) {
+            let bounds = world.kit().geometries[p.unit].bounds;
+            outline(out, bounds, p.placement, palette.selected.alpha(0.35));
+        }
+    }
+    way(out, world, inhabitants.reserved(c), palette.slow);
+    way(out, world, inhabitants.path(c), PLANNED);
+    if let Some(last) = inhabitants.path(c).last() {
+        let at = world.graph().place(last.to).translation();
+        out.shapes.sphere(at, 0.08, PLANNED);
+    }
+}
+
+/// Steps of a path as a line over the ground they are walked on.
+fn way(out: &mut Layout, world: &WorldDocument, steps: &[Step], colour: Rgba) {
+    let mut points: Vec<Vec3> = Vec::new();
+    for step in steps {
+        if let Some(link) = world.graph().link(step) {
+            let roots = world.link_path(step.instance, link, step.from_offset..=step.to_offset);
+            points.extend(roots.iter().map(|r| r.translation() + Vec3::Y * 2.0 * ABOVE));
+        }
+    }
+    out.shapes.polyline(&points, 3.5, colour);
+}
+
+/// The patch that is looked at: links, entries and exits.
+fn patch(out: &mut Layout, model: &Model, world: &WorldDocument, instance: u32, palette: &Palette) {
+    let (graph, look) = (world.graph(), &model.selection.world);
+    if !look.hides_links {
+        let links = graph.links(instance);
+        for (l, link) in links.iter().enumerate().step_by(links.len() / MAX_LINKS + 1) {
+            let is_left = world.reason(instance, Item::Link(l as u32)).is_none();
+            let colour = if is_left { ENABLED.alpha(0.45) } else { DISABLED.alpha(0.25) };
+            let points: Vec<Vec3> = world
+                .link_path(instance, link, 0..=link.num_frames)
+                .iter()
+                .map(|r| r.translation() + Vec3::Y * ABOVE)
+                .collect();
+            out.shapes.polyline(&points, 1.0, colour);
+        }
+    }
+    let is_tile = graph.patches().patches[graph.instance(instance).patch as usize].kind == KIND_TILE;
+    for (c, cell) in graph.cells(instance).iter().enumerate() {
+        let node = Node { instance, cell: c as u32 };
+        let place = graph.place(node);
+        let is_left = world.reason(instance, Item::Cell(c as u32)).is_none();
+        let ground = place.translation().with_y(ground_of(world, instance, c as u32));
+        let ahead = place.planar().rotation() * Vec3::Z * 0.18;
+        if is_tile && cell.edge != throng_runtime::patch::NONE {
+            let colour = if cell.is(CellRecord::IS_EXIT) { palette.fast } else { palette.slow };
+            let colour = if is_left { colour } else { colour.alpha(0.25) };
+            out.shapes.arrow(ground - ahead * 0.5, ground + ahead * 0.5, 0.008, colour);
+        } else if cell.is(CellRecord::IS_REST) && is_left {
+            out.shapes.disc(ground, 0.04, ENABLED);
+        }
+    }
+    if let Some(link) = look.link.and_then(|l| graph.links(instance).get(l as usize)) {
+        let roots = world.link_path(instance, link, 0..=link.num_frames);
+        let points: Vec<Vec3> = roots.iter().map(|r| r.translation() + Vec3::Y * 2.0 * ABOVE).collect();
+        out.shapes.on_top(true).polyline(&points, 4.0, palette.selected);
+        if let [.., a, b] = points[..] {
+            out.shapes.arrow(b + (a - b).normalize_or_zero() * 0.2, b, 0.02, palette.selected);
+        }
+        out.shapes.on_top(false);
+    }
+}
+
+/// Height of the ground at a cell: where a link begins there. [Unit: m]
+fn ground_of(world: &WorldDocument, instance: u32, cell: u32) -> f32 {
+    let (graph, record) = (world.graph(), world.graph().instance(instance));
+    let (cells, links) = (graph.cells(instance), graph.links(instance));
+    let begin = |c: &CellRecord| links.get(c.first_link as usize).filter(|_| c.num_links > 0).map(|l| l.start.y);
+    let here = &cells[cell as usize];
+    let across = || {
+        // None begins at an exit, but at the entry of the neighbour, which may stand higher.
+        let entry = cells.get(here.twin as usize).filter(|_| here.is(CellRecord::IS_EXIT))?;
+        let edge = graph.patches().edges_of(record.patch as usize).get(here.edge as usize)?;
+        Some(begin(entry)? + edge.step[1])
+    };
+    record.placement.y + begin(here).or_else(across).unwrap_or(0.0) + ABOVE
+}
+
+/// A box around the units and the characters. [Unit: m]
+pub(super) fn bounds(world: &WorldDocument) -> impl Iterator<Item = Vec3> {
+    let of_units = world.placed().iter().flat_map(|p| {
+        let b = world.kit().geometries[p.unit].bounds.placed(p.placement);
+        [b.min, b.max]
+    });
+    of_units.filter(|p| p.is_finite()).chain((0..world.run().num_characters()).map(|c| world.run().hips(c)))
+}

@@ -1,0 +1,147 @@
+//! Worlds of motion patches in the viewer: shown, told, edited with the mouse, and drawn without a screen.
+
+mod common;
+
+use common::square::Square;
+use common::{Viewing, adapter};
+use eframe::egui::{self, Key, Modifiers, PointerButton, Pos2, vec2};
+use egui_kittest::kittest::Queryable;
+use glam::{Vec2, Vec3};
+use throng_runtime::world::inhabitants::Wish;
+use throng_viewer::args::{Args, Character, PanelChoice, Size};
+use throng_viewer::command::Command;
+use throng_viewer::headless::draw_picture;
+use throng_viewer::model::world::{Tool, WorldCommand};
+use throng_viewer::panels::PanelKind;
+
+/// The panel Patches beside the view.
+fn opened(file: &std::path::Path) -> Viewing {
+    let panel = vec![PanelChoice::Open(PanelKind::Patches)];
+    let args = Args { file: Some(file.to_path_buf()), panel, ..Args::default() };
+    let mut v = Viewing::new(&args, vec2(1000.0, 700.0));
+    v.harness.run_steps(3);
+    v.apply(Command::Play(false));
+    v.apply(Command::FrameAll);
+    v.harness.run_steps(3);
+    v
+}
+
+/// Where a place of the world is on the screen.
+fn on_screen(v: &Viewing, place: Vec3) -> Pos2 {
+    let rect = v.harness.get_by_label("3-D view").rect();
+    let at: Vec2 = v.model().settings.camera.project(place, Vec2::new(rect.width(), rect.height())).expect("in view");
+    rect.min + vec2(at.x, at.y)
+}
+
+fn press(v: &mut Viewing, pos: Pos2, pressed: bool, modifiers: Modifiers) {
+    v.harness.event(egui::Event::PointerButton { pos, button: PointerButton::Primary, pressed, modifiers });
+    v.harness.run_steps(2);
+}
+
+fn click(v: &mut Viewing, pos: Pos2) {
+    v.harness.hover_at(pos);
+    v.harness.run_steps(2);
+    press(v, pos, true, Modifiers::NONE);
+    press(v, pos, false, Modifiers::NONE);
+}
+
+fn tool(v: &mut Viewing, tool: Tool) {
+    v.apply(Command::World(WorldCommand::Tool(tool)));
+    v.harness.run_steps(2);
+}
+
+#[test]
+fn units_are_created_dragged_turned_and_removed_and_characters_are_sent() {
+    let square = Square::new();
+    let mut v = opened(&square.world(3));
+    let num_units = |v: &Viewing| v.model().document.world().expect("a world").placed().len();
+    assert_eq!(num_units(&v), 10);
+    let post = |v: &Viewing| v.model().document.world().expect("a world").placed()[9].placement;
+
+    // A drag moves the post along the side.
+    tool(&mut v, Tool::Move);
+    let (from, to) = (on_screen(&v, Vec3::new(-2.2, 0.6, 0.0)), on_screen(&v, Vec3::new(-2.2, 0.6, 2.0)));
+    v.harness.hover_at(from);
+    press(&mut v, from, true, Modifiers::NONE);
+    for part in [0.3, 0.7, 1.0] {
+        v.harness.hover_at(from + (to - from) * part);
+        v.harness.run_steps(2);
+    }
+    let draft = v.model().selection.world.draft;
+    assert!(draft.is_some_and(|d| (d.at.z - 2.0).abs() < 0.3), "{draft:?}");
+    assert_eq!(post(&v).z, 0.0, "nothing is stitched before it is let go");
+    press(&mut v, to, false, Modifiers::NONE);
+    v.harness.run_steps(3);
+    assert!((post(&v).z - 2.0).abs() < 0.3 && (post(&v).x + 2.2).abs() < 0.3, "{:?}", post(&v));
+    assert_eq!((v.model().selection.world.draft, v.model().selection.world.place), (None, Some(9)));
+
+    // A key turns it.
+    let heading = post(&v).heading;
+    v.harness.key_press(Key::Q);
+    v.harness.run_steps(3);
+    assert!((post(&v).heading - heading - 15f32.to_radians()).abs() < 1e-3, "{:?}", post(&v));
+
+    // One more panel goes beside the others, though it is not pointed at exactly.
+    tool(&mut v, Tool::Create(0));
+    let at = on_screen(&v, Vec3::new(8.7, 0.0, 2.5));
+    click(&mut v, at);
+    v.harness.run_steps(3);
+    assert_eq!(num_units(&v), 11, "{:?}", v.model().messages);
+    let p = v.model().document.world().expect("a world").placed()[10].placement;
+    assert!((p.x - 8.4).abs() < 1e-3 && (p.z - 2.8).abs() < 1e-3, "{p:?}");
+    assert!(v.model().document.world().is_some_and(|w| w.edited().is_some()));
+
+    // Delete removes it.
+    tool(&mut v, Tool::Move);
+    v.harness.key_press(Key::Delete);
+    v.harness.run_steps(3);
+    assert_eq!(num_units(&v), 10);
+
+    // A panel that nobody can get to is refused, and said why.
+    tool(&mut v, Tool::Look);
+    let far = throng_runtime::patch::Placement::new(70.0, 0.0, 0.0, 0.0);
+    let change = throng_viewer::document::world::Change::Add { unit: 0, at: far };
+    v.apply(Command::World(WorldCommand::Edit(change)));
+    assert_eq!(num_units(&v), 10);
+    assert!(v.model().messages.iter().any(|m| m.is_error && m.text.contains("ground")), "{:?}", v.model().messages);
+
+    // A click with the tool Send tells the selected one where to go.
+    v.apply(Command::SelectCharacter(Some(0)));
+    tool(&mut v, Tool::Send);
+    let at = on_screen(&v, Vec3::new(5.6, 0.0, 5.6));
+    click(&mut v, at);
+    v.harness.run_steps(3);
+    let told = v.model().document.world().and_then(|w| w.run().told(0));
+    let Some(Wish::GoToPlace { place }) = told else { panic!("{told:?}") };
+    assert!(place.distance(Vec3::new(5.6, 0.0, 5.6)) < 0.3, "{place}");
+    v.harness.get_by_label("Roam").click();
+    v.harness.run_steps(3);
+    assert_eq!(v.model().document.world().and_then(|w| w.run().told(0)), Some(Wish::Roam));
+}
+
+#[test]
+fn a_scene_in_a_world_is_drawn_the_same_every_time() {
+    if adapter().is_none() {
+        return;
+    }
+    let square = Square::new();
+    square.world(3);
+    let args = Args {
+        file: Some(square.scene(3)),
+        panel: vec![PanelChoice::None],
+        character: Some(Character(Some(1))),
+        size: Some(Size { width: 640, height: 400 }),
+        frames: Some(60),
+        ..Args::default()
+    };
+    let (a, b) = (square.folder().join("a.png"), square.folder().join("b.png"));
+    for out in [&a, &b] {
+        let report = draw_picture(&args, out).expect("a picture");
+        assert_eq!(report.figures.characters, 3);
+    }
+    let read = |path| std::fs::read(path).expect("a picture");
+    assert!(read(&a) == read(&b), "two pictures differ");
+    let one = Args { characters: Some(1), character: None, ..args };
+    draw_picture(&one, &b).expect("a picture");
+    assert!(read(&a) != read(&b), "the number of characters changes nothing");
+}
