@@ -83,14 +83,16 @@ fn plates_lie_where_feet_stood() {
 
 #[test]
 fn what_the_body_goes_through_is_not_there() {
+    let s = Skeleton::default();
+    let chest = s.rest_positions()[throng_runtime::Joint::Chest.index()];
     let bar = |z: f32| {
-        let (from, to) = ([-0.5, 1.0, z], [0.5, 1.0, z]);
+        let (from, to) = ([-0.5, chest.y, chest.z + z], [0.5, chest.y, chest.z + z]);
         let bounds = Bounds::of([Vec3::from(from), Vec3::from(to)]).grown(0.02);
         ((Shape::Bar { from, to, radius: 0.02 }, bounds), 1.0)
     };
-    let clip = standing_at(&[0.0, 0.0]);
-    let standing = clear::standing(&[bar(0.0), bar(-1.0)], &[&clip], &Skeleton::default()).unwrap();
-    assert_eq!(standing, [false, true], "the first bar is in the waist of who stands there, the second behind him");
+    let clip = clip(vec![s.offsets[0]; 30]);
+    let standing = clear::standing(&[bar(0.0), bar(-1.0)], &[&clip], &s).unwrap();
+    assert_eq!(standing, [false, true], "the first bar is in the chest of who stands there, the second behind him");
 }
 
 #[test]
