@@ -1,6 +1,7 @@
 //! How long does it take to stitch a world, and to change one in which something moves? `cargo bench --bench stitch`
 //! makes them up; `THRONG_WORLDS="a.toml b.toml" cargo bench --bench stitch` takes world files, whose bundles are there.
 
+#[allow(dead_code, reason = "a part of it is enough here")]
 #[path = "../tests/patch/made_up.rs"]
 mod made_up;
 

@@ -4,29 +4,16 @@ use super::bits::{Pool, num_words, set};
 use super::component::Standing;
 use super::joined::{Joined, Overlap};
 use super::lay::{Laid, Stitcher};
+use super::outcome::{Counts, Outcome, of_link};
+use super::prepare::renew;
 use super::relation::Relation;
 use super::report::Reason;
 use super::table::JointTable;
 use crate::environment::Environment;
 use rayon::prelude::*;
-use std::collections::{BTreeSet, HashMap, HashSet};
+use std::collections::{BTreeSet, HashSet};
 use throng_runtime::patch::{CellRecord, NONE};
 use throng_runtime::world::{AdjacencyRecord, InstanceRecord, JointTableRecord, UnitRecord, WorldData, is_set};
-
-/// Figures of a world.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct Counts {
-    /// Nodes left.
-    pub cells: u64,
-    /// Links left.
-    pub links: u64,
-    /// Joints left.
-    pub joints: u64,
-    /// Frames of the links left.
-    pub frames: u64,
-    /// Cells and links taken out, by reason.
-    pub disabled: [u64; 4],
-}
 
 /// The graph of a world and what each of its nodes is to the component.
 pub(super) struct Judged<'j, 'a> {
@@ -69,41 +56,6 @@ impl Judged<'_, '_> {
         (0..self.joined.cells(part).len() as u32).map(|c| self.cell(part, c)).collect()
     }
 
-    /// What is left of an instance.
-    ///
-    /// - `taken_out`: as [`Self::cells`].
-    fn outcome(&self, part: u32, taken_out: &[Option<Reason>]) -> Outcome {
-        let links = self.joined.patches.links_of(self.joined.parts[part as usize].patch as usize);
-        let cells = self.joined.cells(part);
-        let mut out = Outcome {
-            cells: vec![0; num_words(cells.len())],
-            links: vec![0; num_words(links.len())],
-            counts: Counts::default(),
-        };
-        for ((c, cell), reason) in (0u32..).zip(cells).zip(taken_out) {
-            match reason {
-                Some(reason) => out.counts.disabled[*reason as usize] += 1,
-                None => {
-                    set(&mut out.cells, c);
-                    // An exit is the neighbour's entry.
-                    out.counts.cells += u64::from(!cell.is(CellRecord::IS_EXIT));
-                }
-            }
-        }
-        let free = &self.joined.situation(part).link_words;
-        for (l, link) in (0u32..).zip(links) {
-            match of_link(is_set(free, 0, l), taken_out[link.from as usize], || taken_out[link.to as usize]) {
-                Some(reason) => out.counts.disabled[reason as usize] += 1,
-                None => {
-                    set(&mut out.links, l);
-                    out.counts.links += 1;
-                    out.counts.frames += u64::from(link.num_frames);
-                }
-            }
-        }
-        out
-    }
-
     /// Bits of the joints that are left between an instance on side a and another; none where none is.
     fn joint_bits(&self, part: u32, overlap: &Overlap) -> Option<(Vec<u64>, u64)> {
         let j = self.joined;
@@ -132,61 +84,31 @@ impl Judged<'_, '_> {
     }
 }
 
-/// Why a link is taken out; none where it is left.
-///
-/// - `free`: nothing is in its way.
-/// - `from`, `to`: why the cells are taken out that it leads from and to.
-fn of_link(free: bool, from: Option<Reason>, to: impl FnOnce() -> Option<Reason>) -> Option<Reason> {
-    if !free {
-        return Some(Reason::Obstacle);
-    }
-    match to() {
-        Some(Reason::NoNeighbour) => Some(Reason::NoNeighbour),
-        None => from,
-        // It would be part of the component if it led back to it.
-        Some(_) => from.or(Some(Reason::DeadEnd)),
-    }
-}
-
-/// What is left of an instance.
-struct Outcome {
-    cells: Vec<u64>,
-    links: Vec<u64>,
-    counts: Counts,
-}
-
 /// Puts the world together that is left. Its meta data are still empty.
 pub(super) fn assemble(
-    stitcher: &Stitcher<'_>,
+    stitcher: &mut Stitcher<'_>,
     environment: &Environment,
     laid: &Laid,
     judged: &Judged<'_, '_>,
 ) -> (WorldData, Counts) {
     let units = environment.units.iter().map(|u| UnitRecord { unit: u.unit as u32, placement: u.placement });
     let mut world = WorldData { units: units.collect(), neighbours: laid.neighbours.clone(), ..WorldData::default() };
-    let mut counts = instances(laid, judged, &mut world);
+    let mut counts = instances(stitcher, laid, judged, &mut world);
     counts.joints = joints(stitcher, laid, judged, &mut world);
     resources(stitcher, laid, &mut world);
     (world, counts)
 }
 
-fn instances(laid: &Laid, judged: &Judged<'_, '_>, world: &mut WorldData) -> Counts {
-    let parts = 0..laid.fitted.len() as u32;
-    let taken_out: Vec<_> = parts.clone().into_par_iter().map(|i| judged.cells(i)).collect();
-    // What is left of one instance is left of all in the same situation of which the same cells are.
-    let mut numbers = HashMap::new();
-    let mut first: Vec<u32> = Vec::new();
-    let mut number = |i: u32| {
-        *numbers.entry((judged.joined.parts[i as usize].situation, &taken_out[i as usize])).or_insert_with(|| {
-            first.push(i);
-            first.len() - 1
-        })
-    };
-    let of: Vec<usize> = parts.map(&mut number).collect();
-    let outcomes: Vec<_> = first.par_iter().map(|&i| judged.outcome(i, &taken_out[i as usize])).collect();
+fn instances(stitcher: &mut Stitcher<'_>, laid: &Laid, judged: &Judged<'_, '_>, world: &mut WorldData) -> Counts {
+    let joined = judged.joined;
+    let parts = (0..laid.fitted.len() as u32).into_par_iter();
+    let keys: Vec<_> = parts.map(|i| (joined.situation(i).surroundings.clone(), judged.cells(i))).collect();
+    let found = &mut stitcher.found;
+    renew(&mut found.outcomes, &keys, |(surroundings, taken_out)| {
+        Outcome::new(&joined.patches, &found.situations[surroundings], taken_out)
+    });
     let mut sum = Counts::default();
-    for (i, outcome) in of.into_iter().map(|n| &outcomes[n]).enumerate() {
-        let counts = &outcome.counts;
+    for (i, outcome) in keys.iter().map(|key| &found.outcomes[key]).enumerate() {
         world.instances.push(InstanceRecord {
             patch: laid.fitted[i].patch,
             first_neighbour: laid.first_neighbour[i],
@@ -200,10 +122,7 @@ fn instances(laid: &Laid, judged: &Judged<'_, '_>, world: &mut WorldData) -> Cou
         });
         world.cell_words.extend(&outcome.cells);
         world.link_words.extend(&outcome.links);
-        sum.cells += counts.cells;
-        sum.links += counts.links;
-        sum.frames += counts.frames;
-        (0..4).for_each(|r| sum.disabled[r] += counts.disabled[r]);
+        sum.add(&outcome.counts);
     }
     sum
 }

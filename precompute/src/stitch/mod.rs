@@ -15,6 +15,7 @@ mod lay;
 mod library;
 mod mask;
 mod near;
+mod outcome;
 mod paths;
 mod prepare;
 mod relation;

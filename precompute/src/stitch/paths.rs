@@ -140,7 +140,7 @@ pub(super) struct Spot {
 pub(super) struct Spots {
     /// First spot of each group. [Size: groups + 1]
     starts: Vec<u32>,
-    /// By group, then along x.
+    /// By group, then by strip along x, then along z.
     spots: Vec<Spot>,
 }
 
@@ -165,6 +165,14 @@ impl Nearness {
         let near = on_ground <= 1.0 && height <= 1.0 && heading <= 1.0;
         near.then_some(on_ground * on_ground + height * height + heading * heading)
     }
+}
+
+/// Width of the strips that spots are sorted into. [Unit: m]
+const STRIP_M: f32 = 0.1;
+
+/// The strip of a place.
+fn strip(x: f32) -> i32 {
+    (x / STRIP_M).floor() as i32
 }
 
 impl Spots {
@@ -193,7 +201,8 @@ impl Spots {
         // Frames that are left out of the motion belong to no group.
         of_groups.retain(|(group, _)| *group != NONE);
         of_groups.sort_unstable_by(|(g, s), (h, t)| {
-            g.cmp(h).then(s.at.x.total_cmp(&t.at.x)).then((s.item, s.offset).cmp(&(t.item, t.offset)))
+            let strips = strip(s.at.x).cmp(&strip(t.at.x));
+            g.cmp(h).then(strips).then(s.at.z.total_cmp(&t.at.z)).then((s.item, s.offset).cmp(&(t.item, t.offset)))
         });
         let groups = of_groups.last().map_or(0, |(g, _)| *g + 1);
         let mut starts = vec![0u32; groups as usize + 1];
@@ -212,12 +221,19 @@ impl Spots {
             Some(&[first, end]) => first as usize..end as usize,
             _ => 0..0,
         };
+        // Rounding hides nothing.
+        let reach = nearness.position + 1e-4;
         let spots = &self.spots[range];
-        let first = spots.partition_point(|s| s.at.x < at.x - nearness.position);
-        spots[first..]
-            .iter()
-            .take_while(move |s| s.at.x <= at.x + nearness.position)
-            .filter_map(move |s| nearness.distance(s.at, at).map(|d| (s, d)))
+        (strip(at.x - reach)..=strip(at.x + reach)).flat_map(move |here| {
+            let first = spots.partition_point(|s| {
+                let there = strip(s.at.x);
+                there < here || there == here && s.at.z < at.z - reach
+            });
+            spots[first..]
+                .iter()
+                .take_while(move |s| strip(s.at.x) == here && s.at.z <= at.z + reach)
+                .filter_map(move |s| nearness.distance(s.at, at).map(|d| (s, d)))
+        })
     }
 }
 

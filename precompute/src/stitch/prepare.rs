@@ -4,8 +4,10 @@ use super::bodies::Bodies;
 use super::field::Field;
 use super::lay::{Laid, Stitcher};
 use super::mask::{Hit, Obstacle};
+use super::outcome::Outcome;
 use super::paths::{Nearness, Paths, Spots};
 use super::relation::Relation;
+use super::report::Reason;
 use super::situation::{Situation, Surroundings};
 use super::swept::Swept;
 use super::table::{JointTable, Rule};
@@ -14,6 +16,7 @@ use rayon::prelude::*;
 use std::collections::{BTreeSet, HashMap, HashSet};
 use std::hash::Hash;
 use std::sync::{Arc, OnceLock};
+use throng_runtime::world::is_set;
 
 /// What depends on patches alone, and tables that the last world needed.
 pub(super) struct Found {
@@ -24,7 +27,10 @@ pub(super) struct Found {
     fields: Vec<OnceLock<Field>>,
     tables: HashMap<Relation, Arc<JointTable>>,
     masks: HashMap<Relation, Arc<Vec<u64>>>,
-    situations: HashMap<Surroundings, Arc<Situation>>,
+    /// What is left of motion among units.
+    pub situations: HashMap<Surroundings, Arc<Situation>>,
+    /// What is left of instances, by their surroundings and why each of their cells is taken out.
+    pub outcomes: HashMap<(Surroundings, Vec<Option<Reason>>), Outcome>,
     /// Bits of joints by the pair and what surrounds its side a.
     joint_words: HashMap<(Relation, Surroundings), Arc<Option<Vec<u64>>>>,
 }
@@ -44,6 +50,7 @@ impl Found {
             tables: HashMap::new(),
             masks: HashMap::new(),
             situations: HashMap::new(),
+            outcomes: HashMap::new(),
             joint_words: HashMap::new(),
         }
     }
@@ -58,15 +65,15 @@ pub(super) struct Situated {
     pub situations: Vec<Arc<Situation>>,
 }
 
-/// Forgets what no key names and makes what is new.
-fn renew<K: Eq + Hash + Clone + Sync + Send, V: Send>(
+/// Forgets what no key names and makes what is new; keys may be named more than once.
+pub(super) fn renew<K: Eq + Hash + Clone + Sync + Send, V: Send>(
     known: &mut HashMap<K, V>,
     keys: &[K],
     make: impl Fn(&K) -> V + Sync,
 ) {
     let needed: HashSet<&K> = keys.iter().collect();
     known.retain(|k, _| needed.contains(k));
-    let new: Vec<&K> = keys.iter().filter(|k| !known.contains_key(k)).collect();
+    let new: Vec<&K> = needed.into_iter().filter(|k| !known.contains_key(k)).collect();
     let made: Vec<V> = new.par_iter().map(|k| make(k)).collect();
     known.extend(new.into_iter().cloned().zip(made));
 }
@@ -158,7 +165,8 @@ impl Stitcher<'_> {
 
     /// First and last frame of a link that collide with anything around it.
     fn hit(&self, surroundings: &Surroundings, link: u32) -> Option<Hit> {
-        surroundings.obstacles.iter().filter_map(|r| self.obstacle(r).hit(link as usize)).reduce(Hit::union)
+        let in_the_way = surroundings.obstacles.iter().filter(|r| is_set(&self.found.masks[r], 0, link));
+        in_the_way.filter_map(|r| self.obstacle(r).hit(link as usize)).reduce(Hit::union)
     }
 
     /// The joints of a pair. [Limit: prepared]
