@@ -1,13 +1,8 @@
 //! A world that can be changed: what stays as it was is not computed again.
 
 use super::allow::allow;
-<<<<<<< HEAD
-use super::assemble::{Counts, Judged, assemble};
-use super::component::Standing;
-=======
 use super::assemble::{Judged, assemble};
-use super::component::{Standing, largest};
->>>>>>> p5-stitch2
+use super::component::Standing;
 use super::config::StitchConfig;
 use super::joined::Joined;
 use super::lay::{Laid, Stitcher};
