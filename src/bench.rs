@@ -1,11 +1,13 @@
 //! `throng bench`: what does it cost on this machine?
 
-use crate::args::Outcome;
+use crate::args::{CacheArgs, Outcome};
 use crate::output;
 use serde::Serialize;
 use std::path::PathBuf;
-use throng_precompute::measure::{self, MatchingConfig, MatchingFigures, MeasureConfig, Measured};
+use throng_precompute::measure::{self, MatchingConfig, MatchingFigures, MeasureConfig, Measured, WorldFigures};
 use throng_precompute::policy::{Quality, QualityConfig};
+use throng_precompute::scene::Scene;
+use throng_precompute::stitch::WorldSource;
 
 /// Measure queries, sampling and steps of a bundle beside copying the same bytes, and value iteration.
 ///
@@ -21,11 +23,17 @@ use throng_precompute::policy::{Quality, QualityConfig};
 /// policy_landed_fraction, matching_landed_fraction, policy_gap_m, matching_gap_m (distance of hips, feet and fists where
 /// one frame takes the place of another)}.
 ///
+/// Of a world (`.toml`): world, instances, cells, transitions, stitch_seconds (all threads), peak_bytes, edited_unit,
+/// edit_seconds (moving that unit, the median), edit_over_stitch, paths {found, seconds_mean, seconds_max, length_mean_m,
+/// length_max_m, duration_mean_s, opened_instances_mean, opened_nodes_mean, compared, over_dijkstra_mean,
+/// over_dijkstra_max (null in worlds of more than a million cells)}, characters, steps_per_second (of all of them, on one
+/// thread).
+///
 /// `quality` is the discounted reward that a policy collects over the best that search to a depth of four actions
 /// finds; `matching` sets the policies against motion matching over all frames of the bundle, the same targets for both.
 #[derive(clap::Args)]
 pub struct Args {
-    /// Bundle.
+    /// Bundle, or world file (`.toml`).
     file: PathBuf,
     /// Numbers of characters.
     #[arg(long, value_delimiter = ',', default_value = "1000,10000", value_name = "N,...")]
@@ -42,6 +50,8 @@ pub struct Args {
     /// Random (state, target) pairs that are searched.
     #[arg(long, default_value_t = 1000, value_name = "N")]
     pairs: usize,
+    #[command(flatten)]
+    cache: CacheArgs,
     /// Print one JSON object.
     #[arg(long)]
     json: bool,
@@ -59,6 +69,9 @@ struct Report {
 }
 
 pub fn run(args: &Args) -> Outcome {
+    if Scene::is_scene(&args.file) {
+        return run_world(args);
+    }
     let tables = crate::args::open(&args.file)?;
     let config =
         MeasureConfig { characters: args.characters.clone(), threads: args.threads.clone(), seconds: args.seconds };
@@ -69,6 +82,49 @@ pub fn run(args: &Args) -> Outcome {
     let matching = args.quality.then(|| measure::matching(&tables, &against)).transpose()?;
     let report = Report { measured, quality, matching };
     if args.json { output::json(&report) } else { print(&report) }
+}
+
+/// Measures a world, whose bundle is built where it is not there.
+fn run_world(args: &Args) -> Outcome {
+    let source = WorldSource::load(&args.file)?;
+    let tables = crate::stitch::bundle(&source, &args.cache)?;
+    let figures = measure::world(&tables, &source, &args.file)?;
+    if args.json { output::json(&figures) } else { print_world(&figures) }
+}
+
+fn print_world(w: &WorldFigures) -> Outcome {
+    let p = &w.paths;
+    let edit = match (w.edit_seconds, w.edit_over_stitch) {
+        (Some(s), Some(share)) => {
+            format!("{:.1} ms to move a {}: {share:.4} of stitching anew", 1e3 * s, w.edited_unit)
+        }
+        _ => format!("moving a {} was refused", w.edited_unit),
+    };
+    let dijkstra = match (p.over_dijkstra_mean, p.over_dijkstra_max) {
+        (Some(mean), Some(most)) => {
+            format!("; {mean:.3} times the time of Dijkstra's on average, {most:.3} at most, of {}", p.compared)
+        }
+        _ => String::new(),
+    };
+    output::table(&[
+        ("world", format!("{}: {} instances, {} cells, {} transitions", w.world, w.instances, w.cells, w.transitions)),
+        ("stitching", format!("{:.3} s, {} at most", w.stitch_seconds, output::bytes(w.peak_bytes))),
+        ("editing", edit),
+        (
+            "paths",
+            format!(
+                "{:.2} ms on average, {:.2} at most, for {:.0} m ({:.0} s), {:.0} at most; {:.0} states of instances and {:.0} nodes opened{dijkstra}",
+                1e3 * p.seconds_mean,
+                1e3 * p.seconds_max,
+                p.length_mean_m,
+                p.duration_mean_s,
+                p.length_max_m,
+                p.opened_instances_mean,
+                p.opened_nodes_mean
+            ),
+        ),
+        ("crowd", format!("{} characters, {:.0} steps a second on one thread", w.characters, w.steps_per_second)),
+    ])
 }
 
 /// The figures for people.

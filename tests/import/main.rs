@@ -7,3 +7,4 @@ mod formats;
 mod malformed;
 mod mocap;
 mod roundtrip;
+mod surroundings;

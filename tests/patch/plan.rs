@@ -34,7 +34,7 @@ fn is_a_way(graph: &WorldGraph<'_>, from: Node, target: Target, steps: &[Step], 
     }
     assert!(target.is_at(graph, at));
     assert_eq!(plan.num_steps, steps.len());
-    assert_eq!(plan.num_frames, steps.iter().map(Step::num_frames).sum());
+    assert_eq!(plan.num_frames, steps.iter().map(Step::num_frames).sum::<u32>());
 }
 
 /// A floor with holes, and a bench here and there where one can be come to.

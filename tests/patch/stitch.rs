@@ -75,13 +75,29 @@ impl Graph {
             for k in (0..t.num_joints).filter(|_| a.side == 0) {
                 let j = &w.joints[(t.first_joint + k) as usize];
                 let link = (j.a_offset != NONE).then(|| &links[j.a as usize]);
-                let from = link.map_or(j.a, |l| l.from);
-                let to = link.map_or(j.a, |l| l.to);
+                let Some(link) = link else {
+                    self.cells_joined(m, w, (i, j.a), (a.other, j.b), a.first_word, k);
+                    continue;
+                };
+                let (from, to) = (link.from, link.to);
                 if is_set(&w.joint_words, a.first_word, 2 * k) {
                     self.ways.insert(((i, from), (a.other, j.b)));
                 }
                 if is_set(&w.joint_words, a.first_word, 2 * k + 1) {
                     self.ways.insert(((a.other, j.b), node(m, w, i, to).expect("an enabled joint leads on")));
+                }
+            }
+        }
+    }
+
+    /// From a cell, the links of the one it is joined to lead on.
+    fn cells_joined(&mut self, m: &MadeUp, w: &WorldData, a: (u32, u32), b: (u32, u32), first_word: u32, joint: u32) {
+        for (bit, from, via) in [(2 * joint, a, b), (2 * joint + 1, b, a)] {
+            let r = &w.instances[via.0 as usize];
+            let links = (0u32..).zip(m.patches().links_of(r.patch as usize));
+            for (l, link) in links.filter(|_| is_set(&w.joint_words, first_word, bit)) {
+                if link.from == via.1 && is_set(&w.link_words, r.first_link_word, l) {
+                    self.ways.insert((from, node(m, w, via.0, link.to).expect("an enabled link leads on")));
                 }
             }
         }

@@ -200,7 +200,7 @@ mod tests {
     }
 
     fn run(clips: &mut ClipSet, cfg: &PatchConfig, units: &UnitSet) -> Result<SourceScenes, BuildError> {
-        embed(clips, cfg, units, &ContactConfig::default(), &TouchConfig::default())
+        embed(clips, cfg, units, &ContactConfig::default())
     }
 
     #[test]

@@ -1,25 +1,28 @@
 //! Geometry inferred from contacts, for captured motion whose surroundings nobody measured.
 //!
 //! What a body stands, sits and hangs on must be where its feet, seat and hands stay in the world while the rest of it
-//! moves: level plates under feet and seats, bars in hands. Nothing is known about where nobody touched.
+//! moves: level plates under feet and seats, bars in hands; and nothing is where the body goes through. Nothing is known
+//! about where nobody touched.
 
 mod bars;
+mod clear;
 mod places;
 mod plates;
 mod report;
+mod save;
 
 use super::placed::PlacedGeometry;
 use super::{Bounds, EnvironmentFile, Place, Shape, TouchConfig, Unit, UnitSet, geometries};
 use crate::annotate::ContactConfig;
 use crate::clip::Clip;
 use crate::error::BuildError;
-use crate::files::write_atomically;
 use bars::Bar;
 use glam::Vec3;
 use places::Kind;
 use plates::Plate;
 pub use report::InferReport;
-use std::path::{Path, PathBuf};
+pub use save::SavedFiles;
+use std::path::Path;
 use throng_runtime::Skeleton;
 
 /// Pieces nearer to each other than this are one unit. [Unit: m]
@@ -48,8 +51,9 @@ pub fn infer(clips: &[&Clip], skeleton: &Skeleton, name: &str) -> Result<Inferre
     let places: Vec<_> = clips.iter().flat_map(|c| places::find(c, skeleton, &contacts)).collect();
     let hands: Vec<_> = places.iter().filter(|p| p.kind == Kind::Hand).copied().collect();
     let others: Vec<_> = places.iter().filter(|p| p.kind != Kind::Hand).copied().collect();
-    let plates = plates::under(&others);
-    let bars = bars::through(&hands);
+    let mut plates = plates::under(&others);
+    let mut bars = bars::through(&hands);
+    let dismissed = dismiss(&mut plates, &mut bars, clips, skeleton)?;
     if plates.is_empty() && bars.is_empty() {
         return Err(BuildError::Stage {
             stage: "environment",
@@ -59,33 +63,42 @@ pub fn infer(clips: &[&Clip], skeleton: &Skeleton, name: &str) -> Result<Inferre
     }
     let (units, place) = assemble(&plates, &bars);
     let environment = EnvironmentFile { name: name.to_owned(), place, ..EnvironmentFile::default() };
-    let placed = environment.expand(&units, Path::new(name))?;
-    let geometry = PlacedGeometry::new(&placed, &geometries(&units)?);
-    let mut report = InferReport::of_places(&others, &hands, &plates, &bars);
-    report.units = units.units.len();
-    report.measure(clips, skeleton, &geometry, &contacts, &TouchConfig::default());
-    Ok(Inferred { units, environment, report })
+    let report = InferReport::of_places(&others, &hands, &plates, &bars);
+    let mut inferred = Inferred { units, environment, report };
+    inferred.report.dismissed = dismissed;
+    inferred.report.units = inferred.units.units.len();
+    let geometry = inferred.geometry()?;
+    inferred.report.measure(clips, skeleton, &geometry, &contacts, &TouchConfig::default());
+    Ok(inferred)
+}
+
+/// Takes out the pieces that a body goes through, and returns how many.
+///
+/// # Errors
+/// As [`clear::standing`].
+fn dismiss(
+    plates: &mut Vec<Plate>,
+    bars: &mut Vec<Bar>,
+    clips: &[&Clip],
+    skeleton: &Skeleton,
+) -> Result<usize, BuildError> {
+    let flat = plates.iter().map(|p| (p.piece(), p.held_s));
+    let pieces: Vec<(Piece, f32)> = flat.chain(bars.iter().map(|b| (b.piece(), b.held_s))).collect();
+    let standing = clear::standing(&pieces, clips, skeleton)?;
+    let mut stands = standing.iter().copied();
+    plates.retain(|_| stands.next().unwrap_or(true));
+    bars.retain(|_| stands.next().unwrap_or(true));
+    Ok(standing.iter().filter(|s| !**s).count())
 }
 
 impl Inferred {
-    /// Writes the environment and, beside it, its unit file, named after it with `-units` at the end.
-    ///
-    /// - returns the path of the unit file.
+    /// The units where they stand, and the ground.
     ///
     /// # Errors
-    /// [`BuildError::Io`] names the file.
-    pub fn save(&self, path: &Path) -> Result<PathBuf, BuildError> {
-        let stem = path.file_stem().map_or_else(String::new, |s| s.to_string_lossy().into_owned());
-        let file = PathBuf::from(format!("{stem}-units.toml"));
-        let units = path.with_file_name(&file);
-        let environment = EnvironmentFile { units: file, ..self.environment.clone() };
-        let text = toml::to_string(&environment).map_err(|e| BuildError::Config { message: e.to_string() })?;
-        let head = format!("Inferred from contacts.\n{}", self.report);
-        let head: String = head.lines().map(|l| format!("# {l}\n")).collect();
-        let unit_text = self.units.to_toml()?;
-        write_atomically(&units, |w| w.write_all(unit_text.as_bytes()))?;
-        write_atomically(path, |w| w.write_all(format!("{head}{text}").as_bytes()))?;
-        Ok(units)
+    /// As [`EnvironmentFile::expand`] and [`geometries`], where it was changed by hand.
+    pub fn geometry(&self) -> Result<PlacedGeometry, BuildError> {
+        let placed = self.environment.expand(&self.units, Path::new(&self.environment.name))?;
+        Ok(PlacedGeometry::new(&placed, &geometries(&self.units)?))
     }
 }
 

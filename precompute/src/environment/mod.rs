@@ -26,7 +26,7 @@ pub use contacts::annotate_in;
 pub use embed::{SourceScenes, embed, matching, scenes};
 pub use file::{EnvironmentFile, Place};
 pub use geometry::{Nearest, UnitGeometry, geometries};
-pub use infer::{InferReport, Inferred, infer};
+pub use infer::{InferReport, Inferred, SavedFiles, infer};
 pub use placed::{PlacedGeometry, Touched};
 pub use solid::Solid;
 pub use touch::TouchConfig;

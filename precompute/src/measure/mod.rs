@@ -3,9 +3,11 @@
 mod crowd;
 mod matching;
 mod timing;
+mod world;
 
 pub use crowd::{CrowdFigures, crowd};
 pub use matching::{MatchingConfig, MatchingFigures, matching};
+pub use world::{PathFigures, WorldFigures, world};
 
 use crate::error::BuildError;
 use crate::policy::made_up::{self, MadeUp};

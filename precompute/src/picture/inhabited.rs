@@ -31,7 +31,8 @@ pub fn inhabited_sheet(
     followed: &[usize],
 ) -> Picture {
     let units = world_units(geometry);
-    let one = |p: &[Vec3; NUM_JOINTS]| WorldFigure { figure: Figure::from_positions(p), colours: BodyColours::default() };
+    let one =
+        |p: &[Vec3; NUM_JOINTS]| WorldFigure { figure: Figure::from_positions(p), colours: BodyColours::default() };
     let figures: Vec<WorldFigure> = record.poses.iter().map(one).collect();
     let title = format!("{}: {} characters", scene.name, report.characters);
     let subtitle = format!(
@@ -46,11 +47,8 @@ pub fn inhabited_sheet(
         1000.0 * report.foot_slip_p95_mps
     );
     let middle = Vec3::from_array(scene.picture.focus.unwrap_or_default());
-    let look = WorldLook {
-        heading: FROM.0,
-        elevation: FROM.1,
-        focus: scene.picture.width_m.map(|width| (middle, width)),
-    };
+    let look =
+        WorldLook { heading: FROM.0, elevation: FROM.1, focus: scene.picture.width_m.map(|width| (middle, width)) };
     let (title, subtitle) = (title.as_str(), subtitle.as_str());
     let overview = WorldView {
         title,

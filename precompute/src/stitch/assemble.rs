@@ -4,6 +4,8 @@ use super::bits::{Pool, num_words, set};
 use super::component::Standing;
 use super::joined::{Joined, Overlap};
 use super::lay::{Laid, Stitcher};
+use super::outcome::{Counts, Outcome, of_link};
+use super::prepare::renew;
 use super::relation::Relation;
 use super::report::Reason;
 use super::table::JointTable;
@@ -12,21 +14,6 @@ use rayon::prelude::*;
 use std::collections::{BTreeSet, HashSet};
 use throng_runtime::patch::{CellRecord, NONE};
 use throng_runtime::world::{AdjacencyRecord, InstanceRecord, JointTableRecord, UnitRecord, WorldData, is_set};
-
-/// Figures of a world.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct Counts {
-    /// Nodes left.
-    pub cells: u64,
-    /// Links left.
-    pub links: u64,
-    /// Joints left.
-    pub joints: u64,
-    /// Frames of the links left.
-    pub frames: u64,
-    /// Cells and links taken out, by reason.
-    pub disabled: [u64; 4],
-}
 
 /// The graph of a world and what each of its nodes is to the component.
 pub(super) struct Judged<'j, 'a> {
@@ -59,48 +46,14 @@ impl Judged<'_, '_> {
 
     /// Why a link is taken out; none where it is left.
     pub fn link(&self, part: u32, link: u32) -> Option<Reason> {
-        let j = self.joined;
-        let p = &j.parts[part as usize];
-        if !is_set(&j.link_words, p.first_link_word, link) {
-            return Some(Reason::Obstacle);
-        }
-        let Some(end) = j.end_of(part, link) else { return Some(Reason::NoNeighbour) };
-        let from = j.patches.links_of(p.patch as usize)[link as usize].from;
-        match self.standing[end as usize] {
-            _ if self.standing[(p.first_node + from) as usize] != Standing::Inside => self.cell(part, from),
-            Standing::Inside => None,
-            // It would be part of the component if it led back to it.
-            _ => Some(Reason::DeadEnd),
-        }
+        let l = &self.joined.patches.links_of(self.joined.parts[part as usize].patch as usize)[link as usize];
+        let free = is_set(&self.joined.situation(part).link_words, 0, link);
+        of_link(free, self.cell(part, l.from), || self.cell(part, l.to))
     }
 
-    /// Bits of cells and links of an instance.
-    fn bits(&self, part: u32) -> (Vec<u64>, Vec<u64>, Counts) {
-        let patch = self.joined.parts[part as usize].patch as usize;
-        let (cells, links) = (self.joined.cells(part), self.joined.patches.links_of(patch));
-        let mut counts = Counts::default();
-        let (mut cell_words, mut link_words) = (vec![0; num_words(cells.len())], vec![0; num_words(links.len())]);
-        for (c, cell) in cells.iter().enumerate() {
-            match self.cell(part, c as u32) {
-                Some(reason) => counts.disabled[reason as usize] += 1,
-                None => {
-                    set(&mut cell_words, c as u32);
-                    // An exit is the neighbour's entry.
-                    counts.cells += u64::from(!cell.is(CellRecord::IS_EXIT));
-                }
-            }
-        }
-        for (l, link) in links.iter().enumerate() {
-            match self.link(part, l as u32) {
-                Some(reason) => counts.disabled[reason as usize] += 1,
-                None => {
-                    set(&mut link_words, l as u32);
-                    counts.links += 1;
-                    counts.frames += u64::from(link.num_frames);
-                }
-            }
-        }
-        (cell_words, link_words, counts)
+    /// Why each cell of an instance is taken out.
+    fn cells(&self, part: u32) -> Vec<Option<Reason>> {
+        (0..self.joined.cells(part).len() as u32).map(|c| self.cell(part, c)).collect()
     }
 
     /// Bits of the joints that are left between an instance on side a and another; none where none is.
@@ -133,23 +86,29 @@ impl Judged<'_, '_> {
 
 /// Puts the world together that is left. Its meta data are still empty.
 pub(super) fn assemble(
-    stitcher: &Stitcher<'_>,
+    stitcher: &mut Stitcher<'_>,
     environment: &Environment,
     laid: &Laid,
     judged: &Judged<'_, '_>,
 ) -> (WorldData, Counts) {
     let units = environment.units.iter().map(|u| UnitRecord { unit: u.unit as u32, placement: u.placement });
     let mut world = WorldData { units: units.collect(), neighbours: laid.neighbours.clone(), ..WorldData::default() };
-    let mut counts = instances(laid, judged, &mut world);
+    let mut counts = instances(stitcher, laid, judged, &mut world);
     counts.joints = joints(stitcher, laid, judged, &mut world);
     resources(stitcher, laid, &mut world);
     (world, counts)
 }
 
-fn instances(laid: &Laid, judged: &Judged<'_, '_>, world: &mut WorldData) -> Counts {
-    let bits: Vec<_> = (0..laid.fitted.len() as u32).into_par_iter().map(|i| judged.bits(i)).collect();
+fn instances(stitcher: &mut Stitcher<'_>, laid: &Laid, judged: &Judged<'_, '_>, world: &mut WorldData) -> Counts {
+    let joined = judged.joined;
+    let parts = (0..laid.fitted.len() as u32).into_par_iter();
+    let keys: Vec<_> = parts.map(|i| (joined.situation(i).surroundings.clone(), judged.cells(i))).collect();
+    let found = &mut stitcher.found;
+    renew(&mut found.outcomes, &keys, |(surroundings, taken_out)| {
+        Outcome::new(&joined.patches, &found.situations[surroundings], taken_out)
+    });
     let mut sum = Counts::default();
-    for (i, (cells, links, counts)) in bits.into_iter().enumerate() {
+    for (i, outcome) in keys.iter().map(|key| &found.outcomes[key]).enumerate() {
         world.instances.push(InstanceRecord {
             patch: laid.fitted[i].patch,
             first_neighbour: laid.first_neighbour[i],
@@ -161,12 +120,9 @@ fn instances(laid: &Laid, judged: &Judged<'_, '_>, world: &mut WorldData) -> Cou
             first_resource: 0,
             num_resources: 0,
         });
-        world.cell_words.extend(cells);
-        world.link_words.extend(links);
-        sum.cells += counts.cells;
-        sum.links += counts.links;
-        sum.frames += counts.frames;
-        (0..4).for_each(|r| sum.disabled[r] += counts.disabled[r]);
+        world.cell_words.extend(&outcome.cells);
+        world.link_words.extend(&outcome.links);
+        sum.add(&outcome.counts);
     }
     sum
 }

@@ -113,11 +113,26 @@ impl Bodies {
         unit: &Field,
         depth_m: f32,
     ) -> impl Iterator<Item = (&'s Sphere, Vec3, f32)> + use<'s> {
-        let ((sin, cos), floor) = (root.heading.sin_cos(), unit.geometry.floor);
-        let counts = move |s: &Sphere| !(floor && FEET.any(s.contact));
-        self.spheres.iter().zip(&pose.centres).filter(move |(s, _)| counts(s)).map(move |(s, c)| {
+        let floor = unit.geometry.floor;
+        self.placed(pose, root, depth_m).filter(move |(s, ..)| !(floor && FEET.any(s.contact)))
+    }
+
+    /// Every sphere, its middle where the root is, and how near a unit may be to it.
+    fn placed<'s>(
+        &'s self,
+        pose: &'s Pose,
+        root: Placement,
+        depth_m: f32,
+    ) -> impl Iterator<Item = (&'s Sphere, Vec3, f32)> + use<'s> {
+        let (sin, cos) = root.heading.sin_cos();
+        self.spheres.iter().zip(&pose.centres).map(move |(s, c)| {
             let p = Vec3::new(root.x + cos * c.x + sin * c.z, root.y + c.y, root.z - sin * c.x + cos * c.z);
             (s, p, if pose.contacts.any(s.contact) { -depth_m } else { s.radius - depth_m })
         })
+    }
+
+    /// Discs on the ground, as x, z and radius: what is beside all of them does not collide with a frame's body.
+    pub fn shadow(&self, frame: usize, root: Placement, depth_m: f32) -> impl Iterator<Item = [f32; 3]> {
+        self.placed(&self.frames[frame], root, depth_m).map(|(_, p, limit)| [p.x, p.z, limit.max(0.0)])
     }
 }

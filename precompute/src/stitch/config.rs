@@ -14,7 +14,8 @@ pub struct StitchConfig {
     pub height_m: f32,
     /// And turned by no more than this. [Unit: deg] [Limit: > 0, <= 45]
     pub heading_deg: f32,
-    /// Motion of a tile is left and entered no nearer to its ends than this. [Unit: frames] [Limit: >= 1]
+    /// Motion of a tile is left and entered no nearer to its ends than this, or than a quarter of it where it is short.
+    /// [Unit: frames] [Limit: >= 1]
     pub min_frames: u32,
     /// Most joints that a block's cell may have with one other patch: the nearest ones are kept. [Limit: >= 1]
     pub joints_per_cell: usize,

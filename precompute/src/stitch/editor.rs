@@ -1,12 +1,13 @@
 //! A world that can be changed: what stays as it was is not computed again.
 
 use super::allow::allow;
-use super::assemble::{Counts, Judged, assemble};
-use super::component::{Standing, largest};
+use super::assemble::{Judged, assemble};
+use super::component::Standing;
 use super::config::StitchConfig;
 use super::joined::Joined;
 use super::lay::{Laid, Stitcher};
 use super::library::{Library, STAGE};
+use super::outcome::Counts;
 use super::report::{Reason, StitchReport, peak_bytes};
 use crate::environment::{Environment, PlacedUnit};
 use crate::error::BuildError;
@@ -157,10 +158,10 @@ fn make<'a>(
 ) -> Result<Made<'a>, BuildError> {
     let begin = Instant::now();
     let laid = stitcher.lay(environment)?;
-    stitcher.prepare(&laid, progress);
-    let joined = allow(stitcher, &laid)?;
+    let situated = stitcher.prepare(&laid, progress);
+    let mut joined = allow(stitcher, &laid, situated)?;
     progress.begin("component", joined.num_nodes as u64, "cells");
-    let standing = largest(&joined).ok_or_else(|| no_component(stitcher, environment))?;
+    let standing = joined.settle().ok_or_else(|| no_component(stitcher, environment))?;
     progress.end();
     let (mut world, counts) = assemble(stitcher, environment, &laid, &Judged { joined: &joined, standing: &standing });
     check_reached(stitcher, environment, &laid, &joined, &standing)?;

@@ -14,6 +14,8 @@ pub(super) struct Field {
     /// Grid cells along x, y and z.
     size: [usize; 3],
     distances: Vec<f32>,
+    /// The least distance of each column of grid cells. [Size: size[0] * size[2]]
+    columns: Vec<f32>,
 }
 
 impl Field {
@@ -42,7 +44,22 @@ impl Field {
                 }
             }
         }
-        Self { geometry: Arc::clone(geometry), min: bounds.min, size, distances }
+        let column = |c: usize| {
+            let first = c / size[0] * size[0] * size[1] + c % size[0];
+            (0..size[1]).map(|y| distances[first + y * size[0]]).fold(f32::INFINITY, f32::min)
+        };
+        let columns = (0..size[0] * size[2]).map(column).collect();
+        Self { geometry: Arc::clone(geometry), min: bounds.min, size, distances, columns }
+    }
+
+    /// The unit is nowhere nearer to the vertical line through a place than this, which is no more than
+    /// [`Self::MARGIN_M`]. [Unit: m]
+    pub fn beside(&self, x: f32, z: f32) -> f32 {
+        let at = [(x - self.min.x) / Self::STEP_M, (z - self.min.z) / Self::STEP_M];
+        if at[0] < 0.0 || at[1] < 0.0 || at[0] >= self.size[0] as f32 || at[1] >= self.size[2] as f32 {
+            return Self::MARGIN_M;
+        }
+        (self.columns[at[1] as usize * self.size[0] + at[0] as usize] - Self::ERROR_M).min(Self::MARGIN_M)
     }
 
     /// True where the unit is nearer to a point than `limit`. [Limit: limit <= MARGIN_M]
@@ -56,6 +73,9 @@ impl Field {
             return false;
         }
         let distance = self.distances[(z * size[1] + y) * size[0] + x];
+        if distance - Self::ERROR_M - 1e-4 >= limit {
+            return false;
+        }
         // Distances change by no more than the way to the middle of the grid cell, and rounding.
         let off = (at - Vec3::new(x as f32, y as f32, z as f32) - 0.5).length() * Self::STEP_M + 1e-4;
         if distance - off >= limit {
@@ -84,6 +104,17 @@ mod tests {
             thread_local!(static FIELD: Field = Field::new(&post()));
             let p = Vec3::from(p);
             FIELD.with(|f| assert_eq!(f.is_nearer(p, limit), f.geometry.nearest(p, limit).is_some()));
+        }
+
+        #[test]
+        fn nothing_on_a_vertical_is_nearer_than_it_says(p in prop::array::uniform3(-0.8f32..1.5)) {
+            thread_local!(static FIELD: Field = Field::new(&post()));
+            let p = Vec3::from(p);
+            FIELD.with(|f| {
+                let (beside, exact) = (f.beside(p.x, p.z), f.geometry.distance(p));
+                assert!(beside <= exact + 1e-4, "{beside} {exact}");
+                assert!(beside <= Field::MARGIN_M);
+            });
         }
     }
 }

@@ -1,7 +1,8 @@
 //! The graph of a whole world: cells of instances, joined by links, by joints and across the edges of tiles. Only
 //! bits belong to an instance; where a node leads is looked up in its patch and in tables.
 
-use super::component::Ways;
+use super::component::{Standing, Ways, largest};
+use super::situation::Situation;
 use super::table::JointTable;
 use std::sync::Arc;
 use throng_runtime::patch::{CellRecord, NONE, Patches};
@@ -14,8 +15,8 @@ pub(super) struct Part {
     pub patch: u32,
     /// Node of its first cell.
     pub first_node: u32,
-    /// First word of its links' bits.
-    pub first_link_word: u32,
+    /// Number of its situation.
+    pub situation: u32,
     /// Its edges' neighbours.
     pub first_neighbour: u32,
     /// Its first overlap.
@@ -46,8 +47,8 @@ pub(super) struct Joined<'a> {
     pub parts: Vec<Part>,
     /// Instance across each edge of each tile.
     pub neighbours: Vec<u32>,
-    /// Links that nothing is in the way of.
-    pub link_words: Vec<u64>,
+    /// What is left of their motion.
+    pub situations: Vec<Arc<Situation>>,
     /// Overlaps of all instances.
     pub overlaps: Vec<Overlap>,
     /// Joint tables.
@@ -56,6 +57,8 @@ pub(super) struct Joined<'a> {
     pub joint_words: Vec<u64>,
     /// Number of nodes.
     pub num_nodes: usize,
+    /// True for the nodes across which motion may go on from a joined cell: where empty, for all.
+    pub through: Vec<bool>,
 }
 
 /// How far the ways of a node have been enumerated: its links, then the joints of each overlap.
@@ -64,6 +67,8 @@ pub(super) struct Place {
     part: u32,
     overlap: u32,
     at: u32,
+    /// Links of the cell that the present joint leads to.
+    via: u32,
 }
 
 impl Joined<'_> {
@@ -103,35 +108,82 @@ impl Joined<'_> {
         &self.overlaps[p.first_overlap as usize..(p.first_overlap + p.num_overlaps) as usize]
     }
 
+    /// What is left of an instance's motion.
+    pub fn situation(&self, part: u32) -> &Situation {
+        &self.situations[self.parts[part as usize].situation as usize]
+    }
+
     fn next_link(&self, part: u32, cell: u32, at: &mut u32) -> Option<u32> {
-        let (p, c) = (&self.parts[part as usize], &self.cells(part)[cell as usize]);
-        while *at < c.num_links {
-            let link = c.first_link + *at;
+        let p = &self.parts[part as usize];
+        let ends = self.situation(part).ends_of(cell);
+        while let Some(end) = ends.get(*at as usize) {
             *at += 1;
-            if is_set(&self.link_words, p.first_link_word, link)
-                && let Some(node) = self.end_of(part, link)
-            {
-                return Some(node);
+            if end.edge == NONE {
+                return Some(p.first_node + end.cell);
+            }
+            let other = self.neighbours[(p.first_neighbour + end.edge) as usize];
+            if other != NONE {
+                return Some(self.parts[other as usize].first_node + end.cell);
             }
         }
         None
     }
 
-    fn next_joint(&self, cell: u32, overlap: &Overlap, at: &mut u32) -> Option<u32> {
+    /// Joints of cells do not follow each other without motion: what leads on are the links of the joined cell.
+    fn next_joint(&self, cell: u32, overlap: &Overlap, cursor: &mut Place) -> Option<u32> {
         let table = &self.tables[overlap.table as usize];
         let starts = if overlap.side == 0 { &table.a_starts } else { &table.b_starts };
         let (first, end) = (starts[cell as usize], starts[cell as usize + 1]);
-        while first + *at < end {
-            let place = first + *at;
-            *at += 1;
+        while first + cursor.at < end {
+            let place = first + cursor.at;
             let joint = if overlap.side == 0 { place } else { table.by_b[place as usize] };
-            if is_set(&self.joint_words, overlap.first_word, 2 * joint + overlap.side)
-                && let Some(node) = self.end_of_joint(overlap, joint)
-            {
-                return Some(node);
+            if is_set(&self.joint_words, overlap.first_word, 2 * joint + overlap.side) {
+                let next = match self.joined_cell(overlap, joint) {
+                    Some(joined) => self.next_link_through(overlap.other, joined, &mut cursor.via),
+                    None if cursor.via == 0 => {
+                        cursor.via = 1;
+                        self.end_of_joint(overlap, joint)
+                    }
+                    None => None,
+                };
+                if next.is_some() {
+                    return next;
+                }
             }
+            (cursor.at, cursor.via) = (cursor.at + 1, 0);
         }
         None
+    }
+
+    fn next_link_through(&self, part: u32, cell: u32, at: &mut u32) -> Option<u32> {
+        let node = self.parts[part as usize].first_node + cell;
+        let open = self.through.is_empty() || self.through[node as usize];
+        if open { self.next_link(part, cell, at) } else { None }
+    }
+
+    /// The cell of the other instance where a joint is one between cells.
+    fn joined_cell(&self, overlap: &Overlap, joint: u32) -> Option<u32> {
+        let j = &self.tables[overlap.table as usize].joints[joint as usize];
+        (j.a_offset == NONE).then_some(if overlap.side == 0 { j.b } else { j.a })
+    }
+
+    /// What every node is to the largest component, whose motion goes on through its own cells alone; none where there
+    /// is no component.
+    pub fn settle(&mut self) -> Option<Vec<Standing>> {
+        let mut standing = largest(self)?;
+        if !self.tables.iter().any(|t| t.joints.first().is_some_and(|j| j.a_offset == NONE)) {
+            return Some(standing);
+        }
+        // What falls out of the component takes ways with it that led through it.
+        loop {
+            self.through = standing.iter().map(|s| *s == Standing::Inside).collect();
+            let next = largest(self)?;
+            let same = next.iter().zip(&self.through).all(|(s, inside)| (*s == Standing::Inside) == *inside);
+            if same {
+                return Some(next);
+            }
+            standing = next;
+        }
     }
 
     /// The node where a joint leads that an instance takes to another one.
@@ -164,10 +216,10 @@ impl Ways for Joined<'_> {
             (cursor.overlap, cursor.at) = (1, 0);
         }
         while let Some(overlap) = self.overlaps_of(cursor.part).get(cursor.overlap as usize - 1) {
-            if let Some(next) = self.next_joint(cell, overlap, &mut cursor.at) {
+            if let Some(next) = self.next_joint(cell, overlap, cursor) {
                 return Some(next);
             }
-            (cursor.overlap, cursor.at) = (cursor.overlap + 1, 0);
+            (cursor.overlap, cursor.at, cursor.via) = (cursor.overlap + 1, 0, 0);
         }
         None
     }

@@ -1,22 +1,14 @@
-//! Lays patches over an environment and finds what meets there; keeps what pairs that stand alike have in common.
+//! Lays patches over an environment and finds what meets there.
 
-use super::bodies::Bodies;
 use super::config::StitchConfig;
-use super::field::Field;
 use super::fit::{Fitted, UnitIndex, fit, neighbours};
 use super::library::{Library, Pattern, STAGE};
-use super::mask::{self, Hit};
 use super::near::overlapping;
-use super::paths::{Nearness, Paths, Spots};
+use super::prepare::Found;
 use super::relation::Relation;
 use super::solids;
-use super::table::{JointTable, Rule};
 use crate::environment::{Bounds, Environment, PlacedUnit};
 use crate::error::BuildError;
-use crate::progress::Progress;
-use rayon::prelude::*;
-use std::collections::{BTreeSet, HashMap};
-use std::sync::{Arc, OnceLock};
 use throng_runtime::patch::Patches;
 
 /// Patches in their places, and what meets there.
@@ -44,12 +36,8 @@ pub(super) struct Stitcher<'a> {
     pub config: StitchConfig,
     /// Units of the patches.
     pub patterns: Vec<Pattern>,
-    paths: Vec<OnceLock<Paths>>,
-    spots: Vec<OnceLock<Spots>>,
-    bodies: OnceLock<Bodies>,
-    fields: Vec<OnceLock<Field>>,
-    tables: HashMap<Relation, Arc<JointTable>>,
-    masks: HashMap<Relation, Arc<Vec<Hit>>>,
+    /// What worlds needed so far.
+    pub found: Found,
 }
 
 impl<'a> Stitcher<'a> {
@@ -60,18 +48,12 @@ impl<'a> Stitcher<'a> {
     pub fn new(patches: Patches<'a>, library: Library<'a>, config: &StitchConfig) -> Result<Self, BuildError> {
         config.check()?;
         let patterns = library.patterns(&patches)?;
-        let count = patches.patches.len();
         Ok(Self {
             patches,
             library,
             config: config.clone(),
             patterns,
-            paths: (0..count).map(|_| OnceLock::new()).collect(),
-            spots: (0..count).map(|_| OnceLock::new()).collect(),
-            bodies: OnceLock::new(),
-            fields: library.units.units.iter().map(|_| OnceLock::new()).collect(),
-            tables: HashMap::new(),
-            masks: HashMap::new(),
+            found: Found::new(patches.patches.len(), library.units.units.len()),
         })
     }
 
@@ -90,70 +72,6 @@ impl<'a> Stitcher<'a> {
         let pairs = self.pairs(&fitted, &bounds);
         let obstacles = self.obstacles(environment, &fitted, &bounds);
         Ok(Laid { fitted, neighbours, first_neighbour, pairs, obstacles })
-    }
-
-    /// Makes the tables and masks that pairs of a world need and no earlier one has; forgets all others.
-    pub fn prepare(&mut self, laid: &Laid, progress: &dyn Progress) {
-        let relations = |of: &[(u32, u32, Relation)]| of.iter().map(|p| p.2).collect::<BTreeSet<Relation>>();
-        let (tables, masks) = (relations(&laid.pairs), relations(&laid.obstacles));
-        self.tables.retain(|r, _| tables.contains(r));
-        self.masks.retain(|r, _| masks.contains(r));
-        let new_tables: Vec<Relation> = tables.into_iter().filter(|r| !self.tables.contains_key(r)).collect();
-        let new_masks: Vec<Relation> = masks.into_iter().filter(|r| !self.masks.contains_key(r)).collect();
-
-        progress.begin("joints", new_tables.len() as u64, "pairs");
-        let made: Vec<_> = new_tables.par_iter().map(|r| counted(progress, Arc::new(self.table(r)))).collect();
-        self.tables.extend(new_tables.into_iter().zip(made));
-        progress.end();
-        progress.begin("obstacles", new_masks.len() as u64, "pairs");
-        let made: Vec<_> = new_masks.par_iter().map(|r| counted(progress, Arc::new(self.mask(r)))).collect();
-        self.masks.extend(new_masks.into_iter().zip(made));
-        progress.end();
-    }
-
-    /// The joints of a pair. [Limit: prepared]
-    pub fn table_of(&self, relation: &Relation) -> &Arc<JointTable> {
-        &self.tables[relation]
-    }
-
-    /// The links of an instance that a unit is in the way of. [Limit: prepared]
-    pub fn mask_of(&self, relation: &Relation) -> &[Hit] {
-        &self.masks[relation]
-    }
-
-    /// Roots of a patch's links.
-    pub fn paths(&self, patch: u32) -> &Paths {
-        let patch = patch as usize;
-        self.paths[patch].get_or_init(|| Paths::new(&self.patches, &self.library, patch))
-    }
-
-    /// Bodies of all frames.
-    pub fn bodies(&self) -> &Bodies {
-        let l = &self.library;
-        self.bodies.get_or_init(|| Bodies::new(l.frames, l.contacts, l.skeleton))
-    }
-
-    fn table(&self, relation: &Relation) -> JointTable {
-        let (patch, c) = (relation.a as usize, &self.config);
-        let new_spots =
-            || Spots::new(&self.patches, &self.library, self.paths(relation.a), patch, self.config.min_frames);
-        let spots = self.spots[patch].get_or_init(new_spots);
-        let nearness = Nearness { position: c.position_m, height: c.height_m, heading: c.heading_deg.to_radians() };
-        let rule = Rule { nearness, joints_per_cell: c.joints_per_cell };
-        let pattern = &self.patterns[patch];
-        let panel = &self.library.geometries[pattern.units[0].0].bounds;
-        JointTable::new(&self.patches, spots, pattern.is_tile.then_some(panel), relation, rule)
-    }
-
-    fn mask(&self, relation: &Relation) -> Vec<Hit> {
-        let (paths, unit) = (self.paths(relation.a), self.field(relation.b));
-        mask::hits(paths, self.bodies(), unit, relation.placement(), self.config.penetration_m)
-    }
-
-    /// Distances from a unit.
-    pub fn field(&self, unit: u32) -> &Field {
-        let unit = unit as usize;
-        self.fields[unit].get_or_init(|| Field::new(&self.library.geometries[unit]))
     }
 
     /// All that bodies reach in an instance.
@@ -273,9 +191,4 @@ impl<'a> Stitcher<'a> {
     pub fn is_obstacle(&self, environment: &Environment, index: usize) -> bool {
         self.config.obstacles.contains(&self.library.units.units[environment.units[index].unit].name)
     }
-}
-
-fn counted<T>(progress: &dyn Progress, made: T) -> T {
-    progress.advance(1);
-    made
 }

@@ -15,11 +15,15 @@ mod lay;
 mod library;
 mod mask;
 mod near;
+mod outcome;
 mod paths;
+mod prepare;
 mod relation;
 mod report;
+mod situation;
 mod solids;
 mod source;
+mod swept;
 mod table;
 mod why;
 

@@ -22,7 +22,7 @@ pub(super) struct Paths {
     bounds: Vec<Bounds>,
     /// The longest way over the ground from one frame to the next. [Unit: m]
     step: f32,
-    /// True where links have roots in common.
+    /// True where links have most of their roots in common.
     shared: bool,
 }
 
@@ -62,11 +62,11 @@ impl Paths {
             |l: usize| out.of(l).windows(2).map(|w| (w[1].x - w[0].x).hypot(w[1].z - w[0].z)).fold(0.0, f32::max);
         let (bounds, step) =
             ((0..links.len()).map(around).collect(), (0..links.len()).map(longest).fold(0.0, f32::max));
-        let shared = out.roots.len() < out.counts.iter().map(|&n| n as usize).sum();
+        let shared = 2 * out.roots.len() <= out.counts.iter().map(|&n| n as usize).sum();
         Self { bounds, step, shared, ..out }
     }
 
-    /// True where links have roots in common.
+    /// True where links have most of their roots in common.
     pub fn is_shared(&self) -> bool {
         self.shared
     }
@@ -140,7 +140,7 @@ pub(super) struct Spot {
 pub(super) struct Spots {
     /// First spot of each group. [Size: groups + 1]
     starts: Vec<u32>,
-    /// By group, then along x.
+    /// By group, then by strip along x, then along z.
     spots: Vec<Spot>,
 }
 
@@ -167,15 +167,25 @@ impl Nearness {
     }
 }
 
+/// Width of the strips that spots are sorted into. [Unit: m]
+const STRIP_M: f32 = 0.1;
+
+/// The strip of a place.
+fn strip(x: f32) -> i32 {
+    (x / STRIP_M).floor() as i32
+}
+
 impl Spots {
     /// Collects the spots of a patch: all cells of a block, and of a tile's links the frames that are at least
-    /// `min_frames` from both ends.
+    /// `min_frames` from both ends, or a quarter of short links.
     pub fn new(patches: &Patches<'_>, library: &Library<'_>, paths: &Paths, patch: usize, min_frames: u32) -> Self {
         let mut of_groups: Vec<(u32, Spot)> = Vec::new();
         if patches.patches[patch].kind == KIND_TILE {
             for (l, link) in patches.links_of(patch).iter().enumerate() {
-                let last = u32::from(link.num_frames).saturating_sub(min_frames);
-                for offset in min_frames..=last {
+                let frames = u32::from(link.num_frames);
+                // Slides cross a tile in a few frames: of short links, a quarter is enough.
+                let margin = min_frames.min(frames / 4).max(1);
+                for offset in margin..=frames.saturating_sub(margin) {
                     let row = (link.frame + offset) as usize;
                     let root = paths.of(l)[offset as usize];
                     let at = Placement { y: root.y + library.frames[row].height, ..root };
@@ -191,7 +201,8 @@ impl Spots {
         // Frames that are left out of the motion belong to no group.
         of_groups.retain(|(group, _)| *group != NONE);
         of_groups.sort_unstable_by(|(g, s), (h, t)| {
-            g.cmp(h).then(s.at.x.total_cmp(&t.at.x)).then((s.item, s.offset).cmp(&(t.item, t.offset)))
+            let strips = strip(s.at.x).cmp(&strip(t.at.x));
+            g.cmp(h).then(strips).then(s.at.z.total_cmp(&t.at.z)).then((s.item, s.offset).cmp(&(t.item, t.offset)))
         });
         let groups = of_groups.last().map_or(0, |(g, _)| *g + 1);
         let mut starts = vec![0u32; groups as usize + 1];
@@ -210,12 +221,19 @@ impl Spots {
             Some(&[first, end]) => first as usize..end as usize,
             _ => 0..0,
         };
+        // Rounding hides nothing.
+        let reach = nearness.position + 1e-4;
         let spots = &self.spots[range];
-        let first = spots.partition_point(|s| s.at.x < at.x - nearness.position);
-        spots[first..]
-            .iter()
-            .take_while(move |s| s.at.x <= at.x + nearness.position)
-            .filter_map(move |s| nearness.distance(s.at, at).map(|d| (s, d)))
+        (strip(at.x - reach)..=strip(at.x + reach)).flat_map(move |here| {
+            let first = spots.partition_point(|s| {
+                let there = strip(s.at.x);
+                there < here || there == here && s.at.z < at.z - reach
+            });
+            spots[first..]
+                .iter()
+                .take_while(move |s| strip(s.at.x) == here && s.at.z <= at.z + reach)
+                .filter_map(move |s| nearness.distance(s.at, at).map(|d| (s, d)))
+        })
     }
 }
 

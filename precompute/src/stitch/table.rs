@@ -60,10 +60,10 @@ impl JointTable {
     }
 }
 
-/// True for hips at a height at which feet or a seat are on a panel, above it or so near beside it that a body or a
-/// link that begins there is over it.
+/// True for hips at a height at which feet or a seat are on a panel, and above it. Who is nearer to its edge than a hand's
+/// width is left to the neighbour: on tiles, roots keep away from edges that are not crossed.
 fn stands_on(floor: &Bounds, hips: Placement) -> bool {
-    const BESIDE_M: f32 = 0.4;
+    const BESIDE_M: f32 = -0.05;
     const HIPS_M: [f32; 2] = [0.2, 1.3];
     let (low, high) = (floor.min - BESIDE_M, floor.max + BESIDE_M);
     let above = low.x <= hips.x && hips.x <= high.x && low.z <= hips.z && hips.z <= high.z;

@@ -88,7 +88,10 @@ mod tests {
             assert_eq!(serde_json::to_value(set).unwrap(), set.name());
         }
         let error = SynthSet::from_name("dance").unwrap_err().to_string();
-        assert!(error.contains("`walk` or `boxing` or `office` or `playground`") && error.contains("`dance`"), "{error}");
+        assert!(
+            error.contains("`walk` or `boxing` or `office` or `playground`") && error.contains("`dance`"),
+            "{error}"
+        );
     }
 
     #[test]

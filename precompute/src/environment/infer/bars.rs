@@ -8,11 +8,18 @@ use glam::Vec3;
 /// Hands on a bar are nearer to its axis than this. [Unit: m]
 const NEAR: f32 = 0.05;
 /// Longest stretch of a bar that no hand held. [Unit: m]
-const LONGEST_GAP: f32 = 0.8;
+const LONGEST_GAP: f32 = 0.6;
 /// Two places that a bar is drawn through are at least this far apart. [Unit: m]
 const APART: f32 = 0.15;
 /// Fewest places that show the direction of a bar.
 const FEWEST: usize = 3;
+/// Fewest places on a bar that is neither level nor upright: through many places lines can be drawn by chance, and most
+/// things that hands hold are either.
+const FEWEST_SLANTING: usize = 5;
+/// Rise over length of what is level, and run over length of what is upright, are below this.
+const SLANTING: f32 = 0.3;
+/// Hands hold a bar at least so long, all places added up. [Unit: s]
+const SHORTEST: f32 = 1.0;
 /// A hand that is alone in its place holds something where it stays there for so long; others only paused. [Unit: s]
 const LONG_HOLD: f32 = 0.5;
 /// Bars reach this far beyond the places. [Unit: m]
@@ -29,6 +36,8 @@ pub struct Bar {
     to: Vec3,
     /// Distances of the places from its axis. [Unit: m]
     pub off: Vec<f32>,
+    /// How long it was held, all places added up. [Unit: s]
+    pub held_s: f32,
 }
 
 impl Bar {
@@ -45,8 +54,8 @@ pub fn through(places: &[Touch]) -> Vec<Bar> {
     let mut left: Vec<Touch> = places.to_vec();
     let mut bars = Vec::new();
     while let Some(members) = best_line(&left) {
-        let points: Vec<Vec3> = members.iter().map(|&i| left[i].point).collect();
-        bars.push(fitted(&points));
+        let held: Vec<Touch> = members.iter().map(|&i| left[i]).collect();
+        bars.push(fitted(&held));
         let mut number = 0;
         left.retain(|_| {
             number += 1;
@@ -56,19 +65,32 @@ pub fn through(places: &[Touch]) -> Vec<Bar> {
     while let Some(first) = left.first().copied() {
         let together: Vec<Touch> = left.iter().filter(|t| t.point.distance(first.point) < APART).copied().collect();
         left.retain(|t| t.point.distance(first.point) >= APART);
-        if together.iter().map(|t| t.lasts_s).sum::<f32>() < LONG_HOLD {
+        let held_s = lasting(&together);
+        if held_s < LONG_HOLD {
             continue;
         }
         let middle = together.iter().map(|t| t.point).sum::<Vec3>() / together.len() as f32;
         let across = first.across.with_y(0.0).normalize_or(Vec3::X);
         let off = together.iter().map(|t| (t.point - middle).reject_from(across).length()).collect();
         let half = APART + BEYOND;
-        bars.push(Bar { from: middle - across * half, to: middle + across * half, off });
+        bars.push(Bar { from: middle - across * half, to: middle + across * half, off, held_s });
     }
     bars
 }
 
-/// Numbers of the places on the line with the most of them; `None` where none has [`FEWEST`].
+/// How long places lasted, added up. [Unit: s]
+fn lasting(places: &[Touch]) -> f32 {
+    places.iter().map(|t| t.lasts_s).sum()
+}
+
+/// True where so many places, held for so long, speak for a bar in that direction.
+fn is_bar(places: &[Touch], members: &[usize], along: Vec3) -> bool {
+    let slants = along.y.abs() > SLANTING && along.with_y(0.0).length() > SLANTING;
+    let fewest = if slants { FEWEST_SLANTING } else { FEWEST };
+    members.len() >= fewest && members.iter().map(|&i| places[i].lasts_s).sum::<f32>() >= SHORTEST
+}
+
+/// Numbers of the places on the line with the most of them; `None` where no line is a bar.
 fn best_line(places: &[Touch]) -> Option<Vec<usize>> {
     let step = places.len().div_ceil(MOST).max(1);
     let mut best: Vec<usize> = Vec::new();
@@ -80,12 +102,12 @@ fn best_line(places: &[Touch]) -> Option<Vec<usize>> {
                 continue;
             }
             let members = on_line(places, a, d.normalize());
-            if members.len() > best.len() {
+            if members.len() > best.len() && is_bar(places, &members, d.normalize()) {
                 best = members;
             }
         }
     }
-    (best.len() >= FEWEST).then_some(best)
+    (!best.is_empty()).then_some(best)
 }
 
 /// The places near a line that follow the point `a` on it without a long gap.
@@ -108,7 +130,8 @@ fn on_line(places: &[Touch], a: Vec3, along: Vec3) -> Vec<usize> {
 }
 
 /// The bar along the direction in which points spread most, by power iteration on their scatter.
-fn fitted(points: &[Vec3]) -> Bar {
+fn fitted(places: &[Touch]) -> Bar {
+    let points: Vec<Vec3> = places.iter().map(|t| t.point).collect();
     let middle = points.iter().sum::<Vec3>() / points.len() as f32;
     let ends = (points[0], points[points.len() - 1]);
     let mut along = (ends.1 - ends.0).normalize_or(Vec3::X);
@@ -120,7 +143,7 @@ fn fitted(points: &[Vec3]) -> Bar {
     let low = points.iter().map(reach).fold(f32::INFINITY, f32::min) - BEYOND;
     let high = points.iter().map(reach).fold(f32::NEG_INFINITY, f32::max) + BEYOND;
     let off = points.iter().map(|p| (*p - middle).reject_from(along).length()).collect();
-    Bar { from: middle + along * low, to: middle + along * high, off }
+    Bar { from: middle + along * low, to: middle + along * high, off, held_s: lasting(places) }
 }
 
 #[cfg(test)]
@@ -145,5 +168,15 @@ mod tests {
         assert!(bars[0].off.iter().all(|d| *d < 0.011));
         let pause = Touch { lasts_s: 0.3, ..places[9] };
         assert!(through(&[pause]).is_empty() && through(&[]).is_empty());
+    }
+
+    #[test]
+    fn a_slanting_rail_takes_more_places_than_a_rung_and_pauses_are_no_bar() {
+        let rail =
+            |n: usize| (0..n).map(|i| hold(Vec3::new(0.2, 1.0 + 0.2 * i as f32, 0.2 * i as f32))).collect::<Vec<_>>();
+        assert!(through(&rail(4)).iter().all(|b| b.off.len() < 3));
+        assert_eq!(through(&rail(5))[0].off.len(), 5);
+        let pauses: Vec<Touch> = (0..4).map(|i| Touch { lasts_s: 0.2, ..hold(Vec3::X * 0.3 * i as f32) }).collect();
+        assert!(through(&pauses).is_empty());
     }
 }

@@ -20,6 +20,8 @@ const PLACE_MOVES: f32 = 0.05;
 const SEAT_SPEEDS: [f32; 2] = [0.1, 0.2];
 /// Thighs of who sits fall by less than this over their length.
 const SEAT_STEEPEST: f32 = 0.6;
+/// A heel that is higher than the toes by more than this, or lower, is in the air: the foot stands on its ball. [Unit: m]
+const FOOT_STEEPEST: f32 = 0.06;
 /// Parts that feet have.
 const FOOT_PARTS: usize = 4;
 /// Number of the seat among the parts.
@@ -54,7 +56,11 @@ pub fn find(clip: &Clip, skeleton: &Skeleton, cfg: &ContactConfig) -> Vec<Touch>
     let planted = detect(clip, skeleton, &uneven);
     let mut out = Vec::new();
     for (part, bit) in PARTS.into_iter().enumerate().take(FOOT_PARTS) {
+        let is_heel = part % 2 == 0;
         for run in runs(0..planted.len(), |f| planted[f].any(bit) && clip.is_usable(f)) {
+            if is_heel && body.steepness(part, &run) > FOOT_STEEPEST {
+                continue;
+            }
             out.extend(body.place(Kind::Foot, part, run, 0));
         }
     }
@@ -116,18 +122,26 @@ impl Motion {
             return None;
         }
         let at = run.start.midpoint(run.end);
-        let lowest = |f: usize| {
-            let heights = probes.iter().map(|p| p.at(&self.transforms[f]).y - p.radius.max(0.0));
-            heights.fold(f32::INFINITY, f32::min)
-        };
         let lasts_s = (run.len() as f64 / self.rate_hz) as f32;
         let mut point = median(track);
         let extent = Bounds::of(probes.iter().map(|p| p.at(&self.transforms[at])));
         if kind != Kind::Hand {
-            point.y = median(run.map(|f| Vec3::splat(lowest(f))).collect()).y;
+            point.y = median(run.map(|f| Vec3::splat(self.lowest(part, f))).collect()).y;
         }
         let across = self.joint(at, Joint::LeftUpperArm) - self.joint(at, Joint::RightUpperArm);
         Some(Touch { kind, point, extent, across: across.normalize_or(Vec3::X), lasts_s })
+    }
+
+    /// Height of the lowest point of a part's skin. [Unit: m]
+    fn lowest(&self, part: usize, frame: usize) -> f32 {
+        let heights = self.probes.of(part).iter().map(|p| p.at(&self.transforms[frame]).y - p.radius.max(0.0));
+        heights.fold(f32::INFINITY, f32::min)
+    }
+
+    /// By how much a heel is higher or lower than the toes of its foot during a run: the median. [Unit: m]
+    fn steepness(&self, heel: usize, run: &FrameRange) -> f32 {
+        let by = |f: usize| (self.lowest(heel, f) - self.lowest(heel + 1, f)).abs();
+        median(run.clone().map(|f| Vec3::splat(by(f))).collect()).y
     }
 
     /// True where both thighs are level and the trunk is upright.

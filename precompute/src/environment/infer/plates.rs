@@ -28,16 +28,19 @@ pub struct Plate {
     extent: Bounds,
     /// Heights of the places on it, ascending.
     pub heights: Vec<f32>,
+    /// How long something was on it, all places added up. [Unit: s]
+    pub held_s: f32,
 }
 
 impl Plate {
     fn new(touch: &Touch) -> Self {
-        Self { height: touch.point.y, extent: flat(touch.extent), heights: vec![touch.point.y] }
+        Self { height: touch.point.y, extent: flat(touch.extent), heights: vec![touch.point.y], held_s: touch.lasts_s }
     }
 
     /// Takes in another one.
     fn join(&mut self, other: &Self) {
         self.extent = self.extent.union(other.extent);
+        self.held_s += other.held_s;
         self.heights.extend(&other.heights);
         self.heights.sort_by(f32::total_cmp);
         self.height = self.heights[self.heights.len() / 2];

@@ -31,6 +31,8 @@ pub struct InferReport {
     pub bars: usize,
     /// Bars that fewer than three places speak for: their direction is a guess.
     pub bars_guessed: usize,
+    /// Plates and bars that were taken out again, because the body goes through them.
+    pub dismissed: usize,
     /// Units.
     pub units: usize,
     /// Root mean square of the distances between places and what they lie on. [Unit: m]
@@ -109,8 +111,13 @@ impl fmt::Display for InferReport {
         )?;
         writeln!(
             f,
-            "{} bars ({} of fewer than three places, direction guessed), {} places of hands on none; {} units",
-            self.bars, self.bars_guessed, self.hands_unexplained, self.units
+            "{} bars ({} of fewer than three places, direction guessed), {} places of hands on none",
+            self.bars, self.bars_guessed, self.hands_unexplained
+        )?;
+        writeln!(
+            f,
+            "{} units; {} plates and bars dismissed, because the body goes through them",
+            self.units, self.dismissed
         )?;
         let (rms, max) = (1000.0 * self.residual_rms_m, 1000.0 * self.residual_max_m);
         writeln!(f, "residual {rms:.0} mm rms, {max:.0} mm at most")?;

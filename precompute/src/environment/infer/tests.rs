@@ -82,6 +82,20 @@ fn plates_lie_where_feet_stood() {
 }
 
 #[test]
+fn what_the_body_goes_through_is_not_there() {
+    let s = Skeleton::default();
+    let chest = s.rest_positions()[throng_runtime::Joint::Chest.index()];
+    let bar = |z: f32| {
+        let (from, to) = ([-0.5, chest.y, chest.z + z], [0.5, chest.y, chest.z + z]);
+        let bounds = Bounds::of([Vec3::from(from), Vec3::from(to)]).grown(0.02);
+        ((Shape::Bar { from, to, radius: 0.02 }, bounds), 1.0)
+    };
+    let clip = clip(vec![s.offsets[0]; 30]);
+    let standing = clear::standing(&[bar(0.0), bar(-1.0)], &[&clip], &s).unwrap();
+    assert_eq!(standing, [false, true], "the first bar is in the chest of who stands there, the second behind him");
+}
+
+#[test]
 fn who_stays_on_the_ground_needs_no_environment() {
     let e = infer(&[&standing_at(&[0.0, 0.0])], &Skeleton::default(), "flat").unwrap_err().to_string();
     assert!(e.contains("flat: of") && e.contains("none is above the ground"), "{e}");
@@ -92,10 +106,15 @@ fn what_is_saved_loads_again() {
     let found = infer(&[&standing_at(&[0.0, 0.3])], &Skeleton::default(), "step").unwrap();
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("yard.toml");
-    let units = found.save(&path).unwrap();
-    assert_eq!(units, folder.path().join("yard-units.toml"));
+    let saved = found.save(&path).unwrap();
+    let units = saved.units_out;
+    assert_eq!((&saved.environment_out, &units), (&path, &folder.path().join("yard-units.toml")));
     let file = EnvironmentFile::load(&path).unwrap();
     assert_eq!((file.units.clone(), file.place.clone()), (units.clone(), found.environment.place.clone()));
     assert_eq!(UnitSet::load(&units).unwrap(), found.units);
-    file.expand(&found.units, &path).unwrap();
+    let geometry = found.geometry().unwrap();
+    assert_eq!(file.expand(&found.units, &path).unwrap().units, geometry.units);
+    let world = crate::stitch::WorldSource::load(&saved.world_out).unwrap();
+    assert_eq!(world.environment(&found.units, &path).unwrap().units, geometry.units);
+    assert_eq!((world.bundle, world.stitch.allow_unreachable), (folder.path().join("yard.throng"), true));
 }

@@ -74,7 +74,7 @@ mod tests {
                     naive.push((set, found));
                 }
             }
-            naive.sort();
+            naive.sort_by(|a, b| a.0.cmp(&b.0));
             prop_assert_eq!(spans(&units_of, k), naive);
         }
     }

@@ -186,8 +186,7 @@ impl<'a> Watch<'a> {
         for c in 0..troupe.num_characters() {
             let (root, pose) = (troupe.root(c), troupe.pose(c));
             let (turn, by) = (root.rotation(), root.translation());
-            let transforms =
-                std::array::from_fn(|j| (turn * pose[j].translation() + by, turn * pose[j].rotation()));
+            let transforms = std::array::from_fn(|j| (turn * pose[j].translation() + by, turn * pose[j].rotation()));
             let body = self.body.pose(&transforms, troupe.contacts(c));
             let Some((unit, p)) = body.penetration_in(self.geometry, PENETRATION_M) else {
                 continue;
@@ -239,4 +238,3 @@ impl<'a> Watch<'a> {
         }
     }
 }
-

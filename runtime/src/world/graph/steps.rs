@@ -25,11 +25,12 @@ pub struct Step {
     pub to: Node,
     /// Instance whose link is played.
     pub instance: u32,
-    /// The link, within the patch; [`NONE`] where cells of two instances are joined and nothing is played.
+    /// The link, within the patch; it begins at the node that is left, at one of its tile's links, or at a cell that is
+    /// joined to that node.
     pub link: u32,
     /// Frame of the link that it begins at.
     pub from_offset: u16,
-    /// Frame of the link that it ends at. [Limit: > from_offset where there is a link]
+    /// Frame of the link that it ends at. [Limit: > from_offset]
     pub to_offset: u16,
 }
 
@@ -44,7 +45,7 @@ impl Step {
 }
 
 impl<'w> WorldGraph<'w> {
-    /// The link that a step plays, none where it only changes the instance.
+    /// The link that a step plays, none for [`Step::NONE`].
     pub fn link(&self, step: &Step) -> Option<&'w LinkRecord> {
         (step.link != NONE).then(|| &self.links(step.instance)[step.link as usize])
     }
@@ -152,11 +153,14 @@ impl<'w> WorldGraph<'w> {
         }
     }
 
-    /// From cell to cell.
+    /// From cell to cell, and on along a link: joints do not follow each other without motion, which would carry a
+    /// character farther and farther from where its own motion ended.
     fn cross(&self, adjacency: &AdjacencyRecord, joint: usize, to_b: bool, cell: u32, visit: &mut impl FnMut(Step)) {
         let to = Node { instance: adjacency.other, cell };
         if self.may_go(adjacency, joint, to_b) && self.is_enabled(to) {
-            visit(Step { to, ..Step::NONE });
+            let cell = self.cell(to);
+            let links = cell.first_link..cell.first_link + cell.num_links;
+            links.filter_map(|l| self.step_along(to.instance, l)).for_each(visit);
         }
     }
 

@@ -9,8 +9,6 @@ use crate::troupe::{Repertoire, uniform};
 use crate::world::plan::{Found, Target};
 use crate::world::{Node, Step, WorldGraph};
 
-/// Most steps without motion that are taken at once.
-const MAX_STILL: usize = 16;
 /// Random steps that are tried before those that need no search are taken.
 const TRIES: usize = 4;
 /// Most times that a detour doubles.
@@ -39,16 +37,12 @@ impl Inhabitants {
         self.plan_paths(graph);
         let frames = dt_s * self.rate_hz;
         for c in 0..self.minds.len() {
-            let mut still = 0;
-            while self.troupe.frames_left(c) <= frames && still < MAX_STILL {
-                let step = if still + 1 < MAX_STILL { self.decide(graph, c) } else { self.rest(graph, c) };
-                let Some(step) = step else { break };
+            while self.troupe.frames_left(c) <= frames {
+                let Some(step) = self.decide(graph, c) else { break };
                 let from = std::mem::replace(&mut self.minds[c].at, step.to);
                 let root = self.troupe.course_end(repertoire, c);
-                match lay::course(graph, repertoire, &step, Some(root)) {
-                    Some(course) => self.troupe.lay(repertoire, c, &course)?,
-                    None => still += 1,
-                }
+                let Some(course) = lay::course(graph, repertoire, &step, Some(root)) else { break };
+                self.troupe.lay(repertoire, c, &course)?;
                 self.release(graph, c, from, &step);
             }
         }
@@ -260,8 +254,11 @@ impl Inhabitants {
     /// A random step to anywhere else, and what follows until a character can come to rest.
     fn roam(&mut self, graph: &WorldGraph<'_>, c: usize) -> Option<Step> {
         let at = self.minds[c].at;
-        for _ in 0..TRIES {
-            let step = self.pick(graph, c, |s| s.to != at)?;
+        let rests = graph.is_rest(at);
+        for attempt in 0..TRIES {
+            // Who has rested first thinks of leaving, not of resting elsewhere.
+            let leave = rests && attempt < TRIES / 2;
+            let Some(step) = self.pick(graph, c, |s| s.to != at && !(leave && graph.is_rest(s.to))) else { continue };
             if let Some(step) = self.go(graph, c, step) {
                 return Some(step);
             }

@@ -1,0 +1,238 @@
+//! Finds what pairs and surroundings of a world need, once for all that stand alike, and keeps it for the next change.
+
+use super::bodies::Bodies;
+use super::field::Field;
+use super::lay::{Laid, Stitcher};
+use super::mask::{Hit, Obstacle};
+use super::outcome::Outcome;
+use super::paths::{Nearness, Paths, Spots};
+use super::relation::Relation;
+use super::report::Reason;
+use super::situation::{Situation, Surroundings};
+use super::swept::Swept;
+use super::table::{JointTable, Rule};
+use crate::progress::Progress;
+use rayon::prelude::*;
+use std::collections::{BTreeSet, HashMap, HashSet};
+use std::hash::Hash;
+use std::sync::{Arc, OnceLock};
+use throng_runtime::world::is_set;
+
+/// What depends on patches alone, and tables that the last world needed.
+pub(super) struct Found {
+    paths: Vec<OnceLock<Paths>>,
+    spots: Vec<OnceLock<Spots>>,
+    swept: Vec<OnceLock<Swept>>,
+    bodies: OnceLock<Bodies>,
+    fields: Vec<OnceLock<Field>>,
+    tables: HashMap<Relation, Arc<JointTable>>,
+    masks: HashMap<Relation, Arc<Vec<u64>>>,
+    /// What is left of motion among units.
+    pub situations: HashMap<Surroundings, Arc<Situation>>,
+    /// What is left of instances, by their surroundings and why each of their cells is taken out.
+    pub outcomes: HashMap<(Surroundings, Vec<Option<Reason>>), Outcome>,
+    /// Bits of joints by the pair and what surrounds its side a.
+    joint_words: HashMap<(Relation, Surroundings), Arc<Option<Vec<u64>>>>,
+}
+
+impl Found {
+    /// Nothing is found yet.
+    pub fn new(num_patches: usize, num_units: usize) -> Self {
+        fn empty<T>(count: usize) -> Vec<OnceLock<T>> {
+            (0..count).map(|_| OnceLock::new()).collect()
+        }
+        Self {
+            paths: empty(num_patches),
+            spots: empty(num_patches),
+            swept: empty(num_patches),
+            bodies: OnceLock::new(),
+            fields: empty(num_units),
+            tables: HashMap::new(),
+            masks: HashMap::new(),
+            situations: HashMap::new(),
+            outcomes: HashMap::new(),
+            joint_words: HashMap::new(),
+        }
+    }
+}
+
+/// The situations of all instances.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct Situated {
+    /// Number of each instance's.
+    pub of: Vec<u32>,
+    /// The situations, each once, by the first instance.
+    pub situations: Vec<Arc<Situation>>,
+}
+
+/// Forgets what no key names and makes what is new; keys may be named more than once.
+pub(super) fn renew<K: Eq + Hash + Clone + Sync + Send, V: Send>(
+    known: &mut HashMap<K, V>,
+    keys: &[K],
+    make: impl Fn(&K) -> V + Sync,
+) {
+    let needed: HashSet<&K> = keys.iter().collect();
+    known.retain(|k, _| needed.contains(k));
+    let new: Vec<&K> = needed.into_iter().filter(|k| !known.contains_key(k)).collect();
+    let made: Vec<V> = new.par_iter().map(|k| make(k)).collect();
+    known.extend(new.into_iter().cloned().zip(made));
+}
+
+impl Stitcher<'_> {
+    /// Makes the tables, masks and situations that a world needs and no earlier one has; forgets all others.
+    pub fn prepare(&mut self, laid: &Laid, progress: &dyn Progress) -> Situated {
+        let relations =
+            |of: &[(u32, u32, Relation)]| of.iter().map(|p| p.2).collect::<BTreeSet<_>>().into_iter().collect();
+        let (pairs, obstacles): (Vec<Relation>, Vec<Relation>) = (relations(&laid.pairs), relations(&laid.obstacles));
+        self.ready(&obstacles);
+
+        let mut tables = std::mem::take(&mut self.found.tables);
+        progress.begin("joints", pairs.len() as u64, "pairs");
+        renew(&mut tables, &pairs, |r| counted(progress, Arc::new(self.table(r))));
+        self.found.tables = tables;
+        progress.end();
+        let mut masks = std::mem::take(&mut self.found.masks);
+        progress.begin("obstacles", obstacles.len() as u64, "pairs");
+        renew(&mut masks, &obstacles, |r| counted(progress, Arc::new(self.mask(r))));
+        self.found.masks = masks;
+        progress.end();
+        self.situate(laid)
+    }
+
+    /// What is made in parallel itself must not be waited for by what is.
+    fn ready(&self, obstacles: &[Relation]) {
+        if obstacles.is_empty() {
+            return;
+        }
+        self.bodies();
+        let mut patches: Vec<u32> = obstacles.iter().map(|r| r.a).collect();
+        patches.dedup();
+        patches.par_iter().for_each(|&p| {
+            self.paths(p);
+        });
+        for p in patches {
+            self.swept(p);
+        }
+    }
+
+    /// The situations of all instances, and the bits of their joints.
+    fn situate(&mut self, laid: &Laid) -> Situated {
+        let mut numbers: HashMap<Surroundings, u32> = HashMap::new();
+        let (mut order, mut of) = (Vec::new(), Vec::with_capacity(laid.fitted.len()));
+        let mut obstacles = laid.obstacles.iter().peekable();
+        for (i, f) in (0u32..).zip(&laid.fitted) {
+            let mut own = Vec::new();
+            while let Some((_, _, r)) = obstacles.next_if(|o| o.0 == i) {
+                own.extend((!self.found.masks[r].is_empty()).then_some(*r));
+            }
+            own.sort_unstable();
+            own.dedup();
+            let key = Surroundings { patch: f.patch, obstacles: own };
+            of.push(*numbers.entry(key).or_insert_with_key(|key| {
+                order.push(key.clone());
+                order.len() as u32 - 1
+            }));
+        }
+        let mut known = std::mem::take(&mut self.found.situations);
+        renew(&mut known, &order, |key| {
+            let masks = key.obstacles.iter().map(|r| self.found.masks[r].as_slice());
+            Arc::new(Situation::new(&self.patches, key.clone(), masks))
+        });
+        let situations: Vec<_> = order.iter().map(|key| Arc::clone(&known[key])).collect();
+        self.found.situations = known;
+        let situated = Situated { of, situations };
+        self.joint_words(laid, &situated);
+        situated
+    }
+
+    fn joint_words(&mut self, laid: &Laid, situated: &Situated) {
+        let hindered = |(a, _, r): &(u32, u32, Relation)| {
+            let situation = situated.of[*a as usize];
+            let any = !situated.situations[situation as usize].surroundings.obstacles.is_empty();
+            (any && !self.found.tables[r].joints.is_empty()).then_some((*r, situation))
+        };
+        let pairs: BTreeSet<(Relation, u32)> = laid.pairs.iter().filter_map(hindered).collect();
+        let surroundings = |s: u32| situated.situations[s as usize].surroundings.clone();
+        let keys: Vec<_> = pairs.into_iter().map(|(r, s)| (r, surroundings(s))).collect();
+        let mut known = std::mem::take(&mut self.found.joint_words);
+        renew(&mut known, &keys, |(relation, surroundings)| {
+            let hit = |link: u32| self.hit(surroundings, link);
+            let situation = &self.found.situations[surroundings];
+            Arc::new(situation.joint_words(&self.found.tables[relation], hit))
+        });
+        self.found.joint_words = known;
+    }
+
+    /// First and last frame of a link that collide with anything around it.
+    fn hit(&self, surroundings: &Surroundings, link: u32) -> Option<Hit> {
+        let in_the_way = surroundings.obstacles.iter().filter(|r| is_set(&self.found.masks[r], 0, link));
+        in_the_way.filter_map(|r| self.obstacle(r).hit(link as usize)).reduce(Hit::union)
+    }
+
+    /// The joints of a pair. [Limit: prepared]
+    pub fn table_of(&self, relation: &Relation) -> &Arc<JointTable> {
+        &self.found.tables[relation]
+    }
+
+    /// Bits of a pair's joints, two a joint, in a situation of its side a; none where all may be taken.
+    /// [Limit: prepared]
+    pub fn joint_words_of(&self, relation: &Relation, surroundings: &Surroundings) -> Option<&[u64]> {
+        self.found.joint_words.get(&(*relation, surroundings.clone()))?.as_deref()
+    }
+
+    /// Roots of a patch's links.
+    pub fn paths(&self, patch: u32) -> &Paths {
+        let patch = patch as usize;
+        self.found.paths[patch].get_or_init(|| Paths::new(&self.patches, &self.library, patch))
+    }
+
+    /// Bodies of all frames.
+    pub fn bodies(&self) -> &Bodies {
+        let l = &self.library;
+        self.found.bodies.get_or_init(|| Bodies::new(l.frames, l.contacts, l.skeleton))
+    }
+
+    /// Where links pass; none where they have most of their roots in common.
+    fn swept(&self, patch: u32) -> Option<&Swept> {
+        let (paths, depth_m) = (self.paths(patch), self.config.penetration_m);
+        let make = || Swept::new(paths, self.bodies(), depth_m);
+        (!paths.is_shared()).then(|| self.found.swept[patch as usize].get_or_init(make))
+    }
+
+    fn table(&self, relation: &Relation) -> JointTable {
+        let (patch, c) = (relation.a as usize, &self.config);
+        let new_spots =
+            || Spots::new(&self.patches, &self.library, self.paths(relation.a), patch, self.config.min_frames);
+        let spots = self.found.spots[patch].get_or_init(new_spots);
+        let nearness = Nearness { position: c.position_m, height: c.height_m, heading: c.heading_deg.to_radians() };
+        let rule = Rule { nearness, joints_per_cell: c.joints_per_cell };
+        let pattern = &self.patterns[patch];
+        let panel = &self.library.geometries[pattern.units[0].0].bounds;
+        JointTable::new(&self.patches, spots, pattern.is_tile.then_some(panel), relation, rule)
+    }
+
+    fn mask(&self, relation: &Relation) -> Vec<u64> {
+        self.obstacle(relation).links(self.swept(relation.a))
+    }
+
+    fn obstacle(&self, relation: &Relation) -> Obstacle<'_> {
+        Obstacle {
+            paths: self.paths(relation.a),
+            bodies: self.bodies(),
+            unit: self.field(relation.b),
+            at: relation.placement(),
+            depth_m: self.config.penetration_m,
+        }
+    }
+
+    /// Distances from a unit.
+    pub fn field(&self, unit: u32) -> &Field {
+        let unit = unit as usize;
+        self.found.fields[unit].get_or_init(|| Field::new(&self.library.geometries[unit]))
+    }
+}
+
+fn counted<T>(progress: &dyn Progress, made: T) -> T {
+    progress.advance(1);
+    made
+}

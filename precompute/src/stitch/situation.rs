@@ -1,0 +1,125 @@
+//! What is left of a patch's motion among the units around it: the same for all instances with the same surroundings.
+
+use super::bits::{all_set, clear};
+use super::mask::Hit;
+use super::relation::Relation;
+use super::table::JointTable;
+use throng_runtime::patch::{CellRecord, NONE, Patches};
+use throng_runtime::world::is_set;
+
+/// A patch and what is in the way of its motion.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub(super) struct Surroundings {
+    /// Number of the patch.
+    pub patch: u32,
+    /// How the units stand to it that any of its links collides with; ascending.
+    pub obstacles: Vec<Relation>,
+}
+
+/// What is left of a patch's motion.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Situation {
+    /// What is around it.
+    pub surroundings: Surroundings,
+    /// Links that nothing is in the way of.
+    pub link_words: Vec<u64>,
+    /// First of each cell's ends. [Size: cells + 1]
+    starts: Vec<u32>,
+    /// Where each cell's links lead, each place once.
+    ends: Vec<End>,
+}
+
+/// Where a link leads.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) struct End {
+    /// The edge that it crosses; [`NONE`] where it stays within the patch.
+    pub edge: u32,
+    /// Cell, beyond the edge that of the neighbour.
+    pub cell: u32,
+}
+
+impl Situation {
+    /// - `masks`: bits of the links that each of the obstacles is in the way of.
+    pub fn new<'m>(patches: &Patches<'_>, surroundings: Surroundings, masks: impl Iterator<Item = &'m [u64]>) -> Self {
+        let patch = surroundings.patch as usize;
+        let (cells, links) = (patches.cells_of(patch), patches.links_of(patch));
+        let mut link_words = all_set(links.len());
+        for mask in masks {
+            link_words.iter_mut().zip(mask).for_each(|(w, m)| *w &= !m);
+        }
+        let end = |to: u32| match &cells[to as usize] {
+            c if c.is(CellRecord::IS_EXIT) => End { edge: c.edge, cell: c.twin },
+            _ => End { edge: NONE, cell: to },
+        };
+        let (mut starts, mut ends, mut own) = (vec![0], Vec::new(), Vec::new());
+        for cell in cells {
+            let left = (cell.first_link..cell.first_link + cell.num_links).filter(|&l| is_set(&link_words, 0, l));
+            own.clear();
+            own.extend(left.map(|l| end(links[l as usize].to)));
+            own.sort_unstable();
+            own.dedup();
+            ends.extend_from_slice(&own);
+            starts.push(ends.len() as u32);
+        }
+        Self { surroundings, link_words, starts, ends }
+    }
+
+    /// Where the links of a cell lead.
+    pub fn ends_of(&self, cell: u32) -> &[End] {
+        &self.ends[self.starts[cell as usize] as usize..self.starts[cell as usize + 1] as usize]
+    }
+
+    /// Joints that may be taken where links of side a collide: out of a link that is clear up to there, into one that
+    /// is clear from there. Two bits a joint; none where that is so for all.
+    ///
+    /// - `hit`: first and last frame of a link of side a that collide with anything.
+    pub fn joint_words(&self, table: &JointTable, mut hit: impl FnMut(u32) -> Option<Hit>) -> Option<Vec<u64>> {
+        let mut words: Option<Vec<u64>> = None;
+        let mut last: Option<(u32, Option<Hit>)> = None;
+        for (k, j) in (0u32..).zip(&table.joints) {
+            if j.a_offset == NONE || is_set(&self.link_words, 0, j.a) {
+                continue;
+            }
+            // Joints of one link follow each other.
+            let found = match last {
+                Some((link, found)) if link == j.a => found,
+                _ => hit(j.a),
+            };
+            last = Some((j.a, found));
+            let Some(found) = found else { continue };
+            let words = words.get_or_insert_with(|| all_set(2 * table.joints.len()));
+            if u32::from(found.first) <= j.a_offset {
+                clear(words, 2 * k);
+            }
+            if u32::from(found.last) >= j.a_offset {
+                clear(words, 2 * k + 1);
+            }
+        }
+        words
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use throng_runtime::world::JointRecord;
+
+    #[test]
+    fn a_link_may_be_left_before_and_entered_after_what_is_in_its_way() {
+        let joint = |a, a_offset| JointRecord { a, a_offset, b: 0, reserved: 0 };
+        let joints = vec![joint(1, 10), joint(1, 20), joint(1, 30), joint(2, 20), joint(20, NONE)];
+        let table = JointTable { joints, ..JointTable::default() };
+        let mut situation = Situation {
+            surroundings: Surroundings { patch: 0, obstacles: Vec::new() },
+            link_words: all_set(3),
+            starts: Vec::new(),
+            ends: Vec::new(),
+        };
+        assert_eq!(situation.joint_words(&table, |_| None), None);
+        clear(&mut situation.link_words, 1);
+        let words = situation.joint_words(&table, |_| Some(Hit { first: 15, last: 25 })).unwrap();
+        let ways: Vec<(bool, bool)> =
+            (0..5).map(|k| (is_set(&words, 0, 2 * k), is_set(&words, 0, 2 * k + 1))).collect();
+        assert_eq!(ways, [(true, false), (false, false), (false, true), (true, true), (true, true)]);
+    }
+}

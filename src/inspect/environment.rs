@@ -1,0 +1,141 @@
+//! Surroundings inferred from the contacts of a session's clips: files, a report and a picture.
+
+use crate::args::{Outcome, fail};
+use crate::{output, progress};
+use serde::Serialize;
+use std::path::Path;
+use throng_precompute::environment::{InferReport, Inferred, SavedFiles, infer};
+use throng_precompute::import::{self, ImportConfig};
+use throng_precompute::picture::{self, BodyColours, Colour, Figure, Picture};
+use throng_precompute::picture::{WorldFigure, WorldLook, WorldView};
+use throng_precompute::resample::ResampleConfig;
+use throng_precompute::{BuildError, Clip, ClipSet, Warnings, annotate, files, resample, retarget};
+use throng_runtime::Joint;
+
+/// Bodies in a picture are at least this far apart. [Unit: m]
+const APART: f32 = 0.5;
+/// Most bodies in a picture.
+const MOST: usize = 14;
+/// Bodies are chosen from every so many frames.
+const EVERY: usize = 5;
+/// Clips that a title names.
+const NAMED: usize = 4;
+/// Width and height of one view. [Unit: px]
+const SIZE: (u32, u32) = (1600, 900);
+/// The picture looks along +Z and along +X, tilted down. [Unit: rad]
+const LOOKS: [(f32, f32); 2] = [(0.0, 0.3), (std::f32::consts::FRAC_PI_2, 0.3)];
+
+/// What is printed.
+#[derive(Serialize)]
+struct Report<'a> {
+    clips: Vec<&'a str>,
+    frames: usize,
+    #[serde(flatten)]
+    inferred: &'a InferReport,
+    #[serde(flatten)]
+    saved: Option<SavedFiles>,
+}
+
+/// Infers what the clips stand, sit and hang on, writes it, draws it and says how well it explains them.
+pub fn run(args: &super::Args) -> Outcome {
+    for file in args.environment_out.iter().chain(&args.environment_png) {
+        files::check_target(file)?;
+    }
+    if let Some(bundle) = args.files.iter().find(|f| crate::args::is_bundle(f)) {
+        return fail(format!("{}: expected a motion file: surroundings are inferred from clips", bundle.display()));
+    }
+    if args.hits_png.is_some() {
+        return fail("--hits-png is for one clip or bundle without --environment-out and --environment-png");
+    }
+    let set = read(args)?;
+    let stem = |p: &Path| p.file_stem().map_or_else(String::new, |s| s.to_string_lossy().into_owned());
+    let name = args.environment_out.as_deref().map_or_else(|| set.clips[0].name.clone(), stem);
+    let clips: Vec<&Clip> = set.clips.iter().collect();
+    let inferred = infer(&clips, &set.skeleton, &name)?;
+    let saved = args.environment_out.as_ref().map(|path| inferred.save(path)).transpose()?;
+    if let Some(path) = &args.environment_png {
+        draw(&set, &inferred)?.save_png(path)?;
+    }
+    let report = Report {
+        clips: set.clips.iter().map(|c| c.name.as_str()).collect(),
+        frames: set.num_frames(),
+        inferred: &inferred.report,
+        saved,
+    };
+    if args.json { output::json(&report) } else { print(&report) }
+}
+
+/// The clips as a build of the same files with default settings has them, so that both see the same heights.
+fn read(args: &super::Args) -> Result<ClipSet, Box<dyn std::error::Error>> {
+    let config = ImportConfig { asf: args.asf.clone(), strict: true, ..ImportConfig::default() };
+    let raw = import::read(&args.files, &config, &progress::Bar::default())?;
+    let mut warnings = Warnings::default();
+    let clips = retarget::onto(&raw.clips, &Default::default(), &mut warnings)?;
+    let clips = resample::resample(&clips, &ResampleConfig { mirror: false, ..ResampleConfig::default() })?;
+    let clips = annotate::annotate(&clips, &Default::default(), &Default::default())?;
+    output::warnings(&[], &warnings.messages);
+    if clips.clips.is_empty() {
+        return fail("expected at least one clip, found none");
+    }
+    Ok(clips)
+}
+
+/// The person at several moments in the inferred surroundings, from two sides.
+fn draw(set: &ClipSet, inferred: &Inferred) -> Result<Picture, BuildError> {
+    let geometry = inferred.geometry()?;
+    let units = picture::world_units(&geometry);
+    let bodies = apart(set);
+    let tint = |i: usize| Colour::hex([0x4a6fa5, 0xb5653f, 0x5f8f56, 0x87609c][i % 4]);
+    let figure = |(i, f): (usize, &Figure)| WorldFigure { figure: *f, colours: BodyColours::plain(tint(i)) };
+    let figures: Vec<WorldFigure> = bodies.iter().enumerate().map(figure).collect();
+    let mut names: Vec<&str> = set.clips.iter().take(NAMED).map(|c| c.name.as_str()).collect();
+    names.extend((set.clips.len() > NAMED).then_some("..."));
+    let title = format!("{}: inferred from {}", inferred.environment.name, names.join(", "));
+    let subtitle = inferred.report.to_string().lines().take(2).collect::<Vec<_>>().join("; ");
+    let view = |(heading, elevation)| {
+        let look = WorldLook { heading, elevation, focus: None };
+        let (trails, names) = (&[], &[]);
+        let view = WorldView {
+            title: &title,
+            subtitle: &subtitle,
+            size: SIZE,
+            figures: &figures,
+            units: &units,
+            trails,
+            names,
+            look,
+        };
+        picture::world_sheet(&view)
+    };
+    let [front, side] = LOOKS.map(view);
+    Ok(picture::sheet(&[&front, &side]))
+}
+
+/// Bodies in poses that are far from each other: beginning with the first, each time the one farthest from all others.
+fn apart(set: &ClipSet) -> Vec<Figure> {
+    let figure =
+        |clip: &Clip, f: usize| Figure::from_transforms(&set.skeleton, &clip.joint_transforms(&set.skeleton, f));
+    let frames = |clip: &Clip| (0..clip.num_frames()).step_by(EVERY).filter(|&f| clip.is_usable(f)).collect::<Vec<_>>();
+    let all: Vec<Figure> = set.clips.iter().flat_map(|c| frames(c).into_iter().map(move |f| figure(c, f))).collect();
+    let mut near = vec![f32::INFINITY; all.len()];
+    let mut out = Vec::new();
+    let mut next = all.first();
+    while let Some(one) = next.filter(|_| out.len() < MOST) {
+        out.push(*one);
+        let hips = one.joint(Joint::Hips);
+        near.iter_mut().zip(&all).for_each(|(d, f)| *d = d.min(f.joint(Joint::Hips).distance(hips)));
+        let farthest = near.iter().zip(&all).filter(|(d, _)| **d > APART).max_by(|a, b| a.0.total_cmp(b.0));
+        next = farthest.map(|(_, f)| f);
+    }
+    out
+}
+
+fn print(report: &Report) -> Outcome {
+    println!("{} clips, {} frames: {}", report.clips.len(), report.frames, report.clips.join(", "));
+    println!("{}", report.inferred);
+    if let Some(saved) = &report.saved {
+        let SavedFiles { environment_out, units_out, world_out } = saved;
+        println!("written {}, {} and {}", environment_out.display(), units_out.display(), world_out.display());
+    }
+    Ok(())
+}
