@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 use throng_precompute::cache::Cache;
+use throng_precompute::scene::world::WorldScene;
 use throng_precompute::scene::{RunConfig, Scene};
 use throng_precompute::trial::TrialConfig;
 use throng_runtime::Tables;
@@ -101,6 +102,16 @@ impl CrowdArgs {
     /// How long a scene runs.
     pub fn scene_run(&self) -> RunConfig {
         RunConfig { seconds: self.seconds, step_hz: self.step_hz, ..RunConfig::default() }
+    }
+
+    /// Puts what is given in place of what a scene in a world says.
+    pub fn change_world(&self, scene: &mut WorldScene) -> Outcome {
+        if self.single_load || self.bend != 0.0 || self.follow != 0 || self.temperature.is_some() {
+            return fail("--single-load, --bend, --follow and --temperature are not for scenes in worlds");
+        }
+        scene.characters = self.characters.unwrap_or(scene.characters);
+        scene.seed = self.seed.unwrap_or(scene.seed);
+        Ok(())
     }
 
     /// Puts what is given in place of what a scene says.

@@ -11,7 +11,9 @@ use throng_precompute::report::{self, BuildReport};
 
 /// Bake motion files into a bundle.
 ///
-/// JSON keys: name, clips, rate_hz, minutes_in, frames_in, frames_kept, states, actions, seconds_total, stage_s, cached, policies [name,
+/// JSON keys: name, clips, rate_hz, minutes_in, frames_in, frames_kept, states, actions, seconds_total, stage_s, cached, pose_groups,
+/// max_group_diameter and group_threshold (in radians, as the config's `features` explains), group_frames {min, mean, max}, patches [name, segments, frames,
+/// cells, links, pruned_directions, pruned_component], policies [name,
 /// cells, pairs, sweeps, greedy_sweeps, residual, error_bound, bytes, value_bytes, seconds, comparison, adaptive {finest_bytes, samples, mean_value, and for adaptive, uniform and
 /// uniform_fitted each bytes, counts, mean_error, p95_error, max_error, changed_share, mean_loss} (null where it is not)],
 /// bundle_bytes, graph, contacts, hits {count, angle_rad, distance_m, height_m (each [min, max], null without
@@ -81,6 +83,13 @@ pub fn print(r: &BuildReport, out: &str) -> Outcome {
         ),
         ("hits", r.hits.to_string()),
         (
+            "pose groups",
+            format!(
+                "{} of {:.1} frames on average, {:.0} at most; largest diameter {:.3}, threshold {}",
+                r.pose_groups, r.group_frames.mean, r.group_frames.max, r.max_group_diameter, r.group_threshold
+            ),
+        ),
+        (
             "graph",
             format!(
                 "{} states ({} standing), {} actions ({:.1} a state), {} segments of {:.2} s on average",
@@ -92,6 +101,15 @@ pub fn print(r: &BuildReport, out: &str) -> Outcome {
             format!("error {:.3} on average, {:.3} at worst", g.transition_error.mean, g.transition_error.max),
         ),
     ];
+    for p in &r.patches {
+        rows.push((
+            "patch",
+            format!(
+                "{}: {} frames in {} runs, {} cells, {} links ({} pruned for a direction, {} outside the component)",
+                p.name, p.frames, p.segments, p.cells, p.links, p.pruned_directions, p.pruned_component
+            ),
+        ));
+    }
     for p in &r.policies {
         rows.push((
             "policy",

@@ -12,6 +12,7 @@ mod progress;
 mod query;
 mod run;
 mod schema;
+mod stitch;
 mod synth;
 mod verify;
 mod view;
@@ -35,6 +36,7 @@ enum Command {
     Inspect(inspect::Args),
     Verify(verify::Args),
     Query(query::Args),
+    Stitch(stitch::Args),
     Run(run::Args),
     Bench(bench::Args),
     Export(export::Args),
@@ -51,6 +53,7 @@ fn main() -> ExitCode {
         Command::Inspect(a) => inspect::run(&a),
         Command::Verify(a) => verify::run(&a),
         Command::Query(a) => query::run(&a),
+        Command::Stitch(a) => stitch::run(&a),
         Command::Run(a) => run::run(&a),
         Command::Bench(a) => bench::run(&a),
         Command::Export(a) => export::run(&a),

@@ -1,11 +1,14 @@
 //! `throng run`: a crowd on a bundle, or a scene.
 
+pub mod world;
+
 use crate::args::{CacheArgs, CrowdArgs, Outcome, fail};
 use crate::{output, progress};
 use std::path::{Path, PathBuf};
 use throng_precompute::config::BuildConfig;
 use throng_precompute::picture;
 use throng_precompute::pipeline;
+use throng_precompute::scene::world::WorldScene;
 use throng_precompute::scene::{self, RunConfig, Scene, SceneKind, SceneReport};
 use throng_precompute::trial::{self, TrialConfig, TrialRecord, TrialReport};
 use throng_runtime::Tables;
@@ -14,7 +17,11 @@ use throng_runtime::Tables;
 ///
 /// JSON keys: of a scene, scene, characters, simulated_s, steps_per_second (of all characters, on one thread),
 /// hits_per_minute (that landed, for each character), landed_fraction, blocked_fraction, thrown, foot_slip_mean_mps,
-/// foot_slip_p95_mps, max_penetration_m, deep_fraction, distance_mean_m, distance_max_m; of a bundle, characters, simulated_s, reached_fraction, stayed_fraction, mean_arrival_s,
+/// foot_slip_p95_mps, max_penetration_m, deep_fraction, distance_mean_m, distance_max_m; of a scene in a world, scene, characters,
+/// simulated_s, steps_per_second, character_overlaps (times at which trunks of two came into each other), deepest_overlap_m,
+/// environment_penetrations (times at which somebody came more than 8 cm into a unit), deepest_penetration_m, stuck
+/// (characters that stayed within half a metre for 30 s though they wished to go), fulfilled_per_minute,
+/// travelled_m_per_minute (both for each character), waiting_fraction, foot_slip_mean_mps, foot_slip_p95_mps; of a bundle, characters, simulated_s, reached_fraction, stayed_fraction, mean_arrival_s,
 /// mean_final_distance_m, foot_slip_mean_mps, foot_slip_p95_mps, steps_per_second, poses_per_second,
 /// choices_per_second.
 #[derive(clap::Args)]
@@ -43,7 +50,7 @@ pub struct Args {
 
 pub fn run(args: &Args) -> Outcome {
     if Scene::is_scene(&args.file) {
-        return run_scene(args);
+        return if WorldScene::is_one(&args.file) { world::run(args) } else { run_scene(args) };
     }
     if args.bundle.is_some() || !args.without.is_empty() {
         return fail("--bundle and --without are for scenes; name the bundle alone");
@@ -65,7 +72,7 @@ fn run_scene(args: &Args) -> Outcome {
     if let Some(bundle) = &args.bundle {
         (scene.bundle, scene.config) = (bundle.clone(), None);
     }
-    make_bundle(&scene, &args.cache)?;
+    make_bundle(&scene.bundle, scene.config.as_deref(), &args.cache)?;
     let tables = crate::args::open(&scene.bundle)?;
     let config = RunConfig { recorded: args.png.is_some(), ..args.crowd.scene_run() };
     let (report, record) = scene::run(&tables, &scene, &config)?;
@@ -87,9 +94,8 @@ fn leave_out(scene: &mut Scene, without: &[String]) -> Outcome {
     Ok(())
 }
 
-/// Builds a scene's bundle where it is not there.
-fn make_bundle(scene: &Scene, cache: &CacheArgs) -> Outcome {
-    let (bundle, config) = (&scene.bundle, &scene.config);
+/// Builds a bundle where it is not there.
+pub fn make_bundle(bundle: &Path, config: Option<&Path>, cache: &CacheArgs) -> Outcome {
     if bundle.exists() {
         return Ok(());
     }

@@ -11,14 +11,14 @@ use throng_precompute::synth::{self, SynthConfig, SynthSet};
 /// JSON keys: set, clips, frames, seconds, out.
 #[derive(clap::Args)]
 pub struct Args {
-    /// Which set: `walk` (wandering with turns, stops and starts) or `boxing` (shadow-boxing with footwork,
-    /// combinations and defences).
+    /// Which set: `walk` (wandering with turns, stops and starts), `boxing` (shadow-boxing with footwork, combinations
+    /// and defences), `playground` (stairs, a ladder, slides) or `office` (standing, talking, sitting, working).
     #[arg(long, default_value = "walk")]
     set: String,
     /// Folder to write to; made if it is not there.
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
-    /// Length of the set; 6 for `walk` and 8 for `boxing` where it is not given.
+    /// Length of the set; its own usual one where it is not given.
     #[arg(long)]
     minutes: Option<f64>,
     /// Same seed, same motion.

@@ -84,6 +84,11 @@ fn policies(out: &mut BundleWriter, segments: &[MotionSegment; 4]) {
     out.section(tags::POLICY_VALUES, &vec![0.0f32; cells]);
     let best: Vec<u8> = (0..cells).map(|i| (i / 3 % 2) as u8).collect();
     out.section(tags::POLICY_BEST, &best);
+    out.section::<throng_runtime::patch::PatchRecord>(tags::PATCHES, &[]);
+    out.section::<throng_runtime::patch::EdgeRecord>(tags::PATCH_EDGES, &[]);
+    out.section::<throng_runtime::patch::CellRecord>(tags::PATCH_CELLS, &[]);
+    out.section::<throng_runtime::patch::LinkRecord>(tags::PATCH_LINKS, &[]);
+    out.section::<u32>(tags::POSE_GROUPS, &[]);
 }
 
 fn row(frame: u32, clip: u32) -> FrameRow {

@@ -127,6 +127,9 @@ impl BuildConfig {
         let fault = match (self.inputs.is_empty(), &self.synth) {
             (true, None) => "expected `inputs = [\"folder\"]` or a table `[synth]`, found neither",
             (false, Some(_)) => "expected `inputs` or `[synth]`, found both; leave one out",
+            _ if !self.graph.enabled && !self.behaviours.is_empty() => {
+                "expected `behaviours = []` where `graph.enabled = false`: policies need a motion graph"
+            }
             _ => return Ok(()),
         };
         Err(BuildError::Config { message: format!("{}: {fault}", path.display()) })

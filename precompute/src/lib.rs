@@ -29,6 +29,7 @@ pub mod retarget;
 pub mod scene;
 pub mod slip;
 mod stages;
+pub mod stitch;
 pub mod synth;
 pub mod trial;
 pub mod write;

@@ -2,16 +2,19 @@
 
 use crate::cache::{Cache, Key};
 use crate::clip::ClipSet;
+use crate::cluster::PoseGroups;
 use crate::config::BuildConfig;
+use crate::environment::{self, UnitSet};
 use crate::error::{BuildError, Warnings};
 use crate::import::Imported;
+use crate::patch::{self, Patches};
 use crate::progress::Progress;
 use crate::provenance::{self, Provenance};
 use crate::report::{self, BuildReport};
 use crate::resample::ResampleConfig;
 use crate::stages::{Motion, Stages};
 use crate::write::{self, Baked};
-use crate::{annotate, features, files, graph, import, policy, resample, retarget, synth};
+use crate::{annotate, cluster, features, files, graph, import, policy, resample, retarget, synth};
 use rand::SeedableRng;
 use rand_pcg::Pcg64;
 use std::collections::BTreeMap;
@@ -29,8 +32,13 @@ pub fn build(cfg: &BuildConfig, out: &Path, cache: &Cache, progress: &dyn Progre
     let mut s = Stages::new(cache, progress);
     let from: Provenance = s.run("hash", |_| provenance::collect(cfg))?;
 
+    let units = cfg.patches.units.as_ref().map(|path| UnitSet::load(path)).transpose()?;
+
     let key = Key::root().then("import", &(&from.sources, &cfg.import, &cfg.clips))?;
-    let key = key.then("motion", &(&cfg.retarget, &cfg.resample, &cfg.annotate))?;
+    let key = key.then(
+        "motion",
+        &(&cfg.retarget, &cfg.resample, &cfg.annotate, &cfg.patches.environments, &cfg.patches.touch),
+    )?;
     let motion: Motion = s.cached("motion", key, |s| {
         let (raw, sidecars) = s.run("import", |p| match &cfg.synth {
             Some(synth) => synth::input(synth, cfg.resample.rate_hz, &cfg.import),
@@ -42,7 +50,24 @@ pub fn build(cfg: &BuildConfig, out: &Path, cache: &Cache, progress: &dyn Progre
         let clips = s.run("resample", |_| resample::resample(&clips, &cfg.resample))?;
         let marks = annotate::Sidecars::collect(&raw, &clips, &sidecars)?;
         let clips = s.run("annotate", |_| annotate::annotate(&clips, &cfg.annotate, &marks))?;
+        let clips = s.run("embed", |_| embed(clips, cfg, units.as_ref()))?;
         Ok(Motion { clips, skipped: report::of_skipped(&raw), warnings })
+    })?;
+
+    let cluster_key = key.then("cluster", &(&cfg.features, &cfg.cluster))?;
+    let groups: PoseGroups = s.cached("cluster", cluster_key, |s| {
+        let features = s.run("features", |_| features::extract(&motion.clips, &cfg.features))?;
+        s.run("cluster", |p| cluster::group(&motion.clips, &features, &cfg.cluster, p))
+    })?;
+
+    let patch_key = cluster_key.then("patch", &cfg.patches)?;
+    let patches: Patches = s.cached("patch", patch_key, |s| match &units {
+        Some(units) => s.run("patch", |p| {
+            let scenes = environment::scenes(&motion.clips.clips, &cfg.patches, units)?;
+            let settings = scenes.settings(&motion.clips, &cfg.patches.touch);
+            patch::build(&motion.clips, &groups, &settings, &cfg.patches, units, p)
+        }),
+        None => Ok(Patches::default()),
     })?;
 
     let key = key.then("graph", &(&cfg.features, &cfg.graph))?;
@@ -60,10 +85,35 @@ pub fn build(cfg: &BuildConfig, out: &Path, cache: &Cache, progress: &dyn Progre
     })?;
 
     let meta = from.meta(cfg, &graph_report)?;
-    let baked = Baked { clips: &motion.clips, graph: &graph, policies: &policies.policies, meta: &meta };
+    let baked = Baked {
+        clips: &motion.clips,
+        graph: &graph,
+        policies: &policies.policies,
+        groups: Some(&groups),
+        patches: Some(&patches),
+        meta: &meta,
+    };
     let bundle_bytes = s.run("write", |_| write::bundle(&baked, out))?;
     let warnings = Warnings { messages: [motion.warnings.messages.clone(), s.warnings.messages.clone()].concat() };
-    Ok(report::of_build(cfg, &motion, graph_report, &policies.policies, bundle_bytes, warnings, s.finish()))
+    Ok(report::of_build(
+        cfg,
+        &motion,
+        &groups,
+        &patches,
+        graph_report,
+        &policies.policies,
+        bundle_bytes,
+        warnings,
+        s.finish(),
+    ))
+}
+
+/// Contacts with what the clips were captured in, where there is such a thing.
+fn embed(mut clips: ClipSet, cfg: &BuildConfig, units: Option<&UnitSet>) -> Result<ClipSet, BuildError> {
+    if let Some(units) = units {
+        environment::embed(&mut clips, &cfg.patches, units, &cfg.annotate.contacts)?;
+    }
+    Ok(clips)
 }
 
 /// What a build makes of one clip before the motion graph: the same stages with default settings, no mirrored copy.

@@ -2,6 +2,7 @@
 
 use crate::cache::content_hash;
 use crate::config::BuildConfig;
+use crate::environment::{Shape, UnitSet};
 use crate::error::BuildError;
 use crate::graph::GraphReport;
 use crate::import;
@@ -27,6 +28,7 @@ pub fn collect(config: &BuildConfig) -> Result<Provenance, BuildError> {
     let motion = import::expand(&config.inputs)?;
     let mut all: BTreeSet<PathBuf> = motion.iter().cloned().chain(cfg.profiles.iter().cloned()).collect();
     all.extend(cfg.asf.clone());
+    all.extend(surroundings(config)?);
     for path in &motion {
         all.extend(Some(path.with_extension("toml")).filter(|p| p.is_file()));
         if path.extension().is_some_and(|e| e.eq_ignore_ascii_case("amc")) && cfg.asf.is_none() {
@@ -36,6 +38,20 @@ pub fn collect(config: &BuildConfig) -> Result<Provenance, BuildError> {
     let mut sources: Vec<SourceMeta> = all.into_par_iter().map(|p| hash(&p)).collect::<Result<_, _>>()?;
     sources.extend(config.synth.iter().flat_map(SynthInput::all).map(|s| made(s, config.resample.rate_hz)));
     Ok(Provenance { sources })
+}
+
+/// Unit objects, what they are drawn with, and the environments of clips.
+fn surroundings(config: &BuildConfig) -> Result<Vec<PathBuf>, BuildError> {
+    let Some(path) = &config.patches.units else {
+        return Ok(Vec::new());
+    };
+    let units = UnitSet::load(path)?;
+    let meshes = units.units.iter().flat_map(|u| &u.shapes).filter_map(|s| match s {
+        Shape::Mesh { file } => Some(file.clone()),
+        _ => None,
+    });
+    let environments = config.patches.environments.iter().map(|e| e.file.clone());
+    Ok(std::iter::once(path.clone()).chain(meshes).chain(environments).collect())
 }
 
 /// Synthetic motion: what it is made by stands for its content.

@@ -4,10 +4,12 @@ mod paper;
 
 use crate::annotate::hits::{HitPoint, HitReport};
 use crate::annotate::{self, ContactSanity};
+use crate::cluster::PoseGroups;
 use crate::config::BuildConfig;
 use crate::error::Warnings;
-use crate::graph::GraphReport;
+use crate::graph::{GraphReport, Spread};
 use crate::import::ImportedSet;
+use crate::patch::{PatchReport, Patches};
 use crate::policy::{Policy, PolicyReport};
 use crate::stages::{Motion, Timing};
 pub use paper::{Line, beside_paper, markdown};
@@ -39,6 +41,16 @@ pub struct BuildReport {
     pub stage_s: BTreeMap<&'static str, f64>,
     /// Outputs that were read from the cache: `motion` stands for import to annotate.
     pub cached: Vec<&'static str>,
+    /// Pose groups of the frames.
+    pub pose_groups: usize,
+    /// Largest distance between two frames of one group. [Unit: rad]
+    pub max_group_diameter: f64,
+    /// Every group's diameter stays below this. [Unit: rad]
+    pub group_threshold: f64,
+    /// Frames of a group, on average and at most.
+    pub group_frames: Spread,
+    /// What was made of each motion patch.
+    pub patches: Vec<PatchReport>,
     /// One entry per behaviour.
     pub policies: Vec<PolicyReport>,
     /// Length of the bundle. [Unit: bytes]
@@ -71,6 +83,8 @@ pub(crate) fn of_skipped(raw: &ImportedSet) -> Vec<String> {
 pub(crate) fn of_build(
     cfg: &BuildConfig,
     motion: &Motion,
+    groups: &PoseGroups,
+    patches: &Patches,
     graph: GraphReport,
     policies: &[Policy],
     bundle_bytes: u64,
@@ -102,6 +116,11 @@ pub(crate) fn of_build(
         seconds_total: timing.seconds_total,
         stage_s,
         cached: timing.cached,
+        pose_groups: groups.num_groups(),
+        max_group_diameter: f64::from(groups.max_diameter),
+        group_threshold: f64::from(groups.threshold),
+        group_frames: group_frames(groups),
+        patches: patches.report.clone(),
         policies: policies.iter().map(|p| p.report.clone()).collect(),
         bundle_bytes,
         graph,
@@ -111,6 +130,13 @@ pub(crate) fn of_build(
         skipped: motion.skipped.clone(),
         warnings: warnings.messages,
     }
+}
+
+/// How many frames the groups have.
+fn group_frames(groups: &PoseGroups) -> Spread {
+    let mut frames = vec![0u32; groups.num_groups()];
+    groups.groups.iter().filter(|g| **g != PoseGroups::NO_GROUP).for_each(|&g| frames[g as usize] += 1);
+    Spread::of(frames.into_iter().map(f64::from))
 }
 
 /// Sanity of all originals, weighted by their frames; the 95th percentile is the largest of any clip.

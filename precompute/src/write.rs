@@ -1,16 +1,19 @@
 //! The last stage: everything that was baked, as one bundle.
 
 use crate::clip::{Clip, ClipSet, Hit};
+use crate::cluster::PoseGroups;
 use crate::error::BuildError;
 use crate::files::write_atomically;
 use crate::graph::MotionGraph;
+use crate::patch::{Patch, Patches};
 use crate::policy::Policy;
 use std::path::Path;
 use throng_runtime::format::{
-    AlignedBytes, BundleWriter, ClipMeta, ClipRecord, FormatError, FrameRow, Meta, SkeletonRecord,
+    AlignedBytes, BundleWriter, ClipMeta, ClipRecord, FormatError, FrameRow, Meta, PatchMeta, SkeletonRecord,
 };
 use throng_runtime::graph::{MotionSegment, StateRecord};
 use throng_runtime::hits::KIND_NAMES;
+use throng_runtime::patch::PatchRecord;
 use throng_runtime::planar::wrap_angle;
 use throng_runtime::skeleton::NUM_JOINTS;
 use throng_runtime::{Contacts, HitRecord, Planar, Tables, tables::tags};
@@ -24,6 +27,10 @@ pub struct Baked<'a> {
     pub graph: &'a MotionGraph,
     /// One per behaviour.
     pub policies: &'a [Policy],
+    /// Pose groups of the frames, where they were grouped.
+    pub groups: Option<&'a PoseGroups>,
+    /// Motion patches; their cells name pose groups.
+    pub patches: Option<&'a Patches>,
     /// Name, provenance and figures; clips and behaviours are filled in here.
     pub meta: &'a Meta,
 }
@@ -56,13 +63,50 @@ pub fn lay_out(baked: &Baked<'_>) -> Result<BundleWriter, FormatError> {
     let kinds = baked.clips.hit_kinds();
     meta.hit_tags = kinds[KIND_NAMES.len()..].iter().map(|k| k.name().to_owned()).collect();
     meta.behaviours = baked.policies.iter().map(|p| p.name.clone()).collect();
+    meta.pose_groups = baked.groups.map_or(0, |g| g.num_groups() as u64);
+    if let Some(p) = baked.patches {
+        meta.patches = p.patches.iter().map(patch_meta).collect();
+        meta.link_tags.clone_from(&p.link_tags);
+        meta.units.clone_from(&p.units);
+    }
     let mut out = BundleWriter::new();
     out.section(tags::META, &meta.encode()?);
     out.section(tags::SKELETON, &[SkeletonRecord::from(&baked.clips.skeleton)]);
     motion(baked.clips, &mut out);
     graph(baked, &mut out);
     policies(baked.policies, &mut out);
+    patches(baked.patches.map_or(&[], |p| &p.patches), &mut out);
+    out.section(tags::POSE_GROUPS, baked.groups.map_or(&[], |g| g.groups.as_slice()));
     Ok(out)
+}
+
+fn patch_meta(p: &Patch) -> PatchMeta {
+    PatchMeta { name: p.name.clone(), units: p.units.clone() }
+}
+
+fn patches(patches: &[Patch], out: &mut BundleWriter) {
+    let mut records: Vec<PatchRecord> = Vec::with_capacity(patches.len());
+    for p in patches {
+        let (first_cell, first_link, first_edge) = records.last().map_or((0, 0, 0), |b| {
+            (b.first_cell + b.num_cells, b.first_link + b.num_links, b.first_edge + b.num_edges)
+        });
+        records.push(PatchRecord {
+            kind: p.kind,
+            first_cell,
+            num_cells: p.cells.len() as u32,
+            first_link,
+            num_links: p.links.len() as u32,
+            first_edge,
+            num_edges: p.edges.len() as u32,
+            reserved: 0,
+            min: p.bounds[0],
+            max: p.bounds[1],
+        });
+    }
+    out.section(tags::PATCHES, &records);
+    out.section(tags::PATCH_EDGES, &patches.iter().flat_map(|p| p.edges.iter().copied()).collect::<Vec<_>>());
+    out.section(tags::PATCH_CELLS, &patches.iter().flat_map(|p| p.cells.iter().copied()).collect::<Vec<_>>());
+    out.section(tags::PATCH_LINKS, &patches.iter().flat_map(|p| p.links.iter().copied()).collect::<Vec<_>>());
 }
 
 fn clip_meta(c: &Clip) -> ClipMeta {
@@ -163,7 +207,8 @@ fn graph(baked: &Baked<'_>, out: &mut BundleWriter) {
         .collect();
     out.section(tags::STATES, &states);
     out.section(tags::SEGMENTS, &segments);
-    out.section(tags::ACTION_OFFSETS, &g.action_offsets);
+    // A graph without states still says where its no actions end.
+    out.section(tags::ACTION_OFFSETS, if g.action_offsets.is_empty() { &[0] } else { g.action_offsets.as_slice() });
     out.section(tags::ACTION_SEGMENTS, &g.actions.iter().map(|a| a.segment.0).collect::<Vec<_>>());
     out.section(tags::ACTION_ERRORS, &g.actions.iter().map(|a| a.error).collect::<Vec<_>>());
 }

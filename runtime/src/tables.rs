@@ -4,6 +4,7 @@ use crate::contacts::Contacts;
 use crate::format::{AlignedBytes, ClipRecord, FormatError, FrameRow, Layout, Meta, SkeletonRecord, Storage, Tag};
 use crate::graph::{MotionGraph, MotionSegment, StateRecord};
 use crate::hits::HitRecord;
+use crate::patch::{CellRecord, EdgeRecord, LinkRecord, PatchRecord, Patches};
 use crate::policy::{
     ActionTable, KIND_MOMENTS, PathRecord, PolicyRecord, PolicySlices, PolicyTable, SegmentRecord, StateGridRecord,
     TargetGrid,
@@ -50,6 +51,16 @@ pub mod tags {
     pub const POLICY_VALUES: Tag = Tag(*b"PVAL");
     /// Best actions per policy, state, cell and choice (u8).
     pub const POLICY_BEST: Tag = Tag(*b"PBST");
+    /// [`crate::patch::PatchRecord`] per motion patch.
+    pub const PATCHES: Tag = Tag(*b"PATC");
+    /// [`crate::patch::EdgeRecord`] per edge of each tile.
+    pub const PATCH_EDGES: Tag = Tag(*b"PEDG");
+    /// [`crate::patch::CellRecord`] per cell of each patch.
+    pub const PATCH_CELLS: Tag = Tag(*b"PCEL");
+    /// [`crate::patch::LinkRecord`] per link of each patch.
+    pub const PATCH_LINKS: Tag = Tag(*b"PLNK");
+    /// Pose group per frame (u32), [`crate::patch::NONE`] where it has none; empty where frames were not grouped.
+    pub const POSE_GROUPS: Tag = Tag(*b"GRPS");
 }
 
 #[derive(Debug)]
@@ -69,6 +80,11 @@ struct Sections {
     policy_state_grids: Range<usize>,
     policy_values: Range<usize>,
     policy_best: Range<usize>,
+    patches: Range<usize>,
+    patch_edges: Range<usize>,
+    patch_cells: Range<usize>,
+    patch_links: Range<usize>,
+    pose_groups: Range<usize>,
 }
 
 /// An open bundle. Views borrow from it; nothing is copied but META and the skeleton.
@@ -83,6 +99,7 @@ pub struct Tables {
     skeleton: Skeleton,
     sections: Sections,
     sizes: Vec<(Tag, usize)>,
+    fingerprint: u64,
 }
 
 impl Tables {
@@ -137,6 +154,11 @@ impl Tables {
             policy_state_grids: layout.section::<StateGridRecord>(tags::POLICY_STATE_GRIDS)?,
             policy_values: layout.section::<f32>(tags::POLICY_VALUES)?,
             policy_best: layout.section::<u8>(tags::POLICY_BEST)?,
+            patches: layout.section::<PatchRecord>(tags::PATCHES)?,
+            patch_edges: layout.section::<EdgeRecord>(tags::PATCH_EDGES)?,
+            patch_cells: layout.section::<CellRecord>(tags::PATCH_CELLS)?,
+            patch_links: layout.section::<LinkRecord>(tags::PATCH_LINKS)?,
+            pose_groups: layout.section::<u32>(tags::POSE_GROUPS)?,
         };
         let meta = Meta::decode(&storage.bytes()[layout.section::<u8>(tags::META)?])?;
         let record: &[SkeletonRecord] = view(storage.bytes(), &layout.section::<SkeletonRecord>(tags::SKELETON)?);
@@ -145,12 +167,15 @@ impl Tables {
         };
         let skeleton = Skeleton::from(record);
         let sizes = layout.sizes().collect();
-        let tables = Self { storage, meta, skeleton, sections, sizes };
+        let fingerprint = layout.fingerprint();
+        let tables = Self { storage, meta, skeleton, sections, sizes, fingerprint };
         check::skeleton(&tables.skeleton)?;
         check::motion(&tables)?;
         check::hits(&tables)?;
         check::graph(&tables)?;
         check::policies(&tables)?;
+        check::pose_groups(&tables)?;
+        check::patches(&tables)?;
         Ok(tables)
     }
 
@@ -255,6 +280,28 @@ impl Tables {
             best_start = best_start.saturating_add(num_best);
         }
         Err(FormatError::value(tags::POLICIES, index, "no such policy"))
+    }
+
+    /// The motion patches; empty where the bundle was built without them.
+    pub fn patches(&self) -> Patches<'_> {
+        let s = &self.sections;
+        Patches {
+            patches: self.view(&s.patches),
+            edges: self.view(&s.patch_edges),
+            cells: self.view(&s.patch_cells),
+            links: self.view(&s.patch_links),
+        }
+    }
+
+    /// Pose group of every frame, [`crate::patch::NONE`] where a frame has none; empty where frames were not
+    /// grouped. [Size: frames().len() or 0]
+    pub fn pose_groups(&self) -> &[u32] {
+        self.view(&self.sections.pose_groups)
+    }
+
+    /// A number that tells this bundle's content from others: of the checksums of all sections, and the length.
+    pub fn fingerprint(&self) -> u64 {
+        self.fingerprint
     }
 
     /// Tag and length of every section, in file order. [Unit: bytes]

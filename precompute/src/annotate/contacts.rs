@@ -203,7 +203,7 @@ fn spread(tracks: &[Track], slow: f32) -> f32 {
 }
 
 /// Runs of `weak` that hold a `strong` frame, pauses of up to `max_gap` filled, runs below `min_frames` dropped.
-fn hysteresis(weak: &[bool], strong: &[bool], min_frames: usize, max_gap: usize) -> Vec<bool> {
+pub(crate) fn hysteresis(weak: &[bool], strong: &[bool], min_frames: usize, max_gap: usize) -> Vec<bool> {
     let mut out = vec![false; weak.len()];
     for run in runs(0..weak.len(), |f| weak[f]) {
         if strong[run.clone()].contains(&true) {
@@ -225,7 +225,7 @@ fn hysteresis(weak: &[bool], strong: &[bool], min_frames: usize, max_gap: usize)
 }
 
 /// Cuts frames that are not `still` from both ends of every run.
-fn trim(planted: &mut [bool], still: impl Fn(usize) -> bool) {
+pub(crate) fn trim(planted: &mut [bool], still: impl Fn(usize) -> bool) {
     for run in runs(0..planted.len(), |f| planted[f]) {
         let kept = run.clone().position(&still).map_or(run.end, |k| run.start + k);
         let end = run.clone().rev().find(|&f| still(f)).map_or(kept, |f| f + 1);

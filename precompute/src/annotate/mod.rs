@@ -1,6 +1,6 @@
 //! What happens in the clips: foot contacts, effective hits, frames not to be used, names of ranges.
 
-mod contacts;
+pub(crate) mod contacts;
 mod ends;
 pub mod hits;
 mod sanity;

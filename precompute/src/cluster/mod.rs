@@ -1,18 +1,31 @@
 //! Pose groups: frames so alike that motion may go on from either as if it were the other (004 section 3).
 
+mod agglomerate;
+mod classes;
 mod config;
+mod linkage;
+mod neighbours;
+mod projection;
+pub mod reference;
 
 pub use config::ClusterConfig;
 
-use crate::clip::FrameId;
+use crate::clip::{ClipSet, FrameId};
+use crate::error::BuildError;
+use crate::features::Features;
+use crate::progress::Progress;
+use neighbours::{Item, Space};
+use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 /// Which frame belongs to which group.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct PoseGroups {
-    /// Group of every frame; [`PoseGroups::NO_GROUP`] for excluded frames. [Size: ClipSet::num_frames()]
+    /// Group of every frame; [`PoseGroups::NO_GROUP`] for excluded frames. Groups are numbered in order of their first
+    /// frame. [Size: ClipSet::num_frames()]
     pub groups: Vec<u32>,
-    /// The frame of each group that is nearest to all its others. [Size: number of groups]
+    /// The frame of each group that is nearest to all its others: their distances have the least sum. [Size: number of
+    /// groups]
     pub medoids: Vec<FrameId>,
     /// Largest distance between two frames of one group. [Unit: rad, as `FeaturesConfig` explains]
     pub max_diameter: f32,
@@ -34,3 +47,87 @@ impl PoseGroups {
         Some(self.groups[frame.0 as usize]).filter(|&g| g != Self::NO_GROUP)
     }
 }
+
+/// Members with which the frames of a larger group are compared to find its medoid.
+const MEDOID_SAMPLE: usize = 256;
+
+/// Sorts frames into groups such that any two frames of a group are nearer than the threshold.
+///
+/// Frames share a group only if their contacts agree, and those of the frames before and after them. Where a run of
+/// usable frames begins or ends, the frame itself stands in for the missing neighbour.
+///
+/// - `clips`: annotated.
+/// - `features`: of the same clips.
+///
+/// The medoid of a group of more than 256 frames is the one nearest to an even sample of 256 of them.
+///
+/// # Errors
+/// [`BuildError::Config`] for a threshold outside its limits. [`BuildError::Stage`] for clips without contacts, or
+/// features of other clips.
+///
+/// # Source
+/// Lee, Choi and Lee 2006, section 3. Differs: in place of agglomerative hierarchical k-means, near pairs are merged
+/// first wherever those of a contact state are few enough, which is complete linkage but for how it estimates which
+/// of two pairs is nearer; k-means splits what is denser.
+pub fn group(
+    clips: &ClipSet,
+    features: &Features,
+    config: &ClusterConfig,
+    progress: &dyn Progress,
+) -> Result<PoseGroups, BuildError> {
+    let limit = check(clips, features, config)?;
+    // Large ones first, so that no thread begins one when the others are done.
+    let mut classes: Vec<Vec<u32>> = classes::of_contacts(clips).into_values().collect();
+    classes.sort_by_key(|frames| std::cmp::Reverse(frames.len()));
+    progress.begin("cluster", classes.iter().map(|frames| frames.len() as u64).sum(), "frames");
+    let space = Space::new(features);
+    let merged = classes.par_iter().with_max_len(1).map(|frames| {
+        let items = agglomerate::agglomerate(&space, frames, limit, agglomerate::max_pairs(frames.len()));
+        progress.advance(frames.len() as u64);
+        items
+    });
+    let items: Vec<Vec<Item>> = merged.collect();
+    progress.end();
+    Ok(numbered(items.concat(), features, limit))
+}
+
+/// The threshold as the distances are counted, if everything fits together.
+fn check(clips: &ClipSet, features: &Features, config: &ClusterConfig) -> Result<f32, BuildError> {
+    let limit = config.check()?;
+    let fail = |message: String, help: &str| BuildError::Stage { stage: "cluster", message, help: help.to_owned() };
+    if let Some(c) = clips.clips.iter().find(|c| c.contacts.len() != c.num_frames()) {
+        let message = format!("clip {}: expected {} contacts, found {}", c.name, c.num_frames(), c.contacts.len());
+        return Err(fail(message, "Annotate the clips first"));
+    }
+    if features.num_frames() != clips.num_frames() {
+        let message = format!("expected features of {} frames, found {}", clips.num_frames(), features.num_frames());
+        return Err(fail(message, "Extract the features from the same clips"));
+    }
+    Ok(limit)
+}
+
+fn numbered(mut items: Vec<Item>, features: &Features, threshold: f32) -> PoseGroups {
+    items.par_iter_mut().for_each(|i| i.frames.sort_unstable());
+    items.sort_unstable_by_key(|i| i.frames[0]);
+    let mut groups = vec![PoseGroups::NO_GROUP; features.num_frames()];
+    for (g, item) in items.iter().enumerate() {
+        item.frames.iter().for_each(|&f| groups[f as usize] = g as u32);
+    }
+    PoseGroups {
+        groups,
+        medoids: items.par_iter().map(|i| medoid(&i.frames, features)).collect(),
+        max_diameter: items.iter().map(|i| i.diameter).fold(0.0, f32::max),
+        threshold,
+    }
+}
+
+/// The first of the frames with the least sum of distances.
+fn medoid(frames: &[u32], features: &Features) -> FrameId {
+    let sample = || frames.iter().step_by(frames.len().div_ceil(MEDOID_SAMPLE));
+    let sum = |f: u32| sample().map(|&g| f64::from(features.distance(FrameId(f), FrameId(g)))).sum::<f64>();
+    let sums = frames.iter().map(|&f| (sum(f), FrameId(f)));
+    sums.min_by(|a, b| a.0.total_cmp(&b.0)).map_or(FrameId(frames[0]), |(_, f)| f)
+}
+
+#[cfg(test)]
+mod tests;

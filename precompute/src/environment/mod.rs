@@ -1,12 +1,39 @@
 //! What characters move in: unit objects with a shape, and environments that place them (004 section 4).
+//!
+//! [`UnitSet::load`] and [`EnvironmentFile::load`] read files, [`EnvironmentFile::expand`] lays units out,
+//! [`UnitGeometry`] and [`PlacedGeometry`] answer how near a point is, and [`Body`] whether a pose fits.
 
+mod belong;
+mod body;
+mod bounds;
+mod check;
+mod contacts;
+mod embed;
+mod file;
+mod geometry;
+mod infer;
+mod mesh;
+mod placed;
+mod solid;
+mod touch;
+mod triangles;
 mod unit;
 
+pub use belong::Belonging;
+pub use body::{Body, BodyPose, NUM_SPHERES, Penetration, Sphere};
+pub use bounds::{Bounds, BoundsTree};
+pub use contacts::annotate_in;
+pub use embed::{SourceScenes, embed, matching, scenes};
+pub use file::{EnvironmentFile, Place};
+pub use geometry::{Nearest, UnitGeometry, geometries};
+pub use infer::{InferReport, Inferred, infer};
+pub use placed::{PlacedGeometry, Touched};
+pub use solid::Solid;
+pub use touch::TouchConfig;
+pub use triangles::Triangles;
 pub use unit::{Region, Shape, TileEdges, Unit, UnitSet};
 
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use std::path::PathBuf;
 use throng_runtime::patch::Placement;
 
 /// A unit object and where it stands.
@@ -25,41 +52,4 @@ pub struct Environment {
     pub name: String,
     /// What stands where.
     pub units: Vec<PlacedUnit>,
-}
-
-/// An environment as a file has it; world files use the same keys.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(default, deny_unknown_fields)]
-pub struct EnvironmentFile {
-    /// Its name; the file's stem where absent.
-    pub name: String,
-    /// File of unit objects, relative to this file's folder.
-    pub units: PathBuf,
-    /// Groups of units that are placed together, by name.
-    pub prefabs: std::collections::BTreeMap<String, Vec<Place>>,
-    /// What stands where.
-    pub place: Vec<Place>,
-}
-
-/// A unit or prefab, placed once or in a regular pattern.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct Place {
-    /// Name of a unit or a prefab.
-    pub unit: String,
-    /// Where its origin stands: x, y, z. [Unit: m]
-    pub at: [f32; 3],
-    /// Angle about the vertical, counted from +Z to +X. [Unit: deg]
-    #[serde(default)]
-    pub heading_deg: f32,
-    /// How many, along `step[0]`, `step[1]` and `step[2]` of the file that holds it.
-    #[serde(default = "once")]
-    pub repeat: [u32; 3],
-    /// From one to the next, for each number of `repeat`: x, y, z. [Unit: m]
-    #[serde(default)]
-    pub step: [[f32; 3]; 3],
-}
-
-fn once() -> [u32; 3] {
-    [1; 3]
 }

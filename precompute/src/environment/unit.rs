@@ -92,4 +92,7 @@ pub struct TileEdges {
     pub steps: Vec<[f32; 3]>,
     /// Width of the edges across the direction of each step. [Unit: m]
     pub widths: Vec<f32>,
+    /// Half-way between opposite edges, in the unit's frame: x, y, z. [Unit: m]
+    #[serde(default)]
+    pub centre: [f32; 3],
 }

@@ -4,9 +4,11 @@
 //! and summed. Moving or turning a clip on the ground changes nothing.
 
 mod config;
+mod embedding;
 mod row;
 
 pub use config::FeaturesConfig;
+pub(crate) use embedding::EMBEDDING;
 
 use crate::clip::{Clip, ClipSet, FrameId, FrameRange};
 use crate::error::BuildError;
@@ -30,7 +32,8 @@ pub struct Features {
 /// - returns a row for every [`FrameId`].
 ///
 /// Velocities are differences between the next and the previous frame, and one-sided where a clip or a run of
-/// usable frames begins or ends, so that a calibration pose next door does not count.
+/// usable frames begins or ends, so that a calibration pose next door does not count. The root's height is the one
+/// above what holds the character up ([`Clip::support`]); its velocity is the one in the world.
 ///
 /// # Errors
 /// [`BuildError::Config`] for a weight out of range or an unknown joint.
@@ -108,7 +111,7 @@ fn measure<'a>(clip: &'a Clip, run: &FrameRange, frame: usize) -> Measured<'a> {
     Measured {
         rotations,
         joint_velocities,
-        root_height: clip.root_positions[frame].y,
+        root_height: clip.root_positions[frame].y - clip.support.get(frame).copied().unwrap_or(0.0),
         root_velocity: to_local * ((clip.root_positions[next] - clip.root_positions[prev]) * per_second),
         root_angular_velocity: to_local * (rotation_vector(after[0] * before[0].conjugate()) * per_second),
     }

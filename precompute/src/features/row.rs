@@ -15,7 +15,7 @@ pub(super) struct Measured<'a> {
     pub rotations: &'a [Quat],
     /// [Unit: rad/s] [Size: NUM_JOINTS]
     pub joint_velocities: [Vec3; NUM_JOINTS],
-    /// [Unit: m]
+    /// Above the support. [Unit: m]
     pub root_height: f32,
     /// In the root's planar frame. [Unit: m/s]
     pub root_velocity: Vec3,
@@ -26,12 +26,12 @@ pub(super) struct Measured<'a> {
 /// Features of one frame: quaternions by component, and everything Euclidean times the root of its weight.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Row {
-    x: [f32; LANES],
-    y: [f32; LANES],
-    z: [f32; LANES],
-    w: [f32; LANES],
-    linear: [f32; LINEAR],
-    root: Quat,
+    pub(super) x: [f32; LANES],
+    pub(super) y: [f32; LANES],
+    pub(super) z: [f32; LANES],
+    pub(super) w: [f32; LANES],
+    pub(super) linear: [f32; LINEAR],
+    pub(super) root: Quat,
 }
 
 impl Row {

@@ -166,3 +166,56 @@ fn a_joint_turned_by_an_angle_is_that_far_away() {
     let features = extract(&set(vec![clip, other]), &FeaturesConfig::default()).unwrap();
     assert!((features.distance(FrameId(0), FrameId(1)) - 0.1).abs() < 1e-5);
 }
+
+#[test]
+fn height_counts_above_what_holds_the_character_up() {
+    let clip = random_clip(7, 4);
+    let mut lifted = clip.clone();
+    lifted.root_positions.iter_mut().for_each(|p| p.y += 2.0);
+    let unaware = lifted.clone();
+    lifted.support = vec![2.0; 4];
+    let features = extract(&set(vec![clip, lifted, unaware]), &FeaturesConfig::default()).unwrap();
+    for f in 0..4 {
+        assert!(features.distance(FrameId(f), FrameId(4 + f)) < 1e-5, "frame {f}");
+        assert!((features.distance(FrameId(f), FrameId(8 + f)) - 5.0).abs() < 1e-4, "2 m at 2.5 rad/m");
+    }
+}
+
+#[test]
+fn a_support_that_rises_leaves_the_velocity_that_of_the_world() {
+    let mut clip = random_clip(7, 3);
+    for (f, p) in clip.root_positions.iter_mut().enumerate() {
+        p.y = 1.0 + 0.1 * f as f32;
+    }
+    let mut stairs = clip.clone();
+    stairs.support = vec![0.0, 0.1, 0.2];
+    let config = FeaturesConfig::default();
+    let features = extract(&set(vec![clip, stairs]), &config).unwrap();
+    for (f, rise) in [0.0, 0.1, 0.2].into_iter().enumerate() {
+        let d = f64::from(features.distance(FrameId(f as u32), FrameId(3 + f as u32)));
+        assert!((d - rise * config.angle_per_metre).abs() < 1e-5, "frame {f}: only the height differs, by {d}");
+    }
+}
+
+proptest! {
+    #[test]
+    fn points_of_the_embedding_are_never_farther_apart_than_the_frames(seed in any::<u64>(), scale in 0.001f32..1.0) {
+        let mut clip = random_clip(seed, 8);
+        let first = clip.frame_rotations(0).to_vec();
+        for (k, q) in clip.rotations.iter_mut().enumerate() {
+            // Near and far poses; every other joint with its sign turned round, which is the same rotation.
+            *q = first[k % NUM_JOINTS].slerp(*q, scale) * if k % 2 == 0 { 1.0 } else { -1.0 };
+        }
+        let features = extract(&set(vec![clip]), &FeaturesConfig::default()).unwrap();
+        for i in 0..8 {
+            let a = features.embed(FrameId(i));
+            for j in 0..i {
+                let b = features.embed(FrameId(j));
+                let chord = a.iter().zip(&b).map(|(a, b)| (a - b) * (a - b)).sum::<f32>().sqrt();
+                let distance = features.distance(FrameId(i), FrameId(j));
+                prop_assert!(chord <= distance * (1.0 + 1e-5) + 1e-6, "{} above {}", chord, distance);
+                prop_assert!(chord >= distance * 0.3, "{} far below {}", chord, distance);
+            }
+        }
+    }
+}

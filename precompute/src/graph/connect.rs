@@ -42,6 +42,9 @@ pub fn connect(
 ) -> Result<(MotionGraph, GraphReport), BuildError> {
     config.check()?;
     let rate_hz = check_clips(clips, features)?;
+    if !config.enabled {
+        return Ok(nothing(clips));
+    }
     let search = Search::new(clips, features, config, rate_hz, progress);
     let (graph, threshold) = search.run();
     let standing = events::standing_frames(clips, config);
@@ -50,6 +53,13 @@ pub fn connect(
         return Err(too_small(&report, config, rate_hz));
     }
     Ok((graph, report))
+}
+
+/// No graph, where none is wanted.
+fn nothing(clips: &ClipSet) -> (MotionGraph, GraphReport) {
+    let empty = MotionGraph { action_offsets: vec![0], ..MotionGraph::default() };
+    let report = report::report(&empty, clips, &vec![false; clips.num_frames()], 0, 0.0);
+    (empty, GraphReport { unused_clips: Vec::new(), ..report })
 }
 
 fn check_clips(clips: &ClipSet, features: &Features) -> Result<f64, BuildError> {

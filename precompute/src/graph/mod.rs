@@ -55,7 +55,7 @@ pub struct Action {
 
 /// States, actions and the segments they share. Every state has at least one action, every segment ends in a
 /// state, and every state can be reached from every other.
-#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct MotionGraph {
     /// Frame of each state, ascending.
     pub states: Vec<FrameId>,

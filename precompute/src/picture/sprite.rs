@@ -162,7 +162,7 @@ impl RayGrid {
 }
 
 /// Half-Lambert key light, a cool sky, a warm reflection of the ground, and a darker edge.
-fn shade(base: Colour, normal: Vec3, light: Vec3, forward: Vec3) -> Colour {
+pub(super) fn shade(base: Colour, normal: Vec3, light: Vec3, forward: Vec3) -> Colour {
     let key = (0.5 + 0.5 * normal.dot(light)).powi(2);
     let sky = 0.5 + 0.5 * normal.y;
     let edge = 1.0 - (-normal.dot(forward)).clamp(0.0, 1.0);

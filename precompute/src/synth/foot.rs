@@ -38,7 +38,7 @@ impl FootShape {
     pub fn posed(&self, ball: DVec3, yaw: f64, heading: f64, pitch: f64, toe_pitch: f64) -> FootPose {
         let rotation = DQuat::from_rotation_y(yaw) * DQuat::from_rotation_x(pitch);
         let ankle = ball + rotation * DVec3::new(0.0, self.ankle_height - self.ball_height, -self.ball);
-        FootPose { ankle, ball, yaw, heading, pitch, toe_pitch, heel_down: false, toe_down: false }
+        FootPose { ankle, ball, yaw, heading, pitch, toe_pitch, ground: 0.0, heel_down: false, toe_down: false }
     }
 }
 
@@ -57,6 +57,8 @@ pub struct FootPose {
     pub pitch: f64,
     /// Pitch of the toes against the ground, positive down. [Unit: rad]
     pub toe_pitch: f64,
+    /// Height of the ground that it stands on, or between the grounds that it flies from and to. [Unit: m]
+    pub ground: f64,
     /// The heel carries (the foot is flat).
     pub heel_down: bool,
     /// The ball carries.

@@ -3,7 +3,7 @@
 use super::SynthConfig;
 use super::foot::FootPose;
 use super::leg::LegShape;
-use super::side::Side;
+use super::side::{Side, forward};
 use crate::clip::Clip;
 use glam::{DQuat, DVec3};
 use throng_runtime::{Contacts, Joint, NUM_JOINTS, Skeleton};
@@ -56,6 +56,7 @@ pub struct ArmPose {
 }
 
 /// A whole body at one instant.
+#[derive(Clone, Debug, PartialEq)]
 pub struct BodyPose {
     /// Hips joint in the world. [Unit: m]
     pub root: DVec3,
@@ -88,18 +89,30 @@ pub fn empty_clip(name: String, set: &str, cfg: &SynthConfig) -> Clip {
     }
 }
 
-/// Adds a pose to a clip.
+/// Adds a pose of somebody on his feet to a clip.
 pub fn push(clip: &mut Clip, pose: &BodyPose, skeleton: &Skeleton) {
+    let knees = pose.knees.map(|heading| {
+        let f = forward(heading);
+        DVec3::new(f.x, 0.0, f.y)
+    });
+    push_held(clip, pose, knees, Contacts::NONE, skeleton);
+}
+
+/// Adds a pose to a clip.
+///
+/// - `knees`: where the knees point, left and right, in place of the headings of the pose. [Unit: direction]
+/// - `held`: what touches beside the feet.
+pub fn push_held(clip: &mut Clip, pose: &BodyPose, knees: [DVec3; 2], held: Contacts, skeleton: &Skeleton) {
     let mut local = [DQuat::IDENTITY; NUM_JOINTS];
     local[Joint::Hips.index()] = pose.hips;
     pose_trunk(&mut local, pose);
-    let mut contacts = Contacts::NONE;
+    let mut contacts = held;
     for side in Side::BOTH {
         let arm = &pose.arms[side.index()];
         for (joint, q) in side.arm().into_iter().zip([arm.clavicle, arm.upper_arm, arm.forearm, arm.hand]) {
             local[joint.index()] = q;
         }
-        pose_leg(&mut local, side, pose, skeleton);
+        pose_leg(&mut local, side, pose, knees[side.index()], skeleton);
         contacts.insert(pose.feet[side.index()].contacts(side));
     }
     let last = clip.rotations.len().checked_sub(NUM_JOINTS);
@@ -121,11 +134,11 @@ fn pose_trunk(local: &mut [DQuat; NUM_JOINTS], pose: &BodyPose) {
     }
 }
 
-fn pose_leg(local: &mut [DQuat; NUM_JOINTS], side: Side, pose: &BodyPose, skeleton: &Skeleton) {
+fn pose_leg(local: &mut [DQuat; NUM_JOINTS], side: Side, pose: &BodyPose, knee: DVec3, skeleton: &Skeleton) {
     let [thigh, shin, ankle, toe] = side.leg();
     let foot = &pose.feet[side.index()];
     let hip = pose.root + pose.hips * skeleton.offsets[thigh.index()].as_dvec3();
-    let leg = LegShape::of(skeleton).solve(hip, foot.ankle, pose.knees[side.index()]);
+    let leg = LegShape::of(skeleton).solve(hip, foot.ankle, knee);
     let knee = DQuat::from_rotation_x(leg.knee);
     local[thigh.index()] = pose.hips.inverse() * leg.thigh;
     local[shin.index()] = knee;

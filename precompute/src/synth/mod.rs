@@ -1,4 +1,4 @@
-//! Synthetic motion, so that a fresh machine needs no captured motion: rigs that walk and box by rule and chance.
+//! Synthetic motion, so that a fresh machine needs no captured motion: rigs that walk, box and play by rule and chance.
 //!
 //! A rig goes from intention to pose. Feet come first: what stands on the ground never slides, and the rest of the
 //! body follows from it. Each rig has a folder; what they share is here: the feet's and limbs' geometry (`foot`,
@@ -15,6 +15,7 @@ mod input;
 mod leg;
 mod office;
 mod pendulum;
+mod playground;
 mod set;
 mod side;
 mod signal;
@@ -58,6 +59,7 @@ impl SynthConfig {
             SynthSet::Walk => Self::default(),
             SynthSet::Boxing => Self { minutes: 8.0, clip_seconds: 60.0, ..Self::default() },
             SynthSet::Office => Self { minutes: 13.0, clip_seconds: 60.0, ..Self::default() },
+            SynthSet::Playground => Self { minutes: 12.0, clip_seconds: 60.0, ..Self::default() },
         }
     }
 

@@ -1,6 +1,6 @@
 //! The list of synthetic sets.
 
-use super::{SynthConfig, boxing, files, office, walk};
+use super::{SynthConfig, boxing, files, office, playground, walk};
 use crate::clip::ClipSet;
 use crate::error::BuildError;
 use schemars::JsonSchema;
@@ -18,11 +18,13 @@ pub enum SynthSet {
     Boxing,
     /// People in an office, at the desk and standing about.
     Office,
+    /// Stairs, a ladder and slides of a gym, and walking between them.
+    Playground,
 }
 
 impl SynthSet {
     /// Every set.
-    pub const ALL: [Self; 3] = [Self::Walk, Self::Boxing, Self::Office];
+    pub const ALL: [Self; 4] = [Self::Walk, Self::Boxing, Self::Office, Self::Playground];
 
     /// The name, as the command line, configs and clips write it.
     pub fn name(self) -> &'static str {
@@ -30,6 +32,7 @@ impl SynthSet {
             Self::Walk => "walk",
             Self::Boxing => "boxing",
             Self::Office => "office",
+            Self::Playground => "playground",
         }
     }
 
@@ -57,6 +60,7 @@ pub fn make(set: SynthSet, cfg: &SynthConfig) -> Result<ClipSet, BuildError> {
         SynthSet::Walk => walk::walk(cfg),
         SynthSet::Boxing => boxing::boxing(cfg),
         SynthSet::Office => office::office(cfg),
+        SynthSet::Playground => playground::playground(cfg),
     })
 }
 
@@ -84,7 +88,7 @@ mod tests {
             assert_eq!(serde_json::to_value(set).unwrap(), set.name());
         }
         let error = SynthSet::from_name("dance").unwrap_err().to_string();
-        assert!(error.contains("`walk` or `boxing` or `office`") && error.contains("`dance`"), "{error}");
+        assert!(error.contains("`walk` or `boxing` or `office` or `playground`") && error.contains("`dance`"), "{error}");
     }
 
     #[test]

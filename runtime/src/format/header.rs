@@ -7,7 +7,22 @@ use std::ops::Range;
 /// First bytes of every bundle.
 pub const MAGIC: [u8; 8] = *b"\x89THRONG\n";
 /// The version this code writes and reads.
-pub const VERSION: u32 = 2;
+pub const VERSION: u32 = 3;
+
+/// What a file with the frame of a bundle holds.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Kind {
+    /// First bytes.
+    pub magic: [u8; 8],
+    /// The version that is read and written.
+    pub version: u32,
+}
+
+impl Kind {
+    /// A bundle.
+    pub const BUNDLE: Self = Self { magic: MAGIC, version: VERSION };
+}
+
 /// Sections start on multiples of this. [Unit: bytes]
 pub const ALIGN: u64 = 64;
 

@@ -1,6 +1,6 @@
 //! Checks a file's frame: header, section table, padding, checksums. What the records say is checked by `Tables`.
 
-use super::{ALIGN, FormatError, Header, MAGIC, Section, Tag, VERSION, crc32};
+use super::{ALIGN, FormatError, Header, Kind, Section, Tag, crc32};
 use bytemuck::Pod;
 use std::ops::Range;
 
@@ -11,12 +11,18 @@ const MAX_SECTIONS: u32 = 1024;
 #[derive(Debug)]
 pub(crate) struct Layout {
     sections: Vec<(Section, Range<usize>)>,
+    fingerprint: u64,
 }
 
 impl Layout {
     /// Checks the frame of `bytes`; section checksums only where `checksums` is set.
     pub(crate) fn read(bytes: &[u8], checksums: bool) -> Result<Self, FormatError> {
-        let header = read_header(bytes)?;
+        Self::read_kind(bytes, checksums, Kind::BUNDLE)
+    }
+
+    /// The same of a file of another kind.
+    pub(crate) fn read_kind(bytes: &[u8], checksums: bool, kind: Kind) -> Result<Self, FormatError> {
+        let header = read_header(bytes, kind)?;
         let table_end = size_of::<Header>() + header.num_sections as usize * size_of::<Section>();
         let table = bytes
             .get(size_of::<Header>()..table_end)
@@ -50,7 +56,9 @@ impl Layout {
         if end != bytes.len() {
             return Err(FormatError::Length { expected: end as u64, got: bytes.len() as u64 });
         }
-        Ok(Self { sections })
+        let fingerprint =
+            (u64::from(header.header_crc32) << 32 | u64::from(header.table_crc32)) ^ header.file_len.rotate_right(8);
+        Ok(Self { sections, fingerprint })
     }
 
     /// Byte range of the section of that tag, whose elements must be `T`.
@@ -66,23 +74,28 @@ impl Layout {
         Ok(range.clone())
     }
 
+    /// Tells the file from others, by the checksums in its header and its length.
+    pub(crate) fn fingerprint(&self) -> u64 {
+        self.fingerprint
+    }
+
     /// Tag and length in bytes of every section, in file order.
     pub(crate) fn sizes(&self) -> impl Iterator<Item = (Tag, usize)> + '_ {
         self.sections.iter().map(|(s, r)| (s.tag, r.len()))
     }
 }
 
-fn read_header(bytes: &[u8]) -> Result<Header, FormatError> {
+fn read_header(bytes: &[u8], kind: Kind) -> Result<Header, FormatError> {
     let got = bytes.len() as u64;
     let head = bytes.get(..size_of::<Header>());
     if let Some(magic) = bytes.first_chunk::<8>()
-        && *magic != MAGIC
+        && *magic != kind.magic
     {
         return Err(FormatError::Magic { got: *magic });
     }
     let header: Header =
         bytemuck::pod_read_unaligned(head.ok_or(FormatError::Length { expected: size_of::<Header>() as u64, got })?);
-    if header.version != VERSION {
+    if header.version != kind.version {
         return Err(FormatError::Version { got: header.version });
     }
     check("the header", header.header_crc32, header.checksum())?;

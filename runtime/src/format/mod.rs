@@ -7,6 +7,8 @@
 //! Version history (a number is never used twice; any change of layout or meaning takes the next one):
 //!
 //! - 1: 22 joints, frame rows of 192 bytes, motion graph, polar and box policies.
+//! - 2: effective hits, policies on grids of moments and on adaptive grids.
+//! - 3: pose groups and motion patches; contacts of seven bits; a motion graph may be absent where there are patches.
 
 #[cfg(not(target_endian = "little"))]
 compile_error!("bundles are little-endian and viewed in place; this target is big-endian");
@@ -22,6 +24,7 @@ mod writer;
 
 pub use checksum::crc32;
 pub use error::FormatError;
+pub(crate) use header::Kind;
 pub use header::{ALIGN, Header, MAGIC, Section, Tag, VERSION};
 pub(crate) use layout::Layout;
 pub use meta::{ClipMeta, Meta, PatchMeta, SourceMeta};

@@ -1,6 +1,6 @@
 //! Lays sections out as a bundle.
 
-use super::{ALIGN, Header, MAGIC, Section, Tag, VERSION, crc32};
+use super::{ALIGN, Header, Kind, Section, Tag, crc32};
 use bytemuck::{Pod, Zeroable};
 use std::io::{self, Write};
 
@@ -26,6 +26,11 @@ impl BundleWriter {
     /// # Errors
     /// What `out` returns.
     pub fn write(&self, out: &mut impl Write) -> io::Result<()> {
+        self.write_kind(out, Kind::BUNDLE)
+    }
+
+    /// The same of a file of another kind.
+    pub(crate) fn write_kind(&self, out: &mut impl Write, kind: Kind) -> io::Result<()> {
         let mut end = (size_of::<Header>() + self.sections.len() * size_of::<Section>()) as u64;
         let mut table = Vec::with_capacity(self.sections.len());
         for (tag, elem_size, bytes) in &self.sections {
@@ -42,8 +47,8 @@ impl BundleWriter {
         }
         let table: &[u8] = bytemuck::cast_slice(&table);
         let mut header = Header {
-            magic: MAGIC,
-            version: VERSION,
+            magic: kind.magic,
+            version: kind.version,
             num_sections: self.sections.len() as u32,
             file_len: end,
             table_crc32: crc32(table),

@@ -1,5 +1,9 @@
 //! Every stored index against its table, every number for being finite.
 
+mod patches;
+
+pub(super) use patches::{patches, pose_groups};
+
 use super::{Tables, tags};
 use crate::format::FormatError;
 use crate::policy::ActionTable;
@@ -116,9 +120,12 @@ pub(super) fn graph(t: &Tables) -> Result<(), FormatError> {
             return wrong("its displacement cannot be");
         }
     }
-    if g.states.is_empty() || g.action_offsets.len() != g.states.len() + 1 {
+    if g.action_offsets.len() != g.states.len() + 1 {
         let (states, offsets) = (g.states.len(), g.action_offsets.len());
         return Err(FormatError::layout(format!("{offsets} action offsets for {states} states")));
+    }
+    if g.states.is_empty() && t.patches().patches.is_empty() {
+        return Err(FormatError::layout("there is neither a motion graph nor a motion patch: nothing can be played"));
     }
     ActionTable::new(g.action_offsets, g.action_segments, g.segments.len())
         .map_err(|e| FormatError::layout(e.to_string()))?;
@@ -140,6 +147,9 @@ pub(super) fn graph(t: &Tables) -> Result<(), FormatError> {
 /// Each policy's own checks, names for all, and nothing left over.
 pub(super) fn policies(t: &Tables) -> Result<(), FormatError> {
     let n = t.num_policies();
+    if n > 0 && t.graph().states.is_empty() {
+        return Err(FormatError::layout(format!("there are {n} policies over a motion graph without states")));
+    }
     if t.meta().behaviours.len() != n {
         let names = t.meta().behaviours.len();
         return Err(FormatError::layout(format!("META names {names} behaviours, there are {n} policies")));

@@ -1,7 +1,9 @@
 //! What a troupe remembers of eight characters, laid out so that one load fetches a number of all four.
 
 use super::reaction::Reaction;
+use super::repertoire::Repertoire;
 use crate::contacts::Contacts;
+use crate::graph::MotionSegment;
 use crate::lanes::{LANES, Lanes, V};
 use crate::planar::{Planar, wrap_angle};
 use crate::skeleton::NUM_JOINTS;
@@ -22,6 +24,9 @@ pub(crate) const VELOCITY_CODES: f32 = 2048.0;
 
 /// Stands where a segment is played that was not chosen.
 pub(crate) const NO_STATE: u32 = u32::MAX;
+
+/// Stands for the segment of a character that was laid on a course.
+pub(crate) const LAID: u32 = u32::MAX;
 
 /// Puts the vector of one lane in codes.
 pub(crate) fn encode(v: &mut Code3, lane: usize, codes: f32, to: Vec3) {
@@ -118,14 +123,26 @@ impl FootLock {
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(64))]
 pub(crate) struct Block {
-    /// Segment that is played.
+    /// Segment that is played; [`LAID`] where it is a course.
     pub segment: [u32; LANES],
-    /// Time within it. [Unit: frames] [Limit: >= 0]
+    /// First frame row of the segment or course.
+    pub first: [u32; LANES],
+    /// Frames after it. [Limit: > 0, but in lanes without a character]
+    pub length: [u32; LANES],
+    /// Time since the first frame; below 0 only where a course was laid long before the last one ends. [Unit: frames]
     pub time: Lane,
     /// Planar transform from the clip to the world: x, z, heading. [Unit: m, m, rad]
     pub clip_to_world: Lane3,
     /// Planar root in the world at the last step: x, z, heading. [Unit: m, m, rad]
     pub root: Lane3,
+    /// Height of the clip's ground in the world, at time `drift_from`. [Unit: m]
+    pub lift: Lane,
+    /// What a course adds to place and lift for every frame after `drift_from`, along the world's axes. [Unit: m/frame]
+    pub drift: Lane3,
+    /// The same to the heading. [Unit: rad/frame]
+    pub turn: Lane,
+    /// [Unit: frames]
+    pub drift_from: Lane,
     /// How fast the action is bent. [Unit: rad/frame]
     pub bend: Lane,
     /// Time since the last transition. [Unit: s]
@@ -146,10 +163,16 @@ pub(crate) struct Block {
 
 impl Block {
     pub const ZERO: Self = Self {
-        segment: [0; LANES],
+        segment: [LAID; LANES],
+        first: [0; LANES],
+        length: [0; LANES],
         time: [0.0; LANES],
         clip_to_world: [[0.0; LANES]; 3],
         root: [[0.0; LANES]; 3],
+        lift: [0.0; LANES],
+        drift: [[0.0; LANES]; 3],
+        turn: [0.0; LANES],
+        drift_from: [0.0; LANES],
         bend: [0.0; LANES],
         age_s: [f32::INFINITY; LANES],
         num_choices: [0; LANES],
@@ -174,6 +197,36 @@ impl Block {
     /// Planar transform from the clip to the world of one lane.
     pub fn clip_to_world(&self, lane: usize) -> Planar {
         planar(&self.clip_to_world, lane)
+    }
+
+    /// What is added for every frame in one lane. [Unit: m/frame]
+    pub fn drift(&self, lane: usize) -> Vec3 {
+        get(&self.drift, lane)
+    }
+
+    /// Height of the clip's ground in one lane at a time within what it plays. [Unit: m]
+    pub fn lift_at(&self, lane: usize, time: f32) -> f32 {
+        self.lift[lane] + self.drift[1][lane] * (time - self.drift_from[lane])
+    }
+
+    /// Planar root of one lane at the end of what it plays.
+    pub fn end(&self, lane: usize, repertoire: &Repertoire<'_>) -> Planar {
+        let last = repertoire.planar(self.first[lane] + self.length[lane]);
+        let (end, drift) = (self.clip_to_world(lane).compose(last), self.drift(lane));
+        let frames = self.length[lane] as f32 - self.drift_from[lane];
+        let heading = end.heading + self.turn[lane] * frames;
+        Planar::new(end.x + drift.x * frames, end.z + drift.z * frames, heading)
+    }
+
+    /// Plays a segment of the motion graph, which stands on the ground; time is left as it is.
+    pub fn set_segment(&mut self, lane: usize, id: u32, segment: &MotionSegment) {
+        self.segment[lane] = id;
+        self.first[lane] = segment.start;
+        self.length[lane] = segment.num_frames;
+        self.lift[lane] = 0.0;
+        set(&mut self.drift, lane, Vec3::ZERO);
+        self.turn[lane] = 0.0;
+        self.drift_from[lane] = 0.0;
     }
 
     /// Replaces it; the heading is wrapped.

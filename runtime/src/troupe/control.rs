@@ -1,7 +1,8 @@
 //! Control: a character that has come to the end of its segment chooses the next action.
 
-use super::block::{Block, NO_STATE, set};
+use super::block::{Block, LAID, NO_STATE, set};
 use super::blow::PassedHits;
+use super::course::to_root;
 use super::repertoire::Repertoire;
 use super::transition::{self, Change};
 use super::{Choice, Goal, TroupeConfig};
@@ -77,10 +78,10 @@ fn collect(
     goals: &[Goal<'_>],
 ) {
     let (b, lane) = (&blocks[character / LANES], character % LANES);
-    let segment = &repertoire.graph.segments[b.segment[lane] as usize];
-    if b.time[lane] < segment.num_frames as f32 {
+    if b.time[lane] < b.length[lane] as f32 || b.segment[lane] == LAID {
         return;
     }
+    let segment = &repertoire.graph.segments[b.segment[lane] as usize];
     let root = b.clip_to_world(lane).compose(repertoire.planar(segment.start + segment.num_frames));
     let i = pending.len;
     pending.len += 1;
@@ -156,13 +157,12 @@ fn apply(
     for i in 0..pending.len {
         let character = pending.characters[i];
         let (b, lane) = (&mut blocks[character as usize / LANES], character as usize % LANES);
-        let old = &repertoire.graph.segments[b.segment[lane] as usize];
         let id = repertoire.graph.segments_of(pending.states[i])[usize::from(pending.actions[i])];
         let new = &repertoire.graph.segments[id as usize];
-        let from = old.start + old.num_frames;
-        let left = b.time[lane] - old.num_frames as f32;
+        let from = b.first[lane] + b.length[lane];
+        let left = b.time[lane] - b.length[lane] as f32;
         b.set_clip_to_world(lane, pending.roots[i].compose(repertoire.planar(new.start).inverse()));
-        b.segment[lane] = id;
+        b.set_segment(lane, id, new);
         b.choice_state[lane] = pending.states[i];
         let root = pending.roots[i];
         set(&mut b.choice_root, lane, Vec3::new(root.x, root.z, root.heading));
@@ -174,7 +174,8 @@ fn apply(
         b.bend[lane] = bend(new.displacement(), new.num_frames, pending.targets[0][i], config.bend_rad_per_m);
         if new.start != from {
             let left_s = left / rate;
-            changes[num_changes] = Change { character, from, to: new.start, age_s: b.age_s[lane] - left_s };
+            let age_s = b.age_s[lane] - left_s;
+            changes[num_changes] = Change { character, from, to: new.start, age_s, ..Change::default() };
             num_changes += 1;
             b.age_s[lane] = left_s;
         }
@@ -193,12 +194,13 @@ pub(crate) fn play(
     config: &TroupeConfig,
 ) {
     let (b, lane) = (&mut blocks[character / LANES], character % LANES);
-    let (old, new) = (repertoire.graph.segments[b.segment[lane] as usize], repertoire.graph.segments[segment as usize]);
+    let new = repertoire.graph.segments[segment as usize];
     // The frame before it is in the same clip too.
-    let from = old.start + (b.time[lane].round() as u32).clamp(1, old.num_frames);
-    let change = Change { character: character as u32, from, to: new.start, age_s: b.age_s[lane] };
+    let from = b.first[lane] + (b.time[lane].round() as u32).clamp(1, b.length[lane]);
+    let (lift, drift) = (b.lift_at(lane, b.time[lane]), to_root(b.root(lane), b.drift(lane)));
+    let change = Change { character: character as u32, from, to: new.start, age_s: b.age_s[lane], lift, drift };
     b.set_clip_to_world(lane, b.root(lane).compose(repertoire.planar(new.start).inverse()));
-    b.segment[lane] = segment;
+    b.set_segment(lane, segment, &new);
     b.time[lane] = 0.0;
     b.bend[lane] = 0.0;
     b.age_s[lane] = 0.0;

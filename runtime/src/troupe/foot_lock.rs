@@ -74,6 +74,8 @@ impl Leg {
 /// The planar roots of eight characters, as what turns model space into world space and back.
 pub(crate) struct Placement<F> {
     pub x: F,
+    /// Height of the ground that the clip stands on, which model space contains. [Unit: m]
+    pub y: F,
     pub z: F,
     pub sin: F,
     pub cos: F,
@@ -103,7 +105,7 @@ pub(crate) fn lock_foot<F: Lanes>(
     pose: &mut ModelPose<F>,
 ) {
     let (ankle, toe) = (place.to_world(pose.positions[leg.foot]), place.to_world(pose.positions[leg.toe]));
-    let correction = update_correction(leg, config, dt_s, planted, lock, ankle, toe);
+    let correction = update_correction(leg, config, dt_s, planted, lock, ankle, toe, place.y);
     store(&mut lock.correction, correction);
     store(&mut lock.ankle, ankle);
     store(&mut lock.toe, toe);
@@ -122,6 +124,7 @@ fn update_correction<F: Lanes>(
     lock: &FootLock,
     ankle: V<F>,
     toe: V<F>,
+    ground: F,
 ) -> V<F> {
     let (half, one) = (F::splat(0.5), F::splat(1.0));
     let (heel, toe_planted) = (F::load(&heel), F::load(&toe_planted));
@@ -140,7 +143,7 @@ fn update_correction<F: Lanes>(
     new.y = F::select_lt(sum, half, new.y, height);
 
     // No toe goes below the ground.
-    new.y = new.y.max(F::splat(leg.toe_height) - toe.y);
+    new.y = new.y.max(ground + F::splat(leg.toe_height) - toe.y);
 
     // No further than the largest correction over the ground.
     let length = (new.x * new.x + new.z * new.z).sqrt();

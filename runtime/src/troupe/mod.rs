@@ -4,6 +4,7 @@ mod anatomy;
 mod block;
 mod blow;
 mod control;
+mod course;
 mod foot_lock;
 mod hierarchy;
 mod reaction;
@@ -26,6 +27,8 @@ pub(crate) use anatomy::head_centre;
 use block::Block;
 pub use blow::{Blow, MAX_BLOWS};
 use blow::{Blows, PassedHits};
+pub(crate) use control::uniform;
+pub use course::Course;
 pub use foot_lock::FootLockConfig;
 use glam::{Vec2, Vec3};
 pub use reaction::ReactionConfig;
@@ -165,7 +168,8 @@ pub enum TroupeError {
     },
 }
 
-/// Characters that move together, eight to a block; all memory is allocated in [`Troupe::new`].
+/// Characters that move together, eight to a block; all memory is allocated in [`Troupe::new`] or
+/// [`Troupe::new_laid`].
 ///
 /// Every tick, [`Troupe::step`] moves time on, lets characters at the end of a segment choose their next action by
 /// the policies, samples and blends their motion, locks planted feet, and leaves each character's planar root,
@@ -174,6 +178,8 @@ pub enum TroupeError {
 pub struct Troupe {
     config: TroupeConfig,
     num_characters: usize,
+    /// Characters that choose for themselves; the others are laid on courses.
+    num_choosers: usize,
     num_frames: usize,
     num_segments: usize,
     blocks: Vec<Block>,
@@ -215,17 +221,30 @@ impl Troupe {
             }
             let (b, lane) = (&mut blocks[c / LANES], c % LANES);
             let segment = arrivals[start.state as usize];
-            b.segment[lane] = segment;
-            b.time[lane] = repertoire.graph.segments[segment as usize].num_frames as f32;
+            b.set_segment(lane, segment, &repertoire.graph.segments[segment as usize]);
+            b.time[lane] = b.length[lane] as f32;
             b.set_clip_to_world(lane, r.compose(repertoire.planar(state.frame).inverse()));
             block::set(&mut b.root, lane, Vec3::new(r.x, r.z, r.heading));
         }
-        let ranges = starts.chunks(RANGE_BLOCKS * LANES);
-        let passed: Vec<_> = ranges.map(|s| PassedHits::new(s.len(), repertoire)).collect();
+        Ok(Self::with_blocks(repertoire, config, blocks, n, n))
+    }
+
+    /// Memory for `n` characters beside their blocks.
+    fn with_blocks(
+        repertoire: &Repertoire<'_>,
+        config: TroupeConfig,
+        blocks: Vec<Block>,
+        n: usize,
+        num_choosers: usize,
+    ) -> Self {
+        const RANGE: usize = RANGE_BLOCKS * LANES;
+        let ranges = (0..n).step_by(RANGE).map(|first| RANGE.min(n - first));
+        let passed: Vec<_> = ranges.map(|count| PassedHits::new(count, repertoire)).collect();
         let locals = if config.local_transforms { n * NUM_JOINTS } else { 0 };
-        Ok(Self {
+        Self {
             config,
             num_characters: n,
+            num_choosers,
             num_frames: repertoire.frames.len(),
             num_segments: repertoire.graph.segments.len(),
             blocks,
@@ -234,7 +253,7 @@ impl Troupe {
             matrices: vec![Mat3x4::default(); n * NUM_JOINTS],
             locals: vec![LocalTransform::default(); locals],
             times: StepTimes::default(),
-        })
+        }
     }
 
     /// Number of characters.
@@ -298,7 +317,8 @@ impl Troupe {
         self.blocks[character / LANES].contacts[character % LANES]
     }
 
-    /// Segment that a character plays, and the time within it. [Unit: frames] [Limit: character < num_characters]
+    /// Segment that a character plays, and the time within it; `u32::MAX` where it is laid on a [`Course`].
+    /// [Unit: frames] [Limit: character < num_characters]
     pub fn segment(&self, character: usize) -> (u32, f32) {
         let (b, lane) = (&self.blocks[character / LANES], character % LANES);
         (b.segment[lane], b.time[lane])
@@ -327,7 +347,9 @@ impl Troupe {
         self.check_bundle(repertoire)?;
         check_index("character", character, self.num_characters)?;
         check_index("segment", segment as usize, self.num_segments)?;
+        let laid = self.blocks[character / LANES].segment[character % LANES] == block::LAID;
         control::play(&mut self.blocks, character, segment, repertoire, &self.config);
+        self.num_choosers += usize::from(laid);
         Ok(())
     }
 
@@ -343,7 +365,7 @@ impl Troupe {
     /// if the path were bent no further. [Unit: s] [Limit: character < num_characters]
     pub fn next_blow(&self, repertoire: &Repertoire<'_>, character: usize) -> Option<(Blow, f32)> {
         let (segment, time) = self.segment(character);
-        let start = repertoire.graph.segments[segment as usize].start;
+        let start = repertoire.graph.segments.get(segment as usize)?.start;
         let frames = |hit: u32| (repertoire.hits[hit as usize].frame - start) as f32 - time;
         let hit = repertoire.hits_of(segment).find(|&hit| frames(hit) > 0.0)?;
         let place = self.blocks[character / LANES].clip_to_world(character % LANES);
@@ -421,7 +443,9 @@ impl Troupe {
     fn validate(&self, repertoire: &Repertoire<'_>, dt_s: f32, goals: &[Goal<'_>]) -> Result<(), TroupeError> {
         self.check_bundle(repertoire)?;
         check("dt_s", dt_s, (0.0..=MAX_STEP_S).contains(&dt_s), "between 0 and 1")?;
-        if goals.is_empty() || goals.len() > MAX_GOALS {
+        // Characters on courses choose nothing.
+        let fewest = usize::from(self.num_choosers > 0);
+        if goals.len() < fewest || goals.len() > MAX_GOALS {
             return Err(TroupeError::Length { what: "goals", got: goals.len(), expected: MAX_GOALS });
         }
         for g in goals {

@@ -1,7 +1,7 @@
 //! What a step reads of a bundle, checked once.
 
 use crate::contacts::Contacts;
-use crate::format::FrameRow;
+use crate::format::{ClipRecord, FrameRow};
 use crate::graph::MotionGraph;
 use crate::hits::HitRecord;
 use crate::planar::Planar;
@@ -16,6 +16,7 @@ use super::anatomy::Anatomy;
 pub struct Repertoire<'t> {
     pub(crate) frames: &'t [FrameRow],
     pub(crate) contacts: &'t [Contacts],
+    pub(crate) clips: &'t [ClipRecord],
     pub(crate) hits: &'t [HitRecord],
     /// First hit of each segment, and the one after its last. [Size: number of segments]
     segment_hits: Vec<[u32; 2]>,
@@ -32,6 +33,7 @@ impl<'t> Repertoire<'t> {
         Self {
             frames: tables.frames(),
             contacts: tables.contacts(),
+            clips: tables.clips(),
             hits: tables.hits(),
             segment_hits: segment_hits(&tables.graph(), tables.hits()),
             graph: tables.graph(),
@@ -72,6 +74,11 @@ impl<'t> Repertoire<'t> {
     /// The skeleton of all characters.
     pub fn skeleton(&self) -> &Skeleton {
         &self.skeleton
+    }
+
+    /// Number of the clip that a frame belongs to. [Limit: frame < number of frames]
+    pub(crate) fn clip_of(&self, frame: u32) -> usize {
+        self.clips.partition_point(|c| c.first_frame <= frame) - 1
     }
 
     /// Planar root of a frame within its clip.

@@ -9,6 +9,7 @@ use super::{Troupe, TroupeError};
 pub struct TroupeSnapshot {
     blocks: Vec<Block>,
     num_characters: usize,
+    num_choosers: usize,
     num_frames: usize,
     num_segments: usize,
 }
@@ -26,6 +27,7 @@ impl Troupe {
         TroupeSnapshot {
             blocks: self.blocks.clone(),
             num_characters: self.num_characters,
+            num_choosers: self.num_choosers,
             num_frames: self.num_frames,
             num_segments: self.num_segments,
         }
@@ -50,6 +52,7 @@ impl Troupe {
             }
         }
         self.blocks.clone_from(&snapshot.blocks);
+        self.num_choosers = snapshot.num_choosers;
         Ok(())
     }
 }

@@ -3,7 +3,7 @@
 //! Characters are handled in ranges of whole blocks; nothing in a range depends on another, so results do not
 //! depend on how a troupe is split.
 
-use super::block::Block;
+use super::block::{Block, LAID};
 use super::blow::PassedHits;
 use super::control;
 use super::foot_lock::{Placement, lock_foot};
@@ -89,8 +89,7 @@ fn advance(blocks: &mut [Block], passed: &mut PassedHits, first: usize, count: u
     for character in 0..count {
         let (b, lane) = (&mut blocks[character / LANES], character % LANES);
         if b.bend[lane] != 0.0 {
-            let segment = &tick.repertoire.graph.segments[b.segment[lane] as usize];
-            let played = frames.min(segment.num_frames as f32 - b.time[lane]).max(0.0);
+            let played = frames.min(b.length[lane] as f32 - b.time[lane]).max(0.0);
             let root = b.root(lane);
             let mut turned = root;
             turned.heading += b.bend[lane] * played;
@@ -99,7 +98,10 @@ fn advance(blocks: &mut [Block], passed: &mut PassedHits, first: usize, count: u
         }
         let from = b.time[lane];
         b.time[lane] += frames;
-        if !passed.is_off() {
+        if b.segment[lane] == LAID {
+            // Where nothing follows, it stays at the end.
+            b.time[lane] = b.time[lane].min(b.length[lane] as f32);
+        } else if !passed.is_off() {
             let (span, place) = ((from, b.time[lane]), b.clip_to_world(lane));
             passed.pass(tick.repertoire, (first + character) as u32, b.segment[lane], span, place);
         }
@@ -121,14 +123,17 @@ fn pose<F: Lanes>(
     let mut at = [0usize; LANES];
     let mut ratio = [0.0; LANES];
     for lane in 0..LANES {
-        let whole = block.time[lane] as u32;
-        at[lane] = (r.graph.segments[block.segment[lane] as usize].start + whole) as usize;
-        ratio[lane] = block.time[lane] - whole as f32;
+        // The last frame of a clip has none after it, so it is reached from the one before.
+        let time = block.time[lane].max(0.0);
+        let whole = (time as u32).min(block.length[lane].saturating_sub(1));
+        at[lane] = (block.first[lane] + whole) as usize;
+        ratio[lane] = time - whole as f32;
         block.contacts[lane] = r.contacts[at[lane] + usize::from(ratio[lane] > 0.5)];
     }
     let cursor = Cursor { rows: [at.map(|f| &r.frames[f]), at.map(|f| &r.frames[f + 1])], ratio: F::from_array(ratio) };
     let place = place(block, &cursor);
     let mut local = sample(&cursor);
+    local.root.y = local.root.y + place.y;
     add_offsets(&mut local, block, tick.config.half_life_s);
     let mut model = to_model(&r.skeleton, &local);
     laps.end(Phase::Sample);
@@ -168,10 +173,15 @@ fn place<F: Lanes>(block: &mut Block, cursor: &Cursor<'_, F>) -> Placement<F> {
     let (clip_sin, clip_cos) = th.sin_cos();
     let x = clip_cos * px + clip_sin * pz + tx;
     let z = clip_cos * pz - clip_sin * px + tz;
-    let heading = th + ph;
+    let since = F::load(&block.time).max(F::splat(0.0)) - F::load(&block.drift_from);
+    let [dx, dy, dz] = &block.drift;
+    let x = x + F::load(dx) * since;
+    let z = z + F::load(dz) * since;
+    let y = F::load(&block.lift) + F::load(dy) * since;
+    let heading = th + ph + F::load(&block.turn) * since;
     x.store(&mut block.root[0]);
     z.store(&mut block.root[1]);
     heading.store(&mut block.root[2]);
     let (sin, cos) = heading.sin_cos();
-    Placement { x, z, sin, cos }
+    Placement { x, y, z, sin, cos }
 }

@@ -18,7 +18,7 @@ const FRAMES: u32 = 60;
 
 /// Two clips of walking-like rotations and planted feet; states at frames 20 and 40 of each; every state may go
 /// on or change to the other clip.
-fn tables() -> Tables {
+pub(crate) fn tables() -> Tables {
     tables_with(&[])
 }
 
@@ -82,6 +82,11 @@ pub(crate) fn tables_with(hits: &[HitRecord]) -> Tables {
     out.section(tags::POLICY_VALUES, &[0.0f32; 4 * 32]);
     let best: Vec<u8> = (0..4 * 32).map(|i| (i / 3 % 2) as u8).collect();
     out.section(tags::POLICY_BEST, &best);
+    out.section::<crate::patch::PatchRecord>(tags::PATCHES, &[]);
+    out.section::<crate::patch::EdgeRecord>(tags::PATCH_EDGES, &[]);
+    out.section::<crate::patch::CellRecord>(tags::PATCH_CELLS, &[]);
+    out.section::<crate::patch::LinkRecord>(tags::PATCH_LINKS, &[]);
+    out.section::<u32>(tags::POSE_GROUPS, &[]);
     let mut bytes = Vec::new();
     out.write(&mut bytes).unwrap();
     Tables::from_bytes(AlignedBytes::from_slice(&bytes)).unwrap()
@@ -107,11 +112,11 @@ fn row(frame: u32, clip: u32) -> FrameRow {
     row
 }
 
-fn starts(n: usize) -> Vec<Start> {
+pub(crate) fn starts(n: usize) -> Vec<Start> {
     (0..n).map(|i| Start { root: Planar::new(i as f32, -2.0, 0.5 * i as f32), state: i as u32 % 4 }).collect()
 }
 
-fn targets(n: usize) -> Vec<Vec3> {
+pub(crate) fn targets(n: usize) -> Vec<Vec3> {
     (0..n).map(|i| Vec3::new(3.0 - i as f32, 0.0, 1.0 + 0.3 * i as f32)).collect()
 }
 

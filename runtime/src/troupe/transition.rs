@@ -23,6 +23,10 @@ pub(crate) struct Change {
     pub to: u32,
     /// Age of the old offsets at the change. [Unit: s]
     pub age_s: f32,
+    /// How much higher the ground of the old motion is. [Unit: m]
+    pub lift: f32,
+    /// How much faster the old motion drifts, in the frame of the root. [Unit: m/frame]
+    pub drift: Vec3,
 }
 
 /// Replaces the offsets of up to eight characters. Equal characters must not stand in one group.
@@ -82,8 +86,11 @@ fn start_lanes<F: Lanes>(Start { group, frames, rate_hz, half_life_s, blocks }: 
     let (x, v) = gather(group, blocks, |b, lane| (get(&b.offsets.root, lane), get(&b.offsets.root_velocity, lane)));
     let zero = F::splat(0.0);
     let height = |r: &[&FrameRow; LANES]| r.map(|r| r.height);
-    let offset = old.apply(x, v) + V::new(zero, F::load(&height(&last)) - F::load(&height(&first)), zero);
-    let velocity = (root_step(&before, &last) - root_step(&first, &after)) * rate + old_rate.apply(x, v);
+    let lift = F::from_array(std::array::from_fn(|l| lane_of(l).lift));
+    let drift = |axis: usize| F::from_array(std::array::from_fn(|l| lane_of(l).drift[axis]));
+    let offset = old.apply(x, v) + V::new(zero, F::load(&height(&last)) - F::load(&height(&first)) + lift, zero);
+    let step = root_step(&before, &last) - root_step(&first, &after) + V::new(drift(0), drift(1), drift(2));
+    let velocity = step * rate + old_rate.apply(x, v);
     scatter(group, blocks, offset, velocity, |b, lane, x, v| {
         set(&mut b.offsets.root, lane, x);
         set(&mut b.offsets.root_velocity, lane, v);

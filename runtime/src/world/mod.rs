@@ -1,10 +1,22 @@
 //! Worlds: patches stitched together over a target environment (004 section 5).
 
+mod check;
+mod error;
+mod file;
+mod graph;
+pub mod inhabitants;
+pub mod plan;
 mod records;
 
+pub use error::WorldError;
+pub use file::{WORLD_MAGIC, WORLD_VERSION, WorldFile, tags};
+pub use graph::{Node, Step, WorldGraph};
 pub use records::{AdjacencyRecord, InstanceRecord, JointRecord, JointTableRecord, UnitRecord};
 
 use serde::{Deserialize, Serialize};
+
+/// Most bytes the meta data may ask for while they are decoded. [Unit: bytes]
+const META_LIMIT: usize = 64 << 20;
 
 /// What a world says of itself.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -27,6 +39,30 @@ pub struct WorldMeta {
     pub transitions: u64,
     /// Length of all links that are left. [Unit: h]
     pub motion_hours: f64,
+}
+
+impl WorldMeta {
+    /// The section's bytes.
+    ///
+    /// # Errors
+    /// [`WorldError::Layout`] where it cannot be encoded.
+    pub fn encode(&self) -> Result<Vec<u8>, WorldError> {
+        bincode::serde::encode_to_vec(self, bincode::config::standard())
+            .map_err(|e| WorldError::layout(format!("WMET cannot be written: {e}")))
+    }
+
+    /// Reads a section's bytes.
+    ///
+    /// # Errors
+    /// [`WorldError::Layout`] where they are damaged, ask for too much memory, or are followed by others.
+    pub fn decode(bytes: &[u8]) -> Result<Self, WorldError> {
+        let config = bincode::config::standard().with_limit::<META_LIMIT>();
+        match bincode::serde::decode_from_slice(bytes, config) {
+            Ok((meta, used)) if used == bytes.len() => Ok(meta),
+            Ok((_, used)) => Err(WorldError::layout(format!("WMET has {} bytes, expected {used}", bytes.len()))),
+            Err(e) => Err(WorldError::layout(format!("WMET cannot be read: {e}"))),
+        }
+    }
 }
 
 /// View on a world, in a file or in memory.

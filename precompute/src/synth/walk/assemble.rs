@@ -28,12 +28,24 @@ struct Signals {
 /// Makes a clip from its footsteps.
 pub fn clip(name: String, steps: &Footsteps, skeleton: &Skeleton, cfg: &SynthConfig, rng: &mut impl Rng) -> Clip {
     let samples = Samples::of(steps.duration, cfg.rate_hz);
-    let signals = signals(steps, skeleton, &samples.times, samples.dt, cfg.variation, rng);
+    let poses = poses(steps, skeleton, &samples, cfg.variation, rng);
     let mut clip = frame::empty_clip(name, "walk", cfg);
     for i in samples.frames() {
-        frame::push(&mut clip, &pose(&signals, i), skeleton);
+        frame::push(&mut clip, &poses[i], skeleton);
     }
     clip
+}
+
+/// The walker at every sample.
+pub fn poses(
+    steps: &Footsteps,
+    skeleton: &Skeleton,
+    samples: &Samples,
+    variation: f64,
+    rng: &mut impl Rng,
+) -> Vec<BodyPose> {
+    let signals = signals(steps, skeleton, &samples.times, samples.dt, variation, rng);
+    (0..samples.times.len()).map(|i| pose(&signals, i)).collect()
 }
 
 fn signals(

@@ -18,11 +18,13 @@ pub struct Footfall {
     pub lift: f64,
     /// Ankle of the flat foot on the ground plane (x, z). [Unit: m]
     pub ankle: DVec2,
+    /// Height of the ground here. [Unit: m]
+    pub ground: f64,
     /// Heading of the path here. [Unit: rad]
     pub heading: f64,
     /// Heading of the foot. [Unit: rad]
     pub yaw: f64,
-    /// Toes up at heel strike. [Unit: rad]
+    /// Toes up at heel strike; below 0 the ball lands first, the heel this far up. [Unit: rad]
     pub strike: f64,
     /// Heel up at toe-off. [Unit: rad]
     pub push: f64,
@@ -54,12 +56,22 @@ const CLEARANCE: f64 = 0.015;
 const HANG: f64 = 0.38;
 /// Share of a flight in which the foot speeds up, and slows down.
 const RAMP: f64 = 0.36;
+/// Smaller differences in height are uneven ground rather than stairs. [Unit: m]
+const STAIR: f64 = 0.05;
 /// Smallest distance of a swinging ankle or ball from the standing one. [Unit: m]
 const PASSING: f64 = 0.105;
 
 impl FootTrack {
     /// A foot that stands on `falls` in turn and flies around the other foot's falls.
-    pub fn new(side: Side, shape: FootShape, falls: Vec<Footfall>, other: &[Footfall]) -> Self {
+    ///
+    /// - `ground`: its height anywhere on the way. [Unit: m]
+    pub fn new(
+        side: Side,
+        shape: FootShape,
+        falls: Vec<Footfall>,
+        other: &[Footfall],
+        ground: impl Fn(DVec2) -> f64,
+    ) -> Self {
         let flights = vec![Flight::default(); falls.len().saturating_sub(1)];
         let mut track = Self { side, shape, falls, flights };
         for i in 0..track.flights.len() {
@@ -67,7 +79,7 @@ impl FootTrack {
             let standing = other.iter().rev().find(|f| f.land <= 0.5 * (lift + land));
             track.flights[i].detour = standing.map_or(DVec2::ZERO, |s| track.detour(i, s));
             track.flights[i].raise = track.raise(i);
-            track.flights[i].clear = track.clear(i);
+            track.flights[i].clear = track.clear(i, &ground);
         }
         track
     }
@@ -84,28 +96,32 @@ impl FootTrack {
         if t <= fall.lift || i + 1 == self.falls.len() { self.standing(fall, t) } else { self.flying(i, t) }
     }
 
-    /// Height of the lowest point of the sole. [Unit: m]
-    pub fn sole(&self, p: &FootPose) -> f64 {
+    /// Height of the lowest point of the sole over the ground beneath it. [Unit: m]
+    pub fn sole(&self, p: &FootPose, ground: impl Fn(DVec2) -> f64) -> f64 {
         let s = &self.shape;
-        let up = |pitch: f64, y: f64, z: f64| pitch.cos() * y - pitch.sin() * z;
-        let heel = up(p.pitch, -s.ball_height, -s.ball - s.heel);
-        let tip = up(p.toe_pitch, -s.ball_height, s.tip);
-        p.ball.y + heel.min(-s.ball_height).min(tip)
+        let over = |pitch: f64, y: f64, z: f64| {
+            let at = DVec2::new(p.ball.x, p.ball.z) + forward(p.yaw) * (pitch.sin() * y + pitch.cos() * z);
+            p.ball.y + (pitch.cos() * y - pitch.sin() * z) - ground(at)
+        };
+        let heel = over(p.pitch, -s.ball_height, -s.ball - s.heel);
+        let tip = over(p.toe_pitch, -s.ball_height, s.tip);
+        heel.min(over(0.0, -s.ball_height, 0.0)).min(tip)
     }
 
     fn standing(&self, fall: &Footfall, t: f64) -> FootPose {
         let (pitch, toe_pitch) = if t < fall.flat {
             let p = strike_pitch(fall, t);
-            (p, p)
+            (p, p.min(0.0))
         } else if t > fall.heel_off {
             (push_pitch(fall, t), 0.0)
         } else {
             (0.0, 0.0)
         };
-        let ball = if t < fall.flat { self.ball_over_heel(fall, t) } else { self.ball_flat(fall) };
+        let ball = if t < fall.flat { self.ball_landing(fall, t) } else { self.ball_flat(fall) };
         FootPose {
             heel_down: t >= fall.flat && t <= fall.heel_off,
-            toe_down: t >= fall.flat,
+            toe_down: t >= if fall.strike < 0.0 { fall.land } else { fall.flat },
+            ground: fall.ground,
             ..self.shape.posed(ball, fall.yaw, fall.heading, pitch, toe_pitch)
         }
     }
@@ -114,36 +130,42 @@ impl FootTrack {
         let (a, b) = (&self.falls[i], &self.falls[i + 1]);
         let (t, duration) = (t - a.lift, b.land - a.lift);
         let u = t / duration;
+        let (across, up) = stair_pace(b.ground - a.ground, u);
         let start = self.ball_flat(a);
-        let piece = |from: f64, axis: fn(DVec3) -> f64| {
-            let to = End::of(|t| axis(self.ball_over_heel(b, t)), b.land);
+        let piece = |from: f64, u: f64, axis: fn(DVec3) -> f64| {
+            let to = End::of(|t| axis(self.ball_landing(b, t)), b.land);
             let arrival = quintic(End::default(), End { value: 0.0, ..to }, duration, t);
             from + (to.value - from) * cruise(RAMP, u) + arrival
         };
         let flight = &self.flights[i];
         let ball = DVec3::new(
-            piece(start.x, |p| p.x) + flight.detour.x * bump(u),
-            piece(start.y, |p| p.y) + flight.raise * early_bump(u) + flight.clear * bump(u),
-            piece(start.z, |p| p.z) + flight.detour.y * bump(u),
+            piece(start.x, across, |p| p.x) + flight.detour.x * bump(u),
+            piece(start.y, up, |p| p.y) + flight.raise * early_bump(u) + flight.clear * bump(u),
+            piece(start.z, across, |p| p.z) + flight.detour.y * bump(u),
         );
         let angle = |from: f64, to: f64| quintic(End::still(from), End::still(to), duration, t);
         let landing = End::of(|t| strike_pitch(b, t), b.land);
         let pitch = quintic(End::of(|t| push_pitch(a, t), a.lift), landing, duration, t) + HANG * a.push * bump(u);
-        let toe_pitch = quintic(End::still(0.0), landing, duration, t) + 0.25 * a.push * bump(u);
-        self.shape.posed(ball, angle(a.yaw, b.yaw), angle(a.heading, b.heading), pitch, toe_pitch)
+        let toes = End::of(|t| strike_pitch(b, t).min(0.0), b.land);
+        let toe_pitch = quintic(End::still(0.0), toes, duration, t) + 0.25 * a.push * bump(u);
+        let posed = self.shape.posed(ball, angle(a.yaw, b.yaw), angle(a.heading, b.heading), pitch, toe_pitch);
+        FootPose { ground: angle(a.ground, b.ground), ..posed }
     }
 
-    /// Ball of the foot while it rolls over its heel onto a footfall.
-    fn ball_over_heel(&self, fall: &Footfall, t: f64) -> DVec3 {
+    /// Ball of the foot while it rolls over its heel onto a footfall, or stands already.
+    fn ball_landing(&self, fall: &Footfall, t: f64) -> DVec3 {
+        if fall.strike < 0.0 {
+            return self.ball_flat(fall);
+        }
         let s = &self.shape;
         let heel = fall.ankle - forward(fall.yaw) * s.heel;
         let rotation = DQuat::from_rotation_y(fall.yaw) * DQuat::from_rotation_x(strike_pitch(fall, t));
-        DVec3::new(heel.x, 0.0, heel.y) + rotation * DVec3::new(0.0, s.ball_height, s.heel + s.ball)
+        DVec3::new(heel.x, fall.ground, heel.y) + rotation * DVec3::new(0.0, s.ball_height, s.heel + s.ball)
     }
 
     fn ball_flat(&self, fall: &Footfall) -> DVec3 {
         let p = fall.ankle + forward(fall.yaw) * self.shape.ball;
-        DVec3::new(p.x, self.shape.ball_height, p.y)
+        DVec3::new(p.x, fall.ground + self.shape.ball_height, p.y)
     }
 
     /// Moments spread over flight `i`, with their bumps.
@@ -159,8 +181,8 @@ impl FootTrack {
     }
 
     /// How much higher flight `i` has to be for its sole to clear the ground.
-    fn clear(&self, i: usize) -> f64 {
-        let lacks = |t: f64| CLEARANCE - self.sole(&self.flying(i, t));
+    fn clear(&self, i: usize, ground: &impl Fn(DVec2) -> f64) -> f64 {
+        let lacks = |t: f64| CLEARANCE - self.sole(&self.flying(i, t), ground);
         self.moments(i).filter(|m| m.1 > 0.3).map(|(t, b)| lacks(t) / b).fold(0.0, f64::max)
     }
 
@@ -188,6 +210,20 @@ impl FootTrack {
     }
 }
 
+/// How far a flight has got across and up: on stairs it first clears the step and then goes over it, or the other way
+/// round on the way down.
+fn stair_pace(rise: f64, u: f64) -> (f64, f64) {
+    let early = |power: f64| 1.0 - (1.0 - u).max(0.0).powf(power);
+    let late = |power: f64| u.max(0.0).powf(power);
+    if rise.abs() < STAIR {
+        (u, u)
+    } else if rise > 0.0 {
+        (late(1.5), early(1.4))
+    } else {
+        (early(1.7), late(1.5))
+    }
+}
+
 /// Pitch while the foot rolls over its heel: lands turning down, ends flat and at rest.
 fn strike_pitch(fall: &Footfall, t: f64) -> f64 {
     let duration = fall.flat - fall.land;
@@ -208,14 +244,14 @@ mod tests {
 
     fn fall(land: f64, lift: f64, ankle: DVec2, yaw: f64) -> Footfall {
         let (flat, heel_off) = (land + 0.1, lift - 0.25);
-        Footfall { land, flat, heel_off, lift, ankle, heading: yaw, yaw, strike: 0.35, push: 0.7 }
+        Footfall { land, flat, heel_off, lift, ankle, ground: 0.0, heading: yaw, yaw, strike: 0.35, push: 0.7 }
     }
 
     /// A left foot that takes one long step past a right foot in its way.
     fn track() -> FootTrack {
         let falls = vec![fall(0.0, 0.7, DVec2::ZERO, 0.1), fall(1.1, 2.0, DVec2::new(-0.05, 1.3), 0.4)];
         let standing = fall(0.6, 1.2, DVec2::new(-0.02, 0.65), 0.0);
-        FootTrack::new(Side::Left, FootShape::of(&Skeleton::default()), falls, &[standing])
+        FootTrack::new(Side::Left, FootShape::of(&Skeleton::default()), falls, &[standing], |_| 0.0)
     }
 
     #[test]
@@ -248,7 +284,7 @@ mod tests {
             let u = f64::from(k) / 100.0;
             let p = track.pose(0.7 + 0.4 * u);
             let least = if (0.3..0.7).contains(&u) { CLEARANCE - 1e-3 } else { -1e-9 };
-            assert!(track.sole(&p) >= least, "at {u}: {}", track.sole(&p));
+            assert!(track.sole(&p, |_| 0.0) >= least, "at {u}: {}", track.sole(&p, |_| 0.0));
             assert!((DVec2::new(p.ankle.x, p.ankle.z) - DVec2::new(-0.02, 0.65)).length() > PASSING - 5e-3);
         }
     }

@@ -65,13 +65,33 @@ struct Placed {
     toe_out: f64,
 }
 
-/// Lays out steps from a stand, and stands on for `last` seconds after them.
+/// Lays out steps from a stand on even ground, and stands on for `last` seconds after them.
 pub fn place(shape: FootShape, start: Stance, intents: &[Intent], last: f64, rng: &mut impl Rng) -> Footsteps {
+    place_on(shape, start, intents, last, |_| 0.0, rng)
+}
+
+/// Lays out steps from a stand, and stands on for `last` seconds after them.
+///
+/// - `ground`: its height anywhere on the way. [Unit: m]
+pub fn place_on(
+    shape: FootShape,
+    start: Stance,
+    intents: &[Intent],
+    last: f64,
+    ground: impl Fn(DVec2) -> f64,
+    rng: &mut impl Rng,
+) -> Footsteps {
     let placed = placed(start, intents);
     let duration = placed.last().map_or(0.0, |s| s.land) + last;
-    let falls = Side::BOTH.map(|side| falls_of(side, start, &placed));
-    let tracks =
-        Side::BOTH.map(|side| FootTrack::new(side, shape, falls[side.index()].clone(), &falls[side.other().index()]));
+    let mut falls = Side::BOTH.map(|side| falls_of(side, start, &placed));
+    for falls in &mut falls {
+        step_on(falls, &shape, &ground);
+    }
+    let track = |side: Side| {
+        let (own, other) = (falls[side.index()].clone(), &falls[side.other().index()]);
+        FootTrack::new(side, shape, own, other, &ground)
+    };
+    let tracks = Side::BOTH.map(track);
     Footsteps { feet: tracks, load: load_knots(&placed, duration, rng), duration }
 }
 
@@ -104,6 +124,7 @@ fn falls_of(side: Side, start: Stance, placed: &[Placed]) -> Vec<Footfall> {
         heel_off: f64::INFINITY,
         lift: f64::INFINITY,
         ankle: start.ankle(side, STANDING_WIDTH),
+        ground: 0.0,
         heading: start.heading,
         yaw: start.heading + TOE_OUT * side.sign(),
         strike: 0.0,
@@ -123,6 +144,7 @@ fn falls_of(side: Side, start: Stance, placed: &[Placed]) -> Vec<Footfall> {
             heel_off: f64::INFINITY,
             lift: f64::INFINITY,
             ankle: step.ankle,
+            ground: 0.0,
             heading: step.heading,
             yaw: step.heading + step.toe_out * side.sign(),
             strike: 0.36 * (reach / 0.75).clamp(0.03, 1.0),
@@ -130,6 +152,20 @@ fn falls_of(side: Side, start: Stance, placed: &[Placed]) -> Vec<Footfall> {
         });
     }
     falls
+}
+
+/// Raises the footfalls of one foot to the ground, and lands flat on the way up and on the ball on the way down.
+fn step_on(falls: &mut [Footfall], shape: &FootShape, ground: &impl Fn(DVec2) -> f64) {
+    for i in 0..falls.len() {
+        let fall = falls[i];
+        falls[i].ground = ground(fall.ankle + forward(fall.yaw) * shape.ball);
+        let rise = falls[i].ground - falls[i.saturating_sub(1)].ground;
+        if rise > 0.05 {
+            falls[i].strike = 0.02;
+        } else if rise < -0.05 {
+            falls[i].strike = -0.32;
+        }
+    }
 }
 
 /// Completes a footfall with how it is left for the next step.

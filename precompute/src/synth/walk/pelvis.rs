@@ -21,6 +21,8 @@ pub struct Pelvis {
     pub position: Vec<DVec3>,
     /// Distance of the left ankle in front of the right one, along the heading. [Unit: m]
     pub apart: Vec<f64>,
+    /// How fast the ground rises under the feet. [Unit: m/s]
+    pub climb: Vec<f64>,
 }
 
 impl Pelvis {
@@ -89,7 +91,8 @@ pub fn follow(input: &PelvisInput) -> Pelvis {
         let p = input.mass[i] + forward(heading[i]) * ahead;
         DVec3::new(p.x, 0.0, p.y)
     });
-    let mut out = Pelvis { position: position.collect(), heading, yaw, pitch, list, apart };
+    let climb = rate(&ground(input), input.dt);
+    let mut out = Pelvis { position: position.collect(), heading, yaw, pitch, list, apart, climb };
     out.stand_up(input);
     out
 }
@@ -106,6 +109,21 @@ fn list(input: &PelvisInput) -> Vec<f64> {
     smooth(&early, frames(0.02))
 }
 
+/// Height of the ground under both feet, as it rises and falls over a step or two.
+fn ground(input: &PelvisInput) -> Vec<f64> {
+    let mean: Vec<f64> = input.feet.iter().map(|f| 0.5 * (f[0].ground + f[1].ground)).collect();
+    smooth(&mean, (0.15 / input.dt).round() as usize)
+}
+
+/// First derivative by central differences, zero at both ends. [Unit: 1/s]
+fn rate(x: &[f64], dt: f64) -> Vec<f64> {
+    let mut out = vec![0.0; x.len()];
+    for i in 1..x.len().saturating_sub(1) {
+        out[i] = (x[i + 1] - x[i - 1]) / (2.0 * dt);
+    }
+    out
+}
+
 /// As high as both legs reach, rounded off: never above what the least flexion of either knee allows.
 fn height(input: &PelvisInput, pelvis: &Pelvis) -> Vec<f64> {
     let limit: Vec<f64> = (0..input.feet.len())
@@ -114,9 +132,11 @@ fn height(input: &PelvisInput, pelvis: &Pelvis) -> Vec<f64> {
             Side::BOTH.map(|s| leg_limit(input, pelvis, i, rotation, s)).into_iter().fold(f64::INFINITY, f64::min)
         })
         .collect();
+    let ground = ground(input);
+    let above: Vec<f64> = limit.iter().zip(&ground).map(|(l, g)| l - g).collect();
     let (stride, rounding) = ((0.55 / input.dt).round() as usize, (0.02 / input.dt).round() as usize);
-    let highest = smooth(&lowest_within(&limit, stride), stride / 3);
-    let limit: Vec<f64> = limit.iter().zip(highest).map(|(l, low)| l.min(low + RISE)).collect();
+    let highest = smooth(&lowest_within(&above, stride), stride / 3);
+    let limit: Vec<f64> = limit.iter().zip(highest).zip(ground).map(|((l, low), g)| l.min(low + RISE + g)).collect();
     smooth_below(&limit, BOB, rounding, input.dt)
 }
 

@@ -44,15 +44,17 @@ pub fn balance(pelvis: &Pelvis, speed: &[f64], mass: &[DVec2], drift: &Drift, dt
     let (surge, sideways) = lean(pelvis, mass, dt);
     let bob = bob(pelvis, frames(0.35));
     let out = (0..speed.len()).map(|i| {
+        // Up stairs the trunk leans in; up and down the eyes are on the steps.
+        let stoop = 0.4 * pelvis.climb[i].max(0.0);
         let hips = Attitude { yaw: pelvis.heading[i] + pelvis.yaw[i], pitch: pelvis.pitch[i], list: pelvis.list[i] };
         let chest = Attitude {
             yaw: chest_heading[i] - 0.5 * counter[i] + 0.15 * drift.gaze[i],
-            pitch: 0.02 + 0.022 * speed[i] + surge[i] - 0.012 * drift.breath[i],
+            pitch: 0.02 + 0.022 * speed[i] + surge[i] - 0.012 * drift.breath[i] + stoop,
             list: -0.45 * pelvis.list[i] + sideways[i],
         };
         let head = Attitude {
             yaw: gaze_heading[i] + drift.gaze[i],
-            pitch: 0.06 + drift.nod[i] + 0.25 * surge[i] + bob[i],
+            pitch: 0.06 + drift.nod[i] + 0.25 * surge[i] + bob[i] + 0.75 * pelvis.climb[i].abs(),
             list: 0.3 * sideways[i],
         };
         let neck = chest.mix(head, 0.45);
@@ -97,6 +99,7 @@ mod tests {
             list: still.clone(),
             position: vec![DVec3::Y; n],
             apart: still.clone(),
+            climb: still.clone(),
         };
         let drift = Drift {
             gaze: still.clone(),

@@ -25,7 +25,7 @@ pub struct Intent {
 }
 
 /// Cruising speeds, from strolling to brisk. Few, so that poses recur. [Unit: m/s]
-const SPEEDS: [f64; 6] = [0.65, 0.95, 1.2, 1.35, 1.5, 1.75];
+pub const SPEEDS: [f64; 6] = [0.65, 0.95, 1.2, 1.35, 1.5, 1.75];
 /// Heading changes to start with, in degrees; the last ones are made on the spot.
 const FIRST_TURNS: [f64; 12] = [0.0, 0.0, 30.0, -30.0, 60.0, -60.0, 90.0, -90.0, 135.0, -135.0, 180.0, -180.0];
 /// Turns on the way: heading change, and its mean share a step, in degrees; each to the left and to the right.
@@ -117,21 +117,28 @@ impl Wanderer {
 }
 
 /// The steps so far and what the next one starts from.
-struct Walk {
-    steps: Vec<Intent>,
+#[derive(Clone, Debug)]
+pub struct Walk {
+    /// The steps.
+    pub steps: Vec<Intent>,
     seconds: f64,
-    next: Side,
-    pause: f64,
-    speed: f64,
+    /// The foot that steps next.
+    pub next: Side,
+    /// Standing still before the next step. [Unit: s]
+    pub pause: f64,
+    /// Speed. [Unit: m/s]
+    pub speed: f64,
     variation: f64,
 }
 
 impl Walk {
-    fn new(variation: f64) -> Self {
+    /// Stands, the left foot first.
+    pub fn new(variation: f64) -> Self {
         Self { steps: Vec::new(), seconds: 0.0, next: Side::Left, pause: 0.0, speed: 0.0, variation }
     }
 
-    fn step(&mut self, turn: f64, width: f64, shape: StepShape, rng: &mut impl Rng) {
+    /// One step.
+    pub fn step(&mut self, turn: f64, width: f64, shape: StepShape, rng: &mut impl Rng) {
         let mut vary = |amount: f64| 1.0 + self.variation * amount * rng.random_range(-1.0..1.0);
         let time = vary(0.025);
         let shape = StepShape {
@@ -151,7 +158,7 @@ impl Walk {
     ///
     /// The first step reaches about three quarters of the length (Breniere and Do 1986 find the steady state
     /// after one to three steps).
-    fn start(&mut self, cruise: f64, turn: f64, rng: &mut impl Rng) {
+    pub fn start(&mut self, cruise: f64, turn: f64, rng: &mut impl Rng) {
         let mut left = turn;
         for part in [0.72, 0.92] {
             let bend = limited(left, self.next, 0.75);
@@ -165,7 +172,7 @@ impl Walk {
     }
 
     /// Steps straight ahead, approaching `cruise`.
-    fn straight(&mut self, num_steps: usize, cruise: f64, rng: &mut impl Rng) {
+    pub fn straight(&mut self, num_steps: usize, cruise: f64, rng: &mut impl Rng) {
         for _ in 0..num_steps {
             self.speed += (cruise - self.speed).clamp(-0.35, 0.3);
             self.step(0.0, WALKING_WIDTH, step_at(self.speed), rng);
@@ -173,7 +180,7 @@ impl Walk {
     }
 
     /// Steps through a turn by `angle`, `rate` a step on average: more with the inner foot than with the outer.
-    fn turn(&mut self, angle: f64, rate: f64, cruise: f64, rng: &mut impl Rng) {
+    pub fn turn(&mut self, angle: f64, rate: f64, cruise: f64, rng: &mut impl Rng) {
         let mut left = angle;
         while left.abs() > 0.02 {
             let share = if self.next == Side::inside(angle) { 1.25 } else { 0.75 };
@@ -190,7 +197,7 @@ impl Walk {
     }
 
     /// A shorter step, and one that closes the feet.
-    fn stop(&mut self, rng: &mut impl Rng) {
+    pub fn stop(&mut self, rng: &mut impl Rng) {
         let shape = step_at(self.speed);
         if self.speed > 1.1 {
             self.step(0.0, WALKING_WIDTH, StepShape { length: shape.length * 0.88, ..shape }, rng);
@@ -205,7 +212,7 @@ impl Walk {
     }
 
     /// Steps on the spot: the inner foot opens, the outer one follows, and the feet end side by side.
-    fn turn_in_place(&mut self, angle: f64, rng: &mut impl Rng) {
+    pub fn turn_in_place(&mut self, angle: f64, rng: &mut impl Rng) {
         let opening = if angle.abs() > 1.2 { 1.1 } else { 0.85 };
         let mut left = angle;
         let mut apart = 0.0;

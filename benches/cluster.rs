@@ -1,0 +1,125 @@
+//! How long do pose groups take, how much memory, and how many are there beside exact complete linkage?
+//! `cargo bench --bench cluster`; recordings are used where `THRONG_MOCAP` or `../shared/mocap` names them.
+
+use std::path::PathBuf;
+use std::time::Instant;
+use throng_precompute::annotate::{AnnotateConfig, Sidecars, annotate};
+use throng_precompute::cluster::{ClusterConfig, group, reference};
+use throng_precompute::features::{FeaturesConfig, extract};
+use throng_precompute::import::{ImportConfig, read};
+use throng_precompute::progress::Silent;
+use throng_precompute::resample::{ResampleConfig, resample};
+use throng_precompute::retarget::{RetargetConfig, onto};
+use throng_precompute::synth::{self, SynthConfig, SynthSet};
+use throng_precompute::{BuildError, Clip, ClipSet, Warnings, mirror};
+
+/// Frames of 004's playground.
+const PLAYGROUND: usize = 51_169;
+
+fn main() -> Result<(), BuildError> {
+    // `cargo test` runs benches too: a little motion is enough there.
+    if !std::env::args().any(|a| a == "--bench") {
+        return measure("walk", &walk(0.3, false)?, 500);
+    }
+    measure("walk", &part(&walk(29.0, false)?, PLAYGROUND), 10_000)?;
+    if let Some(recorded) = recorded()? {
+        measure("recordings", &part(&recorded, PLAYGROUND), 10_000)?;
+    }
+    measure("walk, with mirrored copies", &part(&walk(139.5, true)?, 500_000), 0)
+}
+
+/// Prints the figures of a set, and beside them those of complete linkage of its first frames.
+fn measure(name: &str, clips: &ClipSet, exact_frames: usize) -> Result<(), BuildError> {
+    let whole = extract(clips, &FeaturesConfig::default())?;
+    let first = part(clips, exact_frames);
+    let features = extract(&first, &FeaturesConfig::default())?;
+    for threshold in [0.2, 0.3, 0.45] {
+        let config = ClusterConfig { threshold };
+        let (begun, worked) = (Instant::now(), processor_seconds());
+        let groups = group(clips, &whole, &config, &Silent)?;
+        println!(
+            "{name}, below {threshold} rad: {} frames in {} groups, widest {:.4} rad, {:.2} s, {:.2} s of processors, \
+             peak {}",
+            clips.num_frames(),
+            groups.num_groups(),
+            groups.max_diameter,
+            begun.elapsed().as_secs_f64(),
+            processor_seconds() - worked,
+            peak_memory()
+        );
+        if exact_frames > 0 {
+            let begun = Instant::now();
+            let ours = group(&first, &features, &config, &Silent)?.num_groups();
+            let (seconds, begun) = (begun.elapsed().as_secs_f64(), Instant::now());
+            let exact = reference::complete_linkage(&first, &features, &config)?.len();
+            let ratio = seconds / begun.elapsed().as_secs_f64();
+            println!(
+                "    first {} frames: {ours} groups, {:.4} of exact complete linkage in {ratio:.4} of its time",
+                first.num_frames(),
+                ours as f64 / exact as f64
+            );
+        }
+    }
+    Ok(())
+}
+
+fn walk(minutes: f64, mirrored: bool) -> Result<ClipSet, BuildError> {
+    let mut clips = synth::make(SynthSet::Walk, &SynthConfig { minutes, ..SynthConfig::default() })?;
+    if mirrored {
+        clips.clips = clips.clips.into_iter().flat_map(|c| [mirror::mirror(&c), c]).collect();
+        for pair in clips.clips.chunks_exact_mut(2) {
+            pair[0].contacts = pair[1].contacts.iter().map(|c| c.mirrored()).collect();
+        }
+    }
+    Ok(clips)
+}
+
+/// The recordings, where there are any, at 30 Hz.
+fn recorded() -> Result<Option<ClipSet>, BuildError> {
+    let root = std::env::var_os("THRONG_MOCAP")
+        .map_or_else(|| PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../shared/mocap"), PathBuf::from);
+    if !root.is_dir() {
+        println!("no recordings at {}; set THRONG_MOCAP to their folder", root.display());
+        return Ok(None);
+    }
+    let folders = ["cmu-asfamc/01", "cmu-asfamc/02", "cmu-asfamc/03", "snu/single", "snu/session23", "snu/multi"];
+    let raw = read(&folders.map(|f| root.join(f)), &ImportConfig::default(), &Silent)?;
+    let clips = onto(&raw.clips, &RetargetConfig::default(), &mut Warnings::default())?;
+    let clips = resample(&clips, &ResampleConfig { mirror: false, ..ResampleConfig::default() })?;
+    annotate(&clips, &AnnotateConfig::default(), &Sidecars::default()).map(Some)
+}
+
+/// The first frames of a set.
+fn part(clips: &ClipSet, mut num_frames: usize) -> ClipSet {
+    let mut first = Vec::new();
+    for clip in &clips.clips {
+        let n = clip.num_frames().min(num_frames);
+        if n == 0 {
+            break;
+        }
+        num_frames -= n;
+        first.push(Clip {
+            root_positions: clip.root_positions[..n].to_vec(),
+            rotations: clip.rotations[..n * throng_runtime::NUM_JOINTS].to_vec(),
+            contacts: clip.contacts[..n].to_vec(),
+            ..clip.clone()
+        });
+    }
+    ClipSet { skeleton: clips.skeleton.clone(), clips: first }
+}
+
+/// Time that processors have spent on the process, where the system tells; less than it lasts on a busy machine.
+/// [Unit: s]
+fn processor_seconds() -> f64 {
+    let stat = std::fs::read_to_string("/proc/self/stat").unwrap_or_default();
+    // Behind the name in brackets: user and system time are fields 14 and 15, in ticks of 10 ms.
+    let fields = stat.rsplit(')').next().unwrap_or_default().split_whitespace();
+    fields.skip(11).take(2).filter_map(|ticks| ticks.parse::<f64>().ok()).sum::<f64>() / 100.0
+}
+
+/// The most memory the process has had, where the system tells.
+fn peak_memory() -> String {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let line = status.lines().find_map(|l| l.strip_prefix("VmHWM:"));
+    line.map_or("unknown".to_owned(), |l| l.trim().to_owned())
+}

