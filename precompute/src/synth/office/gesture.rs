@@ -28,7 +28,7 @@ const POINT: HandPose = held([0.1, -0.17, 0.46], [0.6, -1.0, -0.1], 0.9);
 /// Hand on the hip.
 const ON_HIP: HandPose = HandPose { flex: 0.5, ..held([0.245, -0.53, 0.03], [1.0, -0.1, -0.7], 0.9) };
 /// Chin on the hand.
-pub const CHIN: HandPose = HandPose { flex: 0.2, ..held([0.05, -0.07, 0.19], [0.5, -1.0, 0.3], -0.5) };
+pub const CHIN: HandPose = HandPose { flex: 0.2, ..held([0.05, -0.09, 0.15], [0.5, -1.0, 0.3], -0.5) };
 
 /// Somebody talks.
 #[derive(Clone, Copy, Debug)]
@@ -242,7 +242,7 @@ fn shake(script: &mut Script, from: f64, to: f64, yaw: f64) {
     let (mut t, mut turn) = (from + 0.25, 0.2);
     while t < (from + 1.1).min(to) {
         script.look(t, 0.25, yaw + turn, 0.04, 0.0);
-        turn = -0.8 * turn;
+        turn *= -0.8;
         t += 0.27;
     }
     script.look(t, 0.27, yaw, 0.03, 0.0);

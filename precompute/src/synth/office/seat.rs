@@ -78,7 +78,7 @@ mod tests {
         for k in 0..1300 {
             let s = SITTING.at(f64::from(k) * 0.01);
             assert!(!s.carried || (s.down - 1.0).abs() < 1e-9, "{k}: {s:?}");
-            assert!(s.down > 0.999 || k < 1000 || k > 1110 || s.lean > 0.5, "{k}: {s:?}");
+            assert!(s.down > 0.999 || !(1000..=1110).contains(&k) || s.lean > 0.5, "{k}: {s:?}");
             assert!((0.0..=1.0 + 1e-9).contains(&s.back) && (0.0..=1.0 + 1e-9).contains(&s.down));
         }
     }

@@ -207,7 +207,7 @@ fn sit_down(script: &mut Script, begin: f64, end: f64, rng: &mut impl Rng) {
             let touch = begin + 0.4 * over;
             let until = begin + 0.72 * over;
             let edge = on(side, work::edge(0.26));
-            let above = HandPose { room: edge.room + DVec3::new(0.0, 0.1, -0.06), ..edge };
+            let above = HandPose { room: edge.room + DVec3::new(0.0, 0.05, -0.09), ..edge };
             script.hand(side, touch - 0.3, touch - 0.3 - begin, above);
             script.hand(side, touch, 0.3, edge);
             script.hand(side, until, 0.1, edge);

@@ -128,7 +128,7 @@ fn to_desk(script: &mut Script, side: Side, t: f64, pose: HandPose, rng: &mut im
         return there;
     }
     let start = t + rng.random_range(0.0..0.15);
-    let before = HandPose { room: DVec3::new(0.5 * (now.room.x + pose.room.x), 0.88, 0.38), twist: 0.7, ..pose };
+    let before = HandPose { room: DVec3::new(0.5 * (now.room.x + pose.room.x), 0.85, 0.39), twist: 0.7, ..pose };
     script.hand(side, start + 0.5, 0.5, before);
     script.hand(side, start + 0.95, 0.45, pose);
     start + 0.95
@@ -141,7 +141,7 @@ fn to_lap(script: &mut Script, side: Side, t: f64, rng: &mut impl Rng) -> f64 {
     let lap = HandPose { room: lap.room + DVec3::new(script.vary(0.015, rng), 0.0, script.vary(0.03, rng)), ..lap };
     let start = t + rng.random_range(0.0..0.1);
     if at_desk(&now) {
-        let before = HandPose { room: DVec3::new(now.room.x, 0.88, 0.4), twist: 0.8, flex: 0.1, ..lap };
+        let before = HandPose { room: DVec3::new(now.room.x, 0.84, 0.42), twist: 0.8, flex: 0.1, ..lap };
         script.hand(side, start + 0.4, 0.4, before);
         script.hand(side, start + 0.85, 0.45, lap);
         return start + 0.85;
@@ -172,7 +172,7 @@ fn watch(script: &mut Script, from: f64, to: f64, [yaw, pitch]: [f64; 2], rng: &
 
 /// Both hands on the keyboard: bursts of strokes, with the fingers' work seen as small movements of the hands.
 fn type_text(script: &mut Script, from: f64, to: f64, rng: &mut impl Rng) {
-    sit(script, from, 1.1, 0.14, 0.0, rng);
+    sit(script, from, 1.1, 0.18, 0.0, rng);
     watch(script, from, to, [0.0, 0.2], rng);
     for side in Side::BOTH {
         let home = on(side, keys());
