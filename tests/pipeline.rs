@@ -218,7 +218,7 @@ fn an_unchanged_build_only_hashes_and_writes() {
     assert!(first.cached.is_empty());
     assert_eq!(
         stages(&first),
-        ["annotate", "features", "graph", "hash", "import", "policy", "resample", "retarget", "write"]
+        ["annotate", "cluster", "features", "graph", "hash", "import", "policy", "resample", "retarget", "write"]
     );
     let made = bytes();
     let second = build(&config, &out, &cache);

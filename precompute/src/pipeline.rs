@@ -50,7 +50,10 @@ pub fn build(cfg: &BuildConfig, out: &Path, cache: &Cache, progress: &dyn Progre
         let clips = s.run("resample", |_| resample::resample(&clips, &cfg.resample))?;
         let marks = annotate::Sidecars::collect(&raw, &clips, &sidecars)?;
         let clips = s.run("annotate", |_| annotate::annotate(&clips, &cfg.annotate, &marks))?;
-        let clips = s.run("embed", |_| embed(clips, cfg, units.as_ref()))?;
+        let clips = match &units {
+            Some(units) => s.run("embed", |_| embed(clips, cfg, units))?,
+            None => clips,
+        };
         Ok(Motion { clips, skipped: report::of_skipped(&raw), warnings })
     })?;
 
@@ -108,11 +111,9 @@ pub fn build(cfg: &BuildConfig, out: &Path, cache: &Cache, progress: &dyn Progre
     ))
 }
 
-/// Contacts with what the clips were captured in, where there is such a thing.
-fn embed(mut clips: ClipSet, cfg: &BuildConfig, units: Option<&UnitSet>) -> Result<ClipSet, BuildError> {
-    if let Some(units) = units {
-        environment::embed(&mut clips, &cfg.patches, units, &cfg.annotate.contacts)?;
-    }
+/// Contacts with what the clips were captured in.
+fn embed(mut clips: ClipSet, cfg: &BuildConfig, units: &UnitSet) -> Result<ClipSet, BuildError> {
+    environment::embed(&mut clips, &cfg.patches, units, &cfg.annotate.contacts)?;
     Ok(clips)
 }
 

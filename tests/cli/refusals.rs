@@ -104,3 +104,26 @@ fn places_that_cannot_be_written_are_named() {
     let e = failed(&["export", &place.bundle(), "--format", "graph-json", "--out", &nowhere]);
     assert!(e.contains("no/such/folder"), "{e}");
 }
+
+#[test]
+fn worlds_that_cannot_be_are_refused_with_the_way_out() {
+    let (place, folder) = (Place::shared(), folder());
+    let world = at(&folder, "square.toml");
+    let ground = "[[place]]\nunit = \"ground\"\nat = [0.0, 0.0, 0.0]\n";
+    let write = |text: &str| std::fs::write(&world, text).expect("a file");
+    write(&format!("bundle = \"{}\"\n{ground}", place.bundle().replace('\\', "/")));
+    for args in [vec!["stitch", &world, "--json"], vec!["bench", &world, "--json"]] {
+        let e = failed(&args);
+        assert!(e.contains("no motion patches") && e.contains("data/playground.toml"), "{args:?}: {e}");
+    }
+    write(&format!("bundle = \"absent.throng\"\n{ground}"));
+    let e = failed(&["stitch", &world]);
+    assert!(e.contains("absent.throng") && e.contains("throng build"), "{e}");
+    write("bundle = \"a.throng\"\nplce = []\n");
+    let e = failed(&["stitch", &world]);
+    assert!(e.contains("square.toml:2") && e.contains("`place`"), "{e}");
+    let scene = at(&folder, "scene.toml");
+    std::fs::write(&scene, "world = \"square.toml\"\ncharacters = 0\n").expect("a file");
+    let e = failed(&["run", &scene]);
+    assert!(e.contains("`characters`") && e.contains("found 0"), "{e}");
+}

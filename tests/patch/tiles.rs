@@ -232,7 +232,8 @@ fn a_rising_tile_is_climbed_from_copy_to_copy() {
     for l in &tile.links {
         let (from, to) = (&tile.cells[l.from as usize], &tile.cells[l.to as usize]);
         assert!(from.is(CellRecord::IS_ENTRY) && from.edge == 1 && to.is(CellRecord::IS_EXIT) && to.edge == 0);
-        assert_eq!(l.num_frames, 14);
+        // The frame beside the edge may be moved onto it.
+        assert!((13..=15).contains(&l.num_frames), "{}", l.num_frames);
         assert!((from.placement.z.abs() < 1e-4) && (to.placement.z - 1.4).abs() < 1e-4);
         assert!((to.placement.y - from.placement.y - 0.7).abs() < 0.01, "{:?} {:?}", from.placement, to.placement);
         // The hips are where the cells say.

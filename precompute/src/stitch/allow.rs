@@ -36,7 +36,7 @@ fn parts(laid: &Laid, situations: &[u32], joined: &mut Joined<'_>) -> Result<(),
     for (i, f) in laid.fitted.iter().enumerate() {
         let patch = &joined.patches.patches[f.patch as usize];
         num_words += u64::from(patch.num_links.div_ceil(64));
-        if joined.num_nodes as u64 + u64::from(patch.num_cells) >= u64::from(NONE) || num_words >= u64::from(NONE) {
+        if joined.num_nodes as u64 + u64::from(patch.num_cells) >= u64::from(NONE / 2) || num_words >= u64::from(NONE) {
             return Err(BuildError::Stage {
                 stage: STAGE,
                 message: format!(

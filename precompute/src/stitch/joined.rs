@@ -67,8 +67,6 @@ pub(super) struct Place {
     part: u32,
     overlap: u32,
     at: u32,
-    /// Links of the cell that the present joint leads to.
-    via: u32,
 }
 
 impl Joined<'_> {
@@ -129,36 +127,35 @@ impl Joined<'_> {
         None
     }
 
-    /// Joints of cells do not follow each other without motion: what leads on are the links of the joined cell.
-    fn next_joint(&self, cell: u32, overlap: &Overlap, cursor: &mut Place) -> Option<u32> {
+    /// Joints of cells do not follow each other without motion: they lead to the cell's second node, which has links
+    /// alone.
+    fn next_joint(&self, cell: u32, overlap: &Overlap, at: &mut u32) -> Option<u32> {
         let table = &self.tables[overlap.table as usize];
         let starts = if overlap.side == 0 { &table.a_starts } else { &table.b_starts };
         let (first, end) = (starts[cell as usize], starts[cell as usize + 1]);
-        while first + cursor.at < end {
-            let place = first + cursor.at;
+        while first + *at < end {
+            let place = first + *at;
+            *at += 1;
             let joint = if overlap.side == 0 { place } else { table.by_b[place as usize] };
-            if is_set(&self.joint_words, overlap.first_word, 2 * joint + overlap.side) {
-                let next = match self.joined_cell(overlap, joint) {
-                    Some(joined) => self.next_link_through(overlap.other, joined, &mut cursor.via),
-                    None if cursor.via == 0 => {
-                        cursor.via = 1;
-                        self.end_of_joint(overlap, joint)
-                    }
-                    None => None,
-                };
-                if next.is_some() {
-                    return next;
-                }
+            if !is_set(&self.joint_words, overlap.first_word, 2 * joint + overlap.side) {
+                continue;
             }
-            (cursor.at, cursor.via) = (cursor.at + 1, 0);
+            let next = match self.joined_cell(overlap, joint) {
+                Some(joined) => self.second_node(overlap.other, joined),
+                None => self.end_of_joint(overlap, joint),
+            };
+            if next.is_some() {
+                return next;
+            }
         }
         None
     }
 
-    fn next_link_through(&self, part: u32, cell: u32, at: &mut u32) -> Option<u32> {
+    /// The node of a cell that was come to by a joint; none where motion may not go on from there.
+    fn second_node(&self, part: u32, cell: u32) -> Option<u32> {
         let node = self.parts[part as usize].first_node + cell;
         let open = self.through.is_empty() || self.through[node as usize];
-        if open { self.next_link(part, cell, at) } else { None }
+        open.then_some(node + self.num_nodes as u32)
     }
 
     /// The cell of the other instance where a joint is one between cells.
@@ -171,13 +168,15 @@ impl Joined<'_> {
     /// is no component.
     pub fn settle(&mut self) -> Option<Vec<Standing>> {
         let mut standing = largest(self)?;
+        standing.truncate(self.num_nodes);
         if !self.tables.iter().any(|t| t.joints.first().is_some_and(|j| j.a_offset == NONE)) {
             return Some(standing);
         }
         // What falls out of the component takes ways with it that led through it.
         loop {
             self.through = standing.iter().map(|s| *s == Standing::Inside).collect();
-            let next = largest(self)?;
+            let mut next = largest(self)?;
+            next.truncate(self.num_nodes);
             let same = next.iter().zip(&self.through).all(|(s, inside)| (*s == Standing::Inside) == *inside);
             if same {
                 return Some(next);
@@ -200,11 +199,14 @@ impl Joined<'_> {
 impl Ways for Joined<'_> {
     type Cursor = Place;
 
+    /// Two a cell: come to by motion, then come to by a joint.
     fn num_nodes(&self) -> usize {
-        self.num_nodes
+        2 * self.num_nodes
     }
 
     fn next(&self, node: u32, cursor: &mut Place) -> Option<u32> {
+        let joined = node as usize >= self.num_nodes;
+        let node = if joined { node - self.num_nodes as u32 } else { node };
         if cursor.overlap == 0 && cursor.at == 0 {
             cursor.part = self.part_of(node).0;
         }
@@ -215,11 +217,14 @@ impl Ways for Joined<'_> {
             }
             (cursor.overlap, cursor.at) = (1, 0);
         }
+        if joined {
+            return None;
+        }
         while let Some(overlap) = self.overlaps_of(cursor.part).get(cursor.overlap as usize - 1) {
-            if let Some(next) = self.next_joint(cell, overlap, cursor) {
+            if let Some(next) = self.next_joint(cell, overlap, &mut cursor.at) {
                 return Some(next);
             }
-            (cursor.overlap, cursor.at, cursor.via) = (cursor.overlap + 1, 0, 0);
+            (cursor.overlap, cursor.at) = (cursor.overlap + 1, 0);
         }
         None
     }
