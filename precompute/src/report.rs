@@ -80,6 +80,7 @@ pub(crate) fn of_skipped(raw: &ImportedSet) -> Vec<String> {
 }
 
 /// Everything together.
+#[expect(clippy::too_many_arguments, reason = "everything that a build made")]
 pub(crate) fn of_build(
     cfg: &BuildConfig,
     motion: &Motion,

@@ -235,12 +235,13 @@ fn a_rising_tile_is_climbed_from_copy_to_copy() {
         // The frame beside the edge may be moved onto it.
         assert!((13..=15).contains(&l.num_frames), "{}", l.num_frames);
         assert!((from.placement.z.abs() < 1e-4) && (to.placement.z - 1.4).abs() < 1e-4);
-        assert!((to.placement.y - from.placement.y - 0.7).abs() < 0.01, "{:?} {:?}", from.placement, to.placement);
+        // Heights are not edited: a frame beside the edge is one frame's rise off.
+        assert!((to.placement.y - from.placement.y - 0.7).abs() < 0.06, "{:?} {:?}", from.placement, to.placement);
         // The hips are where the cells say.
         let first = l.frame as usize;
         let hips = |k: usize| clips.clips[0].root_positions[first + k].y;
         assert!((l.start.y + hips(0) - from.placement.y).abs() < 0.01);
-        assert!((l.end.y + hips(14) - to.placement.y).abs() < 0.01);
+        assert!((l.end.y + hips(usize::from(l.num_frames)) - to.placement.y).abs() < 0.01);
     }
     let entries = tile.cells.iter().filter(|c| c.is(CellRecord::IS_ENTRY));
     assert!(entries.clone().count() > 0);

@@ -24,7 +24,6 @@ pub(super) fn allow<'a>(stitcher: &Stitcher<'a>, laid: &Laid, situated: Situated
         tables: Vec::new(),
         joint_words: Vec::new(),
         num_nodes: 0,
-        through: Vec::new(),
     };
     parts(laid, &situated.of, &mut joined)?;
     overlaps(stitcher, laid, &mut joined);

@@ -159,7 +159,7 @@ fn make<'a>(
     let begin = Instant::now();
     let laid = stitcher.lay(environment)?;
     let situated = stitcher.prepare(&laid, progress);
-    let mut joined = allow(stitcher, &laid, situated)?;
+    let joined = allow(stitcher, &laid, situated)?;
     progress.begin("component", joined.num_nodes as u64, "cells");
     let standing = joined.settle().ok_or_else(|| no_component(stitcher, environment))?;
     progress.end();

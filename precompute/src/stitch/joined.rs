@@ -57,8 +57,6 @@ pub(super) struct Joined<'a> {
     pub joint_words: Vec<u64>,
     /// Number of nodes.
     pub num_nodes: usize,
-    /// True for the nodes across which motion may go on from a joined cell: where empty, for all.
-    pub through: Vec<bool>,
 }
 
 /// How far the ways of a node have been enumerated: its links, then the joints of each overlap.
@@ -141,7 +139,7 @@ impl Joined<'_> {
                 continue;
             }
             let next = match self.joined_cell(overlap, joint) {
-                Some(joined) => self.second_node(overlap.other, joined),
+                Some(joined) => Some(self.second_node(overlap.other, joined)),
                 None => self.end_of_joint(overlap, joint),
             };
             if next.is_some() {
@@ -151,11 +149,9 @@ impl Joined<'_> {
         None
     }
 
-    /// The node of a cell that was come to by a joint; none where motion may not go on from there.
-    fn second_node(&self, part: u32, cell: u32) -> Option<u32> {
-        let node = self.parts[part as usize].first_node + cell;
-        let open = self.through.is_empty() || self.through[node as usize];
-        open.then_some(node + self.num_nodes as u32)
+    /// The node of a cell that was come to by a joint.
+    fn second_node(&self, part: u32, cell: u32) -> u32 {
+        self.parts[part as usize].first_node + cell + self.num_nodes as u32
     }
 
     /// The cell of the other instance where a joint is one between cells.
@@ -164,25 +160,15 @@ impl Joined<'_> {
         (j.a_offset == NONE).then_some(if overlap.side == 0 { j.b } else { j.a })
     }
 
-    /// What every node is to the largest component, whose motion goes on through its own cells alone; none where there
-    /// is no component.
-    pub fn settle(&mut self) -> Option<Vec<Standing>> {
-        let mut standing = largest(self)?;
-        standing.truncate(self.num_nodes);
-        if !self.tables.iter().any(|t| t.joints.first().is_some_and(|j| j.a_offset == NONE)) {
-            return Some(standing);
-        }
-        // What falls out of the component takes ways with it that led through it.
-        loop {
-            self.through = standing.iter().map(|s| *s == Standing::Inside).collect();
-            let mut next = largest(self)?;
-            next.truncate(self.num_nodes);
-            let same = next.iter().zip(&self.through).all(|(s, inside)| (*s == Standing::Inside) == *inside);
-            if same {
-                return Some(next);
-            }
-            standing = next;
-        }
+    /// What every cell is to the largest component; none where there is no component.
+    ///
+    /// A cell that joints lead to, but no motion, belongs to it as well: its links do, and nothing that belongs to the
+    /// component ends there.
+    pub fn settle(&self) -> Option<Vec<Standing>> {
+        let all = largest(self)?;
+        let (moved, joined) = all.split_at(self.num_nodes);
+        let either = |(m, j): (&Standing, &Standing)| if *j == Standing::Inside { *j } else { *m };
+        Some(moved.iter().zip(joined).map(either).collect())
     }
 
     /// The node where a joint leads that an instance takes to another one.

@@ -116,6 +116,10 @@ pub(crate) fn lock_foot<F: Lanes>(
 }
 
 #[inline(always)]
+#[expect(
+    clippy::too_many_arguments,
+    reason = "the parts of one lock; a record of them would be made for this call alone"
+)]
 fn update_correction<F: Lanes>(
     leg: &Leg,
     config: &FootLockConfig,

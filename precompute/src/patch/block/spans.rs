@@ -48,6 +48,7 @@ fn runs_of(units_of: &[Vec<u32>], set: &[u32]) -> Vec<FrameRange> {
 }
 
 #[cfg(test)]
+#[expect(clippy::single_range_in_vec_init, reason = "a list of one span is what is meant")]
 mod tests {
     use super::*;
     use proptest::prelude::*;

@@ -90,14 +90,14 @@ pub(super) fn lay_out(
 /// Height of the middle of an edge. [Unit: m]
 pub(super) fn edge_height(edges: &TileEdges, edge: usize) -> f32 {
     let half = edges.steps[edge / 2][1] / 2.0;
-    edges.centre[1] + if edge % 2 == 0 { half } else { -half }
+    edges.centre[1] + if edge.is_multiple_of(2) { half } else { -half }
 }
 
 /// The exit that leads to an entry of the neighbour: as seen from this tile, across the opposite edge.
 fn exit_into(entry: &Spot, number: usize, edges: &TileEdges) -> Spot {
     let edge = entry.edge ^ 1;
     let step = edges.steps[edge as usize / 2];
-    let sign = if edge % 2 == 0 { 1.0 } else { -1.0 };
+    let sign = if edge.is_multiple_of(2) { 1.0 } else { -1.0 };
     let place = Planar::new(entry.place.x + sign * step[0], entry.place.z + sign * step[2], entry.place.heading);
     Spot { place, support: entry.support + sign * step[1], edge, twin: number as u32, kind: Kind::Exit, ..*entry }
 }

@@ -190,7 +190,7 @@ fn finish(
         pruned_component: pruned.component,
     };
     let edge = |e: usize| {
-        let sign = if e % 2 == 0 { 1.0 } else { -1.0 };
+        let sign = if e.is_multiple_of(2) { 1.0 } else { -1.0 };
         EdgeRecord { step: edges.steps[e / 2].map(|v| sign * v), opposite: e as u32 ^ 1 }
     };
     let patch = Patch {

@@ -90,7 +90,7 @@ pub fn run(
         help: "`throng run --help` lists what may be given".into(),
     };
     let (s, hz) = (config.seconds, config.step_hz);
-    if !(hz >= 1.0 && hz < 1e5 && s > 0.0 && s < 1e5) {
+    if !((1.0..1e5).contains(&hz) && s > 0.0 && s < 1e5) {
         return Err(fail(format!("expected a time and at least 1 step a second, found {s} s, {hz} Hz")));
     }
     let repertoire = Repertoire::new(tables);

@@ -72,7 +72,7 @@ impl Bounds {
     }
 
     /// Frames that are played at least on the way over a joint from side a, entered by a port, to side b.
-    pub fn into_b(&self, table: u32, port: u32) -> f32 {
+    pub fn towards_b(&self, table: u32, port: u32) -> f32 {
         self.joints[(self.first_joint[table as usize] + port) as usize][0]
     }
 

@@ -107,7 +107,7 @@ impl Instances {
             }
             let entered = cost + toll(self.instance_of(state));
             if state < self.num_ports {
-                self.into_port(graph, state, entered)
+                self.reach_port(graph, state, entered)
             } else {
                 self.inside(graph, state, entered)
             }
@@ -128,7 +128,7 @@ impl Instances {
     }
 
     /// What leads across an edge into a tile: what leads through the neighbour there.
-    fn into_port(&mut self, graph: &WorldGraph<'_>, state: u32, cost: f32) {
+    fn reach_port(&mut self, graph: &WorldGraph<'_>, state: u32, cost: f32) {
         let instance = self.owners[state as usize];
         let r = graph.instance(instance);
         let edges = graph.patches().edges_of(r.patch as usize);
@@ -165,7 +165,7 @@ impl Instances {
             let num_edges = graph.patches().patches[o.patch as usize].num_edges;
             for port in 0..=num_edges {
                 let from = if port == num_edges { self.num_ports + a.other } else { o.first_neighbour + port };
-                self.reach(from, cost + graph.bounds.into_b(a.table, port), state);
+                self.reach(from, cost + graph.bounds.towards_b(a.table, port), state);
             }
         }
     }
