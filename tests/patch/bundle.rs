@@ -60,6 +60,7 @@ fn link(change: fn(&mut LinkRecord)) -> impl Fn(&mut Parts) {
 
 #[test]
 fn patches_that_cannot_be_are_refused() {
+    #[expect(clippy::type_complexity, reason = "what it is, and what is done")]
     let damages: [(&str, &dyn Fn(&mut Parts)); 31] = [
         ("no such kind", &patch(|p| p.kind = 2)),
         ("a block with edges", &patch(|p| p.num_edges = 1)),

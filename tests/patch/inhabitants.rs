@@ -113,7 +113,7 @@ fn commute(
             if status.num_fulfilled > seen[c] {
                 seen[c] = status.num_fulfilled;
                 out[c][step * parts / steps] += 1;
-                let to = ends[c][(seen[c] % 2 == 0) as usize];
+                let to = ends[c][seen[c].is_multiple_of(2) as usize];
                 people.set_wish(&graph, c, Wish::GoTo { instance: to }).unwrap();
             }
         }

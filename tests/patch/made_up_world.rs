@@ -49,7 +49,7 @@ fn kinds() -> Vec<Kind> {
     vec![
         kind("straight", 0.0, SIDE, 0.0, 50, true),
         // From the edge behind, right of its middle, out of the edge on the left or right, right of its middle.
-        kind("left", 1.0 - RIGHT * -1.0, 1.0 + RIGHT, quarter, 48, true),
+        kind("left", 1.0 + RIGHT, 1.0 + RIGHT, quarter, 48, true),
         kind("right", -1.0 + RIGHT, 1.0 - RIGHT, -quarter, 36, true),
         kind("stop", RIGHT, 1.0, 0.0, 34, true),
         kind("idle", 0.0, 0.0, 0.0, 30, false),

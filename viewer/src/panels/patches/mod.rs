@@ -12,13 +12,16 @@ use eframe::egui::Ui;
 use facts::Facts;
 use throng_precompute::stitch::Item;
 
+/// World, its state, instance and link that a reason is for.
+type Asked = (u64, u64, u32, u32);
+
 /// What the panel remembers.
 #[derive(Clone, Debug, Default)]
 pub struct State {
     /// What was counted of the patch that is looked at, and of which state of which world.
     facts: Option<((u64, u64, u32), Facts)>,
     /// Why the selected link is taken out, likewise.
-    why: Option<((u64, u64, u32, u32), Option<String>)>,
+    why: Option<(Asked, Option<String>)>,
     /// Unit that is to be placed.
     unit: usize,
     /// File that the world is written to, as it was typed.
