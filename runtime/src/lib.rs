@@ -3,6 +3,7 @@
 //! A bundle (`*.throng`) is opened as [`Tables`]; a [`troupe::Repertoire`] takes the views a step needs; a
 //! [`troupe::Troupe`] holds the characters. [`sparring::Sparring`] lets pairs of them box. [`policy`] answers single queries without characters.
 
+pub mod blend;
 pub mod contacts;
 pub mod format;
 pub mod graph;

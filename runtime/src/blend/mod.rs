@@ -1,0 +1,23 @@
+//! Blend spaces: a body from a few example motions, at any speed, turning rate and style (000 section 4).
+
+mod records;
+
+pub use records::{
+    AxisRecord, BlendRecord, ChannelRow, ExampleRecord, MAX_AXES, NUM_CHANNELS, PADDED_JOINTS, ReferenceRow, axis,
+    channel,
+};
+
+/// View on the blend spaces of a bundle.
+#[derive(Clone, Copy, Debug)]
+pub struct Blends<'a> {
+    /// The spaces; their names, and those of their axes and examples, are `Meta::blends`.
+    pub spaces: &'a [BlendRecord],
+    /// Examples of all spaces.
+    pub examples: &'a [ExampleRecord],
+    /// Weight tables of all spaces.
+    pub weights: &'a [f32],
+    /// Reference rows of all spaces.
+    pub references: &'a [ReferenceRow],
+    /// Channel rows of all spaces.
+    pub channels: &'a [ChannelRow],
+}
