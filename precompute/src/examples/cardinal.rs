@@ -5,12 +5,15 @@ use super::dense::Lu;
 /// Pivots below this share of the largest number mean that a system has no unique solution.
 const SINGULAR: f64 = 1e-10;
 
+/// Examples that differ by less on an axis do not differ on it.
+const LEAST_EXTENT: f64 = 1e-3;
+
 /// The exact weights of examples over a parameter space: one cardinal basis function per example, which is 1 at its own
 /// example and 0 at the others; at every point they sum to 1.
 ///
 /// Each is a hyperplane, fitted to those values by least squares, and a sum of radial cubic B-splines around all
 /// examples, which takes up the residual. Each spline ends at a multiple of the distance from its example to the nearest
-/// other one. Distances count with each axis from 0 to 1 over the examples.
+/// other one. Distances on each axis count in a spacing of its own.
 ///
 /// # Source
 /// Kim, Kim and Shin 2003 (000), section 4.2.1, after Sloan, Rose and Cohen 2001, *Shape by Example*.
@@ -18,10 +21,10 @@ const SINGULAR: f64 = 1e-10;
 pub struct CardinalBasis {
     num_axes: usize,
     num_examples: usize,
-    /// Per axis: lowest value of the examples, and what makes their extent 1.
+    /// Per axis: lowest value of the examples, and what makes the spacing 1.
     low: Vec<f64>,
     scale: Vec<f64>,
-    /// Examples from 0 to 1. [Size: num_examples * num_axes]
+    /// Examples, from the lowest value on, in spacings. [Size: num_examples * num_axes]
     points: Vec<f64>,
     /// Reciprocal of the distance at which each spline ends. [Size: num_examples]
     sharpness: Vec<f64>,
@@ -50,23 +53,32 @@ impl CardinalBasis {
     /// Makes the basis of examples.
     ///
     /// - `points`: parameters of each example, axis by axis. [Size: examples x axes]
+    /// - `spacings`: what counts as a distance of 1 on each axis; what [`spacing`] says where there is none. [Limit: > 0]
     /// - `reach`: where a spline ends, in distances to the nearest other example.
-    /// - `min_distance`: nearer examples are coincident.
+    /// - `min_distance`: nearer examples are coincident, where each axis counts from 0 to 1 over the examples.
     ///
     /// # Errors
     /// [`CardinalFault`] says why there is none.
-    pub fn new(points: &[Vec<f64>], reach: f64, min_distance: f64) -> Result<Self, CardinalFault> {
+    pub fn new(
+        points: &[Vec<f64>],
+        spacings: &[Option<f64>],
+        reach: f64,
+        min_distance: f64,
+    ) -> Result<Self, CardinalFault> {
         let (n, d) = (points.len(), points.first().map_or(0, Vec::len));
         if n < d + 1 {
             return Err(CardinalFault::TooFew);
         }
-        let low: Vec<f64> = (0..d).map(|k| points.iter().map(|p| p[k]).fold(f64::INFINITY, f64::min)).collect();
-        let high = |k: usize| points.iter().map(|p| p[k]).fold(f64::NEG_INFINITY, f64::max);
-        let extent: Vec<f64> = (0..d).map(|k| high(k) - low[k]).collect();
-        if let Some(k) = extent.iter().position(|e| !(*e > 1e-6)) {
+        let (low, extent) = extents(points);
+        if let Some(k) = extent.iter().position(|e| !(*e > LEAST_EXTENT)) {
             return Err(CardinalFault::NoExtent(k));
         }
-        let scale: Vec<f64> = extent.iter().map(|e| 1.0 / e).collect();
+        if let Some((a, b, distance)) = nearest_pair(points, &extent).filter(|pair| pair.2 < min_distance) {
+            return Err(CardinalFault::Coincident(a, b, distance));
+        }
+        let usual = spacing(points);
+        let chosen = |k: usize| spacings.get(k).copied().flatten().unwrap_or(usual[k]);
+        let scale: Vec<f64> = (0..d).map(|k| 1.0 / chosen(k)).collect();
         let unit = points.iter().flat_map(|p| (0..d).map(|k| (p[k] - low[k]) * scale[k]).collect::<Vec<_>>()).collect();
         let mut basis = Self {
             num_axes: d,
@@ -78,12 +90,8 @@ impl CardinalBasis {
             linear: Vec::new(),
             radial: Vec::new(),
         };
-        let (a, b, distance) = basis.nearest_pair();
-        if distance < min_distance {
-            return Err(CardinalFault::Coincident(a, b, distance));
-        }
         basis.linear = basis.fit_hyperplanes()?;
-        basis.sharpness = (0..n).map(|i| 1.0 / (reach * basis.to_nearest(i).1)).collect();
+        basis.sharpness = (0..n).map(|i| 1.0 / (reach * basis.to_nearest(i))).collect();
         basis.radial = basis.fit_splines()?;
         Ok(basis)
     }
@@ -144,16 +152,8 @@ impl CardinalBasis {
         self.point(i).iter().zip(self.point(j)).map(|(a, b)| (a - b) * (a - b)).sum::<f64>().sqrt()
     }
 
-    fn to_nearest(&self, i: usize) -> (usize, f64) {
-        let others = (0..self.num_examples).filter(|&j| j != i).map(|j| (j, self.distance(i, j)));
-        others.min_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or((i, f64::INFINITY))
-    }
-
-    fn nearest_pair(&self) -> (usize, usize, f64) {
-        let pairs = (0..self.num_examples).map(|i| (i, self.to_nearest(i)));
-        let (i, (j, distance)) =
-            pairs.min_by(|a, b| a.1.1.total_cmp(&b.1.1)).unwrap_or((0, (0, f64::INFINITY)));
-        (i.min(j), i.max(j), distance)
+    fn to_nearest(&self, i: usize) -> f64 {
+        (0..self.num_examples).filter(|&j| j != i).map(|j| self.distance(i, j)).fold(f64::INFINITY, f64::min)
     }
 
     /// Coefficients of the hyperplanes that are nearest to 1 at their own example and 0 at the others.
@@ -218,6 +218,55 @@ impl CardinalBasis {
     }
 }
 
+/// What counts as a distance of 1 on each axis where a config does not say: how far apart examples typically are on it.
+///
+/// Where they lie on a grid, that is the grid's; where they are scattered, what it would be if as many lay on a grid.
+/// So an axis of three manners and one of twelve speeds both have neighbours about 1 apart.
+///
+/// - `points`: parameters of each example, axis by axis. [Size: examples x axes]
+pub fn spacing(points: &[Vec<f64>]) -> Vec<f64> {
+    let (low, extent) = extents(points);
+    let levels: Vec<f64> = (0..low.len()).map(|k| levels(points, k, extent[k])).collect();
+    let at_most = |cap: f64| levels.iter().map(|l| l.min(cap)).product::<f64>();
+    // The finest grid with no more knots than there are examples: by bisection of its finest axis.
+    let (mut few, mut many) = (2.0, levels.iter().fold(2.0f64, |a, l| a.max(*l)));
+    if at_most(many) <= points.len() as f64 {
+        few = many;
+    }
+    for _ in 0..40 {
+        let middle = 0.5 * (few + many);
+        if at_most(middle) <= points.len() as f64 { few = middle } else { many = middle }
+    }
+    extent.iter().zip(&levels).map(|(e, l)| e / (l.min(few) - 1.0)).collect()
+}
+
+/// Number of values on an axis that differ by more than a part of its extent.
+fn levels(points: &[Vec<f64>], axis: usize, extent: f64) -> f64 {
+    let mut values: Vec<f64> = points.iter().map(|p| p[axis]).collect();
+    values.sort_by(f64::total_cmp);
+    let gaps = values.windows(2).filter(|w| w[1] - w[0] > 0.02 * extent).count();
+    (1 + gaps).max(2) as f64
+}
+
+/// Lowest value and extent on each axis.
+fn extents(points: &[Vec<f64>]) -> (Vec<f64>, Vec<f64>) {
+    let along = |k: usize| {
+        let values = || points.iter().map(move |p| p[k]);
+        let low = values().fold(f64::INFINITY, f64::min);
+        (low, values().fold(f64::NEG_INFINITY, f64::max) - low)
+    };
+    (0..points.first().map_or(0, Vec::len)).map(along).unzip()
+}
+
+/// The two points that are nearest to each other, with each axis from 0 to 1 over all.
+fn nearest_pair(points: &[Vec<f64>], extent: &[f64]) -> Option<(usize, usize, f64)> {
+    let distance = |a: &[f64], b: &[f64]| {
+        a.iter().zip(b).zip(extent).map(|((a, b), e)| ((a - b) / e).powi(2)).sum::<f64>().sqrt()
+    };
+    let pairs = (0..points.len()).flat_map(|i| (i + 1..points.len()).map(move |j| (i, j)));
+    pairs.map(|(i, j)| (i, j, distance(&points[i], &points[j]))).min_by(|a, b| a.2.total_cmp(&b.2))
+}
+
 fn add(out: &mut [f64], share: f64, of: &[f64]) {
     out.iter_mut().zip(of).for_each(|(o, v)| *o += share * v);
 }
@@ -253,10 +302,31 @@ mod tests {
         assert!((spline(0.0) - 2.0 / 3.0).abs() < 1e-12 && spline(1.0) == 0.0 && spline(3.0) == 0.0);
     }
 
+    #[test]
+    fn neighbours_on_a_grid_are_one_spacing_apart() {
+        let grid = |n: [usize; 3], unit: [f64; 3]| {
+            let mut points = Vec::new();
+            for i in 0..n.iter().product() {
+                let at = [i % n[0], i / n[0] % n[1], i / n[0] / n[1]];
+                points.push((0..3).map(|k| at[k] as f64 * unit[k]).collect::<Vec<_>>());
+            }
+            spacing(&points)
+        };
+        for (n, unit) in [([3, 4, 5], [1.0, 0.4, 0.1]), ([2, 9, 2], [7.0, 2.0, 3.0])] {
+            assert!(grid(n, unit).iter().zip(unit).all(|(a, b)| (a - b).abs() < 1e-6 * b), "{n:?}");
+        }
+        // Scattered over a square and on one of two manners: a grid of 2 x 3 x 3.
+        let golden = 0.618_033_988_75;
+        let points: Vec<Vec<f64>> =
+            (0..18).map(|i| vec![f64::from(i % 2), f64::from(i) / 17.0, (f64::from(i) * golden).fract()]).collect();
+        let found = spacing(&points);
+        assert!((found[0] - 1.0).abs() < 1e-9 && (found[1] - 0.5).abs() < 1e-6 && (found[2] - 0.5).abs() < 0.05, "{found:?}");
+    }
+
     /// Three examples on a line at 0, 1 and 2; done by hand.
     #[test]
     fn three_examples_on_a_line() {
-        let basis = CardinalBasis::new(&[vec![0.0], vec![1.0], vec![2.0]], 2.0, 1e-3).unwrap();
+        let basis = CardinalBasis::new(&[vec![0.0], vec![1.0], vec![2.0]], &[], 2.0, 1e-3).unwrap();
         let mut w = [0.0; 3];
         // The hyperplane of the middle one is 1/3 everywhere; the splines' values at distance 0 and 1 are 2/3, 1/6.
         // Its residual (-1/3, 2/3, -1/3) is theirs with the shares (-6/7, 10/7, -6/7).

@@ -51,7 +51,7 @@ impl Default for BlendConfig {
             kernel_reach: 2.0,
             extrapolate: Extrapolate::default(),
             speed_tolerance: 0.25,
-            gyration_tolerance: 0.35,
+            gyration_tolerance: 0.3,
             min_distance: 0.05,
         }
     }
@@ -69,6 +69,10 @@ pub struct AxisConfig {
     /// Lowest and highest value of the box; the examples' extent where absent.
     #[serde(default)]
     pub range: Option<[f64; 2]>,
+    /// What counts as a distance of 1 between examples on it; how far apart they typically are where absent.
+    /// [Limit: > 0]
+    #[serde(default)]
+    pub spacing: Option<f64>,
     /// A style axis only: the value of an example whose frames carry a tag.
     #[serde(default)]
     pub tags: BTreeMap<String, f64>,
@@ -216,6 +220,10 @@ impl BlendConfig {
             if a.range.is_some_and(|[low, high]| !(low < high && low.abs().max(high.abs()) < 1e4)) {
                 let found = format!("expected [low, high] of axis `{name}`, found {:?}", a.range);
                 return Err(fault(space, "axes.range", &found));
+            }
+            if a.spacing.is_some_and(|s| !(s > 0.0 && s < 1e4)) {
+                let found = format!("expected a number above 0 on axis `{name}`, found {:?}", a.spacing);
+                return Err(fault(space, "axes.spacing", &found));
             }
         }
         if self.examples.is_empty() && self.find.is_empty() {

@@ -71,9 +71,8 @@ impl<'a> Cycle<'a> {
         let cost = |a: f64, b: f64| {
             difference(&track, a, b) + track.place(a).distance(track.place(b)) - 1e-4 * (b - a) / rate
         };
-        let ends = pairs
-            .filter(|(a, b)| (least..=most).contains(&(b - a)))
-            .min_by(|x, y| cost(x.0, x.1).total_cmp(&cost(y.0, y.1)));
+        let ends = pairs.filter(|(a, b)| (least..=most).contains(&(b - a))).map(|(a, b)| (cost(a, b), (a, b)));
+        let ends = ends.min_by(|x, y| x.0.total_cmp(&y.0)).map(|best| best.1);
         let (start, end) = ends.unwrap_or((range.start as f64, range.start as f64 + length));
         let steps = Steps { start, left_off: end, right_strike: 0.5 * (start + end), right_off: end, end };
         Self::new(track, steps, Twist::default(), true)

@@ -161,7 +161,8 @@ fn space(
     let mut chosen = select::candidates(name, config, &sources, warnings)?;
     let left_out = select::thin(&mut chosen, config.min_distance);
     let points: Vec<Vec<f64>> = chosen.iter().map(|c| c.parameters.clone()).collect();
-    let basis = CardinalBasis::new(&points, config.kernel_reach, config.min_distance)
+    let spacings: Vec<Option<f64>> = config.axes.iter().map(|a| a.spacing).collect();
+    let basis = CardinalBasis::new(&points, &spacings, config.kernel_reach, config.min_distance)
         .map_err(|fault| cardinal_fault(name, config, &chosen, &fault))?;
     let table = grid::tabulate(&basis, extent(config, &points), config.weight_tolerance, config.max_weight_bytes)
         .map_err(|large| too_large(name, config, &large))?;

@@ -18,7 +18,6 @@ const FRAME: u64 = 1;
 /// Every blend space, and nothing left over.
 pub fn blends(t: &Tables) -> Result<(), FormatError> {
     let all = t.blends();
-    names(t)?;
     let mut next = [0u64; 4];
     let lengths = [all.examples.len(), all.weights.len(), all.references.len(), all.channels.len()];
     for (i, b) in all.spaces.iter().enumerate() {
@@ -54,7 +53,7 @@ pub fn blends(t: &Tables) -> Result<(), FormatError> {
         Some(((tag, used), len)) => {
             Err(FormatError::layout(format!("section {tag} has {len} elements, its blend spaces need {used}")))
         }
-        None => Ok(()),
+        None => names(t),
     }
 }
 
