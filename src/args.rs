@@ -106,7 +106,9 @@ impl CrowdArgs {
     /// Puts what is given in place of what a scene without behaviours says: of people in a world, of walkers.
     pub fn change_living(&self, characters: &mut usize, seed: &mut u64) -> Outcome {
         if self.single_load || self.bend != 0.0 || self.follow != 0 || self.temperature.is_some() {
-            return fail("--single-load, --bend, --follow and --temperature are for bundles and scenes with behaviours");
+            return fail(
+                "--single-load, --bend, --follow and --temperature are for bundles and scenes with behaviours",
+            );
         }
         *characters = self.characters.unwrap_or(*characters);
         *seed = self.seed.unwrap_or(*seed);

@@ -42,7 +42,13 @@ impl Twist {
         let (start, end) = (cycles[0].start, cycles[cycles.len() - 1].end);
         let period = (end - start) / cycles.len() as f64;
         if cycles.len() < 2 {
-            return Self::between(track.place(start), track.facing(start), track.place(end), track.facing(end), period / track.rate());
+            return Self::between(
+                track.place(start),
+                track.facing(start),
+                track.place(end),
+                track.facing(end),
+                period / track.rate(),
+            );
         }
         let n = (end - start - period).floor().max(2.0) as usize;
         let middle = |i: usize| start + 0.5 * period + (end - start - period) * i as f64 / n as f64;

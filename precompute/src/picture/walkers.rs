@@ -27,12 +27,7 @@ const OVERVIEW_M: f32 = 34.0;
 ///
 /// - `styles`: the same path in several styles; left out where there is none.
 /// - `length_m`: of that path.
-pub fn walkers_sheet(
-    report: &WalkersReport,
-    record: &WalkersRecord,
-    styles: &[StyleWalk],
-    length_m: f32,
-) -> Picture {
+pub fn walkers_sheet(report: &WalkersReport, record: &WalkersRecord, styles: &[StyleWalk], length_m: f32) -> Picture {
     let mut pictures = vec![overview(report, record)];
     if !styles.is_empty() {
         pictures.push(styles_sheet(styles, length_m));
@@ -112,7 +107,8 @@ fn moments(record: &WalkersRecord) -> Option<Picture> {
     let looks = record.followed[from..].iter().take(span);
     let moments: Vec<(f32, Figure)> = looks.clone().map(|(t, _, p)| (*t, Figure::from_positions(&p[who]))).collect();
     let speeds: Vec<f32> = looks.map(|(_, s, _)| s[who]).collect();
-    let (first, last) = (record.followed[from].2[who], record.followed[(from + span).min(record.followed.len()) - 1].2[who]);
+    let (first, last) =
+        (record.followed[from].2[who], record.followed[(from + span).min(record.followed.len()) - 1].2[who]);
     let way = last[Joint::Hips.index()] - first[Joint::Hips.index()];
     let strip = WorldStrip {
         title: &format!("Character {who}"),

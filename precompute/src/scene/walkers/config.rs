@@ -163,7 +163,10 @@ impl WalkersScene {
         ];
         for (key, [from, to], low, high) in ranges {
             if !(low <= from && from <= to && to <= high) {
-                return fault(key, format!("expected two numbers that ascend from {low} to {high}, found {from}, {to}"));
+                return fault(
+                    key,
+                    format!("expected two numbers that ascend from {low} to {high}, found {from}, {to}"),
+                );
             }
         }
         let numbers = [

@@ -117,9 +117,7 @@ impl BodiesConfig {
 /// A skeleton of another size whose legs are longer or shorter than that.
 fn scaled(database: &Skeleton, size: f32, legs: f32) -> Skeleton {
     let mut out = *database;
-    let is_leg = |j: Joint| {
-        matches!(j, Joint::LeftShin | Joint::LeftFoot | Joint::RightShin | Joint::RightFoot)
-    };
+    let is_leg = |j: Joint| matches!(j, Joint::LeftShin | Joint::LeftFoot | Joint::RightShin | Joint::RightFoot);
     for j in Joint::ALL {
         out.offsets[j.index()] *= if is_leg(j) { size * legs } else { size };
     }

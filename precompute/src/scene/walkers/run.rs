@@ -16,10 +16,8 @@ const RECORDED: usize = 24;
 /// Time between moments that are recorded. [Unit: s]
 const LOOK_S: f32 = 0.1;
 /// Legs and the joints of their knees.
-const KNEES: [[Joint; 3]; 2] = [
-    [Joint::LeftThigh, Joint::LeftShin, Joint::LeftFoot],
-    [Joint::RightThigh, Joint::RightShin, Joint::RightFoot],
-];
+const KNEES: [[Joint; 3]; 2] =
+    [[Joint::LeftThigh, Joint::LeftShin, Joint::LeftFoot], [Joint::RightThigh, Joint::RightShin, Joint::RightFoot]];
 
 /// What was measured.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
