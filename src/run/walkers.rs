@@ -6,7 +6,7 @@ use crate::output;
 use throng_precompute::picture;
 use throng_precompute::scene::RunConfig;
 use throng_precompute::scene::walkers::{self, WalkersReport, WalkersScene};
-use throng_runtime::blend::WalkersConfig;
+use throng_runtime::blend::walkers::WalkersConfig;
 
 /// Length of the path that styles are shown on, and how far figures on it stand apart. [Unit: m]
 const PATH_M: f32 = 16.0;

@@ -38,7 +38,12 @@ impl<'a> WeightGrid<'a> {
     /// - `table`: [Size: product of the numbers of knots * stride]
     pub fn new(axes: &'a [AxisRecord], stride: usize, table: &'a [f32]) -> Option<Self> {
         let good = |a: &AxisRecord| a.num_knots >= 2 && (a.high - a.low).is_finite() && a.high > a.low;
-        if axes.is_empty() || axes.len() > MAX_AXES || !axes.iter().all(good) || stride == 0 || stride % LANES != 0 {
+        if axes.is_empty()
+            || axes.len() > MAX_AXES
+            || !axes.iter().all(good)
+            || stride == 0
+            || !stride.is_multiple_of(LANES)
+        {
             return None;
         }
         let mut steps = [0; MAX_AXES];

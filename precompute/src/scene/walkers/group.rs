@@ -6,7 +6,8 @@ use crate::error::BuildError;
 use glam::{Vec2, Vec3};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
-use throng_runtime::blend::{BlendError, BlendSpace, Control, HeightField, WalkerStart, Walkers, WalkersConfig};
+use throng_runtime::blend::walkers::{Control, WalkerStart, Walkers, WalkersConfig};
+use throng_runtime::blend::{BlendError, BlendSpace, HeightField};
 use throng_runtime::{Contacts, Joint, NUM_JOINTS, Planar, Skeleton, Tables};
 
 /// Distance between two heights of the ground. [Unit: m]
@@ -116,7 +117,7 @@ impl BodiesConfig {
 
 /// A skeleton of another size whose legs are longer or shorter than that.
 fn scaled(database: &Skeleton, size: f32, legs: f32) -> Skeleton {
-    let mut out = *database;
+    let mut out = database.clone();
     let is_leg = |j: Joint| matches!(j, Joint::LeftShin | Joint::LeftFoot | Joint::RightShin | Joint::RightFoot);
     for j in Joint::ALL {
         out.offsets[j.index()] *= if is_leg(j) { size * legs } else { size };

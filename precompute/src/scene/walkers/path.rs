@@ -5,7 +5,7 @@ use glam::Vec2;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use std::f32::consts::PI;
-use throng_runtime::blend::Control;
+use throng_runtime::blend::walkers::Control;
 use throng_runtime::planar::wrap_angle;
 
 /// How fast a turning rate changes at most. [Unit: rad/s^2]

@@ -8,7 +8,8 @@ use crate::slip::SlipMeter;
 use glam::{Vec2, Vec3};
 use serde::Serialize;
 use std::time::Instant;
-use throng_runtime::blend::{Control, HeightField, WalkerStart, Walkers, WalkersConfig};
+use throng_runtime::blend::HeightField;
+use throng_runtime::blend::walkers::{Control, WalkerStart, Walkers, WalkersConfig};
 use throng_runtime::{Joint, NUM_JOINTS, Tables};
 
 /// Characters that are recorded for the picture, from the first: one of them is shown.
@@ -164,7 +165,7 @@ fn walk_style(
     /// The body is in its stride before the path begins. [Unit: m]
     const RUN_UP_M: f32 = 4.0;
     let space = scene.space(tables, &style.space)?;
-    let (skeleton, ground) = (*tables.skeleton(), HeightField::flat());
+    let (skeleton, ground) = (tables.skeleton(), HeightField::flat());
     let control = |along: f32| {
         let (position, heading) = if along < 0.0 { (Vec2::new(0.0, along), 0.0) } else { curve(along) };
         let mut values = Control::default().style;
@@ -172,8 +173,14 @@ fn walk_style(
         let velocity = Vec2::new(heading.sin(), heading.cos()) * style.speed;
         Control { position, velocity, heading: Some(heading), turning_rate: None, style: values }
     };
-    let mut walkers = Walkers::new(&space, &skeleton, &[skeleton], WalkersConfig::default(), &[WalkerStart::default()])
-        .map_err(|e| scene.fault(&e))?;
+    let mut walkers = Walkers::new(
+        &space,
+        skeleton,
+        std::slice::from_ref(skeleton),
+        WalkersConfig::default(),
+        &[WalkerStart::default()],
+    )
+    .map_err(|e| scene.fault(&e))?;
     let (mut along, mut poses) = (-RUN_UP_M, Vec::new());
     while along < length_m {
         walkers.step(&space, DT_S, &[control(along)], &ground).map_err(|e| scene.fault(&e))?;
