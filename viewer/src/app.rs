@@ -1,6 +1,6 @@
 //! The viewer but for its window: the same in a window, in a picture and in a test.
 
-use crate::command::{Command, Stage};
+use crate::command::Command;
 use crate::model::Model;
 use crate::panels::{Dock, PANELS, PanelStates, keys, top_bar, transport, viewport};
 use crate::render::{Body, DrawReport, SceneCallback, SceneFrame, SceneRenderer};
@@ -185,7 +185,7 @@ impl Viewer {
                 commands.push(Command::TogglePanel(panel.kind));
             }
         }
-        for action in keys::pressed(ctx) {
+        for action in keys::pressed(ctx, self.states.blend.has_focus()) {
             if self.states.help {
                 // Over everything else, the list only waits to be closed.
                 self.states.help = !matches!(action, Action::SelectNone | Action::Help);
@@ -199,7 +199,7 @@ impl Viewer {
         let m = &self.model;
         let mut s = m.settings.clone();
         let second = if m.shows_clip() { m.shown_clip().map_or(30.0, |c| c.1) } else { crate::run::STEP_HZ } as i32;
-        let run_speed = m.document.crowd().map(|c| c.1.speed());
+        let run_speed = m.head().map(|h| h.speed()).or_else(|| Some(m.shown_crowd()?.1.speed()));
         let run_speed = run_speed.or_else(|| Some(m.document.world()?.run().speed()));
         let speed = if m.shows_clip() { m.player.speed } else { run_speed.unwrap_or(1.0) };
         commands.push(match action {
@@ -213,7 +213,12 @@ impl Viewer {
             Action::Slower => Command::Speed(speed * 0.5),
             Action::Faster => Command::Speed(speed * 2.0),
             Action::Restart => Command::Restart,
-            Action::Stage => Command::Stage(if m.stage == Stage::Crowd { Stage::Clip } else { Stage::Crowd }),
+            Action::Stage => {
+                let all = m.stages();
+                let now = all.iter().position(|&s| s == m.shown_stage()).unwrap_or(0);
+                let Some(&next) = all.get((now + 1) % all.len().max(1)) else { return };
+                Command::Stage(next)
+            }
             Action::FrameAll => Command::FrameAll,
             Action::SelectNone => Command::SelectCharacter(None),
             Action::Reload => Command::Reload,

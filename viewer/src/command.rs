@@ -3,7 +3,7 @@
 use crate::model::world::WorldCommand;
 use crate::panels::PanelKind;
 use crate::render::Camera;
-use crate::run::{Input, RunConfig};
+use crate::run::{Blending, Input, RunConfig};
 use crate::settings::Settings;
 use std::path::PathBuf;
 use throng_precompute::scene::Scene;
@@ -16,6 +16,8 @@ pub enum Stage {
     Crowd,
     /// A clip of the database.
     Clip,
+    /// Somebody who walks in a blend space.
+    Blend,
 }
 
 /// A wish of a panel, carried out by [`crate::model::Model::apply`] after all panels have been shown.
@@ -44,6 +46,15 @@ pub enum Command {
     ConfigureScene(Box<Scene>),
     /// Do something to the run.
     Input(Input),
+    /// Blend something else, or on another body, and show it.
+    Blend(Blending),
+    /// Begin the scene of walkers anew, with so many and a seed.
+    Walkers {
+        /// How many.
+        characters: usize,
+        /// Seed of bodies and paths.
+        seed: u64,
+    },
     /// Do something to the world.
     World(WorldCommand),
 

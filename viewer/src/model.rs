@@ -2,12 +2,14 @@
 
 mod commands;
 mod documents;
+mod played;
 pub mod world;
 
 use crate::command::Stage;
-use crate::document::{Document, Loader, Watch};
+use crate::document::{Bundle, Document, Loader, Watch};
 use crate::panels::PanelKind;
 use crate::render::Camera;
+use crate::run::Run;
 use crate::settings::Settings;
 use eframe::egui;
 use glam::Vec3;
@@ -50,8 +52,8 @@ impl Default for ClipPlayer {
     }
 }
 
-/// What tells one whom the camera goes with from another: clip or crowd, character, clip.
-type Who = (bool, Option<usize>, usize);
+/// What tells one whom the camera goes with from another: stage, character, clip.
+type Who = (Stage, Option<usize>, usize);
 /// Whom the camera went with, and where that was. [Unit: m]
 type Followed = (Who, Vec3);
 
@@ -114,8 +116,8 @@ pub struct Model {
     panel_of_bundles: Option<PanelKind>,
     /// Who was followed by the camera in the last frame, and where that was.
     followed: Option<Followed>,
-    /// Camera of the stage that is not shown, and whom it went with.
-    other_view: Option<(Camera, Option<Followed>)>,
+    /// Cameras of the stages that were shown before, and whom they went with.
+    views: Vec<(Stage, Camera, Option<Followed>)>,
     now_s: f64,
 }
 
@@ -134,10 +136,53 @@ impl Model {
     pub fn shows_clip(&self) -> bool {
         match &self.document {
             Document::Nothing => false,
-            Document::Bundle(b) => self.stage == Stage::Clip || b.run.is_err(),
-            Document::World(_) => self.stage == Stage::Clip,
+            Document::Bundle(b) => self.stage == Stage::Clip || (b.run.is_err() && b.blend.is_none()),
+            Document::World(_) | Document::Walkers(_) => self.stage == Stage::Clip,
             Document::Clip(_) => true,
         }
+    }
+
+    /// True where the 3-D view shows somebody who walks in a blend space.
+    pub fn shows_blend(&self) -> bool {
+        match &self.document {
+            Document::Bundle(b) => b.blend.is_some() && (self.stage == Stage::Blend || self.has_no_crowd()),
+            _ => false,
+        }
+    }
+
+    /// True where the 3-D view shows a scene of walkers.
+    pub fn shows_walkers(&self) -> bool {
+        self.document.walkers().is_some() && !self.shows_clip()
+    }
+
+    /// True where a crowd was asked for and there is none.
+    fn has_no_crowd(&self) -> bool {
+        self.stage == Stage::Crowd && self.document.crowd().is_none()
+    }
+
+    /// The stage that the 3-D view shows, whichever was asked for.
+    pub fn shown_stage(&self) -> Stage {
+        match () {
+            () if self.shows_clip() => Stage::Clip,
+            () if self.shows_blend() => Stage::Blend,
+            () => Stage::Crowd,
+        }
+    }
+
+    /// The stages that there are, in their order.
+    pub fn stages(&self) -> Vec<Stage> {
+        let lives = self.document.world().is_some() || self.document.walkers().is_some();
+        let all = [
+            (Stage::Crowd, lives || self.document.crowd().is_some()),
+            (Stage::Blend, self.document.blend().is_some()),
+            (Stage::Clip, self.document.bundle().is_some_and(|b| !b.tables().clips().is_empty())),
+        ];
+        all.into_iter().filter(|s| s.1).map(|s| s.0).collect()
+    }
+
+    /// The bundle and the crowd that the 3-D view shows.
+    pub fn shown_crowd(&self) -> Option<(&Bundle, &Run)> {
+        self.document.crowd().filter(|_| self.shown_stage() == Stage::Crowd)
     }
 
     /// Frames and rate of the clip that is shown. [Unit: frames, Hz]
@@ -172,12 +217,13 @@ impl Model {
             return self.player.playing;
         }
         let in_world = self.document.world().is_some_and(|w| w.run().is_playing());
-        in_world || self.document.crowd().is_some_and(|c| c.1.is_playing())
+        in_world || self.head().is_some_and(|h| h.is_playing()) || self.shown_crowd().is_some_and(|c| c.1.is_playing())
     }
 
-    /// Number of characters of the crowd or the world.
+    /// Number of characters of the crowd, the world, or the scene of walkers.
     pub fn num_characters(&self) -> usize {
         let in_world = self.document.world().map(|w| w.run().num_characters());
+        let in_world = in_world.or_else(|| Some(self.document.walkers()?.run().num_characters()));
         in_world.or_else(|| Some(self.document.crowd()?.1.config().characters)).unwrap_or(0)
     }
 
@@ -208,6 +254,8 @@ impl Model {
         self.times.steps = 0;
         if self.shows_clip() {
             self.advance_clip(wall_s);
+        } else if self.head().is_some() {
+            self.times.steps = self.advance_played(wall_s);
         } else if let Some((bundle, run)) = self.document.crowd_mut() {
             match run.advance(bundle, wall_s) {
                 Ok(steps) => self.times.steps = steps,
@@ -228,9 +276,11 @@ impl Model {
         self.follow();
     }
 
-    /// Lets the camera go with who is looked at: always with a clip's character, with a crowd's where that is wanted.
+    /// Lets the camera go with who is looked at: always with the one character of a clip or a blend, with one of many
+    /// where that is wanted.
     fn follow(&mut self) {
-        let place = if self.shows_clip() || self.settings.follow { crate::stage::followed(self) } else { None };
+        let always = self.shows_clip() || self.shows_blend();
+        let place = if always || self.settings.follow { crate::stage::followed(self) } else { None };
         let Some(at) = place else {
             self.followed = None;
             return;
@@ -246,7 +296,7 @@ impl Model {
 
     /// What tells one who is followed from another.
     fn who_is_followed(&self) -> Who {
-        (self.shows_clip(), self.selection.character, self.selection.clip)
+        (self.shown_stage(), self.selection.character, self.selection.clip)
     }
 
     fn advance_clip(&mut self, wall_s: f32) {

@@ -59,6 +59,8 @@ pub enum StageName {
     Crowd,
     /// A clip of the database.
     Clip,
+    /// Somebody who walks in a blend space.
+    Blend,
 }
 
 impl From<StageName> for crate::command::Stage {
@@ -66,6 +68,7 @@ impl From<StageName> for crate::command::Stage {
         match name {
             StageName::Crowd => Self::Crowd,
             StageName::Clip => Self::Clip,
+            StageName::Blend => Self::Blend,
         }
     }
 }

@@ -91,6 +91,14 @@ impl Args {
             }
             return Ok(());
         }
+        if let Some(walkers) = model.document.walkers() {
+            let (old, more) = (walkers.scene(), self.characters.is_some() || self.seed.is_some());
+            let (characters, seed) = (self.characters.unwrap_or(old.characters), self.seed.unwrap_or(old.seed));
+            if more {
+                model.apply(ctx, Command::Walkers { characters, seed });
+            }
+            return Ok(());
+        }
         let Some(file) = model.document.scene() else { return Ok(()) };
         let mut scene = file.scene.clone();
         scene.seed = self.seed.unwrap_or(scene.seed);
@@ -111,6 +119,9 @@ impl Args {
         match (&model.document, stage) {
             (Document::Bundle(b), Stage::Crowd) => {
                 b.run.as_ref().map(|_| ()).map_err(|e| format!("--stage crowd: {e}"))
+            }
+            (document, Stage::Blend) if document.blend().is_none() => {
+                Err("--stage blend: there is no blend space; open a bundle that was built with `blend`".into())
             }
             (Document::Clip(_), Stage::Crowd) => {
                 Err("--stage crowd: a motion file holds no crowd; open a bundle, or leave --stage away".into())

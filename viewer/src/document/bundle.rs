@@ -3,15 +3,22 @@
 use self_cell::self_cell;
 use std::fmt;
 use std::path::{Path, PathBuf};
-use throng_runtime::format::{AlignedBytes, ClipMeta, ClipRecord};
+use throng_runtime::blend::{BlendError, BlendSpace};
+use throng_runtime::format::{AlignedBytes, BlendMeta, ClipMeta, ClipRecord};
 use throng_runtime::troupe::Repertoire;
 use throng_runtime::{Planar, Tables};
+
+/// What is asked while something runs.
+struct Asked<'a> {
+    repertoire: Repertoire<'a>,
+    blends: Vec<BlendSpace<'a>>,
+}
 
 self_cell!(
     struct Views {
         owner: Tables,
         #[covariant]
-        dependent: Repertoire,
+        dependent: Asked,
     }
 );
 
@@ -38,7 +45,12 @@ impl Bundle {
         let fail = |e: &dyn fmt::Display| format!("{}: {e}", path.display());
         let bytes = std::fs::read(path).map_err(|e| fail(&format!("{e}. Check the path and its permissions")))?;
         let tables = Tables::from_bytes(AlignedBytes::from_slice(&bytes)).map_err(|e| fail(&e))?;
-        Ok(Self { path: path.to_path_buf(), views: Views::new(tables, |t| Repertoire::new(t)) })
+        let views = Views::try_new(tables, |t| {
+            let blends = (0..t.blends().spaces.len()).map(|space| BlendSpace::new(t.blends(), space));
+            Ok(Asked { repertoire: Repertoire::new(t), blends: blends.collect::<Result<_, _>>()? })
+        });
+        let views = views.map_err(|e: BlendError| fail(&e))?;
+        Ok(Self { path: path.to_path_buf(), views })
     }
 
     /// The file.
@@ -53,7 +65,26 @@ impl Bundle {
 
     /// What a step reads of them.
     pub fn repertoire(&self) -> &Repertoire<'_> {
-        self.views.borrow_dependent()
+        &self.views.borrow_dependent().repertoire
+    }
+
+    /// The blend spaces.
+    pub fn blends(&self) -> &[BlendSpace<'_>] {
+        &self.views.borrow_dependent().blends
+    }
+
+    /// A blend space.
+    ///
+    /// # Errors
+    /// [`BlendError::Index`] for one that does not exist.
+    pub fn blend(&self, number: usize) -> Result<&BlendSpace<'_>, BlendError> {
+        let limit = self.blends().len();
+        self.blends().get(number).ok_or(BlendError::Index { what: "blend space", got: number, limit })
+    }
+
+    /// Names of a blend space, its axes and its examples. [Limit: number < number of spaces]
+    pub fn blend_meta(&self, number: usize) -> &BlendMeta {
+        &self.tables().meta().blends[number]
     }
 
     /// Frames a second of the database. [Unit: Hz]

@@ -1,6 +1,6 @@
 //! Opens files away from the window's thread.
 
-use super::{Bundle, RawMotion, SceneFile, Stamp, WorldDocument};
+use super::{Bundle, RawMotion, SceneFile, Stamp, WalkersDocument, WorldDocument};
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
 use throng_precompute::scene::Scene;
@@ -16,6 +16,8 @@ pub enum Opened {
     Clip(Box<RawMotion>),
     /// A world of motion patches, or a scene in one.
     World(Box<WorldDocument>),
+    /// A scene of walkers.
+    Walkers(Box<WalkersDocument>),
 }
 
 impl Opened {
@@ -28,6 +30,7 @@ impl Opened {
         match extension.as_deref() {
             Some("bvh" | "amc") => Ok(Self::Clip(Box::new(RawMotion::open(path)?))),
             _ if WorldDocument::is_one(path) => Ok(Self::World(Box::new(WorldDocument::open(path)?))),
+            _ if WalkersDocument::is_one(path) => Ok(Self::Walkers(Box::new(WalkersDocument::open(path)?))),
             _ if Scene::is_scene(path) => {
                 let (scene, bundle) = SceneFile::open(path)?;
                 Ok(Self::Scene(Box::new(scene), Box::new(bundle)))
@@ -41,6 +44,7 @@ impl Opened {
         match self {
             Self::Scene(_, bundle) => Some(bundle.path()),
             Self::World(world) => Some(world.bundle().path()),
+            Self::Walkers(walkers) => Some(walkers.bundle().path()),
             _ => None,
         }
     }

@@ -1,9 +1,11 @@
-//! What is open: nothing, a bundle, a scene on a bundle, a world of motion patches, or a raw motion file.
+//! What is open: nothing, a bundle, a scene on a bundle, a world of motion patches, a scene of walkers, or a raw motion
+//! file.
 
 mod bundle;
 mod clip;
 mod load;
 mod scene;
+mod walkers;
 mod watch;
 pub mod world;
 
@@ -11,10 +13,11 @@ pub use bundle::Bundle;
 pub use clip::RawMotion;
 pub use load::{Loader, Opened};
 pub use scene::SceneFile;
+pub use walkers::WalkersDocument;
 pub use watch::{Stamp, Watch};
 pub use world::WorldDocument;
 
-use crate::run::Run;
+use crate::run::{BlendRun, Run};
 use std::path::{Path, PathBuf};
 
 /// What is open.
@@ -29,6 +32,8 @@ pub enum Document {
     Clip(Box<RawMotion>),
     /// A world of motion patches, and who lives there.
     World(Box<WorldDocument>),
+    /// A scene of walkers.
+    Walkers(Box<WalkersDocument>),
 }
 
 /// A bundle and the crowd or the scene that runs on it.
@@ -38,6 +43,8 @@ pub struct BundleDocument {
     pub bundle: Bundle,
     /// The recorded run; none where the bundle has no behaviour, with the reason.
     pub run: Result<Run, String>,
+    /// Somebody who walks in one of its blend spaces; none where it has no such space.
+    pub blend: Option<BlendRun>,
     /// The scene that was opened; none where the bundle itself was.
     pub scene: Option<SceneFile>,
 }
@@ -50,6 +57,7 @@ impl Document {
             Self::Bundle(b) => Some(b.scene.as_ref().map_or(b.bundle.path(), |s| &s.path)),
             Self::Clip(c) => Some(c.path()),
             Self::World(w) => Some(w.path()),
+            Self::Walkers(w) => Some(w.path()),
         }
     }
 
@@ -58,6 +66,7 @@ impl Document {
         let scene_bundle = match self {
             Self::Bundle(b) if b.scene.is_some() => Some(b.bundle.path()),
             Self::World(w) => Some(w.bundle().path()),
+            Self::Walkers(w) => Some(w.bundle().path()),
             _ => None,
         };
         self.path().into_iter().chain(scene_bundle).map(Path::to_path_buf).collect()
@@ -84,6 +93,7 @@ impl Document {
         match self {
             Self::Bundle(b) => Some(&b.bundle),
             Self::World(w) => Some(w.bundle()),
+            Self::Walkers(w) => Some(w.bundle()),
             _ => None,
         }
     }
@@ -116,6 +126,38 @@ impl Document {
     pub fn world_mut(&mut self) -> Option<&mut WorldDocument> {
         match self {
             Self::World(w) => Some(w),
+            _ => None,
+        }
+    }
+
+    /// The scene of walkers, where one is open.
+    pub fn walkers(&self) -> Option<&WalkersDocument> {
+        match self {
+            Self::Walkers(w) => Some(w),
+            _ => None,
+        }
+    }
+
+    /// The same, to be changed.
+    pub fn walkers_mut(&mut self) -> Option<&mut WalkersDocument> {
+        match self {
+            Self::Walkers(w) => Some(w),
+            _ => None,
+        }
+    }
+
+    /// The bundle and who walks in its blend spaces, where it has any.
+    pub fn blend(&self) -> Option<(&Bundle, &BlendRun)> {
+        match self {
+            Self::Bundle(b) => Some((&b.bundle, b.blend.as_ref()?)),
+            _ => None,
+        }
+    }
+
+    /// The same, to be changed.
+    pub fn blend_mut(&mut self) -> Option<(&Bundle, &mut BlendRun)> {
+        match self {
+            Self::Bundle(b) => Some((&b.bundle, b.blend.as_mut()?)),
             _ => None,
         }
     }

@@ -60,6 +60,9 @@ fn with_characters(model: &Model, characters: usize) -> Command {
     if let Some(world) = model.document.world() {
         return Command::World(WorldCommand::Populate { characters, seed: world.scene().seed });
     }
+    if let Some(walkers) = model.document.walkers() {
+        return Command::Walkers { characters, seed: walkers.scene().seed };
+    }
     let Some(file) = model.document.scene() else {
         return Command::Configure(RunConfig { characters, ..model.settings.run });
     };

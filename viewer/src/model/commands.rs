@@ -5,7 +5,7 @@ use super::documents::started;
 use crate::command::{Command, Stage};
 use crate::document::{Document, WorldDocument};
 use crate::panels::{Dock, PanelKind};
-use crate::run::Run;
+use crate::run::{Blending, Run};
 use eframe::egui;
 use std::path::Path;
 use throng_runtime::world::inhabitants::InhabitantsError;
@@ -41,6 +41,8 @@ impl Model {
                     self.weights = run.weights().to_vec();
                 }
             }
+            Command::Blend(wanted) => self.blend(wanted),
+            Command::Walkers { characters, seed } => self.apply_walkers(characters, seed),
             Command::World(command) => self.apply_to_world(command),
             Command::SelectCharacter(c) => {
                 let n = self.num_characters();
@@ -63,6 +65,9 @@ impl Model {
 
     fn move_time(&mut self, command: &Command) {
         let shows_clip = self.shows_clip();
+        if self.head().is_some() {
+            return self.move_head(command);
+        }
         if let Some(world) = self.document.world_mut().filter(|_| !shows_clip) {
             if let Err(e) = move_world_time(world, command) {
                 self.complain(format!("The world stopped: {e}"));
@@ -108,6 +113,18 @@ impl Model {
             let (characters, seed) = (world.scene().characters, world.scene().seed);
             return self.populate(characters, seed);
         }
+        if let Some(scene) = self.document.walkers().map(|w| w.scene()) {
+            let (characters, seed) = (scene.characters, scene.seed);
+            return self.apply_walkers(characters, seed);
+        }
+        if self.shows_blend()
+            && let Some((bundle, run)) = self.document.blend_mut()
+        {
+            if let Err(e) = run.restart(bundle) {
+                self.complain(e.to_string());
+            }
+            return;
+        }
         let Document::Bundle(b) = &mut self.document else { return };
         let old = b.run.as_ref().map_or((false, 1.0), |r| (r.is_playing(), r.speed()));
         let run = match &b.scene {
@@ -117,6 +134,26 @@ impl Model {
         b.run = started(run, old);
         let n = b.run.as_ref().map_or(0, |r| r.config().characters);
         self.selection.character = self.selection.character.filter(|&c| c < n);
+    }
+
+    /// Begins a scene of walkers anew.
+    fn apply_walkers(&mut self, characters: usize, seed: u64) {
+        if let Some(walkers) = self.document.walkers_mut()
+            && let Err(why) = walkers.populate(characters, seed)
+        {
+            self.complain(why);
+        }
+        let n = self.num_characters();
+        self.selection.character = self.selection.character.filter(|&c| c < n);
+    }
+
+    /// Blends something else and shows it.
+    fn blend(&mut self, wanted: Blending) {
+        let Some((bundle, run)) = self.document.blend_mut() else { return };
+        if let Err(e) = run.blend(bundle, wanted) {
+            return self.complain(e.to_string());
+        }
+        self.set_stage(Stage::Blend);
     }
 
     fn show_clip(&mut self, clip: usize, frame: u32) {
@@ -132,13 +169,19 @@ impl Model {
 
     /// Every stage keeps a camera of its own, and whom it went with.
     pub(super) fn set_stage(&mut self, stage: Stage) {
-        let has_run = self.document.crowd().is_some() || self.document.world().is_some();
-        if !has_run || std::mem::replace(&mut self.stage, stage) == stage {
+        let left = self.shown_stage();
+        let old = std::mem::replace(&mut self.stage, stage);
+        if self.shown_stage() != stage {
+            // There is nothing of the kind.
+            self.stage = old;
+        }
+        if self.shown_stage() == left {
             return;
         }
-        let left = (self.settings.camera, self.followed);
-        match self.other_view.replace(left) {
-            Some(view) => (self.settings.camera, self.followed) = view,
+        self.views.retain(|v| v.0 != left);
+        self.views.push((left, self.settings.camera, self.followed));
+        match self.views.iter().find(|v| v.0 == stage) {
+            Some(&(_, camera, followed)) => (self.settings.camera, self.followed) = (camera, followed),
             None => self.frame_all(),
         }
     }
@@ -150,6 +193,9 @@ impl Model {
             Dock::Bottom => &mut self.settings.bottom_panel,
         };
         *open = if *open == Some(kind) { None } else { Some(kind) };
+        if *open == Some(PanelKind::Blend) {
+            self.set_stage(Stage::Blend);
+        }
     }
 
     /// Moves the camera so that everything can be seen.

@@ -5,7 +5,7 @@ use super::{ClipPlayer, Model, Selection};
 use crate::command::Stage;
 use crate::document::{Bundle, BundleDocument, Document, Opened, SceneFile, Stamp, Watch};
 use crate::panels::PanelKind;
-use crate::run::Run;
+use crate::run::{BlendRun, Run};
 use eframe::egui;
 use std::path::{Path, PathBuf};
 
@@ -44,6 +44,14 @@ impl Model {
                 world.run_mut().set_speed(speed);
                 Document::World(world)
             }
+            Opened::Walkers(mut walkers) => {
+                let head = &mut walkers.run_mut().reel.head;
+                head.play(true);
+                if let Some(old) = self.document.walkers().filter(|_| is_reload) {
+                    head.play_like(&old.run().reel.head);
+                }
+                Document::Walkers(walkers)
+            }
         };
         if let Some(why) = self.document.scene_fault().map(str::to_owned) {
             self.complain(why);
@@ -54,7 +62,7 @@ impl Model {
             self.selection = Selection::default();
             self.player = ClipPlayer { playing: matches!(self.document, Document::Clip(_)), ..ClipPlayer::default() };
             self.stage = Stage::Crowd;
-            self.other_view = None;
+            self.views.clear();
             self.change_side_panel();
             self.frame_all();
         }
@@ -79,7 +87,31 @@ impl Model {
         };
         let old = self.document.crowd().map(|c| (c.1.is_playing(), c.1.speed())).filter(|_| is_reload);
         let run = started(run, old.unwrap_or((true, 1.0)));
-        Document::Bundle(Box::new(BundleDocument { bundle, run, scene }))
+        let blend = self.walk_in(&bundle, is_reload);
+        Document::Bundle(Box::new(BundleDocument { bundle, run, blend, scene }))
+    }
+
+    /// Somebody who walks in a blend space of a bundle: as before where it is read again.
+    fn walk_in(&mut self, bundle: &Bundle, is_reload: bool) -> Option<BlendRun> {
+        let mut run = match BlendRun::new(bundle)? {
+            Ok(run) => run,
+            Err(why) => {
+                self.complain(format!("Its blend spaces cannot be shown: {why}"));
+                return None;
+            }
+        };
+        run.reel.head.play(true);
+        if let Some((_, old)) = self.document.blend().filter(|_| is_reload) {
+            run.reel.head.play_like(&old.reel.head);
+            // Where its space is gone, the first one is shown.
+            let blending = *old.blending();
+            if bundle.blend(blending.space).is_ok()
+                && let Err(e) = run.blend(bundle, blending)
+            {
+                self.complain(e.to_string());
+            }
+        }
+        Some(run)
     }
 
     /// Panels about crowds have nothing to say of a motion file: it is shown with its report instead, until a bundle is
@@ -92,12 +124,13 @@ impl Model {
         } else if !is_clip && *side == Some(PanelKind::Report) {
             *side = self.panel_of_bundles.take().or(*side);
         }
-        // What moves a crowd is in one panel, what moves those who live in a world in another.
-        let (here, elsewhere) = match self.document {
-            Document::World(_) => (PanelKind::Patches, PanelKind::Control),
-            _ => (PanelKind::Control, PanelKind::Patches),
+        // What moves a crowd is in one panel, what moves those who live in a world or whose body is blended in others.
+        let here = match &self.document {
+            Document::World(_) => PanelKind::Patches,
+            Document::Bundle(b) if b.blend.is_some() && b.run.is_err() => PanelKind::Blend,
+            _ => PanelKind::Control,
         };
-        if *side == Some(elsewhere) {
+        if [PanelKind::Control, PanelKind::Patches, PanelKind::Blend].map(Some).contains(side) {
             *side = Some(here);
         }
     }

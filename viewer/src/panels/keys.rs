@@ -26,7 +26,7 @@ pub enum Action {
     Faster,
     /// Start the run anew.
     Restart,
-    /// Crowd or clip.
+    /// Crowd, blend or clip: the next one that there is.
     Stage,
     /// Camera follows.
     Follow,
@@ -82,7 +82,7 @@ pub const SHORTCUTS: &[Shortcut] = &[
     plain(Key::CloseBracket, Action::Faster, "twice as fast"),
     with(Modifiers::COMMAND, Key::R, Action::Reload, "read the file again"),
     plain(Key::R, Action::Restart, "start the run anew"),
-    plain(Key::C, Action::Stage, "crowd or clip"),
+    plain(Key::C, Action::Stage, "crowd, blend or clip"),
     plain(Key::F, Action::Follow, "camera follows the selected character"),
     plain(Key::A, Action::FrameAll, "look at everything"),
     plain(Key::B, Action::Body, "next body"),
@@ -111,11 +111,14 @@ const MOUSE: [(&str, &str); 10] = [
 ];
 
 /// The actions of the keys pressed since the last frame, taken out of the input.
-pub fn pressed(ctx: &egui::Context) -> Vec<Action> {
+///
+/// - `leaves_arrows`: something that has the focus is moved by the arrow keys.
+pub fn pressed(ctx: &egui::Context, leaves_arrows: bool) -> Vec<Action> {
     if ctx.text_edit_focused() {
         return Vec::new();
     }
-    let hit = |s: &&Shortcut| ctx.input_mut(|i| i.consume_key(s.modifiers, s.key));
+    let is_left = |s: &Shortcut| leaves_arrows && [Key::ArrowLeft, Key::ArrowRight].contains(&s.key);
+    let hit = |s: &&Shortcut| !is_left(s) && ctx.input_mut(|i| i.consume_key(s.modifiers, s.key));
     SHORTCUTS.iter().filter(hit).map(|s| s.action).collect()
 }
 

@@ -3,6 +3,7 @@
 //! A panel is a function of the borrowed [`Model`]: it shows, and puts what it asks for on the list of commands. What
 //! only concerns how it looks (a filter, a zoom) is its own state.
 
+pub mod blend;
 pub mod control;
 pub mod database;
 pub mod graph;
@@ -44,6 +45,8 @@ pub enum PanelKind {
     Hits,
     /// Worlds of motion patches.
     Patches,
+    /// Blend spaces.
+    Blend,
 }
 
 /// Where a panel lies.
@@ -138,6 +141,14 @@ pub const PANELS: &[Panel] = &[
         key: Key::F8,
         show: |ui, model, states, commands| patches::show(ui, model, &mut states.patches, commands),
     },
+    Panel {
+        kind: PanelKind::Blend,
+        title: "Blend",
+        purpose: "blend spaces: examples, weights and keytimes; the point is dragged, and somebody walks there",
+        dock: Dock::Side,
+        key: Key::F9,
+        show: |ui, model, states, commands| blend::show(ui, model, &mut states.blend, commands),
+    },
 ];
 
 /// What panels remember of how they look.
@@ -165,6 +176,8 @@ pub struct PanelStates {
     pub hits: hits::State,
     /// Worlds of motion patches.
     pub patches: patches::State,
+    /// Blend spaces.
+    pub blend: blend::State,
 }
 
 impl PanelKind {

@@ -5,6 +5,10 @@
 pub(crate) mod boxing;
 
 #[allow(dead_code, reason = "tests in files of their own use more of it")]
+#[path = "../../tests/common/paces.rs"]
+pub(crate) mod paces;
+
+#[allow(dead_code, reason = "tests in files of their own use more of it")]
 #[path = "../../tests/common/square.rs"]
 pub(crate) mod square;
 

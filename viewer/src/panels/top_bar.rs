@@ -37,14 +37,26 @@ fn title(model: &Model) -> String {
             let bundle = b.bundle.path().file_name().unwrap_or_default().to_string_lossy();
             let scene = b.scene.as_ref().map_or(String::new(), |s| format!("{} · ", s.scene.name));
             let name = format!("{scene}{bundle}");
-            let (clips, states) = (t.clips().len(), t.graph().states.len());
-            format!("{name} · {clips} clips · {states} states · {} actions", t.graph().action_segments.len())
+            let (clips, states, spaces) = (t.clips().len(), t.graph().states.len(), b.bundle.blends().len());
+            let mut parts = vec![name, format!("{clips} clips")];
+            if states > 0 || spaces == 0 {
+                parts.push(format!("{states} states · {} actions", t.graph().action_segments.len()));
+            }
+            if spaces > 0 {
+                parts.push(format!("{spaces} blend space{}", if spaces == 1 { "" } else { "s" }));
+            }
+            parts.join(" · ")
         }
         Document::World(w) => {
             let name = w.path().file_name().unwrap_or_default().to_string_lossy();
             let (units, instances) = (w.placed().len(), w.graph().num_instances());
             let edits = if w.revision() > 0 { " · edited" } else { "" };
             format!("{name} · {units} units · {instances} patches · {} characters{edits}", w.run().num_characters())
+        }
+        Document::Walkers(w) => {
+            let file = w.path().file_name().unwrap_or_default().to_string_lossy();
+            let (spaces, characters) = (w.scene().spaces.join(", "), w.run().num_characters());
+            format!("{file} · {} · {spaces} · {characters} characters", w.scene().name)
         }
         Document::Clip(c) => {
             let name = c.path().file_name().unwrap_or_default().to_string_lossy();
@@ -54,7 +66,10 @@ fn title(model: &Model) -> String {
 }
 
 fn file(ui: &mut Ui, model: &Model, states: &mut PanelStates, commands: &mut Vec<Command>) {
-    if ui.button("Open…").on_hover_text("A bundle, a scene, .bvh or .amc; or drop one on the window (Ctrl+O)").clicked()
+    if ui
+        .button("Open…")
+        .on_hover_text("A bundle, a scene, a world, .bvh or .amc; or drop one on the window (Ctrl+O)")
+        .clicked()
     {
         states.open_dialog = true;
     }
@@ -158,14 +173,17 @@ fn panels(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
 }
 
 fn stages(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
-    let shown = if model.shows_clip() { Stage::Clip } else { Stage::Crowd };
     let run = match model.document.scene() {
         _ if model.document.world().is_some() => (Stage::Crowd, "World", "Who lives in the world"),
+        _ if model.document.walkers().is_some() => (Stage::Crowd, "Scene", "The walkers of the scene"),
         Some(_) => (Stage::Crowd, "Scene", "The run of the scene"),
         None => (Stage::Crowd, "Crowd", "The run of a crowd"),
     };
-    for (stage, name, tip) in [run, (Stage::Clip, "Clip", "A clip alone")] {
-        if ui.selectable_label(shown == stage, name).on_hover_text(format!("{tip} (C)")).clicked() {
+    let all =
+        [run, (Stage::Blend, "Blend", "Somebody who walks in a blend space"), (Stage::Clip, "Clip", "A clip alone")];
+    let there = model.stages();
+    for (stage, name, tip) in all.into_iter().filter(|s| there.contains(&s.0)) {
+        if ui.selectable_label(model.shown_stage() == stage, name).on_hover_text(format!("{tip} (C)")).clicked() {
             commands.push(Command::Stage(stage));
         }
     }

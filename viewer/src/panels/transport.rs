@@ -36,6 +36,18 @@ fn time_of(model: &Model) -> Option<Time> {
             live: run.is_live(),
         });
     }
+    if let Some(head) = model.head() {
+        let recorded = head.recorded();
+        return Some(Time {
+            playing: head.is_playing(),
+            speed: head.speed(),
+            now: head.now(),
+            first: *recorded.start(),
+            last: *recorded.end(),
+            rate_hz: STEP_HZ,
+            live: head.is_live(),
+        });
+    }
     let (_, run) = model.document.crowd()?;
     let recorded = run.recorded();
     Some(Time {

@@ -99,7 +99,7 @@ fn drag(ui: &Ui, response: &Response, model: &Model, state: &mut State, commands
     if drags_unit {
         return;
     }
-    let crowd = model.document.crowd().filter(|_| !model.shows_clip());
+    let crowd = model.shown_crowd();
     if response.drag_started_by(PointerButton::Primary)
         && let (Some((_, run)), Some(at)) = (crowd, ui.input(|i| i.pointer.press_origin()))
     {
@@ -208,7 +208,11 @@ fn click(ui: &Ui, response: &Response, model: &Model, layout: &Layout, commands:
     if let Some(world) = model.shown_world() {
         return world::click(ui, model, world, layout, &ray, commands);
     }
-    let Some((_, run)) = model.document.crowd().filter(|_| !model.shows_clip()) else { return };
+    if model.shows_walkers() {
+        let hit = render::pick(&ray, &layout.skeleton, layout.poses(model), &layout.instances);
+        return commands.push(Command::SelectCharacter(hit.map(|h| h.character)));
+    }
+    let Some((_, run)) = model.shown_crowd() else { return };
     let everybody = run.config().targets == TargetMode::Shared;
     if ui.input(|i| i.modifiers.command) && run.has_movable_targets() {
         let who = if everybody { Some(None) } else { model.selection.character.map(Some) };
@@ -272,6 +276,16 @@ fn describe(model: &Model) -> Option<String> {
         let tags = &world.bundle().tables().meta().link_tags;
         let patch = world.patch_name(mind.node.instance);
         return Some(format!("character {c} · {} · {} · on {patch}", words::doing(mind), words::wish(mind.wish, tags)));
+    }
+    if let Some(walkers) = model.document.walkers() {
+        let c = model.selection.character?;
+        let speed = walkers.run().moment().speeds.get(c)?;
+        let size = walkers.body(c).leg_length() / walkers.bundle().tables().skeleton().leg_length();
+        return Some(format!("character {c} · {speed:.1} m/s · legs of {:.0} %", 100.0 * size));
+    }
+    if let Some((bundle, run)) = model.document.blend().filter(|_| model.shows_blend()) {
+        let b = run.blending();
+        return Some(format!("{} · size {:.2}", bundle.blend_meta(b.space).name, b.size));
     }
     let (bundle, run) = model.document.crowd()?;
     let c = model.selection.character.filter(|&c| c < run.troupe().num_characters())?;

@@ -3,21 +3,27 @@
 //! Poses are not recorded. A keyframe every second and every input since are; a step in between is found again by
 //! repeating the steps from the keyframe before it, which give the same poses to the last bit.
 
+mod blend;
 mod cast;
 mod config;
 mod figures;
 mod marks;
 mod recording;
+mod reel;
 mod simulation;
+mod walkers;
 mod why;
 mod world;
 
+pub use blend::{Beside, BlendMoment, BlendRun, Blending, LEGS, SIZES};
 pub use cast::{About, RunGoal};
 pub use config::{MAX_CHARACTERS, MAX_TARGET_M, RunConfig, STEP_HZ, TargetMode};
 pub use figures::{BoutFigures, Slip, StepFigures};
 pub use marks::{Mark, Met};
 pub use recording::{RECORDED_STEPS, TRAIL_EVERY};
+pub use reel::{Head, Reel};
 pub use simulation::Input;
+pub use walkers::{WalkMoment, WalkRun};
 pub use why::{BehaviourScore, Candidate, Why};
 pub use world::{Moment, WorldRun};
 

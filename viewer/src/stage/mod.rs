@@ -1,11 +1,14 @@
 //! Lays out what the 3-D view is to draw: poses, colours, cues.
 
+mod blend;
+mod body;
 pub mod bout;
 mod clip;
 mod crowd;
 mod cues;
 mod raw;
 mod values;
+mod walkers;
 pub mod world;
 
 use crate::document::Document;
@@ -20,7 +23,7 @@ pub use values::ValueCell;
 pub struct Layout {
     /// Skeleton of all characters.
     pub skeleton: Skeleton,
-    /// Poses of a clip; those of a crowd are its own.
+    /// Poses of a clip and of walkers; those of a crowd are its own.
     poses: Vec<Mat3x4>,
     /// Place and colour of every character.
     pub instances: Vec<CharacterInstance>,
@@ -94,11 +97,20 @@ impl Layout {
                     false => world::lay_out(self, model, w, &palette, dark),
                 }
             }
+            Document::Walkers(w) => {
+                self.skeleton.clone_from(w.bundle().tables().skeleton());
+                self.solids.meshes = std::sync::Arc::clone(w.hills());
+                match model.shows_clip() {
+                    true => clip::lay_out(self, model, w.bundle(), &palette),
+                    false => walkers::lay_out(self, model, w, &palette, dark),
+                }
+            }
             Document::Bundle(b) => {
                 self.skeleton.clone_from(b.bundle.tables().skeleton());
-                match model.document.crowd().filter(|_| !model.shows_clip()) {
-                    Some((bundle, run)) => crowd::lay_out(self, model, bundle, run, &palette),
-                    None => clip::lay_out(self, model, &b.bundle, &palette),
+                match (model.shown_crowd(), b.blend.as_ref().filter(|_| model.shows_blend())) {
+                    (Some((bundle, run)), _) => crowd::lay_out(self, model, bundle, run, &palette),
+                    (None, Some(run)) => blend::lay_out(self, model, &b.bundle, run, &palette),
+                    (None, None) => clip::lay_out(self, model, &b.bundle, &palette),
                 }
             }
         }
@@ -109,7 +121,7 @@ impl Layout {
         if let Some(world) = model.shown_world() {
             return &world.run().moment().poses;
         }
-        match model.document.crowd().filter(|_| !model.shows_clip()) {
+        match model.shown_crowd() {
             Some((_, run)) => run.troupe().model_matrices(),
             None => &self.poses,
         }
@@ -126,7 +138,11 @@ pub fn bounds(model: &Model) -> (Vec3, Vec3) {
             Some(world) => points.extend(world::bounds(world)),
             None => points.extend(around(model)),
         },
-        Document::Bundle(_) => match model.document.crowd().filter(|_| !model.shows_clip()) {
+        Document::Walkers(w) => match model.shows_clip() {
+            true => points.extend(around(model)),
+            false => points.extend(walkers::places(w)),
+        },
+        Document::Bundle(_) => match model.shown_crowd() {
             Some((_, run)) => {
                 let troupe = run.troupe();
                 points.extend((0..troupe.num_characters()).map(|c| troupe.root(c).translation()));
@@ -143,7 +159,10 @@ pub fn bounds(model: &Model) -> (Vec3, Vec3) {
 
 /// The corners of a place for a clip's character and its next steps, which the camera follows. [Unit: m]
 fn around(model: &Model) -> impl Iterator<Item = Vec3> {
-    let corners = [Vec3::new(-0.9, 0.0, -0.9), Vec3::new(0.9, 0.0, 0.9)];
+    // Those beside are seen, too.
+    let half =
+        if model.document.blend().is_some_and(|b| model.shows_blend() && b.1.bodies().len() > 1) { 1.7 } else { 0.9 };
+    let corners = [Vec3::new(-half, 0.0, -0.9), Vec3::new(half, 0.0, 0.9)];
     followed(model).into_iter().flat_map(move |at| corners.map(|c| at + c))
 }
 
@@ -159,9 +178,14 @@ pub fn followed(model: &Model) -> Option<Vec3> {
             }
             None => clip::place(model, w.bundle()),
         },
-        Document::Bundle(b) => match model.document.crowd().filter(|_| !model.shows_clip()) {
-            Some((_, run)) => Some(run.troupe().root(model.selection.character?).translation()),
-            None => clip::place(model, &b.bundle),
+        Document::Walkers(w) => match model.shows_clip() {
+            true => clip::place(model, w.bundle()),
+            false => w.run().moment().place(model.selection.character?),
+        },
+        Document::Bundle(b) => match (model.shown_crowd(), b.blend.as_ref().filter(|_| model.shows_blend())) {
+            (Some((_, run)), _) => Some(run.troupe().root(model.selection.character?).translation()),
+            (None, Some(run)) => blend::place(run),
+            (None, None) => clip::place(model, &b.bundle),
         },
     }
 }

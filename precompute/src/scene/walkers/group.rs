@@ -8,7 +8,7 @@ use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use throng_runtime::blend::walkers::{Control, WalkerStart, Walkers, WalkersConfig};
 use throng_runtime::blend::{BlendError, BlendSpace, HeightField};
-use throng_runtime::{Contacts, Joint, NUM_JOINTS, Planar, Skeleton, Tables};
+use throng_runtime::{Contacts, Joint, Mat3x4, NUM_JOINTS, Planar, Skeleton, Tables};
 
 /// Distance between two heights of the ground. [Unit: m]
 const GROUND_SPACING_M: f32 = 0.5;
@@ -111,12 +111,15 @@ impl BodiesConfig {
     pub fn make(&self, database: &Skeleton, seed: u64) -> Vec<Skeleton> {
         let mut rng = Pcg64Mcg::seed_from_u64(seed);
         let mut draw = |[low, high]: [f32; 2]| low + (high - low) * rng.random_range(0.0..1.0f32);
-        (0..self.kinds).map(|_| scaled(database, draw(self.sizes), draw(self.legs))).collect()
+        (0..self.kinds).map(|_| body_of(database, draw(self.sizes), draw(self.legs))).collect()
     }
 }
 
 /// A skeleton of another size whose legs are longer or shorter than that.
-fn scaled(database: &Skeleton, size: f32, legs: f32) -> Skeleton {
+///
+/// - `size`: of everything. [Unit: size of the database skeleton]
+/// - `legs`: length of thighs and shins over that.
+pub fn body_of(database: &Skeleton, size: f32, legs: f32) -> Skeleton {
     let mut out = database.clone();
     let is_leg = |j: Joint| matches!(j, Joint::LeftShin | Joint::LeftFoot | Joint::RightShin | Joint::RightFoot);
     for j in Joint::ALL {
@@ -161,6 +164,19 @@ impl Walk<'_> {
     /// The ground they walk on.
     pub fn ground(&self) -> &HeightField {
         &self.ground
+    }
+
+    /// Planar root of a character. [Limit: character < num_characters]
+    pub fn root(&self, character: usize) -> Planar {
+        let (walkers, member) = self.walkers_of(character);
+        walkers.root(member)
+    }
+
+    /// Joints of one character in model space, which [`Walk::root`] places in the world; heights contain that of the
+    /// ground. [Size: NUM_JOINTS] [Limit: character < num_characters]
+    pub fn pose(&self, character: usize) -> &[Mat3x4] {
+        let (walkers, member) = self.walkers_of(character);
+        walkers.pose(member)
     }
 
     /// World positions of one character's joints. [Unit: m] [Limit: character < num_characters]

@@ -6,6 +6,6 @@ mod path;
 mod run;
 
 pub use config::{BodiesConfig, PathsConfig, ShownStyle, WalkersScene};
-pub use group::Walk;
+pub use group::{Walk, body_of};
 pub use path::{Wander, curve};
 pub use run::{StyleWalk, WalkersRecord, WalkersReport, run, walk_styles};

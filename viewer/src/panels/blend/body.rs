@@ -1,0 +1,42 @@
+//! The body that walks, and who walks beside it.
+
+use super::named;
+use crate::run::{Beside, Blending, LEGS, SIZES};
+use eframe::egui::{Grid, Slider, Ui};
+
+/// Shows size, legs, retargeting and who walks beside.
+pub fn show(ui: &mut Ui, wanted: &mut Blending) {
+    Grid::new("body").num_columns(2).spacing([8.0, 3.0]).show(ui, |ui| {
+        for (name, tip, value, [low, high]) in [
+            ("size", "Of the body that walks; the example's is 1", &mut wanted.size, SIZES),
+            ("legs", "Length of its legs over that", &mut wanted.legs, LEGS),
+        ] {
+            ui.label(name).on_hover_text(tip);
+            ui.spacing_mut().slider_width = (ui.available_width() - 96.0).max(80.0);
+            let shown = f64::from(*value);
+            named(ui.add(Slider::new(value, low..=high).max_decimals(2).min_decimals(2)), name, shown);
+            ui.end_row();
+        }
+    });
+    ui.horizontal_wrapped(|ui| {
+        ui.checkbox(&mut wanted.retarget, "retarget").on_hover_text(
+            "Planted feet stay, legs and touching arms reach; without it, joint angles are taken as they are blended",
+        );
+        ui.separator();
+        ui.label("beside");
+        for (beside, name, tip) in [
+            (Beside::Nobody, "nobody", "It walks alone"),
+            (
+                Beside::Retargeting,
+                if wanted.retarget { "not retargeted" } else { "retargeted" },
+                "The same body the other way",
+            ),
+            (Beside::Sizes, "sizes", "The smallest and the largest body, on the same path"),
+        ] {
+            ui.selectable_value(&mut wanted.beside, beside, name).on_hover_text(tip);
+        }
+        if (wanted.size, wanted.legs) != (1.0, 1.0) && ui.small_button("size of the examples").clicked() {
+            (wanted.size, wanted.legs) = (1.0, 1.0);
+        }
+    });
+}

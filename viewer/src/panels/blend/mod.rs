@@ -1,0 +1,240 @@
+//! Blend spaces: examples in their parameter box, the weight of one over it, a point that is dragged, and what the
+//! examples and their blend do over generic time (000 section 4).
+
+mod body;
+mod map;
+mod plane;
+mod rows;
+mod surface;
+mod timing;
+
+use super::paint::{empty, nothing_open};
+use crate::command::Command;
+use crate::model::Model;
+use crate::run::Blending;
+use eframe::egui::{Color32, ComboBox, Grid, Response, Role, Slider, Ui, WidgetInfo};
+use plane::{Shown, unit};
+use surface::Surface;
+use throng_runtime::blend::{BlendSpace, ExampleRecord};
+use throng_runtime::format::BlendMeta;
+
+/// What the panel remembers of how it looks, and what it has worked out.
+#[derive(Clone, Debug, Default)]
+pub struct State {
+    /// Axes of the map, and the document and space that they are of.
+    shown: Option<((u64, usize), Shown)>,
+    /// Example whose weights are shown; without a choice, the strongest one.
+    example: Option<usize>,
+    surface: Option<Surface>,
+    /// Examples that weigh nothing are listed, too.
+    all: bool,
+    /// Example under the pointer in the frame before.
+    hovered: Option<usize>,
+    /// The point is moved by the arrow keys.
+    focus: bool,
+}
+
+impl State {
+    /// True where the arrow keys move the point.
+    pub fn has_focus(&self) -> bool {
+        self.focus
+    }
+}
+
+/// What every part of the panel looks at.
+struct Look<'a> {
+    number: usize,
+    space: &'a BlendSpace<'a>,
+    meta: &'a BlendMeta,
+    blending: Blending,
+    /// Weights at the moment that is shown. [Size: number of examples]
+    weights: &'a [f32],
+    /// The point at that moment.
+    now: &'a [f32; throng_runtime::blend::MAX_AXES],
+    /// Generic time at that moment.
+    phase: f32,
+    /// Example that is looked at.
+    example: usize,
+    /// Generation of the document.
+    document: u64,
+}
+
+const NO_SPACES: &str = "A blend space makes bodies from example motions at any speed and turning rate. Build from a \
+     config with `[blend.NAME]`; data/locomotion.toml is one.";
+
+/// Shows the panel.
+pub fn show(ui: &mut Ui, model: &Model, state: &mut State, commands: &mut Vec<Command>) {
+    state.focus = false;
+    if let Some(walkers) = model.document.walkers() {
+        let bundle = walkers.scene().bundle.display();
+        return empty(ui, "This is a scene of walkers", &format!("Open its bundle to see its blend spaces: {bundle}"));
+    }
+    let Some((bundle, run)) = model.document.blend() else {
+        match model.document.bundle() {
+            None if model.document.raw_motion().is_none() => return nothing_open(ui),
+            _ => return empty(ui, "There is no blend space", NO_SPACES),
+        }
+    };
+    let (blending, moment) = (*run.blending(), run.moment());
+    let Ok(space) = bundle.blend(blending.space) else { return };
+    let key = (model.generation, blending.space);
+    let shown = state.shown.filter(|s| s.0 == key).map(|s| s.1);
+    if shown.is_none() {
+        *state = State { all: state.all, ..State::default() };
+    }
+    let mut shown = shown.unwrap_or_else(|| Shown::of(space.axes())).checked(space.axes());
+    let strongest = timing::order(&moment.weights, false).first().copied().unwrap_or(0);
+    let look = Look {
+        number: blending.space,
+        space,
+        meta: bundle.blend_meta(blending.space),
+        blending,
+        weights: &moment.weights,
+        now: &moment.point,
+        phase: moment.phase,
+        example: state.example.unwrap_or(strongest).min(space.examples().len() - 1),
+        document: model.generation,
+    };
+    let mut wanted = blending;
+    choices(ui, model, bundle.blends(), &mut wanted, &mut shown, &look);
+    state.shown = Some((key, shown));
+    map::show(ui, &look, state, shown, &mut wanted);
+    ui.add_space(4.0);
+    sliders(ui, &look, &mut wanted);
+    ui.separator();
+    body::show(ui, &mut wanted);
+    ui.separator();
+    rows::show(ui, &look, state);
+    if wanted != blending {
+        commands.push(Command::Blend(wanted));
+    } else if !model.shows_blend() {
+        ui.add_space(4.0);
+        if ui.button("Show it walking").clicked() {
+            commands.push(Command::Stage(crate::command::Stage::Blend));
+        }
+    }
+}
+
+/// The space, and the axes of the map.
+fn choices(
+    ui: &mut Ui,
+    model: &Model,
+    spaces: &[BlendSpace<'_>],
+    wanted: &mut Blending,
+    shown: &mut Shown,
+    look: &Look<'_>,
+) {
+    ui.horizontal_wrapped(|ui| {
+        let Some(bundle) = model.document.bundle() else { return };
+        let combo = ComboBox::from_id_salt("space").selected_text(&look.meta.name).show_ui(ui, |ui| {
+            for (number, space) in spaces.iter().enumerate() {
+                let name = &bundle.blend_meta(number).name;
+                if ui.selectable_label(number == look.number, name).clicked() && number != look.number {
+                    *wanted = carried_over(look, wanted, number, space);
+                }
+            }
+        });
+        combo.response.widget_info(|| WidgetInfo::labeled(Role::ComboBox, true, "Space"));
+        if look.space.axes().len() > 2 {
+            let (across, up) = (shown.across, shown.up.unwrap_or(0));
+            if let Some(axis) = axis_choice(ui, "Across", look, across) {
+                *shown = shown.with_across(axis);
+            }
+            ui.label("×");
+            if let Some(axis) = axis_choice(ui, "Upwards", look, up) {
+                *shown = shown.with_up(axis);
+            }
+        }
+        let n = look.space.examples().len();
+        let error = look.space.record().max_weight_error;
+        let knots: u32 = look.space.axes().iter().map(|a| a.num_knots).product();
+        ui.weak(format!("{n} examples")).on_hover_text(format!(
+            "Weights are tabulated at {knots} knots, with an error of at most {error:.4}; postures at {} phases",
+            look.space.num_phases()
+        ));
+    });
+}
+
+/// The same point in another space, as far as it has axes of the same names.
+fn carried_over(look: &Look<'_>, from: &Blending, number: usize, space: &BlendSpace<'_>) -> Blending {
+    let fresh = Blending::of(number, space);
+    let mut point = fresh.point;
+    for (axis, record) in space.axes().iter().enumerate() {
+        let same = look.space.axes().iter().position(|a| a.kind == record.kind);
+        if let Some(same) = same.filter(|_| record.kind != throng_runtime::blend::axis::STYLE) {
+            point[axis] = from.point[same];
+        } else if look.space.axes().get(axis).is_some_and(|a| a.kind == record.kind) {
+            point[axis] = from.point[axis];
+        }
+    }
+    Blending { space: number, point, ..*from }
+}
+
+fn axis_choice(ui: &mut Ui, name: &str, look: &Look<'_>, now: usize) -> Option<usize> {
+    let mut chosen = now;
+    let combo = ComboBox::from_id_salt(name).width(72.0).selected_text(&look.meta.axes[now]).show_ui(ui, |ui| {
+        for (axis, text) in look.meta.axes.iter().enumerate() {
+            ui.selectable_value(&mut chosen, axis, text);
+        }
+    });
+    combo.response.widget_info(|| WidgetInfo::labeled(Role::ComboBox, true, name));
+    (chosen != now).then_some(chosen)
+}
+
+/// One for every axis.
+fn sliders(ui: &mut Ui, look: &Look<'_>, wanted: &mut Blending) {
+    Grid::new("axes").num_columns(2).spacing([8.0, 3.0]).show(ui, |ui| {
+        for (axis, record) in look.space.axes().iter().enumerate() {
+            let name = look.meta.axes[axis].as_str();
+            ui.label(name);
+            ui.spacing_mut().slider_width = (ui.available_width() - 96.0).max(80.0);
+            let slider = Slider::new(&mut wanted.point[axis], record.low..=record.high).suffix(unit(record.kind));
+            named(ui.add(slider.max_decimals(2).min_decimals(2)), name, f64::from(wanted.point[axis]));
+            ui.end_row();
+        }
+    });
+}
+
+/// A slider that is found by its name.
+fn named(response: Response, name: &str, value: f64) {
+    response.widget_info(|| WidgetInfo::slider(true, value, name));
+}
+
+/// An example in words, over several lines.
+fn tell(ui: &mut Ui, look: &Look<'_>, example: usize) {
+    let Some(e) = look.space.examples().get(example) else { return };
+    ui.strong(look.meta.examples.get(example).map_or("", String::as_str));
+    for line in facts(e) {
+        ui.label(line);
+    }
+    let values = look.meta.axes.iter().zip(e.parameters).zip(look.space.axes());
+    let values = values.map(|((name, v), axis)| format!("{name} {v:.2}{}", unit(axis.kind)));
+    ui.weak(values.collect::<Vec<_>>().join(", "));
+    ui.label(format!("weight {:.3}", look.weights.get(example).copied().unwrap_or(0.0)));
+}
+
+/// What an example is, in words.
+fn facts(e: &ExampleRecord) -> Vec<String> {
+    let [left, ahead] = e.velocity;
+    let mut lines = vec![format!("{:.2} m/s ahead, {:.2} m/s to the left", ahead, left)];
+    lines.push(match e.gyration {
+        g if g.abs() < 0.02 => "straight".to_owned(),
+        g => format!("turns {} at {:.2} rad/s", if g > 0.0 { "left" } else { "right" }, g.abs()),
+    });
+    let kind = if e.flags & ExampleRecord::IS_STILL != 0 { "of standing" } else { "of two steps" };
+    let mirrored = if e.flags & ExampleRecord::IS_MIRRORED != 0 { ", mirrored" } else { "" };
+    lines.push(format!("{:.2} s {kind}, {} frames from {}{mirrored}", e.duration_s, e.num_frames, e.first_frame));
+    lines
+}
+
+/// Colour of an example's weight where it is drawn as a dot or a bar.
+fn of_weight(weight: f32, dark: bool) -> Color32 {
+    match (weight < 0.0, dark) {
+        (true, _) => surface::colour(surface::RANGE[0], dark),
+        (false, true) => Color32::from_rgb(0x3f, 0xc9, 0x9d),
+        (false, false) => Color32::from_rgb(0x1d, 0x8a, 0x78),
+    }
+}
+
+#[cfg(test)]
+mod tests;

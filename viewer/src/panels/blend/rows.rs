@@ -1,0 +1,141 @@
+//! The examples of the blend: weights as bars, and when their feet stand over generic time.
+
+use super::timing::{Stands, Steps, order};
+use super::{Look, State, of_weight, tell};
+use crate::panels::paint::Palette;
+use eframe::egui::{
+    Align2, FontId, Painter, Rangef, Rect, Role, Sense, Stroke, StrokeKind, Ui, Visuals, WidgetInfo, pos2, vec2,
+};
+
+/// Height of a row, and of the one of the blend. [Unit: points]
+const ROW: f32 = 19.0;
+const BLEND_ROW: f32 = 27.0;
+/// Widths of name, bar with its number, and duration as shares of the panel; the rest is generic time.
+const NAME: f32 = 0.33;
+const BAR: f32 = 0.19;
+const SECONDS: f32 = 0.11;
+
+/// Where the columns of a row lie.
+struct Columns {
+    name: Rangef,
+    bar: Rangef,
+    time: Rangef,
+    seconds: Rangef,
+}
+
+impl Columns {
+    fn of(rect: Rect) -> Self {
+        let at = |share: f32| rect.left() + share * rect.width();
+        let end = 1.0 - SECONDS;
+        Self {
+            name: Rangef::new(at(0.0) + 4.0, at(NAME) - 4.0),
+            bar: Rangef::new(at(NAME), at(NAME + BAR) - 6.0),
+            time: Rangef::new(at(NAME + BAR), at(end) - 4.0),
+            seconds: Rangef::new(at(end), at(1.0) - 2.0),
+        }
+    }
+}
+
+/// Shows the blend and the examples, those that weigh most first; a click on one shows its weights on the map.
+pub fn show(ui: &mut Ui, look: &Look<'_>, state: &mut State) {
+    ui.horizontal_wrapped(|ui| {
+        ui.strong("Keytimes");
+        let palette = Palette::of(ui.visuals());
+        ui.colored_label(palette.left, "left foot");
+        ui.colored_label(palette.right, "right foot");
+        ui.weak("stands, over generic time");
+        ui.checkbox(&mut state.all, "all").on_hover_text("Those that weigh nothing, too");
+    });
+    let rows = order(look.weights, state.all);
+    blend_row(ui, look);
+    let mut hovered = None;
+    for e in rows {
+        let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), ROW), Sense::click());
+        let name = look.meta.examples.get(e).map_or("", String::as_str);
+        response.widget_info(|| WidgetInfo::labeled(Role::Button, true, name));
+        if ui.is_rect_visible(rect) {
+            example_row(ui, look, e, name, rect, response.hovered());
+        }
+        if response.clicked() {
+            state.example = if state.example == Some(e) { None } else { Some(e) };
+        }
+        if response.hovered() {
+            hovered = Some(e);
+        }
+        response.on_hover_ui(|ui| tell(ui, look, e));
+    }
+    // It is shown on the map in the next frame.
+    state.hovered = state.hovered.or(hovered);
+}
+
+/// What is shown: when the feet of the blend stand, and how long its cycle is.
+fn blend_row(ui: &mut Ui, look: &Look<'_>) {
+    let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), BLEND_ROW), Sense::hover());
+    response.widget_info(|| WidgetInfo::labeled(Role::Label, true, "Blend"));
+    let mut weights = look.weights.to_vec();
+    weights.resize(look.space.stride(), 0.0);
+    let Ok(steps) = Steps::of_blend(look.space, &weights) else { return };
+    let (visuals, columns, painter) = (ui.visuals(), Columns::of(rect), ui.painter());
+    let font = FontId::proportional(13.0);
+    let ink = visuals.strong_text_color();
+    painter.text(pos2(columns.name.min, rect.center().y), Align2::LEFT_CENTER, "blend", font.clone(), ink);
+    let phase = format!("{:.2}", look.phase);
+    let at = pos2(columns.bar.max, rect.center().y);
+    painter.text(at, Align2::RIGHT_CENTER, phase, FontId::proportional(11.0), Palette::of(visuals).head);
+    chart(painter, visuals, Rect::from_x_y_ranges(columns.time, rect.y_range()), &steps.feet, look.phase);
+    let at = pos2(columns.seconds.max, rect.center().y);
+    painter.text(at, Align2::RIGHT_CENTER, format!("{:.2} s", steps.seconds), FontId::proportional(11.0), ink);
+    response.on_hover_text("Generic time, and when the feet of the blend stand; its cycle lasts as the examples' do");
+}
+
+fn example_row(ui: &Ui, look: &Look<'_>, e: usize, name: &str, rect: Rect, is_hovered: bool) {
+    let (visuals, columns) = (ui.visuals(), Columns::of(rect));
+    let painter = ui.painter_at(rect);
+    if look.example == e || is_hovered {
+        let fill = if look.example == e { visuals.selection.bg_fill } else { visuals.widgets.hovered.bg_fill };
+        painter.rect_filled(rect, 2.0, fill.gamma_multiply(0.35));
+    }
+    let (font, middle) = (FontId::proportional(12.0), rect.center().y);
+    let within = Rect::from_x_y_ranges(columns.name, rect.y_range());
+    // Names of one space begin alike: of long ones, the end is shown.
+    let galley = painter.layout_no_wrap(name.to_owned(), font, visuals.text_color());
+    let x = if galley.size().x > within.width() { within.right() - galley.size().x } else { within.left() };
+    ui.painter_at(within).galley(pos2(x, middle - 0.5 * galley.size().y), galley, visuals.text_color());
+    let weight = look.weights.get(e).copied().unwrap_or(0.0);
+    bar(&painter, visuals, Rect::from_x_y_ranges(columns.bar, rect.y_range()), weight);
+    let Some(example) = look.space.examples().get(e) else { return };
+    let steps = Steps::of_example(example);
+    chart(&painter, visuals, Rect::from_x_y_ranges(columns.time, rect.y_range()), &steps.feet, look.phase);
+    let seconds = format!("{:.2} s", steps.seconds);
+    let at = pos2(columns.seconds.max, middle);
+    painter.text(at, Align2::RIGHT_CENTER, seconds, FontId::proportional(11.0), visuals.weak_text_color());
+}
+
+/// A weight: to the right from a line, negative ones to the left.
+fn bar(painter: &Painter, visuals: &Visuals, rect: Rect, weight: f32) {
+    const BEFORE: f32 = 0.2 / 1.2;
+    let zero = rect.left() + BEFORE * rect.width();
+    let end = (zero + weight.clamp(-0.2, 1.0) * (rect.right() - zero)).clamp(rect.left(), rect.right());
+    let filled = Rect::from_x_y_ranges(zero.min(end)..=zero.max(end), rect.shrink2(vec2(0.0, 4.0)).y_range());
+    painter.rect_filled(filled, 1.0, of_weight(weight, visuals.dark_mode).gamma_multiply(0.55));
+    painter.vline(zero, rect.shrink2(vec2(0.0, 2.0)).y_range(), Stroke::new(1.0, visuals.weak_text_color()));
+    let at = pos2(rect.right(), rect.center().y);
+    painter.text(at, Align2::RIGHT_CENTER, format!("{weight:.2}"), FontId::proportional(11.0), visuals.text_color());
+}
+
+/// When the left foot stands above, the right one below it, and the generic time that is shown.
+fn chart(painter: &Painter, visuals: &Visuals, rect: Rect, feet: &[Stands; 2], phase: f32) {
+    let palette = Palette::of(visuals);
+    let rect = rect.shrink2(vec2(0.0, 2.0));
+    painter.rect_stroke(rect, 0.0, visuals.widgets.noninteractive.bg_stroke, StrokeKind::Inside);
+    let x = |t: f32| rect.left() + t * rect.width();
+    let half = 0.5 * rect.height();
+    for (side, (stands, colour)) in feet.iter().zip([palette.left, palette.right]).enumerate() {
+        let top = rect.top() + side as f32 * half;
+        for stand in stands {
+            let lane = Rect::from_x_y_ranges(x(stand.start)..=x(stand.end), top + 1.5..=top + half - 1.0);
+            painter.rect_filled(lane, 1.0, colour);
+        }
+    }
+    painter.vline(x(phase), rect.y_range(), Stroke::new(1.5, palette.head));
+}

@@ -1,0 +1,152 @@
+//! The weight of one example over two axes of a parameter box, in colours.
+
+use super::plane::Plane;
+use eframe::egui::Color32;
+use eframe::egui::epaint::Mesh;
+use std::sync::Arc;
+use throng_runtime::blend::{BlendSpace, MAX_AXES};
+
+/// What the colours reach from and to; cardinal weights overshoot a little on either side.
+pub const RANGE: [f32; 2] = [-0.2, 1.2];
+/// Pieces of the picture along each axis.
+const PIECES: usize = 48;
+
+/// What a picture shows.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Key {
+    /// Generation of the document.
+    pub document: u64,
+    /// Blend space.
+    pub space: usize,
+    /// Example.
+    pub example: usize,
+    /// Where on the axes that are not shown; 0 on those that are.
+    pub through: [f32; MAX_AXES],
+    /// Where it lies on the screen.
+    pub plane: Plane,
+    /// In the colours of the dark theme.
+    pub dark: bool,
+}
+
+impl Key {
+    /// The surface of an example through a point.
+    pub fn new(document: u64, space: usize, example: usize, point: &[f32; MAX_AXES], plane: Plane, dark: bool) -> Self {
+        // Moving the point within the plane leaves the picture as it is.
+        let through = plane.set(point, 0.0, 0.0);
+        Self { document, space, example, through, plane, dark }
+    }
+}
+
+/// The picture.
+#[derive(Clone, Debug)]
+pub struct Surface {
+    /// What it shows.
+    pub key: Key,
+    /// Coloured triangles.
+    pub mesh: Arc<Mesh>,
+    /// Least and largest weight.
+    pub range: [f32; 2],
+}
+
+impl Surface {
+    /// Works the picture out. [Limit: example < number of examples]
+    pub fn new(key: Key, space: &BlendSpace<'_>) -> Self {
+        let rows = if key.plane.shown.up.is_some() { PIECES } else { 1 };
+        let ratio = |i: usize, n: usize| i as f32 / n as f32;
+        let places = (0..=rows).flat_map(|k| (0..=PIECES).map(move |i| (ratio(i, PIECES), ratio(k, rows))));
+        let places: Vec<(f32, f32)> = places.collect();
+        let points: Vec<_> = places.iter().map(|&(i, k)| key.plane.set(&key.through, i, k)).collect();
+        let mut weights = vec![0.0; points.len() * space.stride()];
+        let mut mesh = Mesh::default();
+        let mut range = [f32::INFINITY, f32::NEG_INFINITY];
+        if space.weights(&points, &mut weights).is_ok() {
+            for (&(i, k), row) in places.iter().zip(weights.chunks_exact(space.stride())) {
+                let w = row[key.example];
+                range = [range[0].min(w), range[1].max(w)];
+                mesh.colored_vertex(key.plane.at(i, k), colour(w, key.dark));
+            }
+            let width = PIECES as u32 + 1;
+            for below in (0..rows as u32 * width).filter(|v| v % width != width - 1) {
+                mesh.add_triangle(below, below + 1, below + width);
+                mesh.add_triangle(below + 1, below + width, below + width + 1);
+            }
+        }
+        Self { key, mesh: Arc::new(mesh), range }
+    }
+}
+
+/// Colour of a weight: that of the panel where the example does nothing, green to 1 and yellow beyond, red below 0.
+pub fn colour(weight: f32, dark: bool) -> Color32 {
+    let stations: [(f32, [u8; 3]); 5] = match dark {
+        true => [
+            (RANGE[0], [0xe8, 0x4a, 0x6f]),
+            (0.0, [0x1c, 0x20, 0x27]),
+            (0.5, [0x1f, 0x6f, 0x72]),
+            (1.0, [0x3f, 0xc9, 0x9d]),
+            (RANGE[1], [0xf6, 0xe3, 0x6b]),
+        ],
+        false => [
+            (RANGE[0], [0xd2, 0x2f, 0x5a]),
+            (0.0, [0xf4, 0xf5, 0xf6]),
+            (0.5, [0x8f, 0xcf, 0xc2]),
+            (1.0, [0x1d, 0x8a, 0x78]),
+            (RANGE[1], [0x8a, 0x6d, 0x00]),
+        ],
+    };
+    let w = if weight.is_nan() { 0.0 } else { weight.clamp(RANGE[0], RANGE[1]) };
+    let i = stations.partition_point(|s| s.0 <= w).clamp(1, stations.len() - 1);
+    let ((from, a), (to, b)) = (stations[i - 1], stations[i]);
+    let t = (w - from) / (to - from);
+    let mix = |k: usize| (f32::from(a[k]) + (f32::from(b[k]) - f32::from(a[k])) * t).round() as u8;
+    Color32::from_rgb(mix(0), mix(1), mix(2))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::plane::Shown;
+    use super::*;
+    use crate::document::Bundle;
+    use crate::panels::tests::paces::Paces;
+    use eframe::egui::{Rect, pos2};
+
+    #[test]
+    fn the_surface_is_1_at_its_example_and_0_at_all_others() {
+        let paces = Paces::new();
+        let bundle = Bundle::open(&paces.bundle()).unwrap();
+        let space = &bundle.blends()[0];
+        let rect = Rect::from_min_max(pos2(0.0, 0.0), pos2(480.0, 480.0));
+        let plane = Plane::new(space.axes(), Shown::of(space.axes()), rect);
+        for example in [0, 7, 19] {
+            let surface = Surface::new(Key::new(1, 0, example, &[0.0; MAX_AXES], plane, true), space);
+            assert_eq!(surface.mesh.vertices.len(), (PIECES + 1) * (PIECES + 1));
+            assert!(surface.range[1] > 0.8 && surface.range[0] > -0.5, "{:?}", surface.range);
+            let near = |e: usize| {
+                let at = plane.screen(&space.examples()[e].parameters);
+                let far = |v: &&eframe::egui::epaint::Vertex| (v.pos - at).length();
+                surface.mesh.vertices.iter().min_by(|a, b| far(a).total_cmp(&far(b))).unwrap().color
+            };
+            let green = |c: Color32| c.g();
+            assert!((0..20).filter(|&e| e != example).all(|e| green(near(e)) < green(near(example))));
+        }
+    }
+
+    #[test]
+    fn moving_the_point_within_the_plane_leaves_the_picture_as_it_is() {
+        let axes = [0, 1, 3].map(|kind| throng_runtime::blend::AxisRecord { kind, num_knots: 2, low: 0.0, high: 1.0 });
+        let plane = Plane::new(&axes, Shown { across: 0, up: Some(1) }, Rect::EVERYTHING);
+        let key =
+            |p: [f32; 3]| Key::new(1, 0, 0, &std::array::from_fn(|a| p.get(a).copied().unwrap_or(0.0)), plane, true);
+        assert!(key([0.1, 0.2, 0.5]) == key([0.9, 0.8, 0.5]));
+        assert!(key([0.1, 0.2, 0.5]) != key([0.1, 0.2, 0.6]));
+    }
+
+    #[test]
+    fn what_weighs_nothing_has_the_colour_of_the_panel_and_signs_are_told_apart() {
+        for dark in [true, false] {
+            let [low, none, one, high] = [-0.2, 0.0, 1.0, 1.2].map(|w| colour(w, dark));
+            assert!(none.r().abs_diff(none.b()) < 16, "{none:?}");
+            assert!(low.r() > low.g() + 60 && one.g() > one.r() + 60, "{low:?} {one:?}");
+            assert_eq!([colour(-9.0, dark), colour(9.0, dark), colour(f32::NAN, dark)], [low, high, none]);
+        }
+    }
+}

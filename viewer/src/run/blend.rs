@@ -1,0 +1,396 @@
+//! Somebody whose body is blended: at a point of a parameter box, on the path that the point stands for.
+
+use super::STEP_HZ;
+use super::reel::Reel;
+use crate::document::Bundle;
+use glam::Vec2;
+use throng_precompute::scene::walkers::body_of;
+use throng_runtime::blend::walkers::{Control, WalkerStart, Walkers, WalkersConfig};
+use throng_runtime::blend::{BlendError, BlendSpace, HeightField, MAX_AXES, axis};
+use throng_runtime::{Contacts, Mat3x4, NUM_JOINTS, Planar, Skeleton};
+
+/// Sizes that a body may have. [Unit: size of the database skeleton]
+pub const SIZES: [f32; 2] = [0.7, 1.2];
+/// Lengths of legs over that, as factors.
+pub const LEGS: [f32; 2] = [0.85, 1.15];
+
+/// Time in which a difference between the point asked for and the one that is blended halves. [Unit: s]
+const HALF_LIFE_S: f32 = 0.12;
+/// Distance of those who walk side by side. [Unit: m]
+const BESIDE_M: f32 = 1.1;
+/// Farther out, numbers are too coarse to step evenly: the walk begins anew. [Unit: m]
+const FAR_M: f32 = 5000.0;
+/// Speed that a walk begins with. [Unit: m/s]
+const BEGIN_MPS: f32 = 1.3;
+
+/// Who walks beside.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Beside {
+    /// Nobody.
+    #[default]
+    Nobody,
+    /// The same body with the other choice of retargeting.
+    Retargeting,
+    /// The smallest and the largest body.
+    Sizes,
+}
+
+/// What is blended, and on what body.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Blending {
+    /// Number of the blend space.
+    pub space: usize,
+    /// Point of its parameter box, axis by axis.
+    pub point: [f32; MAX_AXES],
+    /// Size of the body. [Unit: size of the database skeleton] [Limit: SIZES]
+    pub size: f32,
+    /// Length of its legs over that. [Limit: LEGS]
+    pub legs: f32,
+    /// Feet are planted and limbs reach; else the joint angles are taken as they are blended.
+    pub retarget: bool,
+    /// Who walks beside.
+    pub beside: Beside,
+}
+
+impl Blending {
+    /// A walk straight ahead in a space, on the database skeleton.
+    pub fn of(space: usize, blend: &BlendSpace<'_>) -> Self {
+        let mut point = [0.0; MAX_AXES];
+        for (p, axis) in point.iter_mut().zip(blend.axes()) {
+            let wanted = if axis.kind == axis::SPEED { BEGIN_MPS } else { 0.0 };
+            *p = wanted.clamp(axis.low, axis.high);
+        }
+        Self { space, point, size: 1.0, legs: 1.0, retarget: true, beside: Beside::Nobody }
+    }
+
+    /// The nearest one that can be shown. [Limit: space < number of spaces]
+    fn limited(mut self, blend: &BlendSpace<'_>) -> Self {
+        for (p, axis) in self.point.iter_mut().zip(blend.axes()) {
+            *p = if *p > axis.low { p.min(axis.high) } else { axis.low };
+        }
+        let within = |v: f32, [low, high]: [f32; 2]| if v.is_finite() { v.clamp(low, high) } else { 1.0 };
+        (self.size, self.legs) = (within(self.size, SIZES), within(self.legs, LEGS));
+        self
+    }
+
+    /// Everybody who walks: size, legs, retargeted; the one that is looked at first.
+    fn people(&self) -> Vec<(f32, f32, bool)> {
+        let own = (self.size, self.legs, self.retarget);
+        match self.beside {
+            Beside::Nobody => vec![own],
+            Beside::Retargeting => vec![own, (self.size, self.legs, !self.retarget)],
+            Beside::Sizes => {
+                vec![own, (SIZES[0], self.legs, self.retarget), (SIZES[1], self.legs, self.retarget)]
+            }
+        }
+    }
+
+    fn has_same_people(&self, other: &Self) -> bool {
+        self.space == other.space && self.people() == other.people()
+    }
+}
+
+/// Everybody at one step.
+#[derive(Clone, Debug, Default)]
+pub struct BlendMoment {
+    /// Planar roots. [Size: number of people]
+    pub roots: Vec<Planar>,
+    /// Joints in model space. [Size: number of people * NUM_JOINTS]
+    pub poses: Vec<Mat3x4>,
+    /// What is planted. [Size: number of people]
+    pub contacts: Vec<Contacts>,
+    /// The point that is blended, on its way to the one that was asked for.
+    pub point: [f32; MAX_AXES],
+    /// Generic time of the one that is looked at, in [0, 1).
+    pub phase: f32,
+    /// Weights of the examples in the one that is looked at. [Size: number of examples]
+    pub weights: Vec<f32>,
+}
+
+/// One of those who walk.
+#[derive(Clone, Debug)]
+struct Person {
+    walkers: Walkers,
+    body: Skeleton,
+    /// Where it walks beside the first one. [Unit: m]
+    aside: Vec2,
+}
+
+/// Somebody who walks at a point of a parameter box, and perhaps others beside.
+#[derive(Clone, Debug)]
+pub struct BlendRun {
+    blending: Blending,
+    people: Vec<Person>,
+    /// Everybody at the steps that are kept.
+    pub reel: Reel<BlendMoment>,
+    /// Where the path has led, and the way it leads on.
+    place: Planar,
+    /// The point that is blended.
+    point: [f32; MAX_AXES],
+}
+
+impl BlendRun {
+    /// Somebody who begins to walk in the first space of a bundle; nothing where it has no space.
+    ///
+    /// # Errors
+    /// A message where the tables do not fit together.
+    pub fn new(bundle: &Bundle) -> Option<Result<Self, String>> {
+        let first = bundle.blends().first()?;
+        Some(Self::with(bundle, Blending::of(0, first), Planar::IDENTITY, 0.0).map_err(|e| e.to_string()))
+    }
+
+    fn with(bundle: &Bundle, blending: Blending, place: Planar, phase: f32) -> Result<Self, BlendError> {
+        let space = bundle.blend(blending.space)?;
+        let blending = blending.limited(space);
+        let database = bundle.tables().skeleton();
+        let person = |(i, (size, legs, retarget)): (usize, (f32, f32, bool))| {
+            let body = body_of(database, size, legs);
+            // What a point is worth is taken at once here: the point itself is what is eased.
+            let config = WalkersConfig { retarget, parameter_half_life_s: 0.0, ..WalkersConfig::default() };
+            let side = if i % 2 == 1 { 1.0 } else { -1.0 };
+            let aside = Vec2::X * side * BESIDE_M * i.div_ceil(2) as f32;
+            let root = Planar::new(place.x + aside.x, place.z + aside.y, place.heading);
+            let start = WalkerStart { body: 0, root, phase };
+            let walkers = Walkers::new(space, database, std::slice::from_ref(&body), config, &[start])?;
+            Ok(Person { walkers, body, aside })
+        };
+        let people = blending.people().into_iter().enumerate().map(person).collect::<Result<Vec<_>, BlendError>>()?;
+        let bytes = people.len() * NUM_JOINTS * size_of::<Mat3x4>() + size_of::<BlendMoment>();
+        let reel = Reel::new(bytes, BlendMoment::default());
+        let mut run = Self { blending, people, reel, place, point: blending.point };
+        run.walk(space, database, 0.0)?;
+        run.reel.replace(run.seen());
+        Ok(run)
+    }
+
+    /// What is blended, and on what body.
+    pub fn blending(&self) -> &Blending {
+        &self.blending
+    }
+
+    /// Skeletons of those who walk, the one that is looked at first.
+    pub fn bodies(&self) -> impl ExactSizeIterator<Item = &Skeleton> {
+        self.people.iter().map(|p| &p.body)
+    }
+
+    /// Everybody at the step that is shown.
+    pub fn moment(&self) -> &BlendMoment {
+        self.reel.moment()
+    }
+
+    /// Blends something else, or on another body, from here on; numbers out of range are limited.
+    ///
+    /// A point that is moved while time stands still is shown at once, at the same generic time.
+    ///
+    /// # Errors
+    /// [`BlendError`] for a space that does not exist.
+    pub fn blend(&mut self, bundle: &Bundle, wanted: Blending) -> Result<(), BlendError> {
+        let space = bundle.blend(wanted.space)?;
+        let wanted = wanted.limited(space);
+        if !wanted.has_same_people(&self.blending) {
+            let (head, phase) = (self.reel.head, self.people.first().map_or(0.0, |p| p.walkers.phase(0)));
+            *self = Self::with(bundle, wanted, self.place, phase)?;
+            self.reel.head.play_like(&head);
+            return Ok(());
+        }
+        let has_moved = wanted.point != self.blending.point;
+        self.blending = wanted;
+        if has_moved && !self.reel.head.is_playing() {
+            self.point = wanted.point;
+            self.walk(space, bundle.tables().skeleton(), 0.0)?;
+            self.reel.replace(self.seen());
+        }
+        Ok(())
+    }
+
+    /// Begins anew where the path began.
+    ///
+    /// # Errors
+    /// As [`BlendRun::blend`].
+    pub fn restart(&mut self, bundle: &Bundle) -> Result<(), BlendError> {
+        let head = self.reel.head;
+        *self = Self::with(bundle, self.blending, Planar::IDENTITY, 0.0)?;
+        self.reel.head.play_like(&head);
+        Ok(())
+    }
+
+    /// One step on: one that is kept, or a new one.
+    ///
+    /// # Errors
+    /// [`BlendError`] where the bundle is another one.
+    pub fn step(&mut self, bundle: &Bundle) -> Result<(), BlendError> {
+        if self.reel.head.on() {
+            return Ok(());
+        }
+        let space = bundle.blend(self.blending.space)?;
+        if self.place.x.hypot(self.place.z) > FAR_M {
+            return self.restart(bundle);
+        }
+        let dt_s = 1.0 / STEP_HZ;
+        let left = (-dt_s / HALF_LIFE_S).exp2();
+        for (p, wanted) in self.point.iter_mut().zip(self.blending.point) {
+            *p = wanted + (*p - wanted) * left;
+        }
+        self.walk(space, bundle.tables().skeleton(), dt_s)?;
+        self.reel.push(self.seen());
+        Ok(())
+    }
+
+    /// Moves everybody on along the path of the point.
+    fn walk(&mut self, space: &BlendSpace<'_>, database: &Skeleton, dt_s: f32) -> Result<(), BlendError> {
+        let leg = |s: &Skeleton| s.leg_length();
+        // What a point stands for on this body (Froude numbers, as walkers take them).
+        let pace = self.people.first().map_or(1.0, |p| (leg(&p.body) / leg(database)).sqrt());
+        let mut weights = vec![0.0; space.stride()];
+        space.weights(&[self.point], &mut weights)?;
+        let ([left, ahead], gyration) = movement(space, &self.point, &weights);
+        let turning = gyration / pace;
+        // The arc is stepped at its middle, which is exact to the second order.
+        let (sin, cos) = (self.place.heading + 0.5 * turning * dt_s).sin_cos();
+        let velocity = pace * Vec2::new(cos * left + sin * ahead, cos * ahead - sin * left);
+        self.place.x += velocity.x * dt_s;
+        self.place.z += velocity.y * dt_s;
+        self.place.heading += turning * dt_s;
+        let mut style = [0.0; MAX_AXES];
+        let styles = space.axes().iter().zip(self.point).filter(|(a, _)| a.kind == axis::STYLE);
+        style.iter_mut().zip(styles).for_each(|(s, (_, value))| *s = value);
+        let (sin, cos) = self.place.heading.sin_cos();
+        let velocity = pace * Vec2::new(cos * left + sin * ahead, cos * ahead - sin * left);
+        for person in &mut self.people {
+            let control = Control {
+                position: Vec2::new(self.place.x, self.place.z) + person.aside,
+                velocity,
+                heading: Some(self.place.heading),
+                turning_rate: Some(turning),
+                style,
+            };
+            person.walkers.step(space, dt_s, &[control], &HeightField::flat())?;
+        }
+        Ok(())
+    }
+
+    /// Everybody now.
+    fn seen(&self) -> BlendMoment {
+        let all = || self.people.iter().map(|p| &p.walkers);
+        let first = all().next();
+        BlendMoment {
+            roots: all().map(|w| w.root(0)).collect(),
+            poses: all().flat_map(|w| w.pose(0)).copied().collect(),
+            contacts: all().map(|w| w.contacts(0)).collect(),
+            point: self.point,
+            phase: first.map_or(0.0, |w| w.phase(0)),
+            weights: first.map_or(Vec::new(), |w| w.weights(0).to_vec()),
+        }
+    }
+}
+
+/// How a point moves, on the database skeleton: to the left and ahead, and its turning rate. What is no axis of the
+/// space is that of its examples. [Unit: m/s, rad/s]
+fn movement(space: &BlendSpace<'_>, point: &[f32; MAX_AXES], weights: &[f32]) -> ([f32; 2], f32) {
+    let on = |kind| space.axis_of(kind).map(|a| point[a]);
+    let mean = |of: &dyn Fn(usize) -> f32| -> f32 {
+        weights.iter().take(space.examples().len()).enumerate().map(|(e, w)| w * of(e)).sum()
+    };
+    let velocity = match (on(axis::SIDE), on(axis::SPEED)) {
+        (None, None) => [0, 1].map(|k| mean(&|e| space.examples()[e].velocity[k])),
+        (left, ahead) => [left.unwrap_or(0.0), ahead.unwrap_or(0.0)],
+    };
+    let gyration = on(axis::GYRATION).unwrap_or_else(|| mean(&|e| space.examples()[e].gyration));
+    (velocity, gyration)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::panels::tests::paces::Paces;
+
+    fn open() -> (Paces, Bundle, BlendRun) {
+        let paces = Paces::new();
+        let bundle = Bundle::open(&paces.bundle()).unwrap();
+        let run = BlendRun::new(&bundle).unwrap().unwrap();
+        (paces, bundle, run)
+    }
+
+    fn walk(run: &mut BlendRun, bundle: &Bundle, seconds: f32) {
+        (0..(seconds * STEP_HZ) as u32).for_each(|_| run.step(bundle).unwrap());
+    }
+
+    #[test]
+    fn a_point_is_walked_at_its_speed_and_turning_rate() {
+        let (_paces, bundle, mut run) = open();
+        let [speed, turning] = [0, 1].map(|a| bundle.blends()[0].axes()[a]);
+        assert_eq!((speed.kind, turning.kind), (axis::SPEED, axis::GYRATION));
+        let mut wanted = *run.blending();
+        wanted.point[..2].copy_from_slice(&[1.2, 0.4]);
+        run.blend(&bundle, wanted).unwrap();
+        walk(&mut run, &bundle, 2.0);
+        let before = run.moment().clone();
+        walk(&mut run, &bundle, 1.0);
+        let now = run.moment();
+        let turned = now.roots[0].heading - before.roots[0].heading;
+        assert!((turned - 0.4).abs() < 0.02, "turned by {turned} rad in a second");
+        // The chord of the arc.
+        let apart = (now.roots[0].x - before.roots[0].x).hypot(now.roots[0].z - before.roots[0].z);
+        let chord = 2.0 * (1.2 / 0.4) * (0.5f32 * 0.4).sin();
+        assert!((apart - chord).abs() < 0.02, "{apart} m, expected {chord}");
+        assert!((now.weights.iter().sum::<f32>() - 1.0).abs() < 1e-3);
+    }
+
+    #[test]
+    fn a_small_body_walks_slower_at_the_same_point() {
+        let (_paces, bundle, mut run) = open();
+        let small = Blending { size: 0.7, ..*run.blending() };
+        run.blend(&bundle, small).unwrap();
+        walk(&mut run, &bundle, 1.0);
+        let before = run.moment().roots[0];
+        walk(&mut run, &bundle, 1.0);
+        let way = (run.moment().roots[0].z - before.z) / run.blending().point[0];
+        assert!((way - 0.7f32.sqrt()).abs() < 0.02, "{way}");
+        let hips = run.moment().poses[0].translation().y;
+        assert!((hips / bundle.tables().skeleton().offsets[0].y - 0.7).abs() < 0.05, "hips at {hips} m");
+    }
+
+    #[test]
+    fn a_point_moved_while_time_stands_is_shown_at_the_same_generic_time() {
+        let (_paces, bundle, mut run) = open();
+        walk(&mut run, &bundle, 1.5);
+        let (steps, before) = (run.reel.head.now(), run.moment().clone());
+        run.reel.head.seek(3);
+        let mut wanted = *run.blending();
+        wanted.point[0] = bundle.blends()[0].axes()[0].high + 5.0;
+        run.blend(&bundle, wanted).unwrap();
+        let now = run.moment();
+        assert_eq!((run.reel.head.now(), now.phase), (steps, before.phase));
+        assert_eq!(now.point[0], bundle.blends()[0].axes()[0].high, "clamped to the box");
+        assert!(now.poses != before.poses && now.weights != before.weights);
+    }
+
+    #[test]
+    fn those_beside_are_others_on_the_same_path() {
+        let (_paces, bundle, mut run) = open();
+        run.blend(&bundle, Blending { beside: Beside::Sizes, ..*run.blending() }).unwrap();
+        walk(&mut run, &bundle, 2.0);
+        let m = run.moment();
+        assert_eq!((m.roots.len(), m.poses.len(), run.bodies().len()), (3, 3 * NUM_JOINTS, 3));
+        let hips = [0, 1, 2].map(|i| m.poses[i * NUM_JOINTS].translation().y);
+        assert!(hips[1] < hips[0] && hips[0] < hips[2], "{hips:?}");
+        assert!((m.roots[1].z - m.roots[0].z).abs() < 1e-4 && (m.roots[1].x - m.roots[0].x - BESIDE_M).abs() < 1e-4);
+        run.blend(&bundle, Blending { beside: Beside::Retargeting, ..*run.blending() }).unwrap();
+        walk(&mut run, &bundle, 0.5);
+        let m = run.moment();
+        assert_eq!(m.roots.len(), 2);
+        assert!(m.poses[..NUM_JOINTS] != m.poses[NUM_JOINTS..]);
+    }
+
+    #[test]
+    fn a_walk_begins_anew() {
+        let (_paces, bundle, mut run) = open();
+        let first = run.moment().clone();
+        walk(&mut run, &bundle, 1.0);
+        run.reel.head.play(true);
+        run.restart(&bundle).unwrap();
+        assert!(run.reel.head.is_playing() && run.reel.head.now() == 0);
+        assert!(run.moment().poses == first.poses && run.moment().roots == first.roots);
+        assert!(run.blend(&bundle, Blending { space: 99, ..*run.blending() }).is_err());
+    }
+}

@@ -1,0 +1,212 @@
+//! Moments of a run that are kept as they were seen, and the play head that goes over them.
+
+use super::STEP_HZ;
+use std::collections::VecDeque;
+use std::ops::RangeInclusive;
+use std::time::{Duration, Instant};
+
+/// Longest time that is spent on the steps of a frame, at least one step apart.
+const BUDGET: Duration = Duration::from_millis(50);
+/// Steps that are kept at most.
+const MAX_STEPS: usize = 60 * STEP_HZ as usize;
+/// Memory that the moments of a run may take. [Unit: bytes]
+const MAX_BYTES: usize = 192 << 20;
+
+/// The play head: which of the steps that are kept is shown, and how time moves on.
+#[derive(Clone, Copy, Debug)]
+pub struct Head {
+    first: u32,
+    last: u32,
+    now: u32,
+    playing: bool,
+    speed: f32,
+    /// Simulated time that has passed but has not been stepped. [Unit: s]
+    owed_s: f32,
+}
+
+impl Default for Head {
+    fn default() -> Self {
+        Self { first: 0, last: 0, now: 0, playing: false, speed: 1.0, owed_s: 0.0 }
+    }
+}
+
+impl Head {
+    /// Steps that can be shown.
+    pub fn recorded(&self) -> RangeInclusive<u32> {
+        self.first..=self.last
+    }
+
+    /// The step that is shown.
+    pub fn now(&self) -> u32 {
+        self.now
+    }
+
+    /// True where the step that is shown is the last one so far.
+    pub fn is_live(&self) -> bool {
+        self.now == self.last
+    }
+
+    /// True where time moves on.
+    pub fn is_playing(&self) -> bool {
+        self.playing
+    }
+
+    /// How many simulated seconds pass in one.
+    pub fn speed(&self) -> f32 {
+        self.speed
+    }
+
+    /// Lets time move on, or stops it.
+    pub fn play(&mut self, playing: bool) {
+        self.playing = playing;
+        self.owed_s = 0.0;
+    }
+
+    /// Plays or stops, as fast, as another one does.
+    pub fn play_like(&mut self, other: &Self) {
+        self.play(other.playing);
+        self.speed = other.speed;
+    }
+
+    /// Sets how many simulated seconds pass in one. [Limit: 0.05 to 8, clamped]
+    pub fn set_speed(&mut self, speed: f32) {
+        self.speed = if speed.is_finite() { speed.clamp(0.05, 8.0) } else { 1.0 };
+    }
+
+    /// Shows a step that is kept, the nearest one there is.
+    pub fn seek(&mut self, step: u32) {
+        self.now = step.clamp(self.first, self.last);
+        self.owed_s = 0.0;
+    }
+
+    /// Shows the next step that is kept; false where it has not been lived yet.
+    pub fn on(&mut self) -> bool {
+        let is_kept = !self.is_live();
+        self.now += u32::from(is_kept);
+        is_kept
+    }
+
+    /// Takes wall time that has passed while time moves on, a quarter of a second at most.
+    pub fn owe(&mut self, wall_s: f32) {
+        if self.playing {
+            self.owed_s += wall_s.clamp(0.0, 0.25) * self.speed;
+        }
+    }
+
+    /// True where another step is due, which then counts as taken. Where steps take longer than they last, time is
+    /// let go.
+    ///
+    /// - `taken`: steps of this frame so far.
+    /// - `begin`: when the first of them began.
+    pub fn is_due(&mut self, taken: u32, begin: Instant) -> bool {
+        if self.owed_s < 1.0 / STEP_HZ {
+            return false;
+        }
+        if taken > 0 && begin.elapsed() > BUDGET {
+            self.owed_s = 0.0;
+            return false;
+        }
+        self.owed_s -= 1.0 / STEP_HZ;
+        true
+    }
+}
+
+/// Moments of a run as they were seen, the last minute of them or as many as there is memory for.
+#[derive(Clone, Debug)]
+pub struct Reel<M> {
+    /// Which of them is shown.
+    pub head: Head,
+    moments: VecDeque<M>,
+    most: usize,
+}
+
+impl<M> Reel<M> {
+    /// A reel that begins with a moment.
+    ///
+    /// - `moment_bytes`: about what a moment takes. [Unit: bytes]
+    pub fn new(moment_bytes: usize, first: M) -> Self {
+        let most = (MAX_BYTES / moment_bytes.max(1)).clamp(2, MAX_STEPS);
+        Self { head: Head::default(), moments: VecDeque::from([first]), most }
+    }
+
+    /// Adds a moment and shows it.
+    pub fn push(&mut self, moment: M) {
+        if self.moments.len() == self.most {
+            self.head.first += 1;
+            self.moments.pop_front();
+        }
+        self.moments.push_back(moment);
+        self.head.last += 1;
+        self.head.now = self.head.last;
+    }
+
+    /// Replaces the last moment and shows it.
+    pub fn replace(&mut self, moment: M) {
+        if let Some(last) = self.moments.back_mut() {
+            *last = moment;
+        }
+        self.head.now = self.head.last;
+    }
+
+    /// The moment that is shown.
+    pub fn moment(&self) -> &M {
+        self.at(self.head.now)
+    }
+
+    /// Moments before the one that is shown and this one, every `every`-th, so many seconds at most.
+    pub fn before(&self, seconds: f32, every: u32) -> impl Iterator<Item = &M> {
+        let from = self.head.now.saturating_sub((seconds * STEP_HZ) as u32).max(self.head.first);
+        let steps = (from.next_multiple_of(every)..self.head.now).step_by(every as usize);
+        steps.chain([self.head.now]).map(|step| self.at(step))
+    }
+
+    fn at(&self, step: u32) -> &M {
+        &self.moments[((step - self.head.first) as usize).min(self.moments.len() - 1)]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Room for three numbers.
+    fn reel() -> Reel<u32> {
+        Reel::new(MAX_BYTES / 3, 0)
+    }
+
+    #[test]
+    fn what_is_kept_is_shown_again_and_what_is_old_is_let_go() {
+        let mut reel = reel();
+        (1..=5).for_each(|i| reel.push(i));
+        assert_eq!((reel.head.recorded(), *reel.moment(), reel.head.is_live()), (3..=5, 5, true));
+        reel.head.seek(0);
+        assert_eq!((reel.head.now(), *reel.moment(), reel.head.is_live()), (3, 3, false));
+        assert!(reel.head.on() && reel.head.on() && !reel.head.on());
+        assert_eq!(*reel.moment(), 5);
+        reel.head.seek(4);
+        reel.replace(50);
+        assert_eq!((*reel.moment(), reel.head.now()), (50, 5));
+        assert_eq!(reel.before(1.0, 2).copied().collect::<Vec<_>>(), [4, 50]);
+    }
+
+    #[test]
+    fn as_many_steps_are_due_as_time_has_passed() {
+        let mut head = Head::default();
+        let due = |head: &mut Head, wall_s: f32| {
+            head.owe(wall_s);
+            let (begin, mut taken) = (Instant::now(), 0);
+            while head.is_due(taken, begin) {
+                taken += 1;
+            }
+            taken
+        };
+        assert_eq!(due(&mut head, 0.1), 0);
+        head.play(true);
+        assert_eq!([due(&mut head, 2.5 / STEP_HZ), due(&mut head, 2.6 / STEP_HZ)], [2, 3]);
+        head.set_speed(0.5);
+        head.play(true);
+        assert_eq!(due(&mut head, 2.1 / STEP_HZ), 1);
+        head.set_speed(f32::NAN);
+        assert_eq!(head.speed(), 1.0);
+    }
+}

@@ -1,0 +1,69 @@
+//! A scene of walkers: everybody's place, body and colour, and the ground.
+
+use super::{Layout, Palette, body, cues};
+use crate::document::WalkersDocument;
+use crate::model::Model;
+use crate::render::{CharacterInstance, Emphasis, Rgba, SolidInstance};
+use crate::settings::Colouring;
+use glam::Vec3;
+use throng_runtime::NUM_JOINTS;
+use throng_runtime::patch::Placement;
+
+/// Speed at which colours of speed are those of somebody fast. [Unit: m/s]
+const FAST_MPS: f32 = 5.0;
+/// Cues of everybody are drawn for so many characters at most.
+const MAX_CUES: usize = 2000;
+/// Length of trails. [Unit: s]
+const TRAIL_S: f32 = 6.0;
+/// Lines on the ground lie so much above it. [Unit: m]
+const ABOVE_M: f32 = 0.015;
+
+pub(super) fn lay_out(out: &mut Layout, model: &Model, scene: &WalkersDocument, palette: &Palette, dark: bool) {
+    let (moment, database) = (scene.run().moment(), scene.bundle().tables().skeleton());
+    let selected = model.selection.character;
+    if !scene.hills().is_empty() {
+        let colour = if dark { Rgba::hex(0x4a4f57) } else { Rgba::hex(0xc4c6c8) };
+        out.solids.instances.push(SolidInstance { mesh: 0, placement: Placement::new(0.0, 0.0, 0.0, 0.0), colour });
+    }
+    for (c, (&root, pose)) in moment.roots.iter().zip(moment.poses.chunks_exact(NUM_JOINTS)).enumerate() {
+        body::put(&mut out.poses, pose, &body::stretch(database, scene.body(c)));
+        out.instances.push(CharacterInstance {
+            root,
+            colour: colour(model, scene, c, palette),
+            emphasis: if selected == Some(c) { Emphasis::Selected } else { Emphasis::None },
+        });
+    }
+    let o = model.settings.overlays;
+    let n = moment.roots.len();
+    let count = if o.of_all { n.min(MAX_CUES) } else { 0 };
+    for c in (0..count).chain(selected.filter(|&c| c >= count && c < n)) {
+        let (root, pose) = (moment.roots[c], &moment.poses[c * NUM_JOINTS..][..NUM_JOINTS]);
+        if o.trails {
+            let points: Vec<Vec3> = scene.run().trail(c, TRAIL_S).map(|p| p + Vec3::Y * ABOVE_M).collect();
+            out.shapes.polyline(&points, 2.0, palette.selected.alpha(0.7));
+        }
+        // On hills, marks on level ground would be lost.
+        if o.contacts && scene.hills().is_empty() {
+            let joints = std::array::from_fn(|j| root.translation() + root.rotation() * pose[j].translation());
+            cues::contacts(&mut out.shapes, &joints, moment.contacts[c], palette);
+        }
+        if o.joint_axes {
+            cues::joint_axes(&mut out.shapes, root, pose);
+        }
+    }
+}
+
+/// By the blend space, or the speed.
+fn colour(model: &Model, scene: &WalkersDocument, c: usize, palette: &Palette) -> Rgba {
+    match model.settings.colouring {
+        Colouring::Plain => palette.plain,
+        Colouring::Speed => palette.slow.mix(palette.fast, (scene.run().moment().speeds[c] / FAST_MPS).min(1.0)),
+        // Characters take the spaces in turn.
+        Colouring::Target | Colouring::Clip => cues::category(c % scene.scene().spaces.len()),
+    }
+}
+
+/// Where everybody is. [Unit: m]
+pub(super) fn places(scene: &WalkersDocument) -> impl Iterator<Item = Vec3> {
+    scene.run().moment().roots.iter().map(|r| r.translation())
+}

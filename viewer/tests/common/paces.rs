@@ -1,0 +1,62 @@
+//! A small bundle of walks at four speeds and five turning rates as a blend space, and scenes of walkers on it.
+
+use std::path::{Path, PathBuf};
+use throng_precompute::cache::Cache;
+use throng_precompute::config::BuildConfig;
+use throng_precompute::pipeline;
+use throng_precompute::progress::Silent;
+
+/// The set begins with the walks of one manner: twenty clips of four seconds.
+const CONFIG: &str = r#"
+behaviours = []
+
+[synth]
+set = "locomotion"
+minutes = 1.333
+
+[graph]
+enabled = false
+
+[blend.paces]
+axes = [{ kind = "speed" }, { kind = "gyration" }]
+examples = [{ clip = "walk_*" }]
+phases = 32
+"#;
+
+/// A folder with the bundle and scenes.
+pub struct Paces {
+    folder: tempfile::TempDir,
+}
+
+impl Paces {
+    /// Builds the bundle.
+    pub fn new() -> Self {
+        let folder = tempfile::tempdir().expect("a folder");
+        let (config, out) = (folder.path().join("paces.toml"), folder.path().join("paces.throng"));
+        std::fs::write(&config, CONFIG).expect("a config");
+        let config = BuildConfig::load(&config).expect("a sound config");
+        pipeline::build(&config, &out, &Cache::none(), &Silent).expect("a bundle");
+        Self { folder }
+    }
+
+    /// The folder.
+    pub fn folder(&self) -> &Path {
+        self.folder.path()
+    }
+
+    /// The bundle.
+    pub fn bundle(&self) -> PathBuf {
+        self.folder.path().join("paces.throng")
+    }
+
+    /// A scene of walkers on hills of a height. [Unit: m]
+    pub fn scene(&self, characters: usize, hills_m: f32) -> PathBuf {
+        let text = format!(
+            "bundle = \"paces.throng\"\nspaces = [\"paces\"]\ncharacters = {characters}\nhills_m = {hills_m:.1}\n\
+             [paths]\nspeeds = [0.7, 1.5]\nstanding = 0.0\narea_m = 12.0\n[bodies]\nkinds = 3\n"
+        );
+        let path = self.folder.path().join("parade.toml");
+        std::fs::write(&path, text).expect("a scene");
+        path
+    }
+}
