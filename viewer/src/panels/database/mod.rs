@@ -40,6 +40,7 @@ pub fn show(ui: &mut Ui, model: &Model, state: &mut State, commands: &mut Vec<Co
         Document::Nothing => nothing_open(ui),
         Document::Bundle(b) => bundle_view(ui, &b.bundle, model, state, commands),
         Document::World(w) => bundle_view(ui, w.bundle(), model, state, commands),
+        Document::Walkers(w) => bundle_view(ui, w.bundle(), model, state, commands),
         Document::Clip(raw) => raw_view(ui, raw, model, state, commands),
     }
 }

@@ -22,6 +22,7 @@ pub fn show(ui: &mut Ui, model: &Model, state: &mut State, commands: &mut Vec<Co
         Document::Nothing => nothing_open(ui),
         Document::Bundle(b) => bundle::show(ui, &b.bundle, model.generation, &mut state.sources),
         Document::World(w) => bundle::show(ui, w.bundle(), model.generation, &mut state.sources),
+        Document::Walkers(w) => bundle::show(ui, w.bundle(), model.generation, &mut state.sources),
         Document::Clip(raw) => {
             ScrollArea::vertical().auto_shrink([false, false]).show(ui, |ui| clip::show(ui, raw, commands));
         }
