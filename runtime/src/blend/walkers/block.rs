@@ -51,6 +51,8 @@ pub(crate) struct Block {
     pub parameters: [[f32; MAX_AXES]; LANES],
     /// Generic time, in [0, 1).
     pub phase: Lane,
+    /// How far the hips are lowered so that both legs reach. [Unit: m]
+    pub drop: Lane,
     /// 0 until the first step.
     pub placed: Lane,
     pub contacts: [Contacts; LANES],
@@ -67,6 +69,7 @@ impl Block {
         travel: [[0.0; LANES]; 2],
         parameters: [[0.0; MAX_AXES]; LANES],
         phase: [0.0; LANES],
+        drop: [0.0; LANES],
         placed: [0.0; LANES],
         contacts: [Contacts::NONE; LANES],
         feet: [Foot::ZERO; 2],

@@ -4,7 +4,7 @@ use super::body::{ARMS, LEGS, LaneBody};
 use super::feet::Sole;
 use crate::lanes::{Functions, Lanes, Q, V};
 use crate::skeleton::NUM_JOINTS;
-use crate::troupe::block::load;
+use crate::troupe::block::{Lane, load};
 use crate::troupe::foot_lock::bend;
 use crate::troupe::hierarchy::ModelPose;
 use glam::Vec3;
@@ -12,12 +12,23 @@ use glam::Vec3;
 /// Share of a leg's length past which it gives way softly, and what it never passes.
 const SOFT: f32 = 0.99;
 const HARD: f32 = 0.9995;
+/// Share of its length by which a leg may be too short for a planted foot before the foot is released.
+const STRETCH: f32 = 0.004;
 /// Furthest that the hips are lowered. [Unit: m, of the database skeleton]
 const LOWEST_M: f32 = 0.18;
 
 /// Lowers the whole body so that both legs reach their ankles softly, each as far as its foot's place matters.
+///
+/// - `drop`: how far it was lowered at the last step, and is now. [Unit: m]
+/// - `keep`: what is left of a difference to that after the tick.
 #[inline(always)]
-pub(crate) fn lower<F: Lanes>(body: &LaneBody, soles: &[Sole<F>; 2], importance: [F; 2], pose: &mut ModelPose<F>) {
+pub(crate) fn lower<F: Lanes>(
+    body: &LaneBody,
+    soles: &[Sole<F>; 2],
+    importance: [F; 2],
+    (drop_before, keep): (&mut Lane, f32),
+    pose: &mut ModelPose<F>,
+) {
     let mut drop = F::splat(0.0);
     for (side, sole) in soles.iter().enumerate() {
         let leg = &body.legs[side];
@@ -25,12 +36,24 @@ pub(crate) fn lower<F: Lanes>(body: &LaneBody, soles: &[Sole<F>; 2], importance:
         let hip = pose.positions[LEGS[side][0].index()];
         let way = hip - sole.ankle;
         let up = (reach * reach - way.x * way.x - way.z * way.z).max(reach * reach * F::splat(0.1)).sqrt();
-        drop = drop.max((way.y - up) * importance[side]);
+        // Whole where the foot stands: half of the blend is enough for that.
+        drop = drop.max((way.y - up) * (importance[side] + importance[side]).min(F::splat(1.0)));
     }
     let drop = drop.min(F::splat(LOWEST_M) * F::load(&body.scale));
+    let drop = drop + (F::load(drop_before) - drop) * F::splat(keep);
+    *drop_before = drop.to_array();
     for j in 0..NUM_JOINTS {
         pose.positions[j].y = pose.positions[j].y - drop;
     }
+}
+
+/// 1 where a leg, the hips lowered as they are, is too short for its foot by more than what cannot be seen, else 0.
+#[inline(always)]
+pub(crate) fn stretched<F: Lanes>(body: &LaneBody, side: usize, sole: &Sole<F>, pose: &ModelPose<F>) -> F {
+    let leg = &body.legs[side];
+    let reach = (F::load(&leg.lengths[0]) + F::load(&leg.lengths[1])) * F::splat(1.0 + STRETCH);
+    let distance = (sole.ankle - pose.positions[LEGS[side][0].index()]).length();
+    F::select_lt(reach, distance, F::splat(1.0), F::splat(0.0))
 }
 
 /// Bends a leg so that its foot lies where it goes.

@@ -7,7 +7,7 @@
 use super::block::{Block, Foot};
 use super::body::{LEGS, LaneBody};
 use super::feet::{Bearing, Sole, Tread, tread};
-use super::reach::{lower, reach_foot, reach_hand};
+use super::reach::{lower, reach_foot, reach_hand, stretched};
 use super::steer::Steering;
 use super::{Control, WalkersConfig};
 use crate::blend::ground::{Ground, HeightField};
@@ -33,6 +33,9 @@ const STEP_S: f32 = 0.35;
 /// Share of the reach at which a foot of a character that stands takes a step.
 const STANDING_REACH: f32 = 0.4;
 
+/// Time in which a difference in how far the hips are lowered halves: legs give way softly meanwhile. [Unit: s]
+const DROP_HALF_LIFE_S: f32 = 0.02;
+
 /// What all ranges of a tick share.
 pub(crate) struct Tick<'a, 's> {
     space: &'a BlendSpace<'s>,
@@ -42,12 +45,15 @@ pub(crate) struct Tick<'a, 's> {
     dt_s: f32,
     /// What is left of a foot's offset in the air.
     keep: f32,
+    /// What is left of a difference in how far the hips are lowered.
+    keep_drop: f32,
 }
 
 impl<'a, 's> Tick<'a, 's> {
     pub fn new(space: &'a BlendSpace<'s>, config: &'a WalkersConfig, dt_s: f32, ground: &'a HeightField) -> Self {
         let keep = (-dt_s / config.foot_half_life_s).exp2();
-        Self { space, config, steering: Steering::new(space, config, dt_s), ground, dt_s, keep }
+        let keep_drop = (-dt_s / DROP_HALF_LIFE_S).exp2();
+        Self { space, config, steering: Steering::new(space, config, dt_s), ground, dt_s, keep, keep_drop }
     }
 }
 
@@ -182,12 +188,12 @@ fn retarget<F: Lanes>(
         return model;
     }
     let importance = importance.each_ref().map(|i| F::load(i));
-    let (left, heel_and_ball) = plant(block, body, 0, &t, importance[0], &place, &model, tick);
-    let (right, others) = plant(block, body, 1, &t, importance[1], &place, &model, tick);
-    block.contacts = contacts([heel_and_ball, others]);
-    let soles = [left, right];
-    lower(body, &soles, importance, &mut model);
+    let (left, left_bears) = plant(block, body, 0, &t, importance[0], &place, &model, tick);
+    let (right, right_bears) = plant(block, body, 1, &t, importance[1], &place, &model, tick);
+    let (soles, mut bearing) = ([left, right], [left_bears, right_bears]);
+    lower(body, &soles, importance, (&mut block.drop, tick.keep_drop), &mut model);
     for (side, sole) in soles.iter().enumerate() {
+        release(&mut block.feet[side], &mut bearing[side], stretched(body, side, sole, &model));
         reach_foot(body, side, sole, &mut model);
     }
     for (side, &touch) in t.touches.iter().enumerate() {
@@ -196,7 +202,19 @@ fn retarget<F: Lanes>(
             reach_hand(body, side, to, touch.max(F::splat(0.0)).min(F::splat(1.0)), &mut model);
         }
     }
+    block.contacts = contacts(bearing);
     model
+}
+
+/// Lets a planted foot that the leg does not reach go, to take a step to where it belongs.
+#[inline(always)]
+fn release<F: Lanes>(foot: &mut Foot, bearing: &mut Bearing, stretched: F) {
+    let (zero, half) = (F::splat(0.0), F::splat(0.5));
+    let let_go = stretched * F::load(&foot.down);
+    foot.step = F::select_lt(half, let_go, zero, F::load(&foot.step)).to_array();
+    for part in bearing {
+        *part = F::select_lt(half, let_go, zero, F::load(part)).to_array();
+    }
 }
 
 /// Where eight characters stand.
