@@ -2,7 +2,7 @@
 //! `cargo bench --bench blend`.
 
 #[allow(dead_code, reason = "a part of it is enough here")]
-#[path = "../tests/blend/made_up.rs"]
+#[path = "../tests/blend/runtime/made_up.rs"]
 mod made_up;
 
 use glam::Vec2;

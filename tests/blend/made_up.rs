@@ -1,241 +1,163 @@
-//! A blend space made by hand: a body on two legs that strides at any speed, sideways, back, in curves, or stands.
+//! Puppets that walk evenly on known arcs: every number of them is known at every time.
 
-use bytemuck::Zeroable;
 use glam::{Quat, Vec2, Vec3};
-use std::f32::consts::{PI, TAU};
-use throng_runtime::blend::{
-    AxisRecord, BlendRecord, BlendSpace, Blends, ChannelRow, ExampleRecord, MAX_AXES, PADDED_JOINTS, ReferenceRow,
-    axis, channel,
-};
-use throng_runtime::{Joint, Planar, Skeleton};
+use std::collections::BTreeMap;
+use std::f32::consts::TAU;
+use throng_precompute::clip::Tag;
+use throng_precompute::error::BuildError;
+use throng_precompute::examples::{self, BlendConfig, BlendSpaces};
+use throng_precompute::progress::Silent;
+use throng_precompute::{Clip, ClipSet};
+use throng_runtime::{Contacts, Joint, NUM_JOINTS, Planar, Skeleton};
 
-/// Rows of the posture tables.
-pub const PHASES: usize = 32;
+/// Frames a second of the clips.
+pub const RATE_HZ: f32 = 60.0;
 
-/// Tables that a [`BlendSpace`] can be made of.
-pub struct MadeUp {
-    pub spaces: Vec<BlendRecord>,
-    pub examples: Vec<ExampleRecord>,
-    pub weights: Vec<f32>,
-    pub references: Vec<ReferenceRow>,
-    pub channels: Vec<ChannelRow>,
+/// A gait that repeats itself exactly.
+#[derive(Clone, Debug)]
+pub struct Puppet {
+    pub name: &'static str,
+    /// To the left, ahead. [Unit: m/s]
+    pub velocity: [f32; 2],
+    /// Turning rate. [Unit: rad/s]
+    pub gyration: f32,
+    /// Time of two steps. [Unit: s]
+    pub period: f32,
+    /// Part of the cycle at which the right foot strikes.
+    pub right: f32,
+    /// Part of the cycle that a foot stands.
+    pub duty: f32,
+    /// How far legs and arms swing. [Unit: rad]
+    pub swing: f32,
+    /// Length of the clip. [Unit: s]
+    pub seconds: f32,
 }
 
-/// How an example strides: left, ahead, turning. [Unit: m/s, rad/s]
-pub type Stride = [f32; 3];
-
-impl MadeUp {
-    pub fn view(&self) -> Blends<'_> {
-        Blends {
-            spaces: &self.spaces,
-            examples: &self.examples,
-            weights: &self.weights,
-            references: &self.references,
-            channels: &self.channels,
-        }
+impl Puppet {
+    pub fn new(name: &'static str, ahead: f32, gyration: f32) -> Self {
+        let velocity = [0.0, ahead];
+        Self { name, velocity, gyration, period: 1.0, right: 0.5, duty: 0.6, swing: 0.4, seconds: 4.5 }
     }
 
-    pub fn space(&self) -> BlendSpace<'_> {
-        BlendSpace::new(self.view(), 0).expect("a space")
+    /// Where the facing frame is at a time; the left foot strikes first at a quarter of a cycle.
+    pub fn frame(&self, t: f32) -> Planar {
+        // Many small steps: no formula is shared with what is tested.
+        let n = 2000;
+        let (mut p, dt) = (Planar::new(1.0, -2.0, 0.3), t / n as f32);
+        for _ in 0..n {
+            let middle = p.heading + 0.5 * self.gyration * dt;
+            let (s, c) = middle.sin_cos();
+            let [left, ahead] = self.velocity;
+            p = Planar::new(
+                p.x + (c * left + s * ahead) * dt,
+                p.z + (c * ahead - s * left) * dt,
+                p.heading + self.gyration * dt,
+            );
+        }
+        p
     }
 
-    /// Twenty examples over speed, side step and turning.
-    pub fn locomotion() -> Self {
-        let mut strides = vec![[0.0; 3]];
-        for turning in [-1.2, 0.0, 1.2] {
-            strides.extend([0.8, 1.5, 2.6, 4.0, 5.0].map(|speed| [0.0, speed, turning]));
-        }
-        strides.extend([[0.7, 0.0, 0.0], [-0.7, 0.0, 0.0], [0.0, -0.8, 0.0], [0.0, 0.0, 1.5]]);
-        Self::new(&strides, [13, 5, 7])
+    /// Part of the cycle, from the left foot's strike.
+    pub fn phase(&self, t: f32) -> f32 {
+        t / self.period - 0.25
     }
 
-    /// Examples of given strides, over a grid of so many knots a axis.
-    pub fn new(strides: &[Stride], knots: [u32; 3]) -> Self {
-        let stride = strides.len().next_multiple_of(8);
-        let mut axes = [AxisRecord::zeroed(); MAX_AXES];
-        for (a, (kind, low, high)) in
-            [(axis::SPEED, -1.0, 5.0), (axis::SIDE, -1.0, 1.0), (axis::GYRATION, -1.5, 1.5)].into_iter().enumerate()
-        {
-            axes[a] = AxisRecord { kind, num_knots: knots[a], low, high };
+    /// Hips and joint rotations in the facing frame at a time; it turns and sways with its steps.
+    pub fn pose(&self, t: f32) -> (Vec3, [Quat; NUM_JOINTS]) {
+        let a = TAU * self.phase(t);
+        let mut local = [Quat::IDENTITY; NUM_JOINTS];
+        let mut turn = |j: Joint, angle: f32| local[j.index()] = Quat::from_rotation_x(angle);
+        turn(Joint::LeftThigh, -self.swing * a.cos());
+        turn(Joint::RightThigh, self.swing * a.cos());
+        turn(Joint::LeftShin, 0.3 + 0.3 * a.sin());
+        turn(Joint::RightShin, 0.3 - 0.3 * a.sin());
+        turn(Joint::LeftUpperArm, self.swing * a.cos());
+        turn(Joint::RightUpperArm, -self.swing * a.cos());
+        local[0] = Quat::from_rotation_y(0.1 * a.sin()) * Quat::from_rotation_z(0.05 * a.cos());
+        local[Joint::UpperChest.index()] = Quat::from_rotation_y(-0.2 * a.sin());
+        (Vec3::new(0.02 * a.sin(), 0.9 + 0.02 * (2.0 * a).cos(), 0.01 * (2.0 * a).sin()), local)
+    }
+
+    pub fn contacts(&self, t: f32) -> Contacts {
+        let mut out = Contacts::NONE;
+        let phase = self.phase(t);
+        if phase.rem_euclid(1.0) < self.duty {
+            out.insert(Contacts::LEFT);
         }
-        let record = BlendRecord {
-            first_example: 0,
-            num_examples: strides.len() as u32,
-            num_axes: 3,
-            num_phases: PHASES as u32,
-            first_weight: 0,
-            weight_stride: stride as u32,
-            first_row: 0,
-            first_channel_row: 0,
-            max_weight_error: 0.0,
-            extrapolate: 0,
-            axes,
+        if (phase - self.right).rem_euclid(1.0) < self.duty {
+            out.insert(Contacts::RIGHT);
+        }
+        out
+    }
+
+    pub fn clip(&self) -> Clip {
+        let frames = (self.seconds * RATE_HZ) as usize;
+        let mut clip = Clip {
+            name: self.name.into(),
+            source: "made up".into(),
+            mirrored: false,
+            rate_hz: f64::from(RATE_HZ),
+            root_positions: Vec::new(),
+            rotations: Vec::new(),
+            contacts: Vec::new(),
+            excluded: Vec::new(),
+            tags: vec![Tag { name: "steady".into(), range: 0..frames }],
+            hits: Vec::new(),
+            support: Vec::new(),
         };
-        let examples: Vec<_> = strides.iter().map(example).collect();
-        let mut channels = Vec::new();
-        for phase in 0..PHASES {
-            channels.extend(strides.iter().map(|s| row(s, phase as f32 / PHASES as f32)));
+        for f in 0..frames {
+            let t = f as f32 / RATE_HZ;
+            let (frame, (hips, mut local)) = (self.frame(t), self.pose(t));
+            let ground = frame.transform_point(Vec2::new(hips.x, hips.z));
+            local[0] = frame.rotation() * local[0];
+            clip.root_positions.push(Vec3::new(ground.x, hips.y, ground.y));
+            clip.rotations.extend(local);
+            clip.contacts.push(self.contacts(t));
         }
-        let mut identity = ReferenceRow { components: [[0.0; PADDED_JOINTS]; 4] };
-        identity.components[3] = [1.0; PADDED_JOINTS];
-        Self {
-            spaces: vec![record],
-            weights: table(&axes[..3], &examples, stride),
-            examples,
-            references: vec![identity; PHASES],
-            channels,
-        }
+        clip
     }
 }
 
-/// Weights that fall off with the distance, exact at the examples that lie on knots.
-fn table(axes: &[AxisRecord], examples: &[ExampleRecord], stride: usize) -> Vec<f32> {
-    let mut table = Vec::new();
-    let value = |a: &AxisRecord, i: u32| a.low + (a.high - a.low) * i as f32 / (a.num_knots - 1) as f32;
-    for i in 0..axes[0].num_knots {
-        for j in 0..axes[1].num_knots {
-            for k in 0..axes[2].num_knots {
-                let at = [value(&axes[0], i), value(&axes[1], j), value(&axes[2], k)];
-                let near = |e: &ExampleRecord| {
-                    let d2: f32 = (0..3).map(|a| (e.parameters[a] - at[a]).powi(2)).sum();
-                    1.0 / (d2 * d2 + 1e-6)
-                };
-                let sum: f32 = examples.iter().map(near).sum();
-                let row = examples.iter().map(|e| near(e) / sum);
-                table.extend(row.chain(std::iter::repeat(0.0)).take(stride));
-            }
-        }
-    }
-    table
+/// Somebody who stands and breathes.
+pub fn idle() -> Clip {
+    let mut clip = Puppet { period: 3.0, swing: 0.02, duty: 1.1, seconds: 7.0, ..Puppet::new("idle", 0.0, 0.0) }.clip();
+    clip.contacts.iter_mut().for_each(|c| *c = Contacts(15));
+    clip
 }
 
-fn is_still(stride: &Stride) -> bool {
-    stride.iter().all(|&v| v == 0.0)
+pub fn set(clips: Vec<Clip>) -> ClipSet {
+    ClipSet { skeleton: Skeleton::default(), clips }
 }
 
-/// Time of a cycle: quicker steps at higher speeds. [Unit: s]
-pub fn cycle_s(stride: &Stride) -> f32 {
-    if is_still(stride) { 3.0 } else { 1.25 - 0.11 * stride[0].hypot(stride[1]) }
+/// A config as a file would have it.
+pub fn config(text: &str) -> BlendConfig {
+    toml::from_str(text).expect("a blend space")
 }
 
-fn example(stride: &Stride) -> ExampleRecord {
-    let mut parameters = [0.0; MAX_AXES];
-    parameters[..3].copy_from_slice(&[stride[1], stride[0], stride[2]]);
-    let flags = if is_still(stride) { ExampleRecord::IS_STILL } else { 0 };
-    let stance = stance(stride);
-    ExampleRecord {
-        parameters,
-        duration_s: cycle_s(stride),
-        velocity: [stride[0], stride[1]],
-        gyration: stride[2],
-        keytimes: if is_still(stride) { [0.0; 3] } else { [stance, 0.5, (0.5 + stance) % 1.0] },
-        flags,
-        ..ExampleRecord::zeroed()
-    }
+/// The space `walk` of some clips.
+pub fn fit(clips: Vec<Clip>, config: &BlendConfig) -> Result<BlendSpaces, BuildError> {
+    examples::fit(&set(clips), &BTreeMap::from([("walk".to_owned(), config.clone())]), &Silent)
 }
 
-/// Share of the cycle that a foot is on the ground: no longer than legs reach.
-fn stance(stride: &Stride) -> f32 {
-    let way = cycle_s(stride) * stride[0].hypot(stride[1]);
-    if is_still(stride) { 1.0 } else { 0.64f32.min(0.72 / way.max(0.1)) }
+/// Two speeds and three turning rates, and standing.
+pub fn six() -> Vec<Clip> {
+    let mut clips: Vec<Clip> = [
+        Puppet::new("slow", 0.8, 0.0),
+        Puppet::new("slow_left", 0.8, 0.7),
+        Puppet::new("fast", 1.6, 0.0),
+        Puppet { period: 0.8, swing: 0.6, ..Puppet::new("fast_left", 1.6, 0.7) },
+        Puppet { period: 0.9, ..Puppet::new("fast_right", 1.6, -0.7) },
+    ]
+    .iter()
+    .map(Puppet::clip)
+    .collect();
+    clips.push(idle());
+    clips
 }
 
-/// What a foot does at a phase of its own cycle, which begins with its strike.
-struct Foot {
-    /// Ankle in the facing frame, before the hips are taken away. [Unit: m]
-    ankle: Vec3,
-    rotation: Quat,
-    down: bool,
-}
-
-fn foot(stride: &Stride, side: f32, phase: f32) -> Foot {
-    let skeleton = Skeleton::default();
-    let rest = skeleton.rest_positions()[Joint::LeftFoot.index()];
-    let (stance, cycle_s) = (stance(stride), cycle_s(stride));
-    // Planted below the hip where the body is in the middle of the stance.
-    let planted = |t: f32| {
-        let place = arc(stride, t).inverse().compose(Planar::new(side * rest.x, 0.0, 0.0));
-        (Vec2::new(place.x, place.z), place.heading)
-    };
-    // The heel rises about the ball late in the stance.
-    let ball = Skeleton::default().offsets[Joint::LeftToe.index()].with_y(-rest.y);
-    let risen = |yaw: f32, pitch: f32| {
-        let (flat, rotation) = (Quat::from_rotation_y(yaw), Quat::from_rotation_y(yaw) * Quat::from_rotation_x(pitch));
-        (flat * ball - rotation * ball, rotation)
-    };
-    let push = if is_still(stride) { 0.0 } else { 0.6 };
-    let smooth = |s: f32| s * s * (3.0 - 2.0 * s);
-    if phase < stance {
-        let (at, yaw) = planted((phase - 0.5 * stance) * cycle_s);
-        let (by, rotation) = risen(yaw, push * smooth((phase / stance / 0.4 - 1.5).max(0.0)));
-        return Foot { ankle: Vec3::new(at.x, rest.y, at.y) + by, rotation, down: true };
-    }
-    let (from, to) = (planted(0.5 * stance * cycle_s), planted(-0.5 * stance * cycle_s));
-    let s = (phase - stance) / (1.0 - stance);
-    let ease = smooth(s);
-    let at = from.0.lerp(to.0, ease);
-    let lift = 0.06 + 0.05 * stride[0].hypot(stride[1]);
-    let height = rest.y + lift * (PI * s).sin().powi(2);
-    let (by, rotation) = risen(from.1 + (to.1 - from.1) * ease, push * (1.0 - ease));
-    Foot { ankle: Vec3::new(at.x, height, at.y) + by, rotation, down: false }
-}
-
-/// Facing frame after a time. [Unit: s]
-fn arc(stride: &Stride, t: f32) -> Planar {
-    let [left, ahead, turning] = *stride;
-    let steps = 64;
-    let dt = t / steps as f32;
-    (0..steps).fold(Planar::IDENTITY, |at, _| at.compose(Planar::new(left * dt, ahead * dt, turning * dt)))
-}
-
-/// The channels of an example at a generic time.
-fn row(stride: &Stride, phase: f32) -> ChannelRow {
-    let skeleton = Skeleton::default();
-    let mut row = ChannelRow { values: [0.0; 96] };
-    let speed = stride[0].hypot(stride[1]);
-    let bob = if is_still(stride) { 0.0 } else { 0.012 + 0.004 * speed };
-    let hips = Vec3::new(0.0, 0.885 - 0.006 * speed - bob * (2.0 * TAU * phase).cos(), 0.0);
-    let mut put = |at: usize, v: Vec3| row.values[at..at + 3].copy_from_slice(&v.to_array());
-    put(channel::HIPS, hips);
-    let feet = [foot(stride, 1.0, phase), foot(stride, -1.0, (phase + 0.5) % 1.0)];
-    for (side, foot) in feet.iter().enumerate() {
-        put([channel::LEFT_ANKLE, channel::RIGHT_ANKLE][side], foot.ankle - hips);
-    }
-    for (hand, side) in [(channel::LEFT_HAND, 1.0), (channel::RIGHT_HAND, -1.0)] {
-        put(hand, Vec3::new(side * 0.2, 0.0, 0.1 * side * (TAU * phase).cos()));
-    }
-    for (side, foot) in feet.iter().enumerate() {
-        bend_leg(&mut row, &skeleton, side, hips, foot);
-        row.values[[channel::LEFT_CONTACT, channel::RIGHT_CONTACT][side]] = f32::from(u8::from(foot.down));
-    }
-    row.values[channel::RATE] = cycle_s(stride);
-    row.values[channel::VELOCITY] = stride[0];
-    row.values[channel::VELOCITY + 1] = stride[1];
-    row.values[channel::GYRATION] = stride[2];
-    row
-}
-
-/// Thigh, shin and foot that reach the ankle, the knee ahead.
-fn bend_leg(row: &mut ChannelRow, skeleton: &Skeleton, side: usize, hips: Vec3, foot: &Foot) {
-    let joints =
-        [[Joint::LeftThigh, Joint::LeftShin, Joint::LeftFoot], [Joint::RightThigh, Joint::RightShin, Joint::RightFoot]]
-            [side];
-    let [l1, l2] = [joints[1], joints[2]].map(|j| skeleton.offsets[j.index()].length());
-    let way = foot.ankle - hips - skeleton.offsets[joints[0].index()];
-    let d = way.length().min(0.999 * (l1 + l2));
-    let knee = PI - ((l1 * l1 + l2 * l2 - d * d) / (2.0 * l1 * l2)).clamp(-1.0, 1.0).acos();
-    let hip = ((l1 * l1 + d * d - l2 * l2) / (2.0 * l1 * d)).clamp(-1.0, 1.0).acos();
-    let thigh = Quat::from_rotation_arc(Vec3::NEG_Y, way.normalize()) * Quat::from_rotation_x(-hip);
-    let shin = Quat::from_rotation_x(knee);
-    put_rotation(row, joints[0], thigh);
-    put_rotation(row, joints[1], shin);
-    put_rotation(row, joints[2], (thigh * shin).inverse() * foot.rotation);
-}
-
-/// Puts a rotation, whose reference is the identity.
-pub fn put_rotation(row: &mut ChannelRow, joint: Joint, q: Quat) {
-    let log = q.to_scaled_axis() * 0.5;
-    for (start, v) in channel::LOG.into_iter().zip(log.to_array()) {
-        row.values[start + joint.index()] = v;
-    }
-}
+/// A space of speed and turning rate over [`six`].
+pub const SIX: &str = "
+    axes = [{ kind = 'speed' }, { kind = 'gyration' }]
+    examples = [{ clip = 'slow*' }, { clip = 'fast*' }, { clip = 'idle', still = true }]
+    phases = 32
+";

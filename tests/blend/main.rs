@@ -1,7 +1,10 @@
-//! Blend spaces: weights, generic time, postures and walkers, against brute force and hand-solved cases.
+//! Blend spaces: examples, weights, postures and their tables, against brute force and by hand.
 
+mod bundle;
+mod examples;
 mod made_up;
-mod posture;
-mod walkers;
-mod warp;
+#[path = "../format/patch.rs"]
+mod parts;
+mod postures;
+mod runtime;
 mod weights;

@@ -1,187 +1,150 @@
-//! Weight tables: interpolation against brute force, and what lies outside the box.
+//! Cardinal weights and their table.
 
-use super::made_up::MadeUp;
 use proptest::prelude::*;
-use throng_runtime::blend::{AxisRecord, BlendError, BlendSpace, MAX_AXES, WeightGrid};
+use throng_precompute::examples::cardinal::{CardinalBasis, CardinalFault};
+use throng_precompute::examples::grid::{self, Grid};
 
-/// Axes of 2, 3, 4, ... knots.
-fn axes(num_axes: usize) -> Vec<AxisRecord> {
-    let axis = |a: usize| AxisRecord { kind: 0, num_knots: 2 + a as u32 % 3, low: -1.0 - a as f32, high: 0.5 };
-    (0..num_axes).map(axis).collect()
+const REACH: f64 = 2.0;
+const MIN_DISTANCE: f64 = 0.05;
+
+/// Scattered examples on one to three axes of different extent.
+fn scattered() -> impl Strategy<Value = Vec<Vec<f64>>> {
+    (1usize..=3, 5usize..=12)
+        .prop_flat_map(|(d, n)| prop::collection::vec(prop::collection::vec(-1.0f64..1.0, d), n))
+        .prop_map(|points| {
+            points.into_iter().map(|p| p.iter().zip([1.0, 40.0, 0.1]).map(|(v, s)| v * s).collect()).collect()
+        })
 }
 
-/// Parameters of every knot, in the order of rows.
-fn knots(axes: &[AxisRecord]) -> Vec<[f32; MAX_AXES]> {
-    let mut all = vec![[0.0; MAX_AXES]];
-    for (a, axis) in axes.iter().enumerate() {
-        let value = |i: u32| axis.low + (axis.high - axis.low) * i as f32 / (axis.num_knots - 1) as f32;
-        all = all
-            .iter()
-            .flat_map(|p| {
-                (0..axis.num_knots).map(move |i| {
-                    let mut p = *p;
-                    p[a] = value(i);
-                    p
-                })
-            })
-            .collect();
-    }
-    all
+fn basis(points: &[Vec<f64>]) -> Option<CardinalBasis> {
+    CardinalBasis::new(points, &[], REACH, MIN_DISTANCE).ok()
 }
 
-/// The path through a cell, written down as the definition says.
-fn by_definition(axes: &[AxisRecord], table: &[f32], stride: usize, p: &[f32; MAX_AXES]) -> Vec<f64> {
-    let d = axes.len();
-    let mut cell = vec![0usize; d];
-    let mut fraction = vec![0.0f64; d];
-    for (a, axis) in axes.iter().enumerate() {
-        let v = f64::from(p[a].clamp(axis.low, axis.high));
-        let at = (v - f64::from(axis.low)) / f64::from(axis.high - axis.low) * f64::from(axis.num_knots - 1);
-        cell[a] = (at as usize).min(axis.num_knots as usize - 2);
-        fraction[a] = at - cell[a] as f64;
-    }
-    let mut order: Vec<usize> = (0..d).collect();
-    order.sort_by(|&a, &b| fraction[b].total_cmp(&fraction[a]));
-    let row = |cell: &[usize]| cell.iter().zip(axes).fold(0, |r, (&c, a)| r * a.num_knots as usize + c);
-    let mut sum = vec![0.0; stride];
-    let mut add = |cell: &[usize], share: f64| {
-        let row = &table[row(cell) * stride..][..stride];
-        sum.iter_mut().zip(row).for_each(|(s, &w)| *s += f64::from(w) * share);
-    };
-    add(&cell, 1.0 - fraction[order[0]]);
-    for (i, &a) in order.iter().enumerate() {
-        cell[a] += 1;
-        add(&cell, fraction[a] - order.get(i + 1).map_or(0.0, |&b| fraction[b]));
-    }
-    sum
+fn weights(basis: &CardinalBasis, at: &[f64]) -> Vec<f64> {
+    let mut out = vec![0.0; basis.num_examples()];
+    basis.weights(at, &mut out);
+    out
+}
+
+/// Lowest and highest value on each axis.
+fn extent(points: &[Vec<f64>]) -> (Vec<f64>, Vec<f64>) {
+    let by =
+        |f: fn(f64, f64) -> f64| (0..points[0].len()).map(|k| points.iter().map(|p| p[k]).reduce(f).unwrap()).collect();
+    (by(f64::min), by(f64::max))
 }
 
 proptest! {
     #[test]
-    fn rows_between_knots_follow_the_definition(
-        d in 1usize..=MAX_AXES, p in prop::array::uniform6(-8.0f32..2.0), seed in 0u32..1000
-    ) {
-        let axes = axes(d);
-        let rows = knots(&axes).len();
-        let table: Vec<f32> = (0..rows * 16).map(|i| ((i as u32 * 7919 + seed) % 101) as f32 * 0.02 - 1.0).collect();
-        let grid = WeightGrid::new(&axes, 16, &table).expect("a grid");
-        let mut got = [0.0; 16];
-        grid.interpolate(&p, &mut got);
-        for (got, want) in got.iter().zip(by_definition(&axes, &table, 16, &p)) {
-            prop_assert!((f64::from(*got) - want).abs() < 1e-5, "{got} {want}");
+    fn each_weight_is_one_at_its_example_and_zero_at_the_others(points in scattered()) {
+        let Some(basis) = basis(&points) else { return Ok(()) };
+        for (i, p) in points.iter().enumerate() {
+            for (j, w) in weights(&basis, p).iter().enumerate() {
+                prop_assert!((w - f64::from(u8::from(i == j))).abs() < 1e-9, "weight {j} at example {i} is {w}");
+            }
         }
     }
 
     #[test]
-    fn a_linear_function_is_kept(p in prop::array::uniform6(-3.0f32..0.5)) {
-        let axes = axes(4);
-        let value = |p: &[f32; MAX_AXES]| 0.3 * p[0] - 0.7 * p[1] + 0.2 * p[2] + 1.1 * p[3] + 0.5;
-        let table: Vec<f32> = knots(&axes).iter().flat_map(|p| [value(p), 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]).collect();
-        let grid = WeightGrid::new(&axes, 8, &table).expect("a grid");
-        let mut got = [0.0; 8];
-        grid.interpolate(&p, &mut got);
-        prop_assert!((got[0] - value(&grid.clamp(&p))).abs() < 1e-5 && (got[1] - 1.0).abs() < 1e-6);
+    fn weights_sum_to_one_everywhere(points in scattered(), at in prop::collection::vec(-3.0f64..3.0, 3)) {
+        let Some(basis) = basis(&points) else { return Ok(()) };
+        let at: Vec<f64> = at.iter().zip([1.0, 40.0, 0.1]).map(|(v, s)| v * s).take(points[0].len()).collect();
+        prop_assert!((weights(&basis, &at).iter().sum::<f64>() - 1.0).abs() < 1e-9);
     }
 
+    /// What depends linearly on the parameters is blended exactly: its hyperplane has no residual.
     #[test]
-    fn neighbouring_points_have_neighbouring_weights(
-        p in prop::array::uniform3(-1.5f32..5.5), step in prop::array::uniform3(-1e-3f32..1e-3)
-    ) {
-        let made_up = MadeUp::locomotion();
-        let space = made_up.space();
-        let query = |p: [f32; 3]| [p[0], p[1], p[2], 0.0, 0.0, 0.0];
-        let next = [p[0] + step[0], p[1] + step[1], p[2] + step[2]];
-        let mut rows = vec![0.0; 2 * space.stride()];
-        space.weights(&[query(p), query(next)], &mut rows).expect("weights");
-        let (a, b) = rows.split_at(space.stride());
-        prop_assert!((a.iter().sum::<f32>() - 1.0).abs() < 1e-5);
-        prop_assert!(a.iter().zip(b).all(|(a, b)| (a - b).abs() < 0.02));
+    fn linear_quantities_are_blended_exactly(points in scattered(), slope in -2.0f64..2.0, at in prop::collection::vec(-1.0f64..1.0, 3)) {
+        let Some(basis) = basis(&points) else { return Ok(()) };
+        let value = |p: &[f64]| 0.5 + slope * p.iter().zip([1.0, 0.025, 10.0]).map(|(v, s)| v * s).sum::<f64>();
+        let at: Vec<f64> = at.iter().zip([1.0, 40.0, 0.1]).map(|(v, s)| v * s).take(points[0].len()).collect();
+        let blended: f64 = weights(&basis, &at).iter().zip(&points).map(|(w, p)| w * value(p)).sum();
+        prop_assert!((blended - value(&at)).abs() < 1e-8, "{blended}, {}", value(&at));
+    }
+
+    /// Scaling an axis changes nothing: distances count in spacings.
+    #[test]
+    fn units_do_not_matter(points in scattered(), at in prop::collection::vec(-1.0f64..1.0, 3)) {
+        let Some(basis) = basis(&points) else { return Ok(()) };
+        let larger: Vec<Vec<f64>> = points.iter().map(|p| p.iter().map(|v| v * 57.3 - 4.0).collect()).collect();
+        let other = CardinalBasis::new(&larger, &[], REACH, MIN_DISTANCE).expect("the same basis");
+        let at: Vec<f64> = at.iter().zip([1.0, 40.0, 0.1]).map(|(v, s)| v * s).take(points[0].len()).collect();
+        let there: Vec<f64> = at.iter().map(|v| v * 57.3 - 4.0).collect();
+        for (a, b) in weights(&basis, &at).iter().zip(weights(&other, &there)) {
+            prop_assert!((a - b).abs() < 1e-7);
+        }
     }
 }
 
-#[test]
-fn rows_at_knots_are_those_of_the_table() {
-    for d in 1..=MAX_AXES {
-        let axes = axes(d);
-        let knots = knots(&axes);
-        let table: Vec<f32> = (0..knots.len() * 8).map(|i| (i as f32 * 0.7).sin()).collect();
-        let grid = WeightGrid::new(&axes, 8, &table).expect("a grid");
-        for (i, p) in knots.iter().enumerate() {
-            let mut got = [0.0; 8];
-            grid.interpolate(p, &mut got);
-            let want = &table[8 * i..][..8];
-            assert!(got.iter().zip(want).all(|(a, b)| (a - b).abs() < 1e-5), "{d} axes, knot {i}");
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(16))]
+    #[test]
+    fn the_table_is_within_its_tolerance(points in scattered(), samples in prop::collection::vec(prop::array::uniform3(0.0f64..1.0), 400)) {
+        prop_assume!(points[0].len() < 3);
+        let Some(basis) = CardinalBasis::new(&points, &[], REACH, 0.15).ok() else { return Ok(()) };
+        let (low, high) = extent(&points);
+        let tolerance = 0.02;
+        let table = grid::tabulate(&basis, (low.clone(), high.clone()), tolerance, 1 << 26).expect("a table");
+        prop_assert!(table.max_error <= tolerance);
+        let mut stored = vec![0.0; points.len()];
+        for s in samples {
+            let at: Vec<f64> = (0..low.len()).map(|k| low[k] + s[k] * (high[k] - low[k])).collect();
+            table.weights(&at, &mut stored);
+            let error = weights(&basis, &at).iter().zip(&stored).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+            // Errors are measured where they are largest in each cell, or nearly so.
+            prop_assert!(error <= 1.1 * tolerance, "{error}");
+            prop_assert!((stored.iter().sum::<f64>() - 1.0).abs() < 1e-5);
+        }
+        for row in table.weights.chunks(table.stride) {
+            prop_assert!((row.iter().sum::<f32>() - 1.0).abs() < 1e-5 && row[points.len()..].iter().all(|w| *w == 0.0));
         }
     }
 }
 
 #[test]
-fn what_is_outside_the_box_is_clamped_and_what_is_no_number_is_low() {
-    let axes = axes(2);
-    let table: Vec<f32> = (0..6 * 8).map(|i| i as f32).collect();
-    let grid = WeightGrid::new(&axes, 8, &table).expect("a grid");
-    let at = |x: f32, y: f32| {
-        let mut row = [0.0; 8];
-        grid.interpolate(&[x, y, 0.0, 0.0, 0.0, 0.0], &mut row);
-        row[0]
+fn a_finer_tolerance_takes_more_knots_and_coarse_ones_are_few() {
+    let points: Vec<Vec<f64>> =
+        [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0], [0.4, 0.6]].map(|p| p.to_vec()).to_vec();
+    let basis = basis(&points).expect("a basis");
+    let knots = |tolerance| {
+        let table = grid::tabulate(&basis, extent(&points), tolerance, 1 << 26).expect("a table");
+        table.grid.num_knots()
     };
-    assert_eq!(at(-50.0, -50.0), 0.0);
-    assert_eq!(at(9.0, f32::INFINITY), 40.0);
-    assert_eq!(at(f32::NAN, f32::NEG_INFINITY), 0.0);
-    let mut short = [7.0; 7];
-    grid.interpolate(&[0.0; MAX_AXES], &mut short);
-    assert_eq!(short, [7.0; 7], "a row that is too short is left alone");
+    let (fine, coarse) = (knots(0.003), knots(0.1));
+    assert!(coarse < 200 && fine > 2 * coarse, "{coarse}, {fine}");
+}
+
+/// Along an axis on which the weights are linear, two knots are exact.
+#[test]
+fn an_axis_without_bends_keeps_two_knots() {
+    let basis = CardinalBasis::new(&[vec![0.0], vec![3.0]], &[], REACH, MIN_DISTANCE).expect("a basis");
+    let table = grid::tabulate(&basis, (vec![0.0], vec![3.0]), 0.01, 1 << 20).expect("a table");
+    assert_eq!(table.grid, Grid { low: vec![0.0], high: vec![3.0], knots: vec![2] });
+    let mut w = [0.0; 2];
+    table.weights(&[0.75], &mut w);
+    assert!((w[0] - 0.75).abs() < 1e-6 && (w[1] - 0.25).abs() < 1e-6, "{w:?}");
+    table.weights(&[-9.0], &mut w);
+    assert_eq!(w, [1.0, 0.0], "outside the box: its nearest point");
 }
 
 #[test]
-fn extrapolation_continues_the_linear_part() {
-    let mut made_up = MadeUp::locomotion();
-    made_up.spaces[0].extrapolate = 1;
-    let space = made_up.space();
-    let mut rows = vec![0.0; 3 * space.stride()];
-    let at = |speed: f32| [speed, 0.0, 0.0, 0.0, 0.0, 0.0];
-    space.weights(&[at(5.0), at(6.0), at(8.0)], &mut rows).expect("weights");
-    let row = |i: usize| &rows[i * space.stride()..][..space.stride()];
-    for e in 0..space.stride() {
-        let (one, three) = (row(1)[e] - row(0)[e], row(2)[e] - row(0)[e]);
-        assert!((three - 3.0 * one).abs() < 1e-5, "example {e}");
+fn a_table_that_would_be_too_large_says_what_it_needs() {
+    let points: Vec<Vec<f64>> = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [0.06, 0.5]].map(|p| p.to_vec()).to_vec();
+    let basis = basis(&points).expect("a basis");
+    let e = grid::tabulate(&basis, extent(&points), 1e-3, 4096).expect_err("too large");
+    assert!(e.bytes > 4096 && e.knots.iter().product::<usize>() * 32 == e.bytes as usize, "{e:?}");
+}
+
+#[test]
+fn examples_that_have_no_basis_are_told_apart() {
+    let fault = |points: &[&[f64]]| {
+        let points: Vec<Vec<f64>> = points.iter().map(|p| p.to_vec()).collect();
+        CardinalBasis::new(&points, &[], REACH, MIN_DISTANCE).expect_err("no basis")
+    };
+    assert_eq!(fault(&[&[0.0, 1.0], &[1.0, 0.0]]), CardinalFault::TooFew);
+    assert_eq!(fault(&[&[0.0, 1.0], &[1.0, 1.0], &[2.0, 1.0]]), CardinalFault::NoExtent(1));
+    assert_eq!(fault(&[&[0.0, 1.0], &[1.0, 2.0], &[2.0, 3.0], &[5.0, 6.0]]), CardinalFault::NoSpread(1));
+    match fault(&[&[0.0, 0.0], &[1.0, 2.0], &[2.0, 0.0], &[1.001, 2.0]]) {
+        CardinalFault::Coincident(1, 3, d) => assert!((d - 0.0005).abs() < 1e-9, "{d}"),
+        other => panic!("{other:?}"),
     }
-    let speed = |i: usize| row(i).iter().zip(space.examples()).map(|(w, e)| w * e.parameters[0]).sum::<f32>();
-    assert!((speed(2) - speed(0) - 3.0).abs() < 1e-4, "{}", speed(2) - speed(0));
-    assert!((row(2).iter().sum::<f32>() - 1.0).abs() < 1e-4);
-}
-
-#[test]
-fn what_does_not_fit_is_refused() {
-    let axes = axes(2);
-    assert!(WeightGrid::new(&axes, 8, &[0.0; 48]).is_some());
-    assert!(WeightGrid::new(&axes, 8, &[0.0; 47]).is_none());
-    assert!(WeightGrid::new(&axes, 7, &[0.0; 42]).is_none());
-    assert!(WeightGrid::new(&[], 8, &[0.0; 8]).is_none());
-    let made_up = MadeUp::locomotion();
-    let space = made_up.space();
-    let e = space.weights(&[[0.0; MAX_AXES]; 2], &mut [0.0; 24]).expect_err("one row for two queries");
-    assert_eq!(e, BlendError::Length { what: "weights", got: 24, expected: 48 });
-}
-
-#[test]
-fn broken_tables_are_refused_and_named() {
-    let refuse = |change: fn(&mut MadeUp), what: &str| {
-        let mut made_up = MadeUp::locomotion();
-        change(&mut made_up);
-        let e = BlendSpace::new(made_up.view(), 0).expect_err(what);
-        assert!(e.to_string().contains(what), "{e}");
-    };
-    refuse(|m| m.spaces.clear(), "blend space 0 does not exist");
-    refuse(|m| m.spaces[0].first_example = u32::MAX, "examples");
-    refuse(|m| m.spaces[0].num_examples = 0, "examples");
-    refuse(|m| m.examples[3].duration_s = 0.0, "examples");
-    refuse(|m| m.spaces[0].num_axes = 7, "weight rows");
-    refuse(|m| m.spaces[0].axes[1].num_knots = u32::MAX, "weight rows");
-    refuse(|m| m.spaces[0].weight_stride = 16, "weight rows");
-    refuse(|m| m.spaces[0].axes[0].high = -2.0, "weight rows");
-    refuse(|m| m.spaces[0].num_phases = 1, "reference rows");
-    refuse(|m| m.spaces[0].first_row = 1, "reference rows");
-    refuse(|m| m.spaces[0].first_channel_row = 1, "channel rows");
-    refuse(|m| m.channels[7].values[throng_runtime::blend::channel::RATE] = 0.0, "rates");
 }

@@ -13,6 +13,7 @@ mod foot;
 mod frame;
 mod input;
 mod leg;
+mod locomotion;
 mod office;
 mod pendulum;
 mod playground;
@@ -36,9 +37,10 @@ use serde::{Deserialize, Serialize};
 pub struct SynthConfig {
     /// Same seed, same motion, to the bit.
     pub seed: u64,
-    /// Length of the whole set; clips end standing, so it comes out a little longer. [Unit: min] [Limit: 0.05 to 240]
+    /// Length of the whole set; clips end standing, so it comes out a little longer. The locomotion set is a list: a
+    /// shorter length has the first clips of it, a longer one further takes. [Unit: min] [Limit: 0.05 to 240]
     pub minutes: f64,
-    /// Length of one clip, about. [Unit: s] [Limit: 10 to 600]
+    /// Length of one clip, about; of the locomotion set, exactly. [Unit: s] [Limit: 3 to 600]
     pub clip_seconds: f64,
     /// Frames a second. [Unit: Hz] [Limit: 20 to 240]
     pub rate_hz: f64,
@@ -60,13 +62,18 @@ impl SynthConfig {
             SynthSet::Boxing => Self { minutes: 8.0, clip_seconds: 60.0, ..Self::default() },
             SynthSet::Office => Self { minutes: 13.0, clip_seconds: 60.0, ..Self::default() },
             SynthSet::Playground => Self { minutes: 12.0, clip_seconds: 60.0, ..Self::default() },
+            SynthSet::Locomotion => {
+                let clip_seconds = locomotion::CLIP_SECONDS;
+                let minutes = locomotion::NUM_ACTS as f64 * clip_seconds / 60.0;
+                Self { minutes, clip_seconds, ..Self::default() }
+            }
         }
     }
 
     fn check(&self) -> Result<(), BuildError> {
         let limits = [
             ("minutes", self.minutes, 0.05, 240.0),
-            ("clip_seconds", self.clip_seconds, 10.0, 600.0),
+            ("clip_seconds", self.clip_seconds, 3.0, 600.0),
             ("rate_hz", self.rate_hz, 20.0, 240.0),
             ("variation", self.variation, 0.0, 2.0),
         ];

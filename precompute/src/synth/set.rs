@@ -1,6 +1,6 @@
 //! The list of synthetic sets.
 
-use super::{SynthConfig, boxing, files, office, playground, walk};
+use super::{SynthConfig, boxing, files, locomotion, office, playground, walk};
 use crate::clip::ClipSet;
 use crate::error::BuildError;
 use schemars::JsonSchema;
@@ -20,11 +20,13 @@ pub enum SynthSet {
     Office,
     /// Stairs, a ladder and slides of a gym, and walking between them.
     Playground,
+    /// Steady walking, jogging, running, turning, side and back steps and standing, in several manners.
+    Locomotion,
 }
 
 impl SynthSet {
     /// Every set.
-    pub const ALL: [Self; 4] = [Self::Walk, Self::Boxing, Self::Office, Self::Playground];
+    pub const ALL: [Self; 5] = [Self::Walk, Self::Boxing, Self::Office, Self::Playground, Self::Locomotion];
 
     /// The name, as the command line, configs and clips write it.
     pub fn name(self) -> &'static str {
@@ -33,6 +35,7 @@ impl SynthSet {
             Self::Boxing => "boxing",
             Self::Office => "office",
             Self::Playground => "playground",
+            Self::Locomotion => "locomotion",
         }
     }
 
@@ -50,7 +53,8 @@ impl SynthSet {
 
 /// Makes a set, on the default skeleton, with the true foot contacts.
 ///
-/// - returns clips `SET_00`, `SET_01`, ... that begin and end at rest: standing, or on guard.
+/// - returns clips `SET_00`, `SET_01`, ... that begin and end at rest: standing, or on guard; those of the locomotion
+///   set have names that say what they show, such as `walk_neutral_v110_gl08`, and go on throughout.
 ///
 /// # Errors
 /// [`BuildError::Config`] for a value outside its limits.
@@ -61,6 +65,7 @@ pub fn make(set: SynthSet, cfg: &SynthConfig) -> Result<ClipSet, BuildError> {
         SynthSet::Boxing => boxing::boxing(cfg),
         SynthSet::Office => office::office(cfg),
         SynthSet::Playground => playground::playground(cfg),
+        SynthSet::Locomotion => locomotion::locomotion(cfg),
     })
 }
 
@@ -89,7 +94,8 @@ mod tests {
         }
         let error = SynthSet::from_name("dance").unwrap_err().to_string();
         assert!(
-            error.contains("`walk` or `boxing` or `office` or `playground`") && error.contains("`dance`"),
+            error.contains("`walk` or `boxing` or `office` or `playground` or `locomotion`")
+                && error.contains("`dance`"),
             "{error}"
         );
     }
@@ -120,7 +126,8 @@ mod tests {
             let minutes = made.num_frames() as f64 / cfg.rate_hz / 60.0;
             assert!((cfg.minutes..cfg.minutes + 1.0).contains(&minutes), "{set:?}: {minutes}");
             for clip in &made.clips {
-                assert!((6.0..95.0).contains(&(clip.num_frames() as f64 / clip.rate_hz)), "{}", clip.name);
+                let least = if set == SynthSet::Locomotion { 4.0 } else { 6.0 };
+                assert!((least..95.0).contains(&(clip.num_frames() as f64 / clip.rate_hz)), "{}", clip.name);
             }
         }
     }

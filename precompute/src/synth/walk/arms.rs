@@ -44,15 +44,50 @@ fn arm(input: &ArmInput, side: Side, i: usize, follow: f64, trail: f64) -> ArmPo
     let flexion = lively * (0.23 + 0.1 * speed) + 0.95 * soft_floor(bend, -0.1);
     let abduction = 0.21 + 0.03 * speed;
     let turn_in = 0.30 + 0.15 * swing;
-    let hang = DQuat::from_rotation_x(-(swing + 0.02 + 0.75 * input.chest_pitch[i] * 0.6))
-        * DQuat::from_rotation_z(-s * (FRAC_PI_2 - abduction))
-        * DQuat::from_rotation_x(turn_in);
-    let clavicle = DQuat::from_rotation_y(-s * 0.16 * swing) * DQuat::from_rotation_z(s * (raise - 0.05));
-    ArmPose {
-        clavicle,
-        upper_arm: hang,
-        forearm: DQuat::from_rotation_y(-s * flexion) * DQuat::from_rotation_x(0.15),
-        hand: DQuat::from_rotation_z(-s * 0.12) * DQuat::from_rotation_y(-s * (0.05 + 0.15 * bend)),
+    let angles = ArmAngles {
+        swing: swing + 0.02 + 0.75 * input.chest_pitch[i] * 0.6,
+        abduction,
+        turn_in,
+        flexion,
+        protraction: 0.16 * swing,
+        shrug: raise - 0.05,
+        wrist: 0.05 + 0.15 * bend,
+    };
+    angles.pose(side)
+}
+
+/// How an arm is held, the same for both sides: all zero, it hangs straight down beside an upright chest.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ArmAngles {
+    /// The upper arm swings forward. [Unit: rad]
+    pub swing: f64,
+    /// The upper arm is held away from the body. [Unit: rad]
+    pub abduction: f64,
+    /// The upper arm turns about itself, which brings the forearm in. [Unit: rad]
+    pub turn_in: f64,
+    /// The elbow bends. [Unit: rad] [Limit: >= 0]
+    pub flexion: f64,
+    /// The shoulder goes forward. [Unit: rad]
+    pub protraction: f64,
+    /// The shoulder goes up. [Unit: rad]
+    pub shrug: f64,
+    /// The hand bends towards its palm. [Unit: rad]
+    pub wrist: f64,
+}
+
+impl ArmAngles {
+    /// The rotations of that arm.
+    pub fn pose(&self, side: Side) -> ArmPose {
+        let s = side.sign();
+        let hang = DQuat::from_rotation_x(-self.swing)
+            * DQuat::from_rotation_z(-s * (FRAC_PI_2 - self.abduction))
+            * DQuat::from_rotation_x(self.turn_in);
+        ArmPose {
+            clavicle: DQuat::from_rotation_y(-s * self.protraction) * DQuat::from_rotation_z(s * self.shrug),
+            upper_arm: hang,
+            forearm: DQuat::from_rotation_y(-s * self.flexion) * DQuat::from_rotation_x(0.15),
+            hand: DQuat::from_rotation_z(-s * 0.12) * DQuat::from_rotation_y(-s * self.wrist),
+        }
     }
 }
 

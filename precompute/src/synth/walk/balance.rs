@@ -8,8 +8,8 @@ use super::super::foot::FootShape;
 use super::super::pendulum::pendulum;
 use super::super::side::{Side, forward};
 use super::super::signal::interpolate;
-use super::foot::Footfall;
 use super::footsteps::Footsteps;
+use super::roll::Footfall;
 use glam::DVec2;
 
 /// The centre of mass on the ground plane (x, z) at every sample. [Unit: m]

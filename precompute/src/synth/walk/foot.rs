@@ -1,34 +1,10 @@
-//! A foot over time: rolling over the heel, standing flat, rolling over the ball, and swinging to the next place.
+//! A foot over time: its stays on the ground, and how it swings from each to the next.
 
 use super::super::foot::{FootPose, FootShape};
 use super::super::side::{Side, forward, leftward};
 use super::super::signal::{End, bump, cruise, early_bump, quintic};
-use glam::{DQuat, DVec2, DVec3};
-
-/// One stay of a foot on the ground, from heel strike to toe-off.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Footfall {
-    /// Heel strike. [Unit: s]
-    pub land: f64,
-    /// The foot is flat. [Unit: s]
-    pub flat: f64,
-    /// The heel leaves the ground. [Unit: s]
-    pub heel_off: f64,
-    /// Toe-off. [Unit: s]
-    pub lift: f64,
-    /// Ankle of the flat foot on the ground plane (x, z). [Unit: m]
-    pub ankle: DVec2,
-    /// Height of the ground here. [Unit: m]
-    pub ground: f64,
-    /// Heading of the path here. [Unit: rad]
-    pub heading: f64,
-    /// Heading of the foot. [Unit: rad]
-    pub yaw: f64,
-    /// Toes up at heel strike; below 0 the ball lands first, the heel this far up. [Unit: rad]
-    pub strike: f64,
-    /// Heel up at toe-off. [Unit: rad]
-    pub push: f64,
-}
+use super::roll::{Footfall, ball_flat, ball_landing, push_pitch, standing, strike_pitch};
+use glam::{DVec2, DVec3};
 
 /// The flight between two footfalls, beyond what its ends say.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -93,7 +69,7 @@ impl FootTrack {
     pub fn pose(&self, t: f64) -> FootPose {
         let i = self.falls.partition_point(|f| f.land <= t).saturating_sub(1);
         let fall = &self.falls[i];
-        if t <= fall.lift || i + 1 == self.falls.len() { self.standing(fall, t) } else { self.flying(i, t) }
+        if t <= fall.lift || i + 1 == self.falls.len() { standing(&self.shape, fall, t) } else { self.flying(i, t) }
     }
 
     /// Height of the lowest point of the sole over the ground beneath it. [Unit: m]
@@ -108,32 +84,14 @@ impl FootTrack {
         heel.min(over(0.0, -s.ball_height, 0.0)).min(tip)
     }
 
-    fn standing(&self, fall: &Footfall, t: f64) -> FootPose {
-        let (pitch, toe_pitch) = if t < fall.flat {
-            let p = strike_pitch(fall, t);
-            (p, p.min(0.0))
-        } else if t > fall.heel_off {
-            (push_pitch(fall, t), 0.0)
-        } else {
-            (0.0, 0.0)
-        };
-        let ball = if t < fall.flat { self.ball_landing(fall, t) } else { self.ball_flat(fall) };
-        FootPose {
-            heel_down: t >= fall.flat && t <= fall.heel_off,
-            toe_down: t >= if fall.strike < 0.0 { fall.land } else { fall.flat },
-            ground: fall.ground,
-            ..self.shape.posed(ball, fall.yaw, fall.heading, pitch, toe_pitch)
-        }
-    }
-
     fn flying(&self, i: usize, t: f64) -> FootPose {
         let (a, b) = (&self.falls[i], &self.falls[i + 1]);
         let (t, duration) = (t - a.lift, b.land - a.lift);
         let u = t / duration;
         let (across, up) = stair_pace(b.ground - a.ground, u);
-        let start = self.ball_flat(a);
+        let start = ball_flat(&self.shape, a);
         let piece = |from: f64, u: f64, axis: fn(DVec3) -> f64| {
-            let to = End::of(|t| axis(self.ball_landing(b, t)), b.land);
+            let to = End::of(|t| axis(ball_landing(&self.shape, b, t)), b.land);
             let arrival = quintic(End::default(), End { value: 0.0, ..to }, duration, t);
             from + (to.value - from) * cruise(RAMP, u) + arrival
         };
@@ -150,22 +108,6 @@ impl FootTrack {
         let toe_pitch = quintic(End::still(0.0), toes, duration, t) + 0.25 * a.push * bump(u);
         let posed = self.shape.posed(ball, angle(a.yaw, b.yaw), angle(a.heading, b.heading), pitch, toe_pitch);
         FootPose { ground: angle(a.ground, b.ground), ..posed }
-    }
-
-    /// Ball of the foot while it rolls over its heel onto a footfall, or stands already.
-    fn ball_landing(&self, fall: &Footfall, t: f64) -> DVec3 {
-        if fall.strike < 0.0 {
-            return self.ball_flat(fall);
-        }
-        let s = &self.shape;
-        let heel = fall.ankle - forward(fall.yaw) * s.heel;
-        let rotation = DQuat::from_rotation_y(fall.yaw) * DQuat::from_rotation_x(strike_pitch(fall, t));
-        DVec3::new(heel.x, fall.ground, heel.y) + rotation * DVec3::new(0.0, s.ball_height, s.heel + s.ball)
-    }
-
-    fn ball_flat(&self, fall: &Footfall) -> DVec3 {
-        let p = fall.ankle + forward(fall.yaw) * self.shape.ball;
-        DVec3::new(p.x, fall.ground + self.shape.ball_height, p.y)
     }
 
     /// Moments spread over flight `i`, with their bumps.
@@ -222,19 +164,6 @@ fn stair_pace(rise: f64, u: f64) -> (f64, f64) {
     } else {
         (early(1.7), late(1.5))
     }
-}
-
-/// Pitch while the foot rolls over its heel: lands turning down, ends flat and at rest.
-fn strike_pitch(fall: &Footfall, t: f64) -> f64 {
-    let duration = fall.flat - fall.land;
-    let from = End::moving(-fall.strike, 1.1 * fall.strike / duration);
-    quintic(from, End::still(0.0), duration, t - fall.land)
-}
-
-/// Pitch while the foot rolls over its ball: begins at rest, leaves turning.
-fn push_pitch(fall: &Footfall, t: f64) -> f64 {
-    let duration = fall.lift - fall.heel_off;
-    quintic(End::still(0.0), End::moving(fall.push, 2.2 * fall.push / duration), duration, t - fall.heel_off)
 }
 
 #[cfg(test)]

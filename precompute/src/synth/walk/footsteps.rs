@@ -2,8 +2,9 @@
 
 use super::super::foot::FootShape;
 use super::super::side::{Side, forward, leftward};
-use super::foot::{FootTrack, Footfall};
+use super::foot::FootTrack;
 use super::gait::StepShape;
+use super::roll::Footfall;
 use super::wander::{Intent, STANDING_WIDTH, TOE_OUT};
 use glam::DVec2;
 use rand::{Rng, RngExt};

@@ -1,16 +1,17 @@
 //! A walker that wanders.
 //!
 //! From intention to pose, in this order: `wander` deals the steps, `footsteps` lays them on the ground and in time,
-//! `foot` rolls and swings the feet, `balance` moves the centre of mass over them, `pelvis`, `trunk` and `arms` carry
+//! `foot` swings the feet and `roll` rolls them over the ground, `balance` moves the centre of mass over them, `pelvis`, `trunk` and `arms` carry
 //! the body along.
 
 pub(super) mod arms;
 pub(super) mod assemble;
 pub(super) mod balance;
-mod foot;
+pub(super) mod foot;
 pub(super) mod footsteps;
 pub(super) mod gait;
 pub(super) mod pelvis;
+pub(super) mod roll;
 pub(super) mod trunk;
 pub(super) mod wander;
 

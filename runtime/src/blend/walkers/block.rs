@@ -13,7 +13,7 @@ pub(crate) struct Foot {
     pub offset: Lane3,
     /// Sine and cosine of what the foot is turned by about the vertical.
     pub turn: [Lane; 2],
-    /// Where heel and ball touched the ground at the last step, in world space. [Unit: m]
+    /// Where the bottom of the heel and the ball were at the last step, in world space. [Unit: m]
     pub heel: Lane3,
     pub ball: Lane3,
     /// 1 where it was planted at the last step, else 0.

@@ -60,7 +60,7 @@ pub(crate) fn stretched<F: Lanes>(body: &LaneBody, side: usize, sole: &Sole<F>, 
 #[inline(always)]
 pub(crate) fn reach_foot<F: Lanes>(body: &LaneBody, side: usize, sole: &Sole<F>, pose: &mut ModelPose<F>) {
     let [thigh, shin, foot, toe] = LEGS[side].map(|j| j.index());
-    let lengths = body.legs[side].lengths.each_ref().map(|l| F::load(l));
+    let lengths = both(&body.legs[side].lengths);
     // Where the leg is straight, it bends towards the toes.
     let hint = pose.rotations[thigh].rotate(V::splat(Vec3::Z * 0.02));
     reach([thigh, shin, foot], lengths, hint, sole.ankle, pose);
@@ -75,10 +75,15 @@ pub(crate) fn reach_foot<F: Lanes>(body: &LaneBody, side: usize, sole: &Sole<F>,
 #[inline(always)]
 pub(crate) fn reach_hand<F: Lanes>(body: &LaneBody, side: usize, to: V<F>, touch: F, pose: &mut ModelPose<F>) {
     let arm = ARMS[side].map(|j| j.index());
-    let lengths = body.arms[side].each_ref().map(|l| F::load(l));
+    let lengths = both(&body.arms[side]);
     let hint = pose.rotations[arm[0]].rotate(V::splat(Vec3::NEG_Z * 0.02));
     let hand = pose.positions[arm[2]];
     reach(arm, lengths, hint, hand + (to - hand) * touch, pose);
+}
+
+#[inline(always)]
+fn both<F: Lanes>(lengths: &[Lane; 2]) -> [F; 2] {
+    [F::load(&lengths[0]), F::load(&lengths[1])]
 }
 
 /// Turns both parts of a limb so that its end comes to a place, its middle staying in the plane that it bends in.
@@ -91,8 +96,8 @@ fn reach<F: Lanes>([upper, lower, end]: [usize; 3], lengths: [F; 2], hint: V<F>,
     let d = soft(distance, lengths);
     let new_middle = bend(start, direction, d, lengths, (middle - start) + hint);
     let new_end = start + direction * d;
-    pose.rotations[upper] = turn(middle - start, new_middle - start) * pose.rotations[upper];
-    pose.rotations[lower] = turn(was - middle, new_end - new_middle) * pose.rotations[lower];
+    pose.rotations[upper] = Q::between(middle - start, new_middle - start) * pose.rotations[upper];
+    pose.rotations[lower] = Q::between(was - middle, new_end - new_middle) * pose.rotations[lower];
     pose.positions[lower] = new_middle;
     pose.positions[end] = new_end;
 }
@@ -105,10 +110,4 @@ fn soft<F: Lanes>(distance: F, [l1, l2]: [F; 2]) -> F {
     let over = (distance - from).max(F::splat(0.0));
     let soft = from + room * (F::splat(1.0) - (-(over / room)).exp());
     F::select_lt(from, distance, soft, distance).max((l1 - l2).abs() + F::splat(1e-3))
-}
-
-/// The shortest rotation from one direction to another.
-#[inline(always)]
-fn turn<F: Lanes>(from: V<F>, to: V<F>) -> Q<F> {
-    Q::between(from, to)
 }

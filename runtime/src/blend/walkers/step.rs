@@ -149,15 +149,20 @@ fn transpose<F: Lanes>(postures: &[Posture; LANES]) -> Transposed<F> {
     let zero = F::splat(0.0);
     let mut rotations = [Q::new(V::new(zero, zero, zero), zero); NUM_JOINTS];
     for quad in 0..NUM_JOINTS.div_ceil(4) {
-        let four = |c: usize| F::columns(postures.each_ref().map(|p| &p.rotations[c].as_chunks().0[quad]));
-        let [x, y, z, w] = [four(0), four(1), four(2), four(3)];
+        let mut c = [[zero; 4]; 4];
+        for (component, c) in c.iter_mut().enumerate() {
+            *c = F::columns(postures.each_ref().map(|p| &p.rotations[component].as_chunks().0[quad]));
+        }
         for k in 0..4.min(NUM_JOINTS - 4 * quad) {
-            rotations[4 * quad + k] = Q::new(V::new(x[k], y[k], z[k]), w[k]);
+            rotations[4 * quad + k] = Q::new(V::new(c[0][k], c[1][k], c[2][k]), c[3][k]);
         }
     }
-    let four = |quad: usize| F::columns(postures.each_ref().map(|p| &p.channels.as_chunks().0[quad]));
-    let c = [four(0), four(1), four(2), four(3), four(4)];
-    let at = |channel: usize| c[(channel - channel::HIPS) / 4][(channel - channel::HIPS) % 4];
+    let mut c = [zero; 20];
+    for quad in 0..5 {
+        let four = F::columns(postures.each_ref().map(|p| &p.channels.as_chunks().0[quad]));
+        c[4 * quad..][..4].copy_from_slice(&four);
+    }
+    let at = |channel: usize| c[channel - channel::HIPS];
     let vector = |channel: usize| V::new(at(channel), at(channel + 1), at(channel + 2));
     Transposed {
         rotations,
@@ -187,7 +192,7 @@ fn retarget<F: Lanes>(
         block.contacts = contacts(t.contacts.map(|c| [standing(c).to_array(); 2]));
         return model;
     }
-    let importance = importance.each_ref().map(|i| F::load(i));
+    let importance = [F::load(&importance[0]), F::load(&importance[1])];
     let (left, left_bears) = plant(block, body, 0, &t, importance[0], &place, &model, tick);
     let (right, right_bears) = plant(block, body, 1, &t, importance[1], &place, &model, tick);
     let (soles, mut bearing) = ([left, right], [left_bears, right_bears]);

@@ -1,0 +1,260 @@
+//! What the whole set promises, measured on the clips as everybody else sees them.
+
+use super::*;
+use crate::annotate::{AnnotateConfig, Sidecars, annotate};
+use crate::clip::runs;
+use crate::synth::SynthSet;
+use glam::{Quat, Vec2, Vec3};
+use std::sync::LazyLock;
+use throng_runtime::planar::{twist_about_y, wrap_angle};
+use throng_runtime::{Contacts, Joint, NUM_JOINTS};
+
+const FEET: [(Joint, Joint, Joint, Contacts, Contacts); 2] = [
+    (Joint::LeftShin, Joint::LeftFoot, Joint::LeftToe, Contacts::LEFT_HEEL, Contacts::LEFT_TOE),
+    (Joint::RightShin, Joint::RightFoot, Joint::RightToe, Contacts::RIGHT_HEEL, Contacts::RIGHT_TOE),
+];
+
+/// At a rate at which the contacts of runners, of a fifth of a second, are well seen.
+static SET: LazyLock<ClipSet> =
+    LazyLock::new(|| locomotion(&SynthConfig { rate_hz: 60.0, ..SynthConfig::for_set(SynthSet::Locomotion) }));
+/// The same with contacts as a build finds them.
+static FOUND: LazyLock<ClipSet> =
+    LazyLock::new(|| annotate(&SET, &AnnotateConfig::default(), &Sidecars::default()).unwrap());
+
+/// Acts and their clips.
+fn acts(set: &ClipSet) -> impl Iterator<Item = (Act, &Clip)> {
+    Act::all().into_iter().zip(&set.clips)
+}
+
+fn is(act: &Act, gaits: &[Gait]) -> bool {
+    gaits.contains(&act.gait)
+}
+
+/// Times at which a foot touches the ground with any part, first and last frames alike. [Unit: frames]
+fn stays(clip: &Clip, foot: usize) -> Vec<std::ops::Range<usize>> {
+    let any = Contacts(FEET[foot].3.0 | FEET[foot].4.0);
+    runs(0..clip.num_frames(), |f| clip.contacts[f].any(any))
+}
+
+#[test]
+fn the_set_is_the_repertoire_once() {
+    assert_eq!(Act::all().len(), NUM_ACTS);
+    assert_eq!(SET.clips.len(), NUM_ACTS);
+    for (act, clip) in acts(&SET) {
+        assert_eq!(clip.name, act.name(0));
+        assert_eq!(clip.num_frames(), 241);
+        let tags: Vec<_> = clip.tags.iter().map(|t| (t.name.as_str(), t.range.clone())).collect();
+        assert_eq!(tags, [(act.gait.name(), 0..241), (act.manner.name, 0..241)]);
+    }
+}
+
+#[test]
+fn more_minutes_are_further_takes_and_fewer_the_first_acts() {
+    let few = locomotion(&SynthConfig { minutes: 0.2, clip_seconds: 4.0, ..SynthConfig::default() });
+    assert_eq!(
+        few.clips.iter().map(|c| c.name.as_str()).collect::<Vec<_>>(),
+        ["walk_neutral_v070_g00", "walk_neutral_v070_gl04", "walk_neutral_v070_gr04"]
+    );
+    let take = clip(&Act::all()[0], NUM_ACTS, 1, &SynthConfig::for_set(SynthSet::Locomotion), &few.skeleton);
+    assert_eq!(take.name, "walk_neutral_v070_g00_t2");
+    assert_ne!(take.rotations, few.clips[0].rotations);
+}
+
+#[test]
+fn what_carries_stands_still() {
+    for clip in &SET.clips {
+        let positions: Vec<_> = (0..clip.num_frames()).map(|f| clip.joint_positions(&SET.skeleton, f)).collect();
+        for (_, foot, toe, heel_bit, toe_bit) in FEET {
+            for (joint, bit) in [(foot, heel_bit), (toe, toe_bit)] {
+                for f in 1..clip.num_frames() {
+                    if clip.contacts[f].any(bit) && clip.contacts[f - 1].any(bit) {
+                        let speed = (positions[f][joint.index()] - positions[f - 1][joint.index()]).length() * 60.0;
+                        assert!(speed < 0.02, "{} frame {f} {}: {speed} m/s", clip.name, joint.name());
+                    }
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn soles_stay_above_the_ground() {
+    let rest = SET.skeleton.rest_positions();
+    for clip in &SET.clips {
+        for f in 0..clip.num_frames() {
+            let t = clip.joint_transforms(&SET.skeleton, f);
+            for (_, foot, toe, ..) in FEET {
+                let heel = Vec3::new(0.0, -rest[foot.index()].y, -0.045);
+                let tip = Vec3::new(0.0, -rest[toe.index()].y, 0.07);
+                for (joint, point) in [(foot, heel), (toe, tip)] {
+                    let y = (t[joint.index()].0 + t[joint.index()].1 * point).y;
+                    assert!(y > -0.006, "{} frame {f} {}: {y}", clip.name, joint.name());
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn knees_bend_forward_and_never_lock() {
+    for (act, clip) in acts(&SET) {
+        let most = if act.gait.flies() { 135.0 } else { 90.0 };
+        for f in 0..clip.num_frames() {
+            for (shin, ..) in FEET {
+                let q = clip.frame_rotations(f)[shin.index()];
+                assert!(q.y.abs() < 1e-5 && q.z.abs() < 1e-5);
+                let flexion = (2.0 * q.x.atan2(q.w)).to_degrees();
+                assert!((3.0..most).contains(&flexion), "{} frame {f} {}: {flexion}", clip.name, shin.name());
+            }
+        }
+    }
+}
+
+/// Largest angular acceleration of each joint relative to its parent. [Unit: rad/s^2]
+fn peak_accelerations(clip: &Clip) -> [f32; NUM_JOINTS] {
+    let rate = clip.rate_hz as f32;
+    let mut peaks = [0.0f32; NUM_JOINTS];
+    for f in 2..clip.num_frames() {
+        let [a, b, c] = [f - 2, f - 1, f].map(|f| clip.frame_rotations(f));
+        let velocity = |from: Quat, to: Quat| (from.inverse() * to).to_scaled_axis() * rate;
+        for j in 0..NUM_JOINTS {
+            peaks[j] = peaks[j].max(((velocity(b[j], c[j]) - velocity(a[j], b[j])) * rate).length());
+        }
+    }
+    peaks
+}
+
+#[test]
+fn nothing_pops() {
+    for (act, clip) in acts(&SET) {
+        for (j, peak) in Joint::ALL.into_iter().zip(peak_accelerations(clip)) {
+            let most = match (j >= Joint::LeftThigh, act.gait.flies()) {
+                (true, true) => 2200.0,
+                (true, false) => 900.0,
+                (false, true) => 160.0,
+                (false, false) => 80.0,
+            };
+            assert!(peak < most, "{} {}: {peak} rad/s^2", clip.name, j.name());
+        }
+    }
+}
+
+/// Speed along the arc, turning rate, and cycles between the first and the last landing of the left foot, all found as
+/// a build finds them.
+fn fitted(clip: &Clip) -> (f32, f32, usize) {
+    let lands: Vec<usize> = stays(clip, 0).into_iter().map(|r| r.start).filter(|&s| s > 0).collect();
+    let (a, b) = (lands[0], lands[lands.len() - 1]);
+    let seconds = (b - a) as f32 / clip.rate_hz as f32;
+    let heading = |f: usize| twist_about_y(clip.frame_rotations(f)[0]);
+    let turned: f32 = (a..b).map(|f| wrap_angle(heading(f + 1) - heading(f))).sum();
+    let ground = |f: usize| Vec2::new(clip.root_positions[f].x, clip.root_positions[f].z);
+    let chord = (ground(b) - ground(a)).length();
+    let half = 0.5 * turned;
+    let arc = if half.abs() < 1e-4 { chord } else { chord * half / half.sin() };
+    (arc.abs() / seconds, turned / seconds, lands.len() - 1)
+}
+
+#[test]
+fn speed_and_turning_are_what_was_asked() {
+    for (act, clip) in acts(&FOUND).filter(|(a, _)| a.gait != Gait::Idle) {
+        let (speed, gyration, _) = fitted(clip);
+        let (asked, turning) = (act.drive.speed() as f32, act.drive.gyration as f32);
+        assert!((gyration - turning).abs() < 0.03 * turning.abs() + 0.012, "{}: {gyration} rad/s", clip.name);
+        if act.gait != Gait::Turn {
+            assert!((speed / asked - 1.0).abs() < 0.03, "{}: {speed} m/s", clip.name);
+        }
+    }
+}
+
+#[test]
+fn the_speed_is_steady_from_first_to_last() {
+    for (act, clip) in acts(&SET).filter(|(a, _)| !is(a, &[Gait::Idle, Gait::Turn])) {
+        let ground = |f: usize| Vec2::new(clip.root_positions[f].x, clip.root_positions[f].z);
+        let cycle = (2.0 * stride::Stride::of(&act).period * clip.rate_hz).round() as usize;
+        let apart = |f: usize| (ground(f + cycle) - ground(f)).length();
+        let distances: Vec<f32> = (0..clip.num_frames() - cycle).map(apart).collect();
+        let (low, high) =
+            (distances.iter().copied().fold(f32::MAX, f32::min), distances.iter().copied().fold(0.0, f32::max));
+        assert!(high - low < 0.035, "{}: {low} to {high} m a cycle", clip.name);
+    }
+}
+
+#[test]
+fn contacts_are_found_in_the_order_of_the_gait() {
+    for (act, clip) in acts(&FOUND).filter(|(a, _)| a.gait != Gait::Idle) {
+        let mut events: Vec<(usize, usize)> = (0..2)
+            .flat_map(|foot| stays(clip, foot).into_iter().map(move |r| (r.start, foot)))
+            .filter(|e| e.0 > 0)
+            .collect();
+        events.sort_unstable();
+        assert!(events.windows(2).all(|w| w[0].1 != w[1].1), "{}: {events:?}", clip.name);
+        let seconds = clip.num_frames() as f64 / clip.rate_hz;
+        let steps = seconds / stride::Stride::of(&act).period;
+        assert!((events.len() as f64 - steps).abs() < 1.6, "{}: {} landings, {steps} steps", clip.name, events.len());
+        assert!(fitted(clip).2 >= 1, "{}", clip.name);
+    }
+}
+
+#[test]
+fn runners_fly_and_walkers_do_not() {
+    for (act, clip) in acts(&FOUND) {
+        let up = clip.contacts.iter().filter(|c| **c == Contacts::NONE).count() as f32 / clip.num_frames() as f32;
+        let wanted = match act.gait {
+            Gait::Run => 0.2..0.6,
+            Gait::Jog => 0.04..0.45,
+            _ => 0.0..0.12,
+        };
+        assert!(wanted.contains(&up), "{}: {up} of the time in the air", clip.name);
+    }
+}
+
+#[test]
+fn bodies_in_the_air_fall_freely() {
+    for (_, clip) in acts(&SET).filter(|(a, _)| a.gait == Gait::Run) {
+        let mut falling = 0;
+        for f in 2..clip.num_frames() - 2 {
+            if clip.contacts[f - 2..f + 3].iter().all(|c| *c == Contacts::NONE) {
+                let y = |f: usize| clip.root_positions[f].y * 3600.0;
+                let acceleration = y(f - 1) - 2.0 * y(f) + y(f + 1);
+                // The heel rocker counts as no contact yet.
+                falling += usize::from((acceleration + 9.81).abs() < 1.0);
+            }
+        }
+        assert!(falling >= 8, "{}: {falling} frames", clip.name);
+    }
+}
+
+#[test]
+fn whoever_stands_keeps_both_feet_and_comes_back_to_where_he_was() {
+    for (act, clip) in acts(&FOUND).filter(|(a, _)| a.gait == Gait::Idle) {
+        assert!(clip.contacts.iter().all(|c| c.all(Contacts(Contacts::LEFT.0 | Contacts::RIGHT.0))), "{}", clip.name);
+        let (first, last) = (clip.frame_rotations(0), clip.frame_rotations(clip.num_frames() - 1));
+        for (j, (a, b)) in first.iter().zip(last).enumerate() {
+            assert!(a.angle_between(*b) < 0.004, "{} {}", act.name(0), Joint::ALL[j].name());
+        }
+        let moved =
+            (1..clip.num_frames()).map(|f| first[1].angle_between(clip.frame_rotations(f)[1])).fold(0.0, f32::max);
+        assert!(moved > 0.002);
+    }
+}
+
+#[test]
+fn manners_are_told_apart_by_posture_and_timing() {
+    let clip = |manner: &str| SET.clips.iter().find(|c| c.name == format!("walk_{manner}_v110_g00")).unwrap();
+    let mean = |manner: &str, of: &dyn Fn(&[Vec3; NUM_JOINTS]) -> f32| {
+        let clip = clip(manner);
+        (0..clip.num_frames()).map(|f| of(&clip.joint_positions(&SET.skeleton, f))).sum::<f32>()
+            / clip.num_frames() as f32
+    };
+    let head = |p: &[Vec3; NUM_JOINTS]| p[Joint::Head.index()].y;
+    assert!(mean("proud", &head) > mean("neutral", &head) && mean("neutral", &head) > mean("tired", &head) + 0.06);
+    let reach = |manner: &str| {
+        let clip = clip(manner);
+        let apart = |f: usize| {
+            let p = clip.joint_positions(&SET.skeleton, f);
+            (p[Joint::LeftHand.index()].z - p[Joint::RightHand.index()].z).abs()
+        };
+        (0..clip.num_frames()).map(apart).fold(0.0, f32::max)
+    };
+    assert!(reach("proud") > reach("neutral") + 0.05 && reach("neutral") > reach("tired") + 0.1);
+}
