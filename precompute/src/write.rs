@@ -9,10 +9,10 @@ use crate::graph::MotionGraph;
 use crate::patch::{Patch, Patches};
 use crate::policy::Policy;
 use std::path::Path;
+use throng_runtime::blend::BlendRecord;
 use throng_runtime::format::{
     AlignedBytes, BlendMeta, BundleWriter, ClipMeta, ClipRecord, FormatError, FrameRow, Meta, PatchMeta, SkeletonRecord,
 };
-use throng_runtime::blend::BlendRecord;
 use throng_runtime::graph::{MotionSegment, StateRecord};
 use throng_runtime::hits::KIND_NAMES;
 use throng_runtime::patch::PatchRecord;

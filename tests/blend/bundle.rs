@@ -84,7 +84,8 @@ const BAD: [f32; 4] = [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, 1e9];
 
 #[test]
 fn records_of_spaces_that_cannot_be_are_refused() {
-    let record = |p: &mut Parts, f: &dyn Fn(&mut BlendRecord)| p.edit::<BlendRecord>(tags::BLENDS, |all| f(&mut all[1]));
+    let record =
+        |p: &mut Parts, f: &dyn Fn(&mut BlendRecord)| p.edit::<BlendRecord>(tags::BLENDS, |all| f(&mut all[1]));
     refuses(
         Some(tags::BLENDS),
         &[

@@ -26,11 +26,18 @@ fn speed_and_turning_rate_are_those_of_the_arc() {
         Puppet::new("turn", 0.0, 1.1),
         Puppet { velocity: [0.3, 0.9], right: 0.44, period: 1.13, ..Puppet::new("limp", 0.0, 0.3) },
     ] {
-        let config = config(&format!("axes = [{{ kind = 'speed' }}]\nexamples = [{{ clip = '{}' }}, {{ clip = 'far' }}]", p.name));
+        let config = config(&format!(
+            "axes = [{{ kind = 'speed' }}]\nexamples = [{{ clip = '{}' }}, {{ clip = 'far' }}]",
+            p.name
+        ));
         let far = Puppet { velocity: [0.0, 7.0], ..Puppet::new("far", 0.0, 0.0) };
         let spaces = fit(vec![far.clip(), p.clip()], &config).expect("a space");
         let e = spaces.spaces[0].examples[0];
-        assert!(near(e.velocity[0], p.velocity[0], 0.02) && near(e.velocity[1], p.velocity[1], 0.02), "{}: {e:?}", p.name);
+        assert!(
+            near(e.velocity[0], p.velocity[0], 0.02) && near(e.velocity[1], p.velocity[1], 0.02),
+            "{}: {e:?}",
+            p.name
+        );
         assert!(near(e.gyration, p.gyration, 0.02), "{}: {e:?}", p.name);
         assert!(near(e.duration_s, p.period, 0.02 / 3.0), "{}: {e:?}", p.name);
         assert_eq!(e.parameters[0], e.velocity[1]);
@@ -52,7 +59,10 @@ fn keytimes_are_those_of_the_feet() {
             if phase < 0.45 { 0.5 * phase / 0.45 } else { 0.5 + 0.5 * (phase - 0.45) / 0.55 }
         };
         assert_eq!(right_strike, 0.5);
-        assert!(near(left_off, generic(duty), 0.02) && near(right_off, generic(0.45 + duty), 0.02), "{duty}: {left_off}, {right_off}");
+        assert!(
+            near(left_off, generic(duty), 0.02) && near(right_off, generic(0.45 + duty), 0.02),
+            "{duty}: {left_off}, {right_off}"
+        );
     }
 }
 
@@ -134,7 +144,10 @@ fn too_few_flat_and_coincident_examples_are_named() {
     let e = fault(clips.clone(), &config(&format!("axes = [{{ kind = 'speed' }}, {{ kind = 'side' }}]\n{straight}")));
     assert!(e.contains("axis `side`"), "{e}");
     clips.push(Puppet::new("again", 1.2, 0.01).clip());
-    let e = fault(clips, &config(&format!("{two_axes}examples = [{{ clip = 'slow*' }}, {{ clip = 'medium' }}, {{ clip = 'again' }}]")));
+    let e = fault(
+        clips,
+        &config(&format!("{two_axes}examples = [{{ clip = 'slow*' }}, {{ clip = 'medium' }}, {{ clip = 'again' }}]")),
+    );
     assert!(e.contains("examples `medium` and `again` lie at the same place"), "{e}");
 }
 
@@ -161,7 +174,8 @@ fn long_clips_are_split_into_steady_pieces() {
     let text = "axes = [{ kind = 'speed' }, { kind = 'gyration' }]\nfind = [{ clips = ['both', 'fast*'] }]\ngyration_tolerance = 0.15";
     let spaces = fit([vec![clip], six()].concat(), &config(text)).expect("a space");
     let space = &spaces.spaces[0];
-    let of: Vec<(&str, f32)> = space.example_names.iter().map(String::as_str).zip(space.examples.iter().map(|e| e.gyration)).collect();
+    let of: Vec<(&str, f32)> =
+        space.example_names.iter().map(String::as_str).zip(space.examples.iter().map(|e| e.gyration)).collect();
     let has = |w: f32| of.iter().any(|(name, g)| name.starts_with("both [") && near(*g, w, 0.03));
     assert!(has(0.0) && has(0.9), "{of:?}");
     assert!(of.iter().filter(|(name, _)| name.starts_with("both")).count() <= 3, "{of:?}");
@@ -177,5 +191,8 @@ fn what_is_found_but_irregular_is_left_out_with_a_warning() {
     let spaces = fit(clips, &config(text)).expect("a space");
     assert_eq!(spaces.spaces[0].example_names, ["slow", "fast"]);
     let warnings = &spaces.warnings.messages;
-    assert!(warnings.len() == 1 && warnings[0].contains("`slow_left`") && warnings[0].contains("both feet"), "{warnings:?}");
+    assert!(
+        warnings.len() == 1 && warnings[0].contains("`slow_left`") && warnings[0].contains("both feet"),
+        "{warnings:?}"
+    );
 }

@@ -48,7 +48,11 @@ impl Puppet {
             let middle = p.heading + 0.5 * self.gyration * dt;
             let (s, c) = middle.sin_cos();
             let [left, ahead] = self.velocity;
-            p = Planar::new(p.x + (c * left + s * ahead) * dt, p.z + (c * ahead - s * left) * dt, p.heading + self.gyration * dt);
+            p = Planar::new(
+                p.x + (c * left + s * ahead) * dt,
+                p.z + (c * ahead - s * left) * dt,
+                p.heading + self.gyration * dt,
+            );
         }
         p
     }

@@ -66,7 +66,9 @@ fn hips_and_ends_of_limbs_are_in_the_facing_frame() {
         for phase in 0..space.references.len() {
             let (hips, local) = puppet(example).pose(time(&space, example, phase));
             let row = row(&space, phase, example);
-            let near = |at: usize, p: Vec3| assert!(vector(row, at).distance(p) < 0.02, "example {example}, phase {phase}, channel {at}");
+            let near = |at: usize, p: Vec3| {
+                assert!(vector(row, at).distance(p) < 0.02, "example {example}, phase {phase}, channel {at}")
+            };
             near(channel::HIPS, hips);
             let all = joint_transforms(&skeleton, Vec3::ZERO, |j| local[j]);
             near(channel::LEFT_ANKLE, all[Joint::LeftFoot.index()].0);
@@ -96,10 +98,7 @@ fn contacts_are_those_of_the_feet() {
         for phase in 0..space.references.len() {
             let t = time(&space, example, phase);
             let values = &row(&space, phase, example).values;
-            let feet = [
-                (channel::LEFT_CONTACT, p.phase(t)),
-                (channel::RIGHT_CONTACT, p.phase(t) - p.right),
-            ];
+            let feet = [(channel::LEFT_CONTACT, p.phase(t)), (channel::RIGHT_CONTACT, p.phase(t) - p.right)];
             for (at, part) in feet {
                 let part = part.rem_euclid(1.0);
                 // But for two frames around strikes and offs.
@@ -129,7 +128,10 @@ fn cycles_are_closed() {
         };
         let inside = (0..phases - 1).map(step).fold((0.0f32, 0.0f32), |a, b| (a.0.max(b.0), a.1.max(b.1)));
         let seam = step(phases - 1);
-        assert!(seam.0 < 1.2 * inside.0 + 0.01 && seam.1 < 1.2 * inside.1 + 0.003, "example {example}: {seam:?}, {inside:?}");
+        assert!(
+            seam.0 < 1.2 * inside.0 + 0.01 && seam.1 < 1.2 * inside.1 + 0.003,
+            "example {example}: {seam:?}, {inside:?}"
+        );
     }
 }
 

@@ -11,7 +11,9 @@ const MIN_DISTANCE: f64 = 0.05;
 fn scattered() -> impl Strategy<Value = Vec<Vec<f64>>> {
     (1usize..=3, 5usize..=12)
         .prop_flat_map(|(d, n)| prop::collection::vec(prop::collection::vec(-1.0f64..1.0, d), n))
-        .prop_map(|points| points.into_iter().map(|p| p.iter().zip([1.0, 40.0, 0.1]).map(|(v, s)| v * s).collect()).collect())
+        .prop_map(|points| {
+            points.into_iter().map(|p| p.iter().zip([1.0, 40.0, 0.1]).map(|(v, s)| v * s).collect()).collect()
+        })
 }
 
 fn basis(points: &[Vec<f64>]) -> Option<CardinalBasis> {
@@ -26,7 +28,8 @@ fn weights(basis: &CardinalBasis, at: &[f64]) -> Vec<f64> {
 
 /// Lowest and highest value on each axis.
 fn extent(points: &[Vec<f64>]) -> (Vec<f64>, Vec<f64>) {
-    let by = |f: fn(f64, f64) -> f64| (0..points[0].len()).map(|k| points.iter().map(|p| p[k]).reduce(f).unwrap()).collect();
+    let by =
+        |f: fn(f64, f64) -> f64| (0..points[0].len()).map(|k| points.iter().map(|p| p[k]).reduce(f).unwrap()).collect();
     (by(f64::min), by(f64::max))
 }
 
@@ -99,7 +102,8 @@ proptest! {
 
 #[test]
 fn a_finer_tolerance_takes_more_knots_and_coarse_ones_are_few() {
-    let points: Vec<Vec<f64>> = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0], [0.4, 0.6]].map(|p| p.to_vec()).to_vec();
+    let points: Vec<Vec<f64>> =
+        [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0], [0.4, 0.6]].map(|p| p.to_vec()).to_vec();
     let basis = basis(&points).expect("a basis");
     let knots = |tolerance| {
         let table = grid::tabulate(&basis, extent(&points), tolerance, 1 << 26).expect("a table");

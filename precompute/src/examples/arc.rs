@@ -94,11 +94,7 @@ impl Circle {
         let f = self.a * r2 + e * across + self.d;
         let root = (1.0 + 4.0 * self.a * f).max(0.0).sqrt();
         let q = 1.0 + root;
-        let of_f = [
-            r2 + 2.0 * self.d / e * across,
-            1.0 + 2.0 * self.a / e * across,
-            e * (cos * p.y - sin * p.x),
-        ];
+        let of_f = [r2 + 2.0 * self.d / e * across, 1.0 + 2.0 * self.a / e * across, e * (cos * p.y - sin * p.x)];
         let of_a = [f, 0.0, 0.0];
         let slope = |k: usize| {
             let of_root = 2.0 * (of_a[k] + self.a * of_f[k]) / root.max(1e-9);

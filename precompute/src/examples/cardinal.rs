@@ -260,9 +260,8 @@ fn extents(points: &[Vec<f64>]) -> (Vec<f64>, Vec<f64>) {
 
 /// The two points that are nearest to each other, with each axis from 0 to 1 over all.
 fn nearest_pair(points: &[Vec<f64>], extent: &[f64]) -> Option<(usize, usize, f64)> {
-    let distance = |a: &[f64], b: &[f64]| {
-        a.iter().zip(b).zip(extent).map(|((a, b), e)| ((a - b) / e).powi(2)).sum::<f64>().sqrt()
-    };
+    let distance =
+        |a: &[f64], b: &[f64]| a.iter().zip(b).zip(extent).map(|((a, b), e)| ((a - b) / e).powi(2)).sum::<f64>().sqrt();
     let pairs = (0..points.len()).flat_map(|i| (i + 1..points.len()).map(move |j| (i, j)));
     pairs.map(|(i, j)| (i, j, distance(&points[i], &points[j]))).min_by(|a, b| a.2.total_cmp(&b.2))
 }
@@ -320,7 +319,10 @@ mod tests {
         let points: Vec<Vec<f64>> =
             (0..18).map(|i| vec![f64::from(i % 2), f64::from(i) / 17.0, (f64::from(i) * golden).fract()]).collect();
         let found = spacing(&points);
-        assert!((found[0] - 1.0).abs() < 1e-9 && (found[1] - 0.5).abs() < 1e-6 && (found[2] - 0.5).abs() < 0.05, "{found:?}");
+        assert!(
+            (found[0] - 1.0).abs() < 1e-9 && (found[1] - 0.5).abs() < 1e-6 && (found[2] - 0.5).abs() < 0.05,
+            "{found:?}"
+        );
     }
 
     /// Three examples on a line at 0, 1 and 2; done by hand.

@@ -68,9 +68,8 @@ impl<'a> Cycle<'a> {
             (0..n).map(|i| (range.start as f64 + length * i as f64 / (n - 1) as f64).round()).collect()
         };
         let pairs = tries.iter().flat_map(|&a| tries.iter().map(move |&b| (a, b)));
-        let cost = |a: f64, b: f64| {
-            difference(&track, a, b) + track.place(a).distance(track.place(b)) - 1e-4 * (b - a) / rate
-        };
+        let cost =
+            |a: f64, b: f64| difference(&track, a, b) + track.place(a).distance(track.place(b)) - 1e-4 * (b - a) / rate;
         let ends = pairs.filter(|(a, b)| (least..=most).contains(&(b - a))).map(|(a, b)| (cost(a, b), (a, b)));
         let ends = ends.min_by(|x, y| x.0.total_cmp(&y.0)).map(|best| best.1);
         let (start, end) = ends.unwrap_or((range.start as f64, range.start as f64 + length));

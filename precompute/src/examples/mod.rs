@@ -194,9 +194,8 @@ fn space(
 fn extent(config: &BlendConfig, points: &[Vec<f64>]) -> (Vec<f64>, Vec<f64>) {
     let along = |(k, a): (usize, &AxisConfig)| {
         let values = || points.iter().map(move |p| p[k]);
-        let [low, high] = a
-            .range
-            .unwrap_or([values().fold(f64::INFINITY, f64::min), values().fold(f64::NEG_INFINITY, f64::max)]);
+        let [low, high] =
+            a.range.unwrap_or([values().fold(f64::INFINITY, f64::min), values().fold(f64::NEG_INFINITY, f64::max)]);
         // As the bundle stores it.
         (f64::from(low as f32), f64::from(high as f32))
     };
@@ -299,7 +298,13 @@ fn cardinal_fault(space: &str, config: &BlendConfig, chosen: &[Candidate<'_>], f
     let names = || chosen.iter().map(|c| format!("`{}`", c.name)).collect::<Vec<_>>().join(", ");
     let (what, help) = match fault {
         CardinalFault::TooFew => (
-            format!("{} axes need {} examples at least, found {}: {}", axes.len(), axes.len() + 1, chosen.len(), names()),
+            format!(
+                "{} axes need {} examples at least, found {}: {}",
+                axes.len(),
+                axes.len() + 1,
+                chosen.len(),
+                names()
+            ),
             "Add examples, or leave axes out".to_owned(),
         ),
         CardinalFault::NoExtent(k) => (

@@ -59,7 +59,8 @@ pub fn sequence(track: &Track<'_>, range: &FrameRange) -> Sequence {
         out.faults.push(twice(&pair[0], &pair[1]));
     }
     for pair in strikes.windows(2).filter(|p| p[0].left != p[1].left && p[1].time - p[0].time < 1.0) {
-        out.faults.push(Fault { what: format!("both feet strike at frame {:.0}", pair[0].time + 0.5), at: pair[0].time });
+        out.faults
+            .push(Fault { what: format!("both feet strike at frame {:.0}", pair[0].time + 0.5), at: pair[0].time });
     }
     for (i, three) in strikes.windows(3).enumerate() {
         let [left, right, next] = three else { continue };
@@ -105,8 +106,9 @@ fn strikes(track: &Track<'_>, range: &FrameRange) -> Vec<Strike> {
 fn twice(a: &Strike, b: &Strike) -> Fault {
     let (foot, other) = if a.left { ("left", "right") } else { ("right", "left") };
     let (from, to) = (a.time + 0.5, b.time + 0.5);
-    let what =
-        format!("the {foot} foot strikes at frame {from:.0} and again at frame {to:.0}, the {other} one not in between");
+    let what = format!(
+        "the {foot} foot strikes at frame {from:.0} and again at frame {to:.0}, the {other} one not in between"
+    );
     Fault { what, at: a.time }
 }
 
@@ -126,7 +128,9 @@ fn cycle(rate: f64, left: &Strike, right: &Strike, next: &Strike, before: Option
     let (after_right, after_left) = (left_off - right_strike, right_off - end);
     let limit = MIXED_S * rate;
     if after_right.max(after_left) > limit && after_right.min(after_left) < -limit {
-        let what = format!("{frames} are neither a walk nor a run: both feet stand after one strike, neither before the other");
+        let what = format!(
+            "{frames} are neither a walk nor a run: both feet stand after one strike, neither before the other"
+        );
         return Err(fault(what));
     }
     Ok(Steps { start, left_off, right_strike, right_off, end })

@@ -99,6 +99,7 @@ fn facing_of(local: &[Quat]) -> f64 {
     let chain = [Joint::Hips, Joint::Spine, Joint::Chest, Joint::UpperChest];
     let shoulders = chain.iter().fold(Quat::IDENTITY, |q, j| q * local[j.index()]);
     // Sideways axes stay level where a body bends forward, which forward axes do not.
-    let left = (local[0] * Vec3::X).with_y(0.0).normalize_or_zero() + (shoulders * Vec3::X).with_y(0.0).normalize_or_zero();
+    let left =
+        (local[0] * Vec3::X).with_y(0.0).normalize_or_zero() + (shoulders * Vec3::X).with_y(0.0).normalize_or_zero();
     f64::from(-left.z).atan2(f64::from(left.x))
 }
