@@ -72,7 +72,7 @@ pub const MANNERS: [Manner; 3] = [
         arm_bend: 0.1,
         abduction: 0.09,
         roll: 1.08,
-        knee_lift: 1.16,
+        knee_lift: 1.1,
         width: 0.85,
         toe_out: 0.05,
         sway: 1.2,
