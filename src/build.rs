@@ -4,6 +4,7 @@ use crate::args::{CacheArgs, Outcome, fail};
 use crate::{output, progress};
 use std::path::PathBuf;
 use throng_precompute::config::BuildConfig;
+use throng_precompute::examples::BlendReport;
 use throng_precompute::files;
 use throng_precompute::pipeline;
 use throng_precompute::policy::{AdaptiveReport, Approximation};
@@ -13,7 +14,9 @@ use throng_precompute::report::{self, BuildReport};
 ///
 /// JSON keys: name, clips, rate_hz, minutes_in, frames_in, frames_kept, states, actions, seconds_total, stage_s, cached, pose_groups,
 /// max_group_diameter and group_threshold (in radians, as the config's `features` explains), group_frames {min, mean, max}, patches [name, segments, frames,
-/// cells, links, pruned_directions, pruned_component], policies [name,
+/// cells, links, pruned_directions, pruned_component], blend_spaces [name, axes, examples [name, parameters, duration_s, speed_mps, side_mps,
+/// gyration_rad_per_s, closing_rad, closing_m], left_out, phases, knots, weight_tolerance, weight_table_max_error, weight_table_bytes,
+/// posture_bytes, max_displacement_rad], blend_examples, weight_table_bytes and weight_table_max_error (over all blend spaces), policies [name,
 /// cells, pairs, sweeps, greedy_sweeps, residual, error_bound, bytes, value_bytes, seconds, comparison, adaptive {finest_bytes, samples, mean_value, and for adaptive, uniform and
 /// uniform_fitted each bytes, counts, mean_error, p95_error, max_error, changed_share, mean_loss} (null where it is not)],
 /// bundle_bytes, graph, contacts, hits {count, angle_rad, distance_m, height_m (each [min, max], null without
@@ -110,6 +113,7 @@ pub fn print(r: &BuildReport, out: &str) -> Outcome {
             ),
         ));
     }
+    rows.extend(r.blend_spaces.iter().flat_map(blend));
     for p in &r.policies {
         rows.push((
             "policy",
@@ -134,6 +138,31 @@ pub fn print(r: &BuildReport, out: &str) -> Outcome {
         output::columns(["", "Lee and Lee 2004", "this build"], lines.iter().map(|l| [&*l.figure, l.paper, &*l.here]))?;
     }
     Ok(())
+}
+
+/// What was made of a blend space.
+fn blend(b: &BlendReport) -> [(&'static str, String); 3] {
+    let worst = b.examples.iter().max_by(|x, y| x.closing_rad.total_cmp(&y.closing_rad));
+    let seam = worst.map_or(String::new(), |e| {
+        let (deg, cm) = (e.closing_rad.to_degrees(), 100.0 * e.closing_m);
+        format!("; the widest seam was {deg:.1} deg a joint and {cm:.1} cm at `{}`", e.name)
+    });
+    let knots: Vec<_> = b.knots.iter().zip(&b.axes).map(|(k, a)| format!("{k} {a}")).collect();
+    let weights = format!(
+        "{} knots, {}, error {:.4} of {} allowed",
+        knots.join(" x "),
+        output::bytes(b.weight_table_bytes),
+        b.weight_table_max_error,
+        b.weight_tolerance
+    );
+    let postures = format!(
+        "{} phases, {}; joints turn up to {:.0} deg from their references",
+        b.phases,
+        output::bytes(b.posture_bytes),
+        b.max_displacement_rad.to_degrees()
+    );
+    let examples = format!("{}: {} examples ({} alike left out){seam}", b.name, b.examples.len(), b.left_out);
+    [("blend space", examples), ("  weights", weights), ("  postures", postures)]
 }
 
 /// What an adaptive policy gives away, one row for each way to store it.

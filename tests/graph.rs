@@ -315,7 +315,8 @@ fn json_lists_states_and_actions() {
     let clips = wandering(16);
     let (graph, ..) = connect(&clips, &GraphConfig::default()).unwrap();
     let meta = Meta { rate_hz: RATE_HZ, ..Meta::default() };
-    let baked = Baked { clips: &clips, graph: &graph, policies: &[], groups: None, patches: None, meta: &meta };
+    let baked =
+        Baked { clips: &clips, graph: &graph, policies: &[], groups: None, patches: None, blends: &[], meta: &meta };
     let mut bytes = Vec::new();
     write::lay_out(&baked).unwrap().write(&mut bytes).unwrap();
     let tables = Tables::from_bytes(AlignedBytes::from_slice(&bytes)).unwrap();

@@ -89,6 +89,11 @@ fn policies(out: &mut BundleWriter, segments: &[MotionSegment; 4]) {
     out.section::<throng_runtime::patch::CellRecord>(tags::PATCH_CELLS, &[]);
     out.section::<throng_runtime::patch::LinkRecord>(tags::PATCH_LINKS, &[]);
     out.section::<u32>(tags::POSE_GROUPS, &[]);
+    out.section::<throng_runtime::blend::BlendRecord>(tags::BLENDS, &[]);
+    out.section::<throng_runtime::blend::ExampleRecord>(tags::BLEND_EXAMPLES, &[]);
+    out.section::<f32>(tags::BLEND_WEIGHTS, &[]);
+    out.section::<throng_runtime::blend::ReferenceRow>(tags::BLEND_REFERENCES, &[]);
+    out.section::<throng_runtime::blend::ChannelRow>(tags::BLEND_CHANNELS, &[]);
 }
 
 fn row(frame: u32, clip: u32) -> FrameRow {

@@ -3,6 +3,7 @@
 use crate::annotate::{AnnotateConfig, Sidecar};
 use crate::cluster::ClusterConfig;
 use crate::error::BuildError;
+use crate::examples::BlendConfig;
 use crate::features::FeaturesConfig;
 use crate::graph::GraphConfig;
 use crate::import::ImportConfig;
@@ -59,6 +60,9 @@ pub struct BuildConfig {
     /// Motion patches.
     #[serde(default)]
     pub patches: PatchConfig,
+    /// Blend spaces, by name.
+    #[serde(default)]
+    pub blend: BTreeMap<String, BlendConfig>,
     /// How policies are solved.
     #[serde(default)]
     pub policy: PolicyConfig,
@@ -88,6 +92,7 @@ impl BuildConfig {
             cluster: ClusterConfig::default(),
             graph: GraphConfig::default(),
             patches: PatchConfig::default(),
+            blend: BTreeMap::new(),
             policy: PolicyConfig::default(),
             behaviours: default_behaviours(),
         }

@@ -7,6 +7,7 @@ pub mod cluster;
 pub mod config;
 pub mod environment;
 pub mod error;
+pub mod examples;
 pub mod features;
 pub mod files;
 pub mod graph;

@@ -6,6 +6,7 @@ use crate::cluster::PoseGroups;
 use crate::config::BuildConfig;
 use crate::environment::{self, UnitSet};
 use crate::error::{BuildError, Warnings};
+use crate::examples::BlendSpaces;
 use crate::import::Imported;
 use crate::patch::{self, Patches};
 use crate::progress::Progress;
@@ -14,7 +15,7 @@ use crate::report::{self, BuildReport};
 use crate::resample::ResampleConfig;
 use crate::stages::{Motion, Stages};
 use crate::write::{self, Baked};
-use crate::{annotate, cluster, features, files, graph, import, policy, resample, retarget, synth};
+use crate::{annotate, cluster, examples, features, files, graph, import, policy, resample, retarget, synth};
 use rand::SeedableRng;
 use rand_pcg::Pcg64;
 use std::collections::BTreeMap;
@@ -57,6 +58,10 @@ pub fn build(cfg: &BuildConfig, out: &Path, cache: &Cache, progress: &dyn Progre
         Ok(Motion { clips, skipped: report::of_skipped(&raw), warnings })
     })?;
 
+    let blend_key = key.then("examples", &cfg.blend)?;
+    let blends: BlendSpaces =
+        s.cached("examples", blend_key, |s| s.run("examples", |p| examples::fit(&motion.clips, &cfg.blend, p)))?;
+
     let cluster_key = key.then("cluster", &(&cfg.features, &cfg.cluster))?;
     let groups: PoseGroups = s.cached("cluster", cluster_key, |s| {
         let features = s.run("features", |_| features::extract(&motion.clips, &cfg.features))?;
@@ -94,15 +99,18 @@ pub fn build(cfg: &BuildConfig, out: &Path, cache: &Cache, progress: &dyn Progre
         policies: &policies.policies,
         groups: Some(&groups),
         patches: Some(&patches),
+        blends: &blends.spaces,
         meta: &meta,
     };
     let bundle_bytes = s.run("write", |_| write::bundle(&baked, out))?;
-    let warnings = Warnings { messages: [motion.warnings.messages.clone(), s.warnings.messages.clone()].concat() };
+    let warnings = [&motion.warnings, &blends.warnings, &s.warnings].map(|w| w.messages.clone()).concat();
+    let warnings = Warnings { messages: warnings };
     Ok(report::of_build(
         cfg,
         &motion,
         &groups,
         &patches,
+        &blends.report,
         graph_report,
         &policies.policies,
         bundle_bytes,

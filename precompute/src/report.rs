@@ -7,6 +7,7 @@ use crate::annotate::{self, ContactSanity};
 use crate::cluster::PoseGroups;
 use crate::config::BuildConfig;
 use crate::error::Warnings;
+use crate::examples::BlendReport;
 use crate::graph::{GraphReport, Spread};
 use crate::import::ImportedSet;
 use crate::patch::{PatchReport, Patches};
@@ -51,6 +52,14 @@ pub struct BuildReport {
     pub group_frames: Spread,
     /// What was made of each motion patch.
     pub patches: Vec<PatchReport>,
+    /// What was made of each blend space.
+    pub blend_spaces: Vec<BlendReport>,
+    /// Examples of all blend spaces.
+    pub blend_examples: usize,
+    /// Weight tables of all blend spaces. [Unit: bytes]
+    pub weight_table_bytes: u64,
+    /// Largest error of a tabulated weight against the exact one, over all blend spaces.
+    pub weight_table_max_error: f64,
     /// One entry per behaviour.
     pub policies: Vec<PolicyReport>,
     /// Length of the bundle. [Unit: bytes]
@@ -86,6 +95,7 @@ pub(crate) fn of_build(
     motion: &Motion,
     groups: &PoseGroups,
     patches: &Patches,
+    blends: &[BlendReport],
     graph: GraphReport,
     policies: &[Policy],
     bundle_bytes: u64,
@@ -122,6 +132,10 @@ pub(crate) fn of_build(
         group_threshold: f64::from(groups.threshold),
         group_frames: group_frames(groups),
         patches: patches.report.clone(),
+        blend_spaces: blends.to_vec(),
+        blend_examples: blends.iter().map(|b| b.examples.len()).sum(),
+        weight_table_bytes: blends.iter().map(|b| b.weight_table_bytes).sum(),
+        weight_table_max_error: blends.iter().map(|b| b.weight_table_max_error).fold(0.0, f64::max),
         policies: policies.iter().map(|p| p.report.clone()).collect(),
         bundle_bytes,
         graph,

@@ -3,13 +3,15 @@
 use crate::clip::{Clip, ClipSet, Hit};
 use crate::cluster::PoseGroups;
 use crate::error::BuildError;
+use crate::examples::BlendSpace;
 use crate::files::write_atomically;
 use crate::graph::MotionGraph;
 use crate::patch::{Patch, Patches};
 use crate::policy::Policy;
 use std::path::Path;
+use throng_runtime::blend::BlendRecord;
 use throng_runtime::format::{
-    AlignedBytes, BundleWriter, ClipMeta, ClipRecord, FormatError, FrameRow, Meta, PatchMeta, SkeletonRecord,
+    AlignedBytes, BlendMeta, BundleWriter, ClipMeta, ClipRecord, FormatError, FrameRow, Meta, PatchMeta, SkeletonRecord,
 };
 use throng_runtime::graph::{MotionSegment, StateRecord};
 use throng_runtime::hits::KIND_NAMES;
@@ -31,6 +33,8 @@ pub struct Baked<'a> {
     pub groups: Option<&'a PoseGroups>,
     /// Motion patches; their cells name pose groups.
     pub patches: Option<&'a Patches>,
+    /// Blend spaces.
+    pub blends: &'a [BlendSpace],
     /// Name, provenance and figures; clips and behaviours are filled in here.
     pub meta: &'a Meta,
 }
@@ -69,6 +73,7 @@ pub fn lay_out(baked: &Baked<'_>) -> Result<BundleWriter, FormatError> {
         meta.link_tags.clone_from(&p.link_tags);
         meta.units.clone_from(&p.units);
     }
+    meta.blends = baked.blends.iter().map(blend_meta).collect();
     let mut out = BundleWriter::new();
     out.section(tags::META, &meta.encode()?);
     out.section(tags::SKELETON, &[SkeletonRecord::from(&baked.clips.skeleton)]);
@@ -77,7 +82,27 @@ pub fn lay_out(baked: &Baked<'_>) -> Result<BundleWriter, FormatError> {
     policies(baked.policies, &mut out);
     patches(baked.patches.map_or(&[], |p| &p.patches), &mut out);
     out.section(tags::POSE_GROUPS, baked.groups.map_or(&[], |g| g.groups.as_slice()));
+    blends(baked.blends, &mut out);
     Ok(out)
+}
+
+fn blend_meta(b: &BlendSpace) -> BlendMeta {
+    BlendMeta { name: b.name.clone(), axes: b.axes.clone(), examples: b.example_names.clone() }
+}
+
+fn blends(spaces: &[BlendSpace], out: &mut BundleWriter) {
+    let (mut records, mut next) = (Vec::with_capacity(spaces.len()), [0u32; 4]);
+    for s in spaces {
+        let [first_example, first_weight, first_row, first_channel_row] = next;
+        records.push(BlendRecord { first_example, first_weight, first_row, first_channel_row, ..s.record });
+        let sizes = [s.examples.len(), s.weights.len(), s.references.len(), s.channels.len()];
+        next.iter_mut().zip(sizes).for_each(|(n, size)| *n += size as u32);
+    }
+    out.section(tags::BLENDS, &records);
+    out.section(tags::BLEND_EXAMPLES, &spaces.iter().flat_map(|s| s.examples.iter().copied()).collect::<Vec<_>>());
+    out.section(tags::BLEND_WEIGHTS, &spaces.iter().flat_map(|s| s.weights.iter().copied()).collect::<Vec<_>>());
+    out.section(tags::BLEND_REFERENCES, &spaces.iter().flat_map(|s| s.references.iter().copied()).collect::<Vec<_>>());
+    out.section(tags::BLEND_CHANNELS, &spaces.iter().flat_map(|s| s.channels.iter().copied()).collect::<Vec<_>>());
 }
 
 fn patch_meta(p: &Patch) -> PatchMeta {

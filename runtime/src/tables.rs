@@ -1,5 +1,6 @@
 //! Opening a bundle: map, check everything that could go wrong later, hand out views.
 
+use crate::blend::{BlendRecord, Blends, ChannelRow, ExampleRecord, ReferenceRow};
 use crate::contacts::Contacts;
 use crate::format::{AlignedBytes, ClipRecord, FormatError, FrameRow, Layout, Meta, SkeletonRecord, Storage, Tag};
 use crate::graph::{MotionGraph, MotionSegment, StateRecord};
@@ -61,6 +62,16 @@ pub mod tags {
     pub const PATCH_LINKS: Tag = Tag(*b"PLNK");
     /// Pose group per frame (u32), [`crate::patch::NONE`] where it has none; empty where frames were not grouped.
     pub const POSE_GROUPS: Tag = Tag(*b"GRPS");
+    /// [`crate::blend::BlendRecord`] per blend space.
+    pub const BLENDS: Tag = Tag(*b"BLND");
+    /// [`crate::blend::ExampleRecord`] per example of each blend space.
+    pub const BLEND_EXAMPLES: Tag = Tag(*b"BEXM");
+    /// Weight per blend space, knot of its table and example (f32).
+    pub const BLEND_WEIGHTS: Tag = Tag(*b"BWGT");
+    /// [`crate::blend::ReferenceRow`] per blend space and phase.
+    pub const BLEND_REFERENCES: Tag = Tag(*b"BREF");
+    /// [`crate::blend::ChannelRow`] per blend space, phase and example.
+    pub const BLEND_CHANNELS: Tag = Tag(*b"BCHN");
 }
 
 #[derive(Debug)]
@@ -85,6 +96,11 @@ struct Sections {
     patch_cells: Range<usize>,
     patch_links: Range<usize>,
     pose_groups: Range<usize>,
+    blends: Range<usize>,
+    blend_examples: Range<usize>,
+    blend_weights: Range<usize>,
+    blend_references: Range<usize>,
+    blend_channels: Range<usize>,
 }
 
 /// An open bundle. Views borrow from it; nothing is copied but META and the skeleton.
@@ -159,6 +175,11 @@ impl Tables {
             patch_cells: layout.section::<CellRecord>(tags::PATCH_CELLS)?,
             patch_links: layout.section::<LinkRecord>(tags::PATCH_LINKS)?,
             pose_groups: layout.section::<u32>(tags::POSE_GROUPS)?,
+            blends: layout.section::<BlendRecord>(tags::BLENDS)?,
+            blend_examples: layout.section::<ExampleRecord>(tags::BLEND_EXAMPLES)?,
+            blend_weights: layout.section::<f32>(tags::BLEND_WEIGHTS)?,
+            blend_references: layout.section::<ReferenceRow>(tags::BLEND_REFERENCES)?,
+            blend_channels: layout.section::<ChannelRow>(tags::BLEND_CHANNELS)?,
         };
         let meta = Meta::decode(&storage.bytes()[layout.section::<u8>(tags::META)?])?;
         let record: &[SkeletonRecord] = view(storage.bytes(), &layout.section::<SkeletonRecord>(tags::SKELETON)?);
@@ -176,6 +197,7 @@ impl Tables {
         check::policies(&tables)?;
         check::pose_groups(&tables)?;
         check::patches(&tables)?;
+        check::blends(&tables)?;
         Ok(tables)
     }
 
@@ -297,6 +319,23 @@ impl Tables {
     /// grouped. [Size: frames().len() or 0]
     pub fn pose_groups(&self) -> &[u32] {
         self.view(&self.sections.pose_groups)
+    }
+
+    /// The blend spaces; empty where the bundle was built without them.
+    pub fn blends(&self) -> Blends<'_> {
+        let s = &self.sections;
+        Blends {
+            spaces: self.view(&s.blends),
+            examples: self.view(&s.blend_examples),
+            weights: self.view(&s.blend_weights),
+            references: self.view(&s.blend_references),
+            channels: self.view(&s.blend_channels),
+        }
+    }
+
+    /// Number of the blend space of a name.
+    pub fn find_blend(&self, name: &str) -> Option<usize> {
+        self.meta.blends.iter().position(|b| b.name == name)
     }
 
     /// A number that tells this bundle's content from others: of the checksums of all sections, and the length.

@@ -67,7 +67,7 @@ fn entries(folder: &Path) -> Result<Vec<PathBuf>, ImportError> {
 }
 
 /// True where `name` is `pattern` with every `*` replaced by some text, which may be empty.
-fn matches(pattern: &str, name: &str) -> bool {
+pub(crate) fn matches(pattern: &str, name: &str) -> bool {
     let Some((first, rest)) = pattern.split_once('*') else { return pattern == name };
     let Some(mut name) = name.strip_prefix(first) else { return false };
     let (middle, last) = rest.rsplit_once('*').unwrap_or(("", rest));

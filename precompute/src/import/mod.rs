@@ -25,6 +25,7 @@ use crate::raw::RawClip;
 use crate::retarget::to_raw;
 use crate::{ImportError, Warnings};
 pub use config::{Forward, ImportConfig, UpAxis};
+pub(crate) use files::matches;
 pub use files::{expand, find_asf};
 use profile::Profile;
 use rayon::prelude::*;

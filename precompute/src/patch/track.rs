@@ -2,6 +2,7 @@
 
 use crate::clip::{Clip, ClipSet, FrameId, FrameRange, runs};
 use crate::cluster::PoseGroups;
+use std::collections::BTreeMap;
 use throng_runtime::patch::Placement;
 use throng_runtime::planar::wrap_angle;
 use throng_runtime::{NUM_JOINTS, Planar};
@@ -36,11 +37,14 @@ pub(super) struct Track {
 }
 
 impl Track {
-    /// Tracks of all clips, and the names of all tags, sorted.
+    /// Tracks of all clips, and the names of all tags: the rarest first, which says most.
     pub fn of_all(clips: &ClipSet, groups: &PoseGroups) -> (Vec<Self>, Vec<String>) {
-        let mut tags: Vec<String> = clips.clips.iter().flat_map(|c| &c.tags).map(|t| t.name.clone()).collect();
-        tags.sort();
-        tags.dedup();
+        let mut frames: BTreeMap<&str, usize> = BTreeMap::new();
+        for tag in clips.clips.iter().flat_map(|c| &c.tags) {
+            *frames.entry(&tag.name).or_default() += tag.range.len();
+        }
+        let mut tags: Vec<String> = frames.keys().map(|name| (*name).to_owned()).collect();
+        tags.sort_by_key(|name| frames[name.as_str()]);
         let tracks = clips.clips.iter().zip(clips.frame_starts());
         (tracks.map(|(c, first_row)| Self::new(c, first_row, groups, &tags)).collect(), tags)
     }
@@ -78,7 +82,8 @@ impl Track {
         Placement::at(self.places[frame], self.support[frame])
     }
 
-    /// Tag that most of the frames `range` carry, as 1 + its number; 0 where no tag covers more than half.
+    /// Tag that most of the frames `range` carry, the rarest of those that cover as much, as 1 + its number; 0 where no
+    /// tag covers more than half.
     pub fn tag_of(&self, range: &FrameRange) -> u16 {
         let covered = |counts: &[u32]| counts.get(range.end).map_or(0, |end| end - counts[range.start]) as usize;
         let best =
@@ -138,4 +143,46 @@ fn tagged(clip: &Clip, name: &str) -> Vec<u32> {
     let of = clip.tags.iter().filter(|t| t.name == name);
     let ranges: Vec<_> = of.map(|t| t.range.start.min(len)..t.range.end.min(len)).filter(|r| !r.is_empty()).collect();
     if ranges.is_empty() { Vec::new() } else { counted(len, &ranges) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::clip::Tag;
+    use glam::{Quat, Vec3};
+    use throng_runtime::Skeleton;
+
+    #[test]
+    fn a_run_of_frames_has_the_tag_that_says_most_about_it() {
+        let tag = |name: &str, range| Tag { name: name.into(), range };
+        let clip = Clip {
+            name: "one".into(),
+            source: "one".into(),
+            mirrored: false,
+            rate_hz: 30.0,
+            root_positions: vec![Vec3::Y; 100],
+            rotations: vec![Quat::IDENTITY; 100 * NUM_JOINTS],
+            contacts: Vec::new(),
+            excluded: Vec::new(),
+            tags: vec![tag("sit", 10..80), tag("slide", 30..60)],
+            hits: Vec::new(),
+            support: Vec::new(),
+        };
+        let clips = ClipSet {
+            skeleton: Skeleton { offsets: [Vec3::ZERO; NUM_JOINTS], tips: [Vec3::ZERO; 3] },
+            clips: vec![clip],
+        };
+        let groups = PoseGroups { groups: vec![0; 100], ..PoseGroups::default() };
+        let (tracks, tags) = Track::of_all(&clips, &groups);
+        assert_eq!(tags, ["slide", "sit"]);
+        let named = |range| match tracks[0].tag_of(&range) {
+            0 => "",
+            n => tags[usize::from(n) - 1].as_str(),
+        };
+        assert_eq!(named(0..20), "");
+        assert_eq!(named(12..28), "sit");
+        // Both cover all of it, and sliding is the rarer.
+        assert_eq!(named(32..52), "slide");
+        assert_eq!(named(50..78), "sit");
+    }
 }

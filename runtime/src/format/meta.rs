@@ -34,6 +34,8 @@ pub struct Meta {
     pub link_tags: Vec<String>,
     /// The unit objects that patches consist of, as TOML.
     pub units: String,
+    /// The blend spaces, in the order of their records.
+    pub blends: Vec<BlendMeta>,
     /// Number of pose groups; 0 where frames were not grouped.
     pub pose_groups: u64,
     /// Usable frames that went into the motion graph.
@@ -73,6 +75,17 @@ pub struct PatchMeta {
     pub name: String,
     /// Name of each unit object and where it stands in the patch's frame; the first one stands at the identity.
     pub units: Vec<(String, crate::patch::Placement)>,
+}
+
+/// A blend space: its name, and those of its axes and examples.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct BlendMeta {
+    /// Unique name.
+    pub name: String,
+    /// Names of the axes, in order; unique in their space.
+    pub axes: Vec<String>,
+    /// Names of the examples, in order: the clip's, with frames where it gave several.
+    pub examples: Vec<String>,
 }
 
 impl Meta {

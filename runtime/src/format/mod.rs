@@ -9,6 +9,7 @@
 //! - 1: 22 joints, frame rows of 192 bytes, motion graph, polar and box policies.
 //! - 2: effective hits, policies on grids of moments and on adaptive grids.
 //! - 3: pose groups and motion patches; contacts of seven bits; a motion graph may be absent where there are patches.
+//! - 4: blend spaces; a motion graph may be absent where there are any.
 
 #[cfg(not(target_endian = "little"))]
 compile_error!("bundles are little-endian and viewed in place; this target is big-endian");
@@ -27,7 +28,7 @@ pub use error::FormatError;
 pub(crate) use header::Kind;
 pub use header::{ALIGN, Header, MAGIC, Section, Tag, VERSION};
 pub(crate) use layout::Layout;
-pub use meta::{ClipMeta, Meta, PatchMeta, SourceMeta};
+pub use meta::{BlendMeta, ClipMeta, Meta, PatchMeta, SourceMeta};
 pub use records::{ClipRecord, FrameRow, SkeletonRecord};
 pub use storage::AlignedBytes;
 pub(crate) use storage::Storage;

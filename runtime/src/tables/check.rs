@@ -1,7 +1,9 @@
 //! Every stored index against its table, every number for being finite.
 
+mod blends;
 mod patches;
 
+pub(super) use blends::blends;
 pub(super) use patches::{patches, pose_groups};
 
 use super::{Tables, tags};
@@ -124,8 +126,10 @@ pub(super) fn graph(t: &Tables) -> Result<(), FormatError> {
         let (states, offsets) = (g.states.len(), g.action_offsets.len());
         return Err(FormatError::layout(format!("{offsets} action offsets for {states} states")));
     }
-    if g.states.is_empty() && t.patches().patches.is_empty() {
-        return Err(FormatError::layout("there is neither a motion graph nor a motion patch: nothing can be played"));
+    if g.states.is_empty() && t.patches().patches.is_empty() && t.blends().spaces.is_empty() {
+        return Err(FormatError::layout(
+            "there is neither a motion graph nor a motion patch nor a blend space: nothing can be played",
+        ));
     }
     ActionTable::new(g.action_offsets, g.action_segments, g.segments.len())
         .map_err(|e| FormatError::layout(e.to_string()))?;

@@ -84,7 +84,7 @@ impl Troupe {
         config: TroupeConfig,
         courses: &[Course],
     ) -> Result<Self, TroupeError> {
-        super::check_config(&config)?;
+        config.check()?;
         let mut blocks = vec![Block::ZERO; courses.len().div_ceil(LANES)];
         for (c, course) in courses.iter().enumerate() {
             course.check(repertoire)?;

@@ -1,15 +1,17 @@
 //! Troupes: many characters, moved and posed together.
 
 mod anatomy;
-mod block;
+pub(crate) mod block;
 mod blow;
+mod config;
 mod control;
 mod course;
-mod foot_lock;
-mod hierarchy;
+mod error;
+pub(crate) mod foot_lock;
+pub(crate) mod hierarchy;
 mod reaction;
 mod repertoire;
-mod sample;
+pub(crate) mod sample;
 mod sample_job;
 mod snapshot;
 mod step;
@@ -27,8 +29,11 @@ pub(crate) use anatomy::head_centre;
 use block::Block;
 pub use blow::{Blow, MAX_BLOWS};
 use blow::{Blows, PassedHits};
+pub use config::{Choice, TroupeConfig};
 pub(crate) use control::uniform;
 pub use course::Course;
+pub use error::TroupeError;
+use error::{check, check_index};
 pub use foot_lock::FootLockConfig;
 use glam::{Vec2, Vec3};
 pub use reaction::ReactionConfig;
@@ -43,56 +48,6 @@ pub use times::StepTimes;
 pub const MAX_STEP_S: f32 = 1.0;
 /// Most behaviours weighed against each other in one step.
 pub const MAX_GOALS: usize = control::MAX_GOALS;
-
-/// How a character chooses among the actions of its state.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Choice {
-    /// The stored best action of the nearest cell: a single load, whatever the policy's region. Needs exactly one goal;
-    /// more are looked ahead.
-    BestAction,
-    /// One-step look-ahead over values, then one of the best few at random; 0 always takes the best.
-    LookAhead {
-        /// See [`crate::policy::RankedActions::choose`]. [Limit: >= 0]
-        temperature: f32,
-    },
-}
-
-/// How a troupe moves.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct TroupeConfig {
-    /// Seed of random choices.
-    pub seed: u64,
-    /// How actions are chosen.
-    pub choice: Choice,
-    /// Time in which the offset of a transition halves. [Unit: s] [Limit: > 0]
-    pub half_life_s: f32,
-    /// How feet are locked.
-    pub foot_lock: FootLockConfig,
-    /// How those who are struck give way, see [`Troupe::push`].
-    pub reaction: ReactionConfig,
-    /// How far a walked action may be bent towards the target; 0 leaves motion as captured (004 section 6, linear
-    /// path editing). [Unit: rad/m] [Limit: >= 0]
-    pub bend_rad_per_m: f32,
-    /// Also write local transforms.
-    pub local_transforms: bool,
-    /// Also measure where the time of a step goes, see [`Troupe::times`].
-    pub timed: bool,
-}
-
-impl Default for TroupeConfig {
-    fn default() -> Self {
-        Self {
-            seed: 1,
-            choice: Choice::LookAhead { temperature: 0.0 },
-            half_life_s: 0.1,
-            foot_lock: FootLockConfig::default(),
-            reaction: ReactionConfig::default(),
-            bend_rad_per_m: 0.0,
-            local_transforms: false,
-            timed: false,
-        }
-    }
-}
 
 /// Where a character starts.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -114,58 +69,6 @@ pub struct Goal<'a> {
     /// Target of every character in the world, for a grid of moments with the time left as y. [Unit: m, s]
     /// [Size: number of characters]
     pub targets: &'a [Vec3],
-}
-
-/// A step that cannot be taken.
-#[non_exhaustive]
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum TroupeError {
-    /// A slice of the wrong length.
-    #[error("`{what}` has {got} elements, expected {expected}: one per character")]
-    Length {
-        /// Which slice.
-        what: &'static str,
-        /// Its length.
-        got: usize,
-        /// Number of characters.
-        expected: usize,
-    },
-    /// A state or policy that the bundle does not have.
-    #[error("{what} {got} does not exist, the bundle has {limit}")]
-    Index {
-        /// What was named.
-        what: &'static str,
-        /// Its number.
-        got: usize,
-        /// How many there are.
-        limit: usize,
-    },
-    /// A character without an opponent.
-    #[error("{got} starts are not pairs: characters 2i and 2i + 1 spar with each other, add a start or take one away")]
-    Odd {
-        /// Number of starts.
-        got: usize,
-    },
-    /// A number out of its range.
-    #[error("{what} is {got}, expected {expected}")]
-    Value {
-        /// Which number.
-        what: &'static str,
-        /// What it is.
-        got: f32,
-        /// What it may be.
-        expected: &'static str,
-    },
-    /// The repertoire is not the one the troupe was made with.
-    #[error("the troupe was made with a bundle of {expected} {what}, this one has {got}; make a new troupe")]
-    OtherBundle {
-        /// What is counted.
-        what: &'static str,
-        /// How many the troupe's bundle has.
-        expected: usize,
-        /// How many this one has.
-        got: usize,
-    },
 }
 
 /// Characters that move together, eight to a block; all memory is allocated in [`Troupe::new`] or
@@ -206,7 +109,7 @@ impl Troupe {
     /// [`TroupeError::Index`] for a state that does not exist, [`TroupeError::Value`] for a start that is not
     /// finite or a setting out of its range.
     pub fn new(repertoire: &Repertoire<'_>, config: TroupeConfig, starts: &[Start]) -> Result<Self, TroupeError> {
-        check_config(&config)?;
+        config.check()?;
         let n = starts.len();
         let mut blocks = vec![Block::ZERO; n.div_ceil(LANES)];
         let arrivals = arrivals(repertoire);
@@ -497,29 +400,4 @@ fn range<'a>(
     let first = index * RANGE_BLOCKS * LANES;
     let count = (num_characters - first).min(RANGE_BLOCKS * LANES);
     Range { first, count, blocks, passed, matrices, locals }
-}
-
-fn check_index(what: &'static str, got: usize, limit: usize) -> Result<(), TroupeError> {
-    if got < limit { Ok(()) } else { Err(TroupeError::Index { what, got, limit }) }
-}
-
-fn check_config(c: &TroupeConfig) -> Result<(), TroupeError> {
-    check("half_life_s", c.half_life_s, c.half_life_s > 1e-3 && c.half_life_s < 10.0, "between 0.001 and 10")?;
-    let lock = c.foot_lock.half_life_s;
-    check("foot_lock.half_life_s", lock, lock > 1e-3 && lock < 10.0, "between 0.001 and 10")?;
-    let planted = c.foot_lock.planted_half_life_s;
-    check("foot_lock.planted_half_life_s", planted, planted > 1e-3 && planted < 1e6, "between 0.001 and a million")?;
-    let most = c.foot_lock.max_correction_m;
-    check("foot_lock.max_correction_m", most, (1e-3..10.0).contains(&most), "between 0.001 and 10")?;
-    c.reaction.check()?;
-    let bend = c.bend_rad_per_m;
-    check("bend_rad_per_m", bend, (0.0..10.0).contains(&bend), "between 0 and 10")?;
-    if let Choice::LookAhead { temperature } = c.choice {
-        check("temperature", temperature, (0.0..1e6).contains(&temperature), "between 0 and 1e6")?;
-    }
-    Ok(())
-}
-
-fn check(what: &'static str, got: f32, good: bool, expected: &'static str) -> Result<(), TroupeError> {
-    if good { Ok(()) } else { Err(TroupeError::Value { what, got, expected }) }
 }

@@ -1,0 +1,183 @@
+//! One closed cycle out of a clip: the best-closing one of a steady stretch, its seam closed smoothly.
+
+use super::average::{displacement, exponential};
+use super::steps::Steps;
+use super::track::{Pose, Track};
+use super::twist::{Course, Twist, turned};
+use crate::clip::FrameRange;
+use glam::{DQuat, DVec3, Quat, Vec3};
+use throng_runtime::{Contacts, Joint, NUM_JOINTS, Skeleton};
+
+/// How far a cycle's end may be moved to where it closes best. [Unit: frames]
+const END_SEARCH: f64 = 1.0;
+/// Places tried on each side of a cycle's end.
+const END_STEPS: i32 = 16;
+/// Shortest and longest loop of a still example. [Unit: s]
+const STILL_S: (f64, f64) = (1.5, 8.0);
+/// Frames of a still stretch that are tried as the ends of a loop, evenly chosen.
+const STILL_TRIES: usize = 120;
+
+/// A cycle of a clip.
+#[derive(Clone, Debug)]
+pub struct Cycle<'a> {
+    /// The clip it is taken from.
+    pub track: Track<'a>,
+    /// Its times; those of the right foot are of no meaning where it is still.
+    pub steps: Steps,
+    /// Both feet stay on the ground.
+    pub still: bool,
+    /// Where its facing frame is.
+    pub course: Course,
+    /// Mean turn of a joint from its end to its beginning, before the seam is closed. [Unit: rad]
+    pub closing: f64,
+    /// Distance of the hips, likewise. [Unit: m]
+    pub closing_m: f64,
+    /// What closes the seam: the hips' way from the beginning to the end, and every joint's log-displacement.
+    gap: (Vec3, [DVec3; NUM_JOINTS]),
+}
+
+impl<'a> Cycle<'a> {
+    /// The best-closing cycle of a steady stretch.
+    ///
+    /// - `cycles`: follow each other. [Limit: not empty]
+    pub fn best(track: Track<'a>, cycles: &[Steps]) -> Self {
+        let twist = Twist::of_cycles(&track, cycles);
+        let last = (track.clip.num_frames() - 1) as f64;
+        let ends = |c: &Steps| {
+            let (c, step) = (*c, END_SEARCH / f64::from(END_STEPS));
+            (-END_STEPS..=END_STEPS).map(move |k| c.ending(c.end + f64::from(k) * step)).filter(move |c| c.end <= last)
+        };
+        let cost = |c: &Steps| {
+            let course = Course::under(&track, twist, c.start, c.end);
+            let (metres, angle) = if cycles.len() > 1 { course.apart(&track, c.start, c.end) } else { (0.0, 0.0) };
+            difference(&track, c.start, c.end) + metres + angle / NUM_JOINTS as f64
+        };
+        let best = cycles.iter().flat_map(ends).map(|c| (cost(&c), c)).min_by(|a, b| a.0.total_cmp(&b.0));
+        let steps = best.map_or(cycles[0], |(_, c)| c);
+        let twist = if cycles.len() > 1 { twist } else { Twist::of_cycles(&track, &[steps]) };
+        Self::new(track, steps, twist, false)
+    }
+
+    /// The best-closing loop of a stretch in which nobody steps.
+    pub fn still(track: Track<'a>, range: &FrameRange) -> Self {
+        let rate = track.rate();
+        let length = range.len().saturating_sub(1) as f64;
+        let (least, most) = ((STILL_S.0 * rate).min(length), (STILL_S.1 * rate).min(length));
+        let tries: Vec<f64> = {
+            let n = STILL_TRIES.min(range.len()).max(2);
+            (0..n).map(|i| (range.start as f64 + length * i as f64 / (n - 1) as f64).round()).collect()
+        };
+        let pairs = tries.iter().flat_map(|&a| tries.iter().map(move |&b| (a, b)));
+        let cost =
+            |a: f64, b: f64| difference(&track, a, b) + track.place(a).distance(track.place(b)) - 1e-4 * (b - a) / rate;
+        let ends = pairs.filter(|(a, b)| (least..=most).contains(&(b - a))).map(|(a, b)| (cost(a, b), (a, b)));
+        let ends = ends.min_by(|x, y| x.0.total_cmp(&y.0)).map(|best| best.1);
+        let (start, end) = ends.unwrap_or((range.start as f64, range.start as f64 + length));
+        let steps = Steps { start, left_off: end, right_strike: 0.5 * (start + end), right_off: end, end };
+        Self::new(track, steps, Twist::default(), true)
+    }
+
+    fn new(track: Track<'a>, steps: Steps, twist: Twist, still: bool) -> Self {
+        let course = Course::under(&track, twist, steps.start, steps.end);
+        let none = (Vec3::ZERO, [DVec3::ZERO; NUM_JOINTS]);
+        let mut cycle = Self { track, steps, still, course, closing: 0.0, closing_m: 0.0, gap: none };
+        let (first, last) = (cycle.open_pose(0.0), cycle.open_pose(1.0));
+        let turns = std::array::from_fn(|j| displacement(first.rotations[j].as_dquat(), last.rotations[j].as_dquat()));
+        cycle.gap = (last.hips - first.hips, turns);
+        cycle.closing = turns.iter().map(|v| 2.0 * v.length()).sum::<f64>() / NUM_JOINTS as f64;
+        cycle.closing_m = f64::from(cycle.gap.0.length());
+        cycle
+    }
+
+    /// Time of the cycle. [Unit: s]
+    pub fn duration_s(&self) -> f64 {
+        (self.steps.end - self.steps.start) / self.track.rate()
+    }
+
+    /// The frames it lies in: the first one and how many.
+    pub fn frames(&self) -> (usize, usize) {
+        let first = self.steps.start.ceil().max(0.0) as usize;
+        let end = (self.steps.end.ceil() as usize).max(first + 1);
+        (first, end - first)
+    }
+
+    /// Pose at a generic time in [0, 1) in the facing frame: hips relative to its origin, their orientation to its
+    /// heading. The end continues in the beginning.
+    pub fn pose(&self, generic: f64) -> Pose {
+        let mut pose = self.open_pose(generic);
+        let part = self.part(generic) - 0.5;
+        pose.hips -= self.gap.0 * part as f32;
+        for (q, v) in pose.rotations.iter_mut().zip(self.gap.1) {
+            *q = (q.as_dquat() * exponential(v * -part)).normalize().as_quat();
+        }
+        pose
+    }
+
+    /// Positions of some joints relative to the hips at such a pose. [Unit: m]
+    pub fn reach(pose: &Pose, skeleton: &Skeleton, joints: [Joint; 4]) -> [Vec3; 4] {
+        let all = crate::clip::joint_transforms(skeleton, Vec3::ZERO, |j| pose.rotations[j]);
+        joints.map(|j| all[j.index()].0)
+    }
+
+    /// Seconds that pass per unit of generic time: constant between the strikes. [Unit: s]
+    pub fn rate(&self, generic: f64) -> f64 {
+        let s = &self.steps;
+        match (self.still, generic < 0.5) {
+            (true, _) => self.duration_s(),
+            (false, true) => 2.0 * (s.right_strike - s.start) / self.track.rate(),
+            (false, false) => 2.0 * (s.end - s.right_strike) / self.track.rate(),
+        }
+    }
+
+    /// Shares of the left and the right foot in contact with the ground: 1 from a strike to the off, but for half a
+    /// frame at each end, over which they rise and fall.
+    pub fn contacts(&self, generic: f64) -> [f64; 2] {
+        let s = &self.steps;
+        if self.still {
+            return [1.0; 2];
+        }
+        let (time, period) = (s.time(generic), s.end - s.start);
+        let stands = |strike: f64, off: f64| {
+            let one = |shift: f64| (time + shift - strike + 0.5).min(off + 0.5 - time - shift).clamp(0.0, 1.0);
+            one(-period).max(one(0.0)).max(one(period))
+        };
+        [stands(s.start, s.left_off), stands(s.right_strike, s.right_off)]
+    }
+
+    /// Shares of the left and the right hand in touch with something.
+    pub fn touches(&self, generic: f64) -> [f64; 2] {
+        let time = self.steps.time(generic);
+        [Contacts::LEFT_HAND, Contacts::RIGHT_HAND].map(|part| self.track.touch(time, part))
+    }
+
+    /// Part of the cycle's time that has passed.
+    fn part(&self, generic: f64) -> f64 {
+        (self.steps.time(generic) - self.steps.start) / (self.steps.end - self.steps.start)
+    }
+
+    fn open_pose(&self, generic: f64) -> Pose {
+        let time = self.steps.time(generic);
+        let mut pose = self.track.pose(time);
+        let (origin, heading) = self.course.at(time);
+        let ground = glam::DVec2::new(f64::from(pose.hips.x), f64::from(pose.hips.z));
+        let seen = turned(ground - origin, -heading);
+        pose.hips = Vec3::new(seen.x as f32, pose.hips.y, seen.y as f32);
+        pose.rotations[0] = (DQuat::from_rotation_y(-heading) * pose.rotations[0].as_dquat()).as_quat();
+        pose
+    }
+}
+
+/// How much the poses at two times and how they move differ: the mean turn of a joint, and the difference of the hips'
+/// height. [Unit: rad, m]
+fn difference(track: &Track<'_>, a: f64, b: f64) -> f64 {
+    let turn = |p: &Quat, q: &Quat| f64::from(2.0 * p.dot(*q).abs().min(1.0).acos());
+    let at = |shift: f64| {
+        let (p, q) = (track.pose(a + shift), track.pose(b + shift));
+        let mut turns: f64 = p.rotations[1..].iter().zip(&q.rotations[1..]).map(|(p, q)| turn(p, q)).sum();
+        // The hips without their heading: that is the course's.
+        turns += f64::from((p.rotations[0] * Vec3::Y).angle_between(q.rotations[0] * Vec3::Y));
+        turns / NUM_JOINTS as f64 + f64::from((p.hips.y - q.hips.y).abs())
+    };
+    let inside = b + 1.0 <= (track.clip.num_frames() - 1) as f64;
+    if inside { 0.5 * (at(0.0) + at(1.0)) } else { at(0.0) }
+}

@@ -1,0 +1,204 @@
+//! Blend spaces in a bundle: they come back as they were written, and what cannot be is refused.
+
+use crate::made_up::{SIX, config, set, six};
+use crate::parts::{Parts, refusal};
+use std::collections::BTreeMap;
+use std::sync::OnceLock;
+use throng_precompute::examples::{self, BlendSpaces};
+use throng_precompute::graph::MotionGraph;
+use throng_precompute::progress::Silent;
+use throng_precompute::write::{self, Baked};
+use throng_runtime::Tables;
+use throng_runtime::blend::{BlendRecord, ChannelRow, ExampleRecord, ReferenceRow, channel};
+use throng_runtime::format::{AlignedBytes, FormatError, Meta, Tag};
+use throng_runtime::tables::tags;
+
+fn spaces() -> BlendSpaces {
+    let line = "axes = [{ kind = 'speed', range = [0.0, 2.0] }]\nexamples = [{ clip = 'slow' }, { clip = 'fast' }]\nphases = 8";
+    let configs = BTreeMap::from([("plane".to_owned(), config(SIX)), ("line".to_owned(), config(line))]);
+    examples::fit(&set(six()), &configs, &Silent).expect("two spaces")
+}
+
+/// A bundle of the two spaces and no motion graph.
+fn bundle() -> &'static [u8] {
+    static BUNDLE: OnceLock<Vec<u8>> = OnceLock::new();
+    BUNDLE.get_or_init(|| {
+        let (clips, graph, spaces) = (set(six()), MotionGraph::default(), spaces());
+        let meta = Meta { rate_hz: 60.0, ..Meta::default() };
+        let baked = Baked {
+            clips: &clips,
+            graph: &graph,
+            policies: &[],
+            groups: None,
+            patches: None,
+            blends: &spaces.spaces,
+            meta: &meta,
+        };
+        let mut bytes = Vec::new();
+        write::lay_out(&baked).expect("sections").write(&mut bytes).expect("memory takes all bytes");
+        bytes
+    })
+}
+
+#[test]
+fn spaces_come_back_as_they_were_written() {
+    let tables = Tables::from_bytes(AlignedBytes::from_slice(bundle())).expect("the bundle opens");
+    let (blends, made) = (tables.blends(), spaces().spaces);
+    assert_eq!(tables.meta().blends.iter().map(|b| b.name.as_str()).collect::<Vec<_>>(), ["line", "plane"]);
+    assert_eq!(tables.find_blend("plane"), Some(1));
+    assert_eq!(tables.meta().blends[1].axes, ["speed", "gyration"]);
+    for (space, made) in blends.spaces.iter().zip(&made) {
+        let part = |first: u32, n: usize| first as usize..first as usize + n;
+        assert_eq!(blends.examples[part(space.first_example, made.examples.len())], made.examples[..]);
+        assert_eq!(blends.weights[part(space.first_weight, made.weights.len())], made.weights[..]);
+        assert_eq!(blends.references[part(space.first_row, made.references.len())], made.references[..]);
+        assert_eq!(blends.channels[part(space.first_channel_row, made.channels.len())], made.channels[..]);
+    }
+}
+
+#[test]
+fn the_same_clips_give_the_same_spaces_at_any_number_of_threads() {
+    let on = |threads| rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads").install(spaces);
+    assert_eq!(on(1), on(8));
+}
+
+/// A change of the bundle's content and what it is.
+type Change<'a> = (&'a str, &'a dyn Fn(&mut Parts));
+
+/// Every change is refused by an error of that section; with `None`, by one of the layout.
+fn refuses(tag: Option<Tag>, changes: &[Change<'_>]) {
+    for (what, change) in changes {
+        let mut parts = Parts::of(bundle());
+        change(&mut parts);
+        let bytes = parts.join();
+        assert!(bytes != bundle(), "{what}: nothing was changed");
+        match (refusal(&bytes, what), tag) {
+            (FormatError::Value { tag: got, .. }, Some(wanted)) if got == wanted => {}
+            (FormatError::Layout { .. }, None) => {}
+            (e, _) => panic!("{what}: refused, but by {e:?}"),
+        }
+    }
+}
+
+const BAD: [f32; 4] = [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, 1e9];
+
+#[test]
+fn records_of_spaces_that_cannot_be_are_refused() {
+    let record =
+        |p: &mut Parts, f: &dyn Fn(&mut BlendRecord)| p.edit::<BlendRecord>(tags::BLENDS, |all| f(&mut all[1]));
+    refuses(
+        Some(tags::BLENDS),
+        &[
+            ("no axes", &|p| record(p, &|r| r.num_axes = 0)),
+            ("too many axes", &|p| record(p, &|r| r.num_axes = 7)),
+            ("an axis less than is filled in", &|p| record(p, &|r| r.num_axes = 1)),
+            ("an unknown kind", &|p| record(p, &|r| r.axes[0].kind = 4)),
+            ("one knot", &|p| record(p, &|r| r.axes[1].num_knots = 1)),
+            ("another number of knots", &|p| record(p, &|r| r.axes[1].num_knots += 1)),
+            ("countless knots", &|p| record(p, &|r| r.axes[1].num_knots = u32::MAX)),
+            ("a box inside out", &|p| record(p, &|r| r.axes[0].low = r.axes[0].high)),
+            ("no box", &|p| record(p, &|r| r.axes[0].high = f32::NAN)),
+            ("another row length", &|p| record(p, &|r| r.weight_stride = 16)),
+            ("examples that overlap", &|p| record(p, &|r| r.first_example = 0)),
+            ("weights that overlap", &|p| record(p, &|r| r.first_weight = 0)),
+            ("rows that overlap", &|p| record(p, &|r| r.first_row = 0)),
+            ("channels past the end", &|p| record(p, &|r| r.first_channel_row = u32::MAX)),
+            ("phases past the end", &|p| record(p, &|r| r.num_phases += 1)),
+            ("one phase", &|p| record(p, &|r| r.num_phases = 1)),
+            ("half extrapolated", &|p| record(p, &|r| r.extrapolate = 2)),
+            ("a negative error", &|p| record(p, &|r| r.max_weight_error = -1.0)),
+        ],
+    );
+    let meta = |p: &mut Parts, f: &dyn Fn(&mut Meta)| p.edit_meta(f);
+    refuses(
+        None,
+        &[
+            ("a space too many", &|p| meta(p, &|m| m.blends.push(Default::default()))),
+            ("one name for both", &|p| meta(p, &|m| m.blends[1].name = m.blends[0].name.clone())),
+            ("an axis without a name", &|p| meta(p, &|m| m.blends[0].axes.clear())),
+            ("an example without a name", &|p| meta(p, &|m| m.blends[0].examples.truncate(1))),
+            ("weights too many", &|p| p.edit::<f32>(tags::BLEND_WEIGHTS, |w| w.extend([0.0; 8]))),
+            ("no space, but its rows", &|p| {
+                p.edit::<BlendRecord>(tags::BLENDS, |b| b.truncate(1));
+                meta(p, &|m| m.blends.truncate(1));
+            }),
+        ],
+    );
+}
+
+#[test]
+fn examples_that_cannot_be_are_refused() {
+    let num_clips = six().len() as u32;
+    let example = |p: &mut Parts, f: &dyn Fn(&mut ExampleRecord)| {
+        p.edit::<ExampleRecord>(tags::BLEND_EXAMPLES, |all| f(&mut all[3]));
+    };
+    refuses(
+        Some(tags::BLEND_EXAMPLES),
+        &[
+            ("clip after the last", &|p| example(p, &|e| e.clip = num_clips)),
+            ("frames after the last", &|p| example(p, &|e| e.first_frame = 10_000)),
+            ("countless frames", &|p| example(p, &|e| e.num_frames = u32::MAX)),
+            ("no frames", &|p| example(p, &|e| e.num_frames = 0)),
+            ("no time", &|p| example(p, &|e| e.duration_s = 0.0)),
+            ("an unknown flag", &|p| example(p, &|e| e.flags = 4)),
+            ("still, but with steps", &|p| example(p, &|e| e.flags = ExampleRecord::IS_STILL)),
+            ("a keytime past the cycle", &|p| example(p, &|e| e.keytimes[2] = 1.0)),
+            ("a parameter on no axis", &|p| example(p, &|e| e.parameters[2] = 1.0)),
+            ("reserved field", &|p| example(p, &|e| e.reserved = 1)),
+        ],
+    );
+    for bad in BAD {
+        refuses(
+            Some(tags::BLEND_EXAMPLES),
+            &[
+                ("parameter", &|p| example(p, &|e| e.parameters[0] = bad)),
+                ("velocity", &|p| example(p, &|e| e.velocity[1] = bad)),
+                ("gyration", &|p| example(p, &|e| e.gyration = bad)),
+                ("duration", &|p| example(p, &|e| e.duration_s = bad)),
+                ("keytime", &|p| example(p, &|e| e.keytimes[0] = bad)),
+            ],
+        );
+    }
+}
+
+#[test]
+fn rows_that_cannot_be_are_refused() {
+    let weight = |p: &mut Parts, at: usize, to: f32| p.edit::<f32>(tags::BLEND_WEIGHTS, |w| w[at] = to);
+    let reference = |p: &mut Parts, f: &dyn Fn(&mut [[f32; 24]; 4])| {
+        p.edit::<ReferenceRow>(tags::BLEND_REFERENCES, |all| f(&mut all[9].components));
+    };
+    let value = |p: &mut Parts, at: usize, to: f32| {
+        p.edit::<ChannelRow>(tags::BLEND_CHANNELS, |all| all[30].values[at] = to);
+    };
+    for bad in BAD {
+        refuses(Some(tags::BLEND_WEIGHTS), &[("weight", &|p| weight(p, 1, bad))]);
+        refuses(Some(tags::BLEND_REFERENCES), &[("reference", &|p| reference(p, &|c| c[1][4] = bad))]);
+        for at in [0, 50, channel::HIPS, channel::RATE, channel::LEFT_CONTACT, channel::GYRATION] {
+            refuses(Some(tags::BLEND_CHANNELS), &[("channel", &|p| value(p, at, bad))]);
+        }
+    }
+    refuses(
+        Some(tags::BLEND_WEIGHTS),
+        &[
+            ("a weight row that sums to two", &|p| weight(p, 0, 2.0)),
+            ("a weight of no example", &|p| weight(p, 7, 0.5)),
+        ],
+    );
+    refuses(
+        Some(tags::BLEND_REFERENCES),
+        &[
+            ("no rotation", &|p| reference(p, &|c| (0..4).for_each(|k| c[k][2] = 0.0))),
+            ("on the other side", &|p| reference(p, &|c| (0..4).for_each(|k| c[k][2] = -c[k][2]))),
+            ("a rotation of no joint", &|p| reference(p, &|c| (c[0][23], c[3][23]) = (1.0, 0.0))),
+        ],
+    );
+    refuses(
+        Some(tags::BLEND_CHANNELS),
+        &[
+            ("time that stands", &|p| value(p, channel::RATE, 0.0)),
+            ("more than contact", &|p| value(p, channel::RIGHT_CONTACT, 1.5)),
+            ("a displacement of no joint", &|p| value(p, 23, 0.1)),
+            ("a channel too many", &|p| value(p, 95, 1.0)),
+        ],
+    );
+}

@@ -1,0 +1,10 @@
+//! Blend spaces: examples, weights, postures and their tables, against brute force and by hand.
+
+mod bundle;
+mod examples;
+mod made_up;
+#[path = "../format/patch.rs"]
+mod parts;
+mod postures;
+mod runtime;
+mod weights;

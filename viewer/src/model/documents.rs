@@ -1,0 +1,141 @@
+//! What is opened, read again and put in the place of what was shown.
+
+use super::world::WorldLook;
+use super::{ClipPlayer, Model, Selection};
+use crate::command::Stage;
+use crate::document::{Bundle, BundleDocument, Document, Opened, SceneFile, Stamp, Watch};
+use crate::panels::PanelKind;
+use crate::run::Run;
+use eframe::egui;
+use std::path::{Path, PathBuf};
+
+impl Model {
+    /// Shows a file that has been read; one that could not be leaves the old one in place.
+    pub(super) fn take_in(&mut self) {
+        let Some(loaded) = self.loader.poll() else { return };
+        let is_reload = self.document.path() == Some(loaded.path.as_path());
+        match loaded.result {
+            Ok(opened) => {
+                self.watch = Some(Watch::from(loaded.stamp));
+                self.settings.remember(&loaded.path);
+                self.show(opened, is_reload);
+                let name = loaded.path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+                self.say(if is_reload {
+                    format!("{name} has changed and was read again")
+                } else {
+                    format!("Opened {name}")
+                });
+            }
+            Err(why) if matches!(self.document, Document::Nothing) => self.complain(why),
+            Err(why) => self.complain(format!("{why}\nWhat was open is kept.")),
+        }
+    }
+
+    fn show(&mut self, opened: Opened, is_reload: bool) {
+        self.generation += 1;
+        self.document = match opened {
+            Opened::Clip(clip) => Document::Clip(clip),
+            Opened::Bundle(bundle) => self.with_run(*bundle, None, is_reload),
+            Opened::Scene(scene, bundle) => self.with_run(*bundle, Some(*scene), is_reload),
+            Opened::World(mut world) => {
+                let old = self.document.world().filter(|_| is_reload).map(|w| (w.run().is_playing(), w.run().speed()));
+                let (playing, speed) = old.unwrap_or((true, 1.0));
+                world.run_mut().play(playing);
+                world.run_mut().set_speed(speed);
+                Document::World(world)
+            }
+        };
+        if let Some(why) = self.document.scene_fault().map(str::to_owned) {
+            self.complain(why);
+        }
+        let clips = self.document.bundle().map_or(0, |b| b.tables().clips().len());
+        let policies = self.document.bundle().map_or(0, |b| b.tables().num_policies());
+        if !is_reload {
+            self.selection = Selection::default();
+            self.player = ClipPlayer { playing: matches!(self.document, Document::Clip(_)), ..ClipPlayer::default() };
+            self.stage = Stage::Crowd;
+            self.other_view = None;
+            self.change_side_panel();
+            self.frame_all();
+        }
+        // The new bundle may have fewer of everything.
+        self.selection.clip = self.selection.clip.min(clips.saturating_sub(1));
+        self.selection.policy = self.selection.policy.min(policies.saturating_sub(1));
+        self.selection.state = None;
+        self.selection.world = WorldLook { tool: self.selection.world.tool, ..Default::default() };
+        let n = self.num_characters();
+        self.selection.character = self.selection.character.filter(|&c| c < n);
+    }
+
+    /// A bundle with a crowd or its scene.
+    fn with_run(&mut self, bundle: Bundle, scene: Option<SceneFile>, is_reload: bool) -> Document {
+        if !is_reload {
+            // Those of another bundle's behaviours.
+            self.weights.clear();
+        }
+        let run = match &scene {
+            Some(file) => Run::of_scene(&bundle, &file.scene),
+            None => Run::new(&bundle, self.settings.run, &self.weights),
+        };
+        let old = self.document.crowd().map(|c| (c.1.is_playing(), c.1.speed())).filter(|_| is_reload);
+        let run = started(run, old.unwrap_or((true, 1.0)));
+        Document::Bundle(Box::new(BundleDocument { bundle, run, scene }))
+    }
+
+    /// Panels about crowds have nothing to say of a motion file: it is shown with its report instead, until a bundle is
+    /// open again.
+    fn change_side_panel(&mut self) {
+        let side = &mut self.settings.side_panel;
+        let is_clip = matches!(self.document, Document::Clip(_));
+        if is_clip && side.is_some_and(|p| p != PanelKind::Report) {
+            self.panel_of_bundles = side.replace(PanelKind::Report);
+        } else if !is_clip && *side == Some(PanelKind::Report) {
+            *side = self.panel_of_bundles.take().or(*side);
+        }
+        // What moves a crowd is in one panel, what moves those who live in a world in another.
+        let (here, elsewhere) = match self.document {
+            Document::World(_) => (PanelKind::Patches, PanelKind::Control),
+            _ => (PanelKind::Control, PanelKind::Patches),
+        };
+        if *side == Some(elsewhere) {
+            *side = Some(here);
+        }
+    }
+
+    pub(super) fn look_for_changes(&mut self, ctx: &egui::Context) {
+        let Some(path) = self.document.path().map(Path::to_path_buf) else { return };
+        let files = self.document.files();
+        let more = files.get(1).map(PathBuf::as_path);
+        if self.loader.path().is_none() && self.watch.as_mut().is_some_and(|w| w.has_changed(&path, more)) {
+            self.start_reading(ctx, &path);
+        }
+    }
+
+    /// Starts to read a file; [`Model::advance`] takes it in when it is there.
+    pub fn start_reading(&mut self, ctx: &egui::Context, path: &Path) {
+        let ctx = ctx.clone();
+        self.loader.start(path, move || ctx.request_repaint());
+    }
+
+    /// Shows a file at once.
+    ///
+    /// # Errors
+    /// A message that names the file, what is wrong with it and the way out.
+    pub fn open_now(&mut self, path: &Path) -> Result<(), String> {
+        let before = Stamp::of(path);
+        let opened = Opened::read(path)?;
+        self.watch = Some(Watch::from(Stamp::with(before, opened.more_files())));
+        self.settings.remember(path);
+        self.show(opened, false);
+        Ok(())
+    }
+}
+
+/// A run that plays, or not, at a speed.
+pub(super) fn started(run: Result<Run, String>, (playing, speed): (bool, f32)) -> Result<Run, String> {
+    run.map(|mut run| {
+        run.play(playing);
+        run.set_speed(speed);
+        run
+    })
+}
