@@ -10,8 +10,8 @@ pub(crate) trait Space {
     fn admits(&self, instance: u32) -> bool;
     /// True where it ends.
     fn is_target(&self, node: Node) -> bool;
-    /// What it costs at least to go on from a node to the target. [Unit: frames]
-    fn estimate(&self, node: Node) -> f32;
+    /// What it costs to go on from a node to the target; infinite where no way leads there. [Unit: frames]
+    fn estimate(&mut self, node: Node) -> f32;
     /// What a step costs. [Unit: frames]
     fn cost(&self, step: &Step) -> f32;
 }
@@ -62,7 +62,7 @@ impl Nodes {
     }
 
     /// Looks for the cheapest way from a node to a target, opening at most `most` nodes.
-    pub fn search(&mut self, graph: &WorldGraph<'_>, from: Node, space: &impl Space, most: usize) -> Found {
+    pub fn search(&mut self, graph: &WorldGraph<'_>, from: Node, space: &mut impl Space, most: usize) -> Found {
         self.begin();
         let Some(first) = self.place(graph, from, space) else {
             return Found::Limit;
@@ -83,7 +83,10 @@ impl Nodes {
                 let total = cost + space.cost(&step);
                 match self.place(graph, step.to, space) {
                     Some(to) if self.stamps[to as usize] != self.stamp || total < self.costs[to as usize] => {
-                        self.reach(to, total, at, step, space.estimate(step.to));
+                        let estimate = space.estimate(step.to);
+                        if estimate < f32::INFINITY {
+                            self.reach(to, total, at, step, estimate);
+                        }
                     }
                     Some(_) => {}
                     None => full |= space.admits(step.to.instance),
