@@ -67,6 +67,11 @@ impl Districts {
         Some(self.of[instance as usize]).filter(|d| *d != NONE)
     }
 
+    /// Number of an instance among the members of its district.
+    pub fn number(&self, district: u32, instance: u32) -> u32 {
+        self.members[district as usize].partition_point(|&m| m < instance) as u32
+    }
+
     /// Number of an instance's first cell within its district.
     pub fn first_cell(&self, instance: u32) -> u32 {
         self.first_cell[instance as usize]

@@ -10,7 +10,7 @@ mod plane;
 mod regions;
 mod shape;
 
-use super::WorldGraph;
+use super::{Node, WorldGraph};
 use dial::Dial;
 use districts::Districts;
 pub(crate) use plane::{Look, Plane, class};
@@ -21,25 +21,23 @@ use std::collections::BTreeMap;
 
 /// A way into a district.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct In {
-    /// The district.
-    pub district: u32,
-    /// Where it leads from: a tile, or the number of another district's way out.
-    pub from: Source,
-}
-
-/// Where a way into a district leads from.
-#[derive(Clone, Copy, Debug)]
-pub(crate) enum Source {
-    /// Cells of a class of a tile.
+pub(crate) enum In {
+    /// From cells of a class of a tile.
     Tile {
         /// The tile.
         tile: u32,
         /// See [`class`].
         class: u32,
     },
-    /// The way out of another district; none where that one does not lead here.
-    Out(Option<u32>),
+    /// From another district.
+    Out {
+        /// The other one.
+        from: u32,
+        /// This one.
+        to: u32,
+        /// The way out of the other one; none where it does not lead here.
+        out: Option<u32>,
+    },
 }
 
 /// A way out of a district.
@@ -49,6 +47,8 @@ pub(crate) struct Out {
     pub district: u32,
     /// The tile whose links it leads along; none where it leads to another district.
     pub tile: Option<u32>,
+    /// What it leads to.
+    pub beyond: Beyond,
 }
 
 /// Costs of a world's parts, see the module.
@@ -57,7 +57,7 @@ pub(crate) struct Atlas {
     planes: Vec<Option<Plane>>,
     /// Which tiles fill a plane together.
     pub regions: Regions,
-    districts: Districts,
+    pub districts: Districts,
     shapes: Vec<Shape>,
     /// Shape of each district.
     shape_of: Vec<u32>,
@@ -89,7 +89,7 @@ impl Atlas {
             ins: Vec::new(),
             outs: Vec::new(),
         };
-        let (mut known, mut search, mut beyond) = (BTreeMap::new(), Dial::default(), BTreeMap::new());
+        let (mut known, mut search, mut between) = (BTreeMap::new(), Dial::default(), BTreeMap::new());
         for district in 0..out.districts.members.len() as u32 {
             let plot = Plot::new(graph, &out.planes, &out.regions, &out.districts, district);
             let shape = *known.entry(plot.key()).or_insert_with(|| {
@@ -97,24 +97,29 @@ impl Atlas {
                 out.shapes.len() as u32 - 1
             });
             out.shape_of.push(shape);
-            for (k, &b) in plot.beyond.iter().enumerate() {
-                let tile = if let Beyond::Tile(t) = b { Some(t) } else { None };
-                if let Beyond::District(d) = b {
-                    beyond.insert((district, d), (out.outs.len() as u32, out.ins.len() as u32));
+            let (shape, first) = (&out.shapes[shape as usize], [out.ins.len() as u32, out.outs.len() as u32]);
+            for (n, &k) in shape.outs.iter().enumerate() {
+                let tile = plot.beyond[k as usize].tile();
+                if let Beyond::District(d) = plot.beyond[k as usize] {
+                    between.insert((district, d), first[1] + n as u32);
                 }
                 if let Some(region) = tile.and_then(|t| out.regions.of(t)) {
-                    out.region_outs[region as usize].push(out.outs.len() as u32);
+                    out.region_outs[region as usize].push(first[1] + n as u32);
                 }
-                out.outs.push(Out { district, tile });
-                for class in 0..plot.first_in[k + 1] - plot.first_in[k] {
-                    let from = tile.map_or(Source::Out(None), |tile| Source::Tile { tile, class });
-                    out.ins.push(In { district, from });
-                }
+                out.outs.push(Out { district, tile, beyond: plot.beyond[k as usize] });
+            }
+            for &(k, class) in &shape.ins {
+                out.ins.push(match plot.beyond[k as usize] {
+                    Beyond::Tile(tile) => In::Tile { tile, class },
+                    Beyond::District(from) => In::Out { from, to: district, out: None },
+                });
             }
             out.first.push([out.ins.len() as u32, out.outs.len() as u32]);
         }
-        for (&(a, b), &(_, way_in)) in &beyond {
-            out.ins[way_in as usize].from = Source::Out(beyond.get(&(b, a)).map(|&(way_out, _)| way_out));
+        for way_in in &mut out.ins {
+            if let In::Out { from, to, out } = way_in {
+                *out = between.get(&(*from, *to)).copied();
+            }
         }
         out
     }
@@ -132,6 +137,20 @@ impl Atlas {
     /// Number of districts.
     pub fn num_districts(&self) -> usize {
         self.shape_of.len()
+    }
+
+    /// Where the fastest way from a cell of a district by one of its ways out ends, and its frames; none where there is
+    /// no such way.
+    pub fn leap(&self, graph: &WorldGraph<'_>, out: u32, cell: u32) -> Option<(Node, u16)> {
+        let way_out = &self.outs[out as usize];
+        let number = out - self.outs_of(way_out.district).start;
+        let (spot, frames) = self.shape(way_out.district).leap(number, cell)?;
+        let instance = match way_out.beyond {
+            Beyond::District(d) => *self.districts.members[d as usize].get(spot.way[0] as usize)?,
+            Beyond::Tile(tile) => self.regions.tile_at(graph, self, tile, spot.way)?,
+        };
+        let node = Node { instance, cell: spot.cell };
+        graph.is_node(node).then_some((node, frames))
     }
 
     /// Costs within a district.

@@ -5,12 +5,12 @@ use crate::patch::{CellRecord, NONE, Patches};
 use glam::Vec3;
 
 /// Offsets up to this many copies away are in the table. [Unit: copies]
-pub(super) const RADIUS: i32 = 6;
+const RADIUS: i32 = 6;
 /// Ways may lead this far around them.
 const MARGIN: i32 = 2;
 const SIDE: i32 = 2 * RADIUS + 1;
 /// Offsets of a table. [Size: copies]
-pub(super) const NUM_OFFSETS: usize = (SIDE * SIDE) as usize;
+const NUM_OFFSETS: usize = (SIDE * SIDE) as usize;
 /// Beyond the table costs grow by what they grow by from here to its rim, a copy. [Unit: copies]
 const INNER: i32 = RADIUS / 2;
 
@@ -122,7 +122,7 @@ impl Plane {
         let number = |[x, z]: [i32; 2], cell: u32| ((x + wide) * across + z + wide) as u32 * n + cell;
         let num_edges = self.steps.len() as u32;
         let ends = |c: &CellRecord| !c.is(CellRecord::IS_EXIT) && class(c, num_edges) == class_;
-        let targets = cells.iter().enumerate().filter(|(_, c)| ends(c)).map(|(c, _)| (number([0, 0], c as u32), 0));
+        let targets = cells.iter().enumerate().filter(|(_, c)| ends(c)).map(|(c, _)| (number([0, 0], c as u32), 0, 0));
         search.run((across * across) as usize * cells.len(), targets, |search, state| {
             let (tile, cell) = ((state / n) as i32, state % n);
             let [x, z] = [tile / across - wide, tile % across - wide];
@@ -133,14 +133,11 @@ impl Plane {
                 }
             }
         });
-        for du in -RADIUS..=RADIUS {
-            for dv in -RADIUS..=RADIUS {
-                // The target lies at (du, dv) as seen from where this is.
-                let row = (0..n).map(|cell| search.cost(number([-du, -dv], cell)));
-                let first = self.costs.len();
-                self.costs.extend(row);
-                self.least.push(self.costs[first..].iter().copied().min().unwrap_or(UNREACHED));
-            }
+        for [du, dv] in offsets() {
+            // The target lies there as seen from where this is.
+            let first = self.costs.len();
+            self.costs.extend((0..n).map(|cell| search.cost(number([-du, -dv], cell))));
+            self.least.push(self.costs[first..].iter().copied().min().unwrap_or(UNREACHED));
         }
     }
 
@@ -163,8 +160,13 @@ impl Plane {
     }
 }
 
+/// The offsets of a table, in their order. [Unit: copies]
+pub(super) fn offsets() -> impl Iterator<Item = [i32; 2]> {
+    (0..SIDE * SIDE).map(|n| [n / SIDE - RADIUS, n % SIDE - RADIUS])
+}
+
 /// Number of an offset within the table.
-pub(super) fn offset([du, dv]: [i32; 2]) -> u32 {
+fn offset([du, dv]: [i32; 2]) -> u32 {
     ((du + RADIUS) * SIDE + dv + RADIUS) as u32
 }
 

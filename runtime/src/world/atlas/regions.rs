@@ -58,6 +58,16 @@ impl Regions {
         self.patches[region as usize]
     }
 
+    /// A tile, or the neighbour so many copies away.
+    pub fn tile_at(&self, graph: &WorldGraph<'_>, atlas: &super::Atlas, tile: u32, way: [i32; 2]) -> Option<u32> {
+        if way == [0, 0] {
+            return Some(tile);
+        }
+        let edge = atlas.plane(self.of(tile)?)?.steps.iter().position(|s| *s == way)?;
+        let slot = graph.instance(tile).first_neighbour as usize + edge;
+        Some(graph.world().neighbours[slot]).filter(|n| *n != NONE)
+    }
+
     /// How many copies away another tile of the same region stands.
     pub fn way(&self, from: u32, to: u32) -> [i32; 2] {
         let (a, b) = (self.places[from as usize], self.places[to as usize]);

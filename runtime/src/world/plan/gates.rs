@@ -3,7 +3,7 @@
 use super::Target;
 use super::heap::Heap;
 use crate::patch::NONE;
-use crate::world::atlas::{Atlas, Look, Source, class};
+use crate::world::atlas::{Atlas, In, Look, class};
 use crate::world::{Node, WorldGraph};
 use std::ops::Range;
 
@@ -137,6 +137,11 @@ impl Upper {
         costs.fold(f32::INFINITY, f32::min)
     }
 
+    /// District of the target; [`NONE`] where it is in none.
+    pub fn district(&self) -> u32 {
+        self.end.district.unwrap_or(NONE)
+    }
+
     fn begin(&mut self) {
         self.stamp = self.stamp.wrapping_add(1);
         if self.stamp == 0 {
@@ -213,10 +218,10 @@ impl Upper {
     }
 
     fn open_in(&mut self, atlas: &Atlas, way_in: u32, cost: f32) {
-        match atlas.ins[way_in as usize].from {
-            Source::Out(None) => {}
-            Source::Out(Some(out)) => self.reach(atlas.ins.len() as u32 + out, cost),
-            Source::Tile { tile, class } => {
+        match atlas.ins[way_in as usize] {
+            In::Out { out: None, .. } => {}
+            In::Out { out: Some(out), .. } => self.reach(atlas.ins.len() as u32 + out, cost),
+            In::Tile { tile, class } => {
                 let Some(region) = atlas.regions.of(tile) else { return };
                 let r = region as usize;
                 self.next[way_in as usize] = NONE;
@@ -235,8 +240,13 @@ impl Upper {
         let district = atlas.outs[out as usize].district;
         let number = out - atlas.outs_of(district).start;
         let shape = atlas.shape(district);
+        let tile = atlas.outs[out as usize].tile;
         for (k, way_in) in atlas.ins_of(district).enumerate() {
-            self.reach(way_in, cost + shape.across(k as u32, number));
+            // Nobody goes in to come out where it was before: costs from the best of its cells would be too low.
+            let back = matches!(atlas.ins[way_in as usize], In::Tile { tile: t, .. } if Some(t) == tile);
+            if !back {
+                self.reach(way_in, cost + shape.across(k as u32, number));
+            }
         }
     }
 
@@ -244,7 +254,7 @@ impl Upper {
     fn estimate_by(&self, graph: &WorldGraph<'_>, atlas: &Atlas, node: Node, state: u32, cost: f32) -> f32 {
         let here = atlas.district(node.instance);
         let Some(out) = (state as usize).checked_sub(atlas.ins.len()) else {
-            let Source::Tile { tile, class } = atlas.ins[state as usize].from else { return f32::INFINITY };
+            let In::Tile { tile, class } = atlas.ins[state as usize] else { return f32::INFINITY };
             let (region, None) = (atlas.regions.of(tile), here) else { return f32::INFINITY };
             if region != atlas.regions.of(node.instance) {
                 return f32::INFINITY;
@@ -332,7 +342,7 @@ impl Upper {
         let mut way_in = if self.chain_stamps[r as usize] == self.stamp { self.chains[r as usize][0] } else { NONE };
         while way_in != NONE {
             // They come in order of their costs.
-            if let Source::Tile { tile: to, class } = atlas.ins[way_in as usize].from
+            if let In::Tile { tile: to, class } = atlas.ins[way_in as usize]
                 && !add(class, to, self.costs[way_in as usize])
             {
                 break;

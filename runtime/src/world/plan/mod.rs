@@ -3,10 +3,12 @@
 
 mod gates;
 mod heap;
+mod leaps;
 mod nodes;
 
 use super::atlas::Atlas;
 use super::{Node, Step, WorldGraph};
+use crate::patch::NONE;
 use gates::Upper;
 pub(crate) use nodes::{Found, Nodes, Space};
 
@@ -105,33 +107,54 @@ impl Planner {
         out: &mut [Step],
     ) -> Option<Plan> {
         let (atlas, mut opened_nodes) = (graph.atlas(), 0);
-        for all in [false, true] {
-            if !self.upper.run(graph, atlas, target, from, all) {
+        for tries in [Try { all: false, leaps: true }, Try { all: true, leaps: true }, Try { all: true, leaps: false }]
+        {
+            if !self.upper.run(graph, atlas, target, from, tries.all) {
                 return None;
             }
-            let mut way = Way { graph, atlas, target, upper: &mut self.upper, toll: &toll };
+            let skip = if tries.leaps { self.upper.district() } else { NONE };
+            let mut way = Way { graph, atlas, target, skip, leaps: tries.leaps, upper: &mut self.upper, toll: &toll };
             let found = self.nodes.search(graph, from, &mut way, usize::MAX);
             opened_nodes += self.nodes.opened;
-            if let Found::Way(way) = found {
-                return Some(self.report(graph, way, opened_nodes, out));
-            }
-            if self.upper.limit == f32::INFINITY {
-                return None;
+            if let Found::Way(way) = found
+                && let Some(plan) = self.report(graph, from, way, out)
+            {
+                return Some(Plan { opened_nodes, opened_instances: self.upper.opened, ..plan });
             }
         }
         None
     }
 
-    fn report(&self, graph: &WorldGraph<'_>, way: u32, opened_nodes: usize, out: &mut [Step]) -> Plan {
-        let num_steps = self.nodes.path(way, out);
-        let (mut num_frames, mut length_m) = (0, 0.0);
-        self.nodes.walk(way, |step| {
-            num_frames += step.num_frames();
-            length_m += graph.length(step);
-        });
-        let num_stored = num_steps.min(out.len());
-        Plan { num_steps, num_stored, num_frames, length_m, opened_instances: self.upper.opened, opened_nodes }
+    /// Writes the steps of a way that was found; none where what stands for many steps cannot be told step by step.
+    fn report(&mut self, graph: &WorldGraph<'_>, from: Node, way: u32, out: &mut [Step]) -> Option<Plan> {
+        let mut plan = Plan::default();
+        let mut add = |step: Step| {
+            if let Some(slot) = out.get_mut(plan.num_steps) {
+                *slot = step;
+                plan.num_stored += 1;
+            }
+            plan.num_steps += 1;
+            plan.num_frames += step.num_frames();
+            plan.length_m += graph.length(&step);
+        };
+        let (mut at, mut node) = (self.nodes.turn(way), from);
+        while let Some((next, step)) = self.nodes.next(at) {
+            match step.link {
+                NONE => leaps::walk(graph, graph.atlas(), node, &step, &mut add)?,
+                _ => add(step),
+            }
+            (at, node) = (next, step.to);
+        }
+        Some(plan)
     }
+}
+
+/// How thoroughly a way is looked for.
+struct Try {
+    /// In the upper layer, up to the last way in and out.
+    all: bool,
+    /// In the lower layer, over districts in one leap.
+    leaps: bool,
 }
 
 /// The lower layer's space: everything, towards the target.
@@ -139,6 +162,9 @@ struct Way<'a, 'w, T> {
     graph: &'a WorldGraph<'w>,
     atlas: &'a Atlas,
     target: Target,
+    /// The district that is not leapt over: that of the target.
+    skip: u32,
+    leaps: bool,
     upper: &'a mut Upper,
     toll: &'a T,
 }
@@ -148,12 +174,24 @@ impl<T: Fn(u32) -> f32> Space for Way<'_, '_, T> {
         true
     }
 
+    fn for_each_step(&mut self, graph: &WorldGraph<'_>, node: Node, mut visit: impl FnMut(&mut Self, Step)) {
+        match self.atlas.district(node.instance) {
+            Some((district, first)) if self.leaps && district != self.skip => {
+                let atlas = self.atlas;
+                leaps::for_each(graph, atlas, district, first + node.cell, |step| visit(self, step));
+            }
+            _ => graph.for_each_step(node, |step| visit(self, step)),
+        }
+    }
+
     fn is_target(&self, node: Node) -> bool {
         self.target.is_at(self.graph, node)
     }
 
     fn estimate(&mut self, node: Node) -> f32 {
-        GREED * self.upper.estimate(self.graph, self.atlas, node)
+        static G: std::sync::OnceLock<f32> = std::sync::OnceLock::new();
+        *G.get_or_init(|| std::env::var("GREED").ok().and_then(|g| g.parse().ok()).unwrap_or(GREED))
+            * self.upper.estimate(self.graph, self.atlas, node)
     }
 
     fn cost(&self, step: &Step) -> f32 {

@@ -14,6 +14,10 @@ pub(crate) trait Space {
     fn estimate(&mut self, node: Node) -> f32;
     /// What a step costs. [Unit: frames]
     fn cost(&self, step: &Step) -> f32;
+    /// Calls `visit` with every step that is looked at from a node, and with what stands for many steps at once.
+    fn for_each_step(&mut self, graph: &WorldGraph<'_>, node: Node, mut visit: impl FnMut(&mut Self, Step)) {
+        graph.for_each_step(node, |step| visit(self, step));
+    }
 }
 
 /// Why a search ended.
@@ -79,7 +83,7 @@ impl Nodes {
             }
             self.opened += 1;
             let cost = self.costs[at as usize];
-            graph.for_each_step(node, |step| {
+            space.for_each_step(graph, node, |space, step| {
                 let total = cost + space.cost(&step);
                 match self.place(graph, step.to, space) {
                     Some(to) if self.stamps[to as usize] != self.stamp || total < self.costs[to as usize] => {
@@ -117,6 +121,22 @@ impl Nodes {
             visit(&self.steps[at as usize]);
             at = self.parents[at as usize];
         }
+    }
+
+    /// Turns a way around, so that it can be followed from its beginning with [`Nodes::next`]; it is no way any more.
+    pub fn turn(&mut self, way: u32) -> u32 {
+        let (mut at, mut after) = (way, NONE);
+        while at != NONE {
+            after = std::mem::replace(&mut self.parents[at as usize], after);
+            std::mem::swap(&mut at, &mut after);
+        }
+        after
+    }
+
+    /// The step that follows on a way that was turned around, and where it leads to.
+    pub fn next(&self, at: u32) -> Option<(u32, Step)> {
+        let next = self.parents[at as usize];
+        (next != NONE).then(|| (next, self.steps[next as usize]))
     }
 
     /// Cost of a way. [Unit: frames]
