@@ -124,6 +124,12 @@ impl Atlas {
         out
     }
 
+    /// What a metre costs at least where one walks far; nothing is known where there is no plane. [Unit: frames/m]
+    pub fn pace(&self) -> f32 {
+        let least = self.planes.iter().flatten().map(|p| p.pace).fold(f32::INFINITY, f32::min);
+        if least < f32::INFINITY { least } else { 0.0 }
+    }
+
     /// The plane of a region's tiles.
     pub fn plane(&self, region: u32) -> Option<&Plane> {
         self.planes[self.regions.patch(region) as usize].as_ref()

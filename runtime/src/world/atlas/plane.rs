@@ -17,6 +17,8 @@ const INNER: i32 = RADIUS / 2;
 /// A tile whose copies fill a plane. Its cells are of classes: those that are entered across each edge, and the inside.
 #[derive(Clone, Debug)]
 pub(crate) struct Plane {
+    /// What a metre costs at least, of a long way. [Unit: frames/m]
+    pub pace: f32,
     /// Steps across each edge, in copies along two directions.
     pub steps: Vec<[i32; 2]>,
     num_cells: u32,
@@ -47,10 +49,12 @@ impl Plane {
     /// The table of a patch; none for blocks, and for tiles whose copies form a line or no lattice.
     pub fn new(patches: &Patches<'_>, patch: usize) -> Option<Self> {
         let edges = patches.edges_of(patch);
-        let steps = lattice(&edges.iter().map(|e| Vec3::from_array(e.step)).collect::<Vec<_>>())?;
+        let vectors: Vec<Vec3> = edges.iter().map(|e| Vec3::from_array(e.step)).collect();
+        let steps = lattice(&vectors)?;
         let cells = patches.cells_of(patch);
         let num_classes = edges.len() as u32 + 1;
         let mut out = Self {
+            pace: f32::INFINITY,
             steps,
             num_cells: cells.len() as u32,
             costs: Vec::with_capacity(num_classes as usize * NUM_OFFSETS * cells.len()),
@@ -62,6 +66,7 @@ impl Plane {
         for c in 0..num_classes {
             out.add_class(cells, c, &arcs, &mut search);
             out.add_slopes(c);
+            out.pace = out.pace_to(c, &vectors).min(out.pace);
         }
         Some(out)
     }
@@ -102,6 +107,13 @@ impl Plane {
         let slopes = &self.slopes[(class as usize * 4 + side) * SIDE as usize..][..SIDE as usize];
         let share = at - first as f32;
         far as f32 * (slopes[first] * (1.0 - share) + slopes[first + 1] * share)
+    }
+
+    fn pace_to(&self, class: u32, vectors: &[Vec3]) -> f32 {
+        let along = |way| self.steps.iter().position(|s| *s == way).map_or(Vec3::ZERO, |e| vectors[e]);
+        let [u, v] = [along([1, 0]), along([0, 1])];
+        let rim = offsets().filter(|o| o[0].abs().max(o[1].abs()) == RADIUS);
+        rim.map(|o| self.norm(class, o) / (u * o[0] as f32 + v * o[1] as f32).length()).fold(f32::INFINITY, f32::min)
     }
 
     /// Arcs from each cell back to where links to it begin: the cell, and how many copies away, as one number.

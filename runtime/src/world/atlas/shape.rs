@@ -413,7 +413,7 @@ impl Draft<'_, '_, '_> {
         let (cells, links) =
             (graph.patches().cells_of(t.patch_a as usize), graph.patches().links_of(t.patch_a as usize));
         let num_edges = graph.patches().patches[t.patch_a as usize].num_edges;
-        for (n, j) in graph.joints(t).iter().enumerate().filter(|(n, _)| graph.may_go(a, *n, to_b)) {
+        for (_, j) in graph.joints(t).iter().enumerate().filter(|(n, _)| graph.may_go(a, *n, to_b)) {
             match (to_b, num_edges > 0) {
                 // Out of a tile's link into the block, or into a tile's link out of it.
                 (true, true) => {

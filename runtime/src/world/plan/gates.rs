@@ -3,15 +3,18 @@
 use super::Target;
 use super::heap::Heap;
 use crate::patch::NONE;
-use crate::world::atlas::{Atlas, In, Look, class};
+use crate::world::atlas::{Atlas, In, Look, Out, class};
 use crate::world::{Node, WorldGraph};
+use glam::Vec3;
 use std::ops::Range;
 
 /// What is known of a tile: the ways on from it that cost least, one of which may be the way to the target itself.
 const MAX_GATES: usize = 4;
 /// Gates are looked at that cost at most this many times what the best way costs, and so much more. [Unit: frames]
-const BESIDE: f32 = 1.15;
-const BESIDE_FRAMES: f32 = 120.0;
+const BESIDE: f32 = 1.05;
+const BESIDE_FRAMES: f32 = 60.0;
+/// Some ways are faster than walking.
+const CAUTION: f32 = 0.9;
 
 /// A way on from a tile. [Unit: frames]
 #[derive(Clone, Copy, Debug, Default)]
@@ -31,15 +34,21 @@ struct Gates {
 /// Memory of the upper layer, and what its last search found.
 #[derive(Clone, Debug)]
 pub(super) struct Upper {
-    /// States: ways in, then ways out.
+    /// Where each state is: ways in, then ways out. [Unit: m]
+    places: Vec<Vec3>,
+    /// Costs of the states. [Unit: frames]
     costs: Vec<f32>,
     stamps: Vec<u32>,
     heap: Heap,
     stamp: u32,
-    /// Ways in of a region that were settled, in order of their costs: the first and the last, and the next of each.
+    /// Where the search is to come to, and what a metre costs at least. [Unit: m, frames/m]
+    from: Vec3,
+    pace: f32,
+    /// Ways in of a region that were opened: the first and the last, and the next of each.
     chains: Vec<[u32; 2]>,
     chain_stamps: Vec<u32>,
     next: Vec<u32>,
+    next_stamps: Vec<u32>,
     /// By instance.
     gates: Vec<Gates>,
     end: End,
@@ -69,7 +78,17 @@ impl Upper {
         let most = |part: fn(&Atlas, u32) -> Range<u32>| {
             (0..atlas.num_districts() as u32).map(|d| part(atlas, d).len()).max().unwrap_or(0)
         };
+        let inside = |district: u32| graph.centre(atlas.districts.members[district as usize][0]);
+        let place_in = |i: &In| match *i {
+            In::Tile { tile, .. } => graph.centre(tile),
+            In::Out { to, .. } => inside(to),
+        };
+        let place_out = |o: &Out| o.tile.map_or_else(|| inside(o.district), |tile| graph.centre(tile));
         Self {
+            places: atlas.ins.iter().map(place_in).chain(atlas.outs.iter().map(place_out)).collect(),
+            from: Vec3::ZERO,
+            pace: CAUTION * atlas.pace(),
+            next_stamps: vec![0; atlas.ins.len()],
             costs: vec![0.0; num_states],
             stamps: vec![0; num_states],
             heap: Heap::new(num_states),
@@ -88,39 +107,41 @@ impl Upper {
         }
     }
 
-    /// Dijkstra from the target backwards, until more ways on would not help whoever begins at `from`; `all` leaves
+    /// A* from the target backwards, until more ways on would not help whoever begins at `from`; `all` leaves
     /// none out.
     ///
     /// - returns false where no way leads from there to the target.
     pub fn run(&mut self, graph: &WorldGraph<'_>, atlas: &Atlas, target: Target, from: Node, all: bool) -> bool {
         self.begin();
+        self.from = graph.place(from).translation();
         if !self.find_end(graph, atlas, target) {
             return false;
         }
         self.reach_from_end(atlas);
         let mut least = f32::INFINITY;
         self.limit = f32::INFINITY;
-        while let Some((cost, state)) = self.heap.pop() {
-            if cost > self.limit {
+        while let Some((key, state)) = self.heap.pop() {
+            if key > self.limit {
                 return true;
             }
+            let cost = self.costs[state as usize];
             self.opened += 1;
             if (state as usize) < atlas.ins.len() {
                 self.open_in(atlas, state, cost);
             } else {
                 self.open_out(atlas, state - atlas.ins.len() as u32, cost);
             }
-            least = least.min(self.estimate_by(graph, atlas, from, state, cost));
+            least = least.min(self.estimate_by(atlas, from, state, cost));
             if !all {
-                self.limit = least.min(self.estimate_direct(graph, atlas, from)) * BESIDE + BESIDE_FRAMES;
+                self.limit = least.min(self.estimate_direct(atlas, from)) * BESIDE + BESIDE_FRAMES;
             }
         }
         self.limit = f32::INFINITY;
-        least.min(self.estimate_direct(graph, atlas, from)) < f32::INFINITY
+        least.min(self.estimate_direct(atlas, from)) < f32::INFINITY
     }
 
     /// What it costs to go on from a node to the target; infinite where no way is known. [Unit: frames]
-    pub fn estimate(&mut self, graph: &WorldGraph<'_>, atlas: &Atlas, node: Node) -> f32 {
+    pub fn estimate(&mut self, atlas: &Atlas, node: Node) -> f32 {
         if let Some((district, first)) = atlas.district(node.instance) {
             return self.within(atlas, district, first + node.cell).min(self.through(
                 atlas,
@@ -147,6 +168,7 @@ impl Upper {
         if self.stamp == 0 {
             self.stamps.fill(0);
             self.chain_stamps.fill(0);
+            self.next_stamps.fill(0);
             self.gates.fill(Gates::default());
             self.stamp = 1;
         }
@@ -201,6 +223,10 @@ impl Upper {
         for &k in &atlas.region_outs[region as usize] {
             let out = &atlas.outs[k as usize];
             let Some(through) = out.tile else { continue };
+            let s = atlas.ins.len() + k as usize;
+            if self.stamps[s] == self.stamp && self.costs[s] <= cost {
+                continue;
+            }
             let look = plane.look(class, atlas.regions.way(through, tile));
             let number = k - atlas.outs_of(out.district).start;
             self.reach(atlas.ins.len() as u32 + k, cost + atlas.shape(out.district).landing(number, look));
@@ -214,7 +240,7 @@ impl Upper {
         }
         self.stamps[s] = self.stamp;
         self.costs[s] = cost;
-        self.heap.push(state, cost);
+        self.heap.push(state, cost + self.pace * self.places[s].distance(self.from));
     }
 
     fn open_in(&mut self, atlas: &Atlas, way_in: u32, cost: f32) {
@@ -223,16 +249,23 @@ impl Upper {
             In::Out { out: Some(out), .. } => self.reach(atlas.ins.len() as u32 + out, cost),
             In::Tile { tile, class } => {
                 let Some(region) = atlas.regions.of(tile) else { return };
-                let r = region as usize;
-                self.next[way_in as usize] = NONE;
-                if self.chain_stamps[r] == self.stamp {
-                    self.next[self.chains[r][1] as usize] = way_in;
-                    self.chains[r][1] = way_in;
-                } else {
-                    (self.chain_stamps[r], self.chains[r]) = (self.stamp, [way_in; 2]);
+                if self.next_stamps[way_in as usize] != self.stamp {
+                    self.chain(region, way_in);
                 }
                 self.reach_outs(atlas, region, tile, class, cost);
             }
+        }
+    }
+
+    /// Adds a way in to those of its region.
+    fn chain(&mut self, region: u32, way_in: u32) {
+        let r = region as usize;
+        (self.next[way_in as usize], self.next_stamps[way_in as usize]) = (NONE, self.stamp);
+        if self.chain_stamps[r] == self.stamp {
+            self.next[self.chains[r][1] as usize] = way_in;
+            self.chains[r][1] = way_in;
+        } else {
+            (self.chain_stamps[r], self.chains[r]) = (self.stamp, [way_in; 2]);
         }
     }
 
@@ -251,7 +284,7 @@ impl Upper {
     }
 
     /// What it costs to go on from a node by one of the ways in or out.
-    fn estimate_by(&self, graph: &WorldGraph<'_>, atlas: &Atlas, node: Node, state: u32, cost: f32) -> f32 {
+    fn estimate_by(&self, atlas: &Atlas, node: Node, state: u32, cost: f32) -> f32 {
         let here = atlas.district(node.instance);
         let Some(out) = (state as usize).checked_sub(atlas.ins.len()) else {
             let In::Tile { tile, class } = atlas.ins[state as usize] else { return f32::INFINITY };
@@ -260,7 +293,6 @@ impl Upper {
                 return f32::INFINITY;
             }
             let Some(plane) = region.and_then(|r| atlas.plane(r)) else { return f32::INFINITY };
-            debug_assert!(graph.is_tile(tile));
             return cost + plane.cost(plane.look(class, atlas.regions.way(node.instance, tile)), node.cell);
         };
         let district = atlas.outs[out].district;
@@ -272,11 +304,10 @@ impl Upper {
     }
 
     /// What it costs to go to the target without coming through another part of the world.
-    fn estimate_direct(&self, graph: &WorldGraph<'_>, atlas: &Atlas, node: Node) -> f32 {
+    fn estimate_direct(&self, atlas: &Atlas, node: Node) -> f32 {
         if let Some((district, first)) = atlas.district(node.instance) {
             return self.within(atlas, district, first + node.cell);
         }
-        debug_assert!(graph.is_tile(node.instance));
         let (here, there) = (atlas.regions.of(node.instance), atlas.regions.of(self.end.instance));
         let Some(plane) = here.filter(|_| here == there).and_then(|r| atlas.plane(r)) else { return f32::INFINITY };
         let way = atlas.regions.way(node.instance, self.end.instance);
@@ -306,7 +337,7 @@ impl Upper {
         let (shape, first) = (atlas.shape(district), atlas.ins.len() + atlas.outs_of(district).start as usize);
         let mut least = f32::INFINITY;
         for k in 0..atlas.outs_of(district).len() {
-            if self.stamps[first + k] == self.stamp && self.costs[first + k] <= self.limit {
+            if self.stamps[first + k] == self.stamp {
                 least = least.min(self.costs[first + k] + shape.to_out(k as u32, cell));
             }
         }
@@ -321,7 +352,7 @@ impl Upper {
         let Some((r, plane)) = region.and_then(|r| Some((r, atlas.plane(r)?))) else { return };
         let mut add = |class: u32, to: u32, cost: f32| {
             if cost >= costs[MAX_GATES - 1] {
-                return false;
+                return;
             }
             let look = plane.look(class, atlas.regions.way(tile, to));
             let total = cost + plane.least(look);
@@ -332,20 +363,14 @@ impl Upper {
                 found.list[at..found.len].rotate_right(1);
                 (costs[at], found.list[at]) = (total, Gate { look, cost });
             }
-            true
         };
         if atlas.regions.of(self.end.instance) == region {
-            classes(self.end.classes).for_each(|class| {
-                add(class, self.end.instance, 0.0);
-            });
+            classes(self.end.classes).for_each(|class| add(class, self.end.instance, 0.0));
         }
         let mut way_in = if self.chain_stamps[r as usize] == self.stamp { self.chains[r as usize][0] } else { NONE };
         while way_in != NONE {
-            // They come in order of their costs.
-            if let In::Tile { tile: to, class } = atlas.ins[way_in as usize]
-                && !add(class, to, self.costs[way_in as usize])
-            {
-                break;
+            if let In::Tile { tile: to, class } = atlas.ins[way_in as usize] {
+                add(class, to, self.costs[way_in as usize]);
             }
             way_in = self.next[way_in as usize];
         }

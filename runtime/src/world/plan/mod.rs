@@ -70,10 +70,6 @@ pub struct Plan {
     pub opened_nodes: usize,
 }
 
-/// What estimates count in the lower layer: more than 1 opens far fewer nodes, for ways that take a little longer
-/// (weighted A*, Pohl 1970: at most this many times the best one where estimates are bounds).
-const GREED: f32 = 1.1;
-
 /// Plans ways through a world; all its memory is allocated when it is made.
 #[derive(Clone, Debug)]
 pub struct Planner {
@@ -107,14 +103,14 @@ impl Planner {
         out: &mut [Step],
     ) -> Option<Plan> {
         let (atlas, mut opened_nodes) = (graph.atlas(), 0);
-        for tries in [Try { all: false, leaps: true }, Try { all: true, leaps: true }, Try { all: true, leaps: false }]
-        {
+        for tries in &TRIES {
             if !self.upper.run(graph, atlas, target, from, tries.all) {
                 return None;
             }
             let skip = if tries.leaps { self.upper.district() } else { NONE };
-            let mut way = Way { graph, atlas, target, skip, leaps: tries.leaps, upper: &mut self.upper, toll: &toll };
-            let found = self.nodes.search(graph, from, &mut way, usize::MAX);
+            let (upper, greed) = (&mut self.upper, tries.greed);
+            let mut way = Way { graph, atlas, target, skip, leaps: tries.leaps, greed, upper, toll: &toll };
+            let found = self.nodes.search(graph, from, &mut way, tries.most);
             opened_nodes += self.nodes.opened;
             if let Found::Way(way) = found
                 && let Some(plan) = self.report(graph, from, way, out)
@@ -149,13 +145,27 @@ impl Planner {
     }
 }
 
-/// How thoroughly a way is looked for.
+/// How a way is looked for.
 struct Try {
+    /// What estimates count in the lower layer: more than 1 opens far fewer nodes, for ways that take a little longer
+    /// (weighted A*, Pohl 1970: at most this many times the best one where estimates are bounds).
+    greed: f32,
+    /// Most nodes that are opened.
+    most: usize,
     /// In the upper layer, up to the last way in and out.
     all: bool,
     /// In the lower layer, over districts in one leap.
     leaps: bool,
 }
+
+/// Who finds no way soon looks for another one that may take longer; who finds none at all looks everywhere.
+const TRIES: [Try; 5] = [
+    Try { greed: 1.1, most: 1000, all: false, leaps: true },
+    Try { greed: 1.4, most: 1500, all: false, leaps: true },
+    Try { greed: 2.5, most: usize::MAX, all: false, leaps: true },
+    Try { greed: 2.5, most: usize::MAX, all: true, leaps: true },
+    Try { greed: 2.5, most: usize::MAX, all: true, leaps: false },
+];
 
 /// The lower layer's space: everything, towards the target.
 struct Way<'a, 'w, T> {
@@ -165,6 +175,7 @@ struct Way<'a, 'w, T> {
     /// The district that is not leapt over: that of the target.
     skip: u32,
     leaps: bool,
+    greed: f32,
     upper: &'a mut Upper,
     toll: &'a T,
 }
@@ -189,9 +200,7 @@ impl<T: Fn(u32) -> f32> Space for Way<'_, '_, T> {
     }
 
     fn estimate(&mut self, node: Node) -> f32 {
-        static G: std::sync::OnceLock<f32> = std::sync::OnceLock::new();
-        *G.get_or_init(|| std::env::var("GREED").ok().and_then(|g| g.parse().ok()).unwrap_or(GREED))
-            * self.upper.estimate(self.graph, self.atlas, node)
+        self.greed * self.upper.estimate(self.atlas, node)
     }
 
     fn cost(&self, step: &Step) -> f32 {
