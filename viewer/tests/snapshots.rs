@@ -6,6 +6,7 @@
 mod common;
 
 use common::boxing::Boxing;
+use common::paces::Paces;
 use common::square::Square;
 use common::{Viewing, adapter, bvh, golden};
 use eframe::egui::{self, Rect, vec2};
@@ -14,6 +15,7 @@ use egui_kittest::{SnapshotOptions, SnapshotResults};
 use throng_viewer::args::{Args, Character, PanelChoice, ThemeName};
 use throng_viewer::command::Command;
 use throng_viewer::panels::{Dock, PANELS, PanelKind};
+use throng_viewer::run::{Beside, Blending};
 
 /// Size of a picture of a panel. [Unit: points]
 const SIZE: egui::Vec2 = vec2(560.0, 380.0);
@@ -57,7 +59,9 @@ fn rest(mut v: Viewing) -> Viewing {
     if !v.model().shows_clip() {
         let now = |v: &Viewing| {
             let document = &v.model().document;
-            document.crowd().map(|c| c.1.now()).or_else(|| Some(document.world()?.run().now()))
+            let on_reel = v.model().head().map(|h| h.now());
+            let of_crowd = || Some(document.crowd()?.1.now());
+            on_reel.or_else(of_crowd).or_else(|| Some(document.world()?.run().now()))
         };
         v.until("the step", |v| now(v).is_some_and(|step| step >= STEP));
         v.apply(Command::Seek(STEP));
@@ -149,6 +153,27 @@ fn world() {
     let field = v.harness.get_by_label("Save").rect();
     v.harness.mask(Rect::from_min_size(field.right_top(), vec2(500.0, field.height() + 4.0)));
     compare(&mut results, v, "panel_patches_world");
+}
+
+#[test]
+fn blend_spaces() {
+    if !can_compare() {
+        return;
+    }
+    let mut results = SnapshotResults::new();
+    let paces = Paces::new();
+    let panel = vec![PanelChoice::Open(PanelKind::Blend)];
+    let args = Args { file: Some(paces.bundle()), panel, characters: None, character: None, ..crowd() };
+    let light = Args { theme: Some(ThemeName::Light), ..args.clone() };
+    for (args, name) in [(args, "panel_blend_space"), (light, "panel_blend_space_light")] {
+        let mut v = Viewing::new(&args, vec2(1000.0, 860.0));
+        let mut wanted = *v.model().document.blend().expect("a blend space").1.blending();
+        wanted.point[..2].copy_from_slice(&[1.0, 0.25]);
+        v.apply(Command::Blend(Blending { beside: Beside::Sizes, ..wanted }));
+        compare(&mut results, rest(v), name);
+    }
+    let scene = Args { file: Some(paces.scene(12, 1.0)), ..crowd() };
+    compare(&mut results, at_rest(&scene, VIEW_SIZE), "view_walkers");
 }
 
 #[test]

@@ -3,6 +3,7 @@
 mod crowd;
 mod scene;
 mod target;
+mod walkers;
 
 use crate::command::Command;
 use crate::document::Document;
@@ -19,6 +20,8 @@ pub struct State {
     dragged: Option<RunConfig>,
     /// The same of a scene.
     dragged_scene: Option<Box<Scene>>,
+    /// Number and seed of a scene of walkers.
+    dragged_walkers: Option<(usize, u64)>,
 }
 
 /// Shows the panel.
@@ -29,6 +32,9 @@ pub fn show(ui: &mut Ui, model: &Model, state: &mut State, commands: &mut Vec<Co
             commands.push(Command::TogglePanel(PanelKind::Patches));
         }
         return;
+    }
+    if let Some(scene) = model.document.walkers() {
+        return walkers::show(ui, scene, &mut state.dragged_walkers, commands);
     }
     let Some(bundle) = model.document.bundle() else {
         ui.weak("Open a bundle to run a crowd: drop it on the window, or File > Open.");
@@ -42,6 +48,12 @@ pub fn show(ui: &mut Ui, model: &Model, state: &mut State, commands: &mut Vec<Co
         Ok(run) => run,
         Err(why) => {
             ui.label(why);
+            if model.document.blend().is_some() {
+                ui.weak("Its characters are blended from examples: the panel Blend moves one of them.");
+                if ui.button("Open it").clicked() {
+                    commands.push(Command::TogglePanel(PanelKind::Blend));
+                }
+            }
             return;
         }
     };

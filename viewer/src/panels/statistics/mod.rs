@@ -227,6 +227,10 @@ fn section_name(tag: &str) -> String {
         "PPTH" => "ways in moments",
         "PVAL" => "values",
         "PBST" => "best actions",
+        "BLND" => "blend spaces",
+        "BEXM" => "examples",
+        "BWGT" => "weights of examples",
+        "BREF" | "BCHN" => "postures",
         _ => return tag.to_owned(),
     };
     format!("{name} ({tag})")

@@ -1,0 +1,159 @@
+//! Blend spaces and scenes of walkers in the real app, driven as people drive it.
+
+mod common;
+
+use common::Viewing;
+use common::paces::Paces;
+use eframe::egui::{self, Key, Modifiers, PointerButton, Pos2, pos2};
+use egui_kittest::kittest::Queryable;
+use throng_runtime::NUM_JOINTS;
+use throng_viewer::command::{Command, Stage};
+use throng_viewer::panels::PanelKind;
+use throng_viewer::run::{BlendRun, Blending};
+
+fn run(v: &Viewing) -> &BlendRun {
+    v.model().document.blend().expect("somebody who walks").1
+}
+
+fn blending(v: &Viewing) -> Blending {
+    *run(v).blending()
+}
+
+/// Presses the primary button on the map, moves and lets go.
+fn drag(v: &mut Viewing, from: Pos2, to: Pos2) {
+    let button = |pos, pressed| egui::Event::PointerButton {
+        pos,
+        button: PointerButton::Primary,
+        pressed,
+        modifiers: Modifiers::NONE,
+    };
+    v.harness.event(egui::Event::PointerMoved(from));
+    v.harness.event(button(from, true));
+    v.harness.step();
+    for i in 1..=6 {
+        v.harness.event(egui::Event::PointerMoved(from.lerp(to, i as f32 / 6.0)));
+        v.harness.step();
+    }
+    v.harness.event(button(to, false));
+    v.harness.run_steps(3);
+}
+
+/// A place on the map, from its lower left corner; the edges that numbers stand at are left out.
+fn on_map(v: &Viewing, right: f32, up: f32) -> Pos2 {
+    let rect = v.harness.get_by_label("Parameter space").rect();
+    pos2(rect.left() + (0.15 + 0.8 * right) * rect.width(), rect.bottom() - (0.15 + 0.8 * up) * rect.height())
+}
+
+fn has_no_errors(v: &Viewing) -> bool {
+    v.model().messages.iter().all(|m| !m.is_error)
+}
+
+#[test]
+fn a_bundle_of_blend_spaces_alone_opens_with_somebody_who_walks_where_the_point_is_dragged() {
+    let paces = Paces::new();
+    let mut v = Viewing::of(&paces.bundle());
+    v.harness.run_steps(5);
+    let m = v.model();
+    assert!(m.document.crowd().is_none() && m.shown_stage() == Stage::Blend && m.is_playing());
+    assert_eq!(m.settings.side_panel, Some(PanelKind::Blend));
+    assert_eq!(m.stages(), [Stage::Blend, Stage::Clip]);
+
+    let before = blending(&v).point;
+    let (from, to) = (on_map(&v, 0.5, 0.6), on_map(&v, 0.2, 0.9));
+    drag(&mut v, from, to);
+    let after = blending(&v).point;
+    // Faster, and to the left, which is positive.
+    assert!(after[0] > before[0] + 0.1 && after[1] > before[1] + 0.2, "{before:?} became {after:?}");
+    let camera = v.model().settings.camera.target;
+    let (then, heading) = (run(&v).reel.head.now(), run(&v).moment().roots[0].heading);
+    v.harness.run_steps(90);
+    let steps = run(&v).reel.head.now() - then;
+    let turned = run(&v).moment().roots[0].heading - heading;
+    let wanted = after[1] * steps as f32 / 60.0;
+    assert!(steps > 60 && (turned - wanted).abs() < 0.25, "turned by {turned}, expected {wanted}");
+    assert!(run(&v).moment().point.iter().zip(after).all(|(a, b)| (a - b).abs() < 0.02));
+    assert!(v.model().settings.camera.target.distance(camera) > 0.5, "the camera stays behind");
+    assert!(has_no_errors(&v), "{:?}", v.model().messages);
+}
+
+#[test]
+fn a_walk_is_stopped_rewound_and_blended_anew_at_one_moment() {
+    let paces = Paces::new();
+    let mut v = Viewing::of(&paces.bundle());
+    v.harness.run_steps(60);
+    v.harness.get_by_label("Pause").click();
+    v.harness.run_steps(2);
+    let (last, seen) = (run(&v).reel.head.now(), run(&v).moment().clone());
+    v.apply(Command::Step(-20));
+    v.harness.run_steps(2);
+    assert!(run(&v).moment().poses != seen.poses);
+    v.apply(Command::Seek(u32::MAX));
+    assert!(run(&v).reel.head.now() == last && run(&v).moment().poses == seen.poses);
+
+    let (from, to) = (on_map(&v, 0.5, 0.5), on_map(&v, 0.5, 0.05));
+    drag(&mut v, from, to);
+    let now = run(&v).moment();
+    assert!(now.phase == seen.phase && now.poses != seen.poses && run(&v).reel.head.now() == last);
+    // The map has the keys now: arrows move the point, not time.
+    let slow = blending(&v).point;
+    v.harness.key_press(Key::ArrowRight);
+    v.harness.run_steps(3);
+    let moved = blending(&v).point;
+    assert!(moved[1] < slow[1] && run(&v).reel.head.now() == last, "{slow:?} became {moved:?}");
+
+    v.harness.key_press(Key::C);
+    v.harness.run_steps(3);
+    assert_eq!(v.model().shown_stage(), Stage::Clip);
+    v.harness.key_press(Key::C);
+    v.harness.run_steps(3);
+    assert_eq!(v.model().shown_stage(), Stage::Blend);
+    v.apply(Command::Restart);
+    assert_eq!(run(&v).reel.head.now(), 0);
+    assert!(has_no_errors(&v), "{:?}", v.model().messages);
+}
+
+#[test]
+fn a_bundle_of_blend_spaces_that_is_read_again_keeps_the_point() {
+    let paces = Paces::new();
+    let mut v = Viewing::of(&paces.bundle());
+    v.harness.run_steps(3);
+    let mut wanted = blending(&v);
+    (wanted.point[0], wanted.size) = (0.9, 0.8);
+    v.apply(Command::Blend(wanted));
+    v.apply(Command::Reload);
+    v.until("the bundle again", |v| v.model().messages.iter().any(|m| m.text.contains("was read again")));
+    assert_eq!(blending(&v), wanted);
+    assert!(v.model().is_playing());
+}
+
+#[test]
+fn a_scene_of_walkers_is_played_rewound_and_begun_anew() {
+    let paces = Paces::new();
+    let mut v = Viewing::of(&paces.scene(9, 0.0));
+    v.harness.run_steps(80);
+    let scene = |v: &Viewing| v.model().document.walkers().expect("a scene of walkers").run().clone();
+    let (now, moment) = (scene(&v).reel.head.now(), scene(&v).moment().clone());
+    assert!(now > 60 && moment.poses.len() == 9 * NUM_JOINTS);
+    assert_eq!((v.model().num_characters(), v.model().stages()), (9, vec![Stage::Crowd, Stage::Clip]));
+    v.apply(Command::Play(false));
+    v.apply(Command::Seek(10));
+    v.harness.run_steps(2);
+    assert!(scene(&v).moment().roots != moment.roots);
+    v.apply(Command::Seek(now));
+    assert!(scene(&v).moment().poses == moment.poses);
+
+    v.apply(Command::SelectCharacter(Some(4)));
+    v.harness.run_steps(2);
+    assert_eq!(v.model().selection.character, Some(4));
+    v.apply(Command::Walkers { characters: 3, seed: 5 });
+    v.harness.run_steps(2);
+    assert_eq!((v.model().num_characters(), v.model().selection.character), (3, None));
+    v.apply(Command::Restart);
+    assert_eq!(scene(&v).reel.head.now(), 0);
+    // All panels have something to say of it.
+    for panel in throng_viewer::panels::PANELS {
+        v.apply(Command::TogglePanel(panel.kind));
+        v.harness.run_steps(2);
+    }
+    assert!(has_no_errors(&v), "{:?}", v.model().messages);
+}
