@@ -68,7 +68,7 @@ impl WalkersDocument {
         let run = walk.with_dependent_mut(|_, walk| WalkRun::new(walk)).map_err(say)?;
         let bodies = scene.bodies.make(bundle.tables().skeleton(), scene.seed);
         let ground = walk.with_dependent(|_, walk| walk.ground().clone());
-        let hills = if ground.is_flat() { Vec::new() } else { vec![hills(&ground, &scene)] };
+        let hills = if ground.is_flat() { Vec::new() } else { hills(&ground, &scene).to_vec() };
         Ok(Self { path: path.to_path_buf(), scene, walk, bodies, hills: hills.into(), run })
     }
 
@@ -103,7 +103,7 @@ impl WalkersDocument {
         &self.bodies[character % self.bodies.len()]
     }
 
-    /// Mesh of the ground; none where it is level.
+    /// Meshes of the ground, the light and the dark fields of a chequered board; none where it is level.
     pub fn hills(&self) -> &Arc<[SolidMesh]> {
         &self.hills
     }
@@ -142,21 +142,22 @@ fn missing(path: &Path, scene: &WalkersScene) -> String {
     }
 }
 
-/// Triangles of the ground below a scene.
-fn hills(ground: &HeightField, scene: &WalkersScene) -> SolidMesh {
+/// Triangles of the ground below a scene, on which slopes are seen by the fields of a chequered board.
+fn hills(ground: &HeightField, scene: &WalkersScene) -> [SolidMesh; 2] {
     let half = 0.5 * scene.paths.area_m + BEYOND_M;
     let n = (2.0 * half / HILL_STEP_M).ceil() as usize;
     let corner = |i: usize, k: usize| {
         let at = Vec2::new(i as f32, k as f32) * (2.0 * half / n as f32) - half;
         Vec3::new(at.x, ground.at(at).height, at.y)
     };
-    let mut mesh = SolidMesh::default();
+    let mut fields: [SolidMesh; 2] = Default::default();
     for (i, k) in (0..n).flat_map(|i| (0..n).map(move |k| (i, k))) {
         let [a, b, c, d] = [corner(i, k), corner(i, k + 1), corner(i + 1, k + 1), corner(i + 1, k)];
-        mesh.add_triangle([a, b, c]);
-        mesh.add_triangle([a, c, d]);
+        let field = &mut fields[(i + k) % 2];
+        field.add_triangle([a, b, c]);
+        field.add_triangle([a, c, d]);
     }
-    mesh
+    fields
 }
 
 #[cfg(test)]
@@ -177,7 +178,7 @@ mod tests {
         (0..80).for_each(|_| walkers.step().unwrap());
         assert!(walkers.run().moment().poses == seen.poses && walkers.run().reel.head.now() == 90);
         assert!(walkers.run().trail(2, 1.0).count() > 8);
-        assert!(walkers.hills().len() == 1 && walkers.body(0) != walkers.body(1));
+        assert!(walkers.hills().len() == 2 && walkers.body(0) != walkers.body(1));
         walkers.populate(3, 9).unwrap();
         assert_eq!((walkers.run().num_characters(), walkers.run().reel.head.now()), (3, 0));
         assert!(walkers.populate(0, 1).unwrap_err().contains("characters"));

@@ -21,10 +21,10 @@ const ABOVE_M: f32 = 0.015;
 pub(super) fn lay_out(out: &mut Layout, model: &Model, scene: &WalkersDocument, palette: &Palette, dark: bool) {
     let (moment, database) = (scene.run().moment(), scene.bundle().tables().skeleton());
     let selected = model.selection.character;
-    if !scene.hills().is_empty() {
-        let colour = if dark { Rgba::hex(0x4a4f57) } else { Rgba::hex(0xc4c6c8) };
-        out.solids.instances.push(SolidInstance { mesh: 0, placement: Placement::new(0.0, 0.0, 0.0, 0.0), colour });
-    }
+    let colours = if dark { [0x4a4f57, 0x434850] } else { [0xd2d4d5, 0xc4c6c8] };
+    let at_origin = Placement::new(0.0, 0.0, 0.0, 0.0);
+    let fields = (0..scene.hills().len() as u32).zip(colours.map(Rgba::hex));
+    out.solids.instances.extend(fields.map(|(mesh, colour)| SolidInstance { mesh, placement: at_origin, colour }));
     for (c, (&root, pose)) in moment.roots.iter().zip(moment.poses.chunks_exact(NUM_JOINTS)).enumerate() {
         body::put(&mut out.poses, pose, &body::stretch(database, scene.body(c)));
         out.instances.push(CharacterInstance {

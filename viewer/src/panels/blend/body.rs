@@ -22,7 +22,11 @@ pub fn show(ui: &mut Ui, wanted: &mut Blending) {
         ui.checkbox(&mut wanted.retarget, "retarget").on_hover_text(
             "Planted feet stay, legs and touching arms reach; without it, joint angles are taken as they are blended",
         );
-        ui.separator();
+        if (wanted.size, wanted.legs) != (1.0, 1.0) && ui.small_button("size of the examples").clicked() {
+            (wanted.size, wanted.legs) = (1.0, 1.0);
+        }
+    });
+    ui.horizontal_wrapped(|ui| {
         ui.label("beside");
         for (beside, name, tip) in [
             (Beside::Nobody, "nobody", "It walks alone"),
@@ -34,9 +38,6 @@ pub fn show(ui: &mut Ui, wanted: &mut Blending) {
             (Beside::Sizes, "sizes", "The smallest and the largest body, on the same path"),
         ] {
             ui.selectable_value(&mut wanted.beside, beside, name).on_hover_text(tip);
-        }
-        if (wanted.size, wanted.legs) != (1.0, 1.0) && ui.small_button("size of the examples").clicked() {
-            (wanted.size, wanted.legs) = (1.0, 1.0);
         }
     });
 }

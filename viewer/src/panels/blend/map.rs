@@ -9,6 +9,7 @@ use eframe::egui::{
     Align2, Color32, EventFilter, FontId, Modifiers, Painter, Pos2, Rect, Response, Role, Sense, Shape, Stroke,
     StrokeKind, Ui, Visuals, WidgetInfo, pos2, vec2,
 };
+use throng_runtime::blend::axis;
 
 /// Room for the numbers at the left of the map, and below it. [Unit: points]
 const LEFT: f32 = 38.0;
@@ -111,10 +112,13 @@ fn frame(painter: &Painter, visuals: &Visuals, look: &Look<'_>, plane: &Plane, h
         painter.text(pos2(rect.left() - 4.0, at.y), Align2::RIGHT_CENTER, short(v), font.clone(), weak);
     }
     let name = |a: usize| format!("{}{}", look.meta.axes[a], bracketed(look.space.axes()[a].kind));
-    let turns = look.space.axes()[plane.shown.across].kind == throng_runtime::blend::axis::GYRATION;
-    let across = name(plane.shown.across);
-    let across = if turns { format!("← left   {across}   right →") } else { across };
-    painter.text(rect.center_bottom() + vec2(0.0, 15.0), Align2::CENTER_TOP, across, font.clone(), weak);
+    let turns = [axis::GYRATION, axis::SIDE].contains(&look.space.axes()[plane.shown.across].kind);
+    let below = vec2(0.0, 15.0);
+    painter.text(rect.center_bottom() + below, Align2::CENTER_TOP, name(plane.shown.across), font.clone(), weak);
+    if turns {
+        painter.text(rect.left_bottom() + below, Align2::LEFT_TOP, "left", font.clone(), weak);
+        painter.text(rect.right_bottom() + below, Align2::RIGHT_TOP, "right", font.clone(), weak);
+    }
     if let Some(up) = plane.shown.up {
         let galley = painter.layout_no_wrap(name(up), font, weak);
         let at = pos2(rect.left() - LEFT, rect.center().y + 0.5 * galley.size().x);

@@ -11,9 +11,11 @@ use eframe::egui::{
 const ROW: f32 = 19.0;
 const BLEND_ROW: f32 = 27.0;
 /// Widths of name, bar with its number, and duration as shares of the panel; the rest is generic time.
-const NAME: f32 = 0.33;
-const BAR: f32 = 0.19;
-const SECONDS: f32 = 0.11;
+const NAME: f32 = 0.31;
+const BAR: f32 = 0.25;
+const SECONDS: f32 = 0.12;
+/// Width of the number beside a bar. [Unit: points]
+const NUMBER: f32 = 30.0;
 
 /// Where the columns of a row lie.
 struct Columns {
@@ -39,14 +41,14 @@ impl Columns {
 /// Shows the blend and the examples, those that weigh most first; a click on one shows its weights on the map.
 pub fn show(ui: &mut Ui, look: &Look<'_>, state: &mut State) {
     ui.horizontal_wrapped(|ui| {
-        ui.strong("Keytimes");
+        ui.strong("Keytimes").on_hover_text("When feet stand, over generic time");
         let palette = Palette::of(ui.visuals());
         ui.colored_label(palette.left, "left foot");
         ui.colored_label(palette.right, "right foot");
-        ui.weak("stands, over generic time");
         ui.checkbox(&mut state.all, "all").on_hover_text("Those that weigh nothing, too");
     });
     let rows = order(look.weights, state.all);
+    let short = short_names(&look.meta.examples);
     blend_row(ui, look);
     let mut hovered = None;
     for e in rows {
@@ -54,7 +56,7 @@ pub fn show(ui: &mut Ui, look: &Look<'_>, state: &mut State) {
         let name = look.meta.examples.get(e).map_or("", String::as_str);
         response.widget_info(|| WidgetInfo::labeled(Role::Button, true, name));
         if ui.is_rect_visible(rect) {
-            example_row(ui, look, e, name, rect, response.hovered());
+            example_row(ui, look, e, &short[e], rect, response.hovered());
         }
         if response.clicked() {
             state.example = if state.example == Some(e) { None } else { Some(e) };
@@ -66,6 +68,20 @@ pub fn show(ui: &mut Ui, look: &Look<'_>, state: &mut State) {
     }
     // It is shown on the map in the next frame.
     state.hovered = state.hovered.or(hovered);
+}
+
+/// Names without the words that all of them have.
+fn short_names(names: &[String]) -> Vec<String> {
+    let words = |name: &'_ str| name.split('_').map(str::to_owned).collect::<Vec<_>>();
+    let all: Vec<Vec<String>> = names.iter().map(|n| words(n)).collect();
+    let is_shared = |word: &String| all.len() > 1 && all.iter().all(|n| n.contains(word));
+    all.iter()
+        .zip(names)
+        .map(|(words, name)| {
+            let own: Vec<&str> = words.iter().filter(|w| !is_shared(w)).map(String::as_str).collect();
+            if own.is_empty() { name.clone() } else { own.join(" ") }
+        })
+        .collect()
 }
 
 /// What is shown: when the feet of the blend stand, and how long its cycle is.
@@ -97,10 +113,8 @@ fn example_row(ui: &Ui, look: &Look<'_>, e: usize, name: &str, rect: Rect, is_ho
     }
     let (font, middle) = (FontId::proportional(12.0), rect.center().y);
     let within = Rect::from_x_y_ranges(columns.name, rect.y_range());
-    // Names of one space begin alike: of long ones, the end is shown.
-    let galley = painter.layout_no_wrap(name.to_owned(), font, visuals.text_color());
-    let x = if galley.size().x > within.width() { within.right() - galley.size().x } else { within.left() };
-    ui.painter_at(within).galley(pos2(x, middle - 0.5 * galley.size().y), galley, visuals.text_color());
+    let at = pos2(within.left(), middle);
+    ui.painter_at(within).text(at, Align2::LEFT_CENTER, name, font, visuals.text_color());
     let weight = look.weights.get(e).copied().unwrap_or(0.0);
     bar(&painter, visuals, Rect::from_x_y_ranges(columns.bar, rect.y_range()), weight);
     let Some(example) = look.space.examples().get(e) else { return };
@@ -111,15 +125,16 @@ fn example_row(ui: &Ui, look: &Look<'_>, e: usize, name: &str, rect: Rect, is_ho
     painter.text(at, Align2::RIGHT_CENTER, seconds, FontId::proportional(11.0), visuals.weak_text_color());
 }
 
-/// A weight: to the right from a line, negative ones to the left.
-fn bar(painter: &Painter, visuals: &Visuals, rect: Rect, weight: f32) {
+/// A weight: to the right from a line, negative ones to the left; the number beside it.
+fn bar(painter: &Painter, visuals: &Visuals, all: Rect, weight: f32) {
     const BEFORE: f32 = 0.2 / 1.2;
+    let rect = all.with_max_x(all.right() - NUMBER);
     let zero = rect.left() + BEFORE * rect.width();
     let end = (zero + weight.clamp(-0.2, 1.0) * (rect.right() - zero)).clamp(rect.left(), rect.right());
     let filled = Rect::from_x_y_ranges(zero.min(end)..=zero.max(end), rect.shrink2(vec2(0.0, 4.0)).y_range());
-    painter.rect_filled(filled, 1.0, of_weight(weight, visuals.dark_mode).gamma_multiply(0.55));
+    painter.rect_filled(filled, 1.0, of_weight(weight, visuals.dark_mode));
     painter.vline(zero, rect.shrink2(vec2(0.0, 2.0)).y_range(), Stroke::new(1.0, visuals.weak_text_color()));
-    let at = pos2(rect.right(), rect.center().y);
+    let at = pos2(all.right(), rect.center().y);
     painter.text(at, Align2::RIGHT_CENTER, format!("{weight:.2}"), FontId::proportional(11.0), visuals.text_color());
 }
 
@@ -138,4 +153,17 @@ fn chart(painter: &Painter, visuals: &Visuals, rect: Rect, feet: &[Stands; 2], p
         }
     }
     painter.vline(x(phase), rect.y_range(), Stroke::new(1.5, palette.head));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_are_shown_without_the_words_that_all_have() {
+        let short = |names: &[&str]| short_names(&names.iter().map(|&n| n.to_owned()).collect::<Vec<_>>());
+        assert_eq!(short(&["walk_proud_v070", "idle_proud", "walk_proud_v110"]), ["walk v070", "idle", "walk v110"]);
+        assert_eq!(short(&["a_b"]), ["a b"]);
+        assert_eq!(short(&["a_b", "b_a"]), ["a_b", "b_a"]);
+    }
 }
