@@ -3,13 +3,13 @@
 mod commands;
 mod documents;
 mod played;
+mod shown;
 pub mod world;
 
 use crate::command::Stage;
-use crate::document::{Bundle, Document, Loader, Watch};
+use crate::document::{Document, Loader, Watch};
 use crate::panels::PanelKind;
 use crate::render::Camera;
-use crate::run::Run;
 use crate::settings::Settings;
 use eframe::egui;
 use glam::Vec3;
@@ -130,59 +130,6 @@ impl Model {
     /// The file that is being read.
     pub fn loading(&self) -> Option<&Path> {
         self.loader.path()
-    }
-
-    /// True where the 3-D view shows a clip, of the database or of a motion file.
-    pub fn shows_clip(&self) -> bool {
-        match &self.document {
-            Document::Nothing => false,
-            Document::Bundle(b) => self.stage == Stage::Clip || (b.run.is_err() && b.blend.is_none()),
-            Document::World(_) | Document::Walkers(_) => self.stage == Stage::Clip,
-            Document::Clip(_) => true,
-        }
-    }
-
-    /// True where the 3-D view shows somebody who walks in a blend space.
-    pub fn shows_blend(&self) -> bool {
-        match &self.document {
-            Document::Bundle(b) => b.blend.is_some() && (self.stage == Stage::Blend || self.has_no_crowd()),
-            _ => false,
-        }
-    }
-
-    /// True where the 3-D view shows a scene of walkers.
-    pub fn shows_walkers(&self) -> bool {
-        self.document.walkers().is_some() && !self.shows_clip()
-    }
-
-    /// True where a crowd was asked for and there is none.
-    fn has_no_crowd(&self) -> bool {
-        self.stage == Stage::Crowd && self.document.crowd().is_none()
-    }
-
-    /// The stage that the 3-D view shows, whichever was asked for.
-    pub fn shown_stage(&self) -> Stage {
-        match () {
-            () if self.shows_clip() => Stage::Clip,
-            () if self.shows_blend() => Stage::Blend,
-            () => Stage::Crowd,
-        }
-    }
-
-    /// The stages that there are, in their order.
-    pub fn stages(&self) -> Vec<Stage> {
-        let lives = self.document.world().is_some() || self.document.walkers().is_some();
-        let all = [
-            (Stage::Crowd, lives || self.document.crowd().is_some()),
-            (Stage::Blend, self.document.blend().is_some()),
-            (Stage::Clip, self.document.bundle().is_some_and(|b| !b.tables().clips().is_empty())),
-        ];
-        all.into_iter().filter(|s| s.1).map(|s| s.0).collect()
-    }
-
-    /// The bundle and the crowd that the 3-D view shows.
-    pub fn shown_crowd(&self) -> Option<(&Bundle, &Run)> {
-        self.document.crowd().filter(|_| self.shown_stage() == Stage::Crowd)
     }
 
     /// Frames and rate of the clip that is shown. [Unit: frames, Hz]

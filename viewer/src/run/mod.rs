@@ -4,6 +4,7 @@
 //! repeating the steps from the keyframe before it, which give the same poses to the last bit.
 
 mod blend;
+mod blending;
 mod cast;
 mod config;
 mod figures;
@@ -15,7 +16,8 @@ mod walkers;
 mod why;
 mod world;
 
-pub use blend::{Beside, BlendMoment, BlendRun, Blending, LEGS, SIZES};
+pub use blend::{BlendMoment, BlendRun};
+pub use blending::{Beside, Blending, LEGS, SIZES};
 pub use cast::{About, RunGoal};
 pub use config::{MAX_CHARACTERS, MAX_TARGET_M, RunConfig, STEP_HZ, TargetMode};
 pub use figures::{BoutFigures, Slip, StepFigures};

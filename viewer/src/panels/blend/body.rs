@@ -1,20 +1,18 @@
 //! The body that walks, and who walks beside it.
 
-use super::named;
+use super::slider;
 use crate::run::{Beside, Blending, LEGS, SIZES};
-use eframe::egui::{Grid, Slider, Ui};
+use eframe::egui::{Grid, Ui};
 
 /// Shows size, legs, retargeting and who walks beside.
 pub fn show(ui: &mut Ui, wanted: &mut Blending) {
     Grid::new("body").num_columns(2).spacing([8.0, 3.0]).show(ui, |ui| {
-        for (name, tip, value, [low, high]) in [
+        for (name, tip, value, range) in [
             ("size", "Of the body that walks; the example's is 1", &mut wanted.size, SIZES),
             ("legs", "Length of its legs over that", &mut wanted.legs, LEGS),
         ] {
             ui.label(name).on_hover_text(tip);
-            ui.spacing_mut().slider_width = (ui.available_width() - 96.0).max(80.0);
-            let shown = f64::from(*value);
-            named(ui.add(Slider::new(value, low..=high).max_decimals(2).min_decimals(2)), name, shown);
+            slider(ui, name, value, range, "");
             ui.end_row();
         }
     });

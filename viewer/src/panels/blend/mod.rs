@@ -12,7 +12,7 @@ use super::paint::{empty, nothing_open};
 use crate::command::Command;
 use crate::model::Model;
 use crate::run::Blending;
-use eframe::egui::{Color32, ComboBox, Grid, Response, Role, Slider, Ui, WidgetInfo};
+use eframe::egui::{Color32, ComboBox, Grid, Role, Slider, Ui, WidgetInfo};
 use plane::{Shown, unit};
 use surface::Surface;
 use throng_runtime::blend::{BlendSpace, ExampleRecord};
@@ -187,17 +187,24 @@ fn sliders(ui: &mut Ui, look: &Look<'_>, wanted: &mut Blending) {
         for (axis, record) in look.space.axes().iter().enumerate() {
             let name = look.meta.axes[axis].as_str();
             ui.label(name);
-            ui.spacing_mut().slider_width = (ui.available_width() - 96.0).max(80.0);
-            let slider = Slider::new(&mut wanted.point[axis], record.low..=record.high).suffix(unit(record.kind));
-            named(ui.add(slider.max_decimals(2).min_decimals(2)), name, f64::from(wanted.point[axis]));
+            slider(ui, name, &mut wanted.point[axis], [record.low, record.high], unit(record.kind));
             ui.end_row();
         }
     });
 }
 
-/// A slider that is found by its name.
-fn named(response: Response, name: &str, value: f64) {
-    response.widget_info(|| WidgetInfo::slider(true, value, name));
+/// A slider over the rest of the row, found by its name. What it rounds for show stays as it is.
+fn slider(ui: &mut Ui, name: &str, value: &mut f32, [low, high]: [f32; 2], unit: &str) {
+    /// Room for the number. [Unit: points]
+    const NUMBER: f32 = 96.0;
+    ui.spacing_mut().slider_width = (ui.available_width() - NUMBER).max(80.0);
+    let mut shown = *value;
+    let slider = Slider::new(&mut shown, low..=high).suffix(unit).max_decimals(2).min_decimals(2);
+    let response = ui.add(slider);
+    response.widget_info(|| WidgetInfo::slider(true, f64::from(shown), name));
+    if response.changed() {
+        *value = shown;
+    }
 }
 
 /// An example in words, over several lines.
