@@ -193,18 +193,15 @@ fn sliders(ui: &mut Ui, look: &Look<'_>, wanted: &mut Blending) {
     });
 }
 
-/// A slider over the rest of the row, found by its name. What it rounds for show stays as it is.
+/// A slider over the rest of the row, found by its name.
 fn slider(ui: &mut Ui, name: &str, value: &mut f32, [low, high]: [f32; 2], unit: &str) {
     /// Room for the number. [Unit: points]
     const NUMBER: f32 = 96.0;
     ui.spacing_mut().slider_width = (ui.available_width() - NUMBER).max(80.0);
-    let mut shown = *value;
-    let slider = Slider::new(&mut shown, low..=high).suffix(unit).max_decimals(2).min_decimals(2);
+    // A limit of decimals would round what was dragged on the map.
+    let slider = Slider::new(value, low..=high).suffix(unit).custom_formatter(|v, _| format!("{v:.2}"));
     let response = ui.add(slider);
-    response.widget_info(|| WidgetInfo::slider(true, f64::from(shown), name));
-    if response.changed() {
-        *value = shown;
-    }
+    response.widget_info(|| WidgetInfo::slider(true, f64::from(*value), name));
 }
 
 /// An example in words, over several lines.
