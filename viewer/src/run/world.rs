@@ -4,24 +4,18 @@
 //! looked at again; wishes are told in the present alone.
 
 use super::STEP_HZ;
+use super::reel::Reel;
 use crate::document::Bundle;
 use glam::{Vec2, Vec3};
-use std::collections::VecDeque;
 use std::ops::RangeInclusive;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 use throng_precompute::scene::world::Life;
 use throng_runtime::world::WorldGraph;
 use throng_runtime::world::inhabitants::{InhabitantsError, Status, Wish};
 use throng_runtime::{Contacts, Mat3x4, NUM_JOINTS, Planar};
 
-/// Longest time that one call of [`WorldRun::advance`] spends on steps, at least one step apart.
-const BUDGET: Duration = Duration::from_millis(50);
-/// Steps that are kept at most.
-const MAX_STEPS: usize = 60 * STEP_HZ as usize;
-/// Memory that the record may take. [Unit: bytes]
-const MAX_BYTES: usize = 192 << 20;
 /// Steps between two points of a trail.
-const TRAIL_EVERY: usize = 6;
+const TRAIL_EVERY: u32 = 6;
 
 /// Everybody at one step.
 #[derive(Clone, Debug, Default)]
@@ -40,16 +34,7 @@ pub struct Moment {
 #[derive(Clone, Debug)]
 pub struct WorldRun {
     life: Life,
-    moments: VecDeque<Moment>,
-    /// Steps that are kept.
-    most: usize,
-    /// Step of the first moment.
-    first: u32,
-    /// Step that is shown.
-    now: u32,
-    playing: bool,
-    speed: f32,
-    owed_s: f32,
+    reel: Reel<Moment>,
     /// Wall time of the last step. [Unit: s]
     step_s: f64,
 }
@@ -59,41 +44,21 @@ impl WorldRun {
     ///
     /// # Errors
     /// [`InhabitantsError`] where the first step cannot be taken.
-    pub fn new(life: Life, bundle: &Bundle, graph: &WorldGraph<'_>) -> Result<Self, InhabitantsError> {
-        let n = life.inhabitants().num_characters();
+    pub fn new(mut life: Life, bundle: &Bundle, graph: &WorldGraph<'_>) -> Result<Self, InhabitantsError> {
+        let begin = Instant::now();
+        life.step(bundle.repertoire(), graph, 0.0)?;
+        let step_s = begin.elapsed().as_secs_f64();
         let each = NUM_JOINTS * size_of::<Mat3x4>() + size_of::<(Planar, Contacts, Status)>();
-        let most = (MAX_BYTES / (n * each).max(1)).clamp(2, MAX_STEPS);
-        let mut run = Self {
-            life,
-            moments: VecDeque::new(),
-            most,
-            first: 0,
-            now: 0,
-            playing: false,
-            speed: 1.0,
-            owed_s: 0.0,
-            step_s: 0.0,
-        };
-        run.live(bundle, graph, 0.0)?;
-        run.now = 0;
-        Ok(run)
+        let reel = Reel::new(life.inhabitants().num_characters() * each, Moment::of(&life));
+        Ok(Self { life, reel, step_s })
     }
 
     /// Takes a step that nobody has seen, and shows it.
-    fn live(&mut self, bundle: &Bundle, graph: &WorldGraph<'_>, dt_s: f32) -> Result<(), InhabitantsError> {
+    fn live(&mut self, bundle: &Bundle, graph: &WorldGraph<'_>) -> Result<(), InhabitantsError> {
         let begin = Instant::now();
-        self.life.step(bundle.repertoire(), graph, dt_s)?;
+        self.life.step(bundle.repertoire(), graph, 1.0 / STEP_HZ)?;
         self.step_s = begin.elapsed().as_secs_f64();
-        let mut moment = match self.moments.len() < self.most {
-            true => Moment::default(),
-            false => {
-                self.first += 1;
-                self.moments.pop_front().unwrap_or_default()
-            }
-        };
-        moment.take(&self.life);
-        self.moments.push_back(moment);
-        self.now = *self.recorded().end();
+        self.reel.push(Moment::of(&self.life));
         Ok(())
     }
 
@@ -102,11 +67,7 @@ impl WorldRun {
     /// # Errors
     /// [`InhabitantsError`] where a step cannot be taken.
     pub fn step(&mut self, bundle: &Bundle, graph: &WorldGraph<'_>) -> Result<(), InhabitantsError> {
-        if self.is_live() {
-            return self.live(bundle, graph, 1.0 / STEP_HZ);
-        }
-        self.now += 1;
-        Ok(())
+        if self.reel.head.on() { Ok(()) } else { self.live(bundle, graph) }
     }
 
     /// Moves time on by wall time, as far as the time budget allows; returns the steps taken.
@@ -114,18 +75,9 @@ impl WorldRun {
     /// # Errors
     /// [`InhabitantsError`] where a step cannot be taken.
     pub fn advance(&mut self, bundle: &Bundle, graph: &WorldGraph<'_>, wall_s: f32) -> Result<u32, InhabitantsError> {
-        if !self.playing {
-            return Ok(0);
-        }
-        self.owed_s += wall_s.clamp(0.0, 0.25) * self.speed;
-        let begin = Instant::now();
-        let mut steps = 0;
-        while self.owed_s >= 1.0 / STEP_HZ {
-            if steps > 0 && begin.elapsed() > BUDGET {
-                self.owed_s = 0.0;
-                break;
-            }
-            self.owed_s -= 1.0 / STEP_HZ;
+        self.reel.head.owe(wall_s);
+        let (begin, mut steps) = (Instant::now(), 0);
+        while self.reel.head.is_due(steps, begin) {
             self.step(bundle, graph)?;
             steps += 1;
         }
@@ -134,8 +86,7 @@ impl WorldRun {
 
     /// Shows a recorded step, the nearest one there is.
     pub fn seek(&mut self, step: u32) {
-        self.now = step.clamp(*self.recorded().start(), *self.recorded().end());
-        self.owed_s = 0.0;
+        self.reel.head.seek(step);
     }
 
     /// Tells a character what to do, in the present; none lets it wish by itself.
@@ -149,10 +100,10 @@ impl WorldRun {
         wish: Option<Wish>,
     ) -> Result<(), InhabitantsError> {
         self.life.tell(graph, character, wish)?;
-        self.now = *self.recorded().end();
-        if let Some(last) = self.moments.back_mut() {
-            last.minds[character] = self.life.inhabitants().status(character);
-        }
+        self.reel.head.seek(u32::MAX);
+        let mut last = self.reel.moment().clone();
+        last.minds[character] = self.life.inhabitants().status(character);
+        self.reel.replace(last);
         Ok(())
     }
 
@@ -163,7 +114,7 @@ impl WorldRun {
 
     /// Everybody at the step that is shown.
     pub fn moment(&self) -> &Moment {
-        &self.moments[((self.now - self.first) as usize).min(self.moments.len() - 1)]
+        self.reel.moment()
     }
 
     /// Hips of a character at the step that is shown. [Unit: m] [Limit: character < num_characters]
@@ -186,35 +137,32 @@ impl WorldRun {
 
     /// Where hips have been during the last `seconds`, now and then. [Unit: m]
     pub fn trail(&self, character: usize, seconds: f32) -> impl Iterator<Item = Vec3> {
-        let end = (self.now - self.first) as usize;
-        let begin = end.saturating_sub((seconds * STEP_HZ) as usize).next_multiple_of(TRAIL_EVERY);
-        let at = move |k: usize| self.moments.get(k).map(|m| m.place(character));
-        (begin..end).step_by(TRAIL_EVERY).chain([end]).filter_map(at)
+        self.reel.before(seconds, TRAIL_EVERY).map(move |m| m.place(character))
     }
 
     /// Number of the step that is shown, from 0.
     pub fn now(&self) -> u32 {
-        self.now
+        self.reel.head.now()
     }
 
     /// Steps that can be shown.
     pub fn recorded(&self) -> RangeInclusive<u32> {
-        self.first..=self.first + self.moments.len().saturating_sub(1) as u32
+        self.reel.head.recorded()
     }
 
     /// True where the step that is shown is the last one so far.
     pub fn is_live(&self) -> bool {
-        self.now == *self.recorded().end()
+        self.reel.head.is_live()
     }
 
     /// True where time moves on.
     pub fn is_playing(&self) -> bool {
-        self.playing
+        self.reel.head.is_playing()
     }
 
     /// How many simulated seconds pass in one.
     pub fn speed(&self) -> f32 {
-        self.speed
+        self.reel.head.speed()
     }
 
     /// Wall time of the last step of everybody. [Unit: s]
@@ -224,13 +172,12 @@ impl WorldRun {
 
     /// Lets time move on, or stops it.
     pub fn play(&mut self, playing: bool) {
-        self.playing = playing;
-        self.owed_s = 0.0;
+        self.reel.head.play(playing);
     }
 
     /// Sets how many simulated seconds pass in one. [Limit: 0.05 to 8, clamped]
     pub fn set_speed(&mut self, speed: f32) {
-        self.speed = if speed.is_finite() { speed.clamp(0.05, 8.0) } else { 1.0 };
+        self.reel.head.set_speed(speed);
     }
 }
 
@@ -241,16 +188,14 @@ impl Moment {
         self.roots[character].translation().with_y(hips.y)
     }
 
-    fn take(&mut self, life: &Life) {
+    fn of(life: &Life) -> Self {
         let inhabitants = life.inhabitants();
         let (troupe, all) = (inhabitants.troupe(), 0..inhabitants.num_characters());
-        self.roots.clear();
-        self.roots.extend(all.clone().map(|c| troupe.root(c)));
-        self.contacts.clear();
-        self.contacts.extend(all.clone().map(|c| troupe.contacts(c)));
-        self.minds.clear();
-        self.minds.extend(all.map(|c| inhabitants.status(c)));
-        self.poses.clear();
-        self.poses.extend_from_slice(troupe.model_matrices());
+        Self {
+            roots: all.clone().map(|c| troupe.root(c)).collect(),
+            poses: troupe.model_matrices().to_vec(),
+            contacts: all.clone().map(|c| troupe.contacts(c)).collect(),
+            minds: all.map(|c| inhabitants.status(c)).collect(),
+        }
     }
 }

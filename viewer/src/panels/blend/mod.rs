@@ -126,7 +126,7 @@ fn choices(
 ) {
     ui.horizontal_wrapped(|ui| {
         let Some(bundle) = model.document.bundle() else { return };
-        let combo = ComboBox::from_id_salt("space").selected_text(&look.meta.name).show_ui(ui, |ui| {
+        let combo = ComboBox::from_id_salt("space").width(80.0).selected_text(&look.meta.name).show_ui(ui, |ui| {
             for (number, space) in spaces.iter().enumerate() {
                 let name = &bundle.blend_meta(number).name;
                 if ui.selectable_label(number == look.number, name).clicked() && number != look.number {
@@ -172,7 +172,7 @@ fn carried_over(look: &Look<'_>, from: &Blending, number: usize, space: &BlendSp
 
 fn axis_choice(ui: &mut Ui, name: &str, look: &Look<'_>, now: usize) -> Option<usize> {
     let mut chosen = now;
-    let combo = ComboBox::from_id_salt(name).width(72.0).selected_text(&look.meta.axes[now]).show_ui(ui, |ui| {
+    let combo = ComboBox::from_id_salt(name).width(64.0).selected_text(&look.meta.axes[now]).show_ui(ui, |ui| {
         for (axis, text) in look.meta.axes.iter().enumerate() {
             ui.selectable_value(&mut chosen, axis, text);
         }
