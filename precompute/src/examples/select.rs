@@ -91,18 +91,23 @@ fn named<'a>(
     out: &mut Vec<Candidate<'a>>,
 ) -> Result<(), BuildError> {
     let before = out.len();
-    for source in sources.iter().filter(|s| matches(&example.clip, as_captured(&s.clip.name))) {
-        if source.clip.mirrored && !example.mirror {
-            continue;
+    let fault = |source: &Source, what: String| wish.fault(&source.clip.name, &what, KEYTIMES_HELP);
+    let clips = || sources.chunks_exact(2).filter(|pair| matches(&example.clip, &pair[0].clip.name));
+    for pair in clips().filter(|_| example.symmetric) {
+        let found = halved(pair, example.tag.as_deref(), example.frames);
+        if let Some((source, cycle)) = found.map_err(|what| fault(&pair[0], what))? {
+            out.push(wish.candidate(source, cycle, true)?);
         }
+    }
+    let sources = clips().filter(|_| !example.symmetric).flatten();
+    for source in sources.filter(|s| example.mirror || !s.clip.mirrored) {
         for range in ranges(&source.clip, example.tag.as_deref(), example.frames) {
             let track = Track::new(&source.clip);
             let cycle = match example.still {
                 true => still(track, &range),
                 false => walking(track, &range, wish.config),
             };
-            let cycle = cycle.map_err(|what| wish.fault(&source.clip.name, &what, KEYTIMES_HELP))?;
-            out.push(wish.candidate(source, cycle, true)?);
+            out.push(wish.candidate(source, cycle.map_err(|what| fault(source, what))?, true)?);
         }
     }
     if out.len() > before {
@@ -127,6 +132,30 @@ fn walking<'a>(track: Track<'a>, range: &FrameRange, config: &BlendConfig) -> Re
     match pieces.into_iter().rev().max_by_key(Vec::len) {
         Some(piece) => Ok(Cycle::best(track, &piece)),
         None => Err("it holds no cycle".to_owned()),
+    }
+}
+
+/// The step of a clip that meets its mirrored image best: from the left foot's strike to the right one's, or in the
+/// mirrored copy where the clip has only the other. Nothing where the clip has no such frames.
+fn halved<'a>(
+    pair: &'a [Source],
+    tag: Option<&str>,
+    frames: Option<[usize; 2]>,
+) -> Result<Option<(&'a Source, Cycle<'a>)>, String> {
+    let ranges = |source: &Source| ranges(&source.clip, tag, frames);
+    for source in pair {
+        let track = Track::new(&source.clip);
+        let halves: Vec<_> = ranges(source).iter().flat_map(|r| steps::halves(&track, r)).collect();
+        if !halves.is_empty() {
+            return Ok(Some((source, Cycle::halved(track, &halves))));
+        }
+    }
+    match ranges(&pair[0]).first() {
+        None => Ok(None),
+        Some(r) => {
+            let (first, last) = (r.start, r.end.saturating_sub(1));
+            Err(format!("frames {first} to {last} hold no whole step from one foot's strike to the other's"))
+        }
     }
 }
 
@@ -159,10 +188,26 @@ fn search<'a>(
     warnings: &mut Warnings,
 ) -> Result<Vec<Candidate<'a>>, BuildError> {
     let mut out = Vec::new();
-    let wanted = |s: &&Source| find.clips.iter().any(|p| matches(p, as_captured(&s.clip.name)));
-    let mut num_clips = 0;
-    for source in sources.iter().filter(wanted).filter(|s| find.mirror || !s.clip.mirrored) {
-        num_clips += 1;
+    let wanted = |pair: &&[Source]| find.clips.iter().any(|p| matches(p, &pair[0].clip.name));
+    let clips = || sources.chunks_exact(2).filter(wanted);
+    if clips().next().is_none() {
+        let what = format!("no clip is there that matches {:?}", find.clips);
+        return Err(wish.fault("find", &what, "Name clips as `throng inspect` lists them; `*` stands for any text"));
+    }
+    let mut warn = |clip: &Clip, why: &str| {
+        warnings.push(format!("blend.{}: no example was found in clip `{}`: {why}.", wish.space, clip.name));
+    };
+    let most = find.closing_deg.unwrap_or(CLOSING_DEG).to_radians();
+    for pair in clips().filter(|_| find.symmetric) {
+        match halved(pair, find.tag.as_deref(), None) {
+            Ok(Some((source, cycle))) if cycle.closing <= most => out.push(wish.candidate(source, cycle, false)?),
+            Ok(Some(_)) => warn(&pair[0].clip, "none of its steps meets its mirrored image"),
+            Ok(None) => warn(&pair[0].clip, "it has no such frames"),
+            Err(what) => warn(&pair[0].clip, &what),
+        }
+    }
+    let sources = clips().filter(|_| !find.symmetric).flatten();
+    for source in sources.filter(|s| find.mirror || !s.clip.mirrored) {
         let (before, mut faults) = (out.len(), Vec::new());
         for range in ranges(&source.clip, find.tag.as_deref(), None) {
             let track = Track::new(&source.clip);
@@ -172,16 +217,10 @@ fn search<'a>(
                 out.push(wish.candidate(source, Cycle::best(track.clone(), &piece), false)?);
             }
         }
-        let most = find.closing_deg.unwrap_or(CLOSING_DEG).to_radians();
-        out.retain(|c| c.cycle.closing <= most);
+        out.retain(|c: &Candidate<'_>| c.cycle.closing <= most);
         if out.len() == before && !source.clip.mirrored {
-            let why = faults.first().map_or("none of its cycles closes".to_owned(), |f| f.what.clone());
-            warnings.push(format!("blend.{}: no example was found in clip `{}`: {why}.", wish.space, source.clip.name));
+            warn(&source.clip, faults.first().map_or("none of its cycles closes", |f| &f.what));
         }
-    }
-    if num_clips == 0 {
-        let what = format!("no clip is there that matches {:?}", find.clips);
-        return Err(wish.fault("find", &what, "Name clips as `throng inspect` lists them; `*` stands for any text"));
     }
     out.retain(|c| wish.within(&c.parameters));
     out.sort_by(|a, b| a.cycle.closing.total_cmp(&b.cycle.closing));
@@ -250,11 +289,6 @@ fn tell_apart(all: &mut [Candidate<'_>]) {
         let (first, count) = c.cycle.frames();
         c.name = format!("{} [{first}, {})", c.name, first + count);
     }
-}
-
-/// The name of a clip as it was captured, of which this one may be the mirrored copy.
-fn as_captured(name: &str) -> &str {
-    name.strip_suffix(mirror::SUFFIX).unwrap_or(name)
 }
 
 /// The runs of frames of a clip that a config speaks of: the usable ones within some frames and a tag.
