@@ -2,7 +2,6 @@
 
 use std::path::{Path, PathBuf};
 use throng_precompute::cache::Cache;
-use throng_precompute::scene::world::WorldScene;
 use throng_precompute::scene::{RunConfig, Scene};
 use throng_precompute::trial::TrialConfig;
 use throng_runtime::Tables;
@@ -104,13 +103,15 @@ impl CrowdArgs {
         RunConfig { seconds: self.seconds, step_hz: self.step_hz, ..RunConfig::default() }
     }
 
-    /// Puts what is given in place of what a scene in a world says.
-    pub fn change_world(&self, scene: &mut WorldScene) -> Outcome {
+    /// Puts what is given in place of what a scene without behaviours says: of people in a world, of walkers.
+    pub fn change_living(&self, characters: &mut usize, seed: &mut u64) -> Outcome {
         if self.single_load || self.bend != 0.0 || self.follow != 0 || self.temperature.is_some() {
-            return fail("--single-load, --bend, --follow and --temperature are not for scenes in worlds");
+            return fail(
+                "--single-load, --bend, --follow and --temperature are for bundles and scenes with behaviours",
+            );
         }
-        scene.characters = self.characters.unwrap_or(scene.characters);
-        scene.seed = self.seed.unwrap_or(scene.seed);
+        *characters = self.characters.unwrap_or(*characters);
+        *seed = self.seed.unwrap_or(*seed);
         Ok(())
     }
 

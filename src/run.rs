@@ -1,5 +1,6 @@
 //! `throng run`: a crowd on a bundle, or a scene.
 
+pub mod walkers;
 pub mod world;
 
 use crate::args::{CacheArgs, CrowdArgs, Outcome, fail};
@@ -8,6 +9,7 @@ use std::path::{Path, PathBuf};
 use throng_precompute::config::BuildConfig;
 use throng_precompute::picture;
 use throng_precompute::pipeline;
+use throng_precompute::scene::walkers::WalkersScene;
 use throng_precompute::scene::world::WorldScene;
 use throng_precompute::scene::{self, RunConfig, Scene, SceneKind, SceneReport};
 use throng_precompute::trial::{self, TrialConfig, TrialRecord, TrialReport};
@@ -21,7 +23,9 @@ use throng_runtime::Tables;
 /// simulated_s, steps_per_second, character_overlaps (times at which trunks of two came into each other), deepest_overlap_m,
 /// environment_penetrations (times at which somebody came more than 8 cm into a unit), deepest_penetration_m, stuck
 /// (characters that stayed within half a metre for 30 s though they wished to go), fulfilled_per_minute,
-/// travelled_m_per_minute (both for each character), waiting_fraction, foot_slip_mean_mps, foot_slip_p95_mps; of a bundle, characters, simulated_s, reached_fraction, stayed_fraction, mean_arrival_s,
+/// travelled_m_per_minute (both for each character), waiting_fraction, foot_slip_mean_mps, foot_slip_p95_mps; of a
+/// scene of walkers, scene, characters, simulated_s, steps_per_second, speed_mean_mps, speed_max_mps, foot_slip_mean_mps,
+/// foot_slip_p95_mps, knee_rate_max_radps, below_ground_max_m; of a bundle, characters, simulated_s, reached_fraction, stayed_fraction, mean_arrival_s,
 /// mean_final_distance_m, foot_slip_mean_mps, foot_slip_p95_mps, steps_per_second, poses_per_second,
 /// choices_per_second.
 #[derive(clap::Args)]
@@ -50,7 +54,11 @@ pub struct Args {
 
 pub fn run(args: &Args) -> Outcome {
     if Scene::is_scene(&args.file) {
-        return if WorldScene::is_one(&args.file) { world::run(args) } else { run_scene(args) };
+        return match &args.file {
+            file if WorldScene::is_one(file) => world::run(args),
+            file if WalkersScene::is_one(file) => walkers::run(args),
+            _ => run_scene(args),
+        };
     }
     if args.bundle.is_some() || !args.without.is_empty() {
         return fail("--bundle and --without are for scenes; name the bundle alone");

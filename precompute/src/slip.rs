@@ -44,10 +44,20 @@ impl SlipMeter {
     /// Looks at a troupe after a step of `dt_s`; parts that were planted before and are now count.
     /// [Limit: of as many characters]
     pub fn observe(&mut self, troupe: &Troupe, dt_s: f32) {
-        for (c, before) in self.before.iter_mut().enumerate() {
-            let (root, pose, contacts) = (troupe.root(c), troupe.pose(c), troupe.contacts(c));
+        self.observe_joints(dt_s, |c| {
+            let (root, pose) = (troupe.root(c), troupe.pose(c));
             let (turn, move_by) = (root.rotation(), root.translation());
-            let now = PARTS.map(|(j, _)| turn * pose[j.index()].translation() + move_by);
+            (troupe.contacts(c), move |j: Joint| turn * pose[j.index()].translation() + move_by)
+        });
+    }
+
+    /// As [`SlipMeter::observe`], of any characters.
+    ///
+    /// - `character`: contacts of a character, and where its joints are. [Unit: m]
+    pub fn observe_joints<P: Fn(Joint) -> Vec3>(&mut self, dt_s: f32, character: impl Fn(usize) -> (Contacts, P)) {
+        for (c, before) in self.before.iter_mut().enumerate() {
+            let (contacts, position) = character(c);
+            let now = PARTS.map(|(j, _)| position(j));
             let (was, were) = std::mem::replace(before, (now, contacts));
             for (k, (_, part)) in PARTS.into_iter().enumerate() {
                 if dt_s > 0.0 && contacts.any(part) && were.any(part) {

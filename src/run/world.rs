@@ -19,7 +19,7 @@ pub fn run(args: &Args) -> Outcome {
     if !args.without.is_empty() {
         return fail("--without is for scenes on bundles; take wishes out of the scene file");
     }
-    args.crowd.change_world(&mut scene)?;
+    args.crowd.change_living(&mut scene.characters, &mut scene.seed)?;
     scene.check(&args.file)?;
     let mut source = WorldSource::load(&scene.world)?;
     if let Some(bundle) = &args.bundle {

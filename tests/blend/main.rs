@@ -6,4 +6,5 @@ mod made_up;
 #[path = "../format/patch.rs"]
 mod parts;
 mod postures;
+mod runtime;
 mod weights;

@@ -14,6 +14,7 @@ pub mod scene;
 pub mod sheet;
 pub mod strip;
 pub mod trial;
+pub mod walkers;
 pub mod world;
 
 mod furniture;
@@ -35,5 +36,6 @@ pub use scene::scene_sheet;
 pub use sheet::sheet;
 pub use strip::{PoseStrip, StripFrame, onion_skin, pose_strip};
 pub use trial::trial_sheet;
+pub use walkers::walkers_sheet;
 pub use world::{WorldFigure, WorldLook, WorldStrip, WorldUnit, WorldView, unit_colour, world_sheet};
 pub use world::{world_strip, world_units};

@@ -4,6 +4,7 @@ mod config;
 mod play;
 mod run;
 mod snapshot;
+pub mod walkers;
 pub mod world;
 
 pub use config::{DragPoint, Scene, SceneGoal, SceneKind, TargetConfig};

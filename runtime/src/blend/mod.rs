@@ -1,6 +1,20 @@
 //! Blend spaces: a body from a few example motions, at any speed, turning rate and style (000 section 4).
 
+mod error;
+mod grid;
+mod ground;
+mod posture;
 mod records;
+mod slopes;
+mod space;
+pub mod walkers;
+mod warp;
+
+pub use error::BlendError;
+pub use grid::WeightGrid;
+pub use ground::{Ground, HeightField};
+pub use posture::Posture;
+pub use space::BlendSpace;
 
 pub use records::{
     AxisRecord, BlendRecord, ChannelRow, ExampleRecord, MAX_AXES, NUM_CHANNELS, PADDED_JOINTS, ReferenceRow, axis,

@@ -88,6 +88,16 @@ impl<F: Lanes> Placement<F> {
     }
 
     #[inline(always)]
+    pub fn point_to_model(&self, p: V<F>) -> V<F> {
+        self.vector_to_model(V::new(p.x - self.x, p.y, p.z - self.z))
+    }
+
+    #[inline(always)]
+    pub fn vector_to_world(&self, v: V<F>) -> V<F> {
+        V::new(self.cos * v.x + self.sin * v.z, v.y, self.cos * v.z - self.sin * v.x)
+    }
+
+    #[inline(always)]
     pub fn vector_to_model(&self, v: V<F>) -> V<F> {
         V::new(self.cos * v.x - self.sin * v.z, v.y, self.sin * v.x + self.cos * v.z)
     }
@@ -158,6 +168,19 @@ fn update_correction<F: Lanes>(
     new
 }
 
+/// Where the knee of a leg (or the elbow of an arm) lies that begins at `start` and ends `d` away in a direction.
+///
+/// - `lengths`: of the upper and the lower part. [Unit: m]
+/// - `pole`: where the knee points; along the direction it is free.
+#[inline(always)]
+pub(crate) fn bend<F: Lanes>(start: V<F>, direction: V<F>, d: F, [l1, l2]: [F; 2], pole: V<F>) -> V<F> {
+    let pole = pole - direction * pole.dot(direction);
+    let pole = pole * (F::splat(1.0) / pole.length().max(F::splat(1e-6)));
+    let along = (l1 * l1 - l2 * l2 + d * d) / (d + d);
+    let across = (l1 * l1 - along * along).max(F::splat(0.0)).sqrt();
+    start + direction * along + pole * across
+}
+
 /// Moves the ankle by `correction` (model space) and bends the leg to reach; the foot keeps its orientation.
 #[inline(always)]
 pub(crate) fn move_leg<F: Lanes>(leg: &Leg, correction: V<F>, pose: &mut ModelPose<F>) {
@@ -173,12 +196,7 @@ pub(crate) fn move_leg<F: Lanes>(leg: &Leg, correction: V<F>, pose: &mut ModelPo
 
     // The knee stays in the plane it bends in; where the leg is straight, it bends towards the toes.
     let forward = pose.rotations[leg.thigh].rotate(V::splat(glam::Vec3::Z));
-    let pole = (knee - hip) + forward * F::splat(0.02);
-    let pole = pole - direction * pole.dot(direction);
-    let pole = pole * (one / pole.length().max(F::splat(1e-6)));
-    let along = (l1 * l1 - l2 * l2 + d * d) / (d + d);
-    let across = (l1 * l1 - along * along).max(F::splat(0.0)).sqrt();
-    let new_knee = hip + direction * along + pole * across;
+    let new_knee = bend(hip, direction, d, [l1, l2], (knee - hip) + forward * F::splat(0.02));
     let new_ankle = hip + direction * d;
 
     // Lanes that need no correction keep their leg to the last bit, whatever their neighbours do.

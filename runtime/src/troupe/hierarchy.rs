@@ -5,6 +5,12 @@ use crate::lanes::{LANES, Lanes, Q, V};
 use crate::pose::{LocalTransform, Mat3x4};
 use crate::skeleton::{Joint, NUM_JOINTS, Skeleton};
 
+/// Offsets of a skeleton that all lanes share, for [`to_model`] and [`write_locals`].
+#[inline(always)]
+pub(crate) fn shared<F: Lanes>(skeleton: &Skeleton) -> impl Fn(usize) -> V<F> {
+    |j| V::splat(skeleton.offsets[j])
+}
+
 /// Parent index of every joint; the hips' own index stands for none.
 pub(crate) const PARENTS: [usize; NUM_JOINTS] = {
     let mut p = [0; NUM_JOINTS];
@@ -25,14 +31,14 @@ pub(crate) struct ModelPose<F> {
     pub positions: [V<F>; NUM_JOINTS],
 }
 
-/// Applies the hierarchy.
+/// Applies the hierarchy; `offset` tells how far each joint lies from its parent in rest pose.
 #[inline(always)]
-pub(crate) fn to_model<F: Lanes>(skeleton: &Skeleton, pose: &LanePose<F>) -> ModelPose<F> {
+pub(crate) fn to_model<F: Lanes>(offset: impl Fn(usize) -> V<F>, pose: &LanePose<F>) -> ModelPose<F> {
     let mut out = ModelPose { rotations: pose.rotations, positions: [pose.root; NUM_JOINTS] };
     for j in 1..NUM_JOINTS {
         let (r, p) = (out.rotations[PARENTS[j]], out.positions[PARENTS[j]]);
         out.rotations[j] = r * pose.rotations[j];
-        out.positions[j] = p + r.rotate(V::splat(skeleton.offsets[j]));
+        out.positions[j] = p + r.rotate(offset(j));
     }
     out
 }
@@ -55,8 +61,9 @@ pub(crate) fn write_matrices<F: Lanes>(pose: &ModelPose<F>, count: usize, out: &
 /// Writes the local transforms of the first `count` lanes. [Size: count * NUM_JOINTS]
 ///
 /// Foot locking moves joints in model space, so the local rotations are taken back from there.
+#[inline(always)]
 pub(crate) fn write_locals<F: Lanes>(
-    skeleton: &Skeleton,
+    offset: impl Fn(usize) -> V<F>,
     pose: &ModelPose<F>,
     count: usize,
     out: &mut [LocalTransform],
@@ -65,7 +72,7 @@ pub(crate) fn write_locals<F: Lanes>(
         let parent = PARENTS[j];
         let q = if j == 0 { pose.rotations[0] } else { pose.rotations[parent].conjugate() * pose.rotations[j] };
         let rotations = F::rows([q.v.x, q.v.y, q.v.z, q.w]);
-        let p = if j == 0 { pose.positions[0] } else { V::splat(skeleton.offsets[j]) };
+        let p = if j == 0 { pose.positions[0] } else { offset(j) };
         let positions = F::rows([p.x, p.y, p.z, F::splat(0.0)]);
         for lane in 0..count.min(LANES) {
             let [x, y, z, padding] = positions[lane];

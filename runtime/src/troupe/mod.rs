@@ -1,17 +1,17 @@
 //! Troupes: many characters, moved and posed together.
 
 mod anatomy;
-mod block;
+pub(crate) mod block;
 mod blow;
 mod config;
 mod control;
 mod course;
 mod error;
-mod foot_lock;
-mod hierarchy;
+pub(crate) mod foot_lock;
+pub(crate) mod hierarchy;
 mod reaction;
 mod repertoire;
-mod sample;
+pub(crate) mod sample;
 mod sample_job;
 mod snapshot;
 mod step;

@@ -1,7 +1,7 @@
 //! Poses straight from the database, without characters.
 
 use super::TroupeError;
-use super::hierarchy::{to_model, write_matrices};
+use super::hierarchy::{shared, to_model, write_matrices};
 use super::repertoire::Repertoire;
 use super::sample::{Cursor, sample};
 use crate::lanes::{LANES, Lanes, Work, dispatch};
@@ -70,7 +70,7 @@ impl Work for SampleJob<'_> {
                 rows: [at.map(|f| &rows[f]), at.map(|f| &rows[(f + 1).min(last)])],
                 ratio: F::from_array(std::array::from_fn(|l| ratios[lane(l)])),
             };
-            write_matrices(&to_model(&self.repertoire.skeleton, &sample::<F>(&cursor)), frames.len(), out);
+            write_matrices(&to_model(shared(&self.repertoire.skeleton), &sample::<F>(&cursor)), frames.len(), out);
         }
     }
 }

@@ -7,7 +7,7 @@ use super::block::{Block, LAID};
 use super::blow::PassedHits;
 use super::control;
 use super::foot_lock::{Placement, lock_foot};
-use super::hierarchy::{to_model, write_locals, write_matrices};
+use super::hierarchy::{shared, to_model, write_locals, write_matrices};
 use super::reaction;
 use super::repertoire::Repertoire;
 use super::sample::{Cursor, add_offsets, between, sample};
@@ -135,7 +135,7 @@ fn pose<F: Lanes>(
     let mut local = sample(&cursor);
     local.root.y = local.root.y + place.y;
     add_offsets(&mut local, block, tick.config.half_life_s);
-    let mut model = to_model(&r.skeleton, &local);
+    let mut model = to_model(shared(&r.skeleton), &local);
     laps.end(Phase::Sample);
     if tick.config.reaction.enabled && reaction::any::<F>(&block.reaction) {
         reaction::react(&r.anatomy, &tick.config.reaction, decay, &place, &mut block.reaction, &mut model);
@@ -155,7 +155,7 @@ fn pose<F: Lanes>(
     laps.end(Phase::FootLock);
     write_matrices(&model, matrices.len() / NUM_JOINTS, matrices);
     if !locals.is_empty() {
-        write_locals(&r.skeleton, &model, locals.len() / NUM_JOINTS, locals);
+        write_locals(shared(&r.skeleton), &model, locals.len() / NUM_JOINTS, locals);
     }
     laps.end(Phase::Poses);
 }

@@ -98,7 +98,7 @@ fn examples(t: &Tables, b: &BlendRecord, examples: &[ExampleRecord]) -> Result<(
         let moving = [e.velocity[0], e.velocity[1], e.gyration];
         let moderate = e.parameters.iter().chain(&moving).all(|v| v.abs() < FAR);
         let unused = e.parameters[(b.num_axes as usize).min(MAX_AXES)..].iter().all(|p| *p == 0.0);
-        if !moderate || !unused || !(e.duration_s > 0.0 && e.duration_s < FAR) {
+        if !(moderate && unused && e.duration_s > 0.0 && e.duration_s < FAR) {
             return wrong("it holds a number that cannot be");
         }
         let known = ExampleRecord::IS_STILL | ExampleRecord::IS_MIRRORED;
@@ -148,7 +148,7 @@ fn references(b: &BlendRecord, rows: &[ReferenceRow]) -> Result<(), FormatError>
             if !unit || j >= crate::skeleton::NUM_JOINTS && q != [0.0, 0.0, 0.0, 1.0] {
                 return wrong("it holds a rotation that is not unit, or one of no joint");
             }
-            if !(dot(q, of(next, j)) > 0.0) {
+            if dot(q, of(next, j)).partial_cmp(&0.0) != Some(std::cmp::Ordering::Greater) {
                 return wrong("its rotations do not continue in the next");
             }
         }

@@ -1,0 +1,187 @@
+//! Everybody of a scene: one set of walkers for each blend space.
+
+use super::config::{BodiesConfig, WalkersScene};
+use super::path::Wander;
+use crate::error::BuildError;
+use glam::{Vec2, Vec3};
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg64Mcg;
+use throng_runtime::blend::walkers::{Control, WalkerStart, Walkers, WalkersConfig};
+use throng_runtime::blend::{BlendError, BlendSpace, HeightField};
+use throng_runtime::{Contacts, Joint, NUM_JOINTS, Planar, Skeleton, Tables};
+
+/// Distance between two heights of the ground. [Unit: m]
+const GROUND_SPACING_M: f32 = 0.5;
+/// Length of a hill. [Unit: m]
+const HILL_M: f32 = 24.0;
+
+/// The walkers of one blend space.
+#[derive(Clone, Debug)]
+struct Group<'a> {
+    space: BlendSpace<'a>,
+    walkers: Walkers,
+    paths: Vec<Wander>,
+    controls: Vec<Control>,
+}
+
+/// The walkers of a scene, who go where chance leads.
+#[derive(Clone, Debug)]
+pub struct Walk<'a> {
+    scene: WalkersScene,
+    groups: Vec<Group<'a>>,
+    ground: HeightField,
+    time_s: f64,
+}
+
+impl WalkersScene {
+    /// Puts everybody in place.
+    ///
+    /// # Errors
+    /// [`BuildError::Stage`] for a blend space that the bundle does not have, or for bodies out of range.
+    pub fn walk<'a>(&self, tables: &'a Tables, config: WalkersConfig) -> Result<Walk<'a>, BuildError> {
+        let bodies = self.bodies.make(tables.skeleton(), self.seed);
+        let ground = self.ground().map_err(|e| self.fault(&e))?;
+        let mut groups = Vec::with_capacity(self.spaces.len());
+        for (g, name) in self.spaces.iter().enumerate() {
+            let space = self.space(tables, name)?;
+            let members: Vec<u64> = (g..self.characters).step_by(self.spaces.len()).map(|c| c as u64).collect();
+            let mut paths: Vec<Wander> = members.iter().map(|&c| Wander::new(&self.paths, self.seed, c)).collect();
+            let controls: Vec<Control> = paths.iter_mut().map(|p| p.step(&self.paths, 0.0)).collect();
+            let start = |(&c, control): (&u64, &Control)| WalkerStart {
+                body: c as usize % bodies.len(),
+                root: Planar { x: control.position.x, z: control.position.y, heading: control.heading.unwrap_or(0.0) },
+                phase: (c as f32 * 0.381_966).fract(),
+            };
+            let starts: Vec<WalkerStart> = members.iter().zip(&controls).map(start).collect();
+            let walkers =
+                Walkers::new(&space, tables.skeleton(), &bodies, config, &starts).map_err(|e| self.fault(&e))?;
+            groups.push(Group { space, walkers, paths, controls });
+        }
+        Ok(Walk { scene: self.clone(), groups, ground, time_s: 0.0 })
+    }
+
+    /// A blend space by its name.
+    ///
+    /// # Errors
+    /// [`BuildError::Stage`] with the names that there are.
+    pub fn space<'a>(&self, tables: &'a Tables, name: &str) -> Result<BlendSpace<'a>, BuildError> {
+        let known: Vec<&str> = tables.meta().blends.iter().map(|b| b.name.as_str()).collect();
+        match known.iter().position(|n| *n == name) {
+            Some(number) => BlendSpace::new(tables.blends(), number).map_err(|e| self.fault(&e)),
+            None => Err(BuildError::Stage {
+                stage: "scene",
+                message: format!(
+                    "scene \"{}\": expected a blend space of {}, found `{name}`; there are: {}",
+                    self.name,
+                    self.bundle.display(),
+                    known.join(", ")
+                ),
+                help: "Correct the name, or build the bundle with such a space".into(),
+            }),
+        }
+    }
+
+    /// The ground of the scene.
+    ///
+    /// # Errors
+    /// As [`HeightField::new`].
+    pub fn ground(&self) -> Result<HeightField, BlendError> {
+        if self.hills_m == 0.0 {
+            return Ok(HeightField::flat());
+        }
+        let half = 0.5 * self.paths.area_m + 20.0;
+        let n = (2.0 * half / GROUND_SPACING_M).ceil() as usize + 1;
+        let wave = |v: f32| (v * std::f32::consts::TAU / HILL_M).sin();
+        let at = |i: usize| i as f32 * GROUND_SPACING_M - half;
+        let height = |k: usize| 0.25 * self.hills_m * (2.0 + wave(at(k % n)) + wave(0.7 * at(k / n) + 1.0));
+        HeightField::new(Vec2::splat(-half), GROUND_SPACING_M, [n, n], (0..n * n).map(height).collect())
+    }
+
+    pub(super) fn fault(&self, e: &BlendError) -> BuildError {
+        BuildError::Stage {
+            stage: "scene",
+            message: format!("scene \"{}\": {e}", self.name),
+            help: "Correct the scene file".into(),
+        }
+    }
+}
+
+impl BodiesConfig {
+    /// Skeletons of many sizes and proportions.
+    pub fn make(&self, database: &Skeleton, seed: u64) -> Vec<Skeleton> {
+        let mut rng = Pcg64Mcg::seed_from_u64(seed);
+        let mut draw = |[low, high]: [f32; 2]| low + (high - low) * rng.random_range(0.0..1.0f32);
+        (0..self.kinds).map(|_| scaled(database, draw(self.sizes), draw(self.legs))).collect()
+    }
+}
+
+/// A skeleton of another size whose legs are longer or shorter than that.
+fn scaled(database: &Skeleton, size: f32, legs: f32) -> Skeleton {
+    let mut out = database.clone();
+    let is_leg = |j: Joint| matches!(j, Joint::LeftShin | Joint::LeftFoot | Joint::RightShin | Joint::RightFoot);
+    for j in Joint::ALL {
+        out.offsets[j.index()] *= if is_leg(j) { size * legs } else { size };
+    }
+    out.tips.iter_mut().for_each(|t| *t *= size);
+    // The hips are as high as the legs leave them.
+    let leg = database.offsets[Joint::LeftShin.index()].length() + database.offsets[Joint::LeftFoot.index()].length();
+    let hips = database.offsets[Joint::Hips.index()];
+    out.offsets[Joint::Hips.index()] = size * (hips + Vec3::Y * (legs - 1.0) * leg);
+    out
+}
+
+impl Walk<'_> {
+    /// Moves everybody on by `dt_s` on this thread.
+    ///
+    /// # Errors
+    /// [`BuildError::Stage`] where `dt_s` is not in `0..=1`.
+    pub fn step(&mut self, dt_s: f32) -> Result<(), BuildError> {
+        let scene = &self.scene;
+        for g in &mut self.groups {
+            for (path, control) in g.paths.iter_mut().zip(&mut g.controls) {
+                *control = path.step(&scene.paths, dt_s);
+                control.style[0] = scene.style(path.speed());
+            }
+            g.walkers.step(&g.space, dt_s, &g.controls, &self.ground).map_err(|e| scene.fault(&e))?;
+        }
+        self.time_s += f64::from(dt_s);
+        Ok(())
+    }
+
+    /// Number of characters.
+    pub fn num_characters(&self) -> usize {
+        self.groups.iter().map(|g| g.walkers.num_characters()).sum()
+    }
+
+    /// Time since everybody was put in place. [Unit: s]
+    pub fn time_s(&self) -> f64 {
+        self.time_s
+    }
+
+    /// The ground they walk on.
+    pub fn ground(&self) -> &HeightField {
+        &self.ground
+    }
+
+    /// World positions of one character's joints. [Unit: m] [Limit: character < num_characters]
+    pub fn joint_positions(&self, character: usize) -> [Vec3; NUM_JOINTS] {
+        let (walkers, member) = self.walkers_of(character);
+        walkers.joint_positions(member)
+    }
+
+    /// Planted parts of a character's feet. [Limit: character < num_characters]
+    pub fn contacts(&self, character: usize) -> Contacts {
+        let (walkers, member) = self.walkers_of(character);
+        walkers.contacts(member)
+    }
+
+    /// Speed at which a character's path leads on. [Unit: m/s] [Limit: character < num_characters]
+    pub fn speed(&self, character: usize) -> f32 {
+        self.groups[character % self.groups.len()].paths[character / self.groups.len()].speed()
+    }
+
+    /// Characters take the groups in turn.
+    fn walkers_of(&self, character: usize) -> (&Walkers, usize) {
+        (&self.groups[character % self.groups.len()].walkers, character / self.groups.len())
+    }
+}

@@ -1,0 +1,124 @@
+//! The ground that walkers stand on.
+
+use super::error::{BlendError, check, check_length};
+use glam::{Vec2, Vec3};
+
+/// Heights at the knots of a square grid, bilinear between them; beyond its edge the ground goes on level.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct HeightField {
+    /// Where the first knot lies: x and z. [Unit: m]
+    origin: Vec2,
+    /// Distance of neighbouring knots. [Unit: m]
+    spacing: f32,
+    /// Knots along x and along z.
+    size: [usize; 2],
+    /// Row by row along x; empty where the ground is flat.
+    heights: Vec<f32>,
+}
+
+/// The ground at a place.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Ground {
+    /// [Unit: m]
+    pub height: f32,
+    /// How it rises along x and along z.
+    pub slope: [f32; 2],
+}
+
+impl Ground {
+    /// Level, at height 0.
+    pub const LEVEL: Self = Self { height: 0.0, slope: [0.0; 2] };
+
+    /// Its unit normal.
+    pub fn normal(&self) -> Vec3 {
+        Vec3::new(-self.slope[0], 1.0, -self.slope[1]).normalize()
+    }
+}
+
+impl HeightField {
+    /// Flat ground at height 0.
+    pub fn flat() -> Self {
+        Self::default()
+    }
+
+    /// Ground over a grid of knots.
+    ///
+    /// - `origin`: x and z of the first knot. [Unit: m]
+    /// - `spacing`: of the knots. [Unit: m] [Limit: > 0]
+    /// - `size`: knots along x and along z. [Limit: >= 2]
+    /// - `heights`: rows along x, one after the other along z. [Unit: m] [Size: size[0] * size[1]]
+    ///
+    /// # Errors
+    /// [`BlendError::Value`] where a number is out of its range, [`BlendError::Length`] where heights are missing.
+    pub fn new(origin: Vec2, spacing: f32, size: [usize; 2], heights: Vec<f32>) -> Result<Self, BlendError> {
+        check("spacing", spacing, (1e-3..1e4).contains(&spacing), "between 0.001 and 10000")?;
+        check("origin", origin.x, origin.abs().max_element() < 1e6, "finite and below 1e6")?;
+        let fewest = size[0].min(size[1]);
+        check("knots of the ground", fewest as f32, fewest >= 2 && size[0].max(size[1]) <= 1 << 20, "2 to 2^20")?;
+        check_length("heights", heights.len(), size[0] * size[1])?;
+        for &h in &heights {
+            check("height", h, h.abs() < 1e4, "finite and below 10000")?;
+        }
+        Ok(Self { origin, spacing, size, heights })
+    }
+
+    /// True where it is level at height 0 everywhere.
+    pub fn is_flat(&self) -> bool {
+        self.heights.is_empty()
+    }
+
+    /// The ground below a place.
+    ///
+    /// - `at`: x and z. [Unit: m]
+    pub fn at(&self, at: Vec2) -> Ground {
+        if self.is_flat() {
+            return Ground::LEVEL;
+        }
+        let p = (at - self.origin) / self.spacing;
+        let ([i, fx, on_x], [k, fz, on_z]) = (cell(p.x, self.size[0]), cell(p.y, self.size[1]));
+        let row = |k: usize| &self.heights[k * self.size[0] + i as usize..][..2];
+        let (a, b) = (row(k as usize), row(k as usize + 1));
+        let (near, far) = (a[0] + (a[1] - a[0]) * fx, b[0] + (b[1] - b[0]) * fx);
+        let along_x = (a[1] - a[0]) * (1.0 - fz) + (b[1] - b[0]) * fz;
+        let slope = [along_x * on_x / self.spacing, (far - near) * on_z / self.spacing];
+        Ground { height: near + (far - near) * fz, slope }
+    }
+}
+
+/// The cell along an axis, the fraction within it, and 1 where the place is within the grid.
+fn cell(at: f32, knots: usize) -> [f32; 3] {
+    let last = (knots - 1) as f32;
+    let within = if at > 0.0 { at.min(last) } else { 0.0 };
+    let whole = within.floor().min(last - 1.0);
+    [whole, within - whole, f32::from(u8::from(at > 0.0 && at < last))]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_plane_is_met_everywhere_and_goes_on_level() {
+        let plane = |x: f32, z: f32| 0.3 * x - 0.2 * z + 1.0;
+        let heights = (0..12).map(|i| plane(1.0 + 0.5 * (i % 4) as f32, -2.0 + 0.5 * (i / 4) as f32)).collect();
+        let field = HeightField::new(Vec2::new(1.0, -2.0), 0.5, [4, 3], heights).expect("a field");
+        for (x, z) in [(1.2, -1.9), (2.49, -1.01), (1.7, -1.5)] {
+            let g = field.at(Vec2::new(x, z));
+            assert!((g.height - plane(x, z)).abs() < 1e-5, "{g:?}");
+            assert!((g.slope[0] - 0.3).abs() < 1e-5 && (g.slope[1] + 0.2).abs() < 1e-5, "{g:?}");
+        }
+        let beyond = field.at(Vec2::new(9.0, -1.5));
+        assert!((beyond.height - plane(2.5, -1.5)).abs() < 1e-5 && beyond.slope[0] == 0.0, "{beyond:?}");
+        assert!(field.at(Vec2::splat(f32::NAN)).height.is_finite());
+    }
+
+    #[test]
+    fn wrong_grids_are_refused() {
+        let new = |spacing, size, n| HeightField::new(Vec2::ZERO, spacing, size, vec![0.0; n]);
+        assert!(new(1.0, [3, 2], 6).is_ok());
+        assert!(matches!(new(1.0, [3, 2], 5), Err(BlendError::Length { .. })));
+        assert!(matches!(new(0.0, [3, 2], 6), Err(BlendError::Value { .. })));
+        assert!(matches!(new(1.0, [1, 6], 6), Err(BlendError::Value { .. })));
+        assert_eq!(HeightField::flat().at(Vec2::new(3.0, 4.0)), Ground::LEVEL);
+    }
+}

@@ -1,0 +1,198 @@
+//! Where the feet go: to where the examples have them, but not while they are planted (000 section 4.2.4).
+//!
+//! Each foot carries an offset and a turn about the vertical. While it is planted they undo whatever the part that
+//! bears the weight would move over the ground, which rolls from the heel to the ball; in the air they fade. A foot
+//! that has been left too far behind takes a step. Nothing jumps at any of these moments.
+
+use super::block::Foot;
+use super::body::LaneLeg;
+use crate::lanes::{Lanes, Q, V};
+use crate::troupe::block::{Lane, load, store};
+use crate::troupe::foot_lock::Placement;
+
+/// Height of the heel over the ball, as a share of the leg's scale, from which the ball alone bears. [Unit: m]
+const FLAT_M: f32 = 0.012;
+/// Height that a foot is lifted to in a step of its own. [Unit: m]
+const STEP_HEIGHT_M: f32 = 0.06;
+/// Offset past which a foot is not brought back but forgotten: the character was put elsewhere. [Unit: m]
+const LOST_M: f32 = 1.2;
+/// Cosine of the turn of a planted foot from which it takes a step.
+const LARGEST_TURN_COS: f32 = 0.75;
+
+/// What one foot's move depends on.
+pub(crate) struct Tread<'a, F> {
+    pub leg: &'a LaneLeg,
+    pub place: &'a Placement<F>,
+    /// Length of the legs over those of the database skeleton.
+    pub scale: F,
+    /// Height and slope (along model x, z) of the ground below the foot.
+    pub ground: [F; 3],
+    /// 1 where the examples have the foot on the ground.
+    pub contact: F,
+    /// How much the foot's place matters, 0 to 1.
+    pub importance: F,
+    /// Time of the tick. [Unit: s]
+    pub dt_s: F,
+    /// What is left of an offset in the air after the tick.
+    pub keep: F,
+    /// Time of a step. [Unit: s]
+    pub step_s: F,
+    /// Offset of a planted foot from which it takes a step. [Unit: m]
+    pub reach: F,
+    /// 1 where the other foot stands.
+    pub other_stands: F,
+}
+
+/// A foot in model space.
+#[derive(Clone, Copy)]
+pub(crate) struct Sole<F> {
+    pub ankle: V<F>,
+    pub foot: Q<F>,
+    pub toe: Q<F>,
+}
+
+/// Which parts of a foot bear: heel, ball; 1 or 0.
+pub(crate) type Bearing = [Lane; 2];
+
+/// Moves a foot from where the examples have it to where it goes.
+#[inline(always)]
+pub(crate) fn tread<F: Lanes>(t: &Tread<'_, F>, foot: &mut Foot, wanted: Sole<F>) -> (Sole<F>, Bearing) {
+    let (zero, one) = (F::splat(0.0), F::splat(1.0));
+    let wanted = tilt(t, wanted);
+    let (heel, ball) = (wanted.foot.rotate(load(&t.leg.heel)), wanted.foot.rotate(load(&t.leg.ball)));
+    let share = ball_share(t, heel, ball);
+    let stepping = F::select_lt(F::load(&foot.step), one, one, zero);
+    let down = t.contact * (one - stepping);
+    let held = down * F::load(&foot.down);
+
+    let turn = turn_of(t, foot, held, ball - heel);
+    let spin = about_y(turn);
+    let (heel, ball) = (spin.rotate(heel), spin.rotate(ball));
+    let offset = offset_of(t, foot, held, wanted.ankle, [heel, ball], share);
+    let mut sole = Sole {
+        ankle: V::new(wanted.ankle.x + offset.x, wanted.ankle.y, wanted.ankle.z + offset.z),
+        foot: spin * wanted.foot,
+        toe: spin * wanted.toe,
+    };
+    sole.ankle.y = sole.ankle.y + rise(t, foot, &sole, [heel, ball]);
+
+    store(&mut foot.offset, t.place.vector_to_world(offset));
+    [foot.turn[0], foot.turn[1]] = turn.map(F::to_array);
+    store(&mut foot.heel, t.place.to_world(sole.ankle + heel));
+    store(&mut foot.ball, t.place.to_world(sole.ankle + ball));
+    foot.down = down.to_array();
+    progress(t, foot, down, offset, turn[1]);
+    // The heel stands where the ankle does: not while the foot rolls over it.
+    let rolls = (share - F::splat(0.5)).abs();
+    let heel = F::select_lt(rolls, F::splat(0.25), down, zero);
+    let ball = F::select_lt(share, F::splat(0.25), zero, down);
+    (sole, [heel.to_array(), ball.to_array()])
+}
+
+/// Lays the sole along the slope of the ground, as far as the foot's place matters.
+#[inline(always)]
+fn tilt<F: Lanes>(t: &Tread<'_, F>, sole: Sole<F>) -> Sole<F> {
+    let [_, x, z] = t.ground;
+    let up = V::new(F::splat(0.0), F::splat(1.0), F::splat(0.0));
+    let normal = V::new(-(x * t.importance), F::splat(1.0), -(z * t.importance));
+    let q = Q::between(up, normal);
+    Sole { foot: q * sole.foot, toe: q * sole.toe, ..sole }
+}
+
+/// Share of the weight that the ball bears: 0 on the heel, a half where the foot is flat, 1 on the ball.
+#[inline(always)]
+fn ball_share<F: Lanes>(t: &Tread<'_, F>, heel: V<F>, ball: V<F>) -> F {
+    let higher = over_ground(t, heel) - (over_ground(t, ball) - F::load(&t.leg.thickness));
+    let share = F::splat(0.5) + higher / (t.scale * F::splat(2.0 * FLAT_M));
+    share.max(F::splat(0.0)).min(F::splat(1.0))
+}
+
+/// How much a vector rises over the slope of the ground.
+#[inline(always)]
+fn over_ground<F: Lanes>(t: &Tread<'_, F>, v: V<F>) -> F {
+    v.y - t.ground[1] * v.x - t.ground[2] * v.z
+}
+
+/// What is left of a step's offset after this tick over what was left before.
+#[inline(always)]
+fn step_keep<F: Lanes>(t: &Tread<'_, F>, step: F) -> F {
+    let one = F::splat(1.0);
+    let left = |s: F| one - s * s * (F::splat(3.0) - (s + s));
+    let next = (step + t.dt_s / t.step_s).min(one);
+    left(next) / left(step).max(F::splat(1e-6))
+}
+
+/// Sine and cosine of the turn about the vertical: it keeps a planted foot's direction, and fades in the air.
+#[inline(always)]
+fn turn_of<F: Lanes>(t: &Tread<'_, F>, foot: &Foot, held: F, along: V<F>) -> [F; 2] {
+    let (one, tiny) = (F::splat(1.0), F::splat(1e-6));
+    let was = t.place.vector_to_model(load::<F>(&foot.ball) - load(&foot.heel));
+    let lengths = ((along.x * along.x + along.z * along.z) * (was.x * was.x + was.z * was.z)).sqrt().max(tiny);
+    let sin = (was.x * along.z - was.z * along.x) / lengths;
+    let cos = (was.x * along.x + was.z * along.z) / lengths;
+    let step = F::load(&foot.step);
+    let keep = F::select_lt(step, one, step_keep(t, step), t.keep);
+    let fading = [F::load(&foot.turn[0]) * keep, one + (F::load(&foot.turn[1]) - one) * keep];
+    let half = F::splat(0.5);
+    let [sin, cos] = [F::select_lt(half, held, sin, fading[0]), F::select_lt(half, held, cos, fading[1])];
+    let length = (sin * sin + cos * cos).sqrt();
+    // Where nothing is left of the direction, there is no turn.
+    let good = |v: F, otherwise: F| F::select_lt(F::splat(1e-3), length, v / length.max(tiny), otherwise);
+    [good(sin, F::splat(0.0)), good(cos, one)]
+}
+
+/// The rotation about the vertical of that sine and cosine.
+#[inline(always)]
+fn about_y<F: Lanes>([sin, cos]: [F; 2]) -> Q<F> {
+    let (zero, half) = (F::splat(0.0), F::splat(0.5));
+    let w = ((F::splat(1.0) + cos) * half).max(F::splat(1e-6)).sqrt();
+    Q::new(V::new(zero, sin * half / w, zero), w).normalize()
+}
+
+/// The offset over the ground: it keeps the part that bears in its place, and fades in the air.
+#[inline(always)]
+fn offset_of<F: Lanes>(t: &Tread<'_, F>, foot: &Foot, held: F, ankle: V<F>, [heel, ball]: [V<F>; 2], share: F) -> V<F> {
+    let (zero, one) = (F::splat(0.0), F::splat(1.0));
+    let mix = |heel: V<F>, ball: V<F>| heel * (one - share) + ball * share;
+    let was = mix(t.place.point_to_model(load(&foot.heel)), t.place.point_to_model(load(&foot.ball)));
+    let holding = was - (ankle + mix(heel, ball));
+    let step = F::load(&foot.step);
+    let keep = F::select_lt(step, one, step_keep(t, step), t.keep);
+    let fading = t.place.vector_to_model(load(&foot.offset)) * keep;
+    let mut offset = V::select_lt(F::splat(0.5), held, holding, fading);
+    offset.y = zero;
+    let lost = F::splat(LOST_M) * t.scale;
+    V::select_lt(lost * lost, offset.dot(offset), V::new(zero, zero, zero), offset)
+}
+
+/// How much the foot has to rise: onto the ground where it is planted, out of it anywhere, and up in a step.
+#[inline(always)]
+fn rise<F: Lanes>(t: &Tread<'_, F>, foot: &Foot, sole: &Sole<F>, [heel, ball]: [V<F>; 2]) -> F {
+    let (zero, one) = (F::splat(0.0), F::splat(1.0));
+    let tip = ball + sole.toe.rotate(load(&t.leg.tip));
+    let below_ball = over_ground(t, ball) - F::load(&t.leg.thickness);
+    let lowest = over_ground(t, heel).min(below_ball).min(over_ground(t, tip));
+    let height = sole.ankle.y + lowest - t.ground[0];
+    // Continuous where a contact begins: a blend of examples half of which stand matters half at least.
+    let press = (t.importance * F::splat(1.6)).min(one);
+    let press = press * press * press;
+    let onto = F::select_lt(height, zero, -height, -(height * press));
+    let step = F::load(&foot.step).min(one);
+    let arc = step * (one - step);
+    onto + arc * arc * F::splat(16.0 * STEP_HEIGHT_M) * t.scale
+}
+
+/// Begins a step where a planted foot has been left too far behind, or moves one on.
+#[inline(always)]
+fn progress<F: Lanes>(t: &Tread<'_, F>, foot: &mut Foot, down: F, offset: V<F>, turn_cos: F) {
+    let (zero, half, one) = (F::splat(0.0), F::splat(0.5), F::splat(1.0));
+    let step = F::load(&foot.step);
+    let moved = F::select_lt(step, one, (step + t.dt_s / t.step_s).min(one), one);
+    let distance = (offset.x * offset.x + offset.z * offset.z).sqrt();
+    let turned = F::select_lt(turn_cos, F::splat(LARGEST_TURN_COS), one, zero);
+    let far = F::select_lt(t.reach, distance, one, turned);
+    // One foot at a time, unless it is much too far.
+    let very_far = F::select_lt(t.reach + t.reach, distance, one, zero);
+    let begins = far * down * t.other_stands.max(very_far);
+    foot.step = F::select_lt(half, begins, zero, moved).to_array();
+}

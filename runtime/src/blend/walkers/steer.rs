@@ -1,0 +1,137 @@
+//! From a trajectory to a place in the parameter box: heading, speeds and turning rate, eased.
+
+use super::block::Block;
+use super::body::LaneBody;
+use super::{Control, WalkersConfig};
+use crate::blend::records::{AxisRecord, MAX_AXES, axis};
+use crate::blend::space::BlendSpace;
+use crate::planar::wrap_angle;
+use glam::Vec2;
+use std::f32::consts::{FRAC_PI_2, PI};
+
+/// Speed from which the direction of travel is trusted. [Unit: m/s]
+const MOVING_MPS: f32 = 0.1;
+/// Speed of a blend from which its direction is trusted. [Unit: m/s]
+const STRIDING_MPS: f32 = 0.3;
+
+/// What all walkers share in a tick.
+pub(crate) struct Steering<'a> {
+    pub axes: &'a [AxisRecord],
+    /// The examples step sideways.
+    sideways: bool,
+    /// The examples step back.
+    backward: bool,
+    dt_s: f32,
+    /// What is left of a difference after a tick.
+    keep_heading: f32,
+    keep_parameters: f32,
+    max_turning_rate: f32,
+}
+
+impl<'a> Steering<'a> {
+    pub fn new(space: &BlendSpace<'a>, config: &WalkersConfig, dt_s: f32) -> Self {
+        let axes = space.axes();
+        Self {
+            axes,
+            sideways: space.axis_of(axis::SIDE).is_some(),
+            backward: axes.iter().any(|a| a.kind == axis::SPEED && a.low < 0.0),
+            dt_s,
+            keep_heading: keep(dt_s, config.heading_half_life_s),
+            keep_parameters: keep(dt_s, config.parameter_half_life_s),
+            max_turning_rate: config.max_turning_rate,
+        }
+    }
+
+    /// Moves the root of one lane onto its trajectory, turns it, and eases its parameters.
+    pub fn steer(&self, block: &mut Block, body: &LaneBody, lane: usize, control: &Control) {
+        let speed = control.velocity.length();
+        let placed = block.placed[lane] != 0.0;
+        let heading = block.root[2][lane];
+        let aim = self.aim(block, lane, control, speed);
+        let turned = if placed { self.turn(heading, block.aim[lane], aim) } else { wrap_angle(aim) };
+        if self.dt_s > 0.0 && placed {
+            block.turning[lane] = wrap_angle(turned - heading) / self.dt_s;
+        }
+        block.aim[lane] = aim;
+        block.root[0][lane] = control.position.x;
+        block.root[1][lane] = control.position.y;
+        block.root[2][lane] = turned;
+        block.speed[lane] = speed;
+        let wanted = self.parameters(block, body, lane, control, speed);
+        let keep = if placed { self.keep_parameters } else { 0.0 };
+        for (p, wanted) in block.parameters[lane].iter_mut().zip(wanted) {
+            *p = wanted + (*p - wanted) * keep;
+        }
+        block.placed[lane] = 1.0;
+    }
+
+    /// Heading to turn to. [Unit: rad]
+    fn aim(&self, block: &Block, lane: usize, control: &Control, speed: f32) -> f32 {
+        let travel = control.velocity.x.atan2(control.velocity.y);
+        match control.heading {
+            Some(heading) if self.sideways || speed < MOVING_MPS => heading,
+            // Without side steps, the body has to face where it goes, or away from it.
+            Some(heading) if self.backward && wrap_angle(travel - heading).abs() > FRAC_PI_2 => travel + PI,
+            None if speed < MOVING_MPS => block.aim[lane],
+            // The forward direction of the blend is laid on the trajectory's tangent (000 section 4.2.3).
+            _ => travel - lean(block.travel, lane),
+        }
+    }
+
+    /// Follows a heading that turns steadily without delay, and eases to one that jumps.
+    fn turn(&self, heading: f32, was: f32, aim: f32) -> f32 {
+        let most = self.max_turning_rate * self.dt_s;
+        let change = wrap_angle(aim - was);
+        let steady = if change.abs() <= most { change } else { 0.0 };
+        let left = wrap_angle(aim - heading - steady);
+        let turn = steady + left * (1.0 - self.keep_heading);
+        wrap_angle(heading + turn.clamp(-most, most))
+    }
+
+    /// Place in the parameter box that the movement asks for, scaled to the body.
+    ///
+    /// Bodies of other sizes move alike at equal Froude numbers v^2 / (g l) (Alexander, *The gaits of bipedal and
+    /// quadrupedal animals*, 1984): speeds scale with the square root of the leg's length l, and so do times.
+    fn parameters(
+        &self,
+        block: &Block,
+        body: &LaneBody,
+        lane: usize,
+        control: &Control,
+        speed: f32,
+    ) -> [f32; MAX_AXES] {
+        let pace = body.pace[lane];
+        let (sin, cos) = block.root[2][lane].sin_cos();
+        let v = control.velocity / pace;
+        let (left, ahead) = (cos * v.x - sin * v.y, sin * v.x + cos * v.y);
+        // Without side steps, all of the movement is a walk ahead or back.
+        let ahead = match (self.sideways, ahead < 0.0 && self.backward) {
+            (true, _) => ahead,
+            (false, true) => -speed / pace,
+            (false, false) => speed / pace,
+        };
+        let turning = control.turning_rate.unwrap_or(block.turning[lane]) * pace;
+        let mut styles = control.style.iter();
+        let mut p = [0.0; MAX_AXES];
+        for (p, axis) in p.iter_mut().zip(self.axes) {
+            *p = match axis.kind {
+                axis::SPEED => ahead,
+                axis::SIDE => left,
+                axis::GYRATION => turning,
+                _ => styles.next().copied().unwrap_or(0.0),
+            };
+        }
+        p
+    }
+}
+
+/// Angle between where a blend faces and where it goes; 0 where it stands or does not go ahead. [Unit: rad]
+fn lean([left, ahead]: [[f32; 8]; 2], lane: usize) -> f32 {
+    let v = Vec2::new(left[lane], ahead[lane]);
+    if v.y > STRIDING_MPS { v.x.atan2(v.y) } else { 0.0 }
+}
+
+/// Share that is left of a difference after a time; 0 for a half-life of 0.
+fn keep(dt_s: f32, half_life_s: f32) -> f32 {
+    if half_life_s > 0.0 { (-dt_s / half_life_s).exp2() } else { 0.0 }
+}

@@ -1,0 +1,90 @@
+//! A path through a world.
+
+use super::Args;
+use crate::args::{Outcome, fail};
+use crate::{output, stitch};
+use serde::Serialize;
+use std::time::Instant;
+use throng_precompute::stitch::WorldSource;
+use throng_runtime::world::plan::{Planner, Target};
+use throng_runtime::world::{Node, Step, WorldGraph};
+
+/// Steps of a path that are kept: half an hour of walking.
+const MAX_STEPS: usize = 4096;
+
+/// What is printed.
+#[derive(Serialize)]
+struct Report<'a> {
+    world: &'a str,
+    from_m: [f32; 3],
+    to_m: [f32; 3],
+    length_m: f32,
+    duration_s: f64,
+    transitions: usize,
+    opened_instances: usize,
+    opened_nodes: usize,
+    seconds: f64,
+    path_m: Vec<[f32; 3]>,
+}
+
+/// Plans from the place nearest to one point to that nearest to another.
+pub fn run(args: &Args) -> Outcome {
+    let (Some(from), None) = (args.from, args.state) else {
+        return fail(format!("{}: a world is asked with --from and without --state", args.file.display()));
+    };
+    let source = WorldSource::load(&args.file)?;
+    let tables = stitch::bundle(&source, &args.cache)?;
+    let file = stitch::open(&source, &args.file, &tables)?;
+    let graph = WorldGraph::new(tables.patches(), file.view())?;
+    let (Some(start), Some(end)) = (nearest(&graph, from), nearest(&graph, args.target)) else {
+        return fail(format!("{}: there is no place in this world where a character can stay", args.file.display()));
+    };
+    let mut planner = Planner::new(&graph);
+    let mut steps = vec![Step::NONE; MAX_STEPS];
+    let begin = Instant::now();
+    let Some(plan) = planner.plan(&graph, start, Target::Node(end), &mut steps) else {
+        return fail(format!("{}: no way leads from {from:?} to {:?}", args.file.display(), args.target));
+    };
+    let seconds = begin.elapsed().as_secs_f64();
+    let at = |node: Node| graph.place(node).translation().to_array();
+    let report = Report {
+        world: &source.name,
+        from_m: at(start),
+        to_m: at(end),
+        length_m: plan.length_m,
+        duration_s: f64::from(plan.num_frames) / f64::from(tables.meta().rate_hz),
+        transitions: plan.num_steps,
+        opened_instances: plan.opened_instances,
+        opened_nodes: plan.opened_nodes,
+        seconds,
+        path_m: steps[..plan.num_stored].iter().map(|s| at(s.to)).collect(),
+    };
+    if args.json { output::json(&report) } else { print(&report) }
+}
+
+/// The place where one can stay that is nearest to a point of the ground plane.
+fn nearest(graph: &WorldGraph<'_>, [x, z]: [f32; 2]) -> Option<Node> {
+    let away = |n: &Node| {
+        let p = graph.place(*n);
+        (p.x - x).hypot(p.z - z)
+    };
+    let all = (0..graph.num_instances() as u32).flat_map(|i| graph.rest_cells(i));
+    all.min_by(|a, b| away(a).total_cmp(&away(b)))
+}
+
+fn print(r: &Report<'_>) -> Outcome {
+    let place = |p: [f32; 3]| format!("{:.1}, {:.1}, {:.1}", p[0], p[1], p[2]);
+    output::table(&[
+        ("path", format!("from ({}) to ({}) in {}", place(r.from_m), place(r.to_m), r.world)),
+        ("length", format!("{:.1} m, {:.1} s, {} transitions", r.length_m, r.duration_s, r.transitions)),
+        (
+            "planning",
+            format!(
+                "{:.2} ms; {} states of instances and {} nodes opened",
+                1e3 * r.seconds,
+                r.opened_instances,
+                r.opened_nodes
+            ),
+        ),
+    ])
+}
