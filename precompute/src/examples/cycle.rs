@@ -17,6 +17,10 @@ const END_STEPS: i32 = 16;
 const STILL_S: (f64, f64) = (1.5, 8.0);
 /// Frames of a still stretch that are tried as the ends of a loop, evenly chosen.
 const STILL_TRIES: usize = 120;
+/// Loops of still examples whose ends differ by more are played forth and back instead. [Unit: rad]
+const STILL_CLOSING: f64 = 0.035;
+/// Least time of a still example that is played forth and back. [Unit: s]
+const RETURN_S: f64 = 3.0;
 
 /// A cycle of a clip.
 #[derive(Clone, Debug)]
@@ -25,19 +29,23 @@ pub struct Cycle<'a> {
     pub track: Track<'a>,
     /// Its times; those of the right foot are of no meaning where it is still.
     pub steps: Steps,
-    /// Both feet stay on the ground.
-    pub still: bool,
-    /// The second step is the first one's mirrored image.
-    halved: bool,
+    /// What it is made of.
+    kind: Kind,
     /// Where its facing frame is.
     pub course: Course,
     /// Mean turn of a joint from its end to its beginning, before the seam is closed. [Unit: rad]
     pub closing: f64,
     /// Distance of the hips, likewise. [Unit: m]
     pub closing_m: f64,
-    /// What closes the seam: the hips' way from the beginning to the end, and every joint's log-displacement. Of a
-    /// halved one, from the mirrored beginning to the end of the first step.
-    gap: (Vec3, [DVec3; NUM_JOINTS]),
+    /// What closes the seam, at its beginning and its end; in between, it changes evenly.
+    seam: [Shift; 2],
+}
+
+/// A small change of a pose: of the hips' place, and a log-displacement of every joint.
+#[derive(Clone, Copy, Debug)]
+struct Shift {
+    hips: Vec3,
+    turns: [DVec3; NUM_JOINTS],
 }
 
 impl<'a> Cycle<'a> {
@@ -107,33 +115,46 @@ impl<'a> Cycle<'a> {
         let (start, end) = ends.unwrap_or((range.start as f64, range.start as f64 + length));
         let steps = Steps { start, left_off: end, right_strike: 0.5 * (start + end), right_off: end, end };
         let course = Course::under(&track, Twist::default(), start, end);
-        Self::new(track, steps, course, Kind::Still)
+        let cycle = Self::new(track.clone(), steps, course, Kind::Still);
+        if cycle.closing <= STILL_CLOSING {
+            return cycle;
+        }
+        Self::new(track, steps, course, Kind::Returning)
     }
 
     fn new(track: Track<'a>, steps: Steps, course: Course, kind: Kind) -> Self {
-        let (still, halved) = (kind == Kind::Still, kind == Kind::Halved);
-        let none = (Vec3::ZERO, [DVec3::ZERO; NUM_JOINTS]);
-        let mut cycle = Self { track, steps, still, halved, course, closing: 0.0, closing_m: 0.0, gap: none };
-        let (first, last) = match halved {
-            true => (cycle.open_pose(steps.start).mirrored(), cycle.open_pose(steps.right_strike)),
-            false => (cycle.open_pose(steps.start), cycle.open_pose(steps.end)),
+        let none = Shift { hips: Vec3::ZERO, turns: [DVec3::ZERO; NUM_JOINTS] };
+        let mut cycle = Self { track, steps, kind, course, closing: 0.0, closing_m: 0.0, seam: [none; 2] };
+        let (first, last) = match kind {
+            Kind::Whole | Kind::Still => (cycle.open_pose(steps.start), cycle.open_pose(steps.end)),
+            Kind::Halved => (cycle.open_pose(steps.start).mirrored(), cycle.open_pose(steps.right_strike)),
+            Kind::Returning => return cycle,
         };
-        let turns = std::array::from_fn(|j| displacement(first.rotations[j].as_dquat(), last.rotations[j].as_dquat()));
-        cycle.gap = (last.hips - first.hips, turns);
-        cycle.closing = turns.iter().map(|v| 2.0 * v.length()).sum::<f64>() / NUM_JOINTS as f64;
-        cycle.closing_m = f64::from(cycle.gap.0.length());
+        // Both ends go half the way to each other.
+        let half = |j: usize| 0.5 * displacement(first.rotations[j].as_dquat(), last.rotations[j].as_dquat());
+        let there = Shift { hips: 0.5 * (last.hips - first.hips), turns: std::array::from_fn(half) };
+        let back = Shift { hips: -there.hips, turns: there.turns.map(|v| -v) };
+        cycle.seam = [if kind == Kind::Halved { there.mirrored() } else { there }, back];
+        cycle.closing = there.turns.iter().map(|v| 4.0 * v.length()).sum::<f64>() / NUM_JOINTS as f64;
+        cycle.closing_m = f64::from(2.0 * there.hips.length());
         cycle
+    }
+
+    /// Both feet stay on the ground.
+    pub fn is_still(&self) -> bool {
+        matches!(self.kind, Kind::Still | Kind::Returning)
     }
 
     /// Time of the cycle. [Unit: s]
     pub fn duration_s(&self) -> f64 {
-        (self.steps.end - self.steps.start) / self.track.rate()
+        let once = (self.steps.end - self.steps.start) / self.track.rate();
+        if self.kind == Kind::Returning { (2.0 * once).max(RETURN_S) } else { once }
     }
 
     /// The frames it lies in: the first one and how many.
     pub fn frames(&self) -> (usize, usize) {
         let first = self.steps.start.ceil().max(0.0) as usize;
-        let end = if self.halved { self.steps.right_strike } else { self.steps.end };
+        let end = if self.kind == Kind::Halved { self.steps.right_strike } else { self.steps.end };
         let end = (end.ceil() as usize).max(first + 1);
         (first, end - first)
     }
@@ -141,14 +162,17 @@ impl<'a> Cycle<'a> {
     /// Pose at a generic time in [0, 1) in the facing frame: hips relative to its origin, their orientation to its
     /// heading. The end continues in the beginning.
     pub fn pose(&self, generic: f64) -> Pose {
-        if self.halved && generic >= 0.5 {
+        if self.kind == Kind::Halved && generic >= 0.5 {
             return self.pose(generic - 0.5).mirrored();
         }
-        let mut pose = self.open_pose(self.steps.time(generic));
-        let part = self.part(generic) - 0.5;
-        pose.hips -= self.gap.0 * part as f32;
-        for (q, v) in pose.rotations.iter_mut().zip(self.gap.1) {
-            *q = (q.as_dquat() * exponential(v * -part)).normalize().as_quat();
+        let time = self.time(generic);
+        let mut pose = self.open_pose(time);
+        let end = if self.kind == Kind::Halved { self.steps.right_strike } else { self.steps.end };
+        let part = (time - self.steps.start) / (end - self.steps.start);
+        let [first, last] = &self.seam;
+        pose.hips += first.hips.lerp(last.hips, part as f32);
+        for (j, q) in pose.rotations.iter_mut().enumerate() {
+            *q = (q.as_dquat() * exponential(first.turns[j].lerp(last.turns[j], part))).normalize().as_quat();
         }
         pose
     }
@@ -162,7 +186,7 @@ impl<'a> Cycle<'a> {
     /// Seconds that pass per unit of generic time: constant between the strikes. [Unit: s]
     pub fn rate(&self, generic: f64) -> f64 {
         let s = &self.steps;
-        match (self.still, generic < 0.5) {
+        match (self.is_still(), generic < 0.5) {
             (true, _) => self.duration_s(),
             (false, true) => 2.0 * (s.right_strike - s.start) / self.track.rate(),
             (false, false) => 2.0 * (s.end - s.right_strike) / self.track.rate(),
@@ -173,7 +197,7 @@ impl<'a> Cycle<'a> {
     /// frame at each end, over which they rise and fall.
     pub fn contacts(&self, generic: f64) -> [f64; 2] {
         let s = &self.steps;
-        if self.still {
+        if self.is_still() {
             return [1.0; 2];
         }
         let (time, period) = (s.time(generic), s.end - s.start);
@@ -186,18 +210,21 @@ impl<'a> Cycle<'a> {
 
     /// Shares of the left and the right hand in touch with something.
     pub fn touches(&self, generic: f64) -> [f64; 2] {
-        if self.halved && generic >= 0.5 {
+        if self.kind == Kind::Halved && generic >= 0.5 {
             let [left, right] = self.touches(generic - 0.5);
             return [right, left];
         }
-        let time = self.steps.time(generic);
+        let time = self.time(generic);
         [Contacts::LEFT_HAND, Contacts::RIGHT_HAND].map(|part| self.track.touch(time, part))
     }
 
-    /// Part of the time from one seam to the next that has passed.
-    fn part(&self, generic: f64) -> f64 {
-        let end = if self.halved { self.steps.right_strike } else { self.steps.end };
-        (self.steps.time(generic) - self.steps.start) / (end - self.steps.start)
+    /// Time of the clip at a generic time. [Unit: frames]
+    fn time(&self, generic: f64) -> f64 {
+        let s = &self.steps;
+        match self.kind {
+            Kind::Returning => s.start + (s.end - s.start) * 0.5 * (1.0 - (std::f64::consts::TAU * generic).cos()),
+            Kind::Whole | Kind::Halved | Kind::Still => s.time(generic),
+        }
     }
 
     fn open_pose(&self, time: f64) -> Pose {
@@ -218,8 +245,18 @@ enum Kind {
     Whole,
     /// One step and its mirrored image.
     Halved,
-    /// No steps.
+    /// No steps, round and round.
     Still,
+    /// No steps, forth and back.
+    Returning,
+}
+
+impl Shift {
+    /// The change that the mirrored pose takes.
+    fn mirrored(&self) -> Self {
+        let turn = |j: Joint| self.turns[j.mirrored().index()] * DVec3::new(1.0, -1.0, -1.0);
+        Self { hips: self.hips * Vec3::new(-1.0, 1.0, 1.0), turns: Joint::ALL.map(turn) }
+    }
 }
 
 impl Pose {

@@ -238,8 +238,9 @@ fn example(c: &Candidate<'_>) -> ExampleRecord {
         duration_s: c.cycle.duration_s() as f32,
         velocity: [twist.velocity.x as f32, twist.velocity.y as f32],
         gyration: twist.gyration as f32,
-        keytimes: if c.cycle.still { [0.0; 3] } else { c.cycle.steps.keytimes().map(|k| k as f32) },
-        flags: flag(c.cycle.still, ExampleRecord::IS_STILL) | flag(c.source.clip.mirrored, ExampleRecord::IS_MIRRORED),
+        keytimes: if c.cycle.is_still() { [0.0; 3] } else { c.cycle.steps.keytimes().map(|k| k as f32) },
+        flags: flag(c.cycle.is_still(), ExampleRecord::IS_STILL)
+            | flag(c.source.clip.mirrored, ExampleRecord::IS_MIRRORED),
         clip: c.source.number as u32,
         first_frame: first_frame as u32,
         num_frames: num_frames as u32,

@@ -5,7 +5,7 @@ use super::cycle::Cycle;
 use super::steady::{self, Tolerance};
 use super::steps;
 use super::track::Track;
-use crate::clip::{Clip, ClipSet, FrameRange};
+use crate::clip::{Clip, ClipSet, Exclusion, ExclusionReason, FrameRange};
 use crate::error::{BuildError, Warnings};
 use crate::import::matches;
 use crate::mirror;
@@ -101,7 +101,7 @@ fn named<'a>(
     }
     let sources = clips().filter(|_| !example.symmetric).flatten();
     for source in sources.filter(|s| example.mirror || !s.clip.mirrored) {
-        for range in ranges(&source.clip, example.tag.as_deref(), example.frames) {
+        for range in ranges(&source.clip, example.tag.as_deref(), example.frames, example.still) {
             let track = Track::new(&source.clip);
             let cycle = match example.still {
                 true => still(track, &range),
@@ -142,7 +142,7 @@ fn halved<'a>(
     tag: Option<&str>,
     frames: Option<[usize; 2]>,
 ) -> Result<Option<(&'a Source, Cycle<'a>)>, String> {
-    let ranges = |source: &Source| ranges(&source.clip, tag, frames);
+    let ranges = |source: &Source| ranges(&source.clip, tag, frames, false);
     for source in pair {
         let track = Track::new(&source.clip);
         let halves: Vec<_> = ranges(source).iter().flat_map(|r| steps::halves(&track, r)).collect();
@@ -209,7 +209,7 @@ fn search<'a>(
     let sources = clips().filter(|_| !find.symmetric).flatten();
     for source in sources.filter(|s| find.mirror || !s.clip.mirrored) {
         let (before, mut faults) = (out.len(), Vec::new());
-        for range in ranges(&source.clip, find.tag.as_deref(), None) {
+        for range in ranges(&source.clip, find.tag.as_deref(), None, false) {
             let track = Track::new(&source.clip);
             let sequence = steps::sequence(&track, &range);
             faults.extend(sequence.faults);
@@ -291,8 +291,9 @@ fn tell_apart(all: &mut [Candidate<'_>]) {
     }
 }
 
-/// The runs of frames of a clip that a config speaks of: the usable ones within some frames and a tag.
-fn ranges(clip: &Clip, tag: Option<&str>, frames: Option<[usize; 2]>) -> Vec<FrameRange> {
+/// The runs of frames of a clip that a config speaks of: the usable ones within some frames and a tag. Still ends of
+/// clips are left out of motion, but not of what is to be still.
+fn ranges(clip: &Clip, tag: Option<&str>, frames: Option<[usize; 2]>, still: bool) -> Vec<FrameRange> {
     let [first, end] = frames.unwrap_or([0, clip.num_frames()]);
     let within = |r: &FrameRange| r.start.max(first)..r.end.min(end).min(clip.num_frames());
     let tagged: Vec<FrameRange> = match tag {
@@ -300,7 +301,9 @@ fn ranges(clip: &Clip, tag: Option<&str>, frames: Option<[usize; 2]>) -> Vec<Fra
         None => vec![within(&(0..clip.num_frames()))],
     };
     let usable = |r: &FrameRange| {
-        let runs = crate::clip::runs(r.clone(), |f| clip.is_usable(f));
+        let left_out = |e: &Exclusion| !(still && e.reason == ExclusionReason::Still);
+        let usable = |f: usize| !clip.excluded.iter().any(|e| e.range.contains(&f) && left_out(e));
+        let runs = crate::clip::runs(r.clone(), usable);
         runs.into_iter().max_by_key(ExactSizeIterator::len)
     };
     tagged.iter().filter(|r| r.start < r.end).filter_map(usable).collect()
