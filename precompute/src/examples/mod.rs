@@ -32,6 +32,10 @@ use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use throng_runtime::blend::{AxisRecord, BlendRecord, ChannelRow, ExampleRecord, MAX_AXES, ReferenceRow};
 
+/// Examples whose joints turn farther from their reference nearly meet its antipode, where the shorter way changes its
+/// side. [Unit: rad]
+const FAR_APART: f64 = 2.6;
+
 /// A blend space, as the bundle stores it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct BlendSpace {
@@ -176,6 +180,15 @@ fn space(
         );
         stage(message, "Take examples that are more alike into one space, or more phases")
     })?;
+    let (joint, worst, turn) = postures.largest;
+    if turn > FAR_APART {
+        warnings.push(format!(
+            "blend.{name}: `{}` turns its {} {:.0} deg from the other examples' reference: blends may jump there.",
+            chosen[worst].name,
+            joint.name(),
+            turn.to_degrees()
+        ));
+    }
     let report = report(name, config, &chosen, left_out, &table, &postures);
     let space = BlendSpace {
         name: name.to_owned(),
