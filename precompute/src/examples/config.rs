@@ -139,6 +139,8 @@ pub struct ExampleConfig {
     pub style: BTreeMap<String, f64>,
     /// The character stands: both feet stay on the ground.
     pub still: bool,
+    /// One step and its mirrored image make the cycle: for what goes straight and is too short for two steps.
+    pub symmetric: bool,
     /// Adds the mirrored copy.
     pub mirror: bool,
 }
@@ -153,6 +155,8 @@ pub struct FindConfig {
     pub tag: Option<String>,
     /// Values on the style axes, by their names.
     pub style: BTreeMap<String, f64>,
+    /// One step and its mirrored image make a cycle: for what goes straight and is too short for two steps.
+    pub symmetric: bool,
     /// Adds mirrored copies.
     pub mirror: bool,
     /// Most examples from these clips: those that are farthest from one another. [Limit: >= 1]
