@@ -2,7 +2,7 @@
 //! `cargo bench --bench blend`.
 
 #[allow(dead_code, reason = "a part of it is enough here")]
-#[path = "../tests/blend/made_up.rs"]
+#[path = "../tests/blend/runtime/made_up.rs"]
 mod made_up;
 
 use glam::Vec2;
@@ -161,7 +161,8 @@ fn multilinear(axes: &[AxisRecord], table: &[f32], q: &[f32; MAX_AXES], out: &mu
             at += up * steps[a];
             share *= if up == 1 { fractions[a] } else { 1.0 - fractions[a] };
         }
-        for (o, w) in out.iter_mut().zip(&table[at * out.len()..][..out.len()]) {
+        let row = &table[at * out.len()..][..out.len()];
+        for (o, w) in out.iter_mut().zip(row) {
             *o += w * share;
         }
     }

@@ -95,14 +95,21 @@ impl<'a> WeightGrid<'a> {
     /// Rows at many points. [Size of `out`: parameters.len() * stride]
     #[inline(always)]
     pub(crate) fn read_all<F: Lanes>(&self, parameters: &[[f32; MAX_AXES]], out: &mut [f32]) {
-        let rows = out.chunks_exact_mut(self.stride);
         match self.axes.len() {
-            1 => rows.zip(parameters).for_each(|(o, p)| self.read::<F, 1>(p, o)),
-            2 => rows.zip(parameters).for_each(|(o, p)| self.read::<F, 2>(p, o)),
-            3 => rows.zip(parameters).for_each(|(o, p)| self.read::<F, 3>(p, o)),
-            4 => rows.zip(parameters).for_each(|(o, p)| self.read::<F, 4>(p, o)),
-            5 => rows.zip(parameters).for_each(|(o, p)| self.read::<F, 5>(p, o)),
-            _ => rows.zip(parameters).for_each(|(o, p)| self.read::<F, 6>(p, o)),
+            1 => self.read_each::<F, 1>(parameters, out),
+            2 => self.read_each::<F, 2>(parameters, out),
+            3 => self.read_each::<F, 3>(parameters, out),
+            4 => self.read_each::<F, 4>(parameters, out),
+            5 => self.read_each::<F, 5>(parameters, out),
+            _ => self.read_each::<F, 6>(parameters, out),
+        }
+    }
+
+    /// A plain loop: closures would be compiled on their own, without the wide vectors.
+    #[inline(always)]
+    fn read_each<F: Lanes, const D: usize>(&self, parameters: &[[f32; MAX_AXES]], out: &mut [f32]) {
+        for (parameters, row) in parameters.iter().zip(out.chunks_exact_mut(self.stride)) {
+            self.read::<F, D>(parameters, row);
         }
     }
 
@@ -132,17 +139,19 @@ impl<'a> WeightGrid<'a> {
     #[inline(always)]
     fn read<F: Lanes, const D: usize>(&self, parameters: &[f32; MAX_AXES], out: &mut [f32]) {
         let corners = self.corners::<D>(parameters);
-        let fraction = |i: usize| f32::from_bits((corners.path[i] >> 32) as u32);
+        let mut fractions = [0.0; MAX_AXES + 1];
+        for i in 0..D {
+            fractions[i] = f32::from_bits((corners.path[i] >> 32) as u32);
+        }
         let mut row = corners.row;
         let num_chunks = out.len() / LANES;
         let mut rows = [&self.row(row)[..num_chunks]; MAX_AXES + 1];
         let mut shares = [F::splat(0.0); MAX_AXES + 1];
-        shares[0] = F::splat(1.0 - fraction(0));
+        shares[0] = F::splat(1.0 - fractions[0]);
         for i in 0..D {
             row += corners.path[i] as u32 as usize;
             rows[i + 1] = &self.row(row)[..num_chunks];
-            let next = if i + 1 < D { fraction(i + 1) } else { 0.0 };
-            shares[i + 1] = F::splat(fraction(i) - next);
+            shares[i + 1] = F::splat(fractions[i] - fractions[i + 1]);
         }
         for (c, out) in out.as_chunks_mut::<LANES>().0.iter_mut().enumerate() {
             let mut sum = F::load(&rows[0][c]) * shares[0];

@@ -127,14 +127,19 @@ fn sum<F: Lanes>([from, to]: [&[ChannelRow]; 2], weights: &[f32], ratio: f32) ->
 /// The reference orientations of eight joints between two phases, not of unit length.
 #[inline(always)]
 fn reference<F: Lanes>([from, to]: [&ReferenceRow; 2], chunk: usize, ratio: f32) -> Q<F> {
-    let load = |row: &ReferenceRow| row.components.each_ref().map(|c| F::load(&c.as_chunks().0[chunk]));
-    let (a, b) = (load(from), load(to));
+    let (mut a, mut b) = ([F::splat(0.0); 4], [F::splat(0.0); 4]);
+    for i in 0..4 {
+        a[i] = F::load(&from.components[i].as_chunks().0[chunk]);
+        b[i] = F::load(&to.components[i].as_chunks().0[chunk]);
+    }
     let dot = a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3];
     // The nearer of the two quaternions that mean the same orientation.
     let (keep, share) = (F::splat(1.0 - ratio), F::splat(ratio));
     let share = F::select_lt(dot, F::splat(0.0), -share, share);
-    let [x, y, z, w]: [F; 4] = std::array::from_fn(|i| a[i] * keep + b[i] * share);
-    Q::new(V::new(x, y, z), w)
+    for i in 0..4 {
+        a[i] = a[i] * keep + b[i] * share;
+    }
+    Q::new(V::new(a[0], a[1], a[2]), a[3])
 }
 
 /// Largest squared length of a log-displacement: pi, a whole turn.
@@ -144,29 +149,36 @@ const MAX_LOG_2: f32 = std::f32::consts::PI * std::f32::consts::PI;
 #[inline(always)]
 pub(crate) fn exp<F: Lanes>(v: V<F>) -> Q<F> {
     let x = v.dot(v).min(F::splat(MAX_LOG_2));
-    // Taylor series in the square, which needs neither root nor quotient: sin(r) / r and cos(r), within 1e-6.
-    let series = |coefficients: &[f64]| {
-        let mut p = F::splat(coefficients[coefficients.len() - 1] as f32);
-        for &c in coefficients[..coefficients.len() - 1].iter().rev() {
-            p = p * x + F::splat(c as f32);
-        }
-        p
-    };
-    Q::new(v * series(&SINC), series(&COS))
+    // Taylor series in the square, which needs neither root nor quotient.
+    Q::new(v * series(&SINC, x), series(&COS, x))
 }
 
+/// A polynomial.
+#[inline(always)]
+fn series<F: Lanes>(coefficients: &[f32; TERMS], x: F) -> F {
+    let mut p = F::splat(coefficients[TERMS - 1]);
+    for i in (0..TERMS - 1).rev() {
+        p = p * x + F::splat(coefficients[i]);
+    }
+    p
+}
+
+/// Terms of the series, which leave errors below 1e-6.
+const TERMS: usize = 9;
 /// Coefficients of sin(r) / r in r^2.
-const SINC: [f64; 9] = taylor(1);
+const SINC: [f32; TERMS] = taylor(1);
 /// Coefficients of cos(r) in r^2.
-const COS: [f64; 9] = taylor(0);
+const COS: [f32; TERMS] = taylor(0);
 
 /// `(-1)^i / (2 i + odd)!`
-const fn taylor(odd: usize) -> [f64; 9] {
-    let mut c = [1.0; 9];
+const fn taylor(odd: usize) -> [f32; TERMS] {
+    let mut c = [1.0; TERMS];
+    let mut exact = 1.0f64;
     let mut i = 1;
-    while i < 9 {
+    while i < TERMS {
         let k = 2 * i + odd;
-        c[i] = -c[i - 1] / (k * (k - 1)) as f64;
+        exact /= -((k * (k - 1)) as f64);
+        c[i] = exact as f32;
         i += 1;
     }
     c

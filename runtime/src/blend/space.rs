@@ -121,8 +121,9 @@ impl<'a> BlendSpace<'a> {
             let beyond = parameters[a] - within[a];
             if beyond != 0.0 && beyond.is_finite() {
                 let beyond = F::splat(beyond);
-                let chunks = row.as_chunks_mut::<LANES>().0.iter_mut().zip(slopes.as_chunks::<LANES>().0);
-                chunks.for_each(|(w, s)| (F::load(w) + F::load(s) * beyond).store(w));
+                for (w, s) in row.as_chunks_mut::<LANES>().0.iter_mut().zip(slopes.as_chunks::<LANES>().0) {
+                    (F::load(w) + F::load(s) * beyond).store(w);
+                }
             }
         }
     }

@@ -105,17 +105,23 @@ impl Timing {
     /// Time and way of a cycle of the blend. [Unit: s, m]
     #[inline(always)]
     pub fn cycle<F: Lanes>(&self, weights: &[f32]) -> [f32; 3] {
-        std::array::from_fn(|i| dot::<F>(weights, &self.cycle[i * self.stride..][..self.stride]))
+        let mut cycle = [0.0; 3];
+        for (i, sum) in cycle.iter_mut().enumerate() {
+            *sum = dot::<F>(weights, &self.cycle[i * self.stride..][..self.stride]);
+        }
+        cycle
     }
 
     /// How much the places of the left and right foot matter, 0 to 1.
     #[inline(always)]
     pub fn importance<F: Lanes>(&self, weights: &[f32], [from, to]: [usize; 2], ratio: f32) -> [f32; 2] {
-        std::array::from_fn(|side| {
-            let row = |k: usize| &self.importance[(2 * k + side) * self.stride..][..self.stride];
-            let (a, b) = (dot::<F>(weights, row(from)), dot::<F>(weights, row(to)));
-            (a + (b - a) * ratio).clamp(0.0, 1.0)
-        })
+        let mut both = [0.0; 2];
+        for (side, importance) in both.iter_mut().enumerate() {
+            let a = dot::<F>(weights, &self.importance[(2 * from + side) * self.stride..][..self.stride]);
+            let b = dot::<F>(weights, &self.importance[(2 * to + side) * self.stride..][..self.stride]);
+            *importance = (a + (b - a) * ratio).clamp(0.0, 1.0);
+        }
+        both
     }
 }
 

@@ -134,16 +134,17 @@ fn example(stride: &Stride) -> ExampleRecord {
     }
 }
 
-/// Share of the cycle that a foot is on the ground.
+/// Share of the cycle that a foot is on the ground: no longer than legs reach.
 fn stance(stride: &Stride) -> f32 {
-    if is_still(stride) { 1.0 } else { (0.66 - 0.06 * stride[0].hypot(stride[1])).max(0.34) }
+    let way = cycle_s(stride) * stride[0].hypot(stride[1]);
+    if is_still(stride) { 1.0 } else { 0.64f32.min(0.72 / way.max(0.1)) }
 }
 
 /// What a foot does at a phase of its own cycle, which begins with its strike.
 struct Foot {
     /// Ankle in the facing frame, before the hips are taken away. [Unit: m]
     ankle: Vec3,
-    yaw: f32,
+    rotation: Quat,
     down: bool,
 }
 
@@ -156,17 +157,27 @@ fn foot(stride: &Stride, side: f32, phase: f32) -> Foot {
         let place = arc(stride, t).inverse().compose(Planar::new(side * rest.x, 0.0, 0.0));
         (Vec2::new(place.x, place.z), place.heading)
     };
+    // The heel rises about the ball late in the stance.
+    let ball = Skeleton::default().offsets[Joint::LeftToe.index()].with_y(-rest.y);
+    let risen = |yaw: f32, pitch: f32| {
+        let (flat, rotation) = (Quat::from_rotation_y(yaw), Quat::from_rotation_y(yaw) * Quat::from_rotation_x(pitch));
+        (flat * ball - rotation * ball, rotation)
+    };
+    let push = if is_still(stride) { 0.0 } else { 0.6 };
+    let smooth = |s: f32| s * s * (3.0 - 2.0 * s);
     if phase < stance {
         let (at, yaw) = planted((phase - 0.5 * stance) * cycle_s);
-        return Foot { ankle: Vec3::new(at.x, rest.y, at.y), yaw, down: true };
+        let (by, rotation) = risen(yaw, push * smooth((phase / stance / 0.4 - 1.5).max(0.0)));
+        return Foot { ankle: Vec3::new(at.x, rest.y, at.y) + by, rotation, down: true };
     }
     let (from, to) = (planted(0.5 * stance * cycle_s), planted(-0.5 * stance * cycle_s));
     let s = (phase - stance) / (1.0 - stance);
-    let ease = s * s * (3.0 - 2.0 * s);
+    let ease = smooth(s);
     let at = from.0.lerp(to.0, ease);
     let lift = 0.06 + 0.05 * stride[0].hypot(stride[1]);
     let height = rest.y + lift * (PI * s).sin().powi(2);
-    Foot { ankle: Vec3::new(at.x, height, at.y), yaw: from.1 + (to.1 - from.1) * ease, down: false }
+    let (by, rotation) = risen(from.1 + (to.1 - from.1) * ease, push * (1.0 - ease));
+    Foot { ankle: Vec3::new(at.x, height, at.y) + by, rotation, down: false }
 }
 
 /// Facing frame after a time. [Unit: s]
@@ -182,8 +193,8 @@ fn row(stride: &Stride, phase: f32) -> ChannelRow {
     let skeleton = Skeleton::default();
     let mut row = ChannelRow { values: [0.0; 96] };
     let speed = stride[0].hypot(stride[1]);
-    let bob = if is_still(stride) { 0.0 } else { 0.015 + 0.006 * speed };
-    let hips = Vec3::new(0.0, 0.9 - 0.01 * speed - bob * (2.0 * TAU * phase).cos(), 0.0);
+    let bob = if is_still(stride) { 0.0 } else { 0.012 + 0.004 * speed };
+    let hips = Vec3::new(0.0, 0.885 - 0.006 * speed - bob * (2.0 * TAU * phase).cos(), 0.0);
     let mut put = |at: usize, v: Vec3| row.values[at..at + 3].copy_from_slice(&v.to_array());
     put(channel::HIPS, hips);
     let feet = [foot(stride, 1.0, phase), foot(stride, -1.0, (phase + 0.5) % 1.0)];
@@ -218,7 +229,7 @@ fn bend_leg(row: &mut ChannelRow, skeleton: &Skeleton, side: usize, hips: Vec3, 
     let shin = Quat::from_rotation_x(knee);
     put_rotation(row, joints[0], thigh);
     put_rotation(row, joints[1], shin);
-    put_rotation(row, joints[2], (thigh * shin).inverse() * Quat::from_rotation_y(foot.yaw));
+    put_rotation(row, joints[2], (thigh * shin).inverse() * foot.rotation);
 }
 
 /// Puts a rotation, whose reference is the identity.

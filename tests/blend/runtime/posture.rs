@@ -47,6 +47,8 @@ proptest! {
     fn postures_are_what_the_sums_say(
         weights in prop::collection::vec(-0.3f32..0.5, 20), phase in 0.0f32..0.999, turns in -3i32..3
     ) {
+        let sum: f32 = weights.iter().map(|w| w.abs()).sum();
+        let weights: Vec<f32> = weights.iter().map(|w| 1.5 * w / sum.max(1.5)).collect();
         let made_up = with_references();
         let space = made_up.space();
         let mut row = weights.clone();

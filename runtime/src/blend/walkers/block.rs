@@ -13,7 +13,7 @@ pub(crate) struct Foot {
     pub offset: Lane3,
     /// Sine and cosine of what the foot is turned by about the vertical.
     pub turn: [Lane; 2],
-    /// Where heel and ball touched the ground at the last step, in world space. [Unit: m]
+    /// Where the bottom of the heel and the ball were at the last step, in world space. [Unit: m]
     pub heel: Lane3,
     pub ball: Lane3,
     /// 1 where it was planted at the last step, else 0.
@@ -51,6 +51,8 @@ pub(crate) struct Block {
     pub parameters: [[f32; MAX_AXES]; LANES],
     /// Generic time, in [0, 1).
     pub phase: Lane,
+    /// How far the hips are lowered so that both legs reach. [Unit: m]
+    pub drop: Lane,
     /// 0 until the first step.
     pub placed: Lane,
     pub contacts: [Contacts; LANES],
@@ -67,6 +69,7 @@ impl Block {
         travel: [[0.0; LANES]; 2],
         parameters: [[0.0; MAX_AXES]; LANES],
         phase: [0.0; LANES],
+        drop: [0.0; LANES],
         placed: [0.0; LANES],
         contacts: [Contacts::NONE; LANES],
         feet: [Foot::ZERO; 2],

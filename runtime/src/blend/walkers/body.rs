@@ -26,11 +26,11 @@ pub(crate) struct LaneLeg {
     pub lengths: [Lane; 2],
     /// What is added to the examples' ankle, scaled: wider hips stand wider, higher feet stand higher.
     pub ankle: Lane3,
-    /// Bottom of the heel and of the ball from the ankle, in the foot's frame.
+    /// Bottom of the heel, and the ball (the toe joint), from the ankle in the foot's frame.
     pub heel: Lane3,
     pub ball: Lane3,
-    /// The toe joint from the ankle, in the foot's frame.
-    pub toe: Lane3,
+    /// Height of the ball over the ground on a flat foot.
+    pub thickness: Lane,
     /// Bottom of the toe's tip from the toe joint, in its frame.
     pub tip: Lane3,
 }
@@ -57,7 +57,7 @@ pub(crate) struct LaneBody {
 impl LaneBody {
     pub const ZERO: Self = {
         let (lane, lane3) = ([0.0; LANES], [[0.0; LANES]; 3]);
-        let leg = LaneLeg { lengths: [lane; 2], ankle: lane3, heel: lane3, ball: lane3, toe: lane3, tip: lane3 };
+        let leg = LaneLeg { lengths: [lane; 2], ankle: lane3, heel: lane3, ball: lane3, thickness: lane, tip: lane3 };
         Self {
             offsets: [lane3; NUM_JOINTS],
             scale: lane,
@@ -107,8 +107,8 @@ impl LaneLeg {
         set(&mut self.ankle, lane, Vec3::new(wider, rest[foot].y - scale * from[foot].y, 0.0));
         let (ankle_height, ball) = (rest[foot].y, body.offsets[toe]);
         set(&mut self.heel, lane, Vec3::new(0.0, -ankle_height, -HEEL * ball.z));
-        set(&mut self.ball, lane, Vec3::new(ball.x, -ankle_height, ball.z));
-        set(&mut self.toe, lane, ball);
+        set(&mut self.ball, lane, ball);
+        self.thickness[lane] = rest[toe].y;
         let tip = body.tips[if toe == Joint::LeftToe.index() { 1 } else { 2 }];
         set(&mut self.tip, lane, Vec3::new(tip.x, tip.y - rest[toe].y, tip.z));
     }

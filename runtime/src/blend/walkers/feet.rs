@@ -82,8 +82,11 @@ pub(crate) fn tread<F: Lanes>(t: &Tread<'_, F>, foot: &mut Foot, wanted: Sole<F>
     store(&mut foot.ball, t.place.to_world(sole.ankle + ball));
     foot.down = down.to_array();
     progress(t, foot, down, offset, turn[1]);
-    let flat = |side: F| F::select_lt(side, F::splat(0.15), zero, down).to_array();
-    (sole, [flat(one - share), flat(share)])
+    // The heel stands where the ankle does: not while the foot rolls over it.
+    let rolls = (share - F::splat(0.5)).abs();
+    let heel = F::select_lt(rolls, F::splat(0.25), down, zero);
+    let ball = F::select_lt(share, F::splat(0.25), zero, down);
+    (sole, [heel.to_array(), ball.to_array()])
 }
 
 /// Lays the sole along the slope of the ground, as far as the foot's place matters.
@@ -99,7 +102,7 @@ fn tilt<F: Lanes>(t: &Tread<'_, F>, sole: Sole<F>) -> Sole<F> {
 /// Share of the weight that the ball bears: 0 on the heel, a half where the foot is flat, 1 on the ball.
 #[inline(always)]
 fn ball_share<F: Lanes>(t: &Tread<'_, F>, heel: V<F>, ball: V<F>) -> F {
-    let higher = over_ground(t, heel) - over_ground(t, ball);
+    let higher = over_ground(t, heel) - (over_ground(t, ball) - F::load(&t.leg.thickness));
     let share = F::splat(0.5) + higher / (t.scale * F::splat(2.0 * FLAT_M));
     share.max(F::splat(0.0)).min(F::splat(1.0))
 }
@@ -166,8 +169,9 @@ fn offset_of<F: Lanes>(t: &Tread<'_, F>, foot: &Foot, held: F, ankle: V<F>, [hee
 #[inline(always)]
 fn rise<F: Lanes>(t: &Tread<'_, F>, foot: &Foot, sole: &Sole<F>, [heel, ball]: [V<F>; 2]) -> F {
     let (zero, one) = (F::splat(0.0), F::splat(1.0));
-    let tip = sole.foot.rotate(load(&t.leg.toe)) + sole.toe.rotate(load(&t.leg.tip));
-    let lowest = over_ground(t, heel).min(over_ground(t, ball)).min(over_ground(t, tip));
+    let tip = ball + sole.toe.rotate(load(&t.leg.tip));
+    let below_ball = over_ground(t, ball) - F::load(&t.leg.thickness);
+    let lowest = over_ground(t, heel).min(below_ball).min(over_ground(t, tip));
     let height = sole.ankle.y + lowest - t.ground[0];
     // Continuous where a contact begins: a blend of examples half of which stand matters half at least.
     let press = (t.importance * F::splat(1.6)).min(one);

@@ -302,9 +302,9 @@ impl Walkers {
         check_length("controls", controls.len(), self.num_characters)?;
         for c in controls {
             let numbers = c.position.to_array().into_iter().chain(c.velocity.to_array()).chain(c.style);
-            let numbers = numbers.chain(c.heading).chain(c.turning_rate);
-            let largest = numbers.fold(0.0f32, |l, v| if v.abs() <= l { l } else { v.abs() });
-            check("control", largest, largest < 1e6, "finite numbers below 1e6")?;
+            for number in numbers.chain(c.heading).chain(c.turning_rate) {
+                check("control", number, number.abs() < 1e6, "finite numbers below 1e6")?;
+            }
         }
         Ok(())
     }

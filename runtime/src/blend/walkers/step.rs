@@ -7,7 +7,7 @@
 use super::block::{Block, Foot};
 use super::body::{LEGS, LaneBody};
 use super::feet::{Bearing, Sole, Tread, tread};
-use super::reach::{lower, reach_foot, reach_hand};
+use super::reach::{lower, reach_foot, reach_hand, stretched};
 use super::steer::Steering;
 use super::{Control, WalkersConfig};
 use crate::blend::ground::{Ground, HeightField};
@@ -33,6 +33,9 @@ const STEP_S: f32 = 0.35;
 /// Share of the reach at which a foot of a character that stands takes a step.
 const STANDING_REACH: f32 = 0.4;
 
+/// Time in which a difference in how far the hips are lowered halves: legs give way softly meanwhile. [Unit: s]
+const DROP_HALF_LIFE_S: f32 = 0.02;
+
 /// What all ranges of a tick share.
 pub(crate) struct Tick<'a, 's> {
     space: &'a BlendSpace<'s>,
@@ -42,12 +45,15 @@ pub(crate) struct Tick<'a, 's> {
     dt_s: f32,
     /// What is left of a foot's offset in the air.
     keep: f32,
+    /// What is left of a difference in how far the hips are lowered.
+    keep_drop: f32,
 }
 
 impl<'a, 's> Tick<'a, 's> {
     pub fn new(space: &'a BlendSpace<'s>, config: &'a WalkersConfig, dt_s: f32, ground: &'a HeightField) -> Self {
         let keep = (-dt_s / config.foot_half_life_s).exp2();
-        Self { space, config, steering: Steering::new(space, config, dt_s), ground, dt_s, keep }
+        let keep_drop = (-dt_s / DROP_HALF_LIFE_S).exp2();
+        Self { space, config, steering: Steering::new(space, config, dt_s), ground, dt_s, keep, keep_drop }
     }
 }
 
@@ -143,15 +149,20 @@ fn transpose<F: Lanes>(postures: &[Posture; LANES]) -> Transposed<F> {
     let zero = F::splat(0.0);
     let mut rotations = [Q::new(V::new(zero, zero, zero), zero); NUM_JOINTS];
     for quad in 0..NUM_JOINTS.div_ceil(4) {
-        let four = |c: usize| F::columns(postures.each_ref().map(|p| &p.rotations[c].as_chunks().0[quad]));
-        let [x, y, z, w] = [four(0), four(1), four(2), four(3)];
+        let mut c = [[zero; 4]; 4];
+        for (component, c) in c.iter_mut().enumerate() {
+            *c = F::columns(postures.each_ref().map(|p| &p.rotations[component].as_chunks().0[quad]));
+        }
         for k in 0..4.min(NUM_JOINTS - 4 * quad) {
-            rotations[4 * quad + k] = Q::new(V::new(x[k], y[k], z[k]), w[k]);
+            rotations[4 * quad + k] = Q::new(V::new(c[0][k], c[1][k], c[2][k]), c[3][k]);
         }
     }
-    let four = |quad: usize| F::columns(postures.each_ref().map(|p| &p.channels.as_chunks().0[quad]));
-    let c = [four(0), four(1), four(2), four(3), four(4)];
-    let at = |channel: usize| c[(channel - channel::HIPS) / 4][(channel - channel::HIPS) % 4];
+    let mut c = [zero; 20];
+    for quad in 0..5 {
+        let four = F::columns(postures.each_ref().map(|p| &p.channels.as_chunks().0[quad]));
+        c[4 * quad..][..4].copy_from_slice(&four);
+    }
+    let at = |channel: usize| c[channel - channel::HIPS];
     let vector = |channel: usize| V::new(at(channel), at(channel + 1), at(channel + 2));
     Transposed {
         rotations,
@@ -181,13 +192,13 @@ fn retarget<F: Lanes>(
         block.contacts = contacts(t.contacts.map(|c| [standing(c).to_array(); 2]));
         return model;
     }
-    let importance = importance.each_ref().map(|i| F::load(i));
-    let (left, heel_and_ball) = plant(block, body, 0, &t, importance[0], &place, &model, tick);
-    let (right, others) = plant(block, body, 1, &t, importance[1], &place, &model, tick);
-    block.contacts = contacts([heel_and_ball, others]);
-    let soles = [left, right];
-    lower(body, &soles, importance, &mut model);
+    let importance = [F::load(&importance[0]), F::load(&importance[1])];
+    let (left, left_bears) = plant(block, body, 0, &t, importance[0], &place, &model, tick);
+    let (right, right_bears) = plant(block, body, 1, &t, importance[1], &place, &model, tick);
+    let (soles, mut bearing) = ([left, right], [left_bears, right_bears]);
+    lower(body, &soles, importance, (&mut block.drop, tick.keep_drop), &mut model);
     for (side, sole) in soles.iter().enumerate() {
+        release(&mut block.feet[side], &mut bearing[side], stretched(body, side, sole, &model));
         reach_foot(body, side, sole, &mut model);
     }
     for (side, &touch) in t.touches.iter().enumerate() {
@@ -196,7 +207,19 @@ fn retarget<F: Lanes>(
             reach_hand(body, side, to, touch.max(F::splat(0.0)).min(F::splat(1.0)), &mut model);
         }
     }
+    block.contacts = contacts(bearing);
     model
+}
+
+/// Lets a planted foot that the leg does not reach go, to take a step to where it belongs.
+#[inline(always)]
+fn release<F: Lanes>(foot: &mut Foot, bearing: &mut Bearing, stretched: F) {
+    let (zero, half) = (F::splat(0.0), F::splat(0.5));
+    let let_go = stretched * F::load(&foot.down);
+    foot.step = F::select_lt(half, let_go, zero, F::load(&foot.step)).to_array();
+    for part in bearing {
+        *part = F::select_lt(half, let_go, zero, F::load(part)).to_array();
+    }
 }
 
 /// Where eight characters stand.
