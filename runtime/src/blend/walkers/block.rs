@@ -18,6 +18,8 @@ pub(crate) struct Foot {
     pub ball: Lane3,
     /// 1 where it was planted at the last step, else 0.
     pub down: Lane,
+    /// How far it is pressed onto the ground, 0 to 1.
+    pub press: Lane,
     /// How far a step to where it belongs has gone, 0 to 1; 1 where none is being taken.
     pub step: Lane,
 }
@@ -29,6 +31,7 @@ impl Foot {
         heel: [[0.0; LANES]; 3],
         ball: [[0.0; LANES]; 3],
         down: [0.0; LANES],
+        press: [0.0; LANES],
         step: [1.0; LANES],
     };
 }

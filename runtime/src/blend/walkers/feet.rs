@@ -35,6 +35,8 @@ pub(crate) struct Tread<'a, F> {
     pub dt_s: F,
     /// What is left of an offset in the air after the tick.
     pub keep: F,
+    /// What is left of a difference in how far a foot is pressed onto the ground after the tick.
+    pub keep_press: F,
     /// Time of a step. [Unit: s]
     pub step_s: F,
     /// Offset of a planted foot from which it takes a step. [Unit: m]
@@ -74,7 +76,8 @@ pub(crate) fn tread<F: Lanes>(t: &Tread<'_, F>, foot: &mut Foot, wanted: Sole<F>
         foot: spin * wanted.foot,
         toe: spin * wanted.toe,
     };
-    sole.ankle.y = sole.ankle.y + rise(t, foot, &sole, [heel, ball]);
+    sole.ankle.y = sole.ankle.y + rise(t, foot, down, sole.ankle, [heel, ball]);
+    sole.toe = bend_toe(t, &sole, ball);
 
     store(&mut foot.offset, t.place.vector_to_world(offset));
     [foot.turn[0], foot.turn[1]] = turn.map(F::to_array);
@@ -165,21 +168,31 @@ fn offset_of<F: Lanes>(t: &Tread<'_, F>, foot: &Foot, held: F, ankle: V<F>, [hee
     V::select_lt(lost * lost, offset.dot(offset), V::new(zero, zero, zero), offset)
 }
 
-/// How much the foot has to rise: onto the ground where it is planted, out of it anywhere, and up in a step.
+/// How much the foot has to rise: onto the ground where it is planted, out of it anywhere, and up in a step of its own.
 #[inline(always)]
-fn rise<F: Lanes>(t: &Tread<'_, F>, foot: &Foot, sole: &Sole<F>, [heel, ball]: [V<F>; 2]) -> F {
+fn rise<F: Lanes>(t: &Tread<'_, F>, foot: &mut Foot, down: F, ankle: V<F>, [heel, ball]: [V<F>; 2]) -> F {
     let (zero, one) = (F::splat(0.0), F::splat(1.0));
-    let tip = ball + sole.toe.rotate(load(&t.leg.tip));
     let below_ball = over_ground(t, ball) - F::load(&t.leg.thickness);
-    let lowest = over_ground(t, heel).min(below_ball).min(over_ground(t, tip));
-    let height = sole.ankle.y + lowest - t.ground[0];
-    // Continuous where a contact begins: a blend of examples half of which stand matters half at least.
-    let press = (t.importance * F::splat(1.6)).min(one);
-    let press = press * press * press;
+    let lowest = over_ground(t, heel).min(below_ball);
+    let height = ankle.y + lowest - t.ground[0];
+    // As a contact comes near, then wholly; what is left of it fades in the air.
+    let near = t.importance * t.importance * t.importance;
+    let press = near.max(down);
+    let press = press + (F::load(&foot.press) - press) * t.keep_press;
+    foot.press = press.to_array();
     let onto = F::select_lt(height, zero, -height, -(height * press));
     let step = F::load(&foot.step).min(one);
     let arc = step * (one - step);
     onto + arc * arc * F::splat(16.0 * STEP_HEIGHT_M) * t.scale
+}
+
+/// Bends the toe up where its tip would go below the ground.
+#[inline(always)]
+fn bend_toe<F: Lanes>(t: &Tread<'_, F>, sole: &Sole<F>, ball: V<F>) -> Q<F> {
+    let (zero, tip) = (F::splat(0.0), sole.toe.rotate(load(&t.leg.tip)));
+    let height = sole.ankle.y + over_ground(t, ball + tip) - t.ground[0];
+    let bent = V::new(tip.x, tip.y - height.min(zero), tip.z);
+    Q::between(tip, bent) * sole.toe
 }
 
 /// Begins a step where a planted foot has been left too far behind, or moves one on.
