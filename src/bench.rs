@@ -1,5 +1,7 @@
 //! `throng bench`: what does it cost on this machine?
 
+mod blend;
+
 use crate::args::{CacheArgs, Outcome};
 use crate::output;
 use serde::Serialize;
@@ -29,11 +31,18 @@ use throng_precompute::stitch::WorldSource;
 /// over_dijkstra_max (null in worlds of more than a million cells)}, characters, steps_per_second (of all of them, on one
 /// thread).
 ///
+/// Of blending (the word `blend`, which measures the project's own locomotion, or a bundle with blend spaces and no motion
+/// graph): the figures of the first blend space, and spaces, those of all: space, examples, axes, joints,
+/// postures_per_second, retargeted_per_second, memcpy_ns_per_posture, posture_over_memcpy, weights_ns_per_query,
+/// weights_direct_ns_per_query, weights_direct_over_table, weight_table_max_error, weight_table_bytes, foot_slip_p95_mps,
+/// crossfade_foot_slip_p95_mps, knee_rate_max_radps, crossfade_knee_rate_max_radps, joint_acceleration_max_mps2,
+/// crossfade_joint_acceleration_max_mps2 (while parameters jump; beside cross-fading the nearest examples).
+///
 /// `quality` is the discounted reward that a policy collects over the best that search to a depth of four actions
 /// finds; `matching` sets the policies against motion matching over all frames of the bundle, the same targets for both.
 #[derive(clap::Args)]
 pub struct Args {
-    /// Bundle, or world file (`.toml`).
+    /// Bundle, world file (`.toml`), or the word `blend`.
     file: PathBuf,
     /// Numbers of characters.
     #[arg(long, value_delimiter = ',', default_value = "1000,10000", value_name = "N,...")]
@@ -72,7 +81,13 @@ pub fn run(args: &Args) -> Outcome {
     if Scene::is_scene(&args.file) {
         return run_world(args);
     }
+    if args.file.as_os_str() == "blend" && !args.file.exists() {
+        return blend::run_own(args);
+    }
     let tables = crate::args::open(&args.file)?;
+    if tables.graph().states.is_empty() && !tables.blends().spaces.is_empty() {
+        return blend::run(args, &tables);
+    }
     let config =
         MeasureConfig { characters: args.characters.clone(), threads: args.threads.clone(), seconds: args.seconds };
     let measured = measure::measure(&tables, &config)?;

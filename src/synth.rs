@@ -12,13 +12,15 @@ use throng_precompute::synth::{self, SynthConfig, SynthSet};
 #[derive(clap::Args)]
 pub struct Args {
     /// Which set: `walk` (wandering with turns, stops and starts), `boxing` (shadow-boxing with footwork, combinations
-    /// and defences), `playground` (stairs, a ladder, slides) or `office` (standing, talking, sitting, working).
+    /// and defences), `playground` (stairs, a ladder, slides), `office` (standing, talking, sitting, working) or
+    /// `locomotion` (steady gaits: walk, jog, run, turn, side and back steps, standing; each in three manners).
     #[arg(long, default_value = "walk")]
     set: String,
     /// Folder to write to; made if it is not there.
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
-    /// Length of the set; its own usual one where it is not given.
+    /// Length of the set in minutes; its own usual one where it is not given. The locomotion set is a list of clips of
+    /// 4 s, of which less than 15 minutes are the first ones, more are further takes.
     #[arg(long)]
     minutes: Option<f64>,
     /// Same seed, same motion.

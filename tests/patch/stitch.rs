@@ -246,6 +246,12 @@ fn maybe_stitched(m: &MadeUp, e: &Environment, c: &StitchConfig) -> Option<(Worl
     }
 }
 
+/// In steps in which units are told apart, so that what touches just so is not rounded to the other side.
+fn in_steps(x: f32, z: f32, heading: f32) -> (f32, f32, f32) {
+    let metres = |v: f32| (v * 1e3).round() / 1e3;
+    (metres(x), metres(z), (heading.to_degrees() * 10.0).round().to_radians() / 10.0)
+}
+
 /// Environments of a few panels with benches and walls anywhere.
 fn environments() -> impl Strategy<Value = Environment> {
     let bench = (-1.0f32..5.0, -1.0f32..5.0, 0u32..8)
@@ -257,7 +263,11 @@ fn environments() -> impl Strategy<Value = Environment> {
         (BENCH, p.x, p.z, p.heading)
     });
     let wall = (-1.0f32..5.0, -1.0f32..5.0, -3.0f32..3.0).prop_map(|(x, z, h)| (WALL, x, z, h));
-    let units = prop::collection::vec(prop_oneof![near, bench, wall], 0..5);
+    let stepped = |(unit, x, z, h)| {
+        let (x, z, h) = in_steps(x, z, h);
+        (unit, x, z, h)
+    };
+    let units = prop::collection::vec(prop_oneof![near, bench, wall].prop_map(stepped), 0..5);
     (2usize..4, 2usize..4, units).prop_map(|(across, along, units)| {
         units.into_iter().fold(panels(across, along), |e, (unit, x, z, h)| with(e, unit, x, z, h))
     })

@@ -100,7 +100,7 @@ mod tests {
     fn by_search(set: &[DQuat]) -> f64 {
         let starts = set.iter().copied().chain([DQuat::IDENTITY, DQuat::from_xyzw(0.5, 0.5, 0.5, 0.5)]);
         let descend = |start: DQuat| {
-            let (mut best, mut at, mut step) = (objective(start, set), start.to_vec4(), 0.5);
+            let (mut best, mut at, mut step) = (objective(start, set), DVec4::from(start), 0.5);
             while step > 1e-8 {
                 let moves = (0..8).map(|k| at + DVec4::AXES[k % 4] * if k < 4 { step } else { -step });
                 let next = moves.map(|m| (objective(DQuat::from_vec4(m.normalize()), set), m.normalize()));

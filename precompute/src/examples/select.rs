@@ -208,7 +208,8 @@ fn spread(all: &mut Vec<Candidate<'_>>, most: usize) {
     all.retain(|_| number.next().is_some_and(|i| kept.contains(&i)));
 }
 
-/// Leaves out what was found nearer than the config allows to what comes before it.
+/// Leaves out what was found nearer than the config allows to what comes before it; then puts what was found in the
+/// order of the clips.
 ///
 /// - returns how many were left out.
 pub fn thin(all: &mut Vec<Candidate<'_>>, min_distance: f64) -> usize {
@@ -223,6 +224,8 @@ pub fn thin(all: &mut Vec<Candidate<'_>>, min_distance: f64) -> usize {
         }
         keep
     });
+    let found = all.iter().position(|c| !c.named).unwrap_or(all.len());
+    all[found..].sort_by(|a, b| a.place().partial_cmp(&b.place()).unwrap_or(std::cmp::Ordering::Equal));
     before - all.len()
 }
 
@@ -267,6 +270,13 @@ fn ranges(clip: &Clip, tag: Option<&str>, frames: Option<[usize; 2]>) -> Vec<Fra
         runs.into_iter().max_by_key(ExactSizeIterator::len)
     };
     tagged.iter().filter(|r| r.start < r.end).filter_map(usable).collect()
+}
+
+impl Candidate<'_> {
+    /// Where it is among the clips: clip, mirrored copy, time.
+    fn place(&self) -> (usize, bool, f64) {
+        (self.source.number, self.source.clip.mirrored, self.cycle.steps.start)
+    }
 }
 
 impl Wish<'_> {

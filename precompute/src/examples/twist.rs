@@ -60,19 +60,24 @@ impl Twist {
         let seconds = (end - start - period) / track.rate();
         let chord = Self::between(path[0], facing[0], path[n], facing[n], seconds);
         match Arc::fit(&path) {
-            Some(arc) if arc.length > SLOW * seconds => Self::of_arc(&arc, &facing, seconds, period / track.rate()),
+            Some(arc) if arc.length > SLOW * seconds => {
+                Self::of_arc(&arc, &path, &facing, seconds, period / track.rate())
+            }
             _ => chord,
         }
     }
 
-    fn of_arc(arc: &Arc, facing: &[f64], seconds: f64, period: f64) -> Self {
+    fn of_arc(arc: &Arc, path: &[DVec2], facing: &[f64], seconds: f64, period: f64) -> Self {
         let gyration = arc.angle() / seconds;
         let half = 0.5 * gyration * period;
         let shrunk = if half.abs() < 1e-4 { 1.0 } else { half.sin() / half };
         let speed = arc.length / seconds / shrunk.max(0.1);
-        let last = (facing.len() - 1) as f64;
-        let tangent = |i: usize| arc.heading + arc.angle() * i as f64 / last;
-        let apart = (0..facing.len()).map(|i| DVec2::from_angle(tangent(i) - facing[i])).sum::<DVec2>().to_angle();
+        // The chord of an arc is parallel to its tangent at the middle, which it shows better than its ends do.
+        let chord = path[path.len() - 1] - path[0];
+        let middle = facing.iter().sum::<f64>() / facing.len() as f64;
+        let apart =
+            if gyration.abs() * seconds < 3.0 { chord.x.atan2(chord.y) } else { arc.heading + 0.5 * arc.angle() }
+                - middle;
         Self { velocity: speed * DVec2::new(apart.sin(), apart.cos()), gyration }
     }
 

@@ -1,10 +1,12 @@
 //! Measures a bundle on this machine. One file answers one question.
 
+mod blend;
 mod crowd;
 mod matching;
 mod timing;
 mod world;
 
+pub use blend::{BlendFigures, blend};
 pub use crowd::{CrowdFigures, crowd};
 pub use matching::{MatchingConfig, MatchingFigures, matching};
 pub use world::{PathFigures, WorldFigures, world};

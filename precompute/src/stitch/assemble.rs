@@ -1,47 +1,37 @@
 //! The world that is left: bits of what belongs to the component, the tables it needs, and the figures.
 
-use super::bits::{Pool, num_words, set};
-use super::component::Standing;
+use super::bits::Pool;
+use super::crossing::PairState;
 use super::joined::{Joined, Overlap};
 use super::lay::{Laid, Stitcher};
-use super::outcome::{Counts, Outcome, of_link};
+use super::outcome::{Counts, Outcome, State, is_end, of_cell, of_link};
 use super::prepare::renew;
 use super::relation::Relation;
 use super::report::Reason;
+use super::same::Same;
+use super::settled::Settled;
 use super::table::JointTable;
 use crate::environment::Environment;
 use rayon::prelude::*;
-use std::collections::{BTreeSet, HashSet};
-use throng_runtime::patch::{CellRecord, NONE};
+use std::collections::{BTreeSet, HashMap};
+use std::sync::Arc;
+use throng_runtime::patch::NONE;
 use throng_runtime::world::{AdjacencyRecord, InstanceRecord, JointTableRecord, UnitRecord, WorldData, is_set};
 
-/// The graph of a world and what each of its nodes is to the component.
+/// The graph of a world and what each of its cells is to the component.
 pub(super) struct Judged<'j, 'a> {
     /// The graph.
     pub joined: &'j Joined<'a>,
-    /// What every node is. [Size: nodes]
-    pub standing: &'j [Standing],
+    /// What every cell is.
+    pub settled: &'j Settled,
 }
 
 impl Judged<'_, '_> {
-    /// True where a node is left.
-    fn inside(&self, node: Option<u32>) -> bool {
-        node.is_some_and(|n| self.standing[n as usize] == Standing::Inside)
-    }
-
     /// Why a cell is taken out; none where it is left.
     pub fn cell(&self, part: u32, cell: u32) -> Option<Reason> {
         let c = &self.joined.cells(part)[cell as usize];
-        let p = &self.joined.parts[part as usize];
-        let at_end = c.flags & (CellRecord::IS_ENTRY | CellRecord::IS_EXIT) != 0
-            && self.joined.neighbours[(p.first_neighbour + c.edge) as usize] == NONE;
-        let standing = self.joined.node(part, cell).map_or(Standing::DeadEnd, |n| self.standing[n as usize]);
-        match standing {
-            Standing::Inside => None,
-            _ if at_end => Some(Reason::NoNeighbour),
-            Standing::DeadEnd => Some(Reason::DeadEnd),
-            Standing::Unreached => Some(Reason::OutsideComponent),
-        }
+        let alone = is_end(c) && self.joined.neighbour(part, c.edge).is_none();
+        of_cell(self.settled.standing(self.joined, part, cell), alone)
     }
 
     /// Why a link is taken out; none where it is left.
@@ -51,36 +41,16 @@ impl Judged<'_, '_> {
         of_link(free, self.cell(part, l.from), || self.cell(part, l.to))
     }
 
-    /// Why each cell of an instance is taken out.
-    fn cells(&self, part: u32) -> Vec<Option<Reason>> {
-        (0..self.joined.cells(part).len() as u32).map(|c| self.cell(part, c)).collect()
-    }
-
-    /// Bits of the joints that are left between an instance on side a and another; none where none is.
-    fn joint_bits(&self, part: u32, overlap: &Overlap) -> Option<(Vec<u64>, u64)> {
-        let j = self.joined;
-        let p = &j.parts[part as usize];
-        let links = j.patches.links_of(p.patch as usize);
-        let table = &j.tables[overlap.table as usize];
-        let mut words = vec![0; num_words(2 * table.joints.len())];
-        let mut count = 0;
-        for (k, joint) in (0u32..).zip(&table.joints) {
-            let other = j.node(overlap.other, joint.b);
-            if !self.inside(other) {
-                continue;
-            }
-            let (from, to) = match joint.a_offset {
-                NONE => (Some(p.first_node + joint.a), Some(p.first_node + joint.a)),
-                _ => (Some(p.first_node + links[joint.a as usize].from), j.end_of(part, joint.a)),
-            };
-            for (bit, own) in [(2 * k, from), (2 * k + 1, to)] {
-                if self.inside(own) && is_set(&j.joint_words, overlap.first_word, bit) {
-                    set(&mut words, bit);
-                    count += 1;
-                }
-            }
+    /// What an instance is to the component.
+    fn state(&self, part: u32) -> State {
+        let (joined, words) = (self.joined, self.joined.words(part));
+        let edges = joined.patches.edges_of(joined.parts[part as usize].patch as usize).len() as u32;
+        State {
+            situation: Same::new(joined.situation(part)),
+            inside: self.settled.inside[words.clone()].to_vec(),
+            leads: self.settled.leads[words].to_vec(),
+            has_neighbour: (0..edges).map(|e| joined.neighbour(part, e).is_some()).collect(),
         }
-        (count > 0).then_some((words, count))
     }
 }
 
@@ -93,22 +63,26 @@ pub(super) fn assemble(
 ) -> (WorldData, Counts) {
     let units = environment.units.iter().map(|u| UnitRecord { unit: u.unit as u32, placement: u.placement });
     let mut world = WorldData { units: units.collect(), neighbours: laid.neighbours.clone(), ..WorldData::default() };
-    let mut counts = instances(stitcher, laid, judged, &mut world);
-    counts.joints = joints(stitcher, laid, judged, &mut world);
+    let (outcomes, mut counts) = instances(stitcher, laid, judged, &mut world);
+    counts.joints = joints(stitcher, judged.joined, &outcomes, &mut world);
     resources(stitcher, laid, &mut world);
     (world, counts)
 }
 
-fn instances(stitcher: &mut Stitcher<'_>, laid: &Laid, judged: &Judged<'_, '_>, world: &mut WorldData) -> Counts {
+/// - returns what is left of each, and how much of all.
+fn instances(
+    stitcher: &mut Stitcher<'_>,
+    laid: &Laid,
+    judged: &Judged<'_, '_>,
+    world: &mut WorldData,
+) -> (Vec<Same<Outcome>>, Counts) {
     let joined = judged.joined;
-    let parts = (0..laid.fitted.len() as u32).into_par_iter();
-    let keys: Vec<_> = parts.map(|i| (joined.situation(i).surroundings.clone(), judged.cells(i))).collect();
-    let found = &mut stitcher.found;
-    renew(&mut found.outcomes, &keys, |(surroundings, taken_out)| {
-        Outcome::new(&joined.patches, &found.situations[surroundings], taken_out)
-    });
+    let states: Vec<State> = (0..laid.fitted.len() as u32).into_par_iter().map(|i| judged.state(i)).collect();
+    let known = &mut stitcher.found.outcomes;
+    renew(known, &states, |state| Arc::new(Outcome::new(&joined.patches, state)));
+    let outcomes: Vec<_> = states.iter().map(|state| Same::new(&known[state])).collect();
     let mut sum = Counts::default();
-    for (i, outcome) in keys.iter().map(|key| &found.outcomes[key]).enumerate() {
+    for (i, Same(outcome)) in outcomes.iter().enumerate() {
         world.instances.push(InstanceRecord {
             patch: laid.fitted[i].patch,
             first_neighbour: laid.first_neighbour[i],
@@ -124,41 +98,36 @@ fn instances(stitcher: &mut Stitcher<'_>, laid: &Laid, judged: &Judged<'_, '_>, 
         world.link_words.extend(&outcome.links);
         sum.add(&outcome.counts);
     }
-    sum
+    (outcomes, sum)
 }
 
 /// Joint tables that are needed, bits of joints, adjacencies.
-fn joints(stitcher: &Stitcher<'_>, laid: &Laid, judged: &Judged<'_, '_>, world: &mut WorldData) -> u64 {
-    let joined = judged.joined;
-    let left = |part: u32| -> Vec<Option<(Vec<u64>, u64)>> {
-        joined.overlaps_of(part).iter().map(|o| if o.side == 0 { judged.joint_bits(part, o) } else { None }).collect()
-    };
-    let relation_of = table_relations(stitcher, laid);
-    let mut pool = Pool::default();
+fn joints(stitcher: &mut Stitcher<'_>, joined: &Joined<'_>, outcomes: &[Same<Outcome>], world: &mut WorldData) -> u64 {
+    let pairs = pairs(joined, outcomes);
+    let keys: Vec<PairState> = pairs.iter().map(|p| p.2.clone()).collect();
+    let known = &mut stitcher.found.left;
+    renew(known, &keys, |key| {
+        let links = joined.patches.links_of(key.patch as usize);
+        key.crossing.0.left(links, &key.sides[0].0.cells, &key.sides[1].0.cells)
+    });
+    let (mut pool, mut first_words) = (Pool::default(), HashMap::new());
     let mut count = 0;
-    let mut by_owner: Vec<Vec<AdjacencyRecord>> = vec![Vec::new(); laid.fitted.len()];
-    // Some at a time: the bits of all pairs, before equal ones are put together, would fill the memory.
-    let parts: Vec<u32> = (0..laid.fitted.len() as u32).collect();
-    for some in parts.chunks(256) {
-        let bits: Vec<_> = some.par_iter().map(|&p| left(p)).collect();
-        for (&a, bits) in some.iter().zip(bits) {
-            for (o, bits) in joined.overlaps_of(a).iter().zip(bits) {
-                let Some((words, of_pair)) = bits else { continue };
-                count += of_pair;
-                let first_word = pool.place(&words);
-                let record = |other, side| AdjacencyRecord { other, table: o.table, side, first_word };
-                by_owner[a as usize].push(record(o.other, 0));
-                by_owner[o.other as usize].push(record(a, 1));
-            }
-        }
+    let mut by_owner: Vec<Vec<AdjacencyRecord>> = vec![Vec::new(); joined.parts.len()];
+    for (a, o, key) in &pairs {
+        let Some(left) = &known[key] else { continue };
+        count += left.count;
+        let first_word = *first_words.entry(key).or_insert_with(|| pool.place(&left.words));
+        let record = |other, side| AdjacencyRecord { other, table: o.table, side, first_word };
+        by_owner[*a as usize].push(record(o.other, 0));
+        by_owner[o.other as usize].push(record(*a, 1));
     }
     world.joint_words = pool.words;
     let used: BTreeSet<(Relation, u32)> =
-        by_owner.iter().flatten().map(|a| (relation_of[a.table as usize], a.table)).collect();
-    let mut numbers = vec![NONE; joined.tables.len()];
+        by_owner.iter().flatten().map(|a| (joined.relations[a.table as usize], a.table)).collect();
+    let mut numbers = vec![NONE; joined.relations.len()];
     for (number, (relation, table)) in used.into_iter().enumerate() {
         numbers[table as usize] = number as u32;
-        add_table(&joined.tables[table as usize], &relation, world);
+        add_table(stitcher.table_of(&relation), &relation, world);
     }
     for (instance, mut own) in world.instances.iter_mut().zip(by_owner) {
         own.iter_mut().for_each(|a| a.table = numbers[a.table as usize]);
@@ -169,11 +138,15 @@ fn joints(stitcher: &Stitcher<'_>, laid: &Laid, judged: &Judged<'_, '_>, world: 
     count
 }
 
-/// The relation of every table of the graph, which numbers them in the order of the pairs.
-fn table_relations(stitcher: &Stitcher<'_>, laid: &Laid) -> Vec<Relation> {
-    let mut seen = HashSet::new();
-    let with_joints = laid.pairs.iter().map(|p| p.2).filter(|r| !stitcher.table_of(r).joints.is_empty());
-    with_joints.filter(|r| seen.insert(*r)).collect()
+/// All pairs of instances that overlap, by their side a, and what the joints that are left depend on.
+fn pairs<'j>(joined: &'j Joined<'_>, outcomes: &[Same<Outcome>]) -> Vec<(u32, &'j Overlap, PairState)> {
+    let state = |a: u32, o: &Overlap| PairState {
+        patch: joined.parts[a as usize].patch,
+        crossing: Same::new(&joined.crossings[o.crossing as usize]),
+        sides: [a, o.other].map(|i| outcomes[i as usize].clone()),
+    };
+    let of = |a: u32| joined.overlaps_of(a).iter().filter(|o| o.side == 0).map(move |o| (a, o, state(a, o)));
+    (0..joined.parts.len() as u32).flat_map(of).collect()
 }
 
 fn add_table(table: &JointTable, relation: &Relation, world: &mut WorldData) {

@@ -9,9 +9,12 @@ use super::lay::{Laid, Stitcher};
 use super::library::{Library, STAGE};
 use super::outcome::Counts;
 use super::report::{Reason, StitchReport, peak_bytes};
+use super::same::Same;
+use super::settled::{Settled, settle};
 use crate::environment::{Environment, PlacedUnit};
 use crate::error::BuildError;
 use crate::progress::{Progress, Silent};
+use std::collections::HashMap;
 use std::time::Instant;
 use throng_runtime::patch::{Patches, Placement};
 use throng_runtime::world::{WorldData, WorldMeta};
@@ -25,7 +28,7 @@ pub struct Editor<'a> {
     environment: Environment,
     pub(super) laid: Laid,
     pub(super) joined: Joined<'a>,
-    pub(super) standing: Vec<Standing>,
+    pub(super) settled: Settled,
     world: WorldData,
     report: StitchReport,
 }
@@ -43,13 +46,13 @@ impl<'a> Editor<'a> {
         progress: &dyn Progress,
     ) -> Result<Self, BuildError> {
         let mut stitcher = Stitcher::new(patches, library, config)?;
-        let made = make(&mut stitcher, &environment, progress)?;
+        let made = make(&mut stitcher, &environment, None, progress)?;
         Ok(Self {
             stitcher,
             environment,
             laid: made.laid,
             joined: made.joined,
-            standing: made.standing,
+            settled: made.settled,
             world: made.world,
             report: made.report,
         })
@@ -127,11 +130,12 @@ impl<'a> Editor<'a> {
     }
 
     fn change(&mut self, environment: Environment) -> Result<(), BuildError> {
-        let made = make(&mut self.stitcher, &environment, &Silent)?;
+        let before = (&self.laid, &self.joined, &self.settled);
+        let made = make(&mut self.stitcher, &environment, Some(before), &Silent)?;
         self.environment = environment;
         self.laid = made.laid;
         self.joined = made.joined;
-        self.standing = made.standing;
+        self.settled = made.settled;
         self.world = made.world;
         self.report = made.report;
         Ok(())
@@ -145,15 +149,18 @@ impl<'a> Editor<'a> {
 struct Made<'a> {
     laid: Laid,
     joined: Joined<'a>,
-    standing: Vec<Standing>,
+    settled: Settled,
     world: WorldData,
     report: StitchReport,
 }
 
 /// Stitching, in reading order.
+///
+/// - `before`: what is changed.
 fn make<'a>(
     stitcher: &mut Stitcher<'a>,
     environment: &Environment,
+    before: Option<(&Laid, &Joined<'a>, &Settled)>,
     progress: &dyn Progress,
 ) -> Result<Made<'a>, BuildError> {
     let begin = Instant::now();
@@ -161,14 +168,30 @@ fn make<'a>(
     let situated = stitcher.prepare(&laid, progress);
     let joined = allow(stitcher, &laid, situated)?;
     progress.begin("component", joined.num_nodes as u64, "cells");
-    let standing = joined.settle().ok_or_else(|| no_component(stitcher, environment))?;
+    let likely = before.and_then(|before| likely(before, &laid, &joined));
+    let settled = settle(&joined, likely).ok_or_else(|| no_component(stitcher, environment))?;
     progress.end();
-    let (mut world, counts) = assemble(stitcher, environment, &laid, &Judged { joined: &joined, standing: &standing });
-    check_reached(stitcher, environment, &laid, &joined, &standing)?;
+    let judged = Judged { joined: &joined, settled: &settled };
+    let (mut world, counts) = assemble(stitcher, environment, &laid, &judged);
+    check_reached(stitcher, environment, &laid, &judged)?;
     let mut report = report(stitcher, &laid, &world, &counts);
     world.meta = meta(stitcher, environment, &report)?;
     report.seconds = begin.elapsed().as_secs_f64();
-    Ok(Made { laid, joined, standing, world, report })
+    Ok(Made { laid, joined, settled, world, report })
+}
+
+/// A cell that belonged to the component, of an instance that is still there among the same units.
+fn likely(before: (&Laid, &Joined<'_>, &Settled), laid: &Laid, joined: &Joined<'_>) -> Option<(u32, u32)> {
+    let (laid_before, joined_before, settled) = before;
+    let key = |laid: &Laid, joined: &Joined<'_>, i: u32| {
+        let p = laid.fitted[i as usize].placement;
+        (Same::new(joined.situation(i)), [p.x, p.y, p.z, p.heading].map(f32::to_bits))
+    };
+    let now: HashMap<_, u32> = (0..laid.fitted.len() as u32).map(|i| (key(laid, joined, i), i)).collect();
+    (0..laid_before.fitted.len() as u32).find_map(|i| {
+        let same = *now.get(&key(laid_before, joined_before, i))?;
+        settled.first_inside(joined_before, i).map(|cell| (same, cell))
+    })
 }
 
 fn no_component(stitcher: &Stitcher<'_>, environment: &Environment) -> BuildError {
@@ -187,17 +210,12 @@ fn check_reached(
     stitcher: &Stitcher<'_>,
     environment: &Environment,
     laid: &Laid,
-    joined: &Joined<'_>,
-    standing: &[Standing],
+    judged: &Judged<'_, '_>,
 ) -> Result<(), BuildError> {
     if stitcher.config.allow_unreachable {
         return Ok(());
     }
-    let nodes = |i: usize| {
-        let first = joined.parts[i].first_node as usize;
-        first..first + joined.cells(i as u32).len()
-    };
-    let has = |i: usize, what: Standing| standing[nodes(i)].contains(&what);
+    let has = |i: usize, what: Standing| judged.settled.has(judged.joined, i as u32, what);
     let mut reached = vec![false; environment.units.len()];
     for (i, f) in laid.fitted.iter().enumerate() {
         if has(i, Standing::Inside) {

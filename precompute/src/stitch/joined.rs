@@ -1,12 +1,13 @@
 //! The graph of a whole world: cells of instances, joined by links, by joints and across the edges of tiles. Only
 //! bits belong to an instance; where a node leads is looked up in its patch and in tables.
 
-use super::component::{Standing, Ways, largest};
+use super::bits::{num_words, set};
+use super::component::Ways;
+use super::crossing::Crossing;
+use super::relation::Relation;
 use super::situation::Situation;
-use super::table::JointTable;
 use std::sync::Arc;
-use throng_runtime::patch::{CellRecord, NONE, Patches};
-use throng_runtime::world::is_set;
+use throng_runtime::patch::{CellRecord, NONE, PatchRecord, Patches};
 
 /// An instance in the graph.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -15,6 +16,8 @@ pub(super) struct Part {
     pub patch: u32,
     /// Node of its first cell.
     pub first_node: u32,
+    /// Word of its first cell, where cells are bits.
+    pub first_word: u32,
     /// Number of its situation.
     pub situation: u32,
     /// Its edges' neighbours.
@@ -30,12 +33,12 @@ pub(super) struct Part {
 pub(super) struct Overlap {
     /// The other instance.
     pub other: u32,
-    /// Number of the table.
-    pub table: u32,
     /// 0 where the owner is side a, 1 where it is side b.
     pub side: u32,
-    /// First word of the joints' bits, two a joint.
-    pub first_word: u32,
+    /// Number of the table of all their joints.
+    pub table: u32,
+    /// Number of the joints that may be taken.
+    pub crossing: u32,
 }
 
 /// All that is possible in a world before the component is chosen.
@@ -43,6 +46,8 @@ pub(super) struct Overlap {
 pub(super) struct Joined<'a> {
     /// The patches.
     pub patches: Patches<'a>,
+    /// Bits of every patch's exits.
+    pub exits: Vec<Vec<u64>>,
     /// The instances.
     pub parts: Vec<Part>,
     /// Instance across each edge of each tile.
@@ -51,12 +56,14 @@ pub(super) struct Joined<'a> {
     pub situations: Vec<Arc<Situation>>,
     /// Overlaps of all instances.
     pub overlaps: Vec<Overlap>,
-    /// Joint tables.
-    pub tables: Vec<Arc<JointTable>>,
+    /// How the two sides of each joint table stand to each other.
+    pub relations: Vec<Relation>,
     /// Joints that nothing is in the way of.
-    pub joint_words: Vec<u64>,
+    pub crossings: Vec<Arc<Crossing>>,
     /// Number of nodes.
     pub num_nodes: usize,
+    /// Number of words that they are bits of; each instance begins with a word of its own.
+    pub num_words: usize,
 }
 
 /// How far the ways of a node have been enumerated: its links, then the joints of each overlap.
@@ -65,6 +72,17 @@ pub(super) struct Place {
     part: u32,
     overlap: u32,
     at: u32,
+}
+
+/// Bits of every patch's exits.
+pub(super) fn exits(patches: &Patches<'_>) -> Vec<Vec<u64>> {
+    let of_patch = |(p, record): (usize, &PatchRecord)| {
+        let mut words = vec![0; num_words(record.num_cells as usize)];
+        let cells = (0u32..).zip(patches.cells_of(p));
+        cells.filter(|(_, c)| c.is(CellRecord::IS_EXIT)).for_each(|(c, _)| set(&mut words, c));
+        words
+    };
+    patches.patches.iter().enumerate().map(of_patch).collect()
 }
 
 impl Joined<'_> {
@@ -79,23 +97,26 @@ impl Joined<'_> {
         self.patches.cells_of(self.parts[part as usize].patch as usize)
     }
 
-    /// The node of a cell: for an exit the entry across the edge, where there is a neighbour.
-    pub fn node(&self, part: u32, cell: u32) -> Option<u32> {
+    /// Where the bits of an instance's cells are.
+    pub fn words(&self, part: u32) -> std::ops::Range<usize> {
         let p = &self.parts[part as usize];
-        let c = &self.cells(part)[cell as usize];
-        if !c.is(CellRecord::IS_EXIT) {
-            return Some(p.first_node + cell);
-        }
-        match self.neighbours[(p.first_neighbour + c.edge) as usize] {
-            NONE => None,
-            other => Some(self.parts[other as usize].first_node + c.twin),
-        }
+        let first = p.first_word as usize;
+        first..first + self.exits[p.patch as usize].len()
     }
 
-    /// The node where a link of an instance ends.
-    pub fn end_of(&self, part: u32, link: u32) -> Option<u32> {
-        let patch = self.parts[part as usize].patch as usize;
-        self.node(part, self.patches.links_of(patch)[link as usize].to)
+    /// The instance across an edge of a tile.
+    pub fn neighbour(&self, part: u32, edge: u32) -> Option<u32> {
+        let other = self.neighbours[(self.parts[part as usize].first_neighbour + edge) as usize];
+        (other != NONE).then_some(other)
+    }
+
+    /// The node of a cell: for an exit the entry across the edge, where there is a neighbour.
+    pub fn node(&self, part: u32, cell: u32) -> Option<u32> {
+        let c = &self.cells(part)[cell as usize];
+        if !c.is(CellRecord::IS_EXIT) {
+            return Some(self.parts[part as usize].first_node + cell);
+        }
+        self.neighbour(part, c.edge).map(|other| self.parts[other as usize].first_node + c.twin)
     }
 
     /// Overlaps of an instance.
@@ -104,81 +125,30 @@ impl Joined<'_> {
         &self.overlaps[p.first_overlap as usize..(p.first_overlap + p.num_overlaps) as usize]
     }
 
+    /// The joints of an overlap.
+    pub fn crossing(&self, overlap: &Overlap) -> &Crossing {
+        &self.crossings[overlap.crossing as usize]
+    }
+
     /// What is left of an instance's motion.
-    pub fn situation(&self, part: u32) -> &Situation {
+    pub fn situation(&self, part: u32) -> &Arc<Situation> {
         &self.situations[self.parts[part as usize].situation as usize]
     }
 
     fn next_link(&self, part: u32, cell: u32, at: &mut u32) -> Option<u32> {
-        let p = &self.parts[part as usize];
-        let ends = self.situation(part).ends_of(cell);
-        while let Some(end) = ends.get(*at as usize) {
-            *at += 1;
-            if end.edge == NONE {
-                return Some(p.first_node + end.cell);
-            }
-            let other = self.neighbours[(p.first_neighbour + end.edge) as usize];
-            if other != NONE {
-                return Some(self.parts[other as usize].first_node + end.cell);
-            }
-        }
-        None
+        let out = &self.situation(part).out;
+        std::iter::from_fn(|| out.next(cell, at)).find_map(|to| self.node(part, to))
     }
 
     /// Joints of cells do not follow each other without motion: they lead to the cell's second node, which has links
     /// alone.
     fn next_joint(&self, cell: u32, overlap: &Overlap, at: &mut u32) -> Option<u32> {
-        let table = &self.tables[overlap.table as usize];
-        let starts = if overlap.side == 0 { &table.a_starts } else { &table.b_starts };
-        let (first, end) = (starts[cell as usize], starts[cell as usize + 1]);
-        while first + *at < end {
-            let place = first + *at;
-            *at += 1;
-            let joint = if overlap.side == 0 { place } else { table.by_b[place as usize] };
-            if !is_set(&self.joint_words, overlap.first_word, 2 * joint + overlap.side) {
-                continue;
-            }
-            let next = match self.joined_cell(overlap, joint) {
-                Some(joined) => Some(self.second_node(overlap.other, joined)),
-                None => self.end_of_joint(overlap, joint),
-            };
-            if next.is_some() {
-                return next;
-            }
-        }
-        None
-    }
-
-    /// The node of a cell that was come to by a joint.
-    fn second_node(&self, part: u32, cell: u32) -> u32 {
-        self.parts[part as usize].first_node + cell + self.num_nodes as u32
-    }
-
-    /// The cell of the other instance where a joint is one between cells.
-    fn joined_cell(&self, overlap: &Overlap, joint: u32) -> Option<u32> {
-        let j = &self.tables[overlap.table as usize].joints[joint as usize];
-        (j.a_offset == NONE).then_some(if overlap.side == 0 { j.b } else { j.a })
-    }
-
-    /// What every cell is to the largest component; none where there is no component.
-    ///
-    /// A cell that joints lead to, but no motion, belongs to it as well: its links do, and nothing that belongs to the
-    /// component ends there.
-    pub fn settle(&self) -> Option<Vec<Standing>> {
-        let all = largest(self)?;
-        let (moved, joined) = all.split_at(self.num_nodes);
-        let either = |(m, j): (&Standing, &Standing)| if *j == Standing::Inside { *j } else { *m };
-        Some(moved.iter().zip(joined).map(either).collect())
-    }
-
-    /// The node where a joint leads that an instance takes to another one.
-    pub fn end_of_joint(&self, overlap: &Overlap, joint: u32) -> Option<u32> {
-        let j = &self.tables[overlap.table as usize].joints[joint as usize];
-        match (overlap.side, j.a_offset) {
-            (0, _) => self.node(overlap.other, j.b),
-            (_, NONE) => self.node(overlap.other, j.a),
-            _ => self.end_of(overlap.other, j.a),
-        }
+        let crossing = self.crossing(overlap);
+        let out = &crossing.out[overlap.side as usize];
+        std::iter::from_fn(|| out.next(cell, at)).find_map(|to| match crossing.between_cells {
+            true => Some(self.parts[overlap.other as usize].first_node + to + self.num_nodes as u32),
+            false => self.node(overlap.other, to),
+        })
     }
 }
 

@@ -1,7 +1,9 @@
 //! What is left of an instance: the same for all in the same situation of which the same cells are taken out.
 
 use super::bits::{num_words, set};
+use super::component::Standing;
 use super::report::Reason;
+use super::same::Same;
 use super::situation::Situation;
 use throng_runtime::patch::{CellRecord, Patches};
 use throng_runtime::world::is_set;
@@ -32,6 +34,31 @@ impl Counts {
     }
 }
 
+/// What an instance is to the component: what is left of it depends on that alone.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub(super) struct State {
+    /// What is in its way.
+    pub situation: Same<Situation>,
+    /// Bits of the cells that belong to the component.
+    pub inside: Vec<u64>,
+    /// Bits of the cells that lead to it.
+    pub leads: Vec<u64>,
+    /// For each edge, whether there is a neighbour.
+    pub has_neighbour: Vec<bool>,
+}
+
+impl State {
+    /// Why a cell is taken out; none where it is left.
+    fn cell(&self, cell: &CellRecord, number: u32) -> Option<Reason> {
+        let standing = match (is_set(&self.inside, 0, number), is_set(&self.leads, 0, number)) {
+            (true, _) => Standing::Inside,
+            (false, true) => Standing::Unreached,
+            (false, false) => Standing::DeadEnd,
+        };
+        of_cell(standing, is_end(cell) && !self.has_neighbour[cell.edge as usize])
+    }
+}
+
 /// What is left of an instance.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Outcome {
@@ -44,23 +71,19 @@ pub(super) struct Outcome {
 }
 
 impl Outcome {
-    /// - `taken_out`: why each cell is, none where it is left.
-    pub fn new(patches: &Patches<'_>, situation: &Situation, taken_out: &[Option<Reason>]) -> Self {
+    /// Of all instances in that state.
+    pub fn new(patches: &Patches<'_>, state: &State) -> Self {
+        let situation = &state.situation.0;
         let patch = situation.surroundings.patch as usize;
         let (cells, links) = (patches.cells_of(patch), patches.links_of(patch));
-        let mut out = Self {
-            cells: vec![0; num_words(cells.len())],
-            links: vec![0; num_words(links.len())],
-            counts: Counts::default(),
-        };
-        for ((c, cell), reason) in (0u32..).zip(cells).zip(taken_out) {
+        let mut out =
+            Self { cells: state.inside.clone(), links: vec![0; num_words(links.len())], counts: Counts::default() };
+        let taken_out: Vec<_> = (0u32..).zip(cells).map(|(c, cell)| state.cell(cell, c)).collect();
+        for (cell, reason) in cells.iter().zip(&taken_out) {
             match reason {
                 Some(reason) => out.counts.disabled[*reason as usize] += 1,
-                None => {
-                    set(&mut out.cells, c);
-                    // An exit is the neighbour's entry.
-                    out.counts.cells += u64::from(!cell.is(CellRecord::IS_EXIT));
-                }
+                // An exit is the neighbour's entry.
+                None => out.counts.cells += u64::from(!cell.is(CellRecord::IS_EXIT)),
             }
         }
         for (l, link) in (0u32..).zip(links) {
@@ -78,6 +101,23 @@ impl Outcome {
     }
 }
 
+/// True for cells at an edge of a tile.
+pub(super) fn is_end(cell: &CellRecord) -> bool {
+    cell.flags & (CellRecord::IS_ENTRY | CellRecord::IS_EXIT) != 0
+}
+
+/// Why a cell is taken out; none where it is left.
+///
+/// - `alone`: it is at an edge across which there is no neighbour.
+pub(super) fn of_cell(standing: Standing, alone: bool) -> Option<Reason> {
+    match standing {
+        Standing::Inside => None,
+        _ if alone => Some(Reason::NoNeighbour),
+        Standing::DeadEnd => Some(Reason::DeadEnd),
+        Standing::Unreached => Some(Reason::OutsideComponent),
+    }
+}
+
 /// Why a link is taken out; none where it is left.
 ///
 /// - `free`: nothing is in its way.
@@ -91,5 +131,51 @@ pub(super) fn of_link(free: bool, from: Option<Reason>, to: impl FnOnce() -> Opt
         None => from,
         // It would be part of the component if it led back to it.
         Some(_) => from.or(Some(Reason::DeadEnd)),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::stitch::rows::Rows;
+    use crate::stitch::situation::Surroundings;
+    use bytemuck::Zeroable;
+    use std::sync::Arc;
+    use throng_runtime::patch::{KIND_TILE, LinkRecord, NONE, PatchRecord, Placement};
+
+    #[test]
+    fn every_cell_and_link_is_left_or_counted_by_its_reason() {
+        let cell = |flags: u32, edge: u32| CellRecord { flags, edge, twin: NONE, ..CellRecord::zeroed() };
+        let inner = cell(0, NONE);
+        let cells = [inner, cell(CellRecord::IS_EXIT, 0), cell(CellRecord::IS_ENTRY, 1), inner, inner];
+        let at = Placement::IDENTITY;
+        let link = |from, to| LinkRecord { from, to, frame: 0, num_frames: 25, tag: 0, start: at, end: at };
+        let links = [link(0, 0), link(0, 1), link(0, 2), link(0, 3), link(4, 0), link(0, 0)];
+        let patch = PatchRecord { kind: KIND_TILE, num_cells: 5, num_links: 6, ..PatchRecord::zeroed() };
+        let patches = Patches { patches: &[patch], edges: &[], cells: &cells, links: &links };
+        let surroundings = Surroundings { patch: 0, obstacles: Vec::new() };
+        // Something is in the way of the last link.
+        let situation =
+            Situation { surroundings, link_words: vec![0b01_1111], out: Rows::default(), into: Rows::default() };
+        let state = State {
+            situation: Same(Arc::new(situation)),
+            inside: vec![0b0_0011],
+            leads: vec![0b1_0011],
+            has_neighbour: vec![true, false],
+        };
+        let outcome = Outcome::new(&patches, &state);
+        assert_eq!((outcome.cells[0], outcome.links[0]), (0b11, 0b11));
+        let c = outcome.counts;
+        // The exit is no cell of its own. Cell 2 has no neighbour, nothing leads to 4, and 3 leads nowhere.
+        assert_eq!((c.cells, c.links, c.frames, c.joints), (1, 2, 50, 0));
+        let mut disabled = [0; 4];
+        disabled[Reason::NoNeighbour as usize] = 2;
+        disabled[Reason::OutsideComponent as usize] = 2;
+        disabled[Reason::DeadEnd as usize] = 2;
+        disabled[Reason::Obstacle as usize] = 1;
+        assert_eq!(c.disabled, disabled);
+        let mut sum = c;
+        sum.add(&c);
+        assert_eq!((sum.links, sum.disabled[Reason::DeadEnd as usize]), (4, 4));
     }
 }

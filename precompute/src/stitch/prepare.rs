@@ -1,13 +1,14 @@
 //! Finds what pairs and surroundings of a world need, once for all that stand alike, and keeps it for the next change.
 
 use super::bodies::Bodies;
+use super::crossing::{Crossing, Left, PairState};
 use super::field::Field;
 use super::lay::{Laid, Stitcher};
 use super::mask::{Hit, Obstacle};
-use super::outcome::Outcome;
+use super::outcome::{Outcome, State};
 use super::paths::{Nearness, Paths, Spots};
 use super::relation::Relation;
-use super::report::Reason;
+use super::same::Same;
 use super::situation::{Situation, Surroundings};
 use super::swept::Swept;
 use super::table::{JointTable, Rule};
@@ -29,10 +30,12 @@ pub(super) struct Found {
     masks: HashMap<Relation, Arc<Vec<u64>>>,
     /// What is left of motion among units.
     pub situations: HashMap<Surroundings, Arc<Situation>>,
-    /// What is left of instances, by their surroundings and why each of their cells is taken out.
-    pub outcomes: HashMap<(Surroundings, Vec<Option<Reason>>), Outcome>,
-    /// Bits of joints by the pair and what surrounds its side a.
-    joint_words: HashMap<(Relation, Surroundings), Arc<Option<Vec<u64>>>>,
+    /// What is left of instances, by what they are to the component.
+    pub outcomes: HashMap<State, Arc<Outcome>>,
+    /// Joints that may be taken, by the pair and the situation of its side a.
+    crossings: HashMap<(Relation, Same<Situation>), Arc<Crossing>>,
+    /// Joints that are left between instances.
+    pub left: HashMap<PairState, Option<Left>>,
 }
 
 impl Found {
@@ -51,7 +54,8 @@ impl Found {
             masks: HashMap::new(),
             situations: HashMap::new(),
             outcomes: HashMap::new(),
-            joint_words: HashMap::new(),
+            crossings: HashMap::new(),
+            left: HashMap::new(),
         }
     }
 }
@@ -141,26 +145,24 @@ impl Stitcher<'_> {
         let situations: Vec<_> = order.iter().map(|key| Arc::clone(&known[key])).collect();
         self.found.situations = known;
         let situated = Situated { of, situations };
-        self.joint_words(laid, &situated);
+        self.cross(laid, &situated);
         situated
     }
 
-    fn joint_words(&mut self, laid: &Laid, situated: &Situated) {
-        let hindered = |(a, _, r): &(u32, u32, Relation)| {
-            let situation = situated.of[*a as usize];
-            let any = !situated.situations[situation as usize].surroundings.obstacles.is_empty();
-            (any && !self.found.tables[r].joints.is_empty()).then_some((*r, situation))
+    fn cross(&mut self, laid: &Laid, situated: &Situated) {
+        let joined = |(a, _, r): &(u32, u32, Relation)| {
+            (!self.found.tables[r].joints.is_empty()).then_some((*r, situated.of[*a as usize]))
         };
-        let pairs: BTreeSet<(Relation, u32)> = laid.pairs.iter().filter_map(hindered).collect();
-        let surroundings = |s: u32| situated.situations[s as usize].surroundings.clone();
-        let keys: Vec<_> = pairs.into_iter().map(|(r, s)| (r, surroundings(s))).collect();
-        let mut known = std::mem::take(&mut self.found.joint_words);
-        renew(&mut known, &keys, |(relation, surroundings)| {
-            let hit = |link: u32| self.hit(surroundings, link);
-            let situation = &self.found.situations[surroundings];
-            Arc::new(situation.joint_words(&self.found.tables[relation], hit))
+        let pairs: BTreeSet<(Relation, u32)> = laid.pairs.iter().filter_map(joined).collect();
+        let key = |(r, s): (Relation, u32)| (r, Same::new(&situated.situations[s as usize]));
+        let keys: Vec<_> = pairs.into_iter().map(key).collect();
+        let mut known = std::mem::take(&mut self.found.crossings);
+        renew(&mut known, &keys, |(relation, Same(situation))| {
+            let hit = |link: u32| self.hit(&situation.surroundings, link);
+            let table = &self.found.tables[relation];
+            Arc::new(Crossing::new(&self.patches, [relation.a, relation.b], table, situation, hit))
         });
-        self.found.joint_words = known;
+        self.found.crossings = known;
     }
 
     /// First and last frame of a link that collide with anything around it.
@@ -174,10 +176,9 @@ impl Stitcher<'_> {
         &self.found.tables[relation]
     }
 
-    /// Bits of a pair's joints, two a joint, in a situation of its side a; none where all may be taken.
-    /// [Limit: prepared]
-    pub fn joint_words_of(&self, relation: &Relation, surroundings: &Surroundings) -> Option<&[u64]> {
-        self.found.joint_words.get(&(*relation, surroundings.clone()))?.as_deref()
+    /// The joints of a pair that may be taken in a situation of its side a. [Limit: prepared]
+    pub fn crossing_of(&self, relation: &Relation, situation: &Arc<Situation>) -> &Arc<Crossing> {
+        &self.found.crossings[&(*relation, Same::new(situation))]
     }
 
     /// Roots of a patch's links.

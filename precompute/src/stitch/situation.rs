@@ -3,8 +3,9 @@
 use super::bits::{all_set, clear};
 use super::mask::Hit;
 use super::relation::Relation;
+use super::rows::Rows;
 use super::table::JointTable;
-use throng_runtime::patch::{CellRecord, NONE, Patches};
+use throng_runtime::patch::{NONE, Patches};
 use throng_runtime::world::is_set;
 
 /// A patch and what is in the way of its motion.
@@ -23,19 +24,10 @@ pub(super) struct Situation {
     pub surroundings: Surroundings,
     /// Links that nothing is in the way of.
     pub link_words: Vec<u64>,
-    /// First of each cell's ends. [Size: cells + 1]
-    starts: Vec<u32>,
-    /// Where each cell's links lead, each place once.
-    ends: Vec<End>,
-}
-
-/// Where a link leads.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) struct End {
-    /// The edge that it crosses; [`NONE`] where it stays within the patch.
-    pub edge: u32,
-    /// Cell, beyond the edge that of the neighbour.
-    pub cell: u32,
+    /// Cells that each cell's links lead to.
+    pub out: Rows,
+    /// Cells from which links lead to each cell.
+    pub into: Rows,
 }
 
 impl Situation {
@@ -47,26 +39,11 @@ impl Situation {
         for mask in masks {
             link_words.iter_mut().zip(mask).for_each(|(w, m)| *w &= !m);
         }
-        let end = |to: u32| match &cells[to as usize] {
-            c if c.is(CellRecord::IS_EXIT) => End { edge: c.edge, cell: c.twin },
-            _ => End { edge: NONE, cell: to },
-        };
-        let (mut starts, mut ends, mut own) = (vec![0], Vec::new(), Vec::new());
-        for cell in cells {
-            let left = (cell.first_link..cell.first_link + cell.num_links).filter(|&l| is_set(&link_words, 0, l));
-            own.clear();
-            own.extend(left.map(|l| end(links[l as usize].to)));
-            own.sort_unstable();
-            own.dedup();
-            ends.extend_from_slice(&own);
-            starts.push(ends.len() as u32);
-        }
-        Self { surroundings, link_words, starts, ends }
-    }
-
-    /// Where the links of a cell lead.
-    pub fn ends_of(&self, cell: u32) -> &[End] {
-        &self.ends[self.starts[cell as usize] as usize..self.starts[cell as usize + 1] as usize]
+        // Links are sorted by the cell they begin in.
+        let left = (0u32..).zip(links).filter(|(l, _)| is_set(&link_words, 0, *l));
+        let into = Rows::new(cells.len(), left.map(|(_, link)| (link.to, link.from)));
+        let out = into.transposed(cells.len());
+        Self { surroundings, link_words, out, into }
     }
 
     /// Joints that may be taken where links of side a collide: out of a link that is clear up to there, into one that
@@ -112,8 +89,8 @@ mod tests {
         let mut situation = Situation {
             surroundings: Surroundings { patch: 0, obstacles: Vec::new() },
             link_words: all_set(3),
-            starts: Vec::new(),
-            ends: Vec::new(),
+            out: Rows::default(),
+            into: Rows::default(),
         };
         assert_eq!(situation.joint_words(&table, |_| None), None);
         clear(&mut situation.link_words, 1);

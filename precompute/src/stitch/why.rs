@@ -44,7 +44,7 @@ impl Editor<'_> {
     ///
     /// [Limit: instance < number of instances, the item within its patch]
     pub fn reason(&self, instance: u32, item: Item) -> Option<Reason> {
-        let judged = Judged { joined: &self.joined, standing: &self.standing };
+        let judged = Judged { joined: &self.joined, settled: &self.settled };
         match item {
             Item::Cell(c) => judged.cell(instance, c),
             Item::Link(l) => judged.link(instance, l),

@@ -1,7 +1,7 @@
 //! A foot: how long its parts are, and where they are.
 
-use super::side::Side;
-use glam::{DQuat, DVec3};
+use super::side::{Side, forward};
+use glam::{DQuat, DVec2, DVec3};
 use throng_runtime::{Contacts, Joint, Skeleton};
 
 /// Lengths of a foot that stands flat. [Unit: m]
@@ -39,6 +39,17 @@ impl FootShape {
         let rotation = DQuat::from_rotation_y(yaw) * DQuat::from_rotation_x(pitch);
         let ankle = ball + rotation * DVec3::new(0.0, self.ankle_height - self.ball_height, -self.ball);
         FootPose { ankle, ball, yaw, heading, pitch, toe_pitch, ground: 0.0, heel_down: false, toe_down: false }
+    }
+
+    /// Height of the lowest point of the sole over the ground beneath it. [Unit: m]
+    pub fn sole(&self, p: &FootPose, ground: impl Fn(DVec2) -> f64) -> f64 {
+        let over = |pitch: f64, y: f64, z: f64| {
+            let at = DVec2::new(p.ball.x, p.ball.z) + forward(p.yaw) * (pitch.sin() * y + pitch.cos() * z);
+            p.ball.y + (pitch.cos() * y - pitch.sin() * z) - ground(at)
+        };
+        let heel = over(p.pitch, -self.ball_height, -self.ball - self.heel);
+        let tip = over(p.toe_pitch, -self.ball_height, self.tip);
+        heel.min(over(0.0, -self.ball_height, 0.0)).min(tip)
     }
 }
 

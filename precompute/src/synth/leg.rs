@@ -34,6 +34,12 @@ impl LegShape {
         (a * a + b * b + 2.0 * a * b * flexion.cos()).sqrt()
     }
 
+    /// Flexion of the knee at a distance from hip to ankle, a straight leg's where that is out of reach. [Unit: rad]
+    pub fn flexion(&self, distance: f64) -> f64 {
+        let (a, b) = (self.thigh, self.shin);
+        ((distance * distance - a * a - b * b) / (2.0 * a * b)).clamp(-1.0, 1.0).acos()
+    }
+
     /// Bends the leg so that it reaches from `hip` to `ankle`, the knee towards `facing`.
     ///
     /// An ankle out of reach is pointed at with a straight leg.
@@ -43,7 +49,7 @@ impl LegShape {
         let (a, b) = (self.thigh, self.shin);
         let d = ankle - hip;
         let length = d.length().clamp((a - b).abs() + 1e-6, a + b);
-        let knee = ((length * length - a * a - b * b) / (2.0 * a * b)).clamp(-1.0, 1.0).acos();
+        let knee = self.flexion(length);
         let at_hip = ((a * a + length * length - b * b) / (2.0 * a * length)).clamp(-1.0, 1.0).acos();
         let down = d.normalize_or(DVec3::NEG_Y);
         let left = facing.cross(down).normalize_or(DVec3::X);
@@ -79,6 +85,7 @@ mod tests {
         fn reach_and_flexion_agree(flexion in 0.01f64..2.0) {
             let p = LEG.solve(DVec3::Y, DVec3::Y - DVec3::Y * LEG.reach(flexion), DVec3::Z);
             prop_assert!((p.knee - flexion).abs() < 1e-6);
+            prop_assert!((LEG.flexion(LEG.reach(flexion)) - flexion).abs() < 1e-6);
         }
     }
 }

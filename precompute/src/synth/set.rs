@@ -119,6 +119,14 @@ mod tests {
     }
 
     #[test]
+    fn clips_may_be_as_short_as_the_limit_says() {
+        for set in SynthSet::ALL {
+            let made = make(set, &SynthConfig { clip_seconds: 3.0, minutes: 0.2, ..SynthConfig::default() }).unwrap();
+            assert!(made.clips.iter().all(|c| c.num_frames() > 60), "{set:?}");
+        }
+    }
+
+    #[test]
     fn sets_last_as_long_as_asked() {
         for set in SynthSet::ALL {
             let cfg = SynthConfig::for_set(set);

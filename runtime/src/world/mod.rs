@@ -1,5 +1,6 @@
 //! Worlds: patches stitched together over a target environment (004 section 5).
 
+mod atlas;
 mod check;
 mod error;
 mod file;

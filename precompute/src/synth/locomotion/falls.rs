@@ -16,8 +16,8 @@ pub struct Falls {
 }
 
 /// How much landings vary: in time as a share of the period, in place along and across. [Unit: m]
-const TIME_VARIES: f64 = 0.006;
-const PLACE_VARIES: [f64; 2] = [0.006, 0.003];
+const TIME_VARIES: f64 = 0.005;
+const PLACE_VARIES: [f64; 2] = [0.004, 0.003];
 
 impl Falls {
     /// Steps that fill a time and a little more at both ends, beginning anywhere in a cycle.

@@ -7,10 +7,11 @@ use super::super::leg::LegShape;
 use super::super::side::Side;
 use super::super::walk::arms::ArmAngles;
 use super::super::walk::assemble::{drift, knees};
-use super::super::walk::roll::standing;
+use super::super::walk::roll::{Footfall, standing};
 use super::super::walk::trunk::{Drift, TrunkPose};
 use super::bounce::{Bounce, GRAVITY};
 use super::falls::Falls;
+use super::manner::Manner;
 use super::posture::carry;
 use super::repertoire::Act;
 use super::scene::Scene;
@@ -19,12 +20,13 @@ use super::swing::{Key, RunnerFoot, Swing};
 use glam::{DVec2, DVec3};
 use rand::Rng;
 use std::f64::consts::TAU;
-use throng_runtime::Joint;
 
-/// Height of the hips over which a runner leans. [Unit: m]
-const LEANING_HEIGHT: f64 = 0.85;
+/// Height of the hips over the ankles of a runner who leans. [Unit: m]
+const LEANING_HEIGHT: f64 = 0.72;
 /// Least knee flexion of a leg on the ground. [Unit: rad]
-const FLEXION: f64 = 0.19;
+const FLEXION: f64 = 0.3;
+/// How much of a manner's crouch runners have, whose hips are low already.
+const CROUCH: f64 = 0.4;
 /// How much of the wandering of gaze and arms runners have.
 const CALM: f64 = 0.3;
 /// Moments in the cycle, of which 0 is the left foot's landing: the left leg is furthest forward, and the body rests on
@@ -40,23 +42,23 @@ pub fn run(act: &Act, scene: &Scene, rng: &mut impl Rng) -> Vec<BodyPose> {
     let bounce = Bounce { period: stride.period, contact: stride.stance };
     let mut body = Body { act, falls, bounce, level: 0.0 };
     let shape = FootShape::of(&scene.skeleton);
-    body.level = body.highest(scene, &shape);
+    body.level = body.highest(scene, &shape) - CROUCH * act.manner.crouch;
+    let manner = Manner { crouch: 0.0, ..*act.manner };
     let leg = LegShape::of(&scene.skeleton);
-    let drop = f64::from(-scene.skeleton.offsets[Joint::LeftThigh.index()].y);
-    let hips = |t: f64| body.height(t) - drop;
+    let hip = |side, t| body.hip(scene, side, t);
     let keys = keys(act.drive.ahead, act.manner.knee_lift);
-    let swing = Swing { drive: act.drive, keys, hips: &hips, aside: 0.08, outward: 0.5 * outward, leg };
+    let swing = Swing { drive: act.drive, keys, hip: &hip, bank: body.bank(), leg };
     let feet = Side::BOTH.map(|s| RunnerFoot::new(s, shape, body.falls.feet[s.index()].clone(), &swing));
     let speed = vec![act.drive.ahead; scene.times.len()];
     let drift = drift(scene.time().end, &scene.times, scene.dt, &speed, CALM * scene.variation, rng);
     let pose = |(i, &t): (usize, &f64)| {
         let (attitude, root) = (body.hips(t), body.position(t));
-        let (hips, feet) = (attitude.rotation(), [feet[0].pose(t), feet[1].pose(t)]);
+        let (hips, feet) = (attitude.rotation(), Side::BOTH.map(|s| feet[s.index()].pose(t, hip(s, t))));
         let trunk = body.trunk(t, attitude, &drift, i);
         let arms = Side::BOTH.map(|s| body.arm(t, s, trunk.upper_chest().pitch, &drift, i));
         let knees = knees(root, hips, &feet);
         let mut pose = BodyPose { root, hips, trunk: trunk.segments.map(Attitude::rotation), arms, feet, knees };
-        carry(&mut pose, act.manner);
+        carry(&mut pose, &manner);
         pose
     };
     scene.times.iter().enumerate().map(pose).collect()
@@ -69,12 +71,12 @@ pub fn run(act: &Act, scene: &Scene, rng: &mut impl Rng) -> Vec<BodyPose> {
 /// vertical here.
 fn keys(speed: f64, lift: f64) -> [Key; 3] {
     let faster = speed - 2.0;
-    let fold = (1.25 + 0.23 * faster) * lift;
-    let knee_up = (0.4 + 0.085 * faster) * lift;
+    let fold = (1.45 + 0.18 * faster) * lift;
+    let knee_up = (0.54 + 0.06 * faster) * lift;
     [
-        Key { at: 0.25, thigh: -0.14, knee: 0.78 * fold, ankle: 0.2 },
-        Key { at: 0.48, thigh: 0.55 * knee_up, knee: fold, ankle: 0.05 },
-        Key { at: 0.74, thigh: knee_up, knee: 0.6 * fold, ankle: -0.05 },
+        Key { at: 0.26, thigh: -0.16, knee: 0.8 * fold, ankle: 0.2 },
+        Key { at: 0.48, thigh: 0.5 * knee_up, knee: fold, ankle: 0.05 },
+        Key { at: 0.74, thigh: knee_up, knee: 0.76 * fold, ankle: -0.05 },
     ]
 }
 
@@ -109,6 +111,11 @@ impl Body<'_> {
         DVec3::new(p.x, self.height(t), p.y)
     }
 
+    /// Hip joint of a side. [Unit: m]
+    fn hip(&self, scene: &Scene, side: Side, t: f64) -> DVec3 {
+        self.position(t) + self.hips(t).rotation() * scene.skeleton.offsets[side.thigh().index()].as_dvec3()
+    }
+
     fn hips(&self, t: f64) -> Attitude {
         let sway = self.act.manner.sway;
         Attitude {
@@ -123,7 +130,7 @@ impl Body<'_> {
         let (drive, speed) = (self.act.drive, self.act.drive.ahead);
         let chest = Attitude {
             yaw: drive.heading(t) + 0.15 * self.wave(t, LEFT_LEG_AHEAD + 0.02) + 0.15 * drift.gaze[i],
-            pitch: 0.06 + 0.024 * speed - 0.012 * drift.breath[i],
+            pitch: 0.08 + 0.03 * speed - 0.012 * drift.breath[i],
             list: -0.9 * self.bank() - 0.03 * self.wave(t, ON_LEFT_LEG),
         };
         let head = Attitude {
@@ -144,8 +151,8 @@ impl Body<'_> {
         let swing = -0.3 + (0.36 + 0.07 * faster) * lively * wave + drift.arms[side.index()][i];
         ArmAngles {
             swing: swing + 0.45 * chest_pitch,
-            abduction: 0.24,
-            turn_in: 0.45 + 0.12 * wave,
+            abduction: 0.26,
+            turn_in: 0.27 + 0.12 * wave,
             flexion: 1.5 + 0.22 * lively * self.wave(t, ahead + 0.07),
             protraction: 0.1 * wave,
             shrug: -0.03 + 0.015 * drift.breath[i],
@@ -157,20 +164,17 @@ impl Body<'_> {
     /// The largest height at landing at which both legs reach the ground, over all contacts.
     fn highest(&self, scene: &Scene, shape: &FootShape) -> f64 {
         let reach = LegShape::of(&scene.skeleton).reach(FLEXION);
+        let limit = |side: Side, fall: &Footfall, t: f64| {
+            let (ankle, hip) = (standing(shape, fall, t).ankle, self.hip(scene, side, t));
+            let across = DVec2::new(ankle.x - hip.x, ankle.z - hip.z).length_squared();
+            ankle.y + (reach * reach - across).max(0.01).sqrt() - hip.y + self.level
+        };
         let limits = Side::BOTH.into_iter().flat_map(|side| {
-            let hip = scene.skeleton.offsets[side.thigh().index()].as_dvec3();
-            let falls = &self.falls.feet[side.index()];
-            let within = falls.iter().filter(|f| scene.time().contains(&f.land));
-            within.flat_map(move |f| (0..=24).map(move |k| (f, f.land + (f.lift - f.land) * f64::from(k) / 24.0))).map(
-                move |(fall, t)| {
-                    let offset = self.hips(t).rotation() * hip;
-                    let ankle = standing(shape, fall, t).ankle;
-                    let away = ankle - self.position(t) - offset;
-                    let across = DVec2::new(away.x, away.z).length_squared();
-                    let above = (reach * reach - across).max(0.01).sqrt();
-                    ankle.y + above - offset.y - (self.height(t) - self.level)
-                },
-            )
+            let within = self.falls.feet[side.index()].iter().filter(|f| scene.time().contains(&f.land));
+            within.map(move |fall| {
+                let moments = (0..=24).map(|k| fall.land + (fall.lift - fall.land) * f64::from(k) / 24.0);
+                moments.map(|t| limit(side, fall, t)).fold(f64::INFINITY, f64::min)
+            })
         });
         limits.fold(f64::INFINITY, f64::min)
     }

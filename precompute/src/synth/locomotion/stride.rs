@@ -39,8 +39,11 @@ impl Stride {
             Gait::Jog | Gait::Run => run(speed),
         };
         let m = act.manner;
-        let period = neutral.period / m.cadence;
-        let scale = m.stance / m.cadence;
+        // Runners have less choice.
+        let part = |factor: f64| if act.gait.flies() { 1.0 + 0.4 * (factor - 1.0) } else { factor };
+        let (cadence, roll) = (part(m.cadence), part(m.roll));
+        let period = neutral.period / cadence;
+        let scale = part(m.stance) / cadence;
         // Who runs is never on both feet, who walks always is for a moment.
         let stance = neutral.stance * scale;
         let stance = if act.gait.flies() { stance.min(0.9 * period) } else { stance.max(1.08 * period) };
@@ -50,8 +53,8 @@ impl Stride {
             width: neutral.width * if act.gait == Gait::Side { 1.0 } else { m.width },
             landing: neutral.landing * scale,
             rise: neutral.rise * scale,
-            strike: neutral.strike * m.roll,
-            push: neutral.push * m.roll,
+            strike: neutral.strike * roll,
+            push: neutral.push * roll,
             toe_out: neutral.toe_out + m.toe_out,
             ..neutral
         }
@@ -88,8 +91,8 @@ fn pivot() -> Stride {
 }
 
 fn side(speed: f64) -> Stride {
-    let period = 0.68 - 0.2 * speed;
-    Stride { period, stance: period + 0.14, width: 0.17 + speed * period, push: 0.24, ..pivot() }
+    let period = 0.64 - 0.25 * speed;
+    Stride { period, stance: period + 0.14, width: 0.15 + speed * period, push: 0.24, ..pivot() }
 }
 
 fn back(speed: f64) -> Stride {
@@ -111,17 +114,17 @@ fn back(speed: f64) -> Stride {
 fn run(speed: f64) -> Stride {
     let faster = speed - 2.0;
     let period = 0.385 - 0.0175 * faster - 0.0015 * faster * faster;
-    let travel = 0.66 + 0.125 * faster - 0.01 * faster * faster;
+    let travel = 0.64 + 0.12 * faster - 0.011 * faster * faster;
     let stance = travel / speed;
     Stride {
         period,
         stance,
         width: 0.1,
-        ahead: -0.11,
+        ahead: -0.175 + 0.009 * faster,
         landing: 0.22 * stance,
-        rise: 0.55 * stance,
+        rise: 0.64 * stance,
         strike: (0.2 - 0.04 * faster).max(0.06),
-        push: 0.8 + 0.04 * faster,
+        push: 1.03 + 0.04 * faster,
         toe_out: 0.06,
     }
 }

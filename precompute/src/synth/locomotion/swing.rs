@@ -3,7 +3,7 @@
 use super::super::foot::{FootPose, FootShape};
 use super::super::leg::LegShape;
 use super::super::side::Side;
-use super::super::signal::{End, quintic};
+use super::super::signal::{End, early_bump, quintic};
 use super::super::walk::roll::{Footfall, standing};
 use super::drive::Drive;
 use super::spline::Spline;
@@ -28,60 +28,95 @@ pub struct Swing<'a> {
     pub drive: Drive,
     /// The leg at moments between lift and landing, in order.
     pub keys: [Key; 3],
-    /// Height of the hip joints at a time. [Unit: m]
-    pub hips: &'a dyn Fn(f64) -> f64,
-    /// Distance of the swinging ankle from the middle of the body. [Unit: m]
-    pub aside: f64,
-    /// Where the ankle of a folded leg that hangs from a leaning body is seen: to the left, ahead. [Unit: m]
-    pub outward: DVec2,
+    /// Hip joint of a side at a time. [Unit: m]
+    pub hip: &'a dyn Fn(Side, f64) -> DVec3,
+    /// How far the body leans to the left. [Unit: rad]
+    pub bank: f64,
     /// Lengths of the leg.
     pub leg: LegShape,
 }
 
-/// One flight: where the ankle is seen from the body that moves along, and how the foot is tilted.
+/// One flight: the leg as seen from the body that moves along, and how the foot is tilted.
 struct Flight {
+    /// Ankle to the left of the hip. [Unit: m]
     left: Spline,
-    ahead: Spline,
-    height: Spline,
+    /// Angle of the line from the hip to the ankle, forward from the vertical. [Unit: rad]
+    angle: Spline,
+    /// Flexion of the knee. [Unit: rad]
+    knee: Spline,
+    /// Heel up. [Unit: rad]
     pitch: Spline,
+    /// Extra height a little after half way, to clear the ground. [Unit: m]
+    clear: f64,
 }
 
 /// All contacts of one foot, in order, and the flights between them.
 pub struct RunnerFoot {
     drive: Drive,
     shape: FootShape,
+    leg: LegShape,
     falls: Vec<Footfall>,
     flights: Vec<Flight>,
 }
 
 /// Share of a flight after which the toes are in line with the foot.
 const TOES: f64 = 0.45;
+/// Smallest height of the sole as the leg passes under the body. [Unit: m]
+const CLEARANCE: f64 = 0.02;
+/// The swinging ankle is this much nearer to the middle of the body than the hip. [Unit: m]
+const INWARD: f64 = 0.012;
+/// Largest rate of the knee with which a swing begins and ends. A foot pinned to the ground wants more than that of a
+/// nearly straight leg; muscles give way to it. [Unit: rad/s]
+const KNEE_RATE: f64 = 5.0;
 
 impl RunnerFoot {
     /// A foot that stands on `falls` in turn.
     pub fn new(side: Side, shape: FootShape, falls: Vec<Footfall>, swing: &Swing) -> Self {
         let flights = falls.windows(2).map(|w| flight(side, &shape, &w[0], &w[1], swing)).collect();
-        Self { drive: swing.drive, shape, falls, flights }
+        let mut foot = Self { drive: swing.drive, shape, leg: swing.leg, falls, flights };
+        for i in 0..foot.flights.len() {
+            foot.flights[i].clear = foot.lacks(i, |t| (swing.hip)(side, t));
+        }
+        foot
+    }
+
+    /// How much higher flight `i` has to be for its sole to clear the ground. [Unit: m]
+    fn lacks(&self, i: usize, hip: impl Fn(f64) -> DVec3) -> f64 {
+        let (from, to) = (&self.falls[i], &self.falls[i + 1]);
+        let moments = (1..40).map(|k| f64::from(k) / 40.0).filter(|u| passing(*u) > 0.4);
+        let lack = |u: f64| {
+            let t = from.lift + u * (to.land - from.lift);
+            let foot = self.flying(from, to, &self.flights[i], t, hip(t));
+            (CLEARANCE - self.shape.sole(&foot, |_| 0.0)) / passing(u)
+        };
+        moments.map(lack).fold(0.0, f64::max)
     }
 
     /// The foot at `t` seconds.
-    pub fn pose(&self, t: f64) -> FootPose {
+    ///
+    /// - `hip`: joint of its side then. [Unit: m]
+    pub fn pose(&self, t: f64, hip: DVec3) -> FootPose {
         let i = self.falls.partition_point(|f| f.land <= t).saturating_sub(1);
         let fall = &self.falls[i];
         match (self.falls.get(i + 1), self.flights.get(i)) {
-            (Some(next), Some(flight)) if t > fall.lift => self.flying(fall, next, flight, t),
+            (Some(next), Some(flight)) if t > fall.lift => self.flying(fall, next, flight, t, hip),
             _ => standing(&self.shape, fall, t),
         }
     }
 
-    fn flying(&self, from: &Footfall, to: &Footfall, flight: &Flight, t: f64) -> FootPose {
+    fn flying(&self, from: &Footfall, to: &Footfall, flight: &Flight, t: f64, hip: DVec3) -> FootPose {
         let (since, duration) = (t - from.lift, to.land - from.lift);
         let turned = |a: f64, b: f64| quintic(End::still(a), End::still(b), duration, since);
         let (yaw, heading) = (turned(from.yaw, to.yaw), turned(from.heading, to.heading));
         let pitch = flight.pitch.at(t);
         let toe_pitch = pitch * quintic(End::still(0.0), End::still(1.0), TOES, (since / duration).min(TOES));
-        let on_ground = self.drive.place(t, flight.left.at(t), flight.ahead.at(t));
-        let ankle = DVec3::new(on_ground.x, flight.height.at(t), on_ground.y);
+        let (left, angle, length) = (flight.left.at(t), flight.angle.at(t), self.leg.reach(flight.knee.at(t)));
+        let (sin, cos) = angle.sin_cos();
+        let along = (length * length - left * left).max(0.0).sqrt();
+        let seen = self.drive.seen(t, DVec2::new(hip.x, hip.z));
+        let on_ground = self.drive.place(t, seen.x + left, seen.y + along * sin);
+        let height = hip.y - along * cos + flight.clear * passing(since / duration);
+        let ankle = DVec3::new(on_ground.x, height, on_ground.y);
         let rotation = DQuat::from_rotation_y(yaw) * DQuat::from_rotation_x(pitch);
         let ball =
             ankle - rotation * DVec3::new(0.0, self.shape.ankle_height - self.shape.ball_height, -self.shape.ball);
@@ -89,30 +124,39 @@ impl RunnerFoot {
     }
 }
 
+/// A bump over a flight that is highest after half of it, as the leg passes the standing one.
+fn passing(u: f64) -> f64 {
+    early_bump(1.0 - u)
+}
+
 /// The flight from one contact to the next.
 fn flight(side: Side, shape: &FootShape, from: &Footfall, to: &Footfall, swing: &Swing) -> Flight {
     let (start, end) = (from.lift, to.land);
-    let keys = swing.keys.map(|key| {
-        let t = start + key.at * (end - start);
-        let shank = key.thigh - key.knee;
-        let leg = swing.leg;
-        let ahead = leg.thigh * key.thigh.sin() + leg.shin * shank.sin();
-        let down = leg.thigh * key.thigh.cos() + leg.shin * shank.cos();
-        let left = swing.aside * side.sign() + swing.outward.x;
-        (t, [left, ahead + swing.outward.y, (swing.hips)(t) - down, key.ankle - shank])
-    });
-    let curve = |value: &dyn Fn(f64, &FootPose) -> f64, channel: usize| {
-        let first = End::of(|t| value(t, &standing(shape, from, t)), start);
-        let last = End::of(|t| value(t, &standing(shape, to, t)), end);
+    let keys = swing.keys.map(|key| (start + key.at * (end - start), key.channels(side, swing)));
+    let seen = |fall: &Footfall, t: f64| {
+        let (foot, hip) = (standing(shape, fall, t), (swing.hip)(side, t));
+        let away = foot.ankle - hip;
+        let ground = |p: DVec3| swing.drive.seen(t, DVec2::new(p.x, p.z));
+        let from_hip = ground(foot.ankle) - ground(hip);
+        [from_hip.x, from_hip.y.atan2(-away.y), swing.leg.flexion(away.length()), foot.pitch]
+    };
+    let curve = |channel: usize, most: f64| {
+        let [first, last] = [(from, start), (to, end)].map(|(fall, t)| End::of(|t| seen(fall, t)[channel], t));
         let inner = keys.iter().map(|(t, values)| (*t, values[channel]));
         let knots = std::iter::once((start, first.value)).chain(inner).chain([(end, last.value)]).collect();
-        Spline::new(knots, first.rate, last.rate)
+        Spline::new(knots, first.rate.clamp(-most, most), last.rate.clamp(-most, most))
     };
-    let seen = |t: f64, p: &FootPose| swing.drive.seen(t, DVec2::new(p.ankle.x, p.ankle.z));
-    Flight {
-        left: curve(&|t, p| seen(t, p).x, 0),
-        ahead: curve(&|t, p| seen(t, p).y, 1),
-        height: curve(&|_, p| p.ankle.y, 2),
-        pitch: curve(&|_, p| p.pitch, 3),
+    let free = f64::INFINITY;
+    Flight { left: curve(0, free), angle: curve(1, free), knee: curve(2, KNEE_RATE), pitch: curve(3, free), clear: 0.0 }
+}
+
+impl Key {
+    /// Left, angle, knee and pitch as a flight has them.
+    fn channels(&self, side: Side, swing: &Swing) -> [f64; 4] {
+        let shank = self.thigh - self.knee;
+        let ahead = swing.leg.thigh * self.thigh.sin() + swing.leg.shin * shank.sin();
+        let down = swing.leg.thigh * self.thigh.cos() + swing.leg.shin * shank.cos();
+        let left = -INWARD * side.sign() - down * swing.bank.tan();
+        [left, ahead.atan2(down), self.knee, self.ankle - shank]
     }
 }

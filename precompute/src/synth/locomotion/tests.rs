@@ -26,10 +26,6 @@ fn acts(set: &ClipSet) -> impl Iterator<Item = (Act, &Clip)> {
     Act::all().into_iter().zip(&set.clips)
 }
 
-fn is(act: &Act, gaits: &[Gait]) -> bool {
-    gaits.contains(&act.gait)
-}
-
 /// Times at which a foot touches the ground with any part, first and last frames alike. [Unit: frames]
 fn stays(clip: &Clip, foot: usize) -> Vec<std::ops::Range<usize>> {
     let any = Contacts(FEET[foot].3.0 | FEET[foot].4.0);
@@ -98,7 +94,7 @@ fn soles_stay_above_the_ground() {
 #[test]
 fn knees_bend_forward_and_never_lock() {
     for (act, clip) in acts(&SET) {
-        let most = if act.gait.flies() { 135.0 } else { 90.0 };
+        let most = if act.gait.flies() { 130.0 } else { 95.0 };
         for f in 0..clip.num_frames() {
             for (shin, ..) in FEET {
                 let q = clip.frame_rotations(f)[shin.index()];
@@ -129,69 +125,85 @@ fn nothing_pops() {
     for (act, clip) in acts(&SET) {
         for (j, peak) in Joint::ALL.into_iter().zip(peak_accelerations(clip)) {
             let most = match (j >= Joint::LeftThigh, act.gait.flies()) {
-                (true, true) => 2200.0,
-                (true, false) => 900.0,
-                (false, true) => 160.0,
-                (false, false) => 80.0,
+                (true, true) => 1600.0,
+                (true, false) => 800.0,
+                (false, true) => 110.0,
+                (false, false) => 140.0,
             };
             assert!(peak < most, "{} {}: {peak} rad/s^2", clip.name, j.name());
         }
     }
 }
 
-/// Speed along the arc, turning rate, and cycles between the first and the last landing of the left foot, all found as
-/// a build finds them.
-fn fitted(clip: &Clip) -> (f32, f32, usize) {
-    let lands: Vec<usize> = stays(clip, 0).into_iter().map(|r| r.start).filter(|&s| s > 0).collect();
-    let (a, b) = (lands[0], lands[lands.len() - 1]);
-    let seconds = (b - a) as f32 / clip.rate_hz as f32;
+/// Speed along the arc and turning rate over every window of one cycle.
+fn fitted(act: &Act, clip: &Clip) -> Vec<(f32, f32)> {
+    let cycle = (2.0 * stride::Stride::of(act).period * clip.rate_hz).round() as usize;
+    let seconds = cycle as f32 / clip.rate_hz as f32;
     let heading = |f: usize| twist_about_y(clip.frame_rotations(f)[0]);
-    let turned: f32 = (a..b).map(|f| wrap_angle(heading(f + 1) - heading(f))).sum();
     let ground = |f: usize| Vec2::new(clip.root_positions[f].x, clip.root_positions[f].z);
-    let chord = (ground(b) - ground(a)).length();
-    let half = 0.5 * turned;
-    let arc = if half.abs() < 1e-4 { chord } else { chord * half / half.sin() };
-    (arc.abs() / seconds, turned / seconds, lands.len() - 1)
+    let window = |f: usize| {
+        let turned: f32 = (f..f + cycle).map(|f| wrap_angle(heading(f + 1) - heading(f))).sum();
+        let (chord, half) = ((ground(f + cycle) - ground(f)).length(), 0.5 * turned);
+        let arc = if half.abs() < 1e-4 { chord } else { chord * half / half.sin() };
+        (arc / seconds, turned / seconds)
+    };
+    (0..clip.num_frames() - cycle).map(window).collect()
 }
 
 #[test]
 fn speed_and_turning_are_what_was_asked() {
-    for (act, clip) in acts(&FOUND).filter(|(a, _)| a.gait != Gait::Idle) {
-        let (speed, gyration, _) = fitted(clip);
+    for (act, clip) in acts(&SET).filter(|(a, _)| a.gait != Gait::Idle) {
+        let windows = fitted(&act, clip);
+        let n = windows.len() as f32;
+        let speed = windows.iter().map(|w| w.0).sum::<f32>() / n;
+        let gyration = windows.iter().map(|w| w.1).sum::<f32>() / n;
         let (asked, turning) = (act.drive.speed() as f32, act.drive.gyration as f32);
-        assert!((gyration - turning).abs() < 0.03 * turning.abs() + 0.012, "{}: {gyration} rad/s", clip.name);
-        if act.gait != Gait::Turn {
-            assert!((speed / asked - 1.0).abs() < 0.03, "{}: {speed} m/s", clip.name);
+        assert!((gyration - turning).abs() < 0.01, "{}: {gyration} rad/s", clip.name);
+        assert!((speed - asked).abs() < 0.03 * asked || asked == 0.0, "{}: {speed} m/s", clip.name);
+    }
+}
+
+#[test]
+fn speed_and_turning_are_steady_from_first_to_last() {
+    for (act, clip) in acts(&SET).filter(|(a, _)| a.gait != Gait::Idle) {
+        for (speed, gyration) in fitted(&act, clip) {
+            // The body sways from side to side, which on a narrow arc is a little forward and back.
+            assert!((speed - act.drive.speed() as f32).abs() < 0.12, "{}: {speed} m/s", clip.name);
+            assert!((gyration - act.drive.gyration as f32).abs() < 0.025, "{}: {gyration} rad/s", clip.name);
         }
     }
 }
 
-#[test]
-fn the_speed_is_steady_from_first_to_last() {
-    for (act, clip) in acts(&SET).filter(|(a, _)| !is(a, &[Gait::Idle, Gait::Turn])) {
-        let ground = |f: usize| Vec2::new(clip.root_positions[f].x, clip.root_positions[f].z);
-        let cycle = (2.0 * stride::Stride::of(&act).period * clip.rate_hz).round() as usize;
-        let apart = |f: usize| (ground(f + cycle) - ground(f)).length();
-        let distances: Vec<f32> = (0..clip.num_frames() - cycle).map(apart).collect();
-        let (low, high) =
-            (distances.iter().copied().fold(f32::MAX, f32::min), distances.iter().copied().fold(0.0, f32::max));
-        assert!(high - low < 0.035, "{}: {low} to {high} m a cycle", clip.name);
+fn assert_landings_alternate(set: &ClipSet) {
+    for (act, clip) in acts(set).filter(|(a, _)| a.gait != Gait::Idle) {
+        let mut landings: Vec<(usize, usize)> = (0..2)
+            .flat_map(|foot| stays(clip, foot).into_iter().map(move |r| (r.start, foot)))
+            .filter(|e| e.0 > 0)
+            .collect();
+        landings.sort_unstable();
+        assert!(landings.windows(2).all(|w| w[0].1 != w[1].1), "{} at {} Hz: {landings:?}", clip.name, clip.rate_hz);
+        let steps = clip.num_frames() as f64 / clip.rate_hz / stride::Stride::of(&act).period;
+        assert!((landings.len() as f64 - steps).abs() < 1.6, "{}: {landings:?}, {steps} steps", clip.name);
     }
 }
 
 #[test]
-fn contacts_are_found_in_the_order_of_the_gait() {
+fn every_step_is_found_as_one_contact_and_feet_alternate() {
+    assert_landings_alternate(&FOUND);
+    let slow = locomotion(&SynthConfig::for_set(SynthSet::Locomotion));
+    assert_landings_alternate(&annotate(&slow, &AnnotateConfig::default(), &Sidecars::default()).unwrap());
+}
+
+#[test]
+fn contacts_are_found_when_they_are() {
     for (act, clip) in acts(&FOUND).filter(|(a, _)| a.gait != Gait::Idle) {
-        let mut events: Vec<(usize, usize)> = (0..2)
-            .flat_map(|foot| stays(clip, foot).into_iter().map(move |r| (r.start, foot)))
-            .filter(|e| e.0 > 0)
-            .collect();
-        events.sort_unstable();
-        assert!(events.windows(2).all(|w| w[0].1 != w[1].1), "{}: {events:?}", clip.name);
-        let seconds = clip.num_frames() as f64 / clip.rate_hz;
-        let steps = seconds / stride::Stride::of(&act).period;
-        assert!((events.len() as f64 - steps).abs() < 1.6, "{}: {} landings, {steps} steps", clip.name, events.len());
-        assert!(fitted(clip).2 >= 1, "{}", clip.name);
+        let stance = stride::Stride::of(&act).stance * clip.rate_hz;
+        for foot in 0..2 {
+            for stay in stays(clip, foot).iter().filter(|r| r.start > 0 && r.end < clip.num_frames()) {
+                let late = stance - stay.len() as f64;
+                assert!((-4.0..7.0).contains(&late), "{}: {stay:?}, stance of {stance} frames", clip.name);
+            }
+        }
     }
 }
 
@@ -200,8 +212,8 @@ fn runners_fly_and_walkers_do_not() {
     for (act, clip) in acts(&FOUND) {
         let up = clip.contacts.iter().filter(|c| **c == Contacts::NONE).count() as f32 / clip.num_frames() as f32;
         let wanted = match act.gait {
-            Gait::Run => 0.2..0.6,
-            Gait::Jog => 0.04..0.45,
+            Gait::Run => 0.2..0.62,
+            Gait::Jog => 0.04..0.5,
             _ => 0.0..0.12,
         };
         assert!(wanted.contains(&up), "{}: {up} of the time in the air", clip.name);
@@ -256,5 +268,5 @@ fn manners_are_told_apart_by_posture_and_timing() {
         };
         (0..clip.num_frames()).map(apart).fold(0.0, f32::max)
     };
-    assert!(reach("proud") > reach("neutral") + 0.05 && reach("neutral") > reach("tired") + 0.1);
+    assert!(reach("proud") > reach("neutral") + 0.03 && reach("neutral") > reach("tired") + 0.05);
 }

@@ -15,6 +15,7 @@ use super::super::walk::footsteps::Footsteps;
 use super::super::walk::pelvis::{self, PelvisInput};
 use super::super::walk::trunk::{self, Drift};
 use super::falls::Falls;
+use super::manner::Manner;
 use super::posture::carry;
 use super::repertoire::Act;
 use super::scene::Scene;
@@ -84,6 +85,9 @@ fn poses(act: &Act, scene: &Scene, steps: &Footsteps, drift: &Drift) -> Vec<Body
         liveliness: [act.manner.arm_swing; 2],
         dt: *dt,
     });
+    // Knees that bend alike under a tired walker and a tired stander would be those of somebody about to sit.
+    let crouch = act.manner.crouch * (0.35 + act.drive.speed()).min(1.0);
+    let manner = Manner { crouch, ..*act.manner };
     let pose = |i: usize| {
         let (root, hips) = (pelvis.position[i], pelvis.rotation(i));
         let mut pose = BodyPose {
@@ -94,7 +98,7 @@ fn poses(act: &Act, scene: &Scene, steps: &Footsteps, drift: &Drift) -> Vec<Body
             feet: feet[i],
             knees: knees(root, hips, &feet[i]),
         };
-        carry(&mut pose, act.manner);
+        carry(&mut pose, &manner);
         pose
     };
     (0..times.len()).map(pose).collect()

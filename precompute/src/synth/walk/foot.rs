@@ -72,18 +72,6 @@ impl FootTrack {
         if t <= fall.lift || i + 1 == self.falls.len() { standing(&self.shape, fall, t) } else { self.flying(i, t) }
     }
 
-    /// Height of the lowest point of the sole over the ground beneath it. [Unit: m]
-    pub fn sole(&self, p: &FootPose, ground: impl Fn(DVec2) -> f64) -> f64 {
-        let s = &self.shape;
-        let over = |pitch: f64, y: f64, z: f64| {
-            let at = DVec2::new(p.ball.x, p.ball.z) + forward(p.yaw) * (pitch.sin() * y + pitch.cos() * z);
-            p.ball.y + (pitch.cos() * y - pitch.sin() * z) - ground(at)
-        };
-        let heel = over(p.pitch, -s.ball_height, -s.ball - s.heel);
-        let tip = over(p.toe_pitch, -s.ball_height, s.tip);
-        heel.min(over(0.0, -s.ball_height, 0.0)).min(tip)
-    }
-
     fn flying(&self, i: usize, t: f64) -> FootPose {
         let (a, b) = (&self.falls[i], &self.falls[i + 1]);
         let (t, duration) = (t - a.lift, b.land - a.lift);
@@ -124,7 +112,7 @@ impl FootTrack {
 
     /// How much higher flight `i` has to be for its sole to clear the ground.
     fn clear(&self, i: usize, ground: &impl Fn(DVec2) -> f64) -> f64 {
-        let lacks = |t: f64| CLEARANCE - self.sole(&self.flying(i, t), ground);
+        let lacks = |t: f64| CLEARANCE - self.shape.sole(&self.flying(i, t), ground);
         self.moments(i).filter(|m| m.1 > 0.3).map(|(t, b)| lacks(t) / b).fold(0.0, f64::max)
     }
 
@@ -213,7 +201,7 @@ mod tests {
             let u = f64::from(k) / 100.0;
             let p = track.pose(0.7 + 0.4 * u);
             let least = if (0.3..0.7).contains(&u) { CLEARANCE - 1e-3 } else { -1e-9 };
-            assert!(track.sole(&p, |_| 0.0) >= least, "at {u}: {}", track.sole(&p, |_| 0.0));
+            assert!(track.shape.sole(&p, |_| 0.0) >= least, "at {u}: {}", track.shape.sole(&p, |_| 0.0));
             assert!((DVec2::new(p.ankle.x, p.ankle.z) - DVec2::new(-0.02, 0.65)).length() > PASSING - 5e-3);
         }
     }

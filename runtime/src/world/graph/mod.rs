@@ -6,11 +6,14 @@ mod rest;
 mod steps;
 
 pub(crate) use bounds::Bounds;
+pub(crate) use steps::Crossing;
 pub use steps::{Node, Step};
 
+use super::atlas::Atlas;
 use super::{InstanceRecord, WorldError, WorldView, is_set};
 use crate::patch::{CellRecord, KIND_TILE, LinkRecord, NONE, Patches, Placement};
 use glam::Vec3;
+use std::sync::{Arc, OnceLock};
 
 /// A world with its patches, and what is worked out of them once: where every instance's nodes are counted from, which
 /// way leads to rest, and which instances lead to which.
@@ -24,8 +27,10 @@ pub struct WorldGraph<'w> {
     to_rest: Vec<u32>,
     /// True for instances that are part of a narrow passage.
     narrow: Vec<bool>,
-    /// What planning between instances relies on.
+    /// Which ways between instances are open.
     pub(crate) bounds: Bounds,
+    /// What planning relies on, from the first planner on.
+    atlas: Arc<OnceLock<Atlas>>,
 }
 
 impl<'w> WorldGraph<'w> {
@@ -48,8 +53,15 @@ impl<'w> WorldGraph<'w> {
                 .ok_or_else(|| WorldError::layout("the world has more cells than can be counted"))?;
         }
         first_node.push(next);
-        let mut graph =
-            Self { patches, world, first_node, to_rest: Vec::new(), narrow: Vec::new(), bounds: Bounds::default() };
+        let mut graph = Self {
+            patches,
+            world,
+            first_node,
+            to_rest: Vec::new(),
+            narrow: Vec::new(),
+            bounds: Bounds::default(),
+            atlas: Arc::default(),
+        };
         graph.to_rest = rest::ways(&graph);
         graph.bounds = Bounds::new(&graph);
         graph.narrow = passages::find(&graph);
@@ -164,6 +176,11 @@ impl<'w> WorldGraph<'w> {
 
     pub(crate) fn is_link_enabled(&self, instance: u32, link: u32) -> bool {
         is_set(self.world.link_words, self.instance(instance).first_link_word, link)
+    }
+
+    /// What planning relies on; worked out when it is first asked for, and shared with clones.
+    pub(crate) fn atlas(&self) -> &Atlas {
+        self.atlas.get_or_init(|| Atlas::new(self))
     }
 
     /// Middle of all that bodies reach in an instance. [Unit: m]

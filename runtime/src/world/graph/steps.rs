@@ -44,6 +44,14 @@ impl Step {
     }
 }
 
+/// What a joint leads to from a cell of a block.
+pub(crate) enum Crossing {
+    /// A cell of another block, which is left along a link.
+    Cell(Node),
+    /// The rest of a tile's link.
+    Link(Step),
+}
+
 impl<'w> WorldGraph<'w> {
     /// The link that a step plays, none for [`Step::NONE`].
     pub fn link(&self, step: &Step) -> Option<&'w LinkRecord> {
@@ -85,7 +93,7 @@ impl<'w> WorldGraph<'w> {
     }
 
     /// The node a link leads to: across an edge, the entry of the neighbour.
-    fn end_node(&self, instance: u32, link: &LinkRecord) -> Option<Node> {
+    pub(crate) fn end_node(&self, instance: u32, link: &LinkRecord) -> Option<Node> {
         let to = Node { instance, cell: link.to };
         if !self.is_enabled(to) {
             return None;
@@ -130,52 +138,62 @@ impl<'w> WorldGraph<'w> {
     }
 
     /// Steps from a cell of a block into other instances.
+    ///
+    /// From cell to cell one goes on along a link: joints do not follow each other without motion, which would carry a
+    /// character farther and farther from where its own motion ended.
     fn for_each_joint(&self, node: Node, visit: &mut impl FnMut(Step)) {
+        self.for_each_crossing(node, |_, crossing| match crossing {
+            Crossing::Link(step) => visit(step),
+            Crossing::Cell(to) => {
+                let cell = self.cell(to);
+                let links = cell.first_link..cell.first_link + cell.num_links;
+                links.filter_map(|l| self.step_along(to.instance, l)).for_each(&mut *visit);
+            }
+        });
+    }
+
+    /// Calls `visit` with all that joints of a block's cell lead to, each with its adjacency.
+    pub(crate) fn for_each_crossing(&self, node: Node, mut visit: impl FnMut(&AdjacencyRecord, Crossing)) {
         for (_, adjacency, table) in self.adjacencies(node.instance) {
             let joints = self.joints(table);
+            let mut cross = |k: usize, to_b: bool, cell: u32| {
+                let to = Node { instance: adjacency.other, cell };
+                if self.may_go(adjacency, k, to_b) && self.is_enabled(to) {
+                    visit(adjacency, Crossing::Cell(to));
+                }
+            };
             if adjacency.side == 0 {
                 let first = joints.partition_point(|j| j.a < node.cell);
                 for (k, j) in joints.iter().enumerate().skip(first).take_while(|(_, j)| j.a == node.cell) {
-                    self.cross(adjacency, k, true, j.b, visit);
+                    cross(k, true, j.b);
                 }
                 continue;
             }
             let order = &self.world.joints_by_b[table.first_joint as usize..][..table.num_joints as usize];
             let first = order.partition_point(|&k| joints[k as usize].b < node.cell);
             let here = order[first..].iter().map(|&k| k as usize).take_while(|&k| joints[k].b == node.cell);
-            let tile = self.patches.patches[table.patch_a as usize].kind == KIND_TILE;
+            if self.patches.patches[table.patch_a as usize].kind != KIND_TILE {
+                here.for_each(|k| cross(k, false, joints[k].a));
+                continue;
+            }
             for k in here {
-                match tile {
-                    true => self.enter_link(adjacency, k, &joints[k], visit),
-                    false => self.cross(adjacency, k, false, joints[k].a, visit),
+                if let Some(step) = self.enter_link(adjacency, k, &joints[k]) {
+                    visit(adjacency, Crossing::Link(step));
                 }
             }
         }
     }
 
-    /// From cell to cell, and on along a link: joints do not follow each other without motion, which would carry a
-    /// character farther and farther from where its own motion ended.
-    fn cross(&self, adjacency: &AdjacencyRecord, joint: usize, to_b: bool, cell: u32, visit: &mut impl FnMut(Step)) {
-        let to = Node { instance: adjacency.other, cell };
-        if self.may_go(adjacency, joint, to_b) && self.is_enabled(to) {
-            let cell = self.cell(to);
-            let links = cell.first_link..cell.first_link + cell.num_links;
-            links.filter_map(|l| self.step_along(to.instance, l)).for_each(visit);
-        }
-    }
-
     /// From a cell of a block into a link of a tile, which is played to its end; what comes before may be disabled.
-    fn enter_link(&self, adjacency: &AdjacencyRecord, joint: usize, j: &JointRecord, visit: &mut impl FnMut(Step)) {
+    fn enter_link(&self, adjacency: &AdjacencyRecord, joint: usize, j: &JointRecord) -> Option<Step> {
         let (instance, l) = (adjacency.other, &self.links(adjacency.other)[j.a as usize]);
-        if self.may_go(adjacency, joint, false)
-            && let Some(to) = self.end_node(instance, l)
-        {
-            visit(Step { to, instance, link: j.a, from_offset: j.a_offset as u16, to_offset: l.num_frames });
-        }
+        let to = self.end_node(instance, l)?;
+        let step = Step { to, instance, link: j.a, from_offset: j.a_offset as u16, to_offset: l.num_frames };
+        self.may_go(adjacency, joint, false).then_some(step)
     }
 
     /// True where a joint may be taken, from side a to side b or back.
-    fn may_go(&self, adjacency: &AdjacencyRecord, joint: usize, to_b: bool) -> bool {
+    pub(crate) fn may_go(&self, adjacency: &AdjacencyRecord, joint: usize, to_b: bool) -> bool {
         is_set(self.world.joint_words, adjacency.first_word, 2 * joint as u32 + u32::from(!to_b))
     }
 }

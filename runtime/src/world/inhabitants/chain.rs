@@ -90,7 +90,7 @@ impl Space for ToSafety<'_, '_> {
         self.graph.is_stop(node)
     }
 
-    fn estimate(&self, _: Node) -> f32 {
+    fn estimate(&mut self, _: Node) -> f32 {
         0.0
     }
 
@@ -124,7 +124,7 @@ impl Space for ToPath<'_, '_> {
         node != self.at && self.steps.iter().any(|s| s.to == node)
     }
 
-    fn estimate(&self, _: Node) -> f32 {
+    fn estimate(&mut self, _: Node) -> f32 {
         0.0
     }
 

@@ -150,9 +150,9 @@ impl Inhabitants {
         if next.is_empty() {
             return false;
         }
-        let space = ToPath { graph, holders: &self.holders, character: c as u32, at, steps: next, through };
+        let mut space = ToPath { graph, holders: &self.holders, character: c as u32, at, steps: next, through };
         let nodes = &mut self.planner.nodes;
-        let Found::Way(way) = nodes.search(graph, at, &space, MAX_REJOIN_OPENED) else { return false };
+        let Found::Way(way) = nodes.search(graph, at, &mut space, MAX_REJOIN_OPENED) else { return false };
         let mut steps = [Step::NONE; MAX_REJOINED];
         let len = nodes.path(way, &mut steps);
         if len > MAX_REJOINED {
@@ -301,9 +301,9 @@ impl Inhabitants {
             return self.reserve(graph, c);
         }
         let (character, seed, draw) = (c as u32, self.config.troupe.seed, self.minds[c].draws);
-        let space = ToSafety { graph, holders: &self.holders, character, seed, draw };
+        let mut space = ToSafety { graph, holders: &self.holders, character, seed, draw };
         let nodes = &mut self.planner.nodes;
-        let Found::Way(way) = nodes.search(graph, step.to, &space, MAX_OPENED) else { return None };
+        let Found::Way(way) = nodes.search(graph, step.to, &mut space, MAX_OPENED) else { return None };
         if nodes.cost(way) == f32::INFINITY {
             return None;
         }

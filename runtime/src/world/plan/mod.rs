@@ -1,19 +1,19 @@
-//! Path planning in two layers: over instances, then over the motion of those on the way and around it (004 section 7).
+//! Path planning in two layers (004 section 7): over the ways into and out of what stands on open ground, then over the
+//! motion itself, towards what the upper layer says is near.
 
+mod gates;
 mod heap;
-mod instances;
+mod leaps;
 mod nodes;
 
+use super::atlas::Atlas;
 use super::{Node, Step, WorldGraph};
-use crate::patch::Placement;
-use glam::Vec3;
-use instances::Instances;
+use crate::patch::NONE;
+use gates::Upper;
 pub(crate) use nodes::{Found, Nodes, Space};
 
 /// Most nodes that a search keeps at once. [Size: 32 bytes a node, touched only as far as searches go]
 const MAX_NODES: usize = 1 << 23;
-/// How far around the way over instances the lower layer looks, in instances; wider where nothing is found.
-const SURROUNDINGS: [u32; 2] = [2, 5];
 
 /// Where a plan leads.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -64,38 +64,23 @@ pub struct Plan {
     pub num_frames: u32,
     /// Sum of the distances from the start to the end of what is played. [Unit: m]
     pub length_m: f32,
-    /// States of instances opened in the upper layer.
+    /// Ways into and out of districts opened in the upper layer: of what is climbed, sat on or slid down.
     pub opened_instances: usize,
     /// Nodes opened in the lower layer, in all its tries.
     pub opened_nodes: usize,
 }
 
-/// What estimates count in the lower layer: more than 1 opens far fewer nodes, for ways that take a little longer
-/// (weighted A*, Pohl 1970: at most this many times the best one where estimates are bounds).
-const GREED: f32 = 1.1;
-
 /// Plans ways through a world; all its memory is allocated when it is made.
 #[derive(Clone, Debug)]
 pub struct Planner {
-    instances: Instances,
+    upper: Upper,
     pub(crate) nodes: Nodes,
-    /// The plan that put an instance in the corridor.
-    corridor: Vec<u32>,
-    stamp: u32,
-    /// Instances of the corridor.
-    list: Vec<u32>,
 }
 
 impl Planner {
-    /// Memory for a world.
+    /// Memory for a world. What is known of the world beforehand is worked out by the first planner and kept with it.
     pub fn new(graph: &WorldGraph<'_>) -> Self {
-        Self {
-            instances: Instances::new(graph),
-            nodes: Nodes::new(graph, MAX_NODES),
-            corridor: vec![0; graph.num_instances()],
-            stamp: 0,
-            list: Vec::with_capacity(graph.num_instances()),
-        }
+        Self { upper: Upper::new(graph, graph.atlas()), nodes: Nodes::new(graph, MAX_NODES) }
     }
 
     /// Looks for a way from a node to a target, and writes as many of its first steps as there is room for; a way to
@@ -117,119 +102,105 @@ impl Planner {
         toll: impl Fn(u32) -> f32,
         out: &mut [Step],
     ) -> Option<Plan> {
-        let state = self.instances.state_of(graph, from);
-        let region = Region::of(graph, target)?;
-        let end = match target {
-            Target::Node(node) => self.instances.state_of(graph, node),
-            Target::Rest { instance } | Target::Tag { instance, .. } => self.instances.inside_of(instance),
-        };
-        if !self.instances.run(graph, end, state, &toll) {
-            return None;
-        }
-        let mut opened_nodes = 0;
-        for around in SURROUNDINGS.map(Some).into_iter().chain([None]) {
-            self.mark(graph, state, around);
-            let corridor = around.map(|_| (self.corridor.as_slice(), self.stamp));
-            let space = Way { graph, target, region, corridor, instances: &self.instances, toll: &toll };
-            let found = self.nodes.search(graph, from, &space, usize::MAX);
+        let (atlas, mut opened_nodes) = (graph.atlas(), 0);
+        for tries in &TRIES {
+            if !self.upper.run(graph, atlas, target, from, tries.all) {
+                return None;
+            }
+            let skip = if tries.leaps { self.upper.district() } else { NONE };
+            let (upper, greed) = (&mut self.upper, tries.greed);
+            let mut way = Way { graph, atlas, target, skip, leaps: tries.leaps, greed, upper, toll: &toll };
+            let found = self.nodes.search(graph, from, &mut way, tries.most);
             opened_nodes += self.nodes.opened;
-            if let Found::Way(way) = found {
-                return Some(self.report(graph, way, opened_nodes, out));
+            if let Found::Way(way) = found
+                && let Some(plan) = self.report(graph, from, way, out)
+            {
+                return Some(Plan { opened_nodes, opened_instances: self.upper.opened, ..plan });
             }
         }
         None
     }
 
-    fn report(&self, graph: &WorldGraph<'_>, way: u32, opened_nodes: usize, out: &mut [Step]) -> Plan {
-        let num_steps = self.nodes.path(way, out);
-        let (mut num_frames, mut length_m) = (0, 0.0);
-        self.nodes.walk(way, |step| {
-            num_frames += step.num_frames();
-            length_m += graph.length(step);
-        });
-        let num_stored = num_steps.min(out.len());
-        Plan { num_steps, num_stored, num_frames, length_m, opened_instances: self.instances.opened, opened_nodes }
-    }
-
-    /// Marks the instances on the way and around it.
-    fn mark(&mut self, graph: &WorldGraph<'_>, from: u32, around: Option<u32>) {
-        self.stamp = self.stamp.wrapping_add(1);
-        if self.stamp == 0 {
-            self.corridor.fill(0);
-            self.stamp = 1;
-        }
-        self.list.clear();
-        let Self { instances, corridor, stamp, list, .. } = self;
-        let mut add = |i: u32, list: &mut Vec<u32>| {
-            if corridor[i as usize] != *stamp {
-                corridor[i as usize] = *stamp;
-                list.push(i);
+    /// Writes the steps of a way that was found; none where what stands for many steps cannot be told step by step.
+    fn report(&mut self, graph: &WorldGraph<'_>, from: Node, way: u32, out: &mut [Step]) -> Option<Plan> {
+        let mut plan = Plan::default();
+        let mut add = |step: Step| {
+            if let Some(slot) = out.get_mut(plan.num_steps) {
+                *slot = step;
+                plan.num_stored += 1;
             }
+            plan.num_steps += 1;
+            plan.num_frames += step.num_frames();
+            plan.length_m += graph.length(&step);
         };
-        instances.way(from).for_each(|i| add(i, list));
-        let mut first = 0;
-        for _ in 0..around.unwrap_or(0) {
-            let end = list.len();
-            for k in first..end {
-                let instance = list[k];
-                let r = graph.instance(instance);
-                let edges = graph.patches().patches[r.patch as usize].num_edges;
-                let neighbours = &graph.world().neighbours[r.first_neighbour as usize..][..edges as usize];
-                neighbours.iter().filter(|n| **n != crate::patch::NONE).for_each(|&n| add(n, list));
-                graph.adjacencies(instance).for_each(|(_, a, _)| add(a.other, list));
+        let (mut at, mut node) = (self.nodes.turn(way), from);
+        while let Some((next, step)) = self.nodes.next(at) {
+            match step.link {
+                NONE => leaps::walk(graph, graph.atlas(), node, &step, &mut add)?,
+                _ => add(step),
             }
-            first = end;
+            (at, node) = (next, step.to);
         }
+        Some(plan)
     }
 }
 
-/// Where the nodes of a target are.
-#[derive(Clone, Copy)]
-struct Region {
-    min: Vec3,
-    max: Vec3,
+/// How a way is looked for.
+struct Try {
+    /// What estimates count in the lower layer: more than 1 opens far fewer nodes, for ways that take a little longer
+    /// (weighted A*, Pohl 1970: at most this many times the best one where estimates are bounds).
+    greed: f32,
+    /// Most nodes that are opened.
+    most: usize,
+    /// In the upper layer, up to the last way in and out.
+    all: bool,
+    /// In the lower layer, over districts in one leap.
+    leaps: bool,
 }
 
-impl Region {
-    /// Of all nodes that are the target; none where there is none.
-    fn of(graph: &WorldGraph<'_>, target: Target) -> Option<Self> {
-        let instance = target.instance();
-        let nodes = (0..graph.num_cells(instance)).map(|cell| Node { instance, cell });
-        nodes.filter(|n| graph.is_node(*n) && target.is_at(graph, *n)).fold(None, |found: Option<Self>, node| {
-            let p = graph.place(node).translation();
-            Some(found.map_or(Self { min: p, max: p }, |r| Self { min: r.min.min(p), max: r.max.max(p) }))
-        })
-    }
+/// Who finds no way soon looks for another one that may take longer; who finds none at all looks everywhere.
+const TRIES: [Try; 5] = [
+    Try { greed: 1.1, most: 1000, all: false, leaps: true },
+    Try { greed: 1.4, most: 1500, all: false, leaps: true },
+    Try { greed: 2.5, most: usize::MAX, all: false, leaps: true },
+    Try { greed: 2.5, most: usize::MAX, all: true, leaps: true },
+    Try { greed: 2.5, most: usize::MAX, all: true, leaps: false },
+];
 
-    fn distance(&self, place: Placement) -> f32 {
-        let p = place.translation();
-        (p - p.clamp(self.min, self.max)).length()
-    }
-}
-
-/// The lower layer's space: what is in the corridor, towards the target.
+/// The lower layer's space: everything, towards the target.
 struct Way<'a, 'w, T> {
     graph: &'a WorldGraph<'w>,
+    atlas: &'a Atlas,
     target: Target,
-    region: Region,
-    /// Stamps of the instances, and the one of the corridor; none where everything is admitted.
-    corridor: Option<(&'a [u32], u32)>,
-    instances: &'a Instances,
+    /// The district that is not leapt over: that of the target.
+    skip: u32,
+    leaps: bool,
+    greed: f32,
+    upper: &'a mut Upper,
     toll: &'a T,
 }
 
 impl<T: Fn(u32) -> f32> Space for Way<'_, '_, T> {
-    fn admits(&self, instance: u32) -> bool {
-        self.corridor.is_none_or(|(stamps, stamp)| stamps[instance as usize] == stamp)
+    fn admits(&self, _: u32) -> bool {
+        true
+    }
+
+    fn for_each_step(&mut self, graph: &WorldGraph<'_>, node: Node, mut visit: impl FnMut(&mut Self, Step)) {
+        match self.atlas.district(node.instance) {
+            Some((district, first)) if self.leaps && district != self.skip => {
+                let atlas = self.atlas;
+                leaps::for_each(graph, atlas, district, first + node.cell, |step| visit(self, step));
+            }
+            _ => graph.for_each_step(node, |step| visit(self, step)),
+        }
     }
 
     fn is_target(&self, node: Node) -> bool {
         self.target.is_at(self.graph, node)
     }
 
-    fn estimate(&self, node: Node) -> f32 {
-        let straight = self.region.distance(self.graph.place(node)) / self.graph.bounds.fastest;
-        GREED * straight.max(self.instances.cost(self.instances.state_of(self.graph, node)))
+    fn estimate(&mut self, node: Node) -> f32 {
+        self.greed * self.upper.estimate(self.atlas, node)
     }
 
     fn cost(&self, step: &Step) -> f32 {

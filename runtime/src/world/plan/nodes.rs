@@ -10,10 +10,14 @@ pub(crate) trait Space {
     fn admits(&self, instance: u32) -> bool;
     /// True where it ends.
     fn is_target(&self, node: Node) -> bool;
-    /// What it costs at least to go on from a node to the target. [Unit: frames]
-    fn estimate(&self, node: Node) -> f32;
+    /// What it costs to go on from a node to the target; infinite where no way leads there. [Unit: frames]
+    fn estimate(&mut self, node: Node) -> f32;
     /// What a step costs. [Unit: frames]
     fn cost(&self, step: &Step) -> f32;
+    /// Calls `visit` with every step that is looked at from a node, and with what stands for many steps at once.
+    fn for_each_step(&mut self, graph: &WorldGraph<'_>, node: Node, mut visit: impl FnMut(&mut Self, Step)) {
+        graph.for_each_step(node, |step| visit(self, step));
+    }
 }
 
 /// Why a search ended.
@@ -62,7 +66,7 @@ impl Nodes {
     }
 
     /// Looks for the cheapest way from a node to a target, opening at most `most` nodes.
-    pub fn search(&mut self, graph: &WorldGraph<'_>, from: Node, space: &impl Space, most: usize) -> Found {
+    pub fn search(&mut self, graph: &WorldGraph<'_>, from: Node, space: &mut impl Space, most: usize) -> Found {
         self.begin();
         let Some(first) = self.place(graph, from, space) else {
             return Found::Limit;
@@ -79,11 +83,14 @@ impl Nodes {
             }
             self.opened += 1;
             let cost = self.costs[at as usize];
-            graph.for_each_step(node, |step| {
+            space.for_each_step(graph, node, |space, step| {
                 let total = cost + space.cost(&step);
                 match self.place(graph, step.to, space) {
                     Some(to) if self.stamps[to as usize] != self.stamp || total < self.costs[to as usize] => {
-                        self.reach(to, total, at, step, space.estimate(step.to));
+                        let estimate = space.estimate(step.to);
+                        if estimate < f32::INFINITY {
+                            self.reach(to, total, at, step, estimate);
+                        }
                     }
                     Some(_) => {}
                     None => full |= space.admits(step.to.instance),
@@ -114,6 +121,22 @@ impl Nodes {
             visit(&self.steps[at as usize]);
             at = self.parents[at as usize];
         }
+    }
+
+    /// Turns a way around, so that it can be followed from its beginning with [`Nodes::next`]; it is no way any more.
+    pub fn turn(&mut self, way: u32) -> u32 {
+        let (mut at, mut after) = (way, NONE);
+        while at != NONE {
+            after = std::mem::replace(&mut self.parents[at as usize], after);
+            std::mem::swap(&mut at, &mut after);
+        }
+        after
+    }
+
+    /// The step that follows on a way that was turned around, and where it leads to.
+    pub fn next(&self, at: u32) -> Option<(u32, Step)> {
+        let next = self.parents[at as usize];
+        (next != NONE).then(|| (next, self.steps[next as usize]))
     }
 
     /// Cost of a way. [Unit: frames]

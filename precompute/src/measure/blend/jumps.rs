@@ -1,0 +1,177 @@
+//! How bodies move while the parameters asked of them jump.
+
+use super::cross_fade::CrossFade;
+use super::{STEP_S, advance, control, random_parameters};
+use crate::error::BuildError;
+use crate::measure::timing::fail;
+use glam::Vec3;
+use throng_runtime::blend::walkers::{WalkerStart, Walkers, WalkersConfig};
+use throng_runtime::blend::{BlendSpace, HeightField};
+use throng_runtime::{Contacts, Joint, NUM_JOINTS, Planar, Tables};
+
+/// Characters that are looked at, and for how long. [Unit: s]
+const LOOKED_AT: usize = 32;
+const SECONDS: f32 = 40.0;
+/// Time between jumps. [Unit: s]
+const JUMP_S: f32 = 2.0;
+/// Acceleration counts for so long after a jump. [Unit: s]
+const AFTER_S: f32 = 0.5;
+/// Feet: contact, heel's and toe's joint.
+const FEET: [(Contacts, [Joint; 2]); 2] =
+    [(Contacts::LEFT, [Joint::LeftFoot, Joint::LeftToe]), (Contacts::RIGHT, [Joint::RightFoot, Joint::RightToe])];
+/// Legs: hip, knee, ankle.
+const LEGS: [[Joint; 3]; 2] =
+    [[Joint::LeftThigh, Joint::LeftShin, Joint::LeftFoot], [Joint::RightThigh, Joint::RightShin, Joint::RightFoot]];
+
+/// Where bodies come from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Motion {
+    /// Walkers: weights, incremental time-warping, retargeting.
+    Blended,
+    /// The nearest example, cross-faded.
+    CrossFaded,
+}
+
+/// What was seen.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Jumps {
+    /// 95th percentile of the speed of feet on the ground: of a foot, that of the slower of its two joints, as feet
+    /// roll. [Unit: m/s]
+    pub slip_p95_mps: f64,
+    /// Fastest change of a knee's angle. [Unit: rad/s]
+    pub knee_rate: f64,
+    /// Largest acceleration of a joint soon after a jump. [Unit: m/s^2]
+    pub acceleration: f64,
+}
+
+/// Lets characters follow paths whose speed, turning rate and style jump to a place drawn at random every two seconds.
+///
+/// # Errors
+/// [`BuildError::Stage`] where the space is broken.
+pub(super) fn jumps(tables: &Tables, space: &BlendSpace<'_>, motion: Motion) -> Result<Jumps, BuildError> {
+    let places = random_parameters(space);
+    let mut watch = Watch::default();
+    for who in 0..LOOKED_AT {
+        watch.forget();
+        let mut body = Body::new(tables, space, motion)?;
+        let mut path = control(space, &places[who], Planar::default());
+        for step in 0..(SECONDS / STEP_S) as usize {
+            let since = step as f32 * STEP_S;
+            let aim = &places[(who * 37 + (since / JUMP_S) as usize) % places.len()];
+            advance(space, &mut path, aim, STEP_S);
+            let (joints, contacts) = match &mut body {
+                Body::Blended(walkers) => {
+                    walkers.step(space, STEP_S, &[path], &HeightField::flat()).map_err(|e| fail(e.to_string()))?;
+                    (walkers.joint_positions(0), walkers.contacts(0))
+                }
+                Body::CrossFaded(fade) => {
+                    fade.step(space, tables.skeleton(), aim, &path, STEP_S).map_err(|e| fail(e.to_string()))?;
+                    (fade.joints, fade.contacts)
+                }
+            };
+            watch.look(joints, contacts, since % JUMP_S < AFTER_S && since > JUMP_S);
+        }
+    }
+    Ok(watch.result())
+}
+
+enum Body {
+    Blended(Box<Walkers>),
+    CrossFaded(CrossFade),
+}
+
+impl Body {
+    fn new(tables: &Tables, space: &BlendSpace<'_>, motion: Motion) -> Result<Self, BuildError> {
+        if motion == Motion::CrossFaded {
+            return Ok(Self::CrossFaded(CrossFade::new(space)));
+        }
+        let skeleton = tables.skeleton();
+        let bodies = std::slice::from_ref(skeleton);
+        let walkers = Walkers::new(space, skeleton, bodies, WalkersConfig::default(), &[WalkerStart::default()]);
+        Ok(Self::Blended(Box::new(walkers.map_err(|e| fail(e.to_string()))?)))
+    }
+}
+
+#[derive(Default)]
+struct Watch {
+    /// The last poses, the latest first.
+    last: Vec<[Vec3; NUM_JOINTS]>,
+    contacts: Contacts,
+    slips: Vec<f32>,
+    knee_rate: f32,
+    acceleration: f32,
+}
+
+impl Watch {
+    fn forget(&mut self) {
+        self.last.clear();
+        self.contacts = Contacts::NONE;
+    }
+
+    fn look(&mut self, joints: [Vec3; NUM_JOINTS], contacts: Contacts, jumped: bool) {
+        if let Some(before) = self.last.first() {
+            for (foot, parts) in FEET {
+                if contacts.any(foot) && self.contacts.any(foot) {
+                    let speed = parts.map(|j| (joints[j.index()] - before[j.index()]).length() / STEP_S);
+                    self.slips.push(speed[0].min(speed[1]));
+                }
+            }
+            let rates = LEGS.map(|leg| (knee(&joints, leg) - knee(before, leg)).abs() / STEP_S);
+            self.knee_rate = rates.into_iter().fold(self.knee_rate, f32::max);
+        }
+        if let [before, earlier, ..] = &self.last[..]
+            && jumped
+        {
+            for j in 0..NUM_JOINTS {
+                let change = joints[j] - 2.0 * before[j] + earlier[j];
+                self.acceleration = self.acceleration.max(change.length() / (STEP_S * STEP_S));
+            }
+        }
+        self.last.insert(0, joints);
+        self.last.truncate(2);
+        self.contacts = contacts;
+    }
+
+    fn result(mut self) -> Jumps {
+        self.slips.sort_by(f32::total_cmp);
+        let at = (0.95 * self.slips.len() as f64) as usize;
+        Jumps {
+            slip_p95_mps: self.slips.get(at).copied().map_or(0.0, f64::from),
+            knee_rate: f64::from(self.knee_rate),
+            acceleration: f64::from(self.acceleration),
+        }
+    }
+}
+
+/// Angle at a knee. [Unit: rad]
+fn knee(joints: &[Vec3; NUM_JOINTS], leg: [Joint; 3]) -> f32 {
+    let [hip, knee, ankle] = leg.map(|j| joints[j.index()]);
+    (hip - knee).angle_between(ankle - knee)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_watch_sees_slipping_feet_bending_knees_and_jerks() {
+        let mut watch = Watch::default();
+        let mut joints = [Vec3::ZERO; NUM_JOINTS];
+        joints[Joint::LeftThigh.index()] = Vec3::Y;
+        joints[Joint::LeftShin.index()] = Vec3::Y * 0.5;
+        let slip = Vec3::X * 0.3 * STEP_S;
+        for step in 0..4 {
+            let mut now = joints;
+            now[Joint::LeftFoot.index()] += slip * step as f32;
+            now[Joint::LeftToe.index()] += slip * step as f32 * 2.0;
+            if step == 3 {
+                now[Joint::Head.index()].y += 0.01;
+            }
+            watch.look(now, Contacts::LEFT, step == 3);
+        }
+        let seen = watch.result();
+        assert!((seen.slip_p95_mps - 0.3).abs() < 1e-4, "{seen:?}");
+        assert!((seen.acceleration - 36.0).abs() < 0.1, "{seen:?}");
+        assert!(seen.knee_rate > 0.3 && seen.knee_rate < 0.7, "{seen:?}");
+    }
+}

@@ -1,0 +1,101 @@
+//! Searches over whole frames: arcs by where they begin, and Dijkstra with buckets in place of a heap (Dial 1969).
+
+/// Stands where there is no way, or one that is too long to be noted.
+pub(super) const UNREACHED: u16 = u16::MAX;
+/// Longer ways are not followed. [Unit: frames]
+const LONGEST: u32 = UNREACHED as u32 - 1;
+
+/// Arcs of a graph, sorted by where they begin: where each leads, and its frames.
+#[derive(Clone, Debug)]
+pub(super) struct Arcs<T> {
+    first: Vec<u32>,
+    list: Vec<(T, u16)>,
+}
+
+impl<T: Copy> Arcs<T> {
+    /// Sorts arcs; they keep their order otherwise. [Limit: each begins below `num_nodes`]
+    pub fn new(num_nodes: usize, arcs: impl Iterator<Item = (u32, T, u16)>) -> Self {
+        let mut list: Vec<(u32, T, u16)> = arcs.collect();
+        list.sort_by_key(|a| a.0);
+        let mut first = vec![0u32; num_nodes + 1];
+        list.iter().for_each(|a| first[a.0 as usize + 1] += 1);
+        for n in 0..num_nodes {
+            first[n + 1] += first[n];
+        }
+        Self { first, list: list.into_iter().map(|(_, to, frames)| (to, frames)).collect() }
+    }
+
+    /// Arcs that begin at a node.
+    pub fn of(&self, node: u32) -> &[(T, u16)] {
+        &self.list[self.first[node as usize] as usize..self.first[node as usize + 1] as usize]
+    }
+}
+
+/// Memory of searches.
+#[derive(Debug, Default)]
+pub(super) struct Dial {
+    costs: Vec<u32>,
+    /// The source that each is reached from.
+    origins: Vec<u16>,
+    /// States by cost.
+    buckets: Vec<Vec<u32>>,
+    /// States in the buckets.
+    open: usize,
+    /// Cost and origin of the state that is visited.
+    cost: u32,
+    origin: u16,
+}
+
+impl Dial {
+    /// Least costs from any of the sources, which have costs and marks of their own, to all states. `visit` calls
+    /// [`Dial::reach`] for every state that the given one leads to.
+    pub fn run(
+        &mut self,
+        num_states: usize,
+        sources: impl Iterator<Item = (u32, u16, u16)>,
+        mut visit: impl FnMut(&mut Self, u32),
+    ) {
+        self.costs.clear();
+        self.costs.resize(num_states, u32::MAX);
+        self.buckets.resize(usize::from(UNREACHED) + 1, Vec::new());
+        (self.open, self.cost) = (0, 0);
+        self.origins.clear();
+        self.origins.resize(num_states, 0);
+        for (state, cost, mark) in sources {
+            self.origin = mark;
+            self.reach(state, cost);
+        }
+        while self.open > 0 {
+            let Some(state) = self.buckets[self.cost as usize].pop() else {
+                self.cost += 1;
+                continue;
+            };
+            self.open -= 1;
+            if self.costs[state as usize] == self.cost {
+                self.origin = self.origins[state as usize];
+                visit(self, state);
+            }
+        }
+    }
+
+    /// Notes that so many frames lead from the state that is visited to another one.
+    pub fn reach(&mut self, to: u32, frames: u16) {
+        let total = self.cost + u32::from(frames);
+        if total < self.costs[to as usize] && total <= LONGEST {
+            self.costs[to as usize] = total;
+            self.origins[to as usize] = self.origin;
+            self.buckets[total as usize].push(to);
+            self.open += 1;
+        }
+    }
+
+    /// Mark of the source that a state is reached from.
+    pub fn origin(&self, state: u32) -> u16 {
+        self.origins[state as usize]
+    }
+
+    /// Cost of a state after the last search.
+    pub fn cost(&self, state: u32) -> u16 {
+        u16::try_from(self.costs[state as usize]).unwrap_or(UNREACHED)
+    }
+}
