@@ -87,8 +87,8 @@ pub(crate) fn tread<F: Lanes>(t: &Tread<'_, F>, foot: &mut Foot, wanted: Sole<F>
     progress(t, foot, down, offset, turn[1]);
     // The heel stands where the ankle does: not while the foot rolls over it.
     let rolls = (share - F::splat(0.5)).abs();
-    let heel = F::select_lt(rolls, F::splat(0.25), down, zero);
-    let ball = F::select_lt(share, F::splat(0.25), zero, down);
+    let heel = F::select_lt(rolls, F::splat(0.12), held, zero);
+    let ball = F::select_lt(share, F::splat(0.38), zero, held);
     (sole, [heel.to_array(), ball.to_array()])
 }
 

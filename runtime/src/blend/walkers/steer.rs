@@ -17,6 +17,8 @@ const STRIDING_MPS: f32 = 0.3;
 /// What all walkers share in a tick.
 pub(crate) struct Steering<'a> {
     pub axes: &'a [AxisRecord],
+    /// What the parameters may be is limited to the box.
+    clamped: bool,
     /// The examples step sideways.
     sideways: bool,
     /// The examples step back.
@@ -33,6 +35,7 @@ impl<'a> Steering<'a> {
         let axes = space.axes();
         Self {
             axes,
+            clamped: space.record().extrapolate == 0,
             sideways: space.axis_of(axis::SIDE).is_some(),
             backward: axes.iter().any(|a| a.kind == axis::SPEED && a.low < 0.0),
             dt_s,
@@ -120,6 +123,10 @@ impl<'a> Steering<'a> {
                 axis::GYRATION => turning,
                 _ => styles.next().copied().unwrap_or(0.0),
             };
+            // What is asked for beyond the box would be eased to in less time.
+            if self.clamped {
+                *p = p.clamp(axis.low, axis.high);
+            }
         }
         p
     }
