@@ -93,9 +93,9 @@ pub fn curve(along: f32) -> (Vec2, f32) {
         let step = STEP_M * (steps - i as f32).min(1.0);
         let bend = match i as f32 * STEP_M {
             s if s < 2.0 => 0.0,
-            s if s < 5.0 => 0.45,
-            s if s < 11.0 => -0.45,
-            s if s < 14.0 => 0.45,
+            s if s < 5.0 => 0.25,
+            s if s < 11.0 => -0.25,
+            s if s < 14.0 => 0.25,
             _ => 0.0,
         };
         heading += bend * step;
