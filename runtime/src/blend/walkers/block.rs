@@ -52,6 +52,8 @@ pub(crate) struct Block {
     pub travel: [Lane; 2],
     /// Place in the parameter box, eased.
     pub parameters: [[f32; MAX_AXES]; LANES],
+    /// How fast it moves. [Unit: 1/s]
+    pub parameter_rates: [[f32; MAX_AXES]; LANES],
     /// Generic time, in [0, 1).
     pub phase: Lane,
     /// How far the hips are lowered so that both legs reach. [Unit: m]
@@ -71,6 +73,7 @@ impl Block {
         turning: [0.0; LANES],
         travel: [[0.0; LANES]; 2],
         parameters: [[0.0; MAX_AXES]; LANES],
+        parameter_rates: [[0.0; MAX_AXES]; LANES],
         phase: [0.0; LANES],
         drop: [0.0; LANES],
         placed: [0.0; LANES],
