@@ -10,8 +10,8 @@ use crate::troupe::hierarchy::ModelPose;
 use glam::Vec3;
 
 /// Share of a leg's length past which it gives way softly, and what it never passes.
-const SOFT: f32 = 0.99;
-const HARD: f32 = 0.9995;
+const SOFT: f32 = 0.98;
+const HARD: f32 = 0.999;
 /// Share of its length by which a leg may be too short for a planted foot before the foot is released.
 const STRETCH: f32 = 0.004;
 /// Furthest that the hips are lowered. [Unit: m, of the database skeleton]
