@@ -5,7 +5,7 @@ use super::heap::Heap;
 use crate::patch::NONE;
 use crate::world::atlas::{Atlas, In, Look, Out, class};
 use crate::world::{Node, WorldGraph};
-use glam::Vec3;
+use glam::{Vec3, Vec3Swizzles};
 use std::ops::Range;
 
 /// What is known of a tile: the ways on from it that cost least, one of which may be the way to the target itself.
@@ -13,7 +13,11 @@ const MAX_GATES: usize = 4;
 /// Gates are looked at that cost at most this many times what the best way costs, and so much more. [Unit: frames]
 const BESIDE: f32 = 1.05;
 const BESIDE_FRAMES: f32 = 60.0;
-/// Some ways are faster than walking.
+/// What a frame counts within the target's district, where many ways are equally fast.
+const HASTE: f32 = 3.0;
+/// Ways that rise less are level. [Unit: m]
+const MIN_RISE_M: f32 = 0.3;
+/// Places are known but roughly.
 const CAUTION: f32 = 0.9;
 
 /// A way on from a tile. [Unit: frames]
@@ -31,6 +35,43 @@ struct Gates {
     list: [Gate; MAX_GATES],
 }
 
+/// What a metre costs at least. [Unit: frames/m]
+#[derive(Clone, Copy, Debug, Default)]
+struct Pace {
+    along: f32,
+    up: f32,
+    down: f32,
+}
+
+impl Pace {
+    /// On planes, and on top of that where districts lead up and down.
+    fn new(graph: &WorldGraph<'_>, atlas: &Atlas) -> Self {
+        let mut pace = Self { along: atlas.pace(), up: f32::INFINITY, down: f32::INFINITY };
+        for district in 0..atlas.num_districts() as u32 {
+            for (i, way_in) in atlas.ins_of(district).enumerate() {
+                let In::Tile { tile, .. } = atlas.ins[way_in as usize] else { continue };
+                for (o, out) in atlas.outs_of(district).enumerate() {
+                    let Some(to) = atlas.outs[out as usize].tile else { continue };
+                    let way = graph.centre(to) - graph.centre(tile);
+                    let cost = atlas.shape(district).across(i as u32, o as u32) - pace.along * way.xz().length();
+                    let least = if way.y > 0.0 { &mut pace.up } else { &mut pace.down };
+                    if way.y.abs() > MIN_RISE_M {
+                        *least = least.min((cost / way.y.abs()).max(0.0));
+                    }
+                }
+            }
+        }
+        let known = |p: f32| if p < f32::INFINITY { CAUTION * p } else { 0.0 };
+        Self { along: known(pace.along), up: known(pace.up), down: known(pace.down) }
+    }
+
+    /// Of a way from one place to another.
+    fn cost(&self, from: Vec3, to: Vec3) -> f32 {
+        let way = to - from;
+        self.along * way.xz().length() + if way.y > 0.0 { self.up * way.y } else { -self.down * way.y }
+    }
+}
+
 /// Memory of the upper layer, and what its last search found.
 #[derive(Clone, Debug)]
 pub(super) struct Upper {
@@ -41,9 +82,9 @@ pub(super) struct Upper {
     stamps: Vec<u32>,
     heap: Heap,
     stamp: u32,
-    /// Where the search is to come to, and what a metre costs at least. [Unit: m, frames/m]
+    /// Where the search is to come to. [Unit: m]
     from: Vec3,
-    pace: f32,
+    pace: Pace,
     /// Ways in of a region that were opened: the first and the last, and the next of each.
     chains: Vec<[u32; 2]>,
     chain_stamps: Vec<u32>,
@@ -69,6 +110,8 @@ struct End {
     /// There, least costs from each way in, and largest ones to each way out.
     from_in: Vec<f32>,
     to_out: Vec<f32>,
+    /// The least of the former.
+    nearest: f32,
 }
 
 impl Upper {
@@ -87,7 +130,7 @@ impl Upper {
         Self {
             places: atlas.ins.iter().map(place_in).chain(atlas.outs.iter().map(place_out)).collect(),
             from: Vec3::ZERO,
-            pace: CAUTION * atlas.pace(),
+            pace: Pace::new(graph, atlas),
             next_stamps: vec![0; atlas.ins.len()],
             costs: vec![0.0; num_states],
             stamps: vec![0; num_states],
@@ -143,11 +186,10 @@ impl Upper {
     /// What it costs to go on from a node to the target; infinite where no way is known. [Unit: frames]
     pub fn estimate(&mut self, atlas: &Atlas, node: Node) -> f32 {
         if let Some((district, first)) = atlas.district(node.instance) {
-            return self.within(atlas, district, first + node.cell).min(self.through(
-                atlas,
-                district,
-                first + node.cell,
-            ));
+            let within = self.within(atlas, district, first + node.cell);
+            // What has come nearer to the target than its district's nearest way in goes on before others do.
+            let inside = self.end.nearest + HASTE * (within - self.end.nearest);
+            return inside.min(self.through(atlas, district, first + node.cell));
         }
         if self.gates[node.instance as usize].stamp != self.stamp {
             self.find_gates(atlas, node.instance);
@@ -197,11 +239,14 @@ impl Upper {
         end.district = Some(district);
         end.from_in.extend(atlas.ins_of(district).map(|_| f32::INFINITY));
         end.to_out.extend(atlas.outs_of(district).map(|_| 0.0));
+        end.nearest = 0.0;
         for n in nodes {
             let cell = first + n.cell;
             end.from_in.iter_mut().enumerate().for_each(|(k, c)| *c = c.min(shape.from_in(k as u32, cell)));
             end.to_out.iter_mut().enumerate().for_each(|(k, c)| *c = c.max(shape.to_out(k as u32, cell)));
         }
+        let nearest = end.from_in.iter().copied().fold(f32::INFINITY, f32::min);
+        end.nearest = if nearest < f32::INFINITY { nearest } else { 0.0 };
         true
     }
 
@@ -220,6 +265,7 @@ impl Upper {
     /// Ways out to tiles of a region, from which one goes on to a class of cells of one of them.
     fn reach_outs(&mut self, atlas: &Atlas, region: u32, tile: u32, class: u32, cost: f32) {
         let Some(plane) = atlas.plane(region) else { return };
+        let (mut last, mut look) = (NONE, Look::default());
         for &k in &atlas.region_outs[region as usize] {
             let out = &atlas.outs[k as usize];
             let Some(through) = out.tile else { continue };
@@ -227,7 +273,9 @@ impl Upper {
             if self.stamps[s] == self.stamp && self.costs[s] <= cost {
                 continue;
             }
-            let look = plane.look(class, atlas.regions.way(through, tile));
+            if last != through {
+                (last, look) = (through, plane.look(class, atlas.regions.way(through, tile)));
+            }
             let number = k - atlas.outs_of(out.district).start;
             self.reach(atlas.ins.len() as u32 + k, cost + atlas.shape(out.district).landing(number, look));
         }
@@ -240,7 +288,7 @@ impl Upper {
         }
         self.stamps[s] = self.stamp;
         self.costs[s] = cost;
-        self.heap.push(state, cost + self.pace * self.places[s].distance(self.from));
+        self.heap.push(state, cost + self.pace.cost(self.from, self.places[s]));
     }
 
     fn open_in(&mut self, atlas: &Atlas, way_in: u32, cost: f32) {
