@@ -2,6 +2,7 @@
 
 use super::Target;
 use super::heap::Heap;
+use super::near::{self, Near};
 use crate::patch::NONE;
 use crate::world::atlas::{Atlas, In, Look, Out, class};
 use crate::world::{Node, WorldGraph};
@@ -31,6 +32,8 @@ struct Gate {
 #[derive(Clone, Copy, Debug, Default)]
 struct Gates {
     stamp: u32,
+    /// True where the target is so near that the way to it is looked up elsewhere.
+    near: bool,
     len: usize,
     list: [Gate; MAX_GATES],
 }
@@ -93,6 +96,7 @@ pub(super) struct Upper {
     /// By instance.
     gates: Vec<Gates>,
     end: End,
+    near: Near,
     /// Largest cost that is settled; infinite where all are. [Unit: frames]
     pub limit: f32,
     /// States opened.
@@ -145,6 +149,7 @@ impl Upper {
                 to_out: Vec::with_capacity(most(Atlas::outs_of)),
                 ..End::default()
             },
+            near: Near::new((0..graph.num_instances() as u32).map(|i| graph.num_cells(i)).max().unwrap_or(0)),
             limit: 0.0,
             opened: 0,
         }
@@ -197,7 +202,8 @@ impl Upper {
         let Some(plane) = atlas.regions.of(node.instance).and_then(|r| atlas.plane(r)) else { return f32::INFINITY };
         let gates = &self.gates[node.instance as usize];
         let costs = gates.list[..gates.len].iter().map(|g| plane.cost(g.look, node.cell) + g.cost);
-        costs.fold(f32::INFINITY, f32::min)
+        let near = gates.near.then(|| self.estimate_direct(atlas, node));
+        costs.chain(near).fold(f32::INFINITY, f32::min)
     }
 
     /// District of the target; [`NONE`] where it is in none.
@@ -233,6 +239,14 @@ impl Upper {
         let Some((district, first)) = atlas.district(instance) else {
             let num_edges = graph.patches().patches[graph.instance(instance).patch as usize].num_edges;
             nodes.for_each(|n| end.classes |= 1 << class(graph.cell(n), num_edges));
+            let Some(plane) = atlas.regions.of(instance).and_then(|r| atlas.plane(r)) else { return false };
+            let bits = end.classes;
+            let cells = (0..graph.num_cells(instance)).filter(|&cell| {
+                let node = Node { instance, cell };
+                graph.is_node(node) && target.is_at(graph, node)
+            });
+            let least = |way, cell| near::least(plane, classes(bits), way, cell);
+            self.near.run(plane, graph.num_cells(instance), cells, least);
             return true;
         };
         let shape = atlas.shape(district);
@@ -257,7 +271,7 @@ impl Upper {
             }
         } else if let Some(region) = atlas.regions.of(self.end.instance) {
             for class in classes(self.end.classes) {
-                self.reach_outs(atlas, region, self.end.instance, class, 0.0);
+                self.reach_outs(atlas, region, self.end.instance, class, self.near.beside);
             }
         }
     }
@@ -359,8 +373,9 @@ impl Upper {
         let (here, there) = (atlas.regions.of(node.instance), atlas.regions.of(self.end.instance));
         let Some(plane) = here.filter(|_| here == there).and_then(|r| atlas.plane(r)) else { return f32::INFINITY };
         let way = atlas.regions.way(node.instance, self.end.instance);
-        let costs = classes(self.end.classes).map(|class| plane.cost(plane.look(class, way), node.cell));
-        costs.fold(f32::INFINITY, f32::min)
+        self.near
+            .cost(way, node.cell)
+            .unwrap_or_else(|| near::least(plane, classes(self.end.classes), way, node.cell) + self.near.beside)
     }
 
     /// What it costs at least from a cell of the target's district to the target: the ways in and out are landmarks
@@ -412,8 +427,12 @@ impl Upper {
                 (costs[at], found.list[at]) = (total, Gate { look, cost });
             }
         };
+        let mut near = false;
         if atlas.regions.of(self.end.instance) == region {
-            classes(self.end.classes).for_each(|class| add(class, self.end.instance, 0.0));
+            near = self.near.cost(atlas.regions.way(tile, self.end.instance), 0).is_some();
+            if !near {
+                classes(self.end.classes).for_each(|class| add(class, self.end.instance, self.near.beside));
+            }
         }
         let mut way_in = if self.chain_stamps[r as usize] == self.stamp { self.chains[r as usize][0] } else { NONE };
         while way_in != NONE {
@@ -422,6 +441,7 @@ impl Upper {
             }
             way_in = self.next[way_in as usize];
         }
+        found.near = near;
         self.gates[tile as usize] = found;
     }
 }

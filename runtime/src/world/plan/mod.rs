@@ -4,6 +4,7 @@
 mod gates;
 mod heap;
 mod leaps;
+mod near;
 mod nodes;
 
 use super::atlas::Atlas;
