@@ -121,7 +121,9 @@ impl Plane {
     fn pace_to(&self, class: u32, vectors: &[Vec3]) -> f32 {
         let along = |way| self.steps.iter().position(|s| *s == way).map_or(Vec3::ZERO, |e| vectors[e]);
         let [u, v] = [along([1, 0]), along([0, 1])];
-        let rim = offsets().filter(|o| o[0].abs().max(o[1].abs()) == RADIUS);
+        // Some classes are come to from nowhere.
+        let known = |o: &[i32; 2]| self.least(self.look(class, *o)) < f32::INFINITY;
+        let rim = offsets().filter(|o| o[0].abs().max(o[1].abs()) == RADIUS && known(o));
         rim.map(|o| self.norm(class, o) / (u * o[0] as f32 + v * o[1] as f32).length()).fold(f32::INFINITY, f32::min)
     }
 
