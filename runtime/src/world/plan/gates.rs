@@ -256,7 +256,7 @@ impl Upper {
         end.nearest = 0.0;
         for n in nodes {
             let cell = first + n.cell;
-            end.from_in.iter_mut().enumerate().for_each(|(k, c)| *c = c.min(shape.from_in(k as u32, cell)));
+            end.from_in.iter_mut().enumerate().for_each(|(k, c)| *c = c.min(shape.reach(k as u32, cell)));
             end.to_out.iter_mut().enumerate().for_each(|(k, c)| *c = c.max(shape.to_out(k as u32, cell)));
         }
         let nearest = end.from_in.iter().copied().fold(f32::INFINITY, f32::min);
@@ -389,7 +389,7 @@ impl Upper {
             least = least.max(shape.to_out(k as u32, cell) - end);
         }
         for (k, &end) in self.end.from_in.iter().enumerate() {
-            let here = shape.from_in(k as u32, cell);
+            let here = shape.reach(k as u32, cell);
             least = if here < f32::INFINITY { least.max(end - here) } else { least };
         }
         least
