@@ -246,7 +246,7 @@ impl BlendConfig {
             }
         }
         for f in &self.find {
-            if f.most == Some(0) || f.closing_deg.is_some_and(|d| !(d > 0.0)) || f.clips.is_empty() {
+            if f.most == Some(0) || f.closing_deg.is_some_and(|d| d.is_nan() || d <= 0.0) || f.clips.is_empty() {
                 let expected = "expected `clips`, and `most` and `closing_deg` above 0 where they are given";
                 return Err(fault(space, "find", expected));
             }
