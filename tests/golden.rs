@@ -24,7 +24,12 @@ fn the_current_version_has_golden_tables_that_open() {
     assert_eq!((tables.clips().len(), tables.frames().len()), (CLIPS, FRAMES));
     assert_eq!((graph.states.len(), graph.segments.len(), graph.action_segments.len()), (STATES, SEGMENTS, ACTIONS));
     assert_eq!(tables.policy(0).grid().num_cells(), 40);
-    assert!(tables.num_bytes() < 300_000, "golden tables stay small");
+    let (blends, names) = (tables.blends(), &tables.meta().blends);
+    assert_eq!((names[0].name.as_str(), names[0].axes.as_slice()), ("walks", &["speed".into(), "gyration".into()][..]));
+    let speeds: Vec<f32> = blends.examples.iter().map(|e| e.velocity[1]).collect();
+    let near = speeds.len() == BLEND_SPEEDS.len() && speeds.iter().zip(BLEND_SPEEDS).all(|(a, b)| (a - b).abs() < 1e-3);
+    assert!(near, "expected {BLEND_SPEEDS:?}, found {speeds:?}");
+    assert!(tables.num_bytes() < 350_000, "golden tables stay small");
 }
 
 #[test]
@@ -92,6 +97,8 @@ const FRAMES: usize = 1168;
 const STATES: usize = 96;
 const SEGMENTS: usize = 96;
 const ACTIONS: usize = 1344;
+/// Speeds of the examples of the blend space. [Unit: m/s]
+const BLEND_SPEEDS: [f32; 5] = [0.551, 0.134, 1.175, 0.154, 1.167];
 /// Mean place of joints in model space, halfway between frames. [Unit: m]
 const POSE: [(Joint, [f64; 3]); 4] = [
     (Joint::Head, [0.0, 1.567451, 0.039276]),

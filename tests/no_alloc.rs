@@ -4,17 +4,22 @@
 mod common;
 #[path = "patch/made_up_world.rs"]
 mod made_up;
+#[allow(dead_code, reason = "a part of it is enough here")]
+#[path = "blend/runtime/made_up.rs"]
+mod made_up_blend;
 
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 use std::hint::black_box;
+use throng_runtime::blend::walkers::{Control, WalkerStart, Walkers, WalkersConfig};
+use throng_runtime::blend::{HeightField, MAX_AXES, Posture};
 use throng_runtime::policy::{self, BestActionJob, LookAheadJob, RankedActions};
 use throng_runtime::sparring::{PracticeConfig, PracticeGoal, Sparring, TargetPractice};
 use throng_runtime::troupe::{Choice, Goal, Repertoire, SampleJob, Troupe, TroupeConfig};
 use throng_runtime::world::WorldGraph;
 use throng_runtime::world::inhabitants::{Inhabitants, InhabitantsConfig, Wish, scatter};
-use throng_runtime::{Mat3x4, NUM_JOINTS};
+use throng_runtime::{Mat3x4, NUM_JOINTS, Skeleton};
 
 thread_local! {
     /// Allocations of this thread; what the test harness does on others does not count.
@@ -199,4 +204,50 @@ fn a_batch_of_poses_allocates_nothing() {
     let job = SampleJob { repertoire: &repertoire, frames: &frames, ratios: &ratios, matrices: &mut matrices };
     assert_eq!(allocations(|| job.run().expect("a batch")), 0);
     assert!(matrices.iter().all(|m| *m != Mat3x4::default()));
+}
+
+#[test]
+fn walkers_allocate_nothing() {
+    const N: usize = 100;
+    let made_up = made_up_blend::MadeUp::locomotion();
+    let (space, skeleton) = (made_up.space(), Skeleton::default());
+    let config = WalkersConfig { local_transforms: true, ..WalkersConfig::default() };
+    let starts = vec![WalkerStart::default(); N];
+    let bodies = std::slice::from_ref(&skeleton);
+    let mut walkers = Walkers::new(&space, &skeleton, bodies, config, &starts).expect("walkers");
+    let ground = HeightField::new(Vec2::splat(-50.0), 10.0, [11, 11], vec![0.5; 121]).expect("a field");
+    let mut controls = vec![Control::default(); N];
+    let mut before = walkers.joint_positions(7);
+    for round in 0..10 {
+        for (c, control) in controls.iter_mut().enumerate() {
+            control.velocity = Vec2::from_angle(c as f32) * (round % 6) as f32;
+        }
+        let n = allocations(|| {
+            for _ in 0..30 {
+                controls.iter_mut().for_each(|c| c.position += c.velocity / 60.0);
+                walkers.step(&space, 1.0 / 60.0, &controls, &ground).expect("a step");
+            }
+        });
+        assert_eq!(n, 0);
+        assert_ne!(before, walkers.joint_positions(7), "nobody moves");
+        before = walkers.joint_positions(7);
+    }
+}
+
+#[test]
+fn batches_of_blending_allocate_nothing() {
+    const N: usize = 64;
+    let made_up = made_up_blend::MadeUp::locomotion();
+    let space = made_up.space();
+    let parameters: Vec<[f32; MAX_AXES]> = (0..N).map(|i| [0.08 * i as f32; MAX_AXES]).collect();
+    let mut weights = vec![0.0; N * space.stride()];
+    let (mut phases, seconds) = (vec![0.3; N], vec![0.1; N]);
+    let mut postures = vec![Posture::default(); N];
+    let n = allocations(|| {
+        space.weights(&parameters, &mut weights).expect("weights");
+        space.advance(&weights, &seconds, &mut phases).expect("a tick");
+        space.pose(&weights, &phases, &mut postures).expect("postures");
+    });
+    assert_eq!(n, 0);
+    assert!(postures.iter().all(|p| *p != Posture::default()));
 }

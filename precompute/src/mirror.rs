@@ -55,8 +55,8 @@ fn mirrored_name(name: &str) -> String {
     name.split('_').map(other).collect::<Vec<_>>().join("_")
 }
 
-/// The rotation seen in the mirror x = 0: its axis is a pseudovector, so y and z of it change sign.
-fn mirror_rotation(q: Quat) -> Quat {
+/// The rotation seen in the mirror x = 0, of the joint on the other side: its axis is a pseudovector, so y and z of it change sign.
+pub fn mirror_rotation(q: Quat) -> Quat {
     Quat::from_xyzw(q.x, -q.y, -q.z, q.w)
 }
 

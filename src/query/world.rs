@@ -52,7 +52,7 @@ pub fn run(args: &Args) -> Outcome {
         from_m: at(start),
         to_m: at(end),
         length_m: plan.length_m,
-        duration_s: f64::from(plan.num_frames) / f64::from(tables.meta().rate_hz),
+        duration_s: f64::from(plan.num_frames) / tables.meta().rate_hz,
         transitions: plan.num_steps,
         opened_instances: plan.opened_instances,
         opened_nodes: plan.opened_nodes,

@@ -2,6 +2,7 @@
 
 mod bundle;
 mod examples;
+mod halved;
 mod made_up;
 #[path = "../format/patch.rs"]
 mod parts;

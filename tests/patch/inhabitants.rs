@@ -198,7 +198,9 @@ fn the_nearest_place_to_a_point_is_gone_to() {
     people.step(&repertoire, &graph, DT).unwrap();
     let plan = *people.plan(0).expect("a plan");
     assert_eq!(people.path(0).len(), plan.num_stored);
-    assert!(plan.length_m > 4.0 * SIDE && plan.opened_nodes > 0 && plan.opened_instances > 0);
+    assert!(plan.length_m > 4.0 * SIDE && plan.opened_nodes > 0);
+    // Nothing but open ground: the upper layer has nothing to do.
+    assert_eq!(plan.opened_instances, 0);
     let mut steps = 0;
     while people.status(0).doing != Doing::Arrived {
         people.step(&repertoire, &graph, DT).unwrap();

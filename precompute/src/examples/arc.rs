@@ -86,7 +86,7 @@ impl Circle {
     /// circle.
     fn distance(&self, p: DVec2) -> Option<(f64, [f64; 3])> {
         let e2 = 1.0 + 4.0 * self.a * self.d;
-        if !(e2 > 1e-12) {
+        if e2.is_nan() || e2 <= 1e-12 {
             return None;
         }
         let (e, (sin, cos)) = (e2.sqrt(), self.angle.sin_cos());

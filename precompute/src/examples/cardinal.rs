@@ -70,7 +70,7 @@ impl CardinalBasis {
             return Err(CardinalFault::TooFew);
         }
         let (low, extent) = extents(points);
-        if let Some(k) = extent.iter().position(|e| !(*e > LEAST_EXTENT)) {
+        if let Some(k) = extent.iter().position(|e| e.is_nan() || *e <= LEAST_EXTENT) {
             return Err(CardinalFault::NoExtent(k));
         }
         if let Some((a, b, distance)) = nearest_pair(points, &extent).filter(|pair| pair.2 < min_distance) {

@@ -139,6 +139,8 @@ pub struct ExampleConfig {
     pub style: BTreeMap<String, f64>,
     /// The character stands: both feet stay on the ground.
     pub still: bool,
+    /// One step and its mirrored image make the cycle: for what goes straight and is too short for two steps.
+    pub symmetric: bool,
     /// Adds the mirrored copy.
     pub mirror: bool,
 }
@@ -153,6 +155,8 @@ pub struct FindConfig {
     pub tag: Option<String>,
     /// Values on the style axes, by their names.
     pub style: BTreeMap<String, f64>,
+    /// One step and its mirrored image make a cycle: for what goes straight and is too short for two steps.
+    pub symmetric: bool,
     /// Adds mirrored copies.
     pub mirror: bool,
     /// Most examples from these clips: those that are farthest from one another. [Limit: >= 1]
@@ -242,7 +246,7 @@ impl BlendConfig {
             }
         }
         for f in &self.find {
-            if f.most == Some(0) || f.closing_deg.is_some_and(|d| !(d > 0.0)) || f.clips.is_empty() {
+            if f.most == Some(0) || f.closing_deg.is_some_and(|d| d.is_nan() || d <= 0.0) || f.clips.is_empty() {
                 let expected = "expected `clips`, and `most` and `closing_deg` above 0 where they are given";
                 return Err(fault(space, "find", expected));
             }

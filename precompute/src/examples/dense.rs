@@ -21,7 +21,8 @@ impl Lu {
         let largest = m.iter().fold(0.0f64, |a, v| a.max(v.abs()));
         for k in 0..n {
             let pivot = (k..n).max_by(|&a, &b| m[a * n + k].abs().total_cmp(&m[b * n + k].abs()))?;
-            if !(m[pivot * n + k].abs() > least * largest) {
+            let size = m[pivot * n + k].abs();
+            if size.is_nan() || size <= least * largest {
                 return None;
             }
             if pivot != k {

@@ -4,7 +4,7 @@ use super::cardinal::CardinalBasis;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 use rayon::prelude::*;
-use throng_runtime::blend::MAX_AXES;
+use throng_runtime::blend::{AxisRecord, MAX_AXES, WeightGrid};
 
 /// Random points at which a table is compared with the exact functions, and as many lines that show the error along
 /// each axis.
@@ -53,9 +53,10 @@ pub struct TooLarge {
 
 /// Tabulates a basis over a box.
 ///
-/// The error of multilinear interpolation is at most the sum of the errors along each axis, so each axis is divided
-/// until the error along it is below a share of the tolerance; shares begin at the whole and become smaller until the
-/// table as it is stored is within the tolerance at all cell centres, all midpoints of edges, and random points.
+/// The error of interpolation is about the sum of the errors along each axis, so each axis is divided until the error
+/// along it is below a share of the tolerance; shares begin at the whole and become smaller until the table as it is
+/// stored, and as the runtime reads it, is within the tolerance at all cell centres, all midpoints of edges, and random
+/// points.
 ///
 /// # Errors
 /// [`TooLarge`] where it takes more than `max_bytes`.
@@ -197,6 +198,15 @@ impl Grid {
         (0..self.knots.len()).map(along).collect()
     }
 
+    /// The axes as a view on the table has them; their kinds do not matter here.
+    fn axes(&self) -> [AxisRecord; MAX_AXES] {
+        let mut axes = [AxisRecord::default(); MAX_AXES];
+        for (axis, ((&low, &high), &knots)) in axes.iter_mut().zip(self.low.iter().zip(&self.high).zip(&self.knots)) {
+            *axis = AxisRecord { num_knots: knots as u32, low: low as f32, high: high as f32, ..AxisRecord::default() };
+        }
+        axes
+    }
+
     fn step(&self, axis: usize) -> f64 {
         (self.high[axis] - self.low[axis]) / (self.knots[axis] - 1) as f64
     }
@@ -208,34 +218,18 @@ impl WeightTable {
         self.weights.len() as u64 * 4
     }
 
-    /// Weights at a point by multilinear interpolation between the knots around it; outside the box, those of its
-    /// nearest point within.
+    /// Weights at a point, interpolated as the runtime does; outside the box, those of its nearest point within.
     ///
     /// - `out`: receives the weights. [Size: number of examples]
     pub fn weights(&self, at: &[f64], out: &mut [f64]) {
-        let d = self.grid.knots.len();
-        let (mut first, mut part) = (0usize, [0.0; MAX_AXES]);
-        let mut strides = [1usize; MAX_AXES];
-        for k in (0..d).rev() {
-            strides[k] = if k + 1 < d { strides[k + 1] * self.grid.knots[k + 1] } else { 1 };
-            let place = (at[k] - self.grid.low[k]) / self.grid.step(k);
-            let cell = place.clamp(0.0, (self.grid.knots[k] - 2) as f64).floor();
-            part[k] = (place - cell).clamp(0.0, 1.0);
-            first += cell as usize * strides[k];
+        let axes = self.grid.axes();
+        let mut parameters = [0.0; MAX_AXES];
+        parameters.iter_mut().zip(at).for_each(|(p, a)| *p = *a as f32);
+        let mut row = vec![0.0; self.stride];
+        if let Some(grid) = WeightGrid::new(&axes[..self.grid.knots.len()], self.stride, &self.weights) {
+            grid.interpolate(&parameters, &mut row);
         }
-        out.fill(0.0);
-        for corner in 0..1usize << d {
-            let (mut row, mut share) = (first, 1.0);
-            for k in 0..d {
-                let up = corner >> k & 1;
-                row += up * strides[k];
-                share *= if up == 1 { part[k] } else { 1.0 - part[k] };
-            }
-            if share > 0.0 {
-                let row = &self.weights[row * self.stride..];
-                out.iter_mut().zip(row).for_each(|(o, w)| *o += share * f64::from(*w));
-            }
-        }
+        out.iter_mut().zip(&row).for_each(|(o, w)| *o = f64::from(*w));
     }
 
     /// Largest error against the exact functions at cell centres, midpoints of edges and random points; at `most`

@@ -32,6 +32,10 @@ use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use throng_runtime::blend::{AxisRecord, BlendRecord, ChannelRow, ExampleRecord, MAX_AXES, ReferenceRow};
 
+/// Examples whose joints turn farther from their reference nearly meet its antipode, where the shorter way changes its
+/// side. [Unit: rad]
+const FAR_APART: f64 = 2.6;
+
 /// A blend space, as the bundle stores it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct BlendSpace {
@@ -176,6 +180,15 @@ fn space(
         );
         stage(message, "Take examples that are more alike into one space, or more phases")
     })?;
+    let (joint, worst, turn) = postures.largest;
+    if turn > FAR_APART {
+        warnings.push(format!(
+            "blend.{name}: `{}` turns its {} {:.0} deg from the other examples' reference: blends may jump there.",
+            chosen[worst].name,
+            joint.name(),
+            turn.to_degrees()
+        ));
+    }
     let report = report(name, config, &chosen, left_out, &table, &postures);
     let space = BlendSpace {
         name: name.to_owned(),
@@ -238,8 +251,9 @@ fn example(c: &Candidate<'_>) -> ExampleRecord {
         duration_s: c.cycle.duration_s() as f32,
         velocity: [twist.velocity.x as f32, twist.velocity.y as f32],
         gyration: twist.gyration as f32,
-        keytimes: if c.cycle.still { [0.0; 3] } else { c.cycle.steps.keytimes().map(|k| k as f32) },
-        flags: flag(c.cycle.still, ExampleRecord::IS_STILL) | flag(c.source.clip.mirrored, ExampleRecord::IS_MIRRORED),
+        keytimes: if c.cycle.is_still() { [0.0; 3] } else { c.cycle.steps.keytimes().map(|k| k as f32) },
+        flags: flag(c.cycle.is_still(), ExampleRecord::IS_STILL)
+            | flag(c.source.clip.mirrored, ExampleRecord::IS_MIRRORED),
         clip: c.source.number as u32,
         first_frame: first_frame as u32,
         num_frames: num_frames as u32,

@@ -5,7 +5,7 @@ use super::cycle::Cycle;
 use super::steady::{self, Tolerance};
 use super::steps;
 use super::track::Track;
-use crate::clip::{Clip, ClipSet, FrameRange};
+use crate::clip::{Clip, ClipSet, Exclusion, ExclusionReason, FrameRange};
 use crate::error::{BuildError, Warnings};
 use crate::import::matches;
 use crate::mirror;
@@ -91,18 +91,23 @@ fn named<'a>(
     out: &mut Vec<Candidate<'a>>,
 ) -> Result<(), BuildError> {
     let before = out.len();
-    for source in sources.iter().filter(|s| matches(&example.clip, as_captured(&s.clip.name))) {
-        if source.clip.mirrored && !example.mirror {
-            continue;
+    let fault = |source: &Source, what: String| wish.fault(&source.clip.name, &what, KEYTIMES_HELP);
+    let clips = || sources.chunks_exact(2).filter(|pair| matches(&example.clip, &pair[0].clip.name));
+    for pair in clips().filter(|_| example.symmetric) {
+        let found = halved(pair, example.tag.as_deref(), example.frames);
+        if let Some((source, cycle)) = found.map_err(|what| fault(&pair[0], what))? {
+            out.push(wish.candidate(source, cycle, true)?);
         }
-        for range in ranges(&source.clip, example.tag.as_deref(), example.frames) {
+    }
+    let sources = clips().filter(|_| !example.symmetric).flatten();
+    for source in sources.filter(|s| example.mirror || !s.clip.mirrored) {
+        for range in ranges(&source.clip, example.tag.as_deref(), example.frames, example.still) {
             let track = Track::new(&source.clip);
             let cycle = match example.still {
                 true => still(track, &range),
                 false => walking(track, &range, wish.config),
             };
-            let cycle = cycle.map_err(|what| wish.fault(&source.clip.name, &what, KEYTIMES_HELP))?;
-            out.push(wish.candidate(source, cycle, true)?);
+            out.push(wish.candidate(source, cycle.map_err(|what| fault(source, what))?, true)?);
         }
     }
     if out.len() > before {
@@ -127,6 +132,30 @@ fn walking<'a>(track: Track<'a>, range: &FrameRange, config: &BlendConfig) -> Re
     match pieces.into_iter().rev().max_by_key(Vec::len) {
         Some(piece) => Ok(Cycle::best(track, &piece)),
         None => Err("it holds no cycle".to_owned()),
+    }
+}
+
+/// The step of a clip that meets its mirrored image best: from the left foot's strike to the right one's, or in the
+/// mirrored copy where the clip has only the other. Nothing where the clip has no such frames.
+fn halved<'a>(
+    pair: &'a [Source],
+    tag: Option<&str>,
+    frames: Option<[usize; 2]>,
+) -> Result<Option<(&'a Source, Cycle<'a>)>, String> {
+    let ranges = |source: &Source| ranges(&source.clip, tag, frames, false);
+    for source in pair {
+        let track = Track::new(&source.clip);
+        let halves: Vec<_> = ranges(source).iter().flat_map(|r| steps::halves(&track, r)).collect();
+        if !halves.is_empty() {
+            return Ok(Some((source, Cycle::halved(track, &halves))));
+        }
+    }
+    match ranges(&pair[0]).first() {
+        None => Ok(None),
+        Some(r) => {
+            let (first, last) = (r.start, r.end.saturating_sub(1));
+            Err(format!("frames {first} to {last} hold no whole step from one foot's strike to the other's"))
+        }
     }
 }
 
@@ -159,12 +188,28 @@ fn search<'a>(
     warnings: &mut Warnings,
 ) -> Result<Vec<Candidate<'a>>, BuildError> {
     let mut out = Vec::new();
-    let wanted = |s: &&Source| find.clips.iter().any(|p| matches(p, as_captured(&s.clip.name)));
-    let mut num_clips = 0;
-    for source in sources.iter().filter(wanted).filter(|s| find.mirror || !s.clip.mirrored) {
-        num_clips += 1;
+    let wanted = |pair: &&[Source]| find.clips.iter().any(|p| matches(p, &pair[0].clip.name));
+    let clips = || sources.chunks_exact(2).filter(wanted);
+    if clips().next().is_none() {
+        let what = format!("no clip is there that matches {:?}", find.clips);
+        return Err(wish.fault("find", &what, "Name clips as `throng inspect` lists them; `*` stands for any text"));
+    }
+    let mut warn = |clip: &Clip, why: &str| {
+        warnings.push(format!("blend.{}: no example was found in clip `{}`: {why}.", wish.space, clip.name));
+    };
+    let most = find.closing_deg.unwrap_or(CLOSING_DEG).to_radians();
+    for pair in clips().filter(|_| find.symmetric) {
+        match halved(pair, find.tag.as_deref(), None) {
+            Ok(Some((source, cycle))) if cycle.closing <= most => out.push(wish.candidate(source, cycle, false)?),
+            Ok(Some(_)) => warn(&pair[0].clip, "none of its steps meets its mirrored image"),
+            Ok(None) => warn(&pair[0].clip, "it has no such frames"),
+            Err(what) => warn(&pair[0].clip, &what),
+        }
+    }
+    let sources = clips().filter(|_| !find.symmetric).flatten();
+    for source in sources.filter(|s| find.mirror || !s.clip.mirrored) {
         let (before, mut faults) = (out.len(), Vec::new());
-        for range in ranges(&source.clip, find.tag.as_deref(), None) {
+        for range in ranges(&source.clip, find.tag.as_deref(), None, false) {
             let track = Track::new(&source.clip);
             let sequence = steps::sequence(&track, &range);
             faults.extend(sequence.faults);
@@ -172,16 +217,10 @@ fn search<'a>(
                 out.push(wish.candidate(source, Cycle::best(track.clone(), &piece), false)?);
             }
         }
-        let most = find.closing_deg.unwrap_or(CLOSING_DEG).to_radians();
-        out.retain(|c| c.cycle.closing <= most);
+        out.retain(|c: &Candidate<'_>| c.cycle.closing <= most);
         if out.len() == before && !source.clip.mirrored {
-            let why = faults.first().map_or("none of its cycles closes".to_owned(), |f| f.what.clone());
-            warnings.push(format!("blend.{}: no example was found in clip `{}`: {why}.", wish.space, source.clip.name));
+            warn(&source.clip, faults.first().map_or("none of its cycles closes", |f| &f.what));
         }
-    }
-    if num_clips == 0 {
-        let what = format!("no clip is there that matches {:?}", find.clips);
-        return Err(wish.fault("find", &what, "Name clips as `throng inspect` lists them; `*` stands for any text"));
     }
     out.retain(|c| wish.within(&c.parameters));
     out.sort_by(|a, b| a.cycle.closing.total_cmp(&b.cycle.closing));
@@ -252,13 +291,9 @@ fn tell_apart(all: &mut [Candidate<'_>]) {
     }
 }
 
-/// The name of a clip as it was captured, of which this one may be the mirrored copy.
-fn as_captured(name: &str) -> &str {
-    name.strip_suffix(mirror::SUFFIX).unwrap_or(name)
-}
-
-/// The runs of frames of a clip that a config speaks of: the usable ones within some frames and a tag.
-fn ranges(clip: &Clip, tag: Option<&str>, frames: Option<[usize; 2]>) -> Vec<FrameRange> {
+/// The runs of frames of a clip that a config speaks of: the usable ones within some frames and a tag. Still ends of
+/// clips are left out of motion, but not of what is to be still.
+fn ranges(clip: &Clip, tag: Option<&str>, frames: Option<[usize; 2]>, still: bool) -> Vec<FrameRange> {
     let [first, end] = frames.unwrap_or([0, clip.num_frames()]);
     let within = |r: &FrameRange| r.start.max(first)..r.end.min(end).min(clip.num_frames());
     let tagged: Vec<FrameRange> = match tag {
@@ -266,7 +301,9 @@ fn ranges(clip: &Clip, tag: Option<&str>, frames: Option<[usize; 2]>) -> Vec<Fra
         None => vec![within(&(0..clip.num_frames()))],
     };
     let usable = |r: &FrameRange| {
-        let runs = crate::clip::runs(r.clone(), |f| clip.is_usable(f));
+        let left_out = |e: &Exclusion| !(still && e.reason == ExclusionReason::Still);
+        let usable = |f: usize| !clip.excluded.iter().any(|e| e.range.contains(&f) && left_out(e));
+        let runs = crate::clip::runs(r.clone(), usable);
         runs.into_iter().max_by_key(ExactSizeIterator::len)
     };
     tagged.iter().filter(|r| r.start < r.end).filter_map(usable).collect()

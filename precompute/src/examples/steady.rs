@@ -19,7 +19,7 @@ pub fn pieces(track: &Track<'_>, cycles: &[Steps], tolerance: Tolerance) -> Vec<
     let mut out: Vec<Vec<Steps>> = Vec::new();
     let (mut low, mut high) = ([0.0; 3], [0.0; 3]);
     for c in cycles {
-        let t = Twist::of_cycles(track, &[*c]);
+        let t = Twist::of_cycles(track, &[*c], c.end - c.start);
         let here = [t.velocity.x, t.velocity.y, t.gyration];
         let limits = [tolerance.speed, tolerance.speed, tolerance.gyration];
         let fits = (0..3).all(|k| here[k].max(high[k]) - here[k].min(low[k]) <= limits[k]);

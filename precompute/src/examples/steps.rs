@@ -87,6 +87,30 @@ pub fn sequence(track: &Track<'_>, range: &FrameRange) -> Sequence {
     out
 }
 
+/// Finds all single steps of a range from the left foot's strike to the right one's, as halves of cycles.
+pub fn halves(track: &Track<'_>, range: &FrameRange) -> Vec<Steps> {
+    let strikes = strikes(track, range);
+    let length = |s: &Strike| s.off.map(|off| off - s.time);
+    // A stance that the range cuts off is taken to be as long as the other foot's.
+    let usual = strikes.iter().find_map(length);
+    let step = |pair: &[Strike]| {
+        let [left, right] = pair else { return None };
+        let half = right.time - left.time;
+        let stance = length(left).or(length(right)).or(usual)?;
+        let whole = left.left && !right.left && CYCLE_S.contains(&(2.0 * half / track.rate())) && stance < 2.0 * half;
+        let (start, right_strike) = (left.time, right.time);
+        let steps = Steps {
+            start,
+            left_off: start + stance,
+            right_strike,
+            right_off: right_strike + stance,
+            end: right_strike + half,
+        };
+        whole.then_some(steps)
+    };
+    strikes.windows(2).filter_map(step).collect()
+}
+
 /// Strikes of both feet in order of time.
 fn strikes(track: &Track<'_>, range: &FrameRange) -> Vec<Strike> {
     let of = |foot: Contacts, left: bool| {
@@ -156,6 +180,12 @@ impl Steps {
             true => self.start + 2.0 * generic * (self.right_strike - self.start),
             false => self.right_strike + (2.0 * generic - 1.0) * (self.end - self.right_strike),
         }
+    }
+
+    /// The first step of a cycle, ending at another time, and its mirrored image as the second one.
+    pub fn halved(self, right_strike: f64) -> Self {
+        let half = right_strike - self.start;
+        Self { right_strike, right_off: self.left_off + half, end: right_strike + half, ..self }
     }
 
     /// The same cycle with another end; the second step takes the change.

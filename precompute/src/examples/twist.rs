@@ -38,17 +38,16 @@ impl Twist {
     /// The root's path is averaged over one cycle around every moment, so that its sway from foot to foot does not
     /// bend the arc; what averaging takes from the radius is given back. A single cycle, of which no average can be
     /// taken, and one that hardly travels are measured from end to end.
-    pub fn of_cycles(track: &Track<'_>, cycles: &[Steps]) -> Self {
+    ///
+    /// - `period`: time of a cycle. [Unit: frames]
+    pub fn of_cycles(track: &Track<'_>, cycles: &[Steps], period: f64) -> Self {
         let (start, end) = (cycles[0].start, cycles[cycles.len() - 1].end);
-        let period = (end - start) / cycles.len() as f64;
         if cycles.len() < 2 {
-            return Self::between(
-                track.place(start),
-                track.facing(start),
-                track.place(end),
-                track.facing(end),
-                period / track.rate(),
-            );
+            let turn = track.facing(end) - track.facing(start);
+            // The body swings from step to step: what it faces on average counts, not what it faces at the strike.
+            let heading = track.mean(start, end, |t| track.facing(t) - turn * (t - start) / (end - start));
+            let seconds = (end - start) / track.rate();
+            return Self::between(track.place(start), heading, track.place(end), heading + turn, seconds);
         }
         let n = (end - start - period).floor().max(2.0) as usize;
         let middle = |i: usize| start + 0.5 * period + (end - start - period) * i as f64 / n as f64;
@@ -106,6 +105,20 @@ impl Course {
         let course = Self { twist, origin: DVec2::ZERO, heading, start, rate: track.rate() };
         let origin = track.mean(start, end, |t| track.place(t) - course.at(t).0);
         Self { origin, ..course }
+    }
+
+    /// The straight course under one step that the other foot would repeat mirrored: the body sways to one side of it as
+    /// far as it then would to the other, and turns as far.
+    pub fn of_step(track: &Track<'_>, start: f64, end: f64) -> Self {
+        let heading = 0.5 * (track.facing(start) + track.facing(end));
+        let way = track.place(end) - track.place(start);
+        let ahead = turned(way, -heading).y * track.rate() / (end - start);
+        let twist = Twist { velocity: DVec2::new(0.0, ahead), gyration: 0.0 };
+        let course = Self { twist, origin: track.place(start), heading, start, rate: track.rate() };
+        let seen = track.mean(start, end, |t| turned(track.place(t) - course.at(t).0, -heading)).y;
+        // Half the way aside leads from one side to the middle.
+        let aside = 0.5 * turned(way, -heading).x;
+        Self { origin: course.origin + turned(DVec2::new(aside, seen), heading), ..course }
     }
 
     /// Place on the ground and heading at a time. [Unit: m, rad]

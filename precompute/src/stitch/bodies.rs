@@ -9,6 +9,15 @@ use throng_runtime::format::FrameRow;
 use throng_runtime::patch::Placement;
 use throng_runtime::{Contacts, Joint, Skeleton};
 
+/// Spheres beside each other, as many as processors take at once some times.
+const LANES: usize = NUM_SPHERES.next_multiple_of(8);
+
+/// A number for every sphere; what is beyond the last one counts for nothing.
+type Lanes = [f32; LANES];
+
+/// Balls no nearer to a box than this and their radius do not touch it, however all is rounded. [Unit: m]
+const ROUNDING: f32 = 1e-3;
+
 /// Both feet: they may be in what is walked on.
 const FEET: Contacts = Contacts(Contacts::LEFT.0 | Contacts::RIGHT.0);
 
@@ -19,6 +28,8 @@ pub(super) struct Bodies {
     frames: Vec<Pose>,
     /// At rest, for what does not depend on the frame.
     spheres: [Sphere; NUM_SPHERES],
+    /// Radii of the spheres. [Unit: m]
+    radii: Lanes,
     /// The widest of all frames. [Unit: m]
     radius: f32,
     /// The lowest and the highest point of all frames. [Unit: m]
@@ -28,7 +39,8 @@ pub(super) struct Bodies {
 /// The spheres of one frame.
 #[derive(Clone, Copy, Debug)]
 struct Pose {
-    centres: [Vec3; NUM_SPHERES],
+    /// x, y and z of the middle of every sphere.
+    centres: [Lanes; 3],
     /// No sphere reaches farther from the vertical through the root. [Unit: m]
     radius: f32,
     /// Lowest and highest point. [Unit: m]
@@ -43,8 +55,34 @@ impl Pose {
             radius = radius.max(s.centre.with_y(0.0).length() + s.radius);
             heights = [heights[0].min(s.centre.y - s.radius), heights[1].max(s.centre.y + s.radius)];
         }
-        Self { centres: spheres.map(|s| s.centre), radius, heights, contacts }
+        let lanes = |axis: usize| lanes(0.0, |s| spheres[s].centre[axis]);
+        Self { centres: [lanes(0), lanes(1), lanes(2)], radius, heights, contacts }
     }
+
+    /// The middles of all spheres where the root is.
+    fn placed(&self, root: Placement) -> [Lanes; 3] {
+        let (sin, cos) = root.heading.sin_cos();
+        let [x, y, z] = &self.centres;
+        [
+            std::array::from_fn(|s| root.x + cos * x[s] + sin * z[s]),
+            std::array::from_fn(|s| root.y + y[s]),
+            std::array::from_fn(|s| root.z - sin * x[s] + cos * z[s]),
+        ]
+    }
+}
+
+fn lanes(beyond: f32, of: impl Fn(usize) -> f32) -> Lanes {
+    std::array::from_fn(|s| if s < NUM_SPHERES { of(s) } else { beyond })
+}
+
+/// How far balls are from a box along the axis on which they are farthest. [Unit: m]
+fn gaps(shapes: &Bounds, [x, y, z]: &[Lanes; 3], radii: &Lanes) -> Lanes {
+    let (middle, half) = (shapes.centre(), 0.5 * (shapes.max - shapes.min));
+    std::array::from_fn(|s| {
+        let along =
+            [(x[s] - middle.x).abs() - half.x, (y[s] - middle.y).abs() - half.y, (z[s] - middle.z).abs() - half.z];
+        along[0].max(along[1]).max(along[2]) - radii[s]
+    })
 }
 
 /// How far a root is from a box, over the ground. [Unit: m]
@@ -64,10 +102,11 @@ impl Bodies {
         };
         let frames: Vec<Pose> = frames.par_iter().zip(contacts).map(pose).collect();
         let spheres = body.spheres(&joint_transforms(skeleton, Vec3::ZERO, |_| Quat::IDENTITY));
+        let radii = lanes(f32::NEG_INFINITY, |s| spheres[s].radius);
         let radius = frames.iter().map(|f| f.radius).fold(0.0, f32::max);
         let lowest = frames.iter().map(|f| f.heights[0]).fold(f32::INFINITY, f32::min);
         let highest = frames.iter().map(|f| f.heights[1]).fold(f32::NEG_INFINITY, f32::max);
-        Self { frames, spheres, radius, heights: [lowest, highest] }
+        Self { frames, spheres, radii, radius, heights: [lowest, highest] }
     }
 
     /// No body reaches farther from the vertical through its root than this. [Unit: m]
@@ -93,46 +132,50 @@ impl Bodies {
         let beside = beside(shapes, root) > pose.radius
             || root.y + pose.heights[1] < shapes.min.y
             || root.y + pose.heights[0] > shapes.max.y;
-        !beside && self.limits(pose, root, unit, depth_m).any(|(_, p, limit)| unit.is_nearer(p, limit))
+        if beside {
+            return false;
+        }
+        let centres = pose.placed(root);
+        let gaps = gaps(shapes, &centres, &self.radii);
+        (0..NUM_SPHERES).filter(|&s| gaps[s] < ROUNDING).any(|s| {
+            let limit = self.limit(pose, s, unit, depth_m);
+            limit.is_some_and(|limit| unit.is_nearer(at(&centres, s), limit))
+        })
     }
 
     /// The joint whose sphere is deepest in a unit, and how deep; none where the body does not collide.
     pub fn deepest(&self, frame: usize, root: Placement, unit: &Field, depth_m: f32) -> Option<(Joint, f32)> {
-        let depth = |(s, p, limit): (&Sphere, Vec3, f32)| {
-            unit.geometry.nearest(p, limit).map(|n| (s.joint, s.radius - n.distance))
+        let pose = &self.frames[frame];
+        let centres = pose.placed(root);
+        let depth = |s: usize| {
+            let limit = self.limit(pose, s, unit, depth_m)?;
+            let sphere = &self.spheres[s];
+            unit.geometry.nearest(at(&centres, s), limit).map(|n| (sphere.joint, sphere.radius - n.distance))
         };
-        let all = self.limits(&self.frames[frame], root, unit, depth_m).filter_map(depth);
-        all.max_by(|a, b| a.1.total_cmp(&b.1))
+        (0..NUM_SPHERES).filter_map(depth).max_by(|a, b| a.1.total_cmp(&b.1))
     }
 
-    /// Every sphere that counts, its middle in the unit's frame, and how near the unit may be to it.
-    fn limits<'s>(
-        &'s self,
-        pose: &'s Pose,
-        root: Placement,
-        unit: &Field,
-        depth_m: f32,
-    ) -> impl Iterator<Item = (&'s Sphere, Vec3, f32)> + use<'s> {
-        let floor = unit.geometry.floor;
-        self.placed(pose, root, depth_m).filter(move |(s, ..)| !(floor && FEET.any(s.contact)))
+    /// How near a unit may be to the middle of a sphere; none where it does not matter. [Unit: m]
+    fn limit(&self, pose: &Pose, sphere: usize, unit: &Field, depth_m: f32) -> Option<f32> {
+        let walked_on = unit.geometry.floor && FEET.any(self.spheres[sphere].contact);
+        (!walked_on).then(|| self.nearness(pose, sphere, depth_m))
     }
 
-    /// Every sphere, its middle where the root is, and how near a unit may be to it.
-    fn placed<'s>(
-        &'s self,
-        pose: &'s Pose,
-        root: Placement,
-        depth_m: f32,
-    ) -> impl Iterator<Item = (&'s Sphere, Vec3, f32)> + use<'s> {
-        let (sin, cos) = root.heading.sin_cos();
-        self.spheres.iter().zip(&pose.centres).map(move |(s, c)| {
-            let p = Vec3::new(root.x + cos * c.x + sin * c.z, root.y + c.y, root.z - sin * c.x + cos * c.z);
-            (s, p, if pose.contacts.any(s.contact) { -depth_m } else { s.radius - depth_m })
-        })
+    /// How near anything may be to the middle of a sphere. [Unit: m]
+    fn nearness(&self, pose: &Pose, sphere: usize, depth_m: f32) -> f32 {
+        let s = &self.spheres[sphere];
+        if pose.contacts.any(s.contact) { -depth_m } else { s.radius - depth_m }
     }
 
     /// Discs on the ground, as x, z and radius: what is beside all of them does not collide with a frame's body.
     pub fn shadow(&self, frame: usize, root: Placement, depth_m: f32) -> impl Iterator<Item = [f32; 3]> {
-        self.placed(&self.frames[frame], root, depth_m).map(|(_, p, limit)| [p.x, p.z, limit.max(0.0)])
+        let pose = &self.frames[frame];
+        let centres = pose.placed(root);
+        (0..NUM_SPHERES).map(move |s| [centres[0][s], centres[2][s], self.nearness(pose, s, depth_m).max(0.0)])
     }
+}
+
+/// The middle of a sphere.
+fn at([x, y, z]: &[Lanes; 3], sphere: usize) -> Vec3 {
+    Vec3::new(x[sphere], y[sphere], z[sphere])
 }

@@ -13,7 +13,8 @@ pub(super) struct Field {
     min: Vec3,
     /// Grid cells along x, y and z.
     size: [usize; 3],
-    distances: Vec<f32>,
+    /// Of the middles of grid cells, in bytes.
+    distances: Vec<u8>,
     /// The least distance of each column of grid cells. [Size: size[0] * size[2]]
     columns: Vec<f32>,
 }
@@ -21,6 +22,9 @@ pub(super) struct Field {
 impl Field {
     /// Edge length of a grid cell. [Unit: m]
     const STEP_M: f32 = 0.04;
+    /// No distance is off by more than this because of how it is kept, and rounding. [Unit: m]
+    const ROUNDING_M: f32 = 0.5 * PACKED_M + 1e-4;
+    const STEPS_PER_M: f32 = 1.0 / Self::STEP_M;
     /// The grid reaches this far from the unit's shapes. No ball may be thicker. [Unit: m]
     pub const MARGIN_M: f32 = 0.2;
     /// From the middle of a grid cell to its corners. [Unit: m]
@@ -40,13 +44,13 @@ impl Field {
                 for x in 0..size[0] {
                     let middle = bounds.min + (Vec3::new(x as f32, y as f32, z as f32) + 0.5) * Self::STEP_M;
                     let near = geometry.nearest(middle, Self::MARGIN_M + Self::ERROR_M);
-                    distances.push(near.map_or(f32::INFINITY, |n| n.distance));
+                    distances.push(packed(near.map_or(f32::INFINITY, |n| n.distance)));
                 }
             }
         }
         let column = |c: usize| {
             let first = c / size[0] * size[0] * size[1] + c % size[0];
-            (0..size[1]).map(|y| distances[first + y * size[0]]).fold(f32::INFINITY, f32::min)
+            unpacked((0..size[1]).map(|y| distances[first + y * size[0]]).min().unwrap_or(u8::MAX)) - 0.5 * PACKED_M
         };
         let columns = (0..size[0] * size[2]).map(column).collect();
         Self { geometry: Arc::clone(geometry), min: bounds.min, size, distances, columns }
@@ -62,27 +66,56 @@ impl Field {
         (self.columns[at[1] as usize * self.size[0] + at[0] as usize] - Self::ERROR_M).min(Self::MARGIN_M)
     }
 
+    /// About how far the unit is from the vertical line through a place, below 0 where the line passes through it; for
+    /// what is beyond the grid, from the box around it, added to its margin. [Unit: m]
+    pub fn far(&self, x: f32, z: f32) -> f32 {
+        let at = [(x - self.min.x) / Self::STEP_M, (z - self.min.z) / Self::STEP_M];
+        let size = [self.size[0] as f32, self.size[2] as f32];
+        let out = std::array::from_fn::<f32, 2, _>(|a| (-at[a]).max(at[a] - size[a]));
+        if out[0] >= 0.0 || out[1] >= 0.0 {
+            return Self::MARGIN_M + Self::STEP_M * out[0].max(out[1]);
+        }
+        self.columns[at[1] as usize * self.size[0] + at[0] as usize]
+    }
+
     /// True where the unit is nearer to a point than `limit`. [Limit: limit <= MARGIN_M]
     pub fn is_nearer(&self, p: Vec3, limit: f32) -> bool {
-        let at = (p - self.min) / Self::STEP_M;
+        let at = (p - self.min) * Self::STEPS_PER_M;
         if at.cmplt(Vec3::ZERO).any() {
             return false;
         }
-        let ([x, y, z], size) = (at.to_array().map(|v| v as usize), self.size);
+        let ([x, y, z], size) = (at.to_array().map(|v| v as u32 as usize), self.size);
         if x >= size[0] || y >= size[1] || z >= size[2] {
             return false;
         }
-        let distance = self.distances[(z * size[1] + y) * size[0] + x];
-        if distance - Self::ERROR_M - 1e-4 >= limit {
+        if limit - Self::ERROR_M < LEAST_M {
+            return self.geometry.nearest(p, limit).is_some();
+        }
+        let distance = unpacked(self.distances[(z * size[1] + y) * size[0] + x]);
+        if distance - Self::ERROR_M - Self::ROUNDING_M >= limit {
             return false;
         }
         // Distances change by no more than the way to the middle of the grid cell, and rounding.
-        let off = (at - Vec3::new(x as f32, y as f32, z as f32) - 0.5).length() * Self::STEP_M + 1e-4;
+        let off = (at - Vec3::new(x as f32, y as f32, z as f32) - 0.5).length() * Self::STEP_M + Self::ROUNDING_M;
         if distance - off >= limit {
             return false;
         }
         distance + off < limit || self.geometry.nearest(p, limit).is_some()
     }
+}
+
+/// Steps in which distances are kept. [Unit: m]
+const PACKED_M: f32 = 0.002;
+/// The least distance that is told from others. [Unit: m]
+const LEAST_M: f32 = -0.2;
+
+/// A distance in a byte: of a world's units, those that matter stay at hand.
+fn packed(distance: f32) -> u8 {
+    ((distance - LEAST_M) / PACKED_M).round() as u8
+}
+
+fn unpacked(packed: u8) -> f32 {
+    LEAST_M + PACKED_M * f32::from(packed)
 }
 
 #[cfg(test)]

@@ -6,7 +6,7 @@ use super::field::Field;
 use super::paths::Paths;
 use super::swept::Swept;
 use crate::environment::Bounds;
-use glam::Vec3;
+use rayon::prelude::*;
 use throng_runtime::patch::Placement;
 
 /// Of a walk at 30 Hz every second frame is looked at: a hand moves some centimetres between them.
@@ -31,19 +31,23 @@ impl Hit {
 /// A unit that stands in a patch's motion.
 #[derive(Clone, Copy)]
 pub(super) struct Obstacle<'a> {
-    /// The motion.
-    pub paths: &'a Paths,
-    /// The bodies of its frames.
-    pub bodies: &'a Bodies,
-    /// The unit.
-    pub unit: &'a Field,
-    /// Where it stands in the patch's frame.
-    pub at: Placement,
-    /// Bodies may be that deep in it. [Unit: m]
-    pub depth_m: f32,
+    paths: &'a Paths,
+    bodies: &'a Bodies,
+    unit: &'a Field,
+    at: Placement,
+    /// Sine and cosine of its heading.
+    turn: [f32; 2],
+    depth_m: f32,
 }
 
-impl Obstacle<'_> {
+impl<'a> Obstacle<'a> {
+    /// - `paths`, `bodies`: the motion, and the bodies of its frames.
+    /// - `at`: where the unit stands in the patch's frame.
+    /// - `depth_m`: bodies may be that deep in it. [Unit: m]
+    pub fn new(paths: &'a Paths, bodies: &'a Bodies, unit: &'a Field, at: Placement, depth_m: f32) -> Self {
+        Self { paths, bodies, unit, at, turn: at.heading.sin_cos().into(), depth_m }
+    }
+
     /// Bits of the links that collide; no words where none does.
     ///
     /// - `swept`: of the motion; none where links have most of their roots in common.
@@ -52,25 +56,26 @@ impl Obstacle<'_> {
             return Vec::new();
         }
         let near = self.near();
-        let links = (0..self.paths.num_links()).filter(|&l| near.overlaps(self.paths.bounds(l)));
-        let mut words = vec![0; num_words(self.paths.num_links())];
-        let mut none = true;
-        let mut add = |l: usize| {
-            none = false;
-            set(&mut words, l as u32);
-        };
-        match swept {
+        let words = match swept {
             Some(swept) => {
                 let shadow = swept.shadow(self.unit, self.at);
-                let middle = self.at.transform_point(self.unit.geometry.bounds.centre());
-                links.filter(|&l| swept.meets(l, &shadow) && self.hits(l, middle)).for_each(&mut add);
+                self.words(|l| near.overlaps(self.paths.bounds(l)) && swept.meets(l, &shadow) && self.hits(l))
             }
             None => {
                 let shared = Shared::new(self, &near);
-                links.filter(|&l| shared.hits(self.paths.range(l))).for_each(&mut add);
+                self.words(|l| near.overlaps(self.paths.bounds(l)) && shared.hits(self.paths.range(l)))
             }
-        }
-        if none { Vec::new() } else { words }
+        };
+        if words.iter().all(|w| *w == 0) { Vec::new() } else { words }
+    }
+
+    /// Bits of the links that something is true of, asked in the order in which they share frames.
+    fn words(&self, of: impl Fn(usize) -> bool + Sync) -> Vec<u64> {
+        let found: Vec<u32> =
+            self.paths.order().par_iter().with_min_len(256).copied().filter(|&l| of(l as usize)).collect();
+        let mut words = vec![0; num_words(self.paths.num_links())];
+        found.into_iter().for_each(|l| set(&mut words, l));
+        words
     }
 
     /// First and last frame of a link that collide: from both ends, so that what lies between is not looked at.
@@ -84,25 +89,37 @@ impl Obstacle<'_> {
         self.bodies.around(&self.unit.geometry.bounds.placed(self.at))
     }
 
-    /// True where a link collides; the frame nearest to the middle of the unit is likely to.
-    fn hits(&self, link: usize, middle: Vec3) -> bool {
-        const SOME: usize = 4;
+    /// True where a link collides. Of each quarter of it the frame at which the unit is nearest to the root is looked at
+    /// first: it is likely to.
+    fn hits(&self, link: usize) -> bool {
+        const QUARTERS: usize = 4;
         let range = self.paths.range(link);
-        let distance = |k: &usize| {
-            let r = self.paths.roots()[range.start + k];
-            (r.x - middle.x).powi(2) + (r.z - middle.z).powi(2)
-        };
-        let nearest = looked_at(range.len()).step_by(SOME).min_by(|a, b| distance(a).total_cmp(&distance(b)));
-        nearest.is_some_and(|k| self.look(range.start + k).is_none())
+        let looks = num_looks(range.len());
+        let mut likely = [(f32::INFINITY, 0); QUARTERS];
+        for (i, k) in looked_at(range.len()).enumerate() {
+            let [x, z] = self.in_unit(&self.paths.roots()[range.start + k]);
+            let (distance, quarter) = (self.unit.far(x, z), &mut likely[i * QUARTERS / looks]);
+            if distance < quarter.0 {
+                *quarter = (distance, k);
+            }
+        }
+        likely.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
+        let collides = |k: usize| self.look(range.start + k).is_none();
+        likely.iter().any(|&(_, k)| collides(k))
             || first_hit(range.len(), &mut |k| self.look(range.start + k)).is_some()
+    }
+
+    /// x and z of a root in the unit's frame.
+    fn in_unit(&self, root: &Placement) -> [f32; 2] {
+        let ([sin, cos], x, z) = (self.turn, root.x - self.at.x, root.z - self.at.z);
+        [cos * x - sin * z, sin * x + cos * z]
     }
 
     /// Looks at a root: none where it collides, else how many frames before and after it do not either.
     fn look(&self, at: usize) -> Option<usize> {
-        let (sin, cos) = self.at.heading.sin_cos();
-        let p = self.paths.roots()[at];
-        let (x, z) = (p.x - self.at.x, p.z - self.at.z);
-        let root = Placement::new(cos * x - sin * z, p.y - self.at.y, sin * x + cos * z, p.heading - self.at.heading);
+        let p = &self.paths.roots()[at];
+        let [x, z] = self.in_unit(p);
+        let root = Placement::new(x, p.y - self.at.y, z, p.heading - self.at.heading);
         let way = beside(&self.unit.geometry.bounds, root) - self.bodies.radius();
         if way > 0.0 {
             return Some((way / self.paths.step().max(1e-3)) as usize);

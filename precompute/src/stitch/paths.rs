@@ -18,6 +18,8 @@ pub(super) struct Paths {
     roots: Vec<Placement>,
     /// Frame row of each root. [Size: roots.len()]
     rows: Vec<u32>,
+    /// The links by the frames they play.
+    order: Vec<u32>,
     /// The box around the roots of each link. [Size: links]
     bounds: Vec<Bounds>,
     /// The longest way over the ground from one frame to the next. [Unit: m]
@@ -41,6 +43,7 @@ impl Paths {
             counts: links.iter().map(|l| u32::from(l.num_frames) + 1).collect(),
             ..Self::default()
         };
+        out.order = order.iter().map(|&(_, l)| l as u32).collect();
         let mut before: Option<Motion> = None;
         for (motion, l) in order {
             let link = &links[l];
@@ -74,6 +77,11 @@ impl Paths {
     /// Number of links.
     pub fn num_links(&self) -> usize {
         self.starts.len()
+    }
+
+    /// All links, by the frames they play: those that follow each other need the same bodies.
+    pub fn order(&self) -> &[u32] {
+        &self.order
     }
 
     /// The box around the roots of a link.
@@ -133,6 +141,14 @@ pub(super) struct Spot {
     pub offset: u32,
     /// Root on the ground, hips' height and heading.
     pub at: Placement,
+    /// The strip it lies in.
+    strip: i32,
+}
+
+impl Spot {
+    fn new(item: u32, offset: u32, at: Placement) -> Self {
+        Self { item, offset, at, strip: strip(at.x) }
+    }
 }
 
 /// The spots of a patch by pose group and place.
@@ -161,9 +177,12 @@ impl Nearness {
         let (x, z) = (a.x - b.x, a.z - b.z);
         let on_ground = (x * x + z * z).sqrt() / self.position;
         let height = (a.y - b.y).abs() / self.height;
+        // Most are told by where they are, which is cheaper.
+        if on_ground > 1.0 || height > 1.0 {
+            return None;
+        }
         let heading = wrap_angle(a.heading - b.heading).abs() / self.heading;
-        let near = on_ground <= 1.0 && height <= 1.0 && heading <= 1.0;
-        near.then_some(on_ground * on_ground + height * height + heading * heading)
+        (heading <= 1.0).then_some(on_ground * on_ground + height * height + heading * heading)
     }
 }
 
@@ -189,19 +208,19 @@ impl Spots {
                     let row = (link.frame + offset) as usize;
                     let root = paths.of(l)[offset as usize];
                     let at = Placement { y: root.y + library.frames[row].height, ..root };
-                    of_groups.push((library.groups[row], Spot { item: l as u32, offset, at }));
+                    of_groups.push((library.groups[row], Spot::new(l as u32, offset, at)));
                 }
             }
         } else {
             let spot = |(c, cell): (usize, &throng_runtime::patch::CellRecord)| {
-                (cell.group, Spot { item: c as u32, offset: NONE, at: cell.placement })
+                (cell.group, Spot::new(c as u32, NONE, cell.placement))
             };
             of_groups.extend(patches.cells_of(patch).iter().enumerate().map(spot));
         }
         // Frames that are left out of the motion belong to no group.
         of_groups.retain(|(group, _)| *group != NONE);
         of_groups.sort_unstable_by(|(g, s), (h, t)| {
-            let strips = strip(s.at.x).cmp(&strip(t.at.x));
+            let strips = s.strip.cmp(&t.strip);
             g.cmp(h).then(strips).then(s.at.z.total_cmp(&t.at.z)).then((s.item, s.offset).cmp(&(t.item, t.offset)))
         });
         let groups = of_groups.last().map_or(0, |(g, _)| *g + 1);
@@ -225,13 +244,10 @@ impl Spots {
         let reach = nearness.position + 1e-4;
         let spots = &self.spots[range];
         (strip(at.x - reach)..=strip(at.x + reach)).flat_map(move |here| {
-            let first = spots.partition_point(|s| {
-                let there = strip(s.at.x);
-                there < here || there == here && s.at.z < at.z - reach
-            });
+            let first = spots.partition_point(|s| s.strip < here || s.strip == here && s.at.z < at.z - reach);
             spots[first..]
                 .iter()
-                .take_while(move |s| strip(s.at.x) == here && s.at.z <= at.z + reach)
+                .take_while(move |s| s.strip == here && s.at.z <= at.z + reach)
                 .filter_map(move |s| nearness.distance(s.at, at).map(|d| (s, d)))
         })
     }

@@ -217,13 +217,8 @@ impl Stitcher<'_> {
     }
 
     fn obstacle(&self, relation: &Relation) -> Obstacle<'_> {
-        Obstacle {
-            paths: self.paths(relation.a),
-            bodies: self.bodies(),
-            unit: self.field(relation.b),
-            at: relation.placement(),
-            depth_m: self.config.penetration_m,
-        }
+        let (paths, unit) = (self.paths(relation.a), self.field(relation.b));
+        Obstacle::new(paths, self.bodies(), unit, relation.placement(), self.config.penetration_m)
     }
 
     /// Distances from a unit.

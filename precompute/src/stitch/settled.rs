@@ -4,7 +4,6 @@ use super::component::{Standing, largest};
 use super::joined::Joined;
 use super::reach::{Direction, Reached, reach};
 use super::rows::ones;
-use throng_runtime::patch::CellRecord;
 
 /// What every cell is to the component, as bits. The bit of an exit is that of the entry across the edge; those without
 /// a neighbour have none.

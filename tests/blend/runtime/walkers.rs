@@ -57,18 +57,19 @@ impl Outing {
     }
 }
 
-/// Lowest points of a foot in the world: bottom of heel and ball.
+/// What a foot stands on, in the world: bottom of the heel, and the ground below the toe joint on a flat foot.
 fn sole(walkers: &Walkers, character: usize, side: usize) -> [Vec3; 2] {
     let s = &bodies()[character % 5];
     let (foot, toe) = [(Joint::LeftFoot, Joint::LeftToe), (Joint::RightFoot, Joint::RightToe)][side];
+    let rest = s.rest_positions();
     let ball = s.offsets[toe.index()];
-    let height = s.rest_positions()[foot.index()].y;
     let root = walkers.root(character);
     let pose = walkers.pose(character)[foot.index()];
-    [Vec3::new(0.0, -height, -0.3 * ball.z), Vec3::new(ball.x, -height, ball.z)].map(|p| {
+    let [heel, ball] = [Vec3::new(0.0, -rest[foot.index()].y, -0.3 * ball.z), ball].map(|p| {
         let m = pose.translation() + pose.rotation() * p;
         root.rotation() * m + root.translation()
-    })
+    });
+    [heel, ball - Vec3::Y * rest[toe.index()].y]
 }
 
 const FEET: [Contacts; 2] = [Contacts::LEFT, Contacts::RIGHT];

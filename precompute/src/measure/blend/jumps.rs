@@ -77,13 +77,13 @@ pub(super) fn jumps(tables: &Tables, space: &BlendSpace<'_>, motion: Motion) -> 
 
 enum Body {
     Blended(Box<Walkers>),
-    CrossFaded(CrossFade),
+    CrossFaded(Box<CrossFade>),
 }
 
 impl Body {
     fn new(tables: &Tables, space: &BlendSpace<'_>, motion: Motion) -> Result<Self, BuildError> {
         if motion == Motion::CrossFaded {
-            return Ok(Self::CrossFaded(CrossFade::new(space)));
+            return Ok(Self::CrossFaded(Box::new(CrossFade::new(space))));
         }
         let skeleton = tables.skeleton();
         let bodies = std::slice::from_ref(skeleton);

@@ -67,8 +67,8 @@ pub fn run(act: &Act, scene: &Scene, rng: &mut impl Rng) -> Vec<BodyPose> {
 /// The leg folds after toe-off, passes under the body bent, lifts the knee and reaches out.
 ///
 /// # Source
-/// Angles at 2 to 5 m/s after Novacheck 1998, *The biomechanics of running*, figures 5 and 6; the thigh's are against the
-/// vertical here.
+/// Of the size of the angles in Novacheck 1998, *The biomechanics of running*. Differs: the thigh's are against the
+/// vertical here, not against the pelvis.
 fn keys(speed: f64, lift: f64) -> [Key; 3] {
     let faster = speed - 2.0;
     let fold = (1.45 + 0.18 * faster) * lift;

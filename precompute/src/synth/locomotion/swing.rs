@@ -160,3 +160,62 @@ impl Key {
         [left, ahead.atan2(down), self.knee, self.ankle - shank]
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use throng_runtime::Skeleton;
+
+    const DRIVE: Drive = Drive { left: 0.0, ahead: 3.5, gyration: 0.0 };
+
+    fn fall(land: f64) -> Footfall {
+        let (flat, heel_off, lift) = (land + 0.05, land + 0.09, land + 0.22);
+        let ankle = DRIVE.place(land + 0.11, 0.05, -0.16);
+        Footfall { land, flat, heel_off, lift, ankle, ground: 0.0, heading: 0.0, yaw: 0.1, strike: 0.12, push: 1.1 }
+    }
+
+    /// A left hip that goes along evenly.
+    fn hip(t: f64) -> DVec3 {
+        let p = DRIVE.place(t, 0.092, 0.0);
+        DVec3::new(p.x, 0.84, p.y)
+    }
+
+    fn foot() -> RunnerFoot {
+        let keys = [(0.26, -0.16, 1.4, 0.2), (0.48, 0.3, 1.7, 0.0), (0.74, 0.6, 1.3, 0.0)];
+        let skeleton = Skeleton::default();
+        let swing = Swing {
+            drive: DRIVE,
+            keys: keys.map(|(at, thigh, knee, ankle)| Key { at, thigh, knee, ankle }),
+            hip: &|_, t| hip(t),
+            bank: 0.0,
+            leg: LegShape::of(&skeleton),
+        };
+        RunnerFoot::new(Side::Left, FootShape::of(&skeleton), vec![fall(0.0), fall(0.7)], &swing)
+    }
+
+    #[test]
+    fn a_swing_begins_and_ends_where_the_foot_stands() {
+        let foot = foot();
+        for (t, fall) in [(0.22, fall(0.0)), (0.7, fall(0.7))] {
+            let (stands, before) = (standing(&foot.shape, &fall, t), foot.pose(t - 1e-6, hip(t)));
+            let after = foot.pose(t + 1e-6, hip(t));
+            for flying in [before, after] {
+                assert!((flying.ankle - stands.ankle).length() < 1e-4, "{} {}", flying.ankle, stands.ankle);
+                assert!((flying.pitch - stands.pitch).abs() < 1e-3);
+            }
+        }
+    }
+
+    #[test]
+    fn the_leg_folds_and_stays_off_the_ground() {
+        let foot = foot();
+        let flexion = |t: f64| foot.leg.flexion((foot.pose(t, hip(t)).ankle - hip(t)).length());
+        assert!(flexion(0.22) < 0.9 && flexion(0.45) > 1.6 && flexion(0.7) < 0.9);
+        for k in 1..100 {
+            let t = 0.22 + 0.0048 * f64::from(k);
+            let sole = foot.shape.sole(&foot.pose(t, hip(t)), |_| 0.0);
+            let least = if (0.4..0.6).contains(&t) { CLEARANCE - 1e-3 } else { -0.004 };
+            assert!(sole > least, "at {t}: {sole}");
+        }
+    }
+}

@@ -94,7 +94,7 @@ fn soles_stay_above_the_ground() {
 #[test]
 fn knees_bend_forward_and_never_lock() {
     for (act, clip) in acts(&SET) {
-        let most = if act.gait.flies() { 130.0 } else { 95.0 };
+        let most = if act.gait.flies() { 130.0 } else { 103.0 };
         for f in 0..clip.num_frames() {
             for (shin, ..) in FEET {
                 let q = clip.frame_rotations(f)[shin.index()];
@@ -197,11 +197,12 @@ fn every_step_is_found_as_one_contact_and_feet_alternate() {
 #[test]
 fn contacts_are_found_when_they_are() {
     for (act, clip) in acts(&FOUND).filter(|(a, _)| a.gait != Gait::Idle) {
+        // Slow feet are seen to stand a little before and after they do.
         let stance = stride::Stride::of(&act).stance * clip.rate_hz;
         for foot in 0..2 {
             for stay in stays(clip, foot).iter().filter(|r| r.start > 0 && r.end < clip.num_frames()) {
                 let late = stance - stay.len() as f64;
-                assert!((-4.0..7.0).contains(&late), "{}: {stay:?}, stance of {stance} frames", clip.name);
+                assert!((-8.0..5.0).contains(&late), "{}: {stay:?}, stance of {stance} frames", clip.name);
             }
         }
     }

@@ -85,8 +85,10 @@ fn poses(act: &Act, scene: &Scene, steps: &Footsteps, drift: &Drift) -> Vec<Body
         liveliness: [act.manner.arm_swing; 2],
         dt: *dt,
     });
-    // Knees that bend alike under a tired walker and a tired stander would be those of somebody about to sit.
-    let crouch = act.manner.crouch * (0.35 + act.drive.speed()).min(1.0);
+    // Knees that bend alike under a tired walker and a tired stander would be those of somebody about to sit; who hurries
+    // has bent them enough.
+    let speed = act.drive.speed();
+    let crouch = act.manner.crouch * (0.35 + speed).min(1.0) * (1.0 - 0.4 * (speed - 1.1).max(0.0));
     let manner = Manner { crouch, ..*act.manner };
     let pose = |i: usize| {
         let (root, hips) = (pelvis.position[i], pelvis.rotation(i));

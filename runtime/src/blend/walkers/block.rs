@@ -18,6 +18,8 @@ pub(crate) struct Foot {
     pub ball: Lane3,
     /// 1 where it was planted at the last step, else 0.
     pub down: Lane,
+    /// How far it is pressed onto the ground, 0 to 1.
+    pub press: Lane,
     /// How far a step to where it belongs has gone, 0 to 1; 1 where none is being taken.
     pub step: Lane,
 }
@@ -29,6 +31,7 @@ impl Foot {
         heel: [[0.0; LANES]; 3],
         ball: [[0.0; LANES]; 3],
         down: [0.0; LANES],
+        press: [0.0; LANES],
         step: [1.0; LANES],
     };
 }
@@ -49,6 +52,8 @@ pub(crate) struct Block {
     pub travel: [Lane; 2],
     /// Place in the parameter box, eased.
     pub parameters: [[f32; MAX_AXES]; LANES],
+    /// How fast it moves. [Unit: 1/s]
+    pub parameter_rates: [[f32; MAX_AXES]; LANES],
     /// Generic time, in [0, 1).
     pub phase: Lane,
     /// How far the hips are lowered so that both legs reach. [Unit: m]
@@ -68,6 +73,7 @@ impl Block {
         turning: [0.0; LANES],
         travel: [[0.0; LANES]; 2],
         parameters: [[0.0; MAX_AXES]; LANES],
+        parameter_rates: [[0.0; MAX_AXES]; LANES],
         phase: [0.0; LANES],
         drop: [0.0; LANES],
         placed: [0.0; LANES],

@@ -11,7 +11,11 @@ use crate::troupe::block::{Lane, load, store};
 use crate::troupe::foot_lock::Placement;
 
 /// Height of the heel over the ball, as a share of the leg's scale, from which the ball alone bears. [Unit: m]
-const FLAT_M: f32 = 0.012;
+const FLAT_M: f32 = 0.005;
+/// Height over the ground from which a planted foot counts as standing. [Unit: m]
+const SETTLED_M: f32 = 0.002;
+/// How far a foot is pressed onto the ground when it has been there for about a tenth of a second.
+const LONG_PRESS: f32 = 0.98;
 /// Height that a foot is lifted to in a step of its own. [Unit: m]
 const STEP_HEIGHT_M: f32 = 0.06;
 /// Offset past which a foot is not brought back but forgotten: the character was put elsewhere. [Unit: m]
@@ -35,6 +39,8 @@ pub(crate) struct Tread<'a, F> {
     pub dt_s: F,
     /// What is left of an offset in the air after the tick.
     pub keep: F,
+    /// What is left of a difference in how far a foot is pressed onto the ground after the tick.
+    pub keep_press: F,
     /// Time of a step. [Unit: s]
     pub step_s: F,
     /// Offset of a planted foot from which it takes a step. [Unit: m]
@@ -74,7 +80,9 @@ pub(crate) fn tread<F: Lanes>(t: &Tread<'_, F>, foot: &mut Foot, wanted: Sole<F>
         foot: spin * wanted.foot,
         toe: spin * wanted.toe,
     };
-    sole.ankle.y = sole.ankle.y + rise(t, foot, &sole, [heel, ball]);
+    let [rise, left] = rise(t, foot, down, sole.ankle, [heel, ball]);
+    sole.ankle.y = sole.ankle.y + rise;
+    sole.toe = bend_toe(t, &sole, ball);
 
     store(&mut foot.offset, t.place.vector_to_world(offset));
     [foot.turn[0], foot.turn[1]] = turn.map(F::to_array);
@@ -82,10 +90,13 @@ pub(crate) fn tread<F: Lanes>(t: &Tread<'_, F>, foot: &mut Foot, wanted: Sole<F>
     store(&mut foot.ball, t.place.to_world(sole.ankle + ball));
     foot.down = down.to_array();
     progress(t, foot, down, offset, turn[1]);
-    // The heel stands where the ankle does: not while the foot rolls over it.
-    let rolls = (share - F::splat(0.5)).abs();
-    let heel = F::select_lt(rolls, F::splat(0.25), down, zero);
-    let ball = F::select_lt(share, F::splat(0.25), zero, down);
+    // What still comes down does not stand yet.
+    let standing = F::select_lt(left, F::splat(SETTLED_M), held, zero);
+    // The heel stands where the ankle does: not while the foot rolls over it, but where it bears for long.
+    let settled = F::select_lt(F::splat(LONG_PRESS), F::load(&foot.press), zero, one);
+    let rolls = (share - F::splat(0.5)).max((F::splat(0.5) - share) * settled);
+    let heel = F::select_lt(rolls, F::splat(0.2), standing, zero);
+    let ball = F::select_lt(share, F::splat(0.3), zero, standing);
     (sole, [heel.to_array(), ball.to_array()])
 }
 
@@ -165,21 +176,33 @@ fn offset_of<F: Lanes>(t: &Tread<'_, F>, foot: &Foot, held: F, ankle: V<F>, [hee
     V::select_lt(lost * lost, offset.dot(offset), V::new(zero, zero, zero), offset)
 }
 
-/// How much the foot has to rise: onto the ground where it is planted, out of it anywhere, and up in a step.
+/// How much the foot has to rise: onto the ground where it is planted, out of it anywhere, and up in a step of its own;
+/// and how high it is over the ground then.
 #[inline(always)]
-fn rise<F: Lanes>(t: &Tread<'_, F>, foot: &Foot, sole: &Sole<F>, [heel, ball]: [V<F>; 2]) -> F {
+fn rise<F: Lanes>(t: &Tread<'_, F>, foot: &mut Foot, down: F, ankle: V<F>, [heel, ball]: [V<F>; 2]) -> [F; 2] {
     let (zero, one) = (F::splat(0.0), F::splat(1.0));
-    let tip = ball + sole.toe.rotate(load(&t.leg.tip));
     let below_ball = over_ground(t, ball) - F::load(&t.leg.thickness);
-    let lowest = over_ground(t, heel).min(below_ball).min(over_ground(t, tip));
-    let height = sole.ankle.y + lowest - t.ground[0];
-    // Continuous where a contact begins: a blend of examples half of which stand matters half at least.
-    let press = (t.importance * F::splat(1.6)).min(one);
-    let press = press * press * press;
+    let lowest = over_ground(t, heel).min(below_ball);
+    let height = ankle.y + lowest - t.ground[0];
+    // As a contact comes near, then wholly; what is left of it fades in the air.
+    let near = t.importance * t.importance * t.importance;
+    let press = near.max(down);
+    let press = press + (F::load(&foot.press) - press) * t.keep_press;
+    foot.press = press.to_array();
     let onto = F::select_lt(height, zero, -height, -(height * press));
     let step = F::load(&foot.step).min(one);
     let arc = step * (one - step);
-    onto + arc * arc * F::splat(16.0 * STEP_HEIGHT_M) * t.scale
+    let rise = onto + arc * arc * F::splat(16.0 * STEP_HEIGHT_M) * t.scale;
+    [rise, height + rise]
+}
+
+/// Bends the toe up where its tip would go below the ground.
+#[inline(always)]
+fn bend_toe<F: Lanes>(t: &Tread<'_, F>, sole: &Sole<F>, ball: V<F>) -> Q<F> {
+    let (zero, tip) = (F::splat(0.0), sole.toe.rotate(load(&t.leg.tip)));
+    let height = sole.ankle.y + over_ground(t, ball + tip) - t.ground[0];
+    let bent = V::new(tip.x, tip.y - height.min(zero), tip.z);
+    Q::between(tip, bent) * sole.toe
 }
 
 /// Begins a step where a planted foot has been left too far behind, or moves one on.

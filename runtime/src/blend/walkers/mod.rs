@@ -56,7 +56,7 @@ impl Default for WalkersConfig {
         Self {
             parameter_half_life_s: 0.12,
             heading_half_life_s: 0.12,
-            max_turning_rate: 4.0,
+            max_turning_rate: 3.0,
             tempo: [0.8, 1.25],
             foot_half_life_s: 0.08,
             foot_reach_m: 0.22,

@@ -10,12 +10,12 @@ use crate::troupe::hierarchy::ModelPose;
 use glam::Vec3;
 
 /// Share of a leg's length past which it gives way softly, and what it never passes.
-const SOFT: f32 = 0.99;
-const HARD: f32 = 0.9995;
+const SOFT: f32 = 0.98;
+const HARD: f32 = 0.999;
 /// Share of its length by which a leg may be too short for a planted foot before the foot is released.
 const STRETCH: f32 = 0.004;
 /// Furthest that the hips are lowered. [Unit: m, of the database skeleton]
-const LOWEST_M: f32 = 0.18;
+const LOWEST_M: f32 = 0.08;
 
 /// Lowers the whole body so that both legs reach their ankles softly, each as far as its foot's place matters.
 ///

@@ -17,6 +17,8 @@ const STRIDING_MPS: f32 = 0.3;
 /// What all walkers share in a tick.
 pub(crate) struct Steering<'a> {
     pub axes: &'a [AxisRecord],
+    /// What the parameters may be is limited to the box.
+    clamped: bool,
     /// The examples step sideways.
     sideways: bool,
     /// The examples step back.
@@ -24,7 +26,7 @@ pub(crate) struct Steering<'a> {
     dt_s: f32,
     /// What is left of a difference after a tick.
     keep_heading: f32,
-    keep_parameters: f32,
+    spring: Spring,
     max_turning_rate: f32,
 }
 
@@ -33,11 +35,12 @@ impl<'a> Steering<'a> {
         let axes = space.axes();
         Self {
             axes,
+            clamped: space.record().extrapolate == 0,
             sideways: space.axis_of(axis::SIDE).is_some(),
             backward: axes.iter().any(|a| a.kind == axis::SPEED && a.low < 0.0),
             dt_s,
             keep_heading: keep(dt_s, config.heading_half_life_s),
-            keep_parameters: keep(dt_s, config.parameter_half_life_s),
+            spring: Spring::new(dt_s, config.parameter_half_life_s),
             max_turning_rate: config.max_turning_rate,
         }
     }
@@ -58,9 +61,10 @@ impl<'a> Steering<'a> {
         block.root[2][lane] = turned;
         block.speed[lane] = speed;
         let wanted = self.parameters(block, body, lane, control, speed);
-        let keep = if placed { self.keep_parameters } else { 0.0 };
-        for (p, wanted) in block.parameters[lane].iter_mut().zip(wanted) {
-            *p = wanted + (*p - wanted) * keep;
+        let eased = block.parameters[lane].iter_mut().zip(&mut block.parameter_rates[lane]);
+        for ((p, rate), wanted) in eased.zip(wanted) {
+            (*p, *rate) = if placed { self.spring.pull(*p - wanted, *rate) } else { (0.0, 0.0) };
+            *p += wanted;
         }
         block.placed[lane] = 1.0;
     }
@@ -120,6 +124,10 @@ impl<'a> Steering<'a> {
                 axis::GYRATION => turning,
                 _ => styles.next().copied().unwrap_or(0.0),
             };
+            // What is asked for beyond the box would be eased to in less time.
+            if self.clamped {
+                *p = p.clamp(axis.low, axis.high);
+            }
         }
         p
     }
@@ -129,6 +137,32 @@ impl<'a> Steering<'a> {
 fn lean([left, ahead]: [[f32; 8]; 2], lane: usize) -> f32 {
     let v = Vec2::new(left[lane], ahead[lane]);
     if v.y > STRIDING_MPS { v.x.atan2(v.y) } else { 0.0 }
+}
+
+/// A critically damped spring over one tick, so that parameters that jump begin to change smoothly.
+struct Spring {
+    /// What is left of a displacement, and what of a rate adds to it. [Unit: -, s]
+    keep: [f32; 2],
+    /// What a displacement adds to the rate, and what is left of a rate. [Unit: 1/s, -]
+    rate: [f32; 2],
+}
+
+impl Spring {
+    /// As the offsets of transitions decay: half is left after about the half-life.
+    fn new(dt_s: f32, half_life_s: f32) -> Self {
+        if half_life_s <= 0.0 {
+            return Self { keep: [0.0; 2], rate: [0.0; 2] };
+        }
+        let y = 2.0 * std::f32::consts::LN_2 / half_life_s;
+        let e = (-y * dt_s).exp();
+        Self { keep: [e * (1.0 + y * dt_s), e * dt_s], rate: [-e * y * y * dt_s, e * (1.0 - y * dt_s)] }
+    }
+
+    /// Displacement and rate after the tick.
+    fn pull(&self, displacement: f32, rate: f32) -> (f32, f32) {
+        let ([a, b], [c, d]) = (self.keep, self.rate);
+        (a * displacement + b * rate, c * displacement + d * rate)
+    }
 }
 
 /// Share that is left of a difference after a time; 0 for a half-life of 0.

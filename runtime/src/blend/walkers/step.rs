@@ -33,8 +33,9 @@ const STEP_S: f32 = 0.35;
 /// Share of the reach at which a foot of a character that stands takes a step.
 const STANDING_REACH: f32 = 0.4;
 
-/// Time in which a difference in how far the hips are lowered halves: legs give way softly meanwhile. [Unit: s]
-const DROP_HALF_LIFE_S: f32 = 0.02;
+/// Time in which a difference in how far the hips are lowered halves, and in how far a foot is pressed onto the
+/// ground. [Unit: s]
+const QUICK_HALF_LIFE_S: f32 = 0.02;
 
 /// What all ranges of a tick share.
 pub(crate) struct Tick<'a, 's> {
@@ -45,15 +46,15 @@ pub(crate) struct Tick<'a, 's> {
     dt_s: f32,
     /// What is left of a foot's offset in the air.
     keep: f32,
-    /// What is left of a difference in how far the hips are lowered.
-    keep_drop: f32,
+    /// What is left of a difference in how far the hips are lowered, and a foot is pressed onto the ground.
+    keep_quickly: f32,
 }
 
 impl<'a, 's> Tick<'a, 's> {
     pub fn new(space: &'a BlendSpace<'s>, config: &'a WalkersConfig, dt_s: f32, ground: &'a HeightField) -> Self {
         let keep = (-dt_s / config.foot_half_life_s).exp2();
-        let keep_drop = (-dt_s / DROP_HALF_LIFE_S).exp2();
-        Self { space, config, steering: Steering::new(space, config, dt_s), ground, dt_s, keep, keep_drop }
+        let keep_quickly = (-dt_s / QUICK_HALF_LIFE_S).exp2();
+        Self { space, config, steering: Steering::new(space, config, dt_s), ground, dt_s, keep, keep_quickly }
     }
 }
 
@@ -196,7 +197,7 @@ fn retarget<F: Lanes>(
     let (left, left_bears) = plant(block, body, 0, &t, importance[0], &place, &model, tick);
     let (right, right_bears) = plant(block, body, 1, &t, importance[1], &place, &model, tick);
     let (soles, mut bearing) = ([left, right], [left_bears, right_bears]);
-    lower(body, &soles, importance, (&mut block.drop, tick.keep_drop), &mut model);
+    lower(body, &soles, importance, (&mut block.drop, tick.keep_quickly), &mut model);
     for (side, sole) in soles.iter().enumerate() {
         release(&mut block.feet[side], &mut bearing[side], stretched(body, side, sole, &model));
         reach_foot(body, side, sole, &mut model);
@@ -270,6 +271,7 @@ fn plant<F: Lanes>(
         importance,
         dt_s: F::splat(tick.dt_s),
         keep: F::splat(tick.keep),
+        keep_press: F::splat(tick.keep_quickly),
         step_s: F::splat(STEP_S) * F::load(&body.pace),
         reach: F::splat(tick.config.foot_reach_m) * share * scale,
         other_stands: F::select_lt(F::load(&other.step), one, zero, F::load(&other.down)),

@@ -22,6 +22,8 @@ pub(crate) struct Plane {
     /// Steps across each edge, in copies along two directions.
     pub steps: Vec<[i32; 2]>,
     num_cells: u32,
+    /// From each cell back to where links to it begin: how many copies away that leads, and the cell.
+    arcs: Arcs<([i32; 2], u32)>,
     /// Least frames from each cell to any cell of a class that many copies away. [Size: classes * offsets * cells]
     costs: Vec<u16>,
     /// The least over cells. [Size: classes * offsets]
@@ -57,18 +59,25 @@ impl Plane {
             pace: f32::INFINITY,
             steps,
             num_cells: cells.len() as u32,
+            arcs: Arcs::new(0, std::iter::empty()),
             costs: Vec::with_capacity(num_classes as usize * NUM_OFFSETS * cells.len()),
             least: Vec::new(),
             slopes: Vec::new(),
         };
-        let arcs = out.arcs_back(patches, patch);
+        out.arcs = out.arcs_back(patches, patch);
         let mut search = Dial::default();
         for c in 0..num_classes {
-            out.add_class(cells, c, &arcs, &mut search);
+            out.add_class(cells, c, &mut search);
             out.add_slopes(c);
             out.pace = out.pace_to(c, &vectors).min(out.pace);
         }
         Some(out)
+    }
+
+    /// Calls `visit` for every link that leads to a cell, with how many copies away that leads, the cell that it begins
+    /// in, and its frames.
+    pub fn for_each_link_to(&self, cell: u32, mut visit: impl FnMut([i32; 2], u32, u16)) {
+        self.arcs.of(cell).iter().for_each(|&((way, from), frames)| visit(way, from, frames));
     }
 
     /// Number of classes of cells.
@@ -112,7 +121,9 @@ impl Plane {
     fn pace_to(&self, class: u32, vectors: &[Vec3]) -> f32 {
         let along = |way| self.steps.iter().position(|s| *s == way).map_or(Vec3::ZERO, |e| vectors[e]);
         let [u, v] = [along([1, 0]), along([0, 1])];
-        let rim = offsets().filter(|o| o[0].abs().max(o[1].abs()) == RADIUS);
+        // Some classes are come to from nowhere.
+        let known = |o: &[i32; 2]| self.least(self.look(class, *o)) < f32::INFINITY;
+        let rim = offsets().filter(|o| o[0].abs().max(o[1].abs()) == RADIUS && known(o));
         rim.map(|o| self.norm(class, o) / (u * o[0] as f32 + v * o[1] as f32).length()).fold(f32::INFINITY, f32::min)
     }
 
@@ -128,7 +139,7 @@ impl Plane {
         Arcs::new(cells.len(), list)
     }
 
-    fn add_class(&mut self, cells: &[CellRecord], class_: u32, arcs: &Arcs<([i32; 2], u32)>, search: &mut Dial) {
+    fn add_class(&mut self, cells: &[CellRecord], class_: u32, search: &mut Dial) {
         let (wide, n) = (RADIUS + MARGIN, cells.len() as u32);
         let across = 2 * wide + 1;
         let number = |[x, z]: [i32; 2], cell: u32| ((x + wide) * across + z + wide) as u32 * n + cell;
@@ -138,7 +149,7 @@ impl Plane {
         search.run((across * across) as usize * cells.len(), targets, |search, state| {
             let (tile, cell) = ((state / n) as i32, state % n);
             let [x, z] = [tile / across - wide, tile % across - wide];
-            for &(([dx, dz], from), frames) in arcs.of(cell) {
+            for &(([dx, dz], from), frames) in self.arcs.of(cell) {
                 let at = [x - dx, z - dz];
                 if at[0].abs() <= wide && at[1].abs() <= wide {
                     search.reach(number(at, from), frames);
@@ -199,4 +210,146 @@ fn lattice(steps: &[Vec3]) -> Option<Vec<[i32; 2]>> {
         (there.distance(*s) <= 1e-2 * u.length() && at.iter().all(|a| a.abs() <= 2.0)).then_some(at.map(|a| a as i32))
     };
     steps.iter().map(multiple).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::patch::{EdgeRecord, KIND_TILE, LinkRecord, PatchRecord, Placement};
+    use proptest::prelude::*;
+    use std::collections::{BTreeMap, BTreeSet};
+
+    /// A tile with an entry and an exit an edge (cells 0 to 3 and 4 to 7) and two cells inside, and its links.
+    struct Tile {
+        patch: PatchRecord,
+        edges: Vec<EdgeRecord>,
+        cells: Vec<CellRecord>,
+        links: Vec<LinkRecord>,
+    }
+
+    const STEPS: [[i32; 2]; 4] = [[1, 0], [-1, 0], [0, 1], [0, -1]];
+
+    impl Tile {
+        fn new(links: &[(u32, u32, u16)]) -> Self {
+            let cell = |edge, twin, flags| CellRecord {
+                placement: Placement::IDENTITY,
+                group: 0,
+                edge,
+                twin,
+                flags,
+                first_link: 0,
+                num_links: 0,
+                reserved: [0; 2],
+            };
+            let mut cells: Vec<_> = (0..4).map(|e| cell(e, 4 + (e ^ 1), CellRecord::IS_ENTRY)).collect();
+            cells.extend((0..4).map(|e| cell(e, e ^ 1, CellRecord::IS_EXIT)));
+            cells.extend([cell(NONE, NONE, 0); 2]);
+            let link = |&(from, to, num_frames): &(u32, u32, u16)| LinkRecord {
+                from,
+                to,
+                frame: 0,
+                num_frames,
+                tag: 0,
+                start: Placement::IDENTITY,
+                end: Placement::IDENTITY,
+            };
+            let edge = |e: usize| EdgeRecord {
+                step: [2.0 * STEPS[e][0] as f32, 0.0, 2.0 * STEPS[e][1] as f32],
+                opposite: e as u32 ^ 1,
+            };
+            let patch = PatchRecord {
+                kind: KIND_TILE,
+                first_cell: 0,
+                num_cells: 10,
+                first_link: 0,
+                num_links: links.len() as u32,
+                first_edge: 0,
+                num_edges: 4,
+                reserved: 0,
+                min: [-1.0; 3],
+                max: [1.0; 3],
+            };
+            Self { patch, edges: (0..4).map(edge).collect(), cells, links: links.iter().map(link).collect() }
+        }
+
+        fn plane(&self) -> Option<Plane> {
+            let patches = Patches {
+                patches: std::slice::from_ref(&self.patch),
+                edges: &self.edges,
+                cells: &self.cells,
+                links: &self.links,
+            };
+            Plane::new(&patches, 0)
+        }
+
+        /// Least frames from a cell to all others, on a wide plane.
+        fn dijkstra(&self, from: u32) -> BTreeMap<([i32; 2], u32), u32> {
+            let (mut queue, mut found) = (BTreeSet::from([(0, ([0, 0], from))]), BTreeMap::new());
+            while let Some((frames, (at, cell))) = queue.pop_first() {
+                if at.iter().any(|a: &i32| a.abs() > 8) || found.contains_key(&(at, cell)) {
+                    continue;
+                }
+                found.insert((at, cell), frames);
+                for l in self.links.iter().filter(|l| l.from == cell) {
+                    let to = &self.cells[l.to as usize];
+                    let next = match to.edge {
+                        NONE => (at, l.to),
+                        e => ([at[0] + STEPS[e as usize][0], at[1] + STEPS[e as usize][1]], to.twin),
+                    };
+                    queue.insert((frames + u32::from(l.num_frames), next));
+                }
+            }
+            found
+        }
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(12))]
+
+        #[test]
+        fn costs_are_those_of_plain_dijkstra(links in proptest::collection::vec((0usize..6, 0u32..6, 20u16..60), 8..24)) {
+            // From entries and the inside, to exits and the inside.
+            let links: Vec<_> = links.iter().map(|&(f, t, n)| ([0, 1, 2, 3, 8, 9][f], 4 + t, n)).collect();
+            let tile = Tile::new(&links);
+            let plane = tile.plane().unwrap();
+            for from in [0, 1, 2, 3, 8, 9] {
+                let found = tile.dijkstra(from);
+                for way in offsets().filter(|o| o[0].abs().max(o[1].abs()) <= 2) {
+                    for c in 0..5 {
+                        let ends = |cell: u32| cell < 4 && cell == c || cell >= 8 && c == 4;
+                        let costs = found.iter().filter(|((at, cell), _)| *at == way && ends(*cell)).map(|(_, f)| *f);
+                        let best = costs.min().map_or(f32::INFINITY, |f| f as f32);
+                        prop_assert_eq!(plane.cost(plane.look(c, way), from), best, "{} to {} {:?}", from, c, way);
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn far_ways_go_on_as_near_ones_do() {
+        // Straight on in 50 frames, around a corner in 40.
+        let mut links = Vec::new();
+        for from in 0..4u32 {
+            for to in (0..4u32).filter(|&to| to != from) {
+                links.push((from, 4 + to, if to == from ^ 1 { 50 } else { 40 }));
+            }
+        }
+        let tile = Tile::new(&links);
+        let plane = tile.plane().unwrap();
+        // Cell 1 was entered from -x and goes on to +x.
+        assert_eq!(plane.cost(plane.look(1, [30, 0]), 1), 30.0 * 50.0);
+        // All the way in zigzag.
+        let cost = plane.least(plane.look(1, [20, 20]));
+        assert!((cost - 40.0 * 40.0).abs() <= 50.0, "{cost}");
+        // Nothing is faster a metre than straight on; a tile is 2 m long.
+        assert!((plane.pace - 25.0).abs() < 1.0, "{}", plane.pace);
+    }
+
+    #[test]
+    fn tiles_in_a_line_fill_no_plane() {
+        assert!(lattice(&[Vec3::X, -Vec3::X]).is_none());
+        assert_eq!(lattice(&[Vec3::X, Vec3::new(-1.0, 0.0, 0.5)]), Some(vec![[1, 0], [0, 1]]));
+        assert!(lattice(&[Vec3::X, Vec3::Z, Vec3::new(0.5, 0.0, 0.0)]).is_none());
+    }
 }

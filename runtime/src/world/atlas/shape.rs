@@ -83,7 +83,7 @@ impl Shape {
     }
 
     /// Least frames from a way in to a cell.
-    pub fn from_in(&self, way_in: u32, cell: u32) -> f32 {
+    pub fn reach(&self, way_in: u32, cell: u32) -> f32 {
         frames(self.from_in[(way_in * self.num_cells + cell) as usize])
     }
 

@@ -2,10 +2,11 @@
 
 use super::Target;
 use super::heap::Heap;
+use super::near::{self, Near};
 use crate::patch::NONE;
 use crate::world::atlas::{Atlas, In, Look, Out, class};
 use crate::world::{Node, WorldGraph};
-use glam::Vec3;
+use glam::{Vec3, Vec3Swizzles};
 use std::ops::Range;
 
 /// What is known of a tile: the ways on from it that cost least, one of which may be the way to the target itself.
@@ -13,7 +14,11 @@ const MAX_GATES: usize = 4;
 /// Gates are looked at that cost at most this many times what the best way costs, and so much more. [Unit: frames]
 const BESIDE: f32 = 1.05;
 const BESIDE_FRAMES: f32 = 60.0;
-/// Some ways are faster than walking.
+/// What a frame counts within the target's district, where many ways are equally fast.
+const HASTE: f32 = 3.0;
+/// Ways that rise less are level. [Unit: m]
+const MIN_RISE_M: f32 = 0.3;
+/// Places are known but roughly.
 const CAUTION: f32 = 0.9;
 
 /// A way on from a tile. [Unit: frames]
@@ -27,8 +32,47 @@ struct Gate {
 #[derive(Clone, Copy, Debug, Default)]
 struct Gates {
     stamp: u32,
+    /// True where the target is so near that the way to it is looked up elsewhere.
+    near: bool,
     len: usize,
     list: [Gate; MAX_GATES],
+}
+
+/// What a metre costs at least. [Unit: frames/m]
+#[derive(Clone, Copy, Debug, Default)]
+struct Pace {
+    along: f32,
+    up: f32,
+    down: f32,
+}
+
+impl Pace {
+    /// On planes, and on top of that where districts lead up and down.
+    fn new(graph: &WorldGraph<'_>, atlas: &Atlas) -> Self {
+        let mut pace = Self { along: atlas.pace(), up: f32::INFINITY, down: f32::INFINITY };
+        for district in 0..atlas.num_districts() as u32 {
+            for (i, way_in) in atlas.ins_of(district).enumerate() {
+                let In::Tile { tile, .. } = atlas.ins[way_in as usize] else { continue };
+                for (o, out) in atlas.outs_of(district).enumerate() {
+                    let Some(to) = atlas.outs[out as usize].tile else { continue };
+                    let way = graph.centre(to) - graph.centre(tile);
+                    let cost = atlas.shape(district).across(i as u32, o as u32) - pace.along * way.xz().length();
+                    let least = if way.y > 0.0 { &mut pace.up } else { &mut pace.down };
+                    if way.y.abs() > MIN_RISE_M {
+                        *least = least.min((cost / way.y.abs()).max(0.0));
+                    }
+                }
+            }
+        }
+        let known = |p: f32| if p < f32::INFINITY { CAUTION * p } else { 0.0 };
+        Self { along: known(pace.along), up: known(pace.up), down: known(pace.down) }
+    }
+
+    /// Of a way from one place to another.
+    fn cost(&self, from: Vec3, to: Vec3) -> f32 {
+        let way = to - from;
+        self.along * way.xz().length() + if way.y > 0.0 { self.up * way.y } else { -self.down * way.y }
+    }
 }
 
 /// Memory of the upper layer, and what its last search found.
@@ -41,9 +85,9 @@ pub(super) struct Upper {
     stamps: Vec<u32>,
     heap: Heap,
     stamp: u32,
-    /// Where the search is to come to, and what a metre costs at least. [Unit: m, frames/m]
+    /// Where the search is to come to. [Unit: m]
     from: Vec3,
-    pace: f32,
+    pace: Pace,
     /// Ways in of a region that were opened: the first and the last, and the next of each.
     chains: Vec<[u32; 2]>,
     chain_stamps: Vec<u32>,
@@ -52,6 +96,7 @@ pub(super) struct Upper {
     /// By instance.
     gates: Vec<Gates>,
     end: End,
+    near: Near,
     /// Largest cost that is settled; infinite where all are. [Unit: frames]
     pub limit: f32,
     /// States opened.
@@ -69,6 +114,8 @@ struct End {
     /// There, least costs from each way in, and largest ones to each way out.
     from_in: Vec<f32>,
     to_out: Vec<f32>,
+    /// The least of the former.
+    nearest: f32,
 }
 
 impl Upper {
@@ -87,7 +134,7 @@ impl Upper {
         Self {
             places: atlas.ins.iter().map(place_in).chain(atlas.outs.iter().map(place_out)).collect(),
             from: Vec3::ZERO,
-            pace: CAUTION * atlas.pace(),
+            pace: Pace::new(graph, atlas),
             next_stamps: vec![0; atlas.ins.len()],
             costs: vec![0.0; num_states],
             stamps: vec![0; num_states],
@@ -102,6 +149,7 @@ impl Upper {
                 to_out: Vec::with_capacity(most(Atlas::outs_of)),
                 ..End::default()
             },
+            near: Near::new((0..graph.num_instances() as u32).map(|i| graph.num_cells(i)).max().unwrap_or(0)),
             limit: 0.0,
             opened: 0,
         }
@@ -143,11 +191,10 @@ impl Upper {
     /// What it costs to go on from a node to the target; infinite where no way is known. [Unit: frames]
     pub fn estimate(&mut self, atlas: &Atlas, node: Node) -> f32 {
         if let Some((district, first)) = atlas.district(node.instance) {
-            return self.within(atlas, district, first + node.cell).min(self.through(
-                atlas,
-                district,
-                first + node.cell,
-            ));
+            let within = self.within(atlas, district, first + node.cell);
+            // What has come nearer to the target than its district's nearest way in goes on before others do.
+            let inside = self.end.nearest + HASTE * (within - self.end.nearest);
+            return inside.min(self.through(atlas, district, first + node.cell));
         }
         if self.gates[node.instance as usize].stamp != self.stamp {
             self.find_gates(atlas, node.instance);
@@ -155,7 +202,8 @@ impl Upper {
         let Some(plane) = atlas.regions.of(node.instance).and_then(|r| atlas.plane(r)) else { return f32::INFINITY };
         let gates = &self.gates[node.instance as usize];
         let costs = gates.list[..gates.len].iter().map(|g| plane.cost(g.look, node.cell) + g.cost);
-        costs.fold(f32::INFINITY, f32::min)
+        let near = gates.near.then(|| self.estimate_direct(atlas, node));
+        costs.chain(near).fold(f32::INFINITY, f32::min)
     }
 
     /// District of the target; [`NONE`] where it is in none.
@@ -191,17 +239,28 @@ impl Upper {
         let Some((district, first)) = atlas.district(instance) else {
             let num_edges = graph.patches().patches[graph.instance(instance).patch as usize].num_edges;
             nodes.for_each(|n| end.classes |= 1 << class(graph.cell(n), num_edges));
+            let Some(plane) = atlas.regions.of(instance).and_then(|r| atlas.plane(r)) else { return false };
+            let bits = end.classes;
+            let cells = (0..graph.num_cells(instance)).filter(|&cell| {
+                let node = Node { instance, cell };
+                graph.is_node(node) && target.is_at(graph, node)
+            });
+            let least = |way, cell| near::least(plane, classes(bits), way, cell);
+            self.near.run(plane, graph.num_cells(instance), cells, least);
             return true;
         };
         let shape = atlas.shape(district);
         end.district = Some(district);
         end.from_in.extend(atlas.ins_of(district).map(|_| f32::INFINITY));
         end.to_out.extend(atlas.outs_of(district).map(|_| 0.0));
+        end.nearest = 0.0;
         for n in nodes {
             let cell = first + n.cell;
-            end.from_in.iter_mut().enumerate().for_each(|(k, c)| *c = c.min(shape.from_in(k as u32, cell)));
+            end.from_in.iter_mut().enumerate().for_each(|(k, c)| *c = c.min(shape.reach(k as u32, cell)));
             end.to_out.iter_mut().enumerate().for_each(|(k, c)| *c = c.max(shape.to_out(k as u32, cell)));
         }
+        let nearest = end.from_in.iter().copied().fold(f32::INFINITY, f32::min);
+        end.nearest = if nearest < f32::INFINITY { nearest } else { 0.0 };
         true
     }
 
@@ -212,7 +271,7 @@ impl Upper {
             }
         } else if let Some(region) = atlas.regions.of(self.end.instance) {
             for class in classes(self.end.classes) {
-                self.reach_outs(atlas, region, self.end.instance, class, 0.0);
+                self.reach_outs(atlas, region, self.end.instance, class, self.near.beside);
             }
         }
     }
@@ -220,6 +279,7 @@ impl Upper {
     /// Ways out to tiles of a region, from which one goes on to a class of cells of one of them.
     fn reach_outs(&mut self, atlas: &Atlas, region: u32, tile: u32, class: u32, cost: f32) {
         let Some(plane) = atlas.plane(region) else { return };
+        let (mut last, mut look) = (NONE, Look::default());
         for &k in &atlas.region_outs[region as usize] {
             let out = &atlas.outs[k as usize];
             let Some(through) = out.tile else { continue };
@@ -227,7 +287,9 @@ impl Upper {
             if self.stamps[s] == self.stamp && self.costs[s] <= cost {
                 continue;
             }
-            let look = plane.look(class, atlas.regions.way(through, tile));
+            if last != through {
+                (last, look) = (through, plane.look(class, atlas.regions.way(through, tile)));
+            }
             let number = k - atlas.outs_of(out.district).start;
             self.reach(atlas.ins.len() as u32 + k, cost + atlas.shape(out.district).landing(number, look));
         }
@@ -240,7 +302,7 @@ impl Upper {
         }
         self.stamps[s] = self.stamp;
         self.costs[s] = cost;
-        self.heap.push(state, cost + self.pace * self.places[s].distance(self.from));
+        self.heap.push(state, cost + self.pace.cost(self.from, self.places[s]));
     }
 
     fn open_in(&mut self, atlas: &Atlas, way_in: u32, cost: f32) {
@@ -311,8 +373,9 @@ impl Upper {
         let (here, there) = (atlas.regions.of(node.instance), atlas.regions.of(self.end.instance));
         let Some(plane) = here.filter(|_| here == there).and_then(|r| atlas.plane(r)) else { return f32::INFINITY };
         let way = atlas.regions.way(node.instance, self.end.instance);
-        let costs = classes(self.end.classes).map(|class| plane.cost(plane.look(class, way), node.cell));
-        costs.fold(f32::INFINITY, f32::min)
+        self.near
+            .cost(way, node.cell)
+            .unwrap_or_else(|| near::least(plane, classes(self.end.classes), way, node.cell) + self.near.beside)
     }
 
     /// What it costs at least from a cell of the target's district to the target: the ways in and out are landmarks
@@ -326,7 +389,7 @@ impl Upper {
             least = least.max(shape.to_out(k as u32, cell) - end);
         }
         for (k, &end) in self.end.from_in.iter().enumerate() {
-            let here = shape.from_in(k as u32, cell);
+            let here = shape.reach(k as u32, cell);
             least = if here < f32::INFINITY { least.max(end - here) } else { least };
         }
         least
@@ -364,8 +427,12 @@ impl Upper {
                 (costs[at], found.list[at]) = (total, Gate { look, cost });
             }
         };
+        let mut near = false;
         if atlas.regions.of(self.end.instance) == region {
-            classes(self.end.classes).for_each(|class| add(class, self.end.instance, 0.0));
+            near = self.near.cost(atlas.regions.way(tile, self.end.instance), 0).is_some();
+            if !near {
+                classes(self.end.classes).for_each(|class| add(class, self.end.instance, self.near.beside));
+            }
         }
         let mut way_in = if self.chain_stamps[r as usize] == self.stamp { self.chains[r as usize][0] } else { NONE };
         while way_in != NONE {
@@ -374,6 +441,7 @@ impl Upper {
             }
             way_in = self.next[way_in as usize];
         }
+        found.near = near;
         self.gates[tile as usize] = found;
     }
 }

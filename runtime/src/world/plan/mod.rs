@@ -4,6 +4,7 @@
 mod gates;
 mod heap;
 mod leaps;
+mod near;
 mod nodes;
 
 use super::atlas::Atlas;
@@ -103,10 +104,12 @@ impl Planner {
         out: &mut [Step],
     ) -> Option<Plan> {
         let (atlas, mut opened_nodes) = (graph.atlas(), 0);
+        let mut known = None;
         for tries in &TRIES {
-            if !self.upper.run(graph, atlas, target, from, tries.all) {
+            if known != Some(tries.all) && !self.upper.run(graph, atlas, target, from, tries.all) {
                 return None;
             }
+            known = Some(tries.all);
             let skip = if tries.leaps { self.upper.district() } else { NONE };
             let (upper, greed) = (&mut self.upper, tries.greed);
             let mut way = Way { graph, atlas, target, skip, leaps: tries.leaps, greed, upper, toll: &toll };
