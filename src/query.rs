@@ -12,8 +12,8 @@ use throng_runtime::policy::{BestActionJob, MAX_ACTIONS};
 
 /// Ask a policy for the action of a state and a target, or plan a path through a world.
 ///
-/// JSON keys of a bundle: behaviour, state, target_m, action (index within the state's actions), value (of the state for this
-/// target), score (of the action), segment, frames, single_load_action, best [action, score]. Of a world: world, from_m and
+/// JSON keys: of a bundle, behaviour, state, target_m, action (index within the state's actions), value (of the state for this
+/// target), score (of the action), segment, frames, single_load_action, best [action, score]; of a world, world, from_m and
 /// to_m (the nearest places where one can stay), length_m, duration_s, transitions, opened_instances (states of
 /// instances), opened_nodes, seconds (that planning took), path_m [x, y, z].
 #[derive(clap::Args)]

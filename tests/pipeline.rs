@@ -218,13 +218,16 @@ fn an_unchanged_build_only_hashes_and_writes() {
     assert!(first.cached.is_empty());
     assert_eq!(
         stages(&first),
-        ["annotate", "cluster", "features", "graph", "hash", "import", "policy", "resample", "retarget", "write"]
+        [
+            "annotate", "cluster", "examples", "features", "graph", "hash", "import", "policy", "resample", "retarget",
+            "write"
+        ]
     );
     let made = bytes();
     let second = build(&config, &out, &cache);
     assert_eq!(
         (stages(&second), second.cached),
-        (vec!["hash", "write"], vec!["motion", "cluster", "patch", "graph", "policy"])
+        (vec!["hash", "write"], vec!["motion", "examples", "cluster", "patch", "graph", "policy"])
     );
     assert!(bytes() == made, "the second build wrote other bytes");
     assert_eq!((second.states, second.policies.len()), (first.states, 1));

@@ -3,6 +3,7 @@
 #![allow(dead_code, reason = "each test binary uses its own part of this module")]
 
 use glam::Quat;
+use throng_runtime::blend::{BlendRecord, ChannelRow, ExampleRecord, ReferenceRow};
 use throng_runtime::format::{
     AlignedBytes, BundleWriter, ClipMeta, ClipRecord, FrameRow, Meta, PatchMeta, SkeletonRecord,
 };
@@ -153,6 +154,11 @@ pub fn bundle(name: &str) -> Vec<u8> {
     out.section(tags::PATCH_CELLS, &cells);
     out.section(tags::PATCH_LINKS, &links);
     out.section(tags::POSE_GROUPS, &vec![WALK; rows.len()]);
+    out.section::<BlendRecord>(tags::BLENDS, &[]);
+    out.section::<ExampleRecord>(tags::BLEND_EXAMPLES, &[]);
+    out.section::<f32>(tags::BLEND_WEIGHTS, &[]);
+    out.section::<ReferenceRow>(tags::BLEND_REFERENCES, &[]);
+    out.section::<ChannelRow>(tags::BLEND_CHANNELS, &[]);
     let mut bytes = Vec::new();
     out.write(&mut bytes).expect("memory can be written");
     bytes

@@ -87,6 +87,11 @@ pub(crate) fn tables_with(hits: &[HitRecord]) -> Tables {
     out.section::<crate::patch::CellRecord>(tags::PATCH_CELLS, &[]);
     out.section::<crate::patch::LinkRecord>(tags::PATCH_LINKS, &[]);
     out.section::<u32>(tags::POSE_GROUPS, &[]);
+    out.section::<crate::blend::BlendRecord>(tags::BLENDS, &[]);
+    out.section::<crate::blend::ExampleRecord>(tags::BLEND_EXAMPLES, &[]);
+    out.section::<f32>(tags::BLEND_WEIGHTS, &[]);
+    out.section::<crate::blend::ReferenceRow>(tags::BLEND_REFERENCES, &[]);
+    out.section::<crate::blend::ChannelRow>(tags::BLEND_CHANNELS, &[]);
     let mut bytes = Vec::new();
     out.write(&mut bytes).unwrap();
     Tables::from_bytes(AlignedBytes::from_slice(&bytes)).unwrap()

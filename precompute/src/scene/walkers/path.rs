@@ -41,7 +41,7 @@ impl Wander {
         if self.left_s <= 0.0 {
             self.draw(config);
         }
-        let home = self.position + Vec2::new(self.heading.sin(), self.heading.cos()) * (1.0 + self.speed);
+        let home = self.position + Vec2::new(self.heading.sin(), self.heading.cos()) * (1.0 + 2.0 * self.speed);
         let [speed, mut gyration] = self.aim;
         if home.abs().max_element() > 0.5 * config.area_m {
             // Back towards the middle.
