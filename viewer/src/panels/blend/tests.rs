@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::command::Stage;
+use crate::panels::tests::boxing::Boxing;
 use crate::panels::tests::paces::Paces;
 use crate::panels::tests::{Trial, click, golden_path, trial};
 use crate::run::Beside;
@@ -27,10 +28,22 @@ fn plane(h: &Harness<'_, Trial<State>>) -> Plane {
 
 #[test]
 fn a_bundle_without_blend_spaces_says_so_and_what_to_do() {
-    let mut h = trial::<State>(Some(&golden_path()), vec2(400.0, 300.0), show);
+    let boxing = Boxing::new();
+    let mut h = trial::<State>(Some(&boxing.bundle()), vec2(400.0, 300.0), show);
     h.run_steps(2);
     h.get_by_label("There is no blend space");
     h.get_by_label_contains("[blend.NAME]");
+}
+
+#[test]
+fn beside_a_crowd_the_point_waits_until_it_is_shown_walking() {
+    let mut h = trial::<State>(Some(&golden_path()), vec2(400.0, 900.0), show);
+    h.run_steps(2);
+    assert_eq!(h.state().model.shown_stage(), Stage::Crowd);
+    h.get_by_label("Show it walking").click();
+    h.run_steps(2);
+    assert_eq!(h.state().model.shown_stage(), Stage::Blend);
+    assert!(h.query_by_label("Show it walking").is_none());
 }
 
 #[test]
