@@ -236,14 +236,14 @@ fn an_unchanged_build_only_hashes_and_writes() {
     let other = build(&config, &out, &cache);
     assert_eq!(
         (stages(&other), other.cached),
-        (vec!["hash", "policy", "write"], vec!["motion", "cluster", "patch", "graph"])
+        (vec!["hash", "policy", "write"], vec!["motion", "examples", "cluster", "patch", "graph"])
     );
     assert!(bytes() != made, "another behaviour left the bundle as it was");
 
     config.graph.branching = 8.0;
     let other = build(&config, &out, &cache);
     let ran = vec!["features", "graph", "hash", "policy", "write"];
-    assert_eq!((stages(&other), other.cached), (ran, vec!["motion", "cluster", "patch"]));
+    assert_eq!((stages(&other), other.cached), (ran, vec!["motion", "examples", "cluster", "patch"]));
 
     let clip = clips.join("walk_00.bvh");
     let text = std::fs::read_to_string(&clip).expect("a clip");
