@@ -75,7 +75,7 @@ fn styles_sheet(styles: &[StyleWalk], length_m: f32) -> Picture {
         trails.push(((0..=100).map(point).collect(), trail_colour()));
         names.push((point(0) - Vec3::Z * 0.9, style.name.clone(), colour::INK));
     }
-    let centre = Vec3::new(1.5 - 0.5 * APART_M * (styles.len() - 1) as f32, 0.6, 0.45 * length_m);
+    let centre = Vec3::new(0.4 - 0.5 * APART_M * (styles.len() - 1) as f32, 0.6, 0.45 * length_m);
     world_sheet(&WorldView {
         title: "One path in several styles",
         subtitle: "figures are equally far apart along the path, not in time",
