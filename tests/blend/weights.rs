@@ -148,3 +148,11 @@ fn examples_that_have_no_basis_are_told_apart() {
         other => panic!("{other:?}"),
     }
 }
+
+#[test]
+fn a_box_far_wider_than_its_examples_is_refused() {
+    let points: Vec<Vec<f64>> = (0..4).map(|k| vec![0.5 + 0.4 * f64::from(k)]).collect();
+    let basis = basis(&points).expect("a basis");
+    let large = grid::tabulate(&basis, (vec![0.0], vec![5000.0]), 0.01, 32 << 20).expect_err("no grid is fine enough");
+    assert!(large.errors[0] > 0.0 && large.knots[0] > 1000, "{large:?}");
+}

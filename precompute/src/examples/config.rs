@@ -23,15 +23,15 @@ pub struct BlendConfig {
     pub phases: usize,
     /// Largest error of a tabulated weight against the exact one. [Limit: 1e-4 to 0.5]
     pub weight_tolerance: f64,
-    /// Most bytes of the weight table. [Unit: bytes]
+    /// Most bytes of the weight table. [Unit: bytes] [Limit: 1024 to 1e9]
     pub max_weight_bytes: u64,
     /// How far an example's radial basis reaches, in distances to the nearest other example. [Limit: 1 to 10]
     pub kernel_reach: f64,
     /// How a point outside the box is taken.
     pub extrapolate: Extrapolate,
-    /// How much the speed may vary over a steady stretch. [Unit: m/s] [Limit: > 0]
+    /// How much the speed may vary over a steady stretch. [Unit: m/s] [Limit: 1e-3 to 100]
     pub speed_tolerance: f64,
-    /// How much the turning rate may vary over a steady stretch. [Unit: rad/s] [Limit: > 0]
+    /// How much the turning rate may vary over a steady stretch. [Unit: rad/s] [Limit: 1e-3 to 100]
     pub gyration_tolerance: f64,
     /// Examples nearer than this are the same one: an error where both are named, otherwise the better one stays.
     /// Distances count with each axis from 0 to 1 over the examples. [Limit: >= 1e-6, < 1]
@@ -201,7 +201,7 @@ impl BlendConfig {
             ("axes", self.axes.len() as f64, 1.0, MAX_AXES as f64),
             ("phases", self.phases as f64, 8.0, 1024.0),
             ("weight_tolerance", self.weight_tolerance, 1e-4, 0.5),
-            ("max_weight_bytes", self.max_weight_bytes as f64, 1024.0, 1e10),
+            ("max_weight_bytes", self.max_weight_bytes as f64, 1024.0, 1e9),
             ("kernel_reach", self.kernel_reach, 1.0, 10.0),
             ("speed_tolerance", self.speed_tolerance, 1e-3, 100.0),
             ("gyration_tolerance", self.gyration_tolerance, 1e-3, 100.0),
@@ -240,7 +240,7 @@ impl BlendConfig {
         let styles = self.examples.iter().map(|e| &e.style).chain(self.find.iter().map(|f| &f.style));
         for (name, value) in styles.flatten() {
             let known = names.iter().zip(&self.axes).any(|(n, a)| n == name && a.kind == AxisKind::Style);
-            if !known || !value.is_finite() {
+            if !known || !(-1e4..=1e4).contains(value) {
                 let found = format!("expected a number on a style axis, found `{name} = {value}`");
                 return Err(fault(space, "style", &found));
             }

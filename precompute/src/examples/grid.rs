@@ -13,6 +13,8 @@ const RANDOM_POINTS: usize = 4096;
 const SOUGHT_POINTS: usize = 20_000;
 /// Finest division of an axis.
 const MOST_KNOTS: usize = 4096;
+/// Smaller shares of the tolerance are not tried: the box is far too wide for its examples then.
+const LEAST_SHARE: f64 = 1e-3;
 /// How much smaller the error along every axis must become where all of them together are too much.
 const TIGHTEN: f64 = 0.85;
 
@@ -59,7 +61,7 @@ pub struct TooLarge {
 /// points.
 ///
 /// # Errors
-/// [`TooLarge`] where it takes more than `max_bytes`.
+/// [`TooLarge`] where it takes more than `max_bytes`, or where no division that is looked at is fine enough.
 pub fn tabulate(
     basis: &CardinalBasis,
     (low, high): (Vec<f64>, Vec<f64>),
@@ -74,7 +76,7 @@ pub fn tabulate(
             grid.knots[axis] = lines.knots_for(axis, share, grid.knots[axis]);
         }
         let bytes = grid.num_knots() as u64 * stride(basis) as u64 * 4;
-        if bytes > max_bytes {
+        if bytes > max_bytes || share < LEAST_SHARE * tolerance {
             let errors = (0..grid.knots.len()).map(|k| lines.error(k, grid.knots[k])).collect();
             return Err(TooLarge { knots: grid.knots, bytes, errors });
         }

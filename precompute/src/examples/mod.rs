@@ -361,6 +361,7 @@ fn too_large(space: &str, config: &BlendConfig, large: &grid::TooLarge) -> Build
         large.bytes,
         config.max_weight_bytes
     );
-    let help = "Raise `max_weight_bytes` or `weight_tolerance`, or leave out examples that lie close together";
+    let help = "Raise `max_weight_bytes` or `weight_tolerance`, leave out examples that lie close together, or narrow the \
+                `range` of an axis that is much wider than its examples";
     stage(message, help)
 }

@@ -60,8 +60,8 @@ pub fn sources(set: &ClipSet, config: &BlendConfig) -> Vec<Source> {
 /// The candidates of a space: first those that are named, then those that are found.
 ///
 /// # Errors
-/// [`BuildError::Stage`] naming the clip where a named example is not there, has wrong or missing keytimes, or has no
-/// value on a style axis; a found stretch of which that is true is left out, and a warning says so.
+/// [`BuildError::Stage`] naming the clip where an example has no value on a style axis, or a named one is not there or
+/// has wrong or missing keytimes; a found stretch without them is left out, and a warning says so.
 pub fn candidates<'a>(
     space: &str,
     config: &BlendConfig,

@@ -95,7 +95,7 @@ fn nearest(space: &BlendSpace<'_>, parameters: &[f32; MAX_AXES]) -> usize {
     all.min_by(|a, b| a.1.total_cmp(&b.1)).map_or(0, |(i, _)| i)
 }
 
-/// A foot that is on the ground counts where it is lowest: on its heel where that is no higher than the toe's joint.
+/// Feet on the ground, heel and toe alike.
 fn contacts(posture: &Posture) -> Contacts {
     let feet = [(channel::LEFT_CONTACT, Contacts::LEFT), (channel::RIGHT_CONTACT, Contacts::RIGHT)];
     let mut out = Contacts::NONE;

@@ -16,7 +16,7 @@ const SECONDS: f32 = 40.0;
 const JUMP_S: f32 = 2.0;
 /// Acceleration counts for so long after a jump. [Unit: s]
 const AFTER_S: f32 = 0.5;
-/// Feet: contact, heel's and toe's joint.
+/// Feet: contact, ankle's and toe's joint.
 const FEET: [(Contacts, [Joint; 2]); 2] =
     [(Contacts::LEFT, [Joint::LeftFoot, Joint::LeftToe]), (Contacts::RIGHT, [Joint::RightFoot, Joint::RightToe])];
 /// Legs: hip, knee, ankle.

@@ -20,7 +20,7 @@ use throng_runtime::{NUM_JOINTS, Planar, Tables};
 const CHARACTERS: usize = 1024;
 /// Time between steps. [Unit: s]
 const STEP_S: f32 = 1.0 / 60.0;
-/// Where splines end, and how near examples may be: those of a build that says nothing else.
+/// Where splines end, in a build that says nothing else.
 const REACH: f64 = 2.0;
 
 /// Figures of one blend space, on one thread.
@@ -44,7 +44,7 @@ pub struct BlendFigures {
     pub posture_over_memcpy: f64,
     /// A query of the weight table, in a batch.
     pub weights_ns_per_query: f64,
-    /// The exact weights, in a batch.
+    /// Exact weights of the same examples by a cardinal basis with default settings, in a batch.
     pub weights_direct_ns_per_query: f64,
     /// The exact weights over the table's.
     pub weights_direct_over_table: f64,
@@ -52,7 +52,8 @@ pub struct BlendFigures {
     pub weight_table_max_error: f64,
     /// Size of the weight table.
     pub weight_table_bytes: u64,
-    /// 95th percentile of the speed of planted heels and toes while parameters jump.
+    /// 95th percentile of the speed of planted feet, each as fast as the slower of its ankle and toe joint, while
+    /// parameters jump. [Unit: m/s]
     pub foot_slip_p95_mps: f64,
     /// The same where the nearest examples are cross-faded without time-warping.
     pub crossfade_foot_slip_p95_mps: f64,

@@ -29,7 +29,7 @@ pub struct WalkersScene {
     #[serde(default)]
     pub paths: PathsConfig,
     /// Value of the first style axis by speed, as (speed, value) that ascend by speed; between them it changes
-    /// linearly. Speeds are those of the database skeleton. 0 everywhere where empty. [Unit: m/s]
+    /// linearly. 0 everywhere where empty. [Unit: m/s]
     #[serde(default)]
     pub style_by_speed: Vec<[f32; 2]>,
     /// What the bodies are like.
@@ -189,8 +189,11 @@ impl WalkersScene {
             return fault("style_by_speed", "expected (speed, value) that ascend by speed".into());
         }
         for (i, s) in self.shown.iter().enumerate() {
-            if !((0.1..=20.0).contains(&s.speed) && s.style.abs() < 1e3) {
+            if !(0.1..=20.0).contains(&s.speed) {
                 return fault(&format!("shown[{i}].speed"), format!("expected 0.1 to 20, found {}", s.speed));
+            }
+            if !(-1e3..=1e3).contains(&s.style) {
+                return fault(&format!("shown[{i}].style"), format!("expected -1000 to 1000, found {}", s.style));
             }
         }
         Ok(())

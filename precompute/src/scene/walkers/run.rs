@@ -41,7 +41,7 @@ pub struct WalkersReport {
     pub foot_slip_p95_mps: f64,
     /// Fastest change of a knee's angle. [Unit: rad/s]
     pub knee_rate_max_radps: f64,
-    /// Farthest that a heel or toe was below the ground. [Unit: m]
+    /// Farthest that an ankle or toe joint was below the ground. [Unit: m]
     pub below_ground_max_m: f64,
 }
 
