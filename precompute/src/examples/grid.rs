@@ -14,7 +14,7 @@ const SOUGHT_POINTS: usize = 20_000;
 /// Finest division of an axis.
 const MOST_KNOTS: usize = 4096;
 /// Smaller shares of the tolerance are not tried: the box is far too wide for its examples then.
-const LEAST_SHARE: f64 = 1e-3;
+const LEAST_SHARE: f64 = 1e-9;
 /// How much smaller the error along every axis must become where all of them together are too much.
 const TIGHTEN: f64 = 0.85;
 
