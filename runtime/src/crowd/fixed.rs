@@ -33,8 +33,13 @@ impl<V: Space> Fixed<V> {
     /// At time 0.
     pub fn new(step_s: f32, halvings: u32, capacity: usize) -> Self {
         let whole = 1 << halvings;
-        let mut fixed =
-            Self { shortest_s: f64::from(step_s) / whole as f64, whole, done: 0, decisions: Vec::new(), ends: Vec::new() };
+        let mut fixed = Self {
+            shortest_s: f64::from(step_s) / whole as f64,
+            whole,
+            done: 0,
+            decisions: Vec::new(),
+            ends: Vec::new(),
+        };
         fixed.reserve(capacity);
         fixed
     }
@@ -112,7 +117,8 @@ impl<V: Space> Crowd<V> {
 
     /// What a member does if nothing but the forces moves it (001 eq. 14), no faster than any other scheme lets it.
     fn wish(&mut self, member: u32, step: f32) -> Decision<V> {
-        let decider = Decider { world: &self.world, cells: &self.cells, minds: &self.minds, time: self.now };
+        let (cells, minds) = (&self.cells, &self.minds);
+        let decider = Decider { world: &self.world, cells, minds, time: self.now, renewed: NONE };
         let wish = decider.wish(member, &mut self.scratch);
         let fresh = wish.fresh;
         let fastest = HURRY * self.world.speed;

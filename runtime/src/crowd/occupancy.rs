@@ -138,8 +138,16 @@ impl Occupancy {
         let mut o = self.occupants[plan.index as usize];
         if o.is_listed {
             let old = (o.low, o.high);
-            each_cell(old.0, old.1, |at| if !is_within(at, low, high) { self.unlink(cells, plan.index, at) });
-            each_cell(low, high, |at| if !is_within(at, old.0, old.1) { self.link(cells, plan.index, at) });
+            each_cell(old.0, old.1, |at| {
+                if !is_within(at, low, high) {
+                    self.unlink(cells, plan.index, at)
+                }
+            });
+            each_cell(low, high, |at| {
+                if !is_within(at, old.0, old.1) {
+                    self.link(cells, plan.index, at)
+                }
+            });
         } else {
             each_cell(low, high, |at| self.link(cells, plan.index, at));
         }
@@ -244,7 +252,7 @@ impl<V: Space> Tracing<V> for Occupancy {
         let (low, high) = range(side, fresh);
         self.each(at.cells, low, high, |other| {
             if other != fresh.index && !self.contacts.are_together(fresh.index, other) {
-                let contact = bound.first_contact(&Bound::from(at.cells.plan(other)), at.time, first.1);
+                let contact = bound.first_contact(&at.bound(at.cells.plan(other)), at.time, first.1);
                 if contact < first.1 {
                     first = (Cause::Member(other), contact);
                 }
