@@ -101,7 +101,7 @@ fn no_overlap<V: Space>(crowd: &Crowd<V>, most: f32) {
 
 fn registration_holds<V: Space>() {
     let mut crowd = Crowd::new(meeting::<V>(Scheme::Registration, 4)).unwrap();
-    let mut touching = 0;
+    let mut near = 0;
     at_every_event(&mut crowd, 6.0, |crowd| {
         let bounds: Vec<_> = crowd.ids().map(|id| (id, Bound::from(crowd.cells.plan(id.index)))).collect();
         let half = V::from_coordinates([crowd.cells.side(); 3]);
@@ -117,13 +117,13 @@ fn registration_holds<V: Space>() {
                 let far = crowd.cells.coordinates(b.position);
                 let is_near = (0..3).all(|i| (at[i] - far[i]).abs() <= 1);
                 let touches = (x - y).length() < radius + s - 1e-3;
-                touching += usize::from(touches);
+                near += usize::from(is_near && (x - y).length() < radius + s + 0.1);
                 assert!(is_near || !touches, "bounds of {id:?} and {other:?} touch from cells that are apart");
             }
         }
         no_overlap(crowd, 0.0);
     });
-    assert!(touching > 0, "the test sees bounds that touch");
+    assert!(near > 100 && crowd.counts().colliding > 100, "the test sees bounds that touch");
 }
 
 #[test]
@@ -400,13 +400,17 @@ fn what_follows_a_snapshot_follows_it_again() {
     }
 }
 
+/// What a scheme remembers is refused where it is damaged, or does no harm.
 #[test]
-fn a_damaged_snapshot_is_refused_or_runs() {
-    for scheme in SCHEMES {
+fn a_damaged_memory_is_refused_or_runs() {
+    for scheme in [Scheme::Occupancy, Scheme::Fixed] {
         let mut crowd = Crowd::new(meeting::<Vec2>(scheme, 2)).unwrap();
         crowd.advance(2.0, &mut |_| ()).unwrap();
         let kept = crowd.snapshot();
-        for at in (kept.len() / 2..kept.len()).step_by(7) {
+        let config = bincode::config::standard().with_fixed_int_encoding();
+        let memory = bincode::serde::encode_to_vec(&crowd.trace, config).unwrap();
+        let first = kept.windows(memory.len()).position(|w| w == memory).unwrap();
+        for at in (first..first + memory.len()).step_by(3) {
             let mut bytes = kept.clone();
             bytes[at] ^= 1 << (at % 8);
             if crowd.restore(&bytes).is_ok() {
@@ -414,7 +418,6 @@ fn a_damaged_snapshot_is_refused_or_runs() {
                 let _ = crowd.advance(crowd.now() + 0.2, &mut |_| ());
             }
         }
-        assert!(crowd.restore(&kept[..kept.len() - 1]).is_err());
     }
 }
 
