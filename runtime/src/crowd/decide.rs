@@ -3,6 +3,7 @@
 use super::bound::Bound;
 use super::cells::Cells;
 use super::filter::Filter;
+use super::flow::Flow;
 use super::plan::Plan;
 use super::safety::{Candidate, Lack, Other, lack, lack_of_solid, lever};
 use super::sight::Seen;
@@ -16,6 +17,8 @@ use serde::{Deserialize, Serialize};
 const TRIES: usize = 6;
 /// How much a push out of a lack goes beyond what a linear guess asks for.
 const BEYOND: f32 = 1.1;
+/// How many smallest intervals one waits who stands and found no way on.
+const PATIENT: f32 = 2.0;
 /// Way toward the goal that counts as getting on. [Unit: m]
 const GETTING_ON: f32 = 0.1;
 /// Time without getting on after which a member is stuck. [Unit: s]
@@ -55,12 +58,22 @@ pub(crate) struct Mind<V> {
     pub is_struck: bool,
 }
 
+/// Somebody who is registered near.
+#[derive(Clone, Copy, Debug)]
+struct Around {
+    /// Of the plan, see [`Cells::at`].
+    address: u32,
+    /// Of the centres. [Unit: m]
+    distance: f32,
+    /// Speed at which the distance shrinks. [Unit: m/s]
+    closing: f32,
+}
+
 /// Room to think in, one for each thread.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Scratch<V> {
     seen: Vec<Seen<V>>,
-    /// Addresses of the plans of all who are registered near, and their offsets.
-    around: Vec<(u32, V, f32)>,
+    around: Vec<Around>,
     others: Vec<Other<V>>,
 }
 
@@ -86,6 +99,7 @@ pub(crate) struct Decider<'a, V> {
     pub world: &'a World<V>,
     pub cells: &'a Cells<V>,
     pub minds: &'a [Mind<V>],
+    pub flow: &'a Flow<V>,
     pub time: f64,
 }
 
@@ -102,7 +116,7 @@ impl<V: Space> Decider<'_, V> {
         self.look_around(member, at, &walker, &mind, scratch);
         let near = self.world.near(mind.cell);
         let field = &self.world.fields[mind.field as usize];
-        let f = forces(&walker, field, &scratch.seen, &self.world.solids, near);
+        let f = forces(&walker, field, &scratch.seen, &self.world.solids, near, self.flow);
         let wish = total(&f).at_most(old.limit);
 
         let centre = self.cells.centre(at);
@@ -112,11 +126,19 @@ impl<V: Space> Decider<'_, V> {
         let (cause, length) = self.first_event(&fresh, region, near, scratch);
         let length = length.max(self.world.interval);
         self.look_at_plans(&fresh, length, scratch);
-        let taken = self.safe(&fresh, wish, length, region, near, scratch);
+        let mut taken = self.safe(&fresh, wish, length, region, near, scratch);
+        if taken.is_none() && !self.world.movers.is_empty() {
+            // What does not give way may be past avoiding: out of its way all the same.
+            scratch.others.retain(|o| o.plan.index != NONE);
+            taken = self.safe(&fresh, wish, self.world.interval, region, near, scratch);
+        }
         let plan = match taken {
             Some(plan) => plan,
             None if old.end <= self.time => {
-                let mut plan = Plan { end: self.time + f64::from(self.world.interval), ..fresh };
+                // Who stands shut in can wait: those around make it act when they do.
+                let stands = velocity.length_squared() < 1e-6;
+                let length = if stands { PATIENT * self.world.interval } else { self.world.interval };
+                let mut plan = Plan { end: self.time + f64::from(length), ..fresh };
                 plan.brake();
                 plan
             }
@@ -140,7 +162,7 @@ impl<V: Space> Decider<'_, V> {
         self.look_around(member, at, &walker, &mind, scratch);
         let near = self.world.near(self.cells.number(at));
         let field = &self.world.fields[mind.field as usize];
-        let f = forces(&walker, field, &scratch.seen, &self.world.solids, near);
+        let f = forces(&walker, field, &scratch.seen, &self.world.solids, near, self.flow);
         Forces { taken: plan.acceleration, ..f }
     }
 
@@ -202,9 +224,16 @@ impl<V: Space> Decider<'_, V> {
                 let offset = position - me.position;
                 let square = offset.length_squared();
                 let distance = square.sqrt();
-                scratch.around.push((address, velocity, distance));
+                let closing = (me.velocity - velocity).dot(offset) / distance.max(1e-6);
+                scratch.around.push(Around { address, distance, closing });
                 if square < perception {
-                    scratch.seen.push(Seen { offset, velocity, distance, radii: me.radius + plan.radius });
+                    scratch.seen.push(Seen {
+                        offset,
+                        velocity,
+                        distance,
+                        radii: me.radius + plan.radius,
+                        yields: true,
+                    });
                 }
             });
         });
@@ -214,7 +243,7 @@ impl<V: Space> Decider<'_, V> {
             let distance = offset.length();
             let radii = me.radius + mover.radius;
             if distance - mover.radius < 2.0 * self.cells.side() {
-                scratch.seen.push(Seen { offset, velocity: plan.velocity, distance, radii });
+                scratch.seen.push(Seen { offset, velocity: plan.velocity, distance, radii, yields: false });
             }
         }
     }
@@ -223,15 +252,13 @@ impl<V: Space> Decider<'_, V> {
     fn first_event(&self, fresh: &Plan<V>, region: (V, V), near: &[u32], scratch: &Scratch<V>) -> (Cause, f32) {
         let bound = Bound::from(fresh);
         let mut first = (Cause::Region, bound.first_exit(region.0, region.1));
-        for &(address, velocity, distance) in &scratch.around {
+        for &Around { address, distance, closing } in &scratch.around {
             let other = self.cells.at(address);
-            // Growth of both bounds from now on is the least that closes the gap.
-            let age = (self.time - other.start) as f32;
-            let gap = distance - fresh.radius - other.radius;
+            // The other bound is somewhat off and larger by now, and both grow on: a first look that is never late.
             let t = first.1;
-            let speeds = (velocity - fresh.velocity).length() + 2.0 * other.limit * age;
-            let grown = 0.5 * (fresh.limit * t * t + other.limit * (age + t) * (age + t));
-            if gap > speeds * t + grown {
+            let drift = other.limit * (self.time - other.start) as f32;
+            let grown = drift * (drift / other.limit) + 0.5 * (fresh.limit + other.limit) * t * t;
+            if distance - fresh.radius - other.radius > (closing.max(0.0) + 2.0 * drift) * t + grown {
                 continue;
             }
             let contact = bound.first_contact(&Bound::from(other), self.time, t);
@@ -264,11 +291,14 @@ impl<V: Space> Decider<'_, V> {
             (speed + 0.5 * limit * length) * length + 0.5 * fast * fast / limit
         };
         let mine = reach(fresh.velocity.length(), fresh.limit, length) + fresh.radius + 0.01;
-        for &(address, velocity, distance) in &scratch.around {
+        for &Around { address, distance, .. } in &scratch.around {
             let other = self.cells.at(address);
             let until = (other.end - self.time) as f32;
-            if distance < mine + other.radius + reach(velocity.length(), other.limit, until) {
-                scratch.others.push(Other::new(other, self.time));
+            if distance < mine + other.radius + HURRY * self.world.speed * until + self.world.stopping {
+                let other = Other::new(other, self.time);
+                if distance < mine + other.plan.radius + other.reach() {
+                    scratch.others.push(other);
+                }
             }
         }
         for mover in &self.world.movers {

@@ -12,6 +12,7 @@ mod error;
 mod event;
 mod field;
 mod filter;
+mod flow;
 mod member;
 mod obstacle;
 mod plan;
