@@ -1,7 +1,6 @@
 //! The cells of space that members are registered in.
 
 use super::{NONE, Space, plan::Plan};
-use serde::{Deserialize, Serialize};
 
 /// Members of a block.
 pub(crate) const BLOCK: usize = 8;
@@ -9,7 +8,7 @@ pub(crate) const BLOCK: usize = 8;
 const MAX_CELLS: usize = 1 << 22;
 
 /// Plans of members that are registered in the same cell, one after the other in memory.
-#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default)]
 struct Block<V> {
     len: u32,
     /// Block of more of them.
@@ -21,9 +20,10 @@ struct Block<V> {
 ///
 /// The grid is a torus: what is farther away than its extents shares cells with what is near. That costs a look at
 /// members who are far away, but nothing is ever outside, and empty space takes no memory.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug)]
 pub(crate) struct Cells<V> {
     side: f32,
+    per_m: f32,
     /// Logarithm of the number of cells along each axis.
     bits: [u32; 3],
     first: Vec<u32>,
@@ -51,6 +51,7 @@ impl<V: Space> Cells<V> {
         let block = Block { next: NONE, ..Block::default() };
         Self {
             side,
+            per_m: side.recip(),
             bits,
             first: vec![NONE; 1 << bits.iter().sum::<u32>()],
             blocks: vec![block; num_blocks],
@@ -59,37 +60,29 @@ impl<V: Space> Cells<V> {
         }
     }
 
-    /// Memory that a copy did not bring along.
-    pub fn reserve(&mut self) {
-        self.free.reserve(self.blocks.len() - self.free.len());
+    /// Takes everybody out.
+    pub fn clear(&mut self) {
+        self.first.fill(NONE);
+        self.address.fill(NONE);
+        self.free.clear();
+        self.free.extend((0..self.blocks.len() as u32).rev());
     }
 
-    /// True where they are as large as others, and whole: every chain ends, every address is that of its member.
-    pub fn fits(&self, other: &Self) -> bool {
-        let same = (self.side, self.bits) == (other.side, other.bits) && self.first.len() == other.first.len();
-        if !same || self.blocks.len() != other.blocks.len() || self.address.len() != other.address.len() {
-            return false;
-        }
-        let num_blocks = self.blocks.len() as u32;
-        let mut seen = 0;
-        let mut is_whole = self.free.len() <= self.blocks.len() && self.free.iter().all(|&f| f < num_blocks);
+    /// Everybody's plans, so that to insert them one after the other gives the same cells.
+    pub fn plans(&self) -> Vec<Plan<V>> {
+        let mut plans = Vec::new();
         for &first in &self.first {
+            let start = plans.len();
             let mut b = first;
-            while b != NONE && is_whole {
-                seen += 1;
-                is_whole = b < num_blocks && seen <= num_blocks && self.blocks[b as usize].len as usize <= BLOCK;
-                if !is_whole {
-                    break;
-                }
+            while b != NONE {
                 let block = &self.blocks[b as usize];
-                let at = |(i, p): (usize, &Plan<V>)| {
-                    self.address.get(p.index as usize).is_some_and(|&a| a as usize == b as usize * BLOCK + i)
-                };
-                is_whole = block.plans[..block.len as usize].iter().enumerate().all(at);
+                plans.extend(block.plans[..block.len as usize].iter().rev());
                 b = block.next;
             }
+            // The last block of a chain was filled first.
+            plans[start..].reverse();
         }
-        is_whole
+        plans
     }
 
     /// Side of a cell. [Unit: m]
@@ -110,7 +103,7 @@ impl<V: Space> Cells<V> {
     /// Coordinates of the cell that holds a point, before they are folded.
     #[inline]
     pub fn coordinates(&self, x: V) -> [i32; 3] {
-        x.coordinates().map(|c| (c / self.side).floor() as i32)
+        (x * self.per_m).floor()
     }
 
     /// Centre of a cell. [Unit: m]
@@ -133,7 +126,7 @@ impl<V: Space> Cells<V> {
         for z in -depth..=depth {
             for y in -1..=1 {
                 for x in -1..=1 {
-                    f(self.number([at[0] + x, at[1] + y, at[2] + z]));
+                    f(self.number([at[0].wrapping_add(x), at[1].wrapping_add(y), at[2].wrapping_add(z)]));
                 }
             }
         }
@@ -143,12 +136,6 @@ impl<V: Space> Cells<V> {
     #[inline]
     pub fn plan(&self, member: u32) -> &Plan<V> {
         self.at(self.address[member as usize])
-    }
-
-    /// Where a member's plan is, for [`Cells::at`]. [Limit: it is in a cell]
-    #[inline]
-    pub fn address(&self, member: u32) -> u32 {
-        self.address[member as usize]
     }
 
     /// Plan at an address that [`Cells::each`] gave.

@@ -3,6 +3,7 @@
 use super::bound::Bound;
 use super::cells::Cells;
 use super::filter::Filter;
+use super::flow::Flow;
 use super::plan::Plan;
 use super::safety::{Candidate, Lack, Other, lack, lack_of_solid, lever};
 use super::sight::Seen;
@@ -17,6 +18,8 @@ use serde::{Deserialize, Serialize};
 const TRIES: usize = 6;
 /// How much a push out of a lack goes beyond what a linear guess asks for.
 const BEYOND: f32 = 1.1;
+/// How many smallest intervals one waits who stands and found no way on.
+pub(crate) const PATIENT: f32 = 2.0;
 /// Way toward the goal that counts as getting on. [Unit: m]
 const GETTING_ON: f32 = 0.1;
 /// Time without getting on after which a member is stuck. [Unit: s]
@@ -56,12 +59,22 @@ pub(crate) struct Mind<V> {
     pub is_struck: bool,
 }
 
+/// Somebody who is registered near.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Around {
+    /// Of the plan, see [`Cells::at`].
+    pub address: u32,
+    /// Of the centres. [Unit: m]
+    pub distance: f32,
+    /// Speed at which the distance shrinks. [Unit: m/s]
+    pub closing: f32,
+}
+
 /// Room to think in, one for each thread.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Scratch<V> {
     seen: Vec<Seen<V>>,
-    /// Addresses of the plans of all who are registered near, and their offsets.
-    pub around: Vec<(u32, V, f32)>,
+    pub around: Vec<Around>,
     others: Vec<Other<V>>,
 }
 
@@ -89,6 +102,8 @@ pub(crate) struct Wish<V> {
     /// A plan from now on without an end, but for its acceleration.
     pub fresh: Plan<V>,
     pub acceleration: V,
+    /// Time for which the acceleration may be held; for longer, less of it. [Unit: s]
+    pub longest: f32,
     /// Coordinates of the cell it is in.
     pub at: [i32; 3],
 }
@@ -98,6 +113,7 @@ pub(crate) struct Decider<'a, V> {
     pub world: &'a World<V>,
     pub cells: &'a Cells<V>,
     pub minds: &'a [Mind<V>],
+    pub flow: &'a Flow<V>,
     pub time: f64,
     /// Whose bound is made anew in the same event.
     pub renewed: u32,
@@ -115,27 +131,39 @@ impl<V: Space> Decider<'_, V> {
         mind.cell = self.cells.number(at);
         self.look_around(member, at, &walker, &mind, scratch);
         let field = &self.world.fields[mind.field as usize];
-        let f = forces(&walker, field, &scratch.seen, &self.world.solids, self.world.near(mind.cell));
+        let near = self.world.near(mind.cell);
+        let f = forces(&walker, field, &scratch.seen, &self.world.solids, near, self.flow);
         let fresh = Plan { start: self.time, position, velocity, moving: f32::INFINITY, ..*old };
-        Wish { mind, fresh, acceleration: total(&f).at_most(old.limit), at }
+        // Held for long, what brings one to rest in the relaxation time would throw it beyond.
+        let longest = if walker.speed < mind.speed { field.relaxation_s } else { f32::INFINITY };
+        Wish { mind, fresh, acceleration: total(&f).at_most(old.limit), longest, at }
     }
 
     /// Takes a new plan for a member; none where it has to keep the one it has.
     pub fn decide(&self, member: u32, tracing: &impl Tracing<V>, scratch: &mut Scratch<V>) -> Option<Decision<V>> {
         let old = self.cells.plan(member);
-        let Wish { mut mind, fresh, acceleration: wish, at } = self.wish(member, scratch);
+        let Wish { mut mind, fresh, acceleration, longest, at } = self.wish(member, scratch);
         let near = self.world.near(mind.cell);
         let centre = self.cells.centre(at);
         let half = V::from_coordinates([self.cells.side(); 3]);
         let region = (centre - half, centre + half);
         let (cause, length) = tracing.first_event(self, &fresh, region, near, scratch);
         let length = length.max(self.world.interval);
+        let wish = acceleration * (longest / length).min(1.0);
         self.look_at_plans(&fresh, length, scratch);
-        let taken = self.safe(&fresh, wish, length, region, near, scratch);
+        let mut taken = self.safe(&fresh, wish, length, region, near, scratch);
+        if taken.is_none() && !self.world.movers.is_empty() {
+            // What does not give way may be past avoiding: out of its way all the same.
+            scratch.others.retain(|o| o.plan.index != NONE);
+            taken = self.safe(&fresh, wish, self.world.interval, region, near, scratch);
+        }
         let plan = match taken {
             Some(plan) => plan,
             None if old.end <= self.time => {
-                let mut plan = Plan { end: self.time + f64::from(self.world.interval), ..fresh };
+                // Who stands shut in can wait: those around make it act when they do.
+                let stands = fresh.velocity.length_squared() < 1e-6;
+                let length = if stands { PATIENT * self.world.interval } else { self.world.interval };
+                let mut plan = Plan { end: self.time + f64::from(length), ..fresh };
                 plan.brake();
                 plan
             }
@@ -159,7 +187,7 @@ impl<V: Space> Decider<'_, V> {
         self.look_around(member, at, &walker, &mind, scratch);
         let near = self.world.near(self.cells.number(at));
         let field = &self.world.fields[mind.field as usize];
-        let f = forces(&walker, field, &scratch.seen, &self.world.solids, near);
+        let f = forces(&walker, field, &scratch.seen, &self.world.solids, near, self.flow);
         Forces { taken: plan.acceleration, ..f }
     }
 
@@ -221,9 +249,16 @@ impl<V: Space> Decider<'_, V> {
                 let offset = position - me.position;
                 let square = offset.length_squared();
                 let distance = square.sqrt();
-                scratch.around.push((address, velocity, distance));
+                let closing = (me.velocity - velocity).dot(offset) / distance.max(1e-6);
+                scratch.around.push(Around { address, distance, closing });
                 if square < perception {
-                    scratch.seen.push(Seen { offset, velocity, distance, radii: me.radius + plan.radius });
+                    scratch.seen.push(Seen {
+                        offset,
+                        velocity,
+                        distance,
+                        radii: me.radius + plan.radius,
+                        yields: true,
+                    });
                 }
             });
         });
@@ -233,7 +268,7 @@ impl<V: Space> Decider<'_, V> {
             let distance = offset.length();
             let radii = me.radius + mover.radius;
             if distance - mover.radius < 2.0 * self.cells.side() {
-                scratch.seen.push(Seen { offset, velocity: plan.velocity, distance, radii });
+                scratch.seen.push(Seen { offset, velocity: plan.velocity, distance, radii, yields: false });
             }
         }
     }
@@ -277,11 +312,14 @@ impl<V: Space> Decider<'_, V> {
             (speed + 0.5 * limit * length) * length + 0.5 * fast * fast / limit
         };
         let mine = reach(fresh.velocity.length(), fresh.limit, length) + fresh.radius + 0.01;
-        for &(address, velocity, distance) in &scratch.around {
+        for &Around { address, distance, .. } in &scratch.around {
             let other = self.cells.at(address);
             let until = (other.end - self.time) as f32;
-            if distance < mine + other.radius + reach(velocity.length(), other.limit, until) {
-                scratch.others.push(Other::new(other, self.time));
+            if distance < mine + other.radius + HURRY * self.world.speed * until + self.world.stopping {
+                let other = Other::new(other, self.time);
+                if distance < mine + other.plan.radius + other.reach() {
+                    scratch.others.push(other);
+                }
             }
         }
         for mover in &self.world.movers {

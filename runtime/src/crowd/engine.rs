@@ -3,6 +3,7 @@
 use super::cells::Cells;
 use super::decide::{Cause, Decider, Decision, Mind, Scratch};
 use super::filter::Filter;
+use super::flow::{Flow, LOOK_S};
 use super::plan::Plan;
 use super::queue::Calendar;
 use super::safety::{Candidate, MARGIN, Other, lack, lack_of_solid, room};
@@ -27,10 +28,15 @@ pub struct Crowd<V> {
     pub(super) queue: Calendar,
     /// Numbers that are free, the next one last.
     pub(super) free: Vec<u32>,
+    pub(super) flow: Flow<V>,
+    /// Looks at the flow so far.
+    pub(super) looks: u64,
     pub(super) now: f64,
     pub(super) counts: Counts,
     pub(super) trace: Trace<V>,
     pub(super) scratch: Scratch<V>,
+    #[cfg(feature = "rayon")]
+    pub(super) windows: super::window::Windows<V>,
 }
 
 impl<V: Space> Crowd<V> {
@@ -39,7 +45,7 @@ impl<V: Space> Crowd<V> {
     /// # Errors
     /// [`CrowdError`] for settings out of their range, members or stop regions that overlap, one in an obstacle, a subgoal in an obstacle.
     pub fn new(setup: Setup<V>) -> Result<Self, CrowdError> {
-        let (world, cells) = World::new(&setup)?;
+        let (world, cells, flow) = World::new(&setup)?;
         let capacity = setup.config.capacity.max(setup.members.len());
         let mut crowd = Self {
             scratch: Scratch::new(capacity, world.movers.len()),
@@ -49,7 +55,11 @@ impl<V: Space> Crowd<V> {
             minds: vec![Mind { cell: NONE, ..Mind::default() }; capacity],
             queue: Calendar::new(capacity),
             free: (0..capacity as u32).rev().collect(),
+            flow,
+            looks: 0,
             now: 0.0,
+            #[cfg(feature = "rayon")]
+            windows: super::window::Windows::default(),
             counts: Counts::default(),
         };
         for member in &setup.members {
@@ -63,9 +73,7 @@ impl<V: Space> Crowd<V> {
     /// # Errors
     /// [`CrowdError::Past`], and [`CrowdError::Storm`] where the watchdog finds a pair with more events than it could have.
     pub fn advance(&mut self, until_s: f64, on_event: &mut impl FnMut(&Event)) -> Result<(), CrowdError> {
-        if until_s.is_nan() || until_s < self.now || until_s > 1e9 {
-            return Err(CrowdError::Past { got: until_s, now: self.now });
-        }
+        self.check_time(until_s)?;
         // Taken out, so that it can be changed together with the rest.
         let mut trace = std::mem::take(&mut self.trace);
         let result = match &mut trace {
@@ -81,19 +89,16 @@ impl<V: Space> Crowd<V> {
 
     fn by_registration(&mut self, until_s: f64, on_event: &mut impl FnMut(&Event)) -> Result<(), CrowdError> {
         while let Some((time, member)) = self.queue.first(until_s) {
+            self.look_until(time);
             self.now = time;
             self.happen(member, on_event)?;
         }
         Ok(())
     }
 
-    /// As [`Crowd::advance`] on the threads of the current rayon pool; the result is the same, bit by bit.
-    ///
-    /// # Errors
-    /// As [`Crowd::advance`].
-    #[cfg(feature = "rayon")]
-    pub fn par_advance(&mut self, until_s: f64, on_event: &mut impl FnMut(&Event)) -> Result<(), CrowdError> {
-        self.advance(until_s, on_event)
+    pub(super) fn check_time(&self, until_s: f64) -> Result<(), CrowdError> {
+        let is_good = (self.now..=1e9).contains(&until_s);
+        if is_good { Ok(()) } else { Err(CrowdError::Past { got: until_s, now: self.now }) }
     }
 
     /// Lets somebody in, now.
@@ -194,6 +199,7 @@ impl<V: Space> Crowd<V> {
     pub fn leave(&mut self, id: Id) -> Result<(), CrowdError> {
         self.check_id(id)?;
         self.take_out(id.index);
+        self.free.push(id.index);
         let mut trace = std::mem::take(&mut self.trace);
         if let Trace::Occupancy(occupancy) = &mut trace {
             self.forget(occupancy, id.index, &mut |_| ());
@@ -234,15 +240,6 @@ impl<V: Space> Crowd<V> {
         Ok(())
     }
 
-    /// Memory that a copy of a state did not bring along.
-    pub(super) fn reserve(&mut self) {
-        let capacity = self.minds.len();
-        self.free.reserve(capacity - self.free.len());
-        self.cells.reserve();
-        self.queue.reserve();
-        self.trace.reserve(&self.cells, capacity);
-    }
-
     pub(super) fn check_id(&self, id: Id) -> Result<(), CrowdError> {
         let is_here = self.minds.get(id.index()).is_some_and(|m| m.cell != NONE && m.generation == id.generation);
         if is_here { Ok(()) } else { Err(CrowdError::Gone(id)) }
@@ -258,23 +255,89 @@ impl<V: Space> Crowd<V> {
         self.queue.remove(index);
         mind.cell = NONE;
         mind.generation = mind.generation.wrapping_add(1);
-        self.free.push(index);
+    }
+
+    /// When everybody is looked at next, whenever anybody asks for anything.
+    pub(super) fn next_look(&self) -> f64 {
+        self.looks as f64 * LOOK_S
+    }
+
+    /// Looks at everybody, as often as it is time to.
+    pub(super) fn look_until(&mut self, time: f64) {
+        while self.next_look() <= time {
+            let now = self.next_look();
+            self.looks += 1;
+            self.flow.clear();
+            for (index, mind) in (0u32..).zip(&self.minds) {
+                if mind.cell != NONE {
+                    let plan = self.cells.plan(index);
+                    let (position, velocity) = plan.at(now.max(plan.start));
+                    self.flow.add(position, velocity);
+                }
+            }
+        }
     }
 
     /// The next event of a member, and of whom its bound touches.
-    fn happen(&mut self, member: u32, on_event: &mut impl FnMut(&Event)) -> Result<(), CrowdError> {
+    pub(super) fn happen(&mut self, member: u32, on_event: &mut impl FnMut(&Event)) -> Result<(), CrowdError> {
         let cause = self.minds[member as usize].cause;
         let partner = self.partner(cause);
-        self.tell(member, self.kind(cause), on_event);
         self.watch(member, partner)?;
-        // A pair that was made anew together waits as long as everybody does.
-        let waits = |p: &u32| self.now - self.cells.plan(*p).start < f64::from(self.world.interval);
-        let renewed = partner.filter(|p| !waits(p));
+        on_event(&self.count(member, self.kind(cause)));
+        // Both are made anew, unless one was just now: then it waits as long as everybody does.
+        let renewed = partner.filter(|&p| self.may_act(p, self.now));
         self.decide(member, renewed.unwrap_or(NONE), &Registration, on_event);
-        if let Some(renewed) = renewed {
+        if let Some(renewed) = renewed.filter(|&p| self.minds[p as usize].cell != NONE) {
             self.decide(renewed, NONE, &Registration, on_event);
         }
         Ok(())
+    }
+
+    /// True for one who has not acted within the smallest interval, and so may be made to.
+    pub(super) fn may_act(&self, member: u32, time: f64) -> bool {
+        let is_there = self.minds[member as usize].cell != NONE;
+        is_there && time - self.cells.plan(member).start >= f64::from(self.world.interval)
+    }
+
+    /// Lets a member take a new plan, while the bound of `renewed` is made anew; false where it has to keep the one it has.
+    pub(super) fn decide(
+        &mut self,
+        member: u32,
+        renewed: u32,
+        tracing: &impl Tracing<V>,
+        on_event: &mut impl FnMut(&Event),
+    ) -> bool {
+        let Self { world, cells, minds, flow, scratch, .. } = self;
+        let decider = Decider { world, cells, minds, flow, time: self.now, renewed };
+        let Some(decision) = decider.decide(member, tracing, scratch) else { return false };
+        self.queue.set(member, decision.plan.end);
+        if self.take(member, &decision, on_event) {
+            self.free.push(member);
+        }
+        true
+    }
+
+    /// Does what was decided. True where the member has left: its number is free then.
+    pub(super) fn take(&mut self, member: u32, decision: &Decision<V>, on_event: &mut impl FnMut(&Event)) -> bool {
+        self.counts.decisions += 1;
+        let before = self.minds[member as usize];
+        let mind = decision.mind;
+        self.cells.set(before.cell, mind.cell, &decision.plan);
+        self.minds[member as usize] = mind;
+        if mind.is_there && !before.is_there {
+            on_event(&self.count(member, EventKind::Arrived));
+        }
+        if mind.is_stuck && !before.is_stuck {
+            on_event(&self.count(member, EventKind::Stuck));
+        }
+        if mind.is_struck && !before.is_struck {
+            on_event(&self.count(member, EventKind::Struck { obstacle: decision.struck_by as usize }));
+        }
+        if decision.leaves {
+            on_event(&self.count(member, EventKind::Left));
+            self.take_out(member);
+        }
+        decision.leaves
     }
 
     pub(super) fn partner(&self, cause: Cause) -> Option<u32> {
@@ -292,7 +355,8 @@ impl<V: Space> Crowd<V> {
         }
     }
 
-    pub(super) fn tell(&mut self, member: u32, kind: EventKind, on_event: &mut impl FnMut(&Event)) {
+    /// Counts an event that happens now.
+    pub(super) fn count(&mut self, member: u32, kind: EventKind) -> Event {
         let counts = &mut self.counts;
         let count = match kind {
             EventKind::Resetting => &mut counts.resetting,
@@ -308,7 +372,7 @@ impl<V: Space> Crowd<V> {
             EventKind::Stuck => &mut counts.stuck,
         };
         *count += 1;
-        on_event(&Event { time: self.now, member: self.id(member), kind });
+        Event { time: self.now, member: self.id(member), kind }
     }
 
     /// The watchdog: no member's events are nearer to each other than the smallest interval.
@@ -320,45 +384,6 @@ impl<V: Space> Crowd<V> {
             return Err(CrowdError::Storm { first, second, events: 2, most: 1, seconds });
         }
         Ok(())
-    }
-
-    /// Lets a member take a new plan, while the bound of `renewed` is made anew; false where it has to keep the one it has.
-    pub(super) fn decide(
-        &mut self,
-        member: u32,
-        renewed: u32,
-        tracing: &impl Tracing<V>,
-        on_event: &mut impl FnMut(&Event),
-    ) -> bool {
-        let minds = &self.minds;
-        let decider = Decider { world: &self.world, cells: &self.cells, minds, time: self.now, renewed };
-        let Some(decision) = decider.decide(member, tracing, &mut self.scratch) else { return false };
-        self.counts.decisions += 1;
-        self.queue.set(member, decision.plan.end);
-        self.take(&decision, on_event);
-        true
-    }
-
-    /// Gives a member the plan it chose, and tells what came of it.
-    pub(super) fn take(&mut self, decision: &Decision<V>, on_event: &mut impl FnMut(&Event)) {
-        let member = decision.plan.index;
-        let before = self.minds[member as usize];
-        let mind = decision.mind;
-        self.cells.set(before.cell, mind.cell, &decision.plan);
-        self.minds[member as usize] = mind;
-        if mind.is_there && !before.is_there {
-            self.tell(member, EventKind::Arrived, on_event);
-        }
-        if mind.is_stuck && !before.is_stuck {
-            self.tell(member, EventKind::Stuck, on_event);
-        }
-        if mind.is_struck && !before.is_struck {
-            self.tell(member, EventKind::Struck { obstacle: decision.struck_by as usize }, on_event);
-        }
-        if decision.leaves {
-            self.tell(member, EventKind::Left, on_event);
-            self.take_out(member);
-        }
     }
 
     /// Side of the cells that members are registered in. [Unit: m]

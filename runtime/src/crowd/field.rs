@@ -14,8 +14,6 @@ pub struct Field {
     /// How far others are felt; those who are registered in cells that are not next to its own are not felt at all.
     /// [Unit: m] [Limit: > 0]
     pub perception_m: f32,
-    /// How strongly it follows those before it who walk its way, an attraction in eq. 17. [Unit: m/s2] [Limit: >= 0]
-    pub following: f32,
     /// How strongly it keeps clear of those who are near, a repulsion in eq. 17. [Unit: m/s2] [Limit: >= 0]
     pub repulsion: f32,
     /// Gap at which that begins. [Unit: m] [Limit: > 0]
@@ -36,6 +34,15 @@ pub struct Field {
     pub horizon_s: f32,
     /// Gap that it wishes to keep to those it passes. [Unit: m] [Limit: >= 0]
     pub comfort_m: f32,
+    /// How little it likes detours: 0 takes the freest direction wherever it leads, 1 goes straight on. [Limit: 0 to 1]
+    pub directness: f32,
+    /// How much better it likes the directions it goes in already. [Unit: s/m] [Limit: >= 0]
+    pub keeping: f32,
+    /// How much better it likes to pass on the right where its way is not free; below 0 on the left. [Limit: -1 to 1]
+    pub right: f32,
+    /// How little it likes to go where others stand or come toward it, as seen from afar: it then follows those who go its
+    /// way, and lanes form. [Limit: >= 0]
+    pub crowding: f32,
     /// w_saf c_saf in eq. 21 and 23: pull to the centre of its bound. [Unit: 1/s2] [Limit: >= 0]
     pub safety: f32,
 }
@@ -43,21 +50,24 @@ pub struct Field {
 impl Default for Field {
     fn default() -> Self {
         Self {
-            relaxation_s: 0.3,
+            relaxation_s: 0.2,
             look_ahead_m: 2.0,
             perception_m: 4.0,
-            following: 0.0,
-            repulsion: 1.0,
-            repulsion_m: 0.15,
-            braking: 0.5,
+            repulsion: 3.3,
+            repulsion_m: 0.25,
+            braking: 0.28,
             decelerating_m: 0.2,
-            damping: 0.5,
-            avoiding: 0.5,
-            turning: 1.0,
-            turning_m: 1.0,
+            damping: 0.16,
+            avoiding: 0.71,
+            turning: 0.31,
+            turning_m: 0.65,
             horizon_s: 2.0,
-            comfort_m: 0.05,
-            safety: 1.0,
+            comfort_m: 0.02,
+            directness: 0.4,
+            keeping: 0.1,
+            right: 0.1,
+            crowding: 0.07,
+            safety: 0.28,
         }
     }
 }
@@ -79,7 +89,9 @@ impl Field {
             }
         }
         for (field, got) in [
-            ("following", self.following),
+            ("directness", self.directness),
+            ("keeping", self.keeping),
+            ("crowding", self.crowding),
             ("repulsion", self.repulsion),
             ("braking", self.braking),
             ("damping", self.damping),
@@ -92,6 +104,10 @@ impl Field {
                 let expected = "between 0 and 1e6";
                 return Err(CrowdError::Value { what: "field", index, field, got, expected });
             }
+        }
+        if !(-1.0..=1.0).contains(&self.right) {
+            let expected = "between -1 and 1";
+            return Err(CrowdError::Value { what: "field", index, field: "right", got: self.right, expected });
         }
         let got = self.relaxation_s;
         if !(0.05..=10.0).contains(&got) {

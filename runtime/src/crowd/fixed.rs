@@ -75,6 +75,7 @@ impl<V: Space> Crowd<V> {
             if time > until_s {
                 return Ok(());
             }
+            self.look_until(time);
             self.now = time;
             self.step(fixed, on_event);
         }
@@ -92,9 +93,11 @@ impl<V: Space> Crowd<V> {
                 fixed.decisions.push(decision);
             }
         }
-        self.counts.decisions += fixed.decisions.len() as u64;
         for decision in &fixed.decisions {
-            self.take(decision, on_event);
+            let member = decision.plan.index;
+            if self.take(member, decision, on_event) {
+                self.free.push(member);
+            }
         }
         while self.overlap(fixed, seconds(length)) {
             self.counts.undone += 1;
@@ -119,11 +122,11 @@ impl<V: Space> Crowd<V> {
 
     /// What a member does if nothing but the forces moves it (001 eq. 14), no faster than any other scheme lets it.
     fn wish(&mut self, member: u32, step: f32) -> Decision<V> {
-        let (cells, minds) = (&self.cells, &self.minds);
-        let decider = Decider { world: &self.world, cells, minds, time: self.now, renewed: NONE };
-        let wish = decider.wish(member, &mut self.scratch);
+        let Self { world, cells, minds, flow, scratch, .. } = self;
+        let decider = Decider { world, cells, minds, flow, time: self.now, renewed: NONE };
+        let wish = decider.wish(member, scratch);
         let fresh = wish.fresh;
-        let fastest = HURRY * self.world.speed;
+        let fastest = HURRY * world.speed;
         let end = (fresh.velocity + wish.acceleration * step).at_most(fastest);
         let acceleration = ((end - fresh.velocity) * step.recip()).at_most(fresh.limit);
         let plan = Plan { end: self.now + f64::from(step), acceleration, ..fresh };

@@ -14,6 +14,7 @@ mod event;
 mod field;
 mod filter;
 mod fixed;
+mod flow;
 mod member;
 mod obstacle;
 mod occupancy;

@@ -3,7 +3,7 @@
 use super::bound::{Bound, fall};
 use super::cells::Cells;
 use super::contacts::Contacts;
-use super::decide::{Cause, Decider, Scratch};
+use super::decide::{Cause, Decider, PATIENT, Scratch};
 use super::plan::Plan;
 use super::tracing::Tracing;
 use super::{NONE, Space};
@@ -12,9 +12,10 @@ use serde::{Deserialize, Serialize};
 /// Share of the side of a cell that a bound may be wide: a little less than all, so that it is never in three cells of a row.
 pub(crate) const WIDEST: f32 = 0.998;
 
-/// Side of the smallest cells in which a bound may grow for an interval.
+/// Side of the smallest cells in which a bound may grow for as long as one who stands shut in waits.
 pub(crate) fn narrowest(radius: f32, limit: f32, interval: f32) -> f32 {
-    2.002 * (radius + 0.5 * limit * interval * interval) / WIDEST
+    let longest = PATIENT * interval;
+    2.002 * (radius + 0.5 * limit * longest * longest) / WIDEST
 }
 
 /// Who occupies which cells, and who is in contact with whom.

@@ -4,6 +4,7 @@ use super::bound::Bound;
 use super::decide::Cause;
 use super::occupancy::Occupancy;
 use super::plan::Plan;
+use super::tracing::Trace;
 use super::{Crowd, CrowdError, Event, EventKind, NONE, Space};
 
 /// Gap between two that touch. [Unit: m]
@@ -21,6 +22,7 @@ impl<V: Space> Crowd<V> {
         on_event: &mut impl FnMut(&Event),
     ) -> Result<(), CrowdError> {
         while let Some((time, member)) = self.queue.first(until_s) {
+            self.look_until(time);
             self.now = time;
             let plan = *self.cells.plan(member);
             let occupant = o.occupants[member as usize];
@@ -51,7 +53,7 @@ impl<V: Space> Crowd<V> {
     fn cross(&mut self, o: &mut Occupancy, plan: &Plan<V>, on_event: &mut impl FnMut(&Event)) {
         let entered = o.cross(&self.cells, plan);
         let kind = if entered.is_some() { EventKind::Entering } else { EventKind::Leaving };
-        self.tell(plan.index, kind, on_event);
+        on_event(&self.count(plan.index, kind));
         if let Some((low, high)) = entered {
             self.look(o, plan, low, high);
         }
@@ -73,7 +75,7 @@ impl<V: Space> Crowd<V> {
     /// A resetting or colliding event, or one with an obstacle.
     fn act(&mut self, o: &mut Occupancy, member: u32, cause: Cause, on_event: &mut impl FnMut(&Event)) {
         let partner = self.partner(cause);
-        self.tell(member, self.kind(cause), on_event);
+        on_event(&self.count(member, self.kind(cause)));
         // Who was made anew just now waits as long as everybody does.
         let waits = |p: &u32| self.now - o.occupants[*p as usize].asked < f64::from(self.world.interval);
         let renewed = partner.filter(|p| !waits(p));
@@ -84,7 +86,7 @@ impl<V: Space> Crowd<V> {
         let Some(partner) = partner else { return };
         let are_there = [member, partner].iter().all(|&m| self.minds[m as usize].cell != NONE);
         if are_there && self.are_in_contact(member, partner) && o.contacts.join(member, partner) {
-            self.tell(member, EventKind::Contacting { other: self.id(partner) }, on_event);
+            on_event(&self.count(member, EventKind::Contacting { other: self.id(partner) }));
         }
     }
 
@@ -116,7 +118,7 @@ impl<V: Space> Crowd<V> {
     /// Two that were in contact move relative to each other. Where that splits a group, its parts look for each other.
     fn separate(&mut self, o: &mut Occupancy, member: u32, other: u32, on_event: &mut impl FnMut(&Event)) {
         o.contacts.part(member, other);
-        self.tell(member, EventKind::Separating { other: self.id(other) }, on_event);
+        on_event(&self.count(member, EventKind::Separating { other: self.id(other) }));
         let mut n = 0;
         while let Some(m) = o.contacts.changed(n) {
             let plan = *self.cells.plan(m);
@@ -124,6 +126,18 @@ impl<V: Space> Crowd<V> {
             self.wait(o, &plan);
             n += 1;
         }
+    }
+
+    /// Sets the next events of everybody, as they were when a state was kept.
+    pub(super) fn wait_for_all(&mut self) {
+        let trace = std::mem::take(&mut self.trace);
+        if let Trace::Occupancy(o) = &trace {
+            for member in (0..self.minds.len() as u32).filter(|&m| o.occupants[m as usize].is_listed) {
+                let plan = *self.cells.plan(member);
+                self.wait(o, &plan);
+            }
+        }
+        self.trace = trace;
     }
 
     /// Sets the next event of a member: of what it knows, the first.
@@ -163,7 +177,7 @@ impl<V: Space> Crowd<V> {
                 }
             }
         });
-        let decider = self.decider(NONE);
+        let decider = self.decider(self.now, NONE);
         for z in low[2]..=high[2] {
             for y in low[1]..=high[1] {
                 for x in low[0]..=high[0] {

@@ -1,7 +1,6 @@
 //! The queue of events: a calendar (Brown 1988) with one entry for each member.
 
 use super::NONE;
-use serde::{Deserialize, Serialize};
 
 /// Time that one turn of the calendar takes. Longer than most intervals between events, so that a page holds few
 /// entries of later turns. [Unit: s]
@@ -11,7 +10,7 @@ const TURN_S: f64 = 2.0;
 ///
 /// Time is cut into short pages; a page is an unordered list of the members whose event falls into it. Only the page
 /// that is open is sorted. Inserting, removing and taking the first cost the same for any number of members.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug)]
 pub(crate) struct Calendar {
     pages_per_s: f64,
     /// First member of each page; pages of all turns that fall together share one.
@@ -28,7 +27,7 @@ pub(crate) struct Calendar {
 }
 
 /// Where the entry of a member is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Place {
     Nowhere,
     Page,
@@ -52,38 +51,13 @@ impl Calendar {
         }
     }
 
-    /// Memory that a copy did not bring along.
-    pub fn reserve(&mut self) {
-        self.open.reserve(self.next.len() - self.open.len());
-    }
-
-    /// True where it is as large as another one, and whole: every list ends.
-    pub fn fits(&self, other: &Self) -> bool {
-        let n = other.next.len();
-        let same = self.first.len() == other.first.len() && self.pages_per_s == other.pages_per_s;
-        let lens = [self.next.len(), self.previous.len(), self.time.len(), self.place.len()];
-        if !same || lens != [n; 4] || self.open.len() > n || self.len > n {
-            return false;
-        }
-        let is_link = |&m: &u32| m == NONE || (m as usize) < n;
-        let links = self.first.iter().chain(&self.next).chain(&self.previous).all(is_link);
-        if !links || !self.open.iter().all(|&m| (m as usize) < n) || !self.time.iter().all(|t| (0.0..=1e10).contains(t))
-        {
-            return false;
-        }
-        let mut left = n;
-        self.first.iter().all(|&first| {
-            let mut member = first;
-            while member != NONE && left > 0 {
-                (member, left) = (self.next[member as usize], left - 1);
-            }
-            member == NONE
-        })
-    }
-
-    /// Time of a member's event.
-    pub fn time(&self, member: u32) -> Option<f64> {
-        (self.place[member as usize] != Place::Nowhere).then(|| self.time[member as usize])
+    /// Forgets all events; time goes on at `now`.
+    pub fn clear(&mut self, now: f64) {
+        self.first.fill(NONE);
+        self.place.fill(Place::Nowhere);
+        self.open.clear();
+        self.page = self.page_of(now);
+        self.len = 0;
     }
 
     /// Sets the event of a member, in place of the one it had. [Limit: 0 <= time < 1e9]
@@ -234,6 +208,5 @@ mod tests {
         calendar.remove(1);
         calendar.remove(0);
         assert_eq!(calendar.first(9.0), Some((5.0, 2)));
-        assert_eq!(calendar.time(0), None);
     }
 }

@@ -98,6 +98,17 @@ impl<V: Space> Other<V> {
         let end = plan.stop_region(age + until);
         Self { plan: *plan, age, until, now: plan.stop_region(age), end, curve: curve(plan) }
     }
+
+    /// How far from where its centre is now its centre may come, with braking at the end. [Unit: m]
+    #[inline]
+    pub fn reach(&self) -> f32 {
+        let x = self.now.0;
+        let far = (self.now.1 - x)
+            .length_squared()
+            .max((self.end.0 - x).length_squared())
+            .max((self.end.1 - x).length_squared());
+        far.sqrt() + 0.125 * self.until * self.until * (2.0 * self.plan.acceleration.length() + self.curve)
+    }
 }
 
 /// How far a stop region reaches at least along a direction.

@@ -60,13 +60,13 @@ fn pair(scheme: Scheme, gap: f32, speed: f32) -> Setup<Vec2> {
 /// A field with nothing but driving.
 fn driven() -> Field {
     Field {
-        following: 0.0,
         repulsion: 0.0,
         braking: 0.0,
         damping: 0.0,
         avoiding: 0.0,
         turning: 0.0,
         safety: 0.0,
+        relaxation_s: 0.4,
         // Nobody is seen.
         perception_m: 1e-3,
         ..Field::default()

@@ -1,12 +1,22 @@
 //! Looking ahead: how long each of several directions is free, and which one to take.
 
+use super::flow::Flow;
 use super::solid::Solid;
 use super::{Field, Space};
 
 /// Number of directions that are looked in.
-pub(crate) const DIRECTIONS: usize = 8;
+const DIRECTIONS: usize = 8;
 /// A time that stands for never. [Unit: s]
 const NEVER: f32 = 1e3;
+/// Share of their distance that the radii of two may take up: who touches somebody may still slide past.
+const CLOSEST: f32 = 0.99;
+/// How much less a direction near the best one may be worth and still have a say: headings then change smoothly.
+const SOFT: f32 = 0.06;
+/// Cosine of the angle within which a direction is near another.
+const NEAR: f32 = 0.75;
+/// Places along a direction where the flow is asked, in squares of its grid: so far away that nobody finds there what it
+/// added to the flow itself.
+const FLOW_AT: [f32; 2] = [1.5, 2.5];
 
 /// Another one as it is seen.
 #[derive(Clone, Copy, Debug)]
@@ -19,48 +29,81 @@ pub(crate) struct Seen<V> {
     pub distance: f32,
     /// Sum of the radii. [Unit: m]
     pub radii: f32,
+    /// False for an obstacle that moves on whatever is in its way.
+    pub yields: bool,
 }
 
-/// What a member sees in each direction of [`Space::fan`].
+/// What a member sees in each direction of [`Space::fan`], at the speed that it wishes to go.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Sight<V> {
     directions: [V; DIRECTIONS],
-    /// Time until something is in the way at the desired speed. [Unit: s]
+    /// Coordinates of the directions.
+    axes: [[f32; DIRECTIONS]; 3],
+    speed: f32,
+    /// Time until something is in the way. [Unit: s]
     free: [f32; DIRECTIONS],
 }
 
 impl<V: Space> Sight<V> {
     /// Looks along a unit vector.
-    pub fn along(ahead: V) -> Self {
-        Self { directions: ahead.fan(), free: [NEVER; DIRECTIONS] }
+    #[inline]
+    pub fn along(ahead: V, speed: f32) -> Self {
+        let directions = ahead.fan();
+        let mut axes = [[0.0; DIRECTIONS]; 3];
+        for (i, d) in directions.iter().enumerate() {
+            for (axis, c) in axes.iter_mut().zip(d.coordinates()) {
+                axis[i] = c;
+            }
+        }
+        Self { directions, axes, speed, free: [NEVER; DIRECTIONS] }
     }
 
-    /// Takes in somebody: the time of the first contact in each direction, at a speed, if that one goes on as it does.
-    #[inline]
-    pub fn see(&mut self, other: &Seen<V>, speed: f32, comfort: f32) {
-        let radii = (other.radii + comfort).min(other.distance - 1e-3);
-        let gap = other.offset.length_squared() - radii * radii;
-        for (direction, free) in self.directions.iter().zip(&mut self.free) {
-            let velocity = *direction * speed - other.velocity;
-            let toward = other.offset.dot(velocity);
-            let root = toward * toward - velocity.length_squared() * gap;
-            let time = gap / (toward + root.max(0.0).sqrt());
+    /// Components of a vector along all directions.
+    #[inline(always)]
+    fn along_each(&self, v: V) -> [f32; DIRECTIONS] {
+        let (c, axes) = (v.coordinates(), &self.axes);
+        let mut out = [0.0; DIRECTIONS];
+        for i in 0..DIRECTIONS {
+            let flat = c[0] * axes[0][i] + c[1] * axes[1][i];
+            out[i] = if V::DIMENSIONS == 3 { flat + c[2] * axes[2][i] } else { flat };
+        }
+        out
+    }
+
+    /// Takes in somebody: the time of the first contact in each direction, if that one goes on as it does.
+    #[inline(always)]
+    pub fn see(&mut self, other: &Seen<V>, comfort: f32) {
+        let radii = (other.radii + comfort).min(other.distance * CLOSEST);
+        let gap = other.distance * other.distance - radii * radii;
+        let (toward, along) = (self.along_each(other.offset), self.along_each(other.velocity));
+        let recede = other.offset.dot(other.velocity);
+        let squares = self.speed * self.speed + other.velocity.length_squared();
+        for i in 0..DIRECTIONS {
+            // Of the relative motion: its component toward the other one, and the square of its speed.
+            let toward = self.speed * toward[i] - recede;
+            let square = squares - 2.0 * self.speed * along[i];
+            let root = toward * toward - square * gap;
+            let time = gap / (toward + root.max(0.0).sqrt()).max(1e-6);
             let meets = toward > 0.0 && root > 0.0;
-            *free = free.min(if meets { time } else { NEVER });
+            self.free[i] = self.free[i].min(if meets { time } else { NEVER });
         }
     }
 
     /// Takes in a solid that stands, by steps of its distance.
-    pub fn see_solid(&mut self, solid: &Solid<V>, x: V, radius: f32, speed: f32, horizon: f32) {
-        let reach = speed * horizon;
+    pub fn see_solid(&mut self, solid: &Solid<V>, x: V, radius: f32, horizon: f32) {
+        let reach = self.speed * horizon;
+        if solid.away(x).1 - radius > reach {
+            return;
+        }
         for (direction, free) in self.directions.iter().zip(&mut self.free) {
             let mut way = 0.0;
-            let mut hit = false;
             for _ in 0..6 {
                 let (away, distance) = solid.away(x + *direction * way);
                 let gap = distance - radius;
                 if gap < 0.02 {
-                    hit = direction.dot(away) < -0.02;
+                    if direction.dot(away) < -0.02 {
+                        *free = free.min(way / self.speed.max(1e-3));
+                    }
                     break;
                 }
                 way += gap;
@@ -68,26 +111,83 @@ impl<V: Space> Sight<V> {
                     break;
                 }
             }
-            if hit {
-                *free = free.min(way / speed.max(1e-3));
-            }
         }
     }
 
-    /// Direction to take and how long it is free. `keep` is the velocity now: who has begun to pass goes on.
-    pub fn choose(&self, field: &Field, keep: V) -> (V, f32) {
-        let mut score = [0.0; DIRECTIONS];
+    /// Direction to take and how long it is free: the one that is free longest, the less so the more it is a detour, the more
+    /// it leads against the flow and the more it differs from how the member goes now. Of two sides the right one
+    /// is a little better where the way is not free.
+    #[inline]
+    pub fn choose(&self, field: &Field, velocity: V, flow: &Flow<V>, x: V) -> (V, f32) {
+        let share = |free: f32| (free / field.horizon_s).min(1.0);
+        let right = self.directions[0].right();
+        let blocked = 1.0 - share(self.free[0]);
+        let (keep, side) = (self.along_each(velocity), self.along_each(right));
+        let straight = self.along_each(self.directions[0]);
+        let mut scores = [0.0; DIRECTIONS];
         for i in 0..DIRECTIONS {
-            let free = (self.free[i] / field.horizon_s).min(1.0);
-            let straight = self.directions[0].dot(self.directions[i]);
-            score[i] = (0.25 + 0.75 * straight) * free.sqrt() + 0.12 * self.directions[i].dot(keep);
+            let worth = (1.0 - field.directness + field.directness * straight[i]) * share(self.free[i]);
+            scores[i] = worth + field.keeping * keep[i] + field.right * blocked * side[i];
+        }
+        if field.crowding > 0.0 && self.speed > 0.0 {
+            for (score, &direction) in scores.iter_mut().zip(&self.directions) {
+                let step = direction * flow.side();
+                let at = |&k: &f32| flow.against(x + step * k, direction, self.speed);
+                *score -= field.crowding * FLOW_AT.iter().map(at).sum::<f32>();
+            }
         }
         let mut best = 0;
         for i in 1..DIRECTIONS {
-            if score[i] > score[best] + 1e-4 {
+            if scores[i] > scores[best] + 1e-4 {
                 best = i;
             }
         }
-        (self.directions[best], self.free[best])
+        let beside = self.along_each(self.directions[best]);
+        let (mut heading, mut free, mut sum) = (V::default(), 0.0, 0.0);
+        for i in 0..DIRECTIONS {
+            let say = scores[i] - scores[best] + SOFT;
+            if say > 0.0 && beside[i] > NEAR {
+                heading += self.directions[i] * say;
+                free += self.free[i].min(field.horizon_s) * say;
+                sum += say;
+            }
+        }
+        (heading.unit_and_length().0, free / sum)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::Vec2;
+
+    fn seen(offset: Vec2, velocity: Vec2) -> Seen<Vec2> {
+        Seen { offset, velocity, distance: offset.length(), radii: 0.6, yields: true }
+    }
+
+    #[test]
+    fn sees_when_somebody_is_met() {
+        let mut sight = Sight::along(Vec2::X, 1.3);
+        sight.see(&seen(Vec2::new(3.2, 0.0), Vec2::new(-1.3, 0.0)), 0.0);
+        assert!((sight.free[0] - 1.0).abs() < 1e-5, "{:?}", sight.free);
+        for (direction, free) in sight.directions.iter().zip(sight.free) {
+            // Sampled: the first time at which the discs touch.
+            let gap = |t: f32| (Vec2::new(3.2 - 1.3 * t, 0.0) - direction * (1.3 * t)).length() - 0.6;
+            let first = (0..4000).map(|i| i as f32 * 1e-3).find(|&t| gap(t) <= 0.0);
+            assert!((first.unwrap_or(NEVER) - free).abs() < 2e-3, "{direction} {first:?} {free}");
+        }
+    }
+
+    #[test]
+    fn takes_the_way_that_is_free() {
+        let flow = Flow::new(0.3, Vec2::splat(10.0), 10);
+        let field = Field::default();
+        let mut sight = Sight::along(Vec2::X, 1.3);
+        assert_eq!(sight.choose(&field, Vec2::X, &flow, Vec2::ZERO).0, Vec2::X);
+        // To the left (-y is to the left of +x: the right of (1, 0) is (0, 1)).
+        for y in [0.0, 0.6, 1.2] {
+            sight.see(&seen(Vec2::new(1.0, y), Vec2::ZERO), 0.0);
+        }
+        assert!(sight.choose(&field, Vec2::X, &flow, Vec2::ZERO).0.y < -0.2);
     }
 }

@@ -78,34 +78,43 @@ pub trait Space:
         if square > length * length { self * (length / square.sqrt()) } else { self }
     }
 
+    /// Largest integers that are not above the coordinates; those of numbers that are too large are the largest there are.
+    #[inline]
+    fn floor(self) -> [i32; 3] {
+        self.coordinates().map(|c| {
+            let toward_zero = c as i32;
+            toward_zero.saturating_sub(i32::from(c < toward_zero as f32))
+        })
+    }
+
     /// True where every coordinate is a number.
     fn is_finite(self) -> bool {
         self.coordinates().iter().all(|c| c.is_finite())
     }
 }
 
-/// Cosine and sine of 0, 14, -14, 30, -30, 52, -52 and 85 degrees to the right.
+/// Cosine and sine of 0, 17, -17, 37, -37, 63, -63 and 50 degrees to the right.
 const FAN: [[f32; 2]; 8] = [
-    [1.0, 0.0],
-    [0.970_296, 0.241_922],
-    [0.970_296, -0.241_922],
-    [0.866_025, 0.5],
-    [0.866_025, -0.5],
-    [0.615_661, 0.788_011],
-    [0.615_661, -0.788_011],
-    [0.087_156, 0.996_195],
+    [1.000000, 0.000000],
+    [0.956305, 0.292372],
+    [0.956305, -0.292372],
+    [0.798636, 0.601815],
+    [0.798636, -0.601815],
+    [0.453990, 0.891007],
+    [0.453990, -0.891007],
+    [0.642788, 0.766044],
 ];
 
-/// Straight on, three directions at 20 degrees and four at 45 around it.
+/// Straight on, three directions at 25 degrees and four at 60 around it.
 const CONE: [[f32; 3]; 8] = [
     [1.0, 0.0, 0.0],
-    [0.939_693, 0.342_020, 0.0],
-    [0.939_693, -0.171_010, 0.296_198],
-    [0.939_693, -0.171_010, -0.296_198],
-    [0.707_107, 0.5, 0.5],
-    [0.707_107, -0.5, 0.5],
-    [0.707_107, -0.5, -0.5],
-    [0.707_107, 0.5, -0.5],
+    [0.906308, 0.422618, 0.000000],
+    [0.906308, -0.211309, 0.365998],
+    [0.906308, -0.211309, -0.365998],
+    [0.500000, 0.612372, 0.612372],
+    [0.500000, -0.612372, 0.612372],
+    [0.500000, -0.612372, -0.612372],
+    [0.500000, 0.612372, -0.612372],
 ];
 
 impl Space for Vec2 {

@@ -1,8 +1,10 @@
 //! The force field at one instant (001 section 2.2).
 
+use super::flow::Flow;
 use super::sight::{Seen, Sight};
 use super::solid::Solid;
 use super::{Field, Forces, Space};
+use crate::simd::vectorize;
 
 /// The one whose forces are asked for.
 #[derive(Clone, Copy, Debug)]
@@ -21,38 +23,58 @@ pub(crate) struct Walker<V> {
 }
 
 /// Sums up what moves a walker.
+///
+/// Differs from 001: the turning force has a part that looks ahead, toward the direction that is free longest (see
+/// [`Sight`]), beside eq. 22, which only knows who is near; the weights of eq. 16 take the desired velocity where that is
+/// larger, so that those who were stopped try on.
 pub(crate) fn forces<V: Space>(
     me: &Walker<V>,
     field: &Field,
     seen: &[Seen<V>],
     solids: &[Solid<V>],
     near: &[u32],
+    flow: &Flow<V>,
 ) -> Forces<V> {
-    let mut sight = Sight::along(me.desired);
+    let mut sight = Sight::along(me.desired, me.speed);
     let behind = -me.radius;
-    for other in seen {
-        if other.offset.dot(me.desired) > behind {
-            sight.see(other, me.speed, field.comfort_m);
+    vectorize(|| {
+        for other in seen {
+            if other.offset.dot(me.desired) > behind {
+                sight.see(other, field.comfort_m);
+            }
         }
-    }
+    });
     for &s in near {
-        sight.see_solid(&solids[s as usize], me.position, me.radius, me.speed, field.horizon_s);
+        sight.see_solid(&solids[s as usize], me.position, me.radius, field.horizon_s);
     }
-    let (heading, free) = sight.choose(field, me.velocity);
+    let (heading, free) = sight.choose(field, me.velocity, flow, me.position);
     // Slower where the way is not free for long.
     let speed = me.speed * (free / (2.0 * field.relaxation_s)).min(1.0);
     let rate = field.relaxation_s.recip();
     let driving = (me.desired * me.speed - me.velocity) * rate;
-    let mut f = Forces { driving, turning: (heading * speed - me.desired * me.speed) * rate, ..Forces::default() };
+    let turning = (heading * speed - me.desired * me.speed) * rate;
+    let mut f = Forces { driving, turning, safety: me.off_centre * -field.safety, ..Forces::default() };
+    let mut escape = V::default();
+    let far = field.turning_m.max(field.decelerating_m).max(field.repulsion_m);
     for other in seen {
-        feel(&mut f, me, field, other);
+        if other.distance - other.radii < far && other.distance > 0.0 {
+            feel(&mut f, me, field, other);
+        }
+        if !other.yields {
+            escape += dodge(me, field, other);
+        }
     }
     for &s in near {
         let (away, distance) = solids[s as usize].away(me.position);
-        let other = Seen { offset: -away * distance, velocity: V::default(), distance, radii: me.radius };
-        feel(&mut f, me, field, &other);
+        if distance - me.radius < far && distance > 0.0 {
+            let offset = -away * distance;
+            feel(&mut f, me, field, &Seen { offset, velocity: V::default(), distance, radii: me.radius, yields: true });
+        }
     }
-    f.safety = me.off_centre * -field.safety;
+    // Who is to be run over thinks of nothing else.
+    let rest = 1.0 - (escape.length() / me.limit).min(1.0);
+    f.driving = f.driving * rest;
+    f.turning = f.turning * rest + escape;
     f
 }
 
@@ -60,10 +82,6 @@ pub(crate) fn forces<V: Space>(
 #[inline]
 fn feel<V: Space>(f: &mut Forces<V>, me: &Walker<V>, field: &Field, other: &Seen<V>) {
     let gap = other.distance - other.radii;
-    let far = field.turning_m.max(field.decelerating_m).max(field.repulsion_m);
-    if gap >= far || other.distance <= 0.0 {
-        return;
-    }
     let toward = other.offset * other.distance.recip();
     if gap < field.repulsion_m {
         f.interaction += toward * (-field.repulsion * (1.0 - gap / field.repulsion_m));
@@ -72,21 +90,34 @@ fn feel<V: Space>(f: &mut Forces<V>, me: &Walker<V>, field: &Field, other: &Seen
     if speed <= 0.0 {
         return;
     }
-    let braking = (field.braking * speed).min(1.0);
     if gap < field.decelerating_m {
         let push = f.driving.dot(toward).max(0.0);
-        f.decelerating += toward * (-braking * (1.0 - gap / field.decelerating_m) * push);
+        let weight = (field.braking * speed).min(1.0);
+        f.decelerating += toward * (-weight * (1.0 - gap / field.decelerating_m) * push);
     }
     let relative = other.velocity - me.velocity;
-    let approach = relative.dot(toward).min(0.0);
-    if gap < field.turning_m {
-        f.damping += toward * (braking * field.damping * approach * (1.0 - gap / field.turning_m));
-        if approach < 0.0 {
-            // To the side that the relative motion leaves free; to the right where it leaves none.
-            let across = relative - toward * approach;
-            let side = across.length_squared();
-            let away = if side > 1e-4 { across * (-1.0 / side.sqrt()) } else { toward.right() };
-            f.turning += away * (field.avoiding * speed * field.turning * (1.0 - gap / field.turning_m));
-        }
+    let approach = relative.dot(toward);
+    if gap < field.turning_m && approach < 0.0 {
+        let near = 1.0 - gap / field.turning_m;
+        f.damping += toward * ((field.braking * speed).min(1.0) * field.damping * approach * near);
+        // To the side that the relative motion leaves free; to the right where it leaves none.
+        let across = relative - toward * approach;
+        let side = across.length_squared();
+        let away = if side > 1e-4 { across * -side.sqrt().recip() } else { toward.right() };
+        f.turning += away * (field.avoiding * speed * field.turning * near);
     }
+}
+
+/// What it takes to get out of the way of what does not give way: the acceleration that makes the nearest approach far enough.
+fn dodge<V: Space>(me: &Walker<V>, field: &Field, other: &Seen<V>) -> V {
+    let relative = other.velocity - me.velocity;
+    let time = -other.offset.dot(relative) / relative.length_squared().max(1e-12);
+    if !(0.0..2.0 * field.horizon_s).contains(&time) {
+        return V::default();
+    }
+    let (away, miss) = (-(other.offset + relative * time)).unit_and_length();
+    let away = if miss > 1e-3 { away } else { relative.unit_and_length().0.right() };
+    let lack = other.radii + field.comfort_m + field.repulsion_m - miss;
+    // In half the time that is left.
+    away * (8.0 * lack.max(0.0) / (time * time).max(1e-3)).min(me.limit)
 }

@@ -2,7 +2,7 @@
 
 use super::bound::Bound;
 use super::cells::Cells;
-use super::decide::{Cause, Decider, Scratch};
+use super::decide::{Around, Cause, Decider, Scratch};
 use super::fixed::Fixed;
 use super::occupancy::{Occupancy, narrowest};
 use super::plan::Plan;
@@ -39,15 +39,13 @@ impl<V: Space> Tracing<V> for Registration {
     ) -> (Cause, f32) {
         let bound = Bound::from(fresh);
         let mut first = (Cause::Region, bound.first_exit(region.0, region.1));
-        for &(address, velocity, distance) in &scratch.around {
+        for &Around { address, distance, closing } in &scratch.around {
             let other = at.cells.at(address);
-            // Growth of both bounds from now on is the least that closes the gap.
-            let age = (at.time - other.start) as f32;
-            let gap = distance - fresh.radius - other.radius;
+            // The other bound is somewhat off and larger by now, and both grow on: a first look that is never late.
             let t = first.1;
-            let speeds = (velocity - fresh.velocity).length() + 2.0 * other.limit * age;
-            let grown = 0.5 * (fresh.limit * t * t + other.limit * (age + t) * (age + t));
-            if gap > speeds * t + grown {
+            let drift = other.limit * (at.time - other.start) as f32;
+            let grown = drift * (drift / other.limit) + 0.5 * (fresh.limit + other.limit) * t * t;
+            if distance - fresh.radius - other.radius > (closing.max(0.0) + 2.0 * drift) * t + grown {
                 continue;
             }
             let contact = bound.first_contact(&at.bound(other), at.time, t);

@@ -1,6 +1,7 @@
 //! What surrounds the members: obstacles by cell, routes, fields and limits.
 
 use super::cells::Cells;
+use super::flow::Flow;
 use super::occupancy::narrowest;
 use super::plan::Plan;
 use super::solid::{Solid, is_inside, solids};
@@ -73,7 +74,7 @@ impl<V: Space> Mover<V> {
 
 impl<V: Space> World<V> {
     /// Checks and prepares all that surrounds the members, and makes empty cells.
-    pub fn new(setup: &Setup<V>) -> Result<(Self, Cells<V>), CrowdError> {
+    pub fn new(setup: &Setup<V>) -> Result<(Self, Cells<V>, Flow<V>), CrowdError> {
         let config = &setup.config;
         let value = |field, got, expected| CrowdError::Value { what: "config", index: 0, field, got, expected };
         let interval = config.smallest_interval_s;
@@ -123,6 +124,7 @@ impl<V: Space> World<V> {
         let (low, high) = extents(setup);
         let capacity = config.capacity.max(setup.members.len());
         let cells = Cells::new(side, high - low, capacity);
+        let flow = Flow::new(radius, high - low, capacity);
         let mut world = Self {
             fields: setup.fields.clone(),
             splines: Vec::with_capacity(setup.routes.len()),
@@ -162,7 +164,7 @@ impl<V: Space> World<V> {
             }
         }
         world.list(&cells);
-        Ok((world, cells))
+        Ok((world, cells, flow))
     }
 
     /// Solids that reach into the region of a cell.
