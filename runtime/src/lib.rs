@@ -5,6 +5,7 @@
 
 pub mod blend;
 pub mod contacts;
+pub mod crowd;
 pub mod format;
 pub mod graph;
 pub mod hits;

@@ -1,0 +1,59 @@
+//! What a crowd is made of.
+
+use super::{Field, Member, Obstacle, Route};
+use serde::{Deserialize, Serialize};
+
+/// How the crowd finds out when somebody has to act.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Scheme {
+    /// Bounds are registered in the cell of their centre (001 section 2.1): resetting and colliding events.
+    #[default]
+    Registration,
+}
+
+/// How a crowd is run.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct CrowdConfig {
+    /// How it finds out when somebody has to act.
+    pub scheme: Scheme,
+    /// Smallest time between two events of one member, and so of a pair. [Unit: s] [Limit: 0.001 to 1]
+    pub smallest_interval_s: f32,
+    /// Most members at a time; memory for them is taken at once. 0 stands for those it starts with.
+    pub capacity: usize,
+}
+
+impl Default for CrowdConfig {
+    fn default() -> Self {
+        Self { scheme: Scheme::default(), smallest_interval_s: 0.1, capacity: 0 }
+    }
+}
+
+/// What a crowd starts with, at time 0.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Setup<V> {
+    /// Who is there.
+    pub members: Vec<Member<V>>,
+    /// Where they go. [Size: >= 1 where there are members]
+    pub routes: Vec<Route<V>>,
+    /// How they feel. [Size: >= 1 where there are members]
+    pub fields: Vec<Field>,
+    /// What is in their way.
+    pub obstacles: Vec<Obstacle<V>>,
+    /// How the crowd is run.
+    pub config: CrowdConfig,
+}
+
+impl<V> Default for Setup<V> {
+    /// Nobody, nowhere, with the default field.
+    fn default() -> Self {
+        Self {
+            members: Vec::new(),
+            routes: Vec::new(),
+            fields: vec![Field::default()],
+            obstacles: Vec::new(),
+            config: CrowdConfig::default(),
+        }
+    }
+}

@@ -1,0 +1,100 @@
+//! Why a crowd cannot be.
+
+use super::Id;
+
+/// What is wrong with what a crowd is given.
+#[non_exhaustive]
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum CrowdError {
+    /// A number out of its range.
+    #[error("{what} {index} has {field} {got}, expected {expected}")]
+    Value {
+        /// Member, route, field or obstacle.
+        what: &'static str,
+        /// Its number.
+        index: usize,
+        /// Which of its settings.
+        field: &'static str,
+        /// What it is.
+        got: f32,
+        /// What it may be.
+        expected: &'static str,
+    },
+    /// Something that does not exist.
+    #[error("{what} {got} does not exist, there are {limit}")]
+    Index {
+        /// What was named.
+        what: &'static str,
+        /// Its number.
+        got: usize,
+        /// How many there are.
+        limit: usize,
+    },
+    /// Two members in one place.
+    #[error(
+        "members {first} and {second} overlap by {overlap_m:.3} m at the start, or could not brake in time; move one of them, or let it start slower"
+    )]
+    Overlap {
+        /// Number of the one.
+        first: usize,
+        /// Number of the other.
+        second: usize,
+        /// How far their discs, or the ways they need to stop, reach into each other. [Unit: m]
+        overlap_m: f32,
+    },
+    /// A member in an obstacle.
+    #[error("member {member} stands in obstacle {obstacle} or cannot stop before it; move it, or let it start slower")]
+    Inside {
+        /// Number of the member.
+        member: usize,
+        /// Number of the obstacle.
+        obstacle: usize,
+    },
+    /// A goal that nobody can reach.
+    #[error("subgoal {subgoal} of route {route} is in obstacle {obstacle}: move it out")]
+    Goal {
+        /// Number of the route.
+        route: usize,
+        /// Number of the subgoal.
+        subgoal: usize,
+        /// Number of the obstacle.
+        obstacle: usize,
+    },
+    /// No room for another one.
+    #[error("the crowd is full: it was made for {capacity} members; ask for a larger capacity")]
+    Full {
+        /// See [`super::CrowdConfig::capacity`].
+        capacity: usize,
+    },
+    /// One who is not there any more.
+    #[error("member {} is not in the crowd: it has left", .0.index)]
+    Gone(Id),
+    /// A time before the present.
+    #[error("{got} s was asked for, but the crowd is at {now} s; time does not go back, restore a snapshot instead")]
+    Past {
+        /// What was asked for. [Unit: s]
+        got: f64,
+        /// Where the crowd is. [Unit: s]
+        now: f64,
+    },
+    /// The crowd does not get on.
+    #[error("members {} and {} had {events} events with each other within {seconds} s, at most {most} are possible; please report it with the scene", .first.index, .second.index)]
+    Storm {
+        /// The one.
+        first: Id,
+        /// The other.
+        second: Id,
+        /// How many.
+        events: u64,
+        /// How many are possible.
+        most: u64,
+        /// In which time. [Unit: s]
+        seconds: f64,
+    },
+    /// Bytes that are no snapshot of this crowd.
+    #[error("this is no snapshot of this crowd: {message}; restore into a crowd made with the same setup")]
+    Snapshot {
+        /// What is wrong.
+        message: String,
+    },
+}
