@@ -20,13 +20,27 @@ pub struct CrowdConfig {
     pub scheme: Scheme,
     /// Smallest time between two events of one member, and so of a pair. [Unit: s] [Limit: 0.001 to 1]
     pub smallest_interval_s: f32,
+    /// Side of the cells that members are registered in; 0 leaves it to the crowd. Who is not in a cell next to one's own
+    /// is not seen. [Unit: m] [Limit: enough for everybody to stop within half of it, see [`super::Crowd::cell_side`]]
+    pub cell_side_m: f32,
     /// Most members at a time; memory for them is taken at once. 0 stands for those it starts with.
     pub capacity: usize,
+    /// Largest radius of members to come; 0 stands for those it starts with. [Unit: m]
+    pub largest_radius_m: f32,
+    /// Largest desired speed of members to come and of [`super::Crowd::send`]; 0 stands for those it starts with. [Unit: m/s]
+    pub largest_speed_mps: f32,
 }
 
 impl Default for CrowdConfig {
     fn default() -> Self {
-        Self { scheme: Scheme::default(), smallest_interval_s: 0.1, capacity: 0 }
+        Self {
+            scheme: Scheme::default(),
+            smallest_interval_s: 0.1,
+            cell_side_m: 0.0,
+            capacity: 0,
+            largest_radius_m: 0.0,
+            largest_speed_mps: 0.0,
+        }
     }
 }
 

@@ -1,13 +1,34 @@
-//! The crowd.
+//! The crowd and its loop of events.
 
-use super::{Counts, CrowdError, Event, Forces, Id, Member, Route, Setup, Space};
+use super::cells::Cells;
+use super::decide::{Cause, Decider, Mind, Scratch};
+use super::filter::Filter;
+use super::plan::Plan;
+use super::queue::Calendar;
+use super::safety::{Candidate, MARGIN, Other, lack, lack_of_solid, room};
+use super::spline::Spline;
+use super::world::{HURRY, World, check_member};
+use super::{AtEnd, Counts, CrowdError, Event, EventKind, Id, Member, NONE, Route, Setup, Space};
 
 /// Members that act at their own events.
+///
+/// Everybody has one next event. Between two of them a member keeps its acceleration, so that its position at any time is known exactly;
+/// at its event it looks at those who are registered near, asks the force field what it wishes, and takes the nearest plan it
+/// can find for which the rule of safety holds. Its next event is when its new bound touches another bound, an obstacle or the side of its
+/// region (001 section 2.1), though not before the smallest interval is over.
+///
+/// Nobody ever overlaps anybody: see the rule in `safety.rs`, which does not depend on forces or intervals.
 #[derive(Clone, Debug)]
 pub struct Crowd<V> {
-    setup: Setup<V>,
-    now: f64,
-    counts: Counts,
+    pub(super) world: World<V>,
+    pub(super) cells: Cells<V>,
+    pub(super) minds: Vec<Mind<V>>,
+    pub(super) queue: Calendar,
+    /// Numbers that are free, the next one last.
+    pub(super) free: Vec<u32>,
+    pub(super) now: f64,
+    pub(super) counts: Counts,
+    scratch: Scratch<V>,
 }
 
 impl<V: Space> Crowd<V> {
@@ -16,7 +37,22 @@ impl<V: Space> Crowd<V> {
     /// # Errors
     /// [`CrowdError`] for settings out of their range, members or stop regions that overlap, one in an obstacle, a subgoal in an obstacle.
     pub fn new(setup: Setup<V>) -> Result<Self, CrowdError> {
-        Ok(Self { setup, now: 0.0, counts: Counts::default() })
+        let (world, cells) = World::new(&setup)?;
+        let capacity = setup.config.capacity.max(setup.members.len());
+        let mut crowd = Self {
+            scratch: Scratch::new(capacity, world.movers.len()),
+            world,
+            cells,
+            minds: vec![Mind { cell: NONE, ..Mind::default() }; capacity],
+            queue: Calendar::new(capacity),
+            free: (0..capacity as u32).rev().collect(),
+            now: 0.0,
+            counts: Counts::default(),
+        };
+        for member in &setup.members {
+            crowd.enter(*member)?;
+        }
+        Ok(crowd)
     }
 
     /// Lets time pass until `until_s`; everything that happens is told to `on_event` in its order. Allocates nothing.
@@ -24,7 +60,13 @@ impl<V: Space> Crowd<V> {
     /// # Errors
     /// [`CrowdError::Past`], and [`CrowdError::Storm`] where the watchdog finds a pair with more events than it could have.
     pub fn advance(&mut self, until_s: f64, on_event: &mut impl FnMut(&Event)) -> Result<(), CrowdError> {
-        let _ = on_event;
+        if until_s.is_nan() || until_s < self.now || until_s > 1e9 {
+            return Err(CrowdError::Past { got: until_s, now: self.now });
+        }
+        while let Some((time, member)) = self.queue.first(until_s) {
+            self.now = time;
+            self.happen(member, on_event)?;
+        }
         self.now = until_s;
         Ok(())
     }
@@ -43,8 +85,86 @@ impl<V: Space> Crowd<V> {
     /// # Errors
     /// [`CrowdError`] where there is no room, nor for its settings; nothing has changed then.
     pub fn enter(&mut self, member: Member<V>) -> Result<Id, CrowdError> {
-        let _ = member;
-        Err(CrowdError::Full { capacity: self.setup.config.capacity })
+        let number = self.num_members();
+        check_member(number, &member, self.world.splines.len(), self.world.fields.len())?;
+        let value = |field, got, expected| CrowdError::Value { what: "member", index: number, field, got, expected };
+        if member.radius > self.world.radius {
+            return Err(value("radius", member.radius, "at most `largest_radius_m` of the config"));
+        }
+        let speed = member.speed.max(member.velocity.length() / HURRY);
+        if speed > self.world.speed {
+            return Err(value("speed", speed, "at most `largest_speed_mps` of the config"));
+        }
+        let fastest = HURRY * self.world.speed;
+        if fastest * fastest > 2.0 * member.acceleration * self.world.stopping * 1.001 {
+            return Err(value("acceleration", member.acceleration, "at least that of the weakest at the start"));
+        }
+        let Some(&index) = self.free.last() else {
+            return Err(CrowdError::Full { capacity: self.minds.len() });
+        };
+        let plan = Plan {
+            start: self.now,
+            end: self.now,
+            position: member.position,
+            velocity: member.velocity,
+            acceleration: V::default(),
+            moving: f32::INFINITY,
+            radius: member.radius,
+            limit: member.acceleration,
+            index,
+        };
+        self.check_room(&plan)?;
+        self.free.pop();
+        let cell = self.cells.number(self.cells.coordinates(member.position));
+        let spline = &self.world.splines[member.route];
+        let cursor = spline.begin(member.position);
+        let mind = &mut self.minds[index as usize];
+        *mind = Mind {
+            route: member.route as u32,
+            field: member.field as u32,
+            generation: mind.generation,
+            cell,
+            speed: member.speed,
+            cursor,
+            filter: Filter { velocity: member.velocity, variance: 0.0 },
+            cause: Cause::Region,
+            least_left: spline.left(cursor, member.position),
+            got_on: self.now,
+            is_there: false,
+            is_stuck: false,
+            is_struck: false,
+        };
+        self.cells.insert(cell, &plan);
+        self.queue.set(index, self.now);
+        Ok(Id { index, generation: self.minds[index as usize].generation })
+    }
+
+    /// There is room for somebody, who may brake at once.
+    fn check_room(&self, plan: &Plan<V>) -> Result<(), CrowdError> {
+        let at = self.cells.coordinates(plan.position);
+        let candidate = Candidate::new(*plan);
+        let mut error = None;
+        self.cells.around(at, |cell| {
+            self.cells.each(cell, |other, _| {
+                // Two who could brake at once need no more than to be apart.
+                let room = if other.end <= self.now {
+                    room(plan, other) - MARGIN
+                } else {
+                    lack(&candidate, &Other::new(other, self.now)).map_or(1.0, |l| -l.lack)
+                };
+                if room < 0.0 {
+                    let (first, second) = (other.index as usize, plan.index as usize);
+                    error = Some(CrowdError::Overlap { first, second, overlap_m: -room });
+                }
+            });
+        });
+        for &s in self.world.near(self.cells.number(at)) {
+            if lack_of_solid(&candidate, &self.world.solids[s as usize]).is_some() {
+                let obstacle = self.world.owners[s as usize] as usize;
+                error = Some(CrowdError::Inside { member: plan.index as usize, obstacle });
+            }
+        }
+        error.map_or(Ok(()), Err)
     }
 
     /// Takes somebody out, now.
@@ -52,7 +172,9 @@ impl<V: Space> Crowd<V> {
     /// # Errors
     /// [`CrowdError::Gone`].
     pub fn leave(&mut self, id: Id) -> Result<(), CrowdError> {
-        Err(CrowdError::Gone(id))
+        self.check_id(id)?;
+        self.take_out(id.index);
+        Ok(())
     }
 
     /// Another route for members to come, or for [`Crowd::send`]; its number.
@@ -60,8 +182,9 @@ impl<V: Space> Crowd<V> {
     /// # Errors
     /// [`CrowdError`] for a route that cannot be.
     pub fn add_route(&mut self, route: Route<V>) -> Result<usize, CrowdError> {
-        self.setup.routes.push(route);
-        Ok(self.setup.routes.len() - 1)
+        let number = self.world.splines.len();
+        self.world.splines.push(Spline::new(number, &route)?);
+        Ok(number)
     }
 
     /// Gives a member another route and desired speed from its next event on.
@@ -69,98 +192,137 @@ impl<V: Space> Crowd<V> {
     /// # Errors
     /// [`CrowdError::Gone`], [`CrowdError::Index`], [`CrowdError::Value`].
     pub fn send(&mut self, id: Id, route: usize, speed: f32) -> Result<(), CrowdError> {
-        let _ = (route, speed);
-        Err(CrowdError::Gone(id))
-    }
-
-    /// The present. [Unit: s]
-    pub fn now(&self) -> f64 {
-        self.now
-    }
-
-    /// Everybody in the crowd, in the order of their numbers.
-    pub fn ids(&self) -> impl Iterator<Item = Id> + '_ {
-        (0..self.setup.members.len() as u32).map(|index| Id { index, generation: 0 })
-    }
-
-    /// Number of members.
-    pub fn num_members(&self) -> usize {
-        self.setup.members.len()
-    }
-
-    /// What a member was made with; position and velocity are those at its last event.
-    pub fn member(&self, id: Id) -> Option<Member<V>> {
-        self.setup.members.get(id.index()).copied()
-    }
-
-    /// Where a member is at `time_s`, exact from its last event to its next one. [Unit: m]
-    pub fn position(&self, id: Id, time_s: f64) -> Option<V> {
-        let _ = time_s;
-        self.member(id).map(|m| m.position)
-    }
-
-    /// How it moves at `time_s`. [Unit: m/s]
-    pub fn velocity(&self, id: Id, time_s: f64) -> Option<V> {
-        let _ = time_s;
-        self.member(id).map(|m| m.velocity)
-    }
-
-    /// Its velocity as a Kalman filter sees it, for driving a motion (001 section 2.1). [Unit: m/s]
-    pub fn smooth_velocity(&self, id: Id) -> Option<V> {
-        self.member(id).map(|m| m.velocity)
-    }
-
-    /// Its acceleration from its last event to its next one. [Unit: m/s2]
-    pub fn acceleration(&self, id: Id, time_s: f64) -> Option<V> {
-        let _ = (id, time_s);
-        None
-    }
-
-    /// Its time-varying bound at `time_s`: centre and radius (001 eq. 3 and 4). [Unit: m]
-    pub fn bound(&self, id: Id, time_s: f64) -> Option<(V, f32)> {
-        let _ = (id, time_s);
-        None
-    }
-
-    /// When it acts next, unless somebody makes it act before. [Unit: s]
-    pub fn next_event(&self, id: Id) -> Option<f64> {
-        let _ = id;
-        None
-    }
-
-    /// Unit vector in which it wants to go now.
-    pub fn desired_direction(&self, id: Id) -> Option<V> {
-        let _ = id;
-        None
-    }
-
-    /// What moves it now, term by term. Computed anew: for one who is looked at.
-    pub fn forces(&self, id: Id) -> Option<Forces<V>> {
-        let _ = id;
-        None
-    }
-
-    /// How many events there were.
-    pub fn counts(&self) -> Counts {
-        self.counts
-    }
-
-    /// Keeps the whole state.
-    pub fn snapshot(&self) -> Vec<u8> {
-        Vec::new()
-    }
-
-    /// Goes back to a snapshot of a crowd that was made with the same setup.
-    ///
-    /// # Errors
-    /// [`CrowdError::Snapshot`]; nothing has changed then.
-    pub fn restore(&mut self, bytes: &[u8]) -> Result<(), CrowdError> {
-        let _ = bytes;
+        self.check_id(id)?;
+        let Some(spline) = self.world.splines.get(route) else {
+            return Err(CrowdError::Index { what: "route", got: route, limit: self.world.splines.len() });
+        };
+        if !(0.0..=self.world.speed).contains(&speed) {
+            let expected = "at most `largest_speed_mps` of the config";
+            return Err(CrowdError::Value { what: "member", index: id.index(), field: "speed", got: speed, expected });
+        }
+        let (position, _) = self.cells.plan(id.index).at(self.now);
+        let mind = &mut self.minds[id.index()];
+        mind.cursor = if mind.route == route as u32 { mind.cursor } else { spline.begin(position) };
+        (mind.route, mind.speed) = (route as u32, speed);
+        (mind.least_left, mind.got_on) = (spline.left(mind.cursor, position), self.now);
+        (mind.is_there, mind.is_stuck) = (false, false);
         Ok(())
     }
 
-    /// A number that differs where anything in the state differs.
-    pub fn state_hash(&self) -> u64 {
-        0
+    /// Memory that a copy of a state did not bring along.
+    pub(super) fn reserve(&mut self) {
+        let capacity = self.minds.len();
+        self.free.reserve(capacity - self.free.len());
+        self.cells.reserve();
+        self.queue.reserve();
+    }
+
+    pub(super) fn check_id(&self, id: Id) -> Result<(), CrowdError> {
+        let is_here = self.minds.get(id.index()).is_some_and(|m| m.cell != NONE && m.generation == id.generation);
+        if is_here { Ok(()) } else { Err(CrowdError::Gone(id)) }
+    }
+
+    pub(super) fn id(&self, index: u32) -> Id {
+        Id { index, generation: self.minds[index as usize].generation }
+    }
+
+    fn take_out(&mut self, index: u32) {
+        let mind = &mut self.minds[index as usize];
+        self.cells.remove(mind.cell, index);
+        self.queue.remove(index);
+        mind.cell = NONE;
+        mind.generation = mind.generation.wrapping_add(1);
+        self.free.push(index);
+    }
+
+    /// The next event of a member, and of whom its bound touches.
+    fn happen(&mut self, member: u32, on_event: &mut impl FnMut(&Event)) -> Result<(), CrowdError> {
+        let cause = self.minds[member as usize].cause;
+        let partner = self.partner(cause);
+        self.tell(member, self.kind(cause), on_event);
+        self.watch(member, partner)?;
+        self.decide(member, on_event);
+        if let Some(partner) = partner {
+            // A pair that was made anew together waits as long as everybody does.
+            if self.now - self.cells.plan(partner).start >= f64::from(self.world.interval) {
+                self.decide(partner, on_event);
+            }
+        }
+        Ok(())
+    }
+
+    fn partner(&self, cause: Cause) -> Option<u32> {
+        match cause {
+            Cause::Member(other) => Some(other).filter(|&o| self.minds[o as usize].cell != NONE),
+            _ => None,
+        }
+    }
+
+    fn kind(&self, cause: Cause) -> EventKind {
+        match cause {
+            Cause::Region => EventKind::Resetting,
+            Cause::Member(other) => EventKind::Colliding { other: self.id(other) },
+            Cause::Obstacle(obstacle) => EventKind::Meeting { obstacle: obstacle as usize },
+        }
+    }
+
+    fn tell(&mut self, member: u32, kind: EventKind, on_event: &mut impl FnMut(&Event)) {
+        let counts = &mut self.counts;
+        let count = match kind {
+            EventKind::Resetting => &mut counts.resetting,
+            EventKind::Colliding { .. } => &mut counts.colliding,
+            EventKind::Meeting { .. } => &mut counts.meeting,
+            EventKind::Arrived => &mut counts.arrived,
+            EventKind::Left => &mut counts.left,
+            EventKind::Struck { .. } => &mut counts.struck,
+            EventKind::Stuck => &mut counts.stuck,
+        };
+        *count += 1;
+        on_event(&Event { time: self.now, member: self.id(member), kind });
+    }
+
+    /// The watchdog: no member's events are nearer to each other than the smallest interval.
+    fn watch(&self, member: u32, partner: Option<u32>) -> Result<(), CrowdError> {
+        let plan = self.cells.plan(member);
+        let seconds = self.now - plan.start;
+        if plan.end > plan.start && seconds < 0.5 * f64::from(self.world.interval) {
+            let (first, second) = (self.id(member), self.id(partner.unwrap_or(member)));
+            return Err(CrowdError::Storm { first, second, events: 2, most: 1, seconds });
+        }
+        Ok(())
+    }
+
+    fn decide(&mut self, member: u32, on_event: &mut impl FnMut(&Event)) {
+        let decider = Decider { world: &self.world, cells: &self.cells, minds: &self.minds, time: self.now };
+        let Some(decision) = decider.decide(member, &mut self.scratch) else { return };
+        self.counts.decisions += 1;
+        let before = self.minds[member as usize];
+        self.cells.set(before.cell, decision.mind.cell, &decision.plan);
+        self.minds[member as usize] = decision.mind;
+        self.queue.set(member, decision.plan.end);
+        let mind = decision.mind;
+        if mind.is_there && !before.is_there {
+            self.tell(member, EventKind::Arrived, on_event);
+        }
+        if mind.is_stuck && !before.is_stuck {
+            self.tell(member, EventKind::Stuck, on_event);
+        }
+        if mind.is_struck && !before.is_struck {
+            self.tell(member, EventKind::Struck { obstacle: decision.struck_by as usize }, on_event);
+        }
+        if decision.leaves {
+            self.tell(member, EventKind::Left, on_event);
+            self.take_out(member);
+        }
+    }
+
+    /// Side of the cells that members are registered in. [Unit: m]
+    pub fn cell_side(&self) -> f32 {
+        self.cells.side()
+    }
+
+    /// See [`AtEnd`]: what a member of a route does at its end.
+    pub fn at_end(&self, route: usize) -> Option<AtEnd> {
+        self.world.splines.get(route).map(|s| s.at_end())
     }
 }

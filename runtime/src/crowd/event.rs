@@ -1,6 +1,7 @@
 //! What happens.
 
 use super::Id;
+use serde::{Deserialize, Serialize};
 
 /// What made a member act, or what it did.
 #[non_exhaustive]
@@ -43,7 +44,7 @@ pub struct Event {
 }
 
 /// How many events there were so far.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Counts {
     /// See [`EventKind::Resetting`].
     pub resetting: u64,

@@ -1,22 +1,104 @@
 //! Parameters of the force field (001 section 2.2, eq. 15 to 23).
 
+use super::CrowdError;
 use serde::{Deserialize, Serialize};
 
 /// What moves a member: parameters of 001 eq. 15 to 23, all per unit of mass.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Field {
-    /// Time in which the desired velocity is approached, tau in eq. 17. [Unit: s] [Limit: > 0]
+    /// Time in which the desired velocity is approached, tau in eq. 17. [Unit: s] [Limit: 0.05 to 10]
     pub relaxation_s: f32,
     /// How far ahead on the spline of its route it looks. [Unit: m] [Limit: > 0]
     pub look_ahead_m: f32,
-    /// How far others are felt. [Unit: m] [Limit: > 0]
+    /// How far others are felt; those who are registered in cells that are not next to its own are not felt at all.
+    /// [Unit: m] [Limit: > 0]
     pub perception_m: f32,
+    /// How strongly it follows those before it who walk its way, an attraction in eq. 17. [Unit: m/s2] [Limit: >= 0]
+    pub following: f32,
+    /// How strongly it keeps clear of those who are near, a repulsion in eq. 17. [Unit: m/s2] [Limit: >= 0]
+    pub repulsion: f32,
+    /// Gap at which that begins. [Unit: m] [Limit: > 0]
+    pub repulsion_m: f32,
+    /// c_1 in eq. 16: how its speed toward others weighs its braking. [Unit: s/m] [Limit: >= 0]
+    pub braking: f32,
+    /// D in eq. 19: gap from which the driving force toward others is taken back. [Unit: m] [Limit: > 0]
+    pub decelerating_m: f32,
+    /// w_dam c_dam in eq. 18 and 20: braking for each m/s of approach. [Unit: 1/s] [Limit: >= 0]
+    pub damping: f32,
+    /// c_2 in eq. 16: how its speed toward others weighs its avoiding. [Unit: s/m] [Limit: >= 0]
+    pub avoiding: f32,
+    /// c_tur in eq. 22. [Unit: m/s2] [Limit: >= 0]
+    pub turning: f32,
+    /// A in eq. 22: gap from which it turns away. [Unit: m] [Limit: > 0]
+    pub turning_m: f32,
+    /// Time to a contact from which it turns away; later ones are left alone. [Unit: s] [Limit: > 0]
+    pub horizon_s: f32,
+    /// Gap that it wishes to keep to those it passes. [Unit: m] [Limit: >= 0]
+    pub comfort_m: f32,
+    /// w_saf c_saf in eq. 21 and 23: pull to the centre of its bound. [Unit: 1/s2] [Limit: >= 0]
+    pub safety: f32,
 }
 
 impl Default for Field {
     fn default() -> Self {
-        Self { relaxation_s: 0.5, look_ahead_m: 2.0, perception_m: 3.0 }
+        Self {
+            relaxation_s: 0.3,
+            look_ahead_m: 2.0,
+            perception_m: 4.0,
+            following: 0.0,
+            repulsion: 1.0,
+            repulsion_m: 0.15,
+            braking: 0.5,
+            decelerating_m: 0.2,
+            damping: 0.5,
+            avoiding: 0.5,
+            turning: 1.0,
+            turning_m: 1.0,
+            horizon_s: 2.0,
+            comfort_m: 0.05,
+            safety: 1.0,
+        }
+    }
+}
+
+impl Field {
+    /// Every setting within its limits.
+    pub(super) fn check(&self, index: usize) -> Result<(), CrowdError> {
+        let positive = "above 0 and below 1e6";
+        for (field, got) in [
+            ("look_ahead_m", self.look_ahead_m),
+            ("perception_m", self.perception_m),
+            ("repulsion_m", self.repulsion_m),
+            ("decelerating_m", self.decelerating_m),
+            ("turning_m", self.turning_m),
+            ("horizon_s", self.horizon_s),
+        ] {
+            if !(got > 0.0 && got < 1e6) {
+                return Err(CrowdError::Value { what: "field", index, field, got, expected: positive });
+            }
+        }
+        for (field, got) in [
+            ("following", self.following),
+            ("repulsion", self.repulsion),
+            ("braking", self.braking),
+            ("damping", self.damping),
+            ("avoiding", self.avoiding),
+            ("turning", self.turning),
+            ("comfort_m", self.comfort_m),
+            ("safety", self.safety),
+        ] {
+            if !(0.0..1e6).contains(&got) {
+                let expected = "between 0 and 1e6";
+                return Err(CrowdError::Value { what: "field", index, field, got, expected });
+            }
+        }
+        let got = self.relaxation_s;
+        if !(0.05..=10.0).contains(&got) {
+            let expected = "between 0.05 and 10";
+            return Err(CrowdError::Value { what: "field", index, field: "relaxation_s", got, expected });
+        }
+        Ok(())
     }
 }
 
@@ -33,8 +115,8 @@ pub struct Forces<V> {
     pub damping: V,
     /// Sideways, eq. 22.
     pub turning: V,
-    /// What the safety rule added at the last event, eq. 23.
+    /// To the centre of its bound, eq. 23.
     pub safety: V,
-    /// The acceleration that was taken.
+    /// The acceleration that was taken at the last event, after the safety rule.
     pub taken: V,
 }

@@ -3,15 +3,33 @@
 //! Between its own events a member keeps its acceleration, so that its position at any time is known; at an event it
 //! asks a force field what to do and takes a plan that cannot end in an overlap. See [`Crowd`].
 
+mod bound;
+mod cells;
 mod config;
+mod decide;
 mod engine;
 mod error;
 mod event;
 mod field;
+mod filter;
 mod member;
 mod obstacle;
+mod plan;
+mod query;
+mod queue;
 mod route;
+mod safety;
+mod sight;
+mod snapshot;
+mod solid;
 mod space;
+mod spline;
+mod steer;
+#[cfg(test)]
+mod tests;
+#[cfg(feature = "rayon")]
+mod window;
+mod world;
 
 pub use config::{CrowdConfig, Scheme, Setup};
 pub use engine::Crowd;
@@ -22,3 +40,6 @@ pub use member::{Id, Member};
 pub use obstacle::Obstacle;
 pub use route::{AtEnd, Route};
 pub use space::Space;
+
+/// No member, no block.
+const NONE: u32 = u32::MAX;

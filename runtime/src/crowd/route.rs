@@ -1,7 +1,10 @@
 //! Where members go.
 
+use serde::{Deserialize, Serialize};
+
 /// What a member does at the end of its route.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum AtEnd {
     /// Stays at the last subgoal, and comes back to it when it is pushed away.
     #[default]
@@ -13,7 +16,7 @@ pub enum AtEnd {
 }
 
 /// A way through subgoals: a spline with continuous tangents (001 section 2.2, driving force).
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Route<V> {
     /// Where it leads, in order; a member begins at the nearest place of the spline. A single one is a goal that is gone to straight.
     /// [Unit: m] [Size: >= 1]

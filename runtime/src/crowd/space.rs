@@ -48,6 +48,14 @@ pub trait Space:
     /// Larger of each coordinate.
     fn max(self, other: Self) -> Self;
 
+    /// Perpendicular to a direction, to the right of who faces that way with its head up; of the same length, except
+    /// that there is no right to straight up and down in 3-D, where X takes its place.
+    fn right(self) -> Self;
+
+    /// Eight unit vectors within sight of one who faces along a unit vector. The first is that vector; in 2-D they
+    /// then turn left and right by turns, ever farther.
+    fn fan(self) -> [Self; 8];
+
     /// Square of the length.
     fn length_squared(self) -> f32 {
         self.dot(self)
@@ -57,7 +65,48 @@ pub trait Space:
     fn length(self) -> f32 {
         self.dot(self).sqrt()
     }
+
+    /// Unit vector and length; zero and zero where it is too short to have a direction.
+    fn unit_and_length(self) -> (Self, f32) {
+        let length = self.length();
+        if length > 1e-12 { (self * length.recip(), length) } else { (Self::default(), 0.0) }
+    }
+
+    /// Shortened to a length where it is longer.
+    fn at_most(self, length: f32) -> Self {
+        let square = self.length_squared();
+        if square > length * length { self * (length / square.sqrt()) } else { self }
+    }
+
+    /// True where every coordinate is a number.
+    fn is_finite(self) -> bool {
+        self.coordinates().iter().all(|c| c.is_finite())
+    }
 }
+
+/// Cosine and sine of 0, 14, -14, 30, -30, 52, -52 and 85 degrees to the right.
+const FAN: [[f32; 2]; 8] = [
+    [1.0, 0.0],
+    [0.970_296, 0.241_922],
+    [0.970_296, -0.241_922],
+    [0.866_025, 0.5],
+    [0.866_025, -0.5],
+    [0.615_661, 0.788_011],
+    [0.615_661, -0.788_011],
+    [0.087_156, 0.996_195],
+];
+
+/// Straight on, three directions at 20 degrees and four at 45 around it.
+const CONE: [[f32; 3]; 8] = [
+    [1.0, 0.0, 0.0],
+    [0.939_693, 0.342_020, 0.0],
+    [0.939_693, -0.171_010, 0.296_198],
+    [0.939_693, -0.171_010, -0.296_198],
+    [0.707_107, 0.5, 0.5],
+    [0.707_107, -0.5, 0.5],
+    [0.707_107, -0.5, -0.5],
+    [0.707_107, 0.5, -0.5],
+];
 
 impl Space for Vec2 {
     const DIMENSIONS: usize = 2;
@@ -85,6 +134,16 @@ impl Space for Vec2 {
     #[inline]
     fn max(self, other: Self) -> Self {
         Vec2::max(self, other)
+    }
+
+    #[inline]
+    fn right(self) -> Self {
+        Vec2::new(-self.y, self.x)
+    }
+
+    #[inline]
+    fn fan(self) -> [Self; 8] {
+        FAN.map(|[along, across]| self * along + self.right() * across)
     }
 }
 
@@ -114,5 +173,22 @@ impl Space for Vec3 {
     #[inline]
     fn max(self, other: Self) -> Self {
         Vec3::max(self, other)
+    }
+
+    #[inline]
+    fn right(self) -> Self {
+        let right = self.cross(Vec3::Y);
+        if right.length_squared() > 1e-12 * self.length_squared() {
+            right * (self.length_squared() / right.length_squared()).sqrt()
+        } else {
+            Vec3::X * Space::length(self)
+        }
+    }
+
+    #[inline]
+    fn fan(self) -> [Self; 8] {
+        let right = self.right();
+        let up = right.cross(self);
+        CONE.map(|[along, across, above]| self * along + right * across + up * above)
     }
 }

@@ -1,0 +1,352 @@
+//! What a member does at its event.
+
+use super::bound::Bound;
+use super::cells::Cells;
+use super::filter::Filter;
+use super::plan::Plan;
+use super::safety::{Candidate, Lack, Other, lack, lack_of_solid, lever};
+use super::sight::Seen;
+use super::spline::Cursor;
+use super::steer::{Walker, forces};
+use super::world::{HURRY, World};
+use super::{AtEnd, Forces, NONE, Space};
+use serde::{Deserialize, Serialize};
+
+/// Most tries for a plan near the desired one before a member brakes.
+const TRIES: usize = 6;
+/// How much a push out of a lack goes beyond what a linear guess asks for.
+const BEYOND: f32 = 1.1;
+/// Way toward the goal that counts as getting on. [Unit: m]
+const GETTING_ON: f32 = 0.1;
+/// Time without getting on after which a member is stuck. [Unit: s]
+pub(crate) const PATIENCE_S: f64 = 10.0;
+
+/// Why a member acts next.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub(crate) enum Cause {
+    /// Its bound leaves its region.
+    #[default]
+    Region,
+    /// Its bound touches that of a member.
+    Member(u32),
+    /// Its bound touches an obstacle.
+    Obstacle(u32),
+}
+
+/// What a member remembers beside its plan.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Mind<V> {
+    pub route: u32,
+    pub field: u32,
+    pub generation: u32,
+    /// Cell that it is registered in; [`NONE`] for one who is not there.
+    pub cell: u32,
+    pub speed: f32,
+    pub cursor: Cursor,
+    pub filter: Filter<V>,
+    pub cause: Cause,
+    /// Shortest way that was ever left. [Unit: m]
+    pub least_left: f32,
+    /// When it got on last. [Unit: s]
+    pub got_on: f64,
+    pub is_there: bool,
+    pub is_stuck: bool,
+    /// A moving obstacle is in its place.
+    pub is_struck: bool,
+}
+
+/// Room to think in, one for each thread.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Scratch<V> {
+    seen: Vec<Seen<V>>,
+    /// Addresses of the plans of all who are registered near, and their offsets.
+    around: Vec<(u32, V, f32)>,
+    others: Vec<Other<V>>,
+}
+
+impl<V: Space> Scratch<V> {
+    pub fn new(capacity: usize, num_movers: usize) -> Self {
+        let most = capacity + num_movers;
+        Self { seen: Vec::with_capacity(most), around: Vec::with_capacity(most), others: Vec::with_capacity(most) }
+    }
+}
+
+/// What came of an event.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Decision<V> {
+    pub plan: Plan<V>,
+    pub mind: Mind<V>,
+    pub leaves: bool,
+    /// Moving obstacle that is in its place.
+    pub struck_by: u32,
+}
+
+/// A member at an event, with all that it may look at.
+pub(crate) struct Decider<'a, V> {
+    pub world: &'a World<V>,
+    pub cells: &'a Cells<V>,
+    pub minds: &'a [Mind<V>],
+    pub time: f64,
+}
+
+impl<V: Space> Decider<'_, V> {
+    /// Takes a new plan for a member; none where it has to keep the one it has.
+    pub fn decide(&self, member: u32, scratch: &mut Scratch<V>) -> Option<Decision<V>> {
+        let old = self.cells.plan(member);
+        let (position, velocity) = old.at(self.time);
+        let mut mind = self.minds[member as usize];
+        self.update(&mut mind, old, position, velocity);
+        let walker = self.walker(&mind, old, position, velocity);
+        let at = self.cells.coordinates(position);
+        mind.cell = self.cells.number(at);
+        self.look_around(member, at, &walker, &mind, scratch);
+        let near = self.world.near(mind.cell);
+        let field = &self.world.fields[mind.field as usize];
+        let f = forces(&walker, field, &scratch.seen, &self.world.solids, near);
+        let wish = total(&f).at_most(old.limit);
+
+        let centre = self.cells.centre(at);
+        let half = V::from_coordinates([self.cells.side(); 3]);
+        let region = (centre - half, centre + half);
+        let fresh = Plan { start: self.time, position, velocity, moving: f32::INFINITY, ..*old };
+        let (cause, length) = self.first_event(&fresh, region, near, scratch);
+        let length = length.max(self.world.interval);
+        self.look_at_plans(&fresh, length, scratch);
+        let taken = self.safe(&fresh, wish, length, region, near, scratch);
+        let plan = match taken {
+            Some(plan) => plan,
+            None if old.end <= self.time => {
+                let mut plan = Plan { end: self.time + f64::from(self.world.interval), ..fresh };
+                plan.brake();
+                plan
+            }
+            None => return None,
+        };
+        mind.cause = cause;
+        let leaves = mind.is_there && self.world.splines[mind.route as usize].at_end() == AtEnd::Leave;
+        let struck_by = self.struck(&plan);
+        mind.is_struck = struck_by != NONE;
+        Some(Decision { plan, mind, leaves, struck_by })
+    }
+
+    /// What moves a member now.
+    pub fn forces(&self, member: u32, scratch: &mut Scratch<V>) -> Forces<V> {
+        let plan = self.cells.plan(member);
+        let (position, velocity) = plan.at(self.time);
+        let mut mind = self.minds[member as usize];
+        self.update(&mut mind, plan, position, velocity);
+        let walker = self.walker(&mind, plan, position, velocity);
+        let at = self.cells.coordinates(position);
+        self.look_around(member, at, &walker, &mind, scratch);
+        let near = self.world.near(self.cells.number(at));
+        let field = &self.world.fields[mind.field as usize];
+        let f = forces(&walker, field, &scratch.seen, &self.world.solids, near);
+        Forces { taken: plan.acceleration, ..f }
+    }
+
+    /// Follows the route, filters the velocity, and notes whether the member gets on.
+    fn update(&self, mind: &mut Mind<V>, plan: &Plan<V>, position: V, velocity: V) {
+        mind.filter.observe(velocity, (self.time - plan.start) as f32);
+        let spline = &self.world.splines[mind.route as usize];
+        spline.follow(&mut mind.cursor, position);
+        mind.is_there = spline.is_there(mind.cursor, position);
+        if mind.is_there && spline.at_end() == AtEnd::Again {
+            mind.cursor = Cursor::default();
+            mind.least_left = f32::INFINITY;
+        }
+        let left = spline.left(mind.cursor, position);
+        if mind.is_there || mind.speed == 0.0 || left < mind.least_left - GETTING_ON {
+            mind.least_left = left;
+            mind.got_on = self.time;
+            mind.is_stuck = false;
+        } else if self.time - mind.got_on > PATIENCE_S {
+            mind.is_stuck = true;
+        }
+    }
+
+    /// Where a member wants to go.
+    pub fn walker(&self, mind: &Mind<V>, plan: &Plan<V>, position: V, velocity: V) -> Walker<V> {
+        let spline = &self.world.splines[mind.route as usize];
+        let field = &self.world.fields[mind.field as usize];
+        let (desired, distance) = (spline.ahead(mind.cursor, field.look_ahead_m) - position).unit_and_length();
+        let mut speed = mind.speed;
+        if spline.at_end() == AtEnd::Stay {
+            // Comes to rest at the goal.
+            let to_goal = if distance < field.look_ahead_m { (spline.goal() - position).length() } else { distance };
+            speed = speed.min(to_goal / (2.0 * field.relaxation_s));
+        }
+        let centre = plan.position + plan.velocity * (self.time - plan.start) as f32;
+        Walker {
+            position,
+            velocity,
+            radius: plan.radius,
+            limit: plan.limit,
+            desired,
+            speed,
+            off_centre: position - centre,
+        }
+    }
+
+    /// Finds everybody who is registered near, and those who are felt.
+    fn look_around(&self, member: u32, at: [i32; 3], me: &Walker<V>, mind: &Mind<V>, scratch: &mut Scratch<V>) {
+        scratch.seen.clear();
+        scratch.around.clear();
+        let perception = self.world.fields[mind.field as usize].perception_m;
+        let perception = perception * perception;
+        self.cells.around(at, |cell| {
+            self.cells.each(cell, |plan, address| {
+                if plan.index == member {
+                    return;
+                }
+                let (position, velocity) = plan.at(self.time);
+                let offset = position - me.position;
+                let square = offset.length_squared();
+                let distance = square.sqrt();
+                scratch.around.push((address, velocity, distance));
+                if square < perception {
+                    scratch.seen.push(Seen { offset, velocity, distance, radii: me.radius + plan.radius });
+                }
+            });
+        });
+        for mover in &self.world.movers {
+            let plan = mover.plan(self.time, 1.0);
+            let offset = plan.position - me.position;
+            let distance = offset.length();
+            let radii = me.radius + mover.radius;
+            if distance - mover.radius < 2.0 * self.cells.side() {
+                scratch.seen.push(Seen { offset, velocity: plan.velocity, distance, radii });
+            }
+        }
+    }
+
+    /// When the bound of a new plan touches something first, and what.
+    fn first_event(&self, fresh: &Plan<V>, region: (V, V), near: &[u32], scratch: &Scratch<V>) -> (Cause, f32) {
+        let bound = Bound::from(fresh);
+        let mut first = (Cause::Region, bound.first_exit(region.0, region.1));
+        for &(address, velocity, distance) in &scratch.around {
+            let other = self.cells.at(address);
+            // Growth of both bounds from now on is the least that closes the gap.
+            let age = (self.time - other.start) as f32;
+            let gap = distance - fresh.radius - other.radius;
+            let t = first.1;
+            let speeds = (velocity - fresh.velocity).length() + 2.0 * other.limit * age;
+            let grown = 0.5 * (fresh.limit * t * t + other.limit * (age + t) * (age + t));
+            if gap > speeds * t + grown {
+                continue;
+            }
+            let contact = bound.first_contact(&Bound::from(other), self.time, t);
+            if contact < t {
+                first = (Cause::Member(other.index), contact);
+            }
+        }
+        for &s in near {
+            let contact = bound.first_contact_with(&self.world.solids[s as usize], self.time, first.1);
+            if contact < first.1 {
+                first = (Cause::Obstacle(self.world.owners[s as usize]), contact);
+            }
+        }
+        for mover in &self.world.movers {
+            let plan = mover.plan(self.time, 1.0);
+            let still = Bound { limit: 0.0, ..Bound::from(&plan) };
+            let contact = bound.first_contact(&still, self.time, first.1).min((plan.end - self.time) as f32);
+            if contact < first.1 {
+                first = (Cause::Obstacle(mover.obstacle), contact);
+            }
+        }
+        first
+    }
+
+    /// Those whose plans a plan of a length has to be compared with.
+    fn look_at_plans(&self, fresh: &Plan<V>, length: f32, scratch: &mut Scratch<V>) {
+        scratch.others.clear();
+        let reach = |speed: f32, limit: f32, length: f32| {
+            let fast = speed + limit * length;
+            (speed + 0.5 * limit * length) * length + 0.5 * fast * fast / limit
+        };
+        let mine = reach(fresh.velocity.length(), fresh.limit, length) + fresh.radius + 0.01;
+        for &(address, velocity, distance) in &scratch.around {
+            let other = self.cells.at(address);
+            let until = (other.end - self.time) as f32;
+            if distance < mine + other.radius + reach(velocity.length(), other.limit, until) {
+                scratch.others.push(Other::new(other, self.time));
+            }
+        }
+        for mover in &self.world.movers {
+            let plan = mover.plan(self.time, length + 2.0 * self.world.speed / fresh.limit);
+            let way = plan.velocity.length() * (plan.end - plan.start) as f32;
+            if (plan.position - fresh.position).length() < mine + plan.radius + way {
+                scratch.others.push(Other::new(&plan, self.time));
+            }
+        }
+    }
+
+    /// A plan near the one that is wished for, for which the rule holds.
+    fn safe(
+        &self,
+        fresh: &Plan<V>,
+        wish: V,
+        length: f32,
+        region: (V, V),
+        near: &[u32],
+        scratch: &Scratch<V>,
+    ) -> Option<Plan<V>> {
+        let shortest = self.world.interval;
+        let (mut a, mut length) = (wish, length);
+        for _ in 0..TRIES {
+            let candidate = self.candidate(fresh, a, length);
+            if !candidate.stays_within(region.0, region.1) {
+                if length <= shortest {
+                    break;
+                }
+                length = (0.5 * length).max(shortest);
+                continue;
+            }
+            match self.worst(&candidate, near, scratch) {
+                None => return Some(candidate.plan),
+                Some(worst) => {
+                    // Slides along what is in the way.
+                    a = candidate.plan.acceleration + worst.away * (worst.lack * BEYOND / lever(&candidate));
+                    length = (0.6 * length).max(shortest);
+                }
+            }
+        }
+        let stop = fresh.velocity * -shortest.recip();
+        for share in [0.5, 1.0] {
+            let candidate = self.candidate(fresh, stop * share, shortest);
+            let is_safe = candidate.stays_within(region.0, region.1) && self.worst(&candidate, near, scratch).is_none();
+            if is_safe {
+                return Some(candidate.plan);
+            }
+        }
+        None
+    }
+
+    /// A plan within the limits of acceleration and speed.
+    #[inline]
+    fn candidate(&self, fresh: &Plan<V>, a: V, length: f32) -> Candidate<V> {
+        let a = a.at_most(fresh.limit);
+        let fastest = HURRY * self.world.speed;
+        let a = ((fresh.velocity + a * length).at_most(fastest) - fresh.velocity) * length.recip();
+        Candidate::new(Plan { end: self.time + f64::from(length), acceleration: a.at_most(fresh.limit), ..*fresh })
+    }
+
+    /// The largest lack of a plan.
+    fn worst(&self, candidate: &Candidate<V>, near: &[u32], scratch: &Scratch<V>) -> Option<Lack<V>> {
+        let solids = near.iter().filter_map(|&s| lack_of_solid(candidate, &self.world.solids[s as usize]));
+        let others = scratch.others.iter().filter_map(|o| lack(candidate, o));
+        others.chain(solids).reduce(|a, b| if b.lack > a.lack { b } else { a })
+    }
+
+    fn struck(&self, plan: &Plan<V>) -> u32 {
+        let hits = |m: &&super::world::Mover<V>| {
+            let apart = (m.plan(self.time, 1.0).position - plan.position).length();
+            apart < m.radius + plan.radius - 1e-3
+        };
+        self.world.movers.iter().find(hits).map_or(NONE, |m| m.obstacle)
+    }
+}
+
+/// Sum of the terms.
+pub(crate) fn total<V: Space>(f: &Forces<V>) -> V {
+    f.driving + f.interaction + f.decelerating + f.damping + f.turning + f.safety
+}

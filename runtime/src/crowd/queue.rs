@@ -1,0 +1,239 @@
+//! The queue of events: a calendar (Brown 1988) with one entry for each member.
+
+use super::NONE;
+use serde::{Deserialize, Serialize};
+
+/// Time that one turn of the calendar takes. Longer than most intervals between events, so that a page holds few
+/// entries of later turns. [Unit: s]
+const TURN_S: f64 = 2.0;
+
+/// Next event of every member, in the exact order of time and then of number.
+///
+/// Time is cut into short pages; a page is an unordered list of the members whose event falls into it. Only the page
+/// that is open is sorted. Inserting, removing and taking the first cost the same for any number of members.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub(crate) struct Calendar {
+    pages_per_s: f64,
+    /// First member of each page; pages of all turns that fall together share one.
+    first: Vec<u32>,
+    next: Vec<u32>,
+    previous: Vec<u32>,
+    time: Vec<f64>,
+    place: Vec<Place>,
+    /// The page that is open, the earliest last.
+    open: Vec<u32>,
+    /// Number of the page that is open; entries of all pages before it are in it too.
+    page: u64,
+    len: usize,
+}
+
+/// Where the entry of a member is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+enum Place {
+    Nowhere,
+    Page,
+    Open,
+}
+
+impl Calendar {
+    /// Empty, for members with numbers below `capacity`.
+    pub fn new(capacity: usize) -> Self {
+        let num_pages = (2 * capacity).next_power_of_two().clamp(256, 1 << 20);
+        Self {
+            pages_per_s: num_pages as f64 / TURN_S,
+            first: vec![NONE; num_pages],
+            next: vec![NONE; capacity],
+            previous: vec![NONE; capacity],
+            time: vec![0.0; capacity],
+            place: vec![Place::Nowhere; capacity],
+            open: Vec::with_capacity(capacity),
+            page: 0,
+            len: 0,
+        }
+    }
+
+    /// Memory that a copy did not bring along.
+    pub fn reserve(&mut self) {
+        self.open.reserve(self.next.len() - self.open.len());
+    }
+
+    /// True where it is as large as another one, and whole: every list ends.
+    pub fn fits(&self, other: &Self) -> bool {
+        let n = other.next.len();
+        let same = self.first.len() == other.first.len() && self.pages_per_s == other.pages_per_s;
+        let lens = [self.next.len(), self.previous.len(), self.time.len(), self.place.len()];
+        if !same || lens != [n; 4] || self.open.len() > n || self.len > n {
+            return false;
+        }
+        let is_link = |&m: &u32| m == NONE || (m as usize) < n;
+        let links = self.first.iter().chain(&self.next).chain(&self.previous).all(is_link);
+        if !links || !self.open.iter().all(|&m| (m as usize) < n) || !self.time.iter().all(|t| (0.0..=1e10).contains(t))
+        {
+            return false;
+        }
+        let mut left = n;
+        self.first.iter().all(|&first| {
+            let mut member = first;
+            while member != NONE && left > 0 {
+                (member, left) = (self.next[member as usize], left - 1);
+            }
+            member == NONE
+        })
+    }
+
+    /// Time of a member's event.
+    pub fn time(&self, member: u32) -> Option<f64> {
+        (self.place[member as usize] != Place::Nowhere).then(|| self.time[member as usize])
+    }
+
+    /// Sets the event of a member, in place of the one it had. [Limit: 0 <= time < 1e9]
+    pub fn set(&mut self, member: u32, time: f64) {
+        self.remove(member);
+        let m = member as usize;
+        self.time[m] = time;
+        self.len += 1;
+        let page = self.page_of(time);
+        if page <= self.page {
+            let at = self.open.partition_point(|&o| self.is_before(member, o));
+            self.open.insert(at, member);
+            self.place[m] = Place::Open;
+            return;
+        }
+        let slot = page as usize & (self.first.len() - 1);
+        let first = &mut self.first[slot];
+        (self.previous[m], self.next[m]) = (NONE, *first);
+        if *first != NONE {
+            self.previous[*first as usize] = member;
+        }
+        *first = member;
+        self.place[m] = Place::Page;
+    }
+
+    /// Forgets the event of a member, if it has one.
+    pub fn remove(&mut self, member: u32) {
+        let m = member as usize;
+        match self.place[m] {
+            Place::Nowhere => return,
+            Place::Open => {
+                let at = self.open.partition_point(|&o| self.is_before(member, o));
+                self.open.remove(at);
+            }
+            Place::Page => self.unlink(member),
+        }
+        self.place[m] = Place::Nowhere;
+        self.len -= 1;
+    }
+
+    /// Who acts next, and when, if that is not after `until`. The entry stays.
+    pub fn first(&mut self, until: f64) -> Option<(f64, u32)> {
+        let last = self.page_of(until);
+        if self.len == 0 {
+            self.page = self.page.max(last);
+            return None;
+        }
+        while self.open.is_empty() {
+            if self.page >= last {
+                return None;
+            }
+            self.page += 1;
+            self.open_page();
+        }
+        let member = *self.open.last()?;
+        let time = self.time[member as usize];
+        (time <= until).then_some((time, member))
+    }
+
+    fn page_of(&self, time: f64) -> u64 {
+        (time * self.pages_per_s) as u64
+    }
+
+    /// True where the event of `a` comes after that of `b`: the open page is kept latest first.
+    fn is_before(&self, a: u32, b: u32) -> bool {
+        let (ta, tb) = (self.time[a as usize], self.time[b as usize]);
+        ta.total_cmp(&tb).then(a.cmp(&b)).is_lt()
+    }
+
+    fn unlink(&mut self, member: u32) {
+        let m = member as usize;
+        let (previous, next) = (self.previous[m], self.next[m]);
+        if next != NONE {
+            self.previous[next as usize] = previous;
+        }
+        if previous != NONE {
+            self.next[previous as usize] = next;
+        } else {
+            let page = self.page_of(self.time[m]) as usize & (self.first.len() - 1);
+            self.first[page] = next;
+        }
+    }
+
+    fn open_page(&mut self) {
+        let mut member = self.first[self.page as usize & (self.first.len() - 1)];
+        while member != NONE {
+            let next = self.next[member as usize];
+            if self.page_of(self.time[member as usize]) == self.page {
+                self.unlink(member);
+                self.place[member as usize] = Place::Open;
+                self.open.push(member);
+            }
+            member = next;
+        }
+        let time = &self.time;
+        self.open.sort_unstable_by(|&a, &b| time[b as usize].total_cmp(&time[a as usize]).then(b.cmp(&a)));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn is_in_the_order_of_a_sorted_list(work in proptest::collection::vec((0u32..40, 0u32..600, 0..6), 1..400)) {
+            let mut calendar = Calendar::new(40);
+            let mut list: Vec<(f64, u32)> = Vec::new();
+            let mut now = 0.0;
+            for (member, after, kind) in work {
+                // Coarse times, so that many are equal; some are several turns away.
+                let time = now + f64::from(after) * 0.01;
+                match kind {
+                    0 => {
+                        calendar.remove(member);
+                        list.retain(|e| e.1 != member);
+                    }
+                    1..=3 => {
+                        calendar.set(member, time);
+                        list.retain(|e| e.1 != member);
+                        list.push((time, member));
+                    }
+                    _ => {
+                        list.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+                        let until = now + f64::from(after) * 0.005;
+                        let want = list.first().copied().filter(|e| e.0 <= until);
+                        prop_assert_eq!(calendar.first(until), want);
+                        if let Some((t, m)) = want {
+                            now = t;
+                            calendar.remove(m);
+                            list.remove(0);
+                        }
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn an_entry_may_be_set_before_the_open_page() {
+        let mut calendar = Calendar::new(4);
+        calendar.set(0, 5.0);
+        assert_eq!(calendar.first(9.0), Some((5.0, 0)));
+        calendar.set(1, 1.0);
+        calendar.set(2, 5.0);
+        assert_eq!(calendar.first(9.0), Some((1.0, 1)));
+        calendar.remove(1);
+        calendar.remove(0);
+        assert_eq!(calendar.first(9.0), Some((5.0, 2)));
+        assert_eq!(calendar.time(0), None);
+    }
+}

@@ -1,0 +1,321 @@
+//! The safety rule: why nobody ever overlaps anybody.
+//!
+//! The *stop region* S(s) of a member at time s is what its disc or ball sweeps if it brakes with all its force from s
+//! on: all within its radius of the line from x to x + v|v| / 2A. Who brakes never leaves the stop region it had when
+//! it began to.
+//!
+//! Plans are made at different times. Let T be the time of a member's next event; its plan until then is known to
+//! everybody. Members keep this invariant: **for each pair (k, j) and all s from now on, S_k(min(s, T_k)) and
+//! S_j(min(s, T_j)) have no point in common**, and neither have S_k(min(s, T_k)) and an obstacle that stands. As
+//! a disc is a part of its stop region, nobody overlaps anybody before the next event. The invariant outlasts every event:
+//!
+//! - At T_k, k takes a plan for which it holds (found by [`lack`]), or brakes. Braking is always right: then S_k(s) is
+//!   within S_k(T_k) for all s from T_k on, and that is disjoint from S_j(min(s, T_j)) for those s, as the invariant of the old plan says.
+//! - Before T_k (another one's colliding event, or somebody's wish from outside) k may take a plan for which the
+//!   invariant holds, and otherwise keeps the one it has; then nothing has changed. To brake is *not* always right
+//!   here: others may have been told that k will be gone.
+//! - Who enters is refused unless the invariant holds for a plan of braking; who leaves takes its conditions away.
+//!
+//! By induction over the events, no two members ever overlap. Nothing is asked of the forces.
+//!
+//! Only pairs that are registered in cells next to each other are compared. Everybody's stop region stays within its
+//! own region R, which reaches half a cell beyond its cell C: regions of cells that are not next to each other are disjoint.
+//!
+//! Obstacles that move do not give way; they are taken for members that never brake, over the time of a plan and of
+//! braking after it. Who is shut in by one can be hit.
+
+use super::Space;
+use super::plan::{Plan, stop};
+use super::solid::Solid;
+
+/// Room that is kept beyond what the rule asks for, against rounding. [Unit: m]
+pub(crate) const MARGIN: f32 = 1e-4;
+
+/// A plan to be compared with others: both ends of its stop region now and at its end.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Candidate<V> {
+    pub plan: Plan<V>,
+    /// Until its end. [Unit: s]
+    pub length: f32,
+    now: (V, V),
+    end: (V, V),
+    curve: f32,
+}
+
+/// Another one, at the time of an event.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Other<V> {
+    pub plan: Plan<V>,
+    /// From the start of its plan to now. [Unit: s]
+    pub age: f32,
+    /// From now to its end. [Unit: s]
+    pub until: f32,
+    now: (V, V),
+    end: (V, V),
+    curve: f32,
+}
+
+/// What is missing to the rule.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Lack<V> {
+    /// Unit vector away from what is in the way.
+    pub away: V,
+    /// How much farther that way the stop region would have to be. [Unit: m] [Limit: > 0]
+    pub lack: f32,
+}
+
+/// Bound on how the end of a stop region swerves from the direction of the acceleration: the part of its second
+/// derivative along the velocity, at most |a|^2 / 2A. None where all is on one line.
+#[inline]
+fn curve<V: Space>(plan: &Plan<V>) -> f32 {
+    let straight = plan.moving < f32::INFINITY || plan.velocity.length_squared() == 0.0;
+    if straight { 0.0 } else { plan.acceleration.length_squared() / (2.0 * plan.limit) }
+}
+
+impl<V: Space> Candidate<V> {
+    #[inline]
+    pub fn new(plan: Plan<V>) -> Self {
+        let length = (plan.end - plan.start) as f32;
+        Self { length, now: plan.stop_region(0.0), end: plan.stop_region(length), curve: curve(&plan), plan }
+    }
+
+    /// True where the stop region stays within a box along the axes.
+    #[inline]
+    pub fn stays_within(&self, min: V, max: V) -> bool {
+        let low = self.now.0.min(self.now.1).min(self.end.0).min(self.end.1);
+        let high = self.now.0.max(self.now.1).max(self.end.0).max(self.end.1);
+        let p = &self.plan;
+        let swerve = self.length * self.length * (0.25 * p.acceleration.length() + 0.125 * self.curve);
+        let room = (low - min).min(max - high).coordinates();
+        room.iter().take(V::DIMENSIONS).all(|&r| r >= p.radius + swerve + MARGIN)
+    }
+}
+
+impl<V: Space> Other<V> {
+    #[inline]
+    pub fn new(plan: &Plan<V>, time: f64) -> Self {
+        let (age, until) = ((time - plan.start) as f32, (plan.end - time) as f32);
+        let end = plan.stop_region(age + until);
+        Self { plan: *plan, age, until, now: plan.stop_region(age), end, curve: curve(plan) }
+    }
+}
+
+/// How far a stop region reaches at least along a direction.
+#[inline]
+fn least<V: Space>(ends: (V, V), along: V) -> f32 {
+    along.dot(ends.0).min(along.dot(ends.1))
+}
+
+/// How far a stop region reaches at most along a direction.
+#[inline]
+fn most<V: Space>(ends: (V, V), along: V) -> f32 {
+    along.dot(ends.0).max(along.dot(ends.1))
+}
+
+#[inline]
+fn middle<V: Space>(ends: (V, V)) -> V {
+    (ends.0 + ends.1) * 0.5
+}
+
+/// What is missing to the rule between a plan and another one's; none where it holds.
+///
+/// The stop regions are apart at all times if a plane with some normal n parts them at all times. Between two of the times
+/// now, min(T_k, T_j) and max(T_k, T_j), their ends move along curves that are at most L^2 / 8 times their second
+/// derivative away from their chords, so that it is enough to look at these three times with some room: for the
+/// centre the second derivative is a; for the other end a (1 + v.a / |v| A) + v (...), of which the part along a is at most 2
+/// a, and the rest at most |a|^2 / 2A. Two normals are tried: where the line of relative motion is nearest, and the line of centres.
+#[inline]
+pub(crate) fn lack<V: Space>(me: &Candidate<V>, other: &Other<V>) -> Option<Lack<V>> {
+    let early = me.length.min(other.until);
+    let late = me.length.max(other.until);
+    let (mine, its) = if me.length <= other.until {
+        (me.end, if early < late { other.plan.stop_region(other.age + early) } else { other.end })
+    } else {
+        (me.plan.stop_region(early), other.end)
+    };
+    let radii = me.plan.radius + other.plan.radius + MARGIN;
+    let longest = early.max(late - early);
+    let bend = 0.125 * longest * longest;
+    let curves = me.curve + other.curve;
+    let try_normal = |n: V| {
+        let apart = (least(me.now, n) - most(other.now, n))
+            .min(least(mine, n) - most(its, n))
+            .min(least(me.end, n) - most(other.end, n));
+        let toward = n.dot(me.plan.acceleration).max(0.0) - n.dot(other.plan.acceleration).min(0.0);
+        Lack { away: n, lack: radii + bend * (2.0 * toward + curves) - apart }
+    };
+    let first = middle(me.now) - middle(other.now);
+    let last = middle(me.end) - middle(other.end);
+    let way = last - first;
+    let share = (-first.dot(way) / way.length_squared().max(1e-12)).clamp(0.0, 1.0);
+    let (nearest, distance) = (first + way * share).unit_and_length();
+    let mut best = Lack { away: nearest, lack: f32::INFINITY };
+    if distance > 1e-3 {
+        best = try_normal(nearest);
+        if best.lack <= 0.0 {
+            return None;
+        }
+    }
+    let centres = try_normal((me.now.0 - other.now.0).unit_and_length().0);
+    if centres.lack <= 0.0 {
+        return None;
+    }
+    Some(if centres.lack < best.lack { centres } else { best })
+}
+
+/// What is missing to the rule between a plan and a solid that stands; none where it holds.
+#[inline]
+pub(crate) fn lack_of_solid<V: Space>(me: &Candidate<V>, solid: &Solid<V>) -> Option<Lack<V>> {
+    let bend = 0.125 * me.length * me.length;
+    let mut best: Option<Lack<V>> = None;
+    for x in [me.end.1, me.now.0] {
+        let (n, distance) = solid.away(x);
+        if distance <= 0.0 {
+            continue;
+        }
+        let apart = least(me.now, n).min(least(me.end, n)) - solid.reach(n);
+        let room = bend * (2.0 * n.dot(me.plan.acceleration).max(0.0) + me.curve);
+        let lack = me.plan.radius + MARGIN + room - apart;
+        if lack <= 0.0 {
+            return None;
+        }
+        if best.is_none_or(|b| lack < b.lack) {
+            best = Some(Lack { away: n, lack });
+        }
+    }
+    best.or(Some(Lack { away: me.plan.velocity.unit_and_length().0 * -1.0, lack: me.plan.radius }))
+}
+
+/// How far a change of the acceleration by 1 m/s2 moves the far end of the stop region at the end of a plan, at least.
+#[inline]
+pub(crate) fn lever<V: Space>(me: &Candidate<V>) -> f32 {
+    let v = me.plan.velocity + me.plan.acceleration * me.length;
+    me.length * (0.5 * me.length + 0.5 * v.length() / me.plan.limit)
+}
+
+/// Room between two stop regions that stand; below zero where they overlap. For members that are put somewhere.
+pub(crate) fn room<V: Space>(a: &Plan<V>, b: &Plan<V>) -> f32 {
+    let ends = |p: &Plan<V>| (p.position, stop(p.position, p.velocity, p.limit));
+    let ((a0, a1), (b0, b1)) = (ends(a), ends(b));
+    // The distance of two segments: coordinate descent on a convex function of two shares.
+    let (mut s, mut t) = (0.5f32, 0.5f32);
+    let nearest = |from: V, to: V, x: V| {
+        let along = to - from;
+        ((x - from).dot(along) / along.length_squared().max(1e-12)).clamp(0.0, 1.0)
+    };
+    for _ in 0..32 {
+        s = nearest(a0, a1, b0 + (b1 - b0) * t);
+        t = nearest(b0, b1, a0 + (a1 - a0) * s);
+    }
+    (a0 + (a1 - a0) * s - b0 - (b1 - b0) * t).length() - a.radius - b.radius
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::{Vec2, Vec3};
+    use proptest::prelude::*;
+
+    fn plan<V: Space>(index: u32) -> impl Strategy<Value = Plan<V>> {
+        let vector = || [-2.0f32..2.0, -2.0f32..2.0, -2.0f32..2.0].prop_map(V::from_coordinates);
+        (vector(), vector(), vector(), any::<bool>(), 0.02f64..0.4, 0.0f64..0.1, 0.1f32..0.5).prop_map(
+            move |(position, v, a, brakes, length, age, radius)| {
+                let start = 100.0 - if index == 0 { 0.0 } else { age };
+                let mut plan = Plan {
+                    start,
+                    end: 100.0 + length,
+                    position,
+                    velocity: v * 0.8,
+                    acceleration: (a * 2.5).at_most(5.0),
+                    moving: f32::INFINITY,
+                    radius,
+                    limit: 5.0,
+                    index,
+                };
+                if brakes {
+                    plan.brake();
+                }
+                plan
+            },
+        )
+    }
+
+    /// Samples the invariant: wherever no lack is found, stop regions are apart at all times.
+    fn holds<V: Space>(me: &Plan<V>, other: &Plan<V>) -> Result<(), TestCaseError> {
+        if lack(&Candidate::new(*me), &Other::new(other, 100.0)).is_some() {
+            return Ok(());
+        }
+        for i in 0..=100 {
+            let s = 100.0 + f64::from(i) * 0.0045;
+            let still = |p: &Plan<V>| {
+                let (position, velocity) = p.at(s.min(p.end));
+                Plan { position, velocity, ..*p }
+            };
+            let room = room(&still(me), &still(other));
+            prop_assert!(room > 0.0, "stop regions overlap by {} m after {} s", -room, s - 100.0);
+        }
+        Ok(())
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(3000))]
+
+        #[test]
+        fn stop_regions_of_discs_stay_apart(me in plan::<Vec2>(0), other in plan::<Vec2>(1)) {
+            holds(&me, &other)?;
+        }
+
+        #[test]
+        fn stop_regions_of_balls_stay_apart(me in plan::<Vec3>(0), other in plan::<Vec3>(1)) {
+            holds(&me, &other)?;
+        }
+
+        #[test]
+        fn stop_regions_stay_out_of_solids(me in plan::<Vec2>(0), from in [-3.0f32..3.0, -3.0f32..3.0], to in [-3.0f32..3.0, -3.0f32..3.0]) {
+            let (from, to) = (Vec2::from_array(from), Vec2::from_array(to));
+            for solid in [Solid::Rod { from, to, radius: 0.1 }, Solid::Box { min: from.min(to), max: from.max(to) }] {
+                if lack_of_solid(&Candidate::new(me), &solid).is_some() {
+                    continue;
+                }
+                for i in 0..=100 {
+                    let s = (me.end - me.start) as f32 * i as f32 / 100.0;
+                    let (p, q) = me.stop_region(s);
+                    for j in 0..=10 {
+                        let x = p + (q - p) * (j as f32 / 10.0);
+                        prop_assert!(solid.away(x).1 >= me.radius, "{x} at {s}");
+                    }
+                }
+            }
+        }
+
+        #[test]
+        fn who_stays_within_a_box_does(me in plan::<Vec2>(0)) {
+            let (min, max) = (Vec2::splat(-2.5), Vec2::splat(2.5));
+            if Candidate::new(me).stays_within(min, max) {
+                for i in 0..=100 {
+                    let (p, q) = me.stop_region((me.end - me.start) as f32 * i as f32 / 100.0);
+                    let room = (p.min(q) - min).min(max - p.max(q)).min_element();
+                    prop_assert!(room >= me.radius, "{room}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn one_may_walk_behind_another_and_pass_beside_it() {
+        let me = Plan {
+            start: 100.0,
+            end: 100.1,
+            velocity: Vec2::new(1.3, 0.0),
+            moving: f32::INFINITY,
+            radius: 0.3,
+            limit: 5.0,
+            ..Plan::default()
+        };
+        let ahead = Plan { position: Vec2::new(0.85, 0.0), ..me };
+        let beside = Plan { position: Vec2::new(0.3, 0.61), velocity: Vec2::new(-1.3, 0.0), ..me };
+        let against = Plan { position: Vec2::new(0.9, 0.1), velocity: Vec2::new(-1.3, 0.0), ..me };
+        let is_free = |p: &Plan<Vec2>| lack(&Candidate::new(me), &Other::new(p, 100.0)).is_none();
+        assert!(is_free(&ahead) && is_free(&beside) && !is_free(&against));
+    }
+}

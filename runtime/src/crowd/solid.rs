@@ -1,0 +1,207 @@
+//! Convex bodies that obstacles are made of.
+
+use super::{CrowdError, Obstacle, Space};
+
+/// A convex body that stands.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Solid<V> {
+    /// Disc or ball.
+    Ball {
+        /// [Unit: m]
+        centre: V,
+        /// [Unit: m]
+        radius: f32,
+    },
+    /// All within `radius` of a line.
+    Rod {
+        /// [Unit: m]
+        from: V,
+        /// [Unit: m]
+        to: V,
+        /// [Unit: m]
+        radius: f32,
+    },
+    /// Along the axes.
+    Box {
+        /// [Unit: m]
+        min: V,
+        /// [Unit: m]
+        max: V,
+    },
+}
+
+impl<V: Space> Solid<V> {
+    /// Unit vector from the nearest point of the body to `x`, and how far that is: below zero inside, but for boxes,
+    /// where it is zero.
+    pub fn away(&self, x: V) -> (V, f32) {
+        let (nearest, radius) = match *self {
+            Self::Ball { centre, radius } => (centre, radius),
+            Self::Rod { from, to, radius } => {
+                let along = to - from;
+                let square = along.length_squared();
+                let share = if square > 0.0 { ((x - from).dot(along) / square).clamp(0.0, 1.0) } else { 0.0 };
+                (from + along * share, radius)
+            }
+            Self::Box { min, max } => (x.max(min).min(max), 0.0),
+        };
+        let (away, distance) = (x - nearest).unit_and_length();
+        (away, distance - radius)
+    }
+
+    /// How far the body reaches along a unit vector: the largest scalar product.
+    pub fn reach(&self, along: V) -> f32 {
+        match *self {
+            Self::Ball { centre, radius } => centre.dot(along) + radius,
+            Self::Rod { from, to, radius } => from.dot(along).max(to.dot(along)) + radius,
+            Self::Box { min, max } => {
+                let (n, low, high) = (along.coordinates(), min.coordinates(), max.coordinates());
+                (0..3).map(|i| (n[i] * low[i]).max(n[i] * high[i])).sum()
+            }
+        }
+    }
+
+    /// Smallest box along the axes around it.
+    pub fn extents(&self) -> (V, V) {
+        let around = |a: V, b: V, radius: f32| {
+            let out = V::from_coordinates([radius; 3]);
+            (a.min(b) - out, a.max(b) + out)
+        };
+        match *self {
+            Self::Ball { centre, radius } => around(centre, centre, radius),
+            Self::Rod { from, to, radius } => around(from, to, radius),
+            Self::Box { min, max } => (min, max),
+        }
+    }
+
+    /// True where it and a box along the axes have a point in common, or nearly so.
+    pub fn touches(&self, min: V, max: V) -> bool {
+        let half = (max - min) * 0.5;
+        match *self {
+            Self::Ball { centre, radius } => Self::Box { min, max }.away(centre).1 <= radius,
+            Self::Rod { from, to, radius } => {
+                // The distance from a box to a point of a line is convex along it.
+                let solid = Self::Box { min, max };
+                let at = |share: f32| solid.away(from + (to - from) * share).1;
+                let (mut low, mut high) = (0.0f32, 1.0f32);
+                for _ in 0..40 {
+                    let (a, b) = (low + (high - low) / 3.0, high - (high - low) / 3.0);
+                    if at(a) <= at(b) { high = b } else { low = a }
+                }
+                at(0.5 * (low + high)).min(at(0.0)).min(at(1.0)) <= radius + 1e-3 * half.length()
+            }
+            Self::Box { min: low, max: high } => {
+                let gap = (low - max).max(min - high).coordinates();
+                gap.iter().take(V::DIMENSIONS).all(|&g| g <= 0.0)
+            }
+        }
+    }
+}
+
+/// Bodies of an obstacle that stands; none for one that moves.
+///
+/// # Errors
+/// [`CrowdError::Value`] where it is no body.
+pub(crate) fn solids<V: Space>(index: usize, obstacle: &Obstacle<V>) -> Result<Vec<Solid<V>>, CrowdError> {
+    let value = |field, got, expected| Err(CrowdError::Value { what: "obstacle", index, field, got, expected });
+    let finite = |v: V| v.is_finite();
+    match obstacle {
+        &Obstacle::Ball { centre, radius } => {
+            if !finite(centre) || !(radius > 0.0 && radius < 1e6) {
+                return value("radius", radius, "above 0 and below 1e6, around a centre that is finite");
+            }
+            Ok(vec![Solid::Ball { centre, radius }])
+        }
+        Obstacle::Mover { way, radius } => {
+            if !(*radius > 0.0 && *radius < 1e6) {
+                return value("radius", *radius, "above 0 and below 1e6");
+            }
+            if way.is_empty() || !way.iter().all(|(t, x)| t.is_finite() && finite(*x)) {
+                return value("way", way.len() as f32, "at least 1 point, all of them finite");
+            }
+            if let Some(w) = way.windows(2).find(|w| w[1].0 <= w[0].0) {
+                return value("way", w[1].0 as f32, "times that rise");
+            }
+            Ok(Vec::new())
+        }
+        &Obstacle::Wall { from, to, radius } => {
+            if !finite(from) || !finite(to) || !(0.0..1e6).contains(&radius) {
+                return value("radius", radius, "between 0 and 1e6, around ends that are finite");
+            }
+            Ok(vec![Solid::Rod { from, to, radius }])
+        }
+        Obstacle::Polygon { corners } => {
+            if V::DIMENSIONS != 2 {
+                return value("corners", corners.len() as f32, "a polygon in 2-D; use boxes in 3-D");
+            }
+            if corners.len() < 3 || !corners.iter().all(|&c| finite(c)) {
+                return value("corners", corners.len() as f32, "at least 3 corners, all of them finite");
+            }
+            let ends = corners.iter().zip(corners.iter().cycle().skip(1));
+            Ok(ends.map(|(&from, &to)| Solid::Rod { from, to, radius: 0.0 }).collect())
+        }
+        &Obstacle::Box { min, max } => {
+            let size = (max - min).coordinates();
+            let smallest = size.iter().take(V::DIMENSIONS).fold(f32::INFINITY, |a, &b| a.min(b));
+            if !finite(min) || !finite(max) || smallest.is_nan() || smallest <= 0.0 {
+                return value("max", smallest, "above min, both finite");
+            }
+            Ok(vec![Solid::Box { min, max }])
+        }
+    }
+}
+
+/// True where a point is within a polygon: a ray from it crosses the outline an odd number of times.
+pub(crate) fn is_inside<V: Space>(corners: &[V], x: V) -> bool {
+    let [px, py, _] = x.coordinates();
+    let ends = corners.iter().zip(corners.iter().cycle().skip(1));
+    let crossings = ends.filter(|(a, b)| {
+        let ([ax, ay, _], [bx, by, _]) = (a.coordinates(), b.coordinates());
+        (ay > py) != (by > py) && px < ax + (py - ay) / (by - ay) * (bx - ax)
+    });
+    crossings.count() % 2 == 1
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::Vec2;
+    use proptest::prelude::*;
+
+    fn solid() -> impl Strategy<Value = Solid<Vec2>> {
+        let point = || [-5.0f32..5.0, -5.0f32..5.0].prop_map(Vec2::from_array);
+        (0..3, point(), point(), 0.0f32..1.0).prop_map(|(kind, a, b, radius)| match kind {
+            0 => Solid::Ball { centre: a, radius },
+            1 => Solid::Rod { from: a, to: b, radius },
+            _ => Solid::Box { min: a.min(b), max: a.max(b) },
+        })
+    }
+
+    proptest! {
+        /// A plane through the nearest point has all of a convex body on one side.
+        #[test]
+        fn nearest_point_is_as_far_as_the_body_reaches(s in solid(), x in [-9.0f32..9.0, -9.0f32..9.0]) {
+            let x = Vec2::from_array(x);
+            let (away, distance) = s.away(x);
+            prop_assume!(distance > 0.01);
+            prop_assert!((x.dot(away) - distance - s.reach(away)).abs() < 1e-3);
+        }
+
+        #[test]
+        fn touches_what_holds_one_of_its_points(s in solid(), a in [-6.0f32..6.0, -6.0f32..6.0], size in 0.1f32..3.0) {
+            let (min, max) = (Vec2::from_array(a), Vec2::from_array(a) + Vec2::splat(size));
+            let points = (0..400).map(|i| min + Vec2::new((i % 20) as f32, (i / 20) as f32) * (size / 19.0));
+            let any = points.clone().any(|p| s.away(p).1 <= 0.0);
+            let near = points.clone().any(|p| s.away(p).1 <= 0.2 * size);
+            prop_assert!(!any || s.touches(min, max));
+            prop_assert!(near || !s.touches(min, max));
+        }
+    }
+
+    #[test]
+    fn inside_of_a_polygon_with_a_notch() {
+        let corners = [[0.0, 0.0], [4.0, 0.0], [4.0, 4.0], [2.0, 1.0], [0.0, 4.0]].map(Vec2::from_array);
+        for (x, inside) in [([1.0, 1.0], true), ([2.0, 2.0], false), ([3.6, 3.0], true), ([5.0, 1.0], false)] {
+            assert_eq!(is_inside(&corners, Vec2::from_array(x)), inside, "{x:?}");
+        }
+    }
+}

@@ -1,0 +1,1 @@
+//! Independent events on several threads.

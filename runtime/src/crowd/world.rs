@@ -1,0 +1,230 @@
+//! What surrounds the members: obstacles by cell, routes, fields and limits.
+
+use super::cells::Cells;
+use super::plan::Plan;
+use super::solid::{Solid, is_inside, solids};
+use super::spline::Spline;
+use super::{CrowdError, Field, Member, Obstacle, Setup, Space};
+
+/// How much faster than it wishes a member may be, when it gives way.
+pub(crate) const HURRY: f32 = 1.25;
+
+/// All that does not change while time passes.
+#[derive(Clone, Debug)]
+pub(crate) struct World<V> {
+    pub fields: Vec<Field>,
+    pub splines: Vec<Spline<V>>,
+    pub solids: Vec<Solid<V>>,
+    /// Obstacle that each solid is a part of.
+    pub owners: Vec<u32>,
+    pub movers: Vec<Mover<V>>,
+    /// Solids that reach into the region of each cell: those of cell c are `near[first[c]..first[c + 1]]`.
+    first: Vec<u32>,
+    near: Vec<u32>,
+    /// Smallest time between two events of a member. [Unit: s]
+    pub interval: f32,
+    /// Largest radius. [Unit: m]
+    pub radius: f32,
+    /// Largest speed that anybody wishes. [Unit: m/s]
+    pub speed: f32,
+    /// Longest way to stop from [`HURRY`] times the largest speed. [Unit: m]
+    pub stopping: f32,
+}
+
+/// A ball on its way.
+#[derive(Clone, Debug)]
+pub(crate) struct Mover<V> {
+    pub obstacle: u32,
+    pub radius: f32,
+    way: Vec<(f64, V)>,
+}
+
+impl<V: Space> Mover<V> {
+    /// Its motion from a time on: straight until `end`, which is not after the next point of its way.
+    pub fn plan(&self, time: f64, within: f32) -> Plan<V> {
+        let next = self.way.partition_point(|(t, _)| *t <= time);
+        let end = time + f64::from(within);
+        let (position, velocity, end) = match (next.checked_sub(1).map(|i| self.way[i]), self.way.get(next)) {
+            (Some((t0, x0)), Some(&(t1, x1))) => {
+                let velocity = (x1 - x0) * ((t1 - t0) as f32).recip();
+                (x0 + velocity * (time - t0) as f32, velocity, end.min(t1))
+            }
+            (Some((_, x)), None) => (x, V::default(), end),
+            (None, first) => {
+                let (t, x) = first.copied().unwrap_or_default();
+                (x, V::default(), end.min(t))
+            }
+        };
+        Plan {
+            start: time,
+            end,
+            position,
+            velocity,
+            acceleration: V::default(),
+            moving: f32::INFINITY,
+            radius: self.radius,
+            // It never brakes: its stop region is where it is.
+            limit: f32::INFINITY,
+            index: super::NONE,
+        }
+    }
+}
+
+impl<V: Space> World<V> {
+    /// Checks and prepares all that surrounds the members, and makes empty cells.
+    pub fn new(setup: &Setup<V>) -> Result<(Self, Cells<V>), CrowdError> {
+        let config = &setup.config;
+        let value = |field, got, expected| CrowdError::Value { what: "config", index: 0, field, got, expected };
+        let interval = config.smallest_interval_s;
+        if !(0.001..=1.0).contains(&interval) {
+            return Err(value("smallest_interval_s", interval, "between 0.001 and 1"));
+        }
+        for (index, field) in setup.fields.iter().enumerate() {
+            field.check(index)?;
+        }
+        for (index, member) in setup.members.iter().enumerate() {
+            check_member(index, member, setup.routes.len(), setup.fields.len())?;
+        }
+        let most = |least: f32, f: fn(&Member<V>) -> f32| setup.members.iter().map(f).fold(least, f32::max);
+        let radius = most(config.largest_radius_m, |m| m.radius);
+        let speed = most(config.largest_speed_mps, |m| m.speed.max(m.velocity.length() / HURRY)).max(0.1);
+        let weakest = setup.members.iter().map(|m| m.acceleration).fold(f32::INFINITY, f32::min);
+        let weakest = if weakest.is_finite() { weakest } else { 1.0 };
+        let fastest = HURRY * speed;
+        let stopping = fastest * fastest / (2.0 * weakest);
+        // Within the shortest plan, and half as long again, everybody has to be able to stop within half a side.
+        let longest = 1.5 * interval;
+        let need = 2.0 * (radius + stopping + fastest * longest + 0.01);
+        let side = match config.cell_side_m {
+            0.0 => need.max(6.5 * radius),
+            side if side >= need && side < 1e5 => side,
+            side => {
+                return Err(value(
+                    "cell_side_m",
+                    side,
+                    "twice the radius, way to stop and way of a shortest plan, or more; or 0",
+                ));
+            }
+        };
+        let (low, high) = extents(setup);
+        let capacity = config.capacity.max(setup.members.len());
+        let cells = Cells::new(side, high - low, capacity);
+        let mut world = Self {
+            fields: setup.fields.clone(),
+            splines: Vec::with_capacity(setup.routes.len()),
+            solids: Vec::new(),
+            owners: Vec::new(),
+            movers: Vec::new(),
+            first: Vec::new(),
+            near: Vec::new(),
+            interval,
+            radius,
+            speed,
+            stopping,
+        };
+        let mut ranges = Vec::new();
+        for (index, obstacle) in setup.obstacles.iter().enumerate() {
+            let bodies = solids(index, obstacle)?;
+            ranges.push(world.solids.len()..world.solids.len() + bodies.len());
+            world.owners.resize(world.solids.len() + bodies.len(), index as u32);
+            world.solids.extend(bodies);
+            if let Obstacle::Mover { way, radius } = obstacle {
+                world.movers.push(Mover { obstacle: index as u32, radius: *radius, way: way.clone() });
+            }
+        }
+        for (index, route) in setup.routes.iter().enumerate() {
+            let spline = Spline::new(index, route)?;
+            for ((obstacle, body), range) in setup.obstacles.iter().enumerate().zip(&ranges) {
+                if let Some(subgoal) = spline.blocked_by(body, &world.solids[range.clone()]) {
+                    return Err(CrowdError::Goal { route: index, subgoal, obstacle });
+                }
+            }
+            world.splines.push(spline);
+        }
+        for (member, m) in setup.members.iter().enumerate() {
+            let inside = |o: &Obstacle<V>| matches!(o, Obstacle::Polygon { corners } if is_inside(corners, m.position));
+            if let Some(obstacle) = setup.obstacles.iter().position(inside) {
+                return Err(CrowdError::Inside { member, obstacle });
+            }
+        }
+        world.list(&cells);
+        Ok((world, cells))
+    }
+
+    /// Solids that reach into the region of a cell.
+    #[inline]
+    pub fn near(&self, cell: u32) -> &[u32] {
+        &self.near[self.first[cell as usize] as usize..self.first[cell as usize + 1] as usize]
+    }
+
+    /// Lists solids by the cells whose regions they touch.
+    fn list(&mut self, cells: &Cells<V>) {
+        let mut pairs = Vec::new();
+        for (number, solid) in (0u32..).zip(&self.solids) {
+            let (min, max) = solid.extents();
+            let side = V::from_coordinates([cells.side(); 3]);
+            let (low, high) = (cells.coordinates(min - side), cells.coordinates(max + side));
+            let folds = cells.folds();
+            let count =
+                |axis: usize| (i64::from(high[axis]) - i64::from(low[axis]) + 1).min(i64::from(folds[axis])) as i32;
+            let is_folded = (0..V::DIMENSIONS).any(|axis| count(axis) == folds[axis] as i32);
+            let axes =
+                [count(0), if V::DIMENSIONS > 1 { count(1) } else { 1 }, if V::DIMENSIONS > 2 { count(2) } else { 1 }];
+            for z in 0..axes[2] {
+                for y in 0..axes[1] {
+                    for x in 0..axes[0] {
+                        let at = [low[0] + x, low[1] + y, low[2] + z];
+                        let centre = cells.centre(at);
+                        if is_folded || solid.touches(centre - side, centre + side) {
+                            pairs.push((cells.number(at), number));
+                        }
+                    }
+                }
+            }
+        }
+        pairs.sort_unstable();
+        pairs.dedup();
+        self.first = (0..=cells.num_cells() as u32).map(|c| pairs.partition_point(|p| p.0 < c) as u32).collect();
+        self.near = pairs.into_iter().map(|p| p.1).collect();
+    }
+}
+
+/// A member's settings within their limits.
+pub(crate) fn check_member<V: Space>(
+    index: usize,
+    m: &Member<V>,
+    num_routes: usize,
+    num_fields: usize,
+) -> Result<(), CrowdError> {
+    let value = |field, got, expected| Err(CrowdError::Value { what: "member", index, field, got, expected });
+    if !m.position.is_finite() || m.position.length() > 1e5 {
+        return value("position", m.position.length(), "finite and within 1e5 m");
+    }
+    if !(m.radius > 1e-3 && m.radius < 1e3) {
+        return value("radius", m.radius, "between 0.001 and 1000");
+    }
+    if !(m.acceleration > 1e-2 && m.acceleration < 1e4) {
+        return value("acceleration", m.acceleration, "between 0.01 and 10000");
+    }
+    if !(0.0..1e3).contains(&m.speed) {
+        return value("speed", m.speed, "between 0 and 1000");
+    }
+    if !(m.velocity.is_finite() && m.velocity.length() < 1e3) {
+        return value("velocity", m.velocity.length(), "finite and below 1000");
+    }
+    for (what, got, limit) in [("route", m.route, num_routes), ("field", m.field, num_fields)] {
+        if got >= limit {
+            return Err(CrowdError::Index { what, got, limit });
+        }
+    }
+    Ok(())
+}
+
+/// Box along the axes around all places that are named.
+fn extents<V: Space>(setup: &Setup<V>) -> (V, V) {
+    let members = setup.members.iter().map(|m| m.position);
+    let mut places =
+        members.chain(setup.routes.iter().flat_map(|r| r.subgoals.iter().copied())).filter(|p| p.is_finite());
+    let first = places.next().unwrap_or_default();
+    places.fold((first, first), |(low, high), p| (low.min(p), high.max(p)))
+}
