@@ -6,7 +6,7 @@ use super::colour::{self, Colour};
 use super::figure::{BodyColours, Figure};
 use super::furniture::{grid, header, legend, nice_step, scale_bar, tag};
 use super::world::{WorldFigure, WorldLook, WorldView, world_sheet};
-use crate::scene::crowd::{CrowdMoment, CrowdRecord, CrowdReport, SeenMember, SeenObstacle};
+use crate::scene::crowd::{CrowdMoment, CrowdRecord, CrowdReport, SeenMember, SeenObstacle, TRAIL_S};
 use glam::{Vec2, Vec3};
 use std::f32::consts::{FRAC_PI_2, PI};
 use throng_runtime::{Joint, NUM_JOINTS};
@@ -38,7 +38,7 @@ pub fn crowd_sheet(report: &CrowdReport, record: &CrowdRecord) -> Picture {
     let views: &[View] = if record.in_the_air { &[View::Above, View::Side] } else { &[View::Above] };
     let sizes: Vec<Vec2> = views.iter().map(|v| v.flat(high - low)).collect();
     // Wide crowds below each other, others side by side.
-    let columns = if sizes[0].x > 1.8 * sizes[0].y { 1 } else { 2 };
+    let columns = if sizes[0].x > 2.5 * sizes[0].y { 1 } else { 2 };
     let width = (WIDTH - EDGE * (columns as f32 + 1.0)) / columns as f32;
     let tallest = sizes.iter().map(|s| s.y / s.x).fold(0.0, f32::max);
     let px_per_m = (width / sizes[0].x).min(HIGHEST / (tallest * sizes[0].x));
@@ -181,7 +181,7 @@ fn draw_member(panel: &mut Picture, camera: &Camera, s: &SeenMember, radius: f32
     }
     let ahead = camera.project(s.at + s.velocity) - at;
     // A tick along the heading, longer for those who move faster.
-    if px > 2.0 && ahead.length() > 0.02 * camera.px_per_m {
+    if px > 2.0 && ahead.length() > 0.1 * camera.px_per_m {
         let tip = at + ahead.normalize_or_zero() * px * 1.5;
         panel.stroke_line(&[at, tip], (0.28 * px).clamp(1.0, 3.0), colour::INK);
     }
@@ -189,9 +189,10 @@ fn draw_member(panel: &mut Picture, camera: &Camera, s: &SeenMember, radius: f32
 
 /// Where some were in the last seconds.
 fn draw_trails(panel: &mut Picture, camera: &Camera, record: &CrowdRecord, moment: &CrowdMoment) {
-    let Some(last) = record.moments.last().map(|m| m.time_s).filter(|t| *t > 0.0) else { return };
+    let upto = (moment.time_s / TRAIL_S) as usize + 1;
     for (m, trail) in &record.trails {
-        let upto = ((trail.len() as f64 * moment.time_s / last).round() as usize).min(trail.len());
+        let is_there = moment.members.get(*m).is_some_and(Option::is_some);
+        let upto = if is_there { upto.min(trail.len()) } else { 0 };
         let points: Vec<Vec2> = trail[upto.saturating_sub(TRAIL)..upto].iter().map(|p| camera.project(*p)).collect();
         let tint = group_colour(record.groups.get(*m).copied().unwrap_or(0));
         panel.stroke_line(&points, (0.12 * camera.px_per_m).clamp(0.8, 2.5), tint.alpha(0.35));

@@ -11,8 +11,9 @@ use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use throng_runtime::crowd::{CrowdConfig, CrowdError, Member, Obstacle, Route, Scheme, Setup, Space};
 
-/// What ways keep from walls beyond the radius of members. [Unit: m]
-const MARGIN_M: f32 = 0.15;
+/// What ways keep from walls beyond the radius of members, the least first. Members take them in turn, so that they do not
+/// pass corners in single file; where a gap is too narrow for more, they take the widest way that there is. [Unit: m]
+const MARGINS_M: [f32; 4] = [0.15, 0.3, 0.5, 0.8];
 /// Distance from corners of a way at which its spline is tied to it. [Unit: m]
 const TIE_M: f32 = 0.6;
 
@@ -35,9 +36,10 @@ pub struct Layout<V> {
     maps: Maps,
 }
 
-/// Route maps by clearance: groups of the same radius share one.
+/// Route maps by clearance: groups of the same radius share them.
 #[derive(Clone, Debug, Default)]
 struct Maps {
+    /// Of each group: its first map; those of greater clearance follow. [Size: groups, or 0 without maps]
     of_group: Vec<usize>,
     maps: Vec<RouteMap>,
     /// Numbers of obstacles behind a map's solids.
@@ -134,17 +136,24 @@ impl<V: Space> Layout<V> {
     /// Corners of the way from a start through subgoals, both ends included.
     fn way(&mut self, m: usize, start: V, subgoals: &[V]) -> Result<Vec<V>, BuildError> {
         let mut way = vec![start];
-        let Some(map) = self.maps.of(self.groups[m]) else {
+        let Some(maps) = self.maps.of(self.groups[m]) else {
             way.extend(subgoals);
             return Ok(way);
         };
         let mut from = start;
         for &to in subgoals {
-            let leg = match map.way(plan(from), plan(to)) {
-                Ok(leg) => leg,
+            // From the member's own clearance down to the least, whose refusal counts.
+            let mut leg = Err(NoWay::Separated);
+            for map in maps[..=m % maps.len()].iter_mut().rev() {
+                leg = map.way(plan(from), plan(to));
+                if leg.is_ok() {
+                    break;
+                }
+            }
+            match leg {
+                Ok(leg) => way.extend(&lift(&leg, from, to)[1..]),
                 Err(why) => return Err(self.no_way(m, why, from, to)),
-            };
-            way.extend(&lift(&leg, from, to)[1..]);
+            }
             from = to;
         }
         Ok(way)
@@ -171,7 +180,7 @@ impl<V: Space> Layout<V> {
         for _ in 0..TRIES {
             let c: [f32; 3] = std::array::from_fn(|i| from.get(i).map_or(0.0, |&f| rng.random_range(f..to[i])));
             at = V::from_coordinates(c);
-            let Some(map) = self.maps.of(self.groups[m]) else { break };
+            let Some([map, ..]) = self.maps.of(self.groups[m]) else { break };
             if map.is_clear(plan(at), plan(at), map.clearance()) {
                 break;
             }
@@ -189,12 +198,14 @@ impl<V: Space> Layout<V> {
         }
         let mut maps = Maps { obstacles: standing.iter().map(|s| s.0).collect(), ..Maps::default() };
         for group in &self.scene.groups {
-            let clearance = group.radius_m[1] + MARGIN_M;
-            let known = maps.maps.iter().position(|m| m.clearance() == clearance);
-            maps.of_group.push(known.unwrap_or_else(|| {
-                maps.maps.push(RouteMap::new(standing.iter().map(|s| s.1.clone()).collect(), clearance));
-                maps.maps.len() - 1
-            }));
+            let least = group.radius_m[1] + MARGINS_M[0];
+            let known = maps.maps.iter().position(|m| m.clearance() == least);
+            maps.of_group.push(known.unwrap_or(maps.maps.len()));
+            if known.is_none() {
+                let solids = || standing.iter().map(|s| s.1.clone()).collect();
+                let map = |margin: &f32| RouteMap::new(solids(), group.radius_m[1] + margin);
+                maps.maps.extend(MARGINS_M.iter().map(map));
+            }
         }
         self.maps = maps;
     }
@@ -218,7 +229,7 @@ impl<V: Space> Layout<V> {
         let message = match why {
             NoWay::Start(s) => format!("{who} starts in `{}`, at {}", key(s), place(from)),
             NoWay::Goal(s) => {
-                let clearance = self.scene.groups[self.groups[m]].radius_m[1] + MARGIN_M;
+                let clearance = self.scene.groups[self.groups[m]].radius_m[1] + MARGINS_M[0];
                 format!("the goal {} of {who} is in `{}` or nearer than {clearance:.2} m to it", place(to), key(s))
             }
             NoWay::Separated => format!("no way leads {who} from {} to {}", place(from), place(to)),
@@ -261,8 +272,10 @@ impl<V: Space> Layout<V> {
 }
 
 impl Maps {
-    fn of(&mut self, group: usize) -> Option<&mut RouteMap> {
-        self.maps.get_mut(*self.of_group.get(group)?)
+    /// Maps of a group, that of the least clearance first; `None` where nothing has to be gone around.
+    fn of(&mut self, group: usize) -> Option<&mut [RouteMap]> {
+        let first = *self.of_group.get(group)?;
+        self.maps.get_mut(first..first + MARGINS_M.len())
     }
 }
 

@@ -22,5 +22,5 @@ pub use live::Live;
 pub use meter::{Flow, HUMAN_FLOW_PER_M_S};
 pub use obstacle::{BoxConfig, DiscConfig, MoverConfig, ObstacleConfig, PolygonConfig, WallConfig, WayPoint};
 pub use own::{OWN_SCENES, own_scene};
-pub use record::{CrowdMoment, CrowdRecord, SeenMember, SeenObstacle};
+pub use record::{CrowdMoment, CrowdRecord, SeenMember, SeenObstacle, TRAIL_S};
 pub use run::{CrowdReport, CrowdRun, run};
