@@ -1,8 +1,9 @@
 //! Complete linkage of any number of frames, in bounded memory.
 
 use super::linkage;
-use super::neighbours::{Below, Item, Space};
+use super::neighbours::{Below, Space};
 use super::projection::{DIMS, Point};
+use super::tree::Item;
 
 /// Near pairs that may be known at a time, about 36 bytes each: so many a frame, within limits.
 const PAIRS_A_FRAME: usize = 128;
@@ -28,7 +29,7 @@ const ROUNDS: usize = 10;
 /// limit has too many, items are split in two by k-means, each half is merged, and then what is left of both; only
 /// this can end with other groups than complete linkage as a whole.
 pub(super) fn agglomerate(space: &Space, frames: &[u32], limit: f32, max_pairs: usize) -> Vec<Item> {
-    let items = frames.iter().map(|&f| Item { frames: vec![f], diameter: 0.0 }).collect();
+    let items = frames.iter().map(|&f| Item::of(f)).collect();
     Agglomeration { space, max_pairs }.run(items, limit, MAX_HALVINGS)
 }
 

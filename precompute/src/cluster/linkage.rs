@@ -1,7 +1,5 @@
 //! Complete linkage of items of which only near pairs are known, and those only roughly.
 
-use super::neighbours::Item;
-
 /// Another item, and how far away it is.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Neighbour {
@@ -14,10 +12,14 @@ pub(super) struct Neighbour {
 
 /// How far apart items are.
 pub(super) trait Distance {
-    /// Nearly the linkage, but not more; none where even that is too large to merge.
-    fn estimate(&self, a: &Item, b: &Item) -> Option<f32>;
-    /// Largest distance between a frame of `a` and one of `b`; none where it is too large to merge.
-    fn linkage(&self, a: &Item, b: &Item) -> Option<f32>;
+    /// Frames that are together.
+    type Item;
+
+    /// Nearly the largest distance between a frame of `a` and one of `b`, but not more; none where even that is too
+    /// large to merge.
+    fn estimate(&self, a: &Self::Item, b: &Self::Item) -> Option<f32>;
+    /// Both together; as they are where the largest distance between a frame of `a` and one of `b` is too large.
+    fn join(&self, a: Self::Item, b: Self::Item) -> Result<Self::Item, [Self::Item; 2]>;
 }
 
 /// Merges items as long as there are near pairs, the nearest pair first.
@@ -30,8 +32,8 @@ pub(super) trait Distance {
 /// whole hierarchy below the height that "near" stands for. Items are followed from nearest neighbour to nearest
 /// neighbour until two are each other's, which gives the merges of "nearest pair first" in another order, ties aside.
 /// Which neighbour is nearest is decided by estimates, made only where it depends on them; that two may merge, by the
-/// linkage itself.
-pub(super) fn link(items: Vec<Item>, neighbours: Vec<Vec<Neighbour>>, distance: &impl Distance) -> Vec<Item> {
+/// frames themselves.
+pub(super) fn link<D: Distance>(items: Vec<D::Item>, neighbours: Vec<Vec<Neighbour>>, distance: &D) -> Vec<D::Item> {
     let items = items.into_iter().map(Some).collect();
     let mut links = Links { items, neighbours, distance };
     let mut chain: Vec<u32> = Vec::new();
@@ -62,9 +64,9 @@ pub(super) fn link(items: Vec<Item>, neighbours: Vec<Vec<Neighbour>>, distance: 
     links.items.into_iter().flatten().collect()
 }
 
-struct Links<'a, D> {
+struct Links<'a, D: Distance> {
     /// Items and, behind those given, what was merged; none where an item has gone into another.
-    items: Vec<Option<Item>>,
+    items: Vec<Option<D::Item>>,
     /// Items that are gone may still be among them. [Size: items.len()]
     neighbours: Vec<Vec<Neighbour>>,
     distance: &'a D,
@@ -117,22 +119,23 @@ impl<D: Distance> Links<'_, D> {
     /// Makes one new item of two; forgets that they are near and returns false where they are not.
     fn merge(&mut self, a: u32, b: u32) -> bool {
         let pair = [a, b].map(|i| self.items[i as usize].take());
-        let height = match &pair {
-            [Some(a), Some(b)] => self.distance.linkage(a, b),
-            _ => None,
+        let joined = match pair {
+            [Some(a), Some(b)] => self.distance.join(a, b),
+            pair => {
+                [self.items[a as usize], self.items[b as usize]] = pair;
+                return false;
+            }
         };
-        let Some(height) = height else {
-            [self.items[a as usize], self.items[b as usize]] = pair;
-            self.tell(a, b, None);
-            self.tell(b, a, None);
-            return false;
+        let all = match joined {
+            Ok(all) => all,
+            Err(pair) => {
+                [self.items[a as usize], self.items[b as usize]] = pair.map(Some);
+                self.tell(a, b, None);
+                self.tell(b, a, None);
+                return false;
+            }
         };
         let merged = self.items.len() as u32;
-        let mut all = Item { frames: Vec::new(), diameter: height };
-        for item in pair.into_iter().flatten() {
-            all.frames.extend(item.frames);
-            all.diameter = all.diameter.max(item.diameter);
-        }
         let [a, b] = [a, b].map(|i| std::mem::take(&mut self.neighbours[i as usize]));
         let mut common = common(&a, &b);
         common.retain(|n| self.items[n.item as usize].is_some());
@@ -170,28 +173,33 @@ mod tests {
         limit: f32,
     }
 
+    /// Frames and their diameter.
+    type Group = (Vec<u32>, f32);
+
     impl<F: Fn(u32, u32) -> f32> Distance for Known<F> {
-        fn estimate(&self, a: &Item, b: &Item) -> Option<f32> {
-            let first = (self.distance)(a.frames[0], b.frames[0]) * self.from_below;
+        type Item = Group;
+
+        fn estimate(&self, a: &Group, b: &Group) -> Option<f32> {
+            let first = (self.distance)(a.0[0], b.0[0]) * self.from_below;
             Some(first).filter(|&d| d < self.limit)
         }
 
-        fn linkage(&self, a: &Item, b: &Item) -> Option<f32> {
-            let pairs = a.frames.iter().flat_map(|&f| b.frames.iter().map(move |&g| (f, g)));
-            Some(pairs.map(|(f, g)| (self.distance)(f, g)).fold(0.0, f32::max)).filter(|&d| d < self.limit)
+        fn join(&self, a: Group, b: Group) -> Result<Group, [Group; 2]> {
+            let pairs = a.0.iter().flat_map(|&f| b.0.iter().map(move |&g| (f, g)));
+            let height = pairs.map(|(f, g)| (self.distance)(f, g)).fold(0.0, f32::max);
+            if height < self.limit { Ok(([a.0, b.0].concat(), height.max(a.1).max(b.1))) } else { Err([a, b]) }
         }
     }
 
     /// Frames and diameter of what is left of `n` frames.
-    fn linked(n: u32, known: &Known<impl Fn(u32, u32) -> f32>) -> Vec<(Vec<u32>, f32)> {
+    fn linked(n: u32, known: &Known<impl Fn(u32, u32) -> f32>) -> Vec<Group> {
         let roughly = |i: u32, j: u32| known.from_below * (known.distance)(i, j);
         let row = |i: u32| {
             let near = (0..n).filter(|&j| j != i && roughly(i, j) < known.limit);
             near.map(|j| Neighbour { item: j, linkage: 0.5 * roughly(i, j), estimated: false }).collect()
         };
-        let items = (0..n).map(|f| Item { frames: vec![f], diameter: 0.0 }).collect();
-        let left = link(items, (0..n).map(row).collect(), known);
-        let mut left: Vec<_> = left.into_iter().map(|i| (i.frames, i.diameter)).collect();
+        let items = (0..n).map(|f| (vec![f], 0.0)).collect();
+        let mut left = link(items, (0..n).map(row).collect(), known);
         left.iter_mut().for_each(|(frames, _)| frames.sort_unstable());
         left.sort_by(|a, b| a.0.cmp(&b.0));
         left

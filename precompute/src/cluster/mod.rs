@@ -7,6 +7,7 @@ mod linkage;
 mod neighbours;
 mod projection;
 pub mod reference;
+mod tree;
 
 pub use config::ClusterConfig;
 
@@ -14,9 +15,10 @@ use crate::clip::{ClipSet, FrameId};
 use crate::error::BuildError;
 use crate::features::Features;
 use crate::progress::Progress;
-use neighbours::{Item, Space};
+use neighbours::Space;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
+use tree::Item;
 
 /// Which frame belongs to which group.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -88,7 +90,9 @@ pub fn group(
     });
     let items: Vec<Vec<Item>> = merged.collect();
     progress.end();
-    Ok(numbered(items.concat(), features, limit))
+    let items = items.concat();
+    let max_diameter = items.iter().fold(0.0, |largest, item| item.diameter(&space, largest));
+    Ok(PoseGroups { max_diameter, threshold: limit, ..numbered(items, features) })
 }
 
 /// The threshold as the distances are counted, if everything fits together.
@@ -106,18 +110,18 @@ fn check(clips: &ClipSet, features: &Features, config: &ClusterConfig) -> Result
     Ok(limit)
 }
 
-fn numbered(mut items: Vec<Item>, features: &Features, threshold: f32) -> PoseGroups {
-    items.par_iter_mut().for_each(|i| i.frames.sort_unstable());
-    items.sort_unstable_by_key(|i| i.frames[0]);
+fn numbered(items: Vec<Item>, features: &Features) -> PoseGroups {
+    let mut items: Vec<Vec<u32>> = items.into_iter().map(|i| i.frames).collect();
+    items.par_iter_mut().for_each(|frames| frames.sort_unstable());
+    items.sort_unstable_by_key(|frames| frames[0]);
     let mut groups = vec![PoseGroups::NO_GROUP; features.num_frames()];
-    for (g, item) in items.iter().enumerate() {
-        item.frames.iter().for_each(|&f| groups[f as usize] = g as u32);
+    for (g, frames) in items.iter().enumerate() {
+        frames.iter().for_each(|&f| groups[f as usize] = g as u32);
     }
     PoseGroups {
         groups,
-        medoids: items.par_iter().map(|i| medoid(&i.frames, features)).collect(),
-        max_diameter: items.iter().map(|i| i.diameter).fold(0.0, f32::max),
-        threshold,
+        medoids: items.par_iter().map(|frames| medoid(frames, features)).collect(),
+        ..PoseGroups::default()
     }
 }
 

@@ -2,19 +2,11 @@
 
 use super::linkage::{Distance, Neighbour};
 use super::projection::{self, Point};
+use super::tree::Item;
 use crate::clip::FrameId;
 use crate::features::Features;
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
-
-/// Frames that are together already.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) struct Item {
-    /// At least one.
-    pub frames: Vec<u32>,
-    /// Largest distance between two of them. [Unit: rad]
-    pub diameter: f32,
-}
 
 /// The distance of frames, and points that tell when it is large.
 pub(super) struct Space<'a> {
@@ -36,8 +28,13 @@ impl<'a> Space<'a> {
         Self { features, points: projection::project(features) }
     }
 
+    /// Distance of two frames. [Unit: rad]
+    pub fn distance(&self, a: u32, b: u32) -> f32 {
+        self.features.distance(FrameId(a), FrameId(b))
+    }
+
     /// Distance of two frames where it is below `limit`. [Unit: rad]
-    fn distance_below(&self, a: u32, b: u32, limit: f32) -> Option<f32> {
+    pub fn distance_below(&self, a: u32, b: u32, limit: f32) -> Option<f32> {
         if squared_gap(&self.points[a as usize], &self.points[b as usize]) > squared_reach(limit) {
             return None;
         }
@@ -94,6 +91,8 @@ pub(super) struct Below<'a> {
 }
 
 impl Distance for Below<'_> {
+    type Item = Item;
+
     /// Of some frames of either item, the distance to the one of the other whose point is farthest away.
     fn estimate(&self, a: &Item, b: &Item) -> Option<f32> {
         let mut largest = 0.0f32;
@@ -108,14 +107,8 @@ impl Distance for Below<'_> {
         Some(largest)
     }
 
-    fn linkage(&self, a: &Item, b: &Item) -> Option<f32> {
-        let mut largest = 0.0f32;
-        for &f in &a.frames {
-            for &g in &b.frames {
-                largest = largest.max(self.space.distance_below(f, g, self.limit)?);
-            }
-        }
-        Some(largest)
+    fn join(&self, a: Item, b: Item) -> Result<Item, [Item; 2]> {
+        if a.is_below(self.space, &b, self.limit) { Ok(Item::join(self.space, a, b)) } else { Err([a, b]) }
     }
 }
 
@@ -142,7 +135,7 @@ fn both_ways(order: &[u32], half: Vec<Vec<Neighbour>>) -> Vec<Vec<Neighbour>> {
     out
 }
 
-fn squared_gap(a: &Point, b: &Point) -> f32 {
+pub(super) fn squared_gap(a: &Point, b: &Point) -> f32 {
     let mut sums = [0.0f32; 4];
     for (a, b) in a.chunks_exact(4).zip(b.chunks_exact(4)) {
         for l in 0..4 {

@@ -6,14 +6,18 @@
 mod bound;
 mod cells;
 mod config;
+mod contacts;
 mod decide;
 mod engine;
 mod error;
 mod event;
 mod field;
 mod filter;
+mod fixed;
 mod member;
 mod obstacle;
+mod occupancy;
+mod occupied;
 mod plan;
 mod query;
 mod queue;
@@ -24,9 +28,12 @@ mod snapshot;
 mod solid;
 mod space;
 mod spline;
+#[cfg(test)]
+mod scheme_tests;
 mod steer;
 #[cfg(test)]
 mod tests;
+mod tracing;
 #[cfg(feature = "rayon")]
 mod window;
 mod world;

@@ -1,0 +1,1 @@
+//! Tests of the three schemes against each other and against brute force.
