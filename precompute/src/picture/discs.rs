@@ -3,30 +3,25 @@
 use super::camera::Camera;
 use super::canvas::{Area, Picture};
 use super::colour::{self, Colour};
-use super::figure::{BodyColours, Figure};
 use super::furniture::{grid, header, legend, nice_step, scale_bar, tag};
-use super::world::{WorldFigure, WorldLook, WorldView, world_sheet};
 use crate::scene::crowd::{CrowdMoment, CrowdRecord, CrowdReport, SeenMember, SeenObstacle, TRAIL_S};
 use glam::{Vec2, Vec3};
 use std::f32::consts::{FRAC_PI_2, PI};
-use throng_runtime::{Joint, NUM_JOINTS};
 
 /// Colours of groups, in their order.
 const GROUPS: [u32; 6] = [0xe8743b, 0x2f63a8, 0x1f9e89, 0x7a2bbf, 0xc0b027, 0xb0446a];
 /// Who knows of a happening.
 const KNOWS: Colour = Colour::hex(0xd62728);
 /// What stands in the way.
-const SOLID: Colour = Colour::hex(0x8a8578);
+pub(super) const SOLID: Colour = Colour::hex(0x8a8578);
 /// Width of the page. [Unit: px]
-const WIDTH: f32 = 1600.0;
+pub(super) const WIDTH: f32 = 1600.0;
 /// Around panels. [Unit: px]
 const EDGE: f32 = 16.0;
 /// Below the title. [Unit: px]
 const TOP: f32 = 84.0;
 /// Highest panel. [Unit: px]
 const HIGHEST: f32 = 900.0;
-/// Width of the picture of bodies. [Unit: m]
-const BODIES_M: f32 = 24.0;
 /// Points of a trail behind a member: 2.4 s.
 const TRAIL: usize = 7;
 /// Ways are drawn of so many members at most.
@@ -63,35 +58,6 @@ pub fn crowd_sheet(report: &CrowdReport, record: &CrowdRecord) -> Picture {
         }
     }
     page
-}
-
-/// Draws the bodies of a crowd at the end of its run.
-///
-/// - `poses`: world positions of the joints of everybody, `None` for those who have left. [Unit: m]
-pub fn bodies_sheet(record: &CrowdRecord, poses: &[Option<[Vec3; NUM_JOINTS]>]) -> Picture {
-    let one = |(m, p): (usize, &Option<[Vec3; NUM_JOINTS]>)| {
-        let tint = group_colour(record.groups.get(m).copied().unwrap_or(0));
-        Some(WorldFigure { figure: Figure::from_positions(p.as_ref()?), colours: BodyColours::plain(tint) })
-    };
-    let figures: Vec<WorldFigure> = poses.iter().enumerate().filter_map(one).collect();
-    let lines = |o: &SeenObstacle| match o {
-        SeenObstacle::Wall { from, to, .. } => Some(vec![*from, *to]),
-        SeenObstacle::Polygon(corners) => Some(corners.iter().chain(corners.first()).copied().collect()),
-        _ => None,
-    };
-    let trails: Vec<_> = record.obstacles.iter().filter_map(lines).map(|l| (l, SOLID)).collect();
-    let middle = figures.iter().map(|f| f.figure.joint(Joint::Hips)).sum::<Vec3>() / figures.len().max(1) as f32;
-    let focus = (!figures.is_empty()).then_some((middle, BODIES_M));
-    world_sheet(&WorldView {
-        title: "Bodies",
-        subtitle: "blended from example motions, where the members are at the end",
-        size: (WIDTH as u32, 900),
-        figures: &figures,
-        units: &[],
-        trails: &trails,
-        names: &[],
-        look: WorldLook { heading: 0.8 * PI, elevation: 0.6, focus },
-    })
 }
 
 /// From where a crowd is seen.
@@ -139,7 +105,7 @@ fn subtitle(r: &CrowdReport) -> String {
     text
 }
 
-fn group_colour(group: usize) -> Colour {
+pub(super) fn group_colour(group: usize) -> Colour {
     Colour::hex(GROUPS[group % GROUPS.len()])
 }
 

@@ -39,9 +39,8 @@ impl Contacts {
         if self.touched.len() != n || self.group.len() != n || self.changed.len() > n {
             return false;
         }
-        let is_mutual = |m: u32| {
-            self.of(m).all(|o| o != m && (o as usize) < n && self.of(o).filter(|&p| p == m).count() == 1)
-        };
+        let is_mutual =
+            |m: u32| self.of(m).all(|o| o != m && (o as usize) < n && self.of(o).filter(|&p| p == m).count() == 1);
         if !(0..n as u32).all(is_mutual) {
             return false;
         }
@@ -197,12 +196,8 @@ mod tests {
         let mut whole = empty.clone();
         whole.join(0, 1);
         assert!(whole.fits(&empty) && !whole.fits(&Contacts::new(5)));
-        let damage: [fn(&mut Contacts); 4] = [
-            |c| c.touched[0][0] = 9,
-            |c| c.touched[0][0] = 0,
-            |c| c.touched[2][0] = 3,
-            |c| c.group[1] = 1,
-        ];
+        let damage: [fn(&mut Contacts); 4] =
+            [|c| c.touched[0][0] = 9, |c| c.touched[0][0] = 0, |c| c.touched[2][0] = 3, |c| c.group[1] = 1];
         for f in damage {
             let mut damaged = whole.clone();
             f(&mut damaged);

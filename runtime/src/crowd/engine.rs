@@ -323,12 +323,7 @@ impl<V: Space> Crowd<V> {
     }
 
     /// Lets a member take a new plan; false where it has to keep the one it has.
-    pub(super) fn decide(
-        &mut self,
-        member: u32,
-        tracing: &impl Tracing<V>,
-        on_event: &mut impl FnMut(&Event),
-    ) -> bool {
+    pub(super) fn decide(&mut self, member: u32, tracing: &impl Tracing<V>, on_event: &mut impl FnMut(&Event)) -> bool {
         let decider = Decider { world: &self.world, cells: &self.cells, minds: &self.minds, time: self.now };
         let Some(decision) = decider.decide(member, tracing, &mut self.scratch) else { return false };
         self.counts.decisions += 1;

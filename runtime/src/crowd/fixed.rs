@@ -33,8 +33,13 @@ impl<V: Space> Fixed<V> {
     /// At time 0.
     pub fn new(step_s: f32, halvings: u32, capacity: usize) -> Self {
         let whole = 1 << halvings;
-        let mut fixed =
-            Self { shortest_s: f64::from(step_s) / whole as f64, whole, done: 0, decisions: Vec::new(), ends: Vec::new() };
+        let mut fixed = Self {
+            shortest_s: f64::from(step_s) / whole as f64,
+            whole,
+            done: 0,
+            decisions: Vec::new(),
+            ends: Vec::new(),
+        };
         fixed.reserve(capacity);
         fixed
     }

@@ -23,13 +23,13 @@ mod query;
 mod queue;
 mod route;
 mod safety;
+#[cfg(test)]
+mod scheme_tests;
 mod sight;
 mod snapshot;
 mod solid;
 mod space;
 mod spline;
-#[cfg(test)]
-mod scheme_tests;
 mod steer;
 #[cfg(test)]
 mod tests;

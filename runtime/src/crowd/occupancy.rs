@@ -138,8 +138,16 @@ impl Occupancy {
         let mut o = self.occupants[plan.index as usize];
         if o.is_listed {
             let old = (o.low, o.high);
-            each_cell(old.0, old.1, |at| if !is_within(at, low, high) { self.unlink(cells, plan.index, at) });
-            each_cell(low, high, |at| if !is_within(at, old.0, old.1) { self.link(cells, plan.index, at) });
+            each_cell(old.0, old.1, |at| {
+                if !is_within(at, low, high) {
+                    self.unlink(cells, plan.index, at)
+                }
+            });
+            each_cell(low, high, |at| {
+                if !is_within(at, old.0, old.1) {
+                    self.link(cells, plan.index, at)
+                }
+            });
         } else {
             each_cell(low, high, |at| self.link(cells, plan.index, at));
         }

@@ -89,7 +89,13 @@ impl<V: Space> Trace<V> {
     pub fn check(&self, index: usize, m: &Member<V>, side: f32, interval: f32) -> Result<(), CrowdError> {
         if matches!(self, Self::Occupancy(_)) && narrowest(m.radius, m.acceleration, interval) > side {
             let expected = "small enough that a bound is not wider than a cell after the smallest interval";
-            return Err(CrowdError::Value { what: "member", index, field: "acceleration", got: m.acceleration, expected });
+            return Err(CrowdError::Value {
+                what: "member",
+                index,
+                field: "acceleration",
+                got: m.acceleration,
+                expected,
+            });
         }
         Ok(())
     }

@@ -1,11 +1,11 @@
 //! What surrounds the members: obstacles by cell, routes, fields and limits.
 
 use super::cells::Cells;
+use super::occupancy::narrowest;
 use super::plan::Plan;
 use super::solid::{Solid, is_inside, solids};
 use super::spline::Spline;
 use super::{CrowdError, Field, Member, Obstacle, Scheme, Setup, Space};
-use super::occupancy::narrowest;
 
 /// How much faster than it wishes a member may be, when it gives way.
 pub(crate) const HURRY: f32 = 1.25;

@@ -6,11 +6,13 @@ mod group;
 mod happening;
 mod layout;
 mod live;
+mod message;
 mod meter;
 mod obstacle;
 mod own;
 mod place;
 mod record;
+mod route_maps;
 mod run;
 
 pub use bodies::{BodiesReport, BodyPoses, walk_bodies};
