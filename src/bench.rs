@@ -7,7 +7,9 @@ use crate::args::{CacheArgs, Outcome, fail};
 use crate::output;
 use serde::Serialize;
 use std::path::PathBuf;
-use throng_precompute::measure::{self, MatchingConfig, MatchingFigures, MeasureConfig, Measured, WorldFigures};
+use throng_precompute::measure::{
+    self, EditFigures, MatchingConfig, MatchingFigures, MeasureConfig, Measured, WorldFigures,
+};
 use throng_precompute::policy::{Quality, QualityConfig};
 use throng_precompute::scene::Scene;
 use throng_precompute::stitch::WorldSource;
@@ -26,8 +28,10 @@ use throng_precompute::stitch::WorldSource;
 /// policy_landed_fraction, matching_landed_fraction, policy_gap_m, matching_gap_m (distance of hips, feet and fists where
 /// one frame takes the place of another)}.
 ///
-/// Of a world (`.toml`): world, instances, cells, transitions, stitch_seconds (all threads), peak_bytes, edited_unit,
-/// edit_seconds (moving that unit, the median), edit_over_stitch, paths {found, seconds_mean, seconds_max, length_mean_m,
+/// Of a world (`.toml`): world, instances, cells, transitions, stitch_seconds (all threads), peak_bytes, edits [unit,
+/// placed (how many), place (the one that was moved, the middle one), done (moves that were not refused), seconds (moving
+/// it a few centimetres on, all threads, the median; null where all were refused), over_stitch], one for every kind of
+/// unit, paths {found, seconds_mean, seconds_max, length_mean_m,
 /// length_max_m, duration_mean_s, opened_instances_mean, opened_nodes_mean, compared, over_dijkstra_mean,
 /// over_dijkstra_max (null in worlds of more than a million cells)}, characters, steps_per_second (of all of them, on one
 /// thread).
@@ -132,22 +136,18 @@ fn run_world(args: &Args) -> Outcome {
 
 fn print_world(w: &WorldFigures) -> Outcome {
     let p = &w.paths;
-    let edit = match (w.edit_seconds, w.edit_over_stitch) {
-        (Some(s), Some(share)) => {
-            format!("{:.1} ms to move a {}: {share:.4} of stitching anew", 1e3 * s, w.edited_unit)
-        }
-        _ => format!("moving a {} was refused", w.edited_unit),
-    };
     let dijkstra = match (p.over_dijkstra_mean, p.over_dijkstra_max) {
         (Some(mean), Some(most)) => {
             format!("; {mean:.3} times the time of Dijkstra's on average, {most:.3} at most, of {}", p.compared)
         }
         _ => String::new(),
     };
-    output::table(&[
+    let mut rows = vec![
         ("world", format!("{}: {} instances, {} cells, {} transitions", w.world, w.instances, w.cells, w.transitions)),
         ("stitching", format!("{:.3} s, {} at most", w.stitch_seconds, output::bytes(w.peak_bytes))),
-        ("editing", edit),
+    ];
+    rows.extend(w.edits.iter().map(|e| ("  moving", edit(e))));
+    rows.extend([
         (
             "paths",
             format!(
@@ -162,7 +162,16 @@ fn print_world(w: &WorldFigures) -> Outcome {
             ),
         ),
         ("crowd", format!("{} characters, {:.0} steps a second on one thread", w.characters, w.steps_per_second)),
-    ])
+    ]);
+    output::table(&rows)
+}
+
+fn edit(e: &EditFigures) -> String {
+    let what = format!("{} (place {}, one of {})", e.unit, e.place, e.placed);
+    match (e.seconds, e.over_stitch) {
+        (Some(s), Some(share)) => format!("{what}: {:.1} ms, {share:.4} of stitching anew", 1e3 * s),
+        _ => format!("{what}: refused, nothing fits it a little farther on"),
+    }
 }
 
 /// The figures for people.
