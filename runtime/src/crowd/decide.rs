@@ -99,6 +99,8 @@ pub(crate) struct Decider<'a, V> {
     pub cells: &'a Cells<V>,
     pub minds: &'a [Mind<V>],
     pub time: f64,
+    /// Whose bound is made anew in the same event.
+    pub renewed: u32,
 }
 
 impl<V: Space> Decider<'_, V> {
@@ -234,6 +236,17 @@ impl<V: Space> Decider<'_, V> {
                 scratch.seen.push(Seen { offset, velocity: plan.velocity, distance, radii });
             }
         }
+    }
+
+    /// The bound of another one.
+    #[inline]
+    pub fn bound(&self, other: &Plan<V>) -> Bound<V> {
+        let bound = Bound::from(other);
+        if other.index != self.renewed {
+            return bound;
+        }
+        let (position, velocity) = other.at(self.time);
+        Bound { start: self.time, position, velocity, ..bound }
     }
 
     /// When a bound touches an obstacle, if that is before `first`.

@@ -267,12 +267,12 @@ impl<V: Space> Crowd<V> {
         let partner = self.partner(cause);
         self.tell(member, self.kind(cause), on_event);
         self.watch(member, partner)?;
-        self.decide(member, &Registration, on_event);
-        if let Some(partner) = partner {
-            // A pair that was made anew together waits as long as everybody does.
-            if self.now - self.cells.plan(partner).start >= f64::from(self.world.interval) {
-                self.decide(partner, &Registration, on_event);
-            }
+        // A pair that was made anew together waits as long as everybody does.
+        let waits = |p: &u32| self.now - self.cells.plan(*p).start < f64::from(self.world.interval);
+        let renewed = partner.filter(|p| !waits(p));
+        self.decide(member, renewed.unwrap_or(NONE), &Registration, on_event);
+        if let Some(renewed) = renewed {
+            self.decide(renewed, NONE, &Registration, on_event);
         }
         Ok(())
     }
@@ -322,9 +322,16 @@ impl<V: Space> Crowd<V> {
         Ok(())
     }
 
-    /// Lets a member take a new plan; false where it has to keep the one it has.
-    pub(super) fn decide(&mut self, member: u32, tracing: &impl Tracing<V>, on_event: &mut impl FnMut(&Event)) -> bool {
-        let decider = Decider { world: &self.world, cells: &self.cells, minds: &self.minds, time: self.now };
+    /// Lets a member take a new plan, while the bound of `renewed` is made anew; false where it has to keep the one it has.
+    pub(super) fn decide(
+        &mut self,
+        member: u32,
+        renewed: u32,
+        tracing: &impl Tracing<V>,
+        on_event: &mut impl FnMut(&Event),
+    ) -> bool {
+        let minds = &self.minds;
+        let decider = Decider { world: &self.world, cells: &self.cells, minds, time: self.now, renewed };
         let Some(decision) = decider.decide(member, tracing, &mut self.scratch) else { return false };
         self.counts.decisions += 1;
         self.queue.set(member, decision.plan.end);

@@ -50,9 +50,11 @@ impl<V: Space> Fixed<V> {
         self.ends = vec![V::default(); capacity];
     }
 
-    /// True where steps are the same.
-    pub fn fits(&self, other: &Self) -> bool {
-        (self.shortest_s, self.whole) == (other.shortest_s, other.whole)
+    /// True where steps are the same as those of another one, and what was done ends after the present.
+    pub fn fits(&self, other: &Self, now: f64) -> bool {
+        let end = self.done as f64 * self.shortest_s;
+        let step = self.shortest_s * self.whole as f64;
+        (self.shortest_s, self.whole) == (other.shortest_s, other.whole) && (now..=now + step).contains(&end)
     }
 
     /// Shortest steps until the next time at which a step may end: halves begin in the middle and at the ends of a step.
@@ -117,7 +119,8 @@ impl<V: Space> Crowd<V> {
 
     /// What a member does if nothing but the forces moves it (001 eq. 14), no faster than any other scheme lets it.
     fn wish(&mut self, member: u32, step: f32) -> Decision<V> {
-        let decider = Decider { world: &self.world, cells: &self.cells, minds: &self.minds, time: self.now };
+        let (cells, minds) = (&self.cells, &self.minds);
+        let decider = Decider { world: &self.world, cells, minds, time: self.now, renewed: NONE };
         let wish = decider.wish(member, &mut self.scratch);
         let fresh = wish.fresh;
         let fastest = HURRY * self.world.speed;

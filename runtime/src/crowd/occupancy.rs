@@ -115,20 +115,34 @@ impl Occupancy {
         self.contacts.reserve();
     }
 
-    /// True where what was read is as large as another one, and whole.
-    pub fn fits(&self, other: &Self, is_there: impl Fn(usize) -> bool) -> bool {
-        let is_good = |(member, o): (usize, &Occupant)| {
-            let axis = |i: usize| o.low[i].abs() < 1 << 30 && (o.low[i]..=o.low[i] + 1).contains(&o.high[i]);
-            let axes = (0..3).all(axis);
-            let cause = !matches!(o.meeting.1, Cause::Member(m) if m as usize >= other.occupants.len());
-            let c = &o.crossing;
-            let crossing = c.axis < 3
-                && !c.after.is_nan()
-                && (c.after == f32::INFINITY || c.enters == (o.low[c.axis as usize] == o.high[c.axis as usize]));
-            axes && cause && crossing && !o.meeting.0.is_nan() && o.is_listed == is_there(member)
+    /// True where what was read is as large as another one, and right for the plans of its members.
+    pub fn fits<'a, V: Space>(
+        &self,
+        other: &Self,
+        side: f32,
+        now: f64,
+        plan: impl Fn(u32) -> Option<&'a Plan<V>>,
+    ) -> bool {
+        let is_good = |(member, o): (u32, &Occupant)| {
+            let Some(plan) = plan(member) else { return *o == Occupant::default() };
+            let (centre, radius) = Bound::from(plan).at(now);
+            let (x, c) = (centre.coordinates(), &o.crossing);
+            let reaches = |i: usize| {
+                let (from, to) = ((x[i] - radius) / side, (x[i] + radius) / side);
+                (o.low[i] as f32 - from.floor()).abs() <= 1.0 && (o.high[i] as f32 - to.floor()).abs() <= 1.0
+            };
+            let spans = |i: usize| o.high[i].checked_sub(o.low[i]).is_some_and(|n| n == 0 || n == 1);
+            let axes = (0..V::DIMENSIONS).all(|i| reaches(i) && spans(i));
+            let rest = (V::DIMENSIONS..3).all(|i| (o.low[i], o.high[i]) == (0, 0));
+            let crossing = (c.axis as usize) < V::DIMENSIONS
+                && (c.after == f32::INFINITY || c.after >= 0.0)
+                && c.enters == (o.low[c.axis as usize] == o.high[c.axis as usize]);
+            let cause = !matches!(o.meeting.1, Cause::Member(m) if m as usize >= self.occupants.len());
+            let times = o.meeting.0 >= 0.0 && (0.0..=now).contains(&o.asked);
+            o.is_listed && axes && rest && crossing && cause && times
         };
         self.occupants.len() == other.occupants.len()
-            && self.occupants.iter().enumerate().all(is_good)
+            && (0u32..).zip(&self.occupants).all(is_good)
             && self.contacts.fits(&other.contacts)
     }
 
@@ -252,7 +266,7 @@ impl<V: Space> Tracing<V> for Occupancy {
         let (low, high) = range(side, fresh);
         self.each(at.cells, low, high, |other| {
             if other != fresh.index && !self.contacts.are_together(fresh.index, other) {
-                let contact = bound.first_contact(&Bound::from(at.cells.plan(other)), at.time, first.1);
+                let contact = bound.first_contact(&at.bound(at.cells.plan(other)), at.time, first.1);
                 if contact < first.1 {
                     first = (Cause::Member(other), contact);
                 }

@@ -1,7 +1,7 @@
 //! Events of the scheme of 000 (section 2.2 and 2.3).
 
 use super::bound::Bound;
-use super::decide::{Cause, Decider};
+use super::decide::Cause;
 use super::occupancy::Occupancy;
 use super::plan::Plan;
 use super::{Crowd, CrowdError, Event, EventKind, NONE, Space};
@@ -74,12 +74,14 @@ impl<V: Space> Crowd<V> {
     fn act(&mut self, o: &mut Occupancy, member: u32, cause: Cause, on_event: &mut impl FnMut(&Event)) {
         let partner = self.partner(cause);
         self.tell(member, self.kind(cause), on_event);
-        self.reset(o, member, on_event);
-        let Some(partner) = partner else { return };
         // Who was made anew just now waits as long as everybody does.
-        if self.now - o.occupants[partner as usize].asked >= f64::from(self.world.interval) {
-            self.reset(o, partner, on_event);
+        let waits = |p: &u32| self.now - o.occupants[*p as usize].asked < f64::from(self.world.interval);
+        let renewed = partner.filter(|p| !waits(p));
+        self.reset(o, member, renewed.unwrap_or(NONE), on_event);
+        if let Some(renewed) = renewed {
+            self.reset(o, renewed, NONE, on_event);
         }
+        let Some(partner) = partner else { return };
         let are_there = [member, partner].iter().all(|&m| self.minds[m as usize].cell != NONE);
         if are_there && self.are_in_contact(member, partner) && o.contacts.join(member, partner) {
             self.tell(member, EventKind::Contacting { other: self.id(partner) }, on_event);
@@ -87,8 +89,8 @@ impl<V: Space> Crowd<V> {
     }
 
     /// Makes a bound anew with another plan, if there is one that is safe.
-    fn reset(&mut self, o: &mut Occupancy, member: u32, on_event: &mut impl FnMut(&Event)) {
-        let is_new = self.decide(member, &*o, on_event);
+    fn reset(&mut self, o: &mut Occupancy, member: u32, renewed: u32, on_event: &mut impl FnMut(&Event)) {
+        let is_new = self.decide(member, renewed, &*o, on_event);
         if self.minds[member as usize].cell == NONE {
             self.forget(o, member, on_event);
             return;
@@ -161,7 +163,7 @@ impl<V: Space> Crowd<V> {
                 }
             }
         });
-        let decider = Decider { world: &self.world, cells: &self.cells, minds: &self.minds, time: self.now };
+        let decider = self.decider(NONE);
         for z in low[2]..=high[2] {
             for y in low[1]..=high[1] {
                 for x in low[0]..=high[0] {

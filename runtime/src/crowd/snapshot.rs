@@ -67,7 +67,8 @@ impl<V: Space> Crowd<V> {
         if !state.cells.fits(&self.cells) || !state.queue.fits(&self.queue) {
             return refused("its cells or its queue are others, or damaged".to_owned());
         }
-        if !state.trace.fits(&self.trace, |m| state.minds[m].cell != NONE) {
+        let plan = |m: u32| (state.minds[m as usize].cell != NONE).then(|| state.cells.plan(m));
+        if !state.trace.fits(&self.trace, self.cells.side(), state.now, plan) {
             return refused("it is of another scheme, or damaged".to_owned());
         }
         let num_fields = self.world.fields.len();

@@ -50,7 +50,7 @@ impl<V: Space> Tracing<V> for Registration {
             if gap > speeds * t + grown {
                 continue;
             }
-            let contact = bound.first_contact(&Bound::from(other), at.time, t);
+            let contact = bound.first_contact(&at.bound(other), at.time, t);
             if contact < t {
                 first = (Cause::Member(other.index), contact);
             }
@@ -100,12 +100,12 @@ impl<V: Space> Trace<V> {
         Ok(())
     }
 
-    /// True where what was read is of the same scheme, as large, and whole.
-    pub fn fits(&self, other: &Self, is_there: impl Fn(usize) -> bool) -> bool {
+    /// True where what was read is of the same scheme as another one, as large, and right for the plans of its members.
+    pub fn fits<'a>(&self, other: &Self, side: f32, now: f64, plan: impl Fn(u32) -> Option<&'a Plan<V>>) -> bool {
         match (self, other) {
             (Self::Registration, Self::Registration) => true,
-            (Self::Occupancy(a), Self::Occupancy(b)) => a.fits(b, is_there),
-            (Self::Fixed(a), Self::Fixed(b)) => a.fits(b),
+            (Self::Occupancy(a), Self::Occupancy(b)) => a.fits(b, side, now, plan),
+            (Self::Fixed(a), Self::Fixed(b)) => a.fits(b, now),
             _ => false,
         }
     }
