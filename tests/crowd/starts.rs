@@ -22,7 +22,8 @@ fn members_without_room_are_named() {
     for part in ["made-up", "of \"guests\"", "overlap by", "`place`"] {
         assert!(message.contains(part), "{message}");
     }
-    let two = group(1, PLACE, "{ stay = {} }") + &group(1, PLACE, "{ stay = {} }").replace("guests", "hosts");
+    let middle = group(1, &PLACE.replace("to =", "jitter = 0.0, to ="), "{ stay = {} }");
+    let two = middle.clone() + &middle.replace("guests", "hosts");
     let message = refused(&two);
     assert!(message.contains("member 0 of \"guests\"") && message.contains("member 1 of \"hosts\""), "{message}");
 }

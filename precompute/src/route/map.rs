@@ -11,6 +11,8 @@ pub struct RouteMap {
     solids: Vec<Solid>,
     bounds: Vec<(Vec2, Vec2)>,
     clearance: f32,
+    /// How near to a solid a goal may be. [Unit: m]
+    nearest: f32,
     /// Points to go around corners by, joined where they see each other; lengths in metres.
     graph: UnGraph<Vec2, f32>,
 }
@@ -20,7 +22,7 @@ pub struct RouteMap {
 pub enum NoWay {
     /// The start is in that solid.
     Start(usize),
-    /// The goal is in that solid, or nearer to it than the clearance.
+    /// The goal is in that solid, or too near to it.
     Goal(usize),
     /// What stands separates the two, or leaves no gap that is wide enough.
     Separated,
@@ -30,9 +32,10 @@ impl RouteMap {
     /// Prepares ways.
     ///
     /// - `clearance`: that centres keep from everything. [Unit: m] [Limit: > 0]
-    pub fn new(solids: Vec<Solid>, clearance: f32) -> Self {
+    /// - `nearest`: how near to a solid a goal may be: the radius of who goes there. [Unit: m] [Limit: 0 to clearance]
+    pub fn new(solids: Vec<Solid>, clearance: f32, nearest: f32) -> Self {
         let bounds = solids.iter().map(Solid::bounds).collect();
-        let mut map = Self { solids, bounds, clearance, graph: UnGraph::default() };
+        let mut map = Self { solids, bounds, clearance, nearest, graph: UnGraph::default() };
         let around: Vec<Vec2> = map.solids.iter().flat_map(|s| s.points_around(clearance)).collect();
         for p in around {
             if map.is_clear(p, p, clearance) {
@@ -52,8 +55,8 @@ impl RouteMap {
         &self.solids
     }
 
-    /// The shortest way, with both its ends. It keeps the clearance, but near a start that is nearer to a solid it keeps as
-    /// much as the start has.
+    /// The shortest way, with both its ends. It keeps the clearance; the legs of an end that is nearer to a solid keep as much
+    /// as that end has.
     ///
     /// # Errors
     /// [`NoWay`].
@@ -61,15 +64,16 @@ impl RouteMap {
         if let Some(i) = self.solids.iter().position(|s| s.distance(from) <= 0.0) {
             return Err(NoWay::Start(i));
         }
-        if let Some(i) = self.solids.iter().position(|s| s.distance(to) < self.clearance) {
+        if let Some(i) = self.solids.iter().position(|s| s.distance(to) < self.nearest) {
             return Err(NoWay::Goal(i));
         }
         // A hair less, so that rounding does not close the way out.
-        let at_start = self.solids.iter().map(|s| s.distance(from)).fold(self.clearance, f32::min) * 0.999;
-        if self.is_clear(from, to, at_start) {
+        let at = |p: Vec2| self.solids.iter().map(|s| s.distance(p)).fold(self.clearance, f32::min) * 0.999;
+        let (at_start, at_goal) = (at(from), at(to));
+        if self.is_clear(from, to, at_start.min(at_goal)) {
             return Ok(vec![from, to]);
         }
-        let goal = self.join(to, self.clearance);
+        let goal = self.join(to, at_goal);
         let start = self.join(from, at_start);
         let way = astar(&self.graph, start, |n| n == goal, |e| *e.weight(), |n| self.graph[n].distance(to));
         let points = way.map(|(_, nodes)| nodes.into_iter().map(|n| self.graph[n]).collect());
@@ -169,7 +173,7 @@ mod tests {
             ],
         ];
         for (s, solids) in scenes.into_iter().enumerate() {
-            let mut map = RouteMap::new(solids, 0.4);
+            let mut map = RouteMap::new(solids, 0.4, 0.3);
             for (from, to) in [([-4.0, 0.0], [4.0, 0.0]), ([-4.0, -4.0], [4.0, 3.0]), ([-4.0, 2.0], [3.0, -1.0])] {
                 let (from, to) = (Vec2::from(from), Vec2::from(to));
                 let way = map.way(from, to).unwrap();
@@ -187,7 +191,7 @@ mod tests {
     /// Around the end of a wall: a tangent, an arc, a tangent.
     #[test]
     fn the_way_around_a_wall_s_end_is_hardly_longer_than_the_shortest() {
-        let mut map = RouteMap::new(vec![wall([0.0, -50.0], [0.0, 0.0])], 1.0);
+        let mut map = RouteMap::new(vec![wall([0.0, -50.0], [0.0, 0.0])], 1.0, 1.0);
         let reach = SQRT_2;
         let way = map.way(Vec2::new(-reach, 0.0), Vec2::new(reach, 0.0)).unwrap();
         let exact = 2.0 * 1.0 + FRAC_PI_2;
@@ -196,7 +200,7 @@ mod tests {
 
     #[test]
     fn what_can_be_seen_is_gone_to_straight() {
-        let mut map = RouteMap::new(vec![wall([0.0, -3.0], [0.0, -1.0])], 0.4);
+        let mut map = RouteMap::new(vec![wall([0.0, -3.0], [0.0, -1.0])], 0.4, 0.4);
         let ends = [Vec2::new(-2.0, 0.0), Vec2::new(2.0, 0.0)];
         assert_eq!(map.way(ends[0], ends[1]), Ok(ends.to_vec()));
         let nodes = map.graph.node_count();
@@ -210,15 +214,16 @@ mod tests {
         let room = [[-9.0, -9.0], [9.0, -9.0], [9.0, 9.0], [-9.0, 9.0], [-9.0, -9.0]];
         let around = || room.windows(2).map(|w| wall(w[0], w[1]));
         let (from, to) = (Vec2::new(-3.0, 4.0), Vec2::new(3.0, 1.0));
-        let wide = RouteMap::new(gap(0.6).into_iter().chain(around()).collect(), 0.5).way(from, to);
+        let wide = RouteMap::new(gap(0.6).into_iter().chain(around()).collect(), 0.5, 0.4).way(from, to);
         assert!(wide.unwrap().len() > 2);
-        let narrow = RouteMap::new(gap(0.4).into_iter().chain(around()).collect(), 0.5).way(from, to);
+        let narrow = RouteMap::new(gap(0.4).into_iter().chain(around()).collect(), 0.5, 0.4).way(from, to);
         assert_eq!(narrow, Err(NoWay::Separated));
         let block = Solid::Polygon([[2.0, 0.0], [4.0, 0.0], [4.0, 2.0], [2.0, 2.0]].map(Vec2::from).to_vec());
-        let mut map = RouteMap::new(vec![block], 0.5);
+        let mut map = RouteMap::new(vec![block], 0.5, 0.3);
         assert_eq!(map.way(from, to), Err(NoWay::Goal(0)));
         assert_eq!(map.way(to, from), Err(NoWay::Start(0)));
-        assert_eq!(map.way(from, Vec2::new(4.2, 1.0)), Err(NoWay::Goal(0)), "nearer than the clearance");
+        assert_eq!(map.way(from, Vec2::new(4.2, 1.0)), Err(NoWay::Goal(0)), "too near");
+        assert!(map.way(from, Vec2::new(4.4, 1.0)).is_ok(), "nearer than the clearance, but not too near");
         assert!(map.way(Vec2::new(4.2, 1.0), from).is_ok(), "one who stands at the wall gets away from it");
     }
 }

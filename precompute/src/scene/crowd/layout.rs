@@ -85,8 +85,7 @@ impl<V: Space> Layout<V> {
         let start = self.setup.members[m].position;
         let (subgoals, at_end) = match &group.goal {
             GoalConfig::Wander { from, to, points: num } => {
-                let mut all: Vec<V> =
-                    (0..*num).map(|_| self.maps.free_point(self.groups[m], (from, to), rng)).collect();
+                let mut all: Vec<V> = self.maps.wander(self.groups[m], start, (from, to, *num), rng);
                 // Back to where the way begins again.
                 all.push(start);
                 (all, AtEndConfig::Again)

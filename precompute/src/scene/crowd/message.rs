@@ -1,7 +1,6 @@
 //! What is wrong with a crowd, in the words of its scene file.
 
 use super::layout::Layout;
-use super::route_maps::MARGINS_M;
 use crate::error::BuildError;
 use crate::route::NoWay;
 use throng_runtime::crowd::{CrowdError, Space};
@@ -15,8 +14,8 @@ impl<V: Space> Layout<V> {
         let message = match why {
             NoWay::Start(s) => format!("{who} starts in `{}`, at {}", key(s), place(from)),
             NoWay::Goal(s) => {
-                let clearance = self.scene.groups[self.groups[m]].radius_m[1] + MARGINS_M[0];
-                format!("the goal {} of {who} is in `{}` or nearer than {clearance:.2} m to it", place(to), key(s))
+                let radius = self.scene.groups[self.groups[m]].radius_m[1];
+                format!("the goal {} of {who} is in `{}` or nearer than {radius:.2} m to it", place(to), key(s))
             }
             NoWay::Separated => format!("no way leads {who} from {} to {}", place(from), place(to)),
         };

@@ -10,7 +10,12 @@ use throng_runtime::crowd::{Obstacle, Space};
 
 /// What ways keep from walls beyond the radius of members, the least first. Members take them in turn, so that they do not
 /// pass corners in single file; where a gap is too narrow for more, they take the widest way that there is. [Unit: m]
-pub(super) const MARGINS_M: [f32; 4] = [0.15, 0.3, 0.5, 0.8];
+const MARGINS_M: [f32; 4] = [0.15, 0.3, 0.5, 0.8];
+
+/// A wider way may be this much longer than the shortest ... [Unit: of its length]
+const LONGER: f32 = 1.15;
+/// ... and this much. [Unit: m]
+const LONGER_M: f32 = 2.0;
 
 /// Route maps by clearance: groups of the same radius share them.
 #[derive(Clone, Debug, Default)]
@@ -36,7 +41,7 @@ impl RouteMaps {
             maps.of_group.push(known.map_or(maps.maps.len(), |k| k * MARGINS_M.len()));
             if known.is_none() {
                 let solids = || standing.iter().map(|s| s.1.clone()).collect();
-                let map = |margin: &f32| RouteMap::new(solids(), group.radius_m[1] + margin);
+                let map = |margin: &f32| RouteMap::new(solids(), group.radius_m[1] + margin, group.radius_m[1]);
                 maps.maps.extend(MARGINS_M.iter().map(map));
             }
         }
@@ -61,26 +66,48 @@ impl RouteMaps {
     pub fn leg<V: Space>(&mut self, group: usize, member: usize, from: V, to: V) -> Result<Vec<V>, NoWay> {
         let Some(maps) = self.of(group) else { return Ok(vec![from, to]) };
         let own = member % maps.len();
-        let wider = maps[1..=own].iter_mut().rev().find_map(|m| m.way(plan(from), plan(to)).ok());
-        let flat = wider.map_or_else(|| maps[0].way(plan(from), plan(to)), Ok)?;
-        Ok(lift(&flat, from, to))
+        let (start, goal) = (plan(from), plan(to));
+        let least = maps[0].way(start, goal)?;
+        // A wider way must lead through the same gaps, not around the house.
+        let longest = LONGER * length(&least) + LONGER_M;
+        let wider = |m: &mut RouteMap| m.way(start, goal).ok().filter(|w| length(w) <= longest);
+        let own_way = maps[1..=own].iter_mut().rev().find_map(wider);
+        Ok(lift(&own_way.unwrap_or(least), from, to))
     }
 
-    /// A point by chance between two corners that no obstacle is near; one in an obstacle where there is hardly any other,
-    /// to which there is no way then.
-    pub fn free_point<V: Space>(&mut self, group: usize, (from, to): (&[f32], &[f32]), rng: &mut Pcg64Mcg) -> V {
+    /// Points by chance between two corners, one after the other from a start: no obstacle is near them, and the way does not
+    /// turn back at once. Where there is hardly such a point, one is taken as it is; where it is in an obstacle, its way will be
+    /// refused.
+    pub fn wander<V: Space>(
+        &mut self,
+        group: usize,
+        start: V,
+        (from, to, num): (&[f32], &[f32], usize),
+        rng: &mut Pcg64Mcg,
+    ) -> Vec<V> {
         const TRIES: usize = 200;
-        let mut at = V::default();
-        for _ in 0..TRIES {
-            let c: [f32; 3] = std::array::from_fn(|i| from.get(i).map_or(0.0, |&f| rng.random_range(f..to[i])));
-            at = V::from_coordinates(c);
-            let Some([map, ..]) = self.of(group) else { break };
-            if map.is_clear(plan(at), plan(at), map.clearance()) {
-                break;
+        let (mut at, mut before) = (start, V::default());
+        let mut next = || {
+            let mut point = at;
+            for _ in 0..TRIES {
+                let c: [f32; 3] = std::array::from_fn(|i| from.get(i).map_or(0.0, |&f| rng.random_range(f..to[i])));
+                point = V::from_coordinates(c);
+                let is_free = |m: &RouteMap| m.is_clear(plan(point), plan(point), m.clearance());
+                let turns_back = before.dot(point - at) < 0.0;
+                if !turns_back && self.of(group).is_none_or(|maps| is_free(&maps[0])) {
+                    break;
+                }
             }
-        }
-        at
+            before = point - at;
+            at = point;
+            point
+        };
+        (0..num).map(|_| next()).collect()
     }
+}
+
+fn length(way: &[Vec2]) -> f32 {
+    way.windows(2).map(|w| w[0].distance(w[1])).sum()
 }
 
 /// A way on the ground at the heights between two ends.
@@ -104,6 +131,18 @@ fn lift<V: Space>(flat: &[Vec2], from: V, to: V) -> Vec<V> {
 mod tests {
     use super::*;
     use glam::Vec3;
+
+    #[test]
+    fn who_is_too_wide_for_a_gap_goes_through_it_all_the_same() {
+        let wall =
+            |from: f32, to: f32| Obstacle::Wall { from: Vec2::new(0.0, from), to: Vec2::new(0.0, to), radius: 0.0 };
+        let text = "count = 1\nplace = { disc = { centre = [0.0, 0.0], density = 1.0 } }\ngoal = { stay = {} }\n";
+        let group: GroupConfig = toml::from_str(text).unwrap();
+        let mut maps = RouteMaps::new(&[wall(-90.0, -0.7), wall(0.7, 90.0)], [0.0; 2], &[group]);
+        let ways = [0, 1, 2, 3].map(|m| maps.leg(0, m, Vec2::new(-5.0, 3.0), Vec2::new(5.0, 3.0)).unwrap());
+        assert!(ways.iter().all(|w| w.iter().all(|p| p.y.abs() < 4.0)), "{ways:?}");
+        assert_ne!(ways[0], ways[1], "as wide as the gap allows");
+    }
 
     #[test]
     fn ways_in_the_air_go_around_columns_and_rise_evenly() {

@@ -71,7 +71,7 @@ impl GateMeter {
         let tenth = times.len() / 10;
         let middle = &times[tenth..times.len() - tenth];
         let seconds = middle.last().zip(middle.first()).map_or(0.0, |(l, f)| l - f);
-        let flow = (middle.len() - 1) as f64 / seconds / f64::from(self.along.length());
+        let flow = middle.len().saturating_sub(1) as f64 / seconds / f64::from(self.along.length());
         Flow {
             crossed: times.len(),
             flow_per_m_s: (times.len() >= 10 && seconds > 0.0).then_some(flow),
