@@ -42,7 +42,7 @@ fn main() -> Result<(), Failure> {
     Ok(())
 }
 
-/// Stitches a world, then moves what was placed last to and fro.
+/// Stitches a world, then moves one unit of every kind on and back again.
 fn look(
     patches: &Patches<'_>,
     library: &Library<'_>,
@@ -62,33 +62,31 @@ fn look(
     );
     println!("  stitched in {anew:.3} s, {:.0} MB at most", r.peak_bytes as f64 / 1e6);
 
-    let movable = |u: usize| editor.environment().units[u].unit != editor.environment().units[0].unit;
-    let Some(unit) = (0..editor.environment().units.len()).rev().find(|&u| movable(u)) else { return Ok(()) };
-    let unit = named("THRONG_MOVE", library, editor.environment()).unwrap_or(unit);
-    let home = editor.environment().units[unit].placement;
-    let mut times = Vec::new();
-    for k in 1..=10 {
-        // Never a place where it was before: nothing of it is known.
-        let shift = Placement::new(0.013 * k as f32, 0.0, 0.0, 0.0);
-        let begin = Instant::now();
-        if editor.drag(unit, home.compose(shift)).is_ok() {
-            times.push(begin.elapsed().as_secs_f64());
+    for (kind, unit) in library.units.units.iter().enumerate() {
+        let units = &editor.environment().units;
+        let places: Vec<usize> = (0..units.len()).filter(|&u| units[u].unit == kind).collect();
+        let Some(&place) = places.get(places.len() / 2) else { continue };
+        let home = units[place].placement;
+        let mut times = Vec::new();
+        for k in 1..=10 {
+            // Never a place where it was before: nothing of it is known.
+            let shift = Placement::new(0.013 * k as f32, 0.0, 0.0, 0.0);
+            let begin = Instant::now();
+            if editor.drag(place, home.compose(shift)).is_ok() {
+                times.push(begin.elapsed().as_secs_f64());
+            }
+        }
+        editor.drag(place, home)?;
+        times.sort_by(f64::total_cmp);
+        if let Some(middle) = times.get(times.len() / 2) {
+            let (low, high) = (times[0] * 1e3, times[times.len() - 1] * 1e3);
+            println!(
+                "  {} (place {place}) moved in {:.1} ms ({low:.1} to {high:.1}), {:.4} of stitching anew",
+                unit.name,
+                middle * 1e3,
+                middle / anew
+            );
         }
     }
-    times.sort_by(f64::total_cmp);
-    if let Some(middle) = times.get(times.len() / 2) {
-        let (low, high) = (times[0] * 1e3, times[times.len() - 1] * 1e3);
-        println!(
-            "  unit {unit} moved in {:.1} ms ({low:.1} to {high:.1}), {:.4} of stitching anew",
-            middle * 1e3,
-            middle / anew
-        );
-    }
     Ok(())
-}
-
-/// The first place of a unit that a variable names.
-fn named(variable: &str, library: &Library<'_>, environment: &Environment) -> Option<usize> {
-    let name = std::env::var(variable).ok()?;
-    environment.units.iter().position(|u| library.units.units[u.unit].name == name)
 }

@@ -1,12 +1,15 @@
 //! `throng bench`: what does it cost on this machine?
 
 mod blend;
+mod crowd;
 
-use crate::args::{CacheArgs, Outcome};
+use crate::args::{CacheArgs, Outcome, fail};
 use crate::output;
 use serde::Serialize;
 use std::path::PathBuf;
-use throng_precompute::measure::{self, MatchingConfig, MatchingFigures, MeasureConfig, Measured, WorldFigures};
+use throng_precompute::measure::{
+    self, EditFigures, MatchingConfig, MatchingFigures, MeasureConfig, Measured, WorldFigures,
+};
 use throng_precompute::policy::{Quality, QualityConfig};
 use throng_precompute::scene::Scene;
 use throng_precompute::stitch::WorldSource;
@@ -25,8 +28,10 @@ use throng_precompute::stitch::WorldSource;
 /// policy_landed_fraction, matching_landed_fraction, policy_gap_m, matching_gap_m (distance of hips, feet and fists where
 /// one frame takes the place of another)}.
 ///
-/// Of a world (`.toml`): world, instances, cells, transitions, stitch_seconds (all threads), peak_bytes, edited_unit,
-/// edit_seconds (moving that unit, the median), edit_over_stitch, paths {found, seconds_mean, seconds_max, length_mean_m,
+/// Of a world (`.toml`): world, instances, cells, transitions, stitch_seconds (all threads), peak_bytes, edits [unit,
+/// placed (how many), place (the one that was moved, the middle one), done (moves that were not refused), seconds (moving
+/// it a few centimetres on, all threads, the median; null where all were refused), over_stitch], one for every kind of
+/// unit, paths {found, seconds_mean, seconds_max, length_mean_m,
 /// length_max_m, duration_mean_s, opened_instances_mean, opened_nodes_mean, compared, over_dijkstra_mean,
 /// over_dijkstra_max (null in worlds of more than a million cells)}, characters, steps_per_second (of all of them, on one
 /// thread).
@@ -38,21 +43,29 @@ use throng_precompute::stitch::WorldSource;
 /// crossfade_foot_slip_p95_mps, knee_rate_max_radps, crossfade_knee_rate_max_radps, joint_acceleration_max_mps2,
 /// crossfade_joint_acceleration_max_mps2 (while parameters jump; beside cross-fading the nearest examples).
 ///
+/// Of a crowd (the word `crowd`): scene, members, engine, simulated_s, wall_s_per_simulated_s, us_per_member_second,
+/// events_per_member_second, decisions_per_member_second, overlap_over_1mm_fraction, overlap_over_1cm_fraction (overlapping
+/// pairs for each member and frame at 30 Hz), max_overlap_m, progress_mps (mean speed towards the goal), desired_mps, arrived,
+/// stuck, state_hash; where the scene has them informed, lane_order, crossed, flow_per_m_s, human_flow_per_m_s (least and
+/// most that was measured of people); of several numbers of members or engines, runs [the same].
+///
 /// `quality` is the discounted reward that a policy collects over the best that search to a depth of four actions
 /// finds; `matching` sets the policies against motion matching over all frames of the bundle, the same targets for both.
 #[derive(clap::Args)]
 pub struct Args {
-    /// Bundle, world file (`.toml`), or the word `blend`.
+    /// Bundle, world file (`.toml`), or one of the words `blend` and `crowd`.
     file: PathBuf,
     /// Numbers of characters.
     #[arg(long, value_delimiter = ',', default_value = "1000,10000", value_name = "N,...")]
     characters: Vec<usize>,
-    /// Numbers of threads.
-    #[arg(long, value_delimiter = ',', default_value = "1,2", value_name = "N,...")]
+    /// Numbers of threads; 1 and 2, and for a crowd 1, where absent.
+    #[arg(long, value_delimiter = ',', value_name = "N,...")]
     threads: Vec<usize>,
-    /// Time given to each figure.
-    #[arg(long, default_value_t = 0.5, value_name = "S")]
-    seconds: f64,
+    /// Time given to each figure, 0.5 where absent; of a crowd simulated time, what its scene says where absent.
+    #[arg(long, value_name = "S")]
+    seconds: Option<f64>,
+    #[command(flatten)]
+    crowd: crowd::CrowdOptions,
     /// Also measure what the policies collect against search, and against motion matching.
     #[arg(long)]
     quality: bool,
@@ -77,7 +90,20 @@ struct Report {
     matching: Option<MatchingFigures>,
 }
 
+impl Args {
+    /// Time given to each figure. [Unit: s]
+    fn seconds(&self) -> f64 {
+        self.seconds.unwrap_or(0.5)
+    }
+}
+
 pub fn run(args: &Args) -> Outcome {
+    if args.file.as_os_str() == "crowd" && !args.file.exists() {
+        return crowd::run(args);
+    }
+    if args.crowd.is_given() {
+        return fail("--scene, --members, --engine and --png are for `throng bench crowd`");
+    }
     if Scene::is_scene(&args.file) {
         return run_world(args);
     }
@@ -88,12 +114,13 @@ pub fn run(args: &Args) -> Outcome {
     if tables.graph().states.is_empty() && !tables.blends().spaces.is_empty() {
         return blend::run(args, &tables);
     }
-    let config =
-        MeasureConfig { characters: args.characters.clone(), threads: args.threads.clone(), seconds: args.seconds };
+    let threads = if args.threads.is_empty() { vec![1, 2] } else { args.threads.clone() };
+    let seconds = args.seconds();
+    let config = MeasureConfig { characters: args.characters.clone(), threads, seconds };
     let measured = measure::measure(&tables, &config)?;
     let asked = QualityConfig { pairs: args.pairs, ..QualityConfig::default() };
     let quality = args.quality.then(|| measure::quality(&tables, &asked)).transpose()?;
-    let against = MatchingConfig { seconds: args.seconds, ..MatchingConfig::default() };
+    let against = MatchingConfig { seconds, ..MatchingConfig::default() };
     let matching = args.quality.then(|| measure::matching(&tables, &against)).transpose()?;
     let report = Report { measured, quality, matching };
     if args.json { output::json(&report) } else { print(&report) }
@@ -109,22 +136,18 @@ fn run_world(args: &Args) -> Outcome {
 
 fn print_world(w: &WorldFigures) -> Outcome {
     let p = &w.paths;
-    let edit = match (w.edit_seconds, w.edit_over_stitch) {
-        (Some(s), Some(share)) => {
-            format!("{:.1} ms to move a {}: {share:.4} of stitching anew", 1e3 * s, w.edited_unit)
-        }
-        _ => format!("moving a {} was refused", w.edited_unit),
-    };
     let dijkstra = match (p.over_dijkstra_mean, p.over_dijkstra_max) {
         (Some(mean), Some(most)) => {
             format!("; {mean:.3} times the time of Dijkstra's on average, {most:.3} at most, of {}", p.compared)
         }
         _ => String::new(),
     };
-    output::table(&[
+    let mut rows = vec![
         ("world", format!("{}: {} instances, {} cells, {} transitions", w.world, w.instances, w.cells, w.transitions)),
         ("stitching", format!("{:.3} s, {} at most", w.stitch_seconds, output::bytes(w.peak_bytes))),
-        ("editing", edit),
+    ];
+    rows.extend(w.edits.iter().map(|e| ("  moving", edit(e))));
+    rows.extend([
         (
             "paths",
             format!(
@@ -139,7 +162,16 @@ fn print_world(w: &WorldFigures) -> Outcome {
             ),
         ),
         ("crowd", format!("{} characters, {:.0} steps a second on one thread", w.characters, w.steps_per_second)),
-    ])
+    ]);
+    output::table(&rows)
+}
+
+fn edit(e: &EditFigures) -> String {
+    let what = format!("{} (place {}, one of {})", e.unit, e.place, e.placed);
+    match (e.seconds, e.over_stitch) {
+        (Some(s), Some(share)) => format!("{what}: {:.1} ms, {share:.4} of stitching anew", 1e3 * s),
+        _ => format!("{what}: refused, nothing fits it a little farther on"),
+    }
 }
 
 /// The figures for people.

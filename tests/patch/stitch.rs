@@ -306,6 +306,7 @@ proptest! {
         let (m, c) = (MadeUp::new(), StitchConfig { overlap_m: 99.0, ..config() });
         prop_assume!(maybe_stitched(&m, &e, &c).is_some());
         let mut editor = Editor::new(m.patches(), m.library(), e, &c, &Silent).unwrap();
+        let (first, mut changes) = (editor.world().clone(), 0);
         for (what, which, x, z) in moves {
             let to = Placement::new(x, 0.0, z, x);
             let which = which % editor.environment().units.len();
@@ -315,12 +316,18 @@ proptest! {
                 1 => editor.remove(which),
                 _ => editor.drag(which, to),
             };
-            if changed.is_err() {
-                prop_assert_eq!(editor.environment(), &before);
+            match changed {
+                Ok(()) => changes += 1,
+                Err(_) => prop_assert_eq!(editor.environment(), &before),
             }
             let anew = stitched(&m, editor.environment(), &c).0;
             prop_assert_eq!(editor.world(), &anew);
         }
+        let last = editor.world().clone();
+        let undone = std::iter::from_fn(|| editor.undo().unwrap().then_some(())).count();
+        prop_assert_eq!((undone, editor.world()), (changes, &first));
+        let redone = std::iter::from_fn(|| editor.redo().unwrap().then_some(())).count();
+        prop_assert_eq!((redone, editor.world()), (changes, &last));
     }
 }
 

@@ -9,7 +9,7 @@ mod world;
 pub use blend::{BlendFigures, blend};
 pub use crowd::{CrowdFigures, crowd};
 pub use matching::{MatchingConfig, MatchingFigures, matching};
-pub use world::{PathFigures, WorldFigures, world};
+pub use world::{EditFigures, PathFigures, WorldFigures, world};
 
 use crate::error::BuildError;
 use crate::policy::made_up::{self, MadeUp};

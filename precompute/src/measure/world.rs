@@ -1,6 +1,5 @@
 //! What a world costs: stitching it, changing it, planning in it, living in it.
 
-use crate::environment::Environment;
 use crate::error::BuildError;
 use crate::progress::Silent;
 use crate::scene::world::{SharedWish, WishConfig, WorldScene};
@@ -18,8 +17,8 @@ use throng_runtime::troupe::Repertoire;
 use throng_runtime::world::plan::{Planner, Target};
 use throng_runtime::world::{Node, Step, WorldGraph};
 
-/// Moves of a unit that are timed, and how far each goes. [Unit: m]
-const EDITS: usize = 5;
+/// Moves of a unit that are timed, and how far each goes on from the one before. [Unit: m]
+const EDITS: usize = 7;
 const EDIT_M: f32 = 0.03;
 /// Paths that are planned, and those of them that are compared with a plain search.
 const PATHS: usize = 40;
@@ -48,18 +47,31 @@ pub struct WorldFigures {
     pub stitch_seconds: f64,
     /// Most memory until then, where the system tells. [Unit: bytes]
     pub peak_bytes: u64,
-    /// Name of the unit that was moved.
-    pub edited_unit: String,
-    /// Moving it a few centimetres, the median of some moves; none where every move was refused. [Unit: s]
-    pub edit_seconds: Option<f64>,
-    /// Moving it over stitching anew.
-    pub edit_over_stitch: Option<f64>,
+    /// Moving a unit of every kind that is placed, in the order of the bundle's.
+    pub edits: Vec<EditFigures>,
     /// Paths between places drawn at random.
     pub paths: PathFigures,
     /// Characters who walked about, as many as there was room for up to a thousand.
     pub characters: usize,
     /// Steps of all of them a second on one thread: control and poses.
     pub steps_per_second: f64,
+}
+
+/// Figures of moving a unit a few centimetres, and a few more, as who drags it does.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct EditFigures {
+    /// Name of the unit.
+    pub unit: String,
+    /// How many are placed.
+    pub placed: usize,
+    /// The place that was moved: of all of that kind the middle one.
+    pub place: usize,
+    /// Moves that were done; others were refused, as nothing fits the unit where it would have stood.
+    pub done: usize,
+    /// Time for one, on all threads, the median; none where every move was refused. [Unit: s]
+    pub seconds: Option<f64>,
+    /// That time over stitching anew.
+    pub over_stitch: Option<f64>,
 }
 
 /// Figures of path planning.
@@ -99,11 +111,12 @@ pub fn world(tables: &Tables, source: &WorldSource, path: &Path) -> Result<World
     let kit = Kit::new(tables, &source.bundle)?;
     let environment = source.environment(&kit.units, path)?;
     let begin = Instant::now();
-    let mut editor = Editor::new(tables.patches(), kit.library(tables), environment.clone(), &source.stitch, &Silent)?;
+    let mut editor = Editor::new(tables.patches(), kit.library(tables), environment, &source.stitch, &Silent)?;
     let stitch_seconds = begin.elapsed().as_secs_f64();
     let report = editor.report().clone();
-    let moved = chosen(&kit, &environment);
-    let edit_seconds = edit(&mut editor, moved, environment.units[moved].placement);
+    let kinds = 0..kit.units.units.len();
+    let edits = kinds.filter_map(|kind| edit(&mut editor, &kit, kind, stitch_seconds).transpose());
+    let edits = edits.collect::<Result<_, _>>()?;
     let (data, _) = editor.into_world();
     let graph = WorldGraph::new(tables.patches(), data.view()).map_err(|e| fail(e.to_string()))?;
     let (characters, steps_per_second) = life(source, tables, &graph)?;
@@ -114,9 +127,7 @@ pub fn world(tables: &Tables, source: &WorldSource, path: &Path) -> Result<World
         transitions: report.transitions,
         stitch_seconds,
         peak_bytes: report.peak_bytes,
-        edited_unit: kit.units.units[environment.units[moved].unit].name.clone(),
-        edit_seconds,
-        edit_over_stitch: edit_seconds.map(|s| s / stitch_seconds),
+        edits,
         paths: paths(&graph, tables.meta().rate_hz),
         characters,
         steps_per_second,
@@ -127,24 +138,36 @@ fn fail(message: String) -> BuildError {
     BuildError::Stage { stage: "bench", message, help: "Stitch the world with `throng stitch` first".into() }
 }
 
-/// The last unit that is not walked on, else the last one.
-fn chosen(kit: &Kit, environment: &Environment) -> usize {
-    let furniture = environment.units.iter().rposition(|u| !kit.units.units[u.unit].floor);
-    furniture.unwrap_or(environment.units.len() - 1)
-}
-
-/// Median time to move a unit; a move that is refused counts for nothing.
-fn edit(editor: &mut Editor<'_>, unit: usize, from: Placement) -> Option<f64> {
+/// Moves the middle one of all units of a kind, and back again; none where there is none.
+fn edit(
+    editor: &mut Editor<'_>,
+    kit: &Kit,
+    kind: usize,
+    stitch_seconds: f64,
+) -> Result<Option<EditFigures>, BuildError> {
+    let units = &editor.environment().units;
+    let places: Vec<usize> = (0..units.len()).filter(|&u| units[u].unit == kind).collect();
+    let Some(&place) = places.get(places.len() / 2) else { return Ok(None) };
+    let home = units[place].placement;
     let mut seconds = Vec::new();
     for k in 1..=EDITS {
+        let to = home.compose(Placement::new(k as f32 * EDIT_M, 0.0, 0.0, 0.0));
         let begin = Instant::now();
-        let to = Placement { x: from.x + k as f32 * EDIT_M, ..from };
-        if editor.drag(unit, to).is_ok() {
+        if editor.drag(place, to).is_ok() {
             seconds.push(begin.elapsed().as_secs_f64());
         }
     }
+    editor.drag(place, home)?;
     seconds.sort_by(f64::total_cmp);
-    seconds.get(seconds.len() / 2).copied()
+    let median = seconds.get(seconds.len() / 2).copied();
+    Ok(Some(EditFigures {
+        unit: kit.units.units[kind].name.clone(),
+        placed: places.len(),
+        place,
+        done: seconds.len(),
+        seconds: median,
+        over_stitch: median.map(|s| s / stitch_seconds),
+    }))
 }
 
 /// How fast people walk about.

@@ -1,6 +1,6 @@
 //! Scene files: who is there, on which bundle, and what they are to do.
 
-use crate::config::{explain, read_text};
+use super::file::{Fault, SceneFile, check_count, check_numbers, fault, one};
 use crate::error::BuildError;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -40,10 +40,6 @@ pub struct Scene {
     /// For `targets` alone: where the targets are, and how they move.
     #[serde(default)]
     pub target: TargetConfig,
-}
-
-fn one() -> u64 {
-    1
 }
 
 fn spacing() -> f64 {
@@ -121,18 +117,7 @@ impl Scene {
     /// # Errors
     /// [`BuildError::Io`], or [`BuildError::Config`] with file, line and column, or file and key.
     pub fn load(path: &Path) -> Result<Self, BuildError> {
-        let text = read_text(path, "scene")?;
-        let help = "data/scenes/ has examples of scenes.";
-        let mut scene: Self =
-            toml::from_str(&text).map_err(|e| BuildError::Config { message: explain(&e, &text, path, help) })?;
-        if scene.name.is_empty() {
-            scene.name = path.file_stem().map_or_else(String::new, |s| s.to_string_lossy().into_owned());
-        }
-        let folder = path.parent().unwrap_or(Path::new(""));
-        scene.bundle = folder.join(&scene.bundle);
-        scene.config = scene.config.map(|c| folder.join(c));
-        scene.check(path)?;
-        Ok(scene)
+        Self::read(path)
     }
 
     /// True for a file that is a scene by its name.
@@ -145,32 +130,22 @@ impl Scene {
     /// # Errors
     /// [`BuildError::Config`] with file and key.
     pub fn check(&self, path: &Path) -> Result<(), BuildError> {
-        self.check_cast()
-            .and_then(|()| self.check_goals())
-            .and_then(|()| self.check_target())
-            .map_err(|(key, why)| BuildError::Config { message: format!("{}: key `{key}`: {why}", path.display()) })
+        self.check_file(path)
     }
 
     /// Who is there, and where.
     fn check_cast(&self) -> Result<(), Fault> {
-        if self.characters == 0 || self.characters > 1_000_000 {
-            return fault("characters", format!("expected 1 to 1000000, found {}", self.characters));
-        }
+        check_count("characters", self.characters)?;
         if self.kind == SceneKind::Pairs && !self.characters.is_multiple_of(2) {
             return fault("characters", format!("expected an even number for pairs, found {}", self.characters));
         }
-        for (key, value, low, high) in [
+        check_numbers(&[
             ("spacing_m", self.spacing_m, 0.5, 1e3),
             ("distance_m", self.distance_m, 0.1, 1e3),
             ("temperature", self.temperature, 0.0, 1e3),
             ("target.height_m", self.target.height_m, -10.0, 10.0),
             ("target.radius_m", self.target.radius_m, 0.01, 1.0),
-        ] {
-            if !(low..=high).contains(&value) {
-                return fault(key, format!("expected {low} to {high}, found {value}"));
-            }
-        }
-        Ok(())
+        ])
     }
 
     /// What they want.
@@ -216,11 +191,20 @@ impl Scene {
     }
 }
 
-/// A key, and what is wrong with its value.
-type Fault = (String, String);
+impl SceneFile for Scene {
+    fn name_mut(&mut self) -> &mut String {
+        &mut self.name
+    }
 
-fn fault(key: &str, why: String) -> Result<(), Fault> {
-    Err((key.into(), why))
+    fn paths_mut(&mut self) -> Vec<&mut PathBuf> {
+        std::iter::once(&mut self.bundle).chain(&mut self.config).collect()
+    }
+
+    fn find_fault(&self) -> Result<(), Fault> {
+        self.check_cast()?;
+        self.check_goals()?;
+        self.check_target()
+    }
 }
 
 #[cfg(test)]

@@ -48,7 +48,7 @@ impl Judged<'_, '_> {
         State {
             situation: Same::new(joined.situation(part)),
             inside: self.settled.inside[words.clone()].to_vec(),
-            leads: self.settled.leads[words].to_vec(),
+            leads: self.settled.to.moved[words].to_vec(),
             has_neighbour: (0..edges).map(|e| joined.neighbour(part, e).is_some()).collect(),
         }
     }

@@ -1,6 +1,7 @@
 //! The bodies of all frames as spheres, made once: whether a frame collides depends on where it is laid only.
 
 use super::field::Field;
+use super::rows::ones;
 use crate::clip::joint_transforms;
 use crate::environment::{Body, Bounds, NUM_SPHERES, Sphere};
 use glam::{Quat, Vec3};
@@ -21,6 +22,9 @@ const ROUNDING: f32 = 1e-3;
 /// Both feet: they may be in what is walked on.
 const FEET: Contacts = Contacts(Contacts::LEFT.0 | Contacts::RIGHT.0);
 
+/// Numbers of what is planted.
+const PLANTED: usize = 1 << u8::BITS;
+
 /// A body in every frame.
 #[derive(Clone, Debug)]
 pub(super) struct Bodies {
@@ -28,8 +32,9 @@ pub(super) struct Bodies {
     frames: Vec<Pose>,
     /// At rest, for what does not depend on the frame.
     spheres: [Sphere; NUM_SPHERES],
-    /// Radii of the spheres. [Unit: m]
-    radii: Lanes,
+    /// How near a unit may be to the middle of each sphere, by what is planted; then the same for units that are walked
+    /// on. [Unit: m] [Size: 2 * PLANTED]
+    limits: Vec<Lanes>,
     /// The widest of all frames. [Unit: m]
     radius: f32,
     /// The lowest and the highest point of all frames. [Unit: m]
@@ -59,6 +64,14 @@ impl Pose {
         Self { centres: [lanes(0), lanes(1), lanes(2)], radius, heights, contacts }
     }
 
+    /// True where no sphere can be nearer to a unit than `by`, because of where the root is alone. [Unit: m]
+    fn is_apart(&self, root: Placement, unit: &Field, by: f32) -> bool {
+        let shapes = &unit.geometry.bounds;
+        unit.plan().beside(root.x, root.z) > self.radius + by
+            || root.y + self.heights[1] + by < shapes.min.y
+            || root.y + self.heights[0] - by > shapes.max.y
+    }
+
     /// The middles of all spheres where the root is.
     fn placed(&self, root: Placement) -> [Lanes; 3] {
         let (sin, cos) = root.heading.sin_cos();
@@ -75,26 +88,41 @@ fn lanes(beyond: f32, of: impl Fn(usize) -> f32) -> Lanes {
     std::array::from_fn(|s| if s < NUM_SPHERES { of(s) } else { beyond })
 }
 
-/// How far balls are from a box along the axis on which they are farthest. [Unit: m]
-fn gaps(shapes: &Bounds, [x, y, z]: &[Lanes; 3], radii: &Lanes) -> Lanes {
+/// How near a unit may be to the middle of each sphere: a body may be `depth_m` deep in it, and what is planted by its
+/// whole radius more, as [`crate::environment::BodyPose::penetration`] says. [Unit: m]
+fn limits(spheres: &[Sphere; NUM_SPHERES], depth_m: f32) -> Vec<Lanes> {
+    let limit = |s: &Sphere, contacts: Contacts, floor: bool| match (floor && FEET.any(s.contact), s.contact) {
+        (true, _) => f32::NEG_INFINITY,
+        (false, contact) if contacts.any(contact) => -depth_m,
+        (false, _) => s.radius - depth_m,
+    };
+    let of = |k: usize| {
+        let contacts = Contacts((k % PLANTED) as u8);
+        lanes(f32::NEG_INFINITY, |s| limit(&spheres[s], contacts, k >= PLANTED))
+    };
+    (0..2 * PLANTED).map(of).collect()
+}
+
+/// How much farther points are from a box than each may be, along the axis on which they are farthest. [Unit: m]
+fn gaps(shapes: &Bounds, [x, y, z]: &[Lanes; 3], limits: &Lanes) -> Lanes {
     let (middle, half) = (shapes.centre(), 0.5 * (shapes.max - shapes.min));
     std::array::from_fn(|s| {
         let along =
             [(x[s] - middle.x).abs() - half.x, (y[s] - middle.y).abs() - half.y, (z[s] - middle.z).abs() - half.z];
-        along[0].max(along[1]).max(along[2]) - radii[s]
+        along[0].max(along[1]).max(along[2]) - limits[s]
     })
 }
 
-/// How far a root is from a box, over the ground. [Unit: m]
-pub(super) fn beside(shapes: &Bounds, root: Placement) -> f32 {
-    let x = (shapes.min.x - root.x).max(root.x - shapes.max.x).max(0.0);
-    let z = (shapes.min.z - root.z).max(root.z - shapes.max.z).max(0.0);
-    (x * x + z * z).sqrt()
+/// Bits of the spheres whose gap is below a limit.
+fn nearer(gaps: &Lanes, limit: f32) -> u64 {
+    (0..LANES).fold(0, |bits, s| bits | u64::from(gaps[s] < limit) << s)
 }
 
 impl Bodies {
     /// Places the spheres of every frame.
-    pub fn new(frames: &[FrameRow], contacts: &[Contacts], skeleton: &Skeleton) -> Self {
+    ///
+    /// - `depth_m`: bodies may be that deep in units. [Unit: m]
+    pub fn new(frames: &[FrameRow], contacts: &[Contacts], skeleton: &Skeleton, depth_m: f32) -> Self {
         let body = Body::new(skeleton);
         let pose = |(row, &contacts): (&FrameRow, &Contacts)| {
             let joints = joint_transforms(skeleton, Vec3::Y * row.height, |j| row.rotation(j));
@@ -102,16 +130,21 @@ impl Bodies {
         };
         let frames: Vec<Pose> = frames.par_iter().zip(contacts).map(pose).collect();
         let spheres = body.spheres(&joint_transforms(skeleton, Vec3::ZERO, |_| Quat::IDENTITY));
-        let radii = lanes(f32::NEG_INFINITY, |s| spheres[s].radius);
+        let limits = limits(&spheres, depth_m);
         let radius = frames.iter().map(|f| f.radius).fold(0.0, f32::max);
         let lowest = frames.iter().map(|f| f.heights[0]).fold(f32::INFINITY, f32::min);
         let highest = frames.iter().map(|f| f.heights[1]).fold(f32::NEG_INFINITY, f32::max);
-        Self { frames, spheres, radii, radius, heights: [lowest, highest] }
+        Self { frames, spheres, limits, radius, heights: [lowest, highest] }
     }
 
     /// No body reaches farther from the vertical through its root than this. [Unit: m]
     pub fn radius(&self) -> f32 {
         self.radius
+    }
+
+    /// No part of the body of a frame is farther from the vertical through its root than this. [Unit: m]
+    pub fn radius_of(&self, frame: usize) -> f32 {
+        self.frames[frame].radius
     }
 
     /// Where a root must be for a body to touch what is in a box.
@@ -123,55 +156,56 @@ impl Bodies {
         }
     }
 
-    /// True where the body of a frame is deeper in a unit than `depth_m`; what is planted may be pressed in by its
-    /// whole radius, as [`crate::environment::BodyPose::penetration`] says.
+    /// True where the body of a frame is in a unit.
     ///
     /// - `root`: in the unit's frame.
-    pub fn collides(&self, frame: usize, root: Placement, unit: &Field, depth_m: f32) -> bool {
-        let (pose, shapes) = (&self.frames[frame], &unit.geometry.bounds);
-        let beside = beside(shapes, root) > pose.radius
-            || root.y + pose.heights[1] < shapes.min.y
-            || root.y + pose.heights[0] > shapes.max.y;
-        if beside {
+    pub fn collides(&self, frame: usize, root: Placement, unit: &Field) -> bool {
+        let pose = &self.frames[frame];
+        if pose.is_apart(root, unit, 0.0) {
             return false;
         }
-        let centres = pose.placed(root);
-        let gaps = gaps(shapes, &centres, &self.radii);
-        (0..NUM_SPHERES).filter(|&s| gaps[s] < ROUNDING).any(|s| {
-            let limit = self.limit(pose, s, unit, depth_m);
-            limit.is_some_and(|limit| unit.is_nearer(at(&centres, s), limit))
+        let (centres, limits) = (pose.placed(root), self.limits(pose, unit));
+        let near = nearer(&gaps(&unit.geometry.bounds, &centres, limits), ROUNDING);
+        ones(near).any(|s| unit.is_nearer(at(&centres, s as usize), limits[s as usize]))
+    }
+
+    /// How far a unit may be moved without touching the body of a frame; none where the body is in it. [Unit: m]
+    ///
+    /// - `root`: in the unit's frame.
+    /// - `most`: what is more is not told apart. [Limit: <= SLACK_M]
+    pub fn clearance(&self, frame: usize, root: Placement, unit: &Field, most: f32) -> Option<f32> {
+        let pose = &self.frames[frame];
+        if pose.is_apart(root, unit, most) {
+            return Some(most);
+        }
+        let (centres, limits) = (pose.placed(root), self.limits(pose, unit));
+        let near = nearer(&gaps(&unit.geometry.bounds, &centres, limits), most + ROUNDING);
+        ones(near).try_fold(most, |least, s| {
+            unit.clearance(at(&centres, s as usize), limits[s as usize], least).map(|c| c.min(least))
         })
     }
 
     /// The joint whose sphere is deepest in a unit, and how deep; none where the body does not collide.
-    pub fn deepest(&self, frame: usize, root: Placement, unit: &Field, depth_m: f32) -> Option<(Joint, f32)> {
+    pub fn deepest(&self, frame: usize, root: Placement, unit: &Field) -> Option<(Joint, f32)> {
         let pose = &self.frames[frame];
-        let centres = pose.placed(root);
+        let (centres, limits) = (pose.placed(root), self.limits(pose, unit));
         let depth = |s: usize| {
-            let limit = self.limit(pose, s, unit, depth_m)?;
             let sphere = &self.spheres[s];
-            unit.geometry.nearest(at(&centres, s), limit).map(|n| (sphere.joint, sphere.radius - n.distance))
+            unit.geometry.nearest(at(&centres, s), limits[s]).map(|n| (sphere.joint, sphere.radius - n.distance))
         };
         (0..NUM_SPHERES).filter_map(depth).max_by(|a, b| a.1.total_cmp(&b.1))
     }
 
-    /// How near a unit may be to the middle of a sphere; none where it does not matter. [Unit: m]
-    fn limit(&self, pose: &Pose, sphere: usize, unit: &Field, depth_m: f32) -> Option<f32> {
-        let walked_on = unit.geometry.floor && FEET.any(self.spheres[sphere].contact);
-        (!walked_on).then(|| self.nearness(pose, sphere, depth_m))
-    }
-
-    /// How near anything may be to the middle of a sphere. [Unit: m]
-    fn nearness(&self, pose: &Pose, sphere: usize, depth_m: f32) -> f32 {
-        let s = &self.spheres[sphere];
-        if pose.contacts.any(s.contact) { -depth_m } else { s.radius - depth_m }
+    /// How near a unit may be to the middle of each sphere. [Unit: m]
+    fn limits(&self, pose: &Pose, unit: &Field) -> &Lanes {
+        &self.limits[usize::from(unit.geometry.floor) * PLANTED + usize::from(pose.contacts.0)]
     }
 
     /// Discs on the ground, as x, z and radius: what is beside all of them does not collide with a frame's body.
-    pub fn shadow(&self, frame: usize, root: Placement, depth_m: f32) -> impl Iterator<Item = [f32; 3]> {
+    pub fn shadow(&self, frame: usize, root: Placement) -> impl Iterator<Item = [f32; 3]> {
         let pose = &self.frames[frame];
-        let centres = pose.placed(root);
-        (0..NUM_SPHERES).map(move |s| [centres[0][s], centres[2][s], self.nearness(pose, s, depth_m).max(0.0)])
+        let (centres, limits) = (pose.placed(root), &self.limits[usize::from(pose.contacts.0)]);
+        (0..NUM_SPHERES).map(move |s| [centres[0][s], centres[2][s], limits[s].max(0.0)])
     }
 }
 

@@ -104,22 +104,10 @@ impl<G: Ways> Search<'_, G> {
     }
 }
 
-/// What a node is to the largest component.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[repr(u8)]
-pub(super) enum Standing {
-    /// It belongs to it.
-    Inside,
-    /// It leads to it, but is not reached from it.
-    Unreached,
-    /// It does not lead to it.
-    DeadEnd,
-}
-
-/// Finds the component of most nodes; the one with the first node where several have as many.
+/// The first node of the component of most nodes; of the one with the first node where several have as many.
 ///
-/// - returns what every node is to it; none where no node leads back to itself.
-pub(super) fn largest<G: Ways>(graph: &G) -> Option<Vec<Standing>> {
+/// - returns none where no node leads back to itself.
+pub(super) fn largest<G: Ways>(graph: &G) -> Option<u32> {
     let component = components(graph);
     let lowest = *component.iter().min()?;
     let mut sizes = vec![0u32; graph.num_nodes() + 1 - lowest as usize];
@@ -127,23 +115,8 @@ pub(super) fn largest<G: Ways>(graph: &G) -> Option<Vec<Standing>> {
         sizes[(c - lowest) as usize] += 1;
     }
     let most = *sizes.iter().max()?;
-    let lead_back = |n: usize| most > 1 || graph.ways(n as u32).any(|w| w as usize == n);
-    let has_most = |n: &usize| sizes[(component[*n] - lowest) as usize] == most && lead_back(*n);
-    let main = component[(0..component.len()).find(has_most)?];
-
-    let mut standing: Vec<Standing> =
-        component.iter().map(|&c| if c == main { Standing::Inside } else { Standing::DeadEnd }).collect();
-    // Ways lead to components finished before, so that one pass in that order settles who gets to the main one;
-    // those finished before it do not.
-    let mut others: Vec<u32> = (0..component.len() as u32).filter(|&n| component[n as usize] < main).collect();
-    others.sort_unstable_by_key(|&n| std::cmp::Reverse(component[n as usize]));
-    for same in others.chunk_by(|&n, &m| component[n as usize] == component[m as usize]) {
-        let leads = same.iter().any(|&n| graph.ways(n).any(|w| standing[w as usize] != Standing::DeadEnd));
-        if leads {
-            same.iter().for_each(|&n| standing[n as usize] = Standing::Unreached);
-        }
-    }
-    Some(standing)
+    let lead_back = |n: u32| most > 1 || graph.ways(n).any(|w| w == n);
+    (0..component.len() as u32).find(|&n| sizes[(component[n as usize] - lowest) as usize] == most && lead_back(n))
 }
 
 #[cfg(test)]
@@ -200,7 +173,7 @@ mod tests {
         }
 
         #[test]
-        fn nodes_are_sorted_by_what_they_are_to_the_largest(graph in graphs()) {
+        fn the_largest_is_the_one_of_most_nodes_and_of_those_the_first(graph in graphs()) {
             let r = reach(&graph);
             let n = graph.0.len();
             let size = |i: usize| {
@@ -208,15 +181,7 @@ mod tests {
                 if all > 1 || graph.0[i].contains(&(i as u32)) { all } else { 0 }
             };
             let best = (0..n).rev().max_by_key(|&i| size(i)).filter(|&i| size(i) > 0);
-            let expected = best.map(|b| {
-                let of = |i: usize| match (r[i][b], r[b][i]) {
-                    (true, true) => Standing::Inside,
-                    (true, false) => Standing::Unreached,
-                    _ => Standing::DeadEnd,
-                };
-                (0..n).map(of).collect::<Vec<_>>()
-            });
-            prop_assert_eq!(largest(&graph), expected);
+            prop_assert_eq!(largest(&graph), best.map(|b| b as u32));
         }
     }
 
@@ -224,6 +189,7 @@ mod tests {
     fn a_long_way_does_not_end_the_stack() {
         let n = 300_000;
         let ring = Explicit((0..n).map(|i| vec![(i + 1) % n]).collect());
-        assert!(largest(&ring).unwrap().iter().all(|s| *s == Standing::Inside));
+        assert_eq!(largest(&ring), Some(0));
+        assert!(components(&ring).iter().all(|c| *c == n));
     }
 }

@@ -29,13 +29,13 @@ pub(super) struct Crossing {
 impl Crossing {
     /// - `a`, `b`: numbers of the patches.
     /// - `situation`: of side a.
-    /// - `hit`: first and last frame of a link of side a that collide with anything.
+    /// - `hit`: as [`Situation::joint_words`] asks.
     pub fn new(
         patches: &Patches<'_>,
         [a, b]: [u32; 2],
         table: &Arc<JointTable>,
         situation: &Situation,
-        hit: impl FnMut(u32) -> Option<Hit>,
+        hit: impl FnMut(u32, [u32; 2]) -> Option<Hit>,
     ) -> Self {
         let words = situation.joint_words(table, hit);
         let links = patches.links_of(a as usize);

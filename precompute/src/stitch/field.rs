@@ -1,5 +1,6 @@
 //! Distances from a unit on a grid: most balls are clearly in it or clearly not, and need no exact distance.
 
+use super::plan::Plan;
 use crate::environment::UnitGeometry;
 use glam::Vec3;
 use std::sync::Arc;
@@ -17,6 +18,7 @@ pub(super) struct Field {
     distances: Vec<u8>,
     /// The least distance of each column of grid cells. [Size: size[0] * size[2]]
     columns: Vec<f32>,
+    plan: Plan,
 }
 
 impl Field {
@@ -52,8 +54,15 @@ impl Field {
             let first = c / size[0] * size[0] * size[1] + c % size[0];
             unpacked((0..size[1]).map(|y| distances[first + y * size[0]]).min().unwrap_or(u8::MAX)) - 0.5 * PACKED_M
         };
-        let columns = (0..size[0] * size[2]).map(column).collect();
-        Self { geometry: Arc::clone(geometry), min: bounds.min, size, distances, columns }
+        let columns: Vec<f32> = (0..size[0] * size[2]).map(column).collect();
+        let is_touched = |c: usize| columns[c] <= Self::ERROR_M;
+        let plan = Plan::new([bounds.min.x, bounds.min.z], Self::STEP_M, [size[0], size[2]], is_touched);
+        Self { geometry: Arc::clone(geometry), min: bounds.min, size, distances, columns, plan }
+    }
+
+    /// The unit as seen from above.
+    pub fn plan(&self) -> &Plan {
+        &self.plan
     }
 
     /// The unit is nowhere nearer to the vertical line through a place than this, which is no more than
@@ -78,29 +87,61 @@ impl Field {
         self.columns[at[1] as usize * self.size[0] + at[0] as usize]
     }
 
+    /// How much farther than `limit` the unit is from a point, or a little less; none where it is nearer. [Unit: m]
+    ///
+    /// - `limit`: [Limit: <= MARGIN_M - most]
+    /// - `most`: what is more is not told apart.
+    pub fn clearance(&self, p: Vec3, limit: f32, most: f32) -> Option<f32> {
+        let Some((at, cell)) = self.cell(p) else { return Some(most) };
+        let exact = || match self.geometry.nearest(p, limit + most) {
+            Some(near) => (near.distance >= limit).then_some(near.distance - limit),
+            None => Some(most),
+        };
+        if limit - Self::ERROR_M < LEAST_M {
+            return exact();
+        }
+        let distance = unpacked(self.distances[cell]);
+        if distance - Self::ERROR_M - Self::ROUNDING_M >= limit + most {
+            return Some(most);
+        }
+        let off = Self::off(at);
+        match distance - off - limit {
+            clear if clear >= 0.0 => Some(clear.min(most)),
+            _ if distance + off < limit => None,
+            _ => exact(),
+        }
+    }
+
     /// True where the unit is nearer to a point than `limit`. [Limit: limit <= MARGIN_M]
     pub fn is_nearer(&self, p: Vec3, limit: f32) -> bool {
-        let at = (p - self.min) * Self::STEPS_PER_M;
-        if at.cmplt(Vec3::ZERO).any() {
-            return false;
-        }
-        let ([x, y, z], size) = (at.to_array().map(|v| v as u32 as usize), self.size);
-        if x >= size[0] || y >= size[1] || z >= size[2] {
-            return false;
-        }
+        let Some((at, cell)) = self.cell(p) else { return false };
         if limit - Self::ERROR_M < LEAST_M {
             return self.geometry.nearest(p, limit).is_some();
         }
-        let distance = unpacked(self.distances[(z * size[1] + y) * size[0] + x]);
+        let distance = unpacked(self.distances[cell]);
         if distance - Self::ERROR_M - Self::ROUNDING_M >= limit {
             return false;
         }
-        // Distances change by no more than the way to the middle of the grid cell, and rounding.
-        let off = (at - Vec3::new(x as f32, y as f32, z as f32) - 0.5).length() * Self::STEP_M + Self::ROUNDING_M;
+        let off = Self::off(at);
         if distance - off >= limit {
             return false;
         }
         distance + off < limit || self.geometry.nearest(p, limit).is_some()
+    }
+
+    /// A point in steps from the grid's lowest corner, and the number of its grid cell; none beyond the grid.
+    fn cell(&self, p: Vec3) -> Option<(Vec3, usize)> {
+        let at = (p - self.min) * Self::STEPS_PER_M;
+        if at.cmplt(Vec3::ZERO).any() {
+            return None;
+        }
+        let ([x, y, z], size) = (at.to_array().map(|v| v as u32 as usize), self.size);
+        (x < size[0] && y < size[1] && z < size[2]).then_some((at, (z * size[1] + y) * size[0] + x))
+    }
+
+    /// Distances change by no more than the way to the middle of the grid cell, and rounding. [Unit: m]
+    fn off(at: Vec3) -> f32 {
+        (at - at.floor() - 0.5).length() * Self::STEP_M + Self::ROUNDING_M
     }
 }
 
@@ -137,6 +178,19 @@ mod tests {
             thread_local!(static FIELD: Field = Field::new(&post()));
             let p = Vec3::from(p);
             FIELD.with(|f| assert_eq!(f.is_nearer(p, limit), f.geometry.nearest(p, limit).is_some()));
+        }
+
+        #[test]
+        fn is_no_clearer_than_the_exact_geometry_says(
+            p in prop::array::uniform3(-0.8f32..1.5), limit in -0.1f32..0.1, most in 0.0f32..0.1
+        ) {
+            thread_local!(static FIELD: Field = Field::new(&post()));
+            let p = Vec3::from(p);
+            FIELD.with(|f| {
+                let (found, exact) = (f.clearance(p, limit, most), f.geometry.distance(p) - limit);
+                assert_eq!(found.is_none(), exact < 0.0);
+                assert!(found.is_none_or(|found| found <= exact + 1e-5 && found >= exact.min(most) - 0.08));
+            });
         }
 
         #[test]

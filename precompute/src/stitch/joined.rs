@@ -125,6 +125,13 @@ impl Joined<'_> {
         &self.overlaps[p.first_overlap as usize..(p.first_overlap + p.num_overlaps) as usize]
     }
 
+    /// The instances that an instance leads to or is led to from, some of them more than once.
+    pub fn adjacent(&self, part: u32) -> impl Iterator<Item = u32> {
+        let edges = self.patches.edges_of(self.parts[part as usize].patch as usize).len() as u32;
+        let across = (0..edges).filter_map(move |edge| self.neighbour(part, edge));
+        across.chain(self.overlaps_of(part).iter().map(|o| o.other))
+    }
+
     /// The joints of an overlap.
     pub fn crossing(&self, overlap: &Overlap) -> &Crossing {
         &self.crossings[overlap.crossing as usize]

@@ -1,10 +1,11 @@
 //! What is left of an instance: the same for all in the same situation of which the same cells are taken out.
 
 use super::bits::{num_words, set};
-use super::component::Standing;
 use super::report::Reason;
 use super::same::Same;
+use super::settled::Standing;
 use super::situation::Situation;
+use std::hash::{Hash, Hasher};
 use throng_runtime::patch::{CellRecord, Patches};
 use throng_runtime::world::is_set;
 
@@ -35,7 +36,7 @@ impl Counts {
 }
 
 /// What an instance is to the component: what is left of it depends on that alone.
-#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct State {
     /// What is in its way.
     pub situation: Same<Situation>,
@@ -45,6 +46,15 @@ pub(super) struct State {
     pub leads: Vec<u64>,
     /// For each edge, whether there is a neighbour.
     pub has_neighbour: Vec<bool>,
+}
+
+impl Hash for State {
+    /// Many words for each instance of a world: they are taken together first.
+    fn hash<H: Hasher>(&self, state: &mut H) {
+        self.situation.hash(state);
+        let words = [&self.inside, &self.leads].map(|w| xxhash_rust::xxh3::xxh3_64(bytemuck::cast_slice(w)));
+        (words, &self.has_neighbour).hash(state);
+    }
 }
 
 impl State {

@@ -99,6 +99,11 @@ impl Paths {
         &self.roots[self.range(link)]
     }
 
+    /// Frame rows of one link. [Size: num_frames + 1]
+    pub fn rows_of(&self, link: usize) -> &[u32] {
+        &self.rows[self.range(link)]
+    }
+
     /// Where the roots of one link are among all.
     pub fn range(&self, link: usize) -> std::ops::Range<usize> {
         let first = self.starts[link] as usize;
@@ -152,12 +157,14 @@ impl Spot {
 }
 
 /// The spots of a patch by pose group and place.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub(super) struct Spots {
     /// First spot of each group. [Size: groups + 1]
     starts: Vec<u32>,
     /// By group, then by strip along x, then along z.
     spots: Vec<Spot>,
+    /// The box around all of them.
+    bounds: Bounds,
 }
 
 /// How near two spots are for motion to go on.
@@ -231,17 +238,19 @@ impl Spots {
         for g in 0..groups as usize {
             starts[g + 1] += starts[g];
         }
-        Self { starts, spots: of_groups.into_iter().map(|(_, s)| s).collect() }
+        let bounds = Bounds::of(of_groups.iter().map(|(_, s)| s.at.translation()));
+        Self { starts, spots: of_groups.into_iter().map(|(_, s)| s).collect(), bounds }
     }
 
     /// Spots of a group that are near a place, and how far they are.
     pub fn near(&self, group: u32, at: Placement, nearness: Nearness) -> impl Iterator<Item = (&Spot, f32)> {
-        let range = match self.starts.get(group as usize..group as usize + 2) {
-            Some(&[first, end]) => first as usize..end as usize,
-            _ => 0..0,
-        };
         // Rounding hides nothing.
         let reach = nearness.position + 1e-4;
+        let around = self.bounds.grown(reach.max(nearness.height + 1e-4));
+        let range = match self.starts.get(group as usize..group as usize + 2) {
+            Some(&[first, end]) if around.contains(at.translation()) => first as usize..end as usize,
+            _ => 0..0,
+        };
         let spots = &self.spots[range];
         (strip(at.x - reach)..=strip(at.x + reach)).flat_map(move |here| {
             let first = spots.partition_point(|s| s.strip < here || s.strip == here && s.at.z < at.z - reach);

@@ -9,12 +9,13 @@ use super::outcome::{Outcome, State};
 use super::paths::{Nearness, Paths, Spots};
 use super::relation::Relation;
 use super::same::Same;
+use super::seen::{Earlier, Mask};
 use super::situation::{Situation, Surroundings};
 use super::swept::Swept;
 use super::table::{JointTable, Rule};
 use crate::progress::Progress;
 use rayon::prelude::*;
-use std::collections::{BTreeSet, HashMap, HashSet};
+use std::collections::{HashMap, HashSet};
 use std::hash::Hash;
 use std::sync::{Arc, OnceLock};
 use throng_runtime::world::is_set;
@@ -27,7 +28,7 @@ pub(super) struct Found {
     bodies: OnceLock<Bodies>,
     fields: Vec<OnceLock<Field>>,
     tables: HashMap<Relation, Arc<JointTable>>,
-    masks: HashMap<Relation, Arc<Vec<u64>>>,
+    masks: HashMap<Relation, Arc<Mask>>,
     /// What is left of motion among units.
     pub situations: HashMap<Surroundings, Arc<Situation>>,
     /// What is left of instances, by what they are to the component.
@@ -69,6 +70,14 @@ pub(super) struct Situated {
     pub situations: Vec<Arc<Situation>>,
 }
 
+/// What is named, once each; ascending.
+fn distinct<T: Ord>(named: impl Iterator<Item = T>) -> Vec<T> {
+    let mut out: Vec<T> = named.collect();
+    out.sort_unstable();
+    out.dedup();
+    out
+}
+
 /// Forgets what no key names and makes what is new; keys may be named more than once.
 pub(super) fn renew<K: Eq + Hash + Clone + Sync + Send, V: Send>(
     known: &mut HashMap<K, V>,
@@ -85,9 +94,8 @@ pub(super) fn renew<K: Eq + Hash + Clone + Sync + Send, V: Send>(
 impl Stitcher<'_> {
     /// Makes the tables, masks and situations that a world needs and no earlier one has; forgets all others.
     pub fn prepare(&mut self, laid: &Laid, progress: &dyn Progress) -> Situated {
-        let relations =
-            |of: &[(u32, u32, Relation)]| of.iter().map(|p| p.2).collect::<BTreeSet<_>>().into_iter().collect();
-        let (pairs, obstacles): (Vec<Relation>, Vec<Relation>) = (relations(&laid.pairs), relations(&laid.obstacles));
+        let relations = |of: &[(u32, u32, Relation)]| distinct(of.iter().map(|p| p.2));
+        let (pairs, obstacles) = (relations(&laid.pairs), relations(&laid.obstacles));
         self.ready(&obstacles);
 
         let mut tables = std::mem::take(&mut self.found.tables);
@@ -97,7 +105,8 @@ impl Stitcher<'_> {
         progress.end();
         let mut masks = std::mem::take(&mut self.found.masks);
         progress.begin("obstacles", obstacles.len() as u64, "pairs");
-        renew(&mut masks, &obstacles, |r| counted(progress, Arc::new(self.mask(r))));
+        let before = masks.clone();
+        renew(&mut masks, &obstacles, |r| counted(progress, Arc::new(self.mask(r, &before))));
         self.found.masks = masks;
         progress.end();
         self.situate(laid)
@@ -127,7 +136,7 @@ impl Stitcher<'_> {
         for (i, f) in (0u32..).zip(&laid.fitted) {
             let mut own = Vec::new();
             while let Some((_, _, r)) = obstacles.next_if(|o| o.0 == i) {
-                own.extend((!self.found.masks[r].is_empty()).then_some(*r));
+                own.extend((!self.found.masks[r].words.is_empty()).then_some(*r));
             }
             own.sort_unstable();
             own.dedup();
@@ -139,7 +148,7 @@ impl Stitcher<'_> {
         }
         let mut known = std::mem::take(&mut self.found.situations);
         renew(&mut known, &order, |key| {
-            let masks = key.obstacles.iter().map(|r| self.found.masks[r].as_slice());
+            let masks = key.obstacles.iter().map(|r| self.found.masks[r].words.as_slice());
             Arc::new(Situation::new(&self.patches, key.clone(), masks))
         });
         let situations: Vec<_> = order.iter().map(|key| Arc::clone(&known[key])).collect();
@@ -153,22 +162,24 @@ impl Stitcher<'_> {
         let joined = |(a, _, r): &(u32, u32, Relation)| {
             (!self.found.tables[r].joints.is_empty()).then_some((*r, situated.of[*a as usize]))
         };
-        let pairs: BTreeSet<(Relation, u32)> = laid.pairs.iter().filter_map(joined).collect();
+        let pairs = distinct(laid.pairs.iter().filter_map(joined));
         let key = |(r, s): (Relation, u32)| (r, Same::new(&situated.situations[s as usize]));
         let keys: Vec<_> = pairs.into_iter().map(key).collect();
         let mut known = std::mem::take(&mut self.found.crossings);
         renew(&mut known, &keys, |(relation, Same(situation))| {
-            let hit = |link: u32| self.hit(&situation.surroundings, link);
+            let hit = |link: u32, offsets| self.hit(&situation.surroundings, link, offsets);
             let table = &self.found.tables[relation];
             Arc::new(Crossing::new(&self.patches, [relation.a, relation.b], table, situation, hit))
         });
         self.found.crossings = known;
     }
 
-    /// First and last frame of a link that collide with anything around it.
-    fn hit(&self, surroundings: &Surroundings, link: u32) -> Option<Hit> {
-        let in_the_way = surroundings.obstacles.iter().filter(|r| is_set(&self.found.masks[r], 0, link));
-        in_the_way.filter_map(|r| self.obstacle(r).hit(link as usize)).reduce(Hit::union)
+    /// First and last frame of a link that collide with anything around it, as far as [`Situation::joint_words`] asks.
+    fn hit(&self, surroundings: &Surroundings, link: u32, offsets: [u32; 2]) -> Option<Hit> {
+        let in_the_way = surroundings.obstacles.iter().map(|r| (r, &self.found.masks[r]));
+        let in_the_way = in_the_way.filter(|(_, mask)| is_set(&mask.words, 0, link));
+        let link = link as usize;
+        in_the_way.filter_map(|(r, mask)| self.obstacle(r).hit(link, mask.frame(link), offsets)).reduce(Hit::union)
     }
 
     /// The joints of a pair. [Limit: prepared]
@@ -190,13 +201,13 @@ impl Stitcher<'_> {
     /// Bodies of all frames.
     pub fn bodies(&self) -> &Bodies {
         let l = &self.library;
-        self.found.bodies.get_or_init(|| Bodies::new(l.frames, l.contacts, l.skeleton))
+        self.found.bodies.get_or_init(|| Bodies::new(l.frames, l.contacts, l.skeleton, self.config.penetration_m))
     }
 
     /// Where links pass; none where they have most of their roots in common.
     fn swept(&self, patch: u32) -> Option<&Swept> {
-        let (paths, depth_m) = (self.paths(patch), self.config.penetration_m);
-        let make = || Swept::new(paths, self.bodies(), depth_m);
+        let paths = self.paths(patch);
+        let make = || Swept::new(paths, self.bodies());
         (!paths.is_shared()).then(|| self.found.swept[patch as usize].get_or_init(make))
     }
 
@@ -212,13 +223,18 @@ impl Stitcher<'_> {
         JointTable::new(&self.patches, spots, pattern.is_tile.then_some(panel), relation, rule)
     }
 
-    fn mask(&self, relation: &Relation) -> Vec<u64> {
-        self.obstacle(relation).links(self.swept(relation.a))
+    /// - `before`: masks of the world that is changed.
+    fn mask(&self, relation: &Relation, before: &HashMap<Relation, Arc<Mask>>) -> Mask {
+        let (unit, at) = (&self.library.geometries[relation.b as usize].bounds, relation.placement());
+        let alike = before.iter().filter(|(r, _)| (r.a, r.b) == (relation.a, relation.b));
+        let moved = alike.map(|(r, mask)| Earlier { mask, moved: Obstacle::moved(unit, r.placement(), at) });
+        let earlier = moved.min_by(|a, b| a.moved.total_cmp(&b.moved));
+        self.obstacle(relation).mask(self.swept(relation.a), earlier)
     }
 
     fn obstacle(&self, relation: &Relation) -> Obstacle<'_> {
         let (paths, unit) = (self.paths(relation.a), self.field(relation.b));
-        Obstacle::new(paths, self.bodies(), unit, relation.placement(), self.config.penetration_m)
+        Obstacle::new(paths, self.bodies(), unit, relation.placement())
     }
 
     /// Distances from a unit.

@@ -25,35 +25,46 @@ pub(super) struct Reached {
 }
 
 impl Reached {
-    fn none(num_words: usize) -> Self {
+    /// No node of a graph with that many words.
+    pub fn none(num_words: usize) -> Self {
         Self { moved: vec![0; num_words], joined: vec![0; num_words] }
+    }
+
+    /// Nodes that are in both.
+    pub fn and(&self, other: &Self) -> Self {
+        let both = |a: &[u64], b: &[u64]| a.iter().zip(b).map(|(a, b)| a & b).collect();
+        Self { moved: both(&self.moved, &other.moved), joined: both(&self.joined, &other.joined) }
+    }
+
+    /// True where all nodes of the other are in this one.
+    pub fn holds(&self, other: &Self) -> bool {
+        let all = |a: &[u64], b: &[u64]| a.iter().zip(b).all(|(a, b)| b & !a == 0);
+        all(&self.moved, &other.moved) && all(&self.joined, &other.joined)
+    }
+
+    /// True where no node is in it.
+    pub fn is_empty(&self) -> bool {
+        self.moved.iter().chain(&self.joined).all(|w| *w == 0)
     }
 }
 
 /// Everything that is reached from a cell come to by motion, or from where it is reached.
 pub(super) fn reach(graph: &Joined<'_>, part: u32, cell: u32, direction: Direction) -> Reached {
-    let mut search = Search {
-        graph,
-        direction,
-        found: Reached::none(graph.num_words),
-        done: Reached::none(graph.num_words),
-        open: VecDeque::new(),
-        is_open: vec![false; graph.parts.len()],
-    };
+    let mut search = Search::new(graph, direction);
     search.start(part, cell);
-    while let Some(part) = search.open.pop_front() {
-        search.is_open[part as usize] = false;
-        search.follow(part);
-    }
-    search.found
+    search.run()
 }
 
-struct Search<'j, 'a> {
+/// A search from some nodes on.
+pub(super) struct Search<'j, 'a> {
     graph: &'j Joined<'a>,
     direction: Direction,
-    found: Reached,
+    /// Nodes found so far.
+    pub found: Reached,
     /// Nodes whose ways have been followed.
-    done: Reached,
+    pub done: Reached,
+    /// Instances whose nodes' ways are followed; none where all are.
+    pub within: Option<&'j [bool]>,
     /// Instances with nodes whose ways have not been.
     open: VecDeque<u32>,
     is_open: Vec<bool>,
@@ -69,8 +80,31 @@ struct New {
     links: u64,
 }
 
-impl Search<'_, '_> {
-    fn start(&mut self, part: u32, cell: u32) {
+impl<'j, 'a> Search<'j, 'a> {
+    /// Nothing is found yet.
+    pub fn new(graph: &'j Joined<'a>, direction: Direction) -> Self {
+        Self {
+            graph,
+            direction,
+            found: Reached::none(graph.num_words),
+            done: Reached::none(graph.num_words),
+            within: None,
+            open: VecDeque::new(),
+            is_open: vec![false; graph.parts.len()],
+        }
+    }
+
+    /// Finds everything.
+    pub fn run(mut self) -> Reached {
+        while let Some(part) = self.open.pop_front() {
+            self.is_open[part as usize] = false;
+            self.follow(part);
+        }
+        self.found
+    }
+
+    /// Begins at a cell come to by motion.
+    pub fn start(&mut self, part: u32, cell: u32) {
         self.add(part, cell);
         // An entry and the exit that leads there are one node.
         if self.graph.cells(part)[cell as usize].is(CellRecord::IS_ENTRY) {
@@ -86,8 +120,10 @@ impl Search<'_, '_> {
         }
     }
 
-    fn open(&mut self, part: u32) {
-        if !std::mem::replace(&mut self.is_open[part as usize], true) {
+    /// The ways of an instance's nodes are followed that are found and not done.
+    pub fn open(&mut self, part: u32) {
+        let is_within = self.within.is_none_or(|within| within[part as usize]);
+        if is_within && !std::mem::replace(&mut self.is_open[part as usize], true) {
             self.open.push_back(part);
         }
     }

@@ -4,7 +4,7 @@
 use super::paths::{Nearness, Spots};
 use super::relation::Relation;
 use crate::environment::Bounds;
-use throng_runtime::patch::{CellRecord, NONE, Patches, Placement};
+use throng_runtime::patch::{CellRecord, Patches, Placement};
 use throng_runtime::world::JointRecord;
 
 /// The joints of all pairs of instances that stand in one relation, ready to be followed from either side.
@@ -14,11 +14,6 @@ pub(super) struct JointTable {
     pub joints: Vec<JointRecord>,
     /// Numbers of the joints, sorted by (b, a, a_offset).
     pub by_b: Vec<u32>,
-    /// First joint of each cell of side a; a joint that leaves a link belongs to the cell the link begins in.
-    /// [Size: cells of a + 1]
-    pub a_starts: Vec<u32>,
-    /// First place in `by_b` of each cell of side b. [Size: cells of b + 1]
-    pub b_starts: Vec<u32>,
     /// True where side a is a tile on whose panel motion of b takes place: who is in b is in the way of others on a.
     pub shares_floor: bool,
 }
@@ -38,7 +33,7 @@ impl JointTable {
     /// Of a link's frames that are near a cell, the nearest is taken; of all joints of a cell of b the nearest ones.
     /// - `floor`: the panel, where a is a tile.
     pub fn new(patches: &Patches<'_>, spots: &Spots, floor: Option<&Bounds>, relation: &Relation, rule: Rule) -> Self {
-        let (a, b, at) = (relation.a as usize, relation.b as usize, relation.placement());
+        let (b, at) = (relation.b as usize, relation.placement());
         let mut joints = Vec::new();
         for (c, cell) in patches.cells_of(b).iter().enumerate() {
             joints.extend(of_cell(spots, cell, at, rule).map(|(a, a_offset)| JointRecord {
@@ -49,14 +44,10 @@ impl JointTable {
             }));
         }
         joints.sort_unstable();
-        let links = patches.links_of(a);
-        let from = |j: &JointRecord| if j.a_offset == NONE { j.a } else { links[j.a as usize].from };
-        let a_starts = starts(patches.cells_of(a).len(), joints.iter().map(from));
-        let b_starts = starts(patches.cells_of(b).len(), joints.iter().map(|j| j.b));
         let mut by_b: Vec<u32> = (0..joints.len() as u32).collect();
         by_b.sort_by_key(|&j| joints[j as usize].b);
         let on_floor = |f: &Bounds| patches.cells_of(b).iter().any(|c| stands_on(f, at.compose(c.placement)));
-        Self { joints, by_b, a_starts, b_starts, shares_floor: floor.is_some_and(on_floor) }
+        Self { joints, by_b, shares_floor: floor.is_some_and(on_floor) }
     }
 }
 
@@ -79,16 +70,4 @@ fn of_cell(spots: &Spots, cell: &CellRecord, at: Placement, rule: Rule) -> impl 
     near.sort_by(|p, q| p.1.total_cmp(&q.1));
     near.truncate(rule.joints_per_cell);
     near.into_iter().map(|(item, _, offset)| (item, offset))
-}
-
-/// Where each of `count` numbers begins in a list of `keys`, counted.
-fn starts(count: usize, keys: impl Iterator<Item = u32>) -> Vec<u32> {
-    let mut out = vec![0u32; count + 1];
-    for k in keys {
-        out[k as usize + 1] += 1;
-    }
-    for k in 0..count {
-        out[k + 1] += out[k];
-    }
-    out
 }

@@ -44,7 +44,7 @@ impl Editor<'_> {
     ///
     /// [Limit: instance < number of instances, the item within its patch]
     pub fn reason(&self, instance: u32, item: Item) -> Option<Reason> {
-        let judged = Judged { joined: &self.joined, settled: &self.settled };
+        let judged = Judged { joined: &self.made().joined, settled: &self.made().settled };
         match item {
             Item::Cell(c) => judged.cell(instance, c),
             Item::Link(l) => judged.link(instance, l),
@@ -82,7 +82,7 @@ impl Editor<'_> {
 
     /// An instance in words: its patch and the units it consists of.
     fn describe(&self, instance: u32) -> String {
-        let (f, library) = (&self.laid.fitted[instance as usize], &self.stitcher().library);
+        let (f, library) = (&self.made().laid.fitted[instance as usize], &self.stitcher().library);
         let units: Vec<String> = f.units.iter().map(|&u| library.describe(self.environment(), u as usize)).collect();
         format!("patch {} on {}", library.names[f.patch as usize].name, units.join(" and "))
     }
@@ -90,19 +90,16 @@ impl Editor<'_> {
     /// The deepest collision of a link with any of the units that are in its way.
     fn collision(&self, instance: u32, link: u32) -> Option<Collision> {
         let s = self.stitcher();
-        let patch = self.laid.fitted[instance as usize].patch;
+        let patch = self.made().laid.fitted[instance as usize].patch;
         let roots = s.paths(patch).of(link as usize);
         let first_row = s.patches.links_of(patch as usize)[link as usize].frame as usize;
-        let first = self.laid.obstacles.partition_point(|o| o.0 < instance);
+        let first = self.made().laid.obstacles.partition_point(|o| o.0 < instance);
         let mut deepest: Option<Collision> = None;
-        for (_, unit, relation) in self.laid.obstacles[first..].iter().take_while(|o| o.0 == instance) {
+        for (_, unit, relation) in self.made().laid.obstacles[first..].iter().take_while(|o| o.0 == instance) {
             let (field, to_unit) = (s.field(relation.b), relation.placement().inverse());
             for k in mask::looked_at(roots.len()) {
                 let root = to_unit.compose(roots[k]);
-                let Some((joint, depth_m)) = s.bodies().deepest(first_row + k, root, field, s.config.penetration_m)
-                else {
-                    continue;
-                };
+                let Some((joint, depth_m)) = s.bodies().deepest(first_row + k, root, field) else { continue };
                 if deepest.as_ref().is_none_or(|d| depth_m > d.depth_m) {
                     deepest = Some(Collision { unit: *unit as usize, joint, depth_m, frame: k as u32 });
                 }

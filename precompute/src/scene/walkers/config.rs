@@ -1,7 +1,7 @@
 //! Scene files of walkers: how many there are, what their bodies come from, and how they move.
 
-use crate::config::{explain, read_text};
 use crate::error::BuildError;
+use crate::scene::file::{Fault, SceneFile, check_count, check_numbers, fault, has_key, one};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
@@ -41,10 +41,6 @@ pub struct WalkersScene {
     /// Styles that the picture shows on one path.
     #[serde(default)]
     pub shown: Vec<ShownStyle>,
-}
-
-fn one() -> u64 {
-    1
 }
 
 /// How walkers move.
@@ -117,8 +113,7 @@ pub struct ShownStyle {
 impl WalkersScene {
     /// True for the text of a scene of walkers.
     pub fn is_one(path: &Path) -> bool {
-        let text = std::fs::read_to_string(path).unwrap_or_default();
-        text.parse::<toml::Table>().is_ok_and(|t| t.contains_key("spaces"))
+        has_key(path, "spaces")
     }
 
     /// Reads a scene file; paths in it are taken from its folder.
@@ -126,18 +121,7 @@ impl WalkersScene {
     /// # Errors
     /// [`BuildError::Io`], or [`BuildError::Config`] with file, line and column, or file and key.
     pub fn load(path: &Path) -> Result<Self, BuildError> {
-        let text = read_text(path, "scene")?;
-        let help = "data/scenes/ has examples of scenes.";
-        let mut scene: Self =
-            toml::from_str(&text).map_err(|e| BuildError::Config { message: explain(&e, &text, path, help) })?;
-        if scene.name.is_empty() {
-            scene.name = path.file_stem().map_or_else(String::new, |s| s.to_string_lossy().into_owned());
-        }
-        let folder = path.parent().unwrap_or(Path::new(""));
-        scene.bundle = folder.join(&scene.bundle);
-        scene.config = scene.config.map(|c| folder.join(c));
-        scene.check(path)?;
-        Ok(scene)
+        Self::read(path)
     }
 
     /// Checks numbers; `path` is for messages alone.
@@ -145,15 +129,36 @@ impl WalkersScene {
     /// # Errors
     /// [`BuildError::Config`] with file and key.
     pub fn check(&self, path: &Path) -> Result<(), BuildError> {
-        let fault = |key: &str, why: String| {
-            Err(BuildError::Config { message: format!("{}: key `{key}`: {why}", path.display()) })
-        };
+        self.check_file(path)
+    }
+
+    /// Value of the first style axis at a speed. [Unit: m/s]
+    pub fn style(&self, speed: f32) -> f32 {
+        let knots = &self.style_by_speed;
+        let above = knots.partition_point(|k| k[0] <= speed);
+        match (above.checked_sub(1).map(|i| knots[i]), knots.get(above)) {
+            (Some(low), Some(high)) => low[1] + (speed - low[0]) / (high[0] - low[0]) * (high[1] - low[1]),
+            (Some(end), None) => end[1],
+            (None, Some(end)) => end[1],
+            (None, None) => 0.0,
+        }
+    }
+}
+
+impl SceneFile for WalkersScene {
+    fn name_mut(&mut self) -> &mut String {
+        &mut self.name
+    }
+
+    fn paths_mut(&mut self) -> Vec<&mut PathBuf> {
+        std::iter::once(&mut self.bundle).chain(&mut self.config).collect()
+    }
+
+    fn find_fault(&self) -> Result<(), Fault> {
         if self.spaces.is_empty() {
-            return fault("spaces", "expected at least one blend space, found none".into());
+            return fault("spaces", "expected at least one blend space, found none");
         }
-        if self.characters == 0 || self.characters > 1_000_000 {
-            return fault("characters", format!("expected 1 to 1000000, found {}", self.characters));
-        }
+        check_count("characters", self.characters)?;
         let (p, b) = (&self.paths, &self.bodies);
         let ranges = [
             ("paths.speeds", p.speeds, 0.0, 20.0),
@@ -169,7 +174,7 @@ impl WalkersScene {
                 );
             }
         }
-        let numbers = [
+        check_numbers(&[
             ("paths.standing", p.standing, 0.0, 1.0),
             ("paths.acceleration", p.acceleration, 0.01, 1000.0),
             ("paths.max_gyration", p.max_gyration, 0.0, 20.0),
@@ -177,16 +182,11 @@ impl WalkersScene {
             ("paths.area_m", p.area_m, 4.0, 10_000.0),
             ("bodies.kinds", b.kinds as f32, 1.0, 10_000.0),
             ("hills_m", self.hills_m, 0.0, 10.0),
-        ];
-        for (key, value, low, high) in numbers {
-            if !(low..=high).contains(&value) {
-                return fault(key, format!("expected {low} to {high}, found {value}"));
-            }
-        }
+        ])?;
         if !self.style_by_speed.windows(2).all(|w| w[0][0] < w[1][0])
             || !self.style_by_speed.iter().flatten().all(|v| v.abs() < 1e3)
         {
-            return fault("style_by_speed", "expected (speed, value) that ascend by speed".into());
+            return fault("style_by_speed", "expected (speed, value) that ascend by speed");
         }
         for (i, s) in self.shown.iter().enumerate() {
             if !(0.1..=20.0).contains(&s.speed) {
@@ -197,18 +197,6 @@ impl WalkersScene {
             }
         }
         Ok(())
-    }
-
-    /// Value of the first style axis at a speed. [Unit: m/s]
-    pub fn style(&self, speed: f32) -> f32 {
-        let knots = &self.style_by_speed;
-        let above = knots.partition_point(|k| k[0] <= speed);
-        match (above.checked_sub(1).map(|i| knots[i]), knots.get(above)) {
-            (Some(low), Some(high)) => low[1] + (speed - low[0]) / (high[0] - low[0]) * (high[1] - low[1]),
-            (Some(end), None) => end[1],
-            (None, Some(end)) => end[1],
-            (None, None) => 0.0,
-        }
     }
 }
 

@@ -1,7 +1,7 @@
 //! Scene files of worlds: how many live there, and what they wish to do.
 
-use crate::config::{explain, read_text};
 use crate::error::BuildError;
+use crate::scene::file::{Fault, SceneFile, check_count, fault, has_key, one};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
@@ -26,10 +26,6 @@ pub struct WorldScene {
     /// What the picture shows.
     #[serde(default)]
     pub picture: PictureConfig,
-}
-
-fn one() -> u64 {
-    1
 }
 
 fn roaming() -> Vec<SharedWish> {
@@ -90,8 +86,7 @@ pub struct PictureConfig {
 impl WorldScene {
     /// True for the text of a scene in a world, as against one on a bundle.
     pub fn is_one(path: &Path) -> bool {
-        let text = std::fs::read_to_string(path).unwrap_or_default();
-        text.parse::<toml::Table>().is_ok_and(|t| t.contains_key("world"))
+        has_key(path, "world")
     }
 
     /// Reads a scene file; paths in it are taken from its folder.
@@ -99,16 +94,7 @@ impl WorldScene {
     /// # Errors
     /// [`BuildError::Io`], or [`BuildError::Config`] with file, line and column, or file and key.
     pub fn load(path: &Path) -> Result<Self, BuildError> {
-        let text = read_text(path, "scene")?;
-        let help = "data/scenes/ has examples of scenes.";
-        let mut scene: Self =
-            toml::from_str(&text).map_err(|e| BuildError::Config { message: explain(&e, &text, path, help) })?;
-        if scene.name.is_empty() {
-            scene.name = path.file_stem().map_or_else(String::new, |s| s.to_string_lossy().into_owned());
-        }
-        scene.world = path.parent().unwrap_or(Path::new("")).join(&scene.world);
-        scene.check(path)?;
-        Ok(scene)
+        Self::read(path)
     }
 
     /// Checks numbers; `path` is for messages alone.
@@ -116,14 +102,23 @@ impl WorldScene {
     /// # Errors
     /// [`BuildError::Config`] with file and key.
     pub fn check(&self, path: &Path) -> Result<(), BuildError> {
-        let fault = |key: &str, why: String| {
-            Err(BuildError::Config { message: format!("{}: key `{key}`: {why}", path.display()) })
-        };
-        if self.characters == 0 || self.characters > 1_000_000 {
-            return fault("characters", format!("expected 1 to 1000000, found {}", self.characters));
-        }
+        self.check_file(path)
+    }
+}
+
+impl SceneFile for WorldScene {
+    fn name_mut(&mut self) -> &mut String {
+        &mut self.name
+    }
+
+    fn paths_mut(&mut self) -> Vec<&mut PathBuf> {
+        vec![&mut self.world]
+    }
+
+    fn find_fault(&self) -> Result<(), Fault> {
+        check_count("characters", self.characters)?;
         if self.wishes.is_empty() {
-            return fault("wishes", "expected at least one wish, found none".into());
+            return fault("wishes", "expected at least one wish, found none");
         }
         for (i, w) in self.wishes.iter().enumerate() {
             if !(w.share > 0.0 && w.share < 1e6) {

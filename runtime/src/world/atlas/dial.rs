@@ -35,34 +35,28 @@ impl<T: Copy> Arcs<T> {
 #[derive(Debug, Default)]
 pub(super) struct Dial {
     costs: Vec<u32>,
-    /// The source that each is reached from.
-    origins: Vec<u16>,
     /// States by cost.
     buckets: Vec<Vec<u32>>,
     /// States in the buckets.
     open: usize,
-    /// Cost and origin of the state that is visited.
+    /// Cost of the state that is visited.
     cost: u32,
-    origin: u16,
 }
 
 impl Dial {
-    /// Least costs from any of the sources, which have costs and marks of their own, to all states. `visit` calls
+    /// Least costs from any of the sources, which have costs of their own, to all states. `visit` calls
     /// [`Dial::reach`] for every state that the given one leads to.
     pub fn run(
         &mut self,
         num_states: usize,
-        sources: impl Iterator<Item = (u32, u16, u16)>,
+        sources: impl Iterator<Item = (u32, u16)>,
         mut visit: impl FnMut(&mut Self, u32),
     ) {
         self.costs.clear();
         self.costs.resize(num_states, u32::MAX);
         self.buckets.resize(usize::from(UNREACHED) + 1, Vec::new());
         (self.open, self.cost) = (0, 0);
-        self.origins.clear();
-        self.origins.resize(num_states, 0);
-        for (state, cost, mark) in sources {
-            self.origin = mark;
+        for (state, cost) in sources {
             self.reach(state, cost);
         }
         while self.open > 0 {
@@ -72,7 +66,6 @@ impl Dial {
             };
             self.open -= 1;
             if self.costs[state as usize] == self.cost {
-                self.origin = self.origins[state as usize];
                 visit(self, state);
             }
         }
@@ -83,15 +76,9 @@ impl Dial {
         let total = self.cost + u32::from(frames);
         if total < self.costs[to as usize] && total <= LONGEST {
             self.costs[to as usize] = total;
-            self.origins[to as usize] = self.origin;
             self.buckets[total as usize].push(to);
             self.open += 1;
         }
-    }
-
-    /// Mark of the source that a state is reached from.
-    pub fn origin(&self, state: u32) -> u16 {
-        self.origins[state as usize]
     }
 
     /// Cost of a state after the last search.

@@ -1,43 +1,66 @@
 //! What planning knows of a world beforehand: least costs on open ground and within what is climbed or sat on.
 //!
 //! Tiles that fill a plane together are a *region*; costs between them are those of the endless plane without obstacles,
-//! one table a patch. All else that overlaps is a *district*, with costs between its cells and its ways in and out, one
-//! table for all districts that are alike. All costs are whole frames, so that they are the same everywhere.
+//! one table a patch. A region with corners consists of *rooms*, with doors from one to another. All else that overlaps
+//! is a *district*, with costs between its cells and its ways in and out, one table for all districts that are alike.
+//! All costs are bounds: no way costs less.
 
 mod dial;
 mod districts;
+mod into;
 mod plane;
 mod regions;
+mod rooms;
 mod shape;
 
-use super::{Node, WorldGraph};
+use super::WorldGraph;
+use crate::patch::NONE;
 use dial::Dial;
 use districts::Districts;
+pub(crate) use into::Into;
 pub(crate) use plane::{Look, Plane, class};
 use regions::Regions;
-use shape::Plot;
-pub(crate) use shape::{Beyond, Shape};
+use shape::{Beyond, Plot, Shape};
 use std::collections::BTreeMap;
 
-/// A way into a district.
+/// A way into a part of the world.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum In {
-    /// From cells of a class of a tile.
+    /// From cells of a class of a tile, into a district.
     Tile {
         /// The tile.
         tile: u32,
         /// See [`class`].
         class: u32,
     },
-    /// From another district.
+    /// From another district into a district.
     Out {
         /// The other one.
         from: u32,
         /// This one.
         to: u32,
-        /// The way out of the other one; none where it does not lead here.
-        out: Option<u32>,
     },
+    /// From one room into another one, to cells of a class of a tile there.
+    Door {
+        /// The room that it leads from.
+        from: u32,
+        /// The tile.
+        tile: u32,
+        /// See [`class`].
+        class: u32,
+    },
+}
+
+impl In {
+    /// The room that it leads from where it is a door, and the class of cells of a tile that it leads by; none where it
+    /// leads from another district.
+    pub fn tile(&self) -> Option<(Option<u32>, u32, u32)> {
+        match *self {
+            Self::Tile { tile, class } => Some((None, tile, class)),
+            Self::Door { from, tile, class } => Some((Some(from), tile, class)),
+            Self::Out { .. } => None,
+        }
+    }
 }
 
 /// A way out of a district.
@@ -47,8 +70,8 @@ pub(crate) struct Out {
     pub district: u32,
     /// The tile whose links it leads along; none where it leads to another district.
     pub tile: Option<u32>,
-    /// What it leads to.
-    pub beyond: Beyond,
+    /// The other district.
+    pub to: Option<u32>,
 }
 
 /// Costs of a world's parts, see the module.
@@ -57,18 +80,23 @@ pub(crate) struct Atlas {
     planes: Vec<Option<Plane>>,
     /// Which tiles fill a plane together.
     pub regions: Regions,
+    /// What else there is.
     pub districts: Districts,
+    /// Which links lead into each cell.
+    pub into: Into,
     shapes: Vec<Shape>,
     /// Shape of each district.
     shape_of: Vec<u32>,
     /// First way in and out of each district. [Size: districts + 1]
     first: Vec<[u32; 2]>,
-    /// Ways into districts.
+    /// Ways into districts, and then the doors.
     pub ins: Vec<In>,
     /// Ways out of districts.
     pub outs: Vec<Out>,
-    /// Ways out that lead to tiles of each region.
-    pub region_outs: Vec<Vec<u32>>,
+    /// Ways out that lead to tiles of each room.
+    pub room_outs: Vec<Vec<u32>>,
+    /// Doors that lead into each room.
+    pub room_doors: Vec<Vec<u32>>,
 }
 
 impl Atlas {
@@ -78,61 +106,30 @@ impl Atlas {
         let planes: Vec<_> = (0..patches.patches.len()).map(|p| Plane::new(patches, p)).collect();
         let regions = Regions::new(graph, &planes);
         let districts = Districts::new(graph, &regions);
+        let num_rooms = regions.num_rooms();
         let mut out = Self {
-            region_outs: vec![Vec::new(); regions.len()],
             planes,
             regions,
             districts,
+            into: Into::new(patches),
             shapes: Vec::new(),
             shape_of: Vec::new(),
             first: vec![[0, 0]],
             ins: Vec::new(),
             outs: Vec::new(),
+            room_outs: vec![Vec::new(); num_rooms],
+            room_doors: vec![Vec::new(); num_rooms],
         };
-        let (mut known, mut search, mut between) = (BTreeMap::new(), Dial::default(), BTreeMap::new());
-        for district in 0..out.districts.members.len() as u32 {
-            let plot = Plot::new(graph, &out.planes, &out.regions, &out.districts, district);
-            let shape = *known.entry(plot.key()).or_insert_with(|| {
-                out.shapes.push(plot.shape(&mut search));
-                out.shapes.len() as u32 - 1
-            });
-            out.shape_of.push(shape);
-            let (shape, first) = (&out.shapes[shape as usize], [out.ins.len() as u32, out.outs.len() as u32]);
-            for (n, &k) in shape.outs.iter().enumerate() {
-                let tile = plot.beyond[k as usize].tile();
-                if let Beyond::District(d) = plot.beyond[k as usize] {
-                    between.insert((district, d), first[1] + n as u32);
-                }
-                if let Some(region) = tile.and_then(|t| out.regions.of(t)) {
-                    out.region_outs[region as usize].push(first[1] + n as u32);
-                }
-                out.outs.push(Out { district, tile, beyond: plot.beyond[k as usize] });
-            }
-            for &(k, class) in &shape.ins {
-                out.ins.push(match plot.beyond[k as usize] {
-                    Beyond::Tile(tile) => In::Tile { tile, class },
-                    Beyond::District(from) => In::Out { from, to: district, out: None },
-                });
-            }
-            out.first.push([out.ins.len() as u32, out.outs.len() as u32]);
-        }
-        for way_in in &mut out.ins {
-            if let In::Out { from, to, out } = way_in {
-                *out = between.get(&(*from, *to)).copied();
-            }
+        out.add_districts(graph);
+        for tile in 0..graph.num_instances() as u32 {
+            out.add_doors(graph, tile);
         }
         out
     }
 
-    /// What a metre costs at least where one walks far; nothing is known where there is no plane. [Unit: frames/m]
-    pub fn pace(&self) -> f32 {
-        let least = self.planes.iter().flatten().map(|p| p.pace).fold(f32::INFINITY, f32::min);
-        if least < f32::INFINITY { least } else { 0.0 }
-    }
-
-    /// The plane of a region's tiles.
-    pub fn plane(&self, region: u32) -> Option<&Plane> {
-        self.planes[self.regions.patch(region) as usize].as_ref()
+    /// The plane of a room's tiles.
+    pub fn plane(&self, room: u32) -> Option<&Plane> {
+        self.planes[self.regions.patch(room) as usize].as_ref()
     }
 
     /// District of an instance, and the number of its first cell there; none for a tile of a region.
@@ -143,20 +140,6 @@ impl Atlas {
     /// Number of districts.
     pub fn num_districts(&self) -> usize {
         self.shape_of.len()
-    }
-
-    /// Where the fastest way from a cell of a district by one of its ways out ends, and its frames; none where there is
-    /// no such way.
-    pub fn leap(&self, graph: &WorldGraph<'_>, out: u32, cell: u32) -> Option<(Node, u16)> {
-        let way_out = &self.outs[out as usize];
-        let number = out - self.outs_of(way_out.district).start;
-        let (spot, frames) = self.shape(way_out.district).leap(number, cell)?;
-        let instance = match way_out.beyond {
-            Beyond::District(d) => *self.districts.members[d as usize].get(spot.way[0] as usize)?,
-            Beyond::Tile(tile) => self.regions.tile_at(graph, self, tile, spot.way)?,
-        };
-        let node = Node { instance, cell: spot.cell };
-        graph.is_node(node).then_some((node, frames))
     }
 
     /// Costs within a district.
@@ -173,4 +156,66 @@ impl Atlas {
     pub fn outs_of(&self, district: u32) -> std::ops::Range<u32> {
         self.first[district as usize][1]..self.first[district as usize + 1][1]
     }
+
+    fn add_districts(&mut self, graph: &WorldGraph<'_>) {
+        let (planes, regions, districts) = (&self.planes, &self.regions, &self.districts);
+        let plots: Vec<_> = (0..districts.members.len() as u32)
+            .map(|district| Plot::new(graph, planes, regions, districts, district))
+            .collect();
+        let (mut known, mut kinds, mut shape_of) = (BTreeMap::new(), Vec::new(), Vec::new());
+        for plot in &plots {
+            shape_of.push(*known.entry(plot.key()).or_insert_with(|| {
+                kinds.push(plot);
+                kinds.len() as u32 - 1
+            }));
+        }
+        let shapes = shapes(&kinds);
+        let (mut ins, mut outs) = (Vec::new(), Vec::new());
+        for (plot, &shape) in plots.iter().zip(&shape_of) {
+            let shape = &shapes[shape as usize];
+            for &k in &shape.outs {
+                let beyond = plot.beyond[k as usize];
+                if let Some(room) = beyond.tile().and_then(|t| regions.room(t)) {
+                    self.room_outs[room as usize].push(outs.len() as u32);
+                }
+                outs.push(Out { district: plot.district, tile: beyond.tile(), to: beyond.district() });
+            }
+            ins.extend(shape.ins.iter().map(|&(k, class)| match plot.beyond[k as usize] {
+                Beyond::Tile(tile) => In::Tile { tile, class },
+                Beyond::District(from) => In::Out { from, to: plot.district },
+            }));
+            self.first.push([ins.len() as u32, outs.len() as u32]);
+        }
+        (self.shapes, self.shape_of, self.ins, self.outs) = (shapes, shape_of, ins, outs);
+    }
+
+    /// Adds the doors that lead to a tile.
+    fn add_doors(&mut self, graph: &WorldGraph<'_>, tile: u32) {
+        let Some(room) = self.regions.room(tile) else { return };
+        let (r, patches) = (graph.instance(tile), graph.patches());
+        for (class, edge) in (0u32..).zip(patches.edges_of(r.patch as usize)) {
+            let other = graph.world().neighbours[(r.first_neighbour + class) as usize];
+            if other == NONE || !graph.bounds.is_edge_open(graph.instance(other).first_neighbour + edge.opposite) {
+                continue;
+            }
+            if let Some(from) = self.regions.room(other).filter(|f| *f != room) {
+                self.room_doors[room as usize].push(self.ins.len() as u32);
+                self.ins.push(In::Door { from, tile, class });
+            }
+        }
+    }
+}
+
+/// The shapes of plots.
+#[cfg(feature = "rayon")]
+fn shapes(plots: &[&Plot<'_, '_>]) -> Vec<Shape> {
+    use rayon::prelude::*;
+    plots.par_iter().map_init(Dial::default, |search, plot| Shape::new(plot, search)).collect()
+}
+
+/// The shapes of plots.
+#[cfg(not(feature = "rayon"))]
+fn shapes(plots: &[&Plot<'_, '_>]) -> Vec<Shape> {
+    let mut search = Dial::default();
+    plots.iter().map(|plot| Shape::new(plot, &mut search)).collect()
 }

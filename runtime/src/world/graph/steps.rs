@@ -122,6 +122,24 @@ impl<'w> WorldGraph<'w> {
         &self.world.joints[table.first_joint as usize..][..table.num_joints as usize]
     }
 
+    /// Joints of an instance's cell, or on side a of a tile of its link, with their numbers in the table.
+    pub(crate) fn joints_at(
+        &self,
+        adjacency: &AdjacencyRecord,
+        table: &JointTableRecord,
+        at: u32,
+    ) -> impl Iterator<Item = (usize, &'w JointRecord)> {
+        let (joints, on_a) = (self.joints(table), adjacency.side == 0);
+        let order = &self.world.joints_by_b[table.first_joint as usize..][..table.num_joints as usize];
+        let first = match on_a {
+            true => joints.partition_point(|j| j.a < at),
+            false => order.partition_point(|&k| joints[k as usize].b < at),
+        };
+        let number = move |k: usize| if on_a { k } else { order[k] as usize };
+        let all = (first..joints.len()).map(move |k| (number(k), &joints[number(k)]));
+        all.take_while(move |(_, j)| at == if on_a { j.a } else { j.b })
+    }
+
     /// Steps that leave a link of a tile before its end, into blocks. The rest of the link may be disabled: joints have
     /// bits of their own, set where what is played of the link is free of obstacles.
     fn for_each_way_out(&self, instance: u32, link: u32, visit: &mut impl FnMut(Step)) {

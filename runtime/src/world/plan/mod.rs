@@ -1,20 +1,23 @@
 //! Path planning in two layers (004 section 7): over the ways into and out of what stands on open ground, then over the
 //! motion itself, towards what the upper layer says is near.
 
+mod end;
 mod gates;
 mod heap;
-mod leaps;
+mod inside;
 mod near;
 mod nodes;
+mod pace;
+mod upper;
 
 use super::atlas::Atlas;
 use super::{Node, Step, WorldGraph};
-use crate::patch::NONE;
-use gates::Upper;
 pub(crate) use nodes::{Found, Nodes, Space};
+use upper::Upper;
 
-/// Most nodes that a search keeps at once. [Size: 32 bytes a node, touched only as far as searches go]
-const MAX_NODES: usize = 1 << 23;
+/// A way takes at most this many times as long as the fastest one: estimates are bounds, and what they count in the lower
+/// layer is the price of its speed (weighted A*, Pohl 1970).
+pub const GREED: f32 = 1.05;
 
 /// Where a plan leads.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -65,9 +68,11 @@ pub struct Plan {
     pub num_frames: u32,
     /// Sum of the distances from the start to the end of what is played. [Unit: m]
     pub length_m: f32,
-    /// Ways into and out of districts opened in the upper layer: of what is climbed, sat on or slid down.
+    /// No way takes less. [Unit: frames]
+    pub least_frames: u32,
+    /// Ways opened in the upper layer: into and out of what is climbed, sat on or slid down, and from room to room.
     pub opened_instances: usize,
-    /// Nodes opened in the lower layer, in all its tries.
+    /// Nodes opened in the lower layer.
     pub opened_nodes: usize,
 }
 
@@ -81,11 +86,11 @@ pub struct Planner {
 impl Planner {
     /// Memory for a world. What is known of the world beforehand is worked out by the first planner and kept with it.
     pub fn new(graph: &WorldGraph<'_>) -> Self {
-        Self { upper: Upper::new(graph, graph.atlas()), nodes: Nodes::new(graph, MAX_NODES) }
+        Self { upper: Upper::new(graph, graph.atlas()), nodes: Nodes::new(graph) }
     }
 
-    /// Looks for a way from a node to a target, and writes as many of its first steps as there is room for; a way to
-    /// where it begins has none. Allocates nothing.
+    /// Looks for a way from a node to a target that takes at most [`GREED`] times as long as the fastest one, and writes
+    /// as many of its first steps as there is room for; a way to where it begins has none. Allocates nothing.
     ///
     /// - returns `None` where no way leads there.
     ///
@@ -94,7 +99,7 @@ impl Planner {
         self.plan_around(graph, from, target, |_| 0.0, out)
     }
 
-    /// The same, with a toll for entering instances. [Unit: frames]
+    /// The same, with a toll for entering instances, which counts as time. [Unit: frames]
     pub(crate) fn plan_around(
         &mut self,
         graph: &WorldGraph<'_>,
@@ -104,30 +109,31 @@ impl Planner {
         out: &mut [Step],
     ) -> Option<Plan> {
         let (atlas, mut opened_nodes) = (graph.atlas(), 0);
-        let mut known = None;
-        for tries in &TRIES {
-            if known != Some(tries.all) && !self.upper.run(graph, atlas, target, from, tries.all) {
+        // Who finds no way among the best ones, or none that is surely good, looks everywhere.
+        for all in [false, true] {
+            if !self.upper.run(graph, atlas, target, from, all) {
                 return None;
             }
-            known = Some(tries.all);
-            let skip = if tries.leaps { self.upper.district() } else { NONE };
-            let (upper, greed) = (&mut self.upper, tries.greed);
-            let mut way = Way { graph, atlas, target, skip, leaps: tries.leaps, greed, upper, toll: &toll };
-            let found = self.nodes.search(graph, from, &mut way, tries.most);
+            let least = self.upper.estimate(graph, atlas, from);
+            let mut way = Way { graph, atlas, target, upper: &mut self.upper, toll: &toll };
+            let found = self.nodes.search(graph, from, &mut way, usize::MAX);
             opened_nodes += self.nodes.opened;
             if let Found::Way(way) = found
-                && let Some(plan) = self.report(graph, from, way, out)
+                && self.nodes.cost(way) <= GREED * self.upper.limit
             {
-                return Some(Plan { opened_nodes, opened_instances: self.upper.opened, ..plan });
+                let plan = Plan { opened_nodes, opened_instances: self.upper.opened, ..self.report(graph, way, out) };
+                let least = least.min(self.upper.limit).max(self.nodes.cost(way) / GREED);
+                return Some(Plan { least_frames: (least.ceil() as u32).min(plan.num_frames), ..plan });
             }
         }
         None
     }
 
-    /// Writes the steps of a way that was found; none where what stands for many steps cannot be told step by step.
-    fn report(&mut self, graph: &WorldGraph<'_>, from: Node, way: u32, out: &mut [Step]) -> Option<Plan> {
+    /// Writes the steps of a way that was found.
+    fn report(&mut self, graph: &WorldGraph<'_>, way: u32, out: &mut [Step]) -> Plan {
         let mut plan = Plan::default();
-        let mut add = |step: Step| {
+        let mut at = self.nodes.turn(way);
+        while let Some((next, step)) = self.nodes.next(at) {
             if let Some(slot) = out.get_mut(plan.num_steps) {
                 *slot = step;
                 plan.num_stored += 1;
@@ -135,50 +141,17 @@ impl Planner {
             plan.num_steps += 1;
             plan.num_frames += step.num_frames();
             plan.length_m += graph.length(&step);
-        };
-        let (mut at, mut node) = (self.nodes.turn(way), from);
-        while let Some((next, step)) = self.nodes.next(at) {
-            match step.link {
-                NONE => leaps::walk(graph, graph.atlas(), node, &step, &mut add)?,
-                _ => add(step),
-            }
-            (at, node) = (next, step.to);
+            at = next;
         }
-        Some(plan)
+        plan
     }
 }
-
-/// How a way is looked for.
-struct Try {
-    /// What estimates count in the lower layer: more than 1 opens far fewer nodes, for ways that take a little longer
-    /// (weighted A*, Pohl 1970: at most this many times the best one where estimates are bounds).
-    greed: f32,
-    /// Most nodes that are opened.
-    most: usize,
-    /// In the upper layer, up to the last way in and out.
-    all: bool,
-    /// In the lower layer, over districts in one leap.
-    leaps: bool,
-}
-
-/// Who finds no way soon looks for another one that may take longer; who finds none at all looks everywhere.
-const TRIES: [Try; 5] = [
-    Try { greed: 1.1, most: 1000, all: false, leaps: true },
-    Try { greed: 1.4, most: 1500, all: false, leaps: true },
-    Try { greed: 2.5, most: usize::MAX, all: false, leaps: true },
-    Try { greed: 2.5, most: usize::MAX, all: true, leaps: true },
-    Try { greed: 2.5, most: usize::MAX, all: true, leaps: false },
-];
 
 /// The lower layer's space: everything, towards the target.
 struct Way<'a, 'w, T> {
     graph: &'a WorldGraph<'w>,
     atlas: &'a Atlas,
     target: Target,
-    /// The district that is not leapt over: that of the target.
-    skip: u32,
-    leaps: bool,
-    greed: f32,
     upper: &'a mut Upper,
     toll: &'a T,
 }
@@ -188,22 +161,12 @@ impl<T: Fn(u32) -> f32> Space for Way<'_, '_, T> {
         true
     }
 
-    fn for_each_step(&mut self, graph: &WorldGraph<'_>, node: Node, mut visit: impl FnMut(&mut Self, Step)) {
-        match self.atlas.district(node.instance) {
-            Some((district, first)) if self.leaps && district != self.skip => {
-                let atlas = self.atlas;
-                leaps::for_each(graph, atlas, district, first + node.cell, |step| visit(self, step));
-            }
-            _ => graph.for_each_step(node, |step| visit(self, step)),
-        }
-    }
-
     fn is_target(&self, node: Node) -> bool {
         self.target.is_at(self.graph, node)
     }
 
     fn estimate(&mut self, node: Node) -> f32 {
-        self.greed * self.upper.estimate(self.atlas, node)
+        GREED * self.upper.estimate(self.graph, self.atlas, node)
     }
 
     fn cost(&self, step: &Step) -> f32 {

@@ -14,10 +14,6 @@ pub(crate) trait Space {
     fn estimate(&mut self, node: Node) -> f32;
     /// What a step costs. [Unit: frames]
     fn cost(&self, step: &Step) -> f32;
-    /// Calls `visit` with every step that is looked at from a node, and with what stands for many steps at once.
-    fn for_each_step(&mut self, graph: &WorldGraph<'_>, node: Node, mut visit: impl FnMut(&mut Self, Step)) {
-        graph.for_each_step(node, |step| visit(self, step));
-    }
 }
 
 /// Why a search ended.
@@ -31,17 +27,14 @@ pub(crate) enum Found {
     Limit,
 }
 
-/// Memory of searches over nodes.
+/// Memory of searches over nodes: of all nodes of a world, touched only as far as searches go.
 #[derive(Clone, Debug)]
 pub(crate) struct Nodes {
-    /// Where each instance's nodes are in the arrays below, and the search that put them there.
-    places: Vec<(u32, u32)>,
-    used: usize,
     costs: Vec<f32>,
     stamps: Vec<u32>,
     parents: Vec<u32>,
-    /// The step that led to each.
-    steps: Vec<Step>,
+    /// The step that led to each, as whole numbers: memory full of zeros costs nothing.
+    steps: Vec<[u32; 5]>,
     heap: Heap,
     stamp: u32,
     /// Nodes opened by the last search.
@@ -49,16 +42,14 @@ pub(crate) struct Nodes {
 }
 
 impl Nodes {
-    /// Room for searches over at most `limit` nodes at once.
-    pub fn new(graph: &WorldGraph<'_>, limit: usize) -> Self {
-        let room = graph.num_nodes().min(limit);
+    /// Memory for a world. [Size: 40 bytes a node]
+    pub fn new(graph: &WorldGraph<'_>) -> Self {
+        let room = graph.num_nodes();
         Self {
-            places: vec![(0, NONE); graph.num_instances()],
-            used: 0,
             costs: vec![0.0; room],
             stamps: vec![0; room],
             parents: vec![0; room],
-            steps: vec![Step::NONE; room],
+            steps: vec![[0; 5]; room],
             heap: Heap::new(room),
             stamp: 0,
             opened: 0,
@@ -68,13 +59,9 @@ impl Nodes {
     /// Looks for the cheapest way from a node to a target, opening at most `most` nodes.
     pub fn search(&mut self, graph: &WorldGraph<'_>, from: Node, space: &mut impl Space, most: usize) -> Found {
         self.begin();
-        let Some(first) = self.place(graph, from, space) else {
-            return Found::Limit;
-        };
-        self.reach(first, 0.0, NONE, Step { to: from, ..Step::NONE }, 0.0);
-        let mut full = false;
+        self.reach(graph.index(from) as u32, 0.0, NONE, Step { to: from, ..Step::NONE }, 0.0);
         while let Some((_, at)) = self.heap.pop() {
-            let node = self.steps[at as usize].to;
+            let node = self.step(at).to;
             if space.is_target(node) {
                 return Found::Way(at);
             }
@@ -83,21 +70,18 @@ impl Nodes {
             }
             self.opened += 1;
             let cost = self.costs[at as usize];
-            space.for_each_step(graph, node, |space, step| {
-                let total = cost + space.cost(&step);
-                match self.place(graph, step.to, space) {
-                    Some(to) if self.stamps[to as usize] != self.stamp || total < self.costs[to as usize] => {
-                        let estimate = space.estimate(step.to);
-                        if estimate < f32::INFINITY {
-                            self.reach(to, total, at, step, estimate);
-                        }
-                    }
-                    Some(_) => {}
-                    None => full |= space.admits(step.to.instance),
+            graph.for_each_step(node, |step| {
+                let (total, to) = (cost + space.cost(&step), graph.index(step.to));
+                if self.stamps[to] == self.stamp && total >= self.costs[to] || !space.admits(step.to.instance) {
+                    return;
+                }
+                let estimate = space.estimate(step.to);
+                if estimate < f32::INFINITY {
+                    self.reach(to as u32, total, at, step, estimate);
                 }
             });
         }
-        if full { Found::Limit } else { Found::Nothing }
+        Found::Nothing
     }
 
     /// Writes the first steps of a way, as many as there is room for, and returns how many it has.
@@ -108,17 +92,17 @@ impl Nodes {
         self.walk(way, |step| {
             at -= 1;
             if let Some(slot) = out.get_mut(at) {
-                *slot = *step;
+                *slot = step;
             }
         });
         len
     }
 
     /// Calls `visit` with every step of a way, the last one first.
-    pub fn walk<'s>(&'s self, way: u32, mut visit: impl FnMut(&'s Step)) {
+    pub fn walk(&self, way: u32, mut visit: impl FnMut(Step)) {
         let mut at = way;
         while self.parents[at as usize] != NONE {
-            visit(&self.steps[at as usize]);
+            visit(self.step(at));
             at = self.parents[at as usize];
         }
     }
@@ -136,7 +120,7 @@ impl Nodes {
     /// The step that follows on a way that was turned around, and where it leads to.
     pub fn next(&self, at: u32) -> Option<(u32, Step)> {
         let next = self.parents[at as usize];
-        (next != NONE).then(|| (next, self.steps[next as usize]))
+        (next != NONE).then(|| (next, self.step(next)))
     }
 
     /// Cost of a way. [Unit: frames]
@@ -148,10 +132,8 @@ impl Nodes {
         self.stamp = self.stamp.wrapping_add(1);
         if self.stamp == 0 {
             self.stamps.fill(0);
-            self.places.fill((0, NONE));
             self.stamp = 1;
         }
-        self.used = 0;
         self.opened = 0;
         self.heap.clear();
     }
@@ -161,21 +143,15 @@ impl Nodes {
         self.stamps[i] = self.stamp;
         self.costs[i] = cost;
         self.parents[i] = parent;
-        self.steps[i] = step;
+        let offsets = u32::from(step.from_offset) << 16 | u32::from(step.to_offset);
+        self.steps[i] = [step.to.instance, step.to.cell, step.instance, step.link, offsets];
         self.heap.push(at, cost + estimate);
     }
 
-    /// Where a node is in the arrays; the nodes of an instance get their places when the first of them is met.
-    fn place(&mut self, graph: &WorldGraph<'_>, node: Node, space: &impl Space) -> Option<u32> {
-        let (stamp, first) = self.places[node.instance as usize];
-        if stamp == self.stamp {
-            return (first != NONE).then(|| first + node.cell);
-        }
-        let num_cells = graph.num_cells(node.instance) as usize;
-        let fits = self.used + num_cells <= self.costs.len() && space.admits(node.instance);
-        let first = if fits { self.used as u32 } else { NONE };
-        self.used += if fits { num_cells } else { 0 };
-        self.places[node.instance as usize] = (self.stamp, first);
-        (first != NONE).then(|| first + node.cell)
+    /// The step that led to a node.
+    fn step(&self, at: u32) -> Step {
+        let [to, cell, instance, link, offsets] = self.steps[at as usize];
+        let (from_offset, to_offset) = ((offsets >> 16) as u16, offsets as u16);
+        Step { to: Node { instance: to, cell }, instance, link, from_offset, to_offset }
     }
 }

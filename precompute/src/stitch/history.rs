@@ -1,0 +1,120 @@
+//! Changes of an environment, and how they are taken back.
+
+use crate::environment::PlacedUnit;
+use throng_runtime::patch::Placement;
+
+/// A change of what stands in an environment.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum Edit {
+    /// One more unit, before the one that has this place. [Limit: index <= number of units]
+    Insert {
+        /// Its place.
+        index: usize,
+        /// The unit.
+        unit: PlacedUnit,
+    },
+    /// One less. [Limit: index < number of units]
+    Remove {
+        /// Its place.
+        index: usize,
+    },
+    /// One stands elsewhere. [Limit: index < number of units]
+    Move {
+        /// Its place.
+        index: usize,
+        /// Where it stands.
+        placement: Placement,
+    },
+}
+
+impl Edit {
+    /// Makes the change; returns the one that takes it back.
+    pub fn apply(self, units: &mut Vec<PlacedUnit>) -> Self {
+        match self {
+            Self::Insert { index, unit } => {
+                units.insert(index, unit);
+                Self::Remove { index }
+            }
+            Self::Remove { index } => Self::Insert { index, unit: units.remove(index) },
+            Self::Move { index, placement } => {
+                let placement = std::mem::replace(&mut units[index].placement, placement);
+                Self::Move { index, placement }
+            }
+        }
+    }
+}
+
+/// What takes changes back, and what makes them again.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct History {
+    undo: Vec<Edit>,
+    redo: Vec<Edit>,
+}
+
+impl History {
+    /// A change was made, which `back` takes back: those taken back before are forgotten.
+    pub fn done(&mut self, back: Edit) {
+        self.undo.push(back);
+        self.redo.clear();
+    }
+
+    /// The change to make to take the last one back.
+    pub fn to_undo(&self) -> Option<Edit> {
+        self.undo.last().cloned()
+    }
+
+    /// That was made, and `again` takes it back.
+    pub fn undone(&mut self, again: Edit) {
+        self.undo.pop();
+        self.redo.push(again);
+    }
+
+    /// The change to make to make the last one again that was taken back.
+    pub fn to_redo(&self) -> Option<Edit> {
+        self.redo.last().cloned()
+    }
+
+    /// That was made, and `back` takes it back.
+    pub fn redone(&mut self, back: Edit) {
+        self.redo.pop();
+        self.undo.push(back);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn changes_are_taken_back_and_made_again(steps in prop::collection::vec((0usize..3, 0usize..99), 1..20)) {
+            let unit = |k: usize| PlacedUnit { unit: k, placement: Placement::new(k as f32, 0.0, 0.0, 0.0) };
+            let mut units: Vec<PlacedUnit> = (0..3).map(unit).collect();
+            let mut history = History::default();
+            let mut states = vec![units.clone()];
+            for (what, k) in steps {
+                let edit = match what {
+                    0 => Edit::Insert { index: k % (units.len() + 1), unit: unit(k) },
+                    _ if units.is_empty() => continue,
+                    1 => Edit::Remove { index: k % units.len() },
+                    _ => Edit::Move { index: k % units.len(), placement: unit(k).placement },
+                };
+                history.done(edit.apply(&mut units));
+                states.push(units.clone());
+            }
+            for state in states.iter().rev().skip(1) {
+                let again = history.to_undo().expect("a change").apply(&mut units);
+                history.undone(again);
+                prop_assert_eq!(&units, state);
+            }
+            prop_assert_eq!(history.to_undo(), None);
+            for state in &states[1..] {
+                let back = history.to_redo().expect("a change").apply(&mut units);
+                history.redone(back);
+                prop_assert_eq!(&units, state);
+            }
+            prop_assert_eq!(history.to_redo(), None);
+        }
+    }
+}

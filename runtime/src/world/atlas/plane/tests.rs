@@ -1,0 +1,140 @@
+//! Tables of made-up tiles against plain Dijkstra on a wide plane.
+
+use super::*;
+use crate::patch::{EdgeRecord, KIND_TILE, LinkRecord, PatchRecord, Placement};
+use proptest::prelude::*;
+use std::collections::{BTreeMap, BTreeSet};
+
+/// A tile with an entry and an exit an edge (cells 0 to 3 and 4 to 7) and two cells inside, and its links.
+struct Tile {
+    patch: PatchRecord,
+    edges: Vec<EdgeRecord>,
+    cells: Vec<CellRecord>,
+    links: Vec<LinkRecord>,
+}
+
+const STEPS: [[i32; 2]; 4] = [[1, 0], [-1, 0], [0, 1], [0, -1]];
+
+impl Tile {
+    fn new(links: &[(u32, u32, u16)]) -> Self {
+        let cell = |edge, twin, flags| CellRecord {
+            placement: Placement::IDENTITY,
+            group: 0,
+            edge,
+            twin,
+            flags,
+            first_link: 0,
+            num_links: 0,
+            reserved: [0; 2],
+        };
+        let mut cells: Vec<_> = (0..4).map(|e| cell(e, 4 + (e ^ 1), CellRecord::IS_ENTRY)).collect();
+        cells.extend((0..4).map(|e| cell(e, e ^ 1, CellRecord::IS_EXIT)));
+        cells.extend([cell(NONE, NONE, 0); 2]);
+        let link = |&(from, to, num_frames): &(u32, u32, u16)| LinkRecord {
+            from,
+            to,
+            frame: 0,
+            num_frames,
+            tag: 0,
+            start: Placement::IDENTITY,
+            end: Placement::IDENTITY,
+        };
+        let edge = |e: usize| EdgeRecord {
+            step: [2.0 * STEPS[e][0] as f32, 0.0, 2.0 * STEPS[e][1] as f32],
+            opposite: e as u32 ^ 1,
+        };
+        let patch = PatchRecord {
+            kind: KIND_TILE,
+            first_cell: 0,
+            num_cells: 10,
+            first_link: 0,
+            num_links: links.len() as u32,
+            first_edge: 0,
+            num_edges: 4,
+            reserved: 0,
+            min: [-1.0; 3],
+            max: [1.0; 3],
+        };
+        Self { patch, edges: (0..4).map(edge).collect(), cells, links: links.iter().map(link).collect() }
+    }
+
+    fn plane(&self) -> Option<Plane> {
+        let patches = Patches {
+            patches: std::slice::from_ref(&self.patch),
+            edges: &self.edges,
+            cells: &self.cells,
+            links: &self.links,
+        };
+        Plane::new(&patches, 0)
+    }
+
+    /// Least frames from a cell to all others, on a wide plane.
+    fn dijkstra(&self, from: u32) -> BTreeMap<([i32; 2], u32), u32> {
+        let (mut queue, mut found) = (BTreeSet::from([(0, ([0, 0], from))]), BTreeMap::new());
+        while let Some((frames, (at, cell))) = queue.pop_first() {
+            if at.iter().any(|a: &i32| a.abs() > 8) || found.contains_key(&(at, cell)) {
+                continue;
+            }
+            found.insert((at, cell), frames);
+            for l in self.links.iter().filter(|l| l.from == cell) {
+                let to = &self.cells[l.to as usize];
+                let next = match to.edge {
+                    NONE => (at, l.to),
+                    e => ([at[0] + STEPS[e as usize][0], at[1] + STEPS[e as usize][1]], to.twin),
+                };
+                queue.insert((frames + u32::from(l.num_frames), next));
+            }
+        }
+        found
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(12))]
+
+    #[test]
+    fn costs_are_those_of_plain_dijkstra(links in proptest::collection::vec((0usize..6, 0u32..6, 20u16..60), 8..24)) {
+        // From entries and the inside, to exits and the inside.
+        let links: Vec<_> = links.iter().map(|&(f, t, n)| ([0, 1, 2, 3, 8, 9][f], 4 + t, n)).collect();
+        let tile = Tile::new(&links);
+        let plane = tile.plane().unwrap();
+        for from in [0, 1, 2, 3, 8, 9] {
+            let found = tile.dijkstra(from);
+            for way in offsets().filter(|o| o[0].abs().max(o[1].abs()) <= 2) {
+                for c in 0..5 {
+                    let ends = |cell: u32| cell < 4 && cell == c || cell >= 8 && c == 4;
+                    let costs = found.iter().filter(|((at, cell), _)| *at == way && ends(*cell)).map(|(_, f)| *f);
+                    let best = costs.min().map_or(f32::INFINITY, |f| f as f32);
+                    prop_assert_eq!(plane.cost(plane.look(c, way), from), best, "{} to {} {:?}", from, c, way);
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn far_ways_go_on_as_near_ones_do() {
+    // Straight on in 50 frames, around a corner in 40.
+    let mut links = Vec::new();
+    for from in 0..4u32 {
+        for to in (0..4u32).filter(|&to| to != from) {
+            links.push((from, 4 + to, if to == from ^ 1 { 50 } else { 40 }));
+        }
+    }
+    let tile = Tile::new(&links);
+    let plane = tile.plane().unwrap();
+    // Cell 1 was entered from -x and goes on to +x.
+    assert_eq!(plane.cost(plane.look(1, [30, 0]), 1), 30.0 * 50.0);
+    // All the way in zigzag.
+    let cost = plane.least(plane.look(1, [20, 20]));
+    assert!((cost - 40.0 * 40.0).abs() <= 50.0, "{cost}");
+    // Nothing is faster a metre than straight on; a tile is 2 m long.
+    assert!((plane.pace - 25.0).abs() < 1.0, "{}", plane.pace);
+}
+
+#[test]
+fn tiles_in_a_line_fill_no_plane() {
+    assert!(lattice(&[Vec3::X, -Vec3::X]).is_none());
+    assert_eq!(lattice(&[Vec3::X, Vec3::new(-1.0, 0.0, 0.5)]), Some(vec![[1, 0], [0, 1]]));
+    assert!(lattice(&[Vec3::X, Vec3::Z, Vec3::new(0.5, 0.0, 0.0)]).is_none());
+}

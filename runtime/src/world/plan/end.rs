@@ -1,0 +1,94 @@
+//! Where a target lies, and what it costs to come to it from the same part of the world.
+
+use super::Target;
+use super::inside::Inside;
+use super::near::{self, Near};
+use crate::world::atlas::{Atlas, class};
+use crate::world::{Node, WorldGraph};
+
+/// Where the target lies; memory for it.
+#[derive(Clone, Debug)]
+pub(super) struct End {
+    pub instance: u32,
+    /// Classes of its cells, where it is in a room: one bit each.
+    classes: u32,
+    /// Its district.
+    pub district: Option<u32>,
+    /// There, least costs from each way in.
+    pub from_in: Vec<f32>,
+    near: Near,
+    inside: Inside,
+}
+
+impl End {
+    /// Memory for a world.
+    pub fn new(graph: &WorldGraph<'_>, atlas: &Atlas) -> Self {
+        let districts = 0..atlas.num_districts() as u32;
+        let most_cells = |d: u32| atlas.districts.members[d as usize].iter().map(|&m| graph.num_cells(m)).sum();
+        Self {
+            instance: 0,
+            classes: 0,
+            district: None,
+            from_in: Vec::with_capacity(districts.clone().map(|d| atlas.ins_of(d).len()).max().unwrap_or(0)),
+            near: Near::new((0..graph.num_instances() as u32).map(|i| graph.num_cells(i)).max().unwrap_or(0)),
+            inside: Inside::new(districts.map(most_cells).max().unwrap_or(0)),
+        }
+    }
+
+    /// Finds out where a target lies; false where there is none.
+    pub fn find(&mut self, graph: &WorldGraph<'_>, atlas: &Atlas, target: Target) -> bool {
+        let instance = target.instance();
+        (self.instance, self.classes, self.district) = (instance, 0, None);
+        self.from_in.clear();
+        let nodes = || {
+            let all = (0..graph.num_cells(instance)).map(move |cell| Node { instance, cell });
+            all.filter(|n| graph.is_node(*n) && target.is_at(graph, *n))
+        };
+        if nodes().next().is_none() {
+            return false;
+        }
+        if let Some((district, first)) = atlas.district(instance) {
+            let shape = atlas.shape(district);
+            self.district = Some(district);
+            let reach = |k: usize| nodes().map(|n| shape.reach(k as u32, first + n.cell)).fold(f32::INFINITY, f32::min);
+            self.from_in.extend((0..atlas.ins_of(district).len()).map(reach));
+            self.inside.begin(district, nodes().map(|n| first + n.cell));
+            return true;
+        }
+        let Some(plane) = atlas.regions.room(instance).and_then(|r| atlas.plane(r)) else { return false };
+        let num_edges = graph.patches().patches[graph.instance(instance).patch as usize].num_edges;
+        nodes().for_each(|n| self.classes |= 1 << class(graph.cell(n), num_edges));
+        let bits = self.classes;
+        let least = |way, cell| near::least(plane, classes(bits), way, cell);
+        self.near.run(plane, graph.num_cells(instance), nodes().map(|n| n.cell), least);
+        true
+    }
+
+    /// Classes of its cells, where it is in a room.
+    pub fn classes(&self) -> impl Iterator<Item = u32> + use<> {
+        classes(self.classes)
+    }
+
+    /// What the target costs more than the best cell of its classes, for who comes from farther away. [Unit: frames]
+    pub fn beside(&self) -> f32 {
+        self.near.beside
+    }
+
+    /// What it costs at least to go to the target without coming through another part of the world. [Unit: frames]
+    pub fn cost(&mut self, graph: &WorldGraph<'_>, atlas: &Atlas, node: Node) -> f32 {
+        if let Some((district, first)) = atlas.district(node.instance) {
+            let here = self.district == Some(district);
+            return if here { self.inside.cost(graph, atlas, first + node.cell) } else { f32::INFINITY };
+        }
+        let (here, there) = (atlas.regions.room(node.instance), atlas.regions.room(self.instance));
+        let Some(plane) = here.filter(|_| here == there).and_then(|r| atlas.plane(r)) else { return f32::INFINITY };
+        let way = atlas.regions.way(node.instance, self.instance);
+        let far = || near::least(plane, classes(self.classes), way, node.cell) + self.near.beside;
+        self.near.cost(way, node.cell).unwrap_or_else(far)
+    }
+}
+
+/// Numbers of the bits that are set.
+fn classes(bits: u32) -> impl Iterator<Item = u32> {
+    (0..u32::BITS).filter(move |c| bits >> c & 1 == 1)
+}

@@ -1,0 +1,295 @@
+//! The upper layer: what it costs at least to go on to the target from every way into a part of the world and out of one.
+
+use super::Target;
+use super::end::End;
+use super::gates::{Gate, Gates};
+use super::heap::Heap;
+use super::pace::Pace;
+use crate::patch::NONE;
+use crate::world::atlas::{Atlas, In, Look, Plane};
+use crate::world::{Node, WorldGraph};
+use glam::Vec3;
+
+/// The search goes on to ways that cost this many times what the best one does, and so much more. [Unit: frames]
+const BESIDE: f32 = 1.1;
+const BESIDE_FRAMES: f32 = 60.0;
+
+/// Memory of the upper layer, and what its last search found.
+#[derive(Clone, Debug)]
+pub(super) struct Upper {
+    /// Where each state is, ways in and then ways out, and how far from there at most. [Unit: m]
+    places: Vec<(Vec3, f32)>,
+    /// Costs of the states. [Unit: frames]
+    costs: Vec<f32>,
+    stamps: Vec<u32>,
+    heap: Heap,
+    stamp: u32,
+    /// Where the search is to come to. [Unit: m]
+    from: Vec3,
+    pace: Pace,
+    /// Ways on from a room that were opened: the first and the last, and the next of each.
+    chains: Vec<[u32; 2]>,
+    chain_stamps: Vec<u32>,
+    next: Vec<u32>,
+    next_stamps: Vec<u32>,
+    /// By instance.
+    gates: Vec<Gates>,
+    end: End,
+    /// No way that the search left out costs less. [Unit: frames]
+    pub limit: f32,
+    /// States opened.
+    pub opened: usize,
+}
+
+impl Upper {
+    /// Memory for a world.
+    pub fn new(graph: &WorldGraph<'_>, atlas: &Atlas) -> Self {
+        let num_states = atlas.ins.len() + atlas.outs.len();
+        let num_rooms = atlas.regions.num_rooms();
+        // A way out through a tile may end in the next one.
+        let place = |tile: Option<u32>, times: f32| {
+            tile.map_or((Vec3::ZERO, f32::INFINITY), |t| (graph.centre(t), times * graph.reach(t)))
+        };
+        let ins = atlas.ins.iter().map(|i| place(i.tile().map(|(_, tile, _)| tile), 1.0));
+        Self {
+            places: ins.chain(atlas.outs.iter().map(|o| place(o.tile, 3.0))).collect(),
+            from: Vec3::ZERO,
+            pace: Pace::new(graph),
+            costs: vec![0.0; num_states],
+            stamps: vec![0; num_states],
+            heap: Heap::new(num_states),
+            stamp: 0,
+            chains: vec![[NONE; 2]; num_rooms],
+            chain_stamps: vec![0; num_rooms],
+            next: vec![NONE; atlas.ins.len()],
+            next_stamps: vec![0; atlas.ins.len()],
+            gates: vec![Gates::default(); graph.num_instances()],
+            end: End::new(graph, atlas),
+            limit: 0.0,
+            opened: 0,
+        }
+    }
+
+    /// A* from the target backwards, until more ways on would not help whoever begins at `from`; `all` leaves
+    /// none out.
+    ///
+    /// - returns false where no way leads from there to the target.
+    pub fn run(&mut self, graph: &WorldGraph<'_>, atlas: &Atlas, target: Target, from: Node, all: bool) -> bool {
+        self.begin();
+        self.from = graph.place(from).translation();
+        if !self.end.find(graph, atlas, target) {
+            return false;
+        }
+        self.reach_from_end(atlas);
+        let mut least = self.end.cost(graph, atlas, from);
+        self.limit = f32::INFINITY;
+        while let Some((key, state)) = self.heap.pop() {
+            if !all {
+                self.limit = least * BESIDE + BESIDE_FRAMES;
+                if key > self.limit {
+                    return true;
+                }
+            }
+            let cost = self.costs[state as usize];
+            self.opened += 1;
+            match state.checked_sub(atlas.ins.len() as u32) {
+                None => self.open_in(atlas, state, cost),
+                Some(out) => self.open_out(atlas, out, cost),
+            }
+            least = least.min(self.cost_by(atlas, from, state, cost));
+        }
+        self.limit = f32::INFINITY;
+        least < f32::INFINITY
+    }
+
+    /// What it costs at least to go on from a node to the target; infinite where no way is known. [Unit: frames]
+    pub fn estimate(&mut self, graph: &WorldGraph<'_>, atlas: &Atlas, node: Node) -> f32 {
+        let direct = self.end.cost(graph, atlas, node);
+        if let Some((district, first)) = atlas.district(node.instance) {
+            return direct.min(self.through(atlas, district, first + node.cell));
+        }
+        if self.gates[node.instance as usize].stamp != self.stamp {
+            self.find_gates(atlas, node.instance);
+        }
+        let plane = atlas.regions.room(node.instance).and_then(|r| atlas.plane(r));
+        plane.map_or(f32::INFINITY, |plane| self.gates[node.instance as usize].cost(plane, node.cell, direct))
+    }
+
+    fn begin(&mut self) {
+        self.stamp = self.stamp.wrapping_add(1);
+        if self.stamp == 0 {
+            self.stamps.fill(0);
+            self.chain_stamps.fill(0);
+            self.next_stamps.fill(0);
+            self.gates.fill(Gates::default());
+            self.stamp = 1;
+        }
+        self.heap.clear();
+        self.opened = 0;
+    }
+
+    fn reach_from_end(&mut self, atlas: &Atlas) {
+        if let Some(district) = self.end.district {
+            for (k, way_in) in atlas.ins_of(district).enumerate() {
+                self.reach(way_in, self.end.from_in[k]);
+            }
+        } else if let Some(room) = atlas.regions.room(self.end.instance) {
+            for class in self.end.classes() {
+                self.reach_room(atlas, room, [self.end.instance, class], self.end.beside());
+            }
+        }
+    }
+
+    /// All that leads to a room, from which one goes on to a class of cells of a tile.
+    fn reach_room(&mut self, atlas: &Atlas, room: u32, [tile, class]: [u32; 2], cost: f32) {
+        let Some(plane) = atlas.plane(room) else { return };
+        let (mut last, mut look) = (NONE, Look::default());
+        for &k in &atlas.room_outs[room as usize] {
+            let (out, state) = (&atlas.outs[k as usize], atlas.ins.len() as u32 + k);
+            let Some(through) = out.tile else { continue };
+            if self.is_known(state, cost) {
+                continue;
+            }
+            if last != through {
+                (last, look) = (through, plane.look(class, atlas.regions.way(through, tile)));
+            }
+            let number = k - atlas.outs_of(out.district).start;
+            self.reach(state, cost + atlas.shape(out.district).landing(number, look));
+        }
+        for &door in &atlas.room_doors[room as usize] {
+            let In::Door { tile: through, class: into, .. } = atlas.ins[door as usize] else { continue };
+            if !self.is_known(door, cost) {
+                let look = plane.look(class, atlas.regions.way(through, tile));
+                self.reach(door, cost + plane.least(look, into));
+            }
+        }
+    }
+
+    /// True where a state is known to cost no more.
+    fn is_known(&self, state: u32, cost: f32) -> bool {
+        self.stamps[state as usize] == self.stamp && self.costs[state as usize] <= cost
+    }
+
+    fn reach(&mut self, state: u32, cost: f32) {
+        if cost == f32::INFINITY || self.is_known(state, cost) {
+            return;
+        }
+        let s = state as usize;
+        self.stamps[s] = self.stamp;
+        self.costs[s] = cost;
+        let (place, within) = self.places[s];
+        let left = if within < f32::INFINITY { self.pace.cost(self.from, place, within) } else { 0.0 };
+        self.heap.push(state, cost + left);
+    }
+
+    fn open_in(&mut self, atlas: &Atlas, state: u32, cost: f32) {
+        let way_in = atlas.ins[state as usize];
+        if let In::Out { from, to } = way_in {
+            for out in atlas.outs_of(from).filter(|&o| atlas.outs[o as usize].to == Some(to)) {
+                self.reach(atlas.ins.len() as u32 + out, cost);
+            }
+            return;
+        }
+        let Some((room, tile, class)) = way_in.tile().and_then(|(from, tile, class)| {
+            Some((from.or_else(|| atlas.regions.room(tile))?, tile, class))
+        }) else {
+            return;
+        };
+        let Some(plane) = atlas.plane(room) else { return };
+        if self.next_stamps[state as usize] != self.stamp {
+            if self.is_needless(atlas, plane, room, [tile, class], cost) {
+                return;
+            }
+            self.chain(room, state);
+        }
+        self.reach_room(atlas, room, [tile, class], cost);
+    }
+
+    /// True where another way on from a room costs no more from any of the cells that one begins at: who comes to them
+    /// might take that one as well.
+    fn is_needless(&self, atlas: &Atlas, plane: &Plane, room: u32, [tile, class]: [u32; 2], cost: f32) -> bool {
+        let mut other = self.first_of(room);
+        while other != NONE {
+            let known = self.costs[other as usize];
+            if known <= cost
+                && let Some((_, to, into)) = atlas.ins[other as usize].tile()
+                && known + plane.most(plane.look(into, atlas.regions.way(tile, to)), class) <= cost
+            {
+                return true;
+            }
+            other = self.next[other as usize];
+        }
+        false
+    }
+
+    /// Adds a way on to those from a room.
+    fn chain(&mut self, room: u32, state: u32) {
+        let r = room as usize;
+        (self.next[state as usize], self.next_stamps[state as usize]) = (NONE, self.stamp);
+        if self.chain_stamps[r] == self.stamp {
+            self.next[self.chains[r][1] as usize] = state;
+            self.chains[r][1] = state;
+        } else {
+            (self.chain_stamps[r], self.chains[r]) = (self.stamp, [state; 2]);
+        }
+    }
+
+    /// The first way on from a room.
+    fn first_of(&self, room: u32) -> u32 {
+        if self.chain_stamps[room as usize] == self.stamp { self.chains[room as usize][0] } else { NONE }
+    }
+
+    fn open_out(&mut self, atlas: &Atlas, out: u32, cost: f32) {
+        let district = atlas.outs[out as usize].district;
+        let number = out - atlas.outs_of(district).start;
+        let shape = atlas.shape(district);
+        for (k, way_in) in atlas.ins_of(district).enumerate() {
+            self.reach(way_in, cost + shape.across(k as u32, number));
+        }
+    }
+
+    /// What it costs to go on from a node by one of the ways in or out.
+    fn cost_by(&self, atlas: &Atlas, node: Node, state: u32, cost: f32) -> f32 {
+        let Some(out) = state.checked_sub(atlas.ins.len() as u32) else {
+            let Some((from, tile, class)) = atlas.ins[state as usize].tile() else { return f32::INFINITY };
+            let Some(room) = from.or_else(|| atlas.regions.room(tile)) else { return f32::INFINITY };
+            let Some(plane) = atlas.plane(room).filter(|_| atlas.regions.room(node.instance) == Some(room)) else {
+                return f32::INFINITY;
+            };
+            return cost + plane.cost(plane.look(class, atlas.regions.way(node.instance, tile)), node.cell);
+        };
+        let district = atlas.outs[out as usize].district;
+        let number = out - atlas.outs_of(district).start;
+        match atlas.district(node.instance) {
+            Some((d, first)) if d == district => cost + atlas.shape(d).to_out(number, first + node.cell),
+            _ => f32::INFINITY,
+        }
+    }
+
+    /// What it costs from a cell of a district by the ways out of it.
+    fn through(&self, atlas: &Atlas, district: u32, cell: u32) -> f32 {
+        let (shape, first) = (atlas.shape(district), atlas.ins.len() + atlas.outs_of(district).start as usize);
+        let mut least = f32::INFINITY;
+        for k in 0..atlas.outs_of(district).len() {
+            if self.stamps[first + k] == self.stamp {
+                least = least.min(self.costs[first + k] + shape.to_out(k as u32, cell));
+            }
+        }
+        least
+    }
+
+    /// The best ways on from a tile.
+    fn find_gates(&mut self, atlas: &Atlas, tile: u32) {
+        let mut found = Gates::new(self.stamp);
+        let Some((room, plane)) = atlas.regions.room(tile).and_then(|r| Some((r, atlas.plane(r)?))) else { return };
+        let mut state = self.first_of(room);
+        while state != NONE {
+            if let Some((_, to, class)) = atlas.ins[state as usize].tile() {
+                let look = plane.look(class, atlas.regions.way(tile, to));
+                found.add(plane, Gate { look, cost: self.costs[state as usize] });
+            }
+            state = self.next[state as usize];
+        }
+        self.gates[tile as usize] = found;
+    }
+}
