@@ -170,7 +170,7 @@ fn edit(e: &EditFigures) -> String {
     let what = format!("{} (place {}, one of {})", e.unit, e.place, e.placed);
     match (e.seconds, e.over_stitch) {
         (Some(s), Some(share)) => format!("{what}: {:.1} ms, {share:.4} of stitching anew", 1e3 * s),
-        _ => format!("{what}: refused, nothing fits it a little farther on"),
+        _ => format!("{what}: every move was refused"),
     }
 }
 

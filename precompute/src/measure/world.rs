@@ -66,7 +66,7 @@ pub struct EditFigures {
     pub placed: usize,
     /// The place that was moved: of all of that kind the middle one.
     pub place: usize,
-    /// Moves that were done; others were refused, as nothing fits the unit where it would have stood.
+    /// Moves that were done; others were refused: nothing fits the unit there, or nobody gets to it or to others.
     pub done: usize,
     /// Time for one, on all threads, the median; none where every move was refused. [Unit: s]
     pub seconds: Option<f64>,

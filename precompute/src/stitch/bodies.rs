@@ -30,6 +30,8 @@ const PLANTED: usize = 1 << u8::BITS;
 pub(super) struct Bodies {
     /// Of every frame, as seen from its root on the ground.
     frames: Vec<Pose>,
+    /// Of every frame. [Size: frames.len()]
+    reaches: Vec<Reach>,
     /// At rest, for what does not depend on the frame.
     spheres: [Sphere; NUM_SPHERES],
     /// How near a unit may be to the middle of each sphere, by what is planted; then the same for units that are walked
@@ -46,22 +48,26 @@ pub(super) struct Bodies {
 struct Pose {
     /// x, y and z of the middle of every sphere.
     centres: [Lanes; 3],
+    contacts: Contacts,
+}
+
+/// How far the body of one frame reaches: most are told from a unit by that alone, and it stays at hand.
+#[derive(Clone, Copy, Debug)]
+struct Reach {
     /// No sphere reaches farther from the vertical through the root. [Unit: m]
     radius: f32,
     /// Lowest and highest point. [Unit: m]
     heights: [f32; 2],
-    contacts: Contacts,
 }
 
-impl Pose {
-    fn new(spheres: &[Sphere; NUM_SPHERES], contacts: Contacts) -> Self {
+impl Reach {
+    fn new(spheres: &[Sphere; NUM_SPHERES]) -> Self {
         let (mut radius, mut heights) = (0f32, [f32::INFINITY, f32::NEG_INFINITY]);
         for s in spheres {
             radius = radius.max(s.centre.with_y(0.0).length() + s.radius);
             heights = [heights[0].min(s.centre.y - s.radius), heights[1].max(s.centre.y + s.radius)];
         }
-        let lanes = |axis: usize| lanes(0.0, |s| spheres[s].centre[axis]);
-        Self { centres: [lanes(0), lanes(1), lanes(2)], radius, heights, contacts }
+        Self { radius, heights }
     }
 
     /// True where no sphere can be nearer to a unit than `by`, because of where the root is alone. [Unit: m]
@@ -70,6 +76,13 @@ impl Pose {
         unit.plan().beside(root.x, root.z) > self.radius + by
             || root.y + self.heights[1] + by < shapes.min.y
             || root.y + self.heights[0] - by > shapes.max.y
+    }
+}
+
+impl Pose {
+    fn new(spheres: &[Sphere; NUM_SPHERES], contacts: Contacts) -> Self {
+        let lanes = |axis: usize| lanes(0.0, |s| spheres[s].centre[axis]);
+        Self { centres: [lanes(0), lanes(1), lanes(2)], contacts }
     }
 
     /// The middles of all spheres where the root is.
@@ -126,15 +139,16 @@ impl Bodies {
         let body = Body::new(skeleton);
         let pose = |(row, &contacts): (&FrameRow, &Contacts)| {
             let joints = joint_transforms(skeleton, Vec3::Y * row.height, |j| row.rotation(j));
-            Pose::new(&body.spheres(&joints), contacts)
+            let spheres = body.spheres(&joints);
+            (Pose::new(&spheres, contacts), Reach::new(&spheres))
         };
-        let frames: Vec<Pose> = frames.par_iter().zip(contacts).map(pose).collect();
+        let (frames, reaches): (Vec<Pose>, Vec<Reach>) = frames.par_iter().zip(contacts).map(pose).unzip();
         let spheres = body.spheres(&joint_transforms(skeleton, Vec3::ZERO, |_| Quat::IDENTITY));
         let limits = limits(&spheres, depth_m);
-        let radius = frames.iter().map(|f| f.radius).fold(0.0, f32::max);
-        let lowest = frames.iter().map(|f| f.heights[0]).fold(f32::INFINITY, f32::min);
-        let highest = frames.iter().map(|f| f.heights[1]).fold(f32::NEG_INFINITY, f32::max);
-        Self { frames, spheres, limits, radius, heights: [lowest, highest] }
+        let radius = reaches.iter().map(|r| r.radius).fold(0.0, f32::max);
+        let lowest = reaches.iter().map(|r| r.heights[0]).fold(f32::INFINITY, f32::min);
+        let highest = reaches.iter().map(|r| r.heights[1]).fold(f32::NEG_INFINITY, f32::max);
+        Self { frames, reaches, spheres, limits, radius, heights: [lowest, highest] }
     }
 
     /// No body reaches farther from the vertical through its root than this. [Unit: m]
@@ -144,7 +158,7 @@ impl Bodies {
 
     /// No part of the body of a frame is farther from the vertical through its root than this. [Unit: m]
     pub fn radius_of(&self, frame: usize) -> f32 {
-        self.frames[frame].radius
+        self.reaches[frame].radius
     }
 
     /// Where a root must be for a body to touch what is in a box.
@@ -160,10 +174,10 @@ impl Bodies {
     ///
     /// - `root`: in the unit's frame.
     pub fn collides(&self, frame: usize, root: Placement, unit: &Field) -> bool {
-        let pose = &self.frames[frame];
-        if pose.is_apart(root, unit, 0.0) {
+        if self.reaches[frame].is_apart(root, unit, 0.0) {
             return false;
         }
+        let pose = &self.frames[frame];
         let (centres, limits) = (pose.placed(root), self.limits(pose, unit));
         let near = nearer(&gaps(&unit.geometry.bounds, &centres, limits), ROUNDING);
         ones(near).any(|s| unit.is_nearer(at(&centres, s as usize), limits[s as usize]))
@@ -174,10 +188,10 @@ impl Bodies {
     /// - `root`: in the unit's frame.
     /// - `most`: what is more is not told apart. [Limit: <= SLACK_M]
     pub fn clearance(&self, frame: usize, root: Placement, unit: &Field, most: f32) -> Option<f32> {
-        let pose = &self.frames[frame];
-        if pose.is_apart(root, unit, most) {
+        if self.reaches[frame].is_apart(root, unit, most) {
             return Some(most);
         }
+        let pose = &self.frames[frame];
         let (centres, limits) = (pose.placed(root), self.limits(pose, unit));
         let near = nearer(&gaps(&unit.geometry.bounds, &centres, limits), most + ROUNDING);
         ones(near).try_fold(most, |least, s| {
