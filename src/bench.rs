@@ -8,7 +8,7 @@ use crate::output;
 use serde::Serialize;
 use std::path::PathBuf;
 use throng_precompute::measure::{
-    self, EditFigures, MatchingConfig, MatchingFigures, MeasureConfig, Measured, WorldFigures,
+    self, EditFigures, MatchingConfig, MatchingFigures, MeasureConfig, Measured, PathFigures, WorldFigures,
 };
 use throng_precompute::policy::{Quality, QualityConfig};
 use throng_precompute::scene::Scene;
@@ -135,32 +135,15 @@ fn run_world(args: &Args) -> Outcome {
 }
 
 fn print_world(w: &WorldFigures) -> Outcome {
-    let p = &w.paths;
-    let dijkstra = match (p.over_dijkstra_mean, p.over_dijkstra_max) {
-        (Some(mean), Some(most)) => {
-            format!("; {mean:.3} times the time of Dijkstra's on average, {most:.3} at most, of {}", p.compared)
-        }
-        _ => String::new(),
-    };
     let mut rows = vec![
         ("world", format!("{}: {} instances, {} cells, {} transitions", w.world, w.instances, w.cells, w.transitions)),
         ("stitching", format!("{:.3} s, {} at most", w.stitch_seconds, output::bytes(w.peak_bytes))),
     ];
     rows.extend(w.edits.iter().map(|e| ("  moving", edit(e))));
     rows.extend([
-        (
-            "paths",
-            format!(
-                "{:.2} ms on average, {:.2} at most, for {:.0} m ({:.0} s), {:.0} at most; {:.0} states of instances and {:.0} nodes opened{dijkstra}",
-                1e3 * p.seconds_mean,
-                1e3 * p.seconds_max,
-                p.length_mean_m,
-                p.duration_mean_s,
-                p.length_max_m,
-                p.opened_instances_mean,
-                p.opened_nodes_mean
-            ),
-        ),
+        ("first planner", format!("{:.3} s", w.paths.first_seconds)),
+        ("paths", paths(&w.paths)),
+        ("paths soon", paths(&w.paths_soon)),
         ("crowd", format!("{} characters, {:.0} steps a second on one thread", w.characters, w.steps_per_second)),
     ]);
     output::table(&rows)
@@ -172,6 +155,29 @@ fn edit(e: &EditFigures) -> String {
         (Some(s), Some(share)) => format!("{what}: {:.1} ms, {share:.4} of stitching anew", 1e3 * s),
         _ => format!("{what}: every move was refused"),
     }
+}
+
+/// What planning paths costs.
+fn paths(p: &PathFigures) -> String {
+    let dijkstra = match (p.over_dijkstra_mean, p.over_dijkstra_max, p.worst) {
+        (Some(mean), Some(most), Some([from, to])) => format!(
+            "; {mean:.3} times the time of Dijkstra's on average, {most:.3} at most (from instance {from} to {to}), of {}",
+            p.compared
+        ),
+        _ => String::new(),
+    };
+    let [from, to] = p.slowest;
+    format!(
+        "{:.2} ms on average, {:.2} at most (from instance {from} to {to}), for {:.0} m ({:.0} s), {:.0} at most; {:.0} ways of the upper layer and {:.0} nodes opened; {:.3} times what is proved to be needed at most{dijkstra}",
+        1e3 * p.seconds_mean,
+        1e3 * p.seconds_max,
+        p.length_mean_m,
+        p.duration_mean_s,
+        p.length_max_m,
+        p.opened_instances_mean,
+        p.opened_nodes_mean,
+        p.over_bound_max,
+    )
 }
 
 /// The figures for people.

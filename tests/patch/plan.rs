@@ -1,11 +1,13 @@
 //! Paths in two layers against plain Dijkstra over the whole graph.
 
-use crate::made_up_world::{self, SIT};
+use crate::made_up_world::{self, FLOOR, SIT};
+use proptest::prelude::*;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use std::collections::{BTreeMap, BTreeSet};
-use throng_runtime::world::plan::{Plan, Planner, Target};
-use throng_runtime::world::{Node, Step, WorldGraph};
+use throng_runtime::Tables;
+use throng_runtime::world::plan::{GREED, Plan, Planner, Target};
+use throng_runtime::world::{Node, Step, WorldData, WorldGraph};
 
 /// Least frames from a node to every other one.
 fn dijkstra(graph: &WorldGraph<'_>, from: Node) -> BTreeMap<Node, u32> {
@@ -124,5 +126,115 @@ fn the_way_of_a_target_that_is_a_node_ends_there() {
         let plan = plan.unwrap_or_else(|| panic!("no way to {node:?}"));
         is_a_way(&graph, from, Target::Node(node), &steps[..plan.num_stored], &plan);
         assert!(f64::from(plan.num_frames) <= 1.05 * f64::from(frames), "{node:?}: {} {frames}", plan.num_frames);
+    }
+}
+
+/// Plans between many nodes of a floor, and compares with Dijkstra; how many paths and how many times none there were.
+fn compare(tables: &Tables, rows: &[&str], rng: &mut Pcg64Mcg, change: impl Fn(&mut WorldData)) -> (usize, usize) {
+    let mut world = made_up_world::world(tables, rows);
+    change(&mut world);
+    world.check(&tables.patches()).expect("the changed world is sound");
+    let graph = WorldGraph::new(tables.patches(), world.view()).unwrap();
+    let (mut planner, mut steps) = (Planner::new(&graph), vec![Step::NONE; 400]);
+    let (mut paths, mut none) = (0, 0);
+    for _ in 0..25 {
+        let mut draw = || {
+            let instance = rng.random_range(0..graph.num_instances() as u32);
+            Node { instance, cell: rng.random_range(0..graph.cells(instance).len() as u32) }
+        };
+        let (from, to) = (draw(), draw());
+        if !graph.is_node(from) || !graph.is_node(to) {
+            continue;
+        }
+        let best = dijkstra(&graph, from).get(&to).copied();
+        let target = Target::Node(to);
+        let plans =
+            [planner.plan(&graph, from, target, &mut steps), planner.plan_soon(&graph, from, target, &mut steps)];
+        assert_eq!(plans.map(|p| p.is_some()), [best.is_some(); 2], "{from:?} {to:?} in {rows:#?}");
+        let (Some(best), [Some(plan), Some(soon)]) = (best, plans) else {
+            none += 1;
+            continue;
+        };
+        is_a_way(&graph, from, target, &steps[..soon.num_stored], &soon);
+        assert!(f64::from(plan.num_frames) <= f64::from(GREED) * f64::from(best), "{} {best}", plan.num_frames);
+        assert!(plan.least_frames <= best && soon.least_frames <= best, "{plan:?} {soon:?} {best}");
+        paths += 1;
+    }
+    (paths, none)
+}
+
+#[test]
+fn ways_around_corners_and_through_gateways_are_as_good_as_promised() {
+    let tables = made_up_world::tables();
+    let mut rng = Pcg64Mcg::seed_from_u64(11);
+    let floors: [&[&str]; 4] = [
+        &["##########", "##########", "##........", "##........", "##........", "##########", "##########"],
+        &["####..####", "####..####", "##########", "#b##..####", "####..####"],
+        &["#######", "#.....#", "#.###.#", "#.#.#.#", "#.###.#", "#..#..#", "#######"],
+        &["###.###", "###.###", "###.###"],
+    ];
+    let (mut paths, mut none) = (0, 0);
+    for rows in floors {
+        for _ in 0..3 {
+            let found = compare(&tables, rows, &mut rng, |_| {});
+            (paths, none) = (paths + found.0, none + found.1);
+        }
+    }
+    assert!(paths > 60 && none > 5, "{paths} {none}");
+}
+
+#[test]
+fn ways_over_tiles_that_are_crossed_in_one_direction_are_as_good_as_promised() {
+    let tables = made_up_world::tables();
+    let links = tables.patches().links_of(FLOOR as usize);
+    let mut rng = Pcg64Mcg::seed_from_u64(12);
+    let (mut paths, mut none) = (0, 0);
+    for _ in 0..6 {
+        // Nobody walks back to -x in the first rows.
+        let found = compare(&tables, &["########"; 4], &mut rng, |world| {
+            let in_rows: Vec<_> = world.instances.iter().filter(|i| i.placement.z < 3.0).copied().collect();
+            for i in in_rows {
+                for (k, _) in links.iter().enumerate().filter(|(_, l)| l.to == 5) {
+                    world.link_words[i.first_link_word as usize + k / 64] &= !(1 << (k % 64));
+                }
+            }
+        });
+        (paths, none) = (paths + found.0, none + found.1);
+    }
+    assert!(paths > 30, "{paths} {none}");
+}
+
+#[test]
+fn ways_around_obstacles_are_as_good_as_promised() {
+    let tables = made_up_world::tables();
+    let num_links = tables.patches().links_of(FLOOR as usize).len();
+    let mut rng = Pcg64Mcg::seed_from_u64(13);
+    let (mut paths, mut none) = (0, 0);
+    for _ in 0..8 {
+        let seed = rng.random_range(0..1000u64);
+        let found =
+            compare(&tables, &["########", "##b#####", "########", "#####b##", "########"], &mut rng, |world| {
+                let mut obstacles = Pcg64Mcg::seed_from_u64(seed);
+                let floor: Vec<_> = world.instances.iter().filter(|i| i.patch == FLOOR).copied().collect();
+                for i in floor {
+                    for k in (0..num_links).filter(|_| obstacles.random_range(0..5) == 0) {
+                        world.link_words[i.first_link_word as usize + k / 64] &= !(1 << (k % 64));
+                    }
+                }
+            });
+        (paths, none) = (paths + found.0, none + found.1);
+    }
+    assert!(paths > 40, "{paths} {none}");
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(24))]
+
+    #[test]
+    fn no_floor_breaks_the_promise(seed in 0u64..1_000_000) {
+        let tables = made_up_world::tables();
+        let mut rng = Pcg64Mcg::seed_from_u64(seed);
+        let rows = floor(&mut rng);
+        compare(&tables, &rows.iter().map(String::as_str).collect::<Vec<_>>(), &mut rng, |_| {});
     }
 }

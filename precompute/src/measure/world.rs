@@ -1,32 +1,23 @@
 //! What a world costs: stitching it, changing it, planning in it, living in it.
 
+mod paths;
+
 use crate::error::BuildError;
 use crate::progress::Silent;
 use crate::scene::world::{SharedWish, WishConfig, WorldScene};
 use crate::stitch::{Editor, Kit, WorldSource};
-use rand::{RngExt, SeedableRng};
-use rand_pcg::Pcg64Mcg;
+pub use paths::PathFigures;
 use serde::Serialize;
-use std::cmp::Reverse;
-use std::collections::BinaryHeap;
 use std::path::Path;
 use std::time::Instant;
 use throng_runtime::Tables;
 use throng_runtime::patch::Placement;
 use throng_runtime::troupe::Repertoire;
-use throng_runtime::world::plan::{Planner, Target};
-use throng_runtime::world::{Node, Step, WorldGraph};
+use throng_runtime::world::WorldGraph;
 
 /// Moves of a unit that are timed, and how far each goes on from the one before. [Unit: m]
 const EDITS: usize = 7;
 const EDIT_M: f32 = 0.03;
-/// Paths that are planned, and those of them that are compared with a plain search.
-const PATHS: usize = 40;
-const COMPARED: usize = 8;
-/// Larger worlds are not searched through. [Unit: nodes]
-const MAX_SEARCHED: usize = 1_000_000;
-/// Steps of a path that are kept.
-const MAX_STEPS: usize = 4096;
 /// Characters that walk about, where there is room, and for how long. [Unit: s]
 const CHARACTERS: usize = 1000;
 const LIFE_S: f32 = 4.0;
@@ -51,6 +42,8 @@ pub struct WorldFigures {
     pub edits: Vec<EditFigures>,
     /// Paths between places drawn at random.
     pub paths: PathFigures,
+    /// The same paths, planned by who cannot wait.
+    pub paths_soon: PathFigures,
     /// Characters who walked about, as many as there was room for up to a thousand.
     pub characters: usize,
     /// Steps of all of them a second on one thread: control and poses.
@@ -74,33 +67,6 @@ pub struct EditFigures {
     pub over_stitch: Option<f64>,
 }
 
-/// Figures of path planning.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
-pub struct PathFigures {
-    /// Paths that were found.
-    pub found: usize,
-    /// Time to plan one, on average. [Unit: s]
-    pub seconds_mean: f64,
-    /// Time to plan one, at most. [Unit: s]
-    pub seconds_max: f64,
-    /// Length of the paths, on average. [Unit: m]
-    pub length_mean_m: f64,
-    /// Length of the longest. [Unit: m]
-    pub length_max_m: f64,
-    /// Time they take to walk, on average. [Unit: s]
-    pub duration_mean_s: f64,
-    /// States of instances opened in the upper layer, on average.
-    pub opened_instances_mean: f64,
-    /// Nodes opened in the lower layer, on average.
-    pub opened_nodes_mean: f64,
-    /// Paths that were compared with Dijkstra's over the whole world.
-    pub compared: usize,
-    /// Time to walk over that of Dijkstra's, on average and at most; none in worlds too large to search through.
-    pub over_dijkstra_mean: Option<f64>,
-    /// See `over_dijkstra_mean`.
-    pub over_dijkstra_max: Option<f64>,
-}
-
 /// Measures a world.
 ///
 /// - `path`: of the world file, for messages.
@@ -120,6 +86,7 @@ pub fn world(tables: &Tables, source: &WorldSource, path: &Path) -> Result<World
     let (data, _) = editor.into_world();
     let graph = WorldGraph::new(tables.patches(), data.view()).map_err(|e| fail(e.to_string()))?;
     let (characters, steps_per_second) = life(source, tables, &graph)?;
+    let (paths, paths_soon) = paths::measure(&graph, tables.meta().rate_hz);
     Ok(WorldFigures {
         world: source.name.clone(),
         instances: report.instances,
@@ -128,7 +95,8 @@ pub fn world(tables: &Tables, source: &WorldSource, path: &Path) -> Result<World
         stitch_seconds,
         peak_bytes: report.peak_bytes,
         edits,
-        paths: paths(&graph, tables.meta().rate_hz),
+        paths,
+        paths_soon,
         characters,
         steps_per_second,
     })
@@ -190,65 +158,4 @@ fn life(source: &WorldSource, tables: &Tables, graph: &WorldGraph<'_>) -> Result
         life.step(&repertoire, graph, 1.0 / STEP_HZ).map_err(|e| fail(e.to_string()))?;
     }
     Ok((scene.characters, steps as f64 / begin.elapsed().as_secs_f64()))
-}
-
-fn paths(graph: &WorldGraph<'_>, rate_hz: f64) -> PathFigures {
-    let rests: Vec<Node> = (0..graph.num_instances() as u32).filter_map(|i| graph.rest_cells(i).next()).collect();
-    let (mut rng, mut planner) = (Pcg64Mcg::seed_from_u64(1), Planner::new(graph));
-    let mut steps = vec![Step::NONE; MAX_STEPS];
-    let (mut out, mut ratios) = (PathFigures::default(), Vec::new());
-    for k in 0..PATHS {
-        let mut draw = || rests[rng.random_range(0..rests.len())];
-        let (from, to) = (draw(), draw());
-        let begin = Instant::now();
-        let Some(plan) = planner.plan(graph, from, Target::Node(to), &mut steps) else { continue };
-        let seconds = begin.elapsed().as_secs_f64();
-        out.found += 1;
-        out.seconds_mean += seconds;
-        out.seconds_max = out.seconds_max.max(seconds);
-        out.length_mean_m += f64::from(plan.length_m);
-        out.length_max_m = out.length_max_m.max(f64::from(plan.length_m));
-        out.duration_mean_s += f64::from(plan.num_frames) / rate_hz;
-        out.opened_instances_mean += plan.opened_instances as f64;
-        out.opened_nodes_mean += plan.opened_nodes as f64;
-        if k < COMPARED && graph.num_nodes() <= MAX_SEARCHED && from != to {
-            ratios.extend(dijkstra(graph, from, to).map(|best| f64::from(plan.num_frames) / f64::from(best)));
-        }
-    }
-    let n = out.found.max(1) as f64;
-    for mean in [
-        &mut out.seconds_mean,
-        &mut out.length_mean_m,
-        &mut out.duration_mean_s,
-        &mut out.opened_instances_mean,
-        &mut out.opened_nodes_mean,
-    ] {
-        *mean /= n;
-    }
-    out.compared = ratios.len();
-    out.over_dijkstra_mean = (!ratios.is_empty()).then(|| ratios.iter().sum::<f64>() / ratios.len() as f64);
-    out.over_dijkstra_max = ratios.into_iter().reduce(f64::max);
-    out
-}
-
-/// Frames of the shortest way between two nodes, over the whole world.
-fn dijkstra(graph: &WorldGraph<'_>, from: Node, to: Node) -> Option<u32> {
-    let mut best = std::collections::HashMap::from([(from, 0u32)]);
-    let mut open = BinaryHeap::from([Reverse((0u32, from))]);
-    while let Some(Reverse((frames, node))) = open.pop() {
-        if node == to {
-            return Some(frames);
-        }
-        if best[&node] < frames {
-            continue;
-        }
-        graph.for_each_step(node, |step| {
-            let then = frames + step.num_frames();
-            if best.get(&step.to).is_none_or(|&b| then < b) {
-                best.insert(step.to, then);
-                open.push(Reverse((then, step.to)));
-            }
-        });
-    }
-    None
 }

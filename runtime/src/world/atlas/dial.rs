@@ -33,7 +33,7 @@ impl<T: Copy> Arcs<T> {
 
 /// Memory of searches.
 #[derive(Debug, Default)]
-pub(super) struct Dial {
+pub(crate) struct Dial {
     costs: Vec<u32>,
     /// States by cost.
     buckets: Vec<Vec<u32>>,

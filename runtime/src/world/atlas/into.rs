@@ -23,7 +23,8 @@ impl Into {
             let mut order: Vec<u32> = (0..links.len() as u32).collect();
             order.sort_by_key(|&l| links[l as usize].to);
             let base = out.links.len() as u32;
-            let ends = (0..num_cells as u32).map(|c| base + order.partition_point(|&l| links[l as usize].to <= c) as u32);
+            let ends =
+                (0..num_cells as u32).map(|c| base + order.partition_point(|&l| links[l as usize].to <= c) as u32);
             out.first.extend(ends);
             out.links.extend(order);
         }

@@ -21,17 +21,17 @@ pub(crate) use into::Into;
 pub(crate) use plane::{Look, Plane, class};
 use regions::Regions;
 use shape::{Beyond, Plot, Shape};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// A way into a part of the world.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum In {
-    /// From cells of a class of a tile, into a district.
+    /// From some cells of a tile, into a district.
     Tile {
         /// The tile.
         tile: u32,
-        /// See [`class`].
-        class: u32,
+        /// The cells, see [`Plane`].
+        goal: u32,
     },
     /// From another district into a district.
     Out {
@@ -40,24 +40,24 @@ pub(crate) enum In {
         /// This one.
         to: u32,
     },
-    /// From one room into another one, to cells of a class of a tile there.
+    /// From one room into another one, to cells of a tile there that are entered across an edge.
     Door {
         /// The room that it leads from.
         from: u32,
         /// The tile.
         tile: u32,
-        /// See [`class`].
-        class: u32,
+        /// The cells, see [`Plane`].
+        goal: u32,
     },
 }
 
 impl In {
-    /// The room that it leads from where it is a door, and the class of cells of a tile that it leads by; none where it
-    /// leads from another district.
+    /// The room that it leads from where it is a door, and the tile and its cells that it leads by; none where it leads
+    /// from another district.
     pub fn tile(&self) -> Option<(Option<u32>, u32, u32)> {
         match *self {
-            Self::Tile { tile, class } => Some((None, tile, class)),
-            Self::Door { from, tile, class } => Some((Some(from), tile, class)),
+            Self::Tile { tile, goal } => Some((None, tile, goal)),
+            Self::Door { from, tile, goal } => Some((Some(from), tile, goal)),
             Self::Out { .. } => None,
         }
     }
@@ -93,7 +93,7 @@ pub(crate) struct Atlas {
     pub ins: Vec<In>,
     /// Ways out of districts.
     pub outs: Vec<Out>,
-    /// Ways out that lead to tiles of each room.
+    /// Ways out that lead to tiles of each room, by the tile that they lead through.
     pub room_outs: Vec<Vec<u32>>,
     /// Doors that lead into each room.
     pub room_doors: Vec<Vec<u32>>,
@@ -103,7 +103,8 @@ impl Atlas {
     /// Works it out, in a fraction of a second for worlds of a few thousand instances that are much alike.
     pub fn new(graph: &WorldGraph<'_>) -> Self {
         let patches = graph.patches();
-        let planes: Vec<_> = (0..patches.patches.len()).map(|p| Plane::new(patches, p)).collect();
+        let mut search = Dial::default();
+        let planes: Vec<_> = (0..patches.patches.len()).map(|p| Plane::new(patches, p, &mut search)).collect();
         let regions = Regions::new(graph, &planes);
         let districts = Districts::new(graph, &regions);
         let num_rooms = regions.num_rooms();
@@ -121,6 +122,9 @@ impl Atlas {
             room_doors: vec![Vec::new(); num_rooms],
         };
         out.add_districts(graph);
+        for outs in &mut out.room_outs {
+            outs.sort_by_key(|&o| out.outs[o as usize].tile);
+        }
         for tile in 0..graph.num_instances() as u32 {
             out.add_doors(graph, tile);
         }
@@ -158,64 +162,92 @@ impl Atlas {
     }
 
     fn add_districts(&mut self, graph: &WorldGraph<'_>) {
-        let (planes, regions, districts) = (&self.planes, &self.regions, &self.districts);
+        let (regions, districts) = (&self.regions, &self.districts);
         let plots: Vec<_> = (0..districts.members.len() as u32)
-            .map(|district| Plot::new(graph, planes, regions, districts, district))
+            .map(|district| Plot::new(graph, regions, districts, district))
             .collect();
-        let (mut known, mut kinds, mut shape_of) = (BTreeMap::new(), Vec::new(), Vec::new());
+        let (mut known, mut kinds) = (BTreeMap::new(), Vec::new());
         for plot in &plots {
-            shape_of.push(*known.entry(plot.key()).or_insert_with(|| {
+            self.shape_of.push(*known.entry(plot.key()).or_insert_with(|| {
                 kinds.push(plot);
                 kinds.len() as u32 - 1
             }));
         }
-        let shapes = shapes(&kinds);
-        let (mut ins, mut outs) = (Vec::new(), Vec::new());
-        for (plot, &shape) in plots.iter().zip(&shape_of) {
-            let shape = &shapes[shape as usize];
+        self.shapes = each(&kinds, |plot, search| Shape::new(plot, search));
+        add_goals(graph, &kinds, &self.shapes, &mut self.planes);
+        for (shape, plot) in self.shapes.iter_mut().zip(&kinds) {
+            shape.add_landings(plot, &self.planes);
+        }
+        for (plot, &shape) in plots.iter().zip(&self.shape_of) {
+            let shape = &self.shapes[shape as usize];
             for &k in &shape.outs {
                 let beyond = plot.beyond[k as usize];
                 if let Some(room) = beyond.tile().and_then(|t| regions.room(t)) {
-                    self.room_outs[room as usize].push(outs.len() as u32);
+                    self.room_outs[room as usize].push(self.outs.len() as u32);
                 }
-                outs.push(Out { district: plot.district, tile: beyond.tile(), to: beyond.district() });
+                self.outs.push(Out { district: plot.district, tile: beyond.tile(), to: beyond.district() });
             }
-            ins.extend(shape.ins.iter().map(|&(k, class)| match plot.beyond[k as usize] {
-                Beyond::Tile(tile) => In::Tile { tile, class },
-                Beyond::District(from) => In::Out { from, to: plot.district },
-            }));
-            self.first.push([ins.len() as u32, outs.len() as u32]);
+            for (k, cells) in &shape.ins {
+                self.ins.push(match plot.beyond[*k as usize] {
+                    Beyond::Tile(tile) => {
+                        let plane = self.planes[graph.instance(tile).patch as usize].as_ref();
+                        In::Tile { tile, goal: plane.and_then(|p| p.goal(cells)).unwrap_or(0) }
+                    }
+                    Beyond::District(from) => In::Out { from, to: plot.district },
+                });
+            }
+            self.first.push([self.ins.len() as u32, self.outs.len() as u32]);
         }
-        (self.shapes, self.shape_of, self.ins, self.outs) = (shapes, shape_of, ins, outs);
     }
 
     /// Adds the doors that lead to a tile.
     fn add_doors(&mut self, graph: &WorldGraph<'_>, tile: u32) {
         let Some(room) = self.regions.room(tile) else { return };
         let (r, patches) = (graph.instance(tile), graph.patches());
-        for (class, edge) in (0u32..).zip(patches.edges_of(r.patch as usize)) {
-            let other = graph.world().neighbours[(r.first_neighbour + class) as usize];
+        for (goal, edge) in (0u32..).zip(patches.edges_of(r.patch as usize)) {
+            let other = graph.world().neighbours[(r.first_neighbour + goal) as usize];
             if other == NONE || !graph.bounds.is_edge_open(graph.instance(other).first_neighbour + edge.opposite) {
                 continue;
             }
             if let Some(from) = self.regions.room(other).filter(|f| *f != room) {
                 self.room_doors[room as usize].push(self.ins.len() as u32);
-                self.ins.push(In::Door { from, tile, class });
+                self.ins.push(In::Door { from, tile, goal });
             }
         }
     }
 }
 
-/// The shapes of plots.
-#[cfg(feature = "rayon")]
-fn shapes(plots: &[&Plot<'_, '_>]) -> Vec<Shape> {
-    use rayon::prelude::*;
-    plots.par_iter().map_init(Dial::default, |search, plot| Shape::new(plot, search)).collect()
+/// Adds the cells that ways into districts begin in to the goals of planes.
+fn add_goals(graph: &WorldGraph<'_>, plots: &[&Plot<'_, '_>], shapes: &[Shape], planes: &mut [Option<Plane>]) {
+    let mut goals = BTreeSet::new();
+    for (plot, shape) in plots.iter().zip(shapes) {
+        for (beyond, cells) in &shape.ins {
+            let Some(tile) = plot.beyond[*beyond as usize].tile() else { continue };
+            goals.insert((graph.instance(tile).patch, cells.clone()));
+        }
+    }
+    let goals: Vec<_> = goals.into_iter().collect();
+    let rows = each(&goals, |(patch, cells), search| {
+        let plane = planes[*patch as usize].as_ref().filter(|p| p.goal(cells).is_none());
+        plane.map(|p| p.rows_to(cells, search))
+    });
+    for ((patch, _), rows) in goals.iter().zip(rows) {
+        if let (Some(plane), Some(rows)) = (&mut planes[*patch as usize], rows) {
+            plane.add(rows);
+        }
+    }
 }
 
-/// The shapes of plots.
+/// What searches find for each of a list.
+#[cfg(feature = "rayon")]
+fn each<T: Sync, R: Send>(list: &[T], find: impl Fn(&T, &mut Dial) -> R + Sync) -> Vec<R> {
+    use rayon::prelude::*;
+    list.par_iter().map_init(Dial::default, |search, item| find(item, search)).collect()
+}
+
+/// What searches find for each of a list.
 #[cfg(not(feature = "rayon"))]
-fn shapes(plots: &[&Plot<'_, '_>]) -> Vec<Shape> {
+fn each<T, R>(list: &[T], find: impl Fn(&T, &mut Dial) -> R) -> Vec<R> {
     let mut search = Dial::default();
-    plots.iter().map(|plot| Shape::new(plot, &mut search)).collect()
+    list.iter().map(|item| find(item, &mut search)).collect()
 }

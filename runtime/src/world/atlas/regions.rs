@@ -23,8 +23,7 @@ impl Regions {
     /// Follows neighbours from tile to tile.
     pub fn new(graph: &WorldGraph<'_>, planes: &[Option<Plane>]) -> Self {
         let n = graph.num_instances();
-        let mut out =
-            Self { of: vec![NONE; n], rooms: vec![NONE; n], places: vec![[0, 0]; n], patches: Vec::new() };
+        let mut out = Self { of: vec![NONE; n], rooms: vec![NONE; n], places: vec![[0, 0]; n], patches: Vec::new() };
         let (mut tiles, mut region) = (Vec::new(), 0);
         for first in 0..n as u32 {
             let patch = graph.instance(first).patch;

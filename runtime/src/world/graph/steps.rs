@@ -3,6 +3,7 @@
 use super::WorldGraph;
 use crate::patch::{CellRecord, KIND_TILE, LinkRecord, NONE};
 use crate::world::{AdjacencyRecord, JointRecord, JointTableRecord, is_set};
+use std::ops::Range;
 
 /// A cell of an instance. An exit of a tile is the entry of its neighbour.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -71,11 +72,13 @@ impl<'w> WorldGraph<'w> {
     pub fn for_each_step(&self, node: Node, mut visit: impl FnMut(Step)) {
         let cell = self.cell(node);
         let tile = self.is_tile(node.instance);
-        for link in cell.first_link..cell.first_link + cell.num_links {
+        let links = cell.first_link..cell.first_link + cell.num_links;
+        let leads_out = tile && self.adjacencies(node.instance).any(|(_, a, t)| self.has_joints(a, t, &links));
+        for link in links {
             if let Some(step) = self.step_along(node.instance, link) {
                 visit(step);
             }
-            if tile {
+            if leads_out {
                 self.for_each_way_out(node.instance, link, &mut visit);
             }
         }
@@ -120,6 +123,13 @@ impl<'w> WorldGraph<'w> {
     /// Joints of a table, in their order.
     pub(crate) fn joints(&self, table: &JointTableRecord) -> &'w [JointRecord] {
         &self.world.joints[table.first_joint as usize..][..table.num_joints as usize]
+    }
+
+    /// True where a tile has joints in some of its links.
+    fn has_joints(&self, adjacency: &AdjacencyRecord, table: &JointTableRecord, links: &Range<u32>) -> bool {
+        let joints = self.joints(table);
+        let first = joints.partition_point(|j| j.a < links.start);
+        adjacency.side == 0 && joints.get(first).is_some_and(|j| j.a < links.end)
     }
 
     /// Joints of an instance's cell, or on side a of a tile of its link, with their numbers in the table.

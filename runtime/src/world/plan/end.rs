@@ -64,16 +64,6 @@ impl End {
         true
     }
 
-    /// Classes of its cells, where it is in a room.
-    pub fn classes(&self) -> impl Iterator<Item = u32> + use<> {
-        classes(self.classes)
-    }
-
-    /// What the target costs more than the best cell of its classes, for who comes from farther away. [Unit: frames]
-    pub fn beside(&self) -> f32 {
-        self.near.beside
-    }
-
     /// What it costs at least to go to the target without coming through another part of the world. [Unit: frames]
     pub fn cost(&mut self, graph: &WorldGraph<'_>, atlas: &Atlas, node: Node) -> f32 {
         if let Some((district, first)) = atlas.district(node.instance) {
@@ -81,10 +71,15 @@ impl End {
             return if here { self.inside.cost(graph, atlas, first + node.cell) } else { f32::INFINITY };
         }
         let (here, there) = (atlas.regions.room(node.instance), atlas.regions.room(self.instance));
-        let Some(plane) = here.filter(|_| here == there).and_then(|r| atlas.plane(r)) else { return f32::INFINITY };
-        let way = atlas.regions.way(node.instance, self.instance);
-        let far = || near::least(plane, classes(self.classes), way, node.cell) + self.near.beside;
-        self.near.cost(way, node.cell).unwrap_or_else(far)
+        let Some(room) = here.filter(|_| here == there) else { return f32::INFINITY };
+        self.cost_at(atlas, room, atlas.regions.way(node.instance, self.instance), node.cell)
+    }
+
+    /// The same from a cell of a tile of the target's room, which lies so many copies away from there.
+    pub fn cost_at(&self, atlas: &Atlas, room: u32, way: [i32; 2], cell: u32) -> f32 {
+        let Some(plane) = atlas.plane(room) else { return f32::INFINITY };
+        let far = || near::least(plane, classes(self.classes), way, cell) + self.near.beside;
+        self.near.cost(way, cell).unwrap_or_else(far)
     }
 }
 

@@ -15,8 +15,8 @@ use super::{Node, Step, WorldGraph};
 pub(crate) use nodes::{Found, Nodes, Space};
 use upper::Upper;
 
-/// A way takes at most this many times as long as the fastest one: estimates are bounds, and what they count in the lower
-/// layer is the price of its speed (weighted A*, Pohl 1970).
+/// A way takes at most this many times as long as the fastest one: estimates are bounds, and this is what they count in
+/// the lower layer (weighted A*, Pohl 1970).
 pub const GREED: f32 = 1.05;
 
 /// Where a plan leads.
@@ -96,10 +96,16 @@ impl Planner {
     ///
     /// [Limit: nodes and instances exist]
     pub fn plan(&mut self, graph: &WorldGraph<'_>, from: Node, target: Target, out: &mut [Step]) -> Option<Plan> {
+        self.search(graph, from, target, &|_| 0.0, &[PROOF], out)
+    }
+
+    /// The same for who cannot wait: where so good a way is not found soon, one is taken that may be worse.
+    /// [`Plan::least_frames`] tells by how much at most.
+    pub fn plan_soon(&mut self, graph: &WorldGraph<'_>, from: Node, target: Target, out: &mut [Step]) -> Option<Plan> {
         self.plan_around(graph, from, target, |_| 0.0, out)
     }
 
-    /// The same, with a toll for entering instances, which counts as time. [Unit: frames]
+    /// As [`Planner::plan_soon`], with a toll for entering instances, which counts as time. [Unit: frames]
     pub(crate) fn plan_around(
         &mut self,
         graph: &WorldGraph<'_>,
@@ -108,22 +114,39 @@ impl Planner {
         toll: impl Fn(u32) -> f32,
         out: &mut [Step],
     ) -> Option<Plan> {
+        self.search(graph, from, target, &toll, &TRIES, out)
+    }
+
+    fn search(
+        &mut self,
+        graph: &WorldGraph<'_>,
+        from: Node,
+        target: Target,
+        toll: &impl Fn(u32) -> f32,
+        tries: &[Try],
+        out: &mut [Step],
+    ) -> Option<Plan> {
         let (atlas, mut opened_nodes) = (graph.atlas(), 0);
         // Who finds no way among the best ones, or none that is surely good, looks everywhere.
         for all in [false, true] {
             if !self.upper.run(graph, atlas, target, from, all) {
                 return None;
             }
-            let least = self.upper.estimate(graph, atlas, from);
-            let mut way = Way { graph, atlas, target, upper: &mut self.upper, toll: &toll };
-            let found = self.nodes.search(graph, from, &mut way, usize::MAX);
-            opened_nodes += self.nodes.opened;
-            if let Found::Way(way) = found
-                && self.nodes.cost(way) <= GREED * self.upper.limit
-            {
-                let plan = Plan { opened_nodes, opened_instances: self.upper.opened, ..self.report(graph, way, out) };
-                let least = least.min(self.upper.limit).max(self.nodes.cost(way) / GREED);
-                return Some(Plan { least_frames: (least.ceil() as u32).min(plan.num_frames), ..plan });
+            let least = self.upper.estimate(graph, atlas, from).min(self.upper.limit);
+            for t in tries {
+                let mut way = Way { graph, atlas, target, t, upper: &mut self.upper, toll };
+                let found = self.nodes.search(graph, from, &mut way, t.most);
+                opened_nodes += self.nodes.opened;
+                let Found::Way(way) = found else { continue };
+                let cost = self.nodes.cost(way);
+                if t.again && cost > t.greed * self.upper.limit {
+                    break;
+                }
+                let proved = if t.again { cost / t.greed } else { 0.0 };
+                let least = least.max(proved).ceil() as u32;
+                let plan = self.report(graph, way, out);
+                let least_frames = least.min(plan.num_frames);
+                return Some(Plan { opened_nodes, opened_instances: self.upper.opened, least_frames, ..plan });
             }
         }
         None
@@ -147,11 +170,31 @@ impl Planner {
     }
 }
 
+/// How a way is looked for.
+struct Try {
+    /// What estimates count in the lower layer.
+    greed: f32,
+    /// Most nodes that are opened.
+    most: usize,
+    /// See [`Space::opens_again`].
+    again: bool,
+}
+
+/// Until it is found.
+const PROOF: Try = Try { greed: GREED, most: usize::MAX, again: true };
+/// Who finds no way soon looks for another one that may take longer.
+const TRIES: [Try; 3] = [
+    Try { greed: GREED, most: 2000, again: true },
+    Try { greed: 1.5, most: 10000, again: false },
+    Try { greed: 3.0, most: usize::MAX, again: false },
+];
+
 /// The lower layer's space: everything, towards the target.
 struct Way<'a, 'w, T> {
     graph: &'a WorldGraph<'w>,
     atlas: &'a Atlas,
     target: Target,
+    t: &'a Try,
     upper: &'a mut Upper,
     toll: &'a T,
 }
@@ -166,11 +209,15 @@ impl<T: Fn(u32) -> f32> Space for Way<'_, '_, T> {
     }
 
     fn estimate(&mut self, node: Node) -> f32 {
-        GREED * self.upper.estimate(self.graph, self.atlas, node)
+        self.t.greed * self.upper.estimate(self.graph, self.atlas, node)
     }
 
     fn cost(&self, step: &Step) -> f32 {
         let toll = if step.to.instance == step.instance { 0.0 } else { (self.toll)(step.to.instance) };
         step.num_frames() as f32 + toll
+    }
+
+    fn opens_again(&self) -> bool {
+        self.t.again
     }
 }

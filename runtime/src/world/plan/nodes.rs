@@ -14,6 +14,11 @@ pub(crate) trait Space {
     fn estimate(&mut self, node: Node) -> f32;
     /// What a step costs. [Unit: frames]
     fn cost(&self, step: &Step) -> f32;
+    /// True where a node is opened again when a cheaper way to it turns up: only then is a way as good as estimates
+    /// promise which do not agree with each other, but it may take long.
+    fn opens_again(&self) -> bool {
+        true
+    }
 }
 
 /// Why a search ended.
@@ -35,6 +40,8 @@ pub(crate) struct Nodes {
     parents: Vec<u32>,
     /// The step that led to each, as whole numbers: memory full of zeros costs nothing.
     steps: Vec<[u32; 5]>,
+    /// The search that opened each.
+    opened_by: Vec<u32>,
     heap: Heap,
     stamp: u32,
     /// Nodes opened by the last search.
@@ -42,12 +49,13 @@ pub(crate) struct Nodes {
 }
 
 impl Nodes {
-    /// Memory for a world. [Size: 40 bytes a node]
+    /// Memory for a world. [Size: 44 bytes a node]
     pub fn new(graph: &WorldGraph<'_>) -> Self {
         let room = graph.num_nodes();
         Self {
             costs: vec![0.0; room],
             stamps: vec![0; room],
+            opened_by: vec![0; room],
             parents: vec![0; room],
             steps: vec![[0; 5]; room],
             heap: Heap::new(room),
@@ -69,10 +77,13 @@ impl Nodes {
                 return Found::Limit;
             }
             self.opened += 1;
+            self.opened_by[at as usize] = self.stamp;
             let cost = self.costs[at as usize];
             graph.for_each_step(node, |step| {
                 let (total, to) = (cost + space.cost(&step), graph.index(step.to));
-                if self.stamps[to] == self.stamp && total >= self.costs[to] || !space.admits(step.to.instance) {
+                let done = self.opened_by[to] == self.stamp && !space.opens_again();
+                let known = done || self.stamps[to] == self.stamp && total >= self.costs[to];
+                if known || !space.admits(step.to.instance) {
                     return;
                 }
                 let estimate = space.estimate(step.to);
@@ -132,6 +143,7 @@ impl Nodes {
         self.stamp = self.stamp.wrapping_add(1);
         if self.stamp == 0 {
             self.stamps.fill(0);
+            self.opened_by.fill(0);
             self.stamp = 1;
         }
         self.opened = 0;

@@ -19,6 +19,8 @@ const BESIDE_FRAMES: f32 = 60.0;
 pub(super) struct Upper {
     /// Where each state is, ways in and then ways out, and how far from there at most. [Unit: m]
     places: Vec<(Vec3, f32)>,
+    /// Middle of each instance, and how far its cells are from there at most. [Unit: m]
+    tiles: Vec<(Vec3, f32)>,
     /// Costs of the states. [Unit: frames]
     costs: Vec<f32>,
     stamps: Vec<u32>,
@@ -46,13 +48,15 @@ impl Upper {
     pub fn new(graph: &WorldGraph<'_>, atlas: &Atlas) -> Self {
         let num_states = atlas.ins.len() + atlas.outs.len();
         let num_rooms = atlas.regions.num_rooms();
+        let tiles: Vec<_> = (0..graph.num_instances() as u32).map(|i| (graph.centre(i), graph.reach(i))).collect();
         // A way out through a tile may end in the next one.
         let place = |tile: Option<u32>, times: f32| {
-            tile.map_or((Vec3::ZERO, f32::INFINITY), |t| (graph.centre(t), times * graph.reach(t)))
+            tile.map_or((Vec3::ZERO, f32::INFINITY), |t| (tiles[t as usize].0, times * tiles[t as usize].1))
         };
         let ins = atlas.ins.iter().map(|i| place(i.tile().map(|(_, tile, _)| tile), 1.0));
         Self {
             places: ins.chain(atlas.outs.iter().map(|o| place(o.tile, 3.0))).collect(),
+            tiles: tiles.clone(),
             from: Vec3::ZERO,
             pace: Pace::new(graph),
             costs: vec![0.0; num_states],
@@ -80,9 +84,9 @@ impl Upper {
         if !self.end.find(graph, atlas, target) {
             return false;
         }
-        self.reach_from_end(atlas);
         let mut least = self.end.cost(graph, atlas, from);
-        self.limit = f32::INFINITY;
+        self.limit = if all { f32::INFINITY } else { least * BESIDE + BESIDE_FRAMES };
+        self.reach_from_end(atlas);
         while let Some((key, state)) = self.heap.pop() {
             if !all {
                 self.limit = least * BESIDE + BESIDE_FRAMES;
@@ -134,32 +138,59 @@ impl Upper {
                 self.reach(way_in, self.end.from_in[k]);
             }
         } else if let Some(room) = atlas.regions.room(self.end.instance) {
-            for class in self.end.classes() {
-                self.reach_room(atlas, room, [self.end.instance, class], self.end.beside());
-            }
+            self.reach_end(atlas, room);
         }
     }
 
-    /// All that leads to a room, from which one goes on to a class of cells of a tile.
-    fn reach_room(&mut self, atlas: &Atlas, room: u32, [tile, class]: [u32; 2], cost: f32) {
+    /// All that leads to the target's room.
+    fn reach_end(&mut self, atlas: &Atlas, room: u32) {
+        let instance = self.end.instance;
+        let way = |tile| atlas.regions.way(tile, instance);
+        for &k in &atlas.room_outs[room as usize] {
+            let (out, state) = (&atlas.outs[k as usize], atlas.ins.len() as u32 + k);
+            let Some(way) = out.tile.map(way) else { continue };
+            let spots = atlas.shape(out.district).spots(k - atlas.outs_of(out.district).start);
+            let costs = spots.map(|([u, v], cell)| self.end.cost_at(atlas, room, [way[0] - u, way[1] - v], cell));
+            let cost = costs.fold(f32::INFINITY, f32::min);
+            self.reach(state, cost);
+        }
+        for &door in &atlas.room_doors[room as usize] {
+            let (In::Door { tile, goal, .. }, Some(plane)) = (atlas.ins[door as usize], atlas.plane(room)) else {
+                continue;
+            };
+            let way = atlas.regions.way(tile, self.end.instance);
+            let costs = plane.cells(goal).iter().map(|&cell| self.end.cost_at(atlas, room, way, cell));
+            let cost = costs.fold(f32::INFINITY, f32::min);
+            self.reach(door, cost);
+        }
+    }
+
+    /// All that leads to a room, from which one goes on to a goal on a tile.
+    fn reach_room(&mut self, atlas: &Atlas, room: u32, [tile, goal]: [u32; 2], cost: f32) {
         let Some(plane) = atlas.plane(room) else { return };
-        let (mut last, mut look) = (NONE, Look::default());
+        let (mut last, mut look, mut leads) = (NONE, Look::default(), false);
+        let to = self.tiles[tile as usize];
         for &k in &atlas.room_outs[room as usize] {
             let (out, state) = (&atlas.outs[k as usize], atlas.ins.len() as u32 + k);
             let Some(through) = out.tile else { continue };
-            if self.is_known(state, cost) {
-                continue;
-            }
             if last != through {
-                (last, look) = (through, plane.look(class, atlas.regions.way(through, tile)));
+                last = through;
+                // Nothing is looked up where it would be left out in any case.
+                let at = self.tiles[through as usize];
+                let left = self.pace.cost(at.0, to.0, 3.0 * at.1 + to.1) + self.pace.cost(self.from, at.0, 3.0 * at.1);
+                leads = cost + left <= self.limit;
+                look = if leads { plane.look(goal, atlas.regions.way(through, tile)) } else { look };
+            }
+            if !leads || self.is_known(state, cost) {
+                continue;
             }
             let number = k - atlas.outs_of(out.district).start;
             self.reach(state, cost + atlas.shape(out.district).landing(number, look));
         }
         for &door in &atlas.room_doors[room as usize] {
-            let In::Door { tile: through, class: into, .. } = atlas.ins[door as usize] else { continue };
+            let In::Door { tile: through, goal: into, .. } = atlas.ins[door as usize] else { continue };
             if !self.is_known(door, cost) {
-                let look = plane.look(class, atlas.regions.way(through, tile));
+                let look = plane.look(goal, atlas.regions.way(through, tile));
                 self.reach(door, cost + plane.least(look, into));
             }
         }
@@ -190,30 +221,30 @@ impl Upper {
             }
             return;
         }
-        let Some((room, tile, class)) = way_in.tile().and_then(|(from, tile, class)| {
-            Some((from.or_else(|| atlas.regions.room(tile))?, tile, class))
-        }) else {
+        let Some((room, tile, goal)) =
+            way_in.tile().and_then(|(from, tile, goal)| Some((from.or_else(|| atlas.regions.room(tile))?, tile, goal)))
+        else {
             return;
         };
         let Some(plane) = atlas.plane(room) else { return };
         if self.next_stamps[state as usize] != self.stamp {
-            if self.is_needless(atlas, plane, room, [tile, class], cost) {
+            if self.is_needless(atlas, plane, room, [tile, goal], cost) {
                 return;
             }
             self.chain(room, state);
         }
-        self.reach_room(atlas, room, [tile, class], cost);
+        self.reach_room(atlas, room, [tile, goal], cost);
     }
 
     /// True where another way on from a room costs no more from any of the cells that one begins at: who comes to them
     /// might take that one as well.
-    fn is_needless(&self, atlas: &Atlas, plane: &Plane, room: u32, [tile, class]: [u32; 2], cost: f32) -> bool {
+    fn is_needless(&self, atlas: &Atlas, plane: &Plane, room: u32, [tile, goal]: [u32; 2], cost: f32) -> bool {
         let mut other = self.first_of(room);
         while other != NONE {
             let known = self.costs[other as usize];
             if known <= cost
                 && let Some((_, to, into)) = atlas.ins[other as usize].tile()
-                && known + plane.most(plane.look(into, atlas.regions.way(tile, to)), class) <= cost
+                && plane.most(into, atlas.regions.way(tile, to), goal, cost - known) <= cost - known
             {
                 return true;
             }
@@ -251,12 +282,12 @@ impl Upper {
     /// What it costs to go on from a node by one of the ways in or out.
     fn cost_by(&self, atlas: &Atlas, node: Node, state: u32, cost: f32) -> f32 {
         let Some(out) = state.checked_sub(atlas.ins.len() as u32) else {
-            let Some((from, tile, class)) = atlas.ins[state as usize].tile() else { return f32::INFINITY };
+            let Some((from, tile, goal)) = atlas.ins[state as usize].tile() else { return f32::INFINITY };
             let Some(room) = from.or_else(|| atlas.regions.room(tile)) else { return f32::INFINITY };
             let Some(plane) = atlas.plane(room).filter(|_| atlas.regions.room(node.instance) == Some(room)) else {
                 return f32::INFINITY;
             };
-            return cost + plane.cost(plane.look(class, atlas.regions.way(node.instance, tile)), node.cell);
+            return cost + plane.cost(plane.look(goal, atlas.regions.way(node.instance, tile)), node.cell);
         };
         let district = atlas.outs[out as usize].district;
         let number = out - atlas.outs_of(district).start;
@@ -284,8 +315,8 @@ impl Upper {
         let Some((room, plane)) = atlas.regions.room(tile).and_then(|r| Some((r, atlas.plane(r)?))) else { return };
         let mut state = self.first_of(room);
         while state != NONE {
-            if let Some((_, to, class)) = atlas.ins[state as usize].tile() {
-                let look = plane.look(class, atlas.regions.way(tile, to));
+            if let Some((_, to, goal)) = atlas.ins[state as usize].tile() {
+                let look = plane.look(goal, atlas.regions.way(tile, to));
                 found.add(plane, Gate { look, cost: self.costs[state as usize] });
             }
             state = self.next[state as usize];

@@ -32,9 +32,9 @@ pub(super) fn prices(back: &Back, num_cells: u32) -> Vec<[f32; 2]> {
 /// What `price` leaves of the least cost from each cell to some: infinite where no way leads there.
 ///
 /// - returns none where a cycle earns.
-pub(super) fn rest(back: &Back, price: [f32; 2], sources: impl Iterator<Item = u32>, num_cells: u32) -> Option<Vec<f32>> {
+pub(super) fn rest(back: &Back, price: [f32; 2], to: &[u32], num_cells: u32) -> Option<Vec<f32>> {
     let mut search = Search::new(num_cells);
-    sources.for_each(|cell| search.costs[cell as usize] = 0.0);
+    to.iter().for_each(|&cell| search.costs[cell as usize] = 0.0);
     // Whoever was not noticed to cost so little less is not counted.
     search.run(back, price).then(|| search.costs.into_iter().map(|c| c - SLACK).collect())
 }

@@ -13,37 +13,59 @@ use far::Back;
 use glam::Vec3;
 use lattice::lattice;
 
-/// Offsets up to this many copies away are in the table. [Unit: copies]
+/// Costs to the cells of a class are in the table up to this many copies away. [Unit: copies]
 const RADIUS: i32 = 6;
+/// The same for other goals, of which there are many. [Unit: copies]
+const GOAL_RADIUS: i32 = 3;
+/// Up to here the price to go by is in a table. [Unit: copies]
+const FAR: i32 = 48;
 /// Ways may lead this far around them.
 const MARGIN: i32 = 2;
-const SIDE: i32 = 2 * RADIUS + 1;
-/// Offsets of a table. [Size: copies]
-const NUM_OFFSETS: usize = (SIDE * SIDE) as usize;
 
 /// A tile whose copies fill a plane. Its cells are of classes: those that are entered across each edge, and the inside.
 ///
-/// Costs to the cells of a class are in rows: one an offset nearby, one a direction for all that is far away.
+/// Costs to *goals*, which are sets of cells, are in rows: of each goal one a direction for all that is far away, and then
+/// one an offset nearby. The first goals are the classes.
 #[derive(Clone, Debug)]
 pub(crate) struct Plane {
     /// Steps across each edge, in copies along two directions.
     pub steps: Vec<[i32; 2]>,
     num_cells: u32,
-    num_classes: u32,
+    /// Cells of each class.
+    classes: Vec<Vec<u32>>,
     back: Back,
     /// What a copy costs at least, for some directions. [Unit: frames/copy]
     prices: Vec<[f32; 2]>,
-    /// Least frames from each cell to any cell of a class, beyond what its row costs. [Size: rows * cells]
+    /// For each of them, what it leaves at least of a way from any cell to any other. [Unit: frames]
+    leasts: Vec<f32>,
+    /// Number of the best price by offset. [Size: offsets up to `FAR`]
+    best_prices: Vec<u8>,
+    goals: Vec<Goal>,
+    /// Least frames from each cell, beyond what its row costs. [Size: rows * cells]
     costs: Vec<u16>,
     /// What a row costs at least: for a direction, what its price leaves. [Unit: frames] [Size: rows]
     least: Vec<f32>,
-    /// The least and the most over cells of a class, beyond what the row costs. [Size: rows * classes]
-    spread: Vec<[u16; 2]>,
+    /// The least over cells of a class, beyond what the row costs. [Size: rows * classes]
+    least_of: Vec<u16>,
+}
+
+/// Cells that ways lead to.
+#[derive(Clone, Debug)]
+struct Goal {
+    cells: Vec<u32>,
+    first_row: u32,
+    radius: i32,
     /// Most that bounds of ways to the rim of the table are below what these cost. [Unit: frames]
     lack: f32,
 }
 
-/// Where costs to one offset are found: for a cell, those of [`Plane::cost`] in a row, and so much more.
+/// Rows of a goal: what each costs at least, and costs beyond that.
+pub(crate) struct Rows {
+    goal: Goal,
+    rows: Vec<(f32, Vec<u16>)>,
+}
+
+/// Where costs to a goal at an offset are found: for a cell, those of [`Plane::cost`] in a row, and so much more.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Look {
     /// Number of the row.
@@ -55,9 +77,9 @@ pub(crate) struct Look {
 /// What a row is about.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Row {
-    /// A class that many copies away.
+    /// A goal that many copies away.
     Near(u32, [i32; 2]),
-    /// Any class far away, by the price of a direction.
+    /// Any goal far away, by the price of a direction.
     Far([f32; 2]),
 }
 
@@ -68,30 +90,67 @@ pub(crate) fn class(cell: &CellRecord, num_edges: u32) -> u32 {
 
 impl Plane {
     /// The table of a patch; none for blocks, and for tiles whose copies form a line or no lattice.
-    pub fn new(patches: &Patches<'_>, patch: usize) -> Option<Self> {
+    pub fn new(patches: &Patches<'_>, patch: usize, search: &mut Dial) -> Option<Self> {
         let edges = patches.edges_of(patch);
         let vectors: Vec<Vec3> = edges.iter().map(|e| Vec3::from_array(e.step)).collect();
         let steps = lattice(&vectors)?;
-        let cells = patches.cells_of(patch);
+        let (cells, num_edges) = (patches.cells_of(patch), edges.len() as u32);
         let back = arcs_back(patches, patch, &steps);
+        let prices = far::prices(&back, cells.len() as u32);
         let mut out = Self {
-            num_cells: cells.len() as u32,
-            num_classes: edges.len() as u32 + 1,
-            prices: far::prices(&back, cells.len() as u32),
             steps,
+            num_cells: cells.len() as u32,
+            classes: (0..=num_edges).map(|c| cells_of(cells, c, num_edges).collect()).collect(),
+            leasts: Vec::new(),
+            best_prices: Vec::new(),
             back,
+            prices: Vec::new(),
+            goals: Vec::new(),
             costs: Vec::new(),
             least: Vec::new(),
-            spread: Vec::new(),
-            lack: 0.0,
+            least_of: Vec::new(),
         };
-        out.add_far(cells);
-        let (mut search, around) = (Dial::default(), out.around());
-        for class in 0..out.num_classes {
-            out.add_near(cells, class, &around, &mut search);
+        let all: Vec<u32> = out.classes.concat();
+        for price in prices {
+            if let Some(rest) = far::rest(&out.back, price, &all, out.num_cells) {
+                out.prices.push(price);
+                out.leasts.push(rest.into_iter().fold(f32::INFINITY, f32::min));
+            }
         }
-        out.lack = out.most_lack();
+        out.best_prices = offsets(FAR).map(|way| out.best_price(way) as u8).collect();
+        for class in 0..=num_edges as usize {
+            let rows = out.rows_of(&out.classes[class], RADIUS, search);
+            out.add(rows);
+        }
         Some(out)
+    }
+
+    /// Number of a goal that was added.
+    pub fn goal(&self, cells: &[u32]) -> Option<u32> {
+        self.goals.iter().position(|g| g.cells == cells).map(|g| g as u32)
+    }
+
+    /// Cells of a goal.
+    pub fn cells(&self, goal: u32) -> &[u32] {
+        &self.goals[goal as usize].cells
+    }
+
+    /// Adds the rows of a goal.
+    pub fn add(&mut self, rows: Rows) {
+        self.goals.push(Goal { first_row: self.least.len() as u32, ..rows.goal });
+        for (least, costs) in rows.rows {
+            self.least.push(least);
+            for class in &self.classes {
+                let of = class.iter().map(|&c| costs[c as usize]);
+                self.least_of.push(of.min().unwrap_or(UNREACHED));
+            }
+            self.costs.extend(costs);
+        }
+    }
+
+    /// Works out the rows of a goal that is no class.
+    pub fn rows_to(&self, cells: &[u32], search: &mut Dial) -> Rows {
+        self.rows_of(cells, GOAL_RADIUS, search)
     }
 
     /// Calls `visit` for every link that leads to a cell, with how many copies away that leads, the cell that it begins
@@ -100,28 +159,33 @@ impl Plane {
         self.back.of(cell).iter().for_each(|&((way, from), frames)| visit(way, from, frames));
     }
 
-    /// Number of classes of cells.
-    pub fn num_classes(&self) -> u32 {
-        self.num_classes
+    /// Where costs to a goal are found, that many copies away.
+    pub fn look(&self, goal: u32, way: [i32; 2]) -> Look {
+        let g = &self.goals[goal as usize];
+        if way.iter().all(|w| w.abs() <= g.radius) {
+            return Look { row: g.first_row + self.prices.len() as u32 + offset(way, g.radius), more: 0.0 };
+        }
+        self.look_far(g.first_row, way)
     }
 
-    /// Where costs to cells of a class are found, that many copies away.
-    pub fn look(&self, class: u32, way: [i32; 2]) -> Look {
-        if way.iter().all(|w| w.abs() <= RADIUS) {
-            let row = self.first_near() + class * NUM_OFFSETS as u32 + offset(way);
-            return Look { row, more: 0.0 };
-        }
-        self.look_far(class, way)
+    fn look_far(&self, first_row: u32, way: [i32; 2]) -> Look {
+        let k = match way.iter().all(|w| w.abs() <= FAR) {
+            true => self.best_prices.get(offset(way, FAR) as usize).map_or(0, |k| u32::from(*k)),
+            false => self.best_price(way),
+        };
+        let Some(p) = self.prices.get(k as usize) else { return Look { row: first_row, more: 0.0 } };
+        let row = first_row + k;
+        Look { row, more: p[0] * way[0] as f32 + p[1] * way[1] as f32 + self.least[row as usize] }
     }
 
-    fn look_far(&self, class: u32, way: [i32; 2]) -> Look {
-        let mut best = Look { row: 0, more: f32::NEG_INFINITY };
-        for (k, p) in self.prices.iter().enumerate() {
-            let row = k as u32 * self.num_classes + class;
-            let more = p[0] * way[0] as f32 + p[1] * way[1] as f32 + self.least[row as usize];
-            best = if more > best.more { Look { row, more } } else { best };
+    /// Number of the price that most is known by of what a way costs.
+    fn best_price(&self, way: [i32; 2]) -> u32 {
+        let mut best = (0, f32::NEG_INFINITY);
+        for ((k, p), least) in (0..).zip(&self.prices).zip(&self.leasts) {
+            let cost = p[0] * way[0] as f32 + p[1] * way[1] as f32 + least;
+            best = if cost > best.1 { (k, cost) } else { best };
         }
-        best
+        best.0
     }
 
     /// Cost from a cell; infinite where there is no way. [Unit: frames]
@@ -131,18 +195,26 @@ impl Plane {
 
     /// The least cost from any cell of a class. [Unit: frames]
     pub fn least(&self, look: Look, class: u32) -> f32 {
-        (frames(self.spread[(look.row * self.num_classes + class) as usize][0]) + look.more).max(0.0)
+        let beyond = self.least_of[look.row as usize * self.classes.len() + class as usize];
+        (frames(beyond) + look.more).max(0.0)
     }
 
     /// The least cost from any cell. [Unit: frames]
     pub fn least_of_all(&self, look: Look) -> f32 {
-        (0..self.num_classes).map(|class| self.least(look, class)).fold(f32::INFINITY, f32::min)
+        (0..self.classes.len() as u32).map(|class| self.least(look, class)).fold(f32::INFINITY, f32::min)
     }
 
-    /// The highest cost from any cell of a class, with what bounds of far ways may lack; infinite where there is a cell
-    /// without a way. [Unit: frames]
-    pub fn most(&self, look: Look, class: u32) -> f32 {
-        frames(self.spread[(look.row * self.num_classes + class) as usize][1]) + look.more + if look.row < self.first_near() { self.lack } else { 0.0 }
+    /// The highest cost to a goal from any cell of another one, with what bounds of far ways may lack; infinite where
+    /// there is a cell without a way. [Unit: frames]
+    ///
+    /// - `limit`: what is more need not be exact.
+    pub fn most(&self, to: u32, way: [i32; 2], from: u32, limit: f32) -> f32 {
+        let (look, g) = (self.look(to, way), &self.goals[to as usize]);
+        if look.more > limit {
+            return look.more;
+        }
+        let lack = if way.iter().all(|w| w.abs() <= g.radius) { 0.0 } else { g.lack };
+        self.cells(from).iter().map(|&c| self.cost(look, c)).fold(0.0, f32::max) + lack
     }
 
     /// What a cell costs beyond what its row does; infinite where there is no way. [Unit: frames]
@@ -152,38 +224,32 @@ impl Plane {
 
     /// What all rows are about, in their order.
     pub fn rows(&self) -> impl Iterator<Item = Row> {
-        let far = self.prices.iter().flat_map(|&p| (0..self.num_classes).map(move |_| Row::Far(p)));
-        let near = (0..self.num_classes).flat_map(|class| offsets().map(move |way| Row::Near(class, way)));
-        far.chain(near)
+        (0u32..).zip(&self.goals).flat_map(|(goal, g)| {
+            let near = offsets(g.radius).map(move |way| Row::Near(goal, way));
+            self.prices.iter().map(|&p| Row::Far(p)).chain(near)
+        })
     }
 
-    fn first_near(&self) -> u32 {
-        self.prices.len() as u32 * self.num_classes
-    }
-
-    /// A row for each price and class; prices that turn out to earn are left out.
-    fn add_far(&mut self, cells: &[CellRecord]) {
-        let mut kept = Vec::new();
-        for price in std::mem::take(&mut self.prices) {
-            let rest = |c| far::rest(&self.back, price, cells_of(cells, c, self.num_classes - 1), self.num_cells);
-            let rests: Option<Vec<_>> = (0..self.num_classes).map(rest).collect();
-            let Some(rests) = rests else { continue };
-            kept.push(price);
-            for rest in rests {
-                let least = rest.iter().copied().fold(f32::INFINITY, f32::min);
-                let least = if least < f32::INFINITY { least.floor() } else { 0.0 };
-                self.add_row(cells, least, &rest.iter().map(|r| r - least).collect::<Vec<_>>());
-            }
+    fn rows_of(&self, cells: &[u32], radius: i32, search: &mut Dial) -> Rows {
+        let mut out = Rows { goal: Goal { cells: cells.to_vec(), first_row: 0, radius, lack: 0.0 }, rows: Vec::new() };
+        for &price in &self.prices {
+            let rest = far::rest(&self.back, price, cells, self.num_cells).unwrap_or_default();
+            let least = rest.iter().copied().fold(f32::INFINITY, f32::min);
+            let least = if least < f32::INFINITY { least.floor() } else { 0.0 };
+            out.rows.push((least, rest.iter().map(|r| whole(r - least)).collect()));
         }
-        self.prices = kept;
+        self.add_near(&mut out, radius, search);
+        out.goal.lack = self.lack(&out, radius);
+        out
     }
 
-    fn add_near(&mut self, cells: &[CellRecord], class: u32, all_around: &[f32], search: &mut Dial) {
-        let (wide, n) = (RADIUS + MARGIN, self.num_cells);
+    /// Adds a row for each offset nearby.
+    fn add_near(&self, rows: &mut Rows, radius: i32, search: &mut Dial) {
+        let (wide, n) = (radius + MARGIN, self.num_cells);
         let across = 2 * wide + 1;
         let number = |[x, z]: [i32; 2], cell: u32| ((x + wide) * across + z + wide) as u32 * n + cell;
-        let targets = cells_of(cells, class, self.num_classes - 1).map(|c| (number([0, 0], c), 0));
-        search.run((across * across) as usize * cells.len(), targets, |search, state| {
+        let goal = rows.goal.cells.iter().map(|&c| (number([0, 0], c), 0));
+        search.run((across * across) as usize * n as usize, goal, |search, state| {
             let (tile, cell) = ((state / n) as i32, state % n);
             let [x, z] = [tile / across - wide, tile % across - wide];
             for &(([dx, dz], from), frames) in self.back.of(cell) {
@@ -194,53 +260,45 @@ impl Plane {
             }
         });
         // Where no way leads at all, none leads from far away.
-        let leads = |plane: &Self, cell| plane.prices.is_empty() || plane.beyond(class, cell) < f32::INFINITY;
-        let around = |plane: &Self, most, cell| if leads(plane, cell) { most } else { f32::INFINITY };
-        for (way, &most) in offsets().zip(all_around) {
-            // The target lies there as seen from where this is.
-            let cost = |cell| frames(search.cost(number([-way[0], -way[1]], cell))).min(around(self, most, cell));
-            let costs: Vec<f32> = (0..n).map(cost).collect();
-            self.add_row(cells, 0.0, &costs);
-        }
-    }
-
-    fn most_lack(&self) -> f32 {
-        let rim = || offsets().filter(|o| o[0].abs().max(o[1].abs()) == RADIUS);
-        let pairs = (0..self.num_classes).flat_map(|c| rim().map(move |o| (c, o)));
-        let lacks = pairs.flat_map(|(class, way)| {
-            let (near, far) = (self.look(class, way), self.look_far(class, way));
-            (0..self.num_cells).map(move |cell| self.cost(near, cell) - self.cost(far, cell))
-        });
-        lacks.filter(|l| *l < f32::INFINITY).fold(0.0, f32::max)
-    }
-
-    fn add_row(&mut self, cells: &[CellRecord], least: f32, costs: &[f32]) {
-        let first = self.costs.len();
-        let whole = |c: f32| if c < f32::INFINITY { c.floor().min(f32::from(UNREACHED) - 1.0) as u16 } else { UNREACHED };
-        self.costs.extend(costs.iter().copied().map(whole));
-        self.least.push(least);
-        for c in 0..self.num_classes {
-            let of = || cells_of(cells, c, self.num_classes - 1).map(|cell| self.costs[first + cell as usize]);
-            self.spread.push([of().min().unwrap_or(UNREACHED), of().max().unwrap_or(UNREACHED)]);
+        let leads: Vec<bool> = match rows.rows.first() {
+            Some((_, costs)) => costs.iter().map(|c| *c != UNREACHED).collect(),
+            None => vec![false; n as usize],
+        };
+        for (way, around) in offsets(radius).zip(self.around(radius)) {
+            // The goal lies there as seen from where this is.
+            let found = |cell| frames(search.cost(number([-way[0], -way[1]], cell)));
+            let cost = |cell: u32| if leads[cell as usize] { found(cell).min(around) } else { found(cell) };
+            rows.rows.push((0.0, (0..n).map(|cell| whole(cost(cell))).collect()));
         }
     }
 
     /// For each offset, what a way costs at least that leads farther around than ways are followed for the table.
-    fn around(&self) -> Vec<f32> {
-        let classes = self.num_classes as usize;
-        let leasts = self.least.chunks(classes).map(|l| l.iter().copied().fold(f32::INFINITY, f32::min));
-        let prices: Vec<_> = self.prices.iter().copied().zip(leasts).collect();
+    fn around(&self, radius: i32) -> Vec<f32> {
         let along = |way: [i32; 2]| {
-            prices.iter().map(|(p, l)| p[0] * way[0] as f32 + p[1] * way[1] as f32 + l).fold(0.0, f32::max)
+            let prices = self.prices.iter().zip(&self.leasts);
+            prices.map(|(p, l)| p[0] * way[0] as f32 + p[1] * way[1] as f32 + l).fold(0.0, f32::max)
         };
         // A link leads over two copies at most.
-        let rims = [RADIUS + MARGIN + 1, RADIUS + MARGIN + 2];
+        let rims = [radius + MARGIN + 1, radius + MARGIN + 2];
         let rim = rims.iter().flat_map(|&w| (-w..=w).flat_map(move |a| [[a, w], [a, -w], [w, a], [-w, a]]));
         let rim: Vec<_> = rim.map(|r| (r, along(r))).collect();
         let way = |to: [i32; 2]| {
             rim.iter().map(|(r, out)| out + along([to[0] - r[0], to[1] - r[1]])).fold(f32::INFINITY, f32::min)
         };
-        offsets().map(way).collect()
+        offsets(radius).map(way).collect()
+    }
+
+    fn lack(&self, rows: &Rows, radius: i32) -> f32 {
+        let (far, near) = rows.rows.split_at(self.prices.len());
+        let mut most = 0f32;
+        for (way, near) in offsets(radius).zip(near).filter(|(o, _)| o[0].abs().max(o[1].abs()) == radius) {
+            let k = self.best_price(way) as usize;
+            let (Some(p), Some((least, costs))) = (self.prices.get(k), far.get(k)) else { return most };
+            let more = p[0] * way[0] as f32 + p[1] * way[1] as f32 + least;
+            let lack = near.1.iter().zip(costs).filter(|(n, _)| **n != UNREACHED);
+            most = lack.map(|(&n, &f)| f32::from(n) - frames(f) - more).fold(most, f32::max);
+        }
+        most
     }
 }
 
@@ -263,15 +321,21 @@ fn cells_of(cells: &[CellRecord], of: u32, num_edges: u32) -> impl Iterator<Item
 }
 
 /// The offsets of a table, in their order. [Unit: copies]
-pub(super) fn offsets() -> impl Iterator<Item = [i32; 2]> {
-    (0..SIDE * SIDE).map(|n| [n / SIDE - RADIUS, n % SIDE - RADIUS])
+fn offsets(radius: i32) -> impl Iterator<Item = [i32; 2]> {
+    let side = 2 * radius + 1;
+    (0..side * side).map(move |n| [n / side - radius, n % side - radius])
 }
 
 /// Number of an offset within the table.
-fn offset([du, dv]: [i32; 2]) -> u32 {
-    ((du + RADIUS) * SIDE + dv + RADIUS) as u32
+fn offset([du, dv]: [i32; 2], radius: i32) -> u32 {
+    ((du + radius) * (2 * radius + 1) + dv + radius) as u32
 }
 
 fn frames(cost: u16) -> f32 {
     if cost == UNREACHED { f32::INFINITY } else { f32::from(cost) }
+}
+
+/// Whole frames, as few as there are at least.
+fn whole(cost: f32) -> u16 {
+    if cost == f32::INFINITY { UNREACHED } else { cost.floor().clamp(0.0, f32::from(UNREACHED) - 1.0) as u16 }
 }

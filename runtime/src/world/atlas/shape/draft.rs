@@ -2,10 +2,10 @@
 
 use super::super::plane::class;
 use super::{Beyond, Plot};
-use crate::patch::CellRecord;
+use crate::patch::{CellRecord, NONE};
 use crate::world::graph::Crossing;
 use crate::world::{AdjacencyRecord, JointTableRecord, Node};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Where a way out ends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -37,8 +37,8 @@ pub(super) struct Draft<'p, 'a, 'w> {
     pub arcs: Vec<(u32, u32, u16)>,
     /// Steps out.
     pub leaps: Vec<Leap>,
-    /// Ways in by what lies beyond and the class of cell there, and the node of each.
-    pub ins: BTreeMap<(u32, u32), u32>,
+    /// Ways in by what lies beyond and the class of cell there: the node of each, and the cells.
+    pub ins: BTreeMap<(u32, u32), (u32, BTreeSet<u32>)>,
     /// Ways out by what lies beyond and the sector that they lead to, and the number of each.
     pub outs: BTreeMap<(u32, u32), u32>,
 }
@@ -142,10 +142,12 @@ impl<'p, 'a, 'w> Draft<'p, 'a, 'w> {
         }
     }
 
-    /// Node of a way in.
-    fn way_in(&mut self, beyond: u32, class: u32) -> u32 {
+    /// Node of a way in from a cell of a class.
+    fn way_in(&mut self, beyond: u32, class: u32, cell: u32) -> u32 {
         let next = 2 * self.plot.num_cells + self.ins.len() as u32;
-        *self.ins.entry((beyond, class)).or_insert(next)
+        let (node, cells) = self.ins.entry((beyond, class)).or_insert_with(|| (next, BTreeSet::new()));
+        cells.insert(cell);
+        *node
     }
 
     /// What leads into a member from an instance beyond.
@@ -167,14 +169,14 @@ impl<'p, 'a, 'w> Draft<'p, 'a, 'w> {
                     if graph.is_enabled(to) {
                         // What leads here from another district is counted there.
                         let frames = if tile { j.a_offset as u16 } else { 0 };
-                        let arc = (self.way_in(k, class), self.cell(to), frames);
+                        let arc = (self.way_in(k, class, links[j.a as usize].from), self.cell(to), frames);
                         self.arcs.push(arc);
                     }
                 }
                 (false, true) => {
                     let l = &links[j.a as usize];
                     if let Some(to) = graph.end_node(instance, l).filter(|to| plot.beyond(to.instance).is_none()) {
-                        let arc = (self.way_in(k, 0), self.cell(to), 0);
+                        let arc = (self.way_in(k, 0, NONE), self.cell(to), 0);
                         self.arcs.push(arc);
                     }
                 }
@@ -183,7 +185,7 @@ impl<'p, 'a, 'w> Draft<'p, 'a, 'w> {
                     let cell = graph.cell(to);
                     let links = cell.first_link..cell.first_link + cell.num_links;
                     for s in links.filter(|_| graph.is_enabled(to)).filter_map(|l| graph.step_along(instance, l)) {
-                        let arc = (self.way_in(k, 0), self.cell(s.to), 0);
+                        let arc = (self.way_in(k, 0, NONE), self.cell(s.to), 0);
                         self.arcs.push(arc);
                     }
                 }

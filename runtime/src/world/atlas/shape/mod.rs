@@ -5,7 +5,7 @@ mod plot;
 
 use super::dial::{Arcs, Dial, UNREACHED};
 use super::plane::{Look, Plane, Row};
-use draft::{Draft, Landing, Leap};
+use draft::{Draft, Landing};
 pub(super) use plot::Plot;
 use std::collections::BTreeSet;
 
@@ -35,8 +35,8 @@ impl Beyond {
 pub(crate) struct Shape {
     num_cells: u32,
     num_ins: u32,
-    /// Ways in: what each leads from, as a number in [`Plot::beyond`], and the class of cell there.
-    pub ins: Vec<(u32, u32)>,
+    /// Ways in: what each leads from, as a number in [`Plot::beyond`], and the cells there.
+    pub ins: Vec<(u32, Vec<u32>)>,
     /// Ways out: what each leads to.
     pub outs: Vec<u32>,
     /// Least frames to leave by each way out, from each cell and then from each way in. [Size: outs * (cells + ins)]
@@ -48,6 +48,8 @@ pub(crate) struct Shape {
     landings: Vec<f32>,
     /// Where each way out's part of the landings begins.
     first_landing: Vec<u32>,
+    /// Where each way out leads to.
+    spots: Vec<Vec<Landing>>,
 }
 
 impl Shape {
@@ -56,8 +58,10 @@ impl Shape {
         let Draft { arcs, leaps, ins, outs, .. } = Draft::new(plot);
         let mut out = Self { num_cells: plot.num_cells, num_ins: ins.len() as u32, ..Self::default() };
         let num_nodes = 2 * plot.num_cells + out.num_ins;
-        out.ins = vec![(0, 0); ins.len()];
-        ins.iter().for_each(|(key, &n)| out.ins[(n - 2 * plot.num_cells) as usize] = *key);
+        out.ins = vec![(0, Vec::new()); ins.len()];
+        for (&(beyond, _), (n, cells)) in &ins {
+            out.ins[(n - 2 * plot.num_cells) as usize] = (beyond, cells.iter().copied().collect());
+        }
         out.outs = vec![0; outs.len()];
         outs.iter().for_each(|(key, &n)| out.outs[n as usize] = key.0);
         let on = Arcs::new(num_nodes as usize, arcs.iter().copied());
@@ -70,7 +74,8 @@ impl Shape {
             });
             out.to_out.extend((0..plot.num_cells).map(|c| search.cost(c)));
             out.to_out.extend((2 * plot.num_cells..num_nodes).map(|n| search.cost(n)));
-            out.add_landings(plot, k, &leaps);
+            let spots: BTreeSet<Landing> = leaps.iter().filter(|l| l.out == k).map(|l| l.to).collect();
+            out.spots.push(spots.into_iter().collect());
         }
         for node in 2 * plot.num_cells..num_nodes {
             search.run(num_nodes as usize, [(node, 0)].into_iter(), |search, node| {
@@ -101,14 +106,21 @@ impl Shape {
         (self.landings[(self.first_landing[out as usize] + look.row) as usize] + look.more).max(0.0)
     }
 
-    fn add_landings(&mut self, plot: &Plot<'_, '_>, k: u32, leaps: &[Leap]) {
-        self.first_landing.push(self.landings.len() as u32);
-        let Beyond::Tile(tile) = plot.beyond[self.outs[k as usize] as usize] else { return };
-        let Some(plane) = plot.plane(tile) else { return };
-        let landings: BTreeSet<Landing> = leaps.iter().filter(|l| l.out == k).map(|l| l.to).collect();
-        for (number, row) in plane.rows().enumerate() {
-            let costs = landings.iter().map(|l| from_landing(plane, number as u32, row, l));
-            self.landings.push(costs.fold(f32::INFINITY, f32::min));
+    /// Where a way out leads to: how many copies away from the tile that it leads through, and the cell there.
+    pub fn spots(&self, out: u32) -> impl Iterator<Item = ([i32; 2], u32)> {
+        self.spots[out as usize].iter().map(|l| (l.way, l.cell))
+    }
+
+    /// Works out what follows after ways out, when planes know all goals.
+    pub fn add_landings(&mut self, plot: &Plot<'_, '_>, planes: &[Option<Plane>]) {
+        for (&beyond, spots) in self.outs.iter().zip(&self.spots) {
+            self.first_landing.push(self.landings.len() as u32);
+            let Beyond::Tile(tile) = plot.beyond[beyond as usize] else { continue };
+            let Some(plane) = &planes[plot.graph.instance(tile).patch as usize] else { continue };
+            for (number, row) in plane.rows().enumerate() {
+                let costs = spots.iter().map(|l| from_landing(plane, number as u32, row, l));
+                self.landings.push(costs.fold(f32::INFINITY, f32::min));
+            }
         }
     }
 }
@@ -117,7 +129,7 @@ impl Shape {
 fn from_landing(plane: &Plane, number: u32, row: Row, landing: &Landing) -> f32 {
     let [du, dv] = landing.way;
     match row {
-        Row::Near(class, [u, v]) => plane.cost(plane.look(class, [u - du, v - dv]), landing.cell),
+        Row::Near(goal, [u, v]) => plane.cost(plane.look(goal, [u - du, v - dv]), landing.cell),
         Row::Far(price) => plane.beyond(number, landing.cell) - price[0] * du as f32 - price[1] * dv as f32,
     }
 }

@@ -1,7 +1,6 @@
 //! Plots: what the shape of a district depends on.
 
 use super::super::districts::Districts;
-use super::super::plane::Plane;
 use super::super::regions::Regions;
 use super::Beyond;
 use crate::world::WorldGraph;
@@ -11,8 +10,6 @@ use std::collections::BTreeMap;
 pub(crate) struct Plot<'a, 'w> {
     /// The world.
     pub graph: &'a WorldGraph<'w>,
-    /// Planes by patch.
-    pub planes: &'a [Option<Plane>],
     /// All regions.
     pub regions: &'a Regions,
     /// All districts.
@@ -29,17 +26,11 @@ pub(crate) struct Plot<'a, 'w> {
 
 impl<'a, 'w> Plot<'a, 'w> {
     /// Numbers what a district overlaps.
-    pub fn new(
-        graph: &'a WorldGraph<'w>,
-        planes: &'a [Option<Plane>],
-        regions: &'a Regions,
-        districts: &'a Districts,
-        district: u32,
-    ) -> Self {
+    pub fn new(graph: &'a WorldGraph<'w>, regions: &'a Regions, districts: &'a Districts, district: u32) -> Self {
         let members = &districts.members[district as usize];
         let num_cells = members.iter().map(|&m| graph.num_cells(m)).sum();
         let (beyond, numbers) = (Vec::new(), BTreeMap::new());
-        let mut out = Self { graph, planes, regions, districts, district, beyond, numbers, num_cells };
+        let mut out = Self { graph, regions, districts, district, beyond, numbers, num_cells };
         for &m in members {
             for (_, a, _) in graph.adjacencies(m) {
                 let Some(beyond) = out.beyond(a.other) else { continue };
@@ -51,11 +42,6 @@ impl<'a, 'w> Plot<'a, 'w> {
             }
         }
         out
-    }
-
-    /// The plane of a tile.
-    pub fn plane(&self, tile: u32) -> Option<&'a Plane> {
-        self.planes[self.graph.instance(tile).patch as usize].as_ref()
     }
 
     /// What an instance is to the district; none for a member.
