@@ -130,12 +130,16 @@ impl BuildConfig {
 
     fn check(&self, path: &Path) -> Result<(), BuildError> {
         let fault = match (self.inputs.is_empty(), &self.synth) {
-            (true, None) => "expected `inputs = [\"folder\"]` or a table `[synth]`, found neither",
-            (false, Some(_)) => "expected `inputs` or `[synth]`, found both; leave one out",
+            (true, None) => "expected `inputs = [\"folder\"]` or a table `[synth]`, found neither".to_owned(),
+            (false, Some(_)) => "expected `inputs` or `[synth]`, found both; leave one out".to_owned(),
             _ if !self.graph.enabled && !self.behaviours.is_empty() => {
-                "expected `behaviours = []` where `graph.enabled = false`: policies need a motion graph"
+                "expected `behaviours = []` where `graph.enabled = false`: policies need a motion graph".to_owned()
             }
-            _ => return Ok(()),
+            _ => match crate::examples::spaces(&self.blend) {
+                Ok(_) => return Ok(()),
+                Err(BuildError::Config { message }) => message,
+                Err(other) => return Err(other),
+            },
         };
         Err(BuildError::Config { message: format!("{}: {fault}", path.display()) })
     }
@@ -206,6 +210,13 @@ mod tests {
         std::fs::write(&path, b"name = \"a\"\n\xff\xfe").unwrap();
         let e = BuildConfig::load(&path).unwrap_err().to_string();
         assert!(e.contains("x.toml:2: expected a config as TOML"), "{e}");
+    }
+
+    #[test]
+    fn faults_of_blend_spaces_name_the_file() {
+        let text = "inputs = [\"a\"]\n[blend.walk]\naxes = [{ kind = \"speed\" }]\nphases = 3\n";
+        let e = BuildConfig::parse(text, Path::new("x.toml")).unwrap_err().to_string();
+        assert!(e.starts_with("x.toml: blend.walk.phases: expected 8 to 1024, found 3"), "{e}");
     }
 
     #[test]

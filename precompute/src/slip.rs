@@ -1,8 +1,12 @@
 //! Foot slip: how fast heels and toes move that should stand.
 
+mod soles;
+
 use glam::Vec3;
 use throng_runtime::troupe::Troupe;
 use throng_runtime::{Contacts, Joint};
+
+pub use soles::{SoleMeter, Soles};
 
 /// Parts of the feet and the joints that show them.
 const PARTS: [(Joint, Contacts); 4] = [
@@ -15,19 +19,51 @@ const PARTS: [(Joint, Contacts); 4] = [
 /// Bins of the histogram: 1 mm/s each.
 const BINS: usize = 4000;
 
+/// Speeds that were seen, to the nearest mm/s.
+#[derive(Clone, Debug)]
+struct Speeds {
+    bins: Vec<u64>,
+    sum: f64,
+}
+
+impl Default for Speeds {
+    fn default() -> Self {
+        Self { bins: vec![0; BINS], sum: 0.0 }
+    }
+}
+
+impl Speeds {
+    /// Adds one. [Unit: m/s]
+    fn add(&mut self, speed: f32) {
+        self.bins[((speed * 1000.0) as usize).min(BINS - 1)] += 1;
+        self.sum += f64::from(speed);
+    }
+
+    fn samples(&self) -> u64 {
+        self.bins.iter().sum()
+    }
+
+    fn mean(&self) -> f64 {
+        self.sum / self.samples().max(1) as f64
+    }
+
+    fn p95(&self) -> f64 {
+        percentile(&self.bins, 0.95)
+    }
+}
+
 /// Measures the speed of planted heels and toes from step to step.
 #[derive(Clone, Debug)]
 pub struct SlipMeter {
     /// Where heels and toes were at the last step, and which were planted.
     before: Vec<([Vec3; 4], Contacts)>,
-    bins: Vec<u64>,
-    sum: f64,
+    speeds: Speeds,
 }
 
 impl SlipMeter {
     /// For so many characters; nothing has been seen.
     pub fn new(num_characters: usize) -> Self {
-        Self { before: vec![([Vec3::ZERO; 4], Contacts::NONE); num_characters], bins: vec![0; BINS], sum: 0.0 }
+        Self { before: vec![([Vec3::ZERO; 4], Contacts::NONE); num_characters], speeds: Speeds::default() }
     }
 
     /// Forgets the last step: the next one is not its neighbour.
@@ -37,33 +73,20 @@ impl SlipMeter {
 
     /// Forgets what was measured, not the last step.
     pub fn clear(&mut self) {
-        self.bins.fill(0);
-        self.sum = 0.0;
+        self.speeds = Speeds::default();
     }
 
     /// Looks at a troupe after a step of `dt_s`; parts that were planted before and are now count.
     /// [Limit: of as many characters]
     pub fn observe(&mut self, troupe: &Troupe, dt_s: f32) {
-        self.observe_joints(dt_s, |c| {
-            let (root, pose) = (troupe.root(c), troupe.pose(c));
-            let (turn, move_by) = (root.rotation(), root.translation());
-            (troupe.contacts(c), move |j: Joint| turn * pose[j.index()].translation() + move_by)
-        });
-    }
-
-    /// As [`SlipMeter::observe`], of any characters.
-    ///
-    /// - `character`: contacts of a character, and where its joints are. [Unit: m]
-    pub fn observe_joints<P: Fn(Joint) -> Vec3>(&mut self, dt_s: f32, character: impl Fn(usize) -> (Contacts, P)) {
         for (c, before) in self.before.iter_mut().enumerate() {
-            let (contacts, position) = character(c);
-            let now = PARTS.map(|(j, _)| position(j));
+            let (root, pose, contacts) = (troupe.root(c), troupe.pose(c), troupe.contacts(c));
+            let (turn, move_by) = (root.rotation(), root.translation());
+            let now = PARTS.map(|(j, _)| turn * pose[j.index()].translation() + move_by);
             let (was, were) = std::mem::replace(before, (now, contacts));
             for (k, (_, part)) in PARTS.into_iter().enumerate() {
                 if dt_s > 0.0 && contacts.any(part) && were.any(part) {
-                    let speed = (now[k] - was[k]).length() / dt_s;
-                    self.bins[((speed * 1000.0) as usize).min(BINS - 1)] += 1;
-                    self.sum += f64::from(speed);
+                    self.speeds.add((now[k] - was[k]).length() / dt_s);
                 }
             }
         }
@@ -71,17 +94,17 @@ impl SlipMeter {
 
     /// Planted heels and toes that were measured.
     pub fn samples(&self) -> u64 {
-        self.bins.iter().sum()
+        self.speeds.samples()
     }
 
     /// [Unit: m/s]
     pub fn mean_mps(&self) -> f64 {
-        self.sum / self.samples().max(1) as f64
+        self.speeds.mean()
     }
 
     /// 95th percentile. [Unit: m/s]
     pub fn p95_mps(&self) -> f64 {
-        percentile(&self.bins, 0.95)
+        self.speeds.p95()
     }
 }
 

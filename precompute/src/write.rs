@@ -60,7 +60,7 @@ pub fn bundle(baked: &Baked<'_>, out: &Path) -> Result<u64, BuildError> {
 /// Lays everything out as sections.
 ///
 /// # Errors
-/// [`FormatError`] where META cannot be encoded.
+/// [`FormatError`] where META cannot be encoded, or blend spaces have more rows than 32 bits count.
 pub fn lay_out(baked: &Baked<'_>) -> Result<BundleWriter, FormatError> {
     let mut meta = baked.meta.clone();
     meta.clips = baked.clips.clips.iter().map(clip_meta).collect();
@@ -82,7 +82,7 @@ pub fn lay_out(baked: &Baked<'_>) -> Result<BundleWriter, FormatError> {
     policies(baked.policies, &mut out);
     patches(baked.patches.map_or(&[], |p| &p.patches), &mut out);
     out.section(tags::POSE_GROUPS, baked.groups.map_or(&[], |g| g.groups.as_slice()));
-    blends(baked.blends, &mut out);
+    blends(baked.blends, &mut out)?;
     Ok(out)
 }
 
@@ -90,19 +90,32 @@ fn blend_meta(b: &BlendSpace) -> BlendMeta {
     BlendMeta { name: b.name.clone(), axes: b.axes.clone(), examples: b.example_names.clone() }
 }
 
-fn blends(spaces: &[BlendSpace], out: &mut BundleWriter) {
+fn blends(spaces: &[BlendSpace], out: &mut BundleWriter) -> Result<(), FormatError> {
     let (mut records, mut next) = (Vec::with_capacity(spaces.len()), [0u32; 4]);
     for s in spaces {
         let [first_example, first_weight, first_row, first_channel_row] = next;
         records.push(BlendRecord { first_example, first_weight, first_row, first_channel_row, ..s.record });
         let sizes = [s.examples.len(), s.weights.len(), s.references.len(), s.channels.len()];
-        next.iter_mut().zip(sizes).for_each(|(n, size)| *n += size as u32);
+        for (next, size) in next.iter_mut().zip(sizes) {
+            let sum = u32::try_from(size).ok().and_then(|size| next.checked_add(size));
+            *next = sum.ok_or_else(|| too_many(&s.name))?;
+        }
     }
     out.section(tags::BLENDS, &records);
     out.section(tags::BLEND_EXAMPLES, &spaces.iter().flat_map(|s| s.examples.iter().copied()).collect::<Vec<_>>());
     out.section(tags::BLEND_WEIGHTS, &spaces.iter().flat_map(|s| s.weights.iter().copied()).collect::<Vec<_>>());
     out.section(tags::BLEND_REFERENCES, &spaces.iter().flat_map(|s| s.references.iter().copied()).collect::<Vec<_>>());
     out.section(tags::BLEND_CHANNELS, &spaces.iter().flat_map(|s| s.channels.iter().copied()).collect::<Vec<_>>());
+    Ok(())
+}
+
+fn too_many(space: &str) -> FormatError {
+    let message = format!(
+        "up to blend space `{space}`, there are more weights or rows than the {} that a bundle counts; build fewer spaces \
+         into it, or give them a larger `weight_tolerance`",
+        u32::MAX
+    );
+    FormatError::Layout { message }
 }
 
 fn patch_meta(p: &Patch) -> PatchMeta {

@@ -170,6 +170,16 @@ impl Skeleton {
         }
         p
     }
+
+    /// Bottoms of the left and the right heel, from the ankle in the foot's frame: as far behind the ankle as feet are
+    /// for their length. [Unit: m]
+    pub fn heels(&self) -> [Vec3; 2] {
+        /// As a share of how far the ball lies before the ankle.
+        const BEHIND: f32 = 0.3;
+        let rest = self.rest_positions();
+        let feet = [(Joint::LeftFoot, Joint::LeftToe), (Joint::RightFoot, Joint::RightToe)];
+        feet.map(|(foot, toe)| Vec3::new(0.0, -rest[foot.index()].y, -BEHIND * self.offsets[toe.index()].z))
+    }
 }
 
 impl Default for Skeleton {

@@ -7,8 +7,10 @@ use std::sync::OnceLock;
 use throng_precompute::examples::{self, BlendSpaces};
 use throng_precompute::graph::MotionGraph;
 use throng_precompute::progress::Silent;
+use throng_precompute::scene::walkers::WalkersScene;
 use throng_precompute::write::{self, Baked};
 use throng_runtime::Tables;
+use throng_runtime::blend::walkers::WalkersConfig;
 use throng_runtime::blend::{BlendRecord, ChannelRow, ExampleRecord, ReferenceRow, channel};
 use throng_runtime::format::{AlignedBytes, FormatError, Meta, Tag};
 use throng_runtime::tables::tags;
@@ -53,6 +55,27 @@ fn spaces_come_back_as_they_were_written() {
         assert_eq!(blends.weights[part(space.first_weight, made.weights.len())], made.weights[..]);
         assert_eq!(blends.references[part(space.first_row, made.references.len())], made.references[..]);
         assert_eq!(blends.channels[part(space.first_channel_row, made.channels.len())], made.channels[..]);
+    }
+}
+
+#[test]
+fn scenes_name_the_space_that_is_missing_before_anybody_walks() {
+    let tables = Tables::from_bytes(AlignedBytes::from_slice(bundle())).expect("the bundle opens");
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let path = folder.path().join("a.toml");
+    for (spaces, shown, key, name) in
+        [("plane", "lime", "shown[0].space", "lime"), ("plan", "line", "spaces[0]", "plan")]
+    {
+        let text = format!(
+            "bundle = 'a.throng'\nspaces = ['{spaces}']\ncharacters = 1\n[[shown]]\nname = 'a'\nspace = '{shown}'\nspeed = 1.0\n"
+        );
+        std::fs::write(&path, text).expect("a scene");
+        let scene = WalkersScene::load(&path).expect("a scene");
+        let e = scene.walk(&tables, WalkersConfig::default()).map(|_| ()).expect_err("no such space").to_string();
+        assert!(
+            e.contains(&format!("key `{key}`")) && e.contains(&format!("found `{name}`; there are: line, plane")),
+            "{e}"
+        );
     }
 }
 

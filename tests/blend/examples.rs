@@ -2,6 +2,7 @@
 
 use crate::made_up::{Puppet, SIX, config, fit, idle, six};
 use throng_precompute::Clip;
+use throng_precompute::clip::{Exclusion, ExclusionReason};
 use throng_precompute::examples::BlendConfig;
 use throng_runtime::Contacts;
 use throng_runtime::blend::ExampleRecord;
@@ -195,4 +196,44 @@ fn what_is_found_but_irregular_is_left_out_with_a_warning() {
         warnings.len() == 1 && warnings[0].contains("`slow_left`") && warnings[0].contains("both feet"),
         "{warnings:?}"
     );
+}
+
+/// Nearly always on both feet, which strike at once: neither walk nor run, but not seen by how long they stand.
+#[test]
+fn feet_that_strike_together_make_no_cycle() {
+    let shuffle = Puppet { right: 0.0, duty: 0.95, ..Puppet::new("shuffle", 0.5, 0.0) };
+    let clips = [vec![shuffle.clip()], six()].concat();
+    let axes = "axes = [{ kind = 'speed' }]\n";
+    let spaces = fit(clips.clone(), &config(&format!("{axes}find = [{{ clips = ['*'] }}]"))).expect("a space");
+    assert!(spaces.spaces[0].example_names.iter().all(|n| !n.starts_with("shuffle")));
+    let why = |m: &String| m.contains("`shuffle`") && m.contains("both feet strike at frame 15");
+    assert!(spaces.warnings.messages.iter().any(why), "{:?}", spaces.warnings.messages);
+    let e = fault(clips, &config(&format!("{axes}examples = [{{ clip = 'shuffle' }}, {{ clip = 'fast' }}]")));
+    assert!(e.contains("shuffle: both feet strike at frame 15"), "{e}");
+}
+
+#[test]
+fn every_usable_run_of_a_clip_is_searched() {
+    // Slow, then what may not be used, then fast: two stretches of one clip.
+    let (slow, fast) = (Puppet::new("both", 1.0, 0.0).clip(), Puppet::new("both", 2.0, 0.0).clip());
+    let mut clip = slow.clone();
+    clip.root_positions.extend(&fast.root_positions);
+    clip.rotations.extend(&fast.rotations);
+    clip.contacts.extend(&fast.contacts);
+    let (n, gap) = (slow.num_frames(), 3);
+    clip.excluded = vec![Exclusion { range: n - gap..n + gap, reason: ExclusionReason::Sidecar }];
+    let text = "axes = [{ kind = 'speed' }]\nfind = [{ clips = ['both'] }]";
+    let spaces = fit(vec![clip], &config(text)).expect("a space");
+    let speeds: Vec<f32> = spaces.spaces[0].examples.iter().map(|e| e.velocity[1]).collect();
+    assert!(matches!(speeds[..], [a, b] if near(a, 1.0, 0.02) && near(b, 2.0, 0.02)), "{speeds:?}");
+}
+
+#[test]
+fn a_box_so_wide_that_weights_run_away_is_refused_by_its_axis() {
+    let text = "
+        axes = [{ kind = 'speed' }, { kind = 'gyration', range = [-900.0, 1.0] }]
+        examples = [{ clip = 'slow' }, { clip = 'slow_left' }, { clip = 'fast' }]
+        weight_tolerance = 0.5";
+    let e = fault(six(), &config(text));
+    assert!(e.contains("blend.walk.axes.range: [-900, 1] of axis `gyration`") && e.contains("below 1000"), "{e}");
 }

@@ -1,6 +1,10 @@
 //! Blend spaces: examples, weights, postures and their tables, against brute force and by hand.
 
 mod bundle;
+mod captured;
+#[allow(dead_code, reason = "a part of it is enough here")]
+#[path = "../common/mod.rs"]
+mod common;
 mod examples;
 mod halved;
 mod made_up;

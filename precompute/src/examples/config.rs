@@ -140,6 +140,7 @@ pub struct ExampleConfig {
     /// The character stands: both feet stay on the ground.
     pub still: bool,
     /// One step and its mirrored image make the cycle: for what goes straight and is too short for two steps.
+    /// [Limit: neither with `still` nor with `mirror`]
     pub symmetric: bool,
     /// Adds the mirrored copy.
     pub mirror: bool,
@@ -156,6 +157,7 @@ pub struct FindConfig {
     /// Values on the style axes, by their names.
     pub style: BTreeMap<String, f64>,
     /// One step and its mirrored image make a cycle: for what goes straight and is too short for two steps.
+    /// [Limit: not with `mirror`]
     pub symmetric: bool,
     /// Adds mirrored copies.
     pub mirror: bool,
@@ -251,6 +253,15 @@ impl BlendConfig {
                 return Err(fault(space, "find", expected));
             }
         }
+        let both = "`symmetric` makes the cycle of one step and its mirrored image, of what moves; expected neither \
+                    `mirror` nor `still` with it, found";
+        if let Some(e) = self.examples.iter().find(|e| e.symmetric && (e.mirror || e.still)) {
+            let found = if e.still { "still" } else { "mirror" };
+            return Err(fault(space, "examples", &format!("`{}`: {both} `{found}`", e.clip)));
+        }
+        if let Some(f) = self.find.iter().find(|f| f.symmetric && f.mirror) {
+            return Err(fault(space, "find", &format!("{:?}: {both} `mirror`", f.clips)));
+        }
         match self.examples.iter().find(|e| e.frames.is_some_and(|[a, b]| a >= b) || e.clip.is_empty()) {
             Some(e) => Err(fault(space, "examples", &format!("expected a clip and frames [first, end), found {e:?}"))),
             None => Ok(()),
@@ -286,6 +297,11 @@ mod tests {
         let same_axis = vec![plain().axes[1].clone(), plain().axes[1].clone()];
         let mut unknown = plain();
         unknown.examples[0].style.insert("mood".into(), 1.0);
+        let (mut twofold, mut standing) = (plain(), plain());
+        (twofold.examples[0].symmetric, twofold.examples[0].mirror) = (true, true);
+        (standing.examples[0].symmetric, standing.examples[0].still) = (true, true);
+        let mut found = plain();
+        found.find = vec![FindConfig { clips: vec!["a".into()], symmetric: true, mirror: true, ..Default::default() }];
         let mut backwards = plain();
         backwards.axes[1].range = Some([1.0, -1.0]);
         for (config, key) in [
@@ -294,6 +310,9 @@ mod tests {
             (BlendConfig { examples: Vec::new(), ..plain() }, "examples"),
             (BlendConfig { weight_tolerance: 0.0, ..plain() }, "weight_tolerance"),
             (unknown, "style"),
+            (twofold, "examples"),
+            (standing, "examples"),
+            (found, "find"),
             (backwards, "axes.range"),
         ] {
             let e = config.check("walk").unwrap_err().to_string();

@@ -30,7 +30,7 @@ use posture::Postures;
 use select::Candidate;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
-use throng_runtime::blend::{AxisRecord, BlendRecord, ChannelRow, ExampleRecord, MAX_AXES, ReferenceRow};
+use throng_runtime::blend::{AxisRecord, BlendRecord, ChannelRow, ExampleRecord, MAX_AXES, MAX_WEIGHT, ReferenceRow};
 
 /// Examples whose joints turn farther from their reference nearly meet its antipode, where the shorter way changes its
 /// side. [Unit: rad]
@@ -137,15 +137,10 @@ pub fn fit(
     configs: &BTreeMap<String, BlendConfig>,
     progress: &dyn Progress,
 ) -> Result<BlendSpaces, BuildError> {
-    let all: Vec<_> = configs.iter().flat_map(|(name, c)| c.spaces(name)).collect();
+    let all = spaces(configs)?;
     let mut out = BlendSpaces::default();
     progress.begin("examples", all.len() as u64, "spaces");
     for (name, config) in &all {
-        if out.spaces.iter().any(|s| s.name == *name) {
-            let message = format!("blend.{name}: two spaces have this name. Correct the config.");
-            return Err(BuildError::Config { message });
-        }
-        config.check(name)?;
         let (space, report) = space(name, config, clips, &mut out.warnings)?;
         out.spaces.push(space);
         out.report.push(report);
@@ -153,6 +148,22 @@ pub fn fit(
     }
     progress.end();
     Ok(out)
+}
+
+/// Every space of some tables of a config, by name.
+///
+/// # Errors
+/// [`BuildError::Config`] naming the space and the first key out of its limits.
+pub(crate) fn spaces(configs: &BTreeMap<String, BlendConfig>) -> Result<Vec<(String, BlendConfig)>, BuildError> {
+    let all: Vec<_> = configs.iter().flat_map(|(name, c)| c.spaces(name)).collect();
+    for (i, (name, config)) in all.iter().enumerate() {
+        if all[..i].iter().any(|(n, _)| n == name) {
+            let message = format!("blend.{name}: two spaces have this name. Correct the config.");
+            return Err(BuildError::Config { message });
+        }
+        config.check(name)?;
+    }
+    Ok(all)
 }
 
 fn space(
@@ -170,6 +181,7 @@ fn space(
         .map_err(|fault| cardinal_fault(name, config, &chosen, &fault))?;
     let table = grid::tabulate(&basis, extent(config, &points), config.weight_tolerance, config.max_weight_bytes)
         .map_err(|large| too_large(name, config, &large))?;
+    check_weights(name, config, &points, &table)?;
     let cycles: Vec<&Cycle<'_>> = chosen.iter().map(|c| &c.cycle).collect();
     let postures = posture::tabulate(&cycles, &clips.skeleton, config.phases).map_err(|t| {
         let message = format!(
@@ -213,6 +225,38 @@ fn extent(config: &BlendConfig, points: &[Vec<f64>]) -> (Vec<f64>, Vec<f64>) {
         (f64::from(low as f32), f64::from(high as f32))
     };
     config.axes.iter().enumerate().map(along).unzip()
+}
+
+/// Weights that a bundle may hold: far from all examples, hyperplanes rise without bound.
+fn check_weights(
+    space: &str,
+    config: &BlendConfig,
+    points: &[Vec<f64>],
+    table: &WeightTable,
+) -> Result<(), BuildError> {
+    let largest = table.weights.iter().fold(0.0f32, |l, w| l.max(w.abs()));
+    if largest < MAX_WEIGHT {
+        return Ok(());
+    }
+    let along = |k: usize| {
+        let values = || points.iter().map(move |p| p[k]);
+        (values().fold(f64::INFINITY, f64::min), values().fold(f64::NEG_INFINITY, f64::max))
+    };
+    // How far the box is beyond the examples, in their extents.
+    let beyond = |k: usize| {
+        let (low, high) = along(k);
+        (low - table.grid.low[k]).max(table.grid.high[k] - high) / (high - low)
+    };
+    let widest = (0..config.axes.len()).max_by(|&a, &b| beyond(a).total_cmp(&beyond(b))).unwrap_or(0);
+    let (low, high) = along(widest);
+    let message = format!(
+        "blend.{space}.axes.range: [{}, {}] of axis `{}` is so far beyond the examples, {low:.3} to {high:.3}, that \
+         weights reach {largest:.0}; expected below {MAX_WEIGHT}",
+        table.grid.low[widest],
+        table.grid.high[widest],
+        config.axis_names()[widest]
+    );
+    Err(stage(message, "Narrow the `range` of this axis, or add examples nearer to its ends"))
 }
 
 fn record(config: &BlendConfig, table: &WeightTable, num_examples: usize) -> BlendRecord {

@@ -101,7 +101,9 @@ fn named<'a>(
     }
     let sources = clips().filter(|_| !example.symmetric).flatten();
     for source in sources.filter(|s| example.mirror || !s.clip.mirrored) {
-        for range in ranges(&source.clip, example.tag.as_deref(), example.frames, example.still) {
+        let longest =
+            |r: FrameRange| runs(&source.clip, r, example.still).into_iter().max_by_key(ExactSizeIterator::len);
+        for range in spans(&source.clip, example.tag.as_deref(), example.frames).into_iter().filter_map(longest) {
             let track = Track::new(&source.clip);
             let cycle = match example.still {
                 true => still(track, &range),
@@ -142,7 +144,7 @@ fn halved<'a>(
     tag: Option<&str>,
     frames: Option<[usize; 2]>,
 ) -> Result<Option<(&'a Source, Cycle<'a>)>, String> {
-    let ranges = |source: &Source| ranges(&source.clip, tag, frames, false);
+    let ranges = |source: &Source| all_runs(&source.clip, tag, frames);
     for source in pair {
         let track = Track::new(&source.clip);
         let halves: Vec<_> = ranges(source).iter().flat_map(|r| steps::halves(&track, r)).collect();
@@ -209,7 +211,7 @@ fn search<'a>(
     let sources = clips().filter(|_| !find.symmetric).flatten();
     for source in sources.filter(|s| find.mirror || !s.clip.mirrored) {
         let (before, mut faults) = (out.len(), Vec::new());
-        for range in ranges(&source.clip, find.tag.as_deref(), None, false) {
+        for range in all_runs(&source.clip, find.tag.as_deref(), None) {
             let track = Track::new(&source.clip);
             let sequence = steps::sequence(&track, &range);
             faults.extend(sequence.faults);
@@ -291,22 +293,27 @@ fn tell_apart(all: &mut [Candidate<'_>]) {
     }
 }
 
-/// The runs of frames of a clip that a config speaks of: the usable ones within some frames and a tag. Still ends of
-/// clips are left out of motion, but not of what is to be still.
-fn ranges(clip: &Clip, tag: Option<&str>, frames: Option<[usize; 2]>, still: bool) -> Vec<FrameRange> {
+/// The frames of a clip that a config speaks of: those within some frames, and of each run that carries a tag.
+fn spans(clip: &Clip, tag: Option<&str>, frames: Option<[usize; 2]>) -> Vec<FrameRange> {
     let [first, end] = frames.unwrap_or([0, clip.num_frames()]);
     let within = |r: &FrameRange| r.start.max(first)..r.end.min(end).min(clip.num_frames());
-    let tagged: Vec<FrameRange> = match tag {
+    let mut spans: Vec<FrameRange> = match tag {
         Some(tag) => clip.tags.iter().filter(|t| t.name == tag).map(|t| within(&t.range)).collect(),
         None => vec![within(&(0..clip.num_frames()))],
     };
-    let usable = |r: &FrameRange| {
-        let left_out = |e: &Exclusion| !(still && e.reason == ExclusionReason::Still);
-        let usable = |f: usize| !clip.excluded.iter().any(|e| e.range.contains(&f) && left_out(e));
-        let runs = crate::clip::runs(r.clone(), usable);
-        runs.into_iter().max_by_key(ExactSizeIterator::len)
-    };
-    tagged.iter().filter(|r| r.start < r.end).filter_map(usable).collect()
+    spans.retain(|r| r.start < r.end);
+    spans
+}
+
+/// The usable runs of a span. Still ends of clips are left out of motion, but not of what is to be still.
+fn runs(clip: &Clip, span: FrameRange, still: bool) -> Vec<FrameRange> {
+    let left_out = |e: &Exclusion| !(still && e.reason == ExclusionReason::Still);
+    crate::clip::runs(span, |f| !clip.excluded.iter().any(|e| e.range.contains(&f) && left_out(e)))
+}
+
+/// The usable runs of all spans of what moves.
+fn all_runs(clip: &Clip, tag: Option<&str>, frames: Option<[usize; 2]>) -> Vec<FrameRange> {
+    spans(clip, tag, frames).into_iter().flat_map(|span| runs(clip, span, false)).collect()
 }
 
 impl Candidate<'_> {

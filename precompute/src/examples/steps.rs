@@ -58,13 +58,14 @@ pub fn sequence(track: &Track<'_>, range: &FrameRange) -> Sequence {
     for pair in strikes.windows(2).filter(|p| p[0].left == p[1].left) {
         out.faults.push(twice(&pair[0], &pair[1]));
     }
-    for pair in strikes.windows(2).filter(|p| p[0].left != p[1].left && p[1].time - p[0].time < 1.0) {
+    for pair in strikes.windows(2).filter(|p| together(&p[0], &p[1])) {
         out.faults
             .push(Fault { what: format!("both feet strike at frame {:.0}", pair[0].time + 0.5), at: pair[0].time });
     }
     for (i, three) in strikes.windows(3).enumerate() {
         let [left, right, next] = three else { continue };
-        if !left.left || right.left || !next.left {
+        let both = together(left, right) || together(right, next);
+        if !left.left || right.left || !next.left || both {
             continue;
         }
         let before = i.checked_sub(1).map(|k| &strikes[k]);
@@ -124,6 +125,11 @@ fn strikes(track: &Track<'_>, range: &FrameRange) -> Vec<Strike> {
     let mut strikes: Vec<Strike> = of(Contacts::LEFT, true).chain(of(Contacts::RIGHT, false)).collect();
     strikes.sort_by(|a, b| a.time.total_cmp(&b.time));
     strikes
+}
+
+/// Both feet strike in the same frame: no time passes between the two, as would have to.
+fn together(a: &Strike, b: &Strike) -> bool {
+    a.left != b.left && b.time - a.time < 1.0
 }
 
 /// Two strikes of one foot without the other between them.

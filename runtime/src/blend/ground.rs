@@ -3,6 +3,9 @@
 use super::error::{BlendError, check, check_length};
 use glam::{Vec2, Vec3};
 
+/// Most knots along a side, and half of those of a whole grid, which takes 256 MiB.
+const MAX_KNOTS: usize = 1 << 25;
+
 /// Heights at the knots of a square grid, bilinear between them; beyond its edge the ground goes on level.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct HeightField {
@@ -45,19 +48,25 @@ impl HeightField {
     ///
     /// - `origin`: x and z of the first knot. [Unit: m]
     /// - `spacing`: of the knots. [Unit: m] [Limit: > 0]
-    /// - `size`: knots along x and along z. [Limit: >= 2]
+    /// - `size`: knots along x and along z. [Limit: >= 2, 2^26 in all]
     /// - `heights`: rows along x, one after the other along z. [Unit: m] [Size: size[0] * size[1]]
     ///
     /// # Errors
     /// [`BlendError::Value`] where a number is out of its range, [`BlendError::Length`] where heights are missing.
     pub fn new(origin: Vec2, spacing: f32, size: [usize; 2], heights: Vec<f32>) -> Result<Self, BlendError> {
-        check("spacing", spacing, (1e-3..1e4).contains(&spacing), "between 0.001 and 10000")?;
-        check("origin", origin.x, origin.abs().max_element() < 1e6, "finite and below 1e6")?;
-        let fewest = size[0].min(size[1]);
-        check("knots of the ground", fewest as f32, fewest >= 2 && size[0].max(size[1]) <= 1 << 20, "2 to 2^20")?;
+        check("spacing of the ground", spacing, (1e-3..1e4).contains(&spacing), "between 0.001 and 10000 m")?;
+        for (what, v) in [("x of the ground's origin", origin.x), ("z of the ground's origin", origin.y)] {
+            check(what, v, v.abs() < 1e6, "finite and below 1e6 m")?;
+        }
+        for (what, n) in [("knots of the ground along x", size[0]), ("knots of the ground along z", size[1])] {
+            check(what, n as f32, (2..=MAX_KNOTS).contains(&n), "2 to 2^25")?;
+        }
+        // No overflow: both are below 2^26.
+        let knots = size[0] as u64 * size[1] as u64;
+        check("knots of the ground", knots as f32, knots <= 2 * MAX_KNOTS as u64, "at most 2^26 in all")?;
         check_length("heights", heights.len(), size[0] * size[1])?;
         for &h in &heights {
-            check("height", h, h.abs() < 1e4, "finite and below 10000")?;
+            check("height of the ground", h, h.abs() < 1e4, "finite and below 10000 m")?;
         }
         Ok(Self { origin, spacing, size, heights })
     }
@@ -118,7 +127,14 @@ mod tests {
         assert!(new(1.0, [3, 2], 6).is_ok());
         assert!(matches!(new(1.0, [3, 2], 5), Err(BlendError::Length { .. })));
         assert!(matches!(new(0.0, [3, 2], 6), Err(BlendError::Value { .. })));
-        assert!(matches!(new(1.0, [1, 6], 6), Err(BlendError::Value { .. })));
+        for (size, along) in [([1, 6], "along x is 1"), ([6, 1], "along z is 1")] {
+            let e = new(1.0, size, 6).expect_err("too few").to_string();
+            assert!(e.contains(along) && e.contains("2 to 2^25"), "{e}");
+        }
+        let e = new(1.0, [1 << 20, 1 << 20], 6).expect_err("a table without end").to_string();
+        assert!(e.contains("at most 2^26"), "{e}");
+        let aside = HeightField::new(Vec2::new(0.0, f32::NAN), 1.0, [2, 2], vec![0.0; 4]);
+        assert!(matches!(aside, Err(BlendError::Value { what: "z of the ground's origin", .. })));
         assert_eq!(HeightField::flat().at(Vec2::new(3.0, 4.0)), Ground::LEVEL);
     }
 }

@@ -17,8 +17,8 @@ pub use posture::Posture;
 pub use space::BlendSpace;
 
 pub use records::{
-    AxisRecord, BlendRecord, ChannelRow, ExampleRecord, MAX_AXES, NUM_CHANNELS, PADDED_JOINTS, ReferenceRow, axis,
-    channel,
+    AxisRecord, BlendRecord, ChannelRow, ExampleRecord, MAX_AXES, MAX_WEIGHT, NUM_CHANNELS, PADDED_JOINTS,
+    ReferenceRow, axis, channel,
 };
 
 /// View on the blend spaces of a bundle.

@@ -5,6 +5,8 @@ use bytemuck::{Pod, Zeroable};
 
 /// Most axes of a blend space.
 pub const MAX_AXES: usize = 6;
+/// Weights of a table stay below this; they are 1 at most where nothing is extrapolated far.
+pub const MAX_WEIGHT: f32 = 1e3;
 /// Joints padded to whole vectors of eight.
 pub const PADDED_JOINTS: usize = NUM_JOINTS.next_multiple_of(8);
 /// Numbers of a [`ChannelRow`] and of a blended one.

@@ -271,6 +271,70 @@ fn knees_move_smoothly_and_stay_soft() {
     }
 }
 
+const LEGS: [[Joint; 3]; 2] =
+    [[Joint::LeftThigh, Joint::LeftShin, Joint::LeftFoot], [Joint::RightThigh, Joint::RightShin, Joint::RightFoot]];
+
+/// Somebody who walks back, aside and ahead, faster than the feet follow, has knees that point ahead.
+#[test]
+fn no_knee_ever_bends_backwards() {
+    let made_up = MadeUp::locomotion();
+    let mut outing = Outing::new(&made_up, WalkersConfig::default(), 10);
+    let about: Course = |c, t| {
+        let k = (t / 0.6) as usize + c;
+        (Vec2::new([0.0, 0.8, -0.8][k % 3], [1.4, -1.0, 0.5, -0.6][k % 4]), Some(0.0))
+    };
+    for i in 0..900 {
+        outing.step(&made_up, if i < 450 { jumping } else { about }, &HeightField::flat());
+        for c in 0..10 {
+            for leg in LEGS {
+                let [hip, knee, ankle] = leg.map(|j| outing.walkers.pose(c)[j.index()].translation());
+                let ahead = outing.walkers.pose(c)[leg[0].index()].rotation() * Vec3::Z;
+                let line = (ankle - hip).normalize();
+                let out = (knee - hip) - line * (knee - hip).dot(line);
+                assert!(out.dot(ahead) > -1e-3, "{c} at step {i}: {out} against {ahead}");
+            }
+        }
+    }
+}
+
+/// However abruptly speed and direction change, no knee snaps.
+#[test]
+fn jumps_of_speed_do_not_throw_legs_about() {
+    let made_up = MadeUp::locomotion();
+    let mut outing = Outing::new(&made_up, WalkersConfig::default(), 10);
+    let mut before = [[f32::NAN; 2]; 10];
+    for i in 0..900 {
+        outing.step(&made_up, jumping, &HeightField::flat());
+        for (c, before) in before.iter_mut().enumerate() {
+            for (side, before) in before.iter_mut().enumerate() {
+                let [hip, knee, ankle] = LEGS[side].map(|j| outing.walkers.pose(c)[j.index()].translation());
+                let now = (knee - hip).angle_between(ankle - knee);
+                // A sprinter's knee turns at 20 rad/s, a child's faster.
+                assert!(i == 0 || (now - *before).abs() < 30.0 * DT_S, "{c}: {before} to {now} at step {i}");
+                *before = now;
+            }
+        }
+    }
+}
+
+/// A trajectory that speeds up steadily is not followed late.
+#[test]
+fn steady_changes_are_followed_without_delay() {
+    let made_up = MadeUp::locomotion();
+    let mut outing = Outing::new(&made_up, WalkersConfig::default(), 1);
+    let faster: Course = |_, t| (Vec2::new(0.0, 0.5 + t.min(3.0)), None);
+    for i in 0..170 {
+        outing.step(&made_up, faster, &HeightField::flat());
+        let (got, asked) = (outing.walkers.parameters(0)[0], 0.5 + outing.time_s);
+        assert!(i < 60 || (got - asked).abs() < 0.02, "{got} where {asked} was asked for, {} s", outing.time_s);
+    }
+    // A jump is eased.
+    let mut outing = Outing::new(&made_up, WalkersConfig::default(), 1);
+    outing.step(&made_up, |_, _| (Vec2::Y, None), &HeightField::flat());
+    outing.step(&made_up, |_, _| (Vec2::Y * 4.0, None), &HeightField::flat());
+    assert!(outing.walkers.parameters(0)[0] < 1.2);
+}
+
 #[test]
 fn nobody_is_stretched_by_a_jump_to_elsewhere() {
     let made_up = MadeUp::locomotion();

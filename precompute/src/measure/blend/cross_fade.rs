@@ -2,11 +2,14 @@
 //! where another one becomes the nearest, the two are faded over, whatever their feet do.
 
 use crate::clip::joint_transforms;
+use crate::slip::Soles;
 use glam::{Quat, Vec3};
 use throng_runtime::blend::walkers::Control;
 use throng_runtime::blend::{BlendError, BlendSpace, MAX_AXES, Posture, channel};
 use throng_runtime::{Contacts, Joint, NUM_JOINTS, Skeleton};
 
+/// Ankle and ball of both feet.
+const FEET: [[Joint; 2]; 2] = [[Joint::LeftFoot, Joint::LeftToe], [Joint::RightFoot, Joint::RightToe]];
 /// Time of a fade. [Unit: s]
 const FADE_S: f32 = 0.3;
 
@@ -29,6 +32,8 @@ pub(super) struct CrossFade {
     pub joints: [Vec3; NUM_JOINTS],
     /// Feet on the ground, of the example that is faded in.
     pub contacts: Contacts,
+    /// What the feet stand on.
+    pub soles: Soles,
 }
 
 impl CrossFade {
@@ -41,6 +46,7 @@ impl CrossFade {
             weights: vec![0.0; space.stride()],
             joints: [Vec3::ZERO; NUM_JOINTS],
             contacts: Contacts::NONE,
+            soles: Soles::default(),
         }
     }
 
@@ -79,7 +85,13 @@ impl CrossFade {
         let hips = from.vector(channel::HIPS).lerp(to.vector(channel::HIPS), share);
         let turn = Quat::from_rotation_y(control.heading.unwrap_or(0.0));
         let place = |p: Vec3| turn * p + Vec3::new(control.position.x, 0.0, control.position.y);
-        self.joints = joint_transforms(skeleton, hips, rotation).map(|t| place(t.0));
+        let joints = joint_transforms(skeleton, hips, rotation);
+        self.joints = joints.map(|t| place(t.0));
+        let heels = skeleton.heels();
+        self.soles = std::array::from_fn(|side| {
+            let [(ankle, turned), (ball, _)] = FEET[side].map(|j| joints[j.index()]);
+            [place(ankle + turned * heels[side]), place(ball)]
+        });
         self.contacts = contacts(&to);
         Ok(())
     }

@@ -4,7 +4,9 @@ mod cross_fade;
 mod jumps;
 
 use super::timing::{fail, median_ns};
+use crate::config::BuildConfig;
 use crate::error::BuildError;
+use crate::examples::BlendConfig;
 use crate::examples::cardinal::CardinalBasis;
 use glam::Vec2;
 use jumps::{Motion, jumps};
@@ -12,6 +14,7 @@ use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use serde::Serialize;
 use std::hint::black_box;
+use std::path::Path;
 use throng_runtime::blend::walkers::{Control, WalkerStart, Walkers, WalkersConfig};
 use throng_runtime::blend::{BlendSpace, HeightField, MAX_AXES, Posture, axis};
 use throng_runtime::{NUM_JOINTS, Planar, Tables};
@@ -20,8 +23,6 @@ use throng_runtime::{NUM_JOINTS, Planar, Tables};
 const CHARACTERS: usize = 1024;
 /// Time between steps. [Unit: s]
 const STEP_S: f32 = 1.0 / 60.0;
-/// Where splines end, in a build that says nothing else.
-const REACH: f64 = 2.0;
 
 /// Figures of one blend space, on one thread.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
@@ -44,7 +45,7 @@ pub struct BlendFigures {
     pub posture_over_memcpy: f64,
     /// A query of the weight table, in a batch.
     pub weights_ns_per_query: f64,
-    /// Exact weights of the same examples by a cardinal basis with default settings, in a batch.
+    /// Exact weights of the same examples by the cardinal basis that the table was made from, in a batch.
     pub weights_direct_ns_per_query: f64,
     /// The exact weights over the table's.
     pub weights_direct_over_table: f64,
@@ -52,8 +53,8 @@ pub struct BlendFigures {
     pub weight_table_max_error: f64,
     /// Size of the weight table.
     pub weight_table_bytes: u64,
-    /// 95th percentile of the speed of planted feet, each as fast as the slower of its ankle and toe joint, while
-    /// parameters jump. [Unit: m/s]
+    /// 95th percentile of the slip of planted feet while parameters jump: how fast the slower of heel and ball moves over
+    /// the ground. [Unit: m/s]
     pub foot_slip_p95_mps: f64,
     /// The same where the nearest examples are cross-faded without time-warping.
     pub crossfade_foot_slip_p95_mps: f64,
@@ -94,7 +95,7 @@ fn measure(tables: &Tables, number: usize, seconds: f64) -> Result<BlendFigures,
         ..BlendFigures::default()
     };
     let parameters = random_parameters(&space);
-    weights(&space, &parameters, seconds, &mut out)?;
+    weights(&space, &config_of(tables, &out.space)?, &parameters, seconds, &mut out)?;
     postures(&space, &parameters, seconds, &mut out)?;
     retargeted(tables, &space, &parameters, seconds, &mut out)?;
     let ours = jumps(tables, &space, Motion::Blended)?;
@@ -123,8 +124,19 @@ fn random_parameters(space: &BlendSpace<'_>) -> Vec<[f32; MAX_AXES]> {
     (0..CHARACTERS).map(|_| draw()).collect()
 }
 
+/// The settings that a space was made with, which the bundle keeps.
+fn config_of(tables: &Tables, name: &str) -> Result<BlendConfig, BuildError> {
+    let config = BuildConfig::parse(&tables.meta().config, Path::new("the config in the bundle"))?;
+    let all = crate::examples::spaces(&config.blend)?;
+    let of_space = all.into_iter().find(|(space, _)| space == name);
+    of_space
+        .map(|(_, config)| config)
+        .ok_or_else(|| fail(format!("the config in the bundle has no blend space `{name}`")))
+}
+
 fn weights(
     space: &BlendSpace<'_>,
+    config: &BlendConfig,
     parameters: &[[f32; MAX_AXES]],
     seconds: f64,
     out: &mut BlendFigures,
@@ -139,7 +151,8 @@ fn weights(
     let d = space.axes().len();
     let place = |p: &[f32; MAX_AXES]| -> Vec<f64> { p[..d].iter().map(|&v| f64::from(v)).collect() };
     let points: Vec<Vec<f64>> = space.examples().iter().map(|e| place(&e.parameters)).collect();
-    let basis = CardinalBasis::new(&points, &[], REACH, 1e-6)
+    let spacings: Vec<Option<f64>> = config.axes.iter().map(|a| a.spacing).collect();
+    let basis = CardinalBasis::new(&points, &spacings, config.kernel_reach, 1e-6)
         .map_err(|e| fail(format!("blend space {}: its examples have no cardinal basis: {e:?}", out.space)))?;
     let queries: Vec<Vec<f64>> = parameters.iter().map(place).collect();
     let mut row = vec![0.0; points.len()];

@@ -53,7 +53,7 @@ pub fn walk_bodies(
     let skeletons = BodiesConfig { sizes: [0.9, 1.05], ..BodiesConfig::default() }.make(tables.skeleton(), scene.seed);
     let mut troops = Vec::with_capacity(bodies.spaces.len());
     for (t, name) in bodies.spaces.iter().enumerate() {
-        let space = named_space(tables, name, (&scene.name, &bodies.bundle))?;
+        let space = named_space(tables, "bodies.spaces", name, (&scene.name, &bodies.bundle))?;
         let members: Vec<usize> = (t..live.num_members()).step_by(bodies.spaces.len()).collect();
         troops.push(
             troop(&live, space, members, tables.skeleton(), &skeletons).map_err(|e| blend_fault(&scene.name, &e))?,

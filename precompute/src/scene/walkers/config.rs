@@ -29,7 +29,8 @@ pub struct WalkersScene {
     #[serde(default)]
     pub paths: PathsConfig,
     /// Value of the first style axis by speed, as (speed, value) that ascend by speed; between them it changes
-    /// linearly. 0 everywhere where empty. [Unit: m/s]
+    /// linearly. Speeds are those of the database skeleton: a smaller body runs sooner. 0 everywhere where empty.
+    /// [Unit: m/s]
     #[serde(default)]
     pub style_by_speed: Vec<[f32; 2]>,
     /// What the bodies are like.
@@ -132,7 +133,7 @@ impl WalkersScene {
         self.check_file(path)
     }
 
-    /// Value of the first style axis at a speed. [Unit: m/s]
+    /// Value of the first style axis at a speed, scaled to the database skeleton. [Unit: m/s]
     pub fn style(&self, speed: f32) -> f32 {
         let knots = &self.style_by_speed;
         let above = knots.partition_point(|k| k[0] <= speed);

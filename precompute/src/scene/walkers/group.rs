@@ -3,6 +3,7 @@
 use super::config::{BodiesConfig, WalkersScene};
 use super::path::Wander;
 use crate::error::BuildError;
+use crate::slip::Soles;
 use glam::{Vec2, Vec3};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
@@ -11,7 +12,9 @@ use throng_runtime::blend::walkers::{Control, WalkerStart, Walkers, WalkersConfi
 use throng_runtime::blend::{BlendError, BlendSpace, HeightField};
 use throng_runtime::{Contacts, Joint, Mat3x4, NUM_JOINTS, Planar, Skeleton, Tables};
 
-/// Distance between two heights of the ground. [Unit: m]
+/// Most heights along a side of the ground, which take 64 MiB: those of a wider one lie farther apart.
+const GROUND_KNOTS: f32 = 4000.0;
+/// Least distance between two heights of the ground. [Unit: m]
 const GROUND_SPACING_M: f32 = 0.5;
 /// Length of a hill. [Unit: m]
 const HILL_M: f32 = 24.0;
@@ -22,6 +25,8 @@ struct Group<'a> {
     space: BlendSpace<'a>,
     walkers: Walkers,
     paths: Vec<Wander>,
+    /// Speeds of bodies that move alike, over those of the database skeleton.
+    paces: Vec<f32>,
     controls: Vec<Control>,
 }
 
@@ -40,7 +45,9 @@ impl WalkersScene {
     /// # Errors
     /// [`BuildError::Stage`] for a blend space that the bundle does not have, or for bodies out of range.
     pub fn walk<'a>(&self, tables: &'a Tables, config: WalkersConfig) -> Result<Walk<'a>, BuildError> {
+        self.check_spaces(tables)?;
         let bodies = self.bodies.make(tables.skeleton(), self.seed);
+        let leg = tables.skeleton().leg_length();
         let ground = self.ground().map_err(|e| self.fault(&e))?;
         let mut groups = Vec::with_capacity(self.spaces.len());
         for (g, name) in self.spaces.iter().enumerate() {
@@ -56,7 +63,9 @@ impl WalkersScene {
             let starts: Vec<WalkerStart> = members.iter().zip(&controls).map(start).collect();
             let walkers =
                 Walkers::new(&space, tables.skeleton(), &bodies, config, &starts).map_err(|e| self.fault(&e))?;
-            groups.push(Group { space, walkers, paths, controls });
+            let pace = |&c: &u64| (bodies[c as usize % bodies.len()].leg_length() / leg).sqrt();
+            let paces = members.iter().map(pace).collect();
+            groups.push(Group { space, walkers, paths, paces, controls });
         }
         Ok(Walk { scene: self.clone(), groups, ground, time_s: 0.0 })
     }
@@ -66,7 +75,18 @@ impl WalkersScene {
     /// # Errors
     /// [`BuildError::Stage`] with the names that there are.
     pub fn space<'a>(&self, tables: &'a Tables, name: &str) -> Result<BlendSpace<'a>, BuildError> {
-        named_space(tables, name, (&self.name, &self.bundle))
+        named_space(tables, "spaces", name, (&self.name, &self.bundle))
+    }
+
+    /// Every space that the scene names is there, so that nothing is found missing after a run.
+    fn check_spaces(&self, tables: &Tables) -> Result<(), BuildError> {
+        for (i, name) in self.spaces.iter().enumerate() {
+            named_space(tables, &format!("spaces[{i}]"), name, (&self.name, &self.bundle))?;
+        }
+        for (i, shown) in self.shown.iter().enumerate() {
+            named_space(tables, &format!("shown[{i}].space"), &shown.space, (&self.name, &self.bundle))?;
+        }
+        Ok(())
     }
 
     /// The ground of the scene.
@@ -78,11 +98,12 @@ impl WalkersScene {
             return Ok(HeightField::flat());
         }
         let half = 0.5 * self.paths.area_m + 20.0;
-        let n = (2.0 * half / GROUND_SPACING_M).ceil() as usize + 1;
+        let spacing = (2.0 * half / GROUND_KNOTS).max(GROUND_SPACING_M);
+        let n = (2.0 * half / spacing).ceil() as usize + 1;
         let wave = |v: f32| (v * std::f32::consts::TAU / HILL_M).sin();
-        let at = |i: usize| i as f32 * GROUND_SPACING_M - half;
+        let at = |i: usize| i as f32 * spacing - half;
         let height = |k: usize| 0.25 * self.hills_m * (2.0 + wave(at(k % n)) + wave(0.7 * at(k / n) + 1.0));
-        HeightField::new(Vec2::splat(-half), GROUND_SPACING_M, [n, n], (0..n * n).map(height).collect())
+        HeightField::new(Vec2::splat(-half), spacing, [n, n], (0..n * n).map(height).collect())
     }
 
     pub(super) fn fault(&self, e: &BlendError) -> BuildError {
@@ -90,12 +111,13 @@ impl WalkersScene {
     }
 }
 
-/// A blend space of a bundle by its name; scene and bundle are for messages.
+/// A blend space of a bundle by its name; the key of the scene file that names it, scene and bundle are for messages.
 ///
 /// # Errors
 /// [`BuildError::Stage`] with the names that there are.
 pub(in crate::scene) fn named_space<'a>(
     tables: &'a Tables,
+    key: &str,
     name: &str,
     (scene, bundle): (&str, &Path),
 ) -> Result<BlendSpace<'a>, BuildError> {
@@ -105,7 +127,7 @@ pub(in crate::scene) fn named_space<'a>(
         None => Err(BuildError::Stage {
             stage: "scene",
             message: format!(
-                "scene \"{scene}\": expected a blend space of {}, found `{name}`; there are: {}",
+                "scene \"{scene}\": key `{key}`: expected a blend space of {}, found `{name}`; there are: {}",
                 bundle.display(),
                 known.join(", ")
             ),
@@ -158,9 +180,9 @@ impl Walk<'_> {
     pub fn step(&mut self, dt_s: f32) -> Result<(), BuildError> {
         let scene = &self.scene;
         for g in &mut self.groups {
-            for (path, control) in g.paths.iter_mut().zip(&mut g.controls) {
+            for ((path, pace), control) in g.paths.iter_mut().zip(&g.paces).zip(&mut g.controls) {
                 *control = path.step(&scene.paths, dt_s);
-                control.style[0] = scene.style(path.speed());
+                control.style[0] = scene.style(path.speed() / pace);
             }
             g.walkers.step(&g.space, dt_s, &g.controls, &self.ground).map_err(|e| scene.fault(&e))?;
         }
@@ -200,6 +222,13 @@ impl Walk<'_> {
     pub fn joint_positions(&self, character: usize) -> [Vec3; NUM_JOINTS] {
         let (walkers, member) = self.walkers_of(character);
         walkers.joint_positions(member)
+    }
+
+    /// Bottom of the heel and ball of both feet of a character, in the world. [Unit: m]
+    /// [Limit: character < num_characters]
+    pub fn soles(&self, character: usize) -> Soles {
+        let (walkers, member) = self.walkers_of(character);
+        walkers.soles(member)
     }
 
     /// Planted parts of a character's feet. [Limit: character < num_characters]

@@ -4,7 +4,7 @@ use super::config::{ShownStyle, WalkersScene};
 use super::path::curve;
 use crate::error::BuildError;
 use crate::scene::RunConfig;
-use crate::slip::SlipMeter;
+use crate::slip::SoleMeter;
 use glam::{Vec2, Vec3};
 use serde::Serialize;
 use std::time::Instant;
@@ -35,9 +35,9 @@ pub struct WalkersReport {
     pub speed_mean_mps: f64,
     /// Fastest that anybody went. [Unit: m/s]
     pub speed_max_mps: f64,
-    /// Mean speed of planted heels and toes. [Unit: m/s]
+    /// Mean slip of planted feet, as [`SoleMeter`] measures it. [Unit: m/s]
     pub foot_slip_mean_mps: f64,
-    /// 95th percentile of the speed of planted heels and toes. [Unit: m/s]
+    /// Its 95th percentile. [Unit: m/s]
     pub foot_slip_p95_mps: f64,
     /// Fastest change of a knee's angle. [Unit: rad/s]
     pub knee_rate_max_radps: f64,
@@ -74,7 +74,7 @@ pub fn run(
     }
     let mut walk = scene.walk(tables, walkers)?;
     let n = walk.num_characters();
-    let (mut slip, mut record) = (SlipMeter::new(n), WalkersRecord::default());
+    let (mut slip, mut record) = (SoleMeter::new(n), WalkersRecord::default());
     let mut report = WalkersReport { scene: scene.name.clone(), characters: n, simulated_s: s, ..Default::default() };
     let mut knees = vec![[0.0f32; 2]; n];
     let steps = (s * hz).round().max(1.0) as usize;
@@ -86,10 +86,7 @@ pub fn run(
         let begin = Instant::now();
         walk.step(dt)?;
         busy_s += begin.elapsed().as_secs_f64();
-        slip.observe_joints(dt, |c| {
-            let pose = walk.joint_positions(c);
-            (walk.contacts(c), move |j: Joint| pose[j.index()])
-        });
+        slip.observe(dt, |c| (walk.contacts(c), walk.soles(c)));
         for (c, before) in knees.iter_mut().enumerate() {
             let pose = walk.joint_positions(c);
             let now = knee_angles(&pose);

@@ -11,6 +11,8 @@ use crate::troupe::block::{Lane, Lane3};
 pub(crate) struct Foot {
     /// What is added to where the examples have the ankle, in world space. [Unit: m]
     pub offset: Lane3,
+    /// How fast that changes. [Unit: m/s]
+    pub offset_rate: Lane3,
     /// Sine and cosine of what the foot is turned by about the vertical.
     pub turn: [Lane; 2],
     /// Where the bottom of the heel and the ball were at the last step, in world space. [Unit: m]
@@ -18,8 +20,14 @@ pub(crate) struct Foot {
     pub ball: Lane3,
     /// 1 where it was planted at the last step, else 0.
     pub down: Lane,
-    /// How far it is pressed onto the ground, 0 to 1.
-    pub press: Lane,
+    /// How much higher it is than where the examples have it. [Unit: m]
+    pub rise: Lane,
+    /// How fast that changes. [Unit: m/s]
+    pub rise_rate: Lane,
+    /// How high over the ground the examples had it at the last step. [Unit: m]
+    pub height: Lane,
+    /// Cosine of half the angle at the knee at the last step: 0 where the leg is straight; -1 until the first one.
+    pub bent: Lane,
     /// How far a step to where it belongs has gone, 0 to 1; 1 where none is being taken.
     pub step: Lane,
 }
@@ -27,11 +35,15 @@ pub(crate) struct Foot {
 impl Foot {
     const ZERO: Self = Self {
         offset: [[0.0; LANES]; 3],
+        offset_rate: [[0.0; LANES]; 3],
         turn: [[0.0; LANES], [1.0; LANES]],
         heel: [[0.0; LANES]; 3],
         ball: [[0.0; LANES]; 3],
         down: [0.0; LANES],
-        press: [0.0; LANES],
+        rise: [0.0; LANES],
+        rise_rate: [0.0; LANES],
+        height: [0.0; LANES],
+        bent: [-1.0; LANES],
         step: [1.0; LANES],
     };
 }
@@ -54,10 +66,14 @@ pub(crate) struct Block {
     pub parameters: [[f32; MAX_AXES]; LANES],
     /// How fast it moves. [Unit: 1/s]
     pub parameter_rates: [[f32; MAX_AXES]; LANES],
+    /// Place in the parameter box that was asked for at the last step.
+    pub asked: [[f32; MAX_AXES]; LANES],
     /// Generic time, in [0, 1).
     pub phase: Lane,
     /// How far the hips are lowered so that both legs reach. [Unit: m]
     pub drop: Lane,
+    /// How fast that changes. [Unit: m/s]
+    pub drop_rate: Lane,
     /// 0 until the first step.
     pub placed: Lane,
     pub contacts: [Contacts; LANES],
@@ -74,8 +90,10 @@ impl Block {
         travel: [[0.0; LANES]; 2],
         parameters: [[0.0; MAX_AXES]; LANES],
         parameter_rates: [[0.0; MAX_AXES]; LANES],
+        asked: [[0.0; MAX_AXES]; LANES],
         phase: [0.0; LANES],
         drop: [0.0; LANES],
+        drop_rate: [0.0; LANES],
         placed: [0.0; LANES],
         contacts: [Contacts::NONE; LANES],
         feet: [Foot::ZERO; 2],

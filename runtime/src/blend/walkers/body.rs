@@ -16,9 +16,6 @@ pub(crate) const ARMS: [[Joint; 3]; 2] = [
     [Joint::RightUpperArm, Joint::RightForearm, Joint::RightHand],
 ];
 
-/// How far the heel lies behind the ankle, as a share of how far the ball lies before it.
-const HEEL: f32 = 0.3;
-
 /// A leg of eight characters. [Unit: m]
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct LaneLeg {
@@ -84,8 +81,8 @@ impl LaneBody {
             feet - hips
         };
         self.lift[lane] = rise(body) - scale * rise(database);
-        for (leg, joints) in self.legs.iter_mut().zip(LEGS) {
-            leg.put(lane, joints, scale, body, database);
+        for (side, leg) in self.legs.iter_mut().enumerate() {
+            leg.put(lane, side, scale, body, database);
         }
         let length = |s: &Skeleton, j: Joint| s.offsets[j.index()].length();
         for (arm, [_, forearm, hand]) in self.arms.iter_mut().zip(ARMS) {
@@ -98,18 +95,17 @@ impl LaneBody {
 }
 
 impl LaneLeg {
-    fn put(&mut self, lane: usize, joints: [Joint; 4], scale: f32, body: &Skeleton, database: &Skeleton) {
-        let [thigh, shin, foot, toe] = joints.map(Joint::index);
+    fn put(&mut self, lane: usize, side: usize, scale: f32, body: &Skeleton, database: &Skeleton) {
+        let [thigh, shin, foot, toe] = LEGS[side].map(Joint::index);
         let (rest, from) = (body.rest_positions(), database.rest_positions());
         self.lengths[0][lane] = body.offsets[shin].length();
         self.lengths[1][lane] = body.offsets[foot].length();
         let wider = body.offsets[thigh].x - scale * database.offsets[thigh].x;
         set(&mut self.ankle, lane, Vec3::new(wider, rest[foot].y - scale * from[foot].y, 0.0));
-        let (ankle_height, ball) = (rest[foot].y, body.offsets[toe]);
-        set(&mut self.heel, lane, Vec3::new(0.0, -ankle_height, -HEEL * ball.z));
-        set(&mut self.ball, lane, ball);
+        set(&mut self.heel, lane, body.heels()[side]);
+        set(&mut self.ball, lane, body.offsets[toe]);
         self.thickness[lane] = rest[toe].y;
-        let tip = body.tips[if toe == Joint::LeftToe.index() { 1 } else { 2 }];
+        let tip = body.tips[1 + side];
         set(&mut self.tip, lane, Vec3::new(tip.x, tip.y - rest[toe].y, tip.z));
     }
 }

@@ -6,6 +6,7 @@
 
 use super::block::Foot;
 use super::body::LaneLeg;
+use super::spring::Spring;
 use crate::lanes::{Lanes, Q, V};
 use crate::troupe::block::{Lane, load, store};
 use crate::troupe::foot_lock::Placement;
@@ -14,8 +15,8 @@ use crate::troupe::foot_lock::Placement;
 const FLAT_M: f32 = 0.005;
 /// Height over the ground from which a planted foot counts as standing. [Unit: m]
 const SETTLED_M: f32 = 0.002;
-/// How far a foot is pressed onto the ground when it has been there for about a tenth of a second.
-const LONG_PRESS: f32 = 0.98;
+/// Height over the ground up to which a foot is planted. [Unit: m]
+const NEAR_M: f32 = 0.06;
 /// Height that a foot is lifted to in a step of its own. [Unit: m]
 const STEP_HEIGHT_M: f32 = 0.06;
 /// Offset past which a foot is not brought back but forgotten: the character was put elsewhere. [Unit: m]
@@ -37,10 +38,14 @@ pub(crate) struct Tread<'a, F> {
     pub importance: F,
     /// Time of the tick. [Unit: s]
     pub dt_s: F,
-    /// What is left of an offset in the air after the tick.
+    /// Ticks a second; 0 for a tick of no time. [Unit: 1/s]
+    pub rate: F,
+    /// What is left of a turn in the air after the tick.
     pub keep: F,
-    /// What is left of a difference in how far a foot is pressed onto the ground after the tick.
-    pub keep_press: F,
+    /// How an offset fades in the air.
+    pub air: &'a Spring,
+    /// How a foot comes down to the ground.
+    pub landing: &'a Spring,
     /// Time of a step. [Unit: s]
     pub step_s: F,
     /// Offset of a planted foot from which it takes a step. [Unit: m]
@@ -68,7 +73,9 @@ pub(crate) fn tread<F: Lanes>(t: &Tread<'_, F>, foot: &mut Foot, wanted: Sole<F>
     let (heel, ball) = (wanted.foot.rotate(load(&t.leg.heel)), wanted.foot.rotate(load(&t.leg.ball)));
     let share = ball_share(t, heel, ball);
     let stepping = F::select_lt(F::load(&foot.step), one, one, zero);
-    let down = t.contact * (one - stepping);
+    // Nobody stands on a foot that is far from the ground.
+    let near = F::select_lt(F::load(&foot.height) + F::load(&foot.rise), F::splat(NEAR_M) * t.scale, one, zero);
+    let down = t.contact * (one - stepping) * near;
     let held = down * F::load(&foot.down);
 
     let turn = turn_of(t, foot, held, ball - heel);
@@ -84,7 +91,6 @@ pub(crate) fn tread<F: Lanes>(t: &Tread<'_, F>, foot: &mut Foot, wanted: Sole<F>
     sole.ankle.y = sole.ankle.y + rise;
     sole.toe = bend_toe(t, &sole, ball);
 
-    store(&mut foot.offset, t.place.vector_to_world(offset));
     [foot.turn[0], foot.turn[1]] = turn.map(F::to_array);
     store(&mut foot.heel, t.place.to_world(sole.ankle + heel));
     store(&mut foot.ball, t.place.to_world(sole.ankle + ball));
@@ -92,10 +98,7 @@ pub(crate) fn tread<F: Lanes>(t: &Tread<'_, F>, foot: &mut Foot, wanted: Sole<F>
     progress(t, foot, down, offset, turn[1]);
     // What still comes down does not stand yet.
     let standing = F::select_lt(left, F::splat(SETTLED_M), held, zero);
-    // The heel stands where the ankle does: not while the foot rolls over it, but where it bears for long.
-    let settled = F::select_lt(F::splat(LONG_PRESS), F::load(&foot.press), zero, one);
-    let rolls = (share - F::splat(0.5)).max((F::splat(0.5) - share) * settled);
-    let heel = F::select_lt(rolls, F::splat(0.2), standing, zero);
+    let heel = F::select_lt(share, F::splat(0.7), standing, zero);
     let ball = F::select_lt(share, F::splat(0.3), zero, standing);
     (sole, [heel.to_array(), ball.to_array()])
 }
@@ -124,15 +127,6 @@ fn over_ground<F: Lanes>(t: &Tread<'_, F>, v: V<F>) -> F {
     v.y - t.ground[1] * v.x - t.ground[2] * v.z
 }
 
-/// What is left of a step's offset after this tick over what was left before.
-#[inline(always)]
-fn step_keep<F: Lanes>(t: &Tread<'_, F>, step: F) -> F {
-    let one = F::splat(1.0);
-    let left = |s: F| one - s * s * (F::splat(3.0) - (s + s));
-    let next = (step + t.dt_s / t.step_s).min(one);
-    left(next) / left(step).max(F::splat(1e-6))
-}
-
 /// Sine and cosine of the turn about the vertical: it keeps a planted foot's direction, and fades in the air.
 #[inline(always)]
 fn turn_of<F: Lanes>(t: &Tread<'_, F>, foot: &Foot, held: F, along: V<F>) -> [F; 2] {
@@ -141,9 +135,7 @@ fn turn_of<F: Lanes>(t: &Tread<'_, F>, foot: &Foot, held: F, along: V<F>) -> [F;
     let lengths = ((along.x * along.x + along.z * along.z) * (was.x * was.x + was.z * was.z)).sqrt().max(tiny);
     let sin = (was.x * along.z - was.z * along.x) / lengths;
     let cos = (was.x * along.x + was.z * along.z) / lengths;
-    let step = F::load(&foot.step);
-    let keep = F::select_lt(step, one, step_keep(t, step), t.keep);
-    let fading = [F::load(&foot.turn[0]) * keep, one + (F::load(&foot.turn[1]) - one) * keep];
+    let fading = [F::load(&foot.turn[0]) * t.keep, one + (F::load(&foot.turn[1]) - one) * t.keep];
     let half = F::splat(0.5);
     let [sin, cos] = [F::select_lt(half, held, sin, fading[0]), F::select_lt(half, held, cos, fading[1])];
     let length = (sin * sin + cos * cos).sqrt();
@@ -160,40 +152,56 @@ fn about_y<F: Lanes>([sin, cos]: [F; 2]) -> Q<F> {
     Q::new(V::new(zero, sin * half / w, zero), w).normalize()
 }
 
-/// The offset over the ground: it keeps the part that bears in its place, and fades in the air.
+/// The offset over the ground: it keeps the part that bears in its place, and fades in the air, where it goes on as fast
+/// as it changed before: a foot that is let go begins to move slowly.
 #[inline(always)]
-fn offset_of<F: Lanes>(t: &Tread<'_, F>, foot: &Foot, held: F, ankle: V<F>, [heel, ball]: [V<F>; 2], share: F) -> V<F> {
-    let (zero, one) = (F::splat(0.0), F::splat(1.0));
+fn offset_of<F: Lanes>(
+    t: &Tread<'_, F>,
+    foot: &mut Foot,
+    held: F,
+    ankle: V<F>,
+    [heel, ball]: [V<F>; 2],
+    share: F,
+) -> V<F> {
+    let (zero, half, one) = (F::splat(0.0), F::splat(0.5), F::splat(1.0));
     let mix = |heel: V<F>, ball: V<F>| heel * (one - share) + ball * share;
     let was = mix(t.place.point_to_model(load(&foot.heel)), t.place.point_to_model(load(&foot.ball)));
     let holding = was - (ankle + mix(heel, ball));
-    let step = F::load(&foot.step);
-    let keep = F::select_lt(step, one, step_keep(t, step), t.keep);
-    let fading = t.place.vector_to_model(load(&foot.offset)) * keep;
-    let mut offset = V::select_lt(F::splat(0.5), held, holding, fading);
-    offset.y = zero;
-    let lost = F::splat(LOST_M) * t.scale;
-    V::select_lt(lost * lost, offset.dot(offset), V::new(zero, zero, zero), offset)
+    let (before, rate) = (load::<F>(&foot.offset), load::<F>(&foot.offset_rate));
+    let ((x, rate_x), (z, rate_z)) = (t.air.pull_lanes(before.x, rate.x), t.air.pull_lanes(before.z, rate.z));
+    let offset = V::select_lt(half, held, t.place.vector_to_world(holding), V::new(x, zero, z));
+    let rate = V::select_lt(half, held, (offset - before) * t.rate, V::new(rate_x, zero, rate_z));
+    let (none, lost) = (V::new(zero, zero, zero), F::splat(LOST_M) * t.scale);
+    let flat = V::new(offset.x, zero, offset.z);
+    let far = flat.dot(flat);
+    let offset = V::select_lt(lost * lost, far, none, flat);
+    store(&mut foot.offset, offset);
+    store(&mut foot.offset_rate, V::select_lt(lost * lost, far, none, V::new(rate.x, zero, rate.z)));
+    t.place.vector_to_model(offset)
 }
 
 /// How much the foot has to rise: onto the ground where it is planted, out of it anywhere, and up in a step of its own;
 /// and how high it is over the ground then.
+///
+/// What it was raised by fades in the air, so that a foot that is let go moves up as slowly as it began.
 #[inline(always)]
 fn rise<F: Lanes>(t: &Tread<'_, F>, foot: &mut Foot, down: F, ankle: V<F>, [heel, ball]: [V<F>; 2]) -> [F; 2] {
-    let (zero, one) = (F::splat(0.0), F::splat(1.0));
+    let (zero, half, one) = (F::splat(0.0), F::splat(0.5), F::splat(1.0));
     let below_ball = over_ground(t, ball) - F::load(&t.leg.thickness);
     let lowest = over_ground(t, heel).min(below_ball);
-    let height = ankle.y + lowest - t.ground[0];
-    // As a contact comes near, then wholly; what is left of it fades in the air.
-    let near = t.importance * t.importance * t.importance;
-    let press = near.max(down);
-    let press = press + (F::load(&foot.press) - press) * t.keep_press;
-    foot.press = press.to_array();
-    let onto = F::select_lt(height, zero, -height, -(height * press));
     let step = F::load(&foot.step).min(one);
     let arc = step * (one - step);
-    let rise = onto + arc * arc * F::splat(16.0 * STEP_HEIGHT_M) * t.scale;
-    [rise, height + rise]
+    let height = ankle.y + lowest - t.ground[0] + arc * arc * F::splat(16.0 * STEP_HEIGHT_M) * t.scale;
+    let (before, rate, was) = (F::load(&foot.rise), F::load(&foot.rise_rate), F::load(&foot.height));
+    let (above, _) = t.landing.pull_lanes(before + was, rate + (height - was) * t.rate);
+    let (fading, fading_rate) = t.air.pull_lanes(before, rate);
+    let rise = F::select_lt(half, down, above.max(zero) - height, fading.max(-height));
+    let changed = (rise - before) * t.rate;
+    let free = F::select_lt(rise, fading + F::splat(1e-6), fading_rate, changed);
+    foot.rise = rise.to_array();
+    foot.rise_rate = F::select_lt(half, down, changed, free).to_array();
+    foot.height = height.to_array();
+    [height + rise - (ankle.y + lowest - t.ground[0]), height + rise]
 }
 
 /// Bends the toe up where its tip would go below the ground.

@@ -5,6 +5,7 @@ mod body;
 mod feet;
 mod reach;
 mod snapshot;
+mod spring;
 mod steer;
 mod step;
 
@@ -29,8 +30,8 @@ pub const MAX_STEP_S: f32 = 1.0;
 /// How walkers move.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WalkersConfig {
-    /// Time in which a difference between the parameters asked for and those blended halves; 0 takes them at once.
-    /// [Unit: s] [Limit: 0 to 10]
+    /// Time in which a difference between the parameters asked for and those blended halves, where they jump; parameters
+    /// that change steadily are followed without delay; 0 takes them at once. [Unit: s] [Limit: 0 to 10]
     pub parameter_half_life_s: f32,
     /// Time in which a difference between the heading aimed at and the body's halves, where it jumps; a heading that
     /// turns steadily is followed without delay. [Unit: s] [Limit: 0 to 10]
@@ -40,7 +41,8 @@ pub struct WalkersConfig {
     /// How much slower and faster than the examples steps may be, so that strides fit the speed of the trajectory.
     /// [Limit: 0.2 to 1, 1 to 5; 1 and 1 leave the blended rates as they are]
     pub tempo: [f32; 2],
-    /// Time in which what a foot was kept from moving halves, once it is in the air. [Unit: s] [Limit: > 0]
+    /// Time in which what a foot was kept from moving halves, once it is in the air; it begins to move slowly. [Unit: s]
+    /// [Limit: > 0]
     pub foot_half_life_s: f32,
     /// How far a planted foot may be from where the examples have it, before it takes a step of its own.
     /// [Unit: m, of the database skeleton] [Limit: > 0]
@@ -54,7 +56,7 @@ pub struct WalkersConfig {
 impl Default for WalkersConfig {
     fn default() -> Self {
         Self {
-            parameter_half_life_s: 0.12,
+            parameter_half_life_s: 0.25,
             heading_half_life_s: 0.12,
             max_turning_rate: 3.0,
             tempo: [0.8, 1.25],
@@ -288,6 +290,20 @@ impl Walkers {
         let (turn, move_by) = (root.rotation(), root.translation());
         let pose = self.pose(character);
         std::array::from_fn(|j| turn * pose[j].translation() + move_by)
+    }
+
+    /// What a character's feet stand on, in the world: the bottom of the heel, and the ball (the toe's joint), of the left
+    /// foot and of the right one. [Unit: m] [Limit: character < num_characters]
+    pub fn soles(&self, character: usize) -> [[Vec3; 2]; 2] {
+        let (root, pose) = (self.root(character), self.pose(character));
+        let (turn, move_by) = (root.rotation(), root.translation());
+        let body = &self.bodies[character / LANES];
+        std::array::from_fn(|side| {
+            let [_, _, foot, toe] = body::LEGS[side].map(Joint::index);
+            let heel = Vec3::from_array(body.legs[side].heel.map(|axis| axis[character % LANES]));
+            let heel = pose[foot].translation() + pose[foot].rotation() * heel;
+            [heel, pose[toe].translation()].map(|p| turn * p + move_by)
+        })
     }
 
     fn validate(&self, space: &BlendSpace<'_>, dt_s: f32, controls: &[Control]) -> Result<(), BlendError> {

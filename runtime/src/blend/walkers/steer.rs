@@ -2,6 +2,7 @@
 
 use super::block::Block;
 use super::body::LaneBody;
+use super::spring::Spring;
 use super::{Control, WalkersConfig};
 use crate::blend::records::{AxisRecord, MAX_AXES, axis};
 use crate::blend::space::BlendSpace;
@@ -13,6 +14,9 @@ use std::f32::consts::{FRAC_PI_2, PI};
 const MOVING_MPS: f32 = 0.1;
 /// Speed of a blend from which its direction is trusted. [Unit: m/s]
 const STRIDING_MPS: f32 = 0.3;
+
+/// Fastest change of a parameter that is followed without delay, in widths of the box. [Unit: 1/s]
+const STEADY_PER_S: f32 = 0.8;
 
 /// What all walkers share in a tick.
 pub(crate) struct Steering<'a> {
@@ -60,13 +64,26 @@ impl<'a> Steering<'a> {
         block.root[1][lane] = control.position.y;
         block.root[2][lane] = turned;
         block.speed[lane] = speed;
-        let wanted = self.parameters(block, body, lane, control, speed);
-        let eased = block.parameters[lane].iter_mut().zip(&mut block.parameter_rates[lane]);
-        for ((p, rate), wanted) in eased.zip(wanted) {
-            (*p, *rate) = if placed { self.spring.pull(*p - wanted, *rate) } else { (0.0, 0.0) };
-            *p += wanted;
+        let asked = self.parameters(block, body, lane, control, speed);
+        if placed {
+            self.ease(block, lane, &asked);
+        } else {
+            (block.parameters[lane], block.parameter_rates[lane]) = (asked, [0.0; MAX_AXES]);
         }
+        block.asked[lane] = asked;
         block.placed[lane] = 1.0;
+    }
+
+    /// Follows parameters that change steadily without delay, and eases to those that jump.
+    fn ease(&self, block: &mut Block, lane: usize, asked: &[f32; MAX_AXES]) {
+        for (k, axis) in self.axes.iter().enumerate() {
+            let most = STEADY_PER_S * (axis.high - axis.low);
+            let change = asked[k] - block.asked[lane][k];
+            let steady = if self.dt_s > 0.0 { (change / self.dt_s).clamp(-most, most) } else { 0.0 };
+            let (p, rate) = (&mut block.parameters[lane][k], &mut block.parameter_rates[lane][k]);
+            let (left, left_rate) = self.spring.pull(*p - (asked[k] - steady * self.dt_s), *rate - steady);
+            (*p, *rate) = (asked[k] + left, steady + left_rate);
+        }
     }
 
     /// Heading to turn to. [Unit: rad]
@@ -137,32 +154,6 @@ impl<'a> Steering<'a> {
 fn lean([left, ahead]: [[f32; 8]; 2], lane: usize) -> f32 {
     let v = Vec2::new(left[lane], ahead[lane]);
     if v.y > STRIDING_MPS { v.x.atan2(v.y) } else { 0.0 }
-}
-
-/// A critically damped spring over one tick, so that parameters that jump begin to change smoothly.
-struct Spring {
-    /// What is left of a displacement, and what of a rate adds to it. [Unit: -, s]
-    keep: [f32; 2],
-    /// What a displacement adds to the rate, and what is left of a rate. [Unit: 1/s, -]
-    rate: [f32; 2],
-}
-
-impl Spring {
-    /// As the offsets of transitions decay: half is left after about the half-life.
-    fn new(dt_s: f32, half_life_s: f32) -> Self {
-        if half_life_s <= 0.0 {
-            return Self { keep: [0.0; 2], rate: [0.0; 2] };
-        }
-        let y = 2.0 * std::f32::consts::LN_2 / half_life_s;
-        let e = (-y * dt_s).exp();
-        Self { keep: [e * (1.0 + y * dt_s), e * dt_s], rate: [-e * y * y * dt_s, e * (1.0 - y * dt_s)] }
-    }
-
-    /// Displacement and rate after the tick.
-    fn pull(&self, displacement: f32, rate: f32) -> (f32, f32) {
-        let ([a, b], [c, d]) = (self.keep, self.rate);
-        (a * displacement + b * rate, c * displacement + d * rate)
-    }
 }
 
 /// Share that is left of a difference after a time; 0 for a half-life of 0.

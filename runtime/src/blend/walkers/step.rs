@@ -7,7 +7,8 @@
 use super::block::{Block, Foot};
 use super::body::{LEGS, LaneBody};
 use super::feet::{Bearing, Sole, Tread, tread};
-use super::reach::{lower, reach_foot, reach_hand, stretched};
+use super::reach::{lower, reach_foot, reach_hand, slow_knee, stretched, tiptoe};
+use super::spring::Spring;
 use super::steer::Steering;
 use super::{Control, WalkersConfig};
 use crate::blend::ground::{Ground, HeightField};
@@ -30,12 +31,19 @@ pub(crate) const RANGE_BLOCKS: usize = 16;
 const STRIDING_MPS: f32 = 0.4;
 /// Time of a step that a foot takes by itself. [Unit: s, of the database skeleton]
 const STEP_S: f32 = 0.35;
+/// Fastest turn of the knee of a leg in the air where the character stands, and how much faster it is for each m/s: a
+/// sprinter's turns at about 20 rad/s. [Unit: rad/s, rad/m, of the database skeleton]
+const KNEE_RATE: f32 = 10.0;
+const KNEE_RATE_BY_SPEED: f32 = 1.8;
 /// Share of the reach at which a foot of a character that stands takes a step.
 const STANDING_REACH: f32 = 0.4;
 
-/// Time in which a difference in how far the hips are lowered halves, and in how far a foot is pressed onto the
-/// ground. [Unit: s]
-const QUICK_HALF_LIFE_S: f32 = 0.02;
+/// Time in which a difference in how far the hips are lowered halves. [Unit: s]
+const DROP_HALF_LIFE_S: f32 = 0.03;
+/// Time in which a planted foot's height over the ground halves. [Unit: s]
+const LANDING_HALF_LIFE_S: f32 = 0.02;
+/// Share of the blend that has a foot on the ground from which it is planted, and down to which it stays.
+const PLANTED: [f32; 2] = [0.65, 0.35];
 
 /// What all ranges of a tick share.
 pub(crate) struct Tick<'a, 's> {
@@ -44,17 +52,34 @@ pub(crate) struct Tick<'a, 's> {
     steering: Steering<'a>,
     ground: &'a HeightField,
     dt_s: f32,
-    /// What is left of a foot's offset in the air.
+    /// Ticks a second; 0 for a tick of no time. [Unit: 1/s]
+    rate: f32,
+    /// What is left of a foot's turn in the air.
     keep: f32,
-    /// What is left of a difference in how far the hips are lowered, and a foot is pressed onto the ground.
-    keep_quickly: f32,
+    /// How a foot's offset fades in the air.
+    air: Spring,
+    /// How a foot comes down to the ground.
+    landing: Spring,
+    /// How the hips are lowered.
+    drop: Spring,
 }
 
 impl<'a, 's> Tick<'a, 's> {
     pub fn new(space: &'a BlendSpace<'s>, config: &'a WalkersConfig, dt_s: f32, ground: &'a HeightField) -> Self {
         let keep = (-dt_s / config.foot_half_life_s).exp2();
-        let keep_quickly = (-dt_s / QUICK_HALF_LIFE_S).exp2();
-        Self { space, config, steering: Steering::new(space, config, dt_s), ground, dt_s, keep, keep_quickly }
+        let spring = |half_life_s| Spring::new(dt_s, half_life_s);
+        Self {
+            space,
+            config,
+            steering: Steering::new(space, config, dt_s),
+            ground,
+            dt_s,
+            rate: if dt_s > 0.0 { 1.0 / dt_s } else { 0.0 },
+            keep,
+            air: spring(config.foot_half_life_s),
+            landing: spring(LANDING_HALF_LIFE_S),
+            drop: spring(DROP_HALF_LIFE_S),
+        }
     }
 }
 
@@ -196,9 +221,15 @@ fn retarget<F: Lanes>(
     let importance = [F::load(&importance[0]), F::load(&importance[1])];
     let (left, left_bears) = plant(block, body, 0, &t, importance[0], &place, &model, tick);
     let (right, right_bears) = plant(block, body, 1, &t, importance[1], &place, &model, tick);
-    let (soles, mut bearing) = ([left, right], [left_bears, right_bears]);
-    lower(body, &soles, importance, (&mut block.drop, tick.keep_quickly), &mut model);
-    for (side, sole) in soles.iter().enumerate() {
+    let (mut soles, mut bearing) = ([left, right], [left_bears, right_bears]);
+    for (side, sole) in soles.iter_mut().enumerate() {
+        tiptoe(body, side, sole, &mut bearing[side], &model);
+    }
+    lower(body, &soles, importance, ([&mut block.drop, &mut block.drop_rate], &tick.drop), &mut model);
+    let pace = F::load(&body.pace);
+    let knee_rate = F::splat(KNEE_RATE) / pace + F::load(&block.speed) * F::splat(KNEE_RATE_BY_SPEED) / (pace * pace);
+    for (side, sole) in soles.iter_mut().enumerate() {
+        slow_knee(body, side, (&mut block.feet[side], sole), knee_rate * F::splat(tick.dt_s), &model);
         release(&mut block.feet[side], &mut bearing[side], stretched(body, side, sole, &model));
         reach_foot(body, side, sole, &mut model);
     }
@@ -262,16 +293,20 @@ fn plant<F: Lanes>(
     // Who stands brings a foot back that is only a little off.
     let going = (F::load(&block.speed) * F::splat(2.0)).min(one);
     let share = F::splat(STANDING_REACH) + going * F::splat(1.0 - STANDING_REACH);
+    let [plants, stays] = PLANTED.map(F::splat);
+    let threshold = plants + (stays - plants) * F::load(&block.feet[side].down);
     let tread_in = Tread {
         leg,
         place,
         scale,
         ground,
-        contact: standing(t.contacts[side]),
+        contact: F::select_lt(threshold, t.contacts[side], one, zero),
         importance,
         dt_s: F::splat(tick.dt_s),
+        rate: F::splat(tick.rate),
         keep: F::splat(tick.keep),
-        keep_press: F::splat(tick.keep_quickly),
+        air: &tick.air,
+        landing: &tick.landing,
         step_s: F::splat(STEP_S) * F::load(&body.pace),
         reach: F::splat(tick.config.foot_reach_m) * share * scale,
         other_stands: F::select_lt(F::load(&other.step), one, zero, F::load(&other.down)),

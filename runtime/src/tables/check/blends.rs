@@ -2,14 +2,13 @@
 
 use super::super::{Tables, tags};
 use crate::blend::{
-    BlendRecord, ChannelRow, ExampleRecord, MAX_AXES, NUM_CHANNELS, PADDED_JOINTS, ReferenceRow, axis, channel,
+    BlendRecord, ChannelRow, ExampleRecord, MAX_AXES, MAX_WEIGHT, NUM_CHANNELS, PADDED_JOINTS, ReferenceRow, axis,
+    channel,
 };
 use crate::format::FormatError;
 
 /// Numbers of examples and channels stay below this.
 const FAR: f32 = 1e4;
-/// Weights stay below this; they are 1 at most where nothing is extrapolated far.
-const HEAVY: f32 = 1e3;
 /// How far the sum of a weight row may be from 1.
 const SUM_TOLERANCE: f32 = 1e-4;
 /// Frames more than a cycle ends within: it may end between two frames.
@@ -30,7 +29,7 @@ pub fn blends(t: &Tables) -> Result<(), FormatError> {
         if n == 0 || u64::from(b.weight_stride) != stride || b.num_phases < 2 || b.extrapolate > 1 {
             return wrong("it has no examples or phases, or its rows have another length");
         }
-        if !(b.max_weight_error >= 0.0 && b.max_weight_error < HEAVY) {
+        if !(b.max_weight_error >= 0.0 && b.max_weight_error < MAX_WEIGHT) {
             return wrong("its error cannot be");
         }
         let phases = u64::from(b.num_phases);
@@ -122,7 +121,7 @@ fn examples(t: &Tables, b: &BlendRecord, examples: &[ExampleRecord]) -> Result<(
 fn weights(b: &BlendRecord, weights: &[f32]) -> Result<(), FormatError> {
     let (stride, n) = (b.weight_stride as usize, b.num_examples as usize);
     for (row, w) in weights.chunks_exact(stride).enumerate() {
-        let moderate = w.iter().all(|w| w.abs() < HEAVY) && w[n..].iter().all(|w| *w == 0.0);
+        let moderate = w.iter().all(|w| w.abs() < MAX_WEIGHT) && w[n..].iter().all(|w| *w == 0.0);
         let scale = w.iter().fold(1.0f32, |s, w| s.max(w.abs()));
         if !moderate || (w.iter().sum::<f32>() - 1.0).abs() > SUM_TOLERANCE * scale {
             let index = b.first_weight as usize + row * stride;

@@ -1,0 +1,83 @@
+//! The blend spaces of captured locomotion that come with the project, where the recordings are.
+
+use crate::common::{build, mocap};
+use glam::Vec2;
+use std::path::{Path, PathBuf};
+use throng_precompute::cache::Cache;
+use throng_precompute::config::BuildConfig;
+use throng_precompute::slip::{SoleMeter, Soles};
+use throng_runtime::Tables;
+use throng_runtime::blend::walkers::{Control, WalkerStart, Walkers, WalkersConfig};
+use throng_runtime::blend::{BlendSpace, ExampleRecord, HeightField, axis};
+
+const DT_S: f32 = 1.0 / 60.0;
+
+/// Builds a config that comes with the project from the recordings; without them, says so and gives nothing.
+fn built(config: &str, folder_of_set: &str) -> Option<Tables> {
+    let mocap = mocap()?;
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("data").join(config);
+    let mut config = BuildConfig::load(&path).expect("the config that comes with the project");
+    let of_file = |p: &PathBuf| mocap.join(folder_of_set).join(p.file_name().expect("a pattern"));
+    config.inputs = config.inputs.iter().map(of_file).collect();
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let out = folder.path().join("captured.throng");
+    build(&config, &out, &Cache::none());
+    Some(Tables::open(&out).expect("the bundle opens"))
+}
+
+/// Stands, walks off to the fastest example ahead and stops again.
+fn feet_hold(tables: &Tables, number: usize) {
+    let name = &tables.meta().blends[number].name;
+    let space = BlendSpace::new(tables.blends(), number).expect("a space");
+    let skeleton = tables.skeleton();
+    let bodies = std::slice::from_ref(skeleton);
+    let starts = [WalkerStart::default()];
+    let mut walkers = Walkers::new(&space, skeleton, bodies, WalkersConfig::default(), &starts).expect("walkers");
+    let fastest = space.axes()[space.axis_of(axis::SPEED).expect("an axis of speed")].high;
+    let (mut meter, mut control) = (SoleMeter::new(1), Control::default());
+    let (mut at_rest, mut moved) = (Soles::default(), 0.0f32);
+    for step in 0..1200 {
+        let t = step as f32 * DT_S;
+        let speed = fastest * (0.25 * (t - 2.0)).clamp(0.0, 1.0).min((0.5 * (16.0 - t)).clamp(0.0, 1.0));
+        control.velocity = Vec2::new(0.0, speed);
+        control.position += control.velocity * DT_S;
+        walkers.step(&space, DT_S, &[control], &HeightField::flat()).expect("a step");
+        let joints = walkers.joint_positions(0);
+        assert!(joints.iter().all(|p| p.is_finite() && p.y > -0.1 && p.y < 2.5), "{name} at {t} s: {joints:?}");
+        meter.observe(DT_S, |c| (walkers.contacts(c), walkers.soles(c)));
+        let soles = walkers.soles(0);
+        if t > 18.5 {
+            moved = (0..4).map(|k| soles[k / 2][k % 2].distance(at_rest[k / 2][k % 2]) / DT_S).fold(moved, f32::max);
+        }
+        at_rest = soles;
+    }
+    assert!(meter.samples() > 600, "{name}: feet are planted in {} ticks", meter.samples());
+    assert!(meter.p95_mps() < 0.02, "{name}: planted feet slip by {} m/s", meter.p95_mps());
+    assert!(moved < 0.1, "{name}: feet of who stands move by {moved} m/s");
+}
+
+#[test]
+fn fifteen_manners_walk_run_and_stand() {
+    let Some(tables) = built("bandai-locomotion.toml", "bandai-1") else { return };
+    let names: Vec<&str> = tables.meta().blends.iter().map(|b| b.name.as_str()).collect();
+    assert_eq!(names.len(), 15, "{names:?}");
+    for (number, name) in names.iter().enumerate() {
+        let space = BlendSpace::new(tables.blends(), number).expect("a space");
+        let still = space.examples().iter().filter(|e| e.flags & ExampleRecord::IS_STILL != 0).count();
+        assert!(still == 1 && space.examples().len() >= 6, "{name}: {still} of {}", space.examples().len());
+        let speed = space.axes()[0];
+        assert!(speed.low <= 0.0 && speed.high > 1.5, "{name}: from standing, or back steps, to runs: {speed:?}");
+        feet_hold(&tables, number);
+    }
+}
+
+#[test]
+fn walks_runs_and_turns_of_one_person_make_a_space() {
+    let Some(tables) = built("snu-locomotion.toml", "snu/single") else { return };
+    let space = BlendSpace::new(tables.blends(), 0).expect("a space");
+    assert!(space.examples().len() >= 12, "{}", space.examples().len());
+    let [speed, gyration] = [axis::SPEED, axis::GYRATION].map(|k| space.axes()[space.axis_of(k).expect("an axis")]);
+    assert!(speed.low.abs() < 0.05 && speed.high > 1.4, "{speed:?}");
+    assert!(gyration.low < -0.4 && gyration.high > 0.4, "turns to both sides: {gyration:?}");
+    feet_hold(&tables, 0);
+}
