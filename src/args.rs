@@ -50,15 +50,18 @@ impl CacheArgs {
     }
 }
 
+/// Simulated time where nothing else is said. [Unit: s]
+const SECONDS: f32 = 15.0;
+
 /// Who runs, for how long and how.
 #[derive(clap::Args)]
 pub struct CrowdArgs {
     /// Number of characters; 1000, or what the scene says, where absent.
     #[arg(long, value_name = "N")]
     characters: Option<usize>,
-    /// Simulated time.
-    #[arg(long, default_value_t = 15.0, value_name = "S")]
-    seconds: f32,
+    /// Simulated time; 15, or of a crowd what its scene says, where absent.
+    #[arg(long, value_name = "S")]
+    seconds: Option<f32>,
     /// Steps a simulated second.
     #[arg(long, default_value_t = 60.0, value_name = "HZ")]
     step_hz: f32,
@@ -84,7 +87,7 @@ impl CrowdArgs {
     /// The trial they describe.
     pub fn trial(&self) -> TrialConfig {
         let mut trial = TrialConfig {
-            seconds: self.seconds,
+            seconds: self.seconds.unwrap_or(SECONDS),
             step_hz: self.step_hz,
             recorded: Some(self.follow),
             ..TrialConfig::default()
@@ -100,10 +103,16 @@ impl CrowdArgs {
 
     /// How long a scene runs.
     pub fn scene_run(&self) -> RunConfig {
-        RunConfig { seconds: self.seconds, step_hz: self.step_hz, ..RunConfig::default() }
+        RunConfig { seconds: self.seconds.unwrap_or(SECONDS), step_hz: self.step_hz, ..RunConfig::default() }
     }
 
-    /// Puts what is given in place of what a scene without behaviours says: of people in a world, of walkers.
+    /// How long to run, where that is given. [Unit: s]
+    pub fn seconds(&self) -> Option<f32> {
+        self.seconds
+    }
+
+    /// Puts what is given in place of what a scene without behaviours says: of people in a world, of walkers,
+    /// of a crowd.
     pub fn change_living(&self, characters: &mut usize, seed: &mut u64) -> Outcome {
         if self.single_load || self.bend != 0.0 || self.follow != 0 || self.temperature.is_some() {
             return fail(

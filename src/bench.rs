@@ -1,8 +1,9 @@
 //! `throng bench`: what does it cost on this machine?
 
 mod blend;
+mod crowd;
 
-use crate::args::{CacheArgs, Outcome};
+use crate::args::{CacheArgs, Outcome, fail};
 use crate::output;
 use serde::Serialize;
 use std::path::PathBuf;
@@ -38,21 +39,29 @@ use throng_precompute::stitch::WorldSource;
 /// crossfade_foot_slip_p95_mps, knee_rate_max_radps, crossfade_knee_rate_max_radps, joint_acceleration_max_mps2,
 /// crossfade_joint_acceleration_max_mps2 (while parameters jump; beside cross-fading the nearest examples).
 ///
+/// Of a crowd (the word `crowd`): scene, members, engine, simulated_s, wall_s_per_simulated_s, us_per_member_second,
+/// events_per_member_second, decisions_per_member_second, overlap_over_1mm_fraction, overlap_over_1cm_fraction (overlapping
+/// pairs for each member and frame at 30 Hz), max_overlap_m, progress_mps (mean speed towards the goal), desired_mps, arrived,
+/// stuck, state_hash; where the scene has them informed, lane_order, crossed, flow_per_m_s, human_flow_per_m_s (least and
+/// most that was measured of people); of several numbers of members or engines, runs [the same].
+///
 /// `quality` is the discounted reward that a policy collects over the best that search to a depth of four actions
 /// finds; `matching` sets the policies against motion matching over all frames of the bundle, the same targets for both.
 #[derive(clap::Args)]
 pub struct Args {
-    /// Bundle, world file (`.toml`), or the word `blend`.
+    /// Bundle, world file (`.toml`), or one of the words `blend` and `crowd`.
     file: PathBuf,
     /// Numbers of characters.
     #[arg(long, value_delimiter = ',', default_value = "1000,10000", value_name = "N,...")]
     characters: Vec<usize>,
-    /// Numbers of threads.
-    #[arg(long, value_delimiter = ',', default_value = "1,2", value_name = "N,...")]
+    /// Numbers of threads; 1 and 2, and for a crowd 1, where absent.
+    #[arg(long, value_delimiter = ',', value_name = "N,...")]
     threads: Vec<usize>,
-    /// Time given to each figure.
-    #[arg(long, default_value_t = 0.5, value_name = "S")]
-    seconds: f64,
+    /// Time given to each figure, 0.5 where absent; of a crowd simulated time, what its scene says where absent.
+    #[arg(long, value_name = "S")]
+    seconds: Option<f64>,
+    #[command(flatten)]
+    crowd: crowd::CrowdOptions,
     /// Also measure what the policies collect against search, and against motion matching.
     #[arg(long)]
     quality: bool,
@@ -77,7 +86,20 @@ struct Report {
     matching: Option<MatchingFigures>,
 }
 
+impl Args {
+    /// Time given to each figure. [Unit: s]
+    fn seconds(&self) -> f64 {
+        self.seconds.unwrap_or(0.5)
+    }
+}
+
 pub fn run(args: &Args) -> Outcome {
+    if args.file.as_os_str() == "crowd" && !args.file.exists() {
+        return crowd::run(args);
+    }
+    if args.crowd.is_given() {
+        return fail("--scene, --members, --engine and --png are for `throng bench crowd`");
+    }
     if Scene::is_scene(&args.file) {
         return run_world(args);
     }
@@ -88,12 +110,13 @@ pub fn run(args: &Args) -> Outcome {
     if tables.graph().states.is_empty() && !tables.blends().spaces.is_empty() {
         return blend::run(args, &tables);
     }
-    let config =
-        MeasureConfig { characters: args.characters.clone(), threads: args.threads.clone(), seconds: args.seconds };
+    let threads = if args.threads.is_empty() { vec![1, 2] } else { args.threads.clone() };
+    let seconds = args.seconds();
+    let config = MeasureConfig { characters: args.characters.clone(), threads, seconds };
     let measured = measure::measure(&tables, &config)?;
     let asked = QualityConfig { pairs: args.pairs, ..QualityConfig::default() };
     let quality = args.quality.then(|| measure::quality(&tables, &asked)).transpose()?;
-    let against = MatchingConfig { seconds: args.seconds, ..MatchingConfig::default() };
+    let against = MatchingConfig { seconds, ..MatchingConfig::default() };
     let matching = args.quality.then(|| measure::matching(&tables, &against)).transpose()?;
     let report = Report { measured, quality, matching };
     if args.json { output::json(&report) } else { print(&report) }

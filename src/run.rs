@@ -1,5 +1,6 @@
 //! `throng run`: a crowd on a bundle, or a scene.
 
+pub mod crowd;
 pub mod walkers;
 pub mod world;
 
@@ -9,6 +10,7 @@ use std::path::{Path, PathBuf};
 use throng_precompute::config::BuildConfig;
 use throng_precompute::picture;
 use throng_precompute::pipeline;
+use throng_precompute::scene::crowd::CrowdScene;
 use throng_precompute::scene::walkers::WalkersScene;
 use throng_precompute::scene::world::WorldScene;
 use throng_precompute::scene::{self, RunConfig, Scene, SceneKind, SceneReport};
@@ -25,7 +27,9 @@ use throng_runtime::Tables;
 /// (characters that stayed within half a metre for 30 s though they wished to go), fulfilled_per_minute,
 /// travelled_m_per_minute (both for each character), waiting_fraction, foot_slip_mean_mps, foot_slip_p95_mps; of a
 /// scene of walkers, scene, characters, simulated_s, steps_per_second, speed_mean_mps, speed_max_mps, foot_slip_mean_mps,
-/// foot_slip_p95_mps, knee_rate_max_radps, below_ground_max_m; of a bundle, characters, simulated_s, reached_fraction, stayed_fraction, mean_arrival_s,
+/// foot_slip_p95_mps, knee_rate_max_radps, below_ground_max_m; of a
+/// scene of a crowd, the keys of `throng bench crowd`, and where it has bodies foot_slip_mean_mps, foot_slip_p95_mps,
+/// hips_off_max_m; of a bundle, characters, simulated_s, reached_fraction, stayed_fraction, mean_arrival_s,
 /// mean_final_distance_m, foot_slip_mean_mps, foot_slip_p95_mps, steps_per_second, poses_per_second,
 /// choices_per_second.
 #[derive(clap::Args)]
@@ -57,6 +61,7 @@ pub fn run(args: &Args) -> Outcome {
         return match &args.file {
             file if WorldScene::is_one(file) => world::run(args),
             file if WalkersScene::is_one(file) => walkers::run(args),
+            file if CrowdScene::is_one(file) => crowd::run(args),
             _ => run_scene(args),
         };
     }

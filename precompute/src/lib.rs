@@ -27,6 +27,7 @@ pub mod raw;
 pub mod report;
 pub mod resample;
 pub mod retarget;
+pub mod route;
 pub mod scene;
 pub mod slip;
 mod stages;

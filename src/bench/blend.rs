@@ -35,7 +35,7 @@ pub fn run_own(args: &Args) -> Outcome {
 
 /// Measures the blend spaces of a bundle.
 pub fn run(args: &Args, tables: &Tables) -> Outcome {
-    let spaces = measure::blend(tables, args.seconds)?;
+    let spaces = measure::blend(tables, args.seconds())?;
     let first = spaces.iter().find(|s| s.space == FIRST).unwrap_or(&spaces[0]);
     if args.json {
         return output::json(&Report { first, spaces: &spaces });

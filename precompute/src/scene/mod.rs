@@ -1,6 +1,7 @@
 //! Scenes: characters on a bundle with something to do, from a file, run and measured.
 
 mod config;
+pub mod crowd;
 mod file;
 mod play;
 mod run;

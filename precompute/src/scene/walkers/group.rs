@@ -6,6 +6,7 @@ use crate::error::BuildError;
 use glam::{Vec2, Vec3};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
+use std::path::Path;
 use throng_runtime::blend::walkers::{Control, WalkerStart, Walkers, WalkersConfig};
 use throng_runtime::blend::{BlendError, BlendSpace, HeightField};
 use throng_runtime::{Contacts, Joint, Mat3x4, NUM_JOINTS, Planar, Skeleton, Tables};
@@ -65,20 +66,7 @@ impl WalkersScene {
     /// # Errors
     /// [`BuildError::Stage`] with the names that there are.
     pub fn space<'a>(&self, tables: &'a Tables, name: &str) -> Result<BlendSpace<'a>, BuildError> {
-        let known: Vec<&str> = tables.meta().blends.iter().map(|b| b.name.as_str()).collect();
-        match known.iter().position(|n| *n == name) {
-            Some(number) => BlendSpace::new(tables.blends(), number).map_err(|e| self.fault(&e)),
-            None => Err(BuildError::Stage {
-                stage: "scene",
-                message: format!(
-                    "scene \"{}\": expected a blend space of {}, found `{name}`; there are: {}",
-                    self.name,
-                    self.bundle.display(),
-                    known.join(", ")
-                ),
-                help: "Correct the name, or build the bundle with such a space".into(),
-            }),
-        }
+        named_space(tables, name, (&self.name, &self.bundle))
     }
 
     /// The ground of the scene.
@@ -98,11 +86,40 @@ impl WalkersScene {
     }
 
     pub(super) fn fault(&self, e: &BlendError) -> BuildError {
-        BuildError::Stage {
+        blend_fault(&self.name, e)
+    }
+}
+
+/// A blend space of a bundle by its name; scene and bundle are for messages.
+///
+/// # Errors
+/// [`BuildError::Stage`] with the names that there are.
+pub(in crate::scene) fn named_space<'a>(
+    tables: &'a Tables,
+    name: &str,
+    (scene, bundle): (&str, &Path),
+) -> Result<BlendSpace<'a>, BuildError> {
+    let known: Vec<&str> = tables.meta().blends.iter().map(|b| b.name.as_str()).collect();
+    match known.iter().position(|n| *n == name) {
+        Some(number) => BlendSpace::new(tables.blends(), number).map_err(|e| blend_fault(scene, &e)),
+        None => Err(BuildError::Stage {
             stage: "scene",
-            message: format!("scene \"{}\": {e}", self.name),
-            help: "Correct the scene file".into(),
-        }
+            message: format!(
+                "scene \"{scene}\": expected a blend space of {}, found `{name}`; there are: {}",
+                bundle.display(),
+                known.join(", ")
+            ),
+            help: "Correct the name, or build the bundle with such a space".into(),
+        }),
+    }
+}
+
+/// What blending found wrong with a scene.
+pub(in crate::scene) fn blend_fault(scene: &str, e: &BlendError) -> BuildError {
+    BuildError::Stage {
+        stage: "scene",
+        message: format!("scene \"{scene}\": {e}"),
+        help: "Correct the scene file".into(),
     }
 }
 

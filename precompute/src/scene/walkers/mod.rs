@@ -7,5 +7,6 @@ mod run;
 
 pub use config::{BodiesConfig, PathsConfig, ShownStyle, WalkersScene};
 pub use group::{Walk, body_of};
+pub(super) use group::{blend_fault, named_space};
 pub use path::{Wander, curve};
 pub use run::{StyleWalk, WalkersRecord, WalkersReport, run, walk_styles};
