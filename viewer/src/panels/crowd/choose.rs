@@ -42,13 +42,14 @@ pub fn show(ui: &mut Ui, crowd: &CrowdDocument, state: &mut State, commands: &mu
         combo.response.widget_info(|| WidgetInfo::labeled(Role::ComboBox, true, "Engine"));
         combo.response.on_hover_text(meaning(wanted.engine));
         ui.end_row();
-        ui.label("members").on_hover_text("A change begins the scene anew; the file stays as it is");
+        let label = ui.label("members").on_hover_text("A change begins the scene anew; the file stays as it is");
         let slider = Slider::new(&mut wanted.members, 1..=MAX_MEMBERS).update_while_editing(false).logarithmic(true);
-        is_dragged |= ui.add(slider).dragged();
+        is_dragged |= ui.add(slider).labelled_by(label.id).dragged();
         ui.end_row();
-        ui.label("seed").on_hover_text("Of places and variety");
+        let label = ui.label("seed").on_hover_text("Of places and variety");
         ui.horizontal(|ui| {
-            is_dragged |= ui.add(DragValue::new(&mut wanted.seed).update_while_editing(false)).dragged();
+            let seed = DragValue::new(&mut wanted.seed).update_while_editing(false);
+            is_dragged |= ui.add(seed).labelled_by(label.id).dragged();
             if ui.button("Begin anew").on_hover_text("With the same numbers (R)").clicked() {
                 commands.push(Command::Restart);
             }

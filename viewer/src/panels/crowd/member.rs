@@ -27,8 +27,8 @@ pub fn show(ui: &mut Ui, model: &Model, crowd: &CrowdDocument, commands: &mut Ve
     };
     ui.horizontal_wrapped(|ui| {
         let mut number = m;
-        ui.label("number");
-        if ui.add(DragValue::new(&mut number).range(0..=n - 1)).changed() {
+        let label = ui.label("number");
+        if ui.add(DragValue::new(&mut number).range(0..=n - 1)).labelled_by(label.id).changed() {
             commands.push(Command::SelectCharacter(Some(number)));
         }
         ui.label(who(crowd, m));

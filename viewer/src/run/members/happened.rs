@@ -215,8 +215,8 @@ mod tests {
         rare[What::Stuck.number()] = true;
         assert_eq!(log.last(&rare, f64::INFINITY, 9)[0].member, 7);
         assert!(log.last(&rare, 0.4, 9).is_empty(), "it has not happened yet");
-        let then = (2 * KEPT) as f64 + 0.5;
-        assert_eq!(log.last(&all, then, 1)[0].member, 2 * KEPT - 1);
+        let then = (2 * KEPT + 10) as f64 + 1.5;
+        assert_eq!(log.last(&all, then, 1)[0].member, 2 * KEPT + 10);
     }
 
     #[test]
