@@ -10,6 +10,12 @@ pub enum Scheme {
     /// Bounds are registered in the cell of their centre (001 section 2.1): resetting and colliding events.
     #[default]
     Registration,
+    /// Bounds are listed in every cell they occupy (000 section 2): entering, leaving, resetting, colliding, contacting and
+    /// separating events; no collision is looked for within a group of members in contact. The guarantee is the same.
+    Occupancy,
+    /// Everybody acts at every step of time, and where discs overlap the step is undone and half of it tried (001 section
+    /// 4): the baseline. Nothing but the forces keeps members apart; see [`CrowdConfig::halvings`].
+    Fixed,
 }
 
 /// How a crowd is run.
@@ -23,6 +29,11 @@ pub struct CrowdConfig {
     /// Side of the cells that members are registered in; 0 leaves it to the crowd. Who is not in a cell next to one's own
     /// is not seen. [Unit: m] [Limit: enough for everybody to stop within half of it, see [`super::Crowd::cell_side`]]
     pub cell_side_m: f32,
+    /// Step of [`Scheme::Fixed`]. [Unit: s] [Limit: 0.001 to 1]
+    pub step_s: f32,
+    /// How often a step of [`Scheme::Fixed`] is halved. At the end of the shortest step, who overlaps loses the velocity toward the other;
+    /// what overlaps still is let be, and counted. [Limit: <= 16]
+    pub halvings: u32,
     /// Most members at a time; memory for them is taken at once. 0 stands for those it starts with.
     pub capacity: usize,
     /// Largest radius of members to come; 0 stands for those it starts with. [Unit: m]
@@ -37,6 +48,8 @@ impl Default for CrowdConfig {
             scheme: Scheme::default(),
             smallest_interval_s: 0.1,
             cell_side_m: 0.0,
+            step_s: 1.0 / 30.0,
+            halvings: 4,
             capacity: 0,
             largest_radius_m: 0.0,
             largest_speed_mps: 0.0,

@@ -8,6 +8,7 @@ use super::safety::{Candidate, Lack, Other, lack, lack_of_solid, lever};
 use super::sight::Seen;
 use super::spline::Cursor;
 use super::steer::{Walker, forces};
+use super::tracing::Tracing;
 use super::world::{HURRY, World};
 use super::{AtEnd, Forces, NONE, Space};
 use serde::{Deserialize, Serialize};
@@ -60,7 +61,7 @@ pub(crate) struct Mind<V> {
 pub(crate) struct Scratch<V> {
     seen: Vec<Seen<V>>,
     /// Addresses of the plans of all who are registered near, and their offsets.
-    around: Vec<(u32, V, f32)>,
+    pub around: Vec<(u32, V, f32)>,
     others: Vec<Other<V>>,
 }
 
@@ -81,17 +82,30 @@ pub(crate) struct Decision<V> {
     pub struck_by: u32,
 }
 
+/// What a member would do if it were alone with the forces.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Wish<V> {
+    pub mind: Mind<V>,
+    /// A plan from now on without an end, but for its acceleration.
+    pub fresh: Plan<V>,
+    pub acceleration: V,
+    /// Coordinates of the cell it is in.
+    pub at: [i32; 3],
+}
+
 /// A member at an event, with all that it may look at.
 pub(crate) struct Decider<'a, V> {
     pub world: &'a World<V>,
     pub cells: &'a Cells<V>,
     pub minds: &'a [Mind<V>],
     pub time: f64,
+    /// Whose bound is made anew in the same event.
+    pub renewed: u32,
 }
 
 impl<V: Space> Decider<'_, V> {
-    /// Takes a new plan for a member; none where it has to keep the one it has.
-    pub fn decide(&self, member: u32, scratch: &mut Scratch<V>) -> Option<Decision<V>> {
+    /// What the force field makes a member wish.
+    pub fn wish(&self, member: u32, scratch: &mut Scratch<V>) -> Wish<V> {
         let old = self.cells.plan(member);
         let (position, velocity) = old.at(self.time);
         let mut mind = self.minds[member as usize];
@@ -100,16 +114,21 @@ impl<V: Space> Decider<'_, V> {
         let at = self.cells.coordinates(position);
         mind.cell = self.cells.number(at);
         self.look_around(member, at, &walker, &mind, scratch);
-        let near = self.world.near(mind.cell);
         let field = &self.world.fields[mind.field as usize];
-        let f = forces(&walker, field, &scratch.seen, &self.world.solids, near);
-        let wish = total(&f).at_most(old.limit);
+        let f = forces(&walker, field, &scratch.seen, &self.world.solids, self.world.near(mind.cell));
+        let fresh = Plan { start: self.time, position, velocity, moving: f32::INFINITY, ..*old };
+        Wish { mind, fresh, acceleration: total(&f).at_most(old.limit), at }
+    }
 
+    /// Takes a new plan for a member; none where it has to keep the one it has.
+    pub fn decide(&self, member: u32, tracing: &impl Tracing<V>, scratch: &mut Scratch<V>) -> Option<Decision<V>> {
+        let old = self.cells.plan(member);
+        let Wish { mut mind, fresh, acceleration: wish, at } = self.wish(member, scratch);
+        let near = self.world.near(mind.cell);
         let centre = self.cells.centre(at);
         let half = V::from_coordinates([self.cells.side(); 3]);
         let region = (centre - half, centre + half);
-        let fresh = Plan { start: self.time, position, velocity, moving: f32::INFINITY, ..*old };
-        let (cause, length) = self.first_event(&fresh, region, near, scratch);
+        let (cause, length) = tracing.first_event(self, &fresh, region, near, scratch);
         let length = length.max(self.world.interval);
         self.look_at_plans(&fresh, length, scratch);
         let taken = self.safe(&fresh, wish, length, region, near, scratch);
@@ -123,7 +142,7 @@ impl<V: Space> Decider<'_, V> {
             None => return None,
         };
         mind.cause = cause;
-        let leaves = mind.is_there && self.world.splines[mind.route as usize].at_end() == AtEnd::Leave;
+        let leaves = self.leaves(&mind);
         let struck_by = self.struck(&plan);
         mind.is_struck = struck_by != NONE;
         Some(Decision { plan, mind, leaves, struck_by })
@@ -219,26 +238,20 @@ impl<V: Space> Decider<'_, V> {
         }
     }
 
-    /// When the bound of a new plan touches something first, and what.
-    fn first_event(&self, fresh: &Plan<V>, region: (V, V), near: &[u32], scratch: &Scratch<V>) -> (Cause, f32) {
-        let bound = Bound::from(fresh);
-        let mut first = (Cause::Region, bound.first_exit(region.0, region.1));
-        for &(address, velocity, distance) in &scratch.around {
-            let other = self.cells.at(address);
-            // Growth of both bounds from now on is the least that closes the gap.
-            let age = (self.time - other.start) as f32;
-            let gap = distance - fresh.radius - other.radius;
-            let t = first.1;
-            let speeds = (velocity - fresh.velocity).length() + 2.0 * other.limit * age;
-            let grown = 0.5 * (fresh.limit * t * t + other.limit * (age + t) * (age + t));
-            if gap > speeds * t + grown {
-                continue;
-            }
-            let contact = bound.first_contact(&Bound::from(other), self.time, t);
-            if contact < t {
-                first = (Cause::Member(other.index), contact);
-            }
+    /// The bound of another one.
+    #[inline]
+    pub fn bound(&self, other: &Plan<V>) -> Bound<V> {
+        let bound = Bound::from(other);
+        if other.index != self.renewed {
+            return bound;
         }
+        let (position, velocity) = other.at(self.time);
+        Bound { start: self.time, position, velocity, ..bound }
+    }
+
+    /// When a bound touches an obstacle, if that is before `first`.
+    #[inline]
+    pub fn first_obstacle(&self, bound: &Bound<V>, near: &[u32], mut first: (Cause, f32)) -> (Cause, f32) {
         for &s in near {
             let contact = bound.first_contact_with(&self.world.solids[s as usize], self.time, first.1);
             if contact < first.1 {
@@ -337,7 +350,13 @@ impl<V: Space> Decider<'_, V> {
         others.chain(solids).reduce(|a, b| if b.lack > a.lack { b } else { a })
     }
 
-    fn struck(&self, plan: &Plan<V>) -> u32 {
+    /// True for one who is to leave the crowd, as it is at the end of its route.
+    pub fn leaves(&self, mind: &Mind<V>) -> bool {
+        mind.is_there && self.world.splines[mind.route as usize].at_end() == AtEnd::Leave
+    }
+
+    /// Moving obstacle in the place of one at the start of a plan.
+    pub fn struck(&self, plan: &Plan<V>) -> u32 {
         let hits = |m: &&super::world::Mover<V>| {
             let apart = (m.plan(self.time, 1.0).position - plan.position).length();
             apart < m.radius + plan.radius - 1e-3

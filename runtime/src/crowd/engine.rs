@@ -1,12 +1,13 @@
 //! The crowd and its loop of events.
 
 use super::cells::Cells;
-use super::decide::{Cause, Decider, Mind, Scratch};
+use super::decide::{Cause, Decider, Decision, Mind, Scratch};
 use super::filter::Filter;
 use super::plan::Plan;
 use super::queue::Calendar;
 use super::safety::{Candidate, MARGIN, Other, lack, lack_of_solid, room};
 use super::spline::Spline;
+use super::tracing::{Registration, Trace, Tracing};
 use super::world::{HURRY, World, check_member};
 use super::{AtEnd, Counts, CrowdError, Event, EventKind, Id, Member, NONE, Route, Setup, Space};
 
@@ -28,7 +29,8 @@ pub struct Crowd<V> {
     pub(super) free: Vec<u32>,
     pub(super) now: f64,
     pub(super) counts: Counts,
-    scratch: Scratch<V>,
+    pub(super) trace: Trace<V>,
+    pub(super) scratch: Scratch<V>,
 }
 
 impl<V: Space> Crowd<V> {
@@ -41,6 +43,7 @@ impl<V: Space> Crowd<V> {
         let capacity = setup.config.capacity.max(setup.members.len());
         let mut crowd = Self {
             scratch: Scratch::new(capacity, world.movers.len()),
+            trace: Trace::new(&setup.config, &cells, capacity),
             world,
             cells,
             minds: vec![Mind { cell: NONE, ..Mind::default() }; capacity],
@@ -63,11 +66,24 @@ impl<V: Space> Crowd<V> {
         if until_s.is_nan() || until_s < self.now || until_s > 1e9 {
             return Err(CrowdError::Past { got: until_s, now: self.now });
         }
+        // Taken out, so that it can be changed together with the rest.
+        let mut trace = std::mem::take(&mut self.trace);
+        let result = match &mut trace {
+            Trace::Registration => self.by_registration(until_s, on_event),
+            Trace::Occupancy(occupancy) => self.by_occupancy(occupancy, until_s, on_event),
+            Trace::Fixed(fixed) => self.by_steps(fixed, until_s, on_event),
+        };
+        self.trace = trace;
+        result?;
+        self.now = until_s;
+        Ok(())
+    }
+
+    fn by_registration(&mut self, until_s: f64, on_event: &mut impl FnMut(&Event)) -> Result<(), CrowdError> {
         while let Some((time, member)) = self.queue.first(until_s) {
             self.now = time;
             self.happen(member, on_event)?;
         }
-        self.now = until_s;
         Ok(())
     }
 
@@ -99,6 +115,7 @@ impl<V: Space> Crowd<V> {
         if fastest * fastest > 2.0 * member.acceleration * self.world.stopping * 1.001 {
             return Err(value("acceleration", member.acceleration, "at least that of the weakest at the start"));
         }
+        self.trace.check(number, &member, self.cells.side(), self.world.interval)?;
         let Some(&index) = self.free.last() else {
             return Err(CrowdError::Full { capacity: self.minds.len() });
         };
@@ -136,6 +153,9 @@ impl<V: Space> Crowd<V> {
         };
         self.cells.insert(cell, &plan);
         self.queue.set(index, self.now);
+        if let Trace::Occupancy(occupancy) = &mut self.trace {
+            occupancy.list(&self.cells, &plan);
+        }
         Ok(Id { index, generation: self.minds[index as usize].generation })
     }
 
@@ -174,6 +194,11 @@ impl<V: Space> Crowd<V> {
     pub fn leave(&mut self, id: Id) -> Result<(), CrowdError> {
         self.check_id(id)?;
         self.take_out(id.index);
+        let mut trace = std::mem::take(&mut self.trace);
+        if let Trace::Occupancy(occupancy) = &mut trace {
+            self.forget(occupancy, id.index, &mut |_| ());
+        }
+        self.trace = trace;
         Ok(())
     }
 
@@ -215,6 +240,7 @@ impl<V: Space> Crowd<V> {
         self.free.reserve(capacity - self.free.len());
         self.cells.reserve();
         self.queue.reserve();
+        self.trace.reserve(&self.cells, capacity);
     }
 
     pub(super) fn check_id(&self, id: Id) -> Result<(), CrowdError> {
@@ -226,7 +252,7 @@ impl<V: Space> Crowd<V> {
         Id { index, generation: self.minds[index as usize].generation }
     }
 
-    fn take_out(&mut self, index: u32) {
+    pub(super) fn take_out(&mut self, index: u32) {
         let mind = &mut self.minds[index as usize];
         self.cells.remove(mind.cell, index);
         self.queue.remove(index);
@@ -241,24 +267,24 @@ impl<V: Space> Crowd<V> {
         let partner = self.partner(cause);
         self.tell(member, self.kind(cause), on_event);
         self.watch(member, partner)?;
-        self.decide(member, on_event);
-        if let Some(partner) = partner {
-            // A pair that was made anew together waits as long as everybody does.
-            if self.now - self.cells.plan(partner).start >= f64::from(self.world.interval) {
-                self.decide(partner, on_event);
-            }
+        // A pair that was made anew together waits as long as everybody does.
+        let waits = |p: &u32| self.now - self.cells.plan(*p).start < f64::from(self.world.interval);
+        let renewed = partner.filter(|p| !waits(p));
+        self.decide(member, renewed.unwrap_or(NONE), &Registration, on_event);
+        if let Some(renewed) = renewed {
+            self.decide(renewed, NONE, &Registration, on_event);
         }
         Ok(())
     }
 
-    fn partner(&self, cause: Cause) -> Option<u32> {
+    pub(super) fn partner(&self, cause: Cause) -> Option<u32> {
         match cause {
             Cause::Member(other) => Some(other).filter(|&o| self.minds[o as usize].cell != NONE),
             _ => None,
         }
     }
 
-    fn kind(&self, cause: Cause) -> EventKind {
+    pub(super) fn kind(&self, cause: Cause) -> EventKind {
         match cause {
             Cause::Region => EventKind::Resetting,
             Cause::Member(other) => EventKind::Colliding { other: self.id(other) },
@@ -266,12 +292,16 @@ impl<V: Space> Crowd<V> {
         }
     }
 
-    fn tell(&mut self, member: u32, kind: EventKind, on_event: &mut impl FnMut(&Event)) {
+    pub(super) fn tell(&mut self, member: u32, kind: EventKind, on_event: &mut impl FnMut(&Event)) {
         let counts = &mut self.counts;
         let count = match kind {
             EventKind::Resetting => &mut counts.resetting,
             EventKind::Colliding { .. } => &mut counts.colliding,
             EventKind::Meeting { .. } => &mut counts.meeting,
+            EventKind::Entering => &mut counts.entering,
+            EventKind::Leaving => &mut counts.leaving,
+            EventKind::Contacting { .. } => &mut counts.contacting,
+            EventKind::Separating { .. } => &mut counts.separating,
             EventKind::Arrived => &mut counts.arrived,
             EventKind::Left => &mut counts.left,
             EventKind::Struck { .. } => &mut counts.struck,
@@ -282,7 +312,7 @@ impl<V: Space> Crowd<V> {
     }
 
     /// The watchdog: no member's events are nearer to each other than the smallest interval.
-    fn watch(&self, member: u32, partner: Option<u32>) -> Result<(), CrowdError> {
+    pub(super) fn watch(&self, member: u32, partner: Option<u32>) -> Result<(), CrowdError> {
         let plan = self.cells.plan(member);
         let seconds = self.now - plan.start;
         if plan.end > plan.start && seconds < 0.5 * f64::from(self.world.interval) {
@@ -292,15 +322,30 @@ impl<V: Space> Crowd<V> {
         Ok(())
     }
 
-    fn decide(&mut self, member: u32, on_event: &mut impl FnMut(&Event)) {
-        let decider = Decider { world: &self.world, cells: &self.cells, minds: &self.minds, time: self.now };
-        let Some(decision) = decider.decide(member, &mut self.scratch) else { return };
+    /// Lets a member take a new plan, while the bound of `renewed` is made anew; false where it has to keep the one it has.
+    pub(super) fn decide(
+        &mut self,
+        member: u32,
+        renewed: u32,
+        tracing: &impl Tracing<V>,
+        on_event: &mut impl FnMut(&Event),
+    ) -> bool {
+        let minds = &self.minds;
+        let decider = Decider { world: &self.world, cells: &self.cells, minds, time: self.now, renewed };
+        let Some(decision) = decider.decide(member, tracing, &mut self.scratch) else { return false };
         self.counts.decisions += 1;
-        let before = self.minds[member as usize];
-        self.cells.set(before.cell, decision.mind.cell, &decision.plan);
-        self.minds[member as usize] = decision.mind;
         self.queue.set(member, decision.plan.end);
+        self.take(&decision, on_event);
+        true
+    }
+
+    /// Gives a member the plan it chose, and tells what came of it.
+    pub(super) fn take(&mut self, decision: &Decision<V>, on_event: &mut impl FnMut(&Event)) {
+        let member = decision.plan.index;
+        let before = self.minds[member as usize];
         let mind = decision.mind;
+        self.cells.set(before.cell, mind.cell, &decision.plan);
+        self.minds[member as usize] = mind;
         if mind.is_there && !before.is_there {
             self.tell(member, EventKind::Arrived, on_event);
         }

@@ -19,6 +19,20 @@ pub enum EventKind {
         /// Number in [`super::Setup::obstacles`].
         obstacle: usize,
     },
+    /// Its bound touched a face, and occupies the cells behind it ([`super::Scheme::Occupancy`]).
+    Entering,
+    /// Its bound occupies the cells behind a face no more ([`super::Scheme::Occupancy`]).
+    Leaving,
+    /// It touches another one, and neither moves relative to the other ([`super::Scheme::Occupancy`]).
+    Contacting {
+        /// The other one.
+        other: Id,
+    },
+    /// It moves relative to another one that it touched ([`super::Scheme::Occupancy`]).
+    Separating {
+        /// The other one.
+        other: Id,
+    },
     /// It was at the end of its route.
     Arrived,
     /// It left the crowd at the end of its route, see [`super::AtEnd::Leave`].
@@ -52,6 +66,14 @@ pub struct Counts {
     pub colliding: u64,
     /// See [`EventKind::Meeting`].
     pub meeting: u64,
+    /// See [`EventKind::Entering`].
+    pub entering: u64,
+    /// See [`EventKind::Leaving`].
+    pub leaving: u64,
+    /// See [`EventKind::Contacting`].
+    pub contacting: u64,
+    /// See [`EventKind::Separating`].
+    pub separating: u64,
     /// See [`EventKind::Arrived`].
     pub arrived: u64,
     /// See [`EventKind::Left`].
@@ -62,4 +84,10 @@ pub struct Counts {
     pub stuck: u64,
     /// Times that a member chose what to do: one for each member made anew.
     pub decisions: u64,
+    /// Fixed steps that were taken, parts of one each for itself ([`super::Scheme::Fixed`]).
+    pub steps: u64,
+    /// Fixed steps that were undone, as somebody overlapped.
+    pub undone: u64,
+    /// Members who overlapped somebody at the end of a step that was as short as can be, and taken nevertheless.
+    pub overlaps: u64,
 }

@@ -6,19 +6,25 @@
 mod bound;
 mod cells;
 mod config;
+mod contacts;
 mod decide;
 mod engine;
 mod error;
 mod event;
 mod field;
 mod filter;
+mod fixed;
 mod member;
 mod obstacle;
+mod occupancy;
+mod occupied;
 mod plan;
 mod query;
 mod queue;
 mod route;
 mod safety;
+#[cfg(test)]
+mod scheme_tests;
 mod sight;
 mod snapshot;
 mod solid;
@@ -27,6 +33,7 @@ mod spline;
 mod steer;
 #[cfg(test)]
 mod tests;
+mod tracing;
 #[cfg(feature = "rayon")]
 mod window;
 mod world;

@@ -99,13 +99,13 @@ impl<V: Space> Crowd<V> {
     pub fn desired_direction(&self, id: Id) -> Option<V> {
         let plan = self.plan(id)?;
         let (position, velocity) = plan.at(self.now);
-        Some(self.decider().walker(&self.minds[id.index()], plan, position, velocity).desired)
+        Some(self.decider(NONE).walker(&self.minds[id.index()], plan, position, velocity).desired)
     }
 
     /// What moves it now, term by term. Computed anew, and allocates: for one who is looked at.
     pub fn forces(&self, id: Id) -> Option<Forces<V>> {
         self.check_id(id).ok()?;
-        Some(self.decider().forces(id.index, &mut Scratch::default()))
+        Some(self.decider(NONE).forces(id.index, &mut Scratch::default()))
     }
 
     /// How many events there were.
@@ -113,7 +113,8 @@ impl<V: Space> Crowd<V> {
         self.counts
     }
 
-    fn decider(&self) -> Decider<'_, V> {
-        Decider { world: &self.world, cells: &self.cells, minds: &self.minds, time: self.now }
+    /// What a member may look at now; see [`Decider::renewed`].
+    pub(super) fn decider(&self, renewed: u32) -> Decider<'_, V> {
+        Decider { world: &self.world, cells: &self.cells, minds: &self.minds, time: self.now, renewed }
     }
 }

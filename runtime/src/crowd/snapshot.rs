@@ -4,6 +4,7 @@ use super::cells::Cells;
 use super::decide::Mind;
 use super::queue::Calendar;
 use super::spline::Spline;
+use super::tracing::Trace;
 use super::{Counts, Crowd, CrowdError, NONE, Route, Space};
 use serde::{Deserialize, Serialize};
 
@@ -23,6 +24,7 @@ struct State<V> {
     routes: Vec<Route<V>>,
     cells: Cells<V>,
     queue: Calendar,
+    trace: Trace<V>,
 }
 
 impl<V: Space> Crowd<V> {
@@ -38,6 +40,7 @@ impl<V: Space> Crowd<V> {
             routes: self.world.splines.iter().map(|s| s.route.clone()).collect(),
             cells: self.cells.clone(),
             queue: self.queue.clone(),
+            trace: self.trace.clone(),
         };
         // Writing to memory what can be written cannot fail.
         bincode::serde::encode_to_vec(&state, bincode::config::standard().with_fixed_int_encoding()).unwrap_or_default()
@@ -64,6 +67,10 @@ impl<V: Space> Crowd<V> {
         if !state.cells.fits(&self.cells) || !state.queue.fits(&self.queue) {
             return refused("its cells or its queue are others, or damaged".to_owned());
         }
+        let plan = |m: u32| (state.minds[m as usize].cell != NONE).then(|| state.cells.plan(m));
+        if !state.trace.fits(&self.trace, self.cells.side(), state.now, plan) {
+            return refused("it is of another scheme, or damaged".to_owned());
+        }
         let num_fields = self.world.fields.len();
         let is_good = |m: &Mind<V>| {
             m.cell == NONE
@@ -78,7 +85,7 @@ impl<V: Space> Crowd<V> {
         self.world.splines = splines;
         (self.now, self.counts) = (state.now, state.counts);
         (self.free, self.minds) = (state.free, state.minds);
-        (self.cells, self.queue) = (state.cells, state.queue);
+        (self.cells, self.queue, self.trace) = (state.cells, state.queue, state.trace);
         self.reserve();
         Ok(())
     }

@@ -1,10 +1,11 @@
 //! What surrounds the members: obstacles by cell, routes, fields and limits.
 
 use super::cells::Cells;
+use super::occupancy::narrowest;
 use super::plan::Plan;
 use super::solid::{Solid, is_inside, solids};
 use super::spline::Spline;
-use super::{CrowdError, Field, Member, Obstacle, Setup, Space};
+use super::{CrowdError, Field, Member, Obstacle, Scheme, Setup, Space};
 
 /// How much faster than it wishes a member may be, when it gives way.
 pub(crate) const HURRY: f32 = 1.25;
@@ -79,6 +80,12 @@ impl<V: Space> World<V> {
         if !(0.001..=1.0).contains(&interval) {
             return Err(value("smallest_interval_s", interval, "between 0.001 and 1"));
         }
+        if !(0.001..=1.0).contains(&config.step_s) {
+            return Err(value("step_s", config.step_s, "between 0.001 and 1"));
+        }
+        if config.halvings > 16 {
+            return Err(value("halvings", config.halvings as f32, "at most 16"));
+        }
         for (index, field) in setup.fields.iter().enumerate() {
             field.check(index)?;
         }
@@ -93,8 +100,15 @@ impl<V: Space> World<V> {
         let fastest = HURRY * speed;
         let stopping = fastest * fastest / (2.0 * weakest);
         // Within the shortest plan, and half as long again, everybody has to be able to stop within half a side.
-        let longest = 1.5 * interval;
-        let need = 2.0 * (radius + stopping + fastest * longest + 0.01);
+        let longest = match config.scheme {
+            Scheme::Fixed => config.step_s.max(1.5 * interval),
+            _ => 1.5 * interval,
+        };
+        let mut need = 2.0 * (radius + stopping + fastest * longest + 0.01);
+        if config.scheme == Scheme::Occupancy {
+            let strongest = setup.members.iter().map(|m| m.acceleration).fold(0.0, f32::max);
+            need = need.max(narrowest(radius, strongest, interval));
+        }
         let side = match config.cell_side_m {
             0.0 => need.max(6.5 * radius),
             side if side >= need && side < 1e5 => side,

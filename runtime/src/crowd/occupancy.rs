@@ -1,0 +1,363 @@
+//! Lists of the bounds that occupy each cell, and when that changes (000 section 2.2).
+
+use super::bound::{Bound, fall};
+use super::cells::Cells;
+use super::contacts::Contacts;
+use super::decide::{Cause, Decider, Scratch};
+use super::plan::Plan;
+use super::tracing::Tracing;
+use super::{NONE, Space};
+use serde::{Deserialize, Serialize};
+
+/// Share of the side of a cell that a bound may be wide: a little less than all, so that it is never in three cells of a row.
+pub(crate) const WIDEST: f32 = 0.998;
+
+/// Side of the smallest cells in which a bound may grow for an interval.
+pub(crate) fn narrowest(radius: f32, limit: f32, interval: f32) -> f32 {
+    2.002 * (radius + 0.5 * limit * interval * interval) / WIDEST
+}
+
+/// Who occupies which cells, and who is in contact with whom.
+///
+/// A bound occupies a cell where the smallest box around it does: it enters one when it touches the face before it. As it is never wider
+/// than a cell, these are at most two along each axis. Two bounds that touch have a cell in common.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub(crate) struct Occupancy {
+    /// First entry of each cell.
+    #[serde(skip)]
+    first: Vec<u32>,
+    /// Entries, one for each cell that a member can occupy: `member * SLOTS + slot`.
+    #[serde(skip)]
+    links: Vec<Link>,
+    pub occupants: Vec<Occupant>,
+    pub contacts: Contacts,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Link {
+    next: u32,
+    previous: u32,
+}
+
+/// Cells of one member.
+const SLOTS: usize = 8;
+
+/// What is known of one member.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Occupant {
+    pub is_listed: bool,
+    /// Cells that its bound occupies, before they are folded.
+    pub low: [i32; 3],
+    pub high: [i32; 3],
+    /// When that changes.
+    pub crossing: Crossing,
+    /// First contact that was found since its last event, and with what; this event does not wait for the end of its plan.
+    pub meeting: (f64, Cause),
+    /// When it was asked last to take a new plan. [Unit: s]
+    pub asked: f64,
+}
+
+impl Default for Occupant {
+    fn default() -> Self {
+        Self {
+            is_listed: false,
+            low: [0; 3],
+            high: [0; 3],
+            crossing: Crossing::NEVER,
+            meeting: (f64::INFINITY, Cause::Region),
+            asked: 0.0,
+        }
+    }
+}
+
+/// A bound enters or leaves the cells behind a face.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Crossing {
+    /// Time from the start of the bound. [Unit: s]
+    pub after: f32,
+    pub axis: u8,
+    /// The cells beyond the upper face of those it is in, or beyond the lower one.
+    pub is_upper: bool,
+    pub enters: bool,
+}
+
+impl Crossing {
+    const NEVER: Self = Self { after: f32::INFINITY, axis: 0, is_upper: false, enters: false };
+}
+
+impl Occupancy {
+    /// Nobody in any cell.
+    pub fn new(num_cells: usize, capacity: usize) -> Self {
+        let mut empty = Self {
+            first: Vec::new(),
+            links: Vec::new(),
+            occupants: vec![Occupant::default(); capacity],
+            contacts: Contacts::new(capacity),
+        };
+        empty.clear(num_cells);
+        empty
+    }
+
+    fn clear(&mut self, num_cells: usize) {
+        self.first = vec![NONE; num_cells];
+        self.links = vec![Link { next: NONE, previous: NONE }; self.occupants.len() * SLOTS];
+    }
+
+    /// Makes the lists of what was read.
+    pub fn relink<V: Space>(&mut self, cells: &Cells<V>) {
+        self.clear(cells.num_cells());
+        for member in 0..self.occupants.len() as u32 {
+            let o = self.occupants[member as usize];
+            if o.is_listed {
+                each_cell(o.low, o.high, |at| self.link(cells, member, at));
+            }
+        }
+        self.contacts.reserve();
+    }
+
+    /// True where what was read is as large as another one, and right for the plans of its members.
+    pub fn fits<'a, V: Space>(
+        &self,
+        other: &Self,
+        side: f32,
+        now: f64,
+        plan: impl Fn(u32) -> Option<&'a Plan<V>>,
+    ) -> bool {
+        let is_good = |(member, o): (u32, &Occupant)| {
+            let Some(plan) = plan(member) else { return *o == Occupant::default() };
+            let (centre, radius) = Bound::from(plan).at(now);
+            let (x, c) = (centre.coordinates(), &o.crossing);
+            let reaches = |i: usize| {
+                let (from, to) = ((x[i] - radius) / side, (x[i] + radius) / side);
+                (o.low[i] as f32 - from.floor()).abs() <= 1.0 && (o.high[i] as f32 - to.floor()).abs() <= 1.0
+            };
+            let spans = |i: usize| o.high[i].checked_sub(o.low[i]).is_some_and(|n| n == 0 || n == 1);
+            let axes = (0..V::DIMENSIONS).all(|i| reaches(i) && spans(i));
+            let rest = (V::DIMENSIONS..3).all(|i| (o.low[i], o.high[i]) == (0, 0));
+            let crossing = (c.axis as usize) < V::DIMENSIONS
+                && (c.after == f32::INFINITY || c.after >= 0.0)
+                && c.enters == (o.low[c.axis as usize] == o.high[c.axis as usize]);
+            let cause = !matches!(o.meeting.1, Cause::Member(m) if m as usize >= self.occupants.len());
+            let times = o.meeting.0 >= 0.0 && (0.0..=now).contains(&o.asked);
+            o.is_listed && axes && rest && crossing && cause && times
+        };
+        self.occupants.len() == other.occupants.len()
+            && (0u32..).zip(&self.occupants).all(is_good)
+            && self.contacts.fits(&other.contacts)
+    }
+
+    /// Lists a member in the cells that the bound at the start of its plan occupies, and in no others.
+    pub fn list<V: Space>(&mut self, cells: &Cells<V>, plan: &Plan<V>) {
+        let (low, high) = range(cells.side(), plan);
+        let mut o = self.occupants[plan.index as usize];
+        if o.is_listed {
+            let old = (o.low, o.high);
+            each_cell(old.0, old.1, |at| {
+                if !is_within(at, low, high) {
+                    self.unlink(cells, plan.index, at)
+                }
+            });
+            each_cell(low, high, |at| {
+                if !is_within(at, old.0, old.1) {
+                    self.link(cells, plan.index, at)
+                }
+            });
+        } else {
+            each_cell(low, high, |at| self.link(cells, plan.index, at));
+        }
+        (o.is_listed, o.low, o.high) = (true, low, high);
+        o.crossing = next_crossing(cells.side(), plan, &o, 0.0);
+        o.meeting = (f64::INFINITY, Cause::Region);
+        self.occupants[plan.index as usize] = o;
+    }
+
+    /// Takes a member out of all lists. [Limit: it is in contact with nobody]
+    pub fn remove<V: Space>(&mut self, cells: &Cells<V>, member: u32) {
+        let o = self.occupants[member as usize];
+        if o.is_listed {
+            each_cell(o.low, o.high, |at| self.unlink(cells, member, at));
+        }
+        self.occupants[member as usize] = Occupant::default();
+    }
+
+    /// Lets a member cross the face that it comes to. Gives the cells it enters, if it does.
+    pub fn cross<V: Space>(&mut self, cells: &Cells<V>, plan: &Plan<V>) -> Option<([i32; 3], [i32; 3])> {
+        let mut o = self.occupants[plan.index as usize];
+        let Crossing { after, axis, is_upper, enters } = o.crossing;
+        let axis = axis as usize;
+        let (mut low, mut high) = (o.low, o.high);
+        if enters {
+            let to = if is_upper { high[axis] + 1 } else { low[axis] - 1 };
+            (low[axis], high[axis]) = (to, to);
+            each_cell(low, high, |at| self.link(cells, plan.index, at));
+            if is_upper { o.high[axis] = to } else { o.low[axis] = to }
+        } else {
+            let from = if is_upper { high[axis] } else { low[axis] };
+            (low[axis], high[axis]) = (from, from);
+            each_cell(low, high, |at| self.unlink(cells, plan.index, at));
+            if is_upper { o.high[axis] -= 1 } else { o.low[axis] += 1 }
+        }
+        o.crossing = next_crossing(cells.side(), plan, &o, after);
+        self.occupants[plan.index as usize] = o;
+        enters.then_some((low, high))
+    }
+
+    /// Calls `f` once for everyone who occupies one of the cells.
+    #[inline]
+    pub fn each<V: Space>(&self, cells: &Cells<V>, low: [i32; 3], high: [i32; 3], mut f: impl FnMut(u32)) {
+        each_cell(low, high, |at| {
+            let mut entry = self.first[cells.number(at) as usize];
+            while entry != NONE {
+                let member = entry / SLOTS as u32;
+                let o = &self.occupants[member as usize];
+                // In the first of the cells that both have; those who only share one where the grid is folded have none.
+                if (0..3).all(|i| at[i] == low[i].max(o.low[i]) && at[i] <= o.high[i]) {
+                    f(member);
+                }
+                entry = self.links[entry as usize].next;
+            }
+        });
+    }
+
+    /// Lists are in the order of numbers, whatever happened before.
+    fn link<V: Space>(&mut self, cells: &Cells<V>, member: u32, at: [i32; 3]) {
+        let (entry, cell) = (entry(member, at), cells.number(at) as usize);
+        let (mut previous, mut next) = (NONE, self.first[cell]);
+        while next != NONE && next < entry {
+            (previous, next) = (next, self.links[next as usize].next);
+        }
+        self.links[entry as usize] = Link { next, previous };
+        if next != NONE {
+            self.links[next as usize].previous = entry;
+        }
+        if previous != NONE {
+            self.links[previous as usize].next = entry;
+        } else {
+            self.first[cell] = entry;
+        }
+    }
+
+    fn unlink<V: Space>(&mut self, cells: &Cells<V>, member: u32, at: [i32; 3]) {
+        let Link { next, previous } = self.links[entry(member, at) as usize];
+        if next != NONE {
+            self.links[next as usize].previous = previous;
+        }
+        if previous != NONE {
+            self.links[previous as usize].next = next;
+        } else {
+            self.first[cells.number(at) as usize] = next;
+        }
+    }
+}
+
+impl<V: Space> Tracing<V> for Occupancy {
+    /// When the bound is as wide as a cell, or touches another one in a cell that it occupies.
+    #[inline]
+    fn first_event(
+        &self,
+        at: &Decider<'_, V>,
+        fresh: &Plan<V>,
+        _region: (V, V),
+        near: &[u32],
+        _scratch: &Scratch<V>,
+    ) -> (Cause, f32) {
+        let (bound, side) = (Bound::from(fresh), at.cells.side());
+        let mut first = (Cause::Region, fall(0.5 * WIDEST * side - fresh.radius, 0.0, fresh.limit));
+        let (low, high) = range(side, fresh);
+        self.each(at.cells, low, high, |other| {
+            if other != fresh.index && !self.contacts.are_together(fresh.index, other) {
+                let contact = bound.first_contact(&at.bound(at.cells.plan(other)), at.time, first.1);
+                if contact < first.1 {
+                    first = (Cause::Member(other), contact);
+                }
+            }
+        });
+        at.first_obstacle(&bound, near, first)
+    }
+}
+
+/// Entry of a member for a cell: no two of the cells that it occupies have coordinates that are even and odd alike.
+fn entry(member: u32, at: [i32; 3]) -> u32 {
+    let slot = (at[0] & 1) | (at[1] & 1) << 1 | (at[2] & 1) << 2;
+    member * SLOTS as u32 + slot as u32
+}
+
+#[inline]
+fn each_cell(low: [i32; 3], high: [i32; 3], mut f: impl FnMut([i32; 3])) {
+    for z in low[2]..=high[2] {
+        for y in low[1]..=high[1] {
+            for x in low[0]..=high[0] {
+                f([x, y, z]);
+            }
+        }
+    }
+}
+
+fn is_within(at: [i32; 3], low: [i32; 3], high: [i32; 3]) -> bool {
+    (0..3).all(|i| (low[i]..=high[i]).contains(&at[i]))
+}
+
+/// Cells that a disc or ball occupies.
+pub(crate) fn range<V: Space>(side: f32, plan: &Plan<V>) -> ([i32; 3], [i32; 3]) {
+    let x = plan.position.coordinates();
+    let (mut low, mut high) = ([0; 3], [0; 3]);
+    for axis in 0..V::DIMENSIONS {
+        let (from, to) = (x[axis] - plan.radius, x[axis] + plan.radius);
+        low[axis] = (from / side).floor() as i32;
+        high[axis] = (to / side).floor() as i32;
+        // As the gaps to faces are computed, so that these agree.
+        if low[axis] as f32 * side > from {
+            low[axis] -= 1;
+        } else if (low[axis] + 1) as f32 * side <= from {
+            low[axis] += 1;
+        }
+        high[axis] = high[axis].clamp(low[axis], low[axis] + 1);
+        if high[axis] > low[axis] && high[axis] as f32 * side > to {
+            high[axis] = low[axis];
+        } else if (low[axis] + 1) as f32 * side <= to {
+            high[axis] = low[axis] + 1;
+        }
+    }
+    (low, high)
+}
+
+/// The next face that the growing bound of a plan crosses, `from` seconds after its start or later.
+pub(crate) fn next_crossing<V: Space>(side: f32, plan: &Plan<V>, o: &Occupant, from: f32) -> Crossing {
+    let (x, v) = (plan.position.coordinates(), plan.velocity.coordinates());
+    let mut first = Crossing::NEVER;
+    for axis in 0..V::DIMENSIONS {
+        let (above, below) = (x[axis] + plan.radius, x[axis] - plan.radius);
+        for is_upper in [true, false] {
+            let enters = o.low[axis] == o.high[axis];
+            let face = (o.high[axis] + i32::from(enters && is_upper)) as f32 * side;
+            // How far the bound is from the cells beyond the face, and how fast it goes away.
+            let (gap, rate) = if is_upper { (face - above, -v[axis]) } else { (below - face, v[axis]) };
+            let apart = apart(gap, rate, plan.limit);
+            let after = match (enters, apart) {
+                (true, Some((_, end))) => end.max(from),
+                (true, None) => from,
+                (false, Some((begin, _))) if begin >= from => begin,
+                (false, _) => continue,
+            };
+            if after < first.after {
+                first = Crossing { after, axis: axis as u8, is_upper, enters };
+            }
+        }
+    }
+    first
+}
+
+/// When gap + rate t - growth / 2 t^2 is above zero. [Limit: growth > 0]
+fn apart(gap: f32, rate: f32, growth: f32) -> Option<(f32, f32)> {
+    let square = rate * rate + 2.0 * growth * gap;
+    if square <= 0.0 {
+        return None;
+    }
+    let root = square.sqrt();
+    // Either form is exact; each loses digits where the other does not.
+    Some(if rate > 0.0 {
+        (-2.0 * gap / (rate + root), (rate + root) / growth)
+    } else {
+        ((rate - root) / growth, 2.0 * gap / (root - rate))
+    })
+}
