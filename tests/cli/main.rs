@@ -1,5 +1,6 @@
 //! Every command does what its help says: output, JSON keys, exit codes, and errors that show the way out.
 
+mod crowd;
 mod refusals;
 mod scene;
 mod view;

@@ -3,30 +3,25 @@
 use super::camera::Camera;
 use super::canvas::{Area, Picture};
 use super::colour::{self, Colour};
-use super::figure::{BodyColours, Figure};
 use super::furniture::{grid, header, legend, nice_step, scale_bar, tag};
-use super::world::{WorldFigure, WorldLook, WorldView, world_sheet};
-use crate::scene::crowd::{CrowdMoment, CrowdRecord, CrowdReport, SeenMember, SeenObstacle};
+use crate::scene::crowd::{CrowdMoment, CrowdRecord, CrowdReport, SeenMember, SeenObstacle, TRAIL_S};
 use glam::{Vec2, Vec3};
 use std::f32::consts::{FRAC_PI_2, PI};
-use throng_runtime::{Joint, NUM_JOINTS};
 
 /// Colours of groups, in their order.
 const GROUPS: [u32; 6] = [0xe8743b, 0x2f63a8, 0x1f9e89, 0x7a2bbf, 0xc0b027, 0xb0446a];
 /// Who knows of a happening.
 const KNOWS: Colour = Colour::hex(0xd62728);
 /// What stands in the way.
-const SOLID: Colour = Colour::hex(0x8a8578);
+pub(super) const SOLID: Colour = Colour::hex(0x8a8578);
 /// Width of the page. [Unit: px]
-const WIDTH: f32 = 1600.0;
+pub(super) const WIDTH: f32 = 1600.0;
 /// Around panels. [Unit: px]
 const EDGE: f32 = 16.0;
 /// Below the title. [Unit: px]
 const TOP: f32 = 84.0;
 /// Highest panel. [Unit: px]
 const HIGHEST: f32 = 900.0;
-/// Width of the picture of bodies. [Unit: m]
-const BODIES_M: f32 = 24.0;
 /// Points of a trail behind a member: 2.4 s.
 const TRAIL: usize = 7;
 /// Ways are drawn of so many members at most.
@@ -38,7 +33,7 @@ pub fn crowd_sheet(report: &CrowdReport, record: &CrowdRecord) -> Picture {
     let views: &[View] = if record.in_the_air { &[View::Above, View::Side] } else { &[View::Above] };
     let sizes: Vec<Vec2> = views.iter().map(|v| v.flat(high - low)).collect();
     // Wide crowds below each other, others side by side.
-    let columns = if sizes[0].x > 1.8 * sizes[0].y { 1 } else { 2 };
+    let columns = if sizes[0].x > 2.5 * sizes[0].y { 1 } else { 2 };
     let width = (WIDTH - EDGE * (columns as f32 + 1.0)) / columns as f32;
     let tallest = sizes.iter().map(|s| s.y / s.x).fold(0.0, f32::max);
     let px_per_m = (width / sizes[0].x).min(HIGHEST / (tallest * sizes[0].x));
@@ -63,35 +58,6 @@ pub fn crowd_sheet(report: &CrowdReport, record: &CrowdRecord) -> Picture {
         }
     }
     page
-}
-
-/// Draws the bodies of a crowd at the end of its run.
-///
-/// - `poses`: world positions of the joints of everybody, `None` for those who have left. [Unit: m]
-pub fn bodies_sheet(record: &CrowdRecord, poses: &[Option<[Vec3; NUM_JOINTS]>]) -> Picture {
-    let one = |(m, p): (usize, &Option<[Vec3; NUM_JOINTS]>)| {
-        let tint = group_colour(record.groups.get(m).copied().unwrap_or(0));
-        Some(WorldFigure { figure: Figure::from_positions(p.as_ref()?), colours: BodyColours::plain(tint) })
-    };
-    let figures: Vec<WorldFigure> = poses.iter().enumerate().filter_map(one).collect();
-    let lines = |o: &SeenObstacle| match o {
-        SeenObstacle::Wall { from, to, .. } => Some(vec![*from, *to]),
-        SeenObstacle::Polygon(corners) => Some(corners.iter().chain(corners.first()).copied().collect()),
-        _ => None,
-    };
-    let trails: Vec<_> = record.obstacles.iter().filter_map(lines).map(|l| (l, SOLID)).collect();
-    let middle = figures.iter().map(|f| f.figure.joint(Joint::Hips)).sum::<Vec3>() / figures.len().max(1) as f32;
-    let focus = (!figures.is_empty()).then_some((middle, BODIES_M));
-    world_sheet(&WorldView {
-        title: "Bodies",
-        subtitle: "blended from example motions, where the members are at the end",
-        size: (WIDTH as u32, 900),
-        figures: &figures,
-        units: &[],
-        trails: &trails,
-        names: &[],
-        look: WorldLook { heading: 0.8 * PI, elevation: 0.6, focus },
-    })
 }
 
 /// From where a crowd is seen.
@@ -139,7 +105,7 @@ fn subtitle(r: &CrowdReport) -> String {
     text
 }
 
-fn group_colour(group: usize) -> Colour {
+pub(super) fn group_colour(group: usize) -> Colour {
     Colour::hex(GROUPS[group % GROUPS.len()])
 }
 
@@ -181,7 +147,7 @@ fn draw_member(panel: &mut Picture, camera: &Camera, s: &SeenMember, radius: f32
     }
     let ahead = camera.project(s.at + s.velocity) - at;
     // A tick along the heading, longer for those who move faster.
-    if px > 2.0 && ahead.length() > 0.02 * camera.px_per_m {
+    if px > 2.0 && ahead.length() > 0.1 * camera.px_per_m {
         let tip = at + ahead.normalize_or_zero() * px * 1.5;
         panel.stroke_line(&[at, tip], (0.28 * px).clamp(1.0, 3.0), colour::INK);
     }
@@ -189,9 +155,10 @@ fn draw_member(panel: &mut Picture, camera: &Camera, s: &SeenMember, radius: f32
 
 /// Where some were in the last seconds.
 fn draw_trails(panel: &mut Picture, camera: &Camera, record: &CrowdRecord, moment: &CrowdMoment) {
-    let Some(last) = record.moments.last().map(|m| m.time_s).filter(|t| *t > 0.0) else { return };
+    let upto = (moment.time_s / TRAIL_S) as usize + 1;
     for (m, trail) in &record.trails {
-        let upto = ((trail.len() as f64 * moment.time_s / last).round() as usize).min(trail.len());
+        let is_there = moment.members.get(*m).is_some_and(Option::is_some);
+        let upto = if is_there { upto.min(trail.len()) } else { 0 };
         let points: Vec<Vec2> = trail[upto.saturating_sub(TRAIL)..upto].iter().map(|p| camera.project(*p)).collect();
         let tint = group_colour(record.groups.get(*m).copied().unwrap_or(0));
         panel.stroke_line(&points, (0.12 * camera.px_per_m).clamp(0.8, 2.5), tint.alpha(0.35));

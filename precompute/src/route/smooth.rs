@@ -1,19 +1,19 @@
 //! Subgoals whose spline keeps to a way.
 
-use glam::Vec2;
+use throng_runtime::crowd::Space;
 
 /// Adds points to the long legs of a way, `near` from both their ends, so that a spline through all points turns at the
 /// corners and is straight between them: it leaves the way by a small part of `near` at most.
-pub fn smooth(way: &[Vec2], near: f32) -> Vec<Vec2> {
+pub fn smooth<V: Space>(way: &[V], near: f32) -> Vec<V> {
     let mut out = Vec::with_capacity(3 * way.len());
     for (i, leg) in way.windows(2).enumerate() {
-        let length = leg[0].distance(leg[1]);
+        let length = (leg[1] - leg[0]).length();
         out.push(leg[0]);
         let is_corner = [i > 0, i + 2 < way.len()];
         if length > 3.0 * near {
-            let along = (leg[1] - leg[0]) / length;
-            out.extend(is_corner[0].then_some(leg[0] + near * along));
-            out.extend(is_corner[1].then_some(leg[1] - near * along));
+            let step = (leg[1] - leg[0]) * (near / length);
+            out.extend(is_corner[0].then_some(leg[0] + step));
+            out.extend(is_corner[1].then_some(leg[1] - step));
         }
     }
     out.extend(way.last());
@@ -23,6 +23,7 @@ pub fn smooth(way: &[Vec2], near: f32) -> Vec<Vec2> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use glam::Vec2;
 
     #[test]
     fn long_legs_get_points_near_their_corners_alone() {
@@ -31,6 +32,6 @@ mod tests {
         let expected = [[0.0, 0.0], [9.5, 0.0], [10.0, 0.0], [10.0, 1.0], [10.0, 1.5], [10.0, 9.0]];
         assert_eq!(out, expected.map(Vec2::from));
         assert_eq!(smooth(&way[..2], 0.5), way[..2]);
-        assert!(smooth(&[], 0.5).is_empty());
+        assert!(smooth::<Vec2>(&[], 0.5).is_empty());
     }
 }

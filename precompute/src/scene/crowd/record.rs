@@ -8,7 +8,7 @@ use throng_runtime::crowd::{Obstacle, Space};
 /// Moments that are kept, the first and the last included.
 const MOMENTS: usize = 4;
 /// Time between points of a trail. [Unit: s]
-const TRAIL_S: f64 = 0.4;
+pub const TRAIL_S: f64 = 0.4;
 /// Members whose trails and ways are kept, spread over everybody.
 const TRAILED: usize = 2000;
 

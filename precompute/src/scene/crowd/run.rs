@@ -9,7 +9,7 @@ use crate::error::BuildError;
 use glam::{Vec2, Vec3};
 use serde::Serialize;
 use std::time::Instant;
-use throng_runtime::crowd::{AtEnd, Space};
+use throng_runtime::crowd::{AtEnd, Counts, Space};
 
 /// Looks a simulated second. [Unit: Hz]
 const LOOK_HZ: f64 = 30.0;
@@ -49,7 +49,7 @@ pub struct CrowdReport {
     pub wall_s_per_simulated_s: f64,
     /// The same for one member. [Unit: us]
     pub us_per_member_second: f64,
-    /// Events of one member in one simulated second; steps, in the fixed engine.
+    /// Events of one member in one simulated second; in the fixed engine, steps that it took.
     pub events_per_member_second: f64,
     /// Times that one member chose what to do in one simulated second.
     pub decisions_per_member_second: f64,
@@ -212,7 +212,6 @@ impl<V: Space> Meters<V> {
         let n = live.num_members();
         let member_seconds = n as f64 * seconds;
         let counts = live.crowd().counts();
-        let events = counts.resetting + counts.colliding + counts.meeting;
         let frames = self.overlaps.member_frames.max(1) as f64;
         let members = &live.layout().setup.members;
         CrowdReport {
@@ -220,7 +219,7 @@ impl<V: Space> Meters<V> {
             simulated_s: seconds,
             wall_s_per_simulated_s: busy_s / seconds,
             us_per_member_second: 1e6 * busy_s / member_seconds,
-            events_per_member_second: events as f64 / member_seconds,
+            events_per_member_second: events(&counts) as f64 / member_seconds,
             decisions_per_member_second: counts.decisions as f64 / member_seconds,
             overlap_over_1mm_fraction: self.overlaps.over_1mm as f64 / frames,
             overlap_over_1cm_fraction: self.overlaps.over_1cm as f64 / frames,
@@ -235,6 +234,14 @@ impl<V: Space> Meters<V> {
             ..CrowdReport::default()
         }
     }
+}
+
+/// Events inside of the crowd; where there are steps instead, everybody acts at each.
+fn events(c: &Counts) -> u64 {
+    if c.steps > 0 {
+        return c.decisions;
+    }
+    c.resetting + c.colliding + c.meeting + c.entering + c.leaving + c.contacting + c.separating
 }
 
 /// Of each group: on the whole, its members go along a direction.

@@ -4,10 +4,11 @@ use super::super::config::GateConfig;
 use glam::Vec2;
 use serde::Serialize;
 
-/// Flow of people through openings, as measured: 1.22 on level ways (Weidmann 1993, Transporttechnik der Fussgaenger), 1.32
-/// as escape routes are planned for (Nelson and Mowrer 2002, SFPE Handbook), to 1.9 in experiments with bottlenecks of 0.7 to
-/// 1.2 m (Kretz, Gruenebohm and Schreckenberg 2006, J. Stat. Mech. P10014; Seyfried et al. 2009, Transp. Res. Rec. 2122).
-/// It is proportional to the width up to 5 m (Liao et al. 2014). [Unit: persons/(m s)]
+/// Flow of people through openings, least and most that was measured: about 1.2 on level ways (Weidmann 1993, Transporttechnik
+/// der Fussgaenger), 1.3 as escape routes are planned for (Nelson and Mowrer 2002, SFPE Handbook), to 1.9 in experiments with
+/// bottlenecks of about 1 m (Kretz, Gruenebohm and Schreckenberg 2006, J. Stat. Mech. P10014; Seyfried et al. 2009, Transp.
+/// Res. Rec. 2122). The flow grows in proportion to the width up to 5 m (Liao et al. 2014, Transp. Res. Procedia 2), so that
+/// these hold for a gap of 2 m. [Unit: persons/(m s)]
 pub const HUMAN_FLOW_PER_M_S: [f64; 2] = [1.2, 1.9];
 
 /// Flow through a gate.

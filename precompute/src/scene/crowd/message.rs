@@ -1,0 +1,58 @@
+//! What is wrong with a crowd, in the words of its scene file.
+
+use super::layout::Layout;
+use super::route_maps::MARGINS_M;
+use crate::error::BuildError;
+use crate::route::NoWay;
+use throng_runtime::crowd::{CrowdError, Space};
+
+impl<V: Space> Layout<V> {
+    /// A way that does not exist, from one point to another.
+    pub(super) fn no_way(&self, m: usize, why: NoWay, from: V, to: V) -> BuildError {
+        let key = |solid: usize| &self.obstacle_keys[self.maps.obstacle(solid)];
+        let who = self.who(m);
+        let place = |at: V| format!("{:.2?}", &at.coordinates()[..V::DIMENSIONS]);
+        let message = match why {
+            NoWay::Start(s) => format!("{who} starts in `{}`, at {}", key(s), place(from)),
+            NoWay::Goal(s) => {
+                let clearance = self.scene.groups[self.groups[m]].radius_m[1] + MARGINS_M[0];
+                format!("the goal {} of {who} is in `{}` or nearer than {clearance:.2} m to it", place(to), key(s))
+            }
+            NoWay::Separated => format!("no way leads {who} from {} to {}", place(from), place(to)),
+        };
+        self.fault(message, "Move it, open a gap in the obstacles that is wide enough, or set `routes = false`")
+    }
+
+    /// A member, for messages.
+    pub(super) fn who(&self, m: usize) -> String {
+        let Some(&g) = self.groups.get(m) else { return format!("member {m}") };
+        let name = &self.scene.groups[g].name;
+        if name.is_empty() { format!("member {m} of `groups[{g}]`") } else { format!("member {m} of \"{name}\"") }
+    }
+
+    /// What the engine found wrong, in the scene's words.
+    pub(super) fn explain(&self, e: &CrowdError) -> BuildError {
+        let obstacle = |o: usize| self.obstacle_keys.get(o).cloned().unwrap_or_else(|| format!("obstacle {o}"));
+        let message = match *e {
+            CrowdError::Overlap { first, second, overlap_m } => {
+                let (a, b) = (self.who(first), self.who(second));
+                let help = "Give their groups more room (`place`), or smaller radii";
+                return self.fault(format!("{a} and {b} overlap by {overlap_m:.3} m at the start"), help);
+            }
+            CrowdError::Inside { member, obstacle: o } => {
+                format!("{} starts in `{}`", self.who(member), obstacle(o))
+            }
+            CrowdError::Goal { route, subgoal, obstacle: o } => {
+                let who = self.setup.members.iter().position(|m| m.route == route).unwrap_or(usize::MAX);
+                format!("subgoal {subgoal} of {} is in `{}`", self.who(who), obstacle(o))
+            }
+            _ => e.to_string(),
+        };
+        self.fault(message, "Correct the scene file")
+    }
+
+    fn fault(&self, message: String, help: &str) -> BuildError {
+        let message = format!("scene \"{}\": {message}", self.scene.name);
+        BuildError::Stage { stage: "scene", message, help: help.into() }
+    }
+}

@@ -1,0 +1,98 @@
+//! `throng run` and `throng bench` of crowds.
+
+use super::{at, failed, folder, json};
+
+/// Keys of the figures of every crowd.
+const KEYS: [&str; 11] = [
+    "members",
+    "engine",
+    "wall_s_per_simulated_s",
+    "us_per_member_second",
+    "events_per_member_second",
+    "overlap_over_1mm_fraction",
+    "overlap_over_1cm_fraction",
+    "max_overlap_m",
+    "progress_mps",
+    "stuck",
+    "state_hash",
+];
+
+#[test]
+fn bench_measures_a_crowd_with_the_engine_that_is_named() {
+    let ask = |engine| {
+        json(
+            &[
+                "bench",
+                "crowd",
+                "--scene",
+                "corridor",
+                "--members",
+                "40",
+                "--engine",
+                engine,
+                "--seconds",
+                "2",
+                "--json",
+            ],
+            &KEYS,
+        )
+    };
+    for engine in ["events", "occupancy", "fixed"] {
+        let report = ask(engine);
+        assert_eq!((&report["members"], &report["engine"]), (&40.into(), &engine.into()));
+        assert!(report["progress_mps"].as_f64() > Some(0.5), "{report}");
+        assert!(report["us_per_member_second"].as_f64() > Some(0.0), "{report}");
+        assert_eq!(report["state_hash"], ask(engine)["state_hash"], "it repeats");
+    }
+}
+
+#[test]
+fn bench_sweeps_and_plots() {
+    let folder = folder();
+    let png = at(&folder, "flock.png");
+    let args =
+        ["bench", "crowd", "--scene", "flock", "--members", "20,40", "--engine", "events,fixed", "--seconds", "1"];
+    let report = json(&[&args[..], &["--png", &png, "--json"]].concat(), &["runs"]);
+    let runs = report["runs"].as_array().expect("runs");
+    let of = |i: usize| (runs[i]["engine"].as_str(), runs[i]["members"].as_u64());
+    assert_eq!(
+        (0..4).map(of).collect::<Vec<_>>(),
+        [(Some("events"), Some(20)), (Some("events"), Some(40)), (Some("fixed"), Some(20)), (Some("fixed"), Some(40)),]
+    );
+    assert!(std::fs::read(&png).is_ok_and(|b| b.starts_with(b"\x89PNG")));
+}
+
+#[test]
+fn run_measures_and_draws_a_scene_file() {
+    let folder = folder();
+    let (file, png) = (at(&folder, "door.toml"), at(&folder, "door.png"));
+    let text = "seconds = 5.0\ngate = { from = [0.0, -1.0], to = [0.0, 1.0] }\n\
+        [[groups]]\ncount = 12\nplace = { block = { from = [-5.0, -2.0], to = [-1.0, 2.0] } }\n\
+        goal = { shift = { by = [8.0, 0.0] } }\n";
+    std::fs::write(&file, text).expect("a scene");
+    let report = json(&["run", &file, "--png", &png, "--json"], &[&KEYS[..], &["crossed", "flow_per_m_s"]].concat());
+    assert_eq!((&report["scene"], &report["simulated_s"]), (&"door".into(), &5.0.into()));
+    assert!(std::fs::read(&png).is_ok_and(|b| b.starts_with(b"\x89PNG")));
+    let more = json(&["run", &file, "--characters", "20", "--seconds", "1", "--seed", "3", "--json"], &KEYS);
+    assert_eq!((&more["members"], &more["simulated_s"]), (&20.into(), &1.0.into()));
+}
+
+#[test]
+fn what_cannot_be_run_says_what_to_change() {
+    let folder = folder();
+    let file = at(&folder, "bad.toml");
+    std::fs::write(&file, "[[groups]]\ncount = 3\nplase = 1\n").expect("a scene");
+    let message = failed(&["run", &file]);
+    assert!(message.contains("bad.toml:3:1") && message.contains("`place`"), "{message}");
+    let cases: [(&[&str], &[&str]); 5] = [
+        (&["bench", "crowd", "--scene", "moon"], &["moon", "corridor", "square"]),
+        (&["bench", "crowd", "--engine", "magic"], &["magic", "occupancy"]),
+        (&["bench", "blend", "--scene", "flock"], &["--scene", "bench crowd"]),
+        (&["bench", "crowd", "--members", "0"], &["groups", "found 0"]),
+        (&["run", "data/scenes/circle.toml", "--bundle", "a.throng"], &["--bundle", "bodies"]),
+    ];
+    for (args, parts) in cases {
+        let message = failed(args);
+        assert!(parts.iter().all(|p| message.contains(p)), "{args:?}: {message}");
+    }
+}
