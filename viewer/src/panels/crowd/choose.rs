@@ -5,6 +5,7 @@ use crate::command::Command;
 use crate::document::{CrowdChoice, CrowdDocument, MAX_MEMBERS};
 use crate::model::Model;
 use crate::model::crowd::{CrowdCommand, Whose};
+use crate::settings::Settings;
 use crate::stage::members::colour_of_group;
 use eframe::egui::{ComboBox, DragValue, Grid, Role, Slider, TextEdit, Ui, WidgetInfo};
 use std::path::{Path, PathBuf};
@@ -136,7 +137,7 @@ pub fn drawn(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
         commands.push(look(model, |look| *look = l));
     }
     if overlays != model.settings.overlays {
-        let settings = crate::settings::Settings { overlays, ..model.settings.clone() };
+        let settings = Settings { overlays, ..model.settings.clone() };
         commands.push(Command::Settings(Box::new(settings)));
     }
 }

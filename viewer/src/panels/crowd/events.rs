@@ -6,13 +6,15 @@ use crate::document::CrowdDocument;
 use crate::model::Model;
 use crate::run::members::{Happened, With};
 use crate::stage::members::colour_of_event;
-use eframe::egui::{Align, Label, Layout, RichText, ScrollArea, Sense, TextStyle, Ui, vec2};
+use eframe::egui::{
+    Align, Label, Layout, RichText, Role, ScrollArea, Sense, TextStyle, Ui, UiBuilder, WidgetInfo, vec2,
+};
 
 /// Events that are listed at most.
 const MOST: usize = 200;
 /// Height of the list. [Unit: points]
 const HEIGHT: f32 = 190.0;
-/// Widths of the columns of time, kind and member. [Unit: points]
+/// Widths of the columns of time and kind. [Unit: points]
 const TIME: f32 = 62.0;
 const KIND: f32 = 72.0;
 
@@ -51,8 +53,7 @@ fn row(ui: &mut Ui, crowd: &CrowdDocument, h: &Happened, selected: Option<usize>
         let fill = ui.visuals().selection.bg_fill.gamma_multiply(if is_about { 0.35 } else { 0.2 });
         ui.painter().rect_filled(rect, 2.0, fill);
     }
-    let mut line =
-        ui.new_child(eframe::egui::UiBuilder::new().max_rect(rect).layout(Layout::left_to_right(Align::Center)));
+    let mut line = ui.new_child(UiBuilder::new().max_rect(rect).layout(Layout::left_to_right(Align::Center)));
     line.spacing_mut().item_spacing.x = 6.0;
     let cell = |ui: &mut Ui, width: f32, text: RichText| {
         ui.add_sized([width, height], Label::new(text).truncate().halign(Align::Min).selectable(false))
@@ -63,7 +64,7 @@ fn row(ui: &mut Ui, crowd: &CrowdDocument, h: &Happened, selected: Option<usize>
     let rest = line.available_width().max(10.0);
     cell(&mut line, rest, RichText::new(in_words(crowd, h)));
     let name = format!("Event {} {}", h.what.name(), h.member);
-    response.widget_info(|| eframe::egui::WidgetInfo::labeled(eframe::egui::Role::Button, true, &name));
+    response.widget_info(|| WidgetInfo::labeled(Role::Button, true, &name));
     let clicked = response.clicked();
     response.on_hover_text(format!("{}. A click selects member {}.", h.what.meaning(), h.member));
     clicked

@@ -4,10 +4,13 @@ use super::{colour, swatch, who};
 use crate::command::Command;
 use crate::document::CrowdDocument;
 use crate::model::Model;
+use crate::panels::words;
+use crate::render::Rgba;
 use crate::run::members::{Details, FORCE_TERMS, SeenMember};
 use crate::stage::members::{TAKEN, colour_of_force};
 use eframe::egui::{Color32, DragValue, Grid, Rect, RichText, Sense, Ui, pos2, vec2};
 use glam::Vec3;
+use throng_runtime::planar::wrap_angle;
 
 /// Width of the bars of forces. [Unit: points]
 const BAR: f32 = 96.0;
@@ -85,7 +88,7 @@ fn forces(ui: &mut Ui, seen: &SeenMember, d: &Details) {
             row(ui, (name, tip), colour(colour_of_force(i, dark)), force, (ahead, d.limit));
         }
         row(ui, ("sum", "All terms together"), ui.visuals().weak_text_color(), sum, (ahead, d.limit));
-        let taken = colour(crate::render::Rgba::hex(TAKEN[usize::from(!dark)]));
+        let taken = colour(Rgba::hex(TAKEN[usize::from(!dark)]));
         let tip = "The acceleration that it took at its last event, after the safety rule";
         row(ui, ("taken", tip), taken, d.taken, (ahead, d.limit));
     });
@@ -113,7 +116,7 @@ fn direction(force: Vec3, ahead: Vec3) -> String {
         return if force.y > 0.0 { "up".into() } else { "down".into() };
     }
     let heading = |v: Vec3| v.x.atan2(v.z);
-    crate::panels::words::direction(throng_runtime::planar::wrap_angle(heading(force) - heading(ahead)))
+    words::direction(wrap_angle(heading(force) - heading(ahead)))
 }
 
 #[cfg(test)]

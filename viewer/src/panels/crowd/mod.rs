@@ -10,7 +10,7 @@ use super::paint::empty;
 use crate::command::Command;
 use crate::document::{CrowdChoice, CrowdDocument};
 use crate::model::Model;
-use crate::model::crowd::CrowdCommand;
+use crate::model::crowd::{CrowdCommand, CrowdLook};
 use crate::render::Rgba;
 use eframe::egui::{CollapsingHeader, Color32, RichText, Sense, Ui, vec2};
 use std::path::PathBuf;
@@ -71,7 +71,8 @@ fn who(crowd: &CrowdDocument, member: usize) -> String {
     }
 }
 
-fn look(model: &Model, change: impl FnOnce(&mut crate::model::crowd::CrowdLook)) -> Command {
+/// Draws more or less.
+fn look(model: &Model, change: impl FnOnce(&mut CrowdLook)) -> Command {
     let mut look = model.selection.crowd;
     change(&mut look);
     Command::Crowd(CrowdCommand::Look(look))

@@ -6,7 +6,7 @@ use crate::document::CrowdDocument;
 use crate::model::Model;
 use crate::run::members::{WINDOW_S, What};
 use crate::stage::members::colour_of_event;
-use eframe::egui::{Grid, Role, Sense, Ui, WidgetInfo, vec2};
+use eframe::egui::{Grid, RichText, Role, Sense, Stroke, StrokeKind, Ui, WidgetInfo, vec2};
 use egui_plot::{HoverPosition, Line, Plot, PlotPoints};
 
 /// Height of the plot. [Unit: points]
@@ -52,8 +52,9 @@ pub fn show(ui: &mut Ui, model: &Model, crowd: &CrowdDocument, commands: &mut Ve
 /// Names of kinds with how many there were; a click shows or hides one in plot, list and view.
 fn key(ui: &mut Ui, model: &Model, totals: [u64; What::COUNT], commands: &mut Vec<Command>) {
     let dark = ui.visuals().dark_mode;
-    // What only other schemes tell is left out where there is none of it.
-    let there = What::ALL.into_iter().filter(|w| *w != What::Other || totals[w.number()] > 0);
+    // What only the scheme of occupied cells tells is left out where there is none of it.
+    let is_special = |w: &What| matches!(w, What::Entering | What::Leaving | What::Contacting | What::Separating);
+    let there = What::ALL.into_iter().filter(|w| !is_special(w) || totals[w.number()] > 0);
     Grid::new("kinds").num_columns(COLUMNS).spacing([10.0, 2.0]).show(ui, |ui| {
         for (i, what) in there.enumerate() {
             let is_on = model.selection.crowd.kinds[what.number()];
@@ -63,11 +64,11 @@ fn key(ui: &mut Ui, model: &Model, totals: [u64; What::COUNT], commands: &mut Ve
                 if is_on {
                     ui.painter().rect_filled(rect, 2.0, c);
                 } else {
-                    let stroke = eframe::egui::Stroke::new(1.0, c);
-                    ui.painter().rect_stroke(rect, 2.0, stroke, eframe::egui::StrokeKind::Inside);
+                    let stroke = Stroke::new(1.0, c);
+                    ui.painter().rect_stroke(rect, 2.0, stroke, StrokeKind::Inside);
                 }
                 let text = format!("{} {}", what.name(), totals[what.number()]);
-                let text = eframe::egui::RichText::new(text);
+                let text = RichText::new(text);
                 ui.selectable_label(false, if is_on { text } else { text.weak() })
             });
             let r = inner.inner;

@@ -42,7 +42,7 @@ fn a_member_is_selected_by_its_event_and_its_forces_are_told() {
     let mut harness = panel(&meeting, 90);
     assert!(harness.query_by_label("driving").is_none());
     let crowd = harness.state().model.document.crowd_scene().unwrap();
-    let last = crowd.run().log().last(&[true; 8], f64::INFINITY, 1)[0];
+    let last = crowd.run().log().last(&[true; crate::run::members::What::COUNT], f64::INFINITY, 1)[0];
     let name = format!("Event {} {}", last.what.name(), last.member);
     let at = harness.get_all_by_label(&name).next().unwrap().rect().center();
     click(&mut harness, at);

@@ -17,6 +17,14 @@ pub enum What {
     Colliding,
     /// A bound touched an obstacle.
     Meeting,
+    /// A bound occupies cells that it did not.
+    Entering,
+    /// A bound occupies cells no more.
+    Leaving,
+    /// Two touch and stay together.
+    Contacting,
+    /// Two who touched part.
+    Separating,
     /// Somebody reached the end of its route.
     Arrived,
     /// Somebody left the crowd.
@@ -25,8 +33,6 @@ pub enum What {
     Struck,
     /// Somebody has not got on for 10 s.
     Stuck,
-    /// What other schemes tell beside these.
-    Other,
 }
 
 /// Whom or what something happened with.
@@ -42,32 +48,39 @@ pub enum With {
 
 impl What {
     /// Number of kinds.
-    pub const COUNT: usize = 8;
+    pub const COUNT: usize = 11;
 
     /// All kinds, in their order.
     pub const ALL: [Self; Self::COUNT] = [
         Self::Resetting,
         Self::Colliding,
         Self::Meeting,
+        Self::Entering,
+        Self::Leaving,
+        Self::Contacting,
+        Self::Separating,
         Self::Arrived,
         Self::Left,
         Self::Struck,
         Self::Stuck,
-        Self::Other,
     ];
 
-    /// The kind of an event, and with whom it happened.
-    pub fn of(kind: &EventKind) -> (Self, With) {
-        match *kind {
+    /// The kind of an event, and with whom it happened; none of a kind that is not known.
+    pub fn of(kind: &EventKind) -> Option<(Self, With)> {
+        Some(match *kind {
             EventKind::Resetting => (Self::Resetting, With::Nobody),
             EventKind::Colliding { other } => (Self::Colliding, With::Member(other.index())),
             EventKind::Meeting { obstacle } => (Self::Meeting, With::Obstacle(obstacle)),
+            EventKind::Entering => (Self::Entering, With::Nobody),
+            EventKind::Leaving => (Self::Leaving, With::Nobody),
+            EventKind::Contacting { other } => (Self::Contacting, With::Member(other.index())),
+            EventKind::Separating { other } => (Self::Separating, With::Member(other.index())),
             EventKind::Arrived => (Self::Arrived, With::Nobody),
             EventKind::Left => (Self::Left, With::Nobody),
             EventKind::Struck { obstacle } => (Self::Struck, With::Obstacle(obstacle)),
             EventKind::Stuck => (Self::Stuck, With::Nobody),
-            _ => (Self::Other, With::Nobody),
-        }
+            _ => return None,
+        })
     }
 
     /// Its number among all kinds.
@@ -81,11 +94,14 @@ impl What {
             Self::Resetting => "resetting",
             Self::Colliding => "colliding",
             Self::Meeting => "meeting",
+            Self::Entering => "entering",
+            Self::Leaving => "leaving",
+            Self::Contacting => "contacting",
+            Self::Separating => "separating",
             Self::Arrived => "arrived",
             Self::Left => "left",
             Self::Struck => "struck",
             Self::Stuck => "stuck",
-            Self::Other => "other",
         }
     }
 
@@ -95,11 +111,14 @@ impl What {
             Self::Resetting => "A bound touched the side of its region R and was made anew",
             Self::Colliding => "Two bounds touched; both were made anew",
             Self::Meeting => "A bound touched an obstacle and was made anew",
+            Self::Entering => "A bound touched a face of a cell and occupies the cells behind it",
+            Self::Leaving => "A bound occupies the cells behind a face no more",
+            Self::Contacting => "Two members touch, and neither moves relative to the other",
+            Self::Separating => "A member moves relative to another one that it touched",
             Self::Arrived => "A member was at the end of its route",
             Self::Left => "A member left the crowd at the end of its route",
             Self::Struck => "An obstacle that moves ran into a member",
             Self::Stuck => "A member has made no way toward its goal for 10 s",
-            Self::Other => "Events of other schemes: entering, leaving, contacting, separating",
         }
     }
 }

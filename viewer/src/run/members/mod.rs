@@ -192,7 +192,7 @@ impl CrowdRun {
     /// Writes events into the log, with where they happened.
     fn take_down(&mut self, told: &[Event]) {
         for event in told {
-            let (what, with) = What::of(&event.kind);
+            let Some((what, with)) = What::of(&event.kind) else { continue };
             let member = event.member.index();
             let last = |m: usize| self.reel.last().members.get(m).copied().flatten().map(|s| s.at);
             let place = |m: usize| self.sim.place(m, event.time).or_else(|| last(m));

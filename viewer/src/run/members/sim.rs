@@ -4,7 +4,7 @@ use super::moment::{Cast, CrowdMoment, Details, Figures, SeenMember};
 use glam::Vec3;
 use throng_precompute::BuildError;
 use throng_precompute::scene::crowd::{
-    CrowdScene, Engine, Live, OverlapMeter, ProgressMeter, Sight, in_world, seen_obstacle,
+    CrowdScene, Engine, GroupConfig, Live, OverlapMeter, ProgressMeter, Sight, in_world, seen_obstacle,
 };
 use throng_runtime::crowd::{AtEnd, Event, Space};
 
@@ -142,7 +142,7 @@ impl<V: Space> Sim for In<V> {
 
     fn cast(&self, scene: &CrowdScene) -> Cast {
         let layout = self.live.layout();
-        let name = |(g, c): (usize, &throng_precompute::scene::crowd::GroupConfig)| match c.name.as_str() {
+        let name = |(g, c): (usize, &GroupConfig)| match c.name.as_str() {
             "" => format!("group {g}"),
             name => name.to_owned(),
         };

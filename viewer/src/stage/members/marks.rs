@@ -21,11 +21,14 @@ pub fn colour_of(what: What, dark: bool) -> Rgba {
         What::Resetting => (0x7d93b2, 0x5b7196),
         What::Colliding => (0xffa23d, 0xc26200),
         What::Meeting => (0xd9c24a, 0x8a7400),
+        What::Entering => (0xb493ff, 0x6b3fd0),
+        What::Leaving => (0x8f9bff, 0x4048c8),
+        What::Contacting => (0xf2877d, 0xa33a2e),
+        What::Separating => (0xb9c97a, 0x5d7010),
         What::Arrived => (0x55d98b, 0x14803f),
         What::Left => (0x4fd0d9, 0x0b7a86),
         What::Struck => (0xff5fb0, 0xb81468),
         What::Stuck => (0xff5f50, 0xc01f14),
-        What::Other => (0xb493ff, 0x6b3fd0),
     };
     Rgba::hex(if dark { on_dark } else { on_light })
 }
@@ -33,9 +36,14 @@ pub fn colour_of(what: What, dark: bool) -> Rgba {
 /// How long a mark of a kind stays. [Unit: s]
 fn stay_s(what: What) -> f64 {
     match what {
-        What::Resetting | What::Colliding | What::Meeting | What::Other => MARK_S,
         What::Arrived | What::Left | What::Struck | What::Stuck => RARE_S,
+        _ => MARK_S,
     }
+}
+
+/// What happens all the time, to everybody.
+fn is_quiet(what: What) -> bool {
+    matches!(what, What::Resetting | What::Entering | What::Leaving)
 }
 
 pub(super) fn lay_out(shapes: &mut Shapes, run: &CrowdRun, look: &CrowdLook, brush: &Brush<'_>) {
@@ -52,7 +60,7 @@ pub(super) fn lay_out(shapes: &mut Shapes, run: &CrowdRun, look: &CrowdLook, bru
 ///
 /// - `age`: 0 where it happens, 1 where the mark is gone.
 fn mark(shapes: &mut Shapes, brush: &Brush<'_>, h: &Happened, age: f32) {
-    let strength = (1.0 - age) * if h.what == What::Resetting { 0.5 } else { 0.9 };
+    let strength = (1.0 - age) * if is_quiet(h.what) { 0.5 } else { 0.9 };
     let colour = colour_of(h.what, brush.dark).alpha(strength);
     let lift = if brush.cast.in_the_air { Vec3::ZERO } else { Vec3::Y * MARK_Y };
     let radius = brush.cast.radii.get(h.member).copied().unwrap_or(0.3);
@@ -61,9 +69,9 @@ fn mark(shapes: &mut Shapes, brush: &Brush<'_>, h: &Happened, age: f32) {
     }
     let grown = radius
         * match h.what {
-            What::Resetting => 1.0 + 0.25 * age,
-            What::Colliding | What::Meeting | What::Other => 1.05 + 0.6 * age,
-            _ => 1.2 + 1.6 * age,
+            what if is_quiet(what) => 1.0 + 0.25 * age,
+            what if stay_s(what) > MARK_S => 1.2 + 1.6 * age,
+            _ => 1.05 + 0.6 * age,
         };
     if brush.cast.in_the_air {
         shapes.circle(h.at, grown, 1.5, colour);
