@@ -72,7 +72,7 @@ impl Viewer {
         }
         self.model.advance(ctx, wall_s);
         self.model.times.simulation_s = begin.elapsed().as_secs_f64();
-        if self.model.is_playing() {
+        if self.model.is_playing() || self.model.is_busy() {
             ctx.request_repaint();
         } else {
             // Files are watched while nothing moves, too.

@@ -1,5 +1,6 @@
 //! Everything a panel may ask for.
 
+use crate::model::crowd::CrowdCommand;
 use crate::model::world::WorldCommand;
 use crate::panels::PanelKind;
 use crate::render::Camera;
@@ -57,6 +58,8 @@ pub enum Command {
     },
     /// Do something to the world.
     World(WorldCommand),
+    /// Do something to the scene of a crowd.
+    Crowd(CrowdCommand),
 
     /// Select a character, or none.
     SelectCharacter(Option<usize>),

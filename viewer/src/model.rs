@@ -1,6 +1,7 @@
 //! All that the viewer knows: what is open, what is shown of it, what was said of it.
 
 mod commands;
+pub mod crowd;
 mod documents;
 mod played;
 mod shown;
@@ -33,6 +34,8 @@ pub struct Selection {
     pub clip: usize,
     /// What is looked at in a world.
     pub world: world::WorldLook,
+    /// What is drawn of a scene of a crowd.
+    pub crowd: crowd::CrowdLook,
 }
 
 /// The play head of a clip.
@@ -106,6 +109,9 @@ pub struct Model {
     pub times: FrameTimes,
     /// Width of the 3-D view over its height; 0 before it was first shown.
     pub aspect: f32,
+    /// What is simulated takes as long as it takes: for pictures and measurements, which are to be the same however
+    /// fast the machine is.
+    pub is_unhurried: bool,
     /// Grows with every file that is shown, so that what was worked out of an older version is known for what it is.
     pub generation: u64,
     weights: Vec<f32>,
@@ -167,10 +173,17 @@ impl Model {
         in_world || self.head().is_some_and(|h| h.is_playing()) || self.shown_crowd().is_some_and(|c| c.1.is_playing())
     }
 
-    /// Number of characters of the crowd, the world, or the scene of walkers.
+    /// True where something is still to be worked off while time stands still, so that the next frame has to be shown
+    /// soon.
+    pub fn is_busy(&self) -> bool {
+        self.document.crowd_scene().is_some_and(|c| c.run().is_busy())
+    }
+
+    /// Number of characters of the crowd or the world, or of members of a scene.
     pub fn num_characters(&self) -> usize {
         let in_world = self.document.world().map(|w| w.run().num_characters());
         let in_world = in_world.or_else(|| Some(self.document.walkers()?.run().num_characters()));
+        let in_world = in_world.or_else(|| Some(self.document.crowd_scene()?.run().cast().groups.len()));
         in_world.or_else(|| Some(self.document.crowd()?.1.config().characters)).unwrap_or(0)
     }
 
@@ -201,6 +214,8 @@ impl Model {
         self.times.steps = 0;
         if self.shows_clip() {
             self.advance_clip(wall_s);
+        } else if self.document.crowd_scene().is_some() {
+            self.times.steps = self.advance_crowd(wall_s);
         } else if self.head().is_some() {
             self.times.steps = self.advance_played(wall_s);
         } else if let Some((bundle, run)) = self.document.crowd_mut() {

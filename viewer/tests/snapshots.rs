@@ -6,6 +6,7 @@
 mod common;
 
 use common::boxing::Boxing;
+use common::meeting::Meeting;
 use common::paces::Paces;
 use common::square::Square;
 use common::{Viewing, adapter, bvh, golden};
@@ -14,6 +15,7 @@ use egui_kittest::kittest::Queryable;
 use egui_kittest::{SnapshotOptions, SnapshotResults};
 use throng_viewer::args::{Args, Character, PanelChoice, ThemeName};
 use throng_viewer::command::Command;
+use throng_viewer::model::crowd::{CrowdCommand, CrowdLook, Whose};
 use throng_viewer::panels::{Dock, PANELS, PanelKind};
 use throng_viewer::run::{Beside, Blending};
 
@@ -23,6 +25,8 @@ const SIZE: egui::Vec2 = vec2(560.0, 380.0);
 const VIEW_SIZE: egui::Vec2 = vec2(420.0, 260.0);
 /// Step of the run that is shown.
 const STEP: u32 = 60;
+/// Step of scenes of crowds, at which groups meet.
+const MET: u32 = 200;
 
 /// True where pictures can be compared; otherwise prints why not.
 fn can_compare() -> bool {
@@ -55,7 +59,12 @@ fn at_rest(args: &Args, size: egui::Vec2) -> Viewing {
 }
 
 /// The same, of one that has been opened.
-fn rest(mut v: Viewing) -> Viewing {
+fn rest(v: Viewing) -> Viewing {
+    rest_at(v, STEP)
+}
+
+/// The same, at another step.
+fn rest_at(mut v: Viewing, step: u32) -> Viewing {
     if !v.model().shows_clip() {
         let now = |v: &Viewing| {
             let document = &v.model().document;
@@ -63,8 +72,8 @@ fn rest(mut v: Viewing) -> Viewing {
             let of_crowd = || Some(document.crowd()?.1.now());
             on_reel.or_else(of_crowd).or_else(|| Some(document.world()?.run().now()))
         };
-        v.until("the step", |v| now(v).is_some_and(|step| step >= STEP));
-        v.apply(Command::Seek(STEP));
+        v.until("the step", |v| now(v).is_some_and(|now| now >= step));
+        v.apply(Command::Seek(step));
     }
     v.apply(Command::Play(false));
     v.apply(Command::FrameAll);
@@ -174,6 +183,40 @@ fn blend_spaces() {
     }
     let scene = Args { file: Some(paces.scene(12, 1.0)), ..crowd() };
     compare(&mut results, at_rest(&scene, VIEW_SIZE), "view_walkers");
+}
+
+#[test]
+fn scenes_of_crowds() {
+    if !can_compare() {
+        return;
+    }
+    let mut results = SnapshotResults::new();
+    let meeting = Meeting::new();
+    let panel = vec![PanelChoice::Open(PanelKind::Crowd)];
+    let args = Args {
+        file: Some(meeting.scene(12)),
+        panel,
+        characters: None,
+        character: Some(Character(Some(5))),
+        ..Args::default()
+    };
+    let light = Args { theme: Some(ThemeName::Light), ..args.clone() };
+    for (args, name) in [(args.clone(), "panel_crowd_scene"), (light, "panel_crowd_scene_light")] {
+        let mut v = rest_at(Viewing::new(&args, vec2(1000.0, 1330.0)), MET);
+        // The name of the folder is another one every time.
+        let field = v.harness.get_by_label("Snapshot file").rect();
+        v.harness.mask(field);
+        compare(&mut results, v, name);
+    }
+    let alone = Args { panel: vec![PanelChoice::None], ..args };
+    let all = CrowdLook { bounds: Whose::All, ways: Whose::All, ..CrowdLook::default() };
+    let flock = Args { file: Some(meeting.flock(12)), ..alone.clone() };
+    let light = Args { theme: Some(ThemeName::Light), ..alone.clone() };
+    for (args, name) in [(alone, "view_meeting"), (light, "view_meeting_light"), (flock, "view_flock")] {
+        let mut v = Viewing::new(&args, SIZE);
+        v.apply(Command::Crowd(CrowdCommand::Look(all)));
+        compare(&mut results, rest_at(v, MET), name);
+    }
 }
 
 #[test]

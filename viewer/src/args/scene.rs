@@ -2,7 +2,7 @@
 
 use super::{Args, PanelChoice};
 use crate::command::{Command, Stage};
-use crate::document::Document;
+use crate::document::{CrowdChoice, Document};
 use crate::model::Model;
 use crate::model::world::WorldCommand;
 use crate::panels::Dock;
@@ -75,8 +75,13 @@ impl Args {
             model.settings.side_panel = self.settings(Settings::default()).side_panel;
         }
         match self.camera {
-            Some(view) if view.is_placed => model.apply(ctx, Command::Camera(view.camera)),
-            _ => model.apply(ctx, Command::FrameAll),
+            Some(view) => {
+                model.apply(ctx, Command::Camera(view.camera));
+                if !view.is_placed {
+                    model.apply(ctx, Command::FrameAll);
+                }
+            }
+            None => model.apply(ctx, Command::FrameAll),
         }
         Ok(())
     }
@@ -98,6 +103,12 @@ impl Args {
                 model.apply(ctx, Command::Walkers { characters, seed });
             }
             return Ok(());
+        }
+        if let Some(crowd) = model.document.crowd_scene() {
+            let old = crowd.choice();
+            let (members, seed) = (self.characters.unwrap_or(old.members), self.seed.unwrap_or(old.seed));
+            let choice = CrowdChoice { members, seed, ..old };
+            return if choice == old { Ok(()) } else { model.begin_crowd_now(choice) };
         }
         let Some(file) = model.document.scene() else { return Ok(()) };
         let mut scene = file.scene.clone();

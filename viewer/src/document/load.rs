@@ -1,6 +1,6 @@
 //! Opens files away from the window's thread.
 
-use super::{Bundle, RawMotion, SceneFile, Stamp, WalkersDocument, WorldDocument};
+use super::{Bundle, CrowdDocument, RawMotion, SceneFile, Stamp, WalkersDocument, WorldDocument};
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
 use throng_precompute::scene::Scene;
@@ -18,6 +18,8 @@ pub enum Opened {
     World(Box<WorldDocument>),
     /// A scene of walkers.
     Walkers(Box<WalkersDocument>),
+    /// A scene of a crowd.
+    CrowdScene(Box<CrowdDocument>),
 }
 
 impl Opened {
@@ -31,6 +33,7 @@ impl Opened {
             Some("bvh" | "amc") => Ok(Self::Clip(Box::new(RawMotion::open(path)?))),
             _ if WorldDocument::is_one(path) => Ok(Self::World(Box::new(WorldDocument::open(path)?))),
             _ if WalkersDocument::is_one(path) => Ok(Self::Walkers(Box::new(WalkersDocument::open(path)?))),
+            _ if CrowdDocument::is_one(path) => Ok(Self::CrowdScene(Box::new(CrowdDocument::open(path)?))),
             _ if Scene::is_scene(path) => {
                 let (scene, bundle) = SceneFile::open(path)?;
                 Ok(Self::Scene(Box::new(scene), Box::new(bundle)))

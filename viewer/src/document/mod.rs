@@ -1,8 +1,9 @@
-//! What is open: nothing, a bundle, a scene on a bundle, a world of motion patches, a scene of walkers, or a raw motion
-//! file.
+//! What is open: nothing, a bundle, a scene on a bundle, a world of motion patches, a scene of walkers or of a crowd, or a
+//! raw motion file.
 
 mod bundle;
 mod clip;
+mod crowd;
 mod load;
 mod scene;
 mod walkers;
@@ -11,6 +12,7 @@ pub mod world;
 
 pub use bundle::Bundle;
 pub use clip::RawMotion;
+pub use crowd::{CrowdChoice, CrowdDocument, MAX_MEMBERS};
 pub use load::{Loader, Opened};
 pub use scene::SceneFile;
 pub use walkers::WalkersDocument;
@@ -34,6 +36,8 @@ pub enum Document {
     World(Box<WorldDocument>),
     /// A scene of walkers.
     Walkers(Box<WalkersDocument>),
+    /// A scene of a crowd that acts at its own events.
+    CrowdScene(Box<CrowdDocument>),
 }
 
 /// A bundle and the crowd or the scene that runs on it.
@@ -58,6 +62,7 @@ impl Document {
             Self::Clip(c) => Some(c.path()),
             Self::World(w) => Some(w.path()),
             Self::Walkers(w) => Some(w.path()),
+            Self::CrowdScene(c) => Some(c.path()),
         }
     }
 
@@ -142,6 +147,14 @@ impl Document {
     pub fn walkers_mut(&mut self) -> Option<&mut WalkersDocument> {
         match self {
             Self::Walkers(w) => Some(w),
+            _ => None,
+        }
+    }
+
+    /// The scene of a crowd, where one is open.
+    pub fn crowd_scene(&self) -> Option<&CrowdDocument> {
+        match self {
+            Self::CrowdScene(c) => Some(c),
             _ => None,
         }
     }

@@ -3,7 +3,9 @@
 use super::{FrameFigures, Headless, HeadlessError};
 use crate::args::{Args, BENCH_FRAMES, Size};
 use crate::command::Command;
+use crate::document::CrowdChoice;
 use crate::model::Model;
+use crate::model::crowd::CrowdCommand;
 use crate::model::world::WorldCommand;
 use crate::run::RunConfig;
 use serde::Serialize;
@@ -62,6 +64,9 @@ fn with_characters(model: &Model, characters: usize) -> Command {
     }
     if let Some(walkers) = model.document.walkers() {
         return Command::Walkers { characters, seed: walkers.scene().seed };
+    }
+    if let Some(crowd) = model.document.crowd_scene() {
+        return Command::Crowd(CrowdCommand::Begin(CrowdChoice { members: characters, ..crowd.choice() }));
     }
     let Some(file) = model.document.scene() else {
         return Command::Configure(RunConfig { characters, ..model.settings.run });

@@ -98,6 +98,7 @@ impl Headless {
         let ctx = egui::Context::default();
         let settings = args.settings(crate::settings::Settings::default());
         let mut viewer = Viewer::new(settings, Some(screen.render_state()));
+        viewer.model.is_unhurried = true;
         viewer.states.bare = args.panel.contains(&PanelChoice::None);
         args.open(&ctx, &mut viewer.model).map_err(HeadlessError::Scene)?;
         Ok(Self { ctx, viewer, screen, frame: 0 })

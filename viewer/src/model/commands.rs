@@ -1,6 +1,7 @@
 //! What commands do.
 
 use super::Model;
+use super::crowd::CrowdCommand;
 use super::documents::started;
 use crate::command::{Command, Stage};
 use crate::document::{Document, WorldDocument};
@@ -22,10 +23,10 @@ impl Model {
             }
             Command::Dismiss(id) => self.messages.retain(|m| m.id != id),
             Command::Play(_) | Command::Step(_) | Command::Seek(_) | Command::Speed(_) => self.move_time(&command),
-            Command::Restart => self.restart(),
+            Command::Restart => self.restart(ctx),
             Command::Configure(config) => {
                 self.settings.run = config.limited();
-                self.restart();
+                self.restart(ctx);
             }
             Command::ConfigureScene(scene) => {
                 if let Document::Bundle(b) = &mut self.document
@@ -33,7 +34,7 @@ impl Model {
                 {
                     file.scene = *scene;
                 }
-                self.restart();
+                self.restart(ctx);
             }
             Command::Input(input) => {
                 if let Some((_, run)) = self.document.crowd_mut() {
@@ -44,12 +45,14 @@ impl Model {
             Command::Blend(wanted) => self.blend(wanted),
             Command::Walkers { characters, seed } => self.apply_walkers(characters, seed),
             Command::World(command) => self.apply_to_world(command),
+            Command::Crowd(command) => self.apply_to_crowd(ctx, command),
             Command::SelectCharacter(c) => {
                 let n = self.num_characters();
                 self.selection.world.place = None;
                 (self.selection.world.instance, self.selection.world.link) = (None, None);
                 self.selection.character = c.filter(|&c| c < n);
                 self.selection.state = None;
+                self.watch_selected();
             }
             Command::ShowClip { clip, frame } => self.show_clip(clip, frame),
             Command::SelectState(state) => self.selection.state = state,
@@ -108,7 +111,10 @@ impl Model {
     }
 
     /// Starts the run anew.
-    fn restart(&mut self) {
+    fn restart(&mut self, ctx: &egui::Context) {
+        if let Some(choice) = self.document.crowd_scene().map(|c| c.choice()) {
+            return self.apply_to_crowd(ctx, CrowdCommand::Begin(choice));
+        }
         if let Some(world) = self.document.world() {
             let (characters, seed) = (world.scene().characters, world.scene().seed);
             return self.populate(characters, seed);

@@ -5,6 +5,7 @@ use super::{ClipPlayer, Model, Selection};
 use crate::command::Stage;
 use crate::document::{Bundle, BundleDocument, Document, Opened, SceneFile, Stamp, Watch};
 use crate::panels::PanelKind;
+use crate::render::Preset;
 use crate::run::{BlendRun, Run};
 use eframe::egui;
 use std::path::{Path, PathBuf};
@@ -52,6 +53,14 @@ impl Model {
                 }
                 Document::Walkers(walkers)
             }
+            Opened::CrowdScene(mut crowd) => {
+                let head = &mut crowd.run_mut().reel.head;
+                head.play(true);
+                if let Some(old) = self.document.crowd_scene().filter(|_| is_reload) {
+                    head.play_like(&old.run().reel.head);
+                }
+                Document::CrowdScene(crowd)
+            }
         };
         if let Some(why) = self.document.scene_fault().map(str::to_owned) {
             self.complain(why);
@@ -64,6 +73,9 @@ impl Model {
             self.stage = Stage::Crowd;
             self.views.clear();
             self.change_side_panel();
+            if self.document.crowd_scene().is_some_and(|c| !c.run().cast().in_the_air) {
+                Preset::Top.turn(&mut self.settings.camera);
+            }
             self.frame_all();
         }
         // The new bundle may have fewer of everything.
@@ -73,6 +85,7 @@ impl Model {
         self.selection.world = WorldLook { tool: self.selection.world.tool, ..Default::default() };
         let n = self.num_characters();
         self.selection.character = self.selection.character.filter(|&c| c < n);
+        self.watch_selected();
     }
 
     /// A bundle with a crowd or its scene.
@@ -127,10 +140,11 @@ impl Model {
         // What moves a crowd is in one panel, what moves those who live in a world or whose body is blended in others.
         let here = match &self.document {
             Document::World(_) => PanelKind::Patches,
+            Document::CrowdScene(_) => PanelKind::Crowd,
             Document::Bundle(b) if b.blend.is_some() && b.run.is_err() => PanelKind::Blend,
             _ => PanelKind::Control,
         };
-        if [PanelKind::Control, PanelKind::Patches, PanelKind::Blend].map(Some).contains(side) {
+        if [PanelKind::Control, PanelKind::Patches, PanelKind::Blend, PanelKind::Crowd].map(Some).contains(side) {
             *side = Some(here);
         }
     }

@@ -1,4 +1,4 @@
-//! Time of what is kept on a reel: a scene of walkers, and somebody who walks in a blend space.
+//! Time of what is kept on a reel: a scene of walkers or of a crowd, and somebody who walks in a blend space.
 
 use super::Model;
 use crate::command::Command;
@@ -12,6 +12,7 @@ impl Model {
         match &self.document {
             _ if self.shows_clip() => None,
             Document::Walkers(w) => Some(&w.run().reel.head),
+            Document::CrowdScene(c) => Some(&c.run().reel.head),
             Document::Bundle(b) if self.shows_blend() => b.blend.as_ref().map(|run| &run.reel.head),
             _ => None,
         }
@@ -22,6 +23,7 @@ impl Model {
         match &mut self.document {
             _ if shows_clip => None,
             Document::Walkers(w) => Some(&mut w.run_mut().reel.head),
+            Document::CrowdScene(c) => Some(&mut c.run_mut().reel.head),
             Document::Bundle(b) if shows_blend => b.blend.as_mut().map(|run| &mut run.reel.head),
             _ => None,
         }
@@ -66,6 +68,15 @@ impl Model {
             Command::Step(by) if *by > 0 => steps = *by,
             Command::Step(by) => head.seek(head.now().saturating_add_signed(*by)),
             _ => {}
+        }
+        if let Document::CrowdScene(crowd) = &mut self.document {
+            // They are taken as time allows.
+            if steps > 0 {
+                crowd.run_mut().want(steps as u32)
+            } else {
+                crowd.run_mut().want_no_more()
+            }
+            return;
         }
         for _ in 0..steps {
             if let Err(why) = self.step_played() {

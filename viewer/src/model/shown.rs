@@ -9,7 +9,7 @@ impl Model {
     /// True where the 3-D view shows a clip, of the database or of a motion file.
     pub fn shows_clip(&self) -> bool {
         match &self.document {
-            Document::Nothing => false,
+            Document::Nothing | Document::CrowdScene(_) => false,
             Document::Bundle(b) => self.stage == Stage::Clip || (b.run.is_err() && b.blend.is_none()),
             Document::World(_) | Document::Walkers(_) => self.stage == Stage::Clip,
             Document::Clip(_) => true,

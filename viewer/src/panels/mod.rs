@@ -5,6 +5,7 @@
 
 pub mod blend;
 pub mod control;
+pub mod crowd;
 pub mod database;
 pub mod graph;
 pub mod hits;
@@ -47,6 +48,8 @@ pub enum PanelKind {
     Patches,
     /// Blend spaces.
     Blend,
+    /// Scenes of crowds.
+    Crowd,
 }
 
 /// Where a panel lies.
@@ -149,6 +152,14 @@ pub const PANELS: &[Panel] = &[
         key: Key::F9,
         show: |ui, model, states, commands| blend::show(ui, model, &mut states.blend, commands),
     },
+    Panel {
+        kind: PanelKind::Crowd,
+        title: "Crowd",
+        purpose: "scenes of crowds: engine and number of members, bounds, events, forces, and how often what happens",
+        dock: Dock::Side,
+        key: Key::F10,
+        show: |ui, model, states, commands| crowd::show(ui, model, &mut states.crowd, commands),
+    },
 ];
 
 /// What panels remember of how they look.
@@ -178,6 +189,8 @@ pub struct PanelStates {
     pub patches: patches::State,
     /// Blend spaces.
     pub blend: blend::State,
+    /// Scenes of crowds.
+    pub crowd: crowd::State,
 }
 
 impl PanelKind {

@@ -5,6 +5,10 @@
 pub(crate) mod boxing;
 
 #[allow(dead_code, reason = "tests in files of their own use more of it")]
+#[path = "../../tests/common/meeting.rs"]
+pub(crate) mod meeting;
+
+#[allow(dead_code, reason = "tests in files of their own use more of it")]
 #[path = "../../tests/common/paces.rs"]
 pub(crate) mod paces;
 

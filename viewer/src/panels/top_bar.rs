@@ -1,6 +1,6 @@
 //! The bar at the top: file, view, panels, help.
 
-use super::{PANELS, PanelStates};
+use super::{PANELS, PanelStates, crowd};
 use crate::command::{Command, Stage};
 use crate::document::Document;
 use crate::model::Model;
@@ -57,6 +57,10 @@ fn title(model: &Model) -> String {
             let file = w.path().file_name().unwrap_or_default().to_string_lossy();
             let (spaces, characters) = (w.scene().spaces.join(", "), w.run().num_characters());
             format!("{file} · {} · {spaces} · {characters} characters", w.scene().name)
+        }
+        Document::CrowdScene(c) => {
+            let file = c.path().file_name().unwrap_or_default().to_string_lossy();
+            format!("{file} · {}", crowd::in_words(c.choice()))
         }
         Document::Clip(c) => {
             let name = c.path().file_name().unwrap_or_default().to_string_lossy();

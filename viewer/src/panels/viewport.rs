@@ -8,7 +8,7 @@ use crate::document::Document;
 use crate::model::Model;
 use crate::render::{self, Camera, Ray};
 use crate::run::{Input, Run, TargetMode};
-use crate::stage::{Layout, ValueCell};
+use crate::stage::{Layout, ValueCell, members};
 use eframe::egui::{self, Align2, Color32, CursorIcon, FontId, PointerButton, Pos2, Rect, Response, Sense, Ui};
 use glam::{Vec2, Vec3};
 
@@ -208,6 +208,10 @@ fn click(ui: &Ui, response: &Response, model: &Model, layout: &Layout, commands:
     if let Some(world) = model.shown_world() {
         return world::click(ui, model, world, layout, &ray, commands);
     }
+    if let Some(crowd) = model.document.crowd_scene() {
+        let hit = members::pick(crowd, &model.settings.camera, &ray, size(rect));
+        return commands.push(Command::SelectCharacter(hit));
+    }
     if model.shows_walkers() {
         let hit = render::pick(&ray, &layout.skeleton, layout.poses(model), &layout.instances);
         return commands.push(Command::SelectCharacter(hit.map(|h| h.character)));
@@ -282,6 +286,12 @@ fn describe(model: &Model) -> Option<String> {
         let speed = walkers.run().moment().speeds.get(c)?;
         let size = walkers.body(c).leg_length() / walkers.bundle().tables().skeleton().leg_length();
         return Some(format!("character {c} · {speed:.1} m/s · legs of {:.0} %", 100.0 * size));
+    }
+    if let Some(crowd) = model.document.crowd_scene() {
+        let (m, run) = (model.selection.character?, crowd.run());
+        let Some(seen) = run.moment().members.get(m)? else { return Some(format!("member {m} has left")) };
+        let group = &run.cast().names[run.cast().groups[m]];
+        return Some(format!("member {m} · {group} · {:.2} m/s", seen.velocity.length()));
     }
     if let Some((bundle, run)) = model.document.blend().filter(|_| model.shows_blend()) {
         let b = run.blending();

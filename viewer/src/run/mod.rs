@@ -9,6 +9,7 @@ mod cast;
 mod config;
 mod figures;
 mod marks;
+pub mod members;
 mod recording;
 mod reel;
 mod simulation;

@@ -6,6 +6,7 @@ pub mod bout;
 mod clip;
 mod crowd;
 mod cues;
+pub mod members;
 mod raw;
 mod values;
 mod walkers;
@@ -105,6 +106,7 @@ impl Layout {
                     false => walkers::lay_out(self, model, w, &palette, dark),
                 }
             }
+            Document::CrowdScene(c) => members::lay_out(self, model, c, &palette, dark),
             Document::Bundle(b) => {
                 self.skeleton.clone_from(b.bundle.tables().skeleton());
                 match (model.shown_crowd(), b.blend.as_ref().filter(|_| model.shows_blend())) {
@@ -142,6 +144,7 @@ pub fn bounds(model: &Model) -> (Vec3, Vec3) {
             true => points.extend(around(model)),
             false => points.extend(walkers::places(w)),
         },
+        Document::CrowdScene(c) => points.extend(members::bounds(c)),
         Document::Bundle(_) => match model.shown_crowd() {
             Some((_, run)) => {
                 let troupe = run.troupe();
@@ -153,7 +156,8 @@ pub fn bounds(model: &Model) -> (Vec3, Vec3) {
     }
     let Some(&first) = points.first() else { return (Vec3::new(-2.0, 0.0, -2.0), Vec3::new(2.0, 1.8, 2.0)) };
     let (low, high) = points.iter().fold((first, first), |(l, h), &p| (l.min(p), h.max(p)));
-    let top = if model.shown_world().is_some() { high.y.max(1.8) } else { 1.8 };
+    let is_high = model.shown_world().is_some() || model.document.crowd_scene().is_some();
+    let top = if is_high { high.y.max(1.8) } else { 1.8 };
     (low.with_y(0.0) - Vec3::new(0.6, 0.0, 0.6), high.with_y(top) + Vec3::new(0.6, 0.0, 0.6))
 }
 
@@ -182,6 +186,7 @@ pub fn followed(model: &Model) -> Option<Vec3> {
             true => clip::place(model, w.bundle()),
             false => w.run().moment().place(model.selection.character?),
         },
+        Document::CrowdScene(c) => c.run().moment().members.get(model.selection.character?)?.map(|s| s.at),
         Document::Bundle(b) => match (model.shown_crowd(), b.blend.as_ref().filter(|_| model.shows_blend())) {
             (Some((_, run)), _) => Some(run.troupe().root(model.selection.character?).translation()),
             (None, Some(run)) => blend::place(run),

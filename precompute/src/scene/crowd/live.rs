@@ -13,21 +13,21 @@ const NEWS_S: f64 = 1.0 / 30.0;
 /// A crowd, its layout, and who knows what.
 #[derive(Clone, Debug)]
 pub struct Live<V> {
-    crowd: Crowd<V>,
-    layout: Layout<V>,
+    pub(super) crowd: Crowd<V>,
+    pub(super) layout: Layout<V>,
     ids: Vec<Id>,
     /// In the order of their times.
     happenings: Vec<HappeningConfig>,
     /// How many of them have happened.
-    happened: usize,
+    pub(super) happened: usize,
     /// Of each member: the last happening that it knows of, from 1; 0 where it knows of none.
-    knows: Vec<usize>,
+    pub(super) knows: Vec<usize>,
     /// Of each member: how often it was given another way.
-    sent: Vec<u32>,
+    pub(super) sent: Vec<u32>,
     /// (who is told, of which happening), since news were last told on.
-    told: Vec<(usize, usize)>,
+    pub(super) told: Vec<(usize, usize)>,
     /// Moments at which news were told on.
-    ticks: u64,
+    pub(super) ticks: u64,
     on_all_threads: bool,
 }
 
@@ -66,11 +66,19 @@ impl<V: Space> Live<V> {
     /// # Errors
     /// [`BuildError::Stage`] where the engine does not get on, or a happening's goal cannot be reached.
     pub fn advance(&mut self, until_s: f64) -> Result<(), BuildError> {
+        self.advance_telling(until_s, &mut |_| {})
+    }
+
+    /// As [`Live::advance`]; everything that happens is told to `on_event` in its order.
+    ///
+    /// # Errors
+    /// As [`Live::advance`].
+    pub fn advance_telling(&mut self, until_s: f64, on_event: &mut impl FnMut(&Event)) -> Result<(), BuildError> {
         loop {
             let next = self.happenings.get(self.happened).map_or(f64::INFINITY, |h| h.time_s);
             let tick = if self.is_told_on() { (self.ticks + 1) as f64 * NEWS_S } else { f64::INFINITY };
             let stop = until_s.min(next).min(tick);
-            self.advance_engine(stop)?;
+            self.advance_engine(stop, on_event)?;
             if stop == next {
                 self.happen()?;
             } else if stop == tick {
@@ -86,9 +94,10 @@ impl<V: Space> Live<V> {
         self.happenings[..self.happened].iter().any(|h| h.told_on)
     }
 
-    fn advance_engine(&mut self, until_s: f64) -> Result<(), BuildError> {
+    fn advance_engine(&mut self, until_s: f64, on_event: &mut impl FnMut(&Event)) -> Result<(), BuildError> {
         let (knows, told, happenings) = (&self.knows, &mut self.told, &self.happenings);
         let mut hear = |e: &Event| {
+            on_event(e);
             let EventKind::Colliding { other } = e.kind else { return };
             let (a, b) = (e.member.index(), other.index());
             let (who, news) = if knows[a] < knows[b] { (a, knows[b]) } else { (b, knows[a]) };
@@ -179,6 +188,11 @@ impl<V: Space> Live<V> {
     /// True for a scene in which something happens from outside.
     pub fn has_happenings(&self) -> bool {
         !self.happenings.is_empty()
+    }
+
+    /// Number of happenings of the scene.
+    pub(super) fn num_happenings(&self) -> usize {
+        self.happenings.len()
     }
 
     /// Number of happenings of which a member knows, itself or from others. [Limit: member < num_members]

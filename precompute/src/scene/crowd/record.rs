@@ -143,12 +143,13 @@ fn seen<V: Space>(live: &Live<V>, m: usize, time_s: f64) -> Option<SeenMember> {
 }
 
 /// A vector of a crowd as one of the world.
-pub(super) fn in_world<V: Space>(v: V) -> Vec3 {
+pub fn in_world<V: Space>(v: V) -> Vec3 {
     let [a, b, c] = v.coordinates();
     if V::DIMENSIONS == 2 { Vec3::new(a, 0.0, b) } else { Vec3::new(a, b, c) }
 }
 
-fn seen_obstacle<V: Space>(obstacle: &Obstacle<V>) -> Option<SeenObstacle> {
+/// An obstacle as one of the world; none of a kind that is not known.
+pub fn seen_obstacle<V: Space>(obstacle: &Obstacle<V>) -> Option<SeenObstacle> {
     Some(match obstacle {
         &Obstacle::Ball { centre, radius } => SeenObstacle::Ball { centre: in_world(centre), radius },
         &Obstacle::Wall { from, to, radius } => SeenObstacle::Wall { from: in_world(from), to: in_world(to), radius },

@@ -8,7 +8,7 @@ mod rows;
 mod surface;
 mod timing;
 
-use super::paint::{empty, nothing_open};
+use super::paint::{empty, no_bundle};
 use crate::command::Command;
 use crate::model::Model;
 use crate::run::Blending;
@@ -71,7 +71,7 @@ pub fn show(ui: &mut Ui, model: &Model, state: &mut State, commands: &mut Vec<Co
     }
     let Some((bundle, run)) = model.document.blend() else {
         match model.document.bundle() {
-            None if model.document.raw_motion().is_none() => return nothing_open(ui),
+            None if model.document.raw_motion().is_none() => return no_bundle(ui, &model.document),
             _ => return empty(ui, "There is no blend space", NO_SPACES),
         }
     };

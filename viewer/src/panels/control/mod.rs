@@ -36,6 +36,13 @@ pub fn show(ui: &mut Ui, model: &Model, state: &mut State, commands: &mut Vec<Co
     if let Some(scene) = model.document.walkers() {
         return walkers::show(ui, scene, &mut state.dragged_walkers, commands);
     }
+    if model.document.crowd_scene().is_some() {
+        ui.weak("A scene of a crowd is chosen, looked at and begun anew in the panel Crowd.");
+        if ui.button("Open it").clicked() {
+            commands.push(Command::TogglePanel(PanelKind::Crowd));
+        }
+        return;
+    }
     let Some(bundle) = model.document.bundle() else {
         ui.weak("Open a bundle to run a crowd: drop it on the window, or File > Open.");
         return;

@@ -10,7 +10,7 @@ mod timeline;
 mod track;
 mod ways;
 
-use super::paint::{Palette, nothing_open, time_text};
+use super::paint::{Palette, no_bundle, time_text};
 use crate::command::Command;
 use crate::document::{Bundle, Document, RawMotion};
 use crate::model::Model;
@@ -37,7 +37,7 @@ pub struct State {
 /// Shows the panel.
 pub fn show(ui: &mut Ui, model: &Model, state: &mut State, commands: &mut Vec<Command>) {
     match &model.document {
-        Document::Nothing => nothing_open(ui),
+        Document::Nothing | Document::CrowdScene(_) => no_bundle(ui, &model.document),
         Document::Bundle(b) => bundle_view(ui, &b.bundle, model, state, commands),
         Document::World(w) => bundle_view(ui, w.bundle(), model, state, commands),
         Document::Walkers(w) => bundle_view(ui, w.bundle(), model, state, commands),

@@ -7,7 +7,7 @@ mod outline;
 mod plot;
 mod view;
 
-use super::paint::{Palette, Sort, empty, legend, nothing_open, viridis};
+use super::paint::{Palette, Sort, empty, legend, no_bundle, viridis};
 use super::words;
 use crate::command::Command;
 use crate::document::Bundle;
@@ -76,7 +76,7 @@ pub fn show(ui: &mut Ui, model: &Model, state: &mut State, commands: &mut Vec<Co
         if model.document.raw_motion().is_some() {
             return empty(ui, "Hits are part of a bundle", "Build one from this motion, then open it.");
         }
-        return nothing_open(ui);
+        return no_bundle(ui, &model.document);
     };
     if state.hits.as_ref().is_none_or(|h| h.0 != model.generation) {
         let (colours, whole_body, sort) = (state.colours, state.whole_body, state.sort);

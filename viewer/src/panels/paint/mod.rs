@@ -16,6 +16,7 @@ pub use palette::Palette;
 pub use ruler::{RULER_HEIGHT, ruler};
 pub use table::{Cell, Click, Column, Sort, Table, TableResponse, least_width};
 
+use crate::document::Document;
 use eframe::egui::{Align, Layout, RichText, Ui};
 
 /// Says in the middle of an empty panel what to do.
@@ -25,6 +26,16 @@ pub fn empty(ui: &mut Ui, title: &str, hint: &str) {
         ui.label(RichText::new(title).strong());
         ui.label(RichText::new(hint).weak());
     });
+}
+
+/// What panels about bundles say of a document without one.
+pub fn no_bundle(ui: &mut Ui, document: &Document) {
+    match document {
+        Document::CrowdScene(_) => {
+            empty(ui, "This is a scene of a crowd", "It has no bundle. The panel Crowd (F10) shows it.")
+        }
+        _ => nothing_open(ui),
+    }
 }
 
 /// What panels without a document say.

@@ -4,7 +4,7 @@ mod bundle;
 mod clip;
 mod verdict;
 
-use super::paint::nothing_open;
+use super::paint::no_bundle;
 use crate::command::Command;
 use crate::document::Document;
 use crate::model::Model;
@@ -19,7 +19,7 @@ pub struct State {
 /// Shows the panel.
 pub fn show(ui: &mut Ui, model: &Model, state: &mut State, commands: &mut Vec<Command>) {
     match &model.document {
-        Document::Nothing => nothing_open(ui),
+        Document::Nothing | Document::CrowdScene(_) => no_bundle(ui, &model.document),
         Document::Bundle(b) => bundle::show(ui, &b.bundle, model.generation, &mut state.sources),
         Document::World(w) => bundle::show(ui, w.bundle(), model.generation, &mut state.sources),
         Document::Walkers(w) => bundle::show(ui, w.bundle(), model.generation, &mut state.sources),

@@ -3,6 +3,7 @@
 mod bout;
 
 use crate::model::Model;
+use crate::run::members::CrowdRun;
 use crate::run::{Run, STEP_HZ};
 use eframe::egui::{self, CollapsingHeader, Color32, Grid, Ui};
 use egui_plot::{HoverPosition, Line, Plot, PlotPoints};
@@ -32,9 +33,13 @@ pub fn show(ui: &mut Ui, model: &Model) {
         step_times(ui, run);
         quality(ui, run);
     }
+    if let Some(crowd) = model.document.crowd_scene() {
+        of_crowd(ui, crowd.run());
+    }
     frame_times(ui, model);
     match model.document.bundle() {
         Some(bundle) => memory(ui, bundle.tables(), model),
+        None if model.document.crowd_scene().is_some() => {}
         None => {
             ui.weak("Open a bundle to see what its tables take and how fast a crowd runs on it.");
         }
@@ -58,6 +63,18 @@ fn now(ui: &mut Ui, model: &Model, run: &Run) {
             "record",
             format!("{} for {:.0} s", bytes(run.recording_bytes()), run.history().count() as f32 / STEP_HZ),
         );
+    });
+}
+
+/// What the engine of a scene of a crowd takes.
+fn of_crowd(ui: &mut Ui, run: &CrowdRun) {
+    let (n, step_s) = (run.moment().figures.present.max(1) as f64, run.step_s());
+    Grid::new("crowd now").num_columns(2).spacing([14.0, 3.0]).show(ui, |ui| {
+        row(ui, "members", run.moment().figures.present.to_string());
+        let per_member = 1e6 * step_s * f64::from(STEP_HZ) / n;
+        row(ui, "step of the engine", format!("{:.3} ms, {per_member:.1} µs a member and second", 1e3 * step_s));
+        let kept = run.reel.head.recorded();
+        row(ui, "record", format!("{:.1} s", (kept.end() - kept.start()) as f32 / STEP_HZ));
     });
 }
 

@@ -8,5 +8,5 @@ mod progress;
 pub(super) use gate::GateMeter;
 pub use gate::{Flow, HUMAN_FLOW_PER_M_S};
 pub(super) use lanes::LaneMeter;
-pub(super) use overlap::OverlapMeter;
-pub(super) use progress::{ProgressMeter, Sight};
+pub use overlap::OverlapMeter;
+pub use progress::{ProgressMeter, Sight};

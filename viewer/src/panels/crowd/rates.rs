@@ -1,0 +1,85 @@
+//! How often what happens: a plot of the last ten seconds, with a key that shows and hides kinds.
+
+use super::{colour, look};
+use crate::command::Command;
+use crate::document::CrowdDocument;
+use crate::model::Model;
+use crate::run::members::{WINDOW_S, What};
+use crate::stage::members::colour_of_event;
+use eframe::egui::{Grid, RichText, Role, Sense, Stroke, StrokeKind, Ui, WidgetInfo, vec2};
+use egui_plot::{HoverPosition, Line, Plot, PlotPoints};
+
+/// Height of the plot. [Unit: points]
+const HEIGHT: f32 = 120.0;
+/// Columns of the key.
+const COLUMNS: usize = 3;
+
+/// Shows the plot and the key.
+pub fn show(ui: &mut Ui, model: &Model, crowd: &CrowdDocument, commands: &mut Vec<Command>) {
+    let (run, dark) = (crowd.run(), ui.visuals().dark_mode);
+    let now = run.moment().time_s;
+    let rates = run.log().rates();
+    ui.weak("Events of one member in a second, over the last 10 s.");
+    let before = rates.before(now);
+    let plot = Plot::new("event rates")
+        .height(HEIGHT)
+        .include_y(0.0)
+        .include_x(now - WINDOW_S)
+        .include_x(now)
+        .allow_scroll(false)
+        .allow_drag(false)
+        .allow_zoom(false)
+        .allow_boxed_zoom(false)
+        .x_axis_formatter(|mark, _| format!("{} s", mark.value))
+        .y_axis_formatter(|mark, _| format!("{} /s", mark.value))
+        .label_formatter(|hit| match hit {
+            HoverPosition::NearDataPoint { plot_name, position, .. } => {
+                Some(format!("{plot_name}\n{:.1} s: {:.2} /s", position.x, position.y))
+            }
+            HoverPosition::Elsewhere { .. } => None,
+        });
+    let totals = rates.totals(now);
+    let kinds = model.selection.crowd.kinds;
+    plot.show(ui, |p| {
+        for what in What::ALL.into_iter().filter(|w| kinds[w.number()] && totals[w.number()] > 0) {
+            let points: PlotPoints<'_> = before.iter().map(|(t, r)| [*t, r[what.number()]]).collect();
+            p.line(Line::new(what.name(), points).color(colour(colour_of_event(what, dark))).width(1.8));
+        }
+    });
+    key(ui, model, totals, commands);
+}
+
+/// Names of kinds with how many there were; a click shows or hides one in plot, list and view.
+fn key(ui: &mut Ui, model: &Model, totals: [u64; What::COUNT], commands: &mut Vec<Command>) {
+    let dark = ui.visuals().dark_mode;
+    // What only the scheme of occupied cells tells is left out where there is none of it.
+    let is_special = |w: &What| matches!(w, What::Entering | What::Leaving | What::Contacting | What::Separating);
+    let there = What::ALL.into_iter().filter(|w| !is_special(w) || totals[w.number()] > 0);
+    Grid::new("kinds").num_columns(COLUMNS).spacing([10.0, 2.0]).show(ui, |ui| {
+        for (i, what) in there.enumerate() {
+            let is_on = model.selection.crowd.kinds[what.number()];
+            let inner = ui.horizontal(|ui| {
+                let (rect, _) = ui.allocate_exact_size(vec2(10.0, 10.0), Sense::hover());
+                let c = colour(colour_of_event(what, dark));
+                if is_on {
+                    ui.painter().rect_filled(rect, 2.0, c);
+                } else {
+                    let stroke = Stroke::new(1.0, c);
+                    ui.painter().rect_stroke(rect, 2.0, stroke, StrokeKind::Inside);
+                }
+                let text = format!("{} {}", what.name(), totals[what.number()]);
+                let text = RichText::new(text);
+                ui.selectable_label(false, if is_on { text } else { text.weak() })
+            });
+            let r = inner.inner;
+            r.widget_info(|| WidgetInfo::selected(Role::CheckBox, true, is_on, format!("Kind {}", what.name())));
+            if r.clicked() {
+                commands.push(look(model, |l| l.kinds[what.number()] = !is_on));
+            }
+            r.on_hover_text(format!("{}. A click shows or hides them.", what.meaning()));
+            if i % COLUMNS == COLUMNS - 1 {
+                ui.end_row();
+            }
+        }
+    });
+}

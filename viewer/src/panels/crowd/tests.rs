@@ -1,0 +1,77 @@
+use super::*;
+use crate::panels::tests::meeting::Meeting;
+use crate::panels::tests::{Trial, click, trial};
+use eframe::egui::vec2;
+use egui_kittest::Harness;
+use egui_kittest::kittest::Queryable;
+
+/// The panel alone, with a scene that has run for some steps.
+fn panel(meeting: &Meeting, steps: i32) -> Harness<'static, Trial<State>> {
+    let mut harness = trial(Some(&meeting.scene(12)), vec2(380.0, 1300.0), show);
+    let ctx = harness.ctx.clone();
+    let model = &mut harness.state_mut().model;
+    model.is_unhurried = true;
+    model.apply(&ctx, Command::Play(false));
+    model.apply(&ctx, Command::Step(steps));
+    model.advance(&ctx, 0.0);
+    harness.run_steps(3);
+    harness
+}
+
+#[test]
+fn what_is_drawn_is_chosen() {
+    let meeting = Meeting::new();
+    let mut harness = panel(&meeting, 60);
+    for (label, is_done) in [
+        ("bounds: all", (|m| m.selection.crowd.bounds == crate::model::crowd::Whose::All) as fn(&Model) -> bool),
+        ("ways: none", |m| m.selection.crowd.ways == crate::model::crowd::Whose::Nobody),
+        ("trails: all", |m| m.settings.overlays.trails && m.settings.overlays.of_all),
+        ("cells", |m| !m.selection.crowd.cells),
+        ("Kind colliding", |m| !m.selection.crowd.kinds[1]),
+    ] {
+        assert!(!is_done(&harness.state().model), "{label}");
+        let at = harness.get_by_label(label).rect().center();
+        click(&mut harness, at);
+        assert!(is_done(&harness.state().model), "{label}");
+    }
+}
+
+#[test]
+fn a_member_is_selected_by_its_event_and_its_forces_are_told() {
+    let meeting = Meeting::new();
+    let mut harness = panel(&meeting, 90);
+    assert!(harness.query_by_label("driving").is_none());
+    let crowd = harness.state().model.document.crowd_scene().unwrap();
+    let last = crowd.run().log().last(&[true; crate::run::members::What::COUNT], f64::INFINITY, 1)[0];
+    let name = format!("Event {} {}", last.what.name(), last.member);
+    let at = harness.get_all_by_label(&name).next().unwrap().rect().center();
+    click(&mut harness, at);
+    harness.run_steps(2);
+    assert_eq!(harness.state().model.selection.character, Some(last.member));
+    for term in ["driving", "interaction", "decelerating", "damping", "turning", "safety", "sum", "taken"] {
+        harness.get_by_label(term);
+    }
+    let at = harness.get_by_label("of the selected member only").rect().center();
+    click(&mut harness, at);
+    assert!(harness.state().state.only_selected);
+    assert!(harness.get_all_by_label(&name).next().is_some());
+}
+
+#[test]
+fn a_scene_is_begun_anew_kept_and_restored() {
+    let meeting = Meeting::new();
+    let mut harness = panel(&meeting, 30);
+    let press = |harness: &mut Harness<'static, Trial<State>>, label: &str| {
+        let at = harness.get_by_label(label).rect().center();
+        click(harness, at);
+    };
+    let time = |harness: &Harness<'static, Trial<State>>| {
+        harness.state().model.document.crowd_scene().unwrap().run().moment().time_s
+    };
+    press(&mut harness, "Save");
+    assert!(meeting.folder().join("meeting.crowd").exists());
+    press(&mut harness, "Begin anew");
+    assert_eq!(time(&harness), 0.0);
+    press(&mut harness, "Restore");
+    assert!((time(&harness) - 0.5).abs() < 1e-9);
+}

@@ -1,0 +1,175 @@
+//! The engine behind a run, in two or three dimensions.
+
+use super::moment::{Cast, CrowdMoment, Details, Figures, SeenMember};
+use glam::Vec3;
+use throng_precompute::BuildError;
+use throng_precompute::scene::crowd::{
+    CrowdScene, Engine, GroupConfig, Live, OverlapMeter, ProgressMeter, Sight, in_world, seen_obstacle,
+};
+use throng_runtime::crowd::{AtEnd, Event, Space};
+
+/// A crowd that lives, with everything in world space.
+pub(super) trait Sim: Send {
+    /// Lets time pass; tells all that happens in its order.
+    fn advance(&mut self, until_s: f64, tell: &mut dyn FnMut(&Event)) -> Result<(), BuildError>;
+    /// The present. [Unit: s]
+    fn now(&self) -> f64;
+    /// Everybody now; `measures` looks for overlaps and progress, too.
+    fn see(&mut self, watched: Option<usize>, measures: bool) -> CrowdMoment;
+    /// More of a member; none where it has left.
+    fn details(&self, member: usize) -> Option<Details>;
+    /// Where a member was at a time near the present. [Unit: m]
+    fn place(&self, member: usize, time_s: f64) -> Option<Vec3>;
+    /// Corners of a member's way. [Unit: m]
+    fn way(&self, member: usize) -> Vec<Vec3>;
+    /// What does not change.
+    fn cast(&self, scene: &CrowdScene) -> Cast;
+    fn snapshot(&self) -> Vec<u8>;
+    fn restore(&mut self, bytes: &[u8]) -> Result<(), BuildError>;
+    fn state_hash(&self) -> u64;
+}
+
+/// A crowd in a space, and what is measured of it.
+pub(super) struct In<V> {
+    live: Live<V>,
+    overlaps: OverlapMeter,
+    progress: ProgressMeter<V>,
+    places: Vec<(V, f32)>,
+    figures: Figures,
+}
+
+impl<V: Space> In<V> {
+    pub fn new(scene: &CrowdScene) -> Result<Self, BuildError> {
+        let (overlaps, progress) = (OverlapMeter::default(), ProgressMeter::default());
+        Ok(Self { live: Live::new(scene)?, overlaps, progress, places: Vec::new(), figures: Figures::default() })
+    }
+
+    fn all(&self) -> std::ops::Range<usize> {
+        0..self.live.num_members()
+    }
+
+    fn seen(&self, m: usize, time_s: f64) -> Option<SeenMember> {
+        let (id, crowd) = (self.live.id(m), self.live.crowd());
+        let (bound, bound_radius) = crowd.bound(id, time_s)?;
+        Some(SeenMember {
+            at: in_world(crowd.position(id, time_s)?),
+            velocity: in_world(crowd.velocity(id, time_s)?),
+            bound: in_world(bound),
+            bound_radius,
+            knows: self.live.knows(m) > 0,
+        })
+    }
+
+    fn measure(&mut self, time_s: f64) {
+        let (live, before) = (&self.live, self.overlaps.over_1mm);
+        let layout = live.layout();
+        let all = 0..live.num_members();
+        self.places.clear();
+        let place = |m: usize| Some((live.position(m, time_s)?, layout.setup.members[m].radius));
+        self.places.extend(all.clone().filter_map(place));
+        self.overlaps.observe(&self.places);
+        let sight = |m: usize| Sight {
+            at: live.position(m, time_s),
+            way: &layout.ways[m],
+            way_number: live.times_sent(m),
+            arrival_m: layout.arrivals[m],
+            again: live.times_sent(m) == 0 && layout.setup.routes[layout.setup.members[m].route].at_end == AtEnd::Again,
+        };
+        self.progress.observe(time_s, all.map(sight));
+        self.figures = Figures {
+            present: self.places.len(),
+            overlaps: self.overlaps.over_1mm - before,
+            deepest_m: self.overlaps.max_m,
+            progress_mps: self.progress.progress_mps(),
+            arrived: self.progress.arrived(),
+            stuck: self.progress.stuck(),
+        };
+    }
+}
+
+impl<V: Space> Sim for In<V> {
+    fn advance(&mut self, until_s: f64, tell: &mut dyn FnMut(&Event)) -> Result<(), BuildError> {
+        self.live.advance_telling(until_s, &mut |e: &Event| tell(e))
+    }
+
+    fn now(&self) -> f64 {
+        self.live.crowd().now()
+    }
+
+    fn see(&mut self, watched: Option<usize>, measures: bool) -> CrowdMoment {
+        let time_s = self.now();
+        if measures {
+            self.measure(time_s);
+        }
+        CrowdMoment {
+            time_s,
+            members: self.all().map(|m| self.seen(m, time_s)).collect(),
+            figures: self.figures,
+            details: watched.and_then(|m| self.details(m)),
+        }
+    }
+
+    fn details(&self, m: usize) -> Option<Details> {
+        let (id, crowd) = (self.live.id(m), self.live.crowd());
+        let (member, f) = (crowd.member(id)?, crowd.forces(id)?);
+        let events = [crowd.last_event(id)?, crowd.next_event(id)?];
+        let (from, to) = crowd.stop_region(id)?;
+        // It was registered where it was at its last event.
+        let (side, then) = (crowd.cell_side(), crowd.position(id, events[0])?);
+        let corner = V::from_coordinates(then.coordinates().map(|c| (c / side).floor() * side));
+        Some(Details {
+            member: m,
+            forces: [f.driving, f.interaction, f.decelerating, f.damping, f.turning, f.safety].map(in_world),
+            taken: in_world(f.taken),
+            limit: member.acceleration,
+            speed: member.speed,
+            desired: in_world(crowd.desired_direction(id)?),
+            way_left: crowd.way_left(id)?,
+            events,
+            stop: [from, to].map(in_world),
+            cell: in_world(corner),
+            cell_side: side,
+        })
+    }
+
+    fn place(&self, member: usize, time_s: f64) -> Option<Vec3> {
+        self.live.position(member, time_s).map(in_world)
+    }
+
+    fn way(&self, member: usize) -> Vec<Vec3> {
+        self.live.layout().ways[member].iter().map(|&p| in_world(p)).collect()
+    }
+
+    fn cast(&self, scene: &CrowdScene) -> Cast {
+        let layout = self.live.layout();
+        let name = |(g, c): (usize, &GroupConfig)| match c.name.as_str() {
+            "" => format!("group {g}"),
+            name => name.to_owned(),
+        };
+        let ends = layout.ways.iter().flat_map(|w| [w[0], w[w.len() - 1]]).map(in_world);
+        let wide = |[l, h]: [Vec3; 2], p: Vec3| [l.min(p), h.max(p)];
+        let extents = ends.fold([Vec3::INFINITY, Vec3::NEG_INFINITY], wide);
+        Cast {
+            in_the_air: V::DIMENSIONS == 3,
+            names: scene.groups.iter().enumerate().map(name).collect(),
+            groups: layout.groups.clone(),
+            radii: layout.setup.members.iter().map(|m| m.radius).collect(),
+            speeds: layout.setup.members.iter().map(|m| m.speed).collect(),
+            obstacles: layout.setup.obstacles.iter().filter_map(seen_obstacle).collect(),
+            extents,
+            has_regions: scene.engine == Engine::Events,
+        }
+    }
+
+    fn snapshot(&self) -> Vec<u8> {
+        self.live.snapshot()
+    }
+
+    fn restore(&mut self, bytes: &[u8]) -> Result<(), BuildError> {
+        self.live.restore(bytes)
+    }
+
+    fn state_hash(&self) -> u64 {
+        self.live.crowd().state_hash()
+    }
+}

@@ -1,0 +1,100 @@
+use super::*;
+use crate::panels::tests::meeting::Meeting;
+use std::path::Path;
+
+fn run(path: &Path) -> CrowdRun {
+    CrowdRun::new(&CrowdScene::load(path).unwrap(), None).unwrap()
+}
+
+fn steps(run: &mut CrowdRun, steps: u32) {
+    run.want(steps);
+    assert_eq!(run.advance(0.0, None).unwrap(), steps);
+}
+
+#[test]
+fn a_step_that_is_cut_into_pieces_ends_as_a_whole_one() {
+    let meeting = Meeting::new();
+    let path = meeting.scene(12);
+    let (mut whole, mut cut) = (run(&path), run(&path));
+    steps(&mut whole, 40);
+    cut.want(40);
+    let (mut frames, mut shown) = (0, 0);
+    while cut.is_busy() {
+        // As if every step took long.
+        cut.spent_s[1] = 6.0 * PIECE_S;
+        shown += cut.advance(0.0, Some(Instant::now())).unwrap();
+        frames += 1;
+        assert!(frames <= 400, "it does not get on");
+    }
+    assert!(shown == 40 && frames > 150, "{shown} steps in {frames} frames");
+    assert_eq!(cut.state_hash(), whole.state_hash());
+    assert!(cut.moment() == whole.moment());
+    let all = [true; What::COUNT];
+    assert!(cut.log().last(&all, 9.0, 500) == whole.log().last(&all, 9.0, 500));
+}
+
+#[test]
+fn a_scene_is_rewound_and_goes_on_where_it_was() {
+    let meeting = Meeting::new();
+    for path in [meeting.scene(12), meeting.flock(12)] {
+        let mut run = run(&path);
+        run.watch(Some(3));
+        steps(&mut run, 90);
+        let seen = run.moment().clone();
+        assert!((seen.time_s - 1.5).abs() < 1e-9 && seen.members.len() == 24);
+        assert_eq!((seen.figures.present, seen.figures.overlaps, seen.figures.stuck), (24, 0, 0));
+        assert!(seen.figures.deepest_m <= 1e-3 && seen.figures.progress_mps > 0.3, "{:?}", seen.figures);
+        run.reel.head.seek(20);
+        assert!(run.moment().members != seen.members);
+        steps(&mut run, 70);
+        assert!(*run.moment() == seen);
+        assert!(run.trail(3, 1.0).count() > 8);
+        let way = run.way(3);
+        assert!(way[0].distance(run.trail(3, 9.0).next().unwrap()) < 1e-3);
+    }
+}
+
+#[test]
+fn events_are_told_where_they_happen_and_counted() {
+    let meeting = Meeting::new();
+    let mut run = run(&meeting.scene(12));
+    steps(&mut run, 120);
+    let totals = run.log().rates().totals(f64::INFINITY);
+    let all = run.log().last(&[true; What::COUNT], f64::INFINITY, 100_000);
+    assert_eq!(totals.iter().sum::<u64>(), all.len() as u64);
+    assert!(totals[What::Resetting.number()] > 0 && totals[What::Colliding.number()] > 0, "{totals:?}");
+    for h in &all {
+        let near = |m: usize, at: Vec3| {
+            let trail = run.reel.before(9.0, 1).filter_map(|s| Some(s.members[m].as_ref()?.at.distance(at)));
+            trail.fold(f32::INFINITY, f32::min) < 0.05
+        };
+        assert!(near(h.member, h.at), "{h:?}");
+        match (h.with, h.other_at) {
+            (With::Member(other), Some(at)) => assert!(near(other, at), "{h:?}"),
+            (With::Member(_), None) => panic!("{h:?}"),
+            (_, other_at) => assert_eq!(other_at, None),
+        }
+    }
+}
+
+#[test]
+fn who_is_watched_has_forces_and_a_bound_around_it() {
+    let meeting = Meeting::new();
+    let mut run = run(&meeting.scene(12));
+    steps(&mut run, 60);
+    assert_eq!(run.moment().details, None);
+    run.watch(Some(7));
+    let (seen, d) = (run.moment().members[7].unwrap(), run.moment().details.clone().unwrap());
+    assert_eq!(d.member, 7);
+    assert!(d.forces[0].length() > 0.0 && d.taken.length() <= d.limit * 1.001, "{d:?}");
+    assert!(d.events[0] <= 1.0 && d.events[1] >= 1.0, "{:?}", d.events);
+    assert!(seen.at.distance(seen.bound) + run.cast().radii[7] <= seen.bound_radius + 1e-4);
+    // It is registered in a cell that it cannot have left by far.
+    let centre = d.cell + Vec3::new(0.5, 0.0, 0.5) * d.cell_side;
+    let off = (seen.at - centre).with_y(0.0).abs().max_element();
+    assert!(off <= d.cell_side, "{off} m off the centre of a cell of {} m", d.cell_side);
+    steps(&mut run, 10);
+    assert_eq!(run.moment().details.as_ref().map(|d| d.member), Some(7));
+    run.watch(None);
+    assert_eq!(run.moment().details, None);
+}

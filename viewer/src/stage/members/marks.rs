@@ -1,0 +1,82 @@
+//! Marks where something happened, which fade.
+
+use super::Brush;
+use crate::model::crowd::CrowdLook;
+use crate::render::{Rgba, Shapes};
+use crate::run::members::{CrowdRun, Happened, What};
+use glam::Vec3;
+
+/// Time that a mark stays. [Unit: s]
+const MARK_S: f64 = 0.6;
+/// What happens seldom stays longer. [Unit: s]
+const RARE_S: f64 = 2.5;
+/// Marks that are drawn at most; in larger scenes there are always some to be seen.
+const MAX_MARKS: usize = 1200;
+/// Height over the ground. [Unit: m]
+const MARK_Y: f32 = 0.022;
+
+/// Colour of a kind of events, in the view and in the panel.
+pub fn colour_of(what: What, dark: bool) -> Rgba {
+    let (on_dark, on_light) = match what {
+        What::Resetting => (0x7d93b2, 0x5b7196),
+        What::Colliding => (0xffa23d, 0xc26200),
+        What::Meeting => (0xd9c24a, 0x8a7400),
+        What::Entering => (0xb493ff, 0x6b3fd0),
+        What::Leaving => (0x8f9bff, 0x4048c8),
+        What::Contacting => (0xf2877d, 0xa33a2e),
+        What::Separating => (0xb9c97a, 0x5d7010),
+        What::Arrived => (0x55d98b, 0x14803f),
+        What::Left => (0x4fd0d9, 0x0b7a86),
+        What::Struck => (0xff5fb0, 0xb81468),
+        What::Stuck => (0xff5f50, 0xc01f14),
+    };
+    Rgba::hex(if dark { on_dark } else { on_light })
+}
+
+/// How long a mark of a kind stays. [Unit: s]
+fn stay_s(what: What) -> f64 {
+    match what {
+        What::Arrived | What::Left | What::Struck | What::Stuck => RARE_S,
+        _ => MARK_S,
+    }
+}
+
+/// What happens all the time, to everybody.
+fn is_quiet(what: What) -> bool {
+    matches!(what, What::Resetting | What::Entering | What::Leaving)
+}
+
+pub(super) fn lay_out(shapes: &mut Shapes, run: &CrowdRun, look: &CrowdLook, brush: &Brush<'_>) {
+    let now = run.moment().time_s;
+    for h in run.log().last(&look.kinds, now, MAX_MARKS) {
+        let age = ((now - h.time_s) / stay_s(h.what)) as f32;
+        if age < 1.0 {
+            mark(shapes, brush, &h, age);
+        }
+    }
+}
+
+/// A ring that grows and fades; between partners a line.
+///
+/// - `age`: 0 where it happens, 1 where the mark is gone.
+fn mark(shapes: &mut Shapes, brush: &Brush<'_>, h: &Happened, age: f32) {
+    let strength = (1.0 - age) * if is_quiet(h.what) { 0.5 } else { 0.9 };
+    let colour = colour_of(h.what, brush.dark).alpha(strength);
+    let lift = if brush.cast.in_the_air { Vec3::ZERO } else { Vec3::Y * MARK_Y };
+    let radius = brush.cast.radii.get(h.member).copied().unwrap_or(0.3);
+    if let Some(other) = h.other_at {
+        shapes.line(h.at + lift, other + lift, 2.5, colour);
+    }
+    let grown = radius
+        * match h.what {
+            what if is_quiet(what) => 1.0 + 0.25 * age,
+            what if stay_s(what) > MARK_S => 1.2 + 1.6 * age,
+            _ => 1.05 + 0.6 * age,
+        };
+    if brush.cast.in_the_air {
+        shapes.circle(h.at, grown, 1.5, colour);
+    } else {
+        let width = (2.0 * brush.pixel_m).max(0.1 * radius).min(grown);
+        shapes.ring(h.at + lift, grown - width, grown, colour);
+    }
+}

@@ -1,0 +1,74 @@
+use super::*;
+use crate::command::Command;
+use crate::model::crowd::{CrowdCommand, CrowdLook};
+use crate::panels::tests::meeting::Meeting;
+use crate::settings::Settings;
+use eframe::egui;
+use std::path::Path;
+
+fn open(path: &Path) -> Model {
+    let mut model = Model::new(Settings::default());
+    model.is_unhurried = true;
+    model.open_now(path).unwrap();
+    model
+}
+
+fn advance(model: &mut Model, steps: i32) {
+    let ctx = egui::Context::default();
+    model.apply(&ctx, Command::Play(false));
+    model.apply(&ctx, Command::Step(steps));
+    model.advance(&ctx, 0.0);
+}
+
+fn len(model: &Model) -> usize {
+    let mut layout = Layout::default();
+    layout.lay_out(model, true);
+    layout.shapes.len()
+}
+
+#[test]
+fn everybody_is_drawn_and_more_of_those_who_are_looked_at() {
+    let meeting = Meeting::new();
+    for path in [meeting.scene(12), meeting.flock(12)] {
+        let mut model = open(&path);
+        advance(&mut model, 90);
+        let ctx = egui::Context::default();
+        let quiet = CrowdLook { marks: false, bounds: Whose::Nobody, ways: Whose::Nobody, ..CrowdLook::default() };
+        model.apply(&ctx, Command::Crowd(CrowdCommand::Look(quiet)));
+        let plain = len(&model);
+        assert!(plain >= 24, "{plain}");
+        model.apply(&ctx, Command::Crowd(CrowdCommand::Look(CrowdLook { bounds: Whose::All, ..quiet })));
+        assert_eq!(len(&model), plain + 24);
+        model.apply(&ctx, Command::Crowd(CrowdCommand::Look(CrowdLook { ways: Whose::All, ..quiet })));
+        assert!(len(&model) >= plain + 48);
+        model.apply(&ctx, Command::Crowd(CrowdCommand::Look(CrowdLook { marks: true, ..quiet })));
+        assert!(len(&model) > plain, "nothing has happened within 1.5 s");
+        model.apply(&ctx, Command::Crowd(CrowdCommand::Look(quiet)));
+        model.apply(&ctx, Command::SelectCharacter(Some(5)));
+        let selected = len(&model);
+        assert!(selected > plain + 12, "{plain} {selected}");
+        let fewer = CrowdLook { cells: false, forces: false, ..quiet };
+        model.apply(&ctx, Command::Crowd(CrowdCommand::Look(fewer)));
+        assert!(len(&model) < selected - 10);
+    }
+}
+
+#[test]
+fn a_ray_through_a_member_selects_it() {
+    let meeting = Meeting::new();
+    for path in [meeting.scene(12), meeting.flock(12)] {
+        let mut model = open(&path);
+        advance(&mut model, 30);
+        let crowd = model.document.crowd_scene().unwrap();
+        let (camera, view) = (model.settings.camera, Vec2::new(800.0, 500.0));
+        let mut found = 0;
+        for (m, seen) in crowd.run().moment().members.iter().enumerate() {
+            let pixel = camera.project(seen.unwrap().at, view).unwrap();
+            found += usize::from(pick(crowd, &camera, &camera.ray(pixel, view), view) == Some(m));
+        }
+        // In the air one may hide another.
+        assert!(found >= 20, "{found} of 24");
+        let beside = camera.ray(Vec2::new(2.0, 2.0), view);
+        assert_eq!(pick(crowd, &camera, &beside, view), None);
+    }
+}
