@@ -8,7 +8,7 @@ use super::plan::Plan;
 use super::safety::{Candidate, Lack, Other, lack, lack_of_solid, lever};
 use super::sight::Seen;
 use super::spline::Cursor;
-use super::steer::{Walker, forces};
+use super::steer::{Surroundings, Walker, forces};
 use super::world::{HURRY, World};
 use super::{AtEnd, Forces, NONE, Space};
 use serde::{Deserialize, Serialize};
@@ -115,8 +115,7 @@ impl<V: Space> Decider<'_, V> {
         mind.cell = self.cells.number(at);
         self.look_around(member, at, &walker, &mind, scratch);
         let near = self.world.near(mind.cell);
-        let field = &self.world.fields[mind.field as usize];
-        let f = forces(&walker, field, &scratch.seen, &self.world.solids, near, self.flow);
+        let f = self.feel(&walker, &mind, near, scratch);
         let wish = total(&f).at_most(old.limit);
 
         let centre = self.cells.centre(at);
@@ -125,6 +124,8 @@ impl<V: Space> Decider<'_, V> {
         let fresh = Plan { start: self.time, position, velocity, moving: f32::INFINITY, ..*old };
         let (cause, length) = self.first_event(&fresh, region, near, scratch);
         let length = length.max(self.world.interval);
+        // Over a plan that is longer than the time to relax, the desired velocity is reached and not passed.
+        let wish = wish * (self.world.fields[mind.field as usize].relaxation_s / length).min(1.0);
         self.look_at_plans(&fresh, length, scratch);
         let mut taken = self.safe(&fresh, wish, length, region, near, scratch);
         if taken.is_none() && !self.world.movers.is_empty() {
@@ -151,6 +152,12 @@ impl<V: Space> Decider<'_, V> {
         Some(Decision { plan, mind, leaves, struck_by })
     }
 
+    fn feel(&self, walker: &Walker<V>, mind: &Mind<V>, near: &[u32], scratch: &Scratch<V>) -> Forces<V> {
+        let (world, seen) = (self.world, &scratch.seen);
+        let around = Surroundings { seen, solids: &world.solids, near, flow: self.flow, interests: &world.interests };
+        forces(walker, &world.fields[mind.field as usize], &around)
+    }
+
     /// What moves a member now.
     pub fn forces(&self, member: u32, scratch: &mut Scratch<V>) -> Forces<V> {
         let plan = self.cells.plan(member);
@@ -161,8 +168,7 @@ impl<V: Space> Decider<'_, V> {
         let at = self.cells.coordinates(position);
         self.look_around(member, at, &walker, &mind, scratch);
         let near = self.world.near(self.cells.number(at));
-        let field = &self.world.fields[mind.field as usize];
-        let f = forces(&walker, field, &scratch.seen, &self.world.solids, near, self.flow);
+        let f = self.feel(&walker, &mind, near, scratch);
         Forces { taken: plan.acceleration, ..f }
     }
 

@@ -40,8 +40,8 @@ pub struct Field {
     pub keeping: f32,
     /// How much better it likes to pass on the right where its way is not free; below 0 on the left. [Limit: -1 to 1]
     pub right: f32,
-    /// How little it likes to go where others stand or come toward it, as seen from afar: it then follows those who go its
-    /// way, and lanes form. [Limit: >= 0]
+    /// How little it likes to go where others stand or come toward it, as seen from afar: it then follows those who go
+    /// its way, and lanes form. [Limit: >= 0]
     pub crowding: f32,
     /// w_saf c_saf in eq. 21 and 23: pull to the centre of its bound. [Unit: 1/s2] [Limit: >= 0]
     pub safety: f32,
