@@ -63,9 +63,9 @@ impl Default for Field {
             turning_m: 0.65,
             horizon_s: 2.0,
             comfort_m: 0.02,
-            directness: 0.4,
+            directness: 0.35,
             keeping: 0.1,
-            right: 0.1,
+            right: 0.15,
             crowding: 0.07,
             safety: 0.28,
         }
