@@ -1,6 +1,6 @@
 //! What a crowd is made of.
 
-use super::{Field, Member, Obstacle, Route};
+use super::{Field, Interest, Member, Obstacle, Route};
 use serde::{Deserialize, Serialize};
 
 /// How the crowd finds out when somebody has to act.
@@ -26,8 +26,9 @@ pub struct CrowdConfig {
     pub scheme: Scheme,
     /// Smallest time between two events of one member, and so of a pair. [Unit: s] [Limit: 0.001 to 1]
     pub smallest_interval_s: f32,
-    /// Side of the cells that members are registered in; 0 leaves it to the crowd. Who is not in a cell next to one's own
-    /// is not seen. [Unit: m] [Limit: enough for everybody to stop within half of it, see [`super::Crowd::cell_side`]]
+    /// Side of the cells that members are registered in; 0 leaves it to the crowd. Who is not in a cell next to one's
+    /// own is not seen. [Unit: m] [Limit: enough for everybody to stop within half of it, see
+    /// [`super::Crowd::cell_side`]]
     pub cell_side_m: f32,
     /// Step of [`Scheme::Fixed`]. [Unit: s] [Limit: 0.001 to 1]
     pub step_s: f32,
@@ -38,7 +39,8 @@ pub struct CrowdConfig {
     pub capacity: usize,
     /// Largest radius of members to come; 0 stands for those it starts with. [Unit: m]
     pub largest_radius_m: f32,
-    /// Largest desired speed of members to come and of [`super::Crowd::send`]; 0 stands for those it starts with. [Unit: m/s]
+    /// Largest desired speed of members to come and of [`super::Crowd::send`]; 0 stands for those it starts with.
+    /// [Unit: m/s]
     pub largest_speed_mps: f32,
 }
 
@@ -68,6 +70,8 @@ pub struct Setup<V> {
     pub fields: Vec<Field>,
     /// What is in their way.
     pub obstacles: Vec<Obstacle<V>>,
+    /// What draws them near or drives them away.
+    pub interests: Vec<Interest<V>>,
     /// How the crowd is run.
     pub config: CrowdConfig,
 }
@@ -80,6 +84,7 @@ impl<V> Default for Setup<V> {
             routes: Vec::new(),
             fields: vec![Field::default()],
             obstacles: Vec::new(),
+            interests: Vec::new(),
             config: CrowdConfig::default(),
         }
     }

@@ -8,7 +8,7 @@ use super::plan::Plan;
 use super::safety::{Candidate, Lack, Other, lack, lack_of_solid, lever};
 use super::sight::Seen;
 use super::spline::Cursor;
-use super::steer::{Walker, forces};
+use super::steer::{Surroundings, Walker, forces};
 use super::tracing::Tracing;
 use super::world::{HURRY, World};
 use super::{AtEnd, Forces, NONE, Space};
@@ -102,8 +102,6 @@ pub(crate) struct Wish<V> {
     /// A plan from now on without an end, but for its acceleration.
     pub fresh: Plan<V>,
     pub acceleration: V,
-    /// Time for which the acceleration may be held; for longer, less of it. [Unit: s]
-    pub longest: f32,
     /// Coordinates of the cell it is in.
     pub at: [i32; 3],
 }
@@ -130,26 +128,24 @@ impl<V: Space> Decider<'_, V> {
         let at = self.cells.coordinates(position);
         mind.cell = self.cells.number(at);
         self.look_around(member, at, &walker, &mind, scratch);
-        let field = &self.world.fields[mind.field as usize];
         let near = self.world.near(mind.cell);
-        let f = forces(&walker, field, &scratch.seen, &self.world.solids, near, self.flow);
+        let f = self.feel(&walker, &mind, near, scratch);
         let fresh = Plan { start: self.time, position, velocity, moving: f32::INFINITY, ..*old };
-        // Held for long, what brings one to rest in the relaxation time would throw it beyond.
-        let longest = if walker.speed < mind.speed { field.relaxation_s } else { f32::INFINITY };
-        Wish { mind, fresh, acceleration: total(&f).at_most(old.limit), longest, at }
+        Wish { mind, fresh, acceleration: total(&f).at_most(old.limit), at }
     }
 
     /// Takes a new plan for a member; none where it has to keep the one it has.
     pub fn decide(&self, member: u32, tracing: &impl Tracing<V>, scratch: &mut Scratch<V>) -> Option<Decision<V>> {
         let old = self.cells.plan(member);
-        let Wish { mut mind, fresh, acceleration, longest, at } = self.wish(member, scratch);
+        let Wish { mut mind, fresh, acceleration, at } = self.wish(member, scratch);
         let near = self.world.near(mind.cell);
         let centre = self.cells.centre(at);
         let half = V::from_coordinates([self.cells.side(); 3]);
         let region = (centre - half, centre + half);
         let (cause, length) = tracing.first_event(self, &fresh, region, near, scratch);
         let length = length.max(self.world.interval);
-        let wish = acceleration * (longest / length).min(1.0);
+        // Over a plan that is longer than the time to relax, the desired velocity is reached and not passed.
+        let wish = acceleration * (self.world.fields[mind.field as usize].relaxation_s / length).min(1.0);
         self.look_at_plans(&fresh, length, scratch);
         let mut taken = self.safe(&fresh, wish, length, region, near, scratch);
         if taken.is_none() && !self.world.movers.is_empty() {
@@ -176,6 +172,12 @@ impl<V: Space> Decider<'_, V> {
         Some(Decision { plan, mind, leaves, struck_by })
     }
 
+    fn feel(&self, walker: &Walker<V>, mind: &Mind<V>, near: &[u32], scratch: &Scratch<V>) -> Forces<V> {
+        let (world, seen) = (self.world, &scratch.seen);
+        let around = Surroundings { seen, solids: &world.solids, near, flow: self.flow, interests: &world.interests };
+        forces(walker, &world.fields[mind.field as usize], &around)
+    }
+
     /// What moves a member now.
     pub fn forces(&self, member: u32, scratch: &mut Scratch<V>) -> Forces<V> {
         let plan = self.cells.plan(member);
@@ -186,8 +188,7 @@ impl<V: Space> Decider<'_, V> {
         let at = self.cells.coordinates(position);
         self.look_around(member, at, &walker, &mind, scratch);
         let near = self.world.near(self.cells.number(at));
-        let field = &self.world.fields[mind.field as usize];
-        let f = forces(&walker, field, &scratch.seen, &self.world.solids, near, self.flow);
+        let f = self.feel(&walker, &mind, near, scratch);
         Forces { taken: plan.acceleration, ..f }
     }
 

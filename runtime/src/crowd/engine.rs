@@ -14,10 +14,11 @@ use super::{AtEnd, Counts, CrowdError, Event, EventKind, Id, Member, NONE, Route
 
 /// Members that act at their own events.
 ///
-/// Everybody has one next event. Between two of them a member keeps its acceleration, so that its position at any time is known exactly;
-/// at its event it looks at those who are registered near, asks the force field what it wishes, and takes the nearest plan it
-/// can find for which the rule of safety holds. Its next event is when its new bound touches another bound, an obstacle or the side of its
-/// region (001 section 2.1), though not before the smallest interval is over.
+/// Everybody has one next event. Between two of them a member keeps its acceleration, so that its position at any time
+/// is known exactly; at its event it looks at those who are registered near, asks the force field what it wishes, and
+/// takes the nearest plan it can find for which the rule of safety holds. Its next event is when its new bound touches
+/// another bound, an obstacle or the side of its region (001 section 2.1), though not before the smallest interval is
+/// over.
 ///
 /// Nobody ever overlaps anybody: see the rule in `safety.rs`, which does not depend on forces or intervals.
 #[derive(Clone, Debug)]
@@ -43,7 +44,8 @@ impl<V: Space> Crowd<V> {
     /// Puts everybody where they start. All memory that [`Crowd::advance`] needs is taken here.
     ///
     /// # Errors
-    /// [`CrowdError`] for settings out of their range, members or stop regions that overlap, one in an obstacle, a subgoal in an obstacle.
+    /// [`CrowdError`] for settings out of their range, members or stop regions that overlap, one in an obstacle, a
+    /// subgoal in an obstacle.
     pub fn new(setup: Setup<V>) -> Result<Self, CrowdError> {
         let (world, cells, flow) = World::new(&setup)?;
         let capacity = setup.config.capacity.max(setup.members.len());
@@ -71,7 +73,8 @@ impl<V: Space> Crowd<V> {
     /// Lets time pass until `until_s`; everything that happens is told to `on_event` in its order. Allocates nothing.
     ///
     /// # Errors
-    /// [`CrowdError::Past`], and [`CrowdError::Storm`] where the watchdog finds a pair with more events than it could have.
+    /// [`CrowdError::Past`], and [`CrowdError::Storm`] where the watchdog finds a pair with more events than it could
+    /// have.
     pub fn advance(&mut self, until_s: f64, on_event: &mut impl FnMut(&Event)) -> Result<(), CrowdError> {
         self.check_time(until_s)?;
         // Taken out, so that it can be changed together with the rest.

@@ -9,7 +9,7 @@ pub enum CrowdError {
     /// A number out of its range.
     #[error("{what} {index} has {field} {got}, expected {expected}")]
     Value {
-        /// Member, route, field or obstacle.
+        /// Member, route, field, obstacle, interest or config.
         what: &'static str,
         /// Its number.
         index: usize,
@@ -32,7 +32,8 @@ pub enum CrowdError {
     },
     /// Two members in one place.
     #[error(
-        "members {first} and {second} overlap by {overlap_m:.3} m at the start, or could not brake in time; move one of them, or let it start slower"
+        "members {first} and {second} overlap by {overlap_m:.3} m at the start, or could not brake in time; move one of \
+         them, or let it start slower"
     )]
     Overlap {
         /// Number of the one.
@@ -78,7 +79,11 @@ pub enum CrowdError {
         now: f64,
     },
     /// The crowd does not get on.
-    #[error("members {} and {} had {events} events with each other within {seconds} s, at most {most} are possible; please report it with the scene", .first.index, .second.index)]
+    #[error(
+        "members {} and {} had {events} events with each other within {seconds} s, at most {most} are possible; please \
+         report it with the scene",
+        .first.index, .second.index
+    )]
     Storm {
         /// The one.
         first: Id,

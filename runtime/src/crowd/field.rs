@@ -40,8 +40,8 @@ pub struct Field {
     pub keeping: f32,
     /// How much better it likes to pass on the right where its way is not free; below 0 on the left. [Limit: -1 to 1]
     pub right: f32,
-    /// How little it likes to go where others stand or come toward it, as seen from afar: it then follows those who go its
-    /// way, and lanes form. [Limit: >= 0]
+    /// How little it likes to go where others stand or come toward it, as seen from afar: it then follows those who go
+    /// its way, and lanes form. [Limit: >= 0]
     pub crowding: f32,
     /// w_saf c_saf in eq. 21 and 23: pull to the centre of its bound. [Unit: 1/s2] [Limit: >= 0]
     pub safety: f32,
@@ -63,9 +63,9 @@ impl Default for Field {
             turning_m: 0.65,
             horizon_s: 2.0,
             comfort_m: 0.02,
-            directness: 0.4,
+            directness: 0.35,
             keeping: 0.1,
-            right: 0.1,
+            right: 0.15,
             crowding: 0.07,
             safety: 0.28,
         }

@@ -69,16 +69,37 @@ impl<V: Space> Flow<V> {
     }
 
     /// How much those who are at `x` are in the way of one who goes there along a unit vector at a speed: the sum of
-    /// how much slower than it each of them goes its way, as a share of its speed. 1 for somebody who stands, 2 for
-    /// one who comes toward it, 0 for one who goes along.
+    /// how much slower than it each of them goes its way, as a share of its speed: 1 for somebody who stands, 2 for one
+    /// who comes toward it, 0 for one who goes along. One who stands is left out: a few are seen better one by one.
     #[inline]
     pub fn against(&self, x: V, along: V, speed: f32) -> f32 {
         let square = &self.squares[self.number(x)];
-        (square.num - square.velocity.dot(along) / speed).max(0.0)
+        (square.num - square.velocity.dot(along) / speed - 1.0).max(0.0)
     }
 
     /// True where it is as large as another one.
     pub fn fits(&self, other: &Self) -> bool {
         (self.per_m, self.bits, self.squares.len()) == (other.per_m, other.bits, other.squares.len())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::Vec2;
+
+    #[test]
+    fn tells_those_who_come_from_those_who_go_along() {
+        let mut flow = Flow::new(0.3, Vec2::splat(20.0), 10);
+        let at = Vec2::new(5.0, -3.0);
+        for _ in 0..3 {
+            flow.add(at, Vec2::new(1.3, 0.0));
+        }
+        assert!(flow.against(at, Vec2::X, 1.3) == 0.0);
+        assert!((flow.against(at, Vec2::NEG_X, 1.3) - 5.0).abs() < 1e-5, "2 each, less one who stands");
+        assert!((flow.against(at, Vec2::Y, 1.3) - 2.0).abs() < 1e-5, "1 each for those who cross, less one");
+        assert_eq!(flow.against(at + Vec2::X * flow.side(), Vec2::NEG_X, 1.3), 0.0);
+        flow.clear();
+        assert_eq!(flow.against(at, Vec2::NEG_X, 1.3), 0.0);
     }
 }

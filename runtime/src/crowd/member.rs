@@ -10,8 +10,8 @@ pub struct Id {
 }
 
 impl Id {
-    /// Place in the tables of the crowd: members of [`super::Setup`] have 0, 1, 2... in their order. One who enters takes
-    /// that of one who left, or the next one. [Limit: < capacity]
+    /// Place in the tables of the crowd: members of [`super::Setup`] have 0, 1, 2... in their order. One who enters
+    /// takes that of one who left, or the next one. [Limit: < capacity]
     pub fn index(self) -> usize {
         self.index as usize
     }

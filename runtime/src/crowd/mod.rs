@@ -2,6 +2,10 @@
 //!
 //! Between its own events a member keeps its acceleration, so that its position at any time is known; at an event it
 //! asks a force field what to do and takes a plan that cannot end in an overlap. See [`Crowd`].
+//!
+//! In reading order: `plan` is what a member does until its next event, `safety` why nobody overlaps anybody, `bound`
+//! when two can meet, `cells` and `queue` who is near and who is next, `sight`, `flow` and `steer` the force field,
+//! `decide` an event, `engine` all of them in their order, `window` on several threads.
 
 mod bound;
 mod cells;
@@ -45,7 +49,7 @@ pub use error::CrowdError;
 pub use event::{Counts, Event, EventKind};
 pub use field::{Field, Forces};
 pub use member::{Id, Member};
-pub use obstacle::Obstacle;
+pub use obstacle::{Interest, Obstacle};
 pub use route::{AtEnd, Route};
 pub use space::Space;
 

@@ -11,8 +11,8 @@ pub enum Obstacle<V> {
         /// [Unit: m] [Limit: > 0]
         radius: f32,
     },
-    /// A disc or ball on its way through points, at constant speed between two of them; it stops for nobody. Members get out of its way
-    /// as far as they can: who is shut in is hit, and a [`super::EventKind::Struck`] tells so.
+    /// A disc or ball on its way through points, at constant speed between two of them; it stops for nobody. Members
+    /// get out of its way as far as they can: who is shut in is hit, and a [`super::EventKind::Struck`] tells so.
     Mover {
         /// Where it is at which time. Before the first and after the last it stands still.
         /// [Unit: s, m] [Size: >= 1] [Limit: times rise]
@@ -41,4 +41,15 @@ pub enum Obstacle<V> {
         /// Largest coordinates. [Unit: m] [Limit: > min]
         max: V,
     },
+}
+
+/// Something that draws members near or drives them away: a window display, a puddle (001 eq. 17, second term).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Interest<V> {
+    /// Where it is. [Unit: m]
+    pub position: V,
+    /// c_int in eq. 17 at its place, less with the distance: above 0 attracts, below 0 repels. [Unit: m/s2]
+    pub strength: f32,
+    /// How far it is felt. [Unit: m] [Limit: > 0]
+    pub reach: f32,
 }

@@ -42,7 +42,8 @@ impl<V: Space> Crowd<V> {
         })
     }
 
-    /// Where a member is at `time_s`: exact from its last event to its next one, and a guess before and after. [Unit: m]
+    /// Where a member is at `time_s`: exact from its last event to its next one, and a guess before and after. [Unit:
+    /// m]
     pub fn position(&self, id: Id, time_s: f64) -> Option<V> {
         self.plan(id).map(|p| p.at(time_s).0)
     }
@@ -52,8 +53,8 @@ impl<V: Space> Crowd<V> {
         self.plan(id).map(|p| p.at(time_s).1)
     }
 
-    /// Its velocity as a Kalman filter saw it at its last event, without abrupt changes: what a motion is to follow (001
-    /// section 2.1). [Unit: m/s]
+    /// Its velocity as a Kalman filter saw it at its last event, without abrupt changes: what a motion is to follow
+    /// (001 section 2.1). [Unit: m/s]
     pub fn smooth_velocity(&self, id: Id) -> Option<V> {
         self.check_id(id).is_ok().then(|| self.minds[id.index()].filter.velocity)
     }
@@ -65,7 +66,8 @@ impl<V: Space> Crowd<V> {
         Some(if moves { plan.acceleration } else { V::default() })
     }
 
-    /// Its time-varying bound at `time_s`: centre and radius (001 eq. 3 and 4). [Unit: m] [Limit: from its last event on]
+    /// Its time-varying bound at `time_s`: centre and radius (001 eq. 3 and 4). [Unit: m] [Limit: from its last event
+    /// on]
     pub fn bound(&self, id: Id, time_s: f64) -> Option<(V, f32)> {
         self.plan(id).map(|p| Bound::from(p).at(time_s))
     }

@@ -37,7 +37,8 @@ enum Place {
 impl Calendar {
     /// Empty, for members with numbers below `capacity`.
     pub fn new(capacity: usize) -> Self {
-        let num_pages = (2 * capacity).next_power_of_two().clamp(256, 1 << 20);
+        // A few dozen entries each: fewer pages would take longer to sort, more of them longer to fetch from memory.
+        let num_pages = (capacity / 4).next_power_of_two().clamp(512, 1 << 16);
         Self {
             pages_per_s: num_pages as f64 / TURN_S,
             first: vec![NONE; num_pages],

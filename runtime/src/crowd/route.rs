@@ -18,8 +18,8 @@ pub enum AtEnd {
 /// A way through subgoals: a spline with continuous tangents (001 section 2.2, driving force).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Route<V> {
-    /// Where it leads, in order; a member begins at the nearest place of the spline. A single one is a goal that is gone to straight.
-    /// [Unit: m] [Size: >= 1]
+    /// Where it leads, in order; a member begins at the nearest place of the spline. A single one is a goal that is
+    /// gone to straight. [Unit: m] [Size: >= 1]
     pub subgoals: Vec<V>,
     /// How near to the last subgoal is there. [Unit: m] [Limit: > 0]
     pub arrival_radius: f32,

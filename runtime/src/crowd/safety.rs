@@ -7,10 +7,12 @@
 //! Plans are made at different times. Let T be the time of a member's next event; its plan until then is known to
 //! everybody. Members keep this invariant: **for each pair (k, j) and all s from now on, S_k(min(s, T_k)) and
 //! S_j(min(s, T_j)) have no point in common**, and neither have S_k(min(s, T_k)) and an obstacle that stands. As
-//! a disc is a part of its stop region, nobody overlaps anybody before the next event. The invariant outlasts every event:
+//! a disc is a part of its stop region, nobody overlaps anybody before the next event. The invariant outlasts every
+//! event:
 //!
 //! - At T_k, k takes a plan for which it holds (found by [`lack`]), or brakes. Braking is always right: then S_k(s) is
-//!   within S_k(T_k) for all s from T_k on, and that is disjoint from S_j(min(s, T_j)) for those s, as the invariant of the old plan says.
+//!   within S_k(T_k) for all s from T_k on, and that is disjoint from S_j(min(s, T_j)) for those s, as the invariant of
+//!   the old plan says.
 //! - Before T_k (another one's colliding event, or somebody's wish from outside) k may take a plan for which the
 //!   invariant holds, and otherwise keeps the one it has; then nothing has changed. To brake is *not* always right
 //!   here: others may have been told that k will be gone.
@@ -19,7 +21,8 @@
 //! By induction over the events, no two members ever overlap. Nothing is asked of the forces.
 //!
 //! Only pairs that are registered in cells next to each other are compared. Everybody's stop region stays within its
-//! own region R, which reaches half a cell beyond its cell C: regions of cells that are not next to each other are disjoint.
+//! own region R, which reaches half a cell beyond its cell C: regions of cells that are not next to each other are
+//! disjoint.
 //!
 //! Obstacles that move do not give way; they are taken for members that never brake, over the time of a plan and of
 //! braking after it. Who is shut in by one can be hit.
@@ -40,6 +43,7 @@ pub(crate) struct Candidate<V> {
     now: (V, V),
     end: (V, V),
     curve: f32,
+    is_straight: bool,
 }
 
 /// Another one, at the time of an event.
@@ -53,6 +57,7 @@ pub(crate) struct Other<V> {
     now: (V, V),
     end: (V, V),
     curve: f32,
+    is_straight: bool,
 }
 
 /// What is missing to the rule.
@@ -68,15 +73,21 @@ pub(crate) struct Lack<V> {
 /// derivative along the velocity, at most |a|^2 / 2A. None where all is on one line.
 #[inline]
 fn curve<V: Space>(plan: &Plan<V>) -> f32 {
-    let straight = plan.moving < f32::INFINITY || plan.velocity.length_squared() == 0.0;
-    if straight { 0.0 } else { plan.acceleration.length_squared() / (2.0 * plan.limit) }
+    if is_straight(plan) { 0.0 } else { plan.acceleration.length_squared() / (2.0 * plan.limit) }
+}
+
+/// True for one who brakes or starts from rest: both ends of its stop region go one way along one line, or stay.
+#[inline]
+fn is_straight<V: Space>(plan: &Plan<V>) -> bool {
+    plan.moving < f32::INFINITY || plan.velocity.length_squared() == 0.0
 }
 
 impl<V: Space> Candidate<V> {
     #[inline]
     pub fn new(plan: Plan<V>) -> Self {
         let length = (plan.end - plan.start) as f32;
-        Self { length, now: plan.stop_region(0.0), end: plan.stop_region(length), curve: curve(&plan), plan }
+        let (now, end) = (plan.stop_region(0.0), plan.stop_region(length));
+        Self { length, now, end, curve: curve(&plan), is_straight: is_straight(&plan), plan }
     }
 
     /// True where the stop region stays within a box along the axes.
@@ -96,7 +107,8 @@ impl<V: Space> Other<V> {
     pub fn new(plan: &Plan<V>, time: f64) -> Self {
         let (age, until) = ((time - plan.start) as f32, (plan.end - time) as f32);
         let end = plan.stop_region(age + until);
-        Self { plan: *plan, age, until, now: plan.stop_region(age), end, curve: curve(plan) }
+        let now = plan.stop_region(age);
+        Self { plan: *plan, age, until, now, end, curve: curve(plan), is_straight: is_straight(plan) }
     }
 
     /// How far from where its centre is now its centre may come, with braking at the end. [Unit: m]
@@ -130,11 +142,13 @@ fn middle<V: Space>(ends: (V, V)) -> V {
 
 /// What is missing to the rule between a plan and another one's; none where it holds.
 ///
-/// The stop regions are apart at all times if a plane with some normal n parts them at all times. Between two of the times
-/// now, min(T_k, T_j) and max(T_k, T_j), their ends move along curves that are at most L^2 / 8 times their second
-/// derivative away from their chords, so that it is enough to look at these three times with some room: for the
-/// centre the second derivative is a; for the other end a (1 + v.a / |v| A) + v (...), of which the part along a is at most 2
-/// a, and the rest at most |a|^2 / 2A. Two normals are tried: where the line of relative motion is nearest, and the line of centres.
+/// The stop regions are apart at all times if a plane with some normal n parts them at all times. Between two of the
+/// times now, min(T_k, T_j) and max(T_k, T_j), their ends move along curves that are at most L^2 / 8 times their second
+/// derivative away from their chords, so that it is enough to look at these three times with some room: for the centre
+/// the second derivative is a; for the other end a (1 + v.a / |v| A) + v (...), of which the part along a is at most 2
+/// a, and the rest at most |a|^2 / 2A. Two normals are tried: where the line of relative motion is nearest, and the
+/// line of centres.
+/// Or all that the one ever sweeps is apart from all that the other one does: so those who touch may part.
 #[inline]
 pub(crate) fn lack<V: Space>(me: &Candidate<V>, other: &Other<V>) -> Option<Lack<V>> {
     let early = me.length.min(other.until);
@@ -147,13 +161,16 @@ pub(crate) fn lack<V: Space>(me: &Candidate<V>, other: &Other<V>) -> Option<Lack
     let radii = me.plan.radius + other.plan.radius + MARGIN;
     let longest = early.max(late - early);
     let bend = 0.125 * longest * longest;
-    let curves = me.curve + other.curve;
     let try_normal = |n: V| {
-        let apart = (least(me.now, n) - most(other.now, n))
-            .min(least(mine, n) - most(its, n))
-            .min(least(me.end, n) - most(other.end, n));
-        let toward = n.dot(me.plan.acceleration).max(0.0) - n.dot(other.plan.acceleration).min(0.0);
-        Lack { away: n, lack: radii + bend * (2.0 * toward + curves) - apart }
+        let (m0, m1, m2) = (least(me.now, n), least(mine, n), least(me.end, n));
+        let (o0, o1, o2) = (most(other.now, n), most(its, n), most(other.end, n));
+        let my_bend = bend * (2.0 * n.dot(me.plan.acceleration).max(0.0) + me.curve);
+        let its_bend = bend * (2.0 * (-n.dot(other.plan.acceleration)).max(0.0) + other.curve);
+        let moving = (m0 - o0).min(m1 - o1).min(m2 - o2) - my_bend - its_bend;
+        // All the room that the one ever takes from all that the other one does; lines need no bend here.
+        let my_least = m0.min(m1).min(m2) - if me.is_straight { 0.0 } else { my_bend };
+        let its_most = o0.max(o1).max(o2) + if other.is_straight { 0.0 } else { its_bend };
+        Lack { away: n, lack: radii - moving.max(my_least - its_most) }
     };
     let first = middle(me.now) - middle(other.now);
     let last = middle(me.end) - middle(other.end);
@@ -185,7 +202,7 @@ pub(crate) fn lack_of_solid<V: Space>(me: &Candidate<V>, solid: &Solid<V>) -> Op
             continue;
         }
         let apart = least(me.now, n).min(least(me.end, n)) - solid.reach(n);
-        let room = bend * (2.0 * n.dot(me.plan.acceleration).max(0.0) + me.curve);
+        let room = if me.is_straight { 0.0 } else { bend * (2.0 * n.dot(me.plan.acceleration).max(0.0) + me.curve) };
         let lack = me.plan.radius + MARGIN + room - apart;
         if lack <= 0.0 {
             return None;

@@ -9,13 +9,13 @@ const DIRECTIONS: usize = 8;
 /// A time that stands for never. [Unit: s]
 const NEVER: f32 = 1e3;
 /// Share of their distance that the radii of two may take up: who touches somebody may still slide past.
-const CLOSEST: f32 = 0.99;
+const CLOSEST: f32 = 0.87;
 /// How much less a direction near the best one may be worth and still have a say: headings then change smoothly.
 const SOFT: f32 = 0.06;
 /// Cosine of the angle within which a direction is near another.
 const NEAR: f32 = 0.75;
-/// Places along a direction where the flow is asked, in squares of its grid: so far away that nobody finds there what it
-/// added to the flow itself.
+/// Places along a direction where the flow is asked, in squares of its grid: so far away that nobody finds there what
+/// it added to the flow itself.
 const FLOW_AT: [f32; 2] = [1.5, 2.5];
 
 /// Another one as it is seen.
@@ -114,9 +114,9 @@ impl<V: Space> Sight<V> {
         }
     }
 
-    /// Direction to take and how long it is free: the one that is free longest, the less so the more it is a detour, the more
-    /// it leads against the flow and the more it differs from how the member goes now. Of two sides the right one
-    /// is a little better where the way is not free.
+    /// Direction to take and how long it is free: the one that is free longest, the less so the more it is a detour,
+    /// the more it leads against the flow and the more it differs from how the member goes now. Of two sides the right
+    /// one is a little better where the way is not free.
     #[inline]
     pub fn choose(&self, field: &Field, velocity: V, flow: &Flow<V>, x: V) -> (V, f32) {
         let share = |free: f32| (free / field.horizon_s).min(1.0);

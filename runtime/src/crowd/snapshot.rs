@@ -49,7 +49,8 @@ impl<V: Space> Crowd<V> {
         bincode::serde::encode_to_vec(&state, bincode::config::standard().with_fixed_int_encoding()).unwrap_or_default()
     }
 
-    /// Goes back to a snapshot of a crowd that was made with the same setup. What follows is what followed then, bit by bit.
+    /// Goes back to a snapshot of a crowd that was made with the same setup. What follows is what followed then, bit by
+    /// bit.
     ///
     /// # Errors
     /// [`CrowdError::Snapshot`]; nothing has changed then.

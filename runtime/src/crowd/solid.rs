@@ -106,7 +106,7 @@ pub(crate) fn solids<V: Space>(index: usize, obstacle: &Obstacle<V>) -> Result<V
     let finite = |v: V| v.is_finite();
     match obstacle {
         &Obstacle::Ball { centre, radius } => {
-            if !finite(centre) || !(radius > 0.0 && radius < 1e6) {
+            if !(finite(centre) && radius > 0.0 && radius < 1e6) {
                 return value("radius", radius, "above 0 and below 1e6, around a centre that is finite");
             }
             Ok(vec![Solid::Ball { centre, radius }])

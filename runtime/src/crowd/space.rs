@@ -78,7 +78,8 @@ pub trait Space:
         if square > length * length { self * (length / square.sqrt()) } else { self }
     }
 
-    /// Largest integers that are not above the coordinates; those of numbers that are too large are the largest there are.
+    /// Largest integers that are not above the coordinates; those of numbers that are too large are the largest there
+    /// are.
     #[inline]
     fn floor(self) -> [i32; 3] {
         self.coordinates().map(|c| {

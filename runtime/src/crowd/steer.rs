@@ -3,7 +3,7 @@
 use super::flow::Flow;
 use super::sight::{Seen, Sight};
 use super::solid::Solid;
-use super::{Field, Forces, Space};
+use super::{Field, Forces, Interest, Space};
 use crate::simd::vectorize;
 
 /// The one whose forces are asked for.
@@ -22,19 +22,24 @@ pub(crate) struct Walker<V> {
     pub off_centre: V,
 }
 
+/// What it feels.
+pub(crate) struct Surroundings<'a, V> {
+    pub seen: &'a [Seen<V>],
+    /// All solids that stand.
+    pub solids: &'a [Solid<V>],
+    /// Which of them are near.
+    pub near: &'a [u32],
+    pub flow: &'a Flow<V>,
+    pub interests: &'a [Interest<V>],
+}
+
 /// Sums up what moves a walker.
 ///
 /// Differs from 001: the turning force has a part that looks ahead, toward the direction that is free longest (see
-/// [`Sight`]), beside eq. 22, which only knows who is near; the weights of eq. 16 take the desired velocity where that is
-/// larger, so that those who were stopped try on.
-pub(crate) fn forces<V: Space>(
-    me: &Walker<V>,
-    field: &Field,
-    seen: &[Seen<V>],
-    solids: &[Solid<V>],
-    near: &[u32],
-    flow: &Flow<V>,
-) -> Forces<V> {
+/// [`Sight`]), beside eq. 22, which only knows who is near; the weights of eq. 16 take the desired velocity where that
+/// is larger, so that those who were stopped try on.
+pub(crate) fn forces<V: Space>(me: &Walker<V>, field: &Field, around: &Surroundings<'_, V>) -> Forces<V> {
+    let &Surroundings { seen, solids, near, flow, interests } = around;
     let mut sight = Sight::along(me.desired, me.speed);
     let behind = -me.radius;
     vectorize(|| {
@@ -54,6 +59,10 @@ pub(crate) fn forces<V: Space>(
     let driving = (me.desired * me.speed - me.velocity) * rate;
     let turning = (heading * speed - me.desired * me.speed) * rate;
     let mut f = Forces { driving, turning, safety: me.off_centre * -field.safety, ..Forces::default() };
+    for interest in interests {
+        let (toward, distance) = (interest.position - me.position).unit_and_length();
+        f.interaction += toward * (interest.strength * (1.0 - distance / interest.reach).max(0.0));
+    }
     let mut escape = V::default();
     let far = field.turning_m.max(field.decelerating_m).max(field.repulsion_m);
     for other in seen {
@@ -108,7 +117,8 @@ fn feel<V: Space>(f: &mut Forces<V>, me: &Walker<V>, field: &Field, other: &Seen
     }
 }
 
-/// What it takes to get out of the way of what does not give way: the acceleration that makes the nearest approach far enough.
+/// What it takes to get out of the way of what does not give way: the acceleration that makes the nearest approach far
+/// enough.
 fn dodge<V: Space>(me: &Walker<V>, field: &Field, other: &Seen<V>) -> V {
     let relative = other.velocity - me.velocity;
     let time = -other.offset.dot(relative) / relative.length_squared().max(1e-12);

@@ -76,15 +76,19 @@ fn stop_regions_of_balls_are_apart_at_all_times() {
 
 #[test]
 fn two_who_meet_head_on_pass_each_other() {
-    let mut setup = Setup::default();
-    for x in [-6.0f32, 6.0] {
-        setup.members.push(Member { position: Vec2::new(x, 0.0), route: setup.routes.len(), ..Member::default() });
-        setup.routes.push(to(Vec2::new(-x, 0.0)));
+    // From afar, and from where they touch already.
+    for apart in [6.0f32, 0.3003] {
+        let mut setup = Setup::default();
+        for side in [-1.0f32, 1.0] {
+            let position = Vec2::new(side * apart, 0.0);
+            setup.members.push(Member { position, route: setup.routes.len(), ..Member::default() });
+            setup.routes.push(to(Vec2::new(-side * 6.0, 0.0)));
+        }
+        let mut crowd = Crowd::new(setup).unwrap();
+        let mut arrived = 0;
+        crowd.advance(14.0, &mut |e| arrived += usize::from(e.kind == EventKind::Arrived)).unwrap();
+        assert_eq!(arrived, 2, "{apart} m apart");
     }
-    let mut crowd = Crowd::new(setup).unwrap();
-    let mut arrived = 0;
-    crowd.advance(14.0, &mut |e| arrived += usize::from(e.kind == EventKind::Arrived)).unwrap();
-    assert_eq!(arrived, 2);
 }
 
 #[test]
@@ -344,4 +348,31 @@ fn bounds_hold_members_until_their_next_event() {
             assert!(crowd.next_event(*id).unwrap() >= crowd.now());
         }
     }
+}
+
+#[test]
+fn interests_draw_near_and_drive_away() {
+    let end = |strength| {
+        let mut setup = Setup { members: vec![Member { speed: 0.0, ..Member::default() }], ..Setup::default() };
+        setup.routes.push(to(Vec2::ZERO));
+        setup.config.largest_speed_mps = 1.0;
+        setup.interests.push(Interest { position: Vec2::new(3.0, 0.0), strength, reach: 6.0 });
+        let mut crowd = Crowd::new(setup).unwrap();
+        crowd.advance(5.0, &mut |_| {}).unwrap();
+        crowd.position(crowd.ids().next().unwrap(), 5.0).unwrap().x
+    };
+    assert!(end(1.0) > 0.2 && end(-1.0) < -0.2 && end(0.0) == 0.0, "{} {} {}", end(1.0), end(-1.0), end(0.0));
+}
+
+#[test]
+fn forces_add_up_to_the_terms_of_the_field() {
+    let mut crowd = Crowd::new(crossing::<Vec2>(40, 0.9)).unwrap();
+    crowd.advance(2.0, &mut |_| {}).unwrap();
+    let id = crowd.ids().nth(20).unwrap();
+    let (f, m) = (crowd.forces(id).unwrap(), crowd.member(id).unwrap());
+    let desired = crowd.desired_direction(id).unwrap();
+    let driving = (desired * m.speed - m.velocity) / Field::default().relaxation_s;
+    assert!((f.driving - driving).length() < 1e-3, "first term of eq. 17: {} {driving}", f.driving);
+    assert_eq!(f.taken, crowd.acceleration(id, crowd.last_event(id).unwrap()).unwrap());
+    assert!(f.taken.length() <= m.acceleration * 1.0001);
 }

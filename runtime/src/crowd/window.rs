@@ -1,10 +1,10 @@
 //! Independent events on several threads.
 //!
-//! No event makes another one within the smallest interval, so that all events of a shorter window of time are known at its start.
-//! Each of them reads and changes members in cells next to its own; events that share no such cell
-//! commute. They are put into levels: an event comes after all earlier ones that share a cell with it, and those of one
-//! level are decided at the same time. What comes of them is noted in the order of levels, and told in the order of time.
-//! So the result is that of one event after the other.
+//! No event makes another one within the smallest interval, so that all events of a shorter window of time are known at
+//! its start. Each of them reads and changes members in cells next to its own; events that share no such cell commute.
+//! They are put into levels: an event comes after all earlier ones that share a cell with it, and those of one level
+//! are decided at the same time. What comes of them is noted in the order of levels, and told in the order of time. So
+//! the result is that of one event after the other.
 
 use super::decide::{Decision, Scratch};
 use super::tracing::{Registration, Trace};

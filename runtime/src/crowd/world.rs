@@ -6,7 +6,7 @@ use super::occupancy::narrowest;
 use super::plan::Plan;
 use super::solid::{Solid, is_inside, solids};
 use super::spline::Spline;
-use super::{CrowdError, Field, Member, Obstacle, Scheme, Setup, Space};
+use super::{CrowdError, Field, Interest, Member, Obstacle, Scheme, Setup, Space};
 
 /// How much faster than it wishes a member may be, when it gives way.
 pub(crate) const HURRY: f32 = 1.25;
@@ -20,6 +20,7 @@ pub(crate) struct World<V> {
     /// Obstacle that each solid is a part of.
     pub owners: Vec<u32>,
     pub movers: Vec<Mover<V>>,
+    pub interests: Vec<Interest<V>>,
     /// Solids that reach into the region of each cell: those of cell c are `near[first[c]..first[c + 1]]`.
     first: Vec<u32>,
     near: Vec<u32>,
@@ -75,79 +76,33 @@ impl<V: Space> Mover<V> {
 impl<V: Space> World<V> {
     /// Checks and prepares all that surrounds the members, and makes empty cells.
     pub fn new(setup: &Setup<V>) -> Result<(Self, Cells<V>, Flow<V>), CrowdError> {
+        check_settings(setup)?;
         let config = &setup.config;
-        let value = |field, got, expected| CrowdError::Value { what: "config", index: 0, field, got, expected };
-        let interval = config.smallest_interval_s;
-        if !(0.001..=1.0).contains(&interval) {
-            return Err(value("smallest_interval_s", interval, "between 0.001 and 1"));
-        }
-        if !(0.001..=1.0).contains(&config.step_s) {
-            return Err(value("step_s", config.step_s, "between 0.001 and 1"));
-        }
-        if config.halvings > 16 {
-            return Err(value("halvings", config.halvings as f32, "at most 16"));
-        }
-        for (index, field) in setup.fields.iter().enumerate() {
-            field.check(index)?;
-        }
-        for (index, member) in setup.members.iter().enumerate() {
-            check_member(index, member, setup.routes.len(), setup.fields.len())?;
-        }
         let most = |least: f32, f: fn(&Member<V>) -> f32| setup.members.iter().map(f).fold(least, f32::max);
         let radius = most(config.largest_radius_m, |m| m.radius);
         let speed = most(config.largest_speed_mps, |m| m.speed.max(m.velocity.length() / HURRY)).max(0.1);
         let weakest = setup.members.iter().map(|m| m.acceleration).fold(f32::INFINITY, f32::min);
         let weakest = if weakest.is_finite() { weakest } else { 1.0 };
         let fastest = HURRY * speed;
-        let stopping = fastest * fastest / (2.0 * weakest);
-        // Within the shortest plan, and half as long again, everybody has to be able to stop within half a side.
-        let longest = match config.scheme {
-            Scheme::Fixed => config.step_s.max(1.5 * interval),
-            _ => 1.5 * interval,
-        };
-        let mut need = 2.0 * (radius + stopping + fastest * longest + 0.01);
-        if config.scheme == Scheme::Occupancy {
-            let strongest = setup.members.iter().map(|m| m.acceleration).fold(0.0, f32::max);
-            need = need.max(narrowest(radius, strongest, interval));
-        }
-        let side = match config.cell_side_m {
-            0.0 => need.max(6.5 * radius),
-            side if side >= need && side < 1e5 => side,
-            side => {
-                return Err(value(
-                    "cell_side_m",
-                    side,
-                    "twice the radius, way to stop and way of a shortest plan, or more; or 0",
-                ));
-            }
-        };
-        let (low, high) = extents(setup);
-        let capacity = config.capacity.max(setup.members.len());
-        let cells = Cells::new(side, high - low, capacity);
-        let flow = Flow::new(radius, high - low, capacity);
         let mut world = Self {
             fields: setup.fields.clone(),
             splines: Vec::with_capacity(setup.routes.len()),
             solids: Vec::new(),
             owners: Vec::new(),
             movers: Vec::new(),
+            interests: setup.interests.clone(),
             first: Vec::new(),
             near: Vec::new(),
-            interval,
+            interval: config.smallest_interval_s,
             radius,
             speed,
-            stopping,
+            stopping: fastest * fastest / (2.0 * weakest),
         };
-        let mut ranges = Vec::new();
-        for (index, obstacle) in setup.obstacles.iter().enumerate() {
-            let bodies = solids(index, obstacle)?;
-            ranges.push(world.solids.len()..world.solids.len() + bodies.len());
-            world.owners.resize(world.solids.len() + bodies.len(), index as u32);
-            world.solids.extend(bodies);
-            if let Obstacle::Mover { way, radius } = obstacle {
-                world.movers.push(Mover { obstacle: index as u32, radius: *radius, way: way.clone() });
-            }
-        }
+        let (low, high) = extents(setup);
+        let capacity = config.capacity.max(setup.members.len());
+        let cells = Cells::new(world.side(setup)?, high - low, capacity);
+        let flow = Flow::new(radius, high - low, capacity);
+        let ranges = world.add_obstacles(&setup.obstacles)?;
         for (index, route) in setup.routes.iter().enumerate() {
             let spline = Spline::new(index, route)?;
             for ((obstacle, body), range) in setup.obstacles.iter().enumerate().zip(&ranges) {
@@ -165,6 +120,42 @@ impl<V: Space> World<V> {
         }
         world.list(&cells);
         Ok((world, cells, flow))
+    }
+
+    /// Side of the cells: within the shortest plan, and half as long again, everybody has to be able to stop within half
+    /// of it.
+    fn side(&self, setup: &Setup<V>) -> Result<f32, CrowdError> {
+        let (config, interval) = (&setup.config, 1.5 * self.interval);
+        let longest = if config.scheme == Scheme::Fixed { config.step_s.max(interval) } else { interval };
+        let mut need = 2.0 * (self.radius + self.stopping + HURRY * self.speed * longest + 0.01);
+        if config.scheme == Scheme::Occupancy {
+            let strongest = setup.members.iter().map(|m| m.acceleration).fold(0.0, f32::max);
+            need = need.max(narrowest(self.radius, strongest, self.interval));
+        }
+        match config.cell_side_m {
+            0.0 => Ok(need.max(6.5 * self.radius)),
+            side if side >= need && side < 1e5 => Ok(side),
+            got => {
+                let expected = "twice the radius, way to stop and way of a shortest plan, or more; or 0";
+                Err(CrowdError::Value { what: "config", index: 0, field: "cell_side_m", got, expected })
+            }
+        }
+    }
+
+    /// Takes in the bodies of obstacles; which solids are whose.
+    fn add_obstacles(&mut self, obstacles: &[Obstacle<V>]) -> Result<Vec<std::ops::Range<usize>>, CrowdError> {
+        let mut ranges = Vec::new();
+        for (index, obstacle) in obstacles.iter().enumerate() {
+            let bodies = solids(index, obstacle)?;
+            let range = self.solids.len()..self.solids.len() + bodies.len();
+            self.owners.resize(range.end, index as u32);
+            self.solids.extend(bodies);
+            ranges.push(range);
+            if let Obstacle::Mover { way, radius } = obstacle {
+                self.movers.push(Mover { obstacle: index as u32, radius: *radius, way: way.clone() });
+            }
+        }
+        Ok(ranges)
     }
 
     /// Solids that reach into the region of a cell.
@@ -203,6 +194,40 @@ impl<V: Space> World<V> {
         self.first = (0..=cells.num_cells() as u32).map(|c| pairs.partition_point(|p| p.0 < c) as u32).collect();
         self.near = pairs.into_iter().map(|p| p.1).collect();
     }
+}
+
+/// Every setting within its limits.
+fn check_settings<V: Space>(setup: &Setup<V>) -> Result<(), CrowdError> {
+    let got = setup.config.smallest_interval_s;
+    if !(0.001..=1.0).contains(&got) {
+        let (field, expected) = ("smallest_interval_s", "between 0.001 and 1");
+        return Err(CrowdError::Value { what: "config", index: 0, field, got, expected });
+    }
+    let got = setup.config.step_s;
+    if !(0.001..=1.0).contains(&got) {
+        let expected = "between 0.001 and 1";
+        return Err(CrowdError::Value { what: "config", index: 0, field: "step_s", got, expected });
+    }
+    let halvings = setup.config.halvings;
+    if halvings > 16 {
+        let (field, got) = ("halvings", halvings as f32);
+        return Err(CrowdError::Value { what: "config", index: 0, field, got, expected: "at most 16" });
+    }
+    for (index, field) in setup.fields.iter().enumerate() {
+        field.check(index)?;
+    }
+    for (index, interest) in setup.interests.iter().enumerate() {
+        let is_good = interest.position.is_finite() && interest.strength.is_finite();
+        let got = if is_good { interest.reach } else { f32::NAN };
+        if !(got > 0.0 && got < 1e6) {
+            let expected = "above 0 and below 1e6, with a strength and position that are finite";
+            return Err(CrowdError::Value { what: "interest", index, field: "reach", got, expected });
+        }
+    }
+    for (index, member) in setup.members.iter().enumerate() {
+        check_member(index, member, setup.routes.len(), setup.fields.len())?;
+    }
+    Ok(())
 }
 
 /// A member's settings within their limits.
