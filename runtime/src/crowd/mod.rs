@@ -7,6 +7,7 @@ mod bound;
 mod cells;
 mod config;
 mod contacts;
+mod crossing;
 mod decide;
 mod engine;
 mod error;
