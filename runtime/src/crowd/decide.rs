@@ -75,7 +75,8 @@ pub(crate) struct Around {
 pub(crate) struct Scratch<V> {
     seen: Vec<Seen<V>>,
     pub around: Vec<Around>,
-    others: Vec<Other<V>>,
+    /// Those whose plans a plan may come in conflict with, and how far from its centre they stay. [Unit: m]
+    others: Vec<(f32, Other<V>)>,
 }
 
 impl<V: Space> Scratch<V> {
@@ -150,7 +151,7 @@ impl<V: Space> Decider<'_, V> {
         let mut taken = self.safe(&fresh, wish, length, region, near, scratch);
         if taken.is_none() && !self.world.movers.is_empty() {
             // What does not give way may be past avoiding: out of its way all the same.
-            scratch.others.retain(|o| o.plan.index != NONE);
+            scratch.others.retain(|o| o.1.plan.index != NONE);
             taken = self.safe(&fresh, wish, self.world.interval, region, near, scratch);
         }
         let plan = match taken {
@@ -308,26 +309,26 @@ impl<V: Space> Decider<'_, V> {
     /// Those whose plans a plan of a length has to be compared with.
     fn look_at_plans(&self, fresh: &Plan<V>, length: f32, scratch: &mut Scratch<V>) {
         scratch.others.clear();
-        let reach = |speed: f32, limit: f32, length: f32| {
-            let fast = speed + limit * length;
-            (speed + 0.5 * limit * length) * length + 0.5 * fast * fast / limit
-        };
-        let mine = reach(fresh.velocity.length(), fresh.limit, length) + fresh.radius + 0.01;
+        let (speed, fastest) = (fresh.velocity.length(), HURRY * self.world.speed);
+        let fast = (speed + fresh.limit * length).min(fastest.max(speed));
+        let mine = fast * length + 0.5 * fast * fast / fresh.limit + fresh.radius + 0.01;
         for &Around { address, distance, .. } in &scratch.around {
             let other = self.cells.at(address);
             let until = (other.end - self.time) as f32;
-            if distance < mine + other.radius + HURRY * self.world.speed * until + self.world.stopping {
+            if distance < mine + other.radius + fastest * until + self.world.stopping {
                 let other = Other::new(other, self.time);
-                if distance < mine + other.plan.radius + other.reach() {
-                    scratch.others.push(other);
+                let free = distance - other.plan.radius - other.reach();
+                if free < mine {
+                    scratch.others.push((free, other));
                 }
             }
         }
         for mover in &self.world.movers {
             let plan = mover.plan(self.time, length + 2.0 * self.world.speed / fresh.limit);
             let way = plan.velocity.length() * (plan.end - plan.start) as f32;
-            if (plan.position - fresh.position).length() < mine + plan.radius + way {
-                scratch.others.push(Other::new(&plan, self.time));
+            let free = (plan.position - fresh.position).length() - plan.radius - way;
+            if free < mine {
+                scratch.others.push((free, Other::new(&plan, self.time)));
             }
         }
     }
@@ -385,7 +386,9 @@ impl<V: Space> Decider<'_, V> {
     /// The largest lack of a plan.
     fn worst(&self, candidate: &Candidate<V>, near: &[u32], scratch: &Scratch<V>) -> Option<Lack<V>> {
         let solids = near.iter().filter_map(|&s| lack_of_solid(candidate, &self.world.solids[s as usize]));
-        let others = scratch.others.iter().filter_map(|o| lack(candidate, o));
+        let reach = candidate.reach();
+        let near = scratch.others.iter().filter(|o| o.0 < reach);
+        let others = near.filter_map(|o| lack(candidate, &o.1));
         others.chain(solids).reduce(|a, b| if b.lack > a.lack { b } else { a })
     }
 

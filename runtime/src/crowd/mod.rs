@@ -11,6 +11,7 @@ mod bound;
 mod cells;
 mod config;
 mod contacts;
+mod crossing;
 mod decide;
 mod engine;
 mod error;

@@ -90,6 +90,12 @@ impl<V: Space> Candidate<V> {
         Self { length, now, end, curve: curve(&plan), is_straight: is_straight(&plan), plan }
     }
 
+    /// How far from where its centre is now it may come, with braking at the end: to its own edge, and a little more. [Unit: m]
+    #[inline]
+    pub fn reach(&self) -> f32 {
+        reach(self.now, self.end, self.length, &self.plan, self.curve) + self.plan.radius + MARGIN
+    }
+
     /// True where the stop region stays within a box along the axes.
     #[inline]
     pub fn stays_within(&self, min: V, max: V) -> bool {
@@ -114,13 +120,16 @@ impl<V: Space> Other<V> {
     /// How far from where its centre is now its centre may come, with braking at the end. [Unit: m]
     #[inline]
     pub fn reach(&self) -> f32 {
-        let x = self.now.0;
-        let far = (self.now.1 - x)
-            .length_squared()
-            .max((self.end.0 - x).length_squared())
-            .max((self.end.1 - x).length_squared());
-        far.sqrt() + 0.125 * self.until * self.until * (2.0 * self.plan.acceleration.length() + self.curve)
+        reach(self.now, self.end, self.until, &self.plan, self.curve)
     }
+}
+
+/// How far the ends of a stop region come from where the centre is now, within a time.
+#[inline]
+fn reach<V: Space>(now: (V, V), end: (V, V), within: f32, plan: &Plan<V>, curve: f32) -> f32 {
+    let far = |x: V| (x - now.0).length_squared();
+    let farthest = far(now.1).max(far(end.0)).max(far(end.1));
+    farthest.sqrt() + 0.125 * within * within * (2.0 * plan.acceleration.length() + curve)
 }
 
 /// How far a stop region reaches at least along a direction.
@@ -268,9 +277,12 @@ mod tests {
         )
     }
 
-    /// Samples the invariant: wherever no lack is found, stop regions are apart at all times.
+    /// Samples the invariant: wherever no lack is found, or none is looked for, stop regions are apart at all times.
     fn holds<V: Space>(me: &Plan<V>, other: &Plan<V>) -> Result<(), TestCaseError> {
-        if lack(&Candidate::new(*me), &Other::new(other, 100.0)).is_some() {
+        let (candidate, its) = (Candidate::new(*me), Other::new(other, 100.0));
+        let distance = (me.position - other.at(100.0).0).length();
+        let is_out_of_reach = distance - other.radius - its.reach() >= candidate.reach();
+        if !is_out_of_reach && lack(&candidate, &its).is_some() {
             return Ok(());
         }
         for i in 0..=100 {
