@@ -85,8 +85,9 @@ pub fn world(tables: &Tables, source: &WorldSource, path: &Path) -> Result<World
     let edits = edits.collect::<Result<_, _>>()?;
     let (data, _) = editor.into_world();
     let graph = WorldGraph::new(tables.patches(), data.view()).map_err(|e| fail(e.to_string()))?;
-    let (characters, steps_per_second) = life(source, tables, &graph)?;
+    // First, for the time that the first planner of a world takes.
     let (paths, paths_soon) = paths::measure(&graph, tables.meta().rate_hz);
+    let (characters, steps_per_second) = life(source, tables, &graph)?;
     Ok(WorldFigures {
         world: source.name.clone(),
         instances: report.instances,
