@@ -5,9 +5,9 @@ use super::{ClipPlayer, Model, Selection};
 use crate::command::Stage;
 use crate::document::{Bundle, BundleDocument, Document, Opened, SceneFile, Stamp, Watch};
 use crate::panels::PanelKind;
-use crate::render::Preset;
 use crate::run::{BlendRun, Run};
 use eframe::egui;
+use std::f32::consts::FRAC_PI_2;
 use std::path::{Path, PathBuf};
 
 impl Model {
@@ -74,7 +74,8 @@ impl Model {
             self.views.clear();
             self.change_side_panel();
             if self.document.crowd_scene().is_some_and(|c| !c.run().cast().in_the_air) {
-                Preset::Top.turn(&mut self.settings.camera);
+                // From straight above, +X at the right.
+                (self.settings.camera.yaw, self.settings.camera.pitch) = (0.0, FRAC_PI_2);
             }
             self.frame_all();
         }

@@ -6,17 +6,15 @@ use crate::document::CrowdDocument;
 use crate::model::Model;
 use crate::run::members::{Happened, With};
 use crate::stage::members::colour_of_event;
-use eframe::egui::{
-    Align, Label, Layout, RichText, Role, ScrollArea, Sense, TextStyle, Ui, UiBuilder, WidgetInfo, vec2,
-};
+use eframe::egui::{Align2, Color32, Role, ScrollArea, Sense, TextStyle, Ui, WidgetInfo, pos2, vec2};
 
 /// Events that are listed at most.
 const MOST: usize = 200;
 /// Height of the list. [Unit: points]
 const HEIGHT: f32 = 190.0;
 /// Widths of the columns of time and kind. [Unit: points]
-const TIME: f32 = 62.0;
-const KIND: f32 = 72.0;
+const TIME: f32 = 86.0;
+const KIND: f32 = 78.0;
 
 /// Shows the list.
 pub fn show(ui: &mut Ui, model: &Model, crowd: &CrowdDocument, state: &mut State, commands: &mut Vec<Command>) {
@@ -53,16 +51,16 @@ fn row(ui: &mut Ui, crowd: &CrowdDocument, h: &Happened, selected: Option<usize>
         let fill = ui.visuals().selection.bg_fill.gamma_multiply(if is_about { 0.35 } else { 0.2 });
         ui.painter().rect_filled(rect, 2.0, fill);
     }
-    let mut line = ui.new_child(UiBuilder::new().max_rect(rect).layout(Layout::left_to_right(Align::Center)));
-    line.spacing_mut().item_spacing.x = 6.0;
-    let cell = |ui: &mut Ui, width: f32, text: RichText| {
-        ui.add_sized([width, height], Label::new(text).truncate().halign(Align::Min).selectable(false))
+    let painter = ui.painter().with_clip_rect(rect.intersect(ui.clip_rect()));
+    let visuals = ui.visuals();
+    let write = |x: f32, text: String, style: TextStyle, colour: Color32| {
+        let at = pos2(rect.left() + x, rect.center().y);
+        painter.text(at, Align2::LEFT_CENTER, text, style.resolve(ui.style()), colour);
     };
-    cell(&mut line, TIME, RichText::new(format!("{:>8.3} s", h.time_s)).monospace().small());
-    let dark = line.visuals().dark_mode;
-    cell(&mut line, KIND, RichText::new(h.what.name()).color(colour(colour_of_event(h.what, dark))));
-    let rest = line.available_width().max(10.0);
-    cell(&mut line, rest, RichText::new(in_words(crowd, h)));
+    write(2.0, format!("{:>8.3} s", h.time_s), TextStyle::Monospace, visuals.weak_text_color());
+    let kind = colour(colour_of_event(h.what, visuals.dark_mode));
+    write(TIME, h.what.name().to_owned(), TextStyle::Body, kind);
+    write(TIME + KIND, in_words(crowd, h), TextStyle::Body, visuals.text_color());
     let name = format!("Event {} {}", h.what.name(), h.member);
     response.widget_info(|| WidgetInfo::labeled(Role::Button, true, &name));
     let clicked = response.clicked();

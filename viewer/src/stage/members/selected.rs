@@ -51,6 +51,8 @@ fn cells(shapes: &mut Shapes, d: &Details, brush: &Brush<'_>) {
     for (beyond, width, strength) in squares {
         let from = low - Vec3::splat(beyond * side);
         let to = low + Vec3::splat((1.0 + beyond) * side);
+        // Boxes in the air lie over much of the view.
+        let strength = if brush.cast.in_the_air { 0.6 * strength } else { strength };
         frame(shapes, from, to, (width, brush.palette.slow.alpha(strength)), brush);
     }
     for i in 1..3 {
