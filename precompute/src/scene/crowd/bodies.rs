@@ -4,7 +4,7 @@ use super::config::{CrowdBodiesConfig, CrowdScene};
 use super::live::Live;
 use crate::error::BuildError;
 use crate::scene::walkers::{BodiesConfig, blend_fault, named_space};
-use crate::slip::SlipMeter;
+use crate::slip::SoleMeter;
 use glam::{Vec2, Vec3};
 use serde::Serialize;
 use throng_runtime::blend::walkers::{Control, WalkerStart, Walkers, WalkersConfig};
@@ -20,9 +20,9 @@ pub type BodyPoses = Vec<Option<[Vec3; NUM_JOINTS]>>;
 /// What was measured of bodies.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct BodiesReport {
-    /// Mean speed of planted heels and toes. [Unit: m/s]
+    /// Mean slip of planted feet, as [`SoleMeter`] measures it. [Unit: m/s]
     pub foot_slip_mean_mps: f64,
-    /// 95th percentile of the speed of planted heels and toes. [Unit: m/s]
+    /// 95th percentile of it. [Unit: m/s]
     pub foot_slip_p95_mps: f64,
     /// Farthest that hips were from the middle of their disc, over ground. [Unit: m]
     pub hips_off_max_m: f64,
@@ -59,7 +59,7 @@ pub fn walk_bodies(
             troop(&live, space, members, tables.skeleton(), &skeletons).map_err(|e| blend_fault(&scene.name, &e))?,
         );
     }
-    let (mut slip, mut report) = (SlipMeter::new(live.num_members()), BodiesReport::default());
+    let (mut slip, mut report) = (SoleMeter::new(live.num_members()), BodiesReport::default());
     let ground = HeightField::flat();
     let steps = (seconds * STEP_HZ).ceil() as u64;
     for step in 0..=steps {
@@ -72,11 +72,8 @@ pub fn walk_bodies(
             t.walkers.step(&t.space, dt_s, &t.controls, &ground).map_err(|e| blend_fault(&scene.name, &e))?;
         }
         let num = troops.len();
-        slip.observe_joints(dt_s, |m| {
-            let walkers = &troops[m % num].walkers;
-            let pose = walkers.joint_positions(m / num);
-            (walkers.contacts(m / num), move |j: Joint| pose[j.index()])
-        });
+        let walkers = |m: usize| &troops[m % num].walkers;
+        slip.observe(dt_s, |m| (walkers(m).contacts(m / num), walkers(m).soles(m / num)));
         for m in 0..live.num_members() {
             if let Some(at) = live.position(m, time_s) {
                 let hips = troops[m % num].walkers.joint_positions(m / num)[Joint::Hips.index()];
