@@ -253,7 +253,7 @@ mod tests {
         let meeting = Meeting::new();
         let path = meeting.scene(12);
         let text = std::fs::read_to_string(&path).unwrap();
-        for (from, to, say) in [("count = 12", "count = 0", "count"), ("[0.25, 0.35]", "[3.0, 3.0]", "overlap")] {
+        for (from, to, say) in [("count = 12", "count = 0", "count"), ("[-9.0, -3.0]", "[-2.2, -3.0]", "overlap")] {
             std::fs::write(&path, text.replacen(from, to, 1)).unwrap();
             let e = CrowdDocument::open(&path).map(|_| ()).unwrap_err();
             assert!(e.contains("meeting") && e.contains(say), "{e}");
