@@ -73,16 +73,14 @@ fn sunflower<V: Space>(count: usize, density: f32) -> Vec<V> {
 fn ball<V: Space>(count: usize, density: f32) -> Vec<V> {
     let half = (0.63 * (count as f32).cbrt()).ceil() as i32 + 1;
     // Off the origin, so that few are equally far from it.
-    let square = |c: &[i32; 3]| {
-        let off = [0.11, 0.23, 0.37];
-        (0..3).map(|i| (c[i] as f32 + off[i]).powi(2)).sum::<f32>()
-    };
+    let off = |c: &[i32; 3]| [c[0] as f32 + 0.11, c[1] as f32 + 0.23, c[2] as f32 + 0.37];
+    let square = |c: &[i32; 3]| off(c).iter().map(|x| x * x).sum::<f32>();
     let side = || -half..=half;
     let mut all: Vec<[i32; 3]> =
         side().flat_map(|x| side().flat_map(move |y| side().map(move |z| [x, y, z]))).collect();
     all.sort_by(|a, b| square(a).total_cmp(&square(b)).then(a.cmp(b)));
     let spacing = density.recip().cbrt();
-    all.into_iter().take(count).map(|c| V::from_coordinates(c.map(|v| v as f32 * spacing))).collect()
+    all.iter().take(count).map(|c| V::from_coordinates(off(c).map(|x| x * spacing))).collect()
 }
 
 /// Rings one in the other, as large as `count` at that spacing needs.

@@ -106,8 +106,11 @@ proptest! {
                     let costs = found.iter().filter(|((at, cell), _)| *at == way && ends(*cell)).map(|(_, f)| *f);
                     let best = costs.min().map_or(f32::INFINITY, |f| f as f32);
                     let cost = plane.cost(plane.look(c, way), from);
-                    // Where there is none nearby, one might lead far around.
-                    prop_assert!(cost == best || best == f32::INFINITY, "{} to {} {:?}: {} {}", from, c, way, cost, best);
+                    // A longer one than this might lead beyond the rim, which is 9 copies away, and back: there only the
+                    // bound is known.
+                    let around = 20.0 * (2 * (RADIUS + MARGIN + 1) - 2) as f32;
+                    let fits = if best < around { cost == best } else { cost <= best };
+                    prop_assert!(fits, "{} to {} {:?}: {} {}", from, c, way, cost, best);
                 }
             }
         }
