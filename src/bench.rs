@@ -32,9 +32,10 @@ use throng_precompute::stitch::WorldSource;
 /// placed (how many), place (the one that was moved, the middle one), done (moves that were not refused), seconds (moving
 /// it a few centimetres on, all threads, the median; null where all were refused), over_stitch], one for every kind of
 /// unit, paths {found, seconds_mean, seconds_max, length_mean_m,
-/// length_max_m, duration_mean_s, opened_instances_mean, opened_nodes_mean, compared, over_dijkstra_mean,
-/// over_dijkstra_max (null in worlds of more than a million cells)}, characters, steps_per_second (of all of them, on one
-/// thread).
+/// length_max_m, duration_mean_s, opened_instances_mean (ways of the upper layer), opened_nodes_mean, first_seconds (making
+/// the planner), slowest (instances from and to), compared, over_dijkstra_mean, over_dijkstra_max, worst (instances from and
+/// to; null in worlds too large to search through), over_bound_max (over what no way takes less than)}, paths_soon {the same
+/// of paths for who cannot wait}, characters, steps_per_second (of all of them, on one thread).
 ///
 /// Of blending (the word `blend`, which measures the project's own locomotion, or a bundle with blend spaces and no motion
 /// graph): the figures of the first blend space, and spaces, those of all: space, examples, axes, joints,

@@ -2,7 +2,6 @@
 
 mod bundle;
 mod captured;
-#[allow(dead_code, reason = "a part of it is enough here")]
 #[path = "../common/mod.rs"]
 mod common;
 mod examples;
