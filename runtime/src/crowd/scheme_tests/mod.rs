@@ -105,7 +105,8 @@ fn no_overlap<V: Space>(crowd: &Crowd<V>, most: f32) {
 fn no_member_acts_twice_within_the_smallest_interval() {
     for scheme in [Scheme::Registration, Scheme::Occupancy] {
         let mut crowd = Crowd::new(meeting::<Vec2>(scheme, 5)).unwrap();
-        let (mut last, mut of_pair): (BTreeMap<Id, f64>, BTreeMap<(Id, Id), [f64; 2]>) = Default::default();
+        let mut last: BTreeMap<Id, f64> = BTreeMap::new();
+        let mut of_pair: BTreeMap<(Id, Id), [f64; 2]> = BTreeMap::new();
         let (mut least, mut least_of_pair) = (f64::INFINITY, f64::INFINITY);
         let mut crossings = 0;
         let note = &mut |e: &Event| match e.kind {
