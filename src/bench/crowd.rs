@@ -12,7 +12,8 @@ use throng_precompute::scene::crowd::{self, CrowdReport, CrowdRun, CrowdScene, E
 /// What is asked of a crowd.
 #[derive(clap::Args)]
 pub struct CrowdOptions {
-    /// With the word `crowd`: one of the project's own scenes (flock, corridor, circle, ring, bottleneck, square), or a file.
+    /// With the word `crowd`: one of the project's own scenes (flock, corridor, lanes, circle, ring, bottleneck,
+    /// square), or a file.
     #[arg(long, value_name = "NAME_OR_FILE")]
     scene: Option<String>,
     /// With the word `crowd`: numbers of members; that of the scene where absent.

@@ -53,7 +53,7 @@ fn nobody_overlaps_and_two_runs_end_alike_however_they_are_looked_at() {
         let (report, _) = run(&scene, &CrowdRun { timed_apart: true, ..seconds(8.0) }).expect("it runs");
         assert_eq!(report.members, 60);
         assert!(report.max_overlap_m < 1e-3 && report.overlap_over_1mm_fraction == 0.0, "{name}: {report:?}");
-        assert!(report.progress_mps > 0.1 * report.desired_mps, "{name}: {report:?}");
+        assert!(report.progress_mps > 0.3 * report.desired_mps, "{name}: {report:?}");
         let threads = CrowdRun { threads: 3, ..seconds(8.0) };
         let (again, _) = run(&scene, &threads).expect("it runs");
         assert_eq!(report.state_hash, again.state_hash, "{name}, three threads");
@@ -98,6 +98,6 @@ fn those_who_stand_give_way_to_an_obstacle_on_its_way() {
             nearest = nearest.min(live.position(m, t).expect("it is there").distance(mover) - 0.8);
         }
     }
-    assert!(nearest > -0.1, "hardly touched: {nearest}");
+    assert!(nearest > -0.02, "hardly touched: {nearest}");
     assert!(nearest < 1.0, "somebody had to give way: {nearest}");
 }

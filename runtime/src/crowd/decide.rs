@@ -298,9 +298,13 @@ impl<V: Space> Decider<'_, V> {
         for mover in &self.world.movers {
             let plan = mover.plan(self.time, 1.0);
             let still = Bound { limit: 0.0, ..Bound::from(&plan) };
-            let contact = bound.first_contact(&still, self.time, first.1).min((plan.end - self.time) as f32);
-            if contact < first.1 {
-                first = (Cause::Obstacle(mover.obstacle), contact);
+            let contact = bound.first_contact(&still, self.time, first.1);
+            // Beyond the next point of its way nothing is known: it is looked at anew there.
+            let known = (plan.end - self.time) as f32;
+            let (cause, time) =
+                if contact <= known { (Cause::Obstacle(mover.obstacle), contact) } else { (Cause::Region, known) };
+            if time < first.1 {
+                first = (cause, time);
             }
         }
         first

@@ -138,6 +138,7 @@ impl<V: Space> Crowd<V> {
             limit: member.acceleration,
             index,
         };
+        self.world.check_place(number, member.position)?;
         self.check_room(&plan)?;
         self.free.pop();
         let cell = self.cells.number(self.cells.coordinates(member.position));
@@ -217,7 +218,9 @@ impl<V: Space> Crowd<V> {
     /// [`CrowdError`] for a route that cannot be.
     pub fn add_route(&mut self, route: Route<V>) -> Result<usize, CrowdError> {
         let number = self.world.splines.len();
-        self.world.splines.push(Spline::new(number, &route)?);
+        let spline = Spline::new(number, &route)?;
+        self.world.check_route(number, &spline)?;
+        self.world.splines.push(spline);
         Ok(number)
     }
 
@@ -267,7 +270,9 @@ impl<V: Space> Crowd<V> {
 
     /// Looks at everybody, as often as it is time to.
     pub(super) fn look_until(&mut self, time: f64) {
-        while self.next_look() <= time {
+        if self.next_look() <= time {
+            // Nobody acts between looks that are due together: the last one shows what all of them would.
+            self.looks = (time / LOOK_S) as u64;
             let now = self.next_look();
             self.looks += 1;
             self.flow.clear();

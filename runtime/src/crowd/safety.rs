@@ -25,13 +25,14 @@
 //! disjoint.
 //!
 //! Obstacles that move do not give way; they are taken for members that never brake, over the time of a plan and of
-//! braking after it. Who is shut in by one can be hit.
+//! braking after it, though not beyond the next point of their way. Who is shut in by one can be hit.
 
 use super::Space;
 use super::plan::{Plan, stop};
 use super::solid::Solid;
 
-/// Room that is kept beyond what the rule asks for, against rounding. [Unit: m]
+/// Room that is kept beyond what the rule asks for, against rounding, which is less than that within 500 m of the origin.
+/// [Unit: m]
 pub(crate) const MARGIN: f32 = 1e-4;
 
 /// A plan to be compared with others: both ends of its stop region now and at its end.
@@ -234,17 +235,23 @@ pub(crate) fn lever<V: Space>(me: &Candidate<V>) -> f32 {
 pub(crate) fn room<V: Space>(a: &Plan<V>, b: &Plan<V>) -> f32 {
     let ends = |p: &Plan<V>| (p.position, stop(p.position, p.velocity, p.limit));
     let ((a0, a1), (b0, b1)) = (ends(a), ends(b));
-    // The distance of two segments: coordinate descent on a convex function of two shares.
-    let (mut s, mut t) = (0.5f32, 0.5f32);
+    // The distance of two segments is that of an end of one to the other, or that of their lines between the ends.
     let nearest = |from: V, to: V, x: V| {
         let along = to - from;
         ((x - from).dot(along) / along.length_squared().max(1e-12)).clamp(0.0, 1.0)
     };
-    for _ in 0..32 {
-        s = nearest(a0, a1, b0 + (b1 - b0) * t);
-        t = nearest(b0, b1, a0 + (a1 - a0) * s);
+    let apart = |s: f32, t: f32| (a0 + (a1 - a0) * s - b0 - (b1 - b0) * t).length();
+    let mut least = apart(0.0, nearest(b0, b1, a0))
+        .min(apart(1.0, nearest(b0, b1, a1)))
+        .min(apart(nearest(a0, a1, b0), 0.0))
+        .min(apart(nearest(a0, a1, b1), 1.0));
+    let (u, v, w) = (a1 - a0, b1 - b0, a0 - b0);
+    let steepness = u.length_squared() * v.length_squared() - u.dot(v) * u.dot(v);
+    let s = (u.dot(v) * v.dot(w) - v.length_squared() * u.dot(w)) / steepness;
+    if steepness > 0.0 && (0.0..=1.0).contains(&s) {
+        least = least.min(apart(s, nearest(b0, b1, a0 + u * s)));
     }
-    (a0 + (a1 - a0) * s - b0 - (b1 - b0) * t).length() - a.radius - b.radius
+    least - a.radius - b.radius
 }
 
 #[cfg(test)]

@@ -1,10 +1,11 @@
 //! Keeping the whole state of a crowd, and telling two states apart.
 
 use super::decide::{Cause, Mind};
-use super::flow::Flow;
+use super::flow::{Flow, LOOK_S};
 use super::plan::Plan;
 use super::spline::Spline;
 use super::tracing::Trace;
+use super::world::HURRY;
 use super::{Counts, Crowd, CrowdError, NONE, Route, Space};
 use serde::{Deserialize, Serialize};
 
@@ -28,6 +29,9 @@ struct State<V> {
     looks: u64,
     trace: Trace<V>,
 }
+
+/// Nobody can have walked farther from where everybody starts. [Unit: m]
+const FARTHEST_M: f32 = 1e6;
 
 impl<V: Space> Crowd<V> {
     /// Keeps the whole state. [Size: about 250 bytes a member, and 12 to 16 a square of the flow]
@@ -68,7 +72,7 @@ impl<V: Space> Crowd<V> {
         if state.minds.len() != self.minds.len() {
             return refused(format!("it holds {} members, this crowd {}", state.minds.len(), self.minds.len()));
         }
-        if !state.flow.fits(&self.flow) || !(0.0..=1e9).contains(&state.now) {
+        if !state.flow.fits(&self.flow) || !(0.0..=1e9).contains(&state.now) || !self.may_have_seen(&state) {
             return refused("its time or its flow cannot be".to_owned());
         }
         let capacity = state.minds.len();
@@ -76,7 +80,7 @@ impl<V: Space> Crowd<V> {
         for plan in &state.plans {
             let number = plan.index as usize;
             let is_good = state.minds.get(number).is_some_and(|m| self.may_be(m, state.routes.len()));
-            if !is_good || !std::mem::take(&mut is_new[number]) || !(0.0..=1e10).contains(&plan.end) {
+            if !is_good || !self.may_follow(plan, state.now) || !std::mem::take(&mut is_new[number]) {
                 return refused(format!("member {number} has a plan, route, field or cell that cannot be"));
             }
         }
@@ -89,7 +93,9 @@ impl<V: Space> Crowd<V> {
         if num_there != state.plans.len() || num_there + state.free.len() != capacity {
             return refused(format!("{num_there} members have {} plans", state.plans.len()));
         }
-        let plan = |m: u32| state.plans.iter().find(|p| p.index == m);
+        let mut of_member = vec![None; capacity];
+        state.plans.iter().for_each(|p| of_member[p.index as usize] = Some(p));
+        let plan = |m: u32| of_member.get(m as usize).copied().flatten();
         if !state.trace.fits(&self.trace, self.cells.side(), state.now, plan) {
             return refused("it is of another scheme, or damaged".to_owned());
         }
@@ -114,14 +120,41 @@ impl<V: Space> Crowd<V> {
         Ok(())
     }
 
+    /// Looks at the flow, and counts, that time allows.
+    fn may_have_seen(&self, state: &State<V>) -> bool {
+        state.looks as f64 <= state.now / LOOK_S + 1.0
+    }
+
+    /// A plan that a member of this crowd may follow now.
+    fn may_follow(&self, plan: &Plan<V>, now: f64) -> bool {
+        let within = |v: V, most: f32| v.is_finite() && v.length() <= most;
+        let fastest = HURRY * self.world.speed;
+        within(plan.position, FARTHEST_M)
+            && within(plan.velocity, 1.01 * fastest)
+            && plan.limit > 0.0
+            && plan.limit < 1e6
+            && within(plan.acceleration, 1.01 * plan.limit)
+            && plan.radius > 0.0
+            && plan.radius <= self.world.radius
+            && plan.moving >= 0.0
+            && (0.0..=now).contains(&plan.start)
+            && (now..=1e10).contains(&plan.end)
+    }
+
     /// What a member remembers fits this crowd.
     fn may_be(&self, mind: &Mind<V>, num_routes: usize) -> bool {
         let cause = match mind.cause {
             Cause::Member(other) => (other as usize) < self.minds.len(),
-            Cause::Region | Cause::Obstacle(_) => true,
+            Cause::Region => true,
+            Cause::Obstacle(obstacle) => (obstacle as usize) < self.world.obstacles.len(),
         };
+        let speed = (0.0..=self.world.speed).contains(&mind.speed);
         let is_there = (mind.cell as usize) < self.cells.num_cells();
-        cause && is_there && (mind.route as usize) < num_routes && (mind.field as usize) < self.world.fields.len()
+        cause
+            && speed
+            && is_there
+            && (mind.route as usize) < num_routes
+            && (mind.field as usize) < self.world.fields.len()
     }
 
     /// A number that differs, but for one chance in 2^64, where the motion of anybody differs.

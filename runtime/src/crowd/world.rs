@@ -16,6 +16,10 @@ pub(crate) const HURRY: f32 = 1.25;
 pub(crate) struct World<V> {
     pub fields: Vec<Field>,
     pub splines: Vec<Spline<V>>,
+    /// What stands or moves, as it was given.
+    pub obstacles: Vec<Obstacle<V>>,
+    /// Which of the solids are whose. [Size: obstacles.len()]
+    ranges: Vec<std::ops::Range<usize>>,
     pub solids: Vec<Solid<V>>,
     /// Obstacle that each solid is a part of.
     pub owners: Vec<u32>,
@@ -87,6 +91,8 @@ impl<V: Space> World<V> {
         let mut world = Self {
             fields: setup.fields.clone(),
             splines: Vec::with_capacity(setup.routes.len()),
+            obstacles: setup.obstacles.clone(),
+            ranges: Vec::new(),
             solids: Vec::new(),
             owners: Vec::new(),
             movers: Vec::new(),
@@ -102,21 +108,14 @@ impl<V: Space> World<V> {
         let capacity = config.capacity.max(setup.members.len());
         let cells = Cells::new(world.side(setup)?, high - low, capacity);
         let flow = Flow::new(radius, high - low, capacity);
-        let ranges = world.add_obstacles(&setup.obstacles)?;
+        world.add_obstacles()?;
         for (index, route) in setup.routes.iter().enumerate() {
             let spline = Spline::new(index, route)?;
-            for ((obstacle, body), range) in setup.obstacles.iter().enumerate().zip(&ranges) {
-                if let Some(subgoal) = spline.blocked_by(body, &world.solids[range.clone()]) {
-                    return Err(CrowdError::Goal { route: index, subgoal, obstacle });
-                }
-            }
+            world.check_route(index, &spline)?;
             world.splines.push(spline);
         }
         for (member, m) in setup.members.iter().enumerate() {
-            let inside = |o: &Obstacle<V>| matches!(o, Obstacle::Polygon { corners } if is_inside(corners, m.position));
-            if let Some(obstacle) = setup.obstacles.iter().position(inside) {
-                return Err(CrowdError::Inside { member, obstacle });
-            }
+            world.check_place(member, m.position)?;
         }
         world.list(&cells);
         Ok((world, cells, flow))
@@ -142,20 +141,35 @@ impl<V: Space> World<V> {
         }
     }
 
-    /// Takes in the bodies of obstacles; which solids are whose.
-    fn add_obstacles(&mut self, obstacles: &[Obstacle<V>]) -> Result<Vec<std::ops::Range<usize>>, CrowdError> {
-        let mut ranges = Vec::new();
-        for (index, obstacle) in obstacles.iter().enumerate() {
+    /// Takes in the bodies of obstacles.
+    fn add_obstacles(&mut self) -> Result<(), CrowdError> {
+        for (index, obstacle) in self.obstacles.iter().enumerate() {
             let bodies = solids(index, obstacle)?;
             let range = self.solids.len()..self.solids.len() + bodies.len();
             self.owners.resize(range.end, index as u32);
             self.solids.extend(bodies);
-            ranges.push(range);
+            self.ranges.push(range);
             if let Obstacle::Mover { way, radius } = obstacle {
                 self.movers.push(Mover { obstacle: index as u32, radius: *radius, way: way.clone() });
             }
         }
-        Ok(ranges)
+        Ok(())
+    }
+
+    /// No subgoal of a route is in an obstacle.
+    pub fn check_route(&self, route: usize, spline: &Spline<V>) -> Result<(), CrowdError> {
+        for ((obstacle, body), range) in self.obstacles.iter().enumerate().zip(&self.ranges) {
+            if let Some(subgoal) = spline.blocked_by(body, &self.solids[range.clone()]) {
+                return Err(CrowdError::Goal { route, subgoal, obstacle });
+            }
+        }
+        Ok(())
+    }
+
+    /// A member's centre is in no polygon; of these, only the sides are solids.
+    pub fn check_place(&self, member: usize, position: V) -> Result<(), CrowdError> {
+        let inside = |o: &Obstacle<V>| matches!(o, Obstacle::Polygon { corners } if is_inside(corners, position));
+        self.obstacles.iter().position(inside).map_or(Ok(()), |obstacle| Err(CrowdError::Inside { member, obstacle }))
     }
 
     /// Solids that reach into the region of a cell.
@@ -212,6 +226,14 @@ fn check_settings<V: Space>(setup: &Setup<V>) -> Result<(), CrowdError> {
     if halvings > 16 {
         let (field, got) = ("halvings", halvings as f32);
         return Err(CrowdError::Value { what: "config", index: 0, field, got, expected: "at most 16" });
+    }
+    for (field, got) in
+        [("largest_radius_m", setup.config.largest_radius_m), ("largest_speed_mps", setup.config.largest_speed_mps)]
+    {
+        if !(0.0..1e3).contains(&got) {
+            let expected = "between 0 and 1000";
+            return Err(CrowdError::Value { what: "config", index: 0, field, got, expected });
+        }
     }
     for (index, field) in setup.fields.iter().enumerate() {
         field.check(index)?;

@@ -5,9 +5,10 @@ use crate::error::BuildError;
 use std::path::Path;
 
 /// Names and texts.
-const TEXTS: [(&str, &str); 6] = [
+const TEXTS: [(&str, &str); 7] = [
     ("flock", include_str!("../../../../data/scenes/flock.toml")),
     ("corridor", include_str!("../../../../data/scenes/corridor.toml")),
+    ("lanes", include_str!("../../../../data/scenes/lanes.toml")),
     ("circle", include_str!("../../../../data/scenes/circle.toml")),
     ("ring", include_str!("../../../../data/scenes/ring.toml")),
     ("bottleneck", include_str!("../../../../data/scenes/bottleneck.toml")),
@@ -15,7 +16,7 @@ const TEXTS: [(&str, &str); 6] = [
 ];
 
 /// Names of the project's own scenes.
-pub const OWN_SCENES: [&str; 6] = ["flock", "corridor", "circle", "ring", "bottleneck", "square"];
+pub const OWN_SCENES: [&str; 7] = ["flock", "corridor", "lanes", "circle", "ring", "bottleneck", "square"];
 
 /// One of the project's own scenes by its name; `None` for another name.
 ///
