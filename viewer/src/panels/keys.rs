@@ -44,6 +44,10 @@ pub enum Action {
     Open,
     /// Read the file again.
     Reload,
+    /// Take the last change of a world back.
+    Undo,
+    /// Make it again.
+    Redo,
     /// This list.
     Help,
 }
@@ -69,6 +73,8 @@ const fn with(modifiers: Modifiers, key: Key, action: Action, text: &'static str
     Shortcut { modifiers, key, action, text }
 }
 
+const COMMAND_SHIFT: Modifiers = Modifiers { shift: true, ..Modifiers::COMMAND };
+
 /// All keys but those of the panels, which are in [`PANELS`]. Longer ones come first: they are looked for first.
 pub const SHORTCUTS: &[Shortcut] = &[
     plain(Key::Space, Action::PlayPause, "play or pause"),
@@ -90,6 +96,9 @@ pub const SHORTCUTS: &[Shortcut] = &[
     plain(Key::Escape, Action::SelectNone, "select nothing"),
     plain(Key::T, Action::Theme, "dark or light"),
     with(Modifiers::COMMAND, Key::O, Action::Open, "open a file"),
+    with(COMMAND_SHIFT, Key::Z, Action::Redo, "make that change again"),
+    with(Modifiers::COMMAND, Key::Z, Action::Undo, "take the last change of a world back"),
+    with(Modifiers::COMMAND, Key::Y, Action::Redo, "make that change again"),
     plain(Key::H, Action::Help, "this list"),
 ];
 
@@ -163,7 +172,7 @@ fn key_name(ctx: &egui::Context, s: &Shortcut) -> String {
 }
 
 fn table(ui: &mut Ui, id: &str, rows: Vec<(String, &str)>) {
-    Grid::new(id).num_columns(2).spacing([16.0, 3.0]).show(ui, |ui| {
+    Grid::new(id).num_columns(2).spacing([16.0, 1.0]).show(ui, |ui| {
         for (key, text) in rows {
             ui.label(RichText::new(key).monospace().strong());
             ui.label(text);
