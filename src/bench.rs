@@ -1,7 +1,7 @@
 //! `throng bench`: what does it cost on this machine?
 
 mod blend;
-mod crowd;
+pub mod crowd;
 
 use crate::args::{CacheArgs, Outcome, fail};
 use crate::output;

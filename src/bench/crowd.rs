@@ -88,11 +88,15 @@ fn engines(options: &CrowdOptions, scene: &CrowdScene) -> Result<Vec<Engine>, Bo
     if options.engine.is_empty() {
         return Ok(vec![scene.engine]);
     }
-    let named = |name: &String| match Engine::named(name) {
+    options.engine.iter().map(|name| engine(name)).collect()
+}
+
+/// The engine of a name.
+pub fn engine(name: &str) -> Result<Engine, Box<dyn std::error::Error>> {
+    match Engine::named(name) {
         Some(engine) => Ok(engine),
         None => fail(format!("--engine {name}: expected one of {}", Engine::ALL.map(Engine::name).join(", "))),
-    };
-    options.engine.iter().map(named).collect()
+    }
 }
 
 /// Wall time over members, a line for each engine: figure 6 of Kim, Kim and Shin 2003.
