@@ -2,15 +2,19 @@
 
 use eframe::egui::{Color32, Context, Theme};
 
-/// Of each theme: grey of text, and of weak text.
-const GREYS: [(Theme, u8, u8); 2] = [(Theme::Dark, 185, 140), (Theme::Light, 50, 105)];
+/// Of each theme: grey of text and of weak text, and what tells of faults.
+const COLOURS: [(Theme, u8, u8, Color32); 2] = [
+    (Theme::Dark, 185, 140, Color32::from_rgb(0xff, 0x7b, 0x72)),
+    (Theme::Light, 50, 105, Color32::from_rgb(0xb3, 0x26, 0x1e)),
+];
 
 /// Sets the colours of text.
 pub fn prepare(ctx: &Context) {
-    for (theme, text, weak) in GREYS {
+    for (theme, text, weak, fault) in COLOURS {
         ctx.style_mut_of(theme, |style| {
             style.visuals.widgets.noninteractive.fg_stroke.color = Color32::from_gray(text);
             style.visuals.weak_text_color = Some(Color32::from_gray(weak));
+            style.visuals.error_fg_color = fault;
         });
     }
 }
@@ -39,6 +43,7 @@ mod tests {
             for back in [v.panel_fill, v.window_fill, v.extreme_bg_color] {
                 let (text, weak) = (contrast(v.text_color(), back), contrast(v.weak_text_color(), back));
                 assert!(weak >= 4.5 && text > 1.4 * weak, "{theme:?}: {text} {weak} on {back:?}");
+                assert!(contrast(v.error_fg_color, back) >= 4.5, "{theme:?}: faults on {back:?}");
             }
         }
     }

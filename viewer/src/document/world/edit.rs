@@ -94,7 +94,7 @@ impl WorldDocument {
     pub fn will_stand(&self, place: usize) -> Placement {
         let working = self.working.as_ref();
         let orders = working.into_iter().flat_map(|w| std::iter::once(&w.order).chain(&w.next));
-        let moved = orders.filter_map(|o| o.moves()).filter(|m| m.0 == place).last();
+        let moved = orders.filter_map(|o| o.moves()).rfind(|m| m.0 == place);
         moved.map_or(self.placed()[place].placement, |m| m.1)
     }
 
@@ -129,13 +129,13 @@ impl WorldDocument {
     fn begin(&mut self, order: Order) {
         self.refused = None;
         let doing = match order {
-            Order::Change(change) => format!("stitching the world around {}", self.name_of(change)),
+            Order::Change(change) => format!("Stitching the world around {}", self.name_of(change)),
             Order::Undo => match self.to_undo() {
-                Some(last) => format!("taking back: {last}"),
+                Some(last) => format!("Taking back: {last}"),
                 None => return,
             },
             Order::Redo => match self.to_redo() {
-                Some(next) => format!("making again: {next}"),
+                Some(next) => format!("Making again: {next}"),
                 None => return,
             },
         };

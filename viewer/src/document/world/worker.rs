@@ -47,8 +47,10 @@ pub(super) struct Stitched {
 /// Begins a job; what it sends ends it.
 pub(super) fn begin(job: Job) -> Receiver<Done> {
     let (send, receive) = channel();
-    // Nobody listens where another file was opened meanwhile.
-    std::thread::spawn(move || send.send(job.carry_out()));
+    std::thread::spawn(move || {
+        // Nobody listens where another file was opened meanwhile.
+        let _ = send.send(job.carry_out());
+    });
     receive
 }
 

@@ -84,7 +84,7 @@ fn status(ui: &mut Ui, world: &WorldDocument, c: usize) {
     Grid::new("character").num_columns(2).spacing([14.0, 3.0]).show(ui, |ui| {
         let mut row = |name: &str, value: String| {
             ui.label(name);
-            ui.label(value);
+            ui.add(Label::new(value).wrap());
             ui.end_row();
         };
         row("is to", words::wish(mind.wish, tags));
