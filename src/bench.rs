@@ -1,7 +1,7 @@
 //! `throng bench`: what does it cost on this machine?
 
 mod blend;
-mod crowd;
+pub mod crowd;
 
 use crate::args::{CacheArgs, Outcome, fail};
 use crate::output;
@@ -103,7 +103,7 @@ pub fn run(args: &Args) -> Outcome {
         return crowd::run(args);
     }
     if args.crowd.is_given() {
-        return fail("--scene, --members, --engine and --png are for `throng bench crowd`");
+        return fail("--scene, --members, --engine, --repeats and --png are for `throng bench crowd`");
     }
     if Scene::is_scene(&args.file) {
         return run_world(args);

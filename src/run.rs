@@ -44,6 +44,9 @@ pub struct Args {
     /// Bundle in place of the scene's.
     #[arg(long, value_name = "FILE")]
     bundle: Option<PathBuf>,
+    /// Engine in place of that of the scene of a crowd: events, occupancy or fixed.
+    #[arg(long, value_name = "NAME")]
+    engine: Option<String>,
     /// Leave out a behaviour of the scene; may be given several times.
     #[arg(long, value_name = "BEHAVIOUR")]
     without: Vec<String>,
@@ -57,6 +60,9 @@ pub struct Args {
 }
 
 pub fn run(args: &Args) -> Outcome {
+    if args.engine.is_some() && !CrowdScene::is_one(&args.file) {
+        return fail("--engine is for scenes of crowds");
+    }
     if Scene::is_scene(&args.file) {
         return match &args.file {
             file if WorldScene::is_one(file) => world::run(args),

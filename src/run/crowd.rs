@@ -2,6 +2,7 @@
 
 use super::{Args, make_bundle};
 use crate::args::{Outcome, fail};
+use crate::bench::crowd::engine;
 use crate::output;
 use serde::Serialize;
 use throng_precompute::picture;
@@ -21,6 +22,9 @@ pub fn run(args: &Args) -> Outcome {
     let mut scene = CrowdScene::load(&args.file)?;
     if !args.without.is_empty() {
         return fail("--without is for scenes with behaviours");
+    }
+    if let Some(name) = &args.engine {
+        scene.engine = engine(name)?;
     }
     let mut members = scene.num_members();
     args.crowd.change_living(&mut members, &mut scene.seed)?;

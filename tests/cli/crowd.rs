@@ -50,8 +50,20 @@ fn bench_measures_a_crowd_with_the_engine_that_is_named() {
 fn bench_sweeps_and_plots() {
     let folder = folder();
     let png = at(&folder, "flock.png");
-    let args =
-        ["bench", "crowd", "--scene", "flock", "--members", "20,40", "--engine", "events,fixed", "--seconds", "1"];
+    let args = [
+        "bench",
+        "crowd",
+        "--scene",
+        "flock",
+        "--members",
+        "20,40",
+        "--engine",
+        "events,fixed",
+        "--repeats",
+        "2",
+        "--seconds",
+        "1",
+    ];
     let report = json(&[&args[..], &["--png", &png, "--json"]].concat(), &["runs"]);
     let runs = report["runs"].as_array().expect("runs");
     let of = |i: usize| (runs[i]["engine"].as_str(), runs[i]["members"].as_u64());
@@ -75,6 +87,8 @@ fn run_measures_and_draws_a_scene_file() {
     assert!(std::fs::read(&png).is_ok_and(|b| b.starts_with(b"\x89PNG")));
     let more = json(&["run", &file, "--characters", "20", "--seconds", "1", "--seed", "3", "--json"], &KEYS);
     assert_eq!((&more["members"], &more["simulated_s"]), (&20.into(), &1.0.into()));
+    let other = json(&["run", &file, "--engine", "fixed", "--seconds", "1", "--json"], &KEYS);
+    assert_eq!(other["engine"], "fixed");
 }
 
 #[test]
@@ -84,9 +98,11 @@ fn what_cannot_be_run_says_what_to_change() {
     std::fs::write(&file, "[[groups]]\ncount = 3\nplase = 1\n").expect("a scene");
     let message = failed(&["run", &file]);
     assert!(message.contains("bad.toml:3:1") && message.contains("`place`"), "{message}");
-    let cases: [(&[&str], &[&str]); 5] = [
+    let cases: [(&[&str], &[&str]); 7] = [
         (&["bench", "crowd", "--scene", "moon"], &["moon", "corridor", "square"]),
         (&["bench", "crowd", "--engine", "magic"], &["magic", "occupancy"]),
+        (&["run", "data/scenes/circle.toml", "--engine", "magic"], &["magic", "occupancy"]),
+        (&["run", "data/scenes/blend-walkers.toml", "--engine", "fixed"], &["--engine", "scenes of crowds"]),
         (&["bench", "blend", "--scene", "flock"], &["--scene", "bench crowd"]),
         (&["bench", "crowd", "--members", "0"], &["groups", "found 0"]),
         (&["run", "data/scenes/circle.toml", "--bundle", "a.throng"], &["--bundle", "bodies"]),

@@ -2,10 +2,12 @@
 
 use crate::command::Command;
 use crate::model::Model;
+use crate::model::world::WorldCommand;
 use crate::panels::{Dock, PANELS, PanelStates, keys, top_bar, transport, viewport};
 use crate::render::{Body, DrawReport, SceneCallback, SceneFrame, SceneRenderer};
 use crate::settings::{BODIES, Settings};
 use crate::stage::{Layout, scene_colours};
+use crate::theme;
 use eframe::egui::{self, CentralPanel, Frame, Panel, Ui};
 use eframe::egui_wgpu::RenderState;
 use keys::Action;
@@ -108,6 +110,9 @@ impl Viewer {
 
     fn appearance(&mut self, ctx: &egui::Context) {
         let s = &mut self.model.settings;
+        if self.zoom.is_none() {
+            theme::prepare(ctx);
+        }
         ctx.set_theme(s.theme);
         if self.zoom.is_some_and(|z| z != ctx.zoom_factor()) {
             // Changed by the keys that every window has for it.
@@ -223,6 +228,8 @@ impl Viewer {
             Action::SelectNone => Command::SelectCharacter(None),
             Action::Reload => Command::Reload,
             Action::Open => return self.states.open_dialog = true,
+            Action::Undo => Command::World(WorldCommand::Undo),
+            Action::Redo => Command::World(WorldCommand::Redo),
             Action::Help => return self.states.help = !self.states.help,
             Action::Follow | Action::Body | Action::JointAxes | Action::Theme => {
                 match action {

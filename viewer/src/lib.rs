@@ -16,5 +16,6 @@ pub mod render;
 pub mod run;
 pub mod settings;
 pub mod stage;
+pub mod theme;
 pub mod volume;
 pub mod window;

@@ -176,7 +176,8 @@ impl Model {
     /// True where something is still to be worked off while time stands still, so that the next frame has to be shown
     /// soon.
     pub fn is_busy(&self) -> bool {
-        self.document.crowd_scene().is_some_and(|c| c.run().is_busy())
+        self.shown_crowd_scene().is_some_and(|c| c.run().is_busy())
+            || self.document.world().is_some_and(|w| w.working().is_some())
     }
 
     /// Number of characters of the crowd or the world, or of members of a scene.
@@ -211,6 +212,7 @@ impl Model {
         self.messages.retain(|m| m.until > now);
         self.take_in();
         self.look_for_changes(ctx);
+        self.take_in_world(false);
         self.times.steps = 0;
         if self.shows_clip() {
             self.advance_clip(wall_s);

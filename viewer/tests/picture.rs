@@ -146,7 +146,7 @@ fn scenes_are_drawn_and_measured() {
     let boxing = Boxing::new();
     let (pairs, targets) = (boxing.pairs(4), boxing.targets(2));
     for scene in [&pairs, &targets] {
-        let (a, b) = (boxing.folder().join("a.png"), boxing.folder().join("b.png"));
+        let (a, b) = (boxing.bundle().with_file_name("a.png"), boxing.bundle().with_file_name("b.png"));
         for out in [&a, &b] {
             done(&[utf8(scene), "--png", utf8(out), "--size", "320x200", "--frames", "90", "--panel", "none"]);
         }
@@ -157,10 +157,10 @@ fn scenes_are_drawn_and_measured() {
     let report: serde_json::Value = serde_json::from_str(&done(&bench)).expect("a JSON object");
     let sizes: Vec<_> = report["crowds"].as_array().expect("a list").iter().map(|c| c["characters"].as_u64()).collect();
     assert_eq!(sizes, [Some(4), Some(10)]);
-    let out = boxing.folder().join("c.png");
+    let out = boxing.bundle().with_file_name("c.png");
     let odd = ended_with(1, &[utf8(&pairs), "--png", utf8(&out), "--characters", "3"]);
     assert!(odd.contains("even"), "{odd}");
-    let lost = boxing.folder().join("lost.toml");
+    let lost = boxing.bundle().with_file_name("lost.toml");
     let text = std::fs::read_to_string(&pairs).expect("a scene").replace("boxing.throng", "no.throng");
     std::fs::write(&lost, text).expect("a scene");
     let lost = ended_with(1, &[utf8(&lost), "--png", utf8(&out)]);

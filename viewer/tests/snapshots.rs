@@ -13,9 +13,12 @@ use common::{Viewing, adapter, bvh, golden};
 use eframe::egui::{self, Rect, vec2};
 use egui_kittest::kittest::Queryable;
 use egui_kittest::{SnapshotOptions, SnapshotResults};
+use throng_runtime::patch::Placement;
 use throng_viewer::args::{Args, Character, PanelChoice, ThemeName};
 use throng_viewer::command::Command;
+use throng_viewer::document::world::Change;
 use throng_viewer::model::crowd::{CrowdCommand, CrowdLook, Whose};
+use throng_viewer::model::world::{Tool, WorldCommand};
 use throng_viewer::panels::{Dock, PANELS, PanelKind};
 use throng_viewer::run::{Beside, Blending};
 
@@ -162,6 +165,16 @@ fn world() {
     let field = v.harness.get_by_label("Save").rect();
     v.harness.mask(Rect::from_min_size(field.right_top(), vec2(500.0, field.height() + 4.0)));
     compare(&mut results, v, "panel_patches_world");
+    // What is refused is told beside the unit.
+    let light = Args { theme: Some(ThemeName::Light), character: Some(Character(None)), ..args };
+    let mut v = at_rest(&light, vec2(1000.0, 640.0));
+    v.apply(Command::World(WorldCommand::Tool(Tool::Move)));
+    v.apply(Command::World(WorldCommand::SelectPlace(Some(4))));
+    let to = Placement::new(7.4, 0.0, 2.8, 0.0);
+    v.apply(Command::World(WorldCommand::Edit(Change::Move { place: 4, to })));
+    v.until("an answer", |v| v.model().document.world().is_some_and(|w| w.working().is_none()));
+    v.harness.run_steps(4);
+    compare(&mut results, v, "panel_patches_refused");
 }
 
 #[test]
@@ -209,6 +222,12 @@ fn scenes_of_crowds() {
         compare(&mut results, v, name);
     }
     let alone = Args { panel: vec![PanelChoice::None], ..args };
+    let paces = Paces::new();
+    let people = Args { file: Some(paces.crowd(8)), ..alone.clone() };
+    let light = Args { theme: Some(ThemeName::Light), ..people.clone() };
+    for (args, name) in [(people, "view_people"), (light, "view_people_light")] {
+        compare(&mut results, rest_at(Viewing::new(&args, SIZE), MET), name);
+    }
     let all = CrowdLook { bounds: Whose::All, ways: Whose::All, ..CrowdLook::default() };
     let flock = Args { file: Some(meeting.flock(12)), ..alone.clone() };
     let light = Args { theme: Some(ThemeName::Light), ..alone.clone() };

@@ -45,6 +45,12 @@ fn click(v: &mut Viewing, pos: Pos2) {
     press(v, pos, false, Modifiers::NONE);
 }
 
+/// The world once more, when it has been stitched.
+fn stitched(v: &mut Viewing) {
+    v.until("the new world", |v| v.model().document.world().is_some_and(|w| w.working().is_none()));
+    v.harness.run_steps(3);
+}
+
 fn tool(v: &mut Viewing, tool: Tool) {
     v.apply(Command::World(WorldCommand::Tool(tool)));
     v.harness.run_steps(2);
@@ -71,7 +77,7 @@ fn units_are_created_dragged_turned_and_removed_and_characters_are_sent() {
     assert!(draft.is_some_and(|d| (d.at.z - 2.0).abs() < 0.3), "{draft:?}");
     assert_eq!(post(&v).z, 0.0, "nothing is stitched before it is let go");
     press(&mut v, to, false, Modifiers::NONE);
-    v.harness.run_steps(3);
+    stitched(&mut v);
     assert!((post(&v).z - 2.0).abs() < 0.3 && (post(&v).x + 2.2).abs() < 0.3, "{:?}", post(&v));
     assert_eq!((v.model().selection.world.draft, v.model().selection.world.place), (None, Some(9)));
 
@@ -79,13 +85,14 @@ fn units_are_created_dragged_turned_and_removed_and_characters_are_sent() {
     let heading = post(&v).heading;
     v.harness.key_press(Key::Q);
     v.harness.run_steps(3);
+    stitched(&mut v);
     assert!((post(&v).heading - heading - 15f32.to_radians()).abs() < 1e-3, "{:?}", post(&v));
 
     // One more panel goes beside the others, though it is not pointed at exactly.
     tool(&mut v, Tool::Create(0));
     let at = on_screen(&v, Vec3::new(8.7, 0.0, 2.5));
     click(&mut v, at);
-    v.harness.run_steps(3);
+    stitched(&mut v);
     assert_eq!(num_units(&v), 11, "{:?}", v.model().messages);
     let p = v.model().document.world().expect("a world").placed()[10].placement;
     assert!((p.x - 8.4).abs() < 1e-3 && (p.z - 2.8).abs() < 1e-3, "{p:?}");
@@ -95,6 +102,25 @@ fn units_are_created_dragged_turned_and_removed_and_characters_are_sent() {
     tool(&mut v, Tool::Move);
     v.harness.key_press(Key::Delete);
     v.harness.run_steps(3);
+    stitched(&mut v);
+    assert_eq!(num_units(&v), 10);
+
+    // Keys and buttons take changes back and make them again.
+    v.harness.key_press_modifiers(Modifiers::COMMAND, Key::Z);
+    v.harness.run_steps(3);
+    stitched(&mut v);
+    assert_eq!((num_units(&v), v.model().selection.world.place), (11, Some(10)));
+    v.harness.get_by_label("Undo").click();
+    v.harness.run_steps(3);
+    stitched(&mut v);
+    assert_eq!(num_units(&v), 10);
+    v.harness.key_press_modifiers(Modifiers::COMMAND, Key::Y);
+    v.harness.run_steps(3);
+    stitched(&mut v);
+    assert_eq!(num_units(&v), 11);
+    v.harness.key_press_modifiers(Modifiers::COMMAND | Modifiers::SHIFT, Key::Z);
+    v.harness.run_steps(3);
+    stitched(&mut v);
     assert_eq!(num_units(&v), 10);
 
     // A panel that nobody can get to is refused, and said why.
@@ -102,8 +128,15 @@ fn units_are_created_dragged_turned_and_removed_and_characters_are_sent() {
     let far = throng_runtime::patch::Placement::new(70.0, 0.0, 0.0, 0.0);
     let change = throng_viewer::document::world::Change::Add { unit: 0, at: far };
     v.apply(Command::World(WorldCommand::Edit(change)));
+    stitched(&mut v);
     assert_eq!(num_units(&v), 10);
-    assert!(v.model().messages.iter().any(|m| m.is_error && m.text.contains("ground")), "{:?}", v.model().messages);
+    let refused = v.model().document.world().and_then(|w| w.refused()).expect("a reason").why.clone();
+    assert!(refused.contains("ground"), "{refused}");
+    let said = v.harness.get_all_by_label_contains(&refused).count();
+    assert_eq!(said, 2, "in the view and in the panel");
+    v.harness.key_press(Key::Escape);
+    v.harness.run_steps(3);
+    assert!(v.harness.query_by_label_contains(&refused).is_none());
 
     // A click with the tool Send tells the selected one where to go.
     v.apply(Command::SelectCharacter(Some(0)));

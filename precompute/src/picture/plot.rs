@@ -30,7 +30,7 @@ pub fn plot(p: &Plot<'_>) -> Picture {
     header(&mut page, 1.0, p.title, p.subtitle);
     let entries: Vec<_> = p.lines.iter().enumerate().map(|(i, l)| (line_colour(i), l.0.clone())).collect();
     legend(&mut page, Area::new(0.0, 0.0, 1184.0, 84.0), 1.0, &entries, "");
-    let area = Area::new(110.0, 100.0, 1060.0, 570.0);
+    let area = Area::new(110.0, 116.0, 1060.0, 554.0);
     page.fill_rect(area, 0.0, colour::GROUND);
     let is_good = |q: &&[f64; 2]| q.iter().all(|v| v.is_finite() && *v >= 0.0);
     let most = |axis: usize| {
@@ -74,7 +74,7 @@ fn draw_axes(page: &mut Picture, area: Area, names: [&str; 2], most: [f64; 2], p
     }
     let style = TextStyle { colour: colour::INK, bold: true, ..style };
     draw_text(page, Vec2::new(area.min.x + 0.5 * area.size.x, area.max().y + 58.0), names[0], style);
-    let at = area.min + Vec2::new(12.0, 26.0);
+    let at = area.min + Vec2::new(0.0, -12.0);
     draw_text(page, at, names[1], TextStyle { align: Align::Left, ..style });
 }
 
@@ -108,7 +108,7 @@ mod tests {
         let lines =
             vec![("a".to_owned(), vec![[0.0, 0.0], [1000.0, 2.0], [f64::NAN, 1.0]]), ("b".to_owned(), Vec::new())];
         let page = plot(&Plot { title: "t", subtitle: "s", axes: ["members", "seconds"], lines });
-        let end = Vec2::new(110.0 + 1060.0 / 1.05, 100.0 + 570.0 * (1.0 - 1.0 / 1.05));
+        let end = Vec2::new(110.0 + 1060.0 / 1.05, 116.0 + 554.0 * (1.0 - 1.0 / 1.05));
         assert_eq!(page.pixel(end.x as u32, end.y as u32), Some([0x2f, 0x63, 0xa8, 255]));
         assert_eq!(page.pixel(600, 150), Some([0xfd, 0xfc, 0xfa, 255]));
     }

@@ -121,6 +121,29 @@ impl<'a> Editor<'a> {
         Ok(true)
     }
 
+    /// Takes the last change back as if it had never been made: it cannot be made again.
+    ///
+    /// - returns false where there is none.
+    ///
+    /// # Errors
+    /// As [`super::stitch`]; the world stays as it was.
+    pub fn withdraw(&mut self) -> Result<bool, BuildError> {
+        let Some(edit) = self.history.to_undo() else { return Ok(false) };
+        self.apply(edit)?;
+        self.history.withdrawn();
+        Ok(true)
+    }
+
+    /// Number of changes that can be taken back.
+    pub fn num_undos(&self) -> usize {
+        self.history.counts()[0]
+    }
+
+    /// Number of changes that were taken back and can be made again.
+    pub fn num_redos(&self) -> usize {
+        self.history.counts()[1]
+    }
+
     fn edit(&mut self, edit: Edit) -> Result<(), BuildError> {
         let back = self.apply(edit)?;
         self.history.done(back);

@@ -58,6 +58,16 @@ impl History {
         self.redo.clear();
     }
 
+    /// The last change was taken back as if it had never been made.
+    pub fn withdrawn(&mut self) {
+        self.undo.pop();
+    }
+
+    /// Number of changes that can be taken back, and of those that can be made again.
+    pub fn counts(&self) -> [usize; 2] {
+        [self.undo.len(), self.redo.len()]
+    }
+
     /// The change to make to take the last one back.
     pub fn to_undo(&self) -> Option<Edit> {
         self.undo.last().cloned()

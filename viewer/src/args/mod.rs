@@ -7,6 +7,7 @@ pub use parse::{Adapter, Character, PanelChoice, Size, StageName, ThemeName, Vie
 
 use crate::render::Body;
 use std::path::PathBuf;
+use throng_precompute::scene::crowd::Engine;
 
 /// Frames that run before a picture, unless given. [Unit: 1/60 s]
 pub const PICTURE_FRAMES: u32 = 150;
@@ -26,6 +27,7 @@ Examples:
   throng-viewer clip.bvh
   throng-viewer data/scenes/boxing-pair.toml
   throng-viewer data/worlds/logo.toml
+  throng-viewer data/scenes/corridor.toml --engine fixed
   throng-viewer walk.throng --png crowd.png --characters 1000 --panel none --camera yaw=30,pitch=20,distance=25
   throng-viewer walk.throng --bench 1000,10000 --json";
 
@@ -110,6 +112,9 @@ pub struct Args {
     /// Seed of places, targets and choices.
     #[arg(long)]
     pub seed: Option<u64>,
+    /// What finds out when a member of a scene of a crowd has to act: events, occupancy or fixed.
+    #[arg(long, value_name = "NAME", value_parser = parse::engine, requires = "file")]
+    pub engine: Option<Engine>,
 }
 
 #[cfg(test)]
@@ -139,6 +144,7 @@ mod tests {
         assert_eq!((args.frames, args.characters, args.seed), (Some(3), Some(7), Some(9)));
         assert_eq!((args.panel.len(), args.character), (2, Some(Character(Some(2)))));
         assert_eq!((args.body, args.adapter, args.scale), (Some(Body::Capsules), Adapter::Any, Some(1.5)));
+        assert_eq!(parse("a.toml --engine fixed").expect("a right line").engine, Some(Engine::Fixed));
         assert_eq!(parse("a.throng --bench 10,20").expect("a right line").bench, [10, 20]);
     }
 
@@ -158,6 +164,7 @@ mod tests {
             ("a.throng --body cube", ErrorKind::ValueValidation, "mannequin"),
             ("a.throng --scale 9", ErrorKind::ValueValidation, "0.5 to 3"),
             ("a.throng --character x", ErrorKind::ValueValidation, "none"),
+            ("a.toml --engine steam", ErrorKind::ValueValidation, "occupancy"),
         ] {
             let e = parse(line).expect_err(line);
             assert_eq!(e.kind(), kind, "{line}: {e}");

@@ -5,6 +5,7 @@ use crate::render::{Body, Camera, CameraParseError};
 use crate::run::MAX_CHARACTERS;
 use eframe::egui::ThemePreference;
 use std::str::FromStr;
+use throng_precompute::scene::crowd::Engine;
 
 /// Sides that a picture may have. [Unit: pixels]
 const SIDES: std::ops::RangeInclusive<u32> = 16..=8192;
@@ -148,6 +149,11 @@ pub(super) fn scale(text: &str) -> Result<f32, String> {
 pub(super) fn characters(text: &str) -> Result<usize, String> {
     let number = text.trim().parse().ok().filter(|n| (1..=MAX_CHARACTERS).contains(n));
     number.ok_or_else(|| format!("`{text}` is no number of characters; expected 1 to {MAX_CHARACTERS}"))
+}
+
+pub(super) fn engine(text: &str) -> Result<Engine, String> {
+    let names = Engine::ALL.map(Engine::name).join(", ");
+    Engine::named(text).ok_or_else(|| format!("there is no such engine; expected one of {names}"))
 }
 
 pub(super) fn body(text: &str) -> Result<Body, String> {

@@ -86,8 +86,14 @@ impl Args {
         Ok(())
     }
 
-    /// Gives a scene another number of characters and another seed.
+    /// Gives a scene another number of characters, another seed and another engine.
     fn change_scene(&self, ctx: &egui::Context, model: &mut Model) -> Result<(), String> {
+        if let Some(engine) = self.engine.filter(|_| model.document.crowd_scene().is_none()) {
+            let name = engine.name();
+            return Err(format!(
+                "--engine {name}: engines are for scenes of crowds, such as data/scenes/corridor.toml"
+            ));
+        }
         if let Some(world) = model.document.world() {
             let (old, more) = (world.scene(), self.characters.is_some() || self.seed.is_some());
             let (characters, seed) = (self.characters.unwrap_or(old.characters), self.seed.unwrap_or(old.seed));
@@ -107,7 +113,7 @@ impl Args {
         if let Some(crowd) = model.document.crowd_scene() {
             let old = crowd.choice();
             let (members, seed) = (self.characters.unwrap_or(old.members), self.seed.unwrap_or(old.seed));
-            let choice = CrowdChoice { members, seed, ..old };
+            let choice = CrowdChoice { engine: self.engine.unwrap_or(old.engine), members, seed };
             return if choice == old { Ok(()) } else { model.begin_crowd_now(choice) };
         }
         let Some(file) = model.document.scene() else { return Ok(()) };
@@ -203,6 +209,7 @@ mod tests {
     use crate::args::{Character, StageName};
     use crate::panels::PanelKind;
     use crate::panels::tests::golden_path as golden;
+    use throng_precompute::scene::crowd::Engine;
     use throng_precompute::synth::{SynthConfig, SynthSet};
 
     fn opened(args: &Args) -> Result<Model, String> {
@@ -239,6 +246,7 @@ mod tests {
             (Args { file: Some("no.throng".into()), ..Args::default() }, "no.throng"),
             (Args { file: file.clone(), clip: Some("moonwalk".into()), ..Args::default() }, "there are "),
             (Args { file: file.clone(), frame: Some(1_000_000), ..Args::default() }, "frames, counted from 0"),
+            (Args { file: file.clone(), engine: Some(Engine::Fixed), ..Args::default() }, "scenes of crowds"),
             (Args { file, character: Some(Character(Some(100))), ..Args::default() }, "has 100 characters"),
         ] {
             let e = opened(&args).expect_err(say);

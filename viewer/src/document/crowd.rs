@@ -1,5 +1,6 @@
-//! A scene of a crowd that acts at its own events, without any bundle.
+//! A scene of a crowd that acts at its own events, with the bundle of its bodies where it names one.
 
+use super::Bundle;
 use crate::render::SolidMesh;
 use crate::run::members::CrowdRun;
 use crate::stage::members::meshes;
@@ -39,6 +40,8 @@ struct Beginning {
 pub struct CrowdDocument {
     path: PathBuf,
     scene: CrowdScene,
+    /// That of the bodies.
+    bundle: Option<Arc<Bundle>>,
     choice: CrowdChoice,
     run: CrowdRun,
     meshes: Arc<[SolidMesh]>,
@@ -53,16 +56,35 @@ impl CrowdDocument {
         path.extension().is_some_and(|e| e.eq_ignore_ascii_case("toml")) && CrowdScene::is_one(path)
     }
 
-    /// Reads a scene and puts everybody where they start.
+    /// Reads a scene and puts everybody where they start; where the bundle of its bodies is not there, as discs.
     ///
     /// # Errors
-    /// A message that names the file and key, or the impossible start, and the way out.
+    /// A message that names the file and key, the impossible start, or what is wrong with the bundle, and the way out.
     pub fn open(path: &Path) -> Result<Self, String> {
         let scene = CrowdScene::load(path).map_err(|e| e.to_string())?;
         let choice = CrowdChoice { engine: scene.engine, members: scene.num_members(), seed: scene.seed };
-        let run = CrowdRun::new(&scene, None).map_err(|e| format!("{}: {e}", path.display()))?;
+        let named = scene.bodies.as_ref().map(|b| b.bundle.as_path()).filter(|b| b.exists());
+        let bundle = named.map(Bundle::open).transpose();
+        let bundle = bundle.map_err(|e| format!("{}: its bundle: {e}", path.display()))?.map(Arc::new);
+        let run = CrowdRun::new(&scene, None, bundle.clone()).map_err(|e| format!("{}: {e}", path.display()))?;
         let meshes = meshes(run.cast());
-        Ok(Self { path: path.to_path_buf(), scene, choice, run, meshes, beginning: None, runs: 0 })
+        Ok(Self { path: path.to_path_buf(), scene, bundle, choice, run, meshes, beginning: None, runs: 0 })
+    }
+
+    /// The bundle of the bodies; none where members are discs or balls.
+    pub fn bundle(&self) -> Option<&Bundle> {
+        self.bundle.as_deref()
+    }
+
+    /// Why members are discs though the scene names bodies, and the way out.
+    pub fn lacks(&self) -> Option<String> {
+        let bodies = self.scene.bodies.as_ref().filter(|_| self.bundle.is_none())?;
+        let (file, bundle) = (self.path.display(), bodies.bundle.display());
+        let way_out = match &bodies.config {
+            Some(config) => format!("`throng build {} --out {bundle}` makes it", config.display()),
+            None => "build it, or correct the key `bodies.bundle`".into(),
+        };
+        Some(format!("{file}: everybody is a disc, for the bundle of the bodies {bundle} is not there; {way_out}"))
     }
 
     /// The file.
@@ -130,8 +152,9 @@ impl CrowdDocument {
         scene.check(&self.path).map_err(|e| e.to_string())?;
         let (send, made) = channel();
         self.beginning = Some(Beginning { choice, made });
+        let bundle = self.bundle.clone();
         std::thread::spawn(move || {
-            let run = CrowdRun::new(&scene, kept.as_deref()).map_err(|e| e.to_string());
+            let run = CrowdRun::new(&scene, kept.as_deref(), bundle).map_err(|e| e.to_string());
             // Nobody listens where another one was asked for meanwhile.
             if send.send(run).is_ok() {
                 wake();
@@ -203,6 +226,7 @@ impl CrowdDocument {
 mod tests {
     use super::*;
     use crate::panels::tests::meeting::Meeting;
+    use crate::panels::tests::paces::Paces;
 
     fn step(document: &mut CrowdDocument, steps: u32) {
         document.run_mut().want(steps);
@@ -246,6 +270,23 @@ mod tests {
         std::fs::write(&file, "something else").unwrap();
         let e = document.restore(&file, || {}).unwrap_err();
         assert!(e.contains("a.crowd") && e.contains("no snapshot"), "{e}");
+    }
+
+    #[test]
+    fn without_the_bundle_of_its_bodies_everybody_is_a_disc() {
+        let paces = Paces::new();
+        let path = paces.crowd(2);
+        let document = CrowdDocument::open(&path).unwrap();
+        assert!(document.bundle().is_some() && document.lacks().is_none());
+        assert!(document.run().moment().bodies.is_some());
+        std::fs::rename(paces.bundle(), paces.folder().join("elsewhere.throng")).unwrap();
+        let document = CrowdDocument::open(&path).unwrap();
+        assert!(document.bundle().is_none() && document.run().moment().bodies.is_none());
+        let why = document.lacks().unwrap();
+        assert!(why.contains("people.toml") && why.contains("throng build") && why.contains("paces.toml"), "{why}");
+        std::fs::write(paces.bundle(), "no bundle").unwrap();
+        let e = CrowdDocument::open(&path).map(|_| ()).unwrap_err();
+        assert!(e.contains("people.toml") && e.contains("paces.throng"), "{e}");
     }
 
     #[test]

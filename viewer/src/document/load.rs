@@ -48,6 +48,7 @@ impl Opened {
             Self::Scene(_, bundle) => Some(bundle.path()),
             Self::World(world) => Some(world.bundle().path()),
             Self::Walkers(walkers) => Some(walkers.bundle().path()),
+            Self::CrowdScene(crowd) => crowd.bundle().map(Bundle::path),
             _ => None,
         }
     }

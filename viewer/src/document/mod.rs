@@ -72,6 +72,7 @@ impl Document {
             Self::Bundle(b) if b.scene.is_some() => Some(b.bundle.path()),
             Self::World(w) => Some(w.bundle().path()),
             Self::Walkers(w) => Some(w.bundle().path()),
+            Self::CrowdScene(c) => c.bundle().map(Bundle::path),
             _ => None,
         };
         self.path().into_iter().chain(scene_bundle).map(Path::to_path_buf).collect()
@@ -99,6 +100,7 @@ impl Document {
             Self::Bundle(b) => Some(&b.bundle),
             Self::World(w) => Some(w.bundle()),
             Self::Walkers(w) => Some(w.bundle()),
+            Self::CrowdScene(c) => c.bundle(),
             _ => None,
         }
     }

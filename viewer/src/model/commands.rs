@@ -3,6 +3,7 @@
 use super::Model;
 use super::crowd::CrowdCommand;
 use super::documents::started;
+use super::world::WorldCommand;
 use crate::command::{Command, Stage};
 use crate::document::{Document, WorldDocument};
 use crate::panels::{Dock, PanelKind};
@@ -48,6 +49,7 @@ impl Model {
             Command::Crowd(command) => self.apply_to_crowd(ctx, command),
             Command::SelectCharacter(c) => {
                 let n = self.num_characters();
+                self.apply_to_world(WorldCommand::ForgetRefused);
                 self.selection.world.place = None;
                 (self.selection.world.instance, self.selection.world.link) = (None, None);
                 self.selection.character = c.filter(|&c| c < n);

@@ -41,6 +41,8 @@ pub struct CrowdLook {
     pub forces: bool,
     /// Marks where something happened.
     pub marks: bool,
+    /// Bodies, where the scene has some.
+    pub bodies: bool,
     /// Kinds of events that are listed and marked.
     pub kinds: [bool; What::COUNT],
 }
@@ -53,6 +55,7 @@ impl Default for CrowdLook {
             cells: true,
             forces: true,
             marks: true,
+            bodies: true,
             kinds: [true; What::COUNT],
         }
     }

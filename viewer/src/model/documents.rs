@@ -3,7 +3,7 @@
 use super::world::WorldLook;
 use super::{ClipPlayer, Model, Selection};
 use crate::command::Stage;
-use crate::document::{Bundle, BundleDocument, Document, Opened, SceneFile, Stamp, Watch};
+use crate::document::{Bundle, BundleDocument, CrowdDocument, Document, Opened, SceneFile, Stamp, Watch};
 use crate::panels::PanelKind;
 use crate::run::{BlendRun, Run};
 use eframe::egui;
@@ -65,6 +65,9 @@ impl Model {
         if let Some(why) = self.document.scene_fault().map(str::to_owned) {
             self.complain(why);
         }
+        if let Some(why) = self.document.crowd_scene().and_then(|c| c.lacks()) {
+            self.complain(why);
+        }
         let clips = self.document.bundle().map_or(0, |b| b.tables().clips().len());
         let policies = self.document.bundle().map_or(0, |b| b.tables().num_policies());
         if !is_reload {
@@ -73,7 +76,8 @@ impl Model {
             self.stage = Stage::Crowd;
             self.views.clear();
             self.change_side_panel();
-            if self.document.crowd_scene().is_some_and(|c| !c.run().cast().in_the_air) {
+            let are_discs = |c: &CrowdDocument| !c.run().cast().in_the_air && c.bundle().is_none();
+            if self.document.crowd_scene().is_some_and(are_discs) {
                 // From straight above, +X at the right.
                 (self.settings.camera.yaw, self.settings.camera.pitch) = (0.0, FRAC_PI_2);
             }

@@ -2,14 +2,15 @@
 
 use super::Model;
 use crate::command::Stage;
-use crate::document::{Bundle, Document};
+use crate::document::{Bundle, CrowdDocument, Document};
 use crate::run::Run;
 
 impl Model {
     /// True where the 3-D view shows a clip, of the database or of a motion file.
     pub fn shows_clip(&self) -> bool {
         match &self.document {
-            Document::Nothing | Document::CrowdScene(_) => false,
+            Document::Nothing => false,
+            Document::CrowdScene(c) => self.stage == Stage::Clip && c.bundle().is_some(),
             Document::Bundle(b) => self.stage == Stage::Clip || (b.run.is_err() && b.blend.is_none()),
             Document::World(_) | Document::Walkers(_) => self.stage == Stage::Clip,
             Document::Clip(_) => true,
@@ -29,6 +30,11 @@ impl Model {
         self.document.walkers().is_some() && !self.shows_clip()
     }
 
+    /// The scene of a crowd that the 3-D view shows.
+    pub fn shown_crowd_scene(&self) -> Option<&CrowdDocument> {
+        self.document.crowd_scene().filter(|_| !self.shows_clip())
+    }
+
     /// True where a crowd was asked for and there is none.
     fn has_no_crowd(&self) -> bool {
         self.stage == Stage::Crowd && self.document.crowd().is_none()
@@ -45,7 +51,8 @@ impl Model {
 
     /// The stages that there are, in their order.
     pub fn stages(&self) -> Vec<Stage> {
-        let lives = self.document.world().is_some() || self.document.walkers().is_some();
+        let d = &self.document;
+        let lives = d.world().is_some() || d.walkers().is_some() || d.crowd_scene().is_some();
         let all = [
             (Stage::Crowd, lives || self.document.crowd().is_some()),
             (Stage::Blend, self.document.blend().is_some()),

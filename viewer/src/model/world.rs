@@ -1,7 +1,7 @@
 //! What is looked at in a world, what the mouse does there, and what panels may ask of it.
 
 use super::Model;
-use crate::document::world::Change;
+use crate::document::world::{Change, Order, Taken};
 use crate::document::{Document, WorldDocument};
 use std::path::PathBuf;
 use throng_precompute::environment::Unit;
@@ -65,6 +65,12 @@ pub enum WorldCommand {
     Draft(Option<Draft>),
     /// Change what stands where.
     Edit(Change),
+    /// Take the last change back.
+    Undo,
+    /// Make the change again that was taken back last.
+    Redo,
+    /// Forget that an edit was refused.
+    ForgetRefused,
     /// Tell a character what to do; none lets it wish by itself.
     Tell {
         /// Which character.
@@ -109,13 +115,17 @@ impl Model {
         match command {
             WorldCommand::Tool(tool) => (look.tool, look.draft) = (tool, None),
             WorldCommand::SelectPlace(place) => {
+                world.forget_refused();
                 (look.place, look.instance, look.link) = (place.filter(|&p| p < world.placed().len()), None, None);
             }
             WorldCommand::SelectInstance(instance) => (look.instance, look.link) = (instance, None),
             WorldCommand::SelectLink(link) => look.link = link,
             WorldCommand::ShowLinks(on) => look.hides_links = !on,
             WorldCommand::Draft(draft) => look.draft = draft,
-            WorldCommand::Edit(change) => self.edit(change),
+            WorldCommand::Edit(change) => self.edit(Order::Change(change)),
+            WorldCommand::Undo => self.edit(Order::Undo),
+            WorldCommand::Redo => self.edit(Order::Redo),
+            WorldCommand::ForgetRefused => world.forget_refused(),
             WorldCommand::Tell { character, wish } => {
                 if let Err(why) = world.tell(character, wish) {
                     self.complain(format!("Character {character}: {why}"));
@@ -129,17 +139,24 @@ impl Model {
         }
     }
 
-    fn edit(&mut self, change: Change) {
+    fn edit(&mut self, order: Order) {
+        let waits = self.is_unhurried;
         let Document::World(world) = &mut self.document else { return };
-        let look = &mut self.selection.world;
-        look.draft = None;
-        match world.edit(change) {
-            Ok(place) => {
-                (look.place, look.instance, look.link) = (place, None, None);
-                let n = world.run().num_characters();
-                self.selection.character = self.selection.character.filter(|&c| c < n);
-            }
-            Err(why) => self.complain(format!("The world stays as it was: {why}")),
+        self.selection.world.draft = None;
+        if let Err(why) = world.order(order) {
+            return self.say(format!("Nothing is changed: {why}"));
+        }
+        self.take_in_world(waits);
+    }
+
+    /// Takes in a world that has been stitched meanwhile.
+    pub(super) fn take_in_world(&mut self, waits: bool) {
+        let Document::World(world) = &mut self.document else { return };
+        if let Some(Taken::Changed(place)) = world.take_in(waits) {
+            let look = &mut self.selection.world;
+            (look.place, look.instance, look.link) = (place, None, None);
+            let n = world.run().num_characters();
+            self.selection.character = self.selection.character.filter(|&c| c < n);
         }
     }
 

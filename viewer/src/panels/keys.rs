@@ -44,6 +44,10 @@ pub enum Action {
     Open,
     /// Read the file again.
     Reload,
+    /// Take the last change of a world back.
+    Undo,
+    /// Make it again.
+    Redo,
     /// This list.
     Help,
 }
@@ -69,6 +73,8 @@ const fn with(modifiers: Modifiers, key: Key, action: Action, text: &'static str
     Shortcut { modifiers, key, action, text }
 }
 
+const COMMAND_SHIFT: Modifiers = Modifiers { shift: true, ..Modifiers::COMMAND };
+
 /// All keys but those of the panels, which are in [`PANELS`]. Longer ones come first: they are looked for first.
 pub const SHORTCUTS: &[Shortcut] = &[
     plain(Key::Space, Action::PlayPause, "play or pause"),
@@ -90,11 +96,14 @@ pub const SHORTCUTS: &[Shortcut] = &[
     plain(Key::Escape, Action::SelectNone, "select nothing"),
     plain(Key::T, Action::Theme, "dark or light"),
     with(Modifiers::COMMAND, Key::O, Action::Open, "open a file"),
+    with(COMMAND_SHIFT, Key::Z, Action::Redo, "make again what was taken back"),
+    with(Modifiers::COMMAND, Key::Y, Action::Redo, "make again what was taken back"),
+    with(Modifiers::COMMAND, Key::Z, Action::Undo, "take the last change of a world back"),
     plain(Key::H, Action::Help, "this list"),
 ];
 
 /// Width of the list, where the window has room for it. [Unit: points]
-const WIDTH: f32 = 860.0;
+const WIDTH: f32 = 900.0;
 
 /// What the mouse does in the 3-D view.
 const MOUSE: [(&str, &str); 10] = [
@@ -130,7 +139,7 @@ pub fn show(ui: &Ui, open: &mut bool) {
     let shown = Modal::new(egui::Id::unique("keys")).show(ui.ctx(), |ui| {
         ui.heading("Keys");
         ui.add_space(6.0);
-        let room = ui.ctx().content_rect().size() - egui::vec2(60.0, 150.0);
+        let room = ui.ctx().content_rect().size() - egui::vec2(60.0, 140.0);
         ui.set_width(room.x.min(WIDTH));
         egui::ScrollArea::both().max_height(room.y).show(ui, tables);
         ui.add_space(6.0);
@@ -143,8 +152,7 @@ pub fn show(ui: &Ui, open: &mut bool) {
 
 fn tables(ui: &mut Ui) {
     ui.horizontal_top(|ui| {
-        let keys = SHORTCUTS.iter().map(|s| (key_name(ui.ctx(), s), s.text));
-        table(ui, "keys", keys.collect::<Vec<_>>());
+        table(ui, "keys", rows(ui.ctx()));
         ui.add_space(24.0);
         ui.vertical(|ui| {
             table(ui, "panels", PANELS.iter().map(|p| (p.key.name().to_owned(), p.title)).collect());
@@ -155,6 +163,18 @@ fn tables(ui: &mut Ui) {
     });
 }
 
+/// Keys with what they do, those that do the same together.
+fn rows(ctx: &egui::Context) -> Vec<(String, &'static str)> {
+    let of = |s: &Shortcut| {
+        let same = SHORTCUTS.iter().filter(|o| o.action == s.action);
+        let keys: Vec<String> = same.map(|o| key_name(ctx, o)).collect();
+        (keys.join(", "), s.text)
+    };
+    let mut rows: Vec<_> = SHORTCUTS.iter().map(of).collect();
+    rows.dedup();
+    rows
+}
+
 fn key_name(ctx: &egui::Context, s: &Shortcut) -> String {
     match s.modifiers.is_none() {
         true => s.key.symbol_or_name().to_owned(),
@@ -163,7 +183,7 @@ fn key_name(ctx: &egui::Context, s: &Shortcut) -> String {
 }
 
 fn table(ui: &mut Ui, id: &str, rows: Vec<(String, &str)>) {
-    Grid::new(id).num_columns(2).spacing([16.0, 3.0]).show(ui, |ui| {
+    Grid::new(id).num_columns(2).spacing([16.0, 1.0]).show(ui, |ui| {
         for (key, text) in rows {
             ui.label(RichText::new(key).monospace().strong());
             ui.label(text);
@@ -183,6 +203,14 @@ mod tests {
         for (i, a) in keys.iter().enumerate() {
             assert!(!keys[..i].contains(a), "{a:?}");
         }
+    }
+
+    #[test]
+    fn keys_that_do_the_same_stand_together() {
+        let rows = rows(&egui::Context::default());
+        let actions =
+            SHORTCUTS.iter().enumerate().filter(|(i, s)| SHORTCUTS[..*i].iter().all(|e| e.action != s.action));
+        assert_eq!(rows.len(), actions.count());
     }
 
     #[test]

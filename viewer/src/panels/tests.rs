@@ -1,18 +1,14 @@
 //! What tests of panels share.
 
-#[allow(dead_code, reason = "tests in files of their own use more of it")]
 #[path = "../../tests/common/boxing.rs"]
 pub(crate) mod boxing;
 
-#[allow(dead_code, reason = "tests in files of their own use more of it")]
 #[path = "../../tests/common/meeting.rs"]
 pub(crate) mod meeting;
 
-#[allow(dead_code, reason = "tests in files of their own use more of it")]
 #[path = "../../tests/common/paces.rs"]
 pub(crate) mod paces;
 
-#[allow(dead_code, reason = "tests in files of their own use more of it")]
 #[path = "../../tests/common/square.rs"]
 pub(crate) mod square;
 

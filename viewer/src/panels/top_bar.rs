@@ -180,6 +180,7 @@ fn stages(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     let run = match model.document.scene() {
         _ if model.document.world().is_some() => (Stage::Crowd, "World", "Who lives in the world"),
         _ if model.document.walkers().is_some() => (Stage::Crowd, "Scene", "The walkers of the scene"),
+        _ if model.document.crowd_scene().is_some() => (Stage::Crowd, "Scene", "The crowd of the scene"),
         Some(_) => (Stage::Crowd, "Scene", "The run of the scene"),
         None => (Stage::Crowd, "Crowd", "The run of a crowd"),
     };

@@ -3,7 +3,7 @@
 use crate::command::Command;
 use crate::model::Model;
 use crate::run::STEP_HZ;
-use eframe::egui::{self, Button, Slider, Ui, vec2};
+use eframe::egui::{self, Button, Label, Slider, Ui, vec2};
 
 /// What the bar shows: of the run or of the clip.
 struct Time {
@@ -76,7 +76,8 @@ pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
         let seconds = |frame: u32| frame as f32 / t.rate_hz;
         let what = if model.shows_clip() { "frame" } else { "step" };
         let text = format!("{:>6.2} s  {what} {:<5}", seconds(t.now), t.now);
-        ui.label(egui::RichText::new(text).monospace());
+        // Each goes to the next row as a whole where there is no room.
+        ui.add(Label::new(egui::RichText::new(text).monospace()).extend());
         let note = if model.shows_clip() {
             format!("of {:.2} s", seconds(t.last))
         } else if t.live {
@@ -84,7 +85,7 @@ pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
         } else {
             format!("{:.1} s ago", seconds(t.last - t.now))
         };
-        ui.weak(note);
+        ui.add(Label::new(egui::RichText::new(note).weak()).extend());
     });
 }
 

@@ -1,5 +1,6 @@
 //! The 3-D view: camera, selection, and targets that are dragged.
 
+mod edits;
 pub mod world;
 
 use super::{messages, words};
@@ -9,7 +10,8 @@ use crate::model::Model;
 use crate::render::{self, Camera, Ray};
 use crate::run::{Input, Run, TargetMode};
 use crate::stage::{Layout, ValueCell, members};
-use eframe::egui::{self, Align2, Color32, CursorIcon, FontId, PointerButton, Pos2, Rect, Response, Sense, Ui};
+use eframe::egui::text::{LayoutJob, TextFormat};
+use eframe::egui::{self, Align, Color32, CursorIcon, FontId, PointerButton, Pos2, Rect, Response, Sense, Ui};
 use glam::{Vec2, Vec3};
 
 /// A target can be taken hold of within this distance of the pointer. [Unit: points]
@@ -61,21 +63,28 @@ pub fn show(
     let camera = model.settings.camera;
     match paint(ui, Drawn { rect, camera }) {
         Ok(()) => {}
-        Err(why) => note(ui, rect.center(), &why, ui.visuals().error_fg_color),
+        Err(why) => note(ui, rect, &why, ui.visuals().error_fg_color),
     }
     if matches!(model.document, Document::Nothing) && model.loading().is_none() {
-        let text = "Drop a bundle (.throng), a scene or a world (.toml) or a motion file (.bvh, .amc) here\nor open one with File > Open (Ctrl+O)";
-        note(ui, rect.center(), text, ui.visuals().text_color());
+        let text = "Drop a bundle (.throng), a scene or a world (.toml)\nor a motion file (.bvh, .amc) here,\nor open one with File > Open (Ctrl+O)";
+        note(ui, rect, text, ui.visuals().text_color());
     }
     drag(ui, &response, model, state, commands);
     click(ui, &response, model, layout, commands);
     label(ui, rect, model);
     tell_value(response, model, layout);
+    edits::show(ui, rect, model, commands);
     messages::show(ui, rect, model, commands);
 }
 
-fn note(ui: &Ui, at: Pos2, text: &str, colour: Color32) {
-    ui.painter().text(at, Align2::CENTER_CENTER, text, FontId::proportional(16.0), colour);
+/// Text in the middle of the view, in as many rows as it needs.
+fn note(ui: &Ui, rect: Rect, text: &str, colour: Color32) {
+    let format = TextFormat::simple(FontId::proportional(16.0), colour);
+    let mut job = LayoutJob::single_section(text.to_owned(), format);
+    (job.halign, job.wrap.max_width) = (Align::Center, (rect.width() - 24.0).max(80.0));
+    let galley = ui.painter().layout_job(job);
+    let top = rect.center() - egui::vec2(0.0, 0.5 * galley.size().y);
+    ui.painter().galley(top, galley, colour);
 }
 
 fn size(rect: Rect) -> Vec2 {
@@ -208,8 +217,10 @@ fn click(ui: &Ui, response: &Response, model: &Model, layout: &Layout, commands:
     if let Some(world) = model.shown_world() {
         return world::click(ui, model, world, layout, &ray, commands);
     }
-    if let Some(crowd) = model.document.crowd_scene() {
-        let hit = members::pick(crowd, &model.settings.camera, &ray, size(rect));
+    if let Some(crowd) = model.shown_crowd_scene() {
+        let body = render::pick(&ray, &layout.skeleton, layout.poses(model), &layout.instances);
+        let body = body.and_then(|hit| members::of_body(crowd, hit.character));
+        let hit = body.or_else(|| members::pick(crowd, &model.settings.camera, &ray, size(rect)));
         return commands.push(Command::SelectCharacter(hit));
     }
     if model.shows_walkers() {
@@ -303,5 +314,5 @@ fn describe(model: &Model) -> Option<String> {
     let distance = (root.x - target.x).hypot(root.z - target.z);
     let plays = bundle.describe_segment(run.troupe().segment(c).0);
     let what = if run.has_movable_targets() { "target" } else { "opponent" };
-    Some(format!("character {c} · {plays} · {what} {distance:.1} m away"))
+    Some(format!("character {c} · {plays} · {what} {distance:.1}\u{a0}m\u{a0}away"))
 }

@@ -24,7 +24,7 @@ pub use values::ValueCell;
 pub struct Layout {
     /// Skeleton of all characters.
     pub skeleton: Skeleton,
-    /// Poses of a clip and of walkers; those of a crowd are its own.
+    /// Poses of a clip, of walkers and of members; those of a crowd are its own.
     poses: Vec<Mat3x4>,
     /// Place and colour of every character.
     pub instances: Vec<CharacterInstance>,
@@ -106,7 +106,15 @@ impl Layout {
                     false => walkers::lay_out(self, model, w, &palette, dark),
                 }
             }
-            Document::CrowdScene(c) => members::lay_out(self, model, c, &palette, dark),
+            Document::CrowdScene(c) => {
+                if let Some(bundle) = c.bundle() {
+                    self.skeleton.clone_from(bundle.tables().skeleton());
+                }
+                match c.bundle().filter(|_| model.shows_clip()) {
+                    Some(bundle) => clip::lay_out(self, model, bundle, &palette),
+                    None => members::lay_out(self, model, c, &palette, dark),
+                }
+            }
             Document::Bundle(b) => {
                 self.skeleton.clone_from(b.bundle.tables().skeleton());
                 match (model.shown_crowd(), b.blend.as_ref().filter(|_| model.shows_blend())) {
@@ -144,7 +152,10 @@ pub fn bounds(model: &Model) -> (Vec3, Vec3) {
             true => points.extend(around(model)),
             false => points.extend(walkers::places(w)),
         },
-        Document::CrowdScene(c) => points.extend(members::bounds(c)),
+        Document::CrowdScene(c) => match model.shows_clip() {
+            true => points.extend(around(model)),
+            false => points.extend(members::bounds(c)),
+        },
         Document::Bundle(_) => match model.shown_crowd() {
             Some((_, run)) => {
                 let troupe = run.troupe();
@@ -156,7 +167,7 @@ pub fn bounds(model: &Model) -> (Vec3, Vec3) {
     }
     let Some(&first) = points.first() else { return (Vec3::new(-2.0, 0.0, -2.0), Vec3::new(2.0, 1.8, 2.0)) };
     let (low, high) = points.iter().fold((first, first), |(l, h), &p| (l.min(p), h.max(p)));
-    let is_high = model.shown_world().is_some() || model.document.crowd_scene().is_some();
+    let is_high = model.shown_world().is_some() || model.shown_crowd_scene().is_some();
     let top = if is_high { high.y.max(1.8) } else { 1.8 };
     (low.with_y(0.0) - Vec3::new(0.6, 0.0, 0.6), high.with_y(top) + Vec3::new(0.6, 0.0, 0.6))
 }
@@ -186,7 +197,10 @@ pub fn followed(model: &Model) -> Option<Vec3> {
             true => clip::place(model, w.bundle()),
             false => w.run().moment().place(model.selection.character?),
         },
-        Document::CrowdScene(c) => c.run().moment().members.get(model.selection.character?)?.map(|s| s.at),
+        Document::CrowdScene(c) => match c.bundle().filter(|_| model.shows_clip()) {
+            Some(bundle) => clip::place(model, bundle),
+            None => c.run().moment().members.get(model.selection.character?)?.map(|s| s.at),
+        },
         Document::Bundle(b) => match (model.shown_crowd(), b.blend.as_ref().filter(|_| model.shows_blend())) {
             (Some((_, run)), _) => Some(run.troupe().root(model.selection.character?).translation()),
             (None, Some(run)) => blend::place(run),

@@ -3,11 +3,11 @@
 use super::{Layout, Palette, cues};
 use crate::document::WorldDocument;
 use crate::model::Model;
+use crate::model::world::Tool;
 use crate::render::{CharacterInstance, Emphasis, Rgba, SolidInstance};
 use crate::settings::Colouring;
 use glam::Vec3;
-use throng_precompute::environment::Bounds;
-use throng_precompute::stitch::Item;
+use throng_precompute::environment::{Bounds, PlacedUnit};
 use throng_runtime::patch::{CellRecord, KIND_TILE, Placement};
 use throng_runtime::world::inhabitants::Doing;
 use throng_runtime::world::{Node, Step};
@@ -63,7 +63,8 @@ pub(super) fn lay_out(out: &mut Layout, model: &Model, world: &WorldDocument, pa
 
 fn units(out: &mut Layout, model: &Model, world: &WorldDocument, palette: &Palette, dark: bool) {
     let look = &model.selection.world;
-    let moved = look.draft.and(look.place);
+    let dragged = look.place.filter(|_| look.draft.is_some() && look.tool == Tool::Move);
+    let moved = dragged.or(world.working().and_then(|w| w.place()));
     let placed = world.placed().iter().enumerate();
     out.solids.instances.extend(placed.map(|(i, p)| {
         let unit = world.unit(p.unit);
@@ -74,14 +75,23 @@ fn units(out: &mut Layout, model: &Model, world: &WorldDocument, palette: &Palet
     if let Some(p) = look.place.and_then(|p| world.placed().get(p)) {
         outline(out, world.kit().geometries[p.unit].bounds, p.placement, palette.selected);
     }
-    if let Some(draft) = look.draft.filter(|d| d.unit < world.kit().geometries.len()) {
-        let colour = palette.selected.alpha(0.6);
-        out.solids.instances.push(SolidInstance { mesh: draft.unit as u32, placement: draft.at, colour });
-        outline(out, world.kit().geometries[draft.unit].bounds, draft.at, palette.selected);
-        let (from, ahead) = (draft.at.translation().with_y(draft.at.y + ABOVE), draft.at.planar().rotation() * Vec3::Z);
-        out.shapes.on_top(true).arrow(from, from + ahead * 0.8, 0.03, palette.selected);
-        out.shapes.on_top(false);
+    let draft = look.draft.map(|d| PlacedUnit { unit: d.unit, placement: d.at });
+    if let Some(draft) = draft.as_ref().or(world.working().and_then(|w| w.at.as_ref())) {
+        ghost(out, world, draft, palette.selected);
+    } else if let Some(refused) = world.refused().and_then(|r| r.at.as_ref()) {
+        ghost(out, world, refused, DISABLED);
     }
+}
+
+/// A unit that does not stand there yet, and the way it faces.
+fn ghost(out: &mut Layout, world: &WorldDocument, unit: &PlacedUnit, colour: Rgba) {
+    let Some(geometry) = world.kit().geometries.get(unit.unit) else { return };
+    let at = unit.placement;
+    out.solids.instances.push(SolidInstance { mesh: unit.unit as u32, placement: at, colour: colour.alpha(0.6) });
+    outline(out, geometry.bounds, at, colour);
+    let (from, ahead) = (at.translation().with_y(at.y + ABOVE), at.planar().rotation() * Vec3::Z);
+    out.shapes.on_top(true).arrow(from, from + ahead * 0.8, 0.03, colour);
+    out.shapes.on_top(false);
 }
 
 /// The same colour for the same unit; panels that are walked on lie on a chequered board, so that each can be seen.
@@ -183,7 +193,7 @@ fn patch(out: &mut Layout, model: &Model, world: &WorldDocument, instance: u32, 
     if !look.hides_links {
         let links = graph.links(instance);
         for (l, link) in links.iter().enumerate().step_by(links.len() / MAX_LINKS + 1) {
-            let is_left = world.reason(instance, Item::Link(l as u32)).is_none();
+            let is_left = graph.is_link_enabled(instance, l as u32);
             let colour = if is_left { ENABLED.alpha(0.45) } else { DISABLED.alpha(0.25) };
             let points: Vec<Vec3> = world
                 .link_path(instance, link, 0..=link.num_frames)
@@ -197,7 +207,7 @@ fn patch(out: &mut Layout, model: &Model, world: &WorldDocument, instance: u32, 
     for (c, cell) in graph.cells(instance).iter().enumerate() {
         let node = Node { instance, cell: c as u32 };
         let place = graph.place(node);
-        let is_left = world.reason(instance, Item::Cell(c as u32)).is_none();
+        let is_left = graph.is_enabled(node);
         let ground = place.translation().with_y(ground_of(world, instance, c as u32));
         let ahead = place.planar().rotation() * Vec3::Z * 0.18;
         if is_tile && cell.edge != throng_runtime::patch::NONE {

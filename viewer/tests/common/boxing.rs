@@ -1,6 +1,6 @@
 //! A small bundle of shadow-boxing, with effective hits and policies of every kind of grid, and scenes on it.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use throng_precompute::cache::Cache;
 use throng_precompute::config::BuildConfig;
 use throng_precompute::pipeline;
@@ -45,11 +45,6 @@ impl Boxing {
         let config = BuildConfig::load(&config).expect("a sound config");
         pipeline::build(&config, &out, &Cache::none(), &Silent).expect("a bundle");
         Self { folder }
-    }
-
-    /// The folder.
-    pub fn folder(&self) -> &Path {
-        self.folder.path()
     }
 
     /// The bundle.

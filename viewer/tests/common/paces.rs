@@ -49,6 +49,22 @@ impl Paces {
         self.folder.path().join("paces.throng")
     }
 
+    /// A scene of a crowd with bodies: two groups of so many who meet; those of one leave at their goal.
+    pub fn crowd(&self, each: usize) -> PathBuf {
+        let group = |from: f32, by: f32, end: &str| {
+            format!(
+                "[[groups]]\ncount = {each}\nplace = {{ block = {{ from = [{from:.1}, -2.5], to = [{:.1}, 2.5] }} }}\n\
+                 goal = {{ shift = {{ by = [{by:.1}, 0.0] }} }}\nspeed_mps = [0.9, 1.3]\nat_end = \"{end}\"\n",
+                from + 4.0
+            )
+        };
+        let bodies = "[bodies]\nbundle = \"paces.throng\"\nconfig = \"paces.toml\"\nspaces = [\"paces\"]\n";
+        let path = self.folder.path().join("people.toml");
+        let text = format!("{bodies}{}{}", group(-5.5, 7.0, "stay"), group(1.5, -3.0, "leave"));
+        std::fs::write(&path, text).expect("a scene");
+        path
+    }
+
     /// A scene of walkers on hills of a height. [Unit: m]
     pub fn scene(&self, characters: usize, hills_m: f32) -> PathBuf {
         let text = format!(

@@ -16,7 +16,7 @@ mod record;
 mod route_maps;
 mod run;
 
-pub use bodies::{BodiesReport, BodyPoses, walk_bodies};
+pub use bodies::{Bodies, BodiesReport, BodyPoses, walk_bodies};
 pub use config::{CrowdBodiesConfig, CrowdScene, CrowdSpace, Engine, GateConfig, LanesConfig};
 pub use group::{AtEndConfig, GoalConfig, GroupConfig, PlaceConfig};
 pub use happening::{HappeningConfig, NearConfig};

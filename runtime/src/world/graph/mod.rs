@@ -170,11 +170,13 @@ impl<'w> WorldGraph<'w> {
         if link == NONE { None } else { self.step_along(node.instance, link) }
     }
 
-    pub(crate) fn is_enabled(&self, node: Node) -> bool {
+    /// True where a cell is enabled. [Limit: the node exists]
+    pub fn is_enabled(&self, node: Node) -> bool {
         is_set(self.world.cell_words, self.instance(node.instance).first_cell_word, node.cell)
     }
 
-    pub(crate) fn is_link_enabled(&self, instance: u32, link: u32) -> bool {
+    /// True where a link is enabled. [Limit: instance < num_instances, the link within its patch]
+    pub fn is_link_enabled(&self, instance: u32, link: u32) -> bool {
         is_set(self.world.link_words, self.instance(instance).first_link_word, link)
     }
 

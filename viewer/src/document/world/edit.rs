@@ -1,39 +1,14 @@
 //! Edits: units come, go and are moved, and the world is stitched again around them.
 
 use super::WorldDocument;
-use super::settle::settle;
-use super::views::Ground;
-use crate::run::WorldRun;
-use glam::Vec3;
+use super::orders::{Change, Order};
+use super::worker::{self, Done, Job, Stitched};
+use std::collections::VecDeque;
 use std::path::Path;
-use std::time::Instant;
-use throng_precompute::environment::PlacedGeometry;
+use std::sync::mpsc::{Receiver, TryRecvError};
+use throng_precompute::environment::PlacedUnit;
 use throng_runtime::patch::Placement;
 use throng_runtime::world::inhabitants::Wish;
-
-/// A change of what stands where.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Change {
-    /// One more unit.
-    Add {
-        /// Its number in the bundle's set.
-        unit: usize,
-        /// Where it stands.
-        at: Placement,
-    },
-    /// A placed unit goes; those after it move up.
-    Remove {
-        /// Number of the place.
-        place: usize,
-    },
-    /// A placed unit is moved.
-    Move {
-        /// Number of the place.
-        place: usize,
-        /// Where it stands then.
-        to: Placement,
-    },
-}
 
 /// An edit that was made.
 #[derive(Clone, Debug, PartialEq)]
@@ -48,83 +23,235 @@ pub struct Edited {
     pub lost: usize,
 }
 
+/// An edit that could not be made; the world is as it was.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Refused {
+    /// Why.
+    pub why: String,
+    /// The unit where it would stand, or where it would be taken away.
+    pub at: Option<PlacedUnit>,
+}
+
+/// An edit that is under way.
+#[derive(Debug)]
+pub struct Working {
+    order: Order,
+    /// What is done, in words.
+    pub doing: String,
+    /// The unit where it will stand, or where it is taken away.
+    pub at: Option<PlacedUnit>,
+    /// Orders that come after it.
+    next: VecDeque<Order>,
+    done: Receiver<Done>,
+}
+
+/// What came of an edit.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Taken {
+    /// The world is another one; with the place of the unit that came or was moved, where there is one.
+    Changed(Option<usize>),
+    /// The world is as it was; [`WorldDocument::refused`] says why.
+    Refused,
+}
+
+impl Working {
+    /// The place of the unit that is moved or taken away.
+    pub fn place(&self) -> Option<usize> {
+        match self.order {
+            Order::Change(Change::Move { place, .. } | Change::Remove { place }) => Some(place),
+            _ => None,
+        }
+    }
+}
+
 impl WorldDocument {
-    /// Changes what stands where, stitches the world again, and puts everybody at the nearest place to stay.
+    /// The edit that is under way. Nobody moves meanwhile: everybody is put back where they are seen.
+    pub fn working(&self) -> Option<&Working> {
+        self.working.as_ref()
+    }
+
+    /// The last edit, where it was refused.
+    pub fn refused(&self) -> Option<&Refused> {
+        self.refused.as_ref()
+    }
+
+    /// Forgets that an edit was refused.
+    pub fn forget_refused(&mut self) {
+        self.refused = None;
+    }
+
+    /// The change that can be taken back, in words.
+    pub fn to_undo(&self) -> Option<&str> {
+        self.made.last()
+    }
+
+    /// The change that can be made again, in words.
+    pub fn to_redo(&self) -> Option<&str> {
+        self.made.next()
+    }
+
+    /// Where a placed unit will stand when all that was ordered is done. [Limit: place < number of places]
+    pub fn will_stand(&self, place: usize) -> Placement {
+        let working = self.working.as_ref();
+        let orders = working.into_iter().flat_map(|w| std::iter::once(&w.order).chain(&w.next));
+        let moved = orders.filter_map(|o| o.moves()).rfind(|m| m.0 == place);
+        moved.map_or(self.placed()[place].placement, |m| m.1)
+    }
+
+    /// Begins an edit on a thread of its own; [`WorldDocument::take_in`] takes the new world in when it is stitched.
     ///
-    /// - returns the place of the unit that was added or moved.
+    /// While one is under way, changes can be taken back and made again after it, and what it moves can be moved on.
     ///
     /// # Errors
-    /// A message that says why the world would be none; it stays as it was.
-    pub fn edit(&mut self, change: Change) -> Result<Option<usize>, String> {
-        let begin = Instant::now();
-        let what = self.describe(change);
-        let before = self.environment();
-        let place = self.stitch(change)?;
-        let stitch_s = begin.elapsed().as_secs_f64();
-        let made = self.workshop.with(|e| e.world().clone());
-        let ground = Ground::new(self.ground.shared_bundle(), made);
-        let settled = ground.and_then(|ground| self.resettle(&ground).map(|(run, lost)| (ground, run, lost)));
-        let (ground, run, lost) = match settled {
-            Ok(settled) => settled,
-            Err(why) => {
-                self.undo(before)?;
-                return Err(why);
-            }
+    /// A message for anything else meanwhile: the numbers of places may become others.
+    pub fn order(&mut self, order: Order) -> Result<(), String> {
+        let Some(working) = &mut self.working else {
+            self.begin(order);
+            return Ok(());
         };
-        (self.ground, self.run) = (ground, run);
-        self.geometry = PlacedGeometry::new(&self.environment(), &self.workshop.kit().geometries);
-        self.revision += 1;
-        self.edited = Some(Edited { what, stitch_s, total_s: begin.elapsed().as_secs_f64(), lost });
-        Ok(place)
-    }
-
-    fn stitch(&mut self, change: Change) -> Result<Option<usize>, String> {
-        let made = self.workshop.change(|editor| match change {
-            Change::Add { unit, at } => editor.add(unit, at).map(Some),
-            Change::Remove { place } => editor.remove(place).map(|()| None),
-            Change::Move { place, to } => editor.drag(place, to).map(|()| Some(place)),
-        });
-        made.map_err(|e| e.to_string())
-    }
-
-    /// Stitches the world as it was.
-    fn undo(&mut self, environment: throng_precompute::environment::Environment) -> Result<(), String> {
-        let kit = self.workshop.kit().clone();
-        self.workshop =
-            super::views::Workshop::new(self.ground.shared_bundle(), kit, environment, &self.source.stitch)?;
+        let moved = |o: Order| o.moves().map(|m| m.0);
+        let goes_on = moved(order).is_some() && moved(*working.next.back().unwrap_or(&working.order)) == moved(order);
+        match order {
+            Order::Change(_) if !goes_on => return Err("the last edit is still under way".into()),
+            Order::Change(Change::Move { place, to }) => {
+                if let Some(last) = working.next.back_mut() {
+                    *last = order;
+                } else {
+                    working.next.push_back(order);
+                }
+                working.at = self.geometry.units.get(place).map(|p| PlacedUnit { unit: p.unit, placement: to });
+            }
+            _ => working.next.push_back(order),
+        }
         Ok(())
     }
 
-    /// Everybody at the nearest place to stay, with what each was told to do.
-    fn resettle(&self, ground: &Ground) -> Result<(WorldRun, usize), String> {
-        let (bundle, graph) = (ground.bundle(), ground.graph());
-        let n = self.run.num_characters();
-        let places: Vec<Vec3> = (0..n).map(|c| self.run.hips(c)).collect();
-        let settled = settle(graph, &places);
-        let starts: Vec<_> = settled.iter().map(|s| s.1).collect();
-        let life = self.scene.live_at(bundle.tables(), bundle.repertoire(), graph, &starts);
-        let mut run = WorldRun::new(life.map_err(|e| e.to_string())?, bundle, graph).map_err(|e| e.to_string())?;
-        run.play(self.run.is_playing());
-        run.set_speed(self.run.speed());
-        for (new, &(old, _)) in settled.iter().enumerate() {
-            let told = self.run.told(old).filter(|w| !matches!(w, Wish::GoTo { .. }));
-            if let Some(wish) = told {
-                // What can no longer be done is not wished for any more.
-                let _ = run.tell(graph, new, Some(wish));
+    fn begin(&mut self, order: Order) {
+        self.refused = None;
+        let doing = match order {
+            Order::Change(change) => format!("Stitching the world around {}", self.name_of(change)),
+            Order::Undo => match self.to_undo() {
+                Some(last) => format!("Taking back: {last}"),
+                None => return,
+            },
+            Order::Redo => match self.to_redo() {
+                Some(next) => format!("Making again: {next}"),
+                None => return,
+            },
+        };
+        let at = self.at(order);
+        let Some(workshop) = self.workshop.take() else {
+            let why = "the editor ended unexpectedly; read the file again (Ctrl+R)".into();
+            self.refused = Some(Refused { why, at });
+            return;
+        };
+        let places = (0..self.run.num_characters()).map(|c| self.run.hips(c)).collect();
+        let done = worker::begin(Job { workshop, order, scene: self.scene.clone(), places });
+        self.working = Some(Working { order, doing, at, next: VecDeque::new(), done });
+    }
+
+    /// Takes in what has been stitched since the last call; none where nothing has.
+    ///
+    /// - `waits`: until nothing is under way.
+    pub fn take_in(&mut self, waits: bool) -> Option<Taken> {
+        let mut taken = None;
+        while let Some(working) = &self.working {
+            let done = match waits {
+                true => working.done.recv().map_err(|_| TryRecvError::Disconnected),
+                false => working.done.try_recv(),
+            };
+            if matches!(done, Err(TryRecvError::Empty)) {
+                break;
+            }
+            let mut working = self.working.take()?;
+            let mut next = std::mem::take(&mut working.next);
+            taken = Some(self.finish(working, done.ok()));
+            while let Some(order) = next.pop_front().filter(|_| self.refused.is_none()) {
+                self.begin(order);
+                if let Some(begun) = &mut self.working {
+                    begun.next = next;
+                    break;
+                }
             }
         }
-        Ok((run, n - settled.len()))
+        taken
+    }
+
+    fn finish(&mut self, working: Working, done: Option<Done>) -> Taken {
+        let gone = "the editor ended unexpectedly; read the file again (Ctrl+R)";
+        let stitched = match done {
+            Some(done) => {
+                self.workshop = Some(done.workshop);
+                done.stitched
+            }
+            None => Err(gone.to_owned()),
+        };
+        let name = match working.order {
+            Order::Change(change) => Some(self.describe(change)),
+            Order::Undo | Order::Redo => None,
+        };
+        let is_new = stitched.is_ok();
+        let what = match working.order {
+            Order::Undo => format!("took back: {}", self.to_undo().unwrap_or_default()),
+            Order::Redo => format!("made again: {}", self.to_redo().unwrap_or_default()),
+            Order::Change(_) => name.clone().unwrap_or_default(),
+        };
+        if let Some(workshop) = &self.workshop {
+            let counts = workshop.with(|e| [e.num_undos(), e.num_redos()]);
+            self.made.follow(counts, name.filter(|_| is_new));
+        }
+        match stitched {
+            Ok(stitched) => Taken::Changed(self.show(stitched, what)),
+            Err(why) => {
+                self.refused = Some(Refused { why, at: working.at });
+                Taken::Refused
+            }
+        }
+    }
+
+    /// Shows another world; returns the place that came or was moved.
+    fn show(&mut self, new: Stitched, what: String) -> Option<usize> {
+        let place = changed(&self.environment.units, &new.environment.units);
+        let lost = self.run.num_characters() - new.before.len();
+        let mut run = new.run;
+        run.play(self.run.is_playing());
+        run.set_speed(self.run.speed());
+        for (character, &before) in new.before.iter().enumerate() {
+            let told = self.run.told(before).filter(|w| !matches!(w, Wish::GoTo { .. }));
+            if let Some(wish) = told {
+                // What can no longer be done is not wished for any more.
+                let _ = run.tell(new.ground.graph(), character, Some(wish));
+            }
+        }
+        (self.ground, self.run, self.report) = (new.ground, run, new.report);
+        (self.environment, self.geometry) = (new.environment, new.geometry);
+        self.revision += 1;
+        self.edited = Some(Edited { what, stitch_s: new.stitch_s, total_s: new.total_s, lost });
+        place
+    }
+
+    /// The unit that an order is about, where it will stand or where it is taken away.
+    fn at(&self, order: Order) -> Option<PlacedUnit> {
+        let Order::Change(change) = order else { return None };
+        match change {
+            Change::Add { unit, at } => Some(PlacedUnit { unit, placement: at }),
+            Change::Remove { place } => self.placed().get(place).cloned(),
+            Change::Move { place, to } => Some(PlacedUnit { unit: self.placed().get(place)?.unit, placement: to }),
+        }
+    }
+
+    fn name_of(&self, change: Change) -> &str {
+        let unit = self.at(Order::Change(change)).and_then(|p| self.kit().units.units.get(p.unit));
+        unit.map_or("a unit", |u| &u.name)
     }
 
     fn describe(&self, change: Change) -> String {
-        let name = |place: usize| self.placed().get(place).map_or("a unit", |p| &self.unit(p.unit).name);
-        match change {
-            Change::Add { unit, .. } => {
-                format!("added {}", self.kit().units.units.get(unit).map_or("a unit", |u| &u.name))
-            }
-            Change::Remove { place } => format!("removed {}", name(place)),
-            Change::Move { place, .. } => format!("moved {}", name(place)),
-        }
+        let done = match change {
+            Change::Add { .. } => "added",
+            Change::Remove { .. } => "removed",
+            Change::Move { .. } => "moved",
+        };
+        format!("{done} {}", self.name_of(change))
     }
 
     /// Writes the world as it is to a file of its own: a plain list of places.
@@ -132,7 +259,33 @@ impl WorldDocument {
     /// # Errors
     /// A message where it cannot be written.
     pub fn save(&self, path: &Path) -> Result<(), String> {
-        let changed = self.source.with_environment(&self.environment(), &self.kit().units);
+        let changed = self.source.with_environment(&self.environment, &self.kit().units);
         changed.save(path).map_err(|e| e.to_string())
+    }
+}
+
+/// The place of a unit that came or was moved; none where one went.
+fn changed(before: &[PlacedUnit], after: &[PlacedUnit]) -> Option<usize> {
+    let first = before.iter().zip(after).position(|(a, b)| a != b);
+    (after.len() >= before.len()).then(|| first.or((after.len() > before.len()).then_some(before.len()))).flatten()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_unit_that_came_or_was_moved_is_found() {
+        let unit = |x: f32| PlacedUnit { unit: 0, placement: Placement::new(x, 0.0, 0.0, 0.0) };
+        let units = |xs: &[f32]| xs.iter().map(|&x| unit(x)).collect::<Vec<_>>();
+        for (before, after, place) in [
+            (&[1.0, 2.0][..], &[1.0, 2.0, 3.0][..], Some(2)),
+            (&[1.0, 3.0], &[1.0, 2.0, 3.0], Some(1)),
+            (&[1.0, 2.0, 3.0], &[1.0, 5.0, 3.0], Some(1)),
+            (&[1.0, 2.0, 3.0], &[1.0, 3.0], None),
+            (&[1.0, 2.0], &[1.0, 2.0], None),
+        ] {
+            assert_eq!(changed(&units(before), &units(after)), place, "{before:?} {after:?}");
+        }
     }
 }

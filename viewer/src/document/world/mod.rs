@@ -2,15 +2,19 @@
 
 mod edit;
 mod open;
+mod orders;
 mod settle;
 mod views;
+mod worker;
 
-pub use edit::{Change, Edited};
+pub use edit::{Edited, Refused, Taken, Working};
+pub use orders::{Change, Order};
 
 use super::Bundle;
 use crate::render::{Ray, SolidMesh};
 use crate::run::WorldRun;
 use glam::Vec3;
+use orders::Made;
 use std::fmt;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -29,12 +33,19 @@ pub struct WorldDocument {
     scene: WorldScene,
     /// The scene was opened, not the world itself.
     is_scene: bool,
-    workshop: Workshop,
+    kit: Arc<Kit>,
+    /// None while somebody works there.
+    workshop: Option<Workshop>,
     ground: Ground,
+    environment: Environment,
     geometry: PlacedGeometry,
+    report: StitchReport,
     meshes: Arc<[SolidMesh]>,
     run: WorldRun,
+    made: Made,
+    working: Option<Working>,
     edited: Option<Edited>,
+    refused: Option<Refused>,
     /// Grows with every edit.
     revision: u64,
 }
@@ -73,7 +84,7 @@ impl WorldDocument {
 
     /// The bundle's units, decoded.
     pub fn kit(&self) -> &Kit {
-        self.workshop.kit()
+        &self.kit
     }
 
     /// A unit object of the bundle. [Limit: unit < number of units of the bundle]
@@ -112,8 +123,8 @@ impl WorldDocument {
     }
 
     /// What came of stitching, or of the last edit.
-    pub fn report(&self) -> StitchReport {
-        self.workshop.with(|editor| editor.report().clone())
+    pub fn report(&self) -> &StitchReport {
+        &self.report
     }
 
     /// The last edit, and what it took.
@@ -132,14 +143,14 @@ impl WorldDocument {
         self.bundle().tables().meta().patches.get(patch).map_or("", |p| &p.name)
     }
 
-    /// In a word why something of an instance is taken out; none where it is left.
+    /// In a word why something of an instance is taken out; none where it is left, or while an edit is under way.
     pub fn reason(&self, instance: u32, item: Item) -> Option<Reason> {
-        self.workshop.with(|editor| editor.reason(instance, item))
+        self.workshop.as_ref()?.with(|editor| editor.reason(instance, item))
     }
 
     /// The same with what is in the way.
     pub fn why(&self, instance: u32, item: Item) -> Option<Why> {
-        self.workshop.with(|editor| editor.why(instance, item))
+        self.workshop.as_ref()?.with(|editor| editor.why(instance, item))
     }
 
     /// Instances that a placed unit is part of.
@@ -180,19 +191,25 @@ impl WorldDocument {
         nearest.map(|(distance, place)| (place, ray.at(distance)))
     }
 
-    /// Moves time on by wall time; returns the steps taken.
+    /// Moves time on by wall time, unless an edit is under way; returns the steps taken.
     ///
     /// # Errors
     /// [`InhabitantsError`] where a step cannot be taken.
     pub fn advance(&mut self, wall_s: f32) -> Result<u32, InhabitantsError> {
+        if self.working.is_some() {
+            return Ok(0);
+        }
         self.run.advance(self.ground.bundle(), self.ground.graph(), wall_s)
     }
 
-    /// One step on, or a recorded one.
+    /// One step on, or a recorded one, unless an edit is under way.
     ///
     /// # Errors
     /// As [`WorldDocument::advance`].
     pub fn step(&mut self) -> Result<(), InhabitantsError> {
+        if self.working.is_some() {
+            return Ok(());
+        }
         self.run.step(self.ground.bundle(), self.ground.graph())
     }
 
@@ -215,8 +232,11 @@ impl WorldDocument {
     /// Starts the run anew with so many characters, as far as there is room, and a seed.
     ///
     /// # Errors
-    /// A message where nobody can live there.
+    /// A message where nobody can live there, or an edit is under way.
     pub fn populate(&mut self, characters: usize, seed: u64) -> Result<(), String> {
+        if self.working.is_some() {
+            return Err("the run can begin anew when the last edit is done".into());
+        }
         (self.scene.characters, self.scene.seed) = (characters, seed);
         let old = (self.run.is_playing(), self.run.speed());
         self.run = open::populate(&mut self.scene, &self.ground)?;
@@ -226,8 +246,8 @@ impl WorldDocument {
     }
 
     /// The environment as it is.
-    pub fn environment(&self) -> Environment {
-        self.workshop.with(|editor| editor.environment().clone())
+    pub fn environment(&self) -> &Environment {
+        &self.environment
     }
 }
 

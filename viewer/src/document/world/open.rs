@@ -2,6 +2,7 @@
 
 use super::super::Bundle;
 use super::WorldDocument;
+use super::orders::Made;
 use super::views::{Ground, Workshop};
 use crate::render::SolidMesh;
 use crate::run::WorldRun;
@@ -36,18 +37,35 @@ impl WorldDocument {
         }
         let bundle = Bundle::open(&source.bundle).map_err(|e| format!("{}: its bundle: {e}", world_path.display()))?;
         let bundle = Arc::new(bundle);
-        let kit = Kit::new(bundle.tables(), &source.bundle).map_err(|e| e.to_string())?;
+        let kit = Arc::new(Kit::new(bundle.tables(), &source.bundle).map_err(|e| e.to_string())?);
         let environment = source.environment(&kit.units, &world_path).map_err(|e| e.to_string())?;
         let geometry = PlacedGeometry::new(&environment, &kit.geometries);
         let meshes = kit.geometries.iter().map(|g| mesh(g)).collect();
-        let workshop = Workshop::new(Arc::clone(&bundle), kit, environment, &source.stitch)
+        let workshop = Workshop::new(Arc::clone(&bundle), Arc::clone(&kit), environment.clone(), &source.stitch)
             .map_err(|e| format!("{}: {e}", world_path.display()))?;
-        let ground = Ground::new(bundle, workshop.with(|editor| editor.world().clone()))?;
+        let (world, report) = workshop.with(|editor| (editor.world().clone(), editor.report().clone()));
+        let ground = Ground::new(bundle, world)?;
         let mut scene = scene.unwrap_or_else(|| roaming(&source, &world_path));
         let run = populate_as_told(&mut scene, &ground, is_scene)?;
-        let path = path.to_path_buf();
-        let (edited, revision) = (None, 0);
-        Ok(Self { path, source, scene, is_scene, workshop, ground, geometry, meshes, run, edited, revision })
+        Ok(Self {
+            path: path.to_path_buf(),
+            source,
+            scene,
+            is_scene,
+            kit,
+            workshop: Some(workshop),
+            ground,
+            environment,
+            geometry,
+            report,
+            meshes,
+            run,
+            made: Made::default(),
+            working: None,
+            edited: None,
+            refused: None,
+            revision: 0,
+        })
     }
 }
 

@@ -13,6 +13,20 @@ fn run_for(world: &mut WorldDocument, steps: u32) {
     (0..steps).for_each(|_| world.step().unwrap());
 }
 
+/// Carries out an order and waits for it; returns the place that came or was moved.
+fn order(world: &mut WorldDocument, order: Order) -> Result<Option<usize>, String> {
+    world.order(order).unwrap();
+    match world.take_in(true) {
+        Some(Taken::Changed(place)) => Ok(place),
+        Some(Taken::Refused) => Err(world.refused().unwrap().why.clone()),
+        None => panic!("nothing came of {order:?}"),
+    }
+}
+
+fn edit(world: &mut WorldDocument, change: Change) -> Result<Option<usize>, String> {
+    order(world, Order::Change(change))
+}
+
 /// Hips of everybody lie over a panel.
 fn all_are_on_panels(world: &WorldDocument) -> bool {
     (0..world.run().num_characters()).all(|c| {
@@ -31,6 +45,8 @@ fn a_world_is_lived_in_edited_and_saved() {
     lives(&mut world);
     is_picked(&world);
     edits(&mut world);
+    takes_back(&mut world);
+    works_meanwhile(&mut world);
     saves(&world, square.folder());
     let mut scene = WorldDocument::open(&square.scene(2)).unwrap();
     assert!(scene.is_scene() && scene.run().num_characters() == 2);
@@ -92,14 +108,14 @@ fn edits(world: &mut WorldDocument) {
     let left = |world: &WorldDocument| world.report().transitions;
     let before = left(world);
     // One more panel at the side.
-    let place = world.edit(Change::Add { unit: 0, at: panel(3, 1) }).unwrap().unwrap();
+    let place = edit(world, Change::Add { unit: 0, at: panel(3, 1) }).unwrap().unwrap();
     assert_eq!((world.placed()[place].placement, world.revision()), (panel(3, 1), 1));
     assert!(left(world) > before && all_are_on_panels(world) && world.run().num_characters() == 2);
     let edited = world.edited().unwrap();
     assert!(edited.what == "added ground" && edited.total_s >= edited.stitch_s && edited.lost == 0, "{edited:?}");
     // A post in its middle takes motion away, which is said of its links; moved away, it gives them back.
     let with_panel = left(world);
-    world.edit(Change::Move { place: 9, to: panel(3, 1) }).unwrap();
+    edit(world, Change::Move { place: 9, to: panel(3, 1) }).unwrap();
     assert!(left(world) < with_panel);
     let instance = world.instances_of(place)[0];
     let links = 0..world.graph().links(instance).len() as u32;
@@ -107,18 +123,79 @@ fn edits(world: &mut WorldDocument) {
     let link = links.clone().find(hit).unwrap();
     let why = world.why(instance, Item::Link(link)).unwrap();
     assert!(why.message.contains("post") && why.reason == Reason::Obstacle, "{}", why.message);
-    world.edit(Change::Move { place: 9, to: Placement::new(-2.2, 0.0, 0.0, 0.35) }).unwrap();
+    edit(world, Change::Move { place: 9, to: Placement::new(-2.2, 0.0, 0.0, 0.35) }).unwrap();
     assert_eq!(left(world), with_panel);
     // What cannot be leaves the world alone.
-    let same = |world: &WorldDocument| (world.environment(), left(world), world.revision());
+    let same = |world: &WorldDocument| (world.environment().clone(), left(world), world.revision());
     let kept = same(world);
-    let why = world.edit(Change::Move { place, to: Placement::new(50.0, 0.0, 50.0, 0.0) }).unwrap_err();
+    let why = edit(world, Change::Move { place, to: Placement::new(50.0, 0.0, 50.0, 0.0) }).unwrap_err();
     assert!(why.contains("ground") && same(world) == kept, "{why}");
-    assert!(world.edit(Change::Remove { place: 99 }).is_err() && same(world) == kept);
-    world.edit(Change::Remove { place }).unwrap();
+    assert!(edit(world, Change::Remove { place: 99 }).is_err() && same(world) == kept);
+    edit(world, Change::Remove { place }).unwrap();
     assert_eq!(left(world), before);
     run_for(world, 60);
     assert!(all_are_on_panels(world));
+}
+
+fn takes_back(world: &mut WorldDocument) {
+    let stands = |world: &WorldDocument| world.placed().to_vec();
+    let (before, seven) = (stands(world), Placement::new(-2.2, 0.0, 7.0, 0.0));
+    assert_eq!(world.to_undo(), Some("removed ground"));
+    edit(world, Change::Move { place: 9, to: seven }).unwrap();
+    let moved = stands(world);
+    // The place of what is put back is told, and where there is nothing to take back nothing is done.
+    assert_eq!(order(world, Order::Undo), Ok(Some(9)));
+    assert!(stands(world) == before && world.edited().unwrap().what == "took back: moved post");
+    assert_eq!((world.to_undo(), world.to_redo()), (Some("removed ground"), Some("moved post")));
+    assert_eq!(order(world, Order::Redo), Ok(Some(9)));
+    assert!(stands(world) == moved && world.to_redo().is_none());
+    // One that is refused is forgotten, and leaves those before it as they are.
+    order(world, Order::Undo).unwrap();
+    edit(world, Change::Move { place: 0, to: Placement::new(50.0, 0.0, 50.0, 0.0) }).unwrap_err();
+    assert_eq!((world.to_undo(), world.to_redo()), (Some("removed ground"), Some("moved post")));
+    let mut count = 0;
+    while world.to_undo().is_some() {
+        order(world, Order::Undo).unwrap();
+        count += 1;
+    }
+    assert_eq!(count, 4, "edits of before");
+    world.order(Order::Undo).unwrap();
+    assert!(world.take_in(true).is_none() && world.working().is_none());
+    (0..4).for_each(|_| _ = order(world, Order::Redo).unwrap());
+    assert!(stands(world) == before);
+}
+
+/// While a unit is moved, time stands still and what follows waits.
+fn works_meanwhile(world: &mut WorldDocument) {
+    let at = |z: f32| Placement::new(-2.2, 0.0, z, 0.0);
+    let (revision, now) = (world.revision(), world.run().now());
+    world.run_mut().play(true);
+    world.order(Order::Change(Change::Move { place: 9, to: at(1.0) })).unwrap();
+    assert!(world.working().is_some_and(|w| w.place() == Some(9) && w.doing.contains("post")));
+    assert_eq!(world.placed()[9].placement.z, 0.0);
+    assert_eq!((world.advance(0.1).unwrap(), world.run().now()), (0, now));
+    // It can be moved on, and only where it comes to stand counts; anything else waits for the new world.
+    for z in [2.0, 3.0, 4.0] {
+        world.order(Order::Change(Change::Move { place: 9, to: at(z) })).unwrap();
+    }
+    assert_eq!(world.will_stand(9), at(4.0));
+    assert_eq!(world.will_stand(1), world.placed()[1].placement);
+    for other in [Change::Remove { place: 9 }, Change::Move { place: 1, to: at(9.0) }] {
+        assert!(world.order(Order::Change(other)).unwrap_err().contains("under way"));
+    }
+    assert!(world.populate(1, 1).unwrap_err().contains("when the last edit is done"));
+    world.order(Order::Undo).unwrap();
+    assert_eq!(world.take_in(true), Some(Taken::Changed(Some(9))));
+    assert_eq!((world.placed()[9].placement, world.revision()), (at(1.0), revision + 3));
+    // What is refused takes with it what waits.
+    world.order(Order::Change(Change::Move { place: 0, to: Placement::new(70.0, 0.0, 70.0, 0.0) })).unwrap();
+    world.order(Order::Undo).unwrap();
+    assert_eq!(world.take_in(true), Some(Taken::Refused));
+    assert!(world.refused().is_some_and(|r| r.at.as_ref().is_some_and(|u| u.placement.x == 70.0)));
+    assert_eq!((world.placed()[9].placement, world.revision()), (at(1.0), revision + 3));
+    world.run_mut().play(false);
+    order(world, Order::Undo).unwrap();
+    assert!(world.refused().is_none());
 }
 
 fn saves(world: &WorldDocument, folder: &Path) {

@@ -13,7 +13,7 @@ type Tool<'a> = Editor<'a>;
 /// What an editor works with.
 struct Parts {
     bundle: Arc<Bundle>,
-    kit: Kit,
+    kit: Arc<Kit>,
 }
 
 self_cell!(
@@ -32,7 +32,12 @@ impl Workshop {
     ///
     /// # Errors
     /// A message that names the units that do not go together, and the way out.
-    pub fn new(bundle: Arc<Bundle>, kit: Kit, environment: Environment, config: &StitchConfig) -> Result<Self, String> {
+    pub fn new(
+        bundle: Arc<Bundle>,
+        kit: Arc<Kit>,
+        environment: Environment,
+        config: &StitchConfig,
+    ) -> Result<Self, String> {
         let cell = EditorCell::try_new(Parts { bundle, kit }, |parts| {
             let tables = parts.bundle.tables();
             Editor::new(tables.patches(), parts.kit.library(tables), environment, config, &Silent)
@@ -43,6 +48,10 @@ impl Workshop {
     /// The bundle's units.
     pub fn kit(&self) -> &Kit {
         &self.0.borrow_owner().kit
+    }
+
+    pub fn shared_bundle(&self) -> Arc<Bundle> {
+        Arc::clone(&self.0.borrow_owner().bundle)
     }
 
     /// Looks at the editor.
@@ -84,10 +93,6 @@ impl Ground {
 
     pub fn bundle(&self) -> &Bundle {
         &self.0.borrow_owner().bundle
-    }
-
-    pub fn shared_bundle(&self) -> Arc<Bundle> {
-        Arc::clone(&self.0.borrow_owner().bundle)
     }
 
     pub fn graph(&self) -> &WorldGraph<'_> {

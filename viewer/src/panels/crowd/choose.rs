@@ -132,6 +132,10 @@ pub fn drawn(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
         ui.checkbox(&mut l.cells, "cells").on_hover_text("Cell C, region R and the cells α(C) of the selected member");
         ui.checkbox(&mut l.forces, "forces").on_hover_text("Each force of the selected member, and its stop region");
         ui.checkbox(&mut l.marks, "marks").on_hover_text("Where something happened; they fade");
+        if let Some(bundle) = model.document.crowd_scene().and_then(|c| c.bundle()) {
+            let tip = format!("Blended from the examples of {}", bundle.path().display());
+            ui.checkbox(&mut l.bodies, "bodies").on_hover_text(tip);
+        }
     });
     if l != now {
         commands.push(look(model, |look| *look = l));

@@ -37,7 +37,11 @@ pub struct State {
 /// Shows the panel.
 pub fn show(ui: &mut Ui, model: &Model, state: &mut State, commands: &mut Vec<Command>) {
     match &model.document {
-        Document::Nothing | Document::CrowdScene(_) => no_bundle(ui, &model.document),
+        Document::Nothing => no_bundle(ui, &model.document),
+        Document::CrowdScene(c) => match c.bundle() {
+            Some(bundle) => bundle_view(ui, bundle, model, state, commands),
+            None => no_bundle(ui, &model.document),
+        },
         Document::Bundle(b) => bundle_view(ui, &b.bundle, model, state, commands),
         Document::World(w) => bundle_view(ui, w.bundle(), model, state, commands),
         Document::Walkers(w) => bundle_view(ui, w.bundle(), model, state, commands),

@@ -50,6 +50,7 @@ impl Drawing<'_> {
         for &state in &focused {
             self.paint_links(ui, painter, &graph, state);
         }
+        self.paint_names(ui, painter);
         self.paint_states(ui, painter, &graph);
         self.paint_character(ui, painter);
     }
@@ -68,12 +69,6 @@ impl Drawing<'_> {
         let visuals = ui.visuals();
         let rect = self.scale.lane(lane);
         painter.rect_filled(rect.expand2(Vec2::new(2.0, 0.0)), 2.0, visuals.faint_bg_color);
-        if self.scale.has_names() {
-            let seen = rect.intersect(self.scale.rect.shrink(2.0));
-            if seen.width() >= NAMED_FROM {
-                self.paint_name(ui, painter, lane.clip, pos2(seen.left(), rect.top()), seen.width());
-            }
-        }
         // Neighbours stay apart where there is room.
         let gap = (0.03 * self.scale.per_s()).min(1.0);
         for bar in self.layout.bars_within(lane, self.scale.range_s()) {
@@ -85,12 +80,26 @@ impl Drawing<'_> {
         }
     }
 
+    /// Names over the links, so that they can be read.
+    fn paint_names(&self, ui: &Ui, painter: &Painter) {
+        for lane in self.lanes().filter(|_| self.scale.has_names()) {
+            let rect = self.scale.lane(lane);
+            let seen = rect.intersect(self.scale.rect.shrink(2.0));
+            if seen.width() >= NAMED_FROM {
+                self.paint_name(ui, painter, lane.clip, pos2(seen.left(), rect.top()), seen.width());
+            }
+        }
+    }
+
     fn paint_name(&self, ui: &Ui, painter: &Painter, clip: usize, at: Pos2, width: f32) {
         let colour = ui.visuals().weak_text_color();
         let format = TextFormat::simple(FontId::proportional(11.0), colour);
         let mut job = LayoutJob::single_section(self.bundle.clip_name(clip).to_owned(), format);
         job.wrap = TextWrapping { max_width: width, max_rows: 1, break_anywhere: true, ..TextWrapping::default() };
-        painter.galley(at, painter.layout_job(job), colour);
+        let galley = painter.layout_job(job);
+        let back = Rect::from_min_size(at, galley.size()).expand2(Vec2::new(2.0, 0.0));
+        painter.rect_filled(back, 2.0, ui.visuals().extreme_bg_color.gamma_multiply(0.8));
+        painter.galley(at, galley, colour);
     }
 
     /// Segments that a state's actions play.

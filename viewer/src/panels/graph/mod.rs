@@ -120,7 +120,7 @@ fn show_header(ui: &mut Ui, bundle: &Bundle, state: &mut State) {
         if searched && let Some(found) = find(bundle, &drawn.layout, search) {
             view.show(&drawn.layout, *rect, found, AROUND_S);
         }
-        ui.separator();
+        ui.end_row();
         let dark = ui.visuals().dark_mode;
         let most = drawn.links.max_plays as f32;
         legend(ui, [0.0, most], "bars: played by", |t| viridis::line(t.sqrt(), dark));

@@ -10,6 +10,9 @@ const LABEL_DISTANCE: f32 = 72.0;
 /// Least distance of two ticks. [Unit: points]
 const TICK_DISTANCE: f32 = 7.0;
 
+/// Labels stand so far beside their ticks, clear of a play head there. [Unit: points]
+const BESIDE: f32 = 8.0;
+
 /// Paints a ruler in seconds; where frames are wide enough, they have ticks of their own.
 pub fn ruler(ui: &Ui, rect: Rect, axis: &Axis) {
     let visuals = ui.visuals();
@@ -28,7 +31,7 @@ pub fn ruler(ui: &Ui, rect: Rect, axis: &Axis) {
     }
     ticks(axis, step, |x, seconds| {
         painter.vline(x, base - 8.0..=base, Stroke::new(1.0, visuals.weak_text_color()));
-        let at = rect.left_top() + eframe::egui::vec2(x - rect.left() + 3.0, 1.0);
+        let at = rect.left_top() + eframe::egui::vec2(x - rect.left() + BESIDE, 1.0);
         painter.text(at, Align2::LEFT_TOP, label(seconds, step), FontId::proportional(11.0), visuals.weak_text_color());
     });
 }

@@ -7,7 +7,8 @@ use crate::model::Model;
 use crate::model::world::WorldCommand;
 use crate::panels::words;
 use crate::stage::world::{KINDS, colour_of};
-use eframe::egui::{Color32, DragValue, Grid, Ui};
+use eframe::egui::text::LayoutJob;
+use eframe::egui::{Align, Color32, DragValue, FontSelection, Grid, Label, RichText, Ui};
 use throng_runtime::world::inhabitants::{Doing, Wish};
 
 /// How long somebody does something, unless it is told otherwise. [Unit: s]
@@ -42,7 +43,8 @@ fn population(ui: &mut Ui, world: &WorldDocument, state: &mut State, commands: &
     let (run, scene) = (world.run(), world.scene());
     ui.horizontal_wrapped(|ui| {
         let mut n = state.characters.unwrap_or(run.num_characters());
-        let field = ui.add(DragValue::new(&mut n).range(1..=20_000).update_while_editing(false));
+        let field = DragValue::new(&mut n).range(1..=20_000).update_while_editing(false);
+        let field = ui.add_enabled(world.working().is_none(), field);
         field.clone().on_hover_text("As many as there is room for, each on units of its own; starts anew");
         state.characters = field.dragged().then_some(n);
         if !field.dragged() && n != run.num_characters() {
@@ -57,11 +59,19 @@ fn population(ui: &mut Ui, world: &WorldDocument, state: &mut State, commands: &
         ui.weak(format!("{waiting} wait · {done} wishes fulfilled")).on_hover_text(tip);
     });
     ui.horizontal_wrapped(|ui| {
-        ui.spacing_mut().item_spacing.x = 4.0;
+        ui.spacing_mut().item_spacing.x = 8.0;
         for (doing, name) in KINDS {
             let [r, g, b, _] = colour_of(doing).0;
-            ui.colored_label(Color32::from_rgb(r, g, b), "■");
-            ui.weak(name);
+            let mut text = LayoutJob::default();
+            RichText::new("■ ").color(Color32::from_rgb(r, g, b)).append_to(
+                &mut text,
+                ui.style(),
+                FontSelection::Default,
+                Align::Center,
+            );
+            RichText::new(name).weak().append_to(&mut text, ui.style(), FontSelection::Default, Align::Center);
+            // A name stays beside its colour.
+            ui.add(Label::new(text).extend());
         }
     });
 }
@@ -74,7 +84,7 @@ fn status(ui: &mut Ui, world: &WorldDocument, c: usize) {
     Grid::new("character").num_columns(2).spacing([14.0, 3.0]).show(ui, |ui| {
         let mut row = |name: &str, value: String| {
             ui.label(name);
-            ui.label(value);
+            ui.add(Label::new(value).wrap());
             ui.end_row();
         };
         row("is to", words::wish(mind.wish, tags));

@@ -6,7 +6,7 @@ use crate::document::WorldDocument;
 use crate::document::world::Change;
 use crate::model::Model;
 use crate::model::world::{Tool, WorldCommand};
-use eframe::egui::{ComboBox, DragValue, TextEdit, Ui};
+use eframe::egui::{Button, ComboBox, DragValue, TextEdit, Ui};
 use std::path::{Path, PathBuf};
 use throng_runtime::patch::Placement;
 
@@ -56,7 +56,8 @@ fn selected(ui: &mut Ui, model: &Model, world: &WorldDocument, commands: &mut Ve
         return;
     };
     let placed = &world.placed()[place];
-    let mut p = placed.placement;
+    let now = world.will_stand(place);
+    let mut p = now;
     ui.horizontal_wrapped(|ui| {
         ui.label(format!("{} {place}", world.unit(placed.unit).name));
         for (name, value) in [("x", &mut p.x), ("y", &mut p.y), ("z", &mut p.z)] {
@@ -69,7 +70,7 @@ fn selected(ui: &mut Ui, model: &Model, world: &WorldDocument, commands: &mut Ve
         if ui.add(field.suffix("°").fixed_decimals(0)).changed() {
             p.heading = degrees.to_radians();
         }
-        if p != placed.placement {
+        if p != now {
             commands.push(edit(Change::Move { place, to: p }));
         }
     });
@@ -80,7 +81,8 @@ fn selected(ui: &mut Ui, model: &Model, world: &WorldDocument, commands: &mut Ve
                 commands.push(edit(Change::Move { place, to }));
             }
         }
-        if ui.button("Remove").on_hover_text("Delete, while units are moved").clicked() {
+        let remove = ui.add_enabled(world.working().is_none(), Button::new("Remove"));
+        if remove.on_hover_text("Delete, while units are moved").clicked() {
             commands.push(edit(Change::Remove { place }));
         }
     });

@@ -5,7 +5,7 @@ use crate::document::WorldDocument;
 use crate::model::Model;
 use crate::model::world::WorldCommand;
 use crate::stage::world::{DISABLED, ENABLED};
-use eframe::egui::{Color32, ComboBox, Grid, Ui};
+use eframe::egui::{Color32, ComboBox, Grid, Label, Ui};
 use throng_precompute::stitch::{Item, Reason};
 use throng_runtime::patch::CellRecord;
 
@@ -86,7 +86,7 @@ pub fn show(
     Grid::new("facts").num_columns(2).spacing([14.0, 3.0]).show(ui, |ui| {
         let mut row = |name: &str, value: String| {
             ui.label(name);
-            ui.label(value);
+            ui.add(Label::new(value).wrap());
             ui.end_row();
         };
         let units: Vec<String> = world.graph().resources(instance).iter().map(|&u| unit(world, u)).collect();

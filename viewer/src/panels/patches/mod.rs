@@ -8,7 +8,7 @@ mod links;
 use crate::command::Command;
 use crate::model::Model;
 use crate::model::world::{Tool, WorldCommand};
-use eframe::egui::Ui;
+use eframe::egui::{Button, Ui};
 use facts::Facts;
 use throng_precompute::stitch::Item;
 
@@ -47,7 +47,9 @@ pub fn show(ui: &mut Ui, model: &Model, state: &mut State, commands: &mut Vec<Co
         Some(instance) => {
             let key = (model.generation, world.revision(), instance);
             if state.facts.as_ref().is_none_or(|f| f.0 != key) {
-                state.facts = Some((key, Facts::of(world, instance)));
+                // What is being stitched again cannot be asked.
+                let is_known = world.working().is_none();
+                state.facts = is_known.then(|| (key, Facts::of(world, instance)));
             }
             if let Some((_, facts)) = &state.facts {
                 facts::show(ui, model, world, (instance, facts), commands);
@@ -75,6 +77,8 @@ fn tools(ui: &mut Ui, model: &Model, state: &State, commands: &mut Vec<Command>)
                 commands.push(Command::World(WorldCommand::Tool(tool)));
             }
         }
+        ui.separator();
+        history(ui, model, commands);
     });
     let hint = match now {
         Tool::Look => "Click a character or a unit.",
@@ -86,6 +90,40 @@ fn tools(ui: &mut Ui, model: &Model, state: &State, commands: &mut Vec<Command>)
         Tool::Create(_) => "Click where the unit is to stand; Q, E turn it.",
     };
     ui.weak(hint);
+    outcome(ui, model, commands);
+}
+
+/// Buttons that take changes back and make them again.
+fn history(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
+    let Some(world) = model.document.world() else { return };
+    for (text, change, tip, key, command) in [
+        ("Undo", world.to_undo(), "Take back", "Ctrl+Z", WorldCommand::Undo),
+        ("Redo", world.to_redo(), "Make again", "Ctrl+Shift+Z or Ctrl+Y", WorldCommand::Redo),
+    ] {
+        let button = ui.add_enabled(change.is_some(), Button::new(text));
+        let tip = format!("{tip}: {} ({key})", change.unwrap_or("nothing"));
+        if button.on_hover_text(&tip).on_disabled_hover_text(&tip).clicked() {
+            commands.push(Command::World(command));
+        }
+    }
+}
+
+/// What becomes of the last edit.
+fn outcome(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
+    let Some(world) = model.document.world() else { return };
+    if let Some(working) = world.working() {
+        ui.horizontal(|ui| {
+            ui.spinner();
+            ui.label(format!("{} …", working.doing));
+        });
+    } else if let Some(refused) = world.refused() {
+        ui.horizontal_wrapped(|ui| {
+            ui.colored_label(ui.visuals().error_fg_color, format!("The world stays as it was: {}", refused.why));
+            if ui.small_button("✖").on_hover_text("Take this message away (Escape)").clicked() {
+                commands.push(Command::World(WorldCommand::ForgetRefused));
+            }
+        });
+    }
 }
 
 /// Why the selected link is taken out.
@@ -96,6 +134,9 @@ fn why(ui: &mut Ui, model: &Model, state: &mut State, instance: u32) {
     }
     let key = (model.generation, world.revision(), instance, link);
     if state.why.as_ref().is_none_or(|w| w.0 != key) {
+        if world.working().is_some() {
+            return;
+        }
         state.why = Some((key, world.why(instance, Item::Link(link)).map(|w| w.message)));
     }
     ui.add_space(4.0);

@@ -19,7 +19,11 @@ pub struct State {
 /// Shows the panel.
 pub fn show(ui: &mut Ui, model: &Model, state: &mut State, commands: &mut Vec<Command>) {
     match &model.document {
-        Document::Nothing | Document::CrowdScene(_) => no_bundle(ui, &model.document),
+        Document::Nothing => no_bundle(ui, &model.document),
+        Document::CrowdScene(c) => match c.bundle() {
+            Some(bundle) => bundle::show(ui, bundle, model.generation, &mut state.sources),
+            None => no_bundle(ui, &model.document),
+        },
         Document::Bundle(b) => bundle::show(ui, &b.bundle, model.generation, &mut state.sources),
         Document::World(w) => bundle::show(ui, w.bundle(), model.generation, &mut state.sources),
         Document::Walkers(w) => bundle::show(ui, w.bundle(), model.generation, &mut state.sources),

@@ -45,6 +45,7 @@ pub fn drag(
         return false;
     };
     if response.drag_started_by(PointerButton::Primary)
+        && world.working().is_none()
         && !ui.input(|i| i.modifiers.shift)
         && let Some(at) = ui.input(|i| i.pointer.press_origin())
         && let Some((Some(place), met)) = world.pick(&ray(at))
@@ -105,11 +106,12 @@ pub fn keys(ui: &Ui, model: &Model, is_dragging: bool, commands: &mut Vec<Comman
     let Some(place) = model.selection.world.place.filter(|&p| p < world.placed().len()) else { return };
     let angle = turned(ui);
     if angle != 0.0 {
-        let at = world.placed()[place].placement;
+        let at = world.will_stand(place);
         let to = Placement { heading: at.heading + angle, ..at }.wrapped();
         commands.push(Command::World(WorldCommand::Edit(Change::Move { place, to })));
     }
-    if !ui.ctx().text_edit_focused() && ui.input(|i| i.key_pressed(Key::Delete)) {
+    let is_asked = || !ui.ctx().text_edit_focused() && ui.input(|i| i.key_pressed(Key::Delete));
+    if world.working().is_none() && is_asked() {
         commands.push(Command::World(WorldCommand::Edit(Change::Remove { place })));
     }
 }

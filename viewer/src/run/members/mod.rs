@@ -2,24 +2,29 @@
 //!
 //! What was seen is recorded, not the state of the engine: what was seen can be looked at again, and goes on where it ends.
 
+mod bodies;
 mod happened;
 mod moment;
 mod rates;
 mod sim;
 
+pub use bodies::SeenBodies;
 pub use happened::{EventLog, Happened, What, With};
 pub use moment::{Cast, CrowdMoment, Details, FORCE_TERMS, Figures, SeenMember};
 pub use rates::{Rates, WINDOW_S};
 
 use super::STEP_HZ;
 use super::reel::Reel;
-use glam::Vec3;
+use crate::document::Bundle;
+use glam::{Vec2, Vec3};
 use sim::{In, Sim};
 use std::fmt;
+use std::sync::Arc;
 use std::time::Instant;
 use throng_precompute::BuildError;
 use throng_precompute::scene::crowd::{CrowdScene, CrowdSpace};
 use throng_runtime::crowd::Event;
+use throng_runtime::{Contacts, Mat3x4, NUM_JOINTS, Planar};
 
 /// Steps between two points of a trail.
 const TRAIL_EVERY: u32 = 6;
@@ -58,25 +63,26 @@ impl fmt::Debug for CrowdRun {
 }
 
 impl CrowdRun {
-    /// Everybody where they start, or as they were kept.
+    /// Everybody where they start, or as they were kept; bodies begin anew there.
     ///
     /// - `kept`: what [`CrowdRun::snapshot`] gave for the same scene.
+    /// - `bundle`: that of the bodies; everybody is a disc or a ball without one.
     ///
     /// # Errors
-    /// [`BuildError`] for an impossible start, a goal without a way, or bytes that were kept of another scene.
-    pub fn new(scene: &CrowdScene, kept: Option<&[u8]>) -> Result<Self, BuildError> {
+    /// [`BuildError`] for an impossible start, a goal without a way, bytes that were kept of another scene, or a blend
+    /// space that the bundle does not have.
+    pub fn new(scene: &CrowdScene, kept: Option<&[u8]>, bundle: Option<Arc<Bundle>>) -> Result<Self, BuildError> {
         let mut sim: Box<dyn Sim> = match scene.space {
-            CrowdSpace::Ground => Box::new(In::<glam::Vec2>::new(scene)?),
-            CrowdSpace::Air => Box::new(In::<Vec3>::new(scene)?),
+            CrowdSpace::Ground => Box::new(In::<Vec2>::new(scene, kept)?.with_bodies(scene, bundle)?),
+            CrowdSpace::Air => Box::new(In::<Vec3>::new(scene, kept)?),
         };
-        if let Some(bytes) = kept {
-            sim.restore(bytes)?;
-        }
         let (cast, start_s) = (sim.cast(scene), sim.now());
-        let (first, n) = (sim.see(None, true), cast.groups.len());
+        let (first, n) = (sim.see(None, true, 0.0)?, cast.groups.len());
         let mut log = EventLog::default();
         log.mark(start_s, first.figures.present);
-        let reel = Reel::new(n * size_of::<Option<SeenMember>>(), first);
+        let body = NUM_JOINTS * size_of::<Mat3x4>() + size_of::<(u32, Planar, Contacts)>();
+        let each = size_of::<Option<SeenMember>>() + if first.bodies.is_some() { body } else { 0 };
+        let reel = Reel::new(n * each, first);
         let spent_s = [0.0, GUESSED_S * n as f64];
         Ok(Self { sim, cast, reel, log, watched: None, start_s, steps: 0, time_s: start_s, wanted: 0, spent_s })
     }
@@ -183,7 +189,7 @@ impl CrowdRun {
         self.steps += 1;
         self.spent_s = [0.0, self.spent_s[0]];
         // Overlaps and progress are measured as often as the benches do.
-        let moment = self.sim.see(self.watched, self.steps.is_multiple_of(2));
+        let moment = self.sim.see(self.watched, self.steps.is_multiple_of(2), 1.0 / STEP_HZ)?;
         self.log.mark(end_s, moment.figures.present);
         self.reel.push(moment);
         Ok(true)

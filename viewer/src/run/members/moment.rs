@@ -1,7 +1,9 @@
 //! What is seen of a crowd: everybody at a step, and more of the one that is looked at.
 
+use super::bodies::SeenBodies;
 use glam::Vec3;
 use throng_precompute::scene::crowd::SeenObstacle;
+use throng_runtime::Skeleton;
 
 /// Terms of the force field, with the equation of Kim, Kim and Shin 2003 that says what they are.
 pub const FORCE_TERMS: [(&str, &str); 6] = [
@@ -83,6 +85,8 @@ pub struct CrowdMoment {
     pub figures: Figures,
     /// More of the one that was looked at then.
     pub details: Option<Details>,
+    /// Bodies of those who are there; none where members are discs or balls.
+    pub bodies: Option<SeenBodies>,
 }
 
 /// What does not change while a scene runs.
@@ -98,6 +102,8 @@ pub struct Cast {
     pub radii: Vec<f32>,
     /// Of each member: its desired speed at the start. [Unit: m/s]
     pub speeds: Vec<f32>,
+    /// Skeletons of bodies, which members take in turn; empty where members are discs or balls.
+    pub skeletons: Vec<Skeleton>,
     /// What stands or moves in the way.
     pub obstacles: Vec<SeenObstacle>,
     /// A box around starts and goals. [Unit: m]

@@ -1,7 +1,10 @@
 //! The engine behind a run, in two or three dimensions.
 
+use super::bodies::{Follow, OnGround};
 use super::moment::{Cast, CrowdMoment, Details, Figures, SeenMember};
-use glam::Vec3;
+use crate::document::Bundle;
+use glam::{Vec2, Vec3};
+use std::sync::Arc;
 use throng_precompute::BuildError;
 use throng_precompute::scene::crowd::{
     CrowdScene, Engine, GroupConfig, Live, OverlapMeter, ProgressMeter, Sight, in_world, seen_obstacle,
@@ -14,8 +17,9 @@ pub(super) trait Sim: Send {
     fn advance(&mut self, until_s: f64, tell: &mut dyn FnMut(&Event)) -> Result<(), BuildError>;
     /// The present. [Unit: s]
     fn now(&self) -> f64;
-    /// Everybody now; `measures` looks for overlaps and progress, too.
-    fn see(&mut self, watched: Option<usize>, measures: bool) -> CrowdMoment;
+    /// Everybody now; `measures` looks for overlaps and progress, too. Bodies move on by `dt_s`, the time since this was
+    /// called last.
+    fn see(&mut self, watched: Option<usize>, measures: bool, dt_s: f32) -> Result<CrowdMoment, BuildError>;
     /// More of a member; none where it has left.
     fn details(&self, member: usize) -> Option<Details>;
     /// Where a member was at a time near the present. [Unit: m]
@@ -25,7 +29,6 @@ pub(super) trait Sim: Send {
     /// What does not change.
     fn cast(&self, scene: &CrowdScene) -> Cast;
     fn snapshot(&self) -> Vec<u8>;
-    fn restore(&mut self, bytes: &[u8]) -> Result<(), BuildError>;
     fn state_hash(&self) -> u64;
 }
 
@@ -36,12 +39,18 @@ pub(super) struct In<V> {
     progress: ProgressMeter<V>,
     places: Vec<(V, f32)>,
     figures: Figures,
+    bodies: Option<Box<dyn Follow<V>>>,
 }
 
 impl<V: Space> In<V> {
-    pub fn new(scene: &CrowdScene) -> Result<Self, BuildError> {
-        let (overlaps, progress) = (OverlapMeter::default(), ProgressMeter::default());
-        Ok(Self { live: Live::new(scene)?, overlaps, progress, places: Vec::new(), figures: Figures::default() })
+    /// Everybody where they start, or as they were kept.
+    pub fn new(scene: &CrowdScene, kept: Option<&[u8]>) -> Result<Self, BuildError> {
+        let mut live = Live::new(scene)?;
+        if let Some(bytes) = kept {
+            live.restore(bytes)?;
+        }
+        let (overlaps, progress, figures) = Default::default();
+        Ok(Self { live, overlaps, progress, places: Vec::new(), figures, bodies: None })
     }
 
     fn all(&self) -> std::ops::Range<usize> {
@@ -87,6 +96,16 @@ impl<V: Space> In<V> {
     }
 }
 
+impl In<Vec2> {
+    /// Gives everybody the body that the scene names, from a bundle.
+    pub fn with_bodies(mut self, scene: &CrowdScene, bundle: Option<Arc<Bundle>>) -> Result<Self, BuildError> {
+        if let (Some(config), Some(bundle)) = (&scene.bodies, bundle) {
+            self.bodies = Some(Box::new(OnGround::new(scene, config, bundle, &self.live)?));
+        }
+        Ok(self)
+    }
+}
+
 impl<V: Space> Sim for In<V> {
     fn advance(&mut self, until_s: f64, tell: &mut dyn FnMut(&Event)) -> Result<(), BuildError> {
         self.live.advance_telling(until_s, &mut |e: &Event| tell(e))
@@ -96,17 +115,21 @@ impl<V: Space> Sim for In<V> {
         self.live.crowd().now()
     }
 
-    fn see(&mut self, watched: Option<usize>, measures: bool) -> CrowdMoment {
+    fn see(&mut self, watched: Option<usize>, measures: bool, dt_s: f32) -> Result<CrowdMoment, BuildError> {
         let time_s = self.now();
         if measures {
             self.measure(time_s);
         }
-        CrowdMoment {
+        if let Some(bodies) = &mut self.bodies {
+            bodies.step(&self.live, time_s, dt_s)?;
+        }
+        Ok(CrowdMoment {
             time_s,
             members: self.all().map(|m| self.seen(m, time_s)).collect(),
             figures: self.figures,
             details: watched.and_then(|m| self.details(m)),
-        }
+            bodies: self.bodies.as_ref().map(|b| b.see(&self.live, time_s)),
+        })
     }
 
     fn details(&self, m: usize) -> Option<Details> {
@@ -154,6 +177,7 @@ impl<V: Space> Sim for In<V> {
             names: scene.groups.iter().enumerate().map(name).collect(),
             groups: layout.groups.clone(),
             radii: layout.setup.members.iter().map(|m| m.radius).collect(),
+            skeletons: self.bodies.as_ref().map_or(Vec::new(), |b| b.skeletons()),
             speeds: layout.setup.members.iter().map(|m| m.speed).collect(),
             obstacles: layout.setup.obstacles.iter().filter_map(seen_obstacle).collect(),
             extents,
@@ -163,10 +187,6 @@ impl<V: Space> Sim for In<V> {
 
     fn snapshot(&self) -> Vec<u8> {
         self.live.snapshot()
-    }
-
-    fn restore(&mut self, bytes: &[u8]) -> Result<(), BuildError> {
-        self.live.restore(bytes)
     }
 
     fn state_hash(&self) -> u64 {

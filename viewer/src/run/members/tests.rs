@@ -1,9 +1,10 @@
 use super::*;
 use crate::panels::tests::meeting::Meeting;
+use crate::panels::tests::paces::Paces;
 use std::path::Path;
 
 fn run(path: &Path) -> CrowdRun {
-    CrowdRun::new(&CrowdScene::load(path).unwrap(), None).unwrap()
+    CrowdRun::new(&CrowdScene::load(path).unwrap(), None, None).unwrap()
 }
 
 fn steps(run: &mut CrowdRun, steps: u32) {
@@ -31,6 +32,45 @@ fn a_step_that_is_cut_into_pieces_ends_as_a_whole_one() {
     assert!(cut.moment() == whole.moment());
     let all = [true; What::COUNT];
     assert!(cut.log().last(&all, 9.0, 500) == whole.log().last(&all, 9.0, 500));
+}
+
+#[test]
+fn bodies_go_with_their_members_and_leave_with_them() {
+    let paces = Paces::new();
+    let scene = CrowdScene::load(&paces.crowd(6)).unwrap();
+    let bundle = Arc::new(Bundle::open(&paces.bundle()).unwrap());
+    let of = |kept: Option<&[u8]>| CrowdRun::new(&scene, kept, Some(Arc::clone(&bundle))).unwrap();
+    let mut run = of(None);
+    let farthest = |run: &CrowdRun| {
+        let (moment, bodies) = (run.moment(), run.moment().bodies.as_ref().unwrap());
+        let off = |(i, &m): (usize, &u32)| {
+            let hips = bodies.poses[i * NUM_JOINTS].translation();
+            let hips = bodies.roots[i].transform_point(Vec2::new(hips.x, hips.z));
+            moment.members[m as usize].unwrap().at.distance(Vec3::new(hips.x, 0.0, hips.y))
+        };
+        bodies.members.iter().enumerate().map(off).fold(0.0, f32::max)
+    };
+    let there = |run: &CrowdRun| run.moment().members.iter().flatten().count();
+    assert_eq!((run.cast().skeletons.is_empty(), there(&run)), (false, 12));
+    let mut off: f32 = 0.0;
+    for _ in 0..40 {
+        steps(&mut run, 9);
+        let bodies = run.moment().bodies.as_ref().unwrap();
+        assert_eq!((bodies.members.len(), bodies.poses.len()), (there(&run), there(&run) * NUM_JOINTS));
+        off = off.max(farthest(&run));
+    }
+    assert!(off < 0.35, "{off} m from the disc");
+    assert!((6..12).contains(&there(&run)), "{} are there", there(&run));
+    // They are kept with what was seen, and begin anew where a state goes on.
+    let (seen, kept) = (run.moment().clone(), run.snapshot());
+    run.reel.head.seek(60);
+    assert!(run.moment().bodies != seen.bodies);
+    run.reel.head.seek(u32::MAX);
+    assert!(*run.moment() == seen);
+    let again = of(Some(&kept));
+    assert!(there(&again) == there(&run) && farthest(&again) < 0.35, "{}", farthest(&again));
+    let discs = CrowdRun::new(&scene, None, None).unwrap();
+    assert!(discs.moment().bodies.is_none() && discs.cast().skeletons.is_empty());
 }
 
 #[test]

@@ -1,9 +1,11 @@
 //! A scene of a crowd: discs on the ground or balls in the air, what stands in their way, and what happens.
 
+mod bodies;
 mod marks;
 mod obstacles;
 mod selected;
 
+pub use bodies::of_body;
 pub use marks::colour_of as colour_of_event;
 pub use obstacles::meshes;
 pub use selected::{TAKEN, colour_of_force};
@@ -27,6 +29,8 @@ const TRAIL_Y: f32 = 0.006;
 const DISC_Y: f32 = 0.01;
 const EDGE_Y: f32 = 0.013;
 const BOUND_Y: f32 = 0.018;
+/// How much of a disc is seen below a body.
+const BELOW_BODIES: f32 = 0.35;
 /// Height of the view that widths of lines on the ground are reckoned for. [Unit: pixels]
 const VIEW_HEIGHT: f32 = 700.0;
 /// Slower ones show no heading. [Unit: m/s]
@@ -84,9 +88,15 @@ pub(super) fn lay_out(out: &mut Layout, model: &Model, crowd: &CrowdDocument, pa
         let points: Vec<Vec3> = run.trail(m, TRAIL_S).map(|p| p + lift).collect();
         trail(out, &points, if selected == Some(m) { palette.selected } else { palette.middle.alpha(0.5) });
     }
+    let bodies = moment.bodies.as_ref().filter(|_| look.bodies);
+    if let Some(bodies) = bodies {
+        let colour = |m: usize| moment.members[m].map_or(palette.plain, |seen| colour(model, &brush, m, &seen));
+        bodies::lay_out(out, model, (crowd, bodies), &brush, colour);
+    }
     for (m, seen) in moment.members.iter().enumerate() {
         let Some(seen) = seen else { continue };
         let colour = colour(model, &brush, m, seen);
+        let colour = if bodies.is_some() { colour.alpha(BELOW_BODIES) } else { colour };
         member(&mut out.shapes, &brush, (m, seen), colour, selected == Some(m));
         if look.bounds == Whose::All && selected != Some(m) {
             brush.round(&mut out.shapes, seen.bound, seen.bound_radius, (1.2, palette.middle.alpha(0.4)));

@@ -2,6 +2,7 @@ use super::*;
 use crate::command::Command;
 use crate::model::crowd::{CrowdCommand, CrowdLook};
 use crate::panels::tests::meeting::Meeting;
+use crate::panels::tests::paces::Paces;
 use crate::settings::Settings;
 use eframe::egui;
 use std::path::Path;
@@ -51,6 +52,31 @@ fn everybody_is_drawn_and_more_of_those_who_are_looked_at() {
         model.apply(&ctx, Command::Crowd(CrowdCommand::Look(fewer)));
         assert!(len(&model) < selected - 10);
     }
+}
+
+#[test]
+fn bodies_are_drawn_over_discs_and_can_be_selected() {
+    let paces = Paces::new();
+    let mut model = open(&paces.crowd(4));
+    advance(&mut model, 30);
+    let mut layout = Layout::default();
+    layout.lay_out(&model, true);
+    assert_eq!(layout.instances.len(), 8);
+    assert_eq!(layout.poses(&model).len(), 8 * throng_runtime::NUM_JOINTS);
+    let crowd = model.document.crowd_scene().unwrap();
+    for (i, instance) in layout.instances.iter().enumerate() {
+        let at = crowd.run().moment().members[of_body(crowd, i).unwrap()].unwrap().at;
+        assert!(instance.root.translation().distance(at) < 0.3, "{i}");
+    }
+    let ctx = egui::Context::default();
+    let discs = CrowdLook { bodies: false, ..CrowdLook::default() };
+    model.apply(&ctx, Command::Crowd(CrowdCommand::Look(discs)));
+    layout.lay_out(&model, true);
+    assert!(layout.instances.is_empty() && layout.poses(&model).is_empty());
+    // The clips that bodies are made of can be looked at.
+    model.apply(&ctx, Command::ShowClip { clip: 0, frame: 3 });
+    layout.lay_out(&model, true);
+    assert!(model.shows_clip() && !layout.instances.is_empty());
 }
 
 #[test]

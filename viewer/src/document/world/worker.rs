@@ -1,0 +1,108 @@
+//! Carries out edits on a thread of its own, so that the window goes on drawing.
+
+use super::orders::{Change, Order};
+use super::settle::settle;
+use super::views::{Ground, Workshop};
+use crate::run::WorldRun;
+use glam::Vec3;
+use std::sync::mpsc::{Receiver, channel};
+use std::time::Instant;
+use throng_precompute::environment::{Environment, PlacedGeometry};
+use throng_precompute::scene::world::WorldScene;
+use throng_precompute::stitch::{Editor, StitchReport};
+
+/// What a worker is given.
+pub(super) struct Job {
+    pub workshop: Workshop,
+    pub order: Order,
+    /// Who lives there.
+    pub scene: WorldScene,
+    /// Where they are. [Unit: m]
+    pub places: Vec<Vec3>,
+}
+
+/// What it gives back.
+pub(super) struct Done {
+    pub workshop: Workshop,
+    /// The new world; where there is none, a message that says why, and the world is as it was.
+    pub stitched: Result<Stitched, String>,
+}
+
+/// A world that was stitched, with who lives in it.
+pub(super) struct Stitched {
+    pub ground: Ground,
+    pub environment: Environment,
+    pub geometry: PlacedGeometry,
+    pub report: StitchReport,
+    /// Everybody at the nearest place to stay.
+    pub run: WorldRun,
+    /// Number that each of them had before.
+    pub before: Vec<usize>,
+    /// Time of stitching. [Unit: s]
+    pub stitch_s: f64,
+    /// Time of all of it. [Unit: s]
+    pub total_s: f64,
+}
+
+/// Begins a job; what it sends ends it.
+pub(super) fn begin(job: Job) -> Receiver<Done> {
+    let (send, receive) = channel();
+    std::thread::spawn(move || {
+        // Nobody listens where another file was opened meanwhile.
+        let _ = send.send(job.carry_out());
+    });
+    receive
+}
+
+impl Job {
+    fn carry_out(mut self) -> Done {
+        let begin = Instant::now();
+        let stitched = self.change(self.order).and_then(|()| {
+            let stitch_s = begin.elapsed().as_secs_f64();
+            match self.settled() {
+                Ok(stitched) => Ok(Stitched { stitch_s, total_s: begin.elapsed().as_secs_f64(), ..stitched }),
+                Err(why) => self.go_back().and(Err(why)),
+            }
+        });
+        Done { workshop: self.workshop, stitched }
+    }
+
+    fn change(&mut self, order: Order) -> Result<(), String> {
+        let made = self.workshop.change(|editor| match order {
+            Order::Change(Change::Add { unit, at }) => editor.add(unit, at).map(|_| true),
+            Order::Change(Change::Remove { place }) => editor.remove(place).map(|()| true),
+            Order::Change(Change::Move { place, to }) => editor.drag(place, to).map(|()| true),
+            Order::Undo => editor.undo(),
+            Order::Redo => editor.redo(),
+        });
+        match made {
+            Ok(true) => Ok(()),
+            Ok(false) => Err("there is no such change any more".into()),
+            Err(e) => Err(e.to_string()),
+        }
+    }
+
+    /// The world that the editor had before.
+    fn go_back(&mut self) -> Result<(), String> {
+        let order = self.order;
+        let back = |editor: &mut Editor<'_>| match order {
+            Order::Change(_) => editor.withdraw(),
+            Order::Undo => editor.redo(),
+            Order::Redo => editor.undo(),
+        };
+        self.workshop.change(back).map(|_| ()).map_err(|e| e.to_string())
+    }
+
+    /// What can be walked over the new world, and everybody at the nearest place to stay.
+    fn settled(&self) -> Result<Stitched, String> {
+        let look = |e: &Editor<'_>| (e.world().clone(), e.environment().clone(), e.report().clone());
+        let (world, environment, report) = self.workshop.with(look);
+        let ground = Ground::new(self.workshop.shared_bundle(), world)?;
+        let (bundle, graph) = (ground.bundle(), ground.graph());
+        let (before, starts): (Vec<_>, Vec<_>) = settle(graph, &self.places).into_iter().unzip();
+        let life = self.scene.live_at(bundle.tables(), bundle.repertoire(), graph, &starts);
+        let run = WorldRun::new(life.map_err(|e| e.to_string())?, bundle, graph).map_err(|e| e.to_string())?;
+        let geometry = PlacedGeometry::new(&environment, &self.workshop.kit().geometries);
+        Ok(Stitched { ground, environment, geometry, report, run, before, stitch_s: 0.0, total_s: 0.0 })
+    }
+}
