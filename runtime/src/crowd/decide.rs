@@ -5,6 +5,7 @@ use super::cells::Cells;
 use super::filter::Filter;
 use super::flow::Flow;
 use super::plan::Plan;
+use super::retreat::{PATIENT_S, SLOWLY, retreat};
 use super::safety::{Candidate, Lack, Other, lack, lack_of_solid, lever};
 use super::sight::Seen;
 use super::spline::Cursor;
@@ -53,6 +54,8 @@ pub(crate) struct Mind<V> {
     pub least_left: f32,
     /// When it got on last. [Unit: s]
     pub got_on: f64,
+    /// Unit vector along which it wants to go, as others see it; zero for one who is there.
+    pub intent: V,
     pub is_there: bool,
     pub is_stuck: bool,
     /// A moving obstacle is in its place.
@@ -125,7 +128,9 @@ impl<V: Space> Decider<'_, V> {
         let (position, velocity) = old.at(self.time);
         let mut mind = self.minds[member as usize];
         self.update(&mut mind, old, position, velocity);
-        let walker = self.walker(&mind, old, position, velocity);
+        let mut walker = self.walker(&mind, old, position, velocity);
+        mind.intent = if mind.is_there { V::default() } else { walker.desired };
+        self.give_way(&mind, &mut walker);
         let at = self.cells.coordinates(position);
         mind.cell = self.cells.number(at);
         self.look_around(member, at, &walker, &mind, scratch);
@@ -185,7 +190,8 @@ impl<V: Space> Decider<'_, V> {
         let (position, velocity) = plan.at(self.time);
         let mut mind = self.minds[member as usize];
         self.update(&mut mind, plan, position, velocity);
-        let walker = self.walker(&mind, plan, position, velocity);
+        let mut walker = self.walker(&mind, plan, position, velocity);
+        self.give_way(&mind, &mut walker);
         let at = self.cells.coordinates(position);
         self.look_around(member, at, &walker, &mind, scratch);
         let near = self.world.near(self.cells.number(at));
@@ -223,6 +229,8 @@ impl<V: Space> Decider<'_, V> {
             // Comes to rest at the goal.
             let to_goal = if distance < field.look_ahead_m { (spline.goal() - position).length() } else { distance };
             speed = speed.min(to_goal / (2.0 * field.relaxation_s));
+            // Who is there gives way to those who press past it.
+            speed *= (to_goal / spline.arrival_radius()).min(1.0);
         }
         let centre = plan.position + plan.velocity * (self.time - plan.start) as f32;
         Walker {
@@ -232,7 +240,19 @@ impl<V: Space> Decider<'_, V> {
             limit: plan.limit,
             desired,
             speed,
+            left: spline.left(mind.cursor, position),
+            retreats: false,
             off_centre: position - centre,
+        }
+    }
+
+    /// Makes a member step back that does not get on, and has to before others can.
+    fn give_way(&self, mind: &Mind<V>, walker: &mut Walker<V>) {
+        if self.time - mind.got_on < PATIENT_S || mind.is_there {
+            return;
+        }
+        if let Some(way) = retreat(self.flow, walker.position, walker.desired) {
+            *walker = Walker { desired: way, speed: SLOWLY * mind.speed, retreats: true, ..*walker };
         }
     }
 

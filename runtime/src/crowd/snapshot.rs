@@ -10,7 +10,7 @@ use super::{Counts, Crowd, CrowdError, NONE, Route, Space};
 use serde::{Deserialize, Serialize};
 
 /// First field of a snapshot; grows by one with every change of what follows.
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
 
 /// All that time changes.
 #[derive(Serialize, Deserialize)]
