@@ -7,6 +7,7 @@ use super::flow::Flow;
 use super::near::{Look, Rows};
 use super::plan::Plan;
 use super::reach::Reach;
+use super::retreat::{PATIENT_S, SLOWLY, retreat};
 use super::safety::{Candidate, Lack, Other, lack, lack_of_solid, lever};
 use super::sight::Seen;
 use super::spline::Cursor;
@@ -57,6 +58,8 @@ pub(crate) struct Mind<V> {
     pub least_left: f32,
     /// When it got on last. [Unit: s]
     pub got_on: f64,
+    /// Unit vector along which it wants to go, as others see it; zero for one who is there.
+    pub intent: V,
     pub is_there: bool,
     pub is_stuck: bool,
     /// A moving obstacle is in its place.
@@ -119,16 +122,18 @@ impl<V: Space> Decider<'_, V> {
         let (position, velocity) = old.at(self.time);
         let mut mind = self.minds[member as usize];
         self.update(&mut mind, &old, position, velocity);
-        let walker = self.walker(&mind, &old, position, velocity);
+        let mut walker = self.walker(&mind, &old, position, velocity);
+        mind.intent = if mind.is_there { V::default() } else { walker.desired };
+        self.give_way(&mind, &mut walker);
         let at = self.cells.coordinates(position);
         mind.cell = self.cells.number(at);
         self.look_around(member, at, &walker, &mind, scratch);
         let near = self.world.near(mind.cell);
         let f = self.feel(&walker, &mind, near, scratch);
         let fresh = Plan { start: self.time, position, velocity, moving: f32::INFINITY, ..old };
-        let slows = walker.speed < mind.speed && velocity.length_squared() > SLOW * SLOW;
-        let relaxation = self.world.fields[mind.field as usize].relaxation_s;
-        let longest = if slows { 2.0 * relaxation } else { f32::INFINITY };
+        let soon = 2.0 * self.world.fields[mind.field as usize].relaxation_s;
+        let slows = walker.left < soon * mind.speed && velocity.length_squared() > SLOW * SLOW;
+        let longest = if slows { soon } else { f32::INFINITY };
         Wish { mind, fresh, acceleration: total(&f).at_most(old.limit), at, longest }
     }
 
@@ -183,7 +188,8 @@ impl<V: Space> Decider<'_, V> {
         let (position, velocity) = plan.at(self.time);
         let mut mind = self.minds[member as usize];
         self.update(&mut mind, &plan, position, velocity);
-        let walker = self.walker(&mind, &plan, position, velocity);
+        let mut walker = self.walker(&mind, &plan, position, velocity);
+        self.give_way(&mind, &mut walker);
         let at = self.cells.coordinates(position);
         self.look_around(member, at, &walker, &mind, scratch);
         let near = self.world.near(self.cells.number(at));
@@ -221,6 +227,8 @@ impl<V: Space> Decider<'_, V> {
             // Comes to rest at the goal.
             let to_goal = if distance < field.look_ahead_m { (spline.goal() - position).length() } else { distance };
             speed = speed.min(to_goal / (2.0 * field.relaxation_s));
+            // Who is there gives way to those who press past it.
+            speed *= (to_goal / spline.arrival_radius()).min(1.0);
         }
         let centre = plan.position + plan.velocity * (self.time - plan.start) as f32;
         Walker {
@@ -230,7 +238,19 @@ impl<V: Space> Decider<'_, V> {
             limit: plan.limit,
             desired,
             speed,
+            left: spline.left(mind.cursor, position),
+            retreats: false,
             off_centre: position - centre,
+        }
+    }
+
+    /// Makes a member step back that does not get on, and has to before others can.
+    fn give_way(&self, mind: &Mind<V>, walker: &mut Walker<V>) {
+        if self.time - mind.got_on < PATIENT_S || mind.is_there {
+            return;
+        }
+        if let Some(way) = retreat(self.flow, walker.position, walker.desired) {
+            *walker = Walker { desired: way, speed: SLOWLY * mind.speed, retreats: true, ..*walker };
         }
     }
 

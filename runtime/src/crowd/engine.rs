@@ -162,6 +162,9 @@ impl<V: Space> Crowd<V> {
             cause: Cause::Region,
             least_left: spline.left(cursor, member.position),
             got_on: self.now,
+            intent: (spline.ahead(cursor, self.world.fields[member.field].look_ahead_m) - member.position)
+                .unit_and_length()
+                .0,
             is_there: false,
             is_stuck: false,
             is_struck: false,
@@ -316,7 +319,7 @@ impl<V: Space> Crowd<V> {
                 if mind.cell != NONE {
                     let plan = self.cells.plan(index);
                     let (position, velocity) = plan.at(now.max(plan.start));
-                    self.flow.add(position, velocity);
+                    self.flow.add(position, velocity, mind.intent);
                 }
             }
         }

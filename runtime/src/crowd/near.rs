@@ -185,15 +185,7 @@ mod tests {
             cells.insert(cells.number(cells.coordinates(plan.position)), &plan);
         }
         let (position, velocity) = plans[0].at(10.0);
-        let me = Walker {
-            position,
-            velocity,
-            radius: 0.3,
-            limit: 5.0,
-            desired: V::default(),
-            speed: 0.0,
-            off_centre: V::default(),
-        };
+        let me = Walker { position, velocity, radius: 0.3, limit: 5.0, ..Walker::default() };
         let at = cells.coordinates(position);
         let look = Look { cells: &cells, at, time: 10.0, member: 0, me: &me, perception: 2.0 };
         let (mut rows, mut seen) = (Rows::default(), Vec::new());

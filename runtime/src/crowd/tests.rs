@@ -6,10 +6,10 @@ use super::*;
 use glam::{Vec2, Vec3};
 
 /// A small seeded generator of shares.
-struct Shares(u64);
+pub(super) struct Shares(pub(super) u64);
 
 impl Shares {
-    fn next(&mut self) -> f32 {
+    pub(super) fn next(&mut self) -> f32 {
         self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         (self.0 >> 40) as f32 / (1u64 << 24) as f32
     }
