@@ -12,23 +12,48 @@ const MAX_CELLS: usize = 1 << 22;
 pub(crate) type Eight = [f32; BLOCK];
 
 /// Plans of members that are registered in the same cell: each number of all of them side by side, so that they are
-/// looked at together. In 2-D the third coordinates are never touched.
+/// looked at together. In 2-D the third coordinates are never touched; where many thousands are, fetching the rest of
+/// their neighbours' blocks from memory is most of an event.
 #[derive(Clone, Copy, Debug, Default)]
 #[repr(C, align(64))]
 pub(crate) struct Block {
     pub start: [f64; BLOCK],
-    pub moving: Eight,
-    pub index: [u32; BLOCK],
-    pub position: [Eight; 3],
-    pub velocity: [Eight; 3],
-    pub acceleration: [Eight; 3],
     pub end: [f64; BLOCK],
+    pub moving: Eight,
     pub radius: Eight,
     pub limit: Eight,
-    /// How many are there, from the first on.
-    pub len: u32,
-    /// Block of more of them.
+    pub index: [u32; BLOCK],
+    pub axes: [Axis; 3],
+    /// Block of more of them, which is full.
     next: u32,
+}
+
+/// One coordinate of eight motions.
+#[derive(Clone, Copy, Debug, Default)]
+#[repr(C)]
+pub(crate) struct Axis {
+    pub position: Eight,
+    pub velocity: Eight,
+    pub acceleration: Eight,
+}
+
+/// Who is registered in a cell.
+#[derive(Clone, Copy, Debug)]
+struct Chain {
+    /// The first block: the one with room.
+    first: u32,
+    /// Members in all blocks.
+    len: u32,
+}
+
+impl Chain {
+    const EMPTY: Self = Self { first: NONE, len: 0 };
+
+    /// Members in the first block.
+    #[inline(always)]
+    fn len_of_first(self) -> usize {
+        (self.len as usize + BLOCK - 1) % BLOCK + 1
+    }
 }
 
 /// One vector of eight.
@@ -45,9 +70,9 @@ impl Block {
         Plan {
             start: self.start[i],
             end: self.end[i],
-            position: nth(&self.position, i),
-            velocity: nth(&self.velocity, i),
-            acceleration: nth(&self.acceleration, i),
+            position: self.vector(i, |a| &a.position),
+            velocity: self.vector(i, |a| &a.velocity),
+            acceleration: self.vector(i, |a| &a.acceleration),
             moving: self.moving[i],
             radius: self.radius[i],
             limit: self.limit[i],
@@ -55,19 +80,18 @@ impl Block {
         }
     }
 
-    /// Bit i is set where the i-th is there.
-    #[inline]
-    pub fn there(&self) -> u8 {
-        ((1u32 << self.len) - 1) as u8
+    #[inline(always)]
+    fn vector<V: Space>(&self, i: usize, of: impl Fn(&Axis) -> &Eight) -> V {
+        let third = if V::DIMENSIONS == 3 { of(&self.axes[2])[i] } else { 0.0 };
+        V::from_coordinates([of(&self.axes[0])[i], of(&self.axes[1])[i], third])
     }
 
     fn put<V: Space>(&mut self, i: usize, plan: &Plan<V>) {
         (self.start[i], self.end[i]) = (plan.start, plan.end);
         let (x, v, a) = (plan.position.coordinates(), plan.velocity.coordinates(), plan.acceleration.coordinates());
         for axis in 0..V::DIMENSIONS {
-            self.position[axis][i] = x[axis];
-            self.velocity[axis][i] = v[axis];
-            self.acceleration[axis][i] = a[axis];
+            let axes = &mut self.axes[axis];
+            (axes.position[i], axes.velocity[i], axes.acceleration[i]) = (x[axis], v[axis], a[axis]);
         }
         (self.moving[i], self.radius[i], self.limit[i]) = (plan.moving, plan.radius, plan.limit);
         self.index[i] = plan.index;
@@ -84,7 +108,7 @@ pub(crate) struct Cells<V> {
     per_m: f32,
     /// Logarithm of the number of cells along each axis.
     bits: [u32; 3],
-    first: Vec<u32>,
+    chains: Vec<Chain>,
     blocks: Vec<Block>,
     free: Vec<u32>,
     /// Block and place of every member: `block * BLOCK + place`.
@@ -112,7 +136,7 @@ impl<V: Space> Cells<V> {
             side,
             per_m: side.recip(),
             bits,
-            first: vec![NONE; 1 << bits.iter().sum::<u32>()],
+            chains: vec![Chain::EMPTY; 1 << bits.iter().sum::<u32>()],
             blocks: vec![block; num_blocks],
             free: (0..num_blocks as u32).rev().collect(),
             address: vec![NONE; capacity],
@@ -122,7 +146,7 @@ impl<V: Space> Cells<V> {
 
     /// Takes everybody out.
     pub fn clear(&mut self) {
-        self.first.fill(NONE);
+        self.chains.fill(Chain::EMPTY);
         self.address.fill(NONE);
         self.free.clear();
         self.free.extend((0..self.blocks.len() as u32).rev());
@@ -131,14 +155,9 @@ impl<V: Space> Cells<V> {
     /// Everybody's plans, so that to insert them one after the other gives the same cells.
     pub fn plans(&self) -> Vec<Plan<V>> {
         let mut plans = Vec::new();
-        for &first in &self.first {
+        for cell in 0..self.chains.len() as u32 {
             let start = plans.len();
-            let mut b = first;
-            while b != NONE {
-                let block = &self.blocks[b as usize];
-                plans.extend((0..block.len as usize).rev().map(|i| block.plan(i)));
-                b = block.next;
-            }
+            self.each_block(cell, |block, _, len| plans.extend((0..len).rev().map(|i| block.plan(i))));
             // The last block of a chain was filled first.
             plans[start..].reverse();
         }
@@ -152,7 +171,7 @@ impl<V: Space> Cells<V> {
 
     /// Number of cells.
     pub fn num_cells(&self) -> usize {
-        self.first.len()
+        self.chains.len()
     }
 
     /// Number of cells along each axis before the grid is folded.
@@ -212,21 +231,23 @@ impl<V: Space> Cells<V> {
         &self.blocks[number as usize]
     }
 
-    /// Calls `f` for every block of a cell, with its number.
+    /// Calls `f` for every block of a cell, with its number and that of its members.
     #[inline(always)]
-    pub fn each_block(&self, cell: u32, mut f: impl FnMut(&Block, u32)) {
-        let mut b = self.first[cell as usize];
-        while b != NONE {
+    pub fn each_block(&self, cell: u32, mut f: impl FnMut(&Block, u32, usize)) {
+        let chain = self.chains[cell as usize];
+        let (mut left, mut len, mut b) = (chain.len as usize, chain.len_of_first(), chain.first);
+        while left > 0 {
             let block = &self.blocks[b as usize];
-            f(block, b);
-            b = block.next;
+            f(block, b, len);
+            left -= len;
+            (b, len) = (block.next, BLOCK);
         }
     }
 
     /// Calls `f` for everyone who is registered in a cell.
     #[inline]
     pub fn each(&self, cell: u32, mut f: impl FnMut(&Plan<V>)) {
-        self.each_block(cell, |block, _| (0..block.len as usize).for_each(|i| f(&block.plan(i))));
+        self.each_block(cell, |block, _, len| (0..len).for_each(|i| f(&block.plan(i))));
     }
 
     /// Most blocks that the cells around one can have.
@@ -247,34 +268,34 @@ impl<V: Space> Cells<V> {
 
     /// Registers a member in a cell.
     pub fn insert(&mut self, cell: u32, plan: &Plan<V>) {
-        let mut b = self.first[cell as usize];
-        // The first block of a chain is the one with room.
-        if b == NONE || self.blocks[b as usize].len as usize == BLOCK {
+        let mut chain = self.chains[cell as usize];
+        if chain.len as usize % BLOCK == 0 {
             let Some(fresh) = self.free.pop() else { return };
-            self.blocks[fresh as usize].len = 0;
-            self.blocks[fresh as usize].next = b;
-            self.first[cell as usize] = fresh;
-            b = fresh;
+            self.blocks[fresh as usize].next = chain.first;
+            chain.first = fresh;
         }
-        let block = &mut self.blocks[b as usize];
-        block.put(block.len as usize, plan);
-        self.address[plan.index as usize] = b * BLOCK as u32 + block.len;
-        block.len += 1;
+        chain.len += 1;
+        let place = chain.len_of_first() - 1;
+        self.blocks[chain.first as usize].put(place, plan);
+        self.address[plan.index as usize] = chain.first * BLOCK as u32 + place as u32;
+        self.chains[cell as usize] = chain;
     }
 
     /// Takes a member out of its cell. The last one of the cell takes its place.
     pub fn remove(&mut self, cell: u32, member: u32) {
-        let address = self.address[member as usize];
-        let first = self.first[cell as usize];
-        let block = &mut self.blocks[first as usize];
-        block.len -= 1;
-        let last = block.plan::<V>(block.len as usize);
-        if block.len == 0 {
-            self.first[cell as usize] = block.next;
-            self.free.push(first);
+        let mut chain = self.chains[cell as usize];
+        let (block, place) = self.place(member);
+        let first = &self.blocks[chain.first as usize];
+        let (last_place, next) = (chain.len_of_first() - 1, first.next);
+        let last = first.plan::<V>(last_place);
+        if last_place == 0 {
+            self.free.push(chain.first);
+            chain.first = next;
         }
-        self.blocks[address as usize / BLOCK].put(address as usize % BLOCK, &last);
-        self.address[last.index as usize] = address;
+        chain.len -= 1;
+        self.chains[cell as usize] = chain;
+        self.blocks[block as usize].put(place, &last);
+        self.address[last.index as usize] = block * BLOCK as u32 + place as u32;
         self.address[member as usize] = NONE;
     }
 }

@@ -1,11 +1,13 @@
 //! What a member does at its event.
 
 use super::bound::Bound;
-use super::cells::{Cells, Eight};
+use super::cells::Cells;
 use super::filter::Filter;
 use super::flow::Flow;
-use super::near::{Look, Row, Rows, bits};
+use super::near::{Look, Rows};
 use super::plan::Plan;
+use super::reach::Reach;
+use super::retreat::{PATIENT_S, SLOWLY, retreat};
 use super::safety::{Candidate, Lack, Other, lack, lack_of_solid, lever};
 use super::sight::Seen;
 use super::spline::Cursor;
@@ -13,7 +15,6 @@ use super::steer::{Surroundings, Walker, forces};
 use super::tracing::Tracing;
 use super::world::{HURRY, World};
 use super::{AtEnd, Forces, NONE, Space};
-use crate::lanes::{Lanes, Work, dispatch};
 use serde::{Deserialize, Serialize};
 
 /// Most tries for a plan near the desired one before a member brakes.
@@ -22,6 +23,8 @@ const TRIES: usize = 6;
 const BEYOND: f32 = 1.1;
 /// How many smallest intervals one waits who stands and found no way on.
 pub(crate) const PATIENT: f32 = 2.0;
+/// Speed below which one does not go past its goal by much. [Unit: m/s]
+const SLOW: f32 = 0.1;
 /// Way toward the goal that counts as getting on. [Unit: m]
 const GETTING_ON: f32 = 0.1;
 /// Time without getting on after which a member is stuck. [Unit: s]
@@ -55,6 +58,8 @@ pub(crate) struct Mind<V> {
     pub least_left: f32,
     /// When it got on last. [Unit: s]
     pub got_on: f64,
+    /// Unit vector along which it wants to go, as others see it; zero for one who is there.
+    pub intent: V,
     pub is_there: bool,
     pub is_stuck: bool,
     /// A moving obstacle is in its place.
@@ -97,6 +102,8 @@ pub(crate) struct Wish<V> {
     pub acceleration: V,
     /// Coordinates of the cell it is in.
     pub at: [i32; 3],
+    /// How long it may do so: at its goal, not so long that it would go past. [Unit: s]
+    pub longest: f32,
 }
 
 /// A member at an event, with all that it may look at.
@@ -115,25 +122,31 @@ impl<V: Space> Decider<'_, V> {
         let (position, velocity) = old.at(self.time);
         let mut mind = self.minds[member as usize];
         self.update(&mut mind, &old, position, velocity);
-        let walker = self.walker(&mind, &old, position, velocity);
+        let mut walker = self.walker(&mind, &old, position, velocity);
+        mind.intent = if mind.is_there { V::default() } else { walker.desired };
+        self.give_way(&mind, &mut walker);
         let at = self.cells.coordinates(position);
         mind.cell = self.cells.number(at);
         self.look_around(member, at, &walker, &mind, scratch);
         let near = self.world.near(mind.cell);
         let f = self.feel(&walker, &mind, near, scratch);
         let fresh = Plan { start: self.time, position, velocity, moving: f32::INFINITY, ..old };
-        Wish { mind, fresh, acceleration: total(&f).at_most(old.limit), at }
+        let soon = 2.0 * self.world.fields[mind.field as usize].relaxation_s;
+        let slows = walker.left < soon * mind.speed && velocity.length_squared() > SLOW * SLOW;
+        let longest = if slows { soon } else { f32::INFINITY };
+        Wish { mind, fresh, acceleration: total(&f).at_most(old.limit), at, longest }
     }
 
     /// Takes a new plan for a member; none where it has to keep the one it has.
     pub fn decide(&self, member: u32, tracing: &impl Tracing<V>, scratch: &mut Scratch<V>) -> Option<Decision<V>> {
         let old = self.cells.plan(member);
-        let Wish { mut mind, fresh, acceleration, at } = self.wish(member, scratch);
+        let Wish { mut mind, fresh, acceleration, at, longest } = self.wish(member, scratch);
         let near = self.world.near(mind.cell);
         let centre = self.cells.centre(at);
         let half = V::from_coordinates([self.cells.side(); 3]);
         let region = (centre - half, centre + half);
         let (cause, length) = tracing.first_event(self, &fresh, region, near, scratch);
+        let (cause, length) = if length > longest { (Cause::Region, longest) } else { (cause, length) };
         let length = length.max(self.world.interval);
         // Over a plan that is longer than the time to relax, the desired velocity is reached and not passed.
         let wish = acceleration * (self.world.fields[mind.field as usize].relaxation_s / length).min(1.0);
@@ -175,7 +188,8 @@ impl<V: Space> Decider<'_, V> {
         let (position, velocity) = plan.at(self.time);
         let mut mind = self.minds[member as usize];
         self.update(&mut mind, &plan, position, velocity);
-        let walker = self.walker(&mind, &plan, position, velocity);
+        let mut walker = self.walker(&mind, &plan, position, velocity);
+        self.give_way(&mind, &mut walker);
         let at = self.cells.coordinates(position);
         self.look_around(member, at, &walker, &mind, scratch);
         let near = self.world.near(self.cells.number(at));
@@ -213,6 +227,8 @@ impl<V: Space> Decider<'_, V> {
             // Comes to rest at the goal.
             let to_goal = if distance < field.look_ahead_m { (spline.goal() - position).length() } else { distance };
             speed = speed.min(to_goal / (2.0 * field.relaxation_s));
+            // Who is there gives way to those who press past it.
+            speed *= (to_goal / spline.arrival_radius()).min(1.0);
         }
         let centre = plan.position + plan.velocity * (self.time - plan.start) as f32;
         Walker {
@@ -222,7 +238,19 @@ impl<V: Space> Decider<'_, V> {
             limit: plan.limit,
             desired,
             speed,
+            left: spline.left(mind.cursor, position),
+            retreats: false,
             off_centre: position - centre,
+        }
+    }
+
+    /// Makes a member step back that does not get on, and has to before others can.
+    fn give_way(&self, mind: &Mind<V>, walker: &mut Walker<V>) {
+        if self.time - mind.got_on < PATIENT_S || mind.is_there {
+            return;
+        }
+        if let Some(way) = retreat(self.flow, walker.position, walker.desired) {
+            *walker = Walker { desired: way, speed: SLOWLY * mind.speed, retreats: true, ..*walker };
         }
     }
 
@@ -273,7 +301,8 @@ impl<V: Space> Decider<'_, V> {
         let (speed, fastest) = (fresh.velocity.length(), HURRY * self.world.speed);
         let fast = (speed + fresh.limit * length).min(fastest.max(speed));
         let mine = fast * length + 0.5 * fast * fast / fresh.limit + fresh.radius + 0.01;
-        dispatch(Reach { at: self, fastest, mine, rows: scratch.rows.all(), others: &mut scratch.others });
+        let reach = Reach { cells: self.cells, time: self.time, fastest, fresh, length, mine };
+        reach.find(scratch.rows.all(), &mut scratch.others);
         for mover in &self.world.movers {
             let plan = mover.plan(self.time, length + 2.0 * self.world.speed / fresh.limit);
             let way = plan.velocity.length() * (plan.end - plan.start) as f32;
@@ -355,42 +384,6 @@ impl<V: Space> Decider<'_, V> {
             apart < m.radius + plan.radius - 1e-3
         };
         self.world.movers.iter().find(hits).map_or(NONE, |m| m.obstacle)
-    }
-}
-
-/// Finds those who can come as near as `mine`, or nearly so.
-struct Reach<'a, V> {
-    at: &'a Decider<'a, V>,
-    fastest: f32,
-    mine: f32,
-    rows: &'a [Row],
-    others: &'a mut Vec<(f32, Other<V>)>,
-}
-
-impl<V: Space> Work for Reach<'_, V> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run<F: Lanes>(self) {
-        let Self { at, fastest, mine, rows, others } = self;
-        for row in rows {
-            let block = at.cells.block(row.block);
-            let until: Eight = std::array::from_fn(|i| (block.end[i] - at.time) as f32);
-            let (until, limit) = (F::load(&until), F::load(&block.limit));
-            let square = (0..V::DIMENSIONS).map(|axis| F::load(&row.velocity[axis]));
-            let square = square.fold(F::splat(0.0), |sum, v| sum + v * v);
-            // No faster than this, for so long, and then to a stop.
-            let fast = (square.sqrt() + limit * until).min(F::splat(fastest));
-            let reach = fast * (until + F::splat(0.5) * fast / limit);
-            let free = F::load(&row.distance) - F::load(&block.radius) - reach - F::splat(0.01);
-            for i in bits(row.there & free.bits_lt(F::splat(mine))) {
-                let other = Other::new(&block.plan(i), at.time);
-                let free = row.distance[i] - other.plan.radius - other.reach();
-                if free < mine {
-                    others.push((free, other));
-                }
-            }
-        }
     }
 }
 

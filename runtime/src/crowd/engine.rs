@@ -27,6 +27,8 @@ pub struct Crowd<V> {
     pub(super) world: World<V>,
     pub(super) cells: Cells<V>,
     pub(super) minds: Vec<Mind<V>>,
+    /// Route that was made for the members of a number alone, see [`Crowd::send_along`]; [`NONE`] where there is none.
+    pub(super) own: Vec<u32>,
     pub(super) queue: Calendar,
     /// Numbers that are free, the next one last.
     pub(super) free: Vec<u32>,
@@ -58,6 +60,7 @@ impl<V: Space> Crowd<V> {
             world,
             cells,
             minds: vec![Mind { cell: NONE, ..Mind::default() }; capacity],
+            own: vec![NONE; capacity],
             queue: Calendar::new(capacity),
             free: (0..capacity as u32).rev().collect(),
             flow,
@@ -159,6 +162,9 @@ impl<V: Space> Crowd<V> {
             cause: Cause::Region,
             least_left: spline.left(cursor, member.position),
             got_on: self.now,
+            intent: (spline.ahead(cursor, self.world.fields[member.field].look_ahead_m) - member.position)
+                .unit_and_length()
+                .0,
             is_there: false,
             is_stuck: false,
             is_struck: false,
@@ -237,10 +243,7 @@ impl<V: Space> Crowd<V> {
         let Some(spline) = self.world.splines.get(route) else {
             return Err(CrowdError::Index { what: "route", got: route, limit: self.world.splines.len() });
         };
-        if !(0.0..=self.world.speed).contains(&speed) {
-            let expected = "at most `largest_speed_mps` of the config";
-            return Err(CrowdError::Value { what: "member", index: id.index(), field: "speed", got: speed, expected });
-        }
+        self.check_speed(id, speed)?;
         let (position, _) = self.cells.plan(id.index).at(self.now);
         let mind = &mut self.minds[id.index()];
         mind.cursor = if mind.route == route as u32 { mind.cursor } else { spline.begin(position) };
@@ -248,6 +251,38 @@ impl<V: Space> Crowd<V> {
         (mind.least_left, mind.got_on) = (spline.left(mind.cursor, position), self.now);
         (mind.is_there, mind.is_stuck) = (false, false);
         Ok(())
+    }
+
+    /// Gives a member a route of its own and another desired speed from its next event on, as [`Crowd::add_route`] and
+    /// [`Crowd::send`] do. It takes the place of the last one that a member of that number was given so: memory does not
+    /// grow however often they are sent.
+    ///
+    /// # Errors
+    /// [`CrowdError`] as of both; nothing has changed then.
+    pub fn send_along(&mut self, id: Id, route: Route<V>, speed: f32) -> Result<(), CrowdError> {
+        self.check_id(id)?;
+        self.check_speed(id, speed)?;
+        let own = self.own[id.index()];
+        let number = if own == NONE { self.world.splines.len() } else { own as usize };
+        let spline = Spline::new(number, &route)?;
+        self.world.check_route(number, &spline)?;
+        if own == NONE {
+            self.world.splines.push(spline);
+        } else {
+            self.world.splines[number] = spline;
+        }
+        self.own[id.index()] = number as u32;
+        // Whatever route it was on before, it begins this one.
+        self.minds[id.index()].route = NONE;
+        self.send(id, number, speed)
+    }
+
+    fn check_speed(&self, id: Id, got: f32) -> Result<(), CrowdError> {
+        if (0.0..=self.world.speed).contains(&got) {
+            return Ok(());
+        }
+        let expected = "at most `largest_speed_mps` of the config";
+        Err(CrowdError::Value { what: "member", index: id.index(), field: "speed", got, expected })
     }
 
     pub(super) fn check_id(&self, id: Id) -> Result<(), CrowdError> {
@@ -284,7 +319,7 @@ impl<V: Space> Crowd<V> {
                 if mind.cell != NONE {
                     let plan = self.cells.plan(index);
                     let (position, velocity) = plan.at(now.max(plan.start));
-                    self.flow.add(position, velocity);
+                    self.flow.add(position, velocity, mind.intent);
                 }
             }
         }
@@ -296,8 +331,7 @@ impl<V: Space> Crowd<V> {
         let partner = self.partner(cause);
         self.watch(member, partner)?;
         on_event(&self.count(member, self.kind(cause)));
-        // Both are made anew, unless one was just now: then it waits as long as everybody does.
-        let renewed = partner.filter(|&p| self.may_act(p, self.now));
+        let renewed = partner.filter(|&p| self.is_renewed_with(p, member, self.now));
         self.decide(member, &Registration, on_event);
         if let Some(renewed) = renewed.filter(|&p| self.minds[p as usize].cell != NONE) {
             self.decide(renewed, &Registration, on_event);
@@ -305,10 +339,14 @@ impl<V: Space> Crowd<V> {
         Ok(())
     }
 
-    /// True for one who has not acted within the smallest interval, and so may be made to.
-    pub(super) fn may_act(&self, member: u32, time: f64) -> bool {
-        let is_there = self.minds[member as usize].cell != NONE;
-        is_there && time - self.cells.plan(member).start >= f64::from(self.world.interval)
+    /// True for the partner of a member's colliding event who acts then too: one who has not acted since the member did,
+    /// so that its bound is the one that is touched, nor within the smallest interval.
+    pub(super) fn is_renewed_with(&self, partner: u32, member: u32, time: f64) -> bool {
+        if self.minds[partner as usize].cell == NONE {
+            return false;
+        }
+        let start = self.cells.plan(partner).start;
+        start <= self.cells.plan(member).start && time - start >= f64::from(self.world.interval)
     }
 
     /// Lets a member take a new plan; false where it has to keep the one it has.

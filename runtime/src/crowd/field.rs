@@ -43,6 +43,15 @@ pub struct Field {
     /// How little it likes to go where others stand or come toward it, as seen from afar: it then follows those who go
     /// its way, and lanes form. [Limit: >= 0]
     pub crowding: f32,
+    /// How much it likes to go where others want to go its way, and dislikes where they want to go against it, for each
+    /// of them that it sees from afar, whether they can or not. [Limit: >= 0]
+    pub lanes: f32,
+    /// How much better it likes to go to the right where many come straight toward it from afar. [Limit: >= 0]
+    pub evading: f32,
+    /// Time it keeps to stop behind who goes before it. [Unit: s] [Limit: > 0]
+    pub headway_s: f32,
+    /// Gap that it leaves to who stands before it. [Unit: m] [Limit: >= 0]
+    pub headway_m: f32,
     /// w_saf c_saf in eq. 21 and 23: pull to the centre of its bound. [Unit: 1/s2] [Limit: >= 0]
     pub safety: f32,
 }
@@ -63,10 +72,14 @@ impl Default for Field {
             turning_m: 0.65,
             horizon_s: 2.0,
             comfort_m: 0.02,
-            directness: 0.35,
-            keeping: 0.1,
+            directness: 0.55,
+            keeping: 0.125,
             right: 0.15,
-            crowding: 0.07,
+            crowding: 0.05,
+            lanes: 0.06,
+            evading: 0.2,
+            headway_s: 0.3,
+            headway_m: 0.12,
             safety: 0.28,
         }
     }
@@ -83,6 +96,7 @@ impl Field {
             ("decelerating_m", self.decelerating_m),
             ("turning_m", self.turning_m),
             ("horizon_s", self.horizon_s),
+            ("headway_s", self.headway_s),
         ] {
             if !(got > 0.0 && got < 1e6) {
                 return Err(CrowdError::Value { what: "field", index, field, got, expected: positive });
@@ -92,6 +106,9 @@ impl Field {
             ("directness", self.directness),
             ("keeping", self.keeping),
             ("crowding", self.crowding),
+            ("lanes", self.lanes),
+            ("evading", self.evading),
+            ("headway_m", self.headway_m),
             ("repulsion", self.repulsion),
             ("braking", self.braking),
             ("damping", self.damping),

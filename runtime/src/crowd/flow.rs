@@ -10,9 +10,9 @@ const SIDE: f32 = 4.0;
 /// Most squares for each member that there can be.
 const MOST: usize = 16;
 
-/// Number and sum of velocities of the members in each square of a grid, as they were a short time ago.
+/// How many members are in each square of a grid, how they move and where they want to, as it was a short time ago.
 ///
-/// A member that looks for its way sees beyond its neighbours where others go the same way and where they come
+/// A member that looks for its way sees beyond its neighbours where others want to go the same way and where they come
 /// toward it: so lanes form before it meets anybody. The grid is a torus, as that of the cells.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct Flow<V> {
@@ -21,10 +21,47 @@ pub(crate) struct Flow<V> {
     squares: Vec<Square<V>>,
 }
 
+/// The members in one square: how many, and the sums of how they move and of the unit vectors along which they want to.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
-struct Square<V> {
+pub(crate) struct Square<V> {
     num: f32,
     velocity: V,
+    intent: V,
+}
+
+impl<V: Space> Square<V> {
+    /// How many are there.
+    #[inline]
+    pub fn num(&self) -> f32 {
+        self.num
+    }
+
+    /// How much those who are there are in the way of one who goes along a unit vector, here divided by its speed: the
+    /// sum of how much slower than it each of them goes its way, as a share of its speed: 1 for somebody who stands, 2
+    /// for one who comes toward it, 0 for one who goes along. One who stands is left out: a few are seen better one by
+    /// one.
+    #[inline]
+    pub fn against(&self, along_per_speed: V) -> f32 {
+        (self.num - self.velocity.dot(along_per_speed) - 1.0).max(0.0)
+    }
+
+    /// Those who want to go against a unit vector less those who want to go along it.
+    #[inline]
+    pub fn contrary(&self, along: V) -> f32 {
+        -self.intent.dot(along)
+    }
+
+    /// How many want to go against a unit vector; who wants to cross it, or nothing, is half a one.
+    #[inline]
+    pub fn opposed(&self, along: V) -> f32 {
+        0.5 * (self.num - self.intent.dot(along)).max(0.0)
+    }
+
+    /// How many want to go along a unit vector; who wants to cross it, or nothing, is half a one.
+    #[inline]
+    pub fn agreed(&self, along: V) -> f32 {
+        0.5 * (self.num + self.intent.dot(along)).max(0.0)
+    }
 }
 
 impl<V: Space> Flow<V> {
@@ -42,14 +79,27 @@ impl<V: Space> Flow<V> {
         Self { per_m: side.recip(), bits, squares: vec![Square::default(); 1 << bits.iter().sum::<u32>()] }
     }
 
+    /// Squares in a metre.
+    #[inline]
+    pub fn per_m(&self) -> f32 {
+        self.per_m
+    }
+
     /// Side of a square. [Unit: m]
+    #[cfg(test)]
     pub fn side(&self) -> f32 {
         self.per_m.recip()
     }
 
+    /// The square at a place. [Unit: squares, see [`Flow::per_m`]]
     #[inline]
-    fn number(&self, x: V) -> usize {
-        let at = (x * self.per_m).floor();
+    pub fn square(&self, at: V) -> &Square<V> {
+        &self.squares[self.number(at)]
+    }
+
+    #[inline]
+    fn number(&self, at: V) -> usize {
+        let at = at.floor();
         let fold = |axis: usize| at[axis] as u32 & ((1 << self.bits[axis]) - 1);
         ((((fold(2) << self.bits[1]) | fold(1)) << self.bits[0]) | fold(0)) as usize
     }
@@ -59,22 +109,14 @@ impl<V: Space> Flow<V> {
         self.squares.fill(Square::default());
     }
 
-    /// Adds a member.
+    /// Adds a member that wants to go along a unit vector, or nowhere.
     #[inline]
-    pub fn add(&mut self, position: V, velocity: V) {
-        let number = self.number(position);
+    pub fn add(&mut self, position: V, velocity: V, intent: V) {
+        let number = self.number(position * self.per_m);
         let square = &mut self.squares[number];
         square.num += 1.0;
         square.velocity += velocity;
-    }
-
-    /// How much those who are at `x` are in the way of one who goes there along a unit vector at a speed: the sum of
-    /// how much slower than it each of them goes its way, as a share of its speed: 1 for somebody who stands, 2 for one
-    /// who comes toward it, 0 for one who goes along. One who stands is left out: a few are seen better one by one.
-    #[inline]
-    pub fn against(&self, x: V, along: V, speed: f32) -> f32 {
-        let square = &self.squares[self.number(x)];
-        (square.num - square.velocity.dot(along) / speed - 1.0).max(0.0)
+        square.intent += intent;
     }
 
     /// True where it is as large as another one.
@@ -93,13 +135,20 @@ mod tests {
         let mut flow = Flow::new(0.3, Vec2::splat(20.0), 10);
         let at = Vec2::new(5.0, -3.0);
         for _ in 0..3 {
-            flow.add(at, Vec2::new(1.3, 0.0));
+            flow.add(at, Vec2::new(1.3, 0.0), Vec2::X);
         }
-        assert!(flow.against(at, Vec2::X, 1.3) == 0.0);
-        assert!((flow.against(at, Vec2::NEG_X, 1.3) - 5.0).abs() < 1e-5, "2 each, less one who stands");
-        assert!((flow.against(at, Vec2::Y, 1.3) - 2.0).abs() < 1e-5, "1 each for those who cross, less one");
-        assert_eq!(flow.against(at + Vec2::X * flow.side(), Vec2::NEG_X, 1.3), 0.0);
+        flow.add(at, Vec2::ZERO, Vec2::NEG_X);
+        let there = at * flow.per_m();
+        let square = *flow.square(there);
+        assert_eq!(square.num(), 4.0);
+        assert!(square.against(Vec2::X / 1.3).abs() < 1e-5, "the one who stands is left out");
+        assert!((square.against(Vec2::NEG_X / 1.3) - 6.0).abs() < 1e-5, "2 each");
+        assert!((square.against(Vec2::Y / 1.3) - 3.0).abs() < 1e-5, "1 each for those who cross, less one");
+        assert_eq!((square.agreed(Vec2::X), square.opposed(Vec2::X)), (3.0, 1.0));
+        assert_eq!((square.agreed(Vec2::Y), square.opposed(Vec2::Y)), (2.0, 2.0));
+        assert_eq!((square.contrary(Vec2::X), square.contrary(Vec2::NEG_X)), (-2.0, 2.0));
+        assert_eq!(flow.square(there + Vec2::X).num(), 0.0);
         flow.clear();
-        assert_eq!(flow.against(at, Vec2::NEG_X, 1.3), 0.0);
+        assert_eq!(flow.square(there).num(), 0.0);
     }
 }

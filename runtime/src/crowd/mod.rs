@@ -4,8 +4,9 @@
 //! asks a force field what to do and takes a plan that cannot end in an overlap. See [`Crowd`].
 //!
 //! In reading order: `plan` is what a member does until its next event, `safety` why nobody overlaps anybody, `bound`
-//! when two can meet, `cells` and `queue` who is near and who is next, `sight`, `flow` and `steer` the force field,
-//! `decide` an event, `engine` all of them in their order, `window` on several threads.
+//! when two can meet, `cells` and `queue` who is near and who is next, `near` and `reach` who of those matters at an
+//! event, `sight`, `flow`, `outlook`, `retreat` and `steer` the force field, `decide` an event, `engine` all of them in
+//! their order, `window` on several threads, `watchdog` that time passes.
 
 mod bound;
 mod cells;
@@ -20,14 +21,19 @@ mod field;
 mod filter;
 mod fixed;
 mod flow;
+#[cfg(test)]
+mod jam_tests;
 mod member;
 mod near;
 mod obstacle;
 mod occupancy;
 mod occupied;
+mod outlook;
 mod plan;
 mod query;
 mod queue;
+mod reach;
+mod retreat;
 mod route;
 mod safety;
 #[cfg(test)]

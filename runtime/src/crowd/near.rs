@@ -102,8 +102,9 @@ impl<V: Space> Look<'_, V> {
         let (mut square, mut closing) = (zero, zero);
         for axis in 0..V::DIMENSIONS {
             // As `Plan::after`.
-            let (position, velocity) = (F::load(&block.position[axis]), F::load(&block.velocity[axis]));
-            let acceleration = F::load(&block.acceleration[axis]);
+            let its = &block.axes[axis];
+            let (position, velocity) = (F::load(&its.position), F::load(&its.velocity));
+            let acceleration = F::load(&its.acceleration);
             let offset = position + (velocity + acceleration * half) * dt - F::splat(x[axis]);
             let velocity = F::select_lt(age, moving, velocity + acceleration * dt, zero);
             square = square + offset * offset;
@@ -133,11 +134,11 @@ impl<V: Space> Work for Around<'_, V> {
         let Self { look, rows, seen } = self;
         let (own_block, own_place) = look.cells.place(look.member);
         look.cells.around(look.at, |cell| {
-            look.cells.each_block(cell, |block, number| {
+            look.cells.each_block(cell, |block, number, len| {
                 let row = rows.next();
                 let in_sight = look.fill::<F>(block, row);
                 row.block = number;
-                row.there = block.there();
+                row.there = ((1u32 << len) - 1) as u8;
                 if number == own_block {
                     row.there &= !(1 << own_place);
                 }
@@ -184,15 +185,7 @@ mod tests {
             cells.insert(cells.number(cells.coordinates(plan.position)), &plan);
         }
         let (position, velocity) = plans[0].at(10.0);
-        let me = Walker {
-            position,
-            velocity,
-            radius: 0.3,
-            limit: 5.0,
-            desired: V::default(),
-            speed: 0.0,
-            off_centre: V::default(),
-        };
+        let me = Walker { position, velocity, radius: 0.3, limit: 5.0, ..Walker::default() };
         let at = cells.coordinates(position);
         let look = Look { cells: &cells, at, time: 10.0, member: 0, me: &me, perception: 2.0 };
         let (mut rows, mut seen) = (Rows::default(), Vec::new());

@@ -1,11 +1,13 @@
 //! Looking ahead: how long each of several directions is free, and which one to take.
 
 use super::flow::Flow;
+use super::outlook::Far;
 use super::solid::Solid;
+use super::steer::Walker;
 use super::{Field, Space};
 
 /// Number of directions that are looked in.
-const DIRECTIONS: usize = 8;
+pub(crate) const DIRECTIONS: usize = 8;
 /// A time that stands for never. [Unit: s]
 const NEVER: f32 = 1e3;
 /// Share of their distance that the radii of two may take up: who touches somebody may still slide past.
@@ -14,9 +16,10 @@ const CLOSEST: f32 = 0.87;
 const SOFT: f32 = 0.06;
 /// Cosine of the angle within which a direction is near another.
 const NEAR: f32 = 0.75;
-/// Places along a direction where the flow is asked, in squares of its grid: so far away that nobody finds there what
-/// it added to the flow itself.
-const FLOW_AT: [f32; 2] = [1.5, 2.5];
+/// Distance, in radii of two, within which somebody is near.
+const AT_HAND: f32 = 3.0;
+/// Room for rounding. [Unit: m]
+const ROUNDING: f32 = 0.01;
 
 /// Another one as it is seen.
 #[derive(Clone, Copy, Debug)]
@@ -70,6 +73,27 @@ impl<V: Space> Sight<V> {
         out
     }
 
+    /// Takes in everybody who is not farther behind than `behind`: first those who are near, as few of those beyond can
+    /// be met before them in any direction.
+    #[inline(always)]
+    pub fn see_all(&mut self, seen: &[Seen<V>], behind: f32, comfort: f32) {
+        let ahead = self.directions[0];
+        let is_near = |other: &Seen<V>| other.distance < AT_HAND * other.radii;
+        for other in seen {
+            if is_near(other) && other.offset.dot(ahead) > behind {
+                self.see(other, comfort);
+            }
+        }
+        let last = self.free.iter().fold(0.0, |a: f32, &b| a.max(b));
+        for other in seen {
+            let soon =
+                other.distance - other.radii - comfort < last * (self.speed + other.velocity.length()) + ROUNDING;
+            if !is_near(other) && soon && other.offset.dot(ahead) > behind {
+                self.see(other, comfort);
+            }
+        }
+    }
+
     /// Takes in somebody: the time of the first contact in each direction, if that one goes on as it does.
     #[inline(always)]
     pub fn see(&mut self, other: &Seen<V>, comfort: f32) {
@@ -115,26 +139,20 @@ impl<V: Space> Sight<V> {
     }
 
     /// Direction to take and how long it is free: the one that is free longest, the less so the more it is a detour,
-    /// the more it leads against the flow and the more it differs from how the member goes now. Of two sides the right
-    /// one is a little better where the way is not free.
+    /// the less the crowd at large makes it better (see [`Far`]) and the more it differs from how the member goes now.
+    /// Of two sides the right one is a little better where the way is not free.
     #[inline]
-    pub fn choose(&self, field: &Field, velocity: V, flow: &Flow<V>, x: V) -> (V, f32) {
+    pub fn choose(&self, field: &Field, me: &Walker<V>, flow: &Flow<V>) -> (V, f32) {
         let share = |free: f32| (free / field.horizon_s).min(1.0);
         let right = self.directions[0].right();
         let blocked = 1.0 - share(self.free[0]);
-        let (keep, side) = (self.along_each(velocity), self.along_each(right));
+        let (keep, side) = (self.along_each(me.velocity), self.along_each(right));
         let straight = self.along_each(self.directions[0]);
-        let mut scores = [0.0; DIRECTIONS];
+        let far = Far { position: me.position, directions: &self.directions, speed: self.speed, left: me.left };
+        let mut scores = far.prefer(field, flow, &side, &self.free);
         for i in 0..DIRECTIONS {
             let worth = (1.0 - field.directness + field.directness * straight[i]) * share(self.free[i]);
-            scores[i] = worth + field.keeping * keep[i] + field.right * blocked * side[i];
-        }
-        if field.crowding > 0.0 && self.speed > 0.0 {
-            for (score, &direction) in scores.iter_mut().zip(&self.directions) {
-                let step = direction * flow.side();
-                let at = |&k: &f32| flow.against(x + step * k, direction, self.speed);
-                *score -= field.crowding * FLOW_AT.iter().map(at).sum::<f32>();
-            }
+            scores[i] += worth + field.keeping * keep[i] + field.right * blocked * side[i];
         }
         let mut best = 0;
         for i in 1..DIRECTIONS {
@@ -182,12 +200,13 @@ mod tests {
     fn takes_the_way_that_is_free() {
         let flow = Flow::new(0.3, Vec2::splat(10.0), 10);
         let field = Field::default();
+        let me = Walker { velocity: Vec2::X, left: 10.0, ..Walker::default() };
         let mut sight = Sight::along(Vec2::X, 1.3);
-        assert_eq!(sight.choose(&field, Vec2::X, &flow, Vec2::ZERO).0, Vec2::X);
+        assert_eq!(sight.choose(&field, &me, &flow).0, Vec2::X);
         // To the left (-y is to the left of +x: the right of (1, 0) is (0, 1)).
         for y in [0.0, 0.6, 1.2] {
             sight.see(&seen(Vec2::new(1.0, y), Vec2::ZERO), 0.0);
         }
-        assert!(sight.choose(&field, Vec2::X, &flow, Vec2::ZERO).0.y < -0.2);
+        assert!(sight.choose(&field, &me, &flow).0.y < -0.2);
     }
 }

@@ -34,17 +34,22 @@ impl<V: Space> Solid<V> {
     /// Unit vector from the nearest point of the body to `x`, and how far that is: below zero inside, but for boxes,
     /// where it is zero.
     pub fn away(&self, x: V) -> (V, f32) {
-        let (nearest, radius) = match *self {
-            Self::Ball { centre, radius } => (centre, radius),
+        let (from_it, radius) = match *self {
+            Self::Ball { centre, radius } => (x - centre, radius),
             Self::Rod { from, to, radius } => {
                 let along = to - from;
-                let square = along.length_squared();
-                let share = if square > 0.0 { ((x - from).dot(along) / square).clamp(0.0, 1.0) } else { 0.0 };
-                (from + along * share, radius)
+                let square = along.length_squared().max(1e-12);
+                let share = ((x - from).dot(along) / square).clamp(0.0, 1.0);
+                let mut from_it = x - (from + along * share);
+                if 0.0 < share && share < 1.0 {
+                    // What rounding left of a component along it would tilt a plane against a long wall into the wall.
+                    from_it += along * -(from_it.dot(along) / square);
+                }
+                (from_it, radius)
             }
-            Self::Box { min, max } => (x.max(min).min(max), 0.0),
+            Self::Box { min, max } => (x - x.max(min).min(max), 0.0),
         };
-        let (away, distance) = (x - nearest).unit_and_length();
+        let (away, distance) = from_it.unit_and_length();
         (away, distance - radius)
     }
 
@@ -194,6 +199,21 @@ mod tests {
             let near = points.clone().any(|p| s.away(p).1 <= 0.2 * size);
             prop_assert!(!any || s.touches(min, max));
             prop_assert!(near || !s.touches(min, max));
+        }
+    }
+
+    #[test]
+    fn all_of_a_long_wall_is_behind_the_plane_through_its_nearest_point() {
+        for (from, to) in [([-500.0, -0.3], [500.0, -0.3]), ([-300.0, -400.0], [300.0, 400.0])] {
+            let wall = Solid::Rod { from: Vec2::from_array(from), to: Vec2::from_array(to), radius: 0.0 };
+            let along = (Vec2::from_array(to) - Vec2::from_array(from)).normalize();
+            for i in 0..1000 {
+                let at = Vec2::from_array(from).lerp(Vec2::from_array(to), 0.3 + 0.000_41 * i as f32);
+                let x = at + along.perp() * 0.3002;
+                let (away, distance) = wall.away(x);
+                // Half of the margin that the rule of safety keeps against rounding.
+                assert!((x.dot(away) - wall.reach(away) - distance).abs() < 5e-5, "{x}: {away}, {distance} m");
+            }
         }
     }
 

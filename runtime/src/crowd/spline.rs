@@ -161,6 +161,11 @@ impl<V: Space> Spline<V> {
         last && (self.goal - x).length_squared() <= self.route.arrival_radius * self.route.arrival_radius
     }
 
+    /// See [`Route::arrival_radius`]. [Unit: m]
+    pub fn arrival_radius(&self) -> f32 {
+        self.route.arrival_radius
+    }
+
     /// See [`Route::at_end`].
     pub fn at_end(&self) -> AtEnd {
         self.route.at_end

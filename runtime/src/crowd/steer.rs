@@ -6,8 +6,16 @@ use super::solid::Solid;
 use super::{Field, Forces, Interest, Space};
 use crate::simd::vectorize;
 
+/// Time for which the way has to be free to be gone with the desired speed. [Unit: s]
+const FREE_S: f32 = 0.55;
+/// Share of the radii of two within which the one is in front of the other and not beside it.
+const WIDE: f32 = 0.88;
+
+/// Way to the goal from which on one leaves less and less room before those who stand. [Unit: m]
+const PRESSING_M: f32 = 4.0;
+
 /// The one whose forces are asked for.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Walker<V> {
     pub position: V,
     pub velocity: V,
@@ -18,6 +26,10 @@ pub(crate) struct Walker<V> {
     pub desired: V,
     /// Desired speed.
     pub speed: f32,
+    /// Way to the goal.
+    pub left: f32,
+    /// It steps back, and needs no room before it to do so.
+    pub retreats: bool,
     /// From the centre of its bound to where it is, x - x^ in eq. 23.
     pub off_centre: V,
 }
@@ -41,33 +53,30 @@ pub(crate) struct Surroundings<'a, V> {
 pub(crate) fn forces<V: Space>(me: &Walker<V>, field: &Field, around: &Surroundings<'_, V>) -> Forces<V> {
     let &Surroundings { seen, solids, near, flow, interests } = around;
     let mut sight = Sight::along(me.desired, me.speed);
-    let behind = -me.radius;
-    vectorize(|| {
-        for other in seen {
-            if other.offset.dot(me.desired) > behind {
-                sight.see(other, field.comfort_m);
-            }
-        }
-    });
+    vectorize(|| sight.see_all(seen, -me.radius, field.comfort_m));
     for &s in near {
         sight.see_solid(&solids[s as usize], me.position, me.radius, field.horizon_s);
     }
-    let (heading, free) = sight.choose(field, me.velocity, flow, me.position);
+    let (heading, free) = sight.choose(field, me, flow);
     // Slower where the way is not free for long.
-    let speed = me.speed * (free / (2.0 * field.relaxation_s)).min(1.0);
+    let mut speed = me.speed * (free / FREE_S).min(1.0);
     let rate = field.relaxation_s.recip();
     let driving = (me.desired * me.speed - me.velocity) * rate;
-    let turning = (heading * speed - me.desired * me.speed) * rate;
-    let mut f = Forces { driving, turning, safety: me.off_centre * -field.safety, ..Forces::default() };
+    // Room before those it goes behind; none to step aside, or to get in between those who stand at their goals.
+    let room_kept = if me.retreats { 0.0 } else { (me.left / PRESSING_M).min(1.0) };
+    let headway = field.headway_m * room_kept * heading.dot(me.desired).max(0.0).powi(2);
+    let mut f = Forces { driving, safety: me.off_centre * -field.safety, ..Forces::default() };
     for interest in interests {
         let (toward, distance) = (interest.position - me.position).unit_and_length();
         f.interaction += toward * (interest.strength * (1.0 - distance / interest.reach).max(0.0));
     }
     let mut escape = V::default();
-    let far = field.turning_m.max(field.decelerating_m).max(field.repulsion_m);
+    let behind_one = field.headway_m + field.headway_s * me.speed;
+    let far = field.turning_m.max(field.decelerating_m).max(field.repulsion_m).max(behind_one);
     for other in seen {
         if other.distance - other.radii < far && other.distance > 0.0 {
             feel(&mut f, me, field, other);
+            speed = speed.min(pace(heading, headway, field.headway_s, other));
         }
         if !other.yields {
             escape += dodge(me, field, other);
@@ -80,11 +89,26 @@ pub(crate) fn forces<V: Space>(me: &Walker<V>, field: &Field, around: &Surroundi
             feel(&mut f, me, field, &Seen { offset, velocity: V::default(), distance, radii: me.radius, yields: true });
         }
     }
+    f.turning += (heading * speed - me.desired * me.speed) * rate;
     // Who is to be run over thinks of nothing else.
     let rest = 1.0 - (escape.length() / me.limit).min(1.0);
     f.driving = f.driving * rest;
     f.turning = f.turning * rest + escape;
     f
+}
+
+/// Fastest one may go along a heading behind somebody: so that there is time to do as that one does, and room left
+/// where both stand. A clump keeps holes then through which others get, and those behind do not press.
+#[inline]
+fn pace<V: Space>(heading: V, room: f32, time: f32, other: &Seen<V>) -> f32 {
+    let along = other.offset.dot(heading);
+    let beside = other.distance * other.distance - along * along;
+    let wide = other.radii * WIDE;
+    if along <= 0.0 || beside > wide * wide {
+        return f32::INFINITY;
+    }
+    let gap = along - (other.radii * other.radii - beside).sqrt();
+    other.velocity.dot(heading).max(0.0) + ((gap - room) / time).max(0.0)
 }
 
 /// Adds what one neighbour does.

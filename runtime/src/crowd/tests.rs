@@ -6,10 +6,10 @@ use super::*;
 use glam::{Vec2, Vec3};
 
 /// A small seeded generator of shares.
-struct Shares(u64);
+pub(super) struct Shares(pub(super) u64);
 
 impl Shares {
-    fn next(&mut self) -> f32 {
+    pub(super) fn next(&mut self) -> f32 {
         self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         (self.0 >> 40) as f32 / (1u64 << 24) as f32
     }
@@ -150,6 +150,39 @@ fn a_snapshot_goes_on_as_the_crowd_did() {
         crowd.advance(5.0, &mut |_| {}).unwrap();
         assert_eq!(crowd.state_hash(), later);
     }
+}
+
+#[test]
+fn who_is_sent_again_and_again_takes_no_more_memory() {
+    let mut setup = crossing::<Vec2>(9, 2.0);
+    (setup.config.capacity, setup.config.largest_radius_m) = (10, 0.3);
+    let mut crowd = Crowd::new(setup).unwrap();
+    let ids: Vec<_> = crowd.ids().collect();
+    for i in 0..40 {
+        let away = Vec2::from_angle(i as f32) * 12.0;
+        crowd.send_along(ids[i % 2], to(away), 1.3).unwrap();
+        crowd.advance(0.2 * (i + 1) as f64, &mut |_| {}).unwrap();
+        let x = crowd.position(ids[i % 2], crowd.now()).unwrap();
+        let desired = crowd.desired_direction(ids[i % 2]).unwrap();
+        assert!((desired - (away - x).normalize()).length() < 1e-4, "it goes where it was sent last");
+    }
+    assert_eq!(crowd.world.splines.len(), 9 + 2);
+    // Nor do those who come after one another.
+    for _ in 0..5 {
+        let position = Vec2::new(40.0, 40.0);
+        let id = crowd.enter(Member { position, ..Member::default() }).unwrap();
+        crowd.send_along(id, to(Vec2::ZERO), 1.0).unwrap();
+        crowd.leave(id).unwrap();
+    }
+    assert_eq!(crowd.world.splines.len(), 9 + 3);
+    let before = crowd.state_hash();
+    assert!(crowd.send_along(ids[0], to(Vec2::ZERO), 9.0).is_err());
+    assert!(crowd.send_along(ids[0], Route { subgoals: vec![], ..to(Vec2::ZERO) }, 1.0).is_err());
+    assert_eq!(crowd.state_hash(), before);
+    let kept = crowd.snapshot();
+    crowd.restore(&kept).unwrap();
+    crowd.send_along(ids[1], to(Vec2::ZERO), 1.0).unwrap();
+    assert_eq!(crowd.world.splines.len(), 9 + 3);
 }
 
 #[test]

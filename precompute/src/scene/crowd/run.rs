@@ -51,6 +51,9 @@ pub struct CrowdReport {
     pub us_per_member_second: f64,
     /// Events of one member in one simulated second; in the fixed engine, steps that it took.
     pub events_per_member_second: f64,
+    /// Those of them at which the bound of one member entered or left cells; only the engine `occupancy` has such events.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub crossings_per_member_second: Option<f64>,
     /// Times that one member chose what to do in one simulated second.
     pub decisions_per_member_second: f64,
     /// Pairs that overlapped by more than 1 mm, for one member and frame at 30 Hz.
@@ -220,6 +223,8 @@ impl<V: Space> Meters<V> {
             wall_s_per_simulated_s: busy_s / seconds,
             us_per_member_second: 1e6 * busy_s / member_seconds,
             events_per_member_second: events(&counts) as f64 / member_seconds,
+            crossings_per_member_second: Some((counts.entering + counts.leaving) as f64 / member_seconds)
+                .filter(|c| *c > 0.0),
             decisions_per_member_second: counts.decisions as f64 / member_seconds,
             overlap_over_1mm_fraction: self.overlaps.over_1mm as f64 / frames,
             overlap_over_1cm_fraction: self.overlaps.over_1cm as f64 / frames,

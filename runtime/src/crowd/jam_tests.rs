@@ -1,0 +1,131 @@
+//! Tests of small crowds that would jam if everybody just pressed on.
+
+use super::tests::Shares;
+use super::*;
+use glam::Vec2;
+
+/// One who goes from a place through some others, and leaves at the last one.
+fn add(setup: &mut Setup<Vec2>, from: Vec2, through: &[Vec2]) {
+    setup.members.push(Member { position: from, route: setup.routes.len(), ..Member::default() });
+    setup.routes.push(Route { subgoals: through.to_vec(), arrival_radius: 1.0, at_end: AtEnd::Leave });
+}
+
+fn wall(from: [f32; 2], to: [f32; 2], radius: f32) -> Obstacle<Vec2> {
+    Obstacle::Wall { from: Vec2::from_array(from), to: Vec2::from_array(to), radius }
+}
+
+/// What is seen of a run, ten times a second.
+#[derive(Default)]
+struct Report {
+    /// Who is not gone at the end.
+    left_over: usize,
+    /// Deepest overlap. [Unit: m]
+    deepest: f32,
+    /// Seconds spent by members that turned back and forth more than twice a second and did not move on.
+    trembling: f32,
+}
+
+fn run(setup: Setup<Vec2>, seconds: usize) -> Report {
+    let mut crowd = Crowd::new(setup).unwrap();
+    let mut report = Report { deepest: f32::NEG_INFINITY, ..Report::default() };
+    for second in 0..seconds {
+        let ids: Vec<Id> = crowd.ids().collect();
+        let start: Vec<Vec2> = ids.iter().map(|&id| crowd.position(id, crowd.now()).unwrap()).collect();
+        let mut turns = vec![0; ids.len()];
+        let mut before = vec![Vec2::ZERO; ids.len()];
+        for tenth in 1..=10 {
+            crowd.advance(second as f64 + 0.1 * f64::from(tenth), &mut |_| {}).unwrap();
+            let here: Vec<(Vec2, f32)> =
+                crowd.ids().filter_map(|id| crowd.member(id)).map(|m| (m.position, m.radius)).collect();
+            for (i, (a, r)) in here.iter().enumerate() {
+                let depth = here[..i].iter().map(|(b, s)| r + s - a.distance(*b));
+                report.deepest = depth.fold(report.deepest, f32::max);
+            }
+            for (i, &id) in ids.iter().enumerate() {
+                let velocity = crowd.velocity(id, crowd.now()).unwrap_or_default();
+                if velocity.length() > 0.05 {
+                    turns[i] += usize::from(velocity.dot(before[i]) < 0.0);
+                    before[i] = velocity;
+                }
+            }
+        }
+        let trembles = |i: &usize| {
+            let stays = crowd.position(ids[*i], crowd.now()).is_some_and(|x| x.distance(start[*i]) < 0.2);
+            stays && turns[*i] > 2
+        };
+        report.trembling += (0..ids.len()).filter(trembles).count() as f32;
+    }
+    report.left_over = crowd.num_members();
+    report
+}
+
+#[test]
+fn two_groups_get_past_each_other_in_a_narrow_corridor() {
+    let mut setup = Setup::default();
+    let mut shares = Shares(5);
+    for side in [-1.0f32, 1.0] {
+        for i in 0..20 {
+            let jitter = Vec2::new(shares.next(), shares.next()) * 0.2;
+            let from = Vec2::new(side * (2.5 + (i / 4) as f32), (i % 4) as f32 - 1.6) + jitter;
+            add(&mut setup, from, &[from - Vec2::X * (side * 25.0)]);
+        }
+    }
+    setup.obstacles = vec![wall([-60.0, -2.0], [60.0, -2.0], 0.0), wall([-60.0, 2.0], [60.0, 2.0], 0.0)];
+    let report = run(setup, 45);
+    assert_eq!(report.left_over, 0);
+    assert!(report.deepest < 0.0 && report.trembling < 20.0, "{} m, {} s", report.deepest, report.trembling);
+}
+
+#[test]
+fn those_who_stand_in_rows_before_a_gap_go_through() {
+    let mut setup = Setup::default();
+    for (x, y) in [(-3.0, -0.3), (-3.0, 0.301), (-3.55, -0.6), (-3.55, 0.001), (-3.55, 0.602)] {
+        add(&mut setup, Vec2::new(x, y), &[Vec2::new(-1.0, 0.0), Vec2::new(1.0, 0.0), Vec2::new(8.0, 0.0)]);
+    }
+    setup.obstacles = vec![wall([0.0, 1.2], [0.0, 500.0], 0.2), wall([0.0, -1.2], [0.0, -500.0], 0.2)];
+    assert_eq!(run(setup, 20).left_over, 0);
+}
+
+#[test]
+fn a_packing_of_two_crowds_nose_to_nose_dissolves() {
+    let mut setup = Setup::default();
+    for i in 0..48 {
+        let (row, column) = (i / 8, i % 8);
+        let from = Vec2::new(column as f32 + 0.5 * (row % 2) as f32, row as f32 * 0.8661) * 0.6005;
+        let side = if column < 4 { 1.0 } else { -1.0 };
+        add(&mut setup, from, &[from + Vec2::X * (side * 20.0)]);
+    }
+    let report = run(setup, 45);
+    assert_eq!(report.left_over, 0);
+    assert!(report.deepest < 0.0 && report.trembling < 30.0, "{} m, {} s", report.deepest, report.trembling);
+}
+
+#[test]
+fn who_touches_a_long_wall_walks_on() {
+    for x in [17.92, 111.3, -203.7] {
+        let mut setup = Setup::default();
+        let from = Vec2::new(x, 0.000_15);
+        add(&mut setup, from, &[from + Vec2::new(-10.0, 0.3)]);
+        setup.obstacles = vec![wall([-500.0, -0.3], [500.0, -0.3], 0.0)];
+        assert_eq!(run(setup, 12).left_over, 0, "at {x}");
+    }
+}
+
+#[test]
+fn those_who_are_there_make_way_for_those_who_are_not() {
+    let mut setup = Setup::default();
+    // A ring of goals with gaps of 0.3 m; the last one has to get in between those who stand.
+    for i in 0..12 {
+        let goal = Vec2::from_angle(i as f32 * std::f32::consts::TAU / 12.0) * 1.75;
+        let from = if i == 0 { Vec2::new(-6.0, 0.1) } else { goal };
+        setup.members.push(Member { position: from, route: i, ..Member::default() });
+        setup.routes.push(Route { subgoals: vec![goal], arrival_radius: 0.5, at_end: AtEnd::Stay });
+    }
+    let mut crowd = Crowd::new(setup).unwrap();
+    let mut arrived = [false; 12];
+    let mut note = |e: &Event| arrived[e.member.index()] |= e.kind == EventKind::Arrived;
+    crowd.advance(25.0, &mut note).unwrap();
+    assert_eq!(arrived, [true; 12]);
+    let left = crowd.ids().map(|id| crowd.way_left(id).unwrap()).fold(0.0, f32::max);
+    assert!(left < 0.5, "all are at their places: {left} m");
+}

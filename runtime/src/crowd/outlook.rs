@@ -1,0 +1,133 @@
+//! Looking far: which directions the crowd at large makes better or worse.
+
+use super::flow::Flow;
+use super::sight::DIRECTIONS;
+use super::{Field, Space};
+
+/// Places along each direction where the flow is asked, in squares of its grid: so far away that nobody finds there
+/// what it added to the flow itself.
+const BESIDE: [f32; 3] = [1.7, 3.2, 4.7];
+/// How many of these tell how fast those who are there go; farther away only where they want to go counts.
+const NEAREST: usize = 2;
+/// Places straight on where those who come toward a member are looked for, in squares.
+const AHEAD: [f32; 5] = [3.0, 5.0, 7.0, 9.0, 11.0];
+/// Those who come toward it that make it turn aside with all its will.
+const MANY: f32 = 3.0;
+/// Members of a square to the right at which it turns aside less, and with which it does not: the right side is full.
+const FULL: [f32; 2] = [3.0, 5.0];
+/// Time for which a direction is free to be wholly worth turning to. [Unit: s]
+const FREE_S: f32 = 0.5;
+
+/// A member that looks far.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Far<'a, V> {
+    pub position: V,
+    /// Where it could go; the first one is the one it desires.
+    pub directions: &'a [V; DIRECTIONS],
+    /// Desired speed. [Unit: m/s]
+    pub speed: f32,
+    /// Way to its goal: what is beyond does not matter. [Unit: m]
+    pub left: f32,
+}
+
+impl<V: Space> Far<'_, V> {
+    /// How much better each direction is, with its component to the right and the time for which it is free.
+    ///
+    /// Worse where others stand or come toward the member, and where they want to go against it, even if they stand;
+    /// better where they want to go its way. Those who want the same thus follow each other, and lanes form. Where many
+    /// come straight toward it from afar, everybody turns to the right, while there is room: two crowds that meet
+    /// head-on slide past each other instead of pressing.
+    #[inline]
+    pub fn prefer(
+        &self,
+        field: &Field,
+        flow: &Flow<V>,
+        side: &[f32; DIRECTIONS],
+        free: &[f32; DIRECTIONS],
+    ) -> [f32; DIRECTIONS] {
+        let mut better = [0.0; DIRECTIONS];
+        let near = self.left * flow.per_m();
+        if self.speed <= 0.0 || near < BESIDE[0] {
+            return better;
+        }
+        let (at, ahead) = (self.position * flow.per_m(), self.directions[0]);
+        let per_speed = self.speed.recip();
+        if field.crowding > 0.0 || field.lanes > 0.0 {
+            for (better, &direction) in better.iter_mut().zip(self.directions) {
+                for (place, &k) in BESIDE.iter().enumerate().take_while(|(_, k)| **k <= near) {
+                    let square = flow.square(at + direction * k);
+                    *better -= field.lanes * square.contrary(ahead);
+                    if place < NEAREST {
+                        *better -= field.crowding * square.against(direction * per_speed);
+                    }
+                }
+            }
+        }
+        if field.evading > 0.0 {
+            let aside = self.evading(flow, at, near) * field.evading;
+            for i in 0..DIRECTIONS {
+                let open = if side[i] > 0.0 { (free[i] / FREE_S).min(1.0) } else { 1.0 };
+                better[i] += aside * side[i] * open;
+            }
+        }
+        better
+    }
+
+    /// How strongly it turns to the right for those who come toward it from afar. [Limit: 0 to 1]
+    #[inline]
+    fn evading(&self, flow: &Flow<V>, at: V, near: f32) -> f32 {
+        let ahead = self.directions[0];
+        let places = AHEAD.iter().take_while(|k| **k <= near);
+        let against: f32 = places.map(|&k| flow.square(at + ahead * k).opposed(ahead)).sum();
+        if against <= 0.0 {
+            return 0.0;
+        }
+        let right = at + ahead.right();
+        let there = flow.square(right).num().max(flow.square(right + ahead).num());
+        let room = ((FULL[1] - there) / (FULL[1] - FULL[0])).clamp(0.0, 1.0);
+        (against / MANY).min(1.0) * room
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::Vec2;
+
+    /// What somebody at the origin who goes along X prefers.
+    fn prefer(flow: &Flow<Vec2>, left: f32) -> [f32; DIRECTIONS] {
+        let directions = Vec2::X.fan();
+        let far = Far { position: Vec2::ZERO, directions: &directions, speed: 1.3, left };
+        let side = directions.map(|d| d.dot(Vec2::X.right()));
+        far.prefer(&Field::default(), flow, &side, &[9.0; DIRECTIONS])
+    }
+
+    #[test]
+    fn follows_those_who_want_its_way_and_keeps_off_those_who_do_not() {
+        let mut flow = Flow::new(0.3, Vec2::splat(60.0), 100);
+        // Two columns that stand: at 37 degrees to the right they want its way, to the left the other one.
+        for (direction, intent) in [(Vec2::X.fan()[3], Vec2::X), (Vec2::X.fan()[4], Vec2::NEG_X)] {
+            for k in BESIDE {
+                flow.add(direction * k * flow.side(), Vec2::ZERO, intent);
+            }
+        }
+        let better = prefer(&flow, 50.0);
+        assert!(better[3] > 0.1 && better[4] < -0.1, "{better:?}");
+        assert_eq!(prefer(&flow, 1.0), [0.0; DIRECTIONS], "all of it is beyond the goal");
+    }
+
+    #[test]
+    fn turns_right_for_a_crowd_that_comes_while_there_is_room() {
+        let mut flow = Flow::new(0.3, Vec2::splat(60.0), 100);
+        for k in AHEAD {
+            flow.add(Vec2::X * k * flow.side(), Vec2::NEG_X * 1.3, Vec2::NEG_X);
+        }
+        let better = prefer(&flow, 50.0);
+        assert!(better[3] > better[0] + 0.05 && better[4] < better[0] - 0.05, "{better:?}");
+        for _ in 0..5 {
+            flow.add(Vec2::X.right() * flow.side(), Vec2::X, Vec2::X);
+        }
+        let better = prefer(&flow, 50.0);
+        assert!((better[3] - better[4]).abs() < 0.02, "the right side is full: {better:?}");
+    }
+}
