@@ -66,7 +66,9 @@ fn parts(laid: &Laid, situations: &[u32], joined: &mut Joined<'_>) -> Result<(),
 fn overlaps(laid: &Laid, joined: &mut Joined<'_>) {
     let pairs = || (0u32..).zip(&laid.pairs).zip(&joined.crossing_of).filter(|(_, crossing)| **crossing != NONE);
     for ((_, (a, b, _)), _) in pairs() {
-        [a, b].map(|i| joined.parts[*i as usize].num_overlaps += 1);
+        for i in [a, b] {
+            joined.parts[*i as usize].num_overlaps += 1;
+        }
     }
     let mut next = 0;
     for part in &mut joined.parts {

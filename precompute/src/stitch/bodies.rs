@@ -88,12 +88,12 @@ impl Reach {
         Self { radius, heights }
     }
 
-    /// True where no sphere can be nearer to a unit than `by`, because of where the root is alone. [Unit: m]
-    fn is_apart(&self, root: Placement, unit: &Field, by: f32) -> bool {
-        let shapes = &unit.geometry.bounds;
-        unit.plan().beside(root.x, root.z) > self.radius + by
-            || root.y + self.heights[1] + by < shapes.min.y
-            || root.y + self.heights[0] - by > shapes.max.y
+    /// No sphere can be nearer to a unit than this, because of where the root is alone. [Unit: m]
+    fn apart(&self, root: Placement, unit: &Field) -> f32 {
+        let (shapes, beside) = (&unit.geometry.bounds, unit.plan().beside(root.x, root.z));
+        let above = root.y + self.heights[0] - shapes.max.y;
+        let below = shapes.min.y - root.y - self.heights[1];
+        (beside - self.radius).max(above).max(below)
     }
 }
 
@@ -192,7 +192,7 @@ impl Bodies {
     ///
     /// - `root`: in the unit's frame.
     pub fn collides(&self, frame: usize, root: Placement, unit: &Field) -> bool {
-        if self.reaches[frame].is_apart(root, unit, 0.0) {
+        if self.reaches[frame].apart(root, unit) > 0.0 {
             return false;
         }
         let pose = &self.frames[frame];
@@ -201,14 +201,18 @@ impl Bodies {
         ones(near).any(|s| unit.is_nearer(at(&centres, s as usize), limits[s as usize]))
     }
 
+    /// No part of the body of a frame can be nearer to a unit than this, because of where its root is alone. [Unit: m]
+    ///
+    /// - `root`: in the unit's frame.
+    pub fn apart(&self, frame: usize, root: Placement, unit: &Field) -> f32 {
+        self.reaches[frame].apart(root, unit)
+    }
+
     /// How far a unit may be moved without touching the body of a frame, or what of the body is in it.
     ///
     /// - `root`: in the unit's frame.
     /// - `most`: what is clearer is not told apart. [Unit: m] [Limit: <= SLACK_M]
     pub fn room(&self, frame: usize, root: Placement, unit: &Field, most: f32) -> Room {
-        if self.reaches[frame].is_apart(root, unit, most) {
-            return Room::Clear(most);
-        }
         let pose = &self.frames[frame];
         let (centres, limits) = (pose.placed(root), self.limits(pose, unit));
         let near = nearer(&gaps(&unit.geometry.bounds, &centres, limits), most + ROUNDING);

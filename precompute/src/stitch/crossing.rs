@@ -1,7 +1,7 @@
 //! The joints that may be taken between two instances, as sets of cells: what a search over a world follows.
 
 use super::bits::{num_words, set};
-use super::mask::Hit;
+use super::hit::Hit;
 use super::outcome::Outcome;
 use super::relation::Relation;
 use super::rows::Rows;

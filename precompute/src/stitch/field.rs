@@ -141,7 +141,9 @@ impl Field {
 
     /// Distances change by no more than the way to the middle of the grid cell, and rounding. [Unit: m]
     fn off(at: Vec3) -> f32 {
-        (at - at.floor() - 0.5).length() * Self::STEP_M + Self::ROUNDING_M
+        // Whole steps are 0 or more.
+        let whole = Vec3::from(at.to_array().map(|v| v as u32 as f32));
+        (at - whole - 0.5).length() * Self::STEP_M + Self::ROUNDING_M
     }
 }
 

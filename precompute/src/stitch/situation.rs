@@ -1,7 +1,7 @@
 //! What is left of a patch's motion among the units around it: the same for all instances with the same surroundings.
 
 use super::bits::{all_set, clear};
-use super::mask::Hit;
+use super::hit::Hit;
 use super::relation::Relation;
 use super::rows::Rows;
 use super::table::JointTable;

@@ -3,7 +3,7 @@
 
 use super::bodies::Bodies;
 use super::field::Field;
-use super::mask::looked_at;
+use super::hit::looked_at;
 use super::paths::Paths;
 use super::rows::ones;
 use crate::environment::Bounds;

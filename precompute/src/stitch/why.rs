@@ -1,7 +1,7 @@
 //! Why something of a world is taken out: found anew when somebody asks, stored nowhere.
 
 use super::editor::Editor;
-use super::mask;
+use super::hit::looked_at;
 use super::remains::Judged;
 use super::report::Reason;
 use throng_runtime::Joint;
@@ -97,7 +97,7 @@ impl Editor<'_> {
         let mut deepest: Option<Collision> = None;
         for (_, unit, relation) in self.made().laid.obstacles[first..].iter().take_while(|o| o.0 == instance) {
             let (field, to_unit) = (s.field(relation.b), relation.placement().inverse());
-            for k in mask::looked_at(roots.len()) {
+            for k in looked_at(roots.len()) {
                 let root = to_unit.compose(roots[k]);
                 let Some((joint, depth_m)) = s.bodies().deepest(first_row + k, root, field) else { continue };
                 if deepest.as_ref().is_none_or(|d| depth_m > d.depth_m) {

@@ -1,5 +1,6 @@
 //! Masks against scans over all frames.
 
+use super::super::hit::looked_at;
 use super::super::library::Library;
 use super::*;
 use crate::clip::joint_transforms;
@@ -14,24 +15,6 @@ use throng_runtime::format::FrameRow;
 use throng_runtime::patch::{LinkRecord, PatchRecord, Patches};
 use throng_runtime::world::is_set;
 use throng_runtime::{Contacts, Skeleton};
-
-#[test]
-fn the_first_and_the_last_collision_of_a_link_are_found() {
-    let clear =
-        |frames: &[usize], k: usize| frames.iter().map(|&f| f.abs_diff(k)).min().map_or(99, |d| d.saturating_sub(1));
-    let hit = |frames: &[usize]| of_link(30, None, [0, 29], |k| (!frames.contains(&k)).then(|| clear(frames, k)));
-    assert_eq!(hit(&[]), None);
-    assert_eq!(hit(&[4, 6, 20]), Some(Hit { first: 4, last: 20 }));
-    assert_eq!(hit(&[29]), Some(Hit { first: 29, last: 29 }));
-    assert_eq!(hit(&[8]), Some(Hit { first: 8, last: 8 }));
-    let frames = [4, 10, 20];
-    let known = |offsets| of_link(30, Some(10), offsets, |k| (!frames.contains(&k)).then(|| clear(&frames, k)));
-    assert_eq!(known([7, 25]), Some(Hit { first: 4, last: 20 }));
-    assert_eq!(known([10, 25]), Some(Hit { first: 10, last: 20 }));
-    assert_eq!(known([3, 9]), Some(Hit { first: 4, last: 10 }));
-    assert_eq!(of_link(30, Some(29), [0, 29], |k| (k != 29).then_some(0)), Some(Hit { first: 29, last: 29 }));
-    assert_eq!(Hit { first: 8, last: 8 }.union(Hit { first: 2, last: 4 }), Hit { first: 2, last: 8 });
-}
 
 /// A tile whose links are random curves, on which bodies swing their limbs.
 struct Walks {
@@ -163,9 +146,14 @@ proptest! {
                         let most = moves.fold(0.0, f32::max) + if contacts(k) == contacts(k - 1) { 1e-4 } else { 0.15 };
                         prop_assert!(all[k] <= all[k - 1].max(0.0) + most, "link {}, frame {}: {}", l, k, all[k]);
                     }
-                    match mask.links[l] {
+                    match mask.looks.seen[l] {
                         Seen::Collides(touch) => prop_assert!(all[usize::from(touch.frame)] > -1e-4),
-                        Seen::Clear(clear) => prop_assert!(clear.least() <= -deepest + 1e-4),
+                        Seen::Clear(first) => {
+                            for (look, k) in looked_at(all.len()).enumerate() {
+                                let clear = mask.looks.clear[first as usize + look].least();
+                                prop_assert!(clear <= (-all[k]).max(0.0) + 1e-4, "link {}, frame {}: {}", l, k, clear);
+                            }
+                        }
                         Seen::Nothing => {}
                     }
                 }

@@ -86,9 +86,10 @@ fn is_kept(before: &Laid, relaid: &Relaid) -> Result<(), TestCaseError> {
     }
     // All relations that are not there any more are named, and all that are new.
     let relations = |of: &[(u32, u32, Relation)]| of.iter().map(|p| p.2).collect::<BTreeSet<_>>();
-    for (k, of) in [|l: &Laid| relations(&l.pairs), |l: &Laid| relations(&l.obstacles)].into_iter().enumerate() {
+    for (k, [old, new]) in [[&before.pairs, &laid.pairs], [&before.obstacles, &laid.obstacles]].into_iter().enumerate()
+    {
         let named: BTreeSet<_> = kept.gone[k].iter().copied().collect();
-        prop_assert!(of(before).difference(&of(laid)).all(|r| named.contains(r)));
+        prop_assert!(relations(old).difference(&relations(new)).all(|r| named.contains(r)));
     }
     let new: BTreeSet<_> = kept.new_obstacles.iter().copied().collect();
     prop_assert!(relations(&laid.obstacles).difference(&relations(&before.obstacles)).all(|r| new.contains(r)));

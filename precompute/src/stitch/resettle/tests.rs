@@ -3,8 +3,8 @@
 use super::super::bits::all_set;
 use super::super::component::Ways;
 use super::super::crossing::Crossing;
+use super::super::hit::Hit;
 use super::super::joined::{Overlap, Part, exits};
-use super::super::mask::Hit;
 use super::super::relation::Relation;
 use super::super::settled::{Standing, settle};
 use super::super::situation::{Situation, Surroundings};

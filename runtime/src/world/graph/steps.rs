@@ -106,6 +106,22 @@ impl<'w> WorldGraph<'w> {
         (entry.instance != NONE && self.is_enabled(entry)).then_some(entry)
     }
 
+    /// True for the cells of an instance at which some step ends. Others are only passed, on the way across a joint from
+    /// another block's cell into a link that begins there: no way leads to them.
+    pub(crate) fn come_to(&self, instance: u32, cells: &mut Vec<bool>) {
+        cells.clear();
+        cells.resize(self.cells(instance).len(), self.is_tile(instance));
+        for (link, l) in (0u32..).zip(self.links(instance)) {
+            cells[l.to as usize] |= self.is_link_enabled(instance, link);
+        }
+        let is_tile = |table: &JointTableRecord| self.patches.patches[table.patch_a as usize].kind == KIND_TILE;
+        for (_, adjacency, table) in self.adjacencies(instance).filter(|(_, a, t)| a.side == 1 && is_tile(t)) {
+            for (k, j) in self.joints(table).iter().enumerate() {
+                cells[j.b as usize] |= self.may_go(adjacency, k, true);
+            }
+        }
+    }
+
     /// Adjacencies of an instance, each with its table and number.
     pub(crate) fn adjacencies(
         &self,

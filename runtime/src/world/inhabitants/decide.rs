@@ -81,6 +81,7 @@ impl Inhabitants {
     /// The next step of a character.
     fn decide(&mut self, graph: &WorldGraph<'_>, c: usize) -> Option<Step> {
         if let Some(step) = self.chains.pop(c) {
+            self.count(graph, c, &step);
             return Some(step);
         }
         if self.minds[c].detour == 0 && self.time_s < self.minds[c].until_s {
@@ -108,7 +109,20 @@ impl Inhabitants {
         if self.has_performed(c) || target.is_at(graph, self.minds[c].at) {
             return self.there(graph, c, target);
         }
-        self.follow(graph, c).or_else(|| self.rest(graph, c))
+        let step = self.follow(graph, c);
+        step.iter().for_each(|step| self.count(graph, c, step));
+        step.or_else(|| self.rest(graph, c))
+    }
+
+    /// Counts a step towards how long was done what is to be performed. Of a slide, the first part is on the way to
+    /// where one may stop and begin again.
+    fn count(&mut self, graph: &WorldGraph<'_>, c: usize, step: &Step) {
+        let mind = &mut self.minds[c];
+        if let Wish::Perform { tag, .. } = mind.wish
+            && graph.link(step).is_some_and(|l| l.tag == tag)
+        {
+            mind.performed += step.num_frames();
+        }
     }
 
     /// True for who has done for long enough what it was to perform.
@@ -130,7 +144,7 @@ impl Inhabitants {
             self.minds[c].doing = Doing::Performing;
             let shown = self.pick(graph, c, |s| graph.link(s).is_some_and(|l| l.tag == tag));
             let step = shown.and_then(|step| self.go(graph, c, step));
-            self.minds[c].performed += step.map_or(0, |s| s.num_frames());
+            step.iter().for_each(|step| self.count(graph, c, step));
             return step.or_else(|| self.rest(graph, c));
         }
         let mind = &mut self.minds[c];

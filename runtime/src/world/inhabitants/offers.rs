@@ -1,17 +1,25 @@
-//! Which instances offer what: motion with a tag that begins where a character can come to rest.
+//! Which instances offer what: motion with a tag that begins where a character can come to, and can come to rest.
 
-use super::Inhabitants;
+use super::{Doing, Inhabitants, Wish};
 use crate::world::{Node, WorldGraph};
 
 /// Instances that offer each tag, by `tag - 1`.
 pub(super) fn by_tag(graph: &WorldGraph<'_>) -> Vec<Vec<u32>> {
     let num_tags = graph.patches().links.iter().map(|l| usize::from(l.tag)).max().unwrap_or(0);
     let mut out = vec![Vec::new(); num_tags];
+    let mut come_to = Vec::new();
     for instance in 0..graph.num_instances() as u32 {
+        come_to.clear();
         for l in graph.links(instance) {
             let Some(list) = usize::from(l.tag).checked_sub(1).map(|t| &mut out[t]) else { continue };
             let from = Node { instance, cell: l.from };
-            if list.last() != Some(&instance) && graph.begins(from, l.tag) {
+            if list.last() == Some(&instance) || !graph.begins(from, l.tag) {
+                continue;
+            }
+            if come_to.is_empty() {
+                graph.come_to(instance, &mut come_to);
+            }
+            if come_to[l.from as usize] {
                 list.push(instance);
             }
         }
@@ -19,15 +27,33 @@ pub(super) fn by_tag(graph: &WorldGraph<'_>) -> Vec<Vec<u32>> {
     out
 }
 
+/// What waiting is weighed by against going elsewhere: who walks comes that far. [Unit: m/s]
+const WALK_MPS: f32 = 1.2;
+/// Who has come to stay stays that long, as far as others can tell. [Unit: s]
+const STAY_S: f32 = 60.0;
+
 impl Inhabitants {
-    /// The nearest instance that offers a tag, of those that nobody else holds where there are any.
+    /// The instance that offers a tag and is soonest to be had: near, and free or soon left by who holds it.
     pub(super) fn nearest_offer(&self, graph: &WorldGraph<'_>, character: usize, tag: u16) -> Option<u32> {
         let list = self.offers.get(usize::from(tag).checked_sub(1)?)?;
         let here = graph.place(self.minds[character].at).translation();
-        let far = |i: u32| {
-            let held = !self.holders.are_free(graph.resources(i), character as u32);
-            (held, (graph.centre(i) - here).length_squared())
+        let far = |i: u32| (graph.centre(i) - here).length() + WALK_MPS * self.held_for_s(graph, character, i);
+        list.iter().copied().min_by(|&a, &b| far(a).total_cmp(&far(b)))
+    }
+
+    /// About how long others will hold an instance; 0 where it is free. [Unit: s]
+    fn held_for_s(&self, graph: &WorldGraph<'_>, character: usize, instance: u32) -> f32 {
+        let others = graph.resources(instance).iter().filter_map(|&u| self.holders.of(u)).map(|c| c as usize);
+        let stays = |c: usize| {
+            let (mind, passes_s) = (&self.minds[c], self.config.patience_s);
+            match (mind.doing, mind.wish) {
+                (Doing::Performing, Wish::Perform { seconds, .. }) => {
+                    (seconds - mind.performed as f32 / self.rate_hz).max(passes_s)
+                }
+                (Doing::Arrived, _) => STAY_S,
+                _ => passes_s,
+            }
         };
-        list.iter().copied().min_by(|&a, &b| far(a).partial_cmp(&far(b)).unwrap_or(std::cmp::Ordering::Equal))
+        others.filter(|&c| c != character).map(stays).fold(0.0, f32::max)
     }
 }
