@@ -1,18 +1,20 @@
 //! The graph over a world: nodes are (instance, cell), edges are links and joints. It is never stored, only walked.
 
 mod bounds;
+mod joints;
 mod passages;
 mod rest;
 mod steps;
 
 pub(crate) use bounds::Bounds;
-pub(crate) use steps::Crossing;
+pub(crate) use steps::{Crossing, Walk};
 pub use steps::{Node, Step};
 
 use super::atlas::Atlas;
 use super::{InstanceRecord, WorldError, WorldView, is_set};
 use crate::patch::{CellRecord, KIND_TILE, LinkRecord, NONE, Patches, Placement};
 use glam::Vec3;
+use joints::JointIndex;
 use std::sync::{Arc, OnceLock};
 
 /// A world with its patches, and what is worked out of them once: where every instance's nodes are counted from, which
@@ -27,6 +29,8 @@ pub struct WorldGraph<'w> {
     to_rest: Vec<u32>,
     /// True for instances that are part of a narrow passage.
     narrow: Vec<bool>,
+    /// Where joints are in their tables.
+    joints: JointIndex,
     /// Which ways between instances are open.
     pub(crate) bounds: Bounds,
     /// What planning relies on, from the first planner on.
@@ -59,6 +63,7 @@ impl<'w> WorldGraph<'w> {
             first_node,
             to_rest: Vec::new(),
             narrow: Vec::new(),
+            joints: JointIndex::new(&patches, &world),
             bounds: Bounds::default(),
             atlas: Arc::default(),
         };

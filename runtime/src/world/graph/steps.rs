@@ -45,6 +45,28 @@ impl Step {
     }
 }
 
+/// Who looks at the steps that can be taken from a node.
+pub(crate) trait Walk {
+    /// True where steps along the links of a cell are to be followed: of the node, or of a block's cell that is joined to
+    /// it.
+    fn leaves(&mut self, from: Node) -> bool;
+    /// Takes a step.
+    fn follow(&mut self, step: Step);
+}
+
+/// Looks at all of them.
+struct All<F>(F);
+
+impl<F: FnMut(Step)> Walk for All<F> {
+    fn leaves(&mut self, _: Node) -> bool {
+        true
+    }
+
+    fn follow(&mut self, step: Step) {
+        (self.0)(step);
+    }
+}
+
 /// What a joint leads to from a cell of a block.
 pub(crate) enum Crossing {
     /// A cell of another block, which is left along a link.
@@ -69,16 +91,35 @@ impl<'w> WorldGraph<'w> {
     }
 
     /// Calls `visit` with every step that can be taken from a node.
-    pub fn for_each_step(&self, node: Node, mut visit: impl FnMut(Step)) {
-        let cell = self.cell(node);
-        let tile = self.is_tile(node.instance);
-        let links = cell.first_link..cell.first_link + cell.num_links;
-        links.clone().filter_map(|l| self.step_along(node.instance, l)).for_each(&mut visit);
-        if tile {
-            self.for_each_way_out(node.instance, links, &mut visit);
-        } else {
-            self.for_each_joint(node, &mut visit);
+    pub fn for_each_step(&self, node: Node, visit: impl FnMut(Step)) {
+        self.walk(node, &mut All(visit));
+    }
+
+    /// The same, and says before from where.
+    pub(crate) fn walk(&self, node: Node, walk: &mut impl Walk) {
+        if walk.leaves(node) {
+            self.for_each_link_step(node, |s| walk.follow(s));
         }
+        if self.is_tile(node.instance) {
+            let cell = self.cell(node);
+            let links = cell.first_link..cell.first_link + cell.num_links;
+            self.for_each_way_out(node.instance, links, |s| walk.follow(s));
+            return;
+        }
+        // From cell to cell one goes on along a link: joints do not follow each other without motion, which would carry a
+        // character farther and farther from where its own motion ended.
+        self.for_each_crossing(node, |_, crossing| match crossing {
+            Crossing::Link(step) => walk.follow(step),
+            Crossing::Cell(to) if walk.leaves(to) => self.for_each_link_step(to, |s| walk.follow(s)),
+            Crossing::Cell(_) => {}
+        });
+    }
+
+    /// Steps along whole links from a cell.
+    fn for_each_link_step(&self, from: Node, visit: impl FnMut(Step)) {
+        let cell = self.cell(from);
+        let links = cell.first_link..cell.first_link + cell.num_links;
+        links.filter_map(|l| self.step_along(from.instance, l)).for_each(visit);
     }
 
     /// The step that plays a whole link, where the link and the node it leads to are enabled.
@@ -146,22 +187,21 @@ impl<'w> WorldGraph<'w> {
     ) -> impl Iterator<Item = (usize, &'w JointRecord)> {
         let (joints, on_a) = (self.joints(table), adjacency.side == 0);
         let order = &self.world.joints_by_b[table.first_joint as usize..][..table.num_joints as usize];
-        let first = match on_a {
-            true => joints.partition_point(|j| j.a < at),
-            false => order.partition_point(|&k| joints[k as usize].b < at),
+        let places = match on_a {
+            true => self.joints.at_a(adjacency.table, at..at + 1),
+            false => self.joints.at_b(adjacency.table, at),
         };
         let number = move |k: usize| if on_a { k } else { order[k] as usize };
-        let all = (first..joints.len()).map(move |k| (number(k), &joints[number(k)]));
-        all.take_while(move |(_, j)| at == if on_a { j.a } else { j.b })
+        places.map(move |k| (number(k), &joints[number(k)]))
     }
 
     /// Steps that leave links of a tile before their ends, into blocks. The rest of a link may be disabled: joints have
     /// bits of their own, set where what is played of the link is free of obstacles.
-    fn for_each_way_out(&self, instance: u32, links: Range<u32>, visit: &mut impl FnMut(Step)) {
+    fn for_each_way_out(&self, instance: u32, links: Range<u32>, mut visit: impl FnMut(Step)) {
         for (_, adjacency, table) in self.adjacencies(instance).filter(|(_, a, _)| a.side == 0) {
             let joints = self.joints(table);
-            let first = joints.partition_point(|j| j.a < links.start);
-            for (k, j) in joints.iter().enumerate().skip(first).take_while(|(_, j)| j.a < links.end) {
+            for k in self.joints.at_a(adjacency.table, links.clone()) {
+                let j = &joints[k];
                 let to = Node { instance: adjacency.other, cell: j.b };
                 if self.may_go(adjacency, k, true) && self.is_enabled(to) {
                     visit(Step { to, instance, link: j.a, from_offset: 0, to_offset: j.a_offset as u16 });
@@ -170,48 +210,21 @@ impl<'w> WorldGraph<'w> {
         }
     }
 
-    /// Steps from a cell of a block into other instances.
-    ///
-    /// From cell to cell one goes on along a link: joints do not follow each other without motion, which would carry a
-    /// character farther and farther from where its own motion ended.
-    fn for_each_joint(&self, node: Node, visit: &mut impl FnMut(Step)) {
-        self.for_each_crossing(node, |_, crossing| match crossing {
-            Crossing::Link(step) => visit(step),
-            Crossing::Cell(to) => {
-                let cell = self.cell(to);
-                let links = cell.first_link..cell.first_link + cell.num_links;
-                links.filter_map(|l| self.step_along(to.instance, l)).for_each(&mut *visit);
-            }
-        });
-    }
-
     /// Calls `visit` with all that joints of a block's cell lead to, each with its adjacency.
     pub(crate) fn for_each_crossing(&self, node: Node, mut visit: impl FnMut(&AdjacencyRecord, Crossing)) {
         for (_, adjacency, table) in self.adjacencies(node.instance) {
-            let joints = self.joints(table);
-            let mut cross = |k: usize, to_b: bool, cell: u32| {
-                let to = Node { instance: adjacency.other, cell };
+            let to_b = adjacency.side == 0;
+            let into_tile = !to_b && self.patches.patches[table.patch_a as usize].kind == KIND_TILE;
+            for (k, j) in self.joints_at(adjacency, table, node.cell) {
+                if into_tile {
+                    if let Some(step) = self.enter_link(adjacency, k, j) {
+                        visit(adjacency, Crossing::Link(step));
+                    }
+                    continue;
+                }
+                let to = Node { instance: adjacency.other, cell: if to_b { j.b } else { j.a } };
                 if self.may_go(adjacency, k, to_b) && self.is_enabled(to) {
                     visit(adjacency, Crossing::Cell(to));
-                }
-            };
-            if adjacency.side == 0 {
-                let first = joints.partition_point(|j| j.a < node.cell);
-                for (k, j) in joints.iter().enumerate().skip(first).take_while(|(_, j)| j.a == node.cell) {
-                    cross(k, true, j.b);
-                }
-                continue;
-            }
-            let order = &self.world.joints_by_b[table.first_joint as usize..][..table.num_joints as usize];
-            let first = order.partition_point(|&k| joints[k as usize].b < node.cell);
-            let here = order[first..].iter().map(|&k| k as usize).take_while(|&k| joints[k].b == node.cell);
-            if self.patches.patches[table.patch_a as usize].kind != KIND_TILE {
-                here.for_each(|k| cross(k, false, joints[k].a));
-                continue;
-            }
-            for k in here {
-                if let Some(step) = self.enter_link(adjacency, k, &joints[k]) {
-                    visit(adjacency, Crossing::Link(step));
                 }
             }
         }

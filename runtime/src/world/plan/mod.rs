@@ -125,13 +125,15 @@ impl Planner {
         tries: &[Try],
         out: &mut [Step],
     ) -> Option<Plan> {
-        let (atlas, mut opened_nodes) = (graph.atlas(), 0);
-        // Who finds no way among the best ones, or none that is surely good, looks everywhere.
-        for all in [false, true] {
-            if !self.upper.run(graph, atlas, target, from, all) {
+        let (atlas, mut opened_nodes, mut opened_instances) = (graph.atlas(), 0, 0);
+        let mut most = 0.0;
+        loop {
+            if !self.upper.run(graph, atlas, target, from, most) {
                 return None;
             }
+            opened_instances += self.upper.opened;
             let least = self.upper.estimate(graph, atlas, from).min(self.upper.limit);
+            let mut worse = f32::INFINITY;
             for t in tries {
                 let mut way = Way { graph, atlas, target, t, upper: &mut self.upper, toll };
                 let found = self.nodes.search(graph, from, &mut way, t.most);
@@ -139,16 +141,21 @@ impl Planner {
                 let Found::Way(way) = found else { continue };
                 let cost = self.nodes.cost(way);
                 if t.again && cost > t.greed * self.upper.limit {
+                    // What the upper layer left out might lead to a better one.
+                    worse = cost;
                     break;
                 }
                 let proved = if t.again { cost / t.greed } else { 0.0 };
                 let least = least.max(proved).ceil() as u32;
                 let plan = self.report(graph, way, out);
                 let least_frames = least.min(plan.num_frames);
-                return Some(Plan { opened_nodes, opened_instances: self.upper.opened, least_frames, ..plan });
+                return Some(Plan { opened_nodes, opened_instances, least_frames, ..plan });
             }
+            if most == f32::INFINITY {
+                return None;
+            }
+            most = worse;
         }
-        None
     }
 
     /// Writes the steps of a way that was found.

@@ -2,6 +2,7 @@
 
 use super::heap::Heap;
 use crate::patch::NONE;
+use crate::world::graph::Walk;
 use crate::world::{Node, Step, WorldGraph};
 use bytemuck::{Pod, Zeroable};
 
@@ -52,12 +53,24 @@ pub(crate) struct Nodes {
 #[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
 #[repr(C)]
 struct State {
-    /// The search that came to it, and the one that opened it.
+    /// The search that came to it, an even number, and 1 where it was opened.
     stamp: u32,
-    opened_by: u32,
-    /// Of the best way there, and from there on. [Unit: frames]
+    /// Of the best way there, and from there on; not a number where nobody asked for that. [Unit: frames]
     cost: f32,
     estimate: f32,
+    /// What the best way there had cost when the links from it were followed; infinite before. [Unit: frames]
+    left: f32,
+}
+
+impl State {
+    /// Of a node that nobody came to.
+    fn new(stamp: u32) -> Self {
+        Self { stamp, cost: f32::INFINITY, estimate: f32::NAN, left: f32::INFINITY }
+    }
+
+    fn is_opened(&self) -> bool {
+        self.stamp & 1 == 1
+    }
 }
 
 impl Nodes {
@@ -77,7 +90,7 @@ impl Nodes {
     /// Looks for the cheapest way from a node to a target, opening at most `most` nodes.
     pub fn search(&mut self, graph: &WorldGraph<'_>, from: Node, space: &mut impl Space, most: usize) -> Found {
         self.begin();
-        let start = State { stamp: self.stamp, ..State::default() };
+        let start = State { cost: 0.0, estimate: 0.0, ..State::new(self.stamp) };
         self.reach(graph.index(from) as u32, start, NONE, &Step { to: from, ..Step::NONE });
         while let Some((_, at)) = self.heap.pop() {
             let node = self.step(at).to;
@@ -88,29 +101,12 @@ impl Nodes {
                 return Found::Limit;
             }
             self.opened += 1;
-            let state = State { opened_by: self.stamp, ..self.state(at) };
-            self.states[at as usize] = bytemuck::cast(state);
+            let state = self.state(at);
+            self.states[at as usize] = bytemuck::cast(State { stamp: self.stamp | 1, ..state });
             let cost = state.cost;
-            graph.for_each_step(node, |step| self.follow(graph, space, at, cost, &step));
+            graph.walk(node, &mut Opening { nodes: self, graph, space, at, cost });
         }
         Found::Nothing
-    }
-
-    /// Takes a step from a node that is opened.
-    fn follow(&mut self, graph: &WorldGraph<'_>, space: &mut impl Space, at: u32, cost: f32, step: &Step) {
-        let (total, to) = (cost + space.cost(step), graph.index(step.to) as u32);
-        let mut state = self.state(to);
-        if state.stamp != self.stamp {
-            if !space.admits(step.to.instance) {
-                return;
-            }
-            // Once for all ways that lead there.
-            (state.stamp, state.estimate) = (self.stamp, space.estimate(step.to));
-        } else if total >= state.cost || state.opened_by == self.stamp && !space.opens_again() {
-            return;
-        }
-        state.cost = total;
-        self.reach(to, state, at, step);
     }
 
     /// Writes the first steps of a way, as many as there is room for, and returns how many it has.
@@ -158,17 +154,19 @@ impl Nodes {
     }
 
     fn begin(&mut self) {
-        self.stamp = self.stamp.wrapping_add(1);
+        self.stamp = self.stamp.wrapping_add(2);
         if self.stamp == 0 {
             self.states.fill([0; 4]);
-            self.stamp = 1;
+            self.stamp = 2;
         }
         self.opened = 0;
         self.heap.clear();
     }
 
+    /// What this search knows of a node.
     fn state(&self, at: u32) -> State {
-        bytemuck::cast(self.states[at as usize])
+        let state: State = bytemuck::cast(self.states[at as usize]);
+        if state.stamp & !1 == self.stamp { state } else { State::new(self.stamp) }
     }
 
     /// Notes the best way to a node so far.
@@ -190,5 +188,43 @@ impl Nodes {
         let [to, cell, instance, link, offsets] = self.steps[at as usize];
         let (from_offset, to_offset) = ((offsets >> 16) as u16, offsets as u16);
         Step { to: Node { instance: to, cell }, instance, link, from_offset, to_offset }
+    }
+}
+
+/// A node that is opened.
+struct Opening<'a, 'w, S> {
+    nodes: &'a mut Nodes,
+    graph: &'a WorldGraph<'w>,
+    space: &'a mut S,
+    at: u32,
+    cost: f32,
+}
+
+impl<S: Space> Walk for Opening<'_, '_, S> {
+    /// Where blocks overlap, many cells are joined to the same one: its links are followed for the first of them.
+    fn leaves(&mut self, from: Node) -> bool {
+        let at = self.graph.index(from) as u32;
+        let state = self.nodes.state(at);
+        let first = self.cost < state.left;
+        if first {
+            self.nodes.states[at as usize] = bytemuck::cast(State { left: self.cost, ..state });
+        }
+        first
+    }
+
+    fn follow(&mut self, step: Step) {
+        let (total, to) = (self.cost + self.space.cost(&step), self.graph.index(step.to) as u32);
+        let mut state = self.nodes.state(to);
+        if total >= state.cost || state.is_opened() && !self.space.opens_again() {
+            return;
+        }
+        if state.estimate.is_nan() {
+            if !self.space.admits(step.to.instance) {
+                return;
+            }
+            state.estimate = self.space.estimate(step.to);
+        }
+        state.cost = total;
+        self.nodes.reach(to, state, self.at, &step);
     }
 }

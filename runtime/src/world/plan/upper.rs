@@ -11,8 +11,8 @@ use crate::world::{Node, WorldGraph};
 use glam::Vec3;
 
 /// The search goes on to ways that cost this many times what the best one does, and so much more. [Unit: frames]
-const BESIDE: f32 = 1.1;
-const BESIDE_FRAMES: f32 = 60.0;
+const BESIDE: f32 = 1.05;
+const BESIDE_FRAMES: f32 = 30.0;
 
 /// Memory of the upper layer, and what its last search found.
 #[derive(Clone, Debug)]
@@ -74,25 +74,24 @@ impl Upper {
         }
     }
 
-    /// A* from the target backwards, until more ways on would not help whoever begins at `from`; `all` leaves
-    /// none out.
+    /// A* from the target backwards, until more ways on would hardly help whoever begins at `from`, nor be part of any way
+    /// that costs less than `most`.
     ///
     /// - returns false where no way leads from there to the target.
-    pub fn run(&mut self, graph: &WorldGraph<'_>, atlas: &Atlas, target: Target, from: Node, all: bool) -> bool {
+    pub fn run(&mut self, graph: &WorldGraph<'_>, atlas: &Atlas, target: Target, from: Node, most: f32) -> bool {
         self.begin();
         self.from = graph.place(from).translation();
         if !self.end.find(graph, atlas, target) {
             return false;
         }
         let mut least = self.end.cost(graph, atlas, from);
-        self.limit = if all { f32::INFINITY } else { least * BESIDE + BESIDE_FRAMES };
+        let limit = |least: f32| most.max(least * BESIDE + BESIDE_FRAMES);
+        self.limit = limit(least);
         self.reach_from_end(atlas);
         while let Some((key, state)) = self.heap.pop() {
-            if !all {
-                self.limit = least * BESIDE + BESIDE_FRAMES;
-                if key > self.limit {
-                    return true;
-                }
+            self.limit = limit(least);
+            if key > self.limit {
+                return true;
             }
             let cost = self.costs[state as usize];
             self.opened += 1;
