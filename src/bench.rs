@@ -29,9 +29,9 @@ use throng_precompute::stitch::WorldSource;
 /// one frame takes the place of another)}.
 ///
 /// Of a world (`.toml`): world, instances, cells, transitions, stitch_seconds (all threads), peak_bytes, edits [unit,
-/// placed (how many), place (the one that was moved, the middle one), done (moves that were not refused), seconds (moving
-/// it a few centimetres on, all threads, the median; null where all were refused), over_stitch], one for every kind of
-/// unit, paths {found, seconds_mean, seconds_max, length_mean_m,
+/// placed (how many), place (the one that was moved), step_m (how far each time: a few centimetres, or its own length where
+/// it only fits a raster), done (moves that were not refused), seconds (all threads, the median; null where all were
+/// refused), over_stitch], one for every kind of unit, paths {found, seconds_mean, seconds_max, length_mean_m,
 /// length_max_m, duration_mean_s, opened_instances_mean (ways of the upper layer), opened_nodes_mean, first_seconds (making
 /// the planner), slowest (instances from and to), compared, over_dijkstra_mean, over_dijkstra_max, worst (instances from and
 /// to; null in worlds too large to search through), over_bound_max (over what no way takes less than)}, paths_soon {the same
@@ -153,7 +153,9 @@ fn print_world(w: &WorldFigures) -> Outcome {
 fn edit(e: &EditFigures) -> String {
     let what = format!("{} (place {}, one of {})", e.unit, e.place, e.placed);
     match (e.seconds, e.over_stitch) {
-        (Some(s), Some(share)) => format!("{what}: {:.1} ms, {share:.4} of stitching anew", 1e3 * s),
+        (Some(s), Some(share)) => {
+            format!("{what} by {:.2} m: {:.1} ms, {share:.4} of stitching anew", e.step_m, 1e3 * s)
+        }
         _ => format!("{what}: every move was refused"),
     }
 }

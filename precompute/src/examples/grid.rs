@@ -4,7 +4,7 @@ use super::cardinal::CardinalBasis;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 use rayon::prelude::*;
-use throng_runtime::blend::{AxisRecord, MAX_AXES, WeightGrid};
+use throng_runtime::blend::{AxisRecord, MAX_AXES, MAX_KNOTS, WeightGrid};
 
 /// Random points at which a table is compared with the exact functions, and as many lines that show the error along
 /// each axis.
@@ -61,7 +61,7 @@ pub struct TooLarge {
 /// points.
 ///
 /// # Errors
-/// [`TooLarge`] where it takes more than `max_bytes`, or where no division that is looked at is fine enough.
+/// [`TooLarge`] where it takes more than `max_bytes` or [`MAX_KNOTS`], or where no division that is looked at is fine enough.
 pub fn tabulate(
     basis: &CardinalBasis,
     (low, high): (Vec<f64>, Vec<f64>),
@@ -76,7 +76,7 @@ pub fn tabulate(
             grid.knots[axis] = lines.knots_for(axis, share, grid.knots[axis]);
         }
         let bytes = grid.num_knots() as u64 * stride(basis) as u64 * 4;
-        if bytes > max_bytes || share < LEAST_SHARE * tolerance {
+        if bytes > max_bytes || grid.num_knots() > MAX_KNOTS as usize || share < LEAST_SHARE * tolerance {
             let errors = (0..grid.knots.len()).map(|k| lines.error(k, grid.knots[k])).collect();
             return Err(TooLarge { knots: grid.knots, bytes, errors });
         }

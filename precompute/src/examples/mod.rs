@@ -30,7 +30,9 @@ use posture::Postures;
 use select::Candidate;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
-use throng_runtime::blend::{AxisRecord, BlendRecord, ChannelRow, ExampleRecord, MAX_AXES, MAX_WEIGHT, ReferenceRow};
+use throng_runtime::blend::{
+    AxisRecord, BlendRecord, ChannelRow, ExampleRecord, MAX_AXES, MAX_KNOTS, MAX_WEIGHT, ReferenceRow,
+};
 
 /// Examples whose joints turn farther from their reference nearly meet its antipode, where the shorter way changes its
 /// side. [Unit: rad]
@@ -399,7 +401,7 @@ fn too_large(space: &str, config: &BlendConfig, large: &grid::TooLarge) -> Build
     let axes: Vec<_> = config.axis_names().iter().zip(&large.knots).zip(&large.errors).map(axis).collect();
     let message = format!(
         "blend.{space}: for a weight_tolerance of {}, the weight table needs at least {} knots and {} bytes; \
-         max_weight_bytes is {}",
+         max_weight_bytes is {}, and a table has at most {MAX_KNOTS} knots",
         config.weight_tolerance,
         axes.join(", "),
         large.bytes,

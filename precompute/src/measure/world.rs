@@ -18,6 +18,8 @@ use throng_runtime::world::WorldGraph;
 /// Moves of a unit that are timed, and how far each goes on from the one before. [Unit: m]
 const EDITS: usize = 7;
 const EDIT_M: f32 = 0.03;
+/// Places that are tried for a unit that cannot be moved so little.
+const PLACES: usize = 60;
 /// Characters that walk about, where there is room, and for how long. [Unit: s]
 const CHARACTERS: usize = 1000;
 const LIFE_S: f32 = 4.0;
@@ -50,15 +52,18 @@ pub struct WorldFigures {
     pub steps_per_second: f64,
 }
 
-/// Figures of moving a unit a few centimetres, and a few more, as who drags it does.
+/// Figures of moving a unit a few centimetres, and a few more, as who drags it does. What only fits a raster, as tiles do,
+/// is moved by its own length, from the rim of what is placed to free places beside others of its kind.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct EditFigures {
     /// Name of the unit.
     pub unit: String,
     /// How many are placed.
     pub placed: usize,
-    /// The place that was moved: of all of that kind the middle one.
+    /// The place that was moved: of all of that kind the middle one, or the first that there is a free place for.
     pub place: usize,
+    /// How far each move went. [Unit: m]
+    pub step_m: f64,
     /// Moves that were done; others were refused: nothing fits the unit there, or nobody gets to it or to others.
     pub done: usize,
     /// Time for one, on all threads, the median; none where every move was refused. [Unit: s]
@@ -107,7 +112,7 @@ fn fail(message: String) -> BuildError {
     BuildError::Stage { stage: "bench", message, help: "Stitch the world with `throng stitch` first".into() }
 }
 
-/// Moves the middle one of all units of a kind, and back again; none where there is none.
+/// Moves one of all units of a kind, and back again; none where there is none.
 fn edit(
     editor: &mut Editor<'_>,
     kit: &Kit,
@@ -116,27 +121,68 @@ fn edit(
 ) -> Result<Option<EditFigures>, BuildError> {
     let units = &editor.environment().units;
     let places: Vec<usize> = (0..units.len()).filter(|&u| units[u].unit == kind).collect();
-    let Some(&place) = places.get(places.len() / 2) else { return Ok(None) };
-    let home = units[place].placement;
-    let mut seconds = Vec::new();
-    for k in 1..=EDITS {
-        let to = home.compose(Placement::new(k as f32 * EDIT_M, 0.0, 0.0, 0.0));
-        let begin = Instant::now();
-        if editor.drag(place, to).is_ok() {
-            seconds.push(begin.elapsed().as_secs_f64());
+    let Some(&middle) = places.get(places.len() / 2) else { return Ok(None) };
+    let home = units[middle].placement;
+    let nudges = (1..=EDITS).map(|k| home.compose(Placement::new(k as f32 * EDIT_M, 0.0, 0.0, 0.0)));
+    let mut moved = (middle, EDIT_M, timed(editor, middle, nudges)?);
+    if moved.2.is_empty() {
+        let extent = kit.geometries[kind].bounds.max - kit.geometries[kind].bounds.min;
+        let length = extent.x.max(extent.z);
+        let free = free_places(editor, &places, length);
+        // What stands in the middle of others is missed there.
+        for &place in places.iter().rev().take(PLACES / EDITS) {
+            if moved.2.is_empty() {
+                moved = (place, length, timed(editor, place, free.iter().copied())?);
+            }
         }
     }
-    editor.drag(place, home)?;
+    let (place, step_m, mut seconds) = moved;
     seconds.sort_by(f64::total_cmp);
     let median = seconds.get(seconds.len() / 2).copied();
     Ok(Some(EditFigures {
         unit: kit.units.units[kind].name.clone(),
         placed: places.len(),
         place,
+        step_m: f64::from(step_m),
         done: seconds.len(),
         seconds: median,
         over_stitch: median.map(|s| s / stitch_seconds),
     }))
+}
+
+/// The times of moves that were not refused, at most [`EDITS`]; then the unit is where it was. [Unit: s]
+fn timed(editor: &mut Editor<'_>, place: usize, ways: impl Iterator<Item = Placement>) -> Result<Vec<f64>, BuildError> {
+    let home = editor.environment().units[place].placement;
+    let mut seconds = Vec::new();
+    for to in ways {
+        let begin = Instant::now();
+        if editor.drag(place, to).is_ok() {
+            seconds.push(begin.elapsed().as_secs_f64());
+        }
+        if seconds.len() == EDITS {
+            break;
+        }
+    }
+    if !seconds.is_empty() {
+        editor.drag(place, home)?;
+    }
+    Ok(seconds)
+}
+
+/// Where nothing of a kind stands, but something a length away: those beside the last of the kind first.
+fn free_places(editor: &Editor<'_>, places: &[usize], length: f32) -> Vec<Placement> {
+    let at = |&p: &usize| editor.environment().units[p].placement;
+    let sides = [[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]];
+    let beside = places
+        .iter()
+        .rev()
+        .map(at)
+        .flat_map(|p| sides.map(|[x, z]| p.compose(Placement::new(x * length, 0.0, z * length, 0.0))));
+    let is_free = |to: &Placement| {
+        let apart = |p: Placement| (p.translation() - to.translation()).length();
+        places.iter().map(at).all(|p| apart(p) > 0.5 * length)
+    };
+    beside.filter(is_free).take(PLACES).collect()
 }
 
 /// How fast people walk about.

@@ -3,31 +3,30 @@
 use super::joined::{Joined, Overlap, Part, exits};
 use super::lay::{Laid, Stitcher};
 use super::library::STAGE;
-use super::prepare::Situated;
+use super::prepare::Prepared;
 use crate::error::BuildError;
-use std::collections::HashMap;
-use std::sync::Arc;
 use throng_runtime::patch::NONE;
 
 /// Puts the graph of a world together. [Limit: prepared for `laid`]
 ///
 /// # Errors
 /// [`BuildError::Stage`] where there are more cells or links than numbers of 32 bits count.
-pub(super) fn allow<'a>(stitcher: &Stitcher<'a>, laid: &Laid, situated: Situated) -> Result<Joined<'a>, BuildError> {
+pub(super) fn allow<'a>(stitcher: &Stitcher<'a>, laid: &Laid, prepared: Prepared) -> Result<Joined<'a>, BuildError> {
     let mut joined = Joined {
         patches: stitcher.patches,
         exits: exits(&stitcher.patches),
         parts: Vec::with_capacity(laid.fitted.len()),
         neighbours: laid.neighbours.clone(),
-        situations: situated.situations,
+        situations: prepared.situations,
         overlaps: Vec::new(),
-        relations: Vec::new(),
-        crossings: Vec::new(),
+        crossings: prepared.crossings,
+        crossing_of: prepared.crossing_of,
+        shares_floor: prepared.shares_floor,
         num_nodes: 0,
         num_words: 0,
     };
-    parts(laid, &situated.of, &mut joined)?;
-    overlaps(stitcher, laid, &mut joined);
+    parts(laid, &prepared.situation_of, &mut joined)?;
+    overlaps(laid, &mut joined);
     Ok(joined)
 }
 
@@ -63,31 +62,28 @@ fn parts(laid: &Laid, situations: &[u32], joined: &mut Joined<'_>) -> Result<(),
     Ok(())
 }
 
-/// The joints of every pair, and from each instance where it overlaps others.
-fn overlaps(stitcher: &Stitcher<'_>, laid: &Laid, joined: &mut Joined<'_>) {
-    let (mut tables, mut crossings) = (HashMap::new(), HashMap::new());
-    let mut by_owner: Vec<Vec<Overlap>> = vec![Vec::new(); laid.fitted.len()];
-    for (a, b, relation) in &laid.pairs {
-        if stitcher.table_of(relation).joints.is_empty() {
-            continue;
+/// From each instance where it overlaps others, by their number.
+fn overlaps(laid: &Laid, joined: &mut Joined<'_>) {
+    let pairs = || (0u32..).zip(&laid.pairs).zip(&joined.crossing_of).filter(|(_, crossing)| **crossing != NONE);
+    for ((_, (a, b, _)), _) in pairs() {
+        [a, b].map(|i| joined.parts[*i as usize].num_overlaps += 1);
+    }
+    let mut next = 0;
+    for part in &mut joined.parts {
+        part.first_overlap = next;
+        next += part.num_overlaps;
+    }
+    let mut at: Vec<u32> = joined.parts.iter().map(|p| p.first_overlap).collect();
+    let mut overlaps = vec![Overlap { other: NONE, side: 0, pair: NONE, crossing: NONE }; next as usize];
+    for ((pair, &(a, b, _)), &crossing) in pairs() {
+        for (owner, other, side) in [(a, b, 0), (b, a, 1)] {
+            overlaps[at[owner as usize] as usize] = Overlap { other, side, pair, crossing };
+            at[owner as usize] += 1;
         }
-        let table = *tables.entry(relation).or_insert_with(|| {
-            joined.relations.push(*relation);
-            joined.relations.len() as u32 - 1
-        });
-        let situation = joined.parts[*a as usize].situation;
-        let crossing = *crossings.entry((table, situation)).or_insert_with(|| {
-            let situation = &joined.situations[situation as usize];
-            joined.crossings.push(Arc::clone(stitcher.crossing_of(relation, situation)));
-            joined.crossings.len() as u32 - 1
-        });
-        let from = |other: u32, side: u32| Overlap { other, side, table, crossing };
-        by_owner[*a as usize].push(from(*b, 0));
-        by_owner[*b as usize].push(from(*a, 1));
     }
-    for (part, mut own) in joined.parts.iter_mut().zip(by_owner) {
-        own.sort_unstable_by_key(|o| o.other);
-        (part.first_overlap, part.num_overlaps) = (joined.overlaps.len() as u32, own.len() as u32);
-        joined.overlaps.extend(own);
+    for part in &joined.parts {
+        let own = part.first_overlap as usize..(part.first_overlap + part.num_overlaps) as usize;
+        overlaps[own].sort_unstable_by_key(|o| o.other);
     }
+    joined.overlaps = overlaps;
 }

@@ -29,7 +29,7 @@ pub(super) fn set(words: &mut [u64], bit: u32) {
 }
 
 /// Lists of words one after the other, equal ones once.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub(super) struct Pool {
     /// All words.
     pub words: Vec<u64>,
@@ -37,6 +37,12 @@ pub(super) struct Pool {
 }
 
 impl Pool {
+    /// Of no lists yet, in the memory of some words.
+    pub fn new(mut memory: Vec<u64>) -> Self {
+        memory.clear();
+        Self { words: memory, known: HashMap::new() }
+    }
+
     /// Where a list of words begins, which is added unless it is there.
     pub fn place(&mut self, list: &[u64]) -> u32 {
         let hash = xxhash_rust::xxh3::xxh3_64(bytemuck::cast_slice(list));
@@ -70,7 +76,7 @@ mod tests {
 
     #[test]
     fn equal_lists_are_stored_once() {
-        let mut pool = Pool::default();
+        let mut pool = Pool::new(vec![7; 9]);
         let a = pool.place(&[1, 2]);
         assert_eq!(pool.place(&[3]), 2);
         assert_eq!(pool.place(&[1, 2]), a);

@@ -22,6 +22,24 @@ const ROUNDING: f32 = 1e-3;
 /// Both feet: they may be in what is walked on.
 const FEET: Contacts = Contacts(Contacts::LEFT.0 | Contacts::RIGHT.0);
 
+/// Room for a body beside a unit.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Room {
+    /// The unit may be moved that far. [Unit: m]
+    Clear(f32),
+    /// There is none: this is too near to the unit.
+    Taken(Ball),
+}
+
+/// A point of a body.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Ball {
+    /// In the unit's frame, or in that of a patch.
+    pub centre: Vec3,
+    /// How near a unit may be. [Unit: m]
+    pub limit: f32,
+}
+
 /// Numbers of what is planted.
 const PLANTED: usize = 1 << u8::BITS;
 
@@ -183,20 +201,26 @@ impl Bodies {
         ones(near).any(|s| unit.is_nearer(at(&centres, s as usize), limits[s as usize]))
     }
 
-    /// How far a unit may be moved without touching the body of a frame; none where the body is in it. [Unit: m]
+    /// How far a unit may be moved without touching the body of a frame, or what of the body is in it.
     ///
     /// - `root`: in the unit's frame.
-    /// - `most`: what is more is not told apart. [Limit: <= SLACK_M]
-    pub fn clearance(&self, frame: usize, root: Placement, unit: &Field, most: f32) -> Option<f32> {
+    /// - `most`: what is clearer is not told apart. [Unit: m] [Limit: <= SLACK_M]
+    pub fn room(&self, frame: usize, root: Placement, unit: &Field, most: f32) -> Room {
         if self.reaches[frame].is_apart(root, unit, most) {
-            return Some(most);
+            return Room::Clear(most);
         }
         let pose = &self.frames[frame];
         let (centres, limits) = (pose.placed(root), self.limits(pose, unit));
         let near = nearer(&gaps(&unit.geometry.bounds, &centres, limits), most + ROUNDING);
-        ones(near).try_fold(most, |least, s| {
-            unit.clearance(at(&centres, s as usize), limits[s as usize], least).map(|c| c.min(least))
-        })
+        let mut least = most;
+        for s in ones(near) {
+            let ball = Ball { centre: at(&centres, s as usize), limit: limits[s as usize] };
+            match unit.clearance(ball.centre, ball.limit, least) {
+                Some(clear) => least = least.min(clear),
+                None => return Room::Taken(ball),
+            }
+        }
+        Room::Clear(least)
     }
 
     /// The joint whose sphere is deepest in a unit, and how deep; none where the body does not collide.

@@ -3,6 +3,7 @@
 use super::bits::{num_words, set};
 use super::mask::Hit;
 use super::outcome::Outcome;
+use super::relation::Relation;
 use super::rows::Rows;
 use super::same::Same;
 use super::situation::Situation;
@@ -14,6 +15,8 @@ use throng_runtime::world::is_set;
 /// Joints of a table that may be taken where side a is in a certain situation: the same for all such pairs.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Crossing {
+    /// How the two sides stand to each other.
+    pub relation: Relation,
     /// All joints of the pair.
     pub table: Arc<JointTable>,
     /// Bits of those that may be taken, two a joint; none where all may be.
@@ -27,19 +30,18 @@ pub(super) struct Crossing {
 }
 
 impl Crossing {
-    /// - `a`, `b`: numbers of the patches.
     /// - `situation`: of side a.
     /// - `hit`: as [`Situation::joint_words`] asks.
     pub fn new(
         patches: &Patches<'_>,
-        [a, b]: [u32; 2],
+        relation: Relation,
         table: &Arc<JointTable>,
         situation: &Situation,
         hit: impl FnMut(u32, [u32; 2]) -> Option<Hit>,
     ) -> Self {
         let words = situation.joint_words(table, hit);
-        let links = patches.links_of(a as usize);
-        let [cells_a, cells_b] = [a, b].map(|p| patches.cells_of(p as usize).len());
+        let links = patches.links_of(relation.a as usize);
+        let [cells_a, cells_b] = [relation.a, relation.b].map(|p| patches.cells_of(p as usize).len());
         let joints = &table.joints;
         let open = |bit: u32| words.as_ref().is_none_or(|w| is_set(w, 0, bit));
         // Joints are sorted by the cell of a that they leave, and `by_b` by the cell of b.
@@ -54,14 +56,14 @@ impl Crossing {
         let into = [Rows::new(cells_a, enter), Rows::new(cells_b, leave)];
         let out = [into[1].transposed(cells_a), into[0].transposed(cells_b)];
         let between_cells = joints.first().is_some_and(|j| j.a_offset == NONE);
-        Self { table: Arc::clone(table), words, between_cells, out, into }
+        Self { relation, table: Arc::clone(table), words, between_cells, out, into }
     }
 
-    /// Joints that are left; none where none is.
+    /// Joints that are left.
     ///
     /// - `links`: of side a.
     /// - `a`, `b`: bits of the cells that are left of each side.
-    pub fn left(&self, links: &[LinkRecord], a: &[u64], b: &[u64]) -> Option<Left> {
+    pub fn left(&self, links: &[LinkRecord], a: &[u64], b: &[u64]) -> Left {
         let joints = &self.table.joints;
         let mut left = Left { words: vec![0; num_words(2 * joints.len())], count: 0 };
         for (k, joint) in (0u32..).zip(joints).filter(|(_, j)| is_set(b, 0, j.b)) {
@@ -76,7 +78,7 @@ impl Crossing {
                 }
             }
         }
-        (left.count > 0).then_some(left)
+        left
     }
 }
 
@@ -92,8 +94,6 @@ pub(super) struct Left {
 /// What the joints that are left between two instances depend on.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub(super) struct PairState {
-    /// Patch of side a.
-    pub patch: u32,
     /// Joints that may be taken.
     pub crossing: Same<Crossing>,
     /// What is left of side a and of side b.

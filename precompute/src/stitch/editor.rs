@@ -22,6 +22,7 @@ pub struct Editor<'a> {
     stitcher: Stitcher<'a>,
     environment: Environment,
     made: Made<'a>,
+    world: WorldData,
     history: History,
 }
 
@@ -38,18 +39,19 @@ impl<'a> Editor<'a> {
         progress: &dyn Progress,
     ) -> Result<Self, BuildError> {
         let mut stitcher = Stitcher::new(patches, library, config)?;
-        let made = make(&mut stitcher, &environment, None, progress)?;
-        Ok(Self { stitcher, environment, made, history: History::default() })
+        let mut world = WorldData::default();
+        let made = make(&mut stitcher, &environment, None, &mut world, progress)?;
+        Ok(Self { stitcher, environment, made, world, history: History::default() })
     }
 
     /// The world as it is.
     pub fn world(&self) -> &WorldData {
-        &self.made.world
+        &self.world
     }
 
     /// The world, when no more changes are made.
     pub fn into_world(self) -> (WorldData, StitchReport) {
-        (self.made.world, self.made.report)
+        (self.world, self.made.report)
     }
 
     /// The environment as it is.
@@ -152,9 +154,17 @@ impl<'a> Editor<'a> {
     fn apply(&mut self, edit: Edit) -> Result<Edit, BuildError> {
         let mut environment = self.environment.clone();
         let back = edit.apply(&mut environment.units);
-        self.made = make(&mut self.stitcher, &environment, Some(&self.made), &Silent)?;
-        self.environment = environment;
-        Ok(back)
+        let before = Some((&self.made, &back));
+        match make(&mut self.stitcher, &environment, before, &mut self.world, &Silent) {
+            Ok(made) => {
+                (self.made, self.environment) = (made, environment);
+                Ok(back)
+            }
+            Err(refused) => {
+                self.stitcher.forget_all_but(&self.made.laid);
+                Err(refused)
+            }
+        }
     }
 
     fn check_place(&self, index: usize) -> Result<(), BuildError> {

@@ -19,6 +19,15 @@ pub(super) struct Fitted {
     pub placement: Placement,
     /// Placed units, in the order of the patch's.
     pub units: Vec<u32>,
+    /// Turns of the first of them by its symmetry until it stands as the patch's does.
+    pub turn: u32,
+}
+
+impl Fitted {
+    /// What instances are sorted by: no two have the same.
+    pub fn order(&self) -> (u32, u32, u32) {
+        (self.units[0], self.patch, self.turn)
+    }
 }
 
 /// Placed units, found by what and where they are.
@@ -33,10 +42,16 @@ impl<'a> UnitIndex<'a> {
 
     /// Sorts all units of an environment.
     pub fn new(environment: &'a Environment) -> Self {
+        Self::of(environment, 0..environment.units.len() as u32)
+    }
+
+    /// Sorts some units of an environment; ascending.
+    pub fn of(environment: &'a Environment, units: impl Iterator<Item = u32>) -> Self {
         let mut buckets: HashMap<_, Vec<u32>> = HashMap::new();
-        for (i, u) in environment.units.iter().enumerate() {
+        for i in units {
+            let u = &environment.units[i as usize];
             let p = u.placement.translation().to_array().map(Self::bucket);
-            buckets.entry((u.unit, p)).or_default().push(i as u32);
+            buckets.entry((u.unit, p)).or_default().push(i);
         }
         Self { environment, buckets }
     }
@@ -70,26 +85,34 @@ impl<'a> UnitIndex<'a> {
     }
 }
 
-/// Every set of placed units that matches a patch's, once, ascending by the first of them and the patch.
-pub(super) fn fit(library: &Library<'_>, patterns: &[Pattern], index: &UnitIndex<'_>) -> Vec<Fitted> {
+/// Every set of placed units that matches a patch's, once, ascending by [`Fitted::order`].
+///
+/// - `firsts`: placed units that may be the first of a set; ascending.
+pub(super) fn fit(
+    library: &Library<'_>,
+    patterns: &[Pattern],
+    index: &UnitIndex<'_>,
+    firsts: impl Iterator<Item = u32>,
+) -> Vec<Fitted> {
     let mut of_unit = vec![Vec::new(); library.units.units.len()];
     for (p, pattern) in patterns.iter().enumerate() {
         of_unit[pattern.units[0].0].push(p);
     }
     let mut seen = HashSet::new();
     let mut out = Vec::new();
-    for (i, placed) in index.environment.units.iter().enumerate() {
+    for i in firsts {
+        let placed = &index.environment.units[i as usize];
         let period = library.period(placed.unit);
         let base = normalised(placed.placement, period);
         for &p in &of_unit[placed.unit] {
             let turns = library.units.units[placed.unit].symmetry.max(1);
             for turn in 0..turns {
                 let frame = base.compose(Placement::new(0.0, 0.0, 0.0, turn as f32 * period));
-                let Some(units) = matching(library, &patterns[p], index, i as u32, frame) else { continue };
+                let Some(units) = matching(library, &patterns[p], index, i, frame) else { continue };
                 let mut set = units.clone();
                 set.sort_unstable();
                 if seen.insert((p, set)) {
-                    out.push(Fitted { patch: p as u32, placement: frame.wrapped(), units });
+                    out.push(Fitted { patch: p as u32, placement: frame.wrapped(), units, turn });
                 }
             }
         }

@@ -4,7 +4,6 @@
 use super::bits::{num_words, set};
 use super::component::Ways;
 use super::crossing::Crossing;
-use super::relation::Relation;
 use super::situation::Situation;
 use std::sync::Arc;
 use throng_runtime::patch::{CellRecord, NONE, PatchRecord, Patches};
@@ -35,8 +34,8 @@ pub(super) struct Overlap {
     pub other: u32,
     /// 0 where the owner is side a, 1 where it is side b.
     pub side: u32,
-    /// Number of the table of all their joints.
-    pub table: u32,
+    /// Number of the pair.
+    pub pair: u32,
     /// Number of the joints that may be taken.
     pub crossing: u32,
 }
@@ -56,10 +55,12 @@ pub(super) struct Joined<'a> {
     pub situations: Vec<Arc<Situation>>,
     /// Overlaps of all instances.
     pub overlaps: Vec<Overlap>,
-    /// How the two sides of each joint table stand to each other.
-    pub relations: Vec<Relation>,
     /// Joints that nothing is in the way of.
     pub crossings: Vec<Arc<Crossing>>,
+    /// Number of those of each pair; [`NONE`] where it has no joints. [Size: pairs]
+    pub crossing_of: Vec<u32>,
+    /// True for pairs of a tile and a block that takes place on its panel. [Size: pairs]
+    pub shares_floor: Vec<bool>,
     /// Number of nodes.
     pub num_nodes: usize,
     /// Number of words that they are bits of; each instance begins with a word of its own.

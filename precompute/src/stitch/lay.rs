@@ -16,6 +16,10 @@ use throng_runtime::patch::Patches;
 pub(super) struct Laid {
     /// The instances.
     pub fitted: Vec<Fitted>,
+    /// All that bodies reach in each of them.
+    pub bounds: Vec<Bounds>,
+    /// The boxes around placed units.
+    pub shapes: Vec<Bounds>,
     /// Instance across each edge of each tile.
     pub neighbours: Vec<u32>,
     /// First of each instance's.
@@ -65,57 +69,75 @@ impl<'a> Stitcher<'a> {
         self.check_units(environment)?;
         solids::check(&self.library, environment, self.config.overlap_m)?;
         let index = UnitIndex::new(environment);
-        let fitted = fit(&self.library, &self.patterns, &index);
+        let fitted = fit(&self.library, &self.patterns, &index, 0..environment.units.len() as u32);
         self.check_cover(environment, &fitted)?;
         let (neighbours, first_neighbour) = neighbours(&self.patches, &self.patterns, &index, &fitted);
         let bounds: Vec<Bounds> = fitted.iter().map(|f| self.reach(f)).collect();
+        let shapes: Vec<Bounds> = environment.units.iter().map(|u| self.shape(u)).collect();
         let pairs = self.pairs(&fitted, &bounds);
-        let obstacles = self.obstacles(environment, &fitted, &bounds);
-        Ok(Laid { fitted, neighbours, first_neighbour, pairs, obstacles })
+        let obstacles = self.obstacles(environment, &fitted, &bounds, &shapes);
+        Ok(Laid { fitted, bounds, shapes, neighbours, first_neighbour, pairs, obstacles })
     }
 
     /// All that bodies reach in an instance.
-    fn reach(&self, fitted: &Fitted) -> Bounds {
+    pub fn reach(&self, fitted: &Fitted) -> Bounds {
         let p = &self.patches.patches[fitted.patch as usize];
         Bounds { min: p.min.into(), max: p.max.into() }.placed(fitted.placement)
     }
 
+    /// The box around a placed unit.
+    pub fn shape(&self, unit: &PlacedUnit) -> Bounds {
+        self.library.geometries[unit.unit].bounds.placed(unit.placement)
+    }
+
     /// Pairs of which one at least is a block; a tile is side a, of two blocks that of the lower patch.
     fn pairs(&self, fitted: &[Fitted], bounds: &[Bounds]) -> Vec<(u32, u32, Relation)> {
-        let tile = |i: u32| self.patterns[fitted[i as usize].patch as usize].is_tile;
-        let here = |i: u32| (fitted[i as usize].patch, fitted[i as usize].placement);
-        let pair = |(i, j): (u32, u32)| {
-            let (ij, ji) = (Relation::new(here(i), here(j)), Relation::new(here(j), here(i)));
-            let first = match (tile(i), tile(j)) {
-                (true, _) => true,
-                (_, true) => false,
-                _ => ij <= ji,
-            };
-            if first { (i, j, ij) } else { (j, i, ji) }
-        };
-        let mut pairs: Vec<_> = overlapping(bounds, bounds)
-            .into_iter()
-            .filter(|&(i, j)| i < j && !(tile(i) && tile(j)))
-            .map(pair)
-            .collect();
+        let both = overlapping(bounds, bounds).into_iter().filter(|(i, j)| i < j);
+        let mut pairs: Vec<_> = both.filter_map(|(i, j)| self.pair(fitted, i, j)).collect();
         pairs.sort_unstable();
         pairs
     }
 
-    fn obstacles(&self, environment: &Environment, fitted: &[Fitted], bounds: &[Bounds]) -> Vec<(u32, u32, Relation)> {
-        let shape = |p: &PlacedUnit| self.library.geometries[p.unit].bounds.placed(p.placement);
-        let units: Vec<Bounds> = environment.units.iter().map(shape).collect();
-        let relation = |(i, u): (u32, u32)| {
-            let (f, p) = (&fitted[i as usize], &environment.units[u as usize]);
-            (i, u, Relation::new((f.patch, f.placement), (p.unit as u32, p.placement)))
+    /// Two instances that overlap, side a first; none for two tiles.
+    pub fn pair(&self, fitted: &[Fitted], i: u32, j: u32) -> Option<(u32, u32, Relation)> {
+        let tile = |i: u32| self.patterns[fitted[i as usize].patch as usize].is_tile;
+        let here = |i: u32| (fitted[i as usize].patch, fitted[i as usize].placement);
+        let (ij, ji) = (Relation::new(here(i), here(j)), Relation::new(here(j), here(i)));
+        let first = match (tile(i), tile(j)) {
+            (true, true) => return None,
+            (true, false) => true,
+            (false, true) => false,
+            // Of two that see each other in the same way, the first one.
+            (false, false) => (ij, i) <= (ji, j),
         };
-        overlapping(bounds, &units)
-            .into_iter()
-            .filter(|(i, u)| !fitted[*i as usize].units.contains(u))
-            .map(relation)
-            .collect()
+        Some(if first { (i, j, ij) } else { (j, i, ji) })
     }
 
+    fn obstacles(
+        &self,
+        environment: &Environment,
+        fitted: &[Fitted],
+        bounds: &[Bounds],
+        shapes: &[Bounds],
+    ) -> Vec<(u32, u32, Relation)> {
+        let near = overlapping(bounds, shapes).into_iter();
+        near.filter_map(|(i, u)| self.obstacle_to(environment, fitted, i, u)).collect()
+    }
+
+    /// How a unit stands to an instance that it does not belong to.
+    pub fn obstacle_to(
+        &self,
+        environment: &Environment,
+        fitted: &[Fitted],
+        i: u32,
+        u: u32,
+    ) -> Option<(u32, u32, Relation)> {
+        let (f, p) = (&fitted[i as usize], &environment.units[u as usize]);
+        let relation = || Relation::new((f.patch, f.placement), (p.unit as u32, p.placement));
+        (!f.units.contains(&u)).then(|| (i, u, relation()))
+    }
+
+    /// Every unit must be one of the bundle's, in a place not too far away.
     fn check_units(&self, environment: &Environment) -> Result<(), BuildError> {
         let count = self.library.units.units.len();
         let refuse = |message: String, help: &str| {
@@ -125,8 +147,7 @@ impl<'a> Stitcher<'a> {
                 help: help.into(),
             })
         };
-        let wrong = |u: &PlacedUnit| u.unit >= count || !u.placement.is_moderate(1e5);
-        if let Some(i) = environment.units.iter().position(wrong) {
+        if let Some(i) = environment.units.iter().position(|u| !self.is_known(u)) {
             let u = &environment.units[i];
             return refuse(
                 format!("place {i} has unit number {} at {:?}, expected one of {count} units", u.unit, u.placement),
@@ -146,8 +167,13 @@ impl<'a> Stitcher<'a> {
         }
     }
 
+    /// True for one of the bundle's units in a place not too far away.
+    pub fn is_known(&self, unit: &PlacedUnit) -> bool {
+        unit.unit < self.library.units.units.len() && unit.placement.is_moderate(1e5)
+    }
+
     /// Every unit that is more than an obstacle must belong to an instance.
-    fn check_cover(&self, environment: &Environment, fitted: &[Fitted]) -> Result<(), BuildError> {
+    pub fn check_cover(&self, environment: &Environment, fitted: &[Fitted]) -> Result<(), BuildError> {
         let mut covered = vec![false; environment.units.len()];
         fitted.iter().flat_map(|f| &f.units).for_each(|&u| covered[u as usize] = true);
         let left: Vec<usize> =

@@ -1,20 +1,22 @@
 //! Stitching from the first step to the last, all of it or what a change left to do.
 
 use super::allow::allow;
-use super::assemble::{Judged, assemble};
+use super::assemble::{Written, write};
+use super::history::Edit;
 use super::joined::Joined;
 use super::lay::{Laid, Stitcher};
 use super::library::STAGE;
 use super::outcome::Counts;
+use super::prepare::Past;
+use super::relay::Relaid;
+use super::remains::{Judged, Remains, remain};
 use super::report::{Reason, StitchReport, peak_bytes};
 use super::resettle::Before;
-use super::same::Same;
 use super::settled::{Settled, Standing, settle};
 use crate::environment::Environment;
 use crate::error::BuildError;
 use crate::progress::Progress;
-use std::cell::OnceCell;
-use std::collections::HashMap;
+use std::sync::Arc;
 use std::time::Instant;
 use throng_runtime::patch::NONE;
 use throng_runtime::world::{WorldData, WorldMeta};
@@ -27,63 +29,72 @@ pub(super) struct Made<'a> {
     pub joined: Joined<'a>,
     /// What its cells are to the component.
     pub settled: Settled,
-    /// The world.
-    pub world: WorldData,
+    /// What is left of its instances and pairs.
+    pub remains: Remains,
     /// What came of it.
     pub report: StitchReport,
 }
 
 /// Stitching, in reading order.
 ///
-/// - `before`: what is changed.
+/// - `before`: what is changed, and what takes the change back.
+/// - `world`: where the world is written to; what it was before the change. It stays as it was where an error is returned.
 ///
 /// # Errors
 /// As [`super::stitch`].
 pub(super) fn make<'a>(
     stitcher: &mut Stitcher<'a>,
     environment: &Environment,
-    before: Option<&Made<'a>>,
+    before: Option<(&Made<'a>, &Edit)>,
+    world: &mut WorldData,
     progress: &dyn Progress,
 ) -> Result<Made<'a>, BuildError> {
     let begin = Instant::now();
-    let laid = stitcher.lay(environment)?;
-    let situated = stitcher.prepare(&laid, progress);
-    let joined = allow(stitcher, &laid, situated)?;
+    let relaid = before.and_then(|(made, back)| Some((made, stitcher.relay(environment, &made.laid, back)?)));
+    let (laid, kept) = match relaid {
+        Some((made, Relaid { laid, kept })) => (laid, Some((made, kept))),
+        None => (stitcher.lay(environment)?, None),
+    };
+    let past = kept.as_ref().map(|(made, kept)| Past { made, kept });
+    let prepared = stitcher.prepare(&laid, past, progress);
+    let joined = allow(stitcher, &laid, prepared)?;
     progress.begin("component", joined.num_nodes as u64, "cells");
-    let before = before.map(|before| Before {
-        joined: &before.joined,
-        settled: &before.settled,
-        same: same(before, &laid, &joined),
+    let before = past.map(|Past { made, kept }| Before {
+        joined: &made.joined,
+        settled: &made.settled,
+        same: same(&made.joined, &joined, &kept.was),
     });
     let settled = settle(&joined, before.as_ref()).ok_or_else(|| no_component(stitcher, environment))?;
     progress.end();
     let judged = Judged { joined: &joined, settled: &settled };
-    let (mut world, counts) = assemble(stitcher, environment, &laid, &judged);
+    let alike = past.zip(before.as_ref().map(|before| before.same.as_slice()));
+    let remains = remain(stitcher, &laid, &judged, alike);
     check_reached(stitcher, environment, &laid, &judged)?;
-    let mut report = report(stitcher, &laid, &world, &counts);
-    world.meta = meta(stitcher, environment, &report)?;
-    report.seconds = begin.elapsed().as_secs_f64();
-    Ok(Made { laid, joined, settled, world, report })
+    let mut report = report(stitcher, &laid, &remains.counts());
+    let meta = meta(stitcher, environment, &report)?;
+    write(
+        environment,
+        &laid,
+        &joined,
+        &remains,
+        alike.map(|(past, same)| Written { remains: &past.made.remains, same }),
+        world,
+    );
+    world.meta = meta;
+    if let Some((_, kept)) = &kept {
+        stitcher.forget(&laid, &kept.gone);
+    }
+    (report.tables, report.joints) = (world.tables.len(), world.joints.len());
+    (report.peak_bytes, report.seconds) = (peak_bytes(), begin.elapsed().as_secs_f64());
+    Ok(Made { laid, joined, settled, remains, report })
 }
 
 /// The number that each instance had before; [`NONE`] for those that are new or have something else around them.
-fn same(before: &Made<'_>, laid: &Laid, joined: &Joined<'_>) -> Vec<u32> {
-    let key = |laid: &Laid, joined: &Joined<'_>, i: u32| {
-        let p = laid.fitted[i as usize].placement;
-        (Same::new(joined.situation(i)), [p.x, p.y, p.z, p.heading].map(f32::to_bits))
-    };
-    let old = |i: u32| key(&before.laid, &before.joined, i);
-    let num_before = before.laid.fitted.len() as u32;
-    // Most have the number that they had.
-    let by_key: OnceCell<HashMap<_, u32>> = OnceCell::new();
-    let of = |i: u32| {
-        let new = key(laid, joined, i);
-        if i < num_before && old(i) == new {
-            return i;
-        }
-        by_key.get_or_init(|| (0..num_before).map(|i| (old(i), i)).collect()).get(&new).copied().unwrap_or(NONE)
-    };
-    (0..laid.fitted.len() as u32).map(of).collect()
+///
+/// - `was`: the same, but for what is around them.
+fn same(before: &Joined<'_>, joined: &Joined<'_>, was: &[u32]) -> Vec<u32> {
+    let is_same = |i: u32, was: u32| Arc::ptr_eq(joined.situation(i), before.situation(was));
+    (0u32..).zip(was).map(|(i, &was)| if was != NONE && is_same(i, was) { was } else { NONE }).collect()
 }
 
 fn no_component(stitcher: &Stitcher<'_>, environment: &Environment) -> BuildError {
@@ -134,22 +145,19 @@ fn check_reached(
     })
 }
 
-fn report(stitcher: &Stitcher<'_>, laid: &Laid, world: &WorldData, counts: &Counts) -> StitchReport {
-    let mut report = StitchReport {
+fn report(stitcher: &Stitcher<'_>, laid: &Laid, counts: &Counts) -> StitchReport {
+    let mut fitted = vec![0; stitcher.patterns.len()];
+    laid.fitted.iter().for_each(|f| fitted[f.patch as usize] += 1);
+    let patches = stitcher.library.names.iter().zip(fitted).filter(|(_, n)| *n > 0);
+    StitchReport {
         instances: laid.fitted.len(),
+        patches: patches.map(|(patch, n)| (patch.name.clone(), n)).collect(),
         cells: counts.cells,
         transitions: counts.links + counts.joints,
         motion_hours: counts.frames as f64 / stitcher.library.rate_hz / 3600.0,
         disabled: Reason::ALL.iter().map(|&r| (r.name().to_owned(), counts.disabled[r as usize])).collect(),
-        tables: world.tables.len(),
-        joints: world.joints.len(),
-        peak_bytes: peak_bytes(),
         ..StitchReport::default()
-    };
-    for f in &laid.fitted {
-        *report.patches.entry(stitcher.library.names[f.patch as usize].name.clone()).or_default() += 1;
     }
-    report
 }
 
 fn meta(stitcher: &Stitcher<'_>, environment: &Environment, report: &StitchReport) -> Result<WorldMeta, BuildError> {

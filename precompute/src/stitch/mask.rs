@@ -1,13 +1,15 @@
 //! What of a patch's motion a unit is in the way of, for every way in which the unit may stand to the patch.
 
 use super::bits::{num_words, set};
-use super::bodies::Bodies;
+use super::bodies::{Ball, Bodies, Room};
 use super::field::Field;
 use super::paths::Paths;
-use super::seen::{After, Clear, Earlier, Mask, SLACK_M, Seen};
+use super::seen::{After, Clear, Earlier, Mask, SLACK_M, Seen, Touch};
 use super::swept::Swept;
 use crate::environment::Bounds;
+use glam::Vec3;
 use rayon::prelude::*;
+use std::ops::Range;
 use throng_runtime::patch::Placement;
 use throng_runtime::planar::wrap_angle;
 
@@ -64,16 +66,9 @@ impl<'a> Obstacle<'a> {
             return Mask::default();
         }
         let near = self.near();
+        let Some(swept) = swept else { return self.mask_of_roots(&near, earlier) };
         let is_near = |l: &u32| near.overlaps(self.paths.bounds(*l as usize));
         let num_links = self.paths.num_links();
-        let Some(swept) = swept else {
-            let shared = Shared::new(self, &near);
-            let all = (0..num_links as u32).filter(is_near);
-            return Mask {
-                words: bits(num_links, all.filter(|&l| shared.hits(self.paths.range(l as usize)))),
-                seen: Vec::new(),
-            };
-        };
         let order = self.paths.order();
         let meeting = swept.meeting(&swept.shadow(self.unit, self.at)).into_iter().map(|k| order[k as usize]);
         let links: Vec<u32> = meeting.filter(is_near).collect();
@@ -81,48 +76,105 @@ impl<'a> Obstacle<'a> {
         let mut seen = vec![Seen::Nothing; num_links];
         links.iter().zip(&found).for_each(|(&l, &s)| seen[l as usize] = s);
         let hit = links.iter().zip(&found).filter(|(_, s)| matches!(s, Seen::Collides(_)));
-        Mask { words: bits(num_links, hit.map(|(&l, _)| l)), seen }
+        Mask { words: bits(num_links, hit.map(|(&l, _)| l)), links: seen, roots: Vec::new() }
+    }
+
+    /// The same where links have most of their roots in common: each root is looked at once.
+    fn mask_of_roots(&self, near: &Bounds, earlier: Option<Earlier<'_>>) -> Mask {
+        let roots = self.paths.roots();
+        let see = |at: usize| {
+            if !near.contains(roots[at].translation()) {
+                return Seen::Nothing;
+            }
+            let known = earlier.and_then(|e| e.mask.roots.get(at).map(|seen| (*seen, e.moved)));
+            let again = known.and_then(|(seen, moved)| self.look_again(at..at + 1, seen, moved));
+            again.unwrap_or_else(|| self.look_closely(at..at + 1, Clear::new(), 0..1))
+        };
+        let seen: Vec<Seen> = (0..roots.len()).into_par_iter().with_min_len(1024).map(see).collect();
+        let num_links = self.paths.num_links();
+        let shared = Shared::new(&seen);
+        let hit = (0..num_links as u32).filter(|&l| shared.hits(self.paths.range(l as usize)));
+        Mask { words: bits(num_links, hit), links: Vec::new(), roots: seen }
     }
 
     /// Looks at some links; those that follow each other in [`Paths::order`] play much the same.
     fn see(&self, links: &[u32], swept: &Swept, earlier: Option<Earlier<'_>>) -> Vec<Seen> {
         let mut guess = Guess::default();
         let mut see = |link: usize| {
-            let again = earlier.and_then(|earlier| self.look_again(link, earlier));
-            again.unwrap_or_else(|| self.look_through(link, swept.radius(link), &mut guess))
+            let range = self.paths.range(link);
+            let known = earlier.and_then(|e| e.mask.links.get(link).map(|seen| (*seen, e.moved)));
+            let again = known.and_then(|(seen, moved)| self.look_again(range.clone(), seen, moved));
+            again.unwrap_or_else(|| self.look_through(range, swept.radius(link), &mut guess))
         };
         links.iter().map(|&l| see(l as usize)).collect()
     }
 
-    /// Looks at what may not be as it was seen earlier; none where that is all of a link.
-    fn look_again(&self, link: usize, earlier: Earlier<'_>) -> Option<Seen> {
-        let range = self.paths.range(link);
-        match *earlier.mask.seen.get(link)? {
+    /// Looks at what may not be as it was seen before the unit was moved; none where that is all of a link.
+    ///
+    /// - `roots`: the link's.
+    fn look_again(&self, roots: Range<usize>, seen: Seen, moved: f32) -> Option<Seen> {
+        match seen {
             Seen::Nothing => None,
-            Seen::Collides(k) => self.look(range.start + usize::from(k)).is_none().then_some(Seen::Collides(k)),
-            Seen::Clear(clear) => match clear.after(earlier.moved) {
+            Seen::Collides(touch) if self.touches(touch.ball) => Some(seen),
+            Seen::Collides(touch) => self.collides(roots.start, usize::from(touch.frame)),
+            Seen::Clear(clear) => match clear.after(moved) {
                 After::Clear(clear) => Some(Seen::Clear(clear)),
-                After::Near(known) => Some(self.look_closely(range.start, known, known.near(looked_at(range.len())))),
+                After::Near(known) => {
+                    let frames = known.near(looked_at(roots.len()));
+                    Some(self.look_closely(roots, known, frames))
+                }
                 After::Unknown => None,
             },
         }
     }
 
-    /// Looks at some frames of a link until one collides.
+    /// True where a point of a body, in the patch's frame, is in the unit beyond doubt.
+    fn touches(&self, ball: Ball) -> bool {
+        /// A body that is placed another way is no farther away than this. [Unit: m]
+        const ROUNDING_M: f32 = 1e-4;
+        let [x, z] = self.in_unit(ball.centre);
+        let centre = Vec3::new(x, ball.centre.y - self.at.y, z);
+        self.unit.is_nearer(centre, ball.limit - ROUNDING_M)
+    }
+
+    /// What of a link collides at one of its frames.
     ///
     /// - `first`: the link's first root.
+    fn collides(&self, first: usize, frame: usize) -> Option<Seen> {
+        match self.room(first + frame, 0.0) {
+            Room::Clear(_) => None,
+            Room::Taken(ball) => Some(self.seen(frame, ball)),
+        }
+    }
+
+    /// A point of a body that is in the unit, in the unit's frame.
+    fn seen(&self, frame: usize, ball: Ball) -> Seen {
+        let centre = self.at.transform_point(ball.centre);
+        Seen::Collides(Touch { frame: frame as u16, ball: Ball { centre, ..ball } })
+    }
+
+    /// Looks at some frames of a link until one collides.
+    ///
+    /// - `roots`: the link's.
     /// - `known`: of all other frames.
-    fn look_closely(&self, first: usize, known: Clear, frames: impl Iterator<Item = usize>) -> Seen {
+    fn look_closely(&self, roots: Range<usize>, known: Clear, frames: impl Iterator<Item = usize>) -> Seen {
         let (mut clear, most) = (known, known.least());
         for k in frames {
-            let (row, root) = self.pose(first + k);
-            match self.bodies.clearance(row, root, self.unit, most) {
-                Some(clearance) if clearance < most => clear.add(k, clearance),
-                Some(_) => {}
-                None => return Seen::Collides(k as u16),
+            match self.room(roots.start + k, most) {
+                Room::Clear(clearance) if clearance < most => clear.add(k, clearance),
+                Room::Clear(_) => {}
+                Room::Taken(ball) => return self.seen(k, ball),
             }
         }
         Seen::Clear(clear)
+    }
+
+    /// How far the unit may be moved without touching the body at a root.
+    ///
+    /// - `most`: what is clearer is not told apart.
+    fn room(&self, at: usize, most: f32) -> Room {
+        let (row, root) = self.pose(at);
+        self.bodies.room(row, root, self.unit, most)
     }
 
     /// First and last frame of a link that collide, as far as it matters for where it is left and entered.
@@ -142,15 +194,17 @@ impl<'a> Obstacle<'a> {
     /// Looks at all frames of a link, until one collides: first at the one at which the link before did, then at those
     /// to whose roots the unit is nearest.
     ///
+    /// - `roots`: the link's.
     /// - `radius`: no body of the link reaches farther from its root. [Unit: m]
-    fn look_through(&self, link: usize, radius: f32, guess: &mut Guess) -> Seen {
-        let range = self.paths.range(link);
-        if guess.frame < range.len() && self.look(range.start + guess.frame).is_none() {
-            return Seen::Collides(guess.frame as u16);
+    fn look_through(&self, roots: Range<usize>, radius: f32, guess: &mut Guess) -> Seen {
+        if guess.frame < roots.len()
+            && let Some(seen) = self.collides(roots.start, guess.frame)
+        {
+            return seen;
         }
         guess.likely.clear();
-        first_hit(range.len(), &mut |k| {
-            let [x, z] = self.in_unit(&self.paths.roots()[range.start + k]);
+        first_hit(roots.len(), &mut |k| {
+            let [x, z] = self.in_unit(self.paths.roots()[roots.start + k].translation());
             let clear = self.clear(x, z, radius + SLACK_M);
             if clear == 0 {
                 guess.likely.push((self.unit.far(x, z), k));
@@ -159,12 +213,12 @@ impl<'a> Obstacle<'a> {
         });
         guess.likely.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
         let frames = guess.likely.iter().map(|(_, k)| *k);
-        let seen = self.look_closely(range.start, Clear::new(), frames);
+        let seen = self.look_closely(roots, Clear::new(), frames);
         // The last frame of a link is looked at in any case; of others, that one may not be.
-        if let Seen::Collides(k) = seen
-            && usize::from(k).is_multiple_of(STRIDE)
+        if let Seen::Collides(touch) = seen
+            && usize::from(touch.frame).is_multiple_of(STRIDE)
         {
-            guess.frame = usize::from(k);
+            guess.frame = usize::from(touch.frame);
         }
         seen
     }
@@ -178,13 +232,13 @@ impl<'a> Obstacle<'a> {
     /// Frame row and root in the unit's frame.
     fn pose(&self, at: usize) -> (usize, Placement) {
         let p = &self.paths.roots()[at];
-        let [x, z] = self.in_unit(p);
+        let [x, z] = self.in_unit(p.translation());
         (self.paths.rows()[at] as usize, Placement::new(x, p.y - self.at.y, z, p.heading - self.at.heading))
     }
 
-    /// x and z of a root in the unit's frame.
-    fn in_unit(&self, root: &Placement) -> [f32; 2] {
-        let ([sin, cos], x, z) = (self.turn, root.x - self.at.x, root.z - self.at.z);
+    /// x and z of a point in the unit's frame.
+    fn in_unit(&self, p: Vec3) -> [f32; 2] {
+        let ([sin, cos], x, z) = (self.turn, p.x - self.at.x, p.z - self.at.z);
         [cos * x - sin * z, sin * x + cos * z]
     }
 
@@ -213,7 +267,7 @@ struct Guess {
     likely: Vec<(f32, usize)>,
 }
 
-/// What roots collide that many links have in common: each is looked at once.
+/// What roots collide that many links have in common.
 struct Shared {
     hits: Vec<bool>,
     /// The first root that collides among every [`STRIDE`]th from one on. [Size: hits.len()]
@@ -221,18 +275,16 @@ struct Shared {
 }
 
 impl Shared {
-    fn new(obstacle: &Obstacle<'_>, near: &Bounds) -> Self {
-        let roots = obstacle.paths.roots();
-        let hits: Vec<bool> =
-            (0..roots.len()).map(|at| near.contains(roots[at].translation()) && obstacle.look(at).is_none()).collect();
-        let mut next = vec![u32::MAX; roots.len()];
-        for at in (0..roots.len()).rev() {
+    fn new(seen: &[Seen]) -> Self {
+        let hits: Vec<bool> = seen.iter().map(|s| matches!(s, Seen::Collides(_))).collect();
+        let mut next = vec![u32::MAX; hits.len()];
+        for at in (0..hits.len()).rev() {
             next[at] = if hits[at] { at as u32 } else { next.get(at + STRIDE).copied().unwrap_or(u32::MAX) };
         }
         Self { hits, next }
     }
 
-    fn hits(&self, roots: std::ops::Range<usize>) -> bool {
+    fn hits(&self, roots: Range<usize>) -> bool {
         (self.next[roots.start] as usize) < roots.end || self.hits[roots.end - 1]
     }
 }

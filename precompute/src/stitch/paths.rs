@@ -146,23 +146,18 @@ pub(super) struct Spot {
     pub offset: u32,
     /// Root on the ground, hips' height and heading.
     pub at: Placement,
-    /// The strip it lies in.
-    strip: i32,
-}
-
-impl Spot {
-    fn new(item: u32, offset: u32, at: Placement) -> Self {
-        Self { item, offset, at, strip: strip(at.x) }
-    }
 }
 
 /// The spots of a patch by pose group and place.
 #[derive(Clone, Debug)]
 pub(super) struct Spots {
-    /// First spot of each group. [Size: groups + 1]
+    /// First spot of each strip of each group. [Size: groups * num_strips + 1]
     starts: Vec<u32>,
     /// By group, then by strip along x, then along z.
     spots: Vec<Spot>,
+    /// The lowest strip, and how many there are.
+    first_strip: i32,
+    num_strips: usize,
     /// The box around all of them.
     bounds: Bounds,
 }
@@ -215,31 +210,36 @@ impl Spots {
                     let row = (link.frame + offset) as usize;
                     let root = paths.of(l)[offset as usize];
                     let at = Placement { y: root.y + library.frames[row].height, ..root };
-                    of_groups.push((library.groups[row], Spot::new(l as u32, offset, at)));
+                    of_groups.push((library.groups[row], Spot { item: l as u32, offset, at }));
                 }
             }
         } else {
             let spot = |(c, cell): (usize, &throng_runtime::patch::CellRecord)| {
-                (cell.group, Spot::new(c as u32, NONE, cell.placement))
+                (cell.group, Spot { item: c as u32, offset: NONE, at: cell.placement })
             };
             of_groups.extend(patches.cells_of(patch).iter().enumerate().map(spot));
         }
         // Frames that are left out of the motion belong to no group.
         of_groups.retain(|(group, _)| *group != NONE);
         of_groups.sort_unstable_by(|(g, s), (h, t)| {
-            let strips = s.strip.cmp(&t.strip);
+            let strips = strip(s.at.x).cmp(&strip(t.at.x));
             g.cmp(h).then(strips).then(s.at.z.total_cmp(&t.at.z)).then((s.item, s.offset).cmp(&(t.item, t.offset)))
         });
-        let groups = of_groups.last().map_or(0, |(g, _)| *g + 1);
-        let mut starts = vec![0u32; groups as usize + 1];
-        for (g, _) in &of_groups {
-            starts[*g as usize + 1] += 1;
-        }
-        for g in 0..groups as usize {
-            starts[g + 1] += starts[g];
-        }
         let bounds = Bounds::of(of_groups.iter().map(|(_, s)| s.at.translation()));
-        Self { starts, spots: of_groups.into_iter().map(|(_, s)| s).collect(), bounds }
+        let (first_strip, num_strips) = match of_groups.is_empty() {
+            true => (0, 0),
+            false => (strip(bounds.min.x), (strip(bounds.max.x) - strip(bounds.min.x)) as usize + 1),
+        };
+        let groups = of_groups.last().map_or(0, |(g, _)| *g as usize + 1);
+        let mut starts = vec![0u32; groups * num_strips + 1];
+        for (g, s) in &of_groups {
+            starts[*g as usize * num_strips + (strip(s.at.x) - first_strip) as usize + 1] += 1;
+        }
+        for k in 1..starts.len() {
+            starts[k] += starts[k - 1];
+        }
+        let spots = of_groups.into_iter().map(|(_, s)| s).collect();
+        Self { starts, spots, first_strip, num_strips, bounds }
     }
 
     /// Spots of a group that are near a place, and how far they are.
@@ -247,16 +247,18 @@ impl Spots {
         // Rounding hides nothing.
         let reach = nearness.position + 1e-4;
         let around = self.bounds.grown(reach.max(nearness.height + 1e-4));
-        let range = match self.starts.get(group as usize..group as usize + 2) {
-            Some(&[first, end]) if around.contains(at.translation()) => first as usize..end as usize,
-            _ => 0..0,
-        };
-        let spots = &self.spots[range];
-        (strip(at.x - reach)..=strip(at.x + reach)).flat_map(move |here| {
-            let first = spots.partition_point(|s| s.strip < here || s.strip == here && s.at.z < at.z - reach);
+        let first_of_group = group as usize * self.num_strips;
+        let is_here = first_of_group + self.num_strips < self.starts.len() && around.contains(at.translation());
+        let last = self.num_strips as i32 - 1;
+        let [low, high] = [at.x - reach, at.x + reach].map(|x| strip(x) - self.first_strip);
+        let strips = if is_here { low.max(0)..high.min(last) + 1 } else { 0..0 };
+        strips.flat_map(move |here| {
+            let k = first_of_group + here as usize;
+            let spots = &self.spots[self.starts[k] as usize..self.starts[k + 1] as usize];
+            let first = spots.partition_point(|s| s.at.z < at.z - reach);
             spots[first..]
                 .iter()
-                .take_while(move |s| s.strip == here && s.at.z <= at.z + reach)
+                .take_while(move |s| s.at.z <= at.z + reach)
                 .filter_map(move |s| nearness.distance(s.at, at).map(|d| (s, d)))
         })
     }

@@ -3,11 +3,15 @@
 use super::bodies::Bodies;
 use super::crossing::{Crossing, Left, PairState};
 use super::field::Field;
+use super::fit::Fitted;
 use super::lay::{Laid, Stitcher};
+use super::make::Made;
 use super::mask::{Hit, Obstacle};
+use super::numbers::Numbers;
 use super::outcome::{Outcome, State};
 use super::paths::{Nearness, Paths, Spots};
 use super::relation::Relation;
+use super::relay::Kept;
 use super::same::Same;
 use super::seen::{Earlier, Mask};
 use super::situation::{Situation, Surroundings};
@@ -18,6 +22,7 @@ use rayon::prelude::*;
 use std::collections::{HashMap, HashSet};
 use std::hash::Hash;
 use std::sync::{Arc, OnceLock};
+use throng_runtime::patch::NONE;
 use throng_runtime::world::is_set;
 
 /// What depends on patches alone, and tables that the last world needed.
@@ -29,6 +34,8 @@ pub(super) struct Found {
     fields: Vec<OnceLock<Field>>,
     tables: HashMap<Relation, Arc<JointTable>>,
     masks: HashMap<Relation, Arc<Mask>>,
+    /// Relations of tables and of masks that may not be needed any more.
+    stale: [Vec<Relation>; 2],
     /// What is left of motion among units.
     pub situations: HashMap<Surroundings, Arc<Situation>>,
     /// What is left of instances, by what they are to the component.
@@ -36,7 +43,7 @@ pub(super) struct Found {
     /// Joints that may be taken, by the pair and the situation of its side a.
     crossings: HashMap<(Relation, Same<Situation>), Arc<Crossing>>,
     /// Joints that are left between instances.
-    pub left: HashMap<PairState, Option<Left>>,
+    pub left: HashMap<PairState, Arc<Left>>,
 }
 
 impl Found {
@@ -53,6 +60,7 @@ impl Found {
             fields: empty(num_units),
             tables: HashMap::new(),
             masks: HashMap::new(),
+            stale: [Vec::new(), Vec::new()],
             situations: HashMap::new(),
             outcomes: HashMap::new(),
             crossings: HashMap::new(),
@@ -61,14 +69,32 @@ impl Found {
     }
 }
 
-/// The situations of all instances.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub(super) struct Situated {
-    /// Number of each instance's.
-    pub of: Vec<u32>,
+/// What instances and pairs of a world are to what is around them.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Prepared {
+    /// Number of each instance's situation.
+    pub situation_of: Vec<u32>,
     /// The situations, each once, by the first instance.
     pub situations: Vec<Arc<Situation>>,
+    /// Number of the joints of each pair that may be taken; [`NONE`] where it has no joints at all.
+    pub crossing_of: Vec<u32>,
+    /// Those, each once, by the first pair.
+    pub crossings: Vec<Arc<Crossing>>,
+    /// True for pairs of a tile and a block that takes place on its panel.
+    pub shares_floor: Vec<bool>,
 }
+
+/// A world that was changed, and what of it is left.
+#[derive(Clone, Copy)]
+pub(super) struct Past<'p, 'a> {
+    /// The world.
+    pub made: &'p Made<'a>,
+    /// What is left.
+    pub kept: &'p Kept,
+}
+
+/// Tables and masks that may not be needed are looked through when there are more than so many.
+const MAX_STALE: usize = 64;
 
 /// What is named, once each; ascending.
 fn distinct<T: Ord>(named: impl Iterator<Item = T>) -> Vec<T> {
@@ -78,38 +104,91 @@ fn distinct<T: Ord>(named: impl Iterator<Item = T>) -> Vec<T> {
     out
 }
 
-/// Forgets what no key names and makes what is new; keys may be named more than once.
-pub(super) fn renew<K: Eq + Hash + Clone + Sync + Send, V: Send>(
+/// Makes what is not known yet; keys may be named more than once.
+pub(super) fn learn<K: Eq + Hash + Clone + Sync + Send, V: Send>(
     known: &mut HashMap<K, V>,
     keys: &[K],
     make: impl Fn(&K) -> V + Sync,
 ) {
-    let needed: HashSet<&K> = keys.iter().collect();
-    known.retain(|k, _| needed.contains(k));
-    let new: Vec<&K> = needed.into_iter().filter(|k| !known.contains_key(k)).collect();
+    let unknown: HashSet<&K> = keys.iter().filter(|k| !known.contains_key(k)).collect();
+    let new: Vec<&K> = unknown.into_iter().collect();
     let made: Vec<V> = new.par_iter().map(|k| make(k)).collect();
     known.extend(new.into_iter().cloned().zip(made));
 }
 
 impl Stitcher<'_> {
-    /// Makes the tables, masks and situations that a world needs and no earlier one has; forgets all others.
-    pub fn prepare(&mut self, laid: &Laid, progress: &dyn Progress) -> Situated {
-        let relations = |of: &[(u32, u32, Relation)]| distinct(of.iter().map(|p| p.2));
-        let (pairs, obstacles) = (relations(&laid.pairs), relations(&laid.obstacles));
+    /// Makes the tables, masks, situations and crossings that a world needs and no earlier one has.
+    ///
+    /// - `past`: what was changed, where that is so.
+    pub fn prepare(&mut self, laid: &Laid, past: Option<Past<'_, '_>>, progress: &dyn Progress) -> Prepared {
+        self.forget_unshared();
+        let new_pairs = || {
+            let is_new = |k: &usize| past.is_none_or(|past| past.kept.pairs_were[*k] == NONE);
+            (0..laid.pairs.len()).filter(is_new).map(|k| laid.pairs[k].2)
+        };
+        let pairs = distinct(new_pairs());
+        let obstacles = match past {
+            Some(past) => distinct(past.kept.new_obstacles.iter().copied()),
+            None => distinct(laid.obstacles.iter().map(|o| o.2)),
+        };
         self.ready(&obstacles);
 
         let mut tables = std::mem::take(&mut self.found.tables);
         progress.begin("joints", pairs.len() as u64, "pairs");
-        renew(&mut tables, &pairs, |r| counted(progress, Arc::new(self.table(r))));
+        learn(&mut tables, &pairs, |r| counted(progress, Arc::new(self.table(r))));
         self.found.tables = tables;
         progress.end();
         let mut masks = std::mem::take(&mut self.found.masks);
         progress.begin("obstacles", obstacles.len() as u64, "pairs");
         let before = masks.clone();
-        renew(&mut masks, &obstacles, |r| counted(progress, Arc::new(self.mask(r, &before))));
+        learn(&mut masks, &obstacles, |r| counted(progress, Arc::new(self.mask(r, &before))));
         self.found.masks = masks;
         progress.end();
-        self.situate(laid)
+        let mut out = Prepared::default();
+        self.situate(laid, past, &mut out);
+        self.cross(laid, past, &mut out);
+        out
+    }
+
+    /// Forgets tables and masks that a change made needless.
+    ///
+    /// - `laid`: the changed world.
+    /// - `gone`: as in [`Kept::gone`].
+    pub fn forget(&mut self, laid: &Laid, gone: &[Vec<Relation>; 2]) {
+        for (k, needed) in [&laid.pairs, &laid.obstacles].into_iter().enumerate() {
+            let stale = &mut self.found.stale[k];
+            stale.extend(&gone[k]);
+            stale.sort_unstable();
+            stale.dedup();
+            if stale.len() <= MAX_STALE {
+                continue;
+            }
+            let is_stale = |r: &&Relation| stale.binary_search(r).is_ok();
+            let still: HashSet<Relation> = needed.iter().map(|p| &p.2).filter(is_stale).copied().collect();
+            for relation in stale.drain(..).filter(|r| !still.contains(r)) {
+                match k {
+                    0 => _ = self.found.tables.remove(&relation),
+                    _ => _ = self.found.masks.remove(&relation),
+                }
+            }
+        }
+    }
+
+    /// Forgets all tables and masks but those of a world.
+    pub fn forget_all_but(&mut self, laid: &Laid) {
+        let needed = |of: &[(u32, u32, Relation)]| of.iter().map(|p| p.2).collect::<HashSet<Relation>>();
+        let (pairs, obstacles) = (needed(&laid.pairs), needed(&laid.obstacles));
+        self.found.tables.retain(|r, _| pairs.contains(r));
+        self.found.masks.retain(|r, _| obstacles.contains(r));
+        self.found.stale = [Vec::new(), Vec::new()];
+    }
+
+    /// Forgets what belongs to no world any more: first what itself shares other things.
+    fn forget_unshared(&mut self) {
+        self.found.left.retain(|_, left| Arc::strong_count(left) > 1);
+        self.found.outcomes.retain(|_, outcome| Arc::strong_count(outcome) > 1);
+        self.found.crossings.retain(|_, crossing| Arc::strong_count(crossing) > 1);
+        self.found.situations.retain(|_, situation| Arc::strong_count(situation) > 1);
     }
 
     /// What is made in parallel itself must not be waited for by what is.
@@ -128,49 +207,67 @@ impl Stitcher<'_> {
         }
     }
 
-    /// The situations of all instances, and the bits of their joints.
-    fn situate(&mut self, laid: &Laid) -> Situated {
-        let mut numbers: HashMap<Surroundings, u32> = HashMap::new();
-        let (mut order, mut of) = (Vec::new(), Vec::with_capacity(laid.fitted.len()));
-        let mut obstacles = laid.obstacles.iter().peekable();
-        for (i, f) in (0u32..).zip(&laid.fitted) {
-            let mut own = Vec::new();
-            while let Some((_, _, r)) = obstacles.next_if(|o| o.0 == i) {
-                own.extend((!self.found.masks[r].words.is_empty()).then_some(*r));
-            }
-            own.sort_unstable();
-            own.dedup();
-            let key = Surroundings { patch: f.patch, obstacles: own };
-            of.push(*numbers.entry(key).or_insert_with_key(|key| {
-                order.push(key.clone());
-                order.len() as u32 - 1
-            }));
-        }
+    /// The situations of all instances.
+    fn situate(&mut self, laid: &Laid, past: Option<Past<'_, '_>>, out: &mut Prepared) {
+        let is_alike = |i: usize| past.is_some_and(|past| past.kept.is_alike[i]);
+        let mut obstacles = laid.obstacles.chunk_by(|o, p| o.0 == p.0).peekable();
+        let mut around = |i: u32| obstacles.next_if(|o| o[0].0 == i).unwrap_or(&[]);
+        let mut surroundings = |(i, f): (u32, &Fitted)| {
+            let all = around(i);
+            let own = all.iter().map(|o| o.2).filter(|r| !self.found.masks[r].words.is_empty());
+            (!is_alike(i as usize)).then(|| Surroundings { patch: f.patch, obstacles: distinct(own) })
+        };
+        let keys: Vec<Option<Surroundings>> = (0u32..).zip(&laid.fitted).map(&mut surroundings).collect();
+        let new: Vec<Surroundings> = keys.iter().flatten().cloned().collect();
         let mut known = std::mem::take(&mut self.found.situations);
-        renew(&mut known, &order, |key| {
+        learn(&mut known, &new, |key| {
             let masks = key.obstacles.iter().map(|r| self.found.masks[r].words.as_slice());
             Arc::new(Situation::new(&self.patches, key.clone(), masks))
         });
-        let situations: Vec<_> = order.iter().map(|key| Arc::clone(&known[key])).collect();
+        let joined = past.map(|past| &past.made.joined);
+        let mut numbers = Numbers::new(joined.map_or(&[], |j| &j.situations));
+        let was = |i: usize| past.map_or(NONE, |past| past.kept.was[i]);
+        let number = |(i, key): (usize, Option<Surroundings>)| match (key, joined) {
+            (Some(key), _) => numbers.of(&known[&key]),
+            (None, Some(joined)) => numbers.same(joined.parts[was(i) as usize].situation),
+            (None, None) => NONE,
+        };
+        out.situation_of = keys.into_iter().enumerate().map(number).collect();
+        out.situations = numbers.into_all();
         self.found.situations = known;
-        let situated = Situated { of, situations };
-        self.cross(laid, &situated);
-        situated
     }
 
-    fn cross(&mut self, laid: &Laid, situated: &Situated) {
-        let joined = |(a, _, r): &(u32, u32, Relation)| {
-            (!self.found.tables[r].joints.is_empty()).then_some((*r, situated.of[*a as usize]))
+    /// The joints of all pairs that may be taken.
+    fn cross(&mut self, laid: &Laid, past: Option<Past<'_, '_>>, out: &mut Prepared) {
+        // What a pair was, where that and what is around its side a are as they were.
+        let was =
+            |k: usize, a: u32| past.filter(|p| p.kept.is_alike[a as usize]).map_or(NONE, |p| p.kept.pairs_were[k]);
+        let key = |(k, (a, _, r)): (usize, &(u32, u32, Relation))| {
+            let is_new = was(k, *a) == NONE && !self.found.tables[r].joints.is_empty();
+            is_new.then(|| (*r, Same::new(&out.situations[out.situation_of[*a as usize] as usize])))
         };
-        let pairs = distinct(laid.pairs.iter().filter_map(joined));
-        let key = |(r, s): (Relation, u32)| (r, Same::new(&situated.situations[s as usize]));
-        let keys: Vec<_> = pairs.into_iter().map(key).collect();
+        let keys: Vec<_> = laid.pairs.iter().enumerate().map(key).collect();
+        let new: Vec<_> = keys.iter().flatten().cloned().collect();
         let mut known = std::mem::take(&mut self.found.crossings);
-        renew(&mut known, &keys, |(relation, Same(situation))| {
+        learn(&mut known, &new, |(relation, Same(situation))| {
             let hit = |link: u32, offsets| self.hit(&situation.surroundings, link, offsets);
             let table = &self.found.tables[relation];
-            Arc::new(Crossing::new(&self.patches, [relation.a, relation.b], table, situation, hit))
+            Arc::new(Crossing::new(&self.patches, *relation, table, situation, hit))
         });
+        let joined = past.map(|past| &past.made.joined);
+        let mut numbers = Numbers::new(joined.map_or(&[], |j| &j.crossings));
+        for ((k, (a, _, r)), key) in laid.pairs.iter().enumerate().zip(keys) {
+            let (number, shares_floor) = match (key, joined, was(k, *a)) {
+                (Some(key), ..) => (numbers.of(&known[&key]), self.found.tables[r].shares_floor),
+                (None, Some(joined), was) if was != NONE => {
+                    (numbers.same(joined.crossing_of[was as usize]), joined.shares_floor[was as usize])
+                }
+                _ => (NONE, self.found.tables[r].shares_floor),
+            };
+            out.crossing_of.push(number);
+            out.shares_floor.push(shares_floor);
+        }
+        out.crossings = numbers.into_all();
         self.found.crossings = known;
     }
 
@@ -180,16 +277,6 @@ impl Stitcher<'_> {
         let in_the_way = in_the_way.filter(|(_, mask)| is_set(&mask.words, 0, link));
         let link = link as usize;
         in_the_way.filter_map(|(r, mask)| self.obstacle(r).hit(link, mask.frame(link), offsets)).reduce(Hit::union)
-    }
-
-    /// The joints of a pair. [Limit: prepared]
-    pub fn table_of(&self, relation: &Relation) -> &Arc<JointTable> {
-        &self.found.tables[relation]
-    }
-
-    /// The joints of a pair that may be taken in a situation of its side a. [Limit: prepared]
-    pub fn crossing_of(&self, relation: &Relation, situation: &Arc<Situation>) -> &Arc<Crossing> {
-        &self.found.crossings[&(*relation, Same::new(situation))]
     }
 
     /// Roots of a patch's links.

@@ -1,20 +1,31 @@
 //! What is remembered of looking at links, so that little is looked at again where a unit is moved a little.
 
+use super::bodies::Ball;
+
 /// Bodies that are farther from a unit than this are not told apart. [Unit: m]
 pub(super) const SLACK_M: f32 = 0.12;
 /// Where less is left of that, a link is looked through again. [Unit: m]
 const LEAST_M: f32 = 0.03;
 
 /// What is known of a link and a unit.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) enum Seen {
     /// Nobody looked: it passes beside the unit.
     #[default]
     Nothing,
-    /// It collides at this frame, counted from its first one.
-    Collides(u16),
+    /// It collides.
+    Collides(Touch),
     /// It does not.
     Clear(Clear),
+}
+
+/// What of a link collides.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Touch {
+    /// At this frame, counted from its first one.
+    pub frame: u16,
+    /// This point of the body, in the patch's frame: where it still does, nothing else need be looked at.
+    pub ball: Ball,
 }
 
 /// How far a link that does not collide is from a unit.
@@ -90,14 +101,16 @@ pub(super) struct Mask {
     /// Bits of the links that collide; no words where none does.
     pub words: Vec<u64>,
     /// What was seen of each link; empty where links have most of their roots in common. [Size: links, or 0]
-    pub seen: Vec<Seen>,
+    pub links: Vec<Seen>,
+    /// There, what was seen of each root, as of a link of one frame. [Size: roots, or 0]
+    pub roots: Vec<Seen>,
 }
 
 impl Mask {
     /// A frame at which a link collides, where one is known.
     pub fn frame(&self, link: usize) -> Option<usize> {
-        match self.seen.get(link) {
-            Some(Seen::Collides(frame)) => Some(usize::from(*frame)),
+        match self.links.get(link) {
+            Some(Seen::Collides(touch)) => Some(usize::from(touch.frame)),
             _ => None,
         }
     }

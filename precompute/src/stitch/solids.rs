@@ -95,6 +95,30 @@ pub(super) fn check(library: &Library<'_>, environment: &Environment, depth_m: f
     Ok(())
 }
 
+/// True where no other unit stands in one of them, and no copy of it in the same place.
+///
+/// - `shapes`: the boxes around all units. [Size: units]
+pub(super) fn is_free(
+    library: &Library<'_>,
+    environment: &Environment,
+    shapes: &[Bounds],
+    unit: usize,
+    depth_m: f32,
+) -> bool {
+    let placed = |i: usize| {
+        let u = &environment.units[i];
+        Solid::of(&library.units.units[u.unit]).into_iter().map(|s| s.placed(u.placement))
+    };
+    let own: Vec<Solid> = placed(unit).collect();
+    let at = environment.units[unit].placement.translation();
+    let is_apart = |i: usize| {
+        let far = (environment.units[i].placement.translation() - at).abs().max_element() > 2.0 * SAME_PLACE_M;
+        (far || environment.units[i].unit != environment.units[unit].unit)
+            && (!shapes[i].overlaps(&shapes[unit]) || placed(i).all(|s| own.iter().all(|o| s.depth(o) <= depth_m)))
+    };
+    (0..environment.units.len()).filter(|&i| i != unit).all(is_apart)
+}
+
 /// The first two copies of a unit that stand in the same place.
 fn same_place(library: &Library<'_>, environment: &Environment) -> Option<(u32, u32)> {
     let half = Vec3::splat(0.5 * SAME_PLACE_M);

@@ -35,13 +35,11 @@ impl JointTable {
     pub fn new(patches: &Patches<'_>, spots: &Spots, floor: Option<&Bounds>, relation: &Relation, rule: Rule) -> Self {
         let (b, at) = (relation.b as usize, relation.placement());
         let mut joints = Vec::new();
+        let mut near = Vec::new();
         for (c, cell) in patches.cells_of(b).iter().enumerate() {
-            joints.extend(of_cell(spots, cell, at, rule).map(|(a, a_offset)| JointRecord {
-                a,
-                a_offset,
-                b: c as u32,
-                reserved: 0,
-            }));
+            of_cell(spots, cell, at, rule, &mut near);
+            let joint = |n: &Near| JointRecord { a: n.item, a_offset: n.offset, b: c as u32, reserved: 0 };
+            joints.extend(near.iter().map(joint));
         }
         joints.sort_unstable();
         let mut by_b: Vec<u32> = (0..joints.len() as u32).collect();
@@ -61,13 +59,25 @@ fn stands_on(floor: &Bounds, hips: Placement) -> bool {
     above && floor.min.y + HIPS_M[0] <= hips.y && hips.y <= floor.max.y + HIPS_M[1]
 }
 
-/// Cell or link of side a, and offset into the link, of all joints of one cell of side b.
-fn of_cell(spots: &Spots, cell: &CellRecord, at: Placement, rule: Rule) -> impl Iterator<Item = (u32, u32)> {
+/// A spot of side a that is near a cell of side b.
+#[derive(Clone, Copy, Debug)]
+struct Near {
+    item: u32,
+    offset: u32,
+    distance: f32,
+}
+
+/// The nearest spots of side a for all joints of one cell of side b, one an item, in no order.
+fn of_cell(spots: &Spots, cell: &CellRecord, at: Placement, rule: Rule, near: &mut Vec<Near>) {
     let place = at.compose(cell.placement);
-    let mut near: Vec<_> = spots.near(cell.group, place, rule.nearness).map(|(s, d)| (s.item, d, s.offset)).collect();
-    near.sort_unstable_by(|p, q| p.0.cmp(&q.0).then(p.1.total_cmp(&q.1)).then(p.2.cmp(&q.2)));
-    near.dedup_by_key(|n| n.0);
-    near.sort_by(|p, q| p.1.total_cmp(&q.1));
-    near.truncate(rule.joints_per_cell);
-    near.into_iter().map(|(item, _, offset)| (item, offset))
+    near.clear();
+    let found = spots.near(cell.group, place, rule.nearness);
+    near.extend(found.map(|(s, distance)| Near { item: s.item, offset: s.offset, distance }));
+    let nearer = |p: &Near, q: &Near| p.distance.total_cmp(&q.distance);
+    near.sort_unstable_by(|p, q| p.item.cmp(&q.item).then(nearer(p, q)).then(p.offset.cmp(&q.offset)));
+    near.dedup_by_key(|n| n.item);
+    if near.len() > rule.joints_per_cell {
+        near.select_nth_unstable_by(rule.joints_per_cell, |p, q| nearer(p, q).then(p.item.cmp(&q.item)));
+        near.truncate(rule.joints_per_cell);
+    }
 }

@@ -1,8 +1,8 @@
 //! Why something of a world is taken out: found anew when somebody asks, stored nowhere.
 
-use super::assemble::Judged;
 use super::editor::Editor;
 use super::mask;
+use super::remains::Judged;
 use super::report::Reason;
 use throng_runtime::Joint;
 

@@ -22,18 +22,22 @@ pub struct WeightGrid<'a> {
     densities: [f32; MAX_AXES],
 }
 
-/// The corners of the simplex around a point.
-struct Corners<const D: usize> {
-    /// The lowest corner's row.
-    row: usize,
-    /// Fraction within the cell and rows to step, as (bits of the fraction, rows), the largest fraction first.
-    path: [u64; D],
+/// Most knots of a grid: numbers of rows are worked out in floats, eight at a time.
+pub const MAX_KNOTS: u32 = 1 << 23;
+
+/// The simplices around eight points, one a lane: corner by corner from the lowest to the highest.
+struct Simplices {
+    /// Number of the corner's row plus [`MAX_KNOTS`], so that it is the lower bits of the float.
+    rows: [[f32; LANES]; MAX_AXES + 1],
+    /// The corner's share.
+    shares: [[f32; LANES]; MAX_AXES + 1],
 }
 
 impl<'a> WeightGrid<'a> {
     /// A view on a table, or none where its length is not that of the grid or an axis is not one.
     ///
-    /// - `axes`: at least one, at most [`MAX_AXES`]. Each of at least 2 knots, its low below its high.
+    /// - `axes`: at least one, at most [`MAX_AXES`]. Each of at least 2 knots, its low below its high; of all together
+    ///   no more than [`MAX_KNOTS`].
     /// - `stride`: numbers of a row. [Limit: a multiple of 8, > 0]
     /// - `table`: [Size: product of the numbers of knots * stride]
     pub fn new(axes: &'a [AxisRecord], stride: usize, table: &'a [f32]) -> Option<Self> {
@@ -50,7 +54,7 @@ impl<'a> WeightGrid<'a> {
         let mut rows = 1u32;
         for (step, axis) in steps[..axes.len()].iter_mut().zip(axes).rev() {
             *step = rows;
-            rows = rows.checked_mul(axis.num_knots)?;
+            rows = rows.checked_mul(axis.num_knots).filter(|rows| *rows <= MAX_KNOTS)?;
         }
         let mut densities = [0.0; MAX_AXES];
         for (d, axis) in densities.iter_mut().zip(axes) {
@@ -105,53 +109,65 @@ impl<'a> WeightGrid<'a> {
         }
     }
 
-    /// A plain loop: closures would be compiled on their own, without the wide vectors.
+    /// Plain loops: closures would be compiled on their own, without the wide vectors.
     #[inline(always)]
     fn read_each<F: Lanes, const D: usize>(&self, parameters: &[[f32; MAX_AXES]], out: &mut [f32]) {
-        for (parameters, row) in parameters.iter().zip(out.chunks_exact_mut(self.stride)) {
-            self.read::<F, D>(parameters, row);
+        let mut around = Simplices { rows: [[0.0; LANES]; MAX_AXES + 1], shares: [[0.0; LANES]; MAX_AXES + 1] };
+        for (parameters, out) in parameters.chunks(LANES).zip(out.chunks_mut(LANES * self.stride)) {
+            self.locate::<F, D>(parameters, &mut around);
+            for (lane, out) in out.chunks_exact_mut(self.stride).take(parameters.len()).enumerate() {
+                self.read::<F, D>(&around, lane, out);
+            }
         }
     }
 
+    /// The simplices around up to eight points.
     #[inline(always)]
-    fn corners<const D: usize>(&self, parameters: &[f32; MAX_AXES]) -> Corners<D> {
-        let mut row = 0;
-        let mut path = [0u64; D];
+    fn locate<F: Lanes, const D: usize>(&self, parameters: &[[f32; MAX_AXES]], around: &mut Simplices) {
+        let zero = F::splat(0.0);
+        let mut row = F::splat(MAX_KNOTS as f32);
+        let (mut fractions, mut steps) = ([zero; D], [zero; D]);
         for a in 0..D {
+            let mut values = [0.0; LANES];
+            for (value, parameters) in values.iter_mut().zip(parameters) {
+                *value = parameters[a];
+            }
             let axis = &self.axes[a];
-            let last = axis.num_knots - 2;
-            let at = (parameters[a] - axis.low) * self.densities[a];
+            let at = (F::load(&values) - F::splat(axis.low)) * F::splat(self.densities[a]);
             // Not a number becomes 0.
-            let at = if at > 0.0 { at.min((last + 1) as f32) } else { 0.0 };
-            let whole = (at as u32).min(last);
-            row += (whole * self.steps[a]) as usize;
-            // Fractions are not negative, so their bits are in their order.
-            path[a] = u64::from((at - whole as f32).to_bits()) << 32 | u64::from(self.steps[a]);
+            let at = at.max(zero).min(F::splat((axis.num_knots - 1) as f32));
+            let nearest = at.round();
+            let whole = F::select_lt(at, nearest, nearest - F::splat(1.0), nearest);
+            let whole = whole.min(F::splat((axis.num_knots - 2) as f32));
+            (fractions[a], steps[a]) = (at - whole, F::splat(self.steps[a] as f32));
+            row = row + whole * steps[a];
         }
         for i in 0..D {
             for j in i + 1..D {
-                (path[i], path[j]) = (path[i].max(path[j]), path[i].min(path[j]));
+                let (a, b) = (fractions[i], fractions[j]);
+                (steps[i], steps[j]) = (F::select_lt(a, b, steps[j], steps[i]), F::select_lt(a, b, steps[i], steps[j]));
+                (fractions[i], fractions[j]) = (a.max(b), a.min(b));
             }
         }
-        Corners { row, path }
+        row.store(&mut around.rows[0]);
+        (F::splat(1.0) - fractions[0]).store(&mut around.shares[0]);
+        for i in 0..D {
+            row = row + steps[i];
+            row.store(&mut around.rows[i + 1]);
+            let rest = if i + 1 < D { fractions[i + 1] } else { zero };
+            (fractions[i] - rest).store(&mut around.shares[i + 1]);
+        }
     }
 
     #[inline(always)]
-    fn read<F: Lanes, const D: usize>(&self, parameters: &[f32; MAX_AXES], out: &mut [f32]) {
-        let corners = self.corners::<D>(parameters);
-        let mut fractions = [0.0; MAX_AXES + 1];
-        for i in 0..D {
-            fractions[i] = f32::from_bits((corners.path[i] >> 32) as u32);
-        }
-        let mut row = corners.row;
+    fn read<F: Lanes, const D: usize>(&self, around: &Simplices, lane: usize, out: &mut [f32]) {
         let num_chunks = out.len() / LANES;
-        let mut rows = [&self.row(row)[..num_chunks]; MAX_AXES + 1];
+        let mut rows = [&[][..]; MAX_AXES + 1];
         let mut shares = [F::splat(0.0); MAX_AXES + 1];
-        shares[0] = F::splat(1.0 - fractions[0]);
-        for i in 0..D {
-            row += corners.path[i] as u32 as usize;
-            rows[i + 1] = &self.row(row)[..num_chunks];
-            shares[i + 1] = F::splat(fractions[i] - fractions[i + 1]);
+        for i in 0..=D {
+            let row = around.rows[i][lane].to_bits() & (MAX_KNOTS - 1);
+            rows[i] = &self.row(row as usize)[..num_chunks];
+            shares[i] = F::splat(around.shares[i][lane]);
         }
         for (c, out) in out.as_chunks_mut::<LANES>().0.iter_mut().enumerate() {
             let mut sum = F::load(&rows[0][c]) * shares[0];

@@ -11,7 +11,7 @@ pub mod walkers;
 mod warp;
 
 pub use error::BlendError;
-pub use grid::WeightGrid;
+pub use grid::{MAX_KNOTS, WeightGrid};
 pub use ground::{Ground, HeightField};
 pub use posture::Posture;
 pub use space::BlendSpace;

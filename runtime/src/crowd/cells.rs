@@ -1,19 +1,77 @@
 //! The cells of space that members are registered in.
 
 use super::{NONE, Space, plan::Plan};
+use std::marker::PhantomData;
 
 /// Members of a block.
 pub(crate) const BLOCK: usize = 8;
 /// Most cells: a grid of more is folded.
 const MAX_CELLS: usize = 1 << 22;
 
-/// Plans of members that are registered in the same cell, one after the other in memory.
+/// One number of each member of a block.
+pub(crate) type Eight = [f32; BLOCK];
+
+/// Plans of members that are registered in the same cell: each number of all of them side by side, so that they are
+/// looked at together. In 2-D the third coordinates are never touched.
 #[derive(Clone, Copy, Debug, Default)]
-struct Block<V> {
-    len: u32,
+#[repr(C, align(64))]
+pub(crate) struct Block {
+    pub start: [f64; BLOCK],
+    pub moving: Eight,
+    pub index: [u32; BLOCK],
+    pub position: [Eight; 3],
+    pub velocity: [Eight; 3],
+    pub acceleration: [Eight; 3],
+    pub end: [f64; BLOCK],
+    pub radius: Eight,
+    pub limit: Eight,
+    /// How many are there, from the first on.
+    pub len: u32,
     /// Block of more of them.
     next: u32,
-    plans: [Plan<V>; BLOCK],
+}
+
+/// One vector of eight.
+#[inline(always)]
+pub(crate) fn nth<V: Space>(of: &[Eight; 3], i: usize) -> V {
+    let third = if V::DIMENSIONS == 3 { of[2][i] } else { 0.0 };
+    V::from_coordinates([of[0][i], of[1][i], third])
+}
+
+impl Block {
+    /// Plan of one of its members.
+    #[inline]
+    pub fn plan<V: Space>(&self, i: usize) -> Plan<V> {
+        Plan {
+            start: self.start[i],
+            end: self.end[i],
+            position: nth(&self.position, i),
+            velocity: nth(&self.velocity, i),
+            acceleration: nth(&self.acceleration, i),
+            moving: self.moving[i],
+            radius: self.radius[i],
+            limit: self.limit[i],
+            index: self.index[i],
+        }
+    }
+
+    /// Bit i is set where the i-th is there.
+    #[inline]
+    pub fn there(&self) -> u8 {
+        ((1u32 << self.len) - 1) as u8
+    }
+
+    fn put<V: Space>(&mut self, i: usize, plan: &Plan<V>) {
+        (self.start[i], self.end[i]) = (plan.start, plan.end);
+        let (x, v, a) = (plan.position.coordinates(), plan.velocity.coordinates(), plan.acceleration.coordinates());
+        for axis in 0..V::DIMENSIONS {
+            self.position[axis][i] = x[axis];
+            self.velocity[axis][i] = v[axis];
+            self.acceleration[axis][i] = a[axis];
+        }
+        (self.moving[i], self.radius[i], self.limit[i]) = (plan.moving, plan.radius, plan.limit);
+        self.index[i] = plan.index;
+    }
 }
 
 /// A grid of square or cubic cells, each with the plans of its members.
@@ -27,10 +85,11 @@ pub(crate) struct Cells<V> {
     /// Logarithm of the number of cells along each axis.
     bits: [u32; 3],
     first: Vec<u32>,
-    blocks: Vec<Block<V>>,
+    blocks: Vec<Block>,
     free: Vec<u32>,
     /// Block and place of every member: `block * BLOCK + place`.
     address: Vec<u32>,
+    space: PhantomData<V>,
 }
 
 impl<V: Space> Cells<V> {
@@ -57,6 +116,7 @@ impl<V: Space> Cells<V> {
             blocks: vec![block; num_blocks],
             free: (0..num_blocks as u32).rev().collect(),
             address: vec![NONE; capacity],
+            space: PhantomData,
         }
     }
 
@@ -76,7 +136,7 @@ impl<V: Space> Cells<V> {
             let mut b = first;
             while b != NONE {
                 let block = &self.blocks[b as usize];
-                plans.extend(block.plans[..block.len as usize].iter().rev());
+                plans.extend((0..block.len as usize).rev().map(|i| block.plan(i)));
                 b = block.next;
             }
             // The last block of a chain was filled first.
@@ -134,34 +194,51 @@ impl<V: Space> Cells<V> {
 
     /// Plan of a member. [Limit: it is in a cell]
     #[inline]
-    pub fn plan(&self, member: u32) -> &Plan<V> {
-        self.at(self.address[member as usize])
+    pub fn plan(&self, member: u32) -> Plan<V> {
+        let (block, place) = self.place(member);
+        self.blocks[block as usize].plan(place)
     }
 
-    /// Plan at an address that [`Cells::each`] gave.
+    /// Number of the block of a member, and its place there. [Limit: it is in a cell]
     #[inline]
-    pub fn at(&self, address: u32) -> &Plan<V> {
-        &self.blocks[address as usize / BLOCK].plans[address as usize % BLOCK]
+    pub fn place(&self, member: u32) -> (u32, usize) {
+        let address = self.address[member as usize];
+        (address / BLOCK as u32, address as usize % BLOCK)
     }
 
-    /// Calls `f` for everyone who is registered in a cell, with the address of the plan.
+    /// Block of a number that [`Cells::each_block`] gave.
     #[inline]
-    pub fn each(&self, cell: u32, mut f: impl FnMut(&Plan<V>, u32)) {
+    pub fn block(&self, number: u32) -> &Block {
+        &self.blocks[number as usize]
+    }
+
+    /// Calls `f` for every block of a cell, with its number.
+    #[inline(always)]
+    pub fn each_block(&self, cell: u32, mut f: impl FnMut(&Block, u32)) {
         let mut b = self.first[cell as usize];
         while b != NONE {
             let block = &self.blocks[b as usize];
-            for (address, plan) in (b * BLOCK as u32..).zip(&block.plans[..block.len as usize]) {
-                f(plan, address);
-            }
+            f(block, b);
             b = block.next;
         }
+    }
+
+    /// Calls `f` for everyone who is registered in a cell.
+    #[inline]
+    pub fn each(&self, cell: u32, mut f: impl FnMut(&Plan<V>)) {
+        self.each_block(cell, |block, _| (0..block.len as usize).for_each(|i| f(&block.plan(i))));
+    }
+
+    /// Most blocks that the cells around one can have.
+    pub fn most_around(&self) -> usize {
+        self.address.len() / BLOCK + 3usize.pow(V::DIMENSIONS as u32)
     }
 
     /// Changes a plan; who comes into another cell is registered there. `from` is the cell where it is registered.
     pub fn set(&mut self, from: u32, to: u32, plan: &Plan<V>) {
         if from == to {
             let address = self.address[plan.index as usize] as usize;
-            self.blocks[address / BLOCK].plans[address % BLOCK] = *plan;
+            self.blocks[address / BLOCK].put(address % BLOCK, plan);
         } else {
             self.remove(from, plan.index);
             self.insert(to, plan);
@@ -180,7 +257,7 @@ impl<V: Space> Cells<V> {
             b = fresh;
         }
         let block = &mut self.blocks[b as usize];
-        block.plans[block.len as usize] = *plan;
+        block.put(block.len as usize, plan);
         self.address[plan.index as usize] = b * BLOCK as u32 + block.len;
         block.len += 1;
     }
@@ -191,12 +268,12 @@ impl<V: Space> Cells<V> {
         let first = self.first[cell as usize];
         let block = &mut self.blocks[first as usize];
         block.len -= 1;
-        let last = block.plans[block.len as usize];
+        let last = block.plan::<V>(block.len as usize);
         if block.len == 0 {
             self.first[cell as usize] = block.next;
             self.free.push(first);
         }
-        self.blocks[address as usize / BLOCK].plans[address as usize % BLOCK] = last;
+        self.blocks[address as usize / BLOCK].put(address as usize % BLOCK, &last);
         self.address[last.index as usize] = address;
         self.address[member as usize] = NONE;
     }
@@ -232,7 +309,7 @@ mod tests {
                 }
                 for cell in 0..cells.num_cells() as u32 {
                     let mut there = Vec::new();
-                    cells.each(cell, |p, _| there.push(p.index));
+                    cells.each(cell, |p| there.push(p.index));
                     there.sort_unstable();
                     let want: Vec<u32> = (0..60).filter(|&m| list[m as usize] == Some(cell)).collect();
                     prop_assert_eq!(&there, &want);

@@ -1,9 +1,10 @@
 //! What a member does at its event.
 
 use super::bound::Bound;
-use super::cells::Cells;
+use super::cells::{Cells, Eight};
 use super::filter::Filter;
 use super::flow::Flow;
+use super::near::{Look, Row, Rows, bits};
 use super::plan::Plan;
 use super::safety::{Candidate, Lack, Other, lack, lack_of_solid, lever};
 use super::sight::Seen;
@@ -12,6 +13,7 @@ use super::steer::{Surroundings, Walker, forces};
 use super::tracing::Tracing;
 use super::world::{HURRY, World};
 use super::{AtEnd, Forces, NONE, Space};
+use crate::lanes::{Lanes, Work, dispatch};
 use serde::{Deserialize, Serialize};
 
 /// Most tries for a plan near the desired one before a member brakes.
@@ -59,30 +61,20 @@ pub(crate) struct Mind<V> {
     pub is_struck: bool,
 }
 
-/// Somebody who is registered near.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Around {
-    /// Of the plan, see [`Cells::at`].
-    pub address: u32,
-    /// Of the centres. [Unit: m]
-    pub distance: f32,
-    /// Speed at which the distance shrinks. [Unit: m/s]
-    pub closing: f32,
-}
-
 /// Room to think in, one for each thread.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Scratch<V> {
     seen: Vec<Seen<V>>,
-    pub around: Vec<Around>,
+    pub rows: Rows,
     /// Those whose plans a plan may come in conflict with, and how far from its centre they stay. [Unit: m]
     others: Vec<(f32, Other<V>)>,
 }
 
 impl<V: Space> Scratch<V> {
-    pub fn new(capacity: usize, num_movers: usize) -> Self {
+    pub fn new(cells: &Cells<V>, capacity: usize, num_movers: usize) -> Self {
         let most = capacity + num_movers;
-        Self { seen: Vec::with_capacity(most), around: Vec::with_capacity(most), others: Vec::with_capacity(most) }
+        let rows = Rows::new(cells.most_around());
+        Self { seen: Vec::with_capacity(most), rows, others: Vec::with_capacity(most) }
     }
 }
 
@@ -114,8 +106,6 @@ pub(crate) struct Decider<'a, V> {
     pub minds: &'a [Mind<V>],
     pub flow: &'a Flow<V>,
     pub time: f64,
-    /// Whose bound is made anew in the same event.
-    pub renewed: u32,
 }
 
 impl<V: Space> Decider<'_, V> {
@@ -124,14 +114,14 @@ impl<V: Space> Decider<'_, V> {
         let old = self.cells.plan(member);
         let (position, velocity) = old.at(self.time);
         let mut mind = self.minds[member as usize];
-        self.update(&mut mind, old, position, velocity);
-        let walker = self.walker(&mind, old, position, velocity);
+        self.update(&mut mind, &old, position, velocity);
+        let walker = self.walker(&mind, &old, position, velocity);
         let at = self.cells.coordinates(position);
         mind.cell = self.cells.number(at);
         self.look_around(member, at, &walker, &mind, scratch);
         let near = self.world.near(mind.cell);
         let f = self.feel(&walker, &mind, near, scratch);
-        let fresh = Plan { start: self.time, position, velocity, moving: f32::INFINITY, ..*old };
+        let fresh = Plan { start: self.time, position, velocity, moving: f32::INFINITY, ..old };
         Wish { mind, fresh, acceleration: total(&f).at_most(old.limit), at }
     }
 
@@ -184,8 +174,8 @@ impl<V: Space> Decider<'_, V> {
         let plan = self.cells.plan(member);
         let (position, velocity) = plan.at(self.time);
         let mut mind = self.minds[member as usize];
-        self.update(&mut mind, plan, position, velocity);
-        let walker = self.walker(&mind, plan, position, velocity);
+        self.update(&mut mind, &plan, position, velocity);
+        let walker = self.walker(&mind, &plan, position, velocity);
         let at = self.cells.coordinates(position);
         self.look_around(member, at, &walker, &mind, scratch);
         let near = self.world.near(self.cells.number(at));
@@ -239,31 +229,9 @@ impl<V: Space> Decider<'_, V> {
     /// Finds everybody who is registered near, and those who are felt.
     fn look_around(&self, member: u32, at: [i32; 3], me: &Walker<V>, mind: &Mind<V>, scratch: &mut Scratch<V>) {
         scratch.seen.clear();
-        scratch.around.clear();
         let perception = self.world.fields[mind.field as usize].perception_m;
-        let perception = perception * perception;
-        self.cells.around(at, |cell| {
-            self.cells.each(cell, |plan, address| {
-                if plan.index == member {
-                    return;
-                }
-                let (position, velocity) = plan.at(self.time);
-                let offset = position - me.position;
-                let square = offset.length_squared();
-                let distance = square.sqrt();
-                let closing = (me.velocity - velocity).dot(offset) / distance.max(1e-6);
-                scratch.around.push(Around { address, distance, closing });
-                if square < perception {
-                    scratch.seen.push(Seen {
-                        offset,
-                        velocity,
-                        distance,
-                        radii: me.radius + plan.radius,
-                        yields: true,
-                    });
-                }
-            });
-        });
+        let look = Look { cells: self.cells, at, time: self.time, member, me, perception };
+        look.around(&mut scratch.rows, &mut scratch.seen);
         for mover in &self.world.movers {
             let plan = mover.plan(self.time, 1.0);
             let offset = plan.position - me.position;
@@ -273,17 +241,6 @@ impl<V: Space> Decider<'_, V> {
                 scratch.seen.push(Seen { offset, velocity: plan.velocity, distance, radii, yields: false });
             }
         }
-    }
-
-    /// The bound of another one.
-    #[inline]
-    pub fn bound(&self, other: &Plan<V>) -> Bound<V> {
-        let bound = Bound::from(other);
-        if other.index != self.renewed {
-            return bound;
-        }
-        let (position, velocity) = other.at(self.time);
-        Bound { start: self.time, position, velocity, ..bound }
     }
 
     /// When a bound touches an obstacle, if that is before `first`.
@@ -316,17 +273,7 @@ impl<V: Space> Decider<'_, V> {
         let (speed, fastest) = (fresh.velocity.length(), HURRY * self.world.speed);
         let fast = (speed + fresh.limit * length).min(fastest.max(speed));
         let mine = fast * length + 0.5 * fast * fast / fresh.limit + fresh.radius + 0.01;
-        for &Around { address, distance, .. } in &scratch.around {
-            let other = self.cells.at(address);
-            let until = (other.end - self.time) as f32;
-            if distance < mine + other.radius + fastest * until + self.world.stopping {
-                let other = Other::new(other, self.time);
-                let free = distance - other.plan.radius - other.reach();
-                if free < mine {
-                    scratch.others.push((free, other));
-                }
-            }
-        }
+        dispatch(Reach { at: self, fastest, mine, rows: scratch.rows.all(), others: &mut scratch.others });
         for mover in &self.world.movers {
             let plan = mover.plan(self.time, length + 2.0 * self.world.speed / fresh.limit);
             let way = plan.velocity.length() * (plan.end - plan.start) as f32;
@@ -408,6 +355,42 @@ impl<V: Space> Decider<'_, V> {
             apart < m.radius + plan.radius - 1e-3
         };
         self.world.movers.iter().find(hits).map_or(NONE, |m| m.obstacle)
+    }
+}
+
+/// Finds those who can come as near as `mine`, or nearly so.
+struct Reach<'a, V> {
+    at: &'a Decider<'a, V>,
+    fastest: f32,
+    mine: f32,
+    rows: &'a [Row],
+    others: &'a mut Vec<(f32, Other<V>)>,
+}
+
+impl<V: Space> Work for Reach<'_, V> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<F: Lanes>(self) {
+        let Self { at, fastest, mine, rows, others } = self;
+        for row in rows {
+            let block = at.cells.block(row.block);
+            let until: Eight = std::array::from_fn(|i| (block.end[i] - at.time) as f32);
+            let (until, limit) = (F::load(&until), F::load(&block.limit));
+            let square = (0..V::DIMENSIONS).map(|axis| F::load(&row.velocity[axis]));
+            let square = square.fold(F::splat(0.0), |sum, v| sum + v * v);
+            // No faster than this, for so long, and then to a stop.
+            let fast = (square.sqrt() + limit * until).min(F::splat(fastest));
+            let reach = fast * (until + F::splat(0.5) * fast / limit);
+            let free = F::load(&row.distance) - F::load(&block.radius) - reach - F::splat(0.01);
+            for i in bits(row.there & free.bits_lt(F::splat(mine))) {
+                let other = Other::new(&block.plan(i), at.time);
+                let free = row.distance[i] - other.plan.radius - other.reach();
+                if free < mine {
+                    others.push((free, other));
+                }
+            }
+        }
     }
 }
 

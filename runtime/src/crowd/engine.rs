@@ -9,6 +9,7 @@ use super::queue::Calendar;
 use super::safety::{Candidate, MARGIN, Other, lack, lack_of_solid, room};
 use super::spline::Spline;
 use super::tracing::{Registration, Trace, Tracing};
+use super::watchdog::Watchdog;
 use super::world::{HURRY, World, check_member};
 use super::{AtEnd, Counts, CrowdError, Event, EventKind, Id, Member, NONE, Route, Setup, Space};
 
@@ -36,6 +37,7 @@ pub struct Crowd<V> {
     pub(super) counts: Counts,
     pub(super) trace: Trace<V>,
     pub(super) scratch: Scratch<V>,
+    pub(super) watchdog: Watchdog,
     #[cfg(feature = "rayon")]
     pub(super) windows: super::window::Windows<V>,
 }
@@ -50,7 +52,8 @@ impl<V: Space> Crowd<V> {
         let (world, cells, flow) = World::new(&setup)?;
         let capacity = setup.config.capacity.max(setup.members.len());
         let mut crowd = Self {
-            scratch: Scratch::new(capacity, world.movers.len()),
+            watchdog: Watchdog::new(capacity, world.interval, setup.config.scheme.most_events()),
+            scratch: Scratch::new(&cells, capacity, world.movers.len()),
             trace: Trace::new(&setup.config, &cells, capacity),
             world,
             cells,
@@ -161,6 +164,7 @@ impl<V: Space> Crowd<V> {
             is_struck: false,
         };
         self.cells.insert(cell, &plan);
+        self.watchdog.forget(index);
         self.queue.set(index, self.now);
         if let Trace::Occupancy(occupancy) = &mut self.trace {
             occupancy.list(&self.cells, &plan);
@@ -174,7 +178,7 @@ impl<V: Space> Crowd<V> {
         let candidate = Candidate::new(*plan);
         let mut error = None;
         self.cells.around(at, |cell| {
-            self.cells.each(cell, |other, _| {
+            self.cells.each(cell, |other| {
                 // Two who could brake at once need no more than to be apart.
                 let room = if other.end <= self.now {
                     room(plan, other) - MARGIN
@@ -294,9 +298,9 @@ impl<V: Space> Crowd<V> {
         on_event(&self.count(member, self.kind(cause)));
         // Both are made anew, unless one was just now: then it waits as long as everybody does.
         let renewed = partner.filter(|&p| self.may_act(p, self.now));
-        self.decide(member, renewed.unwrap_or(NONE), &Registration, on_event);
+        self.decide(member, &Registration, on_event);
         if let Some(renewed) = renewed.filter(|&p| self.minds[p as usize].cell != NONE) {
-            self.decide(renewed, NONE, &Registration, on_event);
+            self.decide(renewed, &Registration, on_event);
         }
         Ok(())
     }
@@ -307,16 +311,10 @@ impl<V: Space> Crowd<V> {
         is_there && time - self.cells.plan(member).start >= f64::from(self.world.interval)
     }
 
-    /// Lets a member take a new plan, while the bound of `renewed` is made anew; false where it has to keep the one it has.
-    pub(super) fn decide(
-        &mut self,
-        member: u32,
-        renewed: u32,
-        tracing: &impl Tracing<V>,
-        on_event: &mut impl FnMut(&Event),
-    ) -> bool {
+    /// Lets a member take a new plan; false where it has to keep the one it has.
+    pub(super) fn decide(&mut self, member: u32, tracing: &impl Tracing<V>, on_event: &mut impl FnMut(&Event)) -> bool {
         let Self { world, cells, minds, flow, scratch, .. } = self;
-        let decider = Decider { world, cells, minds, flow, time: self.now, renewed };
+        let decider = Decider { world, cells, minds, flow, time: self.now };
         let Some(decision) = decider.decide(member, tracing, scratch) else { return false };
         self.queue.set(member, decision.plan.end);
         if self.take(member, &decision, on_event) {
@@ -383,15 +381,21 @@ impl<V: Space> Crowd<V> {
         Event { time: self.now, member: self.id(member), kind }
     }
 
-    /// The watchdog: no member's events are nearer to each other than the smallest interval.
-    pub(super) fn watch(&self, member: u32, partner: Option<u32>) -> Result<(), CrowdError> {
-        let plan = self.cells.plan(member);
-        let seconds = self.now - plan.start;
-        if plan.end > plan.start && seconds < 0.5 * f64::from(self.world.interval) {
-            let (first, second) = (self.id(member), self.id(partner.unwrap_or(member)));
-            return Err(CrowdError::Storm { first, second, events: 2, most: 1, seconds });
-        }
-        Ok(())
+    /// Shows an event of a member to the watchdog.
+    #[inline]
+    pub(super) fn watch(&mut self, member: u32, partner: Option<u32>) -> Result<(), CrowdError> {
+        let storm = match self.watchdog.note(member, partner.unwrap_or(NONE), self.now) {
+            Ok(()) => return Ok(()),
+            Err(storm) => storm,
+        };
+        let other = if storm.partner == NONE { member } else { storm.partner };
+        Err(CrowdError::Storm {
+            first: self.id(member),
+            second: self.id(other),
+            events: storm.events.into(),
+            most: storm.most.into(),
+            seconds: storm.seconds,
+        })
     }
 
     /// Side of the cells that members are registered in. [Unit: m]

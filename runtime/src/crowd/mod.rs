@@ -21,6 +21,7 @@ mod filter;
 mod fixed;
 mod flow;
 mod member;
+mod near;
 mod obstacle;
 mod occupancy;
 mod occupied;
@@ -40,6 +41,7 @@ mod steer;
 #[cfg(test)]
 mod tests;
 mod tracing;
+mod watchdog;
 #[cfg(feature = "rayon")]
 mod window;
 mod world;

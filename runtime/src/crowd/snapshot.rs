@@ -112,6 +112,7 @@ impl<V: Space> Crowd<V> {
         self.queue.clear(self.now);
         for plan in &state.plans {
             self.cells.insert(self.minds[plan.index as usize].cell, plan);
+            self.watchdog.forget(plan.index);
             self.queue.set(plan.index, plan.end);
         }
         self.trace = state.trace;

@@ -41,7 +41,7 @@ fn check_stop_regions<V: Space>(crowd: &Crowd<V>, time: f64) {
         .map(|id| {
             let plan = crowd.cells.plan(id.index);
             let (position, velocity) = plan.at(time);
-            Plan { position, velocity, ..*plan }
+            Plan { position, velocity, ..plan }
         })
         .collect();
     for (i, a) in plans.iter().enumerate() {
@@ -332,6 +332,23 @@ fn what_cannot_start_is_named() {
     crowd.advance(1.0, &mut |_| {}).unwrap();
     assert_eq!(crowd.advance(0.5, &mut |_| {}), Err(CrowdError::Past { got: 0.5, now: 1.0 }));
     assert!(crowd.advance(f64::NAN, &mut |_| {}).is_err());
+}
+
+#[test]
+fn a_crowd_that_does_not_get_on_names_the_pair() {
+    let mut crowd = Crowd::new(crossing::<Vec2>(30, 0.8)).unwrap();
+    crowd.advance(2.0, &mut |_| {}).unwrap();
+    let met = |c: &Crowd<Vec2>| c.ids().find_map(|id| Some((id, c.partner(c.minds[id.index()].cause)?)));
+    let (first, second) = met(&crowd).unwrap();
+    // As if its event came again and again, and never a later one.
+    let storm = (0..100).find_map(|_| {
+        crowd.minds[first.index()].cause = super::decide::Cause::Member(second);
+        crowd.happen(first.index, &mut |_| {}).err()
+    });
+    match storm {
+        Some(CrowdError::Storm { first: a, second: b, .. }) => assert_eq!((a, b.index), (first, second)),
+        other => panic!("{other:?}"),
+    }
 }
 
 #[test]

@@ -57,7 +57,7 @@ impl<V: Space> Crowd<V> {
         windows.levels.resize(self.cells.num_cells(), 0);
         let num_threads = rayon::current_num_threads();
         while windows.scratches.len() < num_threads {
-            windows.scratches.push(Scratch::new(self.minds.len(), self.world.movers.len()));
+            windows.scratches.push(Scratch::new(&self.cells, self.minds.len(), self.world.movers.len()));
         }
         let mut done = Ok(());
         while let Some((time, _)) = self.queue.first(until_s) {
@@ -181,9 +181,7 @@ impl<V: Space> Crowd<V> {
         decisions.resize(items.len(), None);
         let decide = |(decision, (&who, item)): (&mut Option<Decision<V>>, (&u32, &Item)), scratch: &mut Scratch<V>| {
             if who != NONE {
-                let is_first = who == item.member && item.partner != NONE;
-                let renewed = if is_first && self.may_act(item.partner, item.time) { item.partner } else { NONE };
-                *decision = self.decider(item.time, renewed).decide(who, &Registration, scratch);
+                *decision = self.decider(item.time).decide(who, &Registration, scratch);
             }
         };
         if items.len() < FEWEST {

@@ -2,7 +2,7 @@
 
 use super::made_up::MadeUp;
 use proptest::prelude::*;
-use throng_runtime::blend::{AxisRecord, BlendError, BlendSpace, MAX_AXES, WeightGrid};
+use throng_runtime::blend::{AxisRecord, BlendError, BlendSpace, MAX_AXES, MAX_KNOTS, WeightGrid};
 
 /// Axes of 2, 3, 4, ... knots.
 fn axes(num_axes: usize) -> Vec<AxisRecord> {
@@ -70,6 +70,24 @@ proptest! {
         for (got, want) in got.iter().zip(by_definition(&axes, &table, 16, &p)) {
             prop_assert!((f64::from(*got) - want).abs() < 1e-5, "{got} {want}");
         }
+    }
+
+    #[test]
+    fn points_of_a_batch_are_read_as_if_alone(
+        d in 1usize..=MAX_AXES, points in prop::collection::vec(prop::array::uniform6(-8.0f32..2.0), 0..20), more in 0usize..10
+    ) {
+        let axes = axes(d);
+        let table: Vec<f32> = (0..knots(&axes).len() * 8).map(|i| (i as f32 * 0.7).sin()).collect();
+        let grid = WeightGrid::new(&axes, 8, &table).expect("a grid");
+        let mut all = vec![7.0; 8 * (points.len() + more)];
+        grid.interpolate_all(&points, &mut all);
+        let (rows, rest) = all.split_at(8 * points.len());
+        for (p, row) in points.iter().zip(rows.chunks(8)) {
+            let mut alone = [0.0; 8];
+            grid.interpolate(p, &mut alone);
+            prop_assert_eq!(&alone[..], row);
+        }
+        prop_assert!(rest.iter().all(|v| *v == 7.0), "rows that are over are left");
     }
 
     #[test]
@@ -158,6 +176,8 @@ fn what_does_not_fit_is_refused() {
     assert!(WeightGrid::new(&axes, 8, &[0.0; 47]).is_none());
     assert!(WeightGrid::new(&axes, 7, &[0.0; 42]).is_none());
     assert!(WeightGrid::new(&[], 8, &[0.0; 8]).is_none());
+    let wide = AxisRecord { num_knots: MAX_KNOTS + 1, ..axes[0] };
+    assert!(WeightGrid::new(&[wide], 8, &vec![0.0; 8 * (MAX_KNOTS as usize + 1)]).is_none());
     let made_up = MadeUp::locomotion();
     let space = made_up.space();
     let e = space.weights(&[[0.0; MAX_AXES]; 2], &mut [0.0; 24]).expect_err("one row for two queries");

@@ -132,17 +132,21 @@ proptest! {
         walks.with(|paths, bodies, units| {
             let (swept, unit) = (Swept::new(paths, bodies), &units[kind]);
             let mut at = Placement::new(rng.random_range(-1.0f32..1.0), 0.0, rng.random_range(-1.0f32..1.0), 0.3);
-            let mut earlier: Option<(Mask, Placement)> = None;
+            let mut earlier: Option<(Mask, Mask, Placement)> = None;
             for step in [0.0f32, 0.01, 0.04, 0.08, 1.0] {
                 let mut shift = || step * rng.random_range(-1.0f32..1.0);
                 at = Placement::new(at.x + shift(), at.y + 0.1 * shift(), at.z + shift(), at.heading + shift());
-                let before = earlier.as_ref().map(|(mask, was)| Earlier {
+                let before = earlier.as_ref().map(|(mask, _, was)| Earlier {
                     mask,
                     moved: Obstacle::moved(&unit.geometry.bounds, *was, at),
                 });
-                let mask = Obstacle::new(paths, bodies, unit, at).mask(Some(&swept), before);
-                let anew = Obstacle::new(paths, bodies, unit, at).mask(Some(&swept), None);
+                let obstacle = Obstacle::new(paths, bodies, unit, at);
+                let (mask, anew) = (obstacle.mask(Some(&swept), before), obstacle.mask(Some(&swept), None));
                 prop_assert_eq!(&mask.words, &anew.words);
+                // The same root by root, as for links that have them in common.
+                let before = earlier.as_ref().zip(before).map(|((_, by_roots, _), b)| Earlier { mask: by_roots, ..b });
+                let by_roots = obstacle.mask(None, before);
+                prop_assert_eq!(&by_roots.words, &anew.words);
                 for (l, link) in walks.links.iter().enumerate() {
                     let contacts = |k: usize| walks.contacts[link.frame as usize + k];
                     let bodies: Vec<_> =
@@ -159,13 +163,13 @@ proptest! {
                         let most = moves.fold(0.0, f32::max) + if contacts(k) == contacts(k - 1) { 1e-4 } else { 0.15 };
                         prop_assert!(all[k] <= all[k - 1].max(0.0) + most, "link {}, frame {}: {}", l, k, all[k]);
                     }
-                    match mask.seen[l] {
-                        Seen::Collides(k) => prop_assert!(all[usize::from(k)] > -1e-4),
+                    match mask.links[l] {
+                        Seen::Collides(touch) => prop_assert!(all[usize::from(touch.frame)] > -1e-4),
                         Seen::Clear(clear) => prop_assert!(clear.least() <= -deepest + 1e-4),
                         Seen::Nothing => {}
                     }
                 }
-                earlier = Some((mask, at));
+                earlier = Some((mask, by_roots, at));
             }
             Ok(())
         })?;

@@ -190,8 +190,9 @@ impl<'k> World<'k> {
             neighbours: Vec::new(),
             situations: instances.iter().map(|i| self.situation(i.patch, i.variant)).collect(),
             overlaps: Vec::new(),
-            relations: Vec::new(),
             crossings: Vec::new(),
+            crossing_of: Vec::new(),
+            shares_floor: Vec::new(),
             num_nodes: 0,
             num_words: 0,
         };
@@ -202,10 +203,10 @@ impl<'k> World<'k> {
             let hit = |link: u32, _| Some(Hit { first: (link % 30) as u16, last: (link % 30) as u16 });
             let kinds = [instances[a].patch, instances[b].patch];
             let crossing = out.crossings.len() as u32;
-            out.crossings.push(Arc::new(Crossing::new(&patches, kinds, &table, &out.situations[a], hit)));
-            out.relations.push(Relation::new((kinds[0], Placement::IDENTITY), (kinds[1], Placement::IDENTITY)));
-            overlaps[a].push(Overlap { other: b as u32, side: 0, table: crossing, crossing });
-            overlaps[b].push(Overlap { other: a as u32, side: 1, table: crossing, crossing });
+            let relation = Relation::new((kinds[0], Placement::IDENTITY), (kinds[1], Placement::IDENTITY));
+            out.crossings.push(Arc::new(Crossing::new(&patches, relation, &table, &out.situations[a], hit)));
+            overlaps[a].push(Overlap { other: b as u32, side: 0, pair: crossing, crossing });
+            overlaps[b].push(Overlap { other: a as u32, side: 1, pair: crossing, crossing });
         }
         for (k, (i, own)) in instances.iter().zip(overlaps).enumerate() {
             let record = &self.kinds.patches[i.patch as usize];

@@ -16,6 +16,8 @@ use throng_runtime::{Joint, Skeleton};
 const SPRING: f64 = 14.0;
 /// A bouncing knee: how far it goes, and how often. [Unit: rad] [Unit: Hz]
 const BOUNCE: (f64, f64) = (0.045, 1.7);
+/// Whoever ducks bends neither knee further, whatever the stance: 110 degrees, thigh a little above level. [Unit: rad]
+const DEEPEST: f64 = 1.92;
 
 /// Slower heels stand. [Unit: m/s]
 const HEEL_SPEED: f64 = 0.015;
@@ -138,20 +140,21 @@ fn placed(p: &Posture, facing: f64, mass: DVec2, feet: [FootPose; 2], skeleton: 
     Body { facing, root, hips: hips_world, trunk, chest: chest_at, neck: neck_at, guard, feet }
 }
 
-/// Height of the hips joint: as low as the straighter knee says, and no leg longer than it is.
+/// Height of the hips joint: as low as the straighter knee says, no leg longer than it is and no knee bent too far.
 fn height(bodies: &[Body], postures: &[Posture], skeleton: &Skeleton, dt: f64) -> Vec<f64> {
     let leg = LegShape::of(skeleton);
     let limit: Vec<f64> = bodies
         .iter()
         .zip(postures)
         .map(|(body, p)| {
-            let reach = leg.reach(p.flexion);
-            let under = |side: Side| {
+            let under = |side: Side, flexion: f64| {
                 let hip = body.root + body.hips * skeleton.offsets[side.thigh().index()].as_dvec3();
                 let to = body.feet[side.index()].ankle - hip;
+                let reach = leg.reach(flexion);
                 to.y + (reach * reach - to.x * to.x - to.z * to.z).max(0.01).sqrt()
             };
-            Side::BOTH.map(under).into_iter().fold(f64::INFINITY, f64::min)
+            let [left, right] = Side::BOTH.map(|side| (under(side, p.flexion), under(side, DEEPEST)));
+            left.0.min(right.0).max(left.1.max(right.1))
         })
         .collect();
     smooth_below(&limit, SPRING, (0.025 / dt).round() as usize, dt)

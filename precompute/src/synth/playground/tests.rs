@@ -90,8 +90,9 @@ fn knees_and_elbows_bend_the_right_way() {
 
 /// How deep a point is below the ground, a tread or a deck, sideways as well as down. [Unit: m]
 fn depth(p: Vec3) -> f64 {
-    let below = |aside: f64| gym::ground(DVec2::new(f64::from(p.x), f64::from(p.z) + aside)) - f64::from(p.y);
-    below(0.0).min(below(0.01)).min(below(-0.01))
+    let below = |aside: DVec2| gym::ground(DVec2::new(f64::from(p.x), f64::from(p.z)) + aside) - f64::from(p.y);
+    let beside = [DVec2::X, DVec2::NEG_X, DVec2::Y, DVec2::NEG_Y].map(|way| below(0.01 * way));
+    beside.into_iter().fold(below(DVec2::ZERO), f64::min)
 }
 
 fn assert_soles_stay_above_what_they_tread_on(set: &ClipSet) {

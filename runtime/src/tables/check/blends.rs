@@ -2,8 +2,8 @@
 
 use super::super::{Tables, tags};
 use crate::blend::{
-    BlendRecord, ChannelRow, ExampleRecord, MAX_AXES, MAX_WEIGHT, NUM_CHANNELS, PADDED_JOINTS, ReferenceRow, axis,
-    channel,
+    BlendRecord, ChannelRow, ExampleRecord, MAX_AXES, MAX_KNOTS, MAX_WEIGHT, NUM_CHANNELS, PADDED_JOINTS, ReferenceRow,
+    axis, channel,
 };
 use crate::format::FormatError;
 
@@ -63,7 +63,7 @@ fn knots(b: &BlendRecord) -> Option<u64> {
     let kinds = used.iter().all(|a| a.kind <= axis::GYRATION && a.num_knots >= 2);
     let unused = rest.iter().all(|a| *a == Default::default());
     let knots = used.iter().fold(1u64, |n, a| n.saturating_mul(u64::from(a.num_knots)));
-    (moderate && kinds && unused).then_some(knots)
+    (moderate && kinds && unused && knots <= u64::from(MAX_KNOTS)).then_some(knots)
 }
 
 /// Every space has a name of its own, and names for its axes and examples.

@@ -1,8 +1,8 @@
 //! Searches over whole frames: arcs by where they begin, and Dijkstra with buckets in place of a heap (Dial 1969).
 
-/// Stands where there is no way, or one that is too long to be noted.
+/// Stands where there is no way.
 pub(super) const UNREACHED: u16 = u16::MAX;
-/// Longer ways are not followed. [Unit: frames]
+/// What takes longer counts as this: a bound still. [Unit: frames]
 const LONGEST: u32 = UNREACHED as u32 - 1;
 
 /// Arcs of a graph, sorted by where they begin: where each leads, and its frames.
@@ -73,16 +73,34 @@ impl Dial {
 
     /// Notes that so many frames lead from the state that is visited to another one.
     pub fn reach(&mut self, to: u32, frames: u16) {
-        let total = self.cost + u32::from(frames);
-        if total < self.costs[to as usize] && total <= LONGEST {
+        let total = (self.cost + u32::from(frames)).min(LONGEST);
+        if total < self.costs[to as usize] {
             self.costs[to as usize] = total;
             self.buckets[total as usize].push(to);
             self.open += 1;
         }
     }
 
-    /// Cost of a state after the last search.
+    /// Cost of a state after the last search; the longest that can be told stands for longer ones as well.
     pub fn cost(&self, state: u32) -> u16 {
         u16::try_from(self.costs[state as usize]).unwrap_or(UNREACHED)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ways_too_long_to_be_told_are_ways_still() {
+        let mut search = Dial::default();
+        // A chain of links, each of them 40000 frames.
+        search.run(5, [(0, 0)].into_iter(), |search, at| {
+            if at < 3 {
+                search.reach(at + 1, 40_000);
+            }
+        });
+        let costs: Vec<_> = (0..5).map(|s| search.cost(s)).collect();
+        assert_eq!(costs, [0, 40_000, UNREACHED - 1, UNREACHED - 1, UNREACHED]);
     }
 }

@@ -217,9 +217,12 @@ impl Atlas {
     }
 }
 
-/// Adds the cells that ways into districts begin in to the goals of planes.
+/// Adds the cells that ways into districts begin in to the goals of planes, and those in which one can stay.
 fn add_goals(graph: &WorldGraph<'_>, plots: &[&Plot<'_, '_>], shapes: &[Shape], planes: &mut [Option<Plane>]) {
     let mut goals = BTreeSet::new();
+    for (patch, plane) in (0..).zip(&*planes).filter(|(_, p)| p.is_some()) {
+        goals.extend(plane.iter().flat_map(Plane::rests).map(|cells| (patch, cells)));
+    }
     for (plot, shape) in plots.iter().zip(shapes) {
         for (beyond, cells) in &shape.ins {
             let Some(tile) = plot.beyond[*beyond as usize].tile() else { continue };

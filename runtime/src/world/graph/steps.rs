@@ -73,26 +73,22 @@ impl<'w> WorldGraph<'w> {
         let cell = self.cell(node);
         let tile = self.is_tile(node.instance);
         let links = cell.first_link..cell.first_link + cell.num_links;
-        let leads_out = tile && self.adjacencies(node.instance).any(|(_, a, t)| self.has_joints(a, t, &links));
-        for link in links {
-            if let Some(step) = self.step_along(node.instance, link) {
-                visit(step);
-            }
-            if leads_out {
-                self.for_each_way_out(node.instance, link, &mut visit);
-            }
-        }
-        if !tile {
+        links.clone().filter_map(|l| self.step_along(node.instance, l)).for_each(&mut visit);
+        if tile {
+            self.for_each_way_out(node.instance, links, &mut visit);
+        } else {
             self.for_each_joint(node, &mut visit);
         }
     }
 
     /// The step that plays a whole link, where the link and the node it leads to are enabled.
     pub(crate) fn step_along(&self, instance: u32, link: u32) -> Option<Step> {
+        if !self.is_link_enabled(instance, link) {
+            return None;
+        }
         let l = &self.links(instance)[link as usize];
         let to = self.end_node(instance, l)?;
-        let enabled = self.is_link_enabled(instance, link);
-        enabled.then_some(Step { to, instance, link, from_offset: 0, to_offset: l.num_frames })
+        Some(Step { to, instance, link, from_offset: 0, to_offset: l.num_frames })
     }
 
     /// The node a link leads to: across an edge, the entry of the neighbour.
@@ -125,13 +121,6 @@ impl<'w> WorldGraph<'w> {
         &self.world.joints[table.first_joint as usize..][..table.num_joints as usize]
     }
 
-    /// True where a tile has joints in some of its links.
-    fn has_joints(&self, adjacency: &AdjacencyRecord, table: &JointTableRecord, links: &Range<u32>) -> bool {
-        let joints = self.joints(table);
-        let first = joints.partition_point(|j| j.a < links.start);
-        adjacency.side == 0 && joints.get(first).is_some_and(|j| j.a < links.end)
-    }
-
     /// Joints of an instance's cell, or on side a of a tile of its link, with their numbers in the table.
     pub(crate) fn joints_at(
         &self,
@@ -150,16 +139,16 @@ impl<'w> WorldGraph<'w> {
         all.take_while(move |(_, j)| at == if on_a { j.a } else { j.b })
     }
 
-    /// Steps that leave a link of a tile before its end, into blocks. The rest of the link may be disabled: joints have
+    /// Steps that leave links of a tile before their ends, into blocks. The rest of a link may be disabled: joints have
     /// bits of their own, set where what is played of the link is free of obstacles.
-    fn for_each_way_out(&self, instance: u32, link: u32, visit: &mut impl FnMut(Step)) {
+    fn for_each_way_out(&self, instance: u32, links: Range<u32>, visit: &mut impl FnMut(Step)) {
         for (_, adjacency, table) in self.adjacencies(instance).filter(|(_, a, _)| a.side == 0) {
             let joints = self.joints(table);
-            let first = joints.partition_point(|j| j.a < link);
-            for (k, j) in joints.iter().enumerate().skip(first).take_while(|(_, j)| j.a == link) {
+            let first = joints.partition_point(|j| j.a < links.start);
+            for (k, j) in joints.iter().enumerate().skip(first).take_while(|(_, j)| j.a < links.end) {
                 let to = Node { instance: adjacency.other, cell: j.b };
                 if self.may_go(adjacency, k, true) && self.is_enabled(to) {
-                    visit(Step { to, instance, link, from_offset: 0, to_offset: j.a_offset as u16 });
+                    visit(Step { to, instance, link: j.a, from_offset: 0, to_offset: j.a_offset as u16 });
                 }
             }
         }

@@ -2,7 +2,7 @@
 
 use super::Target;
 use super::inside::Inside;
-use super::near::{self, Near};
+use crate::patch::CellRecord;
 use crate::world::atlas::{Atlas, class};
 use crate::world::{Node, WorldGraph};
 
@@ -10,13 +10,13 @@ use crate::world::{Node, WorldGraph};
 #[derive(Clone, Debug)]
 pub(super) struct End {
     pub instance: u32,
-    /// Classes of its cells, where it is in a room: one bit each.
+    /// Goals that its cells are among, where it is in a room: one, or classes, one bit each.
+    goal: Option<u32>,
     classes: u32,
     /// Its district.
     pub district: Option<u32>,
     /// There, least costs from each way in.
     pub from_in: Vec<f32>,
-    near: Near,
     inside: Inside,
 }
 
@@ -27,10 +27,10 @@ impl End {
         let most_cells = |d: u32| atlas.districts.members[d as usize].iter().map(|&m| graph.num_cells(m)).sum();
         Self {
             instance: 0,
+            goal: None,
             classes: 0,
             district: None,
             from_in: Vec::with_capacity(districts.clone().map(|d| atlas.ins_of(d).len()).max().unwrap_or(0)),
-            near: Near::new((0..graph.num_instances() as u32).map(|i| graph.num_cells(i)).max().unwrap_or(0)),
             inside: Inside::new(districts.map(most_cells).max().unwrap_or(0)),
         }
     }
@@ -38,7 +38,7 @@ impl End {
     /// Finds out where a target lies; false where there is none.
     pub fn find(&mut self, graph: &WorldGraph<'_>, atlas: &Atlas, target: Target) -> bool {
         let instance = target.instance();
-        (self.instance, self.classes, self.district) = (instance, 0, None);
+        (self.instance, self.goal, self.classes, self.district) = (instance, None, 0, None);
         self.from_in.clear();
         let nodes = || {
             let all = (0..graph.num_cells(instance)).map(move |cell| Node { instance, cell });
@@ -57,10 +57,14 @@ impl End {
         }
         let Some(plane) = atlas.regions.room(instance).and_then(|r| atlas.plane(r)) else { return false };
         let num_edges = graph.patches().patches[graph.instance(instance).patch as usize].num_edges;
+        let mut all = nodes();
+        let (first, several) = (all.next(), all.next().is_some());
+        self.goal = match first {
+            Some(node) if !several => plane.goal_at(Some(node.cell)),
+            _ if nodes().all(|n| graph.cell(n).is(CellRecord::IS_REST)) => plane.goal_at(None),
+            _ => None,
+        };
         nodes().for_each(|n| self.classes |= 1 << class(graph.cell(n), num_edges));
-        let bits = self.classes;
-        let least = |way, cell| near::least(plane, classes(bits), way, cell);
-        self.near.run(plane, graph.num_cells(instance), nodes().map(|n| n.cell), least);
         true
     }
 
@@ -78,12 +82,10 @@ impl End {
     /// The same from a cell of a tile of the target's room, which lies so many copies away from there.
     pub fn cost_at(&self, atlas: &Atlas, room: u32, way: [i32; 2], cell: u32) -> f32 {
         let Some(plane) = atlas.plane(room) else { return f32::INFINITY };
-        let far = || near::least(plane, classes(self.classes), way, cell) + self.near.beside;
-        self.near.cost(way, cell).unwrap_or_else(far)
+        let cost = |goal| plane.cost(plane.look(goal, way), cell);
+        match self.goal {
+            Some(goal) => cost(goal),
+            None => (0..u32::BITS).filter(|c| self.classes >> c & 1 == 1).map(cost).fold(f32::INFINITY, f32::min),
+        }
     }
-}
-
-/// Numbers of the bits that are set.
-fn classes(bits: u32) -> impl Iterator<Item = u32> {
-    (0..u32::BITS).filter(move |c| bits >> c & 1 == 1)
 }

@@ -5,7 +5,6 @@ mod end;
 mod gates;
 mod heap;
 mod inside;
-mod near;
 mod nodes;
 mod pace;
 mod upper;

@@ -244,7 +244,7 @@ impl Upper {
             let known = self.costs[other as usize];
             if known <= cost
                 && let Some((_, to, into)) = atlas.ins[other as usize].tile()
-                && plane.most(into, atlas.regions.way(tile, to), goal, cost - known) <= cost - known
+                && plane.most(into, atlas.regions.way(tile, to), goal) <= cost - known
             {
                 return true;
             }

@@ -13,10 +13,10 @@ const DIRECTIONS: usize = 24;
 const HIGHEST: f32 = 5e3;
 /// Prices are that much below what still has no cycle that earns, so that rounding makes none.
 const CARE: f32 = 1e-4;
-/// What is below 0 by less costs nothing. [Unit: frames]
-const NOTHING: f32 = 1e-3;
-/// What all that together may come to. [Unit: frames]
-const SLACK: f32 = 0.1;
+/// What is below 0 by less costs nothing: of a million links together, less than `SLACK`. [Unit: frames]
+const NOTHING: f64 = 1e-8;
+/// What all that, and the rounding of sums that are looked up, come to at most. [Unit: frames]
+const SLACK: f64 = 0.1;
 /// Rounds after which prices are given up for lower ones.
 const MAX_ROUNDS: usize = 200;
 
@@ -36,7 +36,7 @@ pub(super) fn rest(back: &Back, price: [f32; 2], to: &[u32], num_cells: u32) -> 
     let mut search = Search::new(num_cells);
     to.iter().for_each(|&cell| search.costs[cell as usize] = 0.0);
     // Whoever was not noticed to cost so little less is not counted.
-    search.run(back, price).then(|| search.costs.into_iter().map(|c| c - SLACK).collect())
+    search.run(back, price).then(|| search.costs.into_iter().map(|c| (c - SLACK) as f32).collect())
 }
 
 /// The highest price along a direction, a little less for care; none where there are no cycles to go by.
@@ -51,14 +51,14 @@ fn price(back: &Back, num_cells: u32, along: [f32; 2]) -> Option<[f32; 2]> {
         }
         // Newton's method (Dinkelbach 1967): the cycle that earns sets the price, until none does.
         let ratio = search.cycle(along)?;
-        factor = (ratio * (1.0 - CARE)).min(factor * (1.0 - CARE));
+        factor = (ratio as f32 * (1.0 - CARE)).min(factor * (1.0 - CARE));
     }
     None
 }
 
 /// Least costs with prices (Bellman and Ford), and the links that they come by.
 struct Search {
-    costs: Vec<f32>,
+    costs: Vec<f64>,
     /// The cell that follows on the way from each, how far away that is, and the frames.
     next: Vec<Option<(u32, [i32; 2], u16)>>,
     /// The round that a cell was last met in, in looking for cycles.
@@ -70,20 +70,21 @@ struct Search {
 impl Search {
     fn new(num_cells: u32) -> Self {
         let n = num_cells as usize;
-        Self { costs: vec![f32::INFINITY; n], next: vec![None; n], met: vec![0; n], on_cycle: None }
+        Self { costs: vec![f64::INFINITY; n], next: vec![None; n], met: vec![0; n], on_cycle: None }
     }
 
     /// True where no cycle earns.
     fn run(&mut self, back: &Back, price: [f32; 2]) -> bool {
+        let price = price.map(f64::from);
         for _ in 0..MAX_ROUNDS {
             let mut changed = false;
             for cell in 0..self.costs.len() as u32 {
                 let cost = self.costs[cell as usize];
-                if cost == f32::INFINITY {
+                if cost == f64::INFINITY {
                     continue;
                 }
                 for &((way, from), frames) in back.of(cell) {
-                    let total = cost + f32::from(frames) - price[0] * way[0] as f32 - price[1] * way[1] as f32;
+                    let total = cost + f64::from(frames) - price[0] * f64::from(way[0]) - price[1] * f64::from(way[1]);
                     if total < self.costs[from as usize] - NOTHING {
                         self.costs[from as usize] = total;
                         self.next[from as usize] = Some((cell, way, frames));
@@ -120,13 +121,14 @@ impl Search {
     }
 
     /// What the cycle that was found costs a copy along a direction; none where there is none, or it leads elsewhere.
-    fn cycle(&self, along: [f32; 2]) -> Option<f32> {
+    fn cycle(&self, along: [f32; 2]) -> Option<f64> {
+        let along = along.map(f64::from);
         let first = self.on_cycle?;
         let (mut cell, mut cost, mut far) = (first, 0.0, 0.0);
         loop {
             let (next, way, frames) = self.next[cell as usize]?;
-            cost += f32::from(frames);
-            far += along[0] * way[0] as f32 + along[1] * way[1] as f32;
+            cost += f64::from(frames);
+            far += along[0] * f64::from(way[0]) + along[1] * f64::from(way[1]);
             cell = next;
             if cell == first {
                 return (far > 0.0).then(|| cost / far);

@@ -47,6 +47,13 @@ pub(crate) struct Plane {
     least: Vec<f32>,
     /// The least over cells of a class, beyond what the row costs. [Size: rows * classes]
     least_of: Vec<u16>,
+    /// Most that costs of a row are below those of ways that were found; infinite where none was. [Size: rows]
+    lack: Vec<f32>,
+    /// Goal that consists of one cell alone; [`NONE`] where none does. [Size: cells]
+    goal_of: Vec<u32>,
+    /// Cells in which one can stay, and the goal of all of them.
+    rest_cells: Vec<u32>,
+    rest: Option<u32>,
 }
 
 /// Cells that ways lead to.
@@ -55,14 +62,19 @@ struct Goal {
     cells: Vec<u32>,
     first_row: u32,
     radius: i32,
-    /// Most that bounds of ways to the rim of the table are below what these cost. [Unit: frames]
-    lack: f32,
 }
 
-/// Rows of a goal: what each costs at least, and costs beyond that.
+/// Rows of a goal.
 pub(crate) struct Rows {
     goal: Goal,
-    rows: Vec<(f32, Vec<u16>)>,
+    rows: Vec<Costs>,
+}
+
+/// What a row costs at least, costs beyond that, and their lack.
+struct Costs {
+    least: f32,
+    beyond: Vec<u16>,
+    lack: f32,
 }
 
 /// Where costs to a goal at an offset are found: for a cell, those of [`Plane::cost`] in a row, and so much more.
@@ -109,6 +121,10 @@ impl Plane {
             costs: Vec::new(),
             least: Vec::new(),
             least_of: Vec::new(),
+            lack: Vec::new(),
+            goal_of: vec![NONE; cells.len()],
+            rest_cells: (0..cells.len() as u32).filter(|&c| cells[c as usize].is(CellRecord::IS_REST)).collect(),
+            rest: None,
         };
         let all: Vec<u32> = out.classes.concat();
         for price in prices {
@@ -135,28 +151,41 @@ impl Plane {
         &self.goals[goal as usize].cells
     }
 
+    /// The goal of one cell, or of all rest cells where none is given; none where there is no such goal.
+    pub fn goal_at(&self, cell: Option<u32>) -> Option<u32> {
+        cell.map_or(self.rest, |c| Some(self.goal_of[c as usize])).filter(|g| *g != NONE)
+    }
+
+    /// Cells in which one can stay, each as a goal, and all of them as one: where most ways lead to.
+    pub fn rests(&self) -> Vec<Vec<u32>> {
+        let all = (!self.rest_cells.is_empty()).then(|| self.rest_cells.clone());
+        self.rest_cells.iter().map(|&c| vec![c]).chain(all).collect()
+    }
+
     /// Adds the rows of a goal.
     pub fn add(&mut self, rows: Rows) {
+        let number = self.goals.len() as u32;
+        if let [cell] = rows.goal.cells[..] {
+            self.goal_of[cell as usize] = number;
+        }
+        if rows.goal.cells == self.rest_cells {
+            self.rest = Some(number);
+        }
         self.goals.push(Goal { first_row: self.least.len() as u32, ..rows.goal });
-        for (least, costs) in rows.rows {
-            self.least.push(least);
+        for row in rows.rows {
+            self.least.push(row.least);
+            self.lack.push(row.lack);
             for class in &self.classes {
-                let of = class.iter().map(|&c| costs[c as usize]);
+                let of = class.iter().map(|&c| row.beyond[c as usize]);
                 self.least_of.push(of.min().unwrap_or(UNREACHED));
             }
-            self.costs.extend(costs);
+            self.costs.extend(row.beyond);
         }
     }
 
     /// Works out the rows of a goal that is no class.
     pub fn rows_to(&self, cells: &[u32], search: &mut Dial) -> Rows {
         self.rows_of(cells, GOAL_RADIUS, search)
-    }
-
-    /// Calls `visit` for every link that leads to a cell, with how many copies away that leads, the cell that it begins
-    /// in, and its frames.
-    pub fn for_each_link_to(&self, cell: u32, mut visit: impl FnMut([i32; 2], u32, u16)) {
-        self.back.of(cell).iter().for_each(|&((way, from), frames)| visit(way, from, frames));
     }
 
     /// Where costs to a goal are found, that many copies away.
@@ -204,17 +233,14 @@ impl Plane {
         (0..self.classes.len() as u32).map(|class| self.least(look, class)).fold(f32::INFINITY, f32::min)
     }
 
-    /// The highest cost to a goal from any cell of another one, with what bounds of far ways may lack; infinite where
-    /// there is a cell without a way. [Unit: frames]
-    ///
-    /// - `limit`: what is more need not be exact.
-    pub fn most(&self, to: u32, way: [i32; 2], from: u32, limit: f32) -> f32 {
-        let (look, g) = (self.look(to, way), &self.goals[to as usize]);
-        if look.more > limit {
-            return look.more;
+    /// The highest cost to a goal from any cell of another one nearby: no way to the best cell costs more. Infinite where
+    /// the goal is far away, or that is not known. [Unit: frames]
+    pub fn most(&self, to: u32, way: [i32; 2], from: u32) -> f32 {
+        if way.iter().any(|w| w.abs() > self.goals[to as usize].radius) {
+            return f32::INFINITY;
         }
-        let lack = if way.iter().all(|w| w.abs() <= g.radius) { 0.0 } else { g.lack };
-        self.cells(from).iter().map(|&c| self.cost(look, c)).fold(0.0, f32::max) + lack
+        let look = self.look(to, way);
+        self.cells(from).iter().map(|&c| self.cost(look, c)).fold(0.0, f32::max) + self.lack[look.row as usize]
     }
 
     /// What a cell costs beyond what its row does; infinite where there is no way. [Unit: frames]
@@ -231,15 +257,15 @@ impl Plane {
     }
 
     fn rows_of(&self, cells: &[u32], radius: i32, search: &mut Dial) -> Rows {
-        let mut out = Rows { goal: Goal { cells: cells.to_vec(), first_row: 0, radius, lack: 0.0 }, rows: Vec::new() };
+        let mut out = Rows { goal: Goal { cells: cells.to_vec(), first_row: 0, radius }, rows: Vec::new() };
         for &price in &self.prices {
             let rest = far::rest(&self.back, price, cells, self.num_cells).unwrap_or_default();
             let least = rest.iter().copied().fold(f32::INFINITY, f32::min);
             let least = if least < f32::INFINITY { least.floor() } else { 0.0 };
-            out.rows.push((least, rest.iter().map(|r| whole(r - least)).collect()));
+            let beyond = rest.iter().map(|r| whole(r - least)).collect();
+            out.rows.push(Costs { least, beyond, lack: f32::INFINITY });
         }
         self.add_near(&mut out, radius, search);
-        out.goal.lack = self.lack(&out, radius);
         out
     }
 
@@ -261,14 +287,22 @@ impl Plane {
         });
         // Where no way leads at all, none leads from far away.
         let leads: Vec<bool> = match rows.rows.first() {
-            Some((_, costs)) => costs.iter().map(|c| *c != UNREACHED).collect(),
+            Some(row) => row.beyond.iter().map(|c| *c != UNREACHED).collect(),
             None => vec![false; n as usize],
         };
         for (way, around) in offsets(radius).zip(self.around(radius)) {
             // The goal lies there as seen from where this is.
             let found = |cell| frames(search.cost(number([-way[0], -way[1]], cell)));
-            let cost = |cell: u32| if leads[cell as usize] { found(cell).min(around) } else { found(cell) };
-            rows.rows.push((0.0, (0..n).map(|cell| whole(cost(cell))).collect()));
+            let (mut beyond, mut lack) = (Vec::with_capacity(n as usize), 0f32);
+            for cell in 0..n {
+                let found = found(cell);
+                let cost = if leads[cell as usize] { found.min(around) } else { found };
+                beyond.push(whole(cost));
+                // As long as can be told is maybe longer.
+                let most = if whole(found) >= UNREACHED - 1 { f32::INFINITY } else { found };
+                lack = if cost < f32::INFINITY { lack.max(most - cost.floor()) } else { lack };
+            }
+            rows.rows.push(Costs { least: 0.0, beyond, lack });
         }
     }
 
@@ -286,19 +320,6 @@ impl Plane {
             rim.iter().map(|(r, out)| out + along([to[0] - r[0], to[1] - r[1]])).fold(f32::INFINITY, f32::min)
         };
         offsets(radius).map(way).collect()
-    }
-
-    fn lack(&self, rows: &Rows, radius: i32) -> f32 {
-        let (far, near) = rows.rows.split_at(self.prices.len());
-        let mut most = 0f32;
-        for (way, near) in offsets(radius).zip(near).filter(|(o, _)| o[0].abs().max(o[1].abs()) == radius) {
-            let k = self.best_price(way) as usize;
-            let (Some(p), Some((least, costs))) = (self.prices.get(k), far.get(k)) else { return most };
-            let more = p[0] * way[0] as f32 + p[1] * way[1] as f32 + least;
-            let lack = near.1.iter().zip(costs).filter(|(n, _)| **n != UNREACHED);
-            most = lack.map(|(&n, &f)| f32::from(n) - frames(f) - more).fold(most, f32::max);
-        }
-        most
     }
 }
 
