@@ -3,7 +3,7 @@
 use crate::command::Command;
 use crate::model::Model;
 use crate::model::world::WorldCommand;
-use crate::panels::{Dock, PANELS, PanelStates, keys, top_bar, transport, viewport};
+use crate::panels::{Dock, PANELS, PanelStates, dock, keys, top_bar, transport, viewport};
 use crate::render::{Body, DrawReport, SceneCallback, SceneFrame, SceneRenderer};
 use crate::settings::{BODIES, Settings};
 use crate::stage::{Layout, scene_colours};
@@ -130,11 +130,11 @@ impl Viewer {
         }
         if model.settings.side_panel.is_some() {
             let side = Panel::right("side").default_size(370.0).size_range(260.0..=900.0);
-            side.show(ui, |ui| dock(ui, Dock::Side, model, states, commands));
+            side.show(ui, |ui| dock::show(ui, Dock::Side, model, states, commands));
         }
         if model.settings.bottom_panel.is_some() {
             let bottom = Panel::bottom("bottom").resizable(true).default_size(300.0).size_range(140.0..=900.0);
-            bottom.show(ui, |ui| dock(ui, Dock::Bottom, model, states, commands));
+            bottom.show(ui, |ui| dock::show(ui, Dock::Bottom, model, states, commands));
         }
         let dark = ui.visuals().dark_mode;
         let (renderer, drawing, layout) = (&self.renderer, &self.drawing, &self.layout);
@@ -279,40 +279,6 @@ fn bars(ui: &mut Ui, model: &Model, states: &mut PanelStates, commands: &mut Vec
         transport::show(ui, model, commands);
         ui.add_space(3.0);
     });
-}
-
-/// The panels of one dock: tabs, and the one that is open.
-fn dock(ui: &mut Ui, dock: Dock, model: &Model, states: &mut PanelStates, commands: &mut Vec<Command>) {
-    let open = match dock {
-        Dock::Side => model.settings.side_panel,
-        Dock::Bottom => model.settings.bottom_panel,
-    };
-    ui.add_space(3.0);
-    ui.horizontal_wrapped(|ui| {
-        for panel in PANELS.iter().filter(|p| p.dock == dock) {
-            let tip = format!("{} ({})", panel.purpose, panel.key.name());
-            if ui.selectable_label(open == Some(panel.kind), panel.title).on_hover_text(tip).clicked()
-                && open != Some(panel.kind)
-            {
-                commands.push(Command::TogglePanel(panel.kind));
-            }
-        }
-        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-            if let Some(kind) = open
-                && ui.small_button("✖").on_hover_text("Close the panel").clicked()
-            {
-                commands.push(Command::TogglePanel(kind));
-            }
-        });
-    });
-    ui.separator();
-    let Some(panel) = open.and_then(|k| k.panel()) else { return };
-    match dock {
-        Dock::Side => {
-            egui::ScrollArea::vertical().auto_shrink(false).show(ui, |ui| (panel.show)(ui, model, states, commands));
-        }
-        Dock::Bottom => (panel.show)(ui, model, states, commands),
-    }
 }
 
 impl eframe::App for Viewer {

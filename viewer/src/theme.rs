@@ -22,6 +22,7 @@ pub fn prepare(ctx: &Context) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::panels::paint::Palette;
     use eframe::egui::Rgba;
 
     /// Contrast ratio of the Web Content Accessibility Guidelines 2, section 1.4.3.
@@ -44,6 +45,11 @@ mod tests {
                 let (text, weak) = (contrast(v.text_color(), back), contrast(v.weak_text_color(), back));
                 assert!(weak >= 4.5 && text > 1.4 * weak, "{theme:?}: {text} {weak} on {back:?}");
                 assert!(contrast(v.error_fg_color, back) >= 4.5, "{theme:?}: faults on {back:?}");
+            }
+            let p = Palette::of(v);
+            for colour in [p.left, p.right, p.standing, p.incoming, p.character, p.head, p.good, p.warning] {
+                let ratio = contrast(colour, v.panel_fill);
+                assert!(ratio >= 4.5, "{theme:?}: {ratio} of {colour:?}");
             }
         }
     }

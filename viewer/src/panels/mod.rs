@@ -7,10 +7,10 @@ pub mod blend;
 pub mod control;
 pub mod crowd;
 pub mod database;
+pub mod dock;
 pub mod graph;
 pub mod hits;
 pub mod keys;
-
 pub mod messages;
 pub mod paint;
 pub mod patches;

@@ -1,6 +1,7 @@
 //! The 3-D view: camera, selection, and targets that are dragged.
 
 mod edits;
+mod label;
 pub mod world;
 
 use super::{messages, words};
@@ -71,7 +72,7 @@ pub fn show(
     }
     drag(ui, &response, model, state, commands);
     click(ui, &response, model, layout, commands);
-    label(ui, rect, model);
+    label::show(ui, rect, model);
     tell_value(response, model, layout);
     edits::show(ui, rect, model, commands);
     messages::show(ui, rect, model, commands);
@@ -265,54 +266,4 @@ fn tell_value(response: Response, model: &Model, layout: &Layout) {
         ui.label(format!("cell {}: {:.2} m, {}", found.cell, c.y, words::direction(c.x)));
         ui.label(format!("best: {}", bundle.describe_segment(segment)));
     });
-}
-
-/// Who is selected, and what it does, at the upper right.
-fn label(ui: &Ui, rect: Rect, model: &Model) {
-    let Some(text) = describe(model) else { return };
-    let font = FontId::proportional(13.0);
-    let galley = ui.painter().layout(text, font, ui.visuals().strong_text_color(), (rect.width() * 0.6).max(100.0));
-    let at = rect.right_top() + egui::vec2(-galley.size().x - 16.0, 12.0);
-    let back = Rect::from_min_size(at, galley.size()).expand(6.0);
-    ui.painter().rect_filled(back, 4.0, ui.visuals().extreme_bg_color.gamma_multiply(0.75));
-    ui.painter().galley(at, galley, ui.visuals().strong_text_color());
-}
-
-fn describe(model: &Model) -> Option<String> {
-    if model.shows_clip() {
-        let bundle = model.document.bundle()?;
-        let row = model.shown_row()?;
-        let first = bundle.tables().clips().get(model.selection.clip)?.first_frame;
-        return Some(format!("{}  frame {}", bundle.clip_name(model.selection.clip), row - first));
-    }
-    if let Some(world) = model.document.world() {
-        let c = model.selection.character?;
-        let mind = world.run().moment().minds.get(c)?;
-        let tags = &world.bundle().tables().meta().link_tags;
-        let patch = world.patch_name(mind.node.instance);
-        return Some(format!("character {c} · {} · {} · on {patch}", words::doing(mind), words::wish(mind.wish, tags)));
-    }
-    if let Some(walkers) = model.document.walkers() {
-        let c = model.selection.character?;
-        let speed = walkers.run().moment().speeds.get(c)?;
-        let size = walkers.body(c).leg_length() / walkers.bundle().tables().skeleton().leg_length();
-        return Some(format!("character {c} · {speed:.1} m/s · legs of {:.0} %", 100.0 * size));
-    }
-    if let Some(crowd) = model.document.crowd_scene() {
-        let (m, run) = (model.selection.character?, crowd.run());
-        let Some(seen) = run.moment().members.get(m)? else { return Some(format!("member {m} has left")) };
-        let group = &run.cast().names[run.cast().groups[m]];
-        return Some(format!("member {m} · {group} · {:.2} m/s", seen.velocity.length()));
-    }
-    if let Some((bundle, run)) = model.document.blend().filter(|_| model.shows_blend()) {
-        let b = run.blending();
-        return Some(format!("{} · size {:.2}", bundle.blend_meta(b.space).name, b.size));
-    }
-    let (bundle, run) = model.document.crowd()?;
-    let c = model.selection.character.filter(|&c| c < run.troupe().num_characters())?;
-    let (root, target) = (run.troupe().root(c), run.targets()[c]);
-    let distance = (root.x - target.x).hypot(root.z - target.z);
-    let plays = bundle.describe_segment(run.troupe().segment(c).0);
-    let what = if run.has_movable_targets() { "target" } else { "opponent" };
-    Some(format!("character {c} · {plays} · {what} {distance:.1}\u{a0}m\u{a0}away"))
 }

@@ -7,10 +7,12 @@ use crate::model::Model;
 use crate::run::members::{WINDOW_S, What};
 use crate::stage::members::colour_of_event;
 use eframe::egui::{Grid, RichText, Role, Sense, Stroke, StrokeKind, Ui, WidgetInfo, vec2};
-use egui_plot::{HoverPosition, Line, Plot, PlotPoints};
+use egui_plot::{AxisHints, HoverPosition, Line, Plot, PlotPoints, uniform_grid_spacer};
 
 /// Height of the plot. [Unit: points]
 const HEIGHT: f32 = 120.0;
+/// Distances of lines over the time, the fine and the strong ones. [Unit: s]
+const MARKS_S: [f64; 3] = [2.0, 10.0, 60.0];
 /// Columns of the key.
 const COLUMNS: usize = 3;
 
@@ -30,8 +32,9 @@ pub fn show(ui: &mut Ui, model: &Model, crowd: &CrowdDocument, commands: &mut Ve
         .allow_drag(false)
         .allow_zoom(false)
         .allow_boxed_zoom(false)
-        .x_axis_formatter(|mark, _| format!("{} s", mark.value))
-        .y_axis_formatter(|mark, _| format!("{} /s", mark.value))
+        .x_grid_spacer(uniform_grid_spacer(|_| MARKS_S))
+        .custom_x_axes(vec![AxisHints::new_x().formatter(|m, _| format!("{} s", m.value)).label_spacing(40.0..=50.0)])
+        .custom_y_axes(vec![AxisHints::new_y().formatter(|m, _| format!("{} /s", m.value)).label_spacing(14.0..=18.0)])
         .label_formatter(|hit| match hit {
             HoverPosition::NearDataPoint { plot_name, position, .. } => {
                 Some(format!("{plot_name}\n{:.1} s: {:.2} /s", position.x, position.y))

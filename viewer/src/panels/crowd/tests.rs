@@ -1,5 +1,6 @@
 use super::*;
 use crate::panels::tests::meeting::Meeting;
+use crate::panels::tests::paces::Paces;
 use crate::panels::tests::{Trial, click, trial};
 use eframe::egui::vec2;
 use egui_kittest::Harness;
@@ -34,6 +35,18 @@ fn what_is_drawn_is_chosen() {
         click(&mut harness, at);
         assert!(is_done(&harness.state().model), "{label}");
     }
+}
+
+#[test]
+fn bodies_can_be_left_out_where_there_are_some() {
+    let meeting = Meeting::new();
+    assert!(panel(&meeting, 1).query_by_label("bodies").is_none());
+    let paces = Paces::new();
+    let mut harness = trial(Some(&paces.crowd(3)), vec2(380.0, 1300.0), show);
+    harness.run_steps(3);
+    let at = harness.get_by_label("bodies").rect().center();
+    click(&mut harness, at);
+    assert!(!harness.state().model.selection.crowd.bodies);
 }
 
 #[test]

@@ -1,0 +1,40 @@
+//! Where panels lie: tabs, and the one that is open.
+
+use super::{Dock, PANELS, PanelStates};
+use crate::command::Command;
+use crate::model::Model;
+use eframe::egui::{self, Ui};
+
+/// Shows the tabs of a dock, and the panel that is open.
+pub fn show(ui: &mut Ui, dock: Dock, model: &Model, states: &mut PanelStates, commands: &mut Vec<Command>) {
+    let open = match dock {
+        Dock::Side => model.settings.side_panel,
+        Dock::Bottom => model.settings.bottom_panel,
+    };
+    ui.add_space(3.0);
+    ui.horizontal_wrapped(|ui| {
+        for panel in PANELS.iter().filter(|p| p.dock == dock) {
+            let tip = format!("{} ({})", panel.purpose, panel.key.name());
+            if ui.selectable_label(open == Some(panel.kind), panel.title).on_hover_text(tip).clicked()
+                && open != Some(panel.kind)
+            {
+                commands.push(Command::TogglePanel(panel.kind));
+            }
+        }
+        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+            if let Some(kind) = open
+                && ui.small_button("✖").on_hover_text("Close the panel").clicked()
+            {
+                commands.push(Command::TogglePanel(kind));
+            }
+        });
+    });
+    ui.separator();
+    let Some(panel) = open.and_then(|k| k.panel()) else { return };
+    match dock {
+        Dock::Side => {
+            egui::ScrollArea::vertical().auto_shrink(false).show(ui, |ui| (panel.show)(ui, model, states, commands));
+        }
+        Dock::Bottom => (panel.show)(ui, model, states, commands),
+    }
+}
