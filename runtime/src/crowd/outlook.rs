@@ -35,13 +35,14 @@ impl<V: Space> Far<'_, V> {
     ///
     /// Worse where others stand or come toward the member, and where they want to go against it, even if they stand;
     /// better where they want to go its way. Those who want the same thus follow each other, and lanes form. Where many
-    /// come straight toward it from afar, everybody turns to the right, while there is room: two crowds that meet
-    /// head-on slide past each other instead of pressing.
+    /// are `coming` straight toward it from afar, everybody turns to the right, while there is room: two crowds that
+    /// meet head-on slide past each other instead of pressing.
     #[inline]
     pub fn prefer(
         &self,
         field: &Field,
         flow: &Flow<V>,
+        coming: f32,
         side: &[f32; DIRECTIONS],
         free: &[f32; DIRECTIONS],
     ) -> [f32; DIRECTIONS] {
@@ -63,8 +64,8 @@ impl<V: Space> Far<'_, V> {
                 }
             }
         }
-        if field.evading > 0.0 {
-            let aside = self.evading(flow, at, near) * field.evading;
+        if coming > 0.0 && field.evading > 0.0 {
+            let aside = (coming / MANY).min(1.0) * self.room(flow, at) * field.evading;
             for i in 0..DIRECTIONS {
                 let open = if side[i] > 0.0 { (free[i] / FREE_S).min(1.0) } else { 1.0 };
                 better[i] += aside * side[i] * open;
@@ -73,19 +74,35 @@ impl<V: Space> Far<'_, V> {
         better
     }
 
-    /// How strongly it turns to the right for those who come toward it from afar. [Limit: 0 to 1]
+    /// How many come toward it, or want to, from afar; none where its goal is nearer.
     #[inline]
-    fn evading(&self, flow: &Flow<V>, at: V, near: f32) -> f32 {
-        let ahead = self.directions[0];
+    pub fn coming(&self, flow: &Flow<V>) -> f32 {
+        let (at, near) = (self.position * flow.per_m(), self.left * flow.per_m());
         let places = AHEAD.iter().take_while(|k| **k <= near);
-        let against: f32 = places.map(|&k| flow.square(at + ahead * k).opposed(ahead)).sum();
-        if against <= 0.0 {
-            return 0.0;
-        }
+        places.map(|&k| self.opposed(flow, at, k)).sum()
+    }
+
+    /// How many right before it want to come toward it.
+    #[inline]
+    pub fn met(&self, flow: &Flow<V>) -> f32 {
+        let at = self.position * flow.per_m();
+        (0..=2).map(|k| self.opposed(flow, at, k as f32)).sum()
+    }
+
+    /// How many want to come toward it in a square straight ahead.
+    #[inline]
+    fn opposed(&self, flow: &Flow<V>, at: V, squares: f32) -> f32 {
+        let ahead = self.directions[0];
+        flow.square(at + ahead * squares).opposed(ahead)
+    }
+
+    /// How much room there is to its right for those who turn aside. [Limit: 0 to 1]
+    #[inline]
+    fn room(&self, flow: &Flow<V>, at: V) -> f32 {
+        let ahead = self.directions[0];
         let right = at + ahead.right();
         let there = flow.square(right).num().max(flow.square(right + ahead).num());
-        let room = ((FULL[1] - there) / (FULL[1] - FULL[0])).clamp(0.0, 1.0);
-        (against / MANY).min(1.0) * room
+        ((FULL[1] - there) / (FULL[1] - FULL[0])).clamp(0.0, 1.0)
     }
 }
 
@@ -104,7 +121,7 @@ mod tests {
         let directions = Vec2::X.fan();
         let far = Far { position: place(flow, Vec2::ZERO), directions: &directions, speed: 1.3, left };
         let side = directions.map(|d| d.dot(Vec2::X.right()));
-        far.prefer(&Field::default(), flow, &side, &[9.0; DIRECTIONS])
+        far.prefer(&Field::default(), flow, far.coming(flow), &side, &[9.0; DIRECTIONS])
     }
 
     #[test]
@@ -128,7 +145,7 @@ mod tests {
             flow.add(place(&flow, Vec2::X * k), Vec2::NEG_X * 1.3, Vec2::NEG_X);
         }
         let better = prefer(&flow, 50.0);
-        assert!(better[3] > better[0] + 0.05 && better[4] < better[0] - 0.05, "{better:?}");
+        assert!(better[3] > better[0] + 0.05 && better[3] > better[4] + 0.1, "{better:?}");
         for _ in 0..5 {
             flow.add(place(&flow, Vec2::X.right()), Vec2::X, Vec2::X);
         }
