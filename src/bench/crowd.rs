@@ -26,7 +26,7 @@ pub struct CrowdOptions {
     /// With the word `crowd`: events, occupancy, fixed; that of the scene where absent.
     #[arg(long, value_delimiter = ',', value_name = "ENGINE,...")]
     engine: Vec<String>,
-    /// With the word `crowd`: plot of the wall time for one simulated second over the number of members.
+    /// With the word `crowd`: plot of the time for one simulated second over the number of members.
     #[arg(long, value_name = "FILE")]
     png: Option<std::path::PathBuf>,
 }
@@ -143,14 +143,14 @@ fn engines(options: &CrowdOptions, scene: &CrowdScene) -> Result<Vec<Engine>, Bo
     options.engine.iter().map(named).collect()
 }
 
-/// Wall time over members, a line for each scene and engine: figure 6 of Kim, Kim and Shin 2003.
+/// Time over members, a line for each scene and engine: figure 6 of Kim, Kim and Shin 2003.
 fn plot(runs: &[CrowdReport]) -> picture::Picture {
     let scene = runs.first().map_or("", |r| &r.scene);
     let is_one = runs.iter().all(|r| r.scene == scene);
     let mut lines: Vec<(String, Vec<[f64; 2]>)> = Vec::new();
     for r in runs {
         let name = if is_one { r.engine.clone() } else { format!("{}, {}", r.scene, r.engine) };
-        let point = [r.members as f64, 1e3 * r.wall_s_per_simulated_s];
+        let point = [r.members as f64, 1e-3 * r.us_per_member_second * r.members as f64];
         match lines.iter_mut().find(|l| l.0 == name) {
             Some(line) => line.1.push(point),
             None => lines.push((name, vec![point])),
@@ -159,7 +159,7 @@ fn plot(runs: &[CrowdReport]) -> picture::Picture {
     picture::plot(&Plot {
         title: &format!("{}: time to simulate one second", if is_one { scene } else { "crowds" }),
         subtitle: "on this machine, without drawing or measuring",
-        axes: ["members", "ms of wall time for one simulated second"],
+        axes: ["members", "ms for one simulated second"],
         lines,
     })
 }
