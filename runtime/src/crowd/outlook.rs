@@ -94,10 +94,15 @@ mod tests {
     use super::*;
     use glam::Vec2;
 
-    /// What somebody at the origin who goes along X prefers.
+    /// A place in squares from the middle of a square where somebody is.
+    fn place(flow: &Flow<Vec2>, at: Vec2) -> Vec2 {
+        (at + 0.5) * flow.side()
+    }
+
+    /// What somebody there who goes along X prefers.
     fn prefer(flow: &Flow<Vec2>, left: f32) -> [f32; DIRECTIONS] {
         let directions = Vec2::X.fan();
-        let far = Far { position: Vec2::ZERO, directions: &directions, speed: 1.3, left };
+        let far = Far { position: place(flow, Vec2::ZERO), directions: &directions, speed: 1.3, left };
         let side = directions.map(|d| d.dot(Vec2::X.right()));
         far.prefer(&Field::default(), flow, &side, &[9.0; DIRECTIONS])
     }
@@ -108,7 +113,7 @@ mod tests {
         // Two columns that stand: at 37 degrees to the right they want its way, to the left the other one.
         for (direction, intent) in [(Vec2::X.fan()[3], Vec2::X), (Vec2::X.fan()[4], Vec2::NEG_X)] {
             for k in BESIDE {
-                flow.add(direction * k * flow.side(), Vec2::ZERO, intent);
+                flow.add(place(&flow, direction * k), Vec2::ZERO, intent);
             }
         }
         let better = prefer(&flow, 50.0);
@@ -120,12 +125,12 @@ mod tests {
     fn turns_right_for_a_crowd_that_comes_while_there_is_room() {
         let mut flow = Flow::new(0.3, Vec2::splat(60.0), 100);
         for k in AHEAD {
-            flow.add(Vec2::X * k * flow.side(), Vec2::NEG_X * 1.3, Vec2::NEG_X);
+            flow.add(place(&flow, Vec2::X * k), Vec2::NEG_X * 1.3, Vec2::NEG_X);
         }
         let better = prefer(&flow, 50.0);
         assert!(better[3] > better[0] + 0.05 && better[4] < better[0] - 0.05, "{better:?}");
         for _ in 0..5 {
-            flow.add(Vec2::X.right() * flow.side(), Vec2::X, Vec2::X);
+            flow.add(place(&flow, Vec2::X.right()), Vec2::X, Vec2::X);
         }
         let better = prefer(&flow, 50.0);
         assert!((better[3] - better[4]).abs() < 0.02, "the right side is full: {better:?}");
