@@ -47,8 +47,8 @@ use throng_precompute::stitch::WorldSource;
 /// Of a crowd (the word `crowd`): scene, members, engine, simulated_s, wall_s_per_simulated_s, us_per_member_second,
 /// events_per_member_second, decisions_per_member_second, overlap_over_1mm_fraction, overlap_over_1cm_fraction (overlapping
 /// pairs for each member and frame at 30 Hz), max_overlap_m, progress_mps (mean speed towards the goal), desired_mps, arrived,
-/// stuck, state_hash; where the scene has them informed, lane_order, crossed, flow_per_m_s, human_flow_per_m_s (least and
-/// most that was measured of people); of several numbers of members or engines, runs [the same].
+/// stuck, state_hash; of the engine occupancy also crossings_per_member_second (of cells); where the scene has them informed, lane_order, crossed, flow_per_m_s, human_flow_per_m_s (least and
+/// most that was measured of people); of several scenes, numbers of members or engines, runs [the same].
 ///
 /// `quality` is the discounted reward that a policy collects over the best that search to a depth of four actions
 /// finds; `matching` sets the policies against motion matching over all frames of the bundle, the same targets for both.

@@ -14,7 +14,7 @@ use std::cell::Cell;
 use std::hint::black_box;
 use throng_runtime::blend::walkers::{Control, WalkerStart, Walkers, WalkersConfig};
 use throng_runtime::blend::{HeightField, MAX_AXES, Posture};
-use throng_runtime::crowd::{AtEnd, Crowd, CrowdConfig, Member, Obstacle, Route, Setup};
+use throng_runtime::crowd::{AtEnd, Crowd, CrowdConfig, Member, Obstacle, Route, Scheme, Setup};
 use throng_runtime::policy::{self, BestActionJob, LookAheadJob, RankedActions};
 use throng_runtime::sparring::{PracticeConfig, PracticeGoal, Sparring, TargetPractice};
 use throng_runtime::troupe::{Choice, Goal, Repertoire, SampleJob, Troupe, TroupeConfig};
@@ -253,9 +253,10 @@ fn batches_of_blending_allocate_nothing() {
     assert!(postures.iter().all(|p| *p != Posture::default()));
 }
 
-#[test]
-fn a_crowd_allocates_nothing() {
-    let mut setup = Setup { config: CrowdConfig { capacity: 210, ..CrowdConfig::default() }, ..Setup::default() };
+/// Members who meet, arrive, leave, stay or go round, past a wall and somebody who does not give way.
+fn busy_crowd(scheme: Scheme) -> Setup<Vec2> {
+    let config = CrowdConfig { scheme, capacity: 210, ..CrowdConfig::default() };
+    let mut setup = Setup { config, ..Setup::default() };
     for i in 0..200 {
         let position = Vec2::new((i % 20) as f32, (i / 20) as f32 * 1.1);
         let at_end = [AtEnd::Stay, AtEnd::Leave, AtEnd::Again][i % 3];
@@ -267,13 +268,26 @@ fn a_crowd_allocates_nothing() {
         Obstacle::Wall { from: Vec2::new(-2.0, -1.0), to: Vec2::new(40.0, -1.0), radius: 0.1 },
         Obstacle::Mover { way: vec![(0.0, Vec2::new(24.0, 20.0)), (9.0, Vec2::new(24.0, -5.0))], radius: 0.6 },
     ];
-    let mut crowd = Crowd::new(setup).expect("a crowd");
-    let mut events = 0;
-    for i in 1..=20 {
-        let n = allocations(|| crowd.advance(f64::from(i) * 0.5, &mut |_| events += 1).expect("time passes"));
-        assert_eq!(n, 0, "after {i} steps");
-        let newcomer = Member { position: Vec2::new(-5.0 - i as f32, -9.0), ..Member::default() };
-        assert_eq!(allocations(|| drop(crowd.enter(newcomer))), 0);
+    setup
+}
+
+#[test]
+fn a_crowd_allocates_nothing_whatever_its_scheme() {
+    for scheme in [Scheme::Registration, Scheme::Occupancy, Scheme::Fixed] {
+        let mut crowd = Crowd::new(busy_crowd(scheme)).expect("a crowd");
+        let mut events = 0;
+        for i in 1..=20 {
+            let n = allocations(|| crowd.advance(f64::from(i) * 0.5, &mut |_| events += 1).expect("time passes"));
+            assert_eq!(n, 0, "{scheme:?}, after {i} steps");
+            let newcomer = Member { position: Vec2::new(-5.0 - i as f32, -9.0), ..Member::default() };
+            assert_eq!(allocations(|| drop(crowd.enter(newcomer))), 0, "{scheme:?}");
+        }
+        let c = crowd.counts();
+        let is_busy = match scheme {
+            Scheme::Registration => events > 2000 && c.colliding > 0,
+            Scheme::Occupancy => events > 2000 && c.colliding > 0 && c.entering > 0 && c.contacting + c.leaving > 0,
+            Scheme::Fixed => events > 0 && c.decisions > 50_000 && c.undone > 0,
+        };
+        assert!(is_busy, "{scheme:?}: {c:?}, {events} events are too few to prove anything");
     }
-    assert!(events > 2000 && crowd.counts().colliding > 0);
 }

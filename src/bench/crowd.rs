@@ -9,20 +9,24 @@ use std::path::Path;
 use throng_precompute::picture::{self, Plot};
 use throng_precompute::scene::crowd::{self, CrowdReport, CrowdRun, CrowdScene, Engine, OWN_SCENES};
 
+/// The word for all of the project's own scenes.
+const ALL: &str = "all";
+
 /// What is asked of a crowd.
 #[derive(clap::Args)]
 pub struct CrowdOptions {
-    /// With the word `crowd`: one of the project's own scenes (flock, corridor, lanes, circle, ring, bottleneck,
-    /// square), or a file.
-    #[arg(long, value_name = "NAME_OR_FILE")]
-    scene: Option<String>,
-    /// With the word `crowd`: numbers of members; that of the scene where absent.
+    /// With the word `crowd`: some of the project's own scenes (flock, corridor, lanes, circle, ring, bottleneck,
+    /// square), `all` of them, or files.
+    #[arg(long, value_delimiter = ',', value_name = "NAME_OR_FILE,...")]
+    scene: Vec<String>,
+    /// With the word `crowd`: numbers of members; that of the scene where absent. Of several scenes, those that do not
+    /// grow leave out larger numbers than their own.
     #[arg(long, value_delimiter = ',', value_name = "N,...")]
     members: Vec<usize>,
     /// With the word `crowd`: events, occupancy, fixed; that of the scene where absent.
     #[arg(long, value_delimiter = ',', value_name = "ENGINE,...")]
     engine: Vec<String>,
-    /// With the word `crowd`: plot of the wall time for one simulated second over the number of members.
+    /// With the word `crowd`: plot of the time for one simulated second over the number of members.
     #[arg(long, value_name = "FILE")]
     png: Option<std::path::PathBuf>,
 }
@@ -30,7 +34,7 @@ pub struct CrowdOptions {
 impl CrowdOptions {
     /// True where something was asked that is for crowds alone.
     pub fn is_given(&self) -> bool {
-        self.scene.is_some() || !self.members.is_empty() || !self.engine.is_empty() || self.png.is_some()
+        !self.scene.is_empty() || !self.members.is_empty() || !self.engine.is_empty() || self.png.is_some()
     }
 }
 
@@ -40,33 +44,77 @@ struct Sweep {
     runs: Vec<CrowdReport>,
 }
 
-/// Measures a scene with every number of members and every engine that was asked for.
+/// Measures every scene with every number of members and every engine that was asked for.
 pub fn run(args: &Args) -> Outcome {
     let options = &args.crowd;
-    let scene = load(options.scene.as_deref().unwrap_or("corridor"))?;
-    let members = if options.members.is_empty() { vec![scene.num_members()] } else { options.members.clone() };
-    let engines = engines(options, &scene)?;
+    let trials = trials(options)?;
     let threads = args.threads.first().copied().unwrap_or(1);
+    let is_sweep = trials.len() > 1;
     let mut runs = Vec::new();
-    for &engine in &engines {
-        for &n in &members {
-            let scene = CrowdScene { engine, ..scene.resized(n) };
-            scene.check(Path::new(&scene.name))?;
-            let config = CrowdRun { seconds: args.seconds, timed_apart: true, threads, recorded: false };
-            runs.push(crowd::run(&scene, &config)?.0);
-            if !args.json {
-                print(&runs[runs.len() - 1])?;
-            }
+    for scene in &trials {
+        scene.check(Path::new(&scene.name))?;
+        let config = CrowdRun { seconds: args.seconds, timed_apart: true, threads, recorded: false };
+        let report = crowd::run(scene, &config)?.0;
+        match args.json {
+            true => (),
+            false if is_sweep => print_row(&report, runs.is_empty()),
+            false => print(&report)?,
         }
+        runs.push(report);
     }
     if let Some(png) = &options.png {
-        plot(&scene.name, &runs, &engines).save_png(png)?;
+        plot(&runs).save_png(png)?;
     }
     match &runs[..] {
         _ if !args.json => Ok(()),
         [one] => output::json(one),
         _ => output::json(&Sweep { runs }),
     }
+}
+
+/// All that is to be run.
+fn trials(options: &CrowdOptions) -> Result<Vec<CrowdScene>, Box<dyn std::error::Error>> {
+    let mut names: Vec<&str> = options.scene.iter().map(String::as_str).collect();
+    if names.is_empty() {
+        names.push("corridor");
+    }
+    let names = names.iter().flat_map(|n| if *n == ALL { OWN_SCENES.to_vec() } else { vec![*n] });
+    let scenes = names.map(load).collect::<Result<Vec<_>, _>>()?;
+    let mut trials = Vec::new();
+    for scene in &scenes {
+        let own = scene.num_members();
+        let members = if options.members.is_empty() { vec![own] } else { options.members.clone() };
+        for engine in engines(options, scene)? {
+            // One that does not grow gets too dense; asked for alone, it is tried.
+            let fits = |n: &&usize| scenes.len() == 1 || scene.grows || **n <= own;
+            trials.extend(members.iter().filter(fits).map(|&n| CrowdScene { engine, ..scene.resized(n) }));
+        }
+    }
+    Ok(trials)
+}
+
+/// A line of a sweep, the first one below a heading.
+fn print_row(r: &CrowdReport, is_first: bool) {
+    if is_first {
+        println!(
+            "scene       members engine     us/member/s  events/s  decisions/s   m/s of wanted  overlaps>1mm  deepest  there  stuck"
+        );
+    }
+    println!(
+        "{:11} {:7} {:9} {:12.2} {:9.2} {:12.2} {:5.2} of {:6.2} {:11.3} % {:5.2} mm {:6} {:6}",
+        r.scene,
+        r.members,
+        r.engine,
+        r.us_per_member_second,
+        r.events_per_member_second,
+        r.decisions_per_member_second,
+        r.progress_mps,
+        r.desired_mps,
+        100.0 * r.overlap_over_1mm_fraction,
+        1000.0 * r.max_overlap_m,
+        r.arrived,
+        r.stuck,
+    );
 }
 
 /// One of the project's own scenes, or a file.
@@ -95,16 +143,23 @@ fn engines(options: &CrowdOptions, scene: &CrowdScene) -> Result<Vec<Engine>, Bo
     options.engine.iter().map(named).collect()
 }
 
-/// Wall time over members, a line for each engine: figure 6 of Kim, Kim and Shin 2003.
-fn plot(scene: &str, runs: &[CrowdReport], engines: &[Engine]) -> picture::Picture {
-    let line = |e: &Engine| {
-        let of_engine = runs.iter().filter(|r| r.engine == e.name());
-        (e.name().to_owned(), of_engine.map(|r| [r.members as f64, 1e3 * r.wall_s_per_simulated_s]).collect())
-    };
+/// Time over members, a line for each scene and engine: figure 6 of Kim, Kim and Shin 2003.
+fn plot(runs: &[CrowdReport]) -> picture::Picture {
+    let scene = runs.first().map_or("", |r| &r.scene);
+    let is_one = runs.iter().all(|r| r.scene == scene);
+    let mut lines: Vec<(String, Vec<[f64; 2]>)> = Vec::new();
+    for r in runs {
+        let name = if is_one { r.engine.clone() } else { format!("{}, {}", r.scene, r.engine) };
+        let point = [r.members as f64, 1e-3 * r.us_per_member_second * r.members as f64];
+        match lines.iter_mut().find(|l| l.0 == name) {
+            Some(line) => line.1.push(point),
+            None => lines.push((name, vec![point])),
+        }
+    }
     picture::plot(&Plot {
-        title: &format!("{scene}: time to simulate one second"),
+        title: &format!("{}: time to simulate one second", if is_one { scene } else { "crowds" }),
         subtitle: "on this machine, without drawing or measuring",
-        axes: ["members", "ms of wall time for one simulated second"],
-        lines: engines.iter().map(line).collect(),
+        axes: ["members", "ms for one simulated second"],
+        lines,
     })
 }

@@ -88,10 +88,12 @@ pub fn print(r: &CrowdReport) -> Outcome {
     if let Some(informed) = r.informed {
         rows.push(("news", format!("{informed} of {} know", r.members)));
     }
+    let crossings =
+        r.crossings_per_member_second.map_or(String::new(), |c| format!(" ({c:.1} of them crossings of cells)"));
     rows.push((
         "speed",
         format!(
-            "{:.2} us a member and simulated second; {:.1} events, {:.1} decisions",
+            "{:.2} us a member and simulated second; {:.1} events{crossings}, {:.1} decisions",
             r.us_per_member_second, r.events_per_member_second, r.decisions_per_member_second
         ),
     ));

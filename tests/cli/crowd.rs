@@ -1,6 +1,6 @@
 //! `throng run` and `throng bench` of crowds.
 
-use super::{at, failed, folder, json};
+use super::{at, done, failed, folder, json};
 
 /// Keys of the figures of every crowd.
 const KEYS: [&str; 11] = [
@@ -60,6 +60,22 @@ fn bench_sweeps_and_plots() {
         [(Some("events"), Some(20)), (Some("events"), Some(40)), (Some("fixed"), Some(20)), (Some("fixed"), Some(40)),]
     );
     assert!(std::fs::read(&png).is_ok_and(|b| b.starts_with(b"\x89PNG")));
+}
+
+#[test]
+fn bench_sweeps_over_scenes_a_line_a_run() {
+    let text = done(&["bench", "crowd", "--scene", "ring,square", "--members", "30,300", "--seconds", "0.5"]);
+    let runs: Vec<Vec<&str>> = text.lines().map(|l| l.split_whitespace().take(3).collect()).collect();
+    // Two hundred are at home on the square, which does not grow.
+    let want = [
+        ["scene", "members", "engine"],
+        ["ring", "30", "events"],
+        ["ring", "300", "events"],
+        ["square", "30", "events"],
+    ];
+    assert_eq!(runs, want, "{text}");
+    let all = json(&["bench", "crowd", "--scene", "all", "--members", "20", "--seconds", "0.2", "--json"], &["runs"]);
+    assert_eq!(all["runs"].as_array().map(Vec::len), Some(7));
 }
 
 #[test]

@@ -2,6 +2,7 @@
 
 use super::solid::Solid;
 use super::{Space, plan::Plan};
+use crate::lanes::Lanes;
 
 /// Rounds of refinement of a first contact; each comes nearer to it from before.
 const ROUNDS: usize = 3;
@@ -32,6 +33,13 @@ impl<V: Space> From<&Plan<V>> for Bound<V> {
 }
 
 impl<V: Space> Bound<V> {
+    /// The bound of somebody who is known to follow a plan, made at a time of it.
+    #[inline]
+    pub fn new(plan: &Plan<V>, time: f64) -> Self {
+        let (position, velocity) = plan.at(time);
+        Self { start: time, position, velocity, ..Self::from(plan) }
+    }
+
     /// Centre and radius. [Limit: time >= start]
     #[inline]
     pub fn at(&self, time: f64) -> (V, f32) {
@@ -53,11 +61,14 @@ impl<V: Space> Bound<V> {
         let growth = self.limit + other.limit;
         let rate = self.limit * age + other.limit * other_age;
         let radii = self.radius + other.radius + 0.5 * (self.limit * age * age + other.limit * other_age * other_age);
-        creep(within, growth, |dt| {
-            let (toward, distance) = (apart + velocity * dt).unit_and_length();
-            let radius = radii + (rate + 0.5 * growth * dt) * dt;
-            (distance - radius, toward.dot(velocity) - rate - growth * dt)
-        })
+        approach((apart, velocity), (radii, rate, growth), within)
+    }
+
+    /// As [`Bound::first_contact`] of two that were both made at the time that is looked from on: the other one is
+    /// `offset` away, has a velocity and, together with this one, radii and growth.
+    #[inline]
+    pub fn first_meeting(&self, offset: V, velocity: V, radii: f32, growth: f32, within: f32) -> f32 {
+        approach((offset, velocity - self.velocity), (radii, 0.0, growth), within)
     }
 
     /// When a bound touches a solid that stands, as [`Bound::first_contact`].
@@ -87,6 +98,17 @@ impl<V: Space> Bound<V> {
     }
 }
 
+/// First contact of two bounds that are apart, and move straight relative to each other; the sum of their radii grows at
+/// a rate, and that by `growth`.
+#[inline]
+fn approach<V: Space>((apart, velocity): (V, V), (radii, rate, growth): (f32, f32, f32), within: f32) -> f32 {
+    creep(within, growth, |dt| {
+        let (toward, distance) = (apart + velocity * dt).unit_and_length();
+        let radius = radii + (rate + 0.5 * growth * dt) * dt;
+        (distance - radius, toward.dot(velocity) - rate - growth * dt)
+    })
+}
+
 /// Time until a gap that changes at `rate`, less and less by `growth`, is gone.
 #[inline]
 pub(crate) fn fall(gap: f32, rate: f32, growth: f32) -> f32 {
@@ -102,6 +124,16 @@ pub(crate) fn fall(gap: f32, rate: f32, growth: f32) -> f32 {
     } else {
         f32::INFINITY
     }
+}
+
+/// As [`fall`], for eight; a little less or more for rounding. [Limit: growth > 0]
+#[inline(always)]
+pub(crate) fn fall_each<F: Lanes>(gap: F, rate: F, growth: F) -> F {
+    let zero = F::splat(0.0);
+    let gap = gap.max(zero);
+    let root = (rate * rate + F::splat(2.0) * growth * gap).sqrt();
+    let shrinks = F::splat(2.0) * gap / (root - rate).max(F::splat(f32::MIN_POSITIVE));
+    F::select_lt(zero, rate, (rate + root) / growth, shrinks)
 }
 
 /// Follows tangents of a gap to its first zero. `gap` gives the gap and the rate at which its tangent changes now.

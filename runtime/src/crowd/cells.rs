@@ -1,19 +1,101 @@
 //! The cells of space that members are registered in.
 
 use super::{NONE, Space, plan::Plan};
+use std::marker::PhantomData;
 
 /// Members of a block.
 pub(crate) const BLOCK: usize = 8;
 /// Most cells: a grid of more is folded.
 const MAX_CELLS: usize = 1 << 22;
 
-/// Plans of members that are registered in the same cell, one after the other in memory.
+/// One number of each member of a block.
+pub(crate) type Eight = [f32; BLOCK];
+
+/// Plans of members that are registered in the same cell: each number of all of them side by side, so that they are
+/// looked at together. In 2-D the third coordinates are never touched; where many thousands are, fetching the rest of
+/// their neighbours' blocks from memory is most of an event.
 #[derive(Clone, Copy, Debug, Default)]
-struct Block<V> {
-    len: u32,
-    /// Block of more of them.
+#[repr(C, align(64))]
+pub(crate) struct Block {
+    pub start: [f64; BLOCK],
+    pub end: [f64; BLOCK],
+    pub moving: Eight,
+    pub radius: Eight,
+    pub limit: Eight,
+    pub index: [u32; BLOCK],
+    pub axes: [Axis; 3],
+    /// Block of more of them, which is full.
     next: u32,
-    plans: [Plan<V>; BLOCK],
+}
+
+/// One coordinate of eight motions.
+#[derive(Clone, Copy, Debug, Default)]
+#[repr(C)]
+pub(crate) struct Axis {
+    pub position: Eight,
+    pub velocity: Eight,
+    pub acceleration: Eight,
+}
+
+/// Who is registered in a cell.
+#[derive(Clone, Copy, Debug)]
+struct Chain {
+    /// The first block: the one with room.
+    first: u32,
+    /// Members in all blocks.
+    len: u32,
+}
+
+impl Chain {
+    const EMPTY: Self = Self { first: NONE, len: 0 };
+
+    /// Members in the first block.
+    #[inline(always)]
+    fn len_of_first(self) -> usize {
+        (self.len as usize + BLOCK - 1) % BLOCK + 1
+    }
+}
+
+/// One vector of eight.
+#[inline(always)]
+pub(crate) fn nth<V: Space>(of: &[Eight; 3], i: usize) -> V {
+    let third = if V::DIMENSIONS == 3 { of[2][i] } else { 0.0 };
+    V::from_coordinates([of[0][i], of[1][i], third])
+}
+
+impl Block {
+    /// Plan of one of its members.
+    #[inline]
+    pub fn plan<V: Space>(&self, i: usize) -> Plan<V> {
+        Plan {
+            start: self.start[i],
+            end: self.end[i],
+            position: self.vector(i, |a| &a.position),
+            velocity: self.vector(i, |a| &a.velocity),
+            acceleration: self.vector(i, |a| &a.acceleration),
+            moving: self.moving[i],
+            radius: self.radius[i],
+            limit: self.limit[i],
+            index: self.index[i],
+        }
+    }
+
+    #[inline(always)]
+    fn vector<V: Space>(&self, i: usize, of: impl Fn(&Axis) -> &Eight) -> V {
+        let third = if V::DIMENSIONS == 3 { of(&self.axes[2])[i] } else { 0.0 };
+        V::from_coordinates([of(&self.axes[0])[i], of(&self.axes[1])[i], third])
+    }
+
+    fn put<V: Space>(&mut self, i: usize, plan: &Plan<V>) {
+        (self.start[i], self.end[i]) = (plan.start, plan.end);
+        let (x, v, a) = (plan.position.coordinates(), plan.velocity.coordinates(), plan.acceleration.coordinates());
+        for axis in 0..V::DIMENSIONS {
+            let axes = &mut self.axes[axis];
+            (axes.position[i], axes.velocity[i], axes.acceleration[i]) = (x[axis], v[axis], a[axis]);
+        }
+        (self.moving[i], self.radius[i], self.limit[i]) = (plan.moving, plan.radius, plan.limit);
+        self.index[i] = plan.index;
+    }
 }
 
 /// A grid of square or cubic cells, each with the plans of its members.
@@ -26,11 +108,12 @@ pub(crate) struct Cells<V> {
     per_m: f32,
     /// Logarithm of the number of cells along each axis.
     bits: [u32; 3],
-    first: Vec<u32>,
-    blocks: Vec<Block<V>>,
+    chains: Vec<Chain>,
+    blocks: Vec<Block>,
     free: Vec<u32>,
     /// Block and place of every member: `block * BLOCK + place`.
     address: Vec<u32>,
+    space: PhantomData<V>,
 }
 
 impl<V: Space> Cells<V> {
@@ -53,16 +136,17 @@ impl<V: Space> Cells<V> {
             side,
             per_m: side.recip(),
             bits,
-            first: vec![NONE; 1 << bits.iter().sum::<u32>()],
+            chains: vec![Chain::EMPTY; 1 << bits.iter().sum::<u32>()],
             blocks: vec![block; num_blocks],
             free: (0..num_blocks as u32).rev().collect(),
             address: vec![NONE; capacity],
+            space: PhantomData,
         }
     }
 
     /// Takes everybody out.
     pub fn clear(&mut self) {
-        self.first.fill(NONE);
+        self.chains.fill(Chain::EMPTY);
         self.address.fill(NONE);
         self.free.clear();
         self.free.extend((0..self.blocks.len() as u32).rev());
@@ -71,14 +155,9 @@ impl<V: Space> Cells<V> {
     /// Everybody's plans, so that to insert them one after the other gives the same cells.
     pub fn plans(&self) -> Vec<Plan<V>> {
         let mut plans = Vec::new();
-        for &first in &self.first {
+        for cell in 0..self.chains.len() as u32 {
             let start = plans.len();
-            let mut b = first;
-            while b != NONE {
-                let block = &self.blocks[b as usize];
-                plans.extend(block.plans[..block.len as usize].iter().rev());
-                b = block.next;
-            }
+            self.each_block(cell, |block, _, len| plans.extend((0..len).rev().map(|i| block.plan(i))));
             // The last block of a chain was filled first.
             plans[start..].reverse();
         }
@@ -92,7 +171,7 @@ impl<V: Space> Cells<V> {
 
     /// Number of cells.
     pub fn num_cells(&self) -> usize {
-        self.first.len()
+        self.chains.len()
     }
 
     /// Number of cells along each axis before the grid is folded.
@@ -134,34 +213,72 @@ impl<V: Space> Cells<V> {
 
     /// Plan of a member. [Limit: it is in a cell]
     #[inline]
-    pub fn plan(&self, member: u32) -> &Plan<V> {
-        self.at(self.address[member as usize])
+    pub fn plan(&self, member: u32) -> Plan<V> {
+        let (block, place) = self.place(member);
+        self.blocks[block as usize].plan(place)
     }
 
-    /// Plan at an address that [`Cells::each`] gave.
+    /// Number of the block of a member, and its place there. [Limit: it is in a cell]
     #[inline]
-    pub fn at(&self, address: u32) -> &Plan<V> {
-        &self.blocks[address as usize / BLOCK].plans[address as usize % BLOCK]
+    pub fn place(&self, member: u32) -> (u32, usize) {
+        let address = self.address[member as usize];
+        (address / BLOCK as u32, address as usize % BLOCK)
     }
 
-    /// Calls `f` for everyone who is registered in a cell, with the address of the plan.
+    /// Block of a number that [`Cells::each_block`] gave.
     #[inline]
-    pub fn each(&self, cell: u32, mut f: impl FnMut(&Plan<V>, u32)) {
-        let mut b = self.first[cell as usize];
-        while b != NONE {
+    pub fn block(&self, number: u32) -> &Block {
+        &self.blocks[number as usize]
+    }
+
+    /// Calls `f` for every block of a cell, with its number and that of its members.
+    #[inline(always)]
+    pub fn each_block(&self, cell: u32, mut f: impl FnMut(&Block, u32, usize)) {
+        let chain = self.chains[cell as usize];
+        let (mut left, mut len, mut b) = (chain.len as usize, chain.len_of_first(), chain.first);
+        while left > 0 {
             let block = &self.blocks[b as usize];
-            for (address, plan) in (b * BLOCK as u32..).zip(&block.plans[..block.len as usize]) {
-                f(plan, address);
-            }
-            b = block.next;
+            f(block, b, len);
+            left -= len;
+            (b, len) = (block.next, BLOCK);
         }
+    }
+
+    /// Calls `f` for everyone who is registered in a cell.
+    #[inline]
+    pub fn each(&self, cell: u32, mut f: impl FnMut(&Plan<V>)) {
+        self.each_block(cell, |block, _, len| (0..len).for_each(|i| f(&block.plan(i))));
+    }
+
+    /// Reads a little of every line of memory of those around a cell: the processor then fetches all of them at the same
+    /// time, and they are at hand when they are looked at. Changes nothing.
+    pub fn fetch(&self, at: [i32; 3]) {
+        let mut sum = 0.0;
+        self.around(at, |cell| {
+            let chain = self.chains[cell as usize];
+            if chain.len > 0 {
+                let block = &self.blocks[chain.first as usize];
+                let [x, y, z] = &block.axes;
+                sum += (block.start[0] + block.end[0]) as f32 + block.moving[0] + block.limit[0];
+                sum += x.position[0] + x.acceleration[0] + y.velocity[0];
+                if V::DIMENSIONS == 3 {
+                    sum += z.position[0] + z.acceleration[0];
+                }
+            }
+        });
+        std::hint::black_box(sum);
+    }
+
+    /// Most blocks that the cells around one can have.
+    pub fn most_around(&self) -> usize {
+        self.address.len() / BLOCK + 3usize.pow(V::DIMENSIONS as u32)
     }
 
     /// Changes a plan; who comes into another cell is registered there. `from` is the cell where it is registered.
     pub fn set(&mut self, from: u32, to: u32, plan: &Plan<V>) {
         if from == to {
             let address = self.address[plan.index as usize] as usize;
-            self.blocks[address / BLOCK].plans[address % BLOCK] = *plan;
+            self.blocks[address / BLOCK].put(address % BLOCK, plan);
         } else {
             self.remove(from, plan.index);
             self.insert(to, plan);
@@ -170,34 +287,34 @@ impl<V: Space> Cells<V> {
 
     /// Registers a member in a cell.
     pub fn insert(&mut self, cell: u32, plan: &Plan<V>) {
-        let mut b = self.first[cell as usize];
-        // The first block of a chain is the one with room.
-        if b == NONE || self.blocks[b as usize].len as usize == BLOCK {
+        let mut chain = self.chains[cell as usize];
+        if chain.len as usize % BLOCK == 0 {
             let Some(fresh) = self.free.pop() else { return };
-            self.blocks[fresh as usize].len = 0;
-            self.blocks[fresh as usize].next = b;
-            self.first[cell as usize] = fresh;
-            b = fresh;
+            self.blocks[fresh as usize].next = chain.first;
+            chain.first = fresh;
         }
-        let block = &mut self.blocks[b as usize];
-        block.plans[block.len as usize] = *plan;
-        self.address[plan.index as usize] = b * BLOCK as u32 + block.len;
-        block.len += 1;
+        chain.len += 1;
+        let place = chain.len_of_first() - 1;
+        self.blocks[chain.first as usize].put(place, plan);
+        self.address[plan.index as usize] = chain.first * BLOCK as u32 + place as u32;
+        self.chains[cell as usize] = chain;
     }
 
     /// Takes a member out of its cell. The last one of the cell takes its place.
     pub fn remove(&mut self, cell: u32, member: u32) {
-        let address = self.address[member as usize];
-        let first = self.first[cell as usize];
-        let block = &mut self.blocks[first as usize];
-        block.len -= 1;
-        let last = block.plans[block.len as usize];
-        if block.len == 0 {
-            self.first[cell as usize] = block.next;
-            self.free.push(first);
+        let mut chain = self.chains[cell as usize];
+        let (block, place) = self.place(member);
+        let first = &self.blocks[chain.first as usize];
+        let (last_place, next) = (chain.len_of_first() - 1, first.next);
+        let last = first.plan::<V>(last_place);
+        if last_place == 0 {
+            self.free.push(chain.first);
+            chain.first = next;
         }
-        self.blocks[address as usize / BLOCK].plans[address as usize % BLOCK] = last;
-        self.address[last.index as usize] = address;
+        chain.len -= 1;
+        self.chains[cell as usize] = chain;
+        self.blocks[block as usize].put(place, &last);
+        self.address[last.index as usize] = block * BLOCK as u32 + place as u32;
         self.address[member as usize] = NONE;
     }
 }
@@ -232,7 +349,7 @@ mod tests {
                 }
                 for cell in 0..cells.num_cells() as u32 {
                     let mut there = Vec::new();
-                    cells.each(cell, |p, _| there.push(p.index));
+                    cells.each(cell, |p| there.push(p.index));
                     there.sort_unstable();
                     let want: Vec<u32> = (0..60).filter(|&m| list[m as usize] == Some(cell)).collect();
                     prop_assert_eq!(&there, &want);

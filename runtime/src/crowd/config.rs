@@ -18,6 +18,14 @@ pub enum Scheme {
     Fixed,
 }
 
+impl Scheme {
+    /// Most events of one member in a smallest interval: those that make it act, in [`Scheme::Occupancy`] two of them,
+    /// after each of which its bound enters and leaves the cells behind every face of a box and meets somebody or not.
+    pub(super) fn most_events(self) -> u32 {
+        if self == Self::Occupancy { 2 * (1 + 2 * 6 + 2) } else { 1 }
+    }
+}
+
 /// How a crowd is run.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]

@@ -4,7 +4,9 @@ use super::bound::Bound;
 use super::cells::Cells;
 use super::filter::Filter;
 use super::flow::Flow;
+use super::near::{Look, Rows};
 use super::plan::Plan;
+use super::reach::Reach;
 use super::retreat::{PATIENT_S, SLOWLY, retreat};
 use super::safety::{Candidate, Lack, Other, lack, lack_of_solid, lever};
 use super::sight::Seen;
@@ -21,6 +23,8 @@ const TRIES: usize = 6;
 const BEYOND: f32 = 1.1;
 /// How many smallest intervals one waits who stands and found no way on.
 pub(crate) const PATIENT: f32 = 2.0;
+/// Speed below which one does not go past its goal by much. [Unit: m/s]
+const SLOW: f32 = 0.1;
 /// Way toward the goal that counts as getting on. [Unit: m]
 const GETTING_ON: f32 = 0.1;
 /// Time without getting on after which a member is stuck. [Unit: s]
@@ -62,30 +66,20 @@ pub(crate) struct Mind<V> {
     pub is_struck: bool,
 }
 
-/// Somebody who is registered near.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Around {
-    /// Of the plan, see [`Cells::at`].
-    pub address: u32,
-    /// Of the centres. [Unit: m]
-    pub distance: f32,
-    /// Speed at which the distance shrinks. [Unit: m/s]
-    pub closing: f32,
-}
-
 /// Room to think in, one for each thread.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Scratch<V> {
     seen: Vec<Seen<V>>,
-    pub around: Vec<Around>,
+    pub rows: Rows,
     /// Those whose plans a plan may come in conflict with, and how far from its centre they stay. [Unit: m]
     others: Vec<(f32, Other<V>)>,
 }
 
 impl<V: Space> Scratch<V> {
-    pub fn new(capacity: usize, num_movers: usize) -> Self {
+    pub fn new(cells: &Cells<V>, capacity: usize, num_movers: usize) -> Self {
         let most = capacity + num_movers;
-        Self { seen: Vec::with_capacity(most), around: Vec::with_capacity(most), others: Vec::with_capacity(most) }
+        let rows = Rows::new(cells.most_around());
+        Self { seen: Vec::with_capacity(most), rows, others: Vec::with_capacity(most) }
     }
 }
 
@@ -108,6 +102,8 @@ pub(crate) struct Wish<V> {
     pub acceleration: V,
     /// Coordinates of the cell it is in.
     pub at: [i32; 3],
+    /// How long it may do so: at its goal, not so long that it would go past. [Unit: s]
+    pub longest: f32,
 }
 
 /// A member at an event, with all that it may look at.
@@ -117,8 +113,6 @@ pub(crate) struct Decider<'a, V> {
     pub minds: &'a [Mind<V>],
     pub flow: &'a Flow<V>,
     pub time: f64,
-    /// Whose bound is made anew in the same event.
-    pub renewed: u32,
 }
 
 impl<V: Space> Decider<'_, V> {
@@ -127,8 +121,8 @@ impl<V: Space> Decider<'_, V> {
         let old = self.cells.plan(member);
         let (position, velocity) = old.at(self.time);
         let mut mind = self.minds[member as usize];
-        self.update(&mut mind, old, position, velocity);
-        let mut walker = self.walker(&mind, old, position, velocity);
+        self.update(&mut mind, &old, position, velocity);
+        let mut walker = self.walker(&mind, &old, position, velocity);
         mind.intent = if mind.is_there { V::default() } else { walker.desired };
         self.give_way(&mind, &mut walker);
         let at = self.cells.coordinates(position);
@@ -136,19 +130,23 @@ impl<V: Space> Decider<'_, V> {
         self.look_around(member, at, &walker, &mind, scratch);
         let near = self.world.near(mind.cell);
         let f = self.feel(&walker, &mind, near, scratch);
-        let fresh = Plan { start: self.time, position, velocity, moving: f32::INFINITY, ..*old };
-        Wish { mind, fresh, acceleration: total(&f).at_most(old.limit), at }
+        let fresh = Plan { start: self.time, position, velocity, moving: f32::INFINITY, ..old };
+        let soon = 2.0 * self.world.fields[mind.field as usize].relaxation_s;
+        let slows = walker.left < soon * mind.speed && velocity.length_squared() > SLOW * SLOW;
+        let longest = if slows { soon } else { f32::INFINITY };
+        Wish { mind, fresh, acceleration: total(&f).at_most(old.limit), at, longest }
     }
 
     /// Takes a new plan for a member; none where it has to keep the one it has.
     pub fn decide(&self, member: u32, tracing: &impl Tracing<V>, scratch: &mut Scratch<V>) -> Option<Decision<V>> {
         let old = self.cells.plan(member);
-        let Wish { mut mind, fresh, acceleration, at } = self.wish(member, scratch);
+        let Wish { mut mind, fresh, acceleration, at, longest } = self.wish(member, scratch);
         let near = self.world.near(mind.cell);
         let centre = self.cells.centre(at);
         let half = V::from_coordinates([self.cells.side(); 3]);
         let region = (centre - half, centre + half);
         let (cause, length) = tracing.first_event(self, &fresh, region, near, scratch);
+        let (cause, length) = if length > longest { (Cause::Region, longest) } else { (cause, length) };
         let length = length.max(self.world.interval);
         // Over a plan that is longer than the time to relax, the desired velocity is reached and not passed.
         let wish = acceleration * (self.world.fields[mind.field as usize].relaxation_s / length).min(1.0);
@@ -189,8 +187,8 @@ impl<V: Space> Decider<'_, V> {
         let plan = self.cells.plan(member);
         let (position, velocity) = plan.at(self.time);
         let mut mind = self.minds[member as usize];
-        self.update(&mut mind, plan, position, velocity);
-        let mut walker = self.walker(&mind, plan, position, velocity);
+        self.update(&mut mind, &plan, position, velocity);
+        let mut walker = self.walker(&mind, &plan, position, velocity);
         self.give_way(&mind, &mut walker);
         let at = self.cells.coordinates(position);
         self.look_around(member, at, &walker, &mind, scratch);
@@ -259,31 +257,9 @@ impl<V: Space> Decider<'_, V> {
     /// Finds everybody who is registered near, and those who are felt.
     fn look_around(&self, member: u32, at: [i32; 3], me: &Walker<V>, mind: &Mind<V>, scratch: &mut Scratch<V>) {
         scratch.seen.clear();
-        scratch.around.clear();
         let perception = self.world.fields[mind.field as usize].perception_m;
-        let perception = perception * perception;
-        self.cells.around(at, |cell| {
-            self.cells.each(cell, |plan, address| {
-                if plan.index == member {
-                    return;
-                }
-                let (position, velocity) = plan.at(self.time);
-                let offset = position - me.position;
-                let square = offset.length_squared();
-                let distance = square.sqrt();
-                let closing = (me.velocity - velocity).dot(offset) / distance.max(1e-6);
-                scratch.around.push(Around { address, distance, closing });
-                if square < perception {
-                    scratch.seen.push(Seen {
-                        offset,
-                        velocity,
-                        distance,
-                        radii: me.radius + plan.radius,
-                        yields: true,
-                    });
-                }
-            });
-        });
+        let look = Look { cells: self.cells, at, time: self.time, member, me, perception };
+        look.around(&mut scratch.rows, &mut scratch.seen);
         for mover in &self.world.movers {
             let plan = mover.plan(self.time, 1.0);
             let offset = plan.position - me.position;
@@ -293,17 +269,6 @@ impl<V: Space> Decider<'_, V> {
                 scratch.seen.push(Seen { offset, velocity: plan.velocity, distance, radii, yields: false });
             }
         }
-    }
-
-    /// The bound of another one.
-    #[inline]
-    pub fn bound(&self, other: &Plan<V>) -> Bound<V> {
-        let bound = Bound::from(other);
-        if other.index != self.renewed {
-            return bound;
-        }
-        let (position, velocity) = other.at(self.time);
-        Bound { start: self.time, position, velocity, ..bound }
     }
 
     /// When a bound touches an obstacle, if that is before `first`.
@@ -336,17 +301,8 @@ impl<V: Space> Decider<'_, V> {
         let (speed, fastest) = (fresh.velocity.length(), HURRY * self.world.speed);
         let fast = (speed + fresh.limit * length).min(fastest.max(speed));
         let mine = fast * length + 0.5 * fast * fast / fresh.limit + fresh.radius + 0.01;
-        for &Around { address, distance, .. } in &scratch.around {
-            let other = self.cells.at(address);
-            let until = (other.end - self.time) as f32;
-            if distance < mine + other.radius + fastest * until + self.world.stopping {
-                let other = Other::new(other, self.time);
-                let free = distance - other.plan.radius - other.reach();
-                if free < mine {
-                    scratch.others.push((free, other));
-                }
-            }
-        }
+        let reach = Reach { cells: self.cells, time: self.time, fastest, fresh, length, mine };
+        reach.find(scratch.rows.all(), &mut scratch.others);
         for mover in &self.world.movers {
             let plan = mover.plan(self.time, length + 2.0 * self.world.speed / fresh.limit);
             let way = plan.velocity.length() * (plan.end - plan.start) as f32;

@@ -9,8 +9,12 @@ use super::queue::Calendar;
 use super::safety::{Candidate, MARGIN, Other, lack, lack_of_solid, room};
 use super::spline::Spline;
 use super::tracing::{Registration, Trace, Tracing};
+use super::watchdog::Watchdog;
 use super::world::{HURRY, World, check_member};
 use super::{AtEnd, Counts, CrowdError, Event, EventKind, Id, Member, NONE, Route, Setup, Space};
+
+/// Members of a crowd that fits the processor's caches.
+const FEW: usize = 1 << 15;
 
 /// Members that act at their own events.
 ///
@@ -26,6 +30,8 @@ pub struct Crowd<V> {
     pub(super) world: World<V>,
     pub(super) cells: Cells<V>,
     pub(super) minds: Vec<Mind<V>>,
+    /// Route that was made for the members of a number alone, see [`Crowd::send_along`]; [`NONE`] where there is none.
+    pub(super) own: Vec<u32>,
     pub(super) queue: Calendar,
     /// Numbers that are free, the next one last.
     pub(super) free: Vec<u32>,
@@ -36,6 +42,7 @@ pub struct Crowd<V> {
     pub(super) counts: Counts,
     pub(super) trace: Trace<V>,
     pub(super) scratch: Scratch<V>,
+    pub(super) watchdog: Watchdog,
     #[cfg(feature = "rayon")]
     pub(super) windows: super::window::Windows<V>,
 }
@@ -50,11 +57,13 @@ impl<V: Space> Crowd<V> {
         let (world, cells, flow) = World::new(&setup)?;
         let capacity = setup.config.capacity.max(setup.members.len());
         let mut crowd = Self {
-            scratch: Scratch::new(capacity, world.movers.len()),
+            watchdog: Watchdog::new(capacity, world.interval, setup.config.scheme.most_events()),
+            scratch: Scratch::new(&cells, capacity, world.movers.len()),
             trace: Trace::new(&setup.config, &cells, capacity),
             world,
             cells,
             minds: vec![Mind { cell: NONE, ..Mind::default() }; capacity],
+            own: vec![NONE; capacity],
             queue: Calendar::new(capacity),
             free: (0..capacity as u32).rev().collect(),
             flow,
@@ -94,9 +103,23 @@ impl<V: Space> Crowd<V> {
         while let Some((time, member)) = self.queue.first(until_s) {
             self.look_until(time);
             self.now = time;
+            if self.minds.len() > FEW {
+                self.fetch();
+            }
             self.happen(member, on_event)?;
         }
         Ok(())
+    }
+
+    /// Has what the next events will look at fetched from memory, while there is something else to do.
+    fn fetch(&self) {
+        if let Some(next) = self.queue.later(1) {
+            let at = self.cells.coordinates(self.cells.plan(next).position);
+            self.cells.fetch(at);
+        }
+        if let Some(next) = self.queue.later(2) {
+            std::hint::black_box((self.cells.plan(next).radius, self.minds[next as usize].cell));
+        }
     }
 
     pub(super) fn check_time(&self, until_s: f64) -> Result<(), CrowdError> {
@@ -164,6 +187,7 @@ impl<V: Space> Crowd<V> {
             is_struck: false,
         };
         self.cells.insert(cell, &plan);
+        self.watchdog.forget(index);
         self.queue.set(index, self.now);
         if let Trace::Occupancy(occupancy) = &mut self.trace {
             occupancy.list(&self.cells, &plan);
@@ -177,7 +201,7 @@ impl<V: Space> Crowd<V> {
         let candidate = Candidate::new(*plan);
         let mut error = None;
         self.cells.around(at, |cell| {
-            self.cells.each(cell, |other, _| {
+            self.cells.each(cell, |other| {
                 // Two who could brake at once need no more than to be apart.
                 let room = if other.end <= self.now {
                     room(plan, other) - MARGIN
@@ -236,10 +260,7 @@ impl<V: Space> Crowd<V> {
         let Some(spline) = self.world.splines.get(route) else {
             return Err(CrowdError::Index { what: "route", got: route, limit: self.world.splines.len() });
         };
-        if !(0.0..=self.world.speed).contains(&speed) {
-            let expected = "at most `largest_speed_mps` of the config";
-            return Err(CrowdError::Value { what: "member", index: id.index(), field: "speed", got: speed, expected });
-        }
+        self.check_speed(id, speed)?;
         let (position, _) = self.cells.plan(id.index).at(self.now);
         let mind = &mut self.minds[id.index()];
         mind.cursor = if mind.route == route as u32 { mind.cursor } else { spline.begin(position) };
@@ -247,6 +268,38 @@ impl<V: Space> Crowd<V> {
         (mind.least_left, mind.got_on) = (spline.left(mind.cursor, position), self.now);
         (mind.is_there, mind.is_stuck) = (false, false);
         Ok(())
+    }
+
+    /// Gives a member a route of its own and another desired speed from its next event on, as [`Crowd::add_route`] and
+    /// [`Crowd::send`] do. It takes the place of the last one that a member of that number was given so: memory does not
+    /// grow however often they are sent.
+    ///
+    /// # Errors
+    /// [`CrowdError`] as of both; nothing has changed then.
+    pub fn send_along(&mut self, id: Id, route: Route<V>, speed: f32) -> Result<(), CrowdError> {
+        self.check_id(id)?;
+        self.check_speed(id, speed)?;
+        let own = self.own[id.index()];
+        let number = if own == NONE { self.world.splines.len() } else { own as usize };
+        let spline = Spline::new(number, &route)?;
+        self.world.check_route(number, &spline)?;
+        if own == NONE {
+            self.world.splines.push(spline);
+        } else {
+            self.world.splines[number] = spline;
+        }
+        self.own[id.index()] = number as u32;
+        // Whatever route it was on before, it begins this one.
+        self.minds[id.index()].route = NONE;
+        self.send(id, number, speed)
+    }
+
+    fn check_speed(&self, id: Id, got: f32) -> Result<(), CrowdError> {
+        if (0.0..=self.world.speed).contains(&got) {
+            return Ok(());
+        }
+        let expected = "at most `largest_speed_mps` of the config";
+        Err(CrowdError::Value { what: "member", index: id.index(), field: "speed", got, expected })
     }
 
     pub(super) fn check_id(&self, id: Id) -> Result<(), CrowdError> {
@@ -295,31 +348,28 @@ impl<V: Space> Crowd<V> {
         let partner = self.partner(cause);
         self.watch(member, partner)?;
         on_event(&self.count(member, self.kind(cause)));
-        // Both are made anew, unless one was just now: then it waits as long as everybody does.
-        let renewed = partner.filter(|&p| self.may_act(p, self.now));
-        self.decide(member, renewed.unwrap_or(NONE), &Registration, on_event);
+        let renewed = partner.filter(|&p| self.is_renewed_with(p, member, self.now));
+        self.decide(member, &Registration, on_event);
         if let Some(renewed) = renewed.filter(|&p| self.minds[p as usize].cell != NONE) {
-            self.decide(renewed, NONE, &Registration, on_event);
+            self.decide(renewed, &Registration, on_event);
         }
         Ok(())
     }
 
-    /// True for one who has not acted within the smallest interval, and so may be made to.
-    pub(super) fn may_act(&self, member: u32, time: f64) -> bool {
-        let is_there = self.minds[member as usize].cell != NONE;
-        is_there && time - self.cells.plan(member).start >= f64::from(self.world.interval)
+    /// True for the partner of a member's colliding event who acts then too: one who has not acted since the member did,
+    /// so that its bound is the one that is touched, nor within the smallest interval.
+    pub(super) fn is_renewed_with(&self, partner: u32, member: u32, time: f64) -> bool {
+        if self.minds[partner as usize].cell == NONE {
+            return false;
+        }
+        let start = self.cells.plan(partner).start;
+        start <= self.cells.plan(member).start && time - start >= f64::from(self.world.interval)
     }
 
-    /// Lets a member take a new plan, while the bound of `renewed` is made anew; false where it has to keep the one it has.
-    pub(super) fn decide(
-        &mut self,
-        member: u32,
-        renewed: u32,
-        tracing: &impl Tracing<V>,
-        on_event: &mut impl FnMut(&Event),
-    ) -> bool {
+    /// Lets a member take a new plan; false where it has to keep the one it has.
+    pub(super) fn decide(&mut self, member: u32, tracing: &impl Tracing<V>, on_event: &mut impl FnMut(&Event)) -> bool {
         let Self { world, cells, minds, flow, scratch, .. } = self;
-        let decider = Decider { world, cells, minds, flow, time: self.now, renewed };
+        let decider = Decider { world, cells, minds, flow, time: self.now };
         let Some(decision) = decider.decide(member, tracing, scratch) else { return false };
         self.queue.set(member, decision.plan.end);
         if self.take(member, &decision, on_event) {
@@ -386,15 +436,21 @@ impl<V: Space> Crowd<V> {
         Event { time: self.now, member: self.id(member), kind }
     }
 
-    /// The watchdog: no member's events are nearer to each other than the smallest interval.
-    pub(super) fn watch(&self, member: u32, partner: Option<u32>) -> Result<(), CrowdError> {
-        let plan = self.cells.plan(member);
-        let seconds = self.now - plan.start;
-        if plan.end > plan.start && seconds < 0.5 * f64::from(self.world.interval) {
-            let (first, second) = (self.id(member), self.id(partner.unwrap_or(member)));
-            return Err(CrowdError::Storm { first, second, events: 2, most: 1, seconds });
-        }
-        Ok(())
+    /// Shows an event of a member to the watchdog.
+    #[inline]
+    pub(super) fn watch(&mut self, member: u32, partner: Option<u32>) -> Result<(), CrowdError> {
+        let storm = match self.watchdog.note(member, partner.unwrap_or(NONE), self.now) {
+            Ok(()) => return Ok(()),
+            Err(storm) => storm,
+        };
+        let other = if storm.partner == NONE { member } else { storm.partner };
+        Err(CrowdError::Storm {
+            first: self.id(member),
+            second: self.id(other),
+            events: storm.events.into(),
+            most: storm.most.into(),
+            seconds: storm.seconds,
+        })
     }
 
     /// Side of the cells that members are registered in. [Unit: m]

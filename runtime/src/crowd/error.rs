@@ -80,16 +80,16 @@ pub enum CrowdError {
     },
     /// The crowd does not get on.
     #[error(
-        "members {} and {} had {events} events with each other within {seconds} s, at most {most} are possible; please \
-         report it with the scene",
+        "members {} and {} do not get on: the first had {events} events within {seconds} s, where at most {most} are \
+         possible; please report it with the scene",
         .first.index, .second.index
     )]
     Storm {
-        /// The one.
+        /// The one that acts and acts.
         first: Id,
-        /// The other.
+        /// The one that it met last; itself where it met nobody.
         second: Id,
-        /// How many.
+        /// Events of the first.
         events: u64,
         /// How many are possible.
         most: u64,

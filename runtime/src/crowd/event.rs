@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 pub enum EventKind {
     /// Its bound touched the side of its region, and is made anew.
     Resetting,
-    /// Its bound touched another one's; both are made anew.
+    /// Its bound touched another one's; both are made anew, unless the other one was in the meantime.
     Colliding {
         /// The other one.
         other: Id,

@@ -113,7 +113,7 @@ impl<V: Space> Crowd<V> {
             let member = decision.plan.index;
             let cell = self.minds[member as usize].cell;
             if cell != NONE {
-                let plan = Plan { end, ..*self.cells.plan(member) };
+                let plan = Plan { end, ..self.cells.plan(member) };
                 self.cells.set(cell, cell, &plan);
             }
         }
@@ -123,7 +123,7 @@ impl<V: Space> Crowd<V> {
     /// What a member does if nothing but the forces moves it (001 eq. 14), no faster than any other scheme lets it.
     fn wish(&mut self, member: u32, step: f32) -> Decision<V> {
         let Self { world, cells, minds, flow, scratch, .. } = self;
-        let decider = Decider { world, cells, minds, flow, time: self.now, renewed: NONE };
+        let decider = Decider { world, cells, minds, flow, time: self.now };
         let wish = decider.wish(member, scratch);
         let fresh = wish.fresh;
         let fastest = HURRY * world.speed;
@@ -162,7 +162,7 @@ impl<V: Space> Crowd<V> {
         let mut deepest = TOO_DEEP;
         let mut found = None;
         self.cells.around(self.cells.coordinates(me.position), |cell| {
-            self.cells.each(cell, |other, _| {
+            self.cells.each(cell, |other| {
                 if other.index < from || other.index == member {
                     return;
                 }
@@ -197,7 +197,7 @@ impl<V: Space> Crowd<V> {
                 let Some((toward, other)) = self.deepest(fixed, member, 0) else { continue };
                 is_free = false;
                 for (m, toward) in [(member, toward), (other, -toward)].into_iter().filter(|(m, _)| *m != NONE) {
-                    let mut plan = *self.cells.plan(m);
+                    let mut plan = self.cells.plan(m);
                     plan.velocity += toward * -plan.velocity.dot(toward).max(0.0);
                     plan.acceleration += toward * -plan.acceleration.dot(toward).max(0.0);
                     let cell = self.minds[m as usize].cell;

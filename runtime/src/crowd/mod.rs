@@ -4,8 +4,9 @@
 //! asks a force field what to do and takes a plan that cannot end in an overlap. See [`Crowd`].
 //!
 //! In reading order: `plan` is what a member does until its next event, `safety` why nobody overlaps anybody, `bound`
-//! when two can meet, `cells` and `queue` who is near and who is next, `sight`, `flow`, `outlook`, `retreat` and `steer`
-//! the force field, `decide` an event, `engine` all of them in their order, `window` on several threads.
+//! when two can meet, `cells` and `queue` who is near and who is next, `near` and `reach` who of those matters at an
+//! event, `sight`, `flow`, `outlook`, `retreat` and `steer` the force field, `decide` an event, `engine` all of them in
+//! their order, `window` on several threads, `watchdog` that time passes.
 
 mod bound;
 mod cells;
@@ -23,6 +24,7 @@ mod flow;
 #[cfg(test)]
 mod jam_tests;
 mod member;
+mod near;
 mod obstacle;
 mod occupancy;
 mod occupied;
@@ -30,6 +32,7 @@ mod outlook;
 mod plan;
 mod query;
 mod queue;
+mod reach;
 mod retreat;
 mod route;
 mod safety;
@@ -44,6 +47,7 @@ mod steer;
 #[cfg(test)]
 mod tests;
 mod tracing;
+mod watchdog;
 #[cfg(feature = "rayon")]
 mod window;
 mod world;

@@ -33,6 +33,9 @@ pub(crate) struct Occupancy {
     links: Vec<Link>,
     pub occupants: Vec<Occupant>,
     pub contacts: Contacts,
+    /// Whose bound is made anew in the same event as that of the one who decides.
+    #[serde(skip)]
+    pub renewed: u32,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -80,6 +83,7 @@ impl Occupancy {
             links: Vec::new(),
             occupants: vec![Occupant::default(); capacity],
             contacts: Contacts::new(capacity),
+            renewed: NONE,
         };
         empty.clear(num_cells);
         empty
@@ -246,14 +250,16 @@ impl<V: Space> Tracing<V> for Occupancy {
         fresh: &Plan<V>,
         _region: (V, V),
         near: &[u32],
-        _scratch: &Scratch<V>,
+        _scratch: &mut Scratch<V>,
     ) -> (Cause, f32) {
         let (bound, side) = (Bound::from(fresh), at.cells.side());
         let mut first = (Cause::Region, fall(0.5 * WIDEST * side - fresh.radius, 0.0, fresh.limit));
         let (low, high) = range(side, fresh);
         self.each(at.cells, low, high, |other| {
             if other != fresh.index && !self.contacts.are_together(fresh.index, other) {
-                let contact = bound.first_contact(&at.bound(at.cells.plan(other)), at.time, first.1);
+                let plan = at.cells.plan(other);
+                let its = if other == self.renewed { Bound::new(&plan, at.time) } else { Bound::from(&plan) };
+                let contact = bound.first_contact(&its, at.time, first.1);
                 if contact < first.1 {
                     first = (Cause::Member(other), contact);
                 }

@@ -24,16 +24,16 @@ impl<V: Space> Crowd<V> {
         while let Some((time, member)) = self.queue.first(until_s) {
             self.look_until(time);
             self.now = time;
-            let plan = *self.cells.plan(member);
+            let plan = self.cells.plan(member);
             let occupant = o.occupants[member as usize];
+            let cause = self.minds[member as usize].cause;
+            self.watch(member, self.partner(cause))?;
             let crossing = plan.start + f64::from(occupant.crossing.after);
             if crossing <= plan.end.min(occupant.meeting.0) {
                 self.cross(o, &plan, on_event);
             } else if occupant.meeting.0 < plan.end {
                 self.meet(o, member, occupant.meeting.1, on_event);
             } else {
-                let cause = self.minds[member as usize].cause;
-                self.watch(member, self.partner(cause))?;
                 let is_actual = self.is_actual(&plan, cause);
                 self.act(o, member, if is_actual { cause } else { Cause::Region }, on_event);
             }
@@ -62,7 +62,7 @@ impl<V: Space> Crowd<V> {
 
     /// The first contact that was found after the last event.
     fn meet(&mut self, o: &mut Occupancy, member: u32, cause: Cause, on_event: &mut impl FnMut(&Event)) {
-        let plan = *self.cells.plan(member);
+        let plan = self.cells.plan(member);
         if self.is_actual(&plan, cause) {
             self.act(o, member, cause, on_event);
         } else {
@@ -79,9 +79,11 @@ impl<V: Space> Crowd<V> {
         // Who was made anew just now waits as long as everybody does.
         let waits = |p: &u32| self.now - o.occupants[*p as usize].asked < f64::from(self.world.interval);
         let renewed = partner.filter(|p| !waits(p));
-        self.reset(o, member, renewed.unwrap_or(NONE), on_event);
+        o.renewed = renewed.unwrap_or(NONE);
+        self.reset(o, member, on_event);
+        o.renewed = NONE;
         if let Some(renewed) = renewed {
-            self.reset(o, renewed, NONE, on_event);
+            self.reset(o, renewed, on_event);
         }
         let Some(partner) = partner else { return };
         let are_there = [member, partner].iter().all(|&m| self.minds[m as usize].cell != NONE);
@@ -91,13 +93,13 @@ impl<V: Space> Crowd<V> {
     }
 
     /// Makes a bound anew with another plan, if there is one that is safe.
-    fn reset(&mut self, o: &mut Occupancy, member: u32, renewed: u32, on_event: &mut impl FnMut(&Event)) {
-        let is_new = self.decide(member, renewed, &*o, on_event);
+    fn reset(&mut self, o: &mut Occupancy, member: u32, on_event: &mut impl FnMut(&Event)) {
+        let is_new = self.decide(member, &*o, on_event);
         if self.minds[member as usize].cell == NONE {
             self.forget(o, member, on_event);
             return;
         }
-        let plan = *self.cells.plan(member);
+        let plan = self.cells.plan(member);
         o.occupants[member as usize].asked = self.now;
         if is_new {
             o.list(&self.cells, &plan);
@@ -121,7 +123,7 @@ impl<V: Space> Crowd<V> {
         on_event(&self.count(member, EventKind::Separating { other: self.id(other) }));
         let mut n = 0;
         while let Some(m) = o.contacts.changed(n) {
-            let plan = *self.cells.plan(m);
+            let plan = self.cells.plan(m);
             self.look_anew(o, &plan);
             self.wait(o, &plan);
             n += 1;
@@ -133,7 +135,7 @@ impl<V: Space> Crowd<V> {
         let trace = std::mem::take(&mut self.trace);
         if let Trace::Occupancy(o) = &trace {
             for member in (0..self.minds.len() as u32).filter(|&m| o.occupants[m as usize].is_listed) {
-                let plan = *self.cells.plan(member);
+                let plan = self.cells.plan(member);
                 self.wait(o, &plan);
             }
         }
@@ -170,14 +172,14 @@ impl<V: Space> Crowd<V> {
         };
         o.each(&self.cells, low, high, |other| {
             if other != me && !o.contacts.are_together(me, other) {
-                let contact = bound.first_contact(&Bound::from(self.cells.plan(other)), self.now, within);
+                let contact = bound.first_contact(&Bound::from(&self.cells.plan(other)), self.now, within);
                 if contact < within {
                     note(contact, Cause::Member(other));
                     within = contact;
                 }
             }
         });
-        let decider = self.decider(self.now, NONE);
+        let decider = self.decider(self.now);
         for z in low[2]..=high[2] {
             for y in low[1]..=high[1] {
                 for x in low[0]..=high[0] {
@@ -197,7 +199,7 @@ impl<V: Space> Crowd<V> {
     fn is_actual(&self, plan: &Plan<V>, cause: Cause) -> bool {
         let Some(other) = self.partner(cause) else { return !matches!(cause, Cause::Member(_)) };
         let within = EARLY * self.world.interval;
-        let other = Bound::from(self.cells.plan(other));
+        let other = Bound::from(&self.cells.plan(other));
         Bound::from(plan).first_contact(&other, self.now, within) < within
     }
 

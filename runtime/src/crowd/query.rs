@@ -22,7 +22,7 @@ impl<V: Space> Crowd<V> {
         self.minds.len() - self.free.len()
     }
 
-    fn plan(&self, id: Id) -> Option<&Plan<V>> {
+    fn plan(&self, id: Id) -> Option<Plan<V>> {
         self.check_id(id).is_ok().then(|| self.cells.plan(id.index))
     }
 
@@ -69,7 +69,7 @@ impl<V: Space> Crowd<V> {
     /// Its time-varying bound at `time_s`: centre and radius (001 eq. 3 and 4). [Unit: m] [Limit: from its last event
     /// on]
     pub fn bound(&self, id: Id, time_s: f64) -> Option<(V, f32)> {
-        self.plan(id).map(|p| Bound::from(p).at(time_s))
+        self.plan(id).map(|p| Bound::from(&p).at(time_s))
     }
 
     /// When it acts next, unless somebody makes it act before. [Unit: s]
@@ -101,13 +101,13 @@ impl<V: Space> Crowd<V> {
     pub fn desired_direction(&self, id: Id) -> Option<V> {
         let plan = self.plan(id)?;
         let (position, velocity) = plan.at(self.now);
-        Some(self.decider(self.now, NONE).walker(&self.minds[id.index()], plan, position, velocity).desired)
+        Some(self.decider(self.now).walker(&self.minds[id.index()], &plan, position, velocity).desired)
     }
 
     /// What moves it now, term by term. Computed anew, and allocates: for one who is looked at.
     pub fn forces(&self, id: Id) -> Option<Forces<V>> {
         self.check_id(id).ok()?;
-        Some(self.decider(self.now, NONE).forces(id.index, &mut Scratch::default()))
+        Some(self.decider(self.now).forces(id.index, &mut Scratch::default()))
     }
 
     /// How many events there were.
@@ -115,9 +115,9 @@ impl<V: Space> Crowd<V> {
         self.counts
     }
 
-    /// What a member may look at; see [`Decider::renewed`].
-    pub(super) fn decider(&self, time: f64, renewed: u32) -> Decider<'_, V> {
+    /// What a member may look at.
+    pub(super) fn decider(&self, time: f64) -> Decider<'_, V> {
         let Self { world, cells, minds, flow, .. } = self;
-        Decider { world, cells, minds, flow, time, renewed }
+        Decider { world, cells, minds, flow, time }
     }
 }

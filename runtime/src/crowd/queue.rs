@@ -15,15 +15,22 @@ pub(crate) struct Calendar {
     pages_per_s: f64,
     /// First member of each page; pages of all turns that fall together share one.
     first: Vec<u32>,
-    next: Vec<u32>,
-    previous: Vec<u32>,
-    time: Vec<f64>,
-    place: Vec<Place>,
+    entries: Vec<Entry>,
     /// The page that is open, the earliest last.
     open: Vec<u32>,
     /// Number of the page that is open; entries of all pages before it are in it too.
     page: u64,
     len: usize,
+}
+
+/// What is known of a member: together in memory, where it takes time to be fetched from.
+#[derive(Clone, Copy, Debug)]
+struct Entry {
+    time: f64,
+    /// In the list of its page.
+    next: u32,
+    previous: u32,
+    place: Place,
 }
 
 /// Where the entry of a member is.
@@ -42,10 +49,7 @@ impl Calendar {
         Self {
             pages_per_s: num_pages as f64 / TURN_S,
             first: vec![NONE; num_pages],
-            next: vec![NONE; capacity],
-            previous: vec![NONE; capacity],
-            time: vec![0.0; capacity],
-            place: vec![Place::Nowhere; capacity],
+            entries: vec![Entry { time: 0.0, next: NONE, previous: NONE, place: Place::Nowhere }; capacity],
             open: Vec::with_capacity(capacity),
             page: 0,
             len: 0,
@@ -55,7 +59,7 @@ impl Calendar {
     /// Forgets all events; time goes on at `now`.
     pub fn clear(&mut self, now: f64) {
         self.first.fill(NONE);
-        self.place.fill(Place::Nowhere);
+        self.entries.iter_mut().for_each(|e| e.place = Place::Nowhere);
         self.open.clear();
         self.page = self.page_of(now);
         self.len = 0;
@@ -65,29 +69,28 @@ impl Calendar {
     pub fn set(&mut self, member: u32, time: f64) {
         self.remove(member);
         let m = member as usize;
-        self.time[m] = time;
+        self.entries[m].time = time;
         self.len += 1;
         let page = self.page_of(time);
         if page <= self.page {
             let at = self.open.partition_point(|&o| self.is_before(member, o));
             self.open.insert(at, member);
-            self.place[m] = Place::Open;
+            self.entries[m].place = Place::Open;
             return;
         }
         let slot = page as usize & (self.first.len() - 1);
-        let first = &mut self.first[slot];
-        (self.previous[m], self.next[m]) = (NONE, *first);
-        if *first != NONE {
-            self.previous[*first as usize] = member;
+        let first = std::mem::replace(&mut self.first[slot], member);
+        (self.entries[m].previous, self.entries[m].next) = (NONE, first);
+        if first != NONE {
+            self.entries[first as usize].previous = member;
         }
-        *first = member;
-        self.place[m] = Place::Page;
+        self.entries[m].place = Place::Page;
     }
 
     /// Forgets the event of a member, if it has one.
     pub fn remove(&mut self, member: u32) {
         let m = member as usize;
-        match self.place[m] {
+        match self.entries[m].place {
             Place::Nowhere => return,
             Place::Open => {
                 let at = self.open.partition_point(|&o| self.is_before(member, o));
@@ -95,7 +98,7 @@ impl Calendar {
             }
             Place::Page => self.unlink(member),
         }
-        self.place[m] = Place::Nowhere;
+        self.entries[m].place = Place::Nowhere;
         self.len -= 1;
     }
 
@@ -114,8 +117,14 @@ impl Calendar {
             self.open_page();
         }
         let member = *self.open.last()?;
-        let time = self.time[member as usize];
+        let time = self.entries[member as usize].time;
         (time <= until).then_some((time, member))
+    }
+
+    /// Whose event comes as the n-th after the first, as far as that is known.
+    #[inline]
+    pub fn later(&self, n: usize) -> Option<u32> {
+        self.open.len().checked_sub(n + 1).map(|i| self.open[i])
     }
 
     fn page_of(&self, time: f64) -> u64 {
@@ -124,20 +133,19 @@ impl Calendar {
 
     /// True where the event of `a` comes after that of `b`: the open page is kept latest first.
     fn is_before(&self, a: u32, b: u32) -> bool {
-        let (ta, tb) = (self.time[a as usize], self.time[b as usize]);
+        let (ta, tb) = (self.entries[a as usize].time, self.entries[b as usize].time);
         ta.total_cmp(&tb).then(a.cmp(&b)).is_lt()
     }
 
     fn unlink(&mut self, member: u32) {
-        let m = member as usize;
-        let (previous, next) = (self.previous[m], self.next[m]);
+        let Entry { time, next, previous, .. } = self.entries[member as usize];
         if next != NONE {
-            self.previous[next as usize] = previous;
+            self.entries[next as usize].previous = previous;
         }
         if previous != NONE {
-            self.next[previous as usize] = next;
+            self.entries[previous as usize].next = next;
         } else {
-            let page = self.page_of(self.time[m]) as usize & (self.first.len() - 1);
+            let page = self.page_of(time) as usize & (self.first.len() - 1);
             self.first[page] = next;
         }
     }
@@ -145,16 +153,16 @@ impl Calendar {
     fn open_page(&mut self) {
         let mut member = self.first[self.page as usize & (self.first.len() - 1)];
         while member != NONE {
-            let next = self.next[member as usize];
-            if self.page_of(self.time[member as usize]) == self.page {
+            let Entry { time, next, .. } = self.entries[member as usize];
+            if self.page_of(time) == self.page {
                 self.unlink(member);
-                self.place[member as usize] = Place::Open;
+                self.entries[member as usize].place = Place::Open;
                 self.open.push(member);
             }
             member = next;
         }
-        let time = &self.time;
-        self.open.sort_unstable_by(|&a, &b| time[b as usize].total_cmp(&time[a as usize]).then(b.cmp(&a)));
+        let time = |m: u32| self.entries[m as usize].time;
+        self.open.sort_unstable_by(|&a, &b| time(b).total_cmp(&time(a)).then(b.cmp(&a)));
     }
 }
 

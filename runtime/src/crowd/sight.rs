@@ -16,6 +16,10 @@ const CLOSEST: f32 = 0.87;
 const SOFT: f32 = 0.06;
 /// Cosine of the angle within which a direction is near another.
 const NEAR: f32 = 0.75;
+/// Distance, in radii of two, within which somebody is near.
+const AT_HAND: f32 = 3.0;
+/// Room for rounding. [Unit: m]
+const ROUNDING: f32 = 0.01;
 
 /// Another one as it is seen.
 #[derive(Clone, Copy, Debug)]
@@ -67,6 +71,27 @@ impl<V: Space> Sight<V> {
             out[i] = if V::DIMENSIONS == 3 { flat + c[2] * axes[2][i] } else { flat };
         }
         out
+    }
+
+    /// Takes in everybody who is not farther behind than `behind`: first those who are near, as few of those beyond can
+    /// be met before them in any direction.
+    #[inline(always)]
+    pub fn see_all(&mut self, seen: &[Seen<V>], behind: f32, comfort: f32) {
+        let ahead = self.directions[0];
+        let is_near = |other: &Seen<V>| other.distance < AT_HAND * other.radii;
+        for other in seen {
+            if is_near(other) && other.offset.dot(ahead) > behind {
+                self.see(other, comfort);
+            }
+        }
+        let last = self.free.iter().fold(0.0, |a: f32, &b| a.max(b));
+        for other in seen {
+            let soon =
+                other.distance - other.radii - comfort < last * (self.speed + other.velocity.length()) + ROUNDING;
+            if !is_near(other) && soon && other.offset.dot(ahead) > behind {
+                self.see(other, comfort);
+            }
+        }
     }
 
     /// Takes in somebody: the time of the first contact in each direction, if that one goes on as it does.

@@ -23,6 +23,7 @@ struct State<V> {
     free: Vec<u32>,
     minds: Vec<Mind<V>>,
     routes: Vec<Route<V>>,
+    own: Vec<u32>,
     /// In the order in which they are put back into the cells.
     plans: Vec<Plan<V>>,
     flow: Flow<V>,
@@ -44,6 +45,7 @@ impl<V: Space> Crowd<V> {
             free: self.free.clone(),
             minds: self.minds.clone(),
             routes: self.world.splines.iter().map(|s| s.route.clone()).collect(),
+            own: self.own.clone(),
             plans: self.cells.plans(),
             flow: self.flow.clone(),
             looks: self.looks,
@@ -69,7 +71,7 @@ impl<V: Space> Crowd<V> {
         if (state.version, state.dimensions) != (VERSION, V::DIMENSIONS as u32) {
             return refused(format!("version {} in {} dimensions", state.version, state.dimensions));
         }
-        if state.minds.len() != self.minds.len() {
+        if [state.minds.len(), state.own.len()] != [self.minds.len(); 2] {
             return refused(format!("it holds {} members, this crowd {}", state.minds.len(), self.minds.len()));
         }
         if !state.flow.fits(&self.flow) || !(0.0..=1e9).contains(&state.now) || !self.may_have_seen(&state) {
@@ -82,6 +84,13 @@ impl<V: Space> Crowd<V> {
             let is_good = state.minds.get(number).is_some_and(|m| self.may_be(m, state.routes.len()));
             if !is_good || !self.may_follow(plan, state.now) || !std::mem::take(&mut is_new[number]) {
                 return refused(format!("member {number} has a plan, route, field or cell that cannot be"));
+            }
+        }
+        let mut is_own = vec![false; state.routes.len()];
+        for &route in state.own.iter().filter(|&&r| r != NONE) {
+            // Two that shared one would send each other elsewhere.
+            if is_own.get_mut(route as usize).is_none_or(|own| std::mem::replace(own, true)) {
+                return refused(format!("route {route} is of two members, or of none"));
             }
         }
         let num_there = state.minds.iter().filter(|m| m.cell != NONE).count();
@@ -105,13 +114,14 @@ impl<V: Space> Crowd<V> {
             Err(e) => return refused(e.to_string()),
         }
         (self.now, self.counts, self.minds) = (state.now, state.counts, state.minds);
-        (self.flow, self.looks) = (state.flow, state.looks);
+        (self.flow, self.looks, self.own) = (state.flow, state.looks, state.own);
         self.free.clear();
         self.free.extend(&state.free);
         self.cells.clear();
         self.queue.clear(self.now);
         for plan in &state.plans {
             self.cells.insert(self.minds[plan.index as usize].cell, plan);
+            self.watchdog.forget(plan.index);
             self.queue.set(plan.index, plan.end);
         }
         self.trace = state.trace;

@@ -53,14 +53,7 @@ pub(crate) struct Surroundings<'a, V> {
 pub(crate) fn forces<V: Space>(me: &Walker<V>, field: &Field, around: &Surroundings<'_, V>) -> Forces<V> {
     let &Surroundings { seen, solids, near, flow, interests } = around;
     let mut sight = Sight::along(me.desired, me.speed);
-    let behind = -me.radius;
-    vectorize(|| {
-        for other in seen {
-            if other.offset.dot(me.desired) > behind {
-                sight.see(other, field.comfort_m);
-            }
-        }
-    });
+    vectorize(|| sight.see_all(seen, -me.radius, field.comfort_m));
     for &s in near {
         sight.see_solid(&solids[s as usize], me.position, me.radius, field.horizon_s);
     }

@@ -41,7 +41,7 @@ fn check_stop_regions<V: Space>(crowd: &Crowd<V>, time: f64) {
         .map(|id| {
             let plan = crowd.cells.plan(id.index);
             let (position, velocity) = plan.at(time);
-            Plan { position, velocity, ..*plan }
+            Plan { position, velocity, ..plan }
         })
         .collect();
     for (i, a) in plans.iter().enumerate() {
@@ -150,6 +150,39 @@ fn a_snapshot_goes_on_as_the_crowd_did() {
         crowd.advance(5.0, &mut |_| {}).unwrap();
         assert_eq!(crowd.state_hash(), later);
     }
+}
+
+#[test]
+fn who_is_sent_again_and_again_takes_no_more_memory() {
+    let mut setup = crossing::<Vec2>(9, 2.0);
+    (setup.config.capacity, setup.config.largest_radius_m) = (10, 0.3);
+    let mut crowd = Crowd::new(setup).unwrap();
+    let ids: Vec<_> = crowd.ids().collect();
+    for i in 0..40 {
+        let away = Vec2::from_angle(i as f32) * 12.0;
+        crowd.send_along(ids[i % 2], to(away), 1.3).unwrap();
+        crowd.advance(0.2 * (i + 1) as f64, &mut |_| {}).unwrap();
+        let x = crowd.position(ids[i % 2], crowd.now()).unwrap();
+        let desired = crowd.desired_direction(ids[i % 2]).unwrap();
+        assert!((desired - (away - x).normalize()).length() < 1e-4, "it goes where it was sent last");
+    }
+    assert_eq!(crowd.world.splines.len(), 9 + 2);
+    // Nor do those who come after one another.
+    for _ in 0..5 {
+        let position = Vec2::new(40.0, 40.0);
+        let id = crowd.enter(Member { position, ..Member::default() }).unwrap();
+        crowd.send_along(id, to(Vec2::ZERO), 1.0).unwrap();
+        crowd.leave(id).unwrap();
+    }
+    assert_eq!(crowd.world.splines.len(), 9 + 3);
+    let before = crowd.state_hash();
+    assert!(crowd.send_along(ids[0], to(Vec2::ZERO), 9.0).is_err());
+    assert!(crowd.send_along(ids[0], Route { subgoals: vec![], ..to(Vec2::ZERO) }, 1.0).is_err());
+    assert_eq!(crowd.state_hash(), before);
+    let kept = crowd.snapshot();
+    crowd.restore(&kept).unwrap();
+    crowd.send_along(ids[1], to(Vec2::ZERO), 1.0).unwrap();
+    assert_eq!(crowd.world.splines.len(), 9 + 3);
 }
 
 #[test]
@@ -332,6 +365,23 @@ fn what_cannot_start_is_named() {
     crowd.advance(1.0, &mut |_| {}).unwrap();
     assert_eq!(crowd.advance(0.5, &mut |_| {}), Err(CrowdError::Past { got: 0.5, now: 1.0 }));
     assert!(crowd.advance(f64::NAN, &mut |_| {}).is_err());
+}
+
+#[test]
+fn a_crowd_that_does_not_get_on_names_the_pair() {
+    let mut crowd = Crowd::new(crossing::<Vec2>(30, 0.8)).unwrap();
+    crowd.advance(2.0, &mut |_| {}).unwrap();
+    let met = |c: &Crowd<Vec2>| c.ids().find_map(|id| Some((id, c.partner(c.minds[id.index()].cause)?)));
+    let (first, second) = met(&crowd).unwrap();
+    // As if its event came again and again, and never a later one.
+    let storm = (0..100).find_map(|_| {
+        crowd.minds[first.index()].cause = super::decide::Cause::Member(second);
+        crowd.happen(first.index, &mut |_| {}).err()
+    });
+    match storm {
+        Some(CrowdError::Storm { first: a, second: b, .. }) => assert_eq!((a, b.index), (first, second)),
+        other => panic!("{other:?}"),
+    }
 }
 
 #[test]

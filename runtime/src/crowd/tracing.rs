@@ -1,12 +1,14 @@
 //! How a crowd finds out who has to act next: the scheme of 001, and what it shares with that of 000.
 
-use super::bound::Bound;
-use super::cells::Cells;
-use super::decide::{Around, Cause, Decider, Scratch};
+use super::bound::{Bound, fall_each};
+use super::cells::{Cells, nth};
+use super::decide::{Cause, Decider, Scratch};
 use super::fixed::Fixed;
+use super::near::{Row, bits};
 use super::occupancy::{Occupancy, narrowest};
 use super::plan::Plan;
 use super::{CrowdConfig, CrowdError, Member, Scheme, Space};
+use crate::lanes::{Lanes, Work, dispatch};
 use serde::{Deserialize, Serialize};
 
 /// A scheme of events, known when the code is compiled.
@@ -18,7 +20,7 @@ pub(crate) trait Tracing<V: Space> {
         fresh: &Plan<V>,
         region: (V, V),
         near: &[u32],
-        scratch: &Scratch<V>,
+        scratch: &mut Scratch<V>,
     ) -> (Cause, f32);
 }
 
@@ -35,25 +37,69 @@ impl<V: Space> Tracing<V> for Registration {
         fresh: &Plan<V>,
         region: (V, V),
         near: &[u32],
-        scratch: &Scratch<V>,
+        scratch: &mut Scratch<V>,
     ) -> (Cause, f32) {
         let bound = Bound::from(fresh);
-        let mut first = (Cause::Region, bound.first_exit(region.0, region.1));
-        for &Around { address, distance, closing } in &scratch.around {
-            let other = at.cells.at(address);
-            // The other bound is somewhat off and larger by now, and both grow on: a first look that is never late.
-            let t = first.1;
-            let drift = other.limit * (at.time - other.start) as f32;
-            let grown = drift * (drift / other.limit) + 0.5 * (fresh.limit + other.limit) * t * t;
-            if distance - fresh.radius - other.radius > (closing.max(0.0) + 2.0 * drift) * t + grown {
-                continue;
-            }
-            let contact = bound.first_contact(&at.bound(other), at.time, t);
-            if contact < t {
-                first = (Cause::Member(other.index), contact);
+        let region = (Cause::Region, bound.first_exit(region.0, region.1));
+        let first = dispatch(Meet { cells: at.cells, bound: &bound, rows: scratch.rows.all_mut(), first: region });
+        at.first_obstacle(&bound, near, first)
+    }
+}
+
+/// Looks for the first of all around whose bound is touched, if that is before `first`. At an event it is known where
+/// everybody is, so that all bounds are taken as made then: that is never late, and they meet later than old ones.
+struct Meet<'a, V> {
+    cells: &'a Cells<V>,
+    bound: &'a Bound<V>,
+    rows: &'a mut [Row],
+    first: (Cause, f32),
+}
+
+impl<V: Space> Meet<'_, V> {
+    /// The first meeting with one of a row, if that is before all that is known.
+    #[inline]
+    fn meet(&mut self, row: usize, i: usize) {
+        let row = &self.rows[row];
+        let block = self.cells.block(row.block);
+        let (radii, growth) = (self.bound.radius + block.radius[i], self.bound.limit + block.limit[i]);
+        let (offset, velocity) = (nth(&row.offset, i), nth(&row.velocity, i));
+        let contact = self.bound.first_meeting(offset, velocity, radii, growth, self.first.1);
+        if contact < self.first.1 {
+            self.first = (Cause::Member(block.index[i]), contact);
+        }
+    }
+}
+
+impl<V: Space> Work for Meet<'_, V> {
+    type Output = (Cause, f32);
+
+    #[inline(always)]
+    fn run<F: Lanes>(mut self) -> Self::Output {
+        // Their first tangents alone leave only a few.
+        let (mut least, mut nearest) = (self.first.1, None);
+        for (n, row) in self.rows.iter_mut().enumerate() {
+            let block = self.cells.block(row.block);
+            let gap = F::load(&row.distance) - F::load(&block.radius) - F::splat(self.bound.radius);
+            let growth = F::load(&block.limit) + F::splat(self.bound.limit);
+            let soonest = F::splat(0.999) * fall_each(gap, -F::load(&row.closing), growth);
+            soonest.store(&mut row.soonest);
+            for i in bits(row.there & soonest.bits_lt(F::splat(least))) {
+                if row.soonest[i] < least {
+                    (least, nearest) = (row.soonest[i], Some((n, i)));
+                }
             }
         }
-        at.first_obstacle(&bound, near, first)
+        let Some((at, nearest)) = nearest else { return self.first };
+        self.meet(at, nearest);
+        for n in 0..self.rows.len() {
+            let row = &self.rows[n];
+            for i in bits(row.there & F::load(&row.soonest).bits_lt(F::splat(self.first.1))) {
+                if (n, i) != (at, nearest) {
+                    self.meet(n, i);
+                }
+            }
+        }
+        self.first
     }
 }
 

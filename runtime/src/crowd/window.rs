@@ -33,6 +33,8 @@ pub(crate) struct Windows<V> {
     items: Vec<Item>,
     /// Who decides in each event of a level.
     who: Vec<u32>,
+    /// Whom each makes act after it.
+    partners: Vec<u32>,
     decisions: Vec<Option<Decision<V>>>,
     scratches: Vec<Scratch<V>>,
     /// Last level that used each cell, counted over all windows.
@@ -57,7 +59,7 @@ impl<V: Space> Crowd<V> {
         windows.levels.resize(self.cells.num_cells(), 0);
         let num_threads = rayon::current_num_threads();
         while windows.scratches.len() < num_threads {
-            windows.scratches.push(Scratch::new(self.minds.len(), self.world.movers.len()));
+            windows.scratches.push(Scratch::new(&self.cells, self.minds.len(), self.world.movers.len()));
         }
         let mut done = Ok(());
         while let Some((time, _)) = self.queue.first(until_s) {
@@ -155,9 +157,12 @@ impl<V: Space> Crowd<V> {
     /// Decides all events of a level: first the members', then their partners'.
     fn level(&mut self, items: &[Item], windows: &mut Windows<V>) -> Result<(), CrowdError> {
         windows.who.clear();
+        windows.partners.clear();
         for item in items {
             let is_due = self.is_due(item);
+            let is_pair = is_due && item.partner != NONE && self.is_renewed_with(item.partner, item.member, item.time);
             windows.who.push(if is_due { item.member } else { NONE });
+            windows.partners.push(if is_pair { item.partner } else { NONE });
             if is_due {
                 self.now = item.time;
                 self.watch(item.member, Some(item.partner).filter(|&p| p != NONE))?;
@@ -166,10 +171,7 @@ impl<V: Space> Crowd<V> {
             }
         }
         self.decide_all(items, windows);
-        for (who, item) in windows.who.iter_mut().zip(items) {
-            let is_pair = *who != NONE && item.partner != NONE;
-            *who = if is_pair && self.may_act(item.partner, item.time) { item.partner } else { NONE };
-        }
+        std::mem::swap(&mut windows.who, &mut windows.partners);
         self.decide_all(items, windows);
         Ok(())
     }
@@ -181,9 +183,7 @@ impl<V: Space> Crowd<V> {
         decisions.resize(items.len(), None);
         let decide = |(decision, (&who, item)): (&mut Option<Decision<V>>, (&u32, &Item)), scratch: &mut Scratch<V>| {
             if who != NONE {
-                let is_first = who == item.member && item.partner != NONE;
-                let renewed = if is_first && self.may_act(item.partner, item.time) { item.partner } else { NONE };
-                *decision = self.decider(item.time, renewed).decide(who, &Registration, scratch);
+                *decision = self.decider(item.time).decide(who, &Registration, scratch);
             }
         };
         if items.len() < FEWEST {

@@ -145,7 +145,7 @@ impl<V: Space> Live<V> {
         let h = &self.happenings[news - 1];
         let route = self.layout.new_way(m, at, &h.goal, (h.arrival_m, h.at_end))?;
         let speed = h.speed_mps.unwrap_or(self.layout.setup.members[m].speed);
-        let sent = self.crowd.add_route(route).and_then(|route| self.crowd.send(self.ids[m], route, speed));
+        let sent = self.crowd.send_along(self.ids[m], route, speed);
         self.sent[m] += 1;
         sent.map_err(|e| self.layout.explain(&e))
     }

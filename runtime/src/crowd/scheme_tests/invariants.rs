@@ -8,7 +8,7 @@ fn registration_holds<V: Space>() {
     let mut crowd = Crowd::new(meeting::<V>(Scheme::Registration, 4)).unwrap();
     let mut near = 0;
     at_every_event(&mut crowd, 6.0, |crowd| {
-        let bounds: Vec<_> = crowd.ids().map(|id| (id, Bound::from(crowd.cells.plan(id.index)))).collect();
+        let bounds: Vec<_> = crowd.ids().map(|id| (id, Bound::from(&crowd.cells.plan(id.index)))).collect();
         let half = V::from_coordinates([crowd.cells.side(); 3]);
         for (n, (id, bound)) in bounds.iter().enumerate() {
             let at = crowd.cells.coordinates(bound.position);

@@ -1,0 +1,227 @@
+//! Who is registered near a member: found once in each event, eight at a time.
+
+use super::Space;
+use super::cells::{BLOCK, Block, Cells, Eight, nth};
+use super::sight::Seen;
+use super::steer::Walker;
+use crate::lanes::{Lanes, Work, dispatch};
+
+/// Members of one block, as another one finds them at its event.
+#[derive(Clone, Copy, Debug, Default)]
+#[repr(C, align(64))]
+pub(crate) struct Row {
+    /// From the one who looks to them. [Unit: m]
+    pub offset: [Eight; 3],
+    /// [Unit: m/s]
+    pub velocity: [Eight; 3],
+    /// Of the centres. [Unit: m]
+    pub distance: Eight,
+    /// Speed at which the distance shrinks. [Unit: m/s]
+    pub closing: Eight,
+    /// No bound of theirs can be met earlier, see [`super::tracing`]. [Unit: s]
+    pub soonest: Eight,
+    /// See [`Cells::block`].
+    pub block: u32,
+    /// Bit i is set where the i-th is there.
+    pub there: u8,
+}
+
+/// Numbers of the bits that are set.
+#[inline(always)]
+pub(crate) fn bits(mut set: u8) -> impl Iterator<Item = usize> {
+    std::iter::from_fn(move || {
+        let first = set.trailing_zeros() as usize;
+        set &= set.wrapping_sub(1);
+        (first < BLOCK).then_some(first)
+    })
+}
+
+/// Room for rows, which are written in place.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Rows {
+    rows: Vec<Row>,
+    len: usize,
+}
+
+impl Rows {
+    /// Room for so many.
+    pub fn new(capacity: usize) -> Self {
+        Self { rows: vec![Row::default(); capacity], len: 0 }
+    }
+
+    /// Those that were found.
+    #[inline]
+    pub fn all(&self) -> &[Row] {
+        &self.rows[..self.len]
+    }
+
+    /// Those that were found.
+    #[inline]
+    pub fn all_mut(&mut self) -> &mut [Row] {
+        &mut self.rows[..self.len]
+    }
+
+    #[inline(always)]
+    fn next(&mut self) -> &mut Row {
+        if self.len == self.rows.len() {
+            self.rows.push(Row::default());
+        }
+        self.len += 1;
+        &mut self.rows[self.len - 1]
+    }
+}
+
+/// Looks at everybody who is registered around a cell.
+pub(crate) struct Look<'a, V> {
+    pub cells: &'a Cells<V>,
+    /// Coordinates of the cell.
+    pub at: [i32; 3],
+    pub time: f64,
+    /// Who looks.
+    pub member: u32,
+    pub me: &'a Walker<V>,
+    /// How far it sees. [Unit: m]
+    pub perception: f32,
+}
+
+impl<V: Space> Look<'_, V> {
+    /// Finds all of them, and those within sight.
+    pub fn around(&self, rows: &mut Rows, seen: &mut Vec<Seen<V>>) {
+        rows.len = 0;
+        dispatch(Around { look: self, rows, seen });
+    }
+
+    /// Fills a row; gives those within sight.
+    #[inline(always)]
+    fn fill<F: Lanes>(&self, block: &Block, row: &mut Row) -> u8 {
+        let (x, v) = (self.me.position.coordinates(), self.me.velocity.coordinates());
+        let age: Eight = std::array::from_fn(|i| (self.time - block.start[i]) as f32);
+        let (age, moving, zero) = (F::load(&age), F::load(&block.moving), F::splat(0.0));
+        let dt = age.min(moving);
+        let half = F::splat(0.5) * dt;
+        let (mut square, mut closing) = (zero, zero);
+        for axis in 0..V::DIMENSIONS {
+            // As `Plan::after`.
+            let its = &block.axes[axis];
+            let (position, velocity) = (F::load(&its.position), F::load(&its.velocity));
+            let acceleration = F::load(&its.acceleration);
+            let offset = position + (velocity + acceleration * half) * dt - F::splat(x[axis]);
+            let velocity = F::select_lt(age, moving, velocity + acceleration * dt, zero);
+            square = square + offset * offset;
+            closing = closing + (F::splat(v[axis]) - velocity) * offset;
+            offset.store(&mut row.offset[axis]);
+            velocity.store(&mut row.velocity[axis]);
+        }
+        let distance = square.sqrt();
+        distance.store(&mut row.distance);
+        (closing / distance.max(F::splat(1e-6))).store(&mut row.closing);
+        square.bits_lt(F::splat(self.perception * self.perception))
+    }
+}
+
+/// See [`Look::around`].
+struct Around<'a, V> {
+    look: &'a Look<'a, V>,
+    rows: &'a mut Rows,
+    seen: &'a mut Vec<Seen<V>>,
+}
+
+impl<V: Space> Work for Around<'_, V> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<F: Lanes>(self) {
+        let Self { look, rows, seen } = self;
+        let (own_block, own_place) = look.cells.place(look.member);
+        look.cells.around(look.at, |cell| {
+            look.cells.each_block(cell, |block, number, len| {
+                let row = rows.next();
+                let in_sight = look.fill::<F>(block, row);
+                row.block = number;
+                row.there = ((1u32 << len) - 1) as u8;
+                if number == own_block {
+                    row.there &= !(1 << own_place);
+                }
+                for i in bits(row.there & in_sight) {
+                    seen.push(Seen {
+                        offset: nth(&row.offset, i),
+                        velocity: nth(&row.velocity, i),
+                        distance: row.distance[i],
+                        radii: look.me.radius + block.radius[i],
+                        yields: true,
+                    });
+                }
+            });
+        });
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::crowd::plan::Plan;
+    use glam::{Vec2, Vec3};
+    use proptest::prelude::*;
+
+    fn plans<V: Space>() -> impl Strategy<Value = Vec<Plan<V>>> {
+        let vector = || [-3.0f32..3.0, -3.0f32..3.0, -3.0f32..3.0].prop_map(V::from_coordinates);
+        let plan = (vector(), vector(), vector(), 0.0f64..0.3, any::<bool>()).prop_map(|(x, v, a, age, brakes)| {
+            let start = 10.0 - age;
+            let mut plan = Plan { start, end: 11.0, position: x, velocity: v, acceleration: a, ..Plan::default() };
+            (plan.radius, plan.limit, plan.moving) = (0.3, 5.0, f32::INFINITY);
+            if brakes {
+                plan.brake();
+            }
+            plan
+        });
+        proptest::collection::vec(plan, 2..60)
+    }
+
+    /// Rows hold everybody but the one who looks, where the plans say.
+    fn finds_everybody<V: Space>(plans: &[Plan<V>]) -> Result<(), TestCaseError> {
+        let mut cells = Cells::new(2.5, V::from_coordinates([9.0; 3]), plans.len());
+        for (index, plan) in (0..).zip(plans) {
+            let plan = Plan { index, ..*plan };
+            cells.insert(cells.number(cells.coordinates(plan.position)), &plan);
+        }
+        let (position, velocity) = plans[0].at(10.0);
+        let me = Walker { position, velocity, radius: 0.3, limit: 5.0, ..Walker::default() };
+        let at = cells.coordinates(position);
+        let look = Look { cells: &cells, at, time: 10.0, member: 0, me: &me, perception: 2.0 };
+        let (mut rows, mut seen) = (Rows::default(), Vec::new());
+        look.around(&mut rows, &mut seen);
+        let mut found = 0;
+        for row in rows.all() {
+            for i in bits(row.there) {
+                let plan: Plan<V> = cells.block(row.block).plan(i);
+                prop_assert!(plan.index != 0);
+                let (x, v) = plan.at(10.0);
+                let offset = x - position;
+                prop_assert_eq!((nth::<V>(&row.offset, i), nth::<V>(&row.velocity, i)), (offset, v));
+                prop_assert_eq!(row.distance[i], offset.length());
+                let closing = (velocity - v).dot(offset) / offset.length().max(1e-6);
+                prop_assert!((row.closing[i] - closing).abs() < 1e-5);
+                found += 1;
+            }
+        }
+        let mut around = 0;
+        cells.around(at, |cell| cells.each(cell, |_| around += 1));
+        prop_assert_eq!(found + 1, around);
+        let near = seen.iter().all(|s| s.distance < 2.0 && s.offset.length() == s.distance && s.radii == 0.6);
+        let num = rows.all().iter().flat_map(|r| bits(r.there).map(|i| r.distance[i])).filter(|d| *d < 2.0).count();
+        prop_assert!(near && seen.len() == num);
+        Ok(())
+    }
+
+    proptest! {
+        #[test]
+        fn finds_everybody_around_on_the_ground(plans in plans::<Vec2>()) {
+            finds_everybody(&plans)?;
+        }
+
+        #[test]
+        fn finds_everybody_around_in_the_air(plans in plans::<Vec3>()) {
+            finds_everybody(&plans)?;
+        }
+    }
+}

@@ -1,0 +1,120 @@
+//! Whose stop regions a plan may come to: a first look that leaves few to compare exactly.
+
+use super::Space;
+use super::cells::{Cells, Eight};
+use super::near::{Row, bits};
+use super::plan::Plan;
+use super::safety::Other;
+use crate::lanes::{Lanes, Work, dispatch};
+
+/// Room for rounding. [Unit: m]
+const ROOM: f32 = 0.01;
+
+/// A plan that is to be found, whatever acceleration it will have.
+pub(crate) struct Reach<'a, V> {
+    pub cells: &'a Cells<V>,
+    pub time: f64,
+    /// Largest speed of anybody. [Unit: m/s]
+    pub fastest: f32,
+    /// Where it starts.
+    pub fresh: &'a Plan<V>,
+    /// How long it is at most. [Unit: s]
+    pub length: f32,
+    /// How far from its centre its stop region comes at most, to its edge. [Unit: m]
+    pub mine: f32,
+}
+
+impl<V: Space> Reach<'_, V> {
+    /// Adds those that it may come to, and how far from its centre their stop regions stay.
+    pub fn find(&self, rows: &[Row], others: &mut Vec<(f32, Other<V>)>) {
+        dispatch(Find { reach: self, rows, others });
+    }
+}
+
+/// How far along some direction a stop region comes within a time: of a member with a speed, a part of its velocity
+/// along that direction, and limits of acceleration and speed.
+#[inline(always)]
+fn extent<F: Lanes>((part, speed): (F, F), (limit, fastest): (F, F), time: F) -> F {
+    let (zero, half) = (F::splat(0.0), F::splat(0.5));
+    let gain = limit * time;
+    let last = (part + gain).max(zero) * (speed + gain).min(fastest);
+    (part.max(zero) + half * gain) * time + half * last / limit
+}
+
+/// See [`Reach::find`].
+struct Find<'a, V> {
+    reach: &'a Reach<'a, V>,
+    rows: &'a [Row],
+    others: &'a mut Vec<(f32, Other<V>)>,
+}
+
+impl<V: Space> Work for Find<'_, V> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<F: Lanes>(self) {
+        let Self { reach: &Reach { cells, time, fastest, fresh, length, mine }, rows, others } = self;
+        let (v, zero) = (fresh.velocity.coordinates(), F::splat(0.0));
+        let speed = fresh.velocity.length();
+        let fastest = F::splat(fastest.max(speed));
+        for row in rows {
+            let block = cells.block(row.block);
+            let until: Eight = std::array::from_fn(|i| (block.end[i] - time) as f32);
+            let (mut square, mut along) = (zero, zero);
+            for axis in 0..V::DIMENSIONS {
+                let its = F::load(&row.velocity[axis]);
+                square = square + its * its;
+                along = along + F::splat(v[axis]) * F::load(&row.offset[axis]);
+            }
+            // Along the line of centres, each toward the other one.
+            let distance = F::load(&row.distance);
+            let my_part = along / distance.max(F::splat(1e-6));
+            let its_part = F::load(&row.closing) - my_part;
+            let mine_along = extent((my_part, F::splat(speed)), (F::splat(fresh.limit), fastest), F::splat(length));
+            let its_along = extent((its_part, square.sqrt()), (F::load(&block.limit), fastest), F::load(&until));
+            let radii = F::load(&block.radius) + F::splat(fresh.radius + ROOM);
+            let free = distance - radii - mine_along - its_along;
+            for i in bits(row.there & free.bits_lt(zero)) {
+                let other = Other::new(&block.plan(i), time);
+                let free = row.distance[i] - other.plan.radius - other.reach();
+                if free < mine {
+                    others.push((free, other));
+                }
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::lanes::Array;
+    use glam::Vec2;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn no_stop_region_comes_farther(
+            v in [-1.1f32..1.1, -1.1f32..1.1], a in [-5.0f32..5.0, -5.0f32..5.0], length in 0.01f32..0.6, brakes in any::<bool>(),
+        ) {
+            const FASTEST: f32 = 1.6;
+            let (velocity, limit) = (Vec2::from_array(v), 5.0);
+            // As candidates are made: no faster at the end than anybody may be.
+            let last = (velocity + Vec2::from_array(a).clamp_length_max(limit) * length).clamp_length_max(FASTEST);
+            let acceleration = (last - velocity) / length;
+            let mut plan = Plan { velocity, acceleration, limit, moving: f32::INFINITY, ..Plan::default() };
+            if brakes {
+                plan.brake();
+            }
+            for direction in [Vec2::X, Vec2::from_angle(2.0), Vec2::from_angle(4.0)] {
+                let part = velocity.dot(direction);
+                let s = Array::splat;
+                let most = extent((s(part), s(velocity.length())), (s(limit), s(FASTEST)), s(length)).to_array()[0];
+                for i in 0..=50 {
+                    let (from, to) = plan.stop_region(length * i as f32 / 50.0);
+                    prop_assert!(from.dot(direction).max(to.dot(direction)) <= most + 1e-5, "{from} {to} {direction}: {most}");
+                }
+            }
+        }
+    }
+}
