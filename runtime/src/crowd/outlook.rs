@@ -35,7 +35,7 @@ impl<V: Space> Far<'_, V> {
     ///
     /// Worse where others stand or come toward the member, and where they want to go against it, even if they stand;
     /// better where they want to go its way. Those who want the same thus follow each other, and lanes form. Where many
-    /// are `coming` straight toward it from afar, everybody turns to the right, while there is room: two crowds that
+    /// are coming straight toward it from afar, everybody turns to the right, while there is room: two crowds that
     /// meet head-on slide past each other instead of pressing.
     #[inline]
     pub fn prefer(
