@@ -29,7 +29,7 @@ pub struct CrowdOptions {
     /// With the word `crowd`: times that each is run; the fastest counts, as one that nothing else slowed down.
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=100))]
     repeats: u32,
-    /// With the word `crowd`: plot of the wall time for one simulated second over the number of members.
+    /// With the word `crowd`: plot of the time for one simulated second over the number of members.
     #[arg(long, value_name = "FILE")]
     png: Option<std::path::PathBuf>,
 }
@@ -163,14 +163,14 @@ pub fn engine(name: &str) -> Result<Engine, Box<dyn std::error::Error>> {
     }
 }
 
-/// Wall time over members, a line for each scene and engine: figure 6 of Kim, Kim and Shin 2003.
+/// Time over members, a line for each scene and engine: figure 6 of Kim, Kim and Shin 2003.
 fn plot(runs: &[CrowdReport]) -> picture::Picture {
     let scene = runs.first().map_or("", |r| &r.scene);
     let is_one = runs.iter().all(|r| r.scene == scene);
     let mut lines: Vec<(String, Vec<[f64; 2]>)> = Vec::new();
     for r in runs {
         let name = if is_one { r.engine.clone() } else { format!("{}, {}", r.scene, r.engine) };
-        let point = [r.members as f64, 1e3 * r.wall_s_per_simulated_s];
+        let point = [r.members as f64, 1e-3 * r.us_per_member_second * r.members as f64];
         match lines.iter_mut().find(|l| l.0 == name) {
             Some(line) => line.1.push(point),
             None => lines.push((name, vec![point])),
@@ -179,7 +179,7 @@ fn plot(runs: &[CrowdReport]) -> picture::Picture {
     picture::plot(&Plot {
         title: &format!("{}: time to simulate one second", if is_one { scene } else { "crowds" }),
         subtitle: &compared(runs).filter(|_| is_one).unwrap_or_else(|| "without drawing or measuring".into()),
-        axes: ["members", "wall time for one simulated second (ms)"],
+        axes: ["members", "time for one simulated second (ms)"],
         lines,
     })
 }

@@ -250,6 +250,25 @@ impl<V: Space> Cells<V> {
         self.each_block(cell, |block, _, len| (0..len).for_each(|i| f(&block.plan(i))));
     }
 
+    /// Reads a little of every line of memory of those around a cell: the processor then fetches all of them at the same
+    /// time, and they are at hand when they are looked at. Changes nothing.
+    pub fn fetch(&self, at: [i32; 3]) {
+        let mut sum = 0.0;
+        self.around(at, |cell| {
+            let chain = self.chains[cell as usize];
+            if chain.len > 0 {
+                let block = &self.blocks[chain.first as usize];
+                let [x, y, z] = &block.axes;
+                sum += (block.start[0] + block.end[0]) as f32 + block.moving[0] + block.limit[0];
+                sum += x.position[0] + x.acceleration[0] + y.velocity[0];
+                if V::DIMENSIONS == 3 {
+                    sum += z.position[0] + z.acceleration[0];
+                }
+            }
+        });
+        std::hint::black_box(sum);
+    }
+
     /// Most blocks that the cells around one can have.
     pub fn most_around(&self) -> usize {
         self.address.len() / BLOCK + 3usize.pow(V::DIMENSIONS as u32)

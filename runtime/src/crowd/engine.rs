@@ -13,6 +13,9 @@ use super::watchdog::Watchdog;
 use super::world::{HURRY, World, check_member};
 use super::{AtEnd, Counts, CrowdError, Event, EventKind, Id, Member, NONE, Route, Setup, Space};
 
+/// Members of a crowd that fits the processor's caches.
+const FEW: usize = 1 << 15;
+
 /// Members that act at their own events.
 ///
 /// Everybody has one next event. Between two of them a member keeps its acceleration, so that its position at any time
@@ -100,9 +103,23 @@ impl<V: Space> Crowd<V> {
         while let Some((time, member)) = self.queue.first(until_s) {
             self.look_until(time);
             self.now = time;
+            if self.minds.len() > FEW {
+                self.fetch();
+            }
             self.happen(member, on_event)?;
         }
         Ok(())
+    }
+
+    /// Has what the next events will look at fetched from memory, while there is something else to do.
+    fn fetch(&self) {
+        if let Some(next) = self.queue.later(1) {
+            let at = self.cells.coordinates(self.cells.plan(next).position);
+            self.cells.fetch(at);
+        }
+        if let Some(next) = self.queue.later(2) {
+            std::hint::black_box((self.cells.plan(next).radius, self.minds[next as usize].cell));
+        }
     }
 
     pub(super) fn check_time(&self, until_s: f64) -> Result<(), CrowdError> {

@@ -121,6 +121,12 @@ impl Calendar {
         (time <= until).then_some((time, member))
     }
 
+    /// Whose event comes as the n-th after the first, as far as that is known.
+    #[inline]
+    pub fn later(&self, n: usize) -> Option<u32> {
+        self.open.len().checked_sub(n + 1).map(|i| self.open[i])
+    }
+
     fn page_of(&self, time: f64) -> u64 {
         (time * self.pages_per_s) as u64
     }

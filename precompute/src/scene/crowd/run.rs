@@ -11,6 +11,8 @@ use serde::Serialize;
 use std::time::Instant;
 use throng_runtime::crowd::{AtEnd, Counts, Space};
 
+/// Running time of a thread from which on the system's ticks do not matter. [Unit: s]
+const TOLD_S: f64 = 0.05;
 /// Looks a simulated second. [Unit: Hz]
 const LOOK_HZ: f64 = 30.0;
 
@@ -47,7 +49,8 @@ pub struct CrowdReport {
     pub simulated_s: f64,
     /// Wall time of the engine for one simulated second. [Unit: s]
     pub wall_s_per_simulated_s: f64,
-    /// The same for one member. [Unit: us]
+    /// Time that the engine's thread was running, for one member and simulated second, so that what else a machine does
+    /// counts little; wall time with several threads, in short runs, or where the system does not tell. [Unit: us]
     pub us_per_member_second: f64,
     /// Events of one member in one simulated second; in the fixed engine, steps that it took.
     pub events_per_member_second: f64,
@@ -122,25 +125,23 @@ fn run_in<V: Space>(scene: &CrowdScene, config: &CrowdRun) -> Result<(CrowdRepor
     };
     let apart = config.timed_apart.then(|| {
         let mut live = start()?;
-        let begin = Instant::now();
-        live.advance(seconds)?;
-        Ok::<_, BuildError>((begin.elapsed().as_secs_f64(), live.crowd().state_hash()))
+        let mut clock = Clock::new(config.threads);
+        clock.time(|| live.advance(seconds))?;
+        Ok::<_, BuildError>((clock, live.crowd().state_hash()))
     });
     let apart = apart.transpose()?;
     let mut live = start()?;
     let mut meters = Meters::new(scene, &live, config.recorded);
     let frames = (seconds * LOOK_HZ).ceil() as u64;
-    let mut busy_s = 0.0;
+    let mut clock = Clock::new(config.threads);
     for frame in 0..=frames {
         let time_s = (frame as f64 / LOOK_HZ).min(seconds);
-        let begin = Instant::now();
-        live.advance(time_s)?;
-        busy_s += begin.elapsed().as_secs_f64();
+        clock.time(|| live.advance(time_s))?;
         meters.observe(&live, time_s, seconds);
     }
     let hash = live.crowd().state_hash();
-    if let Some((wall_s, other)) = apart {
-        busy_s = wall_s;
+    if let Some((timed, other)) = apart {
+        clock = timed;
         if other != hash {
             return Err(stage(
                 format!("two runs of \"{}\" ended in the states {other:016x} and {hash:016x}", scene.name),
@@ -148,11 +149,44 @@ fn run_in<V: Space>(scene: &CrowdScene, config: &CrowdRun) -> Result<(CrowdRepor
             ));
         }
     }
-    let mut report = meters.report(&live, (seconds, busy_s));
+    let mut report = meters.report(&live, seconds, &clock);
     report.scene.clone_from(&scene.name);
     report.engine = scene.engine.name().into();
     report.state_hash = format!("{hash:016x}");
     Ok((report, meters.recorder.finish(scene, &live)))
+}
+
+/// Time that the engine took.
+struct Clock {
+    wall_s: f64,
+    /// Of its thread alone; `None` where there are several, or the system does not tell.
+    running_s: Option<f64>,
+}
+
+impl Clock {
+    fn new(threads: usize) -> Self {
+        Self { wall_s: 0.0, running_s: (threads == 1).then(running_s).flatten().map(|_| 0.0) }
+    }
+
+    /// Of its thread, if that was long enough to be told, and otherwise of the wall.
+    fn busy_s(&self) -> f64 {
+        self.running_s.filter(|s| *s > TOLD_S).unwrap_or(self.wall_s)
+    }
+
+    fn time<T>(&mut self, work: impl FnOnce() -> T) -> T {
+        let (begin, running) = (Instant::now(), self.running_s.and_then(|_| running_s()));
+        let done = work();
+        self.wall_s += begin.elapsed().as_secs_f64();
+        let ran = running.and_then(|begin| Some(running_s()? - begin));
+        self.running_s = self.running_s.and_then(|sum| Some(sum + ran?));
+        done
+    }
+}
+
+/// Time that this thread was running so far, where the system tells it.
+fn running_s() -> Option<f64> {
+    let ran = std::fs::read_to_string("/proc/thread-self/schedstat").ok()?;
+    Some(ran.split(' ').next()?.parse::<f64>().ok()? * 1e-9)
 }
 
 /// Everything that looks.
@@ -211,7 +245,7 @@ impl<V: Space> Meters<V> {
         self.recorder.observe(live, time_s, seconds);
     }
 
-    fn report(&self, live: &Live<V>, (seconds, busy_s): (f64, f64)) -> CrowdReport {
+    fn report(&self, live: &Live<V>, seconds: f64, clock: &Clock) -> CrowdReport {
         let n = live.num_members();
         let member_seconds = n as f64 * seconds;
         let counts = live.crowd().counts();
@@ -220,8 +254,8 @@ impl<V: Space> Meters<V> {
         CrowdReport {
             members: n,
             simulated_s: seconds,
-            wall_s_per_simulated_s: busy_s / seconds,
-            us_per_member_second: 1e6 * busy_s / member_seconds,
+            wall_s_per_simulated_s: clock.wall_s / seconds,
+            us_per_member_second: 1e6 * clock.busy_s() / member_seconds,
             events_per_member_second: events(&counts) as f64 / member_seconds,
             crossings_per_member_second: Some((counts.entering + counts.leaving) as f64 / member_seconds)
                 .filter(|c| *c > 0.0),
