@@ -277,8 +277,8 @@ fn a_crowd_allocates_nothing_whatever_its_scheme() {
         let mut crowd = Crowd::new(busy_crowd(scheme)).expect("a crowd");
         let mut events = 0;
         for i in 1..=20 {
-            let n = allocations(|| crowd.advance(f64::from(i) * 0.5, &mut |_| events += 1).expect("time passes"));
-            assert_eq!(n, 0, "{scheme:?}, after {i} steps");
+            let n = allocations(|| crowd.advance(f64::from(i), &mut |_| events += 1).expect("time passes"));
+            assert_eq!(n, 0, "{scheme:?}, second {i}");
             let newcomer = Member { position: Vec2::new(-5.0 - i as f32, -9.0), ..Member::default() };
             assert_eq!(allocations(|| drop(crowd.enter(newcomer))), 0, "{scheme:?}");
         }
@@ -286,7 +286,7 @@ fn a_crowd_allocates_nothing_whatever_its_scheme() {
         let is_busy = match scheme {
             Scheme::Registration => events > 2000 && c.colliding > 0,
             Scheme::Occupancy => events > 2000 && c.colliding > 0 && c.entering > 0 && c.contacting + c.leaving > 0,
-            Scheme::Fixed => events > 0 && c.decisions > 50_000 && c.undone > 0,
+            Scheme::Fixed => c.decisions > 50_000 && c.undone > 0,
         };
         assert!(is_busy, "{scheme:?}: {c:?}, {events} events are too few to prove anything");
     }

@@ -6,7 +6,7 @@
 //! In reading order: `plan` is what a member does until its next event, `safety` why nobody overlaps anybody, `bound`
 //! when two can meet, `cells` and `queue` who is near and who is next, `near` and `reach` who of those matters at an
 //! event, `sight`, `flow`, `outlook`, `retreat` and `steer` the force field, `decide` an event, `engine` all of them in
-//! their order, `window` on several threads, `watchdog` that time passes.
+//! their order, `joining` who comes and goes, `window` on several threads, `watchdog` that time passes.
 
 mod bound;
 mod cells;
@@ -23,6 +23,7 @@ mod fixed;
 mod flow;
 #[cfg(test)]
 mod jam_tests;
+mod joining;
 mod member;
 mod near;
 mod obstacle;
