@@ -186,6 +186,54 @@ fn a_bench_is_sat_on_by_one_after_the_other() {
     assert!(sat.iter().all(|s| (4.9..9.0).contains(s)), "{sat:?}");
 }
 
+/// The bench that somebody sits down on who comes when another one sits on the near one, for so long.
+fn seat_beside_one_taken_for(seconds: f32) -> usize {
+    let tables = made_up_world::tables();
+    let world = made_up_world::world(&tables, &["b##########b", "############"]);
+    let (graph, repertoire) = (graph(&tables, &world), Repertoire::new(&tables));
+    let starts = [[1, 0], [3, 1]].map(|[x, z]| graph.rest_cells(tile(&world, x, z)).next().unwrap());
+    let mut people = Inhabitants::new(&repertoire, &graph, InhabitantsConfig::default(), &starts).unwrap();
+    people.set_wish(&graph, 0, Wish::Perform { tag: SIT, seconds }).unwrap();
+    let mut has_asked = false;
+    for _ in 0..9000 {
+        people.step(&repertoire, &graph, DT).unwrap();
+        let doing = [0, 1].map(|c| people.status(c).doing);
+        if doing[0] == Doing::Performing && !has_asked {
+            people.set_wish(&graph, 1, Wish::Perform { tag: SIT, seconds: 1.0 }).unwrap();
+            has_asked = true;
+        }
+        if doing[0] == Doing::Arrived {
+            people.set_wish(&graph, 0, Wish::Roam).unwrap();
+        }
+        if doing[1] == Doing::Performing {
+            let bench = people.status(1).node.instance as usize;
+            return bench + 2 - graph.num_instances();
+        }
+    }
+    panic!("nobody sat down");
+}
+
+#[test]
+fn a_seat_that_is_soon_free_is_waited_for_and_another_one_gone_to_otherwise() {
+    assert_eq!([3.0, 100.0].map(seat_beside_one_taken_for), [0, 1]);
+}
+
+#[test]
+fn cells_that_are_come_to_are_those_at_which_steps_end() {
+    let tables = made_up_world::tables();
+    let world = made_up_world::world(&tables, &["###", "#b#", "b##"]);
+    let graph = graph(&tables, &world);
+    let all = |i: u32| (0..graph.cells(i).len() as u32).map(move |cell| Node { instance: i, cell });
+    let nodes = || (0..graph.num_instances() as u32).flat_map(all).filter(|n| graph.is_node(*n));
+    let mut ends = std::collections::BTreeSet::new();
+    nodes().for_each(|n| graph.for_each_step(n, |step| _ = ends.insert(step.to)));
+    for n in nodes() {
+        let is_come_to = graph.come_to(n.instance)[n.cell as usize];
+        let expected = graph.is_tile(n.instance) || ends.contains(&n);
+        assert_eq!(is_come_to, expected, "{n:?}");
+    }
+}
+
 #[test]
 fn the_nearest_place_to_a_point_is_gone_to() {
     let tables = made_up_world::tables();

@@ -18,8 +18,9 @@ use throng_runtime::world::WorldGraph;
 /// Moves of a unit that are timed, and how far each goes on from the one before. [Unit: m]
 const EDITS: usize = 7;
 const EDIT_M: f32 = 0.03;
-/// Places that are tried for a unit that cannot be moved so little.
-const PLACES: usize = 60;
+/// Units that are tried where the middle one cannot be moved so little, and places for each.
+const UNITS: usize = 8;
+const PLACES: usize = 20;
 /// Characters that walk about, where there is room, and for how long. [Unit: s]
 const CHARACTERS: usize = 1000;
 const LIFE_S: f32 = 4.0;
@@ -129,8 +130,8 @@ fn edit(
         let extent = kit.geometries[kind].bounds.max - kit.geometries[kind].bounds.min;
         let length = extent.x.max(extent.z);
         let free = free_places(editor, &places, length);
-        // What stands in the middle of others is missed there.
-        for &place in places.iter().rev().take(PLACES / EDITS) {
+        // What stands in the middle of others is missed there: those on the rim are placed first or last.
+        for &place in places.iter().step_by(places.len().div_ceil(UNITS)) {
             if moved.2.is_empty() {
                 moved = (place, length, timed(editor, place, free.iter().copied())?);
             }

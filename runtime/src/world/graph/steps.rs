@@ -147,11 +147,12 @@ impl<'w> WorldGraph<'w> {
         (entry.instance != NONE && self.is_enabled(entry)).then_some(entry)
     }
 
-    /// True for the cells of an instance at which some step ends. Others are only passed, on the way across a joint from
-    /// another block's cell into a link that begins there: no way leads to them.
-    pub(crate) fn come_to(&self, instance: u32, cells: &mut Vec<bool>) {
-        cells.clear();
-        cells.resize(self.cells(instance).len(), self.is_tile(instance));
+    /// True for the cells of an instance at which some step may end; for a tile all. Others are only passed, on the way
+    /// across a joint from another block's cell into a link that begins there: no way leads to them.
+    ///
+    /// [Size: cells of the instance] [Limit: instance < num_instances]
+    pub fn come_to(&self, instance: u32) -> Vec<bool> {
+        let mut cells = vec![self.is_tile(instance); self.cells(instance).len()];
         for (link, l) in (0u32..).zip(self.links(instance)) {
             cells[l.to as usize] |= self.is_link_enabled(instance, link);
         }
@@ -161,6 +162,7 @@ impl<'w> WorldGraph<'w> {
                 cells[j.b as usize] |= self.may_go(adjacency, k, true);
             }
         }
+        cells
     }
 
     /// Adjacencies of an instance, each with its table and number.

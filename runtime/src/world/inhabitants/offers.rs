@@ -7,19 +7,15 @@ use crate::world::{Node, WorldGraph};
 pub(super) fn by_tag(graph: &WorldGraph<'_>) -> Vec<Vec<u32>> {
     let num_tags = graph.patches().links.iter().map(|l| usize::from(l.tag)).max().unwrap_or(0);
     let mut out = vec![Vec::new(); num_tags];
-    let mut come_to = Vec::new();
     for instance in 0..graph.num_instances() as u32 {
-        come_to.clear();
+        let mut come_to = None;
         for l in graph.links(instance) {
             let Some(list) = usize::from(l.tag).checked_sub(1).map(|t| &mut out[t]) else { continue };
             let from = Node { instance, cell: l.from };
             if list.last() == Some(&instance) || !graph.begins(from, l.tag) {
                 continue;
             }
-            if come_to.is_empty() {
-                graph.come_to(instance, &mut come_to);
-            }
-            if come_to[l.from as usize] {
+            if come_to.get_or_insert_with(|| graph.come_to(instance))[l.from as usize] {
                 list.push(instance);
             }
         }
