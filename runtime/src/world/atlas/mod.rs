@@ -174,10 +174,13 @@ impl Atlas {
             }));
         }
         self.shapes = each(&kinds, |plot, search| Shape::new(plot, search));
-        add_goals(graph, &kinds, &self.shapes, &mut self.planes);
+        add_goals(&mut self.planes, ways_in(graph, &kinds, &self.shapes));
         for (shape, plot) in self.shapes.iter_mut().zip(&kinds) {
             shape.add_landings(plot, &self.planes);
         }
+        let planes = (0u32..).zip(&self.planes).filter_map(|(patch, plane)| Some((patch, plane.as_ref()?)));
+        let rests: Vec<_> = planes.flat_map(|(patch, p)| p.rests().into_iter().map(move |r| (patch, r))).collect();
+        add_goals(&mut self.planes, rests);
         for (plot, &shape) in plots.iter().zip(&self.shape_of) {
             let shape = &self.shapes[shape as usize];
             for &k in &shape.outs {
@@ -217,18 +220,20 @@ impl Atlas {
     }
 }
 
-/// Adds the cells that ways into districts begin in to the goals of planes, and those in which one can stay.
-fn add_goals(graph: &WorldGraph<'_>, plots: &[&Plot<'_, '_>], shapes: &[Shape], planes: &mut [Option<Plane>]) {
+/// Patches with the cells that ways into districts begin in.
+fn ways_in(graph: &WorldGraph<'_>, plots: &[&Plot<'_, '_>], shapes: &[Shape]) -> BTreeSet<(u32, Vec<u32>)> {
     let mut goals = BTreeSet::new();
-    for (patch, plane) in (0..).zip(&*planes).filter(|(_, p)| p.is_some()) {
-        goals.extend(plane.iter().flat_map(Plane::rests).map(|cells| (patch, cells)));
-    }
     for (plot, shape) in plots.iter().zip(shapes) {
         for (beyond, cells) in &shape.ins {
             let Some(tile) = plot.beyond[*beyond as usize].tile() else { continue };
             goals.insert((graph.instance(tile).patch, cells.clone()));
         }
     }
+    goals
+}
+
+/// Adds cells of patches to the goals of their planes.
+fn add_goals(planes: &mut [Option<Plane>], goals: impl IntoIterator<Item = (u32, Vec<u32>)>) {
     let goals: Vec<_> = goals.into_iter().collect();
     let rows = each(&goals, |(patch, cells), search| {
         let plane = planes[*patch as usize].as_ref().filter(|p| p.goal(cells).is_none());

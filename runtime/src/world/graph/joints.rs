@@ -56,3 +56,26 @@ impl JointIndex {
         begin as u32
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn places_are_those_that_a_search_finds(mut at in prop::collection::vec(0u32..12, 0..40), others in 0u32..5) {
+            at.sort_unstable();
+            let mut index = JointIndex::default();
+            // What comes before in the list belongs to another table.
+            index.add(others, (0..others).take(1));
+            let begin = index.add(12, at.iter().copied());
+            for first in 0..12 {
+                for end in first..=12 {
+                    let expected = at.partition_point(|&a| a < first)..at.partition_point(|&a| a < end);
+                    prop_assert_eq!(index.range(begin, first..end), expected);
+                }
+            }
+        }
+    }
+}

@@ -2,7 +2,7 @@
 
 use super::WorldGraph;
 use crate::patch::{CellRecord, KIND_TILE, LinkRecord, NONE};
-use crate::world::{AdjacencyRecord, JointRecord, JointTableRecord, is_set};
+use crate::world::{AdjacencyRecord, InstanceRecord, JointRecord, JointTableRecord, is_set};
 use std::ops::Range;
 
 /// A cell of an instance. An exit of a tile is the entry of its neighbour.
@@ -42,6 +42,43 @@ impl Step {
     /// Frames that it plays.
     pub fn num_frames(&self) -> u32 {
         u32::from(self.to_offset - self.from_offset)
+    }
+}
+
+/// What steps along an instance's links have in common.
+struct Part<'w> {
+    record: &'w InstanceRecord,
+    cells: &'w [CellRecord],
+    links: &'w [LinkRecord],
+}
+
+impl<'w> Part<'w> {
+    fn of(graph: &WorldGraph<'w>, instance: u32) -> Self {
+        let record = graph.instance(instance);
+        let patch = record.patch as usize;
+        Self { record, cells: graph.patches.cells_of(patch), links: graph.patches.links_of(patch) }
+    }
+
+    fn step_along(&self, graph: &WorldGraph<'w>, instance: u32, link: u32) -> Option<Step> {
+        if !is_set(graph.world.link_words, self.record.first_link_word, link) {
+            return None;
+        }
+        let l = &self.links[link as usize];
+        let to = self.end_node(graph, instance, l)?;
+        Some(Step { to, instance, link, from_offset: 0, to_offset: l.num_frames })
+    }
+
+    fn end_node(&self, graph: &WorldGraph<'w>, instance: u32, link: &LinkRecord) -> Option<Node> {
+        if !is_set(graph.world.cell_words, self.record.first_cell_word, link.to) {
+            return None;
+        }
+        let cell = &self.cells[link.to as usize];
+        if !cell.is(CellRecord::IS_EXIT) {
+            return Some(Node { instance, cell: link.to });
+        }
+        let slot = self.record.first_neighbour + cell.edge;
+        let entry = Node { instance: graph.world.neighbours[slot as usize], cell: cell.twin };
+        (entry.instance != NONE && graph.is_enabled(entry)).then_some(entry)
     }
 }
 
@@ -116,35 +153,21 @@ impl<'w> WorldGraph<'w> {
     }
 
     /// Steps along whole links from a cell.
-    fn for_each_link_step(&self, from: Node, visit: impl FnMut(Step)) {
-        let cell = self.cell(from);
+    fn for_each_link_step(&self, from: Node, mut visit: impl FnMut(Step)) {
+        let part = Part::of(self, from.instance);
+        let cell = &part.cells[from.cell as usize];
         let links = cell.first_link..cell.first_link + cell.num_links;
-        links.filter_map(|l| self.step_along(from.instance, l)).for_each(visit);
+        links.filter_map(|l| part.step_along(self, from.instance, l)).for_each(&mut visit);
     }
 
     /// The step that plays a whole link, where the link and the node it leads to are enabled.
     pub(crate) fn step_along(&self, instance: u32, link: u32) -> Option<Step> {
-        if !self.is_link_enabled(instance, link) {
-            return None;
-        }
-        let l = &self.links(instance)[link as usize];
-        let to = self.end_node(instance, l)?;
-        Some(Step { to, instance, link, from_offset: 0, to_offset: l.num_frames })
+        Part::of(self, instance).step_along(self, instance, link)
     }
 
     /// The node a link leads to: across an edge, the entry of the neighbour.
     pub(crate) fn end_node(&self, instance: u32, link: &LinkRecord) -> Option<Node> {
-        let to = Node { instance, cell: link.to };
-        if !self.is_enabled(to) {
-            return None;
-        }
-        let cell = self.cell(to);
-        if !cell.is(CellRecord::IS_EXIT) {
-            return Some(to);
-        }
-        let slot = self.instance(instance).first_neighbour + cell.edge;
-        let entry = Node { instance: self.world.neighbours[slot as usize], cell: cell.twin };
-        (entry.instance != NONE && self.is_enabled(entry)).then_some(entry)
+        Part::of(self, instance).end_node(self, instance, link)
     }
 
     /// True for the cells of an instance at which some step may end; for a tile all. Others are only passed, on the way

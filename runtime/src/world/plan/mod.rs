@@ -14,8 +14,7 @@ use super::{Node, Step, WorldGraph};
 pub(crate) use nodes::{Found, Nodes, Space};
 use upper::Upper;
 
-/// A way takes at most this many times as long as the fastest one: estimates are bounds, and this is what they count in
-/// the lower layer (weighted A*, Pohl 1970).
+/// A way takes at most this many times as long as the fastest one.
 pub const GREED: f32 = 1.05;
 
 /// Where a plan leads.
@@ -95,13 +94,13 @@ impl Planner {
     ///
     /// [Limit: nodes and instances exist]
     pub fn plan(&mut self, graph: &WorldGraph<'_>, from: Node, target: Target, out: &mut [Step]) -> Option<Plan> {
-        self.search(graph, from, target, &|_| 0.0, &[PROOF], out)
+        let plan = self.plan_soon(graph, from, target, out)?;
+        self.prove(graph, from, target, plan, out)
     }
 
-    /// The same for who cannot wait: where so good a way is not found soon, one is taken that may be worse.
-    /// [`Plan::least_frames`] tells by how much at most.
+    /// The same for who cannot wait: takes a way that may be worse. [`Plan::least_frames`] tells by how much at most.
     pub fn plan_soon(&mut self, graph: &WorldGraph<'_>, from: Node, target: Target, out: &mut [Step]) -> Option<Plan> {
-        self.plan_around(graph, from, target, |_| 0.0, out)
+        self.find(graph, from, target, &|_| 0.0, &[(HASTE, usize::MAX)], out)
     }
 
     /// As [`Planner::plan_soon`], with a toll for entering instances, which counts as time. [Unit: frames]
@@ -113,49 +112,72 @@ impl Planner {
         toll: impl Fn(u32) -> f32,
         out: &mut [Step],
     ) -> Option<Plan> {
-        self.search(graph, from, target, &toll, &TRIES, out)
+        self.find(graph, from, target, &toll, &TRIES, out)
     }
 
-    fn search(
+    /// Looks for a way, as eagerly as `tries` say: what estimates count, and the most nodes that are opened.
+    fn find(
         &mut self,
         graph: &WorldGraph<'_>,
         from: Node,
         target: Target,
         toll: &impl Fn(u32) -> f32,
-        tries: &[Try],
+        tries: &[(f32, usize)],
         out: &mut [Step],
     ) -> Option<Plan> {
         let (atlas, mut opened_nodes, mut opened_instances) = (graph.atlas(), 0, 0);
-        let mut most = 0.0;
-        loop {
+        // Who finds no way among the best ones looks everywhere.
+        for most in [0.0, f32::INFINITY] {
             if !self.upper.run(graph, atlas, target, from, most) {
                 return None;
             }
             opened_instances += self.upper.opened;
             let least = self.upper.estimate(graph, atlas, from).min(self.upper.limit);
-            let mut worse = f32::INFINITY;
-            for t in tries {
-                let mut way = Way { graph, atlas, target, t, upper: &mut self.upper, toll };
-                let found = self.nodes.search(graph, from, &mut way, t.most);
+            for &(greed, most) in tries {
+                let mut way = Way { graph, atlas, target, greed, limit: f32::INFINITY, upper: &mut self.upper, toll };
+                let found = self.nodes.search(graph, from, &mut way, most);
                 opened_nodes += self.nodes.opened;
-                let Found::Way(way) = found else { continue };
-                let cost = self.nodes.cost(way);
-                if t.again && cost > t.greed * self.upper.limit {
-                    // What the upper layer left out might lead to a better one.
-                    worse = cost;
-                    break;
+                if let Found::Way(way) = found {
+                    let plan = self.report(graph, way, out);
+                    let least_frames = (least.ceil() as u32).min(plan.num_frames);
+                    return Some(Plan { opened_nodes, opened_instances, least_frames, ..plan });
                 }
-                let proved = if t.again { cost / t.greed } else { 0.0 };
-                let least = least.max(proved).ceil() as u32;
-                let plan = self.report(graph, way, out);
-                let least_frames = least.min(plan.num_frames);
-                return Some(Plan { opened_nodes, opened_instances, least_frames, ..plan });
             }
-            if most == f32::INFINITY {
-                return None;
-            }
-            most = worse;
         }
+        None
+    }
+
+    /// Makes sure that no way takes so much less than one that was just found, or finds the fastest one.
+    ///
+    /// All nodes are opened that such a way might lead through, and no others: of A* with estimates that count more, as
+    /// much as that way may be worse (Pohl 1970), they would only be a part (Thayer and Ruml 2008).
+    fn prove(
+        &mut self,
+        graph: &WorldGraph<'_>,
+        from: Node,
+        target: Target,
+        plan: Plan,
+        out: &mut [Step],
+    ) -> Option<Plan> {
+        let (atlas, enough) = (graph.atlas(), plan.num_frames as f32 / GREED);
+        let least_frames = plan.least_frames.max(enough.ceil() as u32);
+        if plan.least_frames as f32 >= enough {
+            return Some(plan);
+        }
+        let (mut opened_instances, mut opened_nodes) = (plan.opened_instances, plan.opened_nodes);
+        if self.upper.limit < enough {
+            self.upper.run(graph, atlas, target, from, enough);
+            opened_instances += self.upper.opened;
+        }
+        let mut way =
+            Way { graph, atlas, target, greed: 1.0, limit: enough, upper: &mut self.upper, toll: &|_: u32| 0.0 };
+        let found = self.nodes.search(graph, from, &mut way, usize::MAX);
+        opened_nodes += self.nodes.opened;
+        let Found::Way(way) = found else {
+            return Some(Plan { opened_nodes, opened_instances, least_frames, ..plan });
+        };
+        let plan = self.report(graph, way, out);
+        Some(Plan { opened_nodes, opened_instances, least_frames: plan.num_frames, ..plan })
     }
 
     /// Writes the steps of a way that was found.
@@ -176,31 +198,20 @@ impl Planner {
     }
 }
 
-/// How a way is looked for.
-struct Try {
-    /// What estimates count in the lower layer.
-    greed: f32,
-    /// Most nodes that are opened.
-    most: usize,
-    /// See [`Space::opens_again`].
-    again: bool,
-}
-
-/// Until it is found.
-const PROOF: Try = Try { greed: GREED, most: usize::MAX, again: true };
-/// Who finds no way soon looks for another one that may take longer.
-const TRIES: [Try; 3] = [
-    Try { greed: GREED, most: 2000, again: true },
-    Try { greed: 1.5, most: 10000, again: false },
-    Try { greed: 3.0, most: usize::MAX, again: false },
-];
+/// What estimates count in looking for a first way (weighted A*, Pohl 1970).
+const HASTE: f32 = 1.12;
+/// The same, with the most nodes that are opened, where there are tolls, which estimates know nothing of.
+const TRIES: [(f32, usize); 3] = [(HASTE, 4000), (1.5, 10000), (3.0, usize::MAX)];
 
 /// The lower layer's space: everything, towards the target.
 struct Way<'a, 'w, T> {
     graph: &'a WorldGraph<'w>,
     atlas: &'a Atlas,
     target: Target,
-    t: &'a Try,
+    /// What estimates count.
+    greed: f32,
+    /// Ways that take as long are of no use. [Unit: frames]
+    limit: f32,
     upper: &'a mut Upper,
     toll: &'a T,
 }
@@ -215,7 +226,7 @@ impl<T: Fn(u32) -> f32> Space for Way<'_, '_, T> {
     }
 
     fn estimate(&mut self, node: Node) -> f32 {
-        self.t.greed * self.upper.estimate(self.graph, self.atlas, node)
+        self.greed * self.upper.estimate(self.graph, self.atlas, node)
     }
 
     fn cost(&self, step: &Step) -> f32 {
@@ -223,7 +234,11 @@ impl<T: Fn(u32) -> f32> Space for Way<'_, '_, T> {
         step.num_frames() as f32 + toll
     }
 
+    fn limit(&self) -> f32 {
+        self.limit
+    }
+
     fn opens_again(&self) -> bool {
-        self.t.again
+        self.limit < f32::INFINITY
     }
 }

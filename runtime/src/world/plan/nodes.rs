@@ -16,6 +16,10 @@ pub(crate) trait Space {
     fn estimate(&mut self, node: Node) -> f32;
     /// What a step costs. [Unit: frames]
     fn cost(&self, step: &Step) -> f32;
+    /// Ways that cost as much, with what it costs to go on, are not looked at. [Unit: frames]
+    fn limit(&self) -> f32 {
+        f32::INFINITY
+    }
     /// True where a node is opened again when a cheaper way to it turns up: only then is a way as good as estimates
     /// promise which do not agree with each other, but it may take long.
     fn opens_again(&self) -> bool {
@@ -91,7 +95,7 @@ impl Nodes {
     pub fn search(&mut self, graph: &WorldGraph<'_>, from: Node, space: &mut impl Space, most: usize) -> Found {
         self.begin();
         let start = State { cost: 0.0, estimate: 0.0, ..State::new(self.stamp) };
-        self.reach(graph.index(from) as u32, start, NONE, &Step { to: from, ..Step::NONE });
+        self.reach(graph.index(from) as u32, start, NONE, &Step { to: from, ..Step::NONE }, f32::INFINITY);
         while let Some((_, at)) = self.heap.pop() {
             let node = self.step(at).to;
             if space.is_target(node) {
@@ -169,12 +173,12 @@ impl Nodes {
         if state.stamp & !1 == self.stamp { state } else { State::new(self.stamp) }
     }
 
-    /// Notes the best way to a node so far.
-    fn reach(&mut self, at: u32, state: State, parent: u32, step: &Step) {
+    /// Notes the best way to a node so far, which is followed where it may cost less than `limit`.
+    fn reach(&mut self, at: u32, state: State, parent: u32, step: &Step, limit: f32) {
         let i = at as usize;
         self.states[i] = bytemuck::cast(state);
         let key = state.cost + state.estimate;
-        if key == f32::INFINITY {
+        if key >= limit {
             return;
         }
         self.parents[i] = parent;
@@ -225,6 +229,6 @@ impl<S: Space> Walk for Opening<'_, '_, S> {
             state.estimate = self.space.estimate(step.to);
         }
         state.cost = total;
-        self.nodes.reach(to, state, self.at, &step);
+        self.nodes.reach(to, state, self.at, &step, self.space.limit());
     }
 }

@@ -4,10 +4,14 @@ use crate::patch::{CellRecord, KIND_TILE, LinkRecord};
 use crate::world::{JointTableRecord, WorldGraph};
 use glam::{Vec3, Vec3Swizzles};
 
+/// What a metre up counts beside those along: who slides down fast has to come up again. [Unit: frames/m]
+const CLIMBS: [f32; 6] = [0.0, 5.0, 10.0, 15.0, 20.0, 30.0];
+
 /// What a metre costs at least. [Unit: frames/m]
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Pace {
-    along: f32,
+    /// Along the ground and up, beside each other.
+    along: [[f32; 2]; CLIMBS.len()],
     up: f32,
     down: f32,
 }
@@ -15,7 +19,8 @@ pub(super) struct Pace {
 impl Pace {
     /// By the fastest step that there is in each direction.
     pub fn new(graph: &WorldGraph<'_>) -> Self {
-        let mut out = Self { along: f32::INFINITY, up: f32::INFINITY, down: f32::INFINITY };
+        let mut out =
+            Self { along: CLIMBS.map(|climb| [f32::INFINITY, climb]), up: f32::INFINITY, down: f32::INFINITY };
         let (patches, tables) = (graph.patches(), graph.world().tables);
         let gap = tables.iter().map(|t| widest_gap(graph, t)).fold(0.0, f32::max);
         for (p, record) in patches.patches.iter().enumerate() {
@@ -27,19 +32,25 @@ impl Pace {
         }
         tables.iter().for_each(|t| out.add_joints(graph, t));
         let known = |p: f32| if p < f32::INFINITY { p } else { 0.0 };
-        Self { along: known(out.along), up: known(out.up), down: known(out.down) }
+        // Where steps up take less than the climb alone counts, that is of no use.
+        let along = |[p, climb]: [f32; 2]| if (0.0..f32::INFINITY).contains(&p) { [p, climb] } else { [0.0; 2] };
+        Self { along: out.along.map(along), up: known(out.up), down: known(out.down) }
     }
 
     /// Of a way from one place to within so many metres of another one. [Unit: frames]
     pub fn cost(&self, from: Vec3, to: Vec3, within: f32) -> f32 {
         let way = to - from;
         let rise = if way.y > 0.0 { self.up } else { self.down };
-        (self.along * (way.xz().length() - within)).max(rise * (way.y.abs() - within)).max(0.0)
+        let (far, high) = ((way.xz().length() - within).max(0.0), way.y - within);
+        let along = self.along.iter().map(|[p, climb]| p * far + climb * high);
+        along.fold(rise * (way.y.abs() - within), f32::max).max(0.0)
     }
 
     fn add(&mut self, from: Vec3, to: Vec3, gap: f32, frames: f32) {
         let way = to - from;
-        self.along = self.along.min(frames / (way.xz().length() + gap));
+        for [p, climb] in &mut self.along {
+            *p = p.min((frames - *climb * (way.y + gap)) / (way.xz().length() + gap));
+        }
         self.up = self.up.min(frames / (way.y.max(0.0) + gap));
         self.down = self.down.min(frames / ((-way.y).max(0.0) + gap));
     }

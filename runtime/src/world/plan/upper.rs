@@ -11,7 +11,7 @@ use crate::world::{Node, WorldGraph};
 use glam::Vec3;
 
 /// The search goes on to ways that cost this many times what the best one does, and so much more. [Unit: frames]
-const BESIDE: f32 = 1.05;
+const BESIDE: f32 = 1.02;
 const BESIDE_FRAMES: f32 = 30.0;
 
 /// Memory of the upper layer, and what its last search found.
@@ -167,7 +167,7 @@ impl Upper {
     /// All that leads to a room, from which one goes on to a goal on a tile.
     fn reach_room(&mut self, atlas: &Atlas, room: u32, [tile, goal]: [u32; 2], cost: f32) {
         let Some(plane) = atlas.plane(room) else { return };
-        let (mut last, mut look, mut leads) = (NONE, Look::default(), false);
+        let (mut last, mut look, mut leads, mut least) = (NONE, Look::default(), false, 0.0);
         let to = self.tiles[tile as usize];
         for &k in &atlas.room_outs[room as usize] {
             let (out, state) = (&atlas.outs[k as usize], atlas.ins.len() as u32 + k);
@@ -176,11 +176,11 @@ impl Upper {
                 last = through;
                 // Nothing is looked up where it would be left out in any case.
                 let at = self.tiles[through as usize];
-                let left = self.pace.cost(at.0, to.0, 3.0 * at.1 + to.1) + self.pace.cost(self.from, at.0, 3.0 * at.1);
-                leads = cost + left <= self.limit;
+                least = cost + self.pace.cost(at.0, to.0, 3.0 * at.1 + to.1);
+                leads = least + self.pace.cost(self.from, at.0, 3.0 * at.1) <= self.limit;
                 look = if leads { plane.look(goal, atlas.regions.way(through, tile)) } else { look };
             }
-            if !leads || self.is_known(state, cost) {
+            if !leads || self.is_known(state, least) {
                 continue;
             }
             let number = k - atlas.outs_of(out.district).start;

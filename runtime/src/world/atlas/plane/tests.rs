@@ -169,6 +169,29 @@ fn the_most_from_a_goal_is_at_least_what_its_cells_cost() {
     }
 }
 
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(12))]
+
+    #[test]
+    fn no_way_to_the_best_cell_costs_more_than_the_most(links in proptest::collection::vec((0usize..6, 0u32..6, 20u16..60), 8..24)) {
+        let links: Vec<_> = links.iter().map(|&(f, t, n)| ([0, 1, 2, 3, 8, 9][f], 4 + t, n)).collect();
+        let tile = Tile::new(&links);
+        let plane = tile.plane().unwrap();
+        for from in 0..5 {
+            let found: Vec<_> = plane.cells(from).iter().map(|&c| tile.dijkstra(c)).collect();
+            for (to, way) in (0..5).flat_map(|to| offsets(2).map(move |way| (to, way))) {
+                let least = |f: &BTreeMap<([i32; 2], u32), u32>| {
+                    let ends = f.iter().filter(|((at, cell), _)| *at == way && plane.cells(to).contains(cell));
+                    ends.map(|(_, frames)| *frames).min().map_or(f32::INFINITY, |f| f as f32)
+                };
+                let worst = found.iter().map(least).fold(0.0, f32::max);
+                prop_assert!(plane.most(to, way, from) >= worst, "{} to {} {:?}: {}", from, to, way, worst);
+            }
+        }
+        prop_assert_eq!(plane.most(0, [RADIUS + 1, 0], 1), f32::INFINITY);
+    }
+}
+
 #[test]
 fn tiles_in_a_line_fill_no_plane() {
     assert!(lattice(&[Vec3::X, -Vec3::X]).is_none());

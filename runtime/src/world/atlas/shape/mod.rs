@@ -43,11 +43,9 @@ pub(crate) struct Shape {
     to_out: Vec<u16>,
     /// Least frames from each way in to each cell. [Size: ins * cells]
     from_in: Vec<u16>,
-    /// For each way out to a tile, least frames from where it leads to on to what each row of the plane is about, as
-    /// seen from the tile and beyond what the row costs there.
+    /// For each row of a plane and each way out to a tile, least frames from where that leads to on to what the row is
+    /// about, as seen from the tile and beyond what the row costs there. [Size: rows * outs]
     landings: Vec<f32>,
-    /// Where each way out's part of the landings begins.
-    first_landing: Vec<u32>,
     /// Where each way out leads to.
     spots: Vec<Vec<Landing>>,
 }
@@ -103,7 +101,7 @@ impl Shape {
 
     /// Least frames from where a way out leads to, see [`Plane::look`] from the tile that it leads through.
     pub fn landing(&self, out: u32, look: Look) -> f32 {
-        (self.landings[(self.first_landing[out as usize] + look.row) as usize] + look.more).max(0.0)
+        (self.landings[look.row as usize * self.outs.len() + out as usize] + look.more).max(0.0)
     }
 
     /// Where a way out leads to: how many copies away from the tile that it leads through, and the cell there.
@@ -113,13 +111,16 @@ impl Shape {
 
     /// Works out what follows after ways out, when planes know all goals.
     pub fn add_landings(&mut self, plot: &Plot<'_, '_>, planes: &[Option<Plane>]) {
-        for (&beyond, spots) in self.outs.iter().zip(&self.spots) {
-            self.first_landing.push(self.landings.len() as u32);
+        for (out, (&beyond, spots)) in self.outs.iter().zip(&self.spots).enumerate() {
             let Beyond::Tile(tile) = plot.beyond[beyond as usize] else { continue };
             let Some(plane) = &planes[plot.graph.instance(tile).patch as usize] else { continue };
             for (number, row) in plane.rows().enumerate() {
+                let size = (number + 1) * self.outs.len();
+                if self.landings.len() < size {
+                    self.landings.resize(size, f32::INFINITY);
+                }
                 let costs = spots.iter().map(|l| from_landing(plane, number as u32, row, l));
-                self.landings.push(costs.fold(f32::INFINITY, f32::min));
+                self.landings[number * self.outs.len() + out] = costs.fold(f32::INFINITY, f32::min);
             }
         }
     }
