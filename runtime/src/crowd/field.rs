@@ -38,8 +38,7 @@ pub struct Field {
     pub directness: f32,
     /// How much better it likes the directions it goes in already. [Unit: s/m] [Limit: >= 0]
     pub keeping: f32,
-    /// How much better it likes to pass on the right where its way is not free and others come toward it; below 0 on the
-    /// left. [Limit: -1 to 1]
+    /// How much better it likes to pass on the right where its way is not free; below 0 on the left. [Limit: -1 to 1]
     pub right: f32,
     /// How little it likes to go where others stand or come toward it, as seen from afar: it then follows those who go
     /// its way, and lanes form. [Limit: >= 0]

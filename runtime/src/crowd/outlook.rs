@@ -77,23 +77,9 @@ impl<V: Space> Far<'_, V> {
     /// How many come toward it, or want to, from afar; none where its goal is nearer.
     #[inline]
     pub fn coming(&self, flow: &Flow<V>) -> f32 {
-        let (at, near) = (self.position * flow.per_m(), self.left * flow.per_m());
+        let (at, near, ahead) = (self.position * flow.per_m(), self.left * flow.per_m(), self.directions[0]);
         let places = AHEAD.iter().take_while(|k| **k <= near);
-        places.map(|&k| self.opposed(flow, at, k)).sum()
-    }
-
-    /// How many right before it want to come toward it.
-    #[inline]
-    pub fn met(&self, flow: &Flow<V>) -> f32 {
-        let at = self.position * flow.per_m();
-        (0..=2).map(|k| self.opposed(flow, at, k as f32)).sum()
-    }
-
-    /// How many want to come toward it in a square straight ahead.
-    #[inline]
-    fn opposed(&self, flow: &Flow<V>, at: V, squares: f32) -> f32 {
-        let ahead = self.directions[0];
-        flow.square(at + ahead * squares).opposed(ahead)
+        places.map(|&k| flow.square(at + ahead * k).opposed(ahead)).sum()
     }
 
     /// How much room there is to its right for those who turn aside. [Limit: 0 to 1]

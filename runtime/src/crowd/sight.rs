@@ -140,7 +140,7 @@ impl<V: Space> Sight<V> {
 
     /// Direction to take and how long it is free: the one that is free longest, the less so the more it is a detour,
     /// the less the crowd at large makes it better (see [`Far`]) and the more it differs from how the member goes now.
-    /// Of two sides the right one is a little better where the way is not free, as others come toward the member.
+    /// Of two sides the right one is a little better where the way is not free.
     #[inline]
     pub fn choose(&self, field: &Field, me: &Walker<V>, flow: &Flow<V>) -> (V, f32) {
         let share = |free: f32| (free / field.horizon_s).min(1.0);
@@ -151,11 +151,9 @@ impl<V: Space> Sight<V> {
         let far = Far { position: me.position, directions: &self.directions, speed: self.speed, left: me.left };
         let coming = far.coming(flow);
         let mut scores = far.prefer(field, flow, coming, &side, &self.free);
-        // In a queue the right side is no better than the left one.
-        let keep_right = if blocked > 0.0 { field.right * blocked * (coming + far.met(flow)).min(1.0) } else { 0.0 };
         for i in 0..DIRECTIONS {
             let worth = (1.0 - field.directness + field.directness * straight[i]) * share(self.free[i]);
-            scores[i] += worth + field.keeping * keep[i] + keep_right * side[i];
+            scores[i] += worth + field.keeping * keep[i] + field.right * blocked * side[i];
         }
         let mut best = 0;
         for i in 1..DIRECTIONS {
