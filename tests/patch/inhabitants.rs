@@ -189,9 +189,9 @@ fn a_bench_is_sat_on_by_one_after_the_other() {
 /// The bench that somebody sits down on who comes when another one sits on the near one, for so long.
 fn seat_beside_one_taken_for(seconds: f32) -> usize {
     let tables = made_up_world::tables();
-    let world = made_up_world::world(&tables, &["b##########b", "############"]);
+    let world = made_up_world::world(&tables, &["############", "b##########b", "############"]);
     let (graph, repertoire) = (graph(&tables, &world), Repertoire::new(&tables));
-    let starts = [[1, 0], [3, 1]].map(|[x, z]| graph.rest_cells(tile(&world, x, z)).next().unwrap());
+    let starts = [[1, 1], [3, 2]].map(|[x, z]| graph.rest_cells(tile(&world, x, z)).next().unwrap());
     let mut people = Inhabitants::new(&repertoire, &graph, InhabitantsConfig::default(), &starts).unwrap();
     people.set_wish(&graph, 0, Wish::Perform { tag: SIT, seconds }).unwrap();
     let mut has_asked = false;
@@ -221,7 +221,7 @@ fn a_seat_that_is_soon_free_is_waited_for_and_another_one_gone_to_otherwise() {
 #[test]
 fn cells_that_are_come_to_are_those_at_which_steps_end() {
     let tables = made_up_world::tables();
-    let world = made_up_world::world(&tables, &["###", "#b#", "b##"]);
+    let world = made_up_world::world(&tables, &["####", "#bb#", "####"]);
     let graph = graph(&tables, &world);
     let all = |i: u32| (0..graph.cells(i).len() as u32).map(move |cell| Node { instance: i, cell });
     let nodes = || (0..graph.num_instances() as u32).flat_map(all).filter(|n| graph.is_node(*n));
