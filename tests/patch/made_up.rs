@@ -99,8 +99,9 @@ impl MadeUp {
             first_edge: self.edges.len() as u32 - num_edges,
             num_edges,
             reserved: 0,
-            min: [-1.8, 0.0, -1.8],
-            max: [1.8, 1.8, 1.8],
+            // Cells are up to 1.4 m from the middle, and arms are stretched out.
+            min: [-2.3, -0.1, -2.3],
+            max: [2.3, 1.9, 2.3],
         });
         self.cells.extend(cells);
         self.links.extend(links);

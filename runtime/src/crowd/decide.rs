@@ -54,7 +54,7 @@ pub(crate) struct Mind<V> {
     pub cursor: Cursor,
     pub filter: Filter<V>,
     pub cause: Cause,
-    /// Shortest way that was ever left. [Unit: m]
+    /// Shortest way that was left since it stepped back last. [Unit: m]
     pub least_left: f32,
     /// When it got on last. [Unit: s]
     pub got_on: f64,
@@ -125,6 +125,10 @@ impl<V: Space> Decider<'_, V> {
         let mut walker = self.walker(&mind, &old, position, velocity);
         mind.intent = if mind.is_there { V::default() } else { walker.desired };
         self.give_way(&mind, &mut walker);
+        if walker.retreats {
+            // Whoever makes good again what it gave way gets on.
+            mind.least_left = mind.least_left.max(walker.left);
+        }
         let at = self.cells.coordinates(position);
         mind.cell = self.cells.number(at);
         self.look_around(member, at, &walker, &mind, scratch);
@@ -298,16 +302,13 @@ impl<V: Space> Decider<'_, V> {
     /// Those whose plans a plan of a length has to be compared with.
     fn look_at_plans(&self, fresh: &Plan<V>, length: f32, scratch: &mut Scratch<V>) {
         scratch.others.clear();
-        let (speed, fastest) = (fresh.velocity.length(), HURRY * self.world.speed);
-        let fast = (speed + fresh.limit * length).min(fastest.max(speed));
-        let mine = fast * length + 0.5 * fast * fast / fresh.limit + fresh.radius + 0.01;
-        let reach = Reach { cells: self.cells, time: self.time, fastest, fresh, length, mine };
+        let reach = Reach::new(self.cells, HURRY * self.world.speed, fresh, length);
         reach.find(scratch.rows.all(), &mut scratch.others);
         for mover in &self.world.movers {
             let plan = mover.plan(self.time, length + 2.0 * self.world.speed / fresh.limit);
             let way = plan.velocity.length() * (plan.end - plan.start) as f32;
             let free = (plan.position - fresh.position).length() - plan.radius - way;
-            if free < mine {
+            if free < reach.mine {
                 scratch.others.push((free, Other::new(&plan, self.time)));
             }
         }

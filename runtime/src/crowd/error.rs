@@ -80,15 +80,15 @@ pub enum CrowdError {
     },
     /// The crowd does not get on.
     #[error(
-        "members {} and {} do not get on: the first had {events} events within {seconds} s, where at most {most} are \
-         possible; please report it with the scene",
-        .first.index, .second.index
+        "{} {events} events within {seconds} s, where at most {most} are possible; restore an older snapshot to go on, and \
+         please report it with the scene",
+        who_had(.first, .second)
     )]
     Storm {
         /// The one that acts and acts.
         first: Id,
-        /// The one that it met last; itself where it met nobody.
-        second: Id,
+        /// The one that it met last, if it met anybody.
+        second: Option<Id>,
         /// Events of the first.
         events: u64,
         /// How many are possible.
@@ -102,4 +102,26 @@ pub enum CrowdError {
         /// What is wrong.
         message: String,
     },
+}
+
+/// Who does not get on, as the message of a storm begins.
+fn who_had(first: &Id, second: &Option<Id>) -> String {
+    match second {
+        Some(second) => format!("members {} and {} do not get on: the first had", first.index, second.index),
+        None => format!("member {} does not get on: it had", first.index),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_storm_names_those_who_are_in_it() {
+        let id = |index| Id { index, generation: 0 };
+        let text = |second| CrowdError::Storm { first: id(3), second, events: 12, most: 11, seconds: 0.5 }.to_string();
+        assert!(text(None).starts_with("member 3 does not get on: it had 12 events within 0.5 s"), "{}", text(None));
+        let both = text(Some(id(5)));
+        assert!(both.starts_with("members 3 and 5 do not get on: the first had 12 events"), "{both}");
+    }
 }

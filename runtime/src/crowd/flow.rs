@@ -10,6 +10,11 @@ const SIDE: f32 = 4.0;
 /// Most squares for each member that there can be.
 const MOST: usize = 16;
 
+/// More than this cannot be counted one by one.
+const MOST_IN: f32 = (1 << 24) as f32;
+/// By how much rounding may make a sum of vectors longer than all of them together, as a factor.
+const ROUNDING: f32 = 1.001;
+
 /// How many members are in each square of a grid, how they move and where they want to, as it was a short time ago.
 ///
 /// A member that looks for its way sees beyond its neighbours where others want to go the same way and where they come
@@ -30,6 +35,12 @@ pub(crate) struct Square<V> {
 }
 
 impl<V: Space> Square<V> {
+    /// True where as many as it says, each no faster than `fastest`, may have been added to it.
+    fn may_be(&self, fastest: f32) -> bool {
+        let most = |sum: V, each: f32| sum.is_finite() && sum.length() <= each * self.num * ROUNDING;
+        (0.0..=MOST_IN).contains(&self.num) && most(self.velocity, fastest) && most(self.intent, 1.0)
+    }
+
     /// How many are there.
     #[inline]
     pub fn num(&self) -> f32 {
@@ -122,6 +133,11 @@ impl<V: Space> Flow<V> {
     /// True where it is as large as another one.
     pub fn fits(&self, other: &Self) -> bool {
         (self.per_m, self.bits, self.squares.len()) == (other.per_m, other.bits, other.squares.len())
+    }
+
+    /// True where members that are no faster than `fastest` may have been added to it.
+    pub fn may_be(&self, fastest: f32) -> bool {
+        self.squares.iter().all(|s| s.may_be(fastest))
     }
 }
 

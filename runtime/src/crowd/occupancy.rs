@@ -34,8 +34,12 @@ pub(crate) struct Occupancy {
     pub occupants: Vec<Occupant>,
     pub contacts: Contacts,
     /// Whose bound is made anew in the same event as that of the one who decides.
-    #[serde(skip)]
+    #[serde(skip, default = "nobody")]
     pub renewed: u32,
+}
+
+fn nobody() -> u32 {
+    NONE
 }
 
 #[derive(Clone, Copy, Debug)]

@@ -16,7 +16,7 @@ const MANY: f32 = 3.0;
 /// Members of a square to the right at which it turns aside less, and with which it does not: the right side is full.
 const FULL: [f32; 2] = [3.0, 5.0];
 /// Time for which a direction is free to be wholly worth turning to. [Unit: s]
-const FREE_S: f32 = 0.5;
+const OPEN_S: f32 = 0.5;
 
 /// A member that looks far.
 #[derive(Clone, Copy, Debug)]
@@ -67,7 +67,7 @@ impl<V: Space> Far<'_, V> {
         if coming > 0.0 && field.evading > 0.0 {
             let aside = (coming / MANY).min(1.0) * self.room(flow, at) * field.evading;
             for i in 0..DIRECTIONS {
-                let open = if side[i] > 0.0 { (free[i] / FREE_S).min(1.0) } else { 1.0 };
+                let open = if side[i] > 0.0 { (free[i] / OPEN_S).min(1.0) } else { 1.0 };
                 better[i] += aside * side[i] * open;
             }
         }

@@ -24,7 +24,15 @@ pub(crate) struct Reach<'a, V> {
     pub mine: f32,
 }
 
-impl<V: Space> Reach<'_, V> {
+impl<'a, V: Space> Reach<'a, V> {
+    /// For a plan of a length at most, made at its start.
+    pub fn new(cells: &'a Cells<V>, fastest: f32, fresh: &'a Plan<V>, length: f32) -> Self {
+        let speed = fresh.velocity.length();
+        let fast = (speed + fresh.limit * length).min(fastest.max(speed));
+        let mine = fast * length + 0.5 * fast * fast / fresh.limit + fresh.radius + ROOM;
+        Self { cells, time: fresh.start, fastest, fresh, length, mine }
+    }
+
     /// Adds those that it may come to, and how far from its centre their stop regions stay.
     pub fn find(&self, rows: &[Row], others: &mut Vec<(f32, Other<V>)>) {
         dispatch(Find { reach: self, rows, others });

@@ -22,7 +22,10 @@
 //!
 //! Only pairs that are registered in cells next to each other are compared. Everybody's stop region stays within its
 //! own region R, which reaches half a cell beyond its cell C: regions of cells that are not next to each other are
-//! disjoint.
+//! disjoint. Of the pairs in such cells, only those whose stop regions can meet are compared (see `reach.rs`): those of
+//! the others cannot, whatever they do with their largest accelerations, as long as nobody is faster than `HURRY` times
+//! the largest speed. `enter` refuses who is, and `candidate` makes no plan that ends faster; in between, the speed of one
+//! who keeps its acceleration is never above that of both ends.
 //!
 //! Obstacles that move do not give way; they are taken for members that never brake, over the time of a plan and of
 //! braking after it, though not beyond the next point of their way. Who is shut in by one can be hit.

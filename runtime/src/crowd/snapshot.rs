@@ -33,9 +33,14 @@ struct State<V> {
 
 /// Nobody can have walked farther from where everybody starts. [Unit: m]
 const FARTHEST_M: f32 = 1e6;
+/// By how much rounding may bring a speed or an acceleration beyond its limit, as a factor. More would not do: nobody is
+/// looked for as far away as one who is faster could come from, see [`super::reach`].
+const ROUNDING: f32 = 1.0 + 1e-5;
+/// Longest that a unit vector may be.
+const UNIT: f32 = 1.001;
 
 impl<V: Space> Crowd<V> {
-    /// Keeps the whole state. [Size: about 250 bytes a member, and 12 to 16 a square of the flow]
+    /// Keeps the whole state. [Size: about SIZE_TODO]
     pub fn snapshot(&self) -> Vec<u8> {
         let state = State {
             version: VERSION,
@@ -74,7 +79,8 @@ impl<V: Space> Crowd<V> {
         if [state.minds.len(), state.own.len()] != [self.minds.len(); 2] {
             return refused(format!("it holds {} members, this crowd {}", state.minds.len(), self.minds.len()));
         }
-        if !state.flow.fits(&self.flow) || !(0.0..=1e9).contains(&state.now) || !self.may_have_seen(&state) {
+        let may_flow = state.flow.fits(&self.flow) && state.flow.may_be(HURRY * self.world.speed);
+        if !may_flow || !(0.0..=1e9).contains(&state.now) || !self.may_have_seen(&state) {
             return refused("its time or its flow cannot be".to_owned());
         }
         let capacity = state.minds.len();
@@ -140,10 +146,10 @@ impl<V: Space> Crowd<V> {
         let within = |v: V, most: f32| v.is_finite() && v.length() <= most;
         let fastest = HURRY * self.world.speed;
         within(plan.position, FARTHEST_M)
-            && within(plan.velocity, 1.01 * fastest)
+            && within(plan.velocity, ROUNDING * fastest)
             && plan.limit > 0.0
             && plan.limit < 1e6
-            && within(plan.acceleration, 1.01 * plan.limit)
+            && within(plan.acceleration, ROUNDING * plan.limit)
             && plan.radius > 0.0
             && plan.radius <= self.world.radius
             && plan.moving >= 0.0
@@ -163,6 +169,8 @@ impl<V: Space> Crowd<V> {
         cause
             && speed
             && is_there
+            && mind.intent.is_finite()
+            && mind.intent.length() <= UNIT
             && (mind.route as usize) < num_routes
             && (mind.field as usize) < self.world.fields.len()
     }

@@ -7,7 +7,7 @@ use super::{Field, Forces, Interest, Space};
 use crate::simd::vectorize;
 
 /// Time for which the way has to be free to be gone with the desired speed. [Unit: s]
-const FREE_S: f32 = 0.55;
+const CLEAR_S: f32 = 0.55;
 /// Share of the radii of two within which the one is in front of the other and not beside it.
 const WIDE: f32 = 0.88;
 
@@ -49,7 +49,9 @@ pub(crate) struct Surroundings<'a, V> {
 ///
 /// Differs from 001: the turning force has a part that looks ahead, toward the direction that is free longest (see
 /// [`Sight`]), beside eq. 22, which only knows who is near; the weights of eq. 16 take the desired velocity where that
-/// is larger, so that those who were stopped try on.
+/// is larger, so that those who were stopped try on. New are the room and the time that are kept behind those who go ahead
+/// (see [`pace`]), the preference for directions in which others want the same, which makes lanes (see
+/// [`super::outlook`]), and that the few step back before the many where nobody gets on (see [`super::retreat`]).
 pub(crate) fn forces<V: Space>(me: &Walker<V>, field: &Field, around: &Surroundings<'_, V>) -> Forces<V> {
     let &Surroundings { seen, solids, near, flow, interests } = around;
     let mut sight = Sight::along(me.desired, me.speed);
@@ -59,7 +61,7 @@ pub(crate) fn forces<V: Space>(me: &Walker<V>, field: &Field, around: &Surroundi
     }
     let (heading, free) = sight.choose(field, me, flow);
     // Slower where the way is not free for long.
-    let mut speed = me.speed * (free / FREE_S).min(1.0);
+    let mut speed = me.speed * (free / CLEAR_S).min(1.0);
     let rate = field.relaxation_s.recip();
     let driving = (me.desired * me.speed - me.velocity) * rate;
     // Room before those it goes behind; none to step aside, or to get in between those who stand at their goals.

@@ -46,10 +46,12 @@ pub(crate) struct Windows<V> {
 
 impl<V: Space> Crowd<V> {
     /// As [`Crowd::advance`] on the threads of the current rayon pool; the result is the same, bit by bit. Pays from
-    /// some thousand members on; schemes other than [`super::Scheme::Registration`] run on one thread. Takes memory for the threads when it is called first.
+    /// some thousand members on; schemes other than [`super::Scheme::Registration`] run on one thread. Takes memory for
+    /// the threads when it is called first.
     ///
     /// # Errors
-    /// As [`Crowd::advance`].
+    /// As [`Crowd::advance`]. Some who act a little later than those of a [`CrowdError::Storm`] may have acted before it
+    /// was seen.
     pub fn par_advance(&mut self, until_s: f64, on_event: &mut impl FnMut(&Event)) -> Result<(), CrowdError> {
         if !matches!(self.trace, Trace::Registration) {
             return self.advance(until_s, on_event);
@@ -95,22 +97,39 @@ impl<V: Space> Crowd<V> {
             let order = windows.items.len() as u32;
             windows.items.push(Item { time, member, partner, level: 0, order });
         }
-        if windows.items.len() < FEWEST {
-            return self.one_by_one(&windows.items, on_event);
+        let done = if windows.items.len() < FEWEST {
+            self.one_by_one(&windows.items, on_event)
+        } else {
+            self.sort_by_level(windows);
+            let items = std::mem::take(&mut windows.items);
+            let done = items.chunk_by(|a, b| a.level == b.level).try_for_each(|level| self.level(level, windows));
+            windows.items = items;
+            self.tell(windows, on_event);
+            done
+        };
+        if done.is_err() {
+            self.put_back(&windows.items);
         }
-        self.sort_by_level(windows);
-        let items = std::mem::take(&mut windows.items);
-        for level in items.chunk_by(|a, b| a.level == b.level) {
-            self.level(level, windows)?;
-        }
-        windows.items = items;
+        done
+    }
+
+    /// Tells what happened in the order of time, and frees the numbers of those who left.
+    fn tell(&mut self, windows: &mut Windows<V>, on_event: &mut impl FnMut(&Event)) {
         windows.events.sort_by_key(|e| e.0);
         for (_, event) in windows.events.drain(..) {
             on_event(&event);
         }
         windows.left.sort_unstable();
         self.free.extend(windows.left.drain(..).map(|(_, member)| member));
-        Ok(())
+    }
+
+    /// Puts those of a window that was not ended back into the queue, with the ends of the plans they have now.
+    fn put_back(&mut self, items: &[Item]) {
+        for member in items.iter().map(|i| i.member) {
+            if self.minds[member as usize].cell != NONE {
+                self.queue.set(member, self.cells.plan(member).end);
+            }
+        }
     }
 
     /// True for an event that is still to come: its member has not been made anew before.
@@ -208,6 +227,50 @@ impl<V: Space> Crowd<V> {
                     windows.left.push((item.order, who));
                 }
             }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::crowd::EventKind;
+    use crate::crowd::tests::crossing;
+    use glam::Vec2;
+
+    #[test]
+    fn a_storm_takes_nobody_out_of_the_queue() {
+        // Few, who act one by one, and many, who act in levels.
+        for num in [20, 900] {
+            let mut crowd = Crowd::new(crossing::<Vec2>(num, 1.1)).unwrap();
+            crowd.advance(1.0, &mut |_| {}).unwrap();
+            let (kept, before) = (crowd.snapshot(), crowd.counts());
+            crowd.advance(2.0, &mut |_| {}).unwrap();
+            let hash = crowd.state_hash();
+            crowd.restore(&kept).unwrap();
+            // As if the last one of the next window had acted too often.
+            let (time, _) = crowd.queue.first(2.0).unwrap();
+            let end = |m: &u32| crowd.cells.plan(*m).end;
+            let soon = crowd.ids().map(|id| id.index).filter(|m| end(m) < time + 0.04);
+            let tired = soon.max_by(|a, b| end(a).total_cmp(&end(b))).unwrap();
+            while crowd.watchdog.note(tired, NONE, crowd.now).is_ok() {}
+            let mut told = 0;
+            let is_own = |k| matches!(k, EventKind::Resetting | EventKind::Colliding { .. } | EventKind::Meeting { .. });
+            let error = crowd.par_advance(2.0, &mut |e| told += u64::from(is_own(e.kind))).unwrap_err();
+            assert!(matches!(error, CrowdError::Storm { first, .. } if first.index == tired), "{error}");
+            let own = |c: crate::crowd::Counts| c.resetting + c.colliding + c.meeting;
+            assert_eq!(told, own(crowd.counts()) - own(before), "what was counted is told");
+            let mut waiting = Vec::new();
+            while let Some((time, member)) = crowd.queue.first(9.0) {
+                assert_eq!(time, crowd.cells.plan(member).end);
+                crowd.queue.remove(member);
+                waiting.push(member);
+            }
+            waiting.sort_unstable();
+            assert_eq!(waiting, (0..num as u32).collect::<Vec<_>>());
+            crowd.restore(&kept).unwrap();
+            crowd.par_advance(2.0, &mut |_| {}).unwrap();
+            assert_eq!(crowd.state_hash(), hash, "a snapshot goes on as if there had been no storm");
         }
     }
 }
