@@ -130,6 +130,11 @@ impl<V: Space> Flow<V> {
         square.intent += intent;
     }
 
+    #[cfg(test)]
+    pub fn num_squares(&self) -> usize {
+        self.squares.len()
+    }
+
     /// True where it is as large as another one.
     pub fn fits(&self, other: &Self) -> bool {
         (self.per_m, self.bits, self.squares.len()) == (other.per_m, other.bits, other.squares.len())

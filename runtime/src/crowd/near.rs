@@ -157,11 +157,57 @@ impl<V: Space> Work for Around<'_, V> {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
     use crate::crowd::plan::Plan;
     use glam::{Vec2, Vec3};
     use proptest::prelude::*;
+
+    /// Time at which the tests look.
+    pub(in crate::crowd) const NOW: f64 = 10.0;
+
+    /// Members of different ages, radii and lengths of plans that go about and brake, for the tests of what looks at rows.
+    pub(in crate::crowd) fn crowd<V: Space>() -> impl Strategy<Value = Vec<Plan<V>>> {
+        let vector = || [-3.0f32..3.0, -3.0f32..3.0, -3.0f32..3.0].prop_map(V::from_coordinates);
+        let times = (0.0f64..0.3, 0.01f64..0.5);
+        let plan = (vector(), vector(), vector(), times, 0.1f32..0.4, any::<bool>()).prop_map(
+            |(position, v, a, (age, until), radius, brakes)| {
+                let mut plan = Plan {
+                    start: NOW - age,
+                    end: NOW + until,
+                    position,
+                    velocity: v * 0.5,
+                    acceleration: (a * 2.5).at_most(5.0),
+                    moving: f32::INFINITY,
+                    radius,
+                    limit: 5.0,
+                    ..Plan::default()
+                };
+                if brakes {
+                    plan.brake();
+                }
+                plan
+            },
+        );
+        proptest::collection::vec(plan, 2..60).prop_map(|mut plans| {
+            (0..).zip(&mut plans).for_each(|(index, p)| p.index = index);
+            plans
+        })
+    }
+
+    /// Cells with members in them, and what the first one finds around it.
+    pub(in crate::crowd) fn rows_around<V: Space>(plans: &[Plan<V>]) -> (Cells<V>, Rows) {
+        let mut cells = Cells::new(2.5, V::from_coordinates([9.0; 3]), plans.len());
+        for plan in plans {
+            cells.insert(cells.number(cells.coordinates(plan.position)), plan);
+        }
+        let (position, velocity) = plans[0].at(NOW);
+        let me = Walker { position, velocity, radius: plans[0].radius, limit: 5.0, ..Walker::default() };
+        let at = cells.coordinates(plans[0].position);
+        let mut rows = Rows::default();
+        Look { cells: &cells, at, time: NOW, member: 0, me: &me, perception: 2.0 }.around(&mut rows, &mut Vec::new());
+        (cells, rows)
+    }
 
     fn plans<V: Space>() -> impl Strategy<Value = Vec<Plan<V>>> {
         let vector = || [-3.0f32..3.0, -3.0f32..3.0, -3.0f32..3.0].prop_map(V::from_coordinates);

@@ -96,11 +96,64 @@ impl<V: Space> Work for Find<'_, V> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::crowd::near::tests::{NOW, crowd, rows_around};
+    use crate::crowd::safety::{Candidate, room};
     use crate::lanes::Array;
-    use glam::Vec2;
+    use glam::{Vec2, Vec3};
     use proptest::prelude::*;
 
+    /// Samples the stop regions of the first of some plans, with some acceleration from now on, and of all whom it is not
+    /// compared with: they are apart.
+    fn leaves_out_only_who_is_apart<V: Space>(plans: &[Plan<V>], a: V, length: f32) -> Result<(), TestCaseError> {
+        let fastest = plans.iter().flat_map(|p| [p.velocity, p.at(p.end).1]).map(V::length).fold(0.0, f32::max);
+        let (cells, rows) = rows_around(plans);
+        let (position, velocity) = plans[0].at(NOW);
+        let fresh = Plan { start: NOW, position, velocity, moving: f32::INFINITY, ..plans[0] };
+        let reach = Reach::new(&cells, fastest, &fresh, length);
+        let mut found = Vec::new();
+        reach.find(rows.all(), &mut found);
+        for share in [0.3, 1.0] {
+            // As candidates are made.
+            let length = share * length;
+            let a = ((velocity + a.at_most(fresh.limit) * length).at_most(fastest) - velocity) * length.recip();
+            let me =
+                Candidate::new(Plan { end: NOW + f64::from(length), acceleration: a.at_most(fresh.limit), ..fresh });
+            for row in rows.all() {
+                for i in bits(row.there) {
+                    let other: Plan<V> = cells.block(row.block).plan(i);
+                    if found.iter().any(|o| o.1.plan.index == other.index && o.0 < me.reach()) {
+                        continue;
+                    }
+                    for i in 0..=40 {
+                        let time = NOW + f64::from(i) * 0.015;
+                        let still = |p: &Plan<V>| {
+                            let (position, velocity) = p.at(time.min(p.end));
+                            Plan { position, velocity, ..*p }
+                        };
+                        let room = room(&still(&me.plan), &still(&other));
+                        prop_assert!(room > 0.0, "{} overlaps by {} m at {time}", other.index, -room);
+                    }
+                }
+            }
+        }
+        Ok(())
+    }
+
     proptest! {
+        #[test]
+        fn whoever_is_left_out_on_the_ground_is_apart(
+            plans in crowd::<Vec2>(), a in [-5.0f32..5.0, -5.0f32..5.0], length in 0.05f32..0.5,
+        ) {
+            leaves_out_only_who_is_apart(&plans, Vec2::from_array(a), length)?;
+        }
+
+        #[test]
+        fn whoever_is_left_out_in_the_air_is_apart(
+            plans in crowd::<Vec3>(), a in [-5.0f32..5.0, -5.0f32..5.0, -5.0f32..5.0], length in 0.05f32..0.5,
+        ) {
+            leaves_out_only_who_is_apart(&plans, Vec3::from_array(a), length)?;
+        }
+
         #[test]
         fn no_stop_region_comes_farther(
             v in [-1.1f32..1.1, -1.1f32..1.1], a in [-5.0f32..5.0, -5.0f32..5.0], length in 0.01f32..0.6, brakes in any::<bool>(),

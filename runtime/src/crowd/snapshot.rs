@@ -40,7 +40,8 @@ const ROUNDING: f32 = 1.0 + 1e-5;
 const UNIT: f32 = 1.001;
 
 impl<V: Space> Crowd<V> {
-    /// Keeps the whole state. [Size: about SIZE_TODO]
+    /// Keeps the whole state. [Size: about 155 bytes a member in 2-D and 180 in 3-D, of which a route of its own with one
+    /// subgoal takes 24 or 28; 20 or 28 bytes a square of the flow; and the lists of the scheme, if it keeps any]
     pub fn snapshot(&self) -> Vec<u8> {
         let state = State {
             version: VERSION,
@@ -200,5 +201,71 @@ impl Mix {
         let mut x = (self.0 ^ word).wrapping_mul(0x9e37_79b9_7f4a_7c15);
         x = (x ^ (x >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
         self.0 = x ^ (x >> 27);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::crowd::tests::crossing;
+    use glam::{Vec2, Vec3};
+
+    /// What becomes of a snapshot of a crowd that was changed by hand.
+    fn restored(change: impl FnOnce(&mut Crowd<Vec2>)) -> Result<(), CrowdError> {
+        let mut crowd = Crowd::new(crossing::<Vec2>(20, 1.0)).unwrap();
+        crowd.advance(1.0, &mut |_| {}).unwrap();
+        change(&mut crowd);
+        Crowd::new(crossing::<Vec2>(20, 1.0)).unwrap().restore(&crowd.snapshot())
+    }
+
+    fn with_plan(change: impl FnOnce(&mut Plan<Vec2>)) -> Result<(), CrowdError> {
+        restored(|crowd| {
+            let (cell, mut plan) = (crowd.minds[3].cell, crowd.cells.plan(3));
+            change(&mut plan);
+            crowd.cells.set(cell, cell, &plan);
+        })
+    }
+
+    #[test]
+    fn who_is_faster_than_anybody_may_be_is_refused() {
+        let fastest = HURRY * Crowd::new(crossing::<Vec2>(20, 1.0)).unwrap().world.speed;
+        let is_good = |speed: f32| with_plan(|p| p.velocity = Vec2::from_angle(0.7) * speed).is_ok();
+        assert!(is_good(fastest) && is_good(fastest * (1.0 + 5e-6)), "rounding is let be");
+        assert!(!is_good(fastest * 1.0001) && !is_good(fastest * 1.005) && !is_good(f32::NAN));
+        let is_good = |share: f32| with_plan(|p| p.acceleration = Vec2::from_angle(0.7) * (share * p.limit)).is_ok();
+        assert!(is_good(1.0) && !is_good(1.0001));
+    }
+
+    #[test]
+    fn an_intent_that_is_no_unit_vector_is_refused() {
+        let is_good = |intent| restored(|crowd| crowd.minds[3].intent = intent).is_ok();
+        assert!(is_good(Vec2::ZERO) && is_good(Vec2::from_angle(2.0)));
+        assert!(!is_good(Vec2::X * 1.01) && !is_good(Vec2::NAN) && !is_good(Vec2::Y * f32::INFINITY));
+    }
+
+    #[test]
+    fn a_flow_that_nobody_makes_is_refused() {
+        let is_good = |velocity, intent| restored(|crowd| crowd.flow.add(Vec2::ZERO, velocity, intent)).is_ok();
+        assert!(is_good(Vec2::X, Vec2::X) && is_good(Vec2::ZERO, Vec2::ZERO));
+        assert!(!is_good(Vec2::X * 90.0, Vec2::X) && !is_good(Vec2::X, Vec2::X * 20.0));
+        assert!(!is_good(Vec2::NAN, Vec2::X) && !is_good(Vec2::X, Vec2::NEG_Y * f32::INFINITY));
+    }
+
+    /// Bytes of each member, and of each square of the flow.
+    fn size<V: Space>() -> [usize; 2] {
+        let config = bincode::config::standard().with_fixed_int_encoding();
+        let len = |num| {
+            let crowd = Crowd::new(crossing::<V>(num, 1.0)).unwrap();
+            let flow = bincode::serde::encode_to_vec(&crowd.flow, config).unwrap().len();
+            [crowd.snapshot().len() - flow, flow, crowd.flow.num_squares()]
+        };
+        let (few, many) = (len(100), len(300));
+        [(many[0] - few[0]) / 200, (many[1] - few[1]) / (many[2] - few[2])]
+    }
+
+    #[test]
+    fn a_snapshot_is_as_large_as_it_says() {
+        assert_eq!(size::<Vec2>(), [151, 20]);
+        assert_eq!(size::<Vec3>(), [175, 28]);
     }
 }

@@ -379,7 +379,9 @@ fn a_crowd_that_does_not_get_on_names_the_pair() {
         crowd.happen(first.index, &mut |_| {}).err()
     });
     match storm {
-        Some(CrowdError::Storm { first: a, second: b, .. }) => assert_eq!((a, b.map(|b| b.index)), (first, Some(second))),
+        Some(CrowdError::Storm { first: a, second: b, .. }) => {
+            assert_eq!((a, b.map(|b| b.index)), (first, Some(second)))
+        }
         other => panic!("{other:?}"),
     }
 }

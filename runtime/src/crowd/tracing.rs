@@ -163,3 +163,51 @@ impl<V: Space> Trace<V> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::crowd::near::tests::{NOW, crowd, rows_around};
+    use glam::{Vec2, Vec3};
+    use proptest::prelude::*;
+
+    /// The first of all meetings, each looked for by itself; or `first`, if that is before all of them.
+    fn first_of_all<V: Space>(plans: &[Plan<V>], cells: &Cells<V>, rows: &[Row], first: f32) -> f32 {
+        let me = Bound::new(&plans[0], NOW);
+        let others = rows.iter().flat_map(|r| bits(r.there).map(|i| cells.block(r.block).plan::<V>(i)));
+        let meeting = others.map(|other| {
+            let (x, v) = other.at(NOW);
+            let (radii, growth) = (me.radius + other.radius, me.limit + other.limit);
+            me.first_meeting(x - me.position, v, radii, growth, f32::INFINITY)
+        });
+        meeting.fold(first, f32::min)
+    }
+
+    fn finds_the_first<V: Space>(mut plans: Vec<Plan<V>>, first: f32) -> Result<(), TestCaseError> {
+        // Nobody ever overlaps anybody.
+        let me = plans[0];
+        plans.retain(|p| p.index == 0 || (p.at(NOW).0 - me.at(NOW).0).length() > p.radius + me.radius + 1e-4);
+        (0..).zip(&mut plans).for_each(|(index, p)| p.index = index);
+        let plans = &plans[..];
+        let (cells, mut rows) = rows_around(plans);
+        let want = first_of_all(plans, &cells, rows.all(), first);
+        let bound = Bound::new(&plans[0], NOW);
+        let known = (Cause::Region, first);
+        let (cause, got) = dispatch(Meet { cells: &cells, bound: &bound, rows: rows.all_mut(), first: known });
+        prop_assert!((got - want).abs() <= 1e-5 * want, "{cause:?} after {got} s, the first is after {want} s");
+        prop_assert_eq!(cause == Cause::Region, got == first, "a member is met before what was known");
+        Ok(())
+    }
+
+    proptest! {
+        #[test]
+        fn nobody_on_the_ground_is_met_earlier(plans in crowd::<Vec2>(), first in 0.05f32..2.0) {
+            finds_the_first(plans, first)?;
+        }
+
+        #[test]
+        fn nobody_in_the_air_is_met_earlier(plans in crowd::<Vec3>(), first in 0.05f32..2.0) {
+            finds_the_first(plans, first)?;
+        }
+    }
+}

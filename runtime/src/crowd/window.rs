@@ -255,7 +255,8 @@ mod tests {
             let tired = soon.max_by(|a, b| end(a).total_cmp(&end(b))).unwrap();
             while crowd.watchdog.note(tired, NONE, crowd.now).is_ok() {}
             let mut told = 0;
-            let is_own = |k| matches!(k, EventKind::Resetting | EventKind::Colliding { .. } | EventKind::Meeting { .. });
+            let is_own =
+                |k| matches!(k, EventKind::Resetting | EventKind::Colliding { .. } | EventKind::Meeting { .. });
             let error = crowd.par_advance(2.0, &mut |e| told += u64::from(is_own(e.kind))).unwrap_err();
             assert!(matches!(error, CrowdError::Storm { first, .. } if first.index == tired), "{error}");
             let own = |c: crate::crowd::Counts| c.resetting + c.colliding + c.meeting;
