@@ -81,8 +81,9 @@ pub(super) fn make<'a>(
         world,
     );
     world.meta = meta;
-    if let Some((_, kept)) = &kept {
-        stitcher.forget(&laid, &kept.gone);
+    match &kept {
+        Some((_, kept)) => stitcher.forget(&laid, &kept.gone),
+        None => stitcher.forget_all_but(&laid),
     }
     (report.tables, report.joints) = (world.tables.len(), world.joints.len());
     (report.peak_bytes, report.seconds) = (peak_bytes(), begin.elapsed().as_secs_f64());

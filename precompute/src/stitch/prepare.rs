@@ -141,7 +141,7 @@ impl Stitcher<'_> {
         progress.end();
         let mut masks = std::mem::take(&mut self.found.masks);
         progress.begin("obstacles", obstacles.len() as u64, "pairs");
-        let before = masks.clone();
+        let before = if obstacles.is_empty() { HashMap::new() } else { masks.clone() };
         learn(&mut masks, &obstacles, |r| counted(progress, Arc::new(self.mask(r, &before))));
         self.found.masks = masks;
         progress.end();
@@ -315,9 +315,9 @@ impl Stitcher<'_> {
     fn mask(&self, relation: &Relation, before: &HashMap<Relation, Arc<Mask>>) -> Mask {
         let (unit, at) = (&self.library.geometries[relation.b as usize].bounds, relation.placement());
         let alike = before.iter().filter(|(r, _)| (r.a, r.b) == (relation.a, relation.b));
-        let moved = alike.map(|(r, mask)| Earlier { mask, moved: Obstacle::moved(unit, r.placement(), at) });
-        let earlier = moved.min_by(|a, b| a.moved.total_cmp(&b.moved));
-        self.obstacle(relation).mask(self.swept(relation.a), earlier)
+        let moved = alike.map(|(r, mask)| (r, Earlier { mask, moved: Obstacle::moved(unit, r.placement(), at) }));
+        let least = moved.min_by(|(r, a), (s, b)| a.moved.total_cmp(&b.moved).then_with(|| r.cmp(s)));
+        self.obstacle(relation).mask(self.swept(relation.a), least.map(|(_, earlier)| earlier))
     }
 
     fn obstacle(&self, relation: &Relation) -> Obstacle<'_> {

@@ -219,6 +219,8 @@ impl Model {
 fn move_world_time(world: &mut WorldDocument, command: &Command) -> Result<(), InhabitantsError> {
     let now = world.run().now();
     match command {
+        // Everybody is put into the changed world from where they are seen.
+        Command::Seek(_) | Command::Step(_) if world.working().is_some() => {}
         Command::Play(on) => world.run_mut().play(*on),
         Command::Speed(speed) => world.run_mut().set_speed(*speed),
         Command::Seek(step) => world.run_mut().seek(*step),

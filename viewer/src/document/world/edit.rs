@@ -141,7 +141,7 @@ impl WorldDocument {
         };
         let at = self.at(order);
         let Some(workshop) = self.workshop.take() else {
-            let why = "the editor ended unexpectedly; read the file again (Ctrl+R)".into();
+            let why = "the editor ended unexpectedly; save what was placed, then read the file again (Ctrl+R)".into();
             self.refused = Some(Refused { why, at });
             return;
         };
@@ -178,7 +178,7 @@ impl WorldDocument {
     }
 
     fn finish(&mut self, working: Working, done: Option<Done>) -> Taken {
-        let gone = "the editor ended unexpectedly; read the file again (Ctrl+R)";
+        let gone = "the editor ended unexpectedly; save what was placed, then read the file again (Ctrl+R)";
         let stitched = match done {
             Some(done) => {
                 self.workshop = Some(done.workshop);
