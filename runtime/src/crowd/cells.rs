@@ -288,7 +288,7 @@ impl<V: Space> Cells<V> {
     /// Registers a member in a cell.
     pub fn insert(&mut self, cell: u32, plan: &Plan<V>) {
         let mut chain = self.chains[cell as usize];
-        if chain.len as usize % BLOCK == 0 {
+        if (chain.len as usize).is_multiple_of(BLOCK) {
             let Some(fresh) = self.free.pop() else { return };
             self.blocks[fresh as usize].next = chain.first;
             chain.first = fresh;

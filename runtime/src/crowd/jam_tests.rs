@@ -77,6 +77,21 @@ fn two_groups_get_past_each_other_in_a_narrow_corridor() {
 }
 
 #[test]
+fn the_few_step_back_before_the_many_in_a_corridor() {
+    let mut setup = Setup::default();
+    let mut shares = Shares(100);
+    for (side, num) in [(-1.0f32, 8), (1.0, 30)] {
+        for i in 0..num {
+            let jitter = Vec2::new(shares.next(), shares.next()) * 0.1;
+            let from = Vec2::new(side * (1.5 + (i / 3) as f32 * 0.75), (i % 3) as f32 * 0.75 - 0.85) + jitter;
+            add(&mut setup, from, &[from - Vec2::X * (side * 25.0)]);
+        }
+    }
+    setup.obstacles = vec![wall([-60.0, -1.2], [60.0, -1.2], 0.0), wall([-60.0, 1.2], [60.0, 1.2], 0.0)];
+    assert_eq!(run(setup, 70).left_over, 0);
+}
+
+#[test]
 fn those_who_stand_in_rows_before_a_gap_go_through() {
     let mut setup = Setup::default();
     for (x, y) in [(-3.0, -0.3), (-3.0, 0.301), (-3.55, -0.6), (-3.55, 0.001), (-3.55, 0.602)] {
