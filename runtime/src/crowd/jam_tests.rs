@@ -78,17 +78,22 @@ fn two_groups_get_past_each_other_in_a_narrow_corridor() {
 
 #[test]
 fn the_few_step_back_before_the_many_in_a_corridor() {
-    let mut setup = Setup::default();
-    let mut shares = Shares(100);
-    for (side, num) in [(-1.0f32, 8), (1.0, 30)] {
-        for i in 0..num {
-            let jitter = Vec2::new(shares.next(), shares.next()) * 0.1;
-            let from = Vec2::new(side * (1.5 + (i / 3) as f32 * 0.75), (i % 3) as f32 * 0.75 - 0.85) + jitter;
-            add(&mut setup, from, &[from - Vec2::X * (side * 25.0)]);
+    let mut left_over = 0;
+    for seed in 100..112 {
+        let mut setup = Setup::default();
+        let mut shares = Shares(seed);
+        for (side, num) in [(-1.0f32, 8), (1.0, 30)] {
+            for i in 0..num {
+                let jitter = Vec2::new(shares.next(), shares.next()) * 0.1;
+                let from = Vec2::new(side * (1.5 + (i / 3) as f32 * 0.75), (i % 3) as f32 * 0.75 - 0.85) + jitter;
+                add(&mut setup, from, &[from - Vec2::X * (side * 25.0)]);
+            }
         }
+        setup.obstacles = vec![wall([-60.0, -1.2], [60.0, -1.2], 0.0), wall([-60.0, 1.2], [60.0, 1.2], 0.0)];
+        left_over += run(setup, 65).left_over;
     }
-    setup.obstacles = vec![wall([-60.0, -1.2], [60.0, -1.2], 0.0), wall([-60.0, 1.2], [60.0, 1.2], 0.0)];
-    assert_eq!(run(setup, 70).left_over, 0);
+    // If nobody did, more than a third of all 456 would be there still.
+    assert!(left_over < 50, "{left_over}");
 }
 
 #[test]

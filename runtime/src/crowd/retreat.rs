@@ -3,26 +3,26 @@
 use super::Space;
 use super::flow::Flow;
 
-// The numbers were compared in corridors 2.4 m and 4 m wide in which 8 or 20 members meet 30, six seeds each, and in the
-// tests of jams. Without stepping back a third of those in the narrow corridor with 8 are still there after a minute; with
-// it, nobody. With 20 against 30 nobody gets through that corridor either way.
+// Other numbers were tried in corridors 2.4 m and 4 m wide in which 8 or 20 members meet 30, some seeds each, and in the
+// tests of jams. Of those in the narrow corridor with 8, more than a third are there after a minute if nobody steps back,
+// and a few in a hundred or fewer with these numbers. With 20 against 30 nobody gets through that corridor either way.
 
-/// Time without getting on after which a member may step back: about what it takes to go round somebody. With 0.3 s as
-/// with 2 s, some of those corridors stay shut. [Unit: s]
+/// Time without getting on after which a member may step back: about what it takes to go round somebody. 0.3 s and 2 s
+/// make no difference beyond that of seeds. [Unit: s]
 pub(crate) const PATIENT_S: f64 = 0.7;
 /// How far it looks for those who press it and for those who back it, in squares of the flow's grid. With 1 it knows too
-/// little, and nothing is gained; with 6 narrow corridors get free sooner, but a dense packing of two crowds does not.
+/// little, and hardly anything is gained; with 6 corridors get free sooner, but a dense packing of two crowds does not.
 const FAR: usize = 3;
 /// How many times as many as those who go its way, and how many more, have to be against it: so many that the two sides
-/// hardly ever both find themselves the weaker one. With 2 times, or 8 more, the few stand where they should step back; with none
-/// more, wide corridors with 8 take a fifth longer.
+/// hardly ever both find themselves the weaker one. With 8 more, the few more often stand where they should step back;
+/// with none more, wide corridors with 8 take a fifth longer.
 const STRONGER: f32 = 1.3;
 const MORE: f32 = 3.0;
 /// Backward and rightward parts of the way of who steps back: more to the right, where the others keep to their own right
 /// too and leave room. Straight back, wide corridors with 8 take a third longer.
 const BACK: f32 = 0.57;
 const RIGHT: f32 = 0.8;
-/// Share of its desired speed with which it does so. It matters little: half of it, or all, take as long within a tenth.
+/// Share of its desired speed with which it does so. Half of it, or all, make no difference beyond that of seeds.
 pub(crate) const SLOWLY: f32 = 0.84;
 
 /// Way of a member that goes along a unit vector, does not get on, and is to give way, as more of those before it want
