@@ -62,18 +62,27 @@ impl UnitGeometry {
     /// - `p`: in the unit's frame. [Unit: m]
     /// - `limit`: the smaller, the faster. [Unit: m]
     pub fn nearest(&self, p: Vec3, limit: f32) -> Option<Nearest> {
-        if self.bounds.distance(p) > limit.max(0.0) + ROUNDING {
-            return None;
-        }
-        let distance = |i: usize| self.solids[i].nearest(p, limit).map_or(f32::INFINITY, |s| s.distance);
-        let (solid, _) = self.tree.nearest(p, limit, distance)?;
+        let (solid, _) = self.find(p, limit)?;
         let s = self.solids[solid].nearest(p, limit)?;
         Some(Nearest { distance: s.distance, point: s.point, normal: s.normal, solid })
     }
 
+    /// The distance that [`Self::nearest`] says, sooner.
+    pub fn distance_below(&self, p: Vec3, limit: f32) -> Option<f32> {
+        self.find(p, limit).map(|(_, distance)| distance)
+    }
+
+    /// The nearest solid and its distance, where that is below `limit`.
+    fn find(&self, p: Vec3, limit: f32) -> Option<(usize, f32)> {
+        if self.bounds.distance(p) > limit.max(0.0) + ROUNDING {
+            return None;
+        }
+        self.tree.nearest(p, limit, |i| self.solids[i].distance(p, limit))
+    }
+
     /// Distance of a point, below 0 within boxes and bars; infinite where there is no geometry. [Unit: m]
     pub fn distance(&self, p: Vec3) -> f32 {
-        self.nearest(p, f32::INFINITY).map_or(f32::INFINITY, |n| n.distance)
+        self.distance_below(p, f32::INFINITY).unwrap_or(f32::INFINITY)
     }
 }
 
@@ -109,6 +118,7 @@ mod tests {
             let scan = g.solids.iter().map(|s| s.nearest(p, 99.0).unwrap().distance).fold(f32::INFINITY, f32::min);
             prop_assert_eq!(g.distance(p), scan);
             prop_assert_eq!(g.nearest(p, limit).map(|n| n.distance), Some(scan).filter(|s| *s < limit));
+            prop_assert_eq!(g.distance_below(p, limit), Some(scan).filter(|s| *s < limit));
         }
     }
 

@@ -77,6 +77,20 @@ impl Solid {
         }
     }
 
+    /// Distance of `p`, as [`Self::nearest`]; infinite where it is not below `limit`. [Unit: m]
+    pub fn distance(&self, p: Vec3, limit: f32) -> f32 {
+        let distance = match self {
+            Self::Box { centre, rotation, half } => {
+                let local = rotation.conjugate() * (p - *centre);
+                let over = (local.abs() - *half).max_element();
+                if over > 0.0 { (local - local.clamp(-*half, *half)).length() } else { over }
+            }
+            Self::Bar { from, to, radius } => (p - on_axis(p, *from, *to)).length() - radius,
+            Self::Mesh(triangles) => triangles.distance(p, limit),
+        };
+        if distance < limit { distance } else { f32::INFINITY }
+    }
+
     /// What is nearest to `p`, where that is below `limit`; `None` else. Distances are signed for boxes and bars and
     /// never below 0 for triangles, which have no inside.
     pub fn nearest(&self, p: Vec3, limit: f32) -> Option<SurfacePoint> {
@@ -121,14 +135,19 @@ pub(super) fn outside(p: Vec3, point: Vec3, otherwise: Vec3) -> SurfacePoint {
 
 /// All within a radius of a line between two points.
 fn of_bar(p: Vec3, from: Vec3, to: Vec3, radius: f32) -> SurfacePoint {
+    let axis = on_axis(p, from, to);
+    let away = p - axis;
+    let d = away.length();
+    let normal = if d > AT_SURFACE { away / d } else { (to - from).any_orthonormal_vector_or(Vec3::Y) };
+    SurfacePoint { distance: d - radius, point: axis + normal * radius, normal }
+}
+
+/// The nearest point of a line between two points.
+fn on_axis(p: Vec3, from: Vec3, to: Vec3) -> Vec3 {
     let along = to - from;
     let length2 = along.length_squared();
     let t = if length2 > 0.0 { ((p - from).dot(along) / length2).clamp(0.0, 1.0) } else { 0.0 };
-    let axis = from + along * t;
-    let away = p - axis;
-    let d = away.length();
-    let normal = if d > AT_SURFACE { away / d } else { along.any_orthonormal_vector_or(Vec3::Y) };
-    SurfacePoint { distance: d - radius, point: axis + normal * radius, normal }
+    from + along * t
 }
 
 /// Small additions to vectors.

@@ -31,9 +31,19 @@ impl Triangles {
 
     /// The nearest point of the surface, where it is nearer than `limit`.
     pub fn nearest(&self, p: Vec3, limit: f32) -> Option<SurfacePoint> {
-        let (i, _) = self.tree.nearest(p, limit, |i| nearest_of(p, &self.corners[i]).distance(p))?;
+        let (i, _) = self.find(p, limit)?;
         let t = &self.corners[i];
         Some(outside(p, nearest_of(p, t), (t[1] - t[0]).cross(t[2] - t[0])))
+    }
+
+    /// Distance of `p`; infinite where it is not below `limit`. [Unit: m]
+    pub fn distance(&self, p: Vec3, limit: f32) -> f32 {
+        self.find(p, limit).map_or(f32::INFINITY, |(_, distance)| distance)
+    }
+
+    /// The nearest triangle and its distance.
+    fn find(&self, p: Vec3, limit: f32) -> Option<(usize, f32)> {
+        self.tree.nearest(p, limit, |i| nearest_of(p, &self.corners[i]).distance(p))
     }
 }
 

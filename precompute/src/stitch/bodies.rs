@@ -1,6 +1,6 @@
 //! The bodies of all frames as spheres, made once: whether a frame collides depends on where it is laid only.
 
-use super::field::Field;
+use super::field::{Field, Told};
 use super::rows::ones;
 use crate::clip::joint_transforms;
 use crate::environment::{Body, Bounds, NUM_SPHERES, Sphere};
@@ -15,9 +15,6 @@ const LANES: usize = NUM_SPHERES.next_multiple_of(8);
 
 /// A number for every sphere; what is beyond the last one counts for nothing.
 type Lanes = [f32; LANES];
-
-/// Balls no nearer to a box than this and their radius do not touch it, however all is rounded. [Unit: m]
-const ROUNDING: f32 = 1e-3;
 
 /// Both feet: they may be in what is walked on.
 const FEET: Contacts = Contacts(Contacts::LEFT.0 | Contacts::RIGHT.0);
@@ -134,21 +131,6 @@ fn limits(spheres: &[Sphere; NUM_SPHERES], depth_m: f32) -> Vec<Lanes> {
     (0..2 * PLANTED).map(of).collect()
 }
 
-/// How much farther points are from a box than each may be, along the axis on which they are farthest. [Unit: m]
-fn gaps(shapes: &Bounds, [x, y, z]: &[Lanes; 3], limits: &Lanes) -> Lanes {
-    let (middle, half) = (shapes.centre(), 0.5 * (shapes.max - shapes.min));
-    std::array::from_fn(|s| {
-        let along =
-            [(x[s] - middle.x).abs() - half.x, (y[s] - middle.y).abs() - half.y, (z[s] - middle.z).abs() - half.z];
-        along[0].max(along[1]).max(along[2]) - limits[s]
-    })
-}
-
-/// Bits of the spheres whose gap is below a limit.
-fn nearer(gaps: &Lanes, limit: f32) -> u64 {
-    (0..LANES).fold(0, |bits, s| bits | u64::from(gaps[s] < limit) << s)
-}
-
 impl Bodies {
     /// Places the spheres of every frame.
     ///
@@ -195,10 +177,7 @@ impl Bodies {
         if self.reaches[frame].apart(root, unit) > 0.0 {
             return false;
         }
-        let pose = &self.frames[frame];
-        let (centres, limits) = (pose.placed(root), self.limits(pose, unit));
-        let near = nearer(&gaps(&unit.geometry.bounds, &centres, limits), ROUNDING);
-        ones(near).any(|s| unit.is_nearer(at(&centres, s as usize), limits[s as usize]))
+        matches!(self.room(frame, root, unit, 0.0), Room::Taken(_))
     }
 
     /// No part of the body of a frame can be nearer to a unit than this, because of where its root is alone. [Unit: m]
@@ -210,15 +189,35 @@ impl Bodies {
 
     /// How far a unit may be moved without touching the body of a frame, or what of the body is in it.
     ///
+    /// What is taken is about the deepest of what is clearly in the unit: it stays in it the longest where the unit is
+    /// moved on. The exact geometry is asked where nothing is.
+    ///
     /// - `root`: in the unit's frame.
     /// - `most`: what is clearer is not told apart. [Unit: m] [Limit: <= SLACK_M]
     pub fn room(&self, frame: usize, root: Placement, unit: &Field, most: f32) -> Room {
         let pose = &self.frames[frame];
         let (centres, limits) = (pose.placed(root), self.limits(pose, unit));
-        let near = nearer(&gaps(&unit.geometry.bounds, &centres, limits), most + ROUNDING);
-        let mut least = most;
-        for s in ones(near) {
-            let ball = Ball { centre: at(&centres, s as usize), limit: limits[s as usize] };
+        let cells = unit.cells(&centres);
+        let (mut about, mut nearest) = ([f32::INFINITY; LANES], 0);
+        for s in 0..NUM_SPHERES {
+            about[s] = unit.about(cells[s], limits[s]);
+            nearest = if about[s] < about[nearest] { s } else { nearest };
+        }
+        // Once the nearest is told, most others are clearly farther.
+        let (mut least, mut unsure) = (most, 0u64);
+        for s in std::iter::once(nearest).chain((0..NUM_SPHERES).filter(|s| *s != nearest)) {
+            if about[s] >= least + Field::OFF_M {
+                continue;
+            }
+            let ball = Ball { centre: at(&centres, s), limit: limits[s] };
+            match unit.told(ball.centre, ball.limit, least) {
+                Told::Clear(clear) => least = least.min(clear),
+                Told::Within => return Room::Taken(ball),
+                Told::Unsure => unsure |= 1 << s,
+            }
+        }
+        for s in ones(unsure).map(|s| s as usize) {
+            let ball = Ball { centre: at(&centres, s), limit: limits[s] };
             match unit.clearance(ball.centre, ball.limit, least) {
                 Some(clear) => least = least.min(clear),
                 None => return Room::Taken(ball),

@@ -37,7 +37,7 @@ impl Crossing {
         relation: Relation,
         table: &Arc<JointTable>,
         situation: &Situation,
-        hit: impl FnMut(u32, [u32; 2]) -> Option<Hit>,
+        hit: impl FnMut(u32) -> Option<Hit>,
     ) -> Self {
         let words = situation.joint_words(table, hit);
         let links = patches.links_of(relation.a as usize);

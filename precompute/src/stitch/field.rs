@@ -5,6 +5,17 @@ use crate::environment::UnitGeometry;
 use glam::Vec3;
 use std::sync::Arc;
 
+/// What a grid tells of a ball beside a unit.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Told {
+    /// It is clear of the unit by so much at least. [Unit: m]
+    Clear(f32),
+    /// It is in the unit.
+    Within,
+    /// Only the exact geometry tells.
+    Unsure,
+}
+
 /// Distances from a unit, in its frame.
 #[derive(Clone, Debug)]
 pub(super) struct Field {
@@ -28,9 +39,11 @@ impl Field {
     const ROUNDING_M: f32 = 0.5 * PACKED_M + 1e-4;
     const STEPS_PER_M: f32 = 1.0 / Self::STEP_M;
     /// The grid reaches this far from the unit's shapes. No ball may be thicker. [Unit: m]
-    pub const MARGIN_M: f32 = 0.2;
+    pub const MARGIN_M: f32 = 0.33;
     /// From the middle of a grid cell to its corners. [Unit: m]
     const ERROR_M: f32 = 0.5 * 1.732_051 * Self::STEP_M;
+    /// No distance in a grid cell is farther than this from what is kept of it. [Unit: m]
+    pub const OFF_M: f32 = Self::ERROR_M + Self::ROUNDING_M;
 
     /// Measures a unit.
     pub fn new(geometry: &Arc<UnitGeometry>) -> Self {
@@ -45,8 +58,8 @@ impl Field {
             for y in 0..size[1] {
                 for x in 0..size[0] {
                     let middle = bounds.min + (Vec3::new(x as f32, y as f32, z as f32) + 0.5) * Self::STEP_M;
-                    let near = geometry.nearest(middle, Self::MARGIN_M + Self::ERROR_M);
-                    distances.push(packed(near.map_or(f32::INFINITY, |n| n.distance)));
+                    let near = geometry.distance_below(middle, Self::MARGIN_M + Self::ERROR_M);
+                    distances.push(packed(near.unwrap_or(f32::INFINITY)));
                 }
             }
         }
@@ -87,46 +100,99 @@ impl Field {
         self.columns[at[1] as usize * self.size[0] + at[0] as usize]
     }
 
-    /// How much farther than `limit` the unit is from a point, or a little less; none where it is nearer. [Unit: m]
+    /// The grid cells that points are in; for those beyond the grid, others at its rim.
+    pub fn cells<const N: usize>(&self, [x, y, z]: &[[f32; N]; 3]) -> [u32; N] {
+        let last = self.size.map(|n| n.saturating_sub(1) as f32 + 0.5);
+        let along = |v: f32, axis: usize| whole(((v - self.min[axis]) * Self::STEPS_PER_M).max(0.5).min(last[axis]));
+        let [x_cells, y_cells, _] = self.size.map(|n| n as u32);
+        let mut out = [0; N];
+        for (k, cell) in out.iter_mut().enumerate() {
+            *cell = (along(z[k], 2) * y_cells + along(y[k], 1)) * x_cells + along(x[k], 0);
+        }
+        out
+    }
+
+    /// About how much farther than `limit` a point in a cell is from the unit: [`Self::OFF_M`] less or more. [Unit: m]
+    ///
+    /// - `cell`: as [`Self::cells`]; what is beyond the grid is farther from the unit than that.
+    /// - returns less than any distance where only the exact geometry tells.
+    pub fn about(&self, cell: u32, limit: f32) -> f32 {
+        let is_told = limit - Self::ERROR_M >= LEAST_M || limit == f32::NEG_INFINITY;
+        if is_told { unpacked(self.distances[cell as usize]) - limit } else { f32::NEG_INFINITY }
+    }
+
+    /// How much farther than `limit` the unit is from a point, as far as the grid tells.
     ///
     /// - `limit`: [Limit: <= MARGIN_M - most]
-    /// - `most`: what is more is not told apart.
-    pub fn clearance(&self, p: Vec3, limit: f32, most: f32) -> Option<f32> {
-        let Some((at, cell)) = self.cell(p) else { return Some(most) };
-        let exact = || match self.geometry.nearest(p, limit + most) {
-            Some(near) => (near.distance >= limit).then_some(near.distance - limit),
-            None => Some(most),
-        };
+    /// - `most`: what is clearer is not told apart. [Unit: m]
+    pub fn told(&self, p: Vec3, limit: f32, most: f32) -> Told {
+        let Some((at, cell)) = self.cell(p) else { return Told::Clear(most) };
         if limit - Self::ERROR_M < LEAST_M {
-            return exact();
+            return Told::Unsure;
         }
-        let distance = unpacked(self.distances[cell]);
-        if distance - Self::ERROR_M - Self::ROUNDING_M >= limit + most {
-            return Some(most);
-        }
+        let farther = unpacked(self.distances[cell]) - limit;
         let off = Self::off(at);
-        match distance - off - limit {
-            clear if clear >= 0.0 => Some(clear.min(most)),
-            _ if distance + off < limit => None,
-            _ => exact(),
+        if farther - off >= most {
+            return Told::Clear(most);
+        }
+        if farther < -off {
+            return Told::Within;
+        }
+        let [least, greatest] = self.between(at, cell);
+        if least >= limit {
+            Told::Clear((least - limit).min(most))
+        } else if greatest < limit {
+            Told::Within
+        } else {
+            Told::Unsure
+        }
+    }
+
+    /// The least and the greatest distance that a point may have: distances change by no more than the way to where they
+    /// are known, and beyond the point, as seen from the unit, that is nearly what they change by.
+    fn between(&self, at: Vec3, cell: usize) -> [f32; 2] {
+        let whole = truncated(at);
+        let from_middle = at - whole - 0.5;
+        let (packed, off) = (self.distances[cell], Self::off(at));
+        let mut out = [unpacked(packed) - off, unpacked(packed) + off];
+        let strides = [1, self.size[0], self.size[0] * self.size[1]];
+        for axis in 0..3 {
+            for side in [-1.0, 1.0] {
+                let other = whole[axis] + side;
+                if other < 0.0 || other >= self.size[axis] as f32 {
+                    continue;
+                }
+                let known = self.distances[if side < 0.0 { cell - strides[axis] } else { cell + strides[axis] }];
+                let way = (from_middle.length_squared() - 2.0 * side * from_middle[axis] + 1.0).sqrt() * Self::STEP_M
+                    + Self::ROUNDING_M;
+                // The least and the greatest of what is kept may stand for less and for more.
+                if known >= packed && known > 0 {
+                    out[0] = out[0].max(unpacked(known) - way);
+                } else if known < packed {
+                    out[1] = out[1].min(unpacked(known) + way);
+                }
+            }
+        }
+        out
+    }
+
+    /// How much farther than `limit` the unit is from a point; none where it is nearer. Slow. [Unit: m]
+    ///
+    /// - `most`: what is clearer is not told apart. [Unit: m]
+    pub fn clearance(&self, p: Vec3, limit: f32, most: f32) -> Option<f32> {
+        match self.geometry.distance_below(p, limit + most) {
+            Some(distance) => (distance >= limit).then_some(distance - limit),
+            None => Some(most),
         }
     }
 
     /// True where the unit is nearer to a point than `limit`. [Limit: limit <= MARGIN_M]
     pub fn is_nearer(&self, p: Vec3, limit: f32) -> bool {
-        let Some((at, cell)) = self.cell(p) else { return false };
-        if limit - Self::ERROR_M < LEAST_M {
-            return self.geometry.nearest(p, limit).is_some();
+        match self.told(p, limit, 0.0) {
+            Told::Clear(_) => false,
+            Told::Within => true,
+            Told::Unsure => self.clearance(p, limit, 0.0).is_none(),
         }
-        let distance = unpacked(self.distances[cell]);
-        if distance - Self::ERROR_M - Self::ROUNDING_M >= limit {
-            return false;
-        }
-        let off = Self::off(at);
-        if distance - off >= limit {
-            return false;
-        }
-        distance + off < limit || self.geometry.nearest(p, limit).is_some()
     }
 
     /// A point in steps from the grid's lowest corner, and the number of its grid cell; none beyond the grid.
@@ -141,14 +207,24 @@ impl Field {
 
     /// Distances change by no more than the way to the middle of the grid cell, and rounding. [Unit: m]
     fn off(at: Vec3) -> f32 {
-        // Whole steps are 0 or more.
-        let whole = Vec3::from(at.to_array().map(|v| v as u32 as f32));
-        (at - whole - 0.5).length() * Self::STEP_M + Self::ROUNDING_M
+        (at - truncated(at) - 0.5).length() * Self::STEP_M + Self::ROUNDING_M
     }
 }
 
+/// Whole steps, which are 0 or more.
+fn truncated(at: Vec3) -> Vec3 {
+    Vec3::from(at.to_array().map(|v| v as i32 as f32))
+}
+
+/// The whole part of a number of steps, but for one less of some even ones, as its mantissa says: processors take many at
+/// a time. [Limit: >= 0.5, < 2^22]
+fn whole(steps: f32) -> u32 {
+    const ONE_STEP: f32 = 8_388_608.0;
+    (steps + (ONE_STEP - 0.5)).to_bits() & 0x007f_ffff
+}
+
 /// Steps in which distances are kept. [Unit: m]
-const PACKED_M: f32 = 0.002;
+const PACKED_M: f32 = 0.0025;
 /// The least distance that is told from others. [Unit: m]
 const LEAST_M: f32 = -0.2;
 
@@ -189,9 +265,18 @@ mod tests {
             thread_local!(static FIELD: Field = Field::new(&post()));
             let p = Vec3::from(p);
             FIELD.with(|f| {
-                let (found, exact) = (f.clearance(p, limit, most), f.geometry.distance(p) - limit);
+                let exact = f.geometry.distance(p) - limit;
+                let [cell] = f.cells(&p.to_array().map(|v| [v]));
+                assert!(f.about(cell, limit) < most + Field::OFF_M || exact >= most);
+                let near = |found: f32| found <= exact + 1e-5 && found >= exact.min(most) - 0.08;
+                match f.told(p, limit, most) {
+                    Told::Clear(found) => assert!(near(found) && exact >= 0.0, "{found} {exact}"),
+                    Told::Within => assert!(exact < 0.0, "{exact}"),
+                    Told::Unsure => assert!(exact.abs() < 0.08, "{exact}"),
+                }
+                let found = f.clearance(p, limit, most);
                 assert_eq!(found.is_none(), exact < 0.0);
-                assert!(found.is_none_or(|found| found <= exact + 1e-5 && found >= exact.min(most) - 0.08));
+                assert!(found.is_none_or(near));
             });
         }
 

@@ -1,5 +1,8 @@
 //! Where a link collides first and last: it may be left before, and entered after.
 
+use std::sync::OnceLock;
+use std::sync::atomic::{AtomicU32, Ordering};
+
 /// Of a walk at 30 Hz every second frame is looked at: a hand moves some centimetres between them.
 pub(super) const STRIDE: usize = 2;
 
@@ -39,40 +42,62 @@ pub(super) fn looked_at(num_frames: usize) -> impl Iterator<Item = usize> {
     (0..num_looks(num_frames)).map(move |look| frame_of(look, num_frames))
 }
 
-/// The first look at a link that finds a collision.
+/// First and last frame of a link that collide.
 ///
+/// - `known`: a frame at which it does, where one is known.
 /// - `look`: none where a frame collides, else how many frames before and after it do not either.
-fn first_hit(num_frames: usize, look: &mut impl FnMut(usize) -> Option<usize>) -> Option<usize> {
-    let mut at = 0;
-    while at < num_looks(num_frames) {
-        match look(frame_of(at, num_frames)) {
-            None => return Some(at),
-            Some(clear) => at += (clear / STRIDE).max(1),
-        }
-    }
-    None
-}
-
-/// First and last frame of a link that collide. Of what is left or entered before a known collision, only the first one
-/// matters, of what is after it only the last one.
 pub(super) fn of_link(
     num_frames: usize,
     known: Option<usize>,
-    offsets: [u32; 2],
     mut look: impl FnMut(usize) -> Option<usize>,
 ) -> Option<Hit> {
+    let (known, num_looks) = (known.map(look_at), num_looks(num_frames));
     let frame = |look: usize| frame_of(look, num_frames);
-    let first = match known {
-        Some(known) if known <= offsets[0] as usize => look_at(known),
-        _ => first_hit(num_frames, &mut look)?,
-    };
-    let least = known.map_or(first, look_at);
-    let mut last = if known.is_some_and(|k| k >= offsets[1] as usize) { least } else { num_looks(num_frames) - 1 };
+    let end = known.unwrap_or(num_looks);
+    let mut first = 0;
+    while first < end {
+        let Some(clear) = look(frame(first)) else { break };
+        first = (first + (clear / STRIDE).max(1)).min(end);
+    }
+    if first == num_looks {
+        return None;
+    }
+    let least = known.unwrap_or(first);
+    let mut last = num_looks - 1;
     while last > least {
         let Some(clear) = look(frame(last)) else { break };
         last = last.saturating_sub((clear / STRIDE).max(1)).max(least);
     }
     Some(Hit { first: frame(first) as u16, last: frame(last) as u16 })
+}
+
+/// Hits of links, found when they are first asked for.
+#[derive(Debug, Default)]
+pub(super) struct Hits {
+    /// First and last frame of each link; [`UNKNOWN`] until they are found. [Size: links]
+    packed: OnceLock<Box<[AtomicU32]>>,
+}
+
+/// No link is that long.
+const UNKNOWN: u32 = u32::MAX;
+
+impl Hits {
+    /// The hit of a link.
+    ///
+    /// - `num_links`: of all.
+    /// - `find`: gives the same every time.
+    pub fn of(&self, link: usize, num_links: usize, find: impl FnOnce() -> Option<Hit>) -> Option<Hit> {
+        let none = || (0..num_links).map(|_| AtomicU32::new(UNKNOWN)).collect();
+        let packed = &self.packed.get_or_init(none)[link];
+        match packed.load(Ordering::Relaxed) {
+            UNKNOWN => {
+                let hit = find()?;
+                packed.store(u32::from(hit.first) | u32::from(hit.last) << 16, Ordering::Relaxed);
+                Some(hit)
+            }
+            known => Some(Hit { first: known as u16, last: (known >> 16) as u16 }),
+        }
+    }
 }
 
 #[cfg(test)]
@@ -84,17 +109,26 @@ mod tests {
         let clear = |frames: &[usize], k: usize| {
             frames.iter().map(|&f| f.abs_diff(k)).min().map_or(99, |d| d.saturating_sub(1))
         };
-        let hit = |frames: &[usize]| of_link(30, None, [0, 29], |k| (!frames.contains(&k)).then(|| clear(frames, k)));
+        let hit = |frames: &[usize]| of_link(30, None, |k| (!frames.contains(&k)).then(|| clear(frames, k)));
         assert_eq!(hit(&[]), None);
         assert_eq!(hit(&[4, 6, 20]), Some(Hit { first: 4, last: 20 }));
         assert_eq!(hit(&[29]), Some(Hit { first: 29, last: 29 }));
         assert_eq!(hit(&[8]), Some(Hit { first: 8, last: 8 }));
         let frames = [4, 10, 20];
-        let known = |offsets| of_link(30, Some(10), offsets, |k| (!frames.contains(&k)).then(|| clear(&frames, k)));
-        assert_eq!(known([7, 25]), Some(Hit { first: 4, last: 20 }));
-        assert_eq!(known([10, 25]), Some(Hit { first: 10, last: 20 }));
-        assert_eq!(known([3, 9]), Some(Hit { first: 4, last: 10 }));
-        assert_eq!(of_link(30, Some(29), [0, 29], |k| (k != 29).then_some(0)), Some(Hit { first: 29, last: 29 }));
+        for known in frames {
+            let hit = of_link(30, Some(known), |k| (!frames.contains(&k)).then(|| clear(&frames, k)));
+            assert_eq!(hit, Some(Hit { first: 4, last: 20 }));
+        }
+        assert_eq!(of_link(30, Some(29), |k| (k != 29).then_some(0)), Some(Hit { first: 29, last: 29 }));
         assert_eq!(Hit { first: 8, last: 8 }.union(Hit { first: 2, last: 4 }), Hit { first: 2, last: 8 });
+    }
+
+    #[test]
+    fn a_hit_is_looked_for_once() {
+        let (hits, hit) = (Hits::default(), Hit { first: 3, last: 700 });
+        assert_eq!(hits.of(1, 2, || None), None);
+        assert_eq!(hits.of(1, 2, || Some(hit)), Some(hit));
+        assert_eq!(hits.of(1, 2, || None), Some(hit));
+        assert_eq!(hits.of(0, 2, || None), None);
     }
 }

@@ -3,7 +3,7 @@
 use super::bodies::{Ball, Room};
 use super::hit::{STRIDE, frame_of, look_at, num_looks};
 use super::mask::Obstacle;
-use super::seen::{Clearance, Earlier, SLACK_M, Seen, Touch};
+use super::seen::{Clearance, ENOUGH_M, Earlier, SLACK_M, Seen, Touch};
 use glam::Vec3;
 use std::ops::Range;
 
@@ -112,14 +112,14 @@ impl<'l, 'a> Looker<'l, 'a> {
             let root = &self.obstacle.paths.roots()[roots.start + frame_of(look, roots.len())];
             let [x, z] = self.obstacle.in_unit(root.translation());
             let mut clear = self.obstacle.unit.plan().beside(x, z) - radius;
-            if clear <= SLACK_M {
+            if clear <= ENOUGH_M {
                 self.likely.push((self.obstacle.unit.far(x, z), look));
             }
             // On from there, it comes nearer by no more than its steps.
             loop {
                 self.clear.push(Clearance::new(clear));
                 (look, clear) = (look + 1, clear - step);
-                if look == num_looks || clear <= SLACK_M {
+                if look == num_looks || clear <= ENOUGH_M {
                     break;
                 }
             }
@@ -131,7 +131,7 @@ impl<'l, 'a> Looker<'l, 'a> {
         let (row, root) = self.obstacle.pose(roots.start + frame);
         let (bodies, unit) = (self.obstacle.bodies, self.obstacle.unit);
         let apart = bodies.apart(row, root, unit);
-        if apart > SLACK_M {
+        if apart > ENOUGH_M {
             return Ok(Clearance::new(apart));
         }
         match bodies.room(row, root, unit, SLACK_M) {

@@ -3,7 +3,7 @@
 use super::bits::{num_words, set};
 use super::bodies::Bodies;
 use super::field::Field;
-use super::hit::{Hit, STRIDE, of_link};
+use super::hit::{Hit, Hits, STRIDE, of_link};
 use super::looks::{Looker, Looks};
 use super::paths::Paths;
 use super::seen::{Earlier, Mask, Seen};
@@ -62,7 +62,7 @@ impl<'a> Obstacle<'a> {
             let looks = self.see(&roots, |at| (at..at + 1, radius(at)), earlier, self.paths.roots().len());
             let shared = Shared::new(&looks.seen);
             let hit = (0..num_links as u32).filter(|&l| shared.hits(self.paths.range(l as usize)));
-            return Mask { words: bits(num_links, hit), looks, by_roots: true };
+            return Mask { words: bits(num_links, hit), looks, by_roots: true, hits: Hits::default() };
         };
         let order = self.paths.order();
         let meeting = swept.meeting(&swept.shadow(self.unit, self.at)).into_iter().map(|k| order[k as usize]);
@@ -70,7 +70,7 @@ impl<'a> Obstacle<'a> {
         let links: Vec<u32> = meeting.filter(is_near).collect();
         let looks = self.see(&links, |link| (self.paths.range(link), swept.radius(link)), earlier, num_links);
         let hit = links.iter().copied().filter(|&l| matches!(looks.seen[l as usize], Seen::Collides(_)));
-        Mask { words: bits(num_links, hit), looks, by_roots: false }
+        Mask { words: bits(num_links, hit), looks, by_roots: false, hits: Hits::default() }
     }
 
     /// Looks at some links; those that follow each other play much the same.
@@ -102,13 +102,13 @@ impl<'a> Obstacle<'a> {
         all
     }
 
-    /// First and last frame of a link that collide, as far as it matters for where it is left and entered.
+    /// First and last frame of a link that collide.
     ///
-    /// - `known`: a frame at which it collides, where one is known.
-    /// - `offsets`: first and last frame at which it is left or entered.
-    pub fn hit(&self, link: usize, known: Option<usize>, offsets: [u32; 2]) -> Option<Hit> {
+    /// - `mask`: where the unit stands.
+    pub fn hit(&self, mask: &Mask, link: usize) -> Option<Hit> {
         let range = self.paths.range(link);
-        of_link(range.len(), known, offsets, |k| self.look(range.start + k))
+        let find = || of_link(range.len(), mask.frame(link), |k| self.look(range.start + k));
+        mask.hits.of(link, self.paths.num_links(), find)
     }
 
     /// Looks at a root: none where it collides, else how many frames before and after it do not either.

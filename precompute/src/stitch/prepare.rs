@@ -251,7 +251,7 @@ impl Stitcher<'_> {
         let new: Vec<_> = keys.iter().flatten().cloned().collect();
         let mut known = std::mem::take(&mut self.found.crossings);
         learn(&mut known, &new, |(relation, Same(situation))| {
-            let hit = |link: u32, offsets| self.hit(&situation.surroundings, link, offsets);
+            let hit = |link: u32| self.hit(&situation.surroundings, link);
             let table = &self.found.tables[relation];
             Arc::new(Crossing::new(&self.patches, *relation, table, situation, hit))
         });
@@ -272,12 +272,11 @@ impl Stitcher<'_> {
         self.found.crossings = known;
     }
 
-    /// First and last frame of a link that collide with anything around it, as far as [`Situation::joint_words`] asks.
-    fn hit(&self, surroundings: &Surroundings, link: u32, offsets: [u32; 2]) -> Option<Hit> {
+    /// First and last frame of a link that collide with anything around it.
+    fn hit(&self, surroundings: &Surroundings, link: u32) -> Option<Hit> {
         let in_the_way = surroundings.obstacles.iter().map(|r| (r, &self.found.masks[r]));
         let in_the_way = in_the_way.filter(|(_, mask)| is_set(&mask.words, 0, link));
-        let link = link as usize;
-        in_the_way.filter_map(|(r, mask)| self.obstacle(r).hit(link, mask.frame(link), offsets)).reduce(Hit::union)
+        in_the_way.filter_map(|(r, mask)| self.obstacle(r).hit(mask, link as usize)).reduce(Hit::union)
     }
 
     /// Roots of a patch's links.

@@ -131,7 +131,7 @@ fn is_bypassed(
         }
         before.renumbered(graph, &found)
     };
-    let (into, out_of) = (border(Direction::Back), border(Direction::Forth));
+    let (into, out_of) = rayon::join(|| border(Direction::Back), || border(Direction::Forth));
     if into.is_empty() || out_of.is_empty() {
         return true;
     }
@@ -144,7 +144,8 @@ fn is_bypassed(
         search.start(part, cell);
         search.run().holds(to)
     };
-    leads(Direction::Forth, &out_of) && leads(Direction::Back, &into)
+    let (forth, back) = rayon::join(|| leads(Direction::Forth, &out_of), || leads(Direction::Back, &into));
+    forth && back
 }
 
 /// The first instance and cell come to by motion.

@@ -1,10 +1,13 @@
 //! What is remembered of looking at links, so that little is looked at again where a unit is moved a little.
 
 use super::bodies::Ball;
+use super::hit::Hits;
 use super::looks::Looks;
 
-/// How far bodies whose clearance is not clear from their place alone are told apart. [Unit: m]
-pub(super) const SLACK_M: f32 = 0.12;
+/// Bodies that are clear by more than this because of their place alone are not looked at. [Unit: m]
+pub(super) const ENOUGH_M: f32 = 0.12;
+/// How far those are told apart that are looked at. [Unit: m]
+pub(super) const SLACK_M: f32 = 0.25;
 
 /// What is known of a link and a unit.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -64,7 +67,7 @@ impl Clearance {
 }
 
 /// What a unit is in the way of, for one way in which it stands to a patch.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Debug, Default)]
 pub(super) struct Mask {
     /// Bits of the links that collide; no words where none does.
     pub words: Vec<u64>,
@@ -72,6 +75,8 @@ pub(super) struct Mask {
     pub looks: Looks,
     /// True where roots were looked at, each as a link of one frame, because links have most of them in common.
     pub by_roots: bool,
+    /// First and last collisions of links.
+    pub hits: Hits,
 }
 
 impl Mask {

@@ -49,23 +49,18 @@ impl Situation {
     /// Joints that may be taken where links of side a collide: out of a link that is clear up to there, into one that
     /// is clear from there. Two bits a joint; none where that is so for all.
     ///
-    /// - `hit`: first and last frame of a link of side a that collide with anything, as far as it matters between the
-    ///   first and the last frame at which it is left or entered.
-    pub fn joint_words(
-        &self,
-        table: &JointTable,
-        mut hit: impl FnMut(u32, [u32; 2]) -> Option<Hit>,
-    ) -> Option<Vec<u64>> {
+    /// - `hit`: first and last frame of a link of side a that collide with anything.
+    pub fn joint_words(&self, table: &JointTable, mut hit: impl FnMut(u32) -> Option<Hit>) -> Option<Vec<u64>> {
         let mut words: Option<Vec<u64>> = None;
         let mut first = 0;
         for joints in table.joints.chunk_by(|j, k| j.a == k.a) {
             let numbers = first..;
             first += joints.len() as u32;
-            let (link, offsets) = (joints[0].a, [joints[0].a_offset, joints[joints.len() - 1].a_offset]);
-            if offsets[0] == NONE || is_set(&self.link_words, 0, link) {
+            let link = joints[0].a;
+            if joints[0].a_offset == NONE || is_set(&self.link_words, 0, link) {
                 continue;
             }
-            let Some(found) = hit(link, offsets) else { continue };
+            let Some(found) = hit(link) else { continue };
             let words = words.get_or_insert_with(|| all_set(2 * table.joints.len()));
             for (k, joint) in numbers.zip(joints) {
                 if u32::from(found.first) <= joint.a_offset {
@@ -96,9 +91,9 @@ mod tests {
             out: Rows::default(),
             into: Rows::default(),
         };
-        assert_eq!(situation.joint_words(&table, |_, _| None), None);
+        assert_eq!(situation.joint_words(&table, |_| None), None);
         clear(&mut situation.link_words, 1);
-        let words = situation.joint_words(&table, |_, _| Some(Hit { first: 15, last: 25 })).unwrap();
+        let words = situation.joint_words(&table, |_| Some(Hit { first: 15, last: 25 })).unwrap();
         let ways: Vec<(bool, bool)> =
             (0..5).map(|k| (is_set(&words, 0, 2 * k), is_set(&words, 0, 2 * k + 1))).collect();
         assert_eq!(ways, [(true, false), (false, false), (false, true), (true, true), (true, true)]);

@@ -92,8 +92,16 @@ impl Swept {
 
     /// Places in [`Paths::order`] of the links of which a body may touch what casts a shadow; ascending.
     pub fn meeting(&self, shadow: &Shadow) -> Vec<u32> {
-        let word =
-            |squares: &[u64]| shadow.iter().flat_map(|run| &squares[run.clone()]).fold(0, |all, word| all | word);
+        let word = |squares: &[u64]| {
+            let mut all = 0;
+            for run in shadow {
+                all = squares[run.clone()].iter().fold(all, |all, word| all | word);
+                if all == u64::MAX {
+                    break;
+                }
+            }
+            all
+        };
         let words: Vec<u64> = self.squares.par_chunks(SIDE * SIDE).with_min_len(16).map(word).collect();
         let members = |(k, word): (usize, u64)| ones(word).map(move |bit| (k * LINKS) as u32 + bit);
         words.into_iter().enumerate().flat_map(members).collect()

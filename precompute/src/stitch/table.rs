@@ -4,6 +4,7 @@
 use super::paths::{Nearness, Spots};
 use super::relation::Relation;
 use crate::environment::Bounds;
+use rayon::prelude::*;
 use throng_runtime::patch::{CellRecord, Patches, Placement};
 use throng_runtime::world::JointRecord;
 
@@ -27,6 +28,9 @@ pub(super) struct Rule {
     pub joints_per_cell: usize,
 }
 
+/// Cells of side b that are looked at together.
+const CELLS: usize = 32;
+
 impl JointTable {
     /// Finds the joints between patch `relation.a`, whose spots are given, and the block `relation.b`.
     ///
@@ -34,13 +38,20 @@ impl JointTable {
     /// - `floor`: the panel, where a is a tile.
     pub fn new(patches: &Patches<'_>, spots: &Spots, floor: Option<&Bounds>, relation: &Relation, rule: Rule) -> Self {
         let (b, at) = (relation.b as usize, relation.placement());
-        let mut joints = Vec::new();
-        let mut near = Vec::new();
-        for (c, cell) in patches.cells_of(b).iter().enumerate() {
-            of_cell(spots, cell, at, rule, &mut near);
-            let joint = |n: &Near| JointRecord { a: n.item, a_offset: n.offset, b: c as u32, reserved: 0 };
-            joints.extend(near.iter().map(joint));
-        }
+        let cells = patches.cells_of(b);
+        let of_cells = |numbers: &[u32]| {
+            let (mut joints, mut near) = (Vec::new(), Vec::new());
+            for &c in numbers {
+                of_cell(spots, &cells[c as usize], at, rule, &mut near);
+                let joint = |n: &Near| JointRecord { a: n.item, a_offset: n.offset, b: c, reserved: 0 };
+                joints.extend(near.iter().map(joint));
+            }
+            joints
+        };
+        // The spots of one group stay at hand.
+        let mut order: Vec<u32> = (0..cells.len() as u32).collect();
+        order.sort_unstable_by_key(|&c| (cells[c as usize].group, c));
+        let mut joints: Vec<JointRecord> = order.par_chunks(CELLS).flat_map_iter(of_cells).collect();
         joints.sort_unstable();
         let mut by_b: Vec<u32> = (0..joints.len() as u32).collect();
         by_b.sort_by_key(|&j| joints[j as usize].b);

@@ -200,7 +200,7 @@ impl<'k> World<'k> {
         let pairs = (0..instances.len()).flat_map(|a| (0..instances.len()).map(move |b| (a, b)));
         for (a, b) in pairs.filter(|(a, b)| a != b) {
             let Some(table) = self.table(&instances[a], &instances[b]) else { continue };
-            let hit = |link: u32, _| Some(Hit { first: (link % 30) as u16, last: (link % 30) as u16 });
+            let hit = |link: u32| Some(Hit { first: (link % 30) as u16, last: (link % 30) as u16 });
             let kinds = [instances[a].patch, instances[b].patch];
             let crossing = out.crossings.len() as u32;
             let relation = Relation::new((kinds[0], Placement::IDENTITY), (kinds[1], Placement::IDENTITY));
