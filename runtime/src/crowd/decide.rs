@@ -4,15 +4,15 @@ use super::bound::Bound;
 use super::cells::Cells;
 use super::filter::Filter;
 use super::flow::Flow;
-use super::near::{Look, Rows};
+use super::near::{Heed, Look, Rows};
 use super::plan::Plan;
 use super::reach::Reach;
 use super::retreat::{PATIENT_S, SLOWLY, retreat};
 use super::safety::{Candidate, Lack, Other, lack, lack_of_solid, lever};
-use super::sight::Seen;
+use super::sight::{ROUNDING, Seen};
 use super::spline::Cursor;
-use super::steer::{Surroundings, Walker, forces};
-use super::tracing::Tracing;
+use super::steer::{Surroundings, Walker, felt_within, forces, minded_within};
+use super::tracing::Tracer;
 use super::world::{HURRY, World};
 use super::{AtEnd, Forces, NONE, Space};
 use serde::{Deserialize, Serialize};
@@ -142,14 +142,14 @@ impl<V: Space> Decider<'_, V> {
     }
 
     /// Takes a new plan for a member; none where it has to keep the one it has.
-    pub fn decide(&self, member: u32, tracing: &impl Tracing<V>, scratch: &mut Scratch<V>) -> Option<Decision<V>> {
+    pub fn decide(&self, member: u32, tracer: Tracer<'_>, scratch: &mut Scratch<V>) -> Option<Decision<V>> {
         let old = self.cells.plan(member);
         let Wish { mut mind, fresh, acceleration, at, longest } = self.wish(member, scratch);
         let near = self.world.near(mind.cell);
         let centre = self.cells.centre(at);
         let half = V::from_coordinates([self.cells.side(); 3]);
         let region = (centre - half, centre + half);
-        let (cause, length) = tracing.first_event(self, &fresh, region, near, scratch);
+        let (cause, length) = tracer.first_event(self, &fresh, region, near, scratch);
         let (cause, length) = if length > longest { (Cause::Region, longest) } else { (cause, length) };
         let length = length.max(self.world.interval);
         // Over a plan that is longer than the time to relax, the desired velocity is reached and not passed.
@@ -261,8 +261,14 @@ impl<V: Space> Decider<'_, V> {
     /// Finds everybody who is registered near, and those who are felt.
     fn look_around(&self, member: u32, at: [i32; 3], me: &Walker<V>, mind: &Mind<V>, scratch: &mut Scratch<V>) {
         scratch.seen.clear();
-        let perception = self.world.fields[mind.field as usize].perception_m;
-        let look = Look { cells: self.cells, at, time: self.time, member, me, perception };
+        let field = &self.world.fields[mind.field as usize];
+        let heed = Heed {
+            perception: field.perception_m,
+            felt: felt_within(me, field),
+            horizon: minded_within(field),
+            room: field.comfort_m + ROUNDING,
+        };
+        let look = Look { cells: self.cells, at, time: self.time, member, me, heed };
         look.around(&mut scratch.rows, &mut scratch.seen);
         for mover in &self.world.movers {
             let plan = mover.plan(self.time, 1.0);

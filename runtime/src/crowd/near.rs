@@ -80,18 +80,31 @@ pub(crate) struct Look<'a, V> {
     /// Who looks.
     pub member: u32,
     pub me: &'a Walker<V>,
+    pub heed: Heed,
+}
+
+/// Whom one who looks pays heed to.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Heed {
     /// How far it sees. [Unit: m]
     pub perception: f32,
+    /// Gap within which it feels others. [Unit: m]
+    pub felt: f32,
+    /// Time within which it minds whom it may meet. [Unit: s]
+    pub horizon: f32,
+    /// How much larger it takes others for. [Unit: m]
+    pub room: f32,
 }
 
 impl<V: Space> Look<'_, V> {
-    /// Finds all of them, and those within sight.
+    /// Finds all of them, and those within sight who matter to it: those whom it feels, and those before it whom it may
+    /// meet if it goes straight at them (see [`super::sight::Sight::see_all`]).
     pub fn around(&self, rows: &mut Rows, seen: &mut Vec<Seen<V>>) {
         rows.len = 0;
         dispatch(Around { look: self, rows, seen });
     }
 
-    /// Fills a row; gives those within sight.
+    /// Fills a row; gives those who matter.
     #[inline(always)]
     fn fill<F: Lanes>(&self, block: &Block, row: &mut Row) -> u8 {
         let (x, v) = (self.me.position.coordinates(), self.me.velocity.coordinates());
@@ -99,7 +112,8 @@ impl<V: Space> Look<'_, V> {
         let (age, moving, zero) = (F::load(&age), F::load(&block.moving), F::splat(0.0));
         let dt = age.min(moving);
         let half = F::splat(0.5) * dt;
-        let (mut square, mut closing) = (zero, zero);
+        let (ahead, heed) = (self.me.desired.coordinates(), &self.heed);
+        let (mut square, mut closing, mut recede, mut along) = (zero, zero, zero, zero);
         for axis in 0..V::DIMENSIONS {
             // As `Plan::after`.
             let its = &block.axes[axis];
@@ -109,13 +123,21 @@ impl<V: Space> Look<'_, V> {
             let velocity = F::select_lt(age, moving, velocity + acceleration * dt, zero);
             square = square + offset * offset;
             closing = closing + (F::splat(v[axis]) - velocity) * offset;
+            recede = recede + velocity * offset;
+            along = along + F::splat(ahead[axis]) * offset;
             offset.store(&mut row.offset[axis]);
             velocity.store(&mut row.velocity[axis]);
         }
         let distance = square.sqrt();
         distance.store(&mut row.distance);
         (closing / distance.max(F::splat(1e-6))).store(&mut row.closing);
-        square.bits_lt(F::splat(self.perception * self.perception))
+        let gap = distance - F::load(&block.radius) - F::splat(self.me.radius);
+        let felt = gap.bits_lt(F::splat(heed.felt));
+        // Straight at them it comes nearer with its desired speed, less their own speed away from it.
+        let reach = F::splat(heed.horizon) * (F::splat(self.me.speed) * distance - recede);
+        let met = ((gap - F::splat(heed.room)) * distance).bits_lt(reach);
+        let is_ahead = F::splat(-self.me.radius).bits_lt(along);
+        square.bits_lt(F::splat(heed.perception * heed.perception)) & (felt | met & is_ahead)
     }
 }
 
@@ -160,8 +182,11 @@ impl<V: Space> Work for Around<'_, V> {
 pub(super) mod tests {
     use super::*;
     use crate::crowd::plan::Plan;
+    use crate::crowd::sight::Sight;
     use glam::{Vec2, Vec3};
     use proptest::prelude::*;
+
+    const HEED: Heed = Heed { perception: 2.0, felt: 0.3, horizon: 1.0, room: 0.02 };
 
     /// Time at which the tests look.
     pub(in crate::crowd) const NOW: f64 = 10.0;
@@ -205,7 +230,7 @@ pub(super) mod tests {
         let me = Walker { position, velocity, radius: plans[0].radius, limit: 5.0, ..Walker::default() };
         let at = cells.coordinates(plans[0].position);
         let mut rows = Rows::default();
-        Look { cells: &cells, at, time: NOW, member: 0, me: &me, perception: 2.0 }.around(&mut rows, &mut Vec::new());
+        Look { cells: &cells, at, time: NOW, member: 0, me: &me, heed: HEED }.around(&mut rows, &mut Vec::new());
         (cells, rows)
     }
 
@@ -231,9 +256,10 @@ pub(super) mod tests {
             cells.insert(cells.number(cells.coordinates(plan.position)), &plan);
         }
         let (position, velocity) = plans[0].at(10.0);
-        let me = Walker { position, velocity, radius: 0.3, limit: 5.0, ..Walker::default() };
+        let desired = V::from_coordinates([0.6, -0.8, 0.0]);
+        let me = Walker { position, velocity, radius: 0.3, limit: 5.0, desired, speed: 1.3, ..Walker::default() };
         let at = cells.coordinates(position);
-        let look = Look { cells: &cells, at, time: 10.0, member: 0, me: &me, perception: 2.0 };
+        let look = Look { cells: &cells, at, time: 10.0, member: 0, me: &me, heed: HEED };
         let (mut rows, mut seen) = (Rows::default(), Vec::new());
         look.around(&mut rows, &mut seen);
         let mut found = 0;
@@ -253,9 +279,23 @@ pub(super) mod tests {
         let mut around = 0;
         cells.around(at, |cell| cells.each(cell, |_| around += 1));
         prop_assert_eq!(found + 1, around);
-        let near = seen.iter().all(|s| s.distance < 2.0 && s.offset.length() == s.distance && s.radii == 0.6);
-        let num = rows.all().iter().flat_map(|r| bits(r.there).map(|i| r.distance[i])).filter(|d| *d < 2.0).count();
-        prop_assert!(near && seen.len() == num);
+        let all: Vec<_> =
+            rows.all().iter().flat_map(|r| bits(r.there).map(|i| (nth(&r.offset, i), nth(&r.velocity, i)))).collect();
+        heeds_who_matters(&me, &all, &seen)
+    }
+
+    /// Of those within sight, whoever is left out is not felt, and is in no direction met before the horizon.
+    fn heeds_who_matters<V: Space>(me: &Walker<V>, all: &[(V, V)], seen: &[Seen<V>]) -> Result<(), TestCaseError> {
+        prop_assert!(seen.iter().all(|s| s.distance < 2.0 && s.offset.length() == s.distance && s.radii == 0.6));
+        for &(offset, velocity) in all.iter().filter(|(x, _)| x.length() < 2.0) {
+            let other = Seen { offset, velocity, distance: offset.length(), radii: 0.6, yields: true };
+            if !seen.iter().any(|s| (s.offset, s.velocity) == (offset, velocity)) {
+                prop_assert!(other.distance - other.radii > HEED.felt - 1e-5);
+                let mut sight = Sight::along(me.desired, me.speed);
+                sight.see_all(&[other], -me.radius, 0.01, f32::INFINITY);
+                prop_assert!(sight.soonest() > HEED.horizon, "{other:?} is met after {} s", sight.soonest());
+            }
+        }
         Ok(())
     }
 

@@ -11,28 +11,21 @@ use super::{CrowdConfig, CrowdError, Member, Scheme, Space};
 use crate::lanes::{Lanes, Work, dispatch};
 use serde::{Deserialize, Serialize};
 
-/// A scheme of events, known when the code is compiled.
-pub(crate) trait Tracing<V: Space> {
-    /// When the bound of a new plan touches something first, and what.
-    fn first_event(
-        &self,
-        at: &Decider<'_, V>,
-        fresh: &Plan<V>,
-        region: (V, V),
-        near: &[u32],
-        scratch: &mut Scratch<V>,
-    ) -> (Cause, f32);
+/// How a member at an event finds out when it acts next.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Tracer<'a> {
+    /// The scheme of 001 section 2.1: a bound stays in the region around the cell it is registered in, so that it can
+    /// only meet those who are registered in cells next to that.
+    Registration,
+    /// The scheme of 000 section 2: who is in the same cells.
+    Occupancy(&'a Occupancy),
 }
 
-/// The scheme of 001 section 2.1: a bound stays in the region around the cell it is registered in, so that it can
-/// only meet those who are registered in cells next to that.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Registration;
-
-impl<V: Space> Tracing<V> for Registration {
+impl Tracer<'_> {
+    /// When the bound of a new plan touches something first, and what.
     #[inline]
-    fn first_event(
-        &self,
+    pub fn first_event<V: Space>(
+        self,
         at: &Decider<'_, V>,
         fresh: &Plan<V>,
         region: (V, V),
@@ -40,8 +33,13 @@ impl<V: Space> Tracing<V> for Registration {
         scratch: &mut Scratch<V>,
     ) -> (Cause, f32) {
         let bound = Bound::from(fresh);
-        let region = (Cause::Region, bound.first_exit(region.0, region.1));
-        let first = dispatch(Meet { cells: at.cells, bound: &bound, rows: scratch.rows.all_mut(), first: region });
+        let first = match self {
+            Self::Registration => {
+                let region = (Cause::Region, bound.first_exit(region.0, region.1));
+                dispatch(Meet { cells: at.cells, bound: &bound, rows: scratch.rows.all_mut(), first: region })
+            }
+            Self::Occupancy(occupancy) => occupancy.first_meeting(at, fresh),
+        };
         at.first_obstacle(&bound, near, first)
     }
 }
