@@ -18,6 +18,12 @@ const SOFT: f32 = 0.06;
 const NEAR: f32 = 0.75;
 /// Distance, in radii of two, within which somebody is near.
 const AT_HAND: f32 = 3.0;
+/// Most looks at a solid along one direction; at a wall, two are enough.
+const LOOKS: usize = 5;
+/// Cosine of the angle to a solid below which a direction leads past it.
+const PAST: f32 = 0.02;
+/// Gap to a solid that counts as none. [Unit: m]
+const TOUCHING: f32 = 0.02;
 /// Room for rounding. [Unit: m]
 pub(crate) const ROUNDING: f32 = 0.01;
 
@@ -114,27 +120,32 @@ impl<V: Space> Sight<V> {
         }
     }
 
-    /// Takes in a solid that stands, by steps of its distance.
+    /// Takes in a solid that stands: goes on to the plane that touches it where it is nearest, as it is convex and all
+    /// of it is beyond, and looks again from there.
     pub fn see_solid(&mut self, solid: &Solid<V>, x: V, radius: f32, horizon: f32) {
         let reach = self.speed * horizon;
-        if solid.away(x).1 - radius > reach {
+        let (nearest, distance) = solid.away(x);
+        if distance - radius > reach {
             return;
         }
         for (direction, free) in self.directions.iter().zip(&mut self.free) {
-            let mut way = 0.0;
-            for _ in 0..6 {
-                let (away, distance) = solid.away(x + *direction * way);
-                let gap = distance - radius;
-                if gap < 0.02 {
-                    if direction.dot(away) < -0.02 {
-                        *free = free.min(way / self.speed.max(1e-3));
-                    }
+            let farthest = reach.min(*free * self.speed);
+            let (mut way, mut away, mut gap) = (0.0, nearest, distance - radius);
+            for _ in 0..LOOKS {
+                let toward = -direction.dot(away);
+                if toward < PAST {
                     break;
                 }
-                way += gap;
-                if way > reach {
+                if gap < TOUCHING {
+                    *free = free.min(way / self.speed.max(1e-3));
                     break;
                 }
+                way += gap / toward;
+                if way > farthest {
+                    break;
+                }
+                let (next, distance) = solid.away(x + *direction * way);
+                (away, gap) = (next, distance - radius);
             }
         }
     }
