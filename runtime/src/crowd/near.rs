@@ -2,22 +2,44 @@
 
 use super::Space;
 use super::cells::{BLOCK, Block, Cells, Eight, nth};
+use super::reach::room;
 use super::sight::Seen;
 use super::steer::Walker;
+use super::tracing::Meeting;
 use crate::lanes::{Lanes, Work, dispatch};
 
 /// Members of one block, as another one finds them at its event.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Found<F> {
+    /// From the one who looks to them. [Unit: m]
+    pub offset: [F; 3],
+    /// [Unit: m/s]
+    pub velocity: [F; 3],
+    /// Of the centres. [Unit: m]
+    pub distance: F,
+    /// Distance less the radii. [Unit: m]
+    pub gap: F,
+    /// Speed of the one who looks toward them, and theirs away from it. [Unit: m/s]
+    pub toward: F,
+    pub away: F,
+    /// Square of their speed. [Unit: m2/s2]
+    pub square: F,
+    /// How far ahead of the one who looks they are, along where it wants to go. [Unit: m]
+    pub ahead: F,
+    /// Time until they act. [Unit: s]
+    pub until: F,
+    /// Square of their acceleration. [Unit: m2/s4]
+    pub sway: F,
+}
+
+/// What is kept of those of one block until it is known for how long the one who looks makes its plan.
 #[derive(Clone, Copy, Debug, Default)]
 #[repr(C, align(64))]
 pub(crate) struct Row {
-    /// From the one who looks to them. [Unit: m]
-    pub offset: [Eight; 3],
-    /// [Unit: m/s]
-    pub velocity: [Eight; 3],
-    /// Of the centres. [Unit: m]
-    pub distance: Eight,
-    /// Speed at which the distance shrinks. [Unit: m/s]
-    pub closing: Eight,
+    /// Gap between its disc or ball and their stop regions, along the line of centres. [Unit: m]
+    pub room: Eight,
+    /// Its speed toward them. [Unit: m/s]
+    pub toward: Eight,
     /// No bound of theirs can be met earlier, see [`super::tracing`]. [Unit: s]
     pub soonest: Eight,
     /// See [`Cells::block`].
@@ -55,12 +77,6 @@ impl Rows {
         &self.rows[..self.len]
     }
 
-    /// Those that were found.
-    #[inline]
-    pub fn all_mut(&mut self) -> &mut [Row] {
-        &mut self.rows[..self.len]
-    }
-
     #[inline(always)]
     fn next(&mut self) -> &mut Row {
         if self.len == self.rows.len() {
@@ -81,6 +97,8 @@ pub(crate) struct Look<'a, V> {
     pub member: u32,
     pub me: &'a Walker<V>,
     pub heed: Heed,
+    /// Largest speed of anybody. [Unit: m/s]
+    pub fastest: f32,
 }
 
 /// Whom one who looks pays heed to.
@@ -97,23 +115,33 @@ pub(crate) struct Heed {
 }
 
 impl<V: Space> Look<'_, V> {
-    /// Finds all of them, and those within sight who matter to it: those whom it feels, and those before it whom it may
-    /// meet if it goes straight at them (see [`super::sight::Sight::see_all`]).
-    pub fn around(&self, rows: &mut Rows, seen: &mut Vec<Seen<V>>) {
-        rows.len = 0;
-        dispatch(Around { look: self, rows, seen });
+    /// Finds those within sight who matter to it: those whom it feels, and those before it whom it may meet if it goes
+    /// straight at them (see [`super::sight::Sight::see_all`]). For one who takes a plan, `rows` are all others, and
+    /// for one who may meet them, these tell when at the earliest.
+    pub fn around(&self, seen: &mut Vec<Seen<V>>, rows: Option<&mut Rows>, meeting: Option<&Meeting<V>>) {
+        dispatch(Around { look: self, seen, rows, meeting });
     }
 
-    /// Fills a row; gives those who matter.
     #[inline(always)]
-    fn fill<F: Lanes>(&self, block: &Block, row: &mut Row) -> u8 {
-        let (x, v) = (self.me.position.coordinates(), self.me.velocity.coordinates());
+    fn find<F: Lanes>(&self, block: &Block) -> Found<F> {
         let age: Eight = std::array::from_fn(|i| (self.time - block.start[i]) as f32);
+        let until: Eight = std::array::from_fn(|i| (block.end[i] - self.time) as f32);
         let (age, moving, zero) = (F::load(&age), F::load(&block.moving), F::splat(0.0));
         let dt = age.min(moving);
         let half = F::splat(0.5) * dt;
-        let (ahead, heed) = (self.me.desired.coordinates(), &self.heed);
-        let (mut square, mut closing, mut recede, mut along) = (zero, zero, zero, zero);
+        let [x, v, ahead] = [self.me.position, self.me.velocity, self.me.desired].map(V::coordinates);
+        let mut f = Found {
+            offset: [zero; 3],
+            velocity: [zero; 3],
+            distance: zero,
+            gap: zero,
+            toward: zero,
+            away: zero,
+            square: zero,
+            ahead: zero,
+            until: F::load(&until),
+            sway: zero,
+        };
         for axis in 0..V::DIMENSIONS {
             // As `Plan::after`.
             let its = &block.axes[axis];
@@ -121,31 +149,62 @@ impl<V: Space> Look<'_, V> {
             let acceleration = F::load(&its.acceleration);
             let offset = position + (velocity + acceleration * half) * dt - F::splat(x[axis]);
             let velocity = F::select_lt(age, moving, velocity + acceleration * dt, zero);
-            square = square + offset * offset;
-            closing = closing + (F::splat(v[axis]) - velocity) * offset;
-            recede = recede + velocity * offset;
-            along = along + F::splat(ahead[axis]) * offset;
-            offset.store(&mut row.offset[axis]);
-            velocity.store(&mut row.velocity[axis]);
+            f.distance = f.distance + offset * offset;
+            f.toward = f.toward + F::splat(v[axis]) * offset;
+            f.away = f.away + velocity * offset;
+            f.square = f.square + velocity * velocity;
+            f.ahead = f.ahead + F::splat(ahead[axis]) * offset;
+            f.sway = f.sway + acceleration * acceleration;
+            (f.offset[axis], f.velocity[axis]) = (offset, velocity);
         }
-        let distance = square.sqrt();
-        distance.store(&mut row.distance);
-        (closing / distance.max(F::splat(1e-6))).store(&mut row.closing);
-        let gap = distance - F::load(&block.radius) - F::splat(self.me.radius);
-        let felt = gap.bits_lt(F::splat(heed.felt));
-        // Straight at them it comes nearer with its desired speed, less their own speed away from it.
-        let reach = F::splat(heed.horizon) * (F::splat(self.me.speed) * distance - recede);
-        let met = ((gap - F::splat(heed.room)) * distance).bits_lt(reach);
-        let is_ahead = F::splat(-self.me.radius).bits_lt(along);
-        square.bits_lt(F::splat(heed.perception * heed.perception)) & (felt | met & is_ahead)
+        f.distance = f.distance.sqrt();
+        f.gap = f.distance - F::load(&block.radius) - F::splat(self.me.radius);
+        let per_distance = F::splat(1.0) / f.distance.max(F::splat(1e-6));
+        (f.toward, f.away) = (f.toward * per_distance, f.away * per_distance);
+        f.sway = F::select_lt(age, moving, f.sway, zero);
+        f
     }
+
+    /// Those who matter.
+    #[inline(always)]
+    fn heeds<F: Lanes>(&self, f: &Found<F>) -> u8 {
+        let heed = &self.heed;
+        let felt = f.gap.bits_lt(F::splat(heed.felt));
+        // Straight at them it comes nearer with its desired speed, less their own speed away from it.
+        let reach = F::splat(heed.horizon) * (F::splat(self.me.speed) - f.away);
+        let met = (f.gap - F::splat(heed.room)).bits_lt(reach);
+        let is_ahead = F::splat(-self.me.radius).bits_lt(f.ahead);
+        f.distance.bits_lt(F::splat(heed.perception)) & (felt | met & is_ahead)
+    }
+
+    /// Adds some of a block to those who are seen.
+    #[inline(always)]
+    fn see<F: Lanes>(&self, f: &Found<F>, block: &Block, which: u8, seen: &mut Vec<Seen<V>>) {
+        let (offset, velocity, distance) = (eights(&f.offset), eights(&f.velocity), f.distance.to_array());
+        for i in bits(which) {
+            seen.push(Seen {
+                offset: nth(&offset, i),
+                velocity: nth(&velocity, i),
+                distance: distance[i],
+                radii: self.me.radius + block.radius[i],
+                yields: true,
+            });
+        }
+    }
+}
+
+/// Eight vectors.
+#[inline(always)]
+pub(crate) fn eights<F: Lanes>(v: &[F; 3]) -> [Eight; 3] {
+    v.map(F::to_array)
 }
 
 /// See [`Look::around`].
 struct Around<'a, V> {
     look: &'a Look<'a, V>,
-    rows: &'a mut Rows,
     seen: &'a mut Vec<Seen<V>>,
+    rows: Option<&'a mut Rows>,
+    meeting: Option<&'a Meeting<V>>,
 }
 
 impl<V: Space> Work for Around<'_, V> {
@@ -153,25 +212,30 @@ impl<V: Space> Work for Around<'_, V> {
 
     #[inline(always)]
     fn run<F: Lanes>(self) {
-        let Self { look, rows, seen } = self;
+        let Self { look, seen, mut rows, meeting } = self;
         let (own_block, own_place) = look.cells.place(look.member);
+        if let Some(rows) = &mut rows {
+            rows.len = 0;
+        }
         look.cells.around(look.at, |cell| {
             look.cells.each_block(cell, |block, number, len| {
-                let row = rows.next();
-                let in_sight = look.fill::<F>(block, row);
-                row.block = number;
-                row.there = ((1u32 << len) - 1) as u8;
+                let mut there = ((1u32 << len) - 1) as u8;
                 if number == own_block {
-                    row.there &= !(1 << own_place);
+                    there &= !(1 << own_place);
                 }
-                for i in bits(row.there & in_sight) {
-                    seen.push(Seen {
-                        offset: nth(&row.offset, i),
-                        velocity: nth(&row.velocity, i),
-                        distance: row.distance[i],
-                        radii: look.me.radius + block.radius[i],
-                        yields: true,
-                    });
+                let found = look.find::<F>(block);
+                let heeded = there & look.heeds(&found);
+                if heeded != 0 {
+                    look.see(&found, block, heeded, seen);
+                }
+                if let Some(rows) = &mut rows {
+                    let row = rows.next();
+                    (row.block, row.there) = (number, there);
+                    found.toward.store(&mut row.toward);
+                    room(&found, F::load(&block.limit), look.fastest).store(&mut row.room);
+                    if let Some(meeting) = meeting {
+                        meeting.soonest(block, there, &found).store(&mut row.soonest);
+                    }
                 }
             });
         });

@@ -1,8 +1,8 @@
 //! Whose stop regions a plan may come to: a first look that leaves few to compare exactly.
 
 use super::Space;
-use super::cells::{Cells, Eight};
-use super::near::{Row, bits};
+use super::cells::Cells;
+use super::near::{Found, Row, bits};
 use super::plan::Plan;
 use super::safety::Other;
 use crate::lanes::{Lanes, Work, dispatch};
@@ -28,7 +28,8 @@ impl<'a, V: Space> Reach<'a, V> {
     /// For a plan of a length at most, made at its start.
     pub fn new(cells: &'a Cells<V>, fastest: f32, fresh: &'a Plan<V>, length: f32) -> Self {
         let speed = fresh.velocity.length();
-        let fast = (speed + fresh.limit * length).min(fastest.max(speed));
+        let fastest = fastest.max(speed);
+        let fast = (speed + fresh.limit * length).min(fastest);
         let mine = fast * length + 0.5 * fast * fast / fresh.limit + fresh.radius + ROOM;
         Self { cells, time: fresh.start, fastest, fresh, length, mine }
     }
@@ -49,6 +50,13 @@ fn extent<F: Lanes>((part, speed): (F, F), (limit, fastest): (F, F), time: F) ->
     (part.max(zero) + half * gain) * time + half * last / limit
 }
 
+/// Gap between the disc or ball of one who looks and the stop regions of others, whatever they do: see [`Row::room`].
+#[inline(always)]
+pub(crate) fn room<F: Lanes>(found: &Found<F>, limit: F, fastest: f32) -> F {
+    let its = extent((-found.away, found.square.sqrt()), (limit, F::splat(fastest)), found.until);
+    found.gap - its - F::splat(ROOM)
+}
+
 /// See [`Reach::find`].
 struct Find<'a, V> {
     reach: &'a Reach<'a, V>,
@@ -62,29 +70,14 @@ impl<V: Space> Work for Find<'_, V> {
     #[inline(always)]
     fn run<F: Lanes>(self) {
         let Self { reach: &Reach { cells, time, fastest, fresh, length, mine }, rows, others } = self;
-        let (v, zero) = (fresh.velocity.coordinates(), F::splat(0.0));
-        let speed = fresh.velocity.length();
-        let fastest = F::splat(fastest.max(speed));
+        let speed = F::splat(fresh.velocity.length());
+        let limits = (F::splat(fresh.limit), F::splat(fastest));
         for row in rows {
-            let block = cells.block(row.block);
-            let until: Eight = std::array::from_fn(|i| (block.end[i] - time) as f32);
-            let (mut square, mut along) = (zero, zero);
-            for axis in 0..V::DIMENSIONS {
-                let its = F::load(&row.velocity[axis]);
-                square = square + its * its;
-                along = along + F::splat(v[axis]) * F::load(&row.offset[axis]);
-            }
-            // Along the line of centres, each toward the other one.
-            let distance = F::load(&row.distance);
-            let my_part = along / distance.max(F::splat(1e-6));
-            let its_part = F::load(&row.closing) - my_part;
-            let mine_along = extent((my_part, F::splat(speed)), (F::splat(fresh.limit), fastest), F::splat(length));
-            let its_along = extent((its_part, square.sqrt()), (F::load(&block.limit), fastest), F::load(&until));
-            let radii = F::load(&block.radius) + F::splat(fresh.radius + ROOM);
-            let free = distance - radii - mine_along - its_along;
-            for i in bits(row.there & free.bits_lt(zero)) {
-                let other = Other::new(&block.plan(i), time);
-                let free = row.distance[i] - other.plan.radius - other.reach();
+            let extent = extent((F::load(&row.toward), speed), limits, F::splat(length));
+            for i in bits(row.there & F::load(&row.room).bits_lt(extent)) {
+                let other: Other<V> = Other::new(&cells.block(row.block).plan(i), time);
+                let distance = (other.position() - fresh.position).length();
+                let free = distance - other.plan.radius - other.reach();
                 if free < mine {
                     others.push((free, other));
                 }

@@ -121,6 +121,12 @@ impl<V: Space> Other<V> {
         Self { plan: *plan, age, until, now, end, curve: curve(plan), is_straight: is_straight(plan) }
     }
 
+    /// Where its centre is now. [Unit: m]
+    #[inline]
+    pub fn position(&self) -> V {
+        self.now.0
+    }
+
     /// How far from where its centre is now its centre may come, with braking at the end. [Unit: m]
     #[inline]
     pub fn reach(&self) -> f32 {

@@ -15,7 +15,12 @@ mod sealed {
     /// with its own settings and split into its own units.
     pub trait Sealed: Sized {
         /// See [`Decider::wish`].
-        fn wish(at: &Decider<'_, Self>, member: u32, scratch: &mut Scratch<Self>) -> Wish<Self>;
+        fn wish(
+            at: &Decider<'_, Self>,
+            member: u32,
+            tracer: Option<Tracer<'_>>,
+            scratch: &mut Scratch<Self>,
+        ) -> Wish<Self>;
 
         /// See [`Decider::decide`].
         fn decide(
@@ -29,8 +34,8 @@ mod sealed {
     macro_rules! seal {
         ($($space:ty)*) => { $(
             impl Sealed for $space {
-                fn wish(at: &Decider<'_, Self>, member: u32, scratch: &mut Scratch<Self>) -> Wish<Self> {
-                    at.wish(member, scratch)
+                fn wish(at: &Decider<'_, Self>, member: u32, tracer: Option<Tracer<'_>>, scratch: &mut Scratch<Self>) -> Wish<Self> {
+                    at.wish(member, tracer, scratch)
                 }
 
                 fn decide(

@@ -1,10 +1,10 @@
 //! How a crowd finds out who has to act next: the scheme of 001, and what it shares with that of 000.
 
-use super::bound::{Bound, fall_each};
-use super::cells::{Cells, nth};
-use super::decide::{Cause, Decider, Scratch};
+use super::bound::{Bound, Growth, fall_each_by};
+use super::cells::{Block, Cells};
+use super::decide::{Cause, Decider};
 use super::fixed::Fixed;
-use super::near::{Row, bits};
+use super::near::{Found, Row, bits};
 use super::occupancy::{Occupancy, narrowest};
 use super::plan::Plan;
 use super::{CrowdConfig, CrowdError, Member, Scheme, Space};
@@ -22,82 +22,107 @@ pub(crate) enum Tracer<'a> {
 }
 
 impl Tracer<'_> {
-    /// When the bound of a new plan touches something first, and what.
+    /// When the bound of a new plan touches something first, and what; `meeting` is what came of the look around.
     #[inline]
     pub fn first_event<V: Space>(
         self,
         at: &Decider<'_, V>,
         fresh: &Plan<V>,
-        region: (V, V),
+        meeting: &Meeting<V>,
         near: &[u32],
-        scratch: &mut Scratch<V>,
     ) -> (Cause, f32) {
-        let bound = Bound::from(fresh);
         let first = match self {
-            Self::Registration => {
-                let region = (Cause::Region, bound.first_exit(region.0, region.1));
-                dispatch(Meet { cells: at.cells, bound: &bound, rows: scratch.rows.all_mut(), first: region })
-            }
+            Self::Registration => meeting.first,
             Self::Occupancy(occupancy) => occupancy.first_meeting(at, fresh),
         };
-        at.first_obstacle(&bound, near, first)
+        at.first_obstacle(&meeting.bound, near, first)
     }
 }
 
 /// Looks for the first of all around whose bound is touched, if that is before `first`. At an event it is known where
-/// everybody is, so that all bounds are taken as made then: that is never late, and they meet later than old ones.
-struct Meet<'a, V> {
-    cells: &'a Cells<V>,
-    bound: &'a Bound<V>,
-    rows: &'a mut [Row],
-    first: (Cause, f32),
+/// everybody is and what it does until its own next event, so that all other bounds are taken as made then: that is never
+/// late, as whoever takes another plan before looks for its own first meeting again.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Meeting<V> {
+    pub bound: Bound<V>,
+    pub first: (Cause, f32),
 }
 
-impl<V: Space> Meet<'_, V> {
-    /// The first meeting with one of a row, if that is before all that is known.
+impl<V: Space> Meeting<V> {
+    /// With nobody yet: when the bound of a plan leaves its region, if it has one.
     #[inline]
-    fn meet(&mut self, row: usize, i: usize) {
-        let row = &self.rows[row];
-        let block = self.cells.block(row.block);
-        let (radii, growth) = (self.bound.radius + block.radius[i], self.bound.limit + block.limit[i]);
-        let (offset, velocity) = (nth(&row.offset, i), nth(&row.velocity, i));
-        let contact = self.bound.first_meeting(offset, velocity, radii, growth, self.first.1);
+    pub fn new(fresh: &Plan<V>, region: Option<(V, V)>) -> Self {
+        let bound = Bound::from(fresh);
+        Self { bound, first: (Cause::Region, region.map_or(f32::INFINITY, |r| bound.first_exit(r.0, r.1))) }
+    }
+
+    /// When those of a block are met at the earliest, as their first tangents say; never if that is after `first`.
+    #[inline(always)]
+    pub fn soonest<F: Lanes>(&self, block: &Block, there: u8, f: &Found<F>) -> F {
+        let (first, limit) = (F::splat(self.first.1), F::splat(self.bound.limit));
+        let (rate, later) = (f.away - f.toward, limit + F::load(&block.limit));
+        // The worst they could do leaves a gap then.
+        let left = f.gap + (rate - F::splat(0.5) * later * first) * first;
+        if there & left.bits_lt(F::splat(0.0)) == 0 {
+            return F::splat(f32::INFINITY);
+        }
+        F::splat(0.999) * fall_each_by(f.gap, rate, (limit + f.sway.sqrt(), f.until, later))
+    }
+
+    /// Finds the first among those of whom it is known when they are met at the earliest: of these few are looked at
+    /// closely.
+    pub fn look(&mut self, cells: &Cells<V>, rows: &[Row]) {
+        dispatch(Look { meeting: self, cells, rows });
+    }
+
+    /// The first meeting with somebody, if that is before all that is known.
+    #[inline]
+    fn meet(&mut self, other: &Plan<V>) {
+        let (x, v) = other.at(self.bound.start);
+        let sways = ((self.bound.start - other.start) as f32) < other.moving;
+        let growth = Growth {
+            first: self.bound.limit + if sways { other.acceleration.length() } else { 0.0 },
+            until: (other.end - self.bound.start) as f32,
+            later: self.bound.limit + other.limit,
+        };
+        let radii = self.bound.radius + other.radius;
+        let contact = self.bound.first_meeting(x - self.bound.position, v, radii, growth, self.first.1);
         if contact < self.first.1 {
-            self.first = (Cause::Member(block.index[i]), contact);
+            self.first = (Cause::Member(other.index), contact);
         }
     }
 }
 
-impl<V: Space> Work for Meet<'_, V> {
-    type Output = (Cause, f32);
+/// See [`Meeting::look`].
+struct Look<'a, V> {
+    meeting: &'a mut Meeting<V>,
+    cells: &'a Cells<V>,
+    rows: &'a [Row],
+}
+
+impl<V: Space> Work for Look<'_, V> {
+    type Output = ();
 
     #[inline(always)]
-    fn run<F: Lanes>(mut self) -> Self::Output {
-        // Their first tangents alone leave only a few.
-        let (mut least, mut nearest) = (self.first.1, None);
-        for (n, row) in self.rows.iter_mut().enumerate() {
-            let block = self.cells.block(row.block);
-            let gap = F::load(&row.distance) - F::load(&block.radius) - F::splat(self.bound.radius);
-            let growth = F::load(&block.limit) + F::splat(self.bound.limit);
-            let soonest = F::splat(0.999) * fall_each(gap, -F::load(&row.closing), growth);
-            soonest.store(&mut row.soonest);
-            for i in bits(row.there & soonest.bits_lt(F::splat(least))) {
+    fn run<F: Lanes>(self) {
+        let Self { meeting, cells, rows } = self;
+        let (mut least, mut nearest) = (meeting.first.1, None);
+        for (n, row) in rows.iter().enumerate() {
+            for i in bits(row.there & F::load(&row.soonest).bits_lt(F::splat(least))) {
                 if row.soonest[i] < least {
                     (least, nearest) = (row.soonest[i], Some((n, i)));
                 }
             }
         }
-        let Some((at, nearest)) = nearest else { return self.first };
-        self.meet(at, nearest);
-        for n in 0..self.rows.len() {
-            let row = &self.rows[n];
-            for i in bits(row.there & F::load(&row.soonest).bits_lt(F::splat(self.first.1))) {
+        let Some((at, nearest)) = nearest else { return };
+        meeting.meet(&cells.block(rows[at].block).plan(nearest));
+        for (n, row) in rows.iter().enumerate() {
+            for i in bits(row.there & F::load(&row.soonest).bits_lt(F::splat(meeting.first.1))) {
                 if (n, i) != (at, nearest) {
-                    self.meet(n, i);
+                    meeting.meet(&cells.block(row.block).plan(i));
                 }
             }
         }
-        self.first
     }
 }
 
