@@ -5,10 +5,11 @@ use super::cells::Cells;
 use super::filter::Filter;
 use super::flow::Flow;
 use super::near::{Heed, Look, Rows};
+use super::others::Others;
 use super::plan::Plan;
 use super::reach::Reach;
 use super::retreat::{PATIENT_S, SLOWLY, retreat};
-use super::safety::{Candidate, Lack, Other, lack, lack_of_solid, lever};
+use super::safety::{Candidate, Lack, lack_of_solid, lever};
 use super::sight::{ROUNDING, Seen};
 use super::spline::Cursor;
 use super::steer::{Surroundings, Walker, felt_within, forces, minded_within};
@@ -71,15 +72,15 @@ pub(crate) struct Mind<V> {
 pub(crate) struct Scratch<V> {
     seen: Vec<Seen<V>>,
     pub rows: Rows,
-    /// Those whose plans a plan may come in conflict with, and how far from its centre they stay. [Unit: m]
-    others: Vec<(f32, Other<V>)>,
+    /// Those whose plans a plan may come in conflict with.
+    others: Others,
 }
 
 impl<V: Space> Scratch<V> {
     pub fn new(cells: &Cells<V>, capacity: usize, num_movers: usize) -> Self {
         let most = capacity + num_movers;
         let rows = Rows::new(cells.most_around());
-        Self { seen: Vec::with_capacity(most), rows, others: Vec::with_capacity(most) }
+        Self { seen: Vec::with_capacity(most), rows, others: Others::new(most) }
     }
 }
 
@@ -160,7 +161,7 @@ impl<V: Space> Decider<'_, V> {
         let mut taken = self.safe(&fresh, wish, length, region, near, scratch);
         if taken.is_none() && !self.world.movers.is_empty() {
             // What does not give way may be past avoiding: out of its way all the same.
-            scratch.others.retain(|o| o.1.plan.index != NONE);
+            scratch.others.leave_out_movers();
             taken = self.safe(&fresh, wish, self.world.interval, region, near, scratch);
         }
         let plan = match taken {
@@ -334,9 +335,10 @@ impl<V: Space> Decider<'_, V> {
             let way = plan.velocity.length() * (plan.end - plan.start) as f32;
             let free = (plan.position - fresh.position).length() - plan.radius - way;
             if free < reach.mine {
-                scratch.others.push((free, Other::new(&plan, self.time)));
+                scratch.others.push(&plan);
             }
         }
+        scratch.others.prepare(fresh.position, self.time);
     }
 
     /// A plan near the one that is wished for, for which the rule holds.
@@ -392,10 +394,7 @@ impl<V: Space> Decider<'_, V> {
     /// The largest lack of a plan.
     fn worst(&self, candidate: &Candidate<V>, near: &[u32], scratch: &Scratch<V>) -> Option<Lack<V>> {
         let solids = near.iter().filter_map(|&s| lack_of_solid(candidate, &self.world.solids[s as usize]));
-        let reach = candidate.reach();
-        let near = scratch.others.iter().filter(|o| o.0 < reach);
-        let others = near.filter_map(|o| lack(candidate, &o.1));
-        others.chain(solids).reduce(|a, b| if b.lack > a.lack { b } else { a })
+        scratch.others.worst(candidate).into_iter().chain(solids).reduce(|a, b| if b.lack > a.lack { b } else { a })
     }
 
     /// True for one who is to leave the crowd, as it is at the end of its route.

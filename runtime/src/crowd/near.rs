@@ -2,6 +2,7 @@
 
 use super::Space;
 use super::cells::{BLOCK, Block, Cells, Eight, nth};
+use super::eights::Vectors;
 use super::reach::room;
 use super::sight::Seen;
 use super::steer::Walker;
@@ -10,11 +11,11 @@ use crate::lanes::{Lanes, Work, dispatch};
 
 /// Members of one block, as another one finds them at its event.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Found<F> {
+pub(crate) struct Found<V, F> {
     /// From the one who looks to them. [Unit: m]
-    pub offset: [F; 3],
+    pub offset: Vectors<V, F>,
     /// [Unit: m/s]
-    pub velocity: [F; 3],
+    pub velocity: Vectors<V, F>,
     /// Of the centres. [Unit: m]
     pub distance: F,
     /// Distance less the radii. [Unit: m]
@@ -123,51 +124,31 @@ impl<V: Space> Look<'_, V> {
     }
 
     #[inline(always)]
-    fn find<F: Lanes>(&self, block: &Block) -> Found<F> {
+    fn find<F: Lanes>(&self, block: &Block) -> Found<V, F> {
         let age: Eight = std::array::from_fn(|i| (self.time - block.start[i]) as f32);
         let until: Eight = std::array::from_fn(|i| (block.end[i] - self.time) as f32);
-        let (age, moving, zero) = (F::load(&age), F::load(&block.moving), F::splat(0.0));
-        let dt = age.min(moving);
-        let half = F::splat(0.5) * dt;
-        let [x, v, ahead] = [self.me.position, self.me.velocity, self.me.desired].map(V::coordinates);
-        let mut f = Found {
-            offset: [zero; 3],
-            velocity: [zero; 3],
-            distance: zero,
-            gap: zero,
-            toward: zero,
-            away: zero,
-            square: zero,
-            ahead: zero,
+        let (age, plans) = (F::load(&age), block.plans::<V, F>());
+        let (position, velocity) = plans.after(age);
+        let offset = position - Vectors::splat(self.me.position);
+        let distance = offset.length_squared().sqrt();
+        let per_distance = F::splat(1.0) / distance.max(F::splat(1e-6));
+        Found {
+            offset,
+            velocity,
+            distance,
+            gap: distance - F::load(&block.radius) - F::splat(self.me.radius),
+            toward: Vectors::splat(self.me.velocity).dot(offset) * per_distance,
+            away: velocity.dot(offset) * per_distance,
+            square: velocity.length_squared(),
+            ahead: Vectors::splat(self.me.desired).dot(offset),
             until: F::load(&until),
-            sway: zero,
-        };
-        for axis in 0..V::DIMENSIONS {
-            // As `Plan::after`.
-            let its = &block.axes[axis];
-            let (position, velocity) = (F::load(&its.position), F::load(&its.velocity));
-            let acceleration = F::load(&its.acceleration);
-            let offset = position + (velocity + acceleration * half) * dt - F::splat(x[axis]);
-            let velocity = F::select_lt(age, moving, velocity + acceleration * dt, zero);
-            f.distance = f.distance + offset * offset;
-            f.toward = f.toward + F::splat(v[axis]) * offset;
-            f.away = f.away + velocity * offset;
-            f.square = f.square + velocity * velocity;
-            f.ahead = f.ahead + F::splat(ahead[axis]) * offset;
-            f.sway = f.sway + acceleration * acceleration;
-            (f.offset[axis], f.velocity[axis]) = (offset, velocity);
+            sway: F::select_lt(age, plans.moving, plans.acceleration.length_squared(), F::splat(0.0)),
         }
-        f.distance = f.distance.sqrt();
-        f.gap = f.distance - F::load(&block.radius) - F::splat(self.me.radius);
-        let per_distance = F::splat(1.0) / f.distance.max(F::splat(1e-6));
-        (f.toward, f.away) = (f.toward * per_distance, f.away * per_distance);
-        f.sway = F::select_lt(age, moving, f.sway, zero);
-        f
     }
 
     /// Those who matter.
     #[inline(always)]
-    fn heeds<F: Lanes>(&self, f: &Found<F>) -> u8 {
+    fn heeds<F: Lanes>(&self, f: &Found<V, F>) -> u8 {
         let heed = &self.heed;
         let felt = f.gap.bits_lt(F::splat(heed.felt));
         // Straight at them it comes nearer with its desired speed, less their own speed away from it.
@@ -179,8 +160,8 @@ impl<V: Space> Look<'_, V> {
 
     /// Adds some of a block to those who are seen.
     #[inline(always)]
-    fn see<F: Lanes>(&self, f: &Found<F>, block: &Block, which: u8, seen: &mut Vec<Seen<V>>) {
-        let (offset, velocity, distance) = (eights(&f.offset), eights(&f.velocity), f.distance.to_array());
+    fn see<F: Lanes>(&self, f: &Found<V, F>, block: &Block, which: u8, seen: &mut Vec<Seen<V>>) {
+        let (offset, velocity, distance) = (f.offset.to_arrays(), f.velocity.to_arrays(), f.distance.to_array());
         for i in bits(which) {
             seen.push(Seen {
                 offset: nth(&offset, i),
@@ -191,12 +172,6 @@ impl<V: Space> Look<'_, V> {
             });
         }
     }
-}
-
-/// Eight vectors.
-#[inline(always)]
-pub(crate) fn eights<F: Lanes>(v: &[F; 3]) -> [Eight; 3] {
-    v.map(F::to_array)
 }
 
 /// See [`Look::around`].
@@ -284,79 +259,67 @@ pub(super) mod tests {
         })
     }
 
-    /// Cells with members in them, and what the first one finds around it.
-    pub(in crate::crowd) fn rows_around<V: Space>(plans: &[Plan<V>]) -> (Cells<V>, Rows) {
+    /// Cells with members in them.
+    fn cells_of<V: Space>(plans: &[Plan<V>]) -> Cells<V> {
         let mut cells = Cells::new(2.5, V::from_coordinates([9.0; 3]), plans.len());
         for plan in plans {
             cells.insert(cells.number(cells.coordinates(plan.position)), plan);
         }
+        cells
+    }
+
+    /// Cells with members in them, and what the first one finds around it.
+    pub(in crate::crowd) fn rows_around<V: Space>(plans: &[Plan<V>], meeting: Option<&Meeting<V>>) -> (Cells<V>, Rows) {
+        let cells = cells_of(plans);
         let (position, velocity) = plans[0].at(NOW);
         let me = Walker { position, velocity, radius: plans[0].radius, limit: 5.0, ..Walker::default() };
         let at = cells.coordinates(plans[0].position);
         let mut rows = Rows::default();
-        Look { cells: &cells, at, time: NOW, member: 0, me: &me, heed: HEED }.around(&mut rows, &mut Vec::new());
+        let fastest = plans.iter().flat_map(|p| [p.velocity, p.at(p.end).1]).map(V::length).fold(0.0, f32::max);
+        let look = Look { cells: &cells, at, time: NOW, member: 0, me: &me, heed: HEED, fastest };
+        look.around(&mut Vec::new(), Some(&mut rows), meeting);
         (cells, rows)
     }
 
-    fn plans<V: Space>() -> impl Strategy<Value = Vec<Plan<V>>> {
-        let vector = || [-3.0f32..3.0, -3.0f32..3.0, -3.0f32..3.0].prop_map(V::from_coordinates);
-        let plan = (vector(), vector(), vector(), 0.0f64..0.3, any::<bool>()).prop_map(|(x, v, a, age, brakes)| {
-            let start = 10.0 - age;
-            let mut plan = Plan { start, end: 11.0, position: x, velocity: v, acceleration: a, ..Plan::default() };
-            (plan.radius, plan.limit, plan.moving) = (0.3, 5.0, f32::INFINITY);
-            if brakes {
-                plan.brake();
-            }
-            plan
-        });
-        proptest::collection::vec(plan, 2..60)
-    }
-
-    /// Rows hold everybody but the one who looks, where the plans say.
+    /// All but the one who looks are found, where their plans say, and seen if they matter.
     fn finds_everybody<V: Space>(plans: &[Plan<V>]) -> Result<(), TestCaseError> {
-        let mut cells = Cells::new(2.5, V::from_coordinates([9.0; 3]), plans.len());
-        for (index, plan) in (0..).zip(plans) {
-            let plan = Plan { index, ..*plan };
-            cells.insert(cells.number(cells.coordinates(plan.position)), &plan);
-        }
-        let (position, velocity) = plans[0].at(10.0);
+        let cells = cells_of(plans);
+        let (position, velocity) = plans[0].at(NOW);
         let desired = V::from_coordinates([0.6, -0.8, 0.0]);
         let me = Walker { position, velocity, radius: 0.3, limit: 5.0, desired, speed: 1.3, ..Walker::default() };
-        let at = cells.coordinates(position);
-        let look = Look { cells: &cells, at, time: 10.0, member: 0, me: &me, heed: HEED };
-        let (mut rows, mut seen) = (Rows::default(), Vec::new());
-        look.around(&mut rows, &mut seen);
-        let mut found = 0;
-        for row in rows.all() {
-            for i in bits(row.there) {
-                let plan: Plan<V> = cells.block(row.block).plan(i);
-                prop_assert!(plan.index != 0);
-                let (x, v) = plan.at(10.0);
-                let offset = x - position;
-                prop_assert_eq!((nth::<V>(&row.offset, i), nth::<V>(&row.velocity, i)), (offset, v));
-                prop_assert_eq!(row.distance[i], offset.length());
-                let closing = (velocity - v).dot(offset) / offset.length().max(1e-6);
-                prop_assert!((row.closing[i] - closing).abs() < 1e-5);
-                found += 1;
-            }
+        let at = cells.coordinates(plans[0].position);
+        let see = |heed: Heed| {
+            let look = Look { cells: &cells, at, time: NOW, member: 0, me: &me, heed, fastest: 4.0 };
+            let (mut rows, mut seen) = (Rows::default(), Vec::new());
+            look.around(&mut seen, Some(&mut rows), None);
+            (rows, seen)
+        };
+        let (rows, seen) = see(Heed { perception: 1e3, felt: 1e3, ..HEED });
+        let plans = rows.all().iter().flat_map(|r| bits(r.there).map(|i| cells.block(r.block).plan(i)));
+        let found: Vec<Plan<V>> = plans.collect();
+        let mut around = Vec::new();
+        cells.around(at, |cell| cells.each(cell, |p| around.push(p.index)));
+        around.sort_unstable();
+        let mut indices: Vec<u32> = found.iter().map(|p| p.index).chain([0]).collect();
+        indices.sort_unstable();
+        prop_assert_eq!(&indices, &around);
+        prop_assert_eq!(seen.len(), found.len());
+        for (plan, seen) in found.iter().zip(&seen) {
+            let (x, v) = plan.at(NOW);
+            prop_assert_eq!((seen.offset, seen.velocity), (x - position, v));
+            prop_assert_eq!((seen.distance, seen.radii), ((x - position).length(), 0.3 + plan.radius));
         }
-        let mut around = 0;
-        cells.around(at, |cell| cells.each(cell, |_| around += 1));
-        prop_assert_eq!(found + 1, around);
-        let all: Vec<_> =
-            rows.all().iter().flat_map(|r| bits(r.there).map(|i| (nth(&r.offset, i), nth(&r.velocity, i)))).collect();
-        heeds_who_matters(&me, &all, &seen)
+        heeds_who_matters(&me, &seen, &see(HEED).1)
     }
 
     /// Of those within sight, whoever is left out is not felt, and is in no direction met before the horizon.
-    fn heeds_who_matters<V: Space>(me: &Walker<V>, all: &[(V, V)], seen: &[Seen<V>]) -> Result<(), TestCaseError> {
-        prop_assert!(seen.iter().all(|s| s.distance < 2.0 && s.offset.length() == s.distance && s.radii == 0.6));
-        for &(offset, velocity) in all.iter().filter(|(x, _)| x.length() < 2.0) {
-            let other = Seen { offset, velocity, distance: offset.length(), radii: 0.6, yields: true };
-            if !seen.iter().any(|s| (s.offset, s.velocity) == (offset, velocity)) {
+    fn heeds_who_matters<V: Space>(me: &Walker<V>, all: &[Seen<V>], seen: &[Seen<V>]) -> Result<(), TestCaseError> {
+        prop_assert!(seen.iter().all(|s| s.distance < HEED.perception));
+        for other in all.iter().filter(|o| o.distance < HEED.perception) {
+            if !seen.iter().any(|s| (s.offset, s.velocity) == (other.offset, other.velocity)) {
                 prop_assert!(other.distance - other.radii > HEED.felt - 1e-5);
                 let mut sight = Sight::along(me.desired, me.speed);
-                sight.see_all(&[other], -me.radius, 0.01, f32::INFINITY);
+                sight.see_all(&[*other], -me.radius, 0.01, f32::INFINITY);
                 prop_assert!(sight.soonest() > HEED.horizon, "{other:?} is met after {} s", sight.soonest());
             }
         }
@@ -365,12 +328,12 @@ pub(super) mod tests {
 
     proptest! {
         #[test]
-        fn finds_everybody_around_on_the_ground(plans in plans::<Vec2>()) {
+        fn finds_everybody_around_on_the_ground(plans in crowd::<Vec2>()) {
             finds_everybody(&plans)?;
         }
 
         #[test]
-        fn finds_everybody_around_in_the_air(plans in plans::<Vec3>()) {
+        fn finds_everybody_around_in_the_air(plans in crowd::<Vec3>()) {
             finds_everybody(&plans)?;
         }
     }

@@ -58,7 +58,7 @@ impl<V: Space> Meeting<V> {
 
     /// When those of a block are met at the earliest, as their first tangents say; never if that is after `first`.
     #[inline(always)]
-    pub fn soonest<F: Lanes>(&self, block: &Block, there: u8, f: &Found<F>) -> F {
+    pub fn soonest<F: Lanes>(&self, block: &Block, there: u8, f: &Found<V, F>) -> F {
         let (first, limit) = (F::splat(self.first.1), F::splat(self.bound.limit));
         let (rate, later) = (f.away - f.toward, limit + F::load(&block.limit));
         // The worst they could do leaves a gap then.
@@ -195,13 +195,11 @@ mod tests {
     use proptest::prelude::*;
 
     /// The first of all meetings, each looked for by itself; or `first`, if that is before all of them.
-    fn first_of_all<V: Space>(plans: &[Plan<V>], cells: &Cells<V>, rows: &[Row], first: f32) -> f32 {
-        let me = Bound::new(&plans[0], NOW);
-        let others = rows.iter().flat_map(|r| bits(r.there).map(|i| cells.block(r.block).plan::<V>(i)));
-        let meeting = others.map(|other| {
-            let (x, v) = other.at(NOW);
-            let (radii, growth) = (me.radius + other.radius, me.limit + other.limit);
-            me.first_meeting(x - me.position, v, radii, growth, f32::INFINITY)
+    fn first_of_all<V: Space>(bound: &Bound<V>, others: &[Plan<V>], first: f32) -> f32 {
+        let meeting = others.iter().map(|other| {
+            let mut alone = Meeting { bound: *bound, first: (Cause::Region, f32::INFINITY) };
+            alone.meet(other);
+            alone.first.1
         });
         meeting.fold(first, f32::min)
     }
@@ -212,13 +210,27 @@ mod tests {
         plans.retain(|p| p.index == 0 || (p.at(NOW).0 - me.at(NOW).0).length() > p.radius + me.radius + 1e-4);
         (0..).zip(&mut plans).for_each(|(index, p)| p.index = index);
         let plans = &plans[..];
-        let (cells, mut rows) = rows_around(plans);
-        let want = first_of_all(plans, &cells, rows.all(), first);
-        let bound = Bound::new(&plans[0], NOW);
-        let known = (Cause::Region, first);
-        let (cause, got) = dispatch(Meet { cells: &cells, bound: &bound, rows: rows.all_mut(), first: known });
+        let mut meeting = Meeting { bound: Bound::new(&plans[0], NOW), first: (Cause::Region, first) };
+        let (cells, rows) = rows_around(plans, Some(&meeting));
+        meeting.look(&cells, rows.all());
+        let (cause, got) = meeting.first;
+        let found = rows.all().iter().flat_map(|r| bits(r.there).map(|i| cells.block(r.block).plan(i)));
+        let found: Vec<Plan<V>> = found.collect();
+        let want = first_of_all(&meeting.bound, &found, first);
         prop_assert!((got - want).abs() <= 1e-5 * want, "{cause:?} after {got} s, the first is after {want} s");
         prop_assert_eq!(cause == Cause::Region, got == first, "a member is met before what was known");
+        found.iter().try_for_each(|other| are_apart_until(&meeting.bound, other, got))
+    }
+
+    /// Samples a bound and that of somebody who does what it wants to after the end of its plan.
+    fn are_apart_until<V: Space>(me: &Bound<V>, other: &Plan<V>, until: f32) -> Result<(), TestCaseError> {
+        for i in 0..100 {
+            let time = NOW + f64::from(until) * f64::from(i) / 100.0;
+            let (x, radius) = me.at(time);
+            let (y, its_radius) = Bound::new(other, time.min(other.end)).at(time);
+            let gap = (x - y).length() - radius - its_radius;
+            prop_assert!(gap > -1e-4, "{gap} m to {} at {time}, met first after {until} s", other.index);
+        }
         Ok(())
     }
 
