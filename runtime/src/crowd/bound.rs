@@ -64,21 +64,11 @@ impl<V: Space> Bound<V> {
         approach((apart, velocity), (radii, rate, growth), within)
     }
 
-    /// As [`Bound::first_contact`], where this one was made at the time that is looked from on, and the other one is of
-    /// somebody who is `offset` away, has a velocity, and may do what it wants to only after the end of its plan.
+    /// As [`Bound::first_contact`] of two that were both made at the time that is looked from on: the other one is
+    /// `offset` away, has a velocity and, together with this one, radii and growth.
     #[inline]
-    pub fn first_meeting(&self, offset: V, velocity: V, radii: f32, growth: Growth, within: f32) -> f32 {
-        let velocity = velocity - self.velocity;
-        let mut dt = 0.0;
-        for _ in 0..ROUNDS {
-            let (toward, distance) = (offset + velocity * dt).unit_and_length();
-            let left = distance - radii - growth.grown(dt);
-            dt += 0.999 * growth.fall(left, toward.dot(velocity) - growth.rate(dt), dt);
-            if left < TOUCH || dt >= within {
-                break;
-            }
-        }
-        dt
+    pub fn first_meeting(&self, offset: V, velocity: V, radii: f32, growth: f32, within: f32) -> f32 {
+        approach((offset, velocity - self.velocity), (radii, 0.0, growth), within)
     }
 
     /// When a bound touches a solid that stands, as [`Bound::first_contact`].
@@ -105,49 +95,6 @@ impl<V: Space> Bound<V> {
             first = first.min(fall(low, v[axis], self.limit)).min(fall(high, -v[axis], self.limit));
         }
         first
-    }
-}
-
-/// How the radii of two bounds grow together: of one who may do what it wants to at once, and of one who keeps its plan
-/// for a while.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Growth {
-    /// Acceleration of the one, and that of the plan of the other one: for so long, it goes astray from straight on by no
-    /// more. [Unit: m/s2]
-    pub first: f32,
-    /// How long that plan is. [Unit: s]
-    pub until: f32,
-    /// Largest accelerations of both. [Unit: m/s2]
-    pub later: f32,
-}
-
-impl Growth {
-    /// How much larger the radii are after a time.
-    #[inline]
-    fn grown(&self, dt: f32) -> f32 {
-        let (early, late) = (dt.min(self.until), (dt - self.until).max(0.0));
-        self.first * early * (0.5 * early + late) + 0.5 * self.later * late * late
-    }
-
-    /// How fast they grow after a time.
-    #[inline]
-    fn rate(&self, dt: f32) -> f32 {
-        self.first * dt.min(self.until) + self.later * (dt - self.until).max(0.0)
-    }
-
-    /// Time from `dt` on until a gap that changes at `rate` then is gone.
-    #[inline]
-    fn fall(&self, gap: f32, rate: f32, dt: f32) -> f32 {
-        let known = self.until - dt;
-        if known <= 0.0 {
-            return fall(gap, rate, self.later);
-        }
-        let early = fall(gap, rate, self.first);
-        if early <= known {
-            return early;
-        }
-        let left = gap + (rate - 0.5 * self.first * known) * known;
-        known + fall(left, rate - self.first * known, self.later)
     }
 }
 
@@ -187,15 +134,6 @@ pub(crate) fn fall_each<F: Lanes>(gap: F, rate: F, growth: F) -> F {
     let root = (rate * rate + F::splat(2.0) * growth * gap).sqrt();
     let above = F::select_lt(zero, rate, rate + root, F::splat(2.0) * gap);
     above / F::select_lt(zero, rate, growth, (root - rate).max(F::splat(f32::MIN_POSITIVE)))
-}
-
-/// As the first tangent of [`Bound::first_meeting`], for eight; a little less or more for rounding.
-#[inline(always)]
-pub(crate) fn fall_each_by<F: Lanes>(gap: F, rate: F, (first, until, later): (F, F, F)) -> F {
-    let early = fall_each(gap, rate, first);
-    let left = gap + (rate - F::splat(0.5) * first * until) * until;
-    let late = until + fall_each(left, rate - first * until, later);
-    F::select_lt(until, early, late, early)
 }
 
 /// Follows tangents of a gap to its first zero. `gap` gives the gap and the rate at which its tangent changes now.

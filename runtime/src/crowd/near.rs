@@ -29,8 +29,6 @@ pub(crate) struct Found<V, F> {
     pub ahead: F,
     /// Time until they act. [Unit: s]
     pub until: F,
-    /// Square of their acceleration. [Unit: m2/s4]
-    pub sway: F,
 }
 
 /// What is kept of those of one block until it is known for how long the one who looks makes its plan.
@@ -142,7 +140,6 @@ impl<V: Space> Look<'_, V> {
             square: velocity.length_squared(),
             ahead: Vectors::splat(self.me.desired).dot(offset),
             until: F::load(&until),
-            sway: F::select_lt(age, plans.moving, plans.acceleration.length_squared(), F::splat(0.0)),
         }
     }
 

@@ -1,6 +1,6 @@
 //! How a crowd finds out who has to act next: the scheme of 001, and what it shares with that of 000.
 
-use super::bound::{Bound, Growth, fall_each_by};
+use super::bound::{Bound, fall_each};
 use super::cells::{Block, Cells};
 use super::decide::{Cause, Decider};
 use super::fixed::Fixed;
@@ -40,8 +40,7 @@ impl Tracer<'_> {
 }
 
 /// Looks for the first of all around whose bound is touched, if that is before `first`. At an event it is known where
-/// everybody is and what it does until its own next event, so that all other bounds are taken as made then: that is never
-/// late, as whoever takes another plan before looks for its own first meeting again.
+/// everybody is, so that all bounds are taken as made then: that is never late, and they meet later than old ones.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Meeting<V> {
     pub bound: Bound<V>,
@@ -59,14 +58,14 @@ impl<V: Space> Meeting<V> {
     /// When those of a block are met at the earliest, as their first tangents say; never if that is after `first`.
     #[inline(always)]
     pub fn soonest<F: Lanes>(&self, block: &Block, there: u8, f: &Found<V, F>) -> F {
-        let (first, limit) = (F::splat(self.first.1), F::splat(self.bound.limit));
-        let (rate, later) = (f.away - f.toward, limit + F::load(&block.limit));
-        // The worst they could do leaves a gap then.
-        let left = f.gap + (rate - F::splat(0.5) * later * first) * first;
+        let (gap, rate, first) = (f.gap, f.away - f.toward, F::splat(self.first.1));
+        let growth = F::splat(self.bound.limit) + F::load(&block.limit);
+        // At `first` there is a gap yet.
+        let left = gap + (rate - F::splat(0.5) * growth * first) * first;
         if there & left.bits_lt(F::splat(0.0)) == 0 {
             return F::splat(f32::INFINITY);
         }
-        F::splat(0.999) * fall_each_by(f.gap, rate, (limit + f.sway.sqrt(), f.until, later))
+        F::splat(0.999) * fall_each(gap, rate, growth)
     }
 
     /// Finds the first among those of whom it is known when they are met at the earliest: of these few are looked at
@@ -79,13 +78,7 @@ impl<V: Space> Meeting<V> {
     #[inline]
     fn meet(&mut self, other: &Plan<V>) {
         let (x, v) = other.at(self.bound.start);
-        let sways = ((self.bound.start - other.start) as f32) < other.moving;
-        let growth = Growth {
-            first: self.bound.limit + if sways { other.acceleration.length() } else { 0.0 },
-            until: (other.end - self.bound.start) as f32,
-            later: self.bound.limit + other.limit,
-        };
-        let radii = self.bound.radius + other.radius;
+        let (radii, growth) = (self.bound.radius + other.radius, self.bound.limit + other.limit);
         let contact = self.bound.first_meeting(x - self.bound.position, v, radii, growth, self.first.1);
         if contact < self.first.1 {
             self.first = (Cause::Member(other.index), contact);
@@ -222,12 +215,12 @@ mod tests {
         found.iter().try_for_each(|other| are_apart_until(&meeting.bound, other, got))
     }
 
-    /// Samples a bound and that of somebody who does what it wants to after the end of its plan.
+    /// Samples two bounds that were made now.
     fn are_apart_until<V: Space>(me: &Bound<V>, other: &Plan<V>, until: f32) -> Result<(), TestCaseError> {
         for i in 0..100 {
             let time = NOW + f64::from(until) * f64::from(i) / 100.0;
             let (x, radius) = me.at(time);
-            let (y, its_radius) = Bound::new(other, time.min(other.end)).at(time);
+            let (y, its_radius) = Bound::new(other, NOW).at(time);
             let gap = (x - y).length() - radius - its_radius;
             prop_assert!(gap > -1e-4, "{gap} m to {} at {time}, met first after {until} s", other.index);
         }
