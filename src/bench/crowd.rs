@@ -55,13 +55,16 @@ pub fn run(args: &Args) -> Outcome {
     let threads = args.threads.first().copied().unwrap_or(1);
     let is_sweep = trials.len() > 1;
     let mut runs = Vec::new();
+    if is_sweep && !args.json {
+        println!("{}", CrowdReport::HEADINGS);
+    }
     for scene in &trials {
         scene.check(Path::new(&scene.name))?;
         let config = CrowdRun { seconds: args.seconds, timed_apart: true, threads, recorded: false };
         let report = fastest(scene, &config, options.repeats)?;
         match args.json {
             true => (),
-            false if is_sweep => print_row(&report, runs.is_empty()),
+            false if is_sweep => println!("{}", report.row()),
             false => print(&report)?,
         }
         runs.push(report);
@@ -107,30 +110,6 @@ fn trials(options: &CrowdOptions) -> Result<Vec<CrowdScene>, Box<dyn std::error:
         }
     }
     Ok(trials)
-}
-
-/// A line of a sweep, the first one below a heading.
-fn print_row(r: &CrowdReport, is_first: bool) {
-    if is_first {
-        println!(
-            "scene       members engine     us/member/s  events/s  decisions/s   m/s of wanted  overlaps>1mm  deepest  there  stuck"
-        );
-    }
-    println!(
-        "{:11} {:7} {:9} {:12.2} {:9.2} {:12.2} {:5.2} of {:6.2} {:11.3} % {:5.2} mm {:6} {:6}",
-        r.scene,
-        r.members,
-        r.engine,
-        r.us_per_member_second,
-        r.events_per_member_second,
-        r.decisions_per_member_second,
-        r.progress_mps,
-        r.desired_mps,
-        100.0 * r.overlap_over_1mm_fraction,
-        1000.0 * r.max_overlap_m,
-        r.arrived,
-        r.stuck,
-    );
 }
 
 /// One of the project's own scenes, or a file.

@@ -132,8 +132,8 @@ pub(crate) fn fall_each<F: Lanes>(gap: F, rate: F, growth: F) -> F {
     let zero = F::splat(0.0);
     let gap = gap.max(zero);
     let root = (rate * rate + F::splat(2.0) * growth * gap).sqrt();
-    let shrinks = F::splat(2.0) * gap / (root - rate).max(F::splat(f32::MIN_POSITIVE));
-    F::select_lt(zero, rate, (rate + root) / growth, shrinks)
+    let above = F::select_lt(zero, rate, rate + root, F::splat(2.0) * gap);
+    above / F::select_lt(zero, rate, growth, (root - rate).max(F::splat(f32::MIN_POSITIVE)))
 }
 
 /// Follows tangents of a gap to its first zero. `gap` gives the gap and the rate at which its tangent changes now.

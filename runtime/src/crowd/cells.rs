@@ -1,6 +1,8 @@
 //! The cells of space that members are registered in.
 
+use super::eights::{Plans, Vectors};
 use super::{NONE, Space, plan::Plan};
+use crate::lanes::Lanes;
 use std::marker::PhantomData;
 
 /// Members of a block.
@@ -86,7 +88,22 @@ impl Block {
         V::from_coordinates([of(&self.axes[0])[i], of(&self.axes[1])[i], third])
     }
 
-    fn put<V: Space>(&mut self, i: usize, plan: &Plan<V>) {
+    /// Plans of all of them.
+    #[inline(always)]
+    pub fn plans<V: Space, F: Lanes>(&self) -> Plans<V, F> {
+        let [x, y, z] = &self.axes;
+        Plans {
+            position: Vectors::load_each([&x.position, &y.position, &z.position]),
+            velocity: Vectors::load_each([&x.velocity, &y.velocity, &z.velocity]),
+            acceleration: Vectors::load_each([&x.acceleration, &y.acceleration, &z.acceleration]),
+            moving: F::load(&self.moving),
+            limit: F::load(&self.limit),
+        }
+    }
+
+    /// Puts a plan in a place.
+    #[inline]
+    pub fn put<V: Space>(&mut self, i: usize, plan: &Plan<V>) {
         (self.start[i], self.end[i]) = (plan.start, plan.end);
         let (x, v, a) = (plan.position.coordinates(), plan.velocity.coordinates(), plan.acceleration.coordinates());
         for axis in 0..V::DIMENSIONS {

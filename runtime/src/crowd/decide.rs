@@ -5,15 +5,16 @@ use super::bound::Bound;
 use super::cells::Cells;
 use super::filter::Filter;
 use super::flow::Flow;
-use super::near::{Look, Rows};
+use super::near::{Heed, Look, Rows};
+use super::others::Others;
 use super::plan::Plan;
 use super::reach::Reach;
 use super::retreat::{LEAST_PATIENT_S, SLOWLY, retreat};
-use super::safety::{Candidate, Lack, Other, lack, lack_of_solid, lever};
-use super::sight::Seen;
+use super::safety::{Candidate, Lack, lack_of_solid, lever};
+use super::sight::{ROUNDING, Seen};
 use super::spline::Cursor;
-use super::steer::{Surroundings, Walker, forces};
-use super::tracing::Tracing;
+use super::steer::{Surroundings, Walker, felt_within, forces, minded_within};
+use super::tracing::{Meeting, Tracer};
 use super::world::{HURRY, World};
 use super::{AtEnd, Forces, NONE, Space};
 use serde::{Deserialize, Serialize};
@@ -72,15 +73,15 @@ pub(crate) struct Mind<V> {
 pub(crate) struct Scratch<V> {
     seen: Vec<Seen<V>>,
     pub rows: Rows,
-    /// Those whose plans a plan may come in conflict with, and how far from its centre they stay. [Unit: m]
-    others: Vec<(f32, Other<V>)>,
+    /// Those whose plans a plan may come in conflict with.
+    others: Others,
 }
 
 impl<V: Space> Scratch<V> {
     pub fn new(cells: &Cells<V>, capacity: usize, num_movers: usize) -> Self {
         let most = capacity + num_movers;
         let rows = Rows::new(cells.most_around());
-        Self { seen: Vec::with_capacity(most), rows, others: Vec::with_capacity(most) }
+        Self { seen: Vec::with_capacity(most), rows, others: Others::new(most) }
     }
 }
 
@@ -101,8 +102,10 @@ pub(crate) struct Wish<V> {
     /// A plan from now on without an end, but for its acceleration.
     pub fresh: Plan<V>,
     pub acceleration: V,
-    /// Coordinates of the cell it is in.
-    pub at: [i32; 3],
+    /// Region around its cell, which it does not leave.
+    pub region: (V, V),
+    /// Whom its bound touches first.
+    pub meeting: Meeting<V>,
     /// How long it may do so: at its goal, not so long that it would go past. [Unit: s]
     pub longest: f32,
 }
@@ -117,8 +120,8 @@ pub(crate) struct Decider<'a, V> {
 }
 
 impl<V: Space> Decider<'_, V> {
-    /// What the force field makes a member wish.
-    pub fn wish(&self, member: u32, scratch: &mut Scratch<V>) -> Wish<V> {
+    /// What the force field makes a member wish; with a tracer, also finds what it needs to take a plan.
+    pub fn wish(&self, member: u32, tracer: Option<Tracer<'_>>, scratch: &mut Scratch<V>) -> Wish<V> {
         let old = self.cells.plan(member);
         let (position, velocity) = old.at(self.time);
         let mut mind = self.minds[member as usize];
@@ -132,25 +135,25 @@ impl<V: Space> Decider<'_, V> {
         }
         let at = self.cells.coordinates(position);
         mind.cell = self.cells.number(at);
-        self.look_around(member, at, &walker, &mind, scratch);
+        let (centre, half) = (self.cells.centre(at), V::from_coordinates([self.cells.side(); 3]));
+        let region = (centre - half, centre + half);
+        let fresh = Plan { start: self.time, position, velocity, moving: f32::INFINITY, ..old };
+        let mut meeting = Meeting::new(&fresh, tracer.map(|_| region));
+        self.look_around((member, at), &walker, &mind, tracer.map(|t| (t, &mut meeting)), scratch);
         let near = self.world.near(mind.cell);
         let f = self.feel(&walker, &mind, near, scratch);
-        let fresh = Plan { start: self.time, position, velocity, moving: f32::INFINITY, ..old };
         let soon = 2.0 * self.world.fields[mind.field as usize].relaxation_s;
         let slows = walker.left < soon * mind.speed && velocity.length_squared() > SLOW * SLOW;
         let longest = if slows { soon } else { f32::INFINITY };
-        Wish { mind, fresh, acceleration: total(&f).at_most(old.limit), at, longest }
+        Wish { mind, fresh, acceleration: total(&f).at_most(old.limit), region, meeting, longest }
     }
 
     /// Takes a new plan for a member; none where it has to keep the one it has.
-    pub fn decide(&self, member: u32, tracing: &impl Tracing<V>, scratch: &mut Scratch<V>) -> Option<Decision<V>> {
+    pub fn decide(&self, member: u32, tracer: Tracer<'_>, scratch: &mut Scratch<V>) -> Option<Decision<V>> {
         let old = self.cells.plan(member);
-        let Wish { mut mind, fresh, acceleration, at, longest } = self.wish(member, scratch);
+        let Wish { mut mind, fresh, acceleration, region, meeting, longest } = self.wish(member, Some(tracer), scratch);
         let near = self.world.near(mind.cell);
-        let centre = self.cells.centre(at);
-        let half = V::from_coordinates([self.cells.side(); 3]);
-        let region = (centre - half, centre + half);
-        let (cause, length) = tracing.first_event(self, &fresh, region, near, scratch);
+        let (cause, length) = tracer.first_event(self, &fresh, &meeting, near);
         let (cause, length) = if length > longest { (Cause::Region, longest) } else { (cause, length) };
         let length = length.max(self.world.interval);
         // Over a plan that is longer than the time to relax, the desired velocity is reached and not passed.
@@ -159,7 +162,7 @@ impl<V: Space> Decider<'_, V> {
         let mut taken = self.safe(&fresh, wish, length, region, near, scratch);
         if taken.is_none() && !self.world.movers.is_empty() {
             // What does not give way may be past avoiding: out of its way all the same.
-            scratch.others.retain(|o| o.1.plan.index != NONE);
+            scratch.others.leave_out_movers();
             taken = self.safe(&fresh, wish, self.world.interval, region, near, scratch);
         }
         let plan = match taken {
@@ -196,7 +199,7 @@ impl<V: Space> Decider<'_, V> {
         let mut walker = self.walker(&mind, &plan, position, velocity);
         self.give_way(&mind, &mut walker);
         let at = self.cells.coordinates(position);
-        self.look_around(member, at, &walker, &mind, scratch);
+        self.look_around((member, at), &walker, &mind, None, scratch);
         let near = self.world.near(self.cells.number(at));
         let f = self.feel(&walker, &mind, near, scratch);
         Forces { taken: plan.acceleration, ..f }
@@ -262,12 +265,35 @@ impl<V: Space> Decider<'_, V> {
         }
     }
 
-    /// Finds everybody who is registered near, and those who are felt.
-    fn look_around(&self, member: u32, at: [i32; 3], me: &Walker<V>, mind: &Mind<V>, scratch: &mut Scratch<V>) {
+    /// Finds those who are felt around a member in a cell; for one who takes a plan also everybody who is registered
+    /// near, and in the scheme that asks for it whom it meets first.
+    fn look_around(
+        &self,
+        (member, at): (u32, [i32; 3]),
+        me: &Walker<V>,
+        mind: &Mind<V>,
+        aim: Option<(Tracer<'_>, &mut Meeting<V>)>,
+        scratch: &mut Scratch<V>,
+    ) {
         scratch.seen.clear();
-        let perception = self.world.fields[mind.field as usize].perception_m;
-        let look = Look { cells: self.cells, at, time: self.time, member, me, perception };
-        look.around(&mut scratch.rows, &mut scratch.seen);
+        let field = &self.world.fields[mind.field as usize];
+        let heed = Heed {
+            perception: field.perception_m,
+            felt: felt_within(me, field),
+            horizon: minded_within(field),
+            room: field.comfort_m + ROUNDING,
+        };
+        let fastest = (HURRY * self.world.speed).max(me.velocity.length());
+        let look = Look { cells: self.cells, at, time: self.time, member, me, heed, fastest };
+        let Scratch { seen, rows, .. } = &mut *scratch;
+        match aim {
+            None => look.around(seen, None, None),
+            Some((Tracer::Occupancy(_), _)) => look.around(seen, Some(rows), None),
+            Some((Tracer::Registration, meeting)) => {
+                look.around(seen, Some(rows), Some(meeting));
+                meeting.look(self.cells, rows.all());
+            }
+        }
         for mover in &self.world.movers {
             let plan = mover.plan(self.time, 1.0);
             let offset = plan.position - me.position;
@@ -313,9 +339,10 @@ impl<V: Space> Decider<'_, V> {
             let way = plan.velocity.length() * (plan.end - plan.start) as f32;
             let free = (plan.position - fresh.position).length() - plan.radius - way;
             if free < reach.mine {
-                scratch.others.push((free, Other::new(&plan, self.time)));
+                scratch.others.push(&plan);
             }
         }
+        scratch.others.prepare(fresh.position, self.time);
     }
 
     /// A plan near the one that is wished for, for which the rule holds.
@@ -371,10 +398,7 @@ impl<V: Space> Decider<'_, V> {
     /// The largest lack of a plan.
     fn worst(&self, candidate: &Candidate<V>, near: &[u32], scratch: &Scratch<V>) -> Option<Lack<V>> {
         let solids = near.iter().filter_map(|&s| lack_of_solid(candidate, &self.world.solids[s as usize]));
-        let reach = candidate.reach();
-        let near = scratch.others.iter().filter(|o| o.0 < reach);
-        let others = near.filter_map(|o| lack(candidate, &o.1));
-        others.chain(solids).reduce(|a, b| if b.lack > a.lack { b } else { a })
+        scratch.others.worst(candidate).into_iter().chain(solids).reduce(|a, b| if b.lack > a.lack { b } else { a })
     }
 
     /// True for one who is to leave the crowd, as it is at the end of its route.

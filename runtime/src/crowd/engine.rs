@@ -4,7 +4,7 @@ use super::cells::Cells;
 use super::decide::{Cause, Decider, Decision, Mind, Scratch};
 use super::flow::{Flow, LOOK_S};
 use super::queue::Calendar;
-use super::tracing::{Registration, Trace, Tracing};
+use super::tracing::{Trace, Tracer};
 use super::watchdog::Watchdog;
 use super::world::World;
 use super::{AtEnd, Counts, CrowdError, Event, EventKind, Id, NONE, Setup, Space};
@@ -170,9 +170,9 @@ impl<V: Space> Crowd<V> {
         self.watch(member, partner)?;
         on_event(&self.count(member, self.kind(cause)));
         let renewed = partner.filter(|&p| self.is_renewed_with(p, member, self.now));
-        self.decide(member, &Registration, on_event);
+        self.decide(member, Tracer::Registration, on_event);
         if let Some(renewed) = renewed.filter(|&p| self.minds[p as usize].cell != NONE) {
-            self.decide(renewed, &Registration, on_event);
+            self.decide(renewed, Tracer::Registration, on_event);
         }
         Ok(())
     }
@@ -188,10 +188,10 @@ impl<V: Space> Crowd<V> {
     }
 
     /// Lets a member take a new plan; false where it has to keep the one it has.
-    pub(super) fn decide(&mut self, member: u32, tracing: &impl Tracing<V>, on_event: &mut impl FnMut(&Event)) -> bool {
+    pub(super) fn decide(&mut self, member: u32, tracer: Tracer<'_>, on_event: &mut impl FnMut(&Event)) -> bool {
         let Self { world, cells, minds, flow, scratch, .. } = self;
         let decider = Decider { world, cells, minds, flow, time: self.now };
-        let Some(decision) = decider.decide(member, tracing, scratch) else { return false };
+        let Some(decision) = V::decide(&decider, member, tracer, scratch) else { return false };
         self.queue.set(member, decision.plan.end);
         if self.take(member, &decision, on_event) {
             self.free.push(member);

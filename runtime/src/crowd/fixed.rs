@@ -124,7 +124,7 @@ impl<V: Space> Crowd<V> {
     fn wish(&mut self, member: u32, step: f32) -> Decision<V> {
         let Self { world, cells, minds, flow, scratch, .. } = self;
         let decider = Decider { world, cells, minds, flow, time: self.now };
-        let wish = decider.wish(member, scratch);
+        let wish = V::wish(&decider, member, None, scratch);
         let fresh = wish.fresh;
         let fastest = HURRY * world.speed;
         let end = (fresh.velocity + wish.acceleration * step).at_most(fastest);

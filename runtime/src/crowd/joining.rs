@@ -2,8 +2,9 @@
 
 use super::decide::{Cause, Mind};
 use super::filter::Filter;
+use super::others::lack;
 use super::plan::Plan;
-use super::safety::{Candidate, MARGIN, Other, lack, lack_of_solid, room};
+use super::safety::{Candidate, MARGIN, lack_of_solid, room};
 use super::spline::Spline;
 use super::tracing::Trace;
 use super::world::{HURRY, check_member};
@@ -89,7 +90,7 @@ impl<V: Space> Crowd<V> {
                 let room = if other.end <= self.now {
                     room(plan, other) - MARGIN
                 } else {
-                    lack(&candidate, &Other::new(other, self.now)).map_or(1.0, |l| -l.lack)
+                    lack(&candidate, other).map_or(1.0, |l| -l.lack)
                 };
                 if room < 0.0 {
                     let (first, second) = (other.index as usize, plan.index as usize);

@@ -2,22 +2,43 @@
 
 use super::Space;
 use super::cells::{BLOCK, Block, Cells, Eight, nth};
+use super::eights::Vectors;
+use super::reach::room;
 use super::sight::Seen;
 use super::steer::Walker;
+use super::tracing::Meeting;
 use crate::lanes::{Lanes, Work, dispatch};
 
 /// Members of one block, as another one finds them at its event.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Found<V, F> {
+    /// From the one who looks to them. [Unit: m]
+    pub offset: Vectors<V, F>,
+    /// [Unit: m/s]
+    pub velocity: Vectors<V, F>,
+    /// Of the centres. [Unit: m]
+    pub distance: F,
+    /// Distance less the radii. [Unit: m]
+    pub gap: F,
+    /// Speed of the one who looks toward them, and theirs away from it. [Unit: m/s]
+    pub toward: F,
+    pub away: F,
+    /// Square of their speed. [Unit: m2/s2]
+    pub square: F,
+    /// How far ahead of the one who looks they are, along where it wants to go. [Unit: m]
+    pub ahead: F,
+    /// Time until they act. [Unit: s]
+    pub until: F,
+}
+
+/// What is kept of those of one block until it is known for how long the one who looks makes its plan.
 #[derive(Clone, Copy, Debug, Default)]
 #[repr(C, align(64))]
 pub(crate) struct Row {
-    /// From the one who looks to them. [Unit: m]
-    pub offset: [Eight; 3],
-    /// [Unit: m/s]
-    pub velocity: [Eight; 3],
-    /// Of the centres. [Unit: m]
-    pub distance: Eight,
-    /// Speed at which the distance shrinks. [Unit: m/s]
-    pub closing: Eight,
+    /// Gap between its disc or ball and their stop regions, along the line of centres. [Unit: m]
+    pub room: Eight,
+    /// Its speed toward them. [Unit: m/s]
+    pub toward: Eight,
     /// No bound of theirs can be met earlier, see [`super::tracing`]. [Unit: s]
     pub soonest: Eight,
     /// See [`Cells::block`].
@@ -55,12 +76,6 @@ impl Rows {
         &self.rows[..self.len]
     }
 
-    /// Those that were found.
-    #[inline]
-    pub fn all_mut(&mut self) -> &mut [Row] {
-        &mut self.rows[..self.len]
-    }
-
     #[inline(always)]
     fn next(&mut self) -> &mut Row {
         if self.len == self.rows.len() {
@@ -80,50 +95,88 @@ pub(crate) struct Look<'a, V> {
     /// Who looks.
     pub member: u32,
     pub me: &'a Walker<V>,
+    pub heed: Heed,
+    /// Largest speed of anybody. [Unit: m/s]
+    pub fastest: f32,
+}
+
+/// Whom one who looks pays heed to.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Heed {
     /// How far it sees. [Unit: m]
     pub perception: f32,
+    /// Gap within which it feels others. [Unit: m]
+    pub felt: f32,
+    /// Time within which it minds whom it may meet. [Unit: s]
+    pub horizon: f32,
+    /// How much larger it takes others for. [Unit: m]
+    pub room: f32,
 }
 
 impl<V: Space> Look<'_, V> {
-    /// Finds all of them, and those within sight.
-    pub fn around(&self, rows: &mut Rows, seen: &mut Vec<Seen<V>>) {
-        rows.len = 0;
-        dispatch(Around { look: self, rows, seen });
+    /// Finds those within sight who matter to it: those whom it feels, and those before it whom it may meet if it goes
+    /// straight at them (see [`super::sight::Sight::see_all`]). For one who takes a plan, `rows` are all others, and
+    /// for one who may meet them, these tell when at the earliest.
+    pub fn around(&self, seen: &mut Vec<Seen<V>>, rows: Option<&mut Rows>, meeting: Option<&Meeting<V>>) {
+        dispatch(Around { look: self, seen, rows, meeting });
     }
 
-    /// Fills a row; gives those within sight.
     #[inline(always)]
-    fn fill<F: Lanes>(&self, block: &Block, row: &mut Row) -> u8 {
-        let (x, v) = (self.me.position.coordinates(), self.me.velocity.coordinates());
+    fn find<F: Lanes>(&self, block: &Block) -> Found<V, F> {
         let age: Eight = std::array::from_fn(|i| (self.time - block.start[i]) as f32);
-        let (age, moving, zero) = (F::load(&age), F::load(&block.moving), F::splat(0.0));
-        let dt = age.min(moving);
-        let half = F::splat(0.5) * dt;
-        let (mut square, mut closing) = (zero, zero);
-        for axis in 0..V::DIMENSIONS {
-            // As `Plan::after`.
-            let its = &block.axes[axis];
-            let (position, velocity) = (F::load(&its.position), F::load(&its.velocity));
-            let acceleration = F::load(&its.acceleration);
-            let offset = position + (velocity + acceleration * half) * dt - F::splat(x[axis]);
-            let velocity = F::select_lt(age, moving, velocity + acceleration * dt, zero);
-            square = square + offset * offset;
-            closing = closing + (F::splat(v[axis]) - velocity) * offset;
-            offset.store(&mut row.offset[axis]);
-            velocity.store(&mut row.velocity[axis]);
+        let until: Eight = std::array::from_fn(|i| (block.end[i] - self.time) as f32);
+        let (age, plans) = (F::load(&age), block.plans::<V, F>());
+        let (position, velocity) = plans.after(age);
+        let offset = position - Vectors::splat(self.me.position);
+        let distance = offset.length_squared().sqrt();
+        let per_distance = F::splat(1.0) / distance.max(F::splat(1e-6));
+        Found {
+            offset,
+            velocity,
+            distance,
+            gap: distance - F::load(&block.radius) - F::splat(self.me.radius),
+            toward: Vectors::splat(self.me.velocity).dot(offset) * per_distance,
+            away: velocity.dot(offset) * per_distance,
+            square: velocity.length_squared(),
+            ahead: Vectors::splat(self.me.desired).dot(offset),
+            until: F::load(&until),
         }
-        let distance = square.sqrt();
-        distance.store(&mut row.distance);
-        (closing / distance.max(F::splat(1e-6))).store(&mut row.closing);
-        square.bits_lt(F::splat(self.perception * self.perception))
+    }
+
+    /// Those who matter.
+    #[inline(always)]
+    fn heeds<F: Lanes>(&self, f: &Found<V, F>) -> u8 {
+        let heed = &self.heed;
+        let felt = f.gap.bits_lt(F::splat(heed.felt));
+        // Straight at them it comes nearer with its desired speed, less their own speed away from it.
+        let reach = F::splat(heed.horizon) * (F::splat(self.me.speed) - f.away);
+        let met = (f.gap - F::splat(heed.room)).bits_lt(reach);
+        let is_ahead = F::splat(-self.me.radius).bits_lt(f.ahead);
+        f.distance.bits_lt(F::splat(heed.perception)) & (felt | met & is_ahead)
+    }
+
+    /// Adds some of a block to those who are seen.
+    #[inline(always)]
+    fn see<F: Lanes>(&self, f: &Found<V, F>, block: &Block, which: u8, seen: &mut Vec<Seen<V>>) {
+        let (offset, velocity, distance) = (f.offset.to_arrays(), f.velocity.to_arrays(), f.distance.to_array());
+        for i in bits(which) {
+            seen.push(Seen {
+                offset: nth(&offset, i),
+                velocity: nth(&velocity, i),
+                distance: distance[i],
+                radii: self.me.radius + block.radius[i],
+                yields: true,
+            });
+        }
     }
 }
 
 /// See [`Look::around`].
 struct Around<'a, V> {
     look: &'a Look<'a, V>,
-    rows: &'a mut Rows,
     seen: &'a mut Vec<Seen<V>>,
+    rows: Option<&'a mut Rows>,
+    meeting: Option<&'a Meeting<V>>,
 }
 
 impl<V: Space> Work for Around<'_, V> {
@@ -131,25 +184,30 @@ impl<V: Space> Work for Around<'_, V> {
 
     #[inline(always)]
     fn run<F: Lanes>(self) {
-        let Self { look, rows, seen } = self;
+        let Self { look, seen, mut rows, meeting } = self;
         let (own_block, own_place) = look.cells.place(look.member);
+        if let Some(rows) = &mut rows {
+            rows.len = 0;
+        }
         look.cells.around(look.at, |cell| {
             look.cells.each_block(cell, |block, number, len| {
-                let row = rows.next();
-                let in_sight = look.fill::<F>(block, row);
-                row.block = number;
-                row.there = ((1u32 << len) - 1) as u8;
+                let mut there = ((1u32 << len) - 1) as u8;
                 if number == own_block {
-                    row.there &= !(1 << own_place);
+                    there &= !(1 << own_place);
                 }
-                for i in bits(row.there & in_sight) {
-                    seen.push(Seen {
-                        offset: nth(&row.offset, i),
-                        velocity: nth(&row.velocity, i),
-                        distance: row.distance[i],
-                        radii: look.me.radius + block.radius[i],
-                        yields: true,
-                    });
+                let found = look.find::<F>(block);
+                let heeded = there & look.heeds(&found);
+                if heeded != 0 {
+                    look.see(&found, block, heeded, seen);
+                }
+                if let Some(rows) = &mut rows {
+                    let row = rows.next();
+                    (row.block, row.there) = (number, there);
+                    found.toward.store(&mut row.toward);
+                    room(&found, F::load(&block.limit), look.fastest).store(&mut row.room);
+                    if let Some(meeting) = meeting {
+                        meeting.soonest(block, there, &found).store(&mut row.soonest);
+                    }
                 }
             });
         });
@@ -160,8 +218,11 @@ impl<V: Space> Work for Around<'_, V> {
 pub(super) mod tests {
     use super::*;
     use crate::crowd::plan::Plan;
+    use crate::crowd::sight::Sight;
     use glam::{Vec2, Vec3};
     use proptest::prelude::*;
+
+    const HEED: Heed = Heed { perception: 2.0, felt: 0.3, horizon: 1.0, room: 0.02 };
 
     /// Time at which the tests look.
     pub(in crate::crowd) const NOW: f64 = 10.0;
@@ -195,78 +256,81 @@ pub(super) mod tests {
         })
     }
 
-    /// Cells with members in them, and what the first one finds around it.
-    pub(in crate::crowd) fn rows_around<V: Space>(plans: &[Plan<V>]) -> (Cells<V>, Rows) {
+    /// Cells with members in them.
+    fn cells_of<V: Space>(plans: &[Plan<V>]) -> Cells<V> {
         let mut cells = Cells::new(2.5, V::from_coordinates([9.0; 3]), plans.len());
         for plan in plans {
             cells.insert(cells.number(cells.coordinates(plan.position)), plan);
         }
+        cells
+    }
+
+    /// Cells with members in them, and what the first one finds around it.
+    pub(in crate::crowd) fn rows_around<V: Space>(plans: &[Plan<V>], meeting: Option<&Meeting<V>>) -> (Cells<V>, Rows) {
+        let cells = cells_of(plans);
         let (position, velocity) = plans[0].at(NOW);
         let me = Walker { position, velocity, radius: plans[0].radius, limit: 5.0, ..Walker::default() };
         let at = cells.coordinates(plans[0].position);
         let mut rows = Rows::default();
-        Look { cells: &cells, at, time: NOW, member: 0, me: &me, perception: 2.0 }.around(&mut rows, &mut Vec::new());
+        let fastest = plans.iter().flat_map(|p| [p.velocity, p.at(p.end).1]).map(V::length).fold(0.0, f32::max);
+        let look = Look { cells: &cells, at, time: NOW, member: 0, me: &me, heed: HEED, fastest };
+        look.around(&mut Vec::new(), Some(&mut rows), meeting);
         (cells, rows)
     }
 
-    fn plans<V: Space>() -> impl Strategy<Value = Vec<Plan<V>>> {
-        let vector = || [-3.0f32..3.0, -3.0f32..3.0, -3.0f32..3.0].prop_map(V::from_coordinates);
-        let plan = (vector(), vector(), vector(), 0.0f64..0.3, any::<bool>()).prop_map(|(x, v, a, age, brakes)| {
-            let start = 10.0 - age;
-            let mut plan = Plan { start, end: 11.0, position: x, velocity: v, acceleration: a, ..Plan::default() };
-            (plan.radius, plan.limit, plan.moving) = (0.3, 5.0, f32::INFINITY);
-            if brakes {
-                plan.brake();
-            }
-            plan
-        });
-        proptest::collection::vec(plan, 2..60)
+    /// All but the one who looks are found, where their plans say, and seen if they matter.
+    fn finds_everybody<V: Space>(plans: &[Plan<V>]) -> Result<(), TestCaseError> {
+        let cells = cells_of(plans);
+        let (position, velocity) = plans[0].at(NOW);
+        let desired = V::from_coordinates([0.6, -0.8, 0.0]);
+        let me = Walker { position, velocity, radius: 0.3, limit: 5.0, desired, speed: 1.3, ..Walker::default() };
+        let at = cells.coordinates(plans[0].position);
+        let see = |heed: Heed| {
+            let look = Look { cells: &cells, at, time: NOW, member: 0, me: &me, heed, fastest: 4.0 };
+            let (mut rows, mut seen) = (Rows::default(), Vec::new());
+            look.around(&mut seen, Some(&mut rows), None);
+            (rows, seen)
+        };
+        let (rows, seen) = see(Heed { perception: 1e3, felt: 1e3, ..HEED });
+        let plans = rows.all().iter().flat_map(|r| bits(r.there).map(|i| cells.block(r.block).plan(i)));
+        let found: Vec<Plan<V>> = plans.collect();
+        let mut around = Vec::new();
+        cells.around(at, |cell| cells.each(cell, |p| around.push(p.index)));
+        around.sort_unstable();
+        let mut indices: Vec<u32> = found.iter().map(|p| p.index).chain([0]).collect();
+        indices.sort_unstable();
+        prop_assert_eq!(&indices, &around);
+        prop_assert_eq!(seen.len(), found.len());
+        for (plan, seen) in found.iter().zip(&seen) {
+            let (x, v) = plan.at(NOW);
+            prop_assert_eq!((seen.offset, seen.velocity), (x - position, v));
+            prop_assert_eq!((seen.distance, seen.radii), ((x - position).length(), 0.3 + plan.radius));
+        }
+        heeds_who_matters(&me, &seen, &see(HEED).1)
     }
 
-    /// Rows hold everybody but the one who looks, where the plans say.
-    fn finds_everybody<V: Space>(plans: &[Plan<V>]) -> Result<(), TestCaseError> {
-        let mut cells = Cells::new(2.5, V::from_coordinates([9.0; 3]), plans.len());
-        for (index, plan) in (0..).zip(plans) {
-            let plan = Plan { index, ..*plan };
-            cells.insert(cells.number(cells.coordinates(plan.position)), &plan);
-        }
-        let (position, velocity) = plans[0].at(10.0);
-        let me = Walker { position, velocity, radius: 0.3, limit: 5.0, ..Walker::default() };
-        let at = cells.coordinates(position);
-        let look = Look { cells: &cells, at, time: 10.0, member: 0, me: &me, perception: 2.0 };
-        let (mut rows, mut seen) = (Rows::default(), Vec::new());
-        look.around(&mut rows, &mut seen);
-        let mut found = 0;
-        for row in rows.all() {
-            for i in bits(row.there) {
-                let plan: Plan<V> = cells.block(row.block).plan(i);
-                prop_assert!(plan.index != 0);
-                let (x, v) = plan.at(10.0);
-                let offset = x - position;
-                prop_assert_eq!((nth::<V>(&row.offset, i), nth::<V>(&row.velocity, i)), (offset, v));
-                prop_assert_eq!(row.distance[i], offset.length());
-                let closing = (velocity - v).dot(offset) / offset.length().max(1e-6);
-                prop_assert!((row.closing[i] - closing).abs() < 1e-5);
-                found += 1;
+    /// Of those within sight, whoever is left out is not felt, and is in no direction met before the horizon.
+    fn heeds_who_matters<V: Space>(me: &Walker<V>, all: &[Seen<V>], seen: &[Seen<V>]) -> Result<(), TestCaseError> {
+        prop_assert!(seen.iter().all(|s| s.distance < HEED.perception));
+        for other in all.iter().filter(|o| o.distance < HEED.perception) {
+            if !seen.iter().any(|s| (s.offset, s.velocity) == (other.offset, other.velocity)) {
+                prop_assert!(other.distance - other.radii > HEED.felt - 1e-5);
+                let mut sight = Sight::along(me.desired, me.speed);
+                sight.see_all(&[*other], -me.radius, 0.01, f32::INFINITY);
+                prop_assert!(sight.soonest() > HEED.horizon, "{other:?} is met after {} s", sight.soonest());
             }
         }
-        let mut around = 0;
-        cells.around(at, |cell| cells.each(cell, |_| around += 1));
-        prop_assert_eq!(found + 1, around);
-        let near = seen.iter().all(|s| s.distance < 2.0 && s.offset.length() == s.distance && s.radii == 0.6);
-        let num = rows.all().iter().flat_map(|r| bits(r.there).map(|i| r.distance[i])).filter(|d| *d < 2.0).count();
-        prop_assert!(near && seen.len() == num);
         Ok(())
     }
 
     proptest! {
         #[test]
-        fn finds_everybody_around_on_the_ground(plans in plans::<Vec2>()) {
+        fn finds_everybody_around_on_the_ground(plans in crowd::<Vec2>()) {
             finds_everybody(&plans)?;
         }
 
         #[test]
-        fn finds_everybody_around_in_the_air(plans in plans::<Vec3>()) {
+        fn finds_everybody_around_in_the_air(plans in crowd::<Vec3>()) {
             finds_everybody(&plans)?;
         }
     }

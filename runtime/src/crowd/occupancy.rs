@@ -4,9 +4,8 @@ use super::bound::{Bound, fall};
 use super::cells::Cells;
 use super::contacts::Contacts;
 use super::crossing::{Crossing, next_crossing, range};
-use super::decide::{Cause, Decider, PATIENT, Scratch};
+use super::decide::{Cause, Decider, PATIENT};
 use super::plan::Plan;
-use super::tracing::Tracing;
 use super::{NONE, Space};
 use serde::{Deserialize, Serialize};
 
@@ -245,17 +244,10 @@ impl Occupancy {
     }
 }
 
-impl<V: Space> Tracing<V> for Occupancy {
-    /// When the bound is as wide as a cell, or touches another one in a cell that it occupies.
+impl Occupancy {
+    /// When the bound of a new plan is as wide as a cell, or touches another one in a cell that it occupies.
     #[inline]
-    fn first_event(
-        &self,
-        at: &Decider<'_, V>,
-        fresh: &Plan<V>,
-        _region: (V, V),
-        near: &[u32],
-        _scratch: &mut Scratch<V>,
-    ) -> (Cause, f32) {
+    pub fn first_meeting<V: Space>(&self, at: &Decider<'_, V>, fresh: &Plan<V>) -> (Cause, f32) {
         let (bound, side) = (Bound::from(fresh), at.cells.side());
         let mut first = (Cause::Region, fall(0.5 * WIDEST * side - fresh.radius, 0.0, fresh.limit));
         let (low, high) = range(side, fresh);
@@ -269,7 +261,7 @@ impl<V: Space> Tracing<V> for Occupancy {
                 }
             }
         });
-        at.first_obstacle(&bound, near, first)
+        first
     }
 }
 

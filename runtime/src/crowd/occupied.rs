@@ -4,7 +4,7 @@ use super::bound::Bound;
 use super::decide::Cause;
 use super::occupancy::Occupancy;
 use super::plan::Plan;
-use super::tracing::Trace;
+use super::tracing::{Trace, Tracer};
 use super::{Crowd, CrowdError, Event, EventKind, NONE, Space};
 
 /// Gap between two that touch. [Unit: m]
@@ -94,7 +94,7 @@ impl<V: Space> Crowd<V> {
 
     /// Makes a bound anew with another plan, if there is one that is safe.
     fn reset(&mut self, o: &mut Occupancy, member: u32, on_event: &mut impl FnMut(&Event)) {
-        let is_new = self.decide(member, &*o, on_event);
+        let is_new = self.decide(member, Tracer::Occupancy(o), on_event);
         if self.minds[member as usize].cell == NONE {
             self.forget(o, member, on_event);
             return;

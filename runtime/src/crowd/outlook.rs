@@ -16,7 +16,7 @@ const MANY: f32 = 3.0;
 /// Members of a square to the right at which it turns aside less, and with which it does not: the right side is full.
 const FULL: [f32; 2] = [3.0, 5.0];
 /// Time for which a direction is free to be wholly worth turning to. [Unit: s]
-const OPEN_S: f32 = 0.5;
+pub(crate) const OPEN_S: f32 = 0.5;
 
 /// How many come toward one who goes along a unit vector, or want to, from afar; none from beyond its goal.
 ///

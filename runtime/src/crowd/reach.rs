@@ -1,10 +1,10 @@
 //! Whose stop regions a plan may come to: a first look that leaves few to compare exactly.
 
 use super::Space;
-use super::cells::{Cells, Eight};
-use super::near::{Row, bits};
+use super::cells::Cells;
+use super::near::{Found, Row, bits};
+use super::others::Others;
 use super::plan::Plan;
-use super::safety::Other;
 use crate::lanes::{Lanes, Work, dispatch};
 
 /// Room for rounding. [Unit: m]
@@ -13,7 +13,6 @@ const ROOM: f32 = 0.01;
 /// A plan that is to be found, whatever acceleration it will have.
 pub(crate) struct Reach<'a, V> {
     pub cells: &'a Cells<V>,
-    pub time: f64,
     /// Largest speed of anybody. [Unit: m/s]
     pub fastest: f32,
     /// Where it starts.
@@ -28,13 +27,14 @@ impl<'a, V: Space> Reach<'a, V> {
     /// For a plan of a length at most, made at its start.
     pub fn new(cells: &'a Cells<V>, fastest: f32, fresh: &'a Plan<V>, length: f32) -> Self {
         let speed = fresh.velocity.length();
-        let fast = (speed + fresh.limit * length).min(fastest.max(speed));
+        let fastest = fastest.max(speed);
+        let fast = (speed + fresh.limit * length).min(fastest);
         let mine = fast * length + 0.5 * fast * fast / fresh.limit + fresh.radius + ROOM;
-        Self { cells, time: fresh.start, fastest, fresh, length, mine }
+        Self { cells, fastest, fresh, length, mine }
     }
 
-    /// Adds those that it may come to, and how far from its centre their stop regions stay.
-    pub fn find(&self, rows: &[Row], others: &mut Vec<(f32, Other<V>)>) {
+    /// Adds those that it may come to.
+    pub fn find(&self, rows: &[Row], others: &mut Others) {
         dispatch(Find { reach: self, rows, others });
     }
 }
@@ -49,11 +49,18 @@ fn extent<F: Lanes>((part, speed): (F, F), (limit, fastest): (F, F), time: F) ->
     (part.max(zero) + half * gain) * time + half * last / limit
 }
 
+/// Gap between the disc or ball of one who looks and the stop regions of others, whatever they do: see [`Row::room`].
+#[inline(always)]
+pub(crate) fn room<V: Space, F: Lanes>(found: &Found<V, F>, limit: F, fastest: f32) -> F {
+    let its = extent((-found.away, found.square.sqrt()), (limit, F::splat(fastest)), found.until);
+    found.gap - its - F::splat(ROOM)
+}
+
 /// See [`Reach::find`].
 struct Find<'a, V> {
     reach: &'a Reach<'a, V>,
     rows: &'a [Row],
-    others: &'a mut Vec<(f32, Other<V>)>,
+    others: &'a mut Others,
 }
 
 impl<V: Space> Work for Find<'_, V> {
@@ -61,33 +68,13 @@ impl<V: Space> Work for Find<'_, V> {
 
     #[inline(always)]
     fn run<F: Lanes>(self) {
-        let Self { reach: &Reach { cells, time, fastest, fresh, length, mine }, rows, others } = self;
-        let (v, zero) = (fresh.velocity.coordinates(), F::splat(0.0));
-        let speed = fresh.velocity.length();
-        let fastest = F::splat(fastest.max(speed));
+        let Self { reach: &Reach { cells, fastest, fresh, length, .. }, rows, others } = self;
+        let speed = F::splat(fresh.velocity.length());
+        let limits = (F::splat(fresh.limit), F::splat(fastest));
         for row in rows {
-            let block = cells.block(row.block);
-            let until: Eight = std::array::from_fn(|i| (block.end[i] - time) as f32);
-            let (mut square, mut along) = (zero, zero);
-            for axis in 0..V::DIMENSIONS {
-                let its = F::load(&row.velocity[axis]);
-                square = square + its * its;
-                along = along + F::splat(v[axis]) * F::load(&row.offset[axis]);
-            }
-            // Along the line of centres, each toward the other one.
-            let distance = F::load(&row.distance);
-            let my_part = along / distance.max(F::splat(1e-6));
-            let its_part = F::load(&row.closing) - my_part;
-            let mine_along = extent((my_part, F::splat(speed)), (F::splat(fresh.limit), fastest), F::splat(length));
-            let its_along = extent((its_part, square.sqrt()), (F::load(&block.limit), fastest), F::load(&until));
-            let radii = F::load(&block.radius) + F::splat(fresh.radius + ROOM);
-            let free = distance - radii - mine_along - its_along;
-            for i in bits(row.there & free.bits_lt(zero)) {
-                let other = Other::new(&block.plan(i), time);
-                let free = row.distance[i] - other.plan.radius - other.reach();
-                if free < mine {
-                    others.push((free, other));
-                }
+            let extent = extent((F::load(&row.toward), speed), limits, F::splat(length));
+            for i in bits(row.there & F::load(&row.room).bits_lt(extent)) {
+                others.push(&cells.block(row.block).plan::<V>(i));
             }
         }
     }
@@ -106,22 +93,24 @@ mod tests {
     /// compared with: they are apart.
     fn leaves_out_only_who_is_apart<V: Space>(plans: &[Plan<V>], a: V, length: f32) -> Result<(), TestCaseError> {
         let fastest = plans.iter().flat_map(|p| [p.velocity, p.at(p.end).1]).map(V::length).fold(0.0, f32::max);
-        let (cells, rows) = rows_around(plans);
+        let (cells, rows) = rows_around(plans, None);
         let (position, velocity) = plans[0].at(NOW);
         let fresh = Plan { start: NOW, position, velocity, moving: f32::INFINITY, ..plans[0] };
         let reach = Reach::new(&cells, fastest, &fresh, length);
-        let mut found = Vec::new();
-        reach.find(rows.all(), &mut found);
+        let mut others = Others::default();
+        reach.find(rows.all(), &mut others);
+        others.prepare(position, NOW);
         for share in [0.3, 1.0] {
             // As candidates are made.
             let length = share * length;
             let a = ((velocity + a.at_most(fresh.limit) * length).at_most(fastest) - velocity) * length.recip();
             let me =
                 Candidate::new(Plan { end: NOW + f64::from(length), acceleration: a.at_most(fresh.limit), ..fresh });
+            let compared = others.within(me.reach());
             for row in rows.all() {
                 for i in bits(row.there) {
                     let other: Plan<V> = cells.block(row.block).plan(i);
-                    if found.iter().any(|o| o.1.plan.index == other.index && o.0 < me.reach()) {
+                    if compared.contains(&other.index) {
                         continue;
                     }
                     for i in 0..=40 {

@@ -18,8 +18,14 @@ const SOFT: f32 = 0.06;
 const NEAR: f32 = 0.75;
 /// Distance, in radii of two, within which somebody is near.
 const AT_HAND: f32 = 3.0;
+/// Most looks at a solid along one direction; at a wall, two are enough.
+const LOOKS: usize = 5;
+/// Cosine of the angle to a solid below which a direction leads past it.
+const PAST: f32 = 0.02;
+/// Gap to a solid that counts as none. [Unit: m]
+const TOUCHING: f32 = 0.02;
 /// Room for rounding. [Unit: m]
-const ROUNDING: f32 = 0.01;
+pub(crate) const ROUNDING: f32 = 0.01;
 
 /// Another one as it is seen.
 #[derive(Clone, Copy, Debug)]
@@ -73,10 +79,10 @@ impl<V: Space> Sight<V> {
         out
     }
 
-    /// Takes in everybody who is not farther behind than `behind`: first those who are near, as few of those beyond can
-    /// be met before them in any direction.
+    /// Takes in everybody who is not farther behind than `behind` and may be met before `horizon`: first those who are
+    /// near, as few of those beyond can be met before them in any direction.
     #[inline(always)]
-    pub fn see_all(&mut self, seen: &[Seen<V>], behind: f32, comfort: f32) {
+    pub fn see_all(&mut self, seen: &[Seen<V>], behind: f32, comfort: f32, horizon: f32) {
         let ahead = self.directions[0];
         let is_near = |other: &Seen<V>| other.distance < AT_HAND * other.radii;
         for other in seen {
@@ -84,10 +90,11 @@ impl<V: Space> Sight<V> {
                 self.see(other, comfort);
             }
         }
-        let last = self.free.iter().fold(0.0, |a: f32, &b| a.max(b));
+        let last = self.free.iter().fold(0.0, |a: f32, &b| a.max(b)).min(horizon);
         for other in seen {
-            let soon =
-                other.distance - other.radii - comfort < last * (self.speed + other.velocity.length()) + ROUNDING;
+            // Straight at them it comes nearer with its speed, less their own speed away from it.
+            let closing = self.speed * other.distance - other.offset.dot(other.velocity);
+            let soon = (other.distance - other.radii - comfort - ROUNDING) * other.distance < last * closing;
             if !is_near(other) && soon && other.offset.dot(ahead) > behind {
                 self.see(other, comfort);
             }
@@ -113,29 +120,40 @@ impl<V: Space> Sight<V> {
         }
     }
 
-    /// Takes in a solid that stands, by steps of its distance.
+    /// Takes in a solid that stands: goes on to the plane that touches it where it is nearest, as it is convex and all
+    /// of it is beyond, and looks again from there.
     pub fn see_solid(&mut self, solid: &Solid<V>, x: V, radius: f32, horizon: f32) {
         let reach = self.speed * horizon;
-        if solid.away(x).1 - radius > reach {
+        let (nearest, distance) = solid.away(x);
+        if distance - radius > reach {
             return;
         }
         for (direction, free) in self.directions.iter().zip(&mut self.free) {
-            let mut way = 0.0;
-            for _ in 0..6 {
-                let (away, distance) = solid.away(x + *direction * way);
-                let gap = distance - radius;
-                if gap < 0.02 {
-                    if direction.dot(away) < -0.02 {
-                        *free = free.min(way / self.speed.max(1e-3));
-                    }
+            let farthest = reach.min(*free * self.speed);
+            let (mut way, mut away, mut gap) = (0.0, nearest, distance - radius);
+            for _ in 0..LOOKS {
+                let toward = -direction.dot(away);
+                if toward < PAST {
                     break;
                 }
-                way += gap;
-                if way > reach {
+                if gap < TOUCHING {
+                    *free = free.min(way / self.speed.max(1e-3));
                     break;
                 }
+                way += gap / toward;
+                if way > farthest {
+                    break;
+                }
+                let (next, distance) = solid.away(x + *direction * way);
+                (away, gap) = (next, distance - radius);
             }
         }
+    }
+
+    /// When something is met in the direction in which that is first. [Unit: s]
+    #[cfg(test)]
+    pub fn soonest(&self) -> f32 {
+        self.free.iter().fold(NEVER, |a, &b| a.min(b))
     }
 
     /// Direction to take and how long it is free: the one that is free longest, the less so the more it is a detour,
@@ -186,7 +204,8 @@ impl<V: Space> Sight<V> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use glam::Vec2;
+    use glam::{Vec2, Vec3};
+    use proptest::prelude::*;
 
     fn seen(offset: Vec2, velocity: Vec2) -> Seen<Vec2> {
         Seen { offset, velocity, distance: offset.length(), radii: 0.6, yields: true }
@@ -203,6 +222,38 @@ mod tests {
             let first = (0..4000).map(|i| i as f32 * 1e-3).find(|&t| gap(t) <= 0.0);
             assert!((first.unwrap_or(NEVER) - free).abs() < 2e-3, "{direction} {first:?} {free}");
         }
+    }
+
+    /// Who is left out is met after the horizon in each direction, or after somebody else.
+    fn leaves_out_only_who_does_not_matter<V: Space>(others: &[([f32; 3], [f32; 3])]) -> Result<(), TestCaseError> {
+        let ahead = V::from_coordinates([0.6, -0.8, 0.0]);
+        let (mut all, mut some) = (Sight::along(ahead, 1.3), Sight::along(ahead, 1.3));
+        let seen: Vec<Seen<V>> = others
+            .iter()
+            .map(|&(x, v)| (V::from_coordinates(x), V::from_coordinates(v)))
+            .map(|(offset, velocity)| Seen { offset, velocity, distance: offset.length(), radii: 0.6, yields: true })
+            .collect();
+        seen.iter().filter(|o| o.offset.dot(ahead) > -0.3).for_each(|o| all.see(o, 0.02));
+        some.see_all(&seen, -0.3, 0.02, 2.0);
+        prop_assert_eq!(all.free.map(|t| t.min(2.0)), some.free.map(|t| t.min(2.0)));
+        Ok(())
+    }
+
+    proptest! {
+        #[test]
+        fn leaves_out_only_who_does_not_matter_on_the_ground(others in others()) {
+            leaves_out_only_who_does_not_matter::<Vec2>(&others)?;
+        }
+
+        #[test]
+        fn leaves_out_only_who_does_not_matter_in_the_air(others in others()) {
+            leaves_out_only_who_does_not_matter::<Vec3>(&others)?;
+        }
+    }
+
+    fn others() -> impl Strategy<Value = Vec<([f32; 3], [f32; 3])>> {
+        let vector = |most: f32| prop::array::uniform3(-most..most);
+        proptest::collection::vec((vector(6.0), vector(2.0)), 0..40)
     }
 
     #[test]

@@ -5,10 +5,52 @@ use serde::{Serialize, de::DeserializeOwned};
 use std::fmt::Debug;
 use std::ops::{Add, AddAssign, Mul, Neg, Sub, SubAssign};
 
+// Nobody outside can name what its functions take.
+#[allow(private_interfaces)]
 mod sealed {
-    pub trait Sealed {}
-    impl Sealed for glam::Vec2 {}
-    impl Sealed for glam::Vec3 {}
+    use crate::crowd::decide::{Decider, Decision, Scratch, Wish};
+    use crate::crowd::tracing::Tracer;
+
+    /// What members decide, as functions of this crate: crates that use a crowd do not compile its hot loops anew, each
+    /// with its own settings and split into its own units.
+    pub trait Sealed: Sized {
+        /// See [`Decider::wish`].
+        fn wish(
+            at: &Decider<'_, Self>,
+            member: u32,
+            tracer: Option<Tracer<'_>>,
+            scratch: &mut Scratch<Self>,
+        ) -> Wish<Self>;
+
+        /// See [`Decider::decide`].
+        fn decide(
+            at: &Decider<'_, Self>,
+            member: u32,
+            tracer: Tracer<'_>,
+            scratch: &mut Scratch<Self>,
+        ) -> Option<Decision<Self>>;
+    }
+
+    macro_rules! seal {
+        ($($space:ty)*) => { $(
+            impl Sealed for $space {
+                fn wish(at: &Decider<'_, Self>, member: u32, tracer: Option<Tracer<'_>>, scratch: &mut Scratch<Self>) -> Wish<Self> {
+                    at.wish(member, tracer, scratch)
+                }
+
+                fn decide(
+                    at: &Decider<'_, Self>,
+                    member: u32,
+                    tracer: Tracer<'_>,
+                    scratch: &mut Scratch<Self>,
+                ) -> Option<Decision<Self>> {
+                    at.decide(member, tracer, scratch)
+                }
+            }
+        )* };
+    }
+
+    seal! { glam::Vec2 glam::Vec3 }
 }
 
 /// Where a crowd moves: on the ground ([`Vec2`]: x and z of the world) or through the air ([`Vec3`]).

@@ -2,7 +2,7 @@
 
 use super::beside::{Caution, between_walls};
 use super::flow::Flow;
-use super::outlook::coming;
+use super::outlook::{OPEN_S, coming};
 use super::sight::{Seen, Sight};
 use super::solid::Solid;
 use super::{Field, Forces, Interest, Space};
@@ -57,7 +57,7 @@ pub(crate) struct Surroundings<'a, V> {
 pub(crate) fn forces<V: Space>(me: &Walker<V>, field: &Field, around: &Surroundings<'_, V>) -> Forces<V> {
     let &Surroundings { seen, solids, near, flow, interests } = around;
     let mut sight = Sight::along(me.desired, me.speed);
-    vectorize(|| sight.see_all(seen, -me.radius, field.comfort_m));
+    vectorize(|| sight.see_all(seen, -me.radius, field.comfort_m, minded_within(field)));
     for &s in near {
         sight.see_solid(&solids[s as usize], me.position, me.radius, field.horizon_s);
     }
@@ -79,8 +79,7 @@ pub(crate) fn forces<V: Space>(me: &Walker<V>, field: &Field, around: &Surroundi
         f.interaction += toward * (interest.strength * (1.0 - distance / interest.reach).max(0.0));
     }
     let mut escape = V::default();
-    let behind_one = field.headway_m + field.headway_s * me.speed;
-    let far = field.turning_m.max(field.decelerating_m).max(field.repulsion_m).max(behind_one);
+    let far = felt_within(me, field);
     for other in seen {
         if other.distance - other.radii < far && other.distance > 0.0 {
             feel(&mut f, me, field, other);
@@ -103,6 +102,19 @@ pub(crate) fn forces<V: Space>(me: &Walker<V>, field: &Field, around: &Surroundi
     f.driving = f.driving * rest;
     f.turning = f.turning * rest + escape;
     f
+}
+
+/// Gap within which others are felt, beside being seen. [Unit: m]
+#[inline]
+pub(crate) fn felt_within<V: Space>(me: &Walker<V>, field: &Field) -> f32 {
+    let behind_one = field.headway_m + field.headway_s * me.speed;
+    field.turning_m.max(field.decelerating_m).max(field.repulsion_m).max(behind_one)
+}
+
+/// Time within which it matters that somebody is met. [Unit: s]
+#[inline]
+pub(crate) fn minded_within(field: &Field) -> f32 {
+    field.horizon_s.max(OPEN_S)
 }
 
 /// Fastest one may go along a heading behind somebody: so that there is time to do as that one does, and room left

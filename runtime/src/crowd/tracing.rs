@@ -1,105 +1,121 @@
 //! How a crowd finds out who has to act next: the scheme of 001, and what it shares with that of 000.
 
 use super::bound::{Bound, fall_each};
-use super::cells::{Cells, nth};
-use super::decide::{Cause, Decider, Scratch};
+use super::cells::{Block, Cells};
+use super::decide::{Cause, Decider};
 use super::fixed::Fixed;
-use super::near::{Row, bits};
+use super::near::{Found, Row, bits};
 use super::occupancy::{Occupancy, narrowest};
 use super::plan::Plan;
 use super::{CrowdConfig, CrowdError, Member, Scheme, Space};
 use crate::lanes::{Lanes, Work, dispatch};
 use serde::{Deserialize, Serialize};
 
-/// A scheme of events, known when the code is compiled.
-pub(crate) trait Tracing<V: Space> {
-    /// When the bound of a new plan touches something first, and what.
-    fn first_event(
-        &self,
-        at: &Decider<'_, V>,
-        fresh: &Plan<V>,
-        region: (V, V),
-        near: &[u32],
-        scratch: &mut Scratch<V>,
-    ) -> (Cause, f32);
+/// How a member at an event finds out when it acts next.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Tracer<'a> {
+    /// The scheme of 001 section 2.1: a bound stays in the region around the cell it is registered in, so that it can
+    /// only meet those who are registered in cells next to that.
+    Registration,
+    /// The scheme of 000 section 2: who is in the same cells.
+    Occupancy(&'a Occupancy),
 }
 
-/// The scheme of 001 section 2.1: a bound stays in the region around the cell it is registered in, so that it can
-/// only meet those who are registered in cells next to that.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Registration;
-
-impl<V: Space> Tracing<V> for Registration {
+impl Tracer<'_> {
+    /// When the bound of a new plan touches something first, and what; `meeting` is what came of the look around.
     #[inline]
-    fn first_event(
-        &self,
+    pub fn first_event<V: Space>(
+        self,
         at: &Decider<'_, V>,
         fresh: &Plan<V>,
-        region: (V, V),
+        meeting: &Meeting<V>,
         near: &[u32],
-        scratch: &mut Scratch<V>,
     ) -> (Cause, f32) {
-        let bound = Bound::from(fresh);
-        let region = (Cause::Region, bound.first_exit(region.0, region.1));
-        let first = dispatch(Meet { cells: at.cells, bound: &bound, rows: scratch.rows.all_mut(), first: region });
-        at.first_obstacle(&bound, near, first)
+        let first = match self {
+            Self::Registration => meeting.first,
+            Self::Occupancy(occupancy) => occupancy.first_meeting(at, fresh),
+        };
+        at.first_obstacle(&meeting.bound, near, first)
     }
 }
 
 /// Looks for the first of all around whose bound is touched, if that is before `first`. At an event it is known where
 /// everybody is, so that all bounds are taken as made then: that is never late, and they meet later than old ones.
-struct Meet<'a, V> {
-    cells: &'a Cells<V>,
-    bound: &'a Bound<V>,
-    rows: &'a mut [Row],
-    first: (Cause, f32),
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Meeting<V> {
+    pub bound: Bound<V>,
+    pub first: (Cause, f32),
 }
 
-impl<V: Space> Meet<'_, V> {
-    /// The first meeting with one of a row, if that is before all that is known.
+impl<V: Space> Meeting<V> {
+    /// With nobody yet: when the bound of a plan leaves its region, if it has one.
     #[inline]
-    fn meet(&mut self, row: usize, i: usize) {
-        let row = &self.rows[row];
-        let block = self.cells.block(row.block);
-        let (radii, growth) = (self.bound.radius + block.radius[i], self.bound.limit + block.limit[i]);
-        let (offset, velocity) = (nth(&row.offset, i), nth(&row.velocity, i));
-        let contact = self.bound.first_meeting(offset, velocity, radii, growth, self.first.1);
+    pub fn new(fresh: &Plan<V>, region: Option<(V, V)>) -> Self {
+        let bound = Bound::from(fresh);
+        Self { bound, first: (Cause::Region, region.map_or(f32::INFINITY, |r| bound.first_exit(r.0, r.1))) }
+    }
+
+    /// When those of a block are met at the earliest, as their first tangents say; never if that is after `first`.
+    #[inline(always)]
+    pub fn soonest<F: Lanes>(&self, block: &Block, there: u8, f: &Found<V, F>) -> F {
+        let (gap, rate, first) = (f.gap, f.away - f.toward, F::splat(self.first.1));
+        let growth = F::splat(self.bound.limit) + F::load(&block.limit);
+        // At `first` there is a gap yet.
+        let left = gap + (rate - F::splat(0.5) * growth * first) * first;
+        if there & left.bits_lt(F::splat(0.0)) == 0 {
+            return F::splat(f32::INFINITY);
+        }
+        F::splat(0.999) * fall_each(gap, rate, growth)
+    }
+
+    /// Finds the first among those of whom it is known when they are met at the earliest: of these few are looked at
+    /// closely.
+    pub fn look(&mut self, cells: &Cells<V>, rows: &[Row]) {
+        dispatch(Look { meeting: self, cells, rows });
+    }
+
+    /// The first meeting with somebody, if that is before all that is known.
+    #[inline]
+    fn meet(&mut self, other: &Plan<V>) {
+        let (x, v) = other.at(self.bound.start);
+        let (radii, growth) = (self.bound.radius + other.radius, self.bound.limit + other.limit);
+        let contact = self.bound.first_meeting(x - self.bound.position, v, radii, growth, self.first.1);
         if contact < self.first.1 {
-            self.first = (Cause::Member(block.index[i]), contact);
+            self.first = (Cause::Member(other.index), contact);
         }
     }
 }
 
-impl<V: Space> Work for Meet<'_, V> {
-    type Output = (Cause, f32);
+/// See [`Meeting::look`].
+struct Look<'a, V> {
+    meeting: &'a mut Meeting<V>,
+    cells: &'a Cells<V>,
+    rows: &'a [Row],
+}
+
+impl<V: Space> Work for Look<'_, V> {
+    type Output = ();
 
     #[inline(always)]
-    fn run<F: Lanes>(mut self) -> Self::Output {
-        // Their first tangents alone leave only a few.
-        let (mut least, mut nearest) = (self.first.1, None);
-        for (n, row) in self.rows.iter_mut().enumerate() {
-            let block = self.cells.block(row.block);
-            let gap = F::load(&row.distance) - F::load(&block.radius) - F::splat(self.bound.radius);
-            let growth = F::load(&block.limit) + F::splat(self.bound.limit);
-            let soonest = F::splat(0.999) * fall_each(gap, -F::load(&row.closing), growth);
-            soonest.store(&mut row.soonest);
-            for i in bits(row.there & soonest.bits_lt(F::splat(least))) {
+    fn run<F: Lanes>(self) {
+        let Self { meeting, cells, rows } = self;
+        let (mut least, mut nearest) = (meeting.first.1, None);
+        for (n, row) in rows.iter().enumerate() {
+            for i in bits(row.there & F::load(&row.soonest).bits_lt(F::splat(least))) {
                 if row.soonest[i] < least {
                     (least, nearest) = (row.soonest[i], Some((n, i)));
                 }
             }
         }
-        let Some((at, nearest)) = nearest else { return self.first };
-        self.meet(at, nearest);
-        for n in 0..self.rows.len() {
-            let row = &self.rows[n];
-            for i in bits(row.there & F::load(&row.soonest).bits_lt(F::splat(self.first.1))) {
+        let Some((at, nearest)) = nearest else { return };
+        meeting.meet(&cells.block(rows[at].block).plan(nearest));
+        for (n, row) in rows.iter().enumerate() {
+            for i in bits(row.there & F::load(&row.soonest).bits_lt(F::splat(meeting.first.1))) {
                 if (n, i) != (at, nearest) {
-                    self.meet(n, i);
+                    meeting.meet(&cells.block(row.block).plan(i));
                 }
             }
         }
-        self.first
     }
 }
 
@@ -172,13 +188,11 @@ mod tests {
     use proptest::prelude::*;
 
     /// The first of all meetings, each looked for by itself; or `first`, if that is before all of them.
-    fn first_of_all<V: Space>(plans: &[Plan<V>], cells: &Cells<V>, rows: &[Row], first: f32) -> f32 {
-        let me = Bound::new(&plans[0], NOW);
-        let others = rows.iter().flat_map(|r| bits(r.there).map(|i| cells.block(r.block).plan::<V>(i)));
-        let meeting = others.map(|other| {
-            let (x, v) = other.at(NOW);
-            let (radii, growth) = (me.radius + other.radius, me.limit + other.limit);
-            me.first_meeting(x - me.position, v, radii, growth, f32::INFINITY)
+    fn first_of_all<V: Space>(bound: &Bound<V>, others: &[Plan<V>], first: f32) -> f32 {
+        let meeting = others.iter().map(|other| {
+            let mut alone = Meeting { bound: *bound, first: (Cause::Region, f32::INFINITY) };
+            alone.meet(other);
+            alone.first.1
         });
         meeting.fold(first, f32::min)
     }
@@ -189,13 +203,27 @@ mod tests {
         plans.retain(|p| p.index == 0 || (p.at(NOW).0 - me.at(NOW).0).length() > p.radius + me.radius + 1e-4);
         (0..).zip(&mut plans).for_each(|(index, p)| p.index = index);
         let plans = &plans[..];
-        let (cells, mut rows) = rows_around(plans);
-        let want = first_of_all(plans, &cells, rows.all(), first);
-        let bound = Bound::new(&plans[0], NOW);
-        let known = (Cause::Region, first);
-        let (cause, got) = dispatch(Meet { cells: &cells, bound: &bound, rows: rows.all_mut(), first: known });
+        let mut meeting = Meeting { bound: Bound::new(&plans[0], NOW), first: (Cause::Region, first) };
+        let (cells, rows) = rows_around(plans, Some(&meeting));
+        meeting.look(&cells, rows.all());
+        let (cause, got) = meeting.first;
+        let found = rows.all().iter().flat_map(|r| bits(r.there).map(|i| cells.block(r.block).plan(i)));
+        let found: Vec<Plan<V>> = found.collect();
+        let want = first_of_all(&meeting.bound, &found, first);
         prop_assert!((got - want).abs() <= 1e-5 * want, "{cause:?} after {got} s, the first is after {want} s");
         prop_assert_eq!(cause == Cause::Region, got == first, "a member is met before what was known");
+        found.iter().try_for_each(|other| are_apart_until(&meeting.bound, other, got))
+    }
+
+    /// Samples two bounds that were made now.
+    fn are_apart_until<V: Space>(me: &Bound<V>, other: &Plan<V>, until: f32) -> Result<(), TestCaseError> {
+        for i in 0..100 {
+            let time = NOW + f64::from(until) * f64::from(i) / 100.0;
+            let (x, radius) = me.at(time);
+            let (y, its_radius) = Bound::new(other, NOW).at(time);
+            let gap = (x - y).length() - radius - its_radius;
+            prop_assert!(gap > -1e-4, "{gap} m to {} at {time}, met first after {until} s", other.index);
+        }
         Ok(())
     }
 

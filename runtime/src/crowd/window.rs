@@ -7,7 +7,7 @@
 //! the result is that of one event after the other.
 
 use super::decide::{Decision, Scratch};
-use super::tracing::{Registration, Trace};
+use super::tracing::{Trace, Tracer};
 use super::{Crowd, CrowdError, Event, NONE, Space};
 use rayon::prelude::*;
 
@@ -202,7 +202,7 @@ impl<V: Space> Crowd<V> {
         decisions.resize(items.len(), None);
         let decide = |(decision, (&who, item)): (&mut Option<Decision<V>>, (&u32, &Item)), scratch: &mut Scratch<V>| {
             if who != NONE {
-                *decision = self.decider(item.time).decide(who, &Registration, scratch);
+                *decision = V::decide(&self.decider(item.time), who, Tracer::Registration, scratch);
             }
         };
         if items.len() < FEWEST {

@@ -14,6 +14,7 @@ mod own;
 mod place;
 mod record;
 mod route_maps;
+mod row;
 mod run;
 
 pub use bodies::{Bodies, BodiesReport, BodyPoses, walk_bodies};
