@@ -6,7 +6,6 @@ mod gates;
 mod heap;
 mod inside;
 mod nodes;
-mod pace;
 mod upper;
 
 use super::atlas::Atlas;
