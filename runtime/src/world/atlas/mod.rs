@@ -7,7 +7,6 @@
 
 mod dial;
 mod districts;
-mod into;
 mod landmarks;
 mod plane;
 mod regions;
@@ -19,7 +18,6 @@ use super::WorldGraph;
 use crate::patch::NONE;
 use dial::Dial;
 use districts::Districts;
-pub(crate) use into::Into;
 pub(crate) use landmarks::{Landmarks, ToLandmarks};
 pub(crate) use plane::{Look, Plane, Spot, class};
 use regions::Regions;
@@ -86,8 +84,6 @@ pub(crate) struct Atlas {
     pub regions: Regions,
     /// What else there is.
     pub districts: Districts,
-    /// Which links lead into each cell.
-    pub into: Into,
     shapes: Vec<Shape>,
     /// Shape of each district.
     shape_of: Vec<u32>,
@@ -120,7 +116,6 @@ impl Atlas {
             planes,
             regions,
             districts,
-            into: Into::new(patches),
             shapes: Vec::new(),
             shape_of: Vec::new(),
             first: vec![[0, 0]],

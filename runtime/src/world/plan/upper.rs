@@ -75,7 +75,7 @@ impl Upper {
         if !self.end.find(graph, atlas, target) {
             return false;
         }
-        let mut least = self.end.cost(graph, atlas, from);
+        let mut least = self.end.cost(atlas, from);
         let limit = |least: f32| most.max(least * BESIDE + BESIDE_FRAMES);
         self.limit = limit(least);
         self.reach_from_end(atlas);
@@ -97,8 +97,8 @@ impl Upper {
     }
 
     /// What it costs at least to go on from a node to the target; infinite where no way is known. [Unit: frames]
-    pub fn estimate(&mut self, graph: &WorldGraph<'_>, atlas: &Atlas, node: Node) -> f32 {
-        let direct = self.end.cost(graph, atlas, node);
+    pub fn estimate(&mut self, atlas: &Atlas, node: Node) -> f32 {
+        let direct = self.end.cost(atlas, node);
         if let Some((district, first)) = atlas.district(node.instance) {
             return direct.min(self.through(atlas, district, first + node.cell)).max(0.0);
         }

@@ -5,7 +5,7 @@ mod draft;
 mod net;
 mod plot;
 
-use super::dial::{Dial, UNREACHED};
+use super::dial::{Arcs, Dial, UNREACHED};
 use super::plane::Spot;
 use alike::least_across;
 use draft::Landing;
@@ -56,6 +56,9 @@ pub(crate) struct Shape {
     across: Vec<u16>,
     /// Least frames from each way in to each cell. [Size: ins * cells]
     from_in: Vec<u16>,
+    /// What leads to each state: the cells, and those of blocks again where a link must follow, as after a joint between
+    /// blocks.
+    back: Arcs<u32>,
 }
 
 impl Shape {
@@ -84,7 +87,18 @@ impl Shape {
             out.more_in.push(way.most());
             out.ins.push((way.beyond, way.places.iter().map(|&(n, part)| (net.cell_in(n), part)).collect()));
         }
+        out.back = net.back;
         out
+    }
+
+    /// Number of states, of which the cells are the first.
+    pub fn num_states(&self) -> usize {
+        2 * self.num_cells as usize
+    }
+
+    /// From where a state is come to, in so many frames: other states, and above them what lies beyond.
+    pub fn back(&self, state: u32) -> &[(u32, u16)] {
+        self.back.of(state)
     }
 
     /// Least frames from a cell to a way out. What lies at its cells may be below 0.

@@ -11,7 +11,8 @@ pub(super) struct Net {
     num_cells: u32,
     num_nodes: usize,
     on: Arcs<u32>,
-    back: Arcs<u32>,
+    /// Turned around.
+    pub back: Arcs<u32>,
     leaps: Vec<Leap>,
     /// Where ways in begin: what lies beyond, the class of the cell there, and the cell.
     ins: Vec<(u32, u32, u32)>,
