@@ -105,3 +105,33 @@ fn search_back(atlas: &Atlas, to: u32, search: &mut Dial) {
         }
     });
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn nowhere_is_nearer_than_landmarks_say(arcs in prop::collection::vec((0usize..8, 0usize..8, 0u16..90), 0..40)) {
+            let mut far = [[u32::MAX; 8]; 8];
+            (0..8).for_each(|n| far[n][n] = 0);
+            arcs.iter().for_each(|&(from, to, frames)| far[from][to] = far[from][to].min(frames.into()));
+            for by in 0..8 {
+                for (from, to) in (0..8).flat_map(|from| (0..8).map(move |to| (from, to))) {
+                    far[from][to] = far[from][to].min(far[from][by].saturating_add(far[by][to]));
+                }
+            }
+            let cost = |from: usize, to: usize| u16::try_from(far[from][to]).unwrap_or(UNREACHED);
+            let to_all = |from| std::array::from_fn(|k| cost(from, k % 5));
+            let landmarks = Landmarks { costs: (0..8).map(to_all).collect() };
+            for from in 0..8 {
+                let mut near = Landmarks::none();
+                landmarks.meet(&mut near, from as u32, 0.0);
+                for to in (0..8).filter(|&to| far[from][to] < u32::MAX) {
+                    prop_assert!(landmarks.least(&near, to as u32) <= far[from][to] as f32, "{} {}", from, to);
+                }
+            }
+        }
+    }
+}

@@ -188,10 +188,10 @@ impl Atlas {
             }));
         }
         self.shapes = each(&kinds, |plot, search| Shape::new(plot, search));
-        add_goals(&mut self.planes, ways_in(graph, &kinds, &self.shapes));
+        let mut goals = ways_in(graph, &kinds, &self.shapes);
         let planes = (0u32..).zip(&self.planes).filter_map(|(patch, plane)| Some((patch, plane.as_ref()?)));
-        let rests: Vec<_> = planes.flat_map(|(patch, p)| p.rests().into_iter().map(move |r| (patch, r))).collect();
-        add_goals(&mut self.planes, rests);
+        goals.extend(planes.flat_map(|(patch, p)| p.rests().into_iter().map(move |r| (patch, r))));
+        add_goals(&mut self.planes, goals);
         for (plot, &shape) in plots.iter().zip(&self.shape_of) {
             let shape = &self.shapes[shape as usize];
             for &k in &shape.outs {
@@ -244,15 +244,17 @@ fn ways_in(graph: &WorldGraph<'_>, plots: &[&Plot<'_, '_>], shapes: &[Shape]) ->
 }
 
 /// Adds cells of patches to the goals of their planes.
-fn add_goals(planes: &mut [Option<Plane>], goals: impl IntoIterator<Item = (u32, Vec<Spot>)>) {
-    let goals: Vec<_> = goals.into_iter().collect();
-    let rows = each(&goals, |(patch, cells), search| {
-        let plane = planes[*patch as usize].as_ref().filter(|p| p.goal(cells).is_none());
-        plane.map(|p| p.rows_to(cells, search))
-    });
-    for ((patch, _), rows) in goals.iter().zip(rows) {
-        if let (Some(plane), Some(rows)) = (&mut planes[*patch as usize], rows) {
-            plane.add(rows);
+fn add_goals(planes: &mut [Option<Plane>], goals: BTreeSet<(u32, Vec<Spot>)>) {
+    let goals: Vec<_> = goals.into_iter().filter(|(p, _)| planes[*p as usize].is_some()).collect();
+    let cells: BTreeSet<_> = goals.iter().flat_map(|(p, cells)| cells.iter().map(|c| (*p, c.0))).collect();
+    let cells: Vec<_> = cells.into_iter().collect();
+    let rows = each(&cells, |&(p, cell), search| planes[p as usize].as_ref().map(|plane| plane.rows_to(cell, search)));
+    let rows: BTreeMap<_, _> = cells.into_iter().zip(rows).filter_map(|(c, r)| Some((c, r?))).collect();
+    for (patch, cells) in goals {
+        let parts: Vec<_> = cells.iter().filter_map(|c| Some((rows.get(&(patch, c.0))?, c.1))).collect();
+        if let Some(plane) = planes[patch as usize].as_mut().filter(|p| p.goal(&cells).is_none()) {
+            let joined = plane.join(&parts);
+            plane.add(joined);
         }
     }
 }

@@ -179,9 +179,30 @@ impl Plane {
         }
     }
 
-    /// Works out the rows of a goal that is no class.
-    pub fn rows_to(&self, cells: &[Spot], search: &mut Dial) -> Rows {
-        self.rows_of(cells, GOAL_RADIUS, search)
+    /// Works out the rows of a cell, for goals that are no classes.
+    pub fn rows_to(&self, cell: u32, search: &mut Dial) -> Rows {
+        self.rows_of(&[(cell, 0)], GOAL_RADIUS, search)
+    }
+
+    /// The rows of a goal from those of its cells, each with what it costs there beside the way.
+    pub fn join(&self, parts: &[(&Rows, u16)]) -> Rows {
+        let cells = parts.iter().flat_map(|&(rows, cost)| rows.goal.cells.iter().map(move |c| (c.0, c.1 + cost)));
+        let goal = Goal { cells: cells.collect(), first_row: 0, radius: GOAL_RADIUS };
+        let num_rows = parts.first().map_or(0, |p| p.0.rows.len());
+        let rows = (0..num_rows).map(|k| {
+            let row = |p: &(&'_ Rows, u16)| p.0.rows[k].least + f32::from(p.1);
+            let least = parts.iter().map(row).fold(f32::INFINITY, f32::min);
+            let lack = parts.iter().map(|p| p.0.rows[k].lack).fold(0.0, f32::max);
+            let mut beyond = vec![UNREACHED; self.num_cells as usize];
+            for (rows, cost) in parts {
+                let more = (rows.rows[k].least + f32::from(*cost) - least) as u16;
+                for (to, from) in beyond.iter_mut().zip(&rows.rows[k].beyond).filter(|(_, from)| **from != UNREACHED) {
+                    *to = (*to).min(from.saturating_add(more).min(UNREACHED - 1));
+                }
+            }
+            Costs { least, beyond, lack }
+        });
+        Rows { rows: rows.collect(), goal }
     }
 
     /// Where costs to a goal are found, that many copies away.

@@ -125,7 +125,8 @@ proptest! {
         let links: Vec<_> = links.iter().map(|&(f, t, n)| ([0, 1, 2, 3, 8, 9][f], 4 + t, n)).collect();
         let tile = Tile::new(&links);
         let mut plane = tile.plane().unwrap();
-        let rows = plane.rows_to(&[(1, 13), (9, 0)], &mut Dial::default());
+        let parts = [1, 9].map(|cell| plane.rows_to(cell, &mut Dial::default()));
+        let rows = plane.join(&[(&parts[0], 13), (&parts[1], 0)]);
         plane.add(rows);
         for from in [0, 2, 8] {
             let found = tile.dijkstra(from);

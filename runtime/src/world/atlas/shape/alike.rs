@@ -70,17 +70,16 @@ pub(super) fn part(groups: &[Group], costs: &[Vec<u16>]) -> Vec<Way> {
             ways.push(Way::of(group));
             continue;
         }
-        let first = ways.len();
+        // Each with how much more it costs than the first of its way.
         let mut parts: Vec<Vec<(u32, i32)>> = Vec::new();
         for &place in &group.places {
-            let fits = |with: &Vec<(u32, i32)>| Some((difference(costs, place, with[0].0)?, ()));
-            match parts.iter_mut().find_map(|p| fits(p).map(|d| (p, d.0))) {
-                Some((part, more)) => part.push((place, more)),
+            let fits = parts.iter_mut().find_map(|p| Some((difference(costs, place, p[0].0)?, p)));
+            match fits {
+                Some((more, part)) => part.push((place, more)),
                 None => parts.push(vec![(place, 0)]),
             }
         }
-        ways.extend(parts.into_iter().map(|places| Way { beyond: group.beyond, places: lowest(&places, costs) }));
-        debug_assert!(ways.len() > first);
+        ways.extend(parts.iter().map(|places| Way { beyond: group.beyond, places: lowest(places, costs) }));
     }
     ways
 }
@@ -98,8 +97,11 @@ fn difference(costs: &[Vec<u16>], a: u32, b: u32) -> Option<i32> {
             }
         }
     }
-    (most.saturating_sub(least) <= 2 * SPREAD || least == i32::MAX)
-        .then(|| if least == i32::MAX { 0 } else { (least + most) / 2 })
+    match least {
+        // Neither leads anywhere.
+        i32::MAX => Some(0),
+        _ => (most - least <= 2 * SPREAD).then_some((least + most) / 2),
+    }
 }
 
 /// Parts of places: 0 for the lowest, and no more than any way from there costs.
@@ -107,4 +109,64 @@ fn lowest(places: &[(u32, i32)], costs: &[Vec<u16>]) -> Vec<(u32, u16)> {
     let lowest = places.iter().map(|p| p.1).min().unwrap_or(0);
     let all = |n: u32| costs.iter().map(move |c| i32::from(c[n as usize])).min().unwrap_or(0);
     places.iter().map(|&(n, more)| (n, (more - lowest).min(all(n)) as u16)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    /// Costs from places to places that hardly depend on which of a few routes is taken.
+    fn costs() -> impl Strategy<Value = Vec<Vec<u16>>> {
+        let step = || prop::collection::vec(0u16..60, 6);
+        (step(), step(), prop::collection::vec(prop_oneof![8 => 20u16..30, 1 => Just(UNREACHED), 1 => 0u16..200], 36))
+            .prop_map(|(on, off, between)| {
+                let cost = |i: usize, o: usize| between[6 * i + o].saturating_add(on[i] + off[o]);
+                (0..6).map(|o| (0..6).map(|i| cost(i, o)).collect()).collect()
+            })
+    }
+
+    proptest! {
+        #[test]
+        fn costs_between_ways_with_the_parts_of_places_are_bounds(costs in costs()) {
+            let group = Group { beyond: 0, is_tile: true, places: (0..6).collect() };
+            let turned: Vec<Vec<u16>> = (0..6).map(|i| costs.iter().map(|c| c[i]).collect()).collect();
+            let groups = [group];
+            let (mut ins, outs) = (part(&groups, &costs), part(&groups, &turned));
+            // To each way out from all places, and its largest part more, as the search for it finds them.
+            let to = |way: &Way| (0..6).map(|i| {
+                let cost = |&(o, part): &(u32, u16)| match costs[o as usize][i] {
+                    UNREACHED => UNREACHED,
+                    cost => cost + way.most() - part,
+                };
+                way.places.iter().map(cost).min().unwrap_or(UNREACHED)
+            }).collect();
+            let across: Vec<(Vec<u16>, u16)> = outs.iter().map(|way| (to(way), way.most())).collect();
+            ins.iter_mut().for_each(|way| way.fit(across.iter().map(|(a, more)| (&a[..], *more))));
+            for way in &ins {
+                for (out, (costs_out, more)) in outs.iter().zip(&across) {
+                    prop_assert!(way.across(costs_out, *more) >= 0, "{:?} {:?}", way, out);
+                    let least = u32::from(least_across(way, costs_out, *more));
+                    for (i, before) in &way.places {
+                        for (o, after) in &out.places {
+                            let cost = u32::from(costs[*o as usize][*i as usize]);
+                            let bound = least + u32::from(before + after);
+                            prop_assert!(cost == u32::from(UNREACHED) || bound <= cost, "{} {}", bound, cost);
+                        }
+                    }
+                }
+            }
+            let all: usize = ins.iter().map(|w| w.places.len()).sum();
+            prop_assert_eq!(all, 6);
+        }
+    }
+
+    #[test]
+    fn places_that_differ_by_when_one_is_there_are_one_way() {
+        let group = Group { beyond: 3, is_tile: true, places: vec![0, 1, 2] };
+        let costs = [vec![100, 130, 115], vec![200, 231, 300]];
+        let ways = part(&[group], &costs);
+        let places: Vec<_> = ways.into_iter().map(|w| w.places).collect();
+        assert_eq!(places, [vec![(0, 0), (1, 30)], vec![(2, 0)]]);
+    }
 }
