@@ -6,7 +6,7 @@ pub(super) const UNREACHED: u16 = u16::MAX;
 const LONGEST: u32 = UNREACHED as u32 - 1;
 
 /// Arcs of a graph, sorted by where they begin: where each leads, and its frames.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct Arcs<T> {
     first: Vec<u32>,
     list: Vec<(T, u16)>,

@@ -7,9 +7,10 @@
 
 mod dial;
 mod districts;
-mod into;
+mod landmarks;
 mod plane;
 mod regions;
+mod roads;
 mod rooms;
 mod shape;
 
@@ -17,9 +18,10 @@ use super::WorldGraph;
 use crate::patch::NONE;
 use dial::Dial;
 use districts::Districts;
-pub(crate) use into::Into;
-pub(crate) use plane::{Look, Plane, class};
+pub(crate) use landmarks::{Landmarks, ToLandmarks};
+pub(crate) use plane::{Look, Plane, Spot, class};
 use regions::Regions;
+use roads::Roads;
 use shape::{Beyond, Plot, Shape};
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -82,8 +84,6 @@ pub(crate) struct Atlas {
     pub regions: Regions,
     /// What else there is.
     pub districts: Districts,
-    /// Which links lead into each cell.
-    pub into: Into,
     shapes: Vec<Shape>,
     /// Shape of each district.
     shape_of: Vec<u32>,
@@ -97,6 +97,10 @@ pub(crate) struct Atlas {
     pub room_outs: Vec<Vec<u32>>,
     /// Doors that lead into each room.
     pub room_doors: Vec<Vec<u32>>,
+    /// Costs from the latter to the former.
+    pub roads: Roads,
+    /// Costs to some ways in from all ways in and out.
+    pub landmarks: Landmarks,
 }
 
 impl Atlas {
@@ -112,7 +116,6 @@ impl Atlas {
             planes,
             regions,
             districts,
-            into: Into::new(patches),
             shapes: Vec::new(),
             shape_of: Vec::new(),
             first: vec![[0, 0]],
@@ -120,6 +123,8 @@ impl Atlas {
             outs: Vec::new(),
             room_outs: vec![Vec::new(); num_rooms],
             room_doors: vec![Vec::new(); num_rooms],
+            roads: Roads::default(),
+            landmarks: Landmarks::default(),
         };
         out.add_districts(graph);
         for outs in &mut out.room_outs {
@@ -128,12 +133,21 @@ impl Atlas {
         for tile in 0..graph.num_instances() as u32 {
             out.add_doors(graph, tile);
         }
+        out.roads = Roads::new(&out);
+        out.landmarks = Landmarks::new(graph, &out);
         out
     }
 
     /// The plane of a room's tiles.
     pub fn plane(&self, room: u32) -> Option<&Plane> {
         self.planes[self.regions.patch(room) as usize].as_ref()
+    }
+
+    /// The room that a way in leads from, and the tile and its cells that it leads by; none where it leads from another
+    /// district.
+    pub fn leads_from(&self, way_in: u32) -> Option<(u32, u32, u32)> {
+        let (from, tile, goal) = self.ins[way_in as usize].tile()?;
+        Some((from.or_else(|| self.regions.room(tile))?, tile, goal))
     }
 
     /// District of an instance, and the number of its first cell there; none for a tile of a region.
@@ -174,13 +188,10 @@ impl Atlas {
             }));
         }
         self.shapes = each(&kinds, |plot, search| Shape::new(plot, search));
-        add_goals(&mut self.planes, ways_in(graph, &kinds, &self.shapes));
-        for (shape, plot) in self.shapes.iter_mut().zip(&kinds) {
-            shape.add_landings(plot, &self.planes);
-        }
+        let mut goals = ways_in(graph, &kinds, &self.shapes);
         let planes = (0u32..).zip(&self.planes).filter_map(|(patch, plane)| Some((patch, plane.as_ref()?)));
-        let rests: Vec<_> = planes.flat_map(|(patch, p)| p.rests().into_iter().map(move |r| (patch, r))).collect();
-        add_goals(&mut self.planes, rests);
+        goals.extend(planes.flat_map(|(patch, p)| p.rests().into_iter().map(move |r| (patch, r))));
+        add_goals(&mut self.planes, goals);
         for (plot, &shape) in plots.iter().zip(&self.shape_of) {
             let shape = &self.shapes[shape as usize];
             for &k in &shape.outs {
@@ -221,7 +232,7 @@ impl Atlas {
 }
 
 /// Patches with the cells that ways into districts begin in.
-fn ways_in(graph: &WorldGraph<'_>, plots: &[&Plot<'_, '_>], shapes: &[Shape]) -> BTreeSet<(u32, Vec<u32>)> {
+fn ways_in(graph: &WorldGraph<'_>, plots: &[&Plot<'_, '_>], shapes: &[Shape]) -> BTreeSet<(u32, Vec<Spot>)> {
     let mut goals = BTreeSet::new();
     for (plot, shape) in plots.iter().zip(shapes) {
         for (beyond, cells) in &shape.ins {
@@ -233,15 +244,17 @@ fn ways_in(graph: &WorldGraph<'_>, plots: &[&Plot<'_, '_>], shapes: &[Shape]) ->
 }
 
 /// Adds cells of patches to the goals of their planes.
-fn add_goals(planes: &mut [Option<Plane>], goals: impl IntoIterator<Item = (u32, Vec<u32>)>) {
-    let goals: Vec<_> = goals.into_iter().collect();
-    let rows = each(&goals, |(patch, cells), search| {
-        let plane = planes[*patch as usize].as_ref().filter(|p| p.goal(cells).is_none());
-        plane.map(|p| p.rows_to(cells, search))
-    });
-    for ((patch, _), rows) in goals.iter().zip(rows) {
-        if let (Some(plane), Some(rows)) = (&mut planes[*patch as usize], rows) {
-            plane.add(rows);
+fn add_goals(planes: &mut [Option<Plane>], goals: BTreeSet<(u32, Vec<Spot>)>) {
+    let goals: Vec<_> = goals.into_iter().filter(|(p, _)| planes[*p as usize].is_some()).collect();
+    let cells: BTreeSet<_> = goals.iter().flat_map(|(p, cells)| cells.iter().map(|c| (*p, c.0))).collect();
+    let cells: Vec<_> = cells.into_iter().collect();
+    let rows = each(&cells, |&(p, cell), search| planes[p as usize].as_ref().map(|plane| plane.rows_to(cell, search)));
+    let rows: BTreeMap<_, _> = cells.into_iter().zip(rows).filter_map(|(c, r)| Some((c, r?))).collect();
+    for (patch, cells) in goals {
+        let parts: Vec<_> = cells.iter().filter_map(|c| Some((rows.get(&(patch, c.0))?, c.1))).collect();
+        if let Some(plane) = planes[patch as usize].as_mut().filter(|p| p.goal(&cells).is_none()) {
+            let joined = plane.join(&parts);
+            plane.add(joined);
         }
     }
 }

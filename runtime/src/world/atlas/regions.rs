@@ -70,6 +70,11 @@ impl Regions {
         self.patches[room as usize]
     }
 
+    /// Where a tile stands in its region. [Unit: copies]
+    pub fn place(&self, tile: u32) -> [i32; 2] {
+        self.places[tile as usize]
+    }
+
     /// How many copies away another tile of the same region stands.
     pub fn way(&self, from: u32, to: u32) -> [i32; 2] {
         let (a, b) = (self.places[from as usize], self.places[to as usize]);

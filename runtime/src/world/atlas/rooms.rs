@@ -7,7 +7,7 @@ use std::collections::BTreeSet;
 
 /// Share of the rectangle around it that a region must fill to be one room: what stands in the way of few is walked
 /// around at little cost, while every door more makes costs less exact.
-const FULL: f32 = 0.8;
+const FULL: f32 = 0.95;
 
 /// Parts places into rooms: all of them into one, or into rectangles, the largest first. [Unit: copies]
 pub(super) fn part(mut places: BTreeSet<[i32; 2]>) -> Vec<Vec<[i32; 2]>> {

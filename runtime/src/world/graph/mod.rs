@@ -196,11 +196,4 @@ impl<'w> WorldGraph<'w> {
         let p = &self.patches.patches[r.patch as usize];
         r.placement.transform_point((Vec3::from_array(p.min) + Vec3::from_array(p.max)) * 0.5)
     }
-
-    /// How far an instance's cells are from there at most. [Unit: m]
-    pub(crate) fn reach(&self, instance: u32) -> f32 {
-        let (r, centre) = (self.instance(instance), self.centre(instance));
-        let at = |c: &CellRecord| r.placement.compose(c.placement).translation();
-        self.cells(instance).iter().map(|c| at(c).distance(centre)).fold(0.0, f32::max)
-    }
 }

@@ -24,14 +24,13 @@ impl End {
     /// Memory for a world.
     pub fn new(graph: &WorldGraph<'_>, atlas: &Atlas) -> Self {
         let districts = 0..atlas.num_districts() as u32;
-        let most_cells = |d: u32| atlas.districts.members[d as usize].iter().map(|&m| graph.num_cells(m)).sum();
         Self {
             instance: 0,
             goal: None,
             classes: 0,
             district: None,
-            from_in: Vec::with_capacity(districts.clone().map(|d| atlas.ins_of(d).len()).max().unwrap_or(0)),
-            inside: Inside::new(districts.map(most_cells).max().unwrap_or(0)),
+            from_in: Vec::with_capacity(districts.map(|d| atlas.ins_of(d).len()).max().unwrap_or(0)),
+            inside: Inside::new(graph, atlas),
         }
     }
 
@@ -69,10 +68,10 @@ impl End {
     }
 
     /// What it costs at least to go to the target without coming through another part of the world. [Unit: frames]
-    pub fn cost(&mut self, graph: &WorldGraph<'_>, atlas: &Atlas, node: Node) -> f32 {
+    pub fn cost(&mut self, atlas: &Atlas, node: Node) -> f32 {
         if let Some((district, first)) = atlas.district(node.instance) {
             let here = self.district == Some(district);
-            return if here { self.inside.cost(graph, atlas, first + node.cell) } else { f32::INFINITY };
+            return if here { self.inside.cost(atlas, first + node.cell) } else { f32::INFINITY };
         }
         let (here, there) = (atlas.regions.room(node.instance), atlas.regions.room(self.instance));
         let Some(room) = here.filter(|_| here == there) else { return f32::INFINITY };

@@ -1,12 +1,12 @@
 //! Path planning in two layers (004 section 7): over the ways into and out of what stands on open ground, then over the
 //! motion itself, towards what the upper layer says is near.
 
+mod buckets;
 mod end;
 mod gates;
 mod heap;
 mod inside;
 mod nodes;
-mod pace;
 mod upper;
 
 use super::atlas::Atlas;
@@ -14,8 +14,8 @@ use super::{Node, Step, WorldGraph};
 pub(crate) use nodes::{Found, Nodes, Space};
 use upper::Upper;
 
-/// A way takes at most this many times as long as the fastest one.
-pub const GREED: f32 = 1.05;
+/// A way of [`Planner::plan`] takes at most this many times as long as the fastest one.
+pub const WORST: f32 = 1.05;
 
 /// Where a plan leads.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -87,7 +87,7 @@ impl Planner {
         Self { upper: Upper::new(graph, graph.atlas()), nodes: Nodes::new(graph) }
     }
 
-    /// Looks for a way from a node to a target that takes at most [`GREED`] times as long as the fastest one, and writes
+    /// Looks for a way from a node to a target that takes at most [`WORST`] times as long as the fastest one, and writes
     /// as many of its first steps as there is room for; a way to where it begins has none. Allocates nothing.
     ///
     /// - returns `None` where no way leads there.
@@ -132,7 +132,7 @@ impl Planner {
                 return None;
             }
             opened_instances += self.upper.opened;
-            let least = self.upper.estimate(graph, atlas, from).min(self.upper.limit);
+            let least = self.upper.estimate(atlas, from).min(self.upper.limit);
             for &(greed, most) in tries {
                 let mut way = Way { graph, atlas, target, greed, limit: f32::INFINITY, upper: &mut self.upper, toll };
                 let found = self.nodes.search(graph, from, &mut way, most);
@@ -159,7 +159,7 @@ impl Planner {
         plan: Plan,
         out: &mut [Step],
     ) -> Option<Plan> {
-        let (atlas, enough) = (graph.atlas(), plan.num_frames as f32 / GREED);
+        let (atlas, enough) = (graph.atlas(), plan.num_frames as f32 / WORST);
         let least_frames = plan.least_frames.max(enough.ceil() as u32);
         if plan.least_frames as f32 >= enough {
             return Some(plan);
@@ -226,7 +226,7 @@ impl<T: Fn(u32) -> f32> Space for Way<'_, '_, T> {
     }
 
     fn estimate(&mut self, node: Node) -> f32 {
-        self.greed * self.upper.estimate(self.graph, self.atlas, node)
+        self.greed * self.upper.estimate(self.atlas, node)
     }
 
     fn cost(&self, step: &Step) -> f32 {

@@ -4,31 +4,30 @@ use super::Target;
 use super::end::End;
 use super::gates::{Gate, Gates};
 use super::heap::Heap;
-use super::pace::Pace;
 use crate::patch::NONE;
-use crate::world::atlas::{Atlas, In, Look, Plane};
+use crate::world::atlas::{Atlas, In, Landmarks, Spot, ToLandmarks};
 use crate::world::{Node, WorldGraph};
-use glam::Vec3;
 
 /// The search goes on to ways that cost this many times what the best one does, and so much more. [Unit: frames]
 const BESIDE: f32 = 1.02;
 const BESIDE_FRAMES: f32 = 30.0;
+/// Costs that are compared at once.
+const WIDE: usize = 32;
+/// Stands for a cost that is not known.
+const UNKNOWN: i32 = i32::MAX;
 
 /// Memory of the upper layer, and what its last search found.
 #[derive(Clone, Debug)]
 pub(super) struct Upper {
-    /// Where each state is, ways in and then ways out, and how far from there at most. [Unit: m]
-    places: Vec<(Vec3, f32)>,
-    /// Middle of each instance, and how far its cells are from there at most. [Unit: m]
-    tiles: Vec<(Vec3, f32)>,
     /// Costs of the states. [Unit: frames]
     costs: Vec<f32>,
     stamps: Vec<u32>,
+    /// Costs of those that rooms are entered by, in whole frames at least; beside each other, to be compared soon.
+    known: Vec<i32>,
     heap: Heap,
     stamp: u32,
-    /// Where the search is to come to. [Unit: m]
-    from: Vec3,
-    pace: Pace,
+    /// What it costs to landmarks from where the search is to come to.
+    from: ToLandmarks,
     /// Ways on from a room that were opened: the first and the last, and the next of each.
     chains: Vec<[u32; 2]>,
     chain_stamps: Vec<u32>,
@@ -48,19 +47,11 @@ impl Upper {
     pub fn new(graph: &WorldGraph<'_>, atlas: &Atlas) -> Self {
         let num_states = atlas.ins.len() + atlas.outs.len();
         let num_rooms = atlas.regions.num_rooms();
-        let tiles: Vec<_> = (0..graph.num_instances() as u32).map(|i| (graph.centre(i), graph.reach(i))).collect();
-        // A way out through a tile may end in the next one.
-        let place = |tile: Option<u32>, times: f32| {
-            tile.map_or((Vec3::ZERO, f32::INFINITY), |t| (tiles[t as usize].0, times * tiles[t as usize].1))
-        };
-        let ins = atlas.ins.iter().map(|i| place(i.tile().map(|(_, tile, _)| tile), 1.0));
         Self {
-            places: ins.chain(atlas.outs.iter().map(|o| place(o.tile, 3.0))).collect(),
-            tiles: tiles.clone(),
-            from: Vec3::ZERO,
-            pace: Pace::new(graph),
+            from: Landmarks::none(),
             costs: vec![0.0; num_states],
             stamps: vec![0; num_states],
+            known: vec![UNKNOWN; atlas.roads.states.len()],
             heap: Heap::new(num_states),
             stamp: 0,
             chains: vec![[NONE; 2]; num_rooms],
@@ -80,11 +71,11 @@ impl Upper {
     /// - returns false where no way leads from there to the target.
     pub fn run(&mut self, graph: &WorldGraph<'_>, atlas: &Atlas, target: Target, from: Node, most: f32) -> bool {
         self.begin();
-        self.from = graph.place(from).translation();
+        self.meet_landmarks(atlas, from);
         if !self.end.find(graph, atlas, target) {
             return false;
         }
-        let mut least = self.end.cost(graph, atlas, from);
+        let mut least = self.end.cost(atlas, from);
         let limit = |least: f32| most.max(least * BESIDE + BESIDE_FRAMES);
         self.limit = limit(least);
         self.reach_from_end(atlas);
@@ -106,10 +97,10 @@ impl Upper {
     }
 
     /// What it costs at least to go on from a node to the target; infinite where no way is known. [Unit: frames]
-    pub fn estimate(&mut self, graph: &WorldGraph<'_>, atlas: &Atlas, node: Node) -> f32 {
-        let direct = self.end.cost(graph, atlas, node);
+    pub fn estimate(&mut self, atlas: &Atlas, node: Node) -> f32 {
+        let direct = self.end.cost(atlas, node);
         if let Some((district, first)) = atlas.district(node.instance) {
-            return direct.min(self.through(atlas, district, first + node.cell));
+            return direct.min(self.through(atlas, district, first + node.cell)).max(0.0);
         }
         if self.gates[node.instance as usize].stamp != self.stamp {
             self.find_gates(atlas, node.instance);
@@ -127,14 +118,35 @@ impl Upper {
             self.gates.fill(Gates::default());
             self.stamp = 1;
         }
+        self.known.fill(UNKNOWN);
         self.heap.clear();
         self.opened = 0;
+    }
+
+    /// Finds out what it costs from a node to landmarks.
+    fn meet_landmarks(&mut self, atlas: &Atlas, from: Node) {
+        self.from = Landmarks::none();
+        if let Some((district, first)) = atlas.district(from.instance) {
+            for (k, out) in (0..).zip(atlas.outs_of(district)) {
+                let cost = atlas.shape(district).to_out(k, first + from.cell);
+                atlas.landmarks.meet(&mut self.from, atlas.ins.len() as u32 + out, cost);
+            }
+            return;
+        }
+        let Some((room, plane)) = atlas.regions.room(from.instance).and_then(|r| Some((r, atlas.plane(r)?))) else {
+            return;
+        };
+        for &way_in in &atlas.roads.leaving[room as usize] {
+            let Some((_, tile, goal)) = atlas.leads_from(way_in) else { continue };
+            let cost = plane.cost(plane.look(goal, atlas.regions.way(from.instance, tile)), from.cell);
+            atlas.landmarks.meet(&mut self.from, way_in, cost);
+        }
     }
 
     fn reach_from_end(&mut self, atlas: &Atlas) {
         if let Some(district) = self.end.district {
             for (k, way_in) in atlas.ins_of(district).enumerate() {
-                self.reach(way_in, self.end.from_in[k]);
+                self.reach(atlas, way_in, self.end.from_in[k]);
             }
         } else if let Some(room) = atlas.regions.room(self.end.instance) {
             self.reach_end(atlas, room);
@@ -149,49 +161,47 @@ impl Upper {
             let (out, state) = (&atlas.outs[k as usize], atlas.ins.len() as u32 + k);
             let Some(way) = out.tile.map(way) else { continue };
             let spots = atlas.shape(out.district).spots(k - atlas.outs_of(out.district).start);
-            let costs = spots.map(|([u, v], cell)| self.end.cost_at(atlas, room, [way[0] - u, way[1] - v], cell));
+            let costs =
+                spots.map(|([u, v], cell, part)| part + self.end.cost_at(atlas, room, [way[0] - u, way[1] - v], cell));
             let cost = costs.fold(f32::INFINITY, f32::min);
-            self.reach(state, cost);
+            self.reach(atlas, state, cost);
         }
         for &door in &atlas.room_doors[room as usize] {
             let (In::Door { tile, goal, .. }, Some(plane)) = (atlas.ins[door as usize], atlas.plane(room)) else {
                 continue;
             };
             let way = atlas.regions.way(tile, self.end.instance);
-            let costs = plane.cells(goal).iter().map(|&cell| self.end.cost_at(atlas, room, way, cell));
+            let cost = |&(cell, part): &Spot| f32::from(part) + self.end.cost_at(atlas, room, way, cell);
+            let costs = plane.cells(goal).iter().map(cost);
             let cost = costs.fold(f32::INFINITY, f32::min);
-            self.reach(door, cost);
+            self.reach(atlas, door, cost);
         }
     }
 
-    /// All that leads to a room, from which one goes on to a goal on a tile.
-    fn reach_room(&mut self, atlas: &Atlas, room: u32, [tile, goal]: [u32; 2], cost: f32) {
-        let Some(plane) = atlas.plane(room) else { return };
-        let (mut last, mut look, mut leads, mut least) = (NONE, Look::default(), false, 0.0);
-        let to = self.tiles[tile as usize];
-        for &k in &atlas.room_outs[room as usize] {
-            let (out, state) = (&atlas.outs[k as usize], atlas.ins.len() as u32 + k);
-            let Some(through) = out.tile else { continue };
-            if last != through {
-                last = through;
-                // Nothing is looked up where it would be left out in any case.
-                let at = self.tiles[through as usize];
-                least = cost + self.pace.cost(at.0, to.0, 3.0 * at.1 + to.1);
-                leads = least + self.pace.cost(self.from, at.0, 3.0 * at.1) <= self.limit;
-                look = if leads { plane.look(goal, atlas.regions.way(through, tile)) } else { look };
+    /// All that leads to a room, from which one goes on by a way in.
+    fn reach_room(&mut self, atlas: &Atlas, room: u32, way_in: u32, cost: f32) {
+        let (roads, whole) = (&atlas.roads, cost as i32);
+        let list = roads.list(room);
+        let Some(row) = roads.row(way_in, room) else {
+            for place in list {
+                self.reach_along(atlas, roads.states[place], cost, roads.cost(atlas, way_in, place));
             }
-            if !leads || self.is_known(state, least) {
-                continue;
+            return;
+        };
+        for (first, row) in list.step_by(WIDE).zip(row.chunks(WIDE)) {
+            let known = &self.known[first..first + row.len()];
+            // Hardly any cost less: so all of them are asked at once.
+            if row.iter().zip(known).fold(false, |any, (r, k)| any | (whole + i32::from(*r) < *k)) {
+                for (place, &frames) in (first..).zip(row) {
+                    self.reach_along(atlas, roads.states[place], cost, frames);
+                }
             }
-            let number = k - atlas.outs_of(out.district).start;
-            self.reach(state, cost + atlas.shape(out.district).landing(number, look));
         }
-        for &door in &atlas.room_doors[room as usize] {
-            let In::Door { tile: through, goal: into, .. } = atlas.ins[door as usize] else { continue };
-            if !self.is_known(door, cost) {
-                let look = plane.look(goal, atlas.regions.way(through, tile));
-                self.reach(door, cost + plane.least(look, into));
-            }
+    }
+
+    fn reach_along(&mut self, atlas: &Atlas, state: u32, cost: f32, frames: u16) {
+        if frames != u16::MAX {
+            self.reach(atlas, state, cost + f32::from(frames));
         }
     }
 
@@ -200,15 +210,17 @@ impl Upper {
         self.stamps[state as usize] == self.stamp && self.costs[state as usize] <= cost
     }
 
-    fn reach(&mut self, state: u32, cost: f32) {
+    fn reach(&mut self, atlas: &Atlas, state: u32, cost: f32) {
         if cost == f32::INFINITY || self.is_known(state, cost) {
             return;
         }
         let s = state as usize;
         self.stamps[s] = self.stamp;
         self.costs[s] = cost;
-        let (place, within) = self.places[s];
-        let left = if within < f32::INFINITY { self.pace.cost(self.from, place, within) } else { 0.0 };
+        if let Some(place) = atlas.roads.place(state) {
+            self.known[place] = cost.ceil() as i32;
+        }
+        let left = atlas.landmarks.least(&self.from, state);
         self.heap.push(state, cost + left);
     }
 
@@ -216,40 +228,28 @@ impl Upper {
         let way_in = atlas.ins[state as usize];
         if let In::Out { from, to } = way_in {
             for out in atlas.outs_of(from).filter(|&o| atlas.outs[o as usize].to == Some(to)) {
-                self.reach(atlas.ins.len() as u32 + out, cost);
+                self.reach(atlas, atlas.ins.len() as u32 + out, cost);
             }
             return;
         }
-        let Some((room, tile, goal)) =
-            way_in.tile().and_then(|(from, tile, goal)| Some((from.or_else(|| atlas.regions.room(tile))?, tile, goal)))
-        else {
-            return;
-        };
-        let Some(plane) = atlas.plane(room) else { return };
+        let Some((room, ..)) = atlas.leads_from(state) else { return };
         if self.next_stamps[state as usize] != self.stamp {
-            if self.is_needless(atlas, plane, room, [tile, goal], cost) {
+            if self.is_needless(atlas, state, cost) {
                 return;
             }
             self.chain(room, state);
         }
-        self.reach_room(atlas, room, [tile, goal], cost);
+        self.reach_room(atlas, room, state, cost);
     }
 
     /// True where another way on from a room costs no more from any of the cells that one begins at: who comes to them
     /// might take that one as well.
-    fn is_needless(&self, atlas: &Atlas, plane: &Plane, room: u32, [tile, goal]: [u32; 2], cost: f32) -> bool {
-        let mut other = self.first_of(room);
-        while other != NONE {
-            let known = self.costs[other as usize];
-            if known <= cost
-                && let Some((_, to, into)) = atlas.ins[other as usize].tile()
-                && plane.most(into, atlas.regions.way(tile, to), goal) <= cost - known
-            {
-                return true;
-            }
-            other = self.next[other as usize];
-        }
-        false
+    fn is_needless(&self, atlas: &Atlas, state: u32, cost: f32) -> bool {
+        let is_less = |&(other, most): &(u32, u16)| {
+            let o = other as usize;
+            self.next_stamps[o] == self.stamp && self.costs[o] + f32::from(most) <= cost
+        };
+        atlas.roads.others(state).iter().any(is_less)
     }
 
     /// Adds a way on to those from a room.
@@ -274,15 +274,14 @@ impl Upper {
         let number = out - atlas.outs_of(district).start;
         let shape = atlas.shape(district);
         for (k, way_in) in atlas.ins_of(district).enumerate() {
-            self.reach(way_in, cost + shape.across(k as u32, number));
+            self.reach(atlas, way_in, cost + shape.across(k as u32, number));
         }
     }
 
     /// What it costs to go on from a node by one of the ways in or out.
     fn cost_by(&self, atlas: &Atlas, node: Node, state: u32, cost: f32) -> f32 {
         let Some(out) = state.checked_sub(atlas.ins.len() as u32) else {
-            let Some((from, tile, goal)) = atlas.ins[state as usize].tile() else { return f32::INFINITY };
-            let Some(room) = from.or_else(|| atlas.regions.room(tile)) else { return f32::INFINITY };
+            let Some((room, tile, goal)) = atlas.leads_from(state) else { return f32::INFINITY };
             let Some(plane) = atlas.plane(room).filter(|_| atlas.regions.room(node.instance) == Some(room)) else {
                 return f32::INFINITY;
             };

@@ -1,14 +1,13 @@
-//! Far ways: bounds on what they cost that grow with distance, one for each of some directions.
+//! Far ways: bounds on what they cost that grow with distance.
 //!
 //! Take a price for every copy that one goes along each direction of the lattice, off what links cost. As long as no
 //! cycle of links earns more than it costs, what is left from a cell to the target is at least the least way between
-//! their kinds, wherever the copies are; the price of all the copies between comes on top. The highest such price in a
-//! direction is that of the cycle of links that goes along it at the least cost (least ratio cycle, Lawler 1967).
+//! their kinds, wherever the copies are; the price of all the copies between comes on top. Prices that no cycle earns by
+//! lie in a polygon, with a side for some of the cycles of links that lead somewhere at the least cost (least ratio
+//! cycles, Lawler 1967); the highest price of any way is at one of its corners.
 
 use super::super::dial::Arcs;
 
-/// Directions that prices are found for.
-const DIRECTIONS: usize = 24;
 /// Prices are never higher: where no cycle leads along a direction at all. [Unit: frames/copy]
 const HIGHEST: f32 = 5e3;
 /// Prices are that much below what still has no cycle that earns, so that rounding makes none.
@@ -17,43 +16,103 @@ const CARE: f32 = 1e-4;
 const NOTHING: f64 = 1e-8;
 /// What all that, and the rounding of sums that are looked up, come to at most. [Unit: frames]
 const SLACK: f64 = 0.1;
-/// Rounds after which prices are given up for lower ones.
+/// Rounds after which a price is given up.
 const MAX_ROUNDS: usize = 200;
+/// A corner is not looked for more closely where that would raise prices by a smaller share.
+const NEAR: f64 = 2e-3;
+/// Prices are no farther from the next ones than that share of the highest one.
+const SIDE: f64 = 0.5;
+/// Prices that are tried at most.
+const MAX_TRIES: usize = 500;
 
 /// From each cell back to where links to it begin: how many copies away that leads, and the cell.
 pub(super) type Back = Arcs<([i32; 2], u32)>;
 
-/// Prices that earn nothing on any cycle. [Unit: frames/copy]
+/// Prices that earn nothing on any cycle, and between which no others are much higher. [Unit: frames/copy]
 pub(super) fn prices(back: &Back, num_cells: u32) -> Vec<[f32; 2]> {
-    let angle = |k: usize| k as f32 / DIRECTIONS as f32 * std::f32::consts::TAU;
-    (0..DIRECTIONS).filter_map(|k| price(back, num_cells, [angle(k).cos(), angle(k).sin()])).collect()
+    let corner = |at: [f64; 2]| Corner { at: at.map(|a| a * f64::from(HIGHEST)), sound: false };
+    let mut corners = [[1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0], [1.0, -1.0]].map(corner).to_vec();
+    for _ in 0..MAX_TRIES {
+        let Some(at) = corners.iter().position(|c| !c.sound) else { break };
+        let mut search = Search::new(num_cells);
+        search.costs.fill(0.0);
+        if search.run(back, careful(corners[at].at)) {
+            corners[at].sound = true;
+            continue;
+        }
+        match search.cycle() {
+            Some((way, frames)) => cut(&mut corners, at, way, frames),
+            None => _ = corners.remove(at),
+        }
+    }
+    corners.retain(|c| c.sound);
+    between(&corners.iter().map(|c| c.at).collect::<Vec<_>>()).into_iter().map(careful).collect()
 }
 
-/// What `price` leaves of the least cost from each cell to some: infinite where no way leads there.
+/// Corners, and prices on the sides between that are far from each other: ways that are not so far cost more by them,
+/// since less of those prices is left at the ends.
+fn between(corners: &[[f64; 2]]) -> Vec<[f64; 2]> {
+    let length = |[u, v]: [f64; 2]| u.hypot(v);
+    let longest = corners.iter().map(|&c| length(c)).fold(0.0, f64::max) * SIDE;
+    let mut out = Vec::new();
+    for (a, b) in corners.iter().zip(corners.iter().cycle().skip(1)) {
+        let side = [b[0] - a[0], b[1] - a[1]];
+        let parts = if longest > 0.0 { (length(side) / longest).ceil().max(1.0) } else { 1.0 };
+        let at = |k: usize| [0, 1].map(|n| a[n] + side[n] * k as f64 / parts);
+        out.extend((0..parts as usize).map(at));
+    }
+    out
+}
+
+/// What `price` leaves of the least cost from each cell to some, each with a cost of its own: infinite where no way
+/// leads there.
 ///
 /// - returns none where a cycle earns.
-pub(super) fn rest(back: &Back, price: [f32; 2], to: &[u32], num_cells: u32) -> Option<Vec<f32>> {
+pub(super) fn rest(
+    back: &Back,
+    price: [f32; 2],
+    to: impl Iterator<Item = (u32, u16)>,
+    num_cells: u32,
+) -> Option<Vec<f32>> {
     let mut search = Search::new(num_cells);
-    to.iter().for_each(|&cell| search.costs[cell as usize] = 0.0);
+    to.for_each(|(cell, cost)| search.costs[cell as usize] = f64::from(cost));
     // Whoever was not noticed to cost so little less is not counted.
     search.run(back, price).then(|| search.costs.into_iter().map(|c| (c - SLACK) as f32).collect())
 }
 
-/// The highest price along a direction, a little less for care; none where there are no cycles to go by.
-fn price(back: &Back, num_cells: u32, along: [f32; 2]) -> Option<[f32; 2]> {
-    let mut factor = HIGHEST;
-    for _ in 0..MAX_ROUNDS {
-        let price = along.map(|a| a * factor);
-        let mut search = Search::new(num_cells);
-        search.costs.fill(0.0);
-        if search.run(back, price) {
-            return Some(price);
-        }
-        // Newton's method (Dinkelbach 1967): the cycle that earns sets the price, until none does.
-        let ratio = search.cycle(along)?;
-        factor = (ratio as f32 * (1.0 - CARE)).min(factor * (1.0 - CARE));
+/// A corner of the polygon of prices; sound where no cycle is known to earn by it.
+#[derive(Clone, Copy)]
+struct Corner {
+    at: [f64; 2],
+    sound: bool,
+}
+
+/// A little lower.
+fn careful(price: [f64; 2]) -> [f32; 2] {
+    price.map(|p| p as f32 * (1.0 - CARE))
+}
+
+/// Cuts off a corner by which a cycle earns (Sutherland and Hodgman 1974).
+fn cut(corners: &mut Vec<Corner>, at: usize, way: [f64; 2], frames: f64) {
+    let earns = |c: &Corner| c.at[0] * way[0] + c.at[1] * way[1] - frames;
+    let share = frames / (earns(&corners[at]) + frames);
+    if share > 1.0 - NEAR {
+        corners[at].at = corners[at].at.map(|a| a * share.min(1.0 - f64::from(CARE)));
+        return;
     }
-    None
+    let mut left = Vec::with_capacity(corners.len() + 1);
+    for (c, next) in corners.iter().zip(corners.iter().cycle().skip(1)) {
+        let (here, there) = (earns(c), earns(next));
+        if here <= 0.0 {
+            left.push(*c);
+        }
+        if (here <= 0.0) != (there <= 0.0) {
+            let t = here / (here - there);
+            let between = |k: usize| c.at[k] + t * (next.at[k] - c.at[k]);
+            left.push(Corner { at: [between(0), between(1)], sound: false });
+        }
+    }
+    *corners = left;
 }
 
 /// Least costs with prices (Bellman and Ford), and the links that they come by.
@@ -120,18 +179,17 @@ impl Search {
         None
     }
 
-    /// What the cycle that was found costs a copy along a direction; none where there is none, or it leads elsewhere.
-    fn cycle(&self, along: [f32; 2]) -> Option<f64> {
-        let along = along.map(f64::from);
+    /// How many copies away the cycle that was found leads, and its frames.
+    fn cycle(&self) -> Option<([f64; 2], f64)> {
         let first = self.on_cycle?;
-        let (mut cell, mut cost, mut far) = (first, 0.0, 0.0);
+        let (mut cell, mut cost, mut far) = (first, 0.0, [0.0; 2]);
         loop {
             let (next, way, frames) = self.next[cell as usize]?;
             cost += f64::from(frames);
-            far += along[0] * f64::from(way[0]) + along[1] * f64::from(way[1]);
+            far = [far[0] + f64::from(way[0]), far[1] + f64::from(way[1])];
             cell = next;
             if cell == first {
-                return (far > 0.0).then(|| cost / far);
+                return Some((far, cost));
             }
         }
     }

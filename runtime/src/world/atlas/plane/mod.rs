@@ -22,6 +22,9 @@ const FAR: i32 = 48;
 /// Ways may lead this far around them.
 const MARGIN: i32 = 2;
 
+/// A cell, and what it costs there beside the way. [Unit: frames]
+pub(crate) type Spot = (u32, u16);
+
 /// A tile whose copies fill a plane. Its cells are of classes: those that are entered across each edge, and the inside.
 ///
 /// Costs to *goals*, which are sets of cells, are in rows: of each goal one a direction for all that is far away, and then
@@ -59,7 +62,8 @@ pub(crate) struct Plane {
 /// Cells that ways lead to.
 #[derive(Clone, Debug)]
 struct Goal {
-    cells: Vec<u32>,
+    /// Each with what it costs to have come there.
+    cells: Vec<Spot>,
     first_row: u32,
     radius: i32,
 }
@@ -84,15 +88,6 @@ pub(crate) struct Look {
     pub row: u32,
     /// [Unit: frames]
     pub more: f32,
-}
-
-/// What a row is about.
-#[derive(Clone, Copy, Debug)]
-pub(crate) enum Row {
-    /// A goal that many copies away.
-    Near(u32, [i32; 2]),
-    /// Any goal far away, by the price of a direction.
-    Far([f32; 2]),
 }
 
 /// Class of a cell: its edge, past the last one the inside.
@@ -128,26 +123,27 @@ impl Plane {
         };
         let all: Vec<u32> = out.classes.concat();
         for price in prices {
-            if let Some(rest) = far::rest(&out.back, price, &all, out.num_cells) {
+            if let Some(rest) = far::rest(&out.back, price, all.iter().map(|&c| (c, 0)), out.num_cells) {
                 out.prices.push(price);
                 out.leasts.push(rest.into_iter().fold(f32::INFINITY, f32::min));
             }
         }
         out.best_prices = offsets(FAR).map(|way| out.best_price(way) as u8).collect();
         for class in 0..=num_edges as usize {
-            let rows = out.rows_of(&out.classes[class], RADIUS, search);
+            let cells: Vec<_> = out.classes[class].iter().map(|&c| (c, 0)).collect();
+            let rows = out.rows_of(&cells, RADIUS, search);
             out.add(rows);
         }
         Some(out)
     }
 
     /// Number of a goal that was added.
-    pub fn goal(&self, cells: &[u32]) -> Option<u32> {
+    pub fn goal(&self, cells: &[Spot]) -> Option<u32> {
         self.goals.iter().position(|g| g.cells == cells).map(|g| g as u32)
     }
 
     /// Cells of a goal.
-    pub fn cells(&self, goal: u32) -> &[u32] {
+    pub fn cells(&self, goal: u32) -> &[Spot] {
         &self.goals[goal as usize].cells
     }
 
@@ -157,18 +153,18 @@ impl Plane {
     }
 
     /// Cells in which one can stay, each as a goal, and all of them as one: where most ways lead to.
-    pub fn rests(&self) -> Vec<Vec<u32>> {
-        let all = (!self.rest_cells.is_empty()).then(|| self.rest_cells.clone());
-        self.rest_cells.iter().map(|&c| vec![c]).chain(all).collect()
+    pub fn rests(&self) -> Vec<Vec<Spot>> {
+        let all = (!self.rest_cells.is_empty()).then(|| self.rest_cells.iter().map(|&c| (c, 0)).collect());
+        self.rest_cells.iter().map(|&c| vec![(c, 0)]).chain(all).collect()
     }
 
     /// Adds the rows of a goal.
     pub fn add(&mut self, rows: Rows) {
         let number = self.goals.len() as u32;
-        if let [cell] = rows.goal.cells[..] {
+        if let [(cell, 0)] = rows.goal.cells[..] {
             self.goal_of[cell as usize] = number;
         }
-        if rows.goal.cells == self.rest_cells {
+        if rows.goal.cells.iter().copied().eq(self.rest_cells.iter().map(|&c| (c, 0))) {
             self.rest = Some(number);
         }
         self.goals.push(Goal { first_row: self.least.len() as u32, ..rows.goal });
@@ -183,9 +179,30 @@ impl Plane {
         }
     }
 
-    /// Works out the rows of a goal that is no class.
-    pub fn rows_to(&self, cells: &[u32], search: &mut Dial) -> Rows {
-        self.rows_of(cells, GOAL_RADIUS, search)
+    /// Works out the rows of a cell, for goals that are no classes.
+    pub fn rows_to(&self, cell: u32, search: &mut Dial) -> Rows {
+        self.rows_of(&[(cell, 0)], GOAL_RADIUS, search)
+    }
+
+    /// The rows of a goal from those of its cells, each with what it costs there beside the way.
+    pub fn join(&self, parts: &[(&Rows, u16)]) -> Rows {
+        let cells = parts.iter().flat_map(|&(rows, cost)| rows.goal.cells.iter().map(move |c| (c.0, c.1 + cost)));
+        let goal = Goal { cells: cells.collect(), first_row: 0, radius: GOAL_RADIUS };
+        let num_rows = parts.first().map_or(0, |p| p.0.rows.len());
+        let rows = (0..num_rows).map(|k| {
+            let row = |p: &(&'_ Rows, u16)| p.0.rows[k].least + f32::from(p.1);
+            let least = parts.iter().map(row).fold(f32::INFINITY, f32::min);
+            let lack = parts.iter().map(|p| p.0.rows[k].lack).fold(0.0, f32::max);
+            let mut beyond = vec![UNREACHED; self.num_cells as usize];
+            for (rows, cost) in parts {
+                let more = (rows.rows[k].least + f32::from(*cost) - least) as u16;
+                for (to, from) in beyond.iter_mut().zip(&rows.rows[k].beyond).filter(|(_, from)| **from != UNREACHED) {
+                    *to = (*to).min(from.saturating_add(more).min(UNREACHED - 1));
+                }
+            }
+            Costs { least, beyond, lack }
+        });
+        Rows { rows: rows.collect(), goal }
     }
 
     /// Where costs to a goal are found, that many copies away.
@@ -219,7 +236,7 @@ impl Plane {
 
     /// Cost from a cell; infinite where there is no way. [Unit: frames]
     pub fn cost(&self, look: Look, cell: u32) -> f32 {
-        (self.beyond(look.row, cell) + look.more).max(0.0)
+        (frames(self.costs[(look.row * self.num_cells + cell) as usize]) + look.more).max(0.0)
     }
 
     /// The least cost from any cell of a class. [Unit: frames]
@@ -233,33 +250,21 @@ impl Plane {
         (0..self.classes.len() as u32).map(|class| self.least(look, class)).fold(f32::INFINITY, f32::min)
     }
 
-    /// The highest cost to a goal from any cell of another one nearby: no way to the best cell costs more. Infinite where
-    /// the goal is far away, or that is not known. [Unit: frames]
+    /// The highest cost to a goal from any cell of another one nearby, beyond what that cell costs there: no way to the
+    /// best cell costs more. Infinite where the goal is far away, or that is not known. [Unit: frames]
     pub fn most(&self, to: u32, way: [i32; 2], from: u32) -> f32 {
         if way.iter().any(|w| w.abs() > self.goals[to as usize].radius) {
             return f32::INFINITY;
         }
         let look = self.look(to, way);
-        self.cells(from).iter().map(|&c| self.cost(look, c)).fold(0.0, f32::max) + self.lack[look.row as usize]
+        let costs = self.cells(from).iter().map(|&(cell, cost)| self.cost(look, cell) - f32::from(cost));
+        costs.fold(0.0, f32::max) + self.lack[look.row as usize]
     }
 
-    /// What a cell costs beyond what its row does; infinite where there is no way. [Unit: frames]
-    pub fn beyond(&self, row: u32, cell: u32) -> f32 {
-        frames(self.costs[(row * self.num_cells + cell) as usize])
-    }
-
-    /// What all rows are about, in their order.
-    pub fn rows(&self) -> impl Iterator<Item = Row> {
-        (0u32..).zip(&self.goals).flat_map(|(goal, g)| {
-            let near = offsets(g.radius).map(move |way| Row::Near(goal, way));
-            self.prices.iter().map(|&p| Row::Far(p)).chain(near)
-        })
-    }
-
-    fn rows_of(&self, cells: &[u32], radius: i32, search: &mut Dial) -> Rows {
+    fn rows_of(&self, cells: &[Spot], radius: i32, search: &mut Dial) -> Rows {
         let mut out = Rows { goal: Goal { cells: cells.to_vec(), first_row: 0, radius }, rows: Vec::new() };
         for &price in &self.prices {
-            let rest = far::rest(&self.back, price, cells, self.num_cells).unwrap_or_default();
+            let rest = far::rest(&self.back, price, cells.iter().copied(), self.num_cells).unwrap_or_default();
             let least = rest.iter().copied().fold(f32::INFINITY, f32::min);
             let least = if least < f32::INFINITY { least.floor() } else { 0.0 };
             let beyond = rest.iter().map(|r| whole(r - least)).collect();
@@ -274,7 +279,7 @@ impl Plane {
         let (wide, n) = (radius + MARGIN, self.num_cells);
         let across = 2 * wide + 1;
         let number = |[x, z]: [i32; 2], cell: u32| ((x + wide) * across + z + wide) as u32 * n + cell;
-        let goal = rows.goal.cells.iter().map(|&c| (number([0, 0], c), 0));
+        let goal = rows.goal.cells.iter().map(|&(c, cost)| (number([0, 0], c), cost));
         search.run((across * across) as usize * n as usize, goal, |search, state| {
             let (tile, cell) = ((state / n) as i32, state % n);
             let [x, z] = [tile / across - wide, tile % across - wide];

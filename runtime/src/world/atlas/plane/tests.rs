@@ -125,14 +125,16 @@ proptest! {
         let links: Vec<_> = links.iter().map(|&(f, t, n)| ([0, 1, 2, 3, 8, 9][f], 4 + t, n)).collect();
         let tile = Tile::new(&links);
         let mut plane = tile.plane().unwrap();
-        let rows = plane.rows_to(&[1, 9], &mut Dial::default());
+        let parts = [1, 9].map(|cell| plane.rows_to(cell, &mut Dial::default()));
+        let rows = plane.join(&[(&parts[0], 13), (&parts[1], 0)]);
         plane.add(rows);
         for from in [0, 2, 8] {
             let found = tile.dijkstra(from);
             for way in offsets(8) {
                 for goal in 0..6u32 {
-                    let ends = |cell: u32| plane.cells(goal).contains(&cell);
-                    let costs = found.iter().filter(|((at, cell), _)| *at == way && ends(*cell)).map(|(_, f)| *f);
+                    let part = |cell: u32| plane.cells(goal).iter().find(|c| c.0 == cell).map(|c| u32::from(c.1));
+                    let there = found.iter().filter(|((at, _), _)| *at == way);
+                    let costs = there.filter_map(|((_, cell), f)| Some(*f + part(*cell)?));
                     let best = costs.min().map_or(f32::INFINITY, |f| f as f32);
                     let bound = plane.cost(plane.look(goal, way), from);
                     prop_assert!(bound <= best, "{} to goal {} {:?}: {} {}", from, goal, way, bound, best);
@@ -165,7 +167,7 @@ fn the_most_from_a_goal_is_at_least_what_its_cells_cost() {
     let plane = crossed_in(50, 40).plane().unwrap();
     for way in [[2, 1], [0, 0], [9, -4]] {
         let most = plane.most(1, way, 2);
-        assert!(plane.cells(2).iter().all(|&c| plane.cost(plane.look(1, way), c) <= most), "{way:?}: {most}");
+        assert!(plane.cells(2).iter().all(|&(c, _)| plane.cost(plane.look(1, way), c) <= most), "{way:?}: {most}");
     }
 }
 
@@ -178,10 +180,10 @@ proptest! {
         let tile = Tile::new(&links);
         let plane = tile.plane().unwrap();
         for from in 0..5 {
-            let found: Vec<_> = plane.cells(from).iter().map(|&c| tile.dijkstra(c)).collect();
+            let found: Vec<_> = plane.cells(from).iter().map(|&(c, _)| tile.dijkstra(c)).collect();
             for (to, way) in (0..5).flat_map(|to| offsets(2).map(move |way| (to, way))) {
                 let least = |f: &BTreeMap<([i32; 2], u32), u32>| {
-                    let ends = f.iter().filter(|((at, cell), _)| *at == way && plane.cells(to).contains(cell));
+                    let ends = f.iter().filter(|((at, cell), _)| *at == way && plane.cells(to).contains(&(*cell, 0)));
                     ends.map(|(_, frames)| *frames).min().map_or(f32::INFINITY, |f| f as f32)
                 };
                 let worst = found.iter().map(least).fold(0.0, f32::max);

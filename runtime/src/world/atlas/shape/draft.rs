@@ -5,7 +5,7 @@ use super::{Beyond, Plot};
 use crate::patch::{CellRecord, NONE};
 use crate::world::graph::Crossing;
 use crate::world::{AdjacencyRecord, JointTableRecord, Node};
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 
 /// Where a way out ends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -21,26 +21,24 @@ pub(super) struct Landing {
 pub(super) struct Leap {
     /// The cell.
     pub from: u32,
-    /// The way out.
-    pub out: u32,
+    /// Where it leads to, as a number in [`Draft::outs`].
+    pub to: u32,
     /// What it takes.
     pub frames: u16,
-    /// Where it leads to.
-    pub to: Landing,
 }
 
 /// The graph within a district. Its nodes are its cells; those of blocks again, where a link must follow, as after a joint
-/// between blocks; the ways in. Ways out are listed apart.
+/// between blocks; the cells beyond that ways in begin at. Ways out are listed apart.
 pub(super) struct Draft<'p, 'a, 'w> {
     plot: &'p Plot<'a, 'w>,
     /// From node to node, in so many frames.
     pub arcs: Vec<(u32, u32, u16)>,
     /// Steps out.
     pub leaps: Vec<Leap>,
-    /// Ways in by what lies beyond and the class of cell there: the node of each, and the cells.
-    pub ins: BTreeMap<(u32, u32), (u32, BTreeSet<u32>)>,
-    /// Ways out by what lies beyond and the sector that they lead to, and the number of each.
-    pub outs: BTreeMap<(u32, u32), u32>,
+    /// Where ways in begin, by what lies beyond, the class of the cell there and the cell, and the number of each.
+    pub ins: BTreeMap<(u32, u32, u32), u32>,
+    /// Where ways out end, by what lies beyond, the sector that they lead to and the cell, and the number of each.
+    pub outs: BTreeMap<(u32, u32, Landing), u32>,
 }
 
 impl<'p, 'a, 'w> Draft<'p, 'a, 'w> {
@@ -124,8 +122,9 @@ impl<'p, 'a, 'w> Draft<'p, 'a, 'w> {
             Beyond::District(d) => [plot.districts.number(d, to.instance) as i32, 0],
         };
         let next = self.outs.len() as u32;
-        let out = *self.outs.entry((k, self.sector(to))).or_insert(next);
-        self.leaps.push(Leap { from, out, frames, to: Landing { way, cell: to.cell } });
+        let landing = Landing { way, cell: to.cell };
+        let to = *self.outs.entry((k, self.sector(to), landing)).or_insert(next);
+        self.leaps.push(Leap { from, to, frames });
     }
 
     /// Ways out are told apart by the edge that a tile is entered by, or inside of one by heading.
@@ -142,12 +141,10 @@ impl<'p, 'a, 'w> Draft<'p, 'a, 'w> {
         }
     }
 
-    /// Node of a way in from a cell of a class.
+    /// Node of a cell that a way in begins at.
     fn way_in(&mut self, beyond: u32, class: u32, cell: u32) -> u32 {
-        let next = 2 * self.plot.num_cells + self.ins.len() as u32;
-        let (node, cells) = self.ins.entry((beyond, class)).or_insert_with(|| (next, BTreeSet::new()));
-        cells.insert(cell);
-        *node
+        let next = self.ins.len() as u32;
+        2 * self.plot.num_cells + *self.ins.entry((beyond, class, cell)).or_insert(next)
     }
 
     /// What leads into a member from an instance beyond.

@@ -1,13 +1,16 @@
 //! Shapes: least costs within districts, found once for all that are alike.
 
+mod alike;
 mod draft;
+mod net;
 mod plot;
 
 use super::dial::{Arcs, Dial, UNREACHED};
-use super::plane::{Look, Plane, Row};
-use draft::{Draft, Landing};
+use super::plane::Spot;
+use alike::least_across;
+use draft::Landing;
+use net::Net;
 pub(super) use plot::Plot;
-use std::collections::BTreeSet;
 
 /// What a district overlaps.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -31,107 +34,92 @@ impl Beyond {
 }
 
 /// Costs within districts that are alike: from where they are entered, to where they are left.
+///
+/// A way in begins at some cells, and a way out ends at some, each of them so much before or after the others: costs
+/// leave that out, which is counted where one comes to those cells or goes on from there.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Shape {
     num_cells: u32,
-    num_ins: u32,
-    /// Ways in: what each leads from, as a number in [`Plot::beyond`], and the cells there.
-    pub ins: Vec<(u32, Vec<u32>)>,
+    /// Ways in: what each leads from, as a number in [`Plot::beyond`], and the cells there, each with what of the way is
+    /// counted on coming there.
+    pub ins: Vec<(u32, Vec<Spot>)>,
     /// Ways out: what each leads to.
     pub outs: Vec<u32>,
-    /// Least frames to leave by each way out, from each cell and then from each way in. [Size: outs * (cells + ins)]
+    /// Where each way out leads to, with what of the way is counted on going on from there. [Unit: frames]
+    spots: Vec<Vec<(Landing, u16)>>,
+    /// What costs to a way out, and those from a way in, are in tables beyond what they are. [Unit: frames]
+    more_out: Vec<u16>,
+    more_in: Vec<u16>,
+    /// Least frames to leave by each way out, from each cell. [Size: outs * cells]
     to_out: Vec<u16>,
+    /// The same from each way in. [Size: outs * ins]
+    across: Vec<u16>,
     /// Least frames from each way in to each cell. [Size: ins * cells]
     from_in: Vec<u16>,
-    /// For each row of a plane and each way out to a tile, least frames from where that leads to on to what the row is
-    /// about, as seen from the tile and beyond what the row costs there. [Size: rows * outs]
-    landings: Vec<f32>,
-    /// Where each way out leads to.
-    spots: Vec<Vec<Landing>>,
+    /// What leads to each state: the cells, and those of blocks again where a link must follow, as after a joint between
+    /// blocks.
+    back: Arcs<u32>,
 }
 
 impl Shape {
     /// Searches from every way in and to every way out.
     pub fn new(plot: &Plot<'_, '_>, search: &mut Dial) -> Self {
-        let Draft { arcs, leaps, ins, outs, .. } = Draft::new(plot);
-        let mut out = Self { num_cells: plot.num_cells, num_ins: ins.len() as u32, ..Self::default() };
-        let num_nodes = 2 * plot.num_cells + out.num_ins;
-        out.ins = vec![(0, Vec::new()); ins.len()];
-        for (&(beyond, _), (n, cells)) in &ins {
-            out.ins[(n - 2 * plot.num_cells) as usize] = (beyond, cells.iter().copied().collect());
-        }
-        out.outs = vec![0; outs.len()];
-        outs.iter().for_each(|(key, &n)| out.outs[n as usize] = key.0);
-        let on = Arcs::new(num_nodes as usize, arcs.iter().copied());
-        let back = Arcs::new(num_nodes as usize, arcs.iter().map(|&(from, to, frames)| (to, from, frames)));
-        drop(arcs);
-        for k in 0..outs.len() as u32 {
-            let sources = leaps.iter().filter(|l| l.out == k).map(|l| (l.from, l.frames));
-            search.run(num_nodes as usize, sources, |search, node| {
-                back.of(node).iter().for_each(|&(from, frames)| search.reach(from, frames));
-            });
+        let net = Net::new(plot);
+        let [mut ins, outs] = net.ways(search);
+        let mut out = Self { num_cells: plot.num_cells, ..Self::default() };
+        let mut across = Vec::new();
+        for way in &outs {
+            net.search_back(way, search);
             out.to_out.extend((0..plot.num_cells).map(|c| search.cost(c)));
-            out.to_out.extend((2 * plot.num_cells..num_nodes).map(|n| search.cost(n)));
-            let spots: BTreeSet<Landing> = leaps.iter().filter(|l| l.out == k).map(|l| l.to).collect();
-            out.spots.push(spots.into_iter().collect());
+            across.push(net.costs_of_ins(search));
+            out.outs.push(way.beyond);
+            out.more_out.push(way.most());
+            out.spots.push(way.places.iter().map(|&(n, part)| (net.landing(n), part)).collect());
         }
-        for node in 2 * plot.num_cells..num_nodes {
-            search.run(num_nodes as usize, [(node, 0)].into_iter(), |search, node| {
-                on.of(node).iter().for_each(|&(to, frames)| search.reach(to, frames));
-            });
+        let more = &out.more_out;
+        ins.iter_mut().for_each(|way| way.fit(across.iter().zip(more).map(|(a, m)| (&a[..], *m))));
+        for (costs, more) in across.iter().zip(more) {
+            out.across.extend(ins.iter().map(|way| least_across(way, costs, *more)));
+        }
+        for way in &ins {
+            net.search_on(way, search);
             out.from_in.extend((0..plot.num_cells).map(|c| search.cost(c)));
+            out.more_in.push(way.most());
+            out.ins.push((way.beyond, way.places.iter().map(|&(n, part)| (net.cell_in(n), part)).collect()));
         }
+        out.back = net.back;
         out
     }
 
-    /// Least frames from a cell to a way out.
+    /// Number of states, of which the cells are the first.
+    pub fn num_states(&self) -> usize {
+        2 * self.num_cells as usize
+    }
+
+    /// From where a state is come to, in so many frames: other states, and above them what lies beyond.
+    pub fn back(&self, state: u32) -> &[(u32, u16)] {
+        self.back.of(state)
+    }
+
+    /// Least frames from a cell to a way out. What lies at its cells may be below 0.
     pub fn to_out(&self, out: u32, cell: u32) -> f32 {
-        frames(self.to_out[(out * (self.num_cells + self.num_ins) + cell) as usize])
+        frames(self.to_out[(out * self.num_cells + cell) as usize]) - f32::from(self.more_out[out as usize])
     }
 
     /// Least frames from a way in to a way out.
     pub fn across(&self, way_in: u32, out: u32) -> f32 {
-        self.to_out(out, self.num_cells + way_in)
+        frames(self.across[out as usize * self.ins.len() + way_in as usize])
     }
 
-    /// Least frames from a way in to a cell.
+    /// Least frames from a way in to a cell. What lies at its cells may be below 0.
     pub fn reach(&self, way_in: u32, cell: u32) -> f32 {
-        frames(self.from_in[(way_in * self.num_cells + cell) as usize])
+        frames(self.from_in[(way_in * self.num_cells + cell) as usize]) - f32::from(self.more_in[way_in as usize])
     }
 
-    /// Least frames from where a way out leads to, see [`Plane::look`] from the tile that it leads through.
-    pub fn landing(&self, out: u32, look: Look) -> f32 {
-        (self.landings[look.row as usize * self.outs.len() + out as usize] + look.more).max(0.0)
-    }
-
-    /// Where a way out leads to: how many copies away from the tile that it leads through, and the cell there.
-    pub fn spots(&self, out: u32) -> impl Iterator<Item = ([i32; 2], u32)> {
-        self.spots[out as usize].iter().map(|l| (l.way, l.cell))
-    }
-
-    /// Works out what follows after ways out, when planes know all goals.
-    pub fn add_landings(&mut self, plot: &Plot<'_, '_>, planes: &[Option<Plane>]) {
-        for (out, (&beyond, spots)) in self.outs.iter().zip(&self.spots).enumerate() {
-            let Beyond::Tile(tile) = plot.beyond[beyond as usize] else { continue };
-            let Some(plane) = &planes[plot.graph.instance(tile).patch as usize] else { continue };
-            for (number, row) in plane.rows().enumerate() {
-                let size = (number + 1) * self.outs.len();
-                if self.landings.len() < size {
-                    self.landings.resize(size, f32::INFINITY);
-                }
-                let costs = spots.iter().map(|l| from_landing(plane, number as u32, row, l));
-                self.landings[number * self.outs.len() + out] = costs.fold(f32::INFINITY, f32::min);
-            }
-        }
-    }
-}
-
-/// Least frames from where a way out leads to on to what a row is about, beyond what the row costs from the tile.
-fn from_landing(plane: &Plane, number: u32, row: Row, landing: &Landing) -> f32 {
-    let [du, dv] = landing.way;
-    match row {
-        Row::Near(goal, [u, v]) => plane.cost(plane.look(goal, [u - du, v - dv]), landing.cell),
-        Row::Far(price) => plane.beyond(number, landing.cell) - price[0] * du as f32 - price[1] * dv as f32,
+    /// Where a way out leads to: how many copies away from the tile that it leads through, the cell there, and what is
+    /// counted on going on from it.
+    pub fn spots(&self, out: u32) -> impl ExactSizeIterator<Item = ([i32; 2], u32, f32)> {
+        self.spots[out as usize].iter().map(|(l, part)| (l.way, l.cell, f32::from(*part)))
     }
 }
 

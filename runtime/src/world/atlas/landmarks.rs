@@ -1,0 +1,137 @@
+//! Landmarks: ways all around a world, and what it costs to come to them from everywhere (Goldberg and Harrelson 2005).
+//!
+//! Who goes from one place to another and on to a landmark goes no shorter way than who goes straight to the landmark: so
+//! much the way to the other place costs at least.
+
+use super::dial::{Dial, UNREACHED};
+use super::{Atlas, In, each};
+use crate::world::WorldGraph;
+
+/// Number of landmarks.
+const NUM: usize = 12;
+
+/// Costs from somewhere to each landmark. [Unit: frames]
+pub(crate) type ToLandmarks = [u16; NUM];
+
+/// Costs to landmarks from all states: ways in, and then ways out.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Landmarks {
+    costs: Vec<ToLandmarks>,
+}
+
+impl Landmarks {
+    /// Chooses them, each as far from all others as can be, and searches from everywhere to them.
+    pub fn new(graph: &WorldGraph<'_>, atlas: &Atlas) -> Self {
+        let landmarks = choose(graph, atlas);
+        let num_states = atlas.ins.len() + atlas.outs.len();
+        let mut out = Self { costs: vec![[UNREACHED; NUM]; num_states] };
+        let costs = each(&landmarks, |&to, search| {
+            search_back(atlas, to, search);
+            (0..num_states as u32).map(|s| search.cost(s)).collect::<Vec<_>>()
+        });
+        for (k, costs) in costs.iter().enumerate() {
+            out.costs.iter_mut().zip(costs).for_each(|(to, cost)| to[k] = *cost);
+        }
+        out
+    }
+
+    /// From nowhere.
+    pub fn none() -> ToLandmarks {
+        [UNREACHED; NUM]
+    }
+
+    /// Notes that a state is so near to somewhere, from where costs are known so far.
+    pub fn meet(&self, from: &mut ToLandmarks, state: u32, cost: f32) {
+        if cost < f32::from(UNREACHED) {
+            let near = cost.max(0.0) as u16;
+            for (from, on) in from.iter_mut().zip(&self.costs[state as usize]) {
+                *from = (*from).min(near.saturating_add(*on));
+            }
+        }
+    }
+
+    /// What it costs at least to come to a state from somewhere. [Unit: frames]
+    pub fn least(&self, from: &ToLandmarks, state: u32) -> f32 {
+        let pairs = from.iter().zip(&self.costs[state as usize]);
+        // The longest cost that can be told says nothing of how much less another one is.
+        let known = |(from, on): (&u16, &u16)| if *on < UNREACHED - 1 { from.saturating_sub(*on) } else { 0 };
+        pairs.map(known).fold(0, u16::max).into()
+    }
+}
+
+/// Ways in that are far from each other.
+fn choose(graph: &WorldGraph<'_>, atlas: &Atlas) -> Vec<u32> {
+    let place = |state: u32| Some((state, graph.centre(atlas.leads_from(state)?.1), f32::INFINITY));
+    let mut places: Vec<_> = (0..atlas.ins.len() as u32).filter_map(place).collect();
+    let mut chosen = Vec::new();
+    while let Some(&(state, at, far)) = places.iter().max_by(|a, b| a.2.total_cmp(&b.2).then(b.0.cmp(&a.0))) {
+        if chosen.len() == NUM || far == 0.0 {
+            break;
+        }
+        chosen.push(state);
+        places.iter_mut().for_each(|p| p.2 = p.2.min(p.1.distance(at)));
+    }
+    chosen
+}
+
+/// Least costs to a state from all others.
+fn search_back(atlas: &Atlas, to: u32, search: &mut Dial) {
+    let num_ins = atlas.ins.len() as u32;
+    search.run(num_ins as usize + atlas.outs.len(), [(to, 0)].into_iter(), |search, state| {
+        let Some(out) = state.checked_sub(num_ins) else {
+            if let In::Out { from, to } = atlas.ins[state as usize] {
+                let outs = atlas.outs_of(from).filter(|&o| atlas.outs[o as usize].to == Some(to));
+                outs.for_each(|o| search.reach(num_ins + o, 0));
+            }
+            let Some((room, ..)) = atlas.leads_from(state) else { return };
+            for place in atlas.roads.list(room) {
+                let frames = atlas.roads.row(state, room).map_or_else(
+                    || atlas.roads.cost(atlas, state, place),
+                    |row| row[place - atlas.roads.list(room).start],
+                );
+                if frames != UNREACHED {
+                    search.reach(atlas.roads.states[place], frames);
+                }
+            }
+            return;
+        };
+        let district = atlas.outs[out as usize].district;
+        let number = out - atlas.outs_of(district).start;
+        for (k, way_in) in atlas.ins_of(district).enumerate() {
+            let frames = atlas.shape(district).across(k as u32, number);
+            if frames < f32::INFINITY {
+                search.reach(way_in, frames as u16);
+            }
+        }
+    });
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn nowhere_is_nearer_than_landmarks_say(arcs in prop::collection::vec((0usize..8, 0usize..8, 0u16..90), 0..40)) {
+            let mut far = [[u32::MAX; 8]; 8];
+            (0..8).for_each(|n| far[n][n] = 0);
+            arcs.iter().for_each(|&(from, to, frames)| far[from][to] = far[from][to].min(frames.into()));
+            for by in 0..8 {
+                for (from, to) in (0..8).flat_map(|from| (0..8).map(move |to| (from, to))) {
+                    far[from][to] = far[from][to].min(far[from][by].saturating_add(far[by][to]));
+                }
+            }
+            let cost = |from: usize, to: usize| u16::try_from(far[from][to]).unwrap_or(UNREACHED);
+            let to_all = |from| std::array::from_fn(|k| cost(from, k % 5));
+            let landmarks = Landmarks { costs: (0..8).map(to_all).collect() };
+            for from in 0..8 {
+                let mut near = Landmarks::none();
+                landmarks.meet(&mut near, from as u32, 0.0);
+                for to in (0..8).filter(|&to| far[from][to] < u32::MAX) {
+                    prop_assert!(landmarks.least(&near, to as u32) <= far[from][to] as f32, "{} {}", from, to);
+                }
+            }
+        }
+    }
+}
