@@ -17,7 +17,7 @@ use throng_runtime::world::WorldData;
 /// Joint tables and obstacle masks belong to pairs of things that stand to each other in one way: a change makes
 /// those of the new pairs only, and looks only at the links that it may have touched where a unit was moved a little.
 /// The component is searched for only around what is not as it was. After every change the world is the one that
-/// stitching anew would give.
+/// stitching anew would give. It may be sent to another thread, so that what is shown goes on meanwhile.
 pub struct Editor<'a> {
     stitcher: Stitcher<'a>,
     environment: Environment,
@@ -121,7 +121,8 @@ impl<'a> Editor<'a> {
         Ok(true)
     }
 
-    /// Takes the last change back as if it had never been made: it cannot be made again.
+    /// Takes the last change back as if it had never been made: it cannot be made again, and what could be before it
+    /// was made can be again.
     ///
     /// - returns false where there is none.
     ///
@@ -189,4 +190,15 @@ impl<'a> Editor<'a> {
     pub(super) fn made(&self) -> &Made<'a> {
         &self.made
     }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Editors work on threads of their own.
+    const _: () = {
+        const fn is_send<T: Send>() {}
+        is_send::<Editor<'_>>();
+    };
 }

@@ -49,18 +49,22 @@ impl Edit {
 pub(super) struct History {
     undo: Vec<Edit>,
     redo: Vec<Edit>,
+    /// What could be made again before the last change was made; none unless that is the last thing that was done.
+    dropped: Vec<Edit>,
 }
 
 impl History {
     /// A change was made, which `back` takes back: those taken back before are forgotten.
     pub fn done(&mut self, back: Edit) {
         self.undo.push(back);
-        self.redo.clear();
+        self.dropped = std::mem::take(&mut self.redo);
     }
 
-    /// The last change was taken back as if it had never been made.
+    /// The last change was taken back as if it had never been made: where it has just been, what could be made again
+    /// before it can be again.
     pub fn withdrawn(&mut self) {
         self.undo.pop();
+        self.redo.append(&mut self.dropped);
     }
 
     /// Number of changes that can be taken back, and of those that can be made again.
@@ -77,6 +81,7 @@ impl History {
     pub fn undone(&mut self, again: Edit) {
         self.undo.pop();
         self.redo.push(again);
+        self.dropped.clear();
     }
 
     /// The change to make to make the last one again that was taken back.
@@ -88,6 +93,7 @@ impl History {
     pub fn redone(&mut self, back: Edit) {
         self.redo.pop();
         self.undo.push(back);
+        self.dropped.clear();
     }
 }
 
@@ -125,6 +131,29 @@ mod tests {
                 prop_assert_eq!(&units, state);
             }
             prop_assert_eq!(history.to_redo(), None);
+        }
+
+        #[test]
+        fn what_is_withdrawn_leaves_no_trace(changes in 1usize..6, undos in 0usize..6, dones in 0usize..2) {
+            let unit = |k: usize| PlacedUnit { unit: k, placement: Placement::IDENTITY };
+            let mut units: Vec<PlacedUnit> = Vec::new();
+            let mut history = History::default();
+            for k in 0..changes {
+                history.done(Edit::Insert { index: k, unit: unit(k) }.apply(&mut units));
+            }
+            for _ in 0..undos.min(changes) {
+                let again = history.to_undo().expect("a change").apply(&mut units);
+                history.undone(again);
+            }
+            for k in 0..dones {
+                history.done(Edit::Insert { index: 0, unit: unit(10 + k) }.apply(&mut units));
+            }
+            let (before, stood) = (history.clone(), units.clone());
+            history.done(Edit::Insert { index: 0, unit: unit(99) }.apply(&mut units));
+            history.to_undo().expect("a change").apply(&mut units);
+            history.withdrawn();
+            prop_assert_eq!((&history.undo, &history.redo), (&before.undo, &before.redo));
+            prop_assert_eq!(units, stood);
         }
     }
 }

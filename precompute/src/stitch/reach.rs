@@ -35,17 +35,6 @@ impl Reached {
         let both = |a: &[u64], b: &[u64]| a.iter().zip(b).map(|(a, b)| a & b).collect();
         Self { moved: both(&self.moved, &other.moved), joined: both(&self.joined, &other.joined) }
     }
-
-    /// True where all nodes of the other are in this one.
-    pub fn holds(&self, other: &Self) -> bool {
-        let all = |a: &[u64], b: &[u64]| a.iter().zip(b).all(|(a, b)| b & !a == 0);
-        all(&self.moved, &other.moved) && all(&self.joined, &other.joined)
-    }
-
-    /// True where no node is in it.
-    pub fn is_empty(&self) -> bool {
-        self.moved.iter().chain(&self.joined).all(|w| *w == 0)
-    }
 }
 
 /// Everything that is reached from a cell come to by motion, or from where it is reached.

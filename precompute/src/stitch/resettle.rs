@@ -53,7 +53,8 @@ pub(super) fn resettle(before: &Before<'_, '_>, graph: &Joined<'_>) -> Option<Se
         if around.num_after() * SHARE > graph.parts.len() {
             return None;
         }
-        if is_bypassed(before, graph, &inside, &region, &around) {
+        let apart = around.apart(before, graph);
+        if apart.iter().all(|around| is_bypassed(before, graph, &region.within(around), around)) {
             let search = |direction| derive(before, graph, &inside, &region, direction);
             let (from, to) = rayon::join(|| search(Direction::Forth), || search(Direction::Back));
             let settled = Settled::new(from, to);
@@ -92,9 +93,63 @@ impl Region {
         }
     }
 
+    /// Parts of it that have nothing to do with each other: each holds all that is next to what it holds.
+    fn apart(&self, before: &Before<'_, '_>, graph: &Joined<'_>) -> Vec<Self> {
+        let mut now = vec![NONE; self.before.len()];
+        (0u32..).zip(&before.same).filter(|(_, s)| **s != NONE).for_each(|(i, &s)| now[s as usize] = i);
+        let mut left = self.clone();
+        let mut out = Vec::new();
+        while let Some(first) = left.first() {
+            let mut part = Self { before: vec![false; left.before.len()], after: vec![false; left.after.len()] };
+            let mut open = vec![first];
+            while let Some(instance) = open.pop() {
+                let (mine, all) = match instance {
+                    Instance::Before(i) => (&mut part.before[i as usize], &mut left.before[i as usize]),
+                    Instance::After(i) => (&mut part.after[i as usize], &mut left.after[i as usize]),
+                };
+                if !std::mem::take(all) {
+                    continue;
+                }
+                *mine = true;
+                match instance {
+                    Instance::Before(i) => {
+                        open.extend(before.joined.adjacent(i).map(Instance::Before));
+                        open.extend((now[i as usize] != NONE).then_some(Instance::After(now[i as usize])));
+                    }
+                    Instance::After(i) => {
+                        open.extend(graph.adjacent(i).map(Instance::After));
+                        let same = before.same[i as usize];
+                        open.extend((same != NONE).then_some(Instance::Before(same)));
+                    }
+                }
+            }
+            out.push(part);
+        }
+        out
+    }
+
+    /// Any instance of it.
+    fn first(&self) -> Option<Instance> {
+        let before = marked(&self.before).next().map(Instance::Before);
+        before.or_else(|| marked(&self.after).next().map(Instance::After))
+    }
+
+    /// What of it is in another.
+    fn within(&self, other: &Self) -> Self {
+        let both = |a: &[bool], b: &[bool]| a.iter().zip(b).map(|(a, b)| *a && *b).collect();
+        Self { before: both(&self.before, &other.before), after: both(&self.after, &other.after) }
+    }
+
     fn num_after(&self) -> usize {
         self.after.iter().filter(|is_in| **is_in).count()
     }
+}
+
+/// An instance by its number before the change, or by that after it.
+#[derive(Clone, Copy, Debug)]
+enum Instance {
+    Before(u32),
+    After(u32),
 }
 
 fn add_adjacent(graph: &Joined<'_>, parts: &mut [bool]) {
@@ -110,50 +165,74 @@ fn marked(parts: &[bool]) -> impl Iterator<Item = u32> {
 /// True where what belonged to the component outside of a region is still connected.
 ///
 /// From all nodes that led into the region to all that it led to there is a way by one of them.
-/// - `inside`: nodes that belonged to the component.
-/// - `around`: where ways are looked for.
-fn is_bypassed(
-    before: &Before<'_, '_>,
-    graph: &Joined<'_>,
-    inside: &Reached,
-    region: &Region,
-    around: &Region,
-) -> bool {
-    let border = |direction| {
-        let mut search = Search::new(before.joined, direction);
-        search.within = Some(&region.before);
-        for part in marked(&region.before) {
-            seed(&mut search, before.joined, part, inside);
-        }
-        let mut found = search.run().and(inside);
-        for part in marked(&region.before) {
-            clear(&mut found, before.joined.words(part));
-        }
-        before.renumbered(graph, &found)
-    };
-    let (into, out_of) = rayon::join(|| border(Direction::Back), || border(Direction::Forth));
-    if into.is_empty() || out_of.is_empty() {
+/// - `around`: where ways are looked for; all that is next to the region is in it.
+fn is_bypassed(before: &Before<'_, '_>, graph: &Joined<'_>, region: &Region, around: &Region) -> bool {
+    let search = |direction| Border::new(before, region, around, direction);
+    let (into, out_of) = rayon::join(|| search(Direction::Back), || search(Direction::Forth));
+    if into.parts.is_empty() || out_of.parts.is_empty() {
         return true;
     }
-    let Some((part, cell)) = first(graph, around, &out_of).or_else(|| first(graph, around, &into)) else {
-        return false;
-    };
-    let leads = |direction, to: &Reached| {
+    let Some((part, cell)) = out_of.first().or_else(|| into.first()) else { return false };
+    let leads = |direction, to: &Border| {
         let mut search = Search::new(graph, direction);
         search.within = Some(&around.after);
         search.start(part, cell);
-        search.run().holds(to)
+        to.is_in(graph, &search.run())
     };
     let (forth, back) = rayon::join(|| leads(Direction::Forth, &out_of), || leads(Direction::Back, &into));
     forth && back
 }
 
-/// The first instance and cell come to by motion.
-fn first(graph: &Joined<'_>, around: &Region, nodes: &Reached) -> Option<(u32, u32)> {
-    marked(&around.after).find_map(|part| {
-        let mut words = (0u32..).zip(&nodes.moved[graph.words(part)]);
-        words.find_map(|(k, &word)| ones(word).next().map(|bit| (part, 64 * k + bit)))
-    })
+/// Nodes of the component outside of a region that lead into it, or that it leads to.
+struct Border {
+    /// Instances by their number after the change, with the words of their cells come to by motion, and by joints.
+    parts: Vec<(u32, [Vec<u64>; 2])>,
+}
+
+impl Border {
+    fn new(before: &Before<'_, '_>, region: &Region, around: &Region, direction: Direction) -> Self {
+        let Settled { from, to, .. } = before.settled;
+        let both = |a: &[u64], b: &[u64]| a.iter().zip(b).map(|(a, b)| a & b).collect::<Vec<_>>();
+        let mut search = Search::new(before.joined, direction);
+        search.within = Some(&region.before);
+        for part in marked(&region.before) {
+            let words = before.joined.words(part);
+            search.found.moved[words.clone()]
+                .copy_from_slice(&both(&from.moved[words.clone()], &to.moved[words.clone()]));
+            search.found.joined[words.clone()].copy_from_slice(&both(&from.joined[words.clone()], &to.joined[words]));
+            search.open(part);
+        }
+        let found = search.run();
+        let nodes = |part: u32| {
+            let was = before.same[part as usize];
+            let words = before.joined.words(was);
+            let inside = |found: &[u64], from: &[u64], to: &[u64]| {
+                both(&both(&found[words.clone()], &from[words.clone()]), &to[words.clone()])
+            };
+            [inside(&found.moved, &from.moved, &to.moved), inside(&found.joined, &from.joined, &to.joined)]
+        };
+        // What is not the same any more is in the region.
+        let outside = marked(&around.after).filter(|&part| !region.after[part as usize]);
+        let parts = outside.map(|part| (part, nodes(part)));
+        Self { parts: parts.filter(|(_, nodes)| nodes.iter().flatten().any(|word| *word != 0)).collect() }
+    }
+
+    /// The first instance and cell come to by motion.
+    fn first(&self) -> Option<(u32, u32)> {
+        self.parts.iter().find_map(|(part, [moved, _])| {
+            let mut words = (0u32..).zip(moved);
+            words.find_map(|(k, &word)| ones(word).next().map(|bit| (*part, 64 * k + bit)))
+        })
+    }
+
+    /// True where all of it is among some nodes.
+    fn is_in(&self, graph: &Joined<'_>, nodes: &Reached) -> bool {
+        self.parts.iter().all(|(part, [moved, joined])| {
+            let words = graph.words(*part);
+            let holds = |a: &[u64], b: &[u64]| a.iter().zip(b).all(|(a, b)| b & !a == 0);
+            holds(&nodes.moved[words.clone()], moved) && holds(&nodes.joined[words], joined)
+        })
+    }
 }
 
 /// All that is reached from the component, or leads to it.

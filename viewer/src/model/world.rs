@@ -152,9 +152,12 @@ impl Model {
     /// Takes in a world that has been stitched meanwhile.
     pub(super) fn take_in_world(&mut self, waits: bool) {
         let Document::World(world) = &mut self.document else { return };
-        if let Some(Taken::Changed(place)) = world.take_in(waits) {
+        let taken = world.take_in(waits);
+        if let Some(Taken::Changed(place)) = taken {
             let look = &mut self.selection.world;
             (look.place, look.instance, look.link) = (place, None, None);
+        }
+        if taken.is_some() {
             let n = world.run().num_characters();
             self.selection.character = self.selection.character.filter(|&c| c < n);
         }
@@ -162,13 +165,12 @@ impl Model {
 
     /// Starts the life of a world anew.
     pub(super) fn populate(&mut self, characters: usize, seed: u64) {
+        let waits = self.is_unhurried;
         let Document::World(world) = &mut self.document else { return };
         if let Err(why) = world.populate(characters, seed) {
-            self.complain(why);
+            return self.complain(why);
         }
-        let Document::World(world) = &self.document else { return };
-        let n = world.run().num_characters();
-        self.selection.character = self.selection.character.filter(|&c| c < n);
+        self.take_in_world(waits);
     }
 }
 

@@ -2,11 +2,13 @@
 
 use super::WorldDocument;
 use super::orders::{Change, Order};
-use super::worker::{self, Done, Job, Stitched};
+use super::worker::{self, Begun, Done, Job, Outcome, Stitched};
 use std::collections::VecDeque;
 use std::path::Path;
+use std::sync::Arc;
 use std::sync::mpsc::{Receiver, TryRecvError};
 use throng_precompute::environment::PlacedUnit;
+use throng_precompute::scene::world::WorldScene;
 use throng_runtime::patch::Placement;
 use throng_runtime::world::inhabitants::Wish;
 
@@ -21,6 +23,8 @@ pub struct Edited {
     pub total_s: f64,
     /// Characters that found no place any more.
     pub lost: usize,
+    /// Characters that were told to do what can no longer be done: they do as they wish again.
+    pub free: usize,
 }
 
 /// An edit that could not be made; the world is as it was.
@@ -50,6 +54,8 @@ pub struct Working {
 pub enum Taken {
     /// The world is another one; with the place of the unit that came or was moved, where there is one.
     Changed(Option<usize>),
+    /// Others live in the same world.
+    Begun,
     /// The world is as it was; [`WorldDocument::refused`] says why.
     Refused,
 }
@@ -126,6 +132,19 @@ impl WorldDocument {
         Ok(())
     }
 
+    /// Begins to let so many characters live there anew, as far as there is room, on a thread of its own, as
+    /// [`WorldDocument::order`] begins an edit.
+    ///
+    /// # Errors
+    /// A message where an edit is under way.
+    pub fn populate(&mut self, characters: usize, seed: u64) -> Result<(), String> {
+        if self.working.is_some() {
+            return Err("the run can begin anew when the last edit is done".into());
+        }
+        self.begin(Order::Populate { characters, seed });
+        Ok(())
+    }
+
     fn begin(&mut self, order: Order) {
         self.refused = None;
         let doing = match order {
@@ -138,6 +157,13 @@ impl WorldDocument {
                 Some(next) => format!("Making again: {next}"),
                 None => return,
             },
+            Order::Populate { characters, seed } => {
+                let scene = WorldScene { characters, seed, ..self.scene.clone() };
+                let done = worker::begin_anew(Arc::clone(&self.ground), scene);
+                let doing = format!("Finding room for {characters} characters");
+                self.working = Some(Working { order, doing, at: None, next: VecDeque::new(), done });
+                return;
+            }
         };
         let at = self.at(order);
         let Some(workshop) = self.workshop.take() else {
@@ -179,34 +205,46 @@ impl WorldDocument {
 
     fn finish(&mut self, working: Working, done: Option<Done>) -> Taken {
         let gone = "the editor ended unexpectedly; save what was placed, then read the file again (Ctrl+R)";
-        let stitched = match done {
+        let result = match done {
             Some(done) => {
-                self.workshop = Some(done.workshop);
-                done.stitched
+                self.workshop = done.workshop.or(self.workshop.take());
+                done.result
             }
             None => Err(gone.to_owned()),
         };
         let name = match working.order {
             Order::Change(change) => Some(self.describe(change)),
-            Order::Undo | Order::Redo => None,
+            Order::Undo | Order::Redo | Order::Populate { .. } => None,
         };
-        let is_new = stitched.is_ok();
+        let is_new = result.is_ok();
         let what = match working.order {
             Order::Undo => format!("took back: {}", self.to_undo().unwrap_or_default()),
             Order::Redo => format!("made again: {}", self.to_redo().unwrap_or_default()),
-            Order::Change(_) => name.clone().unwrap_or_default(),
+            Order::Change(_) | Order::Populate { .. } => name.clone().unwrap_or_default(),
         };
         if let Some(workshop) = &self.workshop {
             let counts = workshop.with(|e| [e.num_undos(), e.num_redos()]);
             self.made.follow(counts, name.filter(|_| is_new));
         }
-        match stitched {
-            Ok(stitched) => Taken::Changed(self.show(stitched, what)),
+        match result {
+            Ok(Outcome::Stitched(stitched)) => Taken::Changed(self.show(*stitched, what)),
+            Ok(Outcome::Begun(begun)) => {
+                self.begin_with(*begun);
+                Taken::Begun
+            }
             Err(why) => {
                 self.refused = Some(Refused { why, at: working.at });
                 Taken::Refused
             }
         }
+    }
+
+    /// Lets others live in the world.
+    fn begin_with(&mut self, begun: Begun) {
+        let mut run = begun.run;
+        run.play(self.run.is_playing());
+        run.set_speed(self.run.speed());
+        (self.run, self.scene) = (run, begun.scene);
     }
 
     /// Shows another world; returns the place that came or was moved.
@@ -216,17 +254,19 @@ impl WorldDocument {
         let mut run = new.run;
         run.play(self.run.is_playing());
         run.set_speed(self.run.speed());
+        let mut free = 0;
         for (character, &before) in new.before.iter().enumerate() {
-            let told = self.run.told(before).filter(|w| !matches!(w, Wish::GoTo { .. }));
-            if let Some(wish) = told {
-                // What can no longer be done is not wished for any more.
-                let _ = run.tell(new.ground.graph(), character, Some(wish));
+            let Some(wish) = self.run.told(before) else { continue };
+            // Patches have other numbers now.
+            let is_kept = !matches!(wish, Wish::GoTo { .. });
+            if !is_kept || run.tell(new.ground.graph(), character, Some(wish)).is_err() {
+                free += 1;
             }
         }
-        (self.ground, self.run, self.report) = (new.ground, run, new.report);
+        (self.ground, self.run, self.report) = (Arc::new(new.ground), run, new.report);
         (self.environment, self.geometry) = (new.environment, new.geometry);
         self.revision += 1;
-        self.edited = Some(Edited { what, stitch_s: new.stitch_s, total_s: new.total_s, lost });
+        self.edited = Some(Edited { what, stitch_s: new.stitch_s, total_s: new.total_s, lost, free });
         place
     }
 

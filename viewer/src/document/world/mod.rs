@@ -36,7 +36,7 @@ pub struct WorldDocument {
     kit: Arc<Kit>,
     /// None while somebody works there.
     workshop: Option<Workshop>,
-    ground: Ground,
+    ground: Arc<Ground>,
     environment: Environment,
     geometry: PlacedGeometry,
     report: StitchReport,
@@ -227,22 +227,6 @@ impl WorldDocument {
             return Err(format!("there is no character {character}"));
         }
         self.run.tell(self.ground.graph(), character, wish).map_err(|e| e.to_string())
-    }
-
-    /// Starts the run anew with so many characters, as far as there is room, and a seed.
-    ///
-    /// # Errors
-    /// A message where nobody can live there, or an edit is under way.
-    pub fn populate(&mut self, characters: usize, seed: u64) -> Result<(), String> {
-        if self.working.is_some() {
-            return Err("the run can begin anew when the last edit is done".into());
-        }
-        (self.scene.characters, self.scene.seed) = (characters, seed);
-        let old = (self.run.is_playing(), self.run.speed());
-        self.run = open::populate(&mut self.scene, &self.ground)?;
-        self.run.play(old.0);
-        self.run.set_speed(old.1);
-        Ok(())
     }
 
     /// The environment as it is.

@@ -44,7 +44,7 @@ impl WorldDocument {
         let workshop = Workshop::new(Arc::clone(&bundle), Arc::clone(&kit), environment.clone(), &source.stitch)
             .map_err(|e| format!("{}: {e}", world_path.display()))?;
         let (world, report) = workshop.with(|editor| (editor.world().clone(), editor.report().clone()));
-        let ground = Ground::new(bundle, world)?;
+        let ground = Arc::new(Ground::new(bundle, world)?);
         let mut scene = scene.unwrap_or_else(|| roaming(&source, &world_path));
         let run = populate_as_told(&mut scene, &ground, is_scene)?;
         Ok(Self {

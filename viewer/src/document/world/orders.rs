@@ -35,6 +35,13 @@ pub enum Order {
     Undo,
     /// Make the change again that was taken back last.
     Redo,
+    /// Let so many characters live there anew, as far as there is room.
+    Populate {
+        /// How many.
+        characters: usize,
+        /// Seed of places and choices.
+        seed: u64,
+    },
 }
 
 impl Order {

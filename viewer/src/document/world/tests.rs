@@ -18,6 +18,7 @@ fn order(world: &mut WorldDocument, order: Order) -> Result<Option<usize>, Strin
     world.order(order).unwrap();
     match world.take_in(true) {
         Some(Taken::Changed(place)) => Ok(place),
+        Some(Taken::Begun) => panic!("nobody asked for other characters"),
         Some(Taken::Refused) => Err(world.refused().unwrap().why.clone()),
         None => panic!("nothing came of {order:?}"),
     }
@@ -25,6 +26,18 @@ fn order(world: &mut WorldDocument, order: Order) -> Result<Option<usize>, Strin
 
 fn edit(world: &mut WorldDocument, change: Change) -> Result<Option<usize>, String> {
     order(world, Order::Change(change))
+}
+
+/// Lets so many live there anew; meanwhile those before stay.
+fn populate(world: &mut WorldDocument, characters: usize, seed: u64) {
+    let (before, now) = (world.run().num_characters(), world.run().now());
+    world.populate(characters, seed).unwrap();
+    assert!(world.working().is_some_and(|w| w.doing.contains("room for") && w.place().is_none()));
+    assert!(world.advance(1.0).unwrap() == 0 && world.populate(1, 1).is_err());
+    assert_eq!((world.run().num_characters(), world.run().now()), (before, now));
+    assert_eq!(world.take_in(true), Some(Taken::Begun));
+    assert_eq!((world.scene().characters, world.scene().seed), (world.run().num_characters(), seed));
+    assert_eq!(world.run().now(), 0);
 }
 
 /// Hips of everybody lie over a panel.
@@ -53,12 +66,12 @@ fn a_world_is_lived_in_edited_and_saved() {
     run_for(&mut scene, 30);
     assert!(WorldDocument::open(&square.scene(500)).unwrap_err().contains("room for"));
     // A change of their number takes as many as there is room for.
-    scene.populate(500, 3).unwrap();
+    populate(&mut scene, 500, 3);
     assert!((3..=9).contains(&scene.run().num_characters()), "{}", scene.run().num_characters());
 }
 
 fn lives(world: &mut WorldDocument) {
-    world.populate(2, 1).unwrap();
+    populate(world, 2, 1);
     let mut seen = vec![world.run().moment().poses.clone()];
     for _ in 0..200 {
         world.step().unwrap();

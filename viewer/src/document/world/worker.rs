@@ -1,10 +1,12 @@
-//! Carries out edits on a thread of its own, so that the window goes on drawing.
+//! Carries out edits on a thread of its own, and lets characters live in a world anew, so that the window goes on drawing.
 
+use super::open::populate;
 use super::orders::{Change, Order};
 use super::settle::settle;
 use super::views::{Ground, Workshop};
 use crate::run::WorldRun;
 use glam::Vec3;
+use std::sync::Arc;
 use std::sync::mpsc::{Receiver, channel};
 use std::time::Instant;
 use throng_precompute::environment::{Environment, PlacedGeometry};
@@ -14,6 +16,7 @@ use throng_precompute::stitch::{Editor, StitchReport};
 /// What a worker is given.
 pub(super) struct Job {
     pub workshop: Workshop,
+    /// A change of the world.
     pub order: Order,
     /// Who lives there.
     pub scene: WorldScene,
@@ -23,9 +26,26 @@ pub(super) struct Job {
 
 /// What it gives back.
 pub(super) struct Done {
-    pub workshop: Workshop,
-    /// The new world; where there is none, a message that says why, and the world is as it was.
-    pub stitched: Result<Stitched, String>,
+    /// None where it was not needed.
+    pub workshop: Option<Workshop>,
+    /// What came of it; where nothing did, a message that says why, and the world is as it was.
+    pub result: Result<Outcome, String>,
+}
+
+/// What came of a job.
+pub(super) enum Outcome {
+    /// Another world.
+    Stitched(Box<Stitched>),
+    /// Others who live in the same world.
+    Begun(Box<Begun>),
+}
+
+/// Who lives in a world from now on.
+pub(super) struct Begun {
+    /// With as many as there was room for.
+    pub scene: WorldScene,
+    /// They at their first step.
+    pub run: WorldRun,
 }
 
 /// A world that was stitched, with who lives in it.
@@ -46,10 +66,22 @@ pub(super) struct Stitched {
 
 /// Begins a job; what it sends ends it.
 pub(super) fn begin(job: Job) -> Receiver<Done> {
+    spawn(move || job.carry_out())
+}
+
+/// Begins to let other characters live in a world.
+pub(super) fn begin_anew(ground: Arc<Ground>, mut scene: WorldScene) -> Receiver<Done> {
+    spawn(move || {
+        let run = populate(&mut scene, &ground);
+        Done { workshop: None, result: run.map(|run| Outcome::Begun(Box::new(Begun { scene, run }))) }
+    })
+}
+
+fn spawn(work: impl FnOnce() -> Done + Send + 'static) -> Receiver<Done> {
     let (send, receive) = channel();
     std::thread::spawn(move || {
         // Nobody listens where another file was opened meanwhile.
-        let _ = send.send(job.carry_out());
+        let _ = send.send(work());
     });
     receive
 }
@@ -64,7 +96,8 @@ impl Job {
                 Err(why) => self.go_back().and(Err(why)),
             }
         });
-        Done { workshop: self.workshop, stitched }
+        let result = stitched.map(|stitched| Outcome::Stitched(Box::new(stitched)));
+        Done { workshop: Some(self.workshop), result }
     }
 
     fn change(&mut self, order: Order) -> Result<(), String> {
@@ -74,6 +107,7 @@ impl Job {
             Order::Change(Change::Move { place, to }) => editor.drag(place, to).map(|()| true),
             Order::Undo => editor.undo(),
             Order::Redo => editor.redo(),
+            Order::Populate { .. } => Ok(false),
         });
         match made {
             Ok(true) => Ok(()),
@@ -89,6 +123,7 @@ impl Job {
             Order::Change(_) => editor.withdraw(),
             Order::Undo => editor.redo(),
             Order::Redo => editor.undo(),
+            Order::Populate { .. } => Ok(false),
         };
         self.workshop.change(back).map(|_| ()).map_err(|e| e.to_string())
     }

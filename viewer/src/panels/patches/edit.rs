@@ -17,7 +17,10 @@ pub fn show(ui: &mut Ui, model: &Model, world: &WorldDocument, state: &mut State
     selected(ui, model, world, commands);
     if let Some(e) = world.edited() {
         let lost = if e.lost > 0 { format!("; {} characters found no place", e.lost) } else { String::new() };
-        ui.label(format!("{} in {:.0} ms, {:.0} ms of it stitching{lost}", e.what, 1e3 * e.total_s, 1e3 * e.stitch_s));
+        let free =
+            if e.free > 0 { format!("; {} can no longer do what they were told", e.free) } else { String::new() };
+        let [total, stitch] = [e.total_s, e.stitch_s].map(|s| 1e3 * s);
+        ui.label(format!("{} in {total:.0} ms, {stitch:.0} ms of it stitching{lost}{free}", e.what));
     }
     let r = world.report();
     ui.weak(format!(
