@@ -1,5 +1,6 @@
 //! What a member does at its event.
 
+use super::beside::between_walls;
 use super::bound::Bound;
 use super::cells::Cells;
 use super::filter::Filter;
@@ -8,7 +9,7 @@ use super::near::{Heed, Look, Rows};
 use super::others::Others;
 use super::plan::Plan;
 use super::reach::Reach;
-use super::retreat::{PATIENT_S, SLOWLY, retreat};
+use super::retreat::{LEAST_PATIENT_S, SLOWLY, retreat};
 use super::safety::{Candidate, Lack, lack_of_solid, lever};
 use super::sight::{ROUNDING, Seen};
 use super::spline::Cursor;
@@ -253,10 +254,13 @@ impl<V: Space> Decider<'_, V> {
 
     /// Makes a member step back that does not get on, and has to before others can.
     fn give_way(&self, mind: &Mind<V>, walker: &mut Walker<V>) {
-        if self.time - mind.got_on < PATIENT_S || mind.is_there {
+        let waited = self.time - mind.got_on;
+        if waited < LEAST_PATIENT_S || mind.is_there {
             return;
         }
-        if let Some(way) = retreat(self.flow, walker.position, walker.desired) {
+        let near = self.world.near(self.cells.number(self.cells.coordinates(walker.position)));
+        let between = between_walls(&self.world.solids, near, walker.position, walker.desired.right());
+        if let Some(way) = retreat(self.flow, walker.position, walker.desired, (waited, between)) {
             *walker = Walker { desired: way, speed: SLOWLY * mind.speed, retreats: true, ..*walker };
         }
     }

@@ -97,6 +97,30 @@ fn the_few_step_back_before_the_many_in_a_corridor() {
 }
 
 #[test]
+fn two_crowds_get_past_each_other_in_narrow_corridors() {
+    // Width, and members of either crowd. A minute is enough for nearly all of them.
+    for (width, num) in [(2.2f32, 40), (2.8, 60), (3.3, 50), (4.4, 100)] {
+        let mut setup = Setup::default();
+        let mut shares = Shares(7);
+        let columns = width as usize;
+        let apart = (width - 0.7) / (columns - 1) as f32;
+        for side in [-1.0f32, 1.0] {
+            for i in 0..num {
+                let (row, column) = ((i / columns) as f32, (i % columns) as f32);
+                let jitter = (Vec2::new(shares.next(), shares.next()) - 0.5) * 0.05;
+                let from = Vec2::new(side * (2.0 + row), column * apart - 0.5 * (width - 0.7)) + jitter;
+                add(&mut setup, from, &[from - Vec2::X * (side * (4.0 + 2.0 * (num / columns) as f32))]);
+            }
+        }
+        let y = 0.5 * width;
+        setup.obstacles = vec![wall([-120.0, -y], [120.0, -y], 0.0), wall([-120.0, y], [120.0, y], 0.0)];
+        let report = run(setup, 110);
+        assert_eq!(report.left_over, 0, "{width} m wide");
+        assert!(report.deepest < 0.0, "{width} m wide: {} m", report.deepest);
+    }
+}
+
+#[test]
 fn those_who_stand_in_rows_before_a_gap_go_through() {
     let mut setup = Setup::default();
     for (x, y) in [(-3.0, -0.3), (-3.0, 0.301), (-3.55, -0.6), (-3.55, 0.001), (-3.55, 0.602)] {

@@ -8,6 +8,7 @@
 //! event, `sight`, `flow`, `outlook`, `retreat` and `steer` the force field, `decide` an event, `engine` all of them in
 //! their order, `joining` who comes and goes, `window` on several threads, `watchdog` that time passes.
 
+mod beside;
 mod bound;
 mod cells;
 mod config;

@@ -18,6 +18,16 @@ const FULL: [f32; 2] = [3.0, 5.0];
 /// Time for which a direction is free to be wholly worth turning to. [Unit: s]
 pub(crate) const OPEN_S: f32 = 0.5;
 
+/// How many come toward one who goes along a unit vector, or want to, from afar; none from beyond its goal.
+///
+/// - `left`: way to its goal. [Unit: m]
+#[inline]
+pub(crate) fn coming<V: Space>(flow: &Flow<V>, position: V, ahead: V, left: f32) -> f32 {
+    let (at, near) = (position * flow.per_m(), left * flow.per_m());
+    let places = AHEAD.iter().take_while(|k| **k <= near);
+    places.map(|&k| flow.square(at + ahead * k).opposed(ahead)).sum()
+}
+
 /// A member that looks far.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Far<'a, V> {
@@ -74,14 +84,6 @@ impl<V: Space> Far<'_, V> {
         better
     }
 
-    /// How many come toward it, or want to, from afar; none where its goal is nearer.
-    #[inline]
-    pub fn coming(&self, flow: &Flow<V>) -> f32 {
-        let (at, near, ahead) = (self.position * flow.per_m(), self.left * flow.per_m(), self.directions[0]);
-        let places = AHEAD.iter().take_while(|k| **k <= near);
-        places.map(|&k| flow.square(at + ahead * k).opposed(ahead)).sum()
-    }
-
     /// How much room there is to its right for those who turn aside. [Limit: 0 to 1]
     #[inline]
     fn room(&self, flow: &Flow<V>, at: V) -> f32 {
@@ -107,7 +109,7 @@ mod tests {
         let directions = Vec2::X.fan();
         let far = Far { position: place(flow, Vec2::ZERO), directions: &directions, speed: 1.3, left };
         let side = directions.map(|d| d.dot(Vec2::X.right()));
-        far.prefer(&Field::default(), flow, far.coming(flow), &side, &[9.0; DIRECTIONS])
+        far.prefer(&Field::default(), flow, coming(flow, far.position, Vec2::X, left), &side, &[9.0; DIRECTIONS])
     }
 
     #[test]

@@ -3,21 +3,32 @@
 use super::Space;
 use super::flow::Flow;
 
-// Other numbers were tried in corridors 2.4 m and 4 m wide in which 8 or 20 members meet 30, some seeds each, and in the
-// tests of jams. Of those in the narrow corridor with 8, more than a third are there after a minute if nobody steps back,
-// and a few in a hundred or fewer with these numbers. With 20 against 30 nobody gets through that corridor either way.
+// Other numbers were tried in the tests of jams, in corridors 2.4 m and 4 m wide in which 8 or 20 members meet 30, and in
+// corridors 1.6 m to 5 m wide in which 50 to 300 meet as many, some seeds each. If nobody steps back, a third of the small
+// groups never get through, and none of the large ones in corridors up to 3.5 m.
 
 /// Time without getting on after which a member may step back: about what it takes to go round somebody. 0.3 s and 2 s
 /// make no difference beyond that of seeds. [Unit: s]
-pub(crate) const PATIENT_S: f64 = 0.7;
+const PATIENT_S: f64 = 0.7;
+/// The same in the left half of the way between walls. With 0.7 s narrow corridors take a tenth longer, with 0.2 s those
+/// of 3 m and more do. [Unit: s]
+pub(crate) const LEAST_PATIENT_S: f64 = 0.4;
 /// How far it looks for those who press it and for those who back it, in squares of the flow's grid. With 1 it knows too
-/// little, and hardly anything is gained; with 6 corridors get free sooner, but a dense packing of two crowds does not.
+/// little, and hardly anything is gained; with 6 two members of a dense packing of two crowds stay behind, and where
+/// streams cross many step back that need not.
 const FAR: usize = 3;
+/// The same between walls, where whole columns have to back out. With 12, queues of 150 and more on either side never
+/// dissolve in corridors of 3 m and less; with 32 they do sooner, but those of 4 m take longer.
+const FAR_BETWEEN_WALLS: usize = 24;
 /// How many times as many as those who go its way, and how many more, have to be against it: so many that the two sides
 /// hardly ever both find themselves the weaker one. With 8 more, the few more often stand where they should step back;
 /// with none more, wide corridors with 8 take a fifth longer.
 const STRONGER: f32 = 1.3;
 const MORE: f32 = 3.0;
+/// By how much that differs between walls, where the right half is one's own: 0 not at all, 1 so that those on the right
+/// never step back and those on the left always do. Here STRONGER is 6 times as large at the right wall, and a sixth
+/// at the left one. With 3 times instead of 6, narrow corridors take a quarter longer; with 0.2 (1.5 times) they jam.
+const OWN_HALF: f32 = 0.7;
 /// Backward and rightward parts of the way of who steps back: more to the right, where the others keep to their own right
 /// too and leave room. Straight back, wide corridors with 8 take a third longer.
 const BACK: f32 = 0.57;
@@ -28,16 +39,34 @@ pub(crate) const SLOWLY: f32 = 0.84;
 /// Way of a member that goes along a unit vector, does not get on, and is to give way, as more of those before it want
 /// to come than of those behind it want to go on. So the few retreat before the many, whole groups of them at once as
 /// all of them see the same, and those who press each other with equal force stay and slide past to the right.
-pub(crate) fn retreat<V: Space>(flow: &Flow<V>, position: V, ahead: V) -> Option<V> {
+///
+/// Between walls there is no room for that: there, those in the left half give way to those in the right half, who come
+/// on as they go back, even if they are as many; each side has a half of its own. See [`super::beside`].
+///
+/// - `waited`: time without getting on, [`LEAST_PATIENT_S`] or more. [Unit: s]
+/// - `between`: see [`super::beside::between_walls`].
+pub(crate) fn retreat<V: Space>(
+    flow: &Flow<V>,
+    position: V,
+    ahead: V,
+    (waited, between): (f64, Option<f32>),
+) -> Option<V> {
+    let is_on_the_left = between.is_some_and(|b| b < 0.0);
+    if waited < PATIENT_S && !is_on_the_left {
+        return None;
+    }
+    let far = if between.is_some() { FAR_BETWEEN_WALLS } else { FAR };
     let at = position * flow.per_m();
     let here = flow.square(at);
     let (mut against, mut along) = (here.opposed(ahead), here.agreed(ahead));
-    for k in 1..=FAR {
+    for k in 1..=far {
         let step = ahead * k as f32;
         against += flow.square(at + step).opposed(ahead);
         along += flow.square(at - step).agreed(ahead);
     }
-    let is_weaker = against > STRONGER * along + MORE;
+    let own = between.unwrap_or(0.0);
+    let stronger = STRONGER * (1.0 + OWN_HALF * own) / (1.0 - OWN_HALF * own);
+    let is_weaker = against > stronger * along + MORE * (1.0 + own);
     is_weaker.then(|| (ahead * -BACK + ahead.right() * RIGHT).unit_and_length().0)
 }
 
@@ -57,9 +86,27 @@ mod tests {
         let ahead = Vec2::X * side * 1.5;
         flow.add(ahead, Vec2::ZERO, Vec2::NEG_X);
         flow.add(ahead, Vec2::ZERO, Vec2::NEG_X);
-        let way = retreat(&flow, ahead, Vec2::NEG_X).expect("the two give way");
+        let way = retreat(&flow, ahead, Vec2::NEG_X, (1.0, None)).expect("the two give way");
         assert!(way.x > 0.3 && way.dot(Vec2::NEG_X.right()) > 0.3, "{way}");
-        assert_eq!(retreat(&flow, Vec2::X * side * 0.5, Vec2::X), None, "the twelve do not");
-        assert_eq!(retreat(&flow, Vec2::Y * 20.0, Vec2::X), None, "nobody is there");
+        assert_eq!(retreat(&flow, Vec2::X * side * 0.5, Vec2::X, (1.0, None)), None, "the twelve do not");
+        assert_eq!(retreat(&flow, Vec2::Y * 20.0, Vec2::X, (1.0, None)), None, "nobody is there");
+    }
+
+    #[test]
+    fn between_walls_those_in_the_left_half_step_back_before_as_many() {
+        let mut flow = Flow::new(0.3, Vec2::splat(60.0), 100);
+        for k in 1..=8 {
+            for side in [-1.0f32, 1.0] {
+                (0..2).for_each(|_| flow.add(Vec2::X * (side * 0.6 * k as f32), Vec2::ZERO, Vec2::X * -side));
+            }
+        }
+        for side in [-1.0f32, 1.0] {
+            let (at, ahead) = (Vec2::X * (side * 0.6), Vec2::X * -side);
+            let yields = |between| retreat(&flow, at, ahead, (1.0, between)).is_some();
+            assert!(yields(Some(-0.8)) && yields(Some(-0.4)));
+            let at_once = |between| retreat(&flow, at, ahead, (0.5, Some(between))).is_some();
+            assert!(at_once(-0.4) && !at_once(0.4));
+            assert!(!yields(Some(0.8)) && !yields(Some(0.4)) && !yields(None));
+        }
     }
 }

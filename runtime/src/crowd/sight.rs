@@ -158,20 +158,28 @@ impl<V: Space> Sight<V> {
 
     /// Direction to take and how long it is free: the one that is free longest, the less so the more it is a detour,
     /// the less the crowd at large makes it better (see [`Far`]) and the more it differs from how the member goes now.
-    /// Of two sides the right one is a little better where the way is not free.
+    /// Of two sides the right one is a little better where the way is not free, and `to_the_right` better anyway.
+    ///
+    /// - `coming`: see [`super::outlook::coming`].
     #[inline]
-    pub fn choose(&self, field: &Field, me: &Walker<V>, flow: &Flow<V>) -> (V, f32) {
+    pub fn choose(
+        &self,
+        field: &Field,
+        me: &Walker<V>,
+        flow: &Flow<V>,
+        (coming, to_the_right): (f32, f32),
+    ) -> (V, f32) {
         let share = |free: f32| (free / field.horizon_s).min(1.0);
         let right = self.directions[0].right();
         let blocked = 1.0 - share(self.free[0]);
         let (keep, side) = (self.along_each(me.velocity), self.along_each(right));
         let straight = self.along_each(self.directions[0]);
         let far = Far { position: me.position, directions: &self.directions, speed: self.speed, left: me.left };
-        let coming = far.coming(flow);
         let mut scores = far.prefer(field, flow, coming, &side, &self.free);
+        let to_the_right = to_the_right + field.right * blocked;
         for i in 0..DIRECTIONS {
             let worth = (1.0 - field.directness + field.directness * straight[i]) * share(self.free[i]);
-            scores[i] += worth + field.keeping * keep[i] + field.right * blocked * side[i];
+            scores[i] += worth + field.keeping * keep[i] + to_the_right * side[i];
         }
         let mut best = 0;
         for i in 1..DIRECTIONS {
@@ -254,11 +262,11 @@ mod tests {
         let field = Field::default();
         let me = Walker { velocity: Vec2::X, left: 10.0, ..Walker::default() };
         let mut sight = Sight::along(Vec2::X, 1.3);
-        assert!(sight.choose(&field, &me, &flow).0.distance(Vec2::X) < 1e-6);
+        assert!(sight.choose(&field, &me, &flow, (0.0, 0.0)).0.distance(Vec2::X) < 1e-6);
         // To the left (-y is to the left of +x: the right of (1, 0) is (0, 1)).
         for y in [0.0, 0.6, 1.2] {
             sight.see(&seen(Vec2::new(1.0, y), Vec2::ZERO), 0.0);
         }
-        assert!(sight.choose(&field, &me, &flow).0.y < -0.2);
+        assert!(sight.choose(&field, &me, &flow, (0.0, 0.0)).0.y < -0.2);
     }
 }

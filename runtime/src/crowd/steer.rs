@@ -1,7 +1,8 @@
 //! The force field at one instant (001 section 2.2).
 
+use super::beside::{Caution, between_walls};
 use super::flow::Flow;
-use super::outlook::OPEN_S;
+use super::outlook::{OPEN_S, coming};
 use super::sight::{Seen, Sight};
 use super::solid::Solid;
 use super::{Field, Forces, Interest, Space};
@@ -52,7 +53,7 @@ pub(crate) struct Surroundings<'a, V> {
 /// [`Sight`]), beside eq. 22, which only knows who is near; the weights of eq. 16 take the desired velocity where that
 /// is larger, so that those who were stopped try on. New are the room and the time that are kept behind those who go ahead
 /// (see [`pace`]), the preference for directions in which others want the same, which makes lanes (see
-/// [`super::outlook`]), and that the few step back before the many where nobody gets on (see [`super::retreat`]).
+/// [`super::outlook`]), that everybody keeps to the right between walls (see [`super::beside`]), and that the few step back before the many where nobody gets on (see [`super::retreat`]).
 pub(crate) fn forces<V: Space>(me: &Walker<V>, field: &Field, around: &Surroundings<'_, V>) -> Forces<V> {
     let &Surroundings { seen, solids, near, flow, interests } = around;
     let mut sight = Sight::along(me.desired, me.speed);
@@ -60,9 +61,13 @@ pub(crate) fn forces<V: Space>(me: &Walker<V>, field: &Field, around: &Surroundi
     for &s in near {
         sight.see_solid(&solids[s as usize], me.position, me.radius, field.horizon_s);
     }
-    let (heading, free) = sight.choose(field, me, flow);
+    let coming = coming(flow, me.position, me.desired, me.left);
+    let looks_out = coming > 0.0 && !me.retreats && !near.is_empty();
+    let between = if looks_out { between_walls(solids, near, me.position, me.desired.right()) } else { None };
+    let caution = Caution::new(coming, between);
+    let (heading, free) = sight.choose(field, me, flow, (coming, caution.to_the_right));
     // Slower where the way is not free for long.
-    let mut speed = me.speed * (free / CLEAR_S).min(1.0);
+    let mut speed = me.speed * (free / CLEAR_S).min(1.0) * (1.0 - caution.gives_up);
     let rate = field.relaxation_s.recip();
     let driving = (me.desired * me.speed - me.velocity) * rate;
     // Room before those it goes behind; none to step aside, or to get in between those who stand at their goals.
