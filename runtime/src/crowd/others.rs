@@ -37,7 +37,7 @@ pub(crate) struct Others {
 impl Others {
     /// Room for so many.
     pub fn new(capacity: usize) -> Self {
-        Self { packs: vec![Pack::default(); capacity.div_ceil(BLOCK)], len: 0 }
+        Self { packs: Vec::with_capacity(capacity.div_ceil(BLOCK)), len: 0 }
     }
 
     /// Nobody.
