@@ -16,6 +16,11 @@ const TO_THE_RIGHT: f32 = 0.8;
 /// none, corridors of 2 m take a third longer; with 0.6 and more the wide ones take longer.
 const GIVES_UP: f32 = 0.4;
 
+/// How strongly it does so where no wall is at hand: the more, the nearer it is to the left one, and never more than at
+/// hand. With 0, the middle of corridors of 7 m and more knows no sides: of 4000 members 630 are stuck for a while in
+/// place of 45. With more, wide corridors sort themselves at once, and lose in the first seconds what they gain later.
+const FROM_AFAR: f32 = 1.5;
+
 /// Where a member is between walls: -1 at the one on its left, 1 at the one on its right, 0 in the middle. None where
 /// there is no wall beside it that is near; one alone says which half it is in.
 ///
@@ -54,13 +59,18 @@ impl Caution {
     /// else both groups fill the whole width, and press.
     ///
     /// - `coming`: how many come from afar.
-    /// - `between`: see [`between_walls`].
-    pub fn new(coming: f32, between: Option<f32>) -> Self {
-        if between.is_none_or(|b| b >= 0.0) {
-            return Self::default();
-        }
+    /// - `between`: see [`between_walls`]; of the walls at hand, and of those farther away too.
+    pub fn new(coming: f32, [at_hand, afar]: [Option<f32>; 2]) -> Self {
         let caution = coming.min(1.0);
-        Self { to_the_right: TO_THE_RIGHT * caution, gives_up: GIVES_UP * caution }
+        match (at_hand, afar) {
+            (Some(between), _) if between < 0.0 => {
+                Self { to_the_right: TO_THE_RIGHT * caution, gives_up: GIVES_UP * caution }
+            }
+            (None, Some(between)) if between < 0.0 => {
+                Self { to_the_right: TO_THE_RIGHT * caution * (FROM_AFAR * -between).min(1.0), gives_up: 0.0 }
+            }
+            _ => Self::default(),
+        }
     }
 }
 
@@ -86,10 +96,14 @@ mod tests {
 
     #[test]
     fn is_cautious_in_the_left_half_when_somebody_comes() {
-        let left = Caution::new(3.0, Some(-0.1));
+        let left = Caution::new(3.0, [Some(-0.1); 2]);
         assert_eq!((left.to_the_right, left.gives_up), (TO_THE_RIGHT, GIVES_UP));
-        for (coming, between) in [(0.0, Some(-1.0)), (3.0, Some(0.1)), (3.0, None)] {
-            let caution = Caution::new(coming, between);
+        let afar = Caution::new(3.0, [None, Some(-0.2)]);
+        assert!(afar.to_the_right > 0.0 && afar.to_the_right < TO_THE_RIGHT && afar.gives_up == 0.0);
+        for (coming, at_hand, afar) in
+            [(0.0, Some(-1.0), Some(-0.9)), (3.0, Some(0.1), Some(0.1)), (3.0, None, Some(0.1)), (3.0, None, None)]
+        {
+            let caution = Caution::new(coming, [at_hand, afar]);
             assert_eq!((caution.to_the_right, caution.gives_up), (0.0, 0.0));
         }
     }

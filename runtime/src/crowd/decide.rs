@@ -29,6 +29,9 @@ pub(crate) const PATIENT: f32 = 2.0;
 const SLOW: f32 = 0.1;
 /// Way toward the goal that counts as getting on. [Unit: m]
 const GETTING_ON: f32 = 0.1;
+/// Time without getting on after which a member begins to leave less room to those before it; after twice as long it
+/// leaves none, so that those who stand at their goals feel it and make way. [Unit: s]
+const PRESSES_S: f32 = 5.0;
 /// Time without getting on after which a member is stuck. [Unit: s]
 pub(crate) const PATIENCE_S: f64 = 10.0;
 
@@ -186,7 +189,9 @@ impl<V: Space> Decider<'_, V> {
 
     fn feel(&self, walker: &Walker<V>, mind: &Mind<V>, near: &[u32], scratch: &Scratch<V>) -> Forces<V> {
         let (world, seen) = (self.world, &scratch.seen);
-        let around = Surroundings { seen, solids: &world.solids, near, flow: self.flow, interests: &world.interests };
+        let walls = world.walls(mind.cell);
+        let around =
+            Surroundings { seen, solids: &world.solids, near, walls, flow: self.flow, interests: &world.interests };
         forces(walker, &world.fields[mind.field as usize], &around)
     }
 
@@ -248,6 +253,7 @@ impl<V: Space> Decider<'_, V> {
             speed,
             left: spline.left(mind.cursor, position),
             retreats: false,
+            presses: ((self.time - mind.got_on) as f32 / PRESSES_S - 1.0).clamp(0.0, 1.0),
             off_centre: position - centre,
         }
     }

@@ -76,7 +76,7 @@ impl Default for Field {
             keeping: 0.125,
             right: 0.15,
             crowding: 0.05,
-            lanes: 0.06,
+            lanes: 0.08,
             evading: 0.2,
             headway_s: 0.3,
             headway_m: 0.12,

@@ -56,12 +56,6 @@ impl<V: Space> Square<V> {
         (self.num - self.velocity.dot(along_per_speed) - 1.0).max(0.0)
     }
 
-    /// Those who want to go against a unit vector less those who want to go along it.
-    #[inline]
-    pub fn contrary(&self, along: V) -> f32 {
-        -self.intent.dot(along)
-    }
-
     /// How many want to go against a unit vector; who wants to cross it, or nothing, is half a one.
     #[inline]
     pub fn opposed(&self, along: V) -> f32 {
@@ -167,7 +161,6 @@ mod tests {
         assert!((square.against(Vec2::Y / 1.3) - 3.0).abs() < 1e-5, "1 each for those who cross, less one");
         assert_eq!((square.agreed(Vec2::X), square.opposed(Vec2::X)), (3.0, 1.0));
         assert_eq!((square.agreed(Vec2::Y), square.opposed(Vec2::Y)), (2.0, 2.0));
-        assert_eq!((square.contrary(Vec2::X), square.contrary(Vec2::NEG_X)), (-2.0, 2.0));
         assert_eq!(flow.square(there + Vec2::X).num(), 0.0);
         flow.clear();
         assert_eq!(flow.square(there).num(), 0.0);

@@ -37,7 +37,7 @@ pub(crate) struct Others {
 impl Others {
     /// Room for so many.
     pub fn new(capacity: usize) -> Self {
-        Self { packs: vec![Pack::default(); capacity.div_ceil(BLOCK)], len: 0 }
+        Self { packs: Vec::with_capacity(capacity.div_ceil(BLOCK)), len: 0 }
     }
 
     /// Nobody.
@@ -240,7 +240,11 @@ impl<V: Space, F: Lanes> Pair<V, F> {
         // All the room that the one ever takes from all that the other one does; lines need no bend here.
         let my_least = m0.min(m1).min(m2) - my_bend * self.my_bends;
         let its_most = o0.max(o1).max(o2) + its_bend * self.its_bends;
-        self.radii - moving.max(my_least - its_most)
+        // Those who are nearest now only part: they may, even if rounding has left them a little less room than is asked
+        // for; else they could never again.
+        let its_part = F::select_lt(o0, o1.max(o2), zero, F::splat(MARGIN));
+        let spared = F::select_lt(m1.min(m2), m0, zero, its_part);
+        self.radii - moving.max(my_least - its_most + spared)
     }
 
     /// What is missing to the rule, and the normal along which that is least; none where nothing is to any of some.

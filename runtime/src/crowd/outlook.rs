@@ -11,6 +11,12 @@ const BESIDE: [f32; 3] = [1.7, 3.2, 4.7];
 const NEAREST: usize = 2;
 /// Places straight on where those who come toward a member are looked for, in squares.
 const AHEAD: [f32; 5] = [3.0, 5.0, 7.0, 9.0, 11.0];
+/// Places straight on, from its own on, where those count who are in its way already, in squares.
+const AT_HAND: [f32; 3] = [0.0, 1.0, 2.0];
+/// Those of a square who want its way beyond which more of them make it no better. Without a limit all draw together, the
+/// more so the more they are, and leave half of a wide corridor empty: 1000 members who walk one way, three on two square
+/// metres, then get on with 0.72 m/s in place of 0.84 m/s. With 1, head-on crowds sort themselves into lanes too slowly.
+const MANY_AGREED: f32 = 2.0;
 /// Those who come toward it that make it turn aside with all its will.
 const MANY: f32 = 3.0;
 /// Members of a square to the right at which it turns aside less, and with which it does not: the right side is full.
@@ -26,6 +32,13 @@ pub(crate) fn coming<V: Space>(flow: &Flow<V>, position: V, ahead: V, left: f32)
     let (at, near) = (position * flow.per_m(), left * flow.per_m());
     let places = AHEAD.iter().take_while(|k| **k <= near);
     places.map(|&k| flow.square(at + ahead * k).opposed(ahead)).sum()
+}
+
+/// How many come toward one who goes along a unit vector, or want to, and are near.
+#[inline]
+pub(crate) fn facing<V: Space>(flow: &Flow<V>, position: V, ahead: V) -> f32 {
+    let at = position * flow.per_m();
+    AT_HAND.map(|k| flow.square(at + ahead * k).opposed(ahead)).iter().sum()
 }
 
 /// A member that looks far.
@@ -67,7 +80,7 @@ impl<V: Space> Far<'_, V> {
             for (better, &direction) in better.iter_mut().zip(self.directions) {
                 for (place, &k) in BESIDE.iter().enumerate().take_while(|(_, k)| **k <= near) {
                     let square = flow.square(at + direction * k);
-                    *better -= field.lanes * square.contrary(ahead);
+                    *better += field.lanes * (square.agreed(ahead).min(MANY_AGREED) - square.opposed(ahead));
                     if place < NEAREST {
                         *better -= field.crowding * square.against(direction * per_speed);
                     }

@@ -126,9 +126,12 @@ pub(crate) fn lack_of_solid<V: Space>(me: &Candidate<V>, solid: &Solid<V>) -> Op
         if distance <= 0.0 {
             continue;
         }
-        let apart = least(me.now, n).min(least(me.end, n)) - solid.reach(n);
+        let (now, end) = (least(me.now, n), least(me.end, n));
+        let apart = now.min(end) - solid.reach(n);
+        // Who only parts from it may, see `others.rs`.
+        let margin = if end >= now { 0.0 } else { MARGIN };
         let room = if me.is_straight { 0.0 } else { bend * (2.0 * n.dot(me.plan.acceleration).max(0.0) + me.curve) };
-        let lack = me.plan.radius + MARGIN + room - apart;
+        let lack = me.plan.radius + margin + room - apart;
         if lack <= 0.0 {
             return None;
         }
@@ -277,5 +280,26 @@ mod tests {
         let against = Plan { position: Vec2::new(0.9, 0.1), velocity: Vec2::new(-1.3, 0.0), ..me };
         let is_free = |p: &Plan<Vec2>| lack(&Candidate::new(me), p).is_none();
         assert!(is_free(&ahead) && is_free(&beside) && !is_free(&against));
+    }
+
+    #[test]
+    fn those_whom_rounding_left_less_room_than_is_asked_for_may_part() {
+        let still = |index, x: f32| Plan {
+            start: 99.9,
+            end: 100.2,
+            position: Vec2::new(x, 0.0),
+            radius: 0.3,
+            limit: 5.0,
+            index,
+            ..Plan::default()
+        };
+        let other = still(1, 0.600_05);
+        let wall = Solid::Rod { from: Vec2::new(0.300_05, -9.0), to: Vec2::new(0.300_05, 9.0), radius: 0.0 };
+        for (a, may) in [(Vec2::NEG_X, true), (Vec2::new(-1.0, 2.0), true), (Vec2::X, false)] {
+            let plan = Plan { start: 100.0, moving: f32::INFINITY, acceleration: a, ..still(0, 0.0) };
+            let candidate = Candidate::new(plan);
+            assert_eq!(lack(&candidate, &other).is_none(), may, "{a}");
+            assert_eq!(lack_of_solid(&candidate, &wall).is_none(), may, "{a}");
+        }
     }
 }

@@ -1,7 +1,7 @@
 //! Looking ahead: how long each of several directions is free, and which one to take.
 
 use super::flow::Flow;
-use super::outlook::Far;
+use super::outlook::{Far, facing};
 use super::solid::Solid;
 use super::steer::Walker;
 use super::{Field, Space};
@@ -24,6 +24,9 @@ const LOOKS: usize = 5;
 const PAST: f32 = 0.02;
 /// Gap to a solid that counts as none. [Unit: m]
 const TOUCHING: f32 = 0.02;
+/// Share of [`Field::right`] that counts where nobody comes toward it. With all of it, those who walk behind each other
+/// drift to the right and get dense there; with none, large head-on crowds take longer to sort themselves.
+const AMONG_OWN: f32 = 0.5;
 /// Room for rounding. [Unit: m]
 pub(crate) const ROUNDING: f32 = 0.01;
 
@@ -176,7 +179,9 @@ impl<V: Space> Sight<V> {
         let straight = self.along_each(self.directions[0]);
         let far = Far { position: me.position, directions: &self.directions, speed: self.speed, left: me.left };
         let mut scores = far.prefer(field, flow, coming, &side, &self.free);
-        let to_the_right = to_the_right + field.right * blocked;
+        let faced =
+            if blocked > 0.0 && coming < 1.0 { coming + facing(flow, me.position, self.directions[0]) } else { 1.0 };
+        let to_the_right = to_the_right + field.right * blocked * (AMONG_OWN + (1.0 - AMONG_OWN) * faced.min(1.0));
         for i in 0..DIRECTIONS {
             let worth = (1.0 - field.directness + field.directness * straight[i]) * share(self.free[i]);
             scores[i] += worth + field.keeping * keep[i] + to_the_right * side[i];

@@ -32,6 +32,8 @@ pub(crate) struct Walker<V> {
     pub left: f32,
     /// It steps back, and needs no room before it to do so.
     pub retreats: bool,
+    /// How much it presses on to those before it, as it has waited for long. [Limit: 0 to 1]
+    pub presses: f32,
     /// From the centre of its bound to where it is, x - x^ in eq. 23.
     pub off_centre: V,
 }
@@ -43,6 +45,8 @@ pub(crate) struct Surroundings<'a, V> {
     pub solids: &'a [Solid<V>],
     /// Which of them are near.
     pub near: &'a [u32],
+    /// Those, and which of them are farther away beside it.
+    pub walls: &'a [u32],
     pub flow: &'a Flow<V>,
     pub interests: &'a [Interest<V>],
 }
@@ -55,23 +59,23 @@ pub(crate) struct Surroundings<'a, V> {
 /// (see [`pace`]), the preference for directions in which others want the same, which makes lanes (see
 /// [`super::outlook`]), that everybody keeps to the right between walls (see [`super::beside`]), and that the few step back before the many where nobody gets on (see [`super::retreat`]).
 pub(crate) fn forces<V: Space>(me: &Walker<V>, field: &Field, around: &Surroundings<'_, V>) -> Forces<V> {
-    let &Surroundings { seen, solids, near, flow, interests } = around;
+    let &Surroundings { seen, solids, near, walls, flow, interests } = around;
     let mut sight = Sight::along(me.desired, me.speed);
     vectorize(|| sight.see_all(seen, -me.radius, field.comfort_m, minded_within(field)));
     for &s in near {
         sight.see_solid(&solids[s as usize], me.position, me.radius, field.horizon_s);
     }
     let coming = coming(flow, me.position, me.desired, me.left);
-    let looks_out = coming > 0.0 && !me.retreats && !near.is_empty();
-    let between = if looks_out { between_walls(solids, near, me.position, me.desired.right()) } else { None };
-    let caution = Caution::new(coming, between);
+    let looks_out = coming > 0.0 && !me.retreats && !walls.is_empty();
+    let between = |walls| looks_out.then(|| between_walls(solids, walls, me.position, me.desired.right())).flatten();
+    let caution = Caution::new(coming, [between(near), between(walls)]);
     let (heading, free) = sight.choose(field, me, flow, (coming, caution.to_the_right));
     // Slower where the way is not free for long.
     let mut speed = me.speed * (free / CLEAR_S).min(1.0) * (1.0 - caution.gives_up);
     let rate = field.relaxation_s.recip();
     let driving = (me.desired * me.speed - me.velocity) * rate;
     // Room before those it goes behind; none to step aside, or to get in between those who stand at their goals.
-    let room_kept = if me.retreats { 0.0 } else { (me.left / PRESSING_M).min(1.0) };
+    let room_kept = if me.retreats { 0.0 } else { (me.left / PRESSING_M).min(1.0) * (1.0 - me.presses) };
     let headway = field.headway_m * room_kept * heading.dot(me.desired).max(0.0).powi(2);
     let mut f = Forces { driving, safety: me.off_centre * -field.safety, ..Forces::default() };
     for interest in interests {

@@ -10,6 +10,8 @@ use super::{CrowdError, Field, Interest, Member, Obstacle, Scheme, Setup, Space}
 
 /// How much faster than it wishes a member may be, when it gives way.
 pub(crate) const HURRY: f32 = 1.25;
+/// How far beyond its region a member sees walls beside it. [Unit: m]
+const WALLS_M: f32 = 5.0;
 
 /// All that does not change while time passes.
 #[derive(Clone, Debug)]
@@ -28,6 +30,9 @@ pub(crate) struct World<V> {
     /// Solids that reach into the region of each cell: those of cell c are `near[first[c]..first[c + 1]]`.
     first: Vec<u32>,
     near: Vec<u32>,
+    /// The same for those within [`WALLS_M`] of the region.
+    first_wall: Vec<u32>,
+    walls: Vec<u32>,
     /// Smallest time between two events of a member. [Unit: s]
     pub interval: f32,
     /// Largest radius. [Unit: m]
@@ -99,6 +104,8 @@ impl<V: Space> World<V> {
             interests: setup.interests.clone(),
             first: Vec::new(),
             near: Vec::new(),
+            first_wall: Vec::new(),
+            walls: Vec::new(),
             interval: config.smallest_interval_s,
             radius,
             speed,
@@ -117,7 +124,8 @@ impl<V: Space> World<V> {
         for (member, m) in setup.members.iter().enumerate() {
             world.check_place(member, m.position)?;
         }
-        world.list(&cells);
+        (world.first, world.near) = world.list(&cells, 0.0);
+        (world.first_wall, world.walls) = world.list(&cells, WALLS_M);
         Ok((world, cells, flow))
     }
 
@@ -178,12 +186,18 @@ impl<V: Space> World<V> {
         &self.near[self.first[cell as usize] as usize..self.first[cell as usize + 1] as usize]
     }
 
-    /// Lists solids by the cells whose regions they touch.
-    fn list(&mut self, cells: &Cells<V>) {
+    /// Solids that a member in a cell sees beside it.
+    pub fn walls(&self, cell: u32) -> &[u32] {
+        &self.walls[self.first_wall[cell as usize] as usize..self.first_wall[cell as usize + 1] as usize]
+    }
+
+    /// Lists solids by the cells whose regions they touch, or are within a distance of: where those of each cell begin,
+    /// and all of them.
+    fn list(&self, cells: &Cells<V>, within: f32) -> (Vec<u32>, Vec<u32>) {
         let mut pairs = Vec::new();
         for (number, solid) in (0u32..).zip(&self.solids) {
             let (min, max) = solid.extents();
-            let side = V::from_coordinates([cells.side(); 3]);
+            let side = V::from_coordinates([cells.side() + within; 3]);
             let (low, high) = (cells.coordinates(min - side), cells.coordinates(max + side));
             let folds = cells.folds();
             let count =
@@ -205,8 +219,8 @@ impl<V: Space> World<V> {
         }
         pairs.sort_unstable();
         pairs.dedup();
-        self.first = (0..=cells.num_cells() as u32).map(|c| pairs.partition_point(|p| p.0 < c) as u32).collect();
-        self.near = pairs.into_iter().map(|p| p.1).collect();
+        let first = (0..=cells.num_cells() as u32).map(|c| pairs.partition_point(|p| p.0 < c) as u32).collect();
+        (first, pairs.into_iter().map(|p| p.1).collect())
     }
 }
 

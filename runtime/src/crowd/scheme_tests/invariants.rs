@@ -109,7 +109,7 @@ pub(super) fn contacts_are_true<V: Space>(crowd: &Crowd<V>) -> usize {
 }
 
 fn occupancy_holds<V: Space>() {
-    let mut crowd = Crowd::new(meeting::<V>(Scheme::Occupancy, 4)).unwrap();
+    let mut crowd = Crowd::new(meeting::<V>(Scheme::Occupancy, 6)).unwrap();
     let mut touching = 0;
     at_every_event(&mut crowd, 6.0, |crowd| {
         lists_are_exact(crowd);
@@ -133,7 +133,7 @@ fn balls_are_listed_where_they_are_and_meet_nobody_unseen() {
 
 #[test]
 fn between_events_nobody_is_unseen_either() {
-    let mut crowd = Crowd::new(meeting::<Vec2>(Scheme::Occupancy, 4)).unwrap();
+    let mut crowd = Crowd::new(meeting::<Vec2>(Scheme::Occupancy, 6)).unwrap();
     let touching: usize = (1..1200)
         .map(|i| {
             crowd.advance(f64::from(i) * 0.005, &mut |_| ()).unwrap();
