@@ -25,6 +25,11 @@ impl<T: Copy> Arcs<T> {
         Self { first, list: list.into_iter().map(|(_, to, frames)| (to, frames)).collect() }
     }
 
+    /// Number of nodes.
+    pub fn num_nodes(&self) -> usize {
+        self.first.len().saturating_sub(1)
+    }
+
     /// Arcs that begin at a node.
     pub fn of(&self, node: u32) -> &[(T, u16)] {
         &self.list[self.first[node as usize] as usize..self.first[node as usize + 1] as usize]

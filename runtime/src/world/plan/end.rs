@@ -47,11 +47,12 @@ impl End {
             return false;
         }
         if let Some((district, first)) = atlas.district(instance) {
-            let shape = atlas.shape(district);
             self.district = Some(district);
-            let reach = |k: usize| nodes().map(|n| shape.reach(k as u32, first + n.cell)).fold(f32::INFINITY, f32::min);
-            self.from_in.extend((0..atlas.ins_of(district).len()).map(reach));
             self.inside.begin(district, nodes().map(|n| first + n.cell));
+            for way_in in 0..atlas.ins_of(district).len() as u32 {
+                let cost = self.inside.cost_from(atlas, way_in);
+                self.from_in.push(cost);
+            }
             return true;
         }
         let Some(plane) = atlas.regions.room(instance).and_then(|r| atlas.plane(r)) else { return false };

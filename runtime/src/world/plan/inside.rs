@@ -42,19 +42,23 @@ impl Inside {
         targets.for_each(|cell| self.reach(cell, 0));
     }
 
-    /// Cost from a cell of the district, without leaving it; infinite where no way leads on. [Unit: frames]
-    pub fn cost(&mut self, atlas: &Atlas, cell: u32) -> f32 {
-        while self.stamps[cell as usize] != self.stamp + 1 {
-            let Some((cost, state)) = self.queue.pop() else { return f32::INFINITY };
-            self.stamps[state as usize] = self.stamp + 1;
-            let shape = atlas.shape(self.district);
-            for &(from, frames) in shape.back(state) {
-                if (from as usize) < shape.num_states() {
-                    self.reach(from, cost + u32::from(frames));
-                }
+    /// Cost from a state of the district, without leaving it; infinite where no way leads on. [Unit: frames]
+    pub fn cost(&mut self, atlas: &Atlas, state: u32) -> f32 {
+        let shape = atlas.shape(self.district);
+        while self.stamps[state as usize] != self.stamp + 1 {
+            let Some((cost, next)) = self.queue.pop() else { return f32::INFINITY };
+            self.stamps[next as usize] = self.stamp + 1;
+            for &(from, frames) in shape.back(next) {
+                self.reach(from, cost + u32::from(frames));
             }
         }
-        self.costs[cell as usize] as f32
+        self.costs[state as usize] as f32
+    }
+
+    /// The same from a way into the district. What lies at its cells may be below 0. [Unit: frames]
+    pub fn cost_from(&mut self, atlas: &Atlas, way_in: u32) -> f32 {
+        let starts = atlas.shape(self.district).starts(way_in);
+        starts.iter().map(|&(state, part)| self.cost(atlas, state) - f32::from(part)).fold(f32::INFINITY, f32::min)
     }
 
     fn reach(&mut self, state: u32, cost: u32) {

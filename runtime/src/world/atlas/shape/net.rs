@@ -67,8 +67,8 @@ impl Net {
     }
 
     /// Searches for the least frames from a way in, and [`Way::most`] more.
-    pub fn search_on(&self, way: &Way, search: &mut Dial) {
-        let sources = way.places.iter().map(|&(n, part)| (2 * self.num_cells + n, way.most() - part));
+    fn search_on(&self, way: &Way, search: &mut Dial) {
+        let sources = way.places.iter().map(|&(n, part)| (self.state_in(n), way.most() - part));
         search.run(self.num_nodes, sources, |search, node| {
             self.on.of(node).iter().for_each(|&(to, frames)| search.reach(to, frames));
         });
@@ -76,7 +76,7 @@ impl Net {
 
     /// What was found where ways in begin.
     pub fn costs_of_ins(&self, search: &Dial) -> Vec<u16> {
-        (0..self.ins.len() as u32).map(|n| search.cost(2 * self.num_cells + n)).collect()
+        (0..self.ins.len() as u32).map(|n| search.cost(self.state_in(n))).collect()
     }
 
     /// What was found where ways out end.
@@ -87,6 +87,11 @@ impl Net {
             *cost = (*cost).min(search.cost(l.from).saturating_add(l.frames));
         }
         costs
+    }
+
+    /// Node that a way in begins at.
+    pub fn state_in(&self, number: u32) -> u32 {
+        2 * self.num_cells + number
     }
 
     /// Cell that a way in begins at.
