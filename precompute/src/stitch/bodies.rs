@@ -198,11 +198,12 @@ impl Bodies {
         let pose = &self.frames[frame];
         let (centres, limits) = (pose.placed(root), self.limits(pose, unit));
         let cells = unit.cells(&centres);
-        let (mut about, mut nearest) = ([f32::INFINITY; LANES], 0);
-        for s in 0..NUM_SPHERES {
-            about[s] = unit.about(cells[s], limits[s]);
-            nearest = if about[s] < about[nearest] { s } else { nearest };
+        let (mut about, mut nearest) = ([f32::INFINITY; LANES], (0, f32::INFINITY));
+        for (s, here) in about.iter_mut().enumerate().take(NUM_SPHERES) {
+            *here = unit.about(cells[s], limits[s]);
+            nearest = if *here < nearest.1 { (s, *here) } else { nearest };
         }
+        let nearest = nearest.0;
         // Once the nearest is told, most others are clearly farther.
         let (mut least, mut unsure) = (most, 0u64);
         for s in std::iter::once(nearest).chain((0..NUM_SPHERES).filter(|s| *s != nearest)) {

@@ -132,8 +132,8 @@ impl Field {
         }
         let farther = unpacked(self.distances[cell]) - limit;
         let off = Self::off(at);
-        if farther - off >= most {
-            return Told::Clear(most);
+        if farther - off >= most.min(CLOSE_M) {
+            return Told::Clear((farther - off).min(most));
         }
         if farther < -off {
             return Told::Within;
@@ -156,13 +156,13 @@ impl Field {
         let (packed, off) = (self.distances[cell], Self::off(at));
         let mut out = [unpacked(packed) - off, unpacked(packed) + off];
         let strides = [1, self.size[0], self.size[0] * self.size[1]];
-        for axis in 0..3 {
+        for (axis, stride) in strides.into_iter().enumerate() {
             for side in [-1.0, 1.0] {
                 let other = whole[axis] + side;
                 if other < 0.0 || other >= self.size[axis] as f32 {
                     continue;
                 }
-                let known = self.distances[if side < 0.0 { cell - strides[axis] } else { cell + strides[axis] }];
+                let known = self.distances[if side < 0.0 { cell - stride } else { cell + stride }];
                 let way = (from_middle.length_squared() - 2.0 * side * from_middle[axis] + 1.0).sqrt() * Self::STEP_M
                     + Self::ROUNDING_M;
                 // The least and the greatest of what is kept may stand for less and for more.
@@ -225,6 +225,8 @@ fn whole(steps: f32) -> u32 {
 
 /// Steps in which distances are kept. [Unit: m]
 const PACKED_M: f32 = 0.0025;
+/// What is clearer than this need not be told more exactly. [Unit: m]
+const CLOSE_M: f32 = 0.06;
 /// The least distance that is told from others. [Unit: m]
 const LEAST_M: f32 = -0.2;
 

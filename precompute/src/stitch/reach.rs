@@ -85,11 +85,21 @@ impl<'j, 'a> Search<'j, 'a> {
 
     /// Finds everything.
     pub fn run(mut self) -> Reached {
-        while let Some(part) = self.open.pop_front() {
-            self.is_open[part as usize] = false;
-            self.follow(part);
-        }
+        while self.follow_next() {}
         self.found
+    }
+
+    /// Follows all ways of one instance's nodes; false where there is none left.
+    pub fn follow_next(&mut self) -> bool {
+        let Some(part) = self.open.pop_front() else { return false };
+        self.is_open[part as usize] = false;
+        self.follow(part);
+        true
+    }
+
+    /// What is searched.
+    pub fn graph(&self) -> &'j Joined<'a> {
+        self.graph
     }
 
     /// Begins at a cell come to by motion.

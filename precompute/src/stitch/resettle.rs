@@ -177,7 +177,7 @@ fn is_bypassed(before: &Before<'_, '_>, graph: &Joined<'_>, region: &Region, aro
         let mut search = Search::new(graph, direction);
         search.within = Some(&around.after);
         search.start(part, cell);
-        to.is_in(graph, &search.run())
+        to.is_found(search)
     };
     let (forth, back) = rayon::join(|| leads(Direction::Forth, &out_of), || leads(Direction::Back, &into));
     forth && back
@@ -225,12 +225,20 @@ impl Border {
         })
     }
 
-    /// True where all of it is among some nodes.
-    fn is_in(&self, graph: &Joined<'_>, nodes: &Reached) -> bool {
+    /// True where a search finds all of it; it ends as soon as it has.
+    fn is_found(&self, mut search: Search<'_, '_>) -> bool {
+        let holds = |a: &[u64], b: &[u64]| a.iter().zip(b).all(|(a, b)| b & !a == 0);
         self.parts.iter().all(|(part, [moved, joined])| {
-            let words = graph.words(*part);
-            let holds = |a: &[u64], b: &[u64]| a.iter().zip(b).all(|(a, b)| b & !a == 0);
-            holds(&nodes.moved[words.clone()], moved) && holds(&nodes.joined[words], joined)
+            let words = search.graph().words(*part);
+            let is_there = |found: &Reached| {
+                holds(&found.moved[words.clone()], moved) && holds(&found.joined[words.clone()], joined)
+            };
+            while !is_there(&search.found) {
+                if !search.follow_next() {
+                    return false;
+                }
+            }
+            true
         })
     }
 }
