@@ -9,7 +9,7 @@ use super::near::{Heed, Look, Rows};
 use super::others::Others;
 use super::plan::Plan;
 use super::reach::Reach;
-use super::retreat::{LEAST_PATIENT_S, SLOWLY, retreat};
+use super::retreat::{Half, Held, LEAST_PATIENT_S, SLOWLY};
 use super::safety::{Candidate, Lack, lack_of_solid, lever};
 use super::sight::{ROUNDING, Seen};
 use super::spline::Cursor;
@@ -204,8 +204,9 @@ impl<V: Space> Decider<'_, V> {
         let mut walker = self.walker(&mind, &plan, position, velocity);
         self.give_way(&mind, &mut walker);
         let at = self.cells.coordinates(position);
+        mind.cell = self.cells.number(at);
         self.look_around((member, at), &walker, &mind, None, scratch);
-        let near = self.world.near(self.cells.number(at));
+        let near = self.world.near(mind.cell);
         let f = self.feel(&walker, &mind, near, scratch);
         Forces { taken: plan.acceleration, ..f }
     }
@@ -264,9 +265,11 @@ impl<V: Space> Decider<'_, V> {
         if waited < LEAST_PATIENT_S || mind.is_there {
             return;
         }
-        let near = self.world.near(self.cells.number(self.cells.coordinates(walker.position)));
-        let between = between_walls(&self.world.solids, near, walker.position, walker.desired.right());
-        if let Some(way) = retreat(self.flow, walker.position, walker.desired, (waited, between)) {
+        let walls = self.world.walls(self.cells.number(self.cells.coordinates(walker.position)));
+        let between = between_walls(&self.world.solids, walls, walker.position, walker.desired.right());
+        let half = between.filter(|b| b.at_hand).map(|b| if b.place < 0.0 { Half::Left } else { Half::Right });
+        let held = Held { position: walker.position, ahead: walker.desired, waited, half };
+        if let Some(way) = held.retreat(self.flow) {
             *walker = Walker { desired: way, speed: SLOWLY * mind.speed, retreats: true, ..*walker };
         }
     }

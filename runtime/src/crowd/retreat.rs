@@ -25,10 +25,10 @@ const FAR_BETWEEN_WALLS: usize = 24;
 /// with none more, wide corridors with 8 take a fifth longer.
 const STRONGER: f32 = 1.3;
 const MORE: f32 = 3.0;
-/// By how much that differs between walls, where the right half is one's own: 0 not at all, 1 so that those on the right
-/// never step back and those on the left always do. Here STRONGER is 6 times as large at the right wall, and a sixth
-/// at the left one. With 3 times instead of 6, narrow corridors take a quarter longer; with 0.2 (1.5 times) they jam.
-const OWN_HALF: f32 = 0.7;
+/// As many times more (less) in the right (left) half of the way between walls, so that those on the right hardly ever
+/// step back and those on the left nearly always do. With 3 times narrow corridors take a quarter longer; with 1.5 times
+/// they jam.
+const OWN_HALF: f32 = 6.0;
 /// Backward and rightward parts of the way of who steps back: more to the right, where the others keep to their own right
 /// too and leave room. Straight back, wide corridors with 8 take a third longer.
 const BACK: f32 = 0.57;
@@ -36,44 +36,66 @@ const RIGHT: f32 = 0.8;
 /// Share of its desired speed with which it does so. Half of it, or all, make no difference beyond that of seeds.
 pub(crate) const SLOWLY: f32 = 0.84;
 
-/// Way of a member that goes along a unit vector, does not get on, and is to give way, as more of those before it want
-/// to come than of those behind it want to go on. So the few retreat before the many, whole groups of them at once as
-/// all of them see the same, and those who press each other with equal force stay and slide past to the right.
-///
-/// Between walls there is no room for that: there, those in the left half give way to those in the right half, who come
-/// on as they go back, even if they are as many; each side has a half of its own. See [`super::beside`].
-///
-/// - `waited`: time without getting on, [`LEAST_PATIENT_S`] or more. [Unit: s]
-/// - `between`: see [`super::beside::between_walls`].
-pub(crate) fn retreat<V: Space>(
-    flow: &Flow<V>,
-    position: V,
-    ahead: V,
-    (waited, between): (f64, Option<f32>),
-) -> Option<V> {
-    let is_on_the_left = between.is_some_and(|b| b < 0.0);
-    if waited < PATIENT_S && !is_on_the_left {
-        return None;
+/// A half of the way between walls, as who goes along it sees it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Half {
+    /// That of those who come toward it.
+    Left,
+    /// Its own.
+    Right,
+}
+
+/// A member that does not get on.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Held<V> {
+    pub position: V,
+    /// Unit vector along which it wants to go.
+    pub ahead: V,
+    /// Time without getting on, [`LEAST_PATIENT_S`] or more. [Unit: s]
+    pub waited: f64,
+    /// Where it is between walls, if there are some at hand.
+    pub half: Option<Half>,
+}
+
+impl<V: Space> Held<V> {
+    /// Way on which it gives way, if more of those before it want to come than of those behind it want to go on. So the few
+    /// retreat before the many, whole groups of them at once as all of them see the same, and those who press each other
+    /// with equal force stay and slide past to the right.
+    ///
+    /// Between walls there is no room for that: there, those in the left half give way to those in the right half, who come
+    /// on as they go back, even if they are as many; each side has a half of its own. See [`super::beside`].
+    pub fn retreat(&self, flow: &Flow<V>) -> Option<V> {
+        let Self { position, ahead, waited, half } = *self;
+        if waited < PATIENT_S && half != Some(Half::Left) {
+            return None;
+        }
+        let far = if half.is_some() { FAR_BETWEEN_WALLS } else { FAR };
+        let at = position * flow.per_m();
+        let here = flow.square(at);
+        let (mut against, mut along) = (here.opposed(ahead), here.agreed(ahead));
+        for k in 1..=far {
+            let step = ahead * k as f32;
+            against += flow.square(at + step).opposed(ahead);
+            along += flow.square(at - step).agreed(ahead);
+        }
+        let (stronger, more) = match half {
+            None => (STRONGER, MORE),
+            Some(Half::Left) => (STRONGER / OWN_HALF, 0.0),
+            Some(Half::Right) => (STRONGER * OWN_HALF, 2.0 * MORE),
+        };
+        let is_weaker = against > stronger * along + more;
+        is_weaker.then(|| (ahead * -BACK + ahead.right() * RIGHT).unit_and_length().0)
     }
-    let far = if between.is_some() { FAR_BETWEEN_WALLS } else { FAR };
-    let at = position * flow.per_m();
-    let here = flow.square(at);
-    let (mut against, mut along) = (here.opposed(ahead), here.agreed(ahead));
-    for k in 1..=far {
-        let step = ahead * k as f32;
-        against += flow.square(at + step).opposed(ahead);
-        along += flow.square(at - step).agreed(ahead);
-    }
-    let own = between.unwrap_or(0.0);
-    let stronger = STRONGER * (1.0 + OWN_HALF * own) / (1.0 - OWN_HALF * own);
-    let is_weaker = against > stronger * along + MORE * (1.0 + own);
-    is_weaker.then(|| (ahead * -BACK + ahead.right() * RIGHT).unit_and_length().0)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use glam::Vec2;
+
+    fn held(position: Vec2, ahead: Vec2) -> Held<Vec2> {
+        Held { position, ahead, waited: 1.0, half: None }
+    }
 
     #[test]
     fn the_few_step_back_before_the_many() {
@@ -86,10 +108,10 @@ mod tests {
         let ahead = Vec2::X * side * 1.5;
         flow.add(ahead, Vec2::ZERO, Vec2::NEG_X);
         flow.add(ahead, Vec2::ZERO, Vec2::NEG_X);
-        let way = retreat(&flow, ahead, Vec2::NEG_X, (1.0, None)).expect("the two give way");
+        let way = held(ahead, Vec2::NEG_X).retreat(&flow).expect("the two give way");
         assert!(way.x > 0.3 && way.dot(Vec2::NEG_X.right()) > 0.3, "{way}");
-        assert_eq!(retreat(&flow, Vec2::X * side * 0.5, Vec2::X, (1.0, None)), None, "the twelve do not");
-        assert_eq!(retreat(&flow, Vec2::Y * 20.0, Vec2::X, (1.0, None)), None, "nobody is there");
+        assert_eq!(held(Vec2::X * side * 0.5, Vec2::X).retreat(&flow), None, "the twelve do not");
+        assert_eq!(held(Vec2::Y * 20.0, Vec2::X).retreat(&flow), None, "nobody is there");
     }
 
     #[test]
@@ -101,12 +123,10 @@ mod tests {
             }
         }
         for side in [-1.0f32, 1.0] {
-            let (at, ahead) = (Vec2::X * (side * 0.6), Vec2::X * -side);
-            let yields = |between| retreat(&flow, at, ahead, (1.0, between)).is_some();
-            assert!(yields(Some(-0.8)) && yields(Some(-0.4)));
-            let at_once = |between| retreat(&flow, at, ahead, (0.5, Some(between))).is_some();
-            assert!(at_once(-0.4) && !at_once(0.4));
-            assert!(!yields(Some(0.8)) && !yields(Some(0.4)) && !yields(None));
+            let held = held(Vec2::X * (side * 0.6), Vec2::X * -side);
+            let yields = |half, waited| Held { half, waited, ..held }.retreat(&flow).is_some();
+            assert!(yields(Some(Half::Left), 1.0) && yields(Some(Half::Left), 0.5));
+            assert!(!yields(Some(Half::Right), 1.0) && !yields(None, 1.0));
         }
     }
 }

@@ -34,7 +34,12 @@ mod sealed {
     macro_rules! seal {
         ($($space:ty)*) => { $(
             impl Sealed for $space {
-                fn wish(at: &Decider<'_, Self>, member: u32, tracer: Option<Tracer<'_>>, scratch: &mut Scratch<Self>) -> Wish<Self> {
+                fn wish(
+                    at: &Decider<'_, Self>,
+                    member: u32,
+                    tracer: Option<Tracer<'_>>,
+                    scratch: &mut Scratch<Self>,
+                ) -> Wish<Self> {
                     at.wish(member, tracer, scratch)
                 }
 

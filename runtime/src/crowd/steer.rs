@@ -45,7 +45,7 @@ pub(crate) struct Surroundings<'a, V> {
     pub solids: &'a [Solid<V>],
     /// Which of them are near.
     pub near: &'a [u32],
-    /// Those, and which of them are farther away beside it.
+    /// Which of them it sees beside it, as [`between_walls`] wants them.
     pub walls: &'a [u32],
     pub flow: &'a Flow<V>,
     pub interests: &'a [Interest<V>],
@@ -57,7 +57,8 @@ pub(crate) struct Surroundings<'a, V> {
 /// [`Sight`]), beside eq. 22, which only knows who is near; the weights of eq. 16 take the desired velocity where that
 /// is larger, so that those who were stopped try on. New are the room and the time that are kept behind those who go ahead
 /// (see [`pace`]), the preference for directions in which others want the same, which makes lanes (see
-/// [`super::outlook`]), that everybody keeps to the right between walls (see [`super::beside`]), and that the few step back before the many where nobody gets on (see [`super::retreat`]).
+/// [`super::outlook`]), that everybody keeps to the right between walls (see [`super::beside`]), and that the few step back
+/// before the many where nobody gets on (see [`super::retreat`]).
 pub(crate) fn forces<V: Space>(me: &Walker<V>, field: &Field, around: &Surroundings<'_, V>) -> Forces<V> {
     let &Surroundings { seen, solids, near, walls, flow, interests } = around;
     let mut sight = Sight::along(me.desired, me.speed);
@@ -67,8 +68,8 @@ pub(crate) fn forces<V: Space>(me: &Walker<V>, field: &Field, around: &Surroundi
     }
     let coming = coming(flow, me.position, me.desired, me.left);
     let looks_out = coming > 0.0 && !me.retreats && !walls.is_empty();
-    let between = |walls| looks_out.then(|| between_walls(solids, walls, me.position, me.desired.right())).flatten();
-    let caution = Caution::new(coming, [between(near), between(walls)]);
+    let between = looks_out.then(|| between_walls(solids, walls, me.position, me.desired.right())).flatten();
+    let caution = Caution::new(coming, between);
     let (heading, free) = sight.choose(field, me, flow, (coming, caution.to_the_right));
     // Slower where the way is not free for long.
     let mut speed = me.speed * (free / CLEAR_S).min(1.0) * (1.0 - caution.gives_up);
@@ -118,7 +119,7 @@ pub(crate) fn felt_within<V: Space>(me: &Walker<V>, field: &Field) -> f32 {
 /// Time within which it matters that somebody is met. [Unit: s]
 #[inline]
 pub(crate) fn minded_within(field: &Field) -> f32 {
-    field.horizon_s.max(OPEN_S)
+    field.horizon_s.max(OPEN_S).max(CLEAR_S)
 }
 
 /// Fastest one may go along a heading behind somebody: so that there is time to do as that one does, and room left

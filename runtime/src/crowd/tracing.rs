@@ -39,11 +39,13 @@ impl Tracer<'_> {
     }
 }
 
-/// Looks for the first of all around whose bound is touched, if that is before `first`. At an event it is known where
-/// everybody is, so that all bounds are taken as made then: that is never late, and they meet later than old ones.
+/// The first of all around whose bound is touched, as far as they were looked at. At an event it is known where everybody
+/// is, so that all bounds are taken as made then: that is never late, and they meet later than old ones.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Meeting<V> {
+    /// That of the member, as made at its event.
     pub bound: Bound<V>,
+    /// What ends its plan, and in what time; who is met after that does not matter. [Unit: s]
     pub first: (Cause, f32),
 }
 

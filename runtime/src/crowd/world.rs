@@ -1,5 +1,6 @@
 //! What surrounds the members: obstacles by cell, routes, fields and limits.
 
+use super::beside::SEEN_M;
 use super::cells::Cells;
 use super::flow::Flow;
 use super::occupancy::narrowest;
@@ -10,8 +11,6 @@ use super::{CrowdError, Field, Interest, Member, Obstacle, Scheme, Setup, Space}
 
 /// How much faster than it wishes a member may be, when it gives way.
 pub(crate) const HURRY: f32 = 1.25;
-/// How far beyond its region a member sees walls beside it. [Unit: m]
-const WALLS_M: f32 = 5.0;
 
 /// All that does not change while time passes.
 #[derive(Clone, Debug)]
@@ -125,7 +124,7 @@ impl<V: Space> World<V> {
             world.check_place(member, m.position)?;
         }
         (world.first, world.near) = world.list(&cells, 0.0);
-        (world.first_wall, world.walls) = world.list(&cells, WALLS_M);
+        (world.first_wall, world.walls) = world.list(&cells, SEEN_M);
         Ok((world, cells, flow))
     }
 
