@@ -127,7 +127,8 @@ mod tests {
         assert_eq!((left.to_the_right, left.gives_up), (TO_THE_RIGHT, GIVES_UP));
         let afar = caution(3.0, -0.2, false);
         assert!(afar.to_the_right > 0.0 && afar.to_the_right < TO_THE_RIGHT && afar.gives_up == 0.0);
-        let calm = [caution(0.0, -1.0, true), caution(3.0, 0.1, true), caution(3.0, 0.1, false), Caution::new(3.0, None)];
+        let calm =
+            [caution(0.0, -1.0, true), caution(3.0, 0.1, true), caution(3.0, 0.1, false), Caution::new(3.0, None)];
         for caution in calm {
             assert_eq!((caution.to_the_right, caution.gives_up), (0.0, 0.0));
         }

@@ -175,8 +175,9 @@ pub(crate) fn room<V: Space>(a: &Plan<V>, b: &Plan<V>) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::crowd::others::lack;
+    use crate::crowd::others::{Others, lack};
     use glam::{Vec2, Vec3};
+    use proptest::collection::vec;
     use proptest::prelude::*;
 
     fn plan<V: Space>(index: u32) -> impl Strategy<Value = Plan<V>> {
@@ -218,6 +219,47 @@ mod tests {
             prop_assert!(room > 0.0, "stop regions overlap by {} m after {} s", -room, s - 100.0);
         }
         Ok(())
+    }
+
+    /// Of all others, the one to whom most is missing is found, whoever was there before.
+    fn finds_the_worst<V: Space>(me: Plan<V>, before: &[Plan<V>], others: &[Plan<V>]) -> Result<(), TestCaseError> {
+        let me = Candidate::new(me);
+        let mut all = Others::default();
+        for plans in [before, others] {
+            all.clear();
+            plans.iter().for_each(|p| all.push(p));
+            all.prepare(me.plan.position, me.plan.start);
+        }
+        let one_by_one = others.iter().filter_map(|o| lack(&me, o)).map(|l| l.lack).reduce(f32::max);
+        prop_assert_eq!(all.worst(&me).map(|l| l.lack), one_by_one);
+        all.leave_out_movers();
+        prop_assert_eq!(all.worst(&me).map(|l| l.lack), one_by_one, "all are members");
+        Ok(())
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(500))]
+
+        #[test]
+        fn the_worst_disc_is_found(me in plan::<Vec2>(0), before in vec(plan(1), 0..20), others in vec(plan(2), 0..20)) {
+            finds_the_worst(me, &before, &others)?;
+        }
+
+        #[test]
+        fn the_worst_ball_is_found(me in plan::<Vec3>(0), before in vec(plan(1), 0..20), others in vec(plan(2), 0..20)) {
+            finds_the_worst(me, &before, &others)?;
+        }
+
+        #[test]
+        fn movers_can_be_left_out(me in plan::<Vec2>(0), others in vec(plan(2), 1..20), mover in plan(super::super::NONE)) {
+            let me = Candidate::new(me);
+            let mut all = Others::default();
+            others.iter().chain([&mover]).for_each(|p| all.push(p));
+            all.prepare(me.plan.position, me.plan.start);
+            all.leave_out_movers();
+            let members = others.iter().filter_map(|o| lack(&me, o)).map(|l| l.lack).reduce(f32::max);
+            prop_assert_eq!(all.worst(&me).map(|l| l.lack), members);
+        }
     }
 
     proptest! {
