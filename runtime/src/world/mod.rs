@@ -6,6 +6,8 @@ mod error;
 mod file;
 mod graph;
 pub mod inhabitants;
+#[cfg(test)]
+mod made_up;
 pub mod plan;
 mod records;
 

@@ -7,7 +7,8 @@ use super::dial::{Dial, UNREACHED};
 use super::{Atlas, In, each};
 use crate::world::WorldGraph;
 
-/// Number of landmarks.
+/// Number of landmarks: more raise what ways cost at least, and each takes a search over the world for the first
+/// planner, two bytes a state, and a comparison whenever the upper layer comes to a state.
 const NUM: usize = 12;
 
 /// Costs from somewhere to each landmark. [Unit: frames]
@@ -21,8 +22,10 @@ pub(crate) struct Landmarks {
 
 impl Landmarks {
     /// Chooses them, each as far from all others as can be, and searches from everywhere to them.
+    ///
+    /// None where costs through rooms are not kept: each search would work all of them out anew.
     pub fn new(graph: &WorldGraph<'_>, atlas: &Atlas) -> Self {
-        let landmarks = choose(graph, atlas);
+        let landmarks = if atlas.roads.are_kept() { choose(graph, atlas) } else { Vec::new() };
         let num_states = atlas.ins.len() + atlas.outs.len();
         let mut out = Self { costs: vec![[UNREACHED; NUM]; num_states] };
         let costs = each(&landmarks, |&to, search| {
@@ -84,11 +87,7 @@ fn search_back(atlas: &Atlas, to: u32, search: &mut Dial) {
                 outs.for_each(|o| search.reach(num_ins + o, 0));
             }
             let Some((room, ..)) = atlas.leads_from(state) else { return };
-            for place in atlas.roads.list(room) {
-                let frames = atlas.roads.row(state, room).map_or_else(
-                    || atlas.roads.cost(atlas, state, place),
-                    |row| row[place - atlas.roads.list(room).start],
-                );
+            for (place, &frames) in atlas.roads.list(room).zip(atlas.roads.row(state, room).unwrap_or_default()) {
                 if frames != UNREACHED {
                     search.reach(atlas.roads.states[place], frames);
                 }

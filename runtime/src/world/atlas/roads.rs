@@ -8,10 +8,14 @@ use std::collections::BTreeMap;
 
 /// Most costs that are kept; in worlds of more each is worked out whenever it is asked for. [Unit: costs]
 const MAX_COSTS: usize = 1 << 26;
-/// Most others that a way out of a room is compared with, and what it costs at most to go there. [Unit: frames]
+/// Most others that a way out of a room is compared with: more leave out more ways on, but each that stays is compared
+/// with all of them.
 const MAX_OTHERS: usize = 16;
+/// What it costs at most to go to others: a higher one keeps more of them, each of which leaves out only ways on that
+/// cost so much more. [Unit: frames]
 const MAX_DETOUR: f32 = 200.0;
-/// How far away others are looked for. [Unit: copies]
+/// How far away others are looked for: as far as costs to most goals are in tables of nearby offsets, which alone say
+/// what a way costs at most. [Unit: copies]
 const AROUND: i32 = 3;
 
 /// Costs through rooms.
@@ -75,6 +79,11 @@ impl Roads {
     pub fn row(&self, way_in: u32, room: u32) -> Option<&[u16]> {
         let first = *self.rows.get(way_in as usize)?;
         Some(&self.costs[first..first + self.list(room).len()])
+    }
+
+    /// True where rows are kept.
+    pub fn are_kept(&self) -> bool {
+        !self.rows.is_empty()
     }
 
     /// One cost of a row. [Unit: frames]
@@ -155,4 +164,79 @@ fn cost_from_out(atlas: &Atlas, plane: &Plane, out: u32, tile: u32, goal: u32) -
     let cost =
         |([du, dv], cell, part): ([i32; 2], u32, f32)| part + plane.cost(plane.look(goal, [u - du, v - dv]), cell);
     spots.map(cost).fold(f32::INFINITY, f32::min)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::world::WorldGraph;
+    use crate::world::atlas::Landmarks;
+    use crate::world::made_up::{Tile, places, tiles};
+    use proptest::prelude::*;
+
+    /// Checks that no way to the best cell of any other costs more than it says; how many there are.
+    fn check_others(tile: &Tile, depths: [i32; 3]) -> usize {
+        let world = tile.floor(&places(depths));
+        let graph = WorldGraph::new(tile.patches(), world.view()).unwrap();
+        let atlas = graph.atlas();
+        let mut count = 0;
+        for way_in in 0..atlas.ins.len() as u32 {
+            let Some((room, at, goal)) = atlas.leads_from(way_in) else { continue };
+            let (plane, others) = (atlas.plane(room).unwrap(), atlas.roads.others(way_in));
+            assert!(others.len() <= MAX_OTHERS && others.iter().all(|o| o.0 != way_in), "{way_in}: {others:?}");
+            let found: Vec<_> = plane.cells(goal).iter().map(|&(cell, _)| tile.dijkstra(cell)).collect();
+            for &(other, most) in others {
+                let (from, to, into) = atlas.leads_from(other).unwrap();
+                assert_eq!(from, room, "{way_in} {other}");
+                let way = atlas.regions.way(at, to);
+                for found in &found {
+                    let costs = plane.cells(into).iter().filter_map(|c| found.get(&(way, c.0)));
+                    let least = costs.min().expect("a way leads there");
+                    assert!(*least <= u32::from(most), "{way_in} to {other}: {least} {most}");
+                }
+                count += 1;
+            }
+        }
+        count
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(12))]
+
+        #[test]
+        fn others_are_no_farther_than_they_say(tile in tiles(), depths in prop::array::uniform3(0i32..4)) {
+            check_others(&tile, depths);
+        }
+    }
+
+    #[test]
+    fn doors_beside_each_other_are_others() {
+        assert!(check_others(&Tile::crossed_in(20, 16), [3, 4, 2]) > 0);
+    }
+
+    #[test]
+    fn without_rows_costs_are_the_same_and_landmarks_say_nothing() {
+        let tile = Tile::crossed_in(20, 16);
+        let world = tile.floor(&places([3, 4, 2]));
+        let graph = WorldGraph::new(tile.patches(), world.view()).unwrap();
+        let mut atlas = graph.atlas().clone();
+        let num_ins = atlas.ins.len() as u32;
+        for way_in in 0..num_ins {
+            let (room, ..) = atlas.leads_from(way_in).unwrap();
+            let costs: Vec<_> = atlas.roads.list(room).map(|p| atlas.roads.cost(&atlas, way_in, p)).collect();
+            assert_eq!(atlas.roads.row(way_in, room), Some(&costs[..]));
+        }
+        let most = |landmarks: &Landmarks| {
+            let all = (0..num_ins).flat_map(|from| (0..num_ins).map(move |to| (from, to)));
+            let least = |(from, to)| {
+                let mut near = Landmarks::none();
+                landmarks.meet(&mut near, from, 7.0);
+                landmarks.least(&near, to)
+            };
+            all.map(least).fold(0.0, f32::max)
+        };
+        assert!(most(&atlas.landmarks) > 0.0);
+        atlas.roads.rows.clear();
+        assert_eq!(most(&Landmarks::new(&graph, &atlas)), 0.0);
+    }
 }

@@ -4,7 +4,8 @@ use super::buckets::Buckets;
 use crate::world::WorldGraph;
 use crate::world::atlas::Atlas;
 
-/// Costs of the cells of one district; memory of the search for them. Its states are those of [`Shape::back`](crate::world::atlas::Shape).
+/// Costs of the cells of one district; memory of the search for them. Its states are those that the shape's links lead
+/// back to, see `Shape::back`.
 #[derive(Clone, Debug)]
 pub(super) struct Inside {
     district: u32,

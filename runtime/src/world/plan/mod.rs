@@ -7,6 +7,8 @@ mod gates;
 mod heap;
 mod inside;
 mod nodes;
+#[cfg(test)]
+mod tests;
 mod upper;
 
 use super::atlas::Atlas;

@@ -1,5 +1,8 @@
 //! The upper layer: what it costs at least to go on to the target from every way into a part of the world and out of one.
 
+#[cfg(test)]
+mod tests;
+
 use super::Target;
 use super::end::End;
 use super::gates::{Gate, Gates};

@@ -16,13 +16,17 @@ const CARE: f32 = 1e-4;
 const NOTHING: f64 = 1e-8;
 /// What all that, and the rounding of sums that are looked up, come to at most. [Unit: frames]
 const SLACK: f64 = 0.1;
-/// Rounds after which a price is given up.
+/// Rounds after which a price is given up: what a way costs is known one link a round where its cells ascend, sooner
+/// elsewhere; more of them find bounds for longer ways, and take as much longer where none is found.
 const MAX_ROUNDS: usize = 200;
-/// A corner is not looked for more closely where that would raise prices by a smaller share.
+/// A corner that would be lowered by a smaller share is not cut into two: bounds are lower by that share, and searches
+/// fewer.
 const NEAR: f64 = 2e-3;
-/// Prices are no farther from the next ones than that share of the highest one.
+/// Prices are no farther from the next ones than that share of the highest one: closer ones would bound ways that are
+/// not so far better, and each is one more row for every goal.
 const SIDE: f64 = 0.5;
-/// Prices that are tried at most.
+/// Prices that are tried at most, each with a search: corners that are left untried are given up, and bounds in their
+/// direction are lower.
 const MAX_TRIES: usize = 500;
 
 /// From each cell back to where links to it begin: how many copies away that leads, and the cell.
@@ -67,7 +71,7 @@ fn between(corners: &[[f64; 2]]) -> Vec<[f64; 2]> {
 /// What `price` leaves of the least cost from each cell to some, each with a cost of its own: infinite where no way
 /// leads there.
 ///
-/// - returns none where a cycle earns.
+/// - returns none where a cycle earns, or a way that costs least has more links than rounds are followed.
 pub(super) fn rest(
     back: &Back,
     price: [f32; 2],

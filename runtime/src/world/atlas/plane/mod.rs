@@ -37,12 +37,12 @@ pub(crate) struct Plane {
     /// Cells of each class.
     classes: Vec<Vec<u32>>,
     back: Back,
-    /// What a copy costs at least, for some directions. [Unit: frames/copy]
+    /// What a copy costs at least, for some directions: one or more. [Unit: frames/copy]
     prices: Vec<[f32; 2]>,
     /// For each of them, what it leaves at least of a way from any cell to any other. [Unit: frames]
     leasts: Vec<f32>,
     /// Number of the best price by offset. [Size: offsets up to `FAR`]
-    best_prices: Vec<u8>,
+    best_prices: Vec<u16>,
     goals: Vec<Goal>,
     /// Least frames from each cell, beyond what its row costs. [Size: rows * cells]
     costs: Vec<u16>,
@@ -128,7 +128,12 @@ impl Plane {
                 out.leasts.push(rest.into_iter().fold(f32::INFINITY, f32::min));
             }
         }
-        out.best_prices = offsets(FAR).map(|way| out.best_price(way) as u8).collect();
+        if out.prices.is_empty() {
+            // No way costs less than nothing.
+            out.prices.push([0.0, 0.0]);
+            out.leasts.push(0.0);
+        }
+        out.best_prices = offsets(FAR).map(|way| out.best_price(way) as u16).collect();
         for class in 0..=num_edges as usize {
             let cells: Vec<_> = out.classes[class].iter().map(|&c| (c, 0)).collect();
             let rows = out.rows_of(&cells, RADIUS, search);
@@ -216,11 +221,10 @@ impl Plane {
 
     fn look_far(&self, first_row: u32, way: [i32; 2]) -> Look {
         let k = match way.iter().all(|w| w.abs() <= FAR) {
-            true => self.best_prices.get(offset(way, FAR) as usize).map_or(0, |k| u32::from(*k)),
+            true => u32::from(self.best_prices[offset(way, FAR) as usize]),
             false => self.best_price(way),
         };
-        let Some(p) = self.prices.get(k as usize) else { return Look { row: first_row, more: 0.0 } };
-        let row = first_row + k;
+        let (p, row) = (self.prices[k as usize], first_row + k);
         Look { row, more: p[0] * way[0] as f32 + p[1] * way[1] as f32 + self.least[row as usize] }
     }
 
@@ -263,8 +267,10 @@ impl Plane {
 
     fn rows_of(&self, cells: &[Spot], radius: i32, search: &mut Dial) -> Rows {
         let mut out = Rows { goal: Goal { cells: cells.to_vec(), first_row: 0, radius }, rows: Vec::new() };
-        for &price in &self.prices {
-            let rest = far::rest(&self.back, price, cells.iter().copied(), self.num_cells).unwrap_or_default();
+        for (&price, &least) in self.prices.iter().zip(&self.leasts) {
+            // Where no more is known, as much is left as of any way.
+            let rest = far::rest(&self.back, price, cells.iter().copied(), self.num_cells)
+                .unwrap_or_else(|| vec![least; self.num_cells as usize]);
             let least = rest.iter().copied().fold(f32::INFINITY, f32::min);
             let least = if least < f32::INFINITY { least.floor() } else { 0.0 };
             let beyond = rest.iter().map(|r| whole(r - least)).collect();
@@ -291,10 +297,7 @@ impl Plane {
             }
         });
         // Where no way leads at all, none leads from far away.
-        let leads: Vec<bool> = match rows.rows.first() {
-            Some(row) => row.beyond.iter().map(|c| *c != UNREACHED).collect(),
-            None => vec![false; n as usize],
-        };
+        let leads: Vec<bool> = rows.rows[0].beyond.iter().map(|c| *c != UNREACHED).collect();
         for (way, around) in offsets(radius).zip(self.around(radius)) {
             // The goal lies there as seen from where this is.
             let found = |cell| frames(search.cost(number([-way[0], -way[1]], cell)));

@@ -1,103 +1,20 @@
 //! Tables of made-up tiles against plain Dijkstra on a wide plane.
 
 use super::*;
-use crate::patch::{EdgeRecord, KIND_TILE, LinkRecord, PatchRecord, Placement};
+use crate::world::made_up::{Tile, tiles};
 use proptest::prelude::*;
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 
-/// A tile with an entry and an exit an edge (cells 0 to 3 and 4 to 7) and two cells inside, and its links.
-struct Tile {
-    patch: PatchRecord,
-    edges: Vec<EdgeRecord>,
-    cells: Vec<CellRecord>,
-    links: Vec<LinkRecord>,
-}
-
-const STEPS: [[i32; 2]; 4] = [[1, 0], [-1, 0], [0, 1], [0, -1]];
-
-impl Tile {
-    fn new(links: &[(u32, u32, u16)]) -> Self {
-        let cell = |edge, twin, flags| CellRecord {
-            placement: Placement::IDENTITY,
-            group: 0,
-            edge,
-            twin,
-            flags,
-            first_link: 0,
-            num_links: 0,
-            reserved: [0; 2],
-        };
-        let mut cells: Vec<_> = (0..4).map(|e| cell(e, 4 + (e ^ 1), CellRecord::IS_ENTRY)).collect();
-        cells.extend((0..4).map(|e| cell(e, e ^ 1, CellRecord::IS_EXIT)));
-        cells.extend([cell(NONE, NONE, 0); 2]);
-        let link = |&(from, to, num_frames): &(u32, u32, u16)| LinkRecord {
-            from,
-            to,
-            frame: 0,
-            num_frames,
-            tag: 0,
-            start: Placement::IDENTITY,
-            end: Placement::IDENTITY,
-        };
-        let edge = |e: usize| EdgeRecord {
-            step: [2.0 * STEPS[e][0] as f32, 0.0, 2.0 * STEPS[e][1] as f32],
-            opposite: e as u32 ^ 1,
-        };
-        let patch = PatchRecord {
-            kind: KIND_TILE,
-            first_cell: 0,
-            num_cells: 10,
-            first_link: 0,
-            num_links: links.len() as u32,
-            first_edge: 0,
-            num_edges: 4,
-            reserved: 0,
-            min: [-1.0; 3],
-            max: [1.0; 3],
-        };
-        Self { patch, edges: (0..4).map(edge).collect(), cells, links: links.iter().map(link).collect() }
-    }
-
-    fn plane(&self) -> Option<Plane> {
-        let patches = Patches {
-            patches: std::slice::from_ref(&self.patch),
-            edges: &self.edges,
-            cells: &self.cells,
-            links: &self.links,
-        };
-        Plane::new(&patches, 0, &mut Dial::default())
-    }
-
-    /// Least frames from a cell to all others, on a wide plane.
-    fn dijkstra(&self, from: u32) -> BTreeMap<([i32; 2], u32), u32> {
-        let (mut queue, mut found) = (BTreeSet::from([(0, ([0, 0], from))]), BTreeMap::new());
-        while let Some((frames, (at, cell))) = queue.pop_first() {
-            if at.iter().any(|a: &i32| a.abs() > 8) || found.contains_key(&(at, cell)) {
-                continue;
-            }
-            found.insert((at, cell), frames);
-            for l in self.links.iter().filter(|l| l.from == cell) {
-                let to = &self.cells[l.to as usize];
-                let next = match to.edge {
-                    NONE => (at, l.to),
-                    e => ([at[0] + STEPS[e as usize][0], at[1] + STEPS[e as usize][1]], to.twin),
-                };
-                queue.insert((frames + u32::from(l.num_frames), next));
-            }
-        }
-        found
-    }
+fn plane(tile: &Tile) -> Option<Plane> {
+    Plane::new(&tile.patches(), 0, &mut Dial::default())
 }
 
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(12))]
 
     #[test]
-    fn costs_are_those_of_plain_dijkstra(links in proptest::collection::vec((0usize..6, 0u32..6, 20u16..60), 8..24)) {
-        // From entries and the inside, to exits and the inside.
-        let links: Vec<_> = links.iter().map(|&(f, t, n)| ([0, 1, 2, 3, 8, 9][f], 4 + t, n)).collect();
-        let tile = Tile::new(&links);
-        let plane = tile.plane().unwrap();
+    fn costs_are_those_of_plain_dijkstra(tile in tiles()) {
+        let plane = plane(&tile).unwrap();
         for from in [0, 1, 2, 3, 8, 9] {
             let found = tile.dijkstra(from);
             for way in offsets(RADIUS).filter(|o| o[0].abs().max(o[1].abs()) <= 2) {
@@ -121,10 +38,8 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(12))]
 
     #[test]
-    fn far_ways_cost_no_less_than_their_bounds(links in proptest::collection::vec((0usize..6, 0u32..6, 20u16..60), 8..24)) {
-        let links: Vec<_> = links.iter().map(|&(f, t, n)| ([0, 1, 2, 3, 8, 9][f], 4 + t, n)).collect();
-        let tile = Tile::new(&links);
-        let mut plane = tile.plane().unwrap();
+    fn far_ways_cost_no_less_than_their_bounds(tile in tiles()) {
+        let mut plane = plane(&tile).unwrap();
         let parts = [1, 9].map(|cell| plane.rows_to(cell, &mut Dial::default()));
         let rows = plane.join(&[(&parts[0], 13), (&parts[1], 0)]);
         plane.add(rows);
@@ -144,16 +59,9 @@ proptest! {
     }
 }
 
-/// Straight on in 50 frames, around a corner in 40.
-fn crossed_in(straight: u16, corner: u16) -> Tile {
-    let pairs = (0..4u32).flat_map(|from| (0..4u32).filter(move |&to| to != from).map(move |to| (from, to)));
-    let link = |(from, to): (u32, u32)| (from, 4 + to, if to == from ^ 1 { straight } else { corner });
-    Tile::new(&pairs.map(link).collect::<Vec<_>>())
-}
-
 #[test]
 fn far_ways_go_on_as_near_ones_do() {
-    let plane = crossed_in(50, 40).plane().unwrap();
+    let plane = plane(&Tile::crossed_in(50, 40)).unwrap();
     // Cell 1 was entered from -x and goes on to +x.
     let cost = plane.cost(plane.look(1, [30, 0]), 1);
     assert!((1485.0..=1500.0).contains(&cost), "{cost}");
@@ -164,7 +72,7 @@ fn far_ways_go_on_as_near_ones_do() {
 
 #[test]
 fn the_most_from_a_goal_is_at_least_what_its_cells_cost() {
-    let plane = crossed_in(50, 40).plane().unwrap();
+    let plane = plane(&Tile::crossed_in(50, 40)).unwrap();
     for way in [[2, 1], [0, 0], [9, -4]] {
         let most = plane.most(1, way, 2);
         assert!(plane.cells(2).iter().all(|&(c, _)| plane.cost(plane.look(1, way), c) <= most), "{way:?}: {most}");
@@ -175,10 +83,8 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(12))]
 
     #[test]
-    fn no_way_to_the_best_cell_costs_more_than_the_most(links in proptest::collection::vec((0usize..6, 0u32..6, 20u16..60), 8..24)) {
-        let links: Vec<_> = links.iter().map(|&(f, t, n)| ([0, 1, 2, 3, 8, 9][f], 4 + t, n)).collect();
-        let tile = Tile::new(&links);
-        let plane = tile.plane().unwrap();
+    fn no_way_to_the_best_cell_costs_more_than_the_most(tile in tiles()) {
+        let plane = plane(&tile).unwrap();
         for from in 0..5 {
             let found: Vec<_> = plane.cells(from).iter().map(|&(c, _)| tile.dijkstra(c)).collect();
             for (to, way) in (0..5).flat_map(|to| offsets(2).map(move |way| (to, way))) {
@@ -192,6 +98,51 @@ proptest! {
         }
         prop_assert_eq!(plane.most(0, [RADIUS + 1, 0], 1), f32::INFINITY);
     }
+}
+
+/// More links one after another than searches for prices follow, in the order that these follow them slowest in.
+fn chain() -> impl Iterator<Item = (u32, u32, u16)> {
+    (8..LAST).map(|cell| (cell, cell + 1, 1))
+}
+
+const LAST: u32 = 258;
+const NUM_INSIDE: usize = (LAST - 8) as usize + 1;
+
+/// No bound on the costs from some cells to the goals is above what ways cost.
+fn check_bounds(tile: &Tile, plane: &Plane, goals: &[u32]) {
+    for from in [0, 2, 8, LAST] {
+        let found = tile.dijkstra(from);
+        for (&(way, cell), &frames) in &found {
+            for &goal in goals.iter().filter(|&&g| plane.cells(g).iter().any(|c| c.0 == cell)) {
+                let bound = plane.cost(plane.look(goal, way), from);
+                assert!(bound <= frames as f32, "{from} to goal {goal} {way:?}: {bound} {frames}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_long_chain_of_links_to_a_goal_has_bounds() {
+    let crossing = (0..4).flat_map(|from| (0..4).map(move |to| (from, 4 + to, 40)));
+    let tile = Tile::new(NUM_INSIDE, &crossing.chain([(0, 8, 40)]).chain(chain()).collect::<Vec<_>>());
+    let mut plane = plane(&tile).unwrap();
+    assert!(plane.prices.iter().any(|p| p[0] > 30.0), "{:?}", plane.prices);
+    assert!(far::rest(&plane.back, plane.prices[0], [(LAST, 0)].into_iter(), plane.num_cells).is_none());
+    let rows = plane.rows_to(LAST, &mut Dial::default());
+    plane.add(rows);
+    check_bounds(&tile, &plane, &[0, 1, 2, 3, 4, 5]);
+    let far = plane.cost(plane.look(5, [20, 0]), 0);
+    assert!(far >= 600.0, "copies between still have their price: {far}");
+}
+
+#[test]
+fn tiles_that_no_price_is_found_for_have_bounds() {
+    let ways_in = (0..4).map(|entry| (entry, 8, 1));
+    let ways_out = (4..8).map(|exit| (LAST, exit, 1));
+    let tile = Tile::new(NUM_INSIDE, &ways_in.chain(chain()).chain(ways_out).collect::<Vec<_>>());
+    let plane = plane(&tile).unwrap();
+    assert_eq!(plane.prices, [[0.0, 0.0]]);
+    check_bounds(&tile, &plane, &[0, 1, 2, 3, 4]);
 }
 
 #[test]

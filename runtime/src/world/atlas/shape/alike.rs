@@ -6,7 +6,8 @@
 
 use super::super::dial::UNREACHED;
 
-/// Costs of places of a way differ by twice that at most, but for their parts. [Unit: frames]
+/// Costs of places of a way differ by twice that at most, but for their parts: the wider, the fewer ways to search, and
+/// the lower the bounds, by up to twice that a district. [Unit: frames]
 const SPREAD: i32 = 8;
 
 /// Places that may be alike: on the same tile, at the same edge.
