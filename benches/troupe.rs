@@ -9,7 +9,7 @@ use throng_precompute::{BuildError, pipeline};
 use throng_runtime::Tables;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
-    // `cargo test` runs benches too: a small crowd is enough there.
+    // `cargo test` runs benches too: a small troupe is enough there.
     let whole = std::env::args().any(|a| a == "--bench");
     let minutes = if whole { 6.0 } else { 1.0 };
     let folder = tempfile::tempdir()?;
@@ -21,7 +21,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     } else {
         MeasureConfig { characters: vec![16], threads: vec![1], seconds: 0.001 }
     };
-    for figures in measure::crowd(&tables, &config)? {
+    for figures in measure::troupe(&tables, &config)? {
         println!("{figures:#?}");
     }
     Ok(())

@@ -67,7 +67,11 @@ impl UnitGeometry {
         Some(Nearest { distance: s.distance, point: s.point, normal: s.normal, solid })
     }
 
-    /// The distance that [`Self::nearest`] says, sooner.
+    /// Distance of a point, as [`Self::nearest`] says it but sooner; `None` where it is `limit` or more, or where there is
+    /// no geometry. [Unit: m]
+    ///
+    /// - `p`: in the unit's frame. [Unit: m]
+    /// - `limit`: the smaller, the faster. [Unit: m]
     pub fn distance_below(&self, p: Vec3, limit: f32) -> Option<f32> {
         self.find(p, limit).map(|(_, distance)| distance)
     }

@@ -1,14 +1,14 @@
 //! Measures a bundle on this machine. One file answers one question.
 
 mod blend;
-mod crowd;
 mod matching;
 mod timing;
+mod troupe;
 mod world;
 
 pub use blend::{BlendFigures, blend};
-pub use crowd::{CrowdFigures, crowd};
 pub use matching::{MatchingConfig, MatchingFigures, matching};
+pub use troupe::{TroupeFigures, troupe};
 pub use world::{EditFigures, PathFigures, WorldFigures, world};
 
 use crate::error::BuildError;
@@ -36,7 +36,7 @@ pub struct MeasureConfig {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Measured {
     /// One entry for each number of characters and threads.
-    pub results: Vec<CrowdFigures>,
+    pub results: Vec<TroupeFigures>,
     /// The made-up problem, on one thread.
     pub value_iteration: made_up::Measured,
 }
@@ -44,9 +44,9 @@ pub struct Measured {
 /// Measures everything.
 ///
 /// # Errors
-/// As [`crowd`].
+/// As [`troupe`].
 pub fn measure(tables: &Tables, config: &MeasureConfig) -> Result<Measured, BuildError> {
-    let results = crowd(tables, config)?;
+    let results = troupe(tables, config)?;
     let value_iteration = in_pool(1, || MadeUp::default().measure(EPSILON))??;
     Ok(Measured { results, value_iteration })
 }

@@ -52,6 +52,8 @@ pub(super) struct Bodies {
     /// How near a unit may be to the middle of each sphere, by what is planted; then the same for units that are walked
     /// on. [Unit: m] [Size: 2 * PLANTED]
     limits: Vec<Lanes>,
+    /// No sphere that is clearer of a unit than this is told from others: there, grids end. [Unit: m]
+    farthest: f32,
     /// The widest of all frames. [Unit: m]
     radius: f32,
     /// The lowest and the highest point of all frames. [Unit: m]
@@ -145,10 +147,12 @@ impl Bodies {
         let (frames, reaches): (Vec<Pose>, Vec<Reach>) = frames.par_iter().zip(contacts).map(pose).unzip();
         let spheres = body.spheres(&joint_transforms(skeleton, Vec3::ZERO, |_| Quat::IDENTITY));
         let limits = limits(&spheres, depth_m);
+        let thickest = limits.iter().flatten().copied().fold(0.0, f32::max);
+        let farthest = (Field::MARGIN_M - thickest).max(0.0);
         let radius = reaches.iter().map(|r| r.radius).fold(0.0, f32::max);
         let lowest = reaches.iter().map(|r| r.heights[0]).fold(f32::INFINITY, f32::min);
         let highest = reaches.iter().map(|r| r.heights[1]).fold(f32::NEG_INFINITY, f32::max);
-        Self { frames, reaches, spheres, limits, radius, heights: [lowest, highest] }
+        Self { frames, reaches, spheres, limits, farthest, radius, heights: [lowest, highest] }
     }
 
     /// No body reaches farther from the vertical through its root than this. [Unit: m]
@@ -193,7 +197,8 @@ impl Bodies {
     /// moved on. The exact geometry is asked where nothing is.
     ///
     /// - `root`: in the unit's frame.
-    /// - `most`: what is clearer is not told apart. [Unit: m] [Limit: <= SLACK_M]
+    /// - `most`: what is clearer is not told apart, nor is what is clearer than [`Field::MARGIN_M`] less the thickest
+    ///   ball. [Unit: m]
     pub fn room(&self, frame: usize, root: Placement, unit: &Field, most: f32) -> Room {
         let pose = &self.frames[frame];
         let (centres, limits) = (pose.placed(root), self.limits(pose, unit));
@@ -205,7 +210,7 @@ impl Bodies {
         }
         let nearest = nearest.0;
         // Once the nearest is told, most others are clearly farther.
-        let (mut least, mut unsure) = (most, 0u64);
+        let (mut least, mut unsure) = (most.min(self.farthest), 0u64);
         for s in std::iter::once(nearest).chain((0..NUM_SPHERES).filter(|s| *s != nearest)) {
             if about[s] >= least + Field::OFF_M {
                 continue;
@@ -255,3 +260,6 @@ impl Bodies {
 fn at([x, y, z]: &[Lanes; 3], sphere: usize) -> Vec3 {
     Vec3::new(x[sphere], y[sphere], z[sphere])
 }
+
+#[cfg(test)]
+mod tests;

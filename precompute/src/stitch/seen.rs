@@ -4,9 +4,11 @@ use super::bodies::Ball;
 use super::hit::Hits;
 use super::looks::Looks;
 
-/// Bodies that are clear by more than this because of their place alone are not looked at. [Unit: m]
+/// Bodies that are clear by more than this because of their place alone are not looked at: a smaller one saves looks, but
+/// less is known of how clear they are, so they are looked at again after shorter moves. [Unit: m]
 pub(super) const ENOUGH_M: f32 = 0.12;
-/// How far those are told apart that are looked at. [Unit: m]
+/// How far those are told apart that are looked at: with more, units can be moved farther before bodies are looked at
+/// again, but more spheres have to be told from the unit, on wider grids. [Unit: m]
 pub(super) const SLACK_M: f32 = 0.25;
 
 /// What is known of a link and a unit.

@@ -1,7 +1,7 @@
 //! Edits: units come, go and are moved, and the world is stitched again around them.
 
 use super::WorldDocument;
-use super::orders::{Change, Order};
+use super::orders::{Change, Order, Work};
 use super::worker::{self, Begun, Done, Job, Outcome, Stitched};
 use std::collections::VecDeque;
 use std::path::Path;
@@ -36,17 +36,17 @@ pub struct Refused {
     pub at: Option<PlacedUnit>,
 }
 
-/// An edit that is under way.
+/// An edit that is under way, or characters that are being placed.
 #[derive(Debug)]
 pub struct Working {
-    order: Order,
+    work: Work,
     /// What is done, in words.
     pub doing: String,
     /// The unit where it will stand, or where it is taken away.
     pub at: Option<PlacedUnit>,
     /// Orders that come after it.
     next: VecDeque<Order>,
-    done: Receiver<Done>,
+    pub(super) done: Receiver<Done>,
 }
 
 /// What came of an edit.
@@ -63,7 +63,7 @@ pub enum Taken {
 impl Working {
     /// The place of the unit that is moved or taken away.
     pub fn place(&self) -> Option<usize> {
-        match self.order {
+        match self.work.order()? {
             Order::Change(Change::Move { place, .. } | Change::Remove { place }) => Some(place),
             _ => None,
         }
@@ -71,7 +71,7 @@ impl Working {
 }
 
 impl WorldDocument {
-    /// The edit that is under way. Nobody moves meanwhile: everybody is put back where they are seen.
+    /// What is under way. Nobody moves meanwhile: after an edit, everybody is put back where they are seen.
     pub fn working(&self) -> Option<&Working> {
         self.working.as_ref()
     }
@@ -99,26 +99,28 @@ impl WorldDocument {
     /// Where a placed unit will stand when all that was ordered is done. [Limit: place < number of places]
     pub fn will_stand(&self, place: usize) -> Placement {
         let working = self.working.as_ref();
-        let orders = working.into_iter().flat_map(|w| std::iter::once(&w.order).chain(&w.next));
+        let orders = working.into_iter().flat_map(|w| w.work.order().into_iter().chain(w.next.iter().copied()));
         let moved = orders.filter_map(|o| o.moves()).rfind(|m| m.0 == place);
         moved.map_or(self.placed()[place].placement, |m| m.1)
     }
 
     /// Begins an edit on a thread of its own; [`WorldDocument::take_in`] takes the new world in when it is stitched.
     ///
-    /// While one is under way, changes can be taken back and made again after it, and what it moves can be moved on.
+    /// While one is under way, or characters are being placed, changes can be taken back and made again after it, and
+    /// what it moves can be moved on.
     ///
     /// # Errors
-    /// A message for anything else meanwhile: the numbers of places may become others.
+    /// A message that names what is under way, for anything else meanwhile: the numbers of places may become others.
     pub fn order(&mut self, order: Order) -> Result<(), String> {
         let Some(working) = &mut self.working else {
             self.begin(order);
             return Ok(());
         };
         let moved = |o: Order| o.moves().map(|m| m.0);
-        let goes_on = moved(order).is_some() && moved(*working.next.back().unwrap_or(&working.order)) == moved(order);
+        let last = working.next.back().copied().or(working.work.order());
+        let goes_on = moved(order).is_some() && last.and_then(moved) == moved(order);
         match order {
-            Order::Change(_) if !goes_on => return Err("the last edit is still under way".into()),
+            Order::Change(_) if !goes_on => return Err(format!("{} is still under way", working.work.name())),
             Order::Change(Change::Move { place, to }) => {
                 if let Some(last) = working.next.back_mut() {
                     *last = order;
@@ -136,12 +138,16 @@ impl WorldDocument {
     /// [`WorldDocument::order`] begins an edit.
     ///
     /// # Errors
-    /// A message where an edit is under way.
+    /// A message that names what is under way, where something is.
     pub fn populate(&mut self, characters: usize, seed: u64) -> Result<(), String> {
-        if self.working.is_some() {
-            return Err("the run can begin anew when the last edit is done".into());
+        if let Some(working) = &self.working {
+            return Err(format!("the run can begin anew when {} is done", working.work.name()));
         }
-        self.begin(Order::Populate { characters, seed });
+        self.refused = None;
+        let scene = WorldScene { characters, seed, ..self.scene.clone() };
+        let done = worker::begin_anew(Arc::clone(&self.ground), scene);
+        let doing = format!("Finding room for {characters} characters");
+        self.working = Some(Working { work: Work::Populate, doing, at: None, next: VecDeque::new(), done });
         Ok(())
     }
 
@@ -157,23 +163,15 @@ impl WorldDocument {
                 Some(next) => format!("Making again: {next}"),
                 None => return,
             },
-            Order::Populate { characters, seed } => {
-                let scene = WorldScene { characters, seed, ..self.scene.clone() };
-                let done = worker::begin_anew(Arc::clone(&self.ground), scene);
-                let doing = format!("Finding room for {characters} characters");
-                self.working = Some(Working { order, doing, at: None, next: VecDeque::new(), done });
-                return;
-            }
         };
-        let at = self.at(order);
+        let (work, at) = (Work::Edit(order), self.at(order));
         let Some(workshop) = self.workshop.take() else {
-            let why = "the editor ended unexpectedly; save what was placed, then read the file again (Ctrl+R)".into();
-            self.refused = Some(Refused { why, at });
+            self.refused = Some(Refused { why: work.ended().to_owned(), at });
             return;
         };
         let places = (0..self.run.num_characters()).map(|c| self.run.hips(c)).collect();
         let done = worker::begin(Job { workshop, order, scene: self.scene.clone(), places });
-        self.working = Some(Working { order, doing, at, next: VecDeque::new(), done });
+        self.working = Some(Working { work, doing, at, next: VecDeque::new(), done });
     }
 
     /// Takes in what has been stitched since the last call; none where nothing has.
@@ -204,23 +202,23 @@ impl WorldDocument {
     }
 
     fn finish(&mut self, working: Working, done: Option<Done>) -> Taken {
-        let gone = "the editor ended unexpectedly; save what was placed, then read the file again (Ctrl+R)";
         let result = match done {
             Some(done) => {
                 self.workshop = done.workshop.or(self.workshop.take());
                 done.result
             }
-            None => Err(gone.to_owned()),
+            None => Err(working.work.ended().to_owned()),
         };
-        let name = match working.order {
-            Order::Change(change) => Some(self.describe(change)),
-            Order::Undo | Order::Redo | Order::Populate { .. } => None,
+        let order = working.work.order();
+        let name = match order {
+            Some(Order::Change(change)) => Some(self.describe(change)),
+            Some(Order::Undo | Order::Redo) | None => None,
         };
         let is_new = result.is_ok();
-        let what = match working.order {
-            Order::Undo => format!("took back: {}", self.to_undo().unwrap_or_default()),
-            Order::Redo => format!("made again: {}", self.to_redo().unwrap_or_default()),
-            Order::Change(_) | Order::Populate { .. } => name.clone().unwrap_or_default(),
+        let what = match order {
+            Some(Order::Undo) => format!("took back: {}", self.to_undo().unwrap_or_default()),
+            Some(Order::Redo) => format!("made again: {}", self.to_redo().unwrap_or_default()),
+            Some(Order::Change(_)) | None => name.clone().unwrap_or_default(),
         };
         if let Some(workshop) = &self.workshop {
             let counts = workshop.with(|e| [e.num_undos(), e.num_redos()]);

@@ -35,13 +35,6 @@ pub enum Order {
     Undo,
     /// Make the change again that was taken back last.
     Redo,
-    /// Let so many characters live there anew, as far as there is room.
-    Populate {
-        /// How many.
-        characters: usize,
-        /// Seed of places and choices.
-        seed: u64,
-    },
 }
 
 impl Order {
@@ -50,6 +43,43 @@ impl Order {
         match self {
             Self::Change(Change::Move { place, to }) => Some((place, to)),
             _ => None,
+        }
+    }
+}
+
+/// What is done on a thread of its own.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Work {
+    /// The editor carries out an order.
+    Edit(Order),
+    /// Other characters are let live in the same world.
+    Populate,
+}
+
+impl Work {
+    /// What the editor was ordered, where it is at work.
+    pub fn order(self) -> Option<Order> {
+        match self {
+            Self::Edit(order) => Some(order),
+            Self::Populate => None,
+        }
+    }
+
+    /// In words, for what has to wait for it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Edit(_) => "the last edit",
+            Self::Populate => "finding room for characters",
+        }
+    }
+
+    /// What is told where its thread ended and nothing came of it.
+    pub fn ended(self) -> &'static str {
+        match self {
+            Self::Edit(_) => "the editor ended unexpectedly; save what was placed, then read the file again (Ctrl+R)",
+            Self::Populate => {
+                "finding room for characters ended unexpectedly; those before live on, and others can be asked for"
+            }
         }
     }
 }

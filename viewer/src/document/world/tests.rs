@@ -3,6 +3,7 @@
 use super::*;
 use crate::panels::tests::square::Square;
 use crate::render::Ray;
+use std::sync::mpsc::channel;
 use throng_runtime::world::inhabitants::Doing;
 
 fn panel(x: i32, z: i32) -> Placement {
@@ -33,7 +34,9 @@ fn populate(world: &mut WorldDocument, characters: usize, seed: u64) {
     let (before, now) = (world.run().num_characters(), world.run().now());
     world.populate(characters, seed).unwrap();
     assert!(world.working().is_some_and(|w| w.doing.contains("room for") && w.place().is_none()));
-    assert!(world.advance(1.0).unwrap() == 0 && world.populate(1, 1).is_err());
+    assert_eq!(world.advance(1.0).unwrap(), 0);
+    let why = [world.populate(1, 1), world.order(Order::Change(Change::Remove { place: 0 }))].map(Result::unwrap_err);
+    assert!(why.iter().all(|w| w.contains("room for characters") && !w.contains("edit")), "{why:?}");
     assert_eq!((world.run().num_characters(), world.run().now()), (before, now));
     assert_eq!(world.take_in(true), Some(Taken::Begun));
     assert_eq!((world.scene().characters, world.scene().seed), (world.run().num_characters(), seed));
@@ -61,6 +64,7 @@ fn a_world_is_lived_in_edited_and_saved() {
     takes_back(&mut world);
     works_meanwhile(&mut world);
     saves(&world, square.folder());
+    survives_its_threads(&mut world);
     let mut scene = WorldDocument::open(&square.scene(2)).unwrap();
     assert!(scene.is_scene() && scene.run().num_characters() == 2);
     run_for(&mut scene, 30);
@@ -209,6 +213,30 @@ fn works_meanwhile(world: &mut WorldDocument) {
     world.run_mut().play(false);
     order(world, Order::Undo).unwrap();
     assert!(world.refused().is_none());
+}
+
+/// Where a thread ends unexpectedly, that is told: where it placed characters, those before live on and the world can be edited.
+fn survives_its_threads(world: &mut WorldDocument) {
+    let (characters, stands) = (world.run().num_characters(), world.placed().to_vec());
+    let gone = |world: &mut WorldDocument| {
+        world.working.as_mut().unwrap().done = channel().1;
+        assert_eq!(world.take_in(true), Some(Taken::Refused));
+        world.refused().unwrap().why.clone()
+    };
+    world.populate(1, 1).unwrap();
+    let why = gone(world);
+    assert!(why.contains("room for characters") && !why.contains("editor"), "{why}");
+    assert_eq!(world.run().num_characters(), characters);
+    edit(world, Change::Add { unit: 0, at: panel(3, 1) }).unwrap();
+    order(world, Order::Undo).unwrap();
+    assert!(world.placed() == stands);
+    // Where it was the editor's, it is gone, and what stands there can be saved.
+    world.order(Order::Redo).unwrap();
+    let why = gone(world);
+    assert!(why.contains("the editor ended") && why.contains("save"), "{why}");
+    world.order(Order::Redo).unwrap();
+    assert!(world.working().is_none() && world.refused().is_some_and(|r| r.why == why));
+    assert!(world.placed() == stands);
 }
 
 fn saves(world: &WorldDocument, folder: &Path) {

@@ -16,7 +16,7 @@ use throng_precompute::stitch::{Editor, StitchReport};
 /// What a worker is given.
 pub(super) struct Job {
     pub workshop: Workshop,
-    /// A change of the world.
+    /// What the editor is to do.
     pub order: Order,
     /// Who lives there.
     pub scene: WorldScene,
@@ -107,7 +107,6 @@ impl Job {
             Order::Change(Change::Move { place, to }) => editor.drag(place, to).map(|()| true),
             Order::Undo => editor.undo(),
             Order::Redo => editor.redo(),
-            Order::Populate { .. } => Ok(false),
         });
         match made {
             Ok(true) => Ok(()),
@@ -123,7 +122,6 @@ impl Job {
             Order::Change(_) => editor.withdraw(),
             Order::Undo => editor.redo(),
             Order::Redo => editor.undo(),
-            Order::Populate { .. } => Ok(false),
         };
         self.workshop.change(back).map(|_| ()).map_err(|e| e.to_string())
     }

@@ -17,7 +17,7 @@ use throng_runtime::{Mat3x4, NUM_JOINTS, Planar, Tables};
 
 /// Medians over many rounds; nanoseconds of wall time.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
-pub struct CrowdFigures {
+pub struct TroupeFigures {
     /// Number of characters.
     pub characters: usize,
     /// Number of threads.
@@ -46,7 +46,7 @@ pub struct CrowdFigures {
 ///
 /// # Errors
 /// [`BuildError::Stage`] where the bundle has no behaviour, a number is out of range, or a thread pool cannot be had.
-pub fn crowd(tables: &Tables, config: &MeasureConfig) -> Result<Vec<CrowdFigures>, BuildError> {
+pub fn troupe(tables: &Tables, config: &MeasureConfig) -> Result<Vec<TroupeFigures>, BuildError> {
     if tables.num_policies() == 0 {
         return Err(fail("the bundle has no behaviour"));
     }
@@ -81,14 +81,14 @@ struct Bench<'a> {
 }
 
 impl Bench<'_> {
-    fn run(&self, threads: usize) -> Result<CrowdFigures, BuildError> {
+    fn run(&self, threads: usize) -> Result<TroupeFigures, BuildError> {
         let n = self.characters as f64;
         let Some(&policy) = self.repertoire.policy(0) else { return Err(fail("the bundle has no behaviour")) };
         let (control, lookahead, lookahead_actions) = self.queries(policy)?;
         let (_, lookahead_62, _) = self.queries(self.large)?;
         let single = TroupeConfig { choice: throng_runtime::troupe::Choice::BestAction, ..TroupeConfig::default() };
         let step = self.step(TroupeConfig::default())?;
-        Ok(CrowdFigures {
+        Ok(TroupeFigures {
             characters: self.characters,
             threads,
             control_ns_per_query: control / n,
