@@ -21,19 +21,7 @@ const KEYS: [&str; 11] = [
 fn bench_measures_a_crowd_with_the_engine_that_is_named() {
     let ask = |engine| {
         json(
-            &[
-                "bench",
-                "crowd",
-                "--scene",
-                "corridor",
-                "--members",
-                "40",
-                "--engine",
-                engine,
-                "--seconds",
-                "2",
-                "--json",
-            ],
+            &["bench", "crowd", "--scene", "lanes", "--members", "40", "--engine", engine, "--seconds", "2", "--json"],
             &KEYS,
         )
     };
