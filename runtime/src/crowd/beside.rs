@@ -32,12 +32,12 @@ pub(crate) struct Between {
     /// -1 at the one on its left, 1 at the one on its right, 0 in the middle; where there is one alone, that says in which
     /// half it is.
     pub place: f32,
-    /// One of them is.
+    /// Whether the nearer one is within [`AT_HAND_M`].
     pub at_hand: bool,
 }
 
 /// Where a member is between walls; None where there is none beside it within [`SEEN_M`]. Nor in the air, where there is
-/// room above and below: birds that keep to the right between walls get on with 4.2 m/s in place of 4.6 m/s.
+/// room above and below: birds that keep to the right between walls get on with 4.2 m/s in place of 4.5 m/s.
 ///
 /// - `walls`: numbers of all solids that are so near, and maybe of others.
 /// - `right`: unit vector to its right.
