@@ -22,7 +22,7 @@ const GIVES_UP: f32 = 0.4;
 const FROM_AFAR: f32 = 1.5;
 
 /// Gap within which walls beside it tell a member in which half of the way it is. [Unit: m]
-pub(crate) const SEEN_M: f32 = 5.0;
+pub(crate) const SEEN_M: f32 = 20.0;
 /// Gap within which one is at hand. [Unit: m]
 const AT_HAND_M: f32 = 2.0;
 

@@ -46,7 +46,8 @@ pub struct Field {
     /// How much it likes to go where others want to go its way, and dislikes where they want to go against it, for each
     /// of them that it sees from afar, whether they can or not. [Limit: >= 0]
     pub lanes: f32,
-    /// How much better it likes to go to the right where many come straight toward it from afar. [Limit: >= 0]
+    /// How much better it likes to go to the right where many come straight toward it from afar, and there is no wall
+    /// beside it that tells it where to go. [Limit: >= 0]
     pub evading: f32,
     /// Time it keeps to stop behind who goes before it. [Unit: s] [Limit: > 0]
     pub headway_s: f32,
@@ -77,7 +78,7 @@ impl Default for Field {
             right: 0.15,
             crowding: 0.05,
             lanes: 0.08,
-            evading: 0.2,
+            evading: 0.6,
             headway_s: 0.3,
             headway_m: 0.12,
             safety: 0.28,

@@ -315,7 +315,7 @@ pub(super) mod tests {
         for other in all.iter().filter(|o| o.distance < HEED.perception) {
             if !seen.iter().any(|s| (s.offset, s.velocity) == (other.offset, other.velocity)) {
                 prop_assert!(other.distance - other.radii > HEED.felt - 1e-5);
-                let mut sight = Sight::along(me.desired, me.speed);
+                let mut sight = Sight::along(me.desired, me.speed, HEED.horizon);
                 sight.see_all(&[*other], -me.radius, 0.01, f32::INFINITY);
                 prop_assert!(sight.soonest() > HEED.horizon, "{other:?} is met after {} s", sight.soonest());
             }

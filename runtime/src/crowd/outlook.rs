@@ -11,27 +11,54 @@ const BESIDE: [f32; 3] = [1.7, 3.2, 4.7];
 const NEAREST: usize = 2;
 /// Places straight on where those who come toward a member are looked for, in squares.
 const AHEAD: [f32; 5] = [3.0, 5.0, 7.0, 9.0, 11.0];
+/// The same still farther away, where there are no walls that tell it where to go. 1000 members on a disc that go to the
+/// opposite points then turn aside before they are dense, and get on with 0.7 m/s in place of 0.5 m/s.
+const FAR_AHEAD: [f32; 4] = [13.5, 16.0, 19.0, 22.0];
 /// Places straight on, from its own on, where those count who are in its way already, in squares.
 const AT_HAND: [f32; 3] = [0.0, 1.0, 2.0];
 /// Those of a square who want its way beyond which more of them make it no better. Without a limit all draw together, the
 /// more so the more they are, and leave half of a wide corridor empty: 1000 members who walk one way, three on two square
 /// metres, then get on with 0.72 m/s in place of 0.84 m/s. With 1, head-on crowds sort themselves into lanes too slowly.
 const MANY_AGREED: f32 = 2.0;
-/// Those who come toward it that make it turn aside with all its will.
-const MANY: f32 = 3.0;
+/// Those who come toward it that make it turn aside with all its will, and the power with which less of them do less: it
+/// passes a few one by one. With a power of 1, sparse rings and flocks lose a twentieth of their speed.
+const MANY: f32 = 4.0;
+const MANY_POWER: i32 = 3;
 /// Members of a square to the right at which it turns aside less, and with which it does not: the right side is full.
 const FULL: [f32; 2] = [3.0, 5.0];
+/// Those against it from whom on it wants to be in a lane: somebody, in full or in part.
+const SOMEBODY: f32 = 1e-3;
 /// Time for which a direction is free to be wholly worth turning to. [Unit: s]
 pub(crate) const OPEN_S: f32 = 0.5;
 
-/// How many come toward one who goes along a unit vector, or want to, from afar; none from beyond its goal.
+/// What a member makes of those who come toward it from afar.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Lean {
+    /// How many there are.
+    pub coming: f32,
+    /// How much better it likes to go to the right, as scores of directions go.
+    pub to_the_right: f32,
+    /// The same where there is room.
+    pub evades: f32,
+}
+
+/// How many come toward one who goes along a unit vector, or want to: from afar, and from farther still. None from beyond
+/// its goal.
 ///
 /// - `left`: way to its goal. [Unit: m]
 #[inline]
-pub(crate) fn coming<V: Space>(flow: &Flow<V>, position: V, ahead: V, left: f32) -> f32 {
+pub(crate) fn coming<V: Space>(flow: &Flow<V>, position: V, ahead: V, left: f32) -> [f32; 2] {
     let (at, near) = (position * flow.per_m(), left * flow.per_m());
-    let places = AHEAD.iter().take_while(|k| **k <= near);
-    places.map(|&k| flow.square(at + ahead * k).opposed(ahead)).sum()
+    let opposed = |k: &f32| if *k <= near { flow.square(at + ahead * *k).opposed(ahead) } else { 0.0 };
+    [AHEAD.iter().map(opposed).sum(), FAR_AHEAD.iter().map(opposed).sum()]
+}
+
+/// How much better one likes to go to the right in the open, where so many come toward it: two crowds that meet head-on
+/// slide past each other instead of pressing, and those who all cross in one place go round it. Between walls, see
+/// [`super::beside`].
+#[inline]
+pub(crate) fn evades(field: &Field, coming: f32) -> f32 {
+    field.evading * (coming / MANY).min(1.0).powi(MANY_POWER)
 }
 
 /// How many come toward one who goes along a unit vector, or want to, and are near.
@@ -57,15 +84,17 @@ impl<V: Space> Far<'_, V> {
     /// How much better each direction is, with its component to the right and the time for which it is free.
     ///
     /// Worse where others stand or come toward the member, and where they want to go against it, even if they stand;
-    /// better where they want to go its way. Those who want the same thus follow each other, and lanes form. Where many
-    /// are coming straight toward it from afar, everybody turns to the right, while there is room: two crowds that
-    /// meet head-on slide past each other instead of pressing.
+    /// better where they want to go its way. Those who want the same thus follow each other, and lanes form. Where nobody
+    /// wants to go against it there is nothing to sort: those who go its way draw it nowhere then, which would only
+    /// unsettle them (1000 members that walk one way, three on two square metres: 1.11 m/s in place of 1.0 m/s).
+    ///
+    /// - `evades`: how much better the right is where there is room, see [`evades`].
     #[inline]
     pub fn prefer(
         &self,
         field: &Field,
         flow: &Flow<V>,
-        coming: f32,
+        evades: f32,
         side: &[f32; DIRECTIONS],
         free: &[f32; DIRECTIONS],
     ) -> [f32; DIRECTIONS] {
@@ -77,18 +106,23 @@ impl<V: Space> Far<'_, V> {
         let (at, ahead) = (self.position * flow.per_m(), self.directions[0]);
         let per_speed = self.speed.recip();
         if field.crowding > 0.0 || field.lanes > 0.0 {
-            for (better, &direction) in better.iter_mut().zip(self.directions) {
+            let (mut draws, mut all_opposed) = ([0.0; DIRECTIONS], 0.0);
+            for i in 0..DIRECTIONS {
                 for (place, &k) in BESIDE.iter().enumerate().take_while(|(_, k)| **k <= near) {
-                    let square = flow.square(at + direction * k);
-                    *better += field.lanes * (square.agreed(ahead).min(MANY_AGREED) - square.opposed(ahead));
+                    let square = flow.square(at + self.directions[i] * k);
+                    let opposed = square.opposed(ahead);
+                    draws[i] += square.agreed(ahead).min(MANY_AGREED) - opposed;
+                    all_opposed += opposed;
                     if place < NEAREST {
-                        *better -= field.crowding * square.against(direction * per_speed);
+                        better[i] -= field.crowding * square.against(self.directions[i] * per_speed);
                     }
                 }
             }
+            let lanes = field.lanes * (all_opposed / SOMEBODY).min(1.0);
+            better.iter_mut().zip(draws).for_each(|(better, draw)| *better += lanes * draw);
         }
-        if coming > 0.0 && field.evading > 0.0 {
-            let aside = (coming / MANY).min(1.0) * self.room(flow, at) * field.evading;
+        if evades > 0.0 {
+            let aside = evades * self.room(flow, at);
             for i in 0..DIRECTIONS {
                 let open = if side[i] > 0.0 { (free[i] / OPEN_S).min(1.0) } else { 1.0 };
                 better[i] += aside * side[i] * open;
@@ -122,7 +156,9 @@ mod tests {
         let directions = Vec2::X.fan();
         let far = Far { position: place(flow, Vec2::ZERO), directions: &directions, speed: 1.3, left };
         let side = directions.map(|d| d.dot(Vec2::X.right()));
-        far.prefer(&Field::default(), flow, coming(flow, far.position, Vec2::X, left), &side, &[9.0; DIRECTIONS])
+        let field = Field::default();
+        let coming = coming(flow, far.position, Vec2::X, left).iter().sum();
+        far.prefer(&field, flow, evades(&field, coming), &side, &[9.0; DIRECTIONS])
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use super::beside::{Caution, between_walls};
 use super::flow::Flow;
-use super::outlook::{OPEN_S, coming};
+use super::outlook::{Lean, OPEN_S, coming, evades};
 use super::sight::{Seen, Sight};
 use super::solid::Solid;
 use super::{Field, Forces, Interest, Space};
@@ -53,7 +53,7 @@ pub(crate) struct Surroundings<'a, V> {
 
 /// Sums up what moves a walker.
 ///
-/// Differs from 001: the turning force has a part that looks ahead, toward the direction that is free longest (see
+/// Differs from 001: the turning force has a part that looks ahead, toward the direction that leads on fastest (see
 /// [`Sight`]), beside eq. 22, which only knows who is near; the weights of eq. 16 take the desired velocity where that
 /// is larger, so that those who were stopped try on. New are the room and the time that are kept behind those who go ahead
 /// (see [`pace`]), the preference for directions in which others want the same, which makes lanes (see
@@ -61,16 +61,18 @@ pub(crate) struct Surroundings<'a, V> {
 /// before the many where nobody gets on (see [`super::retreat`]).
 pub(crate) fn forces<V: Space>(me: &Walker<V>, field: &Field, around: &Surroundings<'_, V>) -> Forces<V> {
     let &Surroundings { seen, solids, near, walls, flow, interests } = around;
-    let mut sight = Sight::along(me.desired, me.speed);
+    let mut sight = Sight::along(me.desired, me.speed, field.horizon_s);
     vectorize(|| sight.see_all(seen, -me.radius, field.comfort_m, minded_within(field)));
     for &s in near {
-        sight.see_solid(&solids[s as usize], me.position, me.radius, field.horizon_s);
+        sight.see_solid(&solids[s as usize], me.position, me.radius);
     }
-    let coming = coming(flow, me.position, me.desired, me.left);
-    let looks_out = coming > 0.0 && !me.retreats && !walls.is_empty();
+    let [coming, farther] = coming(flow, me.position, me.desired, me.left);
+    let looks_out = coming + farther > 0.0 && !walls.is_empty();
     let between = looks_out.then(|| between_walls(solids, walls, me.position, me.desired.right())).flatten();
-    let caution = Caution::new(coming, between);
-    let (heading, free) = sight.choose(field, me, flow, (coming, caution.to_the_right));
+    let caution = if me.retreats { Caution::default() } else { Caution::new(coming, between) };
+    let evades = if between.is_some() { 0.0 } else { evades(field, coming + farther) };
+    let lean = Lean { coming, to_the_right: caution.to_the_right, evades };
+    let (heading, free) = sight.choose(field, me, flow, &lean);
     // Slower where the way is not free for long.
     let mut speed = me.speed * (free / CLEAR_S).min(1.0) * (1.0 - caution.gives_up);
     let rate = field.relaxation_s.recip();
