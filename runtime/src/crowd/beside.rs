@@ -11,15 +11,15 @@ use super::solid::Solid;
 const BESIDE: f32 = 0.7;
 /// How much better, as scores go, it then likes to go to the right. With 0.2, 100 members in the `corridor` of the bench
 /// get on with 0.75 m/s, with 0.5 with 0.85 m/s, with 0.8 to 2.0 with 0.9 m/s.
-const TO_THE_RIGHT: f32 = 0.8;
+const TO_THE_RIGHT: f32 = 1.2;
 /// Share of its speed that it gives up, so that those on its right get before it and it finds a place behind them. With
 /// none, corridors of 2 m take a third longer; with 0.6 and more the wide ones take longer.
-const GIVES_UP: f32 = 0.4;
+const GIVES_UP: f32 = 0.2;
 
 /// How strongly it does so where no wall is at hand: the more, the nearer it is to the left one, and never more than at
 /// hand. With 0, the middle of corridors of 7 m and more knows no sides: of 4000 members 630 are stuck for a while in
 /// place of 45. With more, wide corridors sort themselves at once, and lose in the first seconds what they gain later.
-const FROM_AFAR: f32 = 1.5;
+const FROM_AFAR: f32 = 2.0;
 
 /// Gap within which walls beside it tell a member in which half of the way it is. [Unit: m]
 pub(crate) const SEEN_M: f32 = 20.0;
