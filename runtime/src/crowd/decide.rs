@@ -29,9 +29,6 @@ pub(crate) const PATIENT: f32 = 2.0;
 const SLOW: f32 = 0.1;
 /// Way toward the goal that counts as getting on. [Unit: m]
 const GETTING_ON: f32 = 0.1;
-/// Time without getting on after which a member begins to leave less room to those before it; after twice as long it
-/// leaves none, so that those who stand at their goals feel it and make way. [Unit: s]
-const PRESSES_S: f32 = 5.0;
 /// Time without getting on after which a member is stuck. [Unit: s]
 pub(crate) const PATIENCE_S: f64 = 10.0;
 
@@ -254,7 +251,6 @@ impl<V: Space> Decider<'_, V> {
             speed,
             left: spline.left(mind.cursor, position),
             retreats: false,
-            presses: ((self.time - mind.got_on) as f32 / PRESSES_S - 1.0).clamp(0.0, 1.0),
             off_centre: position - centre,
         }
     }

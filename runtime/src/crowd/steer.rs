@@ -1,6 +1,6 @@
 //! The force field at one instant (001 section 2.2).
 
-use super::beside::{Caution, between_walls};
+use super::beside::{between_walls, keeps_right};
 use super::flow::Flow;
 use super::outlook::{Lean, OPEN_S, coming, evades};
 use super::sight::{Seen, Sight};
@@ -32,8 +32,6 @@ pub(crate) struct Walker<V> {
     pub left: f32,
     /// It steps back, and needs no room before it to do so.
     pub retreats: bool,
-    /// How much it presses on to those before it, as it has waited for long. [Limit: 0 to 1]
-    pub presses: f32,
     /// From the centre of its bound to where it is, x - x^ in eq. 23.
     pub off_centre: V,
 }
@@ -69,16 +67,16 @@ pub(crate) fn forces<V: Space>(me: &Walker<V>, field: &Field, around: &Surroundi
     let [coming, farther] = coming(flow, me.position, me.desired, me.left);
     let looks_out = coming + farther > 0.0 && !walls.is_empty();
     let between = looks_out.then(|| between_walls(solids, walls, me.position, me.desired.right())).flatten();
-    let caution = if me.retreats { Caution::default() } else { Caution::new(coming, between) };
+    let to_the_right = if me.retreats { 0.0 } else { keeps_right(coming, between) };
     let evades = if between.is_some() { 0.0 } else { evades(field, coming + farther) };
-    let lean = Lean { coming, to_the_right: caution.to_the_right, evades };
+    let lean = Lean { coming, to_the_right, evades };
     let (heading, free) = sight.choose(field, me, flow, &lean);
     // Slower where the way is not free for long.
-    let mut speed = me.speed * (free / CLEAR_S).min(1.0) * (1.0 - caution.gives_up);
+    let mut speed = me.speed * (free / CLEAR_S).min(1.0);
     let rate = field.relaxation_s.recip();
     let driving = (me.desired * me.speed - me.velocity) * rate;
     // Room before those it goes behind; none to step aside, or to get in between those who stand at their goals.
-    let room_kept = if me.retreats { 0.0 } else { (me.left / PRESSING_M).min(1.0) * (1.0 - me.presses) };
+    let room_kept = if me.retreats { 0.0 } else { (me.left / PRESSING_M).min(1.0) };
     let headway = field.headway_m * room_kept * heading.dot(me.desired).max(0.0).powi(2);
     let mut f = Forces { driving, safety: me.off_centre * -field.safety, ..Forces::default() };
     for interest in interests {
