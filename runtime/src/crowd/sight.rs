@@ -11,9 +11,9 @@ pub(crate) const DIRECTIONS: usize = 8;
 /// A time that stands for never. [Unit: s]
 const NEVER: f32 = 1e3;
 /// Share of their distance that the radii of two may take up: who touches somebody may still slide past.
-const CLOSEST: f32 = 0.87;
+const CLOSEST: f32 = 0.95;
 /// How much less a direction near the best one may be worth and still have a say: headings then change smoothly.
-const SOFT: f32 = 0.06;
+const SOFT: f32 = 0.1;
 /// Cosine of the angle within which a direction is near another.
 const NEAR: f32 = 0.75;
 /// Distance, in radii of two, within which somebody is near.
