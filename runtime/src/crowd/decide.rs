@@ -292,15 +292,14 @@ impl<V: Space> Decider<'_, V> {
             horizon: minded_within(field),
             room: field.comfort_m + ROUNDING,
         };
-        let fastest = (HURRY * self.world.speed).max(me.velocity.length());
-        let look = Look { cells: self.cells, at, time: self.time, member, me, heed, fastest };
+        let look = Look { cells: self.cells, at, time: self.time, member, me, heed };
         let Scratch { seen, rows, .. } = &mut *scratch;
         match aim {
-            None => look.around(seen, None, None),
-            Some((Tracer::Occupancy(_), _)) => look.around(seen, Some(rows), None),
+            None => look.around(seen, None),
+            Some((Tracer::Occupancy(_), _)) => look.around(seen, Some(rows)),
             Some((Tracer::Registration, meeting)) => {
-                look.around(seen, Some(rows), Some(meeting));
-                meeting.look(self.cells, rows.all());
+                look.around(seen, Some(rows));
+                meeting.look(self.cells, rows);
             }
         }
         for mover in &self.world.movers {
