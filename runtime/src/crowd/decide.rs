@@ -21,8 +21,8 @@ use serde::{Deserialize, Serialize};
 
 /// Most tries for a plan near the desired one before a member brakes.
 const TRIES: usize = 6;
-/// How much shorter each next try is. With 0.6 a tenth fewer tries fail, but plans get so much shorter that members act a
-/// twentieth more often, and get on no faster.
+/// Length of each next try, as a share. With 0.6 members act a twentieth more often, and crowds get on no faster; if the
+/// first push leaves the length as it is, they act less often yet, but get on 1 % slower.
 const SHORTER: f32 = 0.8;
 /// How much a push out of a lack goes beyond what a linear guess asks for.
 const BEYOND: f32 = 1.1;
