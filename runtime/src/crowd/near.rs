@@ -3,11 +3,12 @@
 use super::Space;
 use super::cells::{BLOCK, Block, Cells, Eight, nth};
 use super::eights::Vectors;
-use super::reach::room;
 use super::sight::Seen;
 use super::steer::Walker;
-use super::tracing::Meeting;
 use crate::lanes::{Lanes, Work, dispatch};
+
+/// About the time in which the first of all around is met: whoever is nearest then is met early. [Unit: s]
+const SOON_S: f32 = 0.2;
 
 /// Members of one block, as another one finds them at its event.
 #[derive(Clone, Copy, Debug)]
@@ -23,24 +24,18 @@ pub(crate) struct Found<V, F> {
     /// Speed of the one who looks toward them, and theirs away from it. [Unit: m/s]
     pub toward: F,
     pub away: F,
-    /// Square of their speed. [Unit: m2/s2]
-    pub square: F,
     /// How far ahead of the one who looks they are, along where it wants to go. [Unit: m]
     pub ahead: F,
-    /// Time until they act. [Unit: s]
-    pub until: F,
 }
 
-/// What is kept of those of one block until it is known for how long the one who looks makes its plan.
+/// What is kept of those of one block, as in [`Found`], for one who takes a plan: only of few of them has more to be known
+/// once it is known for how long that is.
 #[derive(Clone, Copy, Debug, Default)]
 #[repr(C, align(64))]
 pub(crate) struct Row {
-    /// Gap between its disc or ball and their stop regions, along the line of centres. [Unit: m]
-    pub room: Eight,
-    /// Its speed toward them. [Unit: m/s]
+    pub gap: Eight,
     pub toward: Eight,
-    /// No bound of theirs can be met earlier, see [`super::tracing`]. [Unit: s]
-    pub soonest: Eight,
+    pub away: Eight,
     /// See [`Cells::block`].
     pub block: u32,
     /// Bit i is set where the i-th is there.
@@ -62,12 +57,16 @@ pub(crate) fn bits(mut set: u8) -> impl Iterator<Item = usize> {
 pub(crate) struct Rows {
     rows: Vec<Row>,
     len: usize,
+    /// Row and place of the one to whom the gap is least a short time on.
+    nearest: Option<(u32, usize)>,
+    /// That gap. [Unit: m]
+    least: f32,
 }
 
 impl Rows {
     /// Room for so many.
     pub fn new(capacity: usize) -> Self {
-        Self { rows: vec![Row::default(); capacity], len: 0 }
+        Self { rows: vec![Row::default(); capacity], ..Self::default() }
     }
 
     /// Those that were found.
@@ -76,13 +75,40 @@ impl Rows {
         &self.rows[..self.len]
     }
 
+    /// Row and place of somebody who is met early, if anybody was found.
+    #[inline]
+    pub fn nearest(&self) -> Option<(usize, usize)> {
+        self.nearest.map(|(row, place)| (row as usize, place))
+    }
+
+    /// Forgets all of them.
+    #[inline]
+    fn clear(&mut self) {
+        (self.len, self.nearest, self.least) = (0, None, f32::INFINITY);
+    }
+
+    /// Adds those who are there of a block.
     #[inline(always)]
-    fn next(&mut self) -> &mut Row {
+    fn push<V: Space, F: Lanes>(&mut self, block: u32, there: u8, found: &Found<V, F>) {
+        let soon = found.gap + (found.away - found.toward) * F::splat(SOON_S);
+        let nearer = there & soon.bits_lt(F::splat(self.least));
+        if nearer != 0 {
+            let soon = soon.to_array();
+            for i in bits(nearer) {
+                if soon[i] < self.least {
+                    (self.least, self.nearest) = (soon[i], Some((self.len as u32, i)));
+                }
+            }
+        }
         if self.len == self.rows.len() {
             self.rows.push(Row::default());
         }
+        let row = &mut self.rows[self.len];
         self.len += 1;
-        &mut self.rows[self.len - 1]
+        (row.block, row.there) = (block, there);
+        found.gap.store(&mut row.gap);
+        found.toward.store(&mut row.toward);
+        found.away.store(&mut row.away);
     }
 }
 
@@ -96,8 +122,6 @@ pub(crate) struct Look<'a, V> {
     pub member: u32,
     pub me: &'a Walker<V>,
     pub heed: Heed,
-    /// Largest speed of anybody. [Unit: m/s]
-    pub fastest: f32,
 }
 
 /// Whom one who looks pays heed to.
@@ -115,16 +139,14 @@ pub(crate) struct Heed {
 
 impl<V: Space> Look<'_, V> {
     /// Finds those within sight who matter to it: those whom it feels, and those before it whom it may meet if it goes
-    /// straight at them (see [`super::sight::Sight::see_all`]). For one who takes a plan, `rows` are all others, and
-    /// for one who may meet them, these tell when at the earliest.
-    pub fn around(&self, seen: &mut Vec<Seen<V>>, rows: Option<&mut Rows>, meeting: Option<&Meeting<V>>) {
-        dispatch(Around { look: self, seen, rows, meeting });
+    /// straight at them (see [`super::sight::Sight::see_all`]). For one who takes a plan, `rows` are all others.
+    pub fn around(&self, seen: &mut Vec<Seen<V>>, rows: Option<&mut Rows>) {
+        dispatch(Around { look: self, seen, rows });
     }
 
     #[inline(always)]
     fn find<F: Lanes>(&self, block: &Block) -> Found<V, F> {
         let age: Eight = std::array::from_fn(|i| (self.time - block.start[i]) as f32);
-        let until: Eight = std::array::from_fn(|i| (block.end[i] - self.time) as f32);
         let (age, plans) = (F::load(&age), block.plans::<V, F>());
         let (position, velocity) = plans.after(age);
         let offset = position - Vectors::splat(self.me.position);
@@ -137,9 +159,7 @@ impl<V: Space> Look<'_, V> {
             gap: distance - F::load(&block.radius) - F::splat(self.me.radius),
             toward: Vectors::splat(self.me.velocity).dot(offset) * per_distance,
             away: velocity.dot(offset) * per_distance,
-            square: velocity.length_squared(),
             ahead: Vectors::splat(self.me.desired).dot(offset),
-            until: F::load(&until),
         }
     }
 
@@ -176,7 +196,6 @@ struct Around<'a, V> {
     look: &'a Look<'a, V>,
     seen: &'a mut Vec<Seen<V>>,
     rows: Option<&'a mut Rows>,
-    meeting: Option<&'a Meeting<V>>,
 }
 
 impl<V: Space> Work for Around<'_, V> {
@@ -184,10 +203,10 @@ impl<V: Space> Work for Around<'_, V> {
 
     #[inline(always)]
     fn run<F: Lanes>(self) {
-        let Self { look, seen, mut rows, meeting } = self;
+        let Self { look, seen, mut rows } = self;
         let (own_block, own_place) = look.cells.place(look.member);
         if let Some(rows) = &mut rows {
-            rows.len = 0;
+            rows.clear();
         }
         look.cells.around(look.at, |cell| {
             look.cells.each_block(cell, |block, number, len| {
@@ -201,13 +220,7 @@ impl<V: Space> Work for Around<'_, V> {
                     look.see(&found, block, heeded, seen);
                 }
                 if let Some(rows) = &mut rows {
-                    let row = rows.next();
-                    (row.block, row.there) = (number, there);
-                    found.toward.store(&mut row.toward);
-                    room(&found, F::load(&block.limit), look.fastest).store(&mut row.room);
-                    if let Some(meeting) = meeting {
-                        meeting.soonest(block, there, &found).store(&mut row.soonest);
-                    }
+                    rows.push(number, there, &found);
                 }
             });
         });
@@ -266,15 +279,14 @@ pub(super) mod tests {
     }
 
     /// Cells with members in them, and what the first one finds around it.
-    pub(in crate::crowd) fn rows_around<V: Space>(plans: &[Plan<V>], meeting: Option<&Meeting<V>>) -> (Cells<V>, Rows) {
+    pub(in crate::crowd) fn rows_around<V: Space>(plans: &[Plan<V>]) -> (Cells<V>, Rows) {
         let cells = cells_of(plans);
         let (position, velocity) = plans[0].at(NOW);
         let me = Walker { position, velocity, radius: plans[0].radius, limit: 5.0, ..Walker::default() };
         let at = cells.coordinates(plans[0].position);
         let mut rows = Rows::default();
-        let fastest = plans.iter().flat_map(|p| [p.velocity, p.at(p.end).1]).map(V::length).fold(0.0, f32::max);
-        let look = Look { cells: &cells, at, time: NOW, member: 0, me: &me, heed: HEED, fastest };
-        look.around(&mut Vec::new(), Some(&mut rows), meeting);
+        let look = Look { cells: &cells, at, time: NOW, member: 0, me: &me, heed: HEED };
+        look.around(&mut Vec::new(), Some(&mut rows));
         (cells, rows)
     }
 
@@ -286,9 +298,9 @@ pub(super) mod tests {
         let me = Walker { position, velocity, radius: 0.3, limit: 5.0, desired, speed: 1.3, ..Walker::default() };
         let at = cells.coordinates(plans[0].position);
         let see = |heed: Heed| {
-            let look = Look { cells: &cells, at, time: NOW, member: 0, me: &me, heed, fastest: 4.0 };
+            let look = Look { cells: &cells, at, time: NOW, member: 0, me: &me, heed };
             let (mut rows, mut seen) = (Rows::default(), Vec::new());
-            look.around(&mut seen, Some(&mut rows), None);
+            look.around(&mut seen, Some(&mut rows));
             (rows, seen)
         };
         let (rows, seen) = see(Heed { perception: 1e3, felt: 1e3, ..HEED });

@@ -1,8 +1,8 @@
 //! Whose stop regions a plan may come to: a first look that leaves few to compare exactly.
 
 use super::Space;
-use super::cells::Cells;
-use super::near::{Found, Row, bits};
+use super::cells::{Cells, Eight};
+use super::near::{Row, bits};
 use super::others::Others;
 use super::plan::Plan;
 use crate::lanes::{Lanes, Work, dispatch};
@@ -39,21 +39,14 @@ impl<'a, V: Space> Reach<'a, V> {
     }
 }
 
-/// How far along some direction a stop region comes within a time: of a member with a speed, a part of its velocity
-/// along that direction, and limits of acceleration and speed.
+/// How far along some direction a stop region comes within a time: of a member with a part of its velocity along that
+/// direction and a limit of acceleration, which takes half a time, `stopping`, to stop from the largest speed that it can
+/// have at the end.
 #[inline(always)]
-fn extent<F: Lanes>((part, speed): (F, F), (limit, fastest): (F, F), time: F) -> F {
+fn extent<F: Lanes>(part: F, (limit, stopping): (F, F), time: F) -> F {
     let (zero, half) = (F::splat(0.0), F::splat(0.5));
     let gain = limit * time;
-    let last = (part + gain).max(zero) * (speed + gain).min(fastest);
-    (part.max(zero) + half * gain) * time + half * last / limit
-}
-
-/// Gap between the disc or ball of one who looks and the stop regions of others, whatever they do: see [`Row::room`].
-#[inline(always)]
-pub(crate) fn room<V: Space, F: Lanes>(found: &Found<V, F>, limit: F, fastest: f32) -> F {
-    let its = extent((-found.away, found.square.sqrt()), (limit, F::splat(fastest)), found.until);
-    found.gap - its - F::splat(ROOM)
+    (part.max(zero) + half * gain) * time + (part + gain).max(zero) * stopping
 }
 
 /// See [`Reach::find`].
@@ -68,13 +61,18 @@ impl<V: Space> Work for Find<'_, V> {
 
     #[inline(always)]
     fn run<F: Lanes>(self) {
-        let Self { reach: &Reach { cells, fastest, fresh, length, .. }, rows, others } = self;
-        let speed = F::splat(fresh.velocity.length());
-        let limits = (F::splat(fresh.limit), F::splat(fastest));
-        for row in rows {
-            let extent = extent((F::load(&row.toward), speed), limits, F::splat(length));
-            for i in bits(row.there & F::load(&row.room).bits_lt(extent)) {
-                others.push(&cells.block(row.block).plan::<V>(i));
+        let &Reach { cells, fastest, fresh, length, .. } = self.reach;
+        let last = (fresh.velocity.length() + fresh.limit * length).min(fastest);
+        let mine = (F::splat(fresh.limit), F::splat(0.5 * last / fresh.limit));
+        let (length, half_fastest) = (F::splat(length), F::splat(0.5 * fastest));
+        for row in self.rows {
+            let block = cells.block(row.block);
+            let until: Eight = std::array::from_fn(|i| (block.end[i] - fresh.start) as f32);
+            let limit = F::load(&block.limit);
+            let its = extent(-F::load(&row.away), (limit, half_fastest / limit), F::load(&until));
+            let room = F::load(&row.gap) - F::splat(ROOM) - its;
+            for i in bits(row.there & room.bits_lt(extent(F::load(&row.toward), mine, length))) {
+                self.others.push(&block.plan::<V>(i));
             }
         }
     }
@@ -93,7 +91,7 @@ mod tests {
     /// compared with: they are apart.
     fn leaves_out_only_who_is_apart<V: Space>(plans: &[Plan<V>], a: V, length: f32) -> Result<(), TestCaseError> {
         let fastest = plans.iter().flat_map(|p| [p.velocity, p.at(p.end).1]).map(V::length).fold(0.0, f32::max);
-        let (cells, rows) = rows_around(plans, None);
+        let (cells, rows) = rows_around(plans);
         let (position, velocity) = plans[0].at(NOW);
         let fresh = Plan { start: NOW, position, velocity, moving: f32::INFINITY, ..plans[0] };
         let reach = Reach::new(&cells, fastest, &fresh, length);
@@ -159,7 +157,8 @@ mod tests {
             for direction in [Vec2::X, Vec2::from_angle(2.0), Vec2::from_angle(4.0)] {
                 let part = velocity.dot(direction);
                 let s = Array::splat;
-                let most = extent((s(part), s(velocity.length())), (s(limit), s(FASTEST)), s(length)).to_array()[0];
+                let last = (velocity.length() + limit * length).min(FASTEST);
+                let most = extent(s(part), (s(limit), s(0.5 * last / limit)), s(length)).to_array()[0];
                 for i in 0..=50 {
                     let (from, to) = plan.stop_region(length * i as f32 / 50.0);
                     prop_assert!(from.dot(direction).max(to.dot(direction)) <= most + 1e-5, "{from} {to} {direction}: {most}");

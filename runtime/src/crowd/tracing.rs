@@ -4,7 +4,7 @@ use super::bound::{Bound, fall_each};
 use super::cells::{Block, Cells};
 use super::decide::{Cause, Decider};
 use super::fixed::Fixed;
-use super::near::{Found, Row, bits};
+use super::near::{Row, Rows, bits};
 use super::occupancy::{Occupancy, narrowest};
 use super::plan::Plan;
 use super::{CrowdConfig, CrowdError, Member, Scheme, Space};
@@ -57,23 +57,25 @@ impl<V: Space> Meeting<V> {
         Self { bound, first: (Cause::Region, region.map_or(f32::INFINITY, |r| bound.first_exit(r.0, r.1))) }
     }
 
-    /// When those of a block are met at the earliest, as their first tangents say; never if that is after `first`.
-    #[inline(always)]
-    pub fn soonest<F: Lanes>(&self, block: &Block, there: u8, f: &Found<V, F>) -> F {
-        let (gap, rate, first) = (f.gap, f.away - f.toward, F::splat(self.first.1));
-        let growth = F::splat(self.bound.limit) + F::load(&block.limit);
-        // At `first` there is a gap yet.
-        let left = gap + (rate - F::splat(0.5) * growth * first) * first;
-        if there & left.bits_lt(F::splat(0.0)) == 0 {
-            return F::splat(f32::INFINITY);
-        }
-        F::splat(0.999) * fall_each(gap, rate, growth)
+    /// Finds the first among those who were found: few of them are looked at closely.
+    pub fn look(&mut self, cells: &Cells<V>, rows: &Rows) {
+        dispatch(Look { meeting: self, cells, rows });
     }
 
-    /// Finds the first among those of whom it is known when they are met at the earliest: of these few are looked at
-    /// closely.
-    pub fn look(&mut self, cells: &Cells<V>, rows: &[Row]) {
-        dispatch(Look { meeting: self, cells, rows });
+    /// Those of a row who may be met before all that is known, and when that is at the earliest, as their first tangents
+    /// say.
+    #[inline(always)]
+    fn soonest<F: Lanes>(&self, row: &Row, block: &Block) -> (u8, F) {
+        let (gap, rate) = (F::load(&row.gap), F::load(&row.away) - F::load(&row.toward));
+        let (growth, first) = (F::splat(self.bound.limit) + F::load(&block.limit), F::splat(self.first.1));
+        // At `first` there is no gap any more.
+        let left = gap + (rate - F::splat(0.5) * growth * first) * first;
+        let some = row.there & left.bits_lt(F::splat(0.0));
+        if some == 0 {
+            return (0, F::splat(f32::INFINITY));
+        }
+        let soonest = F::splat(0.999) * fall_each(gap, rate, growth);
+        (some & soonest.bits_lt(first), soonest)
     }
 
     /// The first meeting with somebody, if that is before all that is known.
@@ -92,7 +94,7 @@ impl<V: Space> Meeting<V> {
 struct Look<'a, V> {
     meeting: &'a mut Meeting<V>,
     cells: &'a Cells<V>,
-    rows: &'a [Row],
+    rows: &'a Rows,
 }
 
 impl<V: Space> Work for Look<'_, V> {
@@ -101,20 +103,19 @@ impl<V: Space> Work for Look<'_, V> {
     #[inline(always)]
     fn run<F: Lanes>(self) {
         let Self { meeting, cells, rows } = self;
-        let (mut least, mut nearest) = (meeting.first.1, None);
-        for (n, row) in rows.iter().enumerate() {
-            for i in bits(row.there & F::load(&row.soonest).bits_lt(F::splat(least))) {
-                if row.soonest[i] < least {
-                    (least, nearest) = (row.soonest[i], Some((n, i)));
-                }
+        let Some((at, nearest)) = rows.nearest() else { return };
+        // Whoever is met early leaves few who may be met earlier.
+        meeting.meet(&cells.block(rows.all()[at].block).plan(nearest));
+        for (n, row) in rows.all().iter().enumerate() {
+            let block = cells.block(row.block);
+            let (some, soonest) = meeting.soonest::<F>(row, block);
+            if some == 0 {
+                continue;
             }
-        }
-        let Some((at, nearest)) = nearest else { return };
-        meeting.meet(&cells.block(rows[at].block).plan(nearest));
-        for (n, row) in rows.iter().enumerate() {
-            for i in bits(row.there & F::load(&row.soonest).bits_lt(F::splat(meeting.first.1))) {
-                if (n, i) != (at, nearest) {
-                    meeting.meet(&cells.block(row.block).plan(i));
+            let soonest = soonest.to_array();
+            for i in bits(some) {
+                if soonest[i] < meeting.first.1 && (n, i) != (at, nearest) {
+                    meeting.meet(&block.plan(i));
                 }
             }
         }
@@ -206,8 +207,8 @@ mod tests {
         (0..).zip(&mut plans).for_each(|(index, p)| p.index = index);
         let plans = &plans[..];
         let mut meeting = Meeting { bound: Bound::new(&plans[0], NOW), first: (Cause::Region, first) };
-        let (cells, rows) = rows_around(plans, Some(&meeting));
-        meeting.look(&cells, rows.all());
+        let (cells, rows) = rows_around(plans);
+        meeting.look(&cells, &rows);
         let (cause, got) = meeting.first;
         let found = rows.all().iter().flat_map(|r| bits(r.there).map(|i| cells.block(r.block).plan(i)));
         let found: Vec<Plan<V>> = found.collect();
