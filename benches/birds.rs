@@ -51,14 +51,19 @@ fn main() -> Result<(), CrowdError> {
 
 /// Two flocks at opposite ends of the corridor, each of which flies to the other end.
 fn flocks(n: usize, config: CrowdConfig) -> Setup<Vec3> {
+    // As in `data/scenes/flock.toml`, which says why.
     let field = Field {
-        look_ahead_m: 6.0,
-        perception_m: 12.0,
-        repulsion_m: 0.4,
-        decelerating_m: 0.5,
-        turning_m: 2.0,
-        horizon_s: 2.0,
-        comfort_m: 0.1,
+        relaxation_s: 0.3,
+        look_ahead_m: 3.4,
+        perception_m: 6.8,
+        repulsion_m: 0.42,
+        decelerating_m: 0.34,
+        turning_m: 1.1,
+        comfort_m: 0.034,
+        headway_m: 0.2,
+        crowding: 0.0,
+        lanes: 0.0,
+        evading: 0.0,
         ..Field::default()
     };
     let mut setup = Setup { fields: vec![field], config, ..Setup::default() };
