@@ -21,8 +21,8 @@ use serde::{Deserialize, Serialize};
 
 /// Most tries for a plan near the desired one before a member brakes.
 const TRIES: usize = 6;
-/// Length of each next try, as a share. With 0.6 members act a twentieth more often, and crowds get on no faster; if the
-/// first push leaves the length as it is, they act less often yet, but get on 1 % slower.
+/// Length of each try after the second, as a share; the first push out of a lack often is enough, and leaves the length as it
+/// is. If that shortens it too, members act 3 to 6 % more often, and with 0.6 for all a tenth, and get on no faster.
 const SHORTER: f32 = 0.8;
 /// How much a push out of a lack goes beyond what a linear guess asks for.
 const BEYOND: f32 = 1.1;
@@ -364,7 +364,7 @@ impl<V: Space> Decider<'_, V> {
     ) -> Option<Plan<V>> {
         let shortest = self.world.interval;
         let (mut a, mut length) = (wish, length);
-        for _ in 0..TRIES {
+        for attempt in 0..TRIES {
             let candidate = self.candidate(fresh, a, length);
             if !candidate.stays_within(region.0, region.1) {
                 if length <= shortest {
@@ -378,7 +378,9 @@ impl<V: Space> Decider<'_, V> {
                 Some(worst) => {
                     // Slides along what is in the way.
                     a = candidate.plan.acceleration + worst.away * (worst.lack * BEYOND / lever(&candidate));
-                    length = (SHORTER * length).max(shortest);
+                    if attempt > 0 {
+                        length = (SHORTER * length).max(shortest);
+                    }
                 }
             }
         }

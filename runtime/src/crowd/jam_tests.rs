@@ -121,6 +121,50 @@ fn two_crowds_get_past_each_other_in_narrow_corridors() {
     }
 }
 
+/// Members of a row, each `apart` from the next, in rows as far apart; wanted along X, `far`.
+fn rows(setup: &mut Setup<Vec2>, num: usize, (width, apart): (f32, f32), (side, begin, far): (f32, f32, f32)) {
+    let mut shares = Shares(11);
+    let columns = (width / apart) as usize;
+    for i in 0..num {
+        let (row, column) = ((i / columns) as f32, (i % columns) as f32 + 0.5);
+        let jitter = (Vec2::new(shares.next(), shares.next()) - 0.5) * (0.8 * (apart - 0.602));
+        let from = Vec2::new(side * (begin + row * apart), column * apart - 0.5 * width) + jitter;
+        add(setup, from, &[from - Vec2::X * (side * far)]);
+    }
+}
+
+/// Mean progress of all who are there yet, from the start on. [Unit: m/s]
+fn progress(setup: Setup<Vec2>, seconds: f64) -> f32 {
+    let mut crowd = Crowd::new(setup).unwrap();
+    let before: Vec<f32> = crowd.ids().map(|id| crowd.way_left(id).unwrap()).collect();
+    crowd.advance(seconds, &mut |_| {}).unwrap();
+    let gained: f32 = crowd.ids().map(|id| before[id.index()] - crowd.way_left(id).unwrap()).sum();
+    gained / crowd.num_members() as f32 / seconds as f32
+}
+
+#[test]
+fn those_who_walk_one_way_do_not_hold_each_other_up() {
+    // Three on two square metres, from rest.
+    let mut setup = Setup::default();
+    rows(&mut setup, 300, (6.0, 0.816), (1.0, 0.0, 100.0));
+    setup.obstacles = vec![wall([-120.0, -3.3], [120.0, -3.3], 0.0), wall([-120.0, 3.3], [120.0, 3.3], 0.0)];
+    // If all turned to where the way is free longest, 0.95 m/s.
+    let got = progress(setup, 12.0);
+    assert!(got > 1.02, "{got} m/s");
+}
+
+#[test]
+fn two_crowds_in_a_street_pass_side_by_side() {
+    let mut setup = Setup::default();
+    for side in [-1.0f32, 1.0] {
+        rows(&mut setup, 240, (10.0, 1.0), (side, 2.0, 60.0));
+    }
+    setup.obstacles = vec![wall([-120.0, -5.2], [120.0, -5.2], 0.0), wall([-120.0, 5.2], [120.0, 5.2], 0.0)];
+    // If all turned to where the way is free longest, and kept less to the right, 0.73 m/s.
+    let got = progress(setup, 20.0);
+    assert!(got > 0.79, "{got} m/s");
+}
+
 #[test]
 fn those_who_stand_in_rows_before_a_gap_go_through() {
     let mut setup = Setup::default();
