@@ -17,11 +17,11 @@ const TO_THE_RIGHT: f32 = 1.2;
 /// 2000 in 14 m 600 are stuck for a while; with 1, with 0.80 m/s, with 2 to 4 with 0.85 m/s.
 const FROM_AFAR: f32 = 2.0;
 
-/// Gap within which walls beside it tell a member in which half of the way it is. With 5 m, two crowds of 5000 that meet in
+/// Farthest from its centre that walls beside it tell a member in which half of the way it is. With 5 m, two crowds of 5000 that meet in
 /// a street of 33 m block each other: 1300 have waited for 10 s and more after 200 s, with 10 m 25, with 20 m nobody.
 /// [Unit: m]
-pub(crate) const SEEN_M: f32 = 20.0;
-/// Gap within which one is at hand. With 1 m, corridors of 3 m jam; with 3 m, those of 7 m take a tenth longer. [Unit: m]
+const SEEN_M: f32 = 20.0;
+/// Farthest that one is at hand. With 1 m, corridors of 3 m jam; with 3 m, those of 7 m take a tenth longer. [Unit: m]
 const AT_HAND_M: f32 = 2.0;
 
 /// Where a member is between the walls beside it.
@@ -34,20 +34,24 @@ pub(crate) struct Between {
     pub at_hand: bool,
 }
 
-/// Where a member is between walls; None where there is none beside it within [`SEEN_M`]. Nor in the air, where there is
-/// room above and below: birds that keep to the right between walls get on with 4.2 m/s in place of 4.5 m/s.
+/// How far from a solid those it is beside take it for a wall: as far as it is long, as a lamp post is none and a long
+/// wall is one across a street; none in the air, where there is room above and below. [Unit: m]
+pub(crate) fn is_wall_within<V: Space>(solid: &Solid<V>) -> Option<f32> {
+    let (min, max) = solid.extents();
+    (V::DIMENSIONS == 2).then(|| (max - min).length().min(SEEN_M))
+}
+
+/// Where a member is between walls; None where there is none beside it, see [`is_wall_within`].
 ///
 /// - `walls`: numbers of all solids that are so near, and maybe of others.
 /// - `right`: unit vector to its right.
 pub(crate) fn between_walls<V: Space>(solids: &[Solid<V>], walls: &[u32], position: V, right: V) -> Option<Between> {
-    if V::DIMENSIONS > 2 {
-        return None;
-    }
     let (mut on_left, mut on_right) = (f32::INFINITY, f32::INFINITY);
     for &wall in walls {
-        let (away, distance) = solids[wall as usize].away(position);
+        let solid = &solids[wall as usize];
+        let (away, distance) = solid.away(position);
         let side = away.dot(right);
-        if distance > SEEN_M {
+        if is_wall_within(solid).is_none_or(|within| distance > within) {
             continue;
         }
         if side > BESIDE {
@@ -95,6 +99,8 @@ mod tests {
         assert_eq!((at(-1.7, Vec2::X, &[1]), at(1.7, Vec2::X, &[0])), (place(-1.0, true), place(1.0, true)));
         assert_eq!((at(1.0, Vec2::Y, &[0, 1]), at(1.0, Vec2::X, &[])), (None, None), "no wall is beside it");
         assert_eq!(at(30.0, Vec2::X, &[0, 1]), None, "they are far away");
+        let post = Solid::Ball { centre: right * 3.0, radius: 0.1 };
+        assert_eq!(between_walls(&[post], &[0], Vec2::ZERO, right), None, "a post is no wall");
         let below = Solid::Ball { centre: Vec3::Y * -2.0, radius: 1.0 };
         assert_eq!(between_walls(&[below], &[0], Vec3::ZERO, Vec3::Y), None, "birds go above or below");
     }

@@ -14,7 +14,7 @@ const MAX_CELLS: usize = 1 << 22;
 pub(crate) type Eight = [f32; BLOCK];
 
 /// Plans of members that are registered in the same cell: each number of all of them side by side, so that they are
-/// looked at together. What every look at them needs comes first, what few need comes last. In 2-D the third coordinates
+/// looked at together. What every look at them needs comes first. In 2-D the third coordinates
 /// are never touched; where many thousands are, fetching the rest of their neighbours' blocks from memory is most of an
 /// event.
 #[derive(Clone, Copy, Debug, Default)]
@@ -268,7 +268,7 @@ impl<V: Space> Cells<V> {
         self.each_block(cell, |block, _, len| (0..len).for_each(|i| f(&block.plan(i))));
     }
 
-    /// Reads a little of every line of memory of those around a cell: the processor then fetches all of them at the same
+    /// Reads a little of every line of memory that a look at those around a cell needs: the processor then fetches all of them at the same
     /// time, and they are at hand when they are looked at. Changes nothing.
     pub fn fetch(&self, at: [i32; 3]) {
         let mut sum = 0.0;

@@ -34,7 +34,7 @@ pub struct Field {
     pub horizon_s: f32,
     /// Gap that it wishes to keep to those it passes. [Unit: m] [Limit: >= 0]
     pub comfort_m: f32,
-    /// How little it likes detours: 0 takes the freest direction wherever it leads, 1 goes straight on. [Limit: 0 to 1]
+    /// How little it likes detours: 0 takes the direction that leads on fastest wherever it leads, 1 goes straight on. [Limit: 0 to 1]
     pub directness: f32,
     /// How much better it likes the directions it goes in already. [Unit: s/m] [Limit: >= 0]
     pub keeping: f32,
@@ -47,7 +47,7 @@ pub struct Field {
     /// of them that it sees from afar, whether they can or not. [Limit: >= 0]
     pub lanes: f32,
     /// How much better it likes to go to the right where many come straight toward it from afar, and there is no wall
-    /// beside it that tells it where to go. [Limit: >= 0]
+    /// beside it (within its own length, and 20 m) that tells it where to go. [Limit: >= 0]
     pub evading: f32,
     /// Time it keeps to stop behind who goes before it. [Unit: s] [Limit: > 0]
     pub headway_s: f32,

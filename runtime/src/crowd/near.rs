@@ -28,8 +28,8 @@ pub(crate) struct Found<V, F> {
     pub ahead: F,
 }
 
-/// What is kept of those of one block, as in [`Found`], for one who takes a plan: only of few of them has more to be known
-/// once it is known for how long that is.
+/// What is kept of those of one block, as in [`Found`], for one who takes a plan: more has to be known of only few of them,
+/// once it is known how long the plan is.
 #[derive(Clone, Copy, Debug, Default)]
 #[repr(C, align(64))]
 pub(crate) struct Row {

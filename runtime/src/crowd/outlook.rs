@@ -20,10 +20,9 @@ const AT_HAND: [f32; 3] = [0.0, 1.0, 2.0];
 /// more so the more they are: 2000 members in the `corridor` of the bench get on with 0.66 m/s over 60 s in place of 0.73
 /// m/s, with a limit of 4 as well. With 0 (it only keeps off those who go against it) 39 of them are stuck in place of 3.
 const MANY_AGREED: f32 = 1.0;
-/// Those who come toward it that make it turn aside with all its will, and the power with which less of them do less: it
-/// passes a few one by one. With a power of 1, sparse rings and flocks lose a twentieth of their speed.
+/// Those who come toward it that make it turn aside with all its will. Less of them do less with the third power, as it
+/// passes a few one by one: with the first one, sparse rings and flocks lose a twentieth of their speed.
 const MANY: f32 = 4.0;
-const MANY_POWER: i32 = 3;
 /// Members of a square to the right at which it turns aside less, and with which it does not: the right side is full.
 const FULL: [f32; 2] = [3.0, 5.0];
 /// Time for which a direction is free to be wholly worth turning to. [Unit: s]
@@ -40,8 +39,8 @@ pub(crate) struct Lean {
     pub evades: f32,
 }
 
-/// How many come toward one who goes along a unit vector, or want to: from afar, and from farther still. None from beyond
-/// its goal.
+/// How many come toward one who goes along a unit vector, or want to: from afar, and from farther still. None from
+/// beyond what is left of its way, as if that led straight on.
 ///
 /// - `left`: way to its goal. [Unit: m]
 #[inline]
@@ -56,7 +55,8 @@ pub(crate) fn coming<V: Space>(flow: &Flow<V>, position: V, ahead: V, left: f32)
 /// [`super::beside`].
 #[inline]
 pub(crate) fn evades(field: &Field, coming: f32) -> f32 {
-    field.evading * (coming / MANY).min(1.0).powi(MANY_POWER)
+    let share = (coming / MANY).min(1.0);
+    field.evading * share * share * share
 }
 
 /// How many come toward one who goes along a unit vector, or want to, and are near.
@@ -164,6 +164,20 @@ mod tests {
         let better = prefer(&flow, 50.0);
         assert!(better[3] > 0.1 && better[4] < -0.1, "{better:?}");
         assert_eq!(prefer(&flow, 1.0), [0.0; DIRECTIONS], "all of it is beyond the goal");
+    }
+
+    #[test]
+    fn evades_many_who_are_far_away_and_few_hardly() {
+        let field = Field::default();
+        let mut flow = Flow::new(0.3, Vec2::splat(60.0), 100);
+        for k in FAR_AHEAD {
+            flow.add(place(&flow, Vec2::X * k), Vec2::NEG_X * 1.3, Vec2::NEG_X);
+        }
+        let at = place(&flow, Vec2::ZERO);
+        assert_eq!(coming(&flow, at, Vec2::X, 50.0), [0.0, 4.0]);
+        assert_eq!(coming(&flow, at, Vec2::X, 10.0), [0.0, 0.0], "its way ends before they come");
+        assert_eq!((evades(&field, 4.0), evades(&field, 9.0)), (field.evading, field.evading));
+        assert!(evades(&field, 1.0) < 0.02 * field.evading);
     }
 
     #[test]

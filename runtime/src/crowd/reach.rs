@@ -40,8 +40,9 @@ impl<'a, V: Space> Reach<'a, V> {
 }
 
 /// How far along some direction a stop region comes within a time: of a member with a part of its velocity along that
-/// direction and a limit of acceleration, which takes half a time, `stopping`, to stop from the largest speed that it can
-/// have at the end.
+/// direction and a limit of acceleration.
+///
+/// - `stopping`: half the time in which it stops from the largest speed that it can have at the end. [Unit: s]
 #[inline(always)]
 fn extent<F: Lanes>(part: F, (limit, stopping): (F, F), time: F) -> F {
     let (zero, half) = (F::splat(0.0), F::splat(0.5));

@@ -118,7 +118,7 @@ pub(crate) fn felt_within<V: Space>(me: &Walker<V>, field: &Field) -> f32 {
     field.turning_m.max(field.decelerating_m).max(field.repulsion_m).max(behind_one)
 }
 
-/// Time within which it matters that somebody is met. [Unit: s]
+/// Time beyond which it does not matter at all that somebody is met. [Unit: s]
 #[inline]
 pub(crate) fn minded_within(field: &Field) -> f32 {
     field.horizon_s.max(OPEN_S).max(CLEAR_S)

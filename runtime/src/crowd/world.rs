@@ -1,6 +1,6 @@
 //! What surrounds the members: obstacles by cell, routes, fields and limits.
 
-use super::beside::SEEN_M;
+use super::beside::is_wall_within;
 use super::cells::Cells;
 use super::flow::Flow;
 use super::occupancy::narrowest;
@@ -29,7 +29,7 @@ pub(crate) struct World<V> {
     /// Solids that reach into the region of each cell: those of cell c are `near[first[c]..first[c + 1]]`.
     first: Vec<u32>,
     near: Vec<u32>,
-    /// The same for those within [`WALLS_M`] of the region.
+    /// The same for those that are walls to somebody in the region, see [`is_wall_within`].
     first_wall: Vec<u32>,
     walls: Vec<u32>,
     /// Smallest time between two events of a member. [Unit: s]
@@ -123,8 +123,8 @@ impl<V: Space> World<V> {
         for (member, m) in setup.members.iter().enumerate() {
             world.check_place(member, m.position)?;
         }
-        (world.first, world.near) = world.list(&cells, 0.0);
-        (world.first_wall, world.walls) = world.list(&cells, SEEN_M);
+        (world.first, world.near) = world.list(&cells, |_| Some(0.0));
+        (world.first_wall, world.walls) = world.list(&cells, is_wall_within);
         Ok((world, cells, flow))
     }
 
@@ -190,11 +190,12 @@ impl<V: Space> World<V> {
         &self.walls[self.first_wall[cell as usize] as usize..self.first_wall[cell as usize + 1] as usize]
     }
 
-    /// Lists solids by the cells whose regions they touch, or are within a distance of: where those of each cell begin,
-    /// and all of them.
-    fn list(&self, cells: &Cells<V>, within: f32) -> (Vec<u32>, Vec<u32>) {
+    /// Lists solids by the cells whose regions they touch, or are within a distance of, if they are to be listed: where
+    /// those of each cell begin, and all of them.
+    fn list(&self, cells: &Cells<V>, within: impl Fn(&Solid<V>) -> Option<f32>) -> (Vec<u32>, Vec<u32>) {
         let mut pairs = Vec::new();
         for (number, solid) in (0u32..).zip(&self.solids) {
+            let Some(within) = within(solid) else { continue };
             let (min, max) = solid.extents();
             let side = V::from_coordinates([cells.side() + within; 3]);
             let (low, high) = (cells.coordinates(min - side), cells.coordinates(max + side));
