@@ -5,7 +5,8 @@ use super::flow::Flow;
 
 // Other numbers were tried in the tests of jams, in corridors 2.4 m and 4 m wide in which 8 or 20 members meet 30, and in
 // corridors 1.6 m to 5 m wide in which 50 to 300 meet as many, some seeds each. If nobody steps back, a third of the small
-// groups never get through, and none of the large ones in corridors up to 3.5 m.
+// groups never get through, and none of the large ones in corridors up to 3.5 m. What is said in shares of time was tried
+// before directions were judged by the speed that they allow (see `sight.rs`); what is said in metres a second, after that.
 
 /// Time without getting on after which a member may step back: about what it takes to go round somebody. 0.3 s and 2 s
 /// make no difference beyond that of seeds. [Unit: s]
