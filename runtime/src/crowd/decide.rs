@@ -215,7 +215,7 @@ impl<V: Space> Decider<'_, V> {
     fn update(&self, mind: &mut Mind<V>, plan: &Plan<V>, position: V, velocity: V) {
         mind.filter.observe(velocity, (self.time - plan.start) as f32);
         let spline = &self.world.splines[mind.route as usize];
-        spline.follow(&mut mind.cursor, position);
+        spline.follow(&mut mind.cursor, position, self.world.fields[mind.field as usize].look_ahead_m);
         mind.is_there = spline.is_there(mind.cursor, position);
         if mind.is_there && spline.at_end() == AtEnd::Again {
             mind.cursor = Cursor::default();

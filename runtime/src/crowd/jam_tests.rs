@@ -218,3 +218,17 @@ fn those_who_are_there_make_way_for_those_who_are_not() {
     let left = crowd.ids().map(|id| crowd.way_left(id).unwrap()).fold(0.0, f32::max);
     assert!(left < 0.5, "all are at their places: {left} m");
 }
+
+#[test]
+fn nobody_goes_round_before_a_point_where_its_way_turns_back() {
+    for aside in [0.0f32, 0.05, 0.2, 0.5, 1.0, 2.0] {
+        let [begin, tip, end] = [Vec2::ZERO, Vec2::new(0.0, 10.0), Vec2::new(aside, 0.0)];
+        // As it is, and tied to the way near its tip, as `smooth` does.
+        let tied = [tip * 0.94, tip, tip + (end - tip) * 0.06, end];
+        for through in [&[tip, end][..], &tied] {
+            let mut setup = Setup::default();
+            add(&mut setup, begin, through);
+            assert_eq!(run(setup, 22).left_over, 0, "{through:?}");
+        }
+    }
+}

@@ -93,7 +93,7 @@ impl<V: Space> Crowd<V> {
         let mind = &self.minds[id.index()];
         let (position, spline) = (plan.at(self.now).0, &self.world.splines[mind.route as usize]);
         let mut cursor = mind.cursor;
-        spline.follow(&mut cursor, position);
+        spline.follow(&mut cursor, position, self.world.fields[mind.field as usize].look_ahead_m);
         Some(spline.left(cursor, position))
     }
 

@@ -7,6 +7,9 @@ use serde::{Deserialize, Serialize};
 /// Most pieces that one event moves on.
 const MOST_PIECES: usize = 8;
 
+/// How much farther away a piece may be than where the cursor is to be as near. [Unit: m]
+const AS_NEAR_M: f32 = 0.01;
+
 /// Where a member is on its route.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Cursor {
@@ -45,6 +48,21 @@ impl<V: Space> Piece<V> {
             + self.to * (uu * (1.0 + 2.0 * v))
             + self.leave * (u * vv)
             + self.arrive * (-uu * v)
+    }
+
+    /// Newton's step from a share of the piece to the point that is nearest to `x`, up to the share `most`.
+    fn nearer(&self, share: f32, x: V, most: f32) -> f32 {
+        let tangent = self.tangent(share);
+        let step = (x - self.point(share)).dot(tangent) / tangent.length_squared().max(1e-12);
+        (share + step).clamp(0.0, most)
+    }
+
+    /// Share, up to `most`, of the point that is about nearest to `x`.
+    fn nearest(&self, x: V, most: f32) -> f32 {
+        let square = |share: f32| (x - self.point(share)).length_squared();
+        let samples = [0.25, 0.5, 0.75, 1.0].map(|s| s * most);
+        let best = samples.into_iter().fold(0.0, |a, b| if square(b) < square(a) { b } else { a });
+        (0..2).fold(best, |share, _| self.nearer(share, x, most))
     }
 
     fn tangent(&self, u: f32) -> V {
@@ -117,16 +135,39 @@ impl<V: Space> Spline<V> {
     }
 
     /// Moves the cursor to the point of the spline that is nearest to `x`, by Newton's step from where it was.
-    pub fn follow(&self, cursor: &mut Cursor, x: V) {
+    ///
+    /// - `ahead`: how far on the point is that is gone for, see [`Spline::ahead`]. [Unit: m]
+    pub fn follow(&self, cursor: &mut Cursor, x: V, ahead: f32) {
         for _ in 0..MOST_PIECES {
             let Some(piece) = self.pieces.get(cursor.piece as usize) else { return };
-            let tangent = piece.tangent(cursor.share);
-            let step = (x - piece.point(cursor.share)).dot(tangent) / tangent.length_squared().max(1e-12);
-            cursor.share = (cursor.share + step).clamp(0.0, 1.0);
+            cursor.share = piece.nearer(cursor.share, x, 1.0);
             if cursor.share < 1.0 || cursor.piece as usize + 1 == self.pieces.len() {
-                return;
+                break;
             }
             *cursor = Cursor { piece: cursor.piece + 1, share: 0.0 };
+        }
+        self.turn_back(cursor, x, ahead);
+    }
+
+    /// Moves the cursor on to a piece that begins within `ahead` metres and is about as near to `x` as where it is. Where a way
+    /// turns back on itself, whoever goes for a point ahead turns before it is at the tip: without this, it would then be
+    /// led back to the tip, and go round before it.
+    fn turn_back(&self, cursor: &mut Cursor, x: V, ahead: f32) {
+        let Some(piece) = self.pieces.get(cursor.piece as usize) else { return };
+        let mut nearest = (x - piece.point(cursor.share)).length();
+        let mut way = (1.0 - cursor.share) * piece.length;
+        let next = cursor.piece as usize + 1;
+        for (number, piece) in (next as u32..).zip(self.pieces[next..].iter().take(MOST_PIECES)) {
+            if way >= ahead {
+                return;
+            }
+            let share = piece.nearest(x, ((ahead - way) / piece.length).min(1.0));
+            let distance = (x - piece.point(share)).length();
+            if distance <= nearest + AS_NEAR_M {
+                nearest = nearest.min(distance);
+                *cursor = Cursor { piece: number, share };
+            }
+            way += piece.length;
         }
     }
 
@@ -217,7 +258,7 @@ mod tests {
         let mut left = f32::INFINITY;
         for i in 0..60 {
             let at = Vec2::new(i as f32 * 0.1, (i as f32 * 0.1 - 3.5).max(0.0) * 1.2 + 0.3);
-            s.follow(&mut cursor, at);
+            s.follow(&mut cursor, at, 1.0);
             assert!(s.left(cursor, at) <= left + 1e-4);
             left = s.left(cursor, at);
         }
