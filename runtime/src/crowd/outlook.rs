@@ -31,7 +31,7 @@ pub(crate) const OPEN_S: f32 = 0.5;
 /// What a member makes of those who come toward it from afar.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Lean {
-    /// How many there are.
+    /// How many there are, but for those who are farther still.
     pub coming: f32,
     /// How much better it likes to go to the right, as scores of directions go.
     pub to_the_right: f32,
