@@ -14,6 +14,7 @@ pub mod patch;
 pub mod planar;
 pub mod policy;
 pub mod pose;
+mod prefetch;
 pub mod simd;
 pub mod skeleton;
 pub mod sparring;

@@ -1,122 +1,90 @@
-//! The cells of space that members are registered in.
+//! The cells of space that members are registered in, and the plans of all of them.
 
 use super::eights::{Plans, Vectors};
-use super::{NONE, Space, plan::Plan};
-use crate::lanes::Lanes;
+use super::{Space, plan::Plan};
+use crate::lanes::{LANES, Lanes};
+use crate::prefetch::prefetch;
 use std::marker::PhantomData;
 
-/// Members of a block.
-pub(crate) const BLOCK: usize = 8;
+/// Members that a bunch holds.
+const BUNCH: usize = 6;
 /// Most cells: a grid of more is folded.
 const MAX_CELLS: usize = 1 << 22;
 
-/// One number of each member of a block.
-pub(crate) type Eight = [f32; BLOCK];
-
-/// Plans of members that are registered in the same cell: each number of all of them side by side, so that they are
-/// looked at together. What every look at them needs comes first. In 2-D the third coordinates
-/// are never touched; where many thousands are, fetching the rest of their neighbours' blocks from memory is most of an
-/// event.
+/// A plan as it is kept: one line of memory. Where many thousand are, fetching their neighbours' plans from memory is
+/// most of an event, so that nothing else is beside them, and what is computed of eight at a time is put side by side
+/// only then.
 #[derive(Clone, Copy, Debug, Default)]
 #[repr(C, align(64))]
-pub(crate) struct Block {
-    pub start: [f64; BLOCK],
-    pub moving: Eight,
-    pub radius: Eight,
-    pub limit: Eight,
-    pub axes: [Axis; 3],
-    pub end: [f64; BLOCK],
-    pub index: [u32; BLOCK],
-    /// Block of more of them, which is full.
+pub(crate) struct Kept {
+    /// Position and the time from the start after which it stands.
+    position: [f32; 4],
+    /// Velocity and radius.
+    velocity: [f32; 4],
+    /// Acceleration and its limit.
+    acceleration: [f32; 4],
+    pub start: f64,
+    pub end: f64,
+}
+
+impl Kept {
+    #[inline]
+    fn new<V: Space>(plan: &Plan<V>) -> Self {
+        let row = |v: V, last: f32| {
+            let [x, y, z] = v.coordinates();
+            [x, y, z, last]
+        };
+        Self {
+            position: row(plan.position, plan.moving),
+            velocity: row(plan.velocity, plan.radius),
+            acceleration: row(plan.acceleration, plan.limit),
+            start: plan.start,
+            end: plan.end,
+        }
+    }
+
+    /// The plan of a member.
+    #[inline]
+    fn plan<V: Space>(&self, index: u32) -> Plan<V> {
+        let vector = |[x, y, z, _]: [f32; 4]| V::from_coordinates([x, y, z]);
+        Plan {
+            start: self.start,
+            end: self.end,
+            position: vector(self.position),
+            velocity: vector(self.velocity),
+            acceleration: vector(self.acceleration),
+            moving: self.position[3],
+            radius: self.velocity[3],
+            limit: self.acceleration[3],
+            index,
+        }
+    }
+
+    /// Eight plans side by side, and their radii.
+    #[inline(always)]
+    pub fn side_by_side<V: Space, F: Lanes>(of: [&Self; LANES]) -> (Plans<V, F>, F) {
+        let ([x, y, z, moving], [u, v, w, radius], [a, b, c, limit]) = (
+            F::columns(of.map(|k| &k.position)),
+            F::columns(of.map(|k| &k.velocity)),
+            F::columns(of.map(|k| &k.acceleration)),
+        );
+        let (position, velocity) = (Vectors::new(x, y, z), Vectors::new(u, v, w));
+        (Plans { position, velocity, acceleration: Vectors::new(a, b, c), moving, limit }, radius)
+    }
+}
+
+/// Some of those who are registered in a cell.
+#[derive(Clone, Copy, Debug, Default)]
+#[repr(C, align(32))]
+struct Bunch {
+    members: [u32; BUNCH],
+    /// How many there are in the cell, if this is its first bunch.
+    len: u32,
+    /// Bunch of the next ones, if there are more than fit.
     next: u32,
 }
 
-/// One coordinate of eight motions.
-#[derive(Clone, Copy, Debug, Default)]
-#[repr(C)]
-pub(crate) struct Axis {
-    pub position: Eight,
-    pub velocity: Eight,
-    pub acceleration: Eight,
-}
-
-/// Who is registered in a cell.
-#[derive(Clone, Copy, Debug)]
-struct Chain {
-    /// The first block: the one with room.
-    first: u32,
-    /// Members in all blocks.
-    len: u32,
-}
-
-impl Chain {
-    const EMPTY: Self = Self { first: NONE, len: 0 };
-
-    /// Members in the first block.
-    #[inline(always)]
-    fn len_of_first(self) -> usize {
-        (self.len as usize + BLOCK - 1) % BLOCK + 1
-    }
-}
-
-/// One vector of eight.
-#[inline(always)]
-pub(crate) fn nth<V: Space>(of: &[Eight; 3], i: usize) -> V {
-    let third = if V::DIMENSIONS == 3 { of[2][i] } else { 0.0 };
-    V::from_coordinates([of[0][i], of[1][i], third])
-}
-
-impl Block {
-    /// Plan of one of its members.
-    #[inline]
-    pub fn plan<V: Space>(&self, i: usize) -> Plan<V> {
-        Plan {
-            start: self.start[i],
-            end: self.end[i],
-            position: self.vector(i, |a| &a.position),
-            velocity: self.vector(i, |a| &a.velocity),
-            acceleration: self.vector(i, |a| &a.acceleration),
-            moving: self.moving[i],
-            radius: self.radius[i],
-            limit: self.limit[i],
-            index: self.index[i],
-        }
-    }
-
-    #[inline(always)]
-    fn vector<V: Space>(&self, i: usize, of: impl Fn(&Axis) -> &Eight) -> V {
-        let third = if V::DIMENSIONS == 3 { of(&self.axes[2])[i] } else { 0.0 };
-        V::from_coordinates([of(&self.axes[0])[i], of(&self.axes[1])[i], third])
-    }
-
-    /// Plans of all of them.
-    #[inline(always)]
-    pub fn plans<V: Space, F: Lanes>(&self) -> Plans<V, F> {
-        let [x, y, z] = &self.axes;
-        Plans {
-            position: Vectors::load_each([&x.position, &y.position, &z.position]),
-            velocity: Vectors::load_each([&x.velocity, &y.velocity, &z.velocity]),
-            acceleration: Vectors::load_each([&x.acceleration, &y.acceleration, &z.acceleration]),
-            moving: F::load(&self.moving),
-            limit: F::load(&self.limit),
-        }
-    }
-
-    /// Puts a plan in a place.
-    #[inline]
-    pub fn put<V: Space>(&mut self, i: usize, plan: &Plan<V>) {
-        (self.start[i], self.end[i]) = (plan.start, plan.end);
-        let (x, v, a) = (plan.position.coordinates(), plan.velocity.coordinates(), plan.acceleration.coordinates());
-        for axis in 0..V::DIMENSIONS {
-            let axes = &mut self.axes[axis];
-            (axes.position[i], axes.velocity[i], axes.acceleration[i]) = (x[axis], v[axis], a[axis]);
-        }
-        (self.moving[i], self.radius[i], self.limit[i]) = (plan.moving, plan.radius, plan.limit);
-        self.index[i] = plan.index;
-    }
-}
-
-/// A grid of square or cubic cells, each with the plans of its members.
+/// A grid of square or cubic cells, each with its members.
 ///
 /// The grid is a torus: what is farther away than its extents shares cells with what is near. That costs a look at
 /// members who are far away, but nothing is ever outside, and empty space takes no memory.
@@ -126,11 +94,13 @@ pub(crate) struct Cells<V> {
     per_m: f32,
     /// Logarithm of the number of cells along each axis.
     bits: [u32; 3],
-    chains: Vec<Chain>,
-    blocks: Vec<Block>,
+    num_cells: usize,
+    /// The first bunch of every cell, and after them those that cells with many members take.
+    bunches: Vec<Bunch>,
+    /// Bunches that no cell has.
     free: Vec<u32>,
-    /// Block and place of every member: `block * BLOCK + place`.
-    address: Vec<u32>,
+    /// By number.
+    plans: Vec<Kept>,
     space: PhantomData<V>,
 }
 
@@ -147,37 +117,35 @@ impl<V: Space> Cells<V> {
             let longest = (0..3).max_by_key(|&axis| (bits[axis], axis)).unwrap_or(0);
             bits[longest] -= 1;
         }
-        // A chain of blocks is full but for its last one.
-        let num_blocks = capacity + capacity / BLOCK + 1;
-        let block = Block { next: NONE, ..Block::default() };
-        Self {
+        let num_cells = 1 << bits.iter().sum::<u32>();
+        // Nobody takes more than a full bunch does.
+        let num_bunches = num_cells + capacity / BUNCH;
+        let mut cells = Self {
             side,
             per_m: side.recip(),
             bits,
-            chains: vec![Chain::EMPTY; 1 << bits.iter().sum::<u32>()],
-            blocks: vec![block; num_blocks],
-            free: (0..num_blocks as u32).rev().collect(),
-            address: vec![NONE; capacity],
+            num_cells,
+            bunches: vec![Bunch::default(); num_bunches],
+            free: Vec::with_capacity(num_bunches - num_cells),
+            plans: vec![Kept::default(); capacity],
             space: PhantomData,
-        }
+        };
+        cells.clear();
+        cells
     }
 
     /// Takes everybody out.
     pub fn clear(&mut self) {
-        self.chains.fill(Chain::EMPTY);
-        self.address.fill(NONE);
+        self.bunches[..self.num_cells].iter_mut().for_each(|b| b.len = 0);
         self.free.clear();
-        self.free.extend((0..self.blocks.len() as u32).rev());
+        self.free.extend((self.num_cells as u32..self.bunches.len() as u32).rev());
     }
 
     /// Everybody's plans, so that to insert them one after the other gives the same cells.
     pub fn plans(&self) -> Vec<Plan<V>> {
         let mut plans = Vec::new();
-        for cell in 0..self.chains.len() as u32 {
-            let start = plans.len();
-            self.each_block(cell, |block, _, len| plans.extend((0..len).rev().map(|i| block.plan(i))));
-            // The last block of a chain was filled first.
-            plans[start..].reverse();
+        for cell in 0..self.num_cells as u32 {
+            self.each(cell, |plan| plans.push(*plan));
         }
         plans
     }
@@ -189,7 +157,7 @@ impl<V: Space> Cells<V> {
 
     /// Number of cells.
     pub fn num_cells(&self) -> usize {
-        self.chains.len()
+        self.num_cells
     }
 
     /// Number of cells along each axis before the grid is folded.
@@ -232,71 +200,83 @@ impl<V: Space> Cells<V> {
     /// Plan of a member. [Limit: it is in a cell]
     #[inline]
     pub fn plan(&self, member: u32) -> Plan<V> {
-        let (block, place) = self.place(member);
-        self.blocks[block as usize].plan(place)
+        self.kept(member).plan(member)
     }
 
-    /// Number of the block of a member, and its place there. [Limit: it is in a cell]
+    /// As [`Cells::plan`], as it is kept.
     #[inline]
-    pub fn place(&self, member: u32) -> (u32, usize) {
-        let address = self.address[member as usize];
-        (address / BLOCK as u32, address as usize % BLOCK)
+    pub fn kept(&self, member: u32) -> &Kept {
+        &self.plans[member as usize]
     }
 
-    /// Block of a number that [`Cells::each_block`] gave.
-    #[inline]
-    pub fn block(&self, number: u32) -> &Block {
-        &self.blocks[number as usize]
-    }
-
-    /// Calls `f` for every block of a cell, with its number and that of its members.
+    /// Calls `f` for each bunch of a cell: with it, and how many there are in it.
     #[inline(always)]
-    pub fn each_block(&self, cell: u32, mut f: impl FnMut(&Block, u32, usize)) {
-        let chain = self.chains[cell as usize];
-        let (mut left, mut len, mut b) = (chain.len as usize, chain.len_of_first(), chain.first);
-        while left > 0 {
-            let block = &self.blocks[b as usize];
-            f(block, b, len);
-            left -= len;
-            (b, len) = (block.next, BLOCK);
+    fn each_bunch(&self, cell: u32, mut f: impl FnMut(&[u32; BUNCH], usize)) {
+        let mut bunch = &self.bunches[cell as usize];
+        let mut left = bunch.len as usize;
+        while left > BUNCH {
+            f(&bunch.members, BUNCH);
+            left -= BUNCH;
+            bunch = &self.bunches[bunch.next as usize];
         }
+        f(&bunch.members, left);
     }
 
     /// Calls `f` for everyone who is registered in a cell.
     #[inline]
     pub fn each(&self, cell: u32, mut f: impl FnMut(&Plan<V>)) {
-        self.each_block(cell, |block, _, len| (0..len).for_each(|i| f(&block.plan(i))));
+        self.each_bunch(cell, |members, len| members[..len].iter().for_each(|&m| f(&self.plan(m))));
     }
 
-    /// Reads a little of every line of memory that a look at those around a cell needs: the processor then fetches all of them at the same
-    /// time, and they are at hand when they are looked at. Changes nothing.
-    pub fn fetch(&self, at: [i32; 3]) {
-        let mut sum = 0.0;
+    /// Numbers of all who are registered in the cells around one.
+    ///
+    /// - `room`: where they are put, in place of whatever is there.
+    #[inline]
+    pub fn members_around<'a>(&self, at: [i32; 3], room: &'a mut Vec<u32>) -> &'a [u32] {
+        let mut num = 0;
         self.around(at, |cell| {
-            let chain = self.chains[cell as usize];
-            if chain.len > 0 {
-                let block = &self.blocks[chain.first as usize];
-                let [x, y, z] = &block.axes;
-                sum += block.start[0] as f32 + block.moving[0] + block.limit[0] + block.end[0] as f32;
-                sum += x.velocity[0] + y.position[0] + y.acceleration[0];
-                if V::DIMENSIONS == 3 {
-                    sum += z.velocity[0];
+            self.each_bunch(cell, |members, len| {
+                // Of a known size, so that it is copied at once; what is not there is overwritten by the next ones.
+                if room.len() < num + BUNCH {
+                    room.resize(num + BUNCH, 0);
                 }
-            }
+                room[num..num + BUNCH].copy_from_slice(members);
+                num += len;
+            });
         });
-        std::hint::black_box(sum);
+        &room[..num]
     }
 
-    /// Most blocks that the cells around one can have.
-    pub fn most_around(&self) -> usize {
-        self.address.len() / BLOCK + 3usize.pow(V::DIMENSIONS as u32)
+    /// Room for the numbers of everybody, see [`Cells::members_around`].
+    pub fn room(capacity: usize) -> Vec<u32> {
+        Vec::with_capacity(capacity + BUNCH)
+    }
+
+    /// Has the plan of a member fetched from memory.
+    #[inline]
+    pub fn prefetch(&self, member: u32) {
+        prefetch(self.kept(member));
+    }
+
+    /// Has the cells around one fetched, without the plans of those who are there.
+    #[inline]
+    pub fn prefetch_cells(&self, at: [i32; 3]) {
+        self.around(at, |cell| prefetch(&self.bunches[cell as usize]));
+    }
+
+    /// Has the plans of those fetched who are in the cells around one: of the first ones, where they are many.
+    #[inline]
+    pub fn prefetch_plans(&self, at: [i32; 3]) {
+        self.around(at, |cell| {
+            let bunch = &self.bunches[cell as usize];
+            bunch.members.iter().take(bunch.len as usize).for_each(|&m| self.prefetch(m));
+        });
     }
 
     /// Changes a plan; who comes into another cell is registered there. `from` is the cell where it is registered.
     pub fn set(&mut self, from: u32, to: u32, plan: &Plan<V>) {
         if from == to {
-            let address = self.address[plan.index as usize] as usize;
-            self.blocks[address / BLOCK].put(address % BLOCK, plan);
+            self.plans[plan.index as usize] = Kept::new(plan);
         } else {
             self.remove(from, plan.index);
             self.insert(to, plan);
@@ -305,41 +285,50 @@ impl<V: Space> Cells<V> {
 
     /// Registers a member in a cell.
     pub fn insert(&mut self, cell: u32, plan: &Plan<V>) {
-        let mut chain = self.chains[cell as usize];
-        if (chain.len as usize).is_multiple_of(BLOCK) {
+        self.plans[plan.index as usize] = Kept::new(plan);
+        let len = self.bunches[cell as usize].len as usize;
+        let mut last = self.bunch(cell, len.saturating_sub(1));
+        if len > 0 && len.is_multiple_of(BUNCH) {
             let Some(fresh) = self.free.pop() else { return };
-            self.blocks[fresh as usize].next = chain.first;
-            chain.first = fresh;
+            self.bunches[last as usize].next = fresh;
+            last = fresh;
         }
-        chain.len += 1;
-        let place = chain.len_of_first() - 1;
-        self.blocks[chain.first as usize].put(place, plan);
-        self.address[plan.index as usize] = chain.first * BLOCK as u32 + place as u32;
-        self.chains[cell as usize] = chain;
+        self.bunches[last as usize].members[len % BUNCH] = plan.index;
+        self.bunches[cell as usize].len += 1;
     }
 
     /// Takes a member out of its cell. The last one of the cell takes its place.
     pub fn remove(&mut self, cell: u32, member: u32) {
-        let mut chain = self.chains[cell as usize];
-        let (block, place) = self.place(member);
-        let first = &self.blocks[chain.first as usize];
-        let (last_place, next) = (chain.len_of_first() - 1, first.next);
-        let last = first.plan::<V>(last_place);
-        if last_place == 0 {
-            self.free.push(chain.first);
-            chain.first = next;
+        let Some(last) = (self.bunches[cell as usize].len as usize).checked_sub(1) else { return };
+        let bunch = self.bunch(cell, last);
+        let moved = self.bunches[bunch as usize].members[last % BUNCH];
+        if last > 0 && last.is_multiple_of(BUNCH) {
+            self.free.push(bunch);
         }
-        chain.len -= 1;
-        self.chains[cell as usize] = chain;
-        self.blocks[block as usize].put(place, &last);
-        self.address[last.index as usize] = block * BLOCK as u32 + place as u32;
-        self.address[member as usize] = NONE;
+        self.bunches[cell as usize].len -= 1;
+        let mut at = cell;
+        for _ in 0..=last / BUNCH {
+            let bunch = &mut self.bunches[at as usize];
+            if let Some(place) = bunch.members.iter_mut().find(|m| **m == member) {
+                *place = moved;
+                return;
+            }
+            at = bunch.next;
+        }
+    }
+
+    /// Bunch of the n-th one in a cell.
+    #[inline]
+    fn bunch(&self, cell: u32, n: usize) -> u32 {
+        (0..n / BUNCH).fold(cell, |bunch, _| self.bunches[bunch as usize].next)
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::crowd::eights::nth;
+    use crate::lanes::Array;
     use glam::{Vec2, Vec3};
     use proptest::prelude::*;
 
@@ -375,6 +364,34 @@ mod tests {
                 }
             }
         }
+    }
+
+    /// Eight plans, each of its own kind, as they are kept.
+    fn are_kept<V: Space>() {
+        let plan = |i: u32| {
+            let vector = |k: f32| V::from_coordinates([k + i as f32, k * 0.1, k - i as f32]);
+            let (position, velocity, acceleration) = (vector(1.0), vector(2.0), vector(3.0));
+            let (moving, radius, limit) = (4.0 + i as f32, 0.1 * i as f32, 6.0 - 0.5 * i as f32);
+            let (start, end) = (1e6 + f64::from(i) * 1e-7, 2e6);
+            Plan { start, end, position, velocity, acceleration, moving, radius, limit, index: i }
+        };
+        let kept: [Kept; LANES] = std::array::from_fn(|i| Kept::new(&plan(i as u32)));
+        let (plans, radius) = Kept::side_by_side::<V, Array>(kept.each_ref());
+        for i in 0..LANES {
+            let want = plan(i as u32);
+            assert_eq!(kept[i].plan::<V>(want.index), want);
+            let vectors = [plans.position, plans.velocity, plans.acceleration].map(|v| nth::<V>(&v.to_arrays(), i));
+            assert_eq!(vectors, [want.position, want.velocity, want.acceleration]);
+            let numbers = [plans.moving, plans.limit, radius].map(|n| n.to_array()[i]);
+            assert_eq!(numbers, [want.moving, want.limit, want.radius]);
+        }
+    }
+
+    #[test]
+    fn plans_are_kept_in_a_line_of_memory_each() {
+        assert_eq!((size_of::<Kept>(), align_of::<Kept>()), (64, 64));
+        are_kept::<Vec2>();
+        are_kept::<Vec3>();
     }
 
     #[test]

@@ -17,6 +17,7 @@ use super::steer::{Surroundings, Walker, felt_within, forces, minded_within};
 use super::tracing::{Meeting, Tracer};
 use super::world::{HURRY, World};
 use super::{AtEnd, Forces, NONE, Space};
+use crate::lanes::LANES;
 use serde::{Deserialize, Serialize};
 
 /// Most tries for a plan near the desired one before a member brakes.
@@ -74,6 +75,8 @@ pub(crate) struct Mind<V> {
 /// Room to think in, one for each thread.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Scratch<V> {
+    /// For the numbers of those who are registered near.
+    room: Vec<u32>,
     seen: Vec<Seen<V>>,
     pub rows: Rows,
     /// Those whose plans a plan may come in conflict with.
@@ -81,10 +84,10 @@ pub(crate) struct Scratch<V> {
 }
 
 impl<V: Space> Scratch<V> {
-    pub fn new(cells: &Cells<V>, capacity: usize, num_movers: usize) -> Self {
+    pub fn new(capacity: usize, num_movers: usize) -> Self {
         let most = capacity + num_movers;
-        let rows = Rows::new(cells.most_around());
-        Self { seen: Vec::with_capacity(most), rows, others: Others::new(most) }
+        let (room, rows) = (Cells::<V>::room(capacity), Rows::new(capacity.div_ceil(LANES)));
+        Self { room, seen: Vec::with_capacity(most), rows, others: Others::new(most) }
     }
 }
 
@@ -292,12 +295,12 @@ impl<V: Space> Decider<'_, V> {
             room: field.comfort_m + ROUNDING,
         };
         let look = Look { cells: self.cells, at, time: self.time, member, me, heed };
-        let Scratch { seen, rows, .. } = &mut *scratch;
+        let Scratch { room, seen, rows, .. } = &mut *scratch;
         match aim {
-            None => look.around(seen, None),
-            Some((Tracer::Occupancy(_), _)) => look.around(seen, Some(rows)),
+            None => look.around(room, seen, None),
+            Some((Tracer::Occupancy(_), _)) => look.around(room, seen, Some(rows)),
             Some((Tracer::Registration, meeting)) => {
-                look.around(seen, Some(rows));
+                look.around(room, seen, Some(rows));
                 meeting.look(self.cells, rows);
             }
         }

@@ -1,10 +1,29 @@
 //! Motions of eight members at a time, as those of `plan.rs` are one by one: bit by bit the same.
 
 use super::Space;
-use super::cells::Eight;
-use crate::lanes::Lanes;
+use crate::lanes::{LANES, Lanes};
 use std::marker::PhantomData;
 use std::ops::{Add, Mul, Sub};
+
+/// One number of each of eight members.
+pub(crate) type Eight = [f32; LANES];
+
+/// One vector of eight.
+#[inline(always)]
+pub(crate) fn nth<V: Space>(of: &[Eight; 3], i: usize) -> V {
+    let third = if V::DIMENSIONS == 3 { of[2][i] } else { 0.0 };
+    V::from_coordinates([of[0][i], of[1][i], third])
+}
+
+/// Numbers of the bits that are set.
+#[inline(always)]
+pub(crate) fn bits(mut set: u8) -> impl Iterator<Item = usize> {
+    std::iter::from_fn(move || {
+        let first = set.trailing_zeros() as usize;
+        set &= set.wrapping_sub(1);
+        (first < LANES).then_some(first)
+    })
+}
 
 /// Eight vectors. Third coordinates are 0 in 2-D, and nothing is computed with them.
 #[derive(Clone, Copy, Debug)]
@@ -14,8 +33,9 @@ pub(crate) struct Vectors<V, F> {
 }
 
 impl<V: Space, F: Lanes> Vectors<V, F> {
+    /// From their coordinates.
     #[inline(always)]
-    fn new(x: F, y: F, z: F) -> Self {
+    pub fn new(x: F, y: F, z: F) -> Self {
         Self { c: [x, y, if V::DIMENSIONS == 3 { z } else { F::splat(0.0) }], space: PhantomData }
     }
 
@@ -142,7 +162,6 @@ pub(crate) type Sides<V, F> = [Vectors<V, F>; 2];
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::crowd::cells::nth;
     use crate::crowd::near::tests::{NOW, crowd};
     use crate::crowd::plan::Plan;
     use crate::lanes::Array;

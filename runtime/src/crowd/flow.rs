@@ -1,6 +1,7 @@
 //! Where the crowd as a whole goes: how many are where, and how they move, seen from afar.
 
 use super::Space;
+use crate::prefetch::prefetch;
 use serde::{Deserialize, Serialize};
 
 /// Time between two looks at everybody. [Unit: s]
@@ -9,6 +10,11 @@ pub(crate) const LOOK_S: f64 = 0.25;
 const SIDE: f32 = 4.0;
 /// Most squares for each member that there can be.
 const MOST: usize = 16;
+/// Bits of a word.
+const WORD: usize = u64::BITS as usize;
+/// To be added to a number of up to 2^22, up or down, so that its last bit stands for 1. Beyond, some squares in a row
+/// count as one.
+const INTEGER: f32 = (3 << 22) as f32;
 
 /// More than this cannot be counted one by one.
 const MOST_IN: f32 = (1 << 24) as f32;
@@ -24,10 +30,17 @@ pub(crate) struct Flow<V> {
     per_m: f32,
     bits: [u32; 3],
     squares: Vec<Square<V>>,
+    /// A bit for each square, set where somebody is in it: so few that they stay in the processor's caches, while of a
+    /// large crowd that is spread out hardly any square does. Not kept, see [`Flow::mark`].
+    #[serde(skip)]
+    anybody: Vec<u64>,
+    /// Where nobody is.
+    #[serde(skip)]
+    empty: Square<V>,
 }
 
 /// The members in one square: how many, and the sums of how they move and of the unit vectors along which they want to.
-#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Square<V> {
     num: f32,
     velocity: V,
@@ -81,7 +94,9 @@ impl<V: Space> Flow<V> {
             let longest = (0..3).max_by_key(|&axis| (bits[axis], axis)).unwrap_or(0);
             bits[longest] -= 1;
         }
-        Self { per_m: side.recip(), bits, squares: vec![Square::default(); 1 << bits.iter().sum::<u32>()] }
+        let squares = vec![Square::default(); 1 << bits.iter().sum::<u32>()];
+        let anybody = vec![0; squares.len().div_ceil(WORD)];
+        Self { per_m: side.recip(), bits, squares, anybody, empty: Square::default() }
     }
 
     /// Squares in a metre.
@@ -99,25 +114,52 @@ impl<V: Space> Flow<V> {
     /// The square at a place. [Unit: squares, see [`Flow::per_m`]]
     #[inline]
     pub fn square(&self, at: V) -> &Square<V> {
-        &self.squares[self.number(at)]
+        let number = self.number(at);
+        if self.is_anybody_in(number) { &self.squares[number] } else { &self.empty }
+    }
+
+    /// Has the squares that somebody is in fetched from memory along a way. [Unit: squares, see [`Flow::per_m`]]
+    #[inline]
+    pub fn prefetch(&self, ways: impl Iterator<Item = V>) {
+        for at in ways {
+            let number = self.number(at);
+            if self.is_anybody_in(number) {
+                prefetch(&self.squares[number]);
+            }
+        }
     }
 
     #[inline]
+    fn is_anybody_in(&self, number: usize) -> bool {
+        self.anybody[number / WORD] >> (number % WORD) & 1 == 1
+    }
+
+    /// Number of a square.
+    #[inline]
     fn number(&self, at: V) -> usize {
-        let at = at.floor();
-        let fold = |axis: usize| at[axis] as u32 & ((1 << self.bits[axis]) - 1);
-        ((((fold(2) << self.bits[1]) | fold(1)) << self.bits[0]) | fold(0)) as usize
+        let at = at.coordinates();
+        // The last bits of such a float are an integer, the nearest one.
+        let fold = |axis: usize| (at[axis] - 0.5 + INTEGER).to_bits() & ((1 << self.bits[axis]) - 1);
+        let deep = if V::DIMENSIONS == 3 { fold(2) << self.bits[1] } else { 0 };
+        (((deep | fold(1)) << self.bits[0]) | fold(0)) as usize
     }
 
     /// Forgets everybody.
     pub fn clear(&mut self) {
-        self.squares.fill(Square::default());
+        for (word, squares) in self.anybody.iter_mut().zip(self.squares.chunks_mut(WORD)) {
+            let mut left = std::mem::take(word);
+            while left != 0 {
+                squares[left.trailing_zeros() as usize] = Square::default();
+                left &= left - 1;
+            }
+        }
     }
 
     /// Adds a member that wants to go along a unit vector, or nowhere.
     #[inline]
     pub fn add(&mut self, position: V, velocity: V, intent: V) {
         let number = self.number(position * self.per_m);
+        self.anybody[number / WORD] |= 1 << (number % WORD);
         let square = &mut self.squares[number];
         square.num += 1.0;
         square.velocity += velocity;
@@ -138,12 +180,38 @@ impl<V: Space> Flow<V> {
     pub fn may_be(&self, fastest: f32) -> bool {
         self.squares.iter().all(|s| s.may_be(fastest))
     }
+
+    /// Finds out in which squares somebody is, for one that was kept.
+    pub fn mark(&mut self) {
+        let word = |some: &[Square<V>]| (0..).zip(some).fold(0, |word, (i, s)| word | u64::from(s.num > 0.0) << i);
+        self.anybody = self.squares.chunks(WORD).map(word).collect();
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use glam::Vec2;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn a_square_begins_where_a_whole_number_is(
+            corner in [-3000i16..3000, -3000i16..3000], inside in [0.01f32..0.99, 0.01f32..0.99],
+        ) {
+            let mut flow = Flow::new(0.25, Vec2::splat(20.0), 10);
+            prop_assert_eq!(flow.per_m(), 1.0);
+            let corner = Vec2::from_array(corner.map(f32::from));
+            flow.add(corner + Vec2::from_array(inside), Vec2::ZERO, Vec2::ZERO);
+            let middle = corner + 0.5;
+            for at in [middle, middle + 0.49, middle - 0.49, middle + Vec2::new(0.49, -0.49)] {
+                prop_assert_eq!(flow.square(at).num(), 1.0);
+            }
+            for beside in [Vec2::X, Vec2::Y, -Vec2::X, -Vec2::Y, Vec2::splat(7.0)] {
+                prop_assert_eq!(flow.square(middle + beside).num(), 0.0);
+            }
+        }
+    }
 
     #[test]
     fn tells_those_who_come_from_those_who_go_along() {
@@ -162,7 +230,11 @@ mod tests {
         assert_eq!((square.agreed(Vec2::X), square.opposed(Vec2::X)), (3.0, 1.0));
         assert_eq!((square.agreed(Vec2::Y), square.opposed(Vec2::Y)), (2.0, 2.0));
         assert_eq!(flow.square(there + Vec2::X).num(), 0.0);
+        let mut kept = Flow { anybody: Vec::new(), ..flow.clone() };
+        kept.mark();
+        assert_eq!(kept.anybody, flow.anybody);
         flow.clear();
+        assert!(flow.squares.iter().all(|s| *s == Square::default()) && flow.anybody.iter().all(|w| *w == 0));
         assert_eq!(flow.square(there).num(), 0.0);
     }
 }

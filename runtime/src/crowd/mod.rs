@@ -6,9 +6,10 @@
 //! In reading order: `plan` is what a member does until its next event, `safety` why nobody overlaps anybody, `bound`
 //! when two can meet, `cells` and `queue` who is near and who is next, `near`, `reach` and `others` who of those matters
 //! at an event, eight at a time (`eights`), `sight`, `flow`, `outlook`, `beside`, `retreat` and `steer` the force field,
-//! `decide` an event, `engine` all of them in their order, `joining` who comes and goes, `window` on several threads,
-//! `watchdog` that time passes.
+//! `decide` an event, `engine` all of them in their order, `ahead` what the next ones need of memory, `joining` who comes
+//! and goes, `window` on several threads, `watchdog` that time passes.
 
+mod ahead;
 mod beside;
 mod bound;
 mod cells;

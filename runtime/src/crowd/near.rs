@@ -1,16 +1,16 @@
 //! Who is registered near a member: found once in each event, eight at a time.
 
 use super::Space;
-use super::cells::{BLOCK, Block, Cells, Eight, nth};
-use super::eights::Vectors;
+use super::cells::{Cells, Kept};
+use super::eights::{Eight, Vectors, bits, nth};
 use super::sight::Seen;
 use super::steer::Walker;
-use crate::lanes::{Lanes, Work, dispatch};
+use crate::lanes::{LANES, Lanes, Work, dispatch};
 
 /// About the time in which the first of all around is met: whoever is nearest then is met early. [Unit: s]
 const SOON_S: f32 = 0.2;
 
-/// Members of one block, as another one finds them at its event.
+/// Eight members, as another one finds them at its event.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Found<V, F> {
     /// From the one who looks to them. [Unit: m]
@@ -26,30 +26,26 @@ pub(crate) struct Found<V, F> {
     pub away: F,
     /// How far ahead of the one who looks they are, along where it wants to go. [Unit: m]
     pub ahead: F,
+    /// Their radii. [Unit: m]
+    pub radius: F,
+    /// Their largest accelerations. [Unit: m/s2]
+    pub limit: F,
 }
 
-/// What is kept of those of one block, as in [`Found`], for one who takes a plan: more has to be known of only few of them,
-/// once it is known how long the plan is.
+/// What is kept of eight or less, as in [`Found`], for one who takes a plan: more has to be known of only few of them, once
+/// it is known how long the plan is.
 #[derive(Clone, Copy, Debug, Default)]
 #[repr(C, align(64))]
 pub(crate) struct Row {
     pub gap: Eight,
     pub toward: Eight,
     pub away: Eight,
-    /// See [`Cells::block`].
-    pub block: u32,
-    /// Bit i is set where the i-th is there.
+    pub limit: Eight,
+    /// How long their plans go on. [Unit: s]
+    pub until: Eight,
+    pub members: [u32; LANES],
+    /// Bit i is set where the i-th is somebody.
     pub there: u8,
-}
-
-/// Numbers of the bits that are set.
-#[inline(always)]
-pub(crate) fn bits(mut set: u8) -> impl Iterator<Item = usize> {
-    std::iter::from_fn(move || {
-        let first = set.trailing_zeros() as usize;
-        set &= set.wrapping_sub(1);
-        (first < BLOCK).then_some(first)
-    })
 }
 
 /// Room for rows, which are written in place.
@@ -87,9 +83,9 @@ impl Rows {
         (self.len, self.nearest, self.least) = (0, None, f32::INFINITY);
     }
 
-    /// Adds those who are there of a block.
+    /// Adds eight or less.
     #[inline(always)]
-    fn push<V: Space, F: Lanes>(&mut self, block: u32, there: u8, found: &Found<V, F>) {
+    fn push<V: Space, F: Lanes>(&mut self, members: [u32; LANES], there: u8, until: &Eight, found: &Found<V, F>) {
         let soon = found.gap + (found.away - found.toward) * F::splat(SOON_S);
         let nearer = there & soon.bits_lt(F::splat(self.least));
         if nearer != 0 {
@@ -105,10 +101,11 @@ impl Rows {
         }
         let row = &mut self.rows[self.len];
         self.len += 1;
-        (row.block, row.there) = (block, there);
+        (row.members, row.there, row.until) = (members, there, *until);
         found.gap.store(&mut row.gap);
         found.toward.store(&mut row.toward);
         found.away.store(&mut row.away);
+        found.limit.store(&mut row.limit);
     }
 }
 
@@ -140,15 +137,18 @@ pub(crate) struct Heed {
 impl<V: Space> Look<'_, V> {
     /// Finds those within sight who matter to it: those whom it feels, and those before it whom it may meet if it goes
     /// straight at them (see [`super::sight::Sight::see_all`]). For one who takes a plan, `rows` are all others.
-    pub fn around(&self, seen: &mut Vec<Seen<V>>, rows: Option<&mut Rows>) {
-        dispatch(Around { look: self, seen, rows });
+    ///
+    /// - `room`: see [`Cells::members_around`].
+    pub fn around(&self, room: &mut Vec<u32>, seen: &mut Vec<Seen<V>>, rows: Option<&mut Rows>) {
+        let around = self.cells.members_around(self.at, room);
+        dispatch(Around { look: self, around, seen, rows });
     }
 
     #[inline(always)]
-    fn find<F: Lanes>(&self, block: &Block) -> Found<V, F> {
-        let age: Eight = std::array::from_fn(|i| (self.time - block.start[i]) as f32);
-        let (age, plans) = (F::load(&age), block.plans::<V, F>());
-        let (position, velocity) = plans.after(age);
+    fn find<F: Lanes>(&self, kept: [&Kept; LANES]) -> Found<V, F> {
+        let age: Eight = kept.map(|k| (self.time - k.start) as f32);
+        let (plans, radius) = Kept::side_by_side::<V, F>(kept);
+        let (position, velocity) = plans.after(F::load(&age));
         let offset = position - Vectors::splat(self.me.position);
         let distance = offset.length_squared().sqrt();
         let per_distance = F::splat(1.0) / distance.max(F::splat(1e-6));
@@ -156,10 +156,12 @@ impl<V: Space> Look<'_, V> {
             offset,
             velocity,
             distance,
-            gap: distance - F::load(&block.radius) - F::splat(self.me.radius),
+            gap: distance - radius - F::splat(self.me.radius),
             toward: Vectors::splat(self.me.velocity).dot(offset) * per_distance,
             away: velocity.dot(offset) * per_distance,
             ahead: Vectors::splat(self.me.desired).dot(offset),
+            radius,
+            limit: plans.limit,
         }
     }
 
@@ -175,16 +177,17 @@ impl<V: Space> Look<'_, V> {
         f.distance.bits_lt(F::splat(heed.perception)) & (felt | met & is_ahead)
     }
 
-    /// Adds some of a block to those who are seen.
+    /// Adds some of eight to those who are seen.
     #[inline(always)]
-    fn see<F: Lanes>(&self, f: &Found<V, F>, block: &Block, which: u8, seen: &mut Vec<Seen<V>>) {
-        let (offset, velocity, distance) = (f.offset.to_arrays(), f.velocity.to_arrays(), f.distance.to_array());
+    fn see<F: Lanes>(&self, f: &Found<V, F>, which: u8, seen: &mut Vec<Seen<V>>) {
+        let (offset, velocity) = (f.offset.to_arrays(), f.velocity.to_arrays());
+        let (distance, radius) = (f.distance.to_array(), f.radius.to_array());
         for i in bits(which) {
             seen.push(Seen {
                 offset: nth(&offset, i),
                 velocity: nth(&velocity, i),
                 distance: distance[i],
-                radii: self.me.radius + block.radius[i],
+                radii: self.me.radius + radius[i],
                 yields: true,
             });
         }
@@ -194,6 +197,7 @@ impl<V: Space> Look<'_, V> {
 /// See [`Look::around`].
 struct Around<'a, V> {
     look: &'a Look<'a, V>,
+    around: &'a [u32],
     seen: &'a mut Vec<Seen<V>>,
     rows: Option<&'a mut Rows>,
 }
@@ -203,27 +207,26 @@ impl<V: Space> Work for Around<'_, V> {
 
     #[inline(always)]
     fn run<F: Lanes>(self) {
-        let Self { look, seen, mut rows } = self;
-        let (own_block, own_place) = look.cells.place(look.member);
+        let Self { look, around, seen, mut rows } = self;
         if let Some(rows) = &mut rows {
             rows.clear();
         }
-        look.cells.around(look.at, |cell| {
-            look.cells.each_block(cell, |block, number, len| {
-                let mut there = ((1u32 << len) - 1) as u8;
-                if number == own_block {
-                    there &= !(1 << own_place);
-                }
-                let found = look.find::<F>(block);
-                let heeded = there & look.heeds(&found);
-                if heeded != 0 {
-                    look.see(&found, block, heeded, seen);
-                }
-                if let Some(rows) = &mut rows {
-                    rows.push(number, there, &found);
-                }
-            });
-        });
+        for some in around.chunks(LANES) {
+            // Of less than eight, the first one fills the places of those who are not there.
+            let members: [u32; LANES] = std::array::from_fn(|i| some.get(i).copied().unwrap_or(some[0]));
+            let own = (0..LANES).fold(0u8, |own, i| own | u8::from(members[i] == look.member) << i);
+            let there = (0xFFu32 >> (LANES - some.len())) as u8 & !own;
+            let kept = members.map(|m| look.cells.kept(m));
+            let found = look.find::<F>(kept);
+            let heeded = there & look.heeds(&found);
+            if heeded != 0 {
+                look.see(&found, heeded, seen);
+            }
+            if let Some(rows) = &mut rows {
+                let until: Eight = kept.map(|k| (k.end - look.time) as f32);
+                rows.push(members, there, &until, &found);
+            }
+        }
     }
 }
 
@@ -286,7 +289,7 @@ pub(super) mod tests {
         let at = cells.coordinates(plans[0].position);
         let mut rows = Rows::default();
         let look = Look { cells: &cells, at, time: NOW, member: 0, me: &me, heed: HEED };
-        look.around(&mut Vec::new(), Some(&mut rows));
+        look.around(&mut Vec::new(), &mut Vec::new(), Some(&mut rows));
         (cells, rows)
     }
 
@@ -300,11 +303,11 @@ pub(super) mod tests {
         let see = |heed: Heed| {
             let look = Look { cells: &cells, at, time: NOW, member: 0, me: &me, heed };
             let (mut rows, mut seen) = (Rows::default(), Vec::new());
-            look.around(&mut seen, Some(&mut rows));
+            look.around(&mut Vec::new(), &mut seen, Some(&mut rows));
             (rows, seen)
         };
         let (rows, seen) = see(Heed { perception: 1e3, felt: 1e3, ..HEED });
-        let plans = rows.all().iter().flat_map(|r| bits(r.there).map(|i| cells.block(r.block).plan(i)));
+        let plans = rows.all().iter().flat_map(|r| bits(r.there).map(|i| cells.plan(r.members[i])));
         let found: Vec<Plan<V>> = plans.collect();
         let mut around = Vec::new();
         cells.around(at, |cell| cells.each(cell, |p| around.push(p.index)));

@@ -1,12 +1,60 @@
 //! Those whom a plan is compared with, eight at a time: what is missing to the rule of `safety.rs` between two plans.
 
-use super::cells::{BLOCK, Block, Eight, nth};
-use super::eights::{Plans, Sides, Vectors};
-use super::near::bits;
+use super::eights::{Eight, Plans, Sides, Vectors, bits, nth};
 use super::plan::Plan;
 use super::safety::{Candidate, Lack, MARGIN};
 use super::{NONE, Space};
-use crate::lanes::{Lanes, Work, dispatch};
+use crate::lanes::{LANES, Lanes, Work, dispatch};
+
+/// Plans of eight, each number of all of them side by side.
+#[derive(Clone, Copy, Debug, Default)]
+#[repr(C, align(64))]
+struct Block {
+    start: [f64; LANES],
+    end: [f64; LANES],
+    index: [u32; LANES],
+    moving: Eight,
+    radius: Eight,
+    limit: Eight,
+    axes: [Axis; 3],
+}
+
+/// One coordinate of eight motions.
+#[derive(Clone, Copy, Debug, Default)]
+#[repr(C)]
+struct Axis {
+    position: Eight,
+    velocity: Eight,
+    acceleration: Eight,
+}
+
+impl Block {
+    /// Plans of all of them.
+    #[inline(always)]
+    fn plans<V: Space, F: Lanes>(&self) -> Plans<V, F> {
+        let [x, y, z] = &self.axes;
+        Plans {
+            position: Vectors::load_each([&x.position, &y.position, &z.position]),
+            velocity: Vectors::load_each([&x.velocity, &y.velocity, &z.velocity]),
+            acceleration: Vectors::load_each([&x.acceleration, &y.acceleration, &z.acceleration]),
+            moving: F::load(&self.moving),
+            limit: F::load(&self.limit),
+        }
+    }
+
+    /// Puts a plan in a place.
+    #[inline]
+    fn put<V: Space>(&mut self, i: usize, plan: &Plan<V>) {
+        (self.start[i], self.end[i]) = (plan.start, plan.end);
+        let (x, v, a) = (plan.position.coordinates(), plan.velocity.coordinates(), plan.acceleration.coordinates());
+        for axis in 0..V::DIMENSIONS {
+            let axes = &mut self.axes[axis];
+            (axes.position[i], axes.velocity[i], axes.acceleration[i]) = (x[axis], v[axis], a[axis]);
+        }
+        (self.moving[i], self.radius[i], self.limit[i]) = (plan.moving, plan.radius, plan.limit);
+        self.index[i] = plan.index;
+    }
+}
 
 /// Plans of eight others, as they are at an event.
 #[derive(Clone, Copy, Debug, Default)]
@@ -37,7 +85,7 @@ pub(crate) struct Others {
 impl Others {
     /// Room for so many.
     pub fn new(capacity: usize) -> Self {
-        Self { packs: Vec::with_capacity(capacity.div_ceil(BLOCK)), len: 0 }
+        Self { packs: Vec::with_capacity(capacity.div_ceil(LANES)), len: 0 }
     }
 
     /// Nobody.
@@ -48,7 +96,7 @@ impl Others {
     /// Adds somebody; see [`Others::prepare`].
     #[inline]
     pub fn push<V: Space>(&mut self, plan: &Plan<V>) {
-        let (pack, place) = (self.len / BLOCK, self.len % BLOCK);
+        let (pack, place) = (self.len / LANES, self.len % LANES);
         if pack == self.packs.len() {
             self.packs.push(Pack::default());
         }
@@ -58,9 +106,9 @@ impl Others {
 
     /// Makes all who were added ready to be compared with plans that start at a place and time.
     pub fn prepare<V: Space>(&mut self, position: V, time: f64) {
-        let used = self.len.div_ceil(BLOCK);
+        let used = self.len.div_ceil(LANES);
         dispatch(Prepare { packs: &mut self.packs[..used], position, time });
-        let last = self.len % BLOCK;
+        let last = self.len % LANES;
         if last > 0 {
             self.packs[used - 1].free[last..].fill(f32::INFINITY);
         }
@@ -68,8 +116,8 @@ impl Others {
 
     /// Leaves out those who are no members.
     pub fn leave_out_movers(&mut self) {
-        for pack in &mut self.packs[..self.len.div_ceil(BLOCK)] {
-            for i in (0..BLOCK).filter(|&i| pack.plans.index[i] == NONE) {
+        for pack in &mut self.packs[..self.len.div_ceil(LANES)] {
+            for i in (0..LANES).filter(|&i| pack.plans.index[i] == NONE) {
                 pack.free[i] = f32::INFINITY;
             }
         }
@@ -77,14 +125,14 @@ impl Others {
 
     /// The largest lack of a plan.
     pub fn worst<V: Space>(&self, me: &Candidate<V>) -> Option<Lack<V>> {
-        dispatch(Worst { packs: &self.packs[..self.len.div_ceil(BLOCK)], me })
+        dispatch(Worst { packs: &self.packs[..self.len.div_ceil(LANES)], me })
     }
 
     /// Numbers of those whom a plan that comes so far is compared with.
     #[cfg(test)]
     pub fn within(&self, reach: f32) -> Vec<u32> {
-        let all = self.packs[..self.len.div_ceil(BLOCK)].iter();
-        all.flat_map(|p| (0..BLOCK).filter(move |&i| p.free[i] < reach).map(|i| p.plans.index[i])).collect()
+        let all = self.packs[..self.len.div_ceil(LANES)].iter();
+        all.flat_map(|p| (0..LANES).filter(move |&i| p.free[i] < reach).map(|i| p.plans.index[i])).collect()
     }
 }
 

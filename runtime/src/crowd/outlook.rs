@@ -50,6 +50,13 @@ pub(crate) fn coming<V: Space>(flow: &Flow<V>, position: V, ahead: V, left: f32)
     [AHEAD.iter().map(opposed).sum(), FAR_AHEAD.iter().map(opposed).sum()]
 }
 
+/// Has the squares fetched from memory that [`coming`] looks at.
+#[inline]
+pub(crate) fn prefetch_outlook<V: Space>(flow: &Flow<V>, position: V, ahead: V) {
+    let at = position * flow.per_m();
+    flow.prefetch(AHEAD.iter().chain(&FAR_AHEAD).map(|&k| at + ahead * k));
+}
+
 /// How much better one likes to go to the right in the open, where so many come toward it: two crowds that meet head-on
 /// slide past each other instead of pressing, and those who all cross in one place go round it. Between walls, see
 /// [`super::beside`].

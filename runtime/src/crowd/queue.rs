@@ -1,10 +1,14 @@
 //! The queue of events: a calendar (Brown 1988) with one entry for each member.
 
 use super::NONE;
+use crate::prefetch::prefetch;
+use std::cmp::Ordering;
 
 /// Time that one turn of the calendar takes. Longer than most intervals between events, so that a page holds few
 /// entries of later turns. [Unit: s]
 const TURN_S: f64 = 2.0;
+/// How many pages after the one that is open a scout looks at.
+const SCOUTED: u64 = 4;
 
 /// Next event of every member, in the exact order of time and then of number.
 ///
@@ -17,7 +21,7 @@ pub(crate) struct Calendar {
     first: Vec<u32>,
     entries: Vec<Entry>,
     /// The page that is open, the earliest last.
-    open: Vec<u32>,
+    open: Vec<Due>,
     /// Number of the page that is open; entries of all pages before it are in it too.
     page: u64,
     len: usize,
@@ -31,6 +35,34 @@ struct Entry {
     next: u32,
     previous: u32,
     place: Place,
+}
+
+/// An event of the open page.
+#[derive(Clone, Copy, Debug)]
+struct Due {
+    time: f64,
+    member: u32,
+}
+
+impl Due {
+    /// In the order of time, and then of number.
+    fn order(&self, other: &Self) -> Ordering {
+        self.time.total_cmp(&other.time).then(self.member.cmp(&other.member))
+    }
+}
+
+/// How far those who act soon have been looked at, see [`Calendar::scout`].
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Scout {
+    page: u64,
+    /// Who is next in that page.
+    next: u32,
+}
+
+impl Default for Scout {
+    fn default() -> Self {
+        Self { page: 0, next: NONE }
+    }
 }
 
 /// Where the entry of a member is.
@@ -61,7 +93,8 @@ impl Calendar {
         self.first.fill(NONE);
         self.entries.iter_mut().for_each(|e| e.place = Place::Nowhere);
         self.open.clear();
-        self.page = self.page_of(now);
+        // Not that of `now`: many may be about to be set to act then, who are sorted together when it is opened.
+        self.page = self.page_of(now) - 1;
         self.len = 0;
     }
 
@@ -73,8 +106,9 @@ impl Calendar {
         self.len += 1;
         let page = self.page_of(time);
         if page <= self.page {
-            let at = self.open.partition_point(|&o| self.is_before(member, o));
-            self.open.insert(at, member);
+            let due = Due { time, member };
+            let at = self.place_in_open(&due);
+            self.open.insert(at, due);
             self.entries[m].place = Place::Open;
             return;
         }
@@ -93,7 +127,7 @@ impl Calendar {
         match self.entries[m].place {
             Place::Nowhere => return,
             Place::Open => {
-                let at = self.open.partition_point(|&o| self.is_before(member, o));
+                let at = self.place_in_open(&Due { time: self.entries[m].time, member });
                 self.open.remove(at);
             }
             Place::Page => self.unlink(member),
@@ -116,25 +150,44 @@ impl Calendar {
             self.page += 1;
             self.open_page();
         }
-        let member = *self.open.last()?;
-        let time = self.entries[member as usize].time;
+        let Due { time, member } = *self.open.last()?;
         (time <= until).then_some((time, member))
     }
 
-    /// Whose event comes as the n-th after the first, as far as that is known.
+    /// The next one of those who act soon, in no order: everybody of the pages after the one that is open, as far as
+    /// the scout may look ahead. Some may be missed, and some come who act later.
     #[inline]
-    pub fn later(&self, n: usize) -> Option<u32> {
-        self.open.len().checked_sub(n + 1).map(|i| self.open[i])
+    pub fn scout(&self, scout: &mut Scout) -> Option<u32> {
+        if !(self.page + 1..=self.page + SCOUTED).contains(&scout.page) {
+            *scout = Scout { page: self.page + 1, next: self.first_of(self.page + 1) };
+        }
+        while scout.next == NONE {
+            if scout.page >= self.page + SCOUTED {
+                return None;
+            }
+            *scout = Scout { page: scout.page + 1, next: self.first_of(scout.page + 1) };
+        }
+        let member = scout.next;
+        scout.next = self.entries[member as usize].next;
+        if let Some(next) = self.entries.get(scout.next as usize) {
+            prefetch(next);
+        }
+        Some(member)
     }
 
+    /// First member of a page.
+    fn first_of(&self, page: u64) -> u32 {
+        self.first[page as usize & (self.first.len() - 1)]
+    }
+
+    /// Page of a time: the first one is 1, so that one before it can be open.
     fn page_of(&self, time: f64) -> u64 {
-        (time * self.pages_per_s) as u64
+        (time * self.pages_per_s) as u64 + 1
     }
 
-    /// True where the event of `a` comes after that of `b`: the open page is kept latest first.
-    fn is_before(&self, a: u32, b: u32) -> bool {
-        let (ta, tb) = (self.entries[a as usize].time, self.entries[b as usize].time);
-        ta.total_cmp(&tb).then(a.cmp(&b)).is_lt()
+    /// Where an event is in the open page, or is to be put.
+    fn place_in_open(&self, due: &Due) -> usize {
+        self.open.partition_point(|o| due.order(o).is_lt())
     }
 
     fn unlink(&mut self, member: u32) {
@@ -151,18 +204,17 @@ impl Calendar {
     }
 
     fn open_page(&mut self) {
-        let mut member = self.first[self.page as usize & (self.first.len() - 1)];
+        let mut member = self.first_of(self.page);
         while member != NONE {
             let Entry { time, next, .. } = self.entries[member as usize];
             if self.page_of(time) == self.page {
                 self.unlink(member);
                 self.entries[member as usize].place = Place::Open;
-                self.open.push(member);
+                self.open.push(Due { time, member });
             }
             member = next;
         }
-        let time = |m: u32| self.entries[m as usize].time;
-        self.open.sort_unstable_by(|&a, &b| time(b).total_cmp(&time(a)).then(b.cmp(&a)));
+        self.open.sort_unstable_by(|a, b| b.order(a));
     }
 }
 
@@ -203,6 +255,31 @@ mod tests {
                     }
                 }
             }
+        }
+    }
+
+    #[test]
+    fn a_scout_finds_everybody_who_acts_soon_once() {
+        let mut calendar = Calendar::new(2000);
+        // A page is 3.9 ms long.
+        (0..2000u32).for_each(|m| calendar.set(m, f64::from(m * 7919 % 2000) * 1e-4));
+        let mut scout = Scout::default();
+        for now in [0.02, 0.05, 0.001] {
+            if now < 0.05 {
+                calendar.clear(now);
+                (0..2000).for_each(|m| calendar.set(m, f64::from(m * 7919 % 2000) * 1e-4));
+            }
+            while let Some((_, member)) = calendar.first(now) {
+                calendar.remove(member);
+            }
+            let mut found: Vec<u32> = std::iter::from_fn(|| calendar.scout(&mut scout)).collect();
+            found.sort_unstable();
+            let pages = calendar.page + 1..=calendar.page + SCOUTED;
+            let soon = |m: &u32| pages.contains(&calendar.page_of(calendar.entries[*m as usize].time));
+            let want: Vec<u32> = (0..2000).filter(soon).collect();
+            assert!(want.len() > 100, "{}", want.len());
+            assert_eq!(found, want, "at {now} s");
+            assert_eq!(calendar.scout(&mut scout), None, "until time goes on");
         }
     }
 

@@ -1,8 +1,9 @@
 //! Whose stop regions a plan may come to: a first look that leaves few to compare exactly.
 
 use super::Space;
-use super::cells::{Cells, Eight};
-use super::near::{Row, bits};
+use super::cells::Cells;
+use super::eights::bits;
+use super::near::Row;
 use super::others::Others;
 use super::plan::Plan;
 use crate::lanes::{Lanes, Work, dispatch};
@@ -33,7 +34,7 @@ impl<'a, V: Space> Reach<'a, V> {
         Self { cells, fastest, fresh, length, mine }
     }
 
-    /// Adds those that it may come to.
+    /// Adds those that it may come to, of rows that were found at its start.
     pub fn find(&self, rows: &[Row], others: &mut Others) {
         dispatch(Find { reach: self, rows, others });
     }
@@ -67,13 +68,11 @@ impl<V: Space> Work for Find<'_, V> {
         let mine = (F::splat(fresh.limit), F::splat(0.5 * last / fresh.limit));
         let (length, half_fastest) = (F::splat(length), F::splat(0.5 * fastest));
         for row in self.rows {
-            let block = cells.block(row.block);
-            let until: Eight = std::array::from_fn(|i| (block.end[i] - fresh.start) as f32);
-            let limit = F::load(&block.limit);
-            let its = extent(-F::load(&row.away), (limit, half_fastest / limit), F::load(&until));
+            let limit = F::load(&row.limit);
+            let its = extent(-F::load(&row.away), (limit, half_fastest / limit), F::load(&row.until));
             let room = F::load(&row.gap) - F::splat(ROOM) - its;
             for i in bits(row.there & room.bits_lt(extent(F::load(&row.toward), mine, length))) {
-                self.others.push(&block.plan::<V>(i));
+                self.others.push(&cells.plan(row.members[i]));
             }
         }
     }
@@ -108,7 +107,7 @@ mod tests {
             let compared = others.within(me.reach());
             for row in rows.all() {
                 for i in bits(row.there) {
-                    let other: Plan<V> = cells.block(row.block).plan(i);
+                    let other: Plan<V> = cells.plan(row.members[i]);
                     if compared.contains(&other.index) {
                         continue;
                     }

@@ -122,6 +122,7 @@ impl<V: Space> Crowd<V> {
         }
         (self.now, self.counts, self.minds) = (state.now, state.counts, state.minds);
         (self.flow, self.looks, self.own) = (state.flow, state.looks, state.own);
+        self.flow.mark();
         self.free.clear();
         self.free.extend(&state.free);
         self.cells.clear();

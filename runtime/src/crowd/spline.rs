@@ -2,6 +2,7 @@
 
 use super::solid::{Solid, is_inside};
 use super::{AtEnd, CrowdError, Obstacle, Route, Space};
+use crate::prefetch::prefetch;
 use serde::{Deserialize, Serialize};
 
 /// Most pieces that one event moves on.
@@ -168,6 +169,14 @@ impl<V: Space> Spline<V> {
                 *cursor = Cursor { piece: number, share };
             }
             way += piece.length;
+        }
+    }
+
+    /// Has the piece that a cursor is on fetched from memory.
+    #[inline]
+    pub fn prefetch(&self, cursor: Cursor) {
+        if let Some(piece) = self.pieces.get(cursor.piece as usize) {
+            prefetch(piece);
         }
     }
 

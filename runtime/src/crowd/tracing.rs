@@ -1,10 +1,11 @@
 //! How a crowd finds out who has to act next: the scheme of 001, and what it shares with that of 000.
 
 use super::bound::{Bound, fall_each};
-use super::cells::{Block, Cells};
+use super::cells::Cells;
 use super::decide::{Cause, Decider};
+use super::eights::bits;
 use super::fixed::Fixed;
-use super::near::{Row, Rows, bits};
+use super::near::{Row, Rows};
 use super::occupancy::{Occupancy, narrowest};
 use super::plan::Plan;
 use super::{CrowdConfig, CrowdError, Member, Scheme, Space};
@@ -65,9 +66,9 @@ impl<V: Space> Meeting<V> {
     /// Those of a row who may be met before all that is known, and when that is at the earliest, as their first tangents
     /// say.
     #[inline(always)]
-    fn soonest<F: Lanes>(&self, row: &Row, block: &Block) -> (u8, F) {
+    fn soonest<F: Lanes>(&self, row: &Row) -> (u8, F) {
         let (gap, rate) = (F::load(&row.gap), F::load(&row.away) - F::load(&row.toward));
-        let (growth, first) = (F::splat(self.bound.limit) + F::load(&block.limit), F::splat(self.first.1));
+        let (growth, first) = (F::splat(self.bound.limit) + F::load(&row.limit), F::splat(self.first.1));
         // At `first` there is no gap any more.
         let left = gap + (rate - F::splat(0.5) * growth * first) * first;
         let some = row.there & left.bits_lt(F::splat(0.0));
@@ -105,17 +106,16 @@ impl<V: Space> Work for Look<'_, V> {
         let Self { meeting, cells, rows } = self;
         let Some((at, nearest)) = rows.nearest() else { return };
         // Whoever is met early leaves few who may be met earlier.
-        meeting.meet(&cells.block(rows.all()[at].block).plan(nearest));
+        meeting.meet(&cells.plan(rows.all()[at].members[nearest]));
         for (n, row) in rows.all().iter().enumerate() {
-            let block = cells.block(row.block);
-            let (some, soonest) = meeting.soonest::<F>(row, block);
+            let (some, soonest) = meeting.soonest::<F>(row);
             if some == 0 {
                 continue;
             }
             let soonest = soonest.to_array();
             for i in bits(some) {
                 if soonest[i] < meeting.first.1 && (n, i) != (at, nearest) {
-                    meeting.meet(&block.plan(i));
+                    meeting.meet(&cells.plan(row.members[i]));
                 }
             }
         }
@@ -210,7 +210,7 @@ mod tests {
         let (cells, rows) = rows_around(plans);
         meeting.look(&cells, &rows);
         let (cause, got) = meeting.first;
-        let found = rows.all().iter().flat_map(|r| bits(r.there).map(|i| cells.block(r.block).plan(i)));
+        let found = rows.all().iter().flat_map(|r| bits(r.there).map(|i| cells.plan(r.members[i])));
         let found: Vec<Plan<V>> = found.collect();
         let want = first_of_all(&meeting.bound, &found, first);
         prop_assert!((got - want).abs() <= 1e-5 * want, "{cause:?} after {got} s, the first is after {want} s");

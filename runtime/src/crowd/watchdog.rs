@@ -1,6 +1,7 @@
 //! Sees when the crowd does not get on.
 
 use super::NONE;
+use crate::prefetch::prefetch;
 
 /// How long events are counted before the count begins anew. [Unit: s]
 const COUNTED_S: f64 = 1.0;
@@ -43,6 +44,12 @@ impl Watchdog {
     /// Forgets what a member did: somebody else has its number now, or time goes on from elsewhere.
     pub fn forget(&mut self, member: u32) {
         self.counts[member as usize].since = f64::NEG_INFINITY;
+    }
+
+    /// Has what is noted of a member fetched from memory.
+    #[inline]
+    pub fn prefetch(&self, member: u32) {
+        prefetch(&self.counts[member as usize]);
     }
 
     /// Notes an event of a member, with the other one if there is one.

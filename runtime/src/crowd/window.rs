@@ -61,7 +61,7 @@ impl<V: Space> Crowd<V> {
         windows.levels.resize(self.cells.num_cells(), 0);
         let num_threads = rayon::current_num_threads();
         while windows.scratches.len() < num_threads {
-            windows.scratches.push(Scratch::new(&self.cells, self.minds.len(), self.world.movers.len()));
+            windows.scratches.push(Scratch::new(self.minds.len(), self.world.movers.len()));
         }
         let mut done = Ok(());
         while let Some((time, _)) = self.queue.first(until_s) {

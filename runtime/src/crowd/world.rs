@@ -8,6 +8,7 @@ use super::plan::Plan;
 use super::solid::{Solid, is_inside, solids};
 use super::spline::Spline;
 use super::{CrowdError, Field, Interest, Member, Obstacle, Scheme, Setup, Space};
+use crate::prefetch::prefetch;
 
 /// How much faster than it wishes a member may be, when it gives way.
 pub(crate) const HURRY: f32 = 1.25;
@@ -26,11 +27,12 @@ pub(crate) struct World<V> {
     pub owners: Vec<u32>,
     pub movers: Vec<Mover<V>>,
     pub interests: Vec<Interest<V>>,
-    /// Solids that reach into the region of each cell: those of cell c are `near[first[c]..first[c + 1]]`.
-    first: Vec<u32>,
+    /// Where the lists of each cell begin in `near` and `walls`: those of cell c end where those of c + 1 begin. Empty
+    /// where there are no solids.
+    first: Vec<[u32; 2]>,
+    /// Solids that reach into the region of each cell.
     near: Vec<u32>,
     /// The same for those that are walls to somebody in the region, see [`is_wall_within`].
-    first_wall: Vec<u32>,
     walls: Vec<u32>,
     /// Smallest time between two events of a member. [Unit: s]
     pub interval: f32,
@@ -103,7 +105,6 @@ impl<V: Space> World<V> {
             interests: setup.interests.clone(),
             first: Vec::new(),
             near: Vec::new(),
-            first_wall: Vec::new(),
             walls: Vec::new(),
             interval: config.smallest_interval_s,
             radius,
@@ -123,8 +124,11 @@ impl<V: Space> World<V> {
         for (member, m) in setup.members.iter().enumerate() {
             world.check_place(member, m.position)?;
         }
-        (world.first, world.near) = world.list(&cells, |_| Some(0.0));
-        (world.first_wall, world.walls) = world.list(&cells, is_wall_within);
+        if !world.solids.is_empty() {
+            let (near, walls) = (world.list(&cells, |_| Some(0.0)), world.list(&cells, is_wall_within));
+            world.first = near.0.into_iter().zip(walls.0).map(<[u32; 2]>::from).collect();
+            (world.near, world.walls) = (near.1, walls.1);
+        }
         Ok((world, cells, flow))
     }
 
@@ -179,15 +183,32 @@ impl<V: Space> World<V> {
         self.obstacles.iter().position(inside).map_or(Ok(()), |obstacle| Err(CrowdError::Inside { member, obstacle }))
     }
 
+    /// Has fetched from memory where the lists of a cell are.
+    #[inline]
+    pub fn prefetch(&self, cell: u32) {
+        if let Some(first) = self.first.get(cell as usize) {
+            prefetch(first);
+        }
+    }
+
     /// Solids that reach into the region of a cell.
     #[inline]
     pub fn near(&self, cell: u32) -> &[u32] {
-        &self.near[self.first[cell as usize] as usize..self.first[cell as usize + 1] as usize]
+        self.listed(cell, 0, &self.near)
     }
 
     /// Solids that a member in a cell sees beside it.
+    #[inline]
     pub fn walls(&self, cell: u32) -> &[u32] {
-        &self.walls[self.first_wall[cell as usize] as usize..self.first_wall[cell as usize + 1] as usize]
+        self.listed(cell, 1, &self.walls)
+    }
+
+    #[inline]
+    fn listed<'a>(&self, cell: u32, kind: usize, all: &'a [u32]) -> &'a [u32] {
+        match self.first.get(cell as usize..cell as usize + 2) {
+            Some(&[first, next]) => &all[first[kind] as usize..next[kind] as usize],
+            _ => &[],
+        }
     }
 
     /// Lists solids by the cells whose regions they touch, or are within a distance of, if they are to be listed: where
