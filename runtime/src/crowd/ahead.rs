@@ -4,7 +4,7 @@
 //! links: from the queue to a member, from there to the cells around it, and to those who are in them. So this goes
 //! ahead of the events, a link at each.
 
-use super::decide::Mind;
+use super::decide::{Cause, Mind};
 use super::outlook::prefetch_outlook;
 use super::queue::Scout;
 use super::{Crowd, NONE, Space};
@@ -39,7 +39,7 @@ impl<V: Space> Crowd<V> {
             self.cells.prefetch_cells(self.cells.coordinates(self.cells.plan(last).at(self.now).0));
             self.world.prefetch(mind.cell);
             prefetch(&self.world.splines[mind.route as usize]);
-            if let Some(partner) = self.partner(mind.cause) {
+            if let Cause::Member(partner) = mind.cause {
                 prefetch(&self.minds[partner as usize]);
             }
         }

@@ -87,7 +87,7 @@ struct Bunch {
 /// A grid of square or cubic cells, each with its members.
 ///
 /// The grid is a torus: what is farther away than its extents shares cells with what is near. That costs a look at
-/// members who are far away, but nothing is ever outside, and empty space takes no memory.
+/// members who are far away, but nothing is ever outside, and there are at most 16 cells for each member.
 #[derive(Clone, Debug)]
 pub(crate) struct Cells<V> {
     side: f32,
@@ -360,9 +360,16 @@ mod tests {
                     there.sort_unstable();
                     let want: Vec<u32> = (0..60).filter(|&m| list[m as usize] == Some(cell)).collect();
                     prop_assert_eq!(&there, &want);
-                    prop_assert!(there.iter().all(|&m| cells.plan(m).index == m));
+                    let is_last = |&m: &u32| cells.number([cells.plan(m).limit as i32, 0, 0]) == cell;
+                    prop_assert!(there.iter().all(is_last), "the plan that was set last");
                 }
             }
+            let plans = cells.plans();
+            cells.clear();
+            for plan in &plans {
+                cells.insert(cells.number([plan.limit as i32, 0, 0]), plan);
+            }
+            prop_assert_eq!(cells.plans(), plans, "the same order");
         }
     }
 

@@ -103,7 +103,7 @@ impl<V: Space> Crowd<V> {
         while let Some((time, member)) = self.queue.first(until_s) {
             self.look_until(time);
             self.now = time;
-            if self.minds.len() > FEW {
+            if self.minds.len() - self.free.len() > FEW {
                 self.look_ahead();
             }
             self.happen(member, on_event)?;

@@ -68,5 +68,5 @@ pub use obstacle::{Interest, Obstacle};
 pub use route::{AtEnd, Route};
 pub use space::Space;
 
-/// No member, no block.
+/// No member, no place.
 const NONE: u32 = u32::MAX;

@@ -205,10 +205,11 @@ impl<V: Space> World<V> {
 
     #[inline]
     fn listed<'a>(&self, cell: u32, kind: usize, all: &'a [u32]) -> &'a [u32] {
-        match self.first.get(cell as usize..cell as usize + 2) {
-            Some(&[first, next]) => &all[first[kind] as usize..next[kind] as usize],
-            _ => &[],
+        if self.first.is_empty() {
+            return &[];
         }
+        let (first, next) = (self.first[cell as usize], self.first[cell as usize + 1]);
+        &all[first[kind] as usize..next[kind] as usize]
     }
 
     /// Lists solids by the cells whose regions they touch, or are within a distance of, if they are to be listed: where
