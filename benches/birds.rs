@@ -3,6 +3,7 @@
 
 use glam::Vec3;
 use std::time::Instant;
+use throng_precompute::scene::crowd::own_scene;
 use throng_runtime::crowd::{AtEnd, Crowd, CrowdConfig, CrowdError, Field, Id, Member, Obstacle, Route, Scheme, Setup};
 
 /// Metres in an inch.
@@ -27,7 +28,9 @@ const RIVALS: [(&str, Scheme, f32, u32); 5] = [
     ("fixed-10-a-second", Scheme::Fixed, 10.0, 4),
 ];
 
-fn main() -> Result<(), CrowdError> {
+fn main() -> Result<(), Box<dyn std::error::Error>> {
+    // That of the scene, which says why.
+    let field = own_scene("flock")?.ok_or("there is no scene of this name")?.field;
     // `cargo test` runs benches too: a few birds are enough there.
     let whole = std::env::args().any(|a| a == "--bench");
     let chosen: Vec<String> = std::env::args().skip(1).filter(|a| !a.starts_with("--")).collect();
@@ -40,7 +43,7 @@ fn main() -> Result<(), CrowdError> {
         for (name, scheme, rate, halvings) in RIVALS {
             if chosen.is_empty() || chosen.iter().any(|c| c == name) {
                 let config = CrowdConfig { scheme, step_s: 1.0 / rate, halvings, ..CrowdConfig::default() };
-                let flight = fly(flocks(n, config), if whole { FLIGHT_S } else { 4.0 })?;
+                let flight = fly(flocks(n, field, config), if whole { FLIGHT_S } else { 4.0 })?;
                 let base = *first.get_or_insert((flight.cost_us, flight.decisions));
                 flight.print(n, name, base);
             }
@@ -50,22 +53,7 @@ fn main() -> Result<(), CrowdError> {
 }
 
 /// Two flocks at opposite ends of the corridor, each of which flies to the other end.
-fn flocks(n: usize, config: CrowdConfig) -> Setup<Vec3> {
-    // As in `data/scenes/flock.toml`, which says why.
-    let field = Field {
-        relaxation_s: 0.3,
-        look_ahead_m: 3.4,
-        perception_m: 6.8,
-        repulsion_m: 0.42,
-        decelerating_m: 0.34,
-        turning_m: 1.1,
-        comfort_m: 0.034,
-        headway_m: 0.2,
-        crowding: 0.0,
-        lanes: 0.0,
-        evading: 0.0,
-        ..Field::default()
-    };
+fn flocks(n: usize, field: Field, config: CrowdConfig) -> Setup<Vec3> {
     let mut setup = Setup { fields: vec![field], config, ..Setup::default() };
     let per_row = ((CORRIDOR.y - 2.0) / SPACING) as usize;
     for i in 0..n {

@@ -87,7 +87,8 @@ struct Bunch {
 /// A grid of square or cubic cells, each with its members.
 ///
 /// The grid is a torus: what is farther away than its extents shares cells with what is near. That costs a look at
-/// members who are far away, but nothing is ever outside, and there are at most 16 cells for each member.
+/// members who are far away, but nothing is ever outside, and there are at most 16 cells for each member,
+/// or 1024.
 #[derive(Clone, Debug)]
 pub(crate) struct Cells<V> {
     side: f32,

@@ -32,7 +32,7 @@ pub(crate) struct Found<V, F> {
     pub limit: F,
 }
 
-/// What is kept of eight or less, as in [`Found`], for one who takes a plan: more has to be known of only few of them, once
+/// What is kept of eight or fewer, as in [`Found`], for one who takes a plan: more has to be known of only few of them, once
 /// it is known how long the plan is.
 #[derive(Clone, Copy, Debug, Default)]
 #[repr(C, align(64))]
@@ -83,7 +83,7 @@ impl Rows {
         (self.len, self.nearest, self.least) = (0, None, f32::INFINITY);
     }
 
-    /// Adds eight or less.
+    /// Adds eight or fewer.
     #[inline(always)]
     fn push<V: Space, F: Lanes>(&mut self, members: [u32; LANES], there: u8, until: &Eight, found: &Found<V, F>) {
         let soon = found.gap + (found.away - found.toward) * F::splat(SOON_S);
@@ -212,7 +212,7 @@ impl<V: Space> Work for Around<'_, V> {
             rows.clear();
         }
         for some in around.chunks(LANES) {
-            // Of less than eight, the first one fills the places of those who are not there.
+            // Of fewer than eight, the first one fills the places of those who are not there.
             let members: [u32; LANES] = std::array::from_fn(|i| some.get(i).copied().unwrap_or(some[0]));
             let own = (0..LANES).fold(0u8, |own, i| own | u8::from(members[i] == look.member) << i);
             let there = (0xFFu32 >> (LANES - some.len())) as u8 & !own;
