@@ -59,6 +59,11 @@ fn run(setup: Setup<Vec2>, seconds: usize) -> Report {
     report
 }
 
+/// Walls along X, longer than anybody walks.
+fn corridor(sides: [f32; 2]) -> Vec<Obstacle<Vec2>> {
+    sides.map(|y| wall([-120.0, y], [120.0, y], 0.0)).to_vec()
+}
+
 #[test]
 fn two_groups_get_past_each_other_in_a_narrow_corridor() {
     let mut setup = Setup::default();
@@ -70,7 +75,7 @@ fn two_groups_get_past_each_other_in_a_narrow_corridor() {
             add(&mut setup, from, &[from - Vec2::X * (side * 25.0)]);
         }
     }
-    setup.obstacles = vec![wall([-60.0, -2.0], [60.0, -2.0], 0.0), wall([-60.0, 2.0], [60.0, 2.0], 0.0)];
+    setup.obstacles = corridor([-2.0, 2.0]);
     let report = run(setup, 45);
     assert_eq!(report.left_over, 0);
     assert!(report.deepest < 0.0 && report.trembling < 20.0, "{} m, {} s", report.deepest, report.trembling);
@@ -89,7 +94,7 @@ fn the_few_step_back_before_the_many_in_a_corridor() {
                 add(&mut setup, from, &[from - Vec2::X * (side * 25.0)]);
             }
         }
-        setup.obstacles = vec![wall([-60.0, -1.2], [60.0, -1.2], 0.0), wall([-60.0, 1.2], [60.0, 1.2], 0.0)];
+        setup.obstacles = corridor([-1.2, 1.2]);
         left_over += run(setup, 65).left_over;
     }
     // If nobody did, more than a third of all 456 would be there still.
@@ -113,8 +118,7 @@ fn two_crowds_get_past_each_other_in_narrow_corridors() {
                 add(&mut setup, from, &[from - Vec2::X * (side * (4.0 + 2.0 * (num / columns) as f32))]);
             }
         }
-        let sides = [aside - 0.5 * width, aside + 0.5 * width];
-        setup.obstacles = sides.map(|y| wall([-120.0, y], [120.0, y], 0.0)).to_vec();
+        setup.obstacles = corridor([aside - 0.5 * width, aside + 0.5 * width]);
         let report = run(setup, 110);
         assert_eq!(report.left_over, 0, "{width} m wide");
         assert!(report.deepest < 0.0, "{width} m wide: {} m", report.deepest);
@@ -147,7 +151,7 @@ fn those_who_walk_one_way_do_not_hold_each_other_up() {
     // Three on two square metres, from rest.
     let mut setup = Setup::default();
     rows(&mut setup, 300, (6.0, 0.816), (1.0, 0.0, 100.0));
-    setup.obstacles = vec![wall([-120.0, -3.3], [120.0, -3.3], 0.0), wall([-120.0, 3.3], [120.0, 3.3], 0.0)];
+    setup.obstacles = corridor([-3.3, 3.3]);
     // If all turned to where the way is free longest, 0.95 m/s.
     let got = progress(setup, 12.0);
     assert!(got > 1.02, "{got} m/s");
@@ -159,7 +163,7 @@ fn two_crowds_in_a_street_pass_side_by_side() {
     for side in [-1.0f32, 1.0] {
         rows(&mut setup, 240, (10.0, 1.0), (side, 2.0, 60.0));
     }
-    setup.obstacles = vec![wall([-120.0, -5.2], [120.0, -5.2], 0.0), wall([-120.0, 5.2], [120.0, 5.2], 0.0)];
+    setup.obstacles = corridor([-5.2, 5.2]);
     // If all turned to where the way is free longest, and kept less to the right, 0.73 m/s.
     let got = progress(setup, 20.0);
     assert!(got > 0.79, "{got} m/s");
