@@ -1,20 +1,20 @@
-//! How much less work are events than fixed steps? The birds of 001's first experiment: two flocks fly through each other
+//! How much less work are events than fixed steps? The birds of Kim, Kim and Shin (2003b)'s first experiment: two flocks fly through each other
 //! and around columns, 100 to 1000 of them, in all schemes. `cargo bench --bench birds [-- SCHEME...]`
 
 use glam::Vec3;
 use std::time::Instant;
-use throng_precompute::scene::crowd::own_scene;
-use throng_runtime::crowd::{AtEnd, Crowd, CrowdConfig, CrowdError, Field, Id, Member, Obstacle, Route, Scheme, Setup};
+use throng_precompute::run::own_scene;
+use throng_runtime::crowd::{Agent, AtEnd, Crowd, CrowdConfig, CrowdError, Field, Id, Obstacle, Route, Scheme, Setup};
 
 /// Metres in an inch.
 const INCH: f32 = 0.0254;
-/// 001 section 4: length, height and width of the corridor.
+/// Kim, Kim and Shin (2003b), section 4: length, height and width of the corridor.
 const CORRIDOR: Vec3 = Vec3::new(6000.0 * INCH, 1000.0 * INCH, 1000.0 * INCH);
 const RADIUS: f32 = 20.0 * INCH;
 const SPEED: f32 = 200.0 * INCH;
 const ACCELERATION: f32 = 500.0 * INCH;
 const COLUMN: f32 = 50.0 * INCH;
-/// From one bird to the next at the start. [Unit: m]
+/// From one bird to the next at the start (m).
 const SPACING: f32 = 2.9;
 /// Everybody is at the other end by then.
 const FLIGHT_S: f64 = 32.0;
@@ -30,7 +30,7 @@ const RIVALS: [(&str, Scheme, f32, u32); 5] = [
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     // That of the scene, which says why.
-    let field = own_scene("flock")?.ok_or("there is no scene of this name")?.field;
+    let field = own_scene("flock")?.ok_or("there is no scene of this name")?.agents.field;
     // `cargo test` runs benches too: a few birds are enough there.
     let whole = std::env::args().any(|a| a == "--bench");
     let chosen: Vec<String> = std::env::args().skip(1).filter(|a| !a.starts_with("--")).collect();
@@ -53,7 +53,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 }
 
 /// Two flocks at opposite ends of the corridor, each of which flies to the other end.
-fn flocks(n: usize, field: Field, config: CrowdConfig) -> Setup<Vec3> {
+fn flocks(n: usize, field: Field, config: CrowdConfig) -> Setup {
     let mut setup = Setup { fields: vec![field], config, ..Setup::default() };
     let per_row = ((CORRIDOR.y - 2.0) / SPACING) as usize;
     for i in 0..n {
@@ -66,13 +66,13 @@ fn flocks(n: usize, field: Field, config: CrowdConfig) -> Setup<Vec3> {
         let z = 1.5 + SPACING * (k / per_row % per_row) as f32 + sway(k + 7);
         let goal = Vec3::new(sign * 0.5 * CORRIDOR.x, y, z);
         setup.routes.push(Route { subgoals: vec![goal], arrival_radius: 3.0, at_end: AtEnd::Leave });
-        setup.members.push(Member {
+        setup.agents.push(Agent {
             position: Vec3::new(x, y, z),
             velocity: Vec3::X * (sign * SPEED),
             radius: RADIUS,
             acceleration: ACCELERATION,
             speed: SPEED,
-            route: i,
+            route: Some(i),
             field: 0,
         });
     }
@@ -122,8 +122,8 @@ impl Flight {
 }
 
 /// Flies twice: once on the clock, once watched at 30 Hz. Both end alike.
-fn fly(setup: Setup<Vec3>, until: f64) -> Result<Flight, CrowdError> {
-    let mut crowd = Crowd::new(setup.clone())?;
+fn fly(setup: Setup, until: f64) -> Result<Flight, CrowdError> {
+    let mut crowd = Crowd::in_air(setup.clone())?;
     let mut watched = crowd.clone();
     let begin = clock_s();
     crowd.advance(until, &mut |_| ())?;
@@ -151,7 +151,7 @@ fn fly(setup: Setup<Vec3>, until: f64) -> Result<Flight, CrowdError> {
         air_s += birds.len() as f64 / 30.0;
     }
     watched.advance(until, &mut |_| ())?;
-    assert_eq!(crowd.state_hash(), watched.state_hash(), "who is watched flies as who is not");
+    assert_eq!(crowd.hash(), watched.hash(), "who is watched flies as who is not");
     let c = crowd.counts();
     let events = c.resetting + c.colliding + c.meeting + c.entering + c.leaving + c.contacting + c.separating;
     Ok(Flight {
@@ -165,7 +165,7 @@ fn fly(setup: Setup<Vec3>, until: f64) -> Result<Flight, CrowdError> {
     })
 }
 
-/// Time that this thread was running where the system tells it, and otherwise time that passes. [Unit: s]
+/// Time that this thread was running where the system tells it, and otherwise time that passes (s).
 fn clock_s() -> f64 {
     let ran = std::fs::read_to_string("/proc/thread-self/schedstat");
     let ns = ran.ok().and_then(|s| s.split(' ').next().and_then(|n| n.parse::<f64>().ok()));

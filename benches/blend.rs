@@ -12,8 +12,8 @@ use rand_pcg::Pcg64Mcg;
 use std::hint::black_box;
 use std::time::Instant;
 use throng_runtime::blend::walkers::{Control, WalkerStart, Walkers, WalkersConfig};
-use throng_runtime::blend::{AxisRecord, BlendSpace, HeightField, MAX_AXES, Posture, WeightGrid, axis};
-use throng_runtime::{Planar, Skeleton};
+use throng_runtime::blend::{AxisRecord, BlendSpace, MAX_AXES, Posture, WeightGrid, axis};
+use throng_runtime::{Cast, Id, Inline, Planar};
 
 fn main() {
     // `cargo test` runs benches too: a short look is enough there.
@@ -38,7 +38,7 @@ struct Bench {
 }
 
 impl Bench {
-    /// Median time of one of the batch. [Unit: ns]
+    /// Median time of one of the batch (ns).
     fn ns(&self, mut round: impl FnMut()) -> f64 {
         round();
         let mut times: Vec<f64> = (0..self.rounds)
@@ -89,7 +89,7 @@ impl Bench {
         );
     }
 
-    fn postures(&self, space: &BlendSpace<'_>) {
+    fn postures(&self, space: &BlendSpace) {
         let mut rng = Pcg64Mcg::seed_from_u64(2);
         let parameters: Vec<[f32; MAX_AXES]> = (0..self.n)
             .map(|_| {
@@ -114,26 +114,23 @@ impl Bench {
         );
     }
 
-    fn walkers(&self, space: &BlendSpace<'_>) {
-        let skeleton = Skeleton::default();
+    fn walkers(&self, space: &BlendSpace) {
         let starts: Vec<_> = (0..self.n)
             .map(|c| WalkerStart { body: 0, root: Planar::new(c as f32, 0.0, 0.0), phase: 0.61 * c as f32 })
             .collect();
         for (what, retarget) in [("retargeted", true), ("blended only", false)] {
             let config = WalkersConfig { retarget, ..WalkersConfig::default() };
-            let mut walkers =
-                Walkers::new(space, &skeleton, std::slice::from_ref(&skeleton), config, &starts).expect("walkers");
-            let mut controls = vec![Control::default(); self.n];
-            let flat = HeightField::flat();
+            let mut walkers = Walkers::with_capacity(space.clone(), &[], config, self.n).expect("walkers");
+            let ids: Vec<Id> = starts.iter().map(|s| walkers.spawn(*s).expect("a walker")).collect();
             let mut t = 0.0f32;
             let step = self.ns(|| {
                 t += 1.0 / 60.0;
-                for (c, control) in controls.iter_mut().enumerate() {
+                for (c, id) in ids.iter().enumerate() {
                     let speed = 2.5 + 2.5 * (0.7 * t + c as f32).sin();
-                    control.velocity = speed * Vec2::from_angle((0.3 * t + 0.1 * c as f32).sin());
-                    control.position += control.velocity / 60.0;
+                    let velocity = speed * Vec2::from_angle((0.3 * t + 0.1 * c as f32).sin());
+                    walkers.order(*id, Control::walk(velocity)).expect("an order");
                 }
-                walkers.step(space, 1.0 / 60.0, &controls, &flat).expect("a step");
+                walkers.step(1.0 / 60.0, &Inline).expect("a step");
             });
             println!("walkers, {what}: {step:.0} ns a step, {:.2} million a second", 1e3 / step);
         }

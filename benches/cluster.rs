@@ -13,7 +13,7 @@ use throng_precompute::retarget::{RetargetConfig, onto};
 use throng_precompute::synth::{self, SynthConfig, SynthSet};
 use throng_precompute::{BuildError, Clip, ClipSet, Warnings, mirror};
 
-/// Frames of 004's playground.
+/// Frames of Lee, Choi and Lee (2006)'s playground.
 const PLAYGROUND: usize = 51_169;
 
 fn main() -> Result<(), BuildError> {
@@ -109,7 +109,7 @@ fn part(clips: &ClipSet, mut num_frames: usize) -> ClipSet {
 }
 
 /// Time that processors have spent on the process, where the system tells; less than it lasts on a busy machine.
-/// [Unit: s]
+/// (s)
 fn processor_seconds() -> f64 {
     let stat = std::fs::read_to_string("/proc/self/stat").unwrap_or_default();
     // Behind the name in brackets: user and system time are fields 14 and 15, in ticks of 10 ms.

@@ -5,7 +5,7 @@
 mod made_up;
 
 use std::time::Instant;
-use throng_runtime::troupe::Repertoire;
+use throng_runtime::characters::MotionSet;
 use throng_runtime::world::inhabitants::{Inhabitants, InhabitantsConfig, Wish, scatter};
 use throng_runtime::world::plan::{Planner, Target};
 use throng_runtime::world::{Step, WorldGraph};
@@ -19,18 +19,18 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let rows = vec!["#".repeat(side); side];
     let tables = made_up::tables();
     let world = made_up::world(&tables, &rows.iter().map(String::as_str).collect::<Vec<_>>());
-    let graph = WorldGraph::new(tables.patches(), world.view())?;
-    let repertoire = Repertoire::new(&tables);
+    let graph = WorldGraph::new(tables.patches(), &world.view())?;
+    let motion_set = MotionSet::new(&tables);
     let starts = scatter(&graph, characters, 1);
     for commuting in [false, true] {
-        let mut people = Inhabitants::new(&repertoire, &graph, InhabitantsConfig::default(), &starts)?;
+        let mut people = Inhabitants::new(&motion_set, &graph, InhabitantsConfig::default(), &starts)?;
         let others = (0..characters).map(|c| (c * 7919 % graph.num_instances()) as u32);
         for (c, instance) in others.enumerate().filter(|_| commuting) {
             people.set_wish(&graph, c, Wish::GoTo { instance })?;
         }
         let begin = Instant::now();
         for _ in 0..steps {
-            people.step(&repertoire, &graph, DT)?;
+            people.step(&motion_set, &graph, DT)?;
         }
         let per_second = steps as f64 / begin.elapsed().as_secs_f64();
         let what = if commuting { "go somewhere" } else { "roam" };
@@ -41,7 +41,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 }
 
 /// A path from one corner to the other.
-fn across(graph: &WorldGraph<'_>) {
+fn across(graph: &WorldGraph) {
     let mut planner = Planner::new(graph);
     let from = graph.rest_cells(0).next().expect("a place to stand");
     let target = Target::Rest { instance: graph.num_instances() as u32 - 1 };

@@ -1,7 +1,8 @@
 //! What does sparring cost beside moving and posing the same characters? `cargo bench --bench sparring`.
 //!
-//! Thirty boxers, as in 003 section 6, and a thousand: choice, poses, blows, landing, reactions and parting, beside a
-//! troupe that only moves and is posed, and a copy of its poses, all in the same run on one thread.
+//! Thirty boxers, as in Lee and Lee (2004), section 6, and a thousand: choice, poses, blows, landing, reactions and
+//! parting, beside a characters that only move and are posed, and a copy of its poses, all in the same run on one
+//! thread.
 
 use std::hint::black_box;
 use std::path::Path;
@@ -10,11 +11,11 @@ use throng_precompute::cache::Cache;
 use throng_precompute::config::BuildConfig;
 use throng_precompute::pipeline;
 use throng_precompute::progress::Silent;
+use throng_runtime::characters::{Characters, CharactersConfig, Choice, Goal, MotionSet, ReactionConfig, Start};
 use throng_runtime::sparring::{Aim, Sparring, SparringConfig, SparringGoal};
-use throng_runtime::troupe::{Choice, Goal, ReactionConfig, Repertoire, Start, Troupe, TroupeConfig};
-use throng_runtime::{Planar, Tables};
+use throng_runtime::{Bundle, Planar};
 
-/// What is baked: the paper's two behaviours on grids of their size, and evasion.
+/// What is baked: the two behaviours of Lee and Lee (2004) on grids of their size, and evasion.
 const CONFIG: &str = r#"
 name = "bench"
 [synth]
@@ -34,7 +35,7 @@ name = "evade"
 kind = "evade"
 "#;
 
-/// A simulated step. [Unit: s]
+/// A simulated step (s).
 const DT: f32 = 1.0 / 60.0;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -43,42 +44,42 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let folder = tempfile::tempdir()?;
     let bundle = folder.path().join("bench.throng");
     build(&bundle, if whole { 4.0 } else { 0.5 })?;
-    let tables = Tables::open(&bundle)?;
-    let repertoire = Repertoire::new(&tables);
+    let tables = Bundle::open(&bundle)?;
+    let motion_set = MotionSet::new(&tables);
     let (sizes, steps): (&[usize], usize) = if whole { (&[30, 1000], 600) } else { (&[4], 3) };
     for &characters in sizes {
-        report(&repertoire, characters, steps)?;
+        report(&motion_set, characters, steps)?;
     }
     Ok(())
 }
 
-fn report(repertoire: &Repertoire<'_>, characters: usize, steps: usize) -> Result<(), Box<dyn std::error::Error>> {
+fn report(motion_set: &MotionSet, characters: usize, steps: usize) -> Result<(), Box<dyn std::error::Error>> {
     let choice = Choice::LookAhead { temperature: 0.05 };
-    let troupe = TroupeConfig { choice, ..TroupeConfig::default() };
+    let moving = CharactersConfig { choice, ..CharactersConfig::default() };
     let goal = |policy, aim| SparringGoal { policy, weight: 1.0, aim };
     let goals = [Aim::OpponentHead, Aim::OpponentHead, Aim::OpponentThreat];
     let goals: Vec<_> = goals.into_iter().enumerate().map(|(policy, aim)| goal(policy, aim)).collect();
-    let config = SparringConfig { troupe, ..SparringConfig::new(goals) };
-    let mut sparring = Sparring::new(repertoire, config, &starts(repertoire, characters))?;
+    let config = SparringConfig { characters: moving, ..SparringConfig::new(goals) };
+    let mut sparring = Sparring::new(motion_set, config, &starts(motion_set, characters))?;
     // Until everybody has come to blows.
     for _ in 0..steps {
-        sparring.step(repertoire, DT)?;
+        sparring.step(motion_set, DT)?;
     }
-    let plain = TroupeConfig { reaction: ReactionConfig { enabled: false, ..troupe.reaction }, ..troupe };
-    let mut alone = Troupe::new(repertoire, plain, &starts(repertoire, characters))?;
-    alone.restore(&sparring.troupe().snapshot())?;
+    let plain = CharactersConfig { reaction: ReactionConfig { enabled: false, ..moving.reaction }, ..moving };
+    let mut alone = Characters::new(motion_set, plain, &starts(motion_set, characters))?;
+    alone.restore(&sparring.characters().snapshot())?;
     let (heads, threats) = (sparring.heads().to_vec(), sparring.threats().to_vec());
-    let mut copy = sparring.troupe().model_matrices().to_vec();
+    let mut copy = sparring.characters().model_matrices().to_vec();
 
     // Taking turns, so that whatever else the machine does meets all three alike.
     let mut times = [Vec::new(), Vec::new(), Vec::new()];
     for _ in 0..steps {
-        times[0].push(timed(|| sparring.step(repertoire, DT))?);
+        times[0].push(timed(|| sparring.step(motion_set, DT))?);
         let goal = |policy, targets| Goal { policy, weight: 1.0, targets };
         let goals: [Goal<'_>; 3] = [goal(0, &heads), goal(1, &heads), goal(2, &threats)];
-        times[1].push(timed(|| alone.step(repertoire, DT, &goals))?);
+        times[1].push(timed(|| alone.step(motion_set, DT, &goals))?);
         times[2].push(timed(|| {
-            copy.copy_from_slice(black_box(sparring.troupe().model_matrices()));
+            copy.copy_from_slice(black_box(sparring.characters().model_matrices()));
             Ok::<_, std::convert::Infallible>(())
         })?);
     }
@@ -96,7 +97,7 @@ fn report(repertoire: &Repertoire<'_>, characters: usize, steps: usize) -> Resul
     Ok(())
 }
 
-/// Time of some work. [Unit: s]
+/// Time of some work (s).
 fn timed<E>(work: impl FnOnce() -> Result<(), E>) -> Result<f64, E> {
     let begin = Instant::now();
     work()?;
@@ -113,8 +114,8 @@ fn undisturbed_mean(times: Vec<f64>) -> f64 {
 }
 
 /// Pairs on a square, two metres apart and face to face.
-fn starts(repertoire: &Repertoire<'_>, characters: usize) -> Vec<Start> {
-    let num_states = repertoire.graph().states.len();
+fn starts(motion_set: &MotionSet, characters: usize) -> Vec<Start> {
+    let num_states = motion_set.graph().states.len();
     let start = |c: usize| {
         let pair = c / 2;
         let middle = Planar::new(4.0 * (pair % 32) as f32, 4.0 * (pair / 32) as f32, pair as f32);

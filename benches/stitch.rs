@@ -11,7 +11,7 @@ use std::time::Instant;
 use throng_precompute::environment::Environment;
 use throng_precompute::progress::Silent;
 use throng_precompute::stitch::{Editor, Kit, Library, StitchConfig, WorldSource};
-use throng_runtime::Tables;
+use throng_runtime::Bundle;
 use throng_runtime::patch::{Patches, Placement};
 
 type Failure = Box<dyn std::error::Error>;
@@ -22,10 +22,10 @@ fn main() -> Result<(), Failure> {
     let files = std::env::var("THRONG_WORLDS").unwrap_or_default();
     for file in files.split_whitespace().map(Path::new) {
         let source = WorldSource::load(file)?;
-        let tables = Tables::open(&source.bundle)?;
+        let tables = Bundle::open(&source.bundle)?;
         let kit = Kit::new(&tables, &source.bundle)?;
         let environment = source.environment(&kit.units, file)?;
-        look(&tables.patches(), &kit.library(&tables), environment, &source.stitch)?;
+        look(tables.patches(), &kit.library(&tables), environment, &source.stitch)?;
     }
     let sides: &[usize] = if whole { &[10, 30, 100] } else { &[4] };
     let made_up = MadeUp::new();
@@ -44,13 +44,13 @@ fn main() -> Result<(), Failure> {
 
 /// Stitches a world, then moves one unit of every kind on and back again.
 fn look(
-    patches: &Patches<'_>,
+    patches: &Patches,
     library: &Library<'_>,
     environment: Environment,
     config: &StitchConfig,
 ) -> Result<(), Failure> {
     let begin = Instant::now();
-    let mut editor = Editor::new(*patches, *library, environment, config, &Silent)?;
+    let mut editor = Editor::new(patches, *library, environment, config, &Silent)?;
     let anew = begin.elapsed().as_secs_f64();
     let r = editor.report();
     println!(

@@ -2,10 +2,10 @@
 
 use std::path::{Path, PathBuf};
 use throng_precompute::cache::Cache;
-use throng_precompute::scene::{RunConfig, Scene};
 use throng_precompute::trial::TrialConfig;
-use throng_runtime::Tables;
-use throng_runtime::troupe::Choice;
+use throng_runtime::Bundle;
+use throng_runtime::characters::Choice;
+use throng_runtime::simulation::Scene;
 
 /// Below every `--help`.
 pub const AFTER_HELP: &str = "Exit codes: 0 done, 1 failed (the message names file, line or joint and the way out), \
@@ -19,20 +19,20 @@ pub fn fail<T>(message: impl Into<String>) -> Result<T, Box<dyn std::error::Erro
     Err(message.into().into())
 }
 
-/// True for the name of a bundle, as against that of a motion file.
+/// True for the name of a bundle, false for that of a motion file.
 pub fn is_bundle(file: &Path) -> bool {
     file.extension().is_some_and(|e| e.eq_ignore_ascii_case("throng"))
 }
 
 /// Opens a bundle; messages name the file.
-pub fn open(path: &Path) -> Result<Tables, Box<dyn std::error::Error>> {
-    Tables::open(path).map_err(|e| match e {
+pub fn open(path: &Path) -> Result<Bundle, Box<dyn std::error::Error>> {
+    Bundle::open(path).map_err(|e| match e {
         throng_runtime::FormatError::Io { .. } => e.to_string().into(),
         e => format!("{}: {e}", path.display()).into(),
     })
 }
 
-/// Where stages keep their outputs.
+/// The cache of stage outputs.
 #[derive(clap::Args)]
 pub struct CacheArgs {
     /// Folder that keeps the outputs of stages between builds.
@@ -44,22 +44,22 @@ pub struct CacheArgs {
 }
 
 impl CacheArgs {
-    /// The cache they name.
+    /// The cache that the flags name.
     pub fn cache(&self) -> Cache {
         if self.no_cache { Cache::none() } else { Cache::in_folder(&self.cache) }
     }
 }
 
-/// Simulated time where nothing else is said. [Unit: s]
+/// Simulated time where nothing else is said (s).
 const SECONDS: f32 = 15.0;
 
-/// Who runs, for how long and how.
+/// Number of characters, time, seed and choice of a run.
 #[derive(clap::Args)]
 pub struct CrowdArgs {
     /// Number of characters; 1000, or what the scene says, where absent.
     #[arg(long, value_name = "N")]
     characters: Option<usize>,
-    /// Simulated time; 15, or of a crowd what its scene says, where absent.
+    /// Simulated time; 15, or what the scene says, where absent.
     #[arg(long, value_name = "S")]
     seconds: Option<f32>,
     /// Steps a simulated second.
@@ -84,7 +84,7 @@ pub struct CrowdArgs {
 }
 
 impl CrowdArgs {
-    /// The trial they describe.
+    /// The trial that the flags describe.
     pub fn trial(&self) -> TrialConfig {
         let mut trial = TrialConfig {
             seconds: self.seconds.unwrap_or(SECONDS),
@@ -94,44 +94,39 @@ impl CrowdArgs {
         };
         trial.characters = self.characters.unwrap_or(trial.characters);
         trial.seed = self.seed.unwrap_or(trial.seed);
-        trial.troupe.seed = trial.seed;
-        trial.troupe.bend_rad_per_m = self.bend;
+        trial.motion.seed = trial.seed;
+        trial.motion.bend_rad_per_m = self.bend;
         let temperature = self.temperature.unwrap_or(0.0);
-        trial.troupe.choice = if self.single_load { Choice::BestAction } else { Choice::LookAhead { temperature } };
+        trial.motion.choice = if self.single_load { Choice::BestAction } else { Choice::LookAhead { temperature } };
         trial
     }
 
-    /// How long a scene runs.
-    pub fn scene_run(&self) -> RunConfig {
-        RunConfig { seconds: self.seconds.unwrap_or(SECONDS), step_hz: self.step_hz, ..RunConfig::default() }
+    /// Steps a simulated second (Hz).
+    pub fn step_hz(&self) -> f64 {
+        f64::from(self.step_hz)
     }
 
-    /// How long to run, where that is given. [Unit: s]
+    /// How long to run, where that is given (s).
     pub fn seconds(&self) -> Option<f32> {
         self.seconds
     }
 
-    /// Puts what is given in place of what a scene without behaviours says: of people in a world, of walkers,
-    /// of a crowd.
-    pub fn change_living(&self, characters: &mut usize, seed: &mut u64) -> Outcome {
-        if self.single_load || self.bend != 0.0 || self.follow != 0 || self.temperature.is_some() {
-            return fail(
-                "--single-load, --bend, --follow and --temperature are for bundles and scenes with behaviours",
-            );
-        }
-        *characters = self.characters.unwrap_or(*characters);
-        *seed = self.seed.unwrap_or(*seed);
-        Ok(())
-    }
-
-    /// Puts what is given in place of what a scene says.
+    /// Overrides a scene with the flags given.
     pub fn change(&self, scene: &mut Scene) -> Outcome {
         if self.single_load || self.bend != 0.0 || self.follow != 0 {
             return fail("--single-load, --bend and --follow are for bundles, not for scenes");
         }
-        scene.characters = self.characters.unwrap_or(scene.characters);
+        if let Some(temperature) = self.temperature {
+            if scene.groups.iter().all(|g| g.behaviours.is_empty()) {
+                return fail("--temperature is for bundles and scenes with behaviours");
+            }
+            let with_behaviours = scene.groups.iter_mut().filter(|g| !g.behaviours.is_empty());
+            with_behaviours.for_each(|g| g.temperature = f64::from(temperature));
+        }
+        if let Some(characters) = self.characters {
+            *scene = scene.resized(characters);
+        }
         scene.seed = self.seed.unwrap_or(scene.seed);
-        scene.temperature = self.temperature.map_or(scene.temperature, f64::from);
         Ok(())
     }
 }

@@ -1,7 +1,7 @@
 //! `throng build`: motion files to a bundle.
 
 use crate::args::{CacheArgs, Outcome, fail};
-use crate::{output, progress};
+use crate::{keys, output, progress};
 use std::path::PathBuf;
 use throng_precompute::config::BuildConfig;
 use throng_precompute::examples::BlendReport;
@@ -11,17 +11,8 @@ use throng_precompute::policy::{AdaptiveReport, Approximation};
 use throng_precompute::report::{self, BuildReport};
 
 /// Bake motion files into a bundle.
-///
-/// JSON keys: name, clips, rate_hz, minutes_in, frames_in, frames_kept, states, actions, seconds_total, stage_s, cached, pose_groups,
-/// max_group_diameter and group_threshold (in radians, as the config's `features` explains), group_frames {min, mean, max}, patches [name, segments, frames,
-/// cells, links, pruned_directions, pruned_component], blend_spaces [name, axes, examples [name, parameters, duration_s, speed_mps, side_mps,
-/// gyration_rad_per_s, closing_rad, closing_m], left_out, phases, knots, weight_tolerance, weight_table_max_error, weight_table_bytes,
-/// posture_bytes, max_displacement_rad], blend_examples, weight_table_bytes and weight_table_max_error (over all blend spaces), policies [name,
-/// cells, pairs, sweeps, greedy_sweeps, residual, error_bound, bytes, value_bytes, seconds, comparison, adaptive {finest_bytes, samples, mean_value, and for adaptive, uniform and
-/// uniform_fitted each bytes, counts, mean_error, p95_error, max_error, changed_share, mean_loss} (null where it is not)],
-/// bundle_bytes, graph, contacts, hits {count, angle_rad, distance_m, height_m (each [min, max], null without
-/// hits), kinds (object: name to count)}, excluded_frames, skipped, warnings.
 #[derive(clap::Args)]
+#[command(after_long_help = keys::of::<BuildReport>())]
 pub struct Args {
     /// Config (TOML); `throng schema` prints what it may hold.
     config: PathBuf,
@@ -34,7 +25,7 @@ pub struct Args {
     /// Stop at the first bad file instead of skipping it.
     #[arg(long)]
     strict: bool,
-    /// Write the figures beside those of the paper, as Markdown.
+    /// Write the figures beside those of Lee and Lee (2004), as Markdown.
     #[arg(long, value_name = "FILE")]
     report: Option<PathBuf>,
     #[command(flatten)]
@@ -86,13 +77,6 @@ pub fn print(r: &BuildReport, out: &str) -> Outcome {
         ),
         ("hits", r.hits.to_string()),
         (
-            "pose groups",
-            format!(
-                "{} of {:.1} frames on average, {:.0} at most; largest diameter {:.3}, threshold {}",
-                r.pose_groups, r.group_frames.mean, r.group_frames.max, r.max_group_diameter, r.group_threshold
-            ),
-        ),
-        (
             "graph",
             format!(
                 "{} states ({} standing), {} actions ({:.1} a state), {} segments of {:.2} s on average",
@@ -104,6 +88,13 @@ pub fn print(r: &BuildReport, out: &str) -> Outcome {
             format!("error {:.3} on average, {:.3} at worst", g.transition_error.mean, g.transition_error.max),
         ),
     ];
+    if r.pose_groups > 0 {
+        let text = format!(
+            "{} of {:.1} frames on average, {:.0} at most; largest diameter {:.3}, threshold {}",
+            r.pose_groups, r.group_frames.mean, r.group_frames.max, r.max_group_diameter, r.group_threshold
+        );
+        rows.push(("pose groups", text));
+    }
     for p in &r.patches {
         rows.push((
             "patch",
@@ -133,14 +124,14 @@ pub fn print(r: &BuildReport, out: &str) -> Outcome {
     rows.push(("bundle", format!("{out}, {}", output::bytes(r.bundle_bytes))));
     output::table(&rows)?;
     if r.hits.count > 0 {
-        println!();
+        output::text("\n")?;
         let lines = report::beside_paper(r);
         output::columns(["", "Lee and Lee 2004", "this build"], lines.iter().map(|l| [&*l.figure, l.paper, &*l.here]))?;
     }
     Ok(())
 }
 
-/// What was made of a blend space.
+/// Rows of a blend space.
 fn blend(b: &BlendReport) -> [(&'static str, String); 3] {
     let worst = b.examples.iter().max_by(|x, y| x.closing_rad.total_cmp(&y.closing_rad));
     let seam = worst.map_or(String::new(), |e| {
@@ -165,7 +156,7 @@ fn blend(b: &BlendReport) -> [(&'static str, String); 3] {
     [("blend space", examples), ("  weights", weights), ("  postures", postures)]
 }
 
-/// What an adaptive policy gives away, one row for each way to store it.
+/// What an adaptive policy loses, one row for each way to store it.
 fn adaptive(r: &AdaptiveReport) -> Vec<(&'static str, String)> {
     let row = |name: &'static str, a: &Approximation| {
         let [rings, angles, heights] = a.counts;

@@ -1,7 +1,8 @@
-//! `throng demo`: the whole way on motion of the project's own.
+//! `throng demo`: from synthetic motion to a crowd and its picture.
 
 use crate::args::{CrowdArgs, Outcome};
-use crate::{build, output, progress, run};
+use crate::{build, keys, output, progress, run};
+use schemars::JsonSchema;
 use serde::Serialize;
 use std::path::PathBuf;
 use throng_precompute::cache::Cache;
@@ -12,9 +13,8 @@ use throng_precompute::trial::{self, TrialReport};
 use throng_precompute::{pipeline, synth};
 
 /// Synthesise motion, bake it, run 1000 characters, draw a picture.
-///
-/// JSON keys: those of `run`, and `build` with those of `build`.
 #[derive(clap::Args)]
+#[command(after_long_help = keys::of::<Report>())]
 pub struct Args {
     /// Picture to write.
     #[arg(long, value_name = "FILE", default_value = "demo.png")]
@@ -29,10 +29,11 @@ pub struct Args {
     json: bool,
 }
 
-#[derive(Serialize)]
+#[derive(Serialize, JsonSchema)]
 struct Report {
     #[serde(flatten)]
     trial: TrialReport,
+    /// What the build did.
     build: BuildReport,
 }
 

@@ -4,8 +4,8 @@ use crate::args::{Outcome, fail};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use throng_precompute::annotate::hits::{self, HitPoint};
-use throng_precompute::import::{ImportConfig, bvh_write, export, read_clip};
-use throng_precompute::{Warnings, files, graph, pipeline, policy, retarget};
+use throng_precompute::import::{ImportConfig, read_clip};
+use throng_precompute::{Warnings, export, files, graph, pipeline, policy};
 
 /// Write a clip as positions or BVH, a bundle's graph or policy, or the effective hits of either.
 #[derive(clap::Args)]
@@ -59,11 +59,11 @@ pub fn run(args: &Args) -> Outcome {
         Format::PolicyCsv => {
             let tables = crate::args::open(&args.file)?;
             let name = args.behaviour.as_ref().or(tables.meta().behaviours.first());
-            let Some(index) = name.and_then(|n| tables.find_policy(n)) else {
+            let Some(index) = name.and_then(|n| tables.find_policy(n).ok()) else {
                 let known = tables.meta().behaviours.join(", ");
                 return fail(format!("{}: no such behaviour; there are: {known}", args.file.display()));
             };
-            write(args.out.as_deref(), |w| policy::write_csv(&tables.policy(index), w))
+            write(args.out.as_deref(), |w| policy::write_csv(&tables.policies()[index], w))
         }
     }
 }
@@ -82,17 +82,17 @@ fn clip(args: &Args) -> Outcome {
     let imported = read_clip(&args.file, &import_config(args))?;
     let raw = if args.retargeted {
         let clips = pipeline::single(&imported, &mut Warnings::default())?;
-        retarget::to_raw(&clips.clips[0], &clips.skeleton)
+        export::to_raw(&clips.clips[0], &clips.skeleton)
     } else {
         imported.clip
     };
     write(args.out.as_deref(), |w| match args.format {
-        Format::Bvh => bvh_write::write(&raw, w),
+        Format::Bvh => export::bvh::write(&raw, w),
         _ => export::positions_csv(&raw, w),
     })
 }
 
-/// To the file, which appears when it is whole, or to standard output.
+/// Writes to the file, which appears when it is complete, or to standard output.
 fn write(out: Option<&Path>, body: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> Outcome {
     match out {
         Some(path) => Ok(files::write_atomically(path, body)?),

@@ -3,22 +3,15 @@
 mod environment;
 
 use crate::args::{Outcome, fail};
-use crate::output;
+use crate::{keys, output};
 use std::path::PathBuf;
 use throng_precompute::import::ImportConfig;
-use throng_precompute::inspect::{self, BundleReport, hit_picture};
+use throng_precompute::inspect::{self, BundleReport, ClipReport, hit_picture};
 
 /// Report what is in a motion file (format, units, axes, rest pose, roles, foot contacts, effective hits, and why), or
-/// which motion and hits a bundle holds; or infer from contacts what the clips of a session were captured on.
-///
-/// JSON keys: file, format, joints, frames, rate_hz, duration_s, metres_per_unit, up, rest_pose, facing_deg, height_m,
-/// profile, roles (object: role to joint), findings, contact, hits {count, angle_rad, distance_m, height_m (each
-/// [min, max], null without hits), kinds (object: name to count)}, excluded, warnings; of a bundle: file, name, clips,
-/// frames, rate_hz, states, actions, behaviours, hits, clip_hits (object: clip to kinds); with --environment-out or
-/// --environment-png: clips, frames, foot_places, seat_places, hand_places, hands_unexplained, on_ground, plates,
-/// plates_of_one, bars, bars_guessed, dismissed, units, residual_rms_m, residual_max_m, planted_share, penetrating_share,
-/// environment_out, units_out, world_out (the files written, with --environment-out).
+/// which motion and hits a bundle holds; or infer from contacts what the clips were captured on.
 #[derive(clap::Args)]
+#[command(after_long_help = help())]
 pub struct Args {
     /// Motion file (.bvh, .amc) or bundle (.throng); several motion files with --environment-out and --environment-png.
     #[arg(required = true, value_name = "FILE")]
@@ -40,6 +33,19 @@ pub struct Args {
     /// Print one JSON object.
     #[arg(long)]
     json: bool,
+}
+
+/// What `--json` prints, by what is asked.
+fn help() -> String {
+    let clip = keys::section::<ClipReport>("JSON keys (of a motion file)");
+    let bundle = keys::section::<BundleReport>("JSON keys (of a bundle)");
+    let with = "JSON keys (with --environment-out or --environment-png)";
+    format!(
+        "{clip}
+{bundle}
+{}",
+        keys::section::<environment::Report<'static>>(with)
+    )
 }
 
 pub fn run(args: &Args) -> Outcome {
@@ -70,6 +76,5 @@ fn print(args: &Args, report: &(impl serde::Serialize + std::fmt::Display)) -> O
     if args.json {
         return output::json(report);
     }
-    print!("{report}");
-    Ok(())
+    output::text(report)
 }

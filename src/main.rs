@@ -7,9 +7,11 @@ mod completions;
 mod demo;
 mod export;
 mod inspect;
+mod keys;
 mod output;
 mod progress;
 mod query;
+mod renamed;
 mod run;
 mod schema;
 mod stitch;
@@ -46,7 +48,8 @@ enum Command {
 }
 
 fn main() -> ExitCode {
-    let done = match Cli::parse().command {
+    let cli = Cli::try_parse().unwrap_or_else(|e| renamed::explain(e).exit());
+    let done = match cli.command {
         Command::Demo(a) => demo::run(&a),
         Command::Synth(a) => synth::run(&a),
         Command::Build(a) => build::run(&a),
@@ -57,7 +60,7 @@ fn main() -> ExitCode {
         Command::Run(a) => run::run(&a),
         Command::Bench(a) => bench::run(&a),
         Command::Export(a) => export::run(&a),
-        // The viewer has said what went wrong itself; its exit code is ours.
+        // The viewer prints its own errors; its exit code is passed on.
         Command::View(a) => match view::run(&a) {
             Ok(code) => return code,
             Err(e) => Err(e),

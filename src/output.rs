@@ -11,7 +11,13 @@ pub fn json(value: &impl Serialize) -> Result<(), Box<dyn std::error::Error>> {
     Ok(())
 }
 
-/// Prints lines of a label and a text, the texts below each other.
+/// Prints text as it is. Unlike `print!`, a reader that has gone is an error here, not a panic.
+pub fn text(text: impl std::fmt::Display) -> Result<(), Box<dyn std::error::Error>> {
+    write!(std::io::stdout().lock(), "{text}")?;
+    Ok(())
+}
+
+/// Prints lines of a label and a text, aligned.
 pub fn table(rows: &[(&str, String)]) -> Result<(), Box<dyn std::error::Error>> {
     let width = rows.iter().map(|r| r.0.chars().count()).max().unwrap_or(0);
     let mut out = std::io::stdout().lock();
@@ -58,7 +64,7 @@ pub fn bytes(n: u64) -> String {
     }
 }
 
-/// True where the reader of our output has gone, which is no failure.
+/// True if standard output was closed early, which is no failure.
 pub fn is_broken_pipe(e: &(dyn std::error::Error + 'static)) -> bool {
     let io = e.downcast_ref::<std::io::Error>().map(std::io::Error::kind);
     let json = e.downcast_ref::<serde_json::Error>().and_then(serde_json::Error::io_error_kind);

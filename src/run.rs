@@ -1,50 +1,30 @@
-//! `throng run`: a crowd on a bundle, or a scene.
-
-pub mod crowd;
-pub mod walkers;
-pub mod world;
+//! `throng run`: a scene, or characters on a bundle.
 
 use crate::args::{CacheArgs, CrowdArgs, Outcome, fail};
-use crate::{output, progress};
+use crate::{keys, output, progress};
 use std::path::{Path, PathBuf};
-use throng_precompute::config::BuildConfig;
 use throng_precompute::picture;
-use throng_precompute::pipeline;
-use throng_precompute::scene::crowd::CrowdScene;
-use throng_precompute::scene::walkers::WalkersScene;
-use throng_precompute::scene::world::WorldScene;
-use throng_precompute::scene::{self, RunConfig, Scene, SceneKind, SceneReport};
+use throng_precompute::run::{self, Cached, Figures, RunConfig, SceneReport};
 use throng_precompute::trial::{self, TrialConfig, TrialRecord, TrialReport};
-use throng_runtime::Tables;
+use throng_runtime::Bundle;
+use throng_runtime::simulation::scene::engine;
+use throng_runtime::simulation::{Motion, Scene};
 
 /// Run a scene, or characters on a bundle that each chase a target of their own, and measure what they do.
-///
-/// JSON keys: of a scene, scene, characters, simulated_s, steps_per_second (of all characters, on one thread),
-/// hits_per_minute (that landed, for each character), landed_fraction, blocked_fraction, thrown, foot_slip_mean_mps,
-/// foot_slip_p95_mps, max_penetration_m, deep_fraction, distance_mean_m, distance_max_m; of a scene in a world, scene, characters,
-/// simulated_s, steps_per_second, character_overlaps (times at which trunks of two came into each other), deepest_overlap_m,
-/// environment_penetrations (times at which somebody came more than 8 cm into a unit), deepest_penetration_m, stuck
-/// (characters that stayed within half a metre for 30 s though they wished to go), fulfilled_per_minute,
-/// travelled_m_per_minute (both for each character), waiting_fraction, foot_slip_mean_mps, foot_slip_p95_mps; of a
-/// scene of walkers, scene, characters, simulated_s, steps_per_second, speed_mean_mps, speed_max_mps, foot_slip_mean_mps,
-/// foot_slip_p95_mps, knee_rate_max_radps, below_ground_max_m; of a
-/// scene of a crowd, the keys of `throng bench crowd`, and where it has bodies foot_slip_mean_mps, foot_slip_p95_mps,
-/// hips_off_max_m; of a bundle, characters, simulated_s, reached_fraction, stayed_fraction, mean_arrival_s,
-/// mean_final_distance_m, foot_slip_mean_mps, foot_slip_p95_mps, steps_per_second, poses_per_second,
-/// choices_per_second.
 #[derive(clap::Args)]
+#[command(after_long_help = help())]
 pub struct Args {
-    /// Scene (`.toml`) or bundle. A scene's bundle is built from its config where it is not there.
+    /// Scene (`.toml`) or bundle. A scene's bundles are built and its worlds stitched where they are missing.
     #[arg(value_name = "SCENE_OR_BUNDLE")]
     file: PathBuf,
-    /// Picture to write: of a bundle, the crowd from above and a strip of one character's poses; of a scene, those
-    /// who fight.
+    /// Picture to write: of a bundle, the crowd from above and a strip of one character's poses; of a scene, a sheet for
+    /// each kind of motion.
     #[arg(long, value_name = "FILE")]
     png: Option<PathBuf>,
-    /// Bundle in place of the scene's.
+    /// Bundle in place of the scene's; the world of the scene is then beside it.
     #[arg(long, value_name = "FILE")]
     bundle: Option<PathBuf>,
-    /// Engine in place of that of the scene of a crowd: events, occupancy or fixed.
+    /// Engine of agents in place of that of the scene: events, occupancy or fixed.
     #[arg(long, value_name = "NAME")]
     engine: Option<String>,
     /// Leave out a behaviour of the scene; may be given several times.
@@ -59,20 +39,24 @@ pub struct Args {
     json: bool,
 }
 
+/// What `--json` prints, by what is run.
+fn help() -> String {
+    let scene =
+        "JSON keys (of a scene; those that do not apply are left out, and `groups[]` has the same of each group)";
+    [keys::section::<TrialReport>("JSON keys (of a bundle)"), keys::section::<SceneReport>(scene)].join("\n")
+}
+
+/// True for the name of a scene file.
+pub fn is_scene(path: &Path) -> bool {
+    path.extension().is_some_and(|e| e.eq_ignore_ascii_case("toml"))
+}
+
 pub fn run(args: &Args) -> Outcome {
-    if args.engine.is_some() && !CrowdScene::is_one(&args.file) {
-        return fail("--engine is for scenes of crowds");
+    if is_scene(&args.file) {
+        return run_scene(args);
     }
-    if Scene::is_scene(&args.file) {
-        return match &args.file {
-            file if WorldScene::is_one(file) => world::run(args),
-            file if WalkersScene::is_one(file) => walkers::run(args),
-            file if CrowdScene::is_one(file) => crowd::run(args),
-            _ => run_scene(args),
-        };
-    }
-    if args.bundle.is_some() || !args.without.is_empty() {
-        return fail("--bundle and --without are for scenes; name the bundle alone");
+    if args.bundle.is_some() || args.engine.is_some() || !args.without.is_empty() {
+        return fail("--bundle, --engine and --without are for scenes; name the bundle alone");
     }
     let tables = crate::args::open(&args.file)?;
     let config = args.crowd.trial();
@@ -85,96 +69,175 @@ pub fn run(args: &Args) -> Outcome {
 
 fn run_scene(args: &Args) -> Outcome {
     let mut scene = Scene::load(&args.file)?;
-    args.crowd.change(&mut scene)?;
-    leave_out(&mut scene, &args.without)?;
-    scene.check(&args.file)?;
-    if let Some(bundle) = &args.bundle {
-        (scene.bundle, scene.config) = (bundle.clone(), None);
-    }
-    make_bundle(&scene.bundle, scene.config.as_deref(), &args.cache)?;
-    let tables = crate::args::open(&scene.bundle)?;
-    let config = RunConfig { recorded: args.png.is_some(), ..args.crowd.scene_run() };
-    let (report, record) = scene::run(&tables, &scene, &config)?;
-    if let Some(png) = &args.png {
-        picture::scene_sheet(&tables, &scene, &report, &record).save_png(png)?;
-    }
-    if args.json { output::json(&report) } else { print_scene(&scene, &report) }
-}
-
-/// Takes behaviours out of a scene.
-fn leave_out(scene: &mut Scene, without: &[String]) -> Outcome {
-    for name in without {
-        if !scene.goals.iter().any(|g| g.behaviour == *name) {
-            let known: Vec<_> = scene.goals.iter().map(|g| g.behaviour.as_str()).collect();
-            return fail(format!("--without {name}: expected one of {}", known.join(", ")));
-        }
-        scene.goals.retain(|g| g.behaviour != *name);
-    }
-    Ok(())
-}
-
-/// Builds a bundle where it is not there.
-pub fn make_bundle(bundle: &Path, config: Option<&Path>, cache: &CacheArgs) -> Outcome {
-    if bundle.exists() {
-        return Ok(());
-    }
-    let Some(config) = config else {
-        let name = bundle.display();
-        return fail(format!(
-            "{name}: there is no such bundle; build it with `throng build`, or name another with --bundle"
-        ));
+    change(&mut scene, args)?;
+    scene.check()?;
+    ensure(&scene, &args.cache)?;
+    let compiled = scene.open()?;
+    let config = RunConfig {
+        seconds: args.crowd.seconds().map(f64::from),
+        step_hz: args.crowd.step_hz(),
+        recorded: args.png.is_some(),
     };
-    eprintln!("{} is not there: building it from {} ...", bundle.display(), config.display());
-    let report = pipeline::build(&BuildConfig::load(config)?, bundle, &cache.cache(), &progress::Bar::default())?;
-    output::warnings(&report.skipped, &report.warnings);
+    let (report, record, sim) = run::run(&compiled, &config)?;
+    if let Some(png) = &args.png {
+        picture::scene_sheet(&compiled, &sim, &report, &record)?.save_png(png)?;
+    }
+    for (time_s, character, what) in record.faults.iter().take(5) {
+        eprintln!("at {time_s:.1} s, character {character}: {what}");
+    }
+    if args.json { output::json(&report) } else { print_scene(&report) }
+}
+
+/// Puts what is given in place of what the scene says.
+fn change(scene: &mut Scene, args: &Args) -> Outcome {
+    args.crowd.change(scene)?;
+    if let Some(name) = &args.engine {
+        if !scene.groups.iter().any(|g| g.is_of_agents()) {
+            return fail("--engine is for scenes with agents");
+        }
+        scene.agents.engine = named_engine(name)?;
+    }
+    for name in &args.without {
+        let known: Vec<_> = scene.groups.iter().flat_map(|g| &g.behaviours).map(|b| b.name.clone()).collect();
+        if !known.contains(name) {
+            let there_is = if known.is_empty() { "no behaviour to leave out".into() } else { known.join(", ") };
+            return fail(format!("--without {name}: the scene has {there_is}"));
+        }
+        scene.groups.iter_mut().for_each(|g| g.behaviours.retain(|b| b.name != *name));
+    }
+    if let Some(bundle) = &args.bundle {
+        if scene.groups.iter().all(|g| g.motion == Motion::None) {
+            return fail("--bundle: the scene has no group with a bundle that it could replace");
+        }
+        scene.set_bundle(bundle);
+    }
     Ok(())
+}
+
+/// The engine of a name.
+pub fn named_engine(name: &str) -> Result<throng_runtime::crowd::Scheme, Box<dyn std::error::Error>> {
+    match engine::named(name) {
+        Some(engine) => Ok(engine),
+        None => fail(format!("--engine {name}: expected one of {}", engine::names())),
+    }
+}
+
+/// Builds and stitches what a scene names and is missing.
+pub fn ensure(scene: &Scene, cache: &CacheArgs) -> Outcome {
+    Ok(with(cache, |with| run::ensure(scene, with))?)
+}
+
+/// Builds a bundle where it is missing.
+pub fn make_bundle(bundle: &Path, config: Option<&Path>, cache: &CacheArgs) -> Outcome {
+    Ok(with(cache, |with| run::ensure_bundle(bundle, config, with))?)
+}
+
+/// Lets something be made with the cache, a progress bar, and messages on standard error.
+pub fn with<T>(cache: &CacheArgs, make: impl FnOnce(&Cached<'_>) -> T) -> T {
+    let (cache, progress) = (cache.cache(), progress::Bar::default());
+    make(&Cached { cache: &cache, progress: &progress, tell: &|message| eprintln!("{message}") })
 }
 
 /// What was measured of a scene, for people.
-fn print_scene(scene: &Scene, r: &SceneReport) -> Outcome {
-    let what = if scene.kind == SceneKind::Pairs { "opponent" } else { "target" };
-    let mut rows = vec![
-        ("scene", format!("{}: {} character(s), {:.0} s", r.scene, r.characters, r.simulated_s)),
-        (
-            "blows",
-            format!(
-                "{} thrown: {:.1} % landed, {:.1} % blocked; {:.1} landed a minute and character",
-                r.thrown,
-                100.0 * r.landed_fraction,
-                100.0 * r.blocked_fraction,
-                r.hits_per_minute
-            ),
-        ),
-        (
-            "distance",
-            format!(
-                "{:.2} m from the {what} on average{}",
-                r.distance_mean_m,
-                r.distance_max_m.map_or(String::new(), |m| format!(", {m:.2} m at most after 5 s"))
-            ),
-        ),
-    ];
-    if scene.kind == SceneKind::Pairs {
-        rows.push((
-            "penetration",
-            format!("{:.3} m at most, deep {:.2} % of the time", r.max_penetration_m, 100.0 * r.deep_fraction),
-        ));
+fn print_scene(r: &SceneReport) -> Outcome {
+    let who = r.total.characters.map(|n| format!("{n} character(s)"));
+    let agents = r.total.agents.map(|n| format!("{n} agent(s)"));
+    let all: Vec<String> = who.into_iter().chain(agents).collect();
+    let scene = format!("{}: {}, {:.0} s", r.scene, all.join(" and "), r.total.simulated_s);
+    let mut rows = vec![("scene", scene)];
+    rows.extend(figures(&r.total));
+    output::table(&rows)?;
+    for group in r.groups.iter().filter(|_| r.groups.len() > 1) {
+        let mut rows = vec![("group", format!("{}, motion {}", group.group, group.motion))];
+        rows.extend(figures(&group.figures));
+        output::table(&rows)?;
     }
-    rows.push((
-        "foot slip",
-        format!("{:.3} m/s mean, {:.3} m/s 95th percentile, while planted", r.foot_slip_mean_mps, r.foot_slip_p95_mps),
-    ));
-    rows.push(("speed", format!("{:.0} steps a second of everybody, on one thread", r.steps_per_second)));
-    output::table(&rows)
-}
-
-/// Writes the picture of a trial.
-pub fn draw(tables: &Tables, config: &TrialConfig, report: &TrialReport, record: &TrialRecord, path: &Path) -> Outcome {
-    throng_precompute::picture::trial_sheet(tables, config, report, record).save_png(path)?;
     Ok(())
 }
 
 /// What was measured, for people.
+pub fn figures(r: &Figures) -> Vec<(&'static str, String)> {
+    let mut rows = Vec::new();
+    if let Some(b) = &r.blows {
+        let thrown = format!("{} thrown: {:.1} % landed", b.thrown, 100.0 * b.landed_fraction);
+        let rest = format!(
+            "{:.1} % blocked; {:.1} landed a minute and character",
+            100.0 * b.blocked_fraction,
+            b.hits_per_minute
+        );
+        rows.push(("blows", format!("{thrown}, {rest}")));
+        let most = b.distance_max_m.map_or(String::new(), |m| format!(", {m:.2} m at most after 5 s"));
+        rows.push(("distance", format!("{:.2} m from the target on average{most}", b.distance_mean_m)));
+        let deep = 100.0 * b.deep_fraction;
+        rows.push(("penetration", format!("{:.3} m at most, deep {deep:.2} % of the time", b.max_penetration_m)));
+    }
+    if let Some(w) = &r.world {
+        rows.push((
+            "people",
+            format!("{} time(s) in each other, {:.2} m at most", w.character_overlaps, w.deepest_overlap_m),
+        ));
+        let units =
+            format!("{} time(s) in a unit, {:.2} m at most", w.environment_penetrations, w.deepest_penetration_m);
+        rows.push(("surroundings", units));
+        let wishes = format!("{:.2} fulfilled and {:.0} m travelled", w.fulfilled_per_minute, w.travelled_m_per_minute);
+        let waiting = 100.0 * w.waiting_fraction;
+        rows.push(("wishes", format!("{wishes} a minute and character; waiting {waiting:.1} % of the time")));
+    }
+    if let Some(p) = &r.paths {
+        rows.push(("paths", format!("{:.2} m/s on average, {:.2} at most", p.speed_mean_mps, p.speed_max_mps)));
+        rows.push(("knees", format!("{:.1} rad/s at most", p.knee_rate_max_radps)));
+    }
+    if let Some(c) = &r.crowd {
+        let engine = r.engine.as_deref().unwrap_or_default();
+        let wanted = format!("{:.2} m/s towards the goal of {:.2} wanted", c.progress_mps, c.desired_mps);
+        rows.push(("progress", format!("{wanted}; {} there; engine {engine}", c.arrived)));
+        let [mm, cm] = [c.overlap_over_1mm_fraction, c.overlap_over_1cm_fraction].map(|f| 100.0 * f);
+        let most = 1000.0 * c.max_overlap_m;
+        let overlaps =
+            format!("{mm:.3} % of agent-frames by more than 1 mm, {cm:.3} % by more than 1 cm; {most:.2} mm at most");
+        rows.push(("overlaps", overlaps));
+        if let Some(order) = c.lane_order {
+            rows.push(("lanes", format!("order {order:.2}: 0 as mixed as by chance, 1 everybody in a lane")));
+        }
+        if let Some(flow) = &c.flow {
+            let [low, high] = flow.human_flow_per_m_s;
+            let few = || "too few for a flow".to_owned();
+            let measured = flow.flow_per_m_s.map_or_else(few, |f| format!("{f:.2} persons/(m s)"));
+            rows.push(("gate", format!("{} crossed, {measured}; people: {low} to {high}", flow.crossed)));
+        }
+        if let Some(informed) = c.informed {
+            rows.push(("news", format!("{informed} know")));
+        }
+        if let (Some(us), Some(events)) = (c.us_per_agent_second, c.events_per_agent_second) {
+            let crossings = |c| format!(" ({c:.1} of them crossings of cells)");
+            let crossings = c.crossings_per_agent_second.map_or(String::new(), crossings);
+            let decisions = c.decisions_per_agent_second.unwrap_or_default();
+            let cost = format!("{us:.2} us an agent and simulated second");
+            rows.push(("speed", format!("{cost}; {events:.1} events{crossings}, {decisions:.1} decisions")));
+        }
+        if let Some(off) = c.hips_off_max_m {
+            rows.push(("bodies", format!("hips {off:.2} m off their discs at most")));
+        }
+    }
+    if let Some(stuck) = r.stuck {
+        rows.push(("stuck", format!("{stuck}")));
+    }
+    if let (Some(mean), Some(p95)) = (r.foot_slip_mean_mps, r.foot_slip_p95_mps) {
+        rows.push(("foot slip", format!("{mean:.3} m/s mean, {p95:.3} m/s 95th percentile, while planted")));
+    }
+    if let Some(rate) = r.steps_per_second {
+        rows.push(("speed", format!("{rate:.0} steps a second of everybody, on one thread")));
+    }
+    rows
+}
+
+/// Writes the picture of a trial.
+pub fn draw(tables: &Bundle, config: &TrialConfig, report: &TrialReport, record: &TrialRecord, path: &Path) -> Outcome {
+    throng_precompute::picture::trial_sheet(tables, config, report, record).save_png(path)?;
+    Ok(())
+}
+
+/// What was measured of a bundle, for people.
 pub fn print(r: &TrialReport) -> Outcome {
     output::table(&[
         ("crowd", format!("{} characters, {:.0} s", r.characters, r.simulated_s)),

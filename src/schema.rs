@@ -1,13 +1,30 @@
-//! `throng schema`: what a config may hold.
+//! `throng schema`: what files may hold.
 
 use crate::args::Outcome;
 use crate::output;
 use throng_precompute::config::BuildConfig;
+use throng_precompute::run::scene_schema;
 
-/// Print the JSON schema of config files.
+/// Print a JSON schema of config or scene files.
 #[derive(clap::Args)]
-pub struct Args {}
+pub struct Args {
+    /// Of which files.
+    #[arg(long, value_enum, default_value_t = Of::Config)]
+    of: Of,
+}
 
-pub fn run(_: &Args) -> Outcome {
-    output::json(&BuildConfig::json_schema())
+/// Files with a schema.
+#[derive(Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+enum Of {
+    /// Configs of bundles, see `throng build`.
+    Config,
+    /// Scenes, see `throng run`.
+    Scene,
+}
+
+pub fn run(args: &Args) -> Outcome {
+    match args.of {
+        Of::Config => output::json(&BuildConfig::json_schema()),
+        Of::Scene => output::json(&scene_schema()),
+    }
 }

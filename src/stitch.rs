@@ -1,19 +1,19 @@
 //! `throng stitch`: a world from the patches of a bundle.
 
 use crate::args::{CacheArgs, Outcome};
-use crate::{output, progress};
+use crate::{keys, output, progress};
+use schemars::JsonSchema;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
+use throng_precompute::cache::Cache;
+use throng_precompute::run::{self, Cached};
 use throng_precompute::stitch::{self, Kit, StitchReport, WorldSource};
-use throng_runtime::Tables;
-use throng_runtime::world::WorldFile;
+use throng_runtime::Bundle;
+use throng_runtime::world::World;
 
 /// Stitch a world: lay the motion patches of a bundle over a target environment and join them.
-///
-/// JSON keys: world, instances, patches (object: name to count), cells, transitions, motion_hours, disabled (object: cells
-/// and links taken out, by reason: no_neighbour, obstacle, dead_end, outside_component), tables, joints, seconds,
-/// peak_bytes, world_bytes, out.
 #[derive(clap::Args)]
+#[command(after_long_help = keys::of::<Report<'static>>())]
 pub struct Args {
     /// World file (TOML); data/worlds/ has examples. Its bundle is built from its config where it is not there.
     #[arg(value_name = "WORLD")]
@@ -32,11 +32,13 @@ pub struct Args {
 }
 
 /// What is printed.
-#[derive(Serialize)]
+#[derive(Serialize, JsonSchema)]
 struct Report<'a> {
+    /// Name of the world.
     world: &'a str,
     #[serde(flatten)]
     stitched: &'a StitchReport,
+    /// File that was written.
     out: &'a Path,
 }
 
@@ -54,8 +56,8 @@ pub fn run(args: &Args) -> Outcome {
     print(&source, &report, &out)
 }
 
-/// The bundle of a world, which is built where it is not there.
-pub fn bundle(source: &WorldSource, cache: &CacheArgs) -> Result<Tables, Box<dyn std::error::Error>> {
+/// The bundle of a world; built first if it does not exist.
+pub fn bundle(source: &WorldSource, cache: &CacheArgs) -> Result<Bundle, Box<dyn std::error::Error>> {
     crate::run::make_bundle(&source.bundle, source.config.as_deref(), cache)?;
     crate::args::open(&source.bundle)
 }
@@ -64,33 +66,22 @@ pub fn bundle(source: &WorldSource, cache: &CacheArgs) -> Result<Tables, Box<dyn
 fn make(
     source: &WorldSource,
     file: &Path,
-    tables: &Tables,
+    tables: &Bundle,
     out: &Path,
 ) -> Result<StitchReport, Box<dyn std::error::Error>> {
     let kit = Kit::new(tables, &source.bundle)?;
     let (world, mut report) = stitch::stitch_source(source, file, tables, &kit, &progress::Bar::default())?;
-    report.world_bytes = stitch::save(&world, out)?;
+    report.world_bytes = stitch::save(&world, tables.patches(), out)?;
     Ok(report)
 }
 
-/// The stitched world of a world file; it is stitched where that has not been done, or was done with another bundle or
-/// from another text.
-pub fn open(source: &WorldSource, file: &Path, tables: &Tables) -> Result<WorldFile, Box<dyn std::error::Error>> {
+/// The stitched world of a world file. Stitches it first if that has not been done, or if the bundle or the source changed.
+pub fn open(source: &WorldSource, file: &Path, tables: &Bundle) -> Result<World, Box<dyn std::error::Error>> {
     let out = source.stitched_path();
-    if is_newer(&out, file)
-        && let Ok(world) = WorldFile::open(&out, tables)
-    {
-        return Ok(world);
-    }
-    eprintln!("stitching {} ...", source.name);
-    make(source, file, tables, &out)?;
-    Ok(WorldFile::open(&out, tables)?)
-}
-
-/// True where `made` is there and was written after `from`.
-fn is_newer(made: &Path, from: &Path) -> bool {
-    let time = |p: &Path| std::fs::metadata(p).and_then(|m| m.modified());
-    time(made).is_ok_and(|m| time(from).is_ok_and(|f| m > f))
+    let tell: &dyn Fn(&str) = &|message| eprintln!("{message}");
+    let with = Cached { cache: &Cache::none(), progress: &progress::Bar::default(), tell };
+    run::ensure_world(source, file, tables, &out, &with)?;
+    Ok(World::open(&out, tables)?)
 }
 
 fn print(source: &WorldSource, r: &StitchReport, out: &Path) -> Outcome {

@@ -1,15 +1,15 @@
-//! `throng synth`: motion of the project's own, as ordinary files.
+//! `throng synth`: synthetic motion as ordinary files.
 
 use crate::args::Outcome;
-use crate::output;
+use crate::{keys, output};
+use schemars::JsonSchema;
 use serde::Serialize;
 use std::path::PathBuf;
 use throng_precompute::synth::{self, SynthConfig, SynthSet};
 
 /// Write synthetic motion as BVH files, with what happens in it as tags in sidecars.
-///
-/// JSON keys: set, clips, frames, seconds, out.
 #[derive(clap::Args)]
+#[command(after_long_help = keys::of::<Report>())]
 pub struct Args {
     /// Which set: `walk` (wandering with turns, stops and starts), `boxing` (shadow-boxing with footwork, combinations
     /// and defences), `playground` (stairs, a ladder, slides), `office` (standing, talking, sitting, working) or
@@ -19,8 +19,8 @@ pub struct Args {
     /// Folder to write to; made if it is not there.
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
-    /// Length of the set in minutes; its own usual one where it is not given. The locomotion set is a list of clips of
-    /// 4 s, of which less than 15 minutes are the first ones, more are further takes.
+    /// Length of the set in minutes; the default depends on the set. The locomotion set is a list of clips of 4 s: below
+    /// 15 minutes it is cut short, above it holds further takes.
     #[arg(long)]
     minutes: Option<f64>,
     /// Same seed, same motion.
@@ -34,12 +34,17 @@ pub struct Args {
     json: bool,
 }
 
-#[derive(Serialize)]
+#[derive(Serialize, JsonSchema)]
 struct Report {
+    /// Name of the set.
     set: String,
+    /// Clips written.
     clips: usize,
+    /// Frames of all clips.
     frames: usize,
+    /// Length of all clips (s).
     seconds: f64,
+    /// Folder they were written to.
     out: PathBuf,
 }
 

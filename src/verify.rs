@@ -1,15 +1,14 @@
 //! `throng verify`: is a bundle whole?
 
 use crate::args::Outcome;
-use crate::output;
+use crate::{keys, output};
+use schemars::JsonSchema;
 use serde::Serialize;
 use std::path::PathBuf;
 
 /// Check a bundle: layout, checksums, every index and number.
-///
-/// JSON keys: file, name, generator, version, bundle_bytes, frames, clips, states, actions, policies, sections (object:
-/// tag to bytes).
 #[derive(clap::Args)]
+#[command(after_long_help = keys::of::<Report>())]
 pub struct Args {
     /// Bundle.
     file: PathBuf,
@@ -18,18 +17,29 @@ pub struct Args {
     json: bool,
 }
 
-#[derive(Serialize)]
+#[derive(Serialize, JsonSchema)]
 struct Report {
+    /// The file.
     file: PathBuf,
+    /// Name of the database.
     name: String,
+    /// Program and version that wrote the bundle.
     generator: String,
+    /// Version of the format.
     version: u32,
+    /// Length of the file (bytes).
     bundle_bytes: usize,
+    /// Frames of all clips.
     frames: usize,
+    /// Clips, mirrored copies included.
     clips: usize,
+    /// States of the motion graph.
     states: usize,
+    /// Actions of all states.
     actions: usize,
+    /// Names of the behaviours.
     policies: Vec<String>,
+    /// Size of each section, by tag (bytes).
     sections: std::collections::BTreeMap<String, usize>,
 }
 

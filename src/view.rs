@@ -6,7 +6,7 @@ use std::io::Write;
 use std::path::Path;
 use std::process::{Command, ExitCode};
 
-/// For a viewer beside this executable, in the same profile.
+/// Builds the viewer beside this executable, in the same profile.
 const HOW_TO_BUILD: &str = if cfg!(debug_assertions) {
     "`cargo build -p throng-viewer` builds it"
 } else {
@@ -20,7 +20,7 @@ const HOW_TO_BUILD: &str = if cfg!(debug_assertions) {
 #[derive(clap::Args)]
 #[command(disable_help_flag = true)]
 pub struct Args {
-    /// What the viewer is to do.
+    /// Arguments of the viewer.
     #[arg(trailing_var_arg = true, allow_hyphen_values = true, value_name = "ARGUMENTS")]
     rest: Vec<OsString>,
 }

@@ -6,9 +6,9 @@ use glam::Vec3;
 use std::path::Path;
 use throng_precompute::cache::{Cache, content_hash};
 use throng_precompute::trial::{self, TrialConfig};
-use throng_runtime::Tables;
+use throng_runtime::Bundle;
+use throng_runtime::characters::{Characters, CharactersConfig, Choice, Goal, MotionSet};
 use throng_runtime::sparring::Sparring;
-use throng_runtime::troupe::{Choice, Goal, Repertoire, Troupe, TroupeConfig};
 
 fn on_threads<T: Send>(num_threads: usize, work: impl FnOnce() -> T + Send) -> T {
     rayon::ThreadPoolBuilder::new().num_threads(num_threads).build().expect("a thread pool").install(work)
@@ -54,15 +54,15 @@ fn synthetic_clips_are_the_same_files_twice() {
     assert!(!first.is_empty() && first == files("b"));
 }
 
-/// Everything that can be read of a troupe, as bytes.
-fn bytes_of(troupe: &Troupe) -> Vec<u8> {
-    let mut out = bytemuck::cast_slice::<_, u8>(troupe.model_matrices()).to_vec();
-    out.extend_from_slice(bytemuck::cast_slice(troupe.local_transforms()));
-    for c in 0..troupe.num_characters() {
-        let (root, (segment, time)) = (troupe.root(c), troupe.segment(c));
+/// All readable state of some characters, as bytes.
+fn bytes_of(characters: &Characters) -> Vec<u8> {
+    let mut out = bytemuck::cast_slice::<_, u8>(characters.model_matrices()).to_vec();
+    out.extend_from_slice(bytemuck::cast_slice(characters.local_transforms()));
+    for c in 0..characters.num_characters() {
+        let (root, (segment, time)) = (characters.root(c), characters.segment(c));
         out.extend([root.x, root.z, root.heading, time].into_iter().flat_map(f32::to_le_bytes));
-        out.extend([segment, troupe.num_choices(c)].into_iter().flat_map(u32::to_le_bytes));
-        out.push(troupe.contacts(c).0);
+        out.extend([segment, characters.num_choices(c)].into_iter().flat_map(u32::to_le_bytes));
+        out.push(characters.contacts(c).0);
     }
     out
 }
@@ -72,28 +72,28 @@ const N: usize = 203;
 
 /// Hashes of the bytes of a crowd after each of some steps.
 fn crowd(
-    tables: &Tables,
-    config: TroupeConfig,
+    tables: &Bundle,
+    config: CharactersConfig,
     num_steps: usize,
-    step: impl Fn(&mut Troupe, &Repertoire<'_>, &[Goal<'_>]),
+    step: impl Fn(&mut Characters, &MotionSet, &[Goal<'_>]),
 ) -> Vec<u128> {
-    let repertoire = Repertoire::new(tables);
+    let motion_set = MotionSet::new(tables);
     let mut targets: Vec<Vec3> = common::targets(N);
-    let mut troupe = Troupe::new(&repertoire, config, &common::starts(tables, N)).expect("a troupe");
+    let mut characters = Characters::new(&motion_set, config, &common::starts(tables, N)).expect("characters");
     let one_step = |k: usize| {
         targets.iter_mut().for_each(|t| t.x += 0.01 * (k % 7) as f32);
-        step(&mut troupe, &repertoire, &[Goal { policy: 0, weight: 1.0, targets: &targets }]);
-        content_hash(&bytes_of(&troupe))
+        step(&mut characters, &motion_set, &[Goal { policy: 0, weight: 1.0, targets: &targets }]);
+        content_hash(&bytes_of(&characters))
     };
     (0..num_steps).map(one_step).collect()
 }
 
-fn on_this_thread(troupe: &mut Troupe, repertoire: &Repertoire<'_>, goals: &[Goal<'_>]) {
-    troupe.step(repertoire, 1.0 / 30.0, goals).expect("a step");
+fn on_this_thread(characters: &mut Characters, motion_set: &MotionSet, goals: &[Goal<'_>]) {
+    characters.step(motion_set, 1.0 / 30.0, goals).expect("a step");
 }
 
-fn config(choice: Choice) -> TroupeConfig {
-    TroupeConfig { choice, local_transforms: true, bend_rad_per_m: 0.1, ..TroupeConfig::default() }
+fn config(choice: Choice) -> CharactersConfig {
+    CharactersConfig { choice, local_transforms: true, bend_rad_per_m: 0.1, ..CharactersConfig::default() }
 }
 
 #[test]
@@ -103,8 +103,8 @@ fn steps_give_the_same_bytes_on_any_number_of_threads() {
         let alone = crowd(&tables, config(choice), 120, on_this_thread);
         for num_threads in [1, 2, 8] {
             let together = on_threads(num_threads, || {
-                crowd(&tables, config(choice), 120, |troupe, repertoire, goals| {
-                    troupe.par_step(repertoire, 1.0 / 30.0, goals).expect("a step");
+                crowd(&tables, config(choice), 120, |characters, motion_set, goals| {
+                    characters.par_step(motion_set, 1.0 / 30.0, goals).expect("a step");
                 })
             });
             let differs = (0..alone.len()).find(|&k| alone[k] != together[k]);
@@ -116,22 +116,22 @@ fn steps_give_the_same_bytes_on_any_number_of_threads() {
 #[test]
 fn pairs_spar_the_same_on_any_number_of_threads() {
     let tables = common::boxing_tables();
-    let repertoire = Repertoire::new(&tables);
+    let motion_set = MotionSet::new(&tables);
     // Everything that can be read of pairs after each of some steps.
     let run = |step: &(dyn Fn(&mut Sparring) + Sync)| {
-        let mut sparring = Sparring::new(&repertoire, common::boxing(), &common::pairs(&tables, N)).expect("pairs");
+        let mut sparring = Sparring::new(&motion_set, common::boxing(), &common::pairs(&tables, N)).expect("pairs");
         let one_step = |_| {
             step(&mut sparring);
-            let of = [content_hash(&bytes_of(sparring.troupe()))];
+            let of = [content_hash(&bytes_of(sparring.characters()))];
             (of, sparring.landed().to_vec(), sparring.heads().to_vec(), sparring.threats().to_vec(), sparring.figures())
         };
         (0..200).map(one_step).collect::<Vec<_>>()
     };
-    let alone = run(&|s| s.step(&repertoire, 1.0 / 30.0).expect("a step"));
+    let alone = run(&|s| s.step(&motion_set, 1.0 / 30.0).expect("a step"));
     let met = alone.iter().map(|a| a.1.len()).sum::<usize>();
     assert!(met > 100, "{met} blows that met are too few to prove anything");
     for num_threads in [1, 2, 8] {
-        let together = on_threads(num_threads, || run(&|s| s.par_step(&repertoire, 1.0 / 30.0).expect("a step")));
+        let together = on_threads(num_threads, || run(&|s| s.par_step(&motion_set, 1.0 / 30.0).expect("a step")));
         let differs = (0..alone.len()).find(|&k| alone[k] != together[k]);
         assert_eq!(differs, None, "{num_threads} threads: first step that differs");
     }
@@ -143,10 +143,10 @@ fn the_same_seed_gives_the_same_crowd_and_another_seed_another() {
     let random = config(Choice::LookAhead { temperature: 0.05 });
     let first = crowd(&tables, random, 300, on_this_thread);
     assert!(first == crowd(&tables, random, 300, on_this_thread));
-    let other = TroupeConfig { seed: 2, ..random };
+    let other = CharactersConfig { seed: 2, ..random };
     assert!(first[299] != crowd(&tables, other, 300, on_this_thread)[299]);
     let sure = config(Choice::LookAhead { temperature: 0.0 });
-    let other = TroupeConfig { seed: 2, ..sure };
+    let other = CharactersConfig { seed: 2, ..sure };
     assert!(
         crowd(&tables, sure, 300, on_this_thread) == crowd(&tables, other, 300, on_this_thread),
         "without temperature the seed must not matter"
@@ -156,15 +156,15 @@ fn the_same_seed_gives_the_same_crowd_and_another_seed_another() {
 #[test]
 fn a_character_does_not_depend_on_its_neighbours() {
     let tables = common::tables();
-    let repertoire = Repertoire::new(&tables);
+    let motion_set = MotionSet::new(&tables);
     let (starts, targets) = (common::starts(&tables, N), common::targets(N));
-    let mut all = Troupe::new(&repertoire, TroupeConfig::default(), &starts).expect("a troupe");
+    let mut all = Characters::new(&motion_set, CharactersConfig::default(), &starts).expect("characters");
     let some = 0..5;
-    let mut few = Troupe::new(&repertoire, TroupeConfig::default(), &starts[some.clone()]).expect("a troupe");
+    let mut few = Characters::new(&motion_set, CharactersConfig::default(), &starts[some.clone()]).expect("characters");
     for _ in 0..60 {
         let goal = |targets| [Goal { policy: 0, weight: 1.0, targets }];
-        all.step(&repertoire, 0.05, &goal(&targets)).expect("a step");
-        few.step(&repertoire, 0.05, &goal(&targets[some.clone()])).expect("a step");
+        all.step(&motion_set, 0.05, &goal(&targets)).expect("a step");
+        few.step(&motion_set, 0.05, &goal(&targets[some.clone()])).expect("a step");
         for c in some.clone() {
             assert_eq!((all.root(c), all.segment(c)), (few.root(c), few.segment(c)), "character {c}");
             assert_eq!(all.pose(c), few.pose(c), "character {c}");

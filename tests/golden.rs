@@ -3,9 +3,9 @@
 //! `data/golden/` keeps the tables of every version for ever; `examples/make_golden.rs` says how they are made.
 
 use std::path::PathBuf;
+use throng_runtime::characters::{Characters, CharactersConfig, Choice, Goal, MotionSet, SampleJob, Start};
 use throng_runtime::format::{AlignedBytes, FormatError, Header, VERSION};
-use throng_runtime::troupe::{Choice, Goal, Repertoire, SampleJob, Start, Troupe, TroupeConfig};
-use throng_runtime::{Joint, Mat3x4, NUM_JOINTS, Planar, Tables};
+use throng_runtime::{Bundle, Joint, Mat3x4, NUM_JOINTS, Planar};
 
 fn golden(version: u32) -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR")).join(format!("data/golden/tables_v{version}.throng"))
@@ -14,8 +14,8 @@ fn golden(version: u32) -> PathBuf {
 #[test]
 fn the_current_version_has_golden_tables_that_open() {
     let path = golden(VERSION);
-    let tables = Tables::open(&path).expect("tables of the current version");
-    assert!(Tables::open_unverified(&path).is_ok());
+    let tables = Bundle::open(&path).expect("tables of the current version");
+    assert!(Bundle::open_unverified(&path).is_ok());
     let graph = tables.graph();
     assert_eq!(tables.meta().name, "golden");
     assert_eq!(tables.meta().rate_hz, 20.0);
@@ -23,7 +23,7 @@ fn the_current_version_has_golden_tables_that_open() {
     assert!(tables.meta().sources.iter().all(|s| s.path.starts_with("walk/")), "made of synthetic clips alone");
     assert_eq!((tables.clips().len(), tables.frames().len()), (CLIPS, FRAMES));
     assert_eq!((graph.states.len(), graph.segments.len(), graph.action_segments.len()), (STATES, SEGMENTS, ACTIONS));
-    assert_eq!(tables.policy(0).grid().num_cells(), 40);
+    assert_eq!(tables.policies()[0].grid().num_cells(), 40);
     let (blends, names) = (tables.blends(), &tables.meta().blends);
     assert_eq!((names[0].name.as_str(), names[0].axes.as_slice()), ("walks", &["speed".into(), "gyration".into()][..]));
     let speeds: Vec<f32> = blends.examples.iter().map(|e| e.velocity[1]).collect();
@@ -34,12 +34,12 @@ fn the_current_version_has_golden_tables_that_open() {
 
 #[test]
 fn golden_poses_stand_where_they_always_stood() {
-    let tables = Tables::open(golden(VERSION)).expect("tables of the current version");
-    let repertoire = Repertoire::new(&tables);
+    let tables = Bundle::open(golden(VERSION)).expect("tables of the current version");
+    let motion_set = MotionSet::new(&tables);
     let frames: Vec<u32> = (0..tables.frames().len() as u32 - 1).collect();
     let ratios = vec![0.5; frames.len()];
     let mut matrices = vec![Mat3x4::default(); frames.len() * NUM_JOINTS];
-    SampleJob { repertoire: &repertoire, frames: &frames, ratios: &ratios, matrices: &mut matrices }
+    SampleJob { motion_set: &motion_set, frames: &frames, ratios: &ratios, matrices: &mut matrices }
         .run()
         .expect("a batch of poses");
     let mean = |j: Joint| {
@@ -53,17 +53,17 @@ fn golden_poses_stand_where_they_always_stood() {
 
 #[test]
 fn a_golden_character_takes_the_way_it_always_took() {
-    let tables = Tables::open(golden(VERSION)).expect("tables of the current version");
-    let repertoire = Repertoire::new(&tables);
+    let tables = Bundle::open(golden(VERSION)).expect("tables of the current version");
+    let motion_set = MotionSet::new(&tables);
     let start = Start { root: Planar::new(0.0, 0.0, 0.0), state: 0 };
-    let config = TroupeConfig { choice: Choice::BestAction, ..TroupeConfig::default() };
-    let mut troupe = Troupe::new(&repertoire, config, &[start]).expect("a troupe");
+    let config = CharactersConfig { choice: Choice::BestAction, ..CharactersConfig::default() };
+    let mut characters = Characters::new(&motion_set, config, &[start]).expect("characters");
     let targets = [glam::Vec3::new(2.0, 0.0, 3.0)];
     for _ in 0..40 {
         let goals = [Goal { policy: 0, weight: 1.0, targets: &targets }];
-        troupe.step(&repertoire, 0.05, &goals).expect("a step");
+        characters.step(&motion_set, 0.05, &goals).expect("a step");
     }
-    let root = troupe.root(0);
+    let root = characters.root(0);
     assert!(root.translation().distance(PLACE_AFTER_2_S.into()) < 1e-2, "{root:?}");
 }
 
@@ -75,8 +75,8 @@ fn tables_of_other_versions_are_refused_by_name() {
         header.version = version;
         header.header_crc32 = header.checksum();
         let other = [bytemuck::bytes_of(&header), &bytes[64..]].concat();
-        let e = Tables::from_bytes(AlignedBytes::from_slice(&other)).expect_err("another version");
-        assert!(matches!(e, FormatError::Version { got } if got == version), "{e}");
+        let e = Bundle::from_bytes(AlignedBytes::from_slice(&other)).expect_err("another version");
+        assert!(matches!(e, FormatError::Version { got, .. } if got == version), "{e}");
         assert!(e.to_string().contains(&format!("format version {version}")) && e.to_string().contains("throng build"));
     }
 }
@@ -84,9 +84,9 @@ fn tables_of_other_versions_are_refused_by_name() {
 #[test]
 fn golden_tables_of_every_version_are_kept() {
     for version in 1..=VERSION {
-        match Tables::open(golden(version)) {
+        match Bundle::open(golden(version)) {
             Ok(_) => assert_eq!(version, VERSION),
-            Err(FormatError::Version { got }) => assert!(got == version && version < VERSION, "version {got}"),
+            Err(FormatError::Version { got, .. }) => assert!(got == version && version < VERSION, "version {got}"),
             Err(e) => panic!("version {version}: {e}"),
         }
     }
@@ -97,14 +97,14 @@ const FRAMES: usize = 1168;
 const STATES: usize = 96;
 const SEGMENTS: usize = 96;
 const ACTIONS: usize = 1344;
-/// Speeds of the examples of the blend space. [Unit: m/s]
+/// Speeds of the examples of the blend space (m/s).
 const BLEND_SPEEDS: [f32; 5] = [0.551, 0.134, 1.175, 0.154, 1.167];
-/// Mean place of joints in model space, halfway between frames. [Unit: m]
+/// Mean place of joints in model space, halfway between frames (m).
 const POSE: [(Joint, [f64; 3]); 4] = [
     (Joint::Head, [0.0, 1.567451, 0.039276]),
     (Joint::LeftHand, [0.246487, 0.898772, 0.08698]),
     (Joint::RightHand, [-0.246488, 0.898771, 0.086967]),
     (Joint::LeftToe, [0.097875, 0.034026, 0.085369]),
 ];
-/// Where the character comes in 2 s. [Unit: m]
+/// Where the character comes in 2 s (m).
 const PLACE_AFTER_2_S: [f32; 3] = [0.4612, 0.0, 1.208];

@@ -14,7 +14,7 @@ use throng_precompute::resample::{self, ResampleConfig};
 use throng_precompute::retarget::{self, RetargetConfig};
 use throng_precompute::write::{self, Baked};
 use throng_precompute::{BuildError, Clip, ClipSet, Warnings};
-use throng_runtime::Tables;
+use throng_runtime::Bundle;
 use throng_runtime::format::{AlignedBytes, Meta};
 use throng_runtime::{Contacts, Joint, NUM_JOINTS, Planar, Skeleton};
 
@@ -25,13 +25,13 @@ const RATE_HZ: f64 = 30.0;
 struct Gait {
     /// Where in the cycle the clip begins.
     phase: f32,
-    /// [Unit: rad/s]
+    /// (rad/s)
     turning: f32,
-    /// [Unit: m/s]
+    /// (m/s)
     speed: f32,
-    /// How far the arms swing. [Unit: rad]
+    /// How far the arms swing (rad).
     arms: f32,
-    /// How far the spine bends at each joint, which makes gaits unlike. [Unit: rad]
+    /// How far the spine bends at each joint, which makes gaits unlike (rad).
     style: f32,
     num_frames: usize,
     /// Stands still for this many frames at the beginning and at the end.
@@ -59,19 +59,7 @@ impl Gait {
             rotations.extend(self.pose(cycle, pace, root));
             contacts.push(if pace == 0.0 { Contacts(5) } else { planted(cycle) });
         }
-        Clip {
-            name,
-            source: String::new(),
-            mirrored: false,
-            rate_hz: RATE_HZ,
-            root_positions,
-            rotations,
-            contacts,
-            excluded: Vec::new(),
-            tags: Vec::new(),
-            hits: Vec::new(),
-            support: Vec::new(),
-        }
+        Clip { contacts, ..Clip::new(name, RATE_HZ, root_positions, rotations) }
     }
 
     fn pose(&self, cycle: f32, pace: f32, root: Planar) -> [Quat; NUM_JOINTS] {
@@ -319,7 +307,7 @@ fn json_lists_states_and_actions() {
         Baked { clips: &clips, graph: &graph, policies: &[], groups: None, patches: None, blends: &[], meta: &meta };
     let mut bytes = Vec::new();
     write::lay_out(&baked).unwrap().write(&mut bytes).unwrap();
-    let tables = Tables::from_bytes(AlignedBytes::from_slice(&bytes)).unwrap();
+    let tables = Bundle::from_bytes(AlignedBytes::from_slice(&bytes)).unwrap();
     let mut text = Vec::new();
     graph::write_graph_json(&graph::graph_rows(&tables), &mut text).unwrap();
     let json: serde_json::Value = serde_json::from_slice(&text).unwrap();

@@ -14,20 +14,20 @@ use std::cell::Cell;
 use std::hint::black_box;
 use throng_runtime::blend::walkers::{Control, WalkerStart, Walkers, WalkersConfig};
 use throng_runtime::blend::{HeightField, MAX_AXES, Posture};
-use throng_runtime::crowd::{AtEnd, Crowd, CrowdConfig, Member, Obstacle, Route, Scheme, Setup};
+use throng_runtime::characters::{Characters, CharactersConfig, Choice, Goal, MotionSet, SampleJob};
+use throng_runtime::crowd::{Agent, AtEnd, Crowd, CrowdConfig, Obstacle, Route, Scheme, Setup};
 use throng_runtime::policy::{self, BestActionJob, LookAheadJob, RankedActions};
 use throng_runtime::sparring::{PracticeConfig, PracticeGoal, Sparring, TargetPractice};
-use throng_runtime::troupe::{Choice, Goal, Repertoire, SampleJob, Troupe, TroupeConfig};
 use throng_runtime::world::WorldGraph;
 use throng_runtime::world::inhabitants::{Inhabitants, InhabitantsConfig, Wish, scatter};
-use throng_runtime::{Mat3x4, NUM_JOINTS, Skeleton};
+use throng_runtime::{Cast, Id, Inline, Mat3x4, NUM_JOINTS};
 
 thread_local! {
     /// Allocations of this thread; what the test harness does on others does not count.
     static COUNT: Cell<u64> = const { Cell::new(0) };
 }
 
-/// Where a target hangs before its boxer. [Unit: m]
+/// Where a target hangs before its boxer (m).
 const HOME: Vec3 = Vec3::new(0.0, 1.5, 0.6);
 
 struct Counting;
@@ -87,23 +87,23 @@ fn the_counter_sees_allocations() {
 fn steps_allocate_nothing() {
     const N: usize = 100;
     let tables = common::tables();
-    let repertoire = Repertoire::new(&tables);
+    let motion_set = MotionSet::new(&tables);
     let (starts, targets) = (common::starts(&tables, N), common::targets(N));
     for choice in [Choice::BestAction, Choice::LookAhead { temperature: 0.0 }, Choice::LookAhead { temperature: 0.05 }]
     {
         for (local_transforms, bend_rad_per_m) in [(false, 0.0), (true, 0.2)] {
-            let config = TroupeConfig { choice, local_transforms, bend_rad_per_m, ..TroupeConfig::default() };
-            let mut troupe = Troupe::new(&repertoire, config, &starts).expect("a troupe");
+            let config = CharactersConfig { choice, local_transforms, bend_rad_per_m, ..CharactersConfig::default() };
+            let mut characters = Characters::new(&motion_set, config, &starts).expect("characters");
             let goals = [Goal { policy: 0, weight: 1.0, targets: &targets }];
-            troupe.step(&repertoire, 0.0, &goals).expect("a first step");
-            let chosen = |t: &Troupe| (0..N).map(|c| t.num_choices(c)).sum::<u32>();
-            let before = chosen(&troupe);
+            characters.step(&motion_set, 0.0, &goals).expect("a first step");
+            let chosen = |t: &Characters| (0..N).map(|c| t.num_choices(c)).sum::<u32>();
+            let before = chosen(&characters);
             let n = allocations(|| {
                 for _ in 0..300 {
-                    troupe.step(&repertoire, 1.0 / 60.0, &goals).expect("a step");
+                    characters.step(&motion_set, 1.0 / 60.0, &goals).expect("a step");
                 }
             });
-            let made = chosen(&troupe) - before;
+            let made = chosen(&characters) - before;
             assert!(made > 3 * N as u32, "{made} choices in 5 s are too few to prove anything");
             assert_eq!(n, 0, "{choice:?}, local transforms {local_transforms}");
         }
@@ -114,13 +114,13 @@ fn steps_allocate_nothing() {
 fn a_step_towards_two_goals_allocates_nothing() {
     const N: usize = 9;
     let tables = common::tables();
-    let repertoire = Repertoire::new(&tables);
+    let motion_set = MotionSet::new(&tables);
     let (starts, targets) = (common::starts(&tables, N), common::targets(N));
-    let mut troupe = Troupe::new(&repertoire, TroupeConfig::default(), &starts).expect("a troupe");
+    let mut characters = Characters::new(&motion_set, CharactersConfig::default(), &starts).expect("characters");
     let goal = |weight| Goal { policy: 0, weight, targets: &targets };
     let goals = [goal(1.0), goal(0.5)];
-    troupe.step(&repertoire, 0.0, &goals).expect("a first step");
-    let n = allocations(|| (0..100).for_each(|_| troupe.step(&repertoire, 0.05, &goals).expect("a step")));
+    characters.step(&motion_set, 0.0, &goals).expect("a first step");
+    let n = allocations(|| (0..100).for_each(|_| characters.step(&motion_set, 0.05, &goals).expect("a step")));
     assert_eq!(n, 0);
 }
 
@@ -128,10 +128,10 @@ fn a_step_towards_two_goals_allocates_nothing() {
 fn inhabitants_allocate_nothing() {
     let tables = made_up::tables();
     let world = made_up::world(&tables, &["#########", "#b#####b#", "###...###", "##b######", "#########"]);
-    let graph = WorldGraph::new(tables.patches(), world.view()).expect("a world");
-    let repertoire = Repertoire::new(&tables);
+    let graph = WorldGraph::new(tables.patches(), &world.view()).expect("a world");
+    let motion_set = MotionSet::new(&tables);
     let starts = scatter(&graph, 14, 2);
-    let mut people = Inhabitants::new(&repertoire, &graph, InhabitantsConfig::default(), &starts).expect("inhabitants");
+    let mut people = Inhabitants::new(&motion_set, &graph, InhabitantsConfig::default(), &starts).expect("inhabitants");
     let mut n = 0;
     for round in 0..20u32 {
         for c in 0..starts.len() {
@@ -142,7 +142,7 @@ fn inhabitants_allocate_nothing() {
             };
             n += allocations(|| people.set_wish(&graph, c, wish).expect("a wish"));
         }
-        n += allocations(|| (0..900).for_each(|_| people.step(&repertoire, &graph, 1.0 / 30.0).expect("a step")));
+        n += allocations(|| (0..900).for_each(|_| people.step(&motion_set, &graph, 1.0 / 30.0).expect("a step")));
     }
     let fulfilled: u32 = (0..starts.len()).map(|c| people.status(c).num_fulfilled).sum();
     assert!(fulfilled > 40, "{fulfilled} wishes are too few to prove anything");
@@ -152,22 +152,22 @@ fn inhabitants_allocate_nothing() {
 #[test]
 fn sparring_and_practice_allocate_nothing() {
     let tables = common::boxing_tables();
-    let repertoire = Repertoire::new(&tables);
+    let motion_set = MotionSet::new(&tables);
     let starts = common::pairs(&tables, 40);
-    let mut sparring = Sparring::new(&repertoire, common::boxing(), &starts).expect("pairs");
-    sparring.step(&repertoire, 0.0).expect("a first step");
-    let n = allocations(|| (0..600).for_each(|_| sparring.step(&repertoire, 1.0 / 60.0).expect("a step")));
+    let mut sparring = Sparring::new(&motion_set, common::boxing(), &starts).expect("pairs");
+    sparring.step(&motion_set, 0.0).expect("a first step");
+    let n = allocations(|| (0..600).for_each(|_| sparring.step(&motion_set, 1.0 / 60.0).expect("a step")));
     let blows = sparring.figures().blows;
     assert!(blows.landed + blows.blocked > 10, "{blows:?} are too few to prove anything");
     assert_eq!(n, 0);
     // One step that plays many segments.
-    assert_eq!(allocations(|| sparring.step(&repertoire, 1.0).expect("a long step")), 0);
+    assert_eq!(allocations(|| sparring.step(&motion_set, 1.0).expect("a long step")), 0);
 
     let goals = (0..2).map(|policy| PracticeGoal { policy, weight: 1.0 }).collect();
     let homes: Vec<Vec3> = starts.iter().map(|s| s.root.translation() + s.root.rotation() * HOME).collect();
     let config = PracticeConfig::new(goals);
-    let mut practice = TargetPractice::new(&repertoire, config, &starts, &homes).expect("boxers with targets");
-    let n = allocations(|| (0..600).for_each(|_| practice.step(&repertoire, 1.0 / 60.0).expect("a step")));
+    let mut practice = TargetPractice::new(&motion_set, config, &starts, &homes).expect("boxers with targets");
+    let n = allocations(|| (0..600).for_each(|_| practice.step(&motion_set, 1.0 / 60.0).expect("a step")));
     assert!(practice.figures().blows.landed > 10, "{:?}", practice.figures().blows);
     assert_eq!(n, 0);
 }
@@ -176,7 +176,7 @@ fn sparring_and_practice_allocate_nothing() {
 fn batches_of_queries_allocate_nothing() {
     const N: usize = 256;
     let tables = common::tables();
-    let table = tables.policy(0);
+    let table = &tables.policies()[0];
     let states: Vec<u32> = common::starts(&tables, N).iter().map(|s| s.state).collect();
     let targets = vec![Vec3::new(0.5, 0.0, 3.0); N];
     let weights = vec![1.0; N];
@@ -198,11 +198,11 @@ fn batches_of_queries_allocate_nothing() {
 #[test]
 fn a_batch_of_poses_allocates_nothing() {
     let tables = common::tables();
-    let repertoire = Repertoire::new(&tables);
+    let motion_set = MotionSet::new(&tables);
     let frames: Vec<u32> = (0..333).collect();
     let ratios = vec![0.25; frames.len()];
     let mut matrices = vec![Mat3x4::default(); frames.len() * NUM_JOINTS];
-    let job = SampleJob { repertoire: &repertoire, frames: &frames, ratios: &ratios, matrices: &mut matrices };
+    let job = SampleJob { motion_set: &motion_set, frames: &frames, ratios: &ratios, matrices: &mut matrices };
     assert_eq!(allocations(|| job.run().expect("a batch")), 0);
     assert!(matrices.iter().all(|m| *m != Mat3x4::default()));
 }
@@ -211,22 +211,28 @@ fn a_batch_of_poses_allocates_nothing() {
 fn walkers_allocate_nothing() {
     const N: usize = 100;
     let made_up = made_up_blend::MadeUp::locomotion();
-    let (space, skeleton) = (made_up.space(), Skeleton::default());
     let config = WalkersConfig { local_transforms: true, ..WalkersConfig::default() };
-    let starts = vec![WalkerStart::default(); N];
-    let bodies = std::slice::from_ref(&skeleton);
-    let mut walkers = Walkers::new(&space, &skeleton, bodies, config, &starts).expect("walkers");
+    let mut walkers = Walkers::with_capacity(made_up.space(), &[], config, N).expect("walkers");
     let ground = HeightField::new(Vec2::splat(-50.0), 10.0, [11, 11], vec![0.5; 121]).expect("a field");
-    let mut controls = vec![Control::default(); N];
+    walkers.set_ground(ground);
+    let mut ids = [Id::default(); N];
+    let entered = allocations(|| {
+        ids.fill_with(|| walkers.spawn(WalkerStart::default()).expect("room"));
+    });
+    assert_eq!(entered, 0);
     let mut before = walkers.joint_positions(7);
     for round in 0..10 {
-        for (c, control) in controls.iter_mut().enumerate() {
-            control.velocity = Vec2::from_angle(c as f32) * (round % 6) as f32;
-        }
         let n = allocations(|| {
+            for (c, id) in ids.iter_mut().enumerate() {
+                let velocity = Vec2::from_angle(c as f32) * (round % 6) as f32;
+                walkers.order(*id, Control::walk(velocity)).expect("an order");
+                if c % 9 == round {
+                    walkers.despawn(*id).expect("somebody");
+                    *id = walkers.spawn(WalkerStart::default()).expect("room");
+                }
+            }
             for _ in 0..30 {
-                controls.iter_mut().for_each(|c| c.position += c.velocity / 60.0);
-                walkers.step(&space, 1.0 / 60.0, &controls, &ground).expect("a step");
+                walkers.step(1.0 / 60.0, &Inline).expect("a step");
             }
         });
         assert_eq!(n, 0);
@@ -253,20 +259,24 @@ fn batches_of_blending_allocate_nothing() {
     assert!(postures.iter().all(|p| *p != Posture::default()));
 }
 
-/// Members who meet, arrive, leave, stay or go round, past a wall and somebody who does not give way.
-fn busy_crowd(scheme: Scheme) -> Setup<Vec2> {
+/// Agents who meet, arrive, leave, stay or go round, past a wall and somebody who does not give way.
+fn busy_crowd(scheme: Scheme) -> Setup {
     let config = CrowdConfig { scheme, capacity: 210, ..CrowdConfig::default() };
     let mut setup = Setup { config, ..Setup::default() };
     for i in 0..200 {
-        let position = Vec2::new((i % 20) as f32, (i / 20) as f32 * 1.1);
+        let position = Vec3::new((i % 20) as f32, 0.0, (i / 20) as f32 * 1.1);
         let at_end = [AtEnd::Stay, AtEnd::Leave, AtEnd::Again][i % 3];
-        let subgoals = vec![position, Vec2::new(30.0 - position.x, 5.0), Vec2::new(19.0 - position.x, position.y)];
+        let subgoals =
+            vec![position, Vec3::new(30.0 - position.x, 0.0, 5.0), Vec3::new(19.0 - position.x, 0.0, position.z)];
         setup.routes.push(Route { subgoals, arrival_radius: 0.5, at_end });
-        setup.members.push(Member { position, route: i, ..Member::default() });
+        setup.agents.push(Agent { position, route: Some(i), ..Agent::default() });
     }
     setup.obstacles = vec![
-        Obstacle::Wall { from: Vec2::new(-2.0, -1.0), to: Vec2::new(40.0, -1.0), radius: 0.1 },
-        Obstacle::Mover { way: vec![(0.0, Vec2::new(24.0, 20.0)), (9.0, Vec2::new(24.0, -5.0))], radius: 0.6 },
+        Obstacle::Wall { from: Vec3::new(-2.0, 0.0, -1.0), to: Vec3::new(40.0, 0.0, -1.0), radius: 0.1 },
+        Obstacle::Mover {
+            way: vec![(0.0, Vec3::new(24.0, 0.0, 20.0)), (9.0, Vec3::new(24.0, 0.0, -5.0))],
+            radius: 0.6,
+        },
     ];
     setup
 }
@@ -274,13 +284,14 @@ fn busy_crowd(scheme: Scheme) -> Setup<Vec2> {
 #[test]
 fn a_crowd_allocates_nothing_whatever_its_scheme() {
     for scheme in [Scheme::Registration, Scheme::Occupancy, Scheme::Fixed] {
-        let mut crowd = Crowd::new(busy_crowd(scheme)).expect("a crowd");
+        let mut crowd = Crowd::on_ground(busy_crowd(scheme)).expect("a crowd");
         let mut events = 0;
         for i in 1..=20 {
             let n = allocations(|| crowd.advance(f64::from(i), &mut |_| events += 1).expect("time passes"));
             assert_eq!(n, 0, "{scheme:?}, second {i}");
-            let newcomer = Member { position: Vec2::new(-5.0 - i as f32, -9.0), ..Member::default() };
-            assert_eq!(allocations(|| drop(crowd.enter(newcomer))), 0, "{scheme:?}");
+            let newcomer =
+                Agent { position: Vec3::new(-5.0 - i as f32, 0.0, -9.0), route: Some(0), ..Agent::default() };
+            assert_eq!(allocations(|| drop(crowd.spawn(newcomer))), 0, "{scheme:?}");
         }
         let c = crowd.counts();
         let is_busy = match scheme {

@@ -18,17 +18,17 @@ use throng_precompute::retarget::{RetargetConfig, onto};
 use throng_precompute::synth::{self, SynthConfig, SynthSet};
 use throng_precompute::trial::{self, TrialConfig};
 use throng_precompute::{BuildError, Warnings};
+use throng_runtime::characters::{Characters, CharactersConfig, Goal, MotionSet, SampleJob};
 use throng_runtime::policy::{MAX_ACTIONS, PATH_POINTS, PolicyTable};
-use throng_runtime::troupe::{Goal, Repertoire, SampleJob, Troupe, TroupeConfig};
-use throng_runtime::{Joint, Mat3x4, NUM_JOINTS, Planar, Tables};
+use throng_runtime::{Bundle, Joint, Mat3x4, NUM_JOINTS, Planar};
 
 /// Frames of the bundle as poses in the world of their clip.
-fn sampled(tables: &Tables) -> Vec<(Planar, Vec<Mat3x4>)> {
-    let repertoire = Repertoire::new(tables);
+fn sampled(tables: &Bundle) -> Vec<(Planar, Vec<Mat3x4>)> {
+    let motion_set = MotionSet::new(tables);
     let frames: Vec<u32> = (0..tables.frames().len() as u32).collect();
     let ratios = vec![0.0; frames.len()];
     let mut matrices = vec![Mat3x4::default(); frames.len() * NUM_JOINTS];
-    SampleJob { repertoire: &repertoire, frames: &frames, ratios: &ratios, matrices: &mut matrices }
+    SampleJob { motion_set: &motion_set, frames: &frames, ratios: &ratios, matrices: &mut matrices }
         .run()
         .expect("a batch of poses");
     let root = |f: usize| {
@@ -38,8 +38,8 @@ fn sampled(tables: &Tables) -> Vec<(Planar, Vec<Mat3x4>)> {
     matrices.chunks(NUM_JOINTS).enumerate().map(|(f, m)| (root(f), m.to_vec())).collect()
 }
 
-/// Every sampled joint is within `tolerance` of where the clips have it. [Unit: m]
-fn assert_same_motion(tables: &Tables, set: &ClipSet, tolerance: f32) {
+/// Every sampled joint is within `tolerance` of where the clips have it (m).
+fn assert_same_motion(tables: &Bundle, set: &ClipSet, tolerance: f32) {
     let poses = sampled(tables);
     assert_eq!((poses.len(), tables.clips().len()), (set.num_frames(), set.clips.len()));
     for (clip, record) in set.clips.iter().zip(tables.clips()) {
@@ -63,7 +63,7 @@ fn sampled_poses_are_those_of_the_retargeted_clips() {
     let mut config = small_config(vec![clips.clone()]);
     config.resample.mirror = true;
     build(&config, &out, &Cache::none());
-    let tables = Tables::open(&out).expect("the bundle opens");
+    let tables = Bundle::open(&out).expect("the bundle opens");
 
     let raw = read(&[clips], &ImportConfig::default(), &Silent).expect("clips");
     let set = onto(&raw.clips, &RetargetConfig::default(), &mut Warnings::default()).expect("bodies");
@@ -93,7 +93,7 @@ fn sampled_poses_are_those_that_were_made() {
     let mut config = small_config(vec![clips]);
     config.resample.mirror = false;
     build(&config, &out, &Cache::none());
-    let tables = Tables::open(&out).expect("the bundle opens");
+    let tables = Bundle::open(&out).expect("the bundle opens");
     // Through a file, units of its own and the detection of both, and onto the ground.
     assert_same_motion(&tables, &made.expect("clips"), 0.02);
 }
@@ -125,7 +125,7 @@ fn segments_lead_from_state_to_state() {
 
 /// A crowd reaches its targets on feet that stand.
 fn assert_crowd_arrives(bundle: &Path) {
-    let tables = Tables::open(bundle).expect("the bundle opens");
+    let tables = Bundle::open(bundle).expect("the bundle opens");
     let config = TrialConfig { characters: 100, recorded: None, ..TrialConfig::default() };
     let (report, record) = trial::run(&tables, &config).expect("a trial");
     assert!(report.reached_fraction > 0.95, "{report:?}");
@@ -180,28 +180,30 @@ fn an_adaptive_policy_goes_from_the_config_to_queries() {
     let figures = report.policies[1].adaptive.as_ref().expect("an adaptive policy");
     assert!(4 * figures.adaptive.bytes <= figures.finest_bytes && report.policies[0].adaptive.is_none());
 
-    let tables = Tables::open(&out).expect("the bundle opens");
-    let [fine, compact, again] = [0, 1, 2].map(|i| tables.policy(i));
+    let tables = Bundle::open(&out).expect("the bundle opens");
+    let [fine, compact, again] = [0, 1, 2].map(|i| &tables.policies()[i]);
     assert!(compact.is_adaptive() && !fine.is_adaptive() && 4 * compact.num_values() <= fine.num_values());
-    let values = |p: &PolicyTable<'_>| (0..4).map(|s| p.values_of(s).to_vec()).collect::<Vec<_>>();
-    assert_eq!(values(&fine), values(&again), "what follows an adaptive policy is found behind it");
+    let values = |p: &PolicyTable| (0..4).map(|s| p.values_of(s).to_vec()).collect::<Vec<_>>();
+    assert_eq!(values(fine), values(again), "what follows an adaptive policy is found behind it");
     let mut scores = [[0.0; MAX_ACTIONS]; 2];
     let n = fine.action_scores(1, Vec3::new(1.0, 0.0, 2.0), &mut scores[0]).expect("a sound query");
     compact.action_scores(1, Vec3::new(1.0, 0.0, 2.0), &mut scores[1]).expect("a sound query");
     for (a, b) in scores[0][..n].iter().zip(&scores[1][..n]) {
         assert!((a - b).abs() <= 2.0 * figures.adaptive.max_error as f32, "{a} {b}, {figures:?}");
     }
-    // A troupe follows it like any other.
-    let (repertoire, targets) = (Repertoire::new(&tables), targets(8));
-    let mut troupe = Troupe::new(&repertoire, TroupeConfig::default(), &starts(&tables, 8)).expect("a troupe");
-    let far =
-        |troupe: &Troupe| -> f32 { (0..8).map(|c| troupe.root(c).translation().distance(targets[c])).sum::<f32>() };
-    let before = far(&troupe);
+    // Characters follow it like any other.
+    let (motion_set, targets) = (MotionSet::new(&tables), targets(8));
+    let mut characters =
+        Characters::new(&motion_set, CharactersConfig::default(), &starts(&tables, 8)).expect("characters");
+    let far = |characters: &Characters| -> f32 {
+        (0..8).map(|c| characters.root(c).translation().distance(targets[c])).sum::<f32>()
+    };
+    let before = far(&characters);
     for _ in 0..300 {
         let goals = [Goal { policy: 1, weight: 1.0, targets: &targets }];
-        troupe.step(&repertoire, 1.0 / 30.0, &goals).expect("a step");
+        characters.step(&motion_set, 1.0 / 30.0, &goals).expect("a step");
     }
-    assert!(far(&troupe) < 0.5 * before, "{} of {before} m", far(&troupe));
+    assert!(far(&characters) < 0.5 * before, "{} of {before} m", far(&characters));
 }
 
 #[test]
@@ -218,32 +220,26 @@ fn an_unchanged_build_only_hashes_and_writes() {
     assert!(first.cached.is_empty());
     assert_eq!(
         stages(&first),
-        [
-            "annotate", "cluster", "examples", "features", "graph", "hash", "import", "policy", "resample", "retarget",
-            "write"
-        ]
+        ["annotate", "examples", "features", "graph", "hash", "import", "policy", "resample", "retarget", "write"]
     );
     let made = bytes();
     let second = build(&config, &out, &cache);
     assert_eq!(
         (stages(&second), second.cached),
-        (vec!["hash", "write"], vec!["motion", "examples", "cluster", "patch", "graph", "policy"])
+        (vec!["hash", "write"], vec!["motion", "examples", "graph", "policy"])
     );
     assert!(bytes() == made, "the second build wrote other bytes");
     assert_eq!((second.states, second.policies.len()), (first.states, 1));
 
     config.behaviours[0].scale = Some(2.0);
     let other = build(&config, &out, &cache);
-    assert_eq!(
-        (stages(&other), other.cached),
-        (vec!["hash", "policy", "write"], vec!["motion", "examples", "cluster", "patch", "graph"])
-    );
+    assert_eq!((stages(&other), other.cached), (vec!["hash", "policy", "write"], vec!["motion", "examples", "graph"]));
     assert!(bytes() != made, "another behaviour left the bundle as it was");
 
     config.graph.branching = 8.0;
     let other = build(&config, &out, &cache);
     let ran = vec!["features", "graph", "hash", "policy", "write"];
-    assert_eq!((stages(&other), other.cached), (ran, vec!["motion", "examples", "cluster", "patch"]));
+    assert_eq!((stages(&other), other.cached), (ran, vec!["motion", "examples"]));
 
     let clip = clips.join("walk_00.bvh");
     let text = std::fs::read_to_string(&clip).expect("a clip");
@@ -269,14 +265,14 @@ fn ranges_left_out_in_sidecars_are_left_out_of_the_bundle() {
     assert_eq!(some.excluded_frames.get("sidecar"), Some(&(2 * (60 + 60))), "{:?}", some.excluded_frames);
     assert!(some.frames_in < all.frames_in);
 
-    let tables = Tables::open(&out).expect("the bundle opens");
+    let tables = Bundle::open(&out).expect("the bundle opens");
     let clip = |name: &str| tables.meta().clips.iter().position(|c| c.name == name).expect("the clip");
     for (name, from, to) in [("walk_01", 100, 160), ("walk_02", 150, 210)] {
         let at = clip(name);
         let excluded = &tables.meta().clips[at].excluded;
         assert!(excluded.contains(&("sidecar".into(), from, to)), "{name}: {excluded:?}");
         let first = tables.clips()[at].first_frame;
-        for s in tables.graph().segments {
+        for s in &tables.graph().segments {
             let last = s.start + s.num_frames;
             assert!(last < first + from || s.start >= first + to, "a segment plays frames left out of {name}: {s:?}");
         }
@@ -332,8 +328,8 @@ fn a_behaviour_of_ones_own_needs_the_config_alone() {
     std::fs::write(&file, text).expect("a config");
     let config = BuildConfig::load(&file).expect("a sound config");
     build(&config, &out, &Cache::none());
-    let tables = Tables::open(&out).expect("a bundle");
-    let repertoire = Repertoire::new(&tables);
+    let tables = Bundle::open(&out).expect("a bundle");
+    let motion_set = MotionSet::new(&tables);
     let n = 40;
     let (starts, mut targets) = (common::starts(&tables, n), Vec::new());
     // Half of them stand too near, half too far.
@@ -341,12 +337,12 @@ fn a_behaviour_of_ones_own_needs_the_config_alone() {
         let distance = if i % 2 == 0 { 0.3 } else { 4.0 };
         targets.push(s.root.translation() + glam::Vec3::new(distance, 0.0, 0.0));
     }
-    let mut troupe = Troupe::new(&repertoire, TroupeConfig::default(), &starts).expect("a troupe");
+    let mut characters = Characters::new(&motion_set, CharactersConfig::default(), &starts).expect("characters");
     for _ in 0..15 * 30 {
         let goals = [Goal { policy: 0, weight: 1.0, targets: &targets }];
-        troupe.step(&repertoire, 1.0 / 30.0, &goals).expect("a step");
+        characters.step(&motion_set, 1.0 / 30.0, &goals).expect("a step");
     }
-    let off = |c: usize| (troupe.root(c).translation().distance(targets[c]) - 2.0).abs();
+    let off = |c: usize| (characters.root(c).translation().distance(targets[c]) - 2.0).abs();
     let near = (0..n).filter(|&c| off(c) < 0.7).count();
     assert!(near > n * 8 / 10, "{near} of {n} keep their distance");
 }
@@ -355,7 +351,7 @@ fn a_behaviour_of_ones_own_needs_the_config_alone() {
 fn evasion_knows_where_heads_go() {
     let tables = common::boxing_tables();
     let number = tables.find_policy("evade").expect("a policy that evades");
-    let (policy, poses, graph) = (tables.policy(number), sampled(&tables), tables.graph());
+    let (policy, poses, graph) = (&tables.policies()[number], sampled(&tables), tables.graph());
     let middle_of_head = 0.5 * tables.skeleton().tips[0];
     let head = |frame: u32| {
         let (root, pose) = &poses[frame as usize];

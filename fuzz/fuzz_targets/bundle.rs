@@ -4,13 +4,13 @@
 use glam::Vec3;
 use libfuzzer_sys::fuzz_target;
 use throng_runtime::format::{AlignedBytes, Header, MAGIC, Section, VERSION, crc32};
-use throng_runtime::troupe::{Choice, Goal, Repertoire, Start, Troupe, TroupeConfig};
-use throng_runtime::{Planar, Tables};
+use throng_runtime::characters::{Choice, Goal, MotionSet, Start, Characters, CharactersConfig};
+use throng_runtime::{Planar, Bundle};
 
 fuzz_target!(|data: &[u8]| {
-    let _ = Tables::from_bytes(AlignedBytes::from_slice(data)).map(|t| use_tables(&t));
+    let _ = Bundle::from_bytes(AlignedBytes::from_slice(data)).map(|t| use_tables(&t));
     let repaired = repair(data.to_vec());
-    let _ = Tables::from_bytes_unverified(AlignedBytes::from_slice(&repaired)).map(|t| use_tables(&t));
+    let _ = Bundle::from_bytes_unverified(AlignedBytes::from_slice(&repaired)).map(|t| use_tables(&t));
 });
 
 /// Puts magic, version, length and the checksums of header and section table right, so that what lies behind them
@@ -34,19 +34,19 @@ fn repair(mut data: Vec<u8>) -> Vec<u8> {
     data
 }
 
-fn use_tables(tables: &Tables) {
-    let repertoire = Repertoire::new(tables);
+fn use_tables(tables: &Bundle) {
+    let motion_set = MotionSet::new(tables);
     let states = tables.graph().states.len() as u32;
     let starts: Vec<Start> =
         (0..5).map(|i| Start { root: Planar::new(i as f32, -1.0, 0.7), state: i * 7 % states }).collect();
     let targets = [Vec3::new(2.0, 0.3, 3.0); 5];
     for choice in [Choice::BestAction, Choice::LookAhead { temperature: 0.5 }] {
-        let config = TroupeConfig { choice, ..TroupeConfig::default() };
-        let Ok(mut troupe) = Troupe::new(&repertoire, config, &starts) else { continue };
+        let config = CharactersConfig { choice, ..CharactersConfig::default() };
+        let Ok(mut characters) = Characters::new(&motion_set, config, &starts) else { continue };
         let goals = [Goal { policy: 0, weight: 1.0, targets: &targets }];
-        let goals = &goals[..repertoire.num_policies().min(1)];
+        let goals = &goals[..motion_set.num_policies().min(1)];
         for _ in 0..8 {
-            if troupe.step(&repertoire, 0.4, goals).is_err() {
+            if characters.step(&motion_set, 0.4, goals).is_err() {
                 break;
             }
         }

@@ -5,7 +5,7 @@ use glam::Quat;
 use throng_runtime::format::{BundleWriter, ClipMeta, ClipRecord, FrameRow, Meta, SkeletonRecord};
 use throng_runtime::graph::{MotionSegment, StateRecord};
 use throng_runtime::policy::{PathRecord, PolicyRecord, RewardRecord, SegmentRecord, StateGridRecord, TargetGrid};
-use throng_runtime::{Contacts, HitRecord, NUM_JOINTS, Planar, Skeleton, tables::tags};
+use throng_runtime::{Contacts, HitRecord, NUM_JOINTS, Planar, Skeleton, bundle::tags};
 
 /// Frames of each clip.
 const FRAMES: u32 = 12;

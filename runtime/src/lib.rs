@@ -1,31 +1,18 @@
-//! Opens Throng tables, answers queries and steps characters.
+//! What an application links: the crates of the runtime under one name.
 //!
-//! A bundle (`*.throng`) is opened as [`Tables`]; a [`troupe::Repertoire`] takes the views a step needs; a
-//! [`troupe::Troupe`] holds the characters. [`sparring::Sparring`] lets pairs of them box. [`policy`] answers single queries without characters.
+//! A bundle (`*.throng`) is opened as [`Bundle`]; a [`characters::MotionSet`] takes the views a step needs;
+//! [`characters::Characters`] holds and poses them. [`policy`] answers single queries without characters. Features
+//! add [`crowd`] (agents without bodies), [`world`] (patch worlds) and [`sparring`].
 
-pub mod blend;
-pub mod contacts;
-pub mod crowd;
-pub mod format;
-pub mod graph;
-pub mod hits;
-mod lanes;
-pub mod patch;
-pub mod planar;
-pub mod policy;
-pub mod pose;
-mod prefetch;
-pub mod simd;
-pub mod skeleton;
-pub mod sparring;
-pub mod tables;
-pub mod troupe;
-pub mod world;
+pub use throng_core::*;
+#[cfg(feature = "crowd")]
+pub use throng_crowd as crowd;
+#[cfg(feature = "simulation")]
+pub use throng_simulation::{self as simulation, sparring};
+#[cfg(feature = "world")]
+pub use throng_world as world;
 
-pub use contacts::Contacts;
-pub use format::FormatError;
-pub use hits::HitRecord;
-pub use planar::Planar;
-pub use pose::{LocalTransform, Mat3x4};
-pub use skeleton::{Joint, NUM_JOINTS, Skeleton};
-pub use tables::Tables;
+/// The program in the README compiles.
+#[cfg(doctest)]
+#[doc = include_str!("../../README.md")]
+struct Readme;

@@ -1,46 +1,71 @@
-//! `throng bench` of blend spaces.
+//! `throng bench blend`: what blending costs, and how it moves beside cross-fading.
 
-use super::Args;
-use crate::args::Outcome;
-use crate::{output, progress};
+use crate::args::{CacheArgs, Outcome, fail};
+use crate::{keys, output, progress};
+use schemars::JsonSchema;
 use serde::Serialize;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use throng_precompute::config::BuildConfig;
 use throng_precompute::measure::{self, BlendFigures};
 use throng_precompute::pipeline;
-use throng_runtime::Tables;
+use throng_runtime::Bundle;
 
-/// The project's own locomotion; it names no file.
+/// Synthetic locomotion; this config names no file.
 const LOCOMOTION: &str = include_str!("../../data/locomotion.toml");
-/// Its space with the 20 examples of the paper's crowds.
+/// Its space with 20 examples, as many as the crowds of Kim, Kim and Shin (2003b) have.
 const FIRST: &str = "gaits";
 
-/// What is printed.
-#[derive(Serialize)]
+/// Measure blend spaces: weights, postures, retargeting, and jumps of the parameters beside cross-fading.
+#[derive(clap::Args)]
+#[command(after_long_help = keys::of::<Report<'static>>())]
+pub struct Args {
+    /// Bundle with blend spaces; synthetic locomotion, baked first, where absent.
+    #[arg(value_name = "BUNDLE")]
+    file: Option<PathBuf>,
+    /// Time given to each figure.
+    #[arg(long, default_value_t = 0.5, value_name = "S")]
+    seconds: f64,
+    #[command(flatten)]
+    cache: CacheArgs,
+    /// Print one JSON object.
+    #[arg(long)]
+    json: bool,
+}
+
+/// What is printed: the figures of the space `gaits`, or of the first one, and those of all.
+#[derive(Serialize, JsonSchema)]
 struct Report<'a> {
     #[serde(flatten)]
     first: &'a BlendFigures,
+    /// The same figures of every blend space.
     spaces: &'a [BlendFigures],
 }
 
-/// Bakes the project's own locomotion and measures it.
-pub fn run_own(args: &Args) -> Outcome {
-    let config = BuildConfig::parse(LOCOMOTION, Path::new("locomotion.toml"))?;
-    let folder = tempfile::tempdir()?;
-    let bundle = folder.path().join("locomotion.throng");
-    eprintln!("baking synthetic locomotion ...");
-    pipeline::build(&config, &bundle, &args.cache.cache(), &progress::Bar::default())?;
-    run(args, &crate::args::open(&bundle)?)
-}
-
-/// Measures the blend spaces of a bundle.
-pub fn run(args: &Args, tables: &Tables) -> Outcome {
-    let spaces = measure::blend(tables, args.seconds())?;
+pub fn run(args: &Args) -> Outcome {
+    let tables = match &args.file {
+        Some(file) => crate::args::open(file)?,
+        None => own(&args.cache)?,
+    };
+    if tables.blends().spaces.is_empty() {
+        let file = args.file.as_deref().unwrap_or(Path::new("the bundle")).display();
+        return fail(format!("{file}: has no blend space; data/locomotion.toml makes some"));
+    }
+    let spaces = measure::blend(&tables, args.seconds)?;
     let first = spaces.iter().find(|s| s.space == FIRST).unwrap_or(&spaces[0]);
     if args.json {
         return output::json(&Report { first, spaces: &spaces });
     }
     spaces.iter().try_for_each(print)
+}
+
+/// Bakes synthetic locomotion.
+fn own(cache: &CacheArgs) -> Result<Bundle, Box<dyn std::error::Error>> {
+    let config = BuildConfig::parse(LOCOMOTION, Path::new("locomotion.toml"))?;
+    let folder = tempfile::tempdir()?;
+    let bundle = folder.path().join("locomotion.throng");
+    eprintln!("baking synthetic locomotion ...");
+    pipeline::build(&config, &bundle, &cache.cache(), &progress::Bar::default())?;
+    crate::args::open(&bundle)
 }
 
 fn print(f: &BlendFigures) -> Outcome {

@@ -1,75 +1,107 @@
-//! `throng bench crowd`: what does a crowd cost, and does it keep its promises?
+//! `throng bench crowd`: cost, progress and overlaps of crowds.
 
-use super::Args;
 use crate::args::{Outcome, fail};
-use crate::output;
-use crate::run::crowd::print;
+use crate::run::{figures, named_engine};
+use crate::{keys, output};
 use serde::Serialize;
 use std::path::Path;
 use throng_precompute::picture::{self, Plot};
-use throng_precompute::scene::crowd::{self, CrowdReport, CrowdRun, CrowdScene, Engine, OWN_SCENES};
+use throng_precompute::run::{self, Figures, OWN_SCENES, own_scene};
+use throng_runtime::crowd::Scheme;
+use throng_runtime::simulation::Scene;
 
-/// The word for all of the project's own scenes.
+/// The word for all built-in scenes.
 const ALL: &str = "all";
 
-/// What is asked of a crowd.
+/// Measure crowds with one or several engines, sizes and scenes.
 #[derive(clap::Args)]
-pub struct CrowdOptions {
-    /// With the word `crowd`: some of the project's own scenes (flock, corridor, lanes, circle, ring, bottleneck,
-    /// square), `all` of them, or files.
-    #[arg(long, value_delimiter = ',', value_name = "NAME_OR_FILE,...")]
+#[command(after_long_help = keys::section::<Run>("JSON keys (of several runs, `runs[]` with the same keys)"))]
+pub struct Args {
+    /// Built-in scenes (flock, corridor, lanes, circle, ring, bottleneck, square), `all` of them, or
+    /// scene files.
+    #[arg(long, value_delimiter = ',', default_value = "corridor", value_name = "NAME_OR_FILE,...")]
     scene: Vec<String>,
-    /// With the word `crowd`: numbers of members; that of the scene where absent. Of several scenes, those that do not
-    /// grow leave out larger numbers than their own.
+    /// Numbers of agents; that of the scene where absent. Of several scenes, those that do not grow leave out larger
+    /// numbers than their own.
     #[arg(long, value_delimiter = ',', value_name = "N,...")]
-    members: Vec<usize>,
-    /// With the word `crowd`: events, occupancy, fixed; that of the scene where absent.
+    agents: Vec<usize>,
+    /// Engines: events, occupancy, fixed; that of the scene where absent.
     #[arg(long, value_delimiter = ',', value_name = "ENGINE,...")]
     engine: Vec<String>,
-    /// With the word `crowd`: times that each is run; the fastest counts, as one that nothing else slowed down.
+    /// Number of runs of each; the fastest counts, as one that nothing else slowed down.
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=100))]
     repeats: u32,
-    /// With the word `crowd`: plot of the time for one simulated second over the number of members.
+    /// Number of threads.
+    #[arg(long, default_value_t = 1, value_name = "N")]
+    threads: usize,
+    /// Simulated time; what the scene says where absent.
+    #[arg(long, value_name = "S")]
+    seconds: Option<f64>,
+    /// Plot of the time for one simulated second over the number of agents.
     #[arg(long, value_name = "FILE")]
     png: Option<std::path::PathBuf>,
-}
-
-impl CrowdOptions {
-    /// True where something was asked that is for crowds alone.
-    pub fn is_given(&self) -> bool {
-        let many = !self.members.is_empty() || !self.engine.is_empty() || self.repeats > 1;
-        !self.scene.is_empty() || many || self.png.is_some()
-    }
+    /// Print one JSON object.
+    #[arg(long)]
+    json: bool,
 }
 
 /// Several runs.
 #[derive(Serialize)]
 struct Sweep {
-    runs: Vec<CrowdReport>,
+    runs: Vec<Run>,
 }
 
-/// Measures every scene with every number of members and every engine that was asked for.
+/// One run.
+#[derive(Serialize, schemars::JsonSchema)]
+struct Run {
+    /// The scene's name.
+    scene: String,
+    #[serde(flatten)]
+    figures: Figures,
+}
+
+impl Run {
+    fn us(&self) -> f64 {
+        self.figures.crowd.as_ref().and_then(|c| c.us_per_agent_second).unwrap_or_default()
+    }
+
+    fn wall_s(&self) -> f64 {
+        self.figures.crowd.as_ref().and_then(|c| c.wall_s_per_simulated_s).unwrap_or_default()
+    }
+
+    fn agents(&self) -> usize {
+        self.figures.agents.unwrap_or(0)
+    }
+
+    fn engine(&self) -> &str {
+        self.figures.engine.as_deref().unwrap_or_default()
+    }
+}
+
+/// Measures every scene with every number of agents and every engine that was asked for.
 pub fn run(args: &Args) -> Outcome {
-    let options = &args.crowd;
-    let trials = trials(options)?;
-    let threads = args.threads.first().copied().unwrap_or(1);
+    let trials = trials(args)?;
     let is_sweep = trials.len() > 1;
     let mut runs = Vec::new();
     if is_sweep && !args.json {
-        println!("{}", CrowdReport::HEADINGS);
+        println!("{}", Figures::HEADINGS);
     }
     for scene in &trials {
-        scene.check(Path::new(&scene.name))?;
-        let config = CrowdRun { seconds: args.seconds, timed_apart: true, threads, recorded: false };
-        let report = fastest(scene, &config, options.repeats)?;
+        scene.check()?;
+        let figures_of = fastest(scene, args.seconds, args.threads, args.repeats)?;
+        let run = Run { scene: scene.name.clone(), figures: figures_of };
         match args.json {
             true => (),
-            false if is_sweep => println!("{}", report.row()),
-            false => print(&report)?,
+            false if is_sweep => println!("{}", run.figures.row(&run.scene)),
+            false => {
+                let scene = format!("{}: {} agent(s), {:.0} s", run.scene, run.agents(), run.figures.simulated_s);
+                let rows: Vec<_> = std::iter::once(("scene", scene)).chain(figures(&run.figures)).collect();
+                output::table(&rows)?;
+            }
         }
-        runs.push(report);
+        runs.push(run);
     }
-    if let Some(png) = &options.png {
+    if let Some(png) = &args.png {
         plot(&runs).save_png(png)?;
     }
     match &runs[..] {
@@ -79,12 +111,19 @@ pub fn run(args: &Args) -> Outcome {
     }
 }
 
-/// Runs a scene so many times; everything but its time is the same in all of them.
-fn fastest(scene: &CrowdScene, config: &CrowdRun, repeats: u32) -> Result<CrowdReport, throng_precompute::BuildError> {
-    let mut best = crowd::run(scene, config)?.0;
+/// The fastest of several runs, which differ in nothing but their time.
+fn fastest(
+    scene: &Scene,
+    seconds: Option<f64>,
+    threads: usize,
+    repeats: u32,
+) -> Result<Figures, Box<dyn std::error::Error>> {
+    let compiled = scene.open()?;
+    let mut best = run::run_agents(&compiled, seconds, threads)?;
+    let wall = |f: &Figures| f.crowd.as_ref().and_then(|c| c.wall_s_per_simulated_s);
     for _ in 1..repeats {
-        let again = crowd::run(scene, config)?.0;
-        if again.wall_s_per_simulated_s < best.wall_s_per_simulated_s {
+        let again = run::run_agents(&compiled, seconds, threads)?;
+        if wall(&again) < wall(&best) {
             best = again;
         }
     }
@@ -92,64 +131,57 @@ fn fastest(scene: &CrowdScene, config: &CrowdRun, repeats: u32) -> Result<CrowdR
 }
 
 /// All that is to be run.
-fn trials(options: &CrowdOptions) -> Result<Vec<CrowdScene>, Box<dyn std::error::Error>> {
-    let mut names: Vec<&str> = options.scene.iter().map(String::as_str).collect();
-    if names.is_empty() {
-        names.push("corridor");
-    }
-    let names = names.iter().flat_map(|n| if *n == ALL { OWN_SCENES.to_vec() } else { vec![*n] });
+fn trials(args: &Args) -> Result<Vec<Scene>, Box<dyn std::error::Error>> {
+    let names = args.scene.iter().flat_map(|n| if n == ALL { OWN_SCENES.to_vec() } else { vec![n.as_str()] });
     let scenes = names.map(load).collect::<Result<Vec<_>, _>>()?;
     let mut trials = Vec::new();
     for scene in &scenes {
-        let own = scene.num_members();
-        let members = if options.members.is_empty() { vec![own] } else { options.members.clone() };
-        for engine in engines(options, scene)? {
-            // One that does not grow gets too dense; asked for alone, it is tried.
-            let fits = |n: &&usize| scenes.len() == 1 || scene.grows || **n <= own;
-            trials.extend(members.iter().filter(fits).map(|&n| CrowdScene { engine, ..scene.resized(n) }));
+        let own = scene.num_characters();
+        let agents = if args.agents.is_empty() { vec![own] } else { args.agents.clone() };
+        for engine in engines(args, scene)? {
+            // A scene that does not grow gets too dense; it is tried only when it was asked for alone.
+            let fits = |n: &&usize| scenes.len() == 1 || scene.measure.grows || **n <= own;
+            trials.extend(agents.iter().filter(fits).map(|&n| {
+                let mut trial = scene.resized(n);
+                trial.agents.engine = engine;
+                trial
+            }));
         }
     }
     Ok(trials)
 }
 
-/// One of the project's own scenes, or a file.
-fn load(name: &str) -> Result<CrowdScene, Box<dyn std::error::Error>> {
-    if let Some(own) = crowd::own_scene(name)? {
+/// A built-in scene, or a file.
+fn load(name: &str) -> Result<Scene, Box<dyn std::error::Error>> {
+    if let Some(own) = own_scene(name)? {
         return Ok(own);
     }
     let path = Path::new(name);
     if !path.exists() {
         return fail(format!("--scene {name}: expected one of {}, or a scene file", OWN_SCENES.join(", ")));
     }
-    if !CrowdScene::is_one(path) {
-        return fail(format!("--scene {name}: expected a scene of a crowd, which has [[groups]]"));
-    }
-    Ok(CrowdScene::load(path)?)
-}
-
-fn engines(options: &CrowdOptions, scene: &CrowdScene) -> Result<Vec<Engine>, Box<dyn std::error::Error>> {
-    if options.engine.is_empty() {
-        return Ok(vec![scene.engine]);
-    }
-    options.engine.iter().map(|name| engine(name)).collect()
-}
-
-/// The engine of a name.
-pub fn engine(name: &str) -> Result<Engine, Box<dyn std::error::Error>> {
-    match Engine::named(name) {
-        Some(engine) => Ok(engine),
-        None => fail(format!("--engine {name}: expected one of {}", Engine::ALL.map(Engine::name).join(", "))),
+    let scene = Scene::load(path)?;
+    match scene.groups.iter().all(|g| g.is_of_agents()) {
+        true => Ok(scene),
+        false => fail(format!("--scene {name}: expected groups of agents alone, with `motion = \"none\"`")),
     }
 }
 
-/// Time over members, a line for each scene and engine: figure 6 of Kim, Kim and Shin 2003.
-fn plot(runs: &[CrowdReport]) -> picture::Picture {
+fn engines(args: &Args, scene: &Scene) -> Result<Vec<Scheme>, Box<dyn std::error::Error>> {
+    if args.engine.is_empty() {
+        return Ok(vec![scene.agents.engine]);
+    }
+    args.engine.iter().map(|name| named_engine(name)).collect()
+}
+
+/// Time over agents, a line for each scene and engine: figure 6 of Kim, Kim and Shin 2003.
+fn plot(runs: &[Run]) -> picture::Picture {
     let scene = runs.first().map_or("", |r| &r.scene);
     let is_one = runs.iter().all(|r| r.scene == scene);
     let mut lines: Vec<(String, Vec<[f64; 2]>)> = Vec::new();
     for r in runs {
-        let name = if is_one { r.engine.clone() } else { format!("{}, {}", r.scene, r.engine) };
-        let point = [r.members as f64, 1e-3 * r.us_per_member_second * r.members as f64];
+        let name = if is_one { r.engine().to_owned() } else { format!("{}, {}", r.scene, r.engine()) };
+        let point = [r.agents() as f64, 1e-3 * r.us() * r.agents() as f64];
         match lines.iter_mut().find(|l| l.0 == name) {
             Some(line) => line.1.push(point),
             None => lines.push((name, vec![point])),
@@ -158,19 +190,19 @@ fn plot(runs: &[CrowdReport]) -> picture::Picture {
     picture::plot(&Plot {
         title: &format!("{}: time to simulate one second", if is_one { scene } else { "crowds" }),
         subtitle: &compared(runs).filter(|_| is_one).unwrap_or_else(|| "without drawing or measuring".into()),
-        axes: ["members", "time for one simulated second (ms)"],
+        axes: ["agents", "time for one simulated second (ms)"],
         lines,
     })
 }
 
-/// How the slowest and the fastest engine compare with most members; none where there is but one.
-fn compared(runs: &[CrowdReport]) -> Option<String> {
-    let most = runs.iter().map(|r| r.members).max()?;
-    let wall = |r: &&CrowdReport| r.wall_s_per_simulated_s;
-    let all = || runs.iter().filter(|r| r.members == most);
+/// How the slowest and the fastest engine compare at the largest number of agents; `None` for one engine.
+fn compared(runs: &[Run]) -> Option<String> {
+    let most = runs.iter().map(Run::agents).max()?;
+    let wall = |r: &&Run| r.wall_s();
+    let all = || runs.iter().filter(|r| r.agents() == most);
     let slow = all().max_by(|a, b| wall(a).total_cmp(&wall(b)))?;
     let fast = all().min_by(|a, b| wall(a).total_cmp(&wall(b)))?;
     let times = wall(&slow) / wall(&fast);
-    let text = format!("with {most} members, {} takes {times:.1} times as long as {}", slow.engine, fast.engine);
-    (slow.engine != fast.engine && times.is_finite()).then_some(text)
+    let text = format!("with {most} agents, {} takes {times:.1} times as long as {}", slow.engine(), fast.engine());
+    (slow.engine() != fast.engine() && times.is_finite()).then_some(text)
 }

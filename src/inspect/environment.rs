@@ -1,34 +1,38 @@
-//! Surroundings inferred from the contacts of a session's clips: files, a report and a picture.
+//! Surroundings inferred from the contacts of clips: files, a report and a picture.
 
 use crate::args::{Outcome, fail};
 use crate::{output, progress};
+use schemars::JsonSchema;
 use serde::Serialize;
 use std::path::Path;
-use throng_precompute::environment::{InferReport, Inferred, SavedFiles, infer};
+use throng_precompute::environment::{InferReport, Inferred, infer};
 use throng_precompute::import::{self, ImportConfig};
 use throng_precompute::picture::{self, BodyColours, Colour, Figure, Picture};
 use throng_precompute::picture::{WorldFigure, WorldLook, WorldView};
 use throng_precompute::resample::ResampleConfig;
+use throng_precompute::stitch::SavedFiles;
 use throng_precompute::{BuildError, Clip, ClipSet, Warnings, annotate, files, resample, retarget};
 use throng_runtime::Joint;
 
-/// Bodies in a picture are at least this far apart. [Unit: m]
+/// Smallest distance between bodies in a picture (m).
 const APART: f32 = 0.5;
-/// Most bodies in a picture.
+/// Largest number of bodies in a picture.
 const MOST: usize = 14;
-/// Bodies are chosen from every so many frames.
+/// One in this many frames may be drawn.
 const EVERY: usize = 5;
-/// Clips that a title names.
+/// Largest number of clips that a title names.
 const NAMED: usize = 4;
-/// Width and height of one view. [Unit: px]
+/// Width and height of one view (px).
 const SIZE: (u32, u32) = (1600, 900);
-/// The picture looks along +Z and along +X, tilted down. [Unit: rad]
+/// The picture looks along +Z and along +X, tilted down (rad).
 const LOOKS: [(f32, f32); 2] = [(0.0, 0.3), (std::f32::consts::FRAC_PI_2, 0.3)];
 
 /// What is printed.
-#[derive(Serialize)]
-struct Report<'a> {
+#[derive(Serialize, JsonSchema)]
+pub struct Report<'a> {
+    /// Names of the clips.
     clips: Vec<&'a str>,
+    /// Frames of all clips.
     frames: usize,
     #[serde(flatten)]
     inferred: &'a InferReport,
@@ -36,7 +40,7 @@ struct Report<'a> {
     saved: Option<SavedFiles>,
 }
 
-/// Infers what the clips stand, sit and hang on, writes it, draws it and says how well it explains them.
+/// Infers what the people in the clips stand, sit and hang on; writes it, draws it and reports how well it fits.
 pub fn run(args: &super::Args) -> Outcome {
     for file in args.environment_out.iter().chain(&args.environment_png) {
         files::check_target(file)?;
@@ -65,7 +69,7 @@ pub fn run(args: &super::Args) -> Outcome {
     if args.json { output::json(&report) } else { print(&report) }
 }
 
-/// The clips as a build of the same files with default settings has them, so that both see the same heights.
+/// The clips as a build with default settings makes them, so that heights agree.
 fn read(args: &super::Args) -> Result<ClipSet, Box<dyn std::error::Error>> {
     let config = ImportConfig { asf: args.asf.clone(), strict: true, ..ImportConfig::default() };
     let raw = import::read(&args.files, &config, &progress::Bar::default())?;
@@ -111,7 +115,7 @@ fn draw(set: &ClipSet, inferred: &Inferred) -> Result<Picture, BuildError> {
     Ok(picture::sheet(&[&front, &side]))
 }
 
-/// Bodies in poses that are far from each other: beginning with the first, each time the one farthest from all others.
+/// Bodies far from each other: the first one, then repeatedly the one farthest from all chosen ones.
 fn apart(set: &ClipSet) -> Vec<Figure> {
     let figure =
         |clip: &Clip, f: usize| Figure::from_transforms(&set.skeleton, &clip.joint_transforms(&set.skeleton, f));
@@ -131,11 +135,12 @@ fn apart(set: &ClipSet) -> Vec<Figure> {
 }
 
 fn print(report: &Report) -> Outcome {
-    println!("{} clips, {} frames: {}", report.clips.len(), report.frames, report.clips.join(", "));
-    println!("{}", report.inferred);
+    let (clips, frames) = (&report.clips, report.frames);
+    output::text(format_args!("{} clips, {frames} frames: {}\n{}\n", clips.len(), clips.join(", "), report.inferred))?;
     if let Some(saved) = &report.saved {
         let SavedFiles { environment_out, units_out, world_out } = saved;
-        println!("written {}, {} and {}", environment_out.display(), units_out.display(), world_out.display());
+        let files = [environment_out, units_out, world_out].map(|f| f.display().to_string());
+        output::text(format_args!("written {}\n", files.join(", ")))?;
     }
     Ok(())
 }

@@ -2,18 +2,20 @@
 
 use crate::made_up::{SIX, config, set, six};
 use crate::parts::{Parts, refusal};
+use glam::Vec2;
 use std::collections::BTreeMap;
+use std::path::Path;
 use std::sync::OnceLock;
 use throng_precompute::examples::{self, BlendSpaces};
 use throng_precompute::graph::MotionGraph;
 use throng_precompute::progress::Silent;
-use throng_precompute::scene::walkers::WalkersScene;
 use throng_precompute::write::{self, Baked};
-use throng_runtime::Tables;
-use throng_runtime::blend::walkers::WalkersConfig;
+use throng_runtime::blend::walkers::{Control, WalkerStart, Walkers, WalkersConfig};
 use throng_runtime::blend::{BlendRecord, ChannelRow, ExampleRecord, ReferenceRow, channel};
+use throng_runtime::bundle::tags;
 use throng_runtime::format::{AlignedBytes, FormatError, Meta, Tag};
-use throng_runtime::tables::tags;
+use throng_runtime::simulation::Scene;
+use throng_runtime::{Bundle, Cast, Id, Inline};
 
 fn spaces() -> BlendSpaces {
     let line = "axes = [{ kind = 'speed', range = [0.0, 2.0] }]\nexamples = [{ clip = 'slow' }, { clip = 'fast' }]\nphases = 8";
@@ -24,30 +26,67 @@ fn spaces() -> BlendSpaces {
 /// A bundle of the two spaces and no motion graph.
 fn bundle() -> &'static [u8] {
     static BUNDLE: OnceLock<Vec<u8>> = OnceLock::new();
-    BUNDLE.get_or_init(|| {
-        let (clips, graph, spaces) = (set(six()), MotionGraph::default(), spaces());
-        let meta = Meta { rate_hz: 60.0, ..Meta::default() };
-        let baked = Baked {
-            clips: &clips,
-            graph: &graph,
-            policies: &[],
-            groups: None,
-            patches: None,
-            blends: &spaces.spaces,
-            meta: &meta,
-        };
-        let mut bytes = Vec::new();
-        write::lay_out(&baked).expect("sections").write(&mut bytes).expect("memory takes all bytes");
-        bytes
-    })
+    BUNDLE.get_or_init(|| bundle_of(&spaces()))
+}
+
+fn bundle_of(spaces: &BlendSpaces) -> Vec<u8> {
+    let (clips, graph) = (set(six()), MotionGraph::default());
+    let meta = Meta { rate_hz: 60.0, ..Meta::default() };
+    let baked = Baked {
+        clips: &clips,
+        graph: &graph,
+        policies: &[],
+        groups: None,
+        patches: None,
+        blends: &spaces.spaces,
+        meta: &meta,
+    };
+    let mut bytes = Vec::new();
+    write::lay_out(&baked).expect("sections").write(&mut bytes).expect("memory takes all bytes");
+    bytes
+}
+
+fn open(bytes: &[u8]) -> Bundle {
+    Bundle::from_bytes(AlignedBytes::from_slice(bytes)).expect("the bundle opens")
+}
+
+#[test]
+fn walkers_adopt_the_space_of_the_same_name() {
+    let tables = open(bundle());
+    let mut walkers = Walkers::with_capacity(tables.blend("plane").unwrap(), &[], WalkersConfig::default(), 3).unwrap();
+    let ids: Vec<Id> = (0..2).map(|_| walkers.spawn(WalkerStart::default()).unwrap()).collect();
+    walkers.order(ids[1], Control::walk(Vec2::Y)).unwrap();
+    (0..60).for_each(|_| walkers.step(1.0 / 60.0, &Inline).unwrap());
+    let (hash, root) = (walkers.hash(), walkers.root(1));
+    let mut bytes = Vec::new();
+    walkers.save(&mut bytes);
+
+    let adopted = walkers.adopt(&tables).unwrap();
+    assert_eq!((adopted.num_characters, walkers.hash()), (2, hash), "nothing differs");
+    assert!(adopted.farthest_m < 0.02, "{adopted:?}");
+
+    let line = open(&bundle_of(&BlendSpaces { spaces: spaces().spaces.into_iter().take(1).collect(), ..spaces() }));
+    let e = walkers.adopt(&line).expect_err("no such space").to_string();
+    assert!(e.contains("\"plane\"; there is line"), "{e}");
+    assert_eq!((walkers.hash(), walkers.root(1)), (hash, root));
+
+    // Only one axis, and fewer examples.
+    let mut other = spaces().spaces.remove(0);
+    other.name = "plane".into();
+    let other = open(&bundle_of(&BlendSpaces { spaces: vec![other], ..spaces() }));
+    assert_eq!(walkers.adopt(&other).unwrap().num_characters, 2);
+    assert!(walkers.load(&bytes).is_err(), "taken with another bundle");
+    (0..60).for_each(|_| walkers.step(1.0 / 60.0, &Inline).unwrap());
+    assert!((walkers.root(1).z - root.z - 1.0).abs() < 1e-3 && walkers.weights(1).len() == 2);
+    assert!(walkers.joint_positions(1).iter().all(|p| p.is_finite()));
 }
 
 #[test]
 fn spaces_come_back_as_they_were_written() {
-    let tables = Tables::from_bytes(AlignedBytes::from_slice(bundle())).expect("the bundle opens");
+    let tables = Bundle::from_bytes(AlignedBytes::from_slice(bundle())).expect("the bundle opens");
     let (blends, made) = (tables.blends(), spaces().spaces);
     assert_eq!(tables.meta().blends.iter().map(|b| b.name.as_str()).collect::<Vec<_>>(), ["line", "plane"]);
-    assert_eq!(tables.find_blend("plane"), Some(1));
+    assert_eq!(tables.find_blend("plane").unwrap(), 1);
     assert_eq!(tables.meta().blends[1].axes, ["speed", "gyration"]);
     for (space, made) in blends.spaces.iter().zip(&made) {
         let part = |first: u32, n: usize| first as usize..first as usize + n;
@@ -60,22 +99,17 @@ fn spaces_come_back_as_they_were_written() {
 
 #[test]
 fn scenes_name_the_space_that_is_missing_before_anybody_walks() {
-    let tables = Tables::from_bytes(AlignedBytes::from_slice(bundle())).expect("the bundle opens");
-    let folder = tempfile::tempdir().expect("a temporary folder");
-    let path = folder.path().join("a.toml");
+    let tables = Bundle::from_bytes(AlignedBytes::from_slice(bundle())).expect("the bundle opens");
     for (spaces, shown, key, name) in
-        [("plane", "lime", "shown[0].space", "lime"), ("plan", "line", "spaces[0]", "plan")]
+        [("plane", "lime", "picture.shown[0].space", "lime"), ("plan", "line", "groups[0].spaces", "plan")]
     {
         let text = format!(
-            "bundle = 'a.throng'\nspaces = ['{spaces}']\ncharacters = 1\n[[shown]]\nname = 'a'\nspace = '{shown}'\nspeed = 1.0\n"
+            "bundle = 'a.throng'\n[[groups]]\nmotion = 'blend'\ncount = 1\nspaces = ['{spaces}']\npaths = {{}}\n\
+             [[picture.shown]]\nname = 'a'\nspace = '{shown}'\nspeed = 1.0\n"
         );
-        std::fs::write(&path, text).expect("a scene");
-        let scene = WalkersScene::load(&path).expect("a scene");
-        let e = scene.walk(&tables, WalkersConfig::default()).map(|_| ()).expect_err("no such space").to_string();
-        assert!(
-            e.contains(&format!("key `{key}`")) && e.contains(&format!("found `{name}`; there are: line, plane")),
-            "{e}"
-        );
+        let scene = Scene::parse(&text, Path::new("a.toml")).expect("a scene");
+        let e = scene.compile(&tables).map(|_| ()).expect_err("no such space").to_string();
+        assert!(e.contains(&format!("key `{key}`")) && e.contains(&format!("\"{name}\"; there is line, plane")), "{e}");
     }
 }
 

@@ -6,14 +6,14 @@ use std::path::{Path, PathBuf};
 use throng_precompute::cache::Cache;
 use throng_precompute::config::BuildConfig;
 use throng_precompute::slip::{SoleMeter, Soles};
-use throng_runtime::Tables;
 use throng_runtime::blend::walkers::{Control, WalkerStart, Walkers, WalkersConfig};
-use throng_runtime::blend::{BlendSpace, ExampleRecord, HeightField, axis};
+use throng_runtime::blend::{BlendSpace, ExampleRecord, axis};
+use throng_runtime::{Bundle, Cast, Inline};
 
 const DT_S: f32 = 1.0 / 60.0;
 
 /// Builds a config that comes with the project from the recordings; without them, says so and gives nothing.
-fn built(config: &str, folder_of_set: &str) -> Option<Tables> {
+fn built(config: &str, folder_of_set: &str) -> Option<Bundle> {
     let mocap = mocap()?;
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("data").join(config);
     let mut config = BuildConfig::load(&path).expect("the config that comes with the project");
@@ -22,26 +22,24 @@ fn built(config: &str, folder_of_set: &str) -> Option<Tables> {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let out = folder.path().join("captured.throng");
     build(&config, &out, &Cache::none());
-    Some(Tables::open(&out).expect("the bundle opens"))
+    Some(Bundle::open(&out).expect("the bundle opens"))
 }
 
 /// Stands, walks off to the fastest example ahead and stops again.
-fn feet_hold(tables: &Tables, number: usize) {
+fn feet_hold(tables: &Bundle, number: usize) {
     let name = &tables.meta().blends[number].name;
     let space = BlendSpace::new(tables.blends(), number).expect("a space");
-    let skeleton = tables.skeleton();
-    let bodies = std::slice::from_ref(skeleton);
-    let starts = [WalkerStart::default()];
-    let mut walkers = Walkers::new(&space, skeleton, bodies, WalkersConfig::default(), &starts).expect("walkers");
     let fastest = space.axes()[space.axis_of(axis::SPEED).expect("an axis of speed")].high;
     let (mut meter, mut control) = (SoleMeter::new(1), Control::default());
+    let mut walkers = Walkers::with_capacity(space, &[], WalkersConfig::default(), 1).expect("walkers");
+    let id = walkers.spawn(WalkerStart::default()).expect("a walker");
     let (mut at_rest, mut moved) = (Soles::default(), 0.0f32);
     for step in 0..1200 {
         let t = step as f32 * DT_S;
         let speed = fastest * (0.25 * (t - 2.0)).clamp(0.0, 1.0).min((0.5 * (16.0 - t)).clamp(0.0, 1.0));
         control.velocity = Vec2::new(0.0, speed);
-        control.position += control.velocity * DT_S;
-        walkers.step(&space, DT_S, &[control], &HeightField::flat()).expect("a step");
+        walkers.order(id, control).expect("an order");
+        walkers.step(DT_S, &Inline).expect("a step");
         let joints = walkers.joint_positions(0);
         assert!(joints.iter().all(|p| p.is_finite() && p.y > -0.1 && p.y < 2.5), "{name} at {t} s: {joints:?}");
         meter.observe(DT_S, |c| (walkers.contacts(c), walkers.soles(c)));

@@ -17,19 +17,19 @@ pub const RATE_HZ: f32 = 60.0;
 #[derive(Clone, Debug)]
 pub struct Puppet {
     pub name: &'static str,
-    /// To the left, ahead. [Unit: m/s]
+    /// To the left, ahead (m/s).
     pub velocity: [f32; 2],
-    /// Turning rate. [Unit: rad/s]
+    /// Turning rate (rad/s).
     pub gyration: f32,
-    /// Time of two steps. [Unit: s]
+    /// Time of two steps (s).
     pub period: f32,
     /// Part of the cycle at which the right foot strikes.
     pub right: f32,
     /// Part of the cycle that a foot stands.
     pub duty: f32,
-    /// How far legs and arms swing. [Unit: rad]
+    /// How far legs and arms swing (rad).
     pub swing: f32,
-    /// Length of the clip. [Unit: s]
+    /// Length of the clip (s).
     pub seconds: f32,
 }
 
@@ -93,17 +93,9 @@ impl Puppet {
     pub fn clip(&self) -> Clip {
         let frames = (self.seconds * RATE_HZ) as usize;
         let mut clip = Clip {
-            name: self.name.into(),
             source: "made up".into(),
-            mirrored: false,
-            rate_hz: f64::from(RATE_HZ),
-            root_positions: Vec::new(),
-            rotations: Vec::new(),
-            contacts: Vec::new(),
-            excluded: Vec::new(),
             tags: vec![Tag { name: "steady".into(), range: 0..frames }],
-            hits: Vec::new(),
-            support: Vec::new(),
+            ..Clip::new(self.name, f64::from(RATE_HZ), Vec::new(), Vec::new())
         };
         for f in 0..frames {
             let t = f as f32 / RATE_HZ;

@@ -1,6 +1,7 @@
 //! Every command does what its help says: output, JSON keys, exit codes, and errors that show the way out.
 
 mod crowd;
+mod keys;
 mod refusals;
 mod scene;
 mod view;
@@ -140,7 +141,7 @@ fn every_command_helps() {
         let help = done(&[command, "--help"]);
         assert!(help.contains("Usage: throng") && help.contains(command), "{help}");
         if help.contains("--json") {
-            assert!(help.contains("JSON keys:"), "{command} does not document its keys: {help}");
+            assert!(help.contains("JSON keys"), "{command} does not document its keys: {help}");
         }
     }
     assert!(done(&["--version"]).starts_with("throng "));
@@ -155,9 +156,9 @@ fn wrong_usage_ends_with_2() {
         &["fly"],
         &["verify"],
         &["build"],
-        &["query", "a.throng", "--state", "0", "--target", "3"],
-        &["query", "a.throng", "--state", "0", "--target", "nan,1"],
-        &["query", "a.throng", "--state", "-1", "--target", "1,1"],
+        &["query", "action", "a.throng", "--state", "0", "--target", "3"],
+        &["query", "action", "a.throng", "--state", "0", "--target", "nan,1"],
+        &["query", "action", "a.throng", "--state", "-1", "--target", "1,1"],
         &["export", "a.bvh", "--format", "fbx"],
         &["verify", "a.throng", "--fast"],
     ];
@@ -198,7 +199,7 @@ fn build_reports_what_it_did() {
     let same = std::fs::read(&out).expect("the bundle") == std::fs::read(place.bundle()).expect("the bundle");
     assert!(same, "a build with a cache differs from one without");
     let again = json(&args, &keys);
-    assert_eq!(again["cached"], serde_json::json!(["motion", "examples", "cluster", "patch", "graph", "policy"]));
+    assert_eq!(again["cached"], serde_json::json!(["motion", "examples", "graph", "policy"]));
     let told = done(&args[..args.len() - 1]);
     assert!(told.contains("states") && told.contains("residual") && told.contains("a.throng"), "{told}");
 }
@@ -221,19 +222,22 @@ fn query_answers_with_an_action_and_a_value() {
     let place = Place::shared();
     let bundle = place.bundle();
     let ask = |target: &str| {
-        let args = ["query", &bundle, "--behaviour", "approach", "--state", "0", "--target", target, "--json"];
+        let args =
+            ["query", "action", &bundle, "--behaviour", "approach", "--state", "0", "--target", target, "--json"];
         json(&args, &["behaviour", "state", "target_m", "action", "value", "score", "single_load_action", "best"])
     };
     let (near, far) = (ask("0.1,0.2"), ask("-1.5,5"));
     assert!(near["value"].as_f64() > far["value"].as_f64(), "near {near}, far {far}");
     assert_eq!(far["action"], far["best"][0]["action"]);
-    let negative = json(&["query", &bundle, "--state", "1", "--target=-3,-2", "--json"], &["action", "value"]);
+    let negative =
+        json(&["query", "action", &bundle, "--state", "1", "--target=-3,-2", "--json"], &["action", "value"]);
     assert_eq!(negative["target_m"], serde_json::json!([-3.0, -2.0]));
-    assert!(done(&["query", &bundle, "--state", "0", "--target", "1,1"]).contains("action"));
+    assert!(done(&["query", "action", &bundle, "--state", "0", "--target", "1,1"]).contains("action"));
 
-    let e = failed(&["query", &bundle, "--behaviour", "aproach", "--state", "0", "--target", "1,1", "--json"]);
-    assert!(e.contains("`aproach`") && e.contains("approach") && e.contains("little.throng"), "{e}");
-    let e = failed(&["query", &bundle, "--state", "999999", "--target", "1,1"]);
+    let e =
+        failed(&["query", "action", &bundle, "--behaviour", "aproach", "--state", "0", "--target", "1,1", "--json"]);
+    assert!(e.contains("\"aproach\"") && e.contains("there is approach") && e.contains("little.throng"), "{e}");
+    let e = failed(&["query", "action", &bundle, "--state", "999999", "--target", "1,1"]);
     assert!(e.contains("little.throng: no state 999999") && e.contains("count from 0 to"), "{e}");
 }
 
@@ -251,7 +255,7 @@ fn run_measures_a_crowd_and_draws_it() {
     assert_eq!(std::fs::read(&png).expect("a picture")[..8], *b"\x89PNG\r\n\x1a\n");
     assert!(failed(&["run", &bundle, "--characters", "0"]).contains("0 characters"));
     assert!(failed(&["run", &bundle, "--characters", "3", "--follow", "3"]).contains("to follow"));
-    assert!(failed(&["bench", &bundle, "--seconds", "nan"]).contains("--seconds"));
+    assert!(failed(&["bench", "bundle", &bundle, "--seconds", "nan"]).contains("--seconds"));
     let absent = at(&folder, "absent/a.throng");
     let e = failed(&["build", &place.path("little.toml"), "--out", &absent, "--no-cache"]);
     assert!(e.contains("there is no folder"), "{e}");
@@ -272,7 +276,8 @@ fn the_demo_goes_the_whole_way() {
 #[test]
 fn bench_reports_every_figure() {
     let place = Place::shared();
-    let args = ["bench", &place.bundle(), "--characters", "8", "--threads", "1", "--seconds", "0.01", "--json"];
+    let args =
+        ["bench", "bundle", &place.bundle(), "--characters", "8", "--threads", "1", "--seconds", "0.01", "--json"];
     let report = json(&args, &["results", "value_iteration"]);
     let keys = [
         "characters",
@@ -297,7 +302,7 @@ fn bench_sets_policies_against_search_and_matching() {
     let place = Place::shared();
     let sizes = ["--characters", "8", "--threads", "1", "--seconds", "0.001"];
     let bundle = place.bundle();
-    let args = [&["bench", &bundle, "--quality", "--pairs", "20", "--json"], &sizes[..]].concat();
+    let args = [&["bench", "bundle", &bundle, "--quality", "--pairs", "20", "--json"], &sizes[..]].concat();
     let report = json(&args, &["quality", "matching"]);
     let quality = &report["quality"][0];
     for key in ["ratio_mean", "ratio_p05", "near_best_fraction", "single_load_ratio_mean", "realised_ratio_mean"] {
@@ -313,7 +318,9 @@ fn bench_sets_policies_against_search_and_matching() {
     }
     assert!(matching["policy_time_to_reach_s"].as_f64() > Some(0.5), "{matching}");
     assert!(matching["policy_hits_per_minute"].is_null(), "{matching}");
-    assert!(failed(&["bench", &bundle, "--quality", "--pairs", "0", "--seconds", "0.001"]).contains("--pairs"));
+    assert!(
+        failed(&["bench", "bundle", &bundle, "--quality", "--pairs", "0", "--seconds", "0.001"]).contains("--pairs")
+    );
 }
 
 #[test]
@@ -429,6 +436,20 @@ fn export_writes_graphs_and_policies() {
     assert_eq!(csv.lines().count(), 1 + states.len() * 48, "{:?}", csv.lines().next());
     let e = failed(&["export", &bundle, "--format", "policy-csv", "--behaviour", "flee"]);
     assert!(e.contains("approach"), "{e}");
+}
+
+#[cfg(unix)]
+#[test]
+fn a_reader_that_goes_is_no_failure() {
+    use std::process::Stdio;
+    let place = Place::shared();
+    for args in [["inspect", &place.first_clip()], ["verify", &place.bundle()], ["inspect", &place.bundle()]] {
+        let mut throng = Command::new(env!("CARGO_BIN_EXE_throng"));
+        let mut child = throng.args(args).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("it starts");
+        drop(child.stdout.take());
+        let out = child.wait_with_output().expect("it ends");
+        assert_eq!((out.status.code(), text(&out.stderr).as_str()), (Some(0), ""), "{args:?}");
+    }
 }
 
 #[test]

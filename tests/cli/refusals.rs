@@ -15,9 +15,9 @@ fn files_that_are_no_bundles_are_refused_by_name() {
     for (file, say) in [(&cut, "5000 bytes"), (&text, "not a Throng bundle"), (&absent, "cannot be opened")] {
         let cases: [&[&str]; 7] = [
             &["verify", file, "--json"],
-            &["query", file, "--state", "0", "--target", "1,1", "--json"],
+            &["query", "action", file, "--state", "0", "--target", "1,1", "--json"],
             &["run", file, "--characters", "2", "--seconds", "1", "--json"],
-            &["bench", file, "--json"],
+            &["bench", "bundle", file, "--json"],
             &["export", file, "--format", "graph-json"],
             &["export", file, "--format", "hits-csv"],
             &["inspect", file],
@@ -112,7 +112,7 @@ fn worlds_that_cannot_be_are_refused_with_the_way_out() {
     let ground = "[[place]]\nunit = \"ground\"\nat = [0.0, 0.0, 0.0]\n";
     let write = |text: &str| std::fs::write(&world, text).expect("a file");
     write(&format!("bundle = \"{}\"\n{ground}", place.bundle().replace('\\', "/")));
-    for args in [vec!["stitch", &world, "--json"], vec!["bench", &world, "--json"]] {
+    for args in [vec!["stitch", &world, "--json"], vec!["bench", "world", &world, "--json"]] {
         let e = failed(&args);
         assert!(e.contains("no motion patches") && e.contains("data/playground.toml"), "{args:?}: {e}");
     }
@@ -123,7 +123,7 @@ fn worlds_that_cannot_be_are_refused_with_the_way_out() {
     let e = failed(&["stitch", &world]);
     assert!(e.contains("square.toml:2") && e.contains("`place`"), "{e}");
     let scene = at(&folder, "scene.toml");
-    std::fs::write(&scene, "world = \"square.toml\"\ncharacters = 0\n").expect("a file");
+    std::fs::write(&scene, "world = \"square.toml\"\ncharacters = 3\n").expect("a file");
     let e = failed(&["run", &scene]);
-    assert!(e.contains("`characters`") && e.contains("found 0"), "{e}");
+    assert!(e.contains("scene.toml:1:1: `world` is a key of older scene files"), "{e}");
 }

@@ -10,7 +10,7 @@ const CONFIG: &str = "[synth]\nset = \"boxing\"\nminutes = 0.5\n\n[policy]\ncomp
     grid = { rings = 5, angles = 9, radius = 2.0, inner_spacing = 0.5 }\n\n\
     [[behaviours]]\nname = \"throw-punches\"\nkind = \"throw_punches\"\n\
     grid = { rings = 5, angles = 5, heights = 3 }\n\n\
-    [[behaviours]]\nname = \"evade\"\nkind = \"evade\"\ngrid = { rings = 4, angles = 8, moments = 5 }\n";
+    [[behaviours]]\nname = \"evade\"\nkind = \"evade\"\ngrid = { rings = 4, angles = 8, times = 5 }\n";
 
 const NAMES: [&str; 3] = ["approach", "throw-punches", "evade"];
 
@@ -18,7 +18,7 @@ const NAMES: [&str; 3] = ["approach", "throw-punches", "evade"];
 static PLACE: LazyLock<tempfile::TempDir> = LazyLock::new(|| {
     let place = folder();
     write(&at(&place, "fight.toml"), CONFIG);
-    write(&at(&place, "pair.toml"), &scene("pairs", 2, ""));
+    write(&at(&place, "pair.toml"), &scene("sparring", 2, ""));
     place
 });
 
@@ -26,12 +26,12 @@ fn write(path: &str, text: &str) {
     std::fs::write(path, text).expect("a file");
 }
 
-fn scene(kind: &str, characters: usize, more: &str) -> String {
+fn scene(motion: &str, count: usize, more: &str) -> String {
     // Targets do not strike: there is nothing to evade.
-    let names: &[&str] = if kind == "targets" { &NAMES[..2] } else { &NAMES };
-    let goals: String = names.iter().map(|b| format!("[[goals]]\nbehaviour = \"{b}\"\n")).collect();
+    let names: &[&str] = if motion == "policy" { &NAMES[..2] } else { &NAMES };
+    let behaviours: String = names.iter().map(|b| format!("[[groups.behaviours]]\nname = \"{b}\"\n")).collect();
     let head = "bundle = \"fight.throng\"\nconfig = \"fight.toml\"\n";
-    format!("{head}kind = \"{kind}\"\ncharacters = {characters}\n{goals}{more}")
+    format!("{head}[[groups]]\nmotion = \"{motion}\"\ncount = {count}\n{behaviours}{more}")
 }
 
 /// The bundle, built where it is not there yet.
@@ -74,7 +74,7 @@ fn pairs_spar_and_are_measured_and_drawn() {
 #[test]
 fn targets_are_struck() {
     let (bundle, scene_file) = (bundle(), at(&PLACE, "bags.toml"));
-    write(&scene_file, &scene("targets", 4, "[target]\nheight_m = 1.5\ndrag = [{ time_s = 4.0, x_m = 0.5 }]\n"));
+    write(&scene_file, &scene("policy", 4, "[groups.target]\nheight_m = 1.5\ndrag = [{ time_s = 4.0, x_m = 0.5 }]\n"));
     let report = json(&["run", &scene_file, "--bundle", &bundle, "--seconds", "20", "--json"], &["landed_fraction"]);
     assert!(report["landed_fraction"].as_f64() > Some(0.0), "{report}");
     assert!(report["distance_max_m"].as_f64() > Some(0.0), "{report}");
@@ -91,16 +91,16 @@ fn scenes_that_cannot_be_run_say_what_to_change() {
         let message = failed(&["run", &file, "--bundle", &bundle, "--seconds", "1"]);
         assert!(parts.iter().all(|p| message.contains(p)), "{parts:?}: {message}");
     };
-    fails(&scene("targets", 1, "[target]\nheight_m = 3.0\n"), &["nobody can reach", "3.00 m", "target.height_m"]);
-    fails(&scene("pairs", 3, ""), &["`characters`", "even"]);
-    fails(&scene("trios", 3, ""), &[":3:8", "pairs"]);
-    fails(&scene("pairs", 2, "[[goals]]\nbehaviour = \"dance\"\n"), &["dance", "throw-punches"]);
-    let evade = "[[goals]]\nbehaviour = \"evade\"\n";
-    fails(&scene("targets", 1, evade), &["\"evade\"", "targets do not strike", "Leave the goal out"]);
-    fails(&scene("pairs", 2, evade), &["`goals[3].behaviour`", "\"evade\""]);
-    fails(&scene("pairs", 2, "[target]\nheight_m = 1.2\n"), &["`target`", "pairs"]);
+    fails(&scene("policy", 1, "[groups.target]\nheight_m = 3.0\n"), &["nobody can reach", "3.00 m", "target.height_m"]);
+    fails(&scene("sparring", 3, ""), &["`groups[0].count`", "even"]);
+    fails(&scene("trios", 3, ""), &[":4:10", "sparring"]);
+    fails(&scene("sparring", 2, "[[groups.behaviours]]\nname = \"dance\"\n"), &["dance", "throw-punches"]);
+    let evade = "[[groups.behaviours]]\nname = \"evade\"\n";
+    fails(&scene("policy", 1, evade), &["behaviours[2]", "targets do not strike", "leave it out"]);
+    fails(&scene("sparring", 2, evade), &["`groups[0].behaviours[3].name`", "\"evade\""]);
+    fails(&scene("sparring", 2, "[groups.target]\nheight_m = 1.2\n"), &["`target`", "\"sparring\""]);
     let lost = at(&PLACE, "lost.toml");
-    write(&lost, &scene("pairs", 2, "").replace("fight.t", "gone.t").replace("config = \"gone.toml\"\n", ""));
+    write(&lost, &scene("sparring", 2, "").replace("fight.t", "gone.t").replace("config = \"gone.toml\"\n", ""));
     assert!(failed(&["run", &lost]).contains("gone.throng"));
 }
 

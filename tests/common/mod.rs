@@ -11,12 +11,12 @@ use throng_precompute::policy::GridConfig;
 use throng_precompute::progress::Silent;
 use throng_precompute::report::BuildReport;
 use throng_precompute::synth::{self, SynthConfig, SynthSet};
+use throng_runtime::characters::{CharactersConfig, Choice, Start};
 use throng_runtime::format::AlignedBytes;
 use throng_runtime::sparring::{Aim, SparringConfig, SparringGoal};
-use throng_runtime::troupe::{Choice, Start, TroupeConfig};
-use throng_runtime::{Planar, Tables};
+use throng_runtime::{Bundle, Planar};
 
-/// Writes synthetic clips of a total length into a folder. [Unit: min]
+/// Writes synthetic clips of a total length into a folder (min).
 pub fn write_clips(folder: &Path, minutes: f64) {
     let config = SynthConfig { minutes, clip_seconds: 15.0, ..SynthConfig::default() };
     synth::write(SynthSet::Walk, &config, folder).expect("synthetic clips can be written");
@@ -43,20 +43,21 @@ pub fn bundle() -> &'static [u8] {
         let (clips, out) = (folder.path().join("clips"), folder.path().join("small.throng"));
         write_clips(&clips, 1.0);
         build(&small_config(vec![clips]), &out, &Cache::none());
-        Tables::open(&out).expect("what was built opens");
+        Bundle::open(&out).expect("what was built opens");
         std::fs::read(&out).expect("what was built can be read")
     })
 }
 
 /// The small bundle, open.
-pub fn tables() -> Tables {
-    Tables::from_bytes(AlignedBytes::from_slice(bundle())).expect("the small bundle opens")
+pub fn tables() -> Bundle {
+    Bundle::from_bytes(AlignedBytes::from_slice(bundle())).expect("the small bundle opens")
 }
 
-/// A small bundle of boxing: an approach, blows at a target and evasion, all on small grids; built once a binary.
-pub fn boxing_tables() -> Tables {
+/// The bytes of a small bundle of boxing: an approach, blows at a target and evasion, all on small grids; built once a
+/// binary.
+pub fn boxing_bytes() -> &'static [u8] {
     static BUNDLE: OnceLock<Vec<u8>> = OnceLock::new();
-    let bytes = BUNDLE.get_or_init(|| {
+    BUNDLE.get_or_init(|| {
         let folder = tempfile::tempdir().expect("a temporary folder");
         let (clips, out) = (folder.path().join("clips"), folder.path().join("boxing.throng"));
         let config = SynthConfig { minutes: 0.5, clip_seconds: 15.0, ..SynthConfig::for_set(SynthSet::Boxing) };
@@ -66,8 +67,12 @@ pub fn boxing_tables() -> Tables {
         config.policy.compare_samples = 100;
         build(&config, &out, &Cache::none());
         std::fs::read(&out).expect("what was built can be read")
-    });
-    Tables::from_bytes(AlignedBytes::from_slice(bytes)).expect("the bundle of boxing opens")
+    })
+}
+
+/// The bundle of boxing, open.
+pub fn boxing_tables() -> Bundle {
+    Bundle::from_bytes(AlignedBytes::from_slice(boxing_bytes())).expect("the bundle of boxing opens")
 }
 
 const BOXING: &str = r#"
@@ -88,19 +93,20 @@ grid = { rings = 6, angles = 6, heights = 3 }
 [[behaviours]]
 name = "evade"
 kind = "evade"
-grid = { rings = 4, angles = 8, moments = 4 }
+grid = { rings = 4, angles = 8, times = 4 }
 "#;
 
 /// Boxers of [`boxing_tables`], each weighing all of its behaviours.
 pub fn boxing() -> SparringConfig {
     let aims = [Aim::OpponentHead, Aim::OpponentHead, Aim::OpponentThreat];
     let goal = |(policy, aim)| SparringGoal { policy, weight: if policy == 1 { 2.0 } else { 1.0 }, aim };
-    let troupe = TroupeConfig { choice: Choice::LookAhead { temperature: 0.01 }, ..TroupeConfig::default() };
-    SparringConfig { troupe, ..SparringConfig::new(aims.into_iter().enumerate().map(goal).collect()) }
+    let characters =
+        CharactersConfig { choice: Choice::LookAhead { temperature: 0.01 }, ..CharactersConfig::default() };
+    SparringConfig { characters, ..SparringConfig::new(aims.into_iter().enumerate().map(goal).collect()) }
 }
 
 /// Pairs face to face, within reach of each other.
-pub fn pairs(tables: &Tables, n: usize) -> Vec<Start> {
+pub fn pairs(tables: &Bundle, n: usize) -> Vec<Start> {
     let states = tables.graph().states.len();
     let start = |i: usize| {
         let (pair, far) = (i / 2, i % 2 == 1);
@@ -112,7 +118,7 @@ pub fn pairs(tables: &Tables, n: usize) -> Vec<Start> {
 }
 
 /// Characters on a line, facing all around, in all kinds of states.
-pub fn starts(tables: &Tables, n: usize) -> Vec<Start> {
+pub fn starts(tables: &Bundle, n: usize) -> Vec<Start> {
     let states = tables.graph().states.len();
     let start = |i: usize| Start {
         root: Planar::new(1.5 * i as f32, 0.5 * (i % 3) as f32, 0.7 * i as f32),
@@ -121,7 +127,7 @@ pub fn starts(tables: &Tables, n: usize) -> Vec<Start> {
     (0..n).map(start).collect()
 }
 
-/// A target for each of [`starts`], some metres away. [Unit: m]
+/// A target for each of [`starts`], some metres away (m).
 pub fn targets(n: usize) -> Vec<Vec3> {
     (0..n).map(|i| Vec3::new(1.5 * i as f32 + 3.0 * (i as f32).sin(), 0.0, 4.0 * (i as f32).cos())).collect()
 }

@@ -4,14 +4,16 @@ mod runs;
 mod starts;
 
 use std::path::Path;
-use throng_precompute::scene::crowd::{CrowdScene, own_scene};
+use throng_precompute::run::own_scene;
+use throng_runtime::simulation::{CompiledScene, Scene};
 
 /// A scene from its text.
-fn scene(text: &str) -> CrowdScene {
-    CrowdScene::from_text(text, Path::new("made-up.toml")).expect("a scene")
+fn scene(text: &str) -> CompiledScene {
+    let scene = Scene::parse(text, Path::new("made-up.toml")).unwrap_or_else(|e| panic!("{e}"));
+    scene.open().expect("it names no files")
 }
 
-/// One of the project's own scenes with so many members.
-fn own(name: &str, members: usize) -> CrowdScene {
-    own_scene(name).expect("it can be read").expect("it is there").resized(members)
+/// One of the project's own scenes with so many agents.
+fn own(name: &str, agents: usize) -> Scene {
+    own_scene(name).expect("it can be read").expect("it is there").resized(agents)
 }

@@ -4,36 +4,37 @@ use super::patch::{Frame, Parts, open_unverified};
 use crate::common::{bundle, starts, targets};
 use rand::{Rng, RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
-use throng_runtime::Tables;
+use throng_runtime::Bundle;
+use throng_runtime::characters::{Characters, CharactersConfig, Choice, Goal, MotionSet};
 use throng_runtime::format::Section;
 use throng_runtime::policy::MAX_ACTIONS;
-use throng_runtime::troupe::{Choice, Goal, Repertoire, Troupe, TroupeConfig};
 
 /// Characters of a step.
 const N: usize = 8;
 
 /// Steps some characters with every way to choose, and looks at everything that is left to be read.
-fn stays_steppable(tables: &Tables, what: &str) {
-    let repertoire = Repertoire::new(tables);
+fn stays_steppable(tables: &Bundle, what: &str) {
+    let motion_set = MotionSet::new(tables);
     let (starts, targets) = (starts(tables, N), targets(N));
     for choice in [Choice::LookAhead { temperature: 0.1 }, Choice::BestAction] {
-        let config = TroupeConfig { choice, local_transforms: true, ..TroupeConfig::default() };
-        let mut troupe = Troupe::new(&repertoire, config, &starts).expect("states exist");
+        let config = CharactersConfig { choice, local_transforms: true, ..CharactersConfig::default() };
+        let mut characters = Characters::new(&motion_set, config, &starts).expect("states exist");
         let goals = [Goal { policy: 0, weight: 1.0, targets: &targets }];
         for step in 0..15 {
-            troupe.step(&repertoire, 0.1, &goals).expect("a step");
-            let finite = troupe.model_matrices().iter().all(|m| m.rows.as_flattened().iter().all(|v| v.is_finite()));
+            characters.step(&motion_set, 0.1, &goals).expect("a step");
+            let finite =
+                characters.model_matrices().iter().all(|m| m.rows.as_flattened().iter().all(|v| v.is_finite()));
             assert!(finite, "{what}: step {step}, {choice:?}: a matrix is not finite");
-            let finite = troupe.local_transforms().iter().all(|l| l.rotation.iter().all(|v| v.is_finite()));
+            let finite = characters.local_transforms().iter().all(|l| l.rotation.iter().all(|v| v.is_finite()));
             assert!(finite, "{what}: step {step}, {choice:?}: a local rotation is not finite");
             for c in 0..N {
-                let root = troupe.root(c);
+                let root = characters.root(c);
                 assert!(root.x.is_finite() && root.z.is_finite() && root.heading.is_finite(), "{what}: root {root:?}");
             }
         }
     }
     let mut scores = [0.0; MAX_ACTIONS];
-    let n = tables.policy(0).action_scores(0, targets[0], &mut scores).expect("state 0 exists");
+    let n = tables.policies()[0].action_scores(0, targets[0], &mut scores).expect("state 0 exists");
     assert!(scores[..n].iter().all(|s| s.is_finite()), "{what}: a score is not finite");
 }
 
@@ -81,9 +82,9 @@ fn damaged_content_is_refused_or_stays_steppable() {
 
 #[test]
 fn values_as_large_as_the_checks_allow_stay_steppable() {
+    use throng_runtime::bundle::tags;
     use throng_runtime::format::{FrameRow, SkeletonRecord};
     use throng_runtime::policy::SegmentRecord;
-    use throng_runtime::tables::tags;
     let mut parts = Parts::of(bundle());
     parts.edit::<FrameRow>(tags::FRAMES, |rows| {
         for (i, row) in rows.iter_mut().enumerate() {

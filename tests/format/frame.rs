@@ -5,7 +5,7 @@ use crate::common::bundle;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use throng_runtime::format::{FormatError, Header, Section};
-use throng_runtime::{Tables, tables::tags};
+use throng_runtime::{Bundle, bundle::tags};
 
 #[test]
 fn the_writer_lays_bundles_out_as_the_format_says() {
@@ -57,13 +57,13 @@ fn cut_files_are_refused_and_opening_names_what_is_wrong() {
     let path = folder.path().join("cut.throng");
     for n in [0, 1, 63, 64, 500, bundle().len() - 1] {
         std::fs::write(&path, &bundle()[..n]).expect("a file");
-        for e in [Tables::open(&path), Tables::open_unverified(&path)].map(|t| t.expect_err("a cut file")) {
+        for e in [Bundle::open(&path), Bundle::open_unverified(&path)].map(|t| t.expect_err("a cut file")) {
             assert!(matches!(e, FormatError::Length { got, .. } if got == n as u64), "{n} bytes: {e}");
         }
     }
     std::fs::write(&path, bundle()).expect("a file");
-    assert!(Tables::open(&path).is_ok() && Tables::open_unverified(&path).is_ok());
-    let e = Tables::open(folder.path().join("absent.throng")).expect_err("no such file");
+    assert!(Bundle::open(&path).is_ok() && Bundle::open_unverified(&path).is_ok());
+    let e = Bundle::open(folder.path().join("absent.throng")).expect_err("no such file");
     assert!(matches!(e, FormatError::Io { .. }) && e.to_string().contains("absent.throng"), "{e}");
 }
 
@@ -127,7 +127,7 @@ fn other_magic_is_refused_as_no_bundle() {
         frame.header.magic = magic;
         let e = refusal(&frame.seal(), "other magic");
         assert!(
-            matches!(e, FormatError::Magic { got } if got == magic) && e.to_string().contains("throng build"),
+            matches!(e, FormatError::Magic { got, .. } if got == magic) && e.to_string().contains("throng build"),
             "{e}"
         );
     }
@@ -139,7 +139,7 @@ fn other_versions_are_refused_with_what_to_run() {
         let mut frame = Frame::of(bundle());
         frame.header.version = version;
         let e = refusal(&frame.seal(), "other version");
-        assert!(matches!(e, FormatError::Version { got } if got == version), "{version}: {e}");
+        assert!(matches!(e, FormatError::Version { got, .. } if got == version), "{version}: {e}");
         let message = e.to_string();
         assert!(message.contains(&format!("version {version},")) && message.contains("`throng build`"), "{message}");
     }

@@ -3,7 +3,7 @@
 
 use bytemuck::Pod;
 use throng_runtime::format::{ALIGN, AlignedBytes, FormatError, Header, Meta, Section, Tag, VERSION, crc32};
-use throng_runtime::{Tables, tables::tags};
+use throng_runtime::{Bundle, bundle::tags};
 
 /// The sections of a bundle, to be changed in content and length.
 #[derive(Clone)]
@@ -105,13 +105,13 @@ impl Frame {
 }
 
 /// Opens bytes as a bundle.
-pub fn open(bytes: &[u8]) -> Result<Tables, FormatError> {
-    Tables::from_bytes(AlignedBytes::from_slice(bytes))
+pub fn open(bytes: &[u8]) -> Result<Bundle, FormatError> {
+    Bundle::from_bytes(AlignedBytes::from_slice(bytes))
 }
 
 /// Opens bytes without comparing checksums of sections.
-pub fn open_unverified(bytes: &[u8]) -> Result<Tables, FormatError> {
-    Tables::from_bytes_unverified(AlignedBytes::from_slice(bytes))
+pub fn open_unverified(bytes: &[u8]) -> Result<Bundle, FormatError> {
+    Bundle::from_bytes_unverified(AlignedBytes::from_slice(bytes))
 }
 
 /// Why bytes are refused as a bundle, verified or not.

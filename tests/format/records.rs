@@ -2,11 +2,11 @@
 
 use super::patch::{Parts, refusal};
 use crate::common::{bundle, tables};
+use throng_runtime::bundle::tags;
 use throng_runtime::format::{AlignedBytes, ClipRecord, FormatError, FrameRow, SkeletonRecord, Tag};
 use throng_runtime::graph::{MotionSegment, StateRecord};
 use throng_runtime::policy::{NO_ACTION, PolicyRecord, SegmentRecord, StateGridRecord};
-use throng_runtime::tables::tags;
-use throng_runtime::{Contacts, Tables};
+use throng_runtime::{Bundle, Contacts};
 
 /// A change of the bundle's content and what it is.
 type Change<'a> = (&'a str, &'a dyn Fn(&mut Parts));
@@ -289,7 +289,7 @@ fn policy_tables_hold_actions_and_numbers() {
 /// The small bundle with its one policy made adaptive, the finest grid in every state: the same values.
 fn adaptive() -> Parts {
     let mut parts = Parts::of(bundle());
-    let (grid, num_states) = (*tables().policy(0).grid(), tables().graph().states.len() as u32);
+    let (grid, num_states) = (*tables().policies()[0].grid(), tables().graph().states.len() as u32);
     let record = |s| StateGridRecord::new(grid.counts(), s * grid.num_cells() as u32);
     parts.edit::<StateGridRecord>(tags::POLICY_STATE_GRIDS, |g| g.extend((0..num_states).map(record)));
     policy(&mut parts, |r| r.adaptive = 1);
@@ -299,10 +299,10 @@ fn adaptive() -> Parts {
 #[test]
 fn state_grids_tile_the_values() {
     let bytes = adaptive().join();
-    let opened = Tables::from_bytes(AlignedBytes::from_slice(&bytes)).expect("an adaptive policy opens");
-    assert!(opened.policy(0).is_adaptive());
+    let opened = Bundle::from_bytes(AlignedBytes::from_slice(&bytes)).expect("an adaptive policy opens");
+    assert!(opened.policies()[0].is_adaptive());
     let (from, to) = (tables(), opened);
-    assert_eq!(from.policy(0).values_of(3), to.policy(0).values_of(3));
+    assert_eq!(from.policies()[0].values_of(3), to.policies()[0].values_of(3));
     let grids = |p: &mut Parts, f: &dyn Fn(&mut Vec<StateGridRecord>)| p.edit(tags::POLICY_STATE_GRIDS, f);
     let changes: [(Option<Tag>, Change<'_>); 10] = [
         (Some(tags::POLICIES), ("a ring less", &|p| grids(p, &|g| g[0].counts[0] -= 1))),

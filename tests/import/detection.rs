@@ -127,7 +127,7 @@ fn along_x() -> String {
         }
     }
     let mut text = Vec::new();
-    throng_precompute::import::bvh_write::write(&clip, &mut text).unwrap();
+    throng_precompute::export::bvh::write(&clip, &mut text).unwrap();
     String::from_utf8(text).unwrap()
 }
 

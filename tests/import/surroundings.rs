@@ -11,7 +11,7 @@ use throng_precompute::resample::ResampleConfig;
 use throng_precompute::{Clip, ClipSet, Warnings, annotate, pipeline, resample, retarget};
 use throng_runtime::{Contacts, Joint, Skeleton};
 
-/// Planted feet are nearer than this to what was inferred. [Unit: m]
+/// Planted feet are nearer than this to what was inferred (m).
 const NEAR: f32 = 0.08;
 
 /// A clip of the motion capture beside the repository, or in `THRONG_MOCAP`.

@@ -2,9 +2,9 @@
 
 use crate::made_up_world as made_up;
 use crate::parts::{Parts, refusal};
+use throng_runtime::characters::{Characters, CharactersConfig, MotionSet, Start};
 use throng_runtime::patch::{CellRecord, EdgeRecord, KIND_BLOCK, KIND_TILE, LinkRecord, NONE, PatchRecord};
-use throng_runtime::troupe::{Repertoire, Start, Troupe, TroupeConfig};
-use throng_runtime::{Planar, tables::tags};
+use throng_runtime::{Planar, bundle::tags};
 
 #[test]
 fn patches_need_no_motion_graph() {
@@ -14,9 +14,12 @@ fn patches_need_no_motion_graph() {
     assert_eq!((patches.patches[0].kind, patches.patches[1].kind), (KIND_TILE, KIND_BLOCK));
     assert_eq!((patches.cells_of(0).len(), patches.links_of(1).len()), (12, 4));
     assert_eq!(tables.pose_groups().len(), tables.frames().len());
-    let repertoire = Repertoire::new(&tables);
+    let motion_set = MotionSet::new(&tables);
     let start = Start { root: Planar::IDENTITY, state: 0 };
-    assert!(Troupe::new(&repertoire, TroupeConfig::default(), &[start]).is_err(), "there is no state to start in");
+    assert!(
+        Characters::new(&motion_set, CharactersConfig::default(), &[start]).is_err(),
+        "there is no state to start in"
+    );
 }
 
 #[test]

@@ -41,17 +41,14 @@ impl Glide {
 pub fn clip_of(name: &str, places: &[Planar]) -> Clip {
     let upright = |p: &Planar| std::iter::once(p.rotation()).chain(std::iter::repeat_n(Quat::IDENTITY, NUM_JOINTS - 1));
     Clip {
-        name: name.into(),
         source: "made up".into(),
-        mirrored: false,
-        rate_hz: 30.0,
-        root_positions: places.iter().map(|p| p.translation() + glam::Vec3::Y * 0.95).collect(),
-        rotations: places.iter().flat_map(upright).collect(),
         contacts: vec![Contacts::NONE; places.len()],
-        excluded: Vec::new(),
-        tags: Vec::new(),
-        hits: Vec::new(),
-        support: Vec::new(),
+        ..Clip::new(
+            name,
+            30.0,
+            places.iter().map(|p| p.translation() + glam::Vec3::Y * 0.95).collect(),
+            places.iter().flat_map(upright).collect(),
+        )
     }
 }
 

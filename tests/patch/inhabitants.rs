@@ -1,17 +1,17 @@
 //! Characters in made-up worlds: nobody enters what others hold, and everybody keeps arriving.
 
 use crate::made_up_world::{self, SIDE, SIT};
+use throng_runtime::characters::{CharactersConfig, MotionSet};
 use throng_runtime::patch::Placement;
-use throng_runtime::troupe::{Repertoire, TroupeConfig};
 use throng_runtime::world::inhabitants::{Doing, Inhabitants, InhabitantsConfig, InhabitantsError, Wish, scatter};
 use throng_runtime::world::{Node, WorldData, WorldGraph};
-use throng_runtime::{NUM_JOINTS, Tables};
+use throng_runtime::{Bundle, NUM_JOINTS};
 
 const DT: f32 = 1.0 / 30.0;
 const PLAIN: [&str; 5] = ["#####"; 5];
 
-fn graph<'a>(tables: &'a Tables, world: &'a WorldData) -> WorldGraph<'a> {
-    WorldGraph::new(tables.patches(), world.view()).expect("a world")
+fn graph<'a>(tables: &'a Bundle, world: &'a WorldData) -> WorldGraph {
+    WorldGraph::new(tables.patches(), &world.view()).expect("a world")
 }
 
 /// The tile that stands at a column and row.
@@ -23,7 +23,7 @@ fn tile(world: &WorldData, x: i32, z: i32) -> u32 {
 /// Everyone whose root is well inside a tile holds it, and every unit's holder knows of it.
 fn nobody_is_where_others_hold(world: &WorldData, people: &Inhabitants) {
     for c in 0..people.num_characters() {
-        let root = people.troupe().root(c);
+        let root = people.characters().root(c);
         for (unit, u) in world.units.iter().enumerate().filter(|(_, u)| u.unit == made_up_world::FLOOR) {
             let inside = |a: f32, b: f32| (a - b).abs() < SIDE * 0.5 - 0.1;
             if inside(root.x, u.placement.x) && inside(root.z, u.placement.z) {
@@ -39,18 +39,18 @@ fn nobody_is_where_others_hold(world: &WorldData, people: &Inhabitants) {
 fn nobody_enters_a_held_unit_and_motion_ends_where_its_node_is() {
     let tables = made_up_world::tables();
     let world = made_up_world::world(&tables, &PLAIN);
-    let (graph, repertoire) = (graph(&tables, &world), Repertoire::new(&tables));
+    let (graph, motion_set) = (graph(&tables, &world), MotionSet::new(&tables));
     let starts = scatter(&graph, 12, 3);
     assert_eq!(starts.len(), 12);
-    let mut people = Inhabitants::new(&repertoire, &graph, InhabitantsConfig::default(), &starts).unwrap();
+    let mut people = Inhabitants::new(&motion_set, &graph, InhabitantsConfig::default(), &starts).unwrap();
     let mut been = std::collections::BTreeSet::new();
     for _ in 0..3000 {
-        people.step(&repertoire, &graph, DT).unwrap();
+        people.step(&motion_set, &graph, DT).unwrap();
         nobody_is_where_others_hold(&world, &people);
         for c in 0..12 {
             let status = people.status(c);
             been.insert(status.node.instance);
-            let (end, node) = (people.troupe().course_end(&repertoire, c), graph.place(status.node));
+            let (end, node) = (people.characters().scheduled_end(&motion_set, c), graph.place(status.node));
             let away = (end.x - node.x).hypot(end.z - node.z);
             let turned = throng_runtime::planar::wrap_angle(end.heading - node.heading);
             assert!(away < 1e-4 && turned.abs() < 1e-4, "{end:?} {node:?}");
@@ -63,17 +63,17 @@ fn nobody_enters_a_held_unit_and_motion_ends_where_its_node_is() {
 fn nothing_jumps() {
     let tables = made_up_world::tables();
     let world = made_up_world::world(&tables, &["###", "#b#", "###"]);
-    let (graph, repertoire) = (graph(&tables, &world), Repertoire::new(&tables));
+    let (graph, motion_set) = (graph(&tables, &world), MotionSet::new(&tables));
     let mut people =
-        Inhabitants::new(&repertoire, &graph, InhabitantsConfig::default(), &scatter(&graph, 3, 1)).unwrap();
+        Inhabitants::new(&motion_set, &graph, InhabitantsConfig::default(), &scatter(&graph, 3, 1)).unwrap();
     people.set_wish(&graph, 0, Wish::Perform { tag: SIT, seconds: 3.0 }).unwrap();
     let dt = 1.0 / 120.0;
-    people.step(&repertoire, &graph, 0.0).unwrap();
-    let mut before: Vec<_> = (0..3).map(|c| people.troupe().joint_positions(c)).collect();
+    people.step(&motion_set, &graph, 0.0).unwrap();
+    let mut before: Vec<_> = (0..3).map(|c| people.characters().joint_positions(c)).collect();
     for step in 0..4000 {
-        people.step(&repertoire, &graph, dt).unwrap();
+        people.step(&motion_set, &graph, dt).unwrap();
         for c in 0..3 {
-            let now = people.troupe().joint_positions(c);
+            let now = people.characters().joint_positions(c);
             for j in 0..NUM_JOINTS {
                 let speed = (now[j] - before[c][j]).length() / dt;
                 assert!(speed < 8.0, "step {step}, character {c}, joint {j}: {speed} m/s");
@@ -87,16 +87,16 @@ fn nothing_jumps() {
 /// Lets everyone walk to and fro between two places, and returns how often each arrived in each part of the time.
 fn commute(
     world: &WorldData,
-    tables: &Tables,
+    tables: &Bundle,
     ends: &[[u32; 2]],
     seconds: f32,
     parts: usize,
     check: bool,
 ) -> Vec<Vec<u32>> {
-    let (graph, repertoire) = (graph(tables, world), Repertoire::new(tables));
+    let (graph, motion_set) = (graph(tables, world), MotionSet::new(tables));
     let starts: Vec<Node> =
         ends.iter().map(|[from, _]| graph.rest_cells(*from).next().expect("a place to stand")).collect();
-    let mut people = Inhabitants::new(&repertoire, &graph, InhabitantsConfig::default(), &starts).unwrap();
+    let mut people = Inhabitants::new(&motion_set, &graph, InhabitantsConfig::default(), &starts).unwrap();
     let mut seen = vec![0; ends.len()];
     for (c, [_, to]) in ends.iter().enumerate() {
         people.set_wish(&graph, c, Wish::GoTo { instance: *to }).unwrap();
@@ -104,7 +104,7 @@ fn commute(
     let steps = (seconds / DT) as usize;
     let mut out = vec![vec![0; parts]; ends.len()];
     for step in 0..steps {
-        people.step(&repertoire, &graph, DT).unwrap();
+        people.step(&motion_set, &graph, DT).unwrap();
         if check && step % 10 == 0 {
             nobody_is_where_others_hold(world, &people);
         }
@@ -160,16 +160,16 @@ fn a_narrow_passage_that_is_walked_both_ways_does_not_clog() {
 fn a_bench_is_sat_on_by_one_after_the_other() {
     let tables = made_up_world::tables();
     let world = made_up_world::world(&tables, &["####", "#b##", "####"]);
-    let (graph, repertoire) = (graph(&tables, &world), Repertoire::new(&tables));
+    let (graph, motion_set) = (graph(&tables, &world), MotionSet::new(&tables));
     let mut people =
-        Inhabitants::new(&repertoire, &graph, InhabitantsConfig::default(), &scatter(&graph, 3, 8)).unwrap();
+        Inhabitants::new(&motion_set, &graph, InhabitantsConfig::default(), &scatter(&graph, 3, 8)).unwrap();
     let bench = graph.num_instances() as u32 - 1;
     for c in 0..3 {
         people.set_wish(&graph, c, Wish::Perform { tag: SIT, seconds: 5.0 }).unwrap();
     }
     let (mut sat, mut seated) = ([0.0f32; 3], 0);
     for _ in 0..9000 {
-        people.step(&repertoire, &graph, DT).unwrap();
+        people.step(&motion_set, &graph, DT).unwrap();
         for c in 0..3 {
             let status = people.status(c);
             if status.doing == Doing::Performing {
@@ -190,13 +190,13 @@ fn a_bench_is_sat_on_by_one_after_the_other() {
 fn seat_beside_one_taken_for(seconds: f32) -> usize {
     let tables = made_up_world::tables();
     let world = made_up_world::world(&tables, &["############", "b##########b", "############"]);
-    let (graph, repertoire) = (graph(&tables, &world), Repertoire::new(&tables));
+    let (graph, motion_set) = (graph(&tables, &world), MotionSet::new(&tables));
     let starts = [[1, 1], [3, 2]].map(|[x, z]| graph.rest_cells(tile(&world, x, z)).next().unwrap());
-    let mut people = Inhabitants::new(&repertoire, &graph, InhabitantsConfig::default(), &starts).unwrap();
+    let mut people = Inhabitants::new(&motion_set, &graph, InhabitantsConfig::default(), &starts).unwrap();
     people.set_wish(&graph, 0, Wish::Perform { tag: SIT, seconds }).unwrap();
     let mut has_asked = false;
     for _ in 0..9000 {
-        people.step(&repertoire, &graph, DT).unwrap();
+        people.step(&motion_set, &graph, DT).unwrap();
         let doing = [0, 1].map(|c| people.status(c).doing);
         if doing[0] == Doing::Performing && !has_asked {
             people.set_wish(&graph, 1, Wish::Perform { tag: SIT, seconds: 1.0 }).unwrap();
@@ -238,12 +238,12 @@ fn cells_that_are_come_to_are_those_at_which_steps_end() {
 fn the_nearest_place_to_a_point_is_gone_to() {
     let tables = made_up_world::tables();
     let world = made_up_world::world(&tables, &PLAIN);
-    let (graph, repertoire) = (graph(&tables, &world), Repertoire::new(&tables));
+    let (graph, motion_set) = (graph(&tables, &world), MotionSet::new(&tables));
     let from = graph.rest_cells(tile(&world, 0, 0)).next().unwrap();
-    let mut people = Inhabitants::new(&repertoire, &graph, InhabitantsConfig::default(), &[from]).unwrap();
+    let mut people = Inhabitants::new(&motion_set, &graph, InhabitantsConfig::default(), &[from]).unwrap();
     let place = glam::Vec3::new(3.2 * SIDE, 0.0, 4.4 * SIDE);
     people.set_wish(&graph, 0, Wish::GoToPlace { place }).unwrap();
-    people.step(&repertoire, &graph, DT).unwrap();
+    people.step(&motion_set, &graph, DT).unwrap();
     let plan = *people.plan(0).expect("a plan");
     assert_eq!(people.path(0).len(), plan.num_stored);
     assert!(plan.length_m > 4.0 * SIDE && plan.opened_nodes > 0);
@@ -251,7 +251,7 @@ fn the_nearest_place_to_a_point_is_gone_to() {
     assert_eq!(plan.opened_instances, 0);
     let mut steps = 0;
     while people.status(0).doing != Doing::Arrived {
-        people.step(&repertoire, &graph, DT).unwrap();
+        people.step(&motion_set, &graph, DT).unwrap();
         steps += 1;
         assert!(steps < 3000);
     }
@@ -263,20 +263,20 @@ fn results_do_not_depend_on_the_number_of_threads() {
     let tables = made_up_world::tables();
     let rows = vec!["####################"; 20];
     let world = made_up_world::world(&tables, &rows);
-    let (graph, repertoire) = (graph(&tables, &world), Repertoire::new(&tables));
+    let (graph, motion_set) = (graph(&tables, &world), MotionSet::new(&tables));
     let starts = scatter(&graph, 200, 5);
     let on = |threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         pool.install(|| {
-            let mut people = Inhabitants::new(&repertoire, &graph, InhabitantsConfig::default(), &starts).unwrap();
+            let mut people = Inhabitants::new(&motion_set, &graph, InhabitantsConfig::default(), &starts).unwrap();
             for c in 0..50 {
                 people.set_wish(&graph, c, Wish::GoTo { instance: (c * 7 % 400) as u32 }).unwrap();
             }
             for _ in 0..300 {
-                people.par_step(&repertoire, &graph, DT).unwrap();
+                people.par_step(&motion_set, &graph, DT).unwrap();
             }
             let nodes: Vec<_> = (0..200).map(|c| people.status(c).node).collect();
-            (nodes, people.troupe().model_matrices().to_vec())
+            (nodes, people.characters().model_matrices().to_vec())
         })
     };
     let one = on(1);
@@ -287,18 +287,18 @@ fn results_do_not_depend_on_the_number_of_threads() {
 fn starts_and_wishes_that_cannot_be_are_refused() {
     let tables = made_up_world::tables();
     let world = made_up_world::world(&tables, &["###", "#b#", "###"]);
-    let (graph, repertoire) = (graph(&tables, &world), Repertoire::new(&tables));
-    let new = |starts: &[Node]| Inhabitants::new(&repertoire, &graph, InhabitantsConfig::default(), starts);
+    let (graph, motion_set) = (graph(&tables, &world), MotionSet::new(&tables));
+    let new = |starts: &[Node]| Inhabitants::new(&motion_set, &graph, InhabitantsConfig::default(), starts);
     let rest = graph.rest_cells(4).next().unwrap();
     let entry = Node { instance: 4, cell: 0 };
     assert_eq!(new(&[entry]).unwrap_err(), InhabitantsError::Start { character: 0, node: entry });
     assert!(matches!(new(&[rest, rest]), Err(InhabitantsError::Held { character: 1, other: 0, .. })));
     assert!(matches!(new(&[Node { instance: 99, cell: 0 }]), Err(InhabitantsError::Index { .. })));
     let config = InhabitantsConfig { patience_s: f32::NAN, ..InhabitantsConfig::default() };
-    assert!(Inhabitants::new(&repertoire, &graph, config, &[rest]).is_err());
-    let troupe = TroupeConfig { half_life_s: 0.0, ..TroupeConfig::default() };
-    let config = InhabitantsConfig { troupe, ..InhabitantsConfig::default() };
-    assert!(matches!(Inhabitants::new(&repertoire, &graph, config, &[rest]), Err(InhabitantsError::Troupe(_))));
+    assert!(Inhabitants::new(&motion_set, &graph, config, &[rest]).is_err());
+    let characters = CharactersConfig { half_life_s: 0.0, ..CharactersConfig::default() };
+    let config = InhabitantsConfig { characters, ..InhabitantsConfig::default() };
+    assert!(matches!(Inhabitants::new(&motion_set, &graph, config, &[rest]), Err(InhabitantsError::Characters(_))));
     let mut people = new(&[rest]).unwrap();
     assert!(matches!(people.set_wish(&graph, 1, Wish::Roam), Err(InhabitantsError::Index { .. })));
     assert!(matches!(people.set_wish(&graph, 0, Wish::GoTo { instance: 50 }), Err(InhabitantsError::Index { .. })));
@@ -306,8 +306,8 @@ fn starts_and_wishes_that_cannot_be_are_refused() {
     assert_eq!(people.set_wish(&graph, 0, chat), Err(InhabitantsError::NoTag { tag: made_up_world::CHAT }));
     let nowhere = Wish::GoToPlace { place: glam::Vec3::NAN };
     assert!(matches!(people.set_wish(&graph, 0, nowhere), Err(InhabitantsError::Value { .. })));
-    assert!(matches!(people.step(&repertoire, &graph, 2.0), Err(InhabitantsError::Value { .. })));
+    assert!(matches!(people.step(&motion_set, &graph, 2.0), Err(InhabitantsError::Value { .. })));
     let other = made_up_world::world(&tables, &["##"]);
-    let other = WorldGraph::new(tables.patches(), other.view()).unwrap();
-    assert!(matches!(people.step(&repertoire, &other, DT), Err(InhabitantsError::OtherWorld { .. })));
+    let other = WorldGraph::new(tables.patches(), &other.view()).unwrap();
+    assert!(matches!(people.step(&motion_set, &other, DT), Err(InhabitantsError::OtherWorld { .. })));
 }

@@ -108,14 +108,19 @@ impl MadeUp {
         self.names.push(PatchMeta { name: name.into(), units: vec![(unit.into(), Placement::IDENTITY)] });
     }
 
-    pub fn patches(&self) -> Patches<'_> {
-        Patches { patches: &self.patches, edges: &self.edges, cells: &self.cells, links: &self.links }
+    pub fn patches(&self) -> Patches {
+        Patches {
+            patches: (&self.patches).into(),
+            edges: (&self.edges).into(),
+            cells: (&self.cells).into(),
+            links: (&self.links).into(),
+        }
     }
 
     pub fn library(&self) -> Library<'_> {
         Library {
             bundle: "made-up",
-            fingerprint: 7,
+            bundle_hash: 7,
             rate_hz: 30.0,
             names: &self.names,
             units: &self.units,

@@ -14,9 +14,9 @@ use throng_runtime::policy::{PathRecord, PolicyRecord, SegmentRecord, StateGridR
 use throng_runtime::world::{
     AdjacencyRecord, InstanceRecord, JointRecord, JointTableRecord, UnitRecord, WorldData, WorldMeta,
 };
-use throng_runtime::{Contacts, HitRecord, Joint, NUM_JOINTS, Planar, Skeleton, Tables, tables::tags};
+use throng_runtime::{Bundle, Contacts, HitRecord, Joint, NUM_JOINTS, Planar, Skeleton, bundle::tags};
 
-/// Length of a tile's side. [Unit: m]
+/// Length of a tile's side (m).
 pub const SIDE: f32 = 2.0;
 /// Patches of the bundle.
 pub const FLOOR: u32 = 0;
@@ -28,7 +28,7 @@ pub const SIT: u16 = 2;
 /// Edges: +x, -x, +z, -z.
 const HEADINGS: [f32; 4] = [std::f32::consts::FRAC_PI_2, -std::f32::consts::FRAC_PI_2, 0.0, std::f32::consts::PI];
 const OPPOSITE: [u32; 4] = [1, 0, 3, 2];
-/// How far right of the middle of an edge people walk. [Unit: m]
+/// How far right of the middle of an edge people walk (m).
 const RIGHT: f32 = 0.3;
 const WALK: u32 = 0;
 const STAND: u32 = 1;
@@ -84,13 +84,13 @@ fn rows(kind: &Kind, number: usize) -> Vec<FrameRow> {
 }
 
 /// A bundle of motion patches alone.
-pub fn tables() -> Tables {
+pub fn tables() -> Bundle {
     named("made up")
 }
 
 /// The same under another name, so that it is another bundle.
-pub fn named(name: &str) -> Tables {
-    Tables::from_bytes(AlignedBytes::from_slice(&bundle(name))).expect("the made-up bundle opens")
+pub fn named(name: &str) -> Bundle {
+    Bundle::from_bytes(AlignedBytes::from_slice(&bundle(name))).expect("the made-up bundle opens")
 }
 
 /// The bytes of the bundle.
@@ -262,7 +262,7 @@ fn bench() -> Patch {
 
 /// A world of tiles where `rows` have `#` or `b`, which has a bench too; what cannot be left anywhere is disabled.
 /// The first row is that of the lowest z.
-pub fn world(tables: &Tables, rows: &[&str]) -> WorldData {
+pub fn world(tables: &Bundle, rows: &[&str]) -> WorldData {
     let patches = tables.patches();
     let mut w = WorldData::default();
     let mut tiles = Vec::new();
@@ -295,14 +295,14 @@ pub fn world(tables: &Tables, rows: &[&str]) -> WorldData {
     w.meta = WorldMeta {
         name: "made up".into(),
         bundle: tables.meta().name.clone(),
-        fingerprint: tables.fingerprint(),
+        bundle_hash: tables.hash(),
         ..WorldMeta::default()
     };
-    w.check(&patches).expect("the made-up world is sound");
+    w.check(patches).expect("the made-up world is sound");
     w
 }
 
-fn benches(w: &mut WorldData, tables: &Tables, tiles: &[(i32, i32, bool)]) {
+fn benches(w: &mut WorldData, tables: &Bundle, tiles: &[(i32, i32, bool)]) {
     let links = tables.patches().links_of(FLOOR as usize);
     // The straight crossing from the edge behind (-z) to the one ahead (+z).
     let straight = links.iter().position(|l| (l.from, l.to) == (3, 4 + 2)).expect("a straight link") as u32;
@@ -344,7 +344,7 @@ fn benches(w: &mut WorldData, tables: &Tables, tiles: &[(i32, i32, bool)]) {
 }
 
 /// An instance with everything enabled, and a unit of its own.
-fn add(w: &mut WorldData, tables: &Tables, patch: u32, placement: Placement) {
+fn add(w: &mut WorldData, tables: &Bundle, patch: u32, placement: Placement) {
     let p = &tables.patches().patches[patch as usize];
     w.instances.push(InstanceRecord {
         patch,

@@ -5,12 +5,12 @@ use proptest::prelude::*;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use std::collections::{BTreeMap, BTreeSet};
-use throng_runtime::Tables;
+use throng_runtime::Bundle;
 use throng_runtime::world::plan::{Plan, Planner, Target, WORST};
 use throng_runtime::world::{Node, Step, WorldData, WorldGraph};
 
 /// Least frames from a node to every other one.
-fn dijkstra(graph: &WorldGraph<'_>, from: Node) -> BTreeMap<Node, u32> {
+fn dijkstra(graph: &WorldGraph, from: Node) -> BTreeMap<Node, u32> {
     let mut queue = BTreeSet::from([(0, from)]);
     let mut found: BTreeMap<Node, u32> = BTreeMap::new();
     while let Some((frames, node)) = queue.pop_first() {
@@ -26,7 +26,7 @@ fn dijkstra(graph: &WorldGraph<'_>, from: Node) -> BTreeMap<Node, u32> {
 }
 
 /// The steps lead from the node to the target, each one is there to be taken, and the plan says what they are.
-fn is_a_way(graph: &WorldGraph<'_>, from: Node, target: Target, steps: &[Step], plan: &Plan) {
+fn is_a_way(graph: &WorldGraph, from: Node, target: Target, steps: &[Step], plan: &Plan) {
     let mut at = from;
     for s in steps {
         let mut there = false;
@@ -62,7 +62,7 @@ fn paths_are_as_short_as_the_shortest_within_five_percent() {
     for _ in 0..12 {
         let rows = floor(&mut rng);
         let world = made_up_world::world(&tables, &rows.iter().map(String::as_str).collect::<Vec<_>>());
-        let graph = WorldGraph::new(tables.patches(), world.view()).unwrap();
+        let graph = WorldGraph::new(tables.patches(), &world.view()).unwrap();
         let mut planner = Planner::new(&graph);
         let mut steps = vec![Step::NONE; 400];
         for _ in 0..25 {
@@ -102,7 +102,7 @@ fn paths_are_as_short_as_the_shortest_within_five_percent() {
 fn the_first_steps_of_a_long_path_are_kept() {
     let tables = made_up_world::tables();
     let world = made_up_world::world(&tables, &["####################"]);
-    let graph = WorldGraph::new(tables.patches(), world.view()).unwrap();
+    let graph = WorldGraph::new(tables.patches(), &world.view()).unwrap();
     let mut planner = Planner::new(&graph);
     let from = graph.rest_cells(0).next().unwrap();
     let target = Target::Rest { instance: 19 };
@@ -120,7 +120,7 @@ fn the_first_steps_of_a_long_path_are_kept() {
 fn the_way_of_a_target_that_is_a_node_ends_there() {
     let tables = made_up_world::tables();
     let world = made_up_world::world(&tables, &["####"; 4]);
-    let graph = WorldGraph::new(tables.patches(), world.view()).unwrap();
+    let graph = WorldGraph::new(tables.patches(), &world.view()).unwrap();
     let mut planner = Planner::new(&graph);
     let from = graph.rest_cells(0).next().unwrap();
     let best = dijkstra(&graph, from);
@@ -138,11 +138,11 @@ fn the_way_of_a_target_that_is_a_node_ends_there() {
 }
 
 /// Plans between many nodes of a floor, and compares with Dijkstra; how many paths and how many times none there were.
-fn compare(tables: &Tables, rows: &[&str], rng: &mut Pcg64Mcg, change: impl Fn(&mut WorldData)) -> (usize, usize) {
+fn compare(tables: &Bundle, rows: &[&str], rng: &mut Pcg64Mcg, change: impl Fn(&mut WorldData)) -> (usize, usize) {
     let mut world = made_up_world::world(tables, rows);
     change(&mut world);
-    world.check(&tables.patches()).expect("the changed world is sound");
-    let graph = WorldGraph::new(tables.patches(), world.view()).unwrap();
+    world.check(tables.patches()).expect("the changed world is sound");
+    let graph = WorldGraph::new(tables.patches(), &world.view()).unwrap();
     let (mut planner, mut steps) = (Planner::new(&graph), vec![Step::NONE; 400]);
     let (mut paths, mut none) = (0, 0);
     for _ in 0..25 {

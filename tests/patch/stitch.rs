@@ -40,7 +40,8 @@ struct Graph {
 /// The node of a cell: exits are the entry across the edge.
 fn node(m: &MadeUp, w: &WorldData, i: u32, cell: u32) -> Option<(u32, u32)> {
     let instance = &w.instances[i as usize];
-    let c = &m.patches().cells_of(instance.patch as usize)[cell as usize];
+    let patches = m.patches();
+    let c = &patches.cells_of(instance.patch as usize)[cell as usize];
     if !c.is(CellRecord::IS_EXIT) {
         return Some((i, cell));
     }
@@ -69,7 +70,8 @@ impl Graph {
     }
 
     fn joints(&mut self, m: &MadeUp, w: &WorldData, i: u32, r: &InstanceRecord) {
-        let links = m.patches().links_of(r.patch as usize);
+        let patches = m.patches();
+        let links = patches.links_of(r.patch as usize);
         for a in &w.adjacencies[r.first_adjacency as usize..][..r.num_adjacencies as usize] {
             let t = &w.tables[a.table as usize];
             for k in (0..t.num_joints).filter(|_| a.side == 0) {
@@ -94,7 +96,8 @@ impl Graph {
     fn cells_joined(&mut self, m: &MadeUp, w: &WorldData, a: (u32, u32), b: (u32, u32), first_word: u32, joint: u32) {
         for (bit, from, via) in [(2 * joint, a, b), (2 * joint + 1, b, a)] {
             let r = &w.instances[via.0 as usize];
-            let links = (0u32..).zip(m.patches().links_of(r.patch as usize));
+            let patches = m.patches();
+            let links = (0u32..).zip(patches.links_of(r.patch as usize));
             for (l, link) in links.filter(|_| is_set(&w.joint_words, first_word, bit)) {
                 if link.from == via.1 && is_set(&w.link_words, r.first_link_word, l) {
                     self.ways.insert((from, node(m, w, via.0, link.to).expect("an enabled link leads on")));
@@ -226,7 +229,8 @@ fn colliding(m: &MadeUp, w: &WorldData, e: &Environment, i: usize, depth: f32) -
             .filter(|&u| !own(u))
             .any(|u| pose.penetration(geometry.placement(u), geometry.geometry(u), depth).is_some())
     };
-    let links = m.patches().links_of(r.patch as usize);
+    let patches = m.patches();
+    let links = patches.links_of(r.patch as usize);
     (0u32..)
         .zip(links)
         .filter(|(_, l)| (0..=u32::from(l.num_frames)).step_by(2).any(|k| collides(l, k)))
@@ -305,7 +309,7 @@ proptest! {
     ) {
         let (m, c) = (MadeUp::new(), StitchConfig { overlap_m: 99.0, ..config() });
         prop_assume!(maybe_stitched(&m, &e, &c).is_some());
-        let mut editor = Editor::new(m.patches(), m.library(), e, &c, &Silent).unwrap();
+        let mut editor = Editor::new(&m.patches(), m.library(), e, &c, &Silent).unwrap();
         let (first, mut changes) = (editor.world().clone(), 0);
         for (what, which, x, z) in moves {
             let to = Placement::new(x, 0.0, z, x);
@@ -370,7 +374,7 @@ fn what_cannot_be_a_world_is_refused_by_name() {
 fn whatever_is_taken_out_can_say_why() {
     let m = MadeUp::new();
     let e = with(panels(3, 3), BENCH, PANEL_M, PANEL_M + 0.8, 0.0);
-    let editor = Editor::new(m.patches(), m.library(), e, &config(), &Silent).unwrap();
+    let editor = Editor::new(&m.patches(), m.library(), e, &config(), &Silent).unwrap();
     let world = editor.world();
     let mut counted = std::collections::BTreeMap::new();
     for (i, r) in (0u32..).zip(&world.instances) {

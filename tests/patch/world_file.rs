@@ -2,23 +2,31 @@
 
 use crate::made_up_world;
 use bytemuck::Pod;
-use throng_runtime::Tables;
+use std::sync::OnceLock;
+use throng_runtime::Bundle;
 use throng_runtime::format::{AlignedBytes, Header};
 use throng_runtime::patch::NONE;
-use throng_runtime::world::{WORLD_VERSION, WorldData, WorldError, WorldFile};
+use throng_runtime::world::{PathCosts, WORLD_VERSION, World, WorldData, WorldError, WorldGraph};
 
-fn world(tables: &Tables) -> WorldData {
+fn world(tables: &Bundle) -> WorldData {
     made_up_world::world(tables, &["####", "#b##", "###."])
 }
 
-fn bytes(world: &WorldData) -> Vec<u8> {
+/// The file of a world, or of one that was damaged after its path costs were baked.
+fn bytes(damaged: &WorldData) -> Vec<u8> {
+    static PATHS: OnceLock<PathCosts> = OnceLock::new();
+    let paths = PATHS.get_or_init(|| {
+        let tables = made_up_world::tables();
+        let graph = WorldGraph::new(tables.patches(), &world(&tables).view()).expect("a world");
+        PathCosts::bake(&graph).expect("path costs")
+    });
     let mut out = Vec::new();
-    world.write(&mut out).expect("memory can be written");
+    damaged.write(paths, &mut out).expect("memory can be written");
     out
 }
 
-fn open(bytes: &[u8], tables: &Tables) -> Result<WorldFile, WorldError> {
-    WorldFile::from_bytes(AlignedBytes::from_slice(bytes), tables)
+fn open(bytes: &[u8], tables: &Bundle) -> Result<World, WorldError> {
+    World::from_bytes(AlignedBytes::from_slice(bytes), tables)
 }
 
 #[test]
@@ -28,12 +36,9 @@ fn what_is_written_is_read_again() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("made-up.world");
     std::fs::write(&path, bytes(&world)).unwrap();
-    let file = WorldFile::open(&path, &tables).unwrap();
-    let (a, b) = (file.view(), world.view());
-    assert_eq!((a.units, a.instances, a.neighbours), (b.units, b.instances, b.neighbours));
-    assert_eq!((a.cell_words, a.link_words, a.joint_words), (b.cell_words, b.link_words, b.joint_words));
-    assert_eq!((a.adjacencies, a.tables, a.joints), (b.adjacencies, b.tables, b.joints));
-    assert_eq!((a.joints_by_b, a.resources), (b.joints_by_b, b.resources));
+    let file = World::open(&path, &tables).unwrap();
+    let (a, b) = (file.view(), &world.view());
+    assert_eq!(a, b);
     assert_eq!(*file.meta(), world.meta);
     assert_eq!(file.num_bytes(), bytes(&world).len());
 }
@@ -41,7 +46,7 @@ fn what_is_written_is_read_again() {
 #[test]
 fn another_bundle_is_refused_by_name() {
     let (tables, other) = (made_up_world::tables(), made_up_world::named("other"));
-    assert_ne!(tables.fingerprint(), other.fingerprint());
+    assert_ne!(tables.hash(), other.hash());
     let e = open(&bytes(&world(&tables)), &other).unwrap_err();
     assert!(matches!(e, WorldError::OtherBundle { .. }));
     let message = e.to_string();
@@ -55,8 +60,8 @@ fn another_bundle_is_refused_by_name() {
 fn bundles_and_worlds_are_told_apart() {
     let tables = made_up_world::tables();
     let e = open(&made_up_world::bundle("made up"), &tables).unwrap_err();
-    assert!(e.to_string().contains("not the file of a Throng world"), "{e}");
-    let e = Tables::from_bytes(AlignedBytes::from_slice(&bytes(&world(&tables)))).unwrap_err();
+    assert!(e.to_string().contains("not a Throng world"), "{e}");
+    let e = Bundle::from_bytes(AlignedBytes::from_slice(&bytes(&world(&tables)))).unwrap_err();
     assert!(e.to_string().contains("not a Throng bundle"), "{e}");
 }
 
@@ -128,7 +133,7 @@ fn records_that_cannot_be_are_refused() {
 }
 
 /// Changes one value of a section at a time.
-fn scramble<T: Pod>(name: &str, tables: &Tables, of: impl Fn(&mut WorldData) -> &mut Vec<T>) {
+fn scramble<T: Pod>(name: &str, tables: &Bundle, of: impl Fn(&mut WorldData) -> &mut Vec<T>) {
     let len = bytemuck::cast_slice::<T, u8>(of(&mut world(tables))).len();
     for at in (0..len).step_by(3) {
         for value in [0u8, 0xff, 0x80] {
@@ -143,7 +148,7 @@ fn scramble<T: Pod>(name: &str, tables: &Tables, of: impl Fn(&mut WorldData) -> 
     }
 }
 
-fn walk(file: &WorldFile, tables: &Tables, name: &str) {
+fn walk(file: &World, tables: &Bundle, name: &str) {
     use throng_runtime::world::{Node, WorldGraph};
     let graph = WorldGraph::new(tables.patches(), file.view()).unwrap();
     for instance in 0..graph.num_instances() as u32 {

@@ -177,12 +177,12 @@ fn stored_actions_are_those_of_the_look_ahead_at_the_centres_of_a_state_s_own_ce
         for cell in 0..own.num_cells() {
             let target = table.cell_target(state, cell);
             let mut ranked = [RankedActions::NONE];
-            let goals = [Goal { policy: table, weights: &[1.0], targets: &[target] }];
+            let goals = [Goal { policy: &table, weights: &[1.0], targets: &[target] }];
             LookAheadJob { goals: &goals, states: &[state], ranked: &mut ranked }.run().expect("a sound batch");
             assert_eq!(table.best_of(state, cell), ranked[0].actions);
             let mut action = [0];
             let (states, targets) = ([state], [target]);
-            let policy = table;
+            let policy = &table;
             let job = BestActionJob { policy, states: &states, targets: &targets, choice: 0, actions: &mut action };
             job.run().expect("a sound batch");
             assert_eq!((table.nearest_cell(state, target), action[0]), (cell, ranked[0].best()));
@@ -191,7 +191,7 @@ fn stored_actions_are_those_of_the_look_ahead_at_the_centres_of_a_state_s_own_ce
 }
 
 /// Mean and 95th percentile of the distance between the values of two policies on a lattice of targets.
-fn apart(a: &PolicyTable<'_>, b: &PolicyTable<'_>) -> (f64, f64) {
+fn apart(a: &PolicyTable, b: &PolicyTable) -> (f64, f64) {
     let mut errors = Vec::new();
     for state in 0..STATES {
         for k in 0..2000 {
@@ -273,6 +273,6 @@ fn configuration_says_what_is_wrong_with_it() {
     let grid = GridConfig { adaptive: Some(AdaptiveConfig { share: 2.0, ..good }), ..GridConfig::default() };
     assert!(Approach::new(&BehaviourConfig { grid, ..BehaviourConfig::default() }, 30.0, None).is_err());
     let grid = GridConfig { adaptive: Some(good), ..GridConfig::default() };
-    let message = grid.make_moments("dodge").expect_err("moments have one resolution").to_string();
+    let message = grid.make_space_time("dodge").expect_err("one resolution").to_string();
     assert!(message.contains("grid.adaptive") && message.contains("evade"), "{message}");
 }

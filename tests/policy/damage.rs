@@ -26,7 +26,11 @@ type Parts = (PolicyRecord, Vec<u32>, Vec<u32>, Vec<SegmentRecord>, Vec<f32>, Ve
 fn opens(parts: &Parts) -> bool {
     let (record, offsets, actions, segments, values, best) = parts;
     let Ok(actions) = ActionTable::new(offsets, actions, segments.len()) else { return false };
-    PolicyTable::new(record, actions, PolicySlices { segments, values, best, ..PolicySlices::default() }).is_ok()
+    PolicyTable::new(record, actions, slices(segments, values, best)).is_ok()
+}
+
+fn slices(segments: &[SegmentRecord], values: &[f32], best: &[u8]) -> PolicySlices {
+    PolicySlices { segments: segments.into(), values: values.into(), best: best.into(), ..PolicySlices::default() }
 }
 
 #[test]
@@ -76,13 +80,13 @@ proptest! {
         }
         let (record, offsets, actions, segments, values, best) = &parts;
         let actions = ActionTable::new(offsets, actions, segments.len()).expect("untouched");
-        if let Ok(policy) = PolicyTable::new(record, actions, PolicySlices { segments, values, best, ..PolicySlices::default() }) {
+        if let Ok(policy) = PolicyTable::new(record, actions.clone(), slices(segments, values, best)) {
             let (states, targets) = ([state], [Vec3::from_array(target)]);
             let mut ranked = [RankedActions::NONE];
-            let goals = [Goal { policy, weights: &[1.0], targets: &targets }];
+            let goals = [Goal { policy: &policy, weights: &[1.0], targets: &targets }];
             let looked = LookAheadJob { goals: &goals, states: &states, ranked: &mut ranked }.run();
             let mut action = [0];
-            let job = BestActionJob { policy, states: &states, targets: &targets, choice: 3, actions: &mut action };
+            let job = BestActionJob { policy: &policy, states: &states, targets: &targets, choice: 3, actions: &mut action };
             let loaded = job.run();
             prop_assert_eq!(looked.is_ok(), loaded.is_ok());
             if looked.is_ok() {

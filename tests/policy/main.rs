@@ -2,8 +2,8 @@
 
 mod adaptive;
 mod damage;
-mod moments;
 mod naive;
+mod space_time;
 
 use glam::{Vec2, Vec3};
 use naive::{ARITHMETIC, Hit, Naive, approach, largest_error, model, random_model, segment, solved};
@@ -158,10 +158,11 @@ fn stored_actions_are_those_of_the_look_ahead_at_cell_centres() {
         let targets: Vec<Vec3> = (0..n).map(|c| table.grid().cell_centre(c)).collect();
         let (states, weights) = (vec![state; n], vec![1.0; n]);
         let mut ranked = vec![RankedActions::NONE; n];
-        let goals = [Goal { policy: table, weights: &weights, targets: &targets }];
+        let goals = [Goal { policy: &table, weights: &weights, targets: &targets }];
         LookAheadJob { goals: &goals, states: &states, ranked: &mut ranked }.run().expect("a sound batch");
         let mut actions = vec![0; n];
-        let job = BestActionJob { policy: table, states: &states, targets: &targets, choice: 0, actions: &mut actions };
+        let job =
+            BestActionJob { policy: &table, states: &states, targets: &targets, choice: 0, actions: &mut actions };
         job.run().expect("a sound batch");
         for cell in 0..n {
             assert_eq!(table.best_of(state, cell), ranked[cell].actions);
@@ -186,8 +187,8 @@ fn weighted_behaviours_are_the_weighted_sum_of_their_scores() {
     let (states, weights, none) = ([3u32, 3], [0.3, 0.3], [2.0, 0.0]);
     let targets = [[Vec3::new(0.5, 1.0, 2.0); 2], [Vec3::new(0.2, 1.35, 0.8); 2]];
     let goals = [
-        Goal { policy: policies[0], weights: &weights, targets: &targets[0] },
-        Goal { policy: policies[1], weights: &none, targets: &targets[1] },
+        Goal { policy: &policies[0], weights: &weights, targets: &targets[0] },
+        Goal { policy: &policies[1], weights: &none, targets: &targets[1] },
     ];
     let mut ranked = [RankedActions::NONE; 2];
     LookAheadJob { goals: &goals, states: &states, ranked: &mut ranked }.run().expect("a sound batch");
@@ -212,12 +213,12 @@ fn sweeps_that_do_not_suffice_are_an_error_with_the_residual() {
 }
 
 #[test]
-fn configuration_refuses_unknown_keys_and_takes_the_paper_s() {
+fn configuration_refuses_unknown_keys_and_takes_those_of_lee_and_lee() {
     let text = "name = \"a\"\nreward = \"max\"\ngrid = { rings = 5, angles = 13, radius = 2.0, inner_spacing = 0.5 }";
     let config: BehaviourConfig = toml::from_str(text).expect("a valid behaviour");
     assert_eq!(
         (config.grid, config.reward),
-        (GridConfig { falloff: None, ..GridConfig::paper() }, Some(RewardForm::Max))
+        (GridConfig { falloff: None, ..GridConfig::lee_and_lee() }, Some(RewardForm::Max))
     );
     assert!(toml::from_str::<BehaviourConfig>("discont = 0.9").is_err());
     assert!(toml::from_str::<PolicyConfig>("epsilon = 1e-3\nsweeps = 4").is_err());
@@ -257,7 +258,7 @@ fn approach_comes_to_the_target_from_anywhere_and_stands_there() {
             let local = root.inverse_transform_point(target);
             let local = Vec3::new(local.x, 0.0, local.y);
             let mut ranked = [RankedActions::NONE];
-            let goals = [Goal { policy: table, weights: &[1.0], targets: &[local] }];
+            let goals = [Goal { policy: &table, weights: &[1.0], targets: &[local] }];
             LookAheadJob { goals: &goals, states: &[state], ranked: &mut ranked }.run().expect("a sound batch");
             last = table.actions().segments_of(state)[usize::from(ranked[0].best())];
             let played = &model.segments[last as usize];

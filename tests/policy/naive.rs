@@ -11,7 +11,7 @@ use throng_precompute::progress::Silent;
 use throng_runtime::Planar;
 use throng_runtime::policy::{COMBINE_MAX, KERNEL_WITHIN, Reward, RewardRecord, SegmentRecord, TargetGrid};
 
-/// A second behaviour: an impulsive hit (003 eq. 2 and 6) on a grid of angle, distance and height.
+/// A second behaviour: an impulsive hit (Lee and Lee 2004, equations 2 and 6) on a grid of angle, distance and height.
 pub struct Hit {
     pub discount: f64,
     /// Segment, frame, place and force of each blow.

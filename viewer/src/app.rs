@@ -1,10 +1,10 @@
 //! The viewer but for its window: the same in a window, in a picture and in a test.
 
-use crate::command::Command;
+use crate::command::{Command, WorldCommand};
 use crate::model::Model;
-use crate::model::world::WorldCommand;
-use crate::panels::{Dock, PANELS, PanelStates, dock, keys, top_bar, transport, viewport};
+use crate::panels::{PANELS, PanelStates, dock, keys, top_bar, transport, viewport};
 use crate::render::{Body, DrawReport, SceneCallback, SceneFrame, SceneRenderer};
+use crate::settings::Dock;
 use crate::settings::{BODIES, Settings};
 use crate::stage::{Layout, scene_colours};
 use crate::theme;
@@ -204,9 +204,7 @@ impl Viewer {
         let m = &self.model;
         let mut s = m.settings.clone();
         let second = if m.shows_clip() { m.shown_clip().map_or(30.0, |c| c.1) } else { crate::run::STEP_HZ } as i32;
-        let run_speed = m.head().map(|h| h.speed()).or_else(|| Some(m.shown_crowd()?.1.speed()));
-        let run_speed = run_speed.or_else(|| Some(m.document.world()?.run().speed()));
-        let speed = if m.shows_clip() { m.player.speed } else { run_speed.unwrap_or(1.0) };
+        let speed = m.head().map_or(m.player.speed, |h| h.speed());
         commands.push(match action {
             Action::PlayPause => Command::Play(!m.is_playing()),
             Action::Back => Command::Step(-1),

@@ -1,10 +1,15 @@
 //! Everything a panel may ask for.
 
-use crate::model::crowd::CrowdCommand;
-use crate::model::world::WorldCommand;
-use crate::panels::PanelKind;
+mod crowd;
+mod world;
+
+pub use crowd::{CrowdCommand, CrowdLook, Whose};
+pub use world::{Draft, Tool, WorldCommand, WorldLook};
+
+use crate::document::SceneChoice;
 use crate::render::Camera;
 use crate::run::{Blending, Input, RunConfig};
+use crate::settings::PanelKind;
 use crate::settings::Settings;
 use std::path::PathBuf;
 use throng_precompute::scene::Scene;
@@ -17,11 +22,11 @@ pub enum Stage {
     Crowd,
     /// A clip of the database.
     Clip,
-    /// Somebody who walks in a blend space.
+    /// A character walking in a blend space.
     Blend,
 }
 
-/// A wish of a panel, carried out by [`crate::model::Model::apply`] after all panels have been shown.
+/// A request of a panel, carried out by the model after all panels have been shown.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Command {
     /// Open a bundle, a scene, a world or a motion file.
@@ -39,23 +44,25 @@ pub enum Command {
     Seek(u32),
     /// Seconds that pass in one.
     Speed(f32),
-    /// Start the run anew, with the same config.
+    /// Restart the run, with the same config.
     Restart,
     /// Start a run with another config.
     Configure(RunConfig),
-    /// Start the scene anew, as changed.
+    /// Restart the scene, as changed.
     ConfigureScene(Box<Scene>),
     /// Do something to the run.
     Input(Input),
     /// Blend something else, or on another body, and show it.
     Blend(Blending),
-    /// Begin the scene of walkers anew, with so many and a seed.
+    /// Restart the scene of walkers with that many and a seed.
     Walkers {
         /// How many.
         characters: usize,
         /// Seed of bodies and paths.
         seed: u64,
     },
+    /// Restart the scene of groups, with other numbers.
+    RestartScene(SceneChoice),
     /// Do something to the world.
     World(WorldCommand),
     /// Do something to the scene of a crowd.

@@ -5,17 +5,28 @@
 //! moves time on, [`stage`] lays out what is to be drawn, [`render`] draws it, [`panels`] show the model and ask for
 //! more.
 
-pub mod app;
-pub mod args;
-pub mod command;
-pub mod document;
-pub mod headless;
-pub mod model;
-pub mod panels;
+// In this order: none uses one that comes after it.
 pub mod render;
-pub mod run;
-pub mod settings;
-pub mod stage;
 pub mod theme;
 pub mod volume;
+
+pub mod bundle;
+#[cfg(test)]
+mod fixtures;
+pub mod run;
+pub mod settings;
+
+pub mod document;
+
+pub mod command;
+pub mod model;
+
+pub mod stage;
+
+pub mod panels;
+
+pub mod args;
+
+pub mod app;
+pub mod headless;
 pub mod window;

@@ -1,25 +1,26 @@
 //! All that the viewer knows: what is open, what is shown of it, what was said of it.
 
 mod commands;
-pub mod crowd;
+mod crowd;
 mod documents;
+mod places;
 mod played;
 mod shown;
 pub mod world;
 
-use crate::command::Stage;
+use crate::command::{CrowdLook, Stage, WorldLook};
 use crate::document::{Document, Loader, Watch};
-use crate::panels::PanelKind;
 use crate::render::Camera;
+use crate::settings::PanelKind;
 use crate::settings::Settings;
 use eframe::egui;
 use glam::Vec3;
 use std::path::Path;
 
-/// Time that news stay on the screen; errors stay until they are taken away. [Unit: s]
+/// Time that news stay on the screen; errors stay until they are taken away (s).
 const NEWS_S: f64 = 6.0;
 
-/// What is looked at.
+/// What is selected.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Selection {
     /// Character of the run.
@@ -32,10 +33,10 @@ pub struct Selection {
     pub slice: u32,
     /// Clip of the database.
     pub clip: usize,
-    /// What is looked at in a world.
-    pub world: world::WorldLook,
+    /// What is selected in a world.
+    pub world: WorldLook,
     /// What is drawn of a scene of a crowd.
-    pub crowd: crowd::CrowdLook,
+    pub crowd: CrowdLook,
 }
 
 /// The play head of a clip.
@@ -55,9 +56,9 @@ impl Default for ClipPlayer {
     }
 }
 
-/// What tells one whom the camera goes with from another: stage, character, clip.
+/// Identity of whom the camera follows: stage, character, clip.
 type Who = (Stage, Option<usize>, usize);
-/// Whom the camera went with, and where that was. [Unit: m]
+/// Whom the camera followed, and its place (m).
 type Followed = (Who, Vec3);
 
 /// Something said to the user.
@@ -69,11 +70,11 @@ pub struct Message {
     pub text: String,
     /// Something went wrong.
     pub is_error: bool,
-    /// When it goes away by itself. [Unit: s of [`egui::InputState::time`]]
+    /// When it goes away by itself (s of [`egui::InputState::time`]).
     pub until: f64,
 }
 
-/// Where the time of the last frame went, as far as this thread is concerned. [Unit: s]
+/// Where the time of the last frame went, as far as this thread is concerned (s).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct FrameTimes {
     /// Steps of the crowd.
@@ -97,11 +98,11 @@ pub struct Model {
     pub document: Document,
     /// What is remembered from run to run.
     pub settings: Settings,
-    /// What is looked at.
+    /// What is selected.
     pub selection: Selection,
     /// What the 3-D view shows of a bundle.
     pub stage: Stage,
-    /// The play head of the clip that is shown.
+    /// The play head of the clip shown.
     pub player: ClipPlayer,
     /// What was said.
     pub messages: Vec<Message>,
@@ -120,9 +121,9 @@ pub struct Model {
     num_messages: u64,
     /// Side panel that was open before a motion file was.
     panel_of_bundles: Option<PanelKind>,
-    /// Who was followed by the camera in the last frame, and where that was.
+    /// Whom the camera followed in the last frame, and its place.
     followed: Option<Followed>,
-    /// Cameras of the stages that were shown before, and whom they went with.
+    /// Cameras of the stages shown before, and whom they followed.
     views: Vec<(Stage, Camera, Option<Followed>)>,
     now_s: f64,
 }
@@ -138,7 +139,12 @@ impl Model {
         self.loader.path()
     }
 
-    /// Frames and rate of the clip that is shown. [Unit: frames, Hz]
+    /// What is built for the file that is being read; none if nothing is.
+    pub fn build_notice(&self) -> Option<String> {
+        self.loader.notice()
+    }
+
+    /// Frames and rate of the clip shown (frames, Hz).
     pub fn shown_clip(&self) -> Option<(u32, f32)> {
         match &self.document {
             Document::Clip(c) => Some((c.imported.clip.num_frames as u32, c.imported.clip.rate_hz as f32)),
@@ -159,18 +165,14 @@ impl Model {
     pub fn looked_at_state(&self) -> Option<u32> {
         let followed = || {
             let (_, run) = self.document.crowd()?;
-            Some(run.troupe().last_choice(self.selection.character?)?.state)
+            Some(run.characters().last_choice(self.selection.character?)?.state)
         };
         self.selection.state.or_else(followed)
     }
 
     /// True where something moves by itself, so that the next frame has to be shown soon.
     pub fn is_playing(&self) -> bool {
-        if self.shows_clip() {
-            return self.player.playing;
-        }
-        let in_world = self.document.world().is_some_and(|w| w.run().is_playing());
-        in_world || self.head().is_some_and(|h| h.is_playing()) || self.shown_crowd().is_some_and(|c| c.1.is_playing())
+        if self.shows_clip() { self.player.playing } else { self.head().is_some_and(|h| h.is_playing()) }
     }
 
     /// True where something is still to be worked off while time stands still, so that the next frame has to be shown
@@ -178,13 +180,15 @@ impl Model {
     pub fn is_busy(&self) -> bool {
         self.shown_crowd_scene().is_some_and(|c| c.run().is_busy())
             || self.document.world().is_some_and(|w| w.working().is_some())
+            || self.document.simulated().is_some_and(|s| s.restarting().is_some())
     }
 
-    /// Number of characters of the crowd or the world, or of members of a scene.
+    /// Number of characters of the crowd or the world, or of agents of a scene.
     pub fn num_characters(&self) -> usize {
         let in_world = self.document.world().map(|w| w.run().num_characters());
         let in_world = in_world.or_else(|| Some(self.document.walkers()?.run().num_characters()));
         let in_world = in_world.or_else(|| Some(self.document.crowd_scene()?.run().cast().groups.len()));
+        let in_world = in_world.or_else(|| Some(self.document.simulated()?.run().simulation().num_characters()));
         in_world.or_else(|| Some(self.document.crowd()?.1.config().characters)).unwrap_or(0)
     }
 
@@ -213,38 +217,23 @@ impl Model {
         self.take_in();
         self.look_for_changes(ctx);
         self.take_in_world(false);
+        self.take_in_scene(false);
         self.times.steps = 0;
         if self.shows_clip() {
             self.advance_clip(wall_s);
         } else if self.document.crowd_scene().is_some() {
             self.times.steps = self.advance_crowd(wall_s);
-        } else if self.head().is_some() {
-            self.times.steps = self.advance_played(wall_s);
-        } else if let Some((bundle, run)) = self.document.crowd_mut() {
-            match run.advance(bundle, wall_s) {
-                Ok(steps) => self.times.steps = steps,
-                Err(e) => {
-                    run.play(false);
-                    self.complain(format!("The run stopped: {e}"));
-                }
-            }
-        } else if let Some(world) = self.document.world_mut() {
-            match world.advance(wall_s) {
-                Ok(steps) => self.times.steps = steps,
-                Err(e) => {
-                    world.run_mut().play(false);
-                    self.complain(format!("The world stopped: {e}"));
-                }
-            }
+        } else {
+            self.times.steps = self.advance_run(wall_s);
         }
         self.follow();
     }
 
-    /// Lets the camera go with who is looked at: always with the one character of a clip or a blend, with one of many
-    /// where that is wanted.
+    /// Moves the camera with the selected character: always with the one of a clip or a blend, with one of many
+    /// if that is switched on.
     fn follow(&mut self) {
         let always = self.shows_clip() || self.shows_blend();
-        let place = if always || self.settings.follow { crate::stage::followed(self) } else { None };
+        let place = if always || self.settings.follow { self.place_followed() } else { None };
         let Some(at) = place else {
             self.followed = None;
             return;
@@ -258,7 +247,7 @@ impl Model {
         }
     }
 
-    /// What tells one who is followed from another.
+    /// Identity of whom the camera follows.
     fn who_is_followed(&self) -> Who {
         (self.shown_stage(), self.selection.character, self.selection.clip)
     }

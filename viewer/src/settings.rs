@@ -1,6 +1,5 @@
 //! What the viewer remembers from run to run.
 
-use crate::panels::PanelKind;
 use crate::render::{Body, Camera};
 use crate::run::RunConfig;
 use eframe::egui::ThemePreference;
@@ -12,6 +11,50 @@ const MAX_RECENT: usize = 8;
 
 /// Bodies, with what they are called.
 pub const BODIES: [(Body, &str); 2] = [(Body::Capsules, "capsules"), (Body::Mannequin, "mannequin")];
+
+/// Which panel.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum PanelKind {
+    /// How the crowd is driven.
+    Control,
+    /// What was measured.
+    Statistics,
+    /// Clips, and a timeline of one of them.
+    Database,
+    /// What import found in a motion file, and what a bundle was made of.
+    Report,
+    /// States and actions.
+    Graph,
+    /// Values and choices.
+    Policy,
+    /// Effective hits.
+    Hits,
+    /// Worlds of motion patches.
+    Patches,
+    /// Blend spaces.
+    Blend,
+    /// Scenes of crowds.
+    Crowd,
+}
+
+/// Where a panel lies.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Dock {
+    /// Right of the 3-D view.
+    Side,
+    /// Below it.
+    Bottom,
+}
+
+impl PanelKind {
+    /// Where it lies.
+    pub fn dock(self) -> Dock {
+        match self {
+            Self::Graph | Self::Database | Self::Hits => Dock::Bottom,
+            _ => Dock::Side,
+        }
+    }
+}
 
 /// Cues drawn in the 3-D view beside bodies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -29,9 +72,9 @@ pub struct Overlays {
     pub targets: bool,
     /// Values of the policy's cells around the selected character.
     pub values: bool,
-    /// Cues of everybody, not only of the selected character.
+    /// Cues of all characters, not only of the selected one.
     pub of_all: bool,
-    /// Poses before and after the one that is shown, in the clip view.
+    /// Poses before and after the one shown, in the clip view.
     pub onion_skin: bool,
 }
 
@@ -53,7 +96,7 @@ impl Default for Overlays {
 /// What the colours of characters tell.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Colouring {
-    /// Who has reached its target.
+    /// Whether the target is reached.
     #[default]
     Target,
     /// Which clip is played.
@@ -94,7 +137,7 @@ impl RawView {
 pub struct Settings {
     /// Dark, light, or as the system.
     pub theme: ThemePreference,
-    /// Scale of everything in the window. [Limit: 0.5 to 3]
+    /// Scale of everything in the window (0.5 to 3).
     pub zoom: f32,
     /// Body of the characters.
     pub body: Body,
@@ -144,6 +187,22 @@ impl Settings {
         self.camera.limit();
         self.run = self.run.limited();
         self
+    }
+
+    /// The panel that is open in a dock.
+    pub fn panel(&self, dock: Dock) -> Option<PanelKind> {
+        match dock {
+            Dock::Side => self.side_panel,
+            Dock::Bottom => self.bottom_panel,
+        }
+    }
+
+    /// The same, to be changed.
+    pub fn panel_mut(&mut self, dock: Dock) -> &mut Option<PanelKind> {
+        match dock {
+            Dock::Side => &mut self.side_panel,
+            Dock::Bottom => &mut self.bottom_panel,
+        }
     }
 
     /// Puts a file at the head of those opened last.

@@ -1,4 +1,9 @@
-//! Colours of text in both themes: those that come with the toolkit are too faint to be read at length.
+//! Colours in both themes: of text, for that of the toolkit is too faint, of what panels paint, and of numbers.
+
+mod palette;
+pub mod viridis;
+
+pub use palette::Palette;
 
 use eframe::egui::{Color32, Context, Theme};
 
@@ -22,7 +27,6 @@ pub fn prepare(ctx: &Context) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::panels::paint::Palette;
     use eframe::egui::Rgba;
 
     /// Contrast ratio of the Web Content Accessibility Guidelines 2, section 1.4.3.

@@ -4,26 +4,26 @@ use glam::{Vec2, Vec3};
 use std::f32::consts::{PI, TAU};
 use throng_runtime::policy::{PolicyTable, RegionRecord, TargetGrid};
 
-/// Longest piece of an arc that is drawn straight. [Unit: rad]
+/// Longest piece of an arc that is drawn straight (rad).
 const ARC: f32 = TAU / 90.0;
-/// Bounds beyond this are none. [Unit: m]
+/// Bounds beyond this are none (m).
 const NO_BOUND: f32 = 1e3;
 
 /// A part of a ring, between two heights.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Volume {
-    /// Middle of the ring, as seen from the planar root. [Unit: m]
+    /// Middle of the ring, as seen from the planar root (m).
     pub centre: Vec3,
-    /// [Unit: m]
+    /// (m)
     pub distance: [f32; 2],
-    /// From straight ahead to the left. [Unit: rad]
+    /// From straight ahead to the left (rad).
     pub angle: [f32; 2],
-    /// [Unit: m]
+    /// (m)
     pub height: [f32; 2],
 }
 
 impl Volume {
-    /// Where a behaviour is active; none where it has no bounds over ground. One without bounds of height reaches from
+    /// Where a behaviour is active; none if it has no bounds over ground. One without bounds of height reaches from
     /// the ground to above the head.
     pub fn of_region(region: &RegionRecord) -> Option<Self> {
         let bounded = region.distance[1] < NO_BOUND;
@@ -32,14 +32,14 @@ impl Volume {
     }
 
     /// What the cells of a grid with heights cover, from centre to centre.
-    pub fn of_grid(policy: &PolicyTable<'_>) -> Self {
+    pub fn of_grid(policy: &PolicyTable) -> Self {
         let grid: &TargetGrid = policy.grid();
         let (first, last) = (grid.cell_coordinates(0), grid.cell_coordinates(grid.num_cells() - 1));
         let angle = [first.x, last.x];
         Self { centre: policy.centre(), distance: [first.y, last.y], angle, height: [first.z, last.z] }
     }
 
-    /// Its outline over ground: to the left and ahead. One that goes all around is a circle. [Unit: m]
+    /// Its outline over ground: to the left and ahead. A full turn is a circle (m).
     pub fn over_ground(&self) -> Vec<Vec2> {
         let [near, far] = self.distance;
         if self.angle[1] - self.angle[0] > TAU - 0.01 {

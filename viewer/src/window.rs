@@ -12,7 +12,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Under this name the settings are kept between runs.
 const APP_ID: &str = "throng-viewer";
-/// The window is at least as large. [Unit: points]
+/// The window is at least as large (points).
 const MIN_SIZE: [f32; 2] = [640.0, 400.0];
 /// Below every message that says why there is no window.
 const WAY_OUT: &str = "`throng-viewer FILE --png OUT` draws a picture without one";

@@ -10,8 +10,9 @@ use glam::Vec3;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use throng_viewer::command::Command;
-use throng_viewer::panels::{Dock, PANELS, PanelKind};
+use throng_viewer::panels::PANELS;
 use throng_viewer::run::Run;
+use throng_viewer::settings::PanelKind;
 
 /// A file as the window system drops it.
 #[derive(Debug)]
@@ -33,7 +34,7 @@ fn run(v: &Viewing) -> &Run {
 
 /// All poses as bits.
 fn poses(v: &Viewing) -> Vec<u32> {
-    let matrices = run(v).troupe().model_matrices();
+    let matrices = run(v).characters().model_matrices();
     bytemuck::cast_slice::<_, f32>(matrices).iter().map(|f| f.to_bits()).collect()
 }
 
@@ -79,7 +80,7 @@ fn a_run_that_is_scrubbed_back_shows_the_same_step_again() {
     v.harness.run_steps(40);
     v.harness.get_by_label("Pause").click();
     v.harness.run_steps(2);
-    assert!(!run(&v).is_playing());
+    assert!(!run(&v).head.is_playing());
     let (step, seen) = (run(&v).now(), poses(&v));
     assert!(step >= 30, "step {step}");
 
@@ -95,7 +96,7 @@ fn a_run_that_is_scrubbed_back_shows_the_same_step_again() {
     let at = |ratio: f32| pos2(line.left() + ratio * line.width(), line.center().y);
     drag(&mut v, at(1.0) - egui::vec2(6.0, 0.0), at(0.5 * (step + last) as f32 / last as f32));
     let now = run(&v).now();
-    assert!((step..last - 5).contains(&now) && !run(&v).is_playing(), "step {now} of {last} is shown");
+    assert!((step..last - 5).contains(&now) && !run(&v).head.is_playing(), "step {now} of {last} is shown");
     let (_, seen) = shown.iter().find(|s| s.0 == now).expect("every step was shown");
     assert!(poses(&v) == *seen, "step {now} is another one after scrubbing back");
 
@@ -127,7 +128,7 @@ fn a_target_dragged_in_the_view_is_walked_to() {
     assert_eq!(v.model().settings.camera, camera, "the camera moved instead");
 
     let far = |v: &Viewing| {
-        let root = run(v).troupe().root(0);
+        let root = run(v).characters().root(0);
         (Vec3::new(root.x, 0.0, root.z) - target.with_y(0.0)).length()
     };
     let before = far(&v);
@@ -155,10 +156,7 @@ impl IntoGlam for egui::Vec2 {
 fn every_panel_opens_and_closes_by_its_key() {
     let mut v = Viewing::of(&golden());
     for panel in PANELS {
-        let open = |v: &Viewing| match panel.dock {
-            Dock::Side => v.model().settings.side_panel == Some(panel.kind),
-            Dock::Bottom => v.model().settings.bottom_panel == Some(panel.kind),
-        };
+        let open = |v: &Viewing| v.model().settings.panel(panel.kind.dock()) == Some(panel.kind);
         let was_open = open(&v);
         v.harness.key_press(panel.key);
         v.harness.run_steps(3);
@@ -184,14 +182,14 @@ fn the_list_of_keys_is_shown_and_closed() {
 }
 
 #[test]
-fn a_broken_file_that_is_dropped_is_refused_and_the_old_bundle_kept() {
+fn a_dropped_broken_file_is_refused_and_the_open_bundle_stays() {
     let mut v = Viewing::of(&golden());
     let folder = tempfile::tempdir().expect("a folder");
     let broken = folder.path().join("broken.throng");
     std::fs::write(&broken, "no tables").expect("a file");
     drop_file(&mut v, &broken);
     v.until("a message about the broken file", |v| has_message(v, "broken.throng"));
-    assert!(has_message(&v, "What was open is kept"));
+    assert!(has_message(&v, "The open file stays open"));
     assert_eq!(v.model().document.path(), Some(golden().as_path()));
     v.harness.run_steps(3);
     // The panel at the right has such a button, too.
@@ -226,16 +224,16 @@ fn a_file_that_changes_on_disk_is_read_again_unless_it_is_broken() {
     let mut v = Viewing::of(&path);
     v.harness.run_steps(20);
     std::fs::write(&path, "no tables").expect("written over");
-    v.until("a message about the broken version", |v| has_message(v, "What was open is kept"));
+    v.until("a message about the broken version", |v| has_message(v, "The open file stays open"));
     assert!(run(&v).now() > 0, "the old run is gone");
     std::fs::copy(golden(), &path).expect("written over");
-    v.until("the good version", |v| has_message(v, "was read again"));
+    v.until("the good version", |v| has_message(v, "was reloaded"));
     assert_eq!(v.model().document.path(), Some(path.as_path()));
     assert!(v.model().document.crowd().is_some());
 }
 
 #[test]
-fn a_scene_that_is_dropped_is_run_recorded_and_counted() {
+fn a_dropped_scene_runs_and_counts_its_blows() {
     let boxing = Boxing::new();
     let mut v = Viewing::empty();
     drop_file(&mut v, &boxing.pairs(4));
@@ -257,9 +255,9 @@ fn a_scene_that_is_dropped_is_run_recorded_and_counted() {
 
     let changed = throng_precompute::scene::Scene { characters: 8, ..run(&v).scene().expect("a scene").clone() };
     v.apply(Command::ConfigureScene(Box::new(changed)));
-    assert_eq!(run(&v).troupe().num_characters(), 8);
+    assert_eq!(run(&v).characters().num_characters(), 8);
     v.apply(Command::Restart);
-    assert_eq!((run(&v).troupe().num_characters(), run(&v).now()), (8, 0));
+    assert_eq!((run(&v).characters().num_characters(), run(&v).now()), (8, 0));
 }
 
 #[test]

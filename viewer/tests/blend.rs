@@ -8,8 +8,8 @@ use eframe::egui::{self, Key, Modifiers, PointerButton, Pos2, pos2};
 use egui_kittest::kittest::Queryable;
 use throng_runtime::NUM_JOINTS;
 use throng_viewer::command::{Command, Stage};
-use throng_viewer::panels::PanelKind;
 use throng_viewer::run::{BlendRun, Blending};
+use throng_viewer::settings::PanelKind;
 
 fn run(v: &Viewing) -> &BlendRun {
     v.model().document.blend().expect("somebody who walks").1
@@ -49,7 +49,7 @@ fn has_no_errors(v: &Viewing) -> bool {
 }
 
 #[test]
-fn a_bundle_of_blend_spaces_alone_opens_with_somebody_who_walks_where_the_point_is_dragged() {
+fn a_bundle_with_blend_spaces_only_opens_with_a_character_that_follows_the_point() {
     let paces = Paces::new();
     let mut v = Viewing::of(&paces.bundle());
     v.harness.run_steps(5);
@@ -77,7 +77,7 @@ fn a_bundle_of_blend_spaces_alone_opens_with_somebody_who_walks_where_the_point_
 }
 
 #[test]
-fn a_walk_is_stopped_rewound_and_blended_anew_at_one_moment() {
+fn a_stopped_walk_rewinds_and_shows_another_blend_at_the_same_time() {
     let paces = Paces::new();
     let mut v = Viewing::of(&paces.bundle());
     v.harness.run_steps(60);
@@ -113,7 +113,7 @@ fn a_walk_is_stopped_rewound_and_blended_anew_at_one_moment() {
 }
 
 #[test]
-fn a_bundle_of_blend_spaces_that_is_read_again_keeps_the_point() {
+fn a_reloaded_bundle_of_blend_spaces_keeps_the_point() {
     let paces = Paces::new();
     let mut v = Viewing::of(&paces.bundle());
     v.harness.run_steps(3);
@@ -121,13 +121,13 @@ fn a_bundle_of_blend_spaces_that_is_read_again_keeps_the_point() {
     (wanted.point[0], wanted.size) = (0.9, 0.8);
     v.apply(Command::Blend(wanted));
     v.apply(Command::Reload);
-    v.until("the bundle again", |v| v.model().messages.iter().any(|m| m.text.contains("was read again")));
+    v.until("the bundle again", |v| v.model().messages.iter().any(|m| m.text.contains("was reloaded")));
     assert_eq!(blending(&v), wanted);
     assert!(v.model().is_playing());
 }
 
 #[test]
-fn a_scene_of_walkers_is_played_rewound_and_begun_anew() {
+fn a_scene_of_walkers_plays_rewinds_and_restarts() {
     let paces = Paces::new();
     let mut v = Viewing::of(&paces.scene(9, 0.0));
     v.harness.run_steps(80);

@@ -8,11 +8,11 @@ use eframe::egui::{self, Key, Modifiers, PointerButton, Pos2, vec2};
 use egui_kittest::kittest::Queryable;
 use glam::Vec2;
 use throng_viewer::args::{Args, Character, PanelChoice, Size};
-use throng_viewer::command::Command;
+use throng_viewer::command::{Command, CrowdCommand};
 use throng_viewer::document::{CrowdChoice, CrowdDocument};
 use throng_viewer::headless::draw_picture;
-use throng_viewer::model::crowd::CrowdCommand;
-use throng_viewer::panels::{PANELS, PanelKind};
+use throng_viewer::panels::PANELS;
+use throng_viewer::settings::PanelKind;
 
 fn crowd(v: &Viewing) -> &CrowdDocument {
     v.model().document.crowd_scene().expect("a scene of a crowd")
@@ -26,10 +26,10 @@ fn has_no_errors(v: &Viewing) -> bool {
     v.model().messages.iter().all(|m| !m.is_error)
 }
 
-/// Where a member is on the screen.
-fn on_screen(v: &Viewing, member: usize) -> Pos2 {
+/// Where an agent is on the screen.
+fn on_screen(v: &Viewing, agent: usize) -> Pos2 {
     let rect = v.harness.get_by_label("3-D view").rect();
-    let at = crowd(v).run().moment().members[member].expect("it is there").at;
+    let at = crowd(v).run().moment().agents[agent].expect("it is there").at;
     let at = v.model().settings.camera.project(at, Vec2::new(rect.width(), rect.height())).expect("in view");
     rect.min + vec2(at.x, at.y)
 }
@@ -59,13 +59,13 @@ fn a_scene_opens_plays_and_is_paused_stepped_and_rewound() {
     v.harness.run_steps(5);
     assert_eq!(now(&v), last);
 
-    // A click on a member selects it, and its forces are told.
+    // A click on an agent selects it, and its forces are told.
     let at = on_screen(&v, 7);
     click(&mut v, at);
     assert_eq!(v.model().selection.character, Some(7));
     v.harness.run_steps(2);
     v.harness.get_by_label("driving");
-    assert_eq!(crowd(&v).run().moment().details.as_ref().map(|d| d.member), Some(7));
+    assert_eq!(crowd(&v).run().moment().details.as_ref().map(|d| d.agent), Some(7));
 
     v.harness.key_press(Key::ArrowRight);
     v.harness.run_steps(3);
@@ -74,7 +74,7 @@ fn a_scene_opens_plays_and_is_paused_stepped_and_rewound() {
     v.harness.run_steps(3);
     assert_eq!(now(&v), last + 2);
     v.apply(Command::Seek(last));
-    assert!(crowd(&v).run().moment().members == seen.members);
+    assert!(crowd(&v).run().moment().agents == seen.agents);
     v.apply(Command::Step(-20));
     v.harness.run_steps(2);
     assert_eq!(now(&v), last - 20);
@@ -90,7 +90,7 @@ fn a_scene_opens_plays_and_is_paused_stepped_and_rewound() {
 }
 
 #[test]
-fn a_scene_is_begun_anew_with_other_numbers_and_kept() {
+fn a_scene_restarts_with_other_numbers_and_is_saved() {
     let meeting = Meeting::new();
     let mut v = Viewing::of(&meeting.scene(12));
     v.until("half a second", |v| now(v) >= 30);
@@ -100,9 +100,9 @@ fn a_scene_is_begun_anew_with_other_numbers_and_kept() {
     v.apply(Command::Crowd(CrowdCommand::Save(file.clone())));
     let (hash, time_s) = (crowd(&v).run().state_hash(), crowd(&v).run().moment().time_s);
 
-    let choice = CrowdChoice { members: 10, ..crowd(&v).choice() };
+    let choice = CrowdChoice { agents: 10, ..crowd(&v).choice() };
     v.apply(Command::Crowd(CrowdCommand::Begin(choice)));
-    v.until("ten members", |v| v.model().num_characters() == 10);
+    v.until("ten agents", |v| v.model().num_characters() == 10);
     assert_eq!((v.model().selection.character, now(&v), v.model().is_playing()), (None, 0, false));
     v.apply(Command::Crowd(CrowdCommand::Restore(file)));
     v.until("those of before", |v| v.model().num_characters() == 24);
@@ -118,9 +118,9 @@ fn a_scene_is_begun_anew_with_other_numbers_and_kept() {
         v.harness.run_steps(2);
     }
     assert!(has_no_errors(&v), "{:?}", v.model().messages);
-    let impossible = CrowdChoice { members: 1, ..choice };
+    let impossible = CrowdChoice { agents: 1, ..choice };
     v.apply(Command::Crowd(CrowdCommand::Begin(impossible)));
-    assert!(v.model().messages.iter().any(|m| m.is_error && m.text.contains("goes on as it was")));
+    assert!(v.model().messages.iter().any(|m| m.is_error && m.text.contains("is unchanged")));
     assert_eq!(v.model().num_characters(), 24);
 }
 
@@ -146,5 +146,5 @@ fn scenes_are_drawn_the_same_every_time() {
     let read = |path| std::fs::read(path).expect("a picture");
     assert!(read(&a) == read(&b), "two pictures differ");
     draw_picture(&Args { characters: Some(10), ..args }, &b).expect("a picture");
-    assert!(read(&a) != read(&b), "the number of members changes nothing");
+    assert!(read(&a) != read(&b), "the number of agents changes nothing");
 }

@@ -80,7 +80,7 @@ fn a_bundle_and_a_motion_file_are_drawn_the_same_every_time() {
 }
 
 #[test]
-fn what_is_asked_for_changes_the_picture() {
+fn arguments_change_the_picture() {
     if adapter().is_none() {
         return;
     }

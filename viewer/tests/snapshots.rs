@@ -15,16 +15,15 @@ use egui_kittest::kittest::Queryable;
 use egui_kittest::{SnapshotOptions, SnapshotResults};
 use throng_runtime::patch::Placement;
 use throng_viewer::args::{Args, Character, PanelChoice, ThemeName};
-use throng_viewer::command::Command;
+use throng_viewer::command::{Command, CrowdCommand, CrowdLook, Tool, Whose, WorldCommand};
 use throng_viewer::document::world::Change;
-use throng_viewer::model::crowd::{CrowdCommand, CrowdLook, Whose};
-use throng_viewer::model::world::{Tool, WorldCommand};
-use throng_viewer::panels::{Dock, PANELS, PanelKind};
+use throng_viewer::panels::PANELS;
 use throng_viewer::run::{Beside, Blending};
+use throng_viewer::settings::{Dock, PanelKind};
 
-/// Size of a picture of a panel. [Unit: points]
+/// Size of a picture of a panel (points).
 const SIZE: egui::Vec2 = vec2(560.0, 380.0);
-/// Size of a picture of the 3-D view. [Unit: points]
+/// Size of a picture of the 3-D view (points).
 const VIEW_SIZE: egui::Vec2 = vec2(420.0, 260.0);
 /// Step of the run that is shown.
 const STEP: u32 = 60;
@@ -69,13 +68,7 @@ fn rest(v: Viewing) -> Viewing {
 /// The same, at another step.
 fn rest_at(mut v: Viewing, step: u32) -> Viewing {
     if !v.model().shows_clip() {
-        let now = |v: &Viewing| {
-            let document = &v.model().document;
-            let on_reel = v.model().head().map(|h| h.now());
-            let of_crowd = || Some(document.crowd()?.1.now());
-            on_reel.or_else(of_crowd).or_else(|| Some(document.world()?.run().now()))
-        };
-        v.until("the step", |v| now(v).is_some_and(|now| now >= step));
+        v.until("the step", |v| v.model().head().is_some_and(|h| h.now() >= step));
         v.apply(Command::Seek(step));
     }
     v.apply(Command::Play(false));
@@ -140,7 +133,7 @@ fn every_panel() {
     let mut results = SnapshotResults::new();
     for panel in PANELS.iter().filter(|p| p.kind != PanelKind::Hits) {
         let args = Args { panel: vec![PanelChoice::Open(panel.kind)], ..crowd() };
-        let size = if panel.dock == Dock::Side { SIZE } else { vec2(800.0, 560.0) };
+        let size = if panel.kind.dock() == Dock::Side { SIZE } else { vec2(800.0, 560.0) };
         let mut v = at_rest(&args, size);
         if panel.kind == PanelKind::Statistics {
             show_memory(&mut v);
@@ -165,7 +158,7 @@ fn world() {
     let field = v.harness.get_by_label("Save").rect();
     v.harness.mask(Rect::from_min_size(field.right_top(), vec2(500.0, field.height() + 4.0)));
     compare(&mut results, v, "panel_patches_world");
-    // What is refused is told beside the unit.
+    // A refusal is shown beside the unit.
     let light = Args { theme: Some(ThemeName::Light), character: Some(Character(None)), ..args };
     let mut v = at_rest(&light, vec2(1000.0, 640.0));
     v.apply(Command::World(WorldCommand::Tool(Tool::Move)));
@@ -228,7 +221,7 @@ fn scenes_of_crowds() {
     for (args, name) in [(people, "view_people"), (light, "view_people_light")] {
         compare(&mut results, rest_at(Viewing::new(&args, SIZE), MET), name);
     }
-    let all = CrowdLook { bounds: Whose::All, ways: Whose::All, ..CrowdLook::default() };
+    let all = CrowdLook { bounds: Whose::All, paths: Whose::All, ..CrowdLook::default() };
     let flock = Args { file: Some(meeting.flock(12)), ..alone.clone() };
     let light = Args { theme: Some(ThemeName::Light), ..alone.clone() };
     for (args, name) in [(alone, "view_meeting"), (light, "view_meeting_light"), (flock, "view_flock")] {

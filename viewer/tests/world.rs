@@ -9,10 +9,9 @@ use egui_kittest::kittest::Queryable;
 use glam::{Vec2, Vec3};
 use throng_runtime::world::inhabitants::Wish;
 use throng_viewer::args::{Args, Character, PanelChoice, Size};
-use throng_viewer::command::Command;
+use throng_viewer::command::{Command, Tool, WorldCommand};
 use throng_viewer::headless::draw_picture;
-use throng_viewer::model::world::{Tool, WorldCommand};
-use throng_viewer::panels::PanelKind;
+use throng_viewer::settings::PanelKind;
 
 /// The panel Patches beside the view.
 fn opened(file: &std::path::Path) -> Viewing {
@@ -57,7 +56,7 @@ fn tool(v: &mut Viewing, tool: Tool) {
 }
 
 #[test]
-fn units_are_created_dragged_turned_and_removed_and_characters_are_sent() {
+fn units_are_edited_and_characters_get_orders() {
     let square = Square::new();
     let mut v = opened(&square.world(3));
     let num_units = |v: &Viewing| v.model().document.world().expect("a world").placed().len();
@@ -123,7 +122,7 @@ fn units_are_created_dragged_turned_and_removed_and_characters_are_sent() {
     stitched(&mut v);
     assert_eq!(num_units(&v), 10);
 
-    // A panel that nobody can get to is refused, and said why.
+    // A panel that cannot be reached is refused with the reason.
     tool(&mut v, Tool::Look);
     let far = throng_runtime::patch::Placement::new(70.0, 0.0, 0.0, 0.0);
     let change = throng_viewer::document::world::Change::Add { unit: 0, at: far };

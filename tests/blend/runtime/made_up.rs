@@ -12,7 +12,7 @@ use throng_runtime::{Joint, Planar, Skeleton};
 /// Rows of the posture tables.
 pub const PHASES: usize = 32;
 
-/// Tables that a [`BlendSpace`] can be made of.
+/// Tables of one blend space.
 pub struct MadeUp {
     pub spaces: Vec<BlendRecord>,
     pub examples: Vec<ExampleRecord>,
@@ -21,22 +21,25 @@ pub struct MadeUp {
     pub channels: Vec<ChannelRow>,
 }
 
-/// How an example strides: left, ahead, turning. [Unit: m/s, rad/s]
+/// How an example strides: left, ahead, turning (m/s, rad/s).
 pub type Stride = [f32; 3];
 
 impl MadeUp {
-    pub fn view(&self) -> Blends<'_> {
+    pub fn view(&self) -> Blends {
         Blends {
-            spaces: &self.spaces,
-            examples: &self.examples,
-            weights: &self.weights,
-            references: &self.references,
-            channels: &self.channels,
+            spaces: (&self.spaces).into(),
+            examples: (&self.examples).into(),
+            weights: (&self.weights).into(),
+            references: (&self.references).into(),
+            channels: (&self.channels).into(),
+            names: vec!["made-up".into()],
+            skeleton: Skeleton::default(),
+            fingerprint: self.examples.len() as u64,
         }
     }
 
-    pub fn space(&self) -> BlendSpace<'_> {
-        BlendSpace::new(self.view(), 0).expect("a space")
+    pub fn space(&self) -> BlendSpace {
+        BlendSpace::new(&self.view(), 0).expect("a space")
     }
 
     /// Twenty examples over speed, side step and turning.
@@ -113,7 +116,7 @@ fn is_still(stride: &Stride) -> bool {
     stride.iter().all(|&v| v == 0.0)
 }
 
-/// Time of a cycle: quicker steps at higher speeds. [Unit: s]
+/// Time of a cycle: quicker steps at higher speeds (s).
 pub fn cycle_s(stride: &Stride) -> f32 {
     if is_still(stride) { 3.0 } else { 1.25 - 0.11 * stride[0].hypot(stride[1]) }
 }
@@ -142,7 +145,7 @@ fn stance(stride: &Stride) -> f32 {
 
 /// What a foot does at a phase of its own cycle, which begins with its strike.
 struct Foot {
-    /// Ankle in the facing frame, before the hips are taken away. [Unit: m]
+    /// Ankle in the facing frame, before the hips are taken away (m).
     ankle: Vec3,
     rotation: Quat,
     down: bool,
@@ -180,7 +183,7 @@ fn foot(stride: &Stride, side: f32, phase: f32) -> Foot {
     Foot { ankle: Vec3::new(at.x, height, at.y) + by, rotation, down: false }
 }
 
-/// Facing frame after a time. [Unit: s]
+/// Facing frame after a time (s).
 fn arc(stride: &Stride, t: f32) -> Planar {
     let [left, ahead, turning] = *stride;
     let steps = 64;

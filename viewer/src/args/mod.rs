@@ -9,7 +9,7 @@ use crate::render::Body;
 use std::path::PathBuf;
 use throng_precompute::scene::crowd::Engine;
 
-/// Frames that run before a picture, unless given. [Unit: 1/60 s]
+/// Frames that run before a picture, unless given (1/60 s).
 pub const PICTURE_FRAMES: u32 = 150;
 /// Frames that are measured of every crowd of `--bench`, unless given.
 pub const BENCH_FRAMES: u32 = 60;
@@ -112,7 +112,7 @@ pub struct Args {
     /// Seed of places, targets and choices.
     #[arg(long)]
     pub seed: Option<u64>,
-    /// What finds out when a member of a scene of a crowd has to act: events, occupancy or fixed.
+    /// What finds out when an agent of a scene of a crowd has to act: events, occupancy or fixed.
     #[arg(long, value_name = "NAME", value_parser = parse::engine, requires = "file")]
     pub engine: Option<Engine>,
 }

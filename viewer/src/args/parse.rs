@@ -1,21 +1,22 @@
 //! Values of arguments.
 
-use crate::panels::{PANELS, Panel, PanelKind};
+use crate::panels::{PANELS, Panel};
 use crate::render::{Body, Camera, CameraParseError};
 use crate::run::MAX_CHARACTERS;
+use crate::settings::PanelKind;
 use eframe::egui::ThemePreference;
 use std::str::FromStr;
 use throng_precompute::scene::crowd::Engine;
 
-/// Sides that a picture may have. [Unit: pixels]
+/// Sides that a picture may have (pixels).
 const SIDES: std::ops::RangeInclusive<u32> = 16..=8192;
 
-/// Size of a picture or a window. [Unit: pixels]
+/// Size of a picture or a window (pixels).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Size {
-    /// From left to right. [Limit: 16 to 8192]
+    /// From left to right (16 to 8192).
     pub width: u32,
-    /// From top to bottom. [Limit: 16 to 8192]
+    /// From top to bottom (16 to 8192).
     pub height: u32,
 }
 
@@ -60,7 +61,7 @@ pub enum StageName {
     Crowd,
     /// A clip of the database.
     Clip,
-    /// Somebody who walks in a blend space.
+    /// A character walking in a blend space.
     Blend,
 }
 

@@ -1,14 +1,26 @@
 //! What the arguments make of settings and model.
 
 use super::{Args, PanelChoice};
-use crate::command::{Command, Stage};
-use crate::document::{CrowdChoice, Document};
+use crate::command::{Command, Stage, WorldCommand};
+use crate::document::{CrowdChoice, Document, SceneChoice};
 use crate::model::Model;
-use crate::model::world::WorldCommand;
-use crate::panels::Dock;
 use crate::settings::Settings;
 use eframe::egui;
+use throng_precompute::progress::Progress;
 use throng_precompute::scene::SceneKind;
+
+/// Prints the stages of a build, on standard error.
+struct StageNames;
+
+impl Progress for StageNames {
+    fn begin(&self, stage: &'static str, _total: u64, _unit: &'static str) {
+        eprintln!("building a bundle: {stage}");
+    }
+
+    fn advance(&self, _done: u64) {}
+
+    fn end(&self) {}
+}
 
 /// Names that a message lists.
 const MAX_NAMES: usize = 8;
@@ -37,11 +49,7 @@ impl Args {
         }
         for choice in &self.panel {
             let PanelChoice::Open(kind) = *choice else { continue };
-            match kind.panel().map(|p| p.dock) {
-                Some(Dock::Side) => s.side_panel = Some(kind),
-                Some(Dock::Bottom) => s.bottom_panel = Some(kind),
-                None => {}
-            }
+            *s.panel_mut(kind.dock()) = Some(kind);
         }
         s
     }
@@ -52,7 +60,7 @@ impl Args {
     /// A message that names what is wrong and the way out.
     pub fn open(&self, ctx: &egui::Context, model: &mut Model) -> Result<(), String> {
         let Some(file) = &self.file else { return Ok(()) };
-        model.open_now(file)?;
+        model.open_now(file, &StageNames)?;
         self.change_scene(ctx, model)?;
         if let Some(stage) = self.stage {
             self.check_stage(stage.into(), model)?;
@@ -94,6 +102,12 @@ impl Args {
                 "--engine {name}: engines are for scenes of crowds, such as data/scenes/corridor.toml"
             ));
         }
+        if let Some(scene) = model.document.simulated() {
+            let old = scene.choice();
+            let (characters, seed) = (self.characters.unwrap_or(old.characters), self.seed.unwrap_or(old.seed));
+            let choice = SceneChoice { characters, seed };
+            return if choice == old { Ok(()) } else { model.restart_scene_now(choice) };
+        }
         if let Some(world) = model.document.world() {
             let (old, more) = (world.scene(), self.characters.is_some() || self.seed.is_some());
             let (characters, seed) = (self.characters.unwrap_or(old.characters), self.seed.unwrap_or(old.seed));
@@ -112,8 +126,8 @@ impl Args {
         }
         if let Some(crowd) = model.document.crowd_scene() {
             let old = crowd.choice();
-            let (members, seed) = (self.characters.unwrap_or(old.members), self.seed.unwrap_or(old.seed));
-            let choice = CrowdChoice { engine: self.engine.unwrap_or(old.engine), members, seed };
+            let (agents, seed) = (self.characters.unwrap_or(old.agents), self.seed.unwrap_or(old.seed));
+            let choice = CrowdChoice { engine: self.engine.unwrap_or(old.engine), agents, seed };
             return if choice == old { Ok(()) } else { model.begin_crowd_now(choice) };
         }
         let Some(file) = model.document.scene() else { return Ok(()) };
@@ -141,7 +155,7 @@ impl Args {
                 Err("--stage blend: there is no blend space; open a bundle that was built with `blend`".into())
             }
             (Document::Clip(_), Stage::Crowd) => {
-                Err("--stage crowd: a motion file holds no crowd; open a bundle, or leave --stage away".into())
+                Err("--stage crowd: a motion file holds no crowd; open a bundle, or leave out --stage".into())
             }
             _ => Ok(()),
         }
@@ -151,7 +165,7 @@ impl Args {
 /// Number of the clip of this name, or of the only one whose name has it as a part.
 fn find_clip(model: &Model, wanted: &str) -> Result<usize, String> {
     let Some(bundle) = model.document.bundle() else {
-        return Err(format!("--clip {wanted}: a motion file is one clip; open a bundle, or leave --clip away"));
+        return Err(format!("--clip {wanted}: a motion file is one clip; open a bundle, or leave out --clip"));
     };
     let names: Vec<&str> = bundle.clips().map(|c| c.1.name.as_str()).collect();
     if let Some(exact) = names.iter().position(|n| *n == wanted) {
@@ -165,7 +179,7 @@ fn find_clip(model: &Model, wanted: &str) -> Result<usize, String> {
         _ => {
             let like: Vec<&str> = like.iter().map(|&c| names[c]).collect();
             Err(format!(
-                "--clip {wanted}: {} clips have that in their names; say which: {}",
+                "--clip {wanted}: {} clips have that in their names; choose one of: {}",
                 like.len(),
                 some_of(&like)
             ))
@@ -207,8 +221,8 @@ fn check_character(model: &Model, wanted: usize) -> Result<(), String> {
 mod tests {
     use super::*;
     use crate::args::{Character, StageName};
-    use crate::panels::PanelKind;
-    use crate::panels::tests::golden_path as golden;
+    use crate::fixtures::golden_path as golden;
+    use crate::settings::PanelKind;
     use throng_precompute::scene::crowd::Engine;
     use throng_precompute::synth::{SynthConfig, SynthSet};
 
@@ -240,7 +254,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_not_there_is_named_with_the_way_out() {
+    fn absent_things_are_named_with_the_way_out() {
         let file = Some(golden());
         for (args, say) in [
             (Args { file: Some("no.throng".into()), ..Args::default() }, "no.throng"),

@@ -1,5 +1,6 @@
 //! A raw motion file: the source's own joints, and what a build would make of it.
 
+use glam::Vec3;
 use std::path::{Path, PathBuf};
 use throng_precompute::ClipSet;
 use throng_precompute::import::{ImportConfig, Imported};
@@ -33,7 +34,20 @@ impl RawMotion {
         &self.path
     }
 
-    /// Length. [Unit: s]
+    /// Frame of the clip of a build at a frame of the source.
+    pub fn clip_frame(&self, source_frame: f32) -> usize {
+        let Some(clip) = self.clips.clips.first() else { return 0 };
+        let seconds = f64::from(source_frame) / self.imported.clip.rate_hz;
+        ((seconds * clip.rate_hz).round() as usize).min(clip.num_frames().saturating_sub(1))
+    }
+
+    /// Where the body of a build stands at a frame of the source (m).
+    pub fn place(&self, source_frame: f32) -> Option<Vec3> {
+        let clip = self.clips.clips.first()?;
+        Some(clip.root_positions[self.clip_frame(source_frame)].with_y(0.0))
+    }
+
+    /// Length (s).
     pub fn duration_s(&self) -> f64 {
         self.report.duration_s
     }

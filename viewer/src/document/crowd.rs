@@ -1,17 +1,18 @@
 //! A scene of a crowd that acts at its own events, with the bundle of its bodies where it names one.
 
-use super::Bundle;
+use super::obstacles::meshes;
+use crate::bundle::OpenBundle;
 use crate::render::SolidMesh;
-use crate::run::members::CrowdRun;
-use crate::stage::members::meshes;
+use crate::run::agents::CrowdRun;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
 use throng_precompute::files::write_atomically;
+use throng_precompute::progress::Progress;
 use throng_precompute::scene::crowd::{CrowdScene, Engine};
 
-/// Most members that a run may be begun with from the viewer.
+/// Most agents that a run may be begun with from the viewer.
 pub const MAX_MEMBERS: usize = 100_000;
 /// First line of a file with a snapshot.
 const MAGIC: &str = "throng crowd snapshot 1";
@@ -20,10 +21,10 @@ const MAGIC: &str = "throng crowd snapshot 1";
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct CrowdChoice {
-    /// What finds out when somebody has to act.
+    /// The engine that schedules events.
     pub engine: Engine,
-    /// Number of members.
-    pub members: usize,
+    /// Number of agents.
+    pub agents: usize,
     /// Seed of places and variety.
     pub seed: u64,
 }
@@ -41,7 +42,7 @@ pub struct CrowdDocument {
     path: PathBuf,
     scene: CrowdScene,
     /// That of the bodies.
-    bundle: Option<Arc<Bundle>>,
+    bundle: Option<Arc<OpenBundle>>,
     choice: CrowdChoice,
     run: CrowdRun,
     meshes: Arc<[SolidMesh]>,
@@ -56,35 +57,25 @@ impl CrowdDocument {
         path.extension().is_some_and(|e| e.eq_ignore_ascii_case("toml")) && CrowdScene::is_one(path)
     }
 
-    /// Reads a scene and puts everybody where they start; where the bundle of its bodies is not there, as discs.
+    /// Reads a scene and puts all agents at their starts; builds the bundle of its bodies where that is missing.
     ///
     /// # Errors
     /// A message that names the file and key, the impossible start, or what is wrong with the bundle, and the way out.
-    pub fn open(path: &Path) -> Result<Self, String> {
+    pub fn open(path: &Path, progress: &dyn Progress) -> Result<Self, String> {
         let scene = CrowdScene::load(path).map_err(|e| e.to_string())?;
-        let choice = CrowdChoice { engine: scene.engine, members: scene.num_members(), seed: scene.seed };
-        let named = scene.bodies.as_ref().map(|b| b.bundle.as_path()).filter(|b| b.exists());
-        let bundle = named.map(Bundle::open).transpose();
-        let bundle = bundle.map_err(|e| format!("{}: its bundle: {e}", path.display()))?.map(Arc::new);
+        let choice = CrowdChoice { engine: scene.engine, agents: scene.num_agents(), seed: scene.seed };
+        let of_bodies = scene.bodies.as_ref();
+        let bundle =
+            of_bodies.map(|b| OpenBundle::open_or_build(path, &b.bundle, b.config.as_deref(), progress)).transpose()?;
+        let bundle = bundle.map(Arc::new);
         let run = CrowdRun::new(&scene, None, bundle.clone()).map_err(|e| format!("{}: {e}", path.display()))?;
         let meshes = meshes(run.cast());
         Ok(Self { path: path.to_path_buf(), scene, bundle, choice, run, meshes, beginning: None, runs: 0 })
     }
 
-    /// The bundle of the bodies; none where members are discs or balls.
-    pub fn bundle(&self) -> Option<&Bundle> {
+    /// The bundle of the bodies; none if agents are discs or balls.
+    pub fn bundle(&self) -> Option<&OpenBundle> {
         self.bundle.as_deref()
-    }
-
-    /// Why members are discs though the scene names bodies, and the way out.
-    pub fn lacks(&self) -> Option<String> {
-        let bodies = self.scene.bodies.as_ref().filter(|_| self.bundle.is_none())?;
-        let (file, bundle) = (self.path.display(), bodies.bundle.display());
-        let way_out = match &bodies.config {
-            Some(config) => format!("`throng build {} --out {bundle}` makes it", config.display()),
-            None => "build it, or correct the key `bodies.bundle`".into(),
-        };
-        Some(format!("{file}: everybody is a disc, for the bundle of the bodies {bundle} is not there; {way_out}"))
     }
 
     /// The file.
@@ -107,7 +98,7 @@ impl CrowdDocument {
         self.beginning.as_ref().map(|b| b.choice)
     }
 
-    /// Everybody now and before.
+    /// The recorded run.
     pub fn run(&self) -> &CrowdRun {
         &self.run
     }
@@ -122,12 +113,12 @@ impl CrowdDocument {
         &self.meshes
     }
 
-    /// Number of the run: another one where the crowd was begun anew.
+    /// Number of the run: it changes when the crowd restarts.
     pub fn num_runs(&self) -> u64 {
         self.runs
     }
 
-    /// Begins anew, on a thread of its own; [`CrowdDocument::take_in`] takes the run in when it is made. A new request
+    /// Restarts on a thread of its own; [`CrowdDocument::take_in`] takes the run in when it is made. A new request
     /// replaces an old one.
     ///
     /// - `kept`: a state to go on from.
@@ -141,12 +132,12 @@ impl CrowdDocument {
         kept: Option<Vec<u8>>,
         wake: impl FnOnce() + Send + 'static,
     ) -> Result<(), String> {
-        if !(1..=MAX_MEMBERS).contains(&choice.members) {
-            return Err(format!("expected 1 to {MAX_MEMBERS} members, found {}", choice.members));
+        if !(1..=MAX_MEMBERS).contains(&choice.agents) {
+            return Err(format!("expected 1 to {MAX_MEMBERS} agents, found {}", choice.agents));
         }
-        let mut scene = match choice.members == self.scene.num_members() {
+        let mut scene = match choice.agents == self.scene.num_agents() {
             true => self.scene.clone(),
-            false => self.scene.resized(choice.members),
+            false => self.scene.resized(choice.agents),
         };
         (scene.engine, scene.seed) = (choice.engine, choice.seed);
         scene.check(&self.path).map_err(|e| e.to_string())?;
@@ -155,7 +146,7 @@ impl CrowdDocument {
         let bundle = self.bundle.clone();
         std::thread::spawn(move || {
             let run = CrowdRun::new(&scene, kept.as_deref(), bundle).map_err(|e| e.to_string());
-            // Nobody listens where another one was asked for meanwhile.
+            // The receiver is gone if another one was asked for meanwhile.
             if send.send(run).is_ok() {
                 wake();
             }
@@ -177,7 +168,7 @@ impl CrowdDocument {
         };
         let made = match made {
             Err(TryRecvError::Empty) => return Ok(false),
-            Err(TryRecvError::Disconnected) => Err("beginning anew failed unexpectedly".to_owned()),
+            Err(TryRecvError::Disconnected) => Err("restarting failed unexpectedly".to_owned()),
             Ok(made) => made,
         };
         let choice = b.choice;
@@ -213,7 +204,7 @@ impl CrowdDocument {
         let bytes = std::fs::read(path).map_err(|e| format!("{name}: {e}"))?;
         let mut parts = bytes.splitn(3, |&b| b == b'\n');
         let (magic, choice, state) = (parts.next(), parts.next(), parts.next());
-        let wrong = || format!("{name}: this is no snapshot of a crowd; the panel Crowd writes some (Save)");
+        let wrong = || format!("{name}: this is not a snapshot of a crowd; the panel Crowd saves them");
         let (Some(choice), Some(state)) = (choice.filter(|_| magic == Some(MAGIC.as_bytes())), state) else {
             return Err(wrong());
         };
@@ -225,8 +216,9 @@ impl CrowdDocument {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::panels::tests::meeting::Meeting;
-    use crate::panels::tests::paces::Paces;
+    use crate::fixtures::meeting::Meeting;
+    use crate::fixtures::paces::Paces;
+    use throng_precompute::progress::Silent;
 
     fn step(document: &mut CrowdDocument, steps: u32) {
         document.run_mut().want(steps);
@@ -234,69 +226,68 @@ mod tests {
     }
 
     #[test]
-    fn a_scene_is_begun_anew_with_other_numbers() {
+    fn a_scene_restarts_with_other_numbers() {
         let meeting = Meeting::new();
-        let mut document = CrowdDocument::open(&meeting.scene(12)).unwrap();
+        let mut document = CrowdDocument::open(&meeting.scene(12), &Silent).unwrap();
         assert!(CrowdDocument::is_one(document.path()));
-        let choice = CrowdChoice { members: 8, seed: 5, ..document.choice() };
+        let choice = CrowdChoice { agents: 8, seed: 5, ..document.choice() };
         document.begin(choice, None, || {}).unwrap();
         assert_eq!((document.beginning(), document.run().cast().groups.len()), (Some(choice), 24));
         assert!(document.take_in(true).unwrap());
         assert_eq!((document.beginning(), document.run().cast().groups.len()), (None, 8));
         assert_eq!((document.choice(), document.num_runs()), (choice, 1));
-        for members in [0, MAX_MEMBERS + 1] {
-            let e = document.begin(CrowdChoice { members, ..choice }, None, || {}).unwrap_err();
+        for agents in [0, MAX_MEMBERS + 1] {
+            let e = document.begin(CrowdChoice { agents, ..choice }, None, || {}).unwrap_err();
             assert!(e.contains("1 to 100000"), "{e}");
         }
     }
 
     #[test]
-    fn a_state_that_was_written_goes_on_as_it_did() {
+    fn a_restored_state_continues_as_before() {
         let meeting = Meeting::new();
-        let mut document = CrowdDocument::open(&meeting.scene(12)).unwrap();
+        let mut document = CrowdDocument::open(&meeting.scene(12), &Silent).unwrap();
         let file = meeting.folder().join("a.crowd");
         step(&mut document, 90);
         document.save(&file).unwrap();
         step(&mut document, 60);
         let (hash, time_s) = (document.run().state_hash(), document.run().moment().time_s);
-        document.begin(CrowdChoice { members: 8, ..document.choice() }, None, || {}).unwrap();
+        document.begin(CrowdChoice { agents: 8, ..document.choice() }, None, || {}).unwrap();
         document.take_in(true).unwrap();
         document.restore(&file, || {}).unwrap();
         assert!(document.take_in(true).unwrap());
-        assert_eq!((document.choice().members, document.run().moment().time_s), (24, 1.5));
+        assert_eq!((document.choice().agents, document.run().moment().time_s), (24, 1.5));
         step(&mut document, 60);
         assert!((document.run().moment().time_s - time_s).abs() < 1e-9);
         assert_eq!(document.run().state_hash(), hash);
         std::fs::write(&file, "something else").unwrap();
         let e = document.restore(&file, || {}).unwrap_err();
-        assert!(e.contains("a.crowd") && e.contains("no snapshot"), "{e}");
+        assert!(e.contains("a.crowd") && e.contains("not a snapshot"), "{e}");
     }
 
     #[test]
-    fn without_the_bundle_of_its_bodies_everybody_is_a_disc() {
+    fn a_missing_bundle_of_bodies_is_built() {
         let paces = Paces::new();
         let path = paces.crowd(2);
-        let document = CrowdDocument::open(&path).unwrap();
-        assert!(document.bundle().is_some() && document.lacks().is_none());
-        assert!(document.run().moment().bodies.is_some());
-        std::fs::rename(paces.bundle(), paces.folder().join("elsewhere.throng")).unwrap();
-        let document = CrowdDocument::open(&path).unwrap();
-        assert!(document.bundle().is_none() && document.run().moment().bodies.is_none());
-        let why = document.lacks().unwrap();
-        assert!(why.contains("people.toml") && why.contains("throng build") && why.contains("paces.toml"), "{why}");
+        std::fs::remove_file(paces.bundle()).unwrap();
+        let document = CrowdDocument::open(&path, &Silent).unwrap();
+        assert!(paces.bundle().exists() && document.run().moment().bodies.is_some());
         std::fs::write(paces.bundle(), "no bundle").unwrap();
-        let e = CrowdDocument::open(&path).map(|_| ()).unwrap_err();
+        let e = CrowdDocument::open(&path, &Silent).map(|_| ()).unwrap_err();
         assert!(e.contains("people.toml") && e.contains("paces.throng"), "{e}");
+        std::fs::remove_file(paces.bundle()).unwrap();
+        std::fs::remove_file(paces.folder().join("paces.toml")).unwrap();
+        let e = CrowdDocument::open(&path, &Silent).map(|_| ()).unwrap_err();
+        assert!(e.contains("people.toml") && e.contains("paces.throng") && e.contains("paces.toml"), "{e}");
     }
 
     #[test]
-    fn what_is_impossible_is_named() {
+    fn impossible_scenes_are_refused_by_name() {
         let meeting = Meeting::new();
         let path = meeting.scene(12);
         let text = std::fs::read_to_string(&path).unwrap();
         for (from, to, say) in [("count = 12", "count = 0", "count"), ("[-9.0, -3.0]", "[-2.2, -3.0]", "overlap")] {
             std::fs::write(&path, text.replacen(from, to, 1)).unwrap();
-            let e = CrowdDocument::open(&path).map(|_| ()).unwrap_err();
+            let e = CrowdDocument::open(&path, &Silent).map(|_| ()).unwrap_err();
             assert!(e.contains("meeting") && e.contains(say), "{e}");
         }
     }

@@ -1,17 +1,21 @@
 //! Opens files away from the window's thread.
 
-use super::{Bundle, CrowdDocument, RawMotion, SceneFile, Stamp, WalkersDocument, WorldDocument};
+use super::notice::BuildNotice;
+use super::{CrowdDocument, RawMotion, SceneDocument, SceneFile, Stamp, WalkersDocument, WorldDocument};
+use crate::bundle::OpenBundle;
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
+use throng_precompute::progress::Progress;
 use throng_precompute::scene::Scene;
+use throng_runtime::simulation::Scene as GroupScene;
 
 /// A file as it was read.
 #[derive(Debug)]
 pub enum Opened {
     /// A bundle.
-    Bundle(Box<Bundle>),
+    Bundle(Box<OpenBundle>),
     /// A scene and its bundle.
-    Scene(Box<SceneFile>, Box<Bundle>),
+    Scene(Box<SceneFile>, Box<OpenBundle>),
     /// A motion file.
     Clip(Box<RawMotion>),
     /// A world of motion patches, or a scene in one.
@@ -20,25 +24,32 @@ pub enum Opened {
     Walkers(Box<WalkersDocument>),
     /// A scene of a crowd.
     CrowdScene(Box<CrowdDocument>),
+    /// A scene of groups.
+    Groups(Box<SceneDocument>),
 }
 
 impl Opened {
     /// Reads a file: `.bvh` and `.amc` as motion, `.toml` as a scene or a world, anything else as a bundle.
     ///
+    /// - `progress`: of building a bundle that is missing.
+    ///
     /// # Errors
     /// A message that names the file, what is wrong with it and the way out.
-    pub fn read(path: &Path) -> Result<Self, String> {
+    pub fn read(path: &Path, progress: &dyn Progress) -> Result<Self, String> {
+        if let Some(scene) = group_scene(path) {
+            return Ok(Self::Groups(Box::new(SceneDocument::open(path, scene?, progress)?)));
+        }
         let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase());
         match extension.as_deref() {
             Some("bvh" | "amc") => Ok(Self::Clip(Box::new(RawMotion::open(path)?))),
-            _ if WorldDocument::is_one(path) => Ok(Self::World(Box::new(WorldDocument::open(path)?))),
-            _ if WalkersDocument::is_one(path) => Ok(Self::Walkers(Box::new(WalkersDocument::open(path)?))),
-            _ if CrowdDocument::is_one(path) => Ok(Self::CrowdScene(Box::new(CrowdDocument::open(path)?))),
+            _ if WorldDocument::is_one(path) => Ok(Self::World(Box::new(WorldDocument::open(path, progress)?))),
+            _ if WalkersDocument::is_one(path) => Ok(Self::Walkers(Box::new(WalkersDocument::open(path, progress)?))),
+            _ if CrowdDocument::is_one(path) => Ok(Self::CrowdScene(Box::new(CrowdDocument::open(path, progress)?))),
             _ if Scene::is_scene(path) => {
-                let (scene, bundle) = SceneFile::open(path)?;
+                let (scene, bundle) = SceneFile::open(path, progress)?;
                 Ok(Self::Scene(Box::new(scene), Box::new(bundle)))
             }
-            _ => Ok(Self::Bundle(Box::new(Bundle::open(path)?))),
+            _ => Ok(Self::Bundle(Box::new(OpenBundle::open(path)?))),
         }
     }
 
@@ -48,9 +59,20 @@ impl Opened {
             Self::Scene(_, bundle) => Some(bundle.path()),
             Self::World(world) => Some(world.bundle().path()),
             Self::Walkers(walkers) => Some(walkers.bundle().path()),
-            Self::CrowdScene(crowd) => crowd.bundle().map(Bundle::path),
+            Self::CrowdScene(crowd) => crowd.bundle().map(OpenBundle::path),
+            Self::Groups(scene) => scene.bundle().map(OpenBundle::path),
             _ => None,
         }
+    }
+}
+
+/// The scene of a file that is one of groups; none of any other file.
+fn group_scene(path: &Path) -> Option<Result<GroupScene, String>> {
+    let is_toml = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("toml"));
+    match GroupScene::load(path).map_err(|e| e.to_string()) {
+        _ if !is_toml => None,
+        Ok(scene) => Some(Ok(scene)),
+        Err(why) => std::fs::read_to_string(path).is_ok_and(|t| t.contains("motion = ")).then_some(Err(why)),
     }
 }
 
@@ -68,7 +90,7 @@ pub struct Loaded {
 /// Reads one file at a time on a thread of its own; a new request replaces an old one.
 #[derive(Debug, Default)]
 pub struct Loader {
-    running: Option<(PathBuf, Receiver<Loaded>)>,
+    running: Option<(PathBuf, Receiver<Loaded>, BuildNotice)>,
 }
 
 impl Loader {
@@ -76,12 +98,13 @@ impl Loader {
     pub fn start(&mut self, path: &Path, wake: impl FnOnce() + Send + 'static) {
         let (send, receive) = channel();
         let owned = path.to_path_buf();
-        self.running = Some((owned.clone(), receive));
+        let notice = BuildNotice::default();
+        self.running = Some((owned.clone(), receive, notice.clone()));
         std::thread::spawn(move || {
             let before = Stamp::of(&owned);
-            let result = Opened::read(&owned);
+            let result = Opened::read(&owned, &notice);
             let stamp = Stamp::with(before, result.as_ref().ok().and_then(Opened::more_files));
-            // Nobody listens where another file was asked for meanwhile.
+            // The receiver is gone if another file was asked for meanwhile.
             if send.send(Loaded { path: owned, stamp, result }).is_ok() {
                 wake();
             }
@@ -93,14 +116,19 @@ impl Loader {
         self.running.as_ref().map(|r| r.0.as_path())
     }
 
+    /// What is built for it at the moment; none while it is only read.
+    pub fn notice(&self) -> Option<String> {
+        self.running.as_ref()?.2.text()
+    }
+
     /// What has been read since the last call.
     pub fn poll(&mut self) -> Option<Loaded> {
-        let (path, receive) = self.running.as_ref()?;
+        let (path, receive, _) = self.running.as_ref()?;
         let loaded = match receive.try_recv() {
             Ok(loaded) => loaded,
             Err(TryRecvError::Empty) => return None,
             Err(TryRecvError::Disconnected) => {
-                let result = Err(format!("{}: reading it failed unexpectedly", path.display()));
+                let result = Err(format!("{}: reading the file failed unexpectedly", path.display()));
                 Loaded { path: path.clone(), stamp: None, result }
             }
         };

@@ -1,25 +1,28 @@
 //! What is open: nothing, a bundle, a scene on a bundle, a world of motion patches, a scene of walkers or of a crowd, or a
 //! raw motion file.
 
-mod bundle;
 mod clip;
 mod crowd;
 mod load;
+mod notice;
+mod obstacles;
 mod scene;
+mod simulated;
 mod walkers;
 mod watch;
 pub mod world;
 
-pub use bundle::Bundle;
 pub use clip::RawMotion;
 pub use crowd::{CrowdChoice, CrowdDocument, MAX_MEMBERS};
 pub use load::{Loader, Opened};
 pub use scene::SceneFile;
+pub use simulated::{MAX_CHARACTERS, SceneChoice, SceneDocument, Standing, StandingUnit};
 pub use walkers::WalkersDocument;
 pub use watch::{Stamp, Watch};
 pub use world::WorldDocument;
 
-use crate::run::{BlendRun, Run};
+use crate::bundle::OpenBundle;
+use crate::run::{BlendRun, Head, Run};
 use std::path::{Path, PathBuf};
 
 /// What is open.
@@ -32,24 +35,26 @@ pub enum Document {
     Bundle(Box<BundleDocument>),
     /// A motion file as it is, and as a build would use it.
     Clip(Box<RawMotion>),
-    /// A world of motion patches, and who lives there.
+    /// A world of motion patches, and its inhabitants.
     World(Box<WorldDocument>),
     /// A scene of walkers.
     Walkers(Box<WalkersDocument>),
     /// A scene of a crowd that acts at its own events.
     CrowdScene(Box<CrowdDocument>),
+    /// A scene of groups, whatever moves them.
+    Scene(Box<SceneDocument>),
 }
 
 /// A bundle and the crowd or the scene that runs on it.
 #[derive(Debug)]
 pub struct BundleDocument {
     /// The tables.
-    pub bundle: Bundle,
-    /// The recorded run; none where the bundle has no behaviour, with the reason.
+    pub bundle: OpenBundle,
+    /// The recorded run; none if the bundle has no behaviour, with the reason.
     pub run: Result<Run, String>,
-    /// Somebody who walks in one of its blend spaces; none where it has no such space.
+    /// A character walking in one of its blend spaces; none if it has no such space.
     pub blend: Option<BlendRun>,
-    /// The scene that was opened; none where the bundle itself was.
+    /// The scene that was opened; none if the bundle itself was.
     pub scene: Option<SceneFile>,
 }
 
@@ -63,6 +68,31 @@ impl Document {
             Self::World(w) => Some(w.path()),
             Self::Walkers(w) => Some(w.path()),
             Self::CrowdScene(c) => Some(c.path()),
+            Self::Scene(s) => Some(s.path()),
+        }
+    }
+
+    /// Play head of its run, where something runs; that of a blend is [`BlendRun`]'s own.
+    pub fn head(&self) -> Option<&Head> {
+        match self {
+            Self::Nothing | Self::Clip(_) => None,
+            Self::Bundle(b) => Some(&b.run.as_ref().ok()?.head),
+            Self::World(w) => Some(&w.run().reel.head),
+            Self::Walkers(w) => Some(&w.run().reel.head),
+            Self::CrowdScene(c) => Some(&c.run().reel.head),
+            Self::Scene(s) => Some(&s.run().head),
+        }
+    }
+
+    /// The same, to be changed.
+    pub fn head_mut(&mut self) -> Option<&mut Head> {
+        match self {
+            Self::Nothing | Self::Clip(_) => None,
+            Self::Bundle(b) => Some(&mut b.run.as_mut().ok()?.head),
+            Self::World(w) => Some(&mut w.run_mut().reel.head),
+            Self::Walkers(w) => Some(&mut w.run_mut().reel.head),
+            Self::CrowdScene(c) => Some(&mut c.run_mut().reel.head),
+            Self::Scene(s) => Some(&mut s.run_mut().head),
         }
     }
 
@@ -72,7 +102,8 @@ impl Document {
             Self::Bundle(b) if b.scene.is_some() => Some(b.bundle.path()),
             Self::World(w) => Some(w.bundle().path()),
             Self::Walkers(w) => Some(w.bundle().path()),
-            Self::CrowdScene(c) => c.bundle().map(Bundle::path),
+            Self::CrowdScene(c) => c.bundle().map(OpenBundle::path),
+            Self::Scene(s) => s.bundle().map(OpenBundle::path),
             _ => None,
         };
         self.path().into_iter().chain(scene_bundle).map(Path::to_path_buf).collect()
@@ -95,18 +126,19 @@ impl Document {
     }
 
     /// The bundle, where one is open.
-    pub fn bundle(&self) -> Option<&Bundle> {
+    pub fn bundle(&self) -> Option<&OpenBundle> {
         match self {
             Self::Bundle(b) => Some(&b.bundle),
             Self::World(w) => Some(w.bundle()),
             Self::Walkers(w) => Some(w.bundle()),
             Self::CrowdScene(c) => c.bundle(),
+            Self::Scene(s) => s.bundle(),
             _ => None,
         }
     }
 
     /// The bundle and its run, where there is one.
-    pub fn crowd(&self) -> Option<(&Bundle, &Run)> {
+    pub fn crowd(&self) -> Option<(&OpenBundle, &Run)> {
         match self {
             Self::Bundle(b) => Some((&b.bundle, b.run.as_ref().ok()?)),
             _ => None,
@@ -114,7 +146,7 @@ impl Document {
     }
 
     /// The same, to be changed.
-    pub fn crowd_mut(&mut self) -> Option<(&Bundle, &mut Run)> {
+    pub fn crowd_mut(&mut self) -> Option<(&OpenBundle, &mut Run)> {
         match self {
             Self::Bundle(b) => Some((&b.bundle, b.run.as_mut().ok()?)),
             _ => None,
@@ -123,14 +155,6 @@ impl Document {
 
     /// The world, where one is open.
     pub fn world(&self) -> Option<&WorldDocument> {
-        match self {
-            Self::World(w) => Some(w),
-            _ => None,
-        }
-    }
-
-    /// The same, to be changed.
-    pub fn world_mut(&mut self) -> Option<&mut WorldDocument> {
         match self {
             Self::World(w) => Some(w),
             _ => None,
@@ -161,8 +185,16 @@ impl Document {
         }
     }
 
-    /// The bundle and who walks in its blend spaces, where it has any.
-    pub fn blend(&self) -> Option<(&Bundle, &BlendRun)> {
+    /// The scene of groups, where one is open.
+    pub fn simulated(&self) -> Option<&SceneDocument> {
+        match self {
+            Self::Scene(s) => Some(s),
+            _ => None,
+        }
+    }
+
+    /// The bundle and the character in its blend space, if it has one.
+    pub fn blend(&self) -> Option<(&OpenBundle, &BlendRun)> {
         match self {
             Self::Bundle(b) => Some((&b.bundle, b.blend.as_ref()?)),
             _ => None,
@@ -170,7 +202,7 @@ impl Document {
     }
 
     /// The same, to be changed.
-    pub fn blend_mut(&mut self) -> Option<(&Bundle, &mut BlendRun)> {
+    pub fn blend_mut(&mut self) -> Option<(&OpenBundle, &mut BlendRun)> {
         match self {
             Self::Bundle(b) => Some((&b.bundle, b.blend.as_mut()?)),
             _ => None,

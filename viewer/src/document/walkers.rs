@@ -1,36 +1,29 @@
 //! A scene of walkers and the bundle whose blend spaces they are made of.
 
-use super::Bundle;
+use crate::bundle::OpenBundle;
 use crate::render::SolidMesh;
 use crate::run::WalkRun;
 use glam::{Vec2, Vec3};
-use self_cell::self_cell;
 use std::fmt;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use throng_precompute::progress::Progress;
 use throng_precompute::scene::walkers::{Walk, WalkersScene};
 use throng_runtime::Skeleton;
 use throng_runtime::blend::HeightField;
 use throng_runtime::blend::walkers::WalkersConfig;
 
-/// Distance of the corners of hills as they are drawn. [Unit: m]
+/// Distance of the corners of hills as they are drawn (m).
 const HILL_STEP_M: f32 = 1.0;
-/// Hills are drawn so far beyond the square that characters keep to. [Unit: m]
+/// Hills are drawn so far beyond the square that characters keep to (m).
 const BEYOND_M: f32 = 6.0;
-
-self_cell!(
-    struct WalkCell {
-        owner: Arc<Bundle>,
-        #[not_covariant]
-        dependent: Walk,
-    }
-);
 
 /// A scene of walkers that is open.
 pub struct WalkersDocument {
     path: PathBuf,
     scene: WalkersScene,
-    walk: WalkCell,
+    bundle: Arc<OpenBundle>,
+    walk: Walk,
     bodies: Vec<Skeleton>,
     hills: Arc<[SolidMesh]>,
     run: WalkRun,
@@ -48,28 +41,24 @@ impl WalkersDocument {
         path.extension().is_some_and(|e| e.eq_ignore_ascii_case("toml")) && WalkersScene::is_one(path)
     }
 
-    /// Reads a scene and opens its bundle.
+    /// Reads a scene and opens its bundle, or builds it.
     ///
     /// # Errors
-    /// A message that names the file and key, the bundle that is not there, or what does not fit, and the way out.
-    pub fn open(path: &Path) -> Result<Self, String> {
+    /// A message that names the file and key, why the bundle cannot be opened, or what does not fit, and the way out.
+    pub fn open(path: &Path, progress: &dyn Progress) -> Result<Self, String> {
         let scene = WalkersScene::load(path).map_err(|e| e.to_string())?;
-        if !scene.bundle.exists() {
-            return Err(missing(path, &scene));
-        }
-        let bundle = Bundle::open(&scene.bundle).map_err(|e| format!("{}: its bundle: {e}", path.display()))?;
+        let bundle = OpenBundle::open_or_build(path, &scene.bundle, scene.config.as_deref(), progress)?;
         Self::with(path, scene, Arc::new(bundle)).map_err(|e| format!("{}: {e}", path.display()))
     }
 
-    fn with(path: &Path, scene: WalkersScene, bundle: Arc<Bundle>) -> Result<Self, String> {
+    fn with(path: &Path, scene: WalkersScene, bundle: Arc<OpenBundle>) -> Result<Self, String> {
         let say = |e: throng_precompute::BuildError| e.to_string();
-        let walk = WalkCell::try_new(Arc::clone(&bundle), |b| scene.walk(b.tables(), WalkersConfig::default()));
-        let mut walk = walk.map_err(say)?;
-        let run = walk.with_dependent_mut(|_, walk| WalkRun::new(walk)).map_err(say)?;
+        let mut walk = scene.walk(bundle.tables(), WalkersConfig::default()).map_err(say)?;
+        let run = WalkRun::new(&mut walk).map_err(say)?;
         let bodies = scene.bodies.make(bundle.tables().skeleton(), scene.seed);
-        let ground = walk.with_dependent(|_, walk| walk.ground().clone());
+        let ground = walk.ground().clone();
         let hills = if ground.is_flat() { Vec::new() } else { hills(&ground, &scene).to_vec() };
-        Ok(Self { path: path.to_path_buf(), scene, walk, bodies, hills: hills.into(), run })
+        Ok(Self { path: path.to_path_buf(), scene, bundle, walk, bodies, hills: hills.into(), run })
     }
 
     /// The file.
@@ -83,11 +72,11 @@ impl WalkersDocument {
     }
 
     /// The bundle.
-    pub fn bundle(&self) -> &Bundle {
-        self.walk.borrow_owner()
+    pub fn bundle(&self) -> &OpenBundle {
+        &self.bundle
     }
 
-    /// Everybody now and before.
+    /// The recorded run.
     pub fn run(&self) -> &WalkRun {
         &self.run
     }
@@ -103,21 +92,20 @@ impl WalkersDocument {
         &self.bodies[character % self.bodies.len()]
     }
 
-    /// Meshes of the ground, the light and the dark fields of a chequered board; none where it is level.
+    /// Meshes of the ground, the light and the dark fields of a chequered board; none if it is level.
     pub fn hills(&self) -> &Arc<[SolidMesh]> {
         &self.hills
     }
 
-    /// One step on.
+    /// One step forward.
     ///
     /// # Errors
     /// A message where the step cannot be taken.
     pub fn step(&mut self) -> Result<(), String> {
-        let run = &mut self.run;
-        self.walk.with_dependent_mut(|_, walk| run.step(walk)).map_err(|e| e.to_string())
+        self.run.step(&mut self.walk).map_err(|e| e.to_string())
     }
 
-    /// Begins anew with so many characters and a seed.
+    /// Restarts with that many characters and a seed.
     ///
     /// # Errors
     /// A message where numbers are out of range; nothing has changed then.
@@ -125,20 +113,9 @@ impl WalkersDocument {
         let scene = WalkersScene { characters, seed, ..self.scene.clone() };
         scene.check(&self.path).map_err(|e| e.to_string())?;
         let head = self.run.reel.head;
-        *self = Self::with(&self.path, scene, Arc::clone(self.walk.borrow_owner()))?;
+        *self = Self::with(&self.path, scene, Arc::clone(&self.bundle))?;
         self.run.reel.head.play_like(&head);
         Ok(())
-    }
-}
-
-fn missing(path: &Path, scene: &WalkersScene) -> String {
-    let (file, bundle) = (path.display(), scene.bundle.display());
-    match &scene.config {
-        Some(config) => {
-            let config = config.display();
-            format!("{file}: its bundle {bundle} is not there; `throng build {config} --out {bundle}` makes it")
-        }
-        None => format!("{file}: its bundle {bundle} is not there; build it, or correct the key `bundle`"),
     }
 }
 
@@ -163,13 +140,14 @@ fn hills(ground: &HeightField, scene: &WalkersScene) -> [SolidMesh; 2] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::panels::tests::paces::Paces;
+    use crate::fixtures::paces::Paces;
+    use throng_precompute::progress::Silent;
     use throng_runtime::NUM_JOINTS;
 
     #[test]
-    fn a_scene_is_walked_rewound_and_begun_anew() {
+    fn a_scene_of_walkers_steps_rewinds_and_restarts() {
         let paces = Paces::new();
-        let mut walkers = WalkersDocument::open(&paces.scene(7, 0.5)).unwrap();
+        let mut walkers = WalkersDocument::open(&paces.scene(7, 0.5), &Silent).unwrap();
         (0..90).for_each(|_| walkers.step().unwrap());
         let seen = walkers.run().moment().clone();
         assert_eq!((walkers.run().num_characters(), seen.poses.len()), (7, 7 * NUM_JOINTS));
@@ -185,17 +163,17 @@ mod tests {
     }
 
     #[test]
-    fn what_is_missing_is_named_with_the_way_out() {
+    fn missing_files_are_named_with_the_way_out() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("parade.toml");
         let open = |text: &str| {
             std::fs::write(&path, text).unwrap();
             assert!(WalkersDocument::is_one(&path));
-            WalkersDocument::open(&path).map(|_| ()).unwrap_err()
+            WalkersDocument::open(&path, &Silent).map(|_| ()).unwrap_err()
         };
-        let scene = "spaces = [\"ahead\"]\ncharacters = 2\n";
+        let scene = "[[groups]]\nmotion = \"blend\"\nspaces = [\"ahead\"]\ncount = 2\npaths = {}\n";
         let e = open(&format!("bundle = \"no.throng\"\nconfig = \"gaits.toml\"\n{scene}"));
-        assert!(e.contains("parade.toml") && e.contains("throng build") && e.contains("gaits.toml"), "{e}");
+        assert!(e.contains("parade.toml") && e.contains("no.throng") && e.contains("gaits.toml"), "{e}");
         let paces = Paces::new();
         let e = open(&format!("bundle = {:?}\n{scene}", paces.bundle()));
         assert!(e.contains("`ahead`") && e.contains("paces"), "{e}");

@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::time::{Duration, Instant, SystemTime};
 
-/// How often a file is looked at.
+/// Interval between two looks at a file.
 const EVERY: Duration = Duration::from_millis(500);
 
 /// What tells one version of a file from another.
@@ -14,7 +14,7 @@ pub struct Stamp {
 }
 
 impl Stamp {
-    /// Of the file as it is now; none where there is none.
+    /// Of the file as it is now; none if there is none.
     pub fn of(path: &Path) -> Option<Self> {
         let meta = std::fs::metadata(path).ok()?;
         Some(Self { modified: meta.modified().ok()?, len: meta.len() })

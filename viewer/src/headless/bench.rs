@@ -2,11 +2,9 @@
 
 use super::{FrameFigures, Headless, HeadlessError};
 use crate::args::{Args, BENCH_FRAMES, Size};
-use crate::command::Command;
+use crate::command::{Command, CrowdCommand, WorldCommand};
 use crate::document::CrowdChoice;
 use crate::model::Model;
-use crate::model::crowd::CrowdCommand;
-use crate::model::world::WorldCommand;
 use crate::run::RunConfig;
 use serde::Serialize;
 use std::fmt;
@@ -17,9 +15,9 @@ use throng_precompute::scene::{Scene, SceneKind};
 pub struct BenchReport {
     /// Name of the graphics adapter.
     pub adapter: String,
-    /// From left to right. [Unit: pixels]
+    /// From left to right (pixels).
     pub width: u32,
-    /// From top to bottom. [Unit: pixels]
+    /// From top to bottom (pixels).
     pub height: u32,
     /// One entry for every number of characters.
     pub crowds: Vec<FrameFigures>,
@@ -57,7 +55,7 @@ impl fmt::Display for BenchReport {
     }
 }
 
-/// Another number of characters, rounded up to pairs where a scene has those.
+/// Another number of characters, rounded up to pairs if the scene has pairs.
 fn with_characters(model: &Model, characters: usize) -> Command {
     if let Some(world) = model.document.world() {
         return Command::World(WorldCommand::Populate { characters, seed: world.scene().seed });
@@ -66,7 +64,7 @@ fn with_characters(model: &Model, characters: usize) -> Command {
         return Command::Walkers { characters, seed: walkers.scene().seed };
     }
     if let Some(crowd) = model.document.crowd_scene() {
-        return Command::Crowd(CrowdCommand::Begin(CrowdChoice { members: characters, ..crowd.choice() }));
+        return Command::Crowd(CrowdCommand::Begin(CrowdChoice { agents: characters, ..crowd.choice() }));
     }
     let Some(file) = model.document.scene() else {
         return Command::Configure(RunConfig { characters, ..model.settings.run });

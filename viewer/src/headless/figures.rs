@@ -3,7 +3,7 @@
 use crate::app::Viewer;
 use serde::Serialize;
 
-/// Where the time of one frame went. [Unit: s]
+/// Where the time of one frame went (s).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct FrameSpans {
     /// Steps of the crowd.
@@ -18,7 +18,7 @@ pub struct FrameSpans {
     pub frame_s: f64,
 }
 
-/// Times of many frames: medians and 95th percentiles. [Unit: ms]
+/// Times of many frames: medians and 95th percentiles (ms).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct FrameFigures {
     /// Characters of the crowd; 0 where a clip is shown.

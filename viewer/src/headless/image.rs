@@ -9,12 +9,12 @@ use throng_precompute::files::write_atomically;
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Image {
     size: Size,
-    /// Red, green and blue. [Size: 3 * width * height]
+    /// Red, green and blue (3 * width * height).
     rgb: Vec<u8>,
 }
 
 impl Image {
-    /// Of rows from the top, each pixel red, green and blue. [Size: 3 * width * height]
+    /// Of rows from the top, each pixel red, green and blue (3 * width * height).
     pub(super) fn new(size: Size, rgb: Vec<u8>) -> Self {
         Self { size, rgb }
     }
@@ -24,7 +24,7 @@ impl Image {
         self.size
     }
 
-    /// All pixels, row-major: red, green and blue. [Size: 3 * width * height]
+    /// All pixels, row-major: red, green and blue (3 * width * height).
     pub fn rgb(&self) -> &[u8] {
         &self.rgb
     }

@@ -45,7 +45,7 @@ pub enum HeadlessError {
         size: Size,
         /// Name of the adapter.
         adapter: String,
-        /// What it can draw. [Unit: pixels]
+        /// What it can draw (pixels).
         limit: u32,
     },
     /// The adapter failed.
@@ -71,9 +71,9 @@ pub struct PictureReport {
     pub file: PathBuf,
     /// Name of the graphics adapter.
     pub adapter: String,
-    /// From left to right. [Unit: pixels]
+    /// From left to right (pixels).
     pub width: u32,
-    /// From top to bottom. [Unit: pixels]
+    /// From top to bottom (pixels).
     pub height: u32,
     /// Times of its frames.
     #[serde(flatten)]

@@ -73,7 +73,7 @@ impl Screen {
     }
 
     /// Takes what egui put out, and draws it if it is to be seen; returns the time from encoding until all is drawn.
-    /// [Unit: s]
+    /// (s)
     pub(super) fn take(
         &self,
         ctx: &egui::Context,

@@ -1,16 +1,12 @@
 //! What commands do.
 
 use super::Model;
-use super::crowd::CrowdCommand;
-use super::documents::started;
-use super::world::WorldCommand;
-use crate::command::{Command, Stage};
-use crate::document::{Document, WorldDocument};
-use crate::panels::{Dock, PanelKind};
-use crate::run::{Blending, Run};
+use crate::command::{Command, CrowdCommand, Stage, WorldCommand};
+use crate::document::{Document, SceneChoice};
+use crate::run::{Blending, Head, Run};
+use crate::settings::PanelKind;
 use eframe::egui;
 use std::path::Path;
-use throng_runtime::world::inhabitants::InhabitantsError;
 
 impl Model {
     /// Carries out a command.
@@ -44,6 +40,7 @@ impl Model {
                 }
             }
             Command::Blend(wanted) => self.blend(wanted),
+            Command::RestartScene(choice) => self.restart_scene(ctx, choice),
             Command::Walkers { characters, seed } => self.apply_walkers(characters, seed),
             Command::World(command) => self.apply_to_world(command),
             Command::Crowd(command) => self.apply_to_crowd(ctx, command),
@@ -68,54 +65,13 @@ impl Model {
         }
     }
 
-    fn move_time(&mut self, command: &Command) {
-        let shows_clip = self.shows_clip();
-        if self.head().is_some() {
-            return self.move_head(command);
-        }
-        if let Some(world) = self.document.world_mut().filter(|_| !shows_clip) {
-            if let Err(e) = move_world_time(world, command) {
-                self.complain(format!("The world stopped: {e}"));
-            }
-            return;
-        }
-        let result = match self.document.crowd_mut().filter(|_| !shows_clip) {
-            Some((bundle, run)) => match command {
-                Command::Play(on) => {
-                    run.play(*on);
-                    Ok(())
-                }
-                Command::Speed(speed) => {
-                    run.set_speed(*speed);
-                    Ok(())
-                }
-                Command::Seek(step) => run.seek(bundle, *step),
-                Command::Step(by) if *by > 0 && run.is_live() => (0..*by).try_for_each(|_| run.step(bundle)),
-                Command::Step(by) => run.seek(bundle, run.now().saturating_add_signed(*by)),
-                _ => Ok(()),
-            },
-            None => {
-                let p = &mut self.player;
-                match command {
-                    Command::Play(on) => p.playing = *on,
-                    Command::Speed(speed) if speed.is_finite() => p.speed = speed.clamp(0.05, 8.0),
-                    Command::Seek(frame) => p.frame = *frame as f32,
-                    Command::Step(by) => p.frame = p.frame.round() + *by as f32,
-                    _ => {}
-                }
-                self.advance_clip(0.0);
-                Ok(())
-            }
-        };
-        if let Err(e) = result {
-            self.complain(format!("The run cannot show that moment: {e}"));
-        }
-    }
-
-    /// Starts the run anew.
+    /// Restarts the run.
     fn restart(&mut self, ctx: &egui::Context) {
         if let Some(choice) = self.document.crowd_scene().map(|c| c.choice()) {
             return self.apply_to_crowd(ctx, CrowdCommand::Begin(choice));
+        }
+        if let Some(choice) = self.document.simulated().map(|s| s.choice()) {
+            return self.restart_scene(ctx, choice);
         }
         if let Some(world) = self.document.world() {
             let (characters, seed) = (world.scene().characters, world.scene().seed);
@@ -134,17 +90,50 @@ impl Model {
             return;
         }
         let Document::Bundle(b) = &mut self.document else { return };
-        let old = b.run.as_ref().map_or((false, 1.0), |r| (r.is_playing(), r.speed()));
-        let run = match &b.scene {
+        let old = b.run.as_ref().map_or(Head::default(), |r| r.head);
+        b.run = match &b.scene {
             Some(file) => Run::of_scene(&b.bundle, &file.scene),
             None => Run::new(&b.bundle, self.settings.run, &self.weights),
         };
-        b.run = started(run, old);
+        b.run.iter_mut().for_each(|run| run.head.play_like(&old));
         let n = b.run.as_ref().map_or(0, |r| r.config().characters);
         self.selection.character = self.selection.character.filter(|&c| c < n);
     }
 
-    /// Begins a scene of walkers anew.
+    /// Restarts a scene of groups.
+    fn restart_scene(&mut self, ctx: &egui::Context, choice: SceneChoice) {
+        let (waits, ctx) = (self.is_unhurried, ctx.clone());
+        let Document::Scene(scene) = &mut self.document else { return };
+        if let Err(why) = scene.restart(choice, move || ctx.request_repaint()) {
+            return self.complain(format!("The scene is unchanged: {why}"));
+        }
+        self.take_in_scene(waits);
+    }
+
+    /// Restarts a scene of groups, and waits until it is ready.
+    ///
+    /// # Errors
+    /// A message where that cannot be; the scene is unchanged then.
+    pub fn restart_scene_now(&mut self, choice: SceneChoice) -> Result<(), String> {
+        let Document::Scene(scene) = &mut self.document else { return Ok(()) };
+        scene.restart(choice, || {})?;
+        scene.take_in(true).map(|_| ())
+    }
+
+    /// Takes in a run of a scene that has been made meanwhile.
+    pub(super) fn take_in_scene(&mut self, waits: bool) {
+        let Document::Scene(scene) = &mut self.document else { return };
+        match scene.take_in(waits) {
+            Ok(false) => {}
+            Ok(true) => {
+                let n = self.num_characters();
+                self.selection.character = self.selection.character.filter(|&c| c < n);
+            }
+            Err(why) => self.complain(format!("The scene is unchanged: {why}")),
+        }
+    }
+
+    /// Restarts a scene of walkers.
     fn apply_walkers(&mut self, characters: usize, seed: u64) {
         if let Some(walkers) = self.document.walkers_mut()
             && let Err(why) = walkers.populate(characters, seed)
@@ -175,7 +164,7 @@ impl Model {
         }
     }
 
-    /// Every stage keeps a camera of its own, and whom it went with.
+    /// Every stage keeps its own camera, and whom it followed.
     pub(super) fn set_stage(&mut self, stage: Stage) {
         let left = self.shown_stage();
         let old = std::mem::replace(&mut self.stage, stage);
@@ -195,11 +184,7 @@ impl Model {
     }
 
     fn toggle_panel(&mut self, kind: PanelKind) {
-        let Some(panel) = kind.panel() else { return };
-        let open = match panel.dock {
-            Dock::Side => &mut self.settings.side_panel,
-            Dock::Bottom => &mut self.settings.bottom_panel,
-        };
+        let open = self.settings.panel_mut(kind.dock());
         *open = if *open == Some(kind) { None } else { Some(kind) };
         if *open == Some(PanelKind::Blend) {
             self.set_stage(Stage::Blend);
@@ -208,25 +193,9 @@ impl Model {
 
     /// Moves the camera so that everything can be seen.
     pub(super) fn frame_all(&mut self) {
-        let (low, high) = crate::stage::bounds(self);
+        let (low, high) = self.bounds();
         let aspect = if self.aspect > 0.0 { self.aspect } else { 1.5 };
         self.settings.camera.frame_box(low, high, aspect);
-        self.followed = crate::stage::followed(self).map(|at| (self.who_is_followed(), at));
+        self.followed = self.place_followed().map(|at| (self.who_is_followed(), at));
     }
-}
-
-/// Plays, stops, and moves through what is kept of a world.
-fn move_world_time(world: &mut WorldDocument, command: &Command) -> Result<(), InhabitantsError> {
-    let now = world.run().now();
-    match command {
-        // Everybody is put into the changed world from where they are seen.
-        Command::Seek(_) | Command::Step(_) if world.working().is_some() => {}
-        Command::Play(on) => world.run_mut().play(*on),
-        Command::Speed(speed) => world.run_mut().set_speed(*speed),
-        Command::Seek(step) => world.run_mut().seek(*step),
-        Command::Step(by) if *by > 0 && world.run().is_live() => return (0..*by).try_for_each(|_| world.step()),
-        Command::Step(by) => world.run_mut().seek(now.saturating_add_signed(*by)),
-        _ => {}
-    }
-    Ok(())
 }

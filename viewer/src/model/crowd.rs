@@ -1,78 +1,13 @@
-//! What is looked at in a scene of a crowd, and what panels may ask of it.
+//! What commands do to a scene of a crowd.
 
 use super::Model;
+use crate::command::CrowdCommand;
 use crate::document::{CrowdChoice, Document};
-use crate::run::members::What;
 use eframe::egui;
-use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 /// Longest time of a frame that is spent on the engine; a step goes on in the next one.
 const BUDGET: Duration = Duration::from_millis(20);
-
-/// Whose of something is drawn.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Whose {
-    /// Nobody's.
-    Nobody,
-    /// That of the selected member.
-    #[default]
-    Selected,
-    /// Everybody's.
-    All,
-}
-
-impl Whose {
-    /// All of them, with what they are called.
-    pub const ALL: [(Self, &'static str); 3] =
-        [(Self::Nobody, "none"), (Self::Selected, "selected"), (Self::All, "all")];
-}
-
-/// What is drawn of a scene of a crowd.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct CrowdLook {
-    /// Time-varying bounds.
-    pub bounds: Whose,
-    /// Ways to goals.
-    pub ways: Whose,
-    /// Cell, region and neighbour cells of the selected member.
-    pub cells: bool,
-    /// Forces of the selected member.
-    pub forces: bool,
-    /// Marks where something happened.
-    pub marks: bool,
-    /// Bodies, where the scene has some.
-    pub bodies: bool,
-    /// Kinds of events that are listed and marked.
-    pub kinds: [bool; What::COUNT],
-}
-
-impl Default for CrowdLook {
-    fn default() -> Self {
-        Self {
-            bounds: Whose::default(),
-            ways: Whose::default(),
-            cells: true,
-            forces: true,
-            marks: true,
-            bodies: true,
-            kinds: [true; What::COUNT],
-        }
-    }
-}
-
-/// A wish of a panel about a scene of a crowd.
-#[derive(Clone, Debug, PartialEq)]
-pub enum CrowdCommand {
-    /// Draw more or less.
-    Look(CrowdLook),
-    /// Begin anew.
-    Begin(CrowdChoice),
-    /// Write the state.
-    Save(PathBuf),
-    /// Go on from a state that was written.
-    Restore(PathBuf),
-}
 
 impl Model {
     pub(super) fn apply_to_crowd(&mut self, ctx: &egui::Context, command: CrowdCommand) {
@@ -84,7 +19,7 @@ impl Model {
             CrowdCommand::Look(look) => self.selection.crowd = look,
             CrowdCommand::Begin(choice) => {
                 if let Err(why) = crowd.begin(choice, None, wake) {
-                    return self.complain(format!("The scene goes on as it was: {why}"));
+                    return self.complain(format!("The scene is unchanged: {why}"));
                 }
                 self.take_in_crowd(waits);
             }
@@ -101,7 +36,7 @@ impl Model {
         }
     }
 
-    /// Begins a scene of a crowd anew, and waits until that is done.
+    /// Restarts a scene of a crowd, and waits until it is ready.
     ///
     /// # Errors
     /// A message where that cannot be; the scene goes on as it was.
@@ -123,11 +58,11 @@ impl Model {
                 self.selection.character = self.selection.character.filter(|&c| c < n);
                 self.watch_selected();
             }
-            Err(why) => self.complain(format!("The scene goes on as it was: {why}")),
+            Err(why) => self.complain(format!("The scene is unchanged: {why}")),
         }
     }
 
-    /// Keeps events and forces of the selected member.
+    /// Keeps events and forces of the selected agent.
     pub(super) fn watch_selected(&mut self) {
         let selected = self.selection.character;
         if let Document::CrowdScene(crowd) = &mut self.document {

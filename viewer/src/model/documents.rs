@@ -1,14 +1,15 @@
 //! What is opened, read again and put in the place of what was shown.
 
-use super::world::WorldLook;
 use super::{ClipPlayer, Model, Selection};
-use crate::command::Stage;
-use crate::document::{Bundle, BundleDocument, CrowdDocument, Document, Opened, SceneFile, Stamp, Watch};
-use crate::panels::PanelKind;
+use crate::bundle::OpenBundle;
+use crate::command::{Stage, WorldLook};
+use crate::document::{BundleDocument, CrowdDocument, Document, Opened, SceneFile, Stamp, Watch};
 use crate::run::{BlendRun, Run};
+use crate::settings::PanelKind;
 use eframe::egui;
 use std::f32::consts::FRAC_PI_2;
 use std::path::{Path, PathBuf};
+use throng_precompute::progress::Progress;
 
 impl Model {
     /// Shows a file that has been read; one that could not be leaves the old one in place.
@@ -22,54 +23,37 @@ impl Model {
                 self.show(opened, is_reload);
                 let name = loaded.path.file_name().unwrap_or_default().to_string_lossy().into_owned();
                 self.say(if is_reload {
-                    format!("{name} has changed and was read again")
+                    format!("{name} has changed and was reloaded")
                 } else {
                     format!("Opened {name}")
                 });
             }
             Err(why) if matches!(self.document, Document::Nothing) => self.complain(why),
-            Err(why) => self.complain(format!("{why}\nWhat was open is kept.")),
+            Err(why) => self.complain(format!("{why}\nThe open file stays open.")),
         }
     }
 
     fn show(&mut self, opened: Opened, is_reload: bool) {
         self.generation += 1;
+        let old = self.document.head().copied().filter(|_| is_reload);
         self.document = match opened {
             Opened::Clip(clip) => Document::Clip(clip),
             Opened::Bundle(bundle) => self.with_run(*bundle, None, is_reload),
             Opened::Scene(scene, bundle) => self.with_run(*bundle, Some(*scene), is_reload),
-            Opened::World(mut world) => {
-                let old = self.document.world().filter(|_| is_reload).map(|w| (w.run().is_playing(), w.run().speed()));
-                let (playing, speed) = old.unwrap_or((true, 1.0));
-                world.run_mut().play(playing);
-                world.run_mut().set_speed(speed);
-                Document::World(world)
-            }
-            Opened::Walkers(mut walkers) => {
-                let head = &mut walkers.run_mut().reel.head;
-                head.play(true);
-                if let Some(old) = self.document.walkers().filter(|_| is_reload) {
-                    head.play_like(&old.run().reel.head);
-                }
-                Document::Walkers(walkers)
-            }
-            Opened::CrowdScene(mut crowd) => {
-                let head = &mut crowd.run_mut().reel.head;
-                head.play(true);
-                if let Some(old) = self.document.crowd_scene().filter(|_| is_reload) {
-                    head.play_like(&old.run().reel.head);
-                }
-                Document::CrowdScene(crowd)
-            }
+            Opened::World(world) => Document::World(world),
+            Opened::Walkers(walkers) => Document::Walkers(walkers),
+            Opened::CrowdScene(crowd) => Document::CrowdScene(crowd),
+            Opened::Groups(scene) => Document::Scene(scene),
         };
+        if let Some(head) = self.document.head_mut() {
+            head.play(true);
+            old.iter().for_each(|old| head.play_like(old));
+        }
         if let Some(why) = self.document.scene_fault().map(str::to_owned) {
             self.complain(why);
         }
-        if let Some(why) = self.document.crowd_scene().and_then(|c| c.lacks()) {
-            self.complain(why);
-        }
         let clips = self.document.bundle().map_or(0, |b| b.tables().clips().len());
-        let policies = self.document.bundle().map_or(0, |b| b.tables().num_policies());
+        let policies = self.document.bundle().map_or(0, |b| b.tables().policies().len());
         if !is_reload {
             self.selection = Selection::default();
             self.player = ClipPlayer { playing: matches!(self.document, Document::Clip(_)), ..ClipPlayer::default() };
@@ -94,23 +78,21 @@ impl Model {
     }
 
     /// A bundle with a crowd or its scene.
-    fn with_run(&mut self, bundle: Bundle, scene: Option<SceneFile>, is_reload: bool) -> Document {
+    fn with_run(&mut self, bundle: OpenBundle, scene: Option<SceneFile>, is_reload: bool) -> Document {
         if !is_reload {
-            // Those of another bundle's behaviours.
+            // The weights belong to another bundle's behaviours.
             self.weights.clear();
         }
         let run = match &scene {
             Some(file) => Run::of_scene(&bundle, &file.scene),
             None => Run::new(&bundle, self.settings.run, &self.weights),
         };
-        let old = self.document.crowd().map(|c| (c.1.is_playing(), c.1.speed())).filter(|_| is_reload);
-        let run = started(run, old.unwrap_or((true, 1.0)));
         let blend = self.walk_in(&bundle, is_reload);
         Document::Bundle(Box::new(BundleDocument { bundle, run, blend, scene }))
     }
 
-    /// Somebody who walks in a blend space of a bundle: as before where it is read again.
-    fn walk_in(&mut self, bundle: &Bundle, is_reload: bool) -> Option<BlendRun> {
+    /// A character walking in a blend space of a bundle; after a reload, as before.
+    fn walk_in(&mut self, bundle: &OpenBundle, is_reload: bool) -> Option<BlendRun> {
         let mut run = match BlendRun::new(bundle)? {
             Ok(run) => run,
             Err(why) => {
@@ -142,7 +124,7 @@ impl Model {
         } else if !is_clip && *side == Some(PanelKind::Report) {
             *side = self.panel_of_bundles.take().or(*side);
         }
-        // What moves a crowd is in one panel, what moves those who live in a world or whose body is blended in others.
+        // Crowds, worlds and blends each have a panel of their own.
         let here = match &self.document {
             Document::World(_) => PanelKind::Patches,
             Document::CrowdScene(_) => PanelKind::Crowd,
@@ -171,23 +153,16 @@ impl Model {
 
     /// Shows a file at once.
     ///
+    /// - `progress`: of building a bundle that is missing.
+    ///
     /// # Errors
     /// A message that names the file, what is wrong with it and the way out.
-    pub fn open_now(&mut self, path: &Path) -> Result<(), String> {
+    pub fn open_now(&mut self, path: &Path, progress: &dyn Progress) -> Result<(), String> {
         let before = Stamp::of(path);
-        let opened = Opened::read(path)?;
+        let opened = Opened::read(path, progress)?;
         self.watch = Some(Watch::from(Stamp::with(before, opened.more_files())));
         self.settings.remember(path);
         self.show(opened, false);
         Ok(())
     }
-}
-
-/// A run that plays, or not, at a speed.
-pub(super) fn started(run: Result<Run, String>, (playing, speed): (bool, f32)) -> Result<Run, String> {
-    run.map(|mut run| {
-        run.play(playing);
-        run.set_speed(speed);
-        run
-    })
 }

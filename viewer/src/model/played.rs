@@ -1,4 +1,4 @@
-//! Time of what is kept on a reel: a scene of walkers or of a crowd, and somebody who walks in a blend space.
+//! Moves time on, and through what is recorded.
 
 use super::Model;
 use crate::command::Command;
@@ -7,48 +7,73 @@ use crate::run::Head;
 use std::time::Instant;
 
 impl Model {
-    /// Play head of what the 3-D view shows, where that is kept on a reel.
+    /// Play head of what the 3-D view shows; none for a clip, which has [`Model::player`].
     pub fn head(&self) -> Option<&Head> {
-        match &self.document {
-            _ if self.shows_clip() => None,
-            Document::Walkers(w) => Some(&w.run().reel.head),
-            Document::CrowdScene(c) => Some(&c.run().reel.head),
-            Document::Bundle(b) if self.shows_blend() => b.blend.as_ref().map(|run| &run.reel.head),
-            _ => None,
+        match self.document.blend().filter(|_| self.shows_blend()) {
+            Some((_, blend)) => Some(&blend.reel.head),
+            None => self.document.head().filter(|_| !self.shows_clip()),
         }
     }
 
     fn head_mut(&mut self) -> Option<&mut Head> {
-        let (shows_clip, shows_blend) = (self.shows_clip(), self.shows_blend());
-        match &mut self.document {
-            _ if shows_clip => None,
-            Document::Walkers(w) => Some(&mut w.run_mut().reel.head),
-            Document::CrowdScene(c) => Some(&mut c.run_mut().reel.head),
-            Document::Bundle(b) if shows_blend => b.blend.as_mut().map(|run| &mut run.reel.head),
-            _ => None,
+        if self.shows_clip() {
+            return None;
+        }
+        match self.shows_blend() {
+            true => self.document.blend_mut().map(|b| &mut b.1.reel.head),
+            false => self.document.head_mut(),
         }
     }
 
-    /// One step on: one that is kept, or a new one.
-    fn step_played(&mut self) -> Result<(), String> {
+    /// One step forward: a recorded one, or a new one.
+    fn step(&mut self) -> Result<(), String> {
+        let shows_blend = self.shows_blend();
         match &mut self.document {
             Document::Walkers(w) => w.step(),
-            Document::Bundle(b) => match &mut b.blend {
-                Some(run) => run.step(&b.bundle).map_err(|e| e.to_string()),
-                None => Ok(()),
+            Document::World(w) => w.step().map_err(|e| e.to_string()),
+            Document::Scene(s) => s.run_mut().step().map_err(|e| e.to_string()),
+            Document::Bundle(b) => match (&mut b.blend, &mut b.run) {
+                (Some(blend), _) if shows_blend => blend.step(&b.bundle).map_err(|e| e.to_string()),
+                (_, Ok(run)) => run.step(&b.bundle).map_err(|e| e.to_string()),
+                _ => Ok(()),
             },
-            _ => Ok(()),
+            // Its steps are taken in pieces, as time allows.
+            Document::CrowdScene(_) | Document::Clip(_) | Document::Nothing => Ok(()),
         }
+    }
+
+    /// Shows a recorded step.
+    fn seek(&mut self, step: u32) -> Result<(), String> {
+        let shows_blend = self.shows_blend();
+        match &mut self.document {
+            Document::Bundle(b) if !shows_blend => match &mut b.run {
+                Ok(run) => run.seek(&b.bundle, step).map_err(|e| e.to_string()),
+                Err(_) => Ok(()),
+            },
+            Document::Scene(s) => s.run_mut().seek(step).map_err(|e| e.to_string()),
+            _ => {
+                self.head_mut().into_iter().for_each(|head| head.seek(step));
+                Ok(())
+            }
+        }
+    }
+
+    /// True while a world is edited: time stands still, since all its characters will be put back where they are shown.
+    fn waits_for_edit(&self) -> bool {
+        self.document.world().is_some_and(|w| w.working().is_some())
     }
 
     /// Moves time on by wall time; returns the steps taken.
-    pub(super) fn advance_played(&mut self, wall_s: f32) -> u32 {
+    pub(super) fn advance_run(&mut self, wall_s: f32) -> u32 {
         let (begin, mut taken) = (Instant::now(), 0);
+        if self.waits_for_edit() {
+            return 0;
+        }
         if let Some(head) = self.head_mut() {
             head.owe(wall_s);
         }
         while self.head_mut().is_some_and(|head| head.is_due(taken, begin)) {
-            if let Err(why) = self.step_played() {
+            if let Err(why) = self.step() {
                 self.stop(&why);
                 break;
             }
@@ -57,38 +82,60 @@ impl Model {
         taken
     }
 
-    /// Plays, stops, and moves through what is kept.
-    pub(super) fn move_head(&mut self, command: &Command) {
+    /// Plays, stops, and moves through what is recorded.
+    pub(super) fn move_time(&mut self, command: &Command) {
+        if self.shows_clip() {
+            return self.move_clip(command);
+        }
+        let waits = self.waits_for_edit();
         let Some(head) = self.head_mut() else { return };
-        let mut steps = 0;
+        let result = match *command {
+            Command::Play(on) => {
+                head.play(on);
+                Ok(())
+            }
+            Command::Speed(speed) => {
+                head.set_speed(speed);
+                Ok(())
+            }
+            Command::Seek(step) if !waits => self.seek(step),
+            Command::Step(by) if !waits && by > 0 => match &mut self.document {
+                Document::CrowdScene(crowd) => {
+                    crowd.run_mut().want(by as u32);
+                    return;
+                }
+                _ => (0..by).try_for_each(|_| self.step()),
+            },
+            Command::Step(by) if !waits => {
+                let to = head.now().saturating_add_signed(by);
+                self.seek(to)
+            }
+            _ => Ok(()),
+        };
+        if let Document::CrowdScene(crowd) = &mut self.document {
+            crowd.run_mut().want_no_more();
+        }
+        if let Err(why) = result {
+            self.stop(&why);
+        }
+    }
+
+    fn move_clip(&mut self, command: &Command) {
+        let p = &mut self.player;
         match command {
-            Command::Play(on) => head.play(*on),
-            Command::Speed(speed) => head.set_speed(*speed),
-            Command::Seek(step) => head.seek(*step),
-            Command::Step(by) if *by > 0 => steps = *by,
-            Command::Step(by) => head.seek(head.now().saturating_add_signed(*by)),
+            Command::Play(on) => p.playing = *on,
+            Command::Speed(speed) if speed.is_finite() => p.speed = speed.clamp(0.05, 8.0),
+            Command::Seek(frame) => p.frame = *frame as f32,
+            Command::Step(by) => p.frame = p.frame.round() + *by as f32,
             _ => {}
         }
-        if let Document::CrowdScene(crowd) = &mut self.document {
-            // They are taken as time allows.
-            if steps > 0 {
-                crowd.run_mut().want(steps as u32)
-            } else {
-                crowd.run_mut().want_no_more()
-            }
-            return;
-        }
-        for _ in 0..steps {
-            if let Err(why) = self.step_played() {
-                return self.stop(&why);
-            }
-        }
+        self.advance_clip(0.0);
     }
 
     fn stop(&mut self, why: &str) {
         if let Some(head) = self.head_mut() {
             head.play(false);
         }
-        self.complain(format!("The walk stopped: {why}"));
+        self.complain(format!("The run stopped: {why}"));
     }
 }

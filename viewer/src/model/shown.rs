@@ -1,8 +1,9 @@
 //! What the 3-D view shows of what is open.
 
 use super::Model;
+use crate::bundle::OpenBundle;
 use crate::command::Stage;
-use crate::document::{Bundle, CrowdDocument, Document};
+use crate::document::{CrowdDocument, Document, SceneDocument};
 use crate::run::Run;
 
 impl Model {
@@ -11,13 +12,14 @@ impl Model {
         match &self.document {
             Document::Nothing => false,
             Document::CrowdScene(c) => self.stage == Stage::Clip && c.bundle().is_some(),
+            Document::Scene(s) => self.stage == Stage::Clip && s.bundle().is_some(),
             Document::Bundle(b) => self.stage == Stage::Clip || (b.run.is_err() && b.blend.is_none()),
             Document::World(_) | Document::Walkers(_) => self.stage == Stage::Clip,
             Document::Clip(_) => true,
         }
     }
 
-    /// True where the 3-D view shows somebody who walks in a blend space.
+    /// True where the 3-D view shows a character walking in a blend space.
     pub fn shows_blend(&self) -> bool {
         match &self.document {
             Document::Bundle(b) => b.blend.is_some() && (self.stage == Stage::Blend || self.has_no_crowd()),
@@ -33,6 +35,11 @@ impl Model {
     /// The scene of a crowd that the 3-D view shows.
     pub fn shown_crowd_scene(&self) -> Option<&CrowdDocument> {
         self.document.crowd_scene().filter(|_| !self.shows_clip())
+    }
+
+    /// The scene of groups that the 3-D view shows.
+    pub fn shown_scene(&self) -> Option<&SceneDocument> {
+        self.document.simulated().filter(|_| !self.shows_clip())
     }
 
     /// True where a crowd was asked for and there is none.
@@ -52,7 +59,8 @@ impl Model {
     /// The stages that there are, in their order.
     pub fn stages(&self) -> Vec<Stage> {
         let d = &self.document;
-        let lives = d.world().is_some() || d.walkers().is_some() || d.crowd_scene().is_some();
+        let lives =
+            d.simulated().is_some() || d.world().is_some() || d.walkers().is_some() || d.crowd_scene().is_some();
         let all = [
             (Stage::Crowd, lives || self.document.crowd().is_some()),
             (Stage::Blend, self.document.blend().is_some()),
@@ -62,7 +70,7 @@ impl Model {
     }
 
     /// The bundle and the crowd that the 3-D view shows.
-    pub fn shown_crowd(&self) -> Option<(&Bundle, &Run)> {
+    pub fn shown_crowd(&self) -> Option<(&OpenBundle, &Run)> {
         self.document.crowd().filter(|_| self.shown_stage() == Stage::Crowd)
     }
 }

@@ -1,93 +1,11 @@
-//! What is looked at in a world, what the mouse does there, and what panels may ask of it.
+//! What commands do to a world.
 
 use super::Model;
-use crate::document::world::{Change, Order, Taken};
+use crate::command::WorldCommand;
+use crate::document::world::{Order, Taken};
 use crate::document::{Document, WorldDocument};
-use std::path::PathBuf;
 use throng_precompute::environment::Unit;
 use throng_runtime::patch::Placement;
-use throng_runtime::world::inhabitants::Wish;
-
-/// What a click does in a world.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Tool {
-    /// It selects a character, or a unit.
-    #[default]
-    Look,
-    /// It sends the selected character there.
-    Send,
-    /// Units are dragged over the ground.
-    Move,
-    /// It places a unit of the bundle.
-    Create(usize),
-}
-
-/// A unit that is about to be placed or moved.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Draft {
-    /// Its number in the bundle's set.
-    pub unit: usize,
-    /// Where it would stand.
-    pub at: Placement,
-}
-
-/// What is looked at in a world.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct WorldLook {
-    /// What a click does.
-    pub tool: Tool,
-    /// Placed unit that is selected.
-    pub place: Option<usize>,
-    /// Instance that is selected; none follows the unit, or else the selected character.
-    pub instance: Option<u32>,
-    /// Link of the instance that is selected.
-    pub link: Option<u32>,
-    /// A unit that is about to be placed or moved.
-    pub draft: Option<Draft>,
-    /// Links of the instance are not drawn.
-    pub hides_links: bool,
-}
-
-/// A wish of a panel about a world.
-#[derive(Clone, Debug, PartialEq)]
-pub enum WorldCommand {
-    /// Let a click do something else.
-    Tool(Tool),
-    /// Select a placed unit, or none.
-    SelectPlace(Option<usize>),
-    /// Select an instance; none follows the unit or the character.
-    SelectInstance(Option<u32>),
-    /// Select a link of the instance, or none.
-    SelectLink(Option<u32>),
-    /// Draw the links of the instance, or hide them.
-    ShowLinks(bool),
-    /// Show a unit where it would stand.
-    Draft(Option<Draft>),
-    /// Change what stands where.
-    Edit(Change),
-    /// Take the last change back.
-    Undo,
-    /// Make the change again that was taken back last.
-    Redo,
-    /// Forget that an edit was refused.
-    ForgetRefused,
-    /// Tell a character what to do; none lets it wish by itself.
-    Tell {
-        /// Which character.
-        character: usize,
-        /// What it is to do.
-        wish: Option<Wish>,
-    },
-    /// Start anew with so many characters, as far as there is room.
-    Populate {
-        /// How many.
-        characters: usize,
-        /// Seed of places and choices.
-        seed: u64,
-    },
-    /// Write the world as it is.
-    Save(PathBuf),
-}
 
 impl Model {
     /// The world whose inhabitants are shown; none while a clip is.
@@ -144,7 +62,7 @@ impl Model {
         let Document::World(world) = &mut self.document else { return };
         self.selection.world.draft = None;
         if let Err(why) = world.order(order) {
-            return self.say(format!("Nothing is changed: {why}"));
+            return self.say(format!("No change: {why}"));
         }
         self.take_in_world(waits);
     }
@@ -163,7 +81,7 @@ impl Model {
         }
     }
 
-    /// Starts the life of a world anew.
+    /// Restarts a world.
     pub(super) fn populate(&mut self, characters: usize, seed: u64) {
         let waits = self.is_unhurried;
         let Document::World(world) = &mut self.document else { return };
@@ -205,9 +123,9 @@ pub fn snapped(unit: &Unit, others: impl Iterator<Item = Placement>, to: Placeme
     Placement { x: fine(to.x), z: fine(to.z), ..to }
 }
 
-/// Panels go beside others that they are dragged so near to. [Unit: m]
+/// Panels go beside others that they are dragged so near to (m).
 const SNAP_M: f32 = 0.9;
-/// Everything else stands on a grid. [Unit: m]
+/// Everything else stands on a grid (m).
 const GRID_M: f32 = 0.05;
 
 #[cfg(test)]

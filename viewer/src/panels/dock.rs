@@ -1,19 +1,17 @@
 //! Where panels lie: tabs, and the one that is open.
 
-use super::{Dock, PANELS, PanelStates};
+use super::{PANELS, PanelStates};
 use crate::command::Command;
 use crate::model::Model;
+use crate::settings::Dock;
 use eframe::egui::{self, Ui};
 
 /// Shows the tabs of a dock, and the panel that is open.
 pub fn show(ui: &mut Ui, dock: Dock, model: &Model, states: &mut PanelStates, commands: &mut Vec<Command>) {
-    let open = match dock {
-        Dock::Side => model.settings.side_panel,
-        Dock::Bottom => model.settings.bottom_panel,
-    };
+    let open = model.settings.panel(dock);
     ui.add_space(3.0);
     ui.horizontal_wrapped(|ui| {
-        for panel in PANELS.iter().filter(|p| p.dock == dock) {
+        for panel in PANELS.iter().filter(|p| p.kind.dock() == dock) {
             let tip = format!("{} ({})", panel.purpose, panel.key.name());
             if ui.selectable_label(open == Some(panel.kind), panel.title).on_hover_text(tip).clicked()
                 && open != Some(panel.kind)

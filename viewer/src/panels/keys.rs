@@ -10,7 +10,7 @@ pub enum Action {
     PlayPause,
     /// One step back.
     Back,
-    /// One step on.
+    /// One step forward.
     On,
     /// A second back.
     BackSecond,
@@ -24,7 +24,7 @@ pub enum Action {
     Slower,
     /// Faster.
     Faster,
-    /// Start the run anew.
+    /// Restart the run.
     Restart,
     /// Crowd, blend or clip: the next one that there is.
     Stage,
@@ -79,30 +79,30 @@ const COMMAND_SHIFT: Modifiers = Modifiers { shift: true, ..Modifiers::COMMAND }
 pub const SHORTCUTS: &[Shortcut] = &[
     plain(Key::Space, Action::PlayPause, "play or pause"),
     with(Modifiers::SHIFT, Key::ArrowLeft, Action::BackSecond, "a second back"),
-    with(Modifiers::SHIFT, Key::ArrowRight, Action::OnSecond, "a second on"),
+    with(Modifiers::SHIFT, Key::ArrowRight, Action::OnSecond, "a second forward"),
     plain(Key::ArrowLeft, Action::Back, "one step back"),
-    plain(Key::ArrowRight, Action::On, "one step on"),
-    plain(Key::Home, Action::First, "start of what is recorded"),
-    plain(Key::End, Action::Last, "end of what is recorded"),
+    plain(Key::ArrowRight, Action::On, "one step forward"),
+    plain(Key::Home, Action::First, "start of the recording"),
+    plain(Key::End, Action::Last, "end of the recording"),
     plain(Key::OpenBracket, Action::Slower, "half as fast"),
     plain(Key::CloseBracket, Action::Faster, "twice as fast"),
-    with(Modifiers::COMMAND, Key::R, Action::Reload, "read the file again"),
-    plain(Key::R, Action::Restart, "start the run anew"),
+    with(Modifiers::COMMAND, Key::R, Action::Reload, "reload the file"),
+    plain(Key::R, Action::Restart, "restart the run"),
     plain(Key::C, Action::Stage, "crowd, blend or clip"),
     plain(Key::F, Action::Follow, "camera follows the selected character"),
-    plain(Key::A, Action::FrameAll, "look at everything"),
+    plain(Key::A, Action::FrameAll, "show everything"),
     plain(Key::B, Action::Body, "next body"),
     plain(Key::J, Action::JointAxes, "joint axes"),
     plain(Key::Escape, Action::SelectNone, "select nothing"),
     plain(Key::T, Action::Theme, "dark or light"),
     with(Modifiers::COMMAND, Key::O, Action::Open, "open a file"),
-    with(COMMAND_SHIFT, Key::Z, Action::Redo, "make again what was taken back"),
-    with(Modifiers::COMMAND, Key::Y, Action::Redo, "make again what was taken back"),
-    with(Modifiers::COMMAND, Key::Z, Action::Undo, "take the last change of a world back"),
+    with(COMMAND_SHIFT, Key::Z, Action::Redo, "redo"),
+    with(Modifiers::COMMAND, Key::Y, Action::Redo, "redo"),
+    with(Modifiers::COMMAND, Key::Z, Action::Undo, "undo the last edit of a world"),
     plain(Key::H, Action::Help, "this list"),
 ];
 
-/// Width of the list, where the window has room for it. [Unit: points]
+/// Width of the list, where the window has room for it (points).
 const WIDTH: f32 = 900.0;
 
 /// What the mouse does in the 3-D view.
@@ -206,7 +206,7 @@ mod tests {
     }
 
     #[test]
-    fn keys_that_do_the_same_stand_together() {
+    fn keys_with_the_same_action_are_listed_together() {
         let rows = rows(&egui::Context::default());
         let actions =
             SHORTCUTS.iter().enumerate().filter(|(i, s)| SHORTCUTS[..*i].iter().all(|e| e.action != s.action));

@@ -19,7 +19,7 @@ pub fn show(ui: &Ui, within: Rect, model: &Model, commands: &mut Vec<Command>) {
                 ui.horizontal_top(|ui| {
                     let mark = if m.is_error { "⚠" } else { "ℹ" };
                     ui.label(RichText::new(mark).color(readable(ui, stripe)).strong());
-                    let close = ui.button("✖").on_hover_text("Take this message away");
+                    let close = ui.button("✖").on_hover_text("Close this message");
                     if close.clicked() {
                         commands.push(Command::Dismiss(m.id));
                     }

@@ -24,42 +24,8 @@ pub mod words;
 
 use crate::command::Command;
 use crate::model::Model;
+use crate::settings::PanelKind;
 use eframe::egui::{Key, Ui};
-use serde::{Deserialize, Serialize};
-
-/// Which panel.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub enum PanelKind {
-    /// How the crowd is driven.
-    Control,
-    /// What was measured.
-    Statistics,
-    /// Clips, and a timeline of one of them.
-    Database,
-    /// What import found in a motion file, and what a bundle was made of.
-    Report,
-    /// States and actions.
-    Graph,
-    /// Values and choices.
-    Policy,
-    /// Effective hits.
-    Hits,
-    /// Worlds of motion patches.
-    Patches,
-    /// Blend spaces.
-    Blend,
-    /// Scenes of crowds.
-    Crowd,
-}
-
-/// Where a panel lies.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Dock {
-    /// Right of the 3-D view.
-    Side,
-    /// Below it.
-    Bottom,
-}
 
 /// A panel.
 #[derive(Clone, Copy, Debug)]
@@ -70,8 +36,6 @@ pub struct Panel {
     pub title: &'static str,
     /// What it is for, in a sentence.
     pub purpose: &'static str,
-    /// Where it lies.
-    pub dock: Dock,
     /// Key that opens and closes it.
     pub key: Key,
     /// Shows it.
@@ -84,7 +48,6 @@ pub const PANELS: &[Panel] = &[
         kind: PanelKind::Control,
         title: "Control",
         purpose: "targets, behaviours, number of characters, seed",
-        dock: Dock::Side,
         key: Key::F1,
         show: |ui, model, states, commands| control::show(ui, model, &mut states.control, commands),
     },
@@ -92,7 +55,6 @@ pub const PANELS: &[Panel] = &[
         kind: PanelKind::Policy,
         title: "Policy",
         purpose: "what a state is worth for every place of the target, and why an action was taken",
-        dock: Dock::Side,
         key: Key::F2,
         show: |ui, model, states, commands| policy::show(ui, model, &mut states.policy, commands),
     },
@@ -100,7 +62,6 @@ pub const PANELS: &[Panel] = &[
         kind: PanelKind::Statistics,
         title: "Statistics",
         purpose: "time of a step and a frame, memory, foot slip, arrivals, blows",
-        dock: Dock::Side,
         key: Key::F3,
         show: |ui, model, _, _| statistics::show(ui, model),
     },
@@ -108,15 +69,13 @@ pub const PANELS: &[Panel] = &[
         kind: PanelKind::Graph,
         title: "Motion graph",
         purpose: "states, actions and where they lead; a click plays an action",
-        dock: Dock::Bottom,
         key: Key::F4,
         show: |ui, model, states, commands| graph::show(ui, model, &mut states.graph, commands),
     },
     Panel {
         kind: PanelKind::Database,
         title: "Database",
-        purpose: "clips, their contacts, tags, poses, and the ways out of a frame",
-        dock: Dock::Bottom,
+        purpose: "clips, their contacts, tags, poses, and the actions from a frame",
         key: Key::F5,
         show: |ui, model, states, commands| database::show(ui, model, &mut states.database, commands),
     },
@@ -124,7 +83,6 @@ pub const PANELS: &[Panel] = &[
         kind: PanelKind::Report,
         title: "Import report",
         purpose: "what import found in a motion file; what a bundle was made of",
-        dock: Dock::Side,
         key: Key::F6,
         show: |ui, model, states, commands| report::show(ui, model, &mut states.report, commands),
     },
@@ -132,31 +90,27 @@ pub const PANELS: &[Panel] = &[
         kind: PanelKind::Hits,
         title: "Hits",
         purpose: "where blows land, from three sides; a click shows the clip",
-        dock: Dock::Bottom,
         key: Key::F7,
         show: |ui, model, states, commands| hits::show(ui, model, &mut states.hits, commands),
     },
     Panel {
         kind: PanelKind::Patches,
         title: "Patches",
-        purpose: "worlds of motion patches: what a patch has left, ways, wishes, and units that are moved",
-        dock: Dock::Side,
+        purpose: "worlds of motion patches: links of a patch, paths, orders, and units to move",
         key: Key::F8,
         show: |ui, model, states, commands| patches::show(ui, model, &mut states.patches, commands),
     },
     Panel {
         kind: PanelKind::Blend,
         title: "Blend",
-        purpose: "blend spaces: examples, weights and keytimes; the point is dragged, and somebody walks there",
-        dock: Dock::Side,
+        purpose: "blend spaces: examples, weights and keytimes; drag the point, and a character walks there",
         key: Key::F9,
         show: |ui, model, states, commands| blend::show(ui, model, &mut states.blend, commands),
     },
     Panel {
         kind: PanelKind::Crowd,
         title: "Crowd",
-        purpose: "scenes of crowds: engine and number of members, bounds, events, forces, and how often what happens",
-        dock: Dock::Side,
+        purpose: "scenes of crowds: engine and number of agents, bounds, events, forces, event rates",
         key: Key::F10,
         show: |ui, model, states, commands| crowd::show(ui, model, &mut states.crowd, commands),
     },

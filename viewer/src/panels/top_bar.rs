@@ -28,7 +28,8 @@ pub fn show(ui: &mut Ui, model: &Model, states: &mut PanelStates, commands: &mut
 
 fn title(model: &Model) -> String {
     if let Some(path) = model.loading() {
-        return format!("Reading {} …", path.display());
+        let notice = model.build_notice().map_or(String::new(), |notice| format!("{notice} "));
+        return format!("Reading {}: {notice}…", path.display()).replace(": …", " …");
     }
     match &model.document {
         Document::Nothing => "Nothing open".into(),
@@ -62,6 +63,12 @@ fn title(model: &Model) -> String {
             let file = c.path().file_name().unwrap_or_default().to_string_lossy();
             format!("{file} · {}", crowd::in_words(c.choice()))
         }
+        Document::Scene(s) => {
+            let file = s.path().file_name().unwrap_or_default().to_string_lossy();
+            let simulation = s.run().simulation();
+            let (groups, characters) = (simulation.groups().len(), simulation.num_characters());
+            format!("{file} · {groups} groups · {characters} characters")
+        }
         Document::Clip(c) => {
             let name = c.path().file_name().unwrap_or_default().to_string_lossy();
             format!("{name} · {} joints · {:.1} s at {} Hz", c.report.joints, c.duration_s(), c.report.rate_hz)
@@ -87,7 +94,7 @@ fn file(ui: &mut Ui, model: &Model, states: &mut PanelStates, commands: &mut Vec
             }
         }
     });
-    if ui.add_enabled(model.document.path().is_some(), egui::Button::new("Read again")).clicked() {
+    if ui.add_enabled(model.document.path().is_some(), egui::Button::new("Reload")).clicked() {
         commands.push(Command::Reload);
     }
     ui.separator();
@@ -98,7 +105,7 @@ fn file(ui: &mut Ui, model: &Model, states: &mut PanelStates, commands: &mut Vec
 
 fn view(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     let mut s = model.settings.clone();
-    if ui.button("Look at everything").on_hover_text("A").clicked() {
+    if ui.button("Show everything").on_hover_text("A").clicked() {
         commands.push(Command::FrameAll);
     }
     ui.menu_button("Camera", |ui| {
@@ -178,14 +185,15 @@ fn panels(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
 
 fn stages(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     let run = match model.document.scene() {
-        _ if model.document.world().is_some() => (Stage::Crowd, "World", "Who lives in the world"),
+        _ if model.document.world().is_some() => (Stage::Crowd, "World", "The characters of the world"),
+        _ if model.document.simulated().is_some() => (Stage::Crowd, "Scene", "The groups of the scene"),
         _ if model.document.walkers().is_some() => (Stage::Crowd, "Scene", "The walkers of the scene"),
         _ if model.document.crowd_scene().is_some() => (Stage::Crowd, "Scene", "The crowd of the scene"),
         Some(_) => (Stage::Crowd, "Scene", "The run of the scene"),
         None => (Stage::Crowd, "Crowd", "The run of a crowd"),
     };
     let all =
-        [run, (Stage::Blend, "Blend", "Somebody who walks in a blend space"), (Stage::Clip, "Clip", "A clip alone")];
+        [run, (Stage::Blend, "Blend", "A character walking in a blend space"), (Stage::Clip, "Clip", "A clip alone")];
     let there = model.stages();
     for (stage, name, tip) in all.into_iter().filter(|s| there.contains(&s.0)) {
         if ui.selectable_label(model.shown_stage() == stage, name).on_hover_text(format!("{tip} (C)")).clicked() {

@@ -23,48 +23,23 @@ fn time_of(model: &Model) -> Option<Time> {
         let (now, last) = (p.frame as u32, num_frames.saturating_sub(1));
         return Some(Time { playing: p.playing, speed: p.speed, now, first: 0, last, rate_hz, live: false });
     }
-    if let Some(world) = model.document.world() {
-        let run = world.run();
-        let recorded = run.recorded();
-        return Some(Time {
-            playing: run.is_playing(),
-            speed: run.speed(),
-            now: run.now(),
-            first: *recorded.start(),
-            last: *recorded.end(),
-            rate_hz: STEP_HZ,
-            live: run.is_live(),
-        });
-    }
-    if let Some(head) = model.head() {
-        let recorded = head.recorded();
-        return Some(Time {
-            playing: head.is_playing(),
-            speed: head.speed(),
-            now: head.now(),
-            first: *recorded.start(),
-            last: *recorded.end(),
-            rate_hz: STEP_HZ,
-            live: head.is_live(),
-        });
-    }
-    let (_, run) = model.document.crowd()?;
-    let recorded = run.recorded();
+    let head = model.head()?;
+    let recorded = head.recorded();
     Some(Time {
-        playing: run.is_playing(),
-        speed: run.speed(),
-        now: run.now(),
+        playing: head.is_playing(),
+        speed: head.speed(),
+        now: head.now(),
         first: *recorded.start(),
         last: *recorded.end(),
         rate_hz: STEP_HZ,
-        live: run.is_live(),
+        live: head.is_live(),
     })
 }
 
 /// Shows the bar.
 pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     let Some(t) = time_of(model) else {
-        ui.weak("Time is played here once a file is open.");
+        ui.weak("Open a file to play it.");
         return;
     };
     scrubber(ui, &t, commands);
@@ -94,7 +69,7 @@ fn scrubber(ui: &mut Ui, t: &Time, commands: &mut Vec<Command>) {
     ui.spacing_mut().slider_width = ui.available_width().max(60.0);
     let mut now = t.now;
     let slider = Slider::new(&mut now, t.first..=t.last.max(t.first + 1)).show_value(false).trailing_fill(true);
-    let scrubber = ui.add(slider).on_hover_text("Drag to scrub; the last minute of a run is kept");
+    let scrubber = ui.add(slider).on_hover_text("Drag to move through the recording, which holds the last minute");
     scrubber.widget_info(|| egui::WidgetInfo::slider(true, f64::from(now), "Time"));
     if scrubber.drag_started() || scrubber.clicked() {
         commands.push(Command::Play(false));
@@ -112,16 +87,16 @@ fn buttons(ui: &mut Ui, t: &Time, is_clip: bool, commands: &mut Vec<Command>) {
             commands.push(command);
         }
     };
-    button("⏮", "First", "Start of what is recorded (Home)", Command::Seek(t.first));
+    button("⏮", "First", "Start of the recording (Home)", Command::Seek(t.first));
     button("⏪", "Step back", "One step back (Left; Shift+Left a second)", Command::Step(-1));
     match t.playing {
         true => button("⏸", "Pause", "Pause (Space)", Command::Play(false)),
         false => button("▶", "Play", "Play (Space)", Command::Play(true)),
     }
-    button("⏩", "Step", "One step on (Right; Shift+Right a second)", Command::Step(1));
-    button("⏭", "Last", "End of what is recorded (End)", Command::Seek(t.last));
+    button("⏩", "Step", "One step forward (Right; Shift+Right a second)", Command::Step(1));
+    button("⏭", "Last", "End of the recording (End)", Command::Seek(t.last));
     if !is_clip {
-        button("⟲", "Restart", "Start the run anew, with the same seed (R)", Command::Restart);
+        button("⟲", "Restart", "Restart with the same seed (R)", Command::Restart);
     }
 }
 

@@ -10,30 +10,30 @@ use crate::document::Document;
 use crate::model::Model;
 use crate::render::{self, Camera, Ray};
 use crate::run::{Input, Run, TargetMode};
-use crate::stage::{Layout, ValueCell, members};
+use crate::stage::{self, Layout, ValueCell, agents};
 use eframe::egui::text::{LayoutJob, TextFormat};
 use eframe::egui::{self, Align, Color32, CursorIcon, FontId, PointerButton, Pos2, Rect, Response, Sense, Ui};
 use glam::{Vec2, Vec3};
 
-/// A target can be taken hold of within this distance of the pointer. [Unit: points]
+/// A target can be taken hold of within this distance of the pointer (points).
 const GRAB: f32 = 16.0;
 /// Targets of those who are not selected can be taken hold of in crowds of up to so many: in larger ones, they would be
 /// everywhere the camera is to be turned from.
 const MAX_GRABBED: usize = 50;
-/// And within this distance. [Unit: points]
+/// And within this distance (points).
 const GRAB_OTHERS: f32 = 6.0;
 
-/// A cell of a policy is pointed at within this distance. [Unit: points]
+/// A cell of a policy is pointed at within this distance (points).
 const NEAR_CELL: f32 = 7.0;
 
 /// What the view remembers.
 #[derive(Clone, Debug, Default)]
 pub struct State {
-    /// Whose target is dragged; everybody's where it names nobody.
+    /// Character whose target is dragged; all targets if it names none.
     dragged: Option<Option<usize>>,
     /// A unit of a world that is dragged.
     dragged_unit: Option<world::Dragged>,
-    /// Heading of the unit that a click would place. [Unit: rad]
+    /// Heading of the unit that a click would place (rad).
     heading: f32,
     /// Width over height.
     pub aspect: f32,
@@ -164,14 +164,14 @@ fn move_camera(ui: &Ui, response: &Response, model: &Model, shift: bool, command
 }
 
 /// Where a ray passes nearest to the vertical line through a place, as far as it meets the upright plane there that
-/// faces the camera; above the ground. [Unit: m]
+/// faces the camera; above the ground (m).
 fn upright(ray: &Ray, camera: Camera, place: Vec3) -> Option<Vec3> {
     let facing = camera.axes()[2].with_y(0.0).try_normalize()?;
     let distance = (place - ray.origin).dot(facing) / ray.direction.dot(facing);
     (distance.is_finite() && distance > 0.0).then(|| place.with_y(ray.at(distance).y.max(0.05)))
 }
 
-/// Whose target is under the pointer.
+/// Character whose target is under the pointer.
 fn grabbed(model: &Model, run: &Run, rect: Rect, at: Pos2) -> Option<Option<usize>> {
     if !run.has_movable_targets() {
         return None;
@@ -220,8 +220,14 @@ fn click(ui: &Ui, response: &Response, model: &Model, layout: &Layout, commands:
     }
     if let Some(crowd) = model.shown_crowd_scene() {
         let body = render::pick(&ray, &layout.skeleton, layout.poses(model), &layout.instances);
-        let body = body.and_then(|hit| members::of_body(crowd, hit.character));
-        let hit = body.or_else(|| members::pick(crowd, &model.settings.camera, &ray, size(rect)));
+        let body = body.and_then(|hit| agents::of_body(crowd, hit.character));
+        let hit = body.or_else(|| agents::pick(crowd, &model.settings.camera, &ray, size(rect)));
+        return commands.push(Command::SelectCharacter(hit));
+    }
+    if let Some(scene) = model.shown_scene() {
+        let body = render::pick(&ray, &layout.skeleton, layout.poses(model), &layout.instances);
+        let body = body.and_then(|hit| layout.drawn.get(hit.character).copied());
+        let hit = body.or_else(|| stage::scene::pick(scene, &model.settings.camera, &ray, size(rect)));
         return commands.push(Command::SelectCharacter(hit));
     }
     if model.shows_walkers() {
@@ -253,10 +259,10 @@ fn tell_value(response: Response, model: &Model, layout: &Layout) {
     let eye = camera.eye();
     let is_near =
         |c: &&ValueCell| camera.project(c.place, size(rect)).is_some_and(|p| p.distance(within(rect, at)) < NEAR_CELL);
-    // Of those that lie behind each other, the first.
+    // The first of those behind each other.
     let depth = |c: &ValueCell| c.place.distance(eye);
     let Some(found) = layout.cells.iter().filter(is_near).min_by(|a, b| depth(a).total_cmp(&depth(b))) else { return };
-    let Some(policy) = bundle.repertoire().policy(model.selection.policy) else { return };
+    let Some(policy) = bundle.motion_set().policy(model.selection.policy) else { return };
     let (Some(&value), graph) = (policy.values_of(state).get(found.cell), bundle.tables().graph()) else { return };
     let best = usize::from(policy.best_of(state, found.cell)[0]);
     let Some(&segment) = graph.segments_of(state).get(best) else { return };

@@ -1,15 +1,16 @@
 //! Places, ways and numbers in plain words.
 
-use glam::Vec2;
+use glam::{Vec2, Vec3};
 use throng_runtime::Planar;
+use throng_runtime::simulation::{Cast, Simulation};
 use throng_runtime::world::inhabitants::{Doing, Status, Wish};
 
-/// Turns smaller than this are not worth a word. [Unit: degrees]
+/// Turns smaller than this are not worth a word (degrees).
 const STRAIGHT_DEG: f32 = 3.0;
-/// Ways shorter than this are no way. [Unit: m]
+/// Ways shorter than this are no way (m).
 const STAYS_M: f32 = 0.05;
 
-/// A direction from straight ahead, positive to the left. [Unit: rad]
+/// A direction from straight ahead, positive to the left (rad).
 pub fn direction(angle: f32) -> String {
     let degrees = angle.to_degrees().round();
     match degrees.abs() {
@@ -19,7 +20,7 @@ pub fn direction(angle: f32) -> String {
     }
 }
 
-/// Distance and direction of a place in a character's frame (x to the left, z ahead). [Unit: m]
+/// Distance and direction of a place in a character's frame (x to the left, z ahead) (m).
 pub fn place(p: Vec2) -> String {
     if p.length() < STAYS_M {
         return "where it stood".into();
@@ -76,15 +77,37 @@ fn side(degrees: f32) -> &'static str {
 pub fn doing(mind: &Status) -> String {
     let word = match mind.doing {
         Doing::Roaming => "roams",
-        Doing::Planning => "looks for a way",
+        Doing::Planning => "plans a path",
         Doing::Walking => "on its way",
         Doing::Waiting => return format!("has waited {:.1} s for others", mind.waited_s),
-        Doing::Detour => "goes out of others' way",
+        Doing::Detour => "makes way for others",
         Doing::Performing => "does it",
         Doing::Arrived => "is there",
-        Doing::Unreachable => "finds no way",
+        Doing::Unreachable => "finds no path",
     };
     word.to_owned()
+}
+
+/// A character of a scene: its number, its group, and what it is doing.
+pub fn character(simulation: &Simulation, who: usize) -> Option<String> {
+    let group = simulation.groups().iter().find(|g| g.characters.contains(&who))?;
+    let name = &group.name;
+    if simulation.root(who).is_none() {
+        return Some(format!("{who} · {name} · has left"));
+    }
+    let (cast, member) = simulation.member(who);
+    let away = |target: Vec3| {
+        let root = simulation.root(who)?.translation();
+        Some(format!("{:.1}\u{a0}m\u{a0}away", (root - target).with_y(0.0).length()))
+    };
+    let what = match cast {
+        Cast::Policy(_) => format!("target {}", simulation.target(who).and_then(away)?),
+        Cast::Sparring(_) => format!("opponent {}", simulation.target(who).and_then(away)?),
+        Cast::Patches(inhabited) => doing(&inhabited.inhabitants().status(member)),
+        Cast::Paths(wanderers) => format!("{:.1} m/s", wanderers.speed(member)),
+        Cast::Ground(_) | Cast::Air(_) => format!("{:.2} m/s", simulation.disc(who)?.velocity.length()),
+    };
+    Some(format!("{who} · {name} · {what}"))
 }
 
 /// What an inhabitant is to do.
@@ -115,7 +138,7 @@ mod tests {
     }
 
     #[test]
-    fn a_way_names_distance_direction_and_turn() {
+    fn a_displacement_names_distance_direction_and_turn() {
         assert_eq!(way(Planar::new(0.0, 0.61, 0.0)), "0.61 m ahead");
         assert_eq!(way(Planar::new(0.5, 0.5, -0.35)), "0.71 m 45° left, turns 20° right");
         assert_eq!(way(Planar::new(0.01, 0.0, 1.0)), "stays, turns 57° left");

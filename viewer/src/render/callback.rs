@@ -25,7 +25,7 @@ pub struct SceneCallback {
     pub renderer: Arc<Mutex<SceneRenderer>>,
     /// From where.
     pub camera: Camera,
-    /// Size of the picture. [Unit: pixels]
+    /// Size of the picture (pixels).
     pub size: [u32; 2],
     /// Colours of the surroundings.
     pub colours: SceneColours,

@@ -17,7 +17,7 @@ const LEVEL_PIXELS: [f32; LEVELS - 1] = [170.0, 72.0, 40.0];
 const SHADOW_LEVEL: [usize; LEVELS] = [1, 2, 3, 3];
 /// Where a body touches the ground is seen up to this level of its shadow.
 const CONTACT_LEVELS: usize = 2;
-/// Shadows fall this far beyond the sphere of their body at most. [Unit: m]
+/// Shadows fall this far beyond the sphere of their body at most (m).
 const SHADOW_REACH: f32 = 1.6;
 
 /// How a character stands out.

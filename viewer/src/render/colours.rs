@@ -18,7 +18,7 @@ impl Rgba {
         Self([(rgb >> 16) as u8, (rgb >> 8) as u8, rgb as u8, 255])
     }
 
-    /// The same with another opacity. [Limit: 0 to 1]
+    /// The same with another opacity (0 to 1).
     pub fn alpha(self, alpha: f32) -> Self {
         let [r, g, b, _] = self.0;
         Self([r, g, b, (alpha.clamp(0.0, 1.0) * 255.0).round() as u8])

@@ -23,7 +23,7 @@ impl Frustum {
     }
 }
 
-/// Radius around the hips that no part of a body leaves, whatever its pose. [Unit: m]
+/// Radius around the hips that no part of a body leaves, whatever its pose (m).
 pub(super) fn reach(skeleton: &Skeleton) -> f32 {
     let mut chain = [0.0_f32; throng_runtime::NUM_JOINTS];
     for joint in Joint::ALL {

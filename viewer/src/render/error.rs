@@ -21,9 +21,9 @@ pub enum RenderError {
         what: &'static str,
         /// How many were asked for.
         count: usize,
-        /// [Unit: bytes]
+        /// (bytes)
         needed: u64,
-        /// [Unit: bytes]
+        /// (bytes)
         limit: u64,
         /// How many fit.
         most: u64,

@@ -5,7 +5,7 @@ use super::pipelines::{self, COLOUR, DEPTH, Input, MASK, Output, Recipe, SAMPLES
 
 /// Textures of one size.
 pub(super) struct Targets {
-    /// Width and height. [Unit: pixels]
+    /// Width and height (pixels).
     pub size: [u32; 2],
     /// Colour with several samples a pixel.
     pub colour: wgpu::TextureView,
@@ -57,7 +57,7 @@ impl Offscreen {
         Self { mask_layout, sampler, picture_layout, blit, targets: None }
     }
 
-    /// The targets of a size, made anew where it has changed; sizes are brought into what the device can do.
+    /// The targets of a size, rebuilt where it has changed; sizes are brought into what the device can do.
     pub fn resize(&mut self, device: &wgpu::Device, size: [u32; 2]) -> &Targets {
         let most = device.limits().max_texture_dimension_2d;
         let size = size.map(|s| s.clamp(1, most));

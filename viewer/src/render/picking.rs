@@ -11,7 +11,7 @@ pub struct Hit {
     pub character: usize,
     /// The joint that is nearer to the place that was met, of the two at the ends of a limb.
     pub joint: Joint,
-    /// From the start of the ray. [Unit: m]
+    /// From the start of the ray (m).
     pub distance: f32,
 }
 
@@ -20,7 +20,7 @@ pub struct Hit {
 /// Bodies are taken as capsules between joints and their parents; spheres around whole characters are tried before.
 /// Characters with fewer than `num_joints` matrices in the palette are passed over.
 ///
-/// - `palette`: joints in model space. [Size: num_characters * num_joints]
+/// - `palette`: joints in model space (num_characters * num_joints).
 pub fn pick(ray: &Ray, skeleton: &Skeleton, palette: &[Mat3x4], instances: &[CharacterInstance]) -> Option<Hit> {
     let reach = cull::reach(skeleton);
     let mut nearest: Option<Hit> = None;
@@ -74,7 +74,7 @@ fn pick_one(ray: &Ray, skeleton: &Skeleton, pose: &[Mat3x4], instance: &Characte
     nearest
 }
 
-/// Half thickness of the limb that ends in a joint. [Unit: m]
+/// Half thickness of the limb that ends in a joint (m).
 fn radius(joint: Joint) -> f32 {
     use Joint::*;
     match joint {
@@ -152,7 +152,7 @@ mod tests {
     }
 
     #[test]
-    fn finds_what_trying_everything_finds() {
+    fn finds_the_same_as_an_exhaustive_search() {
         let (skeleton, mut rng) = (Skeleton::default(), Pcg32::seed_from_u64(11));
         let (palette, instances) = crowd(60, &mut rng);
         let mut hits = 0;

@@ -20,9 +20,9 @@ pub struct SceneFrame<'a> {
     pub skeleton: &'a Skeleton,
     /// What they look like.
     pub body: Body,
-    /// Joints in model space. [Size: num_characters * num_joints]
+    /// Joints in model space (num_characters * num_joints).
     pub palette: &'a [Mat3x4],
-    /// Where they are. [Size: num_characters]
+    /// Where they are (num_characters).
     pub instances: &'a [CharacterInstance],
     /// What else there is.
     pub shapes: &'a Shapes,
@@ -37,7 +37,7 @@ pub struct UploadStats {
     pub characters: usize,
     /// Shapes.
     pub shapes: usize,
-    /// [Unit: bytes]
+    /// (bytes)
     pub bytes: u64,
 }
 
@@ -145,7 +145,7 @@ impl SceneRenderer {
     }
 
     /// Draws into the picture and submits the work; the picture has the size that was asked for, within what the device
-    /// can do. [Unit: pixels]
+    /// can do (pixels).
     pub fn draw(&mut self, size_px: [u32; 2], camera: &Camera, colours: &SceneColours) -> DrawStats {
         let targets = self.offscreen.resize(&self.device, size_px);
         let uniform = SceneUniform::new(camera, targets.size, colours, &self.skeleton);

@@ -8,7 +8,7 @@ use throng_runtime::{NUM_JOINTS, Skeleton};
 /// Towards the sun. Steep, so that shadows stay near their feet.
 pub(super) const SUN: Vec3 = Vec3::new(0.34, 0.87, 0.36);
 
-/// Distance at which the ground has faded into the horizon, at least. [Unit: m]
+/// Distance at which the ground has faded into the horizon, at least (m).
 const MIN_GROUND_RADIUS: f32 = 60.0;
 
 /// The struct `Scene` of `shaders/scene.wgsl`.

@@ -1,4 +1,4 @@
-//! A list of simple shapes in the world, filled anew for every frame: trails, axes, markers, arrows.
+//! A list of simple shapes in the world, refilled every frame: trails, axes, markers, arrows.
 
 use super::Rgba;
 use bytemuck::{Pod, Zeroable};
@@ -80,18 +80,18 @@ impl Shapes {
         self
     }
 
-    /// A straight line of constant width on the screen. [Unit: m, pixels]
+    /// A straight line of constant width on the screen (m, pixels).
     pub fn line(&mut self, a: Vec3, b: Vec3, width_px: f32, colour: Rgba) {
         let (a, b) = (a.to_array(), b.to_array());
         self.lines.push(LineInstance { a, width_px, b, on_top: self.on_top, colour });
     }
 
-    /// Straight lines from point to point. [Unit: m, pixels]
+    /// Straight lines from point to point (m, pixels).
     pub fn polyline(&mut self, points: &[Vec3], width_px: f32, colour: Rgba) {
         points.windows(2).for_each(|w| self.line(w[0], w[1], width_px, colour));
     }
 
-    /// A circle on a horizontal plane, as a line. [Unit: m, pixels]
+    /// A circle on a horizontal plane, as a line (m, pixels).
     pub fn circle(&mut self, centre: Vec3, radius: f32, width_px: f32, colour: Rgba) {
         const CORNERS: usize = 48;
         let at = |i: usize| {
@@ -101,33 +101,33 @@ impl Shapes {
         (0..CORNERS).for_each(|i| self.line(at(i), at(i + 1), width_px, colour));
     }
 
-    /// A capsule. [Unit: m]
+    /// A capsule (m).
     pub fn capsule(&mut self, a: Vec3, b: Vec3, radius: f32, colour: Rgba) {
         self.round_cone(a, radius, b, radius, colour);
     }
 
-    /// Two spheres of different radii and what is between. [Unit: m]
+    /// Two spheres of different radii and what is between (m).
     pub fn round_cone(&mut self, a: Vec3, radius_a: f32, b: Vec3, radius_b: f32, colour: Rgba) {
         let (a, b) = (a.to_array(), b.to_array());
         self.rounds.push(RoundInstance { a, radius_a, b, radius_b, on_top: self.on_top, colour });
     }
 
-    /// A sphere. [Unit: m]
+    /// A sphere (m).
     pub fn sphere(&mut self, centre: Vec3, radius: f32, colour: Rgba) {
         self.round_cone(centre, radius, centre, radius, colour);
     }
 
-    /// A filled horizontal circle. [Unit: m]
+    /// A filled horizontal circle (m).
     pub fn disc(&mut self, centre: Vec3, radius: f32, colour: Rgba) {
         self.ring(centre, 0.0, radius, colour);
     }
 
-    /// A horizontal band between two circles. [Unit: m]
+    /// A horizontal band between two circles (m).
     pub fn ring(&mut self, centre: Vec3, inner: f32, outer: f32, colour: Rgba) {
         self.rings.push(RingInstance { centre: centre.to_array(), inner, outer, on_top: self.on_top, colour });
     }
 
-    /// A solid arrow with its tip at `b`. [Unit: m]
+    /// A solid arrow with its tip at `b` (m).
     pub fn arrow(&mut self, a: Vec3, b: Vec3, radius: f32, colour: Rgba) {
         let length = a.distance(b);
         if length < 1e-6 {
@@ -139,7 +139,7 @@ impl Shapes {
         self.round_cone(neck, radius * 2.6, b, radius * 0.25, colour);
     }
 
-    /// The axes of a frame: X red, Y green, Z blue. [Unit: m, pixels]
+    /// The axes of a frame: X red, Y green, Z blue (m, pixels).
     pub fn axes(&mut self, origin: Vec3, rotation: Quat, size: f32, width_px: f32) {
         let axes = [(Vec3::X, Rgba::hex(0xd9483b)), (Vec3::Y, Rgba::hex(0x3fa34d)), (Vec3::Z, Rgba::hex(0x3b78d9))];
         for (axis, colour) in axes {

@@ -47,7 +47,7 @@ pub struct Solids {
 }
 
 impl SolidMesh {
-    /// Adds a box. [Unit: m]
+    /// Adds a box (m).
     ///
     /// - `half`: half of its edge lengths along its own axes, which `rotation` turns.
     pub fn add_box(&mut self, centre: Vec3, rotation: Quat, half: Vec3) {
@@ -67,7 +67,7 @@ impl SolidMesh {
         }
     }
 
-    /// Adds a bar with round ends. [Unit: m]
+    /// Adds a bar with round ends (m).
     pub fn add_bar(&mut self, from: Vec3, to: Vec3, radius: f32) {
         let y = (to - from).normalize_or(Vec3::Y);
         let (x, z) = y.any_orthonormal_pair();
@@ -92,7 +92,7 @@ impl SolidMesh {
         }
     }
 
-    /// Adds a triangle, which is seen from both sides. [Unit: m]
+    /// Adds a triangle, which is seen from both sides (m).
     pub fn add_triangle(&mut self, [a, b, c]: [Vec3; 3]) {
         let normal = (b - a).cross(c - a).normalize_or(Vec3::Y);
         self.add_face(&[a, b, c], normal);
@@ -109,7 +109,7 @@ impl SolidMesh {
         }
     }
 
-    /// Where a ray first meets it, standing somewhere: the distance along the ray. [Unit: m]
+    /// Where a ray first meets it, standing somewhere: the distance along the ray (m).
     pub fn meets(&self, ray: &Ray, at: Placement) -> Option<f32> {
         let turn = Quat::from_rotation_y(-at.heading);
         let local = Ray { origin: at.inverse_transform_point(ray.origin), direction: turn * ray.direction };

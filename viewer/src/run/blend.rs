@@ -1,53 +1,54 @@
-//! Somebody whose body is blended: at a point of a parameter box, on the path that the point stands for.
+//! A blended character: at a point of a parameter box, on the path that belongs to the point.
 
 use super::STEP_HZ;
 use super::blending::Blending;
 use super::reel::Reel;
-use crate::document::Bundle;
+use crate::bundle::OpenBundle;
 use glam::Vec2;
 use throng_precompute::scene::walkers::body_of;
 use throng_runtime::blend::walkers::{Control, WalkerStart, Walkers, WalkersConfig};
-use throng_runtime::blend::{BlendError, BlendSpace, HeightField, MAX_AXES, axis};
-use throng_runtime::{Contacts, Mat3x4, NUM_JOINTS, Planar, Skeleton};
+use throng_runtime::blend::{BlendSpace, MAX_AXES, axis};
+use throng_runtime::{Cast, Contacts, Error, Id, Inline, Mat3x4, NUM_JOINTS, Planar, Skeleton};
 
-/// Time in which a difference between the point asked for and the one that is blended halves. [Unit: s]
+/// Half-life of the difference between the requested and the blended point (s).
 const HALF_LIFE_S: f32 = 0.12;
-/// Distance of those who walk side by side. [Unit: m]
+/// Distance of characters walking side by side (m).
 const BESIDE_M: f32 = 1.1;
-/// Farther out, numbers are too coarse to step evenly: the walk begins anew. [Unit: m]
+/// Farther out, numbers are too coarse to step evenly: the walk restarts (m).
 const FAR_M: f32 = 5000.0;
-/// Everybody at one step.
+/// All of them at one step.
 #[derive(Clone, Debug, Default)]
 pub struct BlendMoment {
-    /// Planar roots. [Size: number of people]
+    /// Planar roots (number of people).
     pub roots: Vec<Planar>,
-    /// Joints in model space. [Size: number of people * NUM_JOINTS]
+    /// Joints in model space (number of people * NUM_JOINTS).
     pub poses: Vec<Mat3x4>,
-    /// What is planted. [Size: number of people]
+    /// What is planted (number of people).
     pub contacts: Vec<Contacts>,
-    /// The point that is blended, on its way to the one that was asked for.
+    /// The blended point, on its way to the requested one.
     pub point: [f32; MAX_AXES],
-    /// Generic time of the one that is looked at, in [0, 1).
+    /// Generic time of the selected one, in [0, 1).
     pub phase: f32,
-    /// Weights of the examples in the one that is looked at. [Size: number of examples]
+    /// Weights of the examples in the selected one (number of examples).
     pub weights: Vec<f32>,
 }
 
-/// One of those who walk.
+/// One walking character.
 #[derive(Clone, Debug)]
 struct Person {
     walkers: Walkers,
+    id: Id,
     body: Skeleton,
-    /// Where it walks beside the first one. [Unit: m]
+    /// Where it walks beside the first one (m).
     aside: Vec2,
 }
 
-/// Somebody who walks at a point of a parameter box, and perhaps others beside.
+/// A character walking at a point of a parameter box, and perhaps others beside it.
 #[derive(Clone, Debug)]
 pub struct BlendRun {
     blending: Blending,
     people: Vec<Person>,
-    /// Everybody at the steps that are kept.
+    /// All of them at the recorded steps.
     pub reel: Reel<BlendMoment>,
     /// Where the path has led, and the way it leads on.
     place: Planar,
@@ -56,16 +57,16 @@ pub struct BlendRun {
 }
 
 impl BlendRun {
-    /// Somebody who begins to walk in the first space of a bundle; nothing where it has no space.
+    /// A character that starts to walk in the first space of a bundle; none if it has no space.
     ///
     /// # Errors
     /// A message where the tables do not fit together.
-    pub fn new(bundle: &Bundle) -> Option<Result<Self, String>> {
+    pub fn new(bundle: &OpenBundle) -> Option<Result<Self, String>> {
         let first = bundle.blends().first()?;
         Some(Self::with(bundle, Blending::of(0, first), Planar::IDENTITY, 0.0).map_err(|e| e.to_string()))
     }
 
-    fn with(bundle: &Bundle, blending: Blending, place: Planar, phase: f32) -> Result<Self, BlendError> {
+    fn with(bundle: &OpenBundle, blending: Blending, place: Planar, phase: f32) -> Result<Self, Error> {
         let space = bundle.blend(blending.space)?;
         let blending = blending.limited(space);
         let database = bundle.tables().skeleton();
@@ -77,10 +78,11 @@ impl BlendRun {
             let aside = Vec2::X * side * BESIDE_M * i.div_ceil(2) as f32;
             let root = Planar::new(place.x + aside.x, place.z + aside.y, place.heading);
             let start = WalkerStart { body: 0, root, phase };
-            let walkers = Walkers::new(space, database, std::slice::from_ref(&body), config, &[start])?;
-            Ok(Person { walkers, body, aside })
+            let mut walkers = Walkers::with_capacity(space.clone(), std::slice::from_ref(&body), config, 1)?;
+            let id = walkers.spawn(start)?;
+            Ok(Person { walkers, id, body, aside })
         };
-        let people = blending.people().into_iter().enumerate().map(person).collect::<Result<Vec<_>, BlendError>>()?;
+        let people = blending.people().into_iter().enumerate().map(person).collect::<Result<Vec<_>, Error>>()?;
         let bytes = people.len() * NUM_JOINTS * size_of::<Mat3x4>() + size_of::<BlendMoment>();
         let reel = Reel::new(bytes, BlendMoment::default());
         let mut run = Self { blending, people, reel, place, point: blending.point };
@@ -94,12 +96,12 @@ impl BlendRun {
         &self.blending
     }
 
-    /// Skeletons of those who walk, the one that is looked at first.
+    /// Skeletons of the walking characters, the selected one first.
     pub fn bodies(&self) -> impl ExactSizeIterator<Item = &Skeleton> {
         self.people.iter().map(|p| &p.body)
     }
 
-    /// Everybody at the step that is shown.
+    /// All of them at the step shown.
     pub fn moment(&self) -> &BlendMoment {
         self.reel.moment()
     }
@@ -109,8 +111,8 @@ impl BlendRun {
     /// A point that is moved while time stands still is shown at once, at the same generic time.
     ///
     /// # Errors
-    /// [`BlendError`] for a space that does not exist.
-    pub fn blend(&mut self, bundle: &Bundle, wanted: Blending) -> Result<(), BlendError> {
+    /// [`Error`] for a space that does not exist.
+    pub fn blend(&mut self, bundle: &OpenBundle, wanted: Blending) -> Result<(), Error> {
         let space = bundle.blend(wanted.space)?;
         let wanted = wanted.limited(space);
         if !wanted.has_same_people(&self.blending) {
@@ -129,22 +131,22 @@ impl BlendRun {
         Ok(())
     }
 
-    /// Begins anew where the path began.
+    /// Restarts where the path started.
     ///
     /// # Errors
     /// As [`BlendRun::blend`].
-    pub fn restart(&mut self, bundle: &Bundle) -> Result<(), BlendError> {
+    pub fn restart(&mut self, bundle: &OpenBundle) -> Result<(), Error> {
         let head = self.reel.head;
         *self = Self::with(bundle, self.blending, Planar::IDENTITY, 0.0)?;
         self.reel.head.play_like(&head);
         Ok(())
     }
 
-    /// One step on: one that is kept, or a new one.
+    /// One step forward: a recorded one, or a new one.
     ///
     /// # Errors
-    /// [`BlendError`] where the bundle is another one.
-    pub fn step(&mut self, bundle: &Bundle) -> Result<(), BlendError> {
+    /// [`Error`] where the bundle is another one.
+    pub fn step(&mut self, bundle: &OpenBundle) -> Result<(), Error> {
         if self.reel.head.on() {
             return Ok(());
         }
@@ -162,8 +164,8 @@ impl BlendRun {
         Ok(())
     }
 
-    /// Moves everybody on along the path of the point.
-    fn walk(&mut self, space: &BlendSpace<'_>, database: &Skeleton, dt_s: f32) -> Result<(), BlendError> {
+    /// Moves all of them along the path of the point.
+    fn walk(&mut self, space: &BlendSpace, database: &Skeleton, dt_s: f32) -> Result<(), Error> {
         let leg = |s: &Skeleton| s.leg_length();
         // What a point stands for on this body (Froude numbers, as walkers take them).
         let pace = self.people.first().map_or(1.0, |p| (leg(&p.body) / leg(database)).sqrt());
@@ -184,18 +186,19 @@ impl BlendRun {
         let velocity = pace * Vec2::new(cos * left + sin * ahead, cos * ahead - sin * left);
         for person in &mut self.people {
             let control = Control {
-                position: Vec2::new(self.place.x, self.place.z) + person.aside,
+                position: Some(Vec2::new(self.place.x, self.place.z) + person.aside),
                 velocity,
                 heading: Some(self.place.heading),
                 turning_rate: Some(turning),
                 style,
             };
-            person.walkers.step(space, dt_s, &[control], &HeightField::flat())?;
+            person.walkers.order(person.id, control)?;
+            person.walkers.step(dt_s, &Inline)?;
         }
         Ok(())
     }
 
-    /// Everybody now.
+    /// All of them now.
     fn seen(&self) -> BlendMoment {
         let all = || self.people.iter().map(|p| &p.walkers);
         let first = all().next();
@@ -211,8 +214,8 @@ impl BlendRun {
 }
 
 /// How a point moves, on the database skeleton: to the left and ahead, and its turning rate. What is no axis of the
-/// space is that of its examples. [Unit: m/s, rad/s]
-fn movement(space: &BlendSpace<'_>, point: &[f32; MAX_AXES], weights: &[f32]) -> ([f32; 2], f32) {
+/// space is that of its examples (m/s, rad/s).
+fn movement(space: &BlendSpace, point: &[f32; MAX_AXES], weights: &[f32]) -> ([f32; 2], f32) {
     let on = |kind| space.axis_of(kind).map(|a| point[a]);
     let mean = |of: &dyn Fn(usize) -> f32| -> f32 {
         weights.iter().take(space.examples().len()).enumerate().map(|(e, w)| w * of(e)).sum()
@@ -228,17 +231,17 @@ fn movement(space: &BlendSpace<'_>, point: &[f32; MAX_AXES], weights: &[f32]) ->
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::panels::tests::paces::Paces;
+    use crate::fixtures::paces::Paces;
     use crate::run::Beside;
 
-    fn open() -> (Paces, Bundle, BlendRun) {
+    fn open() -> (Paces, OpenBundle, BlendRun) {
         let paces = Paces::new();
-        let bundle = Bundle::open(&paces.bundle()).unwrap();
+        let bundle = OpenBundle::open(&paces.bundle()).unwrap();
         let run = BlendRun::new(&bundle).unwrap().unwrap();
         (paces, bundle, run)
     }
 
-    fn walk(run: &mut BlendRun, bundle: &Bundle, seconds: f32) {
+    fn walk(run: &mut BlendRun, bundle: &OpenBundle, seconds: f32) {
         (0..(seconds * STEP_HZ) as u32).for_each(|_| run.step(bundle).unwrap());
     }
 
@@ -293,7 +296,7 @@ mod tests {
     }
 
     #[test]
-    fn those_beside_are_others_on_the_same_path() {
+    fn companions_walk_the_same_path() {
         let (_paces, bundle, mut run) = open();
         run.blend(&bundle, Blending { beside: Beside::Sizes, ..*run.blending() }).unwrap();
         walk(&mut run, &bundle, 2.0);
@@ -310,7 +313,7 @@ mod tests {
     }
 
     #[test]
-    fn a_walk_begins_anew() {
+    fn a_walk_restarts() {
         let (_paces, bundle, mut run) = open();
         let first = run.moment().clone();
         walk(&mut run, &bundle, 1.0);

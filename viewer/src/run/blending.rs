@@ -2,18 +2,18 @@
 
 use throng_runtime::blend::{BlendSpace, MAX_AXES, axis};
 
-/// Sizes that a body may have. [Unit: size of the database skeleton]
+/// Sizes that a body may have (size of the database skeleton).
 pub const SIZES: [f32; 2] = [0.7, 1.2];
 /// Lengths of legs over that, as factors.
 pub const LEGS: [f32; 2] = [0.85, 1.15];
 
-/// Speed that a walk begins with. [Unit: m/s]
+/// Speed that a walk begins with (m/s).
 const BEGIN_MPS: f32 = 1.3;
 
-/// Who walks beside.
+/// Characters walking beside it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Beside {
-    /// Nobody.
+    /// None.
     #[default]
     Nobody,
     /// The same body with the other choice of retargeting.
@@ -29,19 +29,19 @@ pub struct Blending {
     pub space: usize,
     /// Point of its parameter box, axis by axis.
     pub point: [f32; MAX_AXES],
-    /// Size of the body. [Unit: size of the database skeleton] [Limit: SIZES]
+    /// Size of the body (size of the database skeleton, SIZES).
     pub size: f32,
-    /// Length of its legs over that. [Limit: LEGS]
+    /// Length of its legs over that (LEGS).
     pub legs: f32,
     /// Feet are planted and limbs reach; else the joint angles are taken as they are blended.
     pub retarget: bool,
-    /// Who walks beside.
+    /// Characters walking beside it.
     pub beside: Beside,
 }
 
 impl Blending {
     /// A walk straight ahead in a space, on the database skeleton.
-    pub fn of(space: usize, blend: &BlendSpace<'_>) -> Self {
+    pub fn of(space: usize, blend: &BlendSpace) -> Self {
         let mut point = [0.0; MAX_AXES];
         for (p, axis) in point.iter_mut().zip(blend.axes()) {
             let wanted = if axis.kind == axis::SPEED { BEGIN_MPS } else { 0.0 };
@@ -50,8 +50,8 @@ impl Blending {
         Self { space, point, size: 1.0, legs: 1.0, retarget: true, beside: Beside::Nobody }
     }
 
-    /// The nearest one that can be shown. [Limit: space < number of spaces]
-    pub(super) fn limited(mut self, blend: &BlendSpace<'_>) -> Self {
+    /// The nearest one that can be shown (space < number of spaces).
+    pub(super) fn limited(mut self, blend: &BlendSpace) -> Self {
         for (p, axis) in self.point.iter_mut().zip(blend.axes()) {
             *p = if *p > axis.low { p.min(axis.high) } else { axis.low };
         }
@@ -60,7 +60,7 @@ impl Blending {
         self
     }
 
-    /// Everybody who walks: size, legs, retargeted; the one that is looked at first.
+    /// All that walk: size, legs, retargeted; the selected one first.
     pub(super) fn people(&self) -> Vec<(f32, f32, bool)> {
         let own = (self.size, self.legs, self.retarget);
         match self.beside {
@@ -80,13 +80,13 @@ impl Blending {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::document::Bundle;
-    use crate::panels::tests::paces::Paces;
+    use crate::bundle::OpenBundle;
+    use crate::fixtures::paces::Paces;
 
     #[test]
-    fn what_is_out_of_range_is_limited() {
+    fn values_out_of_range_are_limited() {
         let paces = Paces::new();
-        let bundle = Bundle::open(&paces.bundle()).unwrap();
+        let bundle = OpenBundle::open(&paces.bundle()).unwrap();
         let space = &bundle.blends()[0];
         let [speed, turning] = [0, 1].map(|a| space.axes()[a]);
         let good = Blending::of(0, space);

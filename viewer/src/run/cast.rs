@@ -1,11 +1,11 @@
-//! Who moves in a run: a crowd, or the characters of a scene.
+//! The cast of a run: a crowd, or the characters of a scene.
 
 use super::Input;
-use crate::document::Bundle;
+use crate::bundle::OpenBundle;
 use glam::Vec3;
 use throng_precompute::scene::{Cast as SceneCast, Play, PlaySnapshot};
+use throng_runtime::characters::{Characters, CharactersError, CharactersSnapshot, Goal};
 use throng_runtime::sparring::Aim;
-use throng_runtime::troupe::{Goal, Troupe, TroupeError, TroupeSnapshot};
 
 /// Characters from which on a step of a crowd is split over threads.
 const PARALLEL_FROM: usize = 1000;
@@ -32,7 +32,7 @@ pub struct RunGoal {
 #[derive(Clone, Debug)]
 pub(super) enum Cast {
     /// Characters that chase targets over the ground.
-    Crowd(Box<Troupe>),
+    Crowd(Box<Characters>),
     /// The characters of a scene.
     Scene(Box<Play>),
 }
@@ -40,12 +40,12 @@ pub(super) enum Cast {
 /// What it remembers at one instant.
 #[derive(Clone, Debug)]
 pub(super) enum CastSnapshot {
-    Crowd(TroupeSnapshot),
+    Crowd(CharactersSnapshot),
     Scene(PlaySnapshot),
 }
 
 impl CastSnapshot {
-    /// Memory that it takes. [Unit: bytes]
+    /// Memory that it takes (bytes).
     pub fn num_bytes(&self) -> usize {
         match self {
             Self::Crowd(s) => s.num_bytes(),
@@ -55,10 +55,10 @@ impl CastSnapshot {
 }
 
 impl Cast {
-    pub fn troupe(&self) -> &Troupe {
+    pub fn characters(&self) -> &Characters {
         match self {
-            Self::Crowd(troupe) => troupe,
-            Self::Scene(play) => play.troupe(),
+            Self::Crowd(characters) => characters,
+            Self::Scene(play) => play.characters(),
         }
     }
 
@@ -111,60 +111,60 @@ impl Cast {
         }
     }
 
-    /// Moves everybody on.
+    /// Takes a step.
     ///
     /// - `goals` and `weights`: of the run. Targets of a crowd are in `targets`.
     pub fn step(
         &mut self,
-        bundle: &Bundle,
+        bundle: &OpenBundle,
         dt: f32,
         (goals, weights): (&[RunGoal], &[f32]),
         targets: &[Vec3],
-    ) -> Result<(), TroupeError> {
-        let repertoire = bundle.repertoire();
-        let troupe = match self {
+    ) -> Result<(), CharactersError> {
+        let motion_set = bundle.motion_set();
+        let characters = match self {
             Self::Scene(play) => {
                 play.set_weights(weights)?;
-                return play.step(repertoire, dt);
+                return play.step(motion_set, dt);
             }
-            Self::Crowd(troupe) => troupe,
+            Self::Crowd(characters) => characters,
         };
         let all = goals.iter().zip(weights).map(|(g, &weight)| Goal { policy: g.policy, weight, targets });
         // One behaviour alone can be loaded without looking ahead; those switched off do not count.
         let none_counts = weights.iter().all(|&w| w == 0.0);
         let goals: Vec<Goal<'_>> = all.filter(|g| g.weight != 0.0 || none_counts).collect();
-        if troupe.num_characters() >= PARALLEL_FROM {
-            troupe.par_step(repertoire, dt, &goals)
+        if characters.num_characters() >= PARALLEL_FROM {
+            characters.par_step(motion_set, dt, &goals)
         } else {
-            troupe.step(repertoire, dt, &goals)
+            characters.step(motion_set, dt, &goals)
         }
     }
 
-    /// Hangs a target of a scene elsewhere; everybody's where no character is named. Nothing else can be moved so.
-    pub fn move_target(&mut self, character: Option<usize>, to: Vec3) -> Result<(), TroupeError> {
+    /// Moves a target of a scene; all targets if no character is named. Nothing else can be moved this way.
+    pub fn move_target(&mut self, character: Option<usize>, to: Vec3) -> Result<(), CharactersError> {
         let Self::Scene(play) = self else { return Ok(()) };
         let all = 0..play.homes.len();
         all.filter(|&c| character.is_none_or(|who| who == c)).try_for_each(|c| play.set_home(c, to))
     }
 
     /// Lets a character play a segment at once.
-    pub fn play_segment(&mut self, bundle: &Bundle, character: usize, segment: u32) -> Result<(), TroupeError> {
+    pub fn play_segment(&mut self, bundle: &OpenBundle, character: usize, segment: u32) -> Result<(), CharactersError> {
         match self {
-            Self::Crowd(troupe) => troupe.play(bundle.repertoire(), character, segment),
-            Self::Scene(play) => play.play(bundle.repertoire(), character, segment),
+            Self::Crowd(characters) => characters.play(bundle.motion_set(), character, segment),
+            Self::Scene(play) => play.play(bundle.motion_set(), character, segment),
         }
     }
 
     pub fn snapshot(&self) -> CastSnapshot {
         match self {
-            Self::Crowd(troupe) => CastSnapshot::Crowd(troupe.snapshot()),
+            Self::Crowd(characters) => CastSnapshot::Crowd(characters.snapshot()),
             Self::Scene(play) => CastSnapshot::Scene(play.snapshot()),
         }
     }
 
-    pub fn restore(&mut self, snapshot: &CastSnapshot) -> Result<(), TroupeError> {
+    pub fn restore(&mut self, snapshot: &CastSnapshot) -> Result<(), CharactersError> {
         match (self, snapshot) {
-            (Self::Crowd(troupe), CastSnapshot::Crowd(s)) => troupe.restore(s),
+            (Self::Crowd(characters), CastSnapshot::Crowd(s)) => characters.restore(s),
             (Self::Scene(play), CastSnapshot::Scene(s)) => play.restore(s),
             _ => unreachable!("a run's record is of its own cast"),
         }

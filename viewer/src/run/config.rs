@@ -2,23 +2,23 @@
 
 use serde::{Deserialize, Serialize};
 use throng_precompute::scene::Scene;
-use throng_runtime::troupe::{Choice, FootLockConfig, TroupeConfig};
+use throng_runtime::characters::{CharactersConfig, Choice, FootLockConfig};
 
-/// Steps a second of simulated time. [Unit: Hz]
+/// Steps a second of simulated time (Hz).
 pub const STEP_HZ: f32 = 60.0;
 /// Most characters of a run.
 pub const MAX_CHARACTERS: usize = 20_000;
 
-/// Farthest from the origin that a target may be moved. [Unit: m]
+/// Farthest from the origin that a target may be moved (m).
 pub const MAX_TARGET_M: f32 = 1e4;
 
 /// What targets do.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum TargetMode {
-    /// Everybody has a target of its own that stays where it is.
+    /// Each character has its own target that stays where it is.
     #[default]
     Own,
-    /// Everybody has a target of its own, which moves on when it is reached.
+    /// Each character has its own target, which moves on when it is reached.
     Wander,
     /// One target for all.
     Shared,
@@ -34,23 +34,23 @@ impl TargetMode {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct RunConfig {
-    /// Number of characters. [Limit: 1 to MAX_CHARACTERS]
+    /// Number of characters (1 to MAX_CHARACTERS).
     pub characters: usize,
     /// Seed of places, targets and choices.
     pub seed: u64,
     /// What targets do.
     pub targets: TargetMode,
-    /// Nearest and farthest a target stands. [Unit: m]
+    /// Nearest and farthest a target stands (m).
     pub distances: [f32; 2],
-    /// Distance between neighbours at the start. [Unit: m]
+    /// Distance between neighbours at the start (m).
     pub spacing_m: f32,
-    /// A target counts as reached within this distance. [Unit: m]
+    /// A target counts as reached within this distance (m).
     pub reach_m: f32,
     /// Load the stored best action instead of looking ahead.
     pub single_load: bool,
     /// Randomness of the choice among the best actions; 0 takes the best.
     pub temperature: f32,
-    /// How far a walked action may be bent towards the target. [Unit: rad/m]
+    /// How far a walked action may be bent towards the target (rad/m).
     pub bend_rad_per_m: f32,
     /// Hold planted feet.
     pub foot_lock: bool,
@@ -103,16 +103,16 @@ impl RunConfig {
     }
 
     /// How characters move.
-    pub fn troupe(&self) -> TroupeConfig {
+    pub fn characters(&self) -> CharactersConfig {
         let choice =
             if self.single_load { Choice::BestAction } else { Choice::LookAhead { temperature: self.temperature } };
-        TroupeConfig {
+        CharactersConfig {
             seed: self.seed,
             choice,
             bend_rad_per_m: self.bend_rad_per_m,
             foot_lock: FootLockConfig { enabled: self.foot_lock, ..FootLockConfig::default() },
             timed: true,
-            ..TroupeConfig::default()
+            ..CharactersConfig::default()
         }
     }
 }

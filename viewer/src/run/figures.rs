@@ -2,15 +2,15 @@
 
 use throng_precompute::scene::{Cast as SceneCast, Play};
 use throng_precompute::slip::SlipMeter;
+use throng_runtime::characters::StepTimes;
 use throng_runtime::sparring::Tally;
-use throng_runtime::troupe::StepTimes;
 
 /// Speed of planted heels and toes over all characters at one step.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Slip {
-    /// [Unit: m/s]
+    /// (m/s)
     pub mean_mps: f32,
-    /// 95th percentile. [Unit: m/s]
+    /// 95th percentile (m/s).
     pub p95_mps: f32,
     /// Planted heels and toes that were measured.
     pub samples: u32,
@@ -27,11 +27,11 @@ impl From<&SlipMeter> for Slip {
 pub struct BoutFigures {
     /// Blows of all characters.
     pub blows: Tally,
-    /// Simulated time. [Unit: s]
+    /// Simulated time (s).
     pub seconds: f64,
-    /// Deepest overlap of two opponents at the step; none where nobody has an opponent. [Unit: m]
+    /// Deepest overlap of two opponents at the step; none without opponents (m).
     pub penetration_m: Option<f32>,
-    /// The deepest so far. [Unit: m]
+    /// The deepest so far (m).
     pub max_penetration_m: f32,
 }
 
@@ -65,7 +65,7 @@ impl From<&Play> for BoutFigures {
 pub struct StepFigures {
     /// Time of each phase, summed over threads.
     pub times: StepTimes,
-    /// Wall time of the troupe's step. [Unit: s]
+    /// Wall time of the characters' step (s).
     pub wall_s: f64,
     /// How planted feet move.
     pub slip: Slip,

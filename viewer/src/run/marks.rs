@@ -3,8 +3,8 @@
 use super::cast::Cast;
 use glam::Vec3;
 use throng_precompute::scene::Cast as SceneCast;
+use throng_runtime::characters::Blow;
 use throng_runtime::sparring::Part;
-use throng_runtime::troupe::Blow;
 
 /// What a blow met.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -22,22 +22,22 @@ pub enum Met {
 pub struct Mark {
     /// Step at which it was struck.
     pub step: u32,
-    /// Who struck.
+    /// The character that struck.
     pub character: usize,
-    /// Where, in the world. [Unit: m]
+    /// Where, in the world (m).
     pub point: Vec3,
     /// Direction of the blow, of unit length.
     pub direction: Vec3,
-    /// Speed over that of the fastest hit of its kind. [Limit: > 0, <= 1]
+    /// Speed over that of the fastest hit of its kind (> 0, <= 1).
     pub force: f32,
     /// What it met.
     pub met: Met,
 }
 
-/// Blows of the last step of a scene; none of a crowd, where nobody strikes at anything.
+/// Blows of the last step of a scene; none in a crowd without a scene.
 pub(super) fn of_step(cast: &Cast, step: u32) -> impl Iterator<Item = Mark> {
     let play = cast.play();
-    let blows = play.map_or(&[][..], |p| p.troupe().blows());
+    let blows = play.map_or(&[][..], |p| p.characters().blows());
     blows.iter().map(move |b| {
         let met = play.map_or(Met::Nothing, |p| met(&p.cast, b));
         Mark { step, character: b.character as usize, point: b.point, direction: b.direction, force: b.force, met }

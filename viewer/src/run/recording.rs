@@ -49,7 +49,7 @@ impl Recording {
         }
     }
 
-    /// Steps that can be shown. [Limit: a step has been taken]
+    /// Steps that can be shown (a step has been taken).
     pub fn range(&self) -> RangeInclusive<u32> {
         self.first..=(self.first + self.figures.len() as u32).saturating_sub(1)
     }
@@ -95,7 +95,7 @@ impl Recording {
         self.figures.push_back(figures);
         self.marks.extend(marks::of_step(&s.cast, step));
         if step.is_multiple_of(TRAIL_EVERY) {
-            let places = (0..s.config.characters).map(|c| s.cast.troupe().root(c)).map(|r| Vec2::new(r.x, r.z));
+            let places = (0..s.config.characters).map(|c| s.cast.characters().root(c)).map(|r| Vec2::new(r.x, r.z));
             self.trails.push_back((step, places.collect()));
         }
         if self.figures.len() as u32 > RECORDED_STEPS + KEYFRAME_EVERY {
@@ -159,7 +159,7 @@ impl Recording {
         self.marks.range(first..).take_while(move |m| m.step <= to)
     }
 
-    /// Memory that it takes. [Unit: bytes]
+    /// Memory that it takes (bytes).
     pub fn num_bytes(&self) -> usize {
         let keyframes: usize = self.keyframes.iter().map(Keyframe::num_bytes).sum();
         let trails: usize = self.trails.iter().map(|t| size_of_val(t.1.as_slice())).sum();

@@ -9,10 +9,10 @@ use std::time::{Duration, Instant};
 const BUDGET: Duration = Duration::from_millis(50);
 /// Steps that are kept at most.
 const MAX_STEPS: usize = 60 * STEP_HZ as usize;
-/// Memory that the moments of a run may take. [Unit: bytes]
+/// Memory that the moments of a run may take (bytes).
 const MAX_BYTES: usize = 192 << 20;
 
-/// The play head: which of the steps that are kept is shown, and how time moves on.
+/// The play head: which of the recorded steps is shown, and how time moves on.
 #[derive(Clone, Copy, Debug)]
 pub struct Head {
     first: u32,
@@ -20,7 +20,7 @@ pub struct Head {
     now: u32,
     playing: bool,
     speed: f32,
-    /// Simulated time that has passed but has not been stepped. [Unit: s]
+    /// Simulated time that has passed but has not been stepped (s).
     owed_s: f32,
 }
 
@@ -41,7 +41,7 @@ impl Head {
         self.now
     }
 
-    /// True where the step that is shown is the last one so far.
+    /// True where the step shown is the last one so far.
     pub fn is_live(&self) -> bool {
         self.now == self.last
     }
@@ -62,24 +62,29 @@ impl Head {
         self.owed_s = 0.0;
     }
 
+    /// Shows a step of another range of recorded steps.
+    pub(super) fn record(&mut self, recorded: RangeInclusive<u32>, now: u32) {
+        (self.first, self.last, self.now) = (*recorded.start(), *recorded.end(), now);
+    }
+
     /// Plays or stops, as fast, as another one does.
     pub fn play_like(&mut self, other: &Self) {
         self.play(other.playing);
         self.speed = other.speed;
     }
 
-    /// Sets how many simulated seconds pass in one. [Limit: 0.05 to 8, clamped]
+    /// Sets how many simulated seconds pass in one (0.05 to 8, clamped).
     pub fn set_speed(&mut self, speed: f32) {
         self.speed = if speed.is_finite() { speed.clamp(0.05, 8.0) } else { 1.0 };
     }
 
-    /// Shows a step that is kept, the nearest one there is.
+    /// Shows a step that is recorded, the nearest one there is.
     pub fn seek(&mut self, step: u32) {
         self.now = step.clamp(self.first, self.last);
         self.owed_s = 0.0;
     }
 
-    /// Shows the next step that is kept; false where it has not been lived yet.
+    /// Shows the next step that is recorded; false where it has not been lived yet.
     pub fn on(&mut self) -> bool {
         let is_kept = !self.is_live();
         self.now += u32::from(is_kept);
@@ -128,7 +133,7 @@ pub struct Reel<M> {
 impl<M> Reel<M> {
     /// A reel that begins with a moment.
     ///
-    /// - `moment_bytes`: about what a moment takes. [Unit: bytes]
+    /// - `moment_bytes`: about what a moment takes (bytes).
     pub fn new(moment_bytes: usize, first: M) -> Self {
         let most = (MAX_BYTES / moment_bytes.max(1)).clamp(2, MAX_STEPS);
         Self { head: Head::default(), moments: VecDeque::from([first]), most }
@@ -163,7 +168,7 @@ impl<M> Reel<M> {
         self.at(self.head.last)
     }
 
-    /// Moments before the one that is shown and this one, every `every`-th, so many seconds at most.
+    /// Moments before the one shown and this one, every `every`-th, so many seconds at most.
     pub fn before(&self, seconds: f32, every: u32) -> impl Iterator<Item = &M> {
         let from = self.head.now.saturating_sub((seconds * STEP_HZ) as u32).max(self.head.first);
         let steps = (from.next_multiple_of(every)..self.head.now).step_by(every as usize);
@@ -185,7 +190,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_kept_is_shown_again_and_what_is_old_is_let_go() {
+    fn recorded_moments_are_shown_again_and_old_ones_dropped() {
         let mut reel = reel();
         (1..=5).for_each(|i| reel.push(i));
         assert_eq!((reel.head.recorded(), *reel.moment(), reel.head.is_live()), (3..=5, 5, true));

@@ -3,7 +3,7 @@
 use super::cast::{About, Cast, CastSnapshot, RunGoal};
 use super::config::{RunConfig, STEP_HZ, TargetMode};
 use super::figures::{BoutFigures, Slip, StepFigures};
-use crate::document::Bundle;
+use crate::bundle::OpenBundle;
 use glam::Vec3;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
@@ -13,19 +13,19 @@ use throng_precompute::BuildError;
 use throng_precompute::scene::Scene;
 use throng_precompute::slip::SlipMeter;
 use throng_runtime::Planar;
-use throng_runtime::troupe::{Start, Troupe, TroupeError};
+use throng_runtime::characters::{Characters, CharactersError, Start};
 
 /// Something done to a run from outside. Inputs are recorded and repeated when the run is.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Input {
-    /// A target is moved; everybody's where no character is named. [Unit: m]
+    /// A target is moved; all targets if no character is named (m).
     Target {
         /// Whose.
         character: Option<usize>,
         /// Where to.
         to: Vec3,
     },
-    /// What every behaviour counts. [Size: number of behaviours]
+    /// What every behaviour counts (number of behaviours).
     Weights(Vec<f32>),
     /// A character plays a segment at once.
     Play {
@@ -76,7 +76,7 @@ impl Keyframe {
         &self.around.weights
     }
 
-    /// Memory that it takes. [Unit: bytes]
+    /// Memory that it takes (bytes).
     pub fn num_bytes(&self) -> usize {
         let a = &self.around;
         let vectors = a.targets.len() + a.threats.len() + a.choice_targets.len() + a.choice_threats.len();
@@ -90,7 +90,7 @@ impl Keyframe {
 pub(super) struct Simulation {
     pub config: RunConfig,
     pub cast: Cast,
-    /// What is weighed. [Size: number of weights]
+    /// What is weighed (number of weights).
     pub goals: Vec<RunGoal>,
     pub around: Surroundings,
     slip: SlipMeter,
@@ -100,18 +100,18 @@ impl Simulation {
     /// Characters on a loose grid, each with a target in some direction. No step has been taken.
     ///
     /// - `weights`: of the first behaviours, which are weighed.
-    pub fn new(bundle: &Bundle, config: RunConfig, weights: Vec<f32>) -> Result<Self, TroupeError> {
+    pub fn new(bundle: &OpenBundle, config: RunConfig, weights: Vec<f32>) -> Result<Self, CharactersError> {
         let num_states = bundle.tables().graph().states.len() as u32;
         let (starts, targets) = scatter(&config, num_states);
-        let troupe = Troupe::new(bundle.repertoire(), config.troupe(), &starts)?;
+        let characters = Characters::new(bundle.motion_set(), config.characters(), &starts)?;
         let goals = (0..weights.len()).map(|policy| RunGoal { policy, about: About::Target }).collect();
         let around = Surroundings { targets, weights, ..Surroundings::default() };
-        Ok(Self::at_start(config, Cast::Crowd(Box::new(troupe)), goals, around))
+        Ok(Self::at_start(config, Cast::Crowd(Box::new(characters)), goals, around))
     }
 
     /// The characters of a scene where they start. No step has been taken.
-    pub fn of_scene(bundle: &Bundle, scene: &Scene) -> Result<Self, BuildError> {
-        let cast = Cast::Scene(Box::new(scene.play(bundle.tables(), bundle.repertoire())?));
+    pub fn of_scene(bundle: &OpenBundle, scene: &Scene) -> Result<Self, BuildError> {
+        let cast = Cast::Scene(Box::new(scene.play(bundle.tables(), bundle.motion_set())?));
         let mut around = Surroundings { weights: cast.weights(), ..Surroundings::default() };
         cast.observe(&mut around.targets, &mut around.threats);
         let goals = cast.goals();
@@ -135,7 +135,7 @@ impl Simulation {
         Keyframe { cast: self.cast.snapshot(), around: self.around.clone() }
     }
 
-    pub fn restore(&mut self, keyframe: &Keyframe) -> Result<(), TroupeError> {
+    pub fn restore(&mut self, keyframe: &Keyframe) -> Result<(), CharactersError> {
         self.cast.restore(&keyframe.cast)?;
         self.around.clone_from(&keyframe.around);
         self.slip.forget_step();
@@ -143,7 +143,7 @@ impl Simulation {
     }
 
     /// Lets an input take effect.
-    pub fn take(&mut self, bundle: &Bundle, input: &Input) -> Result<(), TroupeError> {
+    pub fn take(&mut self, bundle: &OpenBundle, input: &Input) -> Result<(), CharactersError> {
         match input {
             Input::Target { character, to } => self.move_target(*character, *to)?,
             Input::Weights(weights) => self.around.weights.clone_from(weights),
@@ -152,8 +152,8 @@ impl Simulation {
         Ok(())
     }
 
-    /// Moves a target; everybody's where no character is named. Opponents' heads cannot be moved.
-    pub fn move_target(&mut self, character: Option<usize>, to: Vec3) -> Result<(), TroupeError> {
+    /// Moves a target; all targets if no character is named. Opponents' heads cannot be moved.
+    pub fn move_target(&mut self, character: Option<usize>, to: Vec3) -> Result<(), CharactersError> {
         if self.cast.play().is_some() {
             self.cast.move_target(character, to)?;
             self.cast.observe(&mut self.around.targets, &mut self.around.threats);
@@ -171,14 +171,14 @@ impl Simulation {
     }
 
     /// One step; the very first one only takes the first choices. Measures it.
-    pub fn step(&mut self, bundle: &Bundle) -> Result<StepFigures, TroupeError> {
+    pub fn step(&mut self, bundle: &OpenBundle) -> Result<StepFigures, CharactersError> {
         let dt = if self.around.step == 0 { 0.0 } else { 1.0 / STEP_HZ };
         let a = &mut self.around;
         let begin = Instant::now();
         self.cast.step(bundle, dt, (&self.goals, &a.weights), &a.targets)?;
         let wall_s = begin.elapsed().as_secs_f64();
         for c in 0..self.config.characters {
-            let made = self.cast.troupe().num_choices(c);
+            let made = self.cast.characters().num_choices(c);
             if made != std::mem::replace(&mut a.num_choices[c], made) {
                 a.choice_steps[c] = a.step;
                 a.choice_targets[c] = a.targets[c];
@@ -197,17 +197,17 @@ impl Simulation {
     }
 
     fn measure(&mut self, dt: f32) -> StepFigures {
-        let troupe = self.cast.troupe();
+        let characters = self.cast.characters();
         self.slip.clear();
-        self.slip.observe(troupe, dt);
+        self.slip.observe(characters, dt);
         let slip = Slip::from(&self.slip);
         let at_target = (0..self.config.characters).filter(|&c| self.is_at_target(c)).count();
         let bout = self.cast.play().map(BoutFigures::from);
-        StepFigures { times: troupe.times(), slip, at_target, bout, ..StepFigures::default() }
+        StepFigures { times: characters.times(), slip, at_target, bout, ..StepFigures::default() }
     }
 
     fn is_at_target(&self, c: usize) -> bool {
-        let (root, target) = (self.cast.troupe().root(c), self.around.targets[c]);
+        let (root, target) = (self.cast.characters().root(c), self.around.targets[c]);
         (root.x - target.x).hypot(root.z - target.z) < self.config.reach_m
     }
 

@@ -1,9 +1,9 @@
 //! A run against itself: played, rewound, branched.
 
 use super::*;
-use crate::document::{Bundle, SceneFile};
-use crate::panels::tests::boxing::Boxing;
-use crate::panels::tests::golden as bundle;
+use crate::bundle::OpenBundle;
+use crate::fixtures::boxing::Boxing;
+use crate::fixtures::golden as bundle;
 use throng_runtime::Mat3x4;
 
 fn config() -> RunConfig {
@@ -11,7 +11,7 @@ fn config() -> RunConfig {
 }
 
 fn poses(run: &Run) -> Vec<Mat3x4> {
-    run.troupe().model_matrices().to_vec()
+    run.characters().model_matrices().to_vec()
 }
 
 #[test]
@@ -57,22 +57,22 @@ fn an_input_in_the_past_replaces_what_followed() {
     run.seek(&b, 40).unwrap();
     let to = Vec3::new(9.0, 0.0, 9.0);
     run.input(Input::Target { character: Some(2), to });
-    assert_eq!(run.recorded(), 0..=40);
-    assert!(run.is_live());
+    assert_eq!(run.head.recorded(), 0..=40);
+    assert!(run.head.is_live());
     run.step(&b).unwrap();
     assert_eq!((run.now(), run.targets()[2]), (41, to));
 }
 
 #[test]
-fn a_minute_can_be_gone_back_and_no_more_is_kept() {
+fn the_last_minute_is_recorded_and_no_more() {
     let b = bundle();
     let mut run = Run::new(&b, RunConfig { characters: 2, ..config() }, &[]).unwrap();
     run.input(Input::Weights(vec![0.5]));
     (0..RECORDED_STEPS + 500).for_each(|_| run.step(&b).unwrap());
-    let kept = run.recorded().end() - run.recorded().start();
+    let kept = run.head.recorded().end() - run.head.recorded().start();
     assert!((RECORDED_STEPS..RECORDED_STEPS + 120).contains(&kept), "{kept}");
     run.seek(&b, 0).unwrap();
-    assert_eq!(run.now(), *run.recorded().start());
+    assert_eq!(run.now(), *run.head.recorded().start());
     assert_eq!(run.weights(), [0.5]);
 }
 
@@ -85,15 +85,16 @@ fn the_reasons_of_a_choice_name_the_action_that_is_played() {
         let why = run.why(&b, c).unwrap();
         // Without chance, the best candidate is taken.
         assert_eq!(why.chosen, 0);
-        assert_eq!(why.candidates[0].segment, run.troupe().segment(c).0);
+        assert_eq!(why.candidates[0].segment, run.characters().segment(c).0);
         assert!(why.step <= run.now());
         assert!(why.candidates.is_sorted_by(|a, b| a.score >= b.score));
     }
 }
 
-fn scene(path: &std::path::Path) -> (Bundle, Run) {
-    let (file, bundle) = SceneFile::open(path).unwrap();
-    let run = Run::of_scene(&bundle, &file.scene).unwrap();
+fn scene(path: &std::path::Path) -> (OpenBundle, Run) {
+    let scene = Scene::load(path).unwrap();
+    let bundle = OpenBundle::open(&scene.bundle).unwrap();
+    let run = Run::of_scene(&bundle, &scene).unwrap();
     (bundle, run)
 }
 
@@ -127,11 +128,11 @@ fn a_recorded_bout_looks_and_counts_as_it_did() {
     // Opponents' heads stay where they are.
     run.input(Input::Target { character: Some(0), to: Vec3::ZERO });
     assert_eq!(run.targets(), seen[300].3);
-    assert_eq!(run.recorded(), 0..=600);
+    assert_eq!(run.head.recorded(), 0..=600);
 }
 
 #[test]
-fn marks_tell_what_became_of_every_blow() {
+fn marks_show_the_result_of_every_blow() {
     let boxing = Boxing::new();
     let (b, mut run) = scene(&boxing.pairs(6));
     (0..900).for_each(|_| run.step(&b).unwrap());
@@ -185,11 +186,11 @@ fn the_reasons_of_a_boxer_name_what_it_does_and_which_behaviours_did_not_count()
         for c in 0..8 {
             let why = run.why(&b, c).unwrap();
             assert_eq!(why.behaviours.len(), 3);
-            assert_eq!(why.candidates[why.chosen].segment, run.troupe().segment(c).0);
+            assert_eq!(why.candidates[why.chosen].segment, run.characters().segment(c).0);
             let best = why.candidates[0].score;
             assert!(best - why.candidates[why.chosen].score < 1e-4, "character {c} at {step}");
             for s in &why.behaviours {
-                let policy = b.repertoire().policy(s.policy).unwrap();
+                let policy = b.motion_set().policy(s.policy).unwrap();
                 assert_eq!(s.is_active, policy.region().contains(s.target));
                 inactive += u32::from(!s.is_active);
             }

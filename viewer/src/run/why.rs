@@ -1,7 +1,7 @@
 //! Why a character took its action: the scores of all it could have done, as they were when it chose.
 
 use super::{About, Run};
-use crate::document::Bundle;
+use crate::bundle::OpenBundle;
 use glam::{Vec2, Vec3};
 use throng_runtime::Planar;
 
@@ -14,11 +14,11 @@ pub struct BehaviourScore {
     pub weight: f32,
     /// What it is about.
     pub about: About,
-    /// What it was about, as seen from the character: x, height or seconds, z. [Unit: m]
+    /// What it was about, as seen from the character: x, height or seconds, z (m).
     pub target: Vec3,
-    /// The target was where the behaviour is active (003 section 6); otherwise it did not count.
+    /// The target was where the behaviour is active (Lee and Lee 2004, section 6); otherwise it did not count.
     pub is_active: bool,
-    /// Value of the state for the target, before any action (003 eq. 4).
+    /// Value of the state for the target, before any action (Lee and Lee 2004, eq. 4).
     pub value: f32,
 }
 
@@ -38,9 +38,9 @@ pub struct Candidate {
     pub segment: u32,
     /// Weighted sum of the behaviours' scores: reward and discounted value of where it leads.
     pub score: f32,
-    /// Score by each behaviour, unweighted. [Size: number of behaviours]
+    /// Score by each behaviour, unweighted (number of behaviours).
     pub by_behaviour: Vec<f32>,
-    /// Where it leads, as seen from the character. [Unit: m, m, rad]
+    /// Where it leads, as seen from the character (m, m, rad).
     pub displacement: Planar,
 }
 
@@ -51,11 +51,11 @@ pub struct Why {
     pub step: u32,
     /// State of the character then.
     pub state: u32,
-    /// Where it stood. [Unit: m, m, rad]
+    /// Where it stood (m, m, rad).
     pub root: Planar,
-    /// Its target then, in the world. [Unit: m]
+    /// Its target then, in the world (m).
     pub target: Vec3,
-    /// The target as seen from the character. [Unit: m]
+    /// The target as seen from the character (m).
     pub local_target: Vec3,
     /// The behaviours.
     pub behaviours: Vec<BehaviourScore>,
@@ -65,8 +65,8 @@ pub struct Why {
     pub chosen: usize,
 }
 
-pub(super) fn explain(bundle: &Bundle, run: &Run, character: usize) -> Option<Why> {
-    let choice = run.troupe().last_choice(character)?;
+pub(super) fn explain(bundle: &OpenBundle, run: &Run, character: usize) -> Option<Why> {
+    let choice = run.characters().last_choice(character)?;
     let seen = |target: Vec3| {
         let local = choice.root.inverse_transform_point(Vec2::new(target.x, target.z));
         Vec3::new(local.x, target.y, local.y)
@@ -89,7 +89,7 @@ pub(super) fn explain(bundle: &Bundle, run: &Run, character: usize) -> Option<Wh
     let mut behaviours = Vec::new();
     let mut scores = vec![0.0; segments.len()];
     for (goal, &weight) in run.goals().iter().zip(weights) {
-        let table = bundle.repertoire().policy(goal.policy)?;
+        let table = bundle.motion_set().policy(goal.policy)?;
         let target = seen(run.last_choice(character, goal.about).0);
         table.action_scores(choice.state, target, &mut scores).ok()?;
         let value = table.value(choice.state, target);
@@ -102,7 +102,7 @@ pub(super) fn explain(bundle: &Bundle, run: &Run, character: usize) -> Option<Wh
         behaviours.push(b);
     }
     candidates.sort_by(|a, b| b.score.total_cmp(&a.score).then(a.action.cmp(&b.action)));
-    let played = run.troupe().segment(character).0;
+    let played = run.characters().segment(character).0;
     let chosen = candidates.iter().position(|c| c.segment == played)?;
     let state = choice.state;
     Some(Why { step, state, root: choice.root, target, local_target: seen(target), behaviours, candidates, chosen })

@@ -1,21 +1,21 @@
-//! Somebody who walks in a blend space: the body, the path so far, and the arc that the point stands for.
+//! A character walking in a blend space: the body, the path so far, and the arc that the point stands for.
 
 use super::{Layout, Palette, body, cues};
-use crate::document::Bundle;
+use crate::bundle::OpenBundle;
 use crate::model::Model;
 use crate::render::{CharacterInstance, Emphasis, Rgba};
 use crate::run::{Beside, BlendMoment, BlendRun};
 use glam::Vec3;
 use throng_runtime::{NUM_JOINTS, Planar};
 
-/// Length of the path behind. [Unit: s]
+/// Length of the path behind (s).
 const TRAIL_S: f32 = 4.0;
 /// Steps between two of its points.
 const TRAIL_EVERY: u32 = 4;
-/// Lines on the ground lie so much above it. [Unit: m]
+/// Lines on the ground lie so much above it (m).
 const ABOVE_M: f32 = 0.012;
 
-pub(super) fn lay_out(out: &mut Layout, model: &Model, bundle: &Bundle, run: &BlendRun, palette: &Palette) {
+pub(super) fn lay_out(out: &mut Layout, model: &Model, bundle: &OpenBundle, run: &BlendRun, palette: &Palette) {
     let moment = run.moment();
     let database = bundle.tables().skeleton();
     for (i, (body, &root)) in run.bodies().zip(&moment.roots).enumerate() {
@@ -30,17 +30,11 @@ pub(super) fn lay_out(out: &mut Layout, model: &Model, bundle: &Bundle, run: &Bl
         if o.trails {
             trail(out, run, i, palette);
         }
-        if o.contacts {
-            let joints = std::array::from_fn(|j| root.translation() + root.rotation() * pose[j].translation());
-            cues::contacts(&mut out.shapes, &joints, moment.contacts[i], palette);
-        }
-        if o.joint_axes {
-            cues::joint_axes(&mut out.shapes, root, pose);
-        }
+        cues::body(&mut out.shapes, o, (root, pose), moment.contacts[i], palette);
     }
 }
 
-/// Those beside are told from the one that is looked at.
+/// Characters beside differ in colour from the selected one.
 fn colour(beside: Beside, person: usize, palette: &Palette) -> Rgba {
     match (person, beside) {
         (0, _) => palette.on_the_way,
@@ -53,17 +47,9 @@ fn colour(beside: Beside, person: usize, palette: &Palette) -> Rgba {
 fn trail(out: &mut Layout, run: &BlendRun, person: usize, palette: &Palette) {
     let at = |m: &BlendMoment| m.roots.get(person).map(|r| r.translation().with_y(ABOVE_M));
     let points: Vec<Vec3> = run.reel.before(TRAIL_S, TRAIL_EVERY).filter_map(at).collect();
-    let last = points.len().max(2) as f32 - 1.0;
-    for (i, pair) in points.windows(2).enumerate() {
-        out.shapes.line(pair[0], pair[1], 2.0, palette.middle.alpha(0.1 + 0.6 * (i as f32 + 1.0) / last));
-    }
+    cues::trail(&mut out.shapes, &points, 2.0, palette.middle.alpha(0.7));
     let root = run.moment().roots.get(person).copied().unwrap_or(Planar::IDENTITY);
     let foot = root.translation().with_y(ABOVE_M);
     let ahead = root.rotation() * Vec3::Z;
     out.shapes.arrow(foot + ahead * 0.35, foot + ahead * 0.6, 0.012, palette.slow);
-}
-
-/// Where the one that is looked at is. [Unit: m]
-pub(super) fn place(run: &BlendRun) -> Option<Vec3> {
-    Some(run.moment().roots.first()?.translation())
 }

@@ -21,6 +21,18 @@ pub(super) fn stretch(database: &Skeleton, body: &Skeleton) -> Stretch {
     out
 }
 
+/// As [`stretch`], from the pose of the other body: limbs are as long in every pose.
+pub(super) fn stretch_of_pose(database: &Skeleton, pose: &[Mat3x4]) -> Stretch {
+    let mut body = database.clone();
+    for joint in Joint::ALL {
+        let Some(parent) = joint.parent() else { continue };
+        let length = pose[joint.index()].translation().distance(pose[parent.index()].translation());
+        let offset = &mut body.offsets[joint.index()];
+        *offset = offset.normalize_or_zero() * length;
+    }
+    stretch(database, &body)
+}
+
 /// Joints from which a limb leads to another joint.
 const LIMBS: [(Joint, Joint); 8] = [
     (Joint::LeftUpperArm, Joint::LeftForearm),

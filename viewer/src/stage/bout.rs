@@ -6,11 +6,11 @@ use crate::run::{Mark, Met, Run, STEP_HZ};
 use glam::Vec3;
 use throng_runtime::sparring::Part;
 
-/// Time that a mark stays. [Unit: s]
+/// Time that a mark stays (s).
 const MARK_S: f32 = 0.6;
 /// Marks that are drawn at most; in larger scenes there are always some to be seen.
 const MAX_MARKS: usize = 400;
-/// Length of the string above a target. [Unit: m]
+/// Length of the string above a target (m).
 const STRING_M: f32 = 0.7;
 
 /// What blows meet, for the key to the marks.
@@ -22,7 +22,7 @@ pub const KINDS: [(Met, &str); 5] = [
     (Met::Nothing, "missed: a streak"),
 ];
 
-/// Colours by what a blow met; none where it met nothing.
+/// Colours by what a blow met; none if it met nothing.
 pub fn colour_of(met: Met) -> Option<Rgba> {
     match met {
         Met::Body(Part::Head | Part::Neck) => Some(Rgba::hex(0xff4b3e)),
@@ -50,7 +50,7 @@ pub(super) fn lay_out(out: &mut Layout, run: &Run, selected: Option<usize>, pale
             hanging(&mut out.shapes, run, (c, target), radius, selected == Some(c), palette);
         }
     } else if let Some(c) = selected.filter(|&c| c < run.targets().len()) {
-        let (from, to) = (run.troupe().root(c).translation(), run.troupe().root(c ^ 1).translation());
+        let (from, to) = (run.characters().root(c).translation(), run.characters().root(c ^ 1).translation());
         out.shapes.line(from.with_y(0.012), to.with_y(0.012), 1.5, palette.target.alpha(0.7));
     }
     let recent: Vec<&Mark> = run.marks(MARK_S).collect();

@@ -1,19 +1,19 @@
 //! A clip of the database: the pose at the play head, and poses before and after it.
 
 use super::{Layout, Palette, cues};
-use crate::document::Bundle;
+use crate::bundle::OpenBundle;
 use crate::model::Model;
 use crate::render::{CharacterInstance, Emphasis};
 use glam::Vec3;
-use throng_runtime::troupe::SampleJob;
+use throng_runtime::characters::SampleJob;
 use throng_runtime::{Mat3x4, NUM_JOINTS, Planar};
 
-/// Time between two poses of the onion skin. [Unit: s]
+/// Time between two poses of the onion skin (s).
 const SKIN_EVERY_S: f32 = 0.4;
 /// Poses of the onion skin on either side.
 const SKINS: i32 = 4;
 
-pub(super) fn lay_out(out: &mut Layout, model: &Model, bundle: &Bundle, palette: &Palette) {
+pub(super) fn lay_out(out: &mut Layout, model: &Model, bundle: &OpenBundle, palette: &Palette) {
     let Some(row) = model.shown_row() else { return };
     let record = bundle.tables().clips()[model.selection.clip];
     let ratio = model.player.frame.fract();
@@ -35,7 +35,7 @@ pub(super) fn lay_out(out: &mut Layout, model: &Model, bundle: &Bundle, palette:
         }
     }
     out.poses.resize(frames.len() * NUM_JOINTS, Mat3x4::default());
-    let job = SampleJob { repertoire: bundle.repertoire(), frames: &frames, ratios: &ratios, matrices: &mut out.poses };
+    let job = SampleJob { motion_set: bundle.motion_set(), frames: &frames, ratios: &ratios, matrices: &mut out.poses };
     if job.run().is_err() {
         out.poses.clear();
         return;
@@ -48,7 +48,7 @@ pub(super) fn lay_out(out: &mut Layout, model: &Model, bundle: &Bundle, palette:
     draw_cues(out, model, bundle, row, palette);
 }
 
-fn draw_cues(out: &mut Layout, model: &Model, bundle: &Bundle, row: u32, palette: &Palette) {
+fn draw_cues(out: &mut Layout, model: &Model, bundle: &OpenBundle, row: u32, palette: &Palette) {
     let o = model.settings.overlays;
     if o.trails {
         let points: Vec<Vec3> = path(model, bundle).map(|p| p.with_y(0.012)).collect();
@@ -59,17 +59,11 @@ fn draw_cues(out: &mut Layout, model: &Model, bundle: &Bundle, row: u32, palette
     }
     let root = out.instances[0].root;
     let pose = &out.poses[..NUM_JOINTS];
-    if o.contacts {
-        let joints = std::array::from_fn(|j| root.translation() + root.rotation() * pose[j].translation());
-        cues::contacts(&mut out.shapes, &joints, bundle.tables().contacts()[row as usize], palette);
-    }
-    if o.joint_axes {
-        cues::joint_axes(&mut out.shapes, root, pose);
-    }
+    cues::body(&mut out.shapes, o, (root, pose), bundle.tables().contacts()[row as usize], palette);
 }
 
 /// Planar root between a row and the next.
-fn planar(bundle: &Bundle, row: u32, ratio: f32) -> Planar {
+fn planar(bundle: &OpenBundle, row: u32, ratio: f32) -> Planar {
     let a = bundle.planar(row);
     if ratio == 0.0 {
         return a;
@@ -79,14 +73,9 @@ fn planar(bundle: &Bundle, row: u32, ratio: f32) -> Planar {
     Planar::new(a.x + (b.x - a.x) * ratio, a.z + (b.z - a.z) * ratio, a.heading + (b.heading - a.heading) * ratio)
 }
 
-/// The ground path of the clip that is shown. [Unit: m]
-fn path(model: &Model, bundle: &Bundle) -> impl Iterator<Item = Vec3> {
+/// The ground path of the clip shown (m).
+fn path(model: &Model, bundle: &OpenBundle) -> impl Iterator<Item = Vec3> {
     let record = bundle.tables().clips().get(model.selection.clip);
     let rows = record.map_or(0..0, |r| r.first_frame..r.first_frame + r.num_frames);
     rows.step_by(3).map(|row| bundle.planar(row).translation())
-}
-
-/// Where the character stands. [Unit: m]
-pub(super) fn place(model: &Model, bundle: &Bundle) -> Option<Vec3> {
-    Some(bundle.planar(model.shown_row()?).translation())
 }

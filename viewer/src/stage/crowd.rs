@@ -1,25 +1,25 @@
-//! A crowd: everybody's place and colour, and the cues of who is selected.
+//! A crowd: place and colour of all characters, and the cues of the selected character.
 
 use super::{Layout, Palette, bout, cues, values};
-use crate::document::Bundle;
+use crate::bundle::OpenBundle;
 use crate::model::Model;
 use crate::render::{CharacterInstance, Emphasis, Rgba};
 use crate::run::{Run, TargetMode};
 use crate::settings::Colouring;
 use glam::Vec3;
 
-/// Speed at which colours of speed are those of somebody fast. [Unit: m/s]
+/// Speed at which the colour of speed is that of a fast character (m/s).
 const FAST_MPS: f32 = 2.5;
-/// Cues of everybody are drawn for so many characters at most.
+/// Most characters whose cues are drawn.
 const MAX_CUES: usize = 2000;
-/// Length of trails. [Unit: s]
+/// Length of trails (s).
 const TRAIL_S: f32 = 6.0;
 
-pub(super) fn lay_out(out: &mut Layout, model: &Model, bundle: &Bundle, run: &Run, palette: &Palette) {
-    let n = run.troupe().num_characters();
+pub(super) fn lay_out(out: &mut Layout, model: &Model, bundle: &OpenBundle, run: &Run, palette: &Palette) {
+    let n = run.characters().num_characters();
     let selected = model.selection.character;
     out.instances.extend((0..n).map(|c| CharacterInstance {
-        root: run.troupe().root(c),
+        root: run.characters().root(c),
         colour: colour(model, bundle, run, c, palette),
         emphasis: if selected == Some(c) { Emphasis::Selected } else { Emphasis::None },
     }));
@@ -39,34 +39,31 @@ pub(super) fn lay_out(out: &mut Layout, model: &Model, bundle: &Bundle, run: &Ru
         if o.trajectory {
             trajectory(out, bundle, run, c, palette);
         }
-        if o.contacts {
-            cues::contacts(&mut out.shapes, &run.troupe().joint_positions(c), run.troupe().contacts(c), palette);
-        }
-        if o.joint_axes {
-            cues::joint_axes(&mut out.shapes, run.troupe().root(c), run.troupe().pose(c));
-        }
+        let characters = run.characters();
+        let body = (characters.root(c), characters.pose(c));
+        cues::body(&mut out.shapes, o, body, characters.contacts(c), palette);
     }
     if o.targets && run.scene().is_none() {
         targets(out, run, selected, palette);
     }
 }
 
-fn colour(model: &Model, bundle: &Bundle, run: &Run, c: usize, palette: &Palette) -> Rgba {
+fn colour(model: &Model, bundle: &OpenBundle, run: &Run, c: usize, palette: &Palette) -> Rgba {
     match model.settings.colouring {
         Colouring::Plain => palette.plain,
-        // Opponents are told apart; who has reached a target to be struck is seen from the marks.
+        // Opponents differ in colour; marks show which targets were struck.
         Colouring::Target if run.scene().is_some() => bout::corner(run, c, palette),
         Colouring::Target => {
-            let (root, target) = (run.troupe().root(c), run.targets()[c]);
+            let (root, target) = (run.characters().root(c), run.targets()[c]);
             let distance = (root.x - target.x).hypot(root.z - target.z);
             if distance < run.config().reach_m { palette.reached } else { palette.on_the_way }
         }
         Colouring::Clip => {
-            let segment = run.troupe().segment(c).0;
+            let segment = run.characters().segment(c).0;
             cues::category(bundle.tables().graph().segments[segment as usize].clip as usize)
         }
         Colouring::Speed => {
-            let s = &bundle.tables().graph().segments[run.troupe().segment(c).0 as usize];
+            let s = &bundle.tables().graph().segments[run.characters().segment(c).0 as usize];
             let metres = s.displacement[0].hypot(s.displacement[1]);
             let speed = metres / s.num_frames as f32 * bundle.rate_hz();
             palette.slow.mix(palette.fast, (speed / FAST_MPS).min(1.0))
@@ -77,18 +74,14 @@ fn colour(model: &Model, bundle: &Bundle, run: &Run, c: usize, palette: &Palette
 fn trail(out: &mut Layout, run: &Run, c: usize, is_selected: bool, palette: &Palette) {
     let points: Vec<Vec3> = run.trail(c, TRAIL_S).map(|p| Vec3::new(p.x, 0.012, p.y)).collect();
     let (width, colour) = if is_selected { (3.0, palette.selected) } else { (1.5, palette.middle.alpha(0.45)) };
-    let last = points.len().max(2) as f32 - 1.0;
-    for (i, pair) in points.windows(2).enumerate() {
-        let strength = 0.15 + 0.85 * (i as f32 + 1.0) / last;
-        out.shapes.line(pair[0], pair[1], width, colour.alpha(strength * f32::from(colour.0[3]) / 255.0));
-    }
+    cues::trail(&mut out.shapes, &points, width, colour);
 }
 
 /// The ground path of the rest of the segment that is played, and the way it faces at the end.
-fn trajectory(out: &mut Layout, bundle: &Bundle, run: &Run, c: usize, palette: &Palette) {
-    let (segment, time) = run.troupe().segment(c);
+fn trajectory(out: &mut Layout, bundle: &OpenBundle, run: &Run, c: usize, palette: &Palette) {
+    let (segment, time) = run.characters().segment(c);
     let s = bundle.tables().graph().segments[segment as usize];
-    let root = run.troupe().root(c);
+    let root = run.characters().root(c);
     let now = s.start + (time as u32).min(s.num_frames);
     let clip_to_world = root.compose(bundle.planar(now).inverse());
     let end = s.start + s.num_frames;
@@ -125,7 +118,7 @@ fn targets(out: &mut Layout, run: &Run, selected: Option<usize>, palette: &Palet
     }
     if let Some(c) = selected.filter(|&c| c < n) {
         put(run.targets()[c], true);
-        let (from, to) = (run.troupe().root(c).translation().with_y(0.01), run.targets()[c].with_y(0.01));
+        let (from, to) = (run.characters().root(c).translation().with_y(0.01), run.targets()[c].with_y(0.01));
         out.shapes.line(from, to, 1.0, palette.target.alpha(0.7));
     }
 }

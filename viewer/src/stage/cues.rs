@@ -1,19 +1,48 @@
 //! Cues on bodies: contacts, joint axes, colours of categories.
 
 use super::Palette;
-use crate::document::Bundle;
+use crate::bundle::OpenBundle;
 use crate::model::Model;
 use crate::render::{Rgba, Shapes};
+use crate::settings::Overlays;
 use glam::Vec3;
 use throng_runtime::{Contacts, Joint, Mat3x4, NUM_JOINTS, Planar};
 
-/// Heels and toes: the joint above, and how far in front of it the marker lies. [Unit: m]
+/// Heels and toes: the joint above, and how far in front of it the marker lies (m).
 const FEET: [(Joint, Contacts); 4] = [
     (Joint::LeftFoot, Contacts::LEFT_HEEL),
     (Joint::LeftToe, Contacts::LEFT_TOE),
     (Joint::RightFoot, Contacts::RIGHT_HEEL),
     (Joint::RightToe, Contacts::RIGHT_TOE),
 ];
+
+/// Contacts and joint axes of a body, as far as they are switched on.
+///
+/// - `pose`: joints in model space.
+pub(super) fn body(
+    shapes: &mut Shapes,
+    o: Overlays,
+    (root, pose): (Planar, &[Mat3x4]),
+    planted: Contacts,
+    palette: &Palette,
+) {
+    if o.contacts {
+        let joints = std::array::from_fn(|j| root.translation() + root.rotation() * pose[j].translation());
+        contacts(shapes, &joints, planted, palette);
+    }
+    if o.joint_axes {
+        joint_axes(shapes, root, pose);
+    }
+}
+
+/// A line through past places that fades towards the oldest.
+pub(super) fn trail(shapes: &mut Shapes, points: &[Vec3], width: f32, colour: Rgba) {
+    let (last, strength) = (points.len().max(2) as f32 - 1.0, f32::from(colour.0[3]) / 255.0);
+    for (i, pair) in points.windows(2).enumerate() {
+        let share = 0.15 + 0.85 * (i as f32 + 1.0) / last;
+        shapes.line(pair[0], pair[1], width, colour.alpha(strength * share));
+    }
+}
 
 /// A mark on the ground below every heel and toe, strong where it is planted.
 pub(super) fn contacts(shapes: &mut Shapes, joints: &[Vec3; NUM_JOINTS], contacts: Contacts, palette: &Palette) {
@@ -27,13 +56,13 @@ pub(super) fn contacts(shapes: &mut Shapes, joints: &[Vec3; NUM_JOINTS], contact
     }
 }
 
-/// Time before and after a hit during which it is shown. [Unit: s]
+/// Time before and after a hit during which it is shown (s).
 const HIT_S: f32 = 0.25;
-/// Length of the arrow of a hit at full force. [Unit: m]
+/// Length of the arrow of a hit at full force (m).
 const HIT_ARROW_M: f32 = 0.35;
 
 /// Effective hits near the play head: where they land, and which way.
-pub(super) fn hits(shapes: &mut Shapes, model: &Model, bundle: &Bundle, row: u32, palette: &Palette) {
+pub(super) fn hits(shapes: &mut Shapes, model: &Model, bundle: &OpenBundle, row: u32, palette: &Palette) {
     let Some(clip) = bundle.tables().clips().get(model.selection.clip) else { return };
     let near = (HIT_S * bundle.rate_hz()).ceil();
     let all = bundle.tables().hits();

@@ -1,13 +1,14 @@
 //! Lays out what the 3-D view is to draw: poses, colours, cues.
 
+pub mod agents;
 mod blend;
 mod body;
 pub mod bout;
 mod clip;
 mod crowd;
 mod cues;
-pub mod members;
 mod raw;
+pub mod scene;
 mod values;
 mod walkers;
 pub mod world;
@@ -15,7 +16,6 @@ pub mod world;
 use crate::document::Document;
 use crate::model::Model;
 use crate::render::{CharacterInstance, Rgba, SceneColours, Shapes, Solids};
-use glam::Vec3;
 use throng_runtime::{Mat3x4, Skeleton};
 pub use values::ValueCell;
 
@@ -24,7 +24,7 @@ pub use values::ValueCell;
 pub struct Layout {
     /// Skeleton of all characters.
     pub skeleton: Skeleton,
-    /// Poses of a clip, of walkers and of members; those of a crowd are its own.
+    /// Poses of a clip, of walkers and of agents; those of a crowd are its own.
     poses: Vec<Mat3x4>,
     /// Place and colour of every character.
     pub instances: Vec<CharacterInstance>,
@@ -32,6 +32,8 @@ pub struct Layout {
     pub shapes: Shapes,
     /// What stands in a world.
     pub solids: Solids,
+    /// Characters of a scene whose bodies are drawn (number of instances); empty elsewhere, where they are the instances.
+    pub drawn: Vec<usize>,
     /// Cells of a policy that are drawn.
     pub cells: Vec<ValueCell>,
 }
@@ -79,13 +81,14 @@ pub fn scene_colours(dark: bool) -> SceneColours {
 }
 
 impl Layout {
-    /// Lays out the model anew.
+    /// Lays out the model.
     pub fn lay_out(&mut self, model: &Model, dark: bool) {
         let palette = Palette::of(dark);
         self.instances.clear();
         self.shapes.clear();
         self.poses.clear();
         self.cells.clear();
+        self.drawn.clear();
         self.solids.instances.clear();
         match &model.document {
             Document::Nothing => {}
@@ -96,6 +99,15 @@ impl Layout {
                 match model.shows_clip() {
                     true => clip::lay_out(self, model, w.bundle(), &palette),
                     false => world::lay_out(self, model, w, &palette, dark),
+                }
+            }
+            Document::Scene(s) => {
+                if let Some(bundle) = s.bundle() {
+                    self.skeleton.clone_from(bundle.tables().skeleton());
+                }
+                match s.bundle().filter(|_| model.shows_clip()) {
+                    Some(bundle) => clip::lay_out(self, model, bundle, &palette),
+                    None => scene::lay_out(self, model, s, &palette, dark),
                 }
             }
             Document::Walkers(w) => {
@@ -112,7 +124,7 @@ impl Layout {
                 }
                 match c.bundle().filter(|_| model.shows_clip()) {
                     Some(bundle) => clip::lay_out(self, model, bundle, &palette),
-                    None => members::lay_out(self, model, c, &palette, dark),
+                    None => agents::lay_out(self, model, c, &palette, dark),
                 }
             }
             Document::Bundle(b) => {
@@ -126,86 +138,15 @@ impl Layout {
         }
     }
 
-    /// Joints in model space. [Size: instances * NUM_JOINTS]
+    /// Joints in model space (instances * NUM_JOINTS).
     pub fn poses<'a>(&'a self, model: &'a Model) -> &'a [Mat3x4] {
         if let Some(world) = model.shown_world() {
             return &world.run().moment().poses;
         }
         match model.shown_crowd() {
-            Some((_, run)) => run.troupe().model_matrices(),
+            Some((_, run)) => run.characters().model_matrices(),
             None => &self.poses,
         }
-    }
-}
-
-/// A box around all that is shown. [Unit: m]
-pub fn bounds(model: &Model) -> (Vec3, Vec3) {
-    let mut points: Vec<Vec3> = Vec::new();
-    match &model.document {
-        Document::Nothing => {}
-        Document::Clip(_) => points.extend(around(model)),
-        Document::World(_) => match model.shown_world() {
-            Some(world) => points.extend(world::bounds(world)),
-            None => points.extend(around(model)),
-        },
-        Document::Walkers(w) => match model.shows_clip() {
-            true => points.extend(around(model)),
-            false => points.extend(walkers::places(w)),
-        },
-        Document::CrowdScene(c) => match model.shows_clip() {
-            true => points.extend(around(model)),
-            false => points.extend(members::bounds(c)),
-        },
-        Document::Bundle(_) => match model.shown_crowd() {
-            Some((_, run)) => {
-                let troupe = run.troupe();
-                points.extend((0..troupe.num_characters()).map(|c| troupe.root(c).translation()));
-                points.extend(run.targets());
-            }
-            None => points.extend(around(model)),
-        },
-    }
-    let Some(&first) = points.first() else { return (Vec3::new(-2.0, 0.0, -2.0), Vec3::new(2.0, 1.8, 2.0)) };
-    let (low, high) = points.iter().fold((first, first), |(l, h), &p| (l.min(p), h.max(p)));
-    let is_high = model.shown_world().is_some() || model.shown_crowd_scene().is_some();
-    let top = if is_high { high.y.max(1.8) } else { 1.8 };
-    (low.with_y(0.0) - Vec3::new(0.6, 0.0, 0.6), high.with_y(top) + Vec3::new(0.6, 0.0, 0.6))
-}
-
-/// The corners of a place for a clip's character and its next steps, which the camera follows. [Unit: m]
-fn around(model: &Model) -> impl Iterator<Item = Vec3> {
-    // Those beside are seen, too.
-    let half =
-        if model.document.blend().is_some_and(|b| model.shows_blend() && b.1.bodies().len() > 1) { 1.7 } else { 0.9 };
-    let corners = [Vec3::new(-half, 0.0, -0.9), Vec3::new(half, 0.0, 0.9)];
-    followed(model).into_iter().flat_map(move |at| corners.map(|c| at + c))
-}
-
-/// Place of the character that the camera follows. [Unit: m]
-pub fn followed(model: &Model) -> Option<Vec3> {
-    match &model.document {
-        Document::Nothing => None,
-        Document::Clip(motion) => raw::place(model, motion),
-        Document::World(w) => match model.shown_world() {
-            Some(world) => {
-                let c = model.selection.character.filter(|&c| c < world.run().num_characters())?;
-                Some(world.run().hips(c).with_y(0.0))
-            }
-            None => clip::place(model, w.bundle()),
-        },
-        Document::Walkers(w) => match model.shows_clip() {
-            true => clip::place(model, w.bundle()),
-            false => w.run().moment().place(model.selection.character?),
-        },
-        Document::CrowdScene(c) => match c.bundle().filter(|_| model.shows_clip()) {
-            Some(bundle) => clip::place(model, bundle),
-            None => c.run().moment().members.get(model.selection.character?)?.map(|s| s.at),
-        },
-        Document::Bundle(b) => match (model.shown_crowd(), b.blend.as_ref().filter(|_| model.shows_blend())) {
-            (Some((_, run)), _) => Some(run.troupe().root(model.selection.character?).translation()),
-            (None, Some(run)) => blend::place(run),
-            (None, None) => clip::place(model, &b.bundle),
-        },
     }
 }
 
@@ -214,16 +155,17 @@ mod tests {
     use super::*;
     use crate::command::{Command, Stage};
     use crate::document::Document;
-    use crate::panels::tests::golden_path;
+    use crate::fixtures::golden_path;
     use crate::run::RunConfig;
     use crate::settings::Settings;
     use eframe::egui;
+    use throng_precompute::progress::Silent;
     use throng_runtime::NUM_JOINTS;
 
     fn open() -> Model {
         let run = RunConfig { characters: 12, ..RunConfig::default() };
         let mut model = Model::new(Settings { run, ..Settings::default() });
-        model.open_now(&golden_path()).unwrap();
+        model.open_now(&golden_path(), &Silent).unwrap();
         model
     }
 
@@ -249,8 +191,8 @@ mod tests {
         model.selection.character = Some(3);
         layout.lay_out(&model, true);
         let (bundle, run) = model.document.crowd().unwrap();
-        let policy = bundle.repertoire().policy(0).unwrap();
-        let choice = run.troupe().last_choice(3).unwrap();
+        let policy = bundle.motion_set().policy(0).unwrap();
+        let choice = run.characters().last_choice(3).unwrap();
         assert_eq!(layout.cells.len(), policy.grid_of(choice.state).num_cells());
         for c in &layout.cells {
             let seen = choice.root.inverse_transform_point(glam::Vec2::new(c.place.x, c.place.z));
@@ -276,13 +218,13 @@ mod tests {
     }
 
     #[test]
-    fn the_bounds_hold_everybody() {
+    fn the_bounds_contain_all_characters() {
         let model = open();
-        let (low, high) = bounds(&model);
+        let (low, high) = model.bounds();
         let Document::Bundle(b) = &model.document else { panic!("no bundle") };
-        let troupe = b.run.as_ref().unwrap().troupe();
+        let characters = b.run.as_ref().unwrap().characters();
         for c in 0..12 {
-            for p in troupe.joint_positions(c) {
+            for p in characters.joint_positions(c) {
                 assert!(p.cmpge(low - 0.3).all() && p.cmple(high + 0.3).all(), "{p}");
             }
         }

@@ -6,10 +6,9 @@ use crate::model::Model;
 use crate::render::{CharacterInstance, Emphasis};
 use crate::settings::RawView;
 use glam::Vec3;
-use throng_precompute::Clip;
 use throng_runtime::{Joint, Mat3x4, Planar};
 
-/// How far the source's joints stand beside the body. [Unit: m]
+/// How far the source's joints stand beside the body (m).
 const BESIDE: Vec3 = Vec3::new(1.1, 0.0, 0.0);
 
 /// Of the body.
@@ -31,7 +30,7 @@ pub(super) fn lay_out(out: &mut Layout, model: &Model, motion: &RawMotion, palet
     if view == RawView::Source {
         return;
     }
-    let frame = frame_of(model, motion, clip);
+    let frame = motion.clip_frame(model.player.frame);
     let joints = clip.joint_transforms(&motion.clips.skeleton, frame);
     out.poses.extend(joints.map(|(p, r)| Mat3x4::from_rotation_translation(r, p)));
     let usable = clip.is_usable(frame);
@@ -46,7 +45,8 @@ pub(super) fn lay_out(out: &mut Layout, model: &Model, motion: &RawMotion, palet
         cues::contacts(&mut out.shapes, &joints.map(|j| j.0), contacts, palette);
     }
     if o.trails {
-        let points: Vec<Vec3> = (0..clip.num_frames()).step_by(3).map(|f| on_ground(clip, f)).collect();
+        let points: Vec<Vec3> =
+            (0..clip.num_frames()).step_by(3).map(|f| clip.root_positions[f].with_y(0.012)).collect();
         out.shapes.polyline(&points, 2.0, palette.middle.alpha(0.5));
     }
     if o.joint_axes {
@@ -84,7 +84,7 @@ fn source(out: &mut Layout, model: &Model, motion: &RawMotion, shift: Vec3, pale
     }
 }
 
-/// The side each of the source's joints is on: that of its role, or else its parent's. [Size: number of joints]
+/// The side each of the source's joints is on: that of its role, or else its parent's (number of joints).
 fn sides(motion: &RawMotion) -> Vec<Side> {
     let joints = &motion.imported.clip.joints;
     let mut sides: Vec<Side> = Vec::with_capacity(joints.len());
@@ -98,20 +98,4 @@ fn sides(motion: &RawMotion) -> Vec<Side> {
         });
     }
     sides
-}
-
-/// Frame of the retargeted clip at the play head, which counts frames of the source.
-fn frame_of(model: &Model, motion: &RawMotion, clip: &Clip) -> usize {
-    let seconds = f64::from(model.player.frame) / motion.imported.clip.rate_hz;
-    ((seconds * clip.rate_hz).round() as usize).min(clip.num_frames().saturating_sub(1))
-}
-
-fn on_ground(clip: &Clip, frame: usize) -> Vec3 {
-    clip.root_positions[frame].with_y(0.012)
-}
-
-/// Where the body stands. [Unit: m]
-pub(super) fn place(model: &Model, motion: &RawMotion) -> Option<Vec3> {
-    let clip = motion.clips.clips.first()?;
-    Some(on_ground(clip, frame_of(model, motion, clip)).with_y(0.0))
 }

@@ -1,11 +1,11 @@
 //! Values of a policy's cells, drawn around the selected character.
 
 use super::{Layout, Palette};
-use crate::document::Bundle;
+use crate::bundle::OpenBundle;
 use crate::model::Model;
-use crate::panels::paint::viridis;
 use crate::render::{Rgba, Shapes};
 use crate::run::Run;
+use crate::theme::viridis;
 use crate::volume::Volume;
 use glam::Vec3;
 use throng_runtime::Planar;
@@ -13,28 +13,28 @@ use throng_runtime::policy::PolicyTable;
 
 /// Cells that are drawn at most; of finer grids every second, third and so on is.
 const MAX_CELLS: usize = 6000;
-/// Height at which cells without heights lie. [Unit: m]
+/// Height at which cells without heights lie (m).
 const ON_GROUND_M: f32 = 0.02;
 
 /// A cell that is drawn, to be pointed at.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ValueCell {
-    /// Where it is, in the world. [Unit: m]
+    /// Where it is, in the world (m).
     pub place: Vec3,
     /// Its number in the grid of the state.
     pub cell: usize,
 }
 
-/// Draws the cells of the policy that is looked at, for the state that is looked at, where the character stood when it
+/// Draws the cells of the selected policy, for the selected state, where the character stood when it
 /// chose in that state, else where it stands.
-pub(super) fn lay_out(out: &mut Layout, model: &Model, bundle: &Bundle, run: &Run, palette: &Palette) {
+pub(super) fn lay_out(out: &mut Layout, model: &Model, bundle: &OpenBundle, run: &Run, palette: &Palette) {
     let (Some(c), Some(state)) = (model.selection.character, model.looked_at_state()) else { return };
-    let Some(policy) = bundle.repertoire().policy(model.selection.policy) else { return };
-    if state as usize >= policy.actions().num_states() || c >= run.troupe().num_characters() {
+    let Some(policy) = bundle.motion_set().policy(model.selection.policy) else { return };
+    if state as usize >= policy.actions().num_states() || c >= run.characters().num_characters() {
         return;
     }
-    let choice = run.troupe().last_choice(c).filter(|choice| choice.state == state);
-    let root = choice.map_or(run.troupe().root(c), |choice| choice.root);
+    let choice = run.characters().last_choice(c).filter(|choice| choice.state == state);
+    let root = choice.map_or(run.characters().root(c), |choice| choice.root);
     let values = policy.values_of(state);
     let range = values.iter().fold([f32::INFINITY, f32::NEG_INFINITY], |[a, b], &v| [a.min(v), b.max(v)]);
     let cells = shown_cells(model, policy, state);
@@ -59,10 +59,10 @@ pub(super) fn lay_out(out: &mut Layout, model: &Model, bundle: &Bundle, run: &Ru
     }
 }
 
-/// All cells, or in a grid of moments those of the moment that is looked at.
-fn shown_cells(model: &Model, policy: &PolicyTable<'_>, state: u32) -> std::ops::Range<usize> {
+/// All cells, or in a space-time grid those of the time shown.
+fn shown_cells(model: &Model, policy: &PolicyTable, state: u32) -> std::ops::Range<usize> {
     let grid = policy.grid_of(state);
-    if !policy.grid().is_moments() {
+    if !policy.grid().is_space_time() {
         return 0..grid.num_cells();
     }
     let plane = grid.num_plane_cells();
@@ -70,35 +70,35 @@ fn shown_cells(model: &Model, policy: &PolicyTable<'_>, state: u32) -> std::ops:
     slice * plane..(slice + 1) * plane
 }
 
-/// Where a target is in the world: at its height, on the ground where heights do not matter, and in a grid of moments
-/// at the height at which blows come. [Unit: m]
-fn place(policy: &PolicyTable<'_>, root: Planar, target: Vec3) -> Vec3 {
+/// Where a target is in the world: at its height, on the ground where heights do not matter, and in a space-time grid
+/// at the height at which blows come (m).
+fn place(policy: &PolicyTable, root: Planar, target: Vec3) -> Vec3 {
     let height = match () {
-        () if policy.grid().is_moments() => policy.reward().record().height,
+        () if policy.grid().is_space_time() => policy.reward().record().height,
         () if policy.grid().record().num_heights == 1 => ON_GROUND_M,
         () => target.y,
     };
     root.translation() + root.rotation() * target.with_y(height)
 }
 
-/// Radius that leaves neighbouring cells apart. [Unit: m]
-fn radius(policy: &PolicyTable<'_>, state: u32) -> f32 {
+/// Radius that leaves neighbouring cells apart (m).
+fn radius(policy: &PolicyTable, state: u32) -> f32 {
     let grid = policy.grid_of(state);
     let r = grid.record();
     let across = r.angle_spacing * 0.5 * (r.ring_start + grid.radius());
-    let up = if r.num_heights > 1 && !grid.is_moments() { r.height_spacing } else { f32::INFINITY };
+    let up = if r.num_heights > 1 && !grid.is_space_time() { r.height_spacing } else { f32::INFINITY };
     (0.3 * r.ring_spacing.min(across).min(up)).clamp(0.008, 0.08)
 }
 
 /// Where the behaviour is active: the edges of the volume.
-fn outline(shapes: &mut Shapes, policy: &PolicyTable<'_>, root: Planar, volume: &Volume, colour: Rgba) {
+fn outline(shapes: &mut Shapes, policy: &PolicyTable, root: Planar, volume: &Volume, colour: Rgba) {
     let over_ground = volume.over_ground();
     let at = |i: usize, height: f32| {
         let p = over_ground[i % over_ground.len()];
         place(policy, root, Vec3::new(p.x, height, p.y))
     };
     let [low, high] = volume.height;
-    let has_heights = policy.grid().record().num_heights > 1 && !policy.grid().is_moments();
+    let has_heights = policy.grid().record().num_heights > 1 && !policy.grid().is_space_time();
     let heights: &[f32] = if has_heights { &[low, high] } else { &[low] };
     for &height in heights {
         (0..over_ground.len()).for_each(|i| shapes.line(at(i, height), at(i + 1, height), 1.6, colour));

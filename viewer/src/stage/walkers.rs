@@ -1,4 +1,4 @@
-//! A scene of walkers: everybody's place, body and colour, and the ground.
+//! A scene of walkers: place, body and colour of all characters, and the ground.
 
 use super::{Layout, Palette, body, cues};
 use crate::document::WalkersDocument;
@@ -9,13 +9,13 @@ use glam::Vec3;
 use throng_runtime::NUM_JOINTS;
 use throng_runtime::patch::Placement;
 
-/// Speed at which colours of speed are those of somebody fast. [Unit: m/s]
+/// Speed at which the colour of speed is that of a fast character (m/s).
 const FAST_MPS: f32 = 5.0;
-/// Cues of everybody are drawn for so many characters at most.
+/// Most characters whose cues are drawn.
 const MAX_CUES: usize = 2000;
-/// Length of trails. [Unit: s]
+/// Length of trails (s).
 const TRAIL_S: f32 = 6.0;
-/// Lines on the ground lie so much above it. [Unit: m]
+/// Lines on the ground lie so much above it (m).
 const ABOVE_M: f32 = 0.015;
 
 pub(super) fn lay_out(out: &mut Layout, model: &Model, scene: &WalkersDocument, palette: &Palette, dark: bool) {
@@ -33,7 +33,9 @@ pub(super) fn lay_out(out: &mut Layout, model: &Model, scene: &WalkersDocument, 
             emphasis: if selected == Some(c) { Emphasis::Selected } else { Emphasis::None },
         });
     }
-    let o = model.settings.overlays;
+    let mut o = model.settings.overlays;
+    // On hills, marks on level ground would be hidden.
+    o.contacts &= scene.hills().is_empty();
     let n = moment.roots.len();
     let count = if o.of_all { n.min(MAX_CUES) } else { 0 };
     for c in (0..count).chain(selected.filter(|&c| c >= count && c < n)) {
@@ -42,14 +44,7 @@ pub(super) fn lay_out(out: &mut Layout, model: &Model, scene: &WalkersDocument, 
             let points: Vec<Vec3> = scene.run().trail(c, TRAIL_S).map(|p| p + Vec3::Y * ABOVE_M).collect();
             out.shapes.polyline(&points, 2.0, palette.selected.alpha(0.7));
         }
-        // On hills, marks on level ground would be lost.
-        if o.contacts && scene.hills().is_empty() {
-            let joints = std::array::from_fn(|j| root.translation() + root.rotation() * pose[j].translation());
-            cues::contacts(&mut out.shapes, &joints, moment.contacts[c], palette);
-        }
-        if o.joint_axes {
-            cues::joint_axes(&mut out.shapes, root, pose);
-        }
+        cues::body(&mut out.shapes, o, (root, pose), moment.contacts[c], palette);
     }
 }
 
@@ -61,9 +56,4 @@ fn colour(model: &Model, scene: &WalkersDocument, c: usize, palette: &Palette) -
         // Characters take the spaces in turn.
         Colouring::Target | Colouring::Clip => cues::category(c % scene.scene().spaces.len()),
     }
-}
-
-/// Where everybody is. [Unit: m]
-pub(super) fn places(scene: &WalkersDocument) -> impl Iterator<Item = Vec3> {
-    scene.run().moment().roots.iter().map(|r| r.translation())
 }

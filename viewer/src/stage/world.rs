@@ -1,9 +1,9 @@
-//! A world: what stands there, who lives there, and the patch that is looked at.
+//! A world: what stands there, its inhabitants, and the selected patch.
 
 use super::{Layout, Palette, cues};
+use crate::command::Tool;
 use crate::document::WorldDocument;
 use crate::model::Model;
-use crate::model::world::Tool;
 use crate::render::{CharacterInstance, Emphasis, Rgba, SolidInstance};
 use crate::settings::Colouring;
 use glam::Vec3;
@@ -12,11 +12,11 @@ use throng_runtime::patch::{CellRecord, KIND_TILE, Placement};
 use throng_runtime::world::inhabitants::Doing;
 use throng_runtime::world::{Node, Step};
 
-/// Length of trails. [Unit: s]
+/// Length of trails (s).
 const TRAIL_S: f32 = 6.0;
 /// About so many links of an instance are drawn at most, spread over all of them.
 const MAX_LINKS: usize = 160;
-/// Lines on the ground lie so much above it. [Unit: m]
+/// Lines on the ground lie so much above it (m).
 const ABOVE: f32 = 0.02;
 
 /// What links that are left are drawn in.
@@ -34,10 +34,10 @@ pub const KINDS: [(Doing, &str); 7] = [
     (Doing::Detour, "detour"),
     (Doing::Performing, "performs"),
     (Doing::Arrived, "there"),
-    (Doing::Unreachable, "finds no way"),
+    (Doing::Unreachable, "finds no path"),
 ];
 
-/// What somebody is about, in a colour.
+/// Colour of what a character is doing.
 pub fn colour_of(doing: Doing) -> Rgba {
     match doing {
         Doing::Roaming => Rgba::hex(0xb9c0c9),
@@ -95,7 +95,7 @@ fn ghost(out: &mut Layout, world: &WorldDocument, unit: &PlacedUnit, colour: Rgb
 }
 
 /// The same colour for the same unit; panels that are walked on lie on a chequered board, so that each can be seen.
-fn colour_of_unit(name: &str, floor: bool, at: Placement, dark: bool) -> Rgba {
+pub(super) fn colour_of_unit(name: &str, floor: bool, at: Placement, dark: bool) -> Rgba {
     let hash = name.bytes().fold(0x811c_9dc5_u32, |h, b| (h ^ u32::from(b)).wrapping_mul(0x0100_0193));
     const HUES: [u32; 6] = [0x8a7458, 0x5f7a94, 0x8a6070, 0x6c8560, 0x7a6a94, 0x9a8a50];
     let hue = Rgba::hex(HUES[(hash >> 8) as usize % HUES.len()]);
@@ -157,7 +157,7 @@ fn cues_of(out: &mut Layout, model: &Model, world: &WorldDocument, c: usize, pal
         let pose = &run.moment().poses[c * throng_runtime::NUM_JOINTS..][..throng_runtime::NUM_JOINTS];
         cues::joint_axes(&mut out.shapes, run.moment().roots[c], pose);
     }
-    if !run.is_live() {
+    if !run.reel.head.is_live() {
         return;
     }
     let inhabitants = run.life().inhabitants();
@@ -187,7 +187,7 @@ fn way(out: &mut Layout, world: &WorldDocument, steps: &[Step], colour: Rgba) {
     out.shapes.polyline(&points, 3.5, colour);
 }
 
-/// The patch that is looked at: links, entries and exits.
+/// The selected patch: links, entries and exits.
 fn patch(out: &mut Layout, model: &Model, world: &WorldDocument, instance: u32, palette: &Palette) {
     let (graph, look) = (world.graph(), &model.selection.world);
     if !look.hides_links {
@@ -229,7 +229,7 @@ fn patch(out: &mut Layout, model: &Model, world: &WorldDocument, instance: u32, 
     }
 }
 
-/// Height of the ground at a cell: where a link begins there. [Unit: m]
+/// Height of the ground at a cell: where a link begins there (m).
 fn ground_of(world: &WorldDocument, instance: u32, cell: u32) -> f32 {
     let (graph, record) = (world.graph(), world.graph().instance(instance));
     let (cells, links) = (graph.cells(instance), graph.links(instance));
@@ -242,13 +242,4 @@ fn ground_of(world: &WorldDocument, instance: u32, cell: u32) -> f32 {
         Some(begin(entry)? + edge.step[1])
     };
     record.placement.y + begin(here).or_else(across).unwrap_or(0.0) + ABOVE
-}
-
-/// A box around the units and the characters. [Unit: m]
-pub(super) fn bounds(world: &WorldDocument) -> impl Iterator<Item = Vec3> {
-    let of_units = world.placed().iter().flat_map(|p| {
-        let b = world.kit().geometries[p.unit].bounds.placed(p.placement);
-        [b.min, b.max]
-    });
-    of_units.filter(|p| p.is_finite()).chain((0..world.run().num_characters()).map(|c| world.run().hips(c)))
 }

@@ -28,7 +28,7 @@ grid = { rings = 6, angles = 8, heights = 3 }
 [[behaviours]]
 name = "evade"
 kind = "evade"
-grid = { rings = 4, angles = 8, moments = 4 }
+grid = { rings = 4, angles = 8, times = 4 }
 "#;
 
 /// A folder with the bundle and scenes.
@@ -54,20 +54,21 @@ impl Boxing {
 
     /// A scene of pairs.
     pub fn pairs(&self, characters: usize) -> PathBuf {
-        self.scene("pairs", characters, "[[goals]]\nbehaviour = \"evade\"\n")
+        self.scene("pairs", "sparring", characters, "[[groups.behaviours]]\nname = \"evade\"\n")
     }
 
-    /// A scene of characters with targets that nobody drags.
+    /// A scene of characters with targets that stay in place.
     pub fn targets(&self, characters: usize) -> PathBuf {
-        self.scene("targets", characters, "[target]\nheight_m = 1.5\n")
+        self.scene("targets", "policy", characters, "[groups.target]\nheight_m = 1.5\n")
     }
 
-    fn scene(&self, kind: &str, characters: usize, more: &str) -> PathBuf {
+    fn scene(&self, name: &str, motion: &str, characters: usize, more: &str) -> PathBuf {
         let text = format!(
-            "bundle = \"boxing.throng\"\nkind = \"{kind}\"\ncharacters = {characters}\ndistance_m = 1.2\n\
-             [[goals]]\nbehaviour = \"approach\"\n[[goals]]\nbehaviour = \"throw-punches\"\nweight = 2.0\n{more}"
+            "bundle = \"boxing.throng\"\n[[groups]]\nmotion = \"{motion}\"\ncount = {characters}\n\
+             place = {{ grid = {{ distance_m = 1.2 }} }}\n[[groups.behaviours]]\nname = \"approach\"\n\
+             [[groups.behaviours]]\nname = \"throw-punches\"\nweight = 2.0\n{more}"
         );
-        let path = self.folder.path().join(format!("{kind}.toml"));
+        let path = self.folder.path().join(format!("{name}.toml"));
         std::fs::write(&path, text).expect("a scene");
         path
     }

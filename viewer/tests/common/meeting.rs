@@ -23,6 +23,7 @@ impl Meeting {
         let text = format!(
             r#"
 [[groups]]
+motion = "none"
 name = "to the right"
 count = {each}
 place = {{ block = {{ from = [-9.0, -3.0], to = [-2.0, 3.0] }} }}
@@ -30,25 +31,26 @@ goal = {{ shift = {{ by = [11.0, 0.0] }} }}
 radius_m = [0.25, 0.35]
 
 [[groups]]
+motion = "none"
 name = "to the left"
 count = {each}
 place = {{ block = {{ from = [2.0, -3.0], to = [9.0, 3.0] }} }}
 goal = {{ shift = {{ by = [-11.0, 0.0] }} }}
 at_end = "leave"
 
-[[obstacles]]
+[[environment.obstacles]]
 wall = {{ points = [[-11.0, -4.0], [11.0, -4.0]] }}
 
-[[obstacles]]
+[[environment.obstacles]]
 wall = {{ points = [[-11.0, 4.0], [11.0, 4.0]], radius_m = 0.1 }}
 
-[[obstacles]]
+[[environment.obstacles]]
 disc = {{ centre = [0.0, 1.0], radius_m = 0.5 }}
 
-[[obstacles]]
+[[environment.obstacles]]
 polygon = {{ corners = [[-0.6, -2.6], [0.6, -2.6], [0.0, -1.8]] }}
 
-[[obstacles]]
+[[environment.obstacles]]
 mover = {{ radius_m = 0.4, way = [{{ time_s = 0.0, at = [0.0, 9.0] }}, {{ time_s = 9.0, at = [9.0, 6.0] }}] }}
 "#
         );
@@ -59,9 +61,11 @@ mover = {{ radius_m = 0.4, way = [{{ time_s = 0.0, at = [0.0, 9.0] }}, {{ time_s
     pub fn flock(&self, each: usize) -> PathBuf {
         let text = format!(
             r#"
+[environment]
 space = "air"
 
 [[groups]]
+motion = "none"
 count = {each}
 place = {{ block = {{ from = [-14.0, 2.0, -4.0], to = [-6.0, 8.0, 4.0] }} }}
 goal = {{ shift = {{ by = [20.0, 0.0, 0.0] }} }}
@@ -70,6 +74,7 @@ speed_mps = [4.0, 4.0]
 acceleration_mps2 = [10.0, 10.0]
 
 [[groups]]
+motion = "none"
 count = {each}
 place = {{ block = {{ from = [6.0, 2.0, -4.0], to = [14.0, 8.0, 4.0] }} }}
 goal = {{ shift = {{ by = [-20.0, 0.0, 0.0] }} }}
@@ -77,10 +82,10 @@ radius_m = [0.4, 0.5]
 speed_mps = [4.0, 4.0]
 acceleration_mps2 = [10.0, 10.0]
 
-[[obstacles]]
+[[environment.obstacles]]
 box = {{ from = [-16.0, 0.0, -6.0], to = [16.0, 0.5, 6.0] }}
 
-[[obstacles]]
+[[environment.obstacles]]
 wall = {{ points = [[0.0, 0.0, 1.5], [0.0, 10.0, 1.5]], radius_m = 0.6 }}
 "#
         );

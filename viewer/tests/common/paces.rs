@@ -53,23 +53,24 @@ impl Paces {
     pub fn crowd(&self, each: usize) -> PathBuf {
         let group = |from: f32, by: f32, end: &str| {
             format!(
-                "[[groups]]\ncount = {each}\nplace = {{ block = {{ from = [{from:.1}, -2.5], to = [{:.1}, 2.5] }} }}\n\
+                "[[groups]]\nmotion = \"blend\"\nspaces = [\"paces\"]\ncount = {each}\nplace = {{ block = {{ from = [{from:.1}, -2.5], to = [{:.1}, 2.5] }} }}\n\
                  goal = {{ shift = {{ by = [{by:.1}, 0.0] }} }}\nspeed_mps = [0.9, 1.3]\nat_end = \"{end}\"\n",
                 from + 4.0
             )
         };
-        let bodies = "[bodies]\nbundle = \"paces.throng\"\nconfig = \"paces.toml\"\nspaces = [\"paces\"]\n";
+        let bodies = "bundle = \"paces.throng\"\nconfig = \"paces.toml\"\n";
         let path = self.folder.path().join("people.toml");
         let text = format!("{bodies}{}{}", group(-5.5, 7.0, "stay"), group(1.5, -3.0, "leave"));
         std::fs::write(&path, text).expect("a scene");
         path
     }
 
-    /// A scene of walkers on hills of a height. [Unit: m]
+    /// A scene of walkers on hills of a height (m).
     pub fn scene(&self, characters: usize, hills_m: f32) -> PathBuf {
         let text = format!(
-            "bundle = \"paces.throng\"\nspaces = [\"paces\"]\ncharacters = {characters}\nhills_m = {hills_m:.1}\n\
-             [paths]\nspeeds = [0.7, 1.5]\nstanding = 0.0\narea_m = 12.0\n[bodies]\nkinds = 3\n"
+            "bundle = \"paces.throng\"\nenvironment.hills_m = {hills_m:.1}\n[[groups]]\nmotion = \"blend\"\n\
+             spaces = [\"paces\"]\ncount = {characters}\nbodies = {{ kinds = 3 }}\n\
+             paths = {{ speeds = [0.7, 1.5], standing = 0.0, area_m = 12.0 }}\n"
         );
         let path = self.folder.path().join("parade.toml");
         std::fs::write(&path, text).expect("a scene");

@@ -83,8 +83,10 @@ impl Square {
     /// A scene of so many characters in that world.
     pub fn scene(&self, characters: usize) -> PathBuf {
         let path = self.folder.path().join("scene.toml");
-        let text =
-            format!("world = \"square.toml\"\ncharacters = {characters}\n[[wishes]]\nwish = {{ visit = {{}} }}\n");
+        let text = format!(
+            "bundle = \"tiles.throng\"\n[environment]\nworld = \"square.world\"\nworld_config = \"square.toml\"\n\
+                 [[groups]]\nmotion = \"patches\"\ncount = {characters}\nwishes = [{{ wish = {{ visit = {{}} }} }}]\n"
+        );
         std::fs::write(&path, text).expect("a scene");
         path
     }

@@ -17,7 +17,7 @@ fn soles_touch_the_ground_and_no_foot_goes_below_it() {
     for course in [wandering as Course, jumping] {
         let mut outing = Outing::new(&made_up, WalkersConfig::default(), 10);
         for _ in 0..400 {
-            outing.step(&made_up, course, &HeightField::flat());
+            outing.step(course);
             for c in 0..10 {
                 for side in 0..2 {
                     let low = sole(&outing.walkers, c, side).map(|p| p.y).into_iter().fold(f32::INFINITY, f32::min);
@@ -42,7 +42,7 @@ fn knees_move_smoothly_and_stay_soft() {
     };
     let mut before = [[f32::NAN; 2]; 10];
     for i in 0..600 {
-        outing.step(&made_up, wandering, &HeightField::flat());
+        outing.step(wandering);
         for (c, before) in before.iter_mut().enumerate() {
             for (side, before) in before.iter_mut().enumerate() {
                 let now = knee(&outing.walkers, c, side);
@@ -58,9 +58,8 @@ fn knees_move_smoothly_and_stay_soft() {
 const LEGS: [[Joint; 3]; 2] =
     [[Joint::LeftThigh, Joint::LeftShin, Joint::LeftFoot], [Joint::RightThigh, Joint::RightShin, Joint::RightFoot]];
 
-/// Somebody who walks back, aside and ahead, faster than the feet follow, has knees that point ahead.
 #[test]
-fn no_knee_ever_bends_backwards() {
+fn knees_never_bend_backwards() {
     let made_up = MadeUp::locomotion();
     let mut outing = Outing::new(&made_up, WalkersConfig::default(), 10);
     let about: Course = |c, t| {
@@ -68,7 +67,7 @@ fn no_knee_ever_bends_backwards() {
         (Vec2::new([0.0, 0.8, -0.8][k % 3], [1.4, -1.0, 0.5, -0.6][k % 4]), Some(0.0))
     };
     for i in 0..900 {
-        outing.step(&made_up, if i < 450 { jumping } else { about }, &HeightField::flat());
+        outing.step(if i < 450 { jumping } else { about });
         for c in 0..10 {
             for leg in LEGS {
                 let [hip, knee, ankle] = leg.map(|j| outing.walkers.pose(c)[j.index()].translation());
@@ -81,14 +80,13 @@ fn no_knee_ever_bends_backwards() {
     }
 }
 
-/// However abruptly speed and direction change, no knee snaps.
 #[test]
-fn jumps_of_speed_do_not_throw_legs_about() {
+fn abrupt_changes_of_speed_do_not_snap_knees() {
     let made_up = MadeUp::locomotion();
     let mut outing = Outing::new(&made_up, WalkersConfig::default(), 10);
     let mut before = [[f32::NAN; 2]; 10];
     for i in 0..900 {
-        outing.step(&made_up, jumping, &HeightField::flat());
+        outing.step(jumping);
         for (c, before) in before.iter_mut().enumerate() {
             for (side, before) in before.iter_mut().enumerate() {
                 let [hip, knee, ankle] = LEGS[side].map(|j| outing.walkers.pose(c)[j.index()].translation());
@@ -102,17 +100,17 @@ fn jumps_of_speed_do_not_throw_legs_about() {
 }
 
 #[test]
-fn nobody_is_stretched_by_a_jump_to_elsewhere() {
+fn jumps_of_the_trajectory_do_not_stretch_legs() {
     let made_up = MadeUp::locomotion();
     let mut outing = Outing::new(&made_up, WalkersConfig::default(), 5);
     let stand: Course = |_, _| (Vec2::ZERO, None);
     for shift in [0.3, 0.6, 30.0] {
         for _ in 0..60 {
-            outing.step(&made_up, stand, &HeightField::flat());
+            outing.step(stand);
         }
-        outing.controls.iter_mut().for_each(|c| c.position.x += shift);
+        outing.positions.iter_mut().for_each(|p| p.x += shift);
         for _ in 0..120 {
-            outing.step(&made_up, stand, &HeightField::flat());
+            outing.step(stand);
         }
         for c in 0..5 {
             let size = bodies()[c].leg_length() / Skeleton::default().leg_length();
@@ -133,9 +131,10 @@ fn feet_follow_the_ground() {
     let heights = (0..64 * 64).map(|i| slope(origin + spacing * Vec2::new((i % 64) as f32, (i / 64) as f32))).collect();
     let field = HeightField::new(origin, spacing, size, heights).expect("a field");
     let mut outing = Outing::new(&made_up, WalkersConfig::default(), 5);
+    outing.walkers.set_ground(field);
     let straight: Course = |_, _| (Vec2::new(0.0, 1.2), None);
     for i in 0..600 {
-        outing.step(&made_up, straight, &field);
+        outing.step(straight);
         for c in (0..5).filter(|_| i > 60) {
             for side in 0..2 {
                 let sole = sole(&outing.walkers, c, side);
@@ -150,7 +149,7 @@ fn feet_follow_the_ground() {
 }
 
 #[test]
-fn hands_that_touch_go_where_the_examples_have_them() {
+fn touching_hands_are_placed_as_in_the_examples() {
     use throng_runtime::blend::channel;
     let mut made_up = MadeUp::locomotion();
     let place = Vec3::new(0.15, 0.35, 0.35);
@@ -159,7 +158,7 @@ fn hands_that_touch_go_where_the_examples_have_them() {
         row.values[channel::LEFT_HAND..][..3].copy_from_slice(&place.to_array());
     }
     let mut outing = Outing::new(&made_up, WalkersConfig::default(), 1);
-    outing.step(&made_up, |_, _| (Vec2::ZERO, None), &HeightField::flat());
+    outing.step(|_, _| (Vec2::ZERO, None));
     let pose = outing.walkers.pose(0);
     let hand = pose[Joint::LeftHand.index()].translation() - pose[0].translation();
     assert!(hand.abs_diff_eq(place, 1e-4), "{hand}");

@@ -1,5 +1,6 @@
-//! Walkers: on their trajectories, feet planted, whatever happens to speed, direction, body and ground.
+//! Walkers stay on their trajectories with planted feet, for any speed, direction, body and ground.
 
+mod cast;
 mod feet;
 mod state;
 mod ways;
@@ -7,9 +8,9 @@ mod ways;
 use super::made_up::MadeUp;
 use glam::{Vec2, Vec3};
 use std::f32::consts::{FRAC_PI_2, PI, TAU};
+use throng_runtime::blend::HeightField;
 use throng_runtime::blend::walkers::{Control, WalkerStart, Walkers, WalkersConfig};
-use throng_runtime::blend::{BlendError, HeightField};
-use throng_runtime::{Contacts, Joint, Mat3x4, Planar, Skeleton};
+use throng_runtime::{Cast, Contacts, Error, Id, Inline, Joint, Mat3x4, Planar, Rayon, Run, Skeleton, Status};
 
 const DT_S: f32 = 1.0 / 60.0;
 
@@ -29,39 +30,46 @@ fn bodies() -> [Skeleton; 5] {
     [body(1.0, 1.0), body(0.6, 1.0), body(1.25, 1.0), body(1.0, 1.2), body(0.9, 0.85)]
 }
 
-/// How a walker's velocity goes over time: seconds to (velocity, heading).
+/// Velocity and heading of a walker over time: (number, seconds) to (velocity, heading).
 type Course = fn(usize, f32) -> (Vec2, Option<f32>);
 
-/// Walkers of all bodies on a course, each integrated on its own.
+/// Walkers of all bodies on a course.
+#[derive(Clone)]
 struct Outing {
     walkers: Walkers,
-    controls: Vec<Control>,
+    ids: Vec<Id>,
+    positions: Vec<Vec2>,
     time_s: f32,
 }
 
 impl Outing {
     fn new(made_up: &MadeUp, config: WalkersConfig, n: usize) -> Self {
-        let starts: Vec<_> = (0..n)
-            .map(|c| WalkerStart { body: c % 5, root: Planar::new(4.0 * c as f32, 0.0, 0.0), phase: 0.37 * c as f32 })
-            .collect();
-        let walkers =
-            Walkers::new(&made_up.space(), &Skeleton::default(), &bodies(), config, &starts).expect("walkers");
-        let controls = starts.iter().map(|s| Control { position: Vec2::new(s.root.x, s.root.z), ..Control::default() });
-        Self { walkers, controls: controls.collect(), time_s: 0.0 }
+        let mut walkers = Walkers::with_capacity(made_up.space(), &bodies(), config, n).expect("walkers");
+        let ids = (0..n).map(|c| walkers.spawn(start(c)).expect("room")).collect();
+        Self { walkers, ids, positions: (0..n).map(|c| Vec2::new(4.0 * c as f32, 0.0)).collect(), time_s: 0.0 }
     }
 
-    fn step(&mut self, made_up: &MadeUp, course: Course, ground: &HeightField) {
+    fn step(&mut self, course: Course) {
+        self.step_on(course, &Inline);
+    }
+
+    fn step_on(&mut self, course: Course, run: &dyn Run) {
         self.time_s += DT_S;
-        for (c, control) in self.controls.iter_mut().enumerate() {
+        for (c, (id, position)) in self.ids.iter().zip(&mut self.positions).enumerate() {
             let (velocity, heading) = course(c, self.time_s);
-            control.position += velocity * DT_S;
-            (control.velocity, control.heading) = (velocity, heading);
+            *position += velocity * DT_S;
+            let control = Control { position: Some(*position), velocity, heading, ..Control::default() };
+            self.walkers.order(*id, control).expect("an order");
         }
-        self.walkers.step(&made_up.space(), DT_S, &self.controls, ground).expect("a step");
+        self.walkers.step(DT_S, run).expect("a step");
     }
 }
 
-/// What a foot stands on, in the world: bottom of the heel, and the ground below the toe joint on a flat foot.
+fn start(c: usize) -> WalkerStart {
+    WalkerStart { body: c % 5, root: Planar::new(4.0 * c as f32, 0.0, 0.0), phase: 0.37 * c as f32 }
+}
+
+/// World positions of the bottom of the heel, and of the ground below the toe joint on a flat foot.
 fn sole(walkers: &Walkers, character: usize, side: usize) -> [Vec3; 2] {
     let s = &bodies()[character % 5];
     let (foot, toe) = [(Joint::LeftFoot, Joint::LeftToe), (Joint::RightFoot, Joint::RightToe)][side];
@@ -78,14 +86,13 @@ fn sole(walkers: &Walkers, character: usize, side: usize) -> [Vec3; 2] {
 
 const FEET: [Contacts; 2] = [Contacts::LEFT, Contacts::RIGHT];
 
-/// The lower end of every planted foot moves so slowly over the ground, 95th percentile. [Unit: m/s]
+/// Speed over the ground of the slower end of planted feet, 95th percentile (m/s).
 fn slip_p95(made_up: &MadeUp, course: Course, seconds: f32) -> f32 {
     let mut outing = Outing::new(made_up, WalkersConfig::default(), 10);
-    let flat = HeightField::flat();
     let mut speeds = Vec::new();
     let mut before: Vec<Option<[Vec3; 2]>> = vec![None; 20];
     while outing.time_s < seconds {
-        outing.step(made_up, course, &flat);
+        outing.step(course);
         for c in 0..10 {
             for side in 0..2 {
                 let now = sole(&outing.walkers, c, side);

@@ -1,66 +1,79 @@
-//! What is kept, split, refused.
+//! Threads, snapshots and refusals.
 
 use super::*;
 
 #[test]
-fn threads_and_splits_change_nothing() {
+fn threads_and_splits_do_not_change_results() {
     let made_up = MadeUp::locomotion();
-    let run = |threads: usize, n: usize| -> Vec<Mat3x4> {
+    let config = WalkersConfig { local_transforms: true, ..WalkersConfig::default() };
+    let run = |run: &(dyn Run + Sync), threads: usize, n: usize| -> Vec<[Mat3x4; 22]> {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
-        let mut outing = Outing::new(&made_up, WalkersConfig { local_transforms: true, ..WalkersConfig::default() }, n);
-        pool.install(|| {
-            for i in 0..40 {
-                for (c, control) in outing.controls.iter_mut().enumerate() {
-                    control.velocity = wandering(c, i as f32 * DT_S).0;
-                    control.position += control.velocity * DT_S;
-                }
-                let flat = HeightField::flat();
-                if threads == 0 {
-                    outing.walkers.step(&made_up.space(), DT_S, &outing.controls, &flat).expect("a step");
-                } else {
-                    outing.walkers.par_step(&made_up.space(), DT_S, &outing.controls, &flat).expect("a step");
-                }
-            }
-        });
-        outing.walkers.model_matrices().to_vec()
+        let mut outing = Outing::new(&made_up, config, n);
+        pool.install(|| (0..40).for_each(|_| outing.step_on(wandering, run)));
+        outing.walkers.bodies().model.to_vec()
     };
-    let one = run(1, 300);
-    assert_eq!(one, run(2, 300));
-    assert_eq!(one, run(8, 300));
-    assert_eq!(one[..100 * 22], run(2, 100), "the others do not matter");
+    let one = run(&Inline, 1, 300);
+    assert_eq!(one, run(&Rayon, 2, 300));
+    assert_eq!(one, run(&Rayon, 8, 300));
+    assert_eq!(one[..100], run(&Rayon, 2, 100), "results depend on the number of walkers");
 }
 
 #[test]
-fn a_snapshot_leads_to_the_same_steps() {
+fn snapshots_lead_to_the_same_steps() {
     let made_up = MadeUp::locomotion();
     let mut outing = Outing::new(&made_up, WalkersConfig::default(), 9);
-    let flat = HeightField::flat();
-    for _ in 0..50 {
-        outing.step(&made_up, jumping, &flat);
+    (0..50).for_each(|_| outing.step(jumping));
+    let (mut bytes, kept) = (Vec::new(), outing.clone());
+    outing.walkers.save(&mut bytes);
+    let go_on = |outing: &mut Outing| {
+        (0..50).for_each(|_| outing.step(jumping));
+        outing.walkers.despawn(outing.ids[3]).expect("somebody");
+        let next = outing.walkers.spawn(start(3)).expect("room");
+        (next, outing.walkers.bodies().model.to_vec(), outing.walkers.hash())
+    };
+    let want = go_on(&mut outing);
+    outing.walkers.load(&bytes).expect("a snapshot");
+    assert_eq!(outing.walkers.hash(), kept.walkers.hash());
+    assert_eq!(outing.walkers.bodies().roots, kept.walkers.bodies().roots);
+    for (a, b) in outing.walkers.bodies().model.iter().zip(kept.walkers.bodies().model) {
+        assert!(a[0].translation().distance(b[0].translation()) < 0.01, "poses are there after loading");
     }
-    let (snapshot, controls, time_s) = (outing.walkers.snapshot(), outing.controls.clone(), outing.time_s);
-    for _ in 0..50 {
-        outing.step(&made_up, jumping, &flat);
+    outing = Outing { walkers: outing.walkers, ..kept };
+    assert_eq!(go_on(&mut outing), want);
+}
+
+#[test]
+fn snapshots_of_other_walkers_and_damaged_ones_are_refused() {
+    let made_up = MadeUp::locomotion();
+    let mut outing = Outing::new(&made_up, WalkersConfig::default(), 9);
+    (0..10).for_each(|_| outing.step(jumping));
+    let mut bytes = Vec::new();
+    outing.walkers.save(&mut bytes);
+    let before = outing.walkers.hash();
+    for at in (0..bytes.len()).step_by(97) {
+        let mut other = bytes.clone();
+        other[at] ^= 4;
+        assert!(outing.walkers.load(&other).is_err(), "byte {at}");
+        assert!(outing.walkers.load(&bytes[..at]).is_err(), "{at} bytes");
     }
-    let want = outing.walkers.model_matrices().to_vec();
-    outing.walkers.restore(&snapshot).expect("a snapshot");
-    (outing.controls, outing.time_s) = (controls, time_s);
-    for _ in 0..50 {
-        outing.step(&made_up, jumping, &flat);
+    assert!(outing.walkers.load(&[&bytes[..], &[0]].concat()).is_err());
+    assert_eq!(outing.walkers.hash(), before);
+    let eased = WalkersConfig { heading_half_life_s: 0.5, ..WalkersConfig::default() };
+    let small = MadeUp::new(&[[0.0, 1.0, 0.0], [0.0, 2.0, 0.0]], [2, 2, 2]);
+    for mut other in [
+        Outing::new(&made_up, WalkersConfig::default(), 8),
+        Outing::new(&made_up, eased, 9),
+        Outing::new(&small, WalkersConfig::default(), 9),
+    ] {
+        assert!(matches!(other.walkers.load(&bytes), Err(Error::Snapshot { what: "walkers", .. })));
     }
-    assert_eq!(outing.walkers.model_matrices(), want);
-    assert!(snapshot.num_bytes() > 9 * 100);
-    let other = Outing::new(&made_up, WalkersConfig::default(), 8);
-    assert!(outing.walkers.restore(&other.walkers.snapshot()).is_err());
 }
 
 #[test]
 fn local_transforms_build_the_same_pose() {
     let made_up = MadeUp::locomotion();
     let mut outing = Outing::new(&made_up, WalkersConfig { local_transforms: true, ..WalkersConfig::default() }, 10);
-    for _ in 0..30 {
-        outing.step(&made_up, wandering, &HeightField::flat());
-    }
+    (0..30).for_each(|_| outing.step(wandering));
     for c in 0..10 {
         let mut world = [glam::Mat4::IDENTITY; 22];
         for joint in Joint::ALL {
@@ -81,47 +94,43 @@ fn without_smoothing_parameters_are_those_asked_for() {
     let made_up = MadeUp::locomotion();
     let config = WalkersConfig { parameter_half_life_s: 0.0, ..WalkersConfig::default() };
     let mut outing = Outing::new(&made_up, config, 1);
-    outing.step(&made_up, |_, _| (Vec2::new(0.0, 0.8), None), &HeightField::flat());
-    outing.step(&made_up, |_, _| (Vec2::new(0.0, 4.0), None), &HeightField::flat());
+    outing.step(|_, _| (Vec2::new(0.0, 0.8), None));
+    outing.step(|_, _| (Vec2::new(0.0, 4.0), None));
     assert_eq!(outing.walkers.parameters(0)[0], 4.0);
     let sum: f32 = outing.walkers.weights(0).iter().sum();
     assert!((sum - 1.0).abs() < 1e-5);
 }
 
 #[test]
-fn what_makes_no_sense_is_refused() {
+fn numbers_out_of_range_are_refused() {
     let made_up = MadeUp::locomotion();
-    let space = made_up.space();
     let new = |bodies: &[Skeleton], config: WalkersConfig, start: WalkerStart| {
-        Walkers::new(&space, &Skeleton::default(), bodies, config, &[start]).map(|_| ())
+        Walkers::with_capacity(made_up.space(), bodies, config, 1)?.spawn(start).map(|_| ())
     };
     let start = WalkerStart::default();
     let default = WalkersConfig::default();
     assert!(new(&bodies(), default, start).is_ok());
-    assert!(matches!(new(&[], default, start), Err(BlendError::Index { what: "body", .. })));
+    let other_body = WalkerStart { body: 1, ..start };
+    assert!(matches!(new(&[], default, other_body), Err(Error::Index { what: "body", got: 1, limit: 1, .. })));
     let nowhere = WalkerStart { root: Planar::new(f32::NAN, 0.0, 0.0), ..start };
-    assert!(matches!(new(&bodies(), default, nowhere), Err(BlendError::Value { what: "start x", .. })));
+    assert!(matches!(new(&bodies(), default, nowhere), Err(Error::Value { what: "root x", .. })));
     let mut crippled = Skeleton::default();
     crippled.offsets[Joint::LeftShin.index()] = Vec3::ZERO;
-    assert!(matches!(new(&[crippled], default, start), Err(BlendError::Value { .. })));
+    assert!(matches!(new(&[crippled], default, start), Err(Error::Value { .. })));
     let config = WalkersConfig { tempo: [1.1, 1.2], ..default };
-    assert!(matches!(new(&bodies(), config, start), Err(BlendError::Value { what: "tempo[0]", .. })));
+    assert!(matches!(new(&bodies(), config, start), Err(Error::Value { what: "tempo[0]", .. })));
 
     let mut outing = Outing::new(&made_up, default, 2);
-    let flat = HeightField::flat();
-    let good = Control::default();
-    let before = outing.walkers.clone();
-    for (dt_s, controls) in [
-        (-1.0, vec![good; 2]),
-        (f32::NAN, vec![good; 2]),
-        (DT_S, vec![good; 3]),
-        (DT_S, vec![good, Control { position: Vec2::new(f32::NAN, 0.0), ..good }]),
-        (DT_S, vec![good, Control { heading: Some(f32::INFINITY), ..good }]),
-    ] {
-        assert!(outing.walkers.step(&space, dt_s, &controls, &flat).is_err());
-        assert_eq!(outing.walkers.root(1), before.root(1));
+    let (id, before) = (outing.ids[1], outing.walkers.hash());
+    for dt_s in [-1.0, f32::NAN, 1.5] {
+        assert!(matches!(outing.walkers.step(dt_s, &Inline), Err(Error::Value { what: "dt_s", .. })));
     }
-    let other = MadeUp::new(&[[0.0, 1.0, 0.0], [0.0, 2.0, 0.0]], [2, 2, 2]);
-    let e = outing.walkers.step(&other.space(), DT_S, &[good; 2], &flat).expect_err("another space");
-    assert!(matches!(e, BlendError::OtherSpace { expected: 20, got: 2, .. }), "{e}");
+    let nowhere = Control { position: Some(Vec2::new(f32::NAN, 0.0)), ..Control::default() };
+    let turned = Control { heading: Some(f32::INFINITY), ..Control::default() };
+    for (order, what) in [(nowhere, "position x"), (turned, "heading")] {
+        let e = outing.walkers.order(id, order).expect_err(what).to_string();
+        assert!(e.starts_with(&format!("1: {what} is")), "{e}");
+    }
+    assert!(outing.walkers.place(id, Planar::new(0.0, f32::NAN, 0.0)).is_err());
+    assert_eq!(outing.walkers.hash(), before);
 }

@@ -1,15 +1,15 @@
-//! Ways that bodies follow.
+//! How bodies follow trajectories.
 
 use super::*;
 
 #[test]
-fn the_root_lies_on_the_trajectory_and_the_hips_above_it() {
+fn root_follows_the_trajectory_with_the_hips_above_it() {
     let made_up = MadeUp::locomotion();
     let mut outing = Outing::new(&made_up, WalkersConfig::default(), 10);
     for _ in 0..300 {
-        outing.step(&made_up, wandering, &HeightField::flat());
+        outing.step(wandering);
         for c in 0..10 {
-            let (root, want) = (outing.walkers.root(c), outing.controls[c].position);
+            let (root, want) = (outing.walkers.root(c), outing.positions[c]);
             assert_eq!(Vec2::new(root.x, root.z), want);
             let size = bodies()[c % 5].leg_length() / Skeleton::default().leg_length();
             let hips = outing.walkers.pose(c)[0].translation();
@@ -19,17 +19,17 @@ fn the_root_lies_on_the_trajectory_and_the_hips_above_it() {
 }
 
 #[test]
-fn who_stands_still_stands_still() {
+fn feet_of_a_standing_walker_do_not_move() {
     let made_up = MadeUp::locomotion();
     let mut outing = Outing::new(&made_up, WalkersConfig::default(), 5);
     let stop: Course = |_, t| (Vec2::new(0.0, if t < 2.0 { 1.5 } else { 0.0 }), None);
     for _ in 0..300 {
-        outing.step(&made_up, stop, &HeightField::flat());
+        outing.step(stop);
     }
     let soles = |o: &Outing| (0..10).map(|i| sole(&o.walkers, i / 2, i % 2)).collect::<Vec<_>>();
     let before = soles(&outing);
     for _ in 0..120 {
-        outing.step(&made_up, stop, &HeightField::flat());
+        outing.step(stop);
         for c in 0..5 {
             assert!(outing.walkers.contacts(c).any(Contacts::LEFT) && outing.walkers.contacts(c).any(Contacts::RIGHT));
         }
@@ -40,13 +40,13 @@ fn who_stands_still_stands_still() {
 }
 
 #[test]
-fn a_turn_on_the_spot_ends_at_the_heading_with_the_feet_below() {
+fn turning_on_the_spot_takes_steps_and_ends_at_the_heading() {
     let made_up = MadeUp::locomotion();
     let mut outing = Outing::new(&made_up, WalkersConfig::default(), 5);
     let turn: Course = |_, t| (Vec2::ZERO, Some(if t < 1.0 { 0.0 } else { 2.5 }));
     let mut lifted = [false; 5];
     for _ in 0..360 {
-        outing.step(&made_up, turn, &HeightField::flat());
+        outing.step(turn);
         for (c, lifted) in lifted.iter_mut().enumerate() {
             *lifted |= FEET.iter().any(|f| !outing.walkers.contacts(c).any(*f));
         }
@@ -63,16 +63,14 @@ fn a_turn_on_the_spot_ends_at_the_heading_with_the_feet_below() {
 }
 
 #[test]
-fn side_and_back_steps_face_where_they_are_told() {
+fn side_and_back_steps_keep_the_given_heading() {
     let made_up = MadeUp::locomotion();
     for (velocity, axis, sign) in [(Vec2::new(0.7, 0.0), 1, 1.0), (Vec2::new(0.0, -0.8), 0, -1.0)] {
         let mut outing = Outing::new(&made_up, WalkersConfig::default(), 1);
-        outing.controls[0].velocity = velocity;
+        let control = Control { velocity, heading: Some(0.0), ..Control::default() };
+        outing.walkers.order(outing.ids[0], control).expect("an order");
         for _ in 0..120 {
-            outing.controls[0].position += velocity * DT_S;
-            outing.controls[0].heading = Some(0.0);
-            let flat = HeightField::flat();
-            outing.walkers.step(&made_up.space(), DT_S, &outing.controls, &flat).expect("a step");
+            outing.walkers.step(DT_S, &Inline).expect("a step");
         }
         assert!(outing.walkers.root(0).heading.abs() < 1e-3);
         let p = outing.walkers.parameters(0);
@@ -81,12 +79,12 @@ fn side_and_back_steps_face_where_they_are_told() {
 }
 
 #[test]
-fn who_follows_a_circle_faces_along_it() {
+fn heading_follows_a_circle() {
     let made_up = MadeUp::locomotion();
     let mut outing = Outing::new(&made_up, WalkersConfig::default(), 1);
     let circle: Course = |_, t| (1.5 * Vec2::new(t.sin(), t.cos()), None);
     for _ in 0..600 {
-        outing.step(&made_up, circle, &HeightField::flat());
+        outing.step(circle);
     }
     let off = (outing.walkers.root(0).heading - outing.time_s + PI).rem_euclid(TAU) - PI;
     assert!(off.abs() < 0.1, "{off}");
@@ -99,7 +97,7 @@ fn larger_bodies_walk_at_the_same_froude_number() {
     let mut outing = Outing::new(&made_up, WalkersConfig::default(), 3);
     let straight: Course = |_, _| (Vec2::new(0.0, 1.2), None);
     for _ in 0..120 {
-        outing.step(&made_up, straight, &HeightField::flat());
+        outing.step(straight);
     }
     for (c, size) in [1.0f32, 0.6, 1.25].into_iter().enumerate() {
         let p = outing.walkers.parameters(c)[0];
@@ -107,32 +105,31 @@ fn larger_bodies_walk_at_the_same_froude_number() {
     }
 }
 
-/// A trajectory that speeds up steadily is not followed late.
 #[test]
 fn steady_changes_are_followed_without_delay() {
     let made_up = MadeUp::locomotion();
     let mut outing = Outing::new(&made_up, WalkersConfig::default(), 1);
     let faster: Course = |_, t| (Vec2::new(0.0, 0.5 + t.min(3.0)), None);
     for i in 0..170 {
-        outing.step(&made_up, faster, &HeightField::flat());
+        outing.step(faster);
         let (got, asked) = (outing.walkers.parameters(0)[0], 0.5 + outing.time_s);
         assert!(i < 60 || (got - asked).abs() < 0.02, "{got} where {asked} was asked for, {} s", outing.time_s);
     }
     // A jump is eased.
     let mut outing = Outing::new(&made_up, WalkersConfig::default(), 1);
-    outing.step(&made_up, |_, _| (Vec2::Y, None), &HeightField::flat());
-    outing.step(&made_up, |_, _| (Vec2::Y * 4.0, None), &HeightField::flat());
+    outing.step(|_, _| (Vec2::Y, None));
+    outing.step(|_, _| (Vec2::Y * 4.0, None));
     assert!(outing.walkers.parameters(0)[0] < 1.2);
 }
 
 #[test]
-fn a_sharp_corner_is_taken_at_the_largest_turning_rate() {
+fn sharp_corners_are_limited_by_the_turning_rate() {
     let made_up = MadeUp::locomotion();
     let mut outing = Outing::new(&made_up, WalkersConfig::default(), 1);
     let corner: Course = |_, t| (1.5 * if t < 1.0 { Vec2::Y } else { Vec2::X }, None);
     let mut before = 0.0;
     for _ in 0..180 {
-        outing.step(&made_up, corner, &HeightField::flat());
+        outing.step(corner);
         let heading = outing.walkers.root(0).heading;
         assert!((heading - before).abs() < WalkersConfig::default().max_turning_rate * DT_S + 1e-4);
         before = heading;

@@ -17,13 +17,13 @@ use throng_runtime::world::inhabitants::Wish;
 pub struct Edited {
     /// What was done, in words.
     pub what: String,
-    /// Time of stitching. [Unit: s]
+    /// Time of stitching (s).
     pub stitch_s: f64,
-    /// Time of all of it: stitching, what walks over it, and the characters. [Unit: s]
+    /// Time of all of it: stitching, what walks over it, and the characters (s).
     pub total_s: f64,
     /// Characters that found no place any more.
     pub lost: usize,
-    /// Characters that were told to do what can no longer be done: they do as they wish again.
+    /// Characters whose orders can no longer be carried out: they decide for themselves again.
     pub free: usize,
 }
 
@@ -54,7 +54,7 @@ pub struct Working {
 pub enum Taken {
     /// The world is another one; with the place of the unit that came or was moved, where there is one.
     Changed(Option<usize>),
-    /// Others live in the same world.
+    /// The same world has new inhabitants.
     Begun,
     /// The world is as it was; [`WorldDocument::refused`] says why.
     Refused,
@@ -71,7 +71,7 @@ impl Working {
 }
 
 impl WorldDocument {
-    /// What is under way. Nobody moves meanwhile: after an edit, everybody is put back where they are seen.
+    /// What is under way. Time stands still meanwhile: after an edit, all inhabitants are put back where they are shown.
     pub fn working(&self) -> Option<&Working> {
         self.working.as_ref()
     }
@@ -86,17 +86,17 @@ impl WorldDocument {
         self.refused = None;
     }
 
-    /// The change that can be taken back, in words.
+    /// The change that can be undone, in words.
     pub fn to_undo(&self) -> Option<&str> {
         self.made.last()
     }
 
-    /// The change that can be made again, in words.
+    /// The change that can be redone, in words.
     pub fn to_redo(&self) -> Option<&str> {
         self.made.next()
     }
 
-    /// Where a placed unit will stand when all that was ordered is done. [Limit: place < number of places]
+    /// Where a placed unit will stand when all that was ordered is done (place < number of places).
     pub fn will_stand(&self, place: usize) -> Placement {
         let working = self.working.as_ref();
         let orders = working.into_iter().flat_map(|w| w.work.order().into_iter().chain(w.next.iter().copied()));
@@ -106,7 +106,7 @@ impl WorldDocument {
 
     /// Begins an edit on a thread of its own; [`WorldDocument::take_in`] takes the new world in when it is stitched.
     ///
-    /// While one is under way, or characters are being placed, changes can be taken back and made again after it, and
+    /// While one is under way, or characters are being placed, changes can be undone and redone after it, and
     /// what it moves can be moved on.
     ///
     /// # Errors
@@ -134,14 +134,14 @@ impl WorldDocument {
         Ok(())
     }
 
-    /// Begins to let so many characters live there anew, as far as there is room, on a thread of its own, as
+    /// Starts to place that many new inhabitants, as far as there is room, on a thread of its own, as
     /// [`WorldDocument::order`] begins an edit.
     ///
     /// # Errors
     /// A message that names what is under way, where something is.
     pub fn populate(&mut self, characters: usize, seed: u64) -> Result<(), String> {
         if let Some(working) = &self.working {
-            return Err(format!("the run can begin anew when {} is done", working.work.name()));
+            return Err(format!("the run can restart when {} is done", working.work.name()));
         }
         self.refused = None;
         let scene = WorldScene { characters, seed, ..self.scene.clone() };
@@ -156,11 +156,11 @@ impl WorldDocument {
         let doing = match order {
             Order::Change(change) => format!("Stitching the world around {}", self.name_of(change)),
             Order::Undo => match self.to_undo() {
-                Some(last) => format!("Taking back: {last}"),
+                Some(last) => format!("Undoing: {last}"),
                 None => return,
             },
             Order::Redo => match self.to_redo() {
-                Some(next) => format!("Making again: {next}"),
+                Some(next) => format!("Redoing: {next}"),
                 None => return,
             },
         };
@@ -174,7 +174,7 @@ impl WorldDocument {
         self.working = Some(Working { work, doing, at, next: VecDeque::new(), done });
     }
 
-    /// Takes in what has been stitched since the last call; none where nothing has.
+    /// Takes in what has been stitched since the last call; none if nothing has.
     ///
     /// - `waits`: until nothing is under way.
     pub fn take_in(&mut self, waits: bool) -> Option<Taken> {
@@ -216,12 +216,12 @@ impl WorldDocument {
         };
         let is_new = result.is_ok();
         let what = match order {
-            Some(Order::Undo) => format!("took back: {}", self.to_undo().unwrap_or_default()),
-            Some(Order::Redo) => format!("made again: {}", self.to_redo().unwrap_or_default()),
+            Some(Order::Undo) => format!("undid: {}", self.to_undo().unwrap_or_default()),
+            Some(Order::Redo) => format!("redid: {}", self.to_redo().unwrap_or_default()),
             Some(Order::Change(_)) | None => name.clone().unwrap_or_default(),
         };
-        if let Some(workshop) = &self.workshop {
-            let counts = workshop.with(|e| [e.num_undos(), e.num_redos()]);
+        let counts = self.workshop.as_ref().and_then(|w| w.with(|e| [e.num_undos(), e.num_redos()]));
+        if let Some(counts) = counts {
             self.made.follow(counts, name.filter(|_| is_new));
         }
         match result {
@@ -237,11 +237,10 @@ impl WorldDocument {
         }
     }
 
-    /// Lets others live in the world.
+    /// Replaces the inhabitants of the world.
     fn begin_with(&mut self, begun: Begun) {
         let mut run = begun.run;
-        run.play(self.run.is_playing());
-        run.set_speed(self.run.speed());
+        run.reel.head.play_like(&self.run.reel.head);
         (self.run, self.scene) = (run, begun.scene);
     }
 
@@ -250,8 +249,7 @@ impl WorldDocument {
         let place = changed(&self.environment.units, &new.environment.units);
         let lost = self.run.num_characters() - new.before.len();
         let mut run = new.run;
-        run.play(self.run.is_playing());
-        run.set_speed(self.run.speed());
+        run.reel.head.play_like(&self.run.reel.head);
         let mut free = 0;
         for (character, &before) in new.before.iter().enumerate() {
             let Some(wish) = self.run.told(before) else { continue };
@@ -302,7 +300,7 @@ impl WorldDocument {
     }
 }
 
-/// The place of a unit that came or was moved; none where one went.
+/// The place of a unit that came or was moved; none if one went.
 fn changed(before: &[PlacedUnit], after: &[PlacedUnit]) -> Option<usize> {
     let first = before.iter().zip(after).position(|(a, b)| a != b);
     (after.len() >= before.len()).then(|| first.or((after.len() > before.len()).then_some(before.len()))).flatten()
@@ -313,7 +311,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_unit_that_came_or_was_moved_is_found() {
+    fn the_added_or_moved_unit_is_found() {
         let unit = |x: f32| PlacedUnit { unit: 0, placement: Placement::new(x, 0.0, 0.0, 0.0) };
         let units = |xs: &[f32]| xs.iter().map(|&x| unit(x)).collect::<Vec<_>>();
         for (before, after, place) in [

@@ -1,4 +1,4 @@
-//! An open world of motion patches: the units that stand in it, the patches stitched over them, and who lives there.
+//! An open world of motion patches: the units that stand in it, the patches stitched over them, and its inhabitants.
 
 mod edit;
 mod open;
@@ -8,9 +8,10 @@ mod views;
 mod worker;
 
 pub use edit::{Edited, Refused, Taken, Working};
+pub use open::unit_mesh;
 pub use orders::{Change, Order};
 
-use super::Bundle;
+use crate::bundle::OpenBundle;
 use crate::render::{Ray, SolidMesh};
 use crate::run::WorldRun;
 use glam::Vec3;
@@ -34,7 +35,7 @@ pub struct WorldDocument {
     /// The scene was opened, not the world itself.
     is_scene: bool,
     kit: Arc<Kit>,
-    /// None while somebody works there.
+    /// None while an edit is under way.
     workshop: Option<Workshop>,
     ground: Arc<Ground>,
     environment: Environment,
@@ -63,7 +64,7 @@ impl WorldDocument {
     }
 
     /// The bundle whose patches it is made of.
-    pub fn bundle(&self) -> &Bundle {
+    pub fn bundle(&self) -> &OpenBundle {
         self.ground.bundle()
     }
 
@@ -72,7 +73,7 @@ impl WorldDocument {
         &self.source
     }
 
-    /// Who lives there.
+    /// The inhabitants.
     pub fn scene(&self) -> &WorldScene {
         &self.scene
     }
@@ -87,7 +88,7 @@ impl WorldDocument {
         &self.kit
     }
 
-    /// A unit object of the bundle. [Limit: unit < number of units of the bundle]
+    /// A unit object of the bundle (unit < number of units of the bundle).
     pub fn unit(&self, unit: usize) -> &Unit {
         &self.kit().units.units[unit]
     }
@@ -98,7 +99,7 @@ impl WorldDocument {
     }
 
     /// The world as it can be walked.
-    pub fn graph(&self) -> &WorldGraph<'_> {
+    pub fn graph(&self) -> &WorldGraph {
         self.ground.graph()
     }
 
@@ -117,7 +118,7 @@ impl WorldDocument {
         &self.meshes
     }
 
-    /// Who lives there now.
+    /// The inhabitants now.
     pub fn run(&self) -> &WorldRun {
         &self.run
     }
@@ -137,20 +138,20 @@ impl WorldDocument {
         self.revision
     }
 
-    /// Name of an instance's patch. [Limit: instance < number of instances]
+    /// Name of an instance's patch (instance < number of instances).
     pub fn patch_name(&self, instance: u32) -> &str {
         let patch = self.graph().instance(instance).patch as usize;
         self.bundle().tables().meta().patches.get(patch).map_or("", |p| &p.name)
     }
 
-    /// In a word why something of an instance is taken out; none where it is left, or while an edit is under way.
+    /// In a word why something of an instance is taken out; none if it is left, or while an edit is under way.
     pub fn reason(&self, instance: u32, item: Item) -> Option<Reason> {
-        self.workshop.as_ref()?.with(|editor| editor.reason(instance, item))
+        self.workshop.as_ref()?.with(move |editor| editor.reason(instance, item))?
     }
 
     /// The same with what is in the way.
     pub fn why(&self, instance: u32, item: Item) -> Option<Why> {
-        self.workshop.as_ref()?.with(|editor| editor.why(instance, item))
+        self.workshop.as_ref()?.with(move |editor| editor.why(instance, item))?
     }
 
     /// Instances that a placed unit is part of.
@@ -191,21 +192,10 @@ impl WorldDocument {
         nearest.map(|(distance, place)| (place, ray.at(distance)))
     }
 
-    /// Moves time on by wall time, unless an edit is under way; returns the steps taken.
+    /// One step forward, or a recorded one, unless an edit is under way.
     ///
     /// # Errors
     /// [`InhabitantsError`] where a step cannot be taken.
-    pub fn advance(&mut self, wall_s: f32) -> Result<u32, InhabitantsError> {
-        if self.working.is_some() {
-            return Ok(0);
-        }
-        self.run.advance(self.ground.bundle(), self.ground.graph(), wall_s)
-    }
-
-    /// One step on, or a recorded one, unless an edit is under way.
-    ///
-    /// # Errors
-    /// As [`WorldDocument::advance`].
     pub fn step(&mut self) -> Result<(), InhabitantsError> {
         if self.working.is_some() {
             return Ok(());
@@ -218,7 +208,7 @@ impl WorldDocument {
         &mut self.run
     }
 
-    /// Tells a character what to do; none lets it wish by itself.
+    /// Gives a character an order; none lets it decide for itself.
     ///
     /// # Errors
     /// A message for a place or a tag that is not there.

@@ -1,19 +1,20 @@
 //! Opens worlds, and scenes in worlds; the world is stitched in memory.
 
-use super::super::Bundle;
 use super::WorldDocument;
 use super::orders::Made;
 use super::views::{Ground, Workshop};
+use crate::bundle::OpenBundle;
 use crate::render::SolidMesh;
 use crate::run::WorldRun;
 use std::path::Path;
 use std::sync::Arc;
 use throng_precompute::environment::{PlacedGeometry, Solid, UnitGeometry};
+use throng_precompute::progress::Progress;
 use throng_precompute::scene::world::{SharedWish, WishConfig, WorldScene};
 use throng_precompute::stitch::{Kit, WorldSource};
 use throng_runtime::world::inhabitants::scatter;
 
-/// Who roams in a world that no scene is of.
+/// Number of characters that roam in a world without a scene.
 const ROAMERS: usize = 20;
 
 impl WorldDocument {
@@ -25,25 +26,23 @@ impl WorldDocument {
     /// Reads a world file, or the file of a scene in a world, and stitches the world.
     ///
     /// # Errors
-    /// A message that names the file and line or key, the bundle that is not there, or the units that do not go
+    /// A message that names the file and line or key, why the bundle cannot be opened, or the units that do not go
     /// together, and the way out.
-    pub fn open(path: &Path) -> Result<Self, String> {
+    pub fn open(path: &Path, progress: &dyn Progress) -> Result<Self, String> {
         let is_scene = WorldScene::is_one(path);
         let scene = is_scene.then(|| WorldScene::load(path)).transpose().map_err(|e| e.to_string())?;
         let world_path = scene.as_ref().map_or(path, |s| s.world.as_path()).to_path_buf();
         let source = WorldSource::load(&world_path).map_err(|e| e.to_string())?;
-        if !source.bundle.exists() {
-            return Err(missing(&world_path, &source));
-        }
-        let bundle = Bundle::open(&source.bundle).map_err(|e| format!("{}: its bundle: {e}", world_path.display()))?;
-        let bundle = Arc::new(bundle);
+        let config = source.config.as_deref();
+        let bundle = Arc::new(OpenBundle::open_or_build(&world_path, &source.bundle, config, progress)?);
         let kit = Arc::new(Kit::new(bundle.tables(), &source.bundle).map_err(|e| e.to_string())?);
         let environment = source.environment(&kit.units, &world_path).map_err(|e| e.to_string())?;
         let geometry = PlacedGeometry::new(&environment, &kit.geometries);
-        let meshes = kit.geometries.iter().map(|g| mesh(g)).collect();
+        let meshes = kit.geometries.iter().map(|g| unit_mesh(g)).collect();
         let workshop = Workshop::new(Arc::clone(&bundle), Arc::clone(&kit), environment.clone(), &source.stitch)
             .map_err(|e| format!("{}: {e}", world_path.display()))?;
-        let (world, report) = workshop.with(|editor| (editor.world().clone(), editor.report().clone()));
+        let stitched = workshop.with(|editor| (editor.world().clone(), editor.report().clone()));
+        let (world, report) = stitched.ok_or("stitching the world ended unexpectedly")?;
         let ground = Arc::new(Ground::new(bundle, world)?);
         let mut scene = scene.unwrap_or_else(|| roaming(&source, &world_path));
         let run = populate_as_told(&mut scene, &ground, is_scene)?;
@@ -69,18 +68,7 @@ impl WorldDocument {
     }
 }
 
-fn missing(world: &Path, source: &WorldSource) -> String {
-    let (file, bundle) = (world.display(), source.bundle.display());
-    match &source.config {
-        Some(config) => {
-            let config = config.display();
-            format!("{file}: its bundle {bundle} is not there; `throng build {config} --out {bundle}` makes it")
-        }
-        None => format!("{file}: its bundle {bundle} is not there; build it, or correct the key `bundle`"),
-    }
-}
-
-/// A scene in which everybody roams.
+/// A scene in which all characters roam.
 fn roaming(source: &WorldSource, world: &Path) -> WorldScene {
     let wish = WishConfig::Roam { seconds: [20.0, 40.0] };
     WorldScene {
@@ -99,7 +87,7 @@ fn populate_as_told(scene: &mut WorldScene, ground: &Ground, is_scene: bool) -> 
         return populate(scene, ground);
     }
     let bundle = ground.bundle();
-    let life = scene.live(bundle.tables(), bundle.repertoire(), ground.graph()).map_err(|e| e.to_string())?;
+    let life = scene.live(bundle.tables(), bundle.motion_set(), ground.graph()).map_err(|e| e.to_string())?;
     WorldRun::new(life, bundle, ground.graph()).map_err(|e| e.to_string())
 }
 
@@ -108,12 +96,12 @@ pub(super) fn populate(scene: &mut WorldScene, ground: &Ground) -> Result<WorldR
     let (bundle, graph) = (ground.bundle(), ground.graph());
     let starts = scatter(graph, scene.characters, scene.seed);
     scene.characters = starts.len();
-    let life = scene.live_at(bundle.tables(), bundle.repertoire(), graph, &starts).map_err(|e| e.to_string())?;
+    let life = scene.live_at(bundle.tables(), bundle.motion_set(), graph, &starts).map_err(|e| e.to_string())?;
     WorldRun::new(life, bundle, graph).map_err(|e| e.to_string())
 }
 
 /// Triangles of a unit.
-fn mesh(geometry: &UnitGeometry) -> SolidMesh {
+pub fn unit_mesh(geometry: &UnitGeometry) -> SolidMesh {
     let mut mesh = SolidMesh::default();
     for solid in &geometry.solids {
         match solid {
@@ -128,23 +116,27 @@ fn mesh(geometry: &UnitGeometry) -> SolidMesh {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use throng_precompute::progress::Silent;
 
     fn refused(name: &str, text: &str) -> String {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join(name);
         std::fs::write(&path, text).unwrap();
         assert!(WorldDocument::is_one(&path));
-        WorldDocument::open(&path).map(|_| ()).unwrap_err()
+        WorldDocument::open(&path, &Silent).map(|_| ()).unwrap_err()
     }
 
     #[test]
-    fn a_world_without_its_bundle_is_refused_with_the_way_out() {
+    fn a_world_whose_bundle_cannot_be_opened_is_refused_with_the_way_out() {
         let place = "[[place]]\nunit = \"ground\"\nat = [0, 0, 0]\n";
         let e = refused("square.toml", &format!("bundle = \"no.throng\"\nconfig = \"tiles.toml\"\n{place}"));
-        assert!(e.contains("square.toml") && e.contains("throng build") && e.contains("tiles.toml"), "{e}");
+        assert!(e.contains("square.toml") && e.contains("no.throng") && e.contains("tiles.toml"), "{e}");
         let e = refused("square.toml", &format!("bundle = \"no.throng\"\n{place}"));
-        assert!(e.contains("no.throng is not there") && e.contains("`bundle`"), "{e}");
-        let e = refused("scene.toml", "world = \"nowhere.toml\"\ncharacters = 3\n");
+        assert!(e.contains("no.throng is missing") && e.contains("`bundle`"), "{e}");
+        let e = refused(
+            "scene.toml",
+            "bundle = \"a.throng\"\n[[groups]]\nmotion = \"patches\"\ncount = 3\nworld = \"a.world\"\nworld_config = \"nowhere.toml\"\n",
+        );
         assert!(e.contains("nowhere.toml"), "{e}");
     }
 }

@@ -12,7 +12,7 @@ pub enum Change {
         /// Where it stands.
         at: Placement,
     },
-    /// A placed unit goes; those after it move up.
+    /// A placed unit is removed; later ones move up.
     Remove {
         /// Number of the place.
         place: usize,
@@ -31,9 +31,9 @@ pub enum Change {
 pub enum Order {
     /// Make a change.
     Change(Change),
-    /// Take the last change back that was not.
+    /// Undo the last change.
     Undo,
-    /// Make the change again that was taken back last.
+    /// Redo the last undone change.
     Redo,
 }
 
@@ -52,7 +52,7 @@ impl Order {
 pub(super) enum Work {
     /// The editor carries out an order.
     Edit(Order),
-    /// Other characters are let live in the same world.
+    /// New inhabitants are placed in the same world.
     Populate,
 }
 
@@ -73,13 +73,11 @@ impl Work {
         }
     }
 
-    /// What is told where its thread ended and nothing came of it.
+    /// Message for a thread that ended without a result.
     pub fn ended(self) -> &'static str {
         match self {
-            Self::Edit(_) => "the editor ended unexpectedly; save what was placed, then read the file again (Ctrl+R)",
-            Self::Populate => {
-                "finding room for characters ended unexpectedly; those before live on, and others can be asked for"
-            }
+            Self::Edit(_) => "the editor ended unexpectedly; save the world, then reload the file (Ctrl+R)",
+            Self::Populate => "finding room for characters ended unexpectedly; the old characters stay; try again",
         }
     }
 }
@@ -88,12 +86,12 @@ impl Work {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Made {
     names: Vec<String>,
-    /// The first so many are made, the others were taken back.
+    /// That many are made; the others were undone.
     made: usize,
 }
 
 impl Made {
-    /// Follows the editor, which knows of so many changes that can be taken back and made again.
+    /// Follows the editor, which can undo and redo that many changes.
     ///
     /// - `new`: the change that was made last, where it is a new one.
     pub fn follow(&mut self, [undos, redos]: [usize; 2], new: Option<String>) {
@@ -105,12 +103,12 @@ impl Made {
         self.made = undos;
     }
 
-    /// The change that can be taken back.
+    /// The change that can be undone.
     pub fn last(&self) -> Option<&str> {
         self.names.get(self.made.checked_sub(1)?).map(String::as_str)
     }
 
-    /// The change that can be made again.
+    /// The change that can be redone.
     pub fn next(&self) -> Option<&str> {
         self.names.get(self.made).map(String::as_str)
     }
@@ -121,7 +119,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn names_follow_what_can_be_taken_back_and_made_again() {
+    fn names_follow_undo_and_redo() {
         let mut made = Made::default();
         for (counts, new, last, next) in [
             ([0, 0], None, None, None),

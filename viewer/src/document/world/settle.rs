@@ -3,11 +3,11 @@
 use glam::Vec3;
 use throng_runtime::world::{Node, WorldGraph};
 
-/// For everybody, the nearest node where it may stay and whose units nobody before it has.
+/// For each character, the nearest node to stay at whose units no character before it holds.
 ///
-/// - `places`: where they are. [Unit: m]
-/// - returns each one's number with its node; who finds no place is left out.
-pub(super) fn settle(graph: &WorldGraph<'_>, places: &[Vec3]) -> Vec<(usize, Node)> {
+/// - `places`: where they are (m).
+/// - returns each one's number with its node; characters without a place are left out.
+pub(super) fn settle(graph: &WorldGraph, places: &[Vec3]) -> Vec<(usize, Node)> {
     let mut taken = vec![false; graph.world().units.len()];
     let mut out = Vec::with_capacity(places.len());
     for (character, &place) in places.iter().enumerate() {
@@ -19,7 +19,7 @@ pub(super) fn settle(graph: &WorldGraph<'_>, places: &[Vec3]) -> Vec<(usize, Nod
     out
 }
 
-fn nearest(graph: &WorldGraph<'_>, place: Vec3, taken: &[bool]) -> Option<Node> {
+fn nearest(graph: &WorldGraph, place: Vec3, taken: &[bool]) -> Option<Node> {
     let mut best: (f32, Option<Node>) = (f32::INFINITY, None);
     for instance in 0..graph.num_instances() as u32 {
         if graph.resources(instance).iter().any(|&u| taken[u as usize]) {

@@ -1,9 +1,10 @@
 //! A small world: opened, lived in, edited, saved.
 
 use super::*;
-use crate::panels::tests::square::Square;
+use crate::fixtures::square::Square;
 use crate::render::Ray;
 use std::sync::mpsc::channel;
+use throng_precompute::progress::Silent;
 use throng_runtime::world::inhabitants::Doing;
 
 fn panel(x: i32, z: i32) -> Placement {
@@ -29,21 +30,21 @@ fn edit(world: &mut WorldDocument, change: Change) -> Result<Option<usize>, Stri
     order(world, Order::Change(change))
 }
 
-/// Lets so many live there anew; meanwhile those before stay.
+/// Places that many new inhabitants; until then the old ones stay.
 fn populate(world: &mut WorldDocument, characters: usize, seed: u64) {
-    let (before, now) = (world.run().num_characters(), world.run().now());
+    let (before, now) = (world.run().num_characters(), world.run().reel.head.now());
     world.populate(characters, seed).unwrap();
     assert!(world.working().is_some_and(|w| w.doing.contains("room for") && w.place().is_none()));
-    assert_eq!(world.advance(1.0).unwrap(), 0);
+    world.step().unwrap();
     let why = [world.populate(1, 1), world.order(Order::Change(Change::Remove { place: 0 }))].map(Result::unwrap_err);
     assert!(why.iter().all(|w| w.contains("room for characters") && !w.contains("edit")), "{why:?}");
-    assert_eq!((world.run().num_characters(), world.run().now()), (before, now));
+    assert_eq!((world.run().num_characters(), world.run().reel.head.now()), (before, now));
     assert_eq!(world.take_in(true), Some(Taken::Begun));
     assert_eq!((world.scene().characters, world.scene().seed), (world.run().num_characters(), seed));
-    assert_eq!(world.run().now(), 0);
+    assert_eq!(world.run().reel.head.now(), 0);
 }
 
-/// Hips of everybody lie over a panel.
+/// All hips lie over a panel.
 fn all_are_on_panels(world: &WorldDocument) -> bool {
     (0..world.run().num_characters()).all(|c| {
         let hips = world.run().hips(c);
@@ -53,9 +54,9 @@ fn all_are_on_panels(world: &WorldDocument) -> bool {
 }
 
 #[test]
-fn a_world_is_lived_in_edited_and_saved() {
+fn a_world_is_populated_edited_and_saved() {
     let square = Square::new();
-    let mut world = WorldDocument::open(&square.world(3)).unwrap();
+    let mut world = WorldDocument::open(&square.world(3), &Silent).unwrap();
     assert_eq!((world.placed().len(), world.graph().num_instances()), (10, 9));
     assert!(world.run().num_characters() >= 2 && !world.is_scene());
     lives(&mut world);
@@ -65,10 +66,10 @@ fn a_world_is_lived_in_edited_and_saved() {
     works_meanwhile(&mut world);
     saves(&world, square.folder());
     survives_its_threads(&mut world);
-    let mut scene = WorldDocument::open(&square.scene(2)).unwrap();
+    let mut scene = WorldDocument::open(&square.scene(2), &Silent).unwrap();
     assert!(scene.is_scene() && scene.run().num_characters() == 2);
     run_for(&mut scene, 30);
-    assert!(WorldDocument::open(&square.scene(500)).unwrap_err().contains("room for"));
+    assert!(WorldDocument::open(&square.scene(500), &Silent).unwrap_err().contains("room for"));
     // A change of their number takes as many as there is room for.
     populate(&mut scene, 500, 3);
     assert!((3..=9).contains(&scene.run().num_characters()), "{}", scene.run().num_characters());
@@ -82,15 +83,15 @@ fn lives(world: &mut WorldDocument) {
         seen.push(world.run().moment().poses.clone());
     }
     for step in [200, 0, 77, 199] {
-        world.run_mut().seek(step);
-        assert_eq!(world.run().now(), step);
+        world.run_mut().reel.head.seek(step);
+        assert_eq!(world.run().reel.head.now(), step);
         assert!(world.run().moment().poses == seen[step as usize]);
     }
-    assert!(!world.run().is_live() && all_are_on_panels(world));
-    // A wish is told in the present.
+    assert!(!world.run().reel.head.is_live() && all_are_on_panels(world));
+    // An order is given at the last step.
     let place = panel(2, 2).translation();
     world.tell(0, Some(Wish::GoToPlace { place })).unwrap();
-    assert!(world.run().is_live() && world.run().now() == 200);
+    assert!(world.run().reel.head.is_live() && world.run().reel.head.now() == 200);
     for _ in 0..180 {
         run_for(world, 60);
         if world.run().moment().minds[0].doing == Doing::Arrived {
@@ -160,13 +161,13 @@ fn takes_back(world: &mut WorldDocument) {
     assert_eq!(world.to_undo(), Some("removed ground"));
     edit(world, Change::Move { place: 9, to: seven }).unwrap();
     let moved = stands(world);
-    // The place of what is put back is told, and where there is nothing to take back nothing is done.
+    // The place of an undone change is reported; with nothing to undo, nothing happens.
     assert_eq!(order(world, Order::Undo), Ok(Some(9)));
-    assert!(stands(world) == before && world.edited().unwrap().what == "took back: moved post");
+    assert!(stands(world) == before && world.edited().unwrap().what == "undid: moved post");
     assert_eq!((world.to_undo(), world.to_redo()), (Some("removed ground"), Some("moved post")));
     assert_eq!(order(world, Order::Redo), Ok(Some(9)));
     assert!(stands(world) == moved && world.to_redo().is_none());
-    // One that is refused is forgotten, and leaves those before it as they are.
+    // A refused edit is dropped and leaves the earlier ones as they are.
     order(world, Order::Undo).unwrap();
     edit(world, Change::Move { place: 0, to: Placement::new(50.0, 0.0, 50.0, 0.0) }).unwrap_err();
     assert_eq!((world.to_undo(), world.to_redo()), (Some("removed ground"), Some("moved post")));
@@ -185,12 +186,13 @@ fn takes_back(world: &mut WorldDocument) {
 /// While a unit is moved, time stands still and what follows waits.
 fn works_meanwhile(world: &mut WorldDocument) {
     let at = |z: f32| Placement::new(-2.2, 0.0, z, 0.0);
-    let (revision, now) = (world.revision(), world.run().now());
-    world.run_mut().play(true);
+    let (revision, now) = (world.revision(), world.run().reel.head.now());
+    world.run_mut().reel.head.play(true);
     world.order(Order::Change(Change::Move { place: 9, to: at(1.0) })).unwrap();
     assert!(world.working().is_some_and(|w| w.place() == Some(9) && w.doing.contains("post")));
     assert_eq!(world.placed()[9].placement.z, 0.0);
-    assert_eq!((world.advance(0.1).unwrap(), world.run().now()), (0, now));
+    world.step().unwrap();
+    assert_eq!(world.run().reel.head.now(), now);
     // It can be moved on, and only where it comes to stand counts; anything else waits for the new world.
     for z in [2.0, 3.0, 4.0] {
         world.order(Order::Change(Change::Move { place: 9, to: at(z) })).unwrap();
@@ -210,12 +212,12 @@ fn works_meanwhile(world: &mut WorldDocument) {
     assert_eq!(world.take_in(true), Some(Taken::Refused));
     assert!(world.refused().is_some_and(|r| r.at.as_ref().is_some_and(|u| u.placement.x == 70.0)));
     assert_eq!((world.placed()[9].placement, world.revision()), (at(1.0), revision + 3));
-    world.run_mut().play(false);
+    world.run_mut().reel.head.play(false);
     order(world, Order::Undo).unwrap();
     assert!(world.refused().is_none());
 }
 
-/// Where a thread ends unexpectedly, that is told: where it placed characters, those before live on and the world can be edited.
+/// A thread that ends unexpectedly is reported; if it placed characters, the old ones stay and the world can be edited.
 fn survives_its_threads(world: &mut WorldDocument) {
     let (characters, stands) = (world.run().num_characters(), world.placed().to_vec());
     let gone = |world: &mut WorldDocument| {
@@ -242,7 +244,7 @@ fn survives_its_threads(world: &mut WorldDocument) {
 fn saves(world: &WorldDocument, folder: &Path) {
     let file = folder.join("saved.toml");
     world.save(&file).unwrap();
-    let again = WorldDocument::open(&file).unwrap();
+    let again = WorldDocument::open(&file, &Silent).unwrap();
     assert_eq!(again.report().transitions, world.report().transitions);
     for (a, b) in again.placed().iter().zip(world.placed()) {
         assert!(a.unit == b.unit && a.placement.to_local(b.placement).wrapped().is_moderate(1e-4), "{a:?} {b:?}");

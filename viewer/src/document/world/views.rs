@@ -1,31 +1,24 @@
-//! What of a world borrows from its bundle: the editor that stitches it, and the graph that is walked.
+//! The editor that stitches a world, and the graph that is walked.
 
-use super::super::Bundle;
-use self_cell::self_cell;
+use crate::bundle::OpenBundle;
 use std::sync::Arc;
+use std::sync::mpsc::{Sender, channel};
 use throng_precompute::environment::Environment;
 use throng_precompute::progress::Silent;
 use throng_precompute::stitch::{Editor, Kit, StitchConfig};
 use throng_runtime::world::{WorldData, WorldGraph};
 
-type Tool<'a> = Editor<'a>;
+/// Work for the thread of an editor.
+type Request = Box<dyn FnOnce(&mut Editor<'_>) + Send>;
 
-/// What an editor works with.
-struct Parts {
-    bundle: Arc<Bundle>,
+/// The editor of a world on a thread of its own, which ends with it, and the bundle whose patches it lays.
+///
+/// An editor borrows from the bundle; the thread holds both.
+pub(super) struct Workshop {
+    bundle: Arc<OpenBundle>,
     kit: Arc<Kit>,
+    requests: Sender<Request>,
 }
-
-self_cell!(
-    struct EditorCell {
-        owner: Parts,
-        #[not_covariant]
-        dependent: Tool,
-    }
-);
-
-/// The editor of a world, with the bundle whose patches it lays.
-pub(super) struct Workshop(EditorCell);
 
 impl Workshop {
     /// Stitches a world.
@@ -33,69 +26,69 @@ impl Workshop {
     /// # Errors
     /// A message that names the units that do not go together, and the way out.
     pub fn new(
-        bundle: Arc<Bundle>,
+        bundle: Arc<OpenBundle>,
         kit: Arc<Kit>,
         environment: Environment,
         config: &StitchConfig,
     ) -> Result<Self, String> {
-        let cell = EditorCell::try_new(Parts { bundle, kit }, |parts| {
-            let tables = parts.bundle.tables();
-            Editor::new(tables.patches(), parts.kit.library(tables), environment, config, &Silent)
+        let ((requests, received), (send, made)) = (channel::<Request>(), channel());
+        let (own_bundle, own_kit, config) = (Arc::clone(&bundle), Arc::clone(&kit), config.clone());
+        std::thread::spawn(move || {
+            let tables = own_bundle.tables();
+            let editor = Editor::new(tables.patches(), own_kit.library(tables), environment, &config, &Silent);
+            let (editor, result) = match editor {
+                Ok(editor) => (Some(editor), Ok(())),
+                Err(e) => (None, Err(e.to_string())),
+            };
+            // The receiver waits for it.
+            let _ = send.send(result);
+            if let Some(mut editor) = editor {
+                received.iter().for_each(|request| request(&mut editor));
+            }
         });
-        cell.map(Self).map_err(|e| e.to_string())
+        made.recv().unwrap_or_else(|_| Err("stitching the world ended unexpectedly".into()))?;
+        Ok(Self { bundle, kit, requests })
     }
 
     /// The bundle's units.
     pub fn kit(&self) -> &Kit {
-        &self.0.borrow_owner().kit
+        &self.kit
     }
 
-    pub fn shared_bundle(&self) -> Arc<Bundle> {
-        Arc::clone(&self.0.borrow_owner().bundle)
+    pub fn shared_bundle(&self) -> Arc<OpenBundle> {
+        Arc::clone(&self.bundle)
     }
 
-    /// Looks at the editor.
-    pub fn with<T>(&self, look: impl for<'a> FnOnce(&Editor<'a>) -> T) -> T {
-        self.0.with_dependent(|_, editor| look(editor))
-    }
-
-    /// Changes the world.
-    pub fn change<T>(&mut self, change: impl for<'a> FnOnce(&mut Editor<'a>) -> T) -> T {
-        self.0.with_dependent_mut(|_, editor| change(editor))
+    /// Looks at the editor, or changes the world; none if the editor has ended unexpectedly.
+    pub fn with<T: Send + 'static>(&self, work: impl FnOnce(&mut Editor<'_>) -> T + Send + 'static) -> Option<T> {
+        let (send, receive) = channel();
+        let request: Request = Box::new(move |editor| {
+            let _ = send.send(work(editor));
+        });
+        self.requests.send(request).ok()?;
+        receive.recv().ok()
     }
 }
-
-/// What a graph is made over.
-struct Land {
-    bundle: Arc<Bundle>,
-    world: WorldData,
-}
-
-self_cell!(
-    struct GraphCell {
-        owner: Land,
-        #[covariant]
-        dependent: WorldGraph,
-    }
-);
 
 /// A stitched world with the graph over it.
-pub(super) struct Ground(GraphCell);
+pub(super) struct Ground {
+    bundle: Arc<OpenBundle>,
+    graph: WorldGraph,
+}
 
 impl Ground {
     /// # Errors
     /// A message where the world cannot be walked.
-    pub fn new(bundle: Arc<Bundle>, world: WorldData) -> Result<Self, String> {
-        let land = Land { bundle, world };
-        let cell = GraphCell::try_new(land, |land| WorldGraph::new(land.bundle.tables().patches(), land.world.view()));
-        cell.map(Self).map_err(|e| e.to_string())
+    pub fn new(bundle: Arc<OpenBundle>, world: WorldData) -> Result<Self, String> {
+        let graph = WorldGraph::new(bundle.tables().patches(), &world.view()).map_err(|e| e.to_string())?;
+        Ok(Self { bundle, graph })
     }
 
-    pub fn bundle(&self) -> &Bundle {
-        &self.0.borrow_owner().bundle
+    pub fn bundle(&self) -> &OpenBundle {
+        &self.bundle
     }
 
-    pub fn graph(&self) -> &WorldGraph<'_> {
-        self.0.borrow_dependent()
+    pub fn graph(&self) -> &WorldGraph {
+        &self.graph
     }
 }

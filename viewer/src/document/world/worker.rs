@@ -1,7 +1,7 @@
-//! Carries out edits on a thread of its own, and lets characters live in a world anew, so that the window goes on drawing.
+//! Carries out edits on a thread of its own, and places new inhabitants, so that the window goes on drawing.
 
 use super::open::populate;
-use super::orders::{Change, Order};
+use super::orders::{Change, Order, Work};
 use super::settle::settle;
 use super::views::{Ground, Workshop};
 use crate::run::WorldRun;
@@ -18,9 +18,9 @@ pub(super) struct Job {
     pub workshop: Workshop,
     /// What the editor is to do.
     pub order: Order,
-    /// Who lives there.
+    /// The inhabitants.
     pub scene: WorldScene,
-    /// Where they are. [Unit: m]
+    /// Where they are (m).
     pub places: Vec<Vec3>,
 }
 
@@ -36,11 +36,11 @@ pub(super) struct Done {
 pub(super) enum Outcome {
     /// Another world.
     Stitched(Box<Stitched>),
-    /// Others who live in the same world.
+    /// New inhabitants of the same world.
     Begun(Box<Begun>),
 }
 
-/// Who lives in a world from now on.
+/// New inhabitants of a world.
 pub(super) struct Begun {
     /// With as many as there was room for.
     pub scene: WorldScene,
@@ -48,19 +48,19 @@ pub(super) struct Begun {
     pub run: WorldRun,
 }
 
-/// A world that was stitched, with who lives in it.
+/// A world that was stitched, with its inhabitants.
 pub(super) struct Stitched {
     pub ground: Ground,
     pub environment: Environment,
     pub geometry: PlacedGeometry,
     pub report: StitchReport,
-    /// Everybody at the nearest place to stay.
+    /// All inhabitants at the nearest place to stay.
     pub run: WorldRun,
     /// Number that each of them had before.
     pub before: Vec<usize>,
-    /// Time of stitching. [Unit: s]
+    /// Time of stitching (s).
     pub stitch_s: f64,
-    /// Time of all of it. [Unit: s]
+    /// Time of all of it (s).
     pub total_s: f64,
 }
 
@@ -69,7 +69,7 @@ pub(super) fn begin(job: Job) -> Receiver<Done> {
     spawn(move || job.carry_out())
 }
 
-/// Begins to let other characters live in a world.
+/// Starts to place new inhabitants in a world.
 pub(super) fn begin_anew(ground: Arc<Ground>, mut scene: WorldScene) -> Receiver<Done> {
     spawn(move || {
         let run = populate(&mut scene, &ground);
@@ -80,14 +80,14 @@ pub(super) fn begin_anew(ground: Arc<Ground>, mut scene: WorldScene) -> Receiver
 fn spawn(work: impl FnOnce() -> Done + Send + 'static) -> Receiver<Done> {
     let (send, receive) = channel();
     std::thread::spawn(move || {
-        // Nobody listens where another file was opened meanwhile.
+        // The receiver is gone if another file was opened meanwhile.
         let _ = send.send(work());
     });
     receive
 }
 
 impl Job {
-    fn carry_out(mut self) -> Done {
+    fn carry_out(self) -> Done {
         let begin = Instant::now();
         let stitched = self.change(self.order).and_then(|()| {
             let stitch_s = begin.elapsed().as_secs_f64();
@@ -100,8 +100,8 @@ impl Job {
         Done { workshop: Some(self.workshop), result }
     }
 
-    fn change(&mut self, order: Order) -> Result<(), String> {
-        let made = self.workshop.change(|editor| match order {
+    fn change(&self, order: Order) -> Result<(), String> {
+        let made = self.workshop.with(move |editor| match order {
             Order::Change(Change::Add { unit, at }) => editor.add(unit, at).map(|_| true),
             Order::Change(Change::Remove { place }) => editor.remove(place).map(|()| true),
             Order::Change(Change::Move { place, to }) => editor.drag(place, to).map(|()| true),
@@ -109,31 +109,36 @@ impl Job {
             Order::Redo => editor.redo(),
         });
         match made {
-            Ok(true) => Ok(()),
-            Ok(false) => Err("there is no such change any more".into()),
-            Err(e) => Err(e.to_string()),
+            None => Err(self.ended().into()),
+            Some(Ok(true)) => Ok(()),
+            Some(Ok(false)) => Err("that change is no longer there".into()),
+            Some(Err(e)) => Err(e.to_string()),
         }
     }
 
+    fn ended(&self) -> &'static str {
+        Work::Edit(self.order).ended()
+    }
+
     /// The world that the editor had before.
-    fn go_back(&mut self) -> Result<(), String> {
+    fn go_back(&self) -> Result<(), String> {
         let order = self.order;
-        let back = |editor: &mut Editor<'_>| match order {
+        let back = move |editor: &mut Editor<'_>| match order {
             Order::Change(_) => editor.withdraw(),
             Order::Undo => editor.redo(),
             Order::Redo => editor.undo(),
         };
-        self.workshop.change(back).map(|_| ()).map_err(|e| e.to_string())
+        self.workshop.with(back).ok_or(self.ended())?.map(|_| ()).map_err(|e| e.to_string())
     }
 
-    /// What can be walked over the new world, and everybody at the nearest place to stay.
+    /// What can be walked over the new world, and all inhabitants at the nearest place to stay.
     fn settled(&self) -> Result<Stitched, String> {
-        let look = |e: &Editor<'_>| (e.world().clone(), e.environment().clone(), e.report().clone());
-        let (world, environment, report) = self.workshop.with(look);
+        let look = |e: &mut Editor<'_>| (e.world().clone(), e.environment().clone(), e.report().clone());
+        let (world, environment, report) = self.workshop.with(look).ok_or(self.ended())?;
         let ground = Ground::new(self.workshop.shared_bundle(), world)?;
         let (bundle, graph) = (ground.bundle(), ground.graph());
         let (before, starts): (Vec<_>, Vec<_>) = settle(graph, &self.places).into_iter().unzip();
-        let life = self.scene.live_at(bundle.tables(), bundle.repertoire(), graph, &starts);
+        let life = self.scene.live_at(bundle.tables(), bundle.motion_set(), graph, &starts);
         let run = WorldRun::new(life.map_err(|e| e.to_string())?, bundle, graph).map_err(|e| e.to_string())?;
         let geometry = PlacedGeometry::new(&environment, &self.workshop.kit().geometries);
         Ok(Stitched { ground, environment, geometry, report, run, before, stitch_s: 0.0, total_s: 0.0 })

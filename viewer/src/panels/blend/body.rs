@@ -8,8 +8,8 @@ use eframe::egui::{Grid, Ui};
 pub fn show(ui: &mut Ui, wanted: &mut Blending) {
     Grid::new("body").num_columns(2).spacing([8.0, 3.0]).show(ui, |ui| {
         for (name, tip, value, range) in [
-            ("size", "Of the body that walks; the example's is 1", &mut wanted.size, SIZES),
-            ("legs", "Length of its legs over that", &mut wanted.legs, LEGS),
+            ("size", "Size of the walking body; the examples have 1", &mut wanted.size, SIZES),
+            ("legs", "Length of its legs, relative to its size", &mut wanted.legs, LEGS),
         ] {
             ui.label(name).on_hover_text(tip);
             slider(ui, name, value, range, "");
@@ -31,7 +31,7 @@ pub fn show(ui: &mut Ui, wanted: &mut Blending) {
             (
                 Beside::Retargeting,
                 if wanted.retarget { "not retargeted" } else { "retargeted" },
-                "The same body the other way",
+                "The same body with the other setting",
             ),
             (Beside::Sizes, "sizes", "The smallest and the largest body, on the same path"),
         ] {

@@ -3,23 +3,24 @@
 use super::plane::{Plane, Shown, unit};
 use super::surface::{self, Key, Surface};
 use super::{Look, State, of_weight, tell};
-use crate::panels::paint::{Palette, legend};
+use crate::panels::paint::legend;
 use crate::run::Blending;
+use crate::theme::Palette;
 use eframe::egui::{
     Align2, Color32, EventFilter, FontId, Modifiers, Painter, Pos2, Rect, Response, Role, Sense, Shape, Stroke,
     StrokeKind, Ui, Visuals, WidgetInfo, pos2, vec2,
 };
 use throng_runtime::blend::axis;
 
-/// Room for the numbers at the left of the map, and below it. [Unit: points]
+/// Room for the numbers at the left of the map, and below it (points).
 const LEFT: f32 = 38.0;
 const BELOW: f32 = 30.0;
-/// Heights that the map may have; one axis alone needs little. [Unit: points]
+/// Heights that the map may have; one axis alone needs little (points).
 const HEIGHTS: [f32; 2] = [190.0, 420.0];
 const LOW_HEIGHT: f32 = 90.0;
 /// Parts of the map that a press of an arrow key moves the point by: with Shift, and without.
 const STEPS: [f32; 2] = [0.1, 0.02];
-/// Radius of a dot that weighs nothing, and what a weight of 1 adds. [Unit: points]
+/// Radius of a dot that weighs nothing, and what a weight of 1 adds (points).
 const DOT: [f32; 2] = [2.6, 6.0];
 
 /// Shows the map; what is dragged moves the point.
@@ -164,7 +165,7 @@ fn dots(painter: &Painter, visuals: &Visuals, look: &Look<'_>, state: &State, pl
     }
 }
 
-/// The point that is asked for as a cross-hair, and the one that is blended on its way there.
+/// The requested point as a cross-hair, and the blended one on its way there.
 fn point(painter: &Painter, visuals: &Visuals, look: &Look<'_>, plane: &Plane, wanted: &Blending) {
     let (at, now) = (plane.screen(&wanted.point), plane.screen(look.now));
     let colour = Palette::of(visuals).head;
@@ -181,7 +182,7 @@ fn point(painter: &Painter, visuals: &Visuals, look: &Look<'_>, plane: &Plane, w
     }
 }
 
-/// Whose weight is shown, and what its colours stand for.
+/// Example whose weight is shown, and the range of its colours.
 fn key_to_colours(ui: &mut Ui, look: &Look<'_>, state: &mut State) {
     let dark = ui.visuals().dark_mode;
     ui.horizontal_wrapped(|ui| {

@@ -1,5 +1,5 @@
 //! Blend spaces: examples in their parameter box, the weight of one over it, a point that is dragged, and what the
-//! examples and their blend do over generic time (000 section 4).
+//! examples and their blend do over generic time (Kim, Kim and Shin 2003a, section 4).
 
 mod body;
 mod map;
@@ -44,16 +44,16 @@ impl State {
 /// What every part of the panel looks at.
 struct Look<'a> {
     number: usize,
-    space: &'a BlendSpace<'a>,
+    space: &'a BlendSpace,
     meta: &'a BlendMeta,
     blending: Blending,
-    /// Weights at the moment that is shown. [Size: number of examples]
+    /// Weights at the moment shown (number of examples).
     weights: &'a [f32],
     /// The point at that moment.
     now: &'a [f32; throng_runtime::blend::MAX_AXES],
     /// Generic time at that moment.
     phase: f32,
-    /// Example that is looked at.
+    /// Selected example.
     example: usize,
     /// Generation of the document.
     document: u64,
@@ -119,7 +119,7 @@ pub fn show(ui: &mut Ui, model: &Model, state: &mut State, commands: &mut Vec<Co
 fn choices(
     ui: &mut Ui,
     model: &Model,
-    spaces: &[BlendSpace<'_>],
+    spaces: &[BlendSpace],
     wanted: &mut Blending,
     shown: &mut Shown,
     look: &Look<'_>,
@@ -156,7 +156,7 @@ fn choices(
 }
 
 /// The same point in another space, as far as it has axes of the same names.
-fn carried_over(look: &Look<'_>, from: &Blending, number: usize, space: &BlendSpace<'_>) -> Blending {
+fn carried_over(look: &Look<'_>, from: &Blending, number: usize, space: &BlendSpace) -> Blending {
     let fresh = Blending::of(number, space);
     let mut point = fresh.point;
     for (axis, record) in space.axes().iter().enumerate() {
@@ -195,7 +195,7 @@ fn sliders(ui: &mut Ui, look: &Look<'_>, wanted: &mut Blending) {
 
 /// A slider over the rest of the row, found by its name.
 fn slider(ui: &mut Ui, name: &str, value: &mut f32, [low, high]: [f32; 2], unit: &str) {
-    /// Room for the number. [Unit: points]
+    /// Room for the number (points).
     const NUMBER: f32 = 96.0;
     ui.spacing_mut().slider_width = (ui.available_width() - NUMBER).max(80.0);
     // A limit of decimals would round what was dragged on the map.

@@ -4,7 +4,7 @@ use eframe::egui::{Pos2, Rect, pos2};
 use std::ops::RangeInclusive;
 use throng_runtime::blend::{AxisRecord, ExampleRecord, MAX_AXES, axis};
 
-/// A place on the map that is this far from an example is still taken as that example. [Unit: points]
+/// A place on the map that is this far from an example is still taken as that example (points).
 const NEAR: f32 = 9.0;
 
 /// Which axes a map shows: across, and upwards where there is more than one.
@@ -66,7 +66,7 @@ pub struct Plane {
 }
 
 impl Plane {
-    /// The map of two axes within a part of the screen. [Limit: the axes that are shown are there]
+    /// The map of two axes within a part of the screen (the axes that are shown are there).
     pub fn new(axes: &[AxisRecord], shown: Shown, rect: Rect) -> Self {
         let bounds = |a: usize| [axes[a].low, axes[a].high];
         let turned = [axis::GYRATION, axis::SIDE].contains(&axes[shown.across].kind);
@@ -138,7 +138,7 @@ impl Plane {
         ticks(self.across, (self.rect.width() / 60.0) as usize).map(|v| (v, self.at(ratio(v, self.across), 0.0)))
     }
 
-    /// Round values upwards, with their screen positions; none where one axis alone is shown.
+    /// Round values upwards, with their screen positions; none if one axis alone is shown.
     pub fn ticks_up(&self) -> impl Iterator<Item = (f32, Pos2)> {
         let most = self.shown.up.map_or(0, |_| (self.rect.height() / 32.0) as usize);
         ticks(self.up, most).map(|v| (v, self.at(if self.turned { 1.0 } else { 0.0 }, ratio(v, self.up))))
@@ -225,7 +225,7 @@ mod tests {
     }
 
     #[test]
-    fn of_examples_behind_each_other_the_one_at_the_depth_of_the_point_is_pointed_at() {
+    fn pointing_picks_the_example_at_the_depth_of_the_point() {
         let example = |values| ExampleRecord { parameters: point(values), ..bytemuck::Zeroable::zeroed() };
         let all = [example([0.0, 1.0, 0.0]), example([2.0, 1.0, 0.0]), example([2.0, 2.0, 0.0])];
         let (plane, at) = (plane(), plane().screen(&all[0].parameters) + vec2(2.0, 1.0));

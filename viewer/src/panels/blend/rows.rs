@@ -2,19 +2,19 @@
 
 use super::timing::{Stands, Steps, order};
 use super::{Look, State, of_weight, tell};
-use crate::panels::paint::Palette;
+use crate::theme::Palette;
 use eframe::egui::{
     Align2, FontId, Painter, Rangef, Rect, Role, Sense, Stroke, StrokeKind, Ui, Visuals, WidgetInfo, pos2, vec2,
 };
 
-/// Height of a row, and of the one of the blend. [Unit: points]
+/// Height of a row, and of the one of the blend (points).
 const ROW: f32 = 19.0;
 const BLEND_ROW: f32 = 27.0;
 /// Widths of name, bar with its number, and duration as shares of the panel; the rest is generic time.
 const NAME: f32 = 0.31;
 const BAR: f32 = 0.25;
 const SECONDS: f32 = 0.12;
-/// Width of the number beside a bar. [Unit: points]
+/// Width of the number beside a bar (points).
 const NUMBER: f32 = 30.0;
 
 /// Where the columns of a row lie.
@@ -41,11 +41,11 @@ impl Columns {
 /// Shows the blend and the examples, those that weigh most first; a click on one shows its weights on the map.
 pub fn show(ui: &mut Ui, look: &Look<'_>, state: &mut State) {
     ui.horizontal_wrapped(|ui| {
-        ui.strong("Keytimes").on_hover_text("When feet stand, over generic time");
+        ui.strong("Keytimes").on_hover_text("Planted feet, over generic time");
         let palette = Palette::of(ui.visuals());
         ui.colored_label(palette.left, "left foot");
         ui.colored_label(palette.right, "right foot");
-        ui.checkbox(&mut state.all, "all").on_hover_text("Those that weigh nothing, too");
+        ui.checkbox(&mut state.all, "all").on_hover_text("Also examples of weight 0");
     });
     let rows = order(look.weights, state.all);
     let short = short_names(&look.meta.examples);

@@ -49,8 +49,8 @@ pub struct Surface {
 }
 
 impl Surface {
-    /// Works the picture out. [Limit: example < number of examples]
-    pub fn new(key: Key, space: &BlendSpace<'_>) -> Self {
+    /// Works the picture out (example < number of examples).
+    pub fn new(key: Key, space: &BlendSpace) -> Self {
         let rows = if key.plane.shown.up.is_some() { PIECES } else { 1 };
         let ratio = |i: usize, n: usize| i as f32 / n as f32;
         let places = (0..=rows).flat_map(|k| (0..=PIECES).map(move |i| (ratio(i, PIECES), ratio(k, rows))));
@@ -105,14 +105,14 @@ pub fn colour(weight: f32, dark: bool) -> Color32 {
 mod tests {
     use super::super::plane::Shown;
     use super::*;
-    use crate::document::Bundle;
-    use crate::panels::tests::paces::Paces;
+    use crate::bundle::OpenBundle;
+    use crate::fixtures::paces::Paces;
     use eframe::egui::{Rect, pos2};
 
     #[test]
     fn the_surface_is_1_at_its_example_and_0_at_all_others() {
         let paces = Paces::new();
-        let bundle = Bundle::open(&paces.bundle()).unwrap();
+        let bundle = OpenBundle::open(&paces.bundle()).unwrap();
         let space = &bundle.blends()[0];
         let rect = Rect::from_min_max(pos2(0.0, 0.0), pos2(480.0, 480.0));
         let plane = Plane::new(space.axes(), Shown::of(space.axes()), rect);
@@ -141,7 +141,7 @@ mod tests {
     }
 
     #[test]
-    fn what_weighs_nothing_has_the_colour_of_the_panel_and_signs_are_told_apart() {
+    fn zero_weight_has_the_colour_of_the_panel_and_signs_differ() {
         for dark in [true, false] {
             let [low, none, one, high] = [-0.2, 0.0, 1.0, 1.2].map(|w| colour(w, dark));
             assert!(none.r().abs_diff(none.b()) < 16, "{none:?}");

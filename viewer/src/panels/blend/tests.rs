@@ -2,9 +2,10 @@
 
 use super::*;
 use crate::command::Stage;
-use crate::panels::tests::boxing::Boxing;
-use crate::panels::tests::paces::Paces;
-use crate::panels::tests::{Trial, click, golden_path, trial};
+use crate::fixtures::boxing::Boxing;
+use crate::fixtures::golden_path;
+use crate::fixtures::paces::Paces;
+use crate::panels::tests::{Trial, click, trial};
 use crate::run::Beside;
 use eframe::egui::{Key, Modifiers, Pos2, Rect, vec2};
 use egui_kittest::Harness;
@@ -122,10 +123,10 @@ fn examples_are_listed_by_weight_and_a_click_chooses_one() {
 }
 
 #[test]
-fn another_space_keeps_what_means_the_same() {
+fn another_space_keeps_axes_of_the_same_kind() {
     use throng_runtime::blend::axis;
     let paces = Paces::new();
-    let bundle = crate::document::Bundle::open(&paces.bundle()).unwrap();
+    let bundle = crate::bundle::OpenBundle::open(&paces.bundle()).unwrap();
     let space = &bundle.blends()[0];
     let mut from = Blending::of(0, space);
     from.point[..2].copy_from_slice(&[1.0, -0.3]);

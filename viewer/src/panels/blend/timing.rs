@@ -1,9 +1,10 @@
 //! When feet stand, over generic time: of every example, and of the blend.
 
 use std::ops::Range;
-use throng_runtime::blend::{BlendError, BlendSpace, ExampleRecord, Posture, channel};
+use throng_runtime::Error;
+use throng_runtime::blend::{BlendSpace, ExampleRecord, Posture, channel};
 
-/// Moments at which a blend is looked at.
+/// Moments at which a blend is sampled.
 const MOMENTS: usize = 96;
 
 /// When a foot stands, as parts of a cycle; what goes on over its end is cut there.
@@ -14,12 +15,12 @@ pub type Stands = Vec<Range<f32>>;
 pub struct Steps {
     /// When the left foot stands, and the right one.
     pub feet: [Stands; 2],
-    /// Time of the cycle. [Unit: s]
+    /// Time of the cycle (s).
     pub seconds: f32,
 }
 
 impl Steps {
-    /// Those of an example, from its keytimes.
+    /// Contacts of an example, from its keytimes.
     pub fn of_example(e: &ExampleRecord) -> Self {
         let whole = || vec![0.0..1.0];
         let [left_off, right_strike, right_off] = e.keytimes;
@@ -30,13 +31,13 @@ impl Steps {
         Self { feet, seconds: e.duration_s }
     }
 
-    /// Those of a blend, as it is shown: where more than half of it has a foot on the ground.
+    /// Contacts of a blend as shown: where more than half of it has a foot on the ground.
     ///
     /// - `weights`: a row of the space's weights.
     ///
     /// # Errors
-    /// [`BlendError`] where the weights are not a row of the space.
-    pub fn of_blend(space: &BlendSpace<'_>, weights: &[f32]) -> Result<Self, BlendError> {
+    /// [`Error`] where the weights are not a row of the space.
+    pub fn of_blend(space: &BlendSpace, weights: &[f32]) -> Result<Self, Error> {
         let phases: Vec<f32> = (0..MOMENTS).map(|i| (i as f32 + 0.5) / MOMENTS as f32).collect();
         let rows = weights.repeat(MOMENTS);
         let mut postures = vec![Posture::default(); MOMENTS];
@@ -90,11 +91,11 @@ const LEAST: f32 = 0.005;
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::document::Bundle;
-    use crate::panels::tests::paces::Paces;
+    use crate::bundle::OpenBundle;
+    use crate::fixtures::paces::Paces;
 
     #[test]
-    fn a_foot_that_stands_over_the_end_of_the_cycle_is_seen_at_both_ends() {
+    fn a_contact_across_the_end_of_the_cycle_shows_at_both_ends() {
         assert_eq!(cut(0.5, 0.9), vec![0.5..0.9]);
         assert_eq!(cut(0.5, 0.1), vec![0.5..1.0, 0.0..0.1]);
         assert_eq!(cut(0.5, 0.0), vec![0.5..1.0]);
@@ -105,7 +106,7 @@ mod tests {
     #[test]
     fn the_blend_at_an_example_steps_as_the_example_does() {
         let paces = Paces::new();
-        let bundle = Bundle::open(&paces.bundle()).unwrap();
+        let bundle = OpenBundle::open(&paces.bundle()).unwrap();
         let space = &bundle.blends()[0];
         for e in [0, 6, 13] {
             let mut weights = vec![0.0; space.stride()];
@@ -121,7 +122,7 @@ mod tests {
     }
 
     #[test]
-    fn the_strongest_come_first_whatever_their_sign() {
+    fn the_largest_weights_come_first_of_either_sign() {
         assert_eq!(order(&[0.3, -0.4, 0.001, 0.9], false), [3, 1, 0]);
         assert_eq!(order(&[0.3, -0.4, 0.001, 0.9], true), [3, 1, 0, 2]);
         assert_eq!(order(&[0.0, 0.0], false).len(), 1);

@@ -9,7 +9,7 @@ use eframe::egui::{self, ComboBox, DragValue, Grid, Slider, Ui};
 /// - `dragged`: the config as it is dragged to.
 pub fn show(ui: &mut Ui, config: &RunConfig, dragged: &mut Option<RunConfig>, commands: &mut Vec<Command>) {
     ui.strong("Crowd");
-    ui.weak("A change starts the run anew. The same numbers give the same run.");
+    ui.weak("A change restarts the run. The same settings give the same run.");
     let mut c = dragged.unwrap_or(*config);
     let mut is_dragged = false;
     Grid::new("crowd").num_columns(2).spacing([8.0, 5.0]).show(ui, |ui| {
@@ -21,7 +21,7 @@ pub fn show(ui: &mut Ui, config: &RunConfig, dragged: &mut Option<RunConfig>, co
         row(ui, "characters", "How many", &mut |ui| {
             ui.add(Slider::new(&mut c.characters, 1..=MAX_CHARACTERS).update_while_editing(false).logarithmic(true))
         });
-        row(ui, "seed", "Of places, targets and choices", &mut |ui| {
+        row(ui, "seed", "Seed of starting places, targets and choices", &mut |ui| {
             ui.add(DragValue::new(&mut c.seed).update_while_editing(false))
         });
         row(ui, "targets", "What targets do", &mut |ui| {
@@ -52,7 +52,7 @@ pub fn show(ui: &mut Ui, config: &RunConfig, dragged: &mut Option<RunConfig>, co
         row(ui, "bend", "How far a walked action may be turned towards the target", &mut |ui| {
             ui.add(Slider::new(&mut c.bend_rad_per_m, 0.0..=1.0).update_while_editing(false).suffix(" rad/m"))
         });
-        row(ui, "temperature", "Chance in the choice among the best actions; 0 takes the best", &mut |ui| {
+        row(ui, "temperature", "Randomness of the choice among the best actions; 0 takes the best", &mut |ui| {
             ui.add_enabled(!c.single_load, Slider::new(&mut c.temperature, 0.0..=1.0).update_while_editing(false))
         });
         row(ui, "single load", "Take the stored best action instead of looking ahead", &mut |ui| {

@@ -1,15 +1,16 @@
 //! How the crowd or the scene is driven: behaviours and weights, targets, number of characters, seed.
 
 mod crowd;
+mod groups;
 mod scene;
 mod target;
 mod walkers;
 
 use crate::command::Command;
-use crate::document::Document;
+use crate::document::{Document, SceneChoice};
 use crate::model::Model;
-use crate::panels::PanelKind;
 use crate::run::{Input, Run, RunConfig};
+use crate::settings::PanelKind;
 use eframe::egui::{Grid, Slider, Ui};
 use throng_precompute::scene::Scene;
 
@@ -22,22 +23,27 @@ pub struct State {
     dragged_scene: Option<Box<Scene>>,
     /// Number and seed of a scene of walkers.
     dragged_walkers: Option<(usize, u64)>,
+    /// Numbers of a scene of groups.
+    dragged_groups: Option<SceneChoice>,
 }
 
 /// Shows the panel.
 pub fn show(ui: &mut Ui, model: &Model, state: &mut State, commands: &mut Vec<Command>) {
     if model.document.world().is_some() {
-        ui.weak("Who lives in a world of motion patches is told what to do in the panel Patches.");
+        ui.weak("The panel Patches gives orders to the characters of a world.");
         if ui.button("Open it").clicked() {
             commands.push(Command::TogglePanel(PanelKind::Patches));
         }
         return;
     }
+    if let Some(scene) = model.document.simulated() {
+        return groups::show(ui, scene, model.selection.character, &mut state.dragged_groups, commands);
+    }
     if let Some(scene) = model.document.walkers() {
         return walkers::show(ui, scene, &mut state.dragged_walkers, commands);
     }
     if model.document.crowd_scene().is_some() {
-        ui.weak("A scene of a crowd is chosen, looked at and begun anew in the panel Crowd.");
+        ui.weak("The panel Crowd controls this scene.");
         if ui.button("Open it").clicked() {
             commands.push(Command::TogglePanel(PanelKind::Crowd));
         }
@@ -56,7 +62,7 @@ pub fn show(ui: &mut Ui, model: &Model, state: &mut State, commands: &mut Vec<Co
         Err(why) => {
             ui.label(why);
             if model.document.blend().is_some() {
-                ui.weak("Its characters are blended from examples: the panel Blend moves one of them.");
+                ui.weak("Its characters are blended from examples. The panel Blend controls one of them.");
                 if ui.button("Open it").clicked() {
                     commands.push(Command::TogglePanel(PanelKind::Blend));
                 }
@@ -76,7 +82,7 @@ pub fn show(ui: &mut Ui, model: &Model, state: &mut State, commands: &mut Vec<Co
 
 fn behaviours(ui: &mut Ui, names: &[String], run: &Run, commands: &mut Vec<Command>) {
     ui.strong("Behaviours");
-    ui.weak("What counts how much when an action is chosen; 0 switches a behaviour off.");
+    ui.weak("Weight of each behaviour when an action is chosen; 0 switches it off.");
     let mut weights = run.weights().to_vec();
     // A scene may weigh more.
     let most = weights.iter().fold(2.0, |most: f32, w| most.max(2.0 * w));

@@ -18,7 +18,7 @@ pub fn show(ui: &mut Ui, model: &Model, run: &Run, commands: &mut Vec<Command>) 
         });
         return;
     };
-    let (root, target) = (run.troupe().root(c), run.targets()[c]);
+    let (root, target) = (run.characters().root(c), run.targets()[c]);
     let mut to = home(run, c);
     ui.horizontal_wrapped(|ui| {
         let mut number = c;
@@ -58,7 +58,7 @@ fn coordinate(ui: &mut Ui, name: &str, value: &mut f32) {
     ui.add(DragValue::new(value).range(range).update_while_editing(false).speed(0.02).suffix(" m").fixed_decimals(2));
 }
 
-/// Where a target is when nobody has struck it. [Unit: m]
+/// Where a target is at rest (m).
 fn home(run: &Run, character: usize) -> Vec3 {
     run.home(character).unwrap_or(run.targets()[character])
 }

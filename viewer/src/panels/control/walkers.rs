@@ -11,7 +11,7 @@ use eframe::egui::{DragValue, Grid, Slider, Ui};
 pub fn show(ui: &mut Ui, walkers: &WalkersDocument, dragged: &mut Option<(usize, u64)>, commands: &mut Vec<Command>) {
     let scene = walkers.scene();
     ui.strong(format!("Scene {}", scene.name));
-    ui.weak("A change starts the scene anew; the file stays as it is.");
+    ui.weak("A change restarts the scene; the file is not changed.");
     let (mut characters, mut seed) = dragged.unwrap_or((scene.characters, scene.seed));
     let mut is_dragged = false;
     Grid::new("walkers").num_columns(2).spacing([8.0, 5.0]).show(ui, |ui| {
@@ -19,7 +19,7 @@ pub fn show(ui: &mut Ui, walkers: &WalkersDocument, dragged: &mut Option<(usize,
         let slider = Slider::new(&mut characters, 1..=MAX_CHARACTERS).update_while_editing(false).logarithmic(true);
         is_dragged |= ui.add(slider).dragged();
         ui.end_row();
-        ui.label("seed").on_hover_text("Of bodies and paths");
+        ui.label("seed").on_hover_text("Seed of bodies and paths");
         is_dragged |= ui.add(DragValue::new(&mut seed).update_while_editing(false)).dragged();
         ui.end_row();
         for (name, text) in facts(walkers) {
@@ -34,7 +34,7 @@ pub fn show(ui: &mut Ui, walkers: &WalkersDocument, dragged: &mut Option<(usize,
     }
 }
 
-/// What else the file says, and how fast everybody is now.
+/// What else the file says, and their speeds now.
 fn facts(walkers: &WalkersDocument) -> Vec<(&'static str, String)> {
     let (scene, speeds) = (walkers.scene(), &walkers.run().moment().speeds);
     let mean = speeds.iter().sum::<f32>() / speeds.len().max(1) as f32;

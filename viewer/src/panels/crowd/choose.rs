@@ -1,12 +1,11 @@
 //! What runs, snapshots of it, and what is drawn of it.
 
 use super::{State, colour, look, swatch};
-use crate::command::Command;
+use crate::command::{Command, CrowdCommand, Whose};
 use crate::document::{CrowdChoice, CrowdDocument, MAX_MEMBERS};
 use crate::model::Model;
-use crate::model::crowd::{CrowdCommand, Whose};
 use crate::settings::Settings;
-use crate::stage::members::colour_of_group;
+use crate::stage::agents::colour_of_group;
 use eframe::egui::{ComboBox, DragValue, Grid, Role, Slider, TextEdit, Ui, WidgetInfo};
 use std::path::{Path, PathBuf};
 use throng_precompute::scene::crowd::Engine;
@@ -16,11 +15,11 @@ fn meaning(engine: Engine) -> &'static str {
     match engine {
         Engine::Events => "Bounds registered in cells: resetting and colliding events",
         Engine::Occupancy => "Bounds listed in every cell that they occupy, groups in contact",
-        Engine::Fixed => "Everybody acts at every step: the baseline",
+        Engine::Fixed => "All agents act at every step: the baseline",
     }
 }
 
-/// Shows engine, number of members and seed, and snapshots.
+/// Shows engine, number of agents and seed, and snapshots.
 pub fn show(ui: &mut Ui, crowd: &CrowdDocument, state: &mut State, commands: &mut Vec<Command>) {
     ui.horizontal_wrapped(|ui| {
         ui.strong(format!("Scene {}", crowd.scene().name));
@@ -34,7 +33,7 @@ pub fn show(ui: &mut Ui, crowd: &CrowdDocument, state: &mut State, commands: &mu
     let mut wanted = state.dragged.unwrap_or(now);
     let mut is_dragged = false;
     Grid::new("choice").num_columns(2).spacing([8.0, 5.0]).show(ui, |ui| {
-        ui.label("engine").on_hover_text("What finds out when somebody has to act");
+        ui.label("engine").on_hover_text("How events are found and scheduled");
         let combo = ComboBox::from_id_salt("engine").selected_text(wanted.engine.name()).show_ui(ui, |ui| {
             for engine in Engine::ALL {
                 ui.selectable_value(&mut wanted.engine, engine, engine.name()).on_hover_text(meaning(engine));
@@ -43,15 +42,15 @@ pub fn show(ui: &mut Ui, crowd: &CrowdDocument, state: &mut State, commands: &mu
         combo.response.widget_info(|| WidgetInfo::labeled(Role::ComboBox, true, "Engine"));
         combo.response.on_hover_text(meaning(wanted.engine));
         ui.end_row();
-        let label = ui.label("members").on_hover_text("A change begins the scene anew; the file stays as it is");
-        let slider = Slider::new(&mut wanted.members, 1..=MAX_MEMBERS).update_while_editing(false).logarithmic(true);
+        let label = ui.label("agents").on_hover_text("A change restarts the scene; the file is not changed");
+        let slider = Slider::new(&mut wanted.agents, 1..=MAX_MEMBERS).update_while_editing(false).logarithmic(true);
         is_dragged |= ui.add(slider).labelled_by(label.id).dragged();
         ui.end_row();
-        let label = ui.label("seed").on_hover_text("Of places and variety");
+        let label = ui.label("seed").on_hover_text("Seed of starting places and variation");
         ui.horizontal(|ui| {
             let seed = DragValue::new(&mut wanted.seed).update_while_editing(false);
             is_dragged |= ui.add(seed).labelled_by(label.id).dragged();
-            if ui.button("Begin anew").on_hover_text("With the same numbers (R)").clicked() {
+            if ui.button("Restart").on_hover_text("With the same settings (R)").clicked() {
                 commands.push(Command::Restart);
             }
             if crowd.beginning().is_some() {
@@ -74,8 +73,8 @@ fn snapshots(ui: &mut Ui, crowd: &CrowdDocument, state: &mut State, commands: &m
     }
     let Some((_, file)) = &mut state.file else { return };
     ui.horizontal(|ui| {
-        let save = ui.button("Save").on_hover_text("Write the state of the engine, as it is at the last step");
-        let restore = ui.button("Restore").on_hover_text("Go on from a state that was written");
+        let save = ui.button("Save").on_hover_text("Save the state at the last step");
+        let restore = ui.button("Restore").on_hover_text("Continue from a saved state");
         let field = ui.add(TextEdit::singleline(file).desired_width(f32::INFINITY));
         field.widget_info(|| WidgetInfo::labeled(Role::TextInput, true, "Snapshot file"));
         let path = PathBuf::from(file.trim());
@@ -98,8 +97,8 @@ pub fn drawn(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     let (mut l, mut overlays) = (now, model.settings.overlays);
     Grid::new("drawn").num_columns(2).spacing([8.0, 4.0]).show(ui, |ui| {
         for (name, tip, whose) in [
-            ("bounds", "Time-varying bounds: where a member can be, whatever it does", &mut l.bounds),
-            ("ways", "Corners of the ways to goals", &mut l.ways),
+            ("bounds", "Time-varying bounds: where an agent can be, whatever it does", &mut l.bounds),
+            ("paths", "Planned paths to goals", &mut l.paths),
         ] {
             ui.label(name).on_hover_text(tip);
             ui.horizontal(|ui| {
@@ -113,7 +112,7 @@ pub fn drawn(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
             });
             ui.end_row();
         }
-        ui.label("trails").on_hover_text("Where members were in the last seconds");
+        ui.label("trails").on_hover_text("Where agents were in the last seconds");
         let trails = if overlays.trails && overlays.of_all { Whose::All } else { Whose::Selected };
         let trails = if overlays.trails { trails } else { Whose::Nobody };
         ui.horizontal(|ui| {
@@ -129,9 +128,9 @@ pub fn drawn(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
         ui.end_row();
     });
     ui.horizontal_wrapped(|ui| {
-        ui.checkbox(&mut l.cells, "cells").on_hover_text("Cell C, region R and the cells α(C) of the selected member");
-        ui.checkbox(&mut l.forces, "forces").on_hover_text("Each force of the selected member, and its stop region");
-        ui.checkbox(&mut l.marks, "marks").on_hover_text("Where something happened; they fade");
+        ui.checkbox(&mut l.cells, "cells").on_hover_text("Cell C, region R and the cells α(C) of the selected agent");
+        ui.checkbox(&mut l.forces, "forces").on_hover_text("Each force of the selected agent, and its stop region");
+        ui.checkbox(&mut l.marks, "marks").on_hover_text("Marks at events; they fade");
         if let Some(bundle) = model.document.crowd_scene().and_then(|c| c.bundle()) {
             let tip = format!("Blended from the examples of {}", bundle.path().display());
             ui.checkbox(&mut l.bodies, "bodies").on_hover_text(tip);
@@ -146,7 +145,7 @@ pub fn drawn(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     }
 }
 
-/// Number of members and seed in words, for the bar at the top.
+/// Number of agents and seed in words, for the bar at the top.
 pub fn in_words(choice: CrowdChoice) -> String {
-    format!("{} members · {} · seed {}", choice.members, choice.engine.name(), choice.seed)
+    format!("{} agents · {} · seed {}", choice.agents, choice.engine.name(), choice.seed)
 }

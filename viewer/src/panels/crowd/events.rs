@@ -1,25 +1,25 @@
-//! What happens, the latest first; a click selects the member.
+//! What happens, the latest first; a click selects the agent.
 
 use super::{State, colour};
 use crate::command::Command;
 use crate::document::CrowdDocument;
 use crate::model::Model;
-use crate::run::members::{Happened, With};
-use crate::stage::members::colour_of_event;
+use crate::run::agents::{Happened, With};
+use crate::stage::agents::colour_of_event;
 use eframe::egui::{Align2, Color32, Role, ScrollArea, Sense, TextStyle, Ui, WidgetInfo, pos2, vec2};
 
 /// Events that are listed at most.
 const MOST: usize = 200;
-/// Height of the list. [Unit: points]
+/// Height of the list (points).
 const HEIGHT: f32 = 190.0;
-/// Widths of the columns of time and kind. [Unit: points]
+/// Widths of the columns of time and kind (points).
 const TIME: f32 = 86.0;
 const KIND: f32 = 78.0;
 
 /// Shows the list.
 pub fn show(ui: &mut Ui, model: &Model, crowd: &CrowdDocument, state: &mut State, commands: &mut Vec<Command>) {
     let (run, kinds) = (crowd.run(), &model.selection.crowd.kinds);
-    ui.checkbox(&mut state.only_selected, "of the selected member only");
+    ui.checkbox(&mut state.only_selected, "of the selected agent only");
     let now = run.moment().time_s;
     let list = match state.only_selected {
         true => run.log().last_of_watched(kinds, now, MOST),
@@ -27,8 +27,8 @@ pub fn show(ui: &mut Ui, model: &Model, crowd: &CrowdDocument, state: &mut State
     };
     if list.is_empty() {
         ui.weak(match (state.only_selected, model.selection.character) {
-            (true, None) => "Select a member to see what happens to it.",
-            _ => "Nothing of what is shown has happened yet.",
+            (true, None) => "Select an agent to see what happens to it.",
+            _ => "No event of these kinds has happened yet.",
         });
         return;
     }
@@ -37,7 +37,7 @@ pub fn show(ui: &mut Ui, model: &Model, crowd: &CrowdDocument, state: &mut State
     area.show_rows(ui, height, list.len(), |ui, rows| {
         for h in &list[rows] {
             if row(ui, crowd, h, model.selection.character, height) {
-                commands.push(Command::SelectCharacter(Some(h.member)));
+                commands.push(Command::SelectCharacter(Some(h.agent)));
             }
         }
     });
@@ -61,19 +61,19 @@ fn row(ui: &mut Ui, crowd: &CrowdDocument, h: &Happened, selected: Option<usize>
     let kind = colour(colour_of_event(h.what, visuals.dark_mode));
     write(TIME, h.what.name().to_owned(), TextStyle::Body, kind);
     write(TIME + KIND, in_words(crowd, h), TextStyle::Body, visuals.text_color());
-    let name = format!("Event {} {}", h.what.name(), h.member);
+    let name = format!("Event {} {}", h.what.name(), h.agent);
     response.widget_info(|| WidgetInfo::labeled(Role::Button, true, &name));
     let clicked = response.clicked();
-    response.on_hover_text(format!("{}. A click selects member {}.", h.what.meaning(), h.member));
+    response.on_hover_text(format!("{}. A click selects agent {}.", h.what.meaning(), h.agent));
     clicked
 }
 
-/// Whom it happened to, and with whom.
+/// Agent of the event, and the other party.
 fn in_words(crowd: &CrowdDocument, h: &Happened) -> String {
-    let member = super::who(crowd, h.member);
+    let agent = super::who(crowd, h.agent);
     match h.with {
-        With::Nobody => member,
-        With::Member(other) => format!("{member} – {}", super::who(crowd, other)),
-        With::Obstacle(o) => format!("{member} – obstacle {o}"),
+        With::Nobody => agent,
+        With::Agent(other) => format!("{agent} – {}", super::who(crowd, other)),
+        With::Obstacle(o) => format!("{agent} – obstacle {o}"),
     }
 }

@@ -1,14 +1,15 @@
-//! What is measured of everybody.
+//! What is measured of all agents.
 
 use crate::document::CrowdDocument;
-use crate::panels::paint::{Palette, time_text};
+use crate::panels::paint::time_text;
+use crate::theme::Palette;
 use eframe::egui::{Grid, RichText, Ui};
 
-/// Shows figures of the moment that is shown.
+/// Shows figures of the moment shown.
 pub fn show(ui: &mut Ui, crowd: &CrowdDocument) {
     let (moment, cast) = (crowd.run().moment(), crowd.run().cast());
     let f = moment.figures;
-    let there = moment.members.iter().flatten();
+    let there = moment.agents.iter().flatten();
     let speed = there.map(|s| f64::from(s.velocity.length())).sum::<f64>() / f.present.max(1) as f64;
     let desired = cast.speeds.iter().map(|&s| f64::from(s)).sum::<f64>() / cast.speeds.len().max(1) as f64;
     let palette = Palette::of(ui.visuals());
@@ -22,16 +23,16 @@ pub fn show(ui: &mut Ui, crowd: &CrowdDocument) {
         };
         row("simulated", "Since the start of the scene", RichText::new(time_text(moment.time_s)));
         let left = if f.present < n { format!(", {} have left", n - f.present) } else { String::new() };
-        row("members", "Who is there", RichText::new(format!("{}{left}", f.present)));
-        let tip = "Mean speed along planned ways so far, of those who were not there yet";
+        row("agents", "Who is there", RichText::new(format!("{}{left}", f.present)));
+        let tip = "Mean speed along planned paths so far, of agents not yet at their goals";
         row("progress", tip, RichText::new(format!("{:.2} m/s, {desired:.2} wanted", f.progress_mps)));
-        row("speed now", "Mean of everybody", RichText::new(format!("{speed:.2} m/s")));
+        row("speed now", "Mean of all agents", RichText::new(format!("{speed:.2} m/s")));
         let overlaps = RichText::new(format!("{} pairs over 1 mm", f.overlaps)).color(good(f.overlaps == 0));
-        row("overlaps", "Pairs that reach into each other now", overlaps);
+        row("overlaps", "Pairs that overlap now", overlaps);
         let deepest = if f.deepest_m > 0.0 { format!("{:.2} mm", 1e3 * f.deepest_m) } else { "none so far".into() };
         row("deepest", "The deepest overlap so far", RichText::new(deepest).color(good(f.deepest_m <= 1e-3)));
-        row("arrived", "Members that have reached their goals", RichText::new(format!("{} of {n}", f.arrived)));
+        row("arrived", "Agents that have reached their goals", RichText::new(format!("{} of {n}", f.arrived)));
         let stuck = RichText::new(f.stuck.to_string()).color(good(f.stuck == 0));
-        row("stuck", "Members that stayed within half a metre for 10 s on their way", stuck);
+        row("stuck", "Agents that moved less than half a metre in 10 s on their way", stuck);
     });
 }

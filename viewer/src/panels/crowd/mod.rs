@@ -1,16 +1,15 @@
-//! Scenes of crowds: engine, number of members, what is drawn, figures, the selected member, and what happens.
+//! Scenes of crowds: engine, number of agents, what is drawn, figures, the selected agent, and what happens.
 
+mod agent;
 mod choose;
 mod events;
 mod figures;
-mod member;
 mod rates;
 
 use super::paint::empty;
-use crate::command::Command;
+use crate::command::{Command, CrowdCommand, CrowdLook};
 use crate::document::{CrowdChoice, CrowdDocument};
 use crate::model::Model;
-use crate::model::crowd::{CrowdCommand, CrowdLook};
 use crate::render::Rgba;
 use eframe::egui::{CollapsingHeader, Color32, RichText, Sense, Ui, vec2};
 use std::path::PathBuf;
@@ -20,11 +19,11 @@ pub use choose::in_words;
 /// What the panel remembers.
 #[derive(Clone, Debug, Default)]
 pub struct State {
-    /// Engine, number of members and seed as they are dragged to.
+    /// Engine, number of agents and seed as they are dragged to.
     dragged: Option<CrowdChoice>,
     /// File of a snapshot as it was typed, and the scene that it is for.
     file: Option<(PathBuf, String)>,
-    /// Only events of the selected member are listed.
+    /// Only events of the selected agent are listed.
     only_selected: bool,
 }
 
@@ -40,7 +39,7 @@ pub fn show(ui: &mut Ui, model: &Model, state: &mut State, commands: &mut Vec<Co
     ui.separator();
     choose::drawn(ui, model, commands);
     section(ui, "Now", |ui| figures::show(ui, crowd));
-    section(ui, "Member", |ui| member::show(ui, model, crowd, commands));
+    section(ui, "Agent", |ui| agent::show(ui, model, crowd, commands));
     section(ui, "Event rate", |ui| rates::show(ui, model, crowd, commands));
     section(ui, "Events", |ui| events::show(ui, model, crowd, state, commands));
 }
@@ -62,12 +61,12 @@ fn swatch(ui: &mut Ui, colour: Color32) {
     ui.painter().rect_filled(rect, 2.0, colour);
 }
 
-/// Who a member is, for people.
-fn who(crowd: &CrowdDocument, member: usize) -> String {
+/// Name of an agent, for people.
+fn who(crowd: &CrowdDocument, agent: usize) -> String {
     let cast = crowd.run().cast();
-    match cast.groups.get(member) {
-        Some(&g) if cast.names.len() > 1 => format!("{member} ({})", cast.names[g]),
-        _ => member.to_string(),
+    match cast.groups.get(agent) {
+        Some(&g) if cast.names.len() > 1 => format!("{agent} ({})", cast.names[g]),
+        _ => agent.to_string(),
     }
 }
 

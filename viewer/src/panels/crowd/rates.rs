@@ -4,14 +4,14 @@ use super::{colour, look};
 use crate::command::Command;
 use crate::document::CrowdDocument;
 use crate::model::Model;
-use crate::run::members::{WINDOW_S, What};
-use crate::stage::members::colour_of_event;
+use crate::run::agents::{WINDOW_S, What};
+use crate::stage::agents::colour_of_event;
 use eframe::egui::{Grid, RichText, Role, Sense, Stroke, StrokeKind, Ui, WidgetInfo, vec2};
 use egui_plot::{AxisHints, HoverPosition, Line, Plot, PlotPoints, uniform_grid_spacer};
 
-/// Height of the plot. [Unit: points]
+/// Height of the plot (points).
 const HEIGHT: f32 = 120.0;
-/// Distances of lines over the time, the fine and the strong ones. [Unit: s]
+/// Distances of lines over the time, the fine and the strong ones (s).
 const MARKS_S: [f64; 3] = [2.0, 10.0, 60.0];
 /// Columns of the key.
 const COLUMNS: usize = 3;
@@ -21,7 +21,7 @@ pub fn show(ui: &mut Ui, model: &Model, crowd: &CrowdDocument, commands: &mut Ve
     let (run, dark) = (crowd.run(), ui.visuals().dark_mode);
     let now = run.moment().time_s;
     let rates = run.log().rates();
-    ui.weak("Events of one member in a second, over the last 10 s.");
+    ui.weak("Events of one agent in a second, over the last 10 s.");
     let before = rates.before(now);
     let plot = Plot::new("event rates")
         .height(HEIGHT)

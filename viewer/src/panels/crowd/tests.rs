@@ -1,6 +1,6 @@
 use super::*;
-use crate::panels::tests::meeting::Meeting;
-use crate::panels::tests::paces::Paces;
+use crate::fixtures::meeting::Meeting;
+use crate::fixtures::paces::Paces;
 use crate::panels::tests::{Trial, click, trial};
 use eframe::egui::vec2;
 use egui_kittest::Harness;
@@ -20,12 +20,12 @@ fn panel(meeting: &Meeting, steps: i32) -> Harness<'static, Trial<State>> {
 }
 
 #[test]
-fn what_is_drawn_is_chosen() {
+fn overlays_can_be_switched() {
     let meeting = Meeting::new();
     let mut harness = panel(&meeting, 60);
     for (label, is_done) in [
-        ("bounds: all", (|m| m.selection.crowd.bounds == crate::model::crowd::Whose::All) as fn(&Model) -> bool),
-        ("ways: none", |m| m.selection.crowd.ways == crate::model::crowd::Whose::Nobody),
+        ("bounds: all", (|m| m.selection.crowd.bounds == crate::command::Whose::All) as fn(&Model) -> bool),
+        ("paths: none", |m| m.selection.crowd.paths == crate::command::Whose::Nobody),
         ("trails: all", |m| m.settings.overlays.trails && m.settings.overlays.of_all),
         ("cells", |m| !m.selection.crowd.cells),
         ("Kind colliding", |m| !m.selection.crowd.kinds[1]),
@@ -50,28 +50,28 @@ fn bodies_can_be_left_out_where_there_are_some() {
 }
 
 #[test]
-fn a_member_is_selected_by_its_event_and_its_forces_are_told() {
+fn a_click_on_an_event_selects_its_agent_and_shows_its_forces() {
     let meeting = Meeting::new();
     let mut harness = panel(&meeting, 90);
     assert!(harness.query_by_label("driving").is_none());
     let crowd = harness.state().model.document.crowd_scene().unwrap();
-    let last = crowd.run().log().last(&[true; crate::run::members::What::COUNT], f64::INFINITY, 1)[0];
-    let name = format!("Event {} {}", last.what.name(), last.member);
+    let last = crowd.run().log().last(&[true; crate::run::agents::What::COUNT], f64::INFINITY, 1)[0];
+    let name = format!("Event {} {}", last.what.name(), last.agent);
     let at = harness.get_all_by_label(&name).next().unwrap().rect().center();
     click(&mut harness, at);
     harness.run_steps(2);
-    assert_eq!(harness.state().model.selection.character, Some(last.member));
+    assert_eq!(harness.state().model.selection.character, Some(last.agent));
     for term in ["driving", "interaction", "decelerating", "damping", "turning", "safety", "sum", "taken"] {
         harness.get_by_label(term);
     }
-    let at = harness.get_by_label("of the selected member only").rect().center();
+    let at = harness.get_by_label("of the selected agent only").rect().center();
     click(&mut harness, at);
     assert!(harness.state().state.only_selected);
     assert!(harness.get_all_by_label(&name).next().is_some());
 }
 
 #[test]
-fn a_scene_is_begun_anew_kept_and_restored() {
+fn a_scene_is_restarted_saved_and_restored() {
     let meeting = Meeting::new();
     let mut harness = panel(&meeting, 30);
     let press = |harness: &mut Harness<'static, Trial<State>>, label: &str| {
@@ -83,7 +83,7 @@ fn a_scene_is_begun_anew_kept_and_restored() {
     };
     press(&mut harness, "Save");
     assert!(meeting.folder().join("meeting.crowd").exists());
-    press(&mut harness, "Begin anew");
+    press(&mut harness, "Restart");
     assert_eq!(time(&harness), 0.0);
     press(&mut harness, "Restore");
     assert!((time(&harness) - 0.5).abs() < 1e-9);

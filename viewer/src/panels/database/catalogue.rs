@@ -1,6 +1,6 @@
 //! The clips of a bundle as a list: searched and sorted.
 
-use crate::document::Bundle;
+use crate::bundle::OpenBundle;
 use crate::panels::paint::Sort;
 use std::cmp::Ordering;
 use std::ops::Range;
@@ -37,11 +37,11 @@ pub struct Entry {
     pub name: String,
     /// A copy with left and right exchanged.
     pub mirrored: bool,
-    /// Length. [Unit: s]
+    /// Length (s).
     pub duration_s: f64,
-    /// Share of the frames that are not left out. [Limit: 0 to 1]
+    /// Share of the frames that are not left out (0 to 1).
     pub usable: f32,
-    /// Share of the frames that the motion graph plays. [Limit: 0 to 1]
+    /// Share of the frames that the motion graph plays (0 to 1).
     pub played: f32,
     /// States of the motion graph in it.
     pub states: u32,
@@ -62,7 +62,7 @@ pub struct Catalogue {
 
 impl Catalogue {
     /// Collects what the list shows.
-    pub fn of(bundle: &Bundle) -> Self {
+    pub fn of(bundle: &OpenBundle) -> Self {
         let played = played_rows(bundle);
         let graph = bundle.tables().graph();
         let entries = bundle
@@ -131,17 +131,17 @@ fn tag_names(tags: &[(String, u32, u32)]) -> String {
 }
 
 /// Numbers of the states whose frames lie in a range of rows.
-pub fn states_within(bundle: &Bundle, rows: &Range<u32>) -> Range<usize> {
-    let states = bundle.tables().graph().states;
+pub fn states_within(bundle: &OpenBundle, rows: &Range<u32>) -> Range<usize> {
+    let states = &bundle.tables().graph().states;
     states.partition_point(|s| s.frame < rows.start)..states.partition_point(|s| s.frame < rows.end)
 }
 
 /// True for every row that some segment plays: its first frame takes the place of the one that is left and does not
-/// count. [Size: number of frames]
-pub fn played_rows(bundle: &Bundle) -> Vec<bool> {
+/// count (number of frames).
+pub fn played_rows(bundle: &OpenBundle) -> Vec<bool> {
     let tables = bundle.tables();
     let mut played = vec![false; tables.frames().len()];
-    for s in tables.graph().segments {
+    for s in &tables.graph().segments {
         played[s.start as usize + 1..=(s.start + s.num_frames) as usize].fill(true);
     }
     played
@@ -150,7 +150,7 @@ pub fn played_rows(bundle: &Bundle) -> Vec<bool> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::panels::tests::golden;
+    use crate::fixtures::golden;
 
     fn entry(name: &str, source: &str, tags: &str, states: u32) -> Entry {
         let haystack = format!("{name}\n{source}\n{tags}").to_lowercase();

@@ -1,6 +1,6 @@
 //! A body seen from its right side, small.
 
-use crate::panels::paint::Palette;
+use crate::theme::Palette;
 use eframe::egui::{Color32, Painter, Pos2, Stroke, Vec2, vec2};
 use glam::Vec3;
 use throng_runtime::pose::Mat3x4;
@@ -9,9 +9,9 @@ use throng_runtime::{Contacts, Joint, NUM_JOINTS, Skeleton};
 /// A body in the plane in which it walks: x ahead, y up, from the point of the ground below its hips.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Figure {
-    /// Joints. [Unit: m]
+    /// Joints (m).
     joints: [Vec2; NUM_JOINTS],
-    /// Top of the head, tips of the left and the right toe. [Unit: m]
+    /// Top of the head, tips of the left and the right toe (m).
     tips: [Vec2; 3],
     /// Parts of the feet that stand.
     contacts: Contacts,
@@ -24,14 +24,14 @@ pub struct Look {
     pub scale: f32,
     /// What lies behind it.
     pub paper: Color32,
-    /// How much it fades into what lies behind it. [Limit: 0 to 1]
+    /// How much it fades into what lies behind it (0 to 1).
     pub fade: f32,
-    /// A silhouette of one colour, so much larger than the body on all sides. [Unit: m]
+    /// A silhouette of one colour, so much larger than the body on all sides (m).
     pub halo: Option<(Color32, f32)>,
 }
 
 impl Figure {
-    /// From joints in model space, above the planar root. [Size: NUM_JOINTS]
+    /// From joints in model space, above the planar root (NUM_JOINTS).
     pub fn new(skeleton: &Skeleton, joints: &[Mat3x4], contacts: Contacts) -> Self {
         let flat = |p: Vec3| vec2(p.z, p.y);
         let mut out = Self { joints: [Vec2::ZERO; NUM_JOINTS], tips: [Vec2::ZERO; 3], contacts };
@@ -94,7 +94,7 @@ impl Figure {
         }
     }
 
-    /// Highest point. [Unit: m]
+    /// Highest point (m).
     pub fn top(&self) -> f32 {
         self.joints.iter().chain(&self.tips).map(|p| p.y).fold(0.0, f32::max)
     }

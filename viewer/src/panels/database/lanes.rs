@@ -1,9 +1,10 @@
-//! The lanes of a timeline: contacts, tags, what is left out or played, states, ways out.
+//! The lanes of a timeline: contacts, tags, what is left out or played, states, actions.
 
 use super::outgoing::Outgoing;
 use super::timeline::Scene;
 use super::track::{Named, Track};
-use crate::panels::paint::{Axis, Palette, hatch};
+use crate::panels::paint::{Axis, hatch};
+use crate::theme::Palette;
 use eframe::egui::{
     Align2, Color32, FontId, Painter, Pos2, Rangef, Rect, Shape, Stroke, StrokeKind, Ui, Visuals,
     epaint::CubicBezierShape, pos2, vec2,
@@ -15,7 +16,7 @@ const TAG: f32 = 17.0;
 const USE: f32 = 17.0;
 const STATES: f32 = 15.0;
 const WAYS: f32 = 30.0;
-/// Space between lanes. [Unit: points]
+/// Space between lanes (points).
 const GAP: f32 = 4.0;
 
 /// Where the lanes lie.
@@ -26,12 +27,12 @@ pub struct Lanes {
     tags: Vec<Rect>,
     /// What is left out or played.
     usage: Rect,
-    /// States, and below them the ways out; none without a motion graph.
+    /// States, and below them the actions; none without a motion graph.
     states: Option<[Rect; 2]>,
 }
 
 impl Lanes {
-    /// Height of all lanes of a clip. [Unit: points]
+    /// Height of all lanes of a clip (points).
     pub fn height(track: &Track) -> f32 {
         let states = if track.played.is_some() { GAP + STATES + WAYS } else { GAP };
         GAP + 4.0 * (FOOT + 1.0) + GAP + TAG * track.tag_lanes() as f32 + GAP + USE + states
@@ -72,12 +73,12 @@ pub fn paint(ui: &Ui, lanes: &Lanes, axis: &Axis, scene: &Scene<'_>) {
     }
     label(lanes.usage, if track.played.is_some() { "played" } else { "left out" });
     usage(&painter, lanes.usage, axis, track, &palette, visuals);
-    if let Some([states, ways]) = lanes.states {
+    if let Some([states, actions]) = lanes.states {
         label(states, "states");
-        label(ways, "ways out");
+        label(actions, "actions");
         state_marks(&painter, states, axis, scene, &palette);
         if let Some(outgoing) = scene.outgoing {
-            arcs(&painter, ways, axis, outgoing, scene, &palette);
+            arcs(&painter, actions, axis, outgoing, scene, &palette);
         }
     }
 }
@@ -144,7 +145,7 @@ fn state_marks(painter: &Painter, lane: Rect, axis: &Axis, scene: &Scene<'_>, pa
     for mark in states[from..].iter().take_while(|s| s.frame < seen.end) {
         let x = axis.x_of(mark.frame as f32);
         let is_next = scene.outgoing.is_some_and(|o| o.from == *mark);
-        // More ticks than points cannot be told apart.
+        // More ticks than points cannot be distinguished.
         if x - last_x < 1.0 && !is_next && !mark.standing {
             continue;
         }
@@ -161,19 +162,19 @@ fn state_marks(painter: &Painter, lane: Rect, axis: &Axis, scene: &Scene<'_>, pa
 /// Curves from the state to where its actions start, for those that stay inside the clip.
 fn arcs(painter: &Painter, lane: Rect, axis: &Axis, out: &Outgoing, scene: &Scene<'_>, palette: &Palette) {
     let from = pos2(axis.x_of(out.from.frame as f32), lane.top());
-    let inside = out.ways.iter().filter(|w| scene.stays(w.clip));
-    for way in inside {
-        let strong = scene.highlighted == Some(way.segment);
+    let inside = out.actions.iter().filter(|w| scene.stays(w.clip));
+    for action in inside {
+        let strong = scene.highlighted == Some(action.segment);
         let stroke =
             Stroke::new(if strong { 2.5 } else { 1.2 }, palette.state.gamma_multiply(if strong { 1.0 } else { 0.7 }));
-        let end = axis.x_of((way.start + way.num_frames) as f32);
-        if way.goes_on {
+        let end = axis.x_of((action.start + action.num_frames) as f32);
+        if action.continues {
             // The clip goes on: a straight arrow to the next state.
             painter.line_segment([from, pos2(end, lane.top())], stroke);
             arrow_head(painter, pos2(end, lane.top()), vec2(1.0, 0.0), stroke.color);
             continue;
         }
-        let to = pos2(axis.x_of(way.start as f32), lane.top());
+        let to = pos2(axis.x_of(action.start as f32), lane.top());
         let depth = (4.0 + 1.4 * (to.x - from.x).abs().sqrt()).min(lane.height() * 1.25);
         let points = [from, from + vec2(0.0, depth), to + vec2(0.0, depth), to];
         painter.add(CubicBezierShape::from_points_stroke(points, false, Color32::TRANSPARENT, stroke));

@@ -48,7 +48,7 @@ impl State {
         &self.rows
     }
 
-    /// Finds the rows anew where something has changed.
+    /// Rebuilds the rows if something has changed.
     fn refresh(&mut self, document: u64, catalogue: impl FnOnce() -> Catalogue) {
         let now = (document, self.query.clone(), self.sort);
         if self.made_of.as_ref() == Some(&now) {
@@ -66,7 +66,7 @@ impl State {
 /// Shows the list.
 ///
 /// - `document`: tells one version of what is open from the next.
-/// - `selected`: the clip that is looked at.
+/// - `selected`: the selected clip.
 pub fn show(
     ui: &mut Ui,
     state: &mut State,

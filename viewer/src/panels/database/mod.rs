@@ -1,5 +1,6 @@
-//! The database browser: clips, and a timeline of the one that is looked at.
+//! The database browser: clips, and a timeline of the selected one.
 
+mod actions;
 mod catalogue;
 mod figure;
 mod lanes;
@@ -8,12 +9,13 @@ mod outgoing;
 mod strip;
 mod timeline;
 mod track;
-mod ways;
 
-use super::paint::{Palette, no_bundle, time_text};
+use super::paint::{no_bundle, time_text};
+use crate::bundle::OpenBundle;
 use crate::command::Command;
-use crate::document::{Bundle, Document, RawMotion};
+use crate::document::{Document, RawMotion};
 use crate::model::Model;
+use crate::theme::Palette;
 use catalogue::Catalogue;
 use eframe::egui::{Button, CentralPanel, Frame, Label, Panel, RichText, ScrollArea, Ui};
 use outgoing::Outgoing;
@@ -21,7 +23,7 @@ use strip::{Source, Strip};
 use timeline::{Scene, View};
 use track::Track;
 
-/// Width from which on the ways out lie beside the timeline. [Unit: points]
+/// Width from which on the actions lie beside the timeline (points).
 const WIDE: f32 = 820.0;
 
 /// What the panel remembers of how it looks, and what it has worked out.
@@ -36,20 +38,14 @@ pub struct State {
 
 /// Shows the panel.
 pub fn show(ui: &mut Ui, model: &Model, state: &mut State, commands: &mut Vec<Command>) {
-    match &model.document {
-        Document::Nothing => no_bundle(ui, &model.document),
-        Document::CrowdScene(c) => match c.bundle() {
-            Some(bundle) => bundle_view(ui, bundle, model, state, commands),
-            None => no_bundle(ui, &model.document),
-        },
-        Document::Bundle(b) => bundle_view(ui, &b.bundle, model, state, commands),
-        Document::World(w) => bundle_view(ui, w.bundle(), model, state, commands),
-        Document::Walkers(w) => bundle_view(ui, w.bundle(), model, state, commands),
-        Document::Clip(raw) => raw_view(ui, raw, model, state, commands),
+    match (&model.document, model.document.bundle()) {
+        (Document::Clip(raw), _) => raw_view(ui, raw, model, state, commands),
+        (_, Some(bundle)) => bundle_view(ui, bundle, model, state, commands),
+        (document, None) => no_bundle(ui, document),
     }
 }
 
-fn bundle_view(ui: &mut Ui, bundle: &Bundle, model: &Model, state: &mut State, commands: &mut Vec<Command>) {
+fn bundle_view(ui: &mut Ui, bundle: &OpenBundle, model: &Model, state: &mut State, commands: &mut Vec<Command>) {
     let (document, clip) = (model.generation, model.selection.clip);
     Panel::left("clips").default_size(430.0).min_size(300.0).frame(Frame::NONE.inner_margin(4)).show(ui, |ui| {
         list::show(ui, &mut state.list, document, || Catalogue::of(bundle), clip, commands);
@@ -69,9 +65,10 @@ fn bundle_view(ui: &mut Ui, bundle: &Bundle, model: &Model, state: &mut State, c
         head,
     };
     let wide = ui.available_width() >= WIDE;
-    let ways = if wide { Panel::right("ways").default_size(460.0) } else { Panel::bottom("ways").default_size(90.0) };
-    ways.min_size(60.0).frame(Frame::NONE.inner_margin(4)).show(ui, |ui| {
-        state.highlighted = ways::show(ui, bundle, outgoing.as_ref(), head, commands);
+    let actions =
+        if wide { Panel::right("actions").default_size(460.0) } else { Panel::bottom("actions").default_size(90.0) };
+    actions.min_size(60.0).frame(Frame::NONE.inner_margin(4)).show(ui, |ui| {
+        state.highlighted = actions::show(ui, bundle, outgoing.as_ref(), head, commands);
     });
     let goes_to = clip_view(ui, &scene, &mut state.view, &mut state.strip);
     commands.extend(goes_to.map(|frame| Command::ShowClip { clip, frame }));

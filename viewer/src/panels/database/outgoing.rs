@@ -1,12 +1,12 @@
-//! The ways out of a frame: actions of its state, or of the next one.
+//! The actions from a frame: those of its state, or of the next one.
 
 use super::track::{StateMark, Track};
-use crate::document::Bundle;
+use crate::bundle::OpenBundle;
 use throng_runtime::Planar;
 
 /// An action of a state.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Way {
+pub struct OutgoingAction {
     /// Segment that is played.
     pub segment: u32,
     /// Clip it lies in.
@@ -20,7 +20,7 @@ pub struct Way {
     /// How much the frame that is left and the segment's first frame differ.
     pub error: f32,
     /// The clip simply goes on.
-    pub goes_on: bool,
+    pub continues: bool,
 }
 
 /// A state and its actions.
@@ -29,38 +29,38 @@ pub struct Outgoing {
     /// The state.
     pub from: StateMark,
     /// Its actions, the one that goes on first, then by error.
-    pub ways: Vec<Way>,
+    pub actions: Vec<OutgoingAction>,
 }
 
 impl Outgoing {
-    /// The ways out of a frame; none where no state of the clip follows.
+    /// The actions from a frame; none if no state of the clip follows.
     ///
     /// - `clip`: the clip that `track` shows.
-    pub fn of(bundle: &Bundle, clip: usize, track: &Track, frame: u32) -> Option<Self> {
+    pub fn of(bundle: &OpenBundle, clip: usize, track: &Track, frame: u32) -> Option<Self> {
         let from = track.state_from(frame)?;
         let tables = bundle.tables();
         let graph = tables.graph();
         let first = *graph.action_offsets.get(from.state as usize)? as usize;
-        let mut ways: Vec<Way> = graph
+        let mut actions: Vec<OutgoingAction> = graph
             .segments_of(from.state)
             .iter()
             .zip(&graph.action_errors[first..])
             .map(|(&segment, &error)| {
                 let s = &graph.segments[segment as usize];
                 let start = s.start - tables.clips()[s.clip as usize].first_frame;
-                Way {
+                OutgoingAction {
                     segment,
                     clip: s.clip as usize,
                     start,
                     num_frames: s.num_frames,
                     displacement: s.displacement(),
                     error,
-                    goes_on: s.clip as usize == clip && start == from.frame,
+                    continues: s.clip as usize == clip && start == from.frame,
                 }
             })
             .collect();
-        ways.sort_by(|a, b| b.goes_on.cmp(&a.goes_on).then(a.error.total_cmp(&b.error)));
-        Some(Self { from, ways })
+        actions.sort_by(|a, b| b.continues.cmp(&a.continues).then(a.error.total_cmp(&b.error)));
+        Some(Self { from, actions })
     }
 }
 
@@ -79,10 +79,10 @@ pub fn displacement_texts(d: Planar) -> [String; 3] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::panels::tests::golden;
+    use crate::fixtures::golden;
 
     #[test]
-    fn ways_are_those_that_a_search_through_the_whole_graph_finds() {
+    fn actions_equal_those_of_a_full_search() {
         let bundle = golden();
         let (tables, graph) = (bundle.tables(), bundle.tables().graph());
         let mut found = 0;
@@ -101,13 +101,13 @@ mod tests {
                 let actions = graph.action_offsets[state] as usize..graph.action_offsets[state + 1] as usize;
                 let mut expected: Vec<_> =
                     actions.map(|a| (graph.action_segments[a], graph.action_errors[a].to_bits())).collect();
-                let mut got: Vec<_> = out.ways.iter().map(|w| (w.segment, w.error.to_bits())).collect();
+                let mut got: Vec<_> = out.actions.iter().map(|w| (w.segment, w.error.to_bits())).collect();
                 expected.sort_unstable();
                 got.sort_unstable();
                 assert_eq!(got, expected);
-                assert!(out.ways.iter().skip(1).is_sorted_by(|a, b| a.error <= b.error));
-                assert!(out.ways.iter().filter(|w| w.goes_on).all(|w| w.error == 0.0));
-                found += out.ways.len();
+                assert!(out.actions.iter().skip(1).is_sorted_by(|a, b| a.error <= b.error));
+                assert!(out.actions.iter().filter(|w| w.continues).all(|w| w.error == 0.0));
+                found += out.actions.len();
             }
         }
         assert!(found > 100, "{found}");

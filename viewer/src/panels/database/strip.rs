@@ -1,25 +1,27 @@
 //! Poses of a clip at regular intervals along an axis, as an onion skin.
 
 use super::figure::{Figure, Look};
-use crate::document::{Bundle, RawMotion};
-use crate::panels::paint::{Axis, Palette};
+use crate::bundle::OpenBundle;
+use crate::document::RawMotion;
+use crate::panels::paint::Axis;
+use crate::theme::Palette;
 use eframe::egui::{Rect, Stroke, Ui, pos2};
 use glam::{Quat, Vec3};
-use throng_runtime::troupe::SampleJob;
+use throng_runtime::characters::SampleJob;
 use throng_runtime::{Mat3x4, NUM_JOINTS, Planar, Skeleton};
 
 /// Least distance of two figures, as a share of the height of the strip.
 const DISTANCE: f32 = 0.42;
-/// Room below the ground, for contacts. [Unit: points]
+/// Room below the ground, for contacts (points).
 const BELOW: f32 = 7.0;
-/// A body fits where it is no higher than this. [Unit: m]
+/// A body fits where it is no higher than this (m).
 const LEAST_HEIGHT_M: f32 = 1.8;
 
 /// Where poses come from.
 #[derive(Clone, Copy, Debug)]
 pub enum Source<'a> {
     /// A clip of a bundle.
-    Bundle(&'a Bundle, usize),
+    Bundle(&'a OpenBundle, usize),
     /// What a build would make of a motion file.
     Raw(&'a RawMotion),
 }
@@ -106,14 +108,14 @@ impl Source<'_> {
     }
 }
 
-fn sample_bundle(bundle: &Bundle, clip: usize, frames: &[u32]) -> Option<Vec<Figure>> {
+fn sample_bundle(bundle: &OpenBundle, clip: usize, frames: &[u32]) -> Option<Vec<Figure>> {
     let tables = bundle.tables();
     let record = tables.clips().get(clip)?;
     let rows: Vec<u32> = frames.iter().map(|f| record.first_frame + f.min(&(record.num_frames - 1))).collect();
     let mut matrices = vec![Mat3x4::default(); rows.len() * NUM_JOINTS];
     let ratios = vec![0.0; rows.len()];
-    let repertoire = bundle.repertoire();
-    SampleJob { repertoire, frames: &rows, ratios: &ratios, matrices: &mut matrices }.run().ok()?;
+    let motion_set = bundle.motion_set();
+    SampleJob { motion_set, frames: &rows, ratios: &ratios, matrices: &mut matrices }.run().ok()?;
     let figures = rows.iter().zip(matrices.chunks(NUM_JOINTS));
     Some(figures.map(|(r, m)| Figure::new(tables.skeleton(), m, tables.contacts()[*r as usize])).collect())
 }
@@ -136,7 +138,7 @@ fn sample_raw(raw: &RawMotion, frames: &[u32]) -> Vec<Figure> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::panels::tests::{golden, mocap};
+    use crate::fixtures::{golden, mocap};
 
     #[test]
     fn steps_are_round_and_wide_enough() {

@@ -1,7 +1,8 @@
 //! The browser driven as a user would.
 
 use super::*;
-use crate::panels::tests::{Trial, click, golden_path, mocap, trial};
+use crate::fixtures::{golden_path, mocap};
+use crate::panels::tests::{Trial, click, trial};
 use eframe::egui::accesskit::Role;
 use eframe::egui::{Key, MouseWheelSource, Pos2, pos2, vec2};
 use egui_kittest::Harness;
@@ -121,17 +122,18 @@ fn the_wheel_zooms_about_the_pointer_and_fit_shows_all_again() {
 }
 
 #[test]
-fn a_way_out_leads_to_the_start_of_its_segment() {
+fn an_action_leads_to_the_start_of_its_segment() {
     let mut harness = browser();
     let bundle = harness.state().model.document.bundle().unwrap();
     let clip = harness.state().model.selection.clip;
     let track = Track::of_bundle(bundle, clip).unwrap();
     let out = Outgoing::of(bundle, clip, &track, 0).unwrap();
-    let way = *out.ways.last().unwrap();
-    let label = format!("Go to {} {}–{}", bundle.clip_name(way.clip), way.start, way.start + way.num_frames);
+    let action = *out.actions.last().unwrap();
+    let label =
+        format!("Go to {} {}–{}", bundle.clip_name(action.clip), action.start, action.start + action.num_frames);
     harness.get_by_label(&label).click();
     harness.run();
-    assert_eq!(harness.state().commands, [Command::ShowClip { clip: way.clip, frame: way.start }]);
+    assert_eq!(harness.state().commands, [Command::ShowClip { clip: action.clip, frame: action.start }]);
 }
 
 #[test]

@@ -4,12 +4,13 @@ use super::lanes::{self, Lanes};
 use super::outgoing::Outgoing;
 use super::strip::{Source, Strip};
 use super::track::{FEET, Track};
-use crate::panels::paint::{Axis, Palette, RULER_HEIGHT, Span, ruler};
+use crate::panels::paint::{Axis, RULER_HEIGHT, Span, ruler};
+use crate::theme::Palette;
 use eframe::egui::{
     CursorIcon, Id, PointerButton, Pos2, Rangef, Rect, Response, Role, Sense, Shape, Stroke, Ui, WidgetInfo, pos2, vec2,
 };
 
-/// Width of the labels left of the lanes. [Unit: points]
+/// Width of the labels left of the lanes (points).
 const GUTTER: f32 = 88.0;
 /// Zoom of a point of the scroll wheel, as an exponent.
 const ZOOM_PER_POINT: f32 = 0.004;
@@ -25,14 +26,14 @@ pub struct Scene<'a> {
     pub source: Source<'a>,
     /// Ways out of the play head.
     pub outgoing: Option<&'a Outgoing>,
-    /// Segment of a way to point out.
+    /// Segment of an action to highlight.
     pub highlighted: Option<u32>,
     /// Frame of the play head.
     pub head: u32,
 }
 
 impl Scene<'_> {
-    /// True where a clip of the bundle is the one that is shown.
+    /// True where a clip of the bundle is the one shown.
     pub fn stays(&self, clip: usize) -> bool {
         matches!(self.source, Source::Bundle(_, shown) if shown == clip)
     }
@@ -198,7 +199,7 @@ pub fn describe(track: &Track, frame: u32) -> Vec<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::panels::tests::golden;
+    use crate::fixtures::golden;
 
     #[test]
     fn a_frame_is_described_by_all_that_is_known_of_it() {

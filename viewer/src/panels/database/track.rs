@@ -1,7 +1,8 @@
 //! What a timeline shows of a clip: runs of frames and marks.
 
 use super::catalogue::{played_rows, states_within};
-use crate::document::{Bundle, RawMotion};
+use crate::bundle::OpenBundle;
+use crate::document::RawMotion;
 use std::ops::Range;
 use throng_runtime::Contacts;
 
@@ -44,9 +45,9 @@ pub struct Track {
     pub source: String,
     /// A copy with left and right exchanged.
     pub mirrored: bool,
-    /// Frames a second. [Unit: Hz]
+    /// Frames a second (Hz).
     pub rate_hz: f32,
-    /// Number of frames. [Limit: > 0]
+    /// Number of frames (> 0).
     pub num_frames: u32,
     /// Contacts of every frame.
     pub contacts: Vec<Contacts>,
@@ -56,7 +57,7 @@ pub struct Track {
     pub tags: Vec<Named>,
     /// What is left out and why.
     pub excluded: Vec<Named>,
-    /// What the motion graph plays; none where there is no graph.
+    /// What the motion graph plays; none if there is no graph.
     pub played: Option<Vec<Range<u32>>>,
     /// States, ascending by frame.
     pub states: Vec<StateMark>,
@@ -64,11 +65,11 @@ pub struct Track {
 
 impl Track {
     /// A clip of a bundle.
-    pub fn of_bundle(bundle: &Bundle, clip: usize) -> Option<Self> {
+    pub fn of_bundle(bundle: &OpenBundle, clip: usize) -> Option<Self> {
         let (record, meta) = bundle.clips().nth(clip)?;
         let rows = record.first_frame..record.first_frame + record.num_frames;
         let within = rows.start as usize..rows.end as usize;
-        let all_states = bundle.tables().graph().states;
+        let all_states = &bundle.tables().graph().states;
         let states = states_within(bundle, &rows);
         let played = played_rows(bundle);
         let contacts = bundle.tables().contacts()[within.clone()].to_vec();
@@ -113,7 +114,7 @@ impl Track {
         })
     }
 
-    /// Length. [Unit: s]
+    /// Length (s).
     pub fn duration_s(&self) -> f64 {
         f64::from(self.num_frames) / f64::from(self.rate_hz)
     }
@@ -172,7 +173,7 @@ fn in_lanes(runs: impl Iterator<Item = (String, Range<u32>)>, num_frames: u32) -
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::panels::tests::golden;
+    use crate::fixtures::golden;
 
     #[test]
     fn runs_are_the_longest_ones() {

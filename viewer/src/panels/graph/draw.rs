@@ -1,38 +1,38 @@
-//! Paints the graph: clips, segments, states, and the links of the states that are looked at.
+//! Paints the graph: clips, segments, states, and the links of the selected states.
 
 use super::layout::{Bar, Lane, Layout};
 use super::links::{Link, Links, outgoing};
 use super::view::Scale;
-use crate::document::Bundle;
-use crate::panels::paint::{Palette, viridis};
+use crate::bundle::OpenBundle;
+use crate::theme::{Palette, viridis};
 use eframe::egui::epaint::CubicBezierShape;
 use eframe::egui::text::{LayoutJob, TextFormat, TextWrapping};
 use eframe::egui::{Color32, FontId, Painter, Pos2, Rect, Shape, Stroke, Ui, Vec2, pos2};
 use throng_runtime::graph::MotionGraph;
 
-/// Lanes narrower than this have no name. [Unit: points]
+/// Lanes narrower than this have no name (points).
 const NAMED_FROM: f32 = 44.0;
-/// Distance from which a state can be pointed at. [Unit: points]
+/// Distance from which a state can be pointed at (points).
 const REACH: f32 = 7.0;
 
 /// What is painted.
 #[derive(Clone, Copy)]
 pub struct Drawing<'a> {
     /// The bundle.
-    pub bundle: &'a Bundle,
+    pub bundle: &'a OpenBundle,
     /// Places.
     pub layout: &'a Layout,
     /// Links.
     pub links: &'a Links,
     /// Places on the screen.
     pub scale: Scale,
-    /// State that is looked at.
+    /// Selected state.
     pub selected: Option<u32>,
     /// State under the pointer.
     pub hovered: Option<u32>,
     /// Segment that stands out, such as the one under the pointer in the list.
     pub marked: Option<u32>,
-    /// Segment that the selected character plays, and the time within it. [Unit: frames]
+    /// Segment that the selected character plays, and the time within it (frames).
     pub playing: Option<(u32, f32)>,
 }
 
@@ -45,13 +45,13 @@ impl Drawing<'_> {
             self.paint_lane(ui, painter, lane, !focused.is_empty());
         }
         for &state in &focused {
-            self.paint_played(ui, painter, &graph, state);
+            self.paint_played(ui, painter, graph, state);
         }
         for &state in &focused {
-            self.paint_links(ui, painter, &graph, state);
+            self.paint_links(ui, painter, graph, state);
         }
         self.paint_names(ui, painter);
-        self.paint_states(ui, painter, &graph);
+        self.paint_states(ui, painter, graph);
         self.paint_character(ui, painter);
     }
 
@@ -103,7 +103,7 @@ impl Drawing<'_> {
     }
 
     /// Segments that a state's actions play.
-    fn paint_played(&self, ui: &Ui, painter: &Painter, graph: &MotionGraph<'_>, state: u32) {
+    fn paint_played(&self, ui: &Ui, painter: &Painter, graph: &MotionGraph, state: u32) {
         for link in outgoing(graph, state) {
             let rect = self.rect(self.layout.bar(link.segment));
             if rect.intersects(self.scale.rect) {
@@ -112,7 +112,7 @@ impl Drawing<'_> {
         }
     }
 
-    fn paint_links(&self, ui: &Ui, painter: &Painter, graph: &MotionGraph<'_>, state: u32) {
+    fn paint_links(&self, ui: &Ui, painter: &Painter, graph: &MotionGraph, state: u32) {
         for link in self.links.leading_to(state) {
             self.paint_link(painter, link, Stroke::new(0.8, Palette::of(ui.visuals()).incoming.gamma_multiply(0.7)));
         }
@@ -144,7 +144,7 @@ impl Drawing<'_> {
         painter.circle_filled(to, stroke.width + 0.7, stroke.color);
     }
 
-    fn paint_states(&self, ui: &Ui, painter: &Painter, graph: &MotionGraph<'_>) {
+    fn paint_states(&self, ui: &Ui, painter: &Painter, graph: &MotionGraph) {
         let visuals = ui.visuals();
         let radius = (0.1 * self.scale.per_s()).clamp(1.2, 4.0);
         let (fill, edge) = (visuals.text_color(), visuals.panel_fill);

@@ -1,7 +1,7 @@
-//! The numbers of a motion graph, as 003 section 6 reports them.
+//! The numbers of a motion graph, as Lee and Lee (2004), section 6 reports them.
 
 use eframe::egui::{RichText, Ui};
-use throng_runtime::Tables;
+use throng_runtime::Bundle;
 
 /// The numbers of a motion graph.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -17,7 +17,7 @@ pub struct Facts {
 
 impl Facts {
     /// Counts what a bundle holds.
-    pub fn new(tables: &Tables) -> Self {
+    pub fn new(tables: &Bundle) -> Self {
         let graph = tables.graph();
         let counts = || graph.action_offsets.windows(2).map(|w| (w[1] - w[0]) as f32);
         let frames: u64 = graph.segments.iter().map(|s| u64::from(s.num_frames)).sum();

@@ -1,12 +1,12 @@
 //! Where clips, segments and states lie in the drawing: along time, clips packed into rows.
 
 use std::ops::Range;
-use throng_runtime::Tables;
+use throng_runtime::Bundle;
 use throng_runtime::graph::MotionSegment;
 
 /// Rows aimed at; a clip that is longer than its share makes them longer instead.
 const ROWS: std::ops::RangeInclusive<f32> = 3.0..=14.0;
-/// Motion that fills a row of its own. [Unit: s]
+/// Motion that fills a row of its own (s).
 const ROW_S: f32 = 45.0;
 /// Space between the clips of a row, of its length.
 const GAP: f32 = 0.012;
@@ -18,13 +18,13 @@ pub struct Lane {
     pub clip: usize,
     /// Row it lies in.
     pub row: usize,
-    /// Place of its first frame that takes part. [Unit: s]
+    /// Place of its first frame that takes part (s).
     pub start: f32,
-    /// Place of its last frame that takes part. [Unit: s]
+    /// Place of its last frame that takes part (s).
     pub end: f32,
     /// Frame row that lies at `start`.
     pub first_frame: u32,
-    /// Segments that overlap in time lie in different tracks. [Limit: >= 1]
+    /// Segments that overlap in time lie in different tracks (>= 1).
     pub num_tracks: u32,
     /// Its segments, in [`Layout::segments`].
     pub segments: Range<usize>,
@@ -39,9 +39,9 @@ pub struct Bar {
     pub lane: u32,
     /// Track within the lane.
     pub track: u32,
-    /// Where it starts. [Unit: s]
+    /// Where it starts (s).
     pub start: f32,
-    /// Where it ends. [Unit: s]
+    /// Where it ends (s).
     pub end: f32,
 }
 
@@ -50,22 +50,22 @@ pub struct Bar {
 pub struct Layout {
     /// Clips that take part, by row and then by place.
     pub lanes: Vec<Lane>,
-    /// Lanes of each row. [Size: number of rows]
+    /// Lanes of each row (number of rows).
     pub rows: Vec<Range<usize>>,
     /// Segments, by lane and then by start.
     pub segments: Vec<Bar>,
-    /// Place of each segment in `segments`. [Size: number of segments]
+    /// Place of each segment in `segments` (number of segments).
     pub bar_of: Vec<u32>,
-    /// Bar at whose end each state stands, if one ends in its frame. [Size: number of states]
+    /// Bar at whose end each state stands, if one ends in its frame (number of states).
     pub state_bars: Vec<Option<u32>>,
-    /// Length of the longest row. [Unit: s]
+    /// Length of the longest row (s).
     pub length_s: f32,
     rate_hz: f32,
 }
 
 impl Layout {
     /// Lays out the graph of a bundle.
-    pub fn new(tables: &Tables) -> Self {
+    pub fn new(tables: &Bundle) -> Self {
         let graph = tables.graph();
         let rate_hz = tables.meta().rate_hz as f32;
         let mut order: Vec<u32> = (0..graph.segments.len() as u32).collect();
@@ -75,7 +75,7 @@ impl Layout {
         });
         let mut layout = Self { rate_hz, ..Self::default() };
         for same in order.chunk_by(|&a, &b| graph.segments[a as usize].clip == graph.segments[b as usize].clip) {
-            layout.add_lane(graph.segments, same);
+            layout.add_lane(&graph.segments, same);
         }
         layout.pack();
         layout.bar_of = vec![0; graph.segments.len()];
@@ -144,12 +144,12 @@ impl Layout {
         }
     }
 
-    /// The bar that a segment is drawn as. [Limit: segment < number of segments]
+    /// The bar that a segment is drawn as (segment < number of segments).
     pub fn bar(&self, segment: u32) -> &Bar {
         &self.segments[self.bar_of[segment as usize] as usize]
     }
 
-    /// Place of a moment of a segment along its row. [Unit: frames from its start; s]
+    /// Place of a moment of a segment along its row (frames from its start; s).
     pub fn moment(&self, bar: &Bar, frames: f32) -> f32 {
         (bar.start + frames / self.rate_hz).min(bar.end)
     }
@@ -208,7 +208,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_seen_of_a_lane_is_found() {
+    fn visible_bars_of_a_lane_are_found() {
         let b = golden();
         let layout = Layout::new(b.tables());
         for lane in &layout.lanes {

@@ -1,4 +1,4 @@
-//! Who leads where: the actions that lead into a state, and how many play a segment.
+//! Links of the graph: the actions that lead into a state, and how many play a segment.
 
 use throng_runtime::graph::MotionGraph;
 
@@ -9,7 +9,7 @@ pub struct Link {
     pub from: u32,
     /// Segment it plays.
     pub segment: u32,
-    /// How much frames differ where it leaves its clip; 0 where the clip goes on. [Unit: rad]
+    /// How much frames differ where it leaves its clip; 0 where the clip goes on (rad).
     pub error: f32,
 }
 
@@ -18,21 +18,21 @@ pub struct Link {
 pub struct Links {
     offsets: Vec<u32>,
     incoming: Vec<Link>,
-    /// Actions that play each segment. [Size: number of segments]
+    /// Actions that play each segment (number of segments).
     pub plays: Vec<u32>,
     /// The largest of them.
     pub max_plays: u32,
-    /// The largest error of all actions. [Unit: rad]
+    /// The largest error of all actions (rad).
     pub max_error: f32,
 }
 
 impl Links {
     /// Goes through all actions of a graph.
-    pub fn new(graph: &MotionGraph<'_>) -> Self {
+    pub fn new(graph: &MotionGraph) -> Self {
         let num_states = graph.states.len();
         let mut offsets = vec![0; num_states + 1];
         let mut plays = vec![0; graph.segments.len()];
-        for &segment in graph.action_segments {
+        for &segment in &graph.action_segments {
             offsets[graph.segments[segment as usize].end as usize + 1] += 1;
             plays[segment as usize] += 1;
         }
@@ -53,15 +53,15 @@ impl Links {
         Self { offsets, incoming, plays, max_plays, max_error }
     }
 
-    /// Actions that lead into a state, by the state that may take them. [Limit: state < number of states]
+    /// Actions that lead into a state, by the state that may take them (state < number of states).
     pub fn leading_to(&self, state: u32) -> &[Link] {
         let s = state as usize;
         &self.incoming[self.offsets[s] as usize..self.offsets[s + 1] as usize]
     }
 }
 
-/// Actions of a state, in order. [Limit: state < number of states]
-pub fn outgoing(graph: &MotionGraph<'_>, from: u32) -> impl Iterator<Item = Link> {
+/// Actions of a state, in order (state < number of states).
+pub fn outgoing(graph: &MotionGraph, from: u32) -> impl Iterator<Item = Link> {
     let first = graph.action_offsets[from as usize] as usize;
     let errors = &graph.action_errors[first..];
     graph.segments_of(from).iter().zip(errors).map(move |(&segment, &error)| Link { from, segment, error })
@@ -76,12 +76,12 @@ mod tests {
     fn actions_into_a_state_are_those_that_a_search_finds() {
         let b = golden();
         let graph = b.tables().graph();
-        let links = Links::new(&graph);
+        let links = Links::new(graph);
         let mut total = 0;
         for to in 0..graph.states.len() as u32 {
             let leads = |l: &Link| graph.segments[l.segment as usize].end == to;
             let searched: Vec<Link> =
-                (0..graph.states.len() as u32).flat_map(|s| outgoing(&graph, s)).filter(leads).collect();
+                (0..graph.states.len() as u32).flat_map(|s| outgoing(graph, s)).filter(leads).collect();
             assert_eq!(links.leading_to(to), searched);
             total += searched.len();
         }

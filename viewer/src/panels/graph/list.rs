@@ -2,8 +2,8 @@
 
 use super::State;
 use super::links::{Link, outgoing};
+use crate::bundle::OpenBundle;
 use crate::command::Command;
-use crate::document::Bundle;
 use crate::model::Model;
 use crate::panels::paint::{Cell, Click, Column, Sort, Table, least_width};
 use crate::panels::words;
@@ -17,17 +17,17 @@ const COLUMNS: [Column<'static>; 5] = [
     Column::text("plays", "Clip and frames of the segment", 165.0, 1.0),
     Column::number("s", "Duration [s]", 44.0).spare(1),
     Column::text("leads", "Displacement and turn, as seen from the character", 200.0, 0.5).spare(2),
-    Column::number("error", "How much frames differ at the transition [rad]; 0 where the clip goes on", 56.0),
+    Column::number("error", "Difference of the frames at the transition [rad]; 0 if the clip continues", 56.0),
     Column::number("to", "State it leads to", 46.0).spare(3),
 ];
 
-/// Width of the list. [Unit: points]
+/// Width of the list (points).
 pub fn width() -> f32 {
     least_width(&COLUMNS) + 28.0
 }
 
 /// Shows the actions of a state; notes the segment under the pointer.
-pub fn show(ui: &mut Ui, model: &Model, bundle: &Bundle, state: u32, own: &mut State, commands: &mut Vec<Command>) {
+pub fn show(ui: &mut Ui, model: &Model, bundle: &OpenBundle, state: u32, own: &mut State, commands: &mut Vec<Command>) {
     let graph = bundle.tables().graph();
     let Some(record) = graph.states.get(state as usize) else { return };
     let clip = bundle.clip_of(record.frame);
@@ -69,7 +69,7 @@ pub fn show(ui: &mut Ui, model: &Model, bundle: &Bundle, state: u32, own: &mut S
     }
 }
 
-fn cell(bundle: &Bundle, link: &Link, column: usize) -> Cell {
+fn cell(bundle: &OpenBundle, link: &Link, column: usize) -> Cell {
     let segment = bundle.tables().graph().segments[link.segment as usize];
     match column {
         0 => Cell::new(bundle.describe_segment(link.segment)).ending(),
@@ -81,7 +81,7 @@ fn cell(bundle: &Bundle, link: &Link, column: usize) -> Cell {
 }
 
 /// Lets a character play a segment; without one, shows its motion.
-fn play(bundle: &Bundle, segment: u32, player: Option<usize>) -> Command {
+fn play(bundle: &OpenBundle, segment: u32, player: Option<usize>) -> Command {
     let record = bundle.tables().graph().segments[segment as usize];
     let first = bundle.tables().clips()[record.clip as usize].first_frame;
     match player {
@@ -91,7 +91,7 @@ fn play(bundle: &Bundle, segment: u32, player: Option<usize>) -> Command {
 }
 
 /// Says what there may be no room for in the row.
-fn tell(bundle: &Bundle, response: Response, link: &Link) {
+fn tell(bundle: &OpenBundle, response: Response, link: &Link) {
     let segment = bundle.tables().graph().segments[link.segment as usize];
     response.on_hover_ui(|ui| {
         ui.strong(bundle.describe_segment(link.segment));
@@ -102,9 +102,9 @@ fn tell(bundle: &Bundle, response: Response, link: &Link) {
 }
 
 /// A state's actions in the order asked for.
-fn sorted(bundle: &Bundle, state: u32, sort: Sort) -> Vec<Link> {
+fn sorted(bundle: &OpenBundle, state: u32, sort: Sort) -> Vec<Link> {
     let graph = bundle.tables().graph();
-    let mut links: Vec<Link> = outgoing(&graph, state).collect();
+    let mut links: Vec<Link> = outgoing(graph, state).collect();
     let of = |l: &Link| &graph.segments[l.segment as usize];
     let distance = |l: &Link| {
         let Planar { x, z, .. } = of(l).displacement();

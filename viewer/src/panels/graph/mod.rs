@@ -7,10 +7,11 @@ mod links;
 mod list;
 mod view;
 
+use crate::bundle::OpenBundle;
 use crate::command::Command;
-use crate::document::Bundle;
 use crate::model::Model;
-use crate::panels::paint::{Palette, Sort, legend, viridis};
+use crate::panels::paint::{Sort, legend};
+use crate::theme::{Palette, viridis};
 use draw::Drawing;
 use eframe::egui::{
     Align, CursorIcon, Layout as UiLayout, Rect, Response, RichText, Role, Sense, Ui, UiBuilder, Vec2, WidgetInfo,
@@ -20,7 +21,7 @@ use layout::Layout;
 use links::Links;
 use view::View;
 
-/// Motion shown around a clip that is searched. [Unit: s]
+/// Motion shown around a clip that is searched (s).
 const AROUND_S: f32 = 8.0;
 
 /// What is worked out of a bundle once.
@@ -33,7 +34,7 @@ struct Drawn {
     facts: Facts,
 }
 
-/// How the graph is looked at.
+/// View settings of the graph.
 #[derive(Clone, Debug)]
 pub struct State {
     drawn: Option<Drawn>,
@@ -93,18 +94,18 @@ pub fn show(ui: &mut Ui, model: &Model, state: &mut State, commands: &mut Vec<Co
 
 impl State {
     /// Works out what depends on the bundle alone.
-    fn prepare(&mut self, bundle: &Bundle, document: u64) {
+    fn prepare(&mut self, bundle: &OpenBundle, document: u64) {
         if self.drawn.as_ref().is_some_and(|d| d.document == document) {
             return;
         }
         let tables = bundle.tables();
-        let (layout, links, facts) = (Layout::new(tables), Links::new(&tables.graph()), Facts::new(tables));
+        let (layout, links, facts) = (Layout::new(tables), Links::new(tables.graph()), Facts::new(tables));
         self.drawn = Some(Drawn { document, layout, links, facts });
         self.view = View::default();
     }
 }
 
-fn show_header(ui: &mut Ui, bundle: &Bundle, state: &mut State) {
+fn show_header(ui: &mut Ui, bundle: &OpenBundle, state: &mut State) {
     let State { drawn, view, search, follow, rect, .. } = state;
     let Some(drawn) = drawn else { return };
     ui.horizontal_wrapped(|ui| {
@@ -132,7 +133,7 @@ fn show_header(ui: &mut Ui, bundle: &Bundle, state: &mut State) {
 }
 
 /// Place of the first clip that takes part and whose name holds a text.
-fn find(bundle: &Bundle, layout: &Layout, text: &str) -> Option<(usize, f32)> {
+fn find(bundle: &OpenBundle, layout: &Layout, text: &str) -> Option<(usize, f32)> {
     let text = text.trim().to_lowercase();
     let is_meant = |clip: usize| bundle.clip_name(clip).to_lowercase().contains(&text);
     let lane = layout.lanes.iter().find(|l| !text.is_empty() && is_meant(l.clip))?;
@@ -143,7 +144,7 @@ fn show_drawing(
     ui: &mut Ui,
     rect: Rect,
     model: &Model,
-    bundle: &Bundle,
+    bundle: &OpenBundle,
     state: &mut State,
     commands: &mut Vec<Command>,
 ) {
@@ -155,7 +156,7 @@ fn show_drawing(
     state.rect = rect;
     state.view.interact(ui, &drawn.layout, &response);
     let character = model.selection.character;
-    let playing = character.and_then(|c| Some(model.document.crowd()?.1.troupe().segment(c)));
+    let playing = character.and_then(|c| Some(model.document.crowd()?.1.characters().segment(c)));
     if let Some((segment, frames)) = playing.filter(|_| state.follow) {
         let bar = drawn.layout.bar(segment);
         let row = drawn.layout.lanes[bar.lane as usize].row;

@@ -1,8 +1,8 @@
 //! The panel, driven as a user does.
 
 use super::*;
-pub(super) use crate::panels::tests::golden;
-use crate::panels::tests::golden_path;
+pub(super) use crate::fixtures::golden;
+use crate::fixtures::golden_path;
 use crate::run::Input;
 use crate::settings::Settings;
 use eframe::egui::{Event, Modifiers, PointerButton, Pos2};
@@ -14,10 +14,11 @@ struct Panel {
     state: State,
     commands: Vec<Command>,
 }
+use throng_precompute::progress::Silent;
 
 fn panel(prepare: impl FnOnce(&mut Model)) -> Harness<'static, Panel> {
     let mut model = Model::new(Settings::default());
-    model.open_now(&golden_path()).unwrap();
+    model.open_now(&golden_path(), &Silent).unwrap();
     prepare(&mut model);
     let panel = Panel { model, state: State::default(), commands: Vec::new() };
     Harness::builder()
@@ -113,14 +114,14 @@ fn without_a_character_a_click_on_an_action_shows_its_motion() {
 }
 
 /// Segments of a state's actions, the cheapest first, as they are listed at first.
-fn outgoing_segments(bundle: &Bundle, state: u32) -> Vec<u32> {
-    let mut found: Vec<_> = links::outgoing(&bundle.tables().graph(), state).collect();
+fn outgoing_segments(bundle: &OpenBundle, state: u32) -> Vec<u32> {
+    let mut found: Vec<_> = links::outgoing(bundle.tables().graph(), state).collect();
     found.sort_by(|a, b| a.error.total_cmp(&b.error));
     found.iter().map(|l| l.segment).collect()
 }
 
 #[test]
-fn a_clip_that_is_searched_comes_into_sight() {
+fn a_searched_clip_scrolls_into_sight() {
     let bundle = golden();
     let layout = Layout::new(bundle.tables());
     let lane = layout.lanes.last().unwrap();

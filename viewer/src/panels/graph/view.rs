@@ -3,23 +3,23 @@
 use super::layout::{Bar, Lane, Layout};
 use eframe::egui::{Pos2, Rect, Response, Ui, Vec2};
 
-/// Least and largest height of a row. [Unit: points]
+/// Least and largest height of a row (points).
 const ROW_HEIGHT: [f32; 2] = [18.0, 64.0];
-/// Rows at least this high have names above their bars. [Unit: points]
+/// Rows at least this high have names above their bars (points).
 const NAMED_FROM: f32 = 30.0;
-/// Height of a name. [Unit: points]
+/// Height of a name (points).
 const NAME_HEIGHT: f32 = 14.0;
-/// Largest scale. [Unit: points/s]
+/// Largest scale (points/s).
 const MAX_SCALE: f32 = 800.0;
-/// Space around the drawing. [Unit: points]
+/// Space around the drawing (points).
 const MARGIN: f32 = 8.0;
 
 /// Which part of the drawing is seen.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct View {
-    /// How much larger than where all of it fits. [Limit: >= 1]
+    /// How much larger than where all of it fits (>= 1).
     zoom: f32,
-    /// What has been moved out of sight at the left and the top. [Unit: points]
+    /// What has been moved out of sight at the left and the top (points).
     offset: Vec2,
 }
 
@@ -109,7 +109,7 @@ impl Scale {
         self.origin.x + s * self.per_s
     }
 
-    /// Place along a row of a screen position. [Unit: s]
+    /// Place along a row of a screen position (s).
     pub fn seconds(&self, x: f32) -> f32 {
         (x - self.origin.x) / self.per_s
     }
@@ -131,7 +131,7 @@ impl Scale {
         (at(self.rect.top()) as usize).min(to)..to
     }
 
-    /// Places along rows that can be seen. [Unit: s]
+    /// Places along rows that can be seen (s).
     pub fn range_s(&self) -> [f32; 2] {
         [self.seconds(self.rect.left()), self.seconds(self.rect.right())]
     }
@@ -169,7 +169,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_under_the_pointer_stays_there_when_zooming() {
+    fn zooming_keeps_the_place_under_the_pointer() {
         let layout = Layout::new(golden().tables());
         let mut view = View::default();
         let point = Pos2::new(300.0, 120.0);

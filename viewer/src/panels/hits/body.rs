@@ -1,10 +1,10 @@
 //! A body for scale: the pose of a frame, as a silhouette.
 
 use super::view::Place;
-use crate::document::Bundle;
+use crate::bundle::OpenBundle;
 use eframe::egui::{Color32, Painter, Stroke};
 use glam::Vec3;
-use throng_runtime::troupe::SampleJob;
+use throng_runtime::characters::SampleJob;
 use throng_runtime::{Joint, Mat3x4, NUM_JOINTS};
 
 /// The pose of a frame, as seen from its planar root.
@@ -12,29 +12,29 @@ use throng_runtime::{Joint, Mat3x4, NUM_JOINTS};
 pub struct Body {
     /// Its frame row.
     pub row: u32,
-    /// [Unit: m]
+    /// (m)
     joints: [Vec3; NUM_JOINTS],
-    /// Top of the head, tips of the left and the right toe. [Unit: m]
+    /// Top of the head, tips of the left and the right toe (m).
     tips: [Vec3; 3],
 }
 
 impl Body {
-    /// The pose of a frame; none where there is no such frame.
-    pub fn of(bundle: &Bundle, row: u32) -> Option<Self> {
+    /// The pose of a frame; none if there is no such frame.
+    pub fn of(bundle: &OpenBundle, row: u32) -> Option<Self> {
         let mut matrices = [Mat3x4::default(); NUM_JOINTS];
-        let repertoire = bundle.repertoire();
-        SampleJob { repertoire, frames: &[row], ratios: &[0.0], matrices: &mut matrices }.run().ok()?;
+        let motion_set = bundle.motion_set();
+        SampleJob { motion_set, frames: &[row], ratios: &[0.0], matrices: &mut matrices }.run().ok()?;
         let ends = [Joint::Head, Joint::LeftToe, Joint::RightToe];
         let tip = |k: usize| matrices[ends[k].index()].to_mat4().transform_point3(bundle.tables().skeleton().tips[k]);
         Some(Self { row, joints: matrices.map(|m| m.translation()), tips: [tip(0), tip(1), tip(2)] })
     }
 
     /// A frame at which the character stands, where the motion graph knows one; otherwise the first of all.
-    pub fn standing_row(bundle: &Bundle) -> u32 {
+    pub fn standing_row(bundle: &OpenBundle) -> u32 {
         bundle.tables().graph().states.iter().find(|s| s.standing != 0).map_or(0, |s| s.frame)
     }
 
-    /// Where a joint is. [Unit: m]
+    /// Where a joint is (m).
     #[cfg(test)]
     pub fn joint(&self, joint: Joint) -> Vec3 {
         self.joints[joint.index()]

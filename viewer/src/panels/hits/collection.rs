@@ -1,6 +1,6 @@
-//! The effective hits of a bundle, and which of them are looked at.
+//! The effective hits of a bundle, and which of them are selected.
 
-use crate::document::Bundle;
+use crate::bundle::OpenBundle;
 use crate::panels::paint::Sort;
 use glam::Vec3;
 use std::cmp::Ordering;
@@ -47,27 +47,27 @@ pub struct Entry {
     pub joint: Joint,
     /// Speed over that of the fastest of its kind.
     pub force: f32,
-    /// [Unit: m/s]
+    /// (m/s)
     pub speed_mps: f32,
-    /// As seen from the planar root: left, up, ahead. [Unit: m]
+    /// As seen from the planar root: left, up, ahead (m).
     pub position: Vec3,
     /// Of unit length.
     pub direction: Vec3,
 }
 
 impl Entry {
-    /// Angle from straight ahead to the left. [Unit: rad]
+    /// Angle from straight ahead to the left (rad).
     pub fn angle(&self) -> f32 {
         self.position.x.atan2(self.position.z)
     }
 
-    /// Distance over ground. [Unit: m]
+    /// Distance over ground (m).
     pub fn distance(&self) -> f32 {
         self.position.x.hypot(self.position.z)
     }
 }
 
-/// Which hits are looked at.
+/// Which hits are selected.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Filter {
     /// Only of this kind.
@@ -77,7 +77,7 @@ pub struct Filter {
 }
 
 impl Filter {
-    /// True for a hit that is looked at.
+    /// True for a selected hit.
     pub fn admits(&self, e: &Entry) -> bool {
         self.kind.is_none_or(|k| k == e.kind) && self.joint.is_none_or(|j| j == e.joint)
     }
@@ -86,11 +86,11 @@ impl Filter {
 /// Least and greatest angle, distance and height, as the paper reports them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ranges {
-    /// [Unit: rad]
+    /// (rad)
     pub angle: [f32; 2],
-    /// [Unit: m]
+    /// (m)
     pub distance: [f32; 2],
-    /// [Unit: m]
+    /// (m)
     pub height: [f32; 2],
     /// Share of the fastest hit's speed.
     pub force: [f32; 2],
@@ -107,7 +107,7 @@ pub struct Collection {
 
 impl Collection {
     /// Collects them.
-    pub fn of(bundle: &Bundle) -> Self {
+    pub fn of(bundle: &OpenBundle) -> Self {
         let tables = bundle.tables();
         let entry = |h: &throng_runtime::HitRecord| {
             let clip = bundle.clip_of(h.frame);
@@ -142,7 +142,7 @@ impl Collection {
         self.entries.iter().map(|e| e.joint).collect()
     }
 
-    /// Numbers of the hits that are looked at, in the order asked for.
+    /// Numbers of the selected hits, in the order asked for.
     pub fn select(&self, filter: Filter, sort: Sort) -> Vec<usize> {
         let mut out: Vec<usize> = (0..self.entries.len()).filter(|&i| filter.admits(&self.entries[i])).collect();
         if let Some(field) = Field::ALL.get(sort.column) {
@@ -154,7 +154,7 @@ impl Collection {
         out
     }
 
-    /// Ranges over some of the hits; none where there are none.
+    /// Ranges over some of the hits; none if there are none.
     pub fn ranges(&self, of: &[usize]) -> Option<Ranges> {
         let bounds = |value: fn(&Entry) -> f32| {
             let grow = |[low, high]: [f32; 2], v: f32| [low.min(v), high.max(v)];
@@ -217,7 +217,7 @@ mod tests {
     }
 
     #[test]
-    fn only_hits_of_the_kind_and_the_limb_are_looked_at() {
+    fn only_hits_of_the_chosen_kind_and_limb_are_shown() {
         let c = collection();
         let found = |kind, joint| c.select(Filter { kind, joint }, Sort::NONE);
         assert_eq!(found(None, None), [0, 1, 2]);
@@ -240,7 +240,7 @@ mod tests {
     }
 
     #[test]
-    fn ranges_are_those_of_the_hits_that_are_looked_at() {
+    fn ranges_are_those_of_the_selected_hits() {
         let c = collection();
         let r = c.ranges(&[0, 1]).unwrap();
         assert!((r.angle[0] - 0.0).abs() < 1e-6 && (r.angle[1] - 0.3f32.atan2(0.4)).abs() < 1e-6, "{r:?}");

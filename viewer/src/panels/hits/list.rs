@@ -1,7 +1,7 @@
 //! The hits as a list.
 
 use super::collection::{Collection, Entry, Field, joint_name};
-use crate::document::Bundle;
+use crate::bundle::OpenBundle;
 use crate::panels::paint::{Cell, Click, Column, Sort, Table};
 use eframe::egui::Ui;
 
@@ -23,12 +23,12 @@ pub struct Listed {
     pub hovered: Option<usize>,
 }
 
-/// Shows the hits that are looked at.
+/// Shows the selected hits.
 ///
 /// - `selected`: number of the hit that stands out; `scrolls` brings it into sight.
 pub fn show(
     ui: &mut Ui,
-    (bundle, hits): (&Bundle, &Collection),
+    (bundle, hits): (&OpenBundle, &Collection),
     shown: &[usize],
     sort: &mut Sort,
     (selected, scrolls): (Option<usize>, bool),
@@ -46,7 +46,7 @@ pub fn show(
     Listed { chosen: response.chosen.and_then(of_row), hovered: response.hovered.and_then(|(row, _)| of_row(row)) }
 }
 
-fn cell(bundle: &Bundle, hits: &Collection, e: &Entry, field: Field) -> Cell {
+fn cell(bundle: &OpenBundle, hits: &Collection, e: &Entry, field: Field) -> Cell {
     match field {
         Field::Moment => Cell::new(moment(bundle, e)).ending(),
         Field::Kind => Cell::new(hits.kind(e.kind)),
@@ -59,6 +59,6 @@ fn cell(bundle: &Bundle, hits: &Collection, e: &Entry, field: Field) -> Cell {
 }
 
 /// Clip and time of a hit.
-pub fn moment(bundle: &Bundle, e: &Entry) -> String {
+pub fn moment(bundle: &OpenBundle, e: &Entry) -> String {
     format!("{} {:.2} s", bundle.clip_name(e.clip), e.frame as f32 / bundle.rate_hz())
 }

@@ -1,4 +1,4 @@
-//! Effective hits: where blows land, seen from three sides (003 figure 4).
+//! Effective hits: where blows land, seen from three sides (Lee and Lee 2004, figure 4).
 
 mod body;
 mod collection;
@@ -7,11 +7,12 @@ mod outline;
 mod plot;
 mod view;
 
-use super::paint::{Palette, Sort, empty, legend, no_bundle, viridis};
+use super::paint::{Sort, empty, legend, no_bundle};
 use super::words;
+use crate::bundle::OpenBundle;
 use crate::command::Command;
-use crate::document::Bundle;
 use crate::model::Model;
+use crate::theme::{Palette, viridis};
 use crate::volume::Volume;
 use body::Body;
 use collection::{Collection, Entry, Filter, Ranges, joint_name};
@@ -24,7 +25,7 @@ use throng_runtime::Joint;
 use throng_runtime::policy::PolicyTable;
 use view::{Bounds, Place};
 
-/// Width from which on the list lies beside the views. [Unit: points]
+/// Width from which on the list lies beside the views (points).
 const WIDE: f32 = 700.0;
 
 /// What the colours of hits tell.
@@ -67,7 +68,7 @@ struct Key {
 /// What every view shows.
 struct Scene<'a> {
     body: Option<&'a Body>,
-    outlined: Option<&'a PolicyTable<'a>>,
+    outlined: Option<&'a PolicyTable>,
 }
 
 /// Shows the panel.
@@ -98,7 +99,7 @@ const NO_HITS: &str = "A hit is where a fist or foot moves fast along its limb. 
 fn show_hits(
     ui: &mut Ui,
     model: &Model,
-    bundle: &Bundle,
+    bundle: &OpenBundle,
     hits: &Collection,
     state: &mut State,
     commands: &mut Vec<Command>,
@@ -135,7 +136,7 @@ fn show_hits(
     }
 }
 
-fn options(ui: &mut Ui, bundle: &Bundle, hits: &Collection, state: &mut State, ranges: Option<Ranges>) {
+fn options(ui: &mut Ui, bundle: &OpenBundle, hits: &Collection, state: &mut State, ranges: Option<Ranges>) {
     ui.horizontal_wrapped(|ui| {
         let kind = state.filter.kind.map_or("all kinds", |k| hits.kind(k));
         let combo = ComboBox::from_id_salt("kind").selected_text(kind).width(84.0).show_ui(ui, |ui| {
@@ -173,16 +174,20 @@ fn options(ui: &mut Ui, bundle: &Bundle, hits: &Collection, state: &mut State, r
 }
 
 /// Behaviours that have a volume to be drawn.
-fn volumes(bundle: &Bundle) -> impl Iterator<Item = (usize, &PolicyTable<'_>)> {
-    let policies = (0..bundle.tables().num_policies()).filter_map(|p| Some((p, bundle.repertoire().policy(p)?)));
-    policies.filter(|(_, p)| !p.grid().is_polar() || Volume::of_region(p.region()).is_some())
+fn volumes(bundle: &OpenBundle) -> impl Iterator<Item = (usize, &PolicyTable)> {
+    bundle
+        .tables()
+        .policies()
+        .iter()
+        .enumerate()
+        .filter(|(_, p)| !p.grid().is_polar() || Volume::of_region(p.region()).is_some())
 }
 
-fn outlined(bundle: &Bundle, state: &State) -> Option<usize> {
+fn outlined(bundle: &OpenBundle, state: &State) -> Option<usize> {
     state.outlined.unwrap_or_else(|| volumes(bundle).find(|v| !v.1.grid().is_polar()).map(|v| v.0))
 }
 
-fn outline_choice(ui: &mut Ui, bundle: &Bundle, state: &mut State) {
+fn outline_choice(ui: &mut Ui, bundle: &OpenBundle, state: &mut State) {
     if volumes(bundle).next().is_none() {
         return;
     }
@@ -219,13 +224,13 @@ fn summary(ui: &mut Ui, hits: &Collection, shown: &[usize], ranges: Option<Range
 fn views(
     ui: &mut Ui,
     model: &Model,
-    (bundle, hits): (&Bundle, &Collection),
+    (bundle, hits): (&OpenBundle, &Collection),
     shown: &[usize],
     state: &mut State,
     standing_out: Option<usize>,
 ) -> Option<usize> {
     let (rect, _) = ui.allocate_exact_size(ui.available_size(), Sense::hover());
-    let outlined = outlined(bundle, state).and_then(|p| bundle.repertoire().policy(p));
+    let outlined = outlined(bundle, state).and_then(|p| bundle.motion_set().policy(p));
     let edges = outlined.into_iter().flat_map(edges);
     let seen = hits.entries.iter().map(|e| e.position).chain(edges).collect::<Vec<_>>();
     let bounds = Bounds::around(seen.iter().copied(), state.whole_body);
@@ -271,8 +276,8 @@ fn views(
     clicked
 }
 
-/// Places on the edge of what is drawn of a behaviour. [Unit: m]
-fn edges(policy: &PolicyTable<'_>) -> Vec<Vec3> {
+/// Places on the edge of what is drawn of a behaviour (m).
+fn edges(policy: &PolicyTable) -> Vec<Vec3> {
     let of_grid = (!policy.grid().is_polar()).then(|| Volume::of_grid(policy));
     let volumes = of_grid.into_iter().chain(Volume::of_region(policy.region()));
     let of_volume = |v: Volume| {
@@ -292,7 +297,7 @@ fn sensed(ui: &Ui, place: &Place) -> Response {
 }
 
 /// Says what is known of a hit.
-fn tell(response: Response, bundle: &Bundle, hits: &Collection, e: &Entry) {
+fn tell(response: Response, bundle: &OpenBundle, hits: &Collection, e: &Entry) {
     response.on_hover_ui_at_pointer(|ui| {
         ui.label(RichText::new(format!("{}, {}", hits.kind(e.kind), joint_name(e.joint))).strong());
         ui.label(format!("force {:.2}, {:.1} m/s", e.force, e.speed_mps));

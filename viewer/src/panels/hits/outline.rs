@@ -25,7 +25,7 @@ pub fn paint(painter: &Painter, place: &Place, volume: &Volume, colour: Color32)
 }
 
 /// Paints the cells of a grid as a view sees them: rings and rays from above, heights from the sides.
-pub fn paint_cells(painter: &Painter, place: &Place, policy: &PolicyTable<'_>, colour: Color32) {
+pub fn paint_cells(painter: &Painter, place: &Place, policy: &PolicyTable, colour: Color32) {
     let (volume, r) = (Volume::of_grid(policy), policy.grid().record());
     let stroke = Stroke::new(0.7, colour);
     if place.view == View::Top {

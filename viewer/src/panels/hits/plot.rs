@@ -10,11 +10,11 @@ use glam::{Vec2, Vec3};
 use std::f32::consts::TAU;
 use std::ops::RangeInclusive;
 
-/// Radius of a hit. [Unit: points]
+/// Radius of a hit (points).
 const DOT: f32 = 2.6;
-/// A hit is pointed at within this distance. [Unit: points]
+/// A hit is pointed at within this distance (points).
 const NEAR: f32 = 9.0;
-/// Length of the arrow that shows which way a blow goes. [Unit: m]
+/// Length of the arrow that shows which way a blow goes (m).
 const ARROW_M: f32 = 0.22;
 
 /// Paints everything but what is pointed at.

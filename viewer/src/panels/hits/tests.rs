@@ -1,8 +1,9 @@
 //! The panel, driven as a user does.
 
 use super::*;
-use crate::panels::tests::boxing::Boxing;
-use crate::panels::tests::{Trial, click, golden_path, trial};
+use crate::fixtures::boxing::Boxing;
+use crate::fixtures::golden_path;
+use crate::panels::tests::{Trial, click, trial};
 use eframe::egui::vec2;
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
@@ -44,7 +45,7 @@ fn a_click_on_a_hit_in_any_view_shows_its_clip_at_its_frame() {
 #[test]
 fn the_fist_of_the_body_is_where_the_hit_is() {
     let boxing = Boxing::new();
-    let bundle = Bundle::open(&boxing.bundle()).unwrap();
+    let bundle = OpenBundle::open(&boxing.bundle()).unwrap();
     let hits = Collection::of(&bundle);
     for e in &hits.entries {
         let body = Body::of(&bundle, e.row).unwrap();
@@ -55,7 +56,7 @@ fn the_fist_of_the_body_is_where_the_hit_is() {
 }
 
 #[test]
-fn only_what_is_looked_at_is_counted_and_listed() {
+fn only_the_selected_patch_is_counted_and_listed() {
     let boxing = Boxing::new();
     let mut h = panel(&boxing);
     let all = h.state().state.hits.as_ref().unwrap().1.entries.len();

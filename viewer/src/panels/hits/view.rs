@@ -3,11 +3,11 @@
 use eframe::egui::{Pos2, Rect, pos2, vec2};
 use glam::{Vec2, Vec3};
 
-/// Room for the numbers at the left of a view, below it, and for its title above it. [Unit: points]
+/// Room for the numbers at the left of a view, below it, and for its title above it (points).
 const LEFT: f32 = 34.0;
 const BELOW: f32 = 17.0;
 const ABOVE: f32 = 17.0;
-/// Space between views. [Unit: points]
+/// Space between views (points).
 const GAP: f32 = 8.0;
 
 /// From where the hits are seen.
@@ -43,7 +43,7 @@ impl View {
         }
     }
 
-    /// A place as it is seen: to the right and up. [Unit: m]
+    /// A place as it is seen: to the right and up (m).
     pub fn flat(self, p: Vec3) -> Vec2 {
         match self {
             Self::Front => Vec2::new(p.x, p.y),
@@ -52,14 +52,14 @@ impl View {
         }
     }
 
-    /// The coordinate of the body's frame that a place along the horizontal axis stands for. [Unit: m]
+    /// The coordinate of the body's frame that a place along the horizontal axis stands for (m).
     pub fn across(self, right: f32) -> f32 {
         // Adding 0 makes the place of the root +0, not -0.
         if self == Self::Top { 0.0 - right } else { right }
     }
 }
 
-/// A box around all that is to be seen, as seen from the planar root. [Unit: m]
+/// A box around all that is to be seen, as seen from the planar root (m).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bounds {
     /// Least left, up, ahead.
@@ -125,18 +125,18 @@ impl Place {
         self.screen_of(self.view.flat(p))
     }
 
-    /// Screen position of a place in the plane that is seen. [Unit: m]
+    /// Screen position of a place in the plane that is seen (m).
     pub fn screen_of(&self, flat: Vec2) -> Pos2 {
         self.origin + vec2(flat.x, -flat.y) * self.per_m
     }
 
-    /// Place in the plane that is seen. [Unit: m]
+    /// Place in the plane that is seen (m).
     pub fn flat_at(&self, p: Pos2) -> Vec2 {
         let d = (p - self.origin) / self.per_m;
         Vec2::new(d.x, -d.y)
     }
 
-    /// Distance of neighbouring ticks: the smallest of 0.1, 0.2, 0.5, 1, 2 m whose labels do not touch. [Unit: m]
+    /// Distance of neighbouring ticks: the smallest of 0.1, 0.2, 0.5, 1, 2 m whose labels do not touch (m).
     pub fn tick_m(&self) -> f32 {
         [0.1, 0.2, 0.5, 1.0].into_iter().find(|t| t * self.per_m >= 30.0).unwrap_or(2.0)
     }

@@ -3,12 +3,12 @@
 use eframe::egui::Rangef;
 use std::ops::Range;
 
-/// Fewest frames that a view may show. [Unit: frames]
+/// Fewest frames that a view may show (frames).
 const FEWEST: f32 = 8.0;
 
 /// The part of a clip that a view shows, from the left edge to the right one. A frame is as wide as the time to the
 /// next and its instant lies in its middle, so that a whole clip of n frames goes from -0.5 to n - 0.5.
-/// [Unit: frames]
+/// (frames)
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Span {
     /// At the left edge.
@@ -78,21 +78,21 @@ impl Span {
 pub struct Axis {
     /// The frames that are seen.
     pub span: Span,
-    /// Where they are seen. [Unit: points]
+    /// Where they are seen (points).
     pub x: Rangef,
-    /// Frames a second. [Unit: Hz]
+    /// Frames a second (Hz).
     pub rate_hz: f32,
     /// Frames of the clip.
     pub num_frames: u32,
 }
 
 impl Axis {
-    /// Place of an instant. [Unit: points]
+    /// Place of an instant (points).
     pub fn x_of(&self, frame: f32) -> f32 {
         self.x.min + (frame - self.span.from) * self.points_per_frame()
     }
 
-    /// Instant at a place. [Unit: frames]
+    /// Instant at a place (frames).
     pub fn instant_at(&self, x: f32) -> f32 {
         self.span.from + (x - self.x.min) / self.points_per_frame()
     }
@@ -102,12 +102,12 @@ impl Axis {
         (self.instant_at(x).round().max(0.0) as u32).min(self.num_frames.saturating_sub(1))
     }
 
-    /// Width of a frame. [Unit: points]
+    /// Width of a frame (points).
     pub fn points_per_frame(&self) -> f32 {
         self.x.span() / self.span.len()
     }
 
-    /// Where a run of frames is seen; none where it is out of sight.
+    /// Where a run of frames is seen; none if it is out of sight.
     pub fn place(&self, run: &Range<u32>) -> Option<Rangef> {
         let (from, to) = (self.x_of(run.start as f32 - 0.5), self.x_of(run.end as f32 - 0.5));
         let seen = Rangef::new(from.max(self.x.min), to.min(self.x.max));

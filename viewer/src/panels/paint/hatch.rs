@@ -2,7 +2,7 @@
 
 use eframe::egui::{Painter, Rect, Stroke, pos2};
 
-/// Distance of two lines. [Unit: points]
+/// Distance of two lines (points).
 const DISTANCE: f32 = 6.0;
 
 /// Hatches a rectangle with lines that rise to the right and are continued by those of its neighbours.

@@ -1,18 +1,14 @@
-//! Small painters that panels share: a time axis with its ruler, colours that work on dark and light, tables of many
-//! rows.
+//! Small painters that panels share: a time axis with its ruler, legends, tables of many rows.
 
 mod axis;
 mod hatch;
 mod legend;
-mod palette;
 mod ruler;
 mod table;
-pub mod viridis;
 
 pub use axis::{Axis, Span};
 pub use hatch::hatch;
 pub use legend::legend;
-pub use palette::Palette;
 pub use ruler::{RULER_HEIGHT, ruler};
 pub use table::{Cell, Click, Column, Sort, Table, TableResponse, least_width};
 
@@ -34,6 +30,7 @@ pub fn no_bundle(ui: &mut Ui, document: &Document) {
         Document::CrowdScene(_) => {
             empty(ui, "This is a scene of a crowd", "It has no bundle. The panel Crowd (F10) shows it.")
         }
+        Document::Scene(_) => empty(ui, "This scene has no bundle", "The panel Control (F1) shows its groups."),
         _ => nothing_open(ui),
     }
 }
@@ -43,7 +40,7 @@ pub fn nothing_open(ui: &mut Ui) {
     empty(ui, "Nothing is open", "Open a bundle or a motion file: drop it here or use File > Open.");
 }
 
-/// A length of time as people read it, such as `3.20 s` or `2:05 min`. [Unit: s]
+/// A length of time as people read it, such as `3.20 s` or `2:05 min` (s).
 pub fn time_text(seconds: f64) -> String {
     if seconds < 60.0 {
         format!("{seconds:.2} s")

@@ -3,14 +3,14 @@
 use super::Axis;
 use eframe::egui::{Align2, FontId, Rect, Stroke, Ui, Visuals};
 
-/// Height of a ruler. [Unit: points]
+/// Height of a ruler (points).
 pub const RULER_HEIGHT: f32 = 20.0;
-/// Least distance of two labels. [Unit: points]
+/// Least distance of two labels (points).
 const LABEL_DISTANCE: f32 = 72.0;
-/// Least distance of two ticks. [Unit: points]
+/// Least distance of two ticks (points).
 const TICK_DISTANCE: f32 = 7.0;
 
-/// Labels stand so far beside their ticks, clear of a play head there. [Unit: points]
+/// Labels stand so far beside their ticks, clear of a play head there (points).
 const BESIDE: f32 = 8.0;
 
 /// Paints a ruler in seconds; where frames are wide enough, they have ticks of their own.
@@ -50,7 +50,7 @@ fn ticks(axis: &Axis, step_s: f64, mut tick: impl FnMut(f32, f64)) {
     }
 }
 
-/// The smallest of 1, 2 and 5 times a power of ten that is not below `least`. [Unit: s]
+/// The smallest of 1, 2 and 5 times a power of ten that is not below `least` (s).
 fn nice_step(least: f32) -> f64 {
     let least = f64::from(least.clamp(1e-3, 1e6));
     let power = 10f64.powf(least.log10().floor());

@@ -1,17 +1,16 @@
-//! The selected inhabitant: what it is about, the way that is planned for it, and what it is told to do.
+//! The selected inhabitant: what it is doing, its planned path, and its orders.
 
 use super::State;
-use crate::command::Command;
+use crate::command::{Command, WorldCommand};
 use crate::document::WorldDocument;
 use crate::model::Model;
-use crate::model::world::WorldCommand;
 use crate::panels::words;
 use crate::stage::world::{KINDS, colour_of};
 use eframe::egui::text::LayoutJob;
 use eframe::egui::{Align, Color32, DragValue, FontSelection, Grid, Label, RichText, Ui};
 use throng_runtime::world::inhabitants::{Doing, Wish};
 
-/// How long somebody does something, unless it is told otherwise. [Unit: s]
+/// Default duration of an action (s).
 const PERFORM_S: f32 = 10.0;
 
 /// Shows the character that is selected.
@@ -33,7 +32,7 @@ pub fn show(ui: &mut Ui, model: &Model, world: &WorldDocument, state: &mut State
         if ui.add(DragValue::new(&mut number).range(0..=run.num_characters() - 1)).changed() {
             commands.push(Command::SelectCharacter(Some(number)));
         }
-        ui.weak(if run.told(c).is_some() { "does as it was told" } else { "does as it wishes" });
+        ui.weak(if run.told(c).is_some() { "follows its order" } else { "decides for itself" });
     });
     status(ui, world, c);
     tell(ui, world, c, state, commands);
@@ -45,7 +44,7 @@ fn population(ui: &mut Ui, world: &WorldDocument, state: &mut State, commands: &
         let mut n = state.characters.unwrap_or(run.num_characters());
         let field = DragValue::new(&mut n).range(1..=20_000).update_while_editing(false);
         let field = ui.add_enabled(world.working().is_none(), field);
-        field.clone().on_hover_text("As many as there is room for, each on units of its own; starts anew");
+        field.clone().on_hover_text("As many as there is room for, each on units of its own; restarts the world");
         state.characters = field.dragged().then_some(n);
         if !field.dragged() && n != run.num_characters() {
             let seed = scene.seed;
@@ -56,7 +55,7 @@ fn population(ui: &mut Ui, world: &WorldDocument, state: &mut State, commands: &
         let waiting = minds.iter().filter(|m| m.doing == Doing::Waiting).count();
         let done: u32 = minds.iter().map(|m| m.num_fulfilled).sum();
         let tip = format!("The last step of all of them took {:.2} ms", 1e3 * run.step_s());
-        ui.weak(format!("{waiting} wait · {done} wishes fulfilled")).on_hover_text(tip);
+        ui.weak(format!("{waiting} wait · {done} orders done")).on_hover_text(tip);
     });
     ui.horizontal_wrapped(|ui| {
         ui.spacing_mut().item_spacing.x = 8.0;
@@ -90,8 +89,8 @@ fn status(ui: &mut Ui, world: &WorldDocument, c: usize) {
         row("is to", words::wish(mind.wish, tags));
         row("now", words::doing(&mind));
         row("patch", format!("{} ({})", world.patch_name(mind.node.instance), mind.node.instance));
-        if !run.is_live() {
-            row("way", "known in the present alone".into());
+        if !run.reel.head.is_live() {
+            row("way", "known at the last step only".into());
             return;
         }
         let rate = world.bundle().rate_hz();
@@ -106,7 +105,7 @@ fn status(ui: &mut Ui, world: &WorldDocument, c: usize) {
                     inhabitants.path(c).len()
                 ),
             ),
-            None => row("way", "none is planned".into()),
+            None => row("way", "no path is planned".into()),
         }
         if let Some(p) = inhabitants.plan(c) {
             row("planning", format!("opened {} instances, {} nodes", p.opened_instances, p.opened_nodes));
@@ -119,7 +118,7 @@ fn status(ui: &mut Ui, world: &WorldDocument, c: usize) {
             let others = wanted.filter_map(|&u| Some((u, inhabitants.holder(u).filter(|&h| h as usize != c)?)));
             let text: Vec<String> =
                 others.map(|(u, holder)| format!("{} {u}, which {holder} holds", name(u))).collect();
-            row("waits for", if text.is_empty() { "units further on".into() } else { text.join("; ") });
+            row("waits for", if text.is_empty() { "units farther along its path".into() } else { text.join("; ") });
         }
     });
 }
@@ -127,10 +126,10 @@ fn status(ui: &mut Ui, world: &WorldDocument, c: usize) {
 fn tell(ui: &mut Ui, world: &WorldDocument, c: usize, state: &mut State, commands: &mut Vec<Command>) {
     let mut told = |wish| commands.push(Command::World(WorldCommand::Tell { character: c, wish }));
     ui.horizontal_wrapped(|ui| {
-        if ui.button("Roam").on_hover_text("Wander about until told otherwise").clicked() {
+        if ui.button("Roam").on_hover_text("Wander about until it gets another order").clicked() {
             told(Some(Wish::Roam));
         }
-        let tip = "It wishes by itself again, as the scene says";
+        let tip = "It decides for itself again, as the scene says";
         if world.run().told(c).is_some() && ui.button("Let go").on_hover_text(tip).clicked() {
             told(None);
         }

@@ -1,11 +1,10 @@
 //! Units of a world: one that is created, the selected one, the last edit, and the file to save to.
 
 use super::State;
-use crate::command::Command;
+use crate::command::{Command, Tool, WorldCommand};
 use crate::document::WorldDocument;
 use crate::document::world::Change;
 use crate::model::Model;
-use crate::model::world::{Tool, WorldCommand};
 use eframe::egui::{Button, ComboBox, DragValue, TextEdit, Ui};
 use std::path::{Path, PathBuf};
 use throng_runtime::patch::Placement;

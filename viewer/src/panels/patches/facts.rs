@@ -1,9 +1,8 @@
 //! What there is to say of an instance of a patch.
 
-use crate::command::Command;
+use crate::command::{Command, WorldCommand};
 use crate::document::WorldDocument;
 use crate::model::Model;
-use crate::model::world::WorldCommand;
 use crate::stage::world::{DISABLED, ENABLED};
 use eframe::egui::{Color32, ComboBox, Grid, Label, Ui};
 use throng_precompute::stitch::{Item, Reason};
@@ -20,14 +19,14 @@ pub struct Facts {
     pub exits: [usize; 2],
     /// Places to stay that are left, and all.
     pub rests: [usize; 2],
-    /// Why each link is taken out; none where it is left.
+    /// Why each link is taken out; none if it is left.
     pub links: Vec<Option<Reason>>,
     /// Instances that it has joints with.
     pub neighbours: usize,
 }
 
 impl Facts {
-    /// Counts cells and links of an instance. [Limit: instance < number of instances]
+    /// Counts cells and links of an instance (instance < number of instances).
     pub fn of(world: &WorldDocument, instance: u32) -> Self {
         let graph = world.graph();
         let mut facts = Self { neighbours: graph.instance(instance).num_adjacencies as usize, ..Self::default() };

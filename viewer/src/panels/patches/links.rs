@@ -1,21 +1,20 @@
 //! The links of an instance that are taken out, as a list.
 
 use super::facts::{Facts, words};
-use crate::command::Command;
+use crate::command::{Command, WorldCommand};
 use crate::document::WorldDocument;
 use crate::model::Model;
-use crate::model::world::WorldCommand;
 use crate::panels::paint::{Cell, Click, Column, Table};
 use eframe::egui::{CollapsingHeader, Ui, vec2};
 use throng_runtime::patch::LinkRecord;
 
 const COLUMNS: [Column<'static>; 4] = [
     Column::number("link", "Number within the patch", 44.0),
-    Column::text("clip and time", "Motion that it plays", 110.0, 1.0),
-    Column::number("frames", "Frames that it plays", 48.0),
-    Column::text("taken out", "In a word; a click shows all of it", 120.0, 1.0),
+    Column::text("clip and time", "Motion it plays", 110.0, 1.0),
+    Column::number("frames", "Frames it plays", 48.0),
+    Column::text("taken out", "In a word; click for the whole reason", 120.0, 1.0),
 ];
-/// Height of the list. [Unit: points]
+/// Height of the list (points).
 const HEIGHT: f32 = 170.0;
 
 /// Shows the list; a click selects a link.

@@ -1,13 +1,12 @@
-//! Worlds of motion patches: the patch that is looked at, the way of a character, what it is told to do, and edits.
+//! Worlds of motion patches: the selected patch, the path of a character, its orders, and edits.
 
 mod character;
 mod edit;
 mod facts;
 mod links;
 
-use crate::command::Command;
+use crate::command::{Command, Tool, WorldCommand};
 use crate::model::Model;
-use crate::model::world::{Tool, WorldCommand};
 use eframe::egui::{Button, Ui};
 use facts::Facts;
 use throng_precompute::stitch::Item;
@@ -18,7 +17,7 @@ type Asked = (u64, u64, u32, u32);
 /// What the panel remembers.
 #[derive(Clone, Debug, Default)]
 pub struct State {
-    /// What was counted of the patch that is looked at, and of which state of which world.
+    /// What was counted of the selected patch, and of which state of which world.
     facts: Option<((u64, u64, u32), Facts)>,
     /// Why the selected link is taken out, likewise.
     why: Option<(Asked, Option<String>)>,
@@ -26,7 +25,7 @@ pub struct State {
     unit: usize,
     /// File that the world is written to, as it was typed.
     file: Option<String>,
-    /// How long somebody is to do something. [Unit: s]
+    /// Duration of an ordered action (s).
     seconds: Option<f32>,
     /// Number of characters as it is typed.
     characters: Option<usize>,
@@ -68,9 +67,9 @@ fn tools(ui: &mut Ui, model: &Model, state: &State, commands: &mut Vec<Command>)
     ui.horizontal_wrapped(|ui| {
         for (tool, name, tip) in [
             (Tool::Look, "Look", "A click selects a character or a unit"),
-            (Tool::Send, "Send", "A click sends the selected character there; with Ctrl, it does so always"),
+            (Tool::Send, "Send", "A click sends the selected character there; Ctrl + click always does"),
             (Tool::Move, "Move", "Units are dragged; Q and E turn the selected one, Delete removes it"),
-            (Tool::Create(state.unit), "Create", "A click places a unit; Q and E turn it before"),
+            (Tool::Create(state.unit), "Create", "A click places a unit; Q and E turn it first"),
         ] {
             let is_on = std::mem::discriminant(&now) == std::mem::discriminant(&tool);
             if ui.selectable_label(is_on, name).on_hover_text(tip).clicked() {
@@ -97,8 +96,8 @@ fn tools(ui: &mut Ui, model: &Model, state: &State, commands: &mut Vec<Command>)
 fn history(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     let Some(world) = model.document.world() else { return };
     for (text, change, tip, key, command) in [
-        ("Undo", world.to_undo(), "Take back", "Ctrl+Z", WorldCommand::Undo),
-        ("Redo", world.to_redo(), "Make again", "Ctrl+Shift+Z or Ctrl+Y", WorldCommand::Redo),
+        ("Undo", world.to_undo(), "Undo", "Ctrl+Z", WorldCommand::Undo),
+        ("Redo", world.to_redo(), "Redo", "Ctrl+Shift+Z or Ctrl+Y", WorldCommand::Redo),
     ] {
         let button = ui.add_enabled(change.is_some(), Button::new(text));
         let tip = format!("{tip}: {} ({key})", change.unwrap_or("nothing"));
@@ -118,8 +117,8 @@ fn outcome(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
         });
     } else if let Some(refused) = world.refused() {
         ui.horizontal_wrapped(|ui| {
-            ui.colored_label(ui.visuals().error_fg_color, format!("The world stays as it was: {}", refused.why));
-            if ui.small_button("✖").on_hover_text("Take this message away (Escape)").clicked() {
+            ui.colored_label(ui.visuals().error_fg_color, format!("The world is unchanged: {}", refused.why));
+            if ui.small_button("✖").on_hover_text("Close this message (Escape)").clicked() {
                 commands.push(Command::World(WorldCommand::ForgetRefused));
             }
         });

@@ -4,14 +4,14 @@
 use glam::{Vec2, Vec3};
 use std::f32::consts::{PI, TAU};
 use std::ops::Range;
-use throng_runtime::policy::{GridRecord, KIND_MOMENTS, TargetGrid};
+use throng_runtime::policy::{GridRecord, KIND_SPACE_TIME, TargetGrid};
 
 /// The part of the ground that is nearest to a cell.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sector {
-    /// Nearest and farthest distance. [Unit: m]
+    /// Nearest and farthest distance (m).
     pub radii: [f32; 2],
-    /// First and last angle, from straight ahead to the left. [Unit: rad]
+    /// First and last angle, from straight ahead to the left (rad).
     pub angles: [f32; 2],
 }
 
@@ -51,13 +51,13 @@ impl Chart {
         height as usize * plane..(height as usize + 1) * plane
     }
 
-    /// Distance of a ring number, fractions in between. [Unit: m]
+    /// Distance of a ring number, fractions in between (m).
     pub fn radius(&self, number: f32) -> f32 {
         let r = &self.record;
         (r.ring_start + number * (r.ring_spacing + r.ring_growth * number.abs())).max(0.0)
     }
 
-    /// Where the outermost cells end. [Unit: m]
+    /// Where the outermost cells end (m).
     pub fn rim(&self) -> f32 {
         self.radius(self.record.num_rings as f32 - 0.5)
     }
@@ -72,7 +72,7 @@ impl Chart {
         Sector { radii: [self.radius(ring - 0.5), self.radius(ring + 0.5)], angles: [at(angle - 0.5), at(angle + 0.5)] }
     }
 
-    /// First and last angle of all sectors; never more than a full turn. [Unit: rad]
+    /// First and last angle of all sectors; never more than a full turn (rad).
     pub fn angles(&self) -> [f32; 2] {
         let r = &self.record;
         let half = 0.5 * r.num_angles as f32 * r.angle_spacing;
@@ -89,7 +89,7 @@ impl Chart {
         inside && distance >= self.radius(-0.5) && distance <= self.rim()
     }
 
-    /// A box around all sectors and one more place: least and greatest left and ahead. [Unit: m]
+    /// A box around all sectors and one more place: least and greatest left and ahead (m).
     pub fn bounds(&self, more: Vec2) -> [Vec2; 2] {
         let [from, to] = self.angles();
         let radii = [self.radius(-0.5), self.rim()];
@@ -100,14 +100,14 @@ impl Chart {
     }
 
     /// True where heights stand for the time left.
-    pub fn is_of_moments(&self) -> bool {
-        self.record.kind == KIND_MOMENTS
+    pub fn is_space_time(&self) -> bool {
+        self.record.kind == KIND_SPACE_TIME
     }
 
     /// What a plane stands for.
     pub fn height_name(&self, index: u32) -> String {
         let h = self.height(index);
-        if self.is_of_moments() { format!("{h:.2} s left") } else { format!("{h:.2} m high") }
+        if self.is_space_time() { format!("{h:.2} s left") } else { format!("{h:.2} m high") }
     }
 
     /// The plane nearest to a height.
@@ -116,7 +116,7 @@ impl Chart {
         (number.round().max(0.0) as u32).min(self.record.num_heights - 1)
     }
 
-    /// Height of a plane, or the time left that it stands for. [Unit: m or s]
+    /// Height of a plane, or the time left that it stands for (m or s).
     pub fn height(&self, index: u32) -> f32 {
         self.record.height_start + index as f32 * self.record.height_spacing
     }

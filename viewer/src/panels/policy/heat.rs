@@ -1,7 +1,7 @@
 //! The picture of a state's values over the target grid, kept until it changes.
 
 use super::chart::{Chart, polar};
-use crate::panels::paint::viridis;
+use crate::theme::viridis;
 use eframe::egui::epaint::Mesh;
 use eframe::egui::{Color32, Pos2, Rect, vec2};
 use glam::Vec2;
@@ -11,13 +11,13 @@ use std::sync::Arc;
 use throng_runtime::graph::MotionGraph;
 use throng_runtime::policy::PolicyTable;
 
-/// Longest piece of an arc that is drawn straight. [Unit: rad]
+/// Longest piece of an arc that is drawn straight (rad).
 const ARC: f32 = TAU / 90.0;
 /// Colours between two cells along each axis, where values are interpolated.
 const FINENESS: usize = 4;
-/// Longest arrow. [Unit: points]
+/// Longest arrow (points).
 const LONGEST: f32 = 22.0;
-/// Space between the feet of arrows. [Unit: points]
+/// Space between the feet of arrows (points).
 const APART: f32 = 17.0;
 
 /// What a picture shows.
@@ -29,13 +29,13 @@ pub struct Key {
     pub policy: usize,
     /// State.
     pub state: u32,
-    /// Height of the targets, or moment.
+    /// Height of the targets, or time left.
     pub height: u32,
     /// Interpolated values, not those of cells.
     pub smooth: bool,
     /// Where it lies on the screen.
     pub rect: Rect,
-    /// Space around it, for the words "ahead" and so on. [Unit: points]
+    /// Space around it, for the words "ahead" and so on (points).
     pub margin: f32,
 }
 
@@ -53,8 +53,8 @@ pub struct Plan {
 impl Plan {
     /// Fits a chart and the character into a part of the screen.
     ///
-    /// - `centre`: what the grid is around, as seen from the character. [Unit: m]
-    /// - `margin`: left free on all sides. [Unit: points]
+    /// - `centre`: what the grid is around, as seen from the character (m).
+    /// - `margin`: left free on all sides (points).
     pub fn new(chart: &Chart, centre: Vec2, rect: Rect, margin: f32) -> Self {
         let [low, high] = chart.bounds(-centre);
         let (room, size) = (rect.shrink(margin), high - low);
@@ -96,7 +96,7 @@ pub struct Heat {
 
 impl Heat {
     /// Works the picture out.
-    pub fn new(key: Key, policy: &PolicyTable<'_>, graph: &MotionGraph<'_>) -> Self {
+    pub fn new(key: Key, policy: &PolicyTable, graph: &MotionGraph) -> Self {
         let chart = Chart::new(&policy.grid_of(key.state));
         let centre = policy.centre();
         let plan = Plan::new(&chart, Vec2::new(centre.x, centre.z), key.rect, key.margin);
@@ -142,7 +142,7 @@ fn cells(chart: &Chart, plan: &Plan, height: u32, colour: impl Fn(usize) -> Colo
 }
 
 /// A net of colours over all of the chart.
-fn smooth(chart: &Chart, plan: &Plan, colour: impl Fn(Vec2) -> Color32, key: Key, policy: &PolicyTable<'_>) -> Mesh {
+fn smooth(chart: &Chart, plan: &Plan, colour: impl Fn(Vec2) -> Color32, key: Key, policy: &PolicyTable) -> Mesh {
     let mut mesh = Mesh::default();
     let grid = policy.grid_of(key.state);
     let record = grid.record();
@@ -172,13 +172,7 @@ fn stitch(mesh: &mut Mesh, first: u32, parts: u32) {
 }
 
 /// Where the best actions of cells lead, of as many cells as there is room for.
-fn arrows(
-    key: &Key,
-    chart: &Chart,
-    plan: &Plan,
-    policy: &PolicyTable<'_>,
-    graph: &MotionGraph<'_>,
-) -> (Vec<[Pos2; 2]>, f32) {
+fn arrows(key: &Key, chart: &Chart, plan: &Plan, policy: &PolicyTable, graph: &MotionGraph) -> (Vec<[Pos2; 2]>, f32) {
     let segments = graph.segments_of(key.state);
     let way = |cell: usize| {
         let best = usize::from(policy.best_of(key.state, cell)[0]);

@@ -3,11 +3,12 @@
 use super::chart::Chart;
 use super::heat::{Heat, Key, Plan};
 use super::{State, slices, why::name};
+use crate::bundle::OpenBundle;
 use crate::command::Command;
-use crate::document::Bundle;
-use crate::panels::paint::{Palette, legend, viridis};
+use crate::panels::paint::legend;
 use crate::panels::words;
 use crate::run::{Candidate, Why};
+use crate::theme::{Palette, viridis};
 use crate::volume::Volume;
 use eframe::egui::{
     Align2, Color32, FontId, Painter, Pos2, Rect, Response, RichText, Role, Sense, Shape, Stroke, Ui, Vec2 as Span,
@@ -16,13 +17,13 @@ use eframe::egui::{
 use glam::{Vec2, Vec3};
 use throng_runtime::policy::PolicyTable;
 
-/// The arrow of an action is at least as long, so that it shows beside the character. [Unit: points]
+/// The arrow of an action is at least as long, so that it shows beside the character (points).
 const MIN_ARROW: f32 = 30.0;
 
-/// Largest side of the map. [Unit: points]
+/// Largest side of the map (points).
 const LARGEST: f32 = 460.0;
 
-/// Space around the only map, for the words "ahead" and so on, and around one of many. [Unit: points]
+/// Space around the only map, for the words "ahead" and so on, and around one of many (points).
 const MARGINS: [f32; 2] = [18.0, 5.0];
 
 /// What is shown on the map.
@@ -31,18 +32,18 @@ pub struct Shown<'a> {
     /// Generation of the document.
     pub document: u64,
     /// The bundle.
-    pub bundle: &'a Bundle,
+    pub bundle: &'a OpenBundle,
     /// The behaviour.
-    pub policy: &'a PolicyTable<'a>,
+    pub policy: &'a PolicyTable,
     /// Its number.
     pub number: usize,
     /// State whose values are shown.
     pub state: u32,
-    /// Height, or moment, that is looked at.
+    /// Height, or time left, that is shown.
     pub slice: u32,
     /// Choice of the selected character, where it was made in that state.
     pub why: Option<&'a Why>,
-    /// Target as the selected character sees it now, and as it saw it when it chose. [Unit: m]
+    /// Target as the selected character sees it now, and as it saw it when it chose (m).
     pub targets: [Option<Vec3>; 2],
 }
 
@@ -52,7 +53,7 @@ impl Shown<'_> {
         Chart::new(&self.policy.grid_of(self.state))
     }
 
-    /// What the grid is around, over ground. [Unit: m]
+    /// What the grid is around, over ground (m).
     fn centre(&self) -> Vec2 {
         Vec2::new(self.policy.centre().x, self.policy.centre().z)
     }
@@ -85,7 +86,7 @@ pub fn show(ui: &mut Ui, shown: &Shown<'_>, own: &mut State, commands: &mut Vec<
 
 /// Paints one height into a part of the screen; returns the scale of its arrows.
 ///
-/// - `at`: number of the picture that is kept, and the height.
+/// - `at`: number of the picture that is recorded, and the height.
 pub fn paint(
     ui: &Ui,
     shown: &Shown<'_>,
@@ -98,7 +99,7 @@ pub fn paint(
     let (document, policy, state) = (shown.document, shown.number, shown.state);
     let key = Key { document, policy, state, height, smooth: own.smooth, rect, margin };
     if own.heats.get(at).is_none_or(|h| h.key != key) {
-        let heat = Heat::new(key, shown.policy, &shown.bundle.tables().graph());
+        let heat = Heat::new(key, shown.policy, shown.bundle.tables().graph());
         own.heats.truncate(at);
         own.heats.push(heat);
     }
@@ -127,14 +128,14 @@ fn options(ui: &mut Ui, shown: &Shown<'_>, own: &mut State, commands: &mut Vec<C
         ui.checkbox(&mut own.arrows, "best actions");
         if heights > 1 {
             let chart = shown.chart();
-            let all = if chart.is_of_moments() { "all moments" } else { "all heights" };
+            let all = if chart.is_space_time() { "all times" } else { "all heights" };
             ui.checkbox(&mut own.slices, all).on_hover_text("Side by side, with the same colours");
         }
     });
     if heights > 1 && !own.slices {
         let chart = shown.chart();
         let mut slice = shown.slice;
-        let what = if chart.is_of_moments() { "moment" } else { "height" };
+        let what = if chart.is_space_time() { "time" } else { "height" };
         let slider = eframe::egui::Slider::new(&mut slice, 0..=heights - 1).text(what);
         ui.add(slider.custom_formatter(move |n, _| chart.height_name(n as u32)));
         if slice != shown.slice {

@@ -8,8 +8,8 @@ mod slices;
 mod story;
 mod why;
 
+use crate::bundle::OpenBundle;
 use crate::command::Command;
-use crate::document::Bundle;
 use crate::model::Model;
 use crate::run::About;
 use eframe::egui::{ComboBox, RichText, Ui};
@@ -18,7 +18,7 @@ use heat::Heat;
 use throng_runtime::policy::PolicyTable;
 use why::name;
 
-/// How the policy is looked at.
+/// View settings of the policy.
 #[derive(Clone, Debug)]
 pub struct State {
     /// Pictures that are kept, one for each map.
@@ -58,7 +58,7 @@ pub fn show(ui: &mut Ui, model: &Model, state: &mut State, commands: &mut Vec<Co
         return;
     };
     let number = model.selection.policy;
-    let Some(policy) = bundle.repertoire().policy(number) else {
+    let Some(policy) = bundle.motion_set().policy(number) else {
         ui.weak("This bundle has no behaviour. Build it from a config with `behaviours`.");
         return;
     };
@@ -87,7 +87,7 @@ pub fn show(ui: &mut Ui, model: &Model, state: &mut State, commands: &mut Vec<Co
     why::show(ui, model, state, why.as_ref(), commands);
 }
 
-/// Time left from which on a blow is none that is coming. [Unit: s]
+/// Time left from which on a blow is none that is coming (s).
 const NEVER_S: f32 = 100.0;
 
 /// A target, unless it stands for no coming blow.
@@ -95,19 +95,19 @@ fn near(target: Vec3) -> Option<Vec3> {
     (target.y < NEVER_S).then_some(target)
 }
 
-/// What a behaviour is about for the selected character, as it sees it now. [Unit: m]
+/// What a behaviour is about for the selected character, as it sees it now (m).
 fn local_target(model: &Model, policy: usize) -> Option<Vec3> {
     let (_, run) = model.document.crowd()?;
     let character = model.selection.character?;
     let is_threat = run.goals().iter().any(|g| g.policy == policy && g.about == About::Threat);
     let target = near(*if is_threat { run.threats() } else { run.targets() }.get(character)?)?;
-    let local = run.troupe().root(character).inverse_transform_point(Vec2::new(target.x, target.z));
+    let local = run.characters().root(character).inverse_transform_point(Vec2::new(target.x, target.z));
     Some(Vec3::new(local.x, target.y, local.y))
 }
 
-fn behaviour(ui: &mut Ui, bundle: &Bundle, number: usize, commands: &mut Vec<Command>) {
+fn behaviour(ui: &mut Ui, bundle: &OpenBundle, number: usize, commands: &mut Vec<Command>) {
     ComboBox::new("behaviour", "behaviour").selected_text(name(bundle, number)).show_ui(ui, |ui| {
-        for policy in 0..bundle.tables().num_policies() {
+        for policy in 0..bundle.tables().policies().len() {
             if ui.selectable_label(policy == number, name(bundle, policy)).clicked() {
                 commands.push(Command::SelectPolicy(policy));
             }
@@ -115,11 +115,11 @@ fn behaviour(ui: &mut Ui, bundle: &Bundle, number: usize, commands: &mut Vec<Com
     });
 }
 
-fn facts(ui: &mut Ui, bundle: &Bundle, policy: &PolicyTable<'_>, number: usize) {
+fn facts(ui: &mut Ui, bundle: &OpenBundle, policy: &PolicyTable, number: usize) {
     let Some(record) = bundle.tables().policy_records().get(number) else { return };
     let grid = policy.grid();
     let g = grid.record();
-    let third = if grid.is_moments() { "moments" } else { "heights" };
+    let third = if grid.is_space_time() { "times" } else { "heights" };
     let heights = if g.num_heights > 1 { format!(" × {} {third}", g.num_heights) } else { String::new() };
     let rate_hz = bundle.rate_hz();
     let half_life_s = 0.5f32.ln() / record.discount.ln() / rate_hz;
@@ -137,13 +137,13 @@ fn facts(ui: &mut Ui, bundle: &Bundle, policy: &PolicyTable<'_>, number: usize) 
     ui.label(RichText::new(text).weak());
 }
 
-/// Which state is looked at, and how to look at another.
-fn show_state(ui: &mut Ui, model: &Model, bundle: &Bundle, commands: &mut Vec<Command>) {
+/// The selected state, and how to select another.
+fn show_state(ui: &mut Ui, model: &Model, bundle: &OpenBundle, commands: &mut Vec<Command>) {
     let graph = bundle.tables().graph();
     let Some(state) = model.looked_at_state() else {
         ui.horizontal_wrapped(|ui| {
-            ui.label("No state is looked at: click one in the motion graph, or");
-            if ui.small_button("look at state 0").clicked() {
+            ui.label("No state is selected: click one in the motion graph, or");
+            if ui.small_button("select state 0").clicked() {
                 commands.push(Command::SelectState(Some(0)));
             }
         });

@@ -1,15 +1,15 @@
-//! All heights, or moments, of a grid side by side, with the same colours.
+//! All heights, or times, of a grid side by side, with the same colours.
 
 use super::State;
 use super::map::{Shown, paint};
 use crate::command::Command;
 use eframe::egui::{Align2, FontId, Rect, Role, Sense, Stroke, StrokeKind, Ui, WidgetInfo, pos2, vec2};
 
-/// Least width of one map. [Unit: points]
+/// Least width of one map (points).
 const LEAST: f32 = 104.0;
-/// Height of its title. [Unit: points]
+/// Height of its title (points).
 const TITLE: f32 = 15.0;
-/// Space between maps. [Unit: points]
+/// Space between maps (points).
 const GAP: f32 = 4.0;
 
 /// Shows the maps; a click looks at one of them alone. Returns the least scale of their arrows.

@@ -1,7 +1,7 @@
 //! Why a character took its action, in plain words.
 
 use super::chances;
-use crate::document::Bundle;
+use crate::bundle::OpenBundle;
 use crate::panels::words;
 use crate::run::{About, BehaviourScore, RunConfig, STEP_HZ, Why};
 use glam::Vec2;
@@ -13,7 +13,7 @@ pub fn is_single_load(why: &Why, config: &RunConfig) -> bool {
     config.single_load && (weighed == 1 || (weighed == 0 && why.behaviours.len() == 1))
 }
 
-/// Chances of the candidates. [Size: number of candidates]
+/// Chances of the candidates (number of candidates).
 pub fn chances(why: &Why, config: &RunConfig) -> Vec<f32> {
     let scores: Vec<f32> = why.candidates.iter().map(|c| c.score).collect();
     // Where single loads are asked for, several behaviours are looked ahead without chance.
@@ -21,7 +21,7 @@ pub fn chances(why: &Why, config: &RunConfig) -> Vec<f32> {
 }
 
 /// When, where and towards what the character chose.
-pub fn situation(why: &Why, bundle: &Bundle, character: usize, now: u32) -> String {
+pub fn situation(why: &Why, bundle: &OpenBundle, character: usize, now: u32) -> String {
     let tables = bundle.tables();
     let frame = tables.graph().states[why.state as usize].frame;
     let clip = bundle.clip_of(frame);
@@ -57,7 +57,7 @@ pub fn inactivity(region: &RegionRecord, b: &BehaviourScore) -> String {
 }
 
 /// Which action it took, and by what rule.
-pub fn decision(why: &Why, bundle: &Bundle, config: &RunConfig) -> String {
+pub fn decision(why: &Why, bundle: &OpenBundle, config: &RunConfig) -> String {
     let Some(taken) = why.candidates.get(why.chosen) else { return String::new() };
     let action = format!("{}: {}", bundle.describe_segment(taken.segment), words::way(taken.displacement));
     let n = why.candidates.len();
@@ -94,7 +94,7 @@ mod tests {
     use glam::Vec3;
 
     #[test]
-    fn what_kept_a_behaviour_from_acting_is_said() {
+    fn the_reason_of_an_inactive_behaviour_is_named() {
         let region = RegionRecord { distance: [0.3, 1.2], angle: [-1.0, 1.0], height: [1.2, 1.7] };
         let why = |about, x, y, z| {
             let target = Vec3::new(x, y, z);
@@ -113,7 +113,7 @@ mod tests {
             for c in 0..run.config().characters {
                 let why = run.why(&bundle, c).unwrap();
                 let text = decision(&why, &bundle, run.config());
-                let played = bundle.describe_segment(run.troupe().segment(c).0);
+                let played = bundle.describe_segment(run.characters().segment(c).0);
                 assert!(text.contains(&played), "{text}");
                 assert_eq!(text.contains("nearest cell"), single_load);
                 assert!((chances(&why, run.config()).iter().sum::<f32>() - 1.0).abs() < 1e-5);

@@ -1,16 +1,17 @@
 //! The panel, driven as a user does.
 
 use super::*;
-use crate::panels::tests::boxing::Boxing;
-use crate::panels::tests::golden_path;
+use crate::fixtures::boxing::Boxing;
+use crate::fixtures::golden_path;
 use crate::run::{Run, RunConfig};
 use crate::settings::Settings;
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
+use throng_precompute::progress::Silent;
 
 /// The bundle that every checkout has, and a run of some seconds.
-pub fn golden_run(config: RunConfig) -> (Bundle, Run) {
-    let bundle = Bundle::open(&golden_path()).unwrap();
+pub fn golden_run(config: RunConfig) -> (OpenBundle, Run) {
+    let bundle = OpenBundle::open(&golden_path()).unwrap();
     let mut run = Run::new(&bundle, RunConfig { characters: 12, ..config }, &[]).unwrap();
     (0..150).for_each(|_| run.step(&bundle).unwrap());
     (bundle, run)
@@ -28,7 +29,7 @@ fn panel(prepare: impl FnOnce(&mut Model)) -> Harness<'static, Panel> {
 
 fn panel_of_width(width: f32, prepare: impl FnOnce(&mut Model)) -> Harness<'static, Panel> {
     let mut model = Model::new(Settings::default());
-    model.open_now(&golden_path()).unwrap();
+    model.open_now(&golden_path(), &Silent).unwrap();
     prepare(&mut model);
     let panel = Panel { model, state: State::default(), commands: Vec::new() };
     Harness::builder()
@@ -79,7 +80,7 @@ fn the_picture_is_kept_until_what_it_shows_changes() {
 }
 
 #[test]
-fn what_was_taken_and_why_needs_no_wide_panel() {
+fn the_chosen_action_and_its_reason_fit_a_narrow_panel() {
     // A panel of the usual width is 370 points wide, part of which its scroll bar may take.
     for width in [400.0, 370.0, 340.0] {
         let mut h = panel_of_width(width, |m| m.selection.character = Some(4));
@@ -109,7 +110,7 @@ fn a_choice_of_few_candidates_leaves_the_length_of_the_list_as_it_was() {
 fn all_heights_are_shown_with_the_same_colours_and_a_click_looks_at_one() {
     let boxing = Boxing::new();
     let mut model = Model::new(Settings::default());
-    model.open_now(&boxing.bundle()).unwrap();
+    model.open_now(&boxing.bundle(), &Silent).unwrap();
     model.selection.state = Some(0);
     for (policy, heights, name) in [(1, 3, "high"), (2, 4, "left")] {
         model.selection.policy = policy;
@@ -123,7 +124,7 @@ fn all_heights_are_shown_with_the_same_colours_and_a_click_looks_at_one() {
         assert!(heats.iter().all(|k| k.range == heats[0].range));
         assert!(heats.windows(2).all(|k| k[0].key.height + 1 == k[1].key.height));
         let bundle = h.state().model.document.bundle().unwrap();
-        let label = chart::Chart::new(&bundle.repertoire().policy(policy).unwrap().grid_of(0)).height_name(1);
+        let label = chart::Chart::new(&bundle.motion_set().policy(policy).unwrap().grid_of(0)).height_name(1);
         assert!(label.ends_with(name), "{label}");
         h.get_by_label(&format!("Values {label}")).click();
         h.run_steps(2);

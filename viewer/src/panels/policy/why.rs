@@ -1,15 +1,16 @@
 //! "Why this action?": the candidates of a choice with their scores.
 
 use super::{State, story};
+use crate::bundle::OpenBundle;
 use crate::command::Command;
-use crate::document::Bundle;
 use crate::model::Model;
-use crate::panels::paint::{Cell, Click, Column, Table, viridis};
+use crate::panels::paint::{Cell, Click, Column, Table};
 use crate::panels::words;
 use crate::run::{Candidate, Run, Why};
+use crate::theme::viridis;
 use eframe::egui::{DragValue, Response, Ui};
 
-/// The columns of every choice. A panel of the usual width has room for those that say what was taken and why.
+/// The columns of every choice. A panel of the usual width has room for what was taken and why.
 const COLUMNS: [Column<'static>; 7] = [
     Column::number("#", "Place by score", 26.0),
     Column::text("plays", "Clip and frames of the segment", 122.0, 1.0),
@@ -64,7 +65,7 @@ pub fn show(ui: &mut Ui, model: &Model, own: &mut State, why: Option<&Why>, comm
     candidates(ui, bundle, run, why, own);
 }
 
-fn behaviours(ui: &mut Ui, bundle: &Bundle, why: &Why) {
+fn behaviours(ui: &mut Ui, bundle: &OpenBundle, why: &Why) {
     if why.behaviours.len() < 2 && why.behaviours.iter().all(|b| b.is_active) {
         return;
     }
@@ -72,13 +73,13 @@ fn behaviours(ui: &mut Ui, bundle: &Bundle, why: &Why) {
         let name = name(bundle, b.policy);
         if b.is_active {
             ui.weak(format!("{name}: weight {:.2}, value of the state {}", b.weight, words::number(b.value)));
-        } else if let Some(policy) = bundle.repertoire().policy(b.policy) {
+        } else if let Some(policy) = bundle.motion_set().policy(b.policy) {
             ui.label(format!("{name}: not active, it does not count: {}", story::inactivity(policy.region(), b)));
         }
     }
 }
 
-fn candidates(ui: &mut Ui, bundle: &Bundle, run: &Run, why: &Why, own: &mut State) {
+fn candidates(ui: &mut Ui, bundle: &OpenBundle, run: &Run, why: &Why, own: &mut State) {
     let mut columns: Vec<Column<'_>> = COLUMNS.to_vec();
     if why.behaviours.len() > 1 {
         let by_each = why.behaviours.iter().map(|b| name(bundle, b.policy));
@@ -103,7 +104,7 @@ fn candidates(ui: &mut Ui, bundle: &Bundle, run: &Run, why: &Why, own: &mut Stat
     }
 }
 
-fn cell(bundle: &Bundle, why: &Why, rank: usize, column: usize, chances: &[f32]) -> Cell {
+fn cell(bundle: &OpenBundle, why: &Why, rank: usize, column: usize, chances: &[f32]) -> Cell {
     let c = &why.candidates[rank];
     let best = why.candidates[0].score;
     match column {
@@ -123,7 +124,7 @@ fn cell(bundle: &Bundle, why: &Why, rank: usize, column: usize, chances: &[f32])
 }
 
 /// Says what there may be no room for in the row.
-fn tell(bundle: &Bundle, why: &Why, response: Response, c: &Candidate) {
+fn tell(bundle: &OpenBundle, why: &Why, response: Response, c: &Candidate) {
     response.on_hover_ui(|ui| {
         ui.strong(bundle.describe_segment(c.segment));
         ui.label(format!("{:.2} s: {}", seconds(bundle, c), words::way(c.displacement)));
@@ -134,18 +135,18 @@ fn tell(bundle: &Bundle, why: &Why, response: Response, c: &Candidate) {
     });
 }
 
-/// How long a candidate's segment lasts. [Unit: s]
-fn seconds(bundle: &Bundle, c: &Candidate) -> f32 {
+/// How long a candidate's segment lasts (s).
+fn seconds(bundle: &OpenBundle, c: &Candidate) -> f32 {
     bundle.tables().graph().segments[c.segment as usize].num_frames as f32 / bundle.rate_hz()
 }
 
 /// Name of a behaviour.
-pub fn name(bundle: &Bundle, policy: usize) -> &str {
+pub fn name(bundle: &OpenBundle, policy: usize) -> &str {
     bundle.tables().meta().behaviours.get(policy).map_or("behaviour", String::as_str)
 }
 
 /// Shows a segment from its first frame on.
-fn show_motion(bundle: &Bundle, segment: u32) -> Command {
+fn show_motion(bundle: &OpenBundle, segment: u32) -> Command {
     let s = bundle.tables().graph().segments[segment as usize];
     let clip = s.clip as usize;
     Command::ShowClip { clip, frame: s.start - bundle.tables().clips()[clip].first_frame }

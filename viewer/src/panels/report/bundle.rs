@@ -1,7 +1,7 @@
 //! What a bundle was made of.
 
 use super::{facts, section};
-use crate::document::Bundle;
+use crate::bundle::OpenBundle;
 use crate::panels::paint::{Cell, Column, Sort, Table};
 use eframe::egui::{RichText, ScrollArea, TextEdit, Ui};
 use std::cmp::Ordering;
@@ -56,7 +56,7 @@ impl Sources {
 }
 
 /// Shows where a bundle comes from.
-pub fn show(ui: &mut Ui, bundle: &Bundle, document: u64, sources: &mut Sources) {
+pub fn show(ui: &mut Ui, bundle: &OpenBundle, document: u64, sources: &mut Sources) {
     let meta = bundle.tables().meta();
     ScrollArea::vertical().id_salt("provenance").auto_shrink([false, false]).show(ui, |ui| {
         section(ui, "Bundle");
@@ -161,7 +161,7 @@ mod tests {
     }
 
     #[test]
-    fn bytes_are_said_in_units_that_fit() {
+    fn byte_counts_are_shown_in_fitting_units() {
         assert_eq!([999, 2048, 3 << 20].map(bytes_text), ["999 B", "2.0 KiB", "3.0 MiB"]);
     }
 }

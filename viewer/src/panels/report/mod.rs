@@ -18,18 +18,12 @@ pub struct State {
 
 /// Shows the panel.
 pub fn show(ui: &mut Ui, model: &Model, state: &mut State, commands: &mut Vec<Command>) {
-    match &model.document {
-        Document::Nothing => no_bundle(ui, &model.document),
-        Document::CrowdScene(c) => match c.bundle() {
-            Some(bundle) => bundle::show(ui, bundle, model.generation, &mut state.sources),
-            None => no_bundle(ui, &model.document),
-        },
-        Document::Bundle(b) => bundle::show(ui, &b.bundle, model.generation, &mut state.sources),
-        Document::World(w) => bundle::show(ui, w.bundle(), model.generation, &mut state.sources),
-        Document::Walkers(w) => bundle::show(ui, w.bundle(), model.generation, &mut state.sources),
-        Document::Clip(raw) => {
+    match (&model.document, model.document.bundle()) {
+        (Document::Clip(raw), _) => {
             ScrollArea::vertical().auto_shrink([false, false]).show(ui, |ui| clip::show(ui, raw, commands));
         }
+        (_, Some(bundle)) => bundle::show(ui, bundle, model.generation, &mut state.sources),
+        (document, None) => no_bundle(ui, document),
     }
 }
 

@@ -1,7 +1,8 @@
 //! The report driven as a user would.
 
 use super::*;
-use crate::panels::tests::{golden_path, mocap, trial};
+use crate::fixtures::{golden_path, mocap};
+use crate::panels::tests::trial;
 use eframe::egui::vec2;
 use egui_kittest::kittest::Queryable;
 
@@ -16,7 +17,7 @@ fn without_a_document_the_panel_says_what_to_do() {
 fn a_bundle_tells_what_it_was_made_of() {
     let mut harness = trial::<State>(Some(&golden_path()), vec2(420.0, 1400.0), show);
     harness.run();
-    let bundle = crate::panels::tests::golden();
+    let bundle = crate::fixtures::golden();
     let meta = bundle.tables().meta();
     harness.get_by_label(&meta.generator);
     harness.get_by_label("Copy").click();
@@ -31,7 +32,7 @@ fn a_bundle_tells_what_it_was_made_of() {
 }
 
 #[test]
-fn a_click_on_what_is_left_out_goes_there() {
+fn a_click_on_an_excluded_range_goes_there() {
     let Some(path) = mocap("snu/single/walk_clockwise.amc") else { return };
     let mut harness = trial::<State>(Some(&path), vec2(420.0, 1400.0), show);
     harness.run();

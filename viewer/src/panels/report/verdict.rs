@@ -2,9 +2,9 @@
 
 use throng_precompute::annotate::ContactSanity;
 
-/// Slower than this, planted feet do not visibly slide. [Unit: m/s]
+/// Slower than this, planted feet do not visibly slide (m/s).
 const STILL_MPS: f32 = 0.15;
-/// Faster than this, the fastest planted feet slide visibly. [Unit: m/s]
+/// Faster than this, the fastest planted feet slide visibly (m/s).
 const SLIDING_MPS: f32 = 0.5;
 /// Shares of the two feet that differ by more are those of a limp, a turn, or a wrong floor.
 const UNEVEN: f32 = 0.25;
@@ -67,7 +67,7 @@ mod tests {
     }
 
     #[test]
-    fn walking_is_fine_and_what_cannot_be_is_not() {
+    fn plausible_contacts_pass_and_implausible_ones_are_flagged() {
         use Mood::{Good, Odd};
         assert_eq!(moods(0.6, 0.58, 0.05, 0.2), [Good, Good]);
         assert_eq!(moods(0.35, 0.36, 0.1, 0.3), [Good, Good]);

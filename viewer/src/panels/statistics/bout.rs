@@ -6,7 +6,7 @@ use crate::run::{BoutFigures, Run, STEP_HZ};
 use crate::stage::bout::{KINDS, colour_of};
 use eframe::egui::{Color32, Grid, Ui};
 
-/// Time that hits a minute are counted over, in the plot. [Unit: s]
+/// Time that hits a minute are counted over, in the plot (s).
 const WINDOW_S: f32 = 10.0;
 
 /// Shows the figures of a scene.

@@ -3,15 +3,15 @@
 mod bout;
 
 use crate::model::Model;
-use crate::run::members::CrowdRun;
+use crate::run::agents::CrowdRun;
 use crate::run::{Run, STEP_HZ};
 use eframe::egui::{self, CollapsingHeader, Color32, Grid, Ui};
 use egui_plot::{HoverPosition, Line, Plot, PlotPoints};
-use throng_runtime::Tables;
+use throng_runtime::Bundle;
 
-/// Height of a plot. [Unit: points]
+/// Height of a plot (points).
 const PLOT_HEIGHT: f32 = 130.0;
-/// Colours of lines, told apart on dark and light.
+/// Colours of lines, distinguished on dark and light.
 const COLOURS: [Color32; 6] = [
     Color32::from_rgb(0x4b, 0x8b, 0xd6),
     Color32::from_rgb(0xe8, 0x74, 0x3b),
@@ -70,9 +70,9 @@ fn now(ui: &mut Ui, model: &Model, run: &Run) {
 fn of_crowd(ui: &mut Ui, run: &CrowdRun) {
     let (n, step_s) = (run.moment().figures.present.max(1) as f64, run.step_s());
     Grid::new("crowd now").num_columns(2).spacing([14.0, 3.0]).show(ui, |ui| {
-        row(ui, "members", run.moment().figures.present.to_string());
-        let per_member = 1e6 * step_s * f64::from(STEP_HZ) / n;
-        row(ui, "step of the engine", format!("{:.3} ms, {per_member:.1} µs a member and second", 1e3 * step_s));
+        row(ui, "agents", run.moment().figures.present.to_string());
+        let per_agent = 1e6 * step_s * f64::from(STEP_HZ) / n;
+        row(ui, "step of the engine", format!("{:.3} ms, {per_agent:.1} µs an agent and second", 1e3 * step_s));
         let kept = run.reel.head.recorded();
         row(ui, "record", format!("{:.1} s", (kept.end() - kept.start()) as f32 / STEP_HZ));
     });
@@ -171,7 +171,7 @@ fn frame_times(ui: &mut Ui, model: &Model) {
     });
 }
 
-fn memory(ui: &mut Ui, tables: &Tables, model: &Model) {
+fn memory(ui: &mut Ui, tables: &Bundle, model: &Model) {
     section(ui, "Memory of the tables", |ui| {
         let all = tables.num_bytes().max(1);
         Grid::new("memory").num_columns(3).striped(true).spacing([14.0, 3.0]).show(ui, |ui| {
@@ -186,7 +186,7 @@ fn memory(ui: &mut Ui, tables: &Tables, model: &Model) {
             ui.end_row();
         });
         if let Some((_, run)) = model.document.crowd() {
-            let poses = size_of_val(run.troupe().model_matrices());
+            let poses = size_of_val(run.characters().model_matrices());
             ui.label(format!("Poses of the crowd: {}", bytes(poses)));
         }
     });
@@ -241,7 +241,7 @@ fn section_name(tag: &str) -> String {
         "AOFF" | "ASEG" | "AERR" => "actions",
         "POLI" => "policies",
         "PSEG" => "segments of policies",
-        "PPTH" => "ways in moments",
+        "PPTH" => "paths of body points",
         "PVAL" => "values",
         "PBST" => "best actions",
         "BLND" => "blend spaces",

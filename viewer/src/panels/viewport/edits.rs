@@ -1,16 +1,15 @@
-//! What becomes of an edit of a world, told beside the unit that it is about.
+//! The result of an edit of a world, shown beside its unit.
 
 use super::size;
-use crate::command::Command;
+use crate::command::{Command, WorldCommand};
 use crate::document::WorldDocument;
 use crate::model::Model;
-use crate::model::world::WorldCommand;
 use eframe::egui::{Align2, Area, Frame, Id, Pos2, Rect, Stroke, Ui, vec2};
 use throng_precompute::environment::PlacedUnit;
 
-/// Widest note. [Unit: points]
+/// Widest note (points).
 const WIDTH: f32 = 340.0;
-/// Notes are so far from what they are about. [Unit: points]
+/// Notes are so far from what they are about (points).
 const BESIDE: f32 = 14.0;
 
 /// Says what is stitched, or why the last edit was refused.
@@ -26,8 +25,8 @@ pub fn show(ui: &Ui, rect: Rect, model: &Model, commands: &mut Vec<Command>) {
     } else if let Some(refused) = world.refused() {
         note(ui, rect, place(model, world, refused.at.as_ref(), rect), |ui| {
             ui.horizontal(|ui| {
-                ui.colored_label(ui.visuals().error_fg_color, "The world stays as it was");
-                if ui.button("✖").on_hover_text("Take this message away (Escape)").clicked() {
+                ui.colored_label(ui.visuals().error_fg_color, "The world is unchanged");
+                if ui.button("✖").on_hover_text("Close this message (Escape)").clicked() {
                     commands.push(Command::World(WorldCommand::ForgetRefused));
                 }
             });
@@ -36,7 +35,7 @@ pub fn show(ui: &Ui, rect: Rect, model: &Model, commands: &mut Vec<Command>) {
     }
 }
 
-/// The upper end of a unit on the screen; none where it is not in view.
+/// The upper end of a unit on the screen; none if it is not in view.
 fn place(model: &Model, world: &WorldDocument, unit: Option<&PlacedUnit>, rect: Rect) -> Option<Pos2> {
     let unit = unit?;
     let bounds = world.kit().geometries.get(unit.unit)?.bounds;

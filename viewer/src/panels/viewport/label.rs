@@ -1,10 +1,10 @@
-//! Who is selected, in a line over the 3-D view.
+//! The selected character, in a line over the 3-D view.
 
 use super::words;
 use crate::model::Model;
 use eframe::egui::{self, FontId, Rect, Ui};
 
-/// Shows who is selected, and what it does, at the upper right.
+/// Shows the selected character and what it does, at the upper right.
 pub fn show(ui: &Ui, rect: Rect, model: &Model) {
     let Some(text) = describe(model) else { return };
     let font = FontId::proportional(13.0);
@@ -29,6 +29,9 @@ fn describe(model: &Model) -> Option<String> {
         let patch = world.patch_name(mind.node.instance);
         return Some(format!("character {c} · {} · {} · on {patch}", words::doing(mind), words::wish(mind.wish, tags)));
     }
+    if let Some(scene) = model.document.simulated() {
+        return words::character(scene.run().simulation(), model.selection.character?);
+    }
     if let Some(walkers) = model.document.walkers() {
         let c = model.selection.character?;
         let speed = walkers.run().moment().speeds.get(c)?;
@@ -37,19 +40,19 @@ fn describe(model: &Model) -> Option<String> {
     }
     if let Some(crowd) = model.document.crowd_scene() {
         let (m, run) = (model.selection.character?, crowd.run());
-        let Some(seen) = run.moment().members.get(m)? else { return Some(format!("member {m} has left")) };
+        let Some(seen) = run.moment().agents.get(m)? else { return Some(format!("agent {m} has left")) };
         let group = &run.cast().names[run.cast().groups[m]];
-        return Some(format!("member {m} · {group} · {:.2} m/s", seen.velocity.length()));
+        return Some(format!("agent {m} · {group} · {:.2} m/s", seen.velocity.length()));
     }
     if let Some((bundle, run)) = model.document.blend().filter(|_| model.shows_blend()) {
         let b = run.blending();
         return Some(format!("{} · size {:.2}", bundle.blend_meta(b.space).name, b.size));
     }
     let (bundle, run) = model.document.crowd()?;
-    let c = model.selection.character.filter(|&c| c < run.troupe().num_characters())?;
-    let (root, target) = (run.troupe().root(c), run.targets()[c]);
+    let c = model.selection.character.filter(|&c| c < run.characters().num_characters())?;
+    let (root, target) = (run.characters().root(c), run.targets()[c]);
     let distance = (root.x - target.x).hypot(root.z - target.z);
-    let plays = bundle.describe_segment(run.troupe().segment(c).0);
+    let plays = bundle.describe_segment(run.characters().segment(c).0);
     let what = if run.has_movable_targets() { "target" } else { "opponent" };
     Some(format!("character {c} · {plays} · {what} {distance:.1}\u{a0}m\u{a0}away"))
 }

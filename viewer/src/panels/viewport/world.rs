@@ -1,10 +1,10 @@
 //! What the mouse and keys do in a world: select, send, place, drag and turn.
 
-use crate::command::Command;
+use crate::command::{Command, Draft, Tool, WorldCommand};
 use crate::document::WorldDocument;
 use crate::document::world::Change;
 use crate::model::Model;
-use crate::model::world::{Draft, Tool, WorldCommand, snapped};
+use crate::model::world::snapped;
 use crate::render::{self, Ray};
 use crate::stage::Layout;
 use eframe::egui::{CursorIcon, Key, PointerButton, Response, Ui};
@@ -13,9 +13,9 @@ use std::f32::consts::PI;
 use throng_runtime::patch::Placement;
 use throng_runtime::world::inhabitants::Wish;
 
-/// One press of a key turns a unit by this. [Unit: rad]
+/// One press of a key turns a unit by this (rad).
 const TURN: f32 = PI / 12.0;
-/// The same with Shift. [Unit: rad]
+/// The same with Shift (rad).
 const QUARTER: f32 = PI / 2.0;
 
 /// A unit that is dragged.
@@ -23,9 +23,9 @@ const QUARTER: f32 = PI / 2.0;
 pub struct Dragged {
     /// Number of the place.
     place: usize,
-    /// From where it was taken hold of, at that height, to its origin. [Unit: m]
+    /// From where it was taken hold of, at that height, to its origin (m).
     offset: Vec3,
-    /// That height. [Unit: m]
+    /// That height (m).
     height: f32,
     /// Where it would stand, before it is fitted to others.
     free: Placement,
@@ -86,7 +86,7 @@ fn fitted(ui: &Ui, world: &WorldDocument, unit: usize, but: Option<usize>, free:
     snapped(world.unit(unit), others.map(|o| o.1.placement), free)
 }
 
-/// Angle that keys turn a unit by. [Unit: rad]
+/// Angle that keys turn a unit by (rad).
 fn turned(ui: &Ui) -> f32 {
     if ui.ctx().text_edit_focused() {
         return 0.0;
@@ -131,7 +131,7 @@ pub fn hover(ui: &Ui, model: &Model, ray: Option<Ray>, heading: &mut f32, comman
     }
 }
 
-/// Height that a new unit stands at: that of what is pointed at; panels lie level with others. [Unit: m]
+/// Height that a new unit stands at: that of what is pointed at; panels lie level with others (m).
 fn height(world: &WorldDocument, unit: usize, ray: &Ray) -> f32 {
     match world.pick(ray) {
         Some((Some(place), _)) if world.unit(unit).floor => world.placed()[place].placement.y,

@@ -9,11 +9,11 @@ pub use text::{CameraParseError, Preset};
 use glam::{Mat4, Vec2, Vec3};
 use std::f32::consts::FRAC_PI_2;
 
-/// The eye is never lower than this. [Unit: m]
+/// The eye is never lower than this (m).
 const MIN_EYE_HEIGHT: f32 = 0.04;
-/// Allowed distances between eye and target. [Unit: m]
+/// Allowed distances between eye and target (m).
 const DISTANCES: std::ops::RangeInclusive<f32> = 0.15..=2000.0;
-/// Turn for a drag of one pixel. [Unit: rad]
+/// Turn for a drag of one pixel (rad).
 const TURN_PER_PIXEL: f32 = 0.0065;
 
 /// An orbit camera: `eye = target + distance * direction(yaw, pitch)`.
@@ -23,15 +23,15 @@ const TURN_PER_PIXEL: f32 = 0.0065;
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(default)]
 pub struct Camera {
-    /// What the camera looks at. [Unit: m]
+    /// What the camera looks at (m).
     pub target: Vec3,
-    /// From eye to target. [Unit: m]
+    /// From eye to target (m).
     pub distance: f32,
-    /// Angle of the eye about +Y, 0 is +Z, a quarter turn is +X. [Unit: rad]
+    /// Angle of the eye about +Y, 0 is +Z, a quarter turn is +X (rad).
     pub yaw: f32,
-    /// Angle of the eye above the horizon of the target. [Unit: rad]
+    /// Angle of the eye above the horizon of the target (rad).
     pub pitch: f32,
-    /// Vertical opening angle. [Unit: rad]
+    /// Vertical opening angle (rad).
     pub fov_y: f32,
 }
 
@@ -43,14 +43,14 @@ impl Default for Camera {
 }
 
 impl Camera {
-    /// Turns around the target by a drag. [Unit: pixels]
+    /// Turns around the target by a drag (pixels).
     pub fn orbit(&mut self, dx: f32, dy: f32) {
         self.yaw = throng_runtime::planar::wrap_angle(self.yaw - dx * TURN_PER_PIXEL);
         self.pitch += dy * TURN_PER_PIXEL;
         self.limit();
     }
 
-    /// Moves the target so that it stays under the pointer of a drag. [Unit: pixels]
+    /// Moves the target so that it stays under the pointer of a drag (pixels).
     pub fn pan(&mut self, dx: f32, dy: f32, viewport_height: f32) {
         let [right, up, _] = self.axes();
         let per_pixel = 2.0 * self.distance * (0.5 * self.fov_y).tan() / viewport_height.max(1.0);
@@ -58,7 +58,7 @@ impl Camera {
         self.limit();
     }
 
-    /// Multiplies the distance by `factor`. [Limit: > 0]
+    /// Multiplies the distance by `factor` (> 0).
     pub fn zoom(&mut self, factor: f32) {
         self.distance *= factor;
         self.limit();
@@ -79,7 +79,7 @@ impl Camera {
         self.pitch = or(self.pitch, fallback.pitch).clamp(lowest.max(-1.4), FRAC_PI_2);
     }
 
-    /// Where the camera is. [Unit: m]
+    /// Where the camera is (m).
     pub fn eye(&self) -> Vec3 {
         self.target + self.axes()[2] * self.distance
     }
@@ -92,7 +92,7 @@ impl Camera {
         [right, back.cross(right), back]
     }
 
-    /// Distance of the near plane. [Unit: m]
+    /// Distance of the near plane (m).
     pub fn near(&self) -> f32 {
         (self.distance * 0.02).clamp(0.004, 0.1)
     }
@@ -121,7 +121,7 @@ impl Camera {
         projection * self.view()
     }
 
-    /// The ray through a pixel position of a viewport, (0, 0) at its upper left corner. [Unit: pixels]
+    /// The ray through a pixel position of a viewport, (0, 0) at its upper left corner (pixels).
     pub fn ray(&self, pixel: Vec2, size: Vec2) -> Ray {
         let [right, up, back] = self.axes();
         let ndc = (pixel / size.max(Vec2::ONE)) * 2.0 - Vec2::ONE;
@@ -131,7 +131,7 @@ impl Camera {
         Ray { origin: self.eye(), direction: direction.normalize() }
     }
 
-    /// Where a point appears in a viewport; `None` behind the near plane. [Unit: pixels]
+    /// Where a point appears in a viewport; `None` behind the near plane (pixels).
     pub fn project(&self, point: Vec3, size: Vec2) -> Option<Vec2> {
         let size = size.max(Vec2::ONE);
         let clip = self.view_proj(size.x / size.y) * point.extend(1.0);
@@ -198,7 +198,7 @@ mod tests {
     }
 
     #[test]
-    fn no_gesture_leads_below_the_ground() {
+    fn no_gesture_moves_the_camera_below_the_ground() {
         let mut rng = Pcg32::seed_from_u64(2);
         let mut camera = Camera::default();
         for _ in 0..5000 {

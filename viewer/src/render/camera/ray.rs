@@ -5,19 +5,19 @@ use glam::Vec3;
 /// A half-line in the world.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ray {
-    /// Where it starts. [Unit: m]
+    /// Where it starts (m).
     pub origin: Vec3,
     /// Where it goes. Unit.
     pub direction: Vec3,
 }
 
 impl Ray {
-    /// The point at a distance along the ray. [Unit: m]
+    /// The point at a distance along the ray (m).
     pub fn at(&self, distance: f32) -> Vec3 {
         self.origin + self.direction * distance
     }
 
-    /// Where the ray meets the horizontal plane at `height`; `None` where it never does. [Unit: m]
+    /// Where the ray meets the horizontal plane at `height`; `None` where it never does (m).
     pub fn meets_height(&self, height: f32) -> Option<Vec3> {
         let t = (height - self.origin.y) / self.direction.y;
         (t.is_finite() && t >= 0.0).then(|| {
@@ -26,7 +26,7 @@ impl Ray {
         })
     }
 
-    /// True where the ray passes a point within a distance. [Unit: m]
+    /// True where the ray passes a point within a distance (m).
     pub fn may_meet(&self, centre: Vec3, radius: f32) -> bool {
         let to = centre - self.origin;
         let along = to.dot(self.direction).max(0.0);

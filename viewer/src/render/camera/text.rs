@@ -32,7 +32,7 @@ impl Preset {
         }
     }
 
-    /// Yaw and pitch. [Unit: degrees]
+    /// Yaw and pitch (degrees).
     const fn angles_deg(self) -> (f32, f32) {
         match self {
             Self::Front => (0.0, 6.0),

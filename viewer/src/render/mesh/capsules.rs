@@ -60,7 +60,7 @@ fn limbs(skeleton: &Skeleton) -> Vec<Limb> {
     limbs
 }
 
-/// Radius and part of the limb that ends in a joint. [Unit: m]
+/// Radius and part of the limb that ends in a joint (m).
 fn look(joint: Joint) -> (f32, Part) {
     use Joint::*;
     match joint {

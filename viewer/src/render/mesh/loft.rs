@@ -8,11 +8,11 @@ use std::f32::consts::TAU;
 /// A closed curve around a centre: an ellipse, or squarer.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Ring {
-    /// Its middle. [Unit: m]
+    /// Its middle (m).
     pub centre: Vec3,
-    /// First half axis. [Unit: m]
+    /// First half axis (m).
     pub u: Vec3,
-    /// Second half axis. [Unit: m]
+    /// Second half axis (m).
     pub v: Vec3,
     /// Exponents of the superellipse on the `+v` and `-v` halves: 2 is an ellipse, more is squarer.
     pub square: [f32; 2],
@@ -33,7 +33,7 @@ impl Ring {
 }
 
 /// By how much a polygon of so many corners is larger than the circle it stands for, at the same area: coarse levels of
-/// detail look as stout as fine ones. [Limit: segments >= 3]
+/// detail look as stout as fine ones (segments >= 3).
 pub(super) fn equal_area(segments: usize) -> f32 {
     let corner = TAU / segments as f32;
     (corner / corner.sin()).sqrt()
@@ -43,9 +43,9 @@ pub(super) fn equal_area(segments: usize) -> f32 {
 pub(super) struct Loft<'a> {
     /// At least one, in order along the tube.
     pub rings: &'a [Ring],
-    /// Points of a ring. [Limit: >= 3]
+    /// Points of a ring (>= 3).
     pub segments: usize,
-    /// Tips before the first and after the last ring. [Unit: m]
+    /// Tips before the first and after the last ring (m).
     pub poles: [Vec3; 2],
 }
 

@@ -78,7 +78,7 @@ impl Side {
 #[derive(Clone, Copy, Debug, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C)]
 pub struct Vertex {
-    /// Place in rest pose, model space. [Unit: m]
+    /// Place in rest pose, model space (m).
     pub position: [f32; 3],
     /// [`Part`] plus [`Side`].
     pub part: u32,
@@ -86,7 +86,7 @@ pub struct Vertex {
     pub normal: [f32; 3],
     /// Joints that move it.
     pub joints: [u8; 4],
-    /// How much each does. [Limit: they sum to 255]
+    /// How much each does (they sum to 255).
     pub weights: [u8; 4],
 }
 

@@ -49,7 +49,7 @@ impl Influence {
     }
 }
 
-/// 0 below `low`, 1 above `high`, a cubic between. [Limit: low <= high]
+/// 0 below `low`, 1 above `high`, a cubic between (low <= high).
 pub(super) fn smooth(low: f32, high: f32, x: f32) -> f32 {
     let t = ((x - low) / (high - low).max(1e-6)).clamp(0.0, 1.0);
     t * t * (3.0 - 2.0 * t)

@@ -164,7 +164,7 @@ fn a_window_shows_the_picture_unchanged_whether_it_encodes_or_not() {
 }
 
 #[test]
-fn bad_uploads_are_refused_and_the_view_lives_on() {
+fn bad_uploads_are_refused_and_the_view_keeps_drawing() {
     let Some(mut renderer) = renderer() else { return };
     let (skeleton, shapes) = (&Skeleton::default(), &Shapes::new());
     let (palette, instances) = (&standing(skeleton, 0.0)[1..], &[at_origin(Rgba::WHITE)]);

@@ -4,7 +4,7 @@ use eframe::egui::text::LayoutJob;
 use eframe::egui::{Align, Align2, Color32, FontId, Galley, Rect, TextStyle, Ui, vec2};
 use std::sync::Arc;
 
-/// Space between the edge of a cell and its text. [Unit: points]
+/// Space between the edge of a cell and its text (points).
 const PAD: f32 = 5.0;
 
 /// What stands in a cell.
@@ -16,7 +16,7 @@ pub struct Cell {
     pub weak: bool,
     /// Where there is no room for all of it, its end is shown instead of its beginning.
     pub ending: bool,
-    /// Length of a bar behind the text. [Limit: 0 to 1]
+    /// Length of a bar behind the text (0 to 1).
     pub bar: Option<f32>,
 }
 
@@ -36,7 +36,7 @@ impl Cell {
         Self { ending: true, ..self }
     }
 
-    /// The same with a bar behind it. [Limit: 0 to 1]
+    /// The same with a bar behind it (0 to 1).
     pub fn bar(self, length: f32) -> Self {
         Self { bar: Some(length), ..self }
     }

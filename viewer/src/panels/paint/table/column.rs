@@ -9,7 +9,7 @@ pub struct Column<'a> {
     pub title: &'a str,
     /// What it means.
     pub hint: &'a str,
-    /// Least width. [Unit: points]
+    /// Least width (points).
     pub width: f32,
     /// Share of the width that is left over.
     pub grows: f32,
@@ -37,7 +37,7 @@ impl<'a> Column<'a> {
     }
 }
 
-/// Least width of a table that has all of the columns. [Unit: points]
+/// Least width of a table that has all of the columns (points).
 pub fn least_width(columns: &[Column<'_>]) -> f32 {
     columns.iter().map(|c| c.width).sum()
 }
@@ -47,7 +47,7 @@ pub fn least_width(columns: &[Column<'_>]) -> f32 {
 pub(super) struct Place {
     /// Its number.
     pub column: usize,
-    /// From where to where it goes, from the left edge of a row on. [Unit: points]
+    /// From where to where it goes, from the left edge of a row on (points).
     pub x: Range<f32>,
 }
 
@@ -107,7 +107,7 @@ mod tests {
     }
 
     #[test]
-    fn where_there_is_no_room_the_most_spare_columns_are_left_out() {
+    fn columns_of_the_highest_rank_are_left_out_first() {
         let columns = [column(50.0, 0.0), column(40.0, 0.0).spare(1), column(30.0, 0.0).spare(2), column(20.0, 0.0)];
         let kept = |width| places(&columns, width).into_iter().map(|p| p.column).collect::<Vec<_>>();
         assert_eq!(kept(140.0), [0, 1, 2, 3]);

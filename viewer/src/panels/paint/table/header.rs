@@ -77,7 +77,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_same_column_again_turns_the_order_round() {
+    fn a_second_click_on_a_column_reverses_the_order() {
         let sort = Sort::NONE.by(2);
         assert_eq!(sort, Sort { column: 2, descending: false });
         assert!(sort.by(2).descending);

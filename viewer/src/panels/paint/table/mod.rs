@@ -43,7 +43,7 @@ pub struct Table<'a> {
     pub click: Click<'a>,
     /// The row that stands out.
     pub selected: Option<usize>,
-    /// The order; none where rows cannot be sorted.
+    /// The order; none if rows cannot be sorted.
     pub sort: Option<Sort>,
     /// Bring the selected row into sight.
     pub scroll_to_selected: bool,
@@ -65,7 +65,7 @@ pub struct TableResponse {
 /// What a table remembers from one frame to the next.
 #[derive(Clone, Copy, Debug, Default)]
 struct Memory {
-    /// How far it is scrolled. [Unit: points]
+    /// How far it is scrolled (points).
     offset: f32,
     /// Row that the keys have moved to.
     cursor: Option<usize>,
@@ -191,12 +191,12 @@ impl<'a> Table<'a> {
     }
 }
 
-/// Height of a row. [Unit: points]
+/// Height of a row (points).
 fn row_height(ui: &Ui) -> f32 {
     ui.text_style_height(&TextStyle::Body) + 4.0
 }
 
-/// Where to scroll so that a row is seen; none where it is seen already.
+/// Where to scroll so that a row is seen; none if it is seen already.
 fn shown_offset(now: f32, row: usize, row_height: f32, height: f32) -> Option<f32> {
     let (top, bottom) = (row as f32 * row_height, (row + 1) as f32 * row_height);
     if top < now {

@@ -51,7 +51,7 @@ fn keys_select_other_rows_at_once() {
 }
 
 #[test]
-fn where_rows_do_something_only_a_click_and_the_enter_key_do_it() {
+fn only_a_click_or_enter_activates_a_row() {
     let mut h = window(200.0, Table { click: Click::Does("Play"), ..Table::new("rows", &COLUMNS, 1000) });
     h.get_by_label("Play 3").click();
     h.run();

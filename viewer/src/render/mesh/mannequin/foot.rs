@@ -7,7 +7,7 @@ use glam::Vec3;
 use throng_runtime::Joint;
 
 /// A cross-section: place along the foot (0 at the ankle, 1 at the ball, 2 at the tip of the toes), half width,
-/// height, shift to the outer side, and the coarsest level of detail that has it. [Unit: m]
+/// height, shift to the outer side, and the coarsest level of detail that has it (m).
 type Section = (f32, f32, f32, f32, usize);
 
 const SECTIONS: [Section; 9] = [

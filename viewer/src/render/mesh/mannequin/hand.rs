@@ -7,7 +7,7 @@ use glam::Vec3;
 use throng_runtime::Joint;
 
 /// A cross-section: distance from the wrist, half thickness, half width, how far forward, and the coarsest level of
-/// detail that has it. [Unit: m]
+/// detail that has it (m).
 type Section = (f32, f32, f32, f32, usize);
 
 const PALM: [Section; 7] = [
@@ -20,7 +20,7 @@ const PALM: [Section; 7] = [
     (0.172, 0.007, 0.022, -0.003, 0),
 ];
 const PALM_ENDS: [f32; 2] = [-0.035, 0.181];
-/// Centres and radii along the thumb: distance from the wrist, height, how far forward. [Unit: m]
+/// Centres and radii along the thumb: distance from the wrist, height, how far forward (m).
 const THUMB: [([f32; 3], f32); 4] = [
     ([0.022, -0.004, 0.022], 0.0125),
     ([0.050, -0.010, 0.046], 0.0130),

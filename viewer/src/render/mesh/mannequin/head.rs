@@ -7,7 +7,7 @@ use glam::Vec3;
 use throng_runtime::Joint;
 
 /// A cross-section: height above the head joint, half width, half depth, how far forward, and the coarsest level of
-/// detail that has it. For a head 0.2 m high. [Unit: m]
+/// detail that has it. For a head 0.2 m high (m).
 type Section = (f32, f32, f32, f32, usize);
 
 const SKULL: [Section; 11] = [
@@ -24,7 +24,7 @@ const SKULL: [Section; 11] = [
     (0.197, 0.028, 0.036, -0.004, 1),
 ];
 const SKULL_ENDS: [(f32, f32); 2] = [(-0.046, 0.05), (0.2, -0.004)];
-/// Between these heights the front of the skull is a visor. [Unit: m]
+/// Between these heights the front of the skull is a visor (m).
 const VISOR: std::ops::Range<f32> = 0.062..0.122;
 
 const NECK: [Section; 4] = [
@@ -33,7 +33,7 @@ const NECK: [Section; 4] = [
     (-0.040, 0.055, 0.057, -0.004, 0),
     (0.015, 0.046, 0.048, 0.000, 2),
 ];
-/// Heights of its poles. [Unit: m]
+/// Heights of its poles (m).
 const NECK_ENDS: [f32; 2] = [-0.16, 0.03];
 
 pub(super) fn build(plan: &Plan, mesh: &mut Mesh) {

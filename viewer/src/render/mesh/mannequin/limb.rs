@@ -10,9 +10,9 @@ use throng_runtime::Joint;
 struct Section {
     /// Along the limb: 0 to 1 from the first to the second joint, 1 to 2 from there to the third.
     along: f32,
-    /// Half axes across: sideways (arms: up and down), and front to back. [Unit: m]
+    /// Half axes across: sideways (arms: up and down), and front to back (m).
     half: [f32; 2],
-    /// How far forward. [Unit: m]
+    /// How far forward (m).
     forward: f32,
     /// The coarsest level of detail that has it.
     level: usize,
@@ -84,7 +84,7 @@ struct Tube {
     before: Joint,
     /// Direction of the first half axis.
     across: Vec3,
-    /// Half widths of the soft stretches around the first and the second joint. [Unit: m]
+    /// Half widths of the soft stretches around the first and the second joint (m).
     blends: [f32; 2],
     part: Part,
     /// Where it ends, along the limb, at the coarsest level of detail.

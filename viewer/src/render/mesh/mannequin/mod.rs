@@ -16,9 +16,9 @@ use throng_runtime::{Joint, NUM_JOINTS, Skeleton};
 
 /// What all parts of one mannequin share.
 struct Plan {
-    /// Rest positions of the joints. [Unit: m]
+    /// Rest positions of the joints (m).
     rest: [Vec3; NUM_JOINTS],
-    /// Ends of head and toes. [Unit: m]
+    /// Ends of head and toes (m).
     tips: [Vec3; 3],
     /// Size relative to the default skeleton.
     scale: f32,

@@ -8,7 +8,7 @@ use glam::Vec3;
 use throng_runtime::{Joint, Skeleton};
 
 /// A cross-section: height, half width, half depth and how far forward, in a body of the default size, and the
-/// coarsest level of detail that has it. [Unit: m]
+/// coarsest level of detail that has it (m).
 type Section = (f32, f32, f32, f32, usize);
 
 const SECTIONS: [Section; 15] = [
@@ -30,7 +30,7 @@ const SECTIONS: [Section; 15] = [
 ];
 const BOTTOM: f32 = 0.828;
 const TOP: f32 = 1.516;
-/// Trousers below, shirt above. [Unit: m]
+/// Trousers below, shirt above (m).
 const WAIST: f32 = 1.03;
 
 /// Joints along the spine.

@@ -1,0 +1,45 @@
+//! Hashes the sources that decide what a stage makes of its input, so that no build reads outputs that other code
+//! has left in the cache.
+
+use std::collections::BTreeSet;
+use std::hash::{DefaultHasher, Hash, Hasher};
+use std::path::{Path, PathBuf};
+
+/// What stages are made of, seen from this crate's folder; what is not there in a packaged crate is passed over.
+const SOURCES: [&str; 7] = [
+    "src",
+    "../motion/src",
+    "../synth/src",
+    "../../runtime/base/src",
+    "../../runtime/core/src",
+    "../../runtime/world/src",
+    "../../data/skeletons",
+];
+
+fn main() -> std::io::Result<()> {
+    let mut files = BTreeSet::new();
+    for folder in SOURCES.map(Path::new).into_iter().filter(|f| f.is_dir()) {
+        println!("cargo::rerun-if-changed={}", folder.display());
+        collect(folder, &mut files)?;
+    }
+    let mut hasher = DefaultHasher::new();
+    for file in files {
+        file.hash(&mut hasher);
+        std::fs::read(&file)?.hash(&mut hasher);
+    }
+    println!("cargo::rustc-env=THRONG_SOURCES={:016x}", hasher.finish());
+    Ok(())
+}
+
+/// Adds the files of a folder and of those in it.
+fn collect(folder: &Path, files: &mut BTreeSet<PathBuf>) -> std::io::Result<()> {
+    for entry in std::fs::read_dir(folder)? {
+        let path = entry?.path();
+        if path.is_dir() {
+            collect(&path, files)?;
+        } else {
+            files.insert(path);
+        }
+    }
+    Ok(())
+}

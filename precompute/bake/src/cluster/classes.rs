@@ -1,0 +1,28 @@
+//! Frames that may share a group as far as contacts go.
+
+use std::collections::BTreeMap;
+use throng_motion::clip::{Clip, ClipSet};
+
+/// Contact states of a frame with its neighbours: previous, this, next.
+pub(super) type ContactStates = [u8; 3];
+
+/// The usable frames by their contact states, ascending.
+///
+/// Where a run of usable frames begins or ends, the neighbour that is not there counts as the frame itself, as it
+/// does for velocities.
+pub(super) fn of_contacts(clips: &ClipSet) -> BTreeMap<ContactStates, Vec<u32>> {
+    let mut classes = BTreeMap::<_, Vec<u32>>::new();
+    for (clip, start) in clips.clips.iter().zip(clips.frame_starts()) {
+        for run in clip.usable_ranges() {
+            for f in run.clone() {
+                let neighbours = [f.max(run.start + 1) - 1, f, (f + 1).min(run.end - 1)];
+                classes.entry(states(clip, neighbours)).or_default().push(start + f as u32);
+            }
+        }
+    }
+    classes
+}
+
+fn states(clip: &Clip, frames: [usize; 3]) -> ContactStates {
+    frames.map(|f| clip.contacts[f].0)
+}

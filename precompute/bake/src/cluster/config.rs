@@ -1,0 +1,54 @@
+//! How alike the frames of a pose group are.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use throng_motion::error::BuildError;
+
+/// How frames are grouped.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct ClusterConfig {
+    /// Any two frames of a group are nearer to each other than this (rad, as `features` explains).
+    /// (> 0)
+    pub threshold: f64,
+}
+
+impl Default for ClusterConfig {
+    fn default() -> Self {
+        Self { threshold: 0.3 }
+    }
+}
+
+impl ClusterConfig {
+    /// The threshold as distances are counted: a distance below it is below the one of the config.
+    ///
+    /// # Errors
+    /// [`BuildError::Config`] for a threshold outside its limits.
+    pub(super) fn check(&self) -> Result<f32, BuildError> {
+        let limit = self.threshold as f32;
+        // Its square is what squared distances are compared with.
+        if (limit * limit).is_normal() && limit > 0.0 {
+            return Ok(limit);
+        }
+        let found = self.threshold;
+        Err(BuildError::Config {
+            message: format!(
+                "cluster.threshold: expected a number above 0, as 0.3, found {found}. Correct the config."
+            ),
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn refuses_thresholds_that_are_not_above_zero() {
+        for threshold in [0.0, -0.3, f64::NAN, f64::INFINITY, 1e30, 1e-30] {
+            let error = ClusterConfig { threshold }.check().unwrap_err().to_string();
+            assert!(error.contains("cluster.threshold") && error.contains("above 0"), "{error}");
+        }
+        assert_eq!(ClusterConfig::default().check().unwrap(), 0.3);
+    }
+}

@@ -1,0 +1,241 @@
+//! Complete linkage of items of which only near pairs are known, and those only roughly.
+
+/// Another item, and how far away it is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Neighbour {
+    pub item: u32,
+    /// Largest distance between a frame of one item and a frame of the other, or less (rad).
+    pub linkage: f32,
+    /// True where `linkage` is as good as [`Distance::estimate`] gives it.
+    pub estimated: bool,
+}
+
+/// How far apart items are.
+pub(super) trait Distance {
+    /// Frames that are together.
+    type Item;
+
+    /// Nearly the largest distance between a frame of `a` and one of `b`, but not more; none where even that is too
+    /// large to merge.
+    fn estimate(&self, a: &Self::Item, b: &Self::Item) -> Option<f32>;
+    /// Both together; as they are where the largest distance between a frame of `a` and one of `b` is too large.
+    fn join(&self, a: Self::Item, b: Self::Item) -> Result<Self::Item, [Self::Item; 2]>;
+}
+
+/// Merges items as long as there are near pairs, the nearest pair first.
+///
+/// - `neighbours`: for every item the ones that may be near enough to merge, ascending by item; `a` among those of `b`
+///   wherever `b` is among those of `a`.
+/// - returns what is left, with the frames of what was merged.
+///
+/// What complete linkage joins must be near in every pair, so pairs that are not near can be forgotten: this is the
+/// whole hierarchy below the height that "near" stands for. Items are followed from nearest neighbour to nearest
+/// neighbour until two are each other's, which gives the merges of "nearest pair first" in another order, ties aside.
+/// Which neighbour is nearest is decided by estimates, made only where it depends on them; that two may merge, by the
+/// frames themselves.
+pub(super) fn link<D: Distance>(items: Vec<D::Item>, neighbours: Vec<Vec<Neighbour>>, distance: &D) -> Vec<D::Item> {
+    let items = items.into_iter().map(Some).collect();
+    let mut links = Links { items, neighbours, distance };
+    let mut chain: Vec<u32> = Vec::new();
+    let mut next = 0;
+    while next < links.items.len() {
+        let Some(&top) = chain.last() else {
+            if links.items[next].is_some() && !links.neighbours[next].is_empty() {
+                chain.push(next as u32);
+            } else {
+                next += 1;
+            }
+            continue;
+        };
+        let before = chain.len().checked_sub(2).map(|k| chain[k]);
+        match links.nearest(top, before) {
+            None => {
+                chain.pop();
+            }
+            Some(n) if Some(n.item) == before => {
+                chain.pop();
+                if links.merge(top, n.item) {
+                    chain.pop();
+                }
+            }
+            Some(n) => chain.push(n.item),
+        }
+    }
+    links.items.into_iter().flatten().collect()
+}
+
+struct Links<'a, D: Distance> {
+    /// Items and, behind those given, what was merged; none where an item has gone into another.
+    items: Vec<Option<D::Item>>,
+    /// Items that are gone may still be among them (items.len()).
+    neighbours: Vec<Vec<Neighbour>>,
+    distance: &'a D,
+}
+
+impl<D: Distance> Links<'_, D> {
+    /// The nearest neighbour, of equally near ones `preferred`, else the first. Its linkage is estimated.
+    fn nearest(&mut self, of: u32, preferred: Option<u32>) -> Option<Neighbour> {
+        let mut near = std::mem::take(&mut self.neighbours[of as usize]);
+        near.retain(|n| self.items[n.item as usize].is_some());
+        let key = |n: &Neighbour| (n.linkage, Some(n.item) != preferred);
+        let nearest = loop {
+            let best = near.iter().enumerate().min_by(|(_, a), (_, b)| {
+                let (a, b) = (key(a), key(b));
+                a.0.total_cmp(&b.0).then(a.1.cmp(&b.1))
+            });
+            let Some((k, n)) = best.map(|(k, n)| (k, *n)) else { break None };
+            if n.estimated {
+                break Some(n);
+            }
+            let found = match (&self.items[of as usize], &self.items[n.item as usize]) {
+                (Some(a), Some(b)) => self.distance.estimate(a, b),
+                _ => None,
+            };
+            match found {
+                Some(linkage) => (near[k].linkage, near[k].estimated) = (linkage, true),
+                None => {
+                    near.remove(k);
+                }
+            }
+            self.tell(n.item, of, found);
+        };
+        self.neighbours[of as usize] = near;
+        nearest
+    }
+
+    /// Lets an item know the linkage of another one.
+    fn tell(&mut self, item: u32, of: u32, linkage: Option<f32>) {
+        let near = &mut self.neighbours[item as usize];
+        if let Ok(k) = near.binary_search_by_key(&of, |n| n.item) {
+            match linkage {
+                Some(linkage) => (near[k].linkage, near[k].estimated) = (linkage, true),
+                None => {
+                    near.remove(k);
+                }
+            }
+        }
+    }
+
+    /// Makes one new item of two; forgets that they are near and returns false where they are not.
+    fn merge(&mut self, a: u32, b: u32) -> bool {
+        let pair = [a, b].map(|i| self.items[i as usize].take());
+        let joined = match pair {
+            [Some(a), Some(b)] => self.distance.join(a, b),
+            pair => {
+                [self.items[a as usize], self.items[b as usize]] = pair;
+                return false;
+            }
+        };
+        let all = match joined {
+            Ok(all) => all,
+            Err(pair) => {
+                [self.items[a as usize], self.items[b as usize]] = pair.map(Some);
+                self.tell(a, b, None);
+                self.tell(b, a, None);
+                return false;
+            }
+        };
+        let merged = self.items.len() as u32;
+        let [a, b] = [a, b].map(|i| std::mem::take(&mut self.neighbours[i as usize]));
+        let mut common = common(&a, &b);
+        common.retain(|n| self.items[n.item as usize].is_some());
+        for n in &common {
+            self.neighbours[n.item as usize].push(Neighbour { item: merged, ..*n });
+        }
+        self.items.push(Some(all));
+        self.neighbours.push(common);
+        true
+    }
+}
+
+/// What is near to both of two items, as far away as from the farther one.
+fn common(a: &[Neighbour], b: &[Neighbour]) -> Vec<Neighbour> {
+    let mut out = Vec::new();
+    let mut rest = b.iter().peekable();
+    for n in a {
+        while rest.next_if(|m| m.item < n.item).is_some() {}
+        if let Some(m) = rest.next_if(|m| m.item == n.item) {
+            let estimated = n.estimated && m.estimated;
+            out.push(Neighbour { item: n.item, linkage: n.linkage.max(m.linkage), estimated });
+        }
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Frames of which all distances are known, and how much of them is known roughly.
+    struct Known<F> {
+        distance: F,
+        from_below: f32,
+        limit: f32,
+    }
+
+    /// Frames and their diameter.
+    type Group = (Vec<u32>, f32);
+
+    impl<F: Fn(u32, u32) -> f32> Distance for Known<F> {
+        type Item = Group;
+
+        fn estimate(&self, a: &Group, b: &Group) -> Option<f32> {
+            let first = (self.distance)(a.0[0], b.0[0]) * self.from_below;
+            Some(first).filter(|&d| d < self.limit)
+        }
+
+        fn join(&self, a: Group, b: Group) -> Result<Group, [Group; 2]> {
+            let pairs = a.0.iter().flat_map(|&f| b.0.iter().map(move |&g| (f, g)));
+            let height = pairs.map(|(f, g)| (self.distance)(f, g)).fold(0.0, f32::max);
+            if height < self.limit { Ok(([a.0, b.0].concat(), height.max(a.1).max(b.1))) } else { Err([a, b]) }
+        }
+    }
+
+    /// Frames and diameter of what is left of `n` frames.
+    fn linked(n: u32, known: &Known<impl Fn(u32, u32) -> f32>) -> Vec<Group> {
+        let roughly = |i: u32, j: u32| known.from_below * (known.distance)(i, j);
+        let row = |i: u32| {
+            let near = (0..n).filter(|&j| j != i && roughly(i, j) < known.limit);
+            near.map(|j| Neighbour { item: j, linkage: 0.5 * roughly(i, j), estimated: false }).collect()
+        };
+        let items = (0..n).map(|f| (vec![f], 0.0)).collect();
+        let mut left = link(items, (0..n).map(row).collect(), known);
+        left.iter_mut().for_each(|(frames, _)| frames.sort_unstable());
+        left.sort_by(|a, b| a.0.cmp(&b.0));
+        left
+    }
+
+    #[test]
+    fn merges_on_a_line_are_those_worked_out_by_hand() {
+        // 0 1 . . 3.5 . 6: first 0-1 at 1, then 3.5-6 at 2.5, then all at 6.
+        let x = [0.0f32, 1.0, 3.5, 6.0];
+        for from_below in [1.0, 0.9] {
+            let distance = |i, j| (x[i as usize] - x[j as usize]).abs();
+            let left = |limit| linked(4, &Known { distance, from_below, limit });
+            assert_eq!(left(7.0), [(vec![0, 1, 2, 3], 6.0)]);
+            let pairs = [(vec![0, 1], 1.0), (vec![2, 3], 2.5)];
+            assert_eq!(left(6.0), pairs, "at the limit itself nothing merges");
+            assert_eq!(left(2.6), pairs);
+            assert_eq!(left(2.5), [(vec![0, 1], 1.0), (vec![2], 0.0), (vec![3], 0.0)]);
+        }
+    }
+
+    #[test]
+    fn equal_distances_end_too() {
+        assert_eq!(linked(9, &Known { distance: |_, _| 1.0, from_below: 0.9, limit: 2.0 }), [((0..9).collect(), 1.0)]);
+        assert_eq!(linked(0, &Known { distance: |_, _| 1.0, from_below: 0.9, limit: 2.0 }), []);
+    }
+
+    #[test]
+    fn estimates_that_are_far_too_small_cost_groups_but_not_the_promise() {
+        let x: Vec<f32> = (0..40).map(|k| (k as f32 * 1.7).sin() * 5.0).collect();
+        let distance = |i: u32, j: u32| (x[i as usize] - x[j as usize]).abs();
+        let left = linked(40, &Known { distance, from_below: 0.3, limit: 1.0 });
+        assert_eq!(left.iter().map(|(frames, _)| frames.len()).sum::<usize>(), 40);
+        for (frames, diameter) in left {
+            let widest = frames.iter().flat_map(|&i| frames.iter().map(move |&j| (i, j)));
+            assert_eq!(widest.map(|(i, j)| distance(i, j)).fold(0.0, f32::max), diameter);
+            assert!(diameter < 1.0);
+        }
+    }
+}

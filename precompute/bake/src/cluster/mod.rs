@@ -1,0 +1,137 @@
+//! Pose groups: frames so alike that motion may go on from either as if it were the other (Lee, Choi and Lee 2006, section 3).
+
+mod agglomerate;
+mod classes;
+mod config;
+mod linkage;
+mod neighbours;
+mod projection;
+pub mod reference;
+mod tree;
+
+pub use config::ClusterConfig;
+
+use crate::features::Features;
+use neighbours::Space;
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+use throng_motion::clip::{ClipSet, FrameId};
+use throng_motion::error::BuildError;
+use throng_motion::progress::Progress;
+use tree::Item;
+
+/// Which frame belongs to which group.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct PoseGroups {
+    /// Group of every frame; [`PoseGroups::NO_GROUP`] for excluded frames. Groups are numbered in order of their first
+    /// frame (ClipSet::num_frames()).
+    pub groups: Vec<u32>,
+    /// The frame of each group that is nearest to all its others: their distances have the least sum (number of
+    /// groups).
+    pub medoids: Vec<FrameId>,
+    /// Largest distance between two frames of one group (rad, as `FeaturesConfig` explains).
+    pub max_diameter: f32,
+    /// Every diameter stays below this (rad).
+    pub threshold: f32,
+}
+
+impl PoseGroups {
+    /// Stands where a frame has no group.
+    pub const NO_GROUP: u32 = u32::MAX;
+
+    /// Number of groups.
+    pub fn num_groups(&self) -> usize {
+        self.medoids.len()
+    }
+
+    /// Group of a frame, none for excluded frames (frame < groups.len()).
+    pub fn of(&self, frame: FrameId) -> Option<u32> {
+        Some(self.groups[frame.0 as usize]).filter(|&g| g != Self::NO_GROUP)
+    }
+}
+
+/// Members with which the frames of a larger group are compared to find its medoid.
+const MEDOID_SAMPLE: usize = 256;
+
+/// Sorts frames into groups such that any two frames of a group are nearer than the threshold.
+///
+/// Frames share a group only if their contacts agree, and those of the frames before and after them. Where a run of
+/// usable frames begins or ends, the frame itself stands in for the missing neighbour.
+///
+/// - `clips`: annotated.
+/// - `features`: of the same clips.
+///
+/// The medoid of a group of more than 256 frames is the one nearest to an even sample of 256 of them.
+///
+/// # Errors
+/// [`BuildError::Config`] for a threshold outside its limits. [`BuildError::Stage`] for clips without contacts, or
+/// features of other clips.
+///
+/// # Source
+/// Lee, Choi and Lee 2006, section 3. Differs: in place of agglomerative hierarchical k-means, near pairs are merged
+/// first wherever those of a contact state are few enough, which is complete linkage but for how it estimates which
+/// of two pairs is nearer; k-means splits what is denser.
+pub fn group(
+    clips: &ClipSet,
+    features: &Features,
+    config: &ClusterConfig,
+    progress: &dyn Progress,
+) -> Result<PoseGroups, BuildError> {
+    let limit = check(clips, features, config)?;
+    // Large ones first, so that no thread begins one when the others are done.
+    let mut classes: Vec<Vec<u32>> = classes::of_contacts(clips).into_values().collect();
+    classes.sort_by_key(|frames| std::cmp::Reverse(frames.len()));
+    progress.begin("cluster", classes.iter().map(|frames| frames.len() as u64).sum(), "frames");
+    let space = Space::new(features);
+    let merged = classes.par_iter().with_max_len(1).map(|frames| {
+        let items = agglomerate::agglomerate(&space, frames, limit, agglomerate::max_pairs(frames.len()));
+        progress.advance(frames.len() as u64);
+        items
+    });
+    let items: Vec<Vec<Item>> = merged.collect();
+    progress.end();
+    let items = items.concat();
+    let max_diameter = items.iter().fold(0.0, |largest, item| item.diameter(&space, largest));
+    Ok(PoseGroups { max_diameter, threshold: limit, ..numbered(items, features) })
+}
+
+/// The threshold as the distances are counted, if everything fits together.
+fn check(clips: &ClipSet, features: &Features, config: &ClusterConfig) -> Result<f32, BuildError> {
+    let limit = config.check()?;
+    let fail = |message: String, help: &str| BuildError::Stage { stage: "cluster", message, help: help.to_owned() };
+    if let Some(c) = clips.clips.iter().find(|c| c.contacts.len() != c.num_frames()) {
+        let message = format!("clip {}: expected {} contacts, found {}", c.name, c.num_frames(), c.contacts.len());
+        return Err(fail(message, "Annotate the clips first"));
+    }
+    if features.num_frames() != clips.num_frames() {
+        let message = format!("expected features of {} frames, found {}", clips.num_frames(), features.num_frames());
+        return Err(fail(message, "Extract the features from the same clips"));
+    }
+    Ok(limit)
+}
+
+fn numbered(items: Vec<Item>, features: &Features) -> PoseGroups {
+    let mut items: Vec<Vec<u32>> = items.into_iter().map(|i| i.frames).collect();
+    items.par_iter_mut().for_each(|frames| frames.sort_unstable());
+    items.sort_unstable_by_key(|frames| frames[0]);
+    let mut groups = vec![PoseGroups::NO_GROUP; features.num_frames()];
+    for (g, frames) in items.iter().enumerate() {
+        frames.iter().for_each(|&f| groups[f as usize] = g as u32);
+    }
+    PoseGroups {
+        groups,
+        medoids: items.par_iter().map(|frames| medoid(frames, features)).collect(),
+        ..PoseGroups::default()
+    }
+}
+
+/// The first of the frames with the least sum of distances.
+fn medoid(frames: &[u32], features: &Features) -> FrameId {
+    let sample = || frames.iter().step_by(frames.len().div_ceil(MEDOID_SAMPLE));
+    let sum = |f: u32| sample().map(|&g| f64::from(features.distance(FrameId(f), FrameId(g)))).sum::<f64>();
+    let sums = frames.iter().map(|&f| (sum(f), FrameId(f)));
+    sums.min_by(|a, b| a.0.total_cmp(&b.0)).map_or(FrameId(frames[0]), |(_, f)| f)
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,156 @@
+//! Which items are near each other.
+
+use super::linkage::{Distance, Neighbour};
+use super::projection::{self, Point};
+use super::tree::Item;
+use crate::features::Features;
+use rayon::prelude::*;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use throng_motion::clip::FrameId;
+
+/// The distance of frames, and points that tell when it is large.
+pub(super) struct Space<'a> {
+    pub features: &'a Features,
+    /// (features.num_frames())
+    pub points: Vec<Point>,
+}
+
+/// By how much the squared distance of points may exceed that of frames, by rounding.
+const SLACK: f32 = 1e-3;
+
+/// Frames of an item whose points are looked at to find near items.
+const GLANCE: usize = 6;
+/// Frames of an item that are looked at to estimate how far another item is.
+const SAMPLE: usize = 32;
+
+impl<'a> Space<'a> {
+    pub fn new(features: &'a Features) -> Self {
+        Self { features, points: projection::project(features) }
+    }
+
+    /// Distance of two frames (rad).
+    pub fn distance(&self, a: u32, b: u32) -> f32 {
+        self.features.distance(FrameId(a), FrameId(b))
+    }
+
+    /// Distance of two frames where it is below `limit` (rad).
+    pub fn distance_below(&self, a: u32, b: u32, limit: f32) -> Option<f32> {
+        if squared_gap(&self.points[a as usize], &self.points[b as usize]) > squared_reach(limit) {
+            return None;
+        }
+        let squared = self.features.squared_distance_within(FrameId(a), FrameId(b), limit * limit * (1.0 + SLACK))?;
+        Some(squared.sqrt()).filter(|&d| d < limit)
+    }
+
+    /// Largest distance between the points of some frames of `a` and `b`, squared, where it is not above `reach`.
+    fn squared_gap_within(&self, a: &Item, b: &Item, reach: f32) -> Option<f32> {
+        let mut largest = 0.0f32;
+        for f in some_of(&a.frames, GLANCE) {
+            for g in some_of(&b.frames, GLANCE) {
+                largest = largest.max(squared_gap(&self.points[f as usize], &self.points[g as usize]));
+                if largest > reach {
+                    return None;
+                }
+            }
+        }
+        Some(largest)
+    }
+
+    /// For every item the ones that may have a linkage below `limit`, ascending, if there are no more than `max_pairs`
+    /// pairs. Linkages are given from below.
+    pub fn near(&self, items: &[Item], limit: f32, max_pairs: usize) -> Option<Vec<Vec<Neighbour>>> {
+        // Sorted by the first dimension, items that are near are near each other in the list.
+        let first = |i: u32| self.points[items[i as usize].frames[0] as usize];
+        let mut order: Vec<u32> = (0..items.len() as u32).collect();
+        order.sort_by(|&a, &b| first(a)[0].total_cmp(&first(b)[0]).then(a.cmp(&b)));
+        let points: Vec<Point> = order.iter().map(|&i| first(i)).collect();
+        let reach = squared_reach(limit);
+        let found = AtomicUsize::new(0);
+        let after = |k: usize| {
+            let mut near = Vec::new();
+            let rest = points.iter().enumerate().skip(k + 1);
+            for (other, p) in rest.take_while(|(_, p)| (p[0] - points[k][0]).powi(2) <= reach) {
+                if squared_gap(&points[k], p) <= reach {
+                    let item = order[other];
+                    let gap = self.squared_gap_within(&items[order[k] as usize], &items[item as usize], reach);
+                    near.extend(gap.map(|g| Neighbour { item, linkage: from_below(g), estimated: false }));
+                }
+            }
+            (found.fetch_add(near.len(), Ordering::Relaxed) + near.len() <= max_pairs).then_some(near)
+        };
+        let half: Vec<Vec<Neighbour>> = (0..order.len()).into_par_iter().map(after).collect::<Option<_>>()?;
+        Some(both_ways(&order, half))
+    }
+}
+
+/// Distances that keep below a limit.
+pub(super) struct Below<'a> {
+    pub space: &'a Space<'a>,
+    /// (rad)
+    pub limit: f32,
+}
+
+impl Distance for Below<'_> {
+    type Item = Item;
+
+    /// Of some frames of either item, the distance to the one of the other whose point is farthest away.
+    fn estimate(&self, a: &Item, b: &Item) -> Option<f32> {
+        let mut largest = 0.0f32;
+        for (from, to) in [(a, b), (b, a)] {
+            for f in some_of(&from.frames, SAMPLE) {
+                let gap = |g: u32| squared_gap(&self.space.points[f as usize], &self.space.points[g as usize]);
+                let gaps = some_of(&to.frames, SAMPLE).map(|g| (gap(g), g));
+                let farthest = gaps.max_by(|x, y| x.0.total_cmp(&y.0)).map_or(to.frames[0], |(_, g)| g);
+                largest = largest.max(self.space.distance_below(f, farthest, self.limit)?);
+            }
+        }
+        Some(largest)
+    }
+
+    fn join(&self, a: Item, b: Item) -> Result<Item, [Item; 2]> {
+        if a.is_below(self.space, &b, self.limit) { Ok(Item::join(self.space, a, b)) } else { Err([a, b]) }
+    }
+}
+
+/// Frames of an item, at most `n`, spread evenly.
+fn some_of(frames: &[u32], n: usize) -> impl Iterator<Item = u32> {
+    frames.iter().step_by(frames.len().div_ceil(n)).copied()
+}
+
+/// Pairs known to the first item of each, made known to both.
+fn both_ways(order: &[u32], half: Vec<Vec<Neighbour>>) -> Vec<Vec<Neighbour>> {
+    let mut sizes = vec![0; order.len()];
+    for (&i, near) in order.iter().zip(&half) {
+        sizes[i as usize] += near.len();
+        near.iter().for_each(|n| sizes[n.item as usize] += 1);
+    }
+    let mut out: Vec<Vec<Neighbour>> = sizes.into_iter().map(Vec::with_capacity).collect();
+    for (&i, near) in order.iter().zip(half) {
+        for n in near {
+            out[i as usize].push(n);
+            out[n.item as usize].push(Neighbour { item: i, ..n });
+        }
+    }
+    out.par_iter_mut().for_each(|near| near.sort_unstable_by_key(|n| n.item));
+    out
+}
+
+pub(super) fn squared_gap(a: &Point, b: &Point) -> f32 {
+    let mut sums = [0.0f32; 4];
+    for (a, b) in a.chunks_exact(4).zip(b.chunks_exact(4)) {
+        for l in 0..4 {
+            sums[l] += (a[l] - b[l]) * (a[l] - b[l]);
+        }
+    }
+    sums.iter().sum()
+}
+
+/// Points farther apart than this belong to frames farther apart than `limit`.
+fn squared_reach(limit: f32) -> f32 {
+    limit * limit * (1.0 + SLACK) + 1e-7
+}
+
+/// What the distance of frames is at least whose points are that far apart.
+fn from_below(squared_gap: f32) -> f32 {
+    ((squared_gap - 1e-7).max(0.0) / (1.0 + SLACK)).sqrt()
+}

@@ -1,0 +1,115 @@
+//! Frames in a few dimensions, to tell at little cost that two are far apart.
+
+use crate::features::{EMBEDDING, Features};
+use rayon::prelude::*;
+use throng_motion::clip::FrameId;
+
+/// Dimensions of the projection.
+pub(super) const DIMS: usize = 16;
+
+/// A frame in the projection; its distance to another one is never above that of the frames.
+pub(super) type Point = [f32; DIMS];
+
+/// Frames of which the directions are found.
+const SAMPLE: usize = 2048;
+/// Rounds of finding directions. They need not be exact: any orthonormal ones keep the promise.
+const ROUNDS: usize = 8;
+
+type Direction = [f32; EMBEDDING];
+
+/// Projects every frame on the directions in which frames differ most, by falling variance.
+///
+/// - returns the points (features.num_frames()).
+pub(super) fn project(features: &Features) -> Vec<Point> {
+    let n = features.num_frames();
+    let sample: Vec<Direction> =
+        (0..n).step_by(n.div_ceil(SAMPLE).max(1)).map(|f| features.embed(FrameId(f as u32))).collect();
+    let directions = principal_directions(sample);
+    let point = |f: usize| {
+        let x = features.embed(FrameId(f as u32));
+        directions.each_ref().map(|d| dot(d, &x))
+    };
+    (0..n).into_par_iter().map(point).collect()
+}
+
+/// Leading eigenvectors of the covariance, by subspace iteration.
+fn principal_directions(mut sample: Vec<Direction>) -> [Direction; DIMS] {
+    let mean: Direction = std::array::from_fn(|d| sample.iter().map(|x| x[d]).sum::<f32>() / sample.len() as f32);
+    for x in &mut sample {
+        x.iter_mut().zip(&mean).for_each(|(x, m)| *x -= m);
+    }
+    let variance: Direction = std::array::from_fn(|d| sample.iter().map(|x| x[d] * x[d]).sum());
+    let mut widest: Vec<usize> = (0..EMBEDDING).collect();
+    widest.sort_by(|&a, &b| variance[b].total_cmp(&variance[a]));
+    let mut directions = [[0.0; EMBEDDING]; DIMS];
+    directions.iter_mut().zip(widest).for_each(|(d, axis)| d[axis] = 1.0);
+    for _ in 0..ROUNDS {
+        directions.par_iter_mut().for_each(|d| {
+            let mut turned = [0.0; EMBEDDING];
+            for x in &sample {
+                add(&mut turned, x, dot(d, x));
+            }
+            *d = turned;
+        });
+        make_orthonormal(&mut directions);
+    }
+    directions
+}
+
+/// Makes directions orthogonal to those before them and of unit length; one that has nothing of its own becomes zero.
+fn make_orthonormal(directions: &mut [Direction; DIMS]) {
+    for k in 0..DIMS {
+        let (done, rest) = directions.split_at_mut(k);
+        let whole = dot(&rest[0], &rest[0]).sqrt();
+        // Twice is enough for what rounding leaves.
+        for d in done.iter().chain(done.iter()) {
+            let part = dot(d, &rest[0]);
+            add(&mut rest[0], d, -part);
+        }
+        let length = dot(&rest[0], &rest[0]).sqrt();
+        let scale = if length > 1e-4 * whole { 1.0 / length } else { 0.0 };
+        rest[0].iter_mut().for_each(|v| *v *= scale);
+    }
+}
+
+fn dot(a: &Direction, b: &Direction) -> f32 {
+    let mut sums = [0.0f32; 8];
+    let (a, b) = (a.chunks(8), b.chunks(8));
+    for (a, b) in a.zip(b) {
+        for (s, (a, b)) in sums.iter_mut().zip(a.iter().zip(b)) {
+            *s += a * b;
+        }
+    }
+    sums.iter().sum()
+}
+
+fn add(to: &mut Direction, d: &Direction, times: f32) {
+    to.iter_mut().zip(d).for_each(|(t, d)| *t += times * d);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn directions_are_orthonormal_and_the_widest_come_first() {
+        let sample: Vec<Direction> = (0..400)
+            .map(|k| std::array::from_fn(|d| ((k * (d + 3)) as f32 * 0.7).sin() * 0.7f32.powi(d as i32)))
+            .collect();
+        let directions = principal_directions(sample.clone());
+        let variance = |d: &Direction| sample.iter().map(|x| dot(d, x).powi(2)).sum::<f32>();
+        for (i, a) in directions.iter().enumerate() {
+            for b in &directions[..i] {
+                assert!(dot(a, b).abs() < 1e-5);
+                assert!(variance(a) < 1.1 * variance(b));
+            }
+            assert!((dot(a, a) - 1.0).abs() < 1e-5);
+        }
+    }
+
+    #[test]
+    fn frames_that_are_all_the_same_have_no_directions() {
+        let directions = principal_directions(vec![[0.5; EMBEDDING]; 3]);
+        assert!(directions.iter().flatten().all(|&v| v == 0.0));
+    }
+}

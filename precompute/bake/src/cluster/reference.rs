@@ -1,0 +1,87 @@
+//! Complete linkage from the whole matrix of distances: slow and large, to compare with.
+
+use super::{ClusterConfig, check, classes};
+use crate::features::Features;
+use rayon::prelude::*;
+use throng_motion::clip::{ClipSet, FrameId};
+use throng_motion::error::BuildError;
+
+/// The groups of complete linkage, in order of their first frame, each with its frames ascending.
+///
+/// Takes four bytes for every pair of frames whose contacts agree.
+///
+/// # Errors
+/// As [`super::group`].
+pub fn complete_linkage(
+    clips: &ClipSet,
+    features: &Features,
+    config: &ClusterConfig,
+) -> Result<Vec<Vec<FrameId>>, BuildError> {
+    let limit = check(clips, features, config)?;
+    let mut groups: Vec<Vec<FrameId>> =
+        classes::of_contacts(clips).values().flat_map(|frames| Matrix::new(features, frames).groups(limit)).collect();
+    groups.sort();
+    Ok(groups)
+}
+
+/// Distances of groups.
+struct Matrix {
+    groups: Vec<Vec<FrameId>>,
+    /// Those of group i to groups 0 to i - 1.
+    rows: Vec<Vec<f32>>,
+}
+
+impl Matrix {
+    fn new(features: &Features, frames: &[u32]) -> Self {
+        let distance = |a: u32, b: u32| features.distance(FrameId(a), FrameId(b));
+        let row = |i: usize| frames[..i].iter().map(|&b| distance(frames[i], b)).collect();
+        Self {
+            groups: frames.iter().map(|&f| vec![FrameId(f)]).collect(),
+            rows: (0..frames.len()).into_par_iter().map(row).collect(),
+        }
+    }
+
+    fn at(&mut self, a: usize, b: usize) -> &mut f32 {
+        &mut self.rows[a.max(b)][a.min(b)]
+    }
+
+    /// Merges the nearest two groups while they are nearer than `limit`.
+    fn groups(mut self, limit: f32) -> Vec<Vec<FrameId>> {
+        let mut nearest: Vec<Option<(f32, usize)>> = (0..self.groups.len()).map(|i| self.nearest(i)).collect();
+        loop {
+            let best = (0..nearest.len()).filter_map(|i| nearest[i].map(|(d, j)| (d, i, j)));
+            let Some((distance, a, b)) = best.min_by(|x, y| x.0.total_cmp(&y.0)) else { break };
+            if distance >= limit {
+                break;
+            }
+            self.merge(a, b);
+            for i in 0..nearest.len() {
+                if i == a || i == b || nearest[i].is_some_and(|(_, j)| j == a || j == b) {
+                    nearest[i] = self.nearest(i);
+                }
+            }
+        }
+        self.groups.retain(|g| !g.is_empty());
+        self.groups.iter_mut().for_each(|g| g.sort());
+        self.groups
+    }
+
+    /// The nearest other group, none for what has been merged.
+    fn nearest(&mut self, i: usize) -> Option<(f32, usize)> {
+        if self.groups[i].is_empty() {
+            return None;
+        }
+        let others: Vec<usize> = (0..self.groups.len()).filter(|&j| j != i && !self.groups[j].is_empty()).collect();
+        others.into_iter().map(|j| (*self.at(i, j), j)).min_by(|x, y| x.0.total_cmp(&y.0))
+    }
+
+    /// Puts `b` into `a`.
+    fn merge(&mut self, a: usize, b: usize) {
+        let moved = std::mem::take(&mut self.groups[b]);
+        self.groups[a].extend(moved);
+        for j in (0..self.groups.len()).filter(|&j| j != a && j != b) {
+            let farther = (*self.at(a, j)).max(*self.at(b, j));
+            *self.at(a, j) = farther;
+        }
+    }
+}

@@ -1,0 +1,184 @@
+//! Frames that are together, as a tree of balls: whether two of them stay below a distance, and how wide one is,
+//! mostly without looking at pairs of frames.
+
+use super::neighbours::Space;
+
+/// Frames that are together already.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Item {
+    /// At least one; those of every ball stand together.
+    pub frames: Vec<u32>,
+    /// The balls of what was merged, each before the balls of its first part, and those before the ones of its second;
+    /// a frame alone is a ball too (2 frames.len() - 1).
+    balls: Vec<Ball>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Ball {
+    num_frames: u32,
+    /// One of the frames.
+    centre: u32,
+    /// No frame is farther from the centre (rad).
+    radius: f32,
+}
+
+/// By how much the sum of two distances may stay below the third, by rounding, relative to it.
+const SLACK: f32 = 1e-4;
+/// A part may have so many times the frames of the other and still only the larger one's centre is thought of.
+const LOPSIDED: usize = 4;
+
+impl Item {
+    pub fn of(frame: u32) -> Self {
+        Self { frames: vec![frame], balls: vec![Ball { num_frames: 1, centre: frame, radius: 0.0 }] }
+    }
+
+    /// Both together.
+    pub fn join(space: &Space, a: Self, b: Self) -> Self {
+        let mut frames = a.frames;
+        let first = frames.len();
+        frames.extend(b.frames);
+        let (larger, smaller) =
+            if first * 2 >= frames.len() { (a.balls[0], first..frames.len()) } else { (b.balls[0], 0..first) };
+        let ball = if smaller.len() * LOPSIDED < frames.len() {
+            let added = farthest(space, larger.centre, &frames[smaller]);
+            Ball { num_frames: frames.len() as u32, radius: larger.radius.max(added), ..larger }
+        } else {
+            let centre = middle(space, &frames);
+            Ball { num_frames: frames.len() as u32, centre, radius: farthest(space, centre, &frames) }
+        };
+        let balls = [vec![ball], a.balls, b.balls].concat();
+        Self { frames, balls }
+    }
+
+    /// Both parts of a ball, none for a single frame.
+    fn parts(&self, ball: usize) -> Option<[usize; 2]> {
+        let first = ball + 1;
+        let second = || first + 2 * self.balls[first].num_frames as usize - 1;
+        (self.balls[ball].num_frames > 1).then(|| [first, second()])
+    }
+
+    /// Whether every distance between a frame of `self` and one of `other` is below `limit`.
+    ///
+    /// A distance between frames of two balls is at most the sum of that of the centres and both radii: the distance of
+    /// frames is a metric, being the root of a weighted sum of squares of metrics.
+    pub fn is_below(&self, space: &Space, other: &Self, limit: f32) -> bool {
+        let mut pairs = vec![(0, 0)];
+        while let Some((i, j)) = pairs.pop() {
+            let (a, b) = (&self.balls[i], &other.balls[j]);
+            let Some(distance) = space.distance_below(a.centre, b.centre, limit) else { return false };
+            if (distance + a.radius + b.radius) * (1.0 + SLACK) < limit {
+                continue;
+            }
+            // The wider one is looked at more closely; two single frames have been looked at.
+            let parts = if a.radius >= b.radius { self.parts(i) } else { None };
+            match (parts, other.parts(j)) {
+                (Some(parts), _) => pairs.extend(parts.map(|i| (i, j))),
+                (None, Some(parts)) => pairs.extend(parts.map(|j| (i, j))),
+                (None, None) => pairs.extend(self.parts(i).into_iter().flatten().map(|i| (i, j))),
+            }
+        }
+        true
+    }
+
+    /// Largest distance between two of the frames where it is above `least`, else `least` (rad).
+    pub fn diameter(&self, space: &Space, least: f32) -> f32 {
+        let mut largest = least;
+        let mut pairs = vec![(0, 0)];
+        while let Some((i, j)) = pairs.pop() {
+            let (a, b) = (&self.balls[i], &self.balls[j]);
+            let distance = space.distance(a.centre, b.centre);
+            largest = largest.max(distance);
+            if (distance + a.radius + b.radius) * (1.0 + SLACK) <= largest {
+                continue;
+            }
+            if i == j {
+                if let Some([first, second]) = self.parts(i) {
+                    pairs.extend([(first, first), (second, second), (first, second)]);
+                }
+                continue;
+            }
+            let parts = if a.radius >= b.radius { self.parts(i) } else { None };
+            match (parts, self.parts(j)) {
+                (Some(parts), _) => pairs.extend(parts.map(|i| (i, j))),
+                (None, Some(parts)) => pairs.extend(parts.map(|j| (i, j))),
+                (None, None) => pairs.extend(self.parts(i).into_iter().flatten().map(|i| (i, j))),
+            }
+        }
+        largest
+    }
+}
+
+/// Largest distance to one of the frames (rad).
+fn farthest(space: &Space, centre: u32, frames: &[u32]) -> f32 {
+    frames.iter().map(|&f| space.distance(centre, f)).fold(0.0, f32::max)
+}
+
+/// The frame whose point is nearest to the mean of all points.
+fn middle(space: &Space, frames: &[u32]) -> u32 {
+    let mut sums = [0.0f64; super::projection::DIMS];
+    for &f in frames {
+        sums.iter_mut().zip(&space.points[f as usize]).for_each(|(sum, x)| *sum += f64::from(*x));
+    }
+    let mean = sums.map(|sum| (sum / frames.len() as f64) as f32);
+    let gap = |f: u32| super::neighbours::squared_gap(&mean, &space.points[f as usize]);
+    let gaps = frames.iter().map(|&f| (gap(f), f));
+    gaps.min_by(|x, y| x.0.total_cmp(&y.0)).map_or(frames[0], |(_, f)| f)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::features::{self, Features, FeaturesConfig};
+    use proptest::prelude::*;
+    use std::sync::LazyLock;
+    use throng_motion::clip::FrameId;
+    use throng_synth::{self as synth, SynthConfig, SynthSet};
+
+    static WALK: LazyLock<Features> = LazyLock::new(|| {
+        let clips = synth::make(SynthSet::Walk, &SynthConfig { minutes: 0.1, ..SynthConfig::default() }).unwrap();
+        features::extract(&clips, &FeaturesConfig::default()).unwrap()
+    });
+
+    /// Frames merged in an order that chance gives.
+    fn merged(space: &Space, frames: &[u32], mut order: u64) -> Item {
+        let mut items: Vec<Item> = frames.iter().map(|&f| Item::of(f)).collect();
+        while items.len() > 1 {
+            order = order.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            let a = items.remove((order >> 33) as usize % items.len());
+            let b = items.remove((order >> 13) as usize % items.len());
+            items.push(Item::join(space, a, b));
+        }
+        items.remove(0)
+    }
+
+    fn some_frames() -> impl Strategy<Value = Vec<u32>> {
+        prop::collection::btree_set(0..WALK.num_frames() as u32, 1..60).prop_map(|f| f.into_iter().collect())
+    }
+
+    proptest! {
+        #[test]
+        fn balls_tell_what_all_pairs_of_frames_tell(
+            a in some_frames(),
+            b in some_frames(),
+            order in any::<u64>(),
+            share in 0.5f32..1.5,
+        ) {
+            let space = Space::new(&WALK);
+            let pairs = |a: &[u32], b: &[u32]| {
+                let all = a.iter().flat_map(|&f| b.iter().map(move |&g| (f, g)));
+                all.map(|(f, g)| WALK.distance(FrameId(f), FrameId(g))).fold(0.0, f32::max)
+            };
+            let largest = pairs(&a, &b);
+            let width = pairs(&a, &a);
+            let items = [(&a, order), (&b, order ^ 7)].map(|(frames, order)| merged(&space, frames, order));
+            for item in &items {
+                prop_assert_eq!(item.balls.len(), 2 * item.frames.len() - 1);
+            }
+            for limit in [largest, largest * share, largest * 1.0001 + 1e-6] {
+                prop_assert_eq!(items[0].is_below(&space, &items[1], limit), largest < limit);
+            }
+            prop_assert_eq!(items[0].diameter(&space, 0.0), width);
+            prop_assert_eq!(items[0].diameter(&space, width + 0.1), width + 0.1);
+        }
+    }
+}

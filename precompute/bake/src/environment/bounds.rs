@@ -1,0 +1,249 @@
+//! Boxes along the axes, and a tree of them for nearest and overlap questions.
+
+use glam::Vec3;
+use throng_core::patch::Placement;
+
+/// A box along the axes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bounds {
+    /// Lowest corner (m).
+    pub min: Vec3,
+    /// Highest corner (m).
+    pub max: Vec3,
+}
+
+impl Bounds {
+    /// Holds nothing.
+    pub const EMPTY: Self = Self { min: Vec3::INFINITY, max: Vec3::NEG_INFINITY };
+
+    /// The smallest box around some points.
+    pub fn of(points: impl IntoIterator<Item = Vec3>) -> Self {
+        points.into_iter().fold(Self::EMPTY, |b, p| Self { min: b.min.min(p), max: b.max.max(p) })
+    }
+
+    /// True where it holds no point.
+    pub fn is_empty(&self) -> bool {
+        !(self.min.cmple(self.max).all())
+    }
+
+    /// The smallest box around both.
+    pub fn union(self, other: Self) -> Self {
+        Self { min: self.min.min(other.min), max: self.max.max(other.max) }
+    }
+
+    /// The same, larger by `by` on every side (m).
+    pub fn grown(self, by: f32) -> Self {
+        Self { min: self.min - by, max: self.max + by }
+    }
+
+    /// Its middle.
+    pub fn centre(&self) -> Vec3 {
+        0.5 * (self.min + self.max)
+    }
+
+    /// True where a point is in it or on its surface.
+    pub fn contains(&self, p: Vec3) -> bool {
+        p.cmpge(self.min).all() && p.cmple(self.max).all()
+    }
+
+    /// True where they have a point in common.
+    pub fn overlaps(&self, other: &Self) -> bool {
+        self.min.cmple(other.max).all() && other.min.cmple(self.max).all()
+    }
+
+    /// Distance from a point, 0 within (m).
+    pub fn distance(&self, p: Vec3) -> f32 {
+        (self.min - p).max(p - self.max).max(Vec3::ZERO).length()
+    }
+
+    /// The box around this one where its frame is placed.
+    pub fn placed(&self, at: Placement) -> Self {
+        if self.is_empty() {
+            return Self::EMPTY;
+        }
+        Self::of(self.corners().map(|c| at.transform_point(c)))
+    }
+
+    /// The box around this one as seen from a placement.
+    pub fn seen_from(&self, at: Placement) -> Self {
+        self.placed(at.inverse())
+    }
+
+    /// Its corners: x varies fastest, then y, then z.
+    pub fn corners(&self) -> [Vec3; 8] {
+        std::array::from_fn(|i| {
+            let pick = |bit: usize, low: f32, high: f32| if i >> bit & 1 == 0 { low } else { high };
+            let (a, b) = (self.min, self.max);
+            Vec3::new(pick(0, a.x, b.x), pick(1, a.y, b.y), pick(2, a.z, b.z))
+        })
+    }
+}
+
+/// Most items of a leaf.
+const LEAF: usize = 4;
+
+/// A tree over the bounds of numbered items.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BoundsTree {
+    /// The root is the first one.
+    nodes: Vec<Node>,
+    /// Items in the order of the leaves.
+    items: Vec<u32>,
+}
+
+#[derive(Clone, Debug, PartialEq)]
+struct Node {
+    bounds: Bounds,
+    /// First item of a leaf, or the first of its two children.
+    first: u32,
+    /// Number of items of a leaf; 0 for an inner node.
+    count: u32,
+}
+
+impl BoundsTree {
+    /// A tree over items with these bounds; items whose bounds are empty are never found.
+    pub fn new(bounds: &[Bounds]) -> Self {
+        let mut items: Vec<u32> = (0..bounds.len() as u32).filter(|&i| !bounds[i as usize].is_empty()).collect();
+        let mut tree = Self { nodes: Vec::new(), items: Vec::new() };
+        if !items.is_empty() {
+            tree.nodes.push(Node { bounds: Bounds::EMPTY, first: 0, count: 0 });
+            tree.grow(0, 0, &mut items, bounds);
+        }
+        tree.items = items;
+        tree
+    }
+
+    /// Fills a node with `items`, the first of which is number `first` of all.
+    fn grow(&mut self, node: usize, first: usize, items: &mut [u32], bounds: &[Bounds]) {
+        let all = items.iter().fold(Bounds::EMPTY, |b, &i| b.union(bounds[i as usize]));
+        self.nodes[node].bounds = all;
+        if items.len() <= LEAF {
+            (self.nodes[node].first, self.nodes[node].count) = (first as u32, items.len() as u32);
+            return;
+        }
+        let centres = Bounds::of(items.iter().map(|&i| bounds[i as usize].centre()));
+        let extent = centres.max - centres.min;
+        let axis = (0..3).fold(0, |best, k| if extent[k] > extent[best] { k } else { best });
+        let key = |i: u32| bounds[i as usize].centre()[axis];
+        let middle = items.len() / 2;
+        items.select_nth_unstable_by(middle, |&a, &b| key(a).total_cmp(&key(b)).then(a.cmp(&b)));
+        let child = self.nodes.len();
+        self.nodes[node].first = child as u32;
+        self.nodes.extend([(); 2].map(|()| Node { bounds: Bounds::EMPTY, first: 0, count: 0 }));
+        let (low, high) = items.split_at_mut(middle);
+        self.grow(child, first, low, bounds);
+        self.grow(child + 1, first + middle, high, bounds);
+    }
+
+    /// The item with the least distance from `p`, where that is below `limit`, and that distance; the lower number
+    /// where two are equal.
+    ///
+    /// - `distance`: of an item, given its number and the least distance so far; at least the distance of its bounds
+    ///   for points outside of them, anything within.
+    pub fn nearest(&self, p: Vec3, limit: f32, mut distance: impl FnMut(usize) -> f32) -> Option<(usize, f32)> {
+        let mut best: Option<(usize, f32)> = None;
+        let mut stack = [0u32; 64];
+        let mut depth = usize::from(!self.nodes.is_empty());
+        while depth > 0 {
+            depth -= 1;
+            let node = &self.nodes[stack[depth] as usize];
+            if out_of_reach(&node.bounds, p, best.map_or(limit, |b| b.1)) {
+                continue;
+            }
+            if node.count == 0 {
+                let (a, b) = (node.first, node.first + 1);
+                let of = |i: u32| self.nodes[i as usize].bounds.distance(p);
+                // The nearer child is looked at first, so it goes on last.
+                let (far, near) = if of(a) <= of(b) { (b, a) } else { (a, b) };
+                (stack[depth], stack[depth + 1]) = (far, near);
+                depth += 2;
+                continue;
+            }
+            for &item in &self.items[node.first as usize..(node.first + node.count) as usize] {
+                let d = distance(item as usize);
+                let closer = best.map_or(d < limit, |(i, b)| d < b || d == b && (item as usize) < i);
+                if closer {
+                    best = Some((item as usize, d));
+                }
+            }
+        }
+        best
+    }
+
+    /// Calls `visit` for every item of a leaf whose bounds overlap `bounds`; items near by may be among them.
+    pub fn overlapping(&self, bounds: &Bounds, mut visit: impl FnMut(usize)) {
+        let mut stack: Vec<u32> = if self.nodes.is_empty() { Vec::new() } else { vec![0] };
+        while let Some(i) = stack.pop() {
+            let node = &self.nodes[i as usize];
+            if !node.bounds.overlaps(bounds) {
+                continue;
+            }
+            if node.count == 0 {
+                stack.extend([node.first + 1, node.first]);
+            }
+            let items = &self.items[node.first as usize..][..node.count as usize];
+            items.iter().for_each(|&i| visit(i as usize));
+        }
+    }
+
+    /// Bounds of all items.
+    pub fn bounds(&self) -> Bounds {
+        self.nodes.first().map_or(Bounds::EMPTY, |n| n.bounds)
+    }
+}
+
+/// True where nothing in `bounds` can be nearer to `p` than `limit`. Within, distances may be below 0.
+fn out_of_reach(bounds: &Bounds, p: Vec3, limit: f32) -> bool {
+    let d = bounds.distance(p);
+    d > 0.0 && d > limit
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn point() -> impl Strategy<Value = Vec3> {
+        prop::array::uniform3(-5.0f32..5.0).prop_map(Vec3::from)
+    }
+
+    proptest! {
+        #[test]
+        fn the_tree_finds_what_a_scan_finds(
+            centres in prop::collection::vec((point(), 0.0f32..1.0), 0..60), p in point(), limit in 0.1f32..9.0
+        ) {
+            let boxes: Vec<Bounds> =
+                centres.iter().map(|(c, r)| Bounds { min: *c - *r, max: *c + *r }).collect();
+            // Signed distances to balls: below 0 within.
+            let distance = |i: usize| (p - centres[i].0).length() - centres[i].1;
+            let tree = BoundsTree::new(&boxes);
+            let found = tree.nearest(p, limit, distance);
+            let scan = (0..boxes.len()).map(|i| (i, distance(i))).filter(|d| d.1 < limit);
+            let scan = scan.min_by(|a, b| a.1.total_cmp(&b.1));
+            prop_assert_eq!(found.map(|f| f.1), scan.map(|s| s.1));
+            let mut seen = vec![false; boxes.len()];
+            let around = Bounds { min: p - limit, max: p + limit };
+            tree.overlapping(&around, |i| seen[i] = true);
+            prop_assert!((0..boxes.len()).all(|i| seen[i] || !boxes[i].overlaps(&around)));
+        }
+
+        #[test]
+        fn placed_bounds_hold_the_placed_box(
+            a in point(), b in point(), at in point(), heading in -4.0f32..4.0, t in prop::array::uniform3(0.0f32..1.0)
+        ) {
+            let bounds = Bounds::of([a, b]);
+            let inside = bounds.min + (bounds.max - bounds.min) * Vec3::from(t);
+            let at = Placement::new(at.x, at.y, at.z, heading);
+            prop_assert!(bounds.placed(at).grown(1e-4).contains(at.transform_point(inside)));
+            prop_assert!(bounds.seen_from(at).grown(1e-4).contains(at.inverse_transform_point(inside)));
+        }
+    }
+
+    #[test]
+    fn nothing_is_near_an_empty_tree() {
+        let tree = BoundsTree::new(&[Bounds::EMPTY]);
+        assert_eq!(tree.nearest(Vec3::ZERO, f32::INFINITY, |_| 0.0), None);
+        assert!(tree.bounds().is_empty());
+        tree.overlapping(&Bounds::of([Vec3::ZERO]), |_| panic!("nothing is there"));
+    }
+}

@@ -1,0 +1,179 @@
+//! Reading and checking files of unit objects.
+
+use super::{Shape, Unit, UnitSet};
+use std::path::Path;
+use throng_motion::error::BuildError;
+use throng_motion::toml_file;
+
+/// Sizes and positions within a unit are smaller than this (m).
+const MAX_LENGTH: f32 = 1e4;
+
+impl UnitSet {
+    /// Reads a file of unit objects; mesh files are taken from its folder.
+    ///
+    /// # Errors
+    /// [`BuildError::Io`], or [`BuildError::Config`] with file and line, or file, unit and key.
+    pub fn load(path: &Path) -> Result<Self, BuildError> {
+        Self::parse(&toml_file::read_text(path, "unit file")?, path)
+    }
+
+    /// Reads the text of a unit file; mesh files are taken from the folder of `path`.
+    ///
+    /// # Errors
+    /// [`BuildError::Config`] as [`UnitSet::load`].
+    pub fn parse(text: &str, path: &Path) -> Result<Self, BuildError> {
+        let help = "A unit file has `[[units]]` with `name`, `shapes`, `region`, `symmetry`, `tile` and `floor`.";
+        let mut set: Self = toml_file::parse(text, path, help)?;
+        let folder = path.parent().unwrap_or(Path::new(""));
+        for shape in set.units.iter_mut().flat_map(|u| &mut u.shapes) {
+            if let Shape::Mesh { file } = shape {
+                *file = folder.join(&file);
+            }
+        }
+        set.check(path)?;
+        Ok(set)
+    }
+
+    /// The units as TOML, as bundles and worlds keep them.
+    ///
+    /// # Errors
+    /// [`BuildError::Config`] where a value cannot be written.
+    pub fn to_toml(&self) -> Result<String, BuildError> {
+        toml::to_string(self).map_err(|e| BuildError::Config { message: e.to_string() })
+    }
+
+    /// Number of the unit of that name.
+    pub fn find(&self, name: &str) -> Option<usize> {
+        self.units.iter().position(|u| u.name == name)
+    }
+
+    fn check(&self, path: &Path) -> Result<(), BuildError> {
+        let fail = |i: usize, what: String| {
+            let name = &self.units[i].name;
+            let which = if name.is_empty() { String::new() } else { format!(" `{name}`") };
+            Err(BuildError::Config { message: format!("{}: units[{i}]{which}: {what}", path.display()) })
+        };
+        for (i, unit) in self.units.iter().enumerate() {
+            if self.units[..i].iter().any(|u| u.name == unit.name) {
+                return fail(i, "name: another unit has that name; rename one of them".into());
+            }
+            if let Err(what) = check_unit(unit) {
+                return fail(i, what);
+            }
+        }
+        Ok(())
+    }
+}
+
+fn check_unit(unit: &Unit) -> Result<(), String> {
+    if unit.name.is_empty() || unit.name.contains('+') {
+        return Err("name: expected a name without `+`, which joins the names of blocks".into());
+    }
+    for (i, shape) in unit.shapes.iter().enumerate() {
+        check_shape(shape).map_err(|e| format!("shapes[{i}].{e}"))?;
+    }
+    if let Some(region) = unit.region {
+        moderate("region.min", &region.min)?;
+        moderate("region.max", &region.max)?;
+        if (0..3).any(|k| region.min[k] >= region.max[k]) {
+            return Err(format!("region: expected min below max, found {:?} and {:?}", region.min, region.max));
+        }
+    }
+    if unit.symmetry == 0 {
+        return Err("symmetry: expected at least 1, found 0; 1 is a unit without symmetry".into());
+    }
+    let Some(tile) = &unit.tile else { return Ok(()) };
+    let (steps, widths) = (tile.steps.len(), tile.widths.len());
+    if steps != widths || !(1..=2).contains(&steps) {
+        return Err(format!("tile: expected 1 or 2 steps and as many widths, found {steps} and {widths}"));
+    }
+    tile.steps.iter().try_for_each(|s| moderate("tile.steps", s))?;
+    positive("tile.widths", &tile.widths)?;
+    if tile.steps.iter().any(|s| s[0].hypot(s[2]) < 0.1) {
+        return Err("tile.steps: expected steps of at least 0.1 m over the ground".into());
+    }
+    Ok(())
+}
+
+fn check_shape(shape: &Shape) -> Result<(), String> {
+    match shape {
+        Shape::Box { at, size, heading_deg, pitch_deg } => {
+            moderate("box.at", at)?;
+            moderate("box.heading_deg", &[*heading_deg])?;
+            moderate("box.pitch_deg", &[*pitch_deg])?;
+            positive("box.size", size)
+        }
+        Shape::Bar { from, to, radius } => {
+            moderate("bar.from", from)?;
+            moderate("bar.to", to)?;
+            positive("bar.radius", &[*radius])
+        }
+        Shape::Mesh { file } if file.is_file() => Ok(()),
+        Shape::Mesh { file } => Err(format!("mesh.file: there is no file {}", file.display())),
+    }
+}
+
+fn moderate(key: &str, numbers: &[f32]) -> Result<(), String> {
+    match numbers.iter().find(|v| v.is_nan() || v.abs() >= MAX_LENGTH) {
+        Some(v) => Err(format!("{key}: expected finite numbers below {MAX_LENGTH}, found {v}")),
+        None => Ok(()),
+    }
+}
+
+fn positive(key: &str, numbers: &[f32]) -> Result<(), String> {
+    match numbers.iter().find(|v| !(**v > 0.0 && **v < MAX_LENGTH)) {
+        Some(v) => Err(format!("{key}: expected numbers above 0 and below {MAX_LENGTH}, found {v}")),
+        None => Ok(()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn fault(text: &str) -> String {
+        UnitSet::parse(text, Path::new("u.toml")).unwrap_err().to_string()
+    }
+
+    fn unit(keys: &str) -> String {
+        fault(&format!("[[units]]\nname = \"a\"\n{keys}\n"))
+    }
+
+    #[test]
+    fn faults_name_file_unit_and_key() {
+        let e = unit("shapes = [{ box = { at = [0.0, 0.0, 0.0], size = [1.0, -1.0, 1.0] } }]");
+        assert_eq!(e, "u.toml: units[0] `a`: shapes[0].box.size: expected numbers above 0 and below 10000, found -1");
+        let e = unit("shapes = [{ bar = { from = [0.0, inf, 0.0], to = [1.0, 1.0, 1.0], radius = 0.1 } }]");
+        assert!(e.contains("shapes[0].bar.from: expected finite numbers"), "{e}");
+        let e = unit("shapes = [{ bar = { from = [0.0, 0.0, 0.0], to = [1.0, 1.0, 1.0], radius = nan } }]");
+        assert!(e.contains("shapes[0].bar.radius: expected numbers above 0"), "{e}");
+        let e = unit("shapes = [{ mesh = { file = \"no-such.glb\" } }]");
+        assert!(e.contains("shapes[0].mesh.file: there is no file no-such.glb"), "{e}");
+        assert!(unit("symmetry = 0").contains("symmetry: expected at least 1"));
+        let e = unit("region = { min = [0.0, 0.0, 0.0], max = [1.0, 0.0, 1.0] }");
+        assert!(e.contains("region: expected min below max"), "{e}");
+        let e = unit("tile = { steps = [[1.0, 0.0, 0.0]], widths = [1.0, 2.0] }");
+        assert!(e.contains("tile: expected 1 or 2 steps and as many widths, found 1 and 2"), "{e}");
+        assert!(unit("tile = { steps = [[0.0, 1.0, 0.0]], widths = [1.0] }").contains("over the ground"));
+        assert!(unit("[[units]]\nname = \"a\"").contains("units[1] `a`: name: another unit has that name"));
+        assert!(unit("[[units]]\nname = \"a+b\"").contains("without `+`"));
+        assert!(unit("shaeps = []").contains("u.toml:3:1: unknown field `shaeps`"));
+    }
+
+    #[test]
+    fn what_is_written_reads_back_and_meshes_lie_beside_the_file() {
+        let folder = tempfile::tempdir().unwrap();
+        std::fs::write(folder.path().join("m.glb"), b"").unwrap();
+        let text = "[[units]]\nname = \"a\"\nfloor = true\nregion = { min = [0.0, 0.0, 0.0], max = [1.0, 1.0, 1.0] }\n\
+                    shapes = [{ mesh = { file = \"m.glb\" } }, { box = { at = [0.0, 0.0, 0.0], size = [1.0, 1.0, 1.0], \
+                    pitch_deg = 30.0 } }]\n";
+        let path = folder.path().join("u.toml");
+        std::fs::write(&path, text).unwrap();
+        let set = UnitSet::load(&path).unwrap();
+        assert_eq!(set.units[0].shapes[0], Shape::Mesh { file: folder.path().join("m.glb") });
+        assert_eq!(set.units[0].symmetry, 1);
+        let again = UnitSet::parse(&set.to_toml().unwrap(), Path::new("x.toml")).unwrap();
+        assert_eq!(again, set);
+        assert_eq!((set.find("a"), set.find("b")), (Some(0), None));
+    }
+}

@@ -1,0 +1,293 @@
+//! Environment files: units and groups of them, placed once or in regular patterns.
+
+use super::{Environment, PlacedUnit, UnitSet};
+use glam::Vec3;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::{Path, PathBuf};
+use throng_core::patch::Placement;
+use throng_motion::error::BuildError;
+use throng_motion::toml_file;
+
+/// Most units of an environment.
+const MAX_UNITS: usize = 1_000_000;
+
+/// Positions and headings are smaller than this (m, deg).
+const MAX_NUMBER: f32 = 1e5;
+
+/// An environment as a file has it; world files use the same keys.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct EnvironmentFile {
+    /// Its name; the file's stem where absent.
+    pub name: String,
+    /// File of unit objects, relative to this file's folder.
+    pub units: PathBuf,
+    /// Groups of units that are placed together, by name; they may hold other groups.
+    pub prefabs: BTreeMap<String, Vec<Place>>,
+    /// What stands where.
+    pub place: Vec<Place>,
+}
+
+/// A unit or prefab, placed once or in a regular pattern.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Place {
+    /// Name of a unit or a prefab.
+    pub unit: String,
+    /// Where its origin stands: x, y, z (m).
+    pub at: [f32; 3],
+    /// Angle about the vertical, counted from +Z to +X (deg).
+    #[serde(default)]
+    pub heading_deg: f32,
+    /// How many, along `step[0]`, `step[1]` and `step[2]` of the file that holds it (>= 1 each).
+    #[serde(default = "once")]
+    pub repeat: [u32; 3],
+    /// From one to the next, for each number of `repeat`: x, y, z (m).
+    #[serde(default)]
+    pub step: [[f32; 3]; 3],
+}
+
+fn once() -> [u32; 3] {
+    [1; 3]
+}
+
+impl EnvironmentFile {
+    /// Reads an environment file; `units` is taken from its folder.
+    ///
+    /// # Errors
+    /// [`BuildError::Io`], or [`BuildError::Config`] with file, line and column.
+    pub fn load(path: &Path) -> Result<Self, BuildError> {
+        let text = toml_file::read_text(path, "environment")?;
+        let help = "An environment has `units`, `place` and `prefabs`.";
+        let mut file: Self = toml_file::parse(&text, path, help)?;
+        if file.name.is_empty() {
+            file.name = path.file_stem().map_or_else(String::new, |s| s.to_string_lossy().into_owned());
+        }
+        if file.units.as_os_str().is_empty() {
+            let message = format!("{}: units: expected a file of unit objects, found nothing", path.display());
+            return Err(BuildError::Config { message });
+        }
+        file.units = path.parent().unwrap_or(Path::new("")).join(&file.units);
+        Ok(file)
+    }
+
+    /// Lays out all that is placed: patterns and prefabs are resolved, headings add up.
+    ///
+    /// - `path`: for messages alone.
+    /// - returns the units in the order of the file, the last number of `repeat` varying fastest.
+    ///
+    /// # Errors
+    /// [`BuildError::Config`] with file and key for a name that is no unit or prefab (with the nearest one), for a
+    /// prefab that holds itself, for numbers that are not finite, and for two equal units in one place.
+    pub fn expand(&self, units: &UnitSet, path: &Path) -> Result<Environment, BuildError> {
+        if let Some(name) = self.prefabs.keys().find(|name| units.find(name).is_some()) {
+            let message = format!("{}: prefabs.{name}: a unit has that name too; rename one of them", path.display());
+            return Err(BuildError::Config { message });
+        }
+        let mut layout = Layout { file: self, units, path, open: Vec::new(), out: Vec::new(), taken: BTreeSet::new() };
+        // Those that are never placed must be right too.
+        for (name, places) in &self.prefabs {
+            if places.is_empty() {
+                let message = format!("{}: prefabs.{name}: expected at least one unit, found none", path.display());
+                return Err(BuildError::Config { message });
+            }
+            layout.open.push(name);
+            places.iter().enumerate().try_for_each(|(i, place)| layout.check(place, i))?;
+            layout.open.pop();
+        }
+        layout.all(&self.place, Placement::IDENTITY)?;
+        Ok(Environment { name: self.name.clone(), units: layout.out })
+    }
+}
+
+/// Units being laid out.
+struct Layout<'a> {
+    file: &'a EnvironmentFile,
+    units: &'a UnitSet,
+    path: &'a Path,
+    /// Prefabs that are being laid out, outermost first.
+    open: Vec<&'a str>,
+    out: Vec<PlacedUnit>,
+    /// Unit, position and heading in thousandths of a metre and a degree.
+    taken: BTreeSet<(usize, [i64; 4])>,
+}
+
+impl<'a> Layout<'a> {
+    fn fault<T>(&self, index: usize, key: &str, what: String) -> Result<T, BuildError> {
+        let list = self.open.last().map_or("place".to_owned(), |name| format!("prefabs.{name}"));
+        let key = if key.is_empty() { String::new() } else { format!(".{key}") };
+        let message = format!("{}: {list}[{index}]{key}: {what}", self.path.display());
+        Err(BuildError::Config { message })
+    }
+
+    fn check(&self, place: &Place, index: usize) -> Result<(), BuildError> {
+        let fine = |v: &f32| v.abs() < MAX_NUMBER;
+        let moderate = format!("expected numbers below {MAX_NUMBER}");
+        if !place.at.iter().all(fine) {
+            return self.fault(index, "at", format!("{moderate}, found {:?}", place.at));
+        }
+        if !fine(&place.heading_deg) {
+            return self.fault(index, "heading_deg", format!("{moderate}, found {}", place.heading_deg));
+        }
+        if !place.step.iter().flatten().all(fine) {
+            return self.fault(index, "step", format!("{moderate}, found {:?}", place.step));
+        }
+        if place.repeat.contains(&0) {
+            return self.fault(index, "repeat", format!("expected numbers of at least 1, found {:?}", place.repeat));
+        }
+        let name = place.unit.as_str();
+        if self.units.find(name).is_none() && !self.file.prefabs.contains_key(name) {
+            let known = self.units.units.iter().map(|u| u.name.as_str());
+            let known = known.chain(self.file.prefabs.keys().map(String::as_str));
+            let nearest = toml_file::nearest(name, known).map_or(String::new(), |n| format!(". Did you mean `{n}`?"));
+            let place = self.file.units.display();
+            return self.fault(index, "unit", format!("no unit of {place} and no prefab is called `{name}`{nearest}"));
+        }
+        Ok(())
+    }
+
+    fn all(&mut self, places: &'a [Place], frame: Placement) -> Result<(), BuildError> {
+        for (index, place) in places.iter().enumerate() {
+            self.check(place, index)?;
+            let count = place.repeat.iter().fold(1usize, |n, &r| n.saturating_mul(r as usize));
+            if count.saturating_add(self.out.len()) > MAX_UNITS {
+                return self.fault(index, "repeat", format!("an environment may hold {MAX_UNITS} units, found more"));
+            }
+            let heading = place.heading_deg.to_radians();
+            let at = Vec3::from(place.at);
+            let steps = place.step.map(Vec3::from);
+            for i in 0..place.repeat[0] {
+                for j in 0..place.repeat[1] {
+                    for k in 0..place.repeat[2] {
+                        let p = at + steps[0] * i as f32 + steps[1] * j as f32 + steps[2] * k as f32;
+                        let here = frame.compose(Placement::new(p.x, p.y, p.z, heading));
+                        self.one(place, index, here)?;
+                    }
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn one(&mut self, place: &'a Place, index: usize, at: Placement) -> Result<(), BuildError> {
+        if let Some(unit) = self.units.find(&place.unit) {
+            let placement = at.wrapped();
+            if self.out.len() >= MAX_UNITS {
+                return self.fault(index, "", format!("an environment may hold {MAX_UNITS} units, found more"));
+            }
+            let thousandths = |v: f32| (f64::from(v) * 1000.0).round() as i64;
+            let turn = 360.0 / self.units.units[unit].symmetry as f32;
+            let heading = placement.heading.to_degrees().rem_euclid(turn);
+            let heading = if turn - heading < 5e-4 { 0.0 } else { heading };
+            let key = [placement.x, placement.y, placement.z, heading].map(thousandths);
+            if !self.taken.insert((unit, key)) {
+                let Placement { x, y, z, .. } = placement;
+                let what = format!("`{}` stands at ({x:.3}, {y:.3}, {z:.3}) twice; leave one out", place.unit);
+                return self.fault(index, "", what);
+            }
+            self.out.push(PlacedUnit { unit, placement });
+            return Ok(());
+        }
+        let (name, places) = self.file.prefabs.get_key_value(&place.unit).expect("`check` found it");
+        if self.open.contains(&name.as_str()) {
+            let chain = [&self.open[..], &[name.as_str()]].concat().join("` holds `");
+            return self.fault(index, "unit", format!("`{chain}`: a prefab cannot hold itself"));
+        }
+        self.open.push(name);
+        self.all(places, at)?;
+        self.open.pop();
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::f32::consts::PI;
+
+    fn units() -> UnitSet {
+        let text = "[[units]]\nname = \"post\"\nshapes = [{ bar = { from = [0.0, 0.0, 0.0], to = [0.0, 2.0, 0.0], \
+                    radius = 0.04 } }]\n[[units]]\nname = \"panel\"\nsymmetry = 4\nfloor = true\n";
+        UnitSet::parse(text, Path::new("units.toml")).unwrap()
+    }
+
+    fn expand(text: &str) -> Result<Environment, String> {
+        let file: EnvironmentFile = toml::from_str(text).unwrap();
+        file.expand(&units(), Path::new("e.toml")).map_err(|e| e.to_string())
+    }
+
+    #[test]
+    fn patterns_run_through_their_numbers_and_prefabs_turn_what_they_hold() {
+        let e = expand(
+            "units = \"u.toml\"\nplace = [{ unit = \"row\", at = [10.0, 1.0, 0.0], heading_deg = 90.0 },\n\
+             { unit = \"panel\", at = [0.0, 0.0, 0.0], repeat = [2, 1, 3], step = [[2.0, 0.0, 0.0], [0.0, 0.0, 0.0], \
+             [0.0, 0.0, 3.0]] }]\n[prefabs]\nrow = [{ unit = \"pair\", at = [0.0, 0.0, 1.0], heading_deg = 90.0 }]\n\
+             pair = [{ unit = \"post\", at = [0.0, 0.5, 0.0] }, { unit = \"post\", at = [0.0, 0.0, 2.0] }]\n",
+        )
+        .unwrap();
+        let near = |i: usize, want: [f32; 4]| {
+            let p = e.units[i].placement;
+            let found = [p.x, p.y, p.z, p.heading];
+            let off = found.iter().zip(want).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
+            assert!(off < 1e-5, "{i}: {found:?}");
+        };
+        assert_eq!(e.units.iter().map(|u| u.unit).collect::<Vec<_>>(), [0, 0, 1, 1, 1, 1, 1, 1]);
+        // 1 m ahead of a row that faces +X lies at x = 11; the second turn by 90 degrees makes "ahead" -Z.
+        near(0, [11.0, 1.5, 0.0, PI]);
+        near(1, [11.0, 1.0, -2.0, PI]);
+        near(3, [0.0, 0.0, 3.0, 0.0]);
+        near(7, [2.0, 0.0, 6.0, 0.0]);
+    }
+
+    #[test]
+    fn a_prefab_that_holds_itself_is_refused_by_name() {
+        let e = expand(
+            "units = \"u.toml\"\nplace = [{ unit = \"a\", at = [0.0, 0.0, 0.0] }]\n[prefabs]\n\
+             a = [{ unit = \"b\", at = [0.0, 0.0, 0.0] }]\nb = [{ unit = \"a\", at = [0.0, 0.0, 0.0] }]\n",
+        )
+        .unwrap_err();
+        assert_eq!(e, "e.toml: prefabs.b[0].unit: `a` holds `b` holds `a`: a prefab cannot hold itself");
+    }
+
+    #[test]
+    fn faults_name_file_and_key() {
+        let place = |s: &str| expand(&format!("units = \"u.toml\"\nplace = [{s}]\n")).unwrap_err();
+        let e = place("{ unit = \"pots\", at = [0.0, 0.0, 0.0] }");
+        assert!(e.starts_with("e.toml: place[0].unit: no unit of u.toml"), "{e}");
+        assert!(e.ends_with("is called `pots`. Did you mean `post`?"), "{e}");
+        let e = place("{ unit = \"post\", at = [nan, 0.0, 0.0] }");
+        assert!(e.starts_with("e.toml: place[0].at: expected numbers below"), "{e}");
+        let e = place("{ unit = \"post\", at = [0.0, 0.0, 0.0], repeat = [1, 0, 1] }");
+        assert!(e.starts_with("e.toml: place[0].repeat: expected numbers of at least 1"), "{e}");
+        let e = place("{ unit = \"post\", at = [0.0, 0.0, 0.0], repeat = [9999, 9999, 9999] }");
+        assert!(e.contains("place[0].repeat: an environment may hold 1000000 units"), "{e}");
+        let e = place("{ unit = \"post\", at = [1.0, 0.0, 0.0], repeat = [2, 1, 1] }");
+        assert_eq!(e, "e.toml: place[0]: `post` stands at (1.000, 0.000, 0.000) twice; leave one out");
+        let same = "{ unit = \"panel\", at = [1.0, 0.0, 0.0] }, { unit = \"panel\", at = [1.0, 0.0, 0.0], \
+                    heading_deg = -90.0 }";
+        assert!(place(same).contains("place[1]: `panel` stands at"), "a quarter turn changes nothing");
+        let unused = "units = \"u.toml\"\n[prefabs]\nnever = [{ unit = \"nothing\", at = [0.0, 0.0, 0.0] }]\n";
+        assert!(expand(unused).unwrap_err().contains("prefabs.never[0].unit"));
+        let both = "units = \"u.toml\"\n[prefabs]\npost = []\n";
+        assert!(expand(both).unwrap_err().contains("prefabs.post: a unit has that name too"));
+        let empty = "units = \"u.toml\"\n[prefabs]\nnothing = []\n";
+        assert!(expand(empty).unwrap_err().contains("prefabs.nothing: expected at least one unit"));
+    }
+
+    #[test]
+    fn a_file_is_read_from_its_folder_and_named_after_it() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("yard.toml");
+        std::fs::write(&path, "units = \"things.toml\"\n").unwrap();
+        let file = EnvironmentFile::load(&path).unwrap();
+        assert_eq!((file.name.as_str(), file.units), ("yard", folder.path().join("things.toml")));
+        std::fs::write(&path, "plaice = []\n").unwrap();
+        let e = EnvironmentFile::load(&path).unwrap_err().to_string();
+        assert!(e.contains("yard.toml:1:1: unknown field `plaice`") && e.contains("`place`?"), "{e}");
+        std::fs::write(&path, "place = []\n").unwrap();
+        let e = EnvironmentFile::load(&path).unwrap_err().to_string();
+        assert!(e.contains("yard.toml: units: expected a file of unit objects"), "{e}");
+    }
+}

@@ -1,0 +1,138 @@
+//! The geometry of a unit object, made once.
+
+use super::bounds::{Bounds, BoundsTree};
+use super::{Solid, Unit, UnitSet};
+use glam::Vec3;
+use std::sync::Arc;
+use throng_motion::error::BuildError;
+
+/// Regions reach this far above the shapes where a unit names none: hips of who stands on them are inside (m).
+const REGION_ABOVE: f32 = 1.2;
+
+/// Bounds in trees are larger by this, so that rounding hides nothing (m).
+pub(super) const ROUNDING: f32 = 1e-4;
+
+/// The geometry of a unit object, in its frame.
+#[derive(Clone, Debug, PartialEq)]
+pub struct UnitGeometry {
+    /// Its pieces.
+    pub solids: Vec<Solid>,
+    /// The box around them; empty where there are none.
+    pub bounds: Bounds,
+    /// A pose whose hips lie in it belongs to the unit.
+    pub region: Bounds,
+    /// True for what is walked on.
+    pub floor: bool,
+    tree: BoundsTree,
+}
+
+/// What of a unit is nearest to a point.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Nearest {
+    /// Distance, below 0 within boxes and bars (m).
+    pub distance: f32,
+    /// The nearest point of the surface (m).
+    pub point: Vec3,
+    /// Direction away from the surface there. Unit.
+    pub normal: Vec3,
+    /// Number of the solid.
+    pub solid: usize,
+}
+
+impl UnitGeometry {
+    /// The geometry of a unit; meshes are read from their files.
+    ///
+    /// # Errors
+    /// [`BuildError::Config`] that names the unit, the file and what is wrong in it.
+    pub fn new(unit: &Unit) -> Result<Self, BuildError> {
+        let solids = unit.shapes.iter().map(Solid::of).collect::<Result<Vec<_>, _>>();
+        let solids = solids.map_err(|e| BuildError::Config { message: format!("unit `{}`: {e}", unit.name) })?;
+        let each: Vec<Bounds> = solids.iter().map(Solid::bounds).collect();
+        let tree = BoundsTree::new(&each.iter().map(|b| b.grown(ROUNDING)).collect::<Vec<_>>());
+        let bounds = each.into_iter().fold(Bounds::EMPTY, Bounds::union);
+        let region = match unit.region {
+            Some(r) => Bounds { min: Vec3::from(r.min), max: Vec3::from(r.max) },
+            None => Bounds { max: bounds.max + Vec3::Y * REGION_ABOVE, ..bounds },
+        };
+        Ok(Self { solids, bounds, region, floor: unit.floor, tree })
+    }
+
+    /// What is nearest to a point, where that is nearer than `limit`; `None` else.
+    ///
+    /// - `p`: in the unit's frame (m).
+    /// - `limit`: the smaller, the faster (m).
+    pub fn nearest(&self, p: Vec3, limit: f32) -> Option<Nearest> {
+        let (solid, _) = self.find(p, limit)?;
+        let s = self.solids[solid].nearest(p, limit)?;
+        Some(Nearest { distance: s.distance, point: s.point, normal: s.normal, solid })
+    }
+
+    /// Distance of a point, as [`Self::nearest`] says it but sooner; `None` where it is `limit` or more, or where there is
+    /// no geometry (m).
+    ///
+    /// - `p`: in the unit's frame (m).
+    /// - `limit`: the smaller, the faster (m).
+    pub fn distance_below(&self, p: Vec3, limit: f32) -> Option<f32> {
+        self.find(p, limit).map(|(_, distance)| distance)
+    }
+
+    /// The nearest solid and its distance, where that is below `limit`.
+    fn find(&self, p: Vec3, limit: f32) -> Option<(usize, f32)> {
+        if self.bounds.distance(p) > limit.max(0.0) + ROUNDING {
+            return None;
+        }
+        self.tree.nearest(p, limit, |i| self.solids[i].distance(p, limit))
+    }
+
+    /// Distance of a point, below 0 within boxes and bars; infinite where there is no geometry (m).
+    pub fn distance(&self, p: Vec3) -> f32 {
+        self.distance_below(p, f32::INFINITY).unwrap_or(f32::INFINITY)
+    }
+}
+
+/// The geometry of every unit (units.units.len()).
+///
+/// # Errors
+/// As [`UnitGeometry::new`].
+pub fn geometries(units: &UnitSet) -> Result<Vec<Arc<UnitGeometry>>, BuildError> {
+    units.units.iter().map(|u| UnitGeometry::new(u).map(Arc::new)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+    use std::path::Path;
+
+    fn ladder() -> UnitGeometry {
+        let text = "[[units]]\nname = \"ladder\"\nshapes = [\n\
+            { box = { at = [0.0, 1.0, 0.1], size = [0.6, 2.0, 0.04] } },\n\
+            { bar = { from = [-0.3, 0.3, 0.0], to = [0.3, 0.3, 0.0], radius = 0.02 } },\n\
+            { bar = { from = [-0.3, 0.6, 0.0], to = [0.3, 0.6, 0.0], radius = 0.02 } },\n\
+            { bar = { from = [-0.3, 0.9, 0.0], to = [0.3, 0.9, 0.0], radius = 0.02 } },\n\
+            { bar = { from = [-0.3, 1.2, 0.0], to = [0.3, 1.2, 0.0], radius = 0.02 } },\n\
+            { bar = { from = [-0.3, 1.5, 0.0], to = [0.3, 1.5, 0.0], radius = 0.02 } }]\n";
+        UnitGeometry::new(&UnitSet::parse(text, Path::new("u.toml")).unwrap().units[0]).unwrap()
+    }
+
+    proptest! {
+        #[test]
+        fn the_nearest_of_all_solids_is_found(p in prop::array::uniform3(-2.0f32..2.0), limit in 0.01f32..3.0) {
+            let (g, p) = (ladder(), Vec3::from(p));
+            let scan = g.solids.iter().map(|s| s.nearest(p, 99.0).unwrap().distance).fold(f32::INFINITY, f32::min);
+            prop_assert_eq!(g.distance(p), scan);
+            prop_assert_eq!(g.nearest(p, limit).map(|n| n.distance), Some(scan).filter(|s| *s < limit));
+            prop_assert_eq!(g.distance_below(p, limit), Some(scan).filter(|s| *s < limit));
+        }
+    }
+
+    #[test]
+    fn regions_reach_above_the_shapes_unless_they_are_named() {
+        let g = ladder();
+        assert!((g.region.max.y - 3.2).abs() < 1e-6 && g.region.min == g.bounds.min);
+        let text = "[[units]]\nname = \"a\"\nregion = { min = [0.0, 0.0, 0.0], max = [1.0, 2.0, 3.0] }\n";
+        let g = UnitGeometry::new(&UnitSet::parse(text, Path::new("u.toml")).unwrap().units[0]).unwrap();
+        assert_eq!(g.region, Bounds { min: Vec3::ZERO, max: Vec3::new(1.0, 2.0, 3.0) });
+        assert_eq!((g.distance(Vec3::ZERO), g.nearest(Vec3::ZERO, 1.0)), (f32::INFINITY, None));
+    }
+}

@@ -1,0 +1,159 @@
+//! Geometry inferred from contacts, for captured motion whose surroundings nobody measured.
+//!
+//! What a body stands, sits and hangs on must be where its feet, seat and hands stay in the world while the rest of it
+//! moves: level plates under feet and seats, bars in hands; and nothing is where the body goes through. Nothing is known
+//! about where nobody touched.
+
+mod bars;
+mod clear;
+mod places;
+mod plates;
+mod report;
+
+use super::placed::PlacedGeometry;
+use super::{Bounds, EnvironmentFile, Place, Shape, TouchConfig, Unit, UnitSet, geometries};
+use bars::Bar;
+use glam::Vec3;
+use places::Kind;
+use plates::Plate;
+pub use report::InferReport;
+use std::path::Path;
+use throng_core::Skeleton;
+use throng_motion::annotate::ContactConfig;
+use throng_motion::clip::Clip;
+use throng_motion::error::BuildError;
+
+/// Pieces nearer to each other than this are one unit (m).
+const UNIT_GAP: f32 = 0.75;
+
+/// An environment inferred from motion.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Inferred {
+    /// A unit for each group of pieces.
+    pub units: UnitSet,
+    /// Where they stand.
+    pub environment: EnvironmentFile,
+    /// What was found and how well it explains the motion.
+    pub report: InferReport,
+}
+
+/// Infers what clips were captured on; their ground is y = 0 and is not among the units.
+///
+/// - `clips`: captured in one environment, in the same frame.
+/// - `name`: of the environment.
+///
+/// # Errors
+/// [`BuildError::Stage`] where no place but the ground was touched.
+pub fn infer(clips: &[&Clip], skeleton: &Skeleton, name: &str) -> Result<Inferred, BuildError> {
+    let contacts = ContactConfig::default();
+    let places: Vec<_> = clips.iter().flat_map(|c| places::find(c, skeleton, &contacts)).collect();
+    let hands: Vec<_> = places.iter().filter(|p| p.kind == Kind::Hand).copied().collect();
+    let others: Vec<_> = places.iter().filter(|p| p.kind != Kind::Hand).copied().collect();
+    let mut plates = plates::under(&others);
+    let mut bars = bars::through(&hands);
+    let dismissed = dismiss(&mut plates, &mut bars, clips, skeleton)?;
+    if plates.is_empty() && bars.is_empty() {
+        return Err(BuildError::Stage {
+            stage: "environment",
+            message: format!("{name}: of {} places that were touched none is above the ground", places.len()),
+            help: "Such motion needs no environment: embed it in tiles.".into(),
+        });
+    }
+    let (units, place) = assemble(&plates, &bars);
+    let environment = EnvironmentFile { name: name.to_owned(), place, ..EnvironmentFile::default() };
+    let report = InferReport::of_places(&others, &hands, &plates, &bars);
+    let mut inferred = Inferred { units, environment, report };
+    inferred.report.dismissed = dismissed;
+    inferred.report.units = inferred.units.units.len();
+    let geometry = inferred.geometry()?;
+    inferred.report.measure(clips, skeleton, &geometry, &contacts, &TouchConfig::default());
+    Ok(inferred)
+}
+
+/// Takes out the pieces that a body goes through, and returns how many.
+///
+/// # Errors
+/// As [`clear::standing`].
+fn dismiss(
+    plates: &mut Vec<Plate>,
+    bars: &mut Vec<Bar>,
+    clips: &[&Clip],
+    skeleton: &Skeleton,
+) -> Result<usize, BuildError> {
+    let flat = plates.iter().map(|p| (p.piece(), p.held_s));
+    let pieces: Vec<(Piece, f32)> = flat.chain(bars.iter().map(|b| (b.piece(), b.held_s))).collect();
+    let standing = clear::standing(&pieces, clips, skeleton)?;
+    let mut stands = standing.iter().copied();
+    plates.retain(|_| stands.next().unwrap_or(true));
+    bars.retain(|_| stands.next().unwrap_or(true));
+    Ok(standing.iter().filter(|s| !**s).count())
+}
+
+impl Inferred {
+    /// The units where they stand, and the ground.
+    ///
+    /// # Errors
+    /// As [`EnvironmentFile::expand`] and [`geometries`], where it was changed by hand.
+    pub fn geometry(&self) -> Result<PlacedGeometry, BuildError> {
+        let placed = self.environment.expand(&self.units, Path::new(&self.environment.name))?;
+        Ok(PlacedGeometry::new(&placed, &geometries(&self.units)?))
+    }
+}
+
+/// A shape in the world, and the box around it.
+type Piece = (Shape, Bounds);
+
+/// Groups pieces that are near each other into units, each with its origin on the ground below its middle.
+fn assemble(plates: &[Plate], bars: &[Bar]) -> (UnitSet, Vec<Place>) {
+    let pieces: Vec<Piece> = plates.iter().map(Plate::piece).chain(bars.iter().map(Bar::piece)).collect();
+    let mut set = UnitSet::default();
+    let mut place = Vec::new();
+    for group in groups(&pieces) {
+        let bounds = group.iter().fold(Bounds::EMPTY, |b, &i| b.union(pieces[i].1));
+        let origin = centimetres(bounds.centre().with_y(0.0));
+        let name = format!("structure_{}", set.units.len() + 1);
+        let at = origin.to_array();
+        place.push(Place { unit: name.clone(), at, heading_deg: 0.0, repeat: [1; 3], step: [[0.0; 3]; 3] });
+        let shapes = group.iter().map(|&i| moved(&pieces[i].0, -origin)).collect();
+        set.units.push(Unit { name, shapes, region: None, symmetry: 1, tile: None, floor: true });
+    }
+    (set, place)
+}
+
+/// Numbers of the pieces of each group, in the order of their first pieces.
+fn groups(pieces: &[Piece]) -> Vec<Vec<usize>> {
+    let mut group: Vec<usize> = (0..pieces.len()).collect();
+    for i in 0..pieces.len() {
+        for j in 0..i {
+            let (a, b) = (group[i], group[j]);
+            if a != b && pieces[i].1.grown(UNIT_GAP).overlaps(&pieces[j].1) {
+                group.iter_mut().filter(|g| **g == a.max(b)).for_each(|g| *g = a.min(b));
+            }
+        }
+    }
+    let members = |g: usize| (0..pieces.len()).filter(|&i| group[i] == g).collect::<Vec<_>>();
+    (0..pieces.len()).map(members).filter(|m| !m.is_empty()).collect()
+}
+
+fn moved(shape: &Shape, by: Vec3) -> Shape {
+    let add = |p: &[f32; 3]| millimetres(Vec3::from(*p) + by).to_array();
+    match shape {
+        Shape::Box { at, size, heading_deg, pitch_deg } => {
+            Shape::Box { at: add(at), size: *size, heading_deg: *heading_deg, pitch_deg: *pitch_deg }
+        }
+        Shape::Bar { from, to, radius } => Shape::Bar { from: add(from), to: add(to), radius: *radius },
+        Shape::Mesh { file } => Shape::Mesh { file: file.clone() },
+    }
+}
+
+/// Files are read by people: no more digits than were measured.
+fn millimetres(p: Vec3) -> Vec3 {
+    (p * 1000.0).round() / 1000.0
+}
+
+fn centimetres(p: Vec3) -> Vec3 {
+    (p * 100.0).round() / 100.0
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,182 @@
+//! Bars through the places that hands held.
+
+use super::super::{Bounds, Shape};
+use super::Piece;
+use super::places::Touch;
+use glam::Vec3;
+
+/// Hands on a bar are nearer to its axis than this (m).
+const NEAR: f32 = 0.05;
+/// Longest stretch of a bar that no hand held (m).
+const LONGEST_GAP: f32 = 0.6;
+/// Two places that a bar is drawn through are at least this far apart (m).
+const APART: f32 = 0.15;
+/// Fewest places that show the direction of a bar.
+const FEWEST: usize = 3;
+/// Fewest places on a bar that is neither level nor upright: through many places lines can be drawn by chance, and most
+/// things that hands hold are either.
+const FEWEST_SLANTING: usize = 5;
+/// Rise over length of what is level, and run over length of what is upright, are below this.
+const SLANTING: f32 = 0.3;
+/// Hands hold a bar at least so long, all places added up (s).
+const SHORTEST: f32 = 1.0;
+/// A hand that is alone in its place holds something where it stays there for so long; others only paused (s).
+const LONG_HOLD: f32 = 0.5;
+/// Bars reach this far beyond the places (m).
+const BEYOND: f32 = 0.12;
+/// (m)
+const RADIUS: f32 = 0.02;
+/// Most places whose pairs are tried as bars.
+const MOST: usize = 300;
+
+/// A bar that hands held.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Bar {
+    from: Vec3,
+    to: Vec3,
+    /// Distances of the places from its axis (m).
+    pub off: Vec<f32>,
+    /// How long it was held, all places added up (s).
+    pub held_s: f32,
+}
+
+impl Bar {
+    /// The bar as a shape.
+    pub fn piece(&self) -> Piece {
+        let shape = Shape::Bar { from: self.from.to_array(), to: self.to.to_array(), radius: RADIUS };
+        (shape, Bounds::of([self.from, self.to]).grown(RADIUS))
+    }
+}
+
+/// Bars through all places: the line that most of them lie on first, then that of most of the others, and so on. Where
+/// fewer than three lie on a line, a short bar across the body is all that can be said, and only of long holds.
+pub fn through(places: &[Touch]) -> Vec<Bar> {
+    let mut left: Vec<Touch> = places.to_vec();
+    let mut bars = Vec::new();
+    while let Some(members) = best_line(&left) {
+        let held: Vec<Touch> = members.iter().map(|&i| left[i]).collect();
+        bars.push(fitted(&held));
+        let mut number = 0;
+        left.retain(|_| {
+            number += 1;
+            !members.contains(&(number - 1))
+        });
+    }
+    while let Some(first) = left.first().copied() {
+        let together: Vec<Touch> = left.iter().filter(|t| t.point.distance(first.point) < APART).copied().collect();
+        left.retain(|t| t.point.distance(first.point) >= APART);
+        let held_s = lasting(&together);
+        if held_s < LONG_HOLD {
+            continue;
+        }
+        let middle = together.iter().map(|t| t.point).sum::<Vec3>() / together.len() as f32;
+        let across = first.across.with_y(0.0).normalize_or(Vec3::X);
+        let off = together.iter().map(|t| (t.point - middle).reject_from(across).length()).collect();
+        let half = APART + BEYOND;
+        bars.push(Bar { from: middle - across * half, to: middle + across * half, off, held_s });
+    }
+    bars
+}
+
+/// How long places lasted, added up (s).
+fn lasting(places: &[Touch]) -> f32 {
+    places.iter().map(|t| t.lasts_s).sum()
+}
+
+/// True where so many places, held for so long, speak for a bar in that direction.
+fn is_bar(places: &[Touch], members: &[usize], along: Vec3) -> bool {
+    let slants = along.y.abs() > SLANTING && along.with_y(0.0).length() > SLANTING;
+    let fewest = if slants { FEWEST_SLANTING } else { FEWEST };
+    members.len() >= fewest && members.iter().map(|&i| places[i].lasts_s).sum::<f32>() >= SHORTEST
+}
+
+/// Numbers of the places on the line with the most of them; `None` where no line is a bar.
+fn best_line(places: &[Touch]) -> Option<Vec<usize>> {
+    let step = places.len().div_ceil(MOST).max(1);
+    let mut best: Vec<usize> = Vec::new();
+    for i in (0..places.len()).step_by(step) {
+        for j in (0..i).step_by(step) {
+            let (a, b) = (places[i].point, places[j].point);
+            let d = b - a;
+            if d.length() < APART || d.length() > 2.0 * LONGEST_GAP {
+                continue;
+            }
+            let members = on_line(places, a, d.normalize());
+            if members.len() > best.len() && is_bar(places, &members, d.normalize()) {
+                best = members;
+            }
+        }
+    }
+    (!best.is_empty()).then_some(best)
+}
+
+/// The places near a line that follow the point `a` on it without a long gap.
+fn on_line(places: &[Touch], a: Vec3, along: Vec3) -> Vec<usize> {
+    let near = |&i: &usize| (places[i].point - a).reject_from(along).length() < NEAR;
+    let at = |i: usize| (places[i].point - a).dot(along);
+    let mut members: Vec<usize> = (0..places.len()).filter(near).collect();
+    members.sort_by(|&i, &j| at(i).total_cmp(&at(j)));
+    // The run without gaps that holds the point itself, whose place is 0.
+    let start = members.partition_point(|&i| at(i) < 0.0);
+    let gap = |i: usize, j: usize| at(members[j]) - at(members[i]) > LONGEST_GAP;
+    let (mut low, mut high) = (start, start);
+    while low > 0 && !gap(low - 1, low) {
+        low -= 1;
+    }
+    while high + 1 < members.len() && !gap(high, high + 1) {
+        high += 1;
+    }
+    members[low..=high].to_vec()
+}
+
+/// The bar along the direction in which points spread most, by power iteration on their scatter.
+fn fitted(places: &[Touch]) -> Bar {
+    let points: Vec<Vec3> = places.iter().map(|t| t.point).collect();
+    let middle = points.iter().sum::<Vec3>() / points.len() as f32;
+    let ends = (points[0], points[points.len() - 1]);
+    let mut along = (ends.1 - ends.0).normalize_or(Vec3::X);
+    for _ in 0..20 {
+        let next: Vec3 = points.iter().map(|p| (*p - middle) * (*p - middle).dot(along)).sum();
+        along = next.normalize_or(along);
+    }
+    let reach = |p: &Vec3| (*p - middle).dot(along);
+    let low = points.iter().map(reach).fold(f32::INFINITY, f32::min) - BEYOND;
+    let high = points.iter().map(reach).fold(f32::NEG_INFINITY, f32::max) + BEYOND;
+    let off = points.iter().map(|p| (*p - middle).reject_from(along).length()).collect();
+    Bar { from: middle + along * low, to: middle + along * high, off, held_s: lasting(places) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::places::Kind;
+    use super::*;
+
+    fn hold(p: Vec3) -> Touch {
+        Touch { kind: Kind::Hand, point: p, extent: Bounds::of([p]), across: Vec3::X, lasts_s: 1.0 }
+    }
+
+    #[test]
+    fn a_rung_and_a_pole_are_told_apart_and_lone_holds_are_short_bars() {
+        let rung = (0..5).map(|i| Vec3::new(0.2 * i as f32, 2.0, 0.01 * (i % 2) as f32));
+        let pole = (0..4).map(|i| Vec3::new(3.0, 1.0 + 0.3 * i as f32, 1.0));
+        let places: Vec<Touch> = rung.chain(pole).chain([Vec3::new(-4.0, 1.5, 0.0)]).map(hold).collect();
+        let bars = through(&places);
+        let along = |b: &Bar| (b.to - b.from).normalize().abs();
+        assert_eq!(bars.iter().map(|b| b.off.len()).collect::<Vec<_>>(), [5, 4, 1]);
+        assert!(along(&bars[0]).x > 0.99 && along(&bars[1]).y > 0.99 && along(&bars[2]).x > 0.99);
+        assert!(((bars[0].to - bars[0].from).length() - 1.04).abs() < 0.01);
+        assert!(bars[0].off.iter().all(|d| *d < 0.011));
+        let pause = Touch { lasts_s: 0.3, ..places[9] };
+        assert!(through(&[pause]).is_empty() && through(&[]).is_empty());
+    }
+
+    #[test]
+    fn a_slanting_rail_takes_more_places_than_a_rung_and_pauses_are_no_bar() {
+        let rail =
+            |n: usize| (0..n).map(|i| hold(Vec3::new(0.2, 1.0 + 0.2 * i as f32, 0.2 * i as f32))).collect::<Vec<_>>();
+        assert!(through(&rail(4)).iter().all(|b| b.off.len() < 3));
+        assert_eq!(through(&rail(5))[0].off.len(), 5);
+        let pauses: Vec<Touch> = (0..4).map(|i| Touch { lasts_s: 0.2, ..hold(Vec3::X * 0.3 * i as f32) }).collect();
+        assert!(through(&pauses).is_empty());
+    }
+}

@@ -1,0 +1,51 @@
+//! What a body goes through is not there.
+
+use super::Piece;
+use crate::environment::annotate_in;
+use crate::environment::{Body, Environment, PlacedGeometry, PlacedUnit, TouchConfig, Unit, UnitSet, geometries};
+use throng_core::Skeleton;
+use throng_core::patch::Placement;
+use throng_motion::annotate::ContactConfig;
+use throng_motion::clip::Clip;
+use throng_motion::error::BuildError;
+
+/// A body that is deeper than this in a piece goes through it; markers and skin are off by less (m).
+const THROUGH: f32 = 0.07;
+/// A piece is dismissed where a body is in it for longer (s).
+const SHORTEST: f32 = 0.1;
+/// And for more than this share of the time for which something held or stood on it.
+const SHARE: f32 = 0.2;
+
+/// For each piece, whether the clips leave it standing.
+///
+/// - `pieces`: in the frame of the clips, and how long something was planted on each (s).
+///
+/// # Errors
+/// As [`geometries`].
+pub fn standing(pieces: &[(Piece, f32)], clips: &[&Clip], skeleton: &Skeleton) -> Result<Vec<bool>, BuildError> {
+    let unit = |(i, ((shape, _), _)): (usize, &(Piece, f32))| {
+        let (name, shapes) = (format!("piece_{i}"), vec![shape.clone()]);
+        Unit { name, shapes, region: None, symmetry: 1, tile: None, floor: true }
+    };
+    let set = UnitSet { units: pieces.iter().enumerate().map(unit).collect() };
+    let geometries = geometries(&set)?;
+    let at = Placement::new(0.0, 0.0, 0.0, 0.0);
+    let units = (0..pieces.len()).map(|unit| PlacedUnit { unit, placement: at }).collect();
+    let all = PlacedGeometry::new(&Environment { name: String::new(), units }, &geometries);
+    let body = Body::new(skeleton);
+    let mut through_s = vec![0.0f32; pieces.len()];
+    for clip in clips {
+        let mut laid = (*clip).clone();
+        annotate_in(&mut laid, skeleton, &all, &ContactConfig::default(), &TouchConfig::default());
+        for f in (0..laid.num_frames()).filter(|&f| laid.is_usable(f)) {
+            let pose = body.pose(&laid.joint_transforms(skeleton, f), laid.contacts[f]);
+            all.overlapping(&pose.bounds, |i| {
+                if pose.penetration(at, &geometries[i], THROUGH).is_some() {
+                    through_s[i] += (1.0 / laid.rate_hz) as f32;
+                }
+            });
+        }
+    }
+    let stands = |((_, held_s), through_s): (&(Piece, f32), &f32)| *through_s <= SHORTEST.max(SHARE * held_s);
+    Ok(pieces.iter().zip(&through_s).map(stands).collect())
+}

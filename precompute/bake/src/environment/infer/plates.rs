@@ -1,0 +1,128 @@
+//! Level plates under feet and seats.
+
+use super::super::{Bounds, Shape};
+use super::places::{Kind, Touch};
+use super::{Piece, millimetres};
+use glam::Vec3;
+
+/// Heights that differ by less from the ground are the ground (m).
+pub const ON_GROUND: f32 = 0.05;
+/// Places on one plate differ by less from its height (m).
+const SAME_HEIGHT: f32 = 0.035;
+/// Places on one plate are nearer to it than this (m).
+const REACH: f32 = 0.35;
+/// A place that is farther from a plate's height than places on it, but less than this, cannot be above or below it:
+/// the plate does not reach there. Rungs of ladders are farther apart (m).
+const STEP: f32 = 0.2;
+/// Plates reach this far beyond the skin that touched them (m).
+const MARGIN: f32 = 0.04;
+/// Of plates (m).
+const THICKNESS: f32 = 0.04;
+
+/// A level plate.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Plate {
+    /// Height of its upper side: the median of what stood on it (m).
+    pub height: f32,
+    /// What stood on it. Only x and z of the box count.
+    extent: Bounds,
+    /// Heights of the places on it, ascending.
+    pub heights: Vec<f32>,
+    /// How long something was on it, all places added up (s).
+    pub held_s: f32,
+}
+
+impl Plate {
+    fn new(touch: &Touch) -> Self {
+        Self { height: touch.point.y, extent: flat(touch.extent), heights: vec![touch.point.y], held_s: touch.lasts_s }
+    }
+
+    /// Takes in another one.
+    fn join(&mut self, other: &Self) {
+        self.extent = self.extent.union(other.extent);
+        self.held_s += other.held_s;
+        self.heights.extend(&other.heights);
+        self.heights.sort_by(f32::total_cmp);
+        self.height = self.heights[self.heights.len() / 2];
+    }
+
+    /// True where the other may be part of it: as high, near, and no place between them says otherwise.
+    fn continues(&self, other: &Self, places: &[Touch]) -> bool {
+        let (low, high) = (self.heights[0].min(other.heights[0]), self.highest().max(other.highest()));
+        let as_high = high - low < 2.0 * SAME_HEIGHT && (self.height - other.height).abs() < SAME_HEIGHT;
+        if !(as_high && self.extent.grown(REACH).overlaps(&other.extent)) {
+            return false;
+        }
+        let both = self.extent.union(other.extent);
+        let denies = |t: &Touch| {
+            let off = (t.point.y - self.height).abs();
+            t.kind == Kind::Foot && off > 2.0 * SAME_HEIGHT && off < STEP && both.contains(t.point.with_y(0.0))
+        };
+        !places.iter().any(denies)
+    }
+
+    fn highest(&self) -> f32 {
+        self.heights.last().copied().unwrap_or(self.height)
+    }
+
+    /// The plate as a box.
+    pub fn piece(&self) -> Piece {
+        let b = Bounds { min: self.extent.min - MARGIN, max: self.extent.max + MARGIN };
+        let (min, max) = (b.min.with_y(self.height - THICKNESS), b.max.with_y(self.height));
+        let (at, size) = (0.5 * (min + max), millimetres(max - min));
+        let shape = Shape::Box { at: at.to_array(), size: size.to_array(), heading_deg: 0.0, pitch_deg: 0.0 };
+        (shape, Bounds { min, max })
+    }
+}
+
+fn flat(b: Bounds) -> Bounds {
+    Bounds { min: b.min * Vec3::new(1.0, 0.0, 1.0), max: b.max * Vec3::new(1.0, 0.0, 1.0) }
+}
+
+/// Plates under all places that are not on the ground, from low to high.
+pub fn under(places: &[Touch]) -> Vec<Plate> {
+    let mut raised: Vec<&Touch> =
+        places.iter().filter(|t| t.kind != Kind::Hand && t.point.y.abs() > ON_GROUND).collect();
+    raised.sort_by(|a, b| a.point.y.total_cmp(&b.point.y));
+    let mut plates: Vec<Plate> = Vec::new();
+    for touch in raised {
+        let new = Plate::new(touch);
+        match plates.iter_mut().find(|p| p.continues(&new, places)) {
+            Some(plate) => plate.join(&new),
+            None => plates.push(new),
+        }
+    }
+    while let Some((i, j)) = joinable(&plates, places) {
+        let other = plates.remove(j);
+        plates[i].join(&other);
+    }
+    plates
+}
+
+/// Two plates that are one.
+fn joinable(plates: &[Plate], places: &[Touch]) -> Option<(usize, usize)> {
+    (0..plates.len())
+        .flat_map(|i| (i + 1..plates.len()).map(move |j| (i, j)))
+        .find(|&(i, j)| plates[i].continues(&plates[j], places))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn foot(x: f32, y: f32) -> Touch {
+        let point = Vec3::new(x, y, 0.0);
+        let extent = Bounds::of([point]).grown(0.05);
+        Touch { kind: Kind::Foot, point, extent, across: Vec3::X, lasts_s: 1.0 }
+    }
+
+    #[test]
+    fn a_plate_does_not_reach_over_a_lower_place_but_rungs_lie_above_each_other() {
+        let heights = |places: &[Touch]| under(places).iter().map(|p| (p.height, p.heights.len())).collect::<Vec<_>>();
+        assert_eq!(heights(&[foot(0.0, 0.3), foot(0.4, 0.32), foot(0.9, 0.0)]), [(0.32, 2)]);
+        assert_eq!(heights(&[foot(0.0, 0.3), foot(0.2, 0.15), foot(0.4, 0.3)]), [(0.15, 1), (0.3, 1), (0.3, 1)]);
+        let ladder = [foot(0.0, 0.3), foot(0.2, 0.3), foot(0.1, 0.58), foot(0.0, 0.6), foot(0.2, 0.6)];
+        assert_eq!(heights(&ladder), [(0.3, 2), (0.6, 3)]);
+        assert_eq!(heights(&[foot(0.0, 0.3), foot(2.0, 0.3)]), [(0.3, 1), (0.3, 1)]);
+    }
+}

@@ -1,0 +1,127 @@
+//! How well inferred geometry explains the motion it was inferred from.
+
+use super::super::{Body, PlacedGeometry, TouchConfig, annotate_in};
+use super::bars::Bar;
+use super::places::{Kind, Touch};
+use super::plates::{ON_GROUND, Plate};
+use serde::{Deserialize, Serialize};
+use std::fmt;
+use throng_core::{Contacts, Skeleton};
+use throng_motion::annotate::ContactConfig;
+use throng_motion::clip::Clip;
+
+/// What was inferred and what it leaves open.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
+pub struct InferReport {
+    /// Places where heels and toes stood.
+    pub foot_places: usize,
+    /// Places where someone sat.
+    pub seat_places: usize,
+    /// Places that hands held.
+    pub hand_places: usize,
+    /// Places of hands that are on no bar: pauses in the air, or things nothing else is known of.
+    pub hands_unexplained: usize,
+    /// Places of feet and seats on the ground.
+    pub on_ground: usize,
+    /// Plates.
+    pub plates: usize,
+    /// Plates that a single place speaks for.
+    pub plates_of_one: usize,
+    /// Bars.
+    pub bars: usize,
+    /// Bars that fewer than three places speak for: their direction is a guess.
+    pub bars_guessed: usize,
+    /// Plates and bars that were taken out again, because the body goes through them.
+    pub dismissed: usize,
+    /// Units.
+    pub units: usize,
+    /// Root mean square of the distances between places and what they lie on (m).
+    pub residual_rms_m: f32,
+    /// Largest of them (m).
+    pub residual_max_m: f32,
+    /// Share of usable frames in which something is planted on the geometry or the ground.
+    pub planted_share: f32,
+    /// Share of usable frames in which the body is deeper in the geometry than `penetration` allows.
+    pub penetrating_share: f32,
+}
+
+impl InferReport {
+    /// Counts and residuals.
+    pub fn of_places(others: &[Touch], hands: &[Touch], plates: &[Plate], bars: &[Bar]) -> Self {
+        let count = |kind: Kind| others.iter().filter(|t| t.kind == kind).count();
+        let ground = || others.iter().map(|t| t.point.y.abs()).filter(|y| *y <= ON_GROUND);
+        let of_plate = |p: &Plate| p.heights.iter().map(|h| (h - p.height).abs()).collect::<Vec<_>>();
+        let off: Vec<f32> =
+            ground().chain(plates.iter().flat_map(of_plate)).chain(bars.iter().flat_map(|b| b.off.clone())).collect();
+        let square = off.iter().map(|d| d * d).sum::<f32>() / off.len().max(1) as f32;
+        Self {
+            foot_places: count(Kind::Foot),
+            seat_places: count(Kind::Seat),
+            hand_places: hands.len(),
+            hands_unexplained: hands.len() - bars.iter().map(|b| b.off.len()).sum::<usize>(),
+            on_ground: ground().count(),
+            plates: plates.len(),
+            plates_of_one: plates.iter().filter(|p| p.heights.len() == 1).count(),
+            bars: bars.len(),
+            bars_guessed: bars.iter().filter(|b| b.off.len() < 3).count(),
+            residual_rms_m: square.sqrt(),
+            residual_max_m: off.into_iter().fold(0.0, f32::max),
+            ..Self::default()
+        }
+    }
+
+    /// Lays the clips over the geometry.
+    pub fn measure(
+        &mut self,
+        clips: &[&Clip],
+        skeleton: &Skeleton,
+        geometry: &PlacedGeometry,
+        contacts: &ContactConfig,
+        touch: &TouchConfig,
+    ) {
+        let body = Body::new(skeleton);
+        let (mut frames, mut planted, mut deep) = (0usize, 0usize, 0usize);
+        for clip in clips {
+            let mut laid = (*clip).clone();
+            annotate_in(&mut laid, skeleton, geometry, contacts, touch);
+            for f in (0..laid.num_frames()).filter(|&f| laid.is_usable(f)) {
+                frames += 1;
+                planted += usize::from(laid.contacts[f] != Contacts::NONE);
+                let pose = body.pose(&laid.joint_transforms(skeleton, f), laid.contacts[f]);
+                deep += usize::from(pose.penetration_in(geometry, touch.penetration).is_some());
+            }
+        }
+        let share = |n: usize| n as f32 / frames.max(1) as f32;
+        (self.planted_share, self.penetrating_share) = (share(planted), share(deep));
+    }
+}
+
+impl fmt::Display for InferReport {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let total = self.foot_places + self.seat_places;
+        writeln!(
+            f,
+            "{} places of feet, {} of seats, {} of hands",
+            self.foot_places, self.seat_places, self.hand_places
+        )?;
+        writeln!(
+            f,
+            "{} of {total} on the ground, the others on {} plates ({} of one place)",
+            self.on_ground, self.plates, self.plates_of_one
+        )?;
+        writeln!(
+            f,
+            "{} bars ({} of fewer than three places, direction guessed), {} places of hands on none",
+            self.bars, self.bars_guessed, self.hands_unexplained
+        )?;
+        writeln!(
+            f,
+            "{} units; {} plates and bars dismissed, because the body goes through them",
+            self.units, self.dismissed
+        )?;
+        let (rms, max) = (1000.0 * self.residual_rms_m, 1000.0 * self.residual_max_m);
+        writeln!(f, "residual {rms:.0} mm rms, {max:.0} mm at most")?;
+        let (planted, deep) = (100.0 * self.planted_share, 100.0 * self.penetrating_share);
+        write!(f, "{planted:.0} % of frames planted, {deep:.1} % with the body inside the geometry")
+    }
+}

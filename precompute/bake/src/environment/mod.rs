@@ -1,0 +1,53 @@
+//! What characters move in: unit objects with a shape, and environments that place them (Lee, Choi and Lee 2006, section 4).
+//!
+//! [`UnitSet::load`] and [`EnvironmentFile::load`] read files, [`EnvironmentFile::expand`] lays units out,
+//! [`UnitGeometry`] and [`PlacedGeometry`] answer how near a point is, and [`Body`] whether a pose fits.
+
+mod belong;
+mod body;
+mod bounds;
+mod check;
+mod contacts;
+mod file;
+mod geometry;
+mod infer;
+mod mesh;
+mod placed;
+mod solid;
+mod touch;
+mod triangles;
+mod unit;
+
+pub use belong::Belonging;
+pub use body::{Body, BodyPose, NUM_SPHERES, Penetration, Sphere};
+pub use bounds::{Bounds, BoundsTree};
+pub use contacts::annotate_in;
+pub use file::{EnvironmentFile, Place};
+pub use geometry::{Nearest, UnitGeometry, geometries};
+pub use infer::{InferReport, Inferred, infer};
+pub use placed::{PlacedGeometry, Touched};
+pub use solid::Solid;
+pub use touch::TouchConfig;
+pub use triangles::Triangles;
+pub use unit::{Region, Shape, TileEdges, Unit, UnitSet};
+
+use serde::{Deserialize, Serialize};
+use throng_core::patch::Placement;
+
+/// A unit object and where it stands.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct PlacedUnit {
+    /// Number of the unit in its [`UnitSet`].
+    pub unit: usize,
+    /// Its frame in the world.
+    pub placement: Placement,
+}
+
+/// An environment: the list (u1, T1), ..., (um, Tm) of Lee, Choi and Lee (2006), section 4. The ground y = 0 is there beside it.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Environment {
+    /// Its name, for messages.
+    pub name: String,
+    /// What stands where.
+    pub units: Vec<PlacedUnit>,
+}

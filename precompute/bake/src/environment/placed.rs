@@ -1,0 +1,134 @@
+//! Units where they stand, and the ground.
+
+use super::bounds::{Bounds, BoundsTree};
+use super::geometry::{ROUNDING, UnitGeometry};
+use super::{Environment, PlacedUnit};
+use glam::Vec3;
+use std::sync::Arc;
+use throng_core::patch::Placement;
+
+/// The geometry of an environment: placed units, and the ground y = 0.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PlacedGeometry {
+    /// The environment's name.
+    pub name: String,
+    /// What stands where.
+    pub units: Vec<PlacedUnit>,
+    geometries: Vec<Arc<UnitGeometry>>,
+    tree: BoundsTree,
+}
+
+/// What of an environment a point touches.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Touched {
+    /// Number of the placed unit; `None` for the ground.
+    pub unit: Option<usize>,
+    /// Distance, below 0 within boxes, bars and the ground (m).
+    pub distance: f32,
+    /// The nearest point of the surface, in the world (m).
+    pub point: Vec3,
+    /// Direction away from the surface there. Unit.
+    pub normal: Vec3,
+}
+
+impl PlacedGeometry {
+    /// The geometry of an environment.
+    ///
+    /// - `geometries`: of every unit of the set that the environment's numbers count in.
+    pub fn new(environment: &Environment, geometries: &[Arc<UnitGeometry>]) -> Self {
+        let of = |u: &PlacedUnit| geometries[u.unit].bounds.placed(u.placement).grown(ROUNDING);
+        let bounds: Vec<Bounds> = environment.units.iter().map(of).collect();
+        Self {
+            name: environment.name.clone(),
+            units: environment.units.clone(),
+            geometries: geometries.to_vec(),
+            tree: BoundsTree::new(&bounds),
+        }
+    }
+
+    /// Geometry of a placed unit in its own frame (unit < units.len()).
+    pub fn geometry(&self, unit: usize) -> &UnitGeometry {
+        &self.geometries[self.units[unit].unit]
+    }
+
+    /// Where a placed unit stands (unit < units.len()).
+    pub fn placement(&self, unit: usize) -> Placement {
+        self.units[unit].placement
+    }
+
+    /// What is nearest to a point of the world, where that is nearer than `limit`; units before the ground where both
+    /// are as near.
+    pub fn nearest(&self, p: Vec3, limit: f32) -> Option<Touched> {
+        let distance = |i: usize| self.nearest_of(i, p, limit).map_or(f32::INFINITY, |t| t.distance);
+        let unit = self.tree.nearest(p, limit, distance).and_then(|(i, _)| self.nearest_of(i, p, limit));
+        let ground = Touched { unit: None, distance: p.y, point: p.with_y(0.0), normal: Vec3::Y };
+        match unit {
+            Some(u) if u.distance <= ground.distance => Some(u),
+            _ => Some(ground).filter(|g| g.distance < limit).or(unit),
+        }
+    }
+
+    /// What of one placed unit is nearest to a point of the world, where that is nearer than `limit`.
+    pub fn nearest_of(&self, unit: usize, p: Vec3, limit: f32) -> Option<Touched> {
+        let at = self.placement(unit);
+        let n = self.geometry(unit).nearest(at.inverse_transform_point(p), limit)?;
+        let normal = at.planar().rotation() * n.normal;
+        Some(Touched { unit: Some(unit), distance: n.distance, point: at.transform_point(n.point), normal })
+    }
+
+    /// Calls `visit` with every placed unit whose shapes may lie in a box of the world.
+    pub fn overlapping(&self, bounds: &Bounds, visit: impl FnMut(usize)) {
+        self.tree.overlapping(bounds, visit);
+    }
+}
+
+#[cfg(test)]
+pub(super) mod tests {
+    use super::super::{EnvironmentFile, UnitSet, geometries};
+    use super::*;
+    use proptest::prelude::*;
+    use std::path::Path;
+
+    /// Units from TOML, and what is placed of them.
+    pub fn placed(units: &str, place: &str) -> PlacedGeometry {
+        let path = Path::new("u.toml");
+        let units = UnitSet::parse(units, path).unwrap();
+        let file: EnvironmentFile = toml::from_str(&format!("units = \"u.toml\"\nplace = [{place}]\n")).unwrap();
+        PlacedGeometry::new(&file.expand(&units, path).unwrap(), &geometries(&units).unwrap())
+    }
+
+    fn yard() -> PlacedGeometry {
+        let units = "[[units]]\nname = \"step\"\nshapes = [{ box = { at = [0.0, 0.1, 0.0], size = [2.0, 0.2, 0.5] } }]\n\
+                     [[units]]\nname = \"post\"\nshapes = [{ bar = { from = [0.0, 0.0, 0.0], to = [0.0, 2.0, 1.0], \
+                     radius = 0.1 } }]\n";
+        placed(
+            units,
+            "{ unit = \"step\", at = [0.0, 0.0, 1.0], repeat = [3, 1, 1], step = [[0.0, 0.2, 0.5], [0.0, 0.0, 0.0], \
+             [0.0, 0.0, 0.0]] }, { unit = \"post\", at = [1.0, 0.5, -2.0], heading_deg = 70.0 }",
+        )
+    }
+
+    proptest! {
+        #[test]
+        fn the_nearest_of_all_units_and_the_ground_is_found(p in prop::array::uniform3(-3.0f32..3.0)) {
+            let (yard, p) = (yard(), Vec3::from(p));
+            let found = yard.nearest(p, 50.0).unwrap();
+            let scan = (0..yard.units.len()).map(|u| yard.nearest_of(u, p, 99.0).unwrap().distance);
+            prop_assert_eq!(found.distance, scan.fold(p.y, f32::min));
+            prop_assert!((found.point.distance(p) - found.distance.abs()).abs() < 1e-3);
+            let outside = yard.nearest(found.point + found.normal * 0.004, 9.0).unwrap().distance;
+            prop_assert!(outside < 0.0041, "{}", outside);
+        }
+    }
+
+    #[test]
+    fn a_tread_is_nearer_than_the_ground_below_and_is_named() {
+        let yard = yard();
+        let t = yard.nearest(Vec3::new(0.3, 0.43, 1.5), 0.1).unwrap();
+        assert_eq!(t.unit, Some(1));
+        assert!((t.point.y - 0.4).abs() < 1e-6 && (t.normal - Vec3::Y).length() < 1e-5);
+        let t = yard.nearest(Vec3::new(0.3, 0.03, 0.5), 0.1).unwrap();
+        assert_eq!((t.unit, t.point.y), (None, 0.0));
+        assert_eq!(yard.nearest(Vec3::new(0.0, 3.0, 0.0), 0.1), None);
+    }
+}

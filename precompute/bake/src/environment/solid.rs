@@ -1,0 +1,263 @@
+//! Pieces of geometry and the distance to them.
+
+use super::bounds::Bounds;
+use super::triangles::Triangles;
+use super::{Shape, mesh};
+use glam::{Quat, Vec3};
+use throng_motion::error::BuildError;
+
+/// Nearer than this a direction away from a surface cannot be told from rounding (m).
+const AT_SURFACE: f32 = 1e-6;
+
+/// A piece of geometry in its unit's frame.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Solid {
+    /// A box.
+    Box {
+        /// Its middle (m).
+        centre: Vec3,
+        /// From the box's axes to the unit's.
+        rotation: Quat,
+        /// Half of its edge lengths (m).
+        half: Vec3,
+    },
+    /// A bar with round ends.
+    Bar {
+        /// One end of its axis (m).
+        from: Vec3,
+        /// The other end (m).
+        to: Vec3,
+        /// (m)
+        radius: f32,
+    },
+    /// A surface of triangles.
+    Mesh(Triangles),
+}
+
+/// What of a solid is nearest to a point.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SurfacePoint {
+    /// Distance, below 0 within boxes and bars (m).
+    pub distance: f32,
+    /// The nearest point of the surface (m).
+    pub point: Vec3,
+    /// Direction away from the solid there. Unit.
+    pub normal: Vec3,
+}
+
+impl Solid {
+    /// The solid of a shape; triangles are read from their file.
+    ///
+    /// # Errors
+    /// [`BuildError::Config`] that names file and accessor where a mesh cannot be read.
+    pub fn of(shape: &Shape) -> Result<Self, BuildError> {
+        Ok(match shape {
+            Shape::Box { at, size, heading_deg, pitch_deg } => Self::Box {
+                centre: Vec3::from(*at),
+                rotation: Quat::from_rotation_y(heading_deg.to_radians())
+                    * Quat::from_rotation_x(pitch_deg.to_radians()),
+                half: 0.5 * Vec3::from(*size),
+            },
+            Shape::Bar { from, to, radius } => {
+                Self::Bar { from: Vec3::from(*from), to: Vec3::from(*to), radius: *radius }
+            }
+            Shape::Mesh { file } => Self::Mesh(Triangles::new(mesh::read(file)?)),
+        })
+    }
+
+    /// The box around it.
+    pub fn bounds(&self) -> Bounds {
+        match self {
+            Self::Box { centre, rotation, half } => {
+                let corners = Bounds { min: -*half, max: *half }.corners();
+                Bounds::of(corners.map(|c| *centre + *rotation * c))
+            }
+            Self::Bar { from, to, radius } => Bounds::of([*from, *to]).grown(*radius),
+            Self::Mesh(triangles) => triangles.bounds(),
+        }
+    }
+
+    /// Distance of `p`, as [`Self::nearest`]; infinite where it is not below `limit` (m).
+    pub fn distance(&self, p: Vec3, limit: f32) -> f32 {
+        let distance = match self {
+            Self::Box { centre, rotation, half } => {
+                let local = rotation.conjugate() * (p - *centre);
+                let over = (local.abs() - *half).max_element();
+                if over > 0.0 { (local - local.clamp(-*half, *half)).length() } else { over }
+            }
+            Self::Bar { from, to, radius } => (p - on_axis(p, *from, *to)).length() - radius,
+            Self::Mesh(triangles) => triangles.distance(p, limit),
+        };
+        if distance < limit { distance } else { f32::INFINITY }
+    }
+
+    /// What is nearest to `p`, where that is below `limit`; `None` else. Distances are signed for boxes and bars and
+    /// never below 0 for triangles, which have no inside.
+    pub fn nearest(&self, p: Vec3, limit: f32) -> Option<SurfacePoint> {
+        let found = match self {
+            Self::Box { centre, rotation, half } => {
+                let local = rotation.conjugate() * (p - *centre);
+                let s = of_box(local, *half);
+                let (point, normal) = (*centre + *rotation * s.point, *rotation * s.normal);
+                SurfacePoint { distance: s.distance, point, normal }
+            }
+            Self::Bar { from, to, radius } => of_bar(p, *from, *to, *radius),
+            Self::Mesh(triangles) => triangles.nearest(p, limit)?,
+        };
+        (found.distance < limit).then_some(found)
+    }
+}
+
+/// A box around the origin along the axes.
+fn of_box(p: Vec3, half: Vec3) -> SurfacePoint {
+    let over = p.abs() - half;
+    let sign = |v: f32| if v < 0.0 { -1.0 } else { 1.0 };
+    if over.max_element() > 0.0 {
+        let point = p.clamp(-half, half);
+        return outside(
+            p,
+            point,
+            (0..3).fold(Vec3::ZERO, |n, k| if over[k] > 0.0 { n.with_axis(k, sign(p[k])) } else { n }),
+        );
+    }
+    let axis = (0..3).fold(0, |best, k| if over[k] > over[best] { k } else { best });
+    let normal = Vec3::ZERO.with_axis(axis, sign(p[axis]));
+    SurfacePoint { distance: over[axis], point: p - normal * over[axis], normal }
+}
+
+/// A point outside and the nearest one of the surface; `otherwise` is the direction where they are too close to tell.
+pub(super) fn outside(p: Vec3, point: Vec3, otherwise: Vec3) -> SurfacePoint {
+    let d = p - point;
+    let distance = d.length();
+    let normal = if distance > AT_SURFACE { d / distance } else { otherwise.normalize_or(Vec3::Y) };
+    SurfacePoint { distance, point, normal }
+}
+
+/// All within a radius of a line between two points.
+fn of_bar(p: Vec3, from: Vec3, to: Vec3, radius: f32) -> SurfacePoint {
+    let axis = on_axis(p, from, to);
+    let away = p - axis;
+    let d = away.length();
+    let normal = if d > AT_SURFACE { away / d } else { (to - from).any_orthonormal_vector_or(Vec3::Y) };
+    SurfacePoint { distance: d - radius, point: axis + normal * radius, normal }
+}
+
+/// The nearest point of a line between two points.
+fn on_axis(p: Vec3, from: Vec3, to: Vec3) -> Vec3 {
+    let along = to - from;
+    let length2 = along.length_squared();
+    let t = if length2 > 0.0 { ((p - from).dot(along) / length2).clamp(0.0, 1.0) } else { 0.0 };
+    from + along * t
+}
+
+/// Small additions to vectors.
+trait VectorExt {
+    /// The same with one component set.
+    fn with_axis(self, axis: usize, value: f32) -> Self;
+    /// A unit vector across it; `otherwise` for the zero vector.
+    fn any_orthonormal_vector_or(self, otherwise: Self) -> Self;
+}
+
+impl VectorExt for Vec3 {
+    fn with_axis(mut self, axis: usize, value: f32) -> Self {
+        self[axis] = value;
+        self
+    }
+
+    fn any_orthonormal_vector_or(self, otherwise: Self) -> Self {
+        self.try_normalize().map_or(otherwise, |v| v.any_orthonormal_vector())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn vector(limit: f32) -> impl Strategy<Value = Vec3> {
+        prop::array::uniform3(-limit..limit).prop_map(Vec3::from)
+    }
+
+    /// Every point of a grid over the surface of a box, given by its faces.
+    fn box_surface(shape: &Shape) -> Vec<Vec3> {
+        let Shape::Box { at, size, heading_deg, pitch_deg } = shape else { panic!("a box") };
+        let (sh, ch) = heading_deg.to_radians().sin_cos();
+        let (sp, cp) = pitch_deg.to_radians().sin_cos();
+        let place = |q: Vec3| {
+            let tilted = Vec3::new(q.x, q.y * cp - q.z * sp, q.y * sp + q.z * cp);
+            Vec3::from(*at) + Vec3::new(tilted.x * ch + tilted.z * sh, tilted.y, tilted.z * ch - tilted.x * sh)
+        };
+        let n = 40;
+        let at = |i: i32| i as f32 / n as f32 - 0.5;
+        let mut out = Vec::new();
+        for i in 0..=n {
+            for j in 0..=n {
+                for side in [-0.5, 0.5] {
+                    for face in [[side, at(i), at(j)], [at(i), side, at(j)], [at(i), at(j), side]] {
+                        out.push(place(Vec3::from(face) * Vec3::from(*size)));
+                    }
+                }
+            }
+        }
+        out
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(60))]
+
+        #[test]
+        fn distance_to_a_box_is_that_to_its_densely_sampled_surface(
+            at in vector(1.0), size in prop::array::uniform3(0.1f32..2.0), heading_deg in -180.0f32..180.0,
+            pitch_deg in -80.0f32..80.0, p in vector(2.0)
+        ) {
+            let shape = Shape::Box { at: at.into(), size, heading_deg, pitch_deg };
+            let solid = Solid::of(&shape).unwrap();
+            let found = solid.nearest(p, f32::INFINITY).unwrap();
+            let surface = box_surface(&shape);
+            let sampled = surface.iter().map(|s| s.distance(p)).fold(f32::INFINITY, f32::min);
+            // Half of the diagonal of the largest cell of the samples.
+            let cell = 2.0 / 40.0 * 0.71;
+            prop_assert!(found.distance.abs() <= sampled + 1e-4 && sampled <= found.distance.abs() + cell);
+            prop_assert!((found.point.distance(p) - found.distance.abs()).abs() < 1e-4);
+            prop_assert!(solid.nearest(found.point + found.normal * 0.01, 9.0).unwrap().distance > 0.009);
+            prop_assert!(surface.iter().all(|s| solid.bounds().grown(1e-4).contains(*s)));
+            let inside = (0..3).all(|k| {
+                let q = Quat::from_rotation_x(-pitch_deg.to_radians())
+                    * Quat::from_rotation_y(-heading_deg.to_radians()) * (p - at);
+                q[k].abs() < 0.5 * size[k]
+            });
+            prop_assert_eq!(found.distance < 0.0, inside);
+        }
+
+        #[test]
+        fn distance_to_a_bar_is_that_to_its_densely_sampled_axis(
+            from in vector(1.0), to in vector(1.0), radius in 0.01f32..0.4, p in vector(2.0)
+        ) {
+            let solid = Solid::Bar { from, to, radius };
+            let found = solid.nearest(p, f32::INFINITY).unwrap();
+            let axis = (0..=4000).map(|i| from.lerp(to, i as f32 / 4000.0).distance(p)).fold(f32::INFINITY, f32::min);
+            prop_assert!((found.distance - (axis - radius)).abs() < 2e-3);
+            prop_assert!((found.point.distance(p) - found.distance.abs()).abs() < 1e-4);
+            prop_assert!(solid.bounds().grown(1e-4).contains(found.point));
+        }
+    }
+
+    #[test]
+    fn a_tilted_box_falls_towards_its_far_end() {
+        let shape = Shape::Box { at: [0.0, 1.0, 0.0], size: [1.0, 0.2, 4.0], heading_deg: 90.0, pitch_deg: 30.0 };
+        let top = |x: f32| {
+            let p = Vec3::new(x, 1.8, 0.0);
+            Solid::of(&shape).unwrap().nearest(p, 99.0).unwrap().point
+        };
+        assert!(top(-1.0).y > top(1.0).y, "+z of the box is +x of the unit and lies lower");
+    }
+
+    #[test]
+    fn what_is_farther_than_the_limit_is_not_found() {
+        let solid = Solid::Bar { from: Vec3::ZERO, to: Vec3::ZERO, radius: 0.5 };
+        assert_eq!(solid.nearest(Vec3::X * 2.0, 1.4), None);
+        let found = solid.nearest(Vec3::X * 2.0, 1.6).unwrap();
+        assert!((found.distance - 1.5).abs() < 1e-6 && (found.point - Vec3::X * 0.5).length() < 1e-6);
+        assert!((solid.nearest(Vec3::ZERO, 1.0).unwrap().distance + 0.5).abs() < 1e-6);
+    }
+}

@@ -1,0 +1,194 @@
+//! Which points of a body touch what is around it, and when that counts as a contact.
+
+use glam::{Quat, Vec3};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use throng_core::{Contacts, Joint, NUM_JOINTS, Skeleton};
+use throng_motion::error::BuildError;
+
+/// When a part of a body counts as planted on the geometry of an environment (Lee, Choi and Lee 2006, section 3).
+///
+/// Speeds, shortest contacts and longest pauses are those of the `annotate` table. Lengths are for legs of 0.83 m and
+/// scale with the skeleton's.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct TouchConfig {
+    /// Distance of the sole that a contact of heel or toe reaches (m, <= foot_off).
+    pub foot_on: f32,
+    /// Distance of the sole that ends it (m).
+    pub foot_off: f32,
+    /// Distance of the skin of a hand that a contact reaches (m, <= hand_off).
+    pub hand_on: f32,
+    /// Distance that ends it (m).
+    pub hand_off: f32,
+    /// Distance of the seat that a contact reaches (m, <= seat_off).
+    pub seat_on: f32,
+    /// Distance that ends it (m).
+    pub seat_off: f32,
+    /// How deep a body may be in a unit where nothing of it is planted (m, >= 0).
+    pub penetration: f32,
+}
+
+impl Default for TouchConfig {
+    fn default() -> Self {
+        Self {
+            foot_on: 0.025,
+            foot_off: 0.045,
+            hand_on: 0.03,
+            hand_off: 0.05,
+            seat_on: 0.03,
+            seat_off: 0.06,
+            penetration: 0.06,
+        }
+    }
+}
+
+impl TouchConfig {
+    /// Checks that every number is within its limits.
+    ///
+    /// # Errors
+    /// [`BuildError::Config`] names the setting.
+    pub fn check(&self) -> Result<(), BuildError> {
+        let fail = |key: &str, what: String| Err(BuildError::Config { message: format!("{key}: {what}") });
+        let pairs = [
+            ("foot_on", self.foot_on, self.foot_off),
+            ("hand_on", self.hand_on, self.hand_off),
+            ("seat_on", self.seat_on, self.seat_off),
+        ];
+        for (key, on, off) in pairs {
+            if !(on > 0.0 && on <= off && off < 1.0) {
+                return fail(
+                    key,
+                    format!("expected above 0 and at most the distance that ends it, found {on} and {off}"),
+                );
+            }
+        }
+        if !(0.0..1.0).contains(&self.penetration) {
+            return fail("penetration", format!("expected 0 to 1 m, found {}", self.penetration));
+        }
+        Ok(())
+    }
+}
+
+/// Leg length the lengths are for: the default skeleton's (m).
+pub(super) const REFERENCE_LEG: f32 = 0.83;
+
+/// The parts that contacts tell apart, in the order of their bits.
+pub(super) const PARTS: [Contacts; 7] = [
+    Contacts::LEFT_HEEL,
+    Contacts::LEFT_TOE,
+    Contacts::RIGHT_HEEL,
+    Contacts::RIGHT_TOE,
+    Contacts::LEFT_HAND,
+    Contacts::RIGHT_HAND,
+    Contacts::SEAT,
+];
+
+/// Points of the skin that may touch something.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Probes {
+    /// Of every part, in the order of [`PARTS`].
+    parts: [Vec<Probe>; 7],
+    /// Size over that of the default skeleton.
+    pub scale: f32,
+}
+
+/// A point fixed to a joint.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Probe {
+    joint: Joint,
+    offset: Vec3,
+    /// The skin is this far around the point; below 0 where it is hollow (m).
+    pub radius: f32,
+}
+
+impl Probe {
+    /// Where it is in a pose (m).
+    pub fn at(&self, transforms: &[(Vec3, Quat); NUM_JOINTS]) -> Vec3 {
+        let (p, r) = transforms[self.joint.index()];
+        p + r * self.offset
+    }
+}
+
+impl Probes {
+    /// The points of a body with a skeleton's proportions.
+    pub fn new(skeleton: &Skeleton) -> Self {
+        let scale = skeleton.leg_length() / REFERENCE_LEG;
+        let [left_heel, left_toe] = foot(skeleton, Joint::LeftFoot, Joint::LeftToe, skeleton.tips[1]);
+        let [right_heel, right_toe] = foot(skeleton, Joint::RightFoot, Joint::RightToe, skeleton.tips[2]);
+        let hands = [Joint::LeftHand, Joint::RightHand].map(|j| hand(skeleton, j, scale));
+        let [left_hand, right_hand] = hands;
+        let parts = [left_heel, left_toe, right_heel, right_toe, left_hand, right_hand, seat(skeleton, scale)];
+        Self { parts, scale }
+    }
+
+    /// The points of one part (part < 7).
+    pub fn of(&self, part: usize) -> &[Probe] {
+        &self.parts[part]
+    }
+
+    /// Distances that begin and end a contact of a part (m).
+    pub fn limits(&self, part: usize, cfg: &TouchConfig) -> [f32; 2] {
+        let limits = match part {
+            0..=3 => [cfg.foot_on, cfg.foot_off],
+            4..=5 => [cfg.hand_on, cfg.hand_off],
+            _ => [cfg.seat_on, cfg.seat_off],
+        };
+        limits.map(|l| l * self.scale)
+    }
+}
+
+/// Sole of the heel and of the ball and toes; the arch between them belongs to the ball and is hollow.
+fn foot(skeleton: &Skeleton, foot: Joint, toe: Joint, tip: Vec3) -> [Vec<Probe>; 2] {
+    let rest = skeleton.rest_positions();
+    let (ankle, ball) = (rest[foot.index()].y, rest[toe.index()].y);
+    let to_ball = skeleton.offsets[toe.index()];
+    let probe = |joint: Joint, x: f32, y: f32, z: f32, radius: f32| Probe { joint, offset: Vec3::new(x, y, z), radius };
+    let heel = vec![probe(foot, 0.0, -ankle, -0.3 * to_ball.z, 0.0), probe(foot, 0.0, -ankle, 0.0, 0.0)];
+    let arch = probe(foot, 0.5 * to_ball.x, -ankle, 0.5 * to_ball.z, -0.015);
+    let toes = vec![probe(toe, 0.0, -ball, 0.0, 0.0), probe(toe, tip.x, -ball, tip.z, 0.0), arch];
+    [heel, toes]
+}
+
+/// Wrist, palm and fingers.
+fn hand(skeleton: &Skeleton, hand: Joint, scale: f32) -> Vec<Probe> {
+    let along = skeleton.offsets[hand.index()].normalize_or_zero() * scale;
+    let probes = [(0.0, 0.03), (0.06, 0.03), (0.12, 0.022)];
+    probes.map(|(at, radius)| Probe { joint: hand, offset: along * at, radius: radius * scale }).to_vec()
+}
+
+/// Buttocks and the upper halves of the thighs.
+fn seat(skeleton: &Skeleton, scale: f32) -> Vec<Probe> {
+    let mut out = Vec::with_capacity(4);
+    for (thigh, shin) in [(Joint::LeftThigh, Joint::LeftShin), (Joint::RightThigh, Joint::RightShin)] {
+        out.push(Probe { joint: thigh, offset: Vec3::ZERO, radius: 0.092 * scale });
+        out.push(Probe { joint: thigh, offset: skeleton.offsets[shin.index()] / 3.0, radius: 0.08 * scale });
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn settings_outside_their_limits_are_named() {
+        let fault = |cfg: TouchConfig| cfg.check().unwrap_err().to_string();
+        TouchConfig::default().check().unwrap();
+        assert!(fault(TouchConfig { hand_on: 0.2, ..TouchConfig::default() }).starts_with("hand_on: expected above 0"));
+        assert!(fault(TouchConfig { seat_on: f32::NAN, ..TouchConfig::default() }).starts_with("seat_on"));
+        assert!(fault(TouchConfig { penetration: -0.1, ..TouchConfig::default() }).starts_with("penetration"));
+    }
+
+    #[test]
+    fn soles_of_a_standing_body_are_on_the_ground_and_palms_beyond_the_wrists() {
+        let s = Skeleton::default();
+        let t = throng_motion::clip::joint_transforms(&s, s.offsets[0], |_| Quat::IDENTITY);
+        let probes = Probes::new(&s);
+        for part in 0..4 {
+            assert!(probes.of(part).iter().all(|p| p.at(&t).y.abs() < 1e-5), "{part}");
+        }
+        let palm = probes.of(4)[1].at(&t);
+        assert!((palm - t[Joint::LeftHand.index()].0 - Vec3::X * 0.06).length() < 1e-4, "{palm}");
+    }
+}

@@ -1,0 +1,342 @@
+//! Cardinal basis functions over scattered examples: the exact weights that the weight table approximates.
+
+use super::dense::Lu;
+
+/// Pivots below this share of the largest number mean that a system has no unique solution.
+const SINGULAR: f64 = 1e-10;
+
+/// Examples that differ by less on an axis do not differ on it.
+const LEAST_EXTENT: f64 = 1e-3;
+
+/// The exact weights of examples over a parameter space: one cardinal basis function per example, which is 1 at its own
+/// example and 0 at the others; at every point they sum to 1.
+///
+/// Each is a hyperplane, fitted to those values by least squares, and a sum of radial cubic B-splines around all
+/// examples, which takes up the residual. Each spline ends at a multiple of the distance from its example to the
+/// nearest other one. Distances on each axis count in a spacing of its own.
+///
+/// # Source
+/// Kim, Kim and Shin (2003a), section 4.2.1, after Sloan, Rose and Cohen (2001), *Shape by Example*.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CardinalBasis {
+    num_axes: usize,
+    num_examples: usize,
+    /// Per axis: lowest value of the examples, and what makes the spacing 1.
+    low: Vec<f64>,
+    scale: Vec<f64>,
+    /// Examples, from the lowest value on, in spacings (num_examples * num_axes).
+    points: Vec<f64>,
+    /// Reciprocal of the distance at which each spline ends (num_examples).
+    sharpness: Vec<f64>,
+    /// Hyperplanes: constants, then slopes axis by axis ((num_axes + 1) * num_examples).
+    linear: Vec<f64>,
+    /// Share of each spline in each weight (num_examples * num_examples)., spline by spline.
+    radial: Vec<f64>,
+}
+
+/// Why examples have no cardinal basis.
+#[derive(Clone, Debug, PartialEq)]
+pub enum CardinalFault {
+    /// There are fewer than axes + 1.
+    TooFew,
+    /// All have the same value on this axis.
+    NoExtent(usize),
+    /// Their values on this axis follow from those on the axes before it: all lie in one hyperplane.
+    NoSpread(usize),
+    /// Two lie at the same place: their numbers and distance.
+    Coincident(usize, usize, f64),
+    /// The splines overlap so much that their shares cannot be told.
+    Overlap,
+}
+
+impl CardinalBasis {
+    /// Makes the basis of examples.
+    ///
+    /// - `points`: parameters of each example, axis by axis (examples x axes).
+    /// - `spacings`: what counts as a distance of 1 on each axis; what [`spacing`] says where there is none (> 0).
+    /// - `reach`: where a spline ends, in distances to the nearest other example.
+    /// - `min_distance`: nearer examples are coincident, where each axis counts from 0 to 1 over the examples.
+    ///
+    /// # Errors
+    /// [`CardinalFault`] says why there is none.
+    pub fn new(
+        points: &[Vec<f64>],
+        spacings: &[Option<f64>],
+        reach: f64,
+        min_distance: f64,
+    ) -> Result<Self, CardinalFault> {
+        let (n, d) = (points.len(), points.first().map_or(0, Vec::len));
+        if n < d + 1 {
+            return Err(CardinalFault::TooFew);
+        }
+        let (low, extent) = extents(points);
+        if let Some(k) = extent.iter().position(|e| e.is_nan() || *e <= LEAST_EXTENT) {
+            return Err(CardinalFault::NoExtent(k));
+        }
+        if let Some((a, b, distance)) = nearest_pair(points, &extent).filter(|pair| pair.2 < min_distance) {
+            return Err(CardinalFault::Coincident(a, b, distance));
+        }
+        let usual = spacing(points);
+        let chosen = |k: usize| spacings.get(k).copied().flatten().unwrap_or(usual[k]);
+        let scale: Vec<f64> = (0..d).map(|k| 1.0 / chosen(k)).collect();
+        let unit = points.iter().flat_map(|p| (0..d).map(|k| (p[k] - low[k]) * scale[k]).collect::<Vec<_>>()).collect();
+        let mut basis = Self {
+            num_axes: d,
+            num_examples: n,
+            low,
+            scale,
+            points: unit,
+            sharpness: Vec::new(),
+            linear: Vec::new(),
+            radial: Vec::new(),
+        };
+        basis.linear = basis.fit_hyperplanes()?;
+        basis.sharpness = (0..n).map(|i| 1.0 / (reach * basis.to_nearest(i))).collect();
+        basis.radial = basis.fit_splines()?;
+        Ok(basis)
+    }
+
+    /// Number of examples, and of weights.
+    pub fn num_examples(&self) -> usize {
+        self.num_examples
+    }
+
+    /// Number of axes.
+    pub fn num_axes(&self) -> usize {
+        self.num_axes
+    }
+
+    /// The weights of all examples at a point, exactly; they sum to 1, and any of them may be negative.
+    ///
+    /// - `at`: the point (num_axes).
+    /// - `out`: receives the weights (num_examples).
+    ///
+    /// # Panics
+    /// Where a slice has another length.
+    pub fn weights(&self, at: &[f64], out: &mut [f64]) {
+        let (n, d) = (self.num_examples, self.num_axes);
+        assert!(at.len() == d && out.len() == n, "{d} axes and {n} examples");
+        let mut unit = [0.0; throng_core::blend::MAX_AXES];
+        out.copy_from_slice(&self.linear[..n]);
+        for k in 0..d {
+            unit[k] = (at[k] - self.low[k]) * self.scale[k];
+            add(out, unit[k], &self.linear[(k + 1) * n..(k + 2) * n]);
+        }
+        for j in 0..n {
+            let point = &self.points[j * d..(j + 1) * d];
+            let squared: f64 = point.iter().zip(&unit).map(|(p, u)| (p - u) * (p - u)).sum();
+            let distance = squared * self.sharpness[j] * self.sharpness[j];
+            if distance < 1.0 {
+                add(out, spline(distance.sqrt()), &self.radial[j * n..(j + 1) * n]);
+            }
+        }
+    }
+
+    /// Slope of each example's hyperplane along an axis: what its weight gains per unit of the parameter.
+    pub fn slopes(&self, axis: usize) -> impl Iterator<Item = f64> {
+        let n = self.num_examples;
+        self.linear[(axis + 1) * n..(axis + 2) * n].iter().map(move |s| s * self.scale[axis])
+    }
+
+    /// The examples' parameters, as they were given.
+    pub fn examples(&self) -> impl Iterator<Item = Vec<f64>> {
+        let raw = |i: usize, k: usize| self.low[k] + self.point(i)[k] / self.scale[k];
+        (0..self.num_examples).map(move |i| (0..self.num_axes).map(|k| raw(i, k)).collect())
+    }
+
+    fn point(&self, i: usize) -> &[f64] {
+        &self.points[i * self.num_axes..(i + 1) * self.num_axes]
+    }
+
+    fn distance(&self, i: usize, j: usize) -> f64 {
+        self.point(i).iter().zip(self.point(j)).map(|(a, b)| (a - b) * (a - b)).sum::<f64>().sqrt()
+    }
+
+    fn to_nearest(&self, i: usize) -> f64 {
+        (0..self.num_examples).filter(|&j| j != i).map(|j| self.distance(i, j)).fold(f64::INFINITY, f64::min)
+    }
+
+    /// Coefficients of the hyperplanes that are nearest to 1 at their own example and 0 at the others.
+    fn fit_hyperplanes(&self) -> Result<Vec<f64>, CardinalFault> {
+        let (n, d) = (self.num_examples, self.num_axes);
+        let one = |i: usize, k: usize| if k == 0 { 1.0 } else { self.point(i)[k - 1] };
+        if let Some(k) = self.axis_without_spread() {
+            return Err(CardinalFault::NoSpread(k));
+        }
+        let mut normal = vec![0.0; (d + 1) * (d + 1)];
+        for (r, row) in normal.chunks_exact_mut(d + 1).enumerate() {
+            row.iter_mut().enumerate().for_each(|(c, v)| *v = (0..n).map(|i| one(i, r) * one(i, c)).sum());
+        }
+        let lu = Lu::new(d + 1, &normal, SINGULAR).ok_or(CardinalFault::NoSpread(d - 1))?;
+        let mut out = vec![0.0; (d + 1) * n];
+        for i in 0..n {
+            let right: Vec<f64> = (0..=d).map(|k| one(i, k)).collect();
+            lu.solve(&right).into_iter().enumerate().for_each(|(k, v)| out[k * n + i] = v);
+        }
+        Ok(out)
+    }
+
+    /// The first axis on which the examples' values follow from those on the axes before it: what is left of it after
+    /// taking those out (Gram and Schmidt) is nothing.
+    fn axis_without_spread(&self) -> Option<usize> {
+        let n = self.num_examples;
+        let mut found: Vec<Vec<f64>> = vec![vec![1.0 / (n as f64).sqrt(); n]];
+        for k in 0..self.num_axes {
+            let mut column: Vec<f64> = (0..n).map(|i| self.point(i)[k]).collect();
+            for known in &found {
+                let share: f64 = column.iter().zip(known).map(|(a, b)| a * b).sum();
+                add(&mut column, -share, known);
+            }
+            let left = column.iter().map(|v| v * v).sum::<f64>().sqrt();
+            if left < 1e-4 * (n as f64).sqrt() {
+                return Some(k);
+            }
+            column.iter_mut().for_each(|v| *v /= left);
+            found.push(column);
+        }
+        None
+    }
+
+    /// Shares of the splines that take up what the hyperplanes leave at the examples.
+    fn fit_splines(&self) -> Result<Vec<f64>, CardinalFault> {
+        let (n, d) = (self.num_examples, self.num_axes);
+        let mut values = vec![0.0; n * n];
+        for (k, row) in values.chunks_exact_mut(n).enumerate() {
+            row.iter_mut().enumerate().for_each(|(j, v)| *v = spline(self.distance(k, j) * self.sharpness[j]));
+        }
+        let lu = Lu::new(n, &values, SINGULAR).ok_or(CardinalFault::Overlap)?;
+        let mut out = vec![0.0; n * n];
+        for i in 0..n {
+            let plane = |k: usize| {
+                let slopes: f64 = (0..d).map(|a| self.linear[(a + 1) * n + i] * self.point(k)[a]).sum();
+                self.linear[i] + slopes
+            };
+            let residual: Vec<f64> = (0..n).map(|k| f64::from(u8::from(k == i)) - plane(k)).collect();
+            lu.solve(&residual).into_iter().enumerate().for_each(|(j, v)| out[j * n + i] = v);
+        }
+        Ok(out)
+    }
+}
+
+/// What counts as a distance of 1 on each axis where a config does not say: how far apart examples typically are on it.
+///
+/// Where they lie on a grid, that is the grid's; where they are scattered, what it would be if as many lay on a grid.
+/// So an axis of three manners and one of twelve speeds both have neighbours about 1 apart.
+///
+/// - `points`: parameters of each example, axis by axis (examples x axes).
+pub fn spacing(points: &[Vec<f64>]) -> Vec<f64> {
+    let (low, extent) = extents(points);
+    let levels: Vec<f64> = (0..low.len()).map(|k| levels(points, k, extent[k])).collect();
+    let at_most = |cap: f64| levels.iter().map(|l| l.min(cap)).product::<f64>();
+    // The finest grid with no more knots than there are examples: by bisection of its finest axis.
+    let (mut few, mut many) = (2.0, levels.iter().fold(2.0f64, |a, l| a.max(*l)));
+    if at_most(many) <= points.len() as f64 {
+        few = many;
+    }
+    for _ in 0..40 {
+        let middle = 0.5 * (few + many);
+        if at_most(middle) <= points.len() as f64 { few = middle } else { many = middle }
+    }
+    extent.iter().zip(&levels).map(|(e, l)| e / (l.min(few) - 1.0)).collect()
+}
+
+/// Number of values on an axis that differ by more than a part of its extent.
+fn levels(points: &[Vec<f64>], axis: usize, extent: f64) -> f64 {
+    let mut values: Vec<f64> = points.iter().map(|p| p[axis]).collect();
+    values.sort_by(f64::total_cmp);
+    let gaps = values.windows(2).filter(|w| w[1] - w[0] > 0.02 * extent).count();
+    (1 + gaps).max(2) as f64
+}
+
+/// Lowest value and extent on each axis.
+fn extents(points: &[Vec<f64>]) -> (Vec<f64>, Vec<f64>) {
+    let along = |k: usize| {
+        let values = || points.iter().map(move |p| p[k]);
+        let low = values().fold(f64::INFINITY, f64::min);
+        (low, values().fold(f64::NEG_INFINITY, f64::max) - low)
+    };
+    (0..points.first().map_or(0, Vec::len)).map(along).unzip()
+}
+
+/// The two points that are nearest to each other, with each axis from 0 to 1 over all.
+fn nearest_pair(points: &[Vec<f64>], extent: &[f64]) -> Option<(usize, usize, f64)> {
+    let distance =
+        |a: &[f64], b: &[f64]| a.iter().zip(b).zip(extent).map(|((a, b), e)| ((a - b) / e).powi(2)).sum::<f64>().sqrt();
+    let pairs = (0..points.len()).flat_map(|i| (i + 1..points.len()).map(move |j| (i, j)));
+    pairs.map(|(i, j)| (i, j, distance(&points[i], &points[j]))).min_by(|a, b| a.2.total_cmp(&b.2))
+}
+
+fn add(out: &mut [f64], share: f64, of: &[f64]) {
+    out.iter_mut().zip(of).for_each(|(o, v)| *o += share * v);
+}
+
+/// The cubic B-spline, 2/3 at 0, ending at 1 with its first and second derivative.
+fn spline(r: f64) -> f64 {
+    let x = 2.0 * r;
+    let near = 2.0 / 3.0 - x * x * (1.0 - 0.5 * x);
+    let far = (2.0 - x) * (2.0 - x) * (2.0 - x) / 6.0;
+    if x < 1.0 {
+        near
+    } else if x < 2.0 {
+        far
+    } else {
+        0.0
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_spline_is_smooth_where_its_parts_meet_and_where_it_ends() {
+        for at in [0.0, 0.5, 1.0] {
+            let h = 1e-4;
+            let f = |x: f64| spline(x.abs());
+            let slope = |x: f64| (f(x + h) - f(x - h)) / (2.0 * h);
+            let bend = |x: f64| (f(x + h) - 2.0 * f(x) + f(x - h)) / (h * h);
+            assert!((slope(at + h) - slope(at - h)).abs() < 1e-2, "slope at {at}");
+            assert!((bend(at + 2.0 * h) - bend(at - 2.0 * h)).abs() < 5e-2, "second derivative at {at}");
+        }
+        assert!((spline(0.0) - 2.0 / 3.0).abs() < 1e-12 && spline(1.0) == 0.0 && spline(3.0) == 0.0);
+    }
+
+    #[test]
+    fn neighbours_on_a_grid_are_one_spacing_apart() {
+        let grid = |n: [usize; 3], unit: [f64; 3]| {
+            let mut points = Vec::new();
+            for i in 0..n.iter().product() {
+                let at = [i % n[0], i / n[0] % n[1], i / n[0] / n[1]];
+                points.push((0..3).map(|k| at[k] as f64 * unit[k]).collect::<Vec<_>>());
+            }
+            spacing(&points)
+        };
+        for (n, unit) in [([3, 4, 5], [1.0, 0.4, 0.1]), ([2, 9, 2], [7.0, 2.0, 3.0])] {
+            assert!(grid(n, unit).iter().zip(unit).all(|(a, b)| (a - b).abs() < 1e-6 * b), "{n:?}");
+        }
+        // Scattered over a square and on one of two manners: a grid of 2 x 3 x 3.
+        let golden = 0.618_033_988_75;
+        let points: Vec<Vec<f64>> =
+            (0..18).map(|i| vec![f64::from(i % 2), f64::from(i) / 17.0, (f64::from(i) * golden).fract()]).collect();
+        let found = spacing(&points);
+        assert!(
+            (found[0] - 1.0).abs() < 1e-9 && (found[1] - 0.5).abs() < 1e-6 && (found[2] - 0.5).abs() < 0.05,
+            "{found:?}"
+        );
+    }
+
+    /// Three examples on a line at 0, 1 and 2; done by hand.
+    #[test]
+    fn three_examples_on_a_line() {
+        let basis = CardinalBasis::new(&[vec![0.0], vec![1.0], vec![2.0]], &[], 2.0, 1e-3).unwrap();
+        let mut w = [0.0; 3];
+        // The hyperplane of the middle one is 1/3 everywhere; the splines' values at distance 0 and 1 are 2/3, 1/6.
+        // Its residual (-1/3, 2/3, -1/3) is theirs with the shares (-6/7, 10/7, -6/7).
+        basis.weights(&[0.5], &mut w);
+        let half = 23.0 / 48.0; // the B-spline at half a knot
+        let far = 1.0 / 48.0; // and at one and a half
+        let middle = 1.0 / 3.0 + half * (10.0 / 7.0 - 6.0 / 7.0) - far * 6.0 / 7.0;
+        assert!((w[1] - middle).abs() < 1e-12, "{w:?}, {middle}");
+        assert!((w.iter().sum::<f64>() - 1.0).abs() < 1e-12);
+    }
+}

@@ -1,0 +1,322 @@
+//! How blend spaces are made.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+use throng_core::blend::{MAX_AXES, axis};
+use throng_motion::error::BuildError;
+
+/// A blend space: example motions in a parameter box, and how they are tabulated (Kim, Kim and Shin 2003a, section 4).
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct BlendConfig {
+    /// Makes one space for each of these words, named `NAME-WORD`: `{}` in patterns of clips and tags is the word.
+    /// One space of its own name where empty.
+    pub for_each: Vec<String>,
+    /// What examples are placed by, in order (1 to 6).
+    pub axes: Vec<AxisConfig>,
+    /// Examples that are named; each must be there.
+    pub examples: Vec<ExampleConfig>,
+    /// Examples that are looked for: every steady stretch of the clips.
+    pub find: Vec<FindConfig>,
+    /// Rows of the posture table over one cycle (8 to 1024).
+    pub phases: usize,
+    /// Largest error of a tabulated weight against the exact one (1e-4 to 0.5).
+    pub weight_tolerance: f64,
+    /// Most bytes of the weight table (bytes, 1024 to 1e9).
+    pub max_weight_bytes: u64,
+    /// How far an example's radial basis reaches, in distances to the nearest other example (1 to 10).
+    pub kernel_reach: f64,
+    /// How a point outside the box is taken.
+    pub extrapolate: Extrapolate,
+    /// How much the speed may vary over a steady stretch (m/s, 1e-3 to 100).
+    pub speed_tolerance: f64,
+    /// How much the turning rate may vary over a steady stretch (rad/s, 1e-3 to 100).
+    pub gyration_tolerance: f64,
+    /// Examples nearer than this are the same one: an error where both are named, otherwise the better one stays.
+    /// Distances count with each axis from 0 to 1 over the examples (>= 1e-6, < 1).
+    pub min_distance: f64,
+}
+
+impl Default for BlendConfig {
+    fn default() -> Self {
+        Self {
+            for_each: Vec::new(),
+            axes: Vec::new(),
+            examples: Vec::new(),
+            find: Vec::new(),
+            phases: 64,
+            weight_tolerance: 0.01,
+            max_weight_bytes: 32 << 20,
+            kernel_reach: 2.0,
+            extrapolate: Extrapolate::default(),
+            speed_tolerance: 0.25,
+            gyration_tolerance: 0.3,
+            min_distance: 0.05,
+        }
+    }
+}
+
+/// An axis of a blend space.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct AxisConfig {
+    /// What it means.
+    pub kind: AxisKind,
+    /// Its name, unique in the space; that of its kind where empty.
+    #[serde(default)]
+    pub name: String,
+    /// Lowest and highest value of the box; the examples' extent where absent.
+    #[serde(default)]
+    pub range: Option<[f64; 2]>,
+    /// What counts as a distance of 1 between examples on it; how far apart they typically are where absent.
+    /// (> 0)
+    #[serde(default)]
+    pub spacing: Option<f64>,
+    /// A style axis only: the value of an example whose frames carry a tag.
+    #[serde(default)]
+    pub tags: BTreeMap<String, f64>,
+}
+
+/// What an axis means.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum AxisKind {
+    /// A number that is set from outside: a manner, or walk 0, jog 1, run 2.
+    Style,
+    /// Speed along the direction that the body faces, negative backwards (m/s).
+    Speed,
+    /// Speed to the body's left (m/s).
+    Side,
+    /// Turning rate, positive to the left (rad/s).
+    Gyration,
+}
+
+impl AxisKind {
+    /// As bundles store it.
+    pub fn code(self) -> u32 {
+        match self {
+            Self::Style => axis::STYLE,
+            Self::Speed => axis::SPEED,
+            Self::Side => axis::SIDE,
+            Self::Gyration => axis::GYRATION,
+        }
+    }
+
+    /// As configs write it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Style => "style",
+            Self::Speed => "speed",
+            Self::Side => "side",
+            Self::Gyration => "gyration",
+        }
+    }
+}
+
+/// How a point outside the parameter box is taken.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Extrapolate {
+    /// As the nearest point of the box.
+    #[default]
+    Clamp,
+    /// The linear part of the weights is continued.
+    Linear,
+}
+
+/// A named example, or several of one kind.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct ExampleConfig {
+    /// Clip by name or pattern, in which `*` stands for any text; every clip that matches gives an example.
+    pub clip: String,
+    /// Take only frames that carry this tag; each run of them gives an example.
+    pub tag: Option<String>,
+    /// Take only these frames of the clip, `[first, end)`.
+    pub frames: Option<[usize; 2]>,
+    /// Values on the style axes, by their names.
+    pub style: BTreeMap<String, f64>,
+    /// The character stands: both feet stay on the ground.
+    pub still: bool,
+    /// One step and its mirrored image make the cycle: for what goes straight and is too short for two steps.
+    /// (neither with `still` nor with `mirror`)
+    pub symmetric: bool,
+    /// Adds the mirrored copy.
+    pub mirror: bool,
+}
+
+/// Clips in which steady stretches are looked for.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct FindConfig {
+    /// Clips by name or pattern, in which `*` stands for any text.
+    pub clips: Vec<String>,
+    /// Look only at frames that carry this tag.
+    pub tag: Option<String>,
+    /// Values on the style axes, by their names.
+    pub style: BTreeMap<String, f64>,
+    /// One step and its mirrored image make a cycle: for what goes straight and is too short for two steps.
+    /// (not with `mirror`)
+    pub symmetric: bool,
+    /// Adds mirrored copies.
+    pub mirror: bool,
+    /// Most examples from these clips: those that are farthest from one another (>= 1).
+    pub most: Option<usize>,
+    /// Cycles whose ends differ by more, as the mean turn of a joint, are not taken (deg, > 0).
+    pub closing_deg: Option<f64>,
+}
+
+impl BlendConfig {
+    /// The spaces that this table of a config makes, by name.
+    pub fn spaces(&self, name: &str) -> Vec<(String, Self)> {
+        if self.for_each.is_empty() {
+            return vec![(name.to_owned(), self.clone())];
+        }
+        self.for_each.iter().map(|word| (format!("{name}-{word}"), self.with(word))).collect()
+    }
+
+    fn with(&self, word: &str) -> Self {
+        let mut space = Self { for_each: Vec::new(), ..self.clone() };
+        let fill = |text: &mut String| *text = text.replace("{}", word);
+        for e in &mut space.examples {
+            fill(&mut e.clip);
+            e.tag.iter_mut().for_each(fill);
+        }
+        for f in &mut space.find {
+            f.clips.iter_mut().for_each(fill);
+            f.tag.iter_mut().for_each(fill);
+        }
+        space
+    }
+
+    /// Names of the axes, those of their kinds where they have none.
+    pub fn axis_names(&self) -> Vec<String> {
+        let name = |a: &AxisConfig| if a.name.is_empty() { a.kind.name().to_owned() } else { a.name.clone() };
+        self.axes.iter().map(name).collect()
+    }
+
+    /// # Errors
+    /// [`BuildError::Config`] naming the space and the first key out of its limits.
+    pub(super) fn check(&self, space: &str) -> Result<(), BuildError> {
+        let limits = [
+            ("axes", self.axes.len() as f64, 1.0, MAX_AXES as f64),
+            ("phases", self.phases as f64, 8.0, 1024.0),
+            ("weight_tolerance", self.weight_tolerance, 1e-4, 0.5),
+            ("max_weight_bytes", self.max_weight_bytes as f64, 1024.0, 1e9),
+            ("kernel_reach", self.kernel_reach, 1.0, 10.0),
+            ("speed_tolerance", self.speed_tolerance, 1e-3, 100.0),
+            ("gyration_tolerance", self.gyration_tolerance, 1e-3, 100.0),
+            ("min_distance", self.min_distance, 1e-6, 0.999),
+        ];
+        for (key, value, low, high) in limits {
+            if !(low..=high).contains(&value) {
+                return Err(fault(space, key, &format!("expected {low} to {high}, found {value}")));
+            }
+        }
+        let names = self.axis_names();
+        for (i, (a, name)) in self.axes.iter().zip(&names).enumerate() {
+            if names[..i].contains(name) {
+                return Err(fault(space, "axes", &format!("expected names of their own, found two called `{name}`")));
+            }
+            if a.kind != AxisKind::Style && !a.tags.is_empty() {
+                let found = format!("expected none on axis `{name}`, whose value is measured, found some");
+                return Err(fault(space, "axes.tags", &found));
+            }
+            if a.range.is_some_and(|[low, high]| !(low < high && low.abs().max(high.abs()) < 1e4)) {
+                let found = format!("expected [low, high] of axis `{name}`, found {:?}", a.range);
+                return Err(fault(space, "axes.range", &found));
+            }
+            if a.spacing.is_some_and(|s| !(s > 0.0 && s < 1e4)) {
+                let found = format!("expected a number above 0 on axis `{name}`, found {:?}", a.spacing);
+                return Err(fault(space, "axes.spacing", &found));
+            }
+        }
+        if self.examples.is_empty() && self.find.is_empty() {
+            return Err(fault(space, "examples", "expected `examples` or `find`, found neither"));
+        }
+        self.check_styles(space, &names)
+    }
+
+    fn check_styles(&self, space: &str, names: &[String]) -> Result<(), BuildError> {
+        let styles = self.examples.iter().map(|e| &e.style).chain(self.find.iter().map(|f| &f.style));
+        for (name, value) in styles.flatten() {
+            let known = names.iter().zip(&self.axes).any(|(n, a)| n == name && a.kind == AxisKind::Style);
+            if !known || !(-1e4..=1e4).contains(value) {
+                let found = format!("expected a number on a style axis, found `{name} = {value}`");
+                return Err(fault(space, "style", &found));
+            }
+        }
+        for f in &self.find {
+            if f.most == Some(0) || f.closing_deg.is_some_and(|d| d.is_nan() || d <= 0.0) || f.clips.is_empty() {
+                let expected = "expected `clips`, and `most` and `closing_deg` above 0 where they are given";
+                return Err(fault(space, "find", expected));
+            }
+        }
+        let both = "`symmetric` makes the cycle of one step and its mirrored image, of what moves; expected neither \
+                    `mirror` nor `still` with it, found";
+        if let Some(e) = self.examples.iter().find(|e| e.symmetric && (e.mirror || e.still)) {
+            let found = if e.still { "still" } else { "mirror" };
+            return Err(fault(space, "examples", &format!("`{}`: {both} `{found}`", e.clip)));
+        }
+        if let Some(f) = self.find.iter().find(|f| f.symmetric && f.mirror) {
+            return Err(fault(space, "find", &format!("{:?}: {both} `mirror`", f.clips)));
+        }
+        match self.examples.iter().find(|e| e.frames.is_some_and(|[a, b]| a >= b) || e.clip.is_empty()) {
+            Some(e) => Err(fault(space, "examples", &format!("expected a clip and frames [first, end), found {e:?}"))),
+            None => Ok(()),
+        }
+    }
+}
+
+fn fault(space: &str, key: &str, what: &str) -> BuildError {
+    BuildError::Config { message: format!("blend.{space}.{key}: {what}. Correct the config.") }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn plain() -> BlendConfig {
+        toml::from_str("axes = [{ kind = 'style', name = 'gait' }, { kind = 'speed' }]\nexamples = [{ clip = 'a_{}' }]")
+            .unwrap()
+    }
+
+    #[test]
+    fn a_template_gives_a_space_for_every_word() {
+        let config = BlendConfig { for_each: vec!["sad".into(), "proud".into()], ..plain() };
+        let spaces = config.spaces("walk");
+        assert_eq!(spaces[1].0, "walk-proud");
+        assert_eq!(spaces[1].1.examples[0].clip, "a_proud");
+        assert_eq!(plain().spaces("walk"), [("walk".to_owned(), plain())]);
+    }
+
+    #[test]
+    fn what_is_out_of_its_limits_is_named() {
+        assert!(plain().check("walk").is_ok());
+        let same_axis = vec![plain().axes[1].clone(), plain().axes[1].clone()];
+        let mut unknown = plain();
+        unknown.examples[0].style.insert("mood".into(), 1.0);
+        let (mut twofold, mut standing) = (plain(), plain());
+        (twofold.examples[0].symmetric, twofold.examples[0].mirror) = (true, true);
+        (standing.examples[0].symmetric, standing.examples[0].still) = (true, true);
+        let mut found = plain();
+        found.find = vec![FindConfig { clips: vec!["a".into()], symmetric: true, mirror: true, ..Default::default() }];
+        let mut backwards = plain();
+        backwards.axes[1].range = Some([1.0, -1.0]);
+        for (config, key) in [
+            (BlendConfig { phases: 3, ..plain() }, "phases"),
+            (BlendConfig { axes: same_axis, ..plain() }, "axes"),
+            (BlendConfig { examples: Vec::new(), ..plain() }, "examples"),
+            (BlendConfig { weight_tolerance: 0.0, ..plain() }, "weight_tolerance"),
+            (unknown, "style"),
+            (twofold, "examples"),
+            (standing, "examples"),
+            (found, "find"),
+            (backwards, "axes.range"),
+        ] {
+            let e = config.check("walk").unwrap_err().to_string();
+            assert!(e.starts_with(&format!("blend.walk.{key}:")), "{e}");
+        }
+    }
+}

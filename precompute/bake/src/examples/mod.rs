@@ -1,0 +1,414 @@
+//! Blend spaces: example motions, their cardinal weights and their postures as tables (Kim, Kim and Shin 2003a, section
+//! 4).
+//!
+//! Examples are cycles of two steps of steady locomotion, named by the config or found in clips. Each is placed in a
+//! parameter space by the arc that fits its path; weights are tabulated over a box of that space, and what the body
+//! looks like over generic time, so that a posture is one small matrix-vector product at run time.
+
+pub mod arc;
+pub mod average;
+pub mod cardinal;
+mod config;
+mod cycle;
+mod dense;
+pub mod grid;
+mod posture;
+mod select;
+mod steady;
+mod steps;
+mod track;
+mod twist;
+
+pub use config::{AxisConfig, AxisKind, BlendConfig, ExampleConfig, Extrapolate, FindConfig};
+
+use cardinal::{CardinalBasis, CardinalFault};
+use cycle::Cycle;
+use grid::WeightTable;
+use posture::Postures;
+use select::Candidate;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+use throng_core::blend::{
+    AxisRecord, BlendRecord, ChannelRow, ExampleRecord, MAX_AXES, MAX_KNOTS, MAX_WEIGHT, ReferenceRow,
+};
+use throng_motion::clip::ClipSet;
+use throng_motion::error::{BuildError, Warnings};
+use throng_motion::progress::Progress;
+
+/// Examples whose joints turn farther from their reference nearly meet its antipode, where the shorter way changes its
+/// side (rad).
+const FAR_APART: f64 = 2.6;
+
+/// A blend space, as the bundle stores it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct BlendSpace {
+    /// Unique name.
+    pub name: String,
+    /// Names of the axes.
+    pub axes: Vec<String>,
+    /// Names of the examples.
+    pub example_names: Vec<String>,
+    /// The record, as if the space were the only one of its bundle.
+    #[serde(with = "throng_motion::pod::one")]
+    pub record: BlendRecord,
+    /// The examples.
+    #[serde(with = "throng_motion::pod")]
+    pub examples: Vec<ExampleRecord>,
+    /// The weight table.
+    #[serde(with = "throng_motion::pod")]
+    pub weights: Vec<f32>,
+    /// One a phase.
+    #[serde(with = "throng_motion::pod")]
+    pub references: Vec<ReferenceRow>,
+    /// One a phase and example.
+    #[serde(with = "throng_motion::pod")]
+    pub channels: Vec<ChannelRow>,
+}
+
+/// All blend spaces of a build.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct BlendSpaces {
+    /// The spaces, by name.
+    pub spaces: Vec<BlendSpace>,
+    /// What was made of each.
+    pub report: Vec<BlendReport>,
+    /// What is odd but tolerable.
+    pub warnings: Warnings,
+}
+
+/// What was made of one blend space.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
+pub struct BlendReport {
+    /// Its name.
+    pub name: String,
+    /// Names of its axes.
+    pub axes: Vec<String>,
+    /// Its examples.
+    pub examples: Vec<ExampleReport>,
+    /// Found cycles that were left out because others were nearly the same.
+    pub left_out: usize,
+    /// Rows of its posture table.
+    pub phases: usize,
+    /// Knots along each axis of its weight table.
+    pub knots: Vec<usize>,
+    /// Largest error of a weight that was asked for.
+    pub weight_tolerance: f64,
+    /// Largest error of a weight that was measured.
+    pub weight_table_max_error: f64,
+    /// Its weight table (bytes).
+    pub weight_table_bytes: u64,
+    /// Its posture tables (bytes).
+    pub posture_bytes: u64,
+    /// Largest turn of a joint from its reference (rad).
+    pub max_displacement_rad: f64,
+}
+
+/// One example of a blend space.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
+pub struct ExampleReport {
+    /// Its name.
+    pub name: String,
+    /// Place in the parameter space, axis by axis.
+    pub parameters: Vec<f64>,
+    /// Time of its cycle (s).
+    pub duration_s: f64,
+    /// Speed ahead (m/s).
+    pub speed_mps: f64,
+    /// Speed to the left (m/s).
+    pub side_mps: f64,
+    /// Turning rate (rad/s).
+    pub gyration_rad_per_s: f64,
+    /// Mean turn of a joint over the seam, before it was closed (rad).
+    pub closing_rad: f64,
+    /// How far the hips were apart at the seam, before it was closed (m).
+    pub closing_m: f64,
+}
+
+/// Makes all blend spaces of a config.
+///
+/// - `clips`: annotated; mirrored copies among them are not used, as entries ask for mirrored examples of their own.
+/// - returns spaces in the order of their names.
+///
+/// # Errors
+/// [`BuildError::Config`] for a setting out of its limits; [`BuildError::Stage`] for named examples that are not there,
+/// have wrong keytimes or coincide, for too few examples, and for a weight table that would be too large.
+///
+/// # Source
+/// Kim, Kim and Shin (2003a), section 4.
+pub fn fit(
+    clips: &ClipSet,
+    configs: &BTreeMap<String, BlendConfig>,
+    progress: &dyn Progress,
+) -> Result<BlendSpaces, BuildError> {
+    let all = spaces(configs)?;
+    let mut out = BlendSpaces::default();
+    progress.begin("examples", all.len() as u64, "spaces");
+    for (name, config) in &all {
+        let (space, report) = space(name, config, clips, &mut out.warnings)?;
+        out.spaces.push(space);
+        out.report.push(report);
+        progress.advance(1);
+    }
+    progress.end();
+    Ok(out)
+}
+
+/// Every space of some tables of a config, by name.
+///
+/// # Errors
+/// [`BuildError::Config`] naming the space and the first key out of its limits.
+pub fn spaces(configs: &BTreeMap<String, BlendConfig>) -> Result<Vec<(String, BlendConfig)>, BuildError> {
+    let all: Vec<_> = configs.iter().flat_map(|(name, c)| c.spaces(name)).collect();
+    for (i, (name, config)) in all.iter().enumerate() {
+        if all[..i].iter().any(|(n, _)| n == name) {
+            let message = format!("blend.{name}: two spaces have this name. Correct the config.");
+            return Err(BuildError::Config { message });
+        }
+        config.check(name)?;
+    }
+    Ok(all)
+}
+
+fn space(
+    name: &str,
+    config: &BlendConfig,
+    clips: &ClipSet,
+    warnings: &mut Warnings,
+) -> Result<(BlendSpace, BlendReport), BuildError> {
+    let sources = select::sources(clips, config);
+    let mut chosen = select::candidates(name, config, &sources, warnings)?;
+    let left_out = select::thin(&mut chosen, config.min_distance);
+    let points: Vec<Vec<f64>> = chosen.iter().map(|c| c.parameters.clone()).collect();
+    let spacings: Vec<Option<f64>> = config.axes.iter().map(|a| a.spacing).collect();
+    let basis = CardinalBasis::new(&points, &spacings, config.kernel_reach, config.min_distance)
+        .map_err(|fault| cardinal_fault(name, config, &chosen, &fault))?;
+    let table = grid::tabulate(&basis, extent(config, &points), config.weight_tolerance, config.max_weight_bytes)
+        .map_err(|large| too_large(name, config, &large))?;
+    check_weights(name, config, &points, &table)?;
+    let cycles: Vec<&Cycle<'_>> = chosen.iter().map(|c| &c.cycle).collect();
+    let postures = posture::tabulate(&cycles, &clips.skeleton, config.phases).map_err(|t| {
+        let message = format!(
+            "blend.{name}: the examples hold their {} so differently that no reference orientation continues from phase \
+             {} to the next",
+            t.joint.name(),
+            t.phase
+        );
+        stage(message, "Take examples that are more alike into one space, or more phases")
+    })?;
+    let (joint, worst, turn) = postures.largest;
+    if turn > FAR_APART {
+        warnings.push(format!(
+            "blend.{name}: `{}` turns its {} {:.0} deg from the other examples' reference: blends may jump there.",
+            chosen[worst].name,
+            joint.name(),
+            turn.to_degrees()
+        ));
+    }
+    let report = report(name, config, &chosen, left_out, &table, &postures);
+    let space = BlendSpace {
+        name: name.to_owned(),
+        axes: config.axis_names(),
+        example_names: chosen.iter().map(|c| c.name.clone()).collect(),
+        record: record(config, &table, chosen.len()),
+        examples: chosen.iter().map(example).collect(),
+        weights: table.weights,
+        references: postures.references,
+        channels: postures.channels,
+    };
+    Ok((space, report))
+}
+
+/// The box: what the config says, otherwise the examples' extent.
+fn extent(config: &BlendConfig, points: &[Vec<f64>]) -> (Vec<f64>, Vec<f64>) {
+    let along = |(k, a): (usize, &AxisConfig)| {
+        let values = || points.iter().map(move |p| p[k]);
+        let [low, high] =
+            a.range.unwrap_or([values().fold(f64::INFINITY, f64::min), values().fold(f64::NEG_INFINITY, f64::max)]);
+        // As the bundle stores it.
+        (f64::from(low as f32), f64::from(high as f32))
+    };
+    config.axes.iter().enumerate().map(along).unzip()
+}
+
+/// Weights that a bundle may hold: far from all examples, hyperplanes rise without bound.
+fn check_weights(
+    space: &str,
+    config: &BlendConfig,
+    points: &[Vec<f64>],
+    table: &WeightTable,
+) -> Result<(), BuildError> {
+    let largest = table.weights.iter().fold(0.0f32, |l, w| l.max(w.abs()));
+    if largest < MAX_WEIGHT {
+        return Ok(());
+    }
+    let along = |k: usize| {
+        let values = || points.iter().map(move |p| p[k]);
+        (values().fold(f64::INFINITY, f64::min), values().fold(f64::NEG_INFINITY, f64::max))
+    };
+    // How far the box is beyond the examples, in their extents.
+    let beyond = |k: usize| {
+        let (low, high) = along(k);
+        (low - table.grid.low[k]).max(table.grid.high[k] - high) / (high - low)
+    };
+    let widest = (0..config.axes.len()).max_by(|&a, &b| beyond(a).total_cmp(&beyond(b))).unwrap_or(0);
+    let (low, high) = along(widest);
+    let message = format!(
+        "blend.{space}.axes.range: [{}, {}] of axis `{}` is so far beyond the examples, {low:.3} to {high:.3}, that \
+         weights reach {largest:.0}; expected below {MAX_WEIGHT}",
+        table.grid.low[widest],
+        table.grid.high[widest],
+        config.axis_names()[widest]
+    );
+    Err(stage(message, "Narrow the `range` of this axis, or add examples nearer to its ends"))
+}
+
+fn record(config: &BlendConfig, table: &WeightTable, num_examples: usize) -> BlendRecord {
+    let mut axes = [AxisRecord::default(); MAX_AXES];
+    for (k, a) in config.axes.iter().enumerate() {
+        axes[k] = AxisRecord {
+            kind: a.kind.code(),
+            num_knots: table.grid.knots[k] as u32,
+            low: table.grid.low[k] as f32,
+            high: table.grid.high[k] as f32,
+        };
+    }
+    BlendRecord {
+        first_example: 0,
+        num_examples: num_examples as u32,
+        num_axes: config.axes.len() as u32,
+        num_phases: config.phases as u32,
+        first_weight: 0,
+        weight_stride: table.stride as u32,
+        first_row: 0,
+        first_channel_row: 0,
+        max_weight_error: table.max_error as f32,
+        extrapolate: u32::from(config.extrapolate == Extrapolate::Linear),
+        axes,
+    }
+}
+
+fn example(c: &Candidate<'_>) -> ExampleRecord {
+    let twist = c.cycle.course.twist;
+    let mut parameters = [0.0; MAX_AXES];
+    parameters.iter_mut().zip(&c.parameters).for_each(|(out, p)| *out = *p as f32);
+    let (first_frame, num_frames) = c.cycle.frames();
+    let flag = |on: bool, bit: u32| if on { bit } else { 0 };
+    ExampleRecord {
+        parameters,
+        duration_s: c.cycle.duration_s() as f32,
+        velocity: [twist.velocity.x as f32, twist.velocity.y as f32],
+        gyration: twist.gyration as f32,
+        keytimes: if c.cycle.is_still() { [0.0; 3] } else { c.cycle.steps.keytimes().map(|k| k as f32) },
+        flags: flag(c.cycle.is_still(), ExampleRecord::IS_STILL)
+            | flag(c.source.clip.mirrored, ExampleRecord::IS_MIRRORED),
+        clip: c.source.number as u32,
+        first_frame: first_frame as u32,
+        num_frames: num_frames as u32,
+        reserved: 0,
+    }
+}
+
+fn report(
+    name: &str,
+    config: &BlendConfig,
+    chosen: &[Candidate<'_>],
+    left_out: usize,
+    table: &WeightTable,
+    postures: &Postures,
+) -> BlendReport {
+    let example = |c: &Candidate<'_>| {
+        let twist = c.cycle.course.twist;
+        ExampleReport {
+            name: c.name.clone(),
+            parameters: c.parameters.clone(),
+            duration_s: c.cycle.duration_s(),
+            speed_mps: twist.velocity.y,
+            side_mps: twist.velocity.x,
+            gyration_rad_per_s: twist.gyration,
+            closing_rad: c.cycle.closing,
+            closing_m: c.cycle.closing_m,
+        }
+    };
+    BlendReport {
+        name: name.to_owned(),
+        axes: config.axis_names(),
+        examples: chosen.iter().map(example).collect(),
+        left_out,
+        phases: config.phases,
+        knots: table.grid.knots.clone(),
+        weight_tolerance: config.weight_tolerance,
+        weight_table_max_error: table.max_error,
+        weight_table_bytes: table.num_bytes(),
+        posture_bytes: (size_of_val(&*postures.references) + size_of_val(&*postures.channels)) as u64,
+        max_displacement_rad: postures.largest.2,
+    }
+}
+
+fn stage(message: String, help: &str) -> BuildError {
+    BuildError::Stage { stage: "examples", message, help: help.to_owned() }
+}
+
+/// Why examples have no weights, by their names.
+fn cardinal_fault(space: &str, config: &BlendConfig, chosen: &[Candidate<'_>], fault: &CardinalFault) -> BuildError {
+    let axes = config.axis_names();
+    let values = |k: usize| {
+        let all: Vec<_> = chosen.iter().take(8).map(|c| format!("`{}` {:.3}", c.name, c.parameters[k])).collect();
+        let more = if chosen.len() > 8 { ", ..." } else { "" };
+        format!("{}{more}", all.join(", "))
+    };
+    let names = || chosen.iter().map(|c| format!("`{}`", c.name)).collect::<Vec<_>>().join(", ");
+    let (what, help) = match fault {
+        CardinalFault::TooFew => (
+            format!(
+                "{} axes need {} examples at least, found {}: {}",
+                axes.len(),
+                axes.len() + 1,
+                chosen.len(),
+                names()
+            ),
+            "Add examples, or leave axes out".to_owned(),
+        ),
+        CardinalFault::NoExtent(k) => (
+            format!("all examples have the same value on axis `{}`: {}", axes[*k], values(*k)),
+            format!("Add an example with another value of `{}`, or leave the axis out", axes[*k]),
+        ),
+        CardinalFault::NoSpread(k) => (
+            format!(
+                "all examples lie in one hyperplane: their values on axis `{}` ({}) follow from those on `{}`",
+                axes[*k],
+                values(*k),
+                axes[..*k].join("`, `")
+            ),
+            format!("Add an example that differs in `{}` alone, or leave the axis out", axes[*k]),
+        ),
+        CardinalFault::Coincident(a, b, distance) => (
+            format!(
+                "examples `{}` and `{}` lie at the same place: {distance:.4} apart, with each axis from 0 to 1, where \
+                 min_distance is {}",
+                chosen[*a].name, chosen[*b].name, config.min_distance
+            ),
+            "Leave one of them out, add an axis that tells them apart, or lower `min_distance`".to_owned(),
+        ),
+        CardinalFault::Overlap => (
+            format!("the radial bases of the examples overlap too much with kernel_reach {}", config.kernel_reach),
+            "Lower `kernel_reach`, or leave out examples that lie close together".to_owned(),
+        ),
+    };
+    stage(format!("blend.{space}: {what}"), &help)
+}
+
+fn too_large(space: &str, config: &BlendConfig, large: &grid::TooLarge) -> BuildError {
+    let axis = |((name, knots), error): ((&String, &usize), &f64)| format!("{knots} along `{name}` (error {error:.4})");
+    let axes: Vec<_> = config.axis_names().iter().zip(&large.knots).zip(&large.errors).map(axis).collect();
+    let message = format!(
+        "blend.{space}: for a weight_tolerance of {}, the weight table needs at least {} knots and {} bytes; \
+         max_weight_bytes is {}, and a table has at most {MAX_KNOTS} knots",
+        config.weight_tolerance,
+        axes.join(", "),
+        large.bytes,
+        config.max_weight_bytes
+    );
+    let help = "Raise `max_weight_bytes` or `weight_tolerance`, leave out examples that lie close together, or narrow the \
+                `range` of an axis that is much wider than its examples";
+    stage(message, help)
+}

@@ -1,0 +1,367 @@
+//! Which motion becomes an example: what a config names, and what is found.
+
+use super::config::{AxisKind, BlendConfig, ExampleConfig, FindConfig};
+use super::cycle::Cycle;
+use super::steady::{self, Tolerance};
+use super::steps;
+use super::track::Track;
+use std::collections::BTreeMap;
+use throng_core::Contacts;
+use throng_motion::clip::{Clip, ClipSet, Exclusion, ExclusionReason, FrameRange};
+use throng_motion::error::{BuildError, Warnings};
+use throng_motion::import::matches;
+use throng_motion::mirror;
+
+/// Ends of found cycles that differ by more are not taken, unless a config says otherwise (deg).
+const CLOSING_DEG: f64 = 6.0;
+/// A still example's feet stand for at least this share of its frames.
+const STANDING: f64 = 0.8;
+
+/// A clip, or its mirrored copy, that examples are taken from.
+#[derive(Debug)]
+pub struct Source {
+    /// Number of the clip as captured.
+    pub number: usize,
+    /// The motion.
+    pub clip: Clip,
+}
+
+/// A motion that may become an example.
+#[derive(Clone, Debug)]
+pub struct Candidate<'a> {
+    /// Its name: the clip's, and frames where the clip gave several.
+    pub name: String,
+    /// Where it comes from.
+    pub source: &'a Source,
+    /// The motion.
+    pub cycle: Cycle<'a>,
+    /// Place in the parameter space.
+    pub parameters: Vec<f64>,
+    /// The config names it: it must not be left out.
+    pub named: bool,
+}
+
+/// Everything that is asked of each run of frames.
+struct Wish<'a> {
+    space: &'a str,
+    config: &'a BlendConfig,
+    style: &'a BTreeMap<String, f64>,
+}
+
+/// All clips that a space may take examples from: those as captured that some pattern names, each followed by its
+/// mirrored copy.
+pub fn sources(set: &ClipSet, config: &BlendConfig) -> Vec<Source> {
+    let patterns = || config.examples.iter().map(|e| &e.clip).chain(config.find.iter().flat_map(|f| &f.clips));
+    let asked = |c: &Clip| !c.mirrored && patterns().any(|p| matches(p, &c.name));
+    let both = |(number, c): (usize, &Clip)| [c.clone(), mirror::mirror(c)].map(|clip| Source { number, clip });
+    set.clips.iter().enumerate().filter(|(_, c)| asked(c)).flat_map(both).collect()
+}
+
+/// The candidates of a space: first those that are named, then those that are found.
+///
+/// # Errors
+/// [`BuildError::Stage`] naming the clip where an example has no value on a style axis, or a named one is not there or
+/// has wrong or missing keytimes; a found stretch without them is left out, and a warning says so.
+pub fn candidates<'a>(
+    space: &str,
+    config: &BlendConfig,
+    sources: &'a [Source],
+    warnings: &mut Warnings,
+) -> Result<Vec<Candidate<'a>>, BuildError> {
+    let mut out = Vec::new();
+    for example in &config.examples {
+        let wish = Wish { space, config, style: &example.style };
+        named(&wish, example, sources, &mut out)?;
+    }
+    let mut found = Vec::new();
+    for find in &config.find {
+        let wish = Wish { space, config, style: &find.style };
+        found.extend(search(&wish, find, sources, warnings)?);
+    }
+    out.extend(found);
+    tell_apart(&mut out);
+    Ok(out)
+}
+
+/// The examples that one entry of the config names.
+fn named<'a>(
+    wish: &Wish<'_>,
+    example: &ExampleConfig,
+    sources: &'a [Source],
+    out: &mut Vec<Candidate<'a>>,
+) -> Result<(), BuildError> {
+    let before = out.len();
+    let fault = |source: &Source, what: String| wish.fault(&source.clip.name, &what, KEYTIMES_HELP);
+    let clips = || sources.chunks_exact(2).filter(|pair| matches(&example.clip, &pair[0].clip.name));
+    for pair in clips().filter(|_| example.symmetric) {
+        let found = halved(pair, example.tag.as_deref(), example.frames);
+        if let Some((source, cycle)) = found.map_err(|what| fault(&pair[0], what))? {
+            out.push(wish.candidate(source, cycle, true)?);
+        }
+    }
+    let sources = clips().filter(|_| !example.symmetric).flatten();
+    for source in sources.filter(|s| example.mirror || !s.clip.mirrored) {
+        let longest =
+            |r: FrameRange| runs(&source.clip, r, example.still).into_iter().max_by_key(ExactSizeIterator::len);
+        for range in spans(&source.clip, example.tag.as_deref(), example.frames).into_iter().filter_map(longest) {
+            let track = Track::new(&source.clip);
+            let cycle = match example.still {
+                true => still(track, &range),
+                false => walking(track, &range, wish.config),
+            };
+            out.push(wish.candidate(source, cycle.map_err(|what| fault(source, what))?, true)?);
+        }
+    }
+    if out.len() > before {
+        return Ok(());
+    }
+    let tag = example.tag.as_ref().map_or(String::new(), |t| format!(" with tag `{t}`"));
+    let frames = example.frames.map_or(String::new(), |f| format!(" with frames {f:?}"));
+    let what = format!("no clip `{}`{tag}{frames} is there", example.clip);
+    Err(wish.fault("examples", &what, "Name a clip as `throng inspect` lists it; `*` stands for any text"))
+}
+
+const KEYTIMES_HELP: &str = "Name its steady `frames`, exclude it, or adjust `annotate.contacts` so that each step is one \
+                             contact of the foot";
+
+/// The best cycle of the longest steady piece of a range; every step in it must be regular.
+fn walking<'a>(track: Track<'a>, range: &FrameRange, config: &BlendConfig) -> Result<Cycle<'a>, String> {
+    let sequence = steps::sequence(&track, range);
+    if let Some(fault) = sequence.faults.first() {
+        return Err(fault.what.clone());
+    }
+    let pieces = steady::pieces(&track, &sequence.cycles, tolerance(config));
+    match pieces.into_iter().rev().max_by_key(Vec::len) {
+        Some(piece) => Ok(Cycle::best(track, &piece)),
+        None => Err("it holds no cycle".to_owned()),
+    }
+}
+
+/// The step of a clip that meets its mirrored image best: from the left foot's strike to the right one's, or in the
+/// mirrored copy where the clip has only the other. Nothing where the clip has no such frames.
+fn halved<'a>(
+    pair: &'a [Source],
+    tag: Option<&str>,
+    frames: Option<[usize; 2]>,
+) -> Result<Option<(&'a Source, Cycle<'a>)>, String> {
+    let ranges = |source: &Source| all_runs(&source.clip, tag, frames);
+    for source in pair {
+        let track = Track::new(&source.clip);
+        let halves: Vec<_> = ranges(source).iter().flat_map(|r| steps::halves(&track, r)).collect();
+        if !halves.is_empty() {
+            return Ok(Some((source, Cycle::halved(track, &halves))));
+        }
+    }
+    match ranges(&pair[0]).first() {
+        None => Ok(None),
+        Some(r) => {
+            let (first, last) = (r.start, r.end.saturating_sub(1));
+            Err(format!("frames {first} to {last} hold no whole step from one foot's strike to the other's"))
+        }
+    }
+}
+
+fn still<'a>(track: Track<'a>, range: &FrameRange) -> Result<Cycle<'a>, String> {
+    for (foot, name) in [(Contacts::LEFT, "left"), (Contacts::RIGHT, "right")] {
+        let standing: usize = track.stances(range, foot).iter().map(ExactSizeIterator::len).sum();
+        if (standing as f64) < STANDING * range.len() as f64 {
+            let (first, last) = (range.start, range.end.saturating_sub(1));
+            let len = range.len();
+            return Err(format!(
+                "it is not still: its {name} foot stands for {standing} of {len} frames, {first} to {last}"
+            ));
+        }
+    }
+    match range.len() {
+        0..3 => Err(format!("it has {} frames, expected at least 3", range.len())),
+        _ => Ok(Cycle::still(track, range)),
+    }
+}
+
+fn tolerance(config: &BlendConfig) -> Tolerance {
+    Tolerance { speed: config.speed_tolerance, gyration: config.gyration_tolerance }
+}
+
+/// Every steady stretch of the clips that one entry of the config names.
+fn search<'a>(
+    wish: &Wish<'_>,
+    find: &FindConfig,
+    sources: &'a [Source],
+    warnings: &mut Warnings,
+) -> Result<Vec<Candidate<'a>>, BuildError> {
+    let mut out = Vec::new();
+    let wanted = |pair: &&[Source]| find.clips.iter().any(|p| matches(p, &pair[0].clip.name));
+    let clips = || sources.chunks_exact(2).filter(wanted);
+    if clips().next().is_none() {
+        let what = format!("no clip is there that matches {:?}", find.clips);
+        return Err(wish.fault("find", &what, "Name clips as `throng inspect` lists them; `*` stands for any text"));
+    }
+    let mut warn = |clip: &Clip, why: &str| {
+        warnings.push(format!("blend.{}: no example was found in clip `{}`: {why}.", wish.space, clip.name));
+    };
+    let most = find.closing_deg.unwrap_or(CLOSING_DEG).to_radians();
+    for pair in clips().filter(|_| find.symmetric) {
+        match halved(pair, find.tag.as_deref(), None) {
+            Ok(Some((source, cycle))) if cycle.closing <= most => out.push(wish.candidate(source, cycle, false)?),
+            Ok(Some(_)) => warn(&pair[0].clip, "none of its steps meets its mirrored image"),
+            Ok(None) => warn(&pair[0].clip, "it has no such frames"),
+            Err(what) => warn(&pair[0].clip, &what),
+        }
+    }
+    let sources = clips().filter(|_| !find.symmetric).flatten();
+    for source in sources.filter(|s| find.mirror || !s.clip.mirrored) {
+        let (before, mut faults) = (out.len(), Vec::new());
+        for range in all_runs(&source.clip, find.tag.as_deref(), None) {
+            let track = Track::new(&source.clip);
+            let sequence = steps::sequence(&track, &range);
+            faults.extend(sequence.faults);
+            for piece in steady::pieces(&track, &sequence.cycles, tolerance(wish.config)) {
+                out.push(wish.candidate(source, Cycle::best(track.clone(), &piece), false)?);
+            }
+        }
+        out.retain(|c: &Candidate<'_>| c.cycle.closing <= most);
+        if out.len() == before && !source.clip.mirrored {
+            warn(&source.clip, faults.first().map_or("none of its cycles closes", |f| &f.what));
+        }
+    }
+    out.retain(|c| wish.within(&c.parameters));
+    out.sort_by(|a, b| a.cycle.closing.total_cmp(&b.cycle.closing));
+    if let Some(most) = find.most {
+        spread(&mut out, most);
+    }
+    Ok(out)
+}
+
+/// Keeps those that are farthest from one another, beginning with the first.
+fn spread(all: &mut Vec<Candidate<'_>>, most: usize) {
+    let points: Vec<Vec<f64>> = all.iter().map(|c| c.parameters.clone()).collect();
+    let scale = scales(&points);
+    let mut nearest = vec![f64::INFINITY; points.len()];
+    let mut kept = Vec::new();
+    while kept.len() < most.min(points.len()) {
+        let Some(next) = (0..points.len()).rev().max_by(|&a, &b| nearest[a].total_cmp(&nearest[b])) else { break };
+        kept.push(next);
+        for (i, d) in nearest.iter_mut().enumerate() {
+            *d = d.min(distance(&points[i], &points[next], &scale));
+        }
+    }
+    let mut number = 0..;
+    all.retain(|_| number.next().is_some_and(|i| kept.contains(&i)));
+}
+
+/// Leaves out what was found nearer than the config allows to what comes before it; then puts what was found in the
+/// order of the clips.
+///
+/// - returns how many were left out.
+pub fn thin(all: &mut Vec<Candidate<'_>>, min_distance: f64) -> usize {
+    let before = all.len();
+    let points: Vec<Vec<f64>> = all.iter().map(|c| c.parameters.clone()).collect();
+    let scale = scales(&points);
+    let mut kept: Vec<Vec<f64>> = Vec::new();
+    all.retain(|c| {
+        let keep = c.named || kept.iter().all(|k| distance(k, &c.parameters, &scale) >= min_distance);
+        if keep {
+            kept.push(c.parameters.clone());
+        }
+        keep
+    });
+    let found = all.iter().position(|c| !c.named).unwrap_or(all.len());
+    all[found..].sort_by(|a, b| a.place().partial_cmp(&b.place()).unwrap_or(std::cmp::Ordering::Equal));
+    before - all.len()
+}
+
+/// What makes the extent of the points 1 on each axis.
+fn scales(points: &[Vec<f64>]) -> Vec<f64> {
+    let extent = |k: usize| {
+        let values = || points.iter().map(move |p| p[k]);
+        values().fold(f64::NEG_INFINITY, f64::max) - values().fold(f64::INFINITY, f64::min)
+    };
+    (0..points.first().map_or(0, Vec::len)).map(|k| 1.0 / extent(k).max(1e-9)).collect()
+}
+
+fn distance(a: &[f64], b: &[f64], scale: &[f64]) -> f64 {
+    a.iter().zip(b).zip(scale).map(|((a, b), s)| ((a - b) * s).powi(2)).sum::<f64>().sqrt()
+}
+
+/// Names with frames where a clip gives several examples.
+fn tell_apart(all: &mut [Candidate<'_>]) {
+    let mut uses = BTreeMap::<String, usize>::new();
+    all.iter().for_each(|c| *uses.entry(c.name.clone()).or_default() += 1);
+    for c in all.iter_mut().filter(|c| uses[&c.name] > 1) {
+        let (first, count) = c.cycle.frames();
+        c.name = format!("{} [{first}, {})", c.name, first + count);
+    }
+}
+
+/// The frames of a clip that a config speaks of: those within some frames, and of each run that carries a tag.
+fn spans(clip: &Clip, tag: Option<&str>, frames: Option<[usize; 2]>) -> Vec<FrameRange> {
+    let [first, end] = frames.unwrap_or([0, clip.num_frames()]);
+    let within = |r: &FrameRange| r.start.max(first)..r.end.min(end).min(clip.num_frames());
+    let mut spans: Vec<FrameRange> = match tag {
+        Some(tag) => clip.tags.iter().filter(|t| t.name == tag).map(|t| within(&t.range)).collect(),
+        None => vec![within(&(0..clip.num_frames()))],
+    };
+    spans.retain(|r| r.start < r.end);
+    spans
+}
+
+/// The usable runs of a span. Still ends of clips are left out of motion, but not of what is to be still.
+fn runs(clip: &Clip, span: FrameRange, still: bool) -> Vec<FrameRange> {
+    let left_out = |e: &Exclusion| !(still && e.reason == ExclusionReason::Still);
+    throng_motion::clip::runs(span, |f| !clip.excluded.iter().any(|e| e.range.contains(&f) && left_out(e)))
+}
+
+/// The usable runs of all spans of what moves.
+fn all_runs(clip: &Clip, tag: Option<&str>, frames: Option<[usize; 2]>) -> Vec<FrameRange> {
+    spans(clip, tag, frames).into_iter().flat_map(|span| runs(clip, span, false)).collect()
+}
+
+impl Candidate<'_> {
+    /// Where it is among the clips: clip, mirrored copy, time.
+    fn place(&self) -> (usize, bool, f64) {
+        (self.source.number, self.source.clip.mirrored, self.cycle.steps.start)
+    }
+}
+
+impl Wish<'_> {
+    fn candidate<'a>(&self, source: &'a Source, cycle: Cycle<'a>, named: bool) -> Result<Candidate<'a>, BuildError> {
+        let twist = cycle.course.twist;
+        let value = |(axis, name): (&super::config::AxisConfig, String)| match axis.kind {
+            AxisKind::Speed => Ok(twist.velocity.y),
+            AxisKind::Side => Ok(twist.velocity.x),
+            AxisKind::Gyration => Ok(twist.gyration),
+            AxisKind::Style => {
+                let tagged = || style_of(&source.clip, &cycle, &axis.tags);
+                self.style.get(&name).copied().or_else(tagged).ok_or_else(|| {
+                    let what = format!("it has no value on the style axis `{name}`");
+                    self.fault(&source.clip.name, &what, "Give it by `style`, or name its tags in the axis's `tags`")
+                })
+            }
+        };
+        let parameters = self.config.axes.iter().zip(self.config.axis_names()).map(value).collect::<Result<_, _>>()?;
+        Ok(Candidate { name: source.clip.name.clone(), source, cycle, parameters, named })
+    }
+
+    /// True where a point lies in the ranges that the config gives.
+    fn within(&self, parameters: &[f64]) -> bool {
+        let inside = |(p, a): (&f64, &super::config::AxisConfig)| {
+            a.range.is_none_or(|[low, high]| {
+                let margin = 0.05 * (high - low);
+                (low - margin..=high + margin).contains(p)
+            })
+        };
+        parameters.iter().zip(&self.config.axes).all(inside)
+    }
+
+    fn fault(&self, place: &str, what: &str, help: &str) -> BuildError {
+        let message = format!("blend.{}: {place}: {what}", self.space);
+        BuildError::Stage { stage: "examples", message, help: help.to_owned() }
+    }
+}
+
+/// Value that the tags over the middle of a cycle stand for.
+fn style_of(clip: &Clip, cycle: &Cycle<'_>, values: &BTreeMap<String, f64>) -> Option<f64> {
+    let middle = (0.5 * (cycle.steps.start + cycle.steps.end)) as usize;
+    let here = clip.tags.iter().filter(|t| t.range.contains(&middle));
+    here.filter_map(|t| values.get(&t.name)).copied().next()
+}

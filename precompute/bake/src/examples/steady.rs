@@ -1,0 +1,39 @@
+//! Long clips split into steady pieces, each of which is one arc at one speed (Kim, Kim and Shin 2003a, section 4.1).
+
+use super::steps::Steps;
+use super::track::Track;
+use super::twist::Twist;
+
+/// How much movement may vary over a steady piece.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Tolerance {
+    /// Difference of speeds, ahead or to the side (m/s).
+    pub speed: f64,
+    /// Difference of turning rates (rad/s).
+    pub gyration: f64,
+}
+
+/// Runs of cycles that follow each other and move alike: between any two cycles of one run, speed and turning rate
+/// differ by no more than the tolerance. Each run is as long as it can be from where the last one ended.
+pub fn pieces(track: &Track<'_>, cycles: &[Steps], tolerance: Tolerance) -> Vec<Vec<Steps>> {
+    let mut out: Vec<Vec<Steps>> = Vec::new();
+    let (mut low, mut high) = ([0.0; 3], [0.0; 3]);
+    for c in cycles {
+        let t = Twist::of_cycles(track, &[*c], c.end - c.start);
+        let here = [t.velocity.x, t.velocity.y, t.gyration];
+        let limits = [tolerance.speed, tolerance.speed, tolerance.gyration];
+        let fits = (0..3).all(|k| here[k].max(high[k]) - here[k].min(low[k]) <= limits[k]);
+        match out.last_mut() {
+            Some(piece) if fits && piece[piece.len() - 1].end == c.start => {
+                piece.push(*c);
+                low = std::array::from_fn(|k| here[k].min(low[k]));
+                high = std::array::from_fn(|k| here[k].max(high[k]));
+            }
+            _ => {
+                out.push(vec![*c]);
+                (low, high) = (here, here);
+            }
+        }
+    }
+    out
+}

@@ -1,0 +1,201 @@
+//! Keytimes from foot contacts: the strikes and offs of a cycle of two steps (Kim, Kim and Shin 2003a, section 4.2.2).
+
+use super::track::Track;
+use throng_core::Contacts;
+use throng_motion::clip::FrameRange;
+
+/// Shortest and longest cycle of two steps (s).
+const CYCLE_S: std::ops::RangeInclusive<f64> = 0.3..=4.0;
+/// Both feet on the ground after one strike and in the air before the other for longer than this is no gait: neither a
+/// walk nor a run (s).
+const MIXED_S: f64 = 0.085;
+
+/// A cycle of two steps in a clip. Times count in frames, halfway between the last frame before and the first after.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Steps {
+    /// The left foot strikes: the cycle begins.
+    pub start: f64,
+    /// The left foot leaves the ground, before `end`.
+    pub left_off: f64,
+    /// The right foot strikes.
+    pub right_strike: f64,
+    /// The right foot leaves the ground after that strike; past `end` where both feet stand when the left one strikes.
+    pub right_off: f64,
+    /// The left foot strikes again: the cycle ends.
+    pub end: f64,
+}
+
+/// Why some frames hold no cycle.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Fault {
+    /// What is wrong, with frames.
+    pub what: String,
+    /// Where (frames).
+    pub at: f64,
+}
+
+/// Cycles and faults of a range of frames.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Sequence {
+    /// All cycles, in order. One ends where the next begins, but where a fault lies between.
+    pub cycles: Vec<Steps>,
+    /// What keeps other frames from being cycles, in order.
+    pub faults: Vec<Fault>,
+}
+
+/// A strike of a foot, and how long that foot then stands; unknown where the range ends before.
+#[derive(Clone, Copy, Debug)]
+struct Strike {
+    left: bool,
+    time: f64,
+    off: Option<f64>,
+}
+
+/// Finds all cycles of a range: the left foot strikes, the right one, the left one again.
+pub fn sequence(track: &Track<'_>, range: &FrameRange) -> Sequence {
+    let strikes = strikes(track, range);
+    let mut out = Sequence::default();
+    for pair in strikes.windows(2).filter(|p| p[0].left == p[1].left) {
+        out.faults.push(twice(&pair[0], &pair[1]));
+    }
+    for pair in strikes.windows(2).filter(|p| together(&p[0], &p[1])) {
+        out.faults
+            .push(Fault { what: format!("both feet strike at frame {:.0}", pair[0].time + 0.5), at: pair[0].time });
+    }
+    for (i, three) in strikes.windows(3).enumerate() {
+        let [left, right, next] = three else { continue };
+        let both = together(left, right) || together(right, next);
+        if !left.left || right.left || !next.left || both {
+            continue;
+        }
+        let before = i.checked_sub(1).map(|k| &strikes[k]);
+        match cycle(track.rate(), left, right, next, before) {
+            Ok(cycle) => out.cycles.push(cycle),
+            Err(fault) => out.faults.push(fault),
+        }
+    }
+    if out.cycles.is_empty() && out.faults.is_empty() {
+        let what = format!(
+            "frames {} to {} hold no two whole steps: {} strikes of the left foot, {} of the right one",
+            range.start,
+            range.end.saturating_sub(1),
+            strikes.iter().filter(|s| s.left).count(),
+            strikes.iter().filter(|s| !s.left).count()
+        );
+        out.faults.push(Fault { what, at: range.start as f64 });
+    }
+    out.faults.sort_by(|a, b| a.at.total_cmp(&b.at));
+    out
+}
+
+/// Finds all single steps of a range from the left foot's strike to the right one's, as halves of cycles.
+pub fn halves(track: &Track<'_>, range: &FrameRange) -> Vec<Steps> {
+    let strikes = strikes(track, range);
+    let length = |s: &Strike| s.off.map(|off| off - s.time);
+    // A stance that the range cuts off is taken to be as long as the other foot's.
+    let usual = strikes.iter().find_map(length);
+    let step = |pair: &[Strike]| {
+        let [left, right] = pair else { return None };
+        let half = right.time - left.time;
+        let stance = length(left).or(length(right)).or(usual)?;
+        let whole = left.left && !right.left && CYCLE_S.contains(&(2.0 * half / track.rate())) && stance < 2.0 * half;
+        let (start, right_strike) = (left.time, right.time);
+        let steps = Steps {
+            start,
+            left_off: start + stance,
+            right_strike,
+            right_off: right_strike + stance,
+            end: right_strike + half,
+        };
+        whole.then_some(steps)
+    };
+    strikes.windows(2).filter_map(step).collect()
+}
+
+/// Strikes of both feet in order of time.
+fn strikes(track: &Track<'_>, range: &FrameRange) -> Vec<Strike> {
+    let of = |foot: Contacts, left: bool| {
+        let stances = track.stances(range, foot).into_iter().filter(|s| s.start > range.start);
+        stances.map(move |s| Strike {
+            left,
+            time: s.start as f64 - 0.5,
+            off: (s.end < range.end).then_some(s.end as f64 - 0.5),
+        })
+    };
+    let mut strikes: Vec<Strike> = of(Contacts::LEFT, true).chain(of(Contacts::RIGHT, false)).collect();
+    strikes.sort_by(|a, b| a.time.total_cmp(&b.time));
+    strikes
+}
+
+/// Both feet strike in the same frame: no time passes between the two, as would have to.
+fn together(a: &Strike, b: &Strike) -> bool {
+    a.left != b.left && b.time - a.time < 1.0
+}
+
+/// Two strikes of one foot without the other between them.
+fn twice(a: &Strike, b: &Strike) -> Fault {
+    let (foot, other) = if a.left { ("left", "right") } else { ("right", "left") };
+    let (from, to) = (a.time + 0.5, b.time + 0.5);
+    let what = format!(
+        "the {foot} foot strikes at frame {from:.0} and again at frame {to:.0}, the {other} one not in between"
+    );
+    Fault { what, at: a.time }
+}
+
+/// The cycle of three strikes.
+fn cycle(rate: f64, left: &Strike, right: &Strike, next: &Strike, before: Option<&Strike>) -> Result<Steps, Fault> {
+    let (start, right_strike, end) = (left.time, right.time, next.time);
+    let fault = |what: String| Fault { what, at: start };
+    let frames = format!("frames {:.0} to {:.0}", start + 0.5, end - 0.5);
+    if !CYCLE_S.contains(&((end - start) / rate)) {
+        return Err(fault(format!("two steps in {:.2} s ({frames}) are no gait", (end - start) / rate)));
+    }
+    // A stance that the range cuts off is taken to be as long as the one before it.
+    let before = before.and_then(|b| Some(right_strike + b.off? - b.time));
+    let (Some(left_off), Some(right_off)) = (left.off, right.off.or(before)) else {
+        return Err(fault(format!("the right foot never leaves the ground in {frames}")));
+    };
+    let (after_right, after_left) = (left_off - right_strike, right_off - end);
+    let limit = MIXED_S * rate;
+    if after_right.max(after_left) > limit && after_right.min(after_left) < -limit {
+        let what = format!(
+            "{frames} are neither a walk nor a run: both feet stand after one strike, neither before the other"
+        );
+        return Err(fault(what));
+    }
+    Ok(Steps { start, left_off, right_strike, right_off, end })
+}
+
+impl Steps {
+    /// Generic times at which the left foot leaves the ground, the right one strikes, the right one leaves: the left
+    /// strike is at 0 and the right one at 0.5.
+    pub fn keytimes(&self) -> [f64; 3] {
+        let generic = |time: f64| {
+            let time = if time >= self.end { time - (self.end - self.start) } else { time };
+            match time < self.right_strike {
+                true => 0.5 * (time - self.start) / (self.right_strike - self.start),
+                false => 0.5 + 0.5 * (time - self.right_strike) / (self.end - self.right_strike),
+            }
+        };
+        [generic(self.left_off), 0.5, generic(self.right_off)].map(|g| g.clamp(0.0, 1.0 - 1e-6))
+    }
+
+    /// Time of a generic time in [0, 1]: linear between the strikes (frames).
+    pub fn time(&self, generic: f64) -> f64 {
+        match generic < 0.5 {
+            true => self.start + 2.0 * generic * (self.right_strike - self.start),
+            false => self.right_strike + (2.0 * generic - 1.0) * (self.end - self.right_strike),
+        }
+    }
+
+    /// The first step of a cycle, ending at another time, and its mirrored image as the second one.
+    pub fn halved(self, right_strike: f64) -> Self {
+        let half = right_strike - self.start;
+        Self { right_strike, right_off: self.left_off + half, end: right_strike + half, ..self }
+    }
+
+    /// The same cycle with another end; the second step takes the change.
+    pub fn ending(self, end: f64) -> Self {
+        Self { end, ..self }
+    }
+}

@@ -1,0 +1,105 @@
+//! What a clip's body does over time, at any time between its frames.
+
+use super::arc::wrap;
+use glam::{DVec2, Quat, Vec3};
+use throng_core::{Contacts, Joint, NUM_JOINTS};
+use throng_motion::clip::{Clip, FrameRange};
+
+/// A clip with its root's ground path and the heading of its body. Times count in frames of the clip.
+#[derive(Clone, Debug)]
+pub struct Track<'a> {
+    /// The clip.
+    pub clip: &'a Clip,
+    /// Root on the ground (x, z) (m, num_frames).
+    path: Vec<DVec2>,
+    /// Heading that the body faces: the middle between hips and shoulders, unwrapped (rad, num_frames).
+    facing: Vec<f64>,
+}
+
+/// A pose between frames.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Pose {
+    /// Hips (m).
+    pub hips: Vec3,
+    /// Joint rotations, the hips' in the frame of `hips`.
+    pub rotations: [Quat; NUM_JOINTS],
+}
+
+impl<'a> Track<'a> {
+    /// The track of a clip.
+    pub fn new(clip: &'a Clip) -> Self {
+        let path = clip.root_positions.iter().map(|p| DVec2::new(f64::from(p.x), f64::from(p.z))).collect();
+        let mut facing: Vec<f64> = Vec::with_capacity(clip.num_frames());
+        for frame in 0..clip.num_frames() {
+            let heading = facing_of(clip.frame_rotations(frame));
+            facing.push(facing.last().map_or(heading, |last| last + wrap(heading - last)));
+        }
+        Self { clip, path, facing }
+    }
+
+    /// Frames a second.
+    pub fn rate(&self) -> f64 {
+        self.clip.rate_hz
+    }
+
+    /// Root on the ground at a time (m).
+    pub fn place(&self, time: f64) -> DVec2 {
+        let (a, b, part) = self.between(time);
+        self.path[a].lerp(self.path[b], part)
+    }
+
+    /// Heading of the body at a time, unwrapped (rad).
+    pub fn facing(&self, time: f64) -> f64 {
+        let (a, b, part) = self.between(time);
+        self.facing[a] + (self.facing[b] - self.facing[a]) * part
+    }
+
+    /// Pose at a time, in the world.
+    pub fn pose(&self, time: f64) -> Pose {
+        let (a, b, part) = self.between(time);
+        let (from, to) = (self.clip.frame_rotations(a), self.clip.frame_rotations(b));
+        let rotations = std::array::from_fn(|j| from[j].slerp(to[j], part as f32));
+        let hips = self.clip.root_positions[a].lerp(self.clip.root_positions[b], part as f32);
+        Pose { hips, rotations }
+    }
+
+    /// How much some parts of the body touch at a time: 0 or 1 at frames.
+    pub fn touch(&self, time: f64, parts: Contacts) -> f64 {
+        let (a, b, part) = self.between(time);
+        let at = |f: usize| f64::from(u8::from(self.clip.contacts[f].any(parts)));
+        at(a) * (1.0 - part) + at(b) * part
+    }
+
+    /// Mean of a quantity over a span of time, sampled four times a frame.
+    pub fn mean<T>(&self, from: f64, to: f64, of: impl Fn(f64) -> T) -> T
+    where
+        T: std::ops::Add<Output = T> + std::ops::Mul<f64, Output = T> + Default,
+    {
+        let n = ((to - from) * 4.0).ceil().max(1.0) as usize;
+        let at = |i: usize| from + (to - from) * (i as f64 + 0.5) / n as f64;
+        (0..n).fold(T::default(), |sum, i| sum + of(at(i))) * (1.0 / n as f64)
+    }
+
+    /// Runs of frames within `range` in which a foot stands, in order.
+    pub fn stances(&self, range: &FrameRange, foot: Contacts) -> Vec<FrameRange> {
+        throng_motion::clip::runs(range.clone(), |f| self.clip.contacts[f].any(foot))
+    }
+
+    /// The frames around a time and the part of the way between them.
+    fn between(&self, time: f64) -> (usize, usize, f64) {
+        let last = self.path.len() - 1;
+        let time = time.clamp(0.0, last as f64);
+        let a = (time.floor() as usize).min(last);
+        (a, (a + 1).min(last), time - a as f64)
+    }
+}
+
+/// Heading of the middle between where the hips and the shoulders face (rad).
+fn facing_of(local: &[Quat]) -> f64 {
+    let chain = [Joint::Hips, Joint::Spine, Joint::Chest, Joint::UpperChest];
+    let shoulders = chain.iter().fold(Quat::IDENTITY, |q, j| q * local[j.index()]);
+    // Sideways axes stay level where a body bends forward, which forward axes do not.
+    let left =
+        (local[0] * Vec3::X).with_y(0.0).normalize_or_zero() + (shoulders * Vec3::X).with_y(0.0).normalize_or_zero();
+    f64::from(-left.z).atan2(f64::from(left.x))
+}

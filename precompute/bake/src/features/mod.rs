@@ -1,0 +1,128 @@
+//! How much two frames differ: the six features of Lee, Choi and Lee (2006), section 3.
+//!
+//! Joint angles, root height, root orientation, and the velocities of joints and root are weighted, squared
+//! and summed. Moving or turning a clip on the ground changes nothing.
+
+mod config;
+mod embedding;
+mod row;
+
+pub use config::FeaturesConfig;
+pub(crate) use embedding::EMBEDDING;
+
+use config::Weights;
+use glam::{Quat, Vec3};
+use rayon::prelude::*;
+use row::{LANES, Measured, Row};
+use throng_core::{NUM_JOINTS, Planar};
+use throng_motion::clip::{Clip, ClipSet, FrameId, FrameRange};
+use throng_motion::error::BuildError;
+
+/// The features of every frame of a [`ClipSet`], excluded frames included.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Features {
+    rows: Vec<Row>,
+    joint_weights: [f32; LANES],
+    orientation_weight: f32,
+}
+
+/// Measures the features of every frame.
+///
+/// - `clips`: resampled; each clip's own rate makes its velocities.
+/// - returns a row for every [`FrameId`].
+///
+/// Velocities are differences between the next and the previous frame, and one-sided where a clip or a run of
+/// usable frames begins or ends, so that a calibration pose next door does not count. The root's height is the one
+/// above what holds the character up ([`Clip::support`]); its velocity is the one in the world.
+///
+/// # Errors
+/// [`BuildError::Config`] for a weight out of range or an unknown joint.
+///
+/// # Source
+/// Lee, Choi and Lee 2006, section 3. Differs: angles are full rotation angles, twice the norm of the
+/// quaternion logarithm, and velocities are per second instead of per frame; the weights take up both.
+pub fn extract(clips: &ClipSet, config: &FeaturesConfig) -> Result<Features, BuildError> {
+    let weights = config.weights()?;
+    let rows = clips.clips.par_iter().map(|c| clip_rows(c, &weights)).flatten().collect();
+    let mut joint_weights = [0.0; LANES];
+    for j in 1..NUM_JOINTS {
+        joint_weights[j - 1] = weights.joints[j] as f32;
+    }
+    Ok(Features { rows, joint_weights, orientation_weight: weights.orientation as f32 })
+}
+
+impl Features {
+    /// Number of frames.
+    pub fn num_frames(&self) -> usize {
+        self.rows.len()
+    }
+
+    /// Distance between two frames (rad, as [`FeaturesConfig`] explains).
+    pub fn distance(&self, i: FrameId, j: FrameId) -> f32 {
+        self.squared_distance(i, j).sqrt()
+    }
+
+    /// Square of [`distance`](Self::distance); the same for `(j, i)`, bit for bit.
+    pub fn squared_distance(&self, i: FrameId, j: FrameId) -> f32 {
+        let (a, b) = (&self.rows[i.0 as usize], &self.rows[j.0 as usize]);
+        a.squared_linear(b)
+            + self.orientation_weight * a.squared_orientation(b)
+            + a.squared_joints(b, &self.joint_weights)
+    }
+
+    /// The squared distance if it is at most `limit`; most unlike frames are refused after a glance at the velocities.
+    pub fn squared_distance_within(&self, i: FrameId, j: FrameId, limit: f32) -> Option<f32> {
+        let (a, b) = (&self.rows[i.0 as usize], &self.rows[j.0 as usize]);
+        if a.squared_linear(b) > limit {
+            return None;
+        }
+        Some(self.squared_distance(i, j)).filter(|&d| d <= limit)
+    }
+}
+
+fn clip_rows(clip: &Clip, weights: &Weights) -> Vec<Row> {
+    let mut rows = Vec::with_capacity(clip.num_frames());
+    for run in runs(clip) {
+        rows.extend(run.clone().map(|f| Row::new(&measure(clip, &run, f), weights)));
+    }
+    rows
+}
+
+/// All frames in runs that are either usable or excluded, in order.
+fn runs(clip: &Clip) -> Vec<FrameRange> {
+    let mut cuts = vec![0, clip.num_frames()];
+    cuts.extend(clip.usable_ranges().iter().flat_map(|r| [r.start, r.end]));
+    cuts.sort_unstable();
+    cuts.dedup();
+    cuts.windows(2).map(|w| w[0]..w[1]).collect()
+}
+
+fn measure<'a>(clip: &'a Clip, run: &FrameRange, frame: usize) -> Measured<'a> {
+    let prev = frame.saturating_sub(1).max(run.start);
+    let next = (frame + 1).min(run.end - 1);
+    let per_second = if next > prev { (clip.rate_hz / (next - prev) as f64) as f32 } else { 0.0 };
+    let (before, after) = (clip.frame_rotations(prev), clip.frame_rotations(next));
+    let mut joint_velocities = [Vec3::ZERO; NUM_JOINTS];
+    for j in 1..NUM_JOINTS {
+        joint_velocities[j] = rotation_vector(before[j].conjugate() * after[j]) * per_second;
+    }
+    let rotations = clip.frame_rotations(frame);
+    let to_local = Planar::split(clip.root_positions[frame], rotations[0]).0.rotation().conjugate();
+    Measured {
+        rotations,
+        joint_velocities,
+        root_height: clip.root_positions[frame].y - clip.support.get(frame).copied().unwrap_or(0.0),
+        root_velocity: to_local * ((clip.root_positions[next] - clip.root_positions[prev]) * per_second),
+        root_angular_velocity: to_local * (rotation_vector(after[0] * before[0].conjugate()) * per_second),
+    }
+}
+
+/// Axis times angle of the shorter way round (rad).
+fn rotation_vector(q: Quat) -> Vec3 {
+    let v = Vec3::new(q.x, q.y, q.z) * if q.w < 0.0 { -1.0 } else { 1.0 };
+    let sine = v.length();
+    if sine < 1e-9 { v * 2.0 } else { v * (2.0 * sine.atan2(q.w.abs()) / sine) }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,129 @@
+//! Which of the possible transitions become actions: near ones, with different outcomes, and enough of them.
+
+use super::config::GraphConfig;
+use super::matches::Link;
+use rayon::prelude::*;
+use throng_core::Planar;
+use throng_core::planar::wrap_angle;
+
+/// Turns beyond this within the horizon are turns to a side (rad).
+const TURN: f32 = 0.35;
+/// Travel below this within the horizon is staying (m).
+const STAY: f32 = 0.25;
+/// Room left in each state's actions for what the component needs.
+const RESERVED: usize = 4;
+
+/// The links of every event at a threshold, best first.
+///
+/// - `matches`: all links up to `max_error`, best first.
+/// - `outcomes`: where the motion after each event leads.
+///
+/// Of every kind of outcome (turning left, right or not; staying, going forward, back or to a side) the best link
+/// is taken, whatever its error; then the rest up to the threshold, each unless a better one leads nearly to
+/// the same place.
+pub(super) fn choose(
+    matches: &[Vec<Link>],
+    outcomes: &[Planar],
+    threshold: f32,
+    config: &GraphConfig,
+) -> Vec<Vec<Link>> {
+    let most = config.max_actions.saturating_sub(1 + RESERVED).max(1);
+    matches.par_iter().map(|links| choose_of_one(links, outcomes, threshold, most, config)).collect()
+}
+
+fn choose_of_one(all: &[Link], outcomes: &[Planar], threshold: f32, most: usize, config: &GraphConfig) -> Vec<Link> {
+    let mut chosen: Vec<Link> = Vec::new();
+    for link in all {
+        let kind = kind_of(&outcomes[link.event]);
+        if chosen.len() < most && chosen.iter().all(|l| kind_of(&outcomes[l.event]) != kind) {
+            chosen.push(*link);
+        }
+    }
+    for link in all.iter().take_while(|l| l.error <= threshold) {
+        let same = |l: &Link| same_outcome(&outcomes[l.event], &outcomes[link.event], config) || l.event == link.event;
+        if chosen.len() < most && !chosen.iter().any(same) {
+            chosen.push(*link);
+        }
+    }
+    sort(&mut chosen);
+    chosen
+}
+
+/// Kind of an outcome: side turned to, and direction of travel as one of five.
+fn kind_of(outcome: &Planar) -> (i8, u8) {
+    let side = if outcome.heading > TURN {
+        1
+    } else if outcome.heading < -TURN {
+        -1
+    } else {
+        0
+    };
+    let travel = if outcome.x.hypot(outcome.z) < STAY {
+        0
+    } else if outcome.z.abs() >= outcome.x.abs() {
+        if outcome.z > 0.0 { 1 } else { 2 }
+    } else if outcome.x > 0.0 {
+        3
+    } else {
+        4
+    };
+    (side, travel)
+}
+
+/// Best first.
+pub(super) fn sort(links: &mut [Link]) {
+    links.sort_unstable_by(|a, b| a.error.total_cmp(&b.error).then(a.event.cmp(&b.event)));
+}
+
+fn same_outcome(a: &Planar, b: &Planar, config: &GraphConfig) -> bool {
+    f64::from((a.x - b.x).hypot(a.z - b.z)) < config.outcome_distance
+        && f64::from(wrap_angle(a.heading - b.heading).abs()) < config.outcome_angle
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn links(errors: &[(usize, f32)]) -> Vec<Link> {
+        errors.iter().map(|&(event, error)| Link { event, error }).collect()
+    }
+
+    fn events(links: &[Link]) -> Vec<usize> {
+        links.iter().map(|l| l.event).collect()
+    }
+
+    #[test]
+    fn of_equal_outcomes_the_better_stays() {
+        let mut matches = vec![Vec::new(); 6];
+        matches[0] = links(&[(1, 0.1), (2, 0.2), (3, 0.3), (4, 0.4), (5, 0.9)]);
+        let outcomes = [0.0, 1.0, 1.0, 1.02, 2.0, 3.0].map(|z| Planar::new(0.0, z, 0.0));
+        let chosen = choose(&matches, &outcomes, 0.5, &GraphConfig::default());
+        assert_eq!(events(&chosen[0]), [1, 4]);
+    }
+
+    #[test]
+    fn the_best_of_each_kind_of_outcome_is_taken_beyond_the_threshold() {
+        let mut matches = vec![Vec::new(); 7];
+        matches[0] = links(&[(1, 0.1), (2, 0.6), (3, 0.7), (4, 0.8), (5, 0.9), (6, 0.95)]);
+        let outcomes = [
+            Planar::IDENTITY,
+            Planar::new(0.0, 1.0, 0.0),
+            Planar::new(0.0, 1.2, 0.0),
+            Planar::new(0.0, 1.0, 1.0),
+            Planar::new(0.0, 1.0, 2.0),
+            Planar::new(0.0, -1.0, -1.0),
+            Planar::new(0.1, 0.1, 0.0),
+        ];
+        let chosen = choose(&matches, &outcomes, 0.5, &GraphConfig::default());
+        assert_eq!(events(&chosen[0]), [1, 3, 5, 6]);
+    }
+
+    #[test]
+    fn leaves_room_below_the_most_actions() {
+        let mut matches = vec![Vec::new(); 100];
+        matches[0] = (1..100).map(|event| Link { event, error: 0.1 }).collect();
+        let outcomes: Vec<Planar> = (0..100).map(|z| Planar::new(0.0, z as f32, 0.0)).collect();
+        let chosen = choose(&matches, &outcomes, 0.5, &GraphConfig { max_actions: 10, ..Default::default() });
+        assert_eq!(chosen[0].len(), 9 - RESERVED);
+    }
+}

@@ -1,0 +1,65 @@
+//! Collapses event frames with one way out into segments between states.
+
+use super::component::EventGraph;
+use super::events::{Event, EventKind};
+use super::matches::{Link, displacement};
+use super::{Action, MotionGraph, Segment, SegmentId, StateId};
+use throng_motion::clip::{ClipSet, FrameId};
+
+/// A choice of an event: the event whose motion follows (itself where the clip goes on) and the error.
+fn ways_out(graph: &EventGraph, alive: &[bool], i: usize) -> Vec<Link> {
+    let on = graph.goes_on(i, alive).then_some(Link { event: i, error: 0.0 });
+    on.into_iter().chain(graph.jumps(i, alive).copied()).collect()
+}
+
+/// Mean number of actions of the states that [`collapse`] would give.
+pub(super) fn branching(graph: &EventGraph, alive: &[bool]) -> f64 {
+    let ways = (0..alive.len()).filter(|&i| alive[i]).map(|i| ways_out(graph, alive, i).len()).filter(|&n| n > 1);
+    let (states, actions) = ways.fold((0, 0), |(states, actions), n| (states + 1, actions + n));
+    actions as f64 / f64::from(states.max(1))
+}
+
+/// The states, actions and segments of a component.
+///
+/// - `alive`: a component of [`super::component::largest_component`]: an event with one way out goes on in its
+///   own clip, so every segment lies in one clip.
+///
+/// # Panics
+/// If `alive` is no such component.
+pub(super) fn collapse(graph: &EventGraph, alive: &[bool], events: &[Event], clips: &ClipSet) -> MotionGraph {
+    let ways: Vec<Vec<Link>> =
+        (0..alive.len()).map(|i| if alive[i] { ways_out(graph, alive, i) } else { Vec::new() }).collect();
+    let is_state = |i: usize| ways[i].len() > 1;
+    let state_events: Vec<usize> = (0..alive.len()).filter(|&i| is_state(i)).collect();
+    let mut starts: Vec<usize> = state_events.iter().flat_map(|&i| ways[i].iter().map(|l| l.event)).collect();
+    starts.sort_unstable();
+    starts.dedup();
+
+    let frame_starts = clips.frame_starts();
+    let index_of = |sorted: &[usize], x: usize| sorted.binary_search(&x).map_or(u32::MAX, |k| k as u32);
+    let segment = |&start: &usize| {
+        let end = std::iter::successors(graph.next[start], |&e| graph.next[e])
+            .find(|&e| is_state(e))
+            .expect("an event of a component that is no state goes on in its clip");
+        let (from, to) = (events[start].frame, events[end].frame);
+        Segment {
+            start: from,
+            num_frames: to.0 - from.0,
+            end: StateId(index_of(&state_events, end)),
+            displacement: displacement(clips, &frame_starts, events[start].clip, from, to),
+        }
+    };
+    let segments = starts.iter().map(segment).collect();
+    let mut actions = Vec::new();
+    let mut action_offsets = vec![0];
+    for &i in &state_events {
+        let mut of_state: Vec<Action> =
+            ways[i].iter().map(|l| Action { segment: SegmentId(index_of(&starts, l.event)), error: l.error }).collect();
+        of_state.sort_unstable_by(|a, b| a.error.total_cmp(&b.error).then(a.segment.cmp(&b.segment)));
+        actions.extend(of_state);
+        action_offsets.push(actions.len() as u32);
+    }
+    let states: Vec<FrameId> = state_events.iter().map(|&i| events[i].frame).collect();
+    let standing = state_events.iter().map(|&i| events[i].kind == EventKind::Standing).collect();
+    MotionGraph { states, standing, segments, action_offsets, actions }
+}

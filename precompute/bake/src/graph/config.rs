@@ -1,0 +1,116 @@
+//! How the motion graph is made.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use throng_motion::error::BuildError;
+
+/// Settings of [`super::connect`].
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct GraphConfig {
+    /// False builds no graph: for databases whose characters live in worlds of patches and are steered by no policy.
+    pub enabled: bool,
+    /// Actions a state should have on average; the threshold is chosen for it (2 to max_actions).
+    pub branching: f64,
+    /// Distance up to which frames match, in place of one chosen for `branching` (rad, > 0).
+    pub threshold: Option<f64>,
+    /// Largest distance of any transition: of the threshold chosen for `branching`, and of the transitions beyond
+    /// it that keep rare motion in and offer every kind of outcome (rad, > 0).
+    pub max_error: f64,
+    /// Most actions a state may have (4 to 255).
+    pub max_actions: usize,
+    /// Transitions that stay within this time of where they leave in the same clip are left out.
+    /// (s, >= 0)
+    pub min_jump_s: f64,
+    /// Of two matches whose motion leads within `outcome_horizon_s` to places nearer than this, and to headings
+    /// nearer than `outcome_angle`, only the better is an action. 0 keeps both (m, >= 0).
+    pub outcome_distance: f64,
+    /// See `outcome_distance` (rad, >= 0).
+    pub outcome_angle: f64,
+    /// See `outcome_distance` (s, > 0).
+    pub outcome_horizon_s: f64,
+    /// A character with both feet planted whose root is slower than this stands (m/s, >= 0).
+    pub standing_speed_mps: f64,
+    /// Shortest time that counts as standing (s, >= 0).
+    pub standing_min_s: f64,
+    /// Time between event frames while standing (s, > 0).
+    pub standing_interval_s: f64,
+    /// A foot that comes down again sooner has not left the ground (s, >= 0).
+    pub min_swing_s: f64,
+    /// Least motion in the graph; less is an error (s, >= 0).
+    pub min_component_s: f64,
+}
+
+impl Default for GraphConfig {
+    fn default() -> Self {
+        Self {
+            enabled: true,
+            branching: 14.0,
+            threshold: None,
+            max_error: 0.5,
+            max_actions: 64,
+            min_jump_s: 0.3,
+            outcome_distance: 0.1,
+            outcome_angle: 0.1,
+            outcome_horizon_s: 1.0,
+            standing_speed_mps: 0.15,
+            standing_min_s: 0.3,
+            standing_interval_s: 0.25,
+            min_swing_s: 0.1,
+            min_component_s: 10.0,
+        }
+    }
+}
+
+impl GraphConfig {
+    /// # Errors
+    /// [`BuildError::Config`] naming the first key out of its limits.
+    pub(super) fn check(&self) -> Result<(), BuildError> {
+        let limits = [
+            ("threshold", self.threshold.unwrap_or(1.0), f64::MIN_POSITIVE, f64::MAX),
+            ("max_error", self.max_error, f64::MIN_POSITIVE, f64::MAX),
+            ("max_actions", self.max_actions as f64, 4.0, 255.0),
+            ("branching", self.branching, 2.0, self.max_actions as f64),
+            ("min_jump_s", self.min_jump_s, 0.0, f64::MAX),
+            ("outcome_distance", self.outcome_distance, 0.0, f64::MAX),
+            ("outcome_angle", self.outcome_angle, 0.0, f64::MAX),
+            ("outcome_horizon_s", self.outcome_horizon_s, f64::MIN_POSITIVE, f64::MAX),
+            ("standing_speed_mps", self.standing_speed_mps, 0.0, f64::MAX),
+            ("standing_min_s", self.standing_min_s, 0.0, f64::MAX),
+            ("standing_interval_s", self.standing_interval_s, f64::MIN_POSITIVE, f64::MAX),
+            ("min_swing_s", self.min_swing_s, 0.0, f64::MAX),
+            ("min_component_s", self.min_component_s, 0.0, f64::MAX),
+        ];
+        match limits.into_iter().find(|&(_, value, low, high)| !(low..=high).contains(&value)) {
+            None => Ok(()),
+            Some((key, value, low, high)) => {
+                let wanted = match (low == f64::MIN_POSITIVE, high == f64::MAX) {
+                    (true, _) => "a number above 0".to_owned(),
+                    (false, true) => format!("a number of at least {low}"),
+                    (false, false) => format!("a number from {low} to {high}"),
+                };
+                Err(BuildError::Config {
+                    message: format!("graph.{key}: expected {wanted}, found {value}. Correct the config."),
+                })
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn defaults_are_within_their_limits_and_bad_numbers_are_named() {
+        assert!(GraphConfig::default().check().is_ok());
+        for (config, key) in [
+            (GraphConfig { branching: 65.0, ..Default::default() }, "branching"),
+            (GraphConfig { max_actions: 256, ..Default::default() }, "max_actions"),
+            (GraphConfig { threshold: Some(0.0), ..Default::default() }, "threshold"),
+            (GraphConfig { standing_interval_s: f64::NAN, ..Default::default() }, "standing_interval_s"),
+        ] {
+            assert!(config.check().unwrap_err().to_string().contains(&format!("graph.{key}:")));
+        }
+    }
+}

@@ -1,0 +1,193 @@
+//! The stage: event frames, matches, threshold, component, collapse.
+
+use super::component::{EventGraph, largest_component};
+use super::config::GraphConfig;
+use super::events::{self, Event};
+use super::matches;
+use super::report::{self, GraphReport};
+use super::{MotionGraph, bridge, choose, collapse};
+use crate::features::Features;
+use throng_core::Planar;
+use throng_motion::clip::ClipSet;
+use throng_motion::error::BuildError;
+use throng_motion::progress::Progress;
+
+/// Steps of the search for the threshold; each halves the interval.
+const SEARCH_STEPS: usize = 16;
+
+/// Connects similar frames to a graph of states and actions.
+///
+/// - `clips`: with contacts; all at the same rate.
+/// - `features`: of the same clips.
+///
+/// Transitions join event frames of equal kind: a foot about to leave the ground, with the other foot equally
+/// planted or not, or standing. The largest strongly connected component of all transitions up to
+/// `config.max_error` is kept. Of its transitions as many are actions as give states `config.branching` of them on
+/// average: the nearer ones, those of every kind of outcome, and those that keep the component whole. Frames
+/// with one way out are collapsed.
+///
+/// # Errors
+/// [`BuildError::Config`] for a number out of range; [`BuildError::Stage`] where clips lack contacts or differ in
+/// rate, and where the largest component has less than `config.min_component_s` of motion.
+///
+/// # Source
+/// Lee and Lee 2004, sections 3 and 6. Differs: either foot makes an event, not the left one alone; so does
+/// standing; the threshold is searched for; of matches with the same outcome only the best is kept; matches
+/// beyond the threshold are kept where the component or the variety of outcomes needs them.
+pub fn connect(
+    clips: &ClipSet,
+    features: &Features,
+    config: &GraphConfig,
+    progress: &dyn Progress,
+) -> Result<(MotionGraph, GraphReport), BuildError> {
+    config.check()?;
+    let rate_hz = check_clips(clips)?;
+    if features.num_frames() != clips.num_frames() {
+        let message = format!("expected features of {} frames, found {}", clips.num_frames(), features.num_frames());
+        return Err(fail(message, "Extract the features from the same clips"));
+    }
+    let search = Search::new(clips, features, config, rate_hz, progress);
+    let (graph, threshold) = search.run();
+    let standing = events::standing_frames(clips, config);
+    let report = report::report(&graph, clips, &standing, search.events.len(), threshold);
+    if (report.frames_kept as f64) < config.min_component_s * rate_hz || graph.states.is_empty() {
+        return Err(too_small(&report, config, rate_hz));
+    }
+    Ok((graph, report))
+}
+
+/// A graph without states, for a config that wants none.
+///
+/// # Errors
+/// As [`connect`].
+pub fn none(clips: &ClipSet, config: &GraphConfig) -> Result<(MotionGraph, GraphReport), BuildError> {
+    config.check()?;
+    check_clips(clips)?;
+    let empty = MotionGraph { action_offsets: vec![0], ..MotionGraph::default() };
+    let report = report::report(&empty, clips, &vec![false; clips.num_frames()], 0, 0.0);
+    Ok((empty, GraphReport { unused_clips: Vec::new(), ..report }))
+}
+
+fn fail(message: String, help: &str) -> BuildError {
+    BuildError::Stage { stage: "graph", message, help: help.to_owned() }
+}
+
+fn check_clips(clips: &ClipSet) -> Result<f64, BuildError> {
+    let Some(first) = clips.clips.first() else {
+        return Err(fail("there are no clips".into(), "Check the paths of the config"));
+    };
+    for c in &clips.clips {
+        if c.contacts.len() != c.num_frames() {
+            let message = format!("clip {}: expected {} contacts, found {}", c.name, c.num_frames(), c.contacts.len());
+            return Err(fail(message, "Annotate the clips first"));
+        }
+        if c.rate_hz != first.rate_hz {
+            let message = format!(
+                "clip {}: expected {} Hz as clip {}, found {} Hz",
+                c.name, first.rate_hz, first.name, c.rate_hz
+            );
+            return Err(fail(message, "Resample the clips to one rate first"));
+        }
+    }
+    Ok(first.rate_hz)
+}
+
+fn too_small(report: &GraphReport, config: &GraphConfig, rate_hz: f64) -> BuildError {
+    let seconds = |frames: usize| frames as f64 / rate_hz;
+    BuildError::Stage {
+        stage: "graph",
+        message: format!(
+            "the largest strongly connected part of the motion has {:.1} s ({} of {} usable frames, {} of {} event frames \
+             as states, transitions up to {:.3} rad), less than graph.min_component_s = {} s",
+            seconds(report.frames_kept),
+            report.frames_kept,
+            report.frames_in,
+            report.states,
+            report.event_frames,
+            config.max_error,
+            config.min_component_s
+        ),
+        help: format!(
+            "Add longer clips that return to similar poses ({:.1} s are usable now), check that feet touch the ground \
+             (throng inspect CLIP), add mirrored copies, or raise graph.max_error",
+            seconds(report.frames_in)
+        ),
+    }
+}
+
+/// Everything that does not depend on the threshold.
+struct Search<'a> {
+    clips: &'a ClipSet,
+    config: &'a GraphConfig,
+    events: Vec<Event>,
+    outcomes: Vec<Planar>,
+    /// All event frames; its links are every transition up to the largest error.
+    whole: EventGraph,
+    /// The largest component of `whole`.
+    alive: Vec<bool>,
+}
+
+impl<'a> Search<'a> {
+    fn new(
+        clips: &'a ClipSet,
+        features: &Features,
+        config: &'a GraphConfig,
+        rate_hz: f64,
+        progress: &dyn Progress,
+    ) -> Self {
+        let events = events::find(clips, config);
+        let next = matches::successors(&events);
+        let mut frames = vec![0; events.len()];
+        for (i, n) in next.iter().enumerate() {
+            if let Some(n) = *n {
+                frames[n] = events[n].frame.0 - events[i].frame.0;
+            }
+        }
+        let limit = config.max_error.max(config.threshold.unwrap_or(0.0)) as f32;
+        let min_jump = (config.min_jump_s * rate_hz).round() as u32;
+        let links = matches::find(&events, features, limit, min_jump, progress);
+        let outcomes = matches::outcomes(&events, clips, config.outcome_horizon_s);
+        let mut whole = EventGraph { next, frames, links };
+        let alive = largest_component(&whole);
+        whole.restrict(&alive);
+        Self { clips, config, events, outcomes, whole, alive }
+    }
+
+    /// The graph at the threshold that is given, or at the least one that reaches the wanted branching, or at
+    /// the largest error.
+    fn run(&self) -> (MotionGraph, f32) {
+        let threshold = self.config.threshold.map_or_else(|| self.find_threshold(), |t| t as f32);
+        let (graph, alive) = self.events_at(threshold);
+        (collapse::collapse(&graph, &alive, &self.events, self.clips), threshold)
+    }
+
+    fn find_threshold(&self) -> f32 {
+        let suffices = |threshold| {
+            let (graph, alive) = self.events_at(threshold);
+            collapse::branching(&graph, &alive) >= self.config.branching
+        };
+        let (mut low, mut high) = (0.0, self.config.max_error as f32);
+        if !suffices(high) {
+            return high;
+        }
+        for _ in 0..SEARCH_STEPS {
+            let middle = 0.5 * (low + high);
+            if suffices(middle) {
+                high = middle;
+            } else {
+                low = middle;
+            }
+        }
+        high
+    }
+
+    /// The event graph with the links that are chosen at a threshold, and its component.
+    fn events_at(&self, threshold: f32) -> (EventGraph, Vec<bool>) {
+        let links = choose::choose(&self.whole.links, &self.outcomes, threshold, self.config);
+        let mut graph = EventGraph { next: self.whole.next.clone(), frames: self.whole.frames.clone(), links };
+        bridge::bridge(&mut graph, &self.whole.links, &self.alive, self.config.max_actions - 1);
+        // Where max_actions left no room for a bridge, a part may still be lost.
+        let alive = largest_component(&graph);
+        (graph, alive)
+    }
+}

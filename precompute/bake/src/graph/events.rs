@@ -1,0 +1,200 @@
+//! Event frames: where a transition may leave a clip or enter one.
+
+use super::config::GraphConfig;
+use throng_core::Contacts;
+use throng_motion::clip::{Clip, ClipSet, FrameId, FrameRange, runs};
+
+/// What happens at an event frame. Transitions join events of equal kind only.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum EventKind {
+    /// The last frame of the left foot's contact.
+    LeavesLeft {
+        /// True while the right foot is on the ground: a step, not a stride of a run.
+        other_planted: bool,
+    },
+    /// The last frame of the right foot's contact.
+    LeavesRight {
+        /// True while the left foot is on the ground.
+        other_planted: bool,
+    },
+    /// The last frame before a jump off both feet.
+    LeavesBoth,
+    /// Both feet planted and the root slow for a while.
+    Standing,
+}
+
+/// A frame where transitions may leave and enter.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Event {
+    /// The frame.
+    pub frame: FrameId,
+    /// Index of its clip.
+    pub clip: usize,
+    /// What happens there.
+    pub kind: EventKind,
+    /// Number of the run of usable frames it lies in, counted over all clips: motion goes on from an event to
+    /// the next one of the same run.
+    pub run: usize,
+    /// Number of the standing run, counted over all clips.
+    pub standing_run: Option<usize>,
+    /// End of the run of usable frames, exclusive.
+    pub run_end: FrameId,
+}
+
+/// The event frames of all clips, ascending.
+pub(super) fn find(clips: &ClipSet, config: &GraphConfig) -> Vec<Event> {
+    let starts = clips.frame_starts();
+    let (mut events, mut runs, mut standing_runs) = (Vec::new(), 0, 0);
+    for (index, clip) in clips.clips.iter().enumerate() {
+        for run in clip.usable_ranges() {
+            let mut found: Vec<(usize, EventKind, Option<usize>)> =
+                departures(clip, &run, config).into_iter().map(|(f, kind)| (f, kind, None)).collect();
+            for standing in standing_runs_of(clip, &run, config) {
+                let step = frames(clip, config.standing_interval_s).max(1);
+                found.extend(standing.step_by(step).map(|f| (f, EventKind::Standing, Some(standing_runs))));
+                standing_runs += 1;
+            }
+            // A foot that leaves while standing is the stronger event: it sorts first and the other is dropped.
+            found.sort_unstable();
+            found.dedup_by_key(|e| e.0);
+            let frame = |f: usize| FrameId(starts[index] + f as u32);
+            events.extend(found.into_iter().map(|(f, kind, standing_run)| Event {
+                frame: frame(f),
+                clip: index,
+                kind,
+                run: runs,
+                standing_run,
+                run_end: frame(run.end),
+            }));
+            runs += 1;
+        }
+    }
+    events
+}
+
+/// True for every frame on which a character stands (clips.num_frames()).
+///
+/// A state whose frame stands is where a character may wait, and where one may start.
+pub fn standing_frames(clips: &ClipSet, config: &GraphConfig) -> Vec<bool> {
+    let mut out = vec![false; clips.num_frames()];
+    for (clip, start) in clips.clips.iter().zip(clips.frame_starts()) {
+        for run in clip.usable_ranges() {
+            for standing in standing_runs_of(clip, &run, config) {
+                out[start as usize + standing.start..start as usize + standing.end].fill(true);
+            }
+        }
+    }
+    out
+}
+
+fn frames(clip: &Clip, seconds: f64) -> usize {
+    (seconds * clip.rate_hz).round() as usize
+}
+
+/// Last contact frames of each foot within a run of usable frames.
+fn departures(clip: &Clip, run: &FrameRange, config: &GraphConfig) -> Vec<(usize, EventKind)> {
+    let swing = frames(clip, config.min_swing_s).max(1);
+    let planted = |f: usize, foot| clip.contacts[f].any(foot);
+    let leaves = |f: usize, foot| planted(f, foot) && !(f + 1..(f + 1 + swing).min(run.end)).any(|g| planted(g, foot));
+    let kind = |f: usize| match (leaves(f, Contacts::LEFT), leaves(f, Contacts::RIGHT)) {
+        (true, true) => Some(EventKind::LeavesBoth),
+        (true, false) => Some(EventKind::LeavesLeft { other_planted: planted(f, Contacts::RIGHT) }),
+        (false, true) => Some(EventKind::LeavesRight { other_planted: planted(f, Contacts::LEFT) }),
+        (false, false) => None,
+    };
+    (run.start..run.end.saturating_sub(1)).filter_map(|f| Some((f, kind(f)?))).collect()
+}
+
+/// Runs within `run` where both feet are planted and the root is slow for long enough.
+fn standing_runs_of(clip: &Clip, run: &FrameRange, config: &GraphConfig) -> Vec<FrameRange> {
+    let stands = |f: usize| {
+        let (prev, next) = (f.saturating_sub(1).max(run.start), (f + 1).min(run.end - 1));
+        let seconds = (next - prev).max(1) as f64 / clip.rate_hz;
+        let travel = clip.root_positions[next] - clip.root_positions[prev];
+        clip.contacts[f].any(Contacts::LEFT)
+            && clip.contacts[f].any(Contacts::RIGHT)
+            && f64::from(travel.length()) / seconds <= config.standing_speed_mps
+    };
+    let least = frames(clip, config.standing_min_s).max(1);
+    let mut out = runs(run.clone(), stands);
+    out.retain(|r| r.len() >= least);
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::{Quat, Vec3};
+    use throng_core::{NUM_JOINTS, Skeleton};
+    use throng_motion::clip::{Exclusion, ExclusionReason};
+
+    /// A clip whose contacts are written `.` none, `L`, `R`, `B` both, moving at `speed` m/s.
+    fn clip(contacts: &str, speed: f32) -> Clip {
+        let bits = |c| match c {
+            'L' => Contacts::LEFT_TOE,
+            'R' => Contacts::RIGHT_HEEL,
+            'B' => Contacts(Contacts::LEFT.0 | Contacts::RIGHT.0),
+            _ => Contacts::NONE,
+        };
+        let contacts: Vec<Contacts> = contacts.chars().map(bits).collect();
+        let n = contacts.len();
+        Clip {
+            contacts,
+            ..Clip::new(
+                "c",
+                30.0,
+                (0..n).map(|f| Vec3::new(0.0, 0.9, speed * f as f32 / 30.0)).collect(),
+                vec![Quat::IDENTITY; n * NUM_JOINTS],
+            )
+        }
+    }
+
+    fn kinds(clip: Clip) -> Vec<(u32, EventKind)> {
+        let set = ClipSet { skeleton: Skeleton::default(), clips: vec![clip] };
+        find(&set, &GraphConfig::default()).iter().map(|e| (e.frame.0, e.kind)).collect()
+    }
+
+    #[test]
+    fn walking_running_and_jumping_leave_the_ground() {
+        use EventKind::*;
+        let walk = kinds(clip("BBLLLLBBRRRRBBLLLL", 1.0));
+        assert_eq!(
+            walk,
+            [
+                (1, LeavesRight { other_planted: true }),
+                (7, LeavesLeft { other_planted: true }),
+                (13, LeavesRight { other_planted: true })
+            ]
+        );
+        assert_eq!(
+            kinds(clip("LL....RR....", 3.0)),
+            [(1, LeavesLeft { other_planted: false }), (7, LeavesRight { other_planted: false })]
+        );
+        assert_eq!(kinds(clip("BBBB.....", 3.0)), [(3, LeavesBoth)]);
+    }
+
+    #[test]
+    fn a_flicker_of_contact_is_no_departure() {
+        assert_eq!(kinds(clip("BBLLBBBBLLLL", 1.0)), [(7, EventKind::LeavesRight { other_planted: true })]);
+    }
+
+    #[test]
+    fn standing_gives_an_event_every_interval_and_excluded_frames_none() {
+        let mut c = clip(&"B".repeat(60), 0.0);
+        assert_eq!(kinds(c.clone()).iter().map(|k| k.0).collect::<Vec<_>>(), [0, 8, 16, 24, 32, 40, 48, 56]);
+        c.excluded.push(Exclusion { range: 0..50, reason: ExclusionReason::TPose });
+        assert_eq!(kinds(c.clone()), [(50, EventKind::Standing), (58, EventKind::Standing)]);
+        c.excluded[0].range = 0..55;
+        assert_eq!(kinds(c), []);
+        assert_eq!(kinds(clip(&"B".repeat(60), 0.5)), []);
+    }
+
+    #[test]
+    fn standing_frames_are_those_of_the_standing_runs() {
+        let set =
+            ClipSet { skeleton: Skeleton::default(), clips: vec![clip("LLLLL", 0.0), clip("LLBBBBBBBBBBBB", 0.0)] };
+        let standing = standing_frames(&set, &GraphConfig::default());
+        assert_eq!(standing.iter().position(|&s| s), Some(7));
+        assert!(standing[7..].iter().all(|&s| s));
+    }
+}

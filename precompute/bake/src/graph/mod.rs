@@ -1,0 +1,82 @@
+//! The motion graph: which frame may follow which, collapsed to states and actions (Lee and Lee 2004, sections 3 and 6).
+
+mod bridge;
+mod choose;
+mod collapse;
+mod component;
+mod config;
+mod connect;
+mod events;
+mod export;
+mod matches;
+mod report;
+
+pub use config::GraphConfig;
+pub use connect::{connect, none};
+pub use events::standing_frames;
+pub use export::{ActionRow, DisplacementRow, GraphRows, StateRow, graph_rows, write_graph_json};
+pub use report::{GraphReport, Spread};
+
+use throng_core::Planar;
+use throng_motion::clip::FrameId;
+
+/// A frame with more than one way out. Index into [`MotionGraph::states`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, serde::Serialize, serde::Deserialize)]
+pub struct StateId(pub u32);
+
+/// Index into [`MotionGraph::segments`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, serde::Serialize, serde::Deserialize)]
+pub struct SegmentId(pub u32);
+
+/// A run of frames inside one clip that ends in a state: the motion of an action.
+///
+/// Actions of different states share segments: a transition i -> j lays frame j - 1 where frame i is
+/// (Lee and Lee 2004, section 6), so what follows does not depend on i.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct Segment {
+    /// Frame j - 1, which stands in for the state the action leaves.
+    pub start: FrameId,
+    /// Frames played: the segment ends at `start + num_frames`, the frame of `end` (> 0).
+    pub num_frames: u32,
+    /// State at the end.
+    pub end: StateId,
+    /// Planar root of the last frame as seen from the first.
+    pub displacement: Planar,
+}
+
+/// A choice in a state.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct Action {
+    /// The motion that is played.
+    pub segment: SegmentId,
+    /// Distance between the state's frame and the segment's first one; 0 where the clip simply goes on.
+    pub error: f32,
+}
+
+/// States, actions and the segments they share. Every state has at least one action, every segment ends in a
+/// state, and every state can be reached from every other.
+#[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct MotionGraph {
+    /// Frame of each state, ascending.
+    pub states: Vec<FrameId>,
+    /// True for states in which the character stands (states.len()).
+    pub standing: Vec<bool>,
+    /// Segments, ascending by start frame.
+    pub segments: Vec<Segment>,
+    /// Actions of state s are `actions[action_offsets[s]..action_offsets[s + 1]]`, best match first.
+    /// (states.len() + 1)
+    pub action_offsets: Vec<u32>,
+    /// Actions of all states.
+    pub actions: Vec<Action>,
+}
+
+impl MotionGraph {
+    /// The choices in a state.
+    pub fn actions_of(&self, s: StateId) -> &[Action] {
+        let s = s.0 as usize;
+        &self.actions[self.action_offsets[s] as usize..self.action_offsets[s + 1] as usize]
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,114 @@
+//! What the graph stage found, for people and for machines.
+
+use super::MotionGraph;
+use serde::{Deserialize, Serialize};
+use throng_motion::clip::ClipSet;
+
+/// Least, mean and largest of something.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
+pub struct Spread {
+    /// The least.
+    pub min: f64,
+    /// The mean.
+    pub mean: f64,
+    /// The largest.
+    pub max: f64,
+}
+
+impl Spread {
+    /// Of these values; all 0 where there are none.
+    pub fn of(values: impl IntoIterator<Item = f64>) -> Self {
+        let (mut n, mut sum, mut min, mut max) = (0.0, 0.0, f64::INFINITY, f64::NEG_INFINITY);
+        for v in values {
+            (n, sum, min, max) = (n + 1.0, sum + v, v.min(min), v.max(max));
+        }
+        if n == 0.0 { Self::default() } else { Self { min, mean: sum / n, max } }
+    }
+}
+
+/// Figures of [`super::connect`].
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
+pub struct GraphReport {
+    /// Usable frames of all clips.
+    pub frames_in: usize,
+    /// Frames that some action plays.
+    pub frames_kept: usize,
+    /// Frames where a transition might leave or enter.
+    pub event_frames: usize,
+    /// States.
+    pub states: usize,
+    /// States in which the character stands.
+    pub standing_states: usize,
+    /// Actions of all states.
+    pub actions: usize,
+    /// Segments that actions play.
+    pub segments: usize,
+    /// Distance up to which frames match; some transitions are farther, as `GraphConfig::max_error` explains (rad).
+    pub threshold: f64,
+    /// Distances of the transitions; natural continuations do not count (rad).
+    pub transition_error: Spread,
+    /// Actions of a state.
+    pub branching: Spread,
+    /// Duration of the segments (s).
+    pub segment_s: Spread,
+    /// Clips of which no action plays a frame.
+    pub unused_clips: Vec<String>,
+}
+
+/// True for every frame that some action plays (clips.num_frames()).
+pub(super) fn played_frames(graph: &MotionGraph, clips: &ClipSet) -> Vec<bool> {
+    let mut played = vec![false; clips.num_frames()];
+    for s in &graph.segments {
+        let first = s.start.0 as usize + 1;
+        played[first..first + s.num_frames as usize].fill(true);
+    }
+    played
+}
+
+/// Measures a graph.
+pub(super) fn report(
+    graph: &MotionGraph,
+    clips: &ClipSet,
+    standing: &[bool],
+    event_frames: usize,
+    threshold: f32,
+) -> GraphReport {
+    let played = played_frames(graph, clips);
+    let starts = clips.frame_starts();
+    let clip_frames = |c: usize| &played[starts[c] as usize..starts[c + 1] as usize];
+    let unused = |c: &usize| !clip_frames(*c).contains(&true);
+    let rate_hz = clips.clips.first().map_or(1.0, |c| c.rate_hz);
+    GraphReport {
+        frames_in: clips.clips.iter().flat_map(|c| c.usable_ranges()).map(|r| r.len()).sum(),
+        frames_kept: played.iter().filter(|p| **p).count(),
+        event_frames,
+        states: graph.states.len(),
+        standing_states: graph.states.iter().filter(|s| standing[s.0 as usize]).count(),
+        actions: graph.actions.len(),
+        segments: graph.segments.len(),
+        threshold: f64::from(threshold),
+        transition_error: Spread::of(jumps(graph).map(f64::from)),
+        branching: Spread::of(graph.action_offsets.windows(2).map(|w| f64::from(w[1] - w[0]))),
+        segment_s: Spread::of(graph.segments.iter().map(|s| f64::from(s.num_frames) / rate_hz)),
+        unused_clips: (0..clips.clips.len()).filter(unused).map(|c| clips.clips[c].name.clone()).collect(),
+    }
+}
+
+/// Errors of the actions that leave their clip's own course.
+fn jumps(graph: &MotionGraph) -> impl Iterator<Item = f32> {
+    graph.states.iter().zip(graph.action_offsets.windows(2)).flat_map(|(state, w)| {
+        let actions = &graph.actions[w[0] as usize..w[1] as usize];
+        actions.iter().filter(|a| graph.segments[a.segment.0 as usize].start != *state).map(|a| a.error)
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn spread_of_nothing_is_zero() {
+        assert_eq!(Spread::of([]), Spread::default());
+        assert_eq!(Spread::of([1.0, 5.0, 3.0]), Spread { min: 1.0, mean: 3.0, max: 5.0 });
+    }
+}

@@ -1,0 +1,161 @@
+//! Component, bridges and collapse of random event graphs against brute force.
+
+use super::bridge::bridge;
+use super::collapse::collapse;
+use super::component::{EventGraph, components, largest_component};
+use super::events::{Event, EventKind};
+use super::matches::Link;
+use super::{MotionGraph, StateId};
+use glam::{Quat, Vec3};
+use proptest::prelude::*;
+use throng_core::{NUM_JOINTS, Skeleton};
+use throng_motion::clip::{Clip, ClipSet, FrameId};
+
+/// Up to 14 events in runs, with random links; an event after which the clip ends cannot be entered.
+fn event_graph() -> impl Strategy<Value = EventGraph> {
+    (2usize..14).prop_flat_map(|n| {
+        let ends = prop::collection::vec(prop::bool::weighted(0.3), n);
+        let frames = prop::collection::vec(1u32..20, n);
+        let links = prop::collection::vec(prop::collection::btree_map(0..n, 0.0f32..1.0, 0..5), n);
+        (ends, frames, links).prop_map(move |(ends, frames, links)| {
+            let next: Vec<Option<usize>> = (0..n).map(|i| (i + 1 < n && !ends[i]).then_some(i + 1)).collect();
+            let of_event = |i: usize, l: &std::collections::BTreeMap<usize, f32>| {
+                let mut out: Vec<Link> = l.iter().map(|(&event, &error)| Link { event, error }).collect();
+                out.retain(|l| l.event != i && next[l.event].is_some());
+                out.sort_by(|a, b| a.error.total_cmp(&b.error));
+                out
+            };
+            let links = links.iter().enumerate().map(|(i, l)| of_event(i, l)).collect();
+            EventGraph { next: next.clone(), frames, links }
+        })
+    })
+}
+
+fn targets(graph: &EventGraph, alive: &[bool], i: usize) -> Vec<usize> {
+    graph.targets(i).filter(|&n| alive[i] && alive[n]).collect()
+}
+
+/// `out[i][j]`: a way of at least one step leads from i to j, through events alive.
+fn reaches(graph: &EventGraph, alive: &[bool]) -> Vec<Vec<bool>> {
+    let n = alive.len();
+    let mut r: Vec<Vec<bool>> =
+        (0..n).map(|i| (0..n).map(|j| targets(graph, alive, i).contains(&j)).collect()).collect();
+    for k in 0..n {
+        for i in 0..n {
+            for j in 0..n {
+                r[i][j] |= r[i][k] && r[k][j];
+            }
+        }
+    }
+    r
+}
+
+fn naive_component(graph: &EventGraph) -> Vec<bool> {
+    let n = graph.next.len();
+    let mut alive = vec![true; n];
+    loop {
+        let r = reaches(graph, &alive);
+        let parts = (0..n).filter(|&i| r[i][i]).map(|i| (0..n).filter(|&j| r[i][j] && r[j][i]).collect::<Vec<_>>());
+        let frames = |p: &[usize]| p.iter().map(|&i| graph.frames[i]).sum::<u32>();
+        let best = parts.max_by_key(|p| (frames(p), std::cmp::Reverse(p[0]))).unwrap_or_default();
+        let inside = |i: usize| best.contains(&i);
+        let arrives = |event: usize| graph.next[event].is_some_and(inside);
+        let stuck = |i: usize| !arrives(i) && graph.links[i].iter().filter(|l| arrives(l.event)).count() < 2;
+        alive = (0..n).map(|i| inside(i) && !stuck(i)).collect();
+        if (0..n).all(|i| inside(i) == alive[i]) {
+            return alive;
+        }
+    }
+}
+
+/// One clip in which event i lies at frame 3 i.
+fn clip_and_events(n: usize) -> (ClipSet, Vec<Event>) {
+    let num_frames = 3 * n;
+    let clip = Clip::new("c", 30.0, vec![Vec3::ZERO; num_frames], vec![Quat::IDENTITY; num_frames * NUM_JOINTS]);
+    let event = |i: usize| Event {
+        frame: FrameId(3 * i as u32),
+        clip: 0,
+        kind: EventKind::LeavesBoth,
+        run: 0,
+        standing_run: None,
+        run_end: FrameId(num_frames as u32),
+    };
+    (ClipSet { skeleton: Skeleton::default(), clips: vec![clip] }, (0..n).map(event).collect())
+}
+
+fn ends_of(graph: &MotionGraph, state: usize) -> Vec<usize> {
+    let actions = graph.actions_of(StateId(state as u32));
+    actions.iter().map(|a| graph.segments[a.segment.0 as usize].end.0 as usize).collect()
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(512))]
+
+    #[test]
+    fn the_component_is_the_one_brute_force_finds(graph in event_graph()) {
+        prop_assert_eq!(largest_component(&graph), naive_component(&graph));
+    }
+
+    #[test]
+    fn bridges_make_a_thinned_graph_whole_again(mut whole in event_graph(), keep in prop::collection::vec(any::<bool>(), 14)) {
+        let alive = largest_component(&whole);
+        whole.restrict(&alive);
+        let mut thin = whole.clone();
+        for (i, links) in thin.links.iter_mut().enumerate() {
+            links.retain(|l| keep[(i + l.event) % 14]);
+        }
+        let chosen = thin.links.clone();
+        bridge(&mut thin, &whole.links, &alive, 255);
+        prop_assert_eq!(largest_component(&thin), alive);
+        for i in 0..thin.links.len() {
+            prop_assert!(chosen[i].iter().all(|l| thin.links[i].contains(l)));
+            prop_assert!(thin.links[i].iter().all(|l| whole.links[i].contains(l)));
+            prop_assert!(thin.links[i].is_sorted_by(|a, b| a.error <= b.error));
+        }
+    }
+
+    #[test]
+    fn collapsing_keeps_every_way_and_nothing_else(graph in event_graph()) {
+        let alive = largest_component(&graph);
+        let (clips, events) = clip_and_events(alive.len());
+        let collapsed = collapse(&graph, &alive, &events, &clips);
+        let r = reaches(&graph, &alive);
+        let event_of: Vec<usize> = collapsed.states.iter().map(|f| f.0 as usize / 3).collect();
+        prop_assert_eq!(event_of.is_empty(), !alive.contains(&true));
+        for (s, &i) in event_of.iter().enumerate() {
+            let ways = targets(&graph, &alive, i);
+            prop_assert!(ways.len() > 1);
+            let mut expected: Vec<usize> = ways.iter().map(|&n| {
+                let mut at = n;
+                while !event_of.contains(&at) {
+                    let on = targets(&graph, &alive, at);
+                    assert_eq!(on.len(), 1, "an event with a choice is no state");
+                    at = on[0];
+                }
+                event_of.binary_search(&at).unwrap()
+            }).collect();
+            let mut got = ends_of(&collapsed, s);
+            expected.sort_unstable();
+            got.sort_unstable();
+            prop_assert_eq!(got, expected);
+            prop_assert!(event_of.iter().all(|&j| r[i][j]));
+        }
+        for segment in &collapsed.segments {
+            prop_assert_eq!(segment.start.0 + segment.num_frames, collapsed.states[segment.end.0 as usize].0);
+        }
+    }
+}
+
+#[test]
+fn components_of_a_chain_into_a_loop() {
+    // 0 -> 1 -> 2 -> 3, and 3 jumps to where 2 goes on: 2 is only passed through.
+    let graph = EventGraph {
+        next: vec![Some(1), Some(2), Some(3), None],
+        frames: vec![0, 5, 5, 5],
+        links: vec![vec![], vec![], vec![], vec![Link { event: 1, error: 0.1 }, Link { event: 2, error: 0.2 }]],
+    };
+    let mut parts = components(&graph, &[true; 4]);
+    parts.sort();
+    assert_eq!(parts, [vec![0], vec![1], vec![2, 3]]);
+    assert_eq!(largest_component(&graph), [false, false, true, true]);
+}

@@ -1,0 +1,17 @@
+//! Bakes clips into Throng tables. [`pipeline`] lists the stages in order.
+
+pub mod cache;
+pub mod cluster;
+pub mod config;
+pub mod environment;
+pub mod examples;
+pub mod features;
+pub mod graph;
+pub mod patch;
+pub mod pipeline;
+pub mod policy;
+pub mod provenance;
+pub mod report;
+mod stages;
+pub mod stitch;
+pub mod write;

@@ -1,0 +1,184 @@
+//! Cells and links of a block (Lee, Choi and Lee 2006, section 4).
+
+use super::Segment;
+use crate::cluster::PoseGroups;
+use crate::patch::PatchConfig;
+use crate::patch::track::Track;
+use std::collections::BTreeMap;
+use throng_core::patch::{CellRecord, LinkRecord, NONE, Placement};
+use throng_core::planar::wrap_angle;
+
+/// Index of a cell: x, height of what holds the character up, z, heading, pose group.
+type Key = (i32, i32, i32, i32, u32);
+
+/// The sum of what lies in a cell, for its mean.
+#[derive(Clone, Copy, Default)]
+struct Sum {
+    n: f64,
+    place: [f64; 3],
+    /// Sum of unit vectors: sine and cosine.
+    heading: [f64; 2],
+}
+
+/// A sub-sequence that leads from one cell to another.
+#[derive(Clone, Copy)]
+struct Way {
+    from: u32,
+    to: u32,
+    tag: u16,
+    /// How far its ends are from the means of their cells, in cells.
+    off: f32,
+    segment: u32,
+    start: u32,
+    end: u32,
+}
+
+/// Cells of all frames of the segments, and links for their sub-sequences.
+///
+/// - `root_heights`: height of the hips over the clip's ground, by frame row (m).
+/// - returns cells that a link begins or ends in, and the links by the cell they begin in.
+pub(super) fn embed(
+    tracks: &[Track],
+    segments: &[Segment],
+    root_heights: &[f32],
+    config: &PatchConfig,
+) -> (Vec<CellRecord>, Vec<LinkRecord>) {
+    let mut keys = BTreeMap::<Key, Sum>::new();
+    let each = |s: &Segment| s.range.clone();
+    for s in segments {
+        for f in each(s) {
+            if let Some(key) = key(&tracks[s.clip], s, f, config) {
+                keys.entry(key).or_default().add(hips(&tracks[s.clip], s, f, root_heights));
+            }
+        }
+    }
+    let number: BTreeMap<Key, u32> = keys.keys().copied().zip(0..).collect();
+    let means: Vec<Placement> = keys.values().map(Sum::mean).collect();
+    let groups: Vec<u32> = keys.keys().map(|k| k.4).collect();
+    let mut ways = Vec::new();
+    for (i, s) in segments.iter().enumerate() {
+        let track = &tracks[s.clip];
+        let cell = |f: usize| key(track, s, f, config).map(|k| number[&k]);
+        let cells: Vec<Option<u32>> = each(s).map(cell).collect();
+        let off = |f: usize, c: u32| distance(hips(track, s, f, root_heights), means[c as usize], config);
+        let offs: Vec<f32> = each(s).zip(&cells).map(|(f, c)| c.map_or(0.0, |c| off(f, c))).collect();
+        for (a, from) in cells.iter().enumerate() {
+            let Some(from) = *from else { continue };
+            for b in a + config.min_link_frames..(a + config.max_link_frames).min(cells.len()) {
+                let Some(to) = cells[b] else { continue };
+                let (start, end) = ((s.range.start + a) as u32, (s.range.start + b) as u32);
+                let tag = track.tag_of(&(start as usize..end as usize));
+                ways.push(Way { from, to, tag, off: offs[a] + offs[b], segment: i as u32, start, end });
+            }
+        }
+    }
+    let ways = nearest(ways);
+    assemble(&means, &groups, &ways, |w| {
+        let s = &segments[w.segment as usize];
+        LinkRecord { from: w.from, to: w.to, ..link(&tracks[s.clip], s, w.start as usize, w.end as usize) }
+    })
+}
+
+/// A link as captured; its cells are not set.
+pub(super) fn link(track: &Track, segment: &Segment, start: usize, end: usize) -> LinkRecord {
+    let placed = |f: usize| segment.to_block.compose(Placement::at(track.places[f], 0.0));
+    LinkRecord {
+        from: NONE,
+        to: NONE,
+        frame: track.first_row + start as u32,
+        num_frames: (end - start) as u16,
+        tag: track.tag_of(&(start..end)),
+        start: placed(start),
+        end: placed(end),
+    }
+}
+
+fn key(track: &Track, segment: &Segment, frame: usize, config: &PatchConfig) -> Option<Key> {
+    let group = track.groups[frame];
+    if group == PoseGroups::NO_GROUP {
+        return None;
+    }
+    let p = segment.to_block.compose(track.footing(frame));
+    let bin = |v: f32| (v / config.cell_m as f32).floor() as i32;
+    let per_turn = (360.0 / config.cell_deg).ceil() as i32;
+    let turn = ((p.heading.to_degrees() / config.cell_deg as f32).floor() as i32).rem_euclid(per_turn);
+    // The height is rounded, so that what stands on the ground is not on the border of two cells.
+    Some((bin(p.x), (p.y / config.cell_m as f32).round() as i32, bin(p.z), turn, group))
+}
+
+/// Where the hips are at a frame, in the block's frame.
+fn hips(track: &Track, segment: &Segment, frame: usize, root_heights: &[f32]) -> Placement {
+    let height = root_heights[track.first_row as usize + frame];
+    segment.to_block.compose(Placement::at(track.places[frame], height))
+}
+
+/// How far a place is from a cell's mean, in cells.
+fn distance(p: Placement, mean: Placement, config: &PatchConfig) -> f32 {
+    let metres = (p.translation() - mean.translation()).length();
+    let degrees = wrap_angle(p.heading - mean.heading).to_degrees();
+    (metres / config.cell_m as f32).hypot(degrees / config.cell_deg as f32)
+}
+
+impl Sum {
+    fn add(&mut self, p: Placement) {
+        self.n += 1.0;
+        for (sum, v) in self.place.iter_mut().zip([p.x, p.y, p.z]) {
+            *sum += f64::from(v);
+        }
+        let (sine, cosine) = f64::from(p.heading).sin_cos();
+        self.heading = [self.heading[0] + sine, self.heading[1] + cosine];
+    }
+
+    fn mean(&self) -> Placement {
+        let [x, y, z] = self.place.map(|v| (v / self.n) as f32);
+        Placement::new(x, y, z, self.heading[0].atan2(self.heading[1]) as f32)
+    }
+}
+
+/// Of all ways between the same cells with the same tag, the one whose ends are nearest to the cells' means; sorted.
+fn nearest(mut ways: Vec<Way>) -> Vec<Way> {
+    let between = |w: &Way| (w.from, w.to, w.tag);
+    ways.sort_unstable_by(|a, b| {
+        let place = |w: &Way| (w.segment, w.start, w.end);
+        between(a).cmp(&between(b)).then(a.off.total_cmp(&b.off)).then(place(a).cmp(&place(b)))
+    });
+    ways.dedup_by_key(|w| between(w));
+    ways
+}
+
+/// Cells and links, without the cells that no link touches.
+fn assemble(
+    means: &[Placement],
+    groups: &[u32],
+    ways: &[Way],
+    link: impl Fn(&Way) -> LinkRecord,
+) -> (Vec<CellRecord>, Vec<LinkRecord>) {
+    let mut number = vec![NONE; means.len()];
+    for w in ways {
+        (number[w.from as usize], number[w.to as usize]) = (0, 0);
+    }
+    let touched: Vec<usize> = (0..means.len()).filter(|&c| number[c] == 0).collect();
+    for (new, &old) in touched.iter().enumerate() {
+        number[old] = new as u32;
+    }
+    let cells = touched.iter().map(|&old| {
+        let first = ways.partition_point(|w| (w.from as usize) < old);
+        let num = ways.partition_point(|w| w.from as usize <= old) - first;
+        let stays = ways[first..first + num].iter().any(|w| w.to as usize == old);
+        CellRecord {
+            placement: means[old],
+            group: groups[old],
+            edge: NONE,
+            twin: NONE,
+            flags: if stays { CellRecord::IS_REST } else { 0 },
+            first_link: first as u32,
+            num_links: num as u32,
+            reserved: [0; 2],
+        }
+    });
+    let numbered = |w: &Way| {
+        let l = link(w);
+        LinkRecord { from: number[l.from as usize], to: number[l.to as usize], tag: w.tag, ..l }
+    };
+    (cells.collect(), ways.iter().map(numbered).collect())
+}

@@ -1,0 +1,132 @@
+//! Building blocks: sets of units that motion was captured on, and that motion (Lee, Choi and Lee 2006, section 4).
+
+mod embed;
+mod shape;
+mod spans;
+
+use super::bounds::Bounds;
+use super::track::Track;
+use super::{Patch, PatchConfig, PatchReport, Setting, is_ground};
+use crate::environment::{PlacedUnit, UnitSet};
+use rayon::prelude::*;
+use shape::Shape;
+use throng_core::patch::{KIND_BLOCK, LinkRecord, Placement};
+use throng_motion::clip::FrameRange;
+use throng_motion::progress::Progress;
+
+pub use spans::spans;
+
+/// Frames of a clip that were captured within one block.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Segment {
+    /// Clip.
+    pub clip: usize,
+    /// Frames.
+    pub range: FrameRange,
+    /// The clip's world as seen from the block.
+    pub to_block: Placement,
+}
+
+/// A block and the motion found on its copies.
+struct Block {
+    shape: Shape,
+    segments: Vec<Segment>,
+}
+
+/// Finds the blocks of all clips and embeds the motion in them.
+///
+/// - returns blocks of one unit, then of two and so on as `config.block_units` lists them, each in the order of the
+///   motion, named by their units; blocks without any link are left out.
+pub(super) fn build(
+    tracks: &[Track],
+    settings: &[Option<Setting>],
+    units: &UnitSet,
+    config: &PatchConfig,
+    bounds: &Bounds,
+    root_heights: &[f32],
+    progress: &dyn Progress,
+) -> Vec<(Patch, PatchReport)> {
+    let mut blocks = Vec::new();
+    for &k in &config.block_units {
+        find(tracks, settings, units, config, k, &mut blocks);
+    }
+    progress.begin("patch", blocks.len() as u64, "blocks");
+    let made: Vec<_> = blocks
+        .par_iter()
+        .map(|b| {
+            let patch = embed::embed(tracks, &b.segments, root_heights, config);
+            progress.advance(1);
+            patch
+        })
+        .collect();
+    let mut out = Vec::new();
+    for (block, (cells, links)) in blocks.iter().zip(made).filter(|(_, (_, links))| !links.is_empty()) {
+        let placed = block.shape.units().map(|p| (units.units[p.unit].name.clone(), p.placement));
+        let placed: Vec<(String, Placement)> = placed.collect();
+        let name = placed.iter().map(|u| u.0.as_str()).collect::<Vec<_>>().join("+");
+        let segments = block.segments.iter();
+        let report = PatchReport {
+            name: name.clone(),
+            segments: block.segments.len(),
+            frames: segments.map(|s| s.range.len()).sum(),
+            cells: cells.len(),
+            links: links.len(),
+            ..PatchReport::default()
+        };
+        let bounds = bounds.of_links(tracks, &whole(tracks, &block.segments));
+        out.push((Patch { name, units: placed, kind: KIND_BLOCK, edges: Vec::new(), cells, links, bounds }, report));
+    }
+    progress.end();
+    out
+}
+
+/// Adds the blocks of `k` units, or their motion where they are there already.
+fn find(
+    tracks: &[Track],
+    settings: &[Option<Setting>],
+    units: &UnitSet,
+    config: &PatchConfig,
+    k: usize,
+    blocks: &mut Vec<Block>,
+) {
+    for (clip, setting) in settings.iter().enumerate() {
+        let Some(setting) = setting else { continue };
+        // Tiles hold the motion over ground panels; a block that includes one would tie the others to its place.
+        let counts = |u: u32| !is_ground(&units.units[setting.environment.units[u as usize].unit]);
+        let track = &tracks[clip];
+        let of_frame = |f: usize| match track.run_end[f] {
+            0 => Vec::new(),
+            _ => setting.units_of[f].iter().copied().filter(|&u| counts(u)).collect(),
+        };
+        let units_of: Vec<Vec<u32>> = (0..setting.units_of.len()).map(of_frame).collect();
+        for (set, ranges) in spans(&units_of, k) {
+            let placed: Vec<PlacedUnit> = set.iter().map(|&u| setting.environment.units[u as usize].clone()).collect();
+            let long = ranges.into_iter().filter(|r| r.len() > config.min_link_frames);
+            let mut segments = long.map(|range| Segment { clip, range, to_block: Placement::IDENTITY }).peekable();
+            if segments.peek().is_none() {
+                continue;
+            }
+            let fitted = blocks.iter_mut().find_map(|b| Some((b.shape.fit(&placed, units)?, b)));
+            let (to_block, block) = match fitted {
+                Some(found) => found,
+                None => {
+                    let (shape, to_block) = Shape::new(&placed);
+                    blocks.push(Block { shape, segments: Vec::new() });
+                    let last = blocks.len() - 1;
+                    (to_block, &mut blocks[last])
+                }
+            };
+            block.segments.extend(segments.map(|s| Segment { to_block, ..s }));
+        }
+    }
+}
+
+/// Links that play whole segments, for what the bodies reach in them.
+fn whole(tracks: &[Track], segments: &[Segment]) -> Vec<LinkRecord> {
+    let links = segments.iter().flat_map(|s| {
+        let step = usize::from(u16::MAX);
+        let cuts = (s.range.start..s.range.end - 1).step_by(step);
+        cuts.map(move |a| embed::link(&tracks[s.clip], s, a, (a + step).min(s.range.end - 1)))
+    });
+    links.collect()
+}

@@ -1,0 +1,248 @@
+//! How motion patches are built.
+
+use crate::environment::TouchConfig;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use std::path::PathBuf;
+use throng_motion::error::BuildError;
+
+/// How motion patches are built from clips and the environments they were captured in.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct PatchConfig {
+    /// File of unit objects, relative to the config file's folder; no patches are built where absent.
+    pub units: Option<PathBuf>,
+    /// Which clips were captured where.
+    pub environments: Vec<SourceEnvironment>,
+    /// When a body touches its surroundings.
+    pub touch: TouchConfig,
+    /// Numbers of units that building blocks consist of (1 to 4 each).
+    pub block_units: Vec<usize>,
+    /// Edge length of cells (m, 0.02 to 0.5).
+    pub cell_m: f64,
+    /// Heading range of cells (deg, 2 to 45).
+    pub cell_deg: f64,
+    /// Links play at least this many frames (>= 1).
+    pub min_link_frames: usize,
+    /// Links from one frame play less than this many; longer sub-sequences are chains of links (>=
+    /// 2 * min_link_frames, so that no sub-sequence is lost).
+    pub max_link_frames: usize,
+    /// Which patches are tilable.
+    pub tiles: Vec<TileConfig>,
+}
+
+impl Default for PatchConfig {
+    fn default() -> Self {
+        Self {
+            units: None,
+            environments: Vec::new(),
+            touch: TouchConfig::default(),
+            block_units: vec![1, 2],
+            cell_m: 0.1,
+            cell_deg: 10.0,
+            min_link_frames: 20,
+            max_link_frames: 40,
+            tiles: Vec::new(),
+        }
+    }
+}
+
+/// Clips and the environment they were captured in.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct SourceEnvironment {
+    /// Environment file, relative to the config file's folder.
+    pub file: PathBuf,
+    /// Clips, by name or pattern with one `*`. Mirrored copies do not count: their surroundings are mirrored too.
+    pub clips: Vec<String>,
+}
+
+/// A tilable patch.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct TileConfig {
+    /// Unit object, which says where its edges are.
+    pub unit: String,
+    /// Clips whose motion is embedded, by name or pattern with one `*`; all those in no environment where empty.
+    #[serde(default)]
+    pub clips: Vec<String>,
+    /// Entries and exits along an edge, evenly (>= 1).
+    #[serde(default = "slots")]
+    pub slots: usize,
+    /// Headings of entries on each side of straight ahead (>= 0).
+    #[serde(default = "headings")]
+    pub headings: usize,
+    /// Angle between headings of entries (deg).
+    #[serde(default = "heading_step")]
+    pub heading_step_deg: f64,
+    /// Pose groups at edges: the commonest ones (>= 1).
+    #[serde(default = "edge_groups")]
+    pub edge_groups: usize,
+    /// Headings at rest within the tile, evenly around (>= 0).
+    #[serde(default = "rest_headings")]
+    pub rest_headings: usize,
+    /// Places of rest along each side of a square about the tile's centre (>= 1).
+    #[serde(default = "rest_spots")]
+    pub rest_spots: usize,
+    /// Pose groups at rest: the commonest ones (>= 1).
+    #[serde(default = "rest_groups")]
+    pub rest_groups: usize,
+    /// How far the end of a motion may be moved, a metre travelled (m/m).
+    #[serde(default = "edit_position")]
+    pub edit_m_per_m: f64,
+    /// How far the end of a motion may be turned, a metre travelled (deg/m).
+    #[serde(default = "edit_heading")]
+    pub edit_deg_per_m: f64,
+    /// Motions kept between an entry and an exit: the least edited ones (>= 1).
+    #[serde(default = "variety")]
+    pub variety: usize,
+    /// Roots stay this far from the edges but where they enter and leave (m).
+    #[serde(default = "margin")]
+    pub margin_m: f64,
+}
+
+fn slots() -> usize {
+    5
+}
+
+fn headings() -> usize {
+    2
+}
+
+fn heading_step() -> f64 {
+    15.0
+}
+
+fn edge_groups() -> usize {
+    6
+}
+
+fn rest_headings() -> usize {
+    8
+}
+
+fn rest_spots() -> usize {
+    3
+}
+
+fn rest_groups() -> usize {
+    2
+}
+
+fn edit_position() -> f64 {
+    0.1
+}
+
+fn edit_heading() -> f64 {
+    8.0
+}
+
+fn variety() -> usize {
+    1
+}
+
+fn margin() -> f64 {
+    0.3
+}
+
+impl PatchConfig {
+    /// # Errors
+    /// [`BuildError::Config`] naming the first key out of its limits.
+    pub(super) fn check(&self) -> Result<(), BuildError> {
+        let (least, most) = (self.min_link_frames as f64, f64::from(u16::MAX));
+        within("cell_m", self.cell_m, 0.02, 0.5)?;
+        within("cell_deg", self.cell_deg, 2.0, 45.0)?;
+        within("min_link_frames", least, 1.0, most)?;
+        within("max_link_frames", self.max_link_frames as f64, 2.0 * least, most)?;
+        self.block_units.iter().try_for_each(|&k| within("block_units", k as f64, 1.0, 4.0))?;
+        self.tiles.iter().try_for_each(TileConfig::check)
+    }
+}
+
+impl TileConfig {
+    /// A tile of a unit, with the settings that a config file leaves out.
+    pub fn of(unit: &str) -> Self {
+        Self {
+            unit: unit.to_owned(),
+            clips: Vec::new(),
+            slots: slots(),
+            headings: headings(),
+            heading_step_deg: heading_step(),
+            edge_groups: edge_groups(),
+            rest_headings: rest_headings(),
+            rest_spots: rest_spots(),
+            rest_groups: rest_groups(),
+            edit_m_per_m: edit_position(),
+            edit_deg_per_m: edit_heading(),
+            variety: variety(),
+            margin_m: margin(),
+        }
+    }
+
+    fn check(&self) -> Result<(), BuildError> {
+        let limits = [
+            ("slots", self.slots as f64, 1.0, 100.0),
+            ("headings", self.headings as f64, 0.0, 20.0),
+            ("heading_step_deg", self.heading_step_deg, 0.1, 90.0),
+            ("edge_groups", self.edge_groups as f64, 1.0, 1000.0),
+            ("rest_headings", self.rest_headings as f64, 0.0, 360.0),
+            ("rest_spots", self.rest_spots as f64, 1.0, 100.0),
+            ("rest_groups", self.rest_groups as f64, 1.0, 1000.0),
+            ("edit_m_per_m", self.edit_m_per_m, 0.0, 1.0),
+            ("edit_deg_per_m", self.edit_deg_per_m, 0.0, 90.0),
+            ("variety", self.variety as f64, 1.0, 1000.0),
+            ("margin_m", self.margin_m, 0.0, 10.0),
+        ];
+        limits.into_iter().try_for_each(|(key, value, low, high)| within(&format!("tiles.{key}"), value, low, high))
+    }
+}
+
+fn within(key: &str, value: f64, low: f64, high: f64) -> Result<(), BuildError> {
+    if (low..=high).contains(&value) {
+        return Ok(());
+    }
+    let message = format!("patches.{key}: expected {low} to {high}, found {value}. Correct the config.");
+    Err(BuildError::Config { message })
+}
+
+/// True where `name` is `pattern`, in which one `*` may stand for any text.
+pub(super) fn matches(pattern: &str, name: &str) -> bool {
+    match pattern.split_once('*') {
+        None => pattern == name,
+        Some((first, last)) => {
+            name.len() >= first.len() + last.len() && name.starts_with(first) && name.ends_with(last)
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn defaults_are_within_their_limits_and_bad_numbers_are_named() {
+        assert!(PatchConfig { tiles: vec![TileConfig::of("panel")], ..Default::default() }.check().is_ok());
+        for (config, key) in [
+            (PatchConfig { cell_m: 0.0, ..Default::default() }, "cell_m"),
+            (PatchConfig { max_link_frames: 30, ..Default::default() }, "max_link_frames"),
+            (PatchConfig { block_units: vec![1, 5], ..Default::default() }, "block_units"),
+            (
+                PatchConfig { tiles: vec![TileConfig { slots: 0, ..TileConfig::of("panel") }], ..Default::default() },
+                "tiles.slots",
+            ),
+        ] {
+            assert!(config.check().unwrap_err().to_string().contains(&format!("patches.{key}:")));
+        }
+    }
+
+    #[test]
+    fn settings_left_out_of_a_file_are_those_of_a_plain_tile() {
+        assert_eq!(toml::from_str::<TileConfig>("unit = 'panel'").unwrap(), TileConfig::of("panel"));
+    }
+
+    #[test]
+    fn one_star_stands_for_any_text() {
+        assert!(matches("walk_*", "walk_07~mirror") && matches("*~mirror", "walk_07~mirror") && matches("a", "a"));
+        assert!(!matches("walk_*", "run_01") && !matches("aa*aa", "aaa") && !matches("a", "ab"));
+    }
+}

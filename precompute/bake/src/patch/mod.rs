@@ -1,0 +1,188 @@
+//! Motion patches: building blocks found from motion, and the motion embedded in them (Lee, Choi and Lee 2006, sections 4 and 6).
+
+mod block;
+mod bounds;
+mod config;
+mod scenes;
+mod tile;
+mod track;
+
+pub use block::spans;
+pub use config::{PatchConfig, SourceEnvironment, TileConfig};
+pub use scenes::{SourceScenes, embed, scenes};
+pub use tile::{Pruned, TileCell, TileGraph, prune};
+
+use crate::cluster::PoseGroups;
+use crate::environment::{Environment, Unit, UnitSet};
+use bounds::Bounds;
+use serde::{Deserialize, Serialize};
+use throng_core::patch::{CellRecord, EdgeRecord, LinkRecord, Placement};
+use throng_motion::clip::ClipSet;
+use throng_motion::error::BuildError;
+use throng_motion::progress::Progress;
+use track::Track;
+
+/// A motion patch, as the bundle stores it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Patch {
+    /// Unique name: the units', joined by `+`, and a number where several arrangements of them occur.
+    pub name: String,
+    /// Units by name and where they stand in the patch's frame; the first one at the identity.
+    pub units: Vec<(String, Placement)>,
+    /// [`throng_core::patch::KIND_BLOCK`] or [`throng_core::patch::KIND_TILE`].
+    pub kind: u32,
+    /// Edges of a tile, in pairs: edge 2i and 2i + 1 are opposite.
+    pub edges: Vec<EdgeRecord>,
+    /// Cells; `first_link` and `num_links` are set.
+    pub cells: Vec<CellRecord>,
+    /// Links, sorted by the cell they begin in; tags count in [`Patches::link_tags`].
+    pub links: Vec<LinkRecord>,
+    /// Lowest and highest corner of all that bodies reach, in the patch's frame (m).
+    pub bounds: [[f32; 3]; 2],
+}
+
+/// All patches of a build.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Patches {
+    /// The patches.
+    pub patches: Vec<Patch>,
+    /// What links show, by `tag - 1`.
+    pub link_tags: Vec<String>,
+    /// The unit objects, as TOML.
+    pub units: String,
+    /// What was found, for reports.
+    pub report: Vec<PatchReport>,
+}
+
+/// What was made of one patch.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
+pub struct PatchReport {
+    /// Its name.
+    pub name: String,
+    /// Runs of frames that were embedded.
+    pub segments: usize,
+    /// Frames that were embedded.
+    pub frames: usize,
+    /// Cells that are left.
+    pub cells: usize,
+    /// Links that are left.
+    pub links: usize,
+    /// Links taken out because an entry could not be left in every direction (Lee, Choi and Lee 2006, section 6, first condition).
+    pub pruned_directions: usize,
+    /// Links taken out because they were outside the largest strongly connected component of the torus (second one).
+    pub pruned_component: usize,
+}
+
+/// Where a clip was captured, and what the character is at.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Setting {
+    /// The environment.
+    pub environment: Environment,
+    /// For each frame the units it belongs to, as ascending indices into `environment.units` (num_frames).
+    pub units_of: Vec<Vec<u32>>,
+}
+
+/// Makes the patches of a clip set.
+///
+/// - `settings`: where each clip was captured; none where there was level ground only (clips.clips.len()).
+/// - returns tiles in the order of the config, then building blocks in the order of the motion.
+///
+/// # Errors
+/// [`BuildError::Config`] for a setting out of its limits or a tile whose unit or clips are not there;
+/// [`BuildError::Stage`] for a tile that cannot be made, with the condition that could not be met.
+///
+/// # Source
+/// Lee, Choi and Lee 2006, sections 4 and 6.
+pub fn build(
+    clips: &ClipSet,
+    groups: &PoseGroups,
+    settings: &[Option<Setting>],
+    config: &PatchConfig,
+    units: &UnitSet,
+    progress: &dyn Progress,
+) -> Result<Patches, BuildError> {
+    config.check()?;
+    let (tracks, tags) = Track::of_all(clips, groups);
+    let bounds = Bounds::new(clips);
+    let mut out = Patches { link_tags: tags, ..Patches::default() };
+    let hips = hips_heights(clips, groups);
+    let (tracks, hips, min_frames) = (tracks.as_slice(), hips.as_slice(), config.min_link_frames);
+    let given = tile::Given { clips, tracks, settings, units, hips, bounds: &bounds, min_frames };
+    progress.begin("patch", config.tiles.len() as u64, "tiles");
+    for tile in &config.tiles {
+        let (patch, report) = tile::build(&given, tile)?;
+        out.patches.push(patch);
+        out.report.push(report);
+        progress.advance(1);
+    }
+    progress.end();
+    let heights: Vec<f32> = clips.clips.iter().flat_map(|c| &c.root_positions).map(|p| p.y).collect();
+    for (patch, report) in block::build(tracks, settings, units, config, &bounds, &heights, progress) {
+        out.patches.push(patch);
+        out.report.push(report);
+    }
+    out.tell_apart();
+    out.keep_used_tags();
+    out.units = units_text(units)?;
+    Ok(out)
+}
+
+impl Patches {
+    /// Numbers patches of the same units from the second on.
+    fn tell_apart(&mut self) {
+        let mut uses = std::collections::BTreeMap::<String, usize>::new();
+        for (patch, report) in self.patches.iter_mut().zip(&mut self.report) {
+            let n = uses.entry(patch.name.clone()).and_modify(|n| *n += 1).or_insert(1);
+            if *n > 1 {
+                patch.name = format!("{} {n}", patch.name);
+            }
+            report.name.clone_from(&patch.name);
+        }
+    }
+
+    /// Forgets tags that no link carries.
+    fn keep_used_tags(&mut self) {
+        let mut number = vec![0u16; self.link_tags.len() + 1];
+        for link in self.patches.iter().flat_map(|p| &p.links) {
+            number[usize::from(link.tag)] = 1;
+        }
+        number[0] = 0;
+        let mut used = 0;
+        for n in number.iter_mut().filter(|n| **n > 0) {
+            used += 1;
+            *n = used;
+        }
+        let mut tags = number[1..].iter();
+        self.link_tags.retain(|_| tags.next().is_some_and(|&n| n > 0));
+        for link in self.patches.iter_mut().flat_map(|p| &mut p.links) {
+            link.tag = number[usize::from(link.tag)];
+        }
+    }
+}
+
+/// True for a panel of level ground that is tiled in two directions: motion over it may be laid anywhere.
+fn is_ground(unit: &Unit) -> bool {
+    unit.floor && unit.tile.as_ref().is_some_and(|t| t.steps.len() == 2 && t.steps.iter().all(|s| s[1] == 0.0))
+}
+
+/// Mean height of the hips above what holds the character up, by pose group (m).
+fn hips_heights(clips: &ClipSet, groups: &PoseGroups) -> Vec<f32> {
+    let mut sums = vec![(0.0f64, 0u32); groups.num_groups()];
+    for (clip, start) in clips.clips.iter().zip(clips.frame_starts()) {
+        for (f, root) in clip.root_positions.iter().enumerate() {
+            if let Some(group) = groups.of(throng_motion::clip::FrameId(start + f as u32)) {
+                let sum = &mut sums[group as usize];
+                *sum = (sum.0 + f64::from(root.y - clip.support.get(f).copied().unwrap_or(0.0)), sum.1 + 1);
+            }
+        }
+    }
+    sums.iter().map(|&(sum, n)| (sum / f64::from(n.max(1))) as f32).collect()
+}
+
+fn units_text(units: &UnitSet) -> Result<String, BuildError> {
+    toml::to_string(units).map_err(|e| BuildError::Stage {
+        stage: "patch",
+        message: format!("the units cannot be written as TOML: {e}"),
+        help: "Correct the unit file".to_owned(),
+    })
+}

@@ -1,0 +1,71 @@
+//! The least edited motions between spots.
+
+use std::collections::BTreeMap;
+use throng_core::Planar;
+
+/// A sub-sequence of a clip that leads from one spot to another.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Candidate {
+    /// Clip.
+    pub clip: usize,
+    /// Its first frame.
+    pub start: usize,
+    /// Its last frame.
+    pub end: usize,
+    /// What is missing at its end: in the tile's frame, x, z and heading.
+    pub missing: Planar,
+    /// How much it is edited: 0 not at all, 1 as far as allowed.
+    pub cost: f32,
+}
+
+/// The best candidates that lead from one spot to each other spot, of each tag.
+pub(super) struct Best {
+    variety: usize,
+    min_apart: usize,
+    kept: BTreeMap<(u32, u16), Vec<Candidate>>,
+}
+
+impl Best {
+    /// - `variety`: candidates kept for each end and tag.
+    /// - `min_apart`: of those that begin nearer to each other in one clip, the least edited is kept (frames).
+    pub fn new(variety: usize, min_apart: usize) -> Self {
+        Self { variety, min_apart, kept: BTreeMap::new() }
+    }
+
+    /// Takes a candidate if it is among the best and passes a test, which is only made then.
+    pub fn offer(&mut self, to: u32, tag: u16, candidate: Candidate, passes: impl FnOnce() -> bool) {
+        let kept = self.kept.entry((to, tag)).or_default();
+        let close = |c: &Candidate| c.clip == candidate.clip && c.start.abs_diff(candidate.start) < self.min_apart;
+        let rank = kept.partition_point(|c| c.cost <= candidate.cost);
+        if rank == self.variety || kept[..rank].iter().any(close) || !passes() {
+            return;
+        }
+        kept.retain(|c| !close(c));
+        kept.insert(rank, candidate);
+        kept.truncate(self.variety);
+    }
+
+    /// All that are kept, with their ends and tags, in order.
+    pub fn into_sorted(self) -> impl Iterator<Item = (u32, u16, Candidate)> {
+        self.kept.into_iter().flat_map(|((to, tag), kept)| kept.into_iter().map(move |c| (to, tag, c)))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn candidate(start: usize, cost: f32) -> Candidate {
+        Candidate { clip: 0, start, end: start + 50, missing: Planar::IDENTITY, cost }
+    }
+
+    #[test]
+    fn the_least_edited_are_kept_and_of_neighbours_only_the_best() {
+        let mut best = Best::new(2, 20);
+        for (start, cost) in [(0, 0.9), (5, 0.5), (100, 0.7), (108, 0.8), (200, 0.6), (300, 0.1)] {
+            best.offer(7, 0, candidate(start, cost), || start != 300);
+        }
+        let kept: Vec<_> = best.into_sorted().map(|(to, _, c)| (to, c.start)).collect();
+        assert_eq!(kept, [(7, 5), (7, 200)]);
+    }
+}

@@ -1,0 +1,161 @@
+//! Where links of a tile may begin and end: entries and exits on its edges, rest within.
+
+use super::region::{Region, lateral};
+use super::vocabulary::Vocabulary;
+use crate::environment::{TileEdges, Unit};
+use crate::patch::{TileConfig, is_ground};
+use glam::Vec2;
+use std::f32::consts::{PI, TAU};
+use throng_core::Planar;
+use throng_core::patch::NONE;
+
+/// What a spot is for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Kind {
+    /// Links begin here.
+    Entry,
+    /// Links end here.
+    Exit,
+    /// Links do both here.
+    Rest,
+}
+
+/// A place, heading and pose at which links begin or end.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Spot {
+    /// Planar root in the tile's frame.
+    pub place: Planar,
+    /// Height of what holds the character up (m).
+    pub support: f32,
+    /// Pose group.
+    pub group: u32,
+    /// The edge that is entered or left here; [`NONE`] inside.
+    pub edge: u32,
+    /// For an exit, the entry of the neighbour, and the other way round; [`NONE`] inside.
+    pub twin: u32,
+    /// What it is for.
+    pub kind: Kind,
+}
+
+/// All spots of a tile: entries, then exits in the same order seen from the neighbours, then rest.
+pub(super) struct Layout {
+    /// The spots.
+    pub spots: Vec<Spot>,
+    /// Number of edges.
+    pub num_edges: usize,
+}
+
+/// Spots along the edges and within, before it is known which of them motion can serve.
+pub(super) fn lay_out(
+    unit: &Unit,
+    edges: &TileEdges,
+    region: &Region,
+    words: &Vocabulary,
+    config: &TileConfig,
+) -> Layout {
+    let num_edges = 2 * edges.steps.len();
+    let mut entries = Vec::new();
+    for edge in 0..num_edges {
+        let (step, width) = (edges.steps[edge / 2], edges.widths[edge / 2]);
+        let ahead = -region.sides[edge].normal;
+        let middle = region.centre - ahead * (step[0].hypot(step[2]) / 2.0);
+        let room = (width / 2.0 - region.margin).max(0.0);
+        let height = edge_height(edges, edge);
+        for slot in 0..config.slots {
+            let aside = if config.slots > 1 { slot as f32 * 2.0 / (config.slots - 1) as f32 - 1.0 } else { 0.0 };
+            let p = middle + lateral(ahead) * (aside * room);
+            for turn in -(config.headings as i32)..=config.headings as i32 {
+                let off = turn as f32 * (config.heading_step_deg as f32).to_radians();
+                let place = Planar::new(p.x, p.y, ahead.x.atan2(ahead.y) + off);
+                entries.extend(words.edge[edge].iter().map(|w| Spot {
+                    place,
+                    support: height + w.level,
+                    group: w.group,
+                    edge: edge as u32,
+                    twin: NONE,
+                    kind: Kind::Entry,
+                }));
+            }
+        }
+    }
+    let num_entries = entries.len();
+    let exits: Vec<Spot> = entries.iter().enumerate().map(|(i, e)| exit_into(e, i, edges)).collect();
+    for (i, e) in entries.iter_mut().enumerate() {
+        e.twin = (num_entries + i) as u32;
+    }
+    let rest = rest_spots(unit, region, words, config);
+    Layout { spots: entries.into_iter().chain(exits).chain(rest).collect(), num_edges }
+}
+
+/// Height of the middle of an edge (m).
+pub(super) fn edge_height(edges: &TileEdges, edge: usize) -> f32 {
+    let half = edges.steps[edge / 2][1] / 2.0;
+    edges.centre[1] + if edge.is_multiple_of(2) { half } else { -half }
+}
+
+/// The exit that leads to an entry of the neighbour: as seen from this tile, across the opposite edge.
+fn exit_into(entry: &Spot, number: usize, edges: &TileEdges) -> Spot {
+    let edge = entry.edge ^ 1;
+    let step = edges.steps[edge as usize / 2];
+    let sign = if edge.is_multiple_of(2) { 1.0 } else { -1.0 };
+    let place = Planar::new(entry.place.x + sign * step[0], entry.place.z + sign * step[2], entry.place.heading);
+    Spot { place, support: entry.support + sign * step[1], edge, twin: number as u32, kind: Kind::Exit, ..*entry }
+}
+
+/// Places to stand, in a square about the centre of level ground.
+fn rest_spots(unit: &Unit, region: &Region, words: &Vocabulary, config: &TileConfig) -> Vec<Spot> {
+    let mut out = Vec::new();
+    if !is_ground(unit) {
+        return out;
+    }
+    let insets = (0..region.sides.len()).map(|s| region.inset(s, region.centre));
+    let half = insets.fold(f32::MAX, f32::min) - 2.0 * region.margin;
+    let n = config.rest_spots;
+    let level = unit.tile.as_ref().map_or(0.0, |t| t.centre[1]);
+    let at = |k: usize| half.max(0.0) * (2.0 * (k as f32 + 0.5) / n as f32 - 1.0);
+    for spot in 0..n * n {
+        for turn in 0..config.rest_headings {
+            let heading = turn as f32 * TAU / config.rest_headings as f32;
+            let heading = if heading > PI { heading - TAU } else { heading };
+            let place = Planar::new(region.centre.x + at(spot % n), region.centre.y + at(spot / n), heading);
+            out.extend(words.rest.iter().map(|&group| Spot {
+                place,
+                support: level,
+                group,
+                edge: NONE,
+                twin: NONE,
+                kind: Kind::Rest,
+            }));
+        }
+    }
+    out
+}
+
+impl Layout {
+    /// For each spot the one that lies a quarter turn (from +Z to +X) farther, and for each edge; none where the tile
+    /// does not look the same then.
+    pub fn quarter_turn(&self) -> Option<Vec<u32>> {
+        let quarter = Planar::new(0.0, 0.0, TAU / 4.0);
+        let key = |s: &Spot, p: Planar| {
+            let turn = (p.heading.rem_euclid(TAU) * 1000.0).round() as i64 % (TAU * 1000.0).round() as i64;
+            let mm = |v: f32| (v * 1000.0).round() as i64;
+            (s.kind as u8, s.group, mm(p.x), mm(p.z), turn, mm(s.support))
+        };
+        let numbered = self.spots.iter().enumerate();
+        let all: std::collections::BTreeMap<_, u32> = numbered.map(|(i, s)| (key(s, s.place), i as u32)).collect();
+        self.spots.iter().map(|s| all.get(&key(s, quarter.compose(s.place))).copied()).collect()
+    }
+
+    /// The way off a tile that leads across `to` for one who came in across `from`, in words.
+    pub fn direction(region: &Region, from: u32, to: u32) -> &'static str {
+        let ahead = -region.sides[from as usize].normal;
+        let out: Vec2 = region.sides[to as usize].normal;
+        let (along, left) = (ahead.dot(out), lateral(ahead).dot(out));
+        match (along > 0.7, along < -0.7, left > 0.0) {
+            (true, ..) => "straight ahead",
+            (_, true, _) => "back across the same edge",
+            (_, _, true) => "to the left",
+            _ => "to the right",
+        }
+    }
+}

@@ -1,0 +1,206 @@
+//! Tilable patches: motion that is entered and left on matching edges (Lee, Choi and Lee 2006, section 6).
+
+mod best;
+mod layout;
+mod prune;
+mod refusal;
+mod region;
+mod rest;
+mod search;
+mod source;
+mod turn;
+mod vocabulary;
+
+pub use prune::{Pruned, TileCell, TileGraph, prune};
+
+use super::bounds::Bounds;
+use super::track::Track;
+use super::{Patch, PatchReport, Setting, TileConfig, is_ground};
+use crate::environment::{TileEdges, Unit, UnitSet};
+use layout::{Kind, Layout, lay_out};
+use rayon::prelude::*;
+use region::Region;
+use search::Search;
+use source::Source;
+use throng_core::patch::{CellRecord, EdgeRecord, KIND_TILE, LinkRecord, NONE, Placement};
+use throng_motion::clip::ClipSet;
+use throng_motion::error::BuildError;
+use vocabulary::Vocabulary;
+
+/// Shortest link of a tile with two edges. A piece of a slide takes less time than links last elsewhere, and is too short
+/// for more than one link (frames).
+const RISING_FRAMES: usize = 5;
+
+/// What all tiles of a build share.
+pub(super) struct Given<'a> {
+    pub clips: &'a ClipSet,
+    pub tracks: &'a [Track],
+    pub settings: &'a [Option<Setting>],
+    pub units: &'a UnitSet,
+    /// Mean height of the hips above what holds the character up, by pose group (m).
+    pub hips: &'a [f32],
+    pub bounds: &'a Bounds,
+    pub min_frames: usize,
+}
+
+/// Makes one tile.
+///
+/// # Errors
+/// [`BuildError::Config`] for a unit that is not there or has no edges, or patterns that no clip matches;
+/// [`BuildError::Stage`] where pruning leaves nothing, with the condition that could not be met.
+pub(super) fn build(given: &Given, config: &TileConfig) -> Result<(Patch, PatchReport), BuildError> {
+    let unit =
+        given.units.units.iter().find(|u| u.name == config.unit).ok_or_else(|| refusal::no_unit(given, config))?;
+    let edges = unit.tile.as_ref().ok_or_else(|| refusal::no_edges(unit))?;
+    let source = source_of(given, unit, config)?;
+    let region = Region::new(edges, config.margin_m as f32);
+    let num_edges = 2 * edges.steps.len();
+    let words = if is_ground(unit) {
+        Vocabulary::of_ground(&source, num_edges, config)
+    } else {
+        Vocabulary::of_rising(&source, &region, edges, config)
+    };
+    let layout = lay_out(unit, edges, &region, &words, config);
+    let min_frames = if is_ground(unit) { given.min_frames } else { RISING_FRAMES.min(given.min_frames) };
+    let links = all_links(&Search::new(&source, &layout, &region, config, min_frames));
+    let graph = graph_of(unit, &layout, &links);
+    let pruned = prune(&graph);
+    if !pruned.links.contains(&true) {
+        return Err(refusal::nothing_left(unit, &source, &region, &graph));
+    }
+    Ok(finish(given, unit, edges, &layout, &links, &pruned))
+}
+
+/// The clips of a tile, and the copies of a rising one that they were captured on.
+fn source_of<'a>(given: &Given<'a>, unit: &Unit, config: &TileConfig) -> Result<Source<'a>, BuildError> {
+    let mut clips = Vec::new();
+    let mut copies = Vec::new();
+    for (c, (clip, setting)) in given.clips.clips.iter().zip(given.settings).enumerate() {
+        let named = config.clips.iter().any(|p| super::config::matches(p, &clip.name));
+        // The mirrored copy of a clip in an environment has nothing to stand on.
+        let afloat = setting.is_none() && clip.mirrored && c > 0 && given.settings[c - 1].is_some();
+        if afloat || !named && !config.clips.is_empty() {
+            continue;
+        }
+        match setting {
+            None if is_ground(unit) => clips.push(c),
+            Some(_) if is_ground(unit) && named => clips.push(c),
+            Some(setting) if !is_ground(unit) => {
+                let placed = setting.environment.units.iter();
+                let of_unit: Vec<_> = placed.filter(|p| given.units.units[p.unit].name == unit.name).collect();
+                if !of_unit.is_empty() {
+                    clips.push(c);
+                }
+                copies.extend(of_unit.iter().map(|p| (c, p.placement)));
+            }
+            _ => {}
+        }
+    }
+    if clips.is_empty() {
+        return Err(refusal::no_clips(unit, config));
+    }
+    Ok(Source::new(given.clips, given.tracks, clips, copies))
+}
+
+/// Links between all spots, sorted.
+fn all_links(search: &Search) -> Vec<LinkRecord> {
+    let begins = |i: &u32| search.layout.spots[*i as usize].kind != Kind::Exit;
+    let spots = (0..search.layout.spots.len() as u32).filter(begins);
+    let turned = search.layout.quarter_turn();
+    let from: Vec<u32> = match &turned {
+        Some(turned) => turn::first_of_each(turned, spots),
+        None => spots.collect(),
+    };
+    let found = from.par_iter().flat_map_iter(|&s| search.links_from(s));
+    let mut links: Vec<LinkRecord> = match &turned {
+        Some(turned) => found.flat_map_iter(|l| turn::all_turns(turned, l)).collect(),
+        None => found.collect(),
+    };
+    links.extend(rest::links(search));
+    links.sort_by_key(|l| (l.from, l.to, l.tag, l.frame, l.num_frames));
+    links
+}
+
+/// What pruning looks at.
+fn graph_of(unit: &Unit, layout: &Layout, links: &[LinkRecord]) -> TileGraph {
+    let cells = layout.spots.iter().map(|s| match s.kind {
+        Kind::Entry => TileCell::Entry(s.edge),
+        Kind::Exit => TileCell::Exit(s.edge, s.twin),
+        Kind::Rest => TileCell::Rest,
+    });
+    let all: Vec<u32> = (0..layout.num_edges as u32).collect();
+    let ground = is_ground(unit);
+    TileGraph {
+        cells: cells.collect(),
+        links: links.iter().map(|l| (l.from, l.to)).collect(),
+        ways_out: all.iter().map(|&e| if ground { all.clone() } else { vec![e ^ 1] }).collect(),
+        must_rest: ground,
+        together: if ground { vec![all] } else { all.iter().map(|&e| vec![e]).collect() },
+    }
+}
+
+/// The patch of what pruning left.
+fn finish(
+    given: &Given,
+    unit: &Unit,
+    edges: &TileEdges,
+    layout: &Layout,
+    links: &[LinkRecord],
+    pruned: &Pruned,
+) -> (Patch, PatchReport) {
+    let mut number = vec![NONE; layout.spots.len()];
+    let alive: Vec<usize> = (0..layout.spots.len()).filter(|&i| pruned.cells[i]).collect();
+    for (new, &old) in alive.iter().enumerate() {
+        number[old] = new as u32;
+    }
+    let renumbered = |l: &LinkRecord| LinkRecord { from: number[l.from as usize], to: number[l.to as usize], ..*l };
+    let links: Vec<LinkRecord> =
+        links.iter().zip(&pruned.links).filter(|(_, left)| **left).map(|(l, _)| renumbered(l)).collect();
+    let cells = alive.iter().enumerate().map(|(new, &old)| {
+        let s = &layout.spots[old];
+        let first = links.partition_point(|l| (l.from as usize) < new);
+        let num_links = links.partition_point(|l| l.from as usize <= new) - first;
+        let stays = links[first..first + num_links].iter().any(|l| l.to as usize == new);
+        CellRecord {
+            placement: Placement::at(s.place, s.support + given.hips[s.group as usize]),
+            group: s.group,
+            edge: s.edge,
+            twin: if s.twin == NONE { NONE } else { number[s.twin as usize] },
+            flags: match s.kind {
+                Kind::Entry => CellRecord::IS_ENTRY,
+                Kind::Exit => CellRecord::IS_EXIT,
+                Kind::Rest if stays => CellRecord::IS_REST,
+                Kind::Rest => 0,
+            },
+            first_link: first as u32,
+            num_links: num_links as u32,
+            reserved: [0; 2],
+        }
+    });
+    let cells: Vec<CellRecord> = cells.collect();
+    let used: std::collections::BTreeSet<u32> =
+        links.iter().flat_map(|l| l.frame..=l.frame + u32::from(l.num_frames)).collect();
+    let report = PatchReport {
+        name: unit.name.clone(),
+        segments: links.len(),
+        frames: used.len(),
+        cells: cells.len(),
+        links: links.len(),
+        pruned_directions: pruned.directions,
+        pruned_component: pruned.component,
+    };
+    let edge = |e: usize| {
+        let sign = if e.is_multiple_of(2) { 1.0 } else { -1.0 };
+        EdgeRecord { step: edges.steps[e / 2].map(|v| sign * v), opposite: e as u32 ^ 1 }
+    };
+    let patch = Patch {
+        name: unit.name.clone(),
+        units: vec![(unit.name.clone(), Placement::IDENTITY)],
+        kind: KIND_TILE,
+        edges: (0..2 * edges.steps.len()).map(edge).collect(),
+        bounds: given.bounds.of_links(given.tracks, &links),
+        cells,
+        links,
+    };
+    (patch, report)
+}

@@ -1,0 +1,184 @@
+//! Pruning of tiles: nobody who enters may be stuck, and all can be reached from all (Lee, Choi and Lee 2006, section 6).
+
+use petgraph::algo::tarjan_scc;
+use petgraph::graph::{DiGraph, NodeIndex};
+use throng_core::patch::NONE;
+
+/// Where links of a tile begin and end, as far as pruning cares.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum TileCell {
+    /// Somebody enters across this edge.
+    Entry(u32),
+    /// Somebody leaves across edge `.0` and so is at the entry `.1` of the neighbour.
+    Exit(u32, u32),
+    /// Somebody rests within.
+    Rest,
+}
+
+/// A tile's graph.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TileGraph {
+    /// The cells; every entry has one exit that leads to it.
+    pub cells: Vec<TileCell>,
+    /// From an entry or rest to an exit or rest, by cell.
+    pub links: Vec<(u32, u32)>,
+    /// For each edge those across which one who entered there must be able to leave.
+    pub ways_out: Vec<Vec<u32>>,
+    /// True where one who entered must be able to rest in the tile.
+    pub must_rest: bool,
+    /// Edges whose entries belong to one strongly connected component. Ground has one set of all edges; where nobody
+    /// turns round, as on a slide, each edge is a set by itself.
+    pub together: Vec<Vec<u32>>,
+}
+
+/// What is left of a tile.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Pruned {
+    /// Cells that are left (cells.len()).
+    pub cells: Vec<bool>,
+    /// Links that are left (links.len()).
+    pub links: Vec<bool>,
+    /// Links taken out by the first condition.
+    pub directions: usize,
+    /// Links taken out by the second condition.
+    pub component: usize,
+}
+
+/// Takes out cells and links until both conditions hold.
+///
+/// 1. Every entry can leave across each of its ways out, and reach rest where that is wanted; one that cannot goes,
+///    with the exit that leads to it.
+/// 2. On the torus that the tile makes with itself, what is left of each set of edges is the largest strongly connected
+///    component with an entry across them.
+///
+/// Both are enforced alternately until nothing changes; nothing may be left then.
+///
+/// # Source
+/// Lee, Choi and Lee 2006, section 6. Differs: rest within reach is a condition too.
+pub fn prune(graph: &TileGraph) -> Pruned {
+    let mut left = Pruned {
+        cells: vec![true; graph.cells.len()],
+        links: vec![true; graph.links.len()],
+        directions: 0,
+        component: 0,
+    };
+    loop {
+        let before = left.links.iter().filter(|&&l| l).count();
+        drop_stuck_entries(graph, &mut left);
+        let after_first = left.links.iter().filter(|&&l| l).count();
+        let changed = keep_components(graph, &mut left);
+        let after = left.links.iter().filter(|&&l| l).count();
+        left.directions += before - after_first;
+        left.component += after_first - after;
+        if !changed {
+            return left;
+        }
+    }
+}
+
+/// One step of the first condition, repeated until it holds.
+fn drop_stuck_entries(graph: &TileGraph, left: &mut Pruned) {
+    loop {
+        let mut stuck = Vec::new();
+        let reached = ways(graph, left);
+        for (i, cell) in graph.cells.iter().enumerate() {
+            if let TileCell::Entry(edge) = *cell
+                && left.cells[i]
+                && !is_free(graph, edge, &reached[i])
+            {
+                stuck.push(i);
+            }
+        }
+        if stuck.is_empty() {
+            return;
+        }
+        for i in stuck {
+            left.cells[i] = false;
+        }
+        for (i, cell) in graph.cells.iter().enumerate() {
+            if let TileCell::Exit(_, twin) = *cell {
+                left.cells[i] &= left.cells[twin as usize];
+            }
+        }
+        drop_loose_links(graph, left);
+    }
+}
+
+/// For each cell, the edges its links leave across, and [`NONE`] for rest.
+fn ways(graph: &TileGraph, left: &Pruned) -> Vec<Vec<u32>> {
+    let mut reached = vec![Vec::new(); graph.cells.len()];
+    for (&(from, to), _) in graph.links.iter().zip(&left.links).filter(|(_, left)| **left) {
+        let way = match graph.cells[to as usize] {
+            TileCell::Exit(edge, _) => edge,
+            _ => NONE,
+        };
+        let of: &mut Vec<u32> = &mut reached[from as usize];
+        if !of.contains(&way) {
+            of.push(way);
+        }
+    }
+    reached
+}
+
+fn is_free(graph: &TileGraph, edge: u32, reached: &[u32]) -> bool {
+    graph.ways_out[edge as usize].iter().all(|way| reached.contains(way))
+        && (!graph.must_rest || reached.contains(&NONE))
+}
+
+fn drop_loose_links(graph: &TileGraph, left: &mut Pruned) {
+    for (&(from, to), link) in graph.links.iter().zip(&mut left.links) {
+        *link &= left.cells[from as usize] && left.cells[to as usize];
+    }
+}
+
+/// One step of the second condition; true where it took out anything.
+fn keep_components(graph: &TileGraph, left: &mut Pruned) -> bool {
+    let node = |cell: u32| match graph.cells[cell as usize] {
+        TileCell::Exit(_, twin) => twin as usize,
+        _ => cell as usize,
+    };
+    let mut torus = DiGraph::<(), ()>::new();
+    for _ in &graph.cells {
+        torus.add_node(());
+    }
+    let links = || graph.links.iter().enumerate();
+    for (_, &(from, to)) in links().filter(|(l, _)| left.links[*l]) {
+        torus.add_edge(NodeIndex::new(node(from)), NodeIndex::new(node(to)), ());
+    }
+    let mut component = vec![usize::MAX; graph.cells.len()];
+    let found = tarjan_scc(&torus);
+    for (c, nodes) in found.iter().enumerate() {
+        for n in nodes {
+            component[n.index()] = c;
+        }
+    }
+    let mut within = vec![0usize; found.len()];
+    for (_, &(from, to)) in links().filter(|(l, _)| left.links[*l]) {
+        if component[node(from)] == component[node(to)] {
+            within[component[node(from)]] += 1;
+        }
+    }
+    let kept = largest(graph, &found, &within);
+    let before = left.clone();
+    for i in 0..graph.cells.len() {
+        left.cells[i] &= kept.contains(&component[node(i as u32)]);
+    }
+    for (l, &(from, to)) in links() {
+        left.links[l] &= component[node(from)] == component[node(to)];
+    }
+    drop_loose_links(graph, left);
+    before != *left
+}
+
+/// For each set of edges the component with the most cells that has an entry across them and a link.
+fn largest(graph: &TileGraph, components: &[Vec<NodeIndex>], links_within: &[usize]) -> Vec<usize> {
+    let mut kept = Vec::new();
+    for edges in &graph.together {
+        let enters = |n: &NodeIndex| matches!(graph.cells[n.index()], TileCell::Entry(e) if edges.contains(&e));
+        let fits = |c: &usize| links_within[*c] > 0 && components[*c].iter().any(enters);
+        // Of equally large ones, the one with the first cell.
+        let rank = |&c: &usize| (components[c].len(), std::cmp::Reverse(components[c].iter().min().copied()));
+        kept.extend((0..components.len()).filter(fits).max_by_key(rank));
+    }
+    kept
+}

@@ -1,0 +1,117 @@
+//! Why a tile cannot be made, and the way out.
+
+use super::layout::Layout;
+use super::prune::{TileCell, TileGraph};
+use super::region::Region;
+use super::source::Source;
+use super::{Given, TileConfig};
+use crate::environment::Unit;
+use crate::patch::is_ground;
+use throng_motion::error::BuildError;
+
+/// The config names a unit that is not there.
+pub(super) fn no_unit(given: &Given, config: &TileConfig) -> BuildError {
+    let names: Vec<_> = given.units.units.iter().map(|u| format!("`{}`", u.name)).collect();
+    let message =
+        format!("patches.tiles: expected a unit ({}), found `{}`. Correct the config.", names.join(", "), config.unit);
+    BuildError::Config { message }
+}
+
+/// The unit does not say where its edges are.
+pub(super) fn no_edges(unit: &Unit) -> BuildError {
+    let message = format!(
+        "patches.tiles: the unit `{}` has no edges. Give it `tile = {{ steps = [[...]], widths = [...] }}` in the unit \
+         file, or take it out of the tiles.",
+        unit.name
+    );
+    BuildError::Config { message }
+}
+
+/// No clip serves the tile.
+pub(super) fn no_clips(unit: &Unit, config: &TileConfig) -> BuildError {
+    let wanted = match (is_ground(unit), config.clips.is_empty()) {
+        (true, true) => "a clip captured in no environment".to_owned(),
+        (true, false) => format!("a clip whose name matches {}", config.clips.join(", ")),
+        (false, _) => format!("a clip captured in an environment that holds `{}`", unit.name),
+    };
+    let message = format!("patches.tiles: `{}`: expected {wanted}, found none. Correct the config.", unit.name);
+    BuildError::Config { message }
+}
+
+/// Pruning left nothing.
+pub(super) fn nothing_left(unit: &Unit, source: &Source, region: &Region, graph: &TileGraph) -> BuildError {
+    let (message, help) = missing(region, graph).unwrap_or_else(|| {
+        let help = "Add walking and stopping of more kinds, allow more editing (edit_m_per_m, edit_deg_per_m), or take \
+                    more pose groups at the edges (edge_groups)";
+        (format!("no entries meet all conditions together: {}", met(region, graph)), help)
+    });
+    let minutes = source.minutes();
+    BuildError::Stage {
+        stage: "patch",
+        message: format!("the tile `{}` cannot be made from {minutes:.1} min of motion: {message}", unit.name),
+        help: help.to_owned(),
+    }
+}
+
+/// How many of the entries across the first edge meet each condition.
+fn met(region: &Region, graph: &TileGraph) -> String {
+    let entries: Vec<u32> =
+        (0..graph.cells.len() as u32).filter(|&i| graph.cells[i as usize] == TileCell::Entry(0)).collect();
+    let leads = |from: u32, fits: &dyn Fn(TileCell) -> bool| {
+        graph.links.iter().any(|&(f, to)| f == from && fits(graph.cells[to as usize]))
+    };
+    let count = |fits: &dyn Fn(TileCell) -> bool| entries.iter().filter(|&&e| leads(e, fits)).count();
+    let mut out: Vec<String> = graph.ways_out[0]
+        .iter()
+        .map(|&way| {
+            let n = count(&|c| matches!(c, TileCell::Exit(e, _) if e == way));
+            format!("{n} can leave {}", Layout::direction(region, 0, way))
+        })
+        .collect();
+    if graph.must_rest {
+        out.push(format!("{} can come to rest", count(&|c| c == TileCell::Rest)));
+    }
+    format!("of {} entries across an edge, {}", entries.len(), out.join(", "))
+}
+
+/// The first condition that no entry meets.
+fn missing(region: &Region, graph: &TileGraph) -> Option<(String, &'static str)> {
+    let enters = |from: u32| match graph.cells[from as usize] {
+        TileCell::Entry(edge) => Some(edge),
+        _ => None,
+    };
+    if !graph.cells.iter().any(|c| matches!(c, TileCell::Entry(_))) {
+        return Some((
+            "no pose is common where its edges are crossed".to_owned(),
+            "Add motion that crosses it, or check where the environment places it",
+        ));
+    }
+    // Nobody enters a slide from below.
+    let entered = |edge: usize| graph.cells.contains(&TileCell::Entry(edge as u32));
+    for (edge, ways) in graph.ways_out.iter().enumerate().filter(|(e, _)| entered(*e)) {
+        let leaves = |way: u32| {
+            let mut links = graph.links.iter().filter(|l| enters(l.0) == Some(edge as u32));
+            links.any(|l| matches!(graph.cells[l.1 as usize], TileCell::Exit(e, _) if e == way))
+        };
+        if let Some(&way) = ways.iter().find(|&&w| !leaves(w)) {
+            let message = format!("no entry can leave {}", Layout::direction(region, edge as u32, way));
+            let help = "Add motion that does, or allow more editing (edit_m_per_m, edit_deg_per_m)";
+            return Some((message, help));
+        }
+    }
+    let rests = |l: &&(u32, u32)| enters(l.0).is_some() && graph.cells[l.1 as usize] == TileCell::Rest;
+    if graph.must_rest && !graph.links.iter().any(|l| rests(&l)) {
+        let help = "Add walking that comes to a stop, or allow more editing (edit_m_per_m, edit_deg_per_m)";
+        return Some(("no entry can come to rest: there is no walking that stops".to_owned(), help));
+    }
+    let sets_out = |l: &(u32, u32)| {
+        graph.cells[l.0 as usize] == TileCell::Rest && matches!(graph.cells[l.1 as usize], TileCell::Exit(..))
+    };
+    if graph.must_rest && !graph.links.iter().any(sets_out) {
+        return Some((
+            "nobody who rests can leave: there is no setting out from standing".to_owned(),
+            "Add walking that begins at rest, or allow more editing (edit_m_per_m, edit_deg_per_m)",
+        ));
+    }
+    None
+}

@@ -1,0 +1,128 @@
+//! The outline of a tile on the ground, and which paths stay within it.
+
+use super::layout::{Layout, Spot};
+use crate::environment::TileEdges;
+use glam::Vec2;
+
+/// How far a path may sway back across the edge that it has just crossed (m).
+const SWAY_M: f32 = 0.04;
+
+/// One side of the outline: points `p` with `normal . p <= offset` are inside.
+pub(super) struct Side {
+    /// Away from the tile, of unit length: (x, z).
+    pub normal: Vec2,
+    /// (m)
+    pub offset: f32,
+    /// The edge that is crossed here, if any.
+    pub edge: Option<u32>,
+}
+
+/// The outline of a tile.
+pub(super) struct Region {
+    /// Sides; those of edges come first, in the order of the edges.
+    pub sides: Vec<Side>,
+    /// The middle of it: (x, z) (m).
+    pub centre: Vec2,
+    /// Roots stay this far from the sides (m).
+    pub margin: f32,
+    /// Length of the longest step to a neighbour (m).
+    pub size: f32,
+}
+
+impl Region {
+    /// The outline that edges imply; a margin takes at most half of the narrowest edge.
+    pub fn new(edges: &TileEdges, margin: f32) -> Self {
+        let centre = Vec2::new(edges.centre[0], edges.centre[2]);
+        let side = |normal: Vec2, half: f32, edge| Side { normal, offset: normal.dot(centre) + half, edge };
+        let mut sides = Vec::new();
+        let mut narrowest = f32::MAX;
+        for (i, (step, width)) in edges.steps.iter().zip(&edges.widths).enumerate() {
+            let across = Vec2::new(step[0], step[2]);
+            let normal = across.normalize_or_zero();
+            sides.push(side(normal, across.length() / 2.0, Some(2 * i as u32)));
+            sides.push(side(-normal, across.length() / 2.0, Some(2 * i as u32 + 1)));
+            narrowest = narrowest.min(*width);
+        }
+        if edges.steps.len() == 1 {
+            let lateral = lateral(sides[1].normal);
+            sides.push(side(lateral, edges.widths[0] / 2.0, None));
+            sides.push(side(-lateral, edges.widths[0] / 2.0, None));
+        }
+        let size = edges.steps.iter().map(|s| s[0].hypot(s[2])).fold(0.0, f32::max);
+        Self { sides, centre, margin: margin.min(narrowest / 4.0), size }
+    }
+
+    /// How far inside a side a point is; negative outside (m).
+    pub fn inset(&self, side: usize, p: Vec2) -> f32 {
+        self.sides[side].offset - self.sides[side].normal.dot(p)
+    }
+
+    /// True where a point is farther than `reach` outside the tile.
+    pub fn is_left(&self, p: Vec2, reach: f32) -> bool {
+        (0..self.sides.len()).any(|s| self.inset(s, p) < -reach)
+    }
+
+    /// True where a path stays within the tile, away from its edges but where it crosses them.
+    ///
+    /// - `path`: points, and the length of the path up to each.
+    pub fn holds(&self, layout: &Layout, from: u32, to: u32, path: &[(Vec2, f32)]) -> bool {
+        let (from, to) = (&layout.spots[from as usize], &layout.spots[to as usize]);
+        let total = path.last().map_or(0.0, |p| p.1);
+        // Oblique paths need a little more than the margin to get clear of it.
+        let near = self.margin + 0.25;
+        path.iter().all(|&(p, walked)| {
+            self.sides.iter().enumerate().all(|(s, side)| {
+                let crossed = |spot: &Spot, d: f32| side.edge.is_some_and(|e| spot.edge == e) && d <= near;
+                let least =
+                    if crossed(from, walked) || crossed(to, total - walked) { -SWAY_M } else { self.margin - SWAY_M };
+                self.inset(s, p) >= least
+            })
+        })
+    }
+}
+
+/// The direction to the left of one who walks along `ahead`: (x, z).
+pub(super) fn lateral(ahead: Vec2) -> Vec2 {
+    Vec2::new(ahead.y, -ahead.x)
+}
+
+/// True where a path crosses itself.
+///
+/// - `points`: of the path, in order; looked at in steps of a few frames.
+pub(super) fn crosses_itself(points: &[(Vec2, f32)]) -> bool {
+    const STRIDE: usize = 4;
+    let coarse: Vec<Vec2> = points.iter().step_by(STRIDE).chain(points.last()).map(|p| p.0).collect();
+    let cuts = |i: usize, j: usize| crosses(coarse[i], coarse[i + 1], coarse[j], coarse[j + 1]);
+    (2..coarse.len().saturating_sub(1)).any(|j| (0..j - 1).any(|i| cuts(i, j)))
+}
+
+/// True where the segments a-b and c-d share an inner point.
+fn crosses(a: Vec2, b: Vec2, c: Vec2, d: Vec2) -> bool {
+    let side = |p: Vec2, q: Vec2, r: Vec2| (q - p).perp_dot(r - p);
+    side(a, b, c) * side(a, b, d) < 0.0 && side(c, d, a) * side(c, d, b) < 0.0
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn path(points: &[(f32, f32)]) -> Vec<(Vec2, f32)> {
+        // Each corner often enough that none is skipped.
+        let dense = points
+            .windows(2)
+            .flat_map(|w| (0..8).map(move |k| Vec2::from(w[0]).lerp(Vec2::from(w[1]), k as f32 / 8.0)));
+        dense.chain(points.last().map(|&p| p.into())).map(|p| (p, 0.0)).collect()
+    }
+
+    #[test]
+    fn a_loop_crosses_itself_and_a_bend_does_not() {
+        assert!(crosses_itself(&path(&[(0.0, 0.0), (0.0, 2.0), (1.0, 2.0), (1.0, 1.1), (-1.1, 1.1)])));
+        assert!(!crosses_itself(&path(&[(0.0, 0.0), (0.0, 2.0), (1.0, 2.0), (1.0, 1.0), (0.5, 1.0)])));
+        assert!(!crosses_itself(&path(&[(0.0, 0.0), (0.0, 2.0)])));
+    }
+
+    #[test]
+    fn the_left_of_one_who_walks_ahead_is_plus_x() {
+        assert_eq!(lateral(Vec2::new(0.0, 1.0)), Vec2::new(1.0, 0.0));
+    }
+}

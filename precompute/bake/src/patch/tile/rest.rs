@@ -1,0 +1,157 @@
+//! Links that stay where they are: standing, turning on the spot, and what people do meanwhile.
+
+use super::best::{Best, Candidate};
+use super::layout::{Kind, Layout};
+use super::search::Search;
+use crate::patch::track::Track;
+use std::collections::BTreeMap;
+use std::f32::consts::TAU;
+use throng_core::Planar;
+use throng_core::patch::{LinkRecord, Placement};
+use throng_core::planar::wrap_angle;
+use throng_motion::clip::FrameRange;
+
+/// How far the end of standing or turning may be moved (m).
+const REACH_M: f32 = 0.05;
+/// How far it may be turned (rad).
+const TURN_RAD: f32 = 0.17;
+/// The root keeps this near to where it stood (m).
+const SWAY_M: f32 = 0.4;
+/// Longest time between rest and rest, but for what a tag names (frames).
+const MAX_FRAMES: usize = 120;
+/// What a tag names ends this near to where it began (m, rad).
+const RETURN: (f32, f32) = (0.3, 0.35);
+
+/// From a pose of rest to another and a number of steps of the heading.
+type Change = (u32, u32, usize);
+
+/// Links between the spots of rest of a tile, of which each stays in its place.
+pub(super) fn links(search: &Search) -> Vec<LinkRecord> {
+    let groups: Vec<u32> = {
+        let rest = search.layout.spots.iter().filter(|s| s.kind == Kind::Rest);
+        rest.map(|s| s.group).collect::<std::collections::BTreeSet<_>>().into_iter().collect()
+    };
+    let mut found = BTreeMap::<Change, Best>::new();
+    for &from in &groups {
+        for (clip, start) in search.source.frames_in(from) {
+            follow(search, &groups, clip, start, &mut found);
+        }
+    }
+    for &clip in &search.source.clips {
+        behaviours(search, &groups, clip, &mut found);
+    }
+    let mut out = Vec::new();
+    for ((from, to, steps), best) in found {
+        for (_, tag, candidate) in best.into_sorted() {
+            out.extend(everywhere(search, (from, to, steps), tag, &candidate));
+        }
+    }
+    out
+}
+
+/// Offers all standing and turning that begins with one frame.
+fn follow(search: &Search, groups: &[u32], clip: usize, start: usize, found: &mut BTreeMap<Change, Best>) {
+    let track = &search.source.tracks[clip];
+    if !track.stands(start) {
+        return;
+    }
+    for end in start + 1..track.run_end[start].min(start + MAX_FRAMES + 1) {
+        let moved = track.places[start].to_local(track.places[end]);
+        if moved.x.hypot(moved.z) > SWAY_M {
+            return;
+        }
+        if end - start >= search.min_frames && groups.contains(&track.groups[end]) && track.stands(end) {
+            let travelled = track.travelled[end] - track.travelled[start];
+            let reach = REACH_M.max(search.config.edit_m_per_m as f32 * travelled);
+            let turn = TURN_RAD.max((search.config.edit_deg_per_m as f32).to_radians() * travelled);
+            offer(search, clip, &(start..end), (reach, turn), found);
+        }
+    }
+}
+
+/// Offers what the clip's tags name, where it begins and ends at rest in one place.
+fn behaviours(search: &Search, groups: &[u32], clip: usize, found: &mut BTreeMap<Change, Best>) {
+    let track = &search.source.tracks[clip];
+    for range in search.source.tag_ranges(clip) {
+        let rests = |f: &usize| groups.contains(&track.groups[*f]) && track.stands(*f);
+        let Some(first) = range.clone().find(rests) else { continue };
+        let near = |f: &usize| {
+            let moved = track.places[first].to_local(track.places[*f]);
+            moved.x.hypot(moved.z) <= RETURN.0 && wrap_angle(moved.heading).abs() <= RETURN.1
+        };
+        let last = range.clone().rev().find(|f| rests(f) && near(f) && *f < track.run_end[first]);
+        let Some(last) = last.filter(|&l| l >= first + search.min_frames.max(range.len() / 2)) else { continue };
+        if last - first <= usize::from(u16::MAX) {
+            offer(search, clip, &(first..last), RETURN, found);
+        }
+    }
+}
+
+/// Offers one run of frames as a change of pose and heading, if it is near enough to one.
+fn offer(
+    search: &Search,
+    clip: usize,
+    range: &FrameRange,
+    (reach, turn): (f32, f32),
+    found: &mut BTreeMap<Change, Best>,
+) {
+    let track = &search.source.tracks[clip];
+    let moved = track.places[range.start].to_local(track.places[range.end]);
+    let num = search.config.rest_headings;
+    let steps = (moved.heading / TAU * num as f32).round();
+    let missing = Planar::new(-moved.x, -moved.z, steps * TAU / num as f32 - moved.heading);
+    let moved_by = missing.x.hypot(missing.z);
+    if moved_by > reach || missing.heading.abs() > turn {
+        return;
+    }
+    let cost = (moved_by / reach).hypot(missing.heading / turn);
+    let candidate = Candidate { clip, start: range.start, end: range.end, missing, cost };
+    let change = (track.groups[range.start], track.groups[range.end], steps.rem_euclid(num as f32) as usize);
+    let best = found.entry(change).or_insert_with(|| Best::new(search.config.variety, search.min_frames));
+    best.offer(0, track.tag_of(range), candidate, || true);
+}
+
+/// One link for every place and heading of rest.
+fn everywhere<'a>(
+    search: &'a Search,
+    (from, to, _): Change,
+    tag: u16,
+    c: &'a Candidate,
+) -> impl Iterator<Item = LinkRecord> + 'a {
+    let track = &search.source.tracks[c.clip];
+    let turned = track.places[c.end].heading - track.places[c.start].heading + c.missing.heading;
+    let spots = search.layout.spots.iter().enumerate().filter(move |(_, s)| s.kind == Kind::Rest && s.group == from);
+    spots.filter_map(move |(i, spot)| {
+        let end = Planar { heading: spot.place.heading + turned, ..spot.place };
+        let to = search.layout.rest_at(end, to)?;
+        Some(LinkRecord {
+            from: i as u32,
+            to,
+            frame: track.first_row + c.start as u32,
+            num_frames: (c.end - c.start) as u16,
+            tag,
+            start: Placement::at(spot.place, spot.support - track.support[c.start]),
+            end: Placement::at(end, spot.support - track.support[c.end]),
+        })
+    })
+}
+
+impl Track {
+    /// True where the character stands still.
+    pub fn stands(&self, frame: usize) -> bool {
+        self.stood[frame + 1] > self.stood[frame]
+    }
+}
+
+impl Layout {
+    /// The spot of rest at a place, up to full turns, and in a pose.
+    fn rest_at(&self, place: Planar, group: u32) -> Option<u32> {
+        let found = self.spots.iter().position(|s| {
+            s.kind == Kind::Rest
+                && s.group == group
+                && (s.place.x - place.x).hypot(s.place.z - place.z) < 1e-3
+                && wrap_angle(s.place.heading - place.heading).abs() < 1e-3
+        });
+        found.map(|i| i as u32)
+    }
+}

@@ -1,0 +1,208 @@
+//! All sub-sequences of the motion that lead from one spot of a tile to others, by looping over first and last frames
+//! (Lee, Choi and Lee 2006, section 6).
+
+use super::Source;
+use super::best::{Best, Candidate};
+use super::layout::{Kind, Layout};
+use super::region::{Region, crosses_itself};
+use crate::patch::TileConfig;
+use crate::patch::track::Track;
+use glam::Vec2;
+use std::collections::BTreeMap;
+use throng_core::Planar;
+use throng_core::patch::{LinkRecord, Placement};
+use throng_core::planar::wrap_angle;
+
+/// No link lasts longer (s).
+const MAX_SECONDS: f32 = 12.0;
+/// Crossing a tile never takes more than this times the straight way.
+const DETOUR: f32 = 2.5;
+/// Someone who stops reaches the pose of rest within this after standing still, and leaves it within this before
+/// setting out (frames).
+const SETTLING: usize = 30;
+/// Turning less than this on the way cannot cross the path (rad).
+const LOOP_RAD: f32 = 3.5;
+
+/// Looks for motion between the spots of a tile.
+pub(super) struct Search<'a> {
+    /// The motion.
+    pub source: &'a Source<'a>,
+    /// Where it leads to.
+    pub layout: &'a Layout,
+    /// What it has to stay in.
+    pub region: &'a Region,
+    /// How far it may be edited, and how much is kept.
+    pub config: &'a TileConfig,
+    /// Shortest link (frames).
+    pub min_frames: usize,
+    /// Exits and rest, by pose group.
+    pub targets: BTreeMap<u32, Vec<u32>>,
+}
+
+/// A first frame, and where its clip lies then in the tile's frame.
+struct Start {
+    clip: usize,
+    frame: usize,
+    base: Planar,
+}
+
+impl<'a> Search<'a> {
+    /// Prepares to look.
+    pub fn new(
+        source: &'a Source,
+        layout: &'a Layout,
+        region: &'a Region,
+        config: &'a TileConfig,
+        min_frames: usize,
+    ) -> Self {
+        let mut targets = BTreeMap::<u32, Vec<u32>>::new();
+        for (i, spot) in layout.spots.iter().enumerate().filter(|(_, s)| s.kind != Kind::Entry) {
+            targets.entry(spot.group).or_default().push(i as u32);
+        }
+        Self { source, layout, region, config, min_frames, targets }
+    }
+
+    /// Links from an entry to exits and rest, or from rest to exits.
+    pub fn links_from(&self, from: u32) -> Vec<LinkRecord> {
+        let mut best = Best::new(self.config.variety, self.min_frames);
+        for start in self.starts(from) {
+            self.follow(from, &start, &mut best);
+        }
+        best.into_sorted().map(|(to, tag, c)| self.record(from, to, tag, &c)).collect()
+    }
+
+    /// First frames in the spot's pose group, in order.
+    fn starts(&self, from: u32) -> Vec<Start> {
+        let spot = &self.layout.spots[from as usize];
+        let placed = |clip: usize, frame: usize| {
+            let base = spot.place.compose(self.source.tracks[clip].places[frame].inverse());
+            Start { clip, frame, base }
+        };
+        let frames = self.source.frames_in(spot.group);
+        match spot.kind {
+            Kind::Rest => {
+                frames.filter(|&(c, f)| self.source.tracks[c].leaves_rest(f)).map(|(c, f)| placed(c, f)).collect()
+            }
+            _ if self.source.copies.is_empty() => frames.map(|(c, f)| placed(c, f)).collect(),
+            _ => frames.filter(|&(c, f)| self.is_captured_at(from, c, f)).map(|(c, f)| placed(c, f)).collect(),
+        }
+    }
+
+    /// True where a frame was captured at the spot of some copy of the tile, as near as editing reaches.
+    fn is_captured_at(&self, from: u32, clip: usize, frame: usize) -> bool {
+        let spot = &self.layout.spots[from as usize];
+        let (reach, turn) = self.tolerance(self.region.size);
+        let at = self.source.tracks[clip].footing(frame);
+        self.source.copies.iter().filter(|(c, _)| *c == clip).any(|(_, copy)| {
+            let local = copy.to_local(at);
+            (local.x - spot.place.x).hypot(local.z - spot.place.z) <= reach
+                && wrap_angle(local.heading - spot.place.heading).abs() <= turn
+                && (local.y - spot.support).abs() <= super::vocabulary::LEVEL_M
+        })
+    }
+
+    /// How far the end may be moved and turned after a way (m, rad).
+    fn tolerance(&self, travelled: f32) -> (f32, f32) {
+        (self.config.edit_m_per_m as f32 * travelled, (self.config.edit_deg_per_m as f32).to_radians() * travelled)
+    }
+
+    /// Offers all that begins with one frame.
+    fn follow(&self, from: u32, start: &Start, best: &mut Best) {
+        let track = &self.source.tracks[start.clip];
+        let last = (start.frame + (MAX_SECONDS * self.source.rate_hz) as usize)
+            .min(track.run_end[start.frame].saturating_sub(1));
+        for end in start.frame + 1..=last {
+            let place = start.base.compose(track.places[end]);
+            let travelled = track.travelled[end] - track.travelled[start.frame];
+            let (reach, turn) = self.tolerance(travelled);
+            if self.region.is_left(Vec2::new(place.x, place.z), reach + 0.1) {
+                return;
+            }
+            if end < start.frame + self.min_frames {
+                continue;
+            }
+            for &to in self.targets.get(&track.groups[end]).into_iter().flatten() {
+                let spot = &self.layout.spots[to as usize];
+                let (dx, dz) = (spot.place.x - place.x, spot.place.z - place.z);
+                if dx.abs() > reach || dz.abs() > reach || dx.hypot(dz) > reach {
+                    continue;
+                }
+                let dh = wrap_angle(spot.place.heading - place.heading);
+                if dh.abs() > turn || !self.suits(from, to, track, start.frame, end) {
+                    continue;
+                }
+                let cost = (dx.hypot(dz) / reach).hypot(dh / turn);
+                let missing = Planar::new(dx, dz, dh);
+                let candidate = Candidate { clip: start.clip, start: start.frame, end, missing, cost };
+                let tag = track.tag_of(&(start.frame..end));
+                best.offer(to, tag, candidate, || self.is_plausible(from, to, start, &candidate));
+            }
+        }
+    }
+
+    /// True where the frames stand and walk as a way between the spots should.
+    fn suits(&self, from: u32, to: u32, track: &Track, start: usize, end: usize) -> bool {
+        let (from, to) = (&self.layout.spots[from as usize], &self.layout.spots[to as usize]);
+        let within = track.frames_standing(start..end);
+        match (from.kind, to.kind) {
+            (Kind::Rest, Kind::Rest) => false,
+            (_, Kind::Rest) => track.has_settled(end) && within <= SETTLING,
+            (Kind::Rest, _) => within <= SETTLING,
+            _ => within == 0 && self.reaches(from.support, to.support, track, start, end),
+        }
+    }
+
+    /// True where the support rises from spot to spot as it does in the clip.
+    fn reaches(&self, from: f32, to: f32, track: &Track, start: usize, end: usize) -> bool {
+        let missing = (to - from) - (track.support[end] - track.support[start]);
+        missing.abs() <= super::vocabulary::LEVEL_M
+    }
+
+    /// True where the edited path stays within the tile, does not cross itself and makes no great detour.
+    fn is_plausible(&self, from: u32, to: u32, start: &Start, c: &Candidate) -> bool {
+        let track = &self.source.tracks[c.clip];
+        let mut path: Vec<(Vec2, f32)> = Vec::with_capacity(c.end - c.start + 1);
+        for frame in c.start..=c.end {
+            let ratio = (frame - c.start) as f32 / (c.end - c.start) as f32;
+            let placed = start.base.compose(track.places[frame]);
+            let p = Vec2::new(placed.x + ratio * c.missing.x, placed.z + ratio * c.missing.z);
+            let walked = path.last().map_or(0.0, |&(q, walked)| walked + p.distance(q));
+            path.push((p, walked));
+        }
+        let turned = track.places[c.end].heading - track.places[c.start].heading;
+        let straight = path[0].0.distance(path[path.len() - 1].0).max(self.region.size / 2.0);
+        path[path.len() - 1].1 <= DETOUR * straight
+            && self.region.holds(self.layout, from, to, &path)
+            && (turned.abs() < LOOP_RAD || !crosses_itself(&path))
+    }
+
+    fn record(&self, from: u32, to: u32, tag: u16, c: &Candidate) -> LinkRecord {
+        let track = &self.source.tracks[c.clip];
+        let [a, b] = [from, to].map(|s| &self.layout.spots[s as usize]);
+        let turned = track.places[c.end].heading - track.places[c.start].heading + c.missing.heading;
+        LinkRecord {
+            from,
+            to,
+            frame: track.first_row + c.start as u32,
+            num_frames: (c.end - c.start) as u16,
+            tag,
+            start: Placement::at(a.place, a.support - track.support[c.start]),
+            end: Placement::at(
+                Planar { heading: a.place.heading + turned, ..b.place },
+                b.support - track.support[c.end],
+            ),
+        }
+    }
+}
+
+impl Track {
+    /// True where the character is about to leave the place it stands on.
+    fn leaves_rest(&self, frame: usize) -> bool {
+        self.standing.iter().any(|r| r.contains(&frame) && r.end - frame <= SETTLING)
+    }
+
+    /// True where the character has come to stand not long ago.
+    fn has_settled(&self, frame: usize) -> bool {
+        self.standing.iter().any(|r| r.contains(&frame) && frame - r.start <= SETTLING)
+    }
+}

@@ -1,0 +1,126 @@
+//! Which pose groups people enter, leave and rest in.
+
+use super::Source;
+use super::layout::edge_height;
+use super::region::Region;
+use crate::cluster::PoseGroups;
+use crate::environment::TileEdges;
+use crate::patch::TileConfig;
+use glam::Vec2;
+use std::collections::{BTreeMap, BTreeSet};
+
+/// Roots this fast are on their way (m/s).
+const WALKING_MPS: f32 = 0.6;
+/// Heights of what holds one up at an edge that count as one (m).
+pub(super) const LEVEL_M: f32 = 0.05;
+
+/// A pose at an edge.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Word {
+    /// Pose group.
+    pub group: u32,
+    /// Height of what holds the character up, above the middle of the edge (m).
+    pub level: f32,
+}
+
+/// Poses at edges and at rest.
+pub(super) struct Vocabulary {
+    /// For each edge the poses in which it is entered.
+    pub edge: Vec<Vec<Word>>,
+    /// Pose groups of rest.
+    pub rest: Vec<u32>,
+}
+
+impl Vocabulary {
+    /// Poses of level ground: what is commonest in walking, at every edge, and what is commonest in standing.
+    ///
+    /// Groups count by the strides and stops that pass through them, not by frames: a link needs a pass.
+    pub fn of_ground(source: &Source, num_edges: usize, config: &TileConfig) -> Self {
+        let (mut walking, mut standing) = (BTreeMap::<u32, usize>::new(), BTreeMap::<u32, usize>::new());
+        for &c in &source.clips {
+            let track = &source.tracks[c];
+            let mut before = PoseGroups::NO_GROUP;
+            for f in 1..track.places.len() {
+                let speed = (track.travelled[f] - track.travelled[f - 1]) * source.rate_hz;
+                let group = track.groups[f];
+                if speed > WALKING_MPS && group != before && group != PoseGroups::NO_GROUP {
+                    *walking.entry(group).or_default() += 1;
+                }
+                before = group;
+            }
+            for stop in &track.standing {
+                let passed: BTreeSet<u32> = stop.clone().map(|f| track.groups[f]).collect();
+                for group in passed {
+                    *standing.entry(group).or_default() += 1;
+                }
+            }
+        }
+        let words: Vec<Word> =
+            commonest(walking, config.edge_groups).into_iter().map(|group| Word { group, level: 0.0 }).collect();
+        Self { edge: vec![words; num_edges], rest: commonest(standing, config.rest_groups) }
+    }
+
+    /// Poses in which captured copies of a rising tile were crossed: for each edge what is common where it is entered
+    /// and also where the opposite one is left.
+    pub fn of_rising(source: &Source, region: &Region, edges: &TileEdges, config: &TileConfig) -> Self {
+        let edges = (0..2).map(|edge| {
+            let [entered, left] =
+                [edge, edge ^ 1].map(|e| crossings(source, region, e, edge_height(edges, e), e == edge));
+            let both = entered.into_iter().filter_map(|(word, n)| Some((word, n.min(*left.get(&word)?))));
+            let found = commonest(both.collect(), config.edge_groups);
+            let word = |(group, level)| Word { group, level: level as f32 * LEVEL_M };
+            found.into_iter().map(word).collect()
+        });
+        Self { edge: edges.collect(), rest: Vec::new() }
+    }
+}
+
+/// How often an edge of the captured copies is crossed, by pose group and level.
+///
+/// - `height`: of the edge, which levels count from (m).
+/// - `inward`: count those who enter the tile, else those who leave it.
+fn crossings(source: &Source, region: &Region, edge: usize, height: f32, inward: bool) -> BTreeMap<(u32, i32), usize> {
+    let mut counts = BTreeMap::new();
+    for (c, copy) in &source.copies {
+        let track = &source.tracks[*c];
+        let inset = |f: usize| {
+            let p = copy.planar().inverse_transform_point(Vec2::new(track.places[f].x, track.places[f].z));
+            if region.is_left(p, region.size / 2.0) { f32::NAN } else { region.inset(edge, p) }
+        };
+        let mut passed = BTreeSet::new();
+        for f in 1..track.places.len() {
+            let (before, now) = (inset(f - 1), inset(f));
+            // Not only the very frame: those around it may be moved onto the edge.
+            let near = now.abs() < (now - before).abs().max(0.05) && (now > before) == inward && now != before;
+            if near && track.groups[f] != PoseGroups::NO_GROUP {
+                let level = ((track.support[f] - copy.y - height) / LEVEL_M).round() as i32;
+                passed.insert((track.groups[f], level));
+            } else if !passed.is_empty() {
+                for word in std::mem::take(&mut passed) {
+                    *counts.entry(word).or_default() += 1;
+                }
+            }
+        }
+    }
+    counts
+}
+
+/// The `n` with the highest counts, the first of equal ones; sorted by number.
+fn commonest<T: Copy + Ord>(counts: BTreeMap<T, usize>, n: usize) -> Vec<T> {
+    let mut all: Vec<(T, usize)> = counts.into_iter().collect();
+    all.sort_by_key(|&(item, count)| (std::cmp::Reverse(count), item));
+    let mut found: Vec<T> = all.into_iter().take(n).map(|(item, _)| item).collect();
+    found.sort();
+    found
+}
+
+#[cfg(test)]
+mod tests {
+    use super::commonest;
+
+    #[test]
+    fn the_commonest_are_chosen_and_the_first_of_equal_ones() {
+        let counts = [(1, 2), (2, 5), (3, 2), (4, 9)].into_iter().collect();
+        assert_eq!(commonest(counts, 3), [1, 2, 4]);
+    }
+}

@@ -1,0 +1,180 @@
+//! What embedding needs of a clip, frame by frame: where the root goes, which group the pose is in, who stands.
+
+use crate::cluster::PoseGroups;
+use std::collections::BTreeMap;
+use throng_core::patch::Placement;
+use throng_core::planar::wrap_angle;
+use throng_core::{NUM_JOINTS, Planar};
+use throng_motion::clip::{Clip, ClipSet, FrameId, FrameRange, runs};
+
+/// Slower roots may stand (m/s).
+const STANDING_MPS: f32 = 0.12;
+/// Joints that turn slower may stand (rad/s).
+const STANDING_RADPS: f32 = 1.0;
+/// Shortest time that counts as standing (frames).
+const STANDING_FRAMES: usize = 10;
+
+/// One clip, ready to be laid into patches.
+pub(super) struct Track {
+    /// Frame row of the first frame.
+    pub first_row: u32,
+    /// Planar roots; headings count full turns (num_frames).
+    pub places: Vec<Planar>,
+    /// What the root has travelled since the first frame (m, num_frames).
+    pub travelled: Vec<f32>,
+    /// Height of what holds the character up (m, num_frames).
+    pub support: Vec<f32>,
+    /// Pose groups; [`PoseGroups::NO_GROUP`] for excluded frames (num_frames).
+    pub groups: Vec<u32>,
+    /// End of the run of usable frames that a frame is in; 0 for excluded frames (num_frames).
+    pub run_end: Vec<usize>,
+    /// Runs of frames in which the character stands still.
+    pub standing: Vec<FrameRange>,
+    /// Standing frames before each frame (num_frames + 1).
+    pub stood: Vec<u32>,
+    /// For each tag of the clip set, how many frames before each frame carry it; empty where the clip has none of it.
+    pub tagged: Vec<Vec<u32>>,
+}
+
+impl Track {
+    /// Tracks of all clips, and the names of all tags: the rarest first, which says most.
+    pub fn of_all(clips: &ClipSet, groups: &PoseGroups) -> (Vec<Self>, Vec<String>) {
+        let mut frames: BTreeMap<&str, usize> = BTreeMap::new();
+        for tag in clips.clips.iter().flat_map(|c| &c.tags) {
+            *frames.entry(&tag.name).or_default() += tag.range.len();
+        }
+        let mut tags: Vec<String> = frames.keys().map(|name| (*name).to_owned()).collect();
+        tags.sort_by_key(|name| frames[name.as_str()]);
+        let tracks = clips.clips.iter().zip(clips.frame_starts());
+        (tracks.map(|(c, first_row)| Self::new(c, first_row, groups, &tags)).collect(), tags)
+    }
+
+    fn new(clip: &Clip, first_row: u32, groups: &PoseGroups, tags: &[String]) -> Self {
+        let places = unwrapped(clip);
+        let mut travelled = vec![0.0; places.len()];
+        for f in 1..places.len() {
+            let (a, b) = (places[f - 1], places[f]);
+            travelled[f] = travelled[f - 1] + (b.x - a.x).hypot(b.z - a.z);
+        }
+        let group = |f| groups.of(FrameId(first_row + f as u32)).unwrap_or(PoseGroups::NO_GROUP);
+        let mut run_end = vec![0; places.len()];
+        for run in clip.usable_ranges() {
+            run_end[run.clone()].fill(run.end);
+        }
+        let standing = standing(clip, &places);
+        let stood = counted(places.len(), &standing);
+        let tagged = tags.iter().map(|name| tagged(clip, name)).collect();
+        Self {
+            first_row,
+            travelled,
+            support: if clip.support.is_empty() { vec![0.0; places.len()] } else { clip.support.clone() },
+            groups: (0..places.len()).map(group).collect(),
+            places,
+            run_end,
+            standing,
+            stood,
+            tagged,
+        }
+    }
+
+    /// Root at a frame, on the height of what holds the character up.
+    pub fn footing(&self, frame: usize) -> Placement {
+        Placement::at(self.places[frame], self.support[frame])
+    }
+
+    /// Tag that most of the frames `range` carry, the rarest of those that cover as much, as 1 + its number; 0 where no
+    /// tag covers more than half.
+    pub fn tag_of(&self, range: &FrameRange) -> u16 {
+        let covered = |counts: &[u32]| counts.get(range.end).map_or(0, |end| end - counts[range.start]) as usize;
+        let best =
+            (0..self.tagged.len()).map(|t| (covered(&self.tagged[t]), t)).max_by_key(|&(n, t)| (n, usize::MAX - t));
+        best.filter(|&(n, _)| 2 * n > range.len()).map_or(0, |(_, t)| t as u16 + 1)
+    }
+
+    /// Frames of `range` in which the character stands.
+    pub fn frames_standing(&self, range: FrameRange) -> usize {
+        (self.stood[range.end] - self.stood[range.start]) as usize
+    }
+}
+
+/// Planar roots with headings that do not jump.
+fn unwrapped(clip: &Clip) -> Vec<Planar> {
+    let mut out: Vec<Planar> = Vec::with_capacity(clip.num_frames());
+    for f in 0..clip.num_frames() {
+        let mut place = clip.planar(f);
+        if let Some(before) = out.last() {
+            place.heading = before.heading + wrap_angle(place.heading - before.heading);
+        }
+        out.push(place);
+    }
+    out
+}
+
+/// Runs in which neither the root nor any joint moves much.
+fn standing(clip: &Clip, places: &[Planar]) -> Vec<FrameRange> {
+    let rate = clip.rate_hz as f32;
+    let slow = |f: usize| {
+        let g = f.max(1);
+        let (a, b) = (places[g - 1], places[g]);
+        let speed = (b.x - a.x).hypot(b.z - a.z) * rate;
+        let (before, after) = (clip.frame_rotations(g - 1), clip.frame_rotations(g));
+        let turning = |j: usize| before[j].angle_between(after[j]) * rate;
+        speed < STANDING_MPS && (0..NUM_JOINTS).all(|j| turning(j) < STANDING_RADPS)
+    };
+    let usable = clip.usable_ranges().into_iter().filter(|r| r.len() > 1);
+    let found = usable.flat_map(|r| runs(r, slow));
+    found.filter(|r| r.len() >= STANDING_FRAMES).collect()
+}
+
+/// How many frames before each frame lie in one of the ranges (len + 1).
+fn counted(len: usize, ranges: &[FrameRange]) -> Vec<u32> {
+    let mut within = vec![0u32; len + 1];
+    for r in ranges {
+        within[r.start + 1..=r.end].fill(1);
+    }
+    for f in 1..=len {
+        within[f] += within[f - 1];
+    }
+    within
+}
+
+fn tagged(clip: &Clip, name: &str) -> Vec<u32> {
+    let len = clip.num_frames();
+    let of = clip.tags.iter().filter(|t| t.name == name);
+    let ranges: Vec<_> = of.map(|t| t.range.start.min(len)..t.range.end.min(len)).filter(|r| !r.is_empty()).collect();
+    if ranges.is_empty() { Vec::new() } else { counted(len, &ranges) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::{Quat, Vec3};
+    use throng_core::Skeleton;
+    use throng_motion::clip::Tag;
+
+    #[test]
+    fn a_run_of_frames_has_the_tag_that_says_most_about_it() {
+        let tag = |name: &str, range| Tag { name: name.into(), range };
+        let clip = Clip {
+            source: "one".into(),
+            tags: vec![tag("sit", 10..80), tag("slide", 30..60)],
+            ..Clip::new("one", 30.0, vec![Vec3::Y; 100], vec![Quat::IDENTITY; 100 * NUM_JOINTS])
+        };
+        let clips = ClipSet {
+            skeleton: Skeleton { offsets: [Vec3::ZERO; NUM_JOINTS], tips: [Vec3::ZERO; 3] },
+            clips: vec![clip],
+        };
+        let groups = PoseGroups { groups: vec![0; 100], ..PoseGroups::default() };
+        let (tracks, tags) = Track::of_all(&clips, &groups);
+        assert_eq!(tags, ["slide", "sit"]);
+        let named = |range| match tracks[0].tag_of(&range) {
+            0 => "",
+            n => tags[usize::from(n) - 1].as_str(),
+        };
+        assert_eq!(named(0..20), "");
+        assert_eq!(named(12..28), "sit");
+        // Both cover all of it, and sliding is the rarer.
+        assert_eq!(named(32..52), "slide");
+        assert_eq!(named(50..78), "sit");
+    }
+}

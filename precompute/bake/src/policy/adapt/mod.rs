@@ -1,0 +1,124 @@
+//! A resolution for every state: the policy solved on the finest grid, compacted to where its values change fast
+//! (Lee and Lee 2004, section 7).
+
+mod axis;
+mod choose;
+mod fit;
+mod on_grid;
+mod report;
+
+use super::behaviour::Behaviour;
+use super::config::AdaptiveConfig;
+use super::model::ActionModel;
+use super::solve::Solution;
+use choose::Choices;
+use fit::{Scratch, Shapes};
+use rayon::prelude::*;
+pub use report::{AdaptiveReport, Approximation};
+use throng_core::policy::{PolicyRecord, StateGridRecord};
+use throng_motion::error::BuildError;
+
+/// Gives every state of a solved policy a grid of its own.
+///
+/// Values are fitted to each state's grid by least squares over the finest cells; a state that keeps the finest grid
+/// keeps its values bit by bit. Cells go where they lower the squared error most, each state's counted as often as an
+/// action leads to it, as values are only read there. Best actions are not touched: see `bake`.
+///
+/// Sweeps over the fitted values would make them worse: every one of them adds the error of the coarse grids anew,
+/// while a fit to the finest ones has it once. On 2258 boxing states with an eighth of the memory, all states counted
+/// alike, what the policy collects falls short of the finest grid's by 4.9 %, by 9.6 % after a sweep and by 11.9 %
+/// after 21.
+///
+/// Errors of all cells count alike, whatever ground they cover: where rings grow outwards, cells near the character
+/// weigh more than queries at random distances do. There (`approach`, 16 x 32 cells, a quarter of the memory) one grid
+/// of 8 x 16 cells with fitted values is as good: off by 0.0018 on average against 0.0021. On the grids of blows, with
+/// equal rings, it is off by 1.7 times as much as these.
+///
+/// # Errors
+/// [`BuildError::Config`] where not even the coarsest grids fit the memory.
+///
+/// # Source
+/// Lee and Lee (2004), section 7 names adaptive resolution as a way to compact its tables. Here each
+/// state keeps one small table with its own counts, so that a lookup remains a single load.
+pub fn adapt(
+    model: &ActionModel,
+    solution: &Solution,
+    behaviour: &dyn Behaviour,
+    cfg: &AdaptiveConfig,
+) -> Result<Solution, BuildError> {
+    let grid = behaviour.grid();
+    let shapes = Shapes::new(&grid);
+    let (num_states, num_cells) = (solution.record.num_states as usize, grid.num_cells());
+    let mut errors = vec![0.0; num_states * shapes.len()];
+    let states = solution.values.par_chunks(num_cells).zip(errors.par_chunks_mut(shapes.len()));
+    states.for_each_init(Scratch::default, |scratch, (values, out)| shapes.errors(values, scratch, out));
+    let cells: Vec<usize> = (0..shapes.len()).map(|k| shapes.num_cells(k)).collect();
+    let enough = cfg.tolerance * cfg.tolerance * num_cells as f64;
+    let (weights, budget) = (uses(model), budget(solution, num_cells, cfg));
+    let choices = Choices { cells: &cells, errors: &errors, weights: &weights, budget, enough };
+    let chosen = choices.choose().map_err(|least| too_little(behaviour, solution, num_cells, cfg, least))?;
+    Ok(with_shapes(solution, &shapes, &chosen))
+}
+
+/// Actions that lead to each state, at least 1.
+fn uses(model: &ActionModel) -> Vec<f64> {
+    let mut uses = vec![0.0f64; model.num_states()];
+    model.action_segments.iter().for_each(|&s| uses[model.segments[s as usize].end as usize] += 1.0);
+    uses.iter().map(|n| n.max(1.0)).collect()
+}
+
+/// The same values with a shape for each state.
+fn with_shapes(solution: &Solution, shapes: &Shapes, chosen: &[usize]) -> Solution {
+    let mut first = 0;
+    let state_grids = chosen.iter().map(|&shape| {
+        let record = StateGridRecord::new(shapes.counts(shape), first);
+        first += record.num_cells() as u32;
+        record
+    });
+    let state_grids: Vec<StateGridRecord> = state_grids.collect();
+    let num_cells = solution.values.len() / chosen.len().max(1);
+    let fitted = chosen.par_iter().zip(solution.values.par_chunks(num_cells.max(1)));
+    let fitted: Vec<Vec<f32>> = fitted.map(|(&shape, values)| shapes.fit(shape, values)).collect();
+    let record = PolicyRecord { adaptive: 1, ..solution.record };
+    Solution { record, state_grids, values: fitted.concat(), ..solution.clone() }
+}
+
+/// Bytes of a value and its best actions.
+fn bytes_per_cell(solution: &Solution) -> usize {
+    size_of::<f32>() + solution.record.num_choices as usize
+}
+
+/// Bytes of values, best actions and state grids.
+fn bytes(solution: &Solution) -> usize {
+    solution.values.len() * bytes_per_cell(solution) + size_of_val(&*solution.state_grids)
+}
+
+/// Cells that there is memory for.
+fn budget(solution: &Solution, num_cells: usize, cfg: &AdaptiveConfig) -> usize {
+    let num_states = solution.record.num_states as usize;
+    let bytes = cfg.share * (num_states * num_cells * bytes_per_cell(solution)) as f64;
+    let records = num_states * size_of::<StateGridRecord>();
+    // A state that keeps the finest grid costs its record too: the whole share is enough for all of them.
+    let whole = if cfg.share >= 1.0 { records } else { 0 };
+    (bytes as usize + whole).saturating_sub(records) / bytes_per_cell(solution)
+}
+
+fn too_little(
+    behaviour: &dyn Behaviour,
+    solution: &Solution,
+    num_cells: usize,
+    cfg: &AdaptiveConfig,
+    least: usize,
+) -> BuildError {
+    let num_states = solution.record.num_states as usize;
+    let needed = least * bytes_per_cell(solution) + num_states * size_of::<StateGridRecord>();
+    let share = needed as f64 / (num_states * num_cells * bytes_per_cell(solution)) as f64;
+    BuildError::Config {
+        message: format!(
+            "behaviour \"{}\", key `grid.adaptive.share`: {} is too little even for the coarsest grids, which take \
+             {share:.3}",
+            behaviour.name(),
+            cfg.share
+        ),
+    }
+}

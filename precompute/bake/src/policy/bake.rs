@@ -1,0 +1,77 @@
+//! The best actions of every (state, cell), found with the runtime's own look-ahead, which also proves the values.
+
+use super::config::PolicyConfig;
+use super::model::ActionModel;
+use super::solve::{Solution, stage_error, tolerance};
+use rayon::prelude::*;
+use throng_core::policy::{Goal, LookAheadJob, MAX_RANKED, PolicyTable, RankedActions};
+use throng_motion::error::BuildError;
+
+/// Best actions of a policy, best first (num_states * num_cells * num_choices).
+///
+/// Every (state, cell) asks the runtime's look-ahead with the target at the cell's centre, so that the single-load
+/// answer there is what the look-ahead would say. The same pass is one true sweep: the largest difference between a
+/// best score and the stored value is the residual that `solution.record` keeps. Where the solver's arithmetic
+/// leaves it above the tolerance, values become the scores and the pass is repeated.
+///
+/// # Errors
+/// [`BuildError::Stage`] with the residual where `cfg.max_sweeps` are not enough.
+pub fn bake(model: &ActionModel, solution: &mut Solution, cfg: &PolicyConfig) -> Result<Vec<u8>, BuildError> {
+    if cfg.choices == 0 || cfg.choices as usize > MAX_RANKED {
+        let message = format!("policy: `choices` is {}, expected 1 to {MAX_RANKED}", cfg.choices);
+        return Err(BuildError::Config { message });
+    }
+    let wanted = tolerance(cfg.epsilon, f64::from(solution.record.discount), model.least_frames()) as f32;
+    let first_actions = vec![0; solution.values.len()];
+    loop {
+        let ranked = rank_all(&solution.table(model, &first_actions)?);
+        let changes = ranked.iter().zip(&solution.values).map(|(r, v)| (r.scores[0] - v).abs());
+        let residual = changes.fold(0.0, f32::max);
+        (solution.residual, solution.record.residual) = (residual, residual);
+        solution.num_sweeps += 1;
+        if residual <= wanted {
+            solution.record.num_sweeps = solution.num_sweeps;
+            solution.record.num_choices = cfg.choices;
+            return Ok(ranked.iter().flat_map(|r| r.actions[..cfg.choices as usize].to_vec()).collect());
+        }
+        if solution.num_sweeps >= cfg.max_sweeps {
+            let message = format!("a sweep still changes values by {residual:e}, wanted {wanted:e}");
+            return Err(stage_error(message, "Raise `max_sweeps` or `epsilon`, or lower `discount`."));
+        }
+        solution.values.iter_mut().zip(&ranked).for_each(|(v, r)| *v = r.scores[0]);
+    }
+}
+
+/// Best actions at the centres of an adaptive policy's cells, best first (values.len() * num_choices).
+///
+/// # Errors
+/// [`BuildError::Stage`] where the solution does not fit the model.
+pub(super) fn best_actions(
+    model: &ActionModel,
+    solution: &mut Solution,
+    num_choices: u32,
+) -> Result<Vec<u8>, BuildError> {
+    solution.record.num_choices = 1;
+    let ranked = rank_all(&solution.table(model, &vec![0; solution.values.len()])?);
+    solution.record.num_choices = num_choices;
+    Ok(ranked.iter().flat_map(|r| r.actions[..num_choices as usize].to_vec()).collect())
+}
+
+/// Ranks the actions of every (state, cell).
+fn rank_all(table: &PolicyTable) -> Vec<RankedActions> {
+    let states: Vec<u32> = (0..table.actions().num_states() as u32).collect();
+    let ranked: Vec<Vec<RankedActions>> = states.par_iter().map(|&state| rank_state(table, state)).collect();
+    ranked.concat()
+}
+
+fn rank_state(table: &PolicyTable, state: u32) -> Vec<RankedActions> {
+    let grid = table.grid_of(state);
+    let n = grid.num_cells();
+    let targets: Vec<_> = (0..n).map(|c| grid.cell_centre(c) + table.centre()).collect();
+    let (states, weights) = (vec![state; n], vec![1.0; n]);
+    let mut ranked = vec![RankedActions::NONE; n];
+    let goals = [Goal { policy: table, weights: &weights, targets: &targets }];
+    let job = LookAheadJob { goals: &goals, states: &states, ranked: &mut ranked };
+    job.run().expect("slices have one length, states exist and centres are finite");
+    ranked
+}

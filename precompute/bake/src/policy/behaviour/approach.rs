@@ -1,0 +1,228 @@
+//! Coming to a target and staying there.
+
+use super::super::config::{AdaptiveConfig, BehaviourConfig, CentreConfig, KernelConfig, RewardForm};
+use super::super::model::SegmentMotion;
+use super::Behaviour;
+use glam::Vec2;
+use throng_core::Planar;
+use throng_core::policy::{RegionRecord, Reward, SegmentRecord, TargetGrid};
+use throng_motion::error::BuildError;
+
+/// Come to the target and stay there.
+///
+/// The default reward is the discounted *time* spent near: (1 - discount) * sum over the action's frames t of
+/// discount^t * exp(-distance(t) / scale), a little more where the character stands. Standing on the target for ever is
+/// then worth exactly 1, whatever the lengths of the actions that do it. Turning on the spot is not standing. Lee and
+/// Lee (2004), equation 5, pay each *action* once, by its best moment; an optimal policy then prefers many short
+/// actions to few long ones, and has no reason to stand. [`RewardForm::Max`] gives that form.
+///
+/// Either is evaluated at four moments: start, one third, two thirds, end. For the sum, the distance's kernel is
+/// taken as linear in time between them, which gives four weights that already hold discount and standing. p(t) is the
+/// root's path over ground, or with [`CentreConfig::Hits`] that of the centroid of the effective hitting points, as
+/// Lee and Lee do.
+#[derive(Clone, Debug)]
+pub struct Approach {
+    config: BehaviourConfig,
+    form: RewardForm,
+    centre: Vec2,
+    grid: TargetGrid,
+    region: RegionRecord,
+    reward: Reward,
+    discount: f64,
+    rate_hz: f64,
+}
+
+impl Approach {
+    /// - `rate_hz`: of the database (Hz, > 0).
+    /// - `hit_centre`: centroid of the effective hitting points in the character's frame (x, z), if there are any
+    ///   (m).
+    ///
+    /// # Errors
+    /// [`BuildError::Config`] names the key that is out of its range.
+    pub fn new(config: &BehaviourConfig, rate_hz: f64, hit_centre: Option<Vec2>) -> Result<Self, BuildError> {
+        let c = config;
+        c.check()?;
+        let form = c.reward.unwrap_or(RewardForm::Integral);
+        if form == RewardForm::Sum {
+            return Err(c.fault("reward", "the kind `approach` has `integral` and `max`"));
+        }
+        let centre = match c.centre {
+            CentreConfig::Root => Vec2::ZERO,
+            CentreConfig::Place([x, z]) if x.abs() < 100.0 && z.abs() < 100.0 => Vec2::new(x as f32, z as f32),
+            CentreConfig::Place(_) => return Err(c.fault("centre", "expected two lengths below 100 m")),
+            CentreConfig::Hits => hit_centre.ok_or_else(|| {
+                c.fault(
+                    "centre",
+                    "the database has no effective hits. Add clips with blows, lower `annotate.hits`, or choose `root`",
+                )
+            })?,
+        };
+        Ok(Self {
+            grid: c.grid.make_polar(&c.name)?,
+            region: c.region.make(&c.name, false, RegionRecord::EVERYWHERE)?,
+            reward: c.make_reward(form, KernelConfig::Exponential, 1.5, 1.0)?,
+            discount: c.discount_at(rate_hz),
+            config: config.clone(),
+            form,
+            centre,
+            rate_hz,
+        })
+    }
+
+    /// Where what is to come to the target is at a moment, around where it was (m).
+    fn place_at(&self, motion: &SegmentMotion, moment: f32) -> Vec2 {
+        let heading = motion.path[(moment.round() as usize).min(motion.path.len() - 1)].heading;
+        let turned = Planar::new(0.0, 0.0, heading).transform_point(self.centre);
+        motion.position_at(moment) + turned - self.centre
+    }
+
+    /// Weights of the four moments: discounted time, shared between the two moments around each frame.
+    fn time_weights(&self, motion: &SegmentMotion) -> [f32; 4] {
+        let c = &self.config;
+        let mut weights = [0.0f64; 4];
+        let mut factor = (1.0 - self.discount) / (1.0 + c.stand_bonus);
+        for frame in 0..motion.num_frames as usize {
+            let slowness = (-(motion.speed(frame, self.rate_hz) / c.stand_speed).powi(2)).exp();
+            let weight = factor * (1.0 + c.stand_bonus * slowness);
+            let moment = 3.0 * frame as f64 / f64::from(motion.num_frames);
+            let low = moment as usize;
+            weights[low] += weight * (1.0 - (moment - low as f64));
+            weights[low + 1] += weight * (moment - low as f64);
+            factor *= self.discount;
+        }
+        weights.map(|w| w as f32)
+    }
+}
+
+impl Behaviour for Approach {
+    fn name(&self) -> &str {
+        &self.config.name
+    }
+
+    fn grid(&self) -> TargetGrid {
+        self.grid
+    }
+
+    fn reward(&self) -> Reward {
+        self.reward
+    }
+
+    fn discount(&self) -> f64 {
+        self.discount
+    }
+
+    fn sample(&self, _segment: usize, motion: &SegmentMotion, record: &mut SegmentRecord) {
+        let n = motion.num_frames as f32;
+        let (a, b) = (self.place_at(motion, n / 3.0), self.place_at(motion, 2.0 * n / 3.0));
+        record.inner = [a.x, a.y, b.x, b.y];
+        record.weights = match self.form {
+            RewardForm::Integral => self.time_weights(motion),
+            _ => [0.0, 1.0, 2.0, 3.0].map(|k| self.discount.powf(f64::from(motion.num_frames) * k / 3.0) as f32),
+        };
+    }
+
+    fn region(&self) -> RegionRecord {
+        self.region
+    }
+
+    fn adaptive(&self) -> Option<AdaptiveConfig> {
+        self.config.grid.adaptive
+    }
+
+    fn centre(&self) -> Vec2 {
+        self.centre
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::segment_records;
+    use super::*;
+
+    fn straight(num_frames: u32, speed: f32) -> SegmentMotion {
+        let length = speed * num_frames as f32 / 30.0;
+        SegmentMotion {
+            end: 0,
+            num_frames,
+            displacement: Planar::new(0.0, length, 0.0),
+            path: (0..=num_frames).map(|f| Planar::new(0.0, length * f as f32 / num_frames as f32, 0.0)).collect(),
+        }
+    }
+
+    fn record(config: &BehaviourConfig, motion: &SegmentMotion) -> (Approach, SegmentRecord) {
+        let b = Approach::new(config, 30.0, None).expect("a valid behaviour");
+        let r = segment_records(&b, std::slice::from_ref(motion))[0];
+        (b, r)
+    }
+
+    #[test]
+    fn standing_on_the_target_is_paid_by_time_alone() {
+        for n in [1, 2, 7, 30, 200] {
+            let (b, r) = record(&BehaviourConfig::default(), &straight(n, 0.0));
+            let reward = b.reward().of_segment::<true>(&r, glam::Vec3::ZERO, 1.0, 0.0);
+            let value = f64::from(reward) / (1.0 - b.discount().powi(n as i32));
+            assert!((value - 1.0).abs() < 1e-5, "{n} frames: {value}");
+        }
+    }
+
+    #[test]
+    fn four_moments_come_close_to_the_sum_over_all_frames() {
+        let config = BehaviourConfig { stand_bonus: 0.0, ..BehaviourConfig::default() };
+        for (n, speed) in [(5, 1.4f32), (20, 1.4), (40, 1.4), (12, 3.0)] {
+            let motion = straight(n, speed);
+            let (b, r) = record(&config, &motion);
+            for z in [-3.0f32, 0.3, 1.0, 2.0, 6.0] {
+                let target = glam::Vec3::new(0.4, 0.0, z);
+                let [_, _, end] = r.target_after(target);
+                let got = f64::from(b.reward().of_segment::<true>(&r, target, b.reward().kernel(target.length()), end));
+                let exact: f64 = (0..n)
+                    .map(|f| {
+                        let d = motion.position_at(f as f32).distance(Vec2::new(0.4, z));
+                        (1.0 - b.discount()) * b.discount().powi(f as i32) * f64::from(-d / 1.5).exp()
+                    })
+                    .sum();
+                assert!((got - exact).abs() < 0.06 * exact, "{n} frames, {z} m: {got} {exact}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_grid_around_a_centre_sees_the_target_from_there() {
+        let turning = |f: u32| Planar::new(0.02 * f as f32, 0.05 * f as f32, 0.06 * f as f32);
+        let path: Vec<Planar> = (0..=12).map(turning).collect();
+        let motion = SegmentMotion { end: 0, num_frames: 12, displacement: path[12], path };
+        let config = BehaviourConfig { centre: CentreConfig::Hits, ..BehaviourConfig::default() };
+        let centre = Vec2::new(0.1, 0.7);
+        let b = Approach::new(&config, 30.0, Some(centre)).expect("a valid behaviour");
+        let r = segment_records(&b, std::slice::from_ref(&motion))[0];
+        let target = Vec2::new(-0.6, 1.9);
+        let seen = target - centre;
+        let [x, z, distance] = r.target_after(glam::Vec3::new(seen.x, 0.0, seen.y));
+        let after = motion.displacement.inverse_transform_point(target) - centre;
+        assert!(Vec2::new(x, z).distance(after) < 1e-5 && (distance - after.length()).abs() < 1e-5);
+        for (k, moment) in [4, 8].into_iter().enumerate() {
+            let place = motion.path[moment].transform_point(centre);
+            let inner = Vec2::new(r.inner[2 * k], r.inner[2 * k + 1]);
+            assert!((inner.distance(seen) - place.distance(target)).abs() < 1e-5, "moment {moment}");
+        }
+        assert!(Approach::new(&config, 30.0, None).expect_err("no hits").to_string().contains("annotate.hits"));
+    }
+
+    #[test]
+    fn discount_follows_the_rate() {
+        let config = BehaviourConfig::default();
+        let at = |rate| Approach::new(&config, rate, None).expect("a valid behaviour").discount();
+        assert!((at(15.0) - 0.985f64.powi(2)).abs() < 1e-12 && (at(60.0).powi(2) - 0.985).abs() < 1e-12);
+    }
+
+    #[test]
+    fn refuses_numbers_out_of_range_by_name() {
+        let config = BehaviourConfig { discount: 1.0, ..BehaviourConfig::default() };
+        let message = Approach::new(&config, 30.0, None).expect_err("out of range").to_string();
+        assert!(message.contains("`discount`") && message.contains("0.9999"), "{message}");
+        let mut config = BehaviourConfig::default();
+        config.grid.rings = Some(0);
+        let message = Approach::new(&config, 30.0, None).expect_err("out of range").to_string();
+        assert!(message.contains("key `grid.rings`: expected 2 to 4096, found 0"), "{message}");
+    }
+}

@@ -1,0 +1,141 @@
+//! Evading a blow: the opponent's motion is part of the state.
+//!
+//! The boxers of Lee and Lee (2004) train against a target that stands; their discussion asks for policies learned from
+//! sparring. Here the opponent's motion is reduced to where the blow will land and the time left until then, which are
+//! the axes of a space-time grid.
+
+use super::super::config::{BehaviourConfig, KernelConfig, RewardForm, without_advice};
+use super::super::model::SegmentMotion;
+use super::Behaviour;
+use crate::graph::MotionGraph;
+use glam::Vec3;
+use rayon::prelude::*;
+use throng_core::policy::{PATH_POINTS, PathRecord, RegionRecord, Reward, RewardRecord, SegmentRecord, TargetGrid};
+use throng_core::{Joint, Skeleton};
+use throng_motion::clip::ClipSet;
+use throng_motion::error::BuildError;
+
+/// Be away from the place where a blow lands, at the moment it does.
+///
+/// The reward of an action is `gain * discount^t * kernel(distance)` where the blow lands during it, at time t, with
+/// the distance of the guarded point from the blow's place; a negative gain makes being hit a loss. Values where
+/// nothing comes are 0, so that the behaviour adds nothing to others then.
+#[derive(Clone, Debug)]
+pub struct Evade {
+    config: BehaviourConfig,
+    grid: TargetGrid,
+    region: RegionRecord,
+    reward: Reward,
+    discount: f64,
+    paths: Vec<PathRecord>,
+}
+
+impl Evade {
+    /// # Errors
+    /// [`BuildError::Config`] names the key that is out of its range.
+    pub fn new(config: &BehaviourConfig, clips: &ClipSet, graph: &MotionGraph) -> Result<Self, BuildError> {
+        let c = config;
+        c.check()?;
+        if c.reward.is_some_and(|r| r != RewardForm::Max) {
+            return Err(c.fault("reward", "the kind `evade` has `max` alone: one blow lands at one moment"));
+        }
+        let joint = Joint::from_name(&c.point).ok_or_else(|| {
+            c.fault("point", format!("there is no joint `{}`; expected names such as `head`, `upper_chest`", c.point))
+        })?;
+        let rate_hz = clips.clips.first().map_or(30.0, |c| c.rate_hz);
+        let paths = paths(clips, graph, joint);
+        let height = c.height.unwrap_or_else(|| median_height(&paths));
+        let grid = c.grid.make_space_time(&c.name)?;
+        let r = grid.record();
+        let horizon = r.height_spacing * (r.num_heights - 1) as f32;
+        let default =
+            RegionRecord { distance: [0.0, grid.radius()], height: [0.0, horizon], ..RegionRecord::EVERYWHERE };
+        let reward = c.make_reward(RewardForm::Max, KernelConfig::Exponential, 0.2, -1.0)?;
+        let reward = RewardRecord { height: height as f32, ..*reward.record() };
+        Ok(Self {
+            region: c.region.make(&c.name, true, default)?,
+            reward: Reward::new(reward).map_err(|e| c.fault("height", without_advice(&e)))?,
+            discount: c.discount_at(rate_hz),
+            config: config.clone(),
+            grid,
+            paths,
+        })
+    }
+}
+
+/// The way of a joint over every segment (num_segments).
+fn paths(clips: &ClipSet, graph: &MotionGraph, joint: Joint) -> Vec<PathRecord> {
+    let starts = clips.frame_starts();
+    let offset = guarded_offset(&clips.skeleton, joint);
+    let path = |s: &crate::graph::Segment| {
+        let clip = starts.partition_point(|&f| f <= s.start.0) - 1;
+        let first = (s.start.0 - starts[clip]) as usize;
+        let clip = &clips.clips[clip];
+        let to_start = clip.planar(first).inverse();
+        let at = |frame: usize| {
+            let (p, r) = clip.joint_transforms(&clips.skeleton, frame)[joint.index()];
+            to_start.translation() + to_start.rotation() * (p + r * offset)
+        };
+        let points = std::array::from_fn(|k| {
+            let t = k as f32 * s.num_frames as f32 / (PATH_POINTS - 1) as f32;
+            let low = (t as usize).min(s.num_frames as usize - 1);
+            at(first + low).lerp(at(first + low + 1), t - low as f32).to_array()
+        });
+        PathRecord { points, duration_s: s.num_frames as f32 / clip.rate_hz as f32 }
+    };
+    graph.segments.par_iter().map(path).collect()
+}
+
+/// The middle of the head, or the joint itself (m).
+fn guarded_offset(skeleton: &Skeleton, joint: Joint) -> Vec3 {
+    if joint == Joint::Head { 0.5 * skeleton.tips[0] } else { Vec3::ZERO }
+}
+
+/// Median height of the point at the starts of segments (m).
+fn median_height(paths: &[PathRecord]) -> f64 {
+    let mut heights: Vec<f32> = paths.iter().map(|p| p.points[0][1]).collect();
+    heights.sort_by(f32::total_cmp);
+    heights.get(heights.len() / 2).map_or(1.5, |&h| f64::from(h))
+}
+
+impl Behaviour for Evade {
+    fn name(&self) -> &str {
+        &self.config.name
+    }
+
+    fn grid(&self) -> TargetGrid {
+        self.grid
+    }
+
+    fn reward(&self) -> Reward {
+        self.reward
+    }
+
+    fn discount(&self) -> f64 {
+        self.discount
+    }
+
+    fn sample(&self, _: usize, _: &SegmentMotion, _: &mut SegmentRecord) {}
+
+    fn region(&self) -> RegionRecord {
+        self.region
+    }
+
+    fn paths(&self) -> &[PathRecord] {
+        &self.paths
+    }
+
+    fn check_values(&self, values: &[f32]) -> Result<(), BuildError> {
+        if values.iter().any(|&v| v != 0.0) {
+            return Ok(());
+        }
+        Err(BuildError::Stage {
+            stage: "policy",
+            message: format!(
+                "behaviour \"{}\": no blow in its grid ever comes near `{}`",
+                self.config.name, self.config.point
+            ),
+            help: "Raise `scale`, or set `height` to where blows land.".into(),
+        })
+    }
+}

@@ -1,0 +1,82 @@
+//! Behaviours: a grid of target cells and a reward (Lee and Lee 2004, sections 4.1 and 6).
+
+mod approach;
+mod evade;
+mod throw_punches;
+
+use super::config::AdaptiveConfig;
+use super::model::SegmentMotion;
+pub use approach::Approach;
+pub use evade::Evade;
+use glam::Vec2;
+use throng_core::Planar;
+use throng_core::policy::{PathRecord, RegionRecord, Reward, SegmentRecord, TargetGrid};
+use throng_motion::error::BuildError;
+pub use throw_punches::{SegmentHit, ThrowPunches, segment_hits};
+
+/// What a policy is solved for.
+///
+/// The reward is a function the runtime evaluates too, for any target: a weighted kernel of the distances to four
+/// samples of the action's motion, or in a space-time grid of the distance to its path. A behaviour says which
+/// samples and weights a segment has.
+pub trait Behaviour: Sync {
+    /// Name of the policy; unique in a bundle.
+    fn name(&self) -> &str;
+    /// Cells of the target.
+    fn grid(&self) -> TargetGrid;
+    /// Kernel of the distance, and how samples are combined.
+    fn reward(&self) -> Reward;
+    /// Discount per frame at the database rate (> 0, < 1).
+    fn discount(&self) -> f64;
+    /// Sets the reward's samples: `inner`, `heights` and `weights` of `record`; the rest is set already.
+    ///
+    /// - `segment`: its index, for what a behaviour knows of segments beyond their path.
+    /// - places are around [`Self::centre`].
+    fn sample(&self, segment: usize, motion: &SegmentMotion, record: &mut SegmentRecord);
+
+    /// Where it is active, in the character's frame.
+    fn region(&self) -> RegionRecord {
+        RegionRecord::EVERYWHERE
+    }
+
+    /// What the grid is around, in the character's frame: x, z (m).
+    fn centre(&self) -> Vec2 {
+        Vec2::ZERO
+    }
+
+    /// In a space-time grid, the way of the point that is to be away (num_segments, else 0).
+    fn paths(&self) -> &[PathRecord] {
+        &[]
+    }
+
+    /// Where every state is to have a resolution of its own: the memory for that. Not in a space-time grid.
+    fn adaptive(&self) -> Option<AdaptiveConfig> {
+        None
+    }
+
+    /// Checks solved values: a behaviour that can never be rewarded is a mistake.
+    ///
+    /// # Errors
+    /// [`BuildError::Stage`] that says what to change.
+    fn check_values(&self, _values: &[f32]) -> Result<(), BuildError> {
+        Ok(())
+    }
+}
+
+/// Geometry and discount of every segment, with the samples of a behaviour.
+pub fn segment_records(behaviour: &dyn Behaviour, segments: &[SegmentMotion]) -> Vec<SegmentRecord> {
+    let centre = behaviour.centre();
+    let to_centre = Planar::new(centre.x, centre.y, 0.0);
+    let record = |(i, motion): (usize, &SegmentMotion)| {
+        let d = to_centre.inverse().compose(motion.displacement.compose(to_centre));
+        let mut record = SegmentRecord {
+            displacement: [d.heading.cos(), d.heading.sin(), d.x, d.z],
+            discount: behaviour.discount().powi(motion.num_frames as i32) as f32,
+            end: motion.end,
+            ..SegmentRecord::default()
+        };
+        behaviour.sample(i, motion, &mut record);
+        record
+    };
+    segments.iter().enumerate().map(record).collect()
+}

@@ -1,0 +1,277 @@
+//! Effective hits on a target in space: punches, kicks, and whatever tags say (Lee and Lee 2004, equations 2 and 6).
+
+use super::super::config::{AdaptiveConfig, BehaviourConfig, BehaviourKind, KernelConfig, RewardForm};
+use super::super::model::SegmentMotion;
+use super::Behaviour;
+use crate::graph::MotionGraph;
+use glam::Vec3;
+use throng_core::policy::{RegionRecord, Reward, SegmentRecord, TargetGrid};
+use throng_core::{Joint, Planar};
+use throng_motion::clip::ClipSet;
+use throng_motion::error::BuildError;
+
+/// An effective hit within a segment.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SegmentHit {
+    /// Frame within the segment (1 to num_frames).
+    pub frame: u32,
+    /// Name of its kind.
+    pub kind: String,
+    /// The joint that strikes.
+    pub joint: Joint,
+    /// Place in the frame of the segment's start; Y above the ground (m).
+    pub place: Vec3,
+    /// Place in the frame of the hit itself (m).
+    pub own_place: Vec3,
+    /// (> 0, <= 1)
+    pub force: f32,
+}
+
+/// The effective hits of every segment, after its first frame and up to its last (num_segments).
+pub fn segment_hits(clips: &ClipSet, graph: &MotionGraph) -> Vec<Vec<SegmentHit>> {
+    let starts = clips.frame_starts();
+    let of_segment = |s: &crate::graph::Segment| {
+        let clip = starts.partition_point(|&f| f <= s.start.0) - 1;
+        let first = (s.start.0 - starts[clip]) as usize;
+        let clip = &clips.clips[clip];
+        let root = clip.planar(first);
+        let within = clip.hits.iter().filter(|h| h.frame > first && h.frame <= first + s.num_frames as usize);
+        within
+            .map(|h| {
+                let at = root.to_local(clip.planar(h.frame));
+                SegmentHit {
+                    frame: (h.frame - first) as u32,
+                    kind: h.kind.name().to_owned(),
+                    joint: h.joint,
+                    place: place(at, h.position),
+                    own_place: h.position,
+                    force: h.force,
+                }
+            })
+            .collect()
+    };
+    graph.segments.iter().map(of_segment).collect()
+}
+
+/// A place of a frame as seen from where the frame is seen from.
+fn place(frame: Planar, p: Vec3) -> Vec3 {
+    frame.translation() + frame.rotation() * p
+}
+
+/// Throw blows that land on the target.
+///
+/// An action's reward is the largest of `discount^t * force * I` over its effective hits, with I = 1 where the hit is
+/// within `scale` of the target (Lee and Lee 2004, equations 2 and 6), or their sum. An action keeps its two strongest
+/// hits.
+#[derive(Clone, Debug)]
+pub struct ThrowPunches {
+    config: BehaviourConfig,
+    grid: TargetGrid,
+    region: RegionRecord,
+    reward: Reward,
+    discount: f64,
+    /// The two strongest of each segment: weight and place.
+    blows: Vec<[(f32, Vec3); 2]>,
+    /// Least and greatest (angle, distance, height) of all.
+    reach: [Vec3; 2],
+}
+
+impl ThrowPunches {
+    /// - `rate_hz`: of the database (Hz, > 0).
+    /// - `hits`: of every segment, see [`segment_hits`] (num_segments).
+    ///
+    /// # Errors
+    /// [`BuildError::Config`] names the key that is out of its range, or that leaves no hit at all.
+    pub fn new(config: &BehaviourConfig, rate_hz: f64, hits: &[Vec<SegmentHit>]) -> Result<Self, BuildError> {
+        let c = config;
+        debug_assert_eq!(c.kind, BehaviourKind::ThrowPunches);
+        c.check()?;
+        let form = c.reward.unwrap_or(RewardForm::Max);
+        if form == RewardForm::Integral {
+            return Err(c.fault("reward", "the kind `throw_punches` has `max` and `sum`"));
+        }
+        let joints = joints(c)?;
+        let counts = |h: &&SegmentHit| {
+            (c.hits.is_empty() || c.hits.contains(&h.kind)) && (joints.is_empty() || joints.contains(&h.joint))
+        };
+        let discount = c.discount_at(rate_hz);
+        let strongest = |hits: &Vec<SegmentHit>| {
+            let mut all: Vec<(f32, Vec3)> =
+                hits.iter().filter(counts).map(|h| (h.force * discount.powi(h.frame as i32) as f32, h.place)).collect();
+            all.sort_by(|a, b| b.0.total_cmp(&a.0));
+            [0, 1].map(|k| all.get(k).copied().unwrap_or_default())
+        };
+        let reach = reach(hits.iter().flatten().filter(counts)).ok_or_else(|| nothing_counts(c, hits))?;
+        let grid = c.grid.make_cylinder(&c.name, reach)?;
+        let default = region_of(&grid, reach);
+        Ok(Self {
+            region: c.region.make(&c.name, false, default)?,
+            reward: c.make_reward(form, KernelConfig::Within, 0.15, 1.0)?,
+            blows: hits.iter().map(strongest).collect(),
+            config: config.clone(),
+            grid,
+            discount,
+            reach,
+        })
+    }
+}
+
+/// The joints that count, by name.
+fn joints(c: &BehaviourConfig) -> Result<Vec<Joint>, BuildError> {
+    let of_name = |name: &String| {
+        Joint::from_name(name).ok_or_else(|| {
+            c.fault("joints", format!("there is no joint `{name}`; expected names such as `left_hand`, `right_foot`"))
+        })
+    };
+    c.joints.iter().map(of_name).collect()
+}
+
+/// Bounding volume of hits, each as seen from where the character is when it lands: (angle, distance, height).
+fn reach<'a>(hits: impl Iterator<Item = &'a SegmentHit>) -> Option<[Vec3; 2]> {
+    let coordinates = |h: &SegmentHit| {
+        let p = h.own_place;
+        Vec3::new(p.x.atan2(p.z), p.x.hypot(p.z), p.y)
+    };
+    hits.map(coordinates)
+        .fold(None, |bounds: Option<[Vec3; 2]>, p| Some(bounds.map_or([p, p], |[low, high]| [low.min(p), high.max(p)])))
+}
+
+fn nothing_counts(c: &BehaviourConfig, hits: &[Vec<SegmentHit>]) -> BuildError {
+    let total = hits.iter().flatten().count();
+    if total == 0 {
+        return c.fault(
+            "kind",
+            "the motion graph plays no effective hit. Add clips with punches or kicks, lower the thresholds in \
+             `annotate.hits`, mark hits in sidecar files, or leave this behaviour out",
+        );
+    }
+    let mut kinds: Vec<&str> = hits.iter().flatten().map(|h| h.kind.as_str()).collect();
+    kinds.sort_unstable();
+    kinds.dedup();
+    let found = kinds.join(", ");
+    c.fault("hits", format!("none of the {total} effective hits is of these kinds and joints; there are {found}"))
+}
+
+/// The volume that a cylinder grid covers; with one height, those of the hits.
+fn region_of(grid: &TargetGrid, reach: [Vec3; 2]) -> RegionRecord {
+    let last = grid.cell_coordinates(grid.num_cells() - 1);
+    let first = grid.cell_coordinates(0);
+    RegionRecord {
+        angle: [first.x, last.x],
+        distance: [first.y, last.y],
+        height: if last.z > first.z { [first.z, last.z] } else { reach.map(|r| r.z) },
+    }
+}
+
+impl Behaviour for ThrowPunches {
+    fn name(&self) -> &str {
+        &self.config.name
+    }
+
+    fn grid(&self) -> TargetGrid {
+        self.grid
+    }
+
+    fn reward(&self) -> Reward {
+        self.reward
+    }
+
+    fn discount(&self) -> f64 {
+        self.discount
+    }
+
+    fn sample(&self, segment: usize, _: &SegmentMotion, record: &mut SegmentRecord) {
+        for (k, (weight, place)) in self.blows[segment].into_iter().enumerate() {
+            (record.inner[2 * k], record.inner[2 * k + 1], record.heights[k]) = (place.x, place.z, place.y);
+            record.weights[1 + k] = weight;
+        }
+    }
+
+    fn region(&self) -> RegionRecord {
+        self.region
+    }
+
+    fn adaptive(&self) -> Option<AdaptiveConfig> {
+        self.config.grid.adaptive
+    }
+
+    fn check_values(&self, values: &[f32]) -> Result<(), BuildError> {
+        if values.iter().any(|&v| v != 0.0) {
+            return Ok(());
+        }
+        let [low, high] = self.reach;
+        let (first, last) = (self.grid.cell_coordinates(0), self.grid.cell_coordinates(self.grid.num_cells() - 1));
+        let volume = |a: Vec3, b: Vec3| {
+            format!("{:.2} to {:.2} rad, {:.2} to {:.2} m, {:.2} to {:.2} m high", a.x, b.x, a.y, b.y, a.z, b.z)
+        };
+        Err(BuildError::Stage {
+            stage: "policy",
+            message: format!(
+                "behaviour \"{}\": no hit comes near any cell of its grid. The grid covers {}; hits land at {}",
+                self.config.name,
+                volume(first, last),
+                volume(low, high)
+            ),
+            help: "Change `grid.bounds` so that it covers the hits, or raise `scale`.".into(),
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn hit(frame: u32, place: Vec3, force: f32) -> SegmentHit {
+        SegmentHit { frame, kind: "punch".into(), joint: Joint::LeftHand, place, own_place: place, force }
+    }
+
+    fn config() -> BehaviourConfig {
+        BehaviourConfig { name: "p".into(), kind: BehaviourKind::ThrowPunches, ..BehaviourConfig::default() }
+    }
+
+    #[test]
+    fn keeps_the_two_strongest_hits_discounted() {
+        let hits = [vec![
+            hit(2, Vec3::new(0.0, 1.4, 0.6), 0.5),
+            hit(6, Vec3::new(0.2, 1.5, 0.8), 1.0),
+            hit(9, Vec3::new(0.3, 1.2, 1.0), 0.9),
+        ]];
+        let b = ThrowPunches::new(&config(), 30.0, &hits).expect("a valid behaviour");
+        let motion =
+            SegmentMotion { end: 0, num_frames: 9, displacement: Planar::IDENTITY, path: vec![Planar::IDENTITY; 10] };
+        let r = super::super::segment_records(&b, &[motion])[0];
+        let weight = |force: f32, frame: i32| force * 0.985f64.powi(frame) as f32;
+        assert_eq!(r.weights, [0.0, weight(1.0, 6), weight(0.9, 9), 0.0]);
+        assert_eq!((r.inner, r.heights), ([0.2, 0.8, 0.3, 1.0], [1.5, 1.2]));
+        // The region covers all three, but for what rounding leaves out.
+        let r = b.region();
+        let wide = |[low, high]: [f32; 2]| [low - 1e-4, high + 1e-4];
+        let wide = RegionRecord { distance: wide(r.distance), angle: wide(r.angle), height: wide(r.height) };
+        assert!(hits[0].iter().all(|h| wide.contains(h.place)), "{wide:?}");
+        assert!(!wide.contains(Vec3::new(0.0, 1.4, 0.4)) && !wide.contains(Vec3::new(0.0, 1.7, 0.7)));
+        // With one height, heights are those of the hits all the same.
+        let mut flat = config();
+        flat.grid.heights = Some(1);
+        let flat = ThrowPunches::new(&flat, 30.0, &hits).expect("a valid behaviour");
+        assert_eq!(flat.region().height, [1.2, 1.5]);
+    }
+
+    #[test]
+    fn says_what_to_change_where_nothing_can_be_hit() {
+        let message = |c: &BehaviourConfig, hits: &[Vec<SegmentHit>]| {
+            ThrowPunches::new(c, 30.0, hits).expect_err("no hits").to_string()
+        };
+        assert!(message(&config(), &[vec![]]).contains("annotate.hits"));
+        let hits = [vec![hit(3, Vec3::new(0.0, 1.4, 0.6), 1.0)]];
+        let kicks = BehaviourConfig { hits: vec!["kick".into()], ..config() };
+        assert!(message(&kicks, &hits).contains("there are punch"));
+        let joints = BehaviourConfig { joints: vec!["tail".into()], ..config() };
+        assert!(message(&joints, &hits).contains("`tail`"));
+        let mut far = config();
+        far.grid.bounds.distance_m = Some([5.0, 6.0]);
+        let b = ThrowPunches::new(&far, 30.0, &hits).expect("a valid grid");
+        let fault = b.check_values(&[0.0; 8]).expect_err("out of reach").to_string();
+        assert!(fault.contains("5.00 to 6.00 m") && fault.contains("grid.bounds"), "{fault}");
+        assert!(b.check_values(&[0.0, 0.1]).is_ok());
+    }
+}

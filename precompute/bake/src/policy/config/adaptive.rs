@@ -1,0 +1,47 @@
+//! Resolution that follows the values.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use throng_motion::error::BuildError;
+
+/// A resolution for every state: fine where its values change fast, coarse where they do not (Lee and Lee 2004, section
+/// 7).
+///
+/// The policy is solved with the grid's counts everywhere, which are the finest; then every state gets a smaller grid
+/// over the same places, and values fitted to it. Cells are spent where they lower the error most.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct AdaptiveConfig {
+    /// Memory that values and best actions may take, as a share of what they take with the finest grid everywhere.
+    /// (> 0, <= 1)
+    pub share: f64,
+    /// Error of a state's values, as a root mean square over the finest cells, below which it gets no finer grid even
+    /// where there is memory left (>= 0).
+    pub tolerance: f64,
+}
+
+impl Default for AdaptiveConfig {
+    fn default() -> Self {
+        Self { share: 0.25, tolerance: 0.0 }
+    }
+}
+
+impl AdaptiveConfig {
+    /// Checks the numbers.
+    ///
+    /// # Errors
+    /// [`BuildError::Config`] names the key that is out of its range.
+    pub(super) fn check(&self, behaviour: &str) -> Result<(), BuildError> {
+        let fault = |key: &str, why: String| {
+            let message = format!("behaviour \"{behaviour}\", key `grid.adaptive.{key}`: {why}");
+            Err(BuildError::Config { message })
+        };
+        if !(self.share > 0.0 && self.share <= 1.0) {
+            return fault("share", format!("{} is not above 0 and up to 1", self.share));
+        }
+        if !(0.0..1e6).contains(&self.tolerance) {
+            return fault("tolerance", format!("{} is not an error of values, 0 or more", self.tolerance));
+        }
+        Ok(())
+    }
+}

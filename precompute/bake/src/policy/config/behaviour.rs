@@ -1,0 +1,254 @@
+//! One behaviour, as the configuration describes it.
+
+use super::{CentreConfig, GridConfig, RegionConfig, without_advice};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use throng_core::policy::{
+    COMBINE_MAX, COMBINE_SUM, KERNEL_EXPONENTIAL, KERNEL_WITHIN, PolicyError, Reward, RewardRecord,
+};
+use throng_motion::error::BuildError;
+
+/// One behaviour: what is rewarded, over which cells of the target, and where it is active.
+///
+/// Its kind says what is looked at: where the character is (`approach`), which blows it throws (`throw_punches`),
+/// where it is when a blow lands (`evade`). A behaviour of one's own is one of these with other numbers: keeping
+/// away (`gain = -1`), keeping a distance (`offset`), kicking (`hits = ["kick"]`), grasping by tags, guarding
+/// another joint (`point`).
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct BehaviourConfig {
+    /// Name of the policy in the bundle; unique, not empty.
+    pub name: String,
+    /// What is looked at.
+    pub kind: BehaviourKind,
+    /// Cells of the target.
+    pub grid: GridConfig,
+    /// Where the behaviour is active.
+    pub region: RegionConfig,
+    /// Discount per frame at 30 Hz, whatever the database rate; 0.97 of Lee and Lee (2004) at 15 Hz is 0.985 here.
+    /// (0.5 to 0.9999)
+    pub discount: f64,
+    /// How moments of an action become its reward; `integral` for `approach` and `max` for `throw_punches` where
+    /// absent.
+    pub reward: Option<RewardForm>,
+    /// How a distance is paid; `exponential` for `approach` and `evade`, `within` for `throw_punches` where absent.
+    pub kernel: Option<KernelConfig>,
+    /// Distance at which nearness has fallen to 1/e, or up to which it counts; 1.5 for `approach`, 0.15 for
+    /// `throw_punches`, 0.2 for `evade` where absent (m, > 0).
+    pub scale: Option<f64>,
+    /// Distance that is paid best, in place of the target itself (m, 0 to 100).
+    pub offset: f64,
+    /// Factor on the reward, negative to avoid; 1, and -1 for `evade`, where absent (-100 to 100).
+    pub gain: Option<f64>,
+    /// For `approach`: what is to come to the target.
+    pub centre: CentreConfig,
+    /// For `approach` with `integral`: how much more a moment counts in which the character stands, as a share.
+    /// (0 to 1)
+    pub stand_bonus: f64,
+    /// Speed, over ground or of the feet in a turn on the spot, at which most of that bonus is gone (m/s).
+    /// (> 0)
+    pub stand_speed: f64,
+    /// For `throw_punches`: kinds of hits that count (`punch`, `kick`, names of tags); all where empty.
+    pub hits: Vec<String>,
+    /// For `throw_punches`: joints that count (`left_hand`, ...); all where empty.
+    pub joints: Vec<String>,
+    /// For `evade`: the joint that is not to be hit; `head` stands for its middle.
+    pub point: String,
+    /// For `evade`: height at which blows land; that of the point when the character stands at ease, as the median
+    /// over the database, where absent (m, -10 to 10).
+    pub height: Option<f64>,
+}
+
+impl Default for BehaviourConfig {
+    fn default() -> Self {
+        Self {
+            name: "approach".into(),
+            kind: BehaviourKind::Approach,
+            grid: GridConfig::default(),
+            region: RegionConfig::default(),
+            discount: 0.985,
+            reward: None,
+            kernel: None,
+            scale: None,
+            offset: 0.0,
+            gain: None,
+            centre: CentreConfig::default(),
+            stand_bonus: 0.2,
+            stand_speed: 0.3,
+            hits: Vec::new(),
+            joints: Vec::new(),
+            point: "head".into(),
+            height: None,
+        }
+    }
+}
+
+/// What a behaviour looks at.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum BehaviourKind {
+    /// Coming to a target on the ground and staying there (Lee and Lee 2004, equations 3 and 5).
+    #[default]
+    Approach,
+    /// Effective hits on a target in space (Lee and Lee 2004, equations 2 and 6).
+    ThrowPunches,
+    /// Not being there when a blow lands.
+    Evade,
+}
+
+/// How moments of an action become its reward.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum RewardForm {
+    /// For `approach`: discounted sum over the action's frames, so that short and long actions are paid by time.
+    Integral,
+    /// The largest discounted moment of the action (Lee and Lee 2004, equations 2, 3, 5 and 6), so that actions are
+    /// paid by piece.
+    Max,
+    /// For `throw_punches`: the discounted hits of an action added up.
+    Sum,
+}
+
+/// How a distance is paid.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum KernelConfig {
+    /// exp(-distance / scale).
+    Exponential,
+    /// 1 up to `scale`, 0 beyond.
+    Within,
+}
+
+impl BehaviourKind {
+    /// As the configuration writes it.
+    fn name(self) -> &'static str {
+        match self {
+            Self::Approach => "approach",
+            Self::ThrowPunches => "throw_punches",
+            Self::Evade => "evade",
+        }
+    }
+}
+
+impl BehaviourConfig {
+    /// Checks the name, the numbers that all kinds share, and that no key is given that the kind does not read.
+    ///
+    /// # Errors
+    /// [`BuildError::Config`] names the key that is out of its range or not read.
+    pub(in crate::policy) fn check(&self) -> Result<(), BuildError> {
+        if self.name.trim().is_empty() {
+            return Err(self.fault("name", "expected the policy's name in the bundle, found none"));
+        }
+        self.refuse_unread()?;
+        for (key, value, low, high) in [
+            ("discount", self.discount, 0.5, 0.9999),
+            ("scale", self.scale.unwrap_or(1.0), 1e-3, 1e3),
+            ("offset", self.offset, 0.0, 100.0),
+            ("gain", self.gain.unwrap_or(1.0), -100.0, 100.0),
+            ("stand_bonus", self.stand_bonus, 0.0, 1.0),
+            ("stand_speed", self.stand_speed, 1e-3, 1e3),
+            ("height", self.height.unwrap_or(0.0), -10.0, 10.0),
+        ] {
+            if !(low..=high).contains(&value) {
+                return Err(self.fault(key, format!("{value} is not between {low} and {high}")));
+            }
+        }
+        Ok(())
+    }
+
+    /// Refuses keys of other kinds: one who writes them expects something of them.
+    fn refuse_unread(&self) -> Result<(), BuildError> {
+        use BehaviourKind::{Approach, Evade, ThrowPunches};
+        let usual = Self::default();
+        for (key, read_by, given) in [
+            ("centre", Approach, self.centre != usual.centre),
+            ("stand_bonus", Approach, self.stand_bonus != usual.stand_bonus),
+            ("stand_speed", Approach, self.stand_speed != usual.stand_speed),
+            ("hits", ThrowPunches, self.hits != usual.hits),
+            ("joints", ThrowPunches, self.joints != usual.joints),
+            ("point", Evade, self.point != usual.point),
+            ("height", Evade, self.height != usual.height),
+        ] {
+            if given && read_by != self.kind {
+                let kind = self.kind.name();
+                return Err(self.fault(key, format!("the kind `{kind}` has no such key; leave it out")));
+            }
+        }
+        Ok(())
+    }
+
+    /// An error about one key.
+    pub(in crate::policy) fn fault(&self, key: &str, why: impl std::fmt::Display) -> BuildError {
+        BuildError::Config { message: format!("behaviour \"{}\", key `{key}`: {why}", self.name) }
+    }
+
+    /// Discount per frame at the database's rate.
+    pub(in crate::policy) fn discount_at(&self, rate_hz: f64) -> f64 {
+        self.discount.powf(30.0 / rate_hz)
+    }
+
+    /// The reward, with a kind's own numbers where the config says nothing.
+    pub(in crate::policy) fn make_reward(
+        &self,
+        form: RewardForm,
+        kernel: KernelConfig,
+        scale: f64,
+        gain: f64,
+    ) -> Result<Reward, BuildError> {
+        let combine = if form == RewardForm::Max { COMBINE_MAX } else { COMBINE_SUM };
+        let kernel = match self.kernel.unwrap_or(kernel) {
+            KernelConfig::Exponential => KERNEL_EXPONENTIAL,
+            KernelConfig::Within => KERNEL_WITHIN,
+        };
+        let record = RewardRecord::new(combine, kernel, self.scale.unwrap_or(scale) as f32);
+        let (offset, gain) = (self.offset as f32, self.gain.unwrap_or(gain) as f32);
+        Reward::new(RewardRecord { offset, gain, ..record })
+            .map_err(|e: PolicyError| self.fault("scale", without_advice(&e)))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn refuses_keys_that_its_kind_does_not_read() {
+        let keys = [
+            ("centre = \"hits\"", "approach"),
+            ("stand_bonus = 0.5", "approach"),
+            ("stand_speed = 0.5", "approach"),
+            ("hits = [\"kick\"]", "throw_punches"),
+            ("joints = [\"left_hand\"]", "throw_punches"),
+            ("point = \"hips\"", "evade"),
+            ("height = 1.5", "evade"),
+        ];
+        for (line, read_by) in keys {
+            for kind in ["approach", "throw_punches", "evade"] {
+                let config: BehaviourConfig =
+                    toml::from_str(&format!("name = \"b\"\nkind = \"{kind}\"\n{line}")).unwrap();
+                let key = line.split(' ').next().unwrap();
+                match config.check() {
+                    Ok(()) => assert_eq!(kind, read_by, "{line}"),
+                    Err(e) => {
+                        let expected =
+                            format!("behaviour \"b\", key `{key}`: the kind `{kind}` has no such key; leave it out");
+                        assert!(kind != read_by && e.to_string().contains(&expected), "{e}");
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn refuses_names_and_heights_that_are_none() {
+        let message = |c: BehaviourConfig| c.check().unwrap_err().to_string();
+        for name in ["", "  "] {
+            assert!(message(BehaviourConfig { name: name.into(), ..BehaviourConfig::default() }).contains("`name`"));
+        }
+        for height in [f64::NAN, f64::INFINITY, 11.0, -11.0] {
+            let config =
+                BehaviourConfig { kind: BehaviourKind::Evade, height: Some(height), ..BehaviourConfig::default() };
+            assert!(message(config).contains("key `height`"), "{height}");
+        }
+    }
+}

@@ -1,0 +1,138 @@
+//! A made-up problem of fixed size to measure value iteration on: every action has a segment of its own.
+
+use super::behaviour::Approach;
+use super::config::{BehaviourConfig, GridConfig, PolicyConfig};
+use super::model::{ActionModel, SegmentMotion};
+use super::solve::{Solution, value_iteration};
+use glam::Vec2;
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg64;
+use std::time::Instant;
+use throng_core::Planar;
+use throng_motion::error::BuildError;
+use throng_motion::progress::Silent;
+
+/// Size of the problem of [`MadeUp::default`]: that of Lee and Lee's (2004) boxer with a finer grid, 10.8 million
+/// pairs.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MadeUp {
+    /// States.
+    pub states: u32,
+    /// Actions of every state (1 to 255).
+    pub actions: u32,
+    /// Rings of the grid.
+    pub rings: u32,
+    /// Angles of the grid.
+    pub angles: u32,
+    /// Seed of the generator.
+    pub seed: u64,
+}
+
+/// What solving took.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, schemars::JsonSchema)]
+pub struct Measured {
+    /// (State, cell, action) triples.
+    pub pairs: u64,
+    /// Full sweeps, the last of which measured the residual.
+    pub sweeps: u32,
+    /// Sweeps over the greedy action alone.
+    pub greedy_sweeps: u32,
+    /// Time to work out stencils and rewards of all pairs (s).
+    pub setup_seconds: f64,
+    /// Time of all sweeps (s).
+    pub sweep_seconds: f64,
+    /// Both together (s).
+    pub seconds: f64,
+    /// Largest change of the last full sweep.
+    pub residual: f32,
+    /// Bytes a full sweep reads and writes.
+    pub bytes_per_sweep: usize,
+    /// Bytes read and written a second when one thread copies as many as a sweep moves.
+    pub copy_bytes_per_second: f64,
+}
+
+/// The best of three copies of a buffer to another.
+fn copy_bandwidth(bytes: usize) -> f64 {
+    let from = vec![1u8; bytes];
+    let mut to = vec![2u8; bytes];
+    let mut least = f64::INFINITY;
+    for _ in 0..3 {
+        let begin = Instant::now();
+        std::hint::black_box(&mut to).copy_from_slice(std::hint::black_box(&from));
+        least = least.min(begin.elapsed().as_secs_f64());
+    }
+    2.0 * bytes as f64 / least
+}
+
+impl Default for MadeUp {
+    fn default() -> Self {
+        Self { states: 437, actions: 62, rings: 16, angles: 25, seed: 1 }
+    }
+}
+
+impl MadeUp {
+    /// The states and actions: random ends, 4 to 30 frames, 0.2 to 1.2 m along an arc of up to one radian.
+    pub fn model(&self) -> ActionModel {
+        let mut rng = Pcg64::seed_from_u64(self.seed);
+        let num_segments = self.states * self.actions;
+        let segments = (0..num_segments).map(|_| {
+            let num_frames = rng.random_range(4..=30u32);
+            let (length, turn) = (rng.random_range(0.2..1.2f32), rng.random_range(-1.0..1.0f32));
+            let direction = 0.5 * turn + rng.random_range(-0.3..0.3f32);
+            let end = Vec2::new(length * direction.sin(), length * direction.cos());
+            SegmentMotion {
+                end: rng.random_range(0..self.states),
+                num_frames,
+                displacement: Planar::new(end.x, end.y, turn),
+                path: (0..=num_frames)
+                    .map(|f| f as f32 / num_frames as f32)
+                    .map(|t| Planar::new(t * end.x, t * end.y, t * turn))
+                    .collect(),
+            }
+        });
+        ActionModel {
+            rate_hz: 30.0,
+            segments: segments.collect(),
+            action_offsets: (0..=self.states).map(|s| s * self.actions).collect(),
+            action_segments: (0..num_segments).collect(),
+        }
+    }
+
+    /// The behaviour: `approach` as by default, on a grid of this size.
+    ///
+    /// # Errors
+    /// [`BuildError::Config`] where the grid's size is out of its range.
+    pub fn behaviour(&self) -> Result<Approach, BuildError> {
+        let grid = GridConfig { rings: Some(self.rings), angles: Some(self.angles), ..GridConfig::default() };
+        Approach::new(&BehaviourConfig { grid, ..BehaviourConfig::default() }, 30.0, None)
+    }
+
+    /// Solves it on the current rayon pool and measures what it takes.
+    ///
+    /// # Errors
+    /// As [`value_iteration`].
+    pub fn measure(&self, epsilon: f64) -> Result<Measured, BuildError> {
+        let model = self.model();
+        let s = self.solve(&model, epsilon)?;
+        Ok(Measured {
+            pairs: s.num_pairs,
+            sweeps: s.num_sweeps,
+            greedy_sweeps: s.num_greedy_sweeps,
+            setup_seconds: s.setup_s,
+            sweep_seconds: s.sweep_s,
+            seconds: s.setup_s + s.sweep_s,
+            residual: s.residual,
+            bytes_per_sweep: s.bytes_per_sweep,
+            copy_bytes_per_second: copy_bandwidth(s.bytes_per_sweep / 2),
+        })
+    }
+
+    /// Solves it on the current rayon pool.
+    ///
+    /// # Errors
+    /// As [`value_iteration`].
+    pub fn solve(&self, model: &ActionModel, epsilon: f64) -> Result<Solution, BuildError> {
+        let cfg = PolicyConfig { epsilon, ..PolicyConfig::default() };
+        value_iteration(model, &self.behaviour()?, &cfg, &Silent)
+    }
+}

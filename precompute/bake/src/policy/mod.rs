@@ -1,0 +1,30 @@
+//! Policies: behaviours solved by value iteration over the motion graph (Lee and Lee 2004, section 4).
+
+mod adapt;
+mod bake;
+mod behaviour;
+mod compare;
+mod config;
+mod export;
+pub mod made_up;
+mod model;
+mod pairs;
+mod policies;
+mod quality;
+pub mod search;
+mod solve;
+mod sweep;
+
+pub use adapt::{AdaptiveReport, Approximation, adapt};
+pub use bake::bake;
+pub use behaviour::{Approach, Behaviour, Evade, SegmentHit, ThrowPunches, segment_hits, segment_records};
+pub use compare::{Comparison, compare};
+pub use config::{
+    AdaptiveConfig, BehaviourConfig, BehaviourKind, BoundsConfig, CentreConfig, GridConfig, KernelConfig, PolicyConfig,
+    RegionConfig, RewardForm,
+};
+pub use export::write_csv;
+pub use model::{ActionModel, SegmentMotion};
+pub use policies::{Policy, PolicyReport, PolicyTables, solve, solve_behaviours};
+pub use quality::{Quality, QualityConfig, TemperatureQuality, quality};
+pub use solve::{Solution, tolerance, value_iteration};

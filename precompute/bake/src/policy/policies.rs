@@ -1,0 +1,227 @@
+//! The policy stage: all behaviours solved, baked and compared.
+
+use super::adapt::{AdaptiveReport, adapt};
+use super::bake::{bake, best_actions};
+use super::behaviour::{Approach, Behaviour, Evade, SegmentHit, ThrowPunches, segment_hits};
+use super::compare::{Comparison, compare};
+use super::config::{BehaviourConfig, BehaviourKind, PolicyConfig};
+use super::model::ActionModel;
+use super::solve::{Solution, value_iteration};
+use crate::graph::MotionGraph;
+use glam::Vec2;
+use rand_pcg::Pcg64;
+use std::time::Instant;
+use throng_core::policy::{
+    ActionTable, PathRecord, PolicyError, PolicyRecord, PolicySlices, PolicyTable, SegmentRecord, StateGridRecord,
+};
+use throng_motion::clip::ClipSet;
+use throng_motion::error::BuildError;
+use throng_motion::progress::Progress;
+
+/// All policies of a build, ready to be written.
+#[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
+pub struct PolicyTables {
+    /// Actions of state s are `action_offsets[s]..action_offsets[s + 1]` (num_states + 1).
+    pub action_offsets: Vec<u32>,
+    /// Segment of each action.
+    pub action_segments: Vec<u32>,
+    /// In the order of the configuration.
+    pub policies: Vec<Policy>,
+}
+
+/// One policy, as [`PolicyTable`] views it.
+#[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
+pub struct Policy {
+    /// Name of its behaviour.
+    pub name: String,
+    /// Grid, reward and sizes.
+    #[serde(with = "throng_motion::pod::one")]
+    pub record: PolicyRecord,
+    /// (num_segments)
+    #[serde(with = "throng_motion::pod")]
+    pub segments: Vec<SegmentRecord>,
+    /// (num_segments in a space-time grid, else 0)
+    #[serde(with = "throng_motion::pod")]
+    pub paths: Vec<PathRecord>,
+    /// (num_states in an adaptive policy, else 0)
+    #[serde(with = "throng_motion::pod")]
+    pub state_grids: Vec<StateGridRecord>,
+    /// (num_states * num_cells, in an adaptive policy the cells of all state grids)
+    pub values: Vec<f32>,
+    /// (values.len() * num_choices)
+    pub best: Vec<u8>,
+    /// What it took; not part of the bundle.
+    pub report: PolicyReport,
+}
+
+/// What a policy took and what it is worth.
+#[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
+pub struct PolicyReport {
+    /// Name of its behaviour.
+    pub name: String,
+    /// Cells of the grid; in an adaptive policy of the finest one.
+    pub cells: usize,
+    /// (State, cell, action) triples.
+    pub pairs: u64,
+    /// Full sweeps, the last of which measured the residual.
+    pub sweeps: u32,
+    /// Sweeps over the greedy action alone.
+    pub greedy_sweeps: u32,
+    /// Largest change of a value in the last full sweep, done with the runtime's look-ahead over the stored values; in
+    /// an adaptive policy over those on the finest grid, from which the stored ones were made.
+    pub residual: f32,
+    /// Values are proven to be within this of the optimal ones: residual / (1 - discount of the shortest segment). In
+    /// an adaptive policy the error that its grids add is in `adaptive`.
+    pub error_bound: f64,
+    /// Bytes of values, best actions, segments, paths and state grids.
+    pub bytes: usize,
+    /// Bytes of the values alone, which are what Lee and Lee (2004) store.
+    pub value_bytes: usize,
+    /// Time from behaviour to tables (s).
+    pub seconds: f64,
+    /// Single-load answers against look-aheads.
+    pub comparison: Comparison,
+    /// What an adaptive policy gives away, beside uniform grids of the same size.
+    pub adaptive: Option<AdaptiveReport>,
+}
+
+impl PolicyTables {
+    /// The runtime's view on a policy (index < policies.len()).
+    ///
+    /// # Errors
+    /// [`PolicyError`] never for what [`solve`] returned; for tables changed since, what does not fit.
+    pub fn table(&self, index: usize) -> Result<PolicyTable, PolicyError> {
+        let p = &self.policies[index];
+        let actions = ActionTable::new(&self.action_offsets, &self.action_segments, p.segments.len())?;
+        let slices = PolicySlices {
+            segments: (&p.segments).into(),
+            paths: (&p.paths).into(),
+            state_grids: (&p.state_grids).into(),
+            values: (&p.values).into(),
+            best: (&p.best).into(),
+        };
+        PolicyTable::new(&p.record, actions, slices)
+    }
+}
+
+/// Solves the configured behaviours over the motion graph.
+///
+/// - `rng`: for the comparison in the reports only; tables do not depend on it.
+///
+/// # Errors
+/// [`BuildError::Config`] for keys out of range or names used twice, [`BuildError::Stage`] where a state has more
+/// than 255 actions or value iteration does not come to its end.
+pub fn solve(
+    clips: &ClipSet,
+    graph: &MotionGraph,
+    behaviours: &[BehaviourConfig],
+    cfg: &PolicyConfig,
+    rng: &mut Pcg64,
+    progress: &dyn Progress,
+) -> Result<PolicyTables, BuildError> {
+    let model = ActionModel::new(clips, graph)?;
+    let hits = segment_hits(clips, graph);
+    let made: Vec<Box<dyn Behaviour>> =
+        behaviours.iter().map(|b| make(b, clips, graph, &hits)).collect::<Result<_, BuildError>>()?;
+    let made: Vec<&dyn Behaviour> = made.iter().map(|b| &**b).collect();
+    solve_behaviours(model, &made, cfg, rng, progress)
+}
+
+/// The behaviour that a config describes: the one list of kinds.
+fn make(
+    config: &BehaviourConfig,
+    clips: &ClipSet,
+    graph: &MotionGraph,
+    hits: &[Vec<SegmentHit>],
+) -> Result<Box<dyn Behaviour>, BuildError> {
+    let rate_hz = clips.clips.first().map_or(30.0, |c| c.rate_hz);
+    Ok(match config.kind {
+        BehaviourKind::Approach => Box::new(Approach::new(config, rate_hz, hit_centre(clips))?),
+        BehaviourKind::ThrowPunches => Box::new(ThrowPunches::new(config, rate_hz, hits)?),
+        BehaviourKind::Evade => Box::new(Evade::new(config, clips, graph)?),
+    })
+}
+
+/// Centroid of the effective hitting points over ground, in the character's frame: x, z (m).
+fn hit_centre(clips: &ClipSet) -> Option<Vec2> {
+    let places: Vec<Vec2> =
+        clips.clips.iter().flat_map(|c| &c.hits).map(|h| Vec2::new(h.position.x, h.position.z)).collect();
+    (!places.is_empty()).then(|| places.iter().sum::<Vec2>() / places.len() as f32)
+}
+
+/// Solves any behaviours over a model.
+///
+/// # Errors
+/// As [`solve`].
+pub fn solve_behaviours(
+    model: ActionModel,
+    behaviours: &[&dyn Behaviour],
+    cfg: &PolicyConfig,
+    rng: &mut Pcg64,
+    progress: &dyn Progress,
+) -> Result<PolicyTables, BuildError> {
+    let mut policies: Vec<Policy> = Vec::new();
+    for &behaviour in behaviours {
+        if policies.iter().any(|p| p.name == behaviour.name()) {
+            let message = format!("behaviour \"{}\" is there twice; give each its own name", behaviour.name());
+            return Err(BuildError::Config { message });
+        }
+        policies.push(solve_one(&model, behaviour, cfg, rng, progress)?);
+    }
+    let ActionModel { action_offsets, action_segments, .. } = model;
+    Ok(PolicyTables { action_offsets, action_segments, policies })
+}
+
+fn solve_one(
+    model: &ActionModel,
+    behaviour: &dyn Behaviour,
+    cfg: &PolicyConfig,
+    rng: &mut Pcg64,
+    progress: &dyn Progress,
+) -> Result<Policy, BuildError> {
+    let begin = Instant::now();
+    let mut solution = value_iteration(model, behaviour, cfg, progress)?;
+    let mut best = bake(model, &mut solution, cfg)?;
+    behaviour.check_values(&solution.values)?;
+    let mut adaptive = None;
+    if let Some(config) = behaviour.adaptive() {
+        let finest = solution;
+        solution = adapt(model, &finest, behaviour, &config)?;
+        best = best_actions(model, &mut solution, cfg.choices)?;
+        adaptive = Some(AdaptiveReport::new(model, behaviour, &finest, &solution, cfg, rng)?);
+    }
+    let seconds = begin.elapsed().as_secs_f64();
+    let comparison = compare(&solution.table(model, &best)?, cfg.compare_samples, rng);
+    let report = PolicyReport { adaptive, ..report(model, behaviour, &solution, &best, seconds, comparison) };
+    let Solution { record, segments, paths, state_grids, values, .. } = solution;
+    Ok(Policy { name: behaviour.name().into(), record, segments, paths, state_grids, values, best, report })
+}
+
+fn report(
+    model: &ActionModel,
+    behaviour: &dyn Behaviour,
+    solution: &Solution,
+    best: &[u8],
+    seconds: f64,
+    comparison: Comparison,
+) -> PolicyReport {
+    let shrinking = behaviour.discount().powi(model.least_frames() as i32);
+    PolicyReport {
+        name: behaviour.name().to_owned(),
+        cells: behaviour.grid().num_cells(),
+        pairs: solution.num_pairs,
+        sweeps: solution.num_sweeps,
+        greedy_sweeps: solution.num_greedy_sweeps,
+        residual: solution.residual,
+        error_bound: f64::from(solution.residual) / (1.0 - shrinking),
+        value_bytes: solution.values.len() * 4,
+        bytes: solution.values.len() * 4
+            + best.len()
+            + size_of_val(&*solution.segments)
+            + size_of_val(&*solution.paths)
+            + size_of_val(&*solution.state_grids),
+        seconds,
+        comparison,
+        adaptive: None,
+    }
+}

@@ -1,0 +1,132 @@
+//! The exact model: what an action pays and where it leads, for the target's true place, and policies followed in it.
+
+use glam::Vec3;
+use rand::RngExt;
+use rand_pcg::Pcg64;
+use throng_core::policy::{BestActionJob, Goal, LookAheadJob, PathRecord, PolicyTable, RankedActions, SegmentRecord};
+
+/// A state, and a target in the character's frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Situation {
+    /// State of the motion graph.
+    pub state: u32,
+    /// Target: +Z ahead, +X left, Y the height above ground, or in a space-time grid the time left (m, or s).
+    pub target: Vec3,
+}
+
+impl Situation {
+    /// True where what a space-time grid waits for has happened: nothing is to be gained or lost any more.
+    pub fn is_over(&self, table: &PolicyTable) -> bool {
+        table.grid().is_space_time() && self.target.y < 0.0
+    }
+}
+
+/// What a segment of motion pays and where it leads.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Played {
+    /// Reward, as the policy was solved for it.
+    pub reward: f32,
+    /// Discount over the segment.
+    pub discount: f32,
+    /// State and target afterwards.
+    pub then: Situation,
+}
+
+/// Plays a segment. The target stays where it is in the world, and is not moved into the grid (segment exists).
+pub fn play(table: &PolicyTable, segment: u32, target: Vec3) -> Played {
+    let (record, place) = (&table.segments()[segment as usize], table.to_grid(target));
+    let [x, z, distance] = record.target_after(place);
+    let (y, reward) = match table.paths().get(segment as usize) {
+        Some(path) => (target.y - path.duration_s, of_event(table, record, path, place)),
+        None => (target.y, of_samples(table, record, place, distance)),
+    };
+    let target = Vec3::new(x, y, z) + table.centre();
+    Played { reward, discount: record.discount, then: Situation { state: record.end, target } }
+}
+
+/// The reward of a segment's samples.
+fn of_samples(table: &PolicyTable, record: &SegmentRecord, place: Vec3, end_distance: f32) -> f32 {
+    let reward = table.reward();
+    let start_kernel = reward.kernel((place.x * place.x + place.z * place.z).sqrt());
+    if table.grid().is_polar() {
+        reward.of_segment::<true>(record, place, start_kernel, end_distance)
+    } else {
+        reward.of_segment::<false>(record, place, start_kernel, end_distance)
+    }
+}
+
+/// The reward of a segment during which the time comes, discounted to then.
+fn of_event(table: &PolicyTable, record: &SegmentRecord, path: &PathRecord, place: Vec3) -> f32 {
+    if !(0.0..path.duration_s).contains(&place.y) {
+        return 0.0;
+    }
+    record.discount.powf(place.y / path.duration_s) * table.reward().of_event(path.at(place.y), place)
+}
+
+/// How a policy is followed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Follow {
+    /// The stored best action of the nearest cell.
+    SingleLoad,
+    /// Look-ahead, then one of the best few at random; 0 always takes the best.
+    LookAhead {
+        /// See [`RankedActions::choose`] (>= 0).
+        temperature: f32,
+    },
+}
+
+/// Discounted reward that a policy collects from each situation on.
+///
+/// - `negligible`: discount at which the rest is left out (> 0, < 1).
+/// - `rng`: for random choices.
+/// - returns one sum for each situation.
+pub fn collect(table: &PolicyTable, from: &[Situation], follow: Follow, negligible: f64, rng: &mut Pcg64) -> Vec<f64> {
+    let n = from.len();
+    let mut states: Vec<u32> = from.iter().map(|s| s.state).collect();
+    let mut targets: Vec<Vec3> = from.iter().map(|s| s.target).collect();
+    let mut discounts = vec![1.0f64; n];
+    let mut sums = vec![0.0f64; n];
+    let mut choices = Choices::new(n);
+    while discounts.iter().any(|&d| d > negligible) {
+        choices.make(table, &states, &targets, follow, rng);
+        for i in 0..n {
+            let segment = table.actions().segments_of(states[i])[usize::from(choices.actions[i])];
+            let played = play(table, segment, targets[i]);
+            sums[i] += discounts[i] * f64::from(played.reward);
+            discounts[i] *= f64::from(played.discount);
+            (states[i], targets[i]) = (played.then.state, played.then.target);
+        }
+    }
+    sums
+}
+
+/// Actions of a batch, as the runtime chooses them.
+struct Choices {
+    actions: Vec<u8>,
+    ranked: Vec<RankedActions>,
+    weights: Vec<f32>,
+}
+
+impl Choices {
+    fn new(n: usize) -> Self {
+        Self { actions: vec![0; n], ranked: vec![RankedActions::NONE; n], weights: vec![1.0; n] }
+    }
+
+    fn make(&mut self, table: &PolicyTable, states: &[u32], targets: &[Vec3], follow: Follow, rng: &mut Pcg64) {
+        let done = match follow {
+            Follow::SingleLoad => {
+                let actions = &mut self.actions;
+                BestActionJob { policy: table, states, targets, choice: 0, actions }.run()
+            }
+            Follow::LookAhead { temperature } => {
+                let goals = [Goal { policy: table, weights: &self.weights, targets }];
+                let done = LookAheadJob { goals: &goals, states, ranked: &mut self.ranked }.run();
+                for (action, ranked) in self.actions.iter_mut().zip(&self.ranked) {
+                    *action = ranked.choose(temperature, rng.random());
+                }
+                done
+            }
+        };
+        done.unwrap_or_else(|e| unreachable!("states come from the table, targets are near: {e}"));
+    }
+}

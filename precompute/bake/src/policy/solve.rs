@@ -1,0 +1,243 @@
+//! Value iteration to a residual that proves the distance from the optimal values (Lee and Lee 2004, section 4.2).
+
+use super::behaviour::{Behaviour, segment_records};
+use super::config::PolicyConfig;
+use super::model::ActionModel;
+use super::pairs::{MAX_PLANE, Pairs, Shape};
+use super::sweep::Sweeper;
+use std::time::Instant;
+use throng_core::policy::{
+    ActionTable, PathRecord, PolicyRecord, PolicySlices, PolicyTable, SegmentRecord, StateGridRecord,
+};
+use throng_motion::error::BuildError;
+use throng_motion::progress::Progress;
+
+/// Values of a solved policy, and what it took.
+#[derive(Clone, Debug)]
+pub struct Solution {
+    /// Without best actions yet: one choice, the first action everywhere.
+    pub record: PolicyRecord,
+    /// (num_segments)
+    pub segments: Vec<SegmentRecord>,
+    /// (num_segments in a space-time grid, else 0)
+    pub paths: Vec<PathRecord>,
+    /// (num_states in an adaptive policy, else 0)
+    pub state_grids: Vec<StateGridRecord>,
+    /// (num_states * num_cells, in an adaptive policy the cells of all state grids)
+    pub values: Vec<f32>,
+    /// (State, cell, action) triples a full sweep covers.
+    pub num_pairs: u64,
+    /// Full sweeps over all actions; the last one measured the residual.
+    pub num_sweeps: u32,
+    /// Sweeps over the greedy action alone, in between.
+    pub num_greedy_sweeps: u32,
+    /// Largest change of the last full sweep.
+    pub residual: f32,
+    /// Bytes a full sweep reads and writes.
+    pub bytes_per_sweep: usize,
+    /// Time to work out stencils and rewards (s).
+    pub setup_s: f64,
+    /// Time of the sweeps (s).
+    pub sweep_s: f64,
+}
+
+/// Largest change of a full sweep at which values are within `epsilon` of the optimal ones.
+///
+/// A sweep shrinks distances at least by the discount of the shortest segment, so that
+/// |V - V*| <= |TV - V| / (1 - discount^frames). That is stricter than the epsilon (1 - d) / d that would do for TV.
+pub fn tolerance(epsilon: f64, discount: f64, least_frames: u32) -> f64 {
+    epsilon * (1.0 - discount.powi(least_frames as i32))
+}
+
+/// Solves for the optimal values of a behaviour.
+///
+/// Modified policy iteration: a full sweep over all actions finds the greedy policy, sweeps over that policy alone
+/// bring its values near their end, and so on until a full sweep changes nothing by more than [`tolerance`]. All
+/// sweeps read old values and write new ones, so the result does not depend on the number of threads.
+///
+/// In a space-time grid, values stay 0 here.
+///
+/// # Errors
+/// [`BuildError::Stage`] where the grid is too large, or with the last residual after `cfg.max_sweeps`.
+///
+/// # Source
+/// Values as in Lee and Lee (2004), equation 4, with linear interpolation between cells. Differs: full sweeps instead
+/// of random updates.
+pub fn value_iteration(
+    model: &ActionModel,
+    behaviour: &dyn Behaviour,
+    cfg: &PolicyConfig,
+    progress: &dyn Progress,
+) -> Result<Solution, BuildError> {
+    let begin = Instant::now();
+    check_size(model, behaviour, cfg)?;
+    let segments = segment_records(behaviour, &model.segments);
+    let mut solution = blank(model, behaviour, segments, cfg)?;
+    if behaviour.grid().is_space_time() {
+        // Less time is left after every action: the few true sweeps of the bake are all it takes.
+        return Ok(solution);
+    }
+    let shape = Shape::new(&behaviour.grid());
+    let best = vec![0; solution.values.len()];
+    let pairs = Pairs::new(&solution.table(model, &best)?, &solution.segments);
+    let mut sweeper = Sweeper::new(pairs, model);
+    solution.bytes_per_sweep = sweeper.bytes_per_sweep();
+    solution.setup_s = begin.elapsed().as_secs_f64();
+    let begin = Instant::now();
+    let tolerance = tolerance(cfg.epsilon, behaviour.discount(), model.least_frames()) as f32;
+    let values = iterate(&mut sweeper, tolerance, cfg.max_sweeps, &mut solution, progress);
+    solution.sweep_s = begin.elapsed().as_secs_f64();
+    if solution.residual > tolerance {
+        let (residual, sweeps) = (solution.residual, solution.num_sweeps);
+        let message = format!(
+            "behaviour \"{}\": a sweep still changes values by {residual:e} after {sweeps} sweeps, wanted {tolerance:e}",
+            behaviour.name()
+        );
+        return Err(stage_error(message, "Raise `max_sweeps` or `epsilon`, or lower `discount`."));
+    }
+    let cells = values.chunks_exact(shape.stride()).flat_map(|ring| &ring[..shape.angles]);
+    solution.values.iter_mut().zip(cells).for_each(|(out, &v)| *out = v);
+    Ok(solution)
+}
+
+/// Refuses grids that number too many cells or take more memory than solving may.
+fn check_size(model: &ActionModel, behaviour: &dyn Behaviour, cfg: &PolicyConfig) -> Result<(), BuildError> {
+    let (grid, name) = (behaviour.grid(), behaviour.name());
+    let shape = Shape::new(&grid);
+    if !grid.is_space_time() && shape.value_plane() + LANES_TO_SPARE > MAX_PLANE {
+        let message = format!("behaviour \"{name}\" has {} cells at one height", shape.plane());
+        return Err(stage_error(message, "Use fewer rings or angles: rings * (angles + 1) up to 65000."));
+    }
+    let (states, segments) = (model.num_states() as f64, model.segments.len() as f64);
+    let (cells, plane) = (grid.num_cells() as f64, grid.num_plane_cells() as f64);
+    // Values three times over and best actions; geometry of a height and rewards of all cells for each segment.
+    let bytes = states * cells * (12.0 + f64::from(cfg.choices)) + segments * (12.0 * plane + 4.0 * cells);
+    if bytes > MAX_BYTES || states * cells > f64::from(u32::MAX) {
+        let [rings, angles, heights] = [shape.rings, shape.angles, shape.heights];
+        let message = format!(
+            "behaviour \"{name}\": {rings} rings x {angles} angles x {heights} heights for {states} states would take \
+             {:.0} GB to solve",
+            bytes / 1e9
+        );
+        return Err(stage_error(message, "Use fewer rings, angles or heights in `grid`; up to 12 GB are taken."));
+    }
+    Ok(())
+}
+
+/// Most memory that solving a policy may take (bytes).
+const MAX_BYTES: f64 = 12e9;
+
+/// Room that keeps the corners of the last cell within 16 bits.
+const LANES_TO_SPARE: usize = 2;
+
+/// Alternates full sweeps and sweeps over the greedy policy. Returns the values that the last full sweep measured.
+fn iterate(
+    sweeper: &mut Sweeper,
+    tolerance: f32,
+    max_sweeps: u32,
+    solution: &mut Solution,
+    progress: &dyn Progress,
+) -> Vec<f32> {
+    let mut values = vec![0.0; sweeper.num_values()];
+    let mut next = values.clone();
+    progress.begin("policy", 0, "sweeps");
+    loop {
+        let residual = sweeper.full(&values, &mut next);
+        solution.num_sweeps += 1;
+        solution.residual = residual;
+        progress.advance(1);
+        if residual <= tolerance || solution.num_sweeps >= max_sweeps || residual.is_nan() {
+            break;
+        }
+        std::mem::swap(&mut values, &mut next);
+        // Far from the end the greedy policy will change anyway; near it, what is left must be below the tolerance.
+        let enough = (residual * GREEDY_PRECISION).max(tolerance * GREEDY_TOLERANCE);
+        for _ in 0..MAX_GREEDY_SWEEPS {
+            let change = sweeper.greedy(&values, &mut next);
+            std::mem::swap(&mut values, &mut next);
+            solution.num_greedy_sweeps += 1;
+            if change <= enough {
+                break;
+            }
+        }
+    }
+    progress.end();
+    values
+}
+
+/// Greedy sweeps stop at this share of the full sweep's change.
+const GREEDY_PRECISION: f32 = 0.02;
+/// Greedy sweeps stop at this share of the tolerance.
+const GREEDY_TOLERANCE: f32 = 0.3;
+/// Greedy sweeps between two full ones, at most.
+const MAX_GREEDY_SWEEPS: u32 = 500;
+
+pub(super) fn stage_error(message: String, help: &str) -> BuildError {
+    BuildError::Stage { stage: "policy", message, help: help.into() }
+}
+
+/// The record and zero values.
+fn blank(
+    model: &ActionModel,
+    behaviour: &dyn Behaviour,
+    segments: Vec<SegmentRecord>,
+    cfg: &PolicyConfig,
+) -> Result<Solution, BuildError> {
+    let valid = (1e-6..=1.0).contains(&cfg.epsilon) && cfg.max_sweeps > 0;
+    if !valid {
+        let message = format!(
+            "policy: `epsilon` is {} and `max_sweeps` is {}, expected 1e-6 to 1 and at least 1",
+            cfg.epsilon, cfg.max_sweeps
+        );
+        return Err(BuildError::Config { message });
+    }
+    let grid = behaviour.grid();
+    let record = PolicyRecord {
+        grid: *grid.record(),
+        reward: *behaviour.reward().record(),
+        region: behaviour.region(),
+        centre: behaviour.centre().to_array(),
+        num_states: model.num_states() as u32,
+        num_segments: segments.len() as u32,
+        num_choices: 1,
+        discount: behaviour.discount() as f32,
+        epsilon: cfg.epsilon as f32,
+        ..PolicyRecord::default()
+    };
+    let num_values = model.num_states() * grid.num_cells();
+    Ok(Solution {
+        record,
+        segments,
+        paths: behaviour.paths().to_vec(),
+        state_grids: Vec::new(),
+        values: vec![0.0; num_values],
+        num_pairs: (model.action_segments.len() * grid.num_cells()) as u64,
+        num_sweeps: 0,
+        num_greedy_sweeps: 0,
+        residual: f32::INFINITY,
+        bytes_per_sweep: 0,
+        setup_s: 0.0,
+        sweep_s: 0.0,
+    })
+}
+
+impl Solution {
+    /// The runtime's view on the values, with one best action each.
+    ///
+    /// # Errors
+    /// [`BuildError::Stage`] where the model does not hold together.
+    pub fn table(&self, model: &ActionModel, best: &[u8]) -> Result<PolicyTable, BuildError> {
+        let fault = |e: throng_core::policy::PolicyError| {
+            stage_error(e.to_string(), "The motion graph is not sound: build it again.")
+        };
+        let actions = ActionTable::new(&model.action_offsets, &model.action_segments, model.segments.len());
+        let slices = PolicySlices {
+            segments: (&self.segments).into(),
+            paths: (&self.paths).into(),
+            state_grids: (&self.state_grids).into(),
+            values: (&self.values).into(),
+            best: best.into(),
+        };
+        PolicyTable::new(&self.record, actions.map_err(fault)?, slices).map_err(fault)
+    }
+}

@@ -1,0 +1,174 @@
+//! Sweeps over all (state, cell) pairs: full ones over every action, and cheap ones over the greedy action alone.
+
+use super::model::ActionModel;
+use super::pairs::{Pair, Pairs};
+use rayon::prelude::*;
+use throng_core::simd::vectorize;
+
+/// A segment that one action alone plays is backed up where that action is; others once for all.
+const PRIVATE: u32 = u32::MAX;
+
+/// The backups of a model, and the greedy policy of the last full sweep.
+pub(super) struct Sweeper<'a> {
+    pairs: Pairs,
+    model: &'a ActionModel,
+    /// Row of each segment in `shared`, or [`PRIVATE`].
+    shared_rows: Vec<u32>,
+    /// Segments of the rows of `shared`.
+    shared_segments: Vec<u32>,
+    /// Backups of the segments that several actions share (rows * heights * row).
+    shared: Vec<f32>,
+    /// Greedy pair of every (state, cell), rows in whole lanes.
+    greedy: Vec<Pair>,
+}
+
+/// Room for one state's backups.
+#[derive(Default)]
+struct Scratch {
+    backup: Vec<f32>,
+    best: Vec<f32>,
+    action: Vec<u32>,
+}
+
+impl<'a> Sweeper<'a> {
+    pub fn new(pairs: Pairs, model: &'a ActionModel) -> Self {
+        let mut uses = vec![0u32; model.segments.len()];
+        model.action_segments.iter().for_each(|&s| uses[s as usize] += 1);
+        let shared_segments: Vec<u32> = (0..uses.len() as u32).filter(|&s| uses[s as usize] > 1).collect();
+        let mut shared_rows = vec![PRIVATE; uses.len()];
+        shared_segments.iter().zip(0..).for_each(|(&s, row)| shared_rows[s as usize] = row);
+        let shape = pairs.shape;
+        let per_segment = shape.heights * shape.row();
+        let shared = vec![0.0; shared_segments.len() * per_segment];
+        let greedy = vec![Pair::default(); model.num_states() * per_segment];
+        Self { pairs, model, shared_rows, shared_segments, shared, greedy }
+    }
+
+    /// Number of values, spare columns included.
+    pub fn num_values(&self) -> usize {
+        self.model.num_states() * self.pairs.shape.value_row()
+    }
+
+    /// Bytes a full sweep reads and writes.
+    pub fn bytes_per_sweep(&self) -> usize {
+        self.pairs.bytes() + self.shared.len() * 4 + self.num_values() * 8 + size_of_val(&*self.greedy)
+    }
+
+    /// One full sweep: `next` becomes the best backup of `values`; the greedy policy is noted.
+    ///
+    /// Returns the largest change. Every state reads `values` alone, so that the split over threads does not matter.
+    pub fn full(&mut self, values: &[f32], next: &mut [f32]) -> f32 {
+        let Self { pairs, model, shared_rows, shared_segments, shared, greedy } = self;
+        let shape = pairs.shape;
+        let (row, plane) = (shape.row(), shape.value_plane());
+        shared.par_chunks_mut(shape.heights * row).zip(&*shared_segments).for_each(|(out, &segment)| {
+            vectorize(
+                #[inline(always)]
+                || {
+                    for (h, out) in out.chunks_exact_mut(row).enumerate() {
+                        let at = pairs.end[segment as usize] as usize * shape.value_row() + h * plane;
+                        pairs.back_up(segment as usize, h, &values[at..at + plane], out);
+                    }
+                },
+            );
+        });
+        let view = View { pairs, model, shared_rows, shared, values };
+        let rows = next.par_chunks_mut(shape.value_row()).zip(greedy.par_chunks_mut(shape.heights * row));
+        rows.enumerate()
+            .map_init(Scratch::default, |scratch, (state, (next, greedy))| {
+                vectorize(
+                    #[inline(always)]
+                    || view.state(state, next, greedy, scratch),
+                )
+            })
+            .reduce(|| 0.0, f32::max)
+    }
+
+    /// One sweep over the greedy actions: `next` becomes their backup of `values`. Returns the largest change.
+    pub fn greedy(&self, values: &[f32], next: &mut [f32]) -> f32 {
+        let shape = self.pairs.shape;
+        let (row, plane, stride, angles) = (shape.row(), shape.value_plane(), shape.stride(), shape.angles);
+        let states = next.par_chunks_mut(shape.value_row()).zip(values.par_chunks(shape.value_row()));
+        let states = states.zip(self.greedy.par_chunks(shape.heights * row));
+        states
+            .map(|((next, old), greedy)| {
+                let mut change = 0.0f32;
+                let planes = next.chunks_exact_mut(plane).zip(old.chunks_exact(plane)).zip(greedy.chunks_exact(row));
+                for ((next, old), greedy) in planes {
+                    let rings = next.chunks_exact_mut(stride).zip(old.chunks_exact(stride));
+                    for ((next, old), greedy) in rings.zip(greedy.chunks_exact(angles)) {
+                        for c in 0..angles {
+                            next[c] = greedy[c].back_up(values, stride);
+                            change = change.max((next[c] - old[c]).abs());
+                        }
+                        next[angles] = next[0];
+                    }
+                }
+                change
+            })
+            .reduce(|| 0.0, f32::max)
+    }
+}
+
+/// What the backup of a state reads.
+struct View<'a> {
+    pairs: &'a Pairs,
+    model: &'a ActionModel,
+    shared_rows: &'a [u32],
+    shared: &'a [f32],
+    values: &'a [f32],
+}
+
+impl View<'_> {
+    /// Backs up one state over all its actions. Returns the largest change.
+    #[inline(always)]
+    fn state(&self, state: usize, next: &mut [f32], greedy: &mut [Pair], scratch: &mut Scratch) -> f32 {
+        let shape = self.pairs.shape;
+        let (row, plane) = (shape.row(), shape.value_plane());
+        let actions = self.model.action_offsets[state] as usize..self.model.action_offsets[state + 1] as usize;
+        let segments = &self.model.action_segments[actions];
+        scratch.backup.resize(row, 0.0);
+        scratch.action.resize(row, 0);
+        let old = &self.values[state * shape.value_row()..][..shape.value_row()];
+        let mut change = 0.0f32;
+        for h in 0..shape.heights {
+            scratch.best.clear();
+            scratch.best.resize(row, f32::NEG_INFINITY);
+            for (a, &segment) in segments.iter().enumerate() {
+                let backup = self.backup(segment as usize, h, &mut scratch.backup);
+                keep_best(backup, a as u32, &mut scratch.best, &mut scratch.action);
+            }
+            for (c, pair) in greedy[h * row..][..row].iter_mut().enumerate() {
+                *pair = self.pairs.pair(segments[scratch.action[c] as usize] as usize, h, c);
+            }
+            let next = &mut next[h * plane..][..plane];
+            shape.store(&scratch.best[..shape.plane()], next);
+            let changes = next.iter().zip(&old[h * plane..][..plane]).map(|(n, o)| (n - o).abs());
+            change = changes.fold(change, f32::max);
+        }
+        change
+    }
+
+    /// The backups of one segment: looked up where it is shared, worked out in `scratch` where it is not.
+    #[inline(always)]
+    fn backup<'b>(&'b self, segment: usize, height: usize, scratch: &'b mut [f32]) -> &'b [f32] {
+        let shape = self.pairs.shape;
+        if self.shared_rows[segment] != PRIVATE {
+            let at = self.shared_rows[segment] as usize * shape.heights + height;
+            return &self.shared[at * shape.row()..][..shape.row()];
+        }
+        let at = self.pairs.end[segment] as usize * shape.value_row() + height * shape.value_plane();
+        self.pairs.back_up(segment, height, &self.values[at..at + shape.value_plane()], scratch);
+        scratch
+    }
+}
+
+/// Notes an action wherever its backup is better; of equal ones the first stays.
+#[inline(always)]
+fn keep_best(backup: &[f32], action: u32, best: &mut [f32], actions: &mut [u32]) {
+    for ((&q, best), noted) in backup.iter().zip(best).zip(actions) {
+        let better = q > *best;
+        *noted = if better { action } else { *noted };
+        *best = if better { q } else { *best };
+    }
+}

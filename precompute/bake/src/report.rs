@@ -1,0 +1,167 @@
+//! What a build did, for people and for machines.
+
+mod paper;
+
+use crate::cluster::PoseGroups;
+use crate::config::BuildConfig;
+use crate::examples::{BlendReport, BlendSpaces};
+use crate::graph::{GraphReport, Spread};
+use crate::patch::PatchReport;
+use crate::policy::PolicyReport;
+use crate::stages::{Motion, Timing};
+use crate::write::Baked;
+pub use paper::{Line, beside_paper, markdown};
+use serde::Serialize;
+use std::collections::BTreeMap;
+use throng_motion::annotate::hits::{HitPoint, HitReport};
+use throng_motion::annotate::{self, ContactSanity};
+use throng_motion::error::Warnings;
+
+/// What `throng build --json` prints.
+#[derive(Clone, Debug, PartialEq, Serialize, schemars::JsonSchema)]
+pub struct BuildReport {
+    /// The database's name.
+    pub name: String,
+    /// Clips, mirrored copies included.
+    pub clips: usize,
+    /// Frames a second of the database (Hz).
+    pub rate_hz: f64,
+    /// Usable motion, mirrored copies not counted (min).
+    pub minutes_in: f64,
+    /// Usable frames of all clips.
+    pub frames_in: usize,
+    /// Frames that some action plays.
+    pub frames_kept: usize,
+    /// States of the motion graph.
+    pub states: usize,
+    /// Actions of all states.
+    pub actions: usize,
+    /// Time from the first file to the finished bundle (s).
+    pub seconds_total: f64,
+    /// Time of each stage that ran (s).
+    pub stage_s: BTreeMap<&'static str, f64>,
+    /// Outputs that were read from the cache: `motion` stands for import to annotate.
+    pub cached: Vec<&'static str>,
+    /// Pose groups of the frames; 0 in a build without patches, which alone need them.
+    pub pose_groups: usize,
+    /// Largest distance between two frames of one group (rad).
+    pub max_group_diameter: f64,
+    /// Every group's diameter stays below this (rad).
+    pub group_threshold: f64,
+    /// Frames of a group, on average and at most.
+    pub group_frames: Spread,
+    /// What was made of each motion patch.
+    pub patches: Vec<PatchReport>,
+    /// What was made of each blend space.
+    pub blend_spaces: Vec<BlendReport>,
+    /// Examples of all blend spaces.
+    pub blend_examples: usize,
+    /// Weight tables of all blend spaces (bytes).
+    pub weight_table_bytes: u64,
+    /// Largest error of a tabulated weight against the exact one, over all blend spaces.
+    pub weight_table_max_error: f64,
+    /// One entry per behaviour.
+    pub policies: Vec<PolicyReport>,
+    /// Length of the bundle (bytes).
+    pub bundle_bytes: u64,
+    /// The motion graph's figures.
+    pub graph: GraphReport,
+    /// Foot contacts over all clips: shares and speeds, weighted by frames.
+    pub contacts: ContactSanity,
+    /// Effective hitting points of all clips, mirrored copies included.
+    pub hits: HitReport,
+    /// Frames left out, by reason.
+    pub excluded_frames: BTreeMap<String, usize>,
+    /// Files that were skipped, and why.
+    pub skipped: Vec<String>,
+    /// What is odd but tolerable.
+    pub warnings: Vec<String>,
+}
+
+/// Everything that a build made.
+pub(crate) struct Built<'a> {
+    pub motion: &'a Motion,
+    pub baked: Baked<'a>,
+    pub blends: &'a BlendSpaces,
+    pub graph: &'a GraphReport,
+    /// Length of the bundle (bytes).
+    pub bundle_bytes: u64,
+}
+
+/// Everything together; `odd` is what is odd about the build itself.
+pub(crate) fn of_build(cfg: &BuildConfig, built: &Built<'_>, timing: Timing, odd: Warnings) -> BuildReport {
+    let Built { motion, baked, blends, graph, bundle_bytes } = *built;
+    let (blends, blend_warnings) = (&blends.report, &blends.warnings);
+    let warnings = [&motion.warnings, blend_warnings, &odd].map(|w| w.messages.clone()).concat();
+    let groups = baked.groups.cloned().unwrap_or_default();
+    let mut stage_s = BTreeMap::new();
+    timing.stage_s.iter().for_each(|(name, s)| *stage_s.entry(*name).or_insert(0.0) += s);
+    let mut excluded_frames = BTreeMap::new();
+    for e in motion.clips.clips.iter().flat_map(|c| &c.excluded) {
+        *excluded_frames.entry(e.reason.to_string()).or_insert(0) += e.range.len();
+    }
+    let originals: usize = motion
+        .clips
+        .clips
+        .iter()
+        .filter(|c| !c.mirrored)
+        .map(|c| c.usable_ranges().iter().map(ExactSizeIterator::len).sum::<usize>())
+        .sum();
+    BuildReport {
+        name: cfg.name.clone(),
+        clips: motion.clips.clips.len(),
+        rate_hz: cfg.resample.rate_hz,
+        minutes_in: originals as f64 / cfg.resample.rate_hz / 60.0,
+        frames_in: graph.frames_in,
+        frames_kept: graph.frames_kept,
+        states: graph.states,
+        actions: graph.actions,
+        seconds_total: timing.seconds_total,
+        stage_s,
+        cached: timing.cached,
+        pose_groups: groups.num_groups(),
+        max_group_diameter: f64::from(groups.max_diameter),
+        group_threshold: f64::from(groups.threshold),
+        group_frames: group_frames(&groups),
+        patches: baked.patches.map_or_else(Vec::new, |p| p.report.clone()),
+        blend_spaces: blends.to_vec(),
+        blend_examples: blends.iter().map(|b| b.examples.len()).sum(),
+        weight_table_bytes: blends.iter().map(|b| b.weight_table_bytes).sum(),
+        weight_table_max_error: blends.iter().map(|b| b.weight_table_max_error).fold(0.0, f64::max),
+        policies: baked.policies.iter().map(|p| p.report.clone()).collect(),
+        bundle_bytes,
+        graph: graph.clone(),
+        contacts: contacts(motion),
+        hits: HitReport::new(&HitPoint::of_set(&motion.clips)),
+        excluded_frames,
+        skipped: motion.skipped.clone(),
+        warnings,
+    }
+}
+
+/// How many frames the groups have.
+fn group_frames(groups: &PoseGroups) -> Spread {
+    let mut frames = vec![0u32; groups.num_groups()];
+    groups.groups.iter().filter(|g| **g != PoseGroups::NO_GROUP).for_each(|&g| frames[g as usize] += 1);
+    Spread::of(frames.into_iter().map(f64::from))
+}
+
+/// Sanity of all originals, weighted by their frames; the 95th percentile is the largest of any clip.
+fn contacts(motion: &Motion) -> ContactSanity {
+    let (mut sum, mut frames) = (ContactSanity::default(), 0.0f32);
+    for c in motion.clips.clips.iter().filter(|c| !c.mirrored) {
+        let (s, n) = (annotate::sanity(c, &motion.clips.skeleton), c.num_frames() as f32);
+        sum.left_share += n * s.left_share;
+        sum.right_share += n * s.right_share;
+        sum.mean_speed_mps += n * s.mean_speed_mps;
+        sum.p95_speed_mps = sum.p95_speed_mps.max(s.p95_speed_mps);
+        frames += n;
+    }
+    let share = |v: f32| v / frames.max(1.0);
+    ContactSanity {
+        left_share: share(sum.left_share),
+        right_share: share(sum.right_share),
+        mean_speed_mps: share(sum.mean_speed_mps),
+        ..sum
+    }
+}

@@ -1,0 +1,265 @@
+//! The bodies of all frames as spheres, made once: whether a frame collides depends on where it is laid only.
+
+use super::field::{Field, Told};
+use crate::environment::{Body, Bounds, NUM_SPHERES, Sphere};
+use crate::stitch::sets::rows::ones;
+use glam::{Quat, Vec3};
+use rayon::prelude::*;
+use throng_core::format::FrameRow;
+use throng_core::patch::Placement;
+use throng_core::{Contacts, Joint, Skeleton};
+use throng_motion::clip::joint_transforms;
+
+/// Spheres beside each other, as many as processors take at once some times.
+const LANES: usize = NUM_SPHERES.next_multiple_of(8);
+
+/// A number for every sphere; what is beyond the last one counts for nothing.
+type Lanes = [f32; LANES];
+
+/// Both feet: they may be in what is walked on.
+const FEET: Contacts = Contacts(Contacts::LEFT.0 | Contacts::RIGHT.0);
+
+/// Room for a body beside a unit.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(in crate::stitch) enum Room {
+    /// The unit may be moved that far (m).
+    Clear(f32),
+    /// There is none: this is too near to the unit.
+    Taken(Ball),
+}
+
+/// A point of a body.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(in crate::stitch) struct Ball {
+    /// In the unit's frame, or in that of a patch.
+    pub centre: Vec3,
+    /// How near a unit may be (m).
+    pub limit: f32,
+}
+
+/// Numbers of what is planted.
+const PLANTED: usize = 1 << u8::BITS;
+
+/// A body in every frame.
+#[derive(Clone, Debug)]
+pub(in crate::stitch) struct Bodies {
+    /// Of every frame, as seen from its root on the ground.
+    frames: Vec<Pose>,
+    /// Of every frame (frames.len()).
+    reaches: Vec<Reach>,
+    /// At rest, for what does not depend on the frame.
+    spheres: [Sphere; NUM_SPHERES],
+    /// How near a unit may be to the middle of each sphere, by what is planted; then the same for units that are walked
+    /// on (m, 2 * PLANTED).
+    limits: Vec<Lanes>,
+    /// No sphere that is clearer of a unit than this is told from others: there, grids end (m).
+    farthest: f32,
+    /// The widest of all frames (m).
+    radius: f32,
+    /// The lowest and the highest point of all frames (m).
+    heights: [f32; 2],
+}
+
+/// The spheres of one frame.
+#[derive(Clone, Copy, Debug)]
+struct Pose {
+    /// x, y and z of the middle of every sphere.
+    centres: [Lanes; 3],
+    contacts: Contacts,
+}
+
+/// How far the body of one frame reaches: most are told from a unit by that alone, and it stays at hand.
+#[derive(Clone, Copy, Debug)]
+struct Reach {
+    /// No sphere reaches farther from the vertical through the root (m).
+    radius: f32,
+    /// Lowest and highest point (m).
+    heights: [f32; 2],
+}
+
+impl Reach {
+    fn new(spheres: &[Sphere; NUM_SPHERES]) -> Self {
+        let (mut radius, mut heights) = (0f32, [f32::INFINITY, f32::NEG_INFINITY]);
+        for s in spheres {
+            radius = radius.max(s.centre.with_y(0.0).length() + s.radius);
+            heights = [heights[0].min(s.centre.y - s.radius), heights[1].max(s.centre.y + s.radius)];
+        }
+        Self { radius, heights }
+    }
+
+    /// No sphere can be nearer to a unit than this, because of where the root is alone (m).
+    fn apart(&self, root: Placement, unit: &Field) -> f32 {
+        let (shapes, beside) = (&unit.geometry.bounds, unit.plan().beside(root.x, root.z));
+        let above = root.y + self.heights[0] - shapes.max.y;
+        let below = shapes.min.y - root.y - self.heights[1];
+        (beside - self.radius).max(above).max(below)
+    }
+}
+
+impl Pose {
+    fn new(spheres: &[Sphere; NUM_SPHERES], contacts: Contacts) -> Self {
+        let lanes = |axis: usize| lanes(0.0, |s| spheres[s].centre[axis]);
+        Self { centres: [lanes(0), lanes(1), lanes(2)], contacts }
+    }
+
+    /// The middles of all spheres where the root is.
+    fn placed(&self, root: Placement) -> [Lanes; 3] {
+        let (sin, cos) = root.heading.sin_cos();
+        let [x, y, z] = &self.centres;
+        [
+            std::array::from_fn(|s| root.x + cos * x[s] + sin * z[s]),
+            std::array::from_fn(|s| root.y + y[s]),
+            std::array::from_fn(|s| root.z - sin * x[s] + cos * z[s]),
+        ]
+    }
+}
+
+fn lanes(beyond: f32, of: impl Fn(usize) -> f32) -> Lanes {
+    std::array::from_fn(|s| if s < NUM_SPHERES { of(s) } else { beyond })
+}
+
+/// How near a unit may be to the middle of each sphere: a body may be `depth_m` deep in it, and what is planted by its
+/// whole radius more, as [`crate::environment::BodyPose::penetration`] says (m).
+fn limits(spheres: &[Sphere; NUM_SPHERES], depth_m: f32) -> Vec<Lanes> {
+    let limit = |s: &Sphere, contacts: Contacts, floor: bool| match (floor && FEET.any(s.contact), s.contact) {
+        (true, _) => f32::NEG_INFINITY,
+        (false, contact) if contacts.any(contact) => -depth_m,
+        (false, _) => s.radius - depth_m,
+    };
+    let of = |k: usize| {
+        let contacts = Contacts((k % PLANTED) as u8);
+        lanes(f32::NEG_INFINITY, |s| limit(&spheres[s], contacts, k >= PLANTED))
+    };
+    (0..2 * PLANTED).map(of).collect()
+}
+
+impl Bodies {
+    /// Places the spheres of every frame.
+    ///
+    /// - `depth_m`: bodies may be that deep in units (m).
+    pub fn new(frames: &[FrameRow], contacts: &[Contacts], skeleton: &Skeleton, depth_m: f32) -> Self {
+        let body = Body::new(skeleton);
+        let pose = |(row, &contacts): (&FrameRow, &Contacts)| {
+            let joints = joint_transforms(skeleton, Vec3::Y * row.height, |j| row.rotation(j));
+            let spheres = body.spheres(&joints);
+            (Pose::new(&spheres, contacts), Reach::new(&spheres))
+        };
+        let (frames, reaches): (Vec<Pose>, Vec<Reach>) = frames.par_iter().zip(contacts).map(pose).unzip();
+        let spheres = body.spheres(&joint_transforms(skeleton, Vec3::ZERO, |_| Quat::IDENTITY));
+        let limits = limits(&spheres, depth_m);
+        let thickest = limits.iter().flatten().copied().fold(0.0, f32::max);
+        let farthest = (Field::MARGIN_M - thickest).max(0.0);
+        let radius = reaches.iter().map(|r| r.radius).fold(0.0, f32::max);
+        let lowest = reaches.iter().map(|r| r.heights[0]).fold(f32::INFINITY, f32::min);
+        let highest = reaches.iter().map(|r| r.heights[1]).fold(f32::NEG_INFINITY, f32::max);
+        Self { frames, reaches, spheres, limits, farthest, radius, heights: [lowest, highest] }
+    }
+
+    /// No body reaches farther from the vertical through its root than this (m).
+    pub fn radius(&self) -> f32 {
+        self.radius
+    }
+
+    /// No part of the body of a frame is farther from the vertical through its root than this (m).
+    pub fn radius_of(&self, frame: usize) -> f32 {
+        self.reaches[frame].radius
+    }
+
+    /// Where a root must be for a body to touch what is in a box.
+    pub fn around(&self, shapes: &Bounds) -> Bounds {
+        let side = Vec3::new(self.radius, 0.0, self.radius);
+        Bounds {
+            min: shapes.min - side - Vec3::Y * self.heights[1],
+            max: shapes.max + side - Vec3::Y * self.heights[0],
+        }
+    }
+
+    /// True where the body of a frame is in a unit.
+    ///
+    /// - `root`: in the unit's frame.
+    pub fn collides(&self, frame: usize, root: Placement, unit: &Field) -> bool {
+        if self.reaches[frame].apart(root, unit) > 0.0 {
+            return false;
+        }
+        matches!(self.room(frame, root, unit, 0.0), Room::Taken(_))
+    }
+
+    /// No part of the body of a frame can be nearer to a unit than this, because of where its root is alone (m).
+    ///
+    /// - `root`: in the unit's frame.
+    pub fn apart(&self, frame: usize, root: Placement, unit: &Field) -> f32 {
+        self.reaches[frame].apart(root, unit)
+    }
+
+    /// How far a unit may be moved without touching the body of a frame, or what of the body is in it.
+    ///
+    /// What is taken is about the deepest of what is clearly in the unit: it stays in it the longest where the unit is
+    /// moved on. The exact geometry is asked where nothing is.
+    ///
+    /// - `root`: in the unit's frame.
+    /// - `most`: what is clearer is not told apart, nor is what is clearer than [`Field::MARGIN_M`] less the thickest
+    ///   ball (m).
+    pub fn room(&self, frame: usize, root: Placement, unit: &Field, most: f32) -> Room {
+        let pose = &self.frames[frame];
+        let (centres, limits) = (pose.placed(root), self.limits(pose, unit));
+        let cells = unit.cells(&centres);
+        let (mut about, mut nearest) = ([f32::INFINITY; LANES], (0, f32::INFINITY));
+        for (s, here) in about.iter_mut().enumerate().take(NUM_SPHERES) {
+            *here = unit.about(cells[s], limits[s]);
+            nearest = if *here < nearest.1 { (s, *here) } else { nearest };
+        }
+        let nearest = nearest.0;
+        // Once the nearest is told, most others are clearly farther.
+        let (mut least, mut unsure) = (most.min(self.farthest), 0u64);
+        for s in std::iter::once(nearest).chain((0..NUM_SPHERES).filter(|s| *s != nearest)) {
+            if about[s] >= least + Field::OFF_M {
+                continue;
+            }
+            let ball = Ball { centre: at(&centres, s), limit: limits[s] };
+            match unit.told(ball.centre, ball.limit, least) {
+                Told::Clear(clear) => least = least.min(clear),
+                Told::Within => return Room::Taken(ball),
+                Told::Unsure => unsure |= 1 << s,
+            }
+        }
+        for s in ones(unsure).map(|s| s as usize) {
+            let ball = Ball { centre: at(&centres, s), limit: limits[s] };
+            match unit.clearance(ball.centre, ball.limit, least) {
+                Some(clear) => least = least.min(clear),
+                None => return Room::Taken(ball),
+            }
+        }
+        Room::Clear(least)
+    }
+
+    /// The joint whose sphere is deepest in a unit, and how deep; none where the body does not collide.
+    pub fn deepest(&self, frame: usize, root: Placement, unit: &Field) -> Option<(Joint, f32)> {
+        let pose = &self.frames[frame];
+        let (centres, limits) = (pose.placed(root), self.limits(pose, unit));
+        let depth = |s: usize| {
+            let sphere = &self.spheres[s];
+            unit.geometry.nearest(at(&centres, s), limits[s]).map(|n| (sphere.joint, sphere.radius - n.distance))
+        };
+        (0..NUM_SPHERES).filter_map(depth).max_by(|a, b| a.1.total_cmp(&b.1))
+    }
+
+    /// How near a unit may be to the middle of each sphere (m).
+    fn limits(&self, pose: &Pose, unit: &Field) -> &Lanes {
+        &self.limits[usize::from(unit.geometry.floor) * PLANTED + usize::from(pose.contacts.0)]
+    }
+
+    /// Discs on the ground, as x, z and radius: what is beside all of them does not collide with a frame's body.
+    pub fn shadow(&self, frame: usize, root: Placement) -> impl Iterator<Item = [f32; 3]> {
+        let pose = &self.frames[frame];
+        let (centres, limits) = (pose.placed(root), &self.limits[usize::from(pose.contacts.0)]);
+        (0..NUM_SPHERES).map(move |s| [centres[0][s], centres[2][s], limits[s].max(0.0)])
+    }
+}
+
+/// The middle of a sphere.
+fn at([x, y, z]: &[Lanes; 3], sphere: usize) -> Vec3 {
+    Vec3::new(x[sphere], y[sphere], z[sphere])
+}
+
+#[cfg(test)]
+mod tests;

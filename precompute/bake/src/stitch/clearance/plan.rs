@@ -1,0 +1,93 @@
+//! A unit as seen from above: how far it is from who walks past.
+
+/// Distances over the ground from what stands on it.
+#[derive(Clone, Debug)]
+pub(in crate::stitch) struct Plan {
+    /// Lowest corner of the grid: x and z (m).
+    min: [f32; 2],
+    /// Squares along x and z.
+    size: [usize; 2],
+    /// Nothing of the unit is nearer to any point of a square (m, size[0] * size[1]).
+    distances: Vec<f32>,
+}
+
+impl Plan {
+    /// Edge length of a square (m).
+    const STEP_M: f32 = 0.08;
+    /// The grid reaches this far beyond the columns that it is made from (m).
+    const MARGIN_M: f32 = 0.6;
+
+    /// Measures how far every square is from the columns that a unit touches.
+    ///
+    /// - `min`, `step`, `size`: lowest corner, edge length and number of the columns along x and z (m).
+    /// - `is_touched`: of a column; those along x follow each other.
+    pub fn new(min: [f32; 2], step: f32, size: [usize; 2], is_touched: impl Fn(usize) -> bool) -> Self {
+        let touched: Vec<bool> = (0..size[0] * size[1]).map(is_touched).collect();
+        // What is nearest to a point beside them all is on the rim.
+        let is_within = |c: usize| {
+            let (x, z) = (c % size[0], c / size[0]);
+            let is_inner = x > 0 && z > 0 && x + 1 < size[0] && z + 1 < size[1];
+            is_inner && [c - 1, c + 1, c - size[0], c + size[0]].iter().all(|&n| touched[n])
+        };
+        let middle =
+            |c: usize| [min[0] + step * ((c % size[0]) as f32 + 0.5), min[1] + step * ((c / size[0]) as f32 + 0.5)];
+        let rim: Vec<_> = (0..touched.len()).filter(|&c| touched[c] && !is_within(c)).map(middle).collect();
+        let low = min.map(|v| v - Self::MARGIN_M);
+        let squares = match rim.is_empty() {
+            true => [0; 2],
+            false => size.map(|n| ((n as f32 * step + 2.0 * Self::MARGIN_M) / Self::STEP_M).ceil() as usize),
+        };
+        // From the middles to the corners of both.
+        let off = std::f32::consts::FRAC_1_SQRT_2 * (Self::STEP_M + step) + 1e-4;
+        let distance = |k: usize| {
+            let p: [f32; 2] = [
+                low[0] + Self::STEP_M * ((k % squares[0]) as f32 + 0.5),
+                low[1] + Self::STEP_M * ((k / squares[0]) as f32 + 0.5),
+            ];
+            let column = [(p[0] - min[0]) / step, (p[1] - min[1]) / step];
+            let is_over = (0..2).all(|a| column[a] >= 0.0 && column[a] < size[a] as f32);
+            if is_over && touched[column[1] as usize * size[0] + column[0] as usize] {
+                return 0.0;
+            }
+            let apart = |r: &[f32; 2]| (r[0] - p[0]).powi(2) + (r[1] - p[1]).powi(2);
+            (rim.iter().map(apart).fold(f32::INFINITY, f32::min).sqrt() - off).max(0.0)
+        };
+        Self { min: low, size: squares, distances: (0..squares[0] * squares[1]).map(distance).collect() }
+    }
+
+    /// The unit is nowhere nearer to a place over the ground than this (m).
+    pub fn beside(&self, x: f32, z: f32) -> f32 {
+        let at = [(x - self.min[0]) / Self::STEP_M, (z - self.min[1]) / Self::STEP_M];
+        let out = [(-at[0]).max(at[0] - self.size[0] as f32), (-at[1]).max(at[1] - self.size[1] as f32)];
+        if out[0] >= 0.0 || out[1] >= 0.0 {
+            // The columns begin that far within the grid, which ends less than a square beyond.
+            return Self::MARGIN_M + Self::STEP_M * (out[0].max(out[1]) - 1e-3);
+        }
+        self.distances[at[1] as usize * self.size[0] + at[0] as usize]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn nothing_is_nearer_and_not_much_is_farther(
+            touched in prop::collection::vec(any::<bool>(), 35), p in prop::array::uniform2(-2.0f32..2.5)
+        ) {
+            let (min, step) = ([-0.4f32, 0.2], 0.1);
+            let plan = Plan::new(min, step, [7, 5], |c| touched[c]);
+            let gap = |c: usize| {
+                let low = [min[0] + (c % 7) as f32 * step, min[1] + (c / 7) as f32 * step];
+                let apart = |a: usize| (low[a] - p[a]).max(p[a] - low[a] - step).max(0.0);
+                apart(0).hypot(apart(1))
+            };
+            let exact = (0..35).filter(|&c| touched[c]).map(gap).fold(f32::INFINITY, f32::min);
+            let found = plan.beside(p[0], p[1]);
+            prop_assert!(found <= exact + 1e-4, "{} {}", found, exact);
+            prop_assert!(exact > 0.4 || found > exact - 0.3, "{} {}", found, exact);
+        }
+    }
+}

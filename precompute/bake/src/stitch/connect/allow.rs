@@ -1,0 +1,91 @@
+//! What is possible in a world before dead ends are looked for: everything that no unit is in the way of.
+
+use super::joined::{Joined, Overlap, Part, exits};
+use super::prepare::Prepared;
+use crate::stitch::library::STAGE;
+use crate::stitch::place::lay::Laid;
+use throng_core::patch::{NONE, Patches};
+use throng_motion::error::BuildError;
+
+/// Puts the graph of a world together (prepared for `laid`).
+///
+/// # Errors
+/// [`BuildError::Stage`] where there are more cells or links than numbers of 32 bits count.
+pub(in crate::stitch) fn allow(patches: &Patches, laid: &Laid, prepared: Prepared) -> Result<Joined, BuildError> {
+    let mut joined = Joined {
+        patches: patches.clone(),
+        exits: exits(patches),
+        parts: Vec::with_capacity(laid.fitted.len()),
+        neighbours: laid.neighbours.clone(),
+        situations: prepared.situations,
+        overlaps: Vec::new(),
+        crossings: prepared.crossings,
+        crossing_of: prepared.crossing_of,
+        shares_floor: prepared.shares_floor,
+        num_nodes: 0,
+        num_words: 0,
+    };
+    parts(laid, &prepared.situation_of, &mut joined)?;
+    overlaps(laid, &mut joined);
+    Ok(joined)
+}
+
+fn parts(laid: &Laid, situations: &[u32], joined: &mut Joined) -> Result<(), BuildError> {
+    let mut num_words = 0u64;
+    for (i, f) in laid.fitted.iter().enumerate() {
+        let patch = &joined.patches.patches[f.patch as usize];
+        num_words += u64::from(patch.num_links.div_ceil(64));
+        if joined.num_nodes as u64 + u64::from(patch.num_cells) >= u64::from(NONE / 2) || num_words >= u64::from(NONE) {
+            return Err(BuildError::Stage {
+                stage: STAGE,
+                message: format!(
+                    "the first {} of {} instances have {} cells already",
+                    i,
+                    laid.fitted.len(),
+                    joined.num_nodes
+                ),
+                help: "Stitch a smaller world".into(),
+            });
+        }
+        joined.parts.push(Part {
+            patch: f.patch,
+            situation: situations[i],
+            first_node: joined.num_nodes as u32,
+            first_word: joined.num_words as u32,
+            first_neighbour: laid.first_neighbour[i],
+            first_overlap: 0,
+            num_overlaps: 0,
+        });
+        joined.num_nodes += patch.num_cells as usize;
+        joined.num_words += joined.exits[f.patch as usize].len();
+    }
+    Ok(())
+}
+
+/// From each instance where it overlaps others, by their number.
+fn overlaps(laid: &Laid, joined: &mut Joined) {
+    let pairs = || (0u32..).zip(&laid.pairs).zip(&joined.crossing_of).filter(|(_, crossing)| **crossing != NONE);
+    for ((_, (a, b, _)), _) in pairs() {
+        for i in [a, b] {
+            joined.parts[*i as usize].num_overlaps += 1;
+        }
+    }
+    let mut next = 0;
+    for part in &mut joined.parts {
+        part.first_overlap = next;
+        next += part.num_overlaps;
+    }
+    let mut at: Vec<u32> = joined.parts.iter().map(|p| p.first_overlap).collect();
+    let mut overlaps = vec![Overlap { other: NONE, side: 0, pair: NONE, crossing: NONE }; next as usize];
+    for ((pair, &(a, b, _)), &crossing) in pairs() {
+        for (owner, other, side) in [(a, b, 0), (b, a, 1)] {
+            overlaps[at[owner as usize] as usize] = Overlap { other, side, pair, crossing };
+            at[owner as usize] += 1;
+        }
+    }
+    for part in &joined.parts {
+        let own = part.first_overlap as usize..(part.first_overlap + part.num_overlaps) as usize;
+        overlaps[own].sort_unstable_by_key(|o| o.other);
+    }
+    joined.overlaps = overlaps;
+}

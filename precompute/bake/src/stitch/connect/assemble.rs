@@ -1,0 +1,171 @@
+//! Writes the world that is left: bits of what belongs to the component, and the tables it needs.
+
+use super::crossing::Crossing;
+use super::joined::Joined;
+use super::remains::Remains;
+use crate::environment::Environment;
+use crate::stitch::place::lay::Laid;
+use crate::stitch::place::relation::Relation;
+use crate::stitch::sets::bits::Pool;
+use std::collections::{BTreeMap, HashMap};
+use std::sync::Arc;
+use throng_core::patch::NONE;
+use throng_world::{AdjacencyRecord, InstanceRecord, JointTableRecord, UnitRecord, WorldData};
+
+/// A world that was written before it was changed, and what of it is the same.
+#[derive(Clone, Copy)]
+pub(in crate::stitch) struct Written<'w> {
+    /// What was left.
+    pub remains: &'w Remains,
+    /// As [`super::resettle::Before::same`].
+    pub same: &'w [u32],
+}
+
+/// Writes the world that is left, but for its meta data.
+///
+/// - `world`: as it was before the change; where all is new, it may be any.
+pub(in crate::stitch) fn write(
+    environment: &Environment,
+    laid: &Laid,
+    joined: &Joined,
+    remains: &Remains,
+    before: Option<Written<'_>>,
+    world: &mut WorldData,
+) {
+    let units = environment.units.iter().map(|u| UnitRecord { unit: u.unit as u32, placement: u.placement });
+    world.units.clear();
+    world.units.extend(units);
+    world.neighbours.clone_from(&laid.neighbours);
+    instances(laid, remains, before, world);
+    joints(laid, joined, remains, world);
+    resources(laid, joined, world);
+}
+
+/// Instances and their bits. Of those, what has not changed is not touched: they are most of a world.
+fn instances(laid: &Laid, remains: &Remains, before: Option<Written<'_>>, world: &mut WorldData) {
+    let were = std::mem::take(&mut world.instances);
+    let (mut first_cell_word, mut first_link_word) = (0, 0);
+    for (i, f) in (0u32..).zip(&laid.fitted) {
+        let outcome = remains.outcome(i);
+        world.instances.push(InstanceRecord {
+            patch: f.patch,
+            first_neighbour: laid.first_neighbour[i as usize],
+            placement: f.placement,
+            first_cell_word: first_cell_word as u32,
+            first_link_word: first_link_word as u32,
+            first_adjacency: 0,
+            num_adjacencies: 0,
+            first_resource: 0,
+            num_resources: 0,
+        });
+        first_cell_word += outcome.cells.len();
+        first_link_word += outcome.links.len();
+    }
+    world.cell_words.resize(first_cell_word, 0);
+    world.link_words.resize(first_link_word, 0);
+    for (i, record) in (0u32..).zip(&world.instances) {
+        let (outcome, at) = (remains.outcome(i), [record.first_cell_word, record.first_link_word]);
+        let is_there = |before: Written<'_>| {
+            let was = before.same[i as usize];
+            let stood = were.get(was as usize).is_some_and(|r| [r.first_cell_word, r.first_link_word] == at);
+            stood && Arc::ptr_eq(before.remains.outcome(was), outcome)
+        };
+        if !before.is_some_and(is_there) {
+            let [cells, links] = at.map(|first| first as usize);
+            world.cell_words[cells..cells + outcome.cells.len()].copy_from_slice(&outcome.cells);
+            world.link_words[links..links + outcome.links.len()].copy_from_slice(&outcome.links);
+        }
+    }
+}
+
+/// Joint tables that are needed, bits of joints, adjacencies.
+fn joints(laid: &Laid, joined: &Joined, remains: &Remains, world: &mut WorldData) {
+    let used: Vec<bool> = used(joined, remains);
+    let of_used = joined.crossings.iter().zip(&used).filter(|(_, used)| **used).map(|(crossing, _)| crossing.as_ref());
+    let numbers = tables(of_used, world);
+    let table_of: Vec<u32> =
+        joined.crossings.iter().map(|c| numbers.get(&c.relation).copied().unwrap_or(NONE)).collect();
+    let mut pool = Pool::new(std::mem::take(&mut world.joint_words));
+    let mut first_words = vec![NONE; remains.left.len()];
+    world.adjacencies.clear();
+    for i in 0..laid.fitted.len() as u32 {
+        let first = world.adjacencies.len();
+        for o in joined.overlaps_of(i) {
+            let number = remains.left_of[o.pair as usize] as usize;
+            let left = &remains.left[number];
+            if left.count == 0 {
+                continue;
+            }
+            // As the first of both is written.
+            if first_words[number] == NONE && o.side == 0 {
+                first_words[number] = pool.place(&left.words);
+            }
+            let table = table_of[o.crossing as usize];
+            world.adjacencies.push(AdjacencyRecord { other: o.other, table, side: o.side, first_word: number as u32 });
+        }
+        let instance = &mut world.instances[i as usize];
+        (instance.first_adjacency, instance.num_adjacencies) = (first as u32, (world.adjacencies.len() - first) as u32);
+    }
+    world.adjacencies.iter_mut().for_each(|a| a.first_word = first_words[a.first_word as usize]);
+    world.joint_words = pool.words;
+}
+
+/// Crossings of which joints are left.
+fn used(joined: &Joined, remains: &Remains) -> Vec<bool> {
+    let mut used = vec![false; joined.crossings.len()];
+    for (&crossing, &left) in joined.crossing_of.iter().zip(&remains.left_of) {
+        if crossing != NONE && remains.left[left as usize].count > 0 {
+            used[crossing as usize] = true;
+        }
+    }
+    used
+}
+
+/// Writes joint tables, by their relations, and numbers them.
+fn tables<'j>(crossings: impl Iterator<Item = &'j Crossing>, world: &mut WorldData) -> HashMap<Relation, u32> {
+    let by_relation: BTreeMap<_, _> = crossings.map(|c| (c.relation, &c.table)).collect();
+    world.tables.clear();
+    world.joints.clear();
+    world.joints_by_b.clear();
+    for (relation, table) in &by_relation {
+        world.tables.push(JointTableRecord {
+            patch_a: relation.a,
+            patch_b: relation.b,
+            first_joint: world.joints.len() as u32,
+            num_joints: table.joints.len() as u32,
+            placement: relation.placement(),
+        });
+        world.joints.extend_from_slice(&table.joints);
+        world.joints_by_b.extend_from_slice(&table.by_b);
+    }
+    (0u32..).zip(by_relation).map(|(number, (relation, _))| (relation, number)).collect()
+}
+
+/// What characters hold in each instance: its own units, and for a block the panels of tiles that it takes place on.
+fn resources(laid: &Laid, joined: &Joined, world: &mut WorldData) {
+    let on_floor = || laid.pairs.iter().zip(&joined.shares_floor).filter(|(_, shares)| **shares).map(|(pair, _)| pair);
+    let mut ends: Vec<usize> = laid.fitted.iter().map(|f| f.units.len()).collect();
+    on_floor().for_each(|(a, b, _)| ends[*b as usize] += laid.fitted[*a as usize].units.len());
+    let mut first = 0;
+    for end in &mut ends {
+        first += std::mem::replace(end, first);
+    }
+    let mut held = vec![NONE; first];
+    let mut hold = |i: u32, units: &[u32]| {
+        let end = &mut ends[i as usize];
+        held[*end..*end + units.len()].copy_from_slice(units);
+        *end += units.len();
+    };
+    (0u32..).zip(&laid.fitted).for_each(|(i, f)| hold(i, &f.units));
+    on_floor().for_each(|(a, b, _)| hold(*b, &laid.fitted[*a as usize].units));
+    world.resources.clear();
+    let mut first = 0;
+    for (instance, end) in world.instances.iter_mut().zip(ends) {
+        let own = &mut held[first..end];
+        first = end;
+        own.sort_unstable();
+        instance.first_resource = world.resources.len() as u32;
+        world.resources.extend(own.chunk_by(|a, b| a == b).map(|same| same[0]));
+        instance.num_resources = world.resources.len() as u32 - instance.first_resource;
+    }
+}

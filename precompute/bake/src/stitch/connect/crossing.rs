@@ -1,0 +1,101 @@
+//! The joints that may be taken between two instances, as sets of cells: what a search over a world follows.
+
+use super::outcome::Outcome;
+use super::situation::Situation;
+use super::table::JointTable;
+use crate::stitch::clearance::hit::Hit;
+use crate::stitch::place::relation::Relation;
+use crate::stitch::sets::bits::{num_words, set};
+use crate::stitch::sets::rows::Rows;
+use crate::stitch::sets::same::Same;
+use std::sync::Arc;
+use throng_core::patch::{LinkRecord, NONE, Patches};
+use throng_world::is_set;
+
+/// Joints of a table that may be taken where side a is in a certain situation: the same for all such pairs.
+#[derive(Clone, Debug, PartialEq)]
+pub(in crate::stitch) struct Crossing {
+    /// How the two sides stand to each other.
+    pub relation: Relation,
+    /// All joints of the pair.
+    pub table: Arc<JointTable>,
+    /// Bits of those that may be taken, two a joint; none where all may be.
+    words: Option<Vec<u64>>,
+    /// True where joints lead from cell to cell: there, links are taken and no further joint.
+    pub between_cells: bool,
+    /// Cells of the other side that each cell of side a, and of side b, leads to.
+    pub out: [Rows; 2],
+    /// Cells of the other side that lead to each cell of side a, and of side b.
+    pub into: [Rows; 2],
+}
+
+impl Crossing {
+    /// - `situation`: of side a.
+    /// - `hit`: as [`Situation::joint_words`] asks.
+    pub fn new(
+        patches: &Patches,
+        relation: Relation,
+        table: &Arc<JointTable>,
+        situation: &Situation,
+        hit: impl FnMut(u32) -> Option<Hit>,
+    ) -> Self {
+        let words = situation.joint_words(table, hit);
+        let links = patches.links_of(relation.a as usize);
+        let [cells_a, cells_b] = [relation.a, relation.b].map(|p| patches.cells_of(p as usize).len());
+        let joints = &table.joints;
+        let open = |bit: u32| words.as_ref().is_none_or(|w| is_set(w, 0, bit));
+        // Joints are sorted by the cell of a that they leave, and `by_b` by the cell of b.
+        let leave = (0u32..).zip(joints).filter(|(k, _)| open(2 * k)).map(|(_, j)| match j.a_offset {
+            NONE => (j.b, j.a),
+            _ => (j.b, links[j.a as usize].from),
+        });
+        let enter = table.by_b.iter().filter(|k| open(2 * **k + 1)).map(|k| {
+            let j = &joints[*k as usize];
+            (if j.a_offset == NONE { j.a } else { links[j.a as usize].to }, j.b)
+        });
+        let into = [Rows::new(cells_a, enter), Rows::new(cells_b, leave)];
+        let out = [into[1].transposed(cells_a), into[0].transposed(cells_b)];
+        let between_cells = joints.first().is_some_and(|j| j.a_offset == NONE);
+        Self { relation, table: Arc::clone(table), words, between_cells, out, into }
+    }
+
+    /// Joints that are left.
+    ///
+    /// - `links`: of side a.
+    /// - `a`, `b`: bits of the cells that are left of each side.
+    pub fn left(&self, links: &[LinkRecord], a: &[u64], b: &[u64]) -> Left {
+        let joints = &self.table.joints;
+        let mut left = Left { words: vec![0; num_words(2 * joints.len())], count: 0 };
+        for (k, joint) in (0u32..).zip(joints).filter(|(_, j)| is_set(b, 0, j.b)) {
+            let (from, to) = match joint.a_offset {
+                NONE => (joint.a, joint.a),
+                _ => (links[joint.a as usize].from, links[joint.a as usize].to),
+            };
+            for (bit, own) in [(2 * k, from), (2 * k + 1, to)] {
+                if is_set(a, 0, own) && self.words.as_ref().is_none_or(|w| is_set(w, 0, bit)) {
+                    set(&mut left.words, bit);
+                    left.count += 1;
+                }
+            }
+        }
+        left
+    }
+}
+
+/// Joints that are left between two instances.
+#[derive(Clone, Debug, PartialEq)]
+pub(in crate::stitch) struct Left {
+    /// Two bits a joint of the table.
+    pub words: Vec<u64>,
+    /// How many are set.
+    pub count: u64,
+}
+
+/// What the joints that are left between two instances depend on.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub(in crate::stitch) struct PairState {
+    /// Joints that may be taken.
+    pub crossing: Same<Crossing>,
+    /// What is left of side a and of side b.
+    pub sides: [Same<Outcome>; 2],
+}

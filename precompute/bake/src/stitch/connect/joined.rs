@@ -1,0 +1,195 @@
+//! The graph of a whole world: cells of instances, joined by links, by joints and across the edges of tiles. Only
+//! bits belong to an instance; where a node leads is looked up in its patch and in tables.
+
+use super::component::Ways;
+use super::crossing::Crossing;
+use super::situation::Situation;
+use crate::stitch::sets::bits::{num_words, set};
+use std::sync::Arc;
+use throng_core::patch::{CellRecord, NONE, PatchRecord, Patches};
+
+/// An instance in the graph.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(in crate::stitch) struct Part {
+    /// Number of its patch.
+    pub patch: u32,
+    /// Node of its first cell.
+    pub first_node: u32,
+    /// Word of its first cell, where cells are bits.
+    pub first_word: u32,
+    /// Number of its situation.
+    pub situation: u32,
+    /// Its edges' neighbours.
+    pub first_neighbour: u32,
+    /// Its first overlap.
+    pub first_overlap: u32,
+    /// Number of overlaps.
+    pub num_overlaps: u32,
+}
+
+/// Two instances that overlap, from one of them.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(in crate::stitch) struct Overlap {
+    /// The other instance.
+    pub other: u32,
+    /// 0 where the owner is side a, 1 where it is side b.
+    pub side: u32,
+    /// Number of the pair.
+    pub pair: u32,
+    /// Number of the joints that may be taken.
+    pub crossing: u32,
+}
+
+/// All that is possible in a world before the component is chosen.
+#[derive(Clone, Debug)]
+pub(in crate::stitch) struct Joined {
+    /// The patches.
+    pub patches: Patches,
+    /// Bits of every patch's exits.
+    pub exits: Vec<Vec<u64>>,
+    /// The instances.
+    pub parts: Vec<Part>,
+    /// Instance across each edge of each tile.
+    pub neighbours: Vec<u32>,
+    /// What is left of their motion.
+    pub situations: Vec<Arc<Situation>>,
+    /// Overlaps of all instances.
+    pub overlaps: Vec<Overlap>,
+    /// Joints that nothing is in the way of.
+    pub crossings: Vec<Arc<Crossing>>,
+    /// Number of those of each pair; [`NONE`] where it has no joints (pairs).
+    pub crossing_of: Vec<u32>,
+    /// True for pairs of a tile and a block that takes place on its panel (pairs).
+    pub shares_floor: Vec<bool>,
+    /// Number of nodes.
+    pub num_nodes: usize,
+    /// Number of words that they are bits of; each instance begins with a word of its own.
+    pub num_words: usize,
+}
+
+/// How far the ways of a node have been enumerated: its links, then the joints of each overlap.
+#[derive(Clone, Copy, Debug, Default)]
+pub(in crate::stitch) struct Place {
+    part: u32,
+    overlap: u32,
+    at: u32,
+}
+
+/// Bits of every patch's exits.
+pub(in crate::stitch) fn exits(patches: &Patches) -> Vec<Vec<u64>> {
+    let of_patch = |(p, record): (usize, &PatchRecord)| {
+        let mut words = vec![0; num_words(record.num_cells as usize)];
+        let cells = (0u32..).zip(patches.cells_of(p));
+        cells.filter(|(_, c)| c.is(CellRecord::IS_EXIT)).for_each(|(c, _)| set(&mut words, c));
+        words
+    };
+    patches.patches.iter().enumerate().map(of_patch).collect()
+}
+
+impl Joined {
+    /// The instance a node belongs to, and its cell.
+    pub fn part_of(&self, node: u32) -> (u32, u32) {
+        let part = self.parts.partition_point(|p| p.first_node <= node) - 1;
+        (part as u32, node - self.parts[part].first_node)
+    }
+
+    /// Cells of an instance.
+    pub fn cells(&self, part: u32) -> &[CellRecord] {
+        self.patches.cells_of(self.parts[part as usize].patch as usize)
+    }
+
+    /// Where the bits of an instance's cells are.
+    pub fn words(&self, part: u32) -> std::ops::Range<usize> {
+        let p = &self.parts[part as usize];
+        let first = p.first_word as usize;
+        first..first + self.exits[p.patch as usize].len()
+    }
+
+    /// The instance across an edge of a tile.
+    pub fn neighbour(&self, part: u32, edge: u32) -> Option<u32> {
+        let other = self.neighbours[(self.parts[part as usize].first_neighbour + edge) as usize];
+        (other != NONE).then_some(other)
+    }
+
+    /// The node of a cell: for an exit the entry across the edge, where there is a neighbour.
+    pub fn node(&self, part: u32, cell: u32) -> Option<u32> {
+        let c = &self.cells(part)[cell as usize];
+        if !c.is(CellRecord::IS_EXIT) {
+            return Some(self.parts[part as usize].first_node + cell);
+        }
+        self.neighbour(part, c.edge).map(|other| self.parts[other as usize].first_node + c.twin)
+    }
+
+    /// Overlaps of an instance.
+    pub fn overlaps_of(&self, part: u32) -> &[Overlap] {
+        let p = &self.parts[part as usize];
+        &self.overlaps[p.first_overlap as usize..(p.first_overlap + p.num_overlaps) as usize]
+    }
+
+    /// The instances that an instance leads to or is led to from, some of them more than once.
+    pub fn adjacent(&self, part: u32) -> impl Iterator<Item = u32> {
+        let edges = self.patches.edges_of(self.parts[part as usize].patch as usize).len() as u32;
+        let across = (0..edges).filter_map(move |edge| self.neighbour(part, edge));
+        across.chain(self.overlaps_of(part).iter().map(|o| o.other))
+    }
+
+    /// The joints of an overlap.
+    pub fn crossing(&self, overlap: &Overlap) -> &Crossing {
+        &self.crossings[overlap.crossing as usize]
+    }
+
+    /// What is left of an instance's motion.
+    pub fn situation(&self, part: u32) -> &Arc<Situation> {
+        &self.situations[self.parts[part as usize].situation as usize]
+    }
+
+    fn next_link(&self, part: u32, cell: u32, at: &mut u32) -> Option<u32> {
+        let out = &self.situation(part).out;
+        std::iter::from_fn(|| out.next(cell, at)).find_map(|to| self.node(part, to))
+    }
+
+    /// Joints of cells do not follow each other without motion: they lead to the cell's second node, which has links
+    /// alone.
+    fn next_joint(&self, cell: u32, overlap: &Overlap, at: &mut u32) -> Option<u32> {
+        let crossing = self.crossing(overlap);
+        let out = &crossing.out[overlap.side as usize];
+        std::iter::from_fn(|| out.next(cell, at)).find_map(|to| match crossing.between_cells {
+            true => Some(self.parts[overlap.other as usize].first_node + to + self.num_nodes as u32),
+            false => self.node(overlap.other, to),
+        })
+    }
+}
+
+impl Ways for Joined {
+    type Cursor = Place;
+
+    /// Two a cell: come to by motion, then come to by a joint.
+    fn num_nodes(&self) -> usize {
+        2 * self.num_nodes
+    }
+
+    fn next(&self, node: u32, cursor: &mut Place) -> Option<u32> {
+        let joined = node as usize >= self.num_nodes;
+        let node = if joined { node - self.num_nodes as u32 } else { node };
+        if cursor.overlap == 0 && cursor.at == 0 {
+            cursor.part = self.part_of(node).0;
+        }
+        let cell = node - self.parts[cursor.part as usize].first_node;
+        if cursor.overlap == 0 {
+            if let Some(next) = self.next_link(cursor.part, cell, &mut cursor.at) {
+                return Some(next);
+            }
+            (cursor.overlap, cursor.at) = (1, 0);
+        }
+        if joined {
+            return None;
+        }
+        while let Some(overlap) = self.overlaps_of(cursor.part).get(cursor.overlap as usize - 1) {
+            if let Some(next) = self.next_joint(cell, overlap, &mut cursor.at) {
+                return Some(next);
+            }
+            (cursor.overlap, cursor.at) = (cursor.overlap + 1, 0);
+        }
+        None
+    }
+}

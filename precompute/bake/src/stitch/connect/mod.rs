@@ -1,0 +1,19 @@
+//! Joins patches that overlap, and keeps what belongs to the largest strongly connected component.
+//!
+//! [`prepare`] finds joints once for all pairs that stand alike, [`allow`] puts the graph together, [`settled`] finds
+//! its component (or [`resettle`] around a change), [`remains`] what is left, and [`assemble`] writes the world.
+
+pub(in crate::stitch) mod allow;
+pub(in crate::stitch) mod assemble;
+pub(in crate::stitch) mod component;
+pub(in crate::stitch) mod crossing;
+pub(in crate::stitch) mod joined;
+pub(in crate::stitch) mod made;
+pub(in crate::stitch) mod outcome;
+pub(in crate::stitch) mod prepare;
+pub(in crate::stitch) mod reach;
+pub(in crate::stitch) mod remains;
+pub(in crate::stitch) mod resettle;
+pub(in crate::stitch) mod settled;
+pub(in crate::stitch) mod situation;
+pub(in crate::stitch) mod table;

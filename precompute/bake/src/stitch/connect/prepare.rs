@@ -1,0 +1,360 @@
+//! Finds what pairs and surroundings of a world need, once for all that stand alike, and keeps it for the next change.
+
+use super::crossing::{Crossing, Left, PairState};
+use super::made::Made;
+use super::outcome::{Outcome, State};
+use super::situation::{Situation, Surroundings};
+use super::table::{JointTable, Rule};
+use crate::stitch::clearance::bodies::Bodies;
+use crate::stitch::clearance::field::Field;
+use crate::stitch::clearance::hit::Hit;
+use crate::stitch::clearance::mask::Obstacle;
+use crate::stitch::clearance::seen::{Earlier, Mask};
+use crate::stitch::clearance::swept::Swept;
+use crate::stitch::place::fit::Fitted;
+use crate::stitch::place::lay::{Laid, Placer};
+use crate::stitch::place::paths::{Nearness, Paths, Spots};
+use crate::stitch::place::relation::Relation;
+use crate::stitch::place::relay::Kept;
+use crate::stitch::sets::numbers::Numbers;
+use crate::stitch::sets::same::Same;
+use rayon::prelude::*;
+use std::collections::{HashMap, HashSet};
+use std::hash::Hash;
+use std::sync::{Arc, OnceLock};
+use throng_core::patch::NONE;
+use throng_motion::progress::Progress;
+use throng_world::is_set;
+
+/// A bundle's patches, and what was found of them and of pairs of them that does not depend on an environment.
+pub(in crate::stitch) struct Stitcher<'a> {
+    /// Lays the patches.
+    pub placer: Placer<'a>,
+    /// What worlds needed so far.
+    pub found: Found,
+}
+
+/// What depends on patches alone, and tables that the last world needed.
+pub(in crate::stitch) struct Found {
+    paths: Vec<OnceLock<Paths>>,
+    spots: Vec<OnceLock<Spots>>,
+    swept: Vec<OnceLock<Swept>>,
+    bodies: OnceLock<Bodies>,
+    fields: Vec<OnceLock<Field>>,
+    tables: HashMap<Relation, Arc<JointTable>>,
+    masks: HashMap<Relation, Arc<Mask>>,
+    /// Relations of tables and of masks that may not be needed any more.
+    stale: [Vec<Relation>; 2],
+    /// What is left of motion among units.
+    pub situations: HashMap<Surroundings, Arc<Situation>>,
+    /// What is left of instances, by what they are to the component.
+    pub outcomes: HashMap<State, Arc<Outcome>>,
+    /// Joints that may be taken, by the pair and the situation of its side a.
+    crossings: HashMap<(Relation, Same<Situation>), Arc<Crossing>>,
+    /// Joints that are left between instances.
+    pub left: HashMap<PairState, Arc<Left>>,
+}
+
+impl Found {
+    /// Nothing is found yet.
+    pub fn new(num_patches: usize, num_units: usize) -> Self {
+        fn empty<T>(count: usize) -> Vec<OnceLock<T>> {
+            (0..count).map(|_| OnceLock::new()).collect()
+        }
+        Self {
+            paths: empty(num_patches),
+            spots: empty(num_patches),
+            swept: empty(num_patches),
+            bodies: OnceLock::new(),
+            fields: empty(num_units),
+            tables: HashMap::new(),
+            masks: HashMap::new(),
+            stale: [Vec::new(), Vec::new()],
+            situations: HashMap::new(),
+            outcomes: HashMap::new(),
+            crossings: HashMap::new(),
+            left: HashMap::new(),
+        }
+    }
+}
+
+/// What instances and pairs of a world are to what is around them.
+#[derive(Clone, Debug, Default)]
+pub(in crate::stitch) struct Prepared {
+    /// Number of each instance's situation.
+    pub situation_of: Vec<u32>,
+    /// The situations, each once, by the first instance.
+    pub situations: Vec<Arc<Situation>>,
+    /// Number of the joints of each pair that may be taken; [`NONE`] where it has no joints at all.
+    pub crossing_of: Vec<u32>,
+    /// Those, each once, by the first pair.
+    pub crossings: Vec<Arc<Crossing>>,
+    /// True for pairs of a tile and a block that takes place on its panel.
+    pub shares_floor: Vec<bool>,
+}
+
+/// A world that was changed, and what of it is left.
+#[derive(Clone, Copy)]
+pub(in crate::stitch) struct Past<'p> {
+    /// The world.
+    pub made: &'p Made,
+    /// What is left.
+    pub kept: &'p Kept,
+}
+
+/// Tables and masks that may not be needed are looked through when there are more than so many.
+const MAX_STALE: usize = 64;
+
+/// What is named, once each; ascending.
+fn distinct<T: Ord>(named: impl Iterator<Item = T>) -> Vec<T> {
+    let mut out: Vec<T> = named.collect();
+    out.sort_unstable();
+    out.dedup();
+    out
+}
+
+/// Makes what is not known yet; keys may be named more than once.
+pub(in crate::stitch) fn learn<K: Eq + Hash + Clone + Sync + Send, V: Send>(
+    known: &mut HashMap<K, V>,
+    keys: &[K],
+    make: impl Fn(&K) -> V + Sync,
+) {
+    let unknown: HashSet<&K> = keys.iter().filter(|k| !known.contains_key(k)).collect();
+    let new: Vec<&K> = unknown.into_iter().collect();
+    let made: Vec<V> = new.par_iter().map(|k| make(k)).collect();
+    known.extend(new.into_iter().cloned().zip(made));
+}
+
+impl<'a> Stitcher<'a> {
+    /// Nothing is found yet.
+    pub fn new(placer: Placer<'a>) -> Self {
+        let found = Found::new(placer.patches.patches.len(), placer.library.units.units.len());
+        Self { placer, found }
+    }
+
+    /// Makes the tables, masks, situations and crossings that a world needs and no earlier one has.
+    ///
+    /// - `past`: what was changed, where that is so.
+    pub fn prepare(&mut self, laid: &Laid, past: Option<Past<'_>>, progress: &dyn Progress) -> Prepared {
+        self.forget_unshared();
+        let new_pairs = || {
+            let is_new = |k: &usize| past.is_none_or(|past| past.kept.pairs_were[*k] == NONE);
+            (0..laid.pairs.len()).filter(is_new).map(|k| laid.pairs[k].2)
+        };
+        let pairs = distinct(new_pairs());
+        let obstacles = match past {
+            Some(past) => distinct(past.kept.new_obstacles.iter().copied()),
+            None => distinct(laid.obstacles.iter().map(|o| o.2)),
+        };
+        self.ready(&obstacles);
+
+        let mut tables = std::mem::take(&mut self.found.tables);
+        progress.begin("joints", pairs.len() as u64, "pairs");
+        learn(&mut tables, &pairs, |r| counted(progress, Arc::new(self.table(r))));
+        self.found.tables = tables;
+        progress.end();
+        let mut masks = std::mem::take(&mut self.found.masks);
+        progress.begin("obstacles", obstacles.len() as u64, "pairs");
+        let before = if obstacles.is_empty() { HashMap::new() } else { masks.clone() };
+        learn(&mut masks, &obstacles, |r| counted(progress, Arc::new(self.mask(r, &before))));
+        self.found.masks = masks;
+        progress.end();
+        let mut out = Prepared::default();
+        self.situate(laid, past, &mut out);
+        self.cross(laid, past, &mut out);
+        out
+    }
+
+    /// Forgets tables and masks that a change made needless.
+    ///
+    /// - `laid`: the changed world.
+    /// - `gone`: as in [`Kept::gone`].
+    pub fn forget(&mut self, laid: &Laid, gone: &[Vec<Relation>; 2]) {
+        for (k, needed) in [&laid.pairs, &laid.obstacles].into_iter().enumerate() {
+            let stale = &mut self.found.stale[k];
+            stale.extend(&gone[k]);
+            stale.sort_unstable();
+            stale.dedup();
+            if stale.len() <= MAX_STALE {
+                continue;
+            }
+            let is_stale = |r: &&Relation| stale.binary_search(r).is_ok();
+            let still: HashSet<Relation> = needed.iter().map(|p| &p.2).filter(is_stale).copied().collect();
+            for relation in stale.drain(..).filter(|r| !still.contains(r)) {
+                match k {
+                    0 => _ = self.found.tables.remove(&relation),
+                    _ => _ = self.found.masks.remove(&relation),
+                }
+            }
+        }
+    }
+
+    /// Forgets all tables and masks but those of a world.
+    pub fn forget_all_but(&mut self, laid: &Laid) {
+        let needed = |of: &[(u32, u32, Relation)]| of.iter().map(|p| p.2).collect::<HashSet<Relation>>();
+        let (pairs, obstacles) = (needed(&laid.pairs), needed(&laid.obstacles));
+        self.found.tables.retain(|r, _| pairs.contains(r));
+        self.found.masks.retain(|r, _| obstacles.contains(r));
+        self.found.stale = [Vec::new(), Vec::new()];
+    }
+
+    /// Forgets what belongs to no world any more: first what itself shares other things.
+    fn forget_unshared(&mut self) {
+        self.found.left.retain(|_, left| Arc::strong_count(left) > 1);
+        self.found.outcomes.retain(|_, outcome| Arc::strong_count(outcome) > 1);
+        self.found.crossings.retain(|_, crossing| Arc::strong_count(crossing) > 1);
+        self.found.situations.retain(|_, situation| Arc::strong_count(situation) > 1);
+    }
+
+    /// What is made in parallel itself must not be waited for by what is.
+    fn ready(&self, obstacles: &[Relation]) {
+        if obstacles.is_empty() {
+            return;
+        }
+        self.bodies();
+        let mut patches: Vec<u32> = obstacles.iter().map(|r| r.a).collect();
+        patches.dedup();
+        patches.par_iter().for_each(|&p| {
+            self.paths(p);
+        });
+        for p in patches {
+            self.swept(p);
+        }
+    }
+
+    /// The situations of all instances.
+    fn situate(&mut self, laid: &Laid, past: Option<Past<'_>>, out: &mut Prepared) {
+        let is_alike = |i: usize| past.is_some_and(|past| past.kept.is_alike[i]);
+        let mut obstacles = laid.obstacles.chunk_by(|o, p| o.0 == p.0).peekable();
+        let mut around = |i: u32| obstacles.next_if(|o| o[0].0 == i).unwrap_or(&[]);
+        let mut surroundings = |(i, f): (u32, &Fitted)| {
+            let all = around(i);
+            let own = all.iter().map(|o| o.2).filter(|r| !self.found.masks[r].words.is_empty());
+            (!is_alike(i as usize)).then(|| Surroundings { patch: f.patch, obstacles: distinct(own) })
+        };
+        let keys: Vec<Option<Surroundings>> = (0u32..).zip(&laid.fitted).map(&mut surroundings).collect();
+        let new: Vec<Surroundings> = keys.iter().flatten().cloned().collect();
+        let mut known = std::mem::take(&mut self.found.situations);
+        learn(&mut known, &new, |key| {
+            let masks = key.obstacles.iter().map(|r| self.found.masks[r].words.as_slice());
+            Arc::new(Situation::new(&self.placer.patches, key.clone(), masks))
+        });
+        let joined = past.map(|past| &past.made.joined);
+        let mut numbers = Numbers::new(joined.map_or(&[], |j| &j.situations));
+        let was = |i: usize| past.map_or(NONE, |past| past.kept.was[i]);
+        let number = |(i, key): (usize, Option<Surroundings>)| match (key, joined) {
+            (Some(key), _) => numbers.of(&known[&key]),
+            (None, Some(joined)) => numbers.same(joined.parts[was(i) as usize].situation),
+            (None, None) => NONE,
+        };
+        out.situation_of = keys.into_iter().enumerate().map(number).collect();
+        out.situations = numbers.into_all();
+        self.found.situations = known;
+    }
+
+    /// The joints of all pairs that may be taken.
+    fn cross(&mut self, laid: &Laid, past: Option<Past<'_>>, out: &mut Prepared) {
+        // What a pair was, where that and what is around its side a are as they were.
+        let was =
+            |k: usize, a: u32| past.filter(|p| p.kept.is_alike[a as usize]).map_or(NONE, |p| p.kept.pairs_were[k]);
+        let key = |(k, (a, _, r)): (usize, &(u32, u32, Relation))| {
+            let is_new = was(k, *a) == NONE && !self.found.tables[r].joints.is_empty();
+            is_new.then(|| (*r, Same::new(&out.situations[out.situation_of[*a as usize] as usize])))
+        };
+        let keys: Vec<_> = laid.pairs.iter().enumerate().map(key).collect();
+        let new: Vec<_> = keys.iter().flatten().cloned().collect();
+        let mut known = std::mem::take(&mut self.found.crossings);
+        learn(&mut known, &new, |(relation, Same(situation))| {
+            let hit = |link: u32| self.hit(&situation.surroundings, link);
+            let table = &self.found.tables[relation];
+            Arc::new(Crossing::new(&self.placer.patches, *relation, table, situation, hit))
+        });
+        let joined = past.map(|past| &past.made.joined);
+        let mut numbers = Numbers::new(joined.map_or(&[], |j| &j.crossings));
+        for ((k, (a, _, r)), key) in laid.pairs.iter().enumerate().zip(keys) {
+            let (number, shares_floor) = match (key, joined, was(k, *a)) {
+                (Some(key), ..) => (numbers.of(&known[&key]), self.found.tables[r].shares_floor),
+                (None, Some(joined), was) if was != NONE => {
+                    (numbers.same(joined.crossing_of[was as usize]), joined.shares_floor[was as usize])
+                }
+                _ => (NONE, self.found.tables[r].shares_floor),
+            };
+            out.crossing_of.push(number);
+            out.shares_floor.push(shares_floor);
+        }
+        out.crossings = numbers.into_all();
+        self.found.crossings = known;
+    }
+
+    /// First and last frame of a link that collide with anything around it.
+    fn hit(&self, surroundings: &Surroundings, link: u32) -> Option<Hit> {
+        let in_the_way = surroundings.obstacles.iter().map(|r| (r, &self.found.masks[r]));
+        let in_the_way = in_the_way.filter(|(_, mask)| is_set(&mask.words, 0, link));
+        in_the_way.filter_map(|(r, mask)| self.obstacle(r).hit(mask, link as usize)).reduce(Hit::union)
+    }
+
+    /// Roots of a patch's links.
+    pub fn paths(&self, patch: u32) -> &Paths {
+        let patch = patch as usize;
+        self.found.paths[patch].get_or_init(|| Paths::new(&self.placer.patches, &self.placer.library, patch))
+    }
+
+    /// Bodies of all frames.
+    pub fn bodies(&self) -> &Bodies {
+        let l = &self.placer.library;
+        self.found
+            .bodies
+            .get_or_init(|| Bodies::new(l.frames, l.contacts, l.skeleton, self.placer.config.penetration_m))
+    }
+
+    /// Where links pass; none where they have most of their roots in common.
+    fn swept(&self, patch: u32) -> Option<&Swept> {
+        let paths = self.paths(patch);
+        let make = || Swept::new(paths, self.bodies());
+        (!paths.is_shared()).then(|| self.found.swept[patch as usize].get_or_init(make))
+    }
+
+    fn table(&self, relation: &Relation) -> JointTable {
+        let (patch, c) = (relation.a as usize, &self.placer.config);
+        let new_spots = || {
+            Spots::new(
+                &self.placer.patches,
+                &self.placer.library,
+                self.paths(relation.a),
+                patch,
+                self.placer.config.min_frames,
+            )
+        };
+        let spots = self.found.spots[patch].get_or_init(new_spots);
+        let nearness = Nearness { position: c.position_m, height: c.height_m, heading: c.heading_deg.to_radians() };
+        let rule = Rule { nearness, joints_per_cell: c.joints_per_cell };
+        let pattern = &self.placer.patterns[patch];
+        let panel = &self.placer.library.geometries[pattern.units[0].0].bounds;
+        JointTable::new(&self.placer.patches, spots, pattern.is_tile.then_some(panel), relation, rule)
+    }
+
+    /// - `before`: masks of the world that is changed.
+    fn mask(&self, relation: &Relation, before: &HashMap<Relation, Arc<Mask>>) -> Mask {
+        let (unit, at) = (&self.placer.library.geometries[relation.b as usize].bounds, relation.placement());
+        let alike = before.iter().filter(|(r, _)| (r.a, r.b) == (relation.a, relation.b));
+        let moved = alike.map(|(r, mask)| (r, Earlier { mask, moved: Obstacle::moved(unit, r.placement(), at) }));
+        let least = moved.min_by(|(r, a), (s, b)| a.moved.total_cmp(&b.moved).then_with(|| r.cmp(s)));
+        self.obstacle(relation).mask(self.swept(relation.a), least.map(|(_, earlier)| earlier))
+    }
+
+    fn obstacle(&self, relation: &Relation) -> Obstacle<'_> {
+        let (paths, unit) = (self.paths(relation.a), self.field(relation.b));
+        Obstacle::new(paths, self.bodies(), unit, relation.placement())
+    }
+
+    /// Distances from a unit.
+    pub fn field(&self, unit: u32) -> &Field {
+        let unit = unit as usize;
+        self.found.fields[unit].get_or_init(|| Field::new(&self.placer.library.geometries[unit]))
+    }
+}
+
+fn counted<T>(progress: &dyn Progress, made: T) -> T {
+    progress.advance(1);
+    made
+}

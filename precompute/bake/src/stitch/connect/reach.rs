@@ -1,0 +1,228 @@
+//! What can be reached in a world from one cell, and from where that cell can be reached: cells are bits, and one step
+//! takes all cells of an instance that are new.
+
+use super::joined::Joined;
+use crate::stitch::sets::rows::{Rows, ones};
+use std::collections::VecDeque;
+use throng_core::patch::CellRecord;
+
+/// Which way ways are followed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(in crate::stitch) enum Direction {
+    /// To where they lead.
+    Forth,
+    /// To where they come from.
+    Back,
+}
+
+/// Nodes as bits. The bit of an exit is that of the entry across the edge.
+#[derive(Clone, Debug, PartialEq)]
+pub(in crate::stitch) struct Reached {
+    /// Cells come to by motion (words of the graph).
+    pub moved: Vec<u64>,
+    /// Cells come to by joints from other cells (words of the graph).
+    pub joined: Vec<u64>,
+}
+
+impl Reached {
+    /// No node of a graph with that many words.
+    pub fn none(num_words: usize) -> Self {
+        Self { moved: vec![0; num_words], joined: vec![0; num_words] }
+    }
+
+    /// Nodes that are in both.
+    pub fn and(&self, other: &Self) -> Self {
+        let both = |a: &[u64], b: &[u64]| a.iter().zip(b).map(|(a, b)| a & b).collect();
+        Self { moved: both(&self.moved, &other.moved), joined: both(&self.joined, &other.joined) }
+    }
+}
+
+/// Everything that is reached from a cell come to by motion, or from where it is reached.
+pub(in crate::stitch) fn reach(graph: &Joined, part: u32, cell: u32, direction: Direction) -> Reached {
+    let mut search = Search::new(graph, direction);
+    search.start(part, cell);
+    search.run()
+}
+
+/// A search from some nodes on.
+pub(in crate::stitch) struct Search<'j> {
+    graph: &'j Joined,
+    direction: Direction,
+    /// Nodes found so far.
+    pub found: Reached,
+    /// Nodes whose ways have been followed.
+    pub done: Reached,
+    /// Instances whose nodes' ways are followed; none where all are.
+    pub within: Option<&'j [bool]>,
+    /// Instances with nodes whose ways have not been.
+    open: VecDeque<u32>,
+    is_open: Vec<bool>,
+}
+
+/// New nodes of 64 cells.
+#[derive(Clone, Copy)]
+struct New {
+    first_cell: u32,
+    moved: u64,
+    joined: u64,
+    /// Those whose links are to be followed.
+    links: u64,
+}
+
+impl<'j> Search<'j> {
+    /// Nothing is found yet.
+    pub fn new(graph: &'j Joined, direction: Direction) -> Self {
+        Self {
+            graph,
+            direction,
+            found: Reached::none(graph.num_words),
+            done: Reached::none(graph.num_words),
+            within: None,
+            open: VecDeque::new(),
+            is_open: vec![false; graph.parts.len()],
+        }
+    }
+
+    /// Finds everything.
+    pub fn run(mut self) -> Reached {
+        while self.follow_next() {}
+        self.found
+    }
+
+    /// Follows all ways of one instance's nodes; false where there is none left.
+    pub fn follow_next(&mut self) -> bool {
+        let Some(part) = self.open.pop_front() else { return false };
+        self.is_open[part as usize] = false;
+        self.follow(part);
+        true
+    }
+
+    /// What is searched.
+    pub fn graph(&self) -> &'j Joined {
+        self.graph
+    }
+
+    /// Begins at a cell come to by motion.
+    pub fn start(&mut self, part: u32, cell: u32) {
+        self.add(part, cell);
+        // An entry and the exit that leads there are one node.
+        if self.graph.cells(part)[cell as usize].is(CellRecord::IS_ENTRY) {
+            self.cross(part, cell);
+        }
+    }
+
+    fn add(&mut self, part: u32, cell: u32) {
+        let word = &mut self.found.moved[self.graph.words(part).start + cell as usize / 64];
+        if *word & 1 << (cell % 64) == 0 {
+            *word |= 1 << (cell % 64);
+            self.open(part);
+        }
+    }
+
+    /// The ways of an instance's nodes are followed that are found and not done.
+    pub fn open(&mut self, part: u32) {
+        let is_within = self.within.is_none_or(|within| within[part as usize]);
+        if is_within && !std::mem::replace(&mut self.is_open[part as usize], true) {
+            self.open.push_back(part);
+        }
+    }
+
+    /// From an exit of a tile to the entry across the edge, or the other way.
+    fn cross(&mut self, part: u32, cell: u32) {
+        let c = &self.graph.cells(part)[cell as usize];
+        if let Some(other) = self.graph.neighbour(part, c.edge) {
+            self.add(other, c.twin);
+        }
+    }
+
+    /// Follows the ways of all new nodes of an instance, until none within it is new.
+    fn follow(&mut self, part: u32) {
+        let is_tile = !self.graph.patches.edges_of(self.graph.parts[part as usize].patch as usize).is_empty();
+        loop {
+            let mut any = false;
+            for word in self.graph.words(part) {
+                let Some(new) = self.take(part, word) else { continue };
+                any = true;
+                self.follow_links(part, new);
+                self.follow_joints(part, new);
+                if is_tile {
+                    self.follow_edges(part, new);
+                }
+            }
+            if !any {
+                return;
+            }
+        }
+    }
+
+    /// New nodes of one word, which are new no longer.
+    fn take(&mut self, part: u32, word: usize) -> Option<New> {
+        let (moved, joined) = (&mut self.done.moved[word], &mut self.done.joined[word]);
+        let before = *moved | *joined;
+        let new = [self.found.moved[word] & !*moved, self.found.joined[word] & !*joined];
+        *moved |= new[0];
+        *joined |= new[1];
+        let links = match self.direction {
+            Direction::Forth => (new[0] | new[1]) & !before,
+            // Links end in cells come to by motion.
+            Direction::Back => new[0],
+        };
+        let first_cell = 64 * (word - self.graph.words(part).start) as u32;
+        (new != [0; 2]).then_some(New { first_cell, moved: new[0], joined: new[1], links })
+    }
+
+    fn follow_links(&mut self, part: u32, new: New) {
+        let (situation, words) = (self.graph.situation(part), self.graph.words(part));
+        let rows = match self.direction {
+            Direction::Forth => &situation.out,
+            Direction::Back => &situation.into,
+        };
+        add_rows(rows, new.first_cell, new.links, &mut self.found.moved[words.clone()]);
+        // Links begin in cells however they are come to.
+        if self.direction == Direction::Back {
+            add_rows(rows, new.first_cell, new.links, &mut self.found.joined[words]);
+        }
+    }
+
+    fn follow_joints(&mut self, part: u32, new: New) {
+        let graph = self.graph;
+        for overlap in graph.overlaps_of(part) {
+            let (crossing, words) = (graph.crossing(overlap), graph.words(overlap.other));
+            // Joints begin in cells come to by motion; those from cell to cell end in cells come to by joints.
+            let (rows, cells, joined) = match self.direction {
+                Direction::Forth => (&crossing.out, new.moved, crossing.between_cells),
+                Direction::Back if crossing.between_cells => (&crossing.into, new.joined, false),
+                Direction::Back => (&crossing.into, new.moved, false),
+            };
+            let to = if joined { &mut self.found.joined[words] } else { &mut self.found.moved[words] };
+            if add_rows(&rows[overlap.side as usize], new.first_cell, cells, to) {
+                self.open(overlap.other);
+            }
+        }
+    }
+
+    fn follow_edges(&mut self, part: u32, new: New) {
+        let flag = match self.direction {
+            Direction::Forth => CellRecord::IS_EXIT,
+            Direction::Back => CellRecord::IS_ENTRY,
+        };
+        for cell in ones(new.moved).map(|bit| new.first_cell + bit) {
+            if self.graph.cells(part)[cell as usize].is(flag) {
+                self.cross(part, cell);
+            }
+        }
+    }
+}
+
+/// Adds the members of rows to a set: true where any was not in it.
+fn add_rows(rows: &Rows, first_row: u32, which: u64, set: &mut [u64]) -> bool {
+    let mut more = 0;
+    for bit in ones(which) {
+        for word in rows.of(first_row + bit) {
+            let to = &mut set[word.index as usize];
+            more |= word.bits & !*to;
+            *to |= word.bits;
+        }
+    }
+    more != 0
+}

@@ -1,0 +1,127 @@
+//! What every cell of a world is to its largest strongly connected component.
+
+use super::component::largest;
+use super::joined::Joined;
+use super::reach::{Direction, Reached, reach};
+use super::resettle::{Before, resettle};
+use crate::stitch::sets::rows::ones;
+
+/// What a cell is to the component.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(in crate::stitch) enum Standing {
+    /// It belongs to it.
+    Inside,
+    /// It leads to it, but is not reached from it.
+    Unreached,
+    /// It does not lead to it.
+    DeadEnd,
+}
+
+/// What every cell is to the component, as bits. The bit of an exit is that of the entry across the edge; those without
+/// a neighbour lead nowhere.
+#[derive(Clone, Debug, PartialEq)]
+pub(in crate::stitch) struct Settled {
+    /// Nodes reached from the component.
+    pub from: Reached,
+    /// Nodes that lead to it.
+    pub to: Reached,
+    /// Cells that belong to it (words of the graph).
+    pub inside: Vec<u64>,
+}
+
+/// Cells that are tried as one of the component before everything is searched through.
+const TRIES: usize = 4;
+
+/// Finds the component; none where no motion goes on for ever.
+///
+/// A cell that joints lead to, but no motion, belongs to it as well: its links do, and nothing that belongs to the
+/// component ends there.
+/// - `before`: the world that was changed, where it was.
+pub(in crate::stitch) fn settle(graph: &Joined, before: Option<&Before<'_>>) -> Option<Settled> {
+    let changed = before.and_then(|before| resettle(before, graph));
+    changed.or_else(|| seeds(graph).find_map(|seed| around(graph, seed))).or_else(|| exact(graph))
+}
+
+/// Cells that motion leads on from, of instances all over the world.
+fn seeds<'s>(graph: &'s Joined) -> impl Iterator<Item = (u32, u32)> + 's {
+    let part = move |k: usize| ((2 * k + 1) * graph.parts.len() / (2 * TRIES)) as u32;
+    (0..TRIES).map(part).filter_map(|part| {
+        let cells = (0..graph.cells(part).len() as u32).rev();
+        let most = cells.max_by_key(|&c| graph.situation(part).out.members(c).count())?;
+        Some((part, most))
+    })
+}
+
+/// The component that a cell belongs to; none where that is not surely the largest.
+fn around(graph: &Joined, seed: (u32, u32)) -> Option<Settled> {
+    let settled = Settled::of(graph, seed);
+    settled.is_largest(graph).then_some(settled)
+}
+
+/// The component by a search through everything.
+fn exact(graph: &Joined) -> Option<Settled> {
+    // Every component has cells come to by motion, and they are numbered first.
+    largest(graph).map(|node| Settled::of(graph, graph.part_of(node)))
+}
+
+impl Settled {
+    /// Where a cell belongs to the component.
+    fn of(graph: &Joined, (part, cell): (u32, u32)) -> Self {
+        let search = |direction| reach(graph, part, cell, direction);
+        let (from, to) = rayon::join(|| search(Direction::Forth), || search(Direction::Back));
+        Self::new(from, to)
+    }
+
+    /// - `from`: all that is reached from the component.
+    /// - `to`: all that leads to it.
+    pub fn new(from: Reached, to: Reached) -> Self {
+        let Reached { mut moved, joined } = from.and(&to);
+        moved.iter_mut().zip(joined).for_each(|(m, j)| *m |= j);
+        Self { from, to, inside: moved }
+    }
+
+    /// True where no other component can have as many nodes as that of all nodes reached in both directions.
+    ///
+    /// What is in one component is reached in the same directions.
+    pub fn is_largest(&self, graph: &Joined) -> bool {
+        let (from, to) = (&self.from, &self.to);
+        let mut counts = [0u64; 4];
+        for (part, p) in (0u32..).zip(&graph.parts) {
+            let exits = &graph.exits[p.patch as usize];
+            // No other cells are come to by joints from cells.
+            let joins = graph.overlaps_of(part).iter().any(|o| graph.crossing(o).between_cells);
+            let cells = graph.cells(part).len();
+            for (k, word) in graph.words(part).enumerate() {
+                let all = if cells - 64 * k >= 64 { u64::MAX } else { (1 << (cells - 64 * k)) - 1 };
+                let mut count = |f: u64, t: u64, which: u64| {
+                    let classes = [f & t, f & !t, t & !f, !(f | t)];
+                    counts.iter_mut().zip(classes).for_each(|(n, c)| *n += u64::from((c & which).count_ones()));
+                };
+                count(from.moved[word], to.moved[word], all & !exits[k]);
+                if joins {
+                    count(from.joined[word], to.joined[word], all & !exits[k]);
+                }
+            }
+        }
+        counts[0] > 1 && counts[1..].iter().all(|&n| n < counts[0])
+    }
+
+    /// What a cell of an instance is.
+    pub fn standing(&self, graph: &Joined, part: u32, cell: u32) -> Standing {
+        let has = |words: &[u64]| words[graph.words(part).start + cell as usize / 64] & 1 << (cell % 64) != 0;
+        match (has(&self.inside), has(&self.to.moved)) {
+            (true, _) => Standing::Inside,
+            (false, true) => Standing::Unreached,
+            (false, false) => Standing::DeadEnd,
+        }
+    }
+
+    /// True where any cell of an instance, but for exits, is that.
+    pub fn has(&self, graph: &Joined, part: u32, what: Standing) -> bool {
+        let exits = &graph.exits[graph.parts[part as usize].patch as usize];
+        let cells = (0u32..).zip(graph.words(part)).zip(exits);
+        let mut own = cells.flat_map(|((k, _), e)| ones(!e).map(move |bit| 64 * k + bit));
+        let count = graph.cells(part).len() as u32;
+        own.any(|cell| cell < count && self.standing(graph, part, cell) == what)
+    }
+}

@@ -1,0 +1,101 @@
+//! What is left of a patch's motion among the units around it: the same for all instances with the same surroundings.
+
+use super::table::JointTable;
+use crate::stitch::clearance::hit::Hit;
+use crate::stitch::place::relation::Relation;
+use crate::stitch::sets::bits::{all_set, clear};
+use crate::stitch::sets::rows::Rows;
+use throng_core::patch::{NONE, Patches};
+use throng_world::is_set;
+
+/// A patch and what is in the way of its motion.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub(in crate::stitch) struct Surroundings {
+    /// Number of the patch.
+    pub patch: u32,
+    /// How the units stand to it that any of its links collides with; ascending.
+    pub obstacles: Vec<Relation>,
+}
+
+/// What is left of a patch's motion.
+#[derive(Clone, Debug, PartialEq)]
+pub(in crate::stitch) struct Situation {
+    /// What is around it.
+    pub surroundings: Surroundings,
+    /// Links that nothing is in the way of.
+    pub link_words: Vec<u64>,
+    /// Cells that each cell's links lead to.
+    pub out: Rows,
+    /// Cells from which links lead to each cell.
+    pub into: Rows,
+}
+
+impl Situation {
+    /// - `masks`: bits of the links that each of the obstacles is in the way of.
+    pub fn new<'m>(patches: &Patches, surroundings: Surroundings, masks: impl Iterator<Item = &'m [u64]>) -> Self {
+        let patch = surroundings.patch as usize;
+        let (cells, links) = (patches.cells_of(patch), patches.links_of(patch));
+        let mut link_words = all_set(links.len());
+        for mask in masks {
+            link_words.iter_mut().zip(mask).for_each(|(w, m)| *w &= !m);
+        }
+        // Links are sorted by the cell they begin in.
+        let left = (0u32..).zip(links).filter(|(l, _)| is_set(&link_words, 0, *l));
+        let into = Rows::new(cells.len(), left.map(|(_, link)| (link.to, link.from)));
+        let out = into.transposed(cells.len());
+        Self { surroundings, link_words, out, into }
+    }
+
+    /// Joints that may be taken where links of side a collide: out of a link that is clear up to there, into one that
+    /// is clear from there. Two bits a joint; none where that is so for all.
+    ///
+    /// - `hit`: first and last frame of a link of side a that collide with anything.
+    pub fn joint_words(&self, table: &JointTable, mut hit: impl FnMut(u32) -> Option<Hit>) -> Option<Vec<u64>> {
+        let mut words: Option<Vec<u64>> = None;
+        let mut first = 0;
+        for joints in table.joints.chunk_by(|j, k| j.a == k.a) {
+            let numbers = first..;
+            first += joints.len() as u32;
+            let link = joints[0].a;
+            if joints[0].a_offset == NONE || is_set(&self.link_words, 0, link) {
+                continue;
+            }
+            let Some(found) = hit(link) else { continue };
+            let words = words.get_or_insert_with(|| all_set(2 * table.joints.len()));
+            for (k, joint) in numbers.zip(joints) {
+                if u32::from(found.first) <= joint.a_offset {
+                    clear(words, 2 * k);
+                }
+                if u32::from(found.last) >= joint.a_offset {
+                    clear(words, 2 * k + 1);
+                }
+            }
+        }
+        words
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use throng_world::JointRecord;
+
+    #[test]
+    fn a_link_may_be_left_before_and_entered_after_what_is_in_its_way() {
+        let joint = |a, a_offset| JointRecord { a, a_offset, b: 0, reserved: 0 };
+        let joints = vec![joint(1, 10), joint(1, 20), joint(1, 30), joint(2, 20), joint(20, NONE)];
+        let table = JointTable { joints, ..JointTable::default() };
+        let mut situation = Situation {
+            surroundings: Surroundings { patch: 0, obstacles: Vec::new() },
+            link_words: all_set(3),
+            out: Rows::default(),
+            into: Rows::default(),
+        };
+        assert_eq!(situation.joint_words(&table, |_| None), None);
+        clear(&mut situation.link_words, 1);
+        let words = situation.joint_words(&table, |_| Some(Hit { first: 15, last: 25 })).unwrap();
+        let ways: Vec<(bool, bool)> =
+            (0..5).map(|k| (is_set(&words, 0, 2 * k), is_set(&words, 0, 2 * k + 1))).collect();
+        assert_eq!(ways, [(true, false), (false, false), (false, true), (true, true), (true, true)]);
+    }
+}

@@ -1,0 +1,94 @@
+//! Joint tables: where motion of one patch may go on as motion of another that stands to it in a certain way
+//! (Lee, Choi and Lee 2006, section 5).
+
+use crate::environment::Bounds;
+use crate::stitch::place::paths::{Nearness, Spots};
+use crate::stitch::place::relation::Relation;
+use rayon::prelude::*;
+use throng_core::patch::{CellRecord, Patches, Placement};
+use throng_world::JointRecord;
+
+/// The joints of all pairs of instances that stand in one relation, ready to be followed from either side.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(in crate::stitch) struct JointTable {
+    /// Sorted by (a, a_offset, b).
+    pub joints: Vec<JointRecord>,
+    /// Numbers of the joints, sorted by (b, a, a_offset).
+    pub by_b: Vec<u32>,
+    /// True where side a is a tile on whose panel motion of b takes place: who is in b is in the way of others on a.
+    pub shares_floor: bool,
+}
+
+/// What joints are looked for.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::stitch) struct Rule {
+    /// How near.
+    pub nearness: Nearness,
+    /// How many for each cell of side b.
+    pub joints_per_cell: usize,
+}
+
+/// Cells of side b that are looked at together.
+const CELLS: usize = 32;
+
+impl JointTable {
+    /// Finds the joints between patch `relation.a`, whose spots are given, and the block `relation.b`.
+    ///
+    /// Of a link's frames that are near a cell, the nearest is taken; of all joints of a cell of b the nearest ones.
+    /// - `floor`: the panel, where a is a tile.
+    pub fn new(patches: &Patches, spots: &Spots, floor: Option<&Bounds>, relation: &Relation, rule: Rule) -> Self {
+        let (b, at) = (relation.b as usize, relation.placement());
+        let cells = patches.cells_of(b);
+        let of_cells = |numbers: &[u32]| {
+            let (mut joints, mut near) = (Vec::new(), Vec::new());
+            for &c in numbers {
+                of_cell(spots, &cells[c as usize], at, rule, &mut near);
+                let joint = |n: &Near| JointRecord { a: n.item, a_offset: n.offset, b: c, reserved: 0 };
+                joints.extend(near.iter().map(joint));
+            }
+            joints
+        };
+        // The spots of one group stay at hand.
+        let mut order: Vec<u32> = (0..cells.len() as u32).collect();
+        order.sort_unstable_by_key(|&c| (cells[c as usize].group, c));
+        let mut joints: Vec<JointRecord> = order.par_chunks(CELLS).flat_map_iter(of_cells).collect();
+        joints.sort_unstable();
+        let mut by_b: Vec<u32> = (0..joints.len() as u32).collect();
+        by_b.sort_by_key(|&j| joints[j as usize].b);
+        let on_floor = |f: &Bounds| patches.cells_of(b).iter().any(|c| stands_on(f, at.compose(c.placement)));
+        Self { joints, by_b, shares_floor: floor.is_some_and(on_floor) }
+    }
+}
+
+/// True for hips at a height at which feet or a seat are on a panel, and above it. Who is nearer to its edge than a hand's
+/// width is left to the neighbour: on tiles, roots keep away from edges that are not crossed.
+fn stands_on(floor: &Bounds, hips: Placement) -> bool {
+    const BESIDE_M: f32 = -0.05;
+    const HIPS_M: [f32; 2] = [0.2, 1.3];
+    let (low, high) = (floor.min - BESIDE_M, floor.max + BESIDE_M);
+    let above = low.x <= hips.x && hips.x <= high.x && low.z <= hips.z && hips.z <= high.z;
+    above && floor.min.y + HIPS_M[0] <= hips.y && hips.y <= floor.max.y + HIPS_M[1]
+}
+
+/// A spot of side a that is near a cell of side b.
+#[derive(Clone, Copy, Debug)]
+struct Near {
+    item: u32,
+    offset: u32,
+    distance: f32,
+}
+
+/// The nearest spots of side a for all joints of one cell of side b, one an item, in no order.
+fn of_cell(spots: &Spots, cell: &CellRecord, at: Placement, rule: Rule, near: &mut Vec<Near>) {
+    let place = at.compose(cell.placement);
+    near.clear();
+    let found = spots.near(cell.group, place, rule.nearness);
+    near.extend(found.map(|(s, distance)| Near { item: s.item, offset: s.offset, distance }));
+    let nearer = |p: &Near, q: &Near| p.distance.total_cmp(&q.distance);
+    near.sort_unstable_by(|p, q| p.item.cmp(&q.item).then(nearer(p, q)).then(p.offset.cmp(&q.offset)));
+    near.dedup_by_key(|n| n.item);
+    if near.len() > rule.joints_per_cell {
+        near.select_nth_unstable_by(rule.joints_per_cell, |p, q| nearer(p, q).then(p.item.cmp(&q.item)));
+        near.truncate(rule.joints_per_cell);
+    }
+}

@@ -1,0 +1,119 @@
+//! The changes that can be taken back, and those that can be made again.
+
+use crate::stitch::place::change::Edit;
+
+/// What takes changes back, and what makes them again.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(in crate::stitch) struct History {
+    undo: Vec<Edit>,
+    redo: Vec<Edit>,
+    /// What could be made again before the last change was made; none unless that is the last thing that was done.
+    dropped: Vec<Edit>,
+}
+
+impl History {
+    /// A change was made, which `back` takes back: those taken back before are forgotten.
+    pub fn done(&mut self, back: Edit) {
+        self.undo.push(back);
+        self.dropped = std::mem::take(&mut self.redo);
+    }
+
+    /// The last change was taken back as if it had never been made: where it has just been, what could be made again
+    /// before it can be again.
+    pub fn withdrawn(&mut self) {
+        self.undo.pop();
+        self.redo.append(&mut self.dropped);
+    }
+
+    /// Number of changes that can be taken back, and of those that can be made again.
+    pub fn counts(&self) -> [usize; 2] {
+        [self.undo.len(), self.redo.len()]
+    }
+
+    /// The change to make to take the last one back.
+    pub fn to_undo(&self) -> Option<Edit> {
+        self.undo.last().cloned()
+    }
+
+    /// That was made, and `again` takes it back.
+    pub fn undone(&mut self, again: Edit) {
+        self.undo.pop();
+        self.redo.push(again);
+        self.dropped.clear();
+    }
+
+    /// The change to make to make the last one again that was taken back.
+    pub fn to_redo(&self) -> Option<Edit> {
+        self.redo.last().cloned()
+    }
+
+    /// That was made, and `back` takes it back.
+    pub fn redone(&mut self, back: Edit) {
+        self.redo.pop();
+        self.undo.push(back);
+        self.dropped.clear();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::environment::PlacedUnit;
+    use proptest::prelude::*;
+    use throng_core::patch::Placement;
+
+    proptest! {
+        #[test]
+        fn changes_are_taken_back_and_made_again(steps in prop::collection::vec((0usize..3, 0usize..99), 1..20)) {
+            let unit = |k: usize| PlacedUnit { unit: k, placement: Placement::new(k as f32, 0.0, 0.0, 0.0) };
+            let mut units: Vec<PlacedUnit> = (0..3).map(unit).collect();
+            let mut history = History::default();
+            let mut states = vec![units.clone()];
+            for (what, k) in steps {
+                let edit = match what {
+                    0 => Edit::Insert { index: k % (units.len() + 1), unit: unit(k) },
+                    _ if units.is_empty() => continue,
+                    1 => Edit::Remove { index: k % units.len() },
+                    _ => Edit::Move { index: k % units.len(), placement: unit(k).placement },
+                };
+                history.done(edit.apply(&mut units));
+                states.push(units.clone());
+            }
+            for state in states.iter().rev().skip(1) {
+                let again = history.to_undo().expect("a change").apply(&mut units);
+                history.undone(again);
+                prop_assert_eq!(&units, state);
+            }
+            prop_assert_eq!(history.to_undo(), None);
+            for state in &states[1..] {
+                let back = history.to_redo().expect("a change").apply(&mut units);
+                history.redone(back);
+                prop_assert_eq!(&units, state);
+            }
+            prop_assert_eq!(history.to_redo(), None);
+        }
+
+        #[test]
+        fn what_is_withdrawn_leaves_no_trace(changes in 1usize..6, undos in 0usize..6, dones in 0usize..2) {
+            let unit = |k: usize| PlacedUnit { unit: k, placement: Placement::IDENTITY };
+            let mut units: Vec<PlacedUnit> = Vec::new();
+            let mut history = History::default();
+            for k in 0..changes {
+                history.done(Edit::Insert { index: k, unit: unit(k) }.apply(&mut units));
+            }
+            for _ in 0..undos.min(changes) {
+                let again = history.to_undo().expect("a change").apply(&mut units);
+                history.undone(again);
+            }
+            for k in 0..dones {
+                history.done(Edit::Insert { index: 0, unit: unit(10 + k) }.apply(&mut units));
+            }
+            let (before, stood) = (history.clone(), units.clone());
+            history.done(Edit::Insert { index: 0, unit: unit(99) }.apply(&mut units));
+            history.to_undo().expect("a change").apply(&mut units);
+            history.withdrawn();
+            prop_assert_eq!((&history.undo, &history.redo), (&before.undo, &before.redo));
+            prop_assert_eq!(units, stood);
+        }
+    }
+}

@@ -1,0 +1,189 @@
+//! Stitching from the first step to the last, all of it or what a change left to do.
+
+use crate::environment::Environment;
+use crate::stitch::config::StitchConfig;
+use crate::stitch::connect::allow::allow;
+use crate::stitch::connect::assemble::{Written, write};
+use crate::stitch::connect::joined::Joined;
+use crate::stitch::connect::made::Made;
+use crate::stitch::connect::outcome::Counts;
+use crate::stitch::connect::prepare::{Past, Stitcher};
+use crate::stitch::connect::remains::{Judged, remain};
+use crate::stitch::connect::resettle::Before;
+use crate::stitch::connect::settled::{Standing, settle};
+use crate::stitch::library::STAGE;
+use crate::stitch::place::change::Edit;
+use crate::stitch::place::lay::Laid;
+use crate::stitch::place::relay::Relaid;
+use crate::stitch::report::{Reason, StitchReport, peak_bytes};
+use std::sync::Arc;
+use std::time::Instant;
+use throng_core::base::Hash128;
+use throng_core::patch::NONE;
+use throng_motion::error::BuildError;
+use throng_motion::progress::Progress;
+use throng_world::{WorldData, WorldMeta};
+
+/// Stitching, in reading order.
+///
+/// - `before`: what is changed, and what takes the change back.
+/// - `world`: where the world is written to; what it was before the change. It stays as it was where an error is returned.
+///
+/// # Errors
+/// As [`crate::stitch::stitch`].
+pub(in crate::stitch) fn make<'a>(
+    stitcher: &mut Stitcher<'a>,
+    environment: &Environment,
+    before: Option<(&Made, &Edit)>,
+    world: &mut WorldData,
+    progress: &dyn Progress,
+) -> Result<Made, BuildError> {
+    let begin = Instant::now();
+    let relaid = before.and_then(|(made, back)| Some((made, stitcher.placer.relay(environment, &made.laid, back)?)));
+    let (laid, kept) = match relaid {
+        Some((made, Relaid { laid, kept })) => (laid, Some((made, kept))),
+        None => (stitcher.placer.lay(environment)?, None),
+    };
+    let past = kept.as_ref().map(|(made, kept)| Past { made, kept });
+    let prepared = stitcher.prepare(&laid, past, progress);
+    let joined = allow(&stitcher.placer.patches, &laid, prepared)?;
+    progress.begin("component", joined.num_nodes as u64, "cells");
+    let before = past.map(|Past { made, kept }| Before {
+        joined: &made.joined,
+        settled: &made.settled,
+        same: same(&made.joined, &joined, &kept.was),
+    });
+    let settled = settle(&joined, before.as_ref()).ok_or_else(|| no_component(stitcher, environment))?;
+    progress.end();
+    let judged = Judged { joined: &joined, settled: &settled };
+    let alike = past.zip(before.as_ref().map(|before| before.same.as_slice()));
+    let remains = remain(&mut stitcher.found, &laid, &judged, alike);
+    check_reached(stitcher, environment, &laid, &judged)?;
+    let mut report = report(stitcher, &laid, &remains.counts());
+    let meta = meta(stitcher, environment, &report)?;
+    write(
+        environment,
+        &laid,
+        &joined,
+        &remains,
+        alike.map(|(past, same)| Written { remains: &past.made.remains, same }),
+        world,
+    );
+    world.meta = meta;
+    match &kept {
+        Some((_, kept)) => stitcher.forget(&laid, &kept.gone),
+        None => stitcher.forget_all_but(&laid),
+    }
+    (report.tables, report.joints) = (world.tables.len(), world.joints.len());
+    (report.peak_bytes, report.seconds) = (peak_bytes(), begin.elapsed().as_secs_f64());
+    Ok(Made { laid, joined, settled, remains, report })
+}
+
+/// The number that each instance had before; [`NONE`] for those that are new or have something else around them.
+///
+/// - `was`: the same, but for what is around them.
+fn same(before: &Joined, joined: &Joined, was: &[u32]) -> Vec<u32> {
+    let is_same = |i: u32, was: u32| Arc::ptr_eq(joined.situation(i), before.situation(was));
+    (0u32..).zip(was).map(|(i, &was)| if was != NONE && is_same(i, was) { was } else { NONE }).collect()
+}
+
+fn no_component(stitcher: &Stitcher<'_>, environment: &Environment) -> BuildError {
+    BuildError::Stage {
+        stage: STAGE,
+        message: format!(
+            "environment {}: no motion leads on for ever in any of the blocks of bundle {} that fit it",
+            environment.name, stitcher.placer.library.bundle
+        ),
+        help: "Place more units, so that ways through them lead back to where they began".into(),
+    }
+}
+
+/// Every unit that is more than an obstacle must belong to an instance of which something is left.
+fn check_reached(
+    stitcher: &Stitcher<'_>,
+    environment: &Environment,
+    laid: &Laid,
+    judged: &Judged<'_>,
+) -> Result<(), BuildError> {
+    if stitcher.placer.config.allow_unreachable {
+        return Ok(());
+    }
+    let has = |i: usize, what: Standing| judged.settled.has(judged.joined, i as u32, what);
+    let mut reached = vec![false; environment.units.len()];
+    for (i, f) in laid.fitted.iter().enumerate() {
+        if has(i, Standing::Inside) {
+            f.units.iter().for_each(|&u| reached[u as usize] = true);
+        }
+    }
+    let left: Vec<usize> =
+        (0..reached.len()).filter(|&u| !reached[u] && !stitcher.placer.is_obstacle(environment, u)).collect();
+    let Some(&unit) = left.first() else { return Ok(()) };
+    let here = || laid.fitted.iter().enumerate().filter(|(_, f)| f.units.contains(&(unit as u32)));
+    let leads_away = here().any(|(i, _)| has(i, Standing::Unreached));
+    let patches: Vec<&str> =
+        here().map(|(_, f)| stitcher.placer.library.names[f.patch as usize].name.as_str()).collect();
+    let what = if leads_away { "no character can get there" } else { "no way leads out of it" };
+    let more = if left.len() > 1 { format!(", as of {} more units", left.len() - 1) } else { String::new() };
+    Err(BuildError::Stage {
+        stage: STAGE,
+        message: format!(
+            "environment {}: {}: {what}{more} (blocks: {})",
+            environment.name,
+            stitcher.placer.library.describe(environment, unit),
+            patches.join(", ")
+        ),
+        help: "Connect it, take what is in the way away, or set `allow_unreachable` under [stitch]".into(),
+    })
+}
+
+fn report(stitcher: &Stitcher<'_>, laid: &Laid, counts: &Counts) -> StitchReport {
+    let mut fitted = vec![0; stitcher.placer.patterns.len()];
+    laid.fitted.iter().for_each(|f| fitted[f.patch as usize] += 1);
+    let patches = stitcher.placer.library.names.iter().zip(fitted).filter(|(_, n)| *n > 0);
+    StitchReport {
+        instances: laid.fitted.len(),
+        patches: patches.map(|(patch, n)| (patch.name.clone(), n)).collect(),
+        cells: counts.cells,
+        transitions: counts.links + counts.joints,
+        motion_hours: counts.frames as f64 / stitcher.placer.library.rate_hz / 3600.0,
+        disabled: Reason::ALL.iter().map(|&r| (r.name().to_owned(), counts.disabled[r as usize])).collect(),
+        ..StitchReport::default()
+    }
+}
+
+fn meta(stitcher: &Stitcher<'_>, environment: &Environment, report: &StitchReport) -> Result<WorldMeta, BuildError> {
+    let as_toml = as_toml(environment)?;
+    let source_hash = source_hash(&as_toml, &stitcher.placer.config);
+    Ok(WorldMeta {
+        name: environment.name.clone(),
+        generator: concat!("throng ", env!("CARGO_PKG_VERSION")).to_owned(),
+        bundle: stitcher.placer.library.bundle.to_owned(),
+        bundle_hash: stitcher.placer.library.bundle_hash,
+        source_hash,
+        environment: as_toml,
+        disabled: report.disabled.iter().map(|(name, count)| (name.clone(), *count)).collect(),
+        cells: report.cells,
+        transitions: report.transitions,
+        motion_hours: report.motion_hours,
+    })
+}
+
+/// An environment as text.
+///
+/// # Errors
+/// [`BuildError::Stage`] for numbers that TOML cannot hold.
+pub(in crate::stitch) fn as_toml(environment: &Environment) -> Result<String, BuildError> {
+    toml::to_string(environment).map_err(|e| BuildError::Stage {
+        stage: STAGE,
+        message: format!("environment {} cannot be written as TOML: {e}", environment.name),
+        help: "Give every unit a finite place".into(),
+    })
+}
+
+/// Content hash of what a world is stitched from.
+pub(in crate::stitch) fn source_hash(environment: &str, config: &StitchConfig) -> u128 {
+    let mut hash = Hash128::default();
+    hash.bytes(environment.as_bytes());
+    hash.bytes(format!("{config:?}").as_bytes());
+    hash.finish()
+}

@@ -1,0 +1,61 @@
+//! Files of inferred surroundings, a world among them.
+
+use super::{StitchConfig, WorldSource};
+use crate::environment::{EnvironmentFile, Inferred};
+use serde::Serialize;
+use std::path::{Path, PathBuf};
+use throng_motion::error::BuildError;
+use throng_motion::files::write_atomically;
+
+/// Which files inferred surroundings were written to.
+#[derive(Clone, Debug, PartialEq, Serialize, schemars::JsonSchema)]
+pub struct SavedFiles {
+    /// What stands where.
+    pub environment_out: PathBuf,
+    /// Its units.
+    pub units_out: PathBuf,
+    /// The same surroundings as a world, to be stitched from the patches that a build makes of them.
+    pub world_out: PathBuf,
+}
+
+impl Inferred {
+    /// Writes the environment and, beside it, its unit file and a world, named after it with `-units` and `-world` at
+    /// the end. The world's bundle has the environment's name and lies beside it.
+    ///
+    /// # Errors
+    /// [`BuildError::Io`] names the file.
+    pub fn save(&self, path: &Path) -> Result<SavedFiles, BuildError> {
+        let stem = path.file_stem().map_or_else(String::new, |s| s.to_string_lossy().into_owned());
+        let beside = |end: &str| PathBuf::from(format!("{stem}{end}"));
+        let environment = EnvironmentFile { units: beside("-units.toml"), ..self.environment.clone() };
+        let world = WorldSource {
+            name: self.environment.name.clone(),
+            bundle: beside(".throng"),
+            config: None,
+            // Nobody was seen to get from each inferred unit to each other one.
+            stitch: StitchConfig { allow_unreachable: true, ..StitchConfig::default() },
+            prefabs: self.environment.prefabs.clone(),
+            place: self.environment.place.clone(),
+        };
+        let saved = SavedFiles {
+            environment_out: path.to_path_buf(),
+            units_out: path.with_file_name(&environment.units),
+            world_out: path.with_file_name(beside("-world.toml")),
+        };
+        let head: String =
+            format!("Inferred from contacts.\n{}", self.report).lines().map(|l| format!("# {l}\n")).collect();
+        let texts = [
+            (&saved.units_out, self.units.to_toml()?),
+            (&saved.world_out, toml(&world)?),
+            (&saved.environment_out, toml(&environment)?),
+        ];
+        for (file, text) in texts {
+            write_atomically(file, |w| w.write_all(format!("{head}{text}").as_bytes()))?;
+        }
+        Ok(saved)
+    }
+}
+
+fn toml(value: &impl Serialize) -> Result<String, BuildError> {
+    toml::to_string(value).map_err(|e| BuildError::Config { message: e.to_string() })
+}

@@ -1,0 +1,198 @@
+//! What stitching knows of the bundle whose patches it uses.
+
+use crate::environment::{Environment, UnitGeometry, UnitSet};
+use std::f32::consts::TAU;
+use std::sync::Arc;
+use throng_core::format::{FrameRow, PatchMeta};
+use throng_core::patch::{KIND_TILE, LinkRecord, Patches, Placement};
+use throng_core::planar::{Planar, wrap_angle};
+use throng_core::{Contacts, Skeleton};
+use throng_motion::error::BuildError;
+
+/// The name of the stage in messages.
+pub(super) const STAGE: &str = "stitch";
+
+/// What is known from a bundle beside its patches.
+#[derive(Clone, Copy, Debug)]
+pub struct Library<'a> {
+    /// Name of the bundle.
+    pub bundle: &'a str,
+    /// Its content hash.
+    pub bundle_hash: u128,
+    /// Frames a second (Hz).
+    pub rate_hz: f64,
+    /// The patches' names and units (number of patches).
+    pub names: &'a [PatchMeta],
+    /// The unit objects.
+    pub units: &'a UnitSet,
+    /// All frames of motion.
+    pub frames: &'a [FrameRow],
+    /// Pose group of every frame (frames.len()).
+    pub groups: &'a [u32],
+    /// What is planted in every frame (frames.len()).
+    pub contacts: &'a [Contacts],
+    /// Geometry of the unit objects (units.units.len()).
+    pub geometries: &'a [Arc<UnitGeometry>],
+    /// Proportions of the body.
+    pub skeleton: &'a Skeleton,
+}
+
+/// A patch's units by number instead of by name.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Pattern {
+    /// Number of the unit in the library's set, and where it stands in the patch's frame.
+    pub units: Vec<(usize, Placement)>,
+    /// True for a tile.
+    pub is_tile: bool,
+}
+
+impl Library<'_> {
+    /// Checks that all that belongs together has the same size, and looks up the units of every patch.
+    ///
+    /// # Errors
+    /// [`BuildError::Stage`] where patches, names, groups and frames do not go together.
+    pub(super) fn patterns(&self, patches: &Patches) -> Result<Vec<Pattern>, BuildError> {
+        let damaged = |message: String| BuildError::Stage {
+            stage: STAGE,
+            message,
+            help: "Build the bundle again with `throng build`".into(),
+        };
+        let frames = [self.frames.len(), self.groups.len(), self.contacts.len()];
+        let units = [self.units.units.len(), self.geometries.len()];
+        if self.names.len() != patches.patches.len() || frames[1..] != [frames[0]; 2] || units[1] != units[0] {
+            return Err(damaged(format!(
+                "bundle {} has {} patches with {} names, {frames:?} frames with pose groups and contacts, {units:?} \
+                 units with geometries",
+                self.bundle,
+                patches.patches.len(),
+                self.names.len(),
+            )));
+        }
+        let number = |name: &str| self.units.units.iter().position(|u| u.name == name);
+        let pattern = |(p, meta): (usize, &PatchMeta)| {
+            let units: Result<Vec<_>, String> =
+                meta.units.iter().map(|(name, at)| number(name).map(|n| (n, *at)).ok_or(name.clone())).collect();
+            match units {
+                Ok(units) if !units.is_empty() => Ok(Pattern { units, is_tile: patches.patches[p].kind == KIND_TILE }),
+                Ok(_) => Err(damaged(format!("patch {} of bundle {} has no units", meta.name, self.bundle))),
+                Err(unit) => Err(damaged(format!(
+                    "patch {} of bundle {} has the unit {unit}, which the bundle does not describe",
+                    meta.name, self.bundle
+                ))),
+            }
+        };
+        self.names.iter().enumerate().map(pattern).collect()
+    }
+
+    /// Angle by which a unit can be turned without a change (rad).
+    pub(super) fn period(&self, unit: usize) -> f32 {
+        TAU / self.units.units[unit].symmetry.max(1) as f32
+    }
+
+    /// A placed unit in words: its name, number and place.
+    pub(super) fn describe(&self, environment: &Environment, index: usize) -> String {
+        let placed = &environment.units[index];
+        let p = placed.placement;
+        format!(
+            "unit {} (place {index}, at {:.2}, {:.2}, {:.2}, heading {:.0} deg)",
+            self.units.units[placed.unit].name,
+            p.x,
+            p.y,
+            p.z,
+            wrap_angle(p.heading).to_degrees()
+        )
+    }
+
+    /// Root of every frame of a link in its patch's frame: y is the height of the clip's ground there.
+    ///
+    /// (num_frames + 1)
+    pub fn link_roots<'s>(&'s self, link: &LinkRecord) -> impl Iterator<Item = Placement> + use<'s> {
+        let (link, n) = (*link, f32::from(link.num_frames));
+        let planar = move |k: u32| {
+            let [x, z, heading] = self.frames[(link.frame + k) as usize].planar;
+            Planar::new(x, z, heading)
+        };
+        let first = planar(0);
+        let nominal = move |k: u32| link.start.planar().compose(first.to_local(planar(k)));
+        let last = nominal(u32::from(link.num_frames));
+        let missing = Placement::new(
+            link.end.x - last.x,
+            link.end.y - link.start.y,
+            link.end.z - last.z,
+            link.end.heading - last.heading,
+        );
+        (0..=u32::from(link.num_frames)).map(move |k| {
+            let (at, share) = (nominal(k), k as f32 / n);
+            Placement::new(
+                at.x + share * missing.x,
+                link.start.y + share * missing.y,
+                at.z + share * missing.z,
+                at.heading + share * missing.heading,
+            )
+        })
+    }
+}
+
+/// A heading within one period, so that copies of a unit that look the same have nearly the same one.
+///
+/// The range begins at an angle at which nobody places anything: what stands a little to either side of a usual one
+/// stays together.
+pub(super) fn normalised(placement: Placement, period: f32) -> Placement {
+    const FROM: f32 = -0.371;
+    let turns = placement.heading / period - FROM;
+    Placement { heading: (turns - turns.floor() + FROM) * period, ..placement }
+}
+
+/// How far `a` is turned from `b`, where turning by `period` changes nothing (rad).
+pub(super) fn turned(a: f32, b: f32, period: f32) -> f32 {
+    let r = (a - b) / period;
+    (r - r.round()).abs() * period
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use bytemuck::Zeroable;
+    use std::f32::consts::{FRAC_PI_2, PI};
+
+    #[test]
+    fn headings_that_look_the_same_are_normalised_to_the_same() {
+        let at = |heading| normalised(Placement::new(1.0, 2.0, 3.0, heading), FRAC_PI_2).heading;
+        for k in -5..5 {
+            let h = k as f32 * FRAC_PI_2;
+            assert!(at(h).abs() < 1e-5 && (at(h + 0.01) - 0.01).abs() < 1e-5 && (at(h - 0.01) + 0.01).abs() < 1e-5);
+        }
+        assert!((normalised(Placement::new(0.0, 0.0, 0.0, PI), TAU).heading - PI).abs() < 1e-5);
+        assert!(turned(3.2, 0.05, FRAC_PI_2) < 0.02 && turned(0.8, 0.0, FRAC_PI_2) > 0.7);
+    }
+
+    #[test]
+    fn a_link_begins_and_ends_where_it_says() {
+        let mut frames = vec![FrameRow::zeroed(); 5];
+        for (k, f) in frames.iter_mut().enumerate() {
+            f.planar = [k as f32, 2.0 * k as f32, 0.1 * k as f32];
+        }
+        let (units, skeleton) = (UnitSet::default(), Skeleton::default());
+        let library = Library {
+            bundle: "b",
+            bundle_hash: 0,
+            rate_hz: 30.0,
+            names: &[],
+            units: &units,
+            frames: &frames,
+            groups: &[],
+            contacts: &[],
+            geometries: &[],
+            skeleton: &skeleton,
+        };
+        let (start, end) = (Placement::new(1.0, 0.5, 2.0, 0.7), Placement::new(-1.0, 0.9, 3.0, 7.0));
+        let link = LinkRecord { from: 0, to: 1, frame: 1, num_frames: 3, tag: 0, start, end };
+        let roots: Vec<_> = library.link_roots(&link).collect();
+        assert_eq!(roots.len(), 4);
+        for (root, expected) in [(roots[0], start), (roots[3], end)] {
+            assert!((root.translation() - expected.translation()).length() < 1e-5);
+            assert!((root.heading - expected.heading).abs() < 1e-5);
+        }
+        assert!((roots[1].y - (0.5 + 0.4 / 3.0)).abs() < 1e-5);
+    }
+}

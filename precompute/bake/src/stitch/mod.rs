@@ -1,0 +1,47 @@
+//! Worlds: patches fitted into an environment, joined where they overlap, without what is in the way and without
+//! dead ends (Lee, Choi and Lee 2006, section 5).
+
+mod clearance;
+mod config;
+mod connect;
+mod edit;
+mod inferred;
+mod library;
+mod place;
+mod report;
+mod sets;
+mod source;
+
+pub use config::StitchConfig;
+pub use edit::editor::Editor;
+pub use edit::why::{Collision, Item, Why};
+pub use inferred::SavedFiles;
+pub use library::Library;
+pub use report::{Reason, StitchReport};
+pub use source::{Kit, WorldSource, save, stitch_source};
+
+use crate::environment::Environment;
+use throng_core::patch::Patches;
+use throng_motion::error::BuildError;
+use throng_motion::progress::Progress;
+use throng_world::WorldData;
+
+/// Stitches a world: fits the patches of a bundle into an environment, joins them where they overlap, and takes out
+/// what units are in the way of and what does not belong to the largest strongly connected component.
+///
+/// # Errors
+/// [`BuildError::Config`] where a setting is out of its limits. [`BuildError::Stage`] names units that stand in each
+/// other, that no block fits, that no character can get to or away from, and says where no motion goes on at all.
+///
+/// # Source
+/// Lee, Choi and Lee (2006), section 5. Differs: joints also leave and enter tiles in the middle of their motion, and joints and obstacles
+/// are found once for all pairs that stand to each other in the same way.
+pub fn stitch(
+    patches: &Patches,
+    library: &Library<'_>,
+    environment: &Environment,
+    config: &StitchConfig,
+    progress: &dyn Progress,
+) -> Result<(WorldData, StitchReport), BuildError> {
+    Ok(Editor::new(patches, *library, environment.clone(), config, progress)?.into_world())
+}

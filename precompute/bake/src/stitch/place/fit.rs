@@ -1,0 +1,182 @@
+//! Fits patches into an environment by matching the shapes they consist of (Lee, Choi and Lee 2006, section 5).
+
+use crate::environment::Environment;
+use crate::stitch::library::{Library, Pattern, normalised, turned};
+use std::collections::{HashMap, HashSet};
+use throng_core::patch::{EdgeRecord, NONE, Patches, Placement};
+
+/// Placed units match a patch's where they are no farther away than this, as seen from the patch (m).
+const TOLERANCE_M: f32 = 0.02;
+/// And turned by no more than this, modulo their symmetry (rad).
+const TOLERANCE: f32 = 1.0 * std::f32::consts::PI / 180.0;
+
+/// A patch and the placed units that it fits.
+#[derive(Clone, Debug, PartialEq)]
+pub(in crate::stitch) struct Fitted {
+    /// Number of the patch.
+    pub patch: u32,
+    /// The patch's frame in the world.
+    pub placement: Placement,
+    /// Placed units, in the order of the patch's.
+    pub units: Vec<u32>,
+    /// Turns of the first of them by its symmetry until it stands as the patch's does.
+    pub turn: u32,
+}
+
+impl Fitted {
+    /// What instances are sorted by: no two have the same.
+    pub fn order(&self) -> (u32, u32, u32) {
+        (self.units[0], self.patch, self.turn)
+    }
+}
+
+/// Placed units, found by what and where they are.
+pub(in crate::stitch) struct UnitIndex<'a> {
+    environment: &'a Environment,
+    buckets: HashMap<(usize, [i32; 3]), Vec<u32>>,
+}
+
+impl<'a> UnitIndex<'a> {
+    /// Edge length of a bucket (m).
+    const BUCKET_M: f32 = 0.5;
+
+    /// Sorts all units of an environment.
+    pub fn new(environment: &'a Environment) -> Self {
+        Self::of(environment, 0..environment.units.len() as u32)
+    }
+
+    /// Sorts some units of an environment; ascending.
+    pub fn of(environment: &'a Environment, units: impl Iterator<Item = u32>) -> Self {
+        let mut buckets: HashMap<_, Vec<u32>> = HashMap::new();
+        for i in units {
+            let u = &environment.units[i as usize];
+            let p = u.placement.translation().to_array().map(Self::bucket);
+            buckets.entry((u.unit, p)).or_default().push(i);
+        }
+        Self { environment, buckets }
+    }
+
+    fn bucket(v: f32) -> i32 {
+        (v / Self::BUCKET_M).floor() as i32
+    }
+
+    /// Placed units of a kind whose origin is within `radius` of a place, nearest first (radius < BUCKET_M).
+    pub fn near(&self, unit: usize, at: Placement, radius: f32) -> Vec<u32> {
+        let p = at.translation();
+        let mut corners: Vec<[i32; 3]> = (0..8)
+            .map(|k: usize| {
+                std::array::from_fn(|a| Self::bucket(p[a] + if k >> a & 1 == 0 { -radius } else { radius }))
+            })
+            .collect();
+        corners.sort_unstable();
+        corners.dedup();
+        let distance = |i: u32| (self.environment.units[i as usize].placement.translation() - p).length();
+        let mut found: Vec<u32> =
+            corners.iter().filter_map(|c| self.buckets.get(&(unit, *c))).flatten().copied().collect();
+        found.retain(|&i| distance(i) <= radius);
+        found.sort_by(|&i, &j| distance(i).total_cmp(&distance(j)).then(i.cmp(&j)));
+        found
+    }
+
+    /// The placed unit of a kind that stands just there, but for turns by `period`.
+    fn at(&self, unit: usize, at: Placement, period: f32) -> Option<u32> {
+        let heading = |i: &u32| self.environment.units[*i as usize].placement.heading;
+        self.near(unit, at, TOLERANCE_M).into_iter().find(|i| turned(heading(i), at.heading, period) <= TOLERANCE)
+    }
+}
+
+/// Every set of placed units that matches a patch's, once, ascending by [`Fitted::order`].
+///
+/// - `firsts`: placed units that may be the first of a set; ascending.
+pub(in crate::stitch) fn fit(
+    library: &Library<'_>,
+    patterns: &[Pattern],
+    index: &UnitIndex<'_>,
+    firsts: impl Iterator<Item = u32>,
+) -> Vec<Fitted> {
+    let mut of_unit = vec![Vec::new(); library.units.units.len()];
+    for (p, pattern) in patterns.iter().enumerate() {
+        of_unit[pattern.units[0].0].push(p);
+    }
+    let mut seen = HashSet::new();
+    let mut out = Vec::new();
+    for i in firsts {
+        let placed = &index.environment.units[i as usize];
+        let period = library.period(placed.unit);
+        let base = normalised(placed.placement, period);
+        for &p in &of_unit[placed.unit] {
+            let turns = library.units.units[placed.unit].symmetry.max(1);
+            for turn in 0..turns {
+                let frame = base.compose(Placement::new(0.0, 0.0, 0.0, turn as f32 * period));
+                let Some(units) = matching(library, &patterns[p], index, i, frame) else { continue };
+                let mut set = units.clone();
+                set.sort_unstable();
+                if seen.insert((p, set)) {
+                    out.push(Fitted { patch: p as u32, placement: frame.wrapped(), units, turn });
+                }
+            }
+        }
+    }
+    out
+}
+
+/// The placed units that a patch in this frame consists of, the first of which is `first`.
+fn matching(
+    library: &Library<'_>,
+    pattern: &Pattern,
+    index: &UnitIndex<'_>,
+    first: u32,
+    frame: Placement,
+) -> Option<Vec<u32>> {
+    let mut units = vec![first];
+    for &(unit, at) in &pattern.units[1..] {
+        let found = index.at(unit, frame.compose(at), library.period(unit))?;
+        if units.contains(&found) {
+            return None;
+        }
+        units.push(found);
+    }
+    Some(units)
+}
+
+/// The instance across every edge of every tile, [`NONE`] where there is none.
+///
+/// - returns the neighbours and, for each instance, where its own begin.
+pub(in crate::stitch) fn neighbours(
+    patches: &Patches,
+    patterns: &[Pattern],
+    index: &UnitIndex<'_>,
+    fitted: &[Fitted],
+) -> (Vec<u32>, Vec<u32>) {
+    let is_tile = |f: &Fitted| patterns[f.patch as usize].is_tile;
+    let tiles: HashMap<(u32, u32), u32> =
+        fitted.iter().enumerate().filter(|(_, f)| is_tile(f)).map(|(i, f)| ((f.patch, f.units[0]), i as u32)).collect();
+    let across = |f: &Fitted, edge: &EdgeRecord| {
+        let [x, y, z] = edge.step;
+        let place = f.placement.compose(Placement::new(x, y, z, 0.0));
+        let unit = patterns[f.patch as usize].units[0].0;
+        let other = |i: u32| tiles.get(&(f.patch, i)).copied();
+        let same_way = |&i: &u32| {
+            turned(fitted[i as usize].placement.heading, f.placement.heading, std::f32::consts::TAU) <= TOLERANCE
+        };
+        index.near(unit, place, TOLERANCE_M).into_iter().filter_map(other).find(same_way).unwrap_or(NONE)
+    };
+    let (mut out, mut first) = (Vec::new(), Vec::with_capacity(fitted.len()));
+    for f in fitted {
+        first.push(out.len() as u32);
+        if is_tile(f) {
+            out.extend(patches.edges_of(f.patch as usize).iter().map(|e| across(f, e)));
+        }
+    }
+    // Just at the tolerance one may have seen the other and not been seen.
+    for (i, f) in fitted.iter().enumerate() {
+        for (e, edge) in patches.edges_of(f.patch as usize).iter().enumerate() {
+            let at = first[i] as usize + e;
+            let back = |o: u32| out[(first[o as usize] + edge.opposite) as usize];
+            if out[at] != NONE && back(out[at]) != i as u32 {
+                out[at] = NONE;
+            }
+        }
+    }
+    (out, first)
+}

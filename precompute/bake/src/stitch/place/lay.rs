@@ -1,0 +1,211 @@
+//! Lays patches over an environment and finds what meets there.
+
+use super::fit::{Fitted, UnitIndex, fit, neighbours};
+use super::near::overlapping;
+use super::relation::Relation;
+use super::solids;
+use crate::environment::{Bounds, Environment, PlacedUnit};
+use crate::stitch::config::StitchConfig;
+use crate::stitch::library::{Library, Pattern, STAGE};
+use throng_core::patch::Patches;
+use throng_motion::error::BuildError;
+
+/// Patches in their places, and what meets there.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(in crate::stitch) struct Laid {
+    /// The instances.
+    pub fitted: Vec<Fitted>,
+    /// All that bodies reach in each of them.
+    pub bounds: Vec<Bounds>,
+    /// The boxes around placed units.
+    pub shapes: Vec<Bounds>,
+    /// Instance across each edge of each tile.
+    pub neighbours: Vec<u32>,
+    /// First of each instance's.
+    pub first_neighbour: Vec<u32>,
+    /// Pairs of instances that overlap, side a first; ascending.
+    pub pairs: Vec<(u32, u32, Relation)>,
+    /// Units that are in the reach of an instance and do not belong to it: instance, placed unit; ascending.
+    pub obstacles: Vec<(u32, u32, Relation)>,
+}
+
+/// Lays the patches of a bundle over environments.
+pub(in crate::stitch) struct Placer<'a> {
+    /// The patches.
+    pub patches: Patches,
+    /// What else is known of the bundle.
+    pub library: Library<'a>,
+    /// How to stitch.
+    pub config: StitchConfig,
+    /// Units of the patches.
+    pub patterns: Vec<Pattern>,
+}
+
+impl<'a> Placer<'a> {
+    /// Checks settings, and that the parts of the library go together.
+    ///
+    /// # Errors
+    /// [`BuildError`] where the parts of the library do not go together or a setting is out of its limits.
+    pub fn new(patches: &Patches, library: Library<'a>, config: &StitchConfig) -> Result<Self, BuildError> {
+        config.check()?;
+        let patterns = library.patterns(patches)?;
+        Ok(Self { patches: patches.clone(), library, config: config.clone(), patterns })
+    }
+
+    /// Fits patches into an environment and finds what meets there.
+    ///
+    /// # Errors
+    /// [`BuildError::Stage`] names units that stand in each other or that no block fits.
+    pub fn lay(&self, environment: &Environment) -> Result<Laid, BuildError> {
+        self.check_units(environment)?;
+        solids::check(&self.library, environment, self.config.overlap_m)?;
+        let index = UnitIndex::new(environment);
+        let fitted = fit(&self.library, &self.patterns, &index, 0..environment.units.len() as u32);
+        self.check_cover(environment, &fitted)?;
+        let (neighbours, first_neighbour) = neighbours(&self.patches, &self.patterns, &index, &fitted);
+        let bounds: Vec<Bounds> = fitted.iter().map(|f| self.reach(f)).collect();
+        let shapes: Vec<Bounds> = environment.units.iter().map(|u| self.shape(u)).collect();
+        let pairs = self.pairs(&fitted, &bounds);
+        let obstacles = self.obstacles(environment, &fitted, &bounds, &shapes);
+        Ok(Laid { fitted, bounds, shapes, neighbours, first_neighbour, pairs, obstacles })
+    }
+
+    /// All that bodies reach in an instance.
+    pub fn reach(&self, fitted: &Fitted) -> Bounds {
+        let p = &self.patches.patches[fitted.patch as usize];
+        Bounds { min: p.min.into(), max: p.max.into() }.placed(fitted.placement)
+    }
+
+    /// The box around a placed unit.
+    pub fn shape(&self, unit: &PlacedUnit) -> Bounds {
+        self.library.geometries[unit.unit].bounds.placed(unit.placement)
+    }
+
+    /// Pairs of which one at least is a block; a tile is side a, of two blocks that of the lower patch.
+    fn pairs(&self, fitted: &[Fitted], bounds: &[Bounds]) -> Vec<(u32, u32, Relation)> {
+        let both = overlapping(bounds, bounds).into_iter().filter(|(i, j)| i < j);
+        let mut pairs: Vec<_> = both.filter_map(|(i, j)| self.pair(fitted, i, j)).collect();
+        pairs.sort_unstable();
+        pairs
+    }
+
+    /// Two instances that overlap, side a first; none for two tiles.
+    pub fn pair(&self, fitted: &[Fitted], i: u32, j: u32) -> Option<(u32, u32, Relation)> {
+        let tile = |i: u32| self.patterns[fitted[i as usize].patch as usize].is_tile;
+        let here = |i: u32| (fitted[i as usize].patch, fitted[i as usize].placement);
+        let (ij, ji) = (Relation::new(here(i), here(j)), Relation::new(here(j), here(i)));
+        let first = match (tile(i), tile(j)) {
+            (true, true) => return None,
+            (true, false) => true,
+            (false, true) => false,
+            // Of two that see each other in the same way, the first one.
+            (false, false) => (ij, i) <= (ji, j),
+        };
+        Some(if first { (i, j, ij) } else { (j, i, ji) })
+    }
+
+    fn obstacles(
+        &self,
+        environment: &Environment,
+        fitted: &[Fitted],
+        bounds: &[Bounds],
+        shapes: &[Bounds],
+    ) -> Vec<(u32, u32, Relation)> {
+        let near = overlapping(bounds, shapes).into_iter();
+        near.filter_map(|(i, u)| self.obstacle_to(environment, fitted, i, u)).collect()
+    }
+
+    /// How a unit stands to an instance that it does not belong to.
+    pub fn obstacle_to(
+        &self,
+        environment: &Environment,
+        fitted: &[Fitted],
+        i: u32,
+        u: u32,
+    ) -> Option<(u32, u32, Relation)> {
+        let (f, p) = (&fitted[i as usize], &environment.units[u as usize]);
+        let relation = || Relation::new((f.patch, f.placement), (p.unit as u32, p.placement));
+        (!f.units.contains(&u)).then(|| (i, u, relation()))
+    }
+
+    /// Every unit must be one of the bundle's, in a place not too far away.
+    fn check_units(&self, environment: &Environment) -> Result<(), BuildError> {
+        let count = self.library.units.units.len();
+        let refuse = |message: String, help: &str| {
+            Err(BuildError::Stage {
+                stage: STAGE,
+                message: format!("environment {}: {message}", environment.name),
+                help: help.into(),
+            })
+        };
+        if let Some(i) = environment.units.iter().position(|u| !self.is_known(u)) {
+            let u = &environment.units[i];
+            return refuse(
+                format!("place {i} has unit number {} at {:?}, expected one of {count} units", u.unit, u.placement),
+                "Place units that the bundle describes",
+            );
+        }
+        let known = |name: &&String| !self.library.units.units.iter().any(|u| u.name == **name);
+        match self.config.obstacles.iter().find(known) {
+            None => Ok(()),
+            Some(name) => refuse(
+                format!(
+                    "[stitch] obstacles names the unit {name}, which the bundle {} does not have",
+                    self.library.bundle
+                ),
+                "Correct the name",
+            ),
+        }
+    }
+
+    /// True for one of the bundle's units in a place not too far away.
+    pub fn is_known(&self, unit: &PlacedUnit) -> bool {
+        unit.unit < self.library.units.units.len() && unit.placement.is_moderate(1e5)
+    }
+
+    /// Every unit that is more than an obstacle must belong to an instance.
+    pub fn check_cover(&self, environment: &Environment, fitted: &[Fitted]) -> Result<(), BuildError> {
+        let mut covered = vec![false; environment.units.len()];
+        fitted.iter().flat_map(|f| &f.units).for_each(|&u| covered[u as usize] = true);
+        let left: Vec<usize> =
+            (0..covered.len()).filter(|&i| !covered[i] && !self.is_obstacle(environment, i)).collect();
+        let Some(&first) = left.first() else {
+            return if fitted.is_empty() { Err(self.nothing_fits(environment)) } else { Ok(()) };
+        };
+        let unit = environment.units[first].unit;
+        let used = self.patterns.iter().any(|p| p.units.iter().any(|u| u.0 == unit));
+        let help = if used {
+            "Place it as it stood to other units where the motion was captured"
+        } else {
+            "No patch of the bundle has such a unit: list it as `obstacles` under [stitch] if it is only in the way"
+        };
+        let more = if left.len() > 1 { format!(", nor {} more", left.len() - 1) } else { String::new() };
+        Err(BuildError::Stage {
+            stage: STAGE,
+            message: format!(
+                "environment {}: no block fits {}{more}",
+                environment.name,
+                self.library.describe(environment, first)
+            ),
+            help: help.into(),
+        })
+    }
+
+    fn nothing_fits(&self, environment: &Environment) -> BuildError {
+        BuildError::Stage {
+            stage: STAGE,
+            message: format!(
+                "no block of bundle {} fits environment {}, which has {} units",
+                self.library.bundle,
+                environment.name,
+                environment.units.len()
+            ),
+            help: "Place units that its patches consist of".into(),
+        }
+    }
+
+    /// True for a unit that is only in the way.
+    pub fn is_obstacle(&self, environment: &Environment, index: usize) -> bool {
+        self.config.obstacles.contains(&self.library.units.units[environment.units[index].unit].name)
+    }
+}

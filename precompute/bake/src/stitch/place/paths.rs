@@ -1,0 +1,337 @@
+//! Where motion of a patch is, frame by frame and cell by cell, so that what is near is found without a search.
+
+use crate::environment::Bounds;
+use crate::stitch::library::Library;
+use throng_core::patch::{KIND_TILE, LinkRecord, NONE, Patches, Placement};
+use throng_core::planar::wrap_angle;
+
+/// Roots of all frames of all links of a patch, in its frame; y is the height of the clip's ground.
+///
+/// Links that play the same motion in the same place, as the overlapping sub-sequences of a block do, share theirs.
+#[derive(Clone, Debug, Default)]
+pub(in crate::stitch) struct Paths {
+    /// First root of each link (links).
+    starts: Vec<u32>,
+    /// Number of roots of each link (links).
+    counts: Vec<u32>,
+    /// The roots.
+    roots: Vec<Placement>,
+    /// Frame row of each root (roots.len()).
+    rows: Vec<u32>,
+    /// The links by the frames they play.
+    order: Vec<u32>,
+    /// The box around the roots of each link (links).
+    bounds: Vec<Bounds>,
+    /// The longest way over the ground from one frame to the next (m).
+    step: f32,
+    /// True where links have most of their roots in common.
+    shared: bool,
+}
+
+/// Links that play one motion in one place: where frame row 0 of the motion would lie, in steps.
+type Motion = [i64; 4];
+
+impl Paths {
+    /// Follows all links of a patch.
+    pub fn new(patches: &Patches, library: &Library<'_>, patch: usize) -> Self {
+        let links = patches.links_of(patch);
+        let mut order: Vec<(Option<Motion>, usize)> =
+            links.iter().enumerate().map(|(l, link)| (motion(library, link), l)).collect();
+        order.sort_by_key(|&(motion, l)| (motion, links[l].frame, l));
+        let mut out = Self {
+            starts: vec![0; links.len()],
+            counts: links.iter().map(|l| u32::from(l.num_frames) + 1).collect(),
+            ..Self::default()
+        };
+        out.order = order.iter().map(|&(_, l)| l as u32).collect();
+        let mut before: Option<Motion> = None;
+        for (motion, l) in order {
+            let link = &links[l];
+            // The same motion goes on from the roots of the link before, or within them.
+            let shared = match out.rows.last() {
+                Some(&last) if motion.is_some() && motion == before && link.frame <= last + 1 => last + 1 - link.frame,
+                _ => 0,
+            };
+            out.starts[l] = out.roots.len() as u32 - shared;
+            let new = library.link_roots(link).enumerate().skip(shared as usize);
+            for (k, root) in new {
+                out.roots.push(root);
+                out.rows.push(link.frame + k as u32);
+            }
+            before = motion;
+        }
+        let around = |l: usize| Bounds::of(out.of(l).iter().map(|r| r.translation()));
+        let longest =
+            |l: usize| out.of(l).windows(2).map(|w| (w[1].x - w[0].x).hypot(w[1].z - w[0].z)).fold(0.0, f32::max);
+        let (bounds, step) =
+            ((0..links.len()).map(around).collect(), (0..links.len()).map(longest).fold(0.0, f32::max));
+        let shared = 2 * out.roots.len() <= out.counts.iter().map(|&n| n as usize).sum();
+        Self { bounds, step, shared, ..out }
+    }
+
+    /// True where links have most of their roots in common.
+    pub fn is_shared(&self) -> bool {
+        self.shared
+    }
+
+    /// Number of links.
+    pub fn num_links(&self) -> usize {
+        self.starts.len()
+    }
+
+    /// All links, by the frames they play: those that follow each other need the same bodies.
+    pub fn order(&self) -> &[u32] {
+        &self.order
+    }
+
+    /// The box around the roots of a link.
+    pub fn bounds(&self, link: usize) -> &Bounds {
+        &self.bounds[link]
+    }
+
+    /// The longest way over the ground from one frame to the next (m).
+    pub fn step(&self) -> f32 {
+        self.step
+    }
+
+    /// Roots of one link (num_frames + 1).
+    pub fn of(&self, link: usize) -> &[Placement] {
+        &self.roots[self.range(link)]
+    }
+
+    /// Frame rows of one link (num_frames + 1).
+    pub fn rows_of(&self, link: usize) -> &[u32] {
+        &self.rows[self.range(link)]
+    }
+
+    /// Where the roots of one link are among all.
+    pub fn range(&self, link: usize) -> std::ops::Range<usize> {
+        let first = self.starts[link] as usize;
+        first..first + self.counts[link] as usize
+    }
+
+    /// All roots.
+    pub fn roots(&self) -> &[Placement] {
+        &self.roots
+    }
+
+    /// Frame row of each root (roots().len()).
+    pub fn rows(&self) -> &[u32] {
+        &self.rows
+    }
+}
+
+/// The motion a link plays, where its path is not edited.
+fn motion(library: &Library<'_>, link: &LinkRecord) -> Option<Motion> {
+    const STEPS_PER_M: f32 = 1000.0;
+    let frames = [link.frame, link.frame + u32::from(link.num_frames)];
+    let [first, last] = frames.map(|f| {
+        let [x, z, heading] = library.frames[f as usize].planar;
+        Placement::new(x, 0.0, z, heading)
+    });
+    let lies = |end: Placement, at: Placement| {
+        let p = end.compose(at.inverse()).wrapped();
+        [p.x, p.y, p.z, p.heading].map(|v| (v * STEPS_PER_M).round() as i64)
+    };
+    let (begin, end) = (lies(link.start, first), lies(link.end, last));
+    begin.iter().zip(&end).all(|(a, b)| (a - b).abs() <= 1).then_some(begin)
+}
+
+/// Where motion of a patch may be left and entered: a cell of a block, a frame of a tile's link.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(in crate::stitch) struct Spot {
+    /// Cell or link.
+    pub item: u32,
+    /// Frames into the link; [`NONE`] for a cell.
+    pub offset: u32,
+    /// Root on the ground, hips' height and heading.
+    pub at: Placement,
+}
+
+/// The spots of a patch by pose group and place.
+#[derive(Clone, Debug)]
+pub(in crate::stitch) struct Spots {
+    /// First spot of each strip of each group (groups * num_strips + 1).
+    starts: Vec<u32>,
+    /// By group, then by strip along x, then along z.
+    spots: Vec<Spot>,
+    /// The lowest strip, and how many there are.
+    first_strip: i32,
+    num_strips: usize,
+    /// The box around all of them.
+    bounds: Bounds,
+}
+
+/// How near two spots are for motion to go on.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(in crate::stitch) struct Nearness {
+    /// On the ground (m).
+    pub position: f32,
+    /// Of the hips' height (m).
+    pub height: f32,
+    /// (rad)
+    pub heading: f32,
+}
+
+impl Nearness {
+    /// How far apart two places are, 1 being the farthest for each of the three; none where they are too far apart.
+    pub fn distance(&self, a: Placement, b: Placement) -> Option<f32> {
+        let (x, z) = (a.x - b.x, a.z - b.z);
+        let on_ground = (x * x + z * z).sqrt() / self.position;
+        let height = (a.y - b.y).abs() / self.height;
+        // Most are told by where they are, which is cheaper.
+        if on_ground > 1.0 || height > 1.0 {
+            return None;
+        }
+        let heading = wrap_angle(a.heading - b.heading).abs() / self.heading;
+        (heading <= 1.0).then_some(on_ground * on_ground + height * height + heading * heading)
+    }
+}
+
+/// Width of the strips that spots are sorted into (m).
+const STRIP_M: f32 = 0.1;
+
+/// The strip of a place.
+fn strip(x: f32) -> i32 {
+    (x / STRIP_M).floor() as i32
+}
+
+impl Spots {
+    /// Collects the spots of a patch: all cells of a block, and of a tile's links the frames that are at least
+    /// `min_frames` from both ends, or a quarter of short links.
+    pub fn new(patches: &Patches, library: &Library<'_>, paths: &Paths, patch: usize, min_frames: u32) -> Self {
+        let mut of_groups: Vec<(u32, Spot)> = Vec::new();
+        if patches.patches[patch].kind == KIND_TILE {
+            for (l, link) in patches.links_of(patch).iter().enumerate() {
+                let frames = u32::from(link.num_frames);
+                // Slides cross a tile in a few frames: of short links, a quarter is enough.
+                let margin = min_frames.min(frames / 4).max(1);
+                for offset in margin..=frames.saturating_sub(margin) {
+                    let row = (link.frame + offset) as usize;
+                    let root = paths.of(l)[offset as usize];
+                    let at = Placement { y: root.y + library.frames[row].height, ..root };
+                    of_groups.push((library.groups[row], Spot { item: l as u32, offset, at }));
+                }
+            }
+        } else {
+            let spot = |(c, cell): (usize, &throng_core::patch::CellRecord)| {
+                (cell.group, Spot { item: c as u32, offset: NONE, at: cell.placement })
+            };
+            of_groups.extend(patches.cells_of(patch).iter().enumerate().map(spot));
+        }
+        // Frames that are left out of the motion belong to no group.
+        of_groups.retain(|(group, _)| *group != NONE);
+        of_groups.sort_unstable_by(|(g, s), (h, t)| {
+            let strips = strip(s.at.x).cmp(&strip(t.at.x));
+            g.cmp(h).then(strips).then(s.at.z.total_cmp(&t.at.z)).then((s.item, s.offset).cmp(&(t.item, t.offset)))
+        });
+        let bounds = Bounds::of(of_groups.iter().map(|(_, s)| s.at.translation()));
+        let (first_strip, num_strips) = match of_groups.is_empty() {
+            true => (0, 0),
+            false => (strip(bounds.min.x), (strip(bounds.max.x) - strip(bounds.min.x)) as usize + 1),
+        };
+        let groups = of_groups.last().map_or(0, |(g, _)| *g as usize + 1);
+        let mut starts = vec![0u32; groups * num_strips + 1];
+        for (g, s) in &of_groups {
+            starts[*g as usize * num_strips + (strip(s.at.x) - first_strip) as usize + 1] += 1;
+        }
+        for k in 1..starts.len() {
+            starts[k] += starts[k - 1];
+        }
+        let spots = of_groups.into_iter().map(|(_, s)| s).collect();
+        Self { starts, spots, first_strip, num_strips, bounds }
+    }
+
+    /// Spots of a group that are near a place, and how far they are.
+    pub fn near(&self, group: u32, at: Placement, nearness: Nearness) -> impl Iterator<Item = (&Spot, f32)> {
+        // Rounding hides nothing.
+        let reach = nearness.position + 1e-4;
+        let around = self.bounds.grown(reach.max(nearness.height + 1e-4));
+        let first_of_group = group as usize * self.num_strips;
+        let is_here = first_of_group + self.num_strips < self.starts.len() && around.contains(at.translation());
+        let last = self.num_strips as i32 - 1;
+        let [low, high] = [at.x - reach, at.x + reach].map(|x| strip(x) - self.first_strip);
+        let strips = if is_here { low.max(0)..high.min(last) + 1 } else { 0..0 };
+        strips.flat_map(move |here| {
+            let k = first_of_group + here as usize;
+            let spots = &self.spots[self.starts[k] as usize..self.starts[k + 1] as usize];
+            let first = spots.partition_point(|s| s.at.z < at.z - reach);
+            spots[first..]
+                .iter()
+                .take_while(move |s| s.at.z <= at.z + reach)
+                .filter_map(move |s| nearness.distance(s.at, at).map(|d| (s, d)))
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::environment::UnitSet;
+    use throng_core::Skeleton;
+    use throng_core::format::FrameRow;
+    use throng_core::patch::{KIND_BLOCK, PatchRecord};
+
+    #[test]
+    fn links_that_play_the_same_motion_share_their_roots() {
+        let row = |k: usize| FrameRow {
+            planar: [0.1 * k as f32, 0.02 * (k * k) as f32, 0.3 * k as f32],
+            height: 1.0,
+            rotations: [[0; 4]; throng_core::NUM_JOINTS],
+        };
+        let frames: Vec<FrameRow> = (0..20).map(row).collect();
+        let (units, skeleton, groups) = (UnitSet::default(), Skeleton::default(), [0; 20]);
+        let library = Library {
+            bundle: "b",
+            bundle_hash: 0,
+            rate_hz: 30.0,
+            names: &[],
+            units: &units,
+            frames: &frames,
+            groups: &groups,
+            contacts: &[],
+            geometries: &[],
+            skeleton: &skeleton,
+        };
+        let here = Placement::new(1.0, 0.0, -2.0, 0.4);
+        let at = |k: u32| {
+            let [x, z, heading] = frames[k as usize].planar;
+            here.compose(Placement::new(x, 0.0, z, heading))
+        };
+        let link = |frame: u32, n: u16, shift: f32| {
+            let (start, mut end) = (at(frame), at(frame + u32::from(n)));
+            end.x += shift;
+            LinkRecord { from: 0, to: 0, frame, num_frames: n, tag: 0, start, end }
+        };
+        let links = [link(4, 6, 0.0), link(2, 5, 0.0), link(4, 3, 0.0), link(4, 3, 0.2), link(15, 3, 0.0)];
+        let patch = PatchRecord {
+            kind: KIND_BLOCK,
+            first_cell: 0,
+            num_cells: 0,
+            first_link: 0,
+            num_links: 5,
+            first_edge: 0,
+            num_edges: 0,
+            reserved: 0,
+            min: [0.0; 3],
+            max: [0.0; 3],
+        };
+        let patches = Patches {
+            patches: (&[patch]).into(),
+            edges: [].as_slice().into(),
+            cells: [].as_slice().into(),
+            links: (&links).into(),
+        };
+        let paths = Paths::new(&patches, &library, 0);
+        // Frames 2 to 10 and 15 to 18 once, and the edited link's own four.
+        assert_eq!(paths.roots().len(), 9 + 4 + 4);
+        for (l, link) in links.iter().enumerate() {
+            let expected: Vec<Placement> = library.link_roots(link).collect();
+            assert_eq!(paths.of(l).len(), expected.len());
+            for (k, (a, b)) in paths.of(l).iter().zip(&expected).enumerate() {
+                assert!((a.translation() - b.translation()).length() < 0.003 && (a.heading - b.heading).abs() < 0.003);
+                assert_eq!(paths.rows()[paths.range(l).start + k], link.frame + k as u32);
+            }
+        }
+    }
+}

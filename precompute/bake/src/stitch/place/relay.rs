@@ -1,0 +1,235 @@
+//! Lays patches over an environment again in which one unit was changed: only what is near it is looked at.
+
+use super::change::Edit;
+use super::fit::{Fitted, UnitIndex, fit, neighbours};
+use super::lay::{Laid, Placer};
+use super::relation::Relation;
+use super::solids;
+use crate::environment::{Bounds, Environment};
+use throng_core::patch::NONE;
+
+/// Patches in their places, and what of them is as it was.
+#[derive(Clone, Debug, PartialEq)]
+pub(in crate::stitch) struct Relaid {
+    /// What meets in the changed environment.
+    pub laid: Laid,
+    /// What is as it was.
+    pub kept: Kept,
+}
+
+/// What of patches in their places is as it was before a change.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(in crate::stitch) struct Kept {
+    /// The number that each instance had before; [`NONE`] for those that are new.
+    pub was: Vec<u32>,
+    /// True for instances that are not new and have the same units around them (instances).
+    pub is_alike: Vec<bool>,
+    /// The number that each pair had before; [`NONE`] for those that are new (pairs).
+    pub pairs_were: Vec<u32>,
+    /// How units stand to instances that did not before.
+    pub new_obstacles: Vec<Relation>,
+    /// Relations of pairs, and of units to instances, some of which are not there any more.
+    pub gone: [Vec<Relation>; 2],
+}
+
+/// Which placed unit was changed.
+#[derive(Clone, Copy, Debug)]
+struct Changed {
+    /// Its number before; none where it is new.
+    before: Option<u32>,
+    /// Its number now; none where it is gone.
+    after: Option<u32>,
+}
+
+impl Changed {
+    /// By a change that has been made, which `back` takes back.
+    fn by(back: &Edit) -> Self {
+        match *back {
+            Edit::Move { index, .. } => Self { before: Some(index as u32), after: Some(index as u32) },
+            Edit::Remove { index } => Self { before: None, after: Some(index as u32) },
+            Edit::Insert { index, .. } => Self { before: Some(index as u32), after: None },
+        }
+    }
+
+    /// The number now of a unit that was not changed.
+    fn number(self, before: u32) -> u32 {
+        match (self.before, self.after) {
+            (None, Some(new)) if before >= new => before + 1,
+            (Some(gone), None) if before > gone => before - 1,
+            _ => before,
+        }
+    }
+}
+
+impl Placer<'_> {
+    /// Finds what meets in an environment of which one unit was changed; none where something is wrong with it, which
+    /// [`Placer::lay`] names.
+    ///
+    /// - `before`: what met before.
+    /// - `back`: what takes the change back.
+    pub fn relay(&self, environment: &Environment, before: &Laid, back: &Edit) -> Option<Relaid> {
+        let changed = Changed::by(back);
+        let shapes = self.shapes(environment, before, changed)?;
+        if let Some(unit) = changed.after
+            && !solids::is_free(&self.library, environment, &shapes, unit as usize, self.config.overlap_m)
+        {
+            return None;
+        }
+        let (fitted, was) = self.refit(environment, &before.fitted, changed);
+        self.check_cover(environment, &fitted).ok()?;
+        // Those that are left keep their order, and all that is sorted by it.
+        let mut now = vec![NONE; before.fitted.len()];
+        (0u32..).zip(&was).filter(|(_, was)| **was != NONE).for_each(|(i, &was)| now[was as usize] = i);
+        let mut laid = Laid { fitted, shapes, ..Laid::default() };
+        let mut kept = Kept { is_alike: was.iter().map(|&was| was != NONE).collect(), was, ..Kept::default() };
+        let was = &kept.was;
+        let reach =
+            |(f, &was): (&Fitted, &u32)| before.bounds.get(was as usize).copied().unwrap_or_else(|| self.reach(f));
+        laid.bounds = laid.fitted.iter().zip(was).map(reach).collect();
+        self.renew_neighbours(environment, before, &now, was, &mut laid);
+        self.renew_pairs(before, &now, &mut laid, &mut kept);
+        self.renew_obstacles(environment, before, changed, &now, &mut laid, &mut kept);
+        Some(Relaid { laid, kept })
+    }
+
+    /// The boxes around all units; none where the changed one is none of the bundle's.
+    fn shapes(&self, environment: &Environment, before: &Laid, changed: Changed) -> Option<Vec<Bounds>> {
+        let mut shapes = before.shapes.clone();
+        let new = match changed.after.map(|unit| &environment.units[unit as usize]) {
+            Some(unit) if !self.is_known(unit) => return None,
+            unit => unit.map(|unit| self.shape(unit)),
+        };
+        if let Some(unit) = changed.before {
+            shapes.remove(unit as usize);
+        }
+        if let (Some(unit), Some(shape)) = (changed.after, new) {
+            shapes.insert(unit as usize, shape);
+        }
+        Some(shapes)
+    }
+
+    /// The instances, and the number that each had before.
+    fn refit(&self, environment: &Environment, before: &[Fitted], changed: Changed) -> (Vec<Fitted>, Vec<u32>) {
+        let is_left = |f: &Fitted| changed.before.is_none_or(|unit| !f.units.contains(&unit));
+        let numbered = |f: &Fitted| {
+            let units = f.units.iter().map(|&u| changed.number(u)).collect();
+            Fitted { units, ..f.clone() }
+        };
+        let left = (0u32..).zip(before).filter(|(_, f)| is_left(f)).map(|(was, f)| (numbered(f), was));
+        let mut all: Vec<(Fitted, u32)> = left.collect();
+        if let Some(unit) = changed.after {
+            let new = self.fit_around(environment, unit);
+            all.extend(new.into_iter().filter(|f| f.units.contains(&unit)).map(|f| (f, NONE)));
+            all.sort_by_key(|(f, _)| f.order());
+        }
+        all.into_iter().unzip()
+    }
+
+    /// Everything that fits near a unit: all that it belongs to is among it.
+    fn fit_around(&self, environment: &Environment, unit: u32) -> Vec<Fitted> {
+        let far = |(_, at): &(usize, throng_core::patch::Placement)| at.translation().length();
+        let widest = self.patterns.iter().flat_map(|p| p.units.iter().map(far)).fold(0.0, f32::max);
+        let at = environment.units[unit as usize].placement.translation();
+        let apart = |i: u32| (environment.units[i as usize].placement.translation() - at).length();
+        let all = || 0..environment.units.len() as u32;
+        // Any two of a set are no farther apart than twice that, and what else may fit from there is as far again.
+        let index = UnitIndex::of(environment, all().filter(|&i| apart(i) < 4.0 * widest + 1.0));
+        fit(&self.library, &self.patterns, &index, all().filter(|&i| apart(i) < 2.0 * widest + 0.5))
+    }
+
+    fn renew_neighbours(&self, environment: &Environment, before: &Laid, now: &[u32], was: &[u32], laid: &mut Laid) {
+        let is_tile = |f: &Fitted| self.patterns[f.patch as usize].is_tile;
+        let is_new = laid.fitted.iter().zip(was).any(|(f, was)| *was == NONE && is_tile(f));
+        let is_gone = before.fitted.iter().zip(now).any(|(f, now)| *now == NONE && is_tile(f));
+        if is_new || is_gone {
+            let index = UnitIndex::new(environment);
+            let found = neighbours(&self.patches, &self.patterns, &index, &laid.fitted);
+            (laid.neighbours, laid.first_neighbour) = found;
+            return;
+        }
+        for (f, &was) in laid.fitted.iter().zip(was) {
+            laid.first_neighbour.push(laid.neighbours.len() as u32);
+            if is_tile(f) {
+                let first = before.first_neighbour[was as usize] as usize;
+                let own = &before.neighbours[first..first + self.patches.edges_of(f.patch as usize).len()];
+                laid.neighbours.extend(own.iter().map(|&o| if o == NONE { NONE } else { now[o as usize] }));
+            }
+        }
+    }
+
+    fn renew_pairs(&self, before: &Laid, now: &[u32], laid: &mut Laid, kept: &mut Kept) {
+        let mut pairs: Vec<((u32, u32, Relation), u32)> = Vec::with_capacity(before.pairs.len());
+        for (k, &(a, b, relation)) in (0u32..).zip(&before.pairs) {
+            match (now[a as usize], now[b as usize]) {
+                (NONE, _) | (_, NONE) => kept.gone[0].push(relation),
+                (a, b) => pairs.push(((a, b, relation), k)),
+            }
+        }
+        let num_left = pairs.len();
+        for new in (0..laid.fitted.len() as u32).filter(|&i| kept.was[i as usize] == NONE) {
+            let near = overlapped(&laid.bounds, &laid.bounds[new as usize]);
+            // Two that are new are seen from the first of them.
+            let others = near.filter(|&o| o != new && (kept.was[o as usize] != NONE || o > new));
+            let pair = |o: u32| self.pair(&laid.fitted, new.min(o), new.max(o));
+            pairs.extend(others.filter_map(pair).map(|pair| (pair, NONE)));
+        }
+        merge(&mut pairs, num_left);
+        (laid.pairs, kept.pairs_were) = pairs.into_iter().unzip();
+    }
+
+    fn renew_obstacles(
+        &self,
+        environment: &Environment,
+        before: &Laid,
+        changed: Changed,
+        now: &[u32],
+        laid: &mut Laid,
+        kept: &mut Kept,
+    ) {
+        let mut obstacles = Vec::with_capacity(before.obstacles.len());
+        for &(i, unit, relation) in &before.obstacles {
+            let i = now[i as usize];
+            if i != NONE && Some(unit) != changed.before {
+                obstacles.push((i, changed.number(unit), relation));
+                continue;
+            }
+            kept.gone[1].push(relation);
+            if let Some(is_alike) = kept.is_alike.get_mut(i as usize) {
+                *is_alike = false;
+            }
+        }
+        let num_left = obstacles.len();
+        for (i, &was) in (0u32..).zip(&kept.was) {
+            let bounds = &laid.bounds[i as usize];
+            let near = |unit: &u32| bounds.min.is_finite() && laid.shapes[*unit as usize].overlaps(bounds);
+            let to = |unit| self.obstacle_to(environment, &laid.fitted, i, unit);
+            match was {
+                NONE => obstacles.extend((0..laid.shapes.len() as u32).filter(near).filter_map(to)),
+                _ => {
+                    let new = changed.after.filter(near).and_then(to);
+                    kept.is_alike[i as usize] &= new.is_none();
+                    obstacles.extend(new);
+                }
+            }
+        }
+        kept.new_obstacles = obstacles[num_left..].iter().map(|o| o.2).collect();
+        merge(&mut obstacles, num_left);
+        laid.obstacles = obstacles;
+    }
+}
+
+/// Sorts a list of which the first so many are sorted.
+fn merge<T: Ord>(list: &mut [T], sorted: usize) {
+    list[sorted..].sort_unstable();
+    // Two runs, which a stable sort only merges.
+    list.sort();
+}
+
+/// Numbers of the boxes that overlap one; ascending.
+fn overlapped(all: &[Bounds], one: &Bounds) -> impl Iterator<Item = u32> {
+    let overlaps = |(i, b): (u32, &Bounds)| (b.overlaps(one) && b.min.is_finite() && one.min.is_finite()).then_some(i);
+    (0u32..).zip(all).filter_map(overlaps)
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,156 @@
+//! Units that stand in each other: an environment like that was put together by mistake.
+
+use super::near::overlapping;
+use crate::environment::{Bounds, Environment, Shape, Unit};
+use crate::stitch::library::{Library, STAGE, turned};
+use glam::{Quat, Vec3};
+use throng_core::patch::Placement;
+use throng_motion::error::BuildError;
+
+/// Copies of a unit stand in the same place where they are no farther apart than this (m).
+const SAME_PLACE_M: f32 = 0.05;
+
+/// A box that may be turned any way.
+#[derive(Clone, Copy, Debug)]
+struct Solid {
+    centre: Vec3,
+    axes: [Vec3; 3],
+    half: Vec3,
+}
+
+impl Solid {
+    /// The boxes of a unit, in its frame. Bars and triangles are not solid.
+    fn of(unit: &Unit) -> Vec<Self> {
+        unit.shapes.iter().filter_map(Self::from_shape).collect()
+    }
+
+    fn from_shape(shape: &Shape) -> Option<Self> {
+        let Shape::Box { at, size, heading_deg, pitch_deg } = shape else { return None };
+        let turn = Quat::from_rotation_y(heading_deg.to_radians()) * Quat::from_rotation_x(pitch_deg.to_radians());
+        let axes = [Vec3::X, Vec3::Y, Vec3::Z].map(|a| turn * a);
+        Some(Self { centre: Vec3::from_array(*at), axes, half: Vec3::from_array(*size) * 0.5 })
+    }
+
+    fn placed(&self, at: Placement) -> Self {
+        let turn = Quat::from_rotation_y(at.heading);
+        Self { centre: at.transform_point(self.centre), axes: self.axes.map(|a| turn * a), half: self.half }
+    }
+
+    /// Half its extent along a direction.
+    fn reach(&self, direction: Vec3) -> f32 {
+        (0..3).map(|k| self.half[k] * self.axes[k].dot(direction).abs()).sum()
+    }
+
+    fn bounds(&self) -> Bounds {
+        let r = Vec3::new(self.reach(Vec3::X), self.reach(Vec3::Y), self.reach(Vec3::Z));
+        Bounds { min: self.centre - r, max: self.centre + r }
+    }
+
+    /// How far one must move to leave the other: the least overlap along the directions that can separate two boxes.
+    fn depth(&self, other: &Self) -> f32 {
+        let crossed = self.axes.iter().flat_map(|a| other.axes.iter().map(|b| a.cross(*b)));
+        let directions = self.axes.into_iter().chain(other.axes).chain(crossed);
+        directions
+            .filter_map(Vec3::try_normalize)
+            .map(|d| self.reach(d) + other.reach(d) - (self.centre - other.centre).dot(d).abs())
+            .fold(f32::INFINITY, f32::min)
+    }
+}
+
+/// Checks that no unit stands in another.
+///
+/// # Errors
+/// [`BuildError::Stage`] names two that do.
+pub(in crate::stitch) fn check(
+    library: &Library<'_>,
+    environment: &Environment,
+    depth_m: f32,
+) -> Result<(), BuildError> {
+    let solids: Vec<Vec<Solid>> = library.units.units.iter().map(Solid::of).collect();
+    let placed: Vec<(u32, Solid)> = environment
+        .units
+        .iter()
+        .enumerate()
+        .flat_map(|(i, u)| solids[u.unit].iter().map(move |s| (i as u32, s.placed(u.placement))))
+        .collect();
+    let refuse = |a: u32, b: u32, how: String| BuildError::Stage {
+        stage: STAGE,
+        message: format!(
+            "environment {}: {} and {} {how}",
+            environment.name,
+            library.describe(environment, a as usize),
+            library.describe(environment, b as usize)
+        ),
+        help: "Move or remove one of them".into(),
+    };
+    if let Some((a, b)) = same_place(library, environment) {
+        return Err(refuse(a, b, "stand in the same place".into()));
+    }
+    let bounds: Vec<Bounds> = placed.iter().map(|(_, s)| s.bounds().grown(-0.5 * depth_m)).collect();
+    for (i, j) in overlapping(&bounds, &bounds) {
+        let ((a, one), (b, other)) = (placed[i as usize], placed[j as usize]);
+        if a < b {
+            let depth = one.depth(&other);
+            if depth > depth_m {
+                return Err(refuse(a, b, format!("stand {depth:.2} m in each other")));
+            }
+        }
+    }
+    Ok(())
+}
+
+/// True where no other unit stands in one of them, and no copy of it in the same place.
+///
+/// - `shapes`: the boxes around all units (units).
+pub(in crate::stitch) fn is_free(
+    library: &Library<'_>,
+    environment: &Environment,
+    shapes: &[Bounds],
+    unit: usize,
+    depth_m: f32,
+) -> bool {
+    let placed = |i: usize| {
+        let u = &environment.units[i];
+        Solid::of(&library.units.units[u.unit]).into_iter().map(|s| s.placed(u.placement))
+    };
+    let own: Vec<Solid> = placed(unit).collect();
+    let at = environment.units[unit].placement.translation();
+    let is_apart = |i: usize| {
+        let far = (environment.units[i].placement.translation() - at).abs().max_element() > 2.0 * SAME_PLACE_M;
+        (far || environment.units[i].unit != environment.units[unit].unit)
+            && (!shapes[i].overlaps(&shapes[unit]) || placed(i).all(|s| own.iter().all(|o| s.depth(o) <= depth_m)))
+    };
+    (0..environment.units.len()).filter(|&i| i != unit).all(is_apart)
+}
+
+/// The first two copies of a unit that stand in the same place.
+fn same_place(library: &Library<'_>, environment: &Environment) -> Option<(u32, u32)> {
+    let half = Vec3::splat(0.5 * SAME_PLACE_M);
+    let at = |i: u32| &environment.units[i as usize];
+    let around = |p: Placement| Bounds { min: p.translation() - half, max: p.translation() + half };
+    let bounds: Vec<Bounds> = environment.units.iter().map(|u| around(u.placement)).collect();
+    overlapping(&bounds, &bounds).into_iter().find(|&(i, j)| {
+        let (a, b) = (at(i), at(j));
+        let alike = || turned(a.placement.heading, b.placement.heading, library.period(a.unit)) < 0.1;
+        i < j && a.unit == b.unit && alike()
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn cube(at: [f32; 3], heading_deg: f32, pitch_deg: f32) -> Solid {
+        Solid::from_shape(&Shape::Box { at, size: [1.0; 3], heading_deg, pitch_deg }).unwrap()
+    }
+
+    #[test]
+    fn depth_is_the_way_out() {
+        let one = cube([0.0; 3], 0.0, 0.0);
+        assert!((one.depth(&cube([0.7, 0.0, 0.1], 0.0, 0.0)) - 0.3).abs() < 1e-6);
+        assert!((one.depth(&cube([0.0, 1.2, 0.0], 0.0, 0.0)) + 0.2).abs() < 1e-6);
+        // Corner to corner: half a diagonal from the middle each.
+        let turned = cube([1.0 + 0.5 * (2f32.sqrt() - 1.0), 0.0, 0.0], 45.0, 0.0);
+        assert!(one.depth(&turned).abs() < 1e-5, "{}", one.depth(&turned));
+    }
+}

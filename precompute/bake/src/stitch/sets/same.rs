@@ -1,0 +1,48 @@
+//! Keys for what is known once: a shared thing instead of all that it was made from.
+
+use std::hash::{Hash, Hasher};
+use std::sync::Arc;
+
+/// A shared thing, equal to itself alone.
+#[derive(Debug)]
+pub(in crate::stitch) struct Same<T>(pub Arc<T>);
+
+impl<T> Same<T> {
+    /// Of a shared thing.
+    pub fn new(shared: &Arc<T>) -> Self {
+        Self(Arc::clone(shared))
+    }
+}
+
+impl<T> Clone for Same<T> {
+    fn clone(&self) -> Self {
+        Self::new(&self.0)
+    }
+}
+
+impl<T> PartialEq for Same<T> {
+    fn eq(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.0, &other.0)
+    }
+}
+
+impl<T> Eq for Same<T> {}
+
+impl<T> Hash for Same<T> {
+    fn hash<H: Hasher>(&self, state: &mut H) {
+        Arc::as_ptr(&self.0).hash(state);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::collections::HashSet;
+
+    #[test]
+    fn a_shared_thing_is_equal_to_itself_alone() {
+        let (a, b) = (Arc::new(1), Arc::new(1));
+        let mut known = HashSet::from([Same::new(&a)]);
+        assert!(!known.insert(Same::new(&a)) && known.insert(Same::new(&b)));
+    }
+}

@@ -1,0 +1,283 @@
+//! World files (TOML): a bundle, settings, and the environment that is stitched from its patches.
+
+use super::edit::make::{as_toml, source_hash};
+use super::library::STAGE;
+use super::{Editor, Library, StitchConfig, StitchReport};
+use crate::environment::{Environment, EnvironmentFile, Place, PlacedUnit, UnitGeometry, UnitSet, geometries};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+use std::path::{Component, Path, PathBuf};
+use std::sync::Arc;
+use throng_core::Bundle;
+use throng_core::patch::Patches;
+use throng_motion::error::BuildError;
+use throng_motion::files::write_atomically;
+use throng_motion::progress::Progress;
+use throng_motion::toml_file;
+use throng_world::{PathCosts, WorldData, WorldGraph};
+
+/// A world that is to be stitched.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct WorldSource {
+    /// Its name; the file's stem where absent.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub name: String,
+    /// Bundle whose patches it is made of, relative to this file's folder.
+    pub bundle: PathBuf,
+    /// Config that the bundle is built from where it is not there, relative to this file's folder.
+    #[serde(default)]
+    pub config: Option<PathBuf>,
+    /// How patches are joined.
+    #[serde(default)]
+    pub stitch: StitchConfig,
+    /// Groups of the bundle's units that are placed together, by name; they may hold other groups.
+    #[serde(default)]
+    pub prefabs: BTreeMap<String, Vec<Place>>,
+    /// What stands where.
+    pub place: Vec<Place>,
+}
+
+impl WorldSource {
+    /// Reads a world file; paths in it are taken from its folder.
+    ///
+    /// # Errors
+    /// [`BuildError::Io`], or [`BuildError::Config`] with file, line and column.
+    pub fn load(path: &Path) -> Result<Self, BuildError> {
+        let text = toml_file::read_text(path, "world")?;
+        let help = "A world has `bundle`, `config`, `stitch`, `place` and `prefabs`; data/worlds/ has examples.";
+        let mut world: Self = toml_file::parse(&text, path, help)?;
+        if world.name.is_empty() {
+            world.name = path.file_stem().map_or_else(String::new, |s| s.to_string_lossy().into_owned());
+        }
+        let folder = path.parent().unwrap_or(Path::new(""));
+        world.bundle = folder.join(&world.bundle);
+        world.config = world.config.map(|c| folder.join(c));
+        Ok(world)
+    }
+
+    /// True for the text of a world, as against other files in TOML.
+    pub fn is_one(path: &Path) -> bool {
+        let text = std::fs::read_to_string(path).unwrap_or_default();
+        text.parse::<toml::Table>().is_ok_and(|t| t.contains_key("place") && t.contains_key("bundle"))
+    }
+
+    /// Where the stitched world is kept unless something else is said: beside the bundle, as `NAME.world`.
+    pub fn stitched_path(&self) -> PathBuf {
+        self.bundle.with_file_name(format!("{}.world", self.name))
+    }
+
+    /// The same world with what stands in an environment, unit by unit.
+    ///
+    /// - `units`: the bundle's.
+    pub fn with_environment(&self, environment: &Environment, units: &UnitSet) -> Self {
+        let place = |p: &PlacedUnit| Place {
+            unit: units.units[p.unit].name.clone(),
+            at: p.placement.translation().to_array(),
+            heading_deg: p.placement.wrapped().heading.to_degrees(),
+            repeat: [1; 3],
+            step: [[0.0; 3]; 3],
+        };
+        let place = environment.units.iter().map(place).collect();
+        Self { prefabs: BTreeMap::new(), place, ..self.clone() }
+    }
+
+    /// Writes a world file, which takes its place only when it is whole. Its name is that of the file; the bundle and
+    /// its config are named relative to the file's folder.
+    ///
+    /// # Errors
+    /// [`BuildError::Io`] where it cannot be written, [`BuildError::Stage`] for numbers that TOML cannot hold.
+    pub fn save(&self, path: &Path) -> Result<(), BuildError> {
+        let io = |source| BuildError::Io { path: path.to_path_buf(), source };
+        let folder = std::path::absolute(path.parent().unwrap_or(Path::new(""))).map_err(io)?;
+        let beside = |p: &Path| std::path::absolute(p).map(|p| relative(&p, &folder)).map_err(io);
+        let config = self.config.as_deref().map(beside).transpose()?;
+        let saved = Self { name: String::new(), bundle: beside(&self.bundle)?, config, ..self.clone() };
+        let text = toml::to_string(&saved).map_err(|e| BuildError::Stage {
+            stage: "stitch",
+            message: format!("world {} cannot be written as TOML: {e}", self.name),
+            help: "Give every unit a finite place".into(),
+        })?;
+        write_atomically(path, |w| w.write_all(text.as_bytes()))
+    }
+
+    /// Content hash of what a world is stitched from, as [`throng_world::WorldMeta::source_hash`] keeps it.
+    ///
+    /// # Errors
+    /// As [`WorldSource::environment`].
+    pub fn hash(&self, units: &UnitSet, path: &Path) -> Result<u128, BuildError> {
+        Ok(source_hash(&as_toml(&self.environment(units, path)?)?, &self.stitch))
+    }
+
+    /// What stands where.
+    ///
+    /// - `units`: the bundle's.
+    /// - `path`: of the world file, for messages.
+    ///
+    /// # Errors
+    /// [`BuildError::Config`] as [`EnvironmentFile::expand`].
+    pub fn environment(&self, units: &UnitSet, path: &Path) -> Result<Environment, BuildError> {
+        let file = EnvironmentFile {
+            name: self.name.clone(),
+            units: PathBuf::new(),
+            prefabs: self.prefabs.clone(),
+            place: self.place.clone(),
+        };
+        file.expand(units, path)
+    }
+}
+
+/// A path as seen from a folder; both are absolute. Other drives have no such path.
+fn relative(path: &Path, folder: &Path) -> PathBuf {
+    let (path, folder) = (plain(path), plain(folder));
+    let shared = path.components().zip(folder.components()).take_while(|(a, b)| a == b).count();
+    if shared == 0 {
+        return path;
+    }
+    let up = folder.components().skip(shared).map(|_| Component::ParentDir);
+    up.chain(path.components().skip(shared)).collect()
+}
+
+/// An absolute path without `..`.
+fn plain(path: &Path) -> PathBuf {
+    path.components().fold(PathBuf::new(), |mut plain, c| {
+        match c {
+            Component::ParentDir => _ = plain.pop(),
+            c => plain.push(c),
+        }
+        plain
+    })
+}
+
+/// What a bundle's patches need to be stitched, decoded once.
+#[derive(Clone, Debug)]
+pub struct Kit {
+    /// The bundle's unit objects.
+    pub units: UnitSet,
+    /// Their geometry.
+    pub geometries: Vec<Arc<UnitGeometry>>,
+}
+
+impl Kit {
+    /// Of an open bundle; `path` is for messages and for mesh files, which are found from its folder.
+    ///
+    /// # Errors
+    /// [`BuildError::Stage`] for a bundle without patches, [`BuildError::Config`] for units that cannot be read.
+    pub fn new(tables: &Bundle, path: &Path) -> Result<Self, BuildError> {
+        if tables.patches().patches.is_empty() {
+            return Err(BuildError::Stage {
+                stage: "stitch",
+                message: format!("{}: the bundle has no motion patches", path.display()),
+                help: "Build it from a config with a table `[patches]`, such as data/playground.toml".into(),
+            });
+        }
+        let units = UnitSet::parse(&tables.meta().units, path)?;
+        let geometries = geometries(&units)?;
+        Ok(Self { units, geometries })
+    }
+
+    /// What stitching needs to know.
+    pub fn library<'a>(&'a self, tables: &'a Bundle) -> Library<'a> {
+        let meta = tables.meta();
+        Library {
+            bundle: &meta.name,
+            bundle_hash: tables.hash(),
+            rate_hz: meta.rate_hz,
+            names: &meta.patches,
+            units: &self.units,
+            frames: tables.frames(),
+            groups: tables.pose_groups(),
+            contacts: tables.contacts(),
+            geometries: &self.geometries,
+            skeleton: tables.skeleton(),
+        }
+    }
+}
+
+/// Stitches a world from its file.
+///
+/// - `path`: of the world file, for messages.
+///
+/// # Errors
+/// As [`WorldSource::environment`] and [`super::stitch`].
+pub fn stitch_source(
+    source: &WorldSource,
+    path: &Path,
+    tables: &Bundle,
+    kit: &Kit,
+    progress: &dyn Progress,
+) -> Result<(WorldData, StitchReport), BuildError> {
+    let environment = source.environment(&kit.units, path)?;
+    let editor = Editor::new(tables.patches(), kit.library(tables), environment, &source.stitch, progress)?;
+    Ok(editor.into_world())
+}
+
+/// Works out a world's path costs and writes it; it takes its place only when it is whole.
+///
+/// - `patches`: the bundle's.
+/// - returns its length (bytes).
+///
+/// # Errors
+/// [`BuildError::Io`] where it cannot be written, [`BuildError::Stage`] for a world that nobody can be in.
+pub fn save(world: &WorldData, patches: &Patches, out: &Path) -> Result<u64, BuildError> {
+    let paths = WorldGraph::new(patches, &world.view()).and_then(|graph| PathCosts::bake(&graph));
+    let paths = paths.map_err(|e| BuildError::Stage {
+        stage: STAGE,
+        message: format!("world {}: {e}", world.meta.name),
+        help: "Place more units".into(),
+    })?;
+    write_atomically(out, |mut w| world.write(&paths, &mut w))?;
+    let length = std::fs::metadata(out).map_err(|source| BuildError::Io { path: out.to_path_buf(), source })?.len();
+    Ok(length)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn load(text: &str) -> Result<WorldSource, String> {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("square.toml");
+        std::fs::write(&path, text).unwrap();
+        WorldSource::load(&path).map_err(|e| e.to_string())
+    }
+
+    #[test]
+    fn a_world_is_kept_beside_its_bundle_under_its_own_name() {
+        let world = load("bundle = \"../b.throng\"\n[[place]]\nunit = \"ground\"\nat = [0, 0, 0]\n").unwrap();
+        assert_eq!(world.name, "square");
+        assert!(world.stitched_path().ends_with("../square.world"), "{}", world.stitched_path().display());
+    }
+
+    #[test]
+    fn a_world_that_is_saved_elsewhere_is_the_same_unit_by_unit() {
+        let folder = tempfile::tempdir().unwrap();
+        let (a, b) = (folder.path().join("a.toml"), folder.path().join("more/b.toml"));
+        std::fs::create_dir(folder.path().join("more")).unwrap();
+        let text = "bundle = \"b.throng\"\nconfig = \"c.toml\"\n[stitch]\nobstacles = [\"wall\"]\n\
+                    [[prefabs.pair]]\nunit = \"wall\"\nat = [0.1, 0, 2]\nrepeat = [2, 1, 1]\n\
+                    step = [[3, 0, 0], [0, 0, 0], [0, 0, 0]]\n\
+                    [[place]]\nunit = \"pair\"\nat = [1, 0, 0.7]\nheading_deg = 30\n";
+        std::fs::write(&a, text).unwrap();
+        let units = UnitSet::parse("[[units]]\nname = \"wall\"\n", Path::new("u.toml")).unwrap();
+        let source = WorldSource::load(&a).unwrap();
+        let before = source.environment(&units, &a).unwrap();
+        source.with_environment(&before, &units).save(&b).unwrap();
+        let saved = WorldSource::load(&b).unwrap();
+        assert_eq!((saved.name.as_str(), saved.place.len(), &saved.stitch), ("b", 2, &source.stitch));
+        assert_eq!(plain(&saved.bundle), folder.path().join("b.throng"));
+        assert!(saved.bundle.ends_with("../b.throng") && saved.config.is_some_and(|c| c.ends_with("../c.toml")));
+        let saved = WorldSource::load(&b).unwrap();
+        let after = saved.environment(&units, &b).unwrap();
+        for (a, b) in before.units.iter().zip(&after.units) {
+            assert!(a.placement.to_local(b.placement).wrapped().is_moderate(1e-4), "{a:?} {b:?}");
+        }
+    }
+
+    #[test]
+    fn an_unknown_key_names_its_line() {
+        let error = load("bundle = \"b.throng\"\nplace = []\nstich = {}\n").unwrap_err();
+        assert!(error.contains("square.toml:3") && error.contains("`stitch`"), "{error}");
+    }
+}

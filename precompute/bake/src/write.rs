@@ -1,0 +1,267 @@
+//! The last stage: everything that was baked, as one bundle.
+
+use crate::cluster::PoseGroups;
+use crate::examples::BlendSpace;
+use crate::graph::MotionGraph;
+use crate::patch::{Patch, Patches};
+use crate::policy::Policy;
+use std::path::Path;
+use throng_core::blend::BlendRecord;
+use throng_core::format::{
+    AlignedBytes, BlendMeta, BundleWriter, ClipMeta, ClipRecord, FormatError, FrameRow, Meta, PatchMeta, SkeletonRecord,
+};
+use throng_core::graph::{MotionSegment, StateRecord};
+use throng_core::hits::KIND_NAMES;
+use throng_core::patch::PatchRecord;
+use throng_core::planar::wrap_angle;
+use throng_core::skeleton::NUM_JOINTS;
+use throng_core::{Bundle, Contacts, HitRecord, Planar, bundle::tags};
+use throng_motion::clip::{Clip, ClipSet, Hit};
+use throng_motion::error::BuildError;
+use throng_motion::files::write_atomically;
+
+/// What a bundle is made of.
+#[derive(Clone, Copy, Debug)]
+pub struct Baked<'a> {
+    /// Motion, annotated.
+    pub clips: &'a ClipSet,
+    /// Which frame may follow which.
+    pub graph: &'a MotionGraph,
+    /// One per behaviour.
+    pub policies: &'a [Policy],
+    /// Pose groups of the frames, where they were grouped.
+    pub groups: Option<&'a PoseGroups>,
+    /// Motion patches; their cells name pose groups.
+    pub patches: Option<&'a Patches>,
+    /// Blend spaces.
+    pub blends: &'a [BlendSpace],
+    /// Name, provenance and figures; clips and behaviours are filled in here.
+    pub meta: &'a Meta,
+}
+
+/// Writes everything as one bundle, which takes its place only when it is whole, and opens it again to check it.
+///
+/// - returns its length (bytes).
+///
+/// # Errors
+/// [`BuildError::Io`] where it cannot be written, [`BuildError::Format`] where it would be refused.
+pub fn bundle(baked: &Baked<'_>, out: &Path) -> Result<u64, BuildError> {
+    let format = |e: FormatError| BuildError::Format(e.to_string());
+    let mut bytes = Vec::new();
+    lay_out(baked)
+        .map_err(format)?
+        .write(&mut bytes)
+        .map_err(|source| BuildError::Io { path: out.to_path_buf(), source })?;
+    Bundle::from_bytes(AlignedBytes::from_slice(&bytes)).map_err(format)?;
+    write_atomically(out, |w| w.write_all(&bytes))?;
+    Ok(bytes.len() as u64)
+}
+
+/// Lays everything out as sections.
+///
+/// # Errors
+/// [`FormatError`] where META cannot be encoded, or blend spaces have more rows than 32 bits count.
+pub fn lay_out(baked: &Baked<'_>) -> Result<BundleWriter, FormatError> {
+    let mut meta = baked.meta.clone();
+    meta.clips = baked.clips.clips.iter().map(clip_meta).collect();
+    let kinds = baked.clips.hit_kinds();
+    meta.hit_tags = kinds[KIND_NAMES.len()..].iter().map(|k| k.name().to_owned()).collect();
+    meta.behaviours = baked.policies.iter().map(|p| p.name.clone()).collect();
+    meta.pose_groups = baked.groups.map_or(0, |g| g.num_groups() as u64);
+    if let Some(p) = baked.patches {
+        meta.patches = p.patches.iter().map(patch_meta).collect();
+        meta.link_tags.clone_from(&p.link_tags);
+        meta.units.clone_from(&p.units);
+    }
+    meta.blends = baked.blends.iter().map(blend_meta).collect();
+    let mut out = BundleWriter::new();
+    out.section(tags::META, &meta.encode()?);
+    out.section(tags::SKELETON, &[SkeletonRecord::from(&baked.clips.skeleton)]);
+    motion(baked.clips, &mut out);
+    graph(baked, &mut out);
+    policies(baked.policies, &mut out);
+    patches(baked.patches.map_or(&[], |p| &p.patches), &mut out);
+    out.section(tags::POSE_GROUPS, baked.groups.map_or(&[], |g| g.groups.as_slice()));
+    blends(baked.blends, &mut out)?;
+    Ok(out)
+}
+
+fn blend_meta(b: &BlendSpace) -> BlendMeta {
+    BlendMeta { name: b.name.clone(), axes: b.axes.clone(), examples: b.example_names.clone() }
+}
+
+fn blends(spaces: &[BlendSpace], out: &mut BundleWriter) -> Result<(), FormatError> {
+    let (mut records, mut next) = (Vec::with_capacity(spaces.len()), [0u32; 4]);
+    for s in spaces {
+        let [first_example, first_weight, first_row, first_channel_row] = next;
+        records.push(BlendRecord { first_example, first_weight, first_row, first_channel_row, ..s.record });
+        let sizes = [s.examples.len(), s.weights.len(), s.references.len(), s.channels.len()];
+        for (next, size) in next.iter_mut().zip(sizes) {
+            let sum = u32::try_from(size).ok().and_then(|size| next.checked_add(size));
+            *next = sum.ok_or_else(|| too_many(&s.name))?;
+        }
+    }
+    out.section(tags::BLENDS, &records);
+    out.section(tags::BLEND_EXAMPLES, &spaces.iter().flat_map(|s| s.examples.iter().copied()).collect::<Vec<_>>());
+    out.section(tags::BLEND_WEIGHTS, &spaces.iter().flat_map(|s| s.weights.iter().copied()).collect::<Vec<_>>());
+    out.section(tags::BLEND_REFERENCES, &spaces.iter().flat_map(|s| s.references.iter().copied()).collect::<Vec<_>>());
+    out.section(tags::BLEND_CHANNELS, &spaces.iter().flat_map(|s| s.channels.iter().copied()).collect::<Vec<_>>());
+    Ok(())
+}
+
+fn too_many(space: &str) -> FormatError {
+    let message = format!(
+        "up to blend space `{space}`, there are more weights or rows than the {} that a bundle counts; build fewer spaces \
+         into it, or give them a larger `weight_tolerance`",
+        u32::MAX
+    );
+    FormatError::Layout { message }
+}
+
+fn patch_meta(p: &Patch) -> PatchMeta {
+    PatchMeta { name: p.name.clone(), units: p.units.clone() }
+}
+
+fn patches(patches: &[Patch], out: &mut BundleWriter) {
+    let mut records: Vec<PatchRecord> = Vec::with_capacity(patches.len());
+    for p in patches {
+        let (first_cell, first_link, first_edge) = records.last().map_or((0, 0, 0), |b| {
+            (b.first_cell + b.num_cells, b.first_link + b.num_links, b.first_edge + b.num_edges)
+        });
+        records.push(PatchRecord {
+            kind: p.kind,
+            first_cell,
+            num_cells: p.cells.len() as u32,
+            first_link,
+            num_links: p.links.len() as u32,
+            first_edge,
+            num_edges: p.edges.len() as u32,
+            reserved: 0,
+            min: p.bounds[0],
+            max: p.bounds[1],
+        });
+    }
+    out.section(tags::PATCHES, &records);
+    out.section(tags::PATCH_EDGES, &patches.iter().flat_map(|p| p.edges.iter().copied()).collect::<Vec<_>>());
+    out.section(tags::PATCH_CELLS, &patches.iter().flat_map(|p| p.cells.iter().copied()).collect::<Vec<_>>());
+    out.section(tags::PATCH_LINKS, &patches.iter().flat_map(|p| p.links.iter().copied()).collect::<Vec<_>>());
+}
+
+fn clip_meta(c: &Clip) -> ClipMeta {
+    ClipMeta {
+        name: c.name.clone(),
+        source: c.source.clone(),
+        tags: c.tags.iter().map(|t| (t.name.clone(), t.range.start as u32, t.range.end as u32)).collect(),
+        excluded: c.excluded.iter().map(|e| (e.reason.to_string(), e.range.start as u32, e.range.end as u32)).collect(),
+    }
+}
+
+fn motion(set: &ClipSet, out: &mut BundleWriter) {
+    let starts = set.frame_starts();
+    let records: Vec<_> = set
+        .clips
+        .iter()
+        .zip(&starts)
+        .map(|(c, &first_frame)| ClipRecord {
+            first_frame,
+            num_frames: c.num_frames() as u32,
+            mirrored: u32::from(c.mirrored),
+            reserved: 0,
+        })
+        .collect();
+    let rows: Vec<FrameRow> = set.clips.iter().flat_map(frame_rows).collect();
+    let contacts: Vec<Contacts> = set.clips.iter().flat_map(|c| c.contacts.iter().copied()).collect();
+    out.section(tags::CLIPS, &records);
+    out.section(tags::FRAMES, &rows);
+    out.section(tags::CONTACTS, &contacts);
+    out.section(tags::HITS, &hit_records(set));
+}
+
+/// All hits as they are stored, ascending by frame.
+pub fn hit_records(set: &ClipSet) -> Vec<HitRecord> {
+    let kinds = set.hit_kinds();
+    let record = |(h, first): (&Hit, u32)| HitRecord {
+        frame: first + h.frame as u32,
+        kind: kinds.iter().position(|k| *k == h.kind).unwrap_or(0) as u32,
+        joint: h.joint.index() as u32,
+        force: h.force,
+        position: h.position.to_array(),
+        speed_mps: h.speed_mps,
+        direction: h.direction.to_array(),
+        reserved: 0,
+    };
+    set.clips
+        .iter()
+        .zip(set.frame_starts())
+        .flat_map(|(c, first)| c.hits.iter().map(move |h| (h, first)))
+        .map(record)
+        .collect()
+}
+
+/// A clip's frames as they are stored: headings unwrapped, rotations of neighbours on the same side.
+pub fn frame_rows(clip: &Clip) -> Vec<FrameRow> {
+    let mut rows: Vec<FrameRow> = Vec::with_capacity(clip.num_frames());
+    for frame in 0..clip.num_frames() {
+        let local = clip.frame_rotations(frame);
+        let (planar, tilt) = Planar::split(clip.root_positions[frame], local[0]);
+        let before = rows.last();
+        let heading = before.map_or(planar.heading, |b| b.planar[2] + wrap_angle(planar.heading - b.planar[2]));
+        let rotations = std::array::from_fn(|j: usize| {
+            let q = if j == 0 { tilt } else { local[j] }.normalize();
+            let code = FrameRow::encode(q);
+            match before {
+                Some(b) if dot(&b.rotations[j], &code) < 0 => FrameRow::encode(-q),
+                _ => code,
+            }
+        });
+        rows.push(FrameRow { planar: [planar.x, planar.z, heading], height: clip.root_positions[frame].y, rotations });
+    }
+    rows
+}
+
+fn dot(a: &[i16; 4], b: &[i16; 4]) -> i64 {
+    (0..4).map(|k| i64::from(a[k]) * i64::from(b[k])).sum()
+}
+
+fn graph(baked: &Baked<'_>, out: &mut BundleWriter) {
+    let (g, starts) = (baked.graph, baked.clips.frame_starts());
+    let states: Vec<_> = g
+        .states
+        .iter()
+        .zip(&g.standing)
+        .map(|(s, &standing)| StateRecord { frame: s.0, standing: u32::from(standing) })
+        .collect();
+    let segments: Vec<_> = g
+        .segments
+        .iter()
+        .map(|s| MotionSegment {
+            start: s.start.0,
+            num_frames: s.num_frames,
+            end: s.end.0,
+            clip: (starts.partition_point(|&f| f <= s.start.0) - 1) as u32,
+            displacement: [s.displacement.x, s.displacement.z, s.displacement.heading],
+            reserved: 0,
+        })
+        .collect();
+    out.section(tags::STATES, &states);
+    out.section(tags::SEGMENTS, &segments);
+    // A graph without states still says where its no actions end.
+    out.section(tags::ACTION_OFFSETS, if g.action_offsets.is_empty() { &[0] } else { g.action_offsets.as_slice() });
+    out.section(tags::ACTION_SEGMENTS, &g.actions.iter().map(|a| a.segment.0).collect::<Vec<_>>());
+    out.section(tags::ACTION_ERRORS, &g.actions.iter().map(|a| a.error).collect::<Vec<_>>());
+}
+
+fn policies(policies: &[Policy], out: &mut BundleWriter) {
+    out.section(tags::POLICIES, &policies.iter().map(|p| p.record).collect::<Vec<_>>());
+    out.section(tags::POLICY_SEGMENTS, &concat(policies, |p| &p.segments));
+    out.section(tags::POLICY_PATHS, &concat(policies, |p| &p.paths));
+    out.section(tags::POLICY_STATE_GRIDS, &concat(policies, |p| &p.state_grids));
+    out.section(tags::POLICY_VALUES, &concat(policies, |p| &p.values));
+    out.section(tags::POLICY_BEST, &concat(policies, |p| &p.best));
+}
+
+fn concat<T: Copy>(policies: &[Policy], of: impl Fn(&Policy) -> &Vec<T>) -> Vec<T> {
+    policies.iter().flat_map(|p| of(p).iter().copied()).collect()
+}
+
+const _: () = assert!(NUM_JOINTS == 22, "frame rows hold 22 joints");

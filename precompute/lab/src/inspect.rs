@@ -1,0 +1,174 @@
+//! Says what was found in a clip or bundle, for people and for programs.
+
+mod bundle;
+pub mod hit_picture;
+
+pub use bundle::BundleReport;
+use std::collections::BTreeMap;
+use std::fmt;
+use std::path::Path;
+use throng_bake::pipeline;
+use throng_motion::annotate::hits::{HitPoint, HitReport};
+use throng_motion::annotate::{self, ContactSanity};
+use throng_motion::clip::{Clip, ClipSet, Exclusion};
+use throng_motion::error::{BuildError, Warnings};
+use throng_motion::import::{self, ImportConfig, Imported};
+use throng_motion::raw::{RawClip, SourceFormat};
+
+/// What import found in a clip. The names of the fields are keys of the JSON report.
+#[derive(Clone, Debug, PartialEq, serde::Serialize, schemars::JsonSchema)]
+pub struct ClipReport {
+    /// The file.
+    pub file: String,
+    /// `bvh` or `asf_amc`.
+    pub format: &'static str,
+    /// Number of joints, ends of chains included.
+    pub joints: usize,
+    /// Number of frames.
+    pub frames: usize,
+    /// Frames a second (Hz).
+    pub rate_hz: f64,
+    /// Length of the clip (s).
+    pub duration_s: f64,
+    /// Length of one unit of the file (m).
+    pub metres_per_unit: f64,
+    /// Axis that points up in the file: `Y` or `Z`.
+    pub up: char,
+    /// `t_pose`, `a_pose` or `other`.
+    pub rest_pose: &'static str,
+    /// Heading the rest pose faces (degrees).
+    pub facing_deg: f32,
+    /// Body height estimated from the lengths of the segments (m).
+    pub height_m: f32,
+    /// Skeleton profile, or that roles were guessed.
+    pub profile: String,
+    /// Source joint of each role.
+    pub roles: BTreeMap<&'static str, String>,
+    /// What was detected and why.
+    pub findings: Vec<String>,
+    /// How the feet behave once contacts are known, at the default database rate.
+    pub contact: ContactSanity,
+    /// Effective hitting points a build would find.
+    pub hits: HitReport,
+    /// Frames of the file that a build would leave out: reason, first frame, frame after the last.
+    pub excluded: Vec<(String, usize, usize)>,
+    /// What is odd but tolerable.
+    pub warnings: Vec<String>,
+}
+
+/// A clip as the file holds it, as a build would use it, and what was found.
+#[derive(Clone, Debug)]
+pub struct Inspected {
+    /// The source's own joints.
+    pub imported: Imported,
+    /// The clip on the database skeleton, at the default database rate, annotated.
+    pub clips: ClipSet,
+    /// What was found.
+    pub report: ClipReport,
+}
+
+/// Reads a clip and finds out what a build would make of it.
+///
+/// # Errors
+/// As [`inspect_clip`].
+pub fn inspect(path: &Path, config: &ImportConfig) -> Result<ClipReport, BuildError> {
+    Ok(inspect_clip(path, config)?.report)
+}
+
+/// As [`inspect`], and keeps the motion.
+///
+/// # Errors
+/// As the import and retarget stages; [`BuildError::Stage`] for a folder or pattern of several clips.
+pub fn inspect_clip(path: &Path, config: &ImportConfig) -> Result<Inspected, BuildError> {
+    let files = import::expand(&[path.to_path_buf()])?;
+    let [file] = files.as_slice() else {
+        let message = format!("{}: expected one clip, found {}", path.display(), files.len());
+        return Err(BuildError::Stage { stage: "inspect", message, help: "Name a single .bvh or .amc file".into() });
+    };
+    let imported = import::read_clip(file, config)?;
+    let mut warnings = Warnings::default();
+    // At the rate of a build, so that the speeds are those that a build finds.
+    let clips = pipeline::single(&imported, &mut warnings)?;
+    let mut report = ClipReport::new(&imported);
+    for clip in &clips.clips {
+        report.contact = annotate::sanity(clip, &clips.skeleton);
+        report.hits = HitReport::new(&HitPoint::of_clip(clip));
+        report.excluded = clip.excluded.iter().map(|e| excluded_in_source(e, clip, &imported.clip)).collect();
+    }
+    report.warnings.extend(warnings.messages);
+    Ok(Inspected { imported, clips, report })
+}
+
+/// An excluded range in frames of the file: reason, first frame, frame after the last.
+fn excluded_in_source(e: &Exclusion, clip: &Clip, source: &RawClip) -> (String, usize, usize) {
+    let step = source.rate_hz / clip.rate_hz;
+    let at = |frame: usize| ((frame as f64 * step).round() as usize).min(source.num_frames);
+    let end = if e.range.end >= clip.num_frames() { source.num_frames } else { at(e.range.end) };
+    (e.reason.to_string(), at(e.range.start), end)
+}
+
+impl ClipReport {
+    /// Collects what import knows of a clip.
+    fn new(imported: &Imported) -> Self {
+        let clip = &imported.clip;
+        let roles = imported.roles.pairs(&clip.joints).map(|(role, joint)| (role.name(), joint.to_owned()));
+        Self {
+            file: clip.path.display().to_string(),
+            format: match clip.format {
+                SourceFormat::Bvh => "bvh",
+                SourceFormat::AsfAmc => "asf_amc",
+            },
+            joints: clip.joints.len(),
+            frames: clip.num_frames,
+            rate_hz: clip.rate_hz,
+            duration_s: clip.num_frames as f64 / clip.rate_hz,
+            metres_per_unit: imported.metres_per_unit,
+            up: imported.up.letter(),
+            rest_pose: imported.rest_pose.kind.name(),
+            facing_deg: imported.facing.to_degrees() + 0.0,
+            height_m: imported.height,
+            profile: imported.roles.profile.clone(),
+            roles: roles.collect(),
+            findings: imported.findings.clone(),
+            contact: ContactSanity::default(),
+            hits: HitReport::default(),
+            excluded: Vec::new(),
+            warnings: imported.warnings.messages.clone(),
+        }
+    }
+}
+
+impl fmt::Display for ClipReport {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        writeln!(f, "{}", self.file)?;
+        writeln!(f, "  format   {}, {} joints", self.format, self.joints)?;
+        writeln!(f, "  motion   {} frames at {} Hz, {:.2} s", self.frames, self.rate_hz, self.duration_s)?;
+        writeln!(f, "  body     {:.2} m tall, skeleton profile: {}", self.height_m, self.profile)?;
+        writeln!(f, "  found")?;
+        for finding in &self.findings {
+            writeln!(f, "    {finding}")?;
+        }
+        writeln!(f, "  roles")?;
+        for role in throng_runtime::Joint::ALL {
+            let joint = self.roles.get(role.name()).map_or("-", String::as_str);
+            writeln!(f, "    {:<16} {joint}", role.name())?;
+        }
+        let c = &self.contact;
+        writeln!(
+            f,
+            "  contact  left {:.0} %, right {:.0} %, planted feet move at {:.3} m/s on average, {:.3} at the 95th percentile",
+            100.0 * c.left_share,
+            100.0 * c.right_share,
+            c.mean_speed_mps,
+            c.p95_speed_mps
+        )?;
+        writeln!(f, "  hits     {}", self.hits)?;
+        for (reason, start, end) in &self.excluded {
+            writeln!(f, "  excluded frames {start} to {end}: {reason}")?;
+        }
+        for warning in &self.warnings {
+            writeln!(f, "  warning  {warning}")?;
+        }
+        Ok(())
+    }
+}

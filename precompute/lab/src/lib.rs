@@ -1,0 +1,10 @@
+//! Measures, compares and pictures what Throng bakes and runs.
+
+pub mod inspect;
+pub mod matching;
+pub mod measure;
+pub mod picture;
+pub mod run;
+pub mod scene;
+pub mod slip;
+pub mod trial;

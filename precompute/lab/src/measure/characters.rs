@@ -1,0 +1,200 @@
+//! What a query, a joint, a character cost, beside copying the same bytes.
+
+use super::timing::{Batch, fail, in_pool, median_ns, random_queries};
+use super::{EPSILON, MeasureConfig};
+use glam::Vec3;
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg64Mcg;
+use rayon::prelude::*;
+use serde::Serialize;
+use std::f32::consts::TAU;
+use std::hint::black_box;
+use throng_bake::policy::made_up::MadeUp;
+use throng_motion::error::BuildError;
+use throng_runtime::characters::{Characters, CharactersConfig, Goal, MotionSet, SampleJob, Start};
+use throng_runtime::policy::PolicyTable;
+use throng_runtime::{Bundle, Mat3x4, NUM_JOINTS, Planar};
+
+/// Medians over many rounds; nanoseconds of wall time.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, schemars::JsonSchema)]
+pub struct CharactersFigures {
+    /// Number of characters.
+    pub characters: usize,
+    /// Number of threads.
+    pub threads: usize,
+    /// Single-load query of a random state and target, in a batch.
+    pub control_ns_per_query: f64,
+    /// Look-ahead over the actions of a random state of this bundle, in a batch.
+    pub lookahead_ns_per_query: f64,
+    /// Actions such a look-ahead weighs, mean.
+    pub lookahead_actions: f64,
+    /// Look-ahead over the 62 actions of a state of the made-up problem, in a batch.
+    pub lookahead_62_ns_per_query: f64,
+    /// Sampling between two rows at a random place, and model matrices.
+    pub sample_ns_per_joint: f64,
+    /// A full step at 60 Hz: control, sampling, transition, foot lock, model matrices of 22 joints.
+    pub step_ns_per_character: f64,
+    /// The same with single-load control.
+    pub step_single_load_ns_per_character: f64,
+    /// Copying as many bytes as the model matrices take.
+    pub memcpy_ns_per_character: f64,
+    /// Steps a second of all characters.
+    pub steps_per_second: f64,
+}
+
+/// Measures queries, sampling and steps.
+///
+/// # Errors
+/// [`BuildError::Stage`] where the bundle has no behaviour, a number is out of range, or a thread pool cannot be had.
+pub fn characters(tables: &Bundle, config: &MeasureConfig) -> Result<Vec<CharactersFigures>, BuildError> {
+    if tables.policies().is_empty() {
+        return Err(fail("the bundle has no behaviour"));
+    }
+    if config.characters.contains(&0) || config.threads.contains(&0) {
+        return Err(fail("numbers of characters and threads must be at least 1"));
+    }
+    if !(config.seconds > 0.0 && config.seconds <= 3600.0) {
+        return Err(fail(format!("--seconds: expected above 0 and at most 3600, found {}", config.seconds)));
+    }
+    let motion_set = MotionSet::new(tables);
+    let made_up = MadeUp::default();
+    let model = made_up.model();
+    let solution = in_pool(1, || made_up.solve(&model, EPSILON))??;
+    let best = vec![0; solution.values.len()];
+    let large = solution.table(&model, &best)?;
+    let mut results = Vec::new();
+    for &threads in &config.threads {
+        for &characters in &config.characters {
+            let bench = Bench { motion_set: &motion_set, large: &large, characters, seconds: config.seconds };
+            results.push(in_pool(threads, || bench.run(threads))??);
+        }
+    }
+    Ok(results)
+}
+
+/// One number of characters, inside a thread pool.
+struct Bench<'a> {
+    motion_set: &'a MotionSet,
+    large: &'a PolicyTable,
+    characters: usize,
+    seconds: f64,
+}
+
+impl Bench<'_> {
+    fn run(&self, threads: usize) -> Result<CharactersFigures, BuildError> {
+        let n = self.characters as f64;
+        let Some(policy) = self.motion_set.policy(0) else { return Err(fail("the bundle has no behaviour")) };
+        let (control, lookahead, lookahead_actions) = self.queries(policy)?;
+        let (_, lookahead_62, _) = self.queries(self.large)?;
+        let single =
+            CharactersConfig { choice: throng_runtime::characters::Choice::BestAction, ..CharactersConfig::default() };
+        let step = self.step(CharactersConfig::default())?;
+        Ok(CharactersFigures {
+            characters: self.characters,
+            threads,
+            control_ns_per_query: control / n,
+            lookahead_ns_per_query: lookahead / n,
+            lookahead_actions,
+            lookahead_62_ns_per_query: lookahead_62 / n,
+            sample_ns_per_joint: self.sample()? / (n * NUM_JOINTS as f64),
+            step_ns_per_character: step / n,
+            step_single_load_ns_per_character: self.step(single)? / n,
+            memcpy_ns_per_character: self.memcpy() / n,
+            steps_per_second: 1e9 / step,
+        })
+    }
+
+    /// Characters that one task handles: all on one thread.
+    fn share(&self) -> usize {
+        self.characters.div_ceil(rayon::current_num_threads()).max(1)
+    }
+
+    /// Time of a batch of single-load queries and of look-aheads, and the actions a look-ahead weighs.
+    fn queries(&self, policy: &PolicyTable) -> Result<(f64, f64, f64), BuildError> {
+        let (states, targets) = random_queries(policy, self.characters);
+        let batch = Batch { policy, states: &states, targets: &targets, seconds: self.seconds };
+        let single_load = batch.single_load_ns()?;
+        Ok((single_load, batch.look_ahead_ns()?, batch.actions_weighed()))
+    }
+
+    /// Time of sampling everybody at random places.
+    fn sample(&self) -> Result<f64, BuildError> {
+        let mut rng = Pcg64Mcg::seed_from_u64(3);
+        let (n, share) = (self.characters, self.share());
+        let segments = &self.motion_set.graph().segments;
+        let mut frames = vec![0u32; n];
+        let mut ratios = vec![0.0f32; n];
+        let mut places = || {
+            for (f, r) in frames.iter_mut().zip(&mut ratios) {
+                let s = &segments[rng.random_range(0..segments.len())];
+                *f = s.start + rng.random_range(0..s.num_frames);
+                *r = rng.random_range(0.0..1.0);
+            }
+        };
+        places();
+        let motion_set = self.motion_set;
+        let mut matrices = vec![Mat3x4::default(); n * NUM_JOINTS];
+        let ns = median_ns(self.seconds, || {
+            let parts = frames.par_chunks(share).zip(ratios.par_chunks(share));
+            parts.zip(matrices.par_chunks_mut(share * NUM_JOINTS)).for_each(|((frames, ratios), matrices)| {
+                black_box(SampleJob { motion_set, frames, ratios, matrices }.run().is_ok());
+            });
+        });
+        black_box(&matrices);
+        Ok(ns)
+    }
+
+    /// Time of a full step, averaged over a second of simulated time a round.
+    fn step(&self, config: CharactersConfig) -> Result<f64, BuildError> {
+        const STEPS: usize = 60;
+        let mut rng = Pcg64Mcg::seed_from_u64(4);
+        let num_states = self.motion_set.graph().states.len() as u32;
+        let starts: Vec<Start> = (0..self.characters)
+            .map(|_| Start {
+                root: Planar::new(
+                    rng.random_range(-50.0..50.0),
+                    rng.random_range(-50.0..50.0),
+                    rng.random_range(0.0..TAU),
+                ),
+                state: rng.random_range(0..num_states),
+            })
+            .collect();
+        let mut characters = Characters::new(self.motion_set, config, &starts).map_err(|e| fail(e.to_string()))?;
+        let mut targets = vec![Vec3::ZERO; self.characters];
+        let one_thread = rayon::current_num_threads() == 1;
+        let mut failed = None;
+        let ns = median_ns(self.seconds.max(0.5), || {
+            // Targets move every second, so that nobody comes to rest.
+            for t in &mut targets {
+                *t = Vec3::new(rng.random_range(-50.0..50.0), 0.0, rng.random_range(-50.0..50.0));
+            }
+            for _ in 0..STEPS {
+                let goals = [Goal { policy: 0, weight: 1.0, targets: &targets }];
+                let done = if one_thread {
+                    characters.step(self.motion_set, 1.0 / STEPS as f32, &goals)
+                } else {
+                    characters.par_step(self.motion_set, 1.0 / STEPS as f32, &goals)
+                };
+                failed = failed.take().or(done.err());
+            }
+        });
+        black_box(characters.model_matrices());
+        match failed {
+            Some(e) => Err(fail(e.to_string())),
+            None => Ok(ns / STEPS as f64),
+        }
+    }
+
+    /// Time to copy everybody's model matrices.
+    fn memcpy(&self) -> f64 {
+        let (n, share) = (self.characters * NUM_JOINTS, self.share() * NUM_JOINTS);
+        let from = vec![Mat3x4 { rows: [[1.0; 4]; 3] }; n];
+        let mut to = vec![Mat3x4::default(); n];
+        let ns = median_ns(self.seconds, || {
+            let parts = black_box(&from).par_chunks(share).zip(to.par_chunks_mut(share));
+            parts.for_each(|(from, to)| to.copy_from_slice(from));
+        });
+        black_box(&to);
+        ns
+    }
+}

@@ -1,0 +1,109 @@
+//! Timing: medians of rounds, and batches of policy queries.
+
+use glam::Vec3;
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg64Mcg;
+use rayon::prelude::*;
+use std::f32::consts::TAU;
+use std::hint::black_box;
+use std::time::Instant;
+use throng_motion::error::BuildError;
+use throng_runtime::policy::{BestActionJob, Goal, LookAheadJob, PolicyTable, RankedActions};
+
+pub(super) fn fail(message: impl Into<String>) -> BuildError {
+    BuildError::Stage { stage: "bench", message: message.into(), help: "See `throng bench --help`".into() }
+}
+
+/// Runs `work` on a pool of its own.
+pub(super) fn in_pool<T: Send>(threads: usize, work: impl FnOnce() -> T + Send) -> Result<T, BuildError> {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().map_err(|e| fail(e.to_string()))?;
+    Ok(pool.install(work))
+}
+
+/// Median time of a round, over as many rounds as fit.
+pub(super) fn median_ns(seconds: f64, mut round: impl FnMut()) -> f64 {
+    round();
+    let begin = Instant::now();
+    let mut times = Vec::new();
+    while times.len() < 5 || begin.elapsed().as_secs_f64() < seconds {
+        let t = Instant::now();
+        round();
+        times.push(t.elapsed().as_secs_f64() * 1e9);
+    }
+    times.sort_by(f64::total_cmp);
+    times[times.len() / 2]
+}
+
+/// Random states of a policy, and targets around them at 0.2 to 6 m.
+pub(super) fn random_queries(policy: &PolicyTable, count: usize) -> (Vec<u32>, Vec<Vec3>) {
+    let mut rng = Pcg64Mcg::seed_from_u64(2);
+    let num_states = policy.actions().num_states() as u32;
+    let states = (0..count).map(|_| rng.random_range(0..num_states)).collect();
+    let target = |_| {
+        let (angle, distance) = (rng.random_range(0.0..TAU), rng.random_range(0.2..6.0f32));
+        Vec3::new(distance * angle.sin(), 0.0, distance * angle.cos())
+    };
+    (states, (0..count).map(target).collect())
+}
+
+/// Queries of many characters at once, split over the threads of the current pool.
+pub(super) struct Batch<'a> {
+    pub policy: &'a PolicyTable,
+    /// State of each character.
+    pub states: &'a [u32],
+    /// Target of each character in its own frame (m, states.len()).
+    pub targets: &'a [Vec3],
+    /// Time to spend on each figure (s).
+    pub seconds: f64,
+}
+
+impl Batch<'_> {
+    /// Characters that one task handles: all on one thread.
+    fn share(&self) -> usize {
+        self.states.len().div_ceil(rayon::current_num_threads()).max(1)
+    }
+
+    /// Time of single-load queries of everybody (ns).
+    pub fn single_load_ns(&self) -> Result<f64, BuildError> {
+        let (policy, share) = (self.policy, self.share());
+        let mut actions = vec![0u8; self.states.len()];
+        BestActionJob { policy, states: self.states, targets: self.targets, choice: 0, actions: &mut actions }
+            .run()
+            .map_err(|e| fail(e.to_string()))?;
+        let ns = median_ns(self.seconds, || {
+            let parts = self.states.par_chunks(share).zip(self.targets.par_chunks(share));
+            parts.zip(actions.par_chunks_mut(share)).for_each(|((states, targets), actions)| {
+                black_box(BestActionJob { policy, states, targets, choice: 0, actions }.run().is_ok());
+            });
+        });
+        black_box(&actions);
+        Ok(ns)
+    }
+
+    /// Time of look-aheads of everybody (ns).
+    pub fn look_ahead_ns(&self) -> Result<f64, BuildError> {
+        let (policy, share) = (self.policy, self.share());
+        let weights = vec![1.0; self.states.len()];
+        let mut ranked = vec![RankedActions::NONE; self.states.len()];
+        let goals = [Goal { policy, weights: &weights, targets: self.targets }];
+        LookAheadJob { goals: &goals, states: self.states, ranked: &mut ranked }
+            .run()
+            .map_err(|e| fail(e.to_string()))?;
+        let ns = median_ns(self.seconds, || {
+            let parts = self.states.par_chunks(share).zip(self.targets.par_chunks(share));
+            let parts = parts.zip(weights.par_chunks(share)).zip(ranked.par_chunks_mut(share));
+            parts.for_each(|(((states, targets), weights), ranked)| {
+                let goals = [Goal { policy, weights, targets }];
+                black_box(LookAheadJob { goals: &goals, states, ranked }.run().is_ok());
+            });
+        });
+        black_box(&ranked);
+        Ok(ns)
+    }
+
+    /// Actions that a look-ahead weighs, mean.
+    pub fn actions_weighed(&self) -> f64 {
+        let weighed: usize = self.states.iter().map(|&s| self.policy.actions().segments_of(s).len()).sum();
+        weighed as f64 / self.states.len() as f64
+    }
+}

@@ -1,0 +1,310 @@
+//! A crowd from above: where everybody is, where they came from and where they want to go.
+
+use super::camera::Camera;
+use super::canvas::{Area, Picture};
+use super::colour::{self, Colour};
+use super::figure::{BodyColours, Figure};
+use super::furniture::{grid, header, legend, nice_step, scale_bar};
+use super::shadow::Shadows;
+use super::sprite;
+use glam::{Vec2, Vec3};
+use rayon::prelude::*;
+use std::f32::consts::PI;
+use throng_runtime::Planar;
+
+/// Whether a character is where it wants to be.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Arrival {
+    /// Still walking, or has no target.
+    OnTheWay,
+    /// Within reach of its target now, or has been.
+    Reached,
+}
+
+/// One character of a crowd.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CrowdCharacter<'a> {
+    /// Position and heading on the ground.
+    pub root: Planar,
+    /// Its body; without one, only a mark with the heading is drawn.
+    pub figure: Option<Figure>,
+    /// Where the root was, oldest first, as (x, z) (m).
+    pub trail: &'a [Vec2],
+    /// Where it wants to go, as (x, z) (m).
+    pub target: Option<Vec2>,
+    /// Decides the colour.
+    pub arrival: Arrival,
+}
+
+/// What [`crowd_overview`] draws.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CrowdView<'a> {
+    /// First line.
+    pub title: &'a str,
+    /// Second line.
+    pub subtitle: &'a str,
+    /// Width and height (px).
+    pub size: (u32, u32),
+    /// Everybody.
+    pub characters: &'a [CrowdCharacter<'a>],
+    /// Radius around a target within which it is reached; drawn as a ring (m).
+    pub reach_m: f32,
+    /// What the two colours stand for: [`Arrival::Reached`], [`Arrival::OnTheWay`]. The legend leaves an empty one out.
+    pub names: [&'a str; 2],
+    /// What else the legend says.
+    pub remark: &'a str,
+    /// Index of a character that is ringed and named, for instance the one a strip shows.
+    pub marked: Option<(usize, &'a str)>,
+    /// Shows only this part of the ground; everything where `None`.
+    pub focus: Option<Focus>,
+}
+
+/// A part of the ground.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Focus {
+    /// Its middle, as (x, z) (m).
+    pub centre: Vec2,
+    /// Its width; the height follows from the picture (m, 1 to 10000).
+    pub width_m: f32,
+}
+
+/// Draws a crowd from obliquely above, in parallel projection: +X to the right, +Z towards the viewer.
+///
+/// The view fits all roots, targets and trails unless `focus` names a part. Characters whose root is not finite are
+/// left out.
+pub fn crowd_overview(view: &CrowdView<'_>) -> Picture {
+    let mut page = Picture::new(view.size.0, view.size.1, colour::PAPER);
+    let unit = page.width() as f32 / 1600.0;
+    header(&mut page, unit, view.title, view.subtitle);
+    let (edge, top) = ((16.0 * unit) as u32, (84.0 * unit) as u32);
+    let size = (page.width().saturating_sub(2 * edge), page.height().saturating_sub(top + edge));
+    let mut panel = Picture::new(size.0, size.1, colour::GROUND);
+    let present: Vec<&CrowdCharacter<'_>> = view.characters.iter().filter(|c| is_finite(c.root)).collect();
+    let extent = Vec2::new(panel.width() as f32, panel.height() as f32);
+    let camera = match view.focus.filter(|f| f.centre.is_finite()) {
+        Some(focus) => look_at(focus, extent),
+        None => fit(&present, extent, unit),
+    };
+    draw_ground(&mut panel, &camera, unit, &present, view.reach_m);
+    draw_characters(&mut panel, &camera, unit, &present);
+    if let Some((character, name)) = view.marked.and_then(|(i, name)| Some((view.characters.get(i)?, name))) {
+        draw_mark(&mut panel, &camera, unit, character, name);
+    }
+    scale_bar(&mut panel, &camera, unit);
+    page.draw_picture(&panel, (edge as i32, top as i32));
+    draw_legend(&mut page, unit, view);
+    page
+}
+
+fn is_finite(p: Planar) -> bool {
+    p.x.is_finite() && p.z.is_finite() && p.heading.is_finite()
+}
+
+/// (x, z) on the ground as a point of the world.
+fn on_ground(p: Vec2) -> Vec3 {
+    Vec3::new(p.x, 0.0, p.y)
+}
+
+fn colour_of(arrival: Arrival) -> Colour {
+    match arrival {
+        Arrival::OnTheWay => colour::ON_THE_WAY,
+        Arrival::Reached => colour::REACHED,
+    }
+}
+
+/// The camera that shows everything: tilted so that the crowd fills the panel as well as a tilt can.
+fn fit(characters: &[&CrowdCharacter<'_>], size: Vec2, unit: f32) -> Camera {
+    let (mut min, mut max) = (Vec2::INFINITY, Vec2::NEG_INFINITY);
+    for c in characters {
+        for p in c.trail.iter().copied().chain(c.target).chain([Vec2::new(c.root.x, c.root.z)]) {
+            if p.is_finite() && p.abs().max_element() < 1e5 {
+                (min, max) = (min.min(p), max.max(p));
+            }
+        }
+    }
+    if !min.is_finite() {
+        (min, max) = (Vec2::splat(-3.0), Vec2::splat(3.0));
+    }
+    let margin = 0.8;
+    let extent = (max - min + 2.0 * margin).max(Vec2::splat(4.0));
+    let tilt = (size.y / size.x * extent.x / extent.y).clamp(0.6, 0.92).asin();
+    let camera = Camera::looking(PI, tilt);
+    let body = 1.8 * tilt.cos();
+    let room = size - Vec2::splat(8.0 * unit);
+    let px_per_m = (room.x / extent.x).min(room.y / (extent.y * tilt.sin() + body)).clamp(0.01, 150.0 * unit);
+    let centre = 0.5 * size + Vec2::new(0.0, 0.5 * body * px_per_m);
+    camera.framed(on_ground(0.5 * (min + max)), centre, px_per_m)
+}
+
+/// The camera that shows a part of the ground.
+fn look_at(focus: Focus, size: Vec2) -> Camera {
+    let px_per_m = size.x / focus.width_m.clamp(1.0, 10_000.0);
+    let centre = 0.5 * size + Vec2::new(0.0, 0.6 * px_per_m);
+    Camera::looking(PI, 0.62).framed(on_ground(focus.centre), centre, px_per_m)
+}
+
+/// Grid, trails, targets and the lines to them.
+fn draw_ground(panel: &mut Picture, camera: &Camera, unit: f32, characters: &[&CrowdCharacter<'_>], reach_m: f32) {
+    grid(panel, camera, nice_step(panel.width() as f32 / camera.px_per_m / 16.0), unit);
+    for c in characters {
+        draw_trail(panel, camera, unit, c.trail, colour_of(c.arrival));
+    }
+    let ring = camera.ground_disc(reach_m.clamp(0.0, 100.0));
+    for c in characters {
+        let Some(target) = c.target.filter(|t| t.is_finite()) else { continue };
+        let (at, tint) = (camera.project(on_ground(target)), colour_of(c.arrival));
+        let waits = c.arrival == Arrival::OnTheWay;
+        panel.stroke_oval(at, ring, 1.2 * unit, tint.alpha(if waits { 0.7 } else { 0.3 }));
+        if !waits {
+            continue;
+        }
+        panel.stroke_line(&[camera.project(c.root.translation()), at], 1.0 * unit, tint.alpha(0.3));
+        let arm = 2.6 * unit;
+        panel.stroke_line(&[at - Vec2::X * arm, at + Vec2::X * arm], 1.4 * unit, tint);
+        panel.stroke_line(&[at - Vec2::Y * arm, at + Vec2::Y * arm], 1.4 * unit, tint);
+    }
+}
+
+/// A trail that fades with age, in four steps.
+fn draw_trail(panel: &mut Picture, camera: &Camera, unit: f32, trail: &[Vec2], tint: Colour) {
+    let mut points: Vec<Vec2> = Vec::with_capacity(trail.len());
+    for p in trail.iter().filter(|p| p.is_finite()) {
+        let p = camera.project(on_ground(*p));
+        if points.last().is_none_or(|q| q.distance(p) > 2.0 * unit) {
+            points.push(p);
+        }
+    }
+    let part = points.len().div_ceil(4).max(1);
+    for k in 0..4 {
+        let run = &points[(k * part).min(points.len())..((k + 1) * part + 1).min(points.len())];
+        panel.stroke_line(run, 1.9 * unit, tint.alpha(0.12 + 0.16 * k as f32));
+    }
+}
+
+/// Marks, shadows and bodies, far ones first.
+fn draw_characters(panel: &mut Picture, camera: &Camera, unit: f32, characters: &[&CrowdCharacter<'_>]) {
+    let mut order: Vec<&CrowdCharacter<'_>> = characters.to_vec();
+    order.sort_by(|a, b| camera.depth(b.root.translation()).total_cmp(&camera.depth(a.root.translation())));
+    let body_px = 1.75 * camera.px_per_m;
+    let bodies = body_px > 10.0;
+    if bodies && let Some(mut shadows) = Shadows::new(panel) {
+        order.iter().filter_map(|c| c.figure.as_ref()).for_each(|f| shadows.add(f, camera));
+        shadows.draw(panel, (0.012 * camera.px_per_m) as usize + 1, colour::INK.alpha(0.34));
+    }
+    for c in &order {
+        draw_heading(panel, camera, c.root, colour_of(c.arrival), if bodies { 0.5 } else { 1.0 });
+    }
+    let size = (panel.width(), panel.height());
+    let sprites: Vec<_> = order
+        .par_iter()
+        .map(|c| {
+            let colours = BodyColours::plain(colour_of(c.arrival));
+            c.figure.as_ref().filter(|_| bodies).and_then(|f| sprite::render(f, &colours, camera, size))
+        })
+        .collect();
+    for (sprite, c) in sprites.iter().zip(&order) {
+        match sprite {
+            Some(s) => s.draw(panel),
+            None => panel.fill_disc(camera.project(c.root.translation()), 3.0 * unit, colour_of(c.arrival)),
+        }
+    }
+}
+
+/// An arrowhead on the ground.
+fn draw_heading(panel: &mut Picture, camera: &Camera, root: Planar, tint: Colour, opacity: f32) {
+    let at = |x: f32, z: f32| camera.project(on_ground(root.transform_point(Vec2::new(x, z))));
+    let arrow = [at(0.0, 0.62), at(0.2, 0.3), at(0.0, 0.38), at(-0.2, 0.3)];
+    panel.fill_polygon(&arrow, tint.alpha(opacity));
+}
+
+/// A ring around one character and its name above.
+fn draw_mark(panel: &mut Picture, camera: &Camera, unit: f32, character: &CrowdCharacter<'_>, name: &str) {
+    if !is_finite(character.root) {
+        return;
+    }
+    let foot = character.root.translation();
+    let radii = camera.ground_disc(0.7).max(Vec2::splat(7.0 * unit));
+    panel.stroke_oval(camera.project(foot), radii, 2.4 * unit, colour::MARK);
+    let head = camera.project(foot + Vec3::Y * 2.0) - Vec2::new(0.0, 4.0 * unit);
+    super::furniture::tag(panel, head, unit, name, colour::MARK);
+}
+
+fn draw_legend(page: &mut Picture, unit: f32, view: &CrowdView<'_>) {
+    let reached = view.characters.iter().filter(|c| c.arrival == Arrival::Reached).count();
+    let counts = [reached, view.characters.len() - reached];
+    let entries: Vec<(Colour, String)> = [colour::REACHED, colour::ON_THE_WAY]
+        .into_iter()
+        .zip(view.names.into_iter().zip(counts))
+        .filter(|(_, (name, _))| !name.is_empty())
+        .map(|(tint, (name, count))| (tint, format!("{name}: {count}")))
+        .collect();
+    let area = Area::new(0.0, 0.0, page.width() as f32 - 16.0 * unit, 84.0 * unit);
+    legend(page, area, unit, &entries, view.remark);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use throng_runtime::Skeleton;
+
+    fn standing(root: Planar) -> CrowdCharacter<'static> {
+        let joints = Skeleton::default().rest_positions().map(|p| root.rotation() * p + root.translation());
+        let figure = Some(Figure::from_positions(&joints));
+        CrowdCharacter { root, figure, trail: &[], target: None, arrival: Arrival::Reached }
+    }
+
+    fn view<'a>(characters: &'a [CrowdCharacter<'a>]) -> CrowdView<'a> {
+        CrowdView {
+            title: "t",
+            subtitle: "s",
+            size: (320, 200),
+            characters,
+            reach_m: 0.5,
+            names: ["here", "there"],
+            remark: "r",
+            marked: Some((0, "A")),
+            focus: None,
+        }
+    }
+
+    #[test]
+    fn everybody_is_inside_the_view() {
+        let at = |x: f32, z: f32| standing(Planar::new(x, z, 0.3));
+        let characters = [at(-30.0, 4.0), at(12.0, -9.0), at(3.0, 25.0)];
+        let size = Vec2::new(800.0, 500.0);
+        let camera = fit(&characters.iter().collect::<Vec<_>>(), size, 0.5);
+        for p in characters.iter().flat_map(|c| c.figure.iter().flat_map(|f| f.joints)) {
+            let s = camera.project(p);
+            assert!(s.cmpge(Vec2::ZERO).all() && s.cmple(size).all(), "{p} is seen at {s}");
+        }
+    }
+
+    #[test]
+    fn same_input_same_bytes_at_any_thread_count() {
+        let characters: Vec<_> =
+            (0..60).map(|i| standing(Planar::new((i % 10) as f32, (i / 10) as f32, i as f32))).collect();
+        let draw = |threads: usize| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
+            pool.install(|| crowd_overview(&view(&characters)).to_png().expect("encodes"))
+        };
+        assert_eq!(draw(1), draw(4));
+    }
+
+    #[test]
+    fn colour_tells_who_has_arrived() {
+        let mut one = [standing(Planar::IDENTITY)];
+        let reached = crowd_overview(&view(&one));
+        one[0].arrival = Arrival::OnTheWay;
+        assert_ne!(crowd_overview(&view(&one)), reached);
+    }
+
+    #[test]
+    fn nobody_and_nonsense_are_drawn_without_a_panic() {
+        crowd_overview(&view(&[]));
+        let trail = [Vec2::NAN, Vec2::splat(1e30), Vec2::ZERO];
+        let mut odd = standing(Planar::new(1e9, 0.0, 0.0));
+        odd.trail = &trail;
+        odd.target = Some(Vec2::INFINITY);
+        crowd_overview(&view(&[odd, standing(Planar::new(f32::NAN, 0.0, 0.0))]));
+    }
+}

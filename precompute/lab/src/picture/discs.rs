@@ -1,0 +1,279 @@
+//! The picture of a crowd of discs or balls: everybody from above at a few times, and from the side in the air.
+
+use super::camera::Camera;
+use super::canvas::{Area, Picture};
+use super::colour::{self, Colour};
+use super::furniture::{grid, header, legend, nice_step, scale_bar, tag};
+use crate::run::{AgentFigures, AgentsRecord, CrowdMoment, Figures, SeenAgent, SeenObstacle, TRAIL_S};
+use glam::{Vec2, Vec3};
+use std::f32::consts::{FRAC_PI_2, PI};
+
+/// Colours of groups, in their order.
+const GROUPS: [u32; 6] = [0xe8743b, 0x2f63a8, 0x1f9e89, 0x7a2bbf, 0xc0b027, 0xb0446a];
+/// Who knows of a happening.
+const KNOWS: Colour = Colour::hex(0xd62728);
+/// What stands in the way.
+pub(super) const SOLID: Colour = Colour::hex(0x8a8578);
+/// Width of the page (px).
+pub(super) const WIDTH: f32 = 1600.0;
+/// Around panels (px).
+const EDGE: f32 = 16.0;
+/// Below the title (px).
+const TOP: f32 = 84.0;
+/// Highest panel (px).
+const HIGHEST: f32 = 900.0;
+/// Points of a trail behind an agent: 2.4 s.
+const TRAIL: usize = 7;
+/// Ways are drawn of so many agents at most.
+const WAYS: usize = 60;
+
+/// Draws a crowd at a few times.
+pub(super) fn crowd_sheet(scene: &str, figures: &Figures, record: &AgentsRecord) -> Picture {
+    let (low, high) = extent(record);
+    let views: &[View] = if record.in_the_air { &[View::Above, View::Side] } else { &[View::Above] };
+    let sizes: Vec<Vec2> = views.iter().map(|v| v.flat(high - low)).collect();
+    // Wide crowds below each other, others side by side.
+    let columns = if sizes[0].x > 2.5 * sizes[0].y { 1 } else { 2 };
+    let width = (WIDTH - EDGE * (columns as f32 + 1.0)) / columns as f32;
+    let tallest = sizes.iter().map(|s| s.y / s.x).fold(0.0, f32::max);
+    let px_per_m = (width / sizes[0].x).min(HIGHEST / (tallest * sizes[0].x));
+    let heights: Vec<f32> = sizes.iter().map(|s| (s.y * px_per_m).max(60.0)).collect();
+    let rows = record.moments.len().max(1).div_ceil(columns);
+    let row = heights.iter().map(|h| h + EDGE).sum::<f32>();
+    let mut page = Picture::new(WIDTH as u32, (TOP + rows as f32 * row) as u32, colour::PAPER);
+    let f = figures.crowd.clone().unwrap_or_default();
+    header(&mut page, 1.0, &title(scene, figures), &subtitle(figures, &f));
+    let entries: Vec<_> = record.names.iter().enumerate().map(|(g, n)| (group_colour(g), n.clone())).collect();
+    let remark = if f.informed.is_some() { "ringed: knows" } else { "" };
+    legend(&mut page, Area::new(0.0, 0.0, WIDTH - EDGE, TOP), 1.0, &entries, remark);
+    for (i, moment) in record.moments.iter().enumerate() {
+        let x = EDGE + (i % columns) as f32 * (width + EDGE);
+        let mut y = TOP + (i / columns) as f32 * row;
+        for (view, height) in views.iter().zip(&heights) {
+            let mut panel = Picture::new(width as u32, *height as u32, colour::GROUND);
+            let middle = 0.5 * Vec2::new(panel.width() as f32, panel.height() as f32);
+            let camera = view.camera().framed(0.5 * (low + high), middle, px_per_m);
+            draw(&mut panel, &camera, record, moment, *view);
+            page.draw_picture(&panel, (x as i32, y as i32));
+            y += height + EDGE;
+        }
+    }
+    page
+}
+
+/// From where a crowd is seen.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum View {
+    Above,
+    Side,
+}
+
+impl View {
+    /// +X to the right, +Z downwards, or height upwards.
+    fn camera(self) -> Camera {
+        Camera::looking(PI, if self == Self::Above { FRAC_PI_2 } else { 0.0 })
+    }
+
+    /// Width and height of a box as it is seen.
+    fn flat(self, size: Vec3) -> Vec2 {
+        Vec2::new(size.x, if self == Self::Above { size.z } else { size.y })
+    }
+}
+
+fn title(scene: &str, f: &Figures) -> String {
+    format!("{scene}: {} agents, engine {}", f.agents.unwrap_or(0), f.engine.as_deref().unwrap_or_default())
+}
+
+fn subtitle(figures: &Figures, r: &AgentFigures) -> String {
+    let mut text = format!(
+        "{:.2} m/s towards the goal of {:.2} wanted; {} there, {} stuck; deepest overlap {:.1} mm; {:.1} events an agent and second",
+        r.progress_mps,
+        r.desired_mps,
+        r.arrived,
+        figures.stuck.unwrap_or(0),
+        1000.0 * r.max_overlap_m,
+        r.events_per_agent_second.unwrap_or_default()
+    );
+    if let Some(order) = r.lane_order {
+        text += &format!("; order of lanes {order:.2}");
+    }
+    if let Some(flow) = r.flow.as_ref().and_then(|f| f.flow_per_m_s) {
+        text += &format!("; {flow:.2} persons/(m s)");
+    }
+    if let Some(informed) = r.informed {
+        text += &format!("; {informed} know");
+    }
+    text
+}
+
+pub(super) fn group_colour(group: usize) -> Colour {
+    Colour::hex(GROUPS[group % GROUPS.len()])
+}
+
+/// Lowest and highest that anybody was, with room around.
+fn extent(record: &AgentsRecord) -> (Vec3, Vec3) {
+    let seen = record.moments.iter().flat_map(|m| m.agents.iter().flatten().map(|s| s.at));
+    let all = seen.chain(record.trails.iter().flat_map(|t| t.1.iter().copied()));
+    let all = all.filter(|p| p.is_finite() && p.abs().max_element() < 1e6);
+    let (low, high) = all.fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(l, h), p| (l.min(p), h.max(p)));
+    if !low.is_finite() {
+        return (Vec3::splat(-5.0), Vec3::splat(5.0));
+    }
+    let room = 2.0 * record.radii.iter().copied().fold(0.5, f32::max) + 0.01 * (high - low).max_element();
+    (low - room, high + room)
+}
+
+fn draw(panel: &mut Picture, camera: &Camera, record: &AgentsRecord, moment: &CrowdMoment, view: View) {
+    let width = panel.width() as f32;
+    if view == View::Above {
+        grid(panel, camera, nice_step(width / camera.px_per_m / 16.0), 1.0);
+    }
+    draw_ways(panel, camera, record);
+    record.obstacles.iter().for_each(|o| draw_obstacle(panel, camera, o, (moment.time_s, record.in_the_air)));
+    draw_trails(panel, camera, record, moment);
+    let mut order: Vec<(usize, &SeenAgent)> =
+        moment.agents.iter().enumerate().filter_map(|(m, s)| Some((m, s.as_ref()?))).collect();
+    order.sort_by(|a, b| camera.depth(b.1.at).total_cmp(&camera.depth(a.1.at)).then(a.0.cmp(&b.0)));
+    order.iter().for_each(|(m, s)| draw_agent(panel, camera, s, record.radii[*m], record.groups[*m]));
+    scale_bar(panel, camera, 1.0);
+    let what = if record.in_the_air { [" from above", " from the side"][view as usize] } else { "" };
+    tag(panel, Vec2::new(0.5 * width, 26.0), 1.0, &format!("{:.1} s{what}", moment.time_s), colour::INK);
+}
+
+fn draw_agent(panel: &mut Picture, camera: &Camera, s: &SeenAgent, radius: f32, group: usize) {
+    let (at, px) = (camera.project(s.at), (radius * camera.px_per_m).max(1.2));
+    panel.fill_disc(at, px, group_colour(group));
+    if s.knows {
+        panel.stroke_oval(at, Vec2::splat(px), (0.3 * px).clamp(1.2, 4.0), KNOWS);
+    }
+    let ahead = camera.project(s.at + s.velocity) - at;
+    // A tick along the heading, longer for those who move faster.
+    if px > 2.0 && ahead.length() > 0.1 * camera.px_per_m {
+        let tip = at + ahead.normalize_or_zero() * px * 1.5;
+        panel.stroke_line(&[at, tip], (0.28 * px).clamp(1.0, 3.0), colour::INK);
+    }
+}
+
+/// Where some were in the last seconds.
+fn draw_trails(panel: &mut Picture, camera: &Camera, record: &AgentsRecord, moment: &CrowdMoment) {
+    let upto = (moment.time_s / TRAIL_S) as usize + 1;
+    for (m, trail) in &record.trails {
+        let is_there = moment.agents.get(*m).is_some_and(Option::is_some);
+        let upto = if is_there { upto.min(trail.len()) } else { 0 };
+        let points: Vec<Vec2> = trail[upto.saturating_sub(TRAIL)..upto].iter().map(|p| camera.project(*p)).collect();
+        let tint = group_colour(record.groups.get(*m).copied().unwrap_or(0));
+        panel.stroke_line(&points, (0.12 * camera.px_per_m).clamp(0.8, 2.5), tint.alpha(0.35));
+    }
+}
+
+/// Ways that lead around something.
+fn draw_ways(panel: &mut Picture, camera: &Camera, record: &AgentsRecord) {
+    let bent: Vec<&Vec<Vec3>> = record.ways.iter().filter(|w| w.len() > 2).collect();
+    for way in bent.iter().step_by(bent.len().div_ceil(WAYS).max(1)) {
+        let points: Vec<Vec2> = way.iter().map(|p| camera.project(*p)).collect();
+        panel.stroke_line(&points, 1.0, colour::REACHED.alpha(0.35));
+    }
+}
+
+fn draw_obstacle(panel: &mut Picture, camera: &Camera, obstacle: &SeenObstacle, (time_s, in_the_air): (f64, bool)) {
+    let scale = camera.px_per_m;
+    match obstacle {
+        SeenObstacle::Ball { centre, radius } => panel.fill_disc(camera.project(*centre), radius * scale, SOLID),
+        SeenObstacle::Wall { from, to, radius } => {
+            let (a, b, width) = (camera.project(*from), camera.project(*to), (2.0 * radius * scale).max(2.0));
+            if a.distance(b) < 0.5 {
+                panel.fill_disc(a, 0.5 * width, SOLID);
+            } else {
+                panel.stroke_line(&[a, b], width, SOLID);
+            }
+        }
+        SeenObstacle::Polygon(corners) => {
+            panel.fill_polygon(&corners.iter().map(|c| camera.project(*c)).collect::<Vec<_>>(), SOLID);
+        }
+        SeenObstacle::Box(low, high) => {
+            let (a, b) = (camera.project(*low), camera.project(*high));
+            let (min, max) = (a.min(b), a.max(b));
+            if in_the_air {
+                // In outline: boxes around a flock would hide it.
+                let outline = [min, Vec2::new(max.x, min.y), max, Vec2::new(min.x, max.y), min];
+                panel.stroke_line(&outline, 1.5, SOLID);
+            } else {
+                panel.fill_rect(Area::new(min.x, min.y, max.x - min.x, max.y - min.y), 0.0, SOLID);
+            }
+        }
+        SeenObstacle::Mover { way, radius } => {
+            panel.fill_disc(camera.project(on_its_way(way, time_s)), radius * scale, SOLID.mix(colour::INK, 0.4));
+        }
+    }
+}
+
+/// Where something is on its way through points.
+fn on_its_way(way: &[(f64, Vec3)], time_s: f64) -> Vec3 {
+    let next = way.partition_point(|w| w.0 <= time_s);
+    match (next.checked_sub(1).map(|i| way[i]), way.get(next)) {
+        (Some(a), Some(b)) => a.1.lerp(b.1, ((time_s - a.0) / (b.0 - a.0)) as f32),
+        (Some(end), None) => end.1,
+        (None, Some(end)) => end.1,
+        (None, None) => Vec3::NAN,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn record(in_the_air: bool) -> AgentsRecord {
+        let seen = |m: usize, t: f32| {
+            let at = Vec3::new(t + m as f32, if in_the_air { 3.0 } else { 0.0 }, 2.0 * m as f32);
+            Some(SeenAgent { at, velocity: Vec3::X, knows: m == 1 })
+        };
+        let moment =
+            |t: f32| CrowdMoment { time_s: f64::from(t), agents: (0..4).map(|m| seen(m, t)).chain([None]).collect() };
+        AgentsRecord {
+            in_the_air,
+            names: vec!["a".into(), "b".into()],
+            groups: vec![0, 1, 0, 1, 0],
+            radii: vec![0.3; 5],
+            moments: (0..4).map(|t| moment(t as f32)).collect(),
+            trails: vec![(0, (0..8).map(|i| Vec3::X * 0.4 * i as f32).collect())],
+            ways: vec![vec![Vec3::ZERO, Vec3::Z, Vec3::X]],
+            obstacles: vec![
+                SeenObstacle::Ball { centre: Vec3::Z, radius: 0.5 },
+                SeenObstacle::Wall { from: Vec3::ZERO, to: Vec3::Y, radius: 0.2 },
+                SeenObstacle::Polygon(vec![Vec3::ZERO, Vec3::X, Vec3::Z]),
+                SeenObstacle::Box(Vec3::ZERO, Vec3::ONE),
+                SeenObstacle::Mover { way: vec![(0.0, Vec3::ZERO), (2.0, Vec3::X)], radius: 0.4 },
+            ],
+        }
+    }
+
+    #[test]
+    fn everybody_is_drawn_and_the_air_is_also_seen_from_the_side() {
+        let report = Figures::default();
+        let (ground, air) =
+            (crowd_sheet("square", &report, &record(false)), crowd_sheet("square", &report, &record(true)));
+        assert_ne!(ground, air);
+        assert_eq!(ground, crowd_sheet("square", &report, &record(false)));
+        let mut empty = record(false);
+        empty.moments.iter_mut().for_each(|m| m.agents.fill(None));
+        empty.trails.clear();
+        assert_ne!(ground, crowd_sheet("square", &report, &empty));
+    }
+
+    #[test]
+    fn empty_and_broken_records_are_drawn_without_a_panic() {
+        crowd_sheet("square", &Figures::default(), &AgentsRecord::default());
+        let mut broken = record(false);
+        broken.moments[0].agents[0] = Some(SeenAgent { at: Vec3::NAN, velocity: Vec3::NAN, knows: true });
+        broken.obstacles.push(SeenObstacle::Mover { way: Vec::new(), radius: 1.0 });
+        crowd_sheet("square", &Figures::default(), &broken);
+    }
+
+    #[test]
+    fn movers_are_where_their_time_says() {
+        let way = [(1.0, Vec3::ZERO), (3.0, Vec3::X * 4.0)];
+        for (t, x) in [(0.0, 0.0), (1.5, 1.0), (3.0, 4.0), (9.0, 4.0)] {
+            assert_eq!(on_its_way(&way, t), Vec3::X * x, "{t}");
+        }
+    }
+}

@@ -1,0 +1,235 @@
+//! The picture of a group with policies: everybody at the end, and moments around blows of those who were recorded.
+
+use super::camera::Camera;
+use super::canvas::{Area, Picture};
+use super::colour::{self, Colour};
+use super::crowd::{Arrival, CrowdCharacter, CrowdView, Focus, crowd_overview};
+use super::figure::{BodyColours, Figure};
+use super::furniture::header;
+use super::shadow::Shadows;
+use super::sheet::sheet;
+use super::sprite;
+use super::text::{Align, TextStyle, draw_text};
+use crate::run::{FightFrame, FightRecord, Figures, Pose};
+use glam::{Vec2, Vec3};
+use std::f32::consts::FRAC_PI_2;
+use throng_runtime::simulation::scene::GroupConfig;
+use throng_runtime::simulation::{Event, Happened, Motion};
+use throng_runtime::sparring::Part;
+use throng_runtime::{Joint, Planar};
+
+/// Moments side by side.
+const COLUMNS: usize = 8;
+/// Between moments (s).
+const MOMENT_S: f32 = 0.1;
+/// Rows of moments, each about another blow.
+const ROWS: usize = 3;
+/// Width that a moment shows (m).
+const WIDTH_M: f32 = 2.1;
+
+/// Draws a group with policies: rows of moments around blows that landed, and everybody from above.
+///
+/// - `poses`: of the whole group at the end.
+pub(super) fn fight_sheet(
+    title: &str,
+    figures: &Figures,
+    group: &GroupConfig,
+    record: &FightRecord,
+    poses: &[Pose],
+) -> Picture {
+    let f = figures.blows.clone().unwrap_or_default();
+    let subtitle = format!(
+        "{:.0} s: {} blows thrown, {:.0} % landed, {:.0} % blocked; {:.1} landed a minute and character; planted feet \
+         slip {:.0} mm/s (95th percentile)",
+        figures.simulated_s,
+        f.thrown,
+        100.0 * f.landed_fraction,
+        100.0 * f.blocked_fraction,
+        f.hits_per_minute,
+        1000.0 * figures.foot_slip_p95_mps.unwrap_or_default()
+    );
+    let crowd = overview(group, record, poses, title, &subtitle);
+    let moments = moments(record, group.target.radius_m as f32);
+    sheet(&[&crowd, &moments])
+}
+
+fn overview(group: &GroupConfig, record: &FightRecord, poses: &[Pose], title: &str, subtitle: &str) -> Picture {
+    let is_pairs = group.motion == Motion::Sparring;
+    let one = |(c, &root): (usize, &Planar)| CrowdCharacter {
+        root,
+        figure: poses.get(c).map(Figure::from_positions),
+        trail: &[],
+        target: record.targets.get(c).filter(|_| !is_pairs).map(|t| Vec2::new(t.x, t.z)),
+        arrival: if is_pairs && c % 2 == 1 { Arrival::OnTheWay } else { Arrival::Reached },
+    };
+    let characters: Vec<_> = record.roots.iter().enumerate().map(one).collect();
+    let few = characters.len() <= 4;
+    let middle: Vec2 = characters.iter().map(|c| Vec2::new(c.root.x, c.root.z)).sum::<Vec2>();
+    let centre = middle / characters.len().max(1) as f32;
+    crowd_overview(&CrowdView {
+        title,
+        subtitle,
+        size: (1600, if few { 620 } else { 1000 }),
+        characters: &characters,
+        reach_m: group.target.radius_m as f32,
+        names: if is_pairs { ["the first of a pair", "the second"] } else { ["characters", ""] },
+        remark: if is_pairs { "at the end" } else { "at the end; ring: target" },
+        marked: None,
+        focus: few.then_some(Focus { centre, width_m: 6.0 }),
+    })
+}
+
+/// Rows of moments, each around a blow that landed.
+///
+/// - `radius_m`: of the target, where there is one (m).
+fn moments(record: &FightRecord, radius_m: f32) -> Picture {
+    let blows: Vec<Blow> = record.events.iter().filter_map(Blow::of).collect();
+    let rows = chosen(&blows);
+    let (width, edge, top, label) = (1600.0, 16.0, 84.0, 30.0);
+    let cell = (width - 2.0 * edge) / COLUMNS as f32;
+    let px_per_m = cell / WIDTH_M;
+    let height = 2.15 * px_per_m;
+    let num_rows = rows.len().max(1) as f32;
+    let mut page = Picture::new(width as u32, (top + num_rows * (height + label + edge)) as u32, colour::PAPER);
+    let subtitle = if rows.is_empty() {
+        "no blow of the recorded characters landed"
+    } else {
+        "each row around a blow that landed, seen from beside; red: where it met, violet: where arms caught it"
+    };
+    header(&mut page, 1.0, "Blows", subtitle);
+    for (row, event) in rows.iter().enumerate() {
+        let y = top + row as f32 * (height + label + edge);
+        for column in 0..COLUMNS {
+            let time_s = event.time_s + (column as f32 - 3.0) * MOMENT_S;
+            let Some(frame) = nearest(&record.frames, time_s) else { continue };
+            let area = Area::new(edge + column as f32 * cell, y, cell, height);
+            let panel = moment(frame, event, (record, &blows), radius_m, (area.size, px_per_m));
+            page.draw_picture(&panel, (area.min.x as i32, area.min.y as i32));
+            let style = TextStyle { size: 19.0, colour: colour::INK, align: Align::Centre, bold: column == 3 };
+            let at = Vec2::new(area.min.x + 0.5 * cell, area.max().y + 22.0);
+            draw_text(&mut page, at, &format!("{:.2} s", frame.time_s), style);
+        }
+    }
+    page
+}
+
+/// A blow that met something.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Blow {
+    time_s: f32,
+    /// Who struck, counted from the first of the group.
+    character: usize,
+    point: Vec3,
+    /// What of the opponent; none for a target.
+    part: Option<Part>,
+}
+
+impl Blow {
+    fn of(event: &Event) -> Option<Self> {
+        let (point, part) = match event.happened {
+            Happened::Hit { at } => (at, None),
+            Happened::Struck { part, at, .. } => (at, Some(part)),
+            _ => return None,
+        };
+        Some(Self { time_s: event.time_s as f32, character: event.who, point, part })
+    }
+}
+
+/// Blows to show: spread over the run, at least two seconds apart.
+fn chosen(events: &[Blow]) -> Vec<Blow> {
+    let mut apart: Vec<Blow> = Vec::new();
+    for e in events {
+        if apart.last().is_none_or(|l| e.time_s - l.time_s > 2.0) && e.time_s > 0.4 {
+            apart.push(*e);
+        }
+    }
+    let n = apart.len();
+    (0..ROWS.min(n)).map(|k| apart[k * n / ROWS.min(n)]).collect()
+}
+
+fn nearest(frames: &[FightFrame], time_s: f32) -> Option<&FightFrame> {
+    let i = frames.partition_point(|f| f.time_s < time_s);
+    let near = |i: usize| frames.get(i).map(|f| (f, (f.time_s - time_s).abs()));
+    [i.checked_sub(1).and_then(near), near(i)].into_iter().flatten().min_by(|a, b| a.1.total_cmp(&b.1)).map(|n| n.0)
+}
+
+/// One moment, seen from beside the line of the blow.
+fn moment(
+    frame: &FightFrame,
+    event: &Blow,
+    (record, blows): (&FightRecord, &[Blow]),
+    radius_m: f32,
+    (size, px_per_m): (Vec2, f32),
+) -> Picture {
+    let mut panel = Picture::new(size.x as u32, size.y as u32, colour::GROUND);
+    let ground_y = size.y - 0.16 * px_per_m;
+    panel.stroke_line(&[Vec2::new(0.0, ground_y), Vec2::new(size.x, ground_y)], 1.2, colour::GRID);
+    let at_blow = nearest(&record.frames, event.time_s).unwrap_or(frame);
+    let striker = at_blow.poses.get(event.character).map_or(Vec3::ZERO, |p| p[Joint::Hips.index()]);
+    let other = at_blow.poses.get(event.character ^ 1).map_or(event.point, |p| p[Joint::Hips.index()]);
+    let line = other - striker;
+    let camera = Camera::looking(line.x.atan2(line.z) + FRAC_PI_2, 0.08);
+    let middle = 0.5 * (striker + other) * Vec3::new(1.0, 0.0, 1.0);
+    let camera = camera.framed(middle, Vec2::new(0.5 * size.x, ground_y), px_per_m);
+    let mut figures: Vec<(usize, Figure)> = frame.poses.iter().map(Figure::from_positions).enumerate().collect();
+    figures.retain(|(_, f)| f.is_drawable());
+    figures.sort_by(|a, b| camera.depth(b.1.joint(Joint::Hips)).total_cmp(&camera.depth(a.1.joint(Joint::Hips))));
+    if let Some(mut shadows) = Shadows::new(&panel) {
+        figures.iter().for_each(|(_, f)| shadows.add(f, &camera));
+        shadows.draw(&mut panel, (0.03 * px_per_m) as usize + 1, colour::INK.alpha(0.22));
+    }
+    if let Some(target) = frame.target {
+        panel.fill_disc(camera.project(target), radius_m * px_per_m, colour::MARK.mix(colour::GROUND, 0.5));
+    }
+    for (character, figure) in &figures {
+        let colours = if *character == 0 { BodyColours::default() } else { BodyColours::plain(SECOND) };
+        if let Some(sprite) = sprite::render(figure, &colours, &camera, (panel.width(), panel.height())) {
+            sprite.draw(&mut panel);
+        }
+    }
+    for e in blows.iter().filter(|e| (e.time_s - frame.time_s).abs() < 0.02) {
+        let tint = if e.part == Some(Part::Arm) { colour::MARK } else { BLOW };
+        panel.stroke_oval(camera.project(e.point), Vec2::splat(0.09 * px_per_m), 3.0, tint);
+    }
+    panel
+}
+
+/// The second of a pair.
+const SECOND: Colour = Colour::hex(0x4f9a6b);
+/// Where a blow met.
+const BLOW: Colour = Colour::hex(0xd62728);
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use throng_runtime::Skeleton;
+
+    fn event(time_s: f32) -> Event {
+        let happened = Happened::Struck { opponent: 1, part: Part::Head, at: Vec3::new(0.0, 1.5, 0.7) };
+        Event { time_s: f64::from(time_s), who: 0, happened }
+    }
+
+    #[test]
+    fn blows_are_spread_over_the_run() {
+        let events: Vec<_> = (0..60).filter_map(|i| Blow::of(&event(0.5 * i as f32))).collect();
+        let times: Vec<f32> = chosen(&events).iter().map(|e| e.time_s).collect();
+        assert_eq!(times.len(), ROWS);
+        assert!(times.windows(2).all(|w| w[1] - w[0] > 5.0), "{times:?}");
+        assert_eq!(chosen(&events[..3]).len(), 1);
+        assert!(chosen(&[]).is_empty());
+    }
+
+    #[test]
+    fn empty_and_broken_records_are_drawn_without_a_panic() {
+        let pose = Skeleton::default().rest_positions();
+        let frame = |time_s, poses| FightFrame { time_s, poses, target: Some(Vec3::new(0.0, 1.5, 0.7)) };
+        let whole = FightRecord {
+            frames: vec![frame(0.5, vec![pose, pose]), frame(0.6, vec![[Vec3::NAN; 22]]), frame(0.7, vec![])],
+            events: vec![event(0.5), event(5.0)],
+            ..FightRecord::default()
+        };
+        assert!(moments(&whole, 0.12).height() > moments(&FightRecord::default(), 0.12).height() / 2);
+        assert_eq!(moments(&whole, 0.12), moments(&whole, 0.12));
+        assert_ne!(moments(&whole, 0.12), moments(&whole, 0.3), "the target has its radius");
+    }
+}

@@ -1,0 +1,130 @@
+//! One view of the hitting points: grid, body, points, axes in metres.
+
+use super::super::camera::Camera;
+use super::super::canvas::{Area, Picture};
+use super::super::colour;
+use super::super::figure::{BodyColours, Figure};
+use super::super::sprite;
+use super::super::text::{Align, TextStyle, draw_text};
+use super::{HitPoint, is_ring, tint};
+use glam::{Vec2, Vec3};
+
+/// Distance between grid lines (m).
+const STEP: f32 = 0.25;
+/// Radii of the least and the most forceful hit (px of a picture 1600 px wide).
+const RADII: [f32; 2] = [3.5, 8.5];
+/// More points than this are drawn smaller, so that they do not hide each other and the body.
+const MANY: usize = 150;
+/// Length of the tail of the most forceful hit (m).
+const TAIL: f32 = 0.12;
+
+/// A direction of the character that a panel shows along one of its edges.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Axis {
+    name: &'static str,
+    /// Unit.
+    pub direction: Vec3,
+}
+
+impl Axis {
+    pub fn new(name: &'static str, direction: Vec3) -> Self {
+        Self { name, direction }
+    }
+}
+
+/// One view.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Panel {
+    /// Where it is seen from.
+    pub title: &'static str,
+    /// Its place on the page.
+    pub area: Area,
+    /// Draws into the panel's own picture.
+    pub camera: Camera,
+    /// Along the lower edge.
+    pub across: Axis,
+    /// Along the left edge.
+    pub upwards: Axis,
+    /// Corner of the space that is shown (m).
+    pub min: Vec3,
+    /// The opposite corner (m).
+    pub max: Vec3,
+}
+
+impl Panel {
+    /// Draws the view onto the page.
+    pub fn draw(&self, page: &mut Picture, points: &[HitPoint], body: Option<&Figure>, unit: f32) {
+        let mut panel = Picture::new(self.area.size.x as u32, self.area.size.y as u32, colour::GROUND);
+        self.grid(&mut panel, unit);
+        let colours = BodyColours::plain(colour::BODY).faded(colour::GROUND, 0.5);
+        let size = (panel.width(), panel.height());
+        if let Some(sprite) = body.and_then(|b| sprite::render(b, &colours, &self.camera, size)) {
+            sprite.draw(&mut panel);
+        }
+        // Farther ones first.
+        let mut order: Vec<&HitPoint> = points.iter().collect();
+        order.sort_by(|a, b| self.camera.depth(b.position).total_cmp(&self.camera.depth(a.position)));
+        let scale = (MANY as f32 / points.len().max(1) as f32).sqrt().clamp(0.4, 1.0);
+        order.into_iter().for_each(|h| self.point(&mut panel, h, scale * unit));
+        page.draw_picture(&panel, (self.area.min.x as i32, self.area.min.y as i32));
+        self.labels(page, unit);
+    }
+
+    fn point(&self, panel: &mut Picture, hit: &HitPoint, unit: f32) {
+        let at = self.camera.project(hit.position);
+        let radius = unit * (RADII[0] + (RADII[1] - RADII[0]) * hit.force.clamp(0.0, 1.0));
+        let tail = self.camera.project(hit.position - hit.direction * TAIL * hit.force);
+        panel.stroke_line(&[tail, at], 1.6 * unit, tint(hit).alpha(0.55));
+        if is_ring(hit) {
+            panel.stroke_oval(at, Vec2::splat(radius), 2.6 * unit, tint(hit));
+        } else {
+            panel.fill_disc(at, radius, colour::GROUND.alpha(0.7));
+            panel.fill_disc(at, radius - unit, tint(hit).alpha(0.85));
+        }
+    }
+
+    /// Multiples of the grid's step between the panel's edges, along one of its axes (m).
+    fn ticks(&self, axis: Axis) -> impl Iterator<Item = (i32, f32)> {
+        let (low, high) = (self.min.dot(axis.direction), self.max.dot(axis.direction));
+        ((low / STEP).ceil() as i32..=(high / STEP).floor() as i32).map(|i| (i, i as f32 * STEP))
+    }
+
+    fn grid(&self, panel: &mut Picture, unit: f32) {
+        let middle = 0.5 * (self.min + self.max);
+        for (along, other) in [(self.across, self.upwards), (self.upwards, self.across)] {
+            let half = 0.5 * (self.max - self.min).dot(other.direction) * other.direction;
+            let base = middle - middle.dot(along.direction) * along.direction;
+            for (i, value) in self.ticks(along) {
+                let at = base + value * along.direction;
+                let (width, ink) = match i {
+                    0 => (1.8, colour::INK_SOFT.alpha(0.8)),
+                    i if i % 2 == 0 => (1.2, colour::GRID),
+                    _ => (0.9, colour::GRID.alpha(0.5)),
+                };
+                panel.stroke_line(&[at - half, at + half].map(|p| self.camera.project(p)), width * unit, ink);
+            }
+        }
+    }
+
+    /// Numbers along the edges, names of the axes, title.
+    fn labels(&self, page: &mut Picture, unit: f32) {
+        let (min, max) = (self.area.min, self.area.max());
+        let style = TextStyle { size: 17.0 * unit, colour: colour::INK_SOFT, align: Align::Centre, bold: false };
+        let at = |value: f32, axis: Axis| min + self.camera.project(value * axis.direction);
+        for (_, value) in self.ticks(self.across).filter(|t| t.0 % 2 == 0) {
+            let place = Vec2::new(at(value, self.across).x, max.y + 20.0 * unit);
+            draw_text(page, place, &format!("{value:.1}"), style);
+        }
+        let right = TextStyle { align: Align::Right, ..style };
+        for (_, value) in self.ticks(self.upwards).filter(|t| t.0 % 2 == 0) {
+            let place = Vec2::new(min.x - 7.0 * unit, at(value, self.upwards).y + 6.0 * unit);
+            draw_text(page, place, &format!("{value:.1}"), right);
+        }
+        let place = Vec2::new(0.5 * (min.x + max.x), max.y + 42.0 * unit);
+        draw_text(page, place, &format!("{} [m]", self.across.name), style);
+        let strong = TextStyle { size: 21.0 * unit, colour: colour::INK, align: Align::Left, bold: true };
+        draw_text(page, min + Vec2::new(10.0, 26.0) * unit, self.title, strong);
+        let place = min - Vec2::new(44.0, 10.0) * unit;
+        draw_text(page, place, &format!("{} [m]", self.upwards.name), TextStyle { align: Align::Left, ..style });
+    }
+}

@@ -1,0 +1,44 @@
+//! Pictures of motion as PNG files: figures with bodies, crowds, strips of poses. Plain data in, pixels out.
+//!
+//! The same input gives the same bytes. The painters take joint positions, contacts and ground
+//! positions; [`trial`] and [`scene`] alone know where those of a trial and a scene come from.
+
+pub mod camera;
+pub mod canvas;
+pub mod colour;
+pub mod crowd;
+pub mod figure;
+pub mod hits;
+pub mod plot;
+pub mod scene;
+pub mod sheet;
+pub mod strip;
+pub mod trial;
+pub mod world;
+
+mod crowd_bodies;
+mod discs;
+mod fights;
+mod furniture;
+mod inhabited;
+mod piece;
+mod shadow;
+mod solid;
+mod sprite;
+mod text;
+mod visible;
+mod walkers;
+
+pub use camera::Camera;
+pub use canvas::Picture;
+pub use colour::Colour;
+pub use crowd::{Arrival, CrowdCharacter, CrowdView, Focus, crowd_overview};
+pub use figure::{BodyColours, Figure};
+pub use hits::{HitView, hit_views};
+pub use plot::{Plot, plot};
+pub use scene::scene_sheet;
+pub use sheet::sheet;
+pub use strip::{PoseStrip, StripFrame, onion_skin, pose_strip};
+pub use trial::trial_sheet;
+pub use world::{WorldFigure, WorldLook, WorldStrip, WorldUnit, WorldView, unit_colour, world_sheet};
+pub use world::{world_strip, world_units};

@@ -1,0 +1,179 @@
+//! What pictures of worlds are made of: parts of bodies, bars and flat faces.
+
+use super::camera::Camera;
+use super::colour::Colour;
+use super::solid::{Hit, Solid};
+use glam::{Vec2, Vec3};
+use throng_bake::environment::{self, Bounds, UnitGeometry};
+use throng_runtime::patch::Placement;
+
+/// Rounding at the edges of faces: neighbours leave no gap.
+const EDGE: f32 = 1e-5;
+
+/// A piece of a world.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Piece {
+    form: Form,
+    /// Its colour in full light.
+    pub colour: Colour,
+}
+
+#[derive(Clone, Copy, Debug)]
+enum Form {
+    Round(Solid),
+    Face([Vec3; 3]),
+}
+
+impl Piece {
+    /// A limb or a bar.
+    pub fn round(solid: Solid, colour: Colour) -> Self {
+        Self { form: Form::Round(solid), colour }
+    }
+
+    /// A triangle, seen from both sides.
+    pub fn face(corners: [Vec3; 3], colour: Colour) -> Self {
+        Self { form: Form::Face(corners), colour }
+    }
+
+    /// The box around it in the world.
+    pub fn bounds(&self) -> Bounds {
+        match &self.form {
+            Form::Round(solid) => {
+                let (a, b, reach) = solid.bounds();
+                Bounds::of([a, b]).grown(reach)
+            }
+            Form::Face(corners) => Bounds::of(*corners),
+        }
+    }
+
+    /// The part of the picture it may be seen in (px).
+    pub fn screen_box(&self, camera: &Camera) -> (Vec2, Vec2) {
+        match &self.form {
+            Form::Round(solid) => {
+                let (a, b, reach) = solid.bounds();
+                let (a, b) = (camera.project(a), camera.project(b));
+                let r = Vec2::splat(reach * camera.px_per_m + 1.0);
+                (a.min(b) - r, a.max(b) + r)
+            }
+            Form::Face(corners) => {
+                let [a, b, c] = corners.map(|p| camera.project(p));
+                (a.min(b).min(c) - 1.0, a.max(b).max(c) + 1.0)
+            }
+        }
+    }
+
+    /// Where the line of sight through a point of the picture meets it first: depth, and direction of the surface.
+    pub fn seen(&self, camera: &Camera, screen: Vec2) -> Option<Hit> {
+        // Rays begin near the piece: far ones would lose the digits that round cones need.
+        let through = camera.unproject(screen);
+        match &self.form {
+            Form::Round(solid) => {
+                let (a, b, reach) = solid.bounds();
+                let start = camera.depth(a).min(camera.depth(b)) - 2.0 * reach - 1.0;
+                let hit = solid.hit(through + camera.forward * start, camera.forward)?;
+                Some(Hit { distance: hit.distance + start, ..hit })
+            }
+            Form::Face(corners) => {
+                let (distance, normal) = through_face(corners, through, camera.forward)?;
+                Some(Hit { distance, normal })
+            }
+        }
+    }
+}
+
+/// Where a line meets a triangle, and the side that is turned against its direction.
+///
+/// # Source
+/// Möller and Trumbore, *Fast, Minimum Storage Ray/Triangle Intersection*, 1997.
+fn through_face(&[a, b, c]: &[Vec3; 3], origin: Vec3, direction: Vec3) -> Option<(f32, Vec3)> {
+    let (ab, ac) = (b - a, c - a);
+    let across = direction.cross(ac);
+    let det = ab.dot(across);
+    if det.abs() < 1e-12 {
+        return None;
+    }
+    let from = origin - a;
+    let u = from.dot(across) / det;
+    let q = from.cross(ab);
+    let v = direction.dot(q) / det;
+    if u < -EDGE || v < -EDGE || u + v > 1.0 + EDGE {
+        return None;
+    }
+    let normal = ab.cross(ac).normalize_or_zero();
+    Some((ac.dot(q) / det, if normal.dot(direction) > 0.0 { -normal } else { normal }))
+}
+
+/// Adds the pieces of a unit where it stands.
+pub(super) fn add_unit(unit: &UnitGeometry, at: Placement, colour: Colour, out: &mut Vec<Piece>) {
+    for solid in &unit.solids {
+        match solid {
+            environment::Solid::Box { centre, rotation, half } => {
+                let corners = Bounds { min: -*half, max: *half }.corners();
+                add_box(&corners.map(|c| at.transform_point(*centre + *rotation * c)), colour, out);
+            }
+            environment::Solid::Bar { from, to, radius } => {
+                let (a, b) = (at.transform_point(*from), at.transform_point(*to));
+                out.push(Piece::round(Solid::limb(a, b, *radius, *radius), colour));
+            }
+            environment::Solid::Mesh(triangles) => {
+                let placed = triangles.corners().iter().map(|t| t.map(|p| at.transform_point(p)));
+                out.extend(placed.map(|t| Piece::face(t, colour)));
+            }
+        }
+    }
+}
+
+/// Two triangles for each side; corners as of [`Bounds::corners`].
+fn add_box(corners: &[Vec3; 8], colour: Colour, out: &mut Vec<Piece>) {
+    const SIDES: [[usize; 4]; 6] = [[0, 2, 6, 4], [1, 3, 7, 5], [0, 1, 5, 4], [2, 3, 7, 6], [0, 1, 3, 2], [4, 5, 7, 6]];
+    for s in SIDES {
+        let [a, b, c, d] = s.map(|i| corners[i]);
+        out.push(Piece::face([a, b, c], colour));
+        out.push(Piece::face([a, c, d], colour));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::path::Path;
+    use throng_bake::environment::UnitSet;
+
+    #[test]
+    fn a_box_is_seen_where_its_distance_says_it_is() {
+        let text = "[[units]]\nname = \"a\"\nshapes = [{ box = { at = [0.3, 0.5, 0.0], size = [1.0, 0.6, 2.0], \
+                    heading_deg = 20.0, pitch_deg = 25.0 } }, { bar = { from = [0.0, 1.0, 0.0], to = [1.0, 2.0, 0.0], \
+                    radius = 0.1 } }]\n";
+        let unit = UnitGeometry::new(&UnitSet::parse(text, Path::new("u.toml")).unwrap().units[0]).unwrap();
+        let at = Placement::new(3.0, 0.5, -2.0, 0.7);
+        let mut pieces = Vec::new();
+        add_unit(&unit, at, Colour::hex(0), &mut pieces);
+        assert_eq!(pieces.len(), 13);
+        let camera = Camera::looking(0.4, 0.5).framed(Vec3::new(3.0, 1.0, -2.0), Vec2::splat(50.0), 25.0);
+        let (mut hits, mut misses) = (0, 0);
+        for i in 0..60 {
+            for j in 0..60 {
+                let screen = Vec2::new(20.0 + i as f32, 20.0 + j as f32);
+                let ray = |t: f32| at.inverse_transform_point(camera.unproject(screen) + camera.forward * t);
+                let seen = pieces.iter().filter_map(|p| p.seen(&camera, screen)).map(|h| h.distance);
+                match seen.reduce(f32::min) {
+                    Some(t) => {
+                        hits += 1;
+                        assert!(unit.distance(ray(t)).abs() < 1e-3, "{screen}");
+                        assert!(unit.distance(ray(t - 0.01)) > 0.0);
+                    }
+                    None => {
+                        misses += 1;
+                        assert!((-60..60).all(|k| unit.distance(ray(0.05 * k as f32)) > -1e-3), "{screen}");
+                    }
+                }
+            }
+        }
+        assert!(hits > 300 && misses > 300, "{hits} {misses}");
+        for p in &pieces {
+            let (a, b) = p.screen_box(&camera);
+            let corners = p.bounds().corners().map(|c| camera.project(c));
+            assert!(a.cmple(b).all() && corners.iter().any(|c| c.cmpge(a - 30.0).all() && c.cmple(b + 30.0).all()));
+        }
+    }
+}

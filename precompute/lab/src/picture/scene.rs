@@ -1,0 +1,69 @@
+//! The picture of a scene: a sheet for each group with policies, each group on paths, each world, and all agents.
+
+use super::canvas::Picture;
+use super::crowd_bodies::bodies_sheet;
+use super::discs::crowd_sheet;
+use super::fights::fight_sheet;
+use super::inhabited::inhabited_sheet;
+use super::sheet::sheet;
+use super::walkers::walkers_sheet;
+use crate::run::{GroupReport, Pose, Record, SceneReport, geometry, walk_styles};
+use throng_motion::error::BuildError;
+use throng_runtime::simulation::{CompiledScene, Simulation};
+
+/// Length of the path that styles are shown on, and how far figures on it stand apart (m).
+const PATH_M: f32 = 16.0;
+const APART_M: f32 = 0.9;
+
+/// Draws a scene that was run with [`crate::run::RunConfig::recorded`].
+///
+/// # Errors
+/// [`BuildError`] for a style or a world that cannot be shown.
+pub fn scene_sheet(
+    compiled: &CompiledScene,
+    sim: &Simulation,
+    report: &SceneReport,
+    record: &Record,
+) -> Result<Picture, BuildError> {
+    let scene = compiled.scene();
+    let poses = |who: std::ops::Range<usize>| record.poses[who].iter().flatten().copied().collect::<Vec<Pose>>();
+    let title = |g: &GroupReport, num: usize| {
+        let name =
+            if report.groups.len() == 1 { report.scene.clone() } else { format!("{}, {}", report.scene, g.group) };
+        format!("{name}: {num} character{}", if num == 1 { "" } else { "s" })
+    };
+    let mut sheets = Vec::new();
+    for fight in &record.fights {
+        let (g, group) = (&report.groups[fight.group], &sim.groups()[fight.group]);
+        let all = group.characters.clone();
+        let title = title(g, all.len());
+        sheets.push(fight_sheet(&title, &g.figures, &scene.groups[group.number], fight, &poses(all)));
+    }
+    for world in &record.worlds {
+        let mut members = sim.groups().iter().enumerate().filter(|(_, g)| g.cast == world.cast);
+        let Some((number, first)) = members.next() else { continue };
+        let end = members.next_back().map_or(first.characters.end, |(_, last)| last.characters.end);
+        let all = first.characters.start..end;
+        let stands = geometry(compiled, world.group)?;
+        let (g, title) = (&report.groups[number], title(&report.groups[number], all.len()));
+        sheets.push(inhabited_sheet(&title, &g.figures, (&scene.picture, world), &poses(all), &stands));
+    }
+    for paths in &record.paths {
+        let (g, group) = (&report.groups[paths.group], &sim.groups()[paths.group]);
+        let all = group.characters.clone();
+        let title = title(g, all.len());
+        let centre = scene.groups[group.number].paths.as_ref().map_or([0.0; 2], |p| p.centre);
+        let styles = walk_styles(compiled, PATH_M, APART_M)?;
+        sheets.push(walkers_sheet((&title, centre), &g.figures, (paths, &poses(all)), (&styles, PATH_M)));
+    }
+    if let Some(agents) = &record.agents {
+        sheets.push(crowd_sheet(&report.scene, &report.total, agents));
+        let of_agents: Vec<_> = sim.groups().iter().filter(|g| scene.groups[g.number].is_of_agents()).collect();
+        let all: Vec<Option<Pose>> =
+            of_agents.iter().flat_map(|g| record.poses[g.characters.clone()].to_vec()).collect();
+        if all.iter().any(Option::is_some) {
+            sheets.push(bodies_sheet(agents, &all));
+        }
+    }
+    Ok(sheet(&sheets.iter().collect::<Vec<_>>()))
+}

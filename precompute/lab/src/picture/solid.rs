@@ -1,0 +1,164 @@
+//! What bodies are made of: round cones (two spheres and the cone between them), squashed along one axis.
+
+use glam::{Mat3, Vec3};
+
+/// A round cone in the world, flattened along one axis.
+///
+/// One sphere (both ends the same) flattened is an ellipsoid, so limbs, trunks and heads are all of this kind.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Solid {
+    a: Vec3,
+    b: Vec3,
+    radius_a: f32,
+    radius_b: f32,
+    /// World to the space where the solid is a plain round cone; symmetric.
+    to_round: Mat3,
+    /// Largest extent of either end beyond its centre (m).
+    reach: f32,
+}
+
+/// Where a ray meets a solid.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Hit {
+    /// Distance along the ray (m).
+    pub distance: f32,
+    /// Outward direction of the surface in the world. Unit.
+    pub normal: Vec3,
+}
+
+impl Solid {
+    /// A limb: spheres of two radii around two points and all between (m).
+    pub fn limb(a: Vec3, b: Vec3, radius_a: f32, radius_b: f32) -> Self {
+        Self { a, b, radius_a, radius_b, to_round: Mat3::IDENTITY, reach: radius_a.max(radius_b) }
+    }
+
+    /// A limb that is `factor` times as thick along the unit vector `axis` as across it (> 0).
+    pub fn flattened(self, axis: Vec3, factor: f32) -> Self {
+        let outer = Mat3::from_cols(axis * axis.x, axis * axis.y, axis * axis.z);
+        Self {
+            to_round: Mat3::IDENTITY + outer * (1.0 / factor - 1.0),
+            reach: self.radius_a.max(self.radius_b) * factor.max(1.0),
+            ..self
+        }
+    }
+
+    /// The ends, and how far the surface may be from the line between them (m).
+    pub fn bounds(&self) -> (Vec3, Vec3, f32) {
+        (self.a, self.b, self.reach)
+    }
+
+    /// Outline of the shadow on the ground under light from `light` (towards the light, `light.y > 0`):
+    /// two discs, each with its centre and radius. The flattening is left out.
+    pub fn shadow(&self, light: Vec3) -> [(Vec3, f32); 2] {
+        let drop = |p: Vec3| {
+            let q = p - light * (p.y / light.y);
+            Vec3::new(q.x, 0.0, q.z)
+        };
+        [(drop(self.a), self.radius_a), (drop(self.b), self.radius_b)]
+    }
+
+    /// First meeting with the ray from `origin` along the unit vector `direction`.
+    pub fn hit(&self, origin: Vec3, direction: Vec3) -> Option<Hit> {
+        let direction = self.to_round * direction;
+        let stretch = direction.length();
+        let direction = direction / stretch;
+        let (t, normal) = self.hit_round(self.to_round * (origin - self.a), direction)?;
+        Some(Hit { distance: t / stretch, normal: (self.to_round * normal).normalize_or_zero() })
+    }
+
+    /// The same where the solid is a plain round cone whose first end is the origin.
+    ///
+    /// The cone that touches both spheres gives a quadratic in the distance; where its root lies beyond the touching
+    /// circles, the spheres decide. After Inigo Quilez, *Rounded cone, intersection* (iquilezles.org, intersectors).
+    fn hit_round(&self, oa: Vec3, rd: Vec3) -> Option<(f32, Vec3)> {
+        let (ra, rb) = (self.radius_a, self.radius_b);
+        let ba = self.to_round * (self.b - self.a);
+        let ob = oa - ba;
+        let rr = ra - rb;
+        let length2 = ba.length_squared();
+        let d2 = length2 - rr * rr;
+        let sphere = |o: Vec3, r: f32| {
+            let m = o.dot(rd);
+            let h = m * m - o.length_squared() + r * r;
+            (h >= 0.0).then(|| -m - h.sqrt()).map(|t| (t, (o + rd * t) / r))
+        };
+        if d2 <= 1e-9 {
+            return if ra >= rb { sphere(oa, ra) } else { sphere(ob, rb) };
+        }
+        let (m1, m2) = (ba.dot(oa), ba.dot(rd));
+        let k2 = d2 - m2 * m2;
+        let k1 = d2 * rd.dot(oa) - m1 * m2 + m2 * rr * ra;
+        let k0 = d2 * oa.length_squared() - m1 * m1 + 2.0 * m1 * rr * ra - length2 * ra * ra;
+        let h = k1 * k1 - k0 * k2;
+        if h >= 0.0 && k2.abs() > 1e-9 {
+            let t = (-h.sqrt() - k1) / k2;
+            let y = m1 - ra * rr + t * m2;
+            if y > 0.0 && y < d2 {
+                return Some((t, (d2 * (oa + rd * t) - ba * y).normalize_or_zero()));
+            }
+        }
+        match (sphere(oa, ra), sphere(ob, rb)) {
+            (Some(p), Some(q)) => Some(if p.0 <= q.0 { p } else { q }),
+            (p, q) => p.or(q),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Signed distance to a round cone by dense sampling of its axis.
+    fn distance(solid: &Solid, p: Vec3) -> f32 {
+        let steps = 4000;
+        let one = |i: usize| {
+            let t = i as f32 / steps as f32;
+            (p - solid.a.lerp(solid.b, t)).length() - (solid.radius_a + (solid.radius_b - solid.radius_a) * t)
+        };
+        (0..=steps).map(one).fold(f32::INFINITY, f32::min)
+    }
+
+    #[test]
+    fn hits_lie_on_the_surface_and_misses_stay_outside() {
+        let solid = Solid::limb(Vec3::new(-0.2, 0.1, 0.0), Vec3::new(0.3, 0.5, 0.2), 0.2, 0.08);
+        let d = Vec3::new(0.1, -0.2, 1.0).normalize();
+        let (mut hits, mut misses) = (0, 0);
+        for i in 0..20 {
+            for j in 0..20 {
+                let o = Vec3::new(-0.6 + 0.06 * i as f32, -0.2 + 0.06 * j as f32, -2.0);
+                match solid.hit(o, d) {
+                    Some(hit) => {
+                        hits += 1;
+                        let p = o + d * hit.distance;
+                        assert!(distance(&solid, p).abs() < 1e-3, "{p}");
+                        assert!(distance(&solid, p + hit.normal * 0.01) > 0.009);
+                    }
+                    None => {
+                        misses += 1;
+                        assert!((0..400).all(|k| distance(&solid, o + d * (0.01 * k as f32)) > -1e-3));
+                    }
+                }
+                if i % 5 == 0 {
+                    assert_eq!(solid.hit(o + d * 4.0, -d).is_some(), solid.hit(o, d).is_some());
+                }
+            }
+        }
+        assert!(hits > 30 && misses > 30);
+    }
+
+    #[test]
+    fn a_flattened_sphere_is_an_ellipsoid() {
+        let axis = Vec3::new(1.0, 1.0, 0.0).normalize();
+        let e = Solid::limb(Vec3::ONE, Vec3::ONE, 0.3, 0.3).flattened(axis, 0.5);
+        let near = |d: Vec3| e.hit(Vec3::ONE - d * 2.0, d).map(|h| 2.0 - h.distance);
+        assert!(near(axis).is_some_and(|r| (r - 0.15).abs() < 1e-4));
+        assert!(near(Vec3::Z).is_some_and(|r| (r - 0.3).abs() < 1e-4));
+        assert!(e.hit(Vec3::ONE - axis * 2.0, axis).is_some_and(|h| (h.normal + axis).length() < 1e-4));
+    }
+
+    #[test]
+    fn one_end_inside_the_other_is_a_sphere() {
+        let s = Solid::limb(Vec3::ZERO, Vec3::X * 0.05, 0.3, 0.1);
+        assert!(s.hit(Vec3::Z * -1.0, Vec3::Z).is_some_and(|h| (h.distance - 0.7).abs() < 1e-5));
+    }
+}

@@ -1,0 +1,145 @@
+//! The picture of a trial: the crowd at its end, some of it from near, and a stretch of one character's way.
+
+use super::canvas::Picture;
+use super::crowd::{Arrival, CrowdCharacter, CrowdView, Focus, crowd_overview};
+use super::figure::Figure;
+use super::sheet::sheet;
+use super::strip::{PoseStrip, StripFrame, onion_skin, pose_strip};
+use crate::trial::{TrialConfig, TrialRecord, TrialReport};
+use glam::Vec2;
+use throng_runtime::{Bundle, Planar};
+
+/// Time that the strip shows (s).
+const STRIP_S: f32 = 2.6;
+/// Time that the onion skin shows (s).
+const ONION_S: f32 = 5.0;
+/// Width of the view from near (m).
+const NEAR_M: f32 = 13.0;
+
+/// Draws a trial: the crowd from above, the middle of it from near, and the recorded character's poses where it
+/// walks most, side by side and along its way.
+pub fn trial_sheet(tables: &Bundle, config: &TrialConfig, report: &TrialReport, record: &TrialRecord) -> Picture {
+    let characters = characters(record);
+    let title = format!(
+        "{}: {} characters, each with a target of its own, after {:.1} s",
+        tables.meta().name,
+        report.characters,
+        record.snapshot_s
+    );
+    let subtitle = format!(
+        "{:.1} % came within {} m of it in {:.0} s{}; planted feet slip {:.0} mm/s (95th percentile)",
+        100.0 * report.reached_fraction,
+        config.reach_m,
+        report.simulated_s,
+        report.mean_arrival_s.map_or(String::new(), |s| format!(", after {s:.1} s on average")),
+        1000.0 * report.foot_slip_p95_mps
+    );
+    let remark = format!("ring: target, within {:.2} m   line: where the root went", config.reach_m);
+    let marked = config.recorded.filter(|&c| c < record.roots.len()).map(|c| (c, "A"));
+    let overview = CrowdView {
+        title: &title,
+        subtitle: &subtitle,
+        size: (1600, 1000),
+        characters: &characters,
+        reach_m: config.reach_m,
+        names: ["at its target", "on its way"],
+        remark: &remark,
+        marked,
+        focus: None,
+    };
+    let near = CrowdView {
+        title: "The same from near",
+        subtitle: "arrows: headings",
+        size: (1600, 720),
+        marked: None,
+        focus: Some(Focus { centre: middle(record), width_m: NEAR_M }),
+        ..overview
+    };
+    let frames = strip_frames(record);
+    let strip = PoseStrip {
+        title: "Character A",
+        subtitle: "from its right and from the front; bars: heels and toes on the ground; left is orange",
+        frames: stretch(&frames, STRIP_S),
+        columns: 12,
+        front_row: true,
+        width: 1600,
+    };
+    let way = PoseStrip {
+        title: "Character A on its way",
+        subtitle: "poses where they were, older ones paler",
+        frames: stretch(&frames, ONION_S),
+        columns: 13,
+        ..strip
+    };
+    let pictures = [crowd_overview(&overview), crowd_overview(&near), pose_strip(&strip), onion_skin(&way)];
+    let drawn = if frames.is_empty() { 2 } else { 4 };
+    sheet(&pictures[..drawn].iter().collect::<Vec<_>>())
+}
+
+fn characters(record: &TrialRecord) -> Vec<CrowdCharacter<'_>> {
+    let one = |(c, &root): (usize, &Planar)| CrowdCharacter {
+        root,
+        figure: record.poses.get(c).map(Figure::from_positions),
+        trail: record.trails.get(c).map_or(&[], Vec::as_slice),
+        target: record.targets.get(c).map(|t| Vec2::new(t.x, t.z)),
+        arrival: match record.arrivals_s.get(c) {
+            Some(&t) if t <= record.snapshot_s => Arrival::Reached,
+            _ => Arrival::OnTheWay,
+        },
+    };
+    record.roots.iter().enumerate().map(one).collect()
+}
+
+/// Mean position (m).
+fn middle(record: &TrialRecord) -> Vec2 {
+    let sum: Vec2 = record.roots.iter().map(|r| Vec2::new(r.x, r.z)).sum();
+    sum / record.roots.len().max(1) as f32
+}
+
+fn strip_frames(record: &TrialRecord) -> Vec<StripFrame> {
+    let one = |f: &crate::trial::TrialFrame| StripFrame {
+        time_s: f.time_s,
+        root: f.root,
+        figure: Figure::from_positions(&f.positions),
+        contacts: f.contacts,
+    };
+    record.frames.iter().map(one).collect()
+}
+
+/// The stretch of `duration_s` on which the root goes farthest, or everything where there is no more.
+fn stretch(frames: &[StripFrame], duration_s: f32) -> &[StripFrame] {
+    let mut gone = vec![0.0f32];
+    for pair in frames.windows(2) {
+        gone.push(gone[gone.len() - 1] + (pair[1].root.translation() - pair[0].root.translation()).length());
+    }
+    let num = frames.iter().take_while(|f| f.time_s - frames[0].time_s <= duration_s).count();
+    let last_start = frames.len() - num;
+    let way = |s: usize| gone[s + num.max(1) - 1] - gone[s];
+    let best = (0..=last_start).rev().max_by(|&a, &b| way(a).total_cmp(&way(b))).unwrap_or(0);
+    frames.get(best..best + num).unwrap_or(frames)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use throng_runtime::{Contacts, Skeleton};
+
+    #[test]
+    fn the_stretch_is_where_the_root_goes_farthest() {
+        let figure = Figure::from_positions(&Skeleton::default().rest_positions());
+        let mut x = 0.0;
+        let frames: Vec<StripFrame> = (0..300)
+            .map(|i| {
+                x += if (100..160).contains(&i) { 0.05 } else { 0.001 };
+                let root = Planar::new(x, 0.0, 0.0);
+                StripFrame { time_s: i as f32 / 30.0, root, figure, contacts: Contacts::NONE }
+            })
+            .collect();
+        let found = stretch(&frames, 2.0);
+        let first = (found[0].time_s * 30.0).round() as usize;
+        assert_eq!(found.len(), 61);
+        assert!((99..=100).contains(&first), "{first}");
+        assert_eq!(stretch(&frames[..10], 2.0).len(), 10);
+        assert!(stretch(&[], 2.0).is_empty());
+    }
+}

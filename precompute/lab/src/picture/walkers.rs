@@ -1,0 +1,139 @@
+//! The picture of a group on random paths: everybody at its end, one path in several styles, and moments of one who changed
+//! speed.
+
+use super::canvas::Picture;
+use super::colour::{self, Colour};
+use super::figure::{BodyColours, Figure};
+use super::sheet::sheet;
+use super::world::{WorldFigure, WorldLook, WorldStrip, WorldView, world_sheet, world_strip};
+use crate::run::{Figures, PathsRecord, Pose, StyleWalk, curve};
+use glam::Vec3;
+use std::f32::consts::PI;
+use throng_runtime::{Joint, NUM_JOINTS};
+
+/// Moments side by side, and rows of them.
+const COLUMNS: usize = 12;
+const ROWS: usize = 3;
+/// Width that a moment shows (m).
+const WIDTH_M: f32 = 2.2;
+/// Styles stand this far beside each other (m).
+const APART_M: f32 = 3.2;
+/// From where everybody is seen: heading and elevation (rad).
+const FROM: (f32, f32) = (0.8 * PI, 0.6);
+/// Width of the overview (m).
+const OVERVIEW_M: f32 = 34.0;
+
+/// Draws a group on random paths.
+///
+/// - `poses`: of the whole group at the end.
+/// - `styles`: the same path in several styles; left out where there is none.
+/// - `length_m`: of that path.
+pub(super) fn walkers_sheet(
+    (title, centre): (&str, [f32; 2]),
+    figures: &Figures,
+    (record, poses): (&PathsRecord, &[Pose]),
+    (styles, length_m): (&[StyleWalk], f32),
+) -> Picture {
+    let mut pictures = vec![overview(title, centre, figures, poses)];
+    if !styles.is_empty() {
+        pictures.push(styles_sheet(styles, length_m));
+    }
+    pictures.extend(moments(record));
+    sheet(&pictures.iter().collect::<Vec<_>>())
+}
+
+fn figure(pose: &[Vec3; NUM_JOINTS]) -> WorldFigure {
+    WorldFigure { figure: Figure::from_positions(pose), colours: BodyColours::default() }
+}
+
+fn overview(title: &str, centre: [f32; 2], figures: &Figures, poses: &[Pose]) -> Picture {
+    let bodies: Vec<WorldFigure> = poses.iter().map(figure).collect();
+    let f = figures.paths.clone().unwrap_or_default();
+    let subtitle = format!(
+        "{:.0} s at {:.1} m/s on average, {:.1} at most; planted feet slip {:.0} mm/s (95th percentile)",
+        figures.simulated_s,
+        f.speed_mean_mps,
+        f.speed_max_mps,
+        1000.0 * figures.foot_slip_p95_mps.unwrap_or_default()
+    );
+    world_sheet(&WorldView {
+        title,
+        subtitle: &subtitle,
+        size: (1600, 900),
+        figures: &bodies,
+        units: &[],
+        trails: &[],
+        names: &[],
+        look: WorldLook {
+            heading: FROM.0,
+            elevation: FROM.1,
+            focus: Some((Vec3::new(centre[0], 0.0, centre[1]), OVERVIEW_M)),
+        },
+    })
+}
+
+/// The same path in several styles, side by side, seen from beside.
+fn styles_sheet(styles: &[StyleWalk], length_m: f32) -> Picture {
+    let beside = |i: usize| Vec3::X * (i as f32 * -APART_M);
+    let (mut figures, mut trails, mut names) = (Vec::new(), Vec::new(), Vec::new());
+    for (i, style) in styles.iter().enumerate() {
+        let place = |p: &[Vec3; NUM_JOINTS]| p.map(|j| j + beside(i));
+        figures.extend(style.poses.iter().map(|p| figure(&place(p))));
+        let point = |k: usize| {
+            let (at, _) = curve(length_m * k as f32 / 100.0);
+            Vec3::new(at.x, 0.005, at.y) + beside(i)
+        };
+        trails.push(((0..=100).map(point).collect(), trail_colour()));
+        names.push((point(0) - Vec3::Z * 0.9, style.name.clone(), colour::INK));
+    }
+    let centre = Vec3::new(0.4 - 0.5 * APART_M * (styles.len() - 1) as f32, 0.6, 0.45 * length_m);
+    world_sheet(&WorldView {
+        title: "One path in several styles",
+        subtitle: "figures are equally far apart along the path, not in time",
+        size: (1600, 1000),
+        figures: &figures,
+        units: &[],
+        trails: &trails,
+        names: &names,
+        look: WorldLook { heading: 0.5 * PI, elevation: 0.7, focus: Some((centre, 1.25 * length_m)) },
+    })
+}
+
+fn trail_colour() -> Colour {
+    Colour::hex(0x8a8578)
+}
+
+/// Moments of the recorded character whose speed changed most.
+fn moments(record: &PathsRecord) -> Option<Picture> {
+    let span = COLUMNS * ROWS;
+    let num = record.looks.first()?.1.len();
+    let range = |who: usize, from: usize| {
+        let speeds = record.looks[from..].iter().take(span).map(|(_, s, _)| s[who]);
+        let (low, high) = speeds.fold((f32::INFINITY, f32::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
+        high - low
+    };
+    let starts = 0..record.looks.len().saturating_sub(span).max(1);
+    let all = (0..num).flat_map(|w| starts.clone().map(move |s| (w, s)));
+    let (who, from) = all.max_by(|a, b| range(a.0, a.1).total_cmp(&range(b.0, b.1)))?;
+    let looks = record.looks[from..].iter().take(span);
+    let moments: Vec<(f32, Figure)> = looks.clone().map(|(t, _, p)| (*t, Figure::from_positions(&p[who]))).collect();
+    let speeds: Vec<f32> = looks.map(|(_, s, _)| s[who]).collect();
+    let (first, last) = (record.looks[from].2[who], record.looks[(from + span).min(record.looks.len()) - 1].2[who]);
+    let way = last[Joint::Hips.index()] - first[Joint::Hips.index()];
+    let strip = WorldStrip {
+        title: &format!("Character {who}"),
+        subtitle: &format!(
+            "one moment every tenth of a second; from {:.1} to {:.1} m/s, {:.1} at most",
+            speeds.first()?,
+            speeds.last()?,
+            speeds.iter().copied().fold(0.0, f32::max)
+        ),
+        moments: &moments,
+        units: &[],
+        columns: COLUMNS,
+        width_m: WIDTH_M,
+        // From the side of the way it goes.
+        from: (way.x.atan2(way.z) + 0.5 * PI, 0.15),
+    };
+    Some(world_strip(&strip))
+}

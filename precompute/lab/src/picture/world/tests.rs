@@ -1,0 +1,86 @@
+use super::*;
+use std::path::Path;
+use throng_bake::environment::UnitSet;
+use throng_runtime::Skeleton;
+
+fn wall() -> UnitGeometry {
+    let text = "[[units]]\nname = \"wall\"\nshapes = [{ box = { at = [0.0, 0.6, 0.0], size = [2.0, 1.2, 0.1] } }]\n";
+    UnitGeometry::new(&UnitSet::parse(text, Path::new("u.toml")).unwrap().units[0]).unwrap()
+}
+
+const GREEN: Colour = Colour::hex(0x20c020);
+const RED: Colour = Colour::hex(0xd02020);
+
+/// Someone at the origin and a wall at `z`, seen along +Z; the middle of the picture is 0.7 m up.
+fn seen(z: f32, elevation: f32) -> Picture {
+    let geometry = wall();
+    let figure = Figure::from_positions(&Skeleton::default().rest_positions());
+    let unit = WorldUnit { geometry: &geometry, placement: Placement::new(0.0, 0.0, z, 0.0), colour: GREEN };
+    world_sheet(&WorldView {
+        title: "",
+        subtitle: "",
+        size: (400, 400),
+        figures: &[WorldFigure { figure, colours: BodyColours::plain(RED) }],
+        units: &[unit],
+        trails: &[],
+        names: &[],
+        look: WorldLook { heading: 0.0, elevation, focus: Some((Vec3::Y, 3.0)) },
+    })
+}
+
+fn is_green(c: [u8; 4]) -> bool {
+    c[1] > c[0].max(c[2]) + 30
+}
+
+#[test]
+fn a_wall_hides_who_is_behind_it_and_not_who_is_before_it() {
+    // The hips: 4 cm below the middle of the panel, which begins at (4, 21) and is 392 by 375 pixels large.
+    let hips = |z: f32| seen(z, 0.1).pixel(200, 21 + 187 + 6).unwrap();
+    assert!(is_green(hips(-1.0)), "{:?}", hips(-1.0));
+    assert!(hips(1.0)[0] > hips(1.0)[1] + 30, "{:?}", hips(1.0));
+    // The head is above the wall either way.
+    let head = seen(-1.0, 0.1).pixel(200, 21 + 187 - 90).unwrap();
+    assert!(!is_green(head), "{head:?}");
+}
+
+#[test]
+fn a_body_throws_a_shadow_on_the_ground_away_from_the_light() {
+    let picture = seen(2.0, 0.6);
+    assert_eq!(picture, seen(2.0, 0.6), "the same input gives the same picture");
+    let foot = 200;
+    let is_shadow = |x: u32, y: u32| {
+        let [r, g, b, _] = picture.pixel(x, y).unwrap().map(i32::from);
+        (r - g).abs() < 16 && (g - b).abs() < 16 && (140..215).contains(&g)
+    };
+    let count = |columns: Range<u32>| {
+        columns.flat_map(|x| (250..380).map(move |y| (x, y))).filter(|p| is_shadow(p.0, p.1)).count()
+    };
+    let (right, left) = (count(foot + 30..390), count(10..foot - 30));
+    assert!(right > 200 && left < right / 4, "{left} {right}: the light comes from the left");
+}
+
+#[test]
+fn broken_figures_and_empty_worlds_are_drawn_without_a_panic() {
+    let figure = Figure::from_positions(&[Vec3::NAN; 22]);
+    let view = WorldView {
+        title: "a",
+        subtitle: "b",
+        size: (64, 200),
+        figures: &[WorldFigure { figure, colours: BodyColours::default() }],
+        units: &[],
+        trails: &[(vec![Vec3::ZERO, Vec3::NAN], RED)],
+        names: &[(Vec3::ZERO, "n".into(), GREEN)],
+        look: WorldLook { heading: 0.3, elevation: 9.0, focus: None },
+    };
+    assert_eq!(world_sheet(&view).width(), 64);
+    let strip = WorldStrip {
+        title: "a",
+        subtitle: "b",
+        moments: &[(0.0, figure), (0.1, Figure::from_positions(&Skeleton::default().rest_positions()))],
+        units: &[],
+        columns: 2,
+        width_m: 2.0,
+        from: (0.0, 0.1),
+    };
+    assert!(world_strip(&strip).height() > 300);
+}

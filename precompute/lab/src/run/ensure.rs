@@ -1,0 +1,85 @@
+//! Makes what a scene names and is missing: bundles from their configs, worlds from their world files.
+
+use std::path::Path;
+use throng_bake::cache::Cache;
+use throng_bake::config::BuildConfig;
+use throng_bake::pipeline;
+use throng_bake::stitch::{self, Kit, StitchReport, WorldSource};
+use throng_motion::error::BuildError;
+use throng_motion::progress::Progress;
+use throng_runtime::Bundle;
+use throng_runtime::simulation::{Motion, Scene};
+use throng_runtime::world::World;
+
+/// How things are made.
+#[derive(Clone, Copy)]
+pub struct Cached<'a> {
+    /// Keeps the outputs of stages.
+    pub cache: &'a Cache,
+    /// Is told how far a stage is.
+    pub progress: &'a dyn Progress,
+    /// Is told what is made, and what was found tolerable.
+    pub tell: &'a dyn Fn(&str),
+}
+
+/// Makes every bundle and world of a scene that is missing, and every world that was made from another text.
+///
+/// # Errors
+/// What building or stitching says; [`BuildError::Config`] for a missing bundle without a config.
+pub fn ensure(scene: &Scene, with: &Cached<'_>) -> Result<(), BuildError> {
+    for (g, group) in scene.groups.iter().enumerate().filter(|(_, g)| g.motion != Motion::None) {
+        let (Some(bundle), config) = scene.bundle_of(g) else { continue };
+        ensure_bundle(bundle, config, with)?;
+        if let (Motion::Patches, (Some(world), Some(file))) = (group.motion, scene.world_of(g)) {
+            let source = WorldSource { bundle: bundle.to_path_buf(), ..WorldSource::load(file)? };
+            let tables = Bundle::open(bundle).map_err(|e| BuildError::Format(format!("{}: {e}", bundle.display())))?;
+            ensure_world(&source, file, &tables, world, with)?;
+        }
+    }
+    Ok(())
+}
+
+/// Builds a bundle where it is missing.
+///
+/// # Errors
+/// As [`ensure`].
+pub fn ensure_bundle(bundle: &Path, config: Option<&Path>, with: &Cached<'_>) -> Result<(), BuildError> {
+    if bundle.exists() {
+        return Ok(());
+    }
+    let name = bundle.display();
+    let Some(config) = config else {
+        let message =
+            format!("{name}: there is no such bundle; build it with `throng build`, or name another with --bundle");
+        return Err(BuildError::Config { message });
+    };
+    (with.tell)(&format!("{name} is not there: building it from {} ...", config.display()));
+    let report = pipeline::build(&BuildConfig::load(config)?, bundle, with.cache, with.progress)?;
+    report.warnings.iter().for_each(|w| (with.tell)(&format!("warning: {w}")));
+    report.skipped.iter().for_each(|s| (with.tell)(&format!("skipped: {s}")));
+    Ok(())
+}
+
+/// Stitches a world where it is missing, or was made with another bundle or from another text.
+///
+/// - returns what was done, where anything was.
+///
+/// # Errors
+/// As [`ensure`].
+pub fn ensure_world(
+    source: &WorldSource,
+    file: &Path,
+    tables: &Bundle,
+    out: &Path,
+    with: &Cached<'_>,
+) -> Result<Option<StitchReport>, BuildError> {
+    let kit = Kit::new(tables, &source.bundle)?;
+    let hash = source.hash(&kit.units, file)?;
+    if World::open(out, tables).is_ok_and(|world| world.meta().source_hash == hash) {
+        return Ok(None);
+    }
+    (with.tell)(&format!("stitching {} ...", source.name));
+    let (world, mut report) = stitch::stitch_source(source, file, tables, &kit, with.progress)?;
+    report.world_bytes = stitch::save(&world, tables.patches(), out)?;
+    Ok(Some(report))
+}

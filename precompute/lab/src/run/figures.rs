@@ -1,0 +1,145 @@
+//! What is measured of a scene, and of each of its groups.
+
+use super::meter::Flow;
+use serde::Serialize;
+
+/// What was measured of some characters. Keys are left out where they mean nothing to them.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, schemars::JsonSchema)]
+pub struct Figures {
+    /// Number of characters with motion of their own.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub characters: Option<usize>,
+    /// Number of agents that started.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub agents: Option<usize>,
+    /// What found out when agents had to act.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub engine: Option<String>,
+    /// Simulated time (s).
+    pub simulated_s: f64,
+    /// Steps of everybody a second of wall time on one thread: choices, control, poses.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub steps_per_second: Option<f64>,
+    /// Of characters with policies.
+    #[serde(flatten)]
+    pub blows: Option<BlowFigures>,
+    /// Of characters in worlds.
+    #[serde(flatten)]
+    pub world: Option<InhabitedFigures>,
+    /// Of characters on random paths.
+    #[serde(flatten)]
+    pub paths: Option<PathFigures>,
+    /// Of agents.
+    #[serde(flatten)]
+    pub crowd: Option<AgentFigures>,
+    /// Those who wished to go somewhere and stayed where they were: agents for 10 s, characters in worlds for 30 s.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub stuck: Option<usize>,
+    /// Mean speed of planted heels and toes (m/s).
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub foot_slip_mean_mps: Option<f64>,
+    /// 95th percentile of the speed of planted heels and toes (m/s).
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub foot_slip_p95_mps: Option<f64>,
+}
+
+/// What was measured of characters with policies.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, schemars::JsonSchema)]
+pub struct BlowFigures {
+    /// Blows that landed, a simulated minute and character.
+    pub hits_per_minute: f64,
+    /// Share of the blows thrown that landed.
+    pub landed_fraction: f64,
+    /// Share of the blows thrown that arms caught.
+    pub blocked_fraction: f64,
+    /// Blows thrown.
+    pub thrown: u32,
+    /// Deepest overlap of the cores of two opponents (m).
+    pub max_penetration_m: f64,
+    /// Share of the time that pairs were more than a few centimetres inside each other.
+    pub deep_fraction: f64,
+    /// Distance over ground from the opponent or target, mean over time and characters (m).
+    pub distance_mean_m: f64,
+    /// The greatest such distance after the first 5 s; none where the run is no longer (m).
+    pub distance_max_m: Option<f64>,
+}
+
+/// What was measured of characters in worlds.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, schemars::JsonSchema)]
+pub struct InhabitedFigures {
+    /// Times at which the trunks of two characters came into each other.
+    pub character_overlaps: u64,
+    /// Deepest that two were in each other (m).
+    pub deepest_overlap_m: f64,
+    /// Times at which somebody came deeper into a unit than a few centimetres.
+    pub environment_penetrations: u64,
+    /// Deepest that somebody was in a unit (m).
+    pub deepest_penetration_m: f64,
+    /// Wishes that were fulfilled, a simulated minute and character.
+    pub fulfilled_per_minute: f64,
+    /// Distance over ground and up, a simulated minute and character, on average (m).
+    pub travelled_m_per_minute: f64,
+    /// Share of the time that was spent waiting for others.
+    pub waiting_fraction: f64,
+}
+
+/// What was measured of characters on random paths.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, schemars::JsonSchema)]
+pub struct PathFigures {
+    /// Mean speed of the paths (m/s).
+    pub speed_mean_mps: f64,
+    /// Fastest that anybody went (m/s).
+    pub speed_max_mps: f64,
+    /// Fastest change of a knee's angle (rad/s).
+    pub knee_rate_max_radps: f64,
+    /// Farthest that an ankle or toe joint was below the ground (m).
+    pub below_ground_max_m: f64,
+}
+
+/// What was measured of agents. Keys about time and events are of all of them together.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, schemars::JsonSchema)]
+pub struct AgentFigures {
+    /// Wall time of the engine, and of bodies that follow agents, for one simulated second (s).
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub wall_s_per_simulated_s: Option<f64>,
+    /// That time for one agent; in `bench crowd` the time that the engine's thread was running, where the system tells
+    /// it, so that what else a machine does counts little (us).
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub us_per_agent_second: Option<f64>,
+    /// Events of one agent in one simulated second; in the fixed engine, steps that it took.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub events_per_agent_second: Option<f64>,
+    /// Those of them at which the bound of one agent entered or left cells; only the engine `occupancy` has such events.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub crossings_per_agent_second: Option<f64>,
+    /// Times that one agent chose what to do in one simulated second.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub decisions_per_agent_second: Option<f64>,
+    /// Pairs that overlapped by more than 1 mm, for one agent and frame at 30 Hz.
+    pub overlap_over_1mm_fraction: f64,
+    /// Pairs that overlapped by more than 1 cm, for one agent and frame at 30 Hz.
+    pub overlap_over_1cm_fraction: f64,
+    /// Deepest overlap of a pair (m).
+    pub max_overlap_m: f64,
+    /// Mean speed towards the goal, along the planned way, of those who are not there (m/s).
+    pub progress_mps: f64,
+    /// Mean desired speed, for comparison (m/s).
+    pub desired_mps: f64,
+    /// Agents that reached their goal.
+    pub arrived: usize,
+    /// Agents that know of a happening, where the scene has any.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub informed: Option<usize>,
+    /// Order of lanes in the last quarter of the time that groups met: 0 as mixed as by chance, 1 everybody in a lane.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub lane_order: Option<f64>,
+    /// Flow through the scene's gate.
+    #[serde(flatten)]
+    pub flow: Option<Flow>,
+    /// Farthest that hips were from the middle of their disc, over ground (m).
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub hips_off_max_m: Option<f64>,
+    /// Hash of the engine's state at the end, in hexadecimal: the same for the same scene, whatever the threads.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub state_hash: Option<String>,
+}

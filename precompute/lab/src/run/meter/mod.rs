@@ -1,0 +1,17 @@
+//! What is measured: slip of feet, overlaps of discs and of trunks, progress, who is stuck, flow, lanes.
+
+mod feet;
+mod gate;
+mod lanes;
+mod overlap;
+mod progress;
+mod trunks;
+
+pub(super) use feet::FeetMeter;
+
+pub(super) use gate::GateMeter;
+pub use gate::{Flow, HUMAN_FLOW_PER_M_S};
+pub(super) use lanes::LaneMeter;
+pub use overlap::OverlapMeter;
+pub use progress::{ProgressMeter, Sight};
+pub use trunks::{TRUNK_RADIUS_M, TrunkMeter};

@@ -1,0 +1,208 @@
+//! How agents get on towards their goals.
+
+use throng_runtime::crowd::Space;
+
+/// One who stays within this distance is stuck .. (m).
+const STUCK_M: f32 = 0.5;
+/// ... after this time (s).
+const STUCK_S: f64 = 10.0;
+
+/// Progress along ways, and who makes none.
+#[derive(Clone, Debug, Default)]
+pub struct ProgressMeter<V> {
+    agents: Vec<OnTheWay<V>>,
+    /// Way gained by everybody (m).
+    gained_m: f64,
+    /// Time on the way of everybody (s).
+    on_the_way_s: f64,
+}
+
+/// Where an agent is on its way.
+#[derive(Clone, Debug)]
+struct OnTheWay<V> {
+    /// Number of the way that it is on.
+    way: u32,
+    /// The corner that it goes to.
+    corner: usize,
+    /// Way that is left (m).
+    left_m: f32,
+    /// When it was looked at, (s)
+    time_s: f64,
+    /// Where and since when it has been about there.
+    stays: (V, f64),
+    has_arrived: bool,
+    is_stuck: bool,
+}
+
+/// What is known of an agent at a time.
+#[derive(Clone, Copy, Debug)]
+pub struct Sight<'a, V> {
+    /// Where it is; `None` where it has left (m).
+    pub at: Option<V>,
+    /// Corners of its way from its start to its goal (m).
+    pub way: &'a [V],
+    /// How often its way has changed.
+    pub way_number: u32,
+    /// How near to the goal is there (m).
+    pub arrival_m: f32,
+    /// It begins its way again at the end.
+    pub again: bool,
+}
+
+impl<V: Space> ProgressMeter<V> {
+    /// Looks at everybody, in the same order each time.
+    pub fn observe<'a>(&mut self, time_s: f64, agents: impl Iterator<Item = Sight<'a, V>>) {
+        for (m, sight) in agents.enumerate() {
+            if m == self.agents.len() {
+                self.agents.push(OnTheWay::start(&sight, time_s));
+            } else {
+                let (gained, spent) = self.agents[m].go_on(&sight, time_s);
+                self.gained_m += f64::from(gained);
+                self.on_the_way_s += spent;
+            }
+        }
+    }
+
+    /// Mean speed along the ways of those who are on theirs (m/s).
+    pub fn progress_mps(&self) -> f64 {
+        self.gained_m / self.on_the_way_s.max(1e-9)
+    }
+
+    /// Agents that have reached their goal, or left there.
+    pub fn arrived(&self) -> usize {
+        self.agents.iter().filter(|m| m.has_arrived).count()
+    }
+
+    /// Agents that stayed within half a metre for 10 s though they were not there.
+    pub fn stuck(&self) -> usize {
+        self.agents.iter().filter(|m| m.is_stuck).count()
+    }
+}
+
+impl<V: Space> OnTheWay<V> {
+    fn start(sight: &Sight<'_, V>, time_s: f64) -> Self {
+        let at = sight.at.unwrap_or_default();
+        let mut one = Self {
+            way: sight.way_number,
+            corner: 1,
+            left_m: 0.0,
+            time_s,
+            stays: (at, time_s),
+            has_arrived: false,
+            is_stuck: false,
+        };
+        one.left_m = one.left(sight.way, at);
+        one.has_arrived = one.is_there(sight, at);
+        one
+    }
+
+    /// Goes on to what is seen now: way gained and time spent on the way.
+    fn go_on(&mut self, sight: &Sight<'_, V>, time_s: f64) -> (f32, f64) {
+        if self.way != sight.way_number {
+            *self = Self { is_stuck: self.is_stuck, ..Self::start(sight, time_s) };
+            return (0.0, 0.0);
+        }
+        let spent = time_s - std::mem::replace(&mut self.time_s, time_s);
+        if self.has_arrived {
+            return (0.0, 0.0);
+        }
+        let Some(at) = sight.at else {
+            // It has left at its goal.
+            self.has_arrived = true;
+            return (self.left_m, spent);
+        };
+        while self.has_passed(sight.way, at, sight.arrival_m) {
+            self.corner += 1;
+        }
+        let left = self.left(sight.way, at);
+        let gained = std::mem::replace(&mut self.left_m, left) - left;
+        if (at - self.stays.0).length() > STUCK_M {
+            self.stays = (at, time_s);
+        }
+        self.is_stuck |= time_s - self.stays.1 > STUCK_S;
+        if self.is_there(sight, at) {
+            if sight.again {
+                *self = Self { is_stuck: self.is_stuck, ..Self::start(sight, time_s) };
+            } else {
+                self.has_arrived = true;
+            }
+        }
+        (gained, spent)
+    }
+
+    /// The corner is behind: near, or beyond the plane through it across the next leg.
+    fn has_passed(&self, way: &[V], at: V, near_m: f32) -> bool {
+        let (Some(&corner), Some(&next)) = (way.get(self.corner), way.get(self.corner + 1)) else { return false };
+        let off = at - corner;
+        off.length() <= near_m || off.dot(next - corner) > 0.0 && off.dot(corner - way[self.corner - 1]) > 0.0
+    }
+
+    fn is_there(&self, sight: &Sight<'_, V>, at: V) -> bool {
+        let last = sight.way.len().saturating_sub(1);
+        self.corner >= last && sight.way.last().is_none_or(|&goal| (at - goal).length() <= sight.arrival_m)
+    }
+
+    /// To the corner, and from there on along the way (m).
+    fn left(&self, way: &[V], at: V) -> f32 {
+        let Some(&corner) = way.get(self.corner) else { return 0.0 };
+        (at - corner).length() + way[self.corner..].windows(2).map(|l| (l[1] - l[0]).length()).sum::<f32>()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::Vec2;
+
+    const WAY: [Vec2; 3] = [Vec2::ZERO, Vec2::new(10.0, 0.0), Vec2::new(10.0, 10.0)];
+
+    fn sight(at: Option<Vec2>, again: bool) -> Sight<'static, Vec2> {
+        Sight { at, way: &WAY, way_number: 0, arrival_m: 0.5, again }
+    }
+
+    /// Walks the way at a speed, `dt` between looks.
+    fn along(s: f32) -> Vec2 {
+        if s < 10.0 { Vec2::new(s, 0.0) } else { Vec2::new(10.0, (s - 10.0).min(10.0)) }
+    }
+
+    #[test]
+    fn one_who_walks_its_way_progresses_at_its_speed_until_it_is_there() {
+        for leaves in [false, true] {
+            let mut meter = ProgressMeter::default();
+            for i in 0..=600 {
+                let t = f64::from(i) / 30.0;
+                let at = along(1.3 * t as f32);
+                let gone = leaves && at.y > 9.9;
+                meter.observe(t, [sight((!gone).then_some(at), false)].into_iter());
+            }
+            assert!((meter.progress_mps() - 1.3).abs() < 0.02, "{}", meter.progress_mps());
+            assert_eq!((meter.arrived(), meter.stuck()), (1, 0));
+        }
+    }
+
+    #[test]
+    fn one_who_stays_is_stuck_after_ten_seconds_and_one_who_trembles_too() {
+        for seconds in [9, 11] {
+            let mut meter = ProgressMeter::default();
+            for i in 0..=seconds * 30 {
+                let t = f64::from(i) / 30.0;
+                let still = sight(Some(Vec2::new(4.0, 0.0)), false);
+                let trembles = sight(Some(Vec2::new(4.0, 0.2 * (i % 3) as f32)), false);
+                let walks = sight(Some(Vec2::new(0.1 * t as f32, 0.0)), false);
+                meter.observe(t, [still, trembles, walks].into_iter());
+            }
+            assert_eq!(meter.stuck(), if seconds > 10 { 2 } else { 0 });
+            assert_eq!(meter.arrived(), 0);
+        }
+    }
+
+    #[test]
+    fn a_way_that_begins_again_goes_on_counting() {
+        let mut meter = ProgressMeter::default();
+        for i in 0..=900 {
+            let t = f64::from(i) / 30.0;
+            meter.observe(t, [sight(Some(along(1.0 * t as f32 % 19.6)), true)].into_iter());
+        }
+        assert!(meter.arrived() == 0 && (meter.progress_mps() - 1.0).abs() < 0.05, "{}", meter.progress_mps());
+    }
+}

@@ -1,0 +1,29 @@
+//! Runs scenes and measures them: one loop, one report and one record for all kinds of motion.
+
+mod clock;
+mod ensure;
+mod figures;
+mod meter;
+mod own;
+mod record;
+mod report;
+mod row;
+mod styles;
+mod watch;
+
+pub use clock::running_s;
+pub use ensure::{Cached, ensure, ensure_bundle, ensure_world};
+pub use figures::{AgentFigures, BlowFigures, Figures, InhabitedFigures, PathFigures};
+pub use meter::{Flow, HUMAN_FLOW_PER_M_S, OverlapMeter, ProgressMeter, Sight, TRUNK_RADIUS_M, TrunkMeter};
+pub use own::{OWN_SCENES, own_scene};
+pub use record::{
+    AgentsRecord, CrowdMoment, FightFrame, FightRecord, PathsRecord, Pose, Record, SeenAgent, SeenObstacle, TRAIL_S,
+    WorldRecord, seen_obstacle,
+};
+pub use report::{GroupReport, RunConfig, SceneReport, geometry, run, run_agents};
+pub use styles::{StyleWalk, curve, walk_styles};
+
+/// The JSON schema of scene files.
+pub fn scene_schema() -> serde_json::Value {
+    schemars::schema_for!(throng_runtime::simulation::Scene).to_value()
+}

@@ -1,0 +1,47 @@
+//! The project's own scenes of agents, which need no file.
+
+use std::path::Path;
+use throng_runtime::Result;
+use throng_runtime::simulation::Scene;
+
+/// Names and texts.
+const TEXTS: [(&str, &str); 7] = [
+    ("flock", include_str!("../../../../data/scenes/flock.toml")),
+    ("corridor", include_str!("../../../../data/scenes/corridor.toml")),
+    ("lanes", include_str!("../../../../data/scenes/lanes.toml")),
+    ("circle", include_str!("../../../../data/scenes/circle.toml")),
+    ("ring", include_str!("../../../../data/scenes/ring.toml")),
+    ("bottleneck", include_str!("../../../../data/scenes/bottleneck.toml")),
+    ("square", include_str!("../../../../data/scenes/square.toml")),
+];
+
+/// Names of the project's own scenes.
+pub const OWN_SCENES: [&str; 7] = ["flock", "corridor", "lanes", "circle", "ring", "bottleneck", "square"];
+
+/// One of the project's own scenes by its name; `None` for another name.
+///
+/// # Errors
+/// As [`Scene::parse`].
+pub fn own_scene(name: &str) -> Result<Option<Scene>> {
+    let text = TEXTS.iter().find(|t| t.0 == name);
+    text.map(|(name, text)| Scene::parse(text, Path::new(&format!("{name}.toml")))).transpose()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use throng_runtime::simulation::Simulation;
+
+    #[test]
+    fn every_own_scene_is_read_and_laid_out_and_resized() {
+        for name in OWN_SCENES {
+            let scene = own_scene(name).unwrap().expect("it is there");
+            assert_eq!(scene.name, name);
+            for agents in [scene.num_characters(), 100, 1000] {
+                let sim = Simulation::new(&scene.resized(agents).open().unwrap()).unwrap();
+                assert_eq!(sim.num_characters(), agents, "{name}");
+            }
+        }
+        assert!(own_scene("moon").unwrap().is_none());
+    }
+}

@@ -1,0 +1,323 @@
+//! What a run leaves to be drawn.
+
+use super::watch::{LOOK_S, Watch};
+use glam::Vec3;
+use throng_runtime::crowd::{Obstacle, Space};
+use throng_runtime::simulation::agents::{Agents, in_world};
+use throng_runtime::simulation::{Cast, Event, Simulation};
+use throng_runtime::{NUM_JOINTS, Planar};
+
+/// Moments of agents that are kept, the first and the last included.
+const MOMENTS: usize = 4;
+/// Time between points of a trail (s).
+pub const TRAIL_S: f64 = 0.4;
+/// Agents whose trails and ways are kept, spread over everybody.
+const TRAILED: usize = 2000;
+/// Characters on paths, and in worlds, whose poses are kept ten times a second: one of each is shown.
+const FOLLOWED: [usize; 2] = [24, 48];
+
+/// World positions of all joints of a character (m).
+pub type Pose = [Vec3; NUM_JOINTS];
+
+/// What a run leaves to be drawn; empty unless the run was to be recorded, but for poses at the end and faults.
+#[derive(Clone, Debug, Default)]
+pub struct Record {
+    /// Everybody at the end; `None` for those who have left or have no body.
+    pub poses: Vec<Option<Pose>>,
+    /// Of each group with policies.
+    pub fights: Vec<FightRecord>,
+    /// Of each group on random paths.
+    pub paths: Vec<PathsRecord>,
+    /// Of each world.
+    pub worlds: Vec<WorldRecord>,
+    /// Of all agents, if there are any.
+    pub agents: Option<AgentsRecord>,
+    /// Where things were seen that should not be: time, character, what (s).
+    pub faults: Vec<(f32, usize, String)>,
+}
+
+/// The first characters of a group with policies: two of pairs, one of others.
+#[derive(Clone, Debug, Default)]
+pub struct FightRecord {
+    /// Number of the group in the simulation.
+    pub group: usize,
+    /// They, every step.
+    pub frames: Vec<FightFrame>,
+    /// What became of their blows.
+    pub events: Vec<Event>,
+    /// Planar roots of the whole group at the end.
+    pub roots: Vec<Planar>,
+    /// Opponents' heads or targets of the whole group at the end (m).
+    pub targets: Vec<Vec3>,
+}
+
+/// The recorded characters of a group with policies at one step.
+#[derive(Clone, Debug)]
+pub struct FightFrame {
+    /// (s)
+    pub time_s: f32,
+    /// One or two characters.
+    pub poses: Vec<Pose>,
+    /// Where the target is, if there is one (m).
+    pub target: Option<Vec3>,
+}
+
+/// The first characters of a group on random paths.
+#[derive(Clone, Debug, Default)]
+pub struct PathsRecord {
+    /// Number of the group in the simulation.
+    pub group: usize,
+    /// Ten times a second: time, speeds, poses (s, m/s, m).
+    pub looks: Vec<(f32, Vec<f32>, Vec<Pose>)>,
+}
+
+/// Some characters of a world.
+#[derive(Clone, Debug, Default)]
+pub struct WorldRecord {
+    /// Number of the world's cast in the simulation.
+    pub cast: usize,
+    /// Number of its first group in the scene.
+    pub group: usize,
+    /// Numbers of the characters in the simulation.
+    pub followed: Vec<usize>,
+    /// Ten times a second: time, and one pose each (s, m).
+    pub looks: Vec<(f32, Vec<Pose>)>,
+}
+
+/// What is seen of an agent.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SeenAgent {
+    /// Its centre in the world; y is 0 on the ground (m).
+    pub at: Vec3,
+    /// How it moves (m/s).
+    pub velocity: Vec3,
+    /// It knows of a happening.
+    pub knows: bool,
+}
+
+/// Everybody at one time.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct CrowdMoment {
+    /// When (s).
+    pub time_s: f64,
+    /// Everybody; `None` where one has left (agents).
+    pub agents: Vec<Option<SeenAgent>>,
+}
+
+/// An obstacle in the world.
+#[derive(Clone, Debug, PartialEq)]
+pub enum SeenObstacle {
+    /// Disc or ball.
+    Ball {
+        /// (m)
+        centre: Vec3,
+        /// (m)
+        radius: f32,
+    },
+    /// All within `radius` of a line.
+    Wall {
+        /// (m)
+        from: Vec3,
+        /// (m)
+        to: Vec3,
+        /// (m)
+        radius: f32,
+    },
+    /// On the ground (m).
+    Polygon(Vec<Vec3>),
+    /// Along the axes, between two corners (m).
+    Box(Vec3, Vec3),
+    /// On its way through points, as (time, place) (s, m).
+    Mover {
+        /// In order of time.
+        way: Vec<(f64, Vec3)>,
+        /// (m)
+        radius: f32,
+    },
+}
+
+/// All agents of a scene.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct AgentsRecord {
+    /// True in the air.
+    pub in_the_air: bool,
+    /// Names of groups.
+    pub names: Vec<String>,
+    /// Of each agent: number of its group among those of agents.
+    pub groups: Vec<usize>,
+    /// Of each agent (m).
+    pub radii: Vec<f32>,
+    /// Moments, in order of time.
+    pub moments: Vec<CrowdMoment>,
+    /// Of some agents: its number, and where it was, every 0.4 s (m).
+    pub trails: Vec<(usize, Vec<Vec3>)>,
+    /// Of the same agents: corners of their ways (m).
+    pub ways: Vec<Vec<Vec3>>,
+    /// What stands or moves in the way.
+    pub obstacles: Vec<SeenObstacle>,
+}
+
+/// Fills a record.
+pub(super) struct Recorder {
+    is_on: bool,
+    seconds: f64,
+    record: Record,
+}
+
+impl Recorder {
+    pub fn new(is_on: bool, sim: &Simulation, seconds: f64) -> Self {
+        let mut record = Record::default();
+        for (g, group) in sim.groups().iter().enumerate().filter(|_| is_on) {
+            match &sim.casts()[group.cast] {
+                Cast::Policy(_) | Cast::Sparring(_) => {
+                    record.fights.push(FightRecord { group: g, ..FightRecord::default() });
+                }
+                Cast::Paths(_) => record.paths.push(PathsRecord { group: g, ..PathsRecord::default() }),
+                Cast::Patches(_) if record.worlds.iter().all(|w| w.cast != group.cast) => {
+                    let num = group.characters.len().min(FOLLOWED[1]);
+                    let followed = match sim.scene().picture.follow {
+                        Some(one) => vec![one.min(sim.num_characters() - 1)],
+                        None => group.characters.clone().take(num).collect(),
+                    };
+                    record.worlds.push(WorldRecord {
+                        cast: group.cast,
+                        group: group.number,
+                        followed,
+                        looks: Vec::new(),
+                    });
+                }
+                Cast::Ground(a) if record.agents.is_none() => record.agents = Some(begin(a, sim)),
+                Cast::Air(a) if record.agents.is_none() => record.agents = Some(begin(a, sim)),
+                _ => {}
+            }
+        }
+        Self { is_on, seconds, record }
+    }
+
+    pub fn observe(&mut self, sim: &Simulation, step: usize, hz: f64) {
+        if !self.is_on {
+            return;
+        }
+        let time_s = sim.time_s();
+        let record = &mut self.record;
+        record.fights.iter_mut().for_each(|f| f.observe(sim));
+        if step.is_multiple_of(((LOOK_S * hz).round() as usize).max(1)) {
+            for p in &mut record.paths {
+                let characters = sim.groups()[p.group].characters.clone().take(FOLLOWED[0]);
+                let speed = |who| match sim.member(who) {
+                    (Cast::Paths(w), member) => w.speed(member),
+                    _ => 0.0,
+                };
+                let poses = characters.clone().filter_map(|who| sim.joint_positions(who)).collect();
+                p.looks.push((time_s as f32, characters.map(speed).collect(), poses));
+            }
+            for w in &mut record.worlds {
+                let poses = w.followed.iter().filter_map(|&who| sim.joint_positions(who)).collect();
+                w.looks.push((time_s as f32, poses));
+            }
+        }
+        if let Some(agents) = &mut record.agents {
+            for cast in sim.casts() {
+                match cast {
+                    Cast::Ground(a) => agents.observe(a, time_s, self.seconds),
+                    Cast::Air(a) => agents.observe(a, time_s, self.seconds),
+                    _ => {}
+                }
+            }
+        }
+    }
+
+    /// The record, with what is seen at the end.
+    pub fn finish(mut self, sim: &Simulation, watch: &Watch) -> Record {
+        self.record.poses = (0..sim.num_characters()).map(|who| sim.joint_positions(who)).collect();
+        self.record.faults = watch.faults().cloned().collect();
+        for f in &mut self.record.fights {
+            let all = sim.groups()[f.group].characters.clone();
+            f.roots = all.clone().filter_map(|who| sim.root(who)).collect();
+            f.targets = all.filter_map(|who| sim.target(who)).collect();
+        }
+        if let Some(agents) = &mut self.record.agents {
+            for cast in sim.casts() {
+                match cast {
+                    Cast::Ground(a) => agents.keep_ways(a),
+                    Cast::Air(a) => agents.keep_ways(a),
+                    _ => {}
+                }
+            }
+        }
+        self.record
+    }
+}
+
+impl FightRecord {
+    fn observe(&mut self, sim: &Simulation) {
+        let all = sim.groups()[self.group].characters.clone();
+        let is_pair = matches!(sim.member(all.start).0, Cast::Sparring(_));
+        let shown = all.start..all.end.min(all.start + if is_pair { 2 } else { 1 });
+        let target = sim.target(all.start).filter(|_| !is_pair);
+        let poses = shown.clone().filter_map(|who| sim.joint_positions(who)).collect();
+        self.frames.push(FightFrame { time_s: sim.time_s() as f32, poses, target });
+        self.events.extend(sim.events().iter().filter(|e| shown.contains(&e.who)).copied());
+    }
+}
+
+/// What is kept of agents, with what does not change.
+fn begin<V: Space>(agents: &Agents<V>, sim: &Simulation) -> AgentsRecord {
+    let layout = agents.layout();
+    let num = agents.num_agents();
+    let every = num.div_ceil(TRAILED).max(1);
+    let of_agents = sim.groups().iter().filter(|g| matches!(sim.casts()[g.cast], Cast::Ground(_) | Cast::Air(_)));
+    let (numbers, names): (Vec<usize>, Vec<String>) = of_agents.map(|g| (g.number, g.name.clone())).unzip();
+    let group = |g: &usize| numbers.iter().position(|n| n == g).unwrap_or(0);
+    AgentsRecord {
+        in_the_air: V::DIMENSIONS == 3,
+        names,
+        groups: layout.groups.iter().map(group).collect(),
+        radii: layout.setup.agents.iter().map(|m| m.radius).collect(),
+        moments: Vec::new(),
+        trails: (0..num).step_by(every).map(|m| (m, Vec::new())).collect(),
+        ways: Vec::new(),
+        obstacles: layout.setup.obstacles.iter().filter_map(seen_obstacle).collect(),
+    }
+}
+
+impl AgentsRecord {
+    fn observe<V: Space>(&mut self, agents: &Agents<V>, time_s: f64, seconds: f64) {
+        let is_last = time_s >= seconds;
+        let due = seconds * self.moments.len() as f64 / (MOMENTS - 1) as f64;
+        if is_last || time_s >= due && self.moments.len() < MOMENTS - 1 {
+            let agents = (0..agents.num_agents()).map(|m| seen(agents, m)).collect();
+            self.moments.push(CrowdMoment { time_s, agents });
+        }
+        for (m, trail) in &mut self.trails {
+            if is_last || time_s >= trail.len() as f64 * TRAIL_S {
+                trail.extend(agents.position(*m, time_s).map(in_world));
+            }
+        }
+    }
+
+    /// Keeps the ways that trailed agents are on at the end.
+    fn keep_ways<V: Space>(&mut self, agents: &Agents<V>) {
+        let way = |(m, _): &(usize, Vec<Vec3>)| agents.layout().ways[*m].iter().map(|&p| in_world(p)).collect();
+        self.ways = self.trails.iter().map(way).collect();
+    }
+}
+
+fn seen<V: Space>(agents: &Agents<V>, m: usize) -> Option<SeenAgent> {
+    let disc = agents.disc(m)?;
+    Some(SeenAgent { at: disc.centre, velocity: disc.velocity, knows: disc.knows })
+}
+
+/// An obstacle as one of the world; none of a kind that is not known.
+pub fn seen_obstacle<V: Space>(obstacle: &Obstacle<V>) -> Option<SeenObstacle> {
+    Some(match obstacle {
+        &Obstacle::Ball { centre, radius } => SeenObstacle::Ball { centre: in_world(centre), radius },
+        &Obstacle::Wall { from, to, radius } => SeenObstacle::Wall { from: in_world(from), to: in_world(to), radius },
+        Obstacle::Polygon { corners } => SeenObstacle::Polygon(corners.iter().map(|&c| in_world(c)).collect()),
+        &Obstacle::Box { min, max } => SeenObstacle::Box(in_world(min), in_world(max)),
+        Obstacle::Mover { way, radius } => {
+            SeenObstacle::Mover { way: way.iter().map(|&(t, p)| (t, in_world(p))).collect(), radius: *radius }
+        }
+        _ => return None,
+    })
+}

@@ -1,0 +1,194 @@
+//! The loop that runs a scene, and its report.
+
+use super::clock::running_s;
+use super::figures::Figures;
+use super::record::{Record, Recorder};
+use super::watch::{AgentWatch, Watch};
+use serde::Serialize;
+use std::time::Instant;
+use throng_bake::environment::{Environment, PlacedGeometry, PlacedUnit};
+use throng_bake::stitch::Kit;
+use throng_motion::error::BuildError;
+use throng_runtime::crowd::Space;
+use throng_runtime::simulation::agents::Agents;
+use throng_runtime::simulation::{Cast, CompiledScene, Kind, Simulation};
+use throng_runtime::{Error, Inline};
+
+/// Looks at agents a simulated second (Hz).
+pub(super) const LOOK_HZ: f64 = 30.0;
+/// Running time of a thread from which on the system's ticks do not matter (s).
+const TOLD_S: f64 = 0.05;
+
+/// How a scene is run.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RunConfig {
+    /// Simulated time; that of the scene where `None` (s, above 0, at most 100000).
+    pub seconds: Option<f64>,
+    /// Steps a simulated second (Hz, at least 1).
+    pub step_hz: f64,
+    /// Keeps what a picture shows.
+    pub recorded: bool,
+}
+
+impl Default for RunConfig {
+    fn default() -> Self {
+        Self { seconds: None, step_hz: 60.0, recorded: false }
+    }
+}
+
+/// What was measured.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, schemars::JsonSchema)]
+pub struct SceneReport {
+    /// The scene's name.
+    pub scene: String,
+    /// Of everybody.
+    #[serde(flatten)]
+    pub total: Figures,
+    /// Of each group.
+    pub groups: Vec<GroupReport>,
+}
+
+/// What was measured of a group.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, schemars::JsonSchema)]
+pub struct GroupReport {
+    /// Its name.
+    pub group: String,
+    /// What moves it.
+    pub motion: &'static str,
+    /// What was measured.
+    #[serde(flatten)]
+    pub figures: Figures,
+}
+
+/// What the runtime says, as precompute does.
+pub(super) fn fault(e: Error) -> BuildError {
+    BuildError::Config { message: e.to_string() }
+}
+
+fn wrong(message: String) -> BuildError {
+    BuildError::Stage { stage: "scene", message, help: "`throng run --help` lists what may be given".into() }
+}
+
+/// Runs a scene.
+///
+/// - returns what was measured, what there is to draw, and the simulation at its end.
+///
+/// # Errors
+/// As [`Simulation::new`] and [`Simulation::step`], or [`BuildError::Stage`] for a config out of range.
+pub fn run(scene: &CompiledScene, config: &RunConfig) -> Result<(SceneReport, Record, Simulation), BuildError> {
+    let (seconds, hz) = (config.seconds.unwrap_or(scene.scene().seconds), config.step_hz);
+    if !((1.0..1e5).contains(&hz) && seconds > 0.0 && seconds <= 1e5) {
+        return Err(wrong(format!("expected a time and at least 1 step a second, found {seconds} s, {hz} Hz")));
+    }
+    let mut sim = Simulation::new(scene).map_err(fault)?;
+    sim.set_timed();
+    let all: Vec<usize> = (0..sim.groups().len()).collect();
+    let mut total = Watch::new(&sim, &all)?;
+    let mut groups = Vec::new();
+    if all.len() > 1 {
+        for &g in &all {
+            groups.push(Watch::new(&sim, &[g])?);
+        }
+    }
+    let mut recorder = Recorder::new(config.recorded, &sim, seconds);
+    let steps = (seconds * hz).round().max(1.0) as usize;
+    let mut busy_s = 0.0;
+    for step in 0..=steps {
+        let begin = Instant::now();
+        let time_s = if step == steps { seconds } else { step as f64 / hz };
+        let dt_s = (time_s - sim.time_s()) as f32;
+        // Everybody is posed already: a second step without time would change where feet are planted.
+        if step > 0 {
+            sim.step_to(time_s, &Inline).map_err(fault)?;
+        }
+        busy_s += begin.elapsed().as_secs_f64();
+        total.observe(&sim, dt_s, step, hz);
+        groups.iter_mut().for_each(|w| w.observe(&sim, dt_s, step, hz));
+        recorder.observe(&sim, step, hz);
+    }
+    let rate = (steps + 1) as f64 / busy_s.max(1e-9);
+    let figures = total.figures(&sim, seconds, Some(rate));
+    let mut report = SceneReport { scene: scene.scene().name.clone(), total: figures, groups: Vec::new() };
+    for (g, group) in sim.groups().iter().enumerate() {
+        let figures = match groups.get(g) {
+            Some(watch) => watch.figures(&sim, seconds, None),
+            None => report.total.clone(),
+        };
+        report.groups.push(GroupReport { group: group.name.clone(), motion: group.motion.name(), figures });
+    }
+    let record = recorder.finish(&sim, &total);
+    Ok((report, record, sim))
+}
+
+/// Runs the agents of a scene and times their engine in a run of its own that nobody looks at, so that looking at
+/// everybody 30 times a second does not count, neither its time nor what it does to caches.
+///
+/// # Errors
+/// As [`run`], and [`BuildError::Stage`] for a scene of other characters, or two runs that differ.
+pub fn run_agents(scene: &CompiledScene, seconds: Option<f64>, threads: usize) -> Result<Figures, BuildError> {
+    let seconds = seconds.unwrap_or(scene.scene().seconds);
+    if !(seconds > 0.0 && seconds <= 1e5) {
+        return Err(wrong(format!("expected a time above 0 and up to 100000 s, found {seconds} s")));
+    }
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+    let pool = pool.map_err(|e| wrong(e.to_string()))?;
+    let mut sim = Simulation::new(scene).map_err(fault)?;
+    pool.install(|| match sim.cast_mut(0) {
+        Cast::Ground(agents) => measure(agents, &scene.scene().measure, scene, seconds, threads),
+        Cast::Air(agents) => measure(agents, &scene.scene().measure, scene, seconds, threads),
+        _ => Err(wrong("expected a scene of agents, with `motion = \"none\"`".into())),
+    })
+}
+
+fn measure<V: Space>(
+    live: &mut Agents<V>,
+    config: &throng_runtime::simulation::scene::MeasureConfig,
+    scene: &CompiledScene,
+    seconds: f64,
+    threads: usize,
+) -> Result<Figures, BuildError> {
+    live.set_threads(threads);
+    let mut alone = live.clone();
+    let (begin, running) = (Instant::now(), (threads == 1).then(running_s).flatten());
+    alone.advance(seconds, &mut |_| {}).map_err(fault)?;
+    let wall_s = begin.elapsed().as_secs_f64();
+    let ran = running.and_then(|begin| Some(running_s()? - begin)).filter(|s| *s > TOLD_S);
+    let members: Vec<usize> = (0..live.num_characters()).collect();
+    let mut watch = AgentWatch::new(live, config, members);
+    for frame in 0..=(seconds * LOOK_HZ).ceil() as u64 {
+        live.advance((frame as f64 / LOOK_HZ).min(seconds), &mut |_| {}).map_err(fault)?;
+        watch.observe(live);
+    }
+    let (timed, hash) = (alone.crowd().hash(), live.crowd().hash());
+    if timed != hash {
+        return Err(BuildError::Stage {
+            stage: "scene",
+            message: format!("two runs of \"{}\" ended in the states {timed:016x} and {hash:016x}", scene.scene().name),
+            help: "This must never happen; please report it with the scene".into(),
+        });
+    }
+    let mut figures = Figures {
+        agents: Some(live.num_agents()),
+        engine: Some(throng_runtime::simulation::scene::engine::name(scene.scene().agents.engine).into()),
+        simulated_s: seconds,
+        ..Figures::default()
+    };
+    figures.stuck = Some(watch.stuck());
+    figures.crowd = Some(watch.figures(live, seconds, Some((wall_s, ran.unwrap_or(wall_s)))));
+    Ok(figures)
+}
+
+/// What stands in the world of a group of patches.
+///
+/// # Errors
+/// As [`Kit::new`], or [`BuildError::Stage`] for a group without a world.
+pub fn geometry(scene: &CompiledScene, group: usize) -> Result<PlacedGeometry, BuildError> {
+    let bundle = scene.bundle(group).map_err(fault)?;
+    let (Some(world), (Some(path), _)) = (scene.world(group), scene.scene().bundle_of(group)) else {
+        return Err(wrong(format!("group {group} is in no world")));
+    };
+    let kit = Kit::new(bundle, path)?;
+    let units = world.world.view().units.iter();
+    let units = units.map(|u| PlacedUnit { unit: u.unit as usize, placement: u.placement }).collect();
+    Ok(PlacedGeometry::new(&Environment { name: scene.scene().name.clone(), units }, &kit.geometries))
+}

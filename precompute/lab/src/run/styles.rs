@@ -1,0 +1,103 @@
+//! One path walked in several styles, for pictures.
+
+use super::report::fault;
+use glam::{Vec2, Vec3};
+use throng_motion::error::BuildError;
+use throng_runtime::blend::walkers::{Control, WalkerStart, Walkers, WalkersConfig};
+use throng_runtime::simulation::CompiledScene;
+use throng_runtime::simulation::scene::ShownStyle;
+use throng_runtime::{Bundle, Cast, Inline, NUM_JOINTS};
+
+/// One style on the shown path.
+#[derive(Clone, Debug)]
+pub struct StyleWalk {
+    /// What it is called, with its speed.
+    pub name: String,
+    /// World positions of all joints, moment after moment (m).
+    pub poses: Vec<[Vec3; NUM_JOINTS]>,
+}
+
+/// Walks the same path in every style that the picture of a scene shows, side by side.
+///
+/// - `length_m`: of the path.
+/// - `apart_m`: between the moments that are kept, along the path.
+///
+/// # Errors
+/// [`BuildError::Config`] for a blend space that the bundle does not have.
+pub fn walk_styles(scene: &CompiledScene, length_m: f32, apart_m: f32) -> Result<Vec<StyleWalk>, BuildError> {
+    let groups = &scene.scene().groups;
+    let Some(bundle) = groups.iter().position(|g| !g.spaces.is_empty()).and_then(|g| scene.bundle(g).ok()) else {
+        return Ok(Vec::new());
+    };
+    let shown = scene.scene().picture.shown.iter().enumerate();
+    shown.map(|(i, style)| walk_style(scene, bundle, (i, style), length_m, apart_m)).collect()
+}
+
+fn walk_style(
+    scene: &CompiledScene,
+    bundle: &Bundle,
+    (i, style): (usize, &ShownStyle),
+    length_m: f32,
+    apart_m: f32,
+) -> Result<StyleWalk, BuildError> {
+    const DT_S: f32 = 1.0 / 120.0;
+    /// The body is in its stride before the path begins (m).
+    const RUN_UP_M: f32 = 4.0;
+    let key = format!("picture.shown[{i}]");
+    let space = bundle.blend(&style.space).map_err(|e| fault(scene.scene().fault(&format!("{key}.space"), e)))?;
+    let wrong = |e: throng_runtime::Error| fault(scene.scene().fault(&key, e));
+    let control = |along: f32| {
+        let (position, heading) = if along < 0.0 { (Vec2::new(0.0, along), 0.0) } else { curve(along) };
+        let mut values = Control::default().style;
+        values[0] = style.style;
+        let velocity = Vec2::new(heading.sin(), heading.cos()) * style.speed;
+        Control { position: Some(position), velocity, heading: Some(heading), turning_rate: None, style: values }
+    };
+    let mut walkers = Walkers::with_capacity(space, &[], WalkersConfig::default(), 1).map_err(wrong)?;
+    let id = walkers.spawn(WalkerStart::default()).map_err(wrong)?;
+    let (mut along, mut poses) = (-RUN_UP_M, Vec::new());
+    while along < length_m {
+        walkers.order(id, control(along)).and_then(|()| walkers.step(DT_S, &Inline)).map_err(wrong)?;
+        if along >= poses.len() as f32 * apart_m {
+            poses.push(walkers.joint_positions(0));
+        }
+        along += style.speed * DT_S;
+    }
+    Ok(StyleWalk { name: format!("{}, {:.1} m/s", style.name, style.speed), poses })
+}
+
+/// The path that styles are shown on: straight, a turn to the left, one to the right, straight.
+///
+/// - `along`: how far along it (m).
+/// - returns position and heading.
+pub fn curve(along: f32) -> (Vec2, f32) {
+    const STEP_M: f32 = 0.02;
+    let (mut at, mut heading) = (Vec2::ZERO, 0.0f32);
+    let steps = (along / STEP_M).max(0.0);
+    for i in 0..steps.ceil() as usize {
+        let step = STEP_M * (steps - i as f32).min(1.0);
+        let bend = match i as f32 * STEP_M {
+            s if s < 2.0 => 0.0,
+            s if s < 5.0 => 0.25,
+            s if s < 11.0 => -0.25,
+            s if s < 14.0 => 0.25,
+            _ => 0.0,
+        };
+        heading += bend * step;
+        at += Vec2::new(heading.sin(), heading.cos()) * step;
+    }
+    (at, heading)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_curve_ends_in_the_direction_it_began_with() {
+        let (at, heading) = curve(16.0);
+        assert!(heading.abs() < 1e-3 && at.y > 10.0, "{at} {heading}");
+        assert_eq!(curve(0.0), (Vec2::ZERO, 0.0));
+        assert!((curve(1.01).0.y - 1.01).abs() < 1e-5);
+    }
+}

@@ -1,0 +1,270 @@
+//! A trial of a bundle: characters chase targets of their own, and what they do is measured.
+
+use crate::slip::SlipMeter;
+use glam::{Vec2, Vec3};
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg64Mcg;
+use serde::Serialize;
+use std::f32::consts::TAU;
+use std::time::Instant;
+use throng_motion::error::BuildError;
+use throng_runtime::characters::{Characters, CharactersConfig, CharactersError, Goal, MotionSet, Start};
+use throng_runtime::{Bundle, Contacts, NUM_JOINTS, Planar};
+
+/// What is tried.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TrialConfig {
+    /// Number of characters.
+    pub characters: usize,
+    /// Simulated time (s).
+    pub seconds: f32,
+    /// Steps a simulated second (Hz).
+    pub step_hz: f32,
+    /// Seed of places, targets and choices.
+    pub seed: u64,
+    /// Nearest and farthest a target stands at the start (m).
+    pub distances: [f32; 2],
+    /// A target counts as reached within this distance (m).
+    pub reach_m: f32,
+    /// When the crowd is drawn: while many are still on their way (s).
+    pub snapshot_s: f32,
+    /// Character whose poses are recorded, if any (< characters).
+    pub recorded: Option<usize>,
+    /// How characters move.
+    pub motion: CharactersConfig,
+}
+
+impl Default for TrialConfig {
+    fn default() -> Self {
+        Self {
+            characters: 1000,
+            seconds: 15.0,
+            step_hz: 60.0,
+            seed: 1,
+            distances: [2.0, 6.0],
+            reach_m: 0.5,
+            snapshot_s: 3.5,
+            recorded: Some(0),
+            motion: CharactersConfig::default(),
+        }
+    }
+}
+
+/// What a trial measured.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, schemars::JsonSchema)]
+pub struct TrialReport {
+    /// Number of characters.
+    pub characters: usize,
+    /// Simulated time (s).
+    pub simulated_s: f32,
+    /// Share of the characters that came within reach of their target.
+    pub reached_fraction: f64,
+    /// Share of the characters within one and a half reaches at the end.
+    pub stayed_fraction: f64,
+    /// Mean time to reach the target, of those who did; none where nobody did (s).
+    pub mean_arrival_s: Option<f64>,
+    /// Distance to the target at the end, mean over all characters (m).
+    pub mean_final_distance_m: f64,
+    /// Mean speed of planted heels and toes (m/s).
+    pub foot_slip_mean_mps: f64,
+    /// 95th percentile of the speed of planted heels and toes (m/s).
+    pub foot_slip_p95_mps: f64,
+    /// Steps of all characters a second of wall time, control and poses included, on one thread.
+    pub steps_per_second: f64,
+    /// Poses made a second of wall time.
+    pub poses_per_second: f64,
+    /// Choices made a second of wall time.
+    pub choices_per_second: f64,
+}
+
+/// What a trial leaves to be drawn.
+#[derive(Clone, Debug, Default)]
+pub struct TrialRecord {
+    /// Time at which the crowd was recorded (s).
+    pub snapshot_s: f32,
+    /// Planar roots then.
+    pub roots: Vec<Planar>,
+    /// Where everybody had gone by then, five times a second (m).
+    pub trails: Vec<Vec<Vec2>>,
+    /// Targets (m).
+    pub targets: Vec<Vec3>,
+    /// When each target was reached; infinite where it was not (s).
+    pub arrivals_s: Vec<f32>,
+    /// World positions of all joints of everybody then (m).
+    pub poses: Vec<[Vec3; NUM_JOINTS]>,
+    /// The recorded character, every step.
+    pub frames: Vec<TrialFrame>,
+}
+
+/// The recorded character at one step.
+#[derive(Clone, Copy, Debug)]
+pub struct TrialFrame {
+    /// (s)
+    pub time_s: f32,
+    /// Planar root.
+    pub root: Planar,
+    /// World positions of all joints (m).
+    pub positions: [Vec3; NUM_JOINTS],
+    /// Planted parts of the feet.
+    pub contacts: Contacts,
+    /// Segment that is played.
+    pub segment: u32,
+}
+
+/// Runs a trial of the first behaviour of a bundle.
+///
+/// # Errors
+/// [`BuildError::Stage`] where the bundle has no behaviour or the config is out of range.
+pub fn run(tables: &Bundle, config: &TrialConfig) -> Result<(TrialReport, TrialRecord), BuildError> {
+    let fail = |e: CharactersError| stage_error(e.to_string());
+    if tables.policies().is_empty() {
+        let message = "the bundle has no behaviour".into();
+        let help = "Build it from a config with `behaviours`".into();
+        return Err(BuildError::Stage { stage: "trial", message, help });
+    }
+    if let Some(recorded) = config.recorded.filter(|&c| c >= config.characters.max(1)) {
+        return Err(stage_error(format!(
+            "expected one of the {} characters to follow, counted from 0, found {}",
+            config.characters, recorded
+        )));
+    }
+    if config.characters == 0 || !(config.step_hz >= 1.0 && config.seconds > 0.0 && config.seconds < 1e5) {
+        return Err(stage_error(format!(
+            "expected characters, a time and at least 1 step a second, found {} characters, {} s, {} Hz",
+            config.characters, config.seconds, config.step_hz
+        )));
+    }
+    let motion_set = MotionSet::new(tables);
+    let (starts, targets) = scatter(tables, config);
+    let mut characters = Characters::new(&motion_set, config.motion, &starts).map_err(fail)?;
+    let mut watch = Watch::new(config, targets);
+    let dt = 1.0 / config.step_hz;
+    let mut busy_s = 0.0;
+    let steps = (config.seconds * config.step_hz).round().max(1.0) as usize;
+    for step in 0..=steps {
+        let goals = [Goal { policy: 0, weight: 1.0, targets: &watch.record.targets }];
+        let begin = Instant::now();
+        // The first step only takes the first choice.
+        characters.step(&motion_set, if step == 0 { 0.0 } else { dt }, &goals).map_err(fail)?;
+        busy_s += begin.elapsed().as_secs_f64();
+        watch.observe(&characters, config, step, dt);
+    }
+    Ok(watch.finish(&characters, config, steps, busy_s))
+}
+
+fn stage_error(message: String) -> BuildError {
+    BuildError::Stage { stage: "trial", message, help: "`throng run --help` lists what may be given".into() }
+}
+
+/// Characters on a loose grid, each with a target in some direction.
+fn scatter(tables: &Bundle, config: &TrialConfig) -> (Vec<Start>, Vec<Vec3>) {
+    let mut rng = Pcg64Mcg::seed_from_u64(config.seed);
+    let num_states = tables.graph().states.len() as u32;
+    let side = (config.characters as f32).sqrt().ceil() as usize;
+    let spacing = 2.0;
+    let middle = (side as f32 - 1.0) * 0.5;
+    let [near, far] = config.distances;
+    (0..config.characters)
+        .map(|i| {
+            let place = |k: usize| (k as f32 - middle) * spacing;
+            let (x, z) = (place(i % side), place(i / side));
+            let mut jitter = || rng.random_range(-0.4..0.4f32) * spacing;
+            let (x, z) = (x + jitter(), z + jitter());
+            let root = Planar::new(x, z, rng.random_range(0.0..TAU));
+            let (angle, distance) = (rng.random_range(0.0..TAU), near + (far - near) * rng.random_range(0.0..1.0f32));
+            let target = Vec3::new(x + distance * angle.sin(), 0.0, z + distance * angle.cos());
+            (Start { root, state: rng.random_range(0..num_states) }, target)
+        })
+        .unzip()
+}
+
+/// Looks at characters after every step.
+struct Watch {
+    record: TrialRecord,
+    slip: SlipMeter,
+}
+
+impl Watch {
+    fn new(config: &TrialConfig, targets: Vec<Vec3>) -> Self {
+        let n = config.characters;
+        let record = TrialRecord {
+            trails: vec![Vec::new(); n],
+            arrivals_s: vec![f32::INFINITY; n],
+            targets,
+            ..TrialRecord::default()
+        };
+        Self { record, slip: SlipMeter::new(n) }
+    }
+
+    fn observe(&mut self, characters: &Characters, config: &TrialConfig, step: usize, dt: f32) {
+        let time_s = step as f32 * dt;
+        if time_s <= config.snapshot_s.min(config.seconds) + 0.5 * dt {
+            self.follow(characters, config, step, time_s, dt);
+        }
+        for c in 0..config.characters {
+            let root = characters.root(c);
+            let target = self.record.targets[c];
+            let distance = (root.x - target.x).hypot(root.z - target.z);
+            if distance < config.reach_m {
+                self.record.arrivals_s[c] = self.record.arrivals_s[c].min(time_s);
+            }
+        }
+        self.slip.observe(characters, dt);
+        let Some(c) = config.recorded else { return };
+        self.record.frames.push(TrialFrame {
+            time_s,
+            root: characters.root(c),
+            positions: characters.joint_positions(c),
+            contacts: characters.contacts(c),
+            segment: characters.segment(c).0,
+        });
+    }
+
+    /// Grows the trails up to the snapshot, and takes it.
+    fn follow(&mut self, characters: &Characters, config: &TrialConfig, step: usize, time_s: f32, dt: f32) {
+        let trail_every = (config.step_hz / 5.0).round().max(1.0) as usize;
+        let (n, r) = (config.characters, &mut self.record);
+        let is_last = time_s + dt > config.snapshot_s.min(config.seconds) + 0.5 * dt;
+        if is_last || step.is_multiple_of(trail_every) {
+            r.roots = (0..n).map(|c| characters.root(c)).collect();
+            r.trails.iter_mut().zip(&r.roots).for_each(|(t, p)| t.push(Vec2::new(p.x, p.z)));
+        }
+        if is_last {
+            r.snapshot_s = time_s;
+            r.poses = (0..n).map(|c| characters.joint_positions(c)).collect();
+        }
+    }
+
+    fn finish(
+        self,
+        characters: &Characters,
+        config: &TrialConfig,
+        steps: usize,
+        busy_s: f64,
+    ) -> (TrialReport, TrialRecord) {
+        let n = config.characters;
+        let left = |c: usize| {
+            let (root, target) = (characters.root(c), self.record.targets[c]);
+            f64::from((root.x - target.x).hypot(root.z - target.z))
+        };
+        let arrived: Vec<f64> =
+            self.record.arrivals_s.iter().filter(|t| t.is_finite()).map(|&t| f64::from(t)).collect();
+        let stayed = (0..n).filter(|&c| left(c) < 1.5 * f64::from(config.reach_m)).count();
+        let choices: u64 = (0..n).map(|c| u64::from(characters.num_choices(c))).sum();
+        let per_second = |count: f64| count / busy_s.max(1e-9);
+        let report = TrialReport {
+            characters: n,
+            simulated_s: config.seconds,
+            reached_fraction: arrived.len() as f64 / n as f64,
+            stayed_fraction: stayed as f64 / n as f64,
+            mean_arrival_s: (!arrived.is_empty()).then(|| arrived.iter().sum::<f64>() / arrived.len() as f64),
+            mean_final_distance_m: (0..n).map(left).sum::<f64>() / n as f64,
+            foot_slip_mean_mps: self.slip.mean_mps(),
+            foot_slip_p95_mps: self.slip.p95_mps(),
+            steps_per_second: per_second((steps + 1) as f64),
+            poses_per_second: per_second(((steps + 1) * n) as f64),
+            choices_per_second: per_second(choices as f64),
+        };
+        (report, self.record)
+    }
+}

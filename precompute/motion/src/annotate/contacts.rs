@@ -1,0 +1,312 @@
+//! Foot contacts by height and speed, with hysteresis.
+
+use crate::clip::{Clip, runs};
+use glam::Vec3;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use throng_core::{Contacts, Joint, Skeleton};
+
+/// When a heel or toe counts as planted.
+///
+/// A run of frames below the `off` thresholds is a contact when at least one of its frames is below the `on`
+/// thresholds. Lengths are for legs of 0.83 m and scale with the skeleton's.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct ContactConfig {
+    /// Height above the joint's own floor that a contact reaches (m, <= height_off).
+    pub height_on: f32,
+    /// Height above the joint's own floor that ends a contact (m).
+    pub height_off: f32,
+    /// Speed that a contact falls below, for a body in place (m/s, <= speed_off).
+    pub speed_on: f32,
+    /// Speed that ends a contact, for a body in place (m/s).
+    pub speed_off: f32,
+    /// Contacts begin and end with a frame whose vertical speed is below this: a heel that rises while the toe still
+    /// stands is no longer planted.
+    /// (m/s)
+    pub vertical_speed_off: f32,
+    /// Share of the hips' speed over the ground that is added to both: tracked feet slide more the faster they
+    /// are put down.
+    pub speed_share: f32,
+    /// Contacts that last less are dropped (s).
+    pub min_duration: f32,
+    /// Shorter pauses within a contact are filled (s).
+    pub max_gap: f32,
+    /// What the feet stand on.
+    pub ground: Ground,
+}
+
+impl Default for ContactConfig {
+    fn default() -> Self {
+        Self {
+            height_on: 0.025,
+            height_off: 0.045,
+            speed_on: 0.15,
+            speed_off: 0.3,
+            vertical_speed_off: 0.15,
+            speed_share: 0.1,
+            min_duration: 0.09,
+            max_gap: 0.07,
+            ground: Ground::Auto,
+        }
+    }
+}
+
+/// What the feet stand on.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Ground {
+    /// Uneven where standing feet are found at heights more than 0.1 m apart, flat otherwise; by clip.
+    #[default]
+    Auto,
+    /// Level: heights count from one floor per joint and clip.
+    Flat,
+    /// Steps, slopes and things stood on: heights count from the joint's lowest point within a third of a second,
+    /// so it is the speed that decides. A foot held still in the air then looks planted.
+    Uneven,
+}
+
+/// Leg length the thresholds are for: the default skeleton's (m).
+const REFERENCE_LEG: f32 = 0.83;
+
+/// Slower feet may be standing; their heights show where the floor is (m/s).
+const SLOW: f32 = 0.3;
+
+/// Half the window of the local floor on uneven ground (s).
+const LOCAL_WINDOW: f32 = 0.33;
+
+/// Spread of the heights of standing feet from which ground is uneven (m).
+const UNEVEN_SPREAD: f32 = 0.1;
+
+/// Heels and toes, in the order of the bits of [`Contacts`].
+pub const PARTS: [(Joint, Contacts); 4] = [
+    (Joint::LeftFoot, Contacts::LEFT_HEEL),
+    (Joint::LeftToe, Contacts::LEFT_TOE),
+    (Joint::RightFoot, Contacts::RIGHT_HEEL),
+    (Joint::RightToe, Contacts::RIGHT_TOE),
+];
+
+/// Contacts of every frame (num_frames).
+pub fn detect(clip: &Clip, skeleton: &Skeleton, cfg: &ContactConfig) -> Vec<Contacts> {
+    let scale = skeleton.leg_length() / REFERENCE_LEG;
+    let rest = skeleton.rest_positions();
+    let tracks = tracks(clip, skeleton);
+    let path: Vec<Vec3> = clip.root_positions.iter().map(|p| p.with_y(0.0)).collect();
+    let pace = speeds(&path, clip.rate_hz);
+    let slow = SLOW * scale;
+    let uneven = match cfg.ground {
+        Ground::Flat => false,
+        Ground::Uneven => true,
+        Ground::Auto => spread(&tracks, slow) > UNEVEN_SPREAD * scale,
+    };
+    let mut out = vec![Contacts::NONE; clip.num_frames()];
+    for (track, (joint, bit)) in tracks.iter().zip(PARTS) {
+        let floor = if uneven {
+            local_floor(track, (LOCAL_WINDOW as f64 * clip.rate_hz).round() as usize)
+        } else {
+            vec![flat_floor(track, slow, rest[joint.index()].y, 0.06 * scale); track.heights.len()]
+        };
+        let below = |f: usize, height: f32, speed: f32| {
+            let limit = speed * scale + cfg.speed_share * pace[f];
+            track.heights[f] - floor[f] < height * scale && track.speeds[f] < limit
+        };
+        let weak: Vec<bool> = (0..floor.len()).map(|f| below(f, cfg.height_off, cfg.speed_off)).collect();
+        let strong: Vec<bool> = (0..floor.len()).map(|f| below(f, cfg.height_on, cfg.speed_on)).collect();
+        let frames = |s: f32| (s as f64 * clip.rate_hz).round() as usize;
+        let mut planted = hysteresis(&weak, &strong, frames(cfg.min_duration), frames(cfg.max_gap));
+        trim(&mut planted, |f| track.vertical_speeds[f] < cfg.vertical_speed_off * scale);
+        for (f, _) in planted.iter().enumerate().filter(|(_, p)| **p) {
+            out[f].insert(bit);
+        }
+    }
+    out
+}
+
+/// Height and speed of one joint over a clip.
+struct Track {
+    heights: Vec<f32>,
+    speeds: Vec<f32>,
+    vertical_speeds: Vec<f32>,
+}
+
+fn tracks(clip: &Clip, skeleton: &Skeleton) -> Vec<Track> {
+    let n = clip.num_frames();
+    let mut positions = vec![Vec::with_capacity(n); PARTS.len()];
+    for f in 0..n {
+        let p = clip.joint_positions(skeleton, f);
+        for (track, (j, _)) in positions.iter_mut().zip(PARTS) {
+            track.push(p[j.index()]);
+        }
+    }
+    positions
+        .iter()
+        .map(|p| {
+            let upright: Vec<Vec3> = p.iter().map(|p| Vec3::Y * p.y).collect();
+            Track {
+                heights: p.iter().map(|p| p.y).collect(),
+                speeds: speeds(p, clip.rate_hz),
+                vertical_speeds: speeds(&upright, clip.rate_hz),
+            }
+        })
+        .collect()
+}
+
+/// Speed at each frame by central differences, one-sided at the ends (m/s).
+pub fn speeds(positions: &[Vec3], rate_hz: f64) -> Vec<f32> {
+    let last = positions.len().saturating_sub(1);
+    (0..positions.len())
+        .map(|f| {
+            let (a, b) = (f.saturating_sub(1), (f + 1).min(last));
+            (positions[b] - positions[a]).length() * rate_hz as f32 / (b - a).max(1) as f32
+        })
+        .collect()
+}
+
+/// The sorted heights of the frames in which the joint is slow.
+fn slow_heights(track: &Track, slow: f32) -> Vec<f32> {
+    let mut h: Vec<f32> =
+        track.heights.iter().zip(&track.speeds).filter(|(_, s)| **s < slow).map(|(h, _)| *h).collect();
+    h.sort_by(f32::total_cmp);
+    h
+}
+
+/// Where the joint is when its foot stands: low among the frames in which it is slow, or the rest height where
+/// that is further than `limit` away (a foot that never stands on the ground).
+fn flat_floor(track: &Track, slow: f32, rest: f32, limit: f32) -> f32 {
+    let h = slow_heights(track, slow);
+    match h.get(h.len() / 5) {
+        Some(&floor) if (floor - rest).abs() < limit => floor,
+        _ => rest,
+    }
+}
+
+/// The joint's lowest height within `window` frames on either side.
+fn local_floor(track: &Track, window: usize) -> Vec<f32> {
+    let n = track.heights.len();
+    (0..n)
+        .map(|f| {
+            let around = &track.heights[f.saturating_sub(window)..(f + window + 1).min(n)];
+            around.iter().copied().fold(f32::INFINITY, f32::min)
+        })
+        .collect()
+}
+
+/// How far apart the heights are at which toes stand: between the 10th and 90th percentile, the larger foot's.
+fn spread(tracks: &[Track], slow: f32) -> f32 {
+    [1, 3]
+        .map(|i: usize| {
+            let h = slow_heights(&tracks[i], slow);
+            if h.is_empty() { 0.0 } else { h[h.len() * 9 / 10] - h[h.len() / 10] }
+        })
+        .into_iter()
+        .fold(0.0, f32::max)
+}
+
+/// Runs of `weak` that hold a `strong` frame, pauses of up to `max_gap` filled, runs below `min_frames` dropped.
+pub fn hysteresis(weak: &[bool], strong: &[bool], min_frames: usize, max_gap: usize) -> Vec<bool> {
+    let mut out = vec![false; weak.len()];
+    for run in runs(0..weak.len(), |f| weak[f]) {
+        if strong[run.clone()].contains(&true) {
+            out[run].fill(true);
+        }
+    }
+    for gap in runs(0..out.len(), |f| !out[f]) {
+        if gap.start > 0 && gap.end < out.len() && gap.len() <= max_gap {
+            out[gap].fill(true);
+        }
+    }
+    for run in runs(0..out.len(), |f| out[f]) {
+        // What the clip's ends cut may have lasted longer.
+        if run.len() < min_frames && run.start > 0 && run.end < out.len() {
+            out[run].fill(false);
+        }
+    }
+    out
+}
+
+/// Cuts frames that are not `still` from both ends of every run.
+pub fn trim(planted: &mut [bool], still: impl Fn(usize) -> bool) {
+    for run in runs(0..planted.len(), |f| planted[f]) {
+        let kept = run.clone().position(&still).map_or(run.end, |k| run.start + k);
+        let end = run.clone().rev().find(|&f| still(f)).map_or(kept, |f| f + 1);
+        planted[run.start..kept].fill(false);
+        planted[end..run.end].fill(false);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::Quat;
+    use throng_core::NUM_JOINTS;
+
+    #[test]
+    fn runs_are_trimmed_at_their_ends_alone() {
+        let mut planted = bools("0111110111");
+        let still = bools("0011011000");
+        trim(&mut planted, |f| still[f]);
+        assert_eq!(planted, bools("0011110000"));
+    }
+
+    fn bools(s: &str) -> Vec<bool> {
+        s.chars().map(|c| c == '1').collect()
+    }
+
+    #[test]
+    fn hysteresis_needs_a_strong_frame_fills_gaps_and_drops_blinks() {
+        let weak = "011110001110100011000";
+        let stro = "001000000000100010000";
+        let want = "011110000000000000000";
+        assert_eq!(hysteresis(&bools(weak), &bools(stro), 3, 1), bools(want));
+        let weak = "0111011100";
+        assert_eq!(hysteresis(&bools(weak), &bools(weak), 3, 1), bools("0111111100"));
+        assert_eq!(hysteresis(&bools("1000001"), &bools("1000001"), 3, 1), bools("1000001"));
+    }
+
+    /// A body that hops on stiff legs: stands for half a second, then is in the air for half a second.
+    fn hopping(rise: f32) -> Clip {
+        let s = Skeleton::default();
+        let n = 120;
+        let up = |f: usize| {
+            let phase = (f % 30) as f32 / 30.0;
+            if phase < 0.5 { 0.0 } else { rise * ((phase - 0.5) * std::f32::consts::TAU).sin() }
+        };
+        Clip::new(
+            "hop",
+            30.0,
+            (0..n).map(|f| s.offsets[0] + Vec3::Y * up(f)).collect(),
+            vec![Quat::IDENTITY; n * NUM_JOINTS],
+        )
+    }
+
+    #[test]
+    fn feet_touch_while_they_stand_and_not_in_the_air() {
+        let c = detect(&hopping(0.3), &Skeleton::default(), &ContactConfig::default());
+        let all = Contacts(15);
+        for (f, c) in c.iter().enumerate() {
+            match f % 30 {
+                1..=13 => assert_eq!(*c, all, "frame {f}"),
+                17..=28 => assert_eq!(*c, Contacts::NONE, "frame {f}"),
+                _ => {}
+            }
+        }
+    }
+
+    #[test]
+    fn standing_still_is_contact_throughout() {
+        let c = detect(&hopping(0.0), &Skeleton::default(), &ContactConfig::default());
+        assert!(c.iter().all(|c| *c == Contacts(15)));
+    }
+
+    #[test]
+    fn a_step_up_keeps_its_contacts() {
+        let mut clip = hopping(0.3);
+        for p in &mut clip.root_positions[60..] {
+            p.y += 0.25;
+        }
+        let c = detect(&clip, &Skeleton::default(), &ContactConfig::default());
+        assert_eq!(c[95], Contacts(15));
+        assert_eq!(c[5], Contacts(15));
+        assert_eq!(c[82], Contacts::NONE);
+    }
+}

@@ -1,0 +1,147 @@
+//! What makes a motion of a limb an effective hit.
+
+use crate::error::BuildError;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// How effective hits are found (Lee and Lee 2004, section 6).
+///
+/// A *thrust* is the blow of Lee and Lee (2004): the fist moves along the forearm, faster than a threshold. A *swing* moves across
+/// it, as hooks and most kicks do, and is told by its whole speed. Speeds that decide are relative to the ground
+/// speed of the hips, so that neither running nor stepping back counts.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct HitConfig {
+    /// Look for hits. What sidecars mark by hand counts in any case.
+    pub enabled: bool,
+    /// A blow lands at the last frame at which the fist or foot still has this share of its greatest speed: near the
+    /// limb's full length, with most of its power. 1 is the fastest frame itself (> 0, <= 1).
+    pub landing_share: f32,
+    /// Blows with the fists.
+    pub punches: PunchConfig,
+    /// Blows with the feet.
+    pub kicks: KickConfig,
+}
+
+/// Blows with the fists.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct PunchConfig {
+    /// Look for punches.
+    pub enabled: bool,
+    /// Least speed of the fist along the forearm, elbow to wrist (m/s, > 0).
+    pub thrust_speed: f32,
+    /// Least growth of the distance from shoulder to wrist during a thrust, as a share of the arm's length. Arms that
+    /// swing beside a walking or running body keep their length (0 to 1).
+    pub extension: f32,
+    /// Least speed of the fist in any direction with which a bent arm punches; absent: only thrusts count. Hooks that
+    /// open the elbow are thrusts at the moment they land; uppercuts and tight hooks need this, 4 m/s finds them.
+    /// Sprinting, waving and dancing arms are as fast: set it for motion of fighting alone (m/s, > 0).
+    pub swing_speed: Option<f32>,
+    /// A swing's fist is at most this far below its shoulder where it lands (m, >= 0).
+    pub swing_drop: f32,
+    /// Least time between two punches of one hand (s, >= 0).
+    pub min_gap: f32,
+}
+
+/// Blows with the feet.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct KickConfig {
+    /// Look for kicks.
+    pub enabled: bool,
+    /// Least speed of the ball of the foot along the shin, knee to ankle, as in a push kick (m/s, > 0).
+    pub thrust_speed: f32,
+    /// Least speed of the ball of the foot in any direction: most kicks move across the shin (m/s, > 0).
+    pub swing_speed: f32,
+    /// Least growth of the distance from hip to ankle during a kick, as a share of the leg's length (0 to 1).
+    pub extension: f32,
+    /// Least height of the ball of the foot above that of the other foot where the kick lands (m).
+    /// (>= 0)
+    pub height: f32,
+    /// Least time between two kicks of one foot (s, >= 0).
+    pub min_gap: f32,
+}
+
+impl Default for HitConfig {
+    fn default() -> Self {
+        Self { enabled: true, landing_share: 0.7, punches: PunchConfig::default(), kicks: KickConfig::default() }
+    }
+}
+
+impl Default for PunchConfig {
+    fn default() -> Self {
+        Self { enabled: true, thrust_speed: 1.75, extension: 0.25, swing_speed: None, swing_drop: 0.25, min_gap: 0.25 }
+    }
+}
+
+impl Default for KickConfig {
+    fn default() -> Self {
+        Self { enabled: true, thrust_speed: 2.5, swing_speed: 4.5, extension: 0.15, height: 0.4, min_gap: 0.5 }
+    }
+}
+
+impl HitConfig {
+    /// Refuses numbers outside their limits.
+    ///
+    /// # Errors
+    /// [`BuildError::Config`] with the key, what was expected and what was found.
+    pub fn check(&self) -> Result<(), BuildError> {
+        let (p, k) = (&self.punches, &self.kicks);
+        let positive = |v: f32| v > 0.0 && v.is_finite();
+        let share = |v: f32| (0.0..=1.0).contains(&v);
+        let length = |v: f32| v >= 0.0 && v.is_finite();
+        let checks = [
+            ("landing_share", self.landing_share, positive(self.landing_share) && share(self.landing_share)),
+            ("punches.thrust_speed", p.thrust_speed, positive(p.thrust_speed)),
+            ("punches.extension", p.extension, share(p.extension)),
+            ("punches.swing_speed", p.swing_speed.unwrap_or_default(), p.swing_speed.is_none_or(positive)),
+            ("punches.swing_drop", p.swing_drop, length(p.swing_drop)),
+            ("punches.min_gap", p.min_gap, length(p.min_gap)),
+            ("kicks.thrust_speed", k.thrust_speed, positive(k.thrust_speed)),
+            ("kicks.swing_speed", k.swing_speed, positive(k.swing_speed)),
+            ("kicks.extension", k.extension, share(k.extension)),
+            ("kicks.height", k.height, length(k.height)),
+            ("kicks.min_gap", k.min_gap, length(k.min_gap)),
+        ];
+        let Some((key, found, _)) = checks.into_iter().find(|(_, _, sound)| !sound) else { return Ok(()) };
+        let expected = match key {
+            "landing_share" => "more than 0, at most 1",
+            "punches.extension" | "kicks.extension" => "0 to 1",
+            k if k.ends_with("_speed") => "more than 0 m/s",
+            k if k.ends_with("_gap") => "0 s or more",
+            _ => "0 m or more",
+        };
+        Err(BuildError::Config {
+            message: format!("annotate.hits.{key}: expected {expected}, found {found}. Correct it in the config."),
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_outside_their_limits_are_named() {
+        assert!(HitConfig::default().check().is_ok());
+        type Change = fn(&mut HitConfig);
+        let wrong: [(&str, Change); 5] = [
+            ("annotate.hits.landing_share: expected more than 0, at most 1, found 0", |c| c.landing_share = 0.0),
+            ("annotate.hits.punches.thrust_speed: expected more than 0 m/s, found -1", |c| {
+                c.punches.thrust_speed = -1.0;
+            }),
+            ("annotate.hits.punches.swing_speed: expected more than 0 m/s, found NaN", |c| {
+                c.punches.swing_speed = Some(f32::NAN);
+            }),
+            ("annotate.hits.kicks.extension: expected 0 to 1, found 2", |c| c.kicks.extension = 2.0),
+            ("annotate.hits.kicks.min_gap: expected 0 s or more, found inf", |c| c.kicks.min_gap = f32::INFINITY),
+        ];
+        for (message, change) in wrong {
+            let mut config = HitConfig::default();
+            change(&mut config);
+            let e = config.check().unwrap_err().to_string();
+            assert!(e.starts_with(message), "{e}");
+        }
+    }
+}

@@ -1,0 +1,114 @@
+//! How a limb moves over a clip: what decides whether and when it strikes.
+
+use crate::clip::Clip;
+use glam::{Quat, Vec3};
+use throng_core::hits::striking_point;
+use throng_core::{Joint, NUM_JOINTS, Skeleton};
+
+/// Speeds are differences over at least this time on either side, so that thresholds mean the same at any rate.
+/// (s)
+const DIFFERENCE: f64 = 1.0 / 30.0;
+
+/// World positions and rotations of the joints, by frame.
+pub type Poses = [[(Vec3, Quat); NUM_JOINTS]];
+
+/// The joints of a limb that strikes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Limb {
+    /// Shoulder or hip.
+    pub root: Joint,
+    /// Elbow or knee.
+    pub middle: Joint,
+    /// Wrist or ankle: the joint that strikes.
+    pub end: Joint,
+}
+
+impl Limb {
+    /// Left and right arm.
+    pub const ARMS: [Self; 2] = [
+        Self { root: Joint::LeftUpperArm, middle: Joint::LeftForearm, end: Joint::LeftHand },
+        Self { root: Joint::RightUpperArm, middle: Joint::RightForearm, end: Joint::RightHand },
+    ];
+
+    /// Left and right leg.
+    pub const LEGS: [Self; 2] = [
+        Self { root: Joint::LeftThigh, middle: Joint::LeftShin, end: Joint::LeftFoot },
+        Self { root: Joint::RightThigh, middle: Joint::RightShin, end: Joint::RightFoot },
+    ];
+}
+
+/// How one limb moves. [Size of all: num_frames]
+#[derive(Clone, Debug, PartialEq)]
+pub struct Track {
+    /// The tip of the fist or the ball of the foot, in the world (m).
+    pub tips: Vec<Vec3>,
+    /// Velocity of the tip in the world (m/s).
+    pub velocities: Vec<Vec3>,
+    /// Direction of forearm or shin, towards the end, of unit length.
+    pub axes: Vec<Vec3>,
+    /// Speed of the tip along that axis, relative to the hips' way over the ground (m/s).
+    pub thrusts: Vec<f32>,
+    /// Speed of the tip, relative to the hips' way over the ground (m/s).
+    pub speeds: Vec<f32>,
+    /// Distance from shoulder to wrist or hip to ankle, as a share of the limb's length.
+    pub extensions: Vec<f32>,
+}
+
+impl Track {
+    /// Follows a limb.
+    pub fn new(poses: &Poses, skeleton: &Skeleton, limb: Limb, rate_hz: f64) -> Self {
+        let tips = striking_points(poses, skeleton, limb.end);
+        let velocities = velocities(&tips, rate_hz);
+        let way: Vec<Vec3> = poses.iter().map(|p| p[0].0.with_y(0.0)).collect();
+        let own: Vec<Vec3> = velocities.iter().zip(self::velocities(&way, rate_hz)).map(|(v, w)| *v - w).collect();
+        let at = |pose: &[(Vec3, Quat); NUM_JOINTS], j: Joint| pose[j.index()].0;
+        let axes: Vec<Vec3> =
+            poses.iter().map(|p| (at(p, limb.end) - at(p, limb.middle)).normalize_or_zero()).collect();
+        let length: f32 = [limb.middle, limb.end].iter().map(|j| skeleton.offsets[j.index()].length()).sum();
+        Self {
+            thrusts: own.iter().zip(&axes).map(|(v, axis)| v.dot(*axis)).collect(),
+            speeds: own.iter().map(|v| v.length()).collect(),
+            extensions: poses.iter().map(|p| at(p, limb.end).distance(at(p, limb.root)) / length.max(1e-6)).collect(),
+            tips,
+            velocities,
+            axes,
+        }
+    }
+}
+
+/// World positions of the point of a joint that strikes (m, num_frames).
+pub fn striking_points(poses: &Poses, skeleton: &Skeleton, joint: Joint) -> Vec<Vec3> {
+    poses.iter().map(|p| p[joint.index()]).map(|(at, turn)| striking_point(skeleton, joint, at, turn)).collect()
+}
+
+/// Velocities by central differences, one-sided at the ends (m/s, num_frames).
+pub fn velocities(positions: &[Vec3], rate_hz: f64) -> Vec<Vec3> {
+    let last = positions.len().saturating_sub(1);
+    let reach = ((DIFFERENCE * rate_hz).round() as usize).max(1);
+    (0..positions.len())
+        .map(|f| {
+            let (a, b) = (f.saturating_sub(reach), (f + reach).min(last));
+            (positions[b] - positions[a]) * (rate_hz as f32 / (b - a).max(1) as f32)
+        })
+        .collect()
+}
+
+/// World positions and rotations of all joints at every frame of a clip.
+pub fn poses(clip: &Clip, skeleton: &Skeleton) -> Vec<[(Vec3, Quat); NUM_JOINTS]> {
+    (0..clip.num_frames()).map(|f| clip.joint_transforms(skeleton, f)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn velocities_are_the_same_at_any_rate() {
+        for rate in [24.0, 30.0, 60.0, 120.0] {
+            let path: Vec<Vec3> = (0..100).map(|f| Vec3::X * (f as f32 / rate as f32)).collect();
+            assert!(velocities(&path, rate).iter().all(|v| (*v - Vec3::X).length() < 1e-4), "{rate} Hz");
+        }
+        assert_eq!(velocities(&[Vec3::X], 30.0), [Vec3::ZERO]);
+        assert!(velocities(&[], 30.0).is_empty());
+    }
+}

@@ -1,0 +1,113 @@
+//! What happens in the clips: foot contacts, effective hits, frames not to be used, names of ranges.
+
+pub mod contacts;
+mod ends;
+pub mod hits;
+mod sanity;
+pub mod sidecar;
+
+use crate::clip::{Clip, ClipSet, Exclusion, FrameRange};
+use crate::error::BuildError;
+use crate::mirror;
+pub use contacts::{ContactConfig, Ground};
+pub use ends::EndsConfig;
+pub use hits::HitConfig;
+use rayon::prelude::*;
+pub use sanity::{ContactSanity, sanity};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+pub use sidecar::{Sidecar, Sidecars};
+use throng_core::Skeleton;
+
+/// How contacts, effective hits and unusable frames are found.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct AnnotateConfig {
+    /// Foot contacts.
+    pub contacts: ContactConfig,
+    /// T-poses and stillness at the ends of clips.
+    pub ends: EndsConfig,
+    /// Effective hits.
+    pub hits: HitConfig,
+}
+
+/// Finds foot contacts, unusable ends and effective hits of every clip, and adds what the sidecars mark.
+///
+/// Exclusions and tags the clips bring are kept. A mirrored copy that follows its original gets the original's
+/// annotations, sides exchanged.
+///
+/// # Errors
+/// [`BuildError::Config`] for a setting outside its limits, for a sidecar of a clip that is not there, or of a range
+/// or hit outside its clip.
+pub fn annotate(clips: &ClipSet, cfg: &AnnotateConfig, sidecars: &Sidecars) -> Result<ClipSet, BuildError> {
+    cfg.hits.check()?;
+    sidecars.check_names(clips)?;
+    let annotated: Vec<Clip> = clips
+        .clips
+        .par_iter()
+        .map(|c| if c.mirrored { Ok(c.clone()) } else { annotate_clip(c, &clips.skeleton, cfg, sidecars) })
+        .collect::<Result<_, _>>()?;
+    let mut out: Vec<Clip> = Vec::with_capacity(annotated.len());
+    for clip in annotated {
+        let original = out.last().filter(|o| clip.mirrored && clip.name == format!("{}{}", o.name, mirror::SUFFIX));
+        let clip = match original {
+            Some(o) => Clip {
+                contacts: o.contacts.iter().map(|c| c.mirrored()).collect(),
+                excluded: o.excluded.clone(),
+                tags: mirror::tags(&o.tags),
+                hits: o.hits.iter().map(mirror::mirror_hit).collect(),
+                ..clip
+            },
+            None if clip.mirrored => annotate_clip(&clip, &clips.skeleton, cfg, sidecars)?,
+            None => clip,
+        };
+        out.push(clip);
+    }
+    hits::set_forces(&mut out);
+    Ok(ClipSet { skeleton: clips.skeleton.clone(), clips: out })
+}
+
+fn annotate_clip(
+    clip: &Clip,
+    skeleton: &Skeleton,
+    cfg: &AnnotateConfig,
+    sidecars: &Sidecars,
+) -> Result<Clip, BuildError> {
+    let mut out = clip.clone();
+    out.contacts = contacts::detect(clip, skeleton, &cfg.contacts);
+    let mut excluded = clip.excluded.clone();
+    excluded.extend(ends::find(clip, skeleton, &cfg.ends));
+    let marked = sidecars.ranges(clip)?;
+    excluded.extend(marked.excluded);
+    out.tags.extend(marked.tags);
+    out.excluded = disjoint(excluded);
+    out.hits = hits::find(&out, skeleton, &cfg.hits, &marked.hits, marked.automatic_hits)?;
+    Ok(out)
+}
+
+/// Sorted by start and without overlaps: where two overlap, the one that starts first keeps the frames.
+fn disjoint(mut all: Vec<Exclusion>) -> Vec<Exclusion> {
+    all.sort_by_key(|e| (e.range.start, e.range.end));
+    let mut out: Vec<Exclusion> = Vec::new();
+    for e in all {
+        let start = out.last().map_or(0, |l| l.range.end).max(e.range.start);
+        let range: FrameRange = start..e.range.end;
+        if !range.is_empty() {
+            out.push(Exclusion { range, reason: e.reason });
+        }
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::clip::ExclusionReason::{Sidecar, Still, TPose};
+
+    #[test]
+    fn exclusions_do_not_overlap() {
+        let e = |range: FrameRange, reason| Exclusion { range, reason };
+        let all = vec![e(5..20, Sidecar), e(0..8, TPose), e(6..7, Still), e(30..31, Still)];
+        assert_eq!(disjoint(all), [e(0..8, TPose), e(8..20, Sidecar), e(30..31, Still)]);
+    }
+}

@@ -1,0 +1,323 @@
+//! What people write beside a clip: ranges to leave out, names of ranges, effective hits.
+//!
+//! `CLIP.toml` beside `CLIP.bvh`:
+//!
+//! ```toml
+//! unit = "seconds"          # or "frames" of the file, from 0; ends are exclusive
+//! exclude = [[0.0, 1.5], [20.0, inf]]
+//!
+//! [[tags]]
+//! name = "punch"
+//! start = 3.2
+//! end = 4.0
+//!
+//! [[hits]]
+//! name = "punch"            # a punch, a kick, or a name of your own
+//! joint = "right_hand"
+//! at = 3.6                  # or start and end: the joint's fastest moment in between
+//! ```
+//!
+//! `automatic_hits = false` leaves the clip with the hits that are marked.
+
+mod hit;
+#[cfg(test)]
+mod tests;
+
+use super::hits::HitMark;
+use crate::clip::{Clip, ClipSet, Exclusion, ExclusionReason, FrameRange, Tag};
+use crate::error::BuildError;
+use crate::import::ImportedSet;
+use crate::mirror;
+use crate::toml_file::nearest;
+pub use hit::SidecarHit;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+use std::path::Path;
+
+/// Ranges, names and hits for one clip.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct Sidecar {
+    /// What the numbers count.
+    pub unit: TimeUnit,
+    /// Ranges to leave out, `[start, end]`; `inf` is the clip's end (as `unit` says).
+    pub exclude: Vec<[f64; 2]>,
+    /// Names of ranges.
+    pub tags: Vec<SidecarTag>,
+    /// Effective hits; each takes the place of what is found for the same joint nearby.
+    pub hits: Vec<SidecarHit>,
+    /// Look for hits, too; false leaves those of `hits` alone.
+    pub automatic_hits: bool,
+}
+
+impl Default for Sidecar {
+    fn default() -> Self {
+        Self {
+            unit: TimeUnit::default(),
+            exclude: Vec::new(),
+            tags: Vec::new(),
+            hits: Vec::new(),
+            automatic_hits: true,
+        }
+    }
+}
+
+/// A name on a range.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct SidecarTag {
+    /// The name, as configs and reports use it.
+    pub name: String,
+    /// Where it begins (as `unit` says).
+    pub start: f64,
+    /// Where it ends (as `unit` says).
+    pub end: f64,
+}
+
+/// What the numbers of a sidecar count.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum TimeUnit {
+    /// Seconds from the clip's first frame.
+    #[default]
+    Seconds,
+    /// Frames of the file, from 0.
+    Frames,
+}
+
+/// The sidecars of a build by clip name.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Sidecars {
+    entries: BTreeMap<String, Entry>,
+}
+
+#[derive(Clone, Debug, PartialEq)]
+struct Entry {
+    sidecar: Sidecar,
+    /// Frames a second of the file.
+    source_rate_hz: f64,
+    /// File or table, as errors name it.
+    origin: String,
+}
+
+/// What a sidecar says about a clip, in the clip's frames.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Marked {
+    /// Ranges to leave out.
+    pub excluded: Vec<Exclusion>,
+    /// Names.
+    pub tags: Vec<Tag>,
+    /// Hits.
+    pub hits: Vec<HitMark>,
+    /// Look for hits, too.
+    pub automatic_hits: bool,
+}
+
+impl Default for Marked {
+    fn default() -> Self {
+        Self { excluded: Vec::new(), tags: Vec::new(), hits: Vec::new(), automatic_hits: true }
+    }
+}
+
+/// The ranges again, with their places in the text.
+#[derive(Deserialize)]
+struct Located {
+    #[serde(default)]
+    exclude: Vec<toml::Spanned<toml::Value>>,
+    #[serde(default)]
+    tags: Vec<toml::Spanned<toml::Value>>,
+    #[serde(default)]
+    hits: Vec<toml::Spanned<toml::Value>>,
+}
+
+impl Sidecar {
+    /// Reads the sidecar's text; `origin` is the file as errors name it.
+    ///
+    /// # Errors
+    /// [`BuildError::Config`] with file, line and key.
+    pub fn parse(text: &str, origin: &str) -> Result<Self, BuildError> {
+        let line_of = |offset: usize| text[..offset.min(text.len())].matches('\n').count() + 1;
+        let sidecar: Self = toml::from_str(text).map_err(|e| BuildError::Config {
+            message: format!(
+                "{origin}:{}: {}. Expected `unit`, `exclude = [[start, end], ...]`, `[[tags]]` with name, start, end, \
+                 `[[hits]]` with name, joint, at, and `automatic_hits`.",
+                line_of(e.span().map_or(0, |s| s.start)),
+                e.message().trim_end_matches('.')
+            ),
+        })?;
+        sidecar.check(origin, |list, i| {
+            let located: Located = toml::from_str(text).ok()?;
+            let spans = match list {
+                "exclude" => located.exclude,
+                "tags" => located.tags,
+                _ => located.hits,
+            };
+            spans.get(i).map(|s| line_of(s.span().start))
+        })?;
+        Ok(sidecar)
+    }
+
+    /// Refuses ranges that end before they start, names without letters, and joints that do not exist.
+    fn check(&self, origin: &str, line: impl Fn(&str, usize) -> Option<usize>) -> Result<(), BuildError> {
+        let fault = |list: &str, i: usize, what: String| {
+            let place = line(list, i).map_or_else(|| origin.to_string(), |l| format!("{origin}:{l}"));
+            Err(BuildError::Config { message: format!("{place}: {list}[{i}]: {what}") })
+        };
+        let sound = |start: f64, end: f64| start >= 0.0 && start.is_finite() && end > start;
+        for (i, [start, end]) in self.exclude.iter().enumerate() {
+            if !sound(*start, *end) {
+                return fault(
+                    "exclude",
+                    i,
+                    format!("expected 0 <= start < end, found [{start}, {end}]. Exchange or correct them."),
+                );
+            }
+        }
+        for (i, t) in self.tags.iter().enumerate() {
+            if t.name.trim().is_empty() {
+                return fault("tags", i, "expected a name, found an empty one. Name the range.".into());
+            }
+            if !sound(t.start, t.end) {
+                return fault(
+                    "tags",
+                    i,
+                    format!(
+                        "`{}`: expected 0 <= start < end, found start = {}, end = {}. Exchange or correct them.",
+                        t.name, t.start, t.end
+                    ),
+                );
+            }
+        }
+        for (i, h) in self.hits.iter().enumerate() {
+            if h.name.trim().is_empty() {
+                return fault("hits", i, "expected a name, found an empty one. Name the kind of blow.".into());
+            }
+            if let Err(what) = h.times().map(|_| ()).and(h.joint().map(|_| ())) {
+                return fault("hits", i, what);
+            }
+        }
+        Ok(())
+    }
+}
+
+impl Sidecars {
+    /// Adds a clip's sidecar. `source_rate_hz` is the rate of its file, `origin` the file or table it is written in.
+    ///
+    /// # Errors
+    /// [`BuildError::Config`] for ranges that end before they start, or joints that do not exist.
+    pub fn insert(
+        &mut self,
+        clip_name: &str,
+        sidecar: Sidecar,
+        source_rate_hz: f64,
+        origin: &str,
+    ) -> Result<(), BuildError> {
+        sidecar.check(origin, |_, _| None)?;
+        self.entries.insert(clip_name.into(), Entry { sidecar, source_rate_hz, origin: origin.into() });
+        Ok(())
+    }
+
+    /// Reads `CLIP.toml` beside the clip's file and adds it; false where there is none.
+    ///
+    /// # Errors
+    /// [`BuildError::Io`] for a file that cannot be read, [`BuildError::Config`] for one that is wrong.
+    pub fn insert_beside(&mut self, clip_name: &str, file: &Path, source_rate_hz: f64) -> Result<bool, BuildError> {
+        let path = file.with_extension("toml");
+        let text = match std::fs::read_to_string(&path) {
+            Ok(text) => text,
+            Err(e) if e.kind() == std::io::ErrorKind::NotFound => return Ok(false),
+            Err(source) => return Err(BuildError::Io { path, source }),
+        };
+        let origin = path.display().to_string();
+        let sidecar = Sidecar::parse(&text, &origin)?;
+        self.insert(clip_name, sidecar, source_rate_hz, &origin)?;
+        Ok(true)
+    }
+
+    /// The sidecar files beside imported clips, and those that a config has in a table by clip name.
+    ///
+    /// - `clips`: the same clips, in the same order, mirrored copies in between.
+    ///
+    /// # Errors
+    /// As [`Sidecars::insert`] and [`Sidecars::insert_beside`].
+    pub fn collect(raw: &ImportedSet, clips: &ClipSet, table: &BTreeMap<String, Sidecar>) -> Result<Self, BuildError> {
+        let mut out = Self::default();
+        for (imported, clip) in raw.clips.iter().zip(clips.clips.iter().filter(|c| !c.mirrored)) {
+            out.insert_beside(&clip.name, &imported.clip.path, imported.clip.rate_hz)?;
+        }
+        for (name, sidecar) in table {
+            let index = clips.clips.iter().filter(|c| !c.mirrored).position(|c| c.name == *name);
+            let rate_hz = index.map_or(1.0, |i| raw.clips[i].clip.rate_hz);
+            out.insert(name, sidecar.clone(), rate_hz, &format!("config, clips.{name}"))?;
+        }
+        Ok(out)
+    }
+
+    /// Refuses sidecars of clips that are not there.
+    pub(super) fn check_names(&self, clips: &ClipSet) -> Result<(), BuildError> {
+        for (name, entry) in &self.entries {
+            if clips.clips.iter().any(|c| original_name(c) == name) {
+                continue;
+            }
+            let nearest = nearest(name, clips.clips.iter().map(original_name));
+            let nearest = nearest.map_or(String::new(), |n| format!(" The nearest name is `{n}`."));
+            let origin = &entry.origin;
+            return Err(BuildError::Config { message: format!("{origin}: there is no clip `{name}`.{nearest}") });
+        }
+        Ok(())
+    }
+
+    /// What is written about a clip, in its frames. A mirrored copy has its original's, sides exchanged.
+    ///
+    /// # Errors
+    /// [`BuildError::Config`] for a range or hit that begins after the clip's end.
+    pub(super) fn ranges(&self, clip: &Clip) -> Result<Marked, BuildError> {
+        let Some(entry) = self.entries.get(original_name(clip)) else { return Ok(Marked::default()) };
+        let n = clip.num_frames();
+        let per_unit = match entry.sidecar.unit {
+            TimeUnit::Seconds => clip.rate_hz,
+            TimeUnit::Frames => clip.rate_hz / entry.source_rate_hz,
+        };
+        let frames = |start: f64, end: f64, key: &str| -> Result<FrameRange, BuildError> {
+            let at = |t: f64| ((t * per_unit - 1e-6).ceil().max(0.0)).min(n as f64) as usize;
+            let range = at(start)..at(end);
+            if range.start >= n {
+                let message = format!(
+                    "{}: {key}: starts at {start}, after the end of clip `{}` ({:.2} in the same unit). Correct the start or remove the range.",
+                    entry.origin,
+                    original_name(clip),
+                    n as f64 / per_unit
+                );
+                return Err(BuildError::Config { message });
+            }
+            Ok(range)
+        };
+        let mut out = Marked { automatic_hits: entry.sidecar.automatic_hits, ..Marked::default() };
+        for (i, [start, end]) in entry.sidecar.exclude.iter().enumerate() {
+            let range = frames(*start, *end, &format!("exclude[{i}]"))?;
+            out.excluded.push(Exclusion { range, reason: ExclusionReason::Sidecar });
+        }
+        for (i, t) in entry.sidecar.tags.iter().enumerate() {
+            let range = frames(t.start, t.end, &format!("tags[{i}] `{}`", t.name))?;
+            out.tags.push(Tag { name: t.name.clone(), range });
+        }
+        for (i, h) in entry.sidecar.hits.iter().enumerate() {
+            let key = format!("hits[{i}] `{}`", h.name);
+            let wrong = |what: String| BuildError::Config { message: format!("{}: hits[{i}]: {what}", entry.origin) };
+            let ((start, end), joint) = (h.times().map_err(wrong)?, h.joint().map_err(wrong)?);
+            let mut range = frames(start, end, &key)?;
+            if start == end {
+                range.start = (start * per_unit).round() as usize;
+            }
+            range.end = range.end.max(range.start + 1);
+            let joint = if clip.mirrored { joint.mirrored() } else { joint };
+            out.hits.push(HitMark { kind: h.kind(), joint, range, origin: format!("{}: {key}", entry.origin) });
+        }
+        Ok(out)
+    }
+}
+
+fn original_name(clip: &Clip) -> &str {
+    clip.name.strip_suffix(mirror::SUFFIX).unwrap_or(&clip.name)
+}

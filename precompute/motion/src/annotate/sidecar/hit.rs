@@ -1,0 +1,61 @@
+//! A hit that people mark by hand.
+
+use crate::clip::HitKind;
+use crate::toml_file::nearest;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use throng_core::Joint;
+
+/// A hit: at one moment, or at the fastest moment of a range.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct SidecarHit {
+    /// `punch`, `kick`, or any other name: a kind of its own.
+    pub name: String,
+    /// The joint that strikes, in snake_case: `left_hand`, `right_foot`, `head`.
+    pub joint: String,
+    /// The moment; without `start` and `end` (as `unit` says).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub at: Option<f64>,
+    /// Where the range begins in which the joint's fastest moment is the hit; with `end` (as `unit` says).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub start: Option<f64>,
+    /// Where the range ends (as `unit` says).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub end: Option<f64>,
+}
+
+impl SidecarHit {
+    /// Its beginning and end, the same for a single moment, or what is wrong with it.
+    pub(super) fn times(&self) -> Result<(f64, f64), String> {
+        let sound = |t: f64| t >= 0.0 && t.is_finite();
+        let name = &self.name;
+        match (self.at, self.start, self.end) {
+            (Some(at), None, None) if sound(at) => Ok((at, at)),
+            (Some(at), None, None) => Err(format!("`{name}`: expected at >= 0, found {at}. Correct it.")),
+            (None, Some(start), Some(end)) if sound(start) && end > start => Ok((start, end)),
+            (None, Some(start), Some(end)) => Err(format!(
+                "`{name}`: expected 0 <= start < end, found start = {start}, end = {end}. Exchange or correct them."
+            )),
+            _ => {
+                Err(format!("`{name}`: expected `at`, or `start` and `end`, found neither or both. Keep one of them."))
+            }
+        }
+    }
+
+    /// The joint of that name, or what is wrong with the name.
+    pub(super) fn joint(&self) -> Result<Joint, String> {
+        Joint::from_name(&self.joint).ok_or_else(|| {
+            let nearest = nearest(&self.joint, Joint::ALL.into_iter().map(Joint::name)).unwrap_or_default();
+            format!("`{}`: there is no joint `{}`. Did you mean `{nearest}`?", self.name, self.joint)
+        })
+    }
+
+    /// What kind of blow it is.
+    pub(super) fn kind(&self) -> HitKind {
+        [HitKind::Punch, HitKind::Kick]
+            .into_iter()
+            .find(|k| k.name() == self.name)
+            .unwrap_or_else(|| HitKind::Tag(self.name.clone()))
+    }
+}

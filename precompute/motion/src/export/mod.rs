@@ -1,0 +1,50 @@
+//! Clips back to files: a clip on the database skeleton as a raw clip, and the writers of BVH and CSV.
+
+pub mod bvh;
+mod csv;
+
+use crate::clip::Clip;
+use crate::raw::{RawClip, RawJoint, SourceFormat};
+pub use csv::positions_csv;
+use glam::{Quat, Vec3};
+use throng_core::{Joint, NUM_JOINTS, Skeleton};
+
+/// A clip as a raw clip: joints are called as their roles, the ends of head and toes `NAME_end`.
+///
+/// The hips' rest offset is their standing height; rest rotations are the identity, so the rest pose is the T-pose.
+pub fn to_raw(clip: &Clip, skeleton: &Skeleton) -> RawClip {
+    let tips = [Joint::Head, Joint::LeftToe, Joint::RightToe];
+    let joint = |name: String, parent: Option<usize>, offset: Vec3, is_end: bool| RawJoint {
+        name,
+        parent,
+        offset,
+        rest_rotation: Quat::IDENTITY,
+        is_end,
+    };
+    let mut joints: Vec<RawJoint> = Joint::ALL
+        .into_iter()
+        .map(|j| joint(j.name().into(), j.parent().map(Joint::index), skeleton.offsets[j.index()], false))
+        .collect();
+    for (tip, offset) in tips.into_iter().zip(skeleton.tips) {
+        joints.push(joint(format!("{}_end", tip.name()), Some(tip.index()), offset, true));
+    }
+    let mut translations = Vec::with_capacity(clip.num_frames() * joints.len());
+    let mut rotations = Vec::with_capacity(clip.num_frames() * joints.len());
+    for frame in 0..clip.num_frames() {
+        translations.push(clip.root_positions[frame]);
+        translations.extend(joints[1..].iter().map(|j| j.offset));
+        rotations.extend_from_slice(clip.frame_rotations(frame));
+        rotations.extend([Quat::IDENTITY; 3]);
+    }
+    debug_assert_eq!(joints.len(), NUM_JOINTS + tips.len());
+    RawClip {
+        name: clip.name.clone(),
+        path: clip.source.clone().into(),
+        format: SourceFormat::Bvh,
+        joints,
+        rate_hz: clip.rate_hz,
+        num_frames: clip.num_frames(),
+        translations,
+        rotations,
+    }
+}

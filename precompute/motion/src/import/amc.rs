@@ -1,0 +1,221 @@
+//! Reads AMC: the numbers that move the joints of an ASF skeleton, one line per joint, one block per frame.
+
+use super::asf::{Asf, AsfJoint, Dof};
+use super::scan::{Mark, Scanner, parse_count, text};
+use super::source::{FrameSink, SourceClip, content_error};
+use crate::error::{ImportError, Warnings};
+use crate::raw::SourceFormat;
+use crate::toml_file::nearest;
+use glam::{DQuat, DVec3};
+use std::collections::HashMap;
+use std::path::Path;
+
+const HELP: &str = "The file is cut short or damaged: compare it with an intact copy.";
+/// Rate of files that name none: the CMU database was captured at 120 Hz and its files do not say so.
+const DEFAULT_RATE_HZ: f64 = 120.0;
+
+/// What stands before the first frame.
+struct Header {
+    rate_hz: Option<f64>,
+    degrees: bool,
+}
+
+/// A frame while its lines are read.
+struct Block {
+    number: u64,
+    mark: Mark,
+    /// Frame in which each joint was last given, from 1 (joints.len()).
+    given: Vec<u64>,
+    count: usize,
+    index: u64,
+}
+
+/// Reads a clip from the text of an AMC file that moves the skeleton `asf`.
+///
+/// Memory is in proportion to the text.
+///
+/// # Errors
+/// [`ImportError::Syntax`] with line and column; frames must be complete and numbered without gaps.
+pub fn parse(bytes: &[u8], path: &Path, asf: &Asf) -> Result<SourceClip, ImportError> {
+    let mut scan = Scanner::new(bytes, path)?;
+    let header = read_header(&mut scan, asf)?;
+    let frames = read_frames(&mut scan, asf, header.degrees)?;
+    let rate_finding = match header.rate_hz {
+        Some(rate) => format!("{rate} frames a second: the file says so (`:SAMPLES-PER-SECOND`)."),
+        None => format!(
+            "{DEFAULT_RATE_HZ} frames a second: the file names no rate, and files that name none come from the CMU \
+             database, captured at that rate (`rate_hz` in the config overrides it)."
+        ),
+    };
+    let rate_hz = header.rate_hz.unwrap_or(DEFAULT_RATE_HZ);
+    Ok(SourceClip {
+        clip: frames.into_clip(path, SourceFormat::AsfAmc, rate_hz),
+        declared_metres_per_unit: Some(asf.metres_per_unit),
+        findings: vec![format!("Skeleton: {}.", asf.path.display()), rate_finding],
+        warnings: Warnings::default(),
+    })
+}
+
+/// Reads comments and keywords up to the first frame number.
+fn read_header(scan: &mut Scanner, asf: &Asf) -> Result<Header, ImportError> {
+    let mut header = Header { rate_hz: None, degrees: asf.degrees };
+    while scan.skip_space() {
+        let mark = scan.mark();
+        let word = scan.word().unwrap_or_default();
+        let is = |keyword: &str| word.eq_ignore_ascii_case(keyword.as_bytes());
+        if is(":SAMPLES-PER-SECOND") {
+            scan.at_line_end();
+            let mark = scan.mark();
+            let rate = scan.number("the frames a second", HELP)?;
+            if !(0.1..=100_000.0).contains(&rate) {
+                return Err(scan.error(mark, "a rate between 0.1 and 100000 Hz", HELP));
+            }
+            header.rate_hz = Some(rate);
+        } else if is(":DEGREES") || is(":RADIANS") {
+            header.degrees = is(":DEGREES");
+        } else if !word.starts_with(b":") && !word.starts_with(b"#") {
+            scan.rewind(mark);
+            break;
+        }
+        scan.next_line();
+    }
+    Ok(header)
+}
+
+fn read_frames(scan: &mut Scanner, asf: &Asf, degrees: bool) -> Result<FrameSink, ImportError> {
+    let mut sink = FrameSink::new(asf.joints.clone(), scan.len());
+    let by_name: HashMap<&[u8], usize> =
+        asf.joints.iter().enumerate().filter(|(_, j)| !j.is_end).map(|(i, j)| (j.name.as_bytes(), i)).collect();
+    let scale = if degrees { 1f64.to_radians() } else { 1.0 };
+    let mut block: Option<Block> = None;
+    // Lines come in the same order in every frame: the joint expected next is tried before the map.
+    let mut order: Vec<usize> = Vec::new();
+    while scan.skip_space() {
+        let mark = scan.mark();
+        let word = scan.word().unwrap_or_default();
+        if word.starts_with(b"#") {
+            scan.next_line();
+            continue;
+        }
+        if word[0].is_ascii_digit() && scan.at_line_end() {
+            let next = begin_block(scan, mark, block.take(), asf, &mut sink)?;
+            block = Some(next);
+            continue;
+        }
+        let Some(b) = &mut block else {
+            return Err(scan.error(mark, "the number of the first frame", HELP));
+        };
+        let guess = order.get(b.count).copied().filter(|&j| asf.joints[j].name.as_bytes() == word);
+        let Some(joint) = guess.or_else(|| by_name.get(word).copied()) else {
+            return Err(unknown_joint(scan, mark, word, asf));
+        };
+        if b.index == 1 {
+            order.push(joint);
+        }
+        b.take_joint(scan, mark, joint)?;
+        read_joint(scan, &asf.details[joint], joint, scale, &mut sink)?;
+    }
+    match block {
+        Some(b) => b.finish(scan, asf, &mut sink)?,
+        None => return Err(scan.error(scan.mark(), "at least one frame", HELP)),
+    }
+    Ok(sink)
+}
+
+fn begin_block(
+    scan: &Scanner,
+    mark: Mark,
+    previous: Option<Block>,
+    asf: &Asf,
+    sink: &mut FrameSink,
+) -> Result<Block, ImportError> {
+    let mut here = scan.at_mark(mark);
+    let Some(number) = here.word().and_then(parse_count) else {
+        return Err(scan.error(mark, "a frame number", HELP));
+    };
+    let Some(p) = previous else {
+        sink.begin_frame();
+        return Ok(Block { number, mark, given: vec![0; asf.joints.len()], count: 0, index: 1 });
+    };
+    if p.number.checked_add(1) != Some(number) {
+        let help = "Frames are missing or out of order: restore them, or number them without gaps.";
+        return Err(scan.error(mark, &format!("frame {}", p.number.saturating_add(1)), help));
+    }
+    p.finish(scan, asf, sink)?;
+    sink.begin_frame();
+    Ok(Block { number, mark, given: p.given, count: 0, index: p.index + 1 })
+}
+
+impl Block {
+    fn take_joint(&mut self, scan: &Scanner, mark: Mark, joint: usize) -> Result<(), ImportError> {
+        if self.given[joint] == self.index {
+            let expected = format!("each joint once in frame {}", self.number);
+            return Err(scan.error(mark, &expected, HELP));
+        }
+        self.given[joint] = self.index;
+        self.count += 1;
+        Ok(())
+    }
+
+    /// Checks that every joint that can move was given, and keeps the frame.
+    fn finish(&self, scan: &Scanner, asf: &Asf, sink: &mut FrameSink) -> Result<(), ImportError> {
+        let missing = |(j, d): (usize, &AsfJoint)| !d.dofs.is_empty() && self.given[j] != self.index;
+        if let Some((j, _)) = asf.details.iter().enumerate().find(|&p| missing(p)) {
+            let expected = format!("a line for `{}` in frame {}", asf.joints[j].name, self.number);
+            return Err(scan.error_found(self.mark, &expected, "a frame without it", HELP));
+        }
+        if !sink.end_frame() {
+            let message = "its skeleton has too many joints that never move";
+            return Err(content_error(scan.path(), message, "Check that the ASF file belongs to this AMC file"));
+        }
+        Ok(())
+    }
+}
+
+fn read_joint(
+    scan: &mut Scanner,
+    detail: &AsfJoint,
+    joint: usize,
+    scale: f64,
+    sink: &mut FrameSink,
+) -> Result<(), ImportError> {
+    let (mut t, mut r) = (DVec3::ZERO, DQuat::IDENTITY);
+    for dof in &detail.dofs {
+        let mark = scan.mark();
+        let Ok(value) = scan.number("", "") else {
+            return Err(wrong_count(scan, mark, detail));
+        };
+        match dof {
+            Dof::Translate(axis) => t[*axis as usize] = value,
+            Dof::Rotate(axis) => r = axis.rotation(value * scale) * r,
+        }
+    }
+    if !scan.at_line_end() {
+        return Err(wrong_count(scan, scan.mark(), detail));
+    }
+    let root = sink.is_root(joint);
+    sink.translations[joint] += if root { t } else { detail.axis * t };
+    sink.rotations[joint] = detail.axis * r * detail.axis.conjugate();
+    Ok(())
+}
+
+#[cold]
+fn wrong_count(scan: &Scanner, mark: Mark, detail: &AsfJoint) -> ImportError {
+    let mut here = scan.at_mark(mark);
+    here.at_line_end();
+    let n = detail.dofs.len();
+    let help = "The ASF file lists the numbers of each joint (`dof`): check that it belongs to this AMC file.";
+    scan.error(here.mark(), &format!("{n} number{} on this line", if n == 1 { "" } else { "s" }), help)
+}
+
+#[cold]
+fn unknown_joint(scan: &Scanner, mark: Mark, word: &[u8], asf: &Asf) -> ImportError {
+    let word = text(word);
+    let near = nearest(&word, asf.joints.iter().filter(|j| !j.is_end).map(|j| j.name.as_str()));
+    let help = format!(
+        "{} has no such joint{}; name the right skeleton with `asf` in the config.",
+        asf.path.display(),
+        near.map_or_else(String::new, |j| format!(" (nearest: `{j}`)")),
+    );
+    scan.error(mark, "a frame number or the name of a joint", &help)
+}

@@ -1,0 +1,359 @@
+//! Reads ASF: the skeleton that AMC files move.
+//!
+//! Segments are given by direction and length in global axes; the joint of a segment is where it starts, and the
+//! ends of chains become `NAME_end` joints. So every rest rotation is the identity, and what a segment's own
+//! `axis` C does is to turn its motion R into global axes: the joint rotates by C R C^-1.
+
+use super::scan::{Mark, Scanner, text};
+use super::source::{Axis, MAX_JOINTS};
+use crate::ImportError;
+use crate::raw::RawJoint;
+use glam::{DQuat, DVec3, Quat};
+use std::collections::HashMap;
+use std::path::{Path, PathBuf};
+
+const HELP: &str = "The file is damaged or not an ASF skeleton: compare it with an intact one.";
+/// One inch; ASF lengths are inches divided by the `length` of `:units`.
+const INCH: f64 = 0.0254;
+
+/// A number that an AMC line holds for a joint.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Dof {
+    Translate(Axis),
+    Rotate(Axis),
+}
+
+/// What an ASF file says of one joint beyond its place in the skeleton.
+#[derive(Clone, Debug)]
+pub(super) struct AsfJoint {
+    /// The numbers of its AMC line, in order. Rotations apply in this order, the first one innermost.
+    pub dofs: Vec<Dof>,
+    /// Rotation from the segment's own axes to the global ones.
+    pub axis: DQuat,
+}
+
+/// The skeleton of an ASF file, in its own units.
+#[derive(Clone, Debug)]
+pub struct Asf {
+    /// The file.
+    pub path: PathBuf,
+    /// Joints, parents first, each chain in one run.
+    pub joints: Vec<RawJoint>,
+    /// Length of one unit by the file's `:units` (m).
+    pub metres_per_unit: f64,
+    /// True where angles are in degrees, unless the AMC file says otherwise.
+    pub degrees: bool,
+    /// What the file says of each joint (joints.len()).
+    pub(super) details: Vec<AsfJoint>,
+}
+
+/// A segment as written in `:bonedata`.
+struct Segment {
+    name: String,
+    mark: Mark,
+    vector: DVec3,
+    joint: AsfJoint,
+    parent: Option<usize>,
+    children: Vec<usize>,
+}
+
+/// Everything that is read before the skeleton is put together; segment 0 is the root.
+struct Reader<'a> {
+    scan: Scanner<'a>,
+    length: f64,
+    degrees: bool,
+    segments: Vec<Segment>,
+    by_name: HashMap<&'a [u8], usize>,
+}
+
+/// Reads a skeleton from the text of an ASF file.
+///
+/// # Errors
+/// [`ImportError::Syntax`] with line and column.
+pub fn parse(bytes: &[u8], path: &Path) -> Result<Asf, ImportError> {
+    let scan = Scanner::new(bytes, path)?;
+    let root = Segment {
+        name: "root".into(),
+        mark: scan.mark(),
+        vector: DVec3::ZERO,
+        joint: AsfJoint { dofs: Vec::new(), axis: DQuat::IDENTITY },
+        parent: None,
+        children: Vec::new(),
+    };
+    let by_name = HashMap::from([(&b"root"[..], 0)]);
+    let mut reader = Reader { scan, length: 1.0, degrees: true, segments: vec![root], by_name };
+    let position = reader.read_sections()?;
+    reader.assemble(position)
+}
+
+impl<'a> Reader<'a> {
+    /// Reads all sections; returns the position of the root.
+    fn read_sections(&mut self) -> Result<DVec3, ImportError> {
+        let mut position = DVec3::ZERO;
+        let mut seen = [false; 3];
+        while self.scan.skip_space() {
+            let mark = self.scan.mark();
+            let word = self.scan.word().unwrap_or_default();
+            let is = |keyword: &str| word.eq_ignore_ascii_case(keyword.as_bytes());
+            if is(":units") {
+                self.scan.next_line();
+                self.read_units()?;
+            } else if is(":root") {
+                self.scan.next_line();
+                position = self.read_root()?;
+                seen[0] = true;
+            } else if is(":bonedata") {
+                self.read_segments()?;
+                seen[1] = true;
+            } else if is(":hierarchy") {
+                self.read_hierarchy()?;
+                seen[2] = true;
+            } else if word.starts_with(b":") || word.starts_with(b"#") {
+                self.skip_section();
+            } else {
+                return Err(self.scan.error(mark, "a section such as `:root` or `:bonedata`", HELP));
+            }
+        }
+        match seen.iter().zip([":root", ":bonedata", ":hierarchy"]).find(|(seen, _)| !**seen) {
+            Some((_, section)) => Err(self.scan.error(self.scan.mark(), &format!("a section `{section}`"), HELP)),
+            None => Ok(position),
+        }
+    }
+
+    /// Skips lines up to the next one that starts with a colon.
+    fn skip_section(&mut self) {
+        loop {
+            self.scan.next_line();
+            if !self.next_entry() {
+                return;
+            }
+        }
+    }
+
+    /// Moves to the next line with text; false where a section starts or the file ends.
+    fn next_entry(&mut self) -> bool {
+        while self.scan.skip_space() {
+            let mark = self.scan.mark();
+            let word = self.scan.word().unwrap_or_default();
+            if word.starts_with(b"#") {
+                self.scan.next_line();
+                continue;
+            }
+            self.scan.rewind(mark);
+            return !word.starts_with(b":");
+        }
+        false
+    }
+
+    fn read_units(&mut self) -> Result<(), ImportError> {
+        while self.next_entry() {
+            let word = self.scan.word().unwrap_or_default();
+            if word.eq_ignore_ascii_case(b"length") {
+                self.scan.at_line_end();
+                let mark = self.scan.mark();
+                self.length = self.scan.number("the length of a unit", HELP)?;
+                if self.length <= 1e-9 {
+                    return Err(self.scan.error(mark, "a length above 0", HELP));
+                }
+            } else if word.eq_ignore_ascii_case(b"angle") {
+                self.scan.at_line_end();
+                let mark = self.scan.mark();
+                self.degrees = match self.scan.word().unwrap_or_default().to_ascii_lowercase().as_slice() {
+                    b"deg" | b"degrees" => true,
+                    b"rad" | b"radians" => false,
+                    _ => return Err(self.scan.error(mark, "`deg` or `rad`", HELP)),
+                };
+            }
+            self.scan.next_line();
+        }
+        Ok(())
+    }
+
+    fn read_root(&mut self) -> Result<DVec3, ImportError> {
+        let (mut position, mut orientation, mut axis) = (DVec3::ZERO, [0.0; 3], [Axis::X, Axis::Y, Axis::Z]);
+        while self.next_entry() {
+            let word = self.scan.word().unwrap_or_default().to_ascii_lowercase();
+            match word.as_slice() {
+                b"order" => self.segments[0].joint.dofs = self.read_dofs()?,
+                b"axis" => axis = self.read_axis_order()?,
+                b"position" => position = self.read_vector("the root's position")?,
+                b"orientation" => orientation = self.read_vector("the root's orientation")?.to_array(),
+                _ => {}
+            }
+            self.scan.next_line();
+        }
+        if self.segments[0].joint.dofs.is_empty() {
+            return Err(self.scan.error(self.scan.mark(), "`order` in section `:root`", HELP));
+        }
+        self.segments[0].joint.axis = self.axis_rotation(orientation, axis);
+        Ok(position)
+    }
+
+    fn read_segments(&mut self) -> Result<(), ImportError> {
+        while self.next_entry() {
+            self.scan.expect("begin", HELP)?;
+            self.read_segment()?;
+            if self.segments.len() > MAX_JOINTS {
+                let expected = format!("at most {MAX_JOINTS} segments");
+                return Err(self.scan.error_found(self.scan.mark(), &expected, "one more", HELP));
+            }
+        }
+        Ok(())
+    }
+
+    fn read_segment(&mut self) -> Result<(), ImportError> {
+        let mut name: Option<(&[u8], Mark)> = None;
+        let (mut direction, mut length) = (None, None);
+        let mut joint = AsfJoint { dofs: Vec::new(), axis: DQuat::IDENTITY };
+        let end = loop {
+            if !self.next_entry() {
+                return Err(self.scan.error(self.scan.mark(), "`end` of the segment", HELP));
+            }
+            let entry = self.scan.mark();
+            let word = self.scan.word().unwrap_or_default().to_ascii_lowercase();
+            self.scan.at_line_end();
+            let mark = self.scan.mark();
+            match word.as_slice() {
+                b"end" => break entry,
+                b"name" => name = self.scan.word().map(|n| (n, mark)),
+                b"direction" => direction = Some(self.read_vector("a direction")?),
+                b"length" => length = Some(self.scan.number("a length", HELP)?),
+                b"dof" => joint.dofs = self.read_dofs()?,
+                b"axis" => {
+                    let angles = self.read_vector("the angles of an axis")?.to_array();
+                    let order = self.read_axis_order()?;
+                    joint.axis = self.axis_rotation(angles, order);
+                }
+                b"begin" => return Err(self.scan.error(mark, "`end` before the next `begin`", HELP)),
+                _ => {}
+            }
+            self.scan.next_line();
+        };
+        let missing = |what: &str| self.scan.error_found(end, what, "the segment's end without it", HELP);
+        let (name, name_mark) = name.ok_or_else(|| missing("`name`"))?;
+        let direction = direction.ok_or_else(|| missing("`direction`"))?;
+        let length = length.ok_or_else(|| missing("`length`"))?;
+        let vector = direction.normalize_or_zero() * length;
+        if self.by_name.insert(name, self.segments.len()).is_some() {
+            return Err(self.scan.error(name_mark, "a name that no other segment has", HELP));
+        }
+        let segment = Segment { name: text(name), mark: name_mark, vector, joint, parent: None, children: Vec::new() };
+        self.segments.push(segment);
+        Ok(())
+    }
+
+    fn read_vector(&mut self, what: &str) -> Result<DVec3, ImportError> {
+        let mut v = [0.0; 3];
+        for value in &mut v {
+            *value = self.scan.number(&format!("{what}, three numbers"), HELP)?;
+        }
+        Ok(DVec3::from(v))
+    }
+
+    fn read_axis_order(&mut self) -> Result<[Axis; 3], ImportError> {
+        self.scan.at_line_end();
+        let mark = self.scan.mark();
+        let word = self.scan.word().unwrap_or_default();
+        let axes: Vec<_> = word.iter().take(4).map_while(|&b| Axis::from_letter(b)).collect();
+        match <[Axis; 3]>::try_from(axes) {
+            Ok(axes) if axes[0] != axes[1] && axes[1] != axes[2] && axes[0] != axes[2] => Ok(axes),
+            _ => Err(self.scan.error(mark, "an axis order such as `XYZ`", HELP)),
+        }
+    }
+
+    fn read_dofs(&mut self) -> Result<Vec<Dof>, ImportError> {
+        let mut dofs = Vec::new();
+        while !self.scan.at_line_end() {
+            let mark = self.scan.mark();
+            let dof = match self.scan.word().unwrap_or_default() {
+                [b't' | b'T', axis] => Axis::from_letter(*axis).map(Dof::Translate),
+                [b'r' | b'R', axis] => Axis::from_letter(*axis).map(Dof::Rotate),
+                _ => None,
+            };
+            match dof.filter(|d| !dofs.contains(d)) {
+                Some(dof) => dofs.push(dof),
+                None => {
+                    let help = "Each may stand once; segments that change their length (`l`) are not read.";
+                    return Err(self.scan.error(mark, "`tx`, `ty`, `tz`, `rx`, `ry` or `rz`", help));
+                }
+            }
+        }
+        Ok(dofs)
+    }
+
+    /// The rotation of three angles, the first one innermost.
+    fn axis_rotation(&self, angles: [f64; 3], order: [Axis; 3]) -> DQuat {
+        let scale = if self.degrees { 1f64.to_radians() } else { 1.0 };
+        order.iter().zip(angles).fold(DQuat::IDENTITY, |q, (axis, angle)| axis.rotation(angle * scale) * q)
+    }
+
+    fn read_hierarchy(&mut self) -> Result<(), ImportError> {
+        while self.next_entry() {
+            let line = self.scan.mark();
+            let first = self.scan.word().unwrap_or_default();
+            if !first.eq_ignore_ascii_case(b"begin") && !first.eq_ignore_ascii_case(b"end") {
+                self.scan.rewind(line);
+                let parent = self.read_reference()?;
+                while !self.scan.at_line_end() {
+                    let mark = self.scan.mark();
+                    let child = self.read_reference()?;
+                    if child == 0 || self.segments[child].parent.is_some() {
+                        return Err(self.scan.error(mark, "a segment that has no parent yet", HELP));
+                    }
+                    self.segments[child].parent = Some(parent);
+                    self.segments[parent].children.push(child);
+                }
+            }
+            self.scan.next_line();
+        }
+        Ok(())
+    }
+
+    fn read_reference(&mut self) -> Result<usize, ImportError> {
+        self.scan.at_line_end();
+        let mark = self.scan.mark();
+        let known = self.scan.word().and_then(|w| self.by_name.get(w).copied());
+        known.ok_or_else(|| self.scan.error(mark, "the name of a segment in `:bonedata`, or `root`", HELP))
+    }
+
+    /// Joints in chain order from the root, with the ends of chains.
+    fn assemble(self, position: DVec3) -> Result<Asf, ImportError> {
+        let mut asf = Asf {
+            path: self.scan.path().to_owned(),
+            joints: Vec::new(),
+            metres_per_unit: INCH / self.length,
+            degrees: self.degrees,
+            details: Vec::new(),
+        };
+        let mut placed = vec![false; self.segments.len()];
+        let mut stack = vec![(0, None)];
+        while let Some((s, parent)) = stack.pop() {
+            let segment = &self.segments[s];
+            placed[s] = true;
+            let offset = segment.parent.map_or(position, |p| self.segments[p].vector);
+            let index = asf.push(segment.name.clone(), parent, offset, Some(segment.joint.clone()));
+            if segment.children.is_empty() {
+                asf.push(format!("{}_end", segment.name), Some(index), segment.vector, None);
+            }
+            stack.extend(segment.children.iter().rev().map(|&c| (c, Some(index))));
+        }
+        match placed.iter().position(|p| !p) {
+            Some(s) => {
+                let found = format!("`{}` without a way to the root", self.segments[s].name);
+                let expected = "every segment in `:hierarchy`";
+                Err(self.scan.error_found(self.segments[s].mark, expected, &found, HELP))
+            }
+            None => Ok(asf),
+        }
+    }
+}
+
+impl Asf {
+    fn push(&mut self, name: String, parent: Option<usize>, offset: DVec3, joint: Option<AsfJoint>) -> usize {
+        let is_end = joint.is_none();
+        let offset = offset.as_vec3();
+        self.joints.push(RawJoint { name, parent, offset, rest_rotation: Quat::IDENTITY, is_end });
+        self.details.push(joint.unwrap_or(AsfJoint { dofs: Vec::new(), axis: DQuat::IDENTITY }));
+        self.joints.len() - 1
+    }
+}

@@ -1,0 +1,279 @@
+//! Reads BVH: a HIERARCHY of joints with offsets and channels, then MOTION with one line of numbers per frame.
+//!
+//! Rotations apply in channel order (the first channel is the outermost), whatever order each joint chooses.
+//! Position channels replace the joint's offset, axis by axis, on any joint.
+
+use super::scan::{Scanner, text};
+use super::source::{Axis, FrameSink, MAX_JOINTS, SourceClip, content_error};
+use crate::error::{ImportError, Warnings};
+use crate::raw::{RawJoint, SourceFormat};
+use glam::{Quat, Vec3};
+use std::path::Path;
+
+const HELP_HIERARCHY: &str = "The file is cut short or damaged: export the clip again.";
+const HELP_MOTION: &str = "Every frame is one line with one number per channel: export the clip again.";
+
+/// One number of a frame: which joint it moves, and how.
+struct Channel {
+    joint: usize,
+    axis: Axis,
+    rotates: bool,
+}
+
+struct Hierarchy {
+    joints: Vec<RawJoint>,
+    channels: Vec<Channel>,
+    /// The joint whose block is open.
+    open: Option<usize>,
+}
+
+/// Reads a clip from the text of a BVH file; `path` is what errors and the clip's name are made from.
+///
+/// Memory is in proportion to the text, whatever counts it names.
+///
+/// # Errors
+/// [`ImportError::Syntax`] with line and column, [`ImportError::Content`] where there is no motion.
+pub fn parse(bytes: &[u8], path: &Path) -> Result<SourceClip, ImportError> {
+    let mut scan = Scanner::new(bytes, path)?;
+    let hierarchy = read_hierarchy(&mut scan)?;
+    let num_frames = read_frame_count(&mut scan)?;
+    let (rate_hz, finding) = read_frame_time(&mut scan)?;
+    let warnings = duplicate_names(&hierarchy.joints, path);
+    let frames = read_frames(&mut scan, hierarchy, num_frames)?;
+    Ok(SourceClip {
+        clip: frames.into_clip(path, SourceFormat::Bvh, rate_hz),
+        declared_metres_per_unit: None,
+        findings: vec![finding],
+        warnings,
+    })
+}
+
+fn read_hierarchy(scan: &mut Scanner) -> Result<Hierarchy, ImportError> {
+    scan.expect("HIERARCHY", "This is not a BVH file: it must start with HIERARCHY.")?;
+    let mut h = Hierarchy { joints: Vec::new(), channels: Vec::new(), open: None };
+    loop {
+        scan.skip_space();
+        let mark = scan.mark();
+        let word = scan.word().unwrap_or_default();
+        let is = |keyword: &str| word.eq_ignore_ascii_case(keyword.as_bytes());
+        match h.open {
+            None if is("ROOT") => open_joint(scan, &mut h)?,
+            None if is("MOTION") && !h.joints.is_empty() => return Ok(h),
+            None => {
+                let expected = if h.joints.is_empty() { "`ROOT`" } else { "`ROOT` or `MOTION`" };
+                return Err(scan.error(mark, expected, HELP_HIERARCHY));
+            }
+            Some(_) if is("JOINT") => open_joint(scan, &mut h)?,
+            Some(joint) if is("OFFSET") => h.joints[joint].offset = read_offset(scan)?,
+            Some(joint) if is("CHANNELS") => read_channels(scan, joint, &mut h.channels)?,
+            Some(joint) if is("End") => read_end_site(scan, joint, &mut h.joints)?,
+            Some(joint) if is("}") => h.open = h.joints[joint].parent,
+            Some(_) => {
+                return Err(scan.error(mark, "`OFFSET`, `CHANNELS`, `JOINT`, `End Site` or `}`", HELP_HIERARCHY));
+            }
+        }
+        if h.joints.len() > MAX_JOINTS {
+            let expected = format!("at most {MAX_JOINTS} joints");
+            return Err(scan.error_found(mark, &expected, "one more", HELP_HIERARCHY));
+        }
+    }
+}
+
+fn open_joint(scan: &mut Scanner, h: &mut Hierarchy) -> Result<(), ImportError> {
+    scan.at_line_end();
+    let mark = scan.mark();
+    let name = scan.name();
+    if name.is_empty() {
+        return Err(scan.error(mark, "the name of a joint", HELP_HIERARCHY));
+    }
+    scan.expect("{", HELP_HIERARCHY)?;
+    let parent = h.open.replace(h.joints.len());
+    h.joints.push(new_joint(text(name), parent, Vec3::ZERO, false));
+    Ok(())
+}
+
+fn new_joint(name: String, parent: Option<usize>, offset: Vec3, is_end: bool) -> RawJoint {
+    RawJoint { name, parent, offset, rest_rotation: Quat::IDENTITY, is_end }
+}
+
+fn read_offset(scan: &mut Scanner) -> Result<Vec3, ImportError> {
+    let mut offset = [0.0; 3];
+    for (value, axis) in offset.iter_mut().zip(["x", "y", "z"]) {
+        *value = scan.number(&format!("the {axis} of an offset"), HELP_HIERARCHY)? as f32;
+    }
+    Ok(Vec3::from(offset))
+}
+
+fn read_channels(scan: &mut Scanner, joint: usize, channels: &mut Vec<Channel>) -> Result<(), ImportError> {
+    scan.at_line_end();
+    let mark = scan.mark();
+    let first = channels.len();
+    let count = scan.count("a number of channels", HELP_HIERARCHY)?;
+    if count > 6 {
+        return Err(scan.error(mark, "at most 6 channels", "A joint has three positions and three rotations."));
+    }
+    for _ in 0..count {
+        scan.skip_space();
+        let mark = scan.mark();
+        let channel = scan.word().and_then(|w| channel_of(w, joint));
+        let Some(channel) = channel else {
+            let expected = "a channel: Xposition, Yposition, Zposition, Xrotation, Yrotation or Zrotation";
+            return Err(scan.error(mark, expected, "The number after CHANNELS says how many names follow."));
+        };
+        if channels[first..].iter().any(|c| c.rotates == channel.rotates && c.axis == channel.axis && !c.rotates) {
+            return Err(scan.error(mark, "each position channel once", HELP_HIERARCHY));
+        }
+        channels.push(channel);
+    }
+    Ok(())
+}
+
+fn channel_of(word: &[u8], joint: usize) -> Option<Channel> {
+    let (letter, kind) = word.split_first()?;
+    let rotates = kind.eq_ignore_ascii_case(b"rotation");
+    let known = rotates || kind.eq_ignore_ascii_case(b"position");
+    Axis::from_letter(*letter).filter(|_| known).map(|axis| Channel { joint, axis, rotates })
+}
+
+fn read_end_site(scan: &mut Scanner, parent: usize, joints: &mut Vec<RawJoint>) -> Result<(), ImportError> {
+    scan.name();
+    scan.expect("{", HELP_HIERARCHY)?;
+    scan.expect("OFFSET", HELP_HIERARCHY)?;
+    let offset = read_offset(scan)?;
+    scan.expect("}", HELP_HIERARCHY)?;
+    let siblings = joints.iter().filter(|j| j.is_end && j.parent == Some(parent)).count();
+    let number = if siblings == 0 { String::new() } else { (siblings + 1).to_string() };
+    let name = format!("{}_end{number}", joints[parent].name);
+    joints.push(new_joint(name, Some(parent), offset, true));
+    Ok(())
+}
+
+fn read_frame_count(scan: &mut Scanner) -> Result<u64, ImportError> {
+    scan.expect("Frames", HELP_HIERARCHY)?;
+    scan.expect(":", HELP_HIERARCHY)?;
+    scan.at_line_end();
+    let mark = scan.mark();
+    match scan.count("the number of frames", HELP_HIERARCHY)? {
+        0 => Err(scan.error(mark, "at least one frame", "A clip without motion cannot be used.")),
+        n => Ok(n),
+    }
+}
+
+fn read_frame_time(scan: &mut Scanner) -> Result<(f64, String), ImportError> {
+    scan.expect("Frame", HELP_HIERARCHY)?;
+    scan.expect("Time", HELP_HIERARCHY)?;
+    scan.expect(":", HELP_HIERARCHY)?;
+    scan.at_line_end();
+    let mark = scan.mark();
+    let seconds = scan.number("the seconds of a frame", HELP_HIERARCHY)?;
+    if !(1e-5..=10.0).contains(&seconds) {
+        return Err(scan.error(
+            mark,
+            "seconds between 0.00001 and 10",
+            "Frame Time is in seconds: 0.0333333 at 30 Hz.",
+        ));
+    }
+    scan.rewind(mark);
+    let written = text(scan.word().unwrap_or_default());
+    scan.expect_line_end("nothing more on this line", HELP_HIERARCHY)?;
+    let rate_hz = rate_of(seconds, &written);
+    Ok((rate_hz, format!("{rate_hz} frames a second: the file says `Frame Time: {written}`.")))
+}
+
+/// The rate behind a frame time: a whole number where the written digits allow it.
+fn rate_of(seconds: f64, written: &str) -> f64 {
+    let (mantissa, exponent) = written.split_once(['e', 'E']).unwrap_or((written, "0"));
+    let decimals = mantissa.split_once('.').map_or(0, |(_, d)| d.len().min(300)) as i32;
+    let digit = 10f64.powi(exponent.parse::<i32>().unwrap_or(0).clamp(-300, 0) - decimals);
+    let tolerance = (digit / seconds).clamp(1e-9, 0.005);
+    let exact = 1.0 / seconds;
+    let whole = exact.round();
+    if whole >= 1.0 && (exact - whole).abs() <= whole * tolerance { whole } else { exact }
+}
+
+fn read_frames(scan: &mut Scanner, h: Hierarchy, num_frames: u64) -> Result<FrameSink, ImportError> {
+    let mut sink = FrameSink::new(h.joints, scan.len());
+    let num_channels = h.channels.len();
+    if num_channels == 0 {
+        return Err(content_error(scan.path(), "no joint has a channel", "A clip without motion cannot be used"));
+    }
+    for frame in 0..num_frames {
+        let expected = |what: &str| format!("{what} of frame {} of {num_frames}", frame + 1);
+        if !scan.skip_space() {
+            return Err(scan.error(scan.mark(), &expected("the line"), HELP_MOTION));
+        }
+        sink.begin_frame();
+        for (k, channel) in h.channels.iter().enumerate() {
+            let value = match scan.number("", "") {
+                Ok(value) => value,
+                Err(e) => return Err(with_expectation(e, expected(&format!("number {} of {num_channels}", k + 1)))),
+            };
+            channel.apply(value, &mut sink);
+        }
+        scan.expect_line_end(&format!("{num_channels} numbers, one per channel"), HELP_MOTION)?;
+        if !sink.end_frame() {
+            let message = format!("{} joints without channels of their own make too large a clip", sink.num_joints());
+            return Err(content_error(scan.path(), message, "Remove the joints that do not move"));
+        }
+    }
+    if scan.skip_space() {
+        let expected = format!("the end of the file after {num_frames} frames");
+        return Err(scan.error(scan.mark(), &expected, "Correct the number after `Frames:`."));
+    }
+    Ok(sink)
+}
+
+fn with_expectation(error: ImportError, what: String) -> ImportError {
+    match error {
+        ImportError::Syntax { path, line, column, found, .. } => {
+            ImportError::Syntax { path, line, column, found, expected: what, help: HELP_MOTION.into() }
+        }
+        other => other,
+    }
+}
+
+impl Channel {
+    fn apply(&self, value: f64, sink: &mut FrameSink) {
+        if self.rotates {
+            let r = &mut sink.rotations[self.joint];
+            *r *= self.axis.rotation(value.to_radians());
+        } else {
+            sink.translations[self.joint][self.axis as usize] = value;
+        }
+    }
+}
+
+fn duplicate_names(joints: &[RawJoint], path: &Path) -> Warnings {
+    let mut names: Vec<&str> = joints.iter().map(|j| j.name.as_str()).collect();
+    names.sort_unstable();
+    let mut warnings = Warnings::default();
+    for pair in names.windows(2).filter(|w| w[0] == w[1]) {
+        warnings.push(format!("{}: more than one joint is called `{}`; the first counts.", path.display(), pair[0]));
+    }
+    warnings.messages.dedup();
+    warnings
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rates_follow_the_digits_that_were_written() {
+        let exact = 1.0 / 0.0333667;
+        for (written, rate) in [
+            ("0.0333333", 30.0),
+            ("0.033333", 30.0),
+            (".008333", 120.0),
+            ("0.0083", 120.0),
+            ("0.0333667", exact),
+            ("0.016667", 60.0),
+            ("0.0166666", 60.0),
+            ("1.0", 1.0),
+            ("3.33333333e-2", 30.0),
+        ] {
+            let got = rate_of(written.parse().unwrap(), written);
+            assert!((got - rate).abs() < 1e-6 * rate, "{written}: {got}");
+        }
+    }
+}

@@ -1,0 +1,76 @@
+//! What the user may say about the files instead of having it detected.
+
+use std::path::PathBuf;
+
+/// The axis of a source that points up.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum UpAxis {
+    /// +Y, as in most BVH and all ASF files.
+    Y,
+    /// +Z, as in files made for Z-up tools.
+    Z,
+}
+
+impl UpAxis {
+    /// The letter, upper case.
+    pub fn letter(self) -> char {
+        match self {
+            Self::Y => 'Y',
+            Self::Z => 'Z',
+        }
+    }
+}
+
+/// The direction the rest pose looks, once Y is up.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
+pub enum Forward {
+    /// Along +Z, the convention of this project.
+    #[serde(rename = "+z")]
+    PosZ,
+    /// Along -Z.
+    #[serde(rename = "-z")]
+    NegZ,
+    /// Along +X.
+    #[serde(rename = "+x")]
+    PosX,
+    /// Along -X.
+    #[serde(rename = "-x")]
+    NegX,
+}
+
+impl Forward {
+    /// Heading about +Y (rad).
+    pub fn heading(self) -> f32 {
+        use std::f32::consts::{FRAC_PI_2, PI};
+        match self {
+            Self::PosZ => 0.0,
+            Self::NegZ => PI,
+            Self::PosX => FRAC_PI_2,
+            Self::NegX => -FRAC_PI_2,
+        }
+    }
+}
+
+/// Overrides of what import detects, and how it treats faults.
+#[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct ImportConfig {
+    /// Length of one unit of the files; detected where absent (m, > 0).
+    pub metres_per_unit: Option<f64>,
+    /// Axis that points up in the files; detected where absent.
+    pub up: Option<UpAxis>,
+    /// Direction the rest pose faces, once Y is up; detected where absent. Says nothing of a rest pose that is not a
+    /// standing body.
+    pub forward: Option<Forward>,
+    /// Frames a second, instead of what the files say (Hz, > 0).
+    pub rate_hz: Option<f64>,
+    /// Skeleton file of all AMC files; found beside each AMC file where absent.
+    pub asf: Option<PathBuf>,
+    /// Name of the skeleton profile to use; chosen by joint names where absent.
+    pub profile: Option<String>,
+    /// Further skeleton profiles (TOML files), tried before the built-in ones.
+    pub profiles: Vec<PathBuf>,
+    /// True: one bad file stops the build. False: it is named, skipped and counted.
+    pub strict: bool,
+}

@@ -1,0 +1,206 @@
+//! Files to raw clips: BVH and ASF/AMC, in metres, Y up, with a role for every joint that matters.
+//!
+//! Each format has its own reader that yields a [`SourceClip`] in the file's units. A skeleton profile, or a guess
+//! by name and topology, says which joint plays which role; units, up axis and rest pose are then found from the
+//! body's size and pose.
+
+pub mod amc;
+pub mod asf;
+pub mod bvh;
+pub mod config;
+mod files;
+mod guess;
+pub mod profile;
+mod rest;
+pub mod roles;
+mod scan;
+mod source;
+mod units;
+
+use crate::clip::{Clip, ClipSet};
+use crate::error::{ImportError, Warnings};
+use crate::export::{self, to_raw};
+use crate::progress::Progress;
+use crate::raw::RawClip;
+pub use config::{Forward, ImportConfig, UpAxis};
+pub use files::matches;
+pub use files::{expand, find_asf};
+use profile::Profile;
+use rayon::prelude::*;
+pub use rest::{RestPose, RestPoseKind};
+pub use roles::RoleMap;
+pub use source::SourceClip;
+use source::content_error;
+use std::path::{Path, PathBuf};
+
+/// A clip as read, with everything that was found out about it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Imported {
+    /// The motion: metres, Y up, right-handed; the source's own joints.
+    pub clip: RawClip,
+    /// Which source joint plays which role.
+    pub roles: RoleMap,
+    /// What the source's zero pose is.
+    pub rest_pose: RestPose,
+    /// Length of one unit of the file (m).
+    pub metres_per_unit: f64,
+    /// Axis that points up in the file (the clip itself is Y up).
+    pub up: UpAxis,
+    /// Heading the rest pose faces, about +Y; 0 where the rest pose is not a body (rad).
+    pub facing: f32,
+    /// Direction that the config says the rest pose faces.
+    pub forward: Option<Forward>,
+    /// Body height estimated from the lengths of the segments (m).
+    pub height: f32,
+    /// One sentence for each thing that was detected: what and why.
+    pub findings: Vec<String>,
+    /// What is odd but tolerable, naming the file; [`RoleMap::warnings`] included.
+    pub warnings: Warnings,
+}
+
+/// All clips of a build, and the files that could not be read.
+#[derive(Debug)]
+pub struct ImportedSet {
+    /// The clips, sorted by path.
+    pub clips: Vec<Imported>,
+    /// Files that were skipped and why, sorted by path.
+    pub skipped: Vec<ImportError>,
+}
+
+/// Reads all motion files of `paths` (files, folders, patterns with `*`), in parallel.
+///
+/// The result does not depend on the number of threads. A bad file is skipped and kept in
+/// [`ImportedSet::skipped`].
+///
+/// # Errors
+/// The first bad file (by path) where `config.strict` is set or no file is good; a path that yields no file; a bad
+/// profile.
+pub fn read(paths: &[PathBuf], config: &ImportConfig, progress: &dyn Progress) -> Result<ImportedSet, ImportError> {
+    let files = files::expand(paths)?;
+    let profiles = profile::load_profiles(&config.profiles)?;
+    progress.begin("import", files.len() as u64, "files");
+    let results: Vec<_> = files
+        .par_iter()
+        .map(|path| {
+            let result = read_with(path, config, &profiles);
+            progress.advance(1);
+            result
+        })
+        .collect();
+    progress.end();
+    let mut set = ImportedSet { clips: Vec::new(), skipped: Vec::new() };
+    for result in results {
+        match result {
+            Ok(clip) => set.clips.push(clip),
+            Err(e) if config.strict => return Err(e),
+            Err(e) => set.skipped.push(e),
+        }
+    }
+    if set.clips.is_empty() && !set.skipped.is_empty() {
+        return Err(set.skipped.swap_remove(0));
+    }
+    Ok(set)
+}
+
+/// Takes clips that were made, not read, the way that files go: each is written as BVH in memory and read again.
+///
+/// - `folder`: what their paths begin with, in messages and provenance; it need not exist.
+///
+/// # Errors
+/// As [`read`].
+pub fn made(set: &ClipSet, folder: &Path, config: &ImportConfig) -> Result<ImportedSet, ImportError> {
+    let profiles = profile::load_profiles(&config.profiles)?;
+    let one = |clip: &Clip| {
+        let path = folder.join(format!("{}.bvh", clip.name));
+        let mut text = Vec::new();
+        let failed = |source| ImportError::Io { path: path.clone(), source };
+        export::bvh::write(&to_raw(clip, &set.skeleton), &mut text).map_err(failed)?;
+        interpret(bvh::parse(&text, &path)?, config, &profiles)
+    };
+    Ok(ImportedSet { clips: set.clips.par_iter().map(one).collect::<Result<_, _>>()?, skipped: Vec::new() })
+}
+
+/// Reads one motion file.
+///
+/// # Errors
+/// [`ImportError`] naming the file and, for faults of the text, line and column.
+pub fn read_clip(path: &Path, config: &ImportConfig) -> Result<Imported, ImportError> {
+    read_with(path, config, &profile::load_profiles(&config.profiles)?)
+}
+
+fn read_with(path: &Path, config: &ImportConfig, profiles: &[Profile]) -> Result<Imported, ImportError> {
+    interpret(read_source(path, config.asf.as_deref())?, config, profiles)
+}
+
+/// Reads a file in its own units and axes; `asf` is the skeleton of an AMC file, found beside it if absent.
+///
+/// # Errors
+/// [`ImportError`] as the reader of the format gives it; an unknown extension.
+pub fn read_source(path: &Path, asf: Option<&Path>) -> Result<SourceClip, ImportError> {
+    let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
+    match extension.as_str() {
+        "bvh" => bvh::parse(&load(path)?, path),
+        "amc" => {
+            let asf_path = asf.map_or_else(|| files::find_asf(path), |p| Ok(p.to_owned()))?;
+            let skeleton = asf::parse(&load(&asf_path)?, &asf_path)?;
+            amc::parse(&load(path)?, path, &skeleton)
+        }
+        "asf" => Err(content_error(path, "an ASF file is a skeleton without motion", "Name its AMC file")),
+        _ => Err(content_error(path, "its extension is not .bvh or .amc", "Convert it, or correct its name")),
+    }
+}
+
+fn load(path: &Path) -> Result<Vec<u8>, ImportError> {
+    std::fs::read(path).map_err(|source| ImportError::Io { path: path.to_owned(), source })
+}
+
+/// Legs shorter than this are none (m).
+const SHORTEST_LEG_M: f32 = 0.1;
+
+/// Refuses a clip without frames, or whose joints that are called legs lie in one place.
+fn check_legs(clip: &RawClip, roles: &RoleMap) -> Result<(), ImportError> {
+    use throng_core::Joint::*;
+    if clip.num_frames == 0 {
+        return Err(content_error(&clip.path, "it has no frames", "Leave it out"));
+    }
+    let world = clip.world(0);
+    for (thigh, shin, foot) in [(LeftThigh, LeftShin, LeftFoot), (RightThigh, RightShin, RightFoot)] {
+        let at = |role| roles.get(role).map(|j| (world[j].0, &clip.joints[j].name));
+        let (Some((hip, name)), Some((knee, _)), Some((ankle, _))) = (at(thigh), at(shin), at(foot)) else { continue };
+        let length = hip.distance(knee) + knee.distance(ankle);
+        if length.is_nan() || length < SHORTEST_LEG_M {
+            let message = format!("joint {name}: expected a leg longer than {SHORTEST_LEG_M} m, found {length} m");
+            let help = "Check `metres_per_unit` and which joints the profile names as thighs, shins and feet";
+            return Err(content_error(&clip.path, message, help));
+        }
+    }
+    Ok(())
+}
+
+/// Finds roles, units, axes and rest pose of a clip, and brings it into metres and Y up.
+///
+/// # Errors
+/// [`ImportError::Content`] where a required role is missing or the skeleton has no size.
+pub fn interpret(mut source: SourceClip, config: &ImportConfig, profiles: &[Profile]) -> Result<Imported, ImportError> {
+    let roles = roles::assign(&source.clip.joints, profiles, config.profile.as_deref(), &source.clip.path)?;
+    let metres_per_unit = units::find_unit(&mut source, &roles, config)?;
+    let up = units::find_up(&mut source, &roles, config);
+    if let Some(rate_hz) = config.rate_hz {
+        if !(rate_hz.is_finite() && rate_hz > 0.0) {
+            return Err(content_error(&source.clip.path, "`rate_hz` must be above 0", "Correct it in the config"));
+        }
+        source.clip.rate_hz = rate_hz;
+        source.findings.push(format!("{rate_hz} frames a second: given in the config."));
+    }
+    let SourceClip { mut clip, mut findings, mut warnings, .. } = source;
+    units::normalise(&mut clip, metres_per_unit, up);
+    check_legs(&clip, &roles)?;
+    let (rest_pose, facing) = rest::find_rest_pose(&clip, &roles, config.forward);
+    findings.push(rest_pose.sentence.clone());
+    let height = units::body_height(&clip, &roles);
+    for warning in &roles.warnings {
+        warnings.push(format!("{}: {warning}", clip.path.display()));
+    }
+    let forward = config.forward;
+    Ok(Imported { clip, roles, rest_pose, metres_per_unit, up, facing, forward, height, findings, warnings })
+}

@@ -1,0 +1,150 @@
+//! Skeleton profiles: which joint of a known source skeleton plays which role.
+
+use super::source::content_error;
+use crate::ImportError;
+use crate::raw::RawJoint;
+use crate::toml_file::nearest;
+use std::collections::BTreeMap;
+use std::path::Path;
+use throng_core::{Joint, NUM_JOINTS};
+
+/// The profiles that are built in.
+const BUILT_IN: [&str; 8] = [
+    include_str!("../../../../data/skeletons/throng.toml"),
+    include_str!("../../../../data/skeletons/cmu-asf.toml"),
+    include_str!("../../../../data/skeletons/cmu-cgspeed.toml"),
+    include_str!("../../../../data/skeletons/snu.toml"),
+    include_str!("../../../../data/skeletons/bandai-namco.toml"),
+    include_str!("../../../../data/skeletons/mixamo.toml"),
+    include_str!("../../../../data/skeletons/lafan1.toml"),
+    include_str!("../../../../data/skeletons/smpl.toml"),
+];
+
+/// How a profile is written.
+#[derive(serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ProfileFile {
+    name: String,
+    source: String,
+    roles: BTreeMap<String, Names>,
+}
+
+/// One spelling of a joint's name or several.
+#[derive(Clone, Debug, PartialEq, serde::Deserialize)]
+#[serde(untagged)]
+enum Names {
+    One(String),
+    Several(Vec<String>),
+}
+
+impl Names {
+    fn as_slice(&self) -> &[String] {
+        match self {
+            Self::One(name) => std::slice::from_ref(name),
+            Self::Several(names) => names,
+        }
+    }
+}
+
+/// Roles of a known skeleton.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Profile {
+    /// How configs and reports name it.
+    pub name: String,
+    /// Where such files come from.
+    pub source: String,
+    roles: Vec<(Joint, Names)>,
+}
+
+impl Profile {
+    /// Reads a profile from TOML text; `path` is what errors name.
+    ///
+    /// # Errors
+    /// [`ImportError::Content`] for TOML faults, unknown roles and missing required roles.
+    pub fn parse(toml_text: &str, path: &Path) -> Result<Self, ImportError> {
+        let help = "See data/skeletons/README.md for how a profile is written";
+        let file: ProfileFile = toml::from_str(toml_text).map_err(|e| content_error(path, e.to_string(), help))?;
+        let mut roles = Vec::new();
+        for (role, names) in file.roles {
+            let Some(joint) = Joint::from_name(&role) else {
+                let near = nearest(&role, Joint::ALL.into_iter().map(Joint::name));
+                let message = format!("unknown role `{role}` (nearest: `{}`)", near.unwrap_or_default());
+                return Err(content_error(path, message, help));
+            };
+            roles.push((joint, names));
+        }
+        roles.sort_by_key(|(joint, _)| joint.index());
+        Ok(Self { name: file.name, source: file.source, roles })
+    }
+
+    /// The joint of each role, if the skeleton has one for every role of the profile.
+    pub(super) fn fit(&self, joints: &[RawJoint]) -> Option<[Option<usize>; NUM_JOINTS]> {
+        let mut map = [None; NUM_JOINTS];
+        for (role, names) in &self.roles {
+            map[role.index()] = Some(find(joints, names.as_slice())?);
+        }
+        Some(map)
+    }
+
+    /// The first role for which the skeleton has no joint, and the names looked for.
+    pub(super) fn first_misfit(&self, joints: &[RawJoint]) -> Option<(Joint, String)> {
+        let (role, names) = self.roles.iter().find(|(_, names)| find(joints, names.as_slice()).is_none())?;
+        Some((*role, names.as_slice().join("` or `")))
+    }
+
+    /// Number of roles it names.
+    pub(super) fn num_roles(&self) -> usize {
+        self.roles.len()
+    }
+}
+
+fn find(joints: &[RawJoint], names: &[String]) -> Option<usize> {
+    names.iter().find_map(|n| joints.iter().position(|j| !j.is_end && plain(&j.name).eq_ignore_ascii_case(n)))
+}
+
+/// A joint's name without its namespace.
+pub(super) fn plain(name: &str) -> &str {
+    name.rsplit([':', '|']).next().unwrap_or(name).trim()
+}
+
+/// The profiles of `files`, then the built-in ones.
+///
+/// # Errors
+/// As [`Profile::parse`], and [`ImportError::Io`].
+pub fn load_profiles(files: &[std::path::PathBuf]) -> Result<Vec<Profile>, ImportError> {
+    let mut profiles = Vec::new();
+    for path in files {
+        let text = std::fs::read_to_string(path).map_err(|source| ImportError::Io { path: path.clone(), source })?;
+        profiles.push(Profile::parse(&text, path)?);
+    }
+    for text in BUILT_IN {
+        profiles.push(Profile::parse(text, Path::new("built-in skeleton profile"))?);
+    }
+    Ok(profiles)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn built_in_profiles_load_and_name_both_sides() {
+        for p in load_profiles(&[]).unwrap() {
+            let has = |j: Joint| p.roles.iter().any(|(r, _)| *r == j);
+            assert!(Joint::ALL.into_iter().all(|j| has(j) == has(j.mirrored())), "{}", p.name);
+            assert!(p.num_roles() >= 20, "{}", p.name);
+        }
+    }
+
+    #[test]
+    fn an_unknown_role_is_refused_with_the_nearest_one() {
+        let e = Profile::parse("name='a'\nsource='b'\n[roles]\nleft_shn='x'", Path::new("p.toml")).unwrap_err();
+        assert!(e.to_string().contains("p.toml: unknown role `left_shn` (nearest: `left_shin`)"), "{e}");
+    }
+
+    #[test]
+    fn namespaces_are_dropped() {
+        assert_eq!(plain("mixamorig:Hips"), "Hips");
+        assert_eq!(plain("a|b:Left Arm "), "Left Arm");
+    }
+}

@@ -1,0 +1,134 @@
+//! Finds out what the zero pose of a source is: a standing body, and which way it faces, or not a body at all.
+
+use super::config::Forward;
+use super::roles::RoleMap;
+use super::units::rest_world;
+use crate::raw::RawClip;
+use glam::{Quat, Vec3};
+use throng_core::Joint;
+
+/// What the pose is that a source skeleton has when all rotations are zero.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum RestPoseKind {
+    /// A body that stands with its arms held out sideways (within 20 degrees).
+    TPose,
+    /// A body that stands with its arms lowered.
+    APose,
+    /// Not a standing body: offsets follow some other rule, such as every segment along one axis.
+    Other,
+}
+
+impl RestPoseKind {
+    /// As reports write it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::TPose => "t_pose",
+            Self::APose => "a_pose",
+            Self::Other => "other",
+        }
+    }
+}
+
+/// The rest pose of a source.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RestPose {
+    /// What the zero pose is.
+    pub kind: RestPoseKind,
+    /// What was found and why.
+    pub sentence: String,
+}
+
+/// Looks at the zero pose of a clip in metres, Y up; also returns the heading it faces, 0 where it is not a body.
+/// (rad)
+pub(super) fn find_rest_pose(clip: &RawClip, roles: &RoleMap, forward: Option<Forward>) -> (RestPose, f32) {
+    let world = rest_world(clip);
+    match stance(&world, roles) {
+        Ok(stance) => {
+            let heading = forward.map_or(stance.heading, Forward::heading);
+            let given = if forward.is_some() { " (given in the config)" } else { "" };
+            let sentence = format!(
+                "{}; it faces a heading of {:.0} degrees{given}.",
+                stance.sentence,
+                heading.to_degrees().round() + 0.0
+            );
+            (RestPose { kind: stance.kind, sentence }, heading)
+        }
+        Err(why) => {
+            let sentence =
+                format!("The rest pose is not a standing body: {why}. Segments and motion tell how joints are turned.");
+            (RestPose { kind: RestPoseKind::Other, sentence }, 0.0)
+        }
+    }
+}
+
+/// A zero pose that is a standing body.
+struct Stance {
+    kind: RestPoseKind,
+    /// Heading once upright.
+    heading: f32,
+    sentence: String,
+}
+
+/// The body's own up and left axes in a pose.
+fn body_axes(world: &[(Vec3, Quat)], roles: &RoleMap) -> Option<(Vec3, Vec3)> {
+    use Joint::*;
+    let at = |role: Joint| roles.get(role).map(|j| world[j].0);
+    let (left, right) = (at(LeftThigh)?, at(RightThigh)?);
+    let up = (at(Head).or(at(Neck))? - (left + right) * 0.5).try_normalize()?;
+    let across = (left - right).try_normalize()?;
+    Some((up, (across - up * across.dot(up)).try_normalize()?))
+}
+
+/// The stance of the zero pose, or why it is none.
+fn stance(world: &[(Vec3, Quat)], roles: &RoleMap) -> Result<Stance, String> {
+    use Joint::*;
+    let (up, left) = body_axes(world, roles).ok_or("its hips, thighs and head are in one line")?;
+    let segment = |a: Joint, b: Joint| {
+        let (a, b) = (roles.get(a)?, roles.get(b)?);
+        (world[b].0 - world[a].0).try_normalize()
+    };
+    for (thigh, shin, foot, side) in
+        [(LeftThigh, LeftShin, LeftFoot, "left"), (RightThigh, RightShin, RightFoot, "right")]
+    {
+        for (from, to) in [(thigh, shin), (shin, foot)] {
+            let down = segment(from, to).map_or(0.0, |d| -d.dot(up));
+            if down < 35f32.to_radians().cos() {
+                return Err(format!("its {side} leg does not point down"));
+            }
+        }
+    }
+    let mut raised = 0f32;
+    for (arm, end, side, out) in [
+        (LeftUpperArm, [LeftHand, LeftForearm], "left", left),
+        (RightUpperArm, [RightHand, RightForearm], "right", -left),
+    ] {
+        let arm = end.into_iter().find_map(|e| segment(arm, e)).ok_or(format!("its {side} arm has no length"))?;
+        let (sideways, up) = (arm.dot(out), arm.dot(up));
+        if sideways < -0.2 || up > 0.5 || sideways.hypot(up) < 0.8 {
+            return Err(format!("its {side} arm is neither out nor down"));
+        }
+        raised += 0.5 * up.atan2(sideways);
+    }
+    let degrees = raised.to_degrees();
+    let (kind, name) =
+        if degrees.abs() <= 20.0 { (RestPoseKind::TPose, "a T-pose") } else { (RestPoseKind::APose, "an A-pose") };
+    let upright = Quat::from_rotation_arc(nearest_axis(up), Vec3::Y);
+    let ahead = (upright * left).cross(Vec3::Y);
+    Ok(Stance {
+        kind,
+        heading: snap_heading(ahead.x.atan2(ahead.z)),
+        sentence: format!("The rest pose is {name}: legs down, arms {:.0} degrees above level", degrees.round() + 0.0),
+    })
+}
+
+fn nearest_axis(v: Vec3) -> Vec3 {
+    let axes = [Vec3::X, Vec3::Y, Vec3::Z, -Vec3::X, -Vec3::Y, -Vec3::Z];
+    axes.into_iter().max_by(|a, b| a.dot(v).total_cmp(&b.dot(v))).unwrap_or(Vec3::Y)
+}
+
+/// A heading near a quarter turn is that quarter turn.
+fn snap_heading(heading: f32) -> f32 {
+    use std::f32::consts::FRAC_PI_2;
+    let quarter = (heading / FRAC_PI_2).round() * FRAC_PI_2;
+    if (heading - quarter).abs() < 15f32.to_radians() { quarter } else { heading }
+}

@@ -1,0 +1,129 @@
+//! Motion as its file has it, before units and axes are settled.
+
+use crate::error::{ImportError, Warnings};
+use crate::raw::{RawClip, RawJoint, SourceFormat};
+use glam::{DQuat, DVec3};
+use std::path::Path;
+
+/// Joints a skeleton may have; more is a damaged file.
+pub(crate) const MAX_JOINTS: usize = 4096;
+
+/// A clip in the units and axes of its file, and what the file says about itself.
+#[derive(Clone, Debug)]
+pub struct SourceClip {
+    /// The motion; lengths in the units of the file, axes as in the file.
+    pub clip: RawClip,
+    /// Length of a unit, where the file names it (m).
+    pub declared_metres_per_unit: Option<f64>,
+    /// What was decided while reading and why, one sentence each.
+    pub findings: Vec<String>,
+    /// What is odd but tolerable.
+    pub warnings: Warnings,
+}
+
+/// An axis of a coordinate system.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Axis {
+    X,
+    Y,
+    Z,
+}
+
+impl Axis {
+    /// The axis of a letter of any case.
+    pub fn from_letter(letter: u8) -> Option<Self> {
+        match letter.to_ascii_lowercase() {
+            b'x' => Some(Self::X),
+            b'y' => Some(Self::Y),
+            b'z' => Some(Self::Z),
+            _ => None,
+        }
+    }
+
+    /// Rotation about the axis (rad).
+    pub fn rotation(self, angle: f64) -> DQuat {
+        match self {
+            Self::X => DQuat::from_rotation_x(angle),
+            Self::Y => DQuat::from_rotation_y(angle),
+            Self::Z => DQuat::from_rotation_z(angle),
+        }
+    }
+}
+
+/// Frames of a clip while they are read, one joint transform at a time.
+pub(crate) struct FrameSink {
+    joints: Vec<RawJoint>,
+    pub translations: Vec<DVec3>,
+    pub rotations: Vec<DQuat>,
+    rest: Vec<DVec3>,
+    clip_translations: Vec<glam::Vec3>,
+    clip_rotations: Vec<glam::Quat>,
+    budget: usize,
+}
+
+impl FrameSink {
+    /// For a file of `num_bytes`: joint transforms are kept in proportion to it.
+    pub fn new(joints: Vec<RawJoint>, num_bytes: usize) -> Self {
+        let rest: Vec<_> = joints.iter().map(|j| j.offset.as_dvec3()).collect();
+        Self {
+            translations: rest.clone(),
+            rotations: vec![DQuat::IDENTITY; rest.len()],
+            rest,
+            joints,
+            clip_translations: Vec::new(),
+            clip_rotations: Vec::new(),
+            budget: num_bytes.saturating_mul(8).saturating_add(1 << 16),
+        }
+    }
+
+    /// Puts the pose under construction back to rest.
+    pub fn begin_frame(&mut self) {
+        self.translations.copy_from_slice(&self.rest);
+        self.rotations.fill(DQuat::IDENTITY);
+    }
+
+    /// Keeps the pose as the next frame; false where the file is too small to describe so much motion.
+    #[must_use]
+    pub fn end_frame(&mut self) -> bool {
+        if self.clip_rotations.len() + self.joints.len() > self.budget {
+            return false;
+        }
+        self.clip_translations.extend(self.translations.iter().map(|t| t.as_vec3()));
+        self.clip_rotations.extend(self.rotations.iter().map(|r| r.normalize().as_quat()));
+        true
+    }
+
+    /// Number of joints of the skeleton.
+    pub fn num_joints(&self) -> usize {
+        self.joints.len()
+    }
+
+    /// True for a joint without a parent.
+    pub fn is_root(&self, joint: usize) -> bool {
+        self.joints[joint].parent.is_none()
+    }
+
+    /// Number of frames kept.
+    pub fn num_frames(&self) -> usize {
+        self.clip_rotations.len() / self.joints.len()
+    }
+
+    /// The clip of all frames kept.
+    pub fn into_clip(self, path: &Path, format: SourceFormat, rate_hz: f64) -> RawClip {
+        RawClip {
+            name: path.file_stem().map_or_else(String::new, |s| s.to_string_lossy().into_owned()),
+            path: path.to_owned(),
+            format,
+            num_frames: self.num_frames(),
+            joints: self.joints,
+            rate_hz,
+            translations: self.clip_translations,
+            rotations: self.clip_rotations,
+        }
+    }
+}
+
+/// An error about the content of a file.
+pub(crate) fn content_error(path: &Path, message: impl Into<String>, help: &str) -> ImportError {
+    ImportError::Content { path: path.to_owned(), message: message.into(), help: help.into() }
+}

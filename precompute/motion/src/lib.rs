@@ -1,0 +1,18 @@
+//! From files to clips: import, retarget, resample, annotate.
+
+pub mod annotate;
+pub mod clip;
+pub mod error;
+pub mod export;
+pub mod files;
+pub mod import;
+pub mod mirror;
+pub mod pod;
+pub mod progress;
+pub mod raw;
+pub mod resample;
+pub mod retarget;
+pub mod toml_file;
+
+pub use clip::{Clip, ClipSet};
+pub use error::{BuildError, ImportError, Warnings};

@@ -1,0 +1,67 @@
+//! Motion as a file holds it: the source's own joints, in metres, Y up, before any retargeting.
+
+use glam::{Quat, Vec3};
+use std::path::PathBuf;
+
+/// One joint of a source skeleton.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RawJoint {
+    /// Name as written in the file. End sites are joints too and are called `PARENT_end`.
+    pub name: String,
+    /// Index of the parent, always smaller than the joint's own; `None` for roots.
+    pub parent: Option<usize>,
+    /// Rest offset from the parent, in the parent's rest axes (m).
+    pub offset: Vec3,
+    /// Rest rotation relative to the parent (identity for BVH; for ASF the bones' rest axes are folded
+    /// in such a way that rest rotations are the identity too).
+    pub rest_rotation: Quat,
+    /// True for the end of a chain, which has no rotation of its own.
+    pub is_end: bool,
+}
+
+/// The formats read.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SourceFormat {
+    /// Biovision hierarchy.
+    Bvh,
+    /// Acclaim skeleton and motion.
+    AsfAmc,
+}
+
+/// A clip as read: source joints, metres, Y up, right-handed, facing not yet normalised.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RawClip {
+    /// File stem.
+    pub name: String,
+    /// The file the motion was read from.
+    pub path: PathBuf,
+    /// Its format.
+    pub format: SourceFormat,
+    /// Joints, parents first.
+    pub joints: Vec<RawJoint>,
+    /// Frames a second (Hz, > 0).
+    pub rate_hz: f64,
+    /// Number of frames.
+    pub num_frames: usize,
+    /// Local translations relative to the parent (a joint without position channels repeats its offset).
+    /// (m, num_frames * joints.len())
+    pub translations: Vec<Vec3>,
+    /// Local rotations relative to the parent (num_frames * joints.len()).
+    pub rotations: Vec<Quat>,
+}
+
+impl RawClip {
+    /// Model-to-world positions and rotations of every joint at one frame (joints.len()).
+    pub fn world(&self, frame: usize) -> Vec<(Vec3, Quat)> {
+        let n = self.joints.len();
+        let mut out: Vec<(Vec3, Quat)> = Vec::with_capacity(n);
+        for (j, joint) in self.joints.iter().enumerate() {
+            let (t, r) = (self.translations[frame * n + j], self.rotations[frame * n + j]);
+            out.push(match joint.parent {
+                None => (t, r),
+                Some(p) => (out[p].0 + out[p].1 * t, out[p].1 * r),
+            });
+        }
+        out
+    }
+}

@@ -1,0 +1,192 @@
+//! Which way the body part faces in its source joint's axes: one constant rotation per role.
+//!
+//! With it the database joint's model-space rotation is the source's times the constant, and is the identity when
+//! the body stands in a T-pose. Where the source's rest pose is a standing body it says how trunk and limbs are
+//! turned; the rest of the sources (whose rest pose only lists segment lengths) are aligned by their geometry.
+
+use super::body::{Body, Sample};
+use super::geometry;
+use glam::{Mat3, Quat, Vec3};
+use throng_core::{Joint, NUM_JOINTS};
+
+/// Rotation from the database joint's axes to the source joint's, per role.
+pub type Alignment = [Quat; NUM_JOINTS];
+
+/// A rest pose is believed where the hinges of its limbs are this near to those the motion shows (rad).
+const MAX_HINGE_ERROR: f32 = 0.26;
+
+/// Fewer frames show nothing.
+pub const MIN_SAMPLES: usize = 5;
+
+/// A foot is level sideways while its shin leans sideways by less than this (sine of the angle).
+const UPRIGHT_SHIN: f32 = 0.1;
+
+/// The lower legs, left and right.
+const LEGS: [[Joint; 3]; 2] =
+    [[Joint::LeftShin, Joint::LeftFoot, Joint::LeftToe], [Joint::RightShin, Joint::RightFoot, Joint::RightToe]];
+
+/// Finds the constant rotation of every role.
+pub fn align(body: &Body) -> Alignment {
+    let mut a = match &body.rest {
+        Some(_) => from_rest(body),
+        None => geometry::from_geometry(body),
+    };
+    for (side, [shin, foot, toe]) in LEGS.into_iter().enumerate() {
+        a[foot.index()] = foot_alignment(body, side, shin, foot, toe, &a);
+        a[toe.index()] = toe_alignment(body, side, foot, toe, &a);
+    }
+    for j in Joint::ALL {
+        if !body.has(j) {
+            a[j.index()] = a[super::body::anchor(&body.roles, j).index()];
+        }
+    }
+    a
+}
+
+/// The direction in which the segment from `j` to its main child points in a T-pose, for the limbs.
+pub fn limb_direction(j: Joint) -> Option<Vec3> {
+    use Joint::*;
+    match j {
+        LeftThigh | LeftShin | RightThigh | RightShin => Some(Vec3::NEG_Y),
+        LeftUpperArm | LeftForearm | LeftHand => Some(Vec3::X),
+        RightUpperArm | RightForearm | RightHand => Some(Vec3::NEG_X),
+        _ => None,
+    }
+}
+
+/// The child whose direction a joint of one child turns to.
+pub fn main_child(j: Joint) -> Option<Joint> {
+    use Joint::*;
+    Some(match j {
+        Spine => Chest,
+        Chest => UpperChest,
+        Neck => Head,
+        LeftClavicle => LeftUpperArm,
+        LeftUpperArm => LeftForearm,
+        LeftForearm => LeftHand,
+        RightClavicle => RightUpperArm,
+        RightUpperArm => RightForearm,
+        RightForearm => RightHand,
+        LeftThigh => LeftShin,
+        LeftShin => LeftFoot,
+        LeftFoot => LeftToe,
+        RightThigh => RightShin,
+        RightShin => RightFoot,
+        RightFoot => RightToe,
+        _ => return None,
+    })
+}
+
+/// Trunk joints stand as the rest pose has them; a limb's rest direction is the T-pose's, reached by the shortest arc.
+fn from_rest(body: &Body) -> Alignment {
+    let mut out = [Quat::IDENTITY; NUM_JOINTS];
+    let Some(rest) = &body.rest else { return out };
+    let mut arc = [Quat::IDENTITY; NUM_JOINTS];
+    for j in Joint::ALL {
+        let child = main_child(j).filter(|c| body.has(*c));
+        arc[j.index()] = match (limb_direction(j), child) {
+            (Some(from), Some(c)) => {
+                let to = rest[c.index()].0 - rest[j.index()].0;
+                to.try_normalize().map_or(Quat::IDENTITY, |to| Quat::from_rotation_arc(from, to))
+            }
+            (Some(_), None) => j.parent().map_or(Quat::IDENTITY, |p| arc[p.index()]),
+            (None, _) => Quat::IDENTITY,
+        };
+        let a = (rest[j.index()].1.inverse() * arc[j.index()]).normalize();
+        out[j.index()] = onto_hinge(body, j, a);
+    }
+    out
+}
+
+/// Turns a limb about its segment so that its hinge lies as in a T-pose, where the motion shows it far from there.
+///
+/// Rest poses agree on the directions of arms but not on which way the elbows point: CMU's are 30 degrees off.
+fn onto_hinge(body: &Body, j: Joint, a: Quat) -> Quat {
+    let Some((expected, shown)) = limb_direction(j).and_then(|d| {
+        let shown = geometry::hinge_owner(j).and_then(|upper| geometry::hinge(body, j, upper))?;
+        Some((geometry::t_pose_hinge(d), (a.inverse() * shown).reject_from_normalized(d).try_normalize()?))
+    }) else {
+        return a;
+    };
+    if expected.angle_between(shown) < MAX_HINGE_ERROR {
+        return a;
+    }
+    (a * Quat::from_rotation_arc(expected, shown)).normalize()
+}
+
+/// The foot's frame: up is the vertical while the foot stands, forward leads to the toe.
+fn foot_alignment(body: &Body, side: usize, shin: Joint, foot: Joint, toe: Joint, a: &Alignment) -> Quat {
+    let carried = carried(body, shin, foot, a);
+    let ahead = if body.has(toe) { body.offsets[toe.index()] } else { carried * Vec3::Z };
+    let fallback = match &body.rest {
+        Some(_) => carried * Vec3::Y,
+        None => {
+            // The T-pose foot of the default skeleton: the toe lies 24 degrees below the ankle.
+            let left = carried * Vec3::X;
+            Quat::from_axis_angle(left, -0.42) * ahead.cross(left).normalize_or(Vec3::Y)
+        }
+    };
+    let up = sole_normal(body, side, foot).filter(|u| u.dot(fallback) > 0.85).unwrap_or(fallback);
+    frame(up, ahead).unwrap_or(carried)
+}
+
+/// The toe's frame: up is the vertical while the foot stands, forward that of the foot.
+fn toe_alignment(body: &Body, side: usize, foot: Joint, toe: Joint, a: &Alignment) -> Quat {
+    let carried = carried(body, foot, toe, a);
+    let up = sole_normal(body, side, toe).filter(|u| u.dot(carried * Vec3::Y) > 0.8);
+    frame(up.unwrap_or(carried * Vec3::Y), carried * Vec3::Z).unwrap_or(carried)
+}
+
+/// The alignment `child` would have if it kept its mean rotation relative to `parent` (its rest one where known).
+fn carried(body: &Body, parent: Joint, child: Joint, a: &Alignment) -> Quat {
+    let (p, c) = (parent.index(), child.index());
+    match &body.rest {
+        Some(rest) => (rest[c].1.inverse() * rest[p].1 * a[p]).normalize(),
+        None => mean_rotation(body.samples.iter().map(|s| s.pose[c].1.inverse() * s.pose[p].1 * a[p])),
+    }
+}
+
+/// Mean of the world's vertical in the axes of `joint` over the frames in which the foot stands.
+fn sole_normal(body: &Body, side: usize, joint: Joint) -> Option<Vec3> {
+    let standing = standing(body, side);
+    let sum: Vec3 = standing.iter().map(|s| s.pose[joint.index()].1.inverse() * Vec3::Y).sum();
+    if standing.len() < MIN_SAMPLES { None } else { sum.try_normalize() }
+}
+
+/// The frames in which a foot stands flat: hardly moving, the toe about as low as in the lowest quarter of those,
+/// and the shin not leaning sideways, because feet that are tracked by few markers lean with the leg.
+fn standing(body: &Body, side: usize) -> Vec<&Sample> {
+    let [shin, foot, toe] = LEGS[side].map(Joint::index);
+    let mut heights: Vec<f32> = still(body, side).map(|s| s.pose[toe].0.y).collect();
+    heights.sort_by(f32::total_cmp);
+    let Some(limit) = heights.get(heights.len() / 4).map(|h| h + 0.03) else { return Vec::new() };
+    let low: Vec<&Sample> = still(body, side).filter(|s| s.pose[toe].0.y < limit).collect();
+    let leans = |s: &Sample| {
+        let left = (s.pose[Joint::LeftThigh.index()].0 - s.pose[Joint::RightThigh.index()].0).with_y(0.0);
+        let shin = (s.pose[foot].0 - s.pose[shin].0).normalize_or_zero();
+        shin.dot(left.normalize_or_zero()).abs() > UPRIGHT_SHIN
+    };
+    let upright: Vec<&Sample> = low.iter().copied().filter(|s| !leans(s)).collect();
+    if upright.len() < MIN_SAMPLES { low } else { upright }
+}
+
+fn still(body: &Body, side: usize) -> impl Iterator<Item = &Sample> {
+    body.samples.iter().filter(move |s| s.still_feet[side])
+}
+
+/// Rotation whose Y axis is `up` and whose Z axis is as near to `forward` as that allows.
+pub fn frame(up: Vec3, forward: Vec3) -> Option<Quat> {
+    let y = up.try_normalize()?;
+    let z = forward.reject_from_normalized(y).try_normalize()?;
+    Some(Quat::from_mat3(&Mat3::from_cols(y.cross(z), y, z)).normalize())
+}
+
+/// Normalised sum of rotations, each taken on the first one's side.
+pub fn mean_rotation(rotations: impl Iterator<Item = Quat>) -> Quat {
+    let mut sum = glam::Vec4::ZERO;
+    for q in rotations {
+        let v = glam::Vec4::from(q);
+        sum += if sum.dot(v) < 0.0 { -v } else { v };
+    }
+    sum.try_normalize().map_or(Quat::IDENTITY, Quat::from_vec4)
+}

@@ -1,0 +1,292 @@
+//! Raw clips onto the database skeleton: rest poses aligned, proportions changed, feet on the ground.
+//!
+//! Clips of one source skeleton share one `Alignment`: a constant rotation per role that takes the database
+//! joint's axes (the model's axes in a T-pose) to the source joint's. Multiplied onto the source's world rotations
+//! it gives the database joints' rotations, whatever the source's own rest pose is.
+
+mod align;
+mod body;
+mod geometry;
+mod ground;
+mod proportions;
+mod transfer;
+
+use crate::clip::{Clip, ClipSet};
+use crate::error::{BuildError, Warnings};
+use crate::import::Imported;
+use crate::raw::RawClip;
+use align::Alignment;
+use body::Body;
+pub use body::{Roles, Source};
+use glam::Vec3;
+use rayon::prelude::*;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use throng_core::{Joint, Skeleton};
+use transfer::Motion;
+
+/// How clips are laid onto the database skeleton.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct RetargetConfig {
+    /// Whose proportions the database skeleton has.
+    pub proportions: Proportions,
+    /// Move each clip up or down, as a whole, so that its feet stand on the ground, and take out the slope of the
+    /// floor that clips of one source skeleton share, where they show one.
+    pub align_ground: bool,
+}
+
+impl Default for RetargetConfig {
+    fn default() -> Self {
+        Self { proportions: Proportions::Default, align_ground: true }
+    }
+}
+
+/// Whose proportions the database skeleton has.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Proportions {
+    /// An adult of 1.75 m.
+    #[default]
+    Default,
+    /// The first clip's own.
+    Clip,
+    /// Given joint by joint.
+    Explicit(ExplicitProportions),
+}
+
+/// Rest offsets by joint name; joints that are not named keep the default skeleton's.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct ExplicitProportions {
+    /// Offset (x left, y up, z forward) of a joint from its parent in the T-pose, by snake_case joint name;
+    /// the hips' is their height above the ground (m).
+    pub offsets: std::collections::BTreeMap<String, [f32; 3]>,
+}
+
+impl ExplicitProportions {
+    /// The skeleton they describe.
+    ///
+    /// # Errors
+    /// [`BuildError::Config`] for a name that is no joint, or a leg without length.
+    fn skeleton(&self) -> Result<Skeleton, BuildError> {
+        let mut out = Skeleton::default();
+        for (name, offset) in &self.offsets {
+            let joint = Joint::from_name(name).ok_or_else(|| BuildError::Config {
+                message: format!(
+                    "skeleton.proportions.explicit.offsets.{name}: expected the name of a joint ({}), found `{name}`.",
+                    Joint::ALL.map(Joint::name).join(", ")
+                ),
+            })?;
+            out.offsets[joint.index()] = Vec3::from_array(*offset);
+        }
+        let sound = out.offsets.iter().all(|o| o.is_finite()) && out.leg_length() > 0.05;
+        sound.then_some(out).ok_or_else(|| BuildError::Config {
+            message: "skeleton.proportions.explicit: expected finite offsets and legs longer than 0.05 m; \
+                      check the offsets of the shins and feet."
+                .into(),
+        })
+    }
+}
+
+/// Lays every clip onto one database skeleton.
+///
+/// Joint rotations are the source's, aligned so that the T-pose is the identity; hips positions are multiplied by
+/// the quotient of the leg lengths; with `align_ground` y = 0 is where the feet stand. A spine joint, clavicle or hand that the source lacks stays rigid with its parent, which keeps the joints
+/// it has where they are.
+///
+/// # Errors
+/// [`BuildError::Stage`] when a clip has no hips, thighs, shins or feet, or no legs to measure, and
+/// [`BuildError::Config`] for explicit proportions that are not a body.
+pub fn onto(clips: &[Imported], cfg: &RetargetConfig, warnings: &mut Warnings) -> Result<ClipSet, BuildError> {
+    let sources: Vec<Source> = clips.iter().map(Source::from).collect();
+    lay_all(&sources, cfg, warnings)
+}
+
+fn lay_all(sources: &[Source], cfg: &RetargetConfig, warnings: &mut Warnings) -> Result<ClipSet, BuildError> {
+    for s in sources {
+        check(s)?;
+    }
+    let groups = group(sources);
+    let bodies: Vec<(Body, Alignment)> = groups
+        .par_iter()
+        .map(|members| {
+            let body = Body::measure(&members.iter().map(|&i| sources[i]).collect::<Vec<_>>());
+            let alignment = align::align(&body);
+            (body, alignment)
+        })
+        .collect();
+    for (members, (body, _)) in groups.iter().zip(&bodies) {
+        check_legs(&sources[members[0]], body)?;
+    }
+    let mut group_of = vec![0; sources.len()];
+    for (g, members) in groups.iter().enumerate() {
+        members.iter().for_each(|&i| group_of[i] = g);
+    }
+    let skeleton = match (&cfg.proportions, bodies.first()) {
+        (Proportions::Clip, Some((body, a))) => proportions::own(body, a),
+        (Proportions::Explicit(p), _) => p.skeleton()?,
+        _ => Skeleton::default(),
+    };
+    let names = unique_names(sources);
+    let mut motions: Vec<Motion> = (0..sources.len())
+        .into_par_iter()
+        .map(|i| {
+            let (body, a) = &bodies[group_of[i]];
+            let own = proportions::own(body, a);
+            transfer::transfer(sources[i], body, a, &own, &skeleton)
+        })
+        .collect();
+    if cfg.align_ground {
+        stand(&mut motions, sources, &groups, &skeleton);
+    }
+    let clips: Vec<Clip> =
+        motions.into_iter().zip(sources).zip(&names).map(|((m, s), name)| clip_of(m, s, name.clone())).collect();
+    for (clip, name) in sources.iter().zip(&names) {
+        if clip.clip.num_frames < 2 {
+            warnings.push(format!("{}: `{name}` has a single frame and shows no motion.", clip.clip.path.display()));
+        }
+    }
+    Ok(ClipSet { skeleton, clips })
+}
+
+/// The clip's own proportions on the database topology.
+///
+/// [`onto`] with these reproduces the positions of all joints that have a role, as far as 22 joints can: exactly
+/// where each role hangs rigidly from the joint of its parent role.
+///
+/// # Errors
+/// As [`onto`].
+pub fn skeleton_of(clip: &Imported) -> Result<Skeleton, BuildError> {
+    own_skeleton(clip.into())
+}
+
+fn own_skeleton(source: Source) -> Result<Skeleton, BuildError> {
+    check(&source)?;
+    let body = Body::measure(&[source]);
+    check_legs(&source, &body)?;
+    let a = align::align(&body);
+    Ok(proportions::own(&body, &a))
+}
+
+/// Puts the feet of every clip on y = 0.
+fn stand(motions: &mut [Motion], sources: &[Source], groups: &[Vec<usize>], skeleton: &Skeleton) {
+    let standing: Vec<Vec<Vec3>> =
+        motions.par_iter().zip(sources).map(|(m, s)| ground::standing(m, skeleton, s.clip.rate_hz)).collect();
+    for members in groups {
+        let points: Vec<&[Vec3]> = members.iter().map(|&i| standing[i].as_slice()).collect();
+        let slope = ground::slope(&points);
+        for &i in members {
+            ground::level(&mut motions[i], ground::height(&standing[i], slope), slope);
+        }
+    }
+}
+
+fn clip_of(motion: Motion, source: &Source, name: String) -> Clip {
+    Clip {
+        name,
+        source: source.clip.path.display().to_string(),
+        mirrored: false,
+        rate_hz: source.clip.rate_hz,
+        root_positions: motion.root_positions,
+        rotations: motion.rotations,
+        contacts: Vec::new(),
+        excluded: Vec::new(),
+        tags: Vec::new(),
+        hits: Vec::new(),
+        support: Vec::new(),
+    }
+}
+
+/// Clips by source skeleton: same joints, rest pose and roles, whatever the ends of chains. Groups and members in input order.
+fn group(sources: &[Source]) -> Vec<Vec<usize>> {
+    let mut groups: Vec<Vec<usize>> = Vec::new();
+    for (i, s) in sources.iter().enumerate() {
+        let same = |g: &&mut Vec<usize>| {
+            let first = &sources[g[0]];
+            first.roles == s.roles && same_rig(first.clip, s.clip)
+        };
+        match groups.iter_mut().find(same) {
+            Some(g) => g.push(i),
+            None => groups.push(vec![i]),
+        }
+    }
+    groups
+}
+
+fn same_rig(a: &RawClip, b: &RawClip) -> bool {
+    let joints = |c: &RawClip| c.joints.iter().filter(|j| !j.is_end).cloned().collect::<Vec<_>>();
+    joints(a) == joints(b)
+}
+
+/// The roles without which there is nothing to lay onto a body.
+fn check(source: &Source) -> Result<(), BuildError> {
+    use Joint::*;
+    let fail =
+        |message: String, help: &str| Err(BuildError::Stage { stage: "retarget", message, help: help.to_string() });
+    let path = source.clip.path.display();
+    if source.clip.num_frames == 0 {
+        return fail(format!("{path}: the clip has no frames"), "Remove the file from the input.");
+    }
+    let needed = [Hips, LeftThigh, LeftShin, LeftFoot, RightThigh, RightShin, RightFoot];
+    let missing: Vec<&str> =
+        needed.into_iter().filter(|j| source.roles[j.index()].is_none()).map(Joint::name).collect();
+    if missing.is_empty() {
+        return Ok(());
+    }
+    fail(
+        format!(
+            "{path}: expected a joint for each of hips, thighs, shins and feet, found none for {}",
+            missing.join(", ")
+        ),
+        "Name the joints in a skeleton profile.",
+    )
+}
+
+fn check_legs(source: &Source, body: &Body) -> Result<(), BuildError> {
+    if body.leg_length() > 0.05 {
+        return Ok(());
+    }
+    Err(BuildError::Stage {
+        stage: "retarget",
+        message: format!(
+            "{}: expected legs longer than 0.05 m, found {} m",
+            source.clip.path.display(),
+            body.leg_length()
+        ),
+        help: "Check the unit and which joints are named as thighs, shins and feet.".into(),
+    })
+}
+
+/// File stems; where two are the same, with as many of their folders in front as tell them apart.
+fn unique_names(sources: &[Source]) -> Vec<String> {
+    let name = |i: usize, depth: usize| {
+        let folders: Vec<String> = sources[i]
+            .clip
+            .path
+            .parent()
+            .map(|p| p.components().map(|c| c.as_os_str().to_string_lossy().into_owned()).collect())
+            .unwrap_or_default();
+        let shown = &folders[folders.len().saturating_sub(depth)..];
+        shown.iter().chain([&sources[i].clip.name]).cloned().collect::<Vec<_>>().join("/")
+    };
+    let mut names: Vec<String> = (0..sources.len()).map(|i| name(i, 0)).collect();
+    for depth in 1..8 {
+        let mut seen = std::collections::BTreeMap::<String, usize>::new();
+        names.iter().for_each(|n| *seen.entry(n.clone()).or_default() += 1);
+        let mut again = false;
+        for i in 0..names.len() {
+            if seen[&names[i]] > 1 {
+                names[i] = name(i, depth);
+                again = true;
+            }
+        }
+        if !again {
+            return names;
+        }
+    }
+    names.iter().enumerate().map(|(i, n)| if names[..i].contains(n) { format!("{n}~{i}") } else { n.clone() }).collect()
+}
+
+#[cfg(test)]
+mod tests;

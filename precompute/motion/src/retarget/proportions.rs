@@ -1,0 +1,77 @@
+//! Proportions: the database skeleton with a source's own segment lengths.
+
+use super::align::Alignment;
+use super::body::{Body, anchor};
+use glam::Vec3;
+use throng_core::{Joint, NUM_JOINTS, Skeleton};
+
+/// The source's proportions on the database topology.
+///
+/// Joints the source lacks lie on the way to the next one it has (spine, clavicle, neck), or where the default
+/// skeleton scaled by leg length has them (hand, toe, head).
+pub fn own(body: &Body, a: &Alignment) -> Skeleton {
+    let default = Skeleton::default();
+    let scale = body.leg_length() / default.leg_length();
+    let present = |j: Joint| a[anchor(&body.roles, j).index()].inverse() * body.offsets[j.index()];
+    // Positions in the axes of each joint's anchor.
+    let mut relative = [Vec3::ZERO; NUM_JOINTS];
+    let mut offsets = [Vec3::ZERO; NUM_JOINTS];
+    for &j in &Joint::ALL[1..] {
+        let Some(parent) = j.parent() else { continue };
+        let base = if body.has(parent) { Vec3::ZERO } else { relative[parent.index()] };
+        relative[j.index()] = match (body.has(j), next_present(body, j)) {
+            (true, _) => present(j),
+            (false, Some(next)) => present(next) * share(&default, anchor(&body.roles, j), j, next),
+            (false, None) => base + default.offsets[j.index()] * scale,
+        };
+        offsets[j.index()] = relative[j.index()] - base;
+    }
+    let tip = |i: usize, j: Joint| match body.tips[i] {
+        Some(t) => a[j.index()].inverse() * t,
+        None => default.tips[i] * scale,
+    };
+    let tips = [tip(0, Joint::Head), tip(1, Joint::LeftToe), tip(2, Joint::RightToe)];
+    let mut skeleton = Skeleton { offsets, tips };
+    skeleton.offsets[0] = Vec3::new(0.0, standing_height(&skeleton, default_toe_height() * scale), 0.0);
+    skeleton
+}
+
+/// The first descendant the source has.
+fn next_present(body: &Body, j: Joint) -> Option<Joint> {
+    Joint::ALL.into_iter().find(|&d| d > j && body.has(d) && descends(d, j))
+}
+
+fn descends(mut d: Joint, from: Joint) -> bool {
+    while let Some(p) = d.parent() {
+        if p == from {
+            return true;
+        }
+        d = p;
+    }
+    false
+}
+
+/// How far along the way from `start` to `end` the default skeleton has `j` (0 to 1).
+fn share(default: &Skeleton, start: Joint, j: Joint, end: Joint) -> f32 {
+    let way = |mut to: Joint| {
+        let mut length = 0.0;
+        while to != start {
+            length += default.offsets[to.index()].length();
+            let Some(p) = to.parent() else { break };
+            to = p;
+        }
+        length
+    };
+    way(j) / way(end)
+}
+
+/// Height of the toe joint above the sole in the default skeleton (m).
+fn default_toe_height() -> f32 {
+    Skeleton::default().rest_positions()[Joint::LeftToe.index()].y
+}
+
+/// Height of the hips when both feet stand, the toe joints `toe_height` above the ground on average (m).
+fn standing_height(skeleton: &Skeleton, toe_height: f32) -> f32 {
+    let p = skeleton.rest_positions();
+    toe_height - 0.5 * (p[Joint::LeftToe.index()].y + p[Joint::RightToe.index()].y)
+}

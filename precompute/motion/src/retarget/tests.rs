@@ -1,0 +1,285 @@
+use super::*;
+use crate::export::to_raw;
+use crate::raw::{RawClip, RawJoint, SourceFormat};
+use body::Roles;
+use glam::Quat;
+use proptest::prelude::*;
+use throng_core::NUM_JOINTS;
+
+/// Number of frames of the made-up motion.
+const FRAMES: usize = 40;
+
+/// Database rotations of a body that walks in a circle, bending knees and elbows, with feet flat in between.
+fn motion(skeleton: &Skeleton) -> Clip {
+    use Joint::*;
+    let mut rotations = Vec::new();
+    let mut root_positions = Vec::new();
+    for f in 0..FRAMES {
+        let t = f as f32 * 0.17;
+        let swing = if f < 10 { 0.0 } else { t.sin() };
+        let mut local = [Quat::IDENTITY; NUM_JOINTS];
+        local[0] = Quat::from_rotation_y(0.05 * f as f32) * Quat::from_rotation_x(0.1 * swing);
+        local[Spine.index()] = Quat::from_rotation_x(0.15 * swing);
+        local[UpperChest.index()] = Quat::from_rotation_y(0.2 * swing);
+        local[Head.index()] = Quat::from_rotation_y(-0.3 * swing);
+        for (side, thigh, shin, arm, forearm) in [
+            (1.0, LeftThigh, LeftShin, LeftUpperArm, LeftForearm),
+            (-1.0, RightThigh, RightShin, RightUpperArm, RightForearm),
+        ] {
+            local[thigh.index()] = Quat::from_rotation_x(-0.5 * side * swing);
+            local[shin.index()] = Quat::from_rotation_x(0.6 * swing.abs());
+            local[arm.index()] = Quat::from_rotation_z(-1.2 * side) * Quat::from_rotation_x(0.4 * swing);
+            local[forearm.index()] = Quat::from_rotation_y(-side * (0.2 + 0.5 * swing.abs()));
+        }
+        rotations.extend(local);
+        root_positions.push(skeleton.offsets[0] + Vec3::new(0.02 * f as f32, 0.0, 0.01 * f as f32) * swing.abs());
+    }
+    let mut clip = Clip {
+        name: "made".into(),
+        source: "made.bvh".into(),
+        mirrored: false,
+        rate_hz: 30.0,
+        root_positions,
+        rotations,
+        contacts: Vec::new(),
+        excluded: Vec::new(),
+        tags: Vec::new(),
+        hits: Vec::new(),
+        support: Vec::new(),
+    };
+    // The lower foot is always on the ground, so that there is a right answer to where the ground is.
+    let rest = skeleton.rest_positions();
+    for f in 0..FRAMES {
+        let p = clip.joint_positions(skeleton, f);
+        let clearance = |j: &Joint| p[j.index()].y - rest[j.index()].y;
+        let lowest = [LeftFoot, LeftToe, RightFoot, RightToe].iter().map(clearance).fold(f32::INFINITY, f32::min);
+        clip.root_positions[f].y -= lowest;
+    }
+    clip
+}
+
+/// The motion on a rig whose joints have other axes: each one's are turned by `axes` against the database's, and the
+/// rest pose is whatever results from identity rotations. Joints in `left_out` play no role.
+fn rig(clip: &Clip, skeleton: &Skeleton, axes: &[Quat; NUM_JOINTS], left_out: &[Joint]) -> (RawClip, Roles) {
+    let mut raw = to_raw(clip, skeleton);
+    raw.joints.truncate(NUM_JOINTS);
+    let parent_axes = |j: Joint| j.parent().map_or(Quat::IDENTITY, |p| axes[p.index()]);
+    raw.joints = Joint::ALL
+        .map(|j| RawJoint {
+            offset: parent_axes(j).inverse() * skeleton.offsets[j.index()],
+            rest_rotation: Quat::IDENTITY,
+            ..raw.joints[j.index()].clone()
+        })
+        .to_vec();
+    raw.format = SourceFormat::Bvh;
+    raw.translations.clear();
+    raw.rotations.clear();
+    for f in 0..clip.num_frames() {
+        for j in Joint::ALL {
+            let offset = raw.joints[j.index()].offset;
+            raw.translations.push(if j == Joint::Hips { clip.root_positions[f] } else { offset });
+            let local = clip.frame_rotations(f)[j.index()];
+            raw.rotations.push((parent_axes(j).inverse() * local * axes[j.index()]).normalize());
+        }
+    }
+    (raw, Joint::ALL.map(|j| (!left_out.contains(&j)).then_some(j.index())))
+}
+
+fn lay(raw: &RawClip, roles: &Roles, proportions: Proportions, align_ground: bool) -> ClipSet {
+    let cfg = RetargetConfig { proportions, align_ground };
+    lay_all(&[Source { clip: raw, roles, heading: None }], &cfg, &mut Warnings::default()).unwrap()
+}
+
+/// Largest distance between a role's joint and the source's (m).
+fn worst_distance(set: &ClipSet, raw: &RawClip, roles: &Roles) -> f32 {
+    let mut worst = 0.0f32;
+    for f in 0..raw.num_frames {
+        let (world, laid) = (raw.world(f), set.clips[0].joint_positions(&set.skeleton, f));
+        for j in Joint::ALL {
+            if let Some(s) = roles[j.index()] {
+                worst = worst.max((world[s].0 - laid[j.index()]).length());
+            }
+        }
+    }
+    worst
+}
+
+const PLAIN: [Quat; NUM_JOINTS] = [Quat::IDENTITY; NUM_JOINTS];
+
+#[test]
+fn a_clip_on_the_database_skeleton_comes_back_as_it_was() {
+    let s = Skeleton::default();
+    let clip = motion(&s);
+    let (raw, roles) = rig(&clip, &s, &PLAIN, &[]);
+    let set = lay(&raw, &roles, Proportions::Default, true);
+    for (f, p) in clip.root_positions.iter().enumerate() {
+        assert!((set.clips[0].root_positions[f] - *p).length() < 1e-4, "frame {f}");
+        for (j, (a, b)) in Joint::ALL.iter().zip(clip.frame_rotations(f).iter().zip(set.clips[0].frame_rotations(f))) {
+            assert!(a.dot(*b).abs() > 1.0 - 1e-4, "frame {f}, {}: {a} {b}", j.name());
+        }
+    }
+}
+
+#[test]
+fn a_rig_with_all_segments_along_one_axis_gives_the_same_rotations() {
+    let s = Skeleton::default();
+    let clip = motion(&s);
+    // Each joint's X axis lies along its segment, the others square to the body, as in Bandai-Namco's and LAFAN1's.
+    let mut axes = PLAIN;
+    for j in Joint::ALL {
+        use Joint::*;
+        axes[j.index()] = match j {
+            LeftThigh | LeftShin | RightThigh | RightShin => Quat::from_rotation_z(-std::f32::consts::FRAC_PI_2),
+            LeftFoot | LeftToe | RightFoot | RightToe => Quat::from_rotation_y(-std::f32::consts::FRAC_PI_2),
+            Hips | Spine | Chest | UpperChest | Neck | Head => Quat::from_rotation_z(std::f32::consts::FRAC_PI_2),
+            _ => Quat::IDENTITY,
+        };
+    }
+    let (raw, roles) = rig(&clip, &s, &axes, &[]);
+    let body = Body::measure(&[Source { clip: &raw, roles: &roles, heading: None }]);
+    assert!(body.rest.is_none(), "the rest pose must not be a body");
+    let set = lay(&raw, &roles, Proportions::Default, false);
+    for f in 0..FRAMES {
+        for (j, (a, b)) in Joint::ALL.iter().zip(clip.frame_rotations(f).iter().zip(set.clips[0].frame_rotations(f))) {
+            assert!(a.dot(*b).abs() > 0.9995, "frame {f}, {}: {a} {b}", j.name());
+        }
+    }
+}
+
+#[test]
+fn an_a_pose_facing_elsewhere_is_aligned() {
+    use Joint::*;
+    let s = Skeleton::default();
+    let clip = motion(&s);
+    // A rest pose with the arms lowered by 45 degrees that faces +X: axes are those of the rest pose.
+    let turn = Quat::from_rotation_y(std::f32::consts::FRAC_PI_2);
+    let lowered = |side: f32| Quat::from_rotation_z(-side * std::f32::consts::FRAC_PI_4);
+    let mut axes = [turn.inverse(); NUM_JOINTS];
+    for (side, arms) in [(1.0, [LeftUpperArm, LeftForearm, LeftHand]), (-1.0, [RightUpperArm, RightForearm, RightHand])]
+    {
+        arms.iter().for_each(|j| axes[j.index()] = lowered(side).inverse() * turn.inverse());
+    }
+    let (mut raw, roles) = rig(&clip, &s, &axes, &[]);
+    raw.joints[0].offset = s.offsets[0];
+    let set = lay(&raw, &roles, Proportions::Default, false);
+    for f in 0..FRAMES {
+        for (j, (a, b)) in Joint::ALL.iter().zip(clip.frame_rotations(f).iter().zip(set.clips[0].frame_rotations(f))) {
+            assert!(a.dot(*b).abs() > 0.9995, "frame {f}, {}: {a} {b}", j.name());
+        }
+    }
+}
+
+#[test]
+fn missing_roles_leave_the_others_in_place() {
+    use Joint::*;
+    let s = Skeleton::default();
+    let still = |mut c: Clip| {
+        // What is left out must not bend for the rest to hang rigidly.
+        for f in 0..FRAMES {
+            for j in [Chest, UpperChest, Neck, LeftClavicle, RightClavicle] {
+                c.rotations[f * NUM_JOINTS + j.index()] = Quat::IDENTITY;
+            }
+        }
+        c
+    };
+    let left_out = [Chest, UpperChest, Neck, LeftClavicle, RightClavicle, LeftHand, RightToe];
+    let (raw, roles) = rig(&still(motion(&s)), &s, &PLAIN, &left_out);
+    let set = lay(&raw, &roles, Proportions::Clip, false);
+    assert!(worst_distance(&set, &raw, &roles) < 1e-4);
+    assert!(set.skeleton.offsets.iter().all(|o| o.is_finite() && o.length() > 0.005));
+}
+
+#[test]
+fn a_child_of_half_the_size_walks_half_as_far_on_the_ground() {
+    let s = Skeleton::default();
+    let clip = motion(&s);
+    let small = Skeleton { offsets: s.offsets.map(|o| o * 0.5), tips: s.tips.map(|o| o * 0.5) };
+    let mut half = clip.clone();
+    // The file's floor lies at 0.3 m.
+    half.root_positions.iter_mut().for_each(|p| *p = *p * 0.5 + Vec3::Y * 0.3);
+    let (raw, roles) = rig(&half, &small, &PLAIN, &[]);
+    let set = lay(&raw, &roles, Proportions::Default, true);
+    for (a, b) in set.clips[0].root_positions.iter().zip(&clip.root_positions) {
+        assert!((*a - *b).length() < 1e-4, "{a} {b}");
+    }
+}
+
+#[test]
+fn a_given_heading_of_the_rest_pose_turns_the_body() {
+    let s = Skeleton::default();
+    let (raw, roles) = rig(&motion(&s), &s, &PLAIN, &[]);
+    let hips = |heading| {
+        let sources = [Source { clip: &raw, roles: &roles, heading }];
+        let set = lay_all(&sources, &RetargetConfig::default(), &mut Warnings::default()).unwrap();
+        set.clips[0].planar(0).heading
+    };
+    let found = hips(None);
+    assert!((hips(Some(0.0)) - found).abs() < 1e-4);
+    let quarter = std::f32::consts::FRAC_PI_2;
+    assert!((hips(Some(quarter)) - found - quarter).abs() < 1e-3, "{} {found}", hips(Some(quarter)));
+}
+
+#[test]
+fn clips_of_one_name_are_told_apart_by_folders() {
+    let s = Skeleton::default();
+    let (raw, roles) = rig(&motion(&s), &s, &PLAIN, &[]);
+    let at = |path: &str| RawClip { path: path.into(), ..raw.clone() };
+    let clips = [at("a/made.bvh"), at("b/made.bvh"), at("b/made.bvh")];
+    let sources: Vec<Source> = clips.iter().map(|clip| Source { clip, roles: &roles, heading: None }).collect();
+    let names = unique_names(&sources);
+    assert_eq!(&names[..2], ["a/made", "b/made"]);
+    assert_ne!(names[1], names[2]);
+}
+
+#[test]
+fn refuses_what_has_no_legs() {
+    let s = Skeleton::default();
+    let (raw, roles) = rig(&motion(&s), &s, &PLAIN, &[Joint::LeftShin]);
+    let sources = [Source { clip: &raw, roles: &roles, heading: None }];
+    let e = lay_all(&sources, &RetargetConfig::default(), &mut Warnings::default()).unwrap_err().to_string();
+    assert!(e.contains("made.bvh") && e.contains("left_shin") && e.contains("profile"), "{e}");
+    let wrong = ExplicitProportions { offsets: [("left_shine".to_string(), [0.0; 3])].into() };
+    assert!(wrong.skeleton().unwrap_err().to_string().contains("left_shine"));
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(24))]
+
+    #[test]
+    fn own_proportions_reproduce_every_joint_whatever_the_axes(
+        angles in prop::collection::vec(prop::array::uniform3(-3.0f32..3.0), NUM_JOINTS),
+        lengths in prop::collection::vec(0.7f32..1.3, NUM_JOINTS),
+    ) {
+        let mut s = Skeleton::default();
+        s.offsets.iter_mut().zip(&lengths).for_each(|(o, l)| *o *= *l);
+        let mut axes = PLAIN;
+        for (q, a) in axes.iter_mut().zip(&angles) {
+            *q = Quat::from_scaled_axis(Vec3::from_array(*a));
+        }
+        let (raw, roles) = rig(&motion(&s), &s, &axes, &[]);
+        let set = lay(&raw, &roles, Proportions::Clip, false);
+        prop_assert!(worst_distance(&set, &raw, &roles) < 1e-4);
+        let own = own_skeleton(Source { clip: &raw, roles: &roles, heading: None }).unwrap();
+        prop_assert_eq!(&set.skeleton, &own);
+        for f in 1..FRAMES {
+            let pairs = set.clips[0].frame_rotations(f - 1).iter().zip(set.clips[0].frame_rotations(f));
+            prop_assert!(pairs.into_iter().all(|(a, b)| a.dot(*b) > 0.0));
+        }
+    }
+}
+
+#[test]
+fn written_back_and_read_again_nothing_moves() {
+    let s = Skeleton::default();
+    let clip = motion(&s);
+    let raw = to_raw(&clip, &s);
+    assert_eq!(raw.joints.len(), NUM_JOINTS + 3);
+    for f in 0..FRAMES {
+        let (world, want) = (raw.world(f), clip.joint_transforms(&s, f));
+        for j in Joint::ALL {
+            assert!((world[j.index()].0 - want[j.index()].0).length() < 1e-5);
+        }
+        let head = want[Joint::Head.index()];
+        assert!((world[NUM_JOINTS].0 - (head.0 + head.1 * s.tips[0])).length() < 1e-5);
+    }
+}

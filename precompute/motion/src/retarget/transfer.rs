@@ -1,0 +1,90 @@
+//! One clip's motion onto the target skeleton.
+
+use super::align::{Alignment, main_child};
+use super::body::{Body, RolePose, Source, anchor, role_pose};
+use glam::{Quat, Vec3};
+use throng_core::{Joint, NUM_JOINTS, Skeleton};
+
+/// Segments shorter than this have no direction (m).
+const MIN_SEGMENT: f32 = 0.005;
+
+/// Clavicles and what they carry.
+const SHOULDERS: [(Joint, Joint); 2] =
+    [(Joint::LeftClavicle, Joint::LeftUpperArm), (Joint::RightClavicle, Joint::RightUpperArm)];
+
+/// Root positions and local rotations of a whole clip.
+pub struct Motion {
+    /// Hips in the world (m).
+    pub root_positions: Vec<Vec3>,
+    /// Local rotations, row-major by frame; neighbouring frames have a positive dot product.
+    pub rotations: Vec<Quat>,
+}
+
+/// Moves `source` onto `target`; `own` is the target with the source's own proportions.
+///
+/// Every joint turns as its source does, but clavicles: they move the shoulder as far as the source's do. Positions
+/// are multiplied by the quotient of the leg lengths. The middle between the thighs is where the source has it,
+/// because skeletons disagree about where the hips joint lies above it.
+pub fn transfer(source: Source, body: &Body, a: &Alignment, own: &Skeleton, target: &Skeleton) -> Motion {
+    let scale = target.leg_length() / own.leg_length();
+    let mut scratch = Vec::new();
+    let mut root_positions = Vec::with_capacity(source.clip.num_frames);
+    let mut rotations: Vec<Quat> = Vec::with_capacity(source.clip.num_frames * NUM_JOINTS);
+    let thighs = [Joint::LeftThigh.index(), Joint::RightThigh.index()];
+    let middle = (target.offsets[thighs[0]] + target.offsets[thighs[1]]) * 0.5;
+    for frame in 0..source.clip.num_frames {
+        let pose = role_pose(source, frame, &mut scratch);
+        let mut model = model_rotations(&pose, body, a);
+        for (clavicle, arm) in SHOULDERS {
+            let i = clavicle.index();
+            let chest = model[Joint::UpperChest.index()];
+            let local = chest.inverse() * model[i];
+            model[i] = chest * shoulder(local, own.offsets[arm.index()], target.offsets[arm.index()], scale);
+        }
+        root_positions.push((pose[thighs[0]].0 + pose[thighs[1]].0) * 0.5 * scale - model[0] * middle);
+        for j in Joint::ALL {
+            let local = j.parent().map_or(model[0], |p| model[p.index()].inverse() * model[j.index()]).normalize();
+            let before = frame.checked_sub(1).map(|f| rotations[f * NUM_JOINTS + j.index()]);
+            let flip = before.is_some_and(|b| b.dot(local) < 0.0);
+            rotations.push(if flip { -local } else { local });
+        }
+    }
+    Motion { root_positions, rotations }
+}
+
+/// The clavicle's rotation that moves the end of `target` as far from rest as `local` moves that of `own`.
+///
+/// Rigs differ in how much of the shoulder they call clavicle; copying the angle would make a long one droop.
+fn shoulder(local: Quat, own: Vec3, target: Vec3, scale: f32) -> Quat {
+    let moved = target + (local * own - own) * scale;
+    match (moved.try_normalize(), (local * target).try_normalize()) {
+        (Some(to), Some(from)) => (Quat::from_rotation_arc(from, to) * local).normalize(),
+        _ => local,
+    }
+}
+
+/// World rotation of every database joint at one frame.
+fn model_rotations(pose: &RolePose, body: &Body, a: &Alignment) -> [Quat; NUM_JOINTS] {
+    let mut model = [Quat::IDENTITY; NUM_JOINTS];
+    for j in Joint::ALL {
+        let i = j.index();
+        if !body.has(j) {
+            model[i] = model[anchor(&body.roles, j).index()];
+            continue;
+        }
+        model[i] = (aim(pose, body, j) * pose[i].1 * a[i]).normalize();
+    }
+    model
+}
+
+/// The turn from where the joint's rotation alone would lay its segment to where the source has it: the identity
+/// for a rigid source, and the bend of joints without a role or with translations of their own otherwise.
+fn aim(pose: &RolePose, body: &Body, j: Joint) -> Quat {
+    let Some(child) = main_child(j).filter(|c| body.has(*c)) else { return Quat::IDENTITY };
+    let predicted = pose[j.index()].1 * body.offsets[child.index()];
+    let actual = pose[child.index()].0 - pose[j.index()].0;
+    if predicted.length() < MIN_SEGMENT || actual.length() < MIN_SEGMENT {
+        return Quat::IDENTITY;
+    }
+    Quat::from_rotation_arc(predicted.normalize(), actual.normalize())
+}

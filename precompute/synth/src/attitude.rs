@@ -1,0 +1,27 @@
+//! Which way a segment of the trunk is turned and leaned.
+
+use glam::DQuat;
+
+/// Heading, forward tilt and list of a segment of the trunk (rad).
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Attitude {
+    /// Heading.
+    pub yaw: f64,
+    /// Forward tilt.
+    pub pitch: f64,
+    /// Left side up.
+    pub list: f64,
+}
+
+impl Attitude {
+    /// Between this attitude and another one.
+    pub fn mix(self, other: Self, share: f64) -> Self {
+        let mix = |a: f64, b: f64| a + (b - a) * share;
+        Self { yaw: mix(self.yaw, other.yaw), pitch: mix(self.pitch, other.pitch), list: mix(self.list, other.list) }
+    }
+
+    /// World rotation: heading, then forward tilt, then left side up.
+    pub fn rotation(self) -> DQuat {
+        DQuat::from_rotation_y(self.yaw) * DQuat::from_rotation_x(self.pitch) * DQuat::from_rotation_z(self.list)
+    }
+}

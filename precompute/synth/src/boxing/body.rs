@@ -1,0 +1,161 @@
+//! The body between feet and fists: balanced over the feet, as high as the knees say, turned and leaned as planned.
+
+use super::super::attitude::Attitude;
+use super::super::foot::FootPose;
+use super::super::leg::LegShape;
+use super::super::pendulum::pendulum;
+use super::super::side::{Side, forward, leftward};
+use super::super::signal::{smooth, smooth_below};
+use super::foot::Stance;
+use super::posture::Posture;
+use super::script::Script;
+use glam::{DQuat, DVec2, DVec3};
+use throng_core::{Joint, Skeleton};
+
+/// Largest upward acceleration of the hips (m/s^2).
+const SPRING: f64 = 14.0;
+/// A bouncing knee: how far it goes, and how often (rad, Hz).
+const BOUNCE: (f64, f64) = (0.045, 1.7);
+/// Whoever ducks bends neither knee further, whatever the stance: 110 degrees, thigh a little above level (rad).
+const DEEPEST: f64 = 1.92;
+
+/// Slower heels stand (m/s).
+const HEEL_SPEED: f64 = 0.015;
+
+/// The body at one sample, in the world.
+#[derive(Clone, Copy, Debug)]
+pub struct Body {
+    /// The facing (rad).
+    pub facing: f64,
+    /// Hips joint (m).
+    pub root: DVec3,
+    /// Hips.
+    pub hips: DQuat,
+    /// Spine, chest, upper chest, neck, head.
+    pub trunk: [DQuat; 5],
+    /// Upper chest joint (m).
+    pub chest: DVec3,
+    /// Neck joint (m).
+    pub neck: DVec3,
+    /// The frame in which hands are on guard: the neck's place, between facing, head and chest.
+    pub guard: DQuat,
+    /// Both feet.
+    pub feet: [FootPose; 2],
+}
+
+/// Moves the body through a script.
+///
+/// - `rhythm`: strength of the bouncing at every sample, 1 on average.
+pub fn follow(script: &Script, skeleton: &Skeleton, times: &[f64], dt: f64, rhythm: &[f64]) -> Vec<Body> {
+    let mut postures: Vec<Posture> =
+        script.body.sample(times, &Posture::AHEAD, 0.022, dt).into_iter().map(Posture::of).collect();
+    let facing: Vec<f64> = script.facing.sample(times, &[0.0], 0.06, dt).iter().map(|f| f[0]).collect();
+    for ((p, t), r) in postures.iter_mut().zip(times).zip(rhythm) {
+        let beat = (t * std::f64::consts::TAU * BOUNCE.1).sin();
+        p.flexion += BOUNCE.0 * r * (1.0 - beat);
+        p.heels[1] += 0.04 * r * beat;
+    }
+    let feet = feet(script, &postures, times, dt);
+    let mass = pendulum(&pressure(script, &postures, &feet, times, dt), dt);
+    let mut bodies: Vec<Body> =
+        (0..times.len()).map(|i| placed(&postures[i], facing[i], mass[i], feet[i], skeleton)).collect();
+    let height = height(&bodies, &postures, skeleton, dt);
+    for (body, height) in bodies.iter_mut().zip(height) {
+        for point in [&mut body.root, &mut body.chest, &mut body.neck] {
+            point.y += height;
+        }
+    }
+    bodies
+}
+
+fn feet(script: &Script, postures: &[Posture], times: &[f64], dt: f64) -> Vec<[FootPose; 2]> {
+    let yaws = [0, 1].map(|i: usize| script.feet[i].yaws(times, dt));
+    let mut feet: Vec<[FootPose; 2]> = (0..times.len())
+        .map(|k| {
+            [0, 1].map(|i: usize| {
+                let p = &postures[k];
+                let stance = Stance { yaw: yaws[i][k] + p.pivots[i], heel: p.heels[i].max(0.0) };
+                script.feet[i].pose(times[k], stance)
+            })
+        })
+        .collect();
+    for i in 0..2 {
+        lift_turning_heels(&mut feet, i, dt);
+    }
+    feet
+}
+
+/// A heel that moves over the ground while the foot turns on its ball does not carry.
+fn lift_turning_heels(feet: &mut [[FootPose; 2]], i: usize, dt: f64) {
+    let ankles: Vec<DVec3> = feet.iter().map(|f| f[i].ankle).collect();
+    for (k, pair) in ankles.windows(2).enumerate() {
+        if pair[0].distance(pair[1]) > HEEL_SPEED * dt {
+            feet[k][i].heel_down = false;
+            feet[k + 1][i].heel_down = false;
+        }
+    }
+}
+
+/// The centre of pressure: under the standing foot while the other one flies, shared as the posture says otherwise.
+fn pressure(script: &Script, postures: &[Posture], feet: &[[FootPose; 2]], times: &[f64], dt: f64) -> Vec<DVec2> {
+    let share: Vec<f64> = times
+        .iter()
+        .zip(postures)
+        .map(|(&t, p)| match [0, 1].map(|i: usize| script.feet[i].flight(t).is_some()) {
+            [true, _] => 0.0,
+            [_, true] => 1.0,
+            _ => p.weight,
+        })
+        .collect();
+    let share = smooth(&share, (0.02 / dt).round() as usize);
+    let under = |f: &FootPose| {
+        let p = f.ankle.lerp(f.ball, 0.6);
+        DVec2::new(p.x, p.z)
+    };
+    feet.iter().zip(share).map(|(f, s)| under(&f[0]) * s + under(&f[1]) * (1.0 - s)).collect()
+}
+
+/// The body over its centre of mass, with the hips at height 0. The hips go back from where the trunk leans.
+fn placed(p: &Posture, facing: f64, mass: DVec2, feet: [FootPose; 2], skeleton: &Skeleton) -> Body {
+    let ahead = 0.02 - 0.3 * p.pitch.sin() + p.shift[1];
+    let aside = 0.14 * p.list.sin() + p.shift[0];
+    let ground = mass + forward(facing) * ahead + leftward(facing) * aside;
+    let root = DVec3::new(ground.x, 0.0, ground.y);
+    let world = DQuat::from_rotation_y(facing);
+    let turned = |a: Attitude| {
+        world * DQuat::from_rotation_x(a.pitch) * DQuat::from_rotation_z(a.list) * DQuat::from_rotation_y(a.yaw)
+    };
+    let hips = Attitude { yaw: p.hips, pitch: 0.3 * p.pitch + 0.04, list: 0.15 * p.list };
+    let chest = Attitude { yaw: p.chest, pitch: 1.15 * p.pitch, list: p.list };
+    let head = Attitude { yaw: 0.12 * p.chest, pitch: p.chin + 0.35 * p.pitch, list: 0.35 * p.list };
+    let neck = chest.mix(head, 0.5);
+    let trunk = [hips.mix(chest, 0.33), hips.mix(chest, 0.7), chest, neck, head].map(turned);
+    let offset = |j: Joint| skeleton.offsets[j.index()].as_dvec3();
+    let hips_world = turned(hips);
+    let spine = root + hips_world * offset(Joint::Spine);
+    let lower = spine + trunk[0] * offset(Joint::Chest);
+    let chest_at = lower + trunk[1] * offset(Joint::UpperChest);
+    let neck_at = chest_at + trunk[2] * offset(Joint::Neck);
+    let guard = turned(Attitude { yaw: 0.55 * p.chest, pitch: 0.7 * p.pitch, list: 0.7 * p.list });
+    Body { facing, root, hips: hips_world, trunk, chest: chest_at, neck: neck_at, guard, feet }
+}
+
+/// Height of the hips joint: as low as the straighter knee says, no leg longer than it is and no knee bent too far.
+fn height(bodies: &[Body], postures: &[Posture], skeleton: &Skeleton, dt: f64) -> Vec<f64> {
+    let leg = LegShape::of(skeleton);
+    let limit: Vec<f64> = bodies
+        .iter()
+        .zip(postures)
+        .map(|(body, p)| {
+            let under = |side: Side, flexion: f64| {
+                let hip = body.root + body.hips * skeleton.offsets[side.thigh().index()].as_dvec3();
+                let to = body.feet[side.index()].ankle - hip;
+                let reach = leg.reach(flexion);
+                to.y + (reach * reach - to.x * to.x - to.z * to.z).max(0.01).sqrt()
+            };
+            let [left, right] = Side::BOTH.map(|side| (under(side, p.flexion), under(side, DEEPEST)));
+            left.0.min(right.0).max(left.1.max(right.1))
+        })
+        .collect();
+    smooth_below(&limit, SPRING, (0.025 / dt).round() as usize, dt)
+}

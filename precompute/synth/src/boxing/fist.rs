@@ -1,0 +1,174 @@
+//! The way of each fist: on guard with the body, and out and back on every blow.
+//!
+//! A blow is a displacement from the guard that passes its target at full speed in the direction of the blow, so a
+//! straight one comes out straight and a bent one swings around, and the guard moves on underneath.
+
+use super::super::arm::ArmShape;
+use super::super::side::{Side, forward};
+use super::super::signal::{End, quintic};
+use super::body::Body;
+use super::moves::Punch;
+use super::posture::HandPose;
+use super::script::Strike;
+use super::technique::{self, Technique};
+use glam::{DQuat, DVec3};
+use throng_core::{Joint, Skeleton};
+
+/// What an arm follows.
+pub struct ArmTrack<'a> {
+    /// Whose.
+    pub side: Side,
+    /// The hand at every sample where it does not strike.
+    pub hands: &'a [HandPose],
+    /// The body at every sample.
+    pub bodies: &'a [Body],
+    /// Time between samples (s).
+    pub dt: f64,
+}
+
+/// An arm's lengths and where it begins.
+struct Build {
+    shape: ArmShape,
+    clavicle: DVec3,
+    shoulder: DVec3,
+}
+
+impl Build {
+    fn of(skeleton: &Skeleton, side: Side) -> Self {
+        let [clavicle, upper, fore, hand] = side.arm();
+        let offset = |j: Joint| skeleton.offsets[j.index()].as_dvec3();
+        let shape = ArmShape { upper_arm: offset(fore).length(), forearm: offset(hand).length() };
+        Self { shape, clavicle: offset(clavicle), shoulder: offset(upper) }
+    }
+}
+
+/// An arm at one sample: the clavicle's rotation against the upper chest, shoulder, wrist and pole in the world.
+#[derive(Clone, Copy, Debug)]
+pub struct ArmGoal {
+    /// Rotation of the clavicle relative to the upper chest.
+    pub clavicle: DQuat,
+    /// Shoulder joint (m).
+    pub shoulder: DVec3,
+    /// Wrist (m).
+    pub wrist: DVec3,
+    /// Where the elbow points.
+    pub pole: DVec3,
+    /// Twist of the forearm (rad).
+    pub twist: f64,
+}
+
+/// The arm at every sample.
+pub fn follow(track: &ArmTrack, strikes: &[Strike], skeleton: &Skeleton) -> Vec<ArmGoal> {
+    let build = Build::of(skeleton, track.side);
+    let mut goals: Vec<ArmGoal> =
+        track.bodies.iter().zip(track.hands).map(|(b, h)| on_guard(track.side, b, h, &build)).collect();
+    let guard: Vec<DVec3> = goals.iter().map(|g| g.wrist).collect();
+    for strike in strikes.iter().filter(|s| s.blow.side() == track.side) {
+        let way = Way::of(strike, &goals, &guard, track, &build.shape);
+        let (first, last) = (sample(strike.start, track.dt), sample(strike.back, track.dt) + 1);
+        let last = last.min(goals.len());
+        for (i, goal) in goals.iter_mut().enumerate().take(last).skip(first) {
+            goal.wrist = guard[i] + way.at(i as f64 * track.dt);
+        }
+    }
+    goals
+}
+
+fn sample(t: f64, dt: f64) -> usize {
+    (t / dt).round().max(0.0) as usize
+}
+
+fn on_guard(side: Side, body: &Body, hand: &HandPose, build: &Build) -> ArmGoal {
+    let s = side.sign();
+    let clavicle = DQuat::from_rotation_y(-s * hand.reach) * DQuat::from_rotation_z(s * hand.shrug);
+    let chest = body.trunk[2];
+    ArmGoal {
+        clavicle,
+        shoulder: body.chest + chest * (build.clavicle + clavicle * build.shoulder),
+        wrist: body.neck + body.guard * hand.guard,
+        pole: DQuat::from_rotation_y(body.facing) * hand.pole,
+        twist: hand.twist,
+    }
+}
+
+/// One blow as displacements from the guard.
+struct Way {
+    strike: Strike,
+    hit: DVec3,
+    velocity: DVec3,
+    longest: DVec3,
+}
+
+impl Way {
+    fn of(strike: &Strike, goals: &[ArmGoal], guard: &[DVec3], track: &ArmTrack, arm: &ArmShape) -> Self {
+        let technique = technique::of(strike.blow);
+        let last = goals.len() - 1;
+        let (hit, longest) = (sample(strike.hit, track.dt).min(last), sample(strike.longest, track.dt).min(last));
+        let aim = Aim::of(strike, &technique, goals[hit].shoulder, track.bodies[hit].facing, arm);
+        let guard_velocity = (guard[(hit + 1).min(last)] - guard[hit.saturating_sub(1)]) / (2.0 * track.dt);
+        let target = goals[hit].shoulder + aim.to_target;
+        let end = goals[longest].shoulder + aim.end(strike.blow.punch, technique.follow, arm);
+        Self {
+            strike: *strike,
+            hit: target - guard[hit],
+            velocity: aim.velocity - guard_velocity,
+            longest: end - guard[longest],
+        }
+    }
+
+    /// Displacement from the guard at `t` seconds (m).
+    fn at(&self, t: f64) -> DVec3 {
+        let s = &self.strike;
+        let piece = |from: [DVec3; 2], to: [DVec3; 2], begin: f64, end: f64| {
+            let axis = |i: usize| {
+                let ends = [from, to].map(|[value, rate]| End::moving(value[i], rate[i]));
+                quintic(ends[0], ends[1], end - begin, t.clamp(begin, end) - begin)
+            };
+            DVec3::new(axis(0), axis(1), axis(2))
+        };
+        let rest = [DVec3::ZERO; 2];
+        if t < s.hit {
+            piece(rest, [self.hit, self.velocity], s.start, s.hit)
+        } else if t < s.longest {
+            piece([self.hit, self.velocity], [self.longest, DVec3::ZERO], s.hit, s.longest)
+        } else {
+            piece([self.longest, DVec3::ZERO], rest, s.longest, s.back)
+        }
+    }
+}
+
+/// Where a blow goes, seen from the shoulder.
+struct Aim {
+    to_target: DVec3,
+    velocity: DVec3,
+}
+
+/// The steepest way from the shoulder to a target (sine).
+const STEEPEST: f64 = 0.6;
+
+impl Aim {
+    fn of(strike: &Strike, technique: &Technique, shoulder: DVec3, facing: f64, arm: &ArmShape) -> Self {
+        let length = strike.stretch * arm.length();
+        let rise = ((strike.height - shoulder.y) / length).clamp(-STEEPEST, STEEPEST);
+        let ahead = forward(facing + strike.azimuth);
+        let ahead = DVec3::new(ahead.x, 0.0, ahead.y);
+        let inward = DVec3::Y.cross(ahead) * -strike.blow.side().sign();
+        let away = ahead * (1.0 - rise * rise).sqrt() + DVec3::Y * rise;
+        // Straights go out along the arm; bent blows keep their own directions, whatever the height.
+        let out = if strike.blow.punch == Punch::Straight { away } else { ahead };
+        let along = inward * technique.along.x + DVec3::Y * technique.along.y + out * technique.along.z;
+        Self { to_target: away * length, velocity: along.normalize_or(away) * strike.speed }
+    }
+
+    /// Where the wrist is, seen from the shoulder, as the blow ends: straights stretch the arm, bent blows go on
+    /// around the shoulder.
+    fn end(&self, punch: Punch, follow: f64, arm: &ArmShape) -> DVec3 {
+        let away = self.to_target.normalize_or(DVec3::Z);
+        if punch == Punch::Straight {
+            return away * (0.975 * arm.length());
+        }
+        let across = (self.velocity - away * self.velocity.dot(away)).normalize_or(DVec3::Y);
+        let angle = follow / self.to_target.length();
+        (away * angle.cos() + across * angle.sin()) * (self.to_target.length() + 0.12 * follow)
+    }
+}

@@ -1,0 +1,123 @@
+//! A shadow-boxer: orthodox, on guard, always about to move.
+//!
+//! From intention to pose, in this order: `plan` deals footwork, combinations and defences (`moves`), which become
+//! keys, steps and blows (`script`) by the postures of `technique` and `posture`, as `attack` bends them to a target;
+//! `foot` stands and steps, `body` is balanced over the feet and turns as planned, `fist` strikes from wherever the
+//! body has brought the shoulder.
+
+mod attack;
+mod body;
+mod fist;
+mod foot;
+mod moves;
+mod plan;
+mod posture;
+mod script;
+mod technique;
+
+use super::SynthConfig;
+use super::arm::ArmShape;
+use super::frame::{self, ArmPose, BodyPose, Samples};
+use super::side::Side;
+use super::signal::{interpolate, smooth};
+use body::Body;
+use fist::{ArmGoal, ArmTrack};
+use glam::DQuat;
+use plan::Boxer;
+use posture::HandPose;
+use rand::{Rng, RngExt, SeedableRng};
+use rand_pcg::Pcg64Mcg;
+use script::Script;
+use throng_core::{Joint, Skeleton, planar::wrap_angle};
+use throng_motion::clip::{Clip, ClipSet, Tag};
+
+/// How much earlier each channel of a hand moves than its keys: the elbow and the shoulder lead the fist (s).
+const HANDS_AHEAD: [f64; posture::HAND] = [0.0, 0.0, 0.0, 0.03, 0.03, 0.03, 0.0, 0.02, 0.03];
+
+/// Makes the `boxing` set: shadow-boxing with footwork in all directions, straights, hooks and uppercuts of both hands
+/// in combinations of two to four, slips, ducks, rolls, blocks and parries, on the default skeleton, with the true
+/// foot contacts and a tag on everything that happens.
+///
+/// - returns clips `boxing_00`, `boxing_01`, ... that begin and end on guard.
+pub fn boxing(cfg: &SynthConfig) -> ClipSet {
+    let skeleton = Skeleton::default();
+    let mut rng = Pcg64Mcg::seed_from_u64(cfg.seed);
+    let mut boxer = Boxer::new(cfg.variation);
+    let (mut clips, mut seconds) = (Vec::new(), 0.0);
+    while seconds < cfg.minutes * 60.0 {
+        let wanted = (cfg.minutes * 60.0 - seconds).min(cfg.clip_seconds * rng.random_range(0.7..1.4));
+        let script = boxer.shadow_box(wanted, &skeleton, &mut rng);
+        seconds += script.duration;
+        let name = format!("boxing_{:02}", clips.len());
+        clips.push(perform(name, &script, &skeleton, cfg, &mut rng));
+    }
+    ClipSet { skeleton, clips }
+}
+
+/// Makes a clip from a script.
+fn perform(name: String, script: &Script, skeleton: &Skeleton, cfg: &SynthConfig, rng: &mut impl Rng) -> Clip {
+    let samples = Samples::of(script.duration, cfg.rate_hz);
+    let rhythm = rhythm(script.duration, &samples, cfg.variation, rng);
+    let bodies = body::follow(script, skeleton, &samples.times, samples.dt, &rhythm);
+    let arms = Side::BOTH.map(|side| {
+        let keys = &script.hands[side.index()];
+        let sampled = keys.sample(&samples.times, &HANDS_AHEAD, 0.02, samples.dt);
+        let hands: Vec<HandPose> = sampled.into_iter().map(HandPose::of).collect();
+        fist::follow(&ArmTrack { side, hands: &hands, bodies: &bodies, dt: samples.dt }, &script.strikes, skeleton)
+    });
+    let mut clip = frame::empty_clip(name, "boxing", cfg);
+    for i in samples.frames() {
+        frame::push(&mut clip, &pose(&bodies[i], [&arms[0][i], &arms[1][i]], skeleton), skeleton);
+    }
+    let at = |t: f64| ((t * cfg.rate_hz).round().max(0.0) as usize).min(clip.num_frames());
+    let mut tags: Vec<Tag> =
+        script.tags.iter().map(|(name, from, to)| Tag { name: (*name).into(), range: at(*from)..at(*to) }).collect();
+    tags.sort_by(|a, b| (a.range.start, a.range.end, &a.name).cmp(&(b.range.start, b.range.end, &b.name)));
+    clip.tags = tags;
+    clip
+}
+
+/// Strength of the bouncing at every sample: it comes and goes.
+fn rhythm(duration: f64, samples: &Samples, variation: f64, rng: &mut impl Rng) -> Vec<f64> {
+    let (mut t, mut knots) = (0.0, Vec::new());
+    while t < duration + 2.0 {
+        knots.push((t, 0.8 + variation * rng.random_range(-0.7..0.7)));
+        t += rng.random_range(0.8..2.0);
+    }
+    let raw: Vec<f64> = samples.times.iter().map(|&t| interpolate(&knots, t).max(0.0)).collect();
+    smooth(&raw, samples.within(0.1))
+}
+
+fn pose(body: &Body, arms: [&ArmGoal; 2], skeleton: &Skeleton) -> BodyPose {
+    let knees = body.feet.map(|foot| {
+        let hips = body.facing
+            + f64::from(throng_core::planar::twist_about_y(
+                (DQuat::from_rotation_y(-body.facing) * body.hips).as_quat(),
+            ));
+        hips + 0.7 * f64::from(wrap_angle((foot.yaw - hips) as f32))
+    });
+    BodyPose {
+        root: body.root,
+        hips: body.hips,
+        trunk: body.trunk,
+        arms: [0, 1].map(|i: usize| arm(Side::BOTH[i], body, arms[i], skeleton)),
+        feet: body.feet,
+        knees,
+    }
+}
+
+fn arm(side: Side, body: &Body, goal: &ArmGoal, skeleton: &Skeleton) -> ArmPose {
+    let [_, _, fore, hand] = side.arm();
+    let length = |j: Joint| f64::from(skeleton.offsets[j.index()].length());
+    let shape = ArmShape { upper_arm: length(fore), forearm: length(hand) };
+    let reach = shape.solve(side, goal.shoulder, goal.wrist, goal.pole);
+    ArmPose {
+        clavicle: goal.clavicle,
+        upper_arm: (body.trunk[2] * goal.clavicle).inverse() * reach.upper_arm,
+        forearm: ArmShape::forearm(side, reach.elbow, goal.twist),
+        hand: DQuat::IDENTITY,
+    }
+}
+
+#[cfg(test)]
+mod tests;

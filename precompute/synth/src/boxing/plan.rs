@@ -1,0 +1,229 @@
+//! What the boxer intends: footwork, combinations and defences, dealt so that everything comes equally often.
+
+use super::super::deck::Deck;
+use super::attack::{self, Attack, Level};
+use super::moves::{Blow, COMBINATIONS, Defence, FOOTWORK, Shuffle};
+use super::posture::{HandPose, Posture};
+use super::script::{Script, Strike};
+use super::technique;
+use glam::DVec2;
+use rand::{Rng, RngExt};
+use throng_core::Skeleton;
+
+/// Standing on guard at both ends of a clip (s).
+const STAND: f64 = 0.8;
+/// From the last hit of a combination to the guard (s).
+const RECOVER: f64 = 0.38;
+/// The body is furthest into a blow this long after the hit: it drives through (s).
+const THROUGH: f64 = 0.1;
+/// The body gathers this long before a later blow of a combination: there is no time for more (s).
+const IN_BETWEEN: f64 = 0.17;
+
+/// Deals the moves. One boxer serves all clips of a set, so that they are spread evenly over it.
+pub struct Boxer {
+    combinations: Deck<&'static [Blow]>,
+    footwork: Deck<Shuffle>,
+    defences: Deck<Defence>,
+    levels: [Deck<Level>; 3],
+    azimuths: Deck<f64>,
+    reaches: Deck<f64>,
+    moves: Deck<usize>,
+    variation: f64,
+}
+
+impl Boxer {
+    /// A boxer whose moves vary by `variation` times the usual amount.
+    pub fn new(variation: f64) -> Self {
+        use Level::{Body, Head, High};
+        Self {
+            combinations: Deck::new(&COMBINATIONS),
+            footwork: Deck::new(&FOOTWORK),
+            defences: Deck::new(&Defence::ALL),
+            levels: [
+                Deck::new(&[Body, Head, Head, Head, High]),
+                Deck::new(&[Body, Head, Head, High]),
+                Deck::new(&[Body, Head, Head, High]),
+            ],
+            azimuths: Deck::new(&[-0.38, -0.26, -0.14, -0.07, 0.0, 0.0, 0.07, 0.14, 0.26, 0.38]),
+            reaches: Deck::new(&[-1.0, -0.5, 0.0, 0.2, 0.4, 0.6, 0.8, 1.0]),
+            moves: Deck::new(&[1, 1, 2, 2, 3]),
+            variation,
+        }
+    }
+
+    /// Shadow-boxing of about `seconds`, from guard to guard.
+    pub fn shadow_box(&mut self, seconds: f64, skeleton: &Skeleton, rng: &mut impl Rng) -> Script {
+        let mut script = Script::new(skeleton);
+        let mut now = STAND;
+        while now < seconds - STAND {
+            now = self.move_about(&mut script, now, rng);
+            if rng.random_bool(0.35) {
+                now = self.defend(&mut script, now, rng);
+            }
+            now = self.attack(&mut script, now, rng);
+            now = match rng.random_range(0..10) {
+                0..4 => self.defend(&mut script, now, rng),
+                4..7 => self.shuffle(&mut script, now - 0.16, rng),
+                _ => now,
+            };
+        }
+        script.duration = now.max(script.feet_free()) + STAND;
+        script
+    }
+
+    /// A number around 1.
+    fn vary(&self, amount: f64, rng: &mut impl Rng) -> f64 {
+        1.0 + self.variation * amount * rng.random_range(-1.0..1.0)
+    }
+
+    /// Some footwork, with short rests between.
+    fn move_about(&mut self, script: &mut Script, mut now: f64, rng: &mut impl Rng) -> f64 {
+        for _ in 0..self.moves.deal(rng) {
+            now = self.shuffle(script, now, rng);
+            if rng.random_bool(0.5) {
+                now += rng.random_range(0.05..0.35);
+            }
+        }
+        now
+    }
+
+    fn shuffle(&mut self, script: &mut Script, now: f64, rng: &mut impl Rng) -> f64 {
+        let mut shuffle = self.footwork.deal(rng);
+        let scale = self.vary(0.2, rng);
+        shuffle.forward *= scale;
+        shuffle.aside *= scale;
+        shuffle.turn *= self.vary(0.2, rng);
+        let start = now.max(script.feet_free());
+        let end = self.step(script, now, &shuffle, rng);
+        if shuffle.turn.abs() > 0.5 {
+            // The lead foot turns on its ball: its heel comes off.
+            let (_, body) = script.body.last();
+            let mut up = Posture::of(body);
+            up.heels[0] = 0.14;
+            script.body.hold(start - 0.03);
+            script.body.push(start + 0.1, up.channels());
+            self.recover(script, end + 0.1, rng);
+        } else if rng.random_bool(0.6) {
+            script.body.hold(start);
+            self.recover(script, end, rng);
+        }
+        end
+    }
+
+    fn step(&self, script: &mut Script, at: f64, shuffle: &Shuffle, rng: &mut impl Rng) -> f64 {
+        let quickness = self.vary(0.1, rng);
+        let error = [0, 1].map(|_| {
+            let mut miss = || self.variation * rng.random_range(-0.014..0.014);
+            DVec2::new(miss(), miss())
+        });
+        script.shuffle(at, shuffle, quickness, error)
+    }
+
+    /// Back on guard, never exactly the same.
+    fn recover(&self, script: &mut Script, t: f64, rng: &mut impl Rng) {
+        let mut by = |amount: f64| self.variation * amount * rng.random_range(-1.0..1.0);
+        let guard = Posture::GUARD;
+        let body = Posture {
+            hips: guard.hips + by(0.05),
+            chest: guard.chest + by(0.06),
+            pitch: guard.pitch + by(0.025),
+            list: by(0.02),
+            flexion: guard.flexion + by(0.05),
+            weight: guard.weight + by(0.05),
+            heels: [0.0, guard.heels[1] + by(0.07)],
+            ..guard
+        };
+        script.body.push(t, body.channels());
+        for (track, mut hand) in script.hands.iter_mut().zip(HandPose::GUARD) {
+            hand.guard += glam::DVec3::new(by(0.012), by(0.015), by(0.016));
+            track.push(t, hand.channels());
+        }
+    }
+
+    fn defend(&mut self, script: &mut Script, now: f64, rng: &mut impl Rng) -> f64 {
+        let defence = self.defences.deal(rng);
+        let pace = self.vary(0.12, rng);
+        script.body.hold(now);
+        script.hands.iter_mut().for_each(|h| h.hold(now));
+        let mut end = now;
+        let moments = technique::defend(defence);
+        for moment in &moments {
+            end = now + pace * moment.time;
+            script.body.push(end, moment.body.channels());
+            for (track, hand) in script.hands.iter_mut().zip(moment.hands) {
+                track.push(end, hand.channels());
+            }
+        }
+        let held = end + rng.random_range(0.03..0.14);
+        script.body.hold(held);
+        script.hands.iter_mut().for_each(|h| h.hold(held));
+        let back = held + pace * if defence == Defence::Duck { 0.34 } else { 0.26 };
+        self.recover(script, back, rng);
+        script.tags.push((defence.tag(), now, back));
+        back
+    }
+
+    /// A combination, often with a step into it.
+    fn attack(&mut self, script: &mut Script, now: f64, rng: &mut impl Rng) -> f64 {
+        let combination = self.combinations.deal(rng);
+        let attack =
+            Attack { azimuth: self.azimuths.deal(rng), reach: self.reaches.deal(rng), tempo: self.vary(0.1, rng) };
+        let mut hit = self.enter(script, now, combination[0], &attack, rng);
+        script.body.hold(now);
+        let mut earlier: Option<Blow> = None;
+        for &blow in combination {
+            if let Some(earlier) = earlier {
+                hit += attack.tempo * self.vary(0.06, rng) * attack::gap(earlier, blow);
+            }
+            self.strike(script, blow, hit, earlier.is_none(), &attack, rng);
+            earlier = Some(blow);
+        }
+        let end = hit + RECOVER;
+        self.recover(script, end, rng);
+        script.tags.push(("combination", now, end));
+        end
+    }
+
+    /// Steps in where the attack is long.
+    ///
+    /// - returns when the first blow hits.
+    fn enter(&self, script: &mut Script, now: f64, first: Blow, attack: &Attack, rng: &mut impl Rng) -> f64 {
+        let technique = technique::of(first);
+        let ready = technique.load.map_or(technique.extend, |(before, _)| technique.extend.max(before + 0.14));
+        if attack.reach < 0.3 {
+            return now + ready;
+        }
+        let forward = 0.1 + 0.16 * attack.reach;
+        let step = Shuffle { forward, aside: 0.0, turn: 0.0, tag: Some("step_in") };
+        let start = now.max(script.feet_free());
+        self.step(script, start, &step, rng);
+        (now + ready).max(start + 0.25)
+    }
+
+    fn strike(&mut self, script: &mut Script, blow: Blow, hit: f64, first: bool, attack: &Attack, rng: &mut impl Rng) {
+        let technique = technique::of(blow);
+        let level = self.levels[blow.punch as usize].deal(rng);
+        let height = attack.height(blow.punch, level, rng);
+        let speed = technique.speed * self.vary(0.16, rng);
+        let azimuth = attack.azimuth + self.variation * rng.random_range(-0.06..0.06);
+        let longest = hit + technique.braking(speed);
+        let (start, back) = (hit - technique.extend, longest + technique.retract);
+        let side = blow.side().index();
+        let aimed = |p: Posture, share: f64| attack.aimed(&technique, p, height, azimuth, share);
+        if let Some((before, load)) = technique.load {
+            let before = if first { before } else { before.min(IN_BETWEEN) };
+            script.body.push(hit - before, aimed(load, 0.5).channels());
+        }
+        script.body.push(hit + THROUGH, aimed(technique.strike, 1.0).channels());
+        let hand = &mut script.hands[side];
+        hand.hold(start);
+        hand.push(hit, technique.arm.channels());
+        hand.push(longest + 0.55 * technique.retract, HandPose::GUARD[side].channels());
+        if let Some(last) = script.strikes.iter_mut().rev().find(|s| s.blow.side() == blow.side()) {
+            last.back = last.back.min(start);
+        }
+        let stretch = technique.stretch * attack.stretch(blow.punch);
+        script.strikes.push(Strike { blow, start, hit, longest, back, azimuth, height, stretch, speed });
+        script.tags.push((blow.tag(), start, back));
+    }
+}

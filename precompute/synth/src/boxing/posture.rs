@@ -1,0 +1,130 @@
+//! How a boxer holds himself, as numbers that can be keyed: the body over the feet, and each hand.
+//!
+//! The boxer is orthodox: the left foot and hand lead. Angles and directions are as seen in the *facing* frame, which
+//! stands on the ground and looks at the opponent: X left, Z towards the opponent.
+
+use glam::DVec3;
+
+/// Channels of a [`Posture`].
+pub const BODY: usize = 13;
+/// Channels of a [`HandPose`].
+pub const HAND: usize = 9;
+
+/// The body over the feet.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Posture {
+    /// Heading of the hips (rad).
+    pub hips: f64,
+    /// Heading of the upper chest (rad).
+    pub chest: f64,
+    /// The trunk leans forward (rad).
+    pub pitch: f64,
+    /// The trunk leans to the right (left side up) (rad).
+    pub list: f64,
+    /// Flexion of the straighter knee: the larger, the lower the body (rad).
+    pub flexion: f64,
+    /// Share of the weight on the lead foot.
+    pub weight: f64,
+    /// The hips leave the balance over the feet: to the left and forward (m).
+    pub shift: [f64; 2],
+    /// The head nods forward (rad).
+    pub chin: f64,
+    /// Heel up, left and right foot (rad).
+    pub heels: [f64; 2],
+    /// The foot turns on its ball, left and right (rad).
+    pub pivots: [f64; 2],
+}
+
+impl Posture {
+    /// On guard: bladed, chin down, knees soft, a little more weight behind, the rear heel off the ground.
+    pub const GUARD: Self = Self {
+        hips: -0.52,
+        chest: -0.44,
+        pitch: 0.17,
+        list: 0.0,
+        flexion: 0.5,
+        weight: 0.46,
+        shift: [0.0; 2],
+        chin: 0.2,
+        heels: [0.0, 0.24],
+        pivots: [0.0; 2],
+    };
+
+    /// How much earlier each channel moves than the hands: a blow begins at the ground (s).
+    pub const AHEAD: [f64; BODY] = [0.055, 0.02, 0.03, 0.03, 0.05, 0.1, 0.04, 0.04, 0.0, 0.065, 0.065, 0.065, 0.065];
+
+    /// The channels.
+    pub fn channels(self) -> [f64; BODY] {
+        let Self { hips, chest, pitch, list, flexion, weight, shift, chin, heels, pivots } = self;
+        let [aside, forward] = shift;
+        let ([lh, rh], [lp, rp]) = (heels, pivots);
+        [hips, chest, pitch, list, flexion, weight, aside, forward, chin, lh, rh, lp, rp]
+    }
+
+    /// The posture of the channels.
+    pub fn of(c: [f64; BODY]) -> Self {
+        let [hips, chest, pitch, list, flexion, weight, aside, forward, chin, lh, rh, lp, rp] = c;
+        let shift = [aside, forward];
+        Self { hips, chest, pitch, list, flexion, weight, shift, chin, heels: [lh, rh], pivots: [lp, rp] }
+    }
+}
+
+/// One hand while it does not strike, and how its arm is turned.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct HandPose {
+    /// The wrist as seen from the neck, in a frame that turns with the head and chest (m).
+    pub guard: DVec3,
+    /// Where the elbow points (direction).
+    pub pole: DVec3,
+    /// Twist of the forearm, palm down positive (rad).
+    pub twist: f64,
+    /// The shoulder goes forward (rad).
+    pub reach: f64,
+    /// The shoulder goes up (rad).
+    pub shrug: f64,
+}
+
+impl HandPose {
+    /// Hands on guard, left and right: the lead one in front of the cheek, the rear one at the chin, elbows in.
+    pub const GUARD: [Self; 2] = [
+        Self {
+            guard: DVec3::new(0.1, -0.01, 0.29),
+            pole: DVec3::new(0.3, -1.0, -0.1),
+            twist: 0.2,
+            reach: 0.25,
+            shrug: 0.1,
+        },
+        Self {
+            guard: DVec3::new(-0.085, -0.02, 0.2),
+            pole: DVec3::new(-0.4, -1.0, -0.15),
+            twist: 0.15,
+            reach: 0.3,
+            shrug: 0.08,
+        },
+    ];
+
+    /// The channels.
+    pub fn channels(self) -> [f64; HAND] {
+        let (g, p) = (self.guard, self.pole);
+        [g.x, g.y, g.z, p.x, p.y, p.z, self.twist, self.reach, self.shrug]
+    }
+
+    /// The pose of the channels.
+    pub fn of(c: [f64; HAND]) -> Self {
+        let [x, y, z, px, py, pz, twist, reach, shrug] = c;
+        Self { guard: DVec3::new(x, y, z), pole: DVec3::new(px, py, pz), twist, reach, shrug }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn channels_and_back() {
+        let body: [f64; BODY] = std::array::from_fn(|i| i as f64);
+        assert_eq!(Posture::of(body).channels(), body);
+        let hand: [f64; HAND] = std::array::from_fn(|i| i as f64);
+        assert_eq!(HandPose::of(hand).channels(), hand);
+    }
+}

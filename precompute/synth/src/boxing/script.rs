@@ -1,0 +1,178 @@
+//! What happens when: the keys, steps and blows that a plan adds up to.
+
+use super::super::foot::FootShape;
+use super::super::side::{Side, forward, leftward};
+use super::super::track::Track;
+use super::foot::BoxerFoot;
+use super::moves::{Blow, Shuffle};
+use super::posture::{BODY, HAND, HandPose, Posture};
+use glam::DVec2;
+use throng_core::Skeleton;
+
+/// Ankles in the stance, left and right: to the left and forward (m).
+pub const ANKLES: [DVec2; 2] = [DVec2::new(0.14, 0.205), DVec2::new(-0.13, -0.215)];
+/// Headings of the feet in the stance (rad).
+pub const YAWS: [f64; 2] = [-0.3, -0.86];
+/// Both feet stand between two steps (s).
+const BETWEEN: f64 = 0.035;
+
+/// A blow in time and place.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Strike {
+    /// What it is.
+    pub blow: Blow,
+    /// The hand leaves the guard (s).
+    pub start: f64,
+    /// The fist hits (s).
+    pub hit: f64,
+    /// The arm is at its longest (s).
+    pub longest: f64,
+    /// The hand is back on guard (s).
+    pub back: f64,
+    /// Where it goes, seen from the shoulder: to the left of the facing (rad).
+    pub azimuth: f64,
+    /// Height of the wrist at the hit, where the arm gets there (m).
+    pub height: f64,
+    /// Distance from shoulder to wrist at the hit, as a share of the arm's length.
+    pub stretch: f64,
+    /// Speed of the wrist at the hit (m/s).
+    pub speed: f64,
+}
+
+/// A clip as it is planned.
+pub struct Script {
+    /// The body.
+    pub body: Track<BODY>,
+    /// Left and right hand where they do not strike.
+    pub hands: [Track<HAND>; 2],
+    /// Heading towards the opponent (rad).
+    pub facing: Track<1>,
+    /// Left and right foot.
+    pub feet: [BoxerFoot; 2],
+    /// Blows in the order of their hits.
+    pub strikes: Vec<Strike>,
+    /// Names of ranges: name, beginning, end (s).
+    pub tags: Vec<(&'static str, f64, f64)>,
+    /// Length (s).
+    pub duration: f64,
+    centre: DVec2,
+    feet_free: f64,
+}
+
+impl Script {
+    /// On guard at the origin, facing +Z.
+    pub fn new(skeleton: &Skeleton) -> Self {
+        let shape = FootShape::of(skeleton);
+        Self {
+            body: Track::new(Posture::GUARD.channels()),
+            hands: HandPose::GUARD.map(|h| Track::new(h.channels())),
+            facing: Track::new([0.0]),
+            feet: [0, 1].map(|i: usize| BoxerFoot::new(shape, placed(DVec2::ZERO, 0.0, ANKLES[i]), YAWS[i])),
+            strikes: Vec::new(),
+            tags: Vec::new(),
+            duration: 0.0,
+            centre: DVec2::ZERO,
+            feet_free: 0.0,
+        }
+    }
+
+    /// When both feet have landed (s).
+    pub fn feet_free(&self) -> f64 {
+        self.feet_free
+    }
+
+    /// Moves both feet one after the other, the one on the side of the move first, so that they never cross.
+    ///
+    /// - `quickness`: time of a flight as a share of the usual.
+    /// - `error`: how far each foot misses its place, to the left and forward (m).
+    /// - returns when the second foot has landed.
+    pub fn shuffle(&mut self, at: f64, shuffle: &Shuffle, quickness: f64, error: [DVec2; 2]) -> f64 {
+        let at = at.max(self.feet_free);
+        let travel = shuffle.forward.hypot(shuffle.aside);
+        let heading = self.facing.last().1[0];
+        let turned = heading + shuffle.turn;
+        let middle = heading + 0.5 * shuffle.turn;
+        let flight = quickness * (0.17 + 0.24 * travel + 0.07 * shuffle.turn.abs());
+        self.facing.hold(at);
+        let end = if travel < 0.02 {
+            self.pivot(at, turned, flight)
+        } else {
+            self.centre += forward(middle) * shuffle.forward + leftward(middle) * shuffle.aside;
+            let first = first_foot(shuffle);
+            let then = self.step(first, at, at + flight, turned, error[first.index()]) + BETWEEN;
+            let second = first.other();
+            self.step(second, then, then + flight, turned, error[second.index()])
+        };
+        self.facing.push(end, [turned]);
+        if let Some(tag) = shuffle.tag {
+            self.tags.push((tag, at, end));
+        }
+        self.feet_free = end + BETWEEN;
+        end
+    }
+
+    fn step(&mut self, side: Side, lift: f64, land: f64, heading: f64, error: DVec2) -> f64 {
+        let i = side.index();
+        self.feet[i].step(lift, land, placed(self.centre, heading, ANKLES[i] + error), heading + YAWS[i]);
+        land
+    }
+
+    /// Turns on the ball of the lead foot while the rear foot steps around.
+    fn pivot(&mut self, at: f64, heading: f64, flight: f64) -> f64 {
+        let land = at + flight + 0.05;
+        let turned = heading + YAWS[0];
+        self.feet[0].turn(at, land, turned);
+        let ankle = self.feet[0].last().0;
+        self.centre = ankle - placed(DVec2::ZERO, heading, ANKLES[0]);
+        self.step(Side::Right, at + 0.05, land, heading, DVec2::ZERO)
+    }
+}
+
+/// The foot that moves first: the lead one forward and to its side, the rear one back and to its own.
+fn first_foot(shuffle: &Shuffle) -> Side {
+    let towards_lead = if shuffle.aside.abs() > shuffle.forward.abs() { shuffle.aside } else { shuffle.forward };
+    if towards_lead >= 0.0 { Side::Left } else { Side::Right }
+}
+
+/// A place of the stance on the ground plane.
+fn placed(centre: DVec2, heading: f64, offset: DVec2) -> DVec2 {
+    centre + leftward(heading) * offset.x + forward(heading) * offset.y
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::moves::FOOTWORK;
+    use super::*;
+
+    #[test]
+    fn feet_never_cross_and_one_always_stands() {
+        let mut script = Script::new(&Skeleton::default());
+        let mut t = 0.5;
+        for shuffle in FOOTWORK.iter().chain(FOOTWORK.iter().rev()) {
+            let heading = script.facing.last().1[0];
+            t = script.shuffle(t, shuffle, 1.0, [DVec2::ZERO; 2]) + 0.1;
+            let turned = script.facing.last().1[0];
+            let [left, right] = [0, 1].map(|i| script.feet[i].last().0);
+            let apart = left - right;
+            assert!(
+                (apart.dot(leftward(turned)) - 0.27).abs() < 1e-9 && (apart.dot(forward(turned)) - 0.42).abs() < 1e-9
+            );
+            assert!((turned - heading - shuffle.turn).abs() < 1e-9);
+        }
+        for k in 0..(t * 200.0) as usize {
+            let flights = [0, 1].map(|i| script.feet[i].flight(k as f64 / 200.0).is_some());
+            assert!(!(flights[0] && flights[1]));
+        }
+    }
+
+    #[test]
+    fn the_foot_on_the_side_of_the_move_goes_first() {
+        let first = |forward, aside| {
+            let mut script = Script::new(&Skeleton::default());
+            script.shuffle(1.0, &Shuffle { forward, aside, turn: 0.0, tag: None }, 1.0, [DVec2::ZERO; 2]);
+            if script.feet[0].flight(1.1).is_some() { Side::Left } else { Side::Right }
+        };
+        assert_eq!([first(0.3, 0.0), first(0.0, 0.3)], [Side::Left; 2]);
+        assert_eq!([first(-0.3, 0.0), first(0.05, -0.3)], [Side::Right; 2]);
+    }
+}

@@ -1,0 +1,68 @@
+//! Synthetic clips as the input of a build.
+
+use super::{SynthConfig, SynthSet, files, make};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+use std::path::Path;
+use throng_motion::annotate::Sidecar;
+use throng_motion::error::BuildError;
+use throng_motion::import::{self, ImportConfig, ImportedSet};
+
+/// Motion that the project makes itself.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct SynthInput {
+    /// Which set.
+    pub set: SynthSet,
+    /// Length; that of `throng synth` where absent (min, 0.05 to 240).
+    #[serde(default)]
+    pub minutes: Option<f64>,
+    /// Same seed, same motion; that of `throng synth` where absent.
+    #[serde(default)]
+    pub seed: Option<u64>,
+    /// Other sets that are made as well.
+    #[serde(default)]
+    pub also: Vec<SynthInput>,
+}
+
+impl SynthInput {
+    /// How it is made, at a rate (Hz).
+    pub fn config(&self, rate_hz: f64) -> SynthConfig {
+        let usual = SynthConfig::for_set(self.set);
+        let (minutes, seed) = (self.minutes.unwrap_or(usual.minutes), self.seed.unwrap_or(usual.seed));
+        SynthConfig { minutes, seed, rate_hz, ..usual }
+    }
+
+    /// This set and those that are made as well.
+    pub fn all(&self) -> Vec<&SynthInput> {
+        std::iter::once(self).chain(self.also.iter().flat_map(SynthInput::all)).collect()
+    }
+}
+
+/// Makes the clips, as if they had been written as files and read again; and what sidecars beside the files would say.
+///
+/// - `rate_hz`: of the clips (Hz).
+///
+/// # Errors
+/// As [`make`] and [`import::made`].
+pub fn input(
+    cfg: &SynthInput,
+    rate_hz: f64,
+    import: &ImportConfig,
+) -> Result<(ImportedSet, BTreeMap<String, Sidecar>), BuildError> {
+    let (mut all, mut sidecars) = (ImportedSet { clips: Vec::new(), skipped: Vec::new() }, BTreeMap::new());
+    let inputs = cfg.all();
+    for (i, one) in inputs.iter().enumerate() {
+        if inputs[..i].iter().any(|o| o.set == one.set) {
+            let name = one.set.name();
+            let message =
+                format!("synth.also: expected every set once, found `{name}` again. Raise its minutes instead");
+            return Err(BuildError::Config { message });
+        }
+        let set = make(one.set, &one.config(rate_hz))?;
+        sidecars.extend(set.clips.iter().filter_map(|c| Some((c.name.clone(), files::sidecar(c)?))));
+        all.clips.extend(import::made(&set, Path::new(one.set.name()), import)?.clips);
+    }
+    Ok((all, sidecars))
+}

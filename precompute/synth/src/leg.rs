@@ -1,0 +1,91 @@
+//! Analytic leg IK: thigh and shin that put an ankle where it has to be, with the knee bending forward.
+
+use glam::{DMat3, DQuat, DVec3};
+use throng_core::{Joint, Skeleton};
+
+/// World rotation of the thigh, and the knee's flexion.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LegPose {
+    /// World rotation of the thigh.
+    pub thigh: DQuat,
+    /// Flexion of the knee, never negative (rad).
+    pub knee: f64,
+}
+
+/// Lengths of thigh and shin (m).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LegShape {
+    /// Hip to knee.
+    pub thigh: f64,
+    /// Knee to ankle.
+    pub shin: f64,
+}
+
+impl LegShape {
+    /// The left leg of a skeleton.
+    pub fn of(skeleton: &Skeleton) -> Self {
+        let length = |j: Joint| f64::from(skeleton.offsets[j.index()].length());
+        Self { thigh: length(Joint::LeftShin), shin: length(Joint::LeftFoot) }
+    }
+
+    /// Distance from hip to ankle with the knee bent by `flexion` (m).
+    pub fn reach(&self, flexion: f64) -> f64 {
+        let (a, b) = (self.thigh, self.shin);
+        (a * a + b * b + 2.0 * a * b * flexion.cos()).sqrt()
+    }
+
+    /// Flexion of the knee at a distance from hip to ankle, a straight leg's where that is out of reach (rad).
+    pub fn flexion(&self, distance: f64) -> f64 {
+        let (a, b) = (self.thigh, self.shin);
+        ((distance * distance - a * a - b * b) / (2.0 * a * b)).clamp(-1.0, 1.0).acos()
+    }
+
+    /// Bends the leg so that it reaches from `hip` to `ankle`, the knee towards `facing`.
+    ///
+    /// An ankle out of reach is pointed at with a straight leg.
+    ///
+    /// - `facing`: where the knee points (direction, not along the leg).
+    pub fn solve(&self, hip: DVec3, ankle: DVec3, facing: DVec3) -> LegPose {
+        let (a, b) = (self.thigh, self.shin);
+        let d = ankle - hip;
+        let length = d.length().clamp((a - b).abs() + 1e-6, a + b);
+        let knee = self.flexion(length);
+        let at_hip = ((a * a + length * length - b * b) / (2.0 * a * length)).clamp(-1.0, 1.0).acos();
+        let down = d.normalize_or(DVec3::NEG_Y);
+        let left = facing.cross(down).normalize_or(DVec3::X);
+        let up = DQuat::from_axis_angle(left, -at_hip) * -down;
+        let thigh = DQuat::from_mat3(&DMat3::from_cols(left, up, left.cross(up)));
+        LegPose { thigh, knee }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::side::forward;
+    use super::*;
+    use proptest::prelude::*;
+
+    const LEG: LegShape = LegShape { thigh: 0.42, shin: 0.41 };
+
+    proptest! {
+        #[test]
+        fn reaches_the_ankle_with_the_knee_forward(x in -0.3f64..0.3, y in -0.75f64..-0.4, z in -0.3f64..0.3, facing in -3.0f64..3.0) {
+            let (hip, ankle) = (DVec3::new(0.1, 0.9, 0.2), DVec3::new(0.1 + x, 0.9 + y, 0.2 + z));
+            prop_assume!((ankle - hip).length() < 0.83);
+            let f = forward(facing);
+            let p = LEG.solve(hip, ankle, DVec3::new(f.x, 0.0, f.y));
+            let knee = hip + p.thigh * DVec3::new(0.0, -LEG.thigh, 0.0);
+            let shin = p.thigh * DQuat::from_rotation_x(p.knee);
+            let reached = knee + shin * DVec3::new(0.0, -LEG.shin, 0.0);
+            prop_assert!((reached - ankle).length() < 1e-9);
+            prop_assert!((knee - 0.5 * (hip + ankle)).dot(DVec3::new(f.x, 0.0, f.y)) > 0.0);
+        }
+
+        #[test]
+        fn reach_and_flexion_agree(flexion in 0.01f64..2.0) {
+            let p = LEG.solve(DVec3::Y, DVec3::Y - DVec3::Y * LEG.reach(flexion), DVec3::Z);
+            prop_assert!((p.knee - flexion).abs() < 1e-6);
+            prop_assert!((LEG.flexion(LEG.reach(flexion)) - flexion).abs() < 1e-6);
+        }
+    }
+}

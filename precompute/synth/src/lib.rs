@@ -1,0 +1,89 @@
+//! Synthetic motion, so that a fresh machine needs no captured motion: rigs that walk, box and play by rule and chance.
+//!
+//! A rig goes from intention to pose. Feet come first: what stands on the ground never slides, and the rest of the
+//! body follows from it. Each rig has a folder; what they share is here: the feet's and limbs' geometry (`foot`,
+//! `leg`, `arm`), balance (`pendulum`), smooth signals (`signal`), chance (`deck`), and the way into a clip (`frame`).
+
+mod arm;
+mod attitude;
+mod boxing;
+#[cfg(test)]
+mod checks;
+mod deck;
+mod files;
+mod foot;
+mod frame;
+mod input;
+mod leg;
+mod locomotion;
+mod office;
+mod pendulum;
+mod playground;
+mod set;
+mod side;
+mod signal;
+mod track;
+mod walk;
+
+pub use files::save;
+pub use input::{SynthInput, input};
+pub use set::{SynthSet, make, write};
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use throng_motion::error::BuildError;
+
+/// How much motion to make, and how varied.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct SynthConfig {
+    /// Same seed, same motion, to the bit.
+    pub seed: u64,
+    /// Length of the whole set; clips end standing, so it comes out a little longer. The locomotion set is a list: a
+    /// shorter length has the first clips of it, a longer one further takes (min, 0.05 to 240).
+    pub minutes: f64,
+    /// Length of one clip, about; of the locomotion set, exactly (s, 3 to 600).
+    pub clip_seconds: f64,
+    /// Frames a second (Hz, 20 to 240).
+    pub rate_hz: f64,
+    /// How much steps, arms and gaze vary; 0 repeats every step exactly (0 to 2).
+    pub variation: f64,
+}
+
+impl Default for SynthConfig {
+    fn default() -> Self {
+        Self { seed: 1, minutes: 6.0, clip_seconds: 40.0, rate_hz: 30.0, variation: 1.0 }
+    }
+}
+
+impl SynthConfig {
+    /// The settings of a set as `throng synth` makes it: its own length, the defaults otherwise.
+    pub fn for_set(set: SynthSet) -> Self {
+        match set {
+            SynthSet::Walk => Self::default(),
+            SynthSet::Boxing => Self { minutes: 8.0, clip_seconds: 60.0, ..Self::default() },
+            SynthSet::Office => Self { minutes: 13.0, clip_seconds: 60.0, ..Self::default() },
+            SynthSet::Playground => Self { minutes: 12.0, clip_seconds: 60.0, ..Self::default() },
+            SynthSet::Locomotion => {
+                let clip_seconds = locomotion::CLIP_SECONDS;
+                let minutes = locomotion::NUM_ACTS as f64 * clip_seconds / 60.0;
+                Self { minutes, clip_seconds, ..Self::default() }
+            }
+        }
+    }
+
+    fn check(&self) -> Result<(), BuildError> {
+        let limits = [
+            ("minutes", self.minutes, 0.05, 240.0),
+            ("clip_seconds", self.clip_seconds, 3.0, 600.0),
+            ("rate_hz", self.rate_hz, 20.0, 240.0),
+            ("variation", self.variation, 0.0, 2.0),
+        ];
+        match limits.into_iter().find(|(_, v, low, high)| !(low..=high).contains(&v)) {
+            None => Ok(()),
+            Some((key, v, low, high)) => {
+                Err(BuildError::Config { message: format!("synth {key}: expected {low} to {high}, found {v}") })
+            }
+        }
+    }
+}

@@ -1,0 +1,134 @@
+//! Steps laid along a steady path, and the beat that they give.
+
+use super::super::side::Side;
+use super::super::walk::roll::Footfall;
+use super::drive::Drive;
+use super::stride::Stride;
+use rand::{Rng, RngExt};
+use std::ops::Range;
+
+/// Footfalls of both feet, which alternate, the left one first.
+pub struct Falls {
+    /// Footfalls of the left and the right foot.
+    pub feet: [Vec<Footfall>; 2],
+    /// Landings of both (s).
+    lands: Vec<f64>,
+}
+
+/// How much landings vary: in time as a share of the period, in place along and across (m).
+const TIME_VARIES: f64 = 0.005;
+const PLACE_VARIES: [f64; 2] = [0.004, 0.003];
+
+impl Falls {
+    /// Steps that fill a time and a little more at both ends, beginning anywhere in a cycle.
+    ///
+    /// - `outward`: how far from the body's path they are, to the left and ahead (m).
+    pub fn lay(
+        drive: &Drive,
+        stride: &Stride,
+        outward: glam::DVec2,
+        time: Range<f64>,
+        variation: f64,
+        rng: &mut impl Rng,
+    ) -> Self {
+        let mut out = Self { feet: [Vec::new(), Vec::new()], lands: Vec::new() };
+        let first = time.start - stride.period * rng.random_range(3.0..5.0);
+        let count = ((time.end - first) / stride.period).ceil() as usize + 4;
+        for k in 0..count {
+            let side = Side::BOTH[k % 2];
+            let mut vary = |amount: f64| variation * amount * rng.random_range(-1.0..1.0);
+            let land = first + stride.period * (k as f64 + vary(TIME_VARIES));
+            let under = land + 0.5 * stride.stance;
+            let left = 0.5 * stride.width * side.sign() + outward.x + vary(PLACE_VARIES[1]);
+            let ahead = stride.ahead + outward.y + vary(PLACE_VARIES[0]);
+            let lift = land + stride.stance;
+            let flat = land + stride.landing;
+            out.lands.push(land);
+            out.feet[side.index()].push(Footfall {
+                land,
+                flat,
+                heel_off: (lift - stride.rise).max(flat + 0.02),
+                lift,
+                ankle: drive.place(under, left, ahead),
+                ground: 0.0,
+                heading: drive.heading(under),
+                yaw: drive.heading(under) + stride.toe_out * side.sign(),
+                strike: stride.strike,
+                push: stride.push,
+            });
+        }
+        out
+    }
+
+    /// Where in the cycle `t` is, in `[0, 1)`: 0 as the left foot lands, 0.5 as the right one does.
+    pub fn phase(&self, t: f64) -> f64 {
+        (0.5 * self.step(t)).fract()
+    }
+
+    /// Steps since the first landing, and how far the present one has got.
+    pub fn step(&self, t: f64) -> f64 {
+        let k = self.lands.partition_point(|l| *l <= t).clamp(1, self.lands.len() - 1) - 1;
+        k as f64 + (t - self.lands[k]) / (self.lands[k + 1] - self.lands[k])
+    }
+
+    /// The share of the left foot as `(time, share)` knots, for gaits in which both feet carry in turn: all of it while
+    /// the right foot is in the air, none while the left one is, and a straight change of weight between.
+    pub fn load(&self) -> Vec<(f64, f64)> {
+        let mut knots = Vec::new();
+        for side in Side::BOTH {
+            let carried = if side == Side::Left { 0.0 } else { 1.0 };
+            for w in self.feet[side.index()].windows(2) {
+                knots.extend([(w[0].lift, carried), (w[1].land, carried)]);
+            }
+        }
+        knots.sort_by(|a: &(f64, f64), b| a.0.total_cmp(&b.0));
+        knots
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::super::signal::interpolate;
+    use super::super::motion_set::{Act, Gait};
+    use super::*;
+    use glam::DVec2;
+    use rand::SeedableRng;
+    use rand_pcg::Pcg64Mcg;
+
+    fn falls(gait: Gait, variation: f64) -> (Falls, Stride) {
+        let act = Act::all().into_iter().find(|a| a.gait == gait).unwrap();
+        let stride = Stride::of(&act);
+        let mut rng = Pcg64Mcg::seed_from_u64(5);
+        (Falls::lay(&act.drive, &stride, DVec2::ZERO, -1.0..6.0, variation, &mut rng), stride)
+    }
+
+    #[test]
+    fn the_phase_is_that_of_the_landings() {
+        let (falls, _) = falls(Gait::Run, 1.0);
+        for (foot, phase) in falls.feet.iter().zip([0.0, 0.5]) {
+            for fall in foot.iter().filter(|f| (-1.0..6.0).contains(&f.land)) {
+                assert!((falls.phase(fall.land + 1e-9) - phase).abs() < 1e-6);
+            }
+        }
+    }
+
+    #[test]
+    fn a_foot_in_the_air_carries_nothing() {
+        let (falls, _) = falls(Gait::Walk, 1.0);
+        let load = falls.load();
+        for (foot, empty) in falls.feet.iter().zip([0.0, 1.0]) {
+            for w in foot.windows(2) {
+                assert_eq!(interpolate(&load, 0.5 * (w[0].lift + w[1].land)), empty);
+            }
+        }
+    }
+
+    #[test]
+    fn steps_without_variation_go_with_the_body() {
+        let (falls, stride) = falls(Gait::Walk, 0.0);
+        for w in falls.feet[0].windows(2) {
+            let travelled = (w[1].ankle - w[0].ankle).length();
+            assert!((travelled - 2.0 * 0.7 * stride.period).abs() < 1e-9, "{travelled}");
+        }
+    }
+}

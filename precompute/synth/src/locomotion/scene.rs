@@ -1,0 +1,61 @@
+//! The time in which an act takes place, and what it takes place with.
+
+use super::super::frame::Samples;
+use std::ops::Range;
+use throng_core::Skeleton;
+
+/// What is made before and after the clip, so that it is steady from its first frame to its last (s).
+const MARGIN: f64 = 2.5;
+
+/// Times at which an act is posed: the clip begins at 0, what lies before and after it is cut off.
+pub struct Scene {
+    /// The body.
+    pub skeleton: Skeleton,
+    /// Times of the samples (s).
+    pub times: Vec<f64>,
+    /// Time between samples (s).
+    pub dt: f64,
+    /// How much steps and gaze vary, over the usual amount.
+    pub variation: f64,
+    /// Samples of the clip's frames.
+    frames: Vec<usize>,
+}
+
+impl Scene {
+    /// The scene of a clip of `seconds`, both ends included.
+    pub fn new(skeleton: Skeleton, seconds: f64, rate_hz: f64, variation: f64) -> Self {
+        let margin = (MARGIN * rate_hz).ceil() as usize;
+        let wanted = (seconds * rate_hz).round() as usize + 1;
+        let before = margin as f64 / rate_hz;
+        let samples = Samples::of((wanted + 2 * margin) as f64 / rate_hz, rate_hz);
+        let times = samples.times.iter().map(|t| t - before).collect();
+        let frames = samples.frames().skip(margin).take(wanted).collect();
+        Self { skeleton, times, dt: samples.dt, variation, frames }
+    }
+
+    /// From the first sample to the last (s).
+    pub fn time(&self) -> Range<f64> {
+        self.times[0]..self.times[self.times.len() - 1]
+    }
+
+    /// Samples of the clip's frames, in order.
+    pub fn frames(&self) -> &[usize] {
+        &self.frames
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_clip_begins_at_zero_and_has_both_its_ends() {
+        for rate_hz in [24.0, 30.0, 60.0] {
+            let scene = Scene::new(Skeleton::default(), 4.0, rate_hz, 1.0);
+            let times: Vec<f64> = scene.frames().iter().map(|&i| scene.times[i]).collect();
+            assert!(times[0].abs() < 1e-9 && (times[times.len() - 1] - 4.0).abs() < 1e-9);
+            assert_eq!(times.len(), (4.0 * rate_hz) as usize + 1);
+            assert!(scene.time().start <= -MARGIN && scene.time().end >= 4.0 + MARGIN);
+        }
+    }
+}

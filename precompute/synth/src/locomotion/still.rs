@@ -1,0 +1,68 @@
+//! Standing at ease: breath, weight and gaze go and come back.
+
+use super::super::side::Side;
+use super::super::walk::roll::Footfall;
+use super::super::walk::trunk::Drift;
+use super::stride::Stride;
+use glam::DVec2;
+use rand::{Rng, RngExt};
+use std::f64::consts::TAU;
+
+/// After this long everything is as it was: a breath of fifteen a minute (s).
+pub const PERIOD: f64 = 4.0;
+
+/// How somebody stands at ease.
+pub struct Ease {
+    variation: f64,
+    /// Phases of weight, gaze, nod, arms and breath (rad).
+    phases: [f64; 6],
+}
+
+impl Ease {
+    /// Beginning anywhere in the period.
+    ///
+    /// - `variation`: times the usual amount of shifting and looking.
+    pub fn new(variation: f64, rng: &mut impl Rng) -> Self {
+        Self { variation, phases: [(); 6].map(|()| rng.random_range(0.0..TAU)) }
+    }
+
+    /// Share of the weight on the left foot.
+    pub fn load(&self, t: f64) -> f64 {
+        0.5 + 0.09 * self.variation * self.wave(0, t)
+    }
+
+    /// Gaze, arms and breath.
+    pub fn drift(&self, times: &[f64]) -> Drift {
+        let of = |k: usize, amount: f64| times.iter().map(|&t| amount * self.wave(k, t)).collect();
+        let small = |k: usize, amount: f64| of(k, amount * self.variation);
+        Drift {
+            gaze: small(1, 0.07),
+            nod: small(2, 0.02),
+            arms: [small(3, 0.025), small(4, 0.025)],
+            breath: of(5, 1.0),
+        }
+    }
+
+    /// A wave of the period, a little uneven but for the breath.
+    fn wave(&self, k: usize, t: f64) -> f64 {
+        let angle = TAU * t / PERIOD + self.phases[k];
+        let uneven = if k == 5 { 0.0 } else { 0.35 };
+        angle.sin() + uneven * (2.0 * angle + self.phases[5]).sin()
+    }
+}
+
+/// Where a foot stands, from before `start` to the end.
+pub fn fall(side: Side, stride: &Stride, start: f64) -> Footfall {
+    Footfall {
+        land: start - 2.0,
+        flat: start - 1.9,
+        heel_off: f64::INFINITY,
+        lift: f64::INFINITY,
+        ankle: DVec2::new(0.5 * stride.width * side.sign(), 0.0),
+        ground: 0.0,
+        heading: 0.0,
+        yaw: stride.toe_out * side.sign(),
+        strike: 0.0,
+        push: 0.0,
+    }
+}

@@ -1,0 +1,221 @@
+//! The foot of a runner over time: its contacts, and the swing that folds the leg, lifts the knee and reaches out.
+
+use super::super::foot::{FootPose, FootShape};
+use super::super::leg::LegShape;
+use super::super::side::Side;
+use super::super::signal::{End, early_bump, quintic};
+use super::super::walk::roll::{Footfall, standing};
+use super::drive::Drive;
+use super::spline::Spline;
+use glam::{DQuat, DVec2, DVec3};
+
+/// The leg at a moment of the swing.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Key {
+    /// Share of the swing that is over.
+    pub at: f64,
+    /// The thigh swings forward from the vertical (rad).
+    pub thigh: f64,
+    /// The knee bends (rad).
+    pub knee: f64,
+    /// The foot points down from a right angle with the shank (rad).
+    pub ankle: f64,
+}
+
+/// What the swings of a runner have in common.
+pub struct Swing<'a> {
+    /// The way of the body.
+    pub drive: Drive,
+    /// The leg at moments between lift and landing, in order.
+    pub keys: [Key; 3],
+    /// Hip joint of a side at a time (m).
+    pub hip: &'a dyn Fn(Side, f64) -> DVec3,
+    /// How far the body leans to the left (rad).
+    pub bank: f64,
+    /// Lengths of the leg.
+    pub leg: LegShape,
+}
+
+/// One flight: the leg as seen from the body that moves along, and how the foot is tilted.
+struct Flight {
+    /// Ankle to the left of the hip (m).
+    left: Spline,
+    /// Angle of the line from the hip to the ankle, forward from the vertical (rad).
+    angle: Spline,
+    /// Flexion of the knee (rad).
+    knee: Spline,
+    /// Heel up (rad).
+    pitch: Spline,
+    /// Extra height a little after half way, to clear the ground (m).
+    clear: f64,
+}
+
+/// All contacts of one foot, in order, and the flights between them.
+pub struct RunnerFoot {
+    drive: Drive,
+    shape: FootShape,
+    leg: LegShape,
+    falls: Vec<Footfall>,
+    flights: Vec<Flight>,
+}
+
+/// Share of a flight after which the toes are in line with the foot.
+const TOES: f64 = 0.45;
+/// Smallest height of the sole as the leg passes under the body (m).
+const CLEARANCE: f64 = 0.02;
+/// The swinging ankle is this much nearer to the middle of the body than the hip (m).
+const INWARD: f64 = 0.012;
+/// Largest rate of the knee with which a swing begins and ends. A foot pinned to the ground wants more than that of a
+/// nearly straight leg; muscles give way to it (rad/s).
+const KNEE_RATE: f64 = 5.0;
+
+impl RunnerFoot {
+    /// A foot that stands on `falls` in turn.
+    pub fn new(side: Side, shape: FootShape, falls: Vec<Footfall>, swing: &Swing) -> Self {
+        let flights = falls.windows(2).map(|w| flight(side, &shape, &w[0], &w[1], swing)).collect();
+        let mut foot = Self { drive: swing.drive, shape, leg: swing.leg, falls, flights };
+        for i in 0..foot.flights.len() {
+            foot.flights[i].clear = foot.lacks(i, |t| (swing.hip)(side, t));
+        }
+        foot
+    }
+
+    /// How much higher flight `i` has to be for its sole to clear the ground (m).
+    fn lacks(&self, i: usize, hip: impl Fn(f64) -> DVec3) -> f64 {
+        let (from, to) = (&self.falls[i], &self.falls[i + 1]);
+        let moments = (1..40).map(|k| f64::from(k) / 40.0).filter(|u| passing(*u) > 0.4);
+        let lack = |u: f64| {
+            let t = from.lift + u * (to.land - from.lift);
+            let foot = self.flying(from, to, &self.flights[i], t, hip(t));
+            (CLEARANCE - self.shape.sole(&foot, |_| 0.0)) / passing(u)
+        };
+        moments.map(lack).fold(0.0, f64::max)
+    }
+
+    /// The foot at `t` seconds.
+    ///
+    /// - `hip`: joint of its side then (m).
+    pub fn pose(&self, t: f64, hip: DVec3) -> FootPose {
+        let i = self.falls.partition_point(|f| f.land <= t).saturating_sub(1);
+        let fall = &self.falls[i];
+        match (self.falls.get(i + 1), self.flights.get(i)) {
+            (Some(next), Some(flight)) if t > fall.lift => self.flying(fall, next, flight, t, hip),
+            _ => standing(&self.shape, fall, t),
+        }
+    }
+
+    fn flying(&self, from: &Footfall, to: &Footfall, flight: &Flight, t: f64, hip: DVec3) -> FootPose {
+        let (since, duration) = (t - from.lift, to.land - from.lift);
+        let turned = |a: f64, b: f64| quintic(End::still(a), End::still(b), duration, since);
+        let (yaw, heading) = (turned(from.yaw, to.yaw), turned(from.heading, to.heading));
+        let pitch = flight.pitch.at(t);
+        let toe_pitch = pitch * quintic(End::still(0.0), End::still(1.0), TOES, (since / duration).min(TOES));
+        let (left, angle, length) = (flight.left.at(t), flight.angle.at(t), self.leg.reach(flight.knee.at(t)));
+        let (sin, cos) = angle.sin_cos();
+        let along = (length * length - left * left).max(0.0).sqrt();
+        let seen = self.drive.seen(t, DVec2::new(hip.x, hip.z));
+        let on_ground = self.drive.place(t, seen.x + left, seen.y + along * sin);
+        let height = hip.y - along * cos + flight.clear * passing(since / duration);
+        let ankle = DVec3::new(on_ground.x, height, on_ground.y);
+        let rotation = DQuat::from_rotation_y(yaw) * DQuat::from_rotation_x(pitch);
+        let ball =
+            ankle - rotation * DVec3::new(0.0, self.shape.ankle_height - self.shape.ball_height, -self.shape.ball);
+        self.shape.posed(ball, yaw, heading, pitch, toe_pitch)
+    }
+}
+
+/// A bump over a flight that is highest after half of it, as the leg passes the standing one.
+fn passing(u: f64) -> f64 {
+    early_bump(1.0 - u)
+}
+
+/// The flight from one contact to the next.
+fn flight(side: Side, shape: &FootShape, from: &Footfall, to: &Footfall, swing: &Swing) -> Flight {
+    let (start, end) = (from.lift, to.land);
+    let keys = swing.keys.map(|key| (start + key.at * (end - start), key.channels(side, swing)));
+    let seen = |fall: &Footfall, t: f64| {
+        let (foot, hip) = (standing(shape, fall, t), (swing.hip)(side, t));
+        let away = foot.ankle - hip;
+        let ground = |p: DVec3| swing.drive.seen(t, DVec2::new(p.x, p.z));
+        let from_hip = ground(foot.ankle) - ground(hip);
+        [from_hip.x, from_hip.y.atan2(-away.y), swing.leg.flexion(away.length()), foot.pitch]
+    };
+    let curve = |channel: usize, most: f64| {
+        let [first, last] = [(from, start), (to, end)].map(|(fall, t)| End::of(|t| seen(fall, t)[channel], t));
+        let inner = keys.iter().map(|(t, values)| (*t, values[channel]));
+        let knots = std::iter::once((start, first.value)).chain(inner).chain([(end, last.value)]).collect();
+        Spline::new(knots, first.rate.clamp(-most, most), last.rate.clamp(-most, most))
+    };
+    let free = f64::INFINITY;
+    Flight { left: curve(0, free), angle: curve(1, free), knee: curve(2, KNEE_RATE), pitch: curve(3, free), clear: 0.0 }
+}
+
+impl Key {
+    /// Left, angle, knee and pitch as a flight has them.
+    fn channels(&self, side: Side, swing: &Swing) -> [f64; 4] {
+        let shank = self.thigh - self.knee;
+        let ahead = swing.leg.thigh * self.thigh.sin() + swing.leg.shin * shank.sin();
+        let down = swing.leg.thigh * self.thigh.cos() + swing.leg.shin * shank.cos();
+        let left = -INWARD * side.sign() - down * swing.bank.tan();
+        [left, ahead.atan2(down), self.knee, self.ankle - shank]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use throng_core::Skeleton;
+
+    const DRIVE: Drive = Drive { left: 0.0, ahead: 3.5, gyration: 0.0 };
+
+    fn fall(land: f64) -> Footfall {
+        let (flat, heel_off, lift) = (land + 0.05, land + 0.09, land + 0.22);
+        let ankle = DRIVE.place(land + 0.11, 0.05, -0.16);
+        Footfall { land, flat, heel_off, lift, ankle, ground: 0.0, heading: 0.0, yaw: 0.1, strike: 0.12, push: 1.1 }
+    }
+
+    /// A left hip that goes along evenly.
+    fn hip(t: f64) -> DVec3 {
+        let p = DRIVE.place(t, 0.092, 0.0);
+        DVec3::new(p.x, 0.84, p.y)
+    }
+
+    fn foot() -> RunnerFoot {
+        let keys = [(0.26, -0.16, 1.4, 0.2), (0.48, 0.3, 1.7, 0.0), (0.74, 0.6, 1.3, 0.0)];
+        let skeleton = Skeleton::default();
+        let swing = Swing {
+            drive: DRIVE,
+            keys: keys.map(|(at, thigh, knee, ankle)| Key { at, thigh, knee, ankle }),
+            hip: &|_, t| hip(t),
+            bank: 0.0,
+            leg: LegShape::of(&skeleton),
+        };
+        RunnerFoot::new(Side::Left, FootShape::of(&skeleton), vec![fall(0.0), fall(0.7)], &swing)
+    }
+
+    #[test]
+    fn a_swing_begins_and_ends_where_the_foot_stands() {
+        let foot = foot();
+        for (t, fall) in [(0.22, fall(0.0)), (0.7, fall(0.7))] {
+            let (stands, before) = (standing(&foot.shape, &fall, t), foot.pose(t - 1e-6, hip(t)));
+            let after = foot.pose(t + 1e-6, hip(t));
+            for flying in [before, after] {
+                assert!((flying.ankle - stands.ankle).length() < 1e-4, "{} {}", flying.ankle, stands.ankle);
+                assert!((flying.pitch - stands.pitch).abs() < 1e-3);
+            }
+        }
+    }
+
+    #[test]
+    fn the_leg_folds_and_stays_off_the_ground() {
+        let foot = foot();
+        let flexion = |t: f64| foot.leg.flexion((foot.pose(t, hip(t)).ankle - hip(t)).length());
+        assert!(flexion(0.22) < 0.9 && flexion(0.45) > 1.6 && flexion(0.7) < 0.9);
+        for k in 1..100 {
+            let t = 0.22 + 0.0048 * f64::from(k);
+            let sole = foot.shape.sole(&foot.pose(t, hip(t)), |_| 0.0);
+            let least = if (0.4..0.6).contains(&t) { CLEARANCE - 1e-3 } else { -0.004 };
+            assert!(sole > least, "at {t}: {sole}");
+        }
+    }
+}

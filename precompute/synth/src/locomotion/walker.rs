@@ -1,0 +1,107 @@
+//! The gaits of somebody who always has a foot on the ground, put together from the parts of the walker.
+
+use super::super::attitude::Attitude;
+use super::super::foot::FootShape;
+use super::super::frame::BodyPose;
+use super::super::leg::LegShape;
+use super::super::pendulum;
+use super::super::side::Side;
+use super::super::signal::interpolate;
+use super::super::walk::arms::{self, ArmInput};
+use super::super::walk::assemble::{drift, knees};
+use super::super::walk::balance::centre_of_mass;
+use super::super::walk::foot::FootTrack;
+use super::super::walk::footsteps::Footsteps;
+use super::super::walk::pelvis::{self, PelvisInput};
+use super::super::walk::trunk::{self, Drift};
+use super::falls::Falls;
+use super::manner::Manner;
+use super::motion_set::Act;
+use super::posture::carry;
+use super::scene::Scene;
+use super::still;
+use super::stride::Stride;
+use rand::Rng;
+use throng_core::Joint;
+
+/// How much of the wandering of gaze and arms those have who go their way steadily.
+const CALM: f64 = 0.3;
+
+/// Poses of steps that go somewhere or turn.
+pub fn step(act: &Act, scene: &Scene, rng: &mut impl Rng) -> Vec<BodyPose> {
+    // The feet are as far outside an arc as the centre of mass falls towards its middle.
+    let outward = -act.drive.pull() / pendulum::FREQUENCY.powi(2);
+    let falls = Falls::lay(&act.drive, &Stride::of(act), outward, scene.time(), scene.variation, rng);
+    let load = falls.load();
+    let shape = FootShape::of(&scene.skeleton);
+    let [left, right] = &falls.feet;
+    let track = |side, own: &Vec<_>, other: &Vec<_>| FootTrack::new(side, shape, own.clone(), other, |_| 0.0);
+    let feet = [track(Side::Left, left, right), track(Side::Right, right, left)];
+    let steps = Footsteps { feet, load, duration: scene.time().end };
+    let speed = vec![act.drive.speed(); scene.times.len()];
+    let drift = drift(steps.duration, &scene.times, scene.dt, &speed, CALM * scene.variation, rng);
+    poses(act, scene, &steps, &drift)
+}
+
+/// Poses of standing at ease: weight, gaze and breath come back to where they were after [`still::PERIOD`].
+pub fn stand(act: &Act, scene: &Scene, rng: &mut impl Rng) -> Vec<BodyPose> {
+    let stride = Stride::of(act);
+    let shape = FootShape::of(&scene.skeleton);
+    let feet = Side::BOTH.map(|side| {
+        let fall = still::fall(side, &stride, scene.time().start);
+        FootTrack::new(side, shape, vec![fall], &[], |_| 0.0)
+    });
+    let ease = still::Ease::new(scene.variation, rng);
+    let load = scene.times.iter().map(|&t| (t, ease.load(t))).collect();
+    let steps = Footsteps { feet, load, duration: scene.time().end };
+    poses(act, scene, &steps, &ease.drift(&scene.times))
+}
+
+fn poses(act: &Act, scene: &Scene, steps: &Footsteps, drift: &Drift) -> Vec<BodyPose> {
+    let Scene { skeleton, times, dt, .. } = scene;
+    let feet: Vec<_> = times.iter().map(|&t| [0, 1].map(|s: usize| steps.feet[s].pose(t))).collect();
+    let load: Vec<f64> = times.iter().map(|&t| interpolate(&steps.load, t)).collect();
+    let mass = centre_of_mass(steps, &FootShape::of(skeleton), times, *dt);
+    let ahead = vec![act.drive.ahead; times.len()];
+    let joint = |j: Joint| skeleton.offsets[j.index()].as_dvec3();
+    let mut pelvis = pelvis::follow(&PelvisInput {
+        feet: &feet,
+        load: &load,
+        mass: &mass,
+        speed: &ahead,
+        hips: [joint(Joint::LeftThigh), joint(Joint::RightThigh)],
+        leg: LegShape::of(skeleton),
+        dt: *dt,
+    });
+    let sway = act.manner.sway;
+    pelvis.yaw.iter_mut().chain(&mut pelvis.list).for_each(|angle| *angle *= sway);
+    let trunk = trunk::balance(&pelvis, &ahead, &mass, drift, *dt);
+    let chest_pitch: Vec<f64> = trunk.iter().map(|t| t.upper_chest().pitch).collect();
+    let arms = arms::swing(&ArmInput {
+        apart: &pelvis.apart,
+        speed: &vec![act.drive.ahead.abs(); times.len()],
+        chest_pitch: &chest_pitch,
+        drift,
+        liveliness: [act.manner.arm_swing; 2],
+        dt: *dt,
+    });
+    // Knees that bend alike under a tired walker and a tired stander would be those of somebody about to sit; who hurries
+    // has bent them enough.
+    let speed = act.drive.speed();
+    let crouch = act.manner.crouch * (0.35 + speed).min(1.0) * (1.0 - 0.4 * (speed - 1.1).max(0.0));
+    let manner = Manner { crouch, ..*act.manner };
+    let pose = |i: usize| {
+        let (root, hips) = (pelvis.position[i], pelvis.rotation(i));
+        let mut pose = BodyPose {
+            root,
+            hips,
+            trunk: trunk[i].segments.map(Attitude::rotation),
+            arms: arms[i],
+            feet: feet[i],
+            knees: knees(root, hips, &feet[i]),
+        };
+        carry(&mut pose, &manner);
+        pose
+    };
+    (0..times.len()).map(pose).collect()
+}

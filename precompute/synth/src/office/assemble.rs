@@ -1,0 +1,186 @@
+//! From a script to a clip: the walker's body, moved by the keys and onto the chair.
+
+use super::super::SynthConfig;
+use super::super::attitude::Attitude;
+use super::super::foot::FootShape;
+use super::super::frame::{self, ArmPose, BodyPose, Samples};
+use super::super::leg::LegShape;
+use super::super::side::{Side, forward, leftward};
+use super::super::signal::interpolate;
+use super::super::walk::arms::{self, ArmInput};
+use super::super::walk::assemble::{drift, knees, speed};
+use super::super::walk::balance::centre_of_mass;
+use super::super::walk::footsteps::{self, Footsteps};
+use super::super::walk::pelvis::{self, Pelvis, PelvisInput};
+use super::super::walk::trunk::{self, TrunkPose};
+use super::desk::SEAT;
+use super::hands::{self, Held};
+use super::posture::{HandPose, Posture};
+use super::script::Script;
+use super::seat::Seated;
+use glam::{DQuat, DVec3};
+use rand::{Rng, RngExt};
+use throng_core::{Contacts, Joint, Skeleton};
+use throng_motion::clip::{Clip, Tag};
+
+/// What touches the seat, as seen from the hips joint (m).
+pub const BUTTOCKS: DVec3 = DVec3::new(0.0, -0.135, -0.03);
+/// How much of a lean of the chest the hips and the head share.
+const SHARED: [f64; 2] = [0.5, 0.5];
+/// Smoothing of keyed postures, and of hands (s).
+const SOFT: [f64; 2] = [0.06, 0.035];
+
+/// What the keys say at every sample.
+struct Keyed {
+    body: Vec<Posture>,
+    head: Vec<Attitude>,
+    hands: [Vec<HandPose>; 2],
+    seated: Vec<Seated>,
+}
+
+impl Keyed {
+    fn of(script: &Script, samples: &Samples) -> Self {
+        let (times, dt) = (&samples.times, samples.dt);
+        let body = script.body.sample(times, &[0.0; 9], SOFT[0], dt).into_iter().map(Posture::of).collect();
+        let head = script.head.sample(times, &[0.0; 3], SOFT[0], dt).into_iter();
+        let head = head.map(|[yaw, pitch, list]| Attitude { yaw, pitch, list }).collect();
+        let hands = [0, 1].map(|i: usize| {
+            let sampled = script.hands[i].sample(times, &[0.0; 15], SOFT[1], dt);
+            sampled.into_iter().map(HandPose::of).collect()
+        });
+        Self { body, head, hands, seated: times.iter().map(|&t| seated(script, t)).collect() }
+    }
+}
+
+fn seated(script: &Script, t: f64) -> Seated {
+    let next = script.sittings.partition_point(|s| s.down[0] <= t);
+    next.checked_sub(1).map_or(Seated::default(), |i| script.sittings[i].at(t))
+}
+
+/// Makes a clip from a script.
+pub fn clip(name: String, script: &Script, skeleton: &Skeleton, cfg: &SynthConfig, rng: &mut impl Rng) -> Clip {
+    let steps = footsteps::place(FootShape::of(skeleton), script.start, &script.steps, script.last_stand(), rng);
+    let samples = Samples::of(steps.duration, cfg.rate_hz);
+    let poses = poses(script, &steps, &samples, skeleton, cfg.variation, rng);
+    let mut clip = frame::empty_clip(name, "office", cfg);
+    for i in samples.frames() {
+        frame::push(&mut clip, &poses[i], skeleton);
+        let frame = clip.contacts.len() - 1;
+        clip.contacts[frame].insert(contacts(script, samples.times[i]));
+    }
+    let at = |t: f64| ((t * cfg.rate_hz).round().max(0.0) as usize).min(clip.num_frames());
+    let mut tags: Vec<Tag> =
+        script.tags.iter().map(|(name, from, to)| Tag { name: (*name).into(), range: at(*from)..at(*to) }).collect();
+    tags.retain(|t| !t.range.is_empty());
+    tags.sort_by(|a, b| (a.range.start, a.range.end, &a.name).cmp(&(b.range.start, b.range.end, &b.name)));
+    clip.tags = tags;
+    clip
+}
+
+/// Contacts of seat and hands at a time.
+fn contacts(script: &Script, t: f64) -> Contacts {
+    let mut out = Contacts::NONE;
+    if seated(script, t).carried {
+        out.insert(Contacts::SEAT);
+    }
+    for (rests, bit) in script.rests.iter().zip([Contacts::LEFT_HAND, Contacts::RIGHT_HAND]) {
+        if rests.iter().any(|[from, to]| (*from..=*to).contains(&t)) {
+            out.insert(bit);
+        }
+    }
+    out
+}
+
+fn poses(
+    script: &Script,
+    steps: &Footsteps,
+    samples: &Samples,
+    skeleton: &Skeleton,
+    variation: f64,
+    rng: &mut impl Rng,
+) -> Vec<BodyPose> {
+    let (times, dt) = (&samples.times, samples.dt);
+    let keyed = Keyed::of(script, samples);
+    let feet: Vec<_> = times.iter().map(|&t| [0, 1].map(|s: usize| steps.feet[s].pose(t))).collect();
+    let load: Vec<f64> = times.iter().map(|&t| interpolate(&steps.load, t)).collect();
+    let mass = centre_of_mass(steps, &FootShape::of(skeleton), times, dt);
+    let speed = speed(&mass, dt, samples.within(0.13));
+    let joint = |j: Joint| skeleton.offsets[j.index()].as_dvec3();
+    let hips = [joint(Joint::LeftThigh), joint(Joint::RightThigh)];
+    let leg = LegShape::of(skeleton);
+    let input = PelvisInput { feet: &feet, load: &load, mass: &mass, speed: &speed, hips, leg, dt };
+    let mut pelvis = pelvis::follow(&input);
+    move_hips(&mut pelvis, &input, &keyed);
+    let drift = drift(steps.duration, times, dt, &speed, variation, rng);
+    let mut trunk = trunk::balance(&pelvis, &speed, &mass, &drift, dt);
+    for (i, pose) in trunk.iter_mut().enumerate() {
+        bend(pose, &keyed.body[i], keyed.head[i], keyed.seated[i].lean);
+    }
+    let chest_pitch: Vec<f64> = trunk.iter().map(|t| t.upper_chest().pitch).collect();
+    let arms = arms::swing(&ArmInput {
+        apart: &pelvis.apart,
+        speed: &speed,
+        chest_pitch: &chest_pitch,
+        drift: &drift,
+        liveliness: [0, 1].map(|_| 1.0 + variation * rng.random_range(-0.08..0.08)),
+        dt,
+    });
+    let whole =
+        |i: usize| pose(&pelvis, &trunk[i], arms[i], feet[i], [&keyed.hands[0][i], &keyed.hands[1][i]], i, skeleton);
+    (0..times.len()).map(whole).collect()
+}
+
+/// Turns and moves the hips as keyed, over the feet, and then towards the seat.
+fn move_hips(pelvis: &mut Pelvis, input: &PelvisInput, keyed: &Keyed) {
+    for (i, body) in keyed.body.iter().enumerate() {
+        let h = pelvis.heading[i];
+        let shift = leftward(h) * body.shift[0] + forward(h) * body.shift[1];
+        pelvis.position[i] += DVec3::new(shift.x, 0.0, shift.y);
+        pelvis.yaw[i] += body.hips.yaw;
+        pelvis.pitch[i] += body.hips.pitch + SHARED[0] * keyed.seated[i].lean;
+        // On the seat, lifting a foot does not tilt the hips.
+        pelvis.list[i] = pelvis.list[i] * (1.0 - keyed.seated[i].down) + body.hips.list;
+    }
+    pelvis.stand_up(input);
+    for (i, (body, seated)) in keyed.body.iter().zip(&keyed.seated).enumerate() {
+        let sitting = SEAT - pelvis.rotation(i) * BUTTOCKS;
+        let p = &mut pelvis.position[i];
+        let away = sitting - *p;
+        *p += DVec3::new(seated.back * away.x, seated.down * away.y, seated.back * away.z);
+        p.y -= body.dip * (1.0 - seated.down);
+    }
+}
+
+/// Bends the trunk as keyed: the spine shares the turn of the chest, the neck lies between chest and head.
+fn bend(pose: &mut TrunkPose, body: &Posture, head: Attitude, lean: f64) {
+    let add = |a: Attitude, b: Attitude, share: f64| Attitude {
+        yaw: a.yaw + share * b.yaw,
+        pitch: a.pitch + share * b.pitch,
+        list: a.list + share * b.list,
+    };
+    let chest = Attitude { pitch: body.chest.pitch + lean, ..body.chest };
+    let head = Attitude { pitch: head.pitch + SHARED[1] * lean, ..head };
+    let [spine, middle, upper, neck, top] = &mut pose.segments;
+    // The segments already hold their share of the hips' attitude.
+    *spine = add(*spine, chest, 0.3);
+    *middle = add(*middle, chest, 0.65);
+    *upper = add(*upper, chest, 1.0);
+    *neck = add(*neck, chest.mix(head, 0.45), 1.0);
+    *top = add(*top, head, 1.0);
+}
+
+fn pose(
+    pelvis: &Pelvis,
+    trunk: &TrunkPose,
+    hanging: [ArmPose; 2],
+    feet: [super::super::foot::FootPose; 2],
+    keyed: [&HandPose; 2],
+    i: usize,
+    skeleton: &Skeleton,
+) -> BodyPose {
+    let (root, hips) = (pelvis.position[i], pelvis.rotation(i));
+    let world: [DQuat; 5] = trunk.segments.map(Attitude::rotation);
+    let held = Held::over(root, hips, world, trunk.upper_chest(), skeleton);
+    let arms = [0, 1].map(|k: usize| hands::arm(Side::BOTH[k], &held, &hanging[k], keyed[k], skeleton));
+    BodyPose { root, hips, trunk: world, arms, feet, knees: knees(root, hips, &feet) }
+}

@@ -1,0 +1,109 @@
+//! Arms between hanging and holding a hand somewhere.
+
+use super::super::arm::ArmShape;
+use super::super::attitude::Attitude;
+use super::super::frame::ArmPose;
+use super::super::side::Side;
+use super::posture::HandPose;
+use glam::{DQuat, DVec3};
+use throng_core::{Joint, Skeleton};
+
+/// What hands are held against, at one sample.
+pub struct Held {
+    /// Upper chest joint (m).
+    chest: DVec3,
+    /// World rotation of the upper chest.
+    rotation: DQuat,
+    /// Neck joint (m).
+    neck: DVec3,
+    /// Frame that turns with the chest and bends a little less.
+    frame: DQuat,
+}
+
+impl Held {
+    /// The chest over the hips.
+    ///
+    /// - `trunk`: world rotations from the spine to the head.
+    pub fn over(root: DVec3, hips: DQuat, trunk: [DQuat; 5], chest: Attitude, skeleton: &Skeleton) -> Self {
+        let offset = |j: Joint| skeleton.offsets[j.index()].as_dvec3();
+        let spine = root + hips * offset(Joint::Spine);
+        let lower = spine + trunk[0] * offset(Joint::Chest);
+        let upper = lower + trunk[1] * offset(Joint::UpperChest);
+        let frame = Attitude { yaw: chest.yaw, pitch: 0.6 * chest.pitch, list: 0.6 * chest.list };
+        Self { chest: upper, rotation: trunk[2], neck: upper + trunk[2] * offset(Joint::Neck), frame: frame.rotation() }
+    }
+}
+
+/// Twist of a hanging forearm, and the direction of its elbow in the upper arm's frame.
+const HANGING: (f64, DVec3) = (0.15, DVec3::NEG_Z);
+/// The share of being held from which on the arm is all reach. The wrist is on its way from hanging to where it is held
+/// from the beginning, so that only what a hanging arm stretches further than a reaching one is blended over.
+const TAKEN: f64 = 0.25;
+
+/// An arm: hanging where the hand is not held, reaching for its wrist where it is, between them otherwise.
+pub fn arm(side: Side, held: &Held, hanging: &ArmPose, hand: &HandPose, skeleton: &Skeleton) -> ArmPose {
+    if hand.held <= 0.0 {
+        return *hanging;
+    }
+    let reaching = reach(side, held, hanging, hand, skeleton);
+    let u = (hand.held / TAKEN).min(1.0);
+    let taken = u * u * (3.0 - 2.0 * u);
+    ArmPose {
+        clavicle: reaching.clavicle,
+        upper_arm: hanging.upper_arm.slerp(reaching.upper_arm, taken),
+        forearm: hanging.forearm.slerp(reaching.forearm, taken),
+        hand: hanging.hand.slerp(reaching.hand, hand.held.min(1.0)),
+    }
+}
+
+fn reach(side: Side, held: &Held, hanging: &ArmPose, hand: &HandPose, skeleton: &Skeleton) -> ArmPose {
+    let [clavicle_at, shoulder_at, fore, wrist] = side.arm().map(|j| skeleton.offsets[j.index()].as_dvec3());
+    let (s, share) = (side.sign(), hand.held.min(1.0));
+    let clavicle = DQuat::from_rotation_y(-s * hand.reach) * DQuat::from_rotation_z(s * (hand.shrug - 0.05));
+    let clavicle = hanging.clavicle.slerp(clavicle, share);
+    let shoulder = held.chest + held.rotation * (clavicle_at + clavicle * shoulder_at);
+    let hung = held.rotation * clavicle * hanging.upper_arm;
+    let hung_wrist = shoulder + hung * (fore + hanging.forearm * wrist);
+    let body = held.neck + held.frame * hand.body;
+    let goal = hung_wrist.lerp(body.lerp(hand.room, hand.placed), share);
+    let pole = (hung * HANGING.1).lerp((held.frame * hand.pole).normalize_or(DVec3::NEG_Y), share);
+    let shape = ArmShape { upper_arm: fore.length(), forearm: wrist.length() };
+    let bent = shape.solve(side, shoulder, goal, pole);
+    let forearm = ArmShape::forearm(side, bent.elbow, HANGING.0 + share * (hand.twist - HANGING.0));
+    let along = bent.upper_arm * forearm * (DVec3::X * s);
+    // A hand that is put down lies level, however steep the forearm comes down.
+    let level = hand.placed * hand.twist.sin().max(0.0) * along.y.clamp(-0.9, 0.9).asin();
+    ArmPose {
+        clavicle,
+        upper_arm: (held.rotation * clavicle).inverse() * bent.upper_arm,
+        forearm,
+        hand: DQuat::from_rotation_z(-s * (hand.flex + level)),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_held_wrist_is_where_it_is_held_on_both_sides() {
+        let skeleton = Skeleton::default();
+        let upright = [DQuat::IDENTITY; 5];
+        let held = Held::over(DVec3::Y, DQuat::IDENTITY, upright, Attitude::default(), &skeleton);
+        let still = ArmPose {
+            clavicle: DQuat::IDENTITY,
+            upper_arm: DQuat::IDENTITY,
+            forearm: DQuat::IDENTITY,
+            hand: DQuat::IDENTITY,
+        };
+        for side in Side::BOTH {
+            let pose = HandPose { held: 1.0, body: DVec3::new(0.1, -0.3, 0.3), ..HandPose::HANGING };
+            let pose = if side == Side::Left { pose } else { pose.mirrored() };
+            let arm = arm(side, &held, &still, &pose, &skeleton);
+            let [c, u, f, h] = side.arm().map(|j| skeleton.offsets[j.index()].as_dvec3());
+            let upper = arm.clavicle * arm.upper_arm;
+            let wrist = held.chest + c + arm.clavicle * u + upper * (f + arm.forearm * h);
+            assert!(wrist.distance(held.neck + pose.body) < 1e-9, "{wrist}");
+        }
+    }
+}

@@ -1,0 +1,74 @@
+//! People in an office: at the desk, and standing about.
+//!
+//! From intention to pose, in this order: `visit` (with `work`) and `stand` (with `gesture`) say what happens, as steps,
+//! stays on the chair (`seat`) and keys of trunk, head and hands (`posture`) in a `script`; `route` finds the way around
+//! the furniture of `desk`; `assemble` walks the steps with the walker's own body, moves it by the keys and onto the
+//! chair, and `hands` puts the hands where they are wanted. With no keys the body is the walker's, to the bit, so that
+//! its stands and steps are those of the `walk` set.
+
+mod assemble;
+mod desk;
+mod gesture;
+mod hands;
+mod posture;
+mod route;
+mod script;
+mod seat;
+mod stand;
+mod visit;
+mod work;
+
+use super::SynthConfig;
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg64Mcg;
+use script::Script;
+use stand::Stander;
+use throng_core::Skeleton;
+use throng_motion::clip::ClipSet;
+use visit::Visitor;
+
+/// Share of the set that takes place at the desk.
+const AT_DESK: f64 = 7.0 / 13.0;
+
+/// Makes the `office` set: walking up to a desk from all sides, sitting down, working, chatting there, standing up and
+/// walking away; and idling, chatting, disputing and presenting while standing; on the default skeleton, with the true
+/// contacts and a tag on everything that happens.
+///
+/// - returns clips `office_desk_00`, ..., around the desk of `data/environments/office_source.toml`, and
+///   `office_stand_00`, ..., on empty ground; all begin and end standing.
+pub fn office(cfg: &SynthConfig) -> ClipSet {
+    let mut set = ClipSet { skeleton: Skeleton::default(), clips: Vec::new() };
+    let mut rng = Pcg64Mcg::seed_from_u64(cfg.seed);
+    let (mut visitor, mut stander) = (Visitor::new(), Stander::new());
+    let whole = cfg.minutes * 60.0;
+    let mut visits = |seconds: f64, rng: &mut Pcg64Mcg| visitor.visits(seconds, cfg.variation, rng);
+    let spent = fill(&mut set, "office_desk", AT_DESK * whole, cfg, &mut rng, &mut visits);
+    let mut stands = |seconds: f64, rng: &mut Pcg64Mcg| stander.stand(seconds, cfg.variation, rng);
+    fill(&mut set, "office_stand", whole - spent, cfg, &mut rng, &mut stands);
+    set
+}
+
+/// Adds clips until they last `seconds`, and one at least.
+///
+/// - returns how long they are together (s).
+fn fill(
+    set: &mut ClipSet,
+    name: &str,
+    seconds: f64,
+    cfg: &SynthConfig,
+    rng: &mut Pcg64Mcg,
+    write: &mut impl FnMut(f64, &mut Pcg64Mcg) -> Script,
+) -> f64 {
+    let (mut spent, mut number) = (0.0, 0);
+    while spent < seconds || number == 0 {
+        let wanted = (seconds - spent).min(cfg.clip_seconds * rng.random_range(0.85..1.1));
+        let script = write(wanted, rng);
+        spent += script.duration();
+        set.clips.push(assemble::clip(format!("{name}_{number:02}"), &script, &set.skeleton, cfg, rng));
+        number += 1;
+    }
+    spent
+}
+
+#[cfg(test)]
+mod tests;

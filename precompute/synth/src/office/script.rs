@@ -1,0 +1,260 @@
+//! What happens in a clip: steps, stays on the chair, keys of trunk, head and hands, and what to call it all.
+
+use super::super::attitude::Attitude;
+use super::super::side::{Side, forward, leftward};
+use super::super::track::Track;
+use super::super::walk::footsteps::{LAST_STAND, SHIFT, Stance, timing};
+use super::super::walk::gait::{StepShape, pivot_step};
+use super::super::walk::wander::{Intent, STANDING_WIDTH, TOE_OUT};
+use super::posture::{BODY, HAND, HEAD, HandPose, Posture};
+use super::seat::Sitting;
+use glam::DVec2;
+use rand::{Rng, RngExt};
+use throng_core::planar::wrap_angle;
+
+/// A script grows by what is to happen next.
+pub struct Script {
+    /// Where the clip begins, standing.
+    pub start: Stance,
+    /// The steps.
+    pub steps: Vec<Intent>,
+    /// Keys of hips and chest.
+    pub body: Track<BODY>,
+    /// Keys of the head.
+    pub head: Track<HEAD>,
+    /// Keys of the left and the right hand.
+    pub hands: [Track<HAND>; 2],
+    /// Stays on the chair, in order.
+    pub sittings: Vec<Sitting>,
+    /// When the left and the right hand rest on something (s).
+    pub rests: [Vec<[f64; 2]>; 2],
+    /// Names of what happens, from when to when (s).
+    pub tags: Vec<(&'static str, f64, f64)>,
+    /// How much everything varies.
+    pub variation: f64,
+    stance: Stance,
+    landed: f64,
+    now: f64,
+}
+
+/// A single step as [`Script::step`] takes it.
+#[derive(Clone, Copy, Debug)]
+pub struct Step {
+    /// The foot.
+    pub side: Side,
+    /// Where the feet stand after it, or will once the other one has followed.
+    pub to: Stance,
+    /// Distance of the ankles across (m).
+    pub width: f64,
+    /// How far the foot turns out (rad).
+    pub toe_out: f64,
+    /// Time from landing to landing (s).
+    pub period: f64,
+    /// Time both feet carry at the beginning (s).
+    pub double_support: f64,
+}
+
+impl Step {
+    /// A step on the spot or aside.
+    pub fn aside(side: Side, to: Stance) -> Self {
+        Self { side, to, width: STANDING_WIDTH, toe_out: TOE_OUT, period: 0.6, double_support: 0.16 }
+    }
+}
+
+/// Longest part of a heading change in place that one step takes (rad).
+const OPENING: [f64; 2] = [0.85, 1.1];
+/// The same of the outer foot (rad).
+const CLOSING: f64 = 0.3;
+
+/// Least stand between two steps of the same foot (s).
+const LANDED: f64 = 0.15;
+
+impl Script {
+    /// A script that begins standing.
+    pub fn new(start: Stance, variation: f64) -> Self {
+        let hand = HandPose::HANGING;
+        Self {
+            start,
+            steps: Vec::new(),
+            body: Track::new([0.0; BODY]),
+            head: Track::new([0.0; HEAD]),
+            hands: [Track::new(hand.channels()), Track::new(hand.mirrored().channels())],
+            sittings: Vec::new(),
+            rests: [Vec::new(), Vec::new()],
+            tags: Vec::new(),
+            variation,
+            stance: start,
+            landed: 0.0,
+            now: 0.0,
+        }
+    }
+
+    /// The end of what happens so far (s).
+    pub fn now(&self) -> f64 {
+        self.now
+    }
+
+    /// Where the feet stand now.
+    pub fn stance(&self) -> Stance {
+        self.stance
+    }
+
+    /// How long to stand after the last step (s).
+    pub fn last_stand(&self) -> f64 {
+        LAST_STAND.max(self.now - self.landed + 1.1)
+    }
+
+    /// Length of the clip (s).
+    pub fn duration(&self) -> f64 {
+        self.landed + self.last_stand()
+    }
+
+    /// Nothing more happens until `t`.
+    pub fn wait_until(&mut self, t: f64) {
+        self.now = self.now.max(t);
+    }
+
+    /// Between `-amount` and `amount`, as far as things vary.
+    pub fn vary(&self, amount: f64, rng: &mut impl Rng) -> f64 {
+        self.variation * amount * rng.random_range(-1.0..1.0)
+    }
+
+    /// Takes a step; waits before it where something else goes on until later than the last landing.
+    pub fn step(&mut self, step: Step) {
+        let turn = f64::from(wrap_angle((step.to.heading - self.stance.heading) as f32));
+        let along = self.stance.heading + 0.5 * turn;
+        let way = step.to.at - self.stance.at;
+        let shape =
+            StepShape { length: way.dot(forward(along)), period: step.period, double_support: step.double_support };
+        // A foot that has just landed carries a while before it steps again.
+        let again = self.steps.last().is_some_and(|s| s.side == step.side);
+        let waits = self.now - self.landed;
+        let pause = if waits > 0.02 {
+            waits
+        } else if again {
+            LANDED
+        } else {
+            0.0
+        };
+        self.take(Intent {
+            side: step.side,
+            pause,
+            turn,
+            aside: way.dot(leftward(along)),
+            width: step.width,
+            toe_out: step.toe_out,
+            shape,
+        });
+    }
+
+    fn take(&mut self, intent: Intent) {
+        self.stance = self.stance.after(&intent);
+        self.landed = timing(&intent, self.landed).1;
+        self.now = self.landed;
+        self.steps.push(intent);
+    }
+
+    /// When the next step lifts its foot, where it comes after standing still (s).
+    pub fn next_lift(&self) -> f64 {
+        self.now.max(self.landed) + SHIFT
+    }
+
+    /// The foot that can step at once, where the script is in the middle of stepping.
+    pub fn free_foot(&self) -> Option<Side> {
+        self.steps.last().filter(|_| self.now <= self.landed + 0.02).map(|s| s.side.other())
+    }
+
+    /// A hand rests on something from a little after `from` until a little before `to`.
+    pub fn rest(&mut self, side: Side, from: f64, to: f64) {
+        if to - from > 0.4 {
+            self.rests[side.index()].push([from + 0.1, to - 0.12]);
+        }
+    }
+
+    /// Turns on the spot by `angle` in alternating steps, the inner foot first.
+    pub fn turn_in_place(&mut self, angle: f64) {
+        let opening = OPENING[usize::from(angle.abs() > 1.2)];
+        let (mut left, mut side, mut behind) = (angle, Side::inside(angle), 0.0);
+        while f64::abs(left) > 0.03 || f64::abs(behind) > 0.03 {
+            let most = if side == Side::inside(angle) { opening } else { CLOSING };
+            let bend = left.clamp(-most, most);
+            let shape = pivot_step(bend + behind);
+            let to = Stance { at: self.stance.at, heading: self.stance.heading + bend };
+            let step = Step { period: shape.period, double_support: shape.double_support, ..Step::aside(side, to) };
+            self.step(step);
+            left -= bend;
+            behind = bend;
+            side = side.other();
+        }
+    }
+
+    /// Goes sideways to a stance in steps that close, turning as it goes.
+    ///
+    /// - `path`: point at each share of the way (m).
+    pub fn side_step(&mut self, to: Stance, path: impl Fn(f64) -> DVec2, rng: &mut impl Rng) {
+        const STRIDE: f64 = 0.3;
+        let from = self.stance;
+        let turn = f64::from(wrap_angle((to.heading - from.heading) as f32));
+        let distance = (to.at - from.at).length();
+        let pairs = (distance / STRIDE).max(turn.abs() / 0.5).ceil().max(1.0);
+        let mean = from.heading + 0.5 * turn;
+        let lead = if (to.at - from.at).dot(leftward(mean)) >= 0.0 { Side::Left } else { Side::Right };
+        for k in 1..=pairs as usize {
+            let share = k as f64 / pairs;
+            let at = Stance { at: path(share), heading: from.heading + turn * share };
+            let period = 0.56 + self.vary(0.03, rng);
+            self.step(Step { period, ..Step::aside(lead, at) });
+            self.step(Step { period: period - 0.02, ..Step::aside(lead.other(), at) });
+        }
+    }
+
+    /// Hips and chest get to a posture at `t`, setting out `over` seconds before.
+    pub fn pose(&mut self, t: f64, over: f64, posture: Posture) {
+        self.body.hold(t - over);
+        self.body.push(t, posture.channels());
+    }
+
+    /// The head gets to an attitude at `t`, setting out `over` seconds before.
+    pub fn look(&mut self, t: f64, over: f64, yaw: f64, pitch: f64, list: f64) {
+        self.head.hold(t - over);
+        self.head.push(t, [yaw, pitch, list]);
+    }
+
+    /// The attitude of the head at the last key.
+    pub fn head(&self) -> Attitude {
+        let [yaw, pitch, list] = self.head.last().1;
+        Attitude { yaw, pitch, list }
+    }
+
+    /// A hand gets to a pose at `t`, setting out `over` seconds before or where its last key is.
+    pub fn hand(&mut self, side: Side, t: f64, over: f64, pose: HandPose) {
+        let track = &mut self.hands[side.index()];
+        track.hold(t - over);
+        track.push(t, pose.channels());
+    }
+
+    /// The pose of a hand at its last key.
+    pub fn hand_now(&self, side: Side) -> HandPose {
+        HandPose::of(self.hands[side.index()].last().1)
+    }
+
+    /// Lets a hand hang from `t - over` on until `t`; it forgets where it was held.
+    pub fn let_hang(&mut self, side: Side, t: f64, over: f64) {
+        let last = self.hand_now(side);
+        self.hand(side, t, over, HandPose { held: 0.0, flex: 0.0, reach: 0.0, shrug: 0.0, ..last });
+    }
+
+    /// Back to the neutral stand at `t`.
+    pub fn relax(&mut self, t: f64, over: f64) {
+        self.pose(t, over, Posture::default());
+        self.look(t, over, 0.0, 0.0, 0.0);
+        for side in Side::BOTH {
+            self.let_hang(side, t, over);
+        }
+    }
+
+    /// Names what happens from `from` to now.
+    pub fn tag(&mut self, name: &'static str, from: f64) {
+        self.tags.push((name, from, self.now));
+    }
+}

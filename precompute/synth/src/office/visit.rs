@@ -1,0 +1,252 @@
+//! A visit to the desk: walking up, getting between chair and desk, sitting down, working, standing up, walking away.
+
+use super::super::attitude::Attitude;
+use super::super::deck::Deck;
+use super::super::side::Side;
+use super::super::walk::footsteps::Stance;
+use super::desk::{BEFORE_SEAT, blocked};
+use super::posture::{HandPose, Posture};
+use super::route::{Goal, walk};
+use super::script::{Script, Step};
+use super::seat::Sitting;
+use super::work::{self, Worker};
+use glam::{DVec2, DVec3};
+use rand::{Rng, RngExt};
+use std::f64::consts::PI;
+
+/// Distances from the chair at which clips begin and people stop after walking away (m).
+const AWAY: [f64; 2] = [1.6, 2.5];
+/// Directions from the chair to go to and to come from, in degrees from straight behind it, left positive: all but
+/// where the desk is.
+const DIRECTIONS: [f64; 14] =
+    [0.0, 18.0, -18.0, 36.0, -36.0, 54.0, -54.0, 72.0, -72.0, 90.0, -90.0, 108.0, -108.0, 8.0];
+/// Speeds (m/s).
+const SPEEDS: [f64; 4] = [0.8, 0.95, 1.1, 1.2];
+/// Where somebody who sits has his feet: the ankles in front of the middle of the seat (m).
+const UNDER_KNEES: f64 = 0.47;
+/// The same before he rises (m).
+const DRAWN_BACK: f64 = 0.29;
+
+/// How the trunk is held in sitting: a little slumped.
+pub const SITTING: Posture = Posture {
+    hips: Attitude { yaw: 0.0, pitch: -0.14, list: 0.0 },
+    chest: Attitude { yaw: 0.0, pitch: 0.07, list: 0.0 },
+    shift: [0.0; 2],
+    dip: 0.0,
+};
+
+/// No turn or lean of its own.
+const UPRIGHT: Attitude = Attitude { yaw: 0.0, pitch: 0.0, list: 0.0 };
+/// The hips held back between chair and desk, so that the thighs pass the desk's edge.
+const SQUEEZED: Posture = Posture { hips: UPRIGHT, chest: UPRIGHT, shift: [0.0, -0.025], dip: 0.0 };
+
+/// Hands on the thighs, left; [`HandPose::mirrored`] for the right one.
+pub const LAP: HandPose = HandPose {
+    held: 1.0,
+    room: DVec3::new(0.14, 0.655, 0.31),
+    placed: 1.0,
+    pole: DVec3::new(0.9, -0.5, -0.6),
+    twist: 1.1,
+    ..HandPose::HANGING
+};
+
+/// Deals visits. One visitor serves all clips of a set, so that ways and work are spread evenly.
+pub struct Visitor {
+    ways: [Deck<f64>; 2],
+    sides: [Deck<Side>; 2],
+    speeds: Deck<f64>,
+    worker: Worker,
+}
+
+impl Visitor {
+    /// A visitor who has been nowhere yet.
+    pub fn new() -> Self {
+        Self {
+            ways: [Deck::new(&DIRECTIONS), Deck::new(&DIRECTIONS)],
+            sides: [Deck::new(&Side::BOTH), Deck::new(&Side::BOTH)],
+            speeds: Deck::new(&SPEEDS),
+            worker: Worker::new(),
+        }
+    }
+
+    /// Visits for about `seconds`, from standing to standing.
+    pub fn visits(&mut self, seconds: f64, variation: f64, rng: &mut impl Rng) -> Script {
+        let at = self.place(0, rng);
+        let mut script = Script::new(Stance { at, heading: rng.random_range(-PI..PI) }, variation);
+        loop {
+            let before = script.now();
+            script.wait_until(before + rng.random_range(0.5..1.3));
+            script.tag("stand", before);
+            // Coming and going take about 17 s.
+            let left = seconds - script.now() - 17.0;
+            self.come(&mut script, rng);
+            let work = if left < 32.0 { left } else { rng.random_range(10.0..left.min(34.0)) };
+            self.stay(&mut script, work.clamp(6.0, 40.0), rng);
+            self.leave(&mut script, rng);
+            if seconds - script.now() < 16.0 {
+                let end = script.now();
+                script.wait_until(end + 1.0);
+                script.tag("stand", end);
+                return script;
+            }
+        }
+    }
+
+    /// A place away from the chair.
+    fn place(&mut self, deck: usize, rng: &mut impl Rng) -> DVec2 {
+        let direction = (self.ways[deck].deal(rng) + rng.random_range(-9.0..9.0)).to_radians();
+        let distance = rng.random_range(AWAY[0]..AWAY[1]);
+        DVec2::new(direction.sin(), -direction.cos()) * distance
+    }
+
+    /// Walks up to a side of the chair and steps in front of it.
+    fn come(&mut self, script: &mut Script, rng: &mut impl Rng) {
+        let from = script.stance().at;
+        // Around the chair only where it is not far.
+        let dealt = self.sides[0].deal(rng);
+        let side = if from.x.abs() > 0.8 { Side::inside(from.x) } else { dealt };
+        let s = side.sign();
+        let across = from.y > 0.3;
+        let at = DVec2::new(s * rng.random_range(0.62..0.72), if across { 0.02 } else { rng.random_range(0.04..0.14) });
+        let arrive = if across { s * 2.0 - 0.35..s * 2.0 + 0.35 } else { -0.75..0.75 };
+        let arrive = if across { -arrive.end..-arrive.start } else { arrive };
+        let cruise = self.speeds.deal(rng);
+        let began = walk(script, &Goal { at, arrive, cruise }, blocked, rng);
+        let turned = script.stance().heading;
+        let turned = f64::from(throng_core::planar::wrap_angle(turned as f32));
+        if rng.random_bool(0.45) {
+            script.wait_until(script.now() + rng.random_range(0.3..0.9));
+        }
+        if turned.abs() > 0.75 {
+            script.turn_in_place(-turned + turned.signum() * rng.random_range(0.1..0.4));
+        }
+        let to = Stance { at: DVec2::new(script.vary(0.02, rng), BEFORE_SEAT), heading: script.vary(0.06, rng) };
+        let from = script.stance().at;
+        let path = |u: f64| {
+            let forward = (1.7 * u).min(1.0);
+            DVec2::new(from.x + (to.at.x - from.x) * u, from.y + (to.at.y - from.y) * forward)
+        };
+        script.pose(script.now() + 0.6, 0.6, SQUEEZED);
+        script.side_step(to, path, rng);
+        script.tag("walk", began);
+        script.wait_until(script.now() + rng.random_range(0.05..0.4));
+    }
+
+    /// Sits down, works, and gets ready to stand up again.
+    fn stay(&mut self, script: &mut Script, work: f64, rng: &mut impl Rng) {
+        let begin = script.now();
+        let end = begin + 2.0 + script.vary(0.25, rng);
+        script.sittings.push(Sitting { down: [begin, end], up: [f64::INFINITY; 2] });
+        sit_down(script, begin, end, rng);
+        script.tag("sit_down", begin);
+        let heading = script.stance().heading;
+        place_feet(script, Side::BOTH[usize::from(rng.random_bool(0.5))], UNDER_KNEES, heading, rng);
+        work::work(&mut self.worker, script, end, end + work, rng);
+    }
+
+    /// Stands up, gets out from between chair and desk, and walks away.
+    fn leave(&mut self, script: &mut Script, rng: &mut impl Rng) {
+        let ready = script.now();
+        let heading = script.vary(0.04, rng);
+        place_feet(script, Side::BOTH[usize::from(rng.random_bool(0.5))], DRAWN_BACK, heading, rng);
+        let begin = script.now();
+        let end = begin + 2.0 + script.vary(0.2, rng);
+        if let Some(sitting) = script.sittings.last_mut() {
+            sitting.up = [begin, end];
+        }
+        stand_up(script, begin, end, rng);
+        script.tag("stand_up", ready);
+        script.wait_until(end + rng.random_range(0.0..0.3));
+        let goal = self.place(1, rng);
+        let dealt = self.sides[1].deal(rng);
+        let side = if goal.x.abs() > 0.6 { Side::inside(goal.x) } else { dealt };
+        let began = script.next_lift();
+        step_out(script, side, rng);
+        let direct = goal - script.stance().at;
+        let ahead = direct.x.atan2(direct.y);
+        let cruise = self.speeds.deal(rng);
+        walk(script, &Goal { at: goal, arrive: ahead - 0.9..ahead + 0.9, cruise }, blocked, rng);
+        script.tag("walk", began);
+    }
+}
+
+/// Sideways out to where the way behind is free, turning a little outwards.
+fn step_out(script: &mut Script, side: Side, rng: &mut impl Rng) {
+    let from = script.stance().at;
+    let out = DVec2::new(side.sign() * rng.random_range(0.6..0.7), rng.random_range(0.1..0.2));
+    let path = |u: f64| {
+        let back = ((u - 0.45) / 0.55).max(0.0);
+        DVec2::new(from.x + (out.x - from.x) * u, from.y + (out.y - from.y) * back)
+    };
+    let heading = side.sign() * rng.random_range(0.0..0.5);
+    script.side_step(Stance { at: out, heading }, path, rng);
+    script.pose(script.now(), 0.8, Posture::default());
+}
+
+/// Puts one foot after the other to a distance in front of the seat.
+fn place_feet(script: &mut Script, first: Side, ahead: f64, heading: f64, rng: &mut impl Rng) {
+    let ahead = ahead + script.vary(0.02, rng);
+    let to = Stance { at: DVec2::new(script.stance().at.x, ahead), heading };
+    let width = 0.22 + script.vary(0.03, rng);
+    for side in [first, first.other()] {
+        let step = Step { width, period: 0.56, ..Step::aside(side, to) };
+        script.step(step);
+    }
+}
+
+/// Trunk and hands while sitting down: the hands come to the thighs, or one takes hold of the desk.
+fn sit_down(script: &mut Script, begin: f64, end: f64, rng: &mut impl Rng) {
+    let over = end - begin;
+    script.pose(end, 0.55 * over, SITTING);
+    script.look(begin + 0.45 * over, 0.4 * over, script.vary(0.1, rng), 0.12, 0.0);
+    script.look(end + 0.2, 0.5 * over, 0.0, 0.1, 0.0);
+    let support = [Some(Side::Left), Some(Side::Right), None][rng.random_range(0..3)];
+    for side in Side::BOTH {
+        let lap = on(side, LAP);
+        if support == Some(side) {
+            let touch = begin + 0.4 * over;
+            let until = begin + 0.72 * over;
+            let edge = on(side, work::edge(0.26));
+            let above = HandPose { room: edge.room + DVec3::new(0.0, 0.05, -0.09), ..edge };
+            script.hand(side, touch - 0.3, touch - 0.3 - begin, above);
+            script.hand(side, touch, 0.3, edge);
+            script.hand(side, until, 0.1, edge);
+            script.hand(side, until + 0.3, 0.3, above);
+            script.hand(side, until + 0.75, 0.45, lap);
+            script.rest(side, touch, until);
+        } else {
+            script.hand(side, begin + 0.85 * over, 0.8 * over, lap);
+        }
+    }
+    script.wait_until(end);
+}
+
+/// Trunk and hands while standing up: pushing off the thighs, or off the desk with one hand.
+fn stand_up(script: &mut Script, begin: f64, end: f64, rng: &mut impl Rng) {
+    let over = end - begin;
+    script.pose(begin + 0.75 * over, 0.75 * over, SQUEEZED);
+    script.look(begin + 0.4 * over, 0.35 * over, 0.0, 0.05, 0.0);
+    script.look(end, 0.5 * over, 0.0, 0.0, 0.0);
+    let support = [Some(Side::Left), Some(Side::Right), None][rng.random_range(0..3)];
+    for side in Side::BOTH {
+        if support == Some(side) {
+            let (touch, until) = (begin + 0.15 * over, begin + 0.62 * over);
+            let edge = on(side, work::edge(0.26));
+            let above = HandPose { room: edge.room + DVec3::new(0.0, 0.08, -0.05), ..edge };
+            script.hand(side, touch - 0.1, 0.45, above);
+            script.hand(side, touch, 0.1, edge);
+            script.hand(side, until, 0.1, edge);
+            script.hand(side, until + 0.25, 0.25, HandPose { held: 0.8, ..above });
+            script.let_hang(side, end + 0.2, end + 0.2 - (until + 0.25));
+            script.rest(side, touch, until);
+        } else {
+            script.let_hang(side, end, 0.6 * over);
+        }
+    }
+    script.wait_until(end);
+}
+
+/// A pose of the left hand, for either side.
+pub fn on(side: Side, pose: HandPose) -> HandPose {
+    if side == Side::Left { pose } else { pose.mirrored() }
+}

@@ -1,0 +1,200 @@
+//! What slides and ladders need of a body beyond walking: hips, trunk and arms as keyed channels, hands that hold on.
+
+use super::super::arm::ArmShape;
+use super::super::attitude::Attitude;
+use super::super::frame::ArmPose;
+use super::super::side::Side;
+use super::super::signal::bump;
+use super::moment::{ease, mix_arms};
+use glam::{DQuat, DVec3};
+use throng_core::{Joint, Skeleton};
+
+/// Channels of a [`Carriage`].
+pub const CHANNELS: usize = 11;
+/// The palm's distance from the wrist (m).
+const PALM: f64 = 0.065;
+/// A palm closer than this to its place holds on (m).
+const HOLDS: f64 = 0.008;
+
+/// Hips and trunk, relative to a way: a ladder, or the bed of a slide.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Carriage {
+    /// Hips along the way, off it and to its left (m).
+    pub place: DVec3,
+    /// Forward tilt and list of the hips (rad).
+    pub hips: [f64; 2],
+    /// Yaw, forward tilt and list of the chest (rad).
+    pub chest: [f64; 3],
+    /// The same of the head.
+    pub head: [f64; 3],
+}
+
+impl Carriage {
+    /// Standing at ease.
+    pub fn standing(place: DVec3) -> Self {
+        Self { place, hips: [0.04, 0.0], chest: [0.0, 0.02, 0.0], head: [0.0, 0.06, 0.0] }
+    }
+
+    /// The channels.
+    pub fn channels(self) -> [f64; CHANNELS] {
+        let Self { place: p, hips: h, chest: c, head: d } = self;
+        [p.x, p.y, p.z, h[0], h[1], c[0], c[1], c[2], d[0], d[1], d[2]]
+    }
+
+    /// The carriage of the channels.
+    pub fn of(c: [f64; CHANNELS]) -> Self {
+        let [x, y, z, h0, h1, c0, c1, c2, d0, d1, d2] = c;
+        Self { place: DVec3::new(x, y, z), hips: [h0, h1], chest: [c0, c1, c2], head: [d0, d1, d2] }
+    }
+
+    /// World rotations of the hips, and of spine, chest, upper chest, neck and head.
+    pub fn rotations(&self, heading: f64) -> (DQuat, [DQuat; 5]) {
+        let [pitch, list] = self.hips;
+        let hips = Attitude { yaw: heading + 0.25 * self.chest[0], pitch, list };
+        let turned = |[yaw, pitch, list]: [f64; 3]| Attitude { yaw: heading + yaw, pitch, list };
+        let (chest, head) = (turned(self.chest), turned(self.head));
+        let neck = chest.mix(head, 0.45);
+        let trunk = [hips.mix(chest, 0.3), hips.mix(chest, 0.65), chest, neck, head];
+        (hips.rotation(), trunk.map(Attitude::rotation))
+    }
+}
+
+/// A hand's stay.
+#[derive(Clone, Debug)]
+pub struct Grip {
+    /// When the hand gets there (s).
+    pub land: f64,
+    /// When it leaves (s).
+    pub lift: f64,
+    /// Where the palm is.
+    pub hold: Hold,
+    /// Where the elbow points (direction).
+    pub pole: DVec3,
+    /// Twist of the forearm, palm down positive (rad).
+    pub twist: f64,
+}
+
+/// What a hand stays at.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Hold {
+    /// A place in the world (m).
+    Still(DVec3),
+    /// A place that goes along with the body: along the way from the hips, off it and to its left (m).
+    Along(DVec3),
+}
+
+/// One hand over time: hanging, holding on here and there, hanging.
+pub struct HandTrack {
+    /// Whose.
+    pub side: Side,
+    /// The stays, in order.
+    pub grips: Vec<Grip>,
+    /// Time to get to the first stay, and from the last one (s).
+    pub reach: f64,
+    /// How far the hand takes a detour between stays (m).
+    pub detour: DVec3,
+}
+
+/// What a hand is to do at an instant.
+struct Goal {
+    palm: DVec3,
+    pole: DVec3,
+    twist: f64,
+    /// Share of holding on, against hanging.
+    share: f64,
+    /// Stays where it is.
+    still: bool,
+}
+
+/// The body that an arm belongs to.
+pub struct Trunk<'a> {
+    /// Hips joint (m).
+    pub root: DVec3,
+    /// World rotation of the hips.
+    pub hips: DQuat,
+    /// World rotations of spine, chest, upper chest, neck and head.
+    pub segments: &'a [DQuat; 5],
+}
+
+impl Trunk<'_> {
+    /// The joint of a clavicle (m).
+    fn clavicle(&self, side: Side, skeleton: &Skeleton) -> DVec3 {
+        let offset = |j: Joint| skeleton.offsets[j.index()].as_dvec3();
+        self.root
+            + self.hips * offset(Joint::Spine)
+            + self.segments[0] * offset(Joint::Chest)
+            + self.segments[1] * offset(Joint::UpperChest)
+            + self.segments[2] * offset(side.arm()[0])
+    }
+}
+
+impl HandTrack {
+    /// The arm at `t` seconds, and whether it holds on.
+    ///
+    /// - `hanging`: the arm where it does not.
+    /// - `along`: a place that goes along with the body, in the world.
+    pub fn arm(
+        &self,
+        t: f64,
+        trunk: &Trunk,
+        hanging: &ArmPose,
+        along: impl Fn(DVec3) -> DVec3,
+        skeleton: &Skeleton,
+    ) -> (ArmPose, bool) {
+        let Some(goal) = self.goal(t, along) else { return (*hanging, false) };
+        let (holding, miss) = self.hold(&goal, trunk, skeleton);
+        (mix_arms(hanging, &holding, goal.share), goal.still && miss < HOLDS)
+    }
+
+    fn goal(&self, t: f64, along: impl Fn(DVec3) -> DVec3) -> Option<Goal> {
+        let (first, last) = (self.grips.first()?, self.grips.last()?);
+        let share = ease((t - first.land) / self.reach + 1.0) * (1.0 - ease((t - last.lift) / self.reach));
+        let place = |hold: Hold| match hold {
+            Hold::Still(p) => p,
+            Hold::Along(p) => along(p),
+        };
+        let i = self.grips.partition_point(|g| g.land <= t).saturating_sub(1);
+        let grip = &self.grips[i];
+        let stays = (grip.land..=grip.lift).contains(&t);
+        let still = stays && matches!(grip.hold, Hold::Still(_));
+        let at = Goal { palm: place(grip.hold), pole: grip.pole, twist: grip.twist, share, still };
+        let Some(next) = self.grips.get(i + 1).filter(|_| t > grip.lift) else { return Some(at) };
+        let u = (t - grip.lift) / (next.land - grip.lift);
+        let w = ease(u);
+        Some(Goal {
+            palm: at.palm.lerp(place(next.hold), w) + self.detour * bump(u),
+            pole: grip.pole.lerp(next.pole, w),
+            twist: grip.twist + (next.twist - grip.twist) * w,
+            ..at
+        })
+    }
+
+    /// The arm that brings the palm to its place, and by how much it misses (m).
+    fn hold(&self, goal: &Goal, trunk: &Trunk, skeleton: &Skeleton) -> (ArmPose, f64) {
+        let [_, upper, fore, hand] = self.side.arm();
+        let offset = |j: Joint| skeleton.offsets[j.index()].as_dvec3();
+        let shape = ArmShape { upper_arm: offset(fore).length(), forearm: offset(hand).length() };
+        let (s, base) = (self.side.sign(), trunk.clavicle(self.side, skeleton));
+        let towards = trunk.segments[2].inverse() * (goal.palm - base);
+        // The shoulder goes along: up with a raised hand, forward with one in front.
+        let (raise, forward) = (0.35 * (towards.y / 0.6).clamp(-0.15, 1.0), 0.3 * (towards.z / 0.6).clamp(-0.5, 1.0));
+        let clavicle = DQuat::from_rotation_y(-s * forward) * DQuat::from_rotation_z(s * raise);
+        let shoulder = base + trunk.segments[2] * clavicle * offset(upper);
+        let along = DVec3::X * s;
+        let mut wrist = goal.palm - (goal.palm - shoulder).normalize_or(DVec3::Z) * PALM;
+        let mut out =
+            (ArmPose { clavicle, upper_arm: DQuat::IDENTITY, forearm: DQuat::IDENTITY, hand: DQuat::IDENTITY }, 0.0);
+        for _ in 0..4 {
+            let reach = shape.solve(self.side, shoulder, wrist, goal.pole);
+            let forearm = ArmShape::forearm(self.side, reach.elbow, goal.twist);
+            let elbow = shoulder + reach.upper_arm * along * shape.upper_arm;
+            let direction = reach.upper_arm * forearm * along;
+            let palm = elbow + direction * (shape.forearm + PALM);
+            out.0.upper_arm = (trunk.segments[2] * clavicle).inverse() * reach.upper_arm;
+            out.0.forearm = forearm;
+            out.1 = palm.distance(goal.palm);
+            wrist = goal.palm - direction * PALM;
+        }
+        out
+    }
+}

@@ -1,0 +1,159 @@
+//! The way down a slide: the line in the middle of its bed, by distance over the ground.
+
+use super::super::side::{forward, leftward};
+use super::super::walk::footsteps::Stance;
+use glam::{DVec2, DVec3};
+use std::f64::consts::FRAC_PI_2;
+
+/// Height of the lower end over the ground (m).
+pub const END_HEIGHT: f64 = 0.3;
+/// The bed flattens out over this distance (m).
+const FLATTENING: f64 = 0.8;
+/// Level part at the lower end (m).
+const RUN_OUT: f64 = 0.4;
+/// Height of the sides over the bed (m).
+pub const SIDE_HEIGHT: f64 = 0.12;
+/// Distance of the middle of a side from the middle of the bed (m).
+pub const SIDE_ASIDE: f64 = 0.32;
+/// Edges are rounded off for what slides over them, over this distance to each side (m).
+const ROUNDING: f64 = 0.14;
+
+/// A slide, from the deck before it to the ground behind it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Course {
+    /// Its upper edge.
+    pub start: Stance,
+    /// Height of its upper edge (m).
+    pub level: f64,
+    /// Drop over distance of the even part.
+    slope: f64,
+    /// Distance at which a quarter circle to the left begins, and its radius (m).
+    bend: Option<(f64, f64)>,
+}
+
+/// A place on a course.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CoursePoint {
+    /// On the bed (m).
+    pub at: DVec3,
+    /// Direction of the way down (rad).
+    pub heading: f64,
+    /// Angle downwards (rad).
+    pub pitch: f64,
+}
+
+impl CoursePoint {
+    /// The horizontal direction to the left.
+    pub fn left(&self) -> DVec3 {
+        let l = leftward(self.heading);
+        DVec3::new(l.x, 0.0, l.y)
+    }
+
+    /// The direction away from the bed.
+    pub fn normal(&self) -> DVec3 {
+        let f = forward(self.heading);
+        let (sin, cos) = self.pitch.sin_cos();
+        DVec3::new(f.x * sin, cos, f.y * sin)
+    }
+
+    /// A point beside the line: to the left along the ground and off the bed (m).
+    pub fn beside(&self, left: f64, up: f64) -> DVec3 {
+        self.at + self.left() * left + self.normal() * up
+    }
+}
+
+impl Course {
+    /// A straight slide of pieces that drop three for every four metres.
+    pub fn straight(start: Stance, level: f64) -> Self {
+        Self { start, level, slope: 0.75, bend: None }
+    }
+
+    /// The curved slide.
+    pub fn curved(start: Stance, level: f64) -> Self {
+        Self { start, level, slope: 0.7, bend: Some((0.4, 1.5)) }
+    }
+
+    /// Distance at which the bed begins to flatten out (m).
+    fn even(&self) -> f64 {
+        (self.level - END_HEIGHT) / self.slope - 0.5 * FLATTENING
+    }
+
+    /// Distance of the lower end (m).
+    pub fn length(&self) -> f64 {
+        self.even() + FLATTENING + RUN_OUT
+    }
+
+    /// Height of the bed; level with the deck before its upper edge, and beyond its end as at it (m).
+    pub fn height(&self, s: f64) -> f64 {
+        let u = (s - self.even()).clamp(0.0, FLATTENING);
+        self.level - self.slope * s.clamp(0.0, self.even()) - self.slope * (u - u * u / (2.0 * FLATTENING))
+    }
+
+    /// Over the ground: place and heading.
+    pub fn plan(&self, s: f64) -> Stance {
+        let Stance { at, heading } = self.start;
+        let Some((from, radius)) = self.bend else { return Stance { at: at + forward(heading) * s, heading } };
+        let turn = ((s - from) / radius).clamp(0.0, FRAC_PI_2);
+        let (before, after) = (s.min(from), (s - from - radius * FRAC_PI_2).max(0.0));
+        let to_left = leftward(heading) * (radius * (1.0 - turn.cos()));
+        let ahead = forward(heading) * (before + radius * turn.sin());
+        Stance { at: at + to_left + ahead + forward(heading + turn) * after, heading: heading + turn }
+    }
+
+    /// The place at a distance, its edges rounded off (m).
+    pub fn point(&self, s: f64) -> CoursePoint {
+        const SAMPLES: i32 = 8;
+        let plan = self.plan(s);
+        let mean = |f: &dyn Fn(f64) -> f64| {
+            let sum: f64 = (-SAMPLES..=SAMPLES).map(|k| f(s + ROUNDING * f64::from(k) / f64::from(SAMPLES))).sum();
+            sum / f64::from(2 * SAMPLES + 1)
+        };
+        let height = mean(&|s| self.height(s));
+        let drop = (self.height(s - ROUNDING) - self.height(s + ROUNDING)) / (2.0 * ROUNDING);
+        let heading = mean(&|s| self.plan(s).heading);
+        CoursePoint { at: DVec3::new(plan.at.x, height, plan.at.y), heading, pitch: drop.atan() }
+    }
+
+    /// Whether the way bends to the left here.
+    pub fn bends(&self, s: f64) -> bool {
+        self.bend.is_some_and(|(from, radius)| (from..from + radius * FRAC_PI_2).contains(&s))
+    }
+}
+
+/// The ground place of a point (m).
+pub fn flat(p: DVec3) -> DVec2 {
+    DVec2::new(p.x, p.z)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::gym::{LEVEL, SLIDE_A, SLIDE_CURVED};
+    use super::*;
+
+    #[test]
+    fn a_course_ends_above_the_ground_without_a_step() {
+        for course in [Course::straight(SLIDE_A, LEVEL), Course::curved(SLIDE_CURVED, LEVEL)] {
+            assert_eq!(course.height(-1.0), LEVEL);
+            assert!((course.height(course.length()) - END_HEIGHT).abs() < 1e-9);
+            for k in 0..400 {
+                let s = -0.5 + 0.01 * f64::from(k);
+                let (a, b) = (course.point(s), course.point(s + 1e-3));
+                assert!((b.at - a.at).length() < 1.5e-3 && (b.pitch - a.pitch).abs() < 0.01, "{s}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_straight_slide_is_three_pieces_long() {
+        let course = Course::straight(SLIDE_A, LEVEL);
+        assert!((course.length() - (2.8 + RUN_OUT)).abs() < 1e-9, "{}", course.length());
+        assert!((course.height(2.8 / 3.0) - 1.4).abs() < 1e-9);
+    }
+
+    #[test]
+    fn the_curved_slide_ends_to_the_left() {
+        let course = Course::curved(Stance::default(), LEVEL);
+        let end = course.plan(course.length());
+        assert!((end.heading - FRAC_PI_2).abs() < 1e-9 && end.at.x > 1.9 && (end.at.y - 1.9).abs() < 1e-9, "{end:?}");
+    }
+}

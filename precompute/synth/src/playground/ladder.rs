@@ -1,0 +1,231 @@
+//! Climbing the ladder: a foot and the opposite hand at a time, a rung for every step of a foot.
+
+use super::super::foot::{FootPose, FootShape};
+use super::super::frame::BodyPose;
+use super::super::side::Side;
+use super::super::signal::bump;
+use super::super::track::Track;
+use super::super::walk::footsteps::Stance;
+use super::body::{CHANNELS, Carriage, Grip, HandTrack, Hold, Trunk};
+use super::gym::{LADDER, LADDER_FRONT, LEVEL, RAIL_ASIDE, RAIL_TOP, RUNG, RUNG_RADIUS};
+use super::moment::{Moment, ahead, ease, left, mix_turn};
+use glam::{DVec2, DVec3};
+use rand::{Rng, RngExt};
+use throng_core::{Contacts, Skeleton};
+
+/// Where somebody stands who is about to climb (m).
+pub const FOOT: f64 = -0.44;
+/// Where he stands when he has got up (m).
+pub const HEAD: f64 = 0.24;
+/// Rungs below the deck.
+const RUNGS: usize = 6;
+/// Distance of the hips from the rungs in climbing (m).
+const HIPS_OFF: f64 = 0.36;
+/// Standing before the hands go up (s).
+const LEAD: f64 = 0.4;
+
+/// A stand at the ladder, `along` metres from the deck's edge.
+pub fn stance(along: f64) -> Stance {
+    Stance { at: LADDER + DVec2::Y * along, heading: 0.0 }
+}
+
+/// One stay of a foot.
+#[derive(Clone, Copy)]
+struct Stay {
+    land: f64,
+    lift: f64,
+    foot: FootPose,
+}
+
+/// A climb as planned.
+struct Climb {
+    feet: [Vec<Stay>; 2],
+    hands: [HandTrack; 2],
+    body: Track<CHANNELS>,
+    duration: f64,
+}
+
+/// Climbs from one stand to another.
+///
+/// - `from`, `to`: how he stands before and after.
+/// - returns the moments, `dt` seconds apart.
+pub fn climb(from: &BodyPose, to: &BodyPose, skeleton: &Skeleton, dt: f64, rng: &mut impl Rng) -> Vec<Moment> {
+    let plan = plan(from, to, skeleton, rng);
+    let num = (plan.duration / dt).ceil() as usize;
+    let times: Vec<f64> = (0..=num).map(|i| i as f64 * dt).collect();
+    let body = plan.body.sample(&times, &[0.0; CHANNELS], 0.06, dt);
+    let shape = FootShape::of(skeleton);
+    times.iter().zip(body).map(|(&t, c)| moment(&plan, t, &Carriage::of(c), [from, to], &shape, skeleton)).collect()
+}
+
+fn moment(
+    plan: &Climb,
+    t: f64,
+    carriage: &Carriage,
+    ends: [&BodyPose; 2],
+    shape: &FootShape,
+    skeleton: &Skeleton,
+) -> Moment {
+    let (hips, trunk) = carriage.rotations(0.0);
+    let p = carriage.place;
+    let root = world(p.z, p.y, p.x);
+    let mut held = Contacts::NONE;
+    let arms = Side::BOTH.map(|side| {
+        let i = side.index();
+        let hanging = &ends[usize::from(t > 0.5 * plan.duration)].arms[i];
+        let body = Trunk { root, hips, segments: &trunk };
+        let (arm, holds) = plan.hands[i].arm(t, &body, hanging, |p| p, skeleton);
+        if holds {
+            held.insert([Contacts::LEFT_HAND, Contacts::RIGHT_HAND][i]);
+        }
+        arm
+    });
+    let feet = [0, 1].map(|i: usize| foot(&plan.feet[i], t, shape));
+    let out = 0.45 * ease((t - LEAD) / 0.8) * ease((plan.duration - t) / 1.4);
+    let knees = Side::BOTH.map(|s| ahead(0.0) + left(0.0) * (s.sign() * (0.08 + out)));
+    Moment { body: BodyPose { root, hips, trunk, arms, feet, knees: [0.0; 2] }, knees, held, seat: None }
+}
+
+/// A point at the ladder: to the left, up, and ahead of the deck's edge.
+fn world(aside: f64, up: f64, along: f64) -> DVec3 {
+    DVec3::new(LADDER.x + aside, up, LADDER.y + along)
+}
+
+fn plan(from: &BodyPose, to: &BodyPose, skeleton: &Skeleton, rng: &mut impl Rng) -> Climb {
+    let shape = FootShape::of(skeleton);
+    let pace = rng.random_range(0.9..1.1);
+    let first = if rng.random_bool(0.5) { Side::Left } else { Side::Right };
+    // Half cycle `h` begins at `starts[h]`: a foot goes up a rung beyond the other one.
+    let mut starts = vec![LEAD + 0.7];
+    for h in 0..RUNGS + 2 {
+        let length = if h >= RUNGS { 1.0 } else { 0.82 };
+        starts.push(starts[h] + length * pace * (1.0 + rng.random_range(-0.07..0.07)));
+    }
+    let duration = starts[RUNGS + 2] + 0.6;
+    let mover = |h: usize| if h.is_multiple_of(2) { first } else { first.other() };
+    let feet =
+        Side::BOTH.map(|side| feet_of(side, [from, to].map(|p| p.feet[side.index()]), &starts, mover, &shape, rng));
+    let hands = Side::BOTH.map(|side| hands_of(side, &starts, mover));
+    let body = carriages(from, to, &starts, mover);
+    Climb { feet, hands, body, duration }
+}
+
+/// The stays of a foot: the ground, every other rung, the deck.
+fn feet_of(
+    side: Side,
+    [ground, deck]: [FootPose; 2],
+    starts: &[f64],
+    mover: impl Fn(usize) -> Side,
+    shape: &FootShape,
+    rng: &mut impl Rng,
+) -> Vec<Stay> {
+    let s = side.sign();
+    let mut stays = vec![Stay { land: f64::NEG_INFINITY, lift: f64::INFINITY, foot: ground }];
+    for h in (0..RUNGS + 2).filter(|h| mover(*h) == side) {
+        let length = starts[h + 1] - starts[h];
+        if let Some(last) = stays.last_mut() {
+            last.lift = starts[h] + 0.04 * length;
+        }
+        let foot = if h < RUNGS {
+            let aside = s * (0.115 + rng.random_range(-0.01..0.01));
+            let up = RUNG * (h + 1) as f64 + RUNG_RADIUS;
+            let ball = world(aside, up + shape.ball_height, -LADDER_FRONT);
+            FootPose { toe_down: true, ground: up, ..shape.posed(ball, 0.16 * s, 0.0, 0.12, 0.0) }
+        } else {
+            deck
+        };
+        stays.push(Stay { land: starts[h] + 0.62 * length, lift: f64::INFINITY, foot });
+    }
+    stays
+}
+
+/// A foot at an instant.
+fn foot(stays: &[Stay], t: f64, shape: &FootShape) -> FootPose {
+    let i = stays.partition_point(|s| s.land <= t).saturating_sub(1);
+    let (a, Some(b)) = (&stays[i], stays.get(i + 1)) else { return stays[i].foot };
+    if t <= a.lift {
+        return a.foot;
+    }
+    let u = (t - a.lift) / (b.land - a.lift);
+    let (on_deck, w) = (b.foot.heel_down, ease(u));
+    // Up before ahead; toes back off the rungs on the way.
+    let (up, across) = (ease(1.0 - (1.0 - u).powf(1.7)), ease(u.powf(1.7)));
+    let (a, b) = (&a.foot, &b.foot);
+    let mix = |x: f64, y: f64| x + (y - x) * w;
+    let mut ball = a.ball.lerp(b.ball, across);
+    let back = if a.ground == 0.0 { 0.03 } else { 0.14 };
+    ball.y = a.ball.y + (b.ball.y - a.ball.y) * up + if on_deck { 0.1 } else { 0.05 } * bump(u);
+    ball.z -= back * bump(u.powf(0.8));
+    let pitch = mix(a.pitch, b.pitch) + 0.35 * bump(u.powf(0.8));
+    let toes = mix(a.toe_pitch, b.toe_pitch) + 0.1 * bump(u);
+    FootPose { ground: mix(a.ground, b.ground), ..shape.posed(ball, mix_turn(a.yaw, b.yaw, w), 0.0, pitch, toes) }
+}
+
+/// The stays of a hand: rungs, then the rails. The hand goes with the opposite foot, four and a half rungs above it.
+fn hands_of(side: Side, starts: &[f64], mover: impl Fn(usize) -> Side) -> HandTrack {
+    let s = side.sign();
+    let grip = |land: f64, lift: f64, height: f64| {
+        // At the top the body passes between the hands, elbows out.
+        let (on_rail, at_top) = (height > LEVEL + 0.1, height > RAIL_TOP - 0.1);
+        // The bone of the hand passes behind what the palm lies on.
+        let behind = RUNG_RADIUS + 0.026;
+        let (aside, along) = if on_rail { (RAIL_ASIDE - 0.02, behind + 0.012) } else { (0.19, behind) };
+        Grip {
+            land,
+            lift,
+            hold: Hold::Still(world(s * aside, height.min(RAIL_TOP - 0.06), -LADDER_FRONT - along)),
+            pole: if at_top { DVec3::new(0.9 * s, -0.3, -0.4) } else { DVec3::new(0.45 * s, -1.0, -0.3) },
+            twist: if on_rail { 0.25 } else { 1.0 },
+        }
+    };
+    let early = usize::from(mover(0) == side);
+    let reach = starts[0] - 0.12 * early as f64;
+    // Before the climb: one hand on the fourth rung, the one that stays longer on the fifth.
+    let mut grips = vec![grip(reach, f64::INFINITY, RUNG * (5 - early) as f64)];
+    for h in (1..=RUNGS).filter(|h| mover(*h) != side) {
+        let length = starts[h + 1] - starts[h];
+        let last = grips.len() - 1;
+        grips[last].lift = starts[h] + 0.36 * length;
+        grips.push(grip(starts[h] + 0.88 * length, f64::INFINITY, RUNG * (h + 5) as f64));
+    }
+    let last = grips.len() - 1;
+    let over = starts[RUNGS + 1];
+    grips[last].lift = over + 0.28 + 0.14 * early as f64;
+    HandTrack { side, grips, reach: 0.62, detour: DVec3::new(0.03 * s, 0.03, -0.07) }
+}
+
+/// Hips and trunk: to the ladder, up by a rung for every half cycle, over the edge, upright.
+fn carriages(from: &BodyPose, to: &BodyPose, starts: &[f64], mover: impl Fn(usize) -> Side) -> Track<CHANNELS> {
+    let local = |p: DVec3| DVec3::new(p.z - LADDER.y, p.y, p.x - LADDER.x);
+    let (a, b) = (local(from.root), local(to.root));
+    let off = -LADDER_FRONT - HIPS_OFF;
+    let mut body = Track::new(Carriage::standing(a).channels());
+    body.hold(LEAD);
+    let climbing = |h: f64, to_foot: f64| Carriage {
+        place: DVec3::new(off, RUNG * h + 0.6, 0.03 * to_foot),
+        hips: [0.1, 0.03 * to_foot],
+        chest: [-0.05 * to_foot, 0.12, -0.04 * to_foot],
+        head: [0.0, -0.18, 0.0],
+    };
+    // The weight goes to the standing foot, opposite to the one that moves.
+    let ready = climbing(1.0, mover(0).other().sign());
+    body.push(starts[0], Carriage { place: DVec3::new(off + 0.02, a.y - 0.01, ready.place.z), ..ready }.channels());
+    for h in 1..=RUNGS {
+        let to_foot = mover(h).other().sign();
+        body.push(starts[h], climbing(h as f64, to_foot).channels());
+        let middle = starts[h] + 0.6 * (starts[h + 1] - starts[h]);
+        body.push(middle, climbing(h as f64 + 0.5, to_foot).channels());
+    }
+    let (over, up) = (starts[RUNGS + 1], starts[RUNGS + 2]);
+    let lean = |along: f64, height: f64, to_foot: f64, pitch: f64| Carriage {
+        place: DVec3::new(along, height, 0.03 * to_foot),
+        hips: [0.1 + 0.35 * pitch, 0.0],
+        chest: [0.0, pitch, 0.0],
+        head: [0.0, 0.1 + 0.2 * pitch, 0.0],
+    };
+    let foot = mover(RUNGS).sign();
+    body.push(over, lean(-0.2, RUNG * 7.0 + 0.62, foot, 0.35).channels());
+    body.push(0.5 * (over + up), lean(0.06, RUNG * 7.0 + 0.8, foot, 0.3).channels());
+    body.push(up + 0.15, Carriage::standing(b).channels());
+    body
+}

@@ -1,0 +1,177 @@
+//! A visitor of a gym of known geometry who takes stairs, climbs a ladder and slides.
+//!
+//! From intention to pose: `plan` deals rounds through the gym (`gym`), `route` walks them with the steps of the
+//! `walk` rig, on treads where there are stairs; `ladder` and `slide` (down a `course`) take over from a stand and end
+//! in one, with the body of `body`; `moment` lets one pass into the next.
+
+mod body;
+mod course;
+mod gym;
+mod ladder;
+mod moment;
+mod plan;
+mod route;
+mod slide;
+
+use super::SynthConfig;
+use super::foot::FootShape;
+use super::frame::{self, Samples};
+use super::walk::{assemble, footsteps};
+use moment::{Moment, join};
+use plan::{Leg, Visitor};
+use rand::{Rng, RngExt, SeedableRng};
+use rand_pcg::Pcg64Mcg;
+use route::Route;
+use throng_core::{Contacts, Skeleton};
+use throng_motion::clip::{Clip, ClipSet, Tag, runs};
+
+/// One motion passes into the next over this time (s).
+const OVERLAP: f64 = 0.4;
+/// Slower hips stand still (m/s).
+const STILL: f64 = 0.12;
+/// Shorter stands are not worth a tag (s).
+const STAND: f64 = 0.6;
+
+/// Makes the `playground` set: walking on the ground and on decks, stairs up and down, climbing a ladder up and down,
+/// sitting down at the top of straight and curved slides, sliding, and getting up, in the coordinates of
+/// `data/environments/playground.toml`, on the default skeleton, with the true contacts and supports.
+///
+/// - returns clips `playground_00`, `playground_01`, ... that begin and end standing, tagged `stairs`, `climb`, `sit`,
+///   `slide` and `stand`.
+pub fn playground(cfg: &SynthConfig) -> ClipSet {
+    let skeleton = Skeleton::default();
+    let mut rng = Pcg64Mcg::seed_from_u64(cfg.seed);
+    let mut visitor = Visitor::new(cfg.variation);
+    let (mut clips, mut seconds) = (Vec::new(), 0.0);
+    while seconds < cfg.minutes * 60.0 {
+        let wanted = (cfg.minutes * 60.0 - seconds).min(cfg.clip_seconds);
+        let legs = visitor.visit(wanted, &mut rng);
+        let name = format!("playground_{:02}", clips.len());
+        let clip = perform(name, &legs, &skeleton, cfg, &mut rng);
+        seconds += clip.num_frames() as f64 / cfg.rate_hz;
+        clips.push(clip);
+    }
+    ClipSet { skeleton, clips }
+}
+
+/// A stretch of a clip with a name (s).
+struct Mark {
+    name: &'static str,
+    from: f64,
+    to: f64,
+}
+
+/// Makes a clip from the legs of a visit.
+fn perform(name: String, legs: &[Leg], skeleton: &Skeleton, cfg: &SynthConfig, rng: &mut impl Rng) -> Clip {
+    let grid = Samples::of(1.0, cfg.rate_hz);
+    let walks: Vec<_> = legs.iter().map(|leg| walked(leg, skeleton, cfg, rng)).collect();
+    let mut moments: Vec<Moment> = Vec::new();
+    let mut marks = Vec::new();
+    for (i, leg) in legs.iter().enumerate() {
+        let overlap = if i == 0 { 0 } else { grid.within(OVERLAP) };
+        let begin = moments.len().saturating_sub(overlap) as f64 * grid.dt;
+        let mut mark = |name, from: f64, to: f64| marks.push(Mark { name, from: begin + from, to: begin + to });
+        let next = match (&walks[i], leg) {
+            (Some((walk, stairs)), _) => {
+                stairs.iter().for_each(|(from, to)| mark("stairs", *from, *to));
+                walk.clone()
+            }
+            (None, leg) => act(leg, [&walks[i - 1], &walks[i + 1]], skeleton, grid.dt, &mut mark, rng),
+        };
+        join(&mut moments, next, overlap);
+    }
+    clip(name, &moments, grid.per_frame, &marks, skeleton, cfg)
+}
+
+/// The moments of a walk, and when it is on stairs.
+type Walked = (Vec<Moment>, Vec<(f64, f64)>);
+
+/// Walks a leg, where it is a walk.
+fn walked(leg: &Leg, skeleton: &Skeleton, cfg: &SynthConfig, rng: &mut impl Rng) -> Option<Walked> {
+    let Leg::Walk(route) = leg else { return None };
+    let shape = FootShape::of(skeleton);
+    let last = rng.random_range(0.9..1.7);
+    let steps = footsteps::place_on(shape, route.start, &route.walk.steps, last, gym::ground, rng);
+    // Whole tenths of a second, so that what follows begins at the same time at every rate.
+    let samples = Samples::of((10.0 * steps.duration).floor() / 10.0 + 1e-6, cfg.rate_hz);
+    let poses = assemble::poses(&steps, skeleton, &samples, cfg.variation, rng);
+    Some((poses.into_iter().map(Moment::upright).collect(), on_stairs(route)))
+}
+
+/// When a walk is on stairs (s).
+fn on_stairs(route: &Route) -> Vec<(f64, f64)> {
+    let mut times = Vec::with_capacity(route.walk.steps.len());
+    let mut last = 0.0;
+    for step in &route.walk.steps {
+        let (lift, land) = footsteps::timing(step, last);
+        times.push((lift, land));
+        last = land;
+    }
+    route.stairs.iter().map(|r| (times[r.start].0, times[r.end - 1].1)).collect()
+}
+
+/// The moments of a leg that is not a walk, between two that are.
+fn act(
+    leg: &Leg,
+    ends: [&Option<Walked>; 2],
+    skeleton: &Skeleton,
+    dt: f64,
+    mark: &mut impl FnMut(&'static str, f64, f64),
+    rng: &mut impl Rng,
+) -> Vec<Moment> {
+    let [Some((before, _)), Some((after, _))] = ends else { return Vec::new() };
+    let (Some(from), Some(to)) = (before.last(), after.first()) else { return Vec::new() };
+    let moments = match leg {
+        Leg::Walk(_) => return Vec::new(),
+        Leg::ClimbUp => ladder::climb(&from.body, &to.body, skeleton, dt, rng),
+        // Down is up, backwards.
+        Leg::ClimbDown => ladder::climb(&to.body, &from.body, skeleton, dt, rng).into_iter().rev().collect(),
+        Leg::Slide(course) => {
+            let descent = slide::slide(course, &from.body, &to.body, skeleton, dt, rng);
+            mark("sit", descent.sits.start, descent.sits.end);
+            mark("slide", descent.slides.start, descent.slides.end);
+            return descent.moments;
+        }
+    };
+    mark("climb", OVERLAP, moments.len() as f64 * dt - OVERLAP);
+    moments
+}
+
+/// Every `per_frame`-th moment as a frame, with its contacts, support and tags.
+fn clip(
+    name: String,
+    moments: &[Moment],
+    per_frame: usize,
+    marks: &[Mark],
+    skeleton: &Skeleton,
+    cfg: &SynthConfig,
+) -> Clip {
+    let mut clip = frame::empty_clip(name, "playground", cfg);
+    let mut support = 0.0;
+    for moment in moments.iter().step_by(per_frame) {
+        frame::push_held(&mut clip, &moment.body, moment.knees, moment.held, skeleton);
+        support = moment.support().unwrap_or(support);
+        clip.support.push(support as f32);
+    }
+    let at = |t: f64| ((t * cfg.rate_hz).round().max(0.0) as usize).min(clip.num_frames());
+    let mut tags: Vec<Tag> = marks.iter().map(|m| Tag { name: m.name.into(), range: at(m.from)..at(m.to) }).collect();
+    tags.extend(stands(&clip));
+    tags.sort_by(|a, b| (a.range.start, a.range.end, &a.name).cmp(&(b.range.start, b.range.end, &b.name)));
+    clip.tags = tags;
+    clip
+}
+
+/// Stretches on both feet, at rest.
+fn stands(clip: &Clip) -> Vec<Tag> {
+    let feet = Contacts(Contacts::LEFT.0 | Contacts::RIGHT.0);
+    let still = |f: usize| {
+        let (a, b) = (clip.root_positions[f.saturating_sub(1)], clip.root_positions[f]);
+        clip.contacts[f] == feet && f64::from(a.distance(b)) * clip.rate_hz < STILL
+    };
+    let least = (STAND * clip.rate_hz) as usize;
+    let long = runs(0..clip.num_frames(), still).into_iter().filter(|r| r.len() >= least);
+    long.map(|range| Tag { name: "stand".into(), range }).collect()
+}
+
+#[cfg(test)]
+mod tests;

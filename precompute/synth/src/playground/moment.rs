@@ -1,0 +1,111 @@
+//! A body at one instant on its way through the gym, and how one motion passes over into the next.
+
+use super::super::foot::FootPose;
+use super::super::frame::{ArmPose, BodyPose};
+use super::super::side::{forward, leftward};
+use super::super::signal::{End, quintic};
+use glam::DVec3;
+use throng_core::Contacts;
+use throng_core::planar::wrap_angle;
+
+/// A body at one instant.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Moment {
+    /// The pose; the headings of the knees are not used.
+    pub body: BodyPose,
+    /// Where the knees point, left and right (direction).
+    pub knees: [DVec3; 2],
+    /// What touches beside the feet.
+    pub held: Contacts,
+    /// Height of the seat's place, where it carries (m).
+    pub seat: Option<f64>,
+}
+
+impl Moment {
+    /// Somebody on his feet.
+    pub fn upright(body: BodyPose) -> Self {
+        let knees = body.knees.map(ahead);
+        Self { body, knees, held: Contacts::NONE, seat: None }
+    }
+
+    /// Height of the lowest thing that a foot or the seat is planted on (m).
+    pub fn support(&self) -> Option<f64> {
+        let feet = self.body.feet.iter().filter(|f| f.heel_down || f.toe_down).map(|f| f.ground);
+        feet.chain(self.seat).reduce(f64::min)
+    }
+
+    /// On the way from this moment to another one.
+    pub fn mix(&self, to: &Self, share: f64) -> Self {
+        let (a, b) = (&self.body, &to.body);
+        let near = if share < 0.5 { self } else { to };
+        let body = BodyPose {
+            root: a.root.lerp(b.root, share),
+            hips: a.hips.slerp(b.hips, share),
+            trunk: std::array::from_fn(|i| a.trunk[i].slerp(b.trunk[i], share)),
+            arms: [0, 1].map(|i: usize| mix_arms(&a.arms[i], &b.arms[i], share)),
+            feet: [0, 1].map(|i: usize| mix_feet(&a.feet[i], &b.feet[i], share)),
+            knees: near.body.knees,
+        };
+        let knees = [0, 1].map(|i: usize| self.knees[i].lerp(to.knees[i], share));
+        Self { body, knees, held: near.held, seat: near.seat }
+    }
+}
+
+/// On the way from one arm to another one.
+pub fn mix_arms(a: &ArmPose, b: &ArmPose, share: f64) -> ArmPose {
+    ArmPose {
+        clavicle: a.clavicle.slerp(b.clavicle, share),
+        upper_arm: a.upper_arm.slerp(b.upper_arm, share),
+        forearm: a.forearm.slerp(b.forearm, share),
+        hand: a.hand.slerp(b.hand, share),
+    }
+}
+
+/// On the way from one foot to another one; what carries in both carries.
+fn mix_feet(a: &FootPose, b: &FootPose, share: f64) -> FootPose {
+    let mix = |a: f64, b: f64| a + (b - a) * share;
+    FootPose {
+        ankle: a.ankle.lerp(b.ankle, share),
+        ball: a.ball.lerp(b.ball, share),
+        yaw: mix_turn(a.yaw, b.yaw, share),
+        heading: mix_turn(a.heading, b.heading, share),
+        pitch: mix(a.pitch, b.pitch),
+        toe_pitch: mix(a.toe_pitch, b.toe_pitch),
+        ground: mix(a.ground, b.ground),
+        heel_down: a.heel_down && b.heel_down,
+        toe_down: a.toe_down && b.toe_down,
+    }
+}
+
+/// Lets `next` follow `first`: over the last and first `overlap` moments, the one passes into the other.
+pub fn join(first: &mut Vec<Moment>, next: Vec<Moment>, overlap: usize) {
+    let overlap = overlap.min(first.len()).min(next.len());
+    let start = first.len() - overlap;
+    for (k, moment) in next.iter().take(overlap).enumerate() {
+        let share = ease((k as f64 + 0.5) / overlap as f64);
+        first[start + k] = first[start + k].mix(moment, share);
+    }
+    first.extend(next.into_iter().skip(overlap));
+}
+
+/// On the way from one heading to another one, the shorter way round.
+pub fn mix_turn(a: f64, b: f64, share: f64) -> f64 {
+    a + f64::from(wrap_angle((b - a) as f32)) * share
+}
+
+/// From 0 to 1 over `u` in `[0, 1]`, at rest at both ends.
+pub fn ease(u: f64) -> f64 {
+    quintic(End::still(0.0), End::still(1.0), 1.0, u.clamp(0.0, 1.0))
+}
+
+/// The horizontal direction of a heading.
+pub fn ahead(heading: f64) -> DVec3 {
+    let f = forward(heading);
+    DVec3::new(f.x, 0.0, f.y)
+}
+
+/// The horizontal direction to the left of a heading.
+pub fn left(heading: f64) -> DVec3 {
+    let l = leftward(heading);
+    DVec3::new(l.x, 0.0, l.y)
+}

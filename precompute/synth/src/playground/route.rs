@@ -1,0 +1,304 @@
+//! Walks that end exactly where they should: before the stairs, a ladder, a slide.
+//!
+//! The walker's own steps and turns are kept. Of many ways to arrive, each a leg, a turn, a leg, the one is taken whose
+//! straight steps have to be stretched least for the last step to fall into place.
+
+use super::super::side::{Side, forward};
+use super::super::walk::footsteps::{Stance, timing};
+use super::super::walk::gait::{StepShape, step_at};
+use super::super::walk::wander::{Intent, SPEEDS, TOE_OUT, WALKING_WIDTH, Walk};
+use super::gym::{self, Stairs};
+use glam::{DMat2, DVec2};
+use rand::{Rng, RngExt, SeedableRng};
+use rand_pcg::Pcg64Mcg;
+use std::f64::consts::PI;
+use std::ops::Range;
+use throng_core::planar::wrap_angle;
+
+/// Steps are stretched or shortened by no more than this share.
+const STRETCH: f64 = 0.22;
+
+/// What speaks against every step, so that detours are short.
+const WAY: f64 = 0.06;
+
+/// How a walk comes to its end.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Arrival {
+    /// Stops and stands.
+    Stand,
+    /// Is about to go on.
+    Pass,
+}
+
+/// A walk with its way so far.
+#[derive(Clone, Debug)]
+pub struct Route {
+    /// Where it began.
+    pub start: Stance,
+    /// Where its path is.
+    pub at: Stance,
+    /// The steps.
+    pub walk: Walk,
+    /// Runs of steps on stairs.
+    pub stairs: Vec<Range<usize>>,
+    variation: f64,
+    cruise: f64,
+}
+
+/// What speaks against a place of the path, 0 where nothing does.
+pub type Against<'a> = &'a dyn Fn(DVec2) -> f64;
+
+impl Route {
+    /// Stands.
+    pub fn from(start: Stance, variation: f64, rng: &mut impl Rng) -> Self {
+        let cruise = SPEEDS[rng.random_range(1..5)];
+        let mut walk = Walk::new(variation);
+        walk.pause = rng.random_range(0.5..1.4);
+        Self { start, at: start, walk, stairs: Vec::new(), variation, cruise }
+    }
+
+    /// True before the first step and after a stop.
+    pub fn stands(&self) -> bool {
+        self.walk.speed == 0.0
+    }
+
+    /// How long it takes so far (s).
+    pub fn seconds(&self) -> f64 {
+        self.walk.steps.iter().fold(0.0, |last, step| timing(step, last).1)
+    }
+
+    /// Steps taken since `first` move the path.
+    fn catch_up(&mut self, first: usize) {
+        self.at = self.walk.steps[first..].iter().fold(self.at, |at, step| at.after(step));
+    }
+
+    /// Turns by an angle: on the spot or into the first steps from a stand, on the way otherwise.
+    fn face(&mut self, angle: f64, rng: &mut impl Rng) {
+        if !self.stands() {
+            self.walk.turn(angle, rng.random_range(0.3..0.6), self.cruise, rng);
+            return;
+        }
+        self.walk.next = Side::inside(angle);
+        if angle.abs() > 1.0 {
+            self.walk.turn_in_place(angle, rng);
+            self.walk.start(self.cruise, 0.0, rng);
+        } else {
+            self.walk.start(self.cruise, angle, rng);
+        }
+    }
+
+    /// Walks to a place and heading. Where it was to pass and cannot, it stands.
+    ///
+    /// - `against`: what speaks against the places on the way; a stretch of all steps by a tenth counts 0.1.
+    pub fn to(&mut self, goal: Stance, arrival: Arrival, against: Against, rng: &mut impl Rng) {
+        let seed = rng.random();
+        let mut best: Option<(f64, Self)> = None;
+        for plan in plans(self.at, goal, arrival, step_at(self.cruise).length) {
+            let (cost, route) = self.tried(&plan, goal, against, seed);
+            if best.as_ref().is_none_or(|b| cost < b.0) {
+                best = Some((cost, route));
+            }
+        }
+        if let Some((_, route)) = best {
+            *self = route;
+        }
+    }
+
+    /// A way to arrive, and what speaks against it.
+    fn tried(&self, plan: &Plan, goal: Stance, against: Against, seed: u64) -> (f64, Self) {
+        let mut rng = Pcg64Mcg::seed_from_u64(seed);
+        let mut route = self.clone();
+        let walk = &mut route.walk;
+        let begin = walk.steps.len();
+        let mut groups = [begin..begin, begin..begin];
+        route.face(plan.first, &mut rng);
+        let walk = &mut route.walk;
+        groups[0].start = if self.stands() { walk.steps.len() - 2 } else { walk.steps.len() };
+        walk.straight(plan.steps[0], self.cruise, &mut rng);
+        groups[0].end = walk.steps.len();
+        walk.turn(plan.second, plan.rate, self.cruise, &mut rng);
+        groups[1].start = walk.steps.len();
+        walk.straight(plan.steps[1], self.cruise, &mut rng);
+        if plan.arrival == Arrival::Stand {
+            walk.stop(&mut rng);
+        }
+        groups[1].end = walk.steps.len();
+        if plan.last != 0.0 {
+            walk.next = Side::inside(plan.last);
+            walk.pause = rng.random_range(0.1..0.5);
+            walk.turn_in_place(plan.last, &mut rng);
+        }
+        let cost = route.arrive(begin, &groups, goal, against);
+        (cost + 0.02 * (plan.first.abs() + plan.second.abs()) + plan.cost, route)
+    }
+
+    /// Stretches the steps of two groups so that the last one arrives; what that takes, and what is in the way.
+    fn arrive(&mut self, begin: usize, groups: &[Range<usize>; 2], goal: Stance, against: Against) -> f64 {
+        self.straighten(begin, groups[1].start, goal.heading);
+        let end = self.walk.steps[begin..].iter().fold(self.at, |at, s| at.after(s)).at;
+        let [a, b] = [0, 1].map(|g: usize| self.travel(begin, &groups[g]));
+        let missing = DMat2::from_cols(a, b);
+        let stretch = if missing.determinant().abs() < 1e-3 {
+            let both = a + b;
+            DVec2::splat((goal.at - end).dot(both) / both.length_squared().max(1e-6))
+        } else {
+            missing.inverse() * (goal.at - end)
+        };
+        for (group, stretch) in groups.iter().zip(stretch.to_array()) {
+            for step in &mut self.walk.steps[group.clone()] {
+                step.shape.length *= 1.0 + stretch;
+            }
+        }
+        let mut cost = stretch.to_array().iter().map(|s| s.abs() + 50.0 * (s.abs() - STRETCH).max(0.0)).sum::<f64>();
+        let mut at = self.at;
+        for step in &self.walk.steps[begin..] {
+            at = at.after(step);
+            cost += WAY + against(at.at);
+        }
+        cost += 1e4 * (at.at - goal.at).length();
+        self.at = Stance { at: at.at, heading: goal.heading };
+        cost
+    }
+
+    /// Gives what turns have left over to the last of them.
+    fn straighten(&mut self, begin: usize, last: usize, heading: f64) {
+        let end = self.walk.steps[begin..].iter().fold(self.at, |at, s| at.after(s)).heading;
+        if let Some(step) = self.walk.steps[..last].last_mut() {
+            step.turn += f64::from(wrap_angle((heading - end) as f32));
+        }
+    }
+
+    /// How far the steps of a group go.
+    fn travel(&self, begin: usize, group: &Range<usize>) -> DVec2 {
+        let (mut at, mut sum) = (self.at, DVec2::ZERO);
+        for (i, step) in self.walk.steps.iter().enumerate().skip(begin) {
+            let next = at.after(step);
+            sum += if group.contains(&i) { next.at - at.at } else { DVec2::ZERO };
+            at = next;
+        }
+        sum
+    }
+
+    /// Takes a flight of stairs: one step to every place of `treads`.
+    pub fn stairs(&mut self, treads: impl Iterator<Item = Stance>, period: f64, rng: &mut impl Rng) {
+        let first = self.walk.steps.len();
+        for tread in treads {
+            let way = tread.at - self.at.at;
+            let ahead = forward(tread.heading);
+            let period = period * (1.0 + self.variation * rng.random_range(-0.04..0.04));
+            let shape = StepShape { length: way.dot(ahead), period, double_support: 0.26 * period };
+            let turn = f64::from(wrap_angle((tread.heading - self.at.heading) as f32));
+            self.walk.steps.push(Intent {
+                side: self.walk.next,
+                pause: self.walk.pause,
+                turn,
+                aside: 0.0,
+                width: WALKING_WIDTH + 0.03,
+                toe_out: TOE_OUT,
+                shape,
+            });
+            self.walk.pause = 0.0;
+            self.walk.next = self.walk.next.other();
+            self.at = Stance { at: self.at.at + ahead * shape.length, heading: self.at.heading + turn };
+        }
+        self.stairs.push(first..self.walk.steps.len());
+        self.walk.speed = 0.5;
+    }
+
+    /// Stops, and stands for a while.
+    pub fn rest(&mut self, rng: &mut impl Rng) {
+        let first = self.walk.steps.len();
+        self.walk.stop(rng);
+        self.catch_up(first);
+        self.walk.pause = rng.random_range(0.6..2.2);
+    }
+
+    /// Turns round on the spot, and stands.
+    pub fn turn_round(&mut self, rng: &mut impl Rng) {
+        let first = self.walk.steps.len();
+        let angle = if rng.random_bool(0.5) { PI } else { -PI };
+        self.walk.pause = rng.random_range(0.2..0.8);
+        self.walk.next = Side::inside(angle);
+        self.walk.turn_in_place(angle, rng);
+        self.catch_up(first);
+    }
+
+    /// Climbs stairs from their foot.
+    pub fn climb(&mut self, stairs: &Stairs, aside: f64, rng: &mut impl Rng) {
+        let period = rng.random_range(0.56..0.68);
+        self.stairs((1..=stairs.num_steps).map(|k| gym::tread_up(stairs, aside, k)), period, rng);
+    }
+
+    /// Goes down stairs from their upper end.
+    pub fn descend(&mut self, stairs: &Stairs, aside: f64, rng: &mut impl Rng) {
+        let period = rng.random_range(0.54..0.64);
+        self.stairs((1..=stairs.num_steps + 1).map(|k| gym::tread_down(stairs, aside, k)), period, rng);
+    }
+}
+
+/// A way to arrive: a turn, straight steps, another turn, straight steps, and maybe a last turn on the spot.
+struct Plan {
+    first: f64,
+    second: f64,
+    rate: f64,
+    steps: [usize; 2],
+    arrival: Arrival,
+    last: f64,
+    /// What speaks against it.
+    cost: f64,
+}
+
+/// Ways from a stance to another one that come near. Where passing is too hard, one may stand.
+///
+/// - `length`: of a step (m).
+fn plans(from: Stance, goal: Stance, arrival: Arrival, length: f64) -> impl Iterator<Item = Plan> {
+    const BENDS: [f64; 15] = [0.0, 0.15, -0.15, 0.3, -0.3, 0.5, -0.5, 0.75, -0.75, 1.0, -1.0, 1.3, -1.3, 1.6, -1.6];
+    const LAST: [f64; 6] = [1.0, -1.0, 1.8, -1.8, 2.6, -2.6];
+    let stop = if arrival == Arrival::Stand { 0.0 } else { 0.6 };
+    let rates = move |bend: f64| {
+        let walked = [0.35, 0.6].map(|rate| (bend, rate, arrival, 0.0, 0.0));
+        let spot = LAST.map(|last| (bend, 0.45, Arrival::Stand, last, 0.12 + stop));
+        walked.into_iter().chain(spot).chain([(bend, 0.45, Arrival::Stand, 0.0, stop)])
+    };
+    let distance = (goal.at - from.at).length();
+    let (most, least) = ((distance / length) as usize + 4, ((distance / length) as usize).saturating_sub(5));
+    BENDS.into_iter().flat_map(rates).flat_map(move |(bend, rate, arrival, last, cost)| {
+        let first = f64::from(wrap_angle((bearing(from, goal.at) + bend) as f32));
+        let second = f64::from(wrap_angle((goal.heading - last - from.heading - first) as f32));
+        let counts = (0..=most).flat_map(move |a| (0..=(most - a).min(6)).map(move |b| [a, b]));
+        let likely = counts.filter(move |[a, b]| a + b >= least);
+        likely.map(move |steps| Plan { first, second, rate, steps, arrival, last, cost })
+    })
+}
+
+/// The turn from a stance to a place (rad).
+fn bearing(from: Stance, to: DVec2) -> f64 {
+    let way = to - from.at;
+    f64::from(wrap_angle((way.x.atan2(way.y) - from.heading) as f32))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn arrives_exactly_from_anywhere() {
+        for seed in 0..30u64 {
+            let mut rng = Pcg64Mcg::seed_from_u64(seed);
+            let from = Stance {
+                at: DVec2::new(rng.random_range(-4.0..4.0), rng.random_range(-4.0..4.0)),
+                heading: rng.random_range(-3.0..3.0),
+            };
+            let goal = Stance { at: DVec2::new(0.0, 6.0), heading: rng.random_range(-3.0..3.0) };
+            let mut route = Route::from(from, 1.0, &mut rng);
+            let arrival = if seed % 2 == 0 { Arrival::Stand } else { Arrival::Pass };
+            route.to(goal, arrival, &|_| 0.0, &mut rng);
+            let end = route.walk.steps.iter().fold(from, |at, s| at.after(s));
+            assert!((end.at - goal.at).length() < 1e-9, "seed {seed}: {end:?}");
+            assert!(wrap_angle((end.heading - goal.heading) as f32).abs() < 1e-6, "seed {seed}: {end:?}");
+            for step in &route.walk.steps {
+                assert!(step.shape.length < 1.0 && step.shape.length > -0.1, "seed {seed}: {step:?}");
+            }
+        }
+    }
+}

@@ -1,0 +1,347 @@
+//! Sitting down at the top of a slide, sliding, and getting up at its lower end.
+
+use super::super::foot::{FootPose, FootShape};
+use super::super::frame::BodyPose;
+use super::super::side::Side;
+use super::super::signal::{End, bump, quintic, smooth};
+use super::super::track::Track;
+use super::super::walk::footsteps::Stance;
+use super::body::{CHANNELS, Carriage, Grip, HandTrack, Hold, Trunk};
+use super::course::{Course, CoursePoint, SIDE_ASIDE, SIDE_HEIGHT, flat};
+use super::moment::{Moment, ahead, ease, mix_turn};
+use glam::{DQuat, DVec2, DVec3};
+use rand::{Rng, RngExt};
+use std::ops::Range;
+use throng_core::{Contacts, Skeleton};
+
+/// Where somebody stands who is about to sit down, before the upper edge (m).
+const BEFORE: f64 = -0.24;
+/// Where he gets up, beyond the lower end (m).
+const BEYOND: f64 = 0.25;
+/// Where the hips come down on the deck (m).
+const SEATED: f64 = -0.6;
+/// Height of the hips joint over the bed (m).
+const SEAT: f64 = 0.13;
+/// Hips come to rest this far before the lower end (m).
+const REST: f64 = 0.17;
+/// How far the heels slide ahead of the hips, as the crow flies (m).
+const LEGS: f64 = 0.78;
+/// Height of a sliding ankle over the bed (m).
+const HEEL: f64 = 0.08;
+/// Friction of trousers on steel.
+const FRICTION: f64 = 0.47;
+/// What the air and the sides take, by the square of the speed (1/m).
+const DRAG: f64 = 0.17;
+/// How hard the feet brake at the end (m/s^2).
+const BRAKING: f64 = 3.2;
+/// Steps of the sliding motion (s).
+const STEP: f64 = 1.0 / 480.0;
+
+/// Where to stand before a slide.
+pub fn before(course: &Course) -> Stance {
+    course.plan(BEFORE)
+}
+
+/// Where one stands after it.
+pub fn beyond(course: &Course) -> Stance {
+    course.plan(course.length() + BEYOND)
+}
+
+/// A way down, with the seconds of what happens in it.
+pub struct Descent {
+    /// The moments, as far apart as asked.
+    pub moments: Vec<Moment>,
+    /// Sitting (s).
+    pub sits: Range<f64>,
+    /// Sliding (s).
+    pub slides: Range<f64>,
+}
+
+/// When what happens (s).
+struct Times {
+    /// The seat touches the deck.
+    seat: f64,
+    /// The hips begin to move to the edge.
+    scoot: f64,
+    /// They are over it.
+    go: f64,
+    /// The feet stand at the lower end, left and right.
+    plant: [f64; 2],
+    /// The hips are at rest.
+    stop: f64,
+    /// The seat leaves the bed.
+    rise: f64,
+    /// Upright.
+    up: f64,
+}
+
+/// Everything about a way down but the pose.
+struct Ride<'a> {
+    course: &'a Course,
+    times: Times,
+    /// Hips by time from the start of the scoot (m).
+    hips: Vec<f64>,
+    hands: [HandTrack; 2],
+    body: Track<CHANNELS>,
+    first: Side,
+}
+
+/// Sits down, slides and gets up.
+///
+/// - `from`, `to`: how he stands before and after.
+pub fn slide(
+    course: &Course,
+    from: &BodyPose,
+    to: &BodyPose,
+    skeleton: &Skeleton,
+    dt: f64,
+    rng: &mut impl Rng,
+) -> Descent {
+    let ride = plan(course, from, to, rng);
+    let num = ((ride.times.up + 0.6) / dt).ceil() as usize;
+    let times: Vec<f64> = (0..=num).map(|i| i as f64 * dt).collect();
+    let body = ride.body.sample(&times, &[0.0; CHANNELS], 0.05, dt);
+    let moments = times.iter().zip(body).map(|(&t, c)| ride.moment(t, Carriage::of(c), [from, to], skeleton));
+    let moments = moments.collect();
+    let t = &ride.times;
+    Descent { moments, sits: 0.5..t.up, slides: t.scoot + 0.35..t.stop }
+}
+
+/// Where the hips are from the scoot on, every [`STEP`], until they rest.
+///
+/// Pulled to the edge, then by gravity against friction, and braked by the feet so as to rest before the lower end.
+fn glide(course: &Course, scoot: f64) -> Vec<f64> {
+    const PUSHED: f64 = 0.7;
+    let start = -0.03;
+    let mut out: Vec<f64> = Vec::new();
+    let num = (scoot / STEP) as usize;
+    for k in 0..num {
+        let to = End { value: start, rate: PUSHED, acceleration: 1.2 };
+        out.push(quintic(End::still(SEATED), to, num as f64 * STEP, k as f64 * STEP));
+    }
+    let end = course.length() - REST;
+    let (mut s, mut v) = (start, PUSHED);
+    while end - s > 1e-4 && out.len() < 60_000 {
+        let (sin, cos) = course.point(s).pitch.sin_cos();
+        v += (9.81 * (sin - FRICTION * cos) - DRAG * v * v) * STEP;
+        v = v.max(0.35).min((2.0 * BRAKING * (end - s)).sqrt());
+        s += v * cos * STEP;
+        out.push(s.min(end));
+    }
+    let rest = (0.5 / STEP) as usize;
+    out.extend(std::iter::repeat_n(end, rest));
+    smooth(&out, (0.045 / STEP) as usize)
+}
+
+fn plan<'a>(course: &'a Course, from: &BodyPose, to: &BodyPose, rng: &mut impl Rng) -> Ride<'a> {
+    let mut vary = |amount: f64| 1.0 + rng.random_range(-amount..amount);
+    let seat = 1.95 * vary(0.08);
+    let scoot = seat + 0.95 * vary(0.1);
+    let pull = 0.95 * vary(0.1);
+    let hips = glide(course, pull);
+    let end = course.length() - REST;
+    let when = |s: f64| scoot + hips.partition_point(|h| *h < s) as f64 * STEP;
+    let stop = when(end - 2e-3);
+    let plant = when(end - 0.2);
+    let first = if rng.random_bool(0.5) { Side::Left } else { Side::Right };
+    let late = |side: Side| if side == first { 0.0 } else { 0.07 };
+    let rise = stop + 0.45 * rng.random_range(0.9..1.3);
+    let times = Times {
+        seat,
+        scoot,
+        go: scoot + pull,
+        plant: Side::BOTH.map(|side| plant + late(side)),
+        stop,
+        rise,
+        up: rise + rng.random_range(1.0..1.2),
+    };
+    let body = carriages(course, from, to, &times, rng);
+    let hands = Side::BOTH.map(|side| hands(side, course, &times));
+    Ride { course, times, hips, hands, body, first }
+}
+
+/// Along a course, above the deck or the lower end, and to the left, of a point in the world.
+fn along(course: &Course, origin: f64, p: DVec3) -> DVec3 {
+    let plan = course.plan(origin);
+    let d = flat(p) - plan.at;
+    let f = ahead(plan.heading);
+    let left = super::moment::left(plan.heading);
+    let dot = |a: DVec3| DVec2::new(a.x, a.z).dot(d);
+    DVec3::new(origin + dot(f), p.y - course.height(origin), dot(left))
+}
+
+/// Hips and trunk: down onto the deck, back on the way down, forward and up at the end. The first channel counts only
+/// before the scoot and after the stop.
+fn carriages(course: &Course, from: &BodyPose, to: &BodyPose, t: &Times, rng: &mut impl Rng) -> Track<CHANNELS> {
+    let (a, b) = (along(course, BEFORE, from.root), along(course, course.length(), to.root));
+    let end = course.length() - REST;
+    let key = |s: f64, up: f64, aside: f64, hips: f64, chest: f64, head: f64| Carriage {
+        place: DVec3::new(s, up, aside),
+        hips: [hips, 0.0],
+        chest: [0.0, chest, 0.0],
+        head: [0.0, head, 0.0],
+    };
+    let mut body = Track::new(Carriage::standing(a).channels());
+    let mut push = |t: f64, c: Carriage| body.push(t, c.channels());
+    let down = t.seat - 0.4;
+    push(0.4, Carriage::standing(a));
+    push(0.4 + 0.4 * (down - 0.4), key(BEFORE - 0.16, 0.66, 0.5 * a.z, 0.3, 0.55, 0.35));
+    push(0.4 + 0.75 * (down - 0.4), key(BEFORE - 0.25, 0.38, 0.0, 0.12, 0.72, 0.35));
+    push(down + 0.1, key(SEATED + 0.05, 0.2, 0.0, -0.12, 0.5, 0.25));
+    push(t.seat, key(SEATED, SEAT, 0.0, -0.3, 0.12, 0.2));
+    push(t.scoot, key(SEATED, SEAT, 0.0, -0.28, -0.02, 0.22));
+    push(t.go - 0.3, key(SEATED, SEAT, 0.0, -0.36, 0.06, 0.22));
+    let back = rng.random_range(-0.52..-0.38);
+    let leaning = |lean: f64| {
+        let bent = course.bends(2.0);
+        let c = key(end, SEAT, 0.0, back - 0.22, back + lean, 0.1 + 0.4 * (back + lean));
+        if bent {
+            Carriage { hips: [back - 0.22, -0.08], chest: [0.08, back + lean, -0.14], head: [0.3, 0.02, -0.08], ..c }
+        } else {
+            c
+        }
+    };
+    push(t.go + 0.3, leaning(0.0));
+    push(t.go + 0.55 * (t.stop - t.go), leaning(0.03));
+    push(t.plant[0] - 0.15, Carriage { chest: [0.0, back + 0.1, 0.0], ..leaning(0.1) });
+    push(t.stop - 0.1, key(end, SEAT, 0.0, -0.22, 0.12, 0.1));
+    push(t.rise - 0.12, key(end + 0.01, SEAT, 0.0, 0.12, 0.6, 0.15));
+    push(t.rise + 0.1, key(end + 0.08, SEAT + 0.03, 0.0, 0.3, 0.78, 0.25));
+    push(t.rise + 0.45, key(end + 0.26, 0.32, 0.0, 0.3, 0.62, 0.3));
+    push(t.up, Carriage::standing(b));
+    body
+}
+
+/// Hands: on the deck beside the seat, on the sides to pull, along the sides on the way, pushing off at the end.
+fn hands(side: Side, course: &Course, t: &Times) -> HandTrack {
+    let s = side.sign();
+    let late = if side == Side::Left { 0.06 } else { 0.0 };
+    let top = SIDE_HEIGHT + 0.04;
+    let deck = course.point(SEATED - 0.08).beside(s * 0.3, 0.035);
+    let edge = course.point(0.07).beside(s * SIDE_ASIDE, top);
+    let along = DVec3::new(0.1, top - SEAT, s * SIDE_ASIDE);
+    let last = course.point(course.length() - REST + 0.1).beside(s * SIDE_ASIDE, top);
+    let back = ahead(course.start.heading) * -0.6;
+    let out = super::moment::left(course.start.heading) * s;
+    let pole = back + out * 0.7 - DVec3::Y * 0.2;
+    let end_heading = course.plan(course.length()).heading;
+    let end_pole = ahead(end_heading) * -0.8 + super::moment::left(end_heading) * (0.5 * s) + DVec3::Y * 0.3;
+    let grip = |land: f64, lift: f64, hold: Hold, pole: DVec3, twist: f64| Grip { land, lift, hold, pole, twist };
+    HandTrack {
+        side,
+        grips: vec![
+            grip(t.seat - 0.14 + late, t.seat + 0.42 + late, Hold::Still(deck), pole, 0.9),
+            grip(t.scoot - 0.12 + late, t.go - 0.16, Hold::Still(edge), pole, 0.7),
+            grip(t.go + 0.22, t.stop - 0.3, Hold::Along(along), pole, 0.7),
+            grip(t.stop + 0.02, t.rise + 0.2, Hold::Still(last), end_pole, 0.7),
+        ],
+        reach: 0.7,
+        detour: DVec3::Y * 0.06,
+    }
+}
+
+impl Ride<'_> {
+    /// Distance of the hips (m).
+    fn hips_at(&self, t: f64) -> f64 {
+        let k = ((t - self.times.scoot) / STEP).max(0.0);
+        let (i, last) = (k as usize, self.hips.len() - 1);
+        let (a, b) = (self.hips[i.min(last)], self.hips[(i + 1).min(last)]);
+        a + (b - a) * (k - k.floor())
+    }
+
+    /// What was keyed, with the hips where they slide.
+    fn carried(&self, t: f64, keyed: Carriage) -> Carriage {
+        let mut out = keyed;
+        let into = ease((t - self.times.scoot + 0.2) / 0.2);
+        let out_of = ease((t - self.times.rise + 0.3) / 0.25);
+        out.place.x = keyed.place.x + (self.hips_at(t) - keyed.place.x) * into * (1.0 - out_of);
+        out
+    }
+
+    fn moment(&self, t: f64, keyed: Carriage, ends: [&BodyPose; 2], skeleton: &Skeleton) -> Moment {
+        let carriage = self.carried(t, keyed);
+        let at = self.course.point(carriage.place.x);
+        let root = at.beside(carriage.place.z, carriage.place.y);
+        let (hips, trunk) = carriage.rotations(at.heading);
+        let seated = t >= self.times.seat && t <= self.times.rise;
+        let mut held = if seated { Contacts::SEAT } else { Contacts::NONE };
+        let after = t > 0.5 * (self.times.go + self.times.stop);
+        let arms = Side::BOTH.map(|side| {
+            let body = Trunk { root, hips, segments: &trunk };
+            let beside = |p: DVec3| self.course.point(carriage.place.x + p.x).beside(p.z, p.y + SEAT);
+            let hanging = &ends[usize::from(after)].arms[side.index()];
+            let (arm, holds) = self.hands[side.index()].arm(t, &body, hanging, beside, skeleton);
+            if holds {
+                held.insert([Contacts::LEFT_HAND, Contacts::RIGHT_HAND][side.index()]);
+            }
+            arm
+        });
+        let feet = Side::BOTH.map(|side| self.foot(side, t, carriage.place.x, ends, skeleton));
+        let knees = Side::BOTH.map(|s| {
+            let apart = 0.12 + 0.2 * f64::from(u8::from(seated));
+            ahead(at.heading) + DVec3::Y + at.left() * (s.sign() * apart)
+        });
+        let seat = seated.then(|| self.course.height(carriage.place.x));
+        Moment { body: BodyPose { root, hips, trunk, arms, feet, knees: [at.heading; 2] }, knees, held, seat }
+    }
+
+    /// A foot: on the deck, over the edge, sliding ahead, down to the ground.
+    fn foot(&self, side: Side, t: f64, hips: f64, ends: [&BodyPose; 2], skeleton: &Skeleton) -> FootPose {
+        let shape = FootShape::of(skeleton);
+        let i = side.index();
+        let lift = self.times.seat + if side == self.first { 0.06 } else { 0.3 };
+        let (out, land) = (0.62, self.times.plant[i]);
+        let brake = land - 0.42;
+        let (deck, ground) = (&ends[0].feet[i], &ends[1].feet[i]);
+        if t <= lift {
+            return *deck;
+        }
+        if t >= land {
+            return *ground;
+        }
+        let sliding = self.sliding(side, hips, &shape);
+        if t < lift + out {
+            let u = (t - lift) / out;
+            return mix(deck, &sliding, ease(u), 0.05 * bump(u), &shape);
+        }
+        if t > brake {
+            let u = (t - brake) / (land - brake);
+            return mix(&sliding, ground, ease(u), 0.05 * bump(u), &shape);
+        }
+        sliding
+    }
+
+    /// Distance of heels that are a leg's length ahead of the hips (m).
+    fn heels(&self, hips: f64) -> f64 {
+        let height = |s: f64| self.course.point(s).at.y;
+        (0..6).fold(hips + LEGS, |s, _| {
+            let drop = height(hips) - height(s);
+            hips + (LEGS * LEGS - drop * drop).max(0.0).sqrt()
+        })
+    }
+
+    /// A foot that slides on its heel ahead of the hips.
+    fn sliding(&self, side: Side, hips: f64, shape: &FootShape) -> FootPose {
+        let s = self.heels(hips);
+        let at: CoursePoint = self.course.point(s.min(self.course.length() + 0.3));
+        let ankle = at.beside(side.sign() * 0.115, HEEL);
+        let (yaw, pitch) = (at.heading + 0.1 * side.sign(), at.pitch - 1.0);
+        let rotation = DQuat::from_rotation_y(yaw) * DQuat::from_rotation_x(pitch);
+        let ball = ankle - rotation * DVec3::new(0.0, shape.ankle_height - shape.ball_height, -shape.ball);
+        FootPose { ground: self.course.height(s), ..shape.posed(ball, yaw, at.heading, pitch, pitch + 0.1) }
+    }
+}
+
+/// On the way from one foot to another, raised by `up`.
+fn mix(a: &FootPose, b: &FootPose, w: f64, up: f64, shape: &FootShape) -> FootPose {
+    let mix = |a: f64, b: f64| a + (b - a) * w;
+    let ankle = a.ankle.lerp(b.ankle, w) + DVec3::Y * up;
+    let (yaw, pitch) = (mix_turn(a.yaw, b.yaw, w), mix(a.pitch, b.pitch));
+    let rotation = DQuat::from_rotation_y(yaw) * DQuat::from_rotation_x(pitch);
+    let ball = ankle - rotation * DVec3::new(0.0, shape.ankle_height - shape.ball_height, -shape.ball);
+    let toes = mix(a.toe_pitch, b.toe_pitch);
+    FootPose {
+        ground: mix(a.ground, b.ground),
+        ..shape.posed(ball, yaw, mix_turn(a.heading, b.heading, w), pitch, toes)
+    }
+}

@@ -1,0 +1,77 @@
+//! Left and right, and the directions of a heading on the ground.
+
+use glam::DVec2;
+use throng_core::Joint;
+
+/// A side of the body.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Side {
+    /// The left side, +X of a character that faces +Z.
+    Left,
+    /// The right side.
+    Right,
+}
+
+impl Side {
+    /// Both, left first.
+    pub const BOTH: [Self; 2] = [Self::Left, Self::Right];
+
+    /// 0 for left, 1 for right.
+    pub fn index(self) -> usize {
+        self as usize
+    }
+
+    /// +1 for left, -1 for right: the sign of X.
+    pub fn sign(self) -> f64 {
+        match self {
+            Self::Left => 1.0,
+            Self::Right => -1.0,
+        }
+    }
+
+    /// The other side.
+    pub fn other(self) -> Self {
+        match self {
+            Self::Left => Self::Right,
+            Self::Right => Self::Left,
+        }
+    }
+
+    /// Thigh joint.
+    pub fn thigh(self) -> Joint {
+        self.leg()[0]
+    }
+
+    /// Thigh, shin, foot and toe joints.
+    pub fn leg(self) -> [Joint; 4] {
+        use Joint::*;
+        match self {
+            Self::Left => [LeftThigh, LeftShin, LeftFoot, LeftToe],
+            Self::Right => [RightThigh, RightShin, RightFoot, RightToe],
+        }
+    }
+
+    /// Clavicle, upper arm, forearm and hand joints.
+    pub fn arm(self) -> [Joint; 4] {
+        use Joint::*;
+        match self {
+            Self::Left => [LeftClavicle, LeftUpperArm, LeftForearm, LeftHand],
+            Self::Right => [RightClavicle, RightUpperArm, RightForearm, RightHand],
+        }
+    }
+
+    /// The inner side of a turn by a positive (left) or negative (right) angle.
+    pub fn inside(turn: f64) -> Self {
+        if turn >= 0.0 { Self::Left } else { Self::Right }
+    }
+}
+
+/// The ground direction (x, z) of a heading.
+pub fn forward(heading: f64) -> DVec2 {
+    DVec2::new(heading.sin(), heading.cos())
+}
+
+/// The ground direction (x, z) to the left of a heading.
+pub fn leftward(heading: f64) -> DVec2 {
+    DVec2::new(heading.cos(), -heading.sin())
+}

@@ -1,0 +1,144 @@
+//! Arms: hanging at the sides, swinging against the legs, bending more the faster the walk.
+
+use super::super::frame::ArmPose;
+use super::super::side::Side;
+use super::super::signal::{shifted, smooth};
+use super::trunk::Drift;
+use glam::DQuat;
+use std::f64::consts::FRAC_PI_2;
+
+/// What the arms follow.
+pub struct ArmInput<'a> {
+    /// Distance of the left ankle in front of the right one (m).
+    pub apart: &'a [f64],
+    /// Speed (m/s).
+    pub speed: &'a [f64],
+    /// Forward tilt of the upper chest (rad).
+    pub chest_pitch: &'a [f64],
+    /// Breathing and slow changes of posture.
+    pub drift: &'a Drift,
+    /// How far the arms swing and bend, 1 on average, left and right.
+    pub liveliness: [f64; 2],
+    /// Time between samples (s).
+    pub dt: f64,
+}
+
+/// Swings both arms, at every sample left and right.
+pub fn swing(input: &ArmInput) -> Vec<[ArmPose; 2]> {
+    let frames = |seconds: f64| (seconds / input.dt).round() as usize;
+    let follow = smooth(&shifted(input.apart, -0.05, input.dt), frames(0.05));
+    let trail = smooth(&shifted(input.apart, -0.11, input.dt), frames(0.06));
+    (0..input.speed.len()).map(|i| Side::BOTH.map(|side| arm(input, side, i, follow[i], trail[i]))).collect()
+}
+
+fn arm(input: &ArmInput, side: Side, i: usize, follow: f64, trail: f64) -> ArmPose {
+    let (s, speed) = (side.sign(), input.speed[i]);
+    let lively = input.liveliness[side.index()];
+    let vigour = lively * 0.6 * (speed / 1.3).max(0.0).powf(0.45).min(1.3);
+    // Forward (positive) when the other foot is in front.
+    let drift = input.drift.arms[side.index()][i];
+    let swing = -s * follow * vigour + drift;
+    let bend = -s * trail * vigour + 1.5 * drift;
+    let raise = 0.015 * input.drift.breath[i];
+    // The elbow bends as the arm comes forward and hardly stretches as it goes back.
+    let flexion = lively * (0.23 + 0.1 * speed) + 0.95 * soft_floor(bend, -0.1);
+    let abduction = 0.21 + 0.03 * speed;
+    let turn_in = 0.30 + 0.15 * swing;
+    let angles = ArmAngles {
+        swing: swing + 0.02 + 0.75 * input.chest_pitch[i] * 0.6,
+        abduction,
+        turn_in,
+        flexion,
+        protraction: 0.16 * swing,
+        shrug: raise - 0.05,
+        wrist: 0.05 + 0.15 * bend,
+    };
+    angles.pose(side)
+}
+
+/// How an arm is held, the same for both sides: all zero, it hangs straight down beside an upright chest.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ArmAngles {
+    /// The upper arm swings forward (rad).
+    pub swing: f64,
+    /// The upper arm is held away from the body (rad).
+    pub abduction: f64,
+    /// The upper arm turns about itself, which brings the forearm in (rad).
+    pub turn_in: f64,
+    /// The elbow bends (rad, >= 0).
+    pub flexion: f64,
+    /// The shoulder goes forward (rad).
+    pub protraction: f64,
+    /// The shoulder goes up (rad).
+    pub shrug: f64,
+    /// The hand bends towards its palm (rad).
+    pub wrist: f64,
+}
+
+impl ArmAngles {
+    /// The rotations of that arm.
+    pub fn pose(&self, side: Side) -> ArmPose {
+        let s = side.sign();
+        let hang = DQuat::from_rotation_x(-self.swing)
+            * DQuat::from_rotation_z(-s * (FRAC_PI_2 - self.abduction))
+            * DQuat::from_rotation_x(self.turn_in);
+        ArmPose {
+            clavicle: DQuat::from_rotation_y(-s * self.protraction) * DQuat::from_rotation_z(s * self.shrug),
+            upper_arm: hang,
+            forearm: DQuat::from_rotation_y(-s * self.flexion) * DQuat::from_rotation_x(0.15),
+            hand: DQuat::from_rotation_z(-s * 0.12) * DQuat::from_rotation_y(-s * self.wrist),
+        }
+    }
+}
+
+/// The larger of `x` and `floor`, without a corner.
+fn soft_floor(x: f64, floor: f64) -> f64 {
+    const ROUNDING: f64 = 0.06;
+    0.5 * (x + floor + (x - floor).hypot(ROUNDING))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::DVec3;
+
+    /// Hands as seen from the shoulders, left and right, for a foot distance and a speed.
+    fn hands(apart: f64, speed: f64) -> [DVec3; 2] {
+        let n = 60;
+        let still = vec![0.0; n];
+        let drift = Drift {
+            gaze: still.clone(),
+            nod: still.clone(),
+            arms: [still.clone(), still.clone()],
+            breath: still.clone(),
+        };
+        let (apart, speed) = (vec![apart; n], vec![speed; n]);
+        let arms = swing(&ArmInput {
+            apart: &apart,
+            speed: &speed,
+            chest_pitch: &still,
+            drift: &drift,
+            liveliness: [1.0; 2],
+            dt: 1.0 / 120.0,
+        });
+        Side::BOTH.map(|side| {
+            let arm = &arms[n / 2][side.index()];
+            let along = DVec3::X * side.sign();
+            let upper = arm.clavicle * arm.upper_arm;
+            upper * (along * 0.29 + arm.forearm * (along * 0.255))
+        })
+    }
+
+    #[test]
+    fn idle_arms_hang_beside_the_body_alike() {
+        let [left, right] = hands(0.0, 0.0);
+        assert!((left * DVec3::new(-1.0, 1.0, 1.0) - right).length() < 1e-9);
+        assert!(left.y < -0.5 && left.x > 0.0 && left.x < 0.15 && (0.0..0.2).contains(&left.z), "{left}");
+    }
+
+    #[test]
+    fn arms_swing_against_the_legs() {
+        let [left, right] = hands(0.6, 1.3);
+        assert!(left.z < -0.05 && right.z > 0.2, "{left} {right}");
+    }
+}

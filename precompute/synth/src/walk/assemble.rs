@@ -1,0 +1,138 @@
+//! Puts the parts of the walker together, sample by sample, into a clip.
+
+use super::super::SynthConfig;
+use super::super::attitude::Attitude;
+use super::super::foot::{FootPose, FootShape};
+use super::super::frame::{self, ArmPose, BodyPose, Samples};
+use super::super::leg::LegShape;
+use super::super::signal::{interpolate, smooth};
+use super::arms::{self, ArmInput};
+use super::balance::centre_of_mass;
+use super::footsteps::Footsteps;
+use super::pelvis::{self, Pelvis, PelvisInput};
+use super::trunk::{self, Drift, TrunkPose};
+use glam::{DQuat, DVec2, DVec3};
+use rand::{Rng, RngExt};
+use throng_core::planar::wrap_angle;
+use throng_core::{Joint, Planar, Skeleton};
+use throng_motion::clip::Clip;
+
+/// All signals of a clip at the working rate.
+struct Signals {
+    feet: Vec<[FootPose; 2]>,
+    pelvis: Pelvis,
+    trunk: Vec<TrunkPose>,
+    arms: Vec<[ArmPose; 2]>,
+}
+
+/// Makes a clip from its footsteps.
+pub fn clip(name: String, steps: &Footsteps, skeleton: &Skeleton, cfg: &SynthConfig, rng: &mut impl Rng) -> Clip {
+    let samples = Samples::of(steps.duration, cfg.rate_hz);
+    let poses = poses(steps, skeleton, &samples, cfg.variation, rng);
+    let mut clip = frame::empty_clip(name, "walk", cfg);
+    for i in samples.frames() {
+        frame::push(&mut clip, &poses[i], skeleton);
+    }
+    clip
+}
+
+/// The walker at every sample.
+pub fn poses(
+    steps: &Footsteps,
+    skeleton: &Skeleton,
+    samples: &Samples,
+    variation: f64,
+    rng: &mut impl Rng,
+) -> Vec<BodyPose> {
+    let signals = signals(steps, skeleton, &samples.times, samples.dt, variation, rng);
+    (0..samples.times.len()).map(|i| pose(&signals, i)).collect()
+}
+
+fn signals(
+    steps: &Footsteps,
+    skeleton: &Skeleton,
+    times: &[f64],
+    dt: f64,
+    variation: f64,
+    rng: &mut impl Rng,
+) -> Signals {
+    let frames = |seconds: f64| (seconds / dt).round() as usize;
+    let feet: Vec<_> = times.iter().map(|&t| [0, 1].map(|s: usize| steps.feet[s].pose(t))).collect();
+    let load: Vec<f64> = times.iter().map(|&t| interpolate(&steps.load, t)).collect();
+    let mass = centre_of_mass(steps, &FootShape::of(skeleton), times, dt);
+    let speed = speed(&mass, dt, frames(0.13));
+    let joint = |j: Joint| skeleton.offsets[j.index()].as_dvec3();
+    let pelvis = pelvis::follow(&PelvisInput {
+        feet: &feet,
+        load: &load,
+        mass: &mass,
+        speed: &speed,
+        hips: [joint(Joint::LeftThigh), joint(Joint::RightThigh)],
+        leg: LegShape::of(skeleton),
+        dt,
+    });
+    let drift = drift(steps.duration, times, dt, &speed, variation, rng);
+    let trunk = trunk::balance(&pelvis, &speed, &mass, &drift, dt);
+    let chest_pitch: Vec<f64> = trunk.iter().map(|t| t.upper_chest().pitch).collect();
+    let arms = arms::swing(&ArmInput {
+        apart: &pelvis.apart,
+        speed: &speed,
+        chest_pitch: &chest_pitch,
+        drift: &drift,
+        liveliness: [0, 1].map(|_| 1.0 + variation * rng.random_range(-0.08..0.08)),
+        dt,
+    });
+    Signals { feet, pelvis, trunk, arms }
+}
+
+/// Speed of the centre of mass, smoothed over about a step.
+pub fn speed(mass: &[DVec2], dt: f64, radius: usize) -> Vec<f64> {
+    let n = mass.len();
+    let raw: Vec<f64> = (0..n)
+        .map(|i| {
+            let (a, b) = (i.saturating_sub(1), (i + 1).min(n - 1));
+            (mass[b] - mass[a]).length() / ((b - a).max(1) as f64 * dt)
+        })
+        .collect();
+    smooth(&raw, radius)
+}
+
+/// Slow random changes of gaze, and breathing. Who walks looks around less.
+pub fn drift(duration: f64, times: &[f64], dt: f64, speed: &[f64], variation: f64, rng: &mut impl Rng) -> Drift {
+    let frames = |seconds: f64| (seconds / dt).round() as usize;
+    let mut wander = |amount: f64, every: f64| -> Vec<f64> {
+        let (mut t, mut knots) = (0.0, Vec::new());
+        while t < duration + every {
+            knots.push((t, variation * rng.random_range(-amount..amount)));
+            t += every * rng.random_range(0.6..1.4);
+        }
+        let raw: Vec<f64> = times.iter().map(|&t| interpolate(&knots, t)).collect();
+        smooth(&raw, frames(0.15))
+    };
+    let (gaze, nod) = (wander(0.2, 1.6), wander(0.04, 1.9));
+    let arms = [wander(0.06, 1.7), wander(0.06, 1.7)];
+    let calm = |x: Vec<f64>| x.iter().zip(speed).map(|(x, v)| x * (1.0 - 0.65 * v.min(1.0))).collect();
+    let phase = rng.random_range(0.0..std::f64::consts::TAU);
+    let breath = times.iter().map(|t| (phase + t * std::f64::consts::TAU * 0.27).sin()).collect();
+    Drift { gaze: calm(gaze), nod: calm(nod), arms: arms.map(calm), breath }
+}
+
+/// The pose of one sample.
+fn pose(signals: &Signals, i: usize) -> BodyPose {
+    let hips = signals.pelvis.rotation(i);
+    let root = signals.pelvis.position[i];
+    BodyPose {
+        root,
+        hips,
+        trunk: signals.trunk[i].segments.map(Attitude::rotation),
+        arms: signals.arms[i],
+        feet: signals.feet[i],
+        knees: knees(root, hips, &signals.feet[i]),
+    }
+}
+
+/// Headings of the knees, between the hips and the feet (rad).
+pub fn knees(root: DVec3, hips: DQuat, feet: &[FootPose; 2]) -> [f64; 2] {
+    let heading = f64::from(Planar::split(root.as_vec3(), hips.as_quat()).0.heading);
+    feet.map(|foot| heading + 0.6 * f64::from(wrap_angle((foot.yaw - heading) as f32)))
+}

@@ -1,0 +1,208 @@
+//! A foot over time: its stays on the ground, and how it swings from each to the next.
+
+use super::super::foot::{FootPose, FootShape};
+use super::super::side::{Side, forward, leftward};
+use super::super::signal::{End, bump, cruise, early_bump, quintic};
+use super::roll::{Footfall, ball_flat, ball_landing, push_pitch, standing, strike_pitch};
+use glam::{DVec2, DVec3};
+
+/// The flight between two footfalls, beyond what its ends say.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct Flight {
+    /// Height the foot is drawn up to, early in the flight (m).
+    raise: f64,
+    /// Extra height half way, to clear the ground (m).
+    clear: f64,
+    /// Detour half way, around the standing foot (m).
+    detour: DVec2,
+}
+
+/// All footfalls of one foot, in order, and the flights between them.
+pub struct FootTrack {
+    side: Side,
+    shape: FootShape,
+    falls: Vec<Footfall>,
+    flights: Vec<Flight>,
+}
+
+/// Smallest height of the sole in the middle of a flight (m).
+const CLEARANCE: f64 = 0.015;
+/// How far the toes hang half way through a flight, as a share of the heel's rise at toe-off: the foot follows the
+/// shank rather than the ground.
+const HANG: f64 = 0.38;
+/// Share of a flight in which the foot speeds up, and slows down.
+const RAMP: f64 = 0.36;
+/// Smaller differences in height are uneven ground rather than stairs (m).
+const STAIR: f64 = 0.05;
+/// Smallest distance of a swinging ankle or ball from the standing one (m).
+const PASSING: f64 = 0.105;
+
+impl FootTrack {
+    /// A foot that stands on `falls` in turn and flies around the other foot's falls.
+    ///
+    /// - `ground`: its height anywhere on the way (m).
+    pub fn new(
+        side: Side,
+        shape: FootShape,
+        falls: Vec<Footfall>,
+        other: &[Footfall],
+        ground: impl Fn(DVec2) -> f64,
+    ) -> Self {
+        let flights = vec![Flight::default(); falls.len().saturating_sub(1)];
+        let mut track = Self { side, shape, falls, flights };
+        for i in 0..track.flights.len() {
+            let (lift, land) = (track.falls[i].lift, track.falls[i + 1].land);
+            let standing = other.iter().rev().find(|f| f.land <= 0.5 * (lift + land));
+            track.flights[i].detour = standing.map_or(DVec2::ZERO, |s| track.detour(i, s));
+            track.flights[i].raise = track.raise(i);
+            track.flights[i].clear = track.clear(i, &ground);
+        }
+        track
+    }
+
+    /// The footfalls.
+    pub fn falls(&self) -> &[Footfall] {
+        &self.falls
+    }
+
+    /// The foot at `t` seconds.
+    pub fn pose(&self, t: f64) -> FootPose {
+        let i = self.falls.partition_point(|f| f.land <= t).saturating_sub(1);
+        let fall = &self.falls[i];
+        if t <= fall.lift || i + 1 == self.falls.len() { standing(&self.shape, fall, t) } else { self.flying(i, t) }
+    }
+
+    fn flying(&self, i: usize, t: f64) -> FootPose {
+        let (a, b) = (&self.falls[i], &self.falls[i + 1]);
+        let (t, duration) = (t - a.lift, b.land - a.lift);
+        let u = t / duration;
+        let (across, up) = stair_pace(b.ground - a.ground, u);
+        let start = ball_flat(&self.shape, a);
+        let piece = |from: f64, u: f64, axis: fn(DVec3) -> f64| {
+            let to = End::of(|t| axis(ball_landing(&self.shape, b, t)), b.land);
+            let arrival = quintic(End::default(), End { value: 0.0, ..to }, duration, t);
+            from + (to.value - from) * cruise(RAMP, u) + arrival
+        };
+        let flight = &self.flights[i];
+        let ball = DVec3::new(
+            piece(start.x, across, |p| p.x) + flight.detour.x * bump(u),
+            piece(start.y, up, |p| p.y) + flight.raise * early_bump(u) + flight.clear * bump(u),
+            piece(start.z, across, |p| p.z) + flight.detour.y * bump(u),
+        );
+        let angle = |from: f64, to: f64| quintic(End::still(from), End::still(to), duration, t);
+        let landing = End::of(|t| strike_pitch(b, t), b.land);
+        let pitch = quintic(End::of(|t| push_pitch(a, t), a.lift), landing, duration, t) + HANG * a.push * bump(u);
+        let toes = End::of(|t| strike_pitch(b, t).min(0.0), b.land);
+        let toe_pitch = quintic(End::still(0.0), toes, duration, t) + 0.25 * a.push * bump(u);
+        let posed = self.shape.posed(ball, angle(a.yaw, b.yaw), angle(a.heading, b.heading), pitch, toe_pitch);
+        FootPose { ground: angle(a.ground, b.ground), ..posed }
+    }
+
+    /// Moments spread over flight `i`, with their bumps.
+    fn moments(&self, i: usize) -> impl Iterator<Item = (f64, f64)> + use<> {
+        let (lift, land) = (self.falls[i].lift, self.falls[i + 1].land);
+        (1..40).map(move |k| f64::from(k) / 40.0).map(move |u| (lift + u * (land - lift), bump(u)))
+    }
+
+    /// How high the foot is drawn up in flight `i`: more the further it goes.
+    fn raise(&self, i: usize) -> f64 {
+        let travel = (self.falls[i + 1].ankle - self.falls[i].ankle).length();
+        0.015 + 0.016 * (travel / 1.4).min(1.0)
+    }
+
+    /// How much higher flight `i` has to be for its sole to clear the ground.
+    fn clear(&self, i: usize, ground: &impl Fn(DVec2) -> f64) -> f64 {
+        let lacks = |t: f64| CLEARANCE - self.shape.sole(&self.flying(i, t), ground);
+        self.moments(i).filter(|m| m.1 > 0.3).map(|(t, b)| lacks(t) / b).fold(0.0, f64::max)
+    }
+
+    /// How far flight `i` has to step aside from the standing foot.
+    fn detour(&self, i: usize, standing: &Footfall) -> DVec2 {
+        let (a, b) = (&self.falls[i], &self.falls[i + 1]);
+        let heading = 0.5 * (a.heading + b.heading);
+        let away = leftward(heading) * self.side.sign();
+        let obstacles = [standing.ankle, standing.ankle + forward(standing.yaw) * self.shape.ball];
+        let mut need: f64 = 0.0;
+        for (t, b) in self.moments(i).filter(|m| m.1 > 0.2) {
+            let p = self.flying(i, t);
+            for part in [p.ankle, p.ball] {
+                for o in obstacles {
+                    let from = DVec2::new(part.x, part.z) - o;
+                    let along = (from - away * from.dot(away)).length();
+                    let wanted = (PASSING * PASSING - along * along).max(0.0).sqrt();
+                    if wanted > 0.0 {
+                        need = need.max((wanted - from.dot(away)) / b);
+                    }
+                }
+            }
+        }
+        away * need.min(0.2)
+    }
+}
+
+/// How far a flight has got across and up: on stairs it first clears the step and then goes over it, or the other way
+/// round on the way down.
+fn stair_pace(rise: f64, u: f64) -> (f64, f64) {
+    let early = |power: f64| 1.0 - (1.0 - u).max(0.0).powf(power);
+    let late = |power: f64| u.max(0.0).powf(power);
+    if rise.abs() < STAIR {
+        (u, u)
+    } else if rise > 0.0 {
+        (late(1.5), early(1.4))
+    } else {
+        (early(1.7), late(1.5))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use throng_core::Skeleton;
+
+    fn fall(land: f64, lift: f64, ankle: DVec2, yaw: f64) -> Footfall {
+        let (flat, heel_off) = (land + 0.1, lift - 0.25);
+        Footfall { land, flat, heel_off, lift, ankle, ground: 0.0, heading: yaw, yaw, strike: 0.35, push: 0.7 }
+    }
+
+    /// A left foot that takes one long step past a right foot in its way.
+    fn track() -> FootTrack {
+        let falls = vec![fall(0.0, 0.7, DVec2::ZERO, 0.1), fall(1.1, 2.0, DVec2::new(-0.05, 1.3), 0.4)];
+        let standing = fall(0.6, 1.2, DVec2::new(-0.02, 0.65), 0.0);
+        FootTrack::new(Side::Left, FootShape::of(&Skeleton::default()), falls, &[standing], |_| 0.0)
+    }
+
+    #[test]
+    fn heel_then_ankle_then_ball_stay_where_they_are() {
+        let (track, shape) = (track(), FootShape::of(&Skeleton::default()));
+        let heel = |p: &FootPose| p.ankle + p.rotation() * DVec3::new(0.0, -shape.ankle_height, -shape.heel);
+        let spread = |from: f64, to: f64, point: &dyn Fn(&FootPose) -> DVec3| {
+            let at = |k: u32| point(&track.pose(from + (to - from) * f64::from(k) / 50.0));
+            (0..=50).map(|k| (at(k) - at(0)).length()).fold(0.0, f64::max)
+        };
+        assert!(spread(1.1, 1.2, &heel) < 1e-9 && spread(1.1, 1.2, &|p| p.ankle) > 0.02);
+        assert!(spread(1.2, 1.75, &|p| p.ankle) < 1e-9);
+        assert!(spread(1.2, 2.0, &|p| p.ball) < 1e-9 && spread(1.75, 2.0, &|p| p.ankle) > 0.05);
+    }
+
+    #[test]
+    fn the_ankle_moves_without_a_jump_in_speed() {
+        let (track, h) = (track(), 1e-4);
+        let speed = |t: f64| (track.pose(t + h).ankle - track.pose(t).ankle) / h;
+        for k in 0..20_000 {
+            let t = f64::from(k) * h;
+            assert!((speed(t + h) - speed(t)).length() < 200.0 * h, "at {t}");
+        }
+    }
+
+    #[test]
+    fn a_flight_clears_the_ground_and_the_standing_foot() {
+        let track = track();
+        for k in 0..=100 {
+            let u = f64::from(k) / 100.0;
+            let p = track.pose(0.7 + 0.4 * u);
+            let least = if (0.3..0.7).contains(&u) { CLEARANCE - 1e-3 } else { -1e-9 };
+            assert!(track.shape.sole(&p, |_| 0.0) >= least, "at {u}: {}", track.shape.sole(&p, |_| 0.0));
+            assert!((DVec2::new(p.ankle.x, p.ankle.z) - DVec2::new(-0.02, 0.65)).length() > PASSING - 5e-3);
+        }
+    }
+}

@@ -1,0 +1,255 @@
+//! Lays intended steps on the ground and in time: footfalls of both feet, and which foot carries how much.
+
+use super::super::foot::FootShape;
+use super::super::side::{Side, forward, leftward};
+use super::foot::FootTrack;
+use super::gait::StepShape;
+use super::roll::Footfall;
+use super::wander::{Intent, STANDING_WIDTH, TOE_OUT};
+use glam::DVec2;
+use rand::{Rng, RngExt};
+
+/// Time to bring the weight onto one foot before the first step after a pause (s).
+pub const SHIFT: f64 = 0.5;
+/// Time to settle on both feet after the last step (s).
+const SETTLE: f64 = 0.45;
+/// Standing at the end of a clip (s).
+pub const LAST_STAND: f64 = 1.6;
+
+/// Both feet over a whole clip.
+pub struct Footsteps {
+    /// Tracks of the left and the right foot.
+    pub feet: [FootTrack; 2],
+    /// Share of the weight on the left foot as `(time, share)` knots.
+    pub load: Vec<(f64, f64)>,
+    /// Length of the clip (s).
+    pub duration: f64,
+}
+
+/// Where a pair of feet stands side by side.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Stance {
+    /// Between the ankles on the ground plane (x, z) (m).
+    pub at: DVec2,
+    /// Heading (rad).
+    pub heading: f64,
+}
+
+impl Stance {
+    /// The stance after a step: the path bends evenly over the step, and is moved aside.
+    pub fn after(self, step: &Intent) -> Self {
+        let along = self.heading + 0.5 * step.turn;
+        let at = self.at + forward(along) * step.shape.length + leftward(along) * step.aside;
+        Self { at, heading: self.heading + step.turn }
+    }
+
+    /// Ankle of a foot, `width` metres from the other one (m).
+    pub fn ankle(self, side: Side, width: f64) -> DVec2 {
+        self.at + leftward(self.heading) * (0.5 * width * side.sign())
+    }
+}
+
+/// When a step lifts and lands, given the landing before it (s).
+pub fn timing(step: &Intent, last: f64) -> (f64, f64) {
+    let wait = if step.pause > 0.0 { step.pause + SHIFT } else { step.shape.double_support };
+    (last + wait, last + wait + step.shape.swing())
+}
+
+/// A step in time and place.
+struct Placed {
+    side: Side,
+    lift: f64,
+    land: f64,
+    shape: StepShape,
+    ankle: DVec2,
+    heading: f64,
+    toe_out: f64,
+}
+
+/// Lays out steps from a stand on even ground, and stands on for `last` seconds after them.
+pub fn place(shape: FootShape, start: Stance, intents: &[Intent], last: f64, rng: &mut impl Rng) -> Footsteps {
+    place_on(shape, start, intents, last, |_| 0.0, rng)
+}
+
+/// Lays out steps from a stand, and stands on for `last` seconds after them.
+///
+/// - `ground`: its height anywhere on the way (m).
+pub fn place_on(
+    shape: FootShape,
+    start: Stance,
+    intents: &[Intent],
+    last: f64,
+    ground: impl Fn(DVec2) -> f64,
+    rng: &mut impl Rng,
+) -> Footsteps {
+    let placed = placed(start, intents);
+    let duration = placed.last().map_or(0.0, |s| s.land) + last;
+    let mut falls = Side::BOTH.map(|side| falls_of(side, start, &placed));
+    for falls in &mut falls {
+        step_on(falls, &shape, &ground);
+    }
+    let track = |side: Side| {
+        let (own, other) = (falls[side.index()].clone(), &falls[side.other().index()]);
+        FootTrack::new(side, shape, own, other, &ground)
+    };
+    let tracks = Side::BOTH.map(track);
+    Footsteps { feet: tracks, load: load_knots(&placed, duration, rng), duration }
+}
+
+/// Where and when every step lands.
+fn placed(start: Stance, intents: &[Intent]) -> Vec<Placed> {
+    let (mut stance, mut last) = (start, 0.0);
+    let mut out = Vec::with_capacity(intents.len());
+    for step in intents {
+        stance = stance.after(step);
+        let (lift, land) = timing(step, last);
+        last = land;
+        out.push(Placed {
+            side: step.side,
+            lift,
+            land,
+            shape: step.shape,
+            ankle: stance.ankle(step.side, step.width),
+            heading: stance.heading,
+            toe_out: step.toe_out,
+        });
+    }
+    out
+}
+
+/// The footfalls of one foot, from the stand before the first step to the stand after the last one.
+fn falls_of(side: Side, start: Stance, placed: &[Placed]) -> Vec<Footfall> {
+    let mut falls = vec![Footfall {
+        land: -2.0,
+        flat: -1.9,
+        heel_off: f64::INFINITY,
+        lift: f64::INFINITY,
+        ankle: start.ankle(side, STANDING_WIDTH),
+        ground: 0.0,
+        heading: start.heading,
+        yaw: start.heading + TOE_OUT * side.sign(),
+        strike: 0.0,
+        push: 0.0,
+    }];
+    for (k, step) in placed.iter().enumerate().filter(|(_, s)| s.side == side) {
+        let ahead = forward(step.heading);
+        let other = placed[..k].iter().rev().find(|s| s.side != side);
+        let other = other.map_or(start.ankle(side.other(), STANDING_WIDTH), |s| s.ankle);
+        let leave = falls.len() - 1;
+        let travel = (step.ankle - falls[leave].ankle).dot(forward(falls[leave].heading));
+        leave_with(&mut falls[leave], step, travel);
+        let reach = (step.ankle - other).dot(ahead);
+        falls.push(Footfall {
+            land: step.land,
+            flat: step.land + (0.15 * step.shape.period).clamp(0.07, 0.1),
+            heel_off: f64::INFINITY,
+            lift: f64::INFINITY,
+            ankle: step.ankle,
+            ground: 0.0,
+            heading: step.heading,
+            yaw: step.heading + step.toe_out * side.sign(),
+            strike: 0.36 * (reach / 0.75).clamp(0.03, 1.0),
+            push: 0.0,
+        });
+    }
+    falls
+}
+
+/// Raises the footfalls of one foot to the ground, and lands flat on the way up and on the ball on the way down.
+fn step_on(falls: &mut [Footfall], shape: &FootShape, ground: &impl Fn(DVec2) -> f64) {
+    for i in 0..falls.len() {
+        let fall = falls[i];
+        falls[i].ground = ground(fall.ankle + forward(fall.yaw) * shape.ball);
+        let rise = falls[i].ground - falls[i.saturating_sub(1)].ground;
+        if rise > 0.05 {
+            falls[i].strike = 0.02;
+        } else if rise < -0.05 {
+            falls[i].strike = -0.32;
+        }
+    }
+}
+
+/// Completes a footfall with how it is left for the next step.
+fn leave_with(fall: &mut Footfall, step: &Placed, travel: f64) {
+    fall.lift = step.lift;
+    let rise = 0.46 * step.shape.period;
+    fall.heel_off = (step.lift - rise).max(fall.flat + 0.02);
+    fall.push = 0.2 + 0.5 * (travel.max(0.0) / 1.45).min(1.0);
+}
+
+/// The share of the left foot: none while it is in the air, all while the right one is, and between them a
+/// straight change of weight, or a stand on both with the weight shifting now and then.
+fn load_knots(placed: &[Placed], duration: f64, rng: &mut impl Rng) -> Vec<(f64, f64)> {
+    let share_on = |side: Side| if side == Side::Left { 1.0 } else { 0.0 };
+    let mut knots = vec![(0.0, 0.5)];
+    let mut last = 0.0;
+    for step in placed {
+        let carried = share_on(step.side.other());
+        stand_knots(&mut knots, last, step.lift - SHIFT, rng);
+        knots.extend([(step.lift, carried), (step.land, carried)]);
+        last = step.land;
+    }
+    stand_knots(&mut knots, last, duration, rng);
+    knots
+}
+
+/// Weight shifts of a stand between two times; none where the time is too short to settle.
+fn stand_knots(knots: &mut Vec<(f64, f64)>, from: f64, to: f64, rng: &mut impl Rng) {
+    let mut t = from + SETTLE;
+    while t < to {
+        knots.push((t, 0.5 + rng.random_range(-0.14..0.14)));
+        t += rng.random_range(0.9..1.5);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::super::signal::interpolate;
+    use super::super::wander::Wanderer;
+    use super::*;
+    use rand::SeedableRng;
+    use rand_pcg::Pcg64Mcg;
+    use throng_core::Skeleton;
+
+    fn footsteps(seed: u64) -> Footsteps {
+        let mut rng = Pcg64Mcg::seed_from_u64(seed);
+        let intents = Wanderer::new(1.0).wander(120.0, &mut rng);
+        place(FootShape::of(&Skeleton::default()), Stance::default(), &intents, LAST_STAND, &mut rng)
+    }
+
+    #[test]
+    fn every_stay_rolls_from_strike_to_toe_off() {
+        for foot in &footsteps(1).feet {
+            for f in foot.falls() {
+                assert!(f.land < f.flat && f.flat < f.heel_off && f.heel_off < f.lift || f.lift.is_infinite(), "{f:?}");
+            }
+            for w in foot.falls().windows(2) {
+                assert!((0.3..0.7).contains(&(w[1].land - w[0].lift)), "{w:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_foot_in_the_air_carries_nothing() {
+        let steps = footsteps(2);
+        for (foot, empty) in steps.feet.iter().zip([0.0, 1.0]) {
+            for w in foot.falls().windows(2) {
+                for u in [0.0, 0.4, 1.0] {
+                    let t = w[0].lift + u * (w[1].land - w[0].lift);
+                    assert!((interpolate(&steps.load, t) - empty).abs() < 1e-9);
+                }
+            }
+        }
+        assert!(steps.load.windows(2).all(|k| k[0].0 <= k[1].0));
+    }
+
+    #[test]
+    fn one_foot_is_always_on_the_ground() {
+        let [left, right] = footsteps(3).feet;
+        for (a, b) in [(&left, &right), (&right, &left)] {
+            for w in a.falls().windows(2) {
+                assert!(b.falls().iter().any(|f| f.land <= w[0].lift && f.lift >= w[1].land));
+            }
+        }
+    }
+}

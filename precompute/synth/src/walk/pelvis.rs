@@ -1,0 +1,165 @@
+//! The pelvis: heading from the feet, turning, listing and bobbing with the steps, as high as both legs allow.
+
+use super::super::attitude::Attitude;
+use super::super::foot::FootPose;
+use super::super::leg::LegShape;
+use super::super::side::{Side, forward};
+use super::super::signal::{End, quintic, shifted, smooth, smooth_below};
+use glam::{DQuat, DVec2, DVec3};
+
+/// The pelvis at every sample. All vectors have the same length.
+pub struct Pelvis {
+    /// Heading of the body, without the swing of the steps (rad).
+    pub heading: Vec<f64>,
+    /// Axial rotation on top of the heading, left positive (rad).
+    pub yaw: Vec<f64>,
+    /// Forward tilt (rad).
+    pub pitch: Vec<f64>,
+    /// Left side up (rad).
+    pub list: Vec<f64>,
+    /// Hips joint (m).
+    pub position: Vec<DVec3>,
+    /// Distance of the left ankle in front of the right one, along the heading (m).
+    pub apart: Vec<f64>,
+    /// How fast the ground rises under the feet (m/s).
+    pub climb: Vec<f64>,
+}
+
+impl Pelvis {
+    /// Raises the hips as high as both legs allow.
+    pub fn stand_up(&mut self, input: &PelvisInput) {
+        let height = height(input, self);
+        for (p, h) in self.position.iter_mut().zip(height) {
+            p.y = h;
+        }
+    }
+
+    /// World rotation at a sample.
+    pub fn rotation(&self, i: usize) -> DQuat {
+        Attitude { yaw: self.heading[i] + self.yaw[i], pitch: self.pitch[i], list: self.list[i] }.rotation()
+    }
+}
+
+/// What the pelvis is made from.
+pub struct PelvisInput<'a> {
+    /// Both feet at every sample.
+    pub feet: &'a [[FootPose; 2]],
+    /// Share of weight on the left foot at every sample.
+    pub load: &'a [f64],
+    /// Centre of mass on the ground at every sample (m).
+    pub mass: &'a [DVec2],
+    /// Speed at every sample (m/s).
+    pub speed: &'a [f64],
+    /// Hip joints as seen from the hips joint, left and right (m).
+    pub hips: [DVec3; 2],
+    /// Lengths of the legs.
+    pub leg: LegShape,
+    /// Time between samples (s).
+    pub dt: f64,
+}
+
+/// Largest upward acceleration of the hips (m/s^2).
+const BOB: f64 = 8.0;
+/// The hips rise by no more than this above where the longest steps take them: brisk walkers bend the standing knee.
+/// (m)
+const RISE: f64 = 0.055;
+/// Least knee flexion of a leg under the body (rad).
+const STANDING_FLEXION: f64 = 0.11;
+/// Least knee flexion of a leg that reaches out: the more bent, the rounder its turn from stretching to bending.
+/// (rad)
+const REACHING_FLEXION: f64 = 0.22;
+/// How far the hips joint is in front of the centre of mass in standing, and what a speed adds: who walks pushes the
+/// pelvis forward over the leading foot (m, s).
+const HIPS_FORWARD: [f64; 2] = [-0.035, 0.026];
+
+/// Moves the pelvis over the feet.
+pub fn follow(input: &PelvisInput) -> Pelvis {
+    let frames = |seconds: f64| (seconds / input.dt).round() as usize;
+    let mean_heading: Vec<f64> = input.feet.iter().map(|f| 0.5 * (f[0].heading + f[1].heading)).collect();
+    let heading = smooth(&shifted(&mean_heading, 0.06, input.dt), frames(0.09));
+    let apart: Vec<f64> = input
+        .feet
+        .iter()
+        .zip(&heading)
+        .map(|(f, &h)| (f[0].ankle - f[1].ankle).dot(DVec3::new(forward(h).x, 0.0, forward(h).y)))
+        .collect();
+    let yaw: Vec<f64> = smooth(&apart, frames(0.03)).iter().map(|d| -0.21 * d).collect();
+    let list = list(input);
+    let pitch: Vec<f64> = input.speed.iter().map(|v| 0.04 + 0.02 * v).collect();
+    let position = (0..input.mass.len()).map(|i| {
+        let ahead = HIPS_FORWARD[0] + HIPS_FORWARD[1] * input.speed[i].min(1.4);
+        let p = input.mass[i] + forward(heading[i]) * ahead;
+        DVec3::new(p.x, 0.0, p.y)
+    });
+    let climb = rate(&ground(input), input.dt);
+    let mut out = Pelvis { position: position.collect(), heading, yaw, pitch, list, apart, climb };
+    out.stand_up(input);
+    out
+}
+
+/// The unloaded side drops, most soon after its foot has left the ground.
+fn list(input: &PelvisInput) -> Vec<f64> {
+    let frames = |seconds: f64| (seconds / input.dt).round() as usize;
+    let load = smooth(input.load, frames(0.035));
+    let slow = smooth(&load, frames(0.12));
+    let vigour = |v: f64| 0.17 + 0.1 * v.min(1.5);
+    let early: Vec<f64> = (0..load.len())
+        .map(|i| vigour(input.speed[i]) * (0.35 * (slow[i] - 0.5) + 0.75 * (load[i] - slow[i])))
+        .collect();
+    smooth(&early, frames(0.02))
+}
+
+/// Height of the ground under both feet, as it rises and falls over a step or two.
+fn ground(input: &PelvisInput) -> Vec<f64> {
+    let mean: Vec<f64> = input.feet.iter().map(|f| 0.5 * (f[0].ground + f[1].ground)).collect();
+    smooth(&mean, (0.15 / input.dt).round() as usize)
+}
+
+/// First derivative by central differences, zero at both ends (1/s).
+fn rate(x: &[f64], dt: f64) -> Vec<f64> {
+    let mut out = vec![0.0; x.len()];
+    for i in 1..x.len().saturating_sub(1) {
+        out[i] = (x[i + 1] - x[i - 1]) / (2.0 * dt);
+    }
+    out
+}
+
+/// As high as both legs reach, rounded off: never above what the least flexion of either knee allows.
+fn height(input: &PelvisInput, pelvis: &Pelvis) -> Vec<f64> {
+    let limit: Vec<f64> = (0..input.feet.len())
+        .map(|i| {
+            let rotation = pelvis.rotation(i);
+            Side::BOTH.map(|s| leg_limit(input, pelvis, i, rotation, s)).into_iter().fold(f64::INFINITY, f64::min)
+        })
+        .collect();
+    let ground = ground(input);
+    let above: Vec<f64> = limit.iter().zip(&ground).map(|(l, g)| l - g).collect();
+    let (stride, rounding) = ((0.55 / input.dt).round() as usize, (0.02 / input.dt).round() as usize);
+    let highest = smooth(&lowest_within(&above, stride), stride / 3);
+    let limit: Vec<f64> = limit.iter().zip(highest).zip(ground).map(|((l, low), g)| l.min(low + RISE + g)).collect();
+    smooth_below(&limit, BOB, rounding, input.dt)
+}
+
+/// Least value within `radius` samples.
+fn lowest_within(x: &[f64], radius: usize) -> Vec<f64> {
+    (0..x.len())
+        .map(|i| {
+            let around = &x[i.saturating_sub(radius)..(i + radius + 1).min(x.len())];
+            around.iter().copied().fold(f64::INFINITY, f64::min)
+        })
+        .collect()
+}
+
+/// Height of the hips joint at which one leg is as straight as it may be.
+fn leg_limit(input: &PelvisInput, pelvis: &Pelvis, i: usize, rotation: DQuat, side: Side) -> f64 {
+    let offset = rotation * input.hips[side.index()];
+    let ankle = input.feet[i][side.index()].ankle;
+    let across =
+        DVec2::new(ankle.x, ankle.z) - DVec2::new(pelvis.position[i].x + offset.x, pelvis.position[i].z + offset.z);
+    let at = |flexion: f64| {
+        let reach = input.leg.reach(flexion);
+        ankle.y - offset.y + (reach * reach - across.length_squared()).max(0.01).sqrt()
+    };
+    let (under, reaching) = (End::still(STANDING_FLEXION), End::still(REACHING_FLEXION));
+    at(quintic(under, reaching, 0.2, across.length().min(0.2)))
+}

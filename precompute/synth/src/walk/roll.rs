@@ -1,0 +1,79 @@
+//! A foot on the ground: rolling over the heel, standing flat, rolling over the ball.
+
+use super::super::foot::{FootPose, FootShape};
+use super::super::side::forward;
+use super::super::signal::{End, quintic};
+use glam::{DQuat, DVec2, DVec3};
+
+/// One stay of a foot on the ground, from heel strike to toe-off.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Footfall {
+    /// Heel strike (s).
+    pub land: f64,
+    /// The foot is flat (s).
+    pub flat: f64,
+    /// The heel leaves the ground (s).
+    pub heel_off: f64,
+    /// Toe-off (s).
+    pub lift: f64,
+    /// Ankle of the flat foot on the ground plane (x, z) (m).
+    pub ankle: DVec2,
+    /// Height of the ground here (m).
+    pub ground: f64,
+    /// Heading of the path here (rad).
+    pub heading: f64,
+    /// Heading of the foot (rad).
+    pub yaw: f64,
+    /// Toes up at heel strike; below 0 the ball lands first, the heel this far up (rad).
+    pub strike: f64,
+    /// Heel up at toe-off (rad).
+    pub push: f64,
+}
+
+/// The foot during one of its stays, and smoothly continued for a moment before and after it.
+pub fn standing(shape: &FootShape, fall: &Footfall, t: f64) -> FootPose {
+    let (pitch, toe_pitch) = if t < fall.flat {
+        let p = strike_pitch(fall, t);
+        (p, p.min(0.0))
+    } else if t > fall.heel_off {
+        (push_pitch(fall, t), 0.0)
+    } else {
+        (0.0, 0.0)
+    };
+    let ball = if t < fall.flat { ball_landing(shape, fall, t) } else { ball_flat(shape, fall) };
+    FootPose {
+        heel_down: t >= fall.flat && t <= fall.heel_off,
+        toe_down: t >= if fall.strike < 0.0 { fall.land } else { fall.flat },
+        ground: fall.ground,
+        ..shape.posed(ball, fall.yaw, fall.heading, pitch, toe_pitch)
+    }
+}
+
+/// Ball of the foot while it rolls over its heel onto a footfall, or stands already.
+pub fn ball_landing(shape: &FootShape, fall: &Footfall, t: f64) -> DVec3 {
+    if fall.strike < 0.0 {
+        return ball_flat(shape, fall);
+    }
+    let heel = fall.ankle - forward(fall.yaw) * shape.heel;
+    let rotation = DQuat::from_rotation_y(fall.yaw) * DQuat::from_rotation_x(strike_pitch(fall, t));
+    DVec3::new(heel.x, fall.ground, heel.y) + rotation * DVec3::new(0.0, shape.ball_height, shape.heel + shape.ball)
+}
+
+/// Ball of the foot where it stands.
+pub fn ball_flat(shape: &FootShape, fall: &Footfall) -> DVec3 {
+    let p = fall.ankle + forward(fall.yaw) * shape.ball;
+    DVec3::new(p.x, fall.ground + shape.ball_height, p.y)
+}
+
+/// Pitch while the foot rolls over its heel: lands turning down, ends flat and at rest (rad).
+pub fn strike_pitch(fall: &Footfall, t: f64) -> f64 {
+    let duration = fall.flat - fall.land;
+    let from = End::moving(-fall.strike, 1.1 * fall.strike / duration);
+    quintic(from, End::still(0.0), duration, t - fall.land)
+}
+
+/// Pitch while the foot rolls over its ball: begins at rest, leaves turning (rad).
+pub fn push_pitch(fall: &Footfall, t: f64) -> f64 {
+    let duration = fall.lift - fall.heel_off;
+    quintic(End::still(0.0), End::moving(fall.push, 2.2 * fall.push / duration), duration, t - fall.heel_off)
+}

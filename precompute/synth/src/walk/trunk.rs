@@ -1,0 +1,125 @@
+//! Spine, neck and head: leaning with acceleration, turning against the pelvis, looking ahead into turns.
+
+use super::super::attitude::Attitude;
+use super::super::side::{forward, leftward};
+use super::super::signal::{acceleration, shifted, smooth};
+use super::pelvis::Pelvis;
+use glam::DVec2;
+
+/// The trunk at one sample, from the spine to the head.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct TrunkPose {
+    /// Spine, chest, upper chest, neck, head.
+    pub segments: [Attitude; 5],
+}
+
+impl TrunkPose {
+    /// The upper chest, which carries the arms.
+    pub fn upper_chest(&self) -> Attitude {
+        self.segments[2]
+    }
+}
+
+/// Slow wandering of attention and posture, different in every clip.
+pub struct Drift {
+    /// Looking left and right (rad).
+    pub gaze: Vec<f64>,
+    /// Looking up and down (rad).
+    pub nod: Vec<f64>,
+    /// Left and right arm hanging further forward or back (rad).
+    pub arms: [Vec<f64>; 2],
+    /// Breathing, from -1 (out) to 1 (in).
+    pub breath: Vec<f64>,
+}
+
+/// Holds the trunk up over the pelvis at every sample.
+///
+/// - `speed`: (m/s)
+/// - `mass`: centre of mass on the ground (m).
+pub fn balance(pelvis: &Pelvis, speed: &[f64], mass: &[DVec2], drift: &Drift, dt: f64) -> Vec<TrunkPose> {
+    let frames = |seconds: f64| (seconds / dt).round() as usize;
+    let chest_heading = shifted(&pelvis.heading, 0.12, dt);
+    let gaze_heading = smooth(&shifted(&pelvis.heading, 0.38, dt), frames(0.07));
+    let counter = smooth(&shifted(&pelvis.yaw, -0.03, dt), frames(0.03));
+    let (surge, sideways) = lean(pelvis, mass, dt);
+    let bob = bob(pelvis, frames(0.35));
+    let out = (0..speed.len()).map(|i| {
+        // Up stairs the trunk leans in; up and down the eyes are on the steps.
+        let stoop = 0.4 * pelvis.climb[i].max(0.0);
+        let hips = Attitude { yaw: pelvis.heading[i] + pelvis.yaw[i], pitch: pelvis.pitch[i], list: pelvis.list[i] };
+        let chest = Attitude {
+            yaw: chest_heading[i] - 0.5 * counter[i] + 0.15 * drift.gaze[i],
+            pitch: 0.02 + 0.022 * speed[i] + surge[i] - 0.012 * drift.breath[i] + stoop,
+            list: -0.45 * pelvis.list[i] + sideways[i],
+        };
+        let head = Attitude {
+            yaw: gaze_heading[i] + drift.gaze[i],
+            pitch: 0.06 + drift.nod[i] + 0.25 * surge[i] + bob[i] + 0.75 * pelvis.climb[i].abs(),
+            list: 0.3 * sideways[i],
+        };
+        let neck = chest.mix(head, 0.45);
+        TrunkPose { segments: [hips.mix(chest, 0.3), hips.mix(chest, 0.65), chest, neck, head] }
+    });
+    out.collect()
+}
+
+/// The head nods down as the body rises and up as it sinks, which keeps the gaze on its point (rad).
+fn bob(pelvis: &Pelvis, radius: usize) -> Vec<f64> {
+    let height: Vec<f64> = pelvis.position.iter().map(|p| p.y).collect();
+    smooth(&height, radius).iter().zip(&height).map(|(slow, h)| 1.1 * (h - slow)).collect()
+}
+
+/// Forward tilt and list that lean into the body's acceleration over a step or so.
+fn lean(pelvis: &Pelvis, mass: &[DVec2], dt: f64) -> (Vec<f64>, Vec<f64>) {
+    let radius = (0.16 / dt).round() as usize;
+    let axis = |f: fn(&DVec2) -> f64| {
+        let x: Vec<f64> = mass.iter().map(f).collect();
+        acceleration(&smooth(&x, radius), dt)
+    };
+    let (ax, az) = (axis(|p| p.x), axis(|p| p.y));
+    let at = |i: usize| DVec2::new(ax[i], az[i]);
+    let surge: Vec<f64> = (0..mass.len()).map(|i| 0.035 * at(i).dot(forward(pelvis.heading[i]))).collect();
+    let sideways: Vec<f64> = (0..mass.len()).map(|i| -0.05 * at(i).dot(leftward(pelvis.heading[i]))).collect();
+    (smooth(&surge, radius / 3), smooth(&sideways, radius / 3))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::DVec3;
+
+    /// A body that turns left by a right angle between 1 s and 2 s, on the spot.
+    fn turning(n: usize, dt: f64) -> Vec<TrunkPose> {
+        let still = vec![0.0; n];
+        let heading = (0..n).map(|i| (i as f64 * dt - 1.0).clamp(0.0, 1.0) * 1.57).collect();
+        let pelvis = Pelvis {
+            heading,
+            yaw: still.clone(),
+            pitch: still.clone(),
+            list: still.clone(),
+            position: vec![DVec3::Y; n],
+            apart: still.clone(),
+            climb: still.clone(),
+        };
+        let drift = Drift {
+            gaze: still.clone(),
+            nod: still.clone(),
+            arms: [still.clone(), still.clone()],
+            breath: still.clone(),
+        };
+        balance(&pelvis, &still, &vec![DVec2::ZERO; n], &drift, dt)
+    }
+
+    #[test]
+    fn the_head_turns_first_and_the_hips_last() {
+        let at_one = &turning(360, 1.0 / 120.0)[132].segments;
+        assert!(at_one.windows(2).all(|s| s[1].yaw > s[0].yaw), "{at_one:?}");
+    }
+
+    #[test]
+    fn a_body_at_rest_is_upright() {
+        for s in turning(360, 1.0 / 120.0)[0].segments {
+            assert!(s.yaw == 0.0 && s.list == 0.0 && (0.0..0.1).contains(&s.pitch));
+        }
+    }
+}

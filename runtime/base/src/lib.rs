@@ -1,0 +1,21 @@
+//! What every crate of the runtime shares: ids, errors, snapshots, hashes, threads, vectors of eight floats.
+
+mod checksum;
+pub mod error;
+mod hash;
+mod id;
+mod prefetch;
+mod run;
+pub mod simd;
+mod snapshot;
+
+pub use checksum::crc32;
+pub use error::{Error, Result};
+pub use glam;
+pub use hash::{Hash128, StateHash};
+pub use id::Id;
+pub use prefetch::prefetch;
+#[cfg(feature = "rayon")]
+pub use run::Rayon;
+pub use run::{Inline, Run, run_each};
+pub use snapshot::SnapshotKind;

@@ -1,0 +1,117 @@
+//! The one frame of all snapshots: what is kept, of which version and setup, and a checksum.
+
+use crate::{Error, Result, crc32};
+use serde::{Serialize, de::DeserializeOwned};
+
+const MAGIC: [u8; 8] = *b"THRGSNAP";
+/// Magic, kind, version, setup, length, checksum.
+const HEADER: usize = 8 + 4 + 4 + 16 + 8 + 4;
+/// Largest snapshot (bytes).
+const LARGEST: usize = 1 << 32;
+
+/// What a snapshot is of. Bytes of another kind, version or setup are refused.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SnapshotKind {
+    /// What is kept, in the words of messages.
+    pub what: &'static str,
+    /// Tells kinds apart.
+    pub tag: [u8; 4],
+    /// Grows by one with every change of what is kept.
+    pub version: u32,
+    /// Content hash of all that the state is meaningless without: bundle, config, world.
+    pub setup: u128,
+}
+
+impl SnapshotKind {
+    /// Appends a state with its header.
+    pub fn write(&self, state: &impl Serialize, out: &mut Vec<u8>) {
+        let begin = out.len();
+        out.resize(begin + HEADER, 0);
+        // Writing to memory what can be written cannot fail.
+        let _ = bincode::serde::encode_into_std_write(state, out, config());
+        let body = &out[begin + HEADER..];
+        let (length, sum) = (body.len() as u64, crc32(body));
+        let mut header = Vec::with_capacity(HEADER);
+        header.extend(MAGIC);
+        header.extend(self.tag);
+        header.extend(self.version.to_le_bytes());
+        header.extend(self.setup.to_le_bytes());
+        header.extend(length.to_le_bytes());
+        header.extend(sum.to_le_bytes());
+        out[begin..begin + HEADER].copy_from_slice(&header);
+    }
+
+    /// Reads a state that begins `bytes`, and what follows it.
+    ///
+    /// # Errors
+    /// [`Error::Snapshot`] where the bytes are cut short, damaged, or of another kind, version or setup.
+    pub fn read<'a, T: DeserializeOwned>(&self, bytes: &'a [u8]) -> Result<(T, &'a [u8])> {
+        let refuse = |why: String| Err(Error::Snapshot { what: self.what, why });
+        let Some((header, rest)) = bytes.split_at_checked(HEADER) else {
+            return refuse(format!("it has {} bytes, expected {HEADER} or more; it is cut short", bytes.len()));
+        };
+        if header[..8] != MAGIC || header[8..12] != self.tag {
+            return refuse("it is a snapshot of something else, or none".into());
+        }
+        let word = |at: usize| u32::from_le_bytes([header[at], header[at + 1], header[at + 2], header[at + 3]]);
+        if word(12) != self.version {
+            return refuse(format!("it has version {}, expected {}; take a new one", word(12), self.version));
+        }
+        if header[16..32] != self.setup.to_le_bytes() {
+            return refuse("it was taken with another bundle or setup; restore it into one made with the same".into());
+        }
+        let length = u64::from(word(32)) | u64::from(word(36)) << 32;
+        let Some((body, rest)) = usize::try_from(length).ok().and_then(|n| rest.split_at_checked(n)) else {
+            return refuse(format!("it should go on for {length} bytes, and has {}; it is cut short", rest.len()));
+        };
+        if crc32(body) != word(40) {
+            return refuse("its checksum is wrong; it is damaged".into());
+        }
+        match bincode::serde::decode_from_slice(body, config().with_limit::<LARGEST>()) {
+            Ok((state, used)) if used == body.len() => Ok((state, rest)),
+            Ok((_, used)) => refuse(format!("{} bytes follow its end", body.len() - used)),
+            Err(e) => refuse(e.to_string()),
+        }
+    }
+}
+
+fn config() -> bincode::config::Configuration<bincode::config::LittleEndian, bincode::config::Fixint> {
+    bincode::config::standard().with_fixed_int_encoding()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const KIND: SnapshotKind = SnapshotKind { what: "crowd", tag: *b"CRWD", version: 3, setup: 7 };
+
+    #[test]
+    fn comes_back_and_leaves_what_follows() {
+        let mut bytes = vec![1, 2];
+        KIND.write(&vec![3.0f32, 4.0], &mut bytes);
+        bytes.push(9);
+        let (state, rest): (Vec<f32>, _) = KIND.read(&bytes[2..]).unwrap();
+        assert_eq!((state, rest), (vec![3.0, 4.0], &[9][..]));
+    }
+
+    #[test]
+    fn every_flipped_bit_and_every_shorter_length_is_refused() {
+        let mut bytes = Vec::new();
+        KIND.write(&vec![3.0f32, 4.0], &mut bytes);
+        for i in 0..bytes.len() {
+            assert!(KIND.read::<Vec<f32>>(&bytes[..i]).is_err(), "{i} bytes");
+            for bit in 0..8 {
+                let mut other = bytes.clone();
+                other[i] ^= 1 << bit;
+                assert!(KIND.read::<Vec<f32>>(&other).is_err(), "bit {bit} of byte {i}");
+            }
+        }
+        for other in [
+            SnapshotKind { version: 2, ..KIND },
+            SnapshotKind { setup: 8, ..KIND },
+            SnapshotKind { tag: *b"WALK", ..KIND },
+        ] {
+            assert!(other.read::<Vec<f32>>(&bytes).is_err());
+        }
+    }
+}

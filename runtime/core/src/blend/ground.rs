@@ -1,0 +1,154 @@
+//! The ground that walkers stand on.
+
+use super::check_length;
+use glam::{Vec2, Vec3};
+use throng_base::{Hash128, Result};
+
+/// Most knots along a side; a whole grid has at most twice as many (256 MiB).
+const MAX_KNOTS: usize = 1 << 25;
+
+/// Heights at the knots of a square grid, interpolated bilinearly; beyond its edge the ground continues level.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct HeightField {
+    /// Position of the first knot: x and z (m).
+    origin: Vec2,
+    /// Distance of neighbouring knots (m).
+    spacing: f32,
+    /// Knots along x and along z.
+    size: [usize; 2],
+    /// Row by row along x; empty where the ground is flat.
+    heights: Vec<f32>,
+}
+
+/// The ground at a position.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Ground {
+    /// (m)
+    pub height: f32,
+    /// How it rises along x and along z.
+    pub slope: [f32; 2],
+}
+
+impl Ground {
+    /// Level, at height 0.
+    pub const LEVEL: Self = Self { height: 0.0, slope: [0.0; 2] };
+
+    /// Its unit normal.
+    pub fn normal(&self) -> Vec3 {
+        Vec3::new(-self.slope[0], 1.0, -self.slope[1]).normalize()
+    }
+}
+
+impl HeightField {
+    /// Flat ground at height 0.
+    pub fn flat() -> Self {
+        Self::default()
+    }
+
+    /// Ground over a grid of knots.
+    ///
+    /// - `origin`: x and z of the first knot (m).
+    /// - `spacing`: of the knots (m, > 0).
+    /// - `size`: knots along x and along z (>= 2, 2^26 in all).
+    /// - `heights`: rows along x, one after the other along z (m, as many as the product of `size`).
+    ///
+    /// # Errors
+    /// [`Error::Value`](throng_base::Error::Value) for a number out of its range, [`Error::Length`](throng_base::Error::Length) where heights are missing.
+    pub fn new(origin: Vec2, spacing: f32, size: [usize; 2], heights: Vec<f32>) -> Result<Self> {
+        check("spacing of the ground", spacing, (1e-3..1e4).contains(&spacing), "between 0.001 and 10000 m")?;
+        for (what, v) in [("x of the ground's origin", origin.x), ("z of the ground's origin", origin.y)] {
+            check(what, v, v.abs() < 1e6, "finite and below 1e6 m")?;
+        }
+        for (what, n) in [("knots of the ground along x", size[0]), ("knots of the ground along z", size[1])] {
+            check(what, n as f32, (2..=MAX_KNOTS).contains(&n), "2 to 2^25")?;
+        }
+        // No overflow: both are below 2^26.
+        let knots = size[0] as u64 * size[1] as u64;
+        check("knots of the ground", knots as f32, knots <= 2 * MAX_KNOTS as u64, "at most 2^26 in all")?;
+        check_length("heights", heights.len(), size[0] * size[1])?;
+        for &h in &heights {
+            check("height of the ground", h, h.abs() < 1e4, "finite and below 10000 m")?;
+        }
+        Ok(Self { origin, spacing, size, heights })
+    }
+
+    /// True if it is level at height 0 everywhere.
+    pub fn is_flat(&self) -> bool {
+        self.heights.is_empty()
+    }
+
+    /// Adds its content to a hash.
+    pub(crate) fn hash(&self, hash: &mut Hash128) {
+        let lengths = [self.origin.x, self.origin.y, self.spacing];
+        hash.bytes(bytemuck::cast_slice(&lengths));
+        hash.word(self.size[0] as u64);
+        hash.bytes(bytemuck::cast_slice(&self.heights));
+    }
+
+    /// The ground at a position.
+    ///
+    /// - `at`: x and z (m).
+    pub fn at(&self, at: Vec2) -> Ground {
+        if self.is_flat() {
+            return Ground::LEVEL;
+        }
+        let p = (at - self.origin) / self.spacing;
+        let ([i, fx, on_x], [k, fz, on_z]) = (cell(p.x, self.size[0]), cell(p.y, self.size[1]));
+        let row = |k: usize| &self.heights[k * self.size[0] + i as usize..][..2];
+        let (a, b) = (row(k as usize), row(k as usize + 1));
+        let (near, far) = (a[0] + (a[1] - a[0]) * fx, b[0] + (b[1] - b[0]) * fx);
+        let along_x = (a[1] - a[0]) * (1.0 - fz) + (b[1] - b[0]) * fz;
+        let slope = [along_x * on_x / self.spacing, (far - near) * on_z / self.spacing];
+        Ground { height: near + (far - near) * fz, slope }
+    }
+}
+
+fn check(what: &'static str, got: f32, good: bool, expected: &'static str) -> Result<()> {
+    throng_base::error::check(what, None, f64::from(got), good, expected)
+}
+
+/// The cell along an axis, the fraction within it, and 1 where the place is within the grid.
+fn cell(at: f32, knots: usize) -> [f32; 3] {
+    let last = (knots - 1) as f32;
+    let within = if at > 0.0 { at.min(last) } else { 0.0 };
+    let whole = within.floor().min(last - 1.0);
+    [whole, within - whole, f32::from(u8::from(at > 0.0 && at < last))]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use throng_base::Error;
+
+    #[test]
+    fn planes_are_exact_and_continue_level_beyond_the_edge() {
+        let plane = |x: f32, z: f32| 0.3 * x - 0.2 * z + 1.0;
+        let heights = (0..12).map(|i| plane(1.0 + 0.5 * (i % 4) as f32, -2.0 + 0.5 * (i / 4) as f32)).collect();
+        let field = HeightField::new(Vec2::new(1.0, -2.0), 0.5, [4, 3], heights).expect("a field");
+        for (x, z) in [(1.2, -1.9), (2.49, -1.01), (1.7, -1.5)] {
+            let g = field.at(Vec2::new(x, z));
+            assert!((g.height - plane(x, z)).abs() < 1e-5, "{g:?}");
+            assert!((g.slope[0] - 0.3).abs() < 1e-5 && (g.slope[1] + 0.2).abs() < 1e-5, "{g:?}");
+        }
+        let beyond = field.at(Vec2::new(9.0, -1.5));
+        assert!((beyond.height - plane(2.5, -1.5)).abs() < 1e-5 && beyond.slope[0] == 0.0, "{beyond:?}");
+        assert!(field.at(Vec2::splat(f32::NAN)).height.is_finite());
+    }
+
+    #[test]
+    fn refuses_malformed_grids() {
+        let new = |spacing, size, n| HeightField::new(Vec2::ZERO, spacing, size, vec![0.0; n]);
+        assert!(new(1.0, [3, 2], 6).is_ok());
+        assert!(matches!(new(1.0, [3, 2], 5), Err(Error::Length { .. })));
+        assert!(matches!(new(0.0, [3, 2], 6), Err(Error::Value { .. })));
+        for (size, along) in [([1, 6], "along x is 1"), ([6, 1], "along z is 1")] {
+            let e = new(1.0, size, 6).expect_err("too few").to_string();
+            assert!(e.contains(along) && e.contains("2 to 2^25"), "{e}");
+        }
+        let e = new(1.0, [1 << 20, 1 << 20], 6).expect_err("too many knots").to_string();
+        assert!(e.contains("at most 2^26"), "{e}");
+        let aside = HeightField::new(Vec2::new(0.0, f32::NAN), 1.0, [2, 2], vec![0.0; 4]);
+        assert!(matches!(aside, Err(Error::Value { what: "z of the ground's origin", .. })));
+        assert_eq!(HeightField::flat().at(Vec2::new(3.0, 4.0)), Ground::LEVEL);
+    }
+}

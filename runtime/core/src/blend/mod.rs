@@ -1,0 +1,50 @@
+//! Blend spaces: bodies blended from a few example motions, at any speed, turning rate and style (Kim, Kim and Shin 2003a,
+//! section 4).
+
+mod grid;
+mod ground;
+mod posture;
+mod records;
+mod slopes;
+mod space;
+pub mod walkers;
+mod warp;
+
+pub use grid::{MAX_KNOTS, WeightGrid};
+pub use ground::{Ground, HeightField};
+pub use posture::Posture;
+pub use space::BlendSpace;
+
+use crate::format::Table;
+use crate::skeleton::Skeleton;
+use throng_base::{Error, Result};
+
+pub use records::{
+    AxisRecord, BlendRecord, ChannelRow, ExampleRecord, MAX_AXES, MAX_WEIGHT, NUM_CHANNELS, PADDED_JOINTS,
+    ReferenceRow, axis, channel,
+};
+
+/// The blend spaces of a bundle. Clones share the rows.
+#[derive(Clone, Debug)]
+pub struct Blends {
+    /// The spaces; names of their axes and examples are in `Meta::blends`.
+    pub spaces: Table<BlendRecord>,
+    /// Examples of all spaces.
+    pub examples: Table<ExampleRecord>,
+    /// Weight tables of all spaces.
+    pub weights: Table<f32>,
+    /// Reference rows of all spaces.
+    pub references: Table<ReferenceRow>,
+    /// Channel rows of all spaces.
+    pub channels: Table<ChannelRow>,
+    /// Names of the spaces (spaces.len()).
+    pub names: Vec<String>,
+    /// The skeleton that the examples move.
+    pub skeleton: Skeleton,
+    /// Tells these tables from others.
+    pub fingerprint: u64,
+}
+
+fn check_length(what: &'static str, got: usize, expected: usize) -> Result<()> {
+    if got == expected { Ok(()) } else { Err(Error::Length { what, got, expected: expected.to_string() }) }
+}

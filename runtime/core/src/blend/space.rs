@@ -1,0 +1,186 @@
+//! A blend space ready to be asked: views on its tables, and what is worked out of them once.
+
+use super::grid::WeightGrid;
+use super::records::{AxisRecord, BlendRecord, ChannelRow, ExampleRecord, MAX_AXES, ReferenceRow};
+use super::warp::Timing;
+use super::{Blends, check_length, slopes};
+use crate::format::{FormatError, Table};
+use crate::skeleton::Skeleton;
+use throng_base::Result;
+use throng_base::simd::{LANES, Lanes, Work, dispatch};
+
+/// One blend space of a bundle (Kim, Kim and Shin 2003a, section 4). Owned: it keeps the bundle's file open.
+///
+/// A query has three steps, each a batch over slices: [`BlendSpace::weights`] maps parameters to the weights of the
+/// examples, [`BlendSpace::advance`] moves generic time on by blended rates, and [`BlendSpace::pose`] blends postures.
+/// [`super::walkers::Walkers`] does all of it for characters on trajectories.
+#[derive(Clone, Debug)]
+pub struct BlendSpace {
+    pub(crate) record: BlendRecord,
+    pub(crate) examples: Table<ExampleRecord>,
+    pub(crate) grid: WeightGrid,
+    pub(crate) references: Table<ReferenceRow>,
+    pub(crate) channels: Table<ChannelRow>,
+    pub(crate) timing: Timing,
+    /// Gradient of the linear part of each weight; empty if points outside the box are clamped (num_axes * stride).
+    slopes: Vec<f32>,
+    name: String,
+    skeleton: Skeleton,
+    fingerprint: u64,
+}
+
+impl BlendSpace {
+    /// Takes the rows of one space.
+    ///
+    /// # Errors
+    /// [`FormatError::Layout`] for a space that does not exist, or whose rows are not within the tables or malformed.
+    /// The spaces of an open bundle are sound.
+    pub fn new(blends: &Blends, space: usize) -> Result<Self, FormatError> {
+        let limit = blends.spaces.len();
+        let record = *blends
+            .spaces
+            .get(space)
+            .ok_or_else(|| FormatError::layout(format!("blend space {space} does not exist, there are {limit}")))?;
+        let error = |what, limit| {
+            FormatError::layout(format!(
+                "blend space {space}: its {what} are malformed or not within the table of {limit}"
+            ))
+        };
+        let n = record.num_examples as usize;
+        let examples = part(&blends.examples, record.first_example, n);
+        let examples = examples.filter(|e| !e.is_empty() && e.iter().all(is_sound));
+        let examples = examples.ok_or_else(|| error("examples", blends.examples.len()))?;
+        let grid = grid(&record, &blends.weights).ok_or_else(|| error("weight rows", blends.weights.len()))?;
+        let phases = record.num_phases as usize;
+        let references = part(&blends.references, record.first_row, phases).filter(|_| phases >= 2);
+        let references = references.ok_or_else(|| error("reference rows", blends.references.len()))?;
+        let rows = phases.checked_mul(n).and_then(|rows| part(&blends.channels, record.first_channel_row, rows));
+        let channels = rows.ok_or_else(|| error("channel rows", blends.channels.len()))?;
+        let timing = Timing::new(&examples, &channels, grid.stride()).ok_or_else(|| error("rates", channels.len()))?;
+        let slopes = match record.extrapolate {
+            0 => Vec::new(),
+            _ => slopes::linear_part(&examples, grid.axes(), grid.stride()),
+        };
+        let name = blends.names.get(space).cloned().unwrap_or_default();
+        let (skeleton, fingerprint) = (blends.skeleton.clone(), blends.fingerprint);
+        Ok(Self { record, examples, grid, references, channels, timing, slopes, name, skeleton, fingerprint })
+    }
+
+    /// Its name in the bundle.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// The skeleton that the examples move.
+    pub fn skeleton(&self) -> &Skeleton {
+        &self.skeleton
+    }
+
+    /// Tells the tables it was taken from apart from others.
+    pub fn fingerprint(&self) -> u64 {
+        self.fingerprint
+    }
+
+    /// The axes of the parameter box.
+    pub fn axes(&self) -> &[AxisRecord] {
+        self.grid.axes()
+    }
+
+    /// The examples.
+    pub fn examples(&self) -> &[ExampleRecord] {
+        &self.examples
+    }
+
+    /// The space's record.
+    pub fn record(&self) -> &BlendRecord {
+        &self.record
+    }
+
+    /// Length of a row of weights, a multiple of 8; padding beyond the last example is 0.
+    pub fn stride(&self) -> usize {
+        self.grid.stride()
+    }
+
+    /// Rows of the posture tables over a cycle of generic time.
+    pub fn num_phases(&self) -> usize {
+        self.references.len()
+    }
+
+    /// Number of the first axis of a kind of [`crate::blend::axis`].
+    pub fn axis_of(&self, kind: u32) -> Option<usize> {
+        self.axes().iter().position(|a| a.kind == kind)
+    }
+
+    /// The weights of the examples at each point of the parameter box (Kim, Kim and Shin 2003a, section 4.2.1), as
+    /// [`WeightGrid`] reads them. Points outside the box are clamped to it; if the space says so, the linear part of the
+    /// weights is extrapolated from there. Allocates nothing.
+    ///
+    /// - `parameters`: axis by axis, of each query; entries beyond the last axis are ignored.
+    /// - `weights`: output (parameters.len() * stride).
+    ///
+    /// # Errors
+    /// [`Error::Length`](throng_base::Error::Length) if the output has another size.
+    pub fn weights(&self, parameters: &[[f32; MAX_AXES]], weights: &mut [f32]) -> Result<()> {
+        check_length("weights", weights.len(), parameters.len() * self.stride())?;
+        dispatch(Weigh { space: self, parameters, weights });
+        Ok(())
+    }
+
+    #[inline(always)]
+    pub(crate) fn weigh<F: Lanes>(&self, parameters: &[[f32; MAX_AXES]], weights: &mut [f32]) {
+        self.grid.read_all::<F>(parameters, weights);
+        if !self.slopes.is_empty() {
+            for (parameters, row) in parameters.iter().zip(weights.chunks_exact_mut(self.stride())) {
+                self.extrapolate::<F>(parameters, row);
+            }
+        }
+    }
+
+    /// Extrapolates the linear part of the weights from the box to a point outside.
+    #[inline(always)]
+    fn extrapolate<F: Lanes>(&self, parameters: &[f32; MAX_AXES], row: &mut [f32]) {
+        let within = self.grid.clamp(parameters);
+        for (a, slopes) in self.slopes.chunks_exact(self.stride()).enumerate() {
+            let beyond = parameters[a] - within[a];
+            if beyond != 0.0 && beyond.is_finite() {
+                let beyond = F::splat(beyond);
+                for (w, s) in row.as_chunks_mut::<LANES>().0.iter_mut().zip(slopes.as_chunks::<LANES>().0) {
+                    (F::load(w) + F::load(s) * beyond).store(w);
+                }
+            }
+        }
+    }
+}
+
+struct Weigh<'a> {
+    space: &'a BlendSpace,
+    parameters: &'a [[f32; MAX_AXES]],
+    weights: &'a mut [f32],
+}
+
+impl Work for Weigh<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<F: Lanes>(self) {
+        self.space.weigh::<F>(self.parameters, self.weights);
+    }
+}
+
+fn is_sound(e: &ExampleRecord) -> bool {
+    let numbers = e.parameters.iter().chain(&e.velocity).chain([&e.gyration]);
+    e.duration_s.is_finite() && e.duration_s > 0.0 && numbers.copied().all(f32::is_finite)
+}
+
+fn part<T>(all: &Table<T>, first: u32, len: usize) -> Option<Table<T>> {
+    let first = first as usize;
+    all.part(first..first.checked_add(len)?)
+}
+
+fn grid(record: &BlendRecord, weights: &Table<f32>) -> Option<WeightGrid> {
+    let axes = record.axes.get(..record.num_axes as usize)?;
+    let stride = record.weight_stride as usize;
+    let rows = axes.iter().try_fold(1usize, |n, a| n.checked_mul(a.num_knots as usize))?;
+    let table = part(weights, record.first_weight, rows.checked_mul(stride)?)?;
+    WeightGrid::new(axes, stride, table).filter(|_| stride >= record.num_examples as usize)
+}

@@ -1,0 +1,191 @@
+//! Walkers as a cast: they enter, leave, take orders, are saved and loaded.
+
+use super::{Control, MAX_STEP_S, State, WalkerStart, Walkers, config};
+use crate::blend::walkers::block::Block;
+use crate::bundle::Bundle;
+use crate::cast::{Adopted, Bodies, Cast, Status};
+use crate::contacts::Contacts;
+use crate::planar::Planar;
+use crate::skeleton::NUM_JOINTS;
+use serde::{Deserialize, Serialize};
+use throng_base::simd::LANES;
+use throng_base::{Error, Hash128, Id, Result, Run, SnapshotKind, error};
+
+/// What happened to a walker.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum WalkerEvent {
+    /// The left foot came down.
+    LeftFootDown,
+    /// The right foot came down.
+    RightFootDown,
+}
+
+const FEET: [(Contacts, WalkerEvent); 2] =
+    [(Contacts::LEFT, WalkerEvent::LeftFootDown), (Contacts::RIGHT, WalkerEvent::RightFootDown)];
+
+impl Cast for Walkers {
+    type Start = WalkerStart;
+    type Order = Control;
+    type Event = WalkerEvent;
+
+    /// # Errors
+    /// [`Error::Index`] for a body that does not exist, [`Error::Value`] for a number out of range, [`Error::Full`].
+    fn spawn(&mut self, start: WalkerStart) -> Result<Id> {
+        start.check(self.skeletons.len())?;
+        let id = self.state.roster.enter()?;
+        self.state.bodies.push(start.body as u32);
+        self.state.orders.push(Control::default());
+        self.state.ordered.push(false);
+        self.resize();
+        let row = self.len() - 1;
+        let (block, lane) = (&mut self.state.blocks[row / LANES], row % LANES);
+        block.put(lane, &Block::ZERO, 0);
+        block.place(lane, start.root);
+        block.phase[lane] = start.phase - start.phase.floor();
+        self.put_body(row);
+        self.pose_rows(row..row + 1);
+        Ok(id)
+    }
+
+    fn despawn(&mut self, id: Id) -> Result<()> {
+        let (row, last) = self.state.roster.leave(id)?;
+        self.state.bodies.swap_remove(row);
+        self.state.orders.swap_remove(row);
+        self.state.ordered.swap_remove(row);
+        let from = self.state.blocks[last / LANES];
+        self.state.blocks[row / LANES].put(row % LANES, &from, last % LANES);
+        self.state.blocks[last / LANES].put(last % LANES, &Block::ZERO, 0);
+        let stride = self.space.stride();
+        self.roots.swap_remove(row);
+        self.model.swap_remove(row);
+        self.weights.copy_within(last * stride..(last + 1) * stride, row * stride);
+        if self.config.local_transforms {
+            self.locals.copy_within(last * NUM_JOINTS..(last + 1) * NUM_JOINTS, row * NUM_JOINTS);
+        }
+        self.resize();
+        if row < last {
+            self.put_body(row);
+        }
+        Ok(())
+    }
+
+    fn place(&mut self, id: Id, root: Planar) -> Result<()> {
+        let row = self.row(id)?;
+        config::check_root(Some(id), root)?;
+        self.state.blocks[row / LANES].place(row % LANES, root);
+        self.state.orders[row].position = None;
+        self.pose_rows(row..row + 1);
+        Ok(())
+    }
+
+    fn order(&mut self, id: Id, order: Control) -> Result<()> {
+        let row = self.row(id)?;
+        order.check(id)?;
+        self.state.orders[row] = order;
+        self.state.ordered[row] = true;
+        Ok(())
+    }
+
+    fn step(&mut self, dt_s: f32, run: &dyn Run) -> Result<()> {
+        error::check("dt_s", None, f64::from(dt_s), (0.0..=MAX_STEP_S).contains(&dt_s), "between 0 and 1")?;
+        self.stood.clear();
+        for row in 0..self.len() {
+            let is_new = self.state.blocks[row / LANES].placed[row % LANES] == 0.0;
+            // The first pose of a walker is no step of its feet.
+            self.stood.push(if is_new { Contacts(!0) } else { self.contacts(row) });
+        }
+        self.advance(dt_s, run);
+        self.events.clear();
+        for (row, stood) in self.stood.iter().enumerate() {
+            let stands = self.state.blocks[row / LANES].contacts[row % LANES];
+            let down = FEET.iter().filter(|(foot, _)| stands.any(*foot) && !stood.any(*foot));
+            self.events.extend(down.map(|(_, event)| (self.state.roster.ids()[row], *event)));
+        }
+        Ok(())
+    }
+
+    /// [`Status::There`] once it has an order: a walker is always on its trajectory.
+    fn status(&self, id: Id) -> Result<Status> {
+        let is_ordered = self.state.ordered[self.row(id)?];
+        Ok(if is_ordered { Status::There } else { Status::Idle })
+    }
+
+    fn events(&self) -> &[(Id, WalkerEvent)] {
+        &self.events
+    }
+
+    fn bodies(&self) -> Bodies<'_> {
+        Bodies { ids: self.state.roster.ids(), roots: &self.roots, model: &self.model }
+    }
+
+    fn save(&self, out: &mut Vec<u8>) {
+        self.kind().write(&self.state, out);
+    }
+
+    fn load(&mut self, bytes: &[u8]) -> Result<()> {
+        let (kept, rest): (State, _) = self.kind().read(bytes)?;
+        let refuse = |why: &str| Err(Error::Snapshot { what: "walkers", why: why.into() });
+        if !rest.is_empty() {
+            return refuse("bytes follow its end");
+        }
+        let n = kept.roster.len();
+        let lengths = [kept.bodies.len(), kept.orders.len(), kept.ordered.len()];
+        let has_bodies = kept.bodies.iter().all(|&body| (body as usize) < self.skeletons.len());
+        if lengths != [n; 3] || kept.blocks.len() != n.div_ceil(LANES) || !has_bodies {
+            return refuse("its rows do not fit together; it is damaged");
+        }
+        if !self.state.roster.restore(&kept.roster) {
+            return refuse("its ids do not fit together; it is damaged");
+        }
+        self.state.bodies.clone_from(&kept.bodies);
+        self.state.orders.clone_from(&kept.orders);
+        self.state.ordered.clone_from(&kept.ordered);
+        self.state.blocks.clone_from(&kept.blocks);
+        self.events.clear();
+        self.pose_again();
+        Ok(())
+    }
+
+    fn hash(&self) -> u64 {
+        let mut bytes = Vec::new();
+        self.save(&mut bytes);
+        Hash128::of(&bytes) as u64
+    }
+
+    /// Takes the blend space of the same name. Feet ease over; joint angles, which follow the new examples, change at
+    /// once, and so do parameters where the space has other axes.
+    fn adopt(&mut self, new: &Bundle) -> Result<Adopted> {
+        let space = new.blend(self.space.name())?;
+        if self.is_database_body {
+            config::check_body(space.skeleton())?;
+            self.skeletons = vec![space.skeleton().clone()];
+        }
+        let kinds = |axes: &[crate::blend::AxisRecord]| axes.iter().map(|a| a.kind).collect::<Vec<_>>();
+        if kinds(space.axes()) != kinds(self.space.axes()) {
+            self.state.blocks.iter_mut().for_each(|block| block.placed = [0.0; LANES]);
+        }
+        self.space = space;
+        self.setup = self.find_setup(self.capacity());
+        self.block_weights = vec![0.0; LANES * self.space.stride()];
+        self.weights = Vec::with_capacity(self.capacity() * self.space.stride());
+        let before = self.model.clone();
+        self.pose_again();
+        let joints = before.as_flattened().iter().zip(self.model.as_flattened());
+        let apart = joints.map(|(a, b)| a.translation().distance(b.translation()));
+        Ok(Adopted { num_characters: self.len(), farthest_m: apart.fold(0.0, f32::max) })
+    }
+}
+
+impl Walkers {
+    fn kind(&self) -> SnapshotKind {
+        SnapshotKind { what: "walkers", tag: *b"WALK", version: 1, setup: self.setup }
+    }
+
+    /// Bodies and poses of everybody, from the state.
+    fn pose_again(&mut self) {
+        self.bodies.clear();
+        self.resize();
+        (0..self.len()).for_each(|row| self.put_body(row));
+        self.pose_rows(0..self.len());
+    }
+}

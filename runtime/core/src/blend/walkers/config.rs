@@ -1,0 +1,177 @@
+//! What walkers are told: settings, starts and orders, and the limits of their numbers.
+
+use super::body::{ARMS, LEGS};
+use crate::blend::records::MAX_AXES;
+use crate::planar::Planar;
+use crate::skeleton::{Joint, Skeleton};
+use glam::Vec2;
+use serde::{Deserialize, Serialize};
+use throng_base::{Id, Result, error};
+
+/// Limit of positions, speeds and angles (m, m/s, rad).
+const FAR: f32 = 1e6;
+
+/// How walkers move.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct WalkersConfig {
+    /// Half-life of the difference between the parameters asked for and those blended, after a jump. Parameters that
+    /// change steadily are followed without delay; 0 follows jumps at once too (s, 0 to 10).
+    pub parameter_half_life_s: f32,
+    /// Half-life of the difference between the heading aimed at and that of the body, after a jump. A heading that turns
+    /// steadily is followed without delay (s, 0 to 10).
+    pub heading_half_life_s: f32,
+    /// Fastest turn of the body (rad/s, > 0).
+    pub max_turning_rate: f32,
+    /// Least and greatest tempo of the steps relative to the examples, to match strides to the speed of the trajectory
+    /// (0.2 to 1, 1 to 5; 1 and 1 keep the blended rates).
+    pub tempo: [f32; 2],
+    /// Half-life of the offset of a foot that was planted, once it is in the air (s, > 0).
+    pub foot_half_life_s: f32,
+    /// Largest distance of a planted foot from its position in the examples, before it takes a step (m, of the database
+    /// skeleton, > 0).
+    pub foot_reach_m: f32,
+    /// False leaves the bodies as blended: joint angles alone, feet that slide.
+    pub retarget: bool,
+    /// Also write local transforms.
+    pub local_transforms: bool,
+}
+
+impl Default for WalkersConfig {
+    fn default() -> Self {
+        Self {
+            parameter_half_life_s: 0.25,
+            heading_half_life_s: 0.12,
+            max_turning_rate: 3.0,
+            tempo: [0.8, 1.25],
+            foot_half_life_s: 0.08,
+            foot_reach_m: 0.22,
+            retarget: true,
+            local_transforms: false,
+        }
+    }
+}
+
+/// Where and how a walker begins.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct WalkerStart {
+    /// Number of its body (< number of bodies).
+    pub body: usize,
+    /// Planar root in the world.
+    pub root: Planar,
+    /// Generic time at the start; different values keep walkers out of step.
+    pub phase: f32,
+}
+
+/// A sample of a walker's trajectory, and how to move there. It may come from any path, or from a crowd.
+///
+/// It is for the end of the next step. Without another order the walker goes on from there: along the velocity, on an
+/// arc where a turning rate is given.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Control {
+    /// x and z in the world; `None` goes on from where the walker is (m).
+    pub position: Option<Vec2>,
+    /// Along x and z (m/s).
+    pub velocity: Vec2,
+    /// Heading of the body; `None` is that of the velocity (rad).
+    pub heading: Option<f32>,
+    /// Turning rate, positive to the left; `None` is that of the body (rad/s).
+    pub turning_rate: Option<f32>,
+    /// Values of the style axes, in their order.
+    pub style: [f32; MAX_AXES],
+}
+
+impl Control {
+    /// Walks from where the walker is, at a velocity along x and z (m/s).
+    pub fn walk(velocity: Vec2) -> Self {
+        Self { velocity, ..Self::default() }
+    }
+
+    /// Takes the position at the end of a step that starts at `root`, and turns on where no position is given.
+    pub(super) fn take_position(&mut self, root: Planar, dt_s: f32) -> Vec2 {
+        if let Some(position) = self.position.take() {
+            return position;
+        }
+        if let Some(rate) = self.turning_rate {
+            let (sin, cos) = (rate * dt_s).sin_cos();
+            let v = self.velocity;
+            self.velocity = Vec2::new(v.x * cos + v.y * sin, v.y * cos - v.x * sin);
+            self.heading = self.heading.map(|heading| heading + rate * dt_s);
+        }
+        Vec2::new(root.x, root.z) + self.velocity * dt_s
+    }
+
+    pub(super) fn check(&self, who: Id) -> Result<()> {
+        let position = self.position.unwrap_or_default();
+        for (what, got) in [
+            ("position x", position.x),
+            ("position z", position.y),
+            ("velocity x", self.velocity.x),
+            ("velocity z", self.velocity.y),
+            ("heading", self.heading.unwrap_or(0.0)),
+            ("turning_rate", self.turning_rate.unwrap_or(0.0)),
+        ] {
+            moderate(what, Some(who), got)?;
+        }
+        self.style.iter().try_for_each(|&got| moderate("style", Some(who), got))
+    }
+}
+
+impl WalkerStart {
+    pub(super) fn check(&self, num_bodies: usize) -> Result<()> {
+        error::check_index("body", None, self.body, num_bodies)?;
+        moderate("phase", None, self.phase)?;
+        check_root(None, self.root)
+    }
+}
+
+pub(super) fn check_root(who: Option<Id>, root: Planar) -> Result<()> {
+    for (what, got) in [("root x", root.x), ("root z", root.z), ("root heading", root.heading)] {
+        moderate(what, who, got)?;
+    }
+    Ok(())
+}
+
+impl WalkersConfig {
+    pub(super) fn check(&self) -> Result<()> {
+        for (what, got) in
+            [("parameter_half_life_s", self.parameter_half_life_s), ("heading_half_life_s", self.heading_half_life_s)]
+        {
+            check(what, got, (0.0..=10.0).contains(&got), "between 0 and 10")?;
+        }
+        let [slow, fast] = self.tempo;
+        check("tempo[0]", slow, (0.2..=1.0).contains(&slow), "between 0.2 and 1")?;
+        check("tempo[1]", fast, (1.0..=5.0).contains(&fast), "between 1 and 5")?;
+        let rate = self.max_turning_rate;
+        check("max_turning_rate", rate, rate > 0.0 && rate < 1e3, "above 0 and below 1000")?;
+        let half_life = self.foot_half_life_s;
+        check("foot_half_life_s", half_life, (1e-3..10.0).contains(&half_life), "between 0.001 and 10")?;
+        check("foot_reach_m", self.foot_reach_m, (0.01..10.0).contains(&self.foot_reach_m), "between 0.01 and 10")
+    }
+}
+
+/// Checks that legs and arms have a length, and that the rest pose stands on the ground.
+pub(super) fn check_body(s: &Skeleton) -> Result<()> {
+    let rest = s.rest_positions();
+    let size = s.offsets.iter().chain(&s.tips).fold(0.0f32, |l, o| l.max(o.length()));
+    let finite = s.offsets.iter().chain(&s.tips).all(|o| o.is_finite());
+    check("offset of a body's joint", size, finite && size < 100.0, "finite and below 100")?;
+    for limb in [LEGS.map(|l| [l[1], l[2]]), ARMS.map(|a| [a[1], a[2]])].concat() {
+        for joint in limb {
+            let length = s.offsets[joint.index()].length();
+            check("length of a body's limb", length, length > 0.01, "above 0.01")?;
+        }
+    }
+    for foot in [Joint::LeftFoot, Joint::RightFoot] {
+        let height = rest[foot.index()].y;
+        check("height of a body's ankle", height, (-0.01..1.0).contains(&height), "in rest pose between 0 and 1")?;
+    }
+    Ok(())
+}
+
+fn check(what: &'static str, got: f32, good: bool, expected: &'static str) -> Result<()> {
+    error::check(what, None, f64::from(got), good, expected)
+}
+
+fn moderate(what: &'static str, who: Option<Id>, got: f32) -> Result<()> {
+    error::check(what, who, f64::from(got), got.abs() < FAR, "a finite number below 1e6")
+}

@@ -1,0 +1,229 @@
+//! Where the feet go: to where the examples have them, but not while they are planted (Kim, Kim and Shin 2003a, section
+//! 4.2.4).
+//!
+//! Each foot carries an offset and a turn about the vertical. While it is planted they undo whatever the part that
+//! bears the weight would move over the ground, which rolls from the heel to the ball; in the air they fade. A foot
+//! that has been left too far behind takes a step. Nothing jumps at any of these moments.
+
+use super::block::Foot;
+use super::body::LaneLeg;
+use super::spring::Spring;
+use crate::pose::{Lane, Placement, load, store};
+use throng_base::simd::{Lanes, Q, V};
+
+/// Height of the heel over the ball, as a share of the leg's scale, from which the ball alone bears (m).
+const FLAT_M: f32 = 0.005;
+/// Height over the ground from which a planted foot counts as standing (m).
+const SETTLED_M: f32 = 0.002;
+/// Height over the ground up to which a foot is planted (m).
+const NEAR_M: f32 = 0.06;
+/// Height that a foot is lifted to in a step of its own (m).
+const STEP_HEIGHT_M: f32 = 0.06;
+/// Offset past which a foot is not brought back but forgotten: the character was put elsewhere (m).
+const LOST_M: f32 = 1.2;
+/// Cosine of the turn of a planted foot from which it takes a step.
+const LARGEST_TURN_COS: f32 = 0.75;
+
+/// What one foot's move depends on.
+pub(crate) struct Tread<'a, F> {
+    pub leg: &'a LaneLeg,
+    pub place: &'a Placement<F>,
+    /// Length of the legs over those of the database skeleton.
+    pub scale: F,
+    /// Height and slope (along model x, z) of the ground below the foot.
+    pub ground: [F; 3],
+    /// 1 where the examples have the foot on the ground.
+    pub contact: F,
+    /// How much the foot's place matters, 0 to 1.
+    pub importance: F,
+    /// Time of the tick (s).
+    pub dt_s: F,
+    /// Ticks a second; 0 for a tick of no time (1/s).
+    pub rate: F,
+    /// What is left of a turn in the air after the tick.
+    pub keep: F,
+    /// How an offset fades in the air.
+    pub air: &'a Spring,
+    /// How a foot comes down to the ground.
+    pub landing: &'a Spring,
+    /// Time of a step (s).
+    pub step_s: F,
+    /// Offset of a planted foot from which it takes a step (m).
+    pub reach: F,
+    /// 1 where the other foot stands.
+    pub other_stands: F,
+}
+
+/// A foot in model space.
+#[derive(Clone, Copy)]
+pub(crate) struct Sole<F> {
+    pub ankle: V<F>,
+    pub foot: Q<F>,
+    pub toe: Q<F>,
+}
+
+/// Which parts of a foot bear: heel, ball; 1 or 0.
+pub(crate) type Bearing = [Lane; 2];
+
+/// Moves a foot from where the examples have it to where it goes.
+#[inline(always)]
+pub(crate) fn tread<F: Lanes>(t: &Tread<'_, F>, foot: &mut Foot, wanted: Sole<F>) -> (Sole<F>, Bearing) {
+    let (zero, one) = (F::splat(0.0), F::splat(1.0));
+    let wanted = tilt(t, wanted);
+    let (heel, ball) = (wanted.foot.rotate(load(&t.leg.heel)), wanted.foot.rotate(load(&t.leg.ball)));
+    let share = ball_share(t, heel, ball);
+    let stepping = F::select_lt(F::load(&foot.step), one, one, zero);
+    // Nobody stands on a foot that is far from the ground.
+    let near = F::select_lt(F::load(&foot.height) + F::load(&foot.rise), F::splat(NEAR_M) * t.scale, one, zero);
+    let down = t.contact * (one - stepping) * near;
+    let held = down * F::load(&foot.down);
+
+    let turn = turn_of(t, foot, held, ball - heel);
+    let spin = about_y(turn);
+    let (heel, ball) = (spin.rotate(heel), spin.rotate(ball));
+    let offset = offset_of(t, foot, held, wanted.ankle, [heel, ball], share);
+    let mut sole = Sole {
+        ankle: V::new(wanted.ankle.x + offset.x, wanted.ankle.y, wanted.ankle.z + offset.z),
+        foot: spin * wanted.foot,
+        toe: spin * wanted.toe,
+    };
+    let [rise, left] = rise(t, foot, down, sole.ankle, [heel, ball]);
+    sole.ankle.y = sole.ankle.y + rise;
+    sole.toe = bend_toe(t, &sole, ball);
+
+    [foot.turn[0], foot.turn[1]] = turn.map(F::to_array);
+    store(&mut foot.heel, t.place.to_world(sole.ankle + heel));
+    store(&mut foot.ball, t.place.to_world(sole.ankle + ball));
+    foot.down = down.to_array();
+    progress(t, foot, down, offset, turn[1]);
+    // What still comes down does not stand yet.
+    let standing = F::select_lt(left, F::splat(SETTLED_M), held, zero);
+    let heel = F::select_lt(share, F::splat(0.7), standing, zero);
+    let ball = F::select_lt(share, F::splat(0.3), zero, standing);
+    (sole, [heel.to_array(), ball.to_array()])
+}
+
+/// Lays the sole along the slope of the ground, as far as the foot's place matters.
+#[inline(always)]
+fn tilt<F: Lanes>(t: &Tread<'_, F>, sole: Sole<F>) -> Sole<F> {
+    let [_, x, z] = t.ground;
+    let up = V::new(F::splat(0.0), F::splat(1.0), F::splat(0.0));
+    let normal = V::new(-(x * t.importance), F::splat(1.0), -(z * t.importance));
+    let q = Q::between(up, normal);
+    Sole { foot: q * sole.foot, toe: q * sole.toe, ..sole }
+}
+
+/// Share of the weight that the ball bears: 0 on the heel, a half where the foot is flat, 1 on the ball.
+#[inline(always)]
+fn ball_share<F: Lanes>(t: &Tread<'_, F>, heel: V<F>, ball: V<F>) -> F {
+    let higher = over_ground(t, heel) - (over_ground(t, ball) - F::load(&t.leg.thickness));
+    let share = F::splat(0.5) + higher / (t.scale * F::splat(2.0 * FLAT_M));
+    share.max(F::splat(0.0)).min(F::splat(1.0))
+}
+
+/// How much a vector rises over the slope of the ground.
+#[inline(always)]
+fn over_ground<F: Lanes>(t: &Tread<'_, F>, v: V<F>) -> F {
+    v.y - t.ground[1] * v.x - t.ground[2] * v.z
+}
+
+/// Sine and cosine of the turn about the vertical: it keeps a planted foot's direction, and fades in the air.
+#[inline(always)]
+fn turn_of<F: Lanes>(t: &Tread<'_, F>, foot: &Foot, held: F, along: V<F>) -> [F; 2] {
+    let (one, tiny) = (F::splat(1.0), F::splat(1e-6));
+    let was = t.place.vector_to_model(load::<F>(&foot.ball) - load(&foot.heel));
+    let lengths = ((along.x * along.x + along.z * along.z) * (was.x * was.x + was.z * was.z)).sqrt().max(tiny);
+    let sin = (was.x * along.z - was.z * along.x) / lengths;
+    let cos = (was.x * along.x + was.z * along.z) / lengths;
+    let fading = [F::load(&foot.turn[0]) * t.keep, one + (F::load(&foot.turn[1]) - one) * t.keep];
+    let half = F::splat(0.5);
+    let [sin, cos] = [F::select_lt(half, held, sin, fading[0]), F::select_lt(half, held, cos, fading[1])];
+    let length = (sin * sin + cos * cos).sqrt();
+    // Where nothing is left of the direction, there is no turn.
+    let good = |v: F, otherwise: F| F::select_lt(F::splat(1e-3), length, v / length.max(tiny), otherwise);
+    [good(sin, F::splat(0.0)), good(cos, one)]
+}
+
+/// The rotation about the vertical of that sine and cosine.
+#[inline(always)]
+fn about_y<F: Lanes>([sin, cos]: [F; 2]) -> Q<F> {
+    let (zero, half) = (F::splat(0.0), F::splat(0.5));
+    let w = ((F::splat(1.0) + cos) * half).max(F::splat(1e-6)).sqrt();
+    Q::new(V::new(zero, sin * half / w, zero), w).normalize()
+}
+
+/// The offset over the ground: it keeps the part that bears in its place, and fades in the air, where it goes on as
+/// fast as it changed before: a foot that is let go begins to move slowly.
+#[inline(always)]
+fn offset_of<F: Lanes>(
+    t: &Tread<'_, F>,
+    foot: &mut Foot,
+    held: F,
+    ankle: V<F>,
+    [heel, ball]: [V<F>; 2],
+    share: F,
+) -> V<F> {
+    let (zero, half, one) = (F::splat(0.0), F::splat(0.5), F::splat(1.0));
+    let mix = |heel: V<F>, ball: V<F>| heel * (one - share) + ball * share;
+    let was = mix(t.place.point_to_model(load(&foot.heel)), t.place.point_to_model(load(&foot.ball)));
+    let holding = was - (ankle + mix(heel, ball));
+    let (before, rate) = (load::<F>(&foot.offset), load::<F>(&foot.offset_rate));
+    let ((x, rate_x), (z, rate_z)) = (t.air.pull_lanes(before.x, rate.x), t.air.pull_lanes(before.z, rate.z));
+    let offset = V::select_lt(half, held, t.place.vector_to_world(holding), V::new(x, zero, z));
+    let rate = V::select_lt(half, held, (offset - before) * t.rate, V::new(rate_x, zero, rate_z));
+    let (none, lost) = (V::new(zero, zero, zero), F::splat(LOST_M) * t.scale);
+    let flat = V::new(offset.x, zero, offset.z);
+    let far = flat.dot(flat);
+    let offset = V::select_lt(lost * lost, far, none, flat);
+    store(&mut foot.offset, offset);
+    store(&mut foot.offset_rate, V::select_lt(lost * lost, far, none, V::new(rate.x, zero, rate.z)));
+    t.place.vector_to_model(offset)
+}
+
+/// How much the foot has to rise: onto the ground where it is planted, out of it anywhere, and up in a step of its own;
+/// and how high it is over the ground then.
+///
+/// What it was raised by fades in the air, so that a foot that is let go moves up as slowly as it began.
+#[inline(always)]
+fn rise<F: Lanes>(t: &Tread<'_, F>, foot: &mut Foot, down: F, ankle: V<F>, [heel, ball]: [V<F>; 2]) -> [F; 2] {
+    let (zero, half, one) = (F::splat(0.0), F::splat(0.5), F::splat(1.0));
+    let below_ball = over_ground(t, ball) - F::load(&t.leg.thickness);
+    let lowest = over_ground(t, heel).min(below_ball);
+    let step = F::load(&foot.step).min(one);
+    let arc = step * (one - step);
+    let height = ankle.y + lowest - t.ground[0] + arc * arc * F::splat(16.0 * STEP_HEIGHT_M) * t.scale;
+    let (before, rate, was) = (F::load(&foot.rise), F::load(&foot.rise_rate), F::load(&foot.height));
+    let (above, _) = t.landing.pull_lanes(before + was, rate + (height - was) * t.rate);
+    let (fading, fading_rate) = t.air.pull_lanes(before, rate);
+    let rise = F::select_lt(half, down, above.max(zero) - height, fading.max(-height));
+    let changed = (rise - before) * t.rate;
+    let free = F::select_lt(rise, fading + F::splat(1e-6), fading_rate, changed);
+    foot.rise = rise.to_array();
+    foot.rise_rate = F::select_lt(half, down, changed, free).to_array();
+    foot.height = height.to_array();
+    [height + rise - (ankle.y + lowest - t.ground[0]), height + rise]
+}
+
+/// Bends the toe up where its tip would go below the ground.
+#[inline(always)]
+fn bend_toe<F: Lanes>(t: &Tread<'_, F>, sole: &Sole<F>, ball: V<F>) -> Q<F> {
+    let (zero, tip) = (F::splat(0.0), sole.toe.rotate(load(&t.leg.tip)));
+    let height = sole.ankle.y + over_ground(t, ball + tip) - t.ground[0];
+    let bent = V::new(tip.x, tip.y - height.min(zero), tip.z);
+    Q::between(tip, bent) * sole.toe
+}
+
+/// Begins a step where a planted foot has been left too far behind, or moves one on.
+#[inline(always)]
+fn progress<F: Lanes>(t: &Tread<'_, F>, foot: &mut Foot, down: F, offset: V<F>, turn_cos: F) {
+    let (zero, half, one) = (F::splat(0.0), F::splat(0.5), F::splat(1.0));
+    let step = F::load(&foot.step);
+    let moved = F::select_lt(step, one, (step + t.dt_s / t.step_s).min(one), one);
+    let distance = (offset.x * offset.x + offset.z * offset.z).sqrt();
+    let turned = F::select_lt(turn_cos, F::splat(LARGEST_TURN_COS), one, zero);
+    let far = F::select_lt(t.reach, distance, one, turned);
+    // One foot at a time, unless it is much too far.
+    let very_far = F::select_lt(t.reach + t.reach, distance, one, zero);
+    let begins = far * down * t.other_stands.max(very_far);
+    foot.step = F::select_lt(half, begins, zero, moved).to_array();
+}

@@ -1,0 +1,304 @@
+//! Walkers: many characters on free trajectories, whose bodies come from a blend space.
+
+mod block;
+mod body;
+mod cast;
+mod config;
+mod feet;
+mod reach;
+mod spring;
+mod steer;
+mod step;
+
+use super::ground::HeightField;
+use super::records::MAX_AXES;
+use super::space::BlendSpace;
+use crate::contacts::Contacts;
+use crate::planar::Planar;
+use crate::pose::{LocalTransform, Mat3x4};
+use crate::roster::Roster;
+use crate::skeleton::{Joint, NUM_JOINTS, Skeleton};
+use block::Block;
+use body::LaneBody;
+pub use cast::WalkerEvent;
+pub use config::{Control, WalkerStart, WalkersConfig};
+use glam::Vec3;
+use serde::{Deserialize, Serialize};
+use step::{RANGE_BLOCKS, Range, Tick};
+use throng_base::simd::LANES;
+use throng_base::{Hash128, Id, Result, Run, run_each};
+
+/// Longest time step (s).
+pub const MAX_STEP_S: f32 = 1.0;
+/// Walkers of a range, which one thread handles.
+const RANGE: usize = RANGE_BLOCKS * LANES;
+
+/// Characters that follow trajectories with blended bodies, eight to a block. A [`Cast`](crate::Cast): they enter and
+/// leave, and are ordered about with [`Control`].
+///
+/// Every step puts each walker on its trajectory, turns it, finds the weights of the examples for its speed, turning
+/// rate and style, advances generic time, blends a posture, and retargets it to the walker's body: the hips keep the
+/// elevation and sway of the examples, planted feet stay where they are, and legs and touching arms reach by analytic
+/// inverse kinematics (Kim, Kim and Shin 2003a, section 4.2).
+///
+/// Walkers are numbered by row, as in [`Cast::bodies`](crate::Cast::bodies): in the order in which they entered, but the
+/// last one takes the row of one that leaves.
+#[derive(Clone, Debug)]
+pub struct Walkers {
+    space: BlendSpace,
+    /// Bodies that a start chooses from.
+    skeletons: Vec<Skeleton>,
+    /// The bodies are that of the database alone.
+    is_database_body: bool,
+    ground: HeightField,
+    config: WalkersConfig,
+    /// Content hash of all of the above, and the capacity.
+    setup: u128,
+    state: State,
+    bodies: Vec<LaneBody>,
+    weights: Vec<f32>,
+    roots: Vec<Planar>,
+    model: Vec<[Mat3x4; NUM_JOINTS]>,
+    locals: Vec<LocalTransform>,
+    events: Vec<(Id, WalkerEvent)>,
+    /// Contacts before the step.
+    stood: Vec<Contacts>,
+    /// Weights of a block that is only posed.
+    block_weights: Vec<f32>,
+}
+
+/// All that the next steps depend on, row by row.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+struct State {
+    roster: Roster,
+    /// Number of each body.
+    bodies: Vec<u32>,
+    orders: Vec<Control>,
+    /// Has had an order.
+    ordered: Vec<bool>,
+    blocks: Vec<Block>,
+}
+
+impl Walkers {
+    /// Room for `capacity` walkers on flat ground; all memory is allocated here.
+    ///
+    /// - `bodies`: skeletons that [`WalkerStart::body`] chooses from, of any size and proportions, whose rest pose stands
+    ///   on the ground; none stands for the skeleton of the examples.
+    ///
+    /// # Errors
+    /// [`Error::Value`](throng_base::Error::Value) for a body or setting out of range.
+    pub fn with_capacity(
+        space: BlendSpace,
+        bodies: &[Skeleton],
+        config: WalkersConfig,
+        capacity: usize,
+    ) -> Result<Self> {
+        config.check()?;
+        let is_database_body = bodies.is_empty();
+        let skeletons = if is_database_body { vec![space.skeleton().clone()] } else { bodies.to_vec() };
+        skeletons.iter().chain([space.skeleton()]).try_for_each(config::check_body)?;
+        let (blocks, stride) = (capacity.div_ceil(LANES), space.stride());
+        let locals = if config.local_transforms { capacity * NUM_JOINTS } else { 0 };
+        let state = State {
+            roster: Roster::with_capacity(capacity),
+            bodies: Vec::with_capacity(capacity),
+            orders: Vec::with_capacity(capacity),
+            ordered: Vec::with_capacity(capacity),
+            blocks: Vec::with_capacity(blocks),
+        };
+        let mut walkers = Self {
+            space,
+            skeletons,
+            is_database_body,
+            ground: HeightField::flat(),
+            config,
+            setup: 0,
+            state,
+            bodies: Vec::with_capacity(blocks),
+            weights: Vec::with_capacity(capacity * stride),
+            roots: Vec::with_capacity(capacity),
+            model: Vec::with_capacity(capacity),
+            locals: Vec::with_capacity(locals),
+            events: Vec::with_capacity(2 * capacity),
+            stood: Vec::with_capacity(capacity),
+            block_weights: vec![0.0; LANES * stride],
+        };
+        walkers.setup = walkers.find_setup(capacity);
+        Ok(walkers)
+    }
+
+    /// Changes the ground that all stand on.
+    pub fn set_ground(&mut self, ground: HeightField) {
+        self.ground = ground;
+        self.setup = self.find_setup(self.capacity());
+    }
+
+    /// The blend space.
+    pub fn space(&self) -> &BlendSpace {
+        &self.space
+    }
+
+    /// Most walkers.
+    pub fn capacity(&self) -> usize {
+        self.state.roster.capacity()
+    }
+
+    /// Number of walkers.
+    pub fn len(&self) -> usize {
+        self.state.roster.len()
+    }
+
+    /// True if there is nobody.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// The row of a walker.
+    ///
+    /// # Errors
+    /// [`Error::Gone`](throng_base::Error::Gone).
+    pub fn row(&self, id: Id) -> Result<usize> {
+        self.state.roster.row(id)
+    }
+
+    /// Planar root: on the trajectory, with the heading of the body (row < len).
+    pub fn root(&self, row: usize) -> Planar {
+        self.roots[row]
+    }
+
+    /// Planted parts of the feet (row < len).
+    pub fn contacts(&self, row: usize) -> Contacts {
+        self.state.blocks[row / LANES].contacts[row % LANES]
+    }
+
+    /// Generic time, in 0..1 (row < len).
+    pub fn phase(&self, row: usize) -> f32 {
+        self.state.blocks[row / LANES].phase[row % LANES]
+    }
+
+    /// Position in the parameter box, scaled to the database skeleton and eased (row < len).
+    pub fn parameters(&self, row: usize) -> [f32; MAX_AXES] {
+        self.state.blocks[row / LANES].parameters[row % LANES]
+    }
+
+    /// Weights of the examples (number of examples, row < len).
+    pub fn weights(&self, row: usize) -> &[f32] {
+        &self.weights[row * self.space.stride()..][..self.space.examples().len()]
+    }
+
+    /// Joints in model space, which [`Walkers::root`] places in the world; heights contain that of the ground
+    /// (NUM_JOINTS, row < len).
+    pub fn pose(&self, row: usize) -> &[Mat3x4; NUM_JOINTS] {
+        &self.model[row]
+    }
+
+    /// Joints of all walkers relative to their parents; empty unless the config asks for them (len * NUM_JOINTS).
+    pub fn local_transforms(&self) -> &[LocalTransform] {
+        &self.locals
+    }
+
+    /// World positions of the joints (m, row < len).
+    pub fn joint_positions(&self, row: usize) -> [Vec3; NUM_JOINTS] {
+        let root = self.root(row);
+        let (turn, move_by) = (root.rotation(), root.translation());
+        self.model[row].map(|joint| turn * joint.translation() + move_by)
+    }
+
+    /// World positions of the bottom of the heel and of the ball (the toe's joint), left foot first (m, row < len).
+    pub fn soles(&self, row: usize) -> [[Vec3; 2]; 2] {
+        let (root, pose) = (self.root(row), self.pose(row));
+        let (turn, move_by) = (root.rotation(), root.translation());
+        let body = &self.bodies[row / LANES];
+        std::array::from_fn(|side| {
+            let [_, _, foot, toe] = body::LEGS[side].map(Joint::index);
+            let heel = Vec3::from_array(body.legs[side].heel.map(|axis| axis[row % LANES]));
+            let heel = pose[foot].translation() + pose[foot].rotation() * heel;
+            [heel, pose[toe].translation()].map(|p| turn * p + move_by)
+        })
+    }
+
+    /// Moves all walkers on, range by range.
+    fn advance(&mut self, dt_s: f32, run: &dyn Run) {
+        let tick = Tick::new(&self.space, &self.config, dt_s, &self.ground);
+        let stride = self.space.stride();
+        let mut locals = self.locals.chunks_mut(RANGE * NUM_JOINTS);
+        let parts = self.state.blocks.chunks_mut(RANGE_BLOCKS).zip(self.bodies.chunks(RANGE_BLOCKS));
+        let parts = parts.zip(self.state.orders.chunks_mut(RANGE)).zip(self.weights.chunks_mut(RANGE * stride));
+        let parts = parts.zip(self.roots.chunks_mut(RANGE)).zip(self.model.chunks_mut(RANGE));
+        let ranges = parts.map(|(((((blocks, bodies), controls), weights), roots), model)| {
+            let locals = locals.next().unwrap_or_default();
+            Range { blocks, bodies, controls, weights, roots, model, locals }
+        });
+        run_each(run, ranges, |range| step::step(range, &tick));
+    }
+
+    /// Poses walkers as they stand, on copies of their blocks: nothing moves on.
+    fn pose_rows(&mut self, rows: std::ops::Range<usize>) {
+        let tick = Tick::new(&self.space, &self.config, 0.0, &self.ground);
+        let stride = self.space.stride();
+        for b in rows.start / LANES..rows.end.div_ceil(LANES) {
+            let from = b * LANES;
+            let count = LANES.min(self.len() - from);
+            let mut block = self.state.blocks[b];
+            let mut controls = [Control::default(); LANES];
+            for (lane, control) in controls[..count].iter_mut().enumerate() {
+                let Planar { x, z, heading } = block.root(lane);
+                let style = self.state.orders[from + lane].style;
+                *control = Control { position: Some([x, z].into()), heading: Some(heading), style, ..*control };
+            }
+            let mut roots = [Planar::IDENTITY; LANES];
+            let mut model = [[Mat3x4::default(); NUM_JOINTS]; LANES];
+            let mut locals = [LocalTransform::default(); LANES * NUM_JOINTS];
+            let num_locals = if self.config.local_transforms { count * NUM_JOINTS } else { 0 };
+            let range = Range {
+                blocks: std::slice::from_mut(&mut block),
+                bodies: &self.bodies[b..=b],
+                controls: &mut controls[..count],
+                weights: &mut self.block_weights[..count * stride],
+                roots: &mut roots[..count],
+                model: &mut model[..count],
+                locals: &mut locals[..num_locals],
+            };
+            step::step(range, &tick);
+            for lane in (0..count).filter(|lane| rows.contains(&(from + lane))) {
+                let row = from + lane;
+                self.roots[row] = self.state.blocks[b].root(lane);
+                self.model[row] = model[lane];
+                self.weights[row * stride..][..stride].copy_from_slice(&self.block_weights[lane * stride..][..stride]);
+                if let Some(to) = self.locals.get_mut(row * NUM_JOINTS..(row + 1) * NUM_JOINTS) {
+                    to.copy_from_slice(&locals[lane * NUM_JOINTS..][..NUM_JOINTS]);
+                }
+            }
+        }
+    }
+
+    /// Makes rows of what is written for as many as there are.
+    fn resize(&mut self) {
+        let n = self.len();
+        self.roots.resize(n, Planar::IDENTITY);
+        self.model.resize(n, [Mat3x4::default(); NUM_JOINTS]);
+        self.weights.resize(n * self.space.stride(), 0.0);
+        self.locals.resize(if self.config.local_transforms { n * NUM_JOINTS } else { 0 }, LocalTransform::default());
+        self.state.blocks.resize(n.div_ceil(LANES), Block::ZERO);
+        if self.bodies.len() != n.div_ceil(LANES) {
+            // Lanes without a walker have a body too, so that nothing is divided by 0.
+            self.bodies.resize(n.div_ceil(LANES), LaneBody::of(self.space.skeleton()));
+        }
+    }
+
+    /// Puts the body of a row in its lane.
+    fn put_body(&mut self, row: usize) {
+        let body = &self.skeletons[self.state.bodies[row] as usize];
+        self.bodies[row / LANES].put(row % LANES, body, self.space.skeleton());
+    }
+
+    fn find_setup(&self, capacity: usize) -> u128 {
+        let mut hash = Hash128::default();
+        hash.word(self.space.fingerprint());
+        hash.word(capacity as u64);
+        let rest = (self.space.name(), &self.config, &self.skeletons);
+        hash.bytes(format!("{rest:?}").as_bytes());
+        self.ground.hash(&mut hash);
+        hash.finish()
+    }
+}

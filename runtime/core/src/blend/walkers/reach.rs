@@ -1,0 +1,197 @@
+//! Reaching: hips low enough for both legs, then legs and arms by analytic inverse kinematics.
+
+use super::block::Foot;
+use super::body::{ARMS, LEGS, LaneBody};
+use super::feet::{Bearing, Sole};
+use super::spring::Spring;
+use crate::pose::{Lane, ModelPose, bend, load};
+use crate::skeleton::NUM_JOINTS;
+use glam::Vec3;
+use throng_base::simd::{Functions, Lanes, Q, V};
+
+/// Share of a leg's length past which it gives way softly, and what it never passes.
+const SOFT: f32 = 0.97;
+const HARD: f32 = 0.999;
+/// Share of a leg's length past which a planted foot is released: it does not quite reach it any more.
+const STRETCH: f32 = 1.0;
+/// How far ahead of the ankle the hip is where a heel may wholly rise to lengthen a leg (m, of the database
+/// skeleton).
+const TRAILING_M: f32 = 0.1;
+/// Rise of the heel up to which it still bears (m).
+const LIFTED_M: f32 = 0.002;
+/// Furthest that the hips are lowered (m, of the database skeleton).
+const LOWEST_M: f32 = 0.08;
+
+/// Lowers the whole body so that both legs reach their ankles softly, each as far as its foot's place matters.
+///
+/// - `drop`: how far it was lowered at the last step, and how fast that changed; then, how far it is now
+///   (m, m/s).
+/// - `spring`: how a difference to what is needed fades.
+#[inline(always)]
+pub(crate) fn lower<F: Lanes>(
+    body: &LaneBody,
+    soles: &[Sole<F>; 2],
+    importance: [F; 2],
+    ([drop_before, drop_rate], spring): ([&mut Lane; 2], &Spring),
+    pose: &mut ModelPose<F>,
+) {
+    let mut drop = F::splat(0.0);
+    for (side, sole) in soles.iter().enumerate() {
+        let leg = &body.legs[side];
+        let reach = (F::load(&leg.lengths[0]) + F::load(&leg.lengths[1])) * F::splat(SOFT);
+        let hip = pose.positions[LEGS[side][0].index()];
+        let way = hip - sole.ankle;
+        let up = (reach * reach - way.x * way.x - way.z * way.z).max(reach * reach * F::splat(0.1)).sqrt();
+        // Whole where the foot stands: half of the blend is enough for that.
+        drop = drop.max((way.y - up) * (importance[side] + importance[side]).min(F::splat(1.0)));
+    }
+    let drop = drop.min(F::splat(LOWEST_M) * F::load(&body.scale));
+    let (off, rate) = spring.pull_lanes(F::load(drop_before) - drop, F::load(drop_rate));
+    let drop = drop + off;
+    (*drop_before, *drop_rate) = (drop.to_array(), rate.to_array());
+    for j in 0..NUM_JOINTS {
+        pose.positions[j].y = pose.positions[j].y - drop;
+    }
+}
+
+/// Raises the heel over the ball, which stays where it is, where the leg is too short for a flat foot that trails: as
+/// anybody does before the foot leaves the ground.
+///
+/// - `bearing`: its heel does not bear where it has risen.
+#[inline(always)]
+pub(crate) fn tiptoe<F: Lanes>(
+    body: &LaneBody,
+    side: usize,
+    sole: &mut Sole<F>,
+    bearing: &mut Bearing,
+    pose: &ModelPose<F>,
+) {
+    let (zero, one, tiny) = (F::splat(0.0), F::splat(1.0), F::splat(1e-3));
+    let leg = &body.legs[side];
+    let hip = pose.positions[LEGS[side][0].index()];
+    let way = hip - sole.ankle;
+    let leg_now = way.length();
+    let reach = (F::load(&leg.lengths[0]) + F::load(&leg.lengths[1])) * F::splat(SOFT);
+    // Only where the hip is ahead of the foot.
+    let share = (way.z / (F::load(&body.scale) * F::splat(TRAILING_M))).min(one).max(zero);
+    let to_ball = sole.foot.rotate(load(&leg.ball));
+    let wanted = leg_now - (leg_now - reach) * share;
+    let (ball, foot) = (sole.ankle + to_ball, to_ball.length());
+    let from_ball = hip - ball;
+    let distance = from_ball.length().max(tiny);
+    let d = distance.min((foot + wanted) * F::splat(HARD));
+    let ankle = bend(ball, from_ball * (one / distance), d, [foot, wanted], sole.ankle - ball);
+    let ankle = V::select_lt(reach, leg_now, ankle, sole.ankle);
+    let raised = Q::between(V::new(zero, zero, zero) - to_ball, ankle - ball);
+    let risen = ankle.y - sole.ankle.y;
+    bearing[0] = F::select_lt(F::splat(LIFTED_M), risen, zero, F::load(&bearing[0])).to_array();
+    sole.foot = raised * sole.foot;
+    sole.ankle = ankle;
+}
+
+/// 1 where a leg, the hips lowered as they are, is too short for its foot by more than what cannot be seen, else 0.
+#[inline(always)]
+pub(crate) fn stretched<F: Lanes>(body: &LaneBody, side: usize, sole: &Sole<F>, pose: &ModelPose<F>) -> F {
+    let leg = &body.legs[side];
+    let reach = (F::load(&leg.lengths[0]) + F::load(&leg.lengths[1])) * F::splat(STRETCH);
+    let distance = (sole.ankle - pose.positions[LEGS[side][0].index()]).length();
+    F::select_lt(reach, distance, F::splat(1.0), F::splat(0.0))
+}
+
+/// Keeps the knee of a leg whose foot is in the air from bending or stretching faster than knees do: the foot comes a
+/// little later. Where a leg is nearly straight, a little way of the foot turns the knee far.
+///
+/// - `change`: most that the knee may turn in this tick (rad).
+#[inline(always)]
+pub(crate) fn slow_knee<F: Lanes>(
+    body: &LaneBody,
+    side: usize,
+    (foot, sole): (&mut Foot, &mut Sole<F>),
+    change: F,
+    pose: &ModelPose<F>,
+) {
+    let (zero, half, one) = (F::splat(0.0), F::splat(0.5), F::splat(1.0));
+    let lengths = both(&body.legs[side].lengths);
+    let (longest, shortest) = (lengths[0] + lengths[1], lengths[0] - lengths[1]);
+    let room = longest * longest - shortest * shortest;
+    let hip = pose.positions[LEGS[side][0].index()];
+    let way = sole.ankle - hip;
+    let distance = way.length().max(F::splat(1e-4));
+    // The cosine of half the angle at the knee: 0 where the leg is straight.
+    let reached = soft(distance, lengths);
+    let aim = ((longest * longest - reached * reached) / room).max(zero).min(one).sqrt();
+    let was = F::load(&foot.bent);
+    let most = half * change * (one - was * was).max(F::splat(0.01)).sqrt();
+    let slow = was + (aim - was).min(most).max(-most);
+    let free = (one - F::load(&foot.down)) * F::select_lt(was, zero, zero, one);
+    let bent = F::select_lt(half, free, slow, aim);
+    foot.bent = bent.to_array();
+    let d = (longest * longest - bent * bent * room).max(zero).sqrt();
+    sole.ankle = sole.ankle + way * ((d / distance - one) * free);
+}
+
+/// Bends a leg so that its foot lies where it goes.
+#[inline(always)]
+pub(crate) fn reach_foot<F: Lanes>(body: &LaneBody, side: usize, sole: &Sole<F>, pose: &mut ModelPose<F>) {
+    let [thigh, shin, foot, toe] = LEGS[side].map(|j| j.index());
+    let lengths = both(&body.legs[side].lengths);
+    // Where the leg is straight, it bends towards the toes.
+    let hint = pose.rotations[thigh].rotate(V::splat(Vec3::Z * 0.06));
+    reach([thigh, shin, foot], lengths, hint, sole.ankle, pose);
+    pose.rotations[foot] = sole.foot;
+    pose.rotations[toe] = sole.toe;
+    pose.positions[toe] = pose.positions[foot] + sole.foot.rotate(load(&body.offsets[toe]));
+}
+
+/// Bends an arm so that its hand lies where it touches.
+///
+/// - `touch`: how far it is taken there, 0 to 1.
+#[inline(always)]
+pub(crate) fn reach_hand<F: Lanes>(body: &LaneBody, side: usize, to: V<F>, touch: F, pose: &mut ModelPose<F>) {
+    let arm = ARMS[side].map(|j| j.index());
+    let lengths = both(&body.arms[side]);
+    let hint = pose.rotations[arm[0]].rotate(V::splat(Vec3::NEG_Z * 0.02));
+    let hand = pose.positions[arm[2]];
+    let before = arm.map(|j| (pose.positions[j], pose.rotations[j]));
+    reach(arm, lengths, hint, hand + (to - hand) * touch, pose);
+    // Arms that touch nothing stay as they are, whatever the other lanes do.
+    let zero = F::splat(0.0);
+    for (j, (position, rotation)) in arm.into_iter().zip(before) {
+        pose.positions[j] = V::select_lt(zero, touch, pose.positions[j], position);
+        let (new, v) = (pose.rotations[j], V::select_lt(zero, touch, pose.rotations[j].v, rotation.v));
+        pose.rotations[j] = Q::new(v, F::select_lt(zero, touch, new.w, rotation.w));
+    }
+}
+
+#[inline(always)]
+fn both<F: Lanes>(lengths: &[Lane; 2]) -> [F; 2] {
+    [F::load(&lengths[0]), F::load(&lengths[1])]
+}
+
+/// Turns both parts of a limb so that its end comes to a place, its middle staying in the plane that it bends in.
+#[inline(always)]
+fn reach<F: Lanes>([upper, lower, end]: [usize; 3], lengths: [F; 2], hint: V<F>, to: V<F>, pose: &mut ModelPose<F>) {
+    let (start, middle, was) = (pose.positions[upper], pose.positions[lower], pose.positions[end]);
+    let aim = to - start;
+    let distance = aim.length().max(F::splat(1e-4));
+    let direction = aim * (F::splat(1.0) / distance);
+    let d = soft(distance, lengths);
+    // The middle turns with the limb: it would point the other way where the end goes past it.
+    let pole = Q::between(was - start, aim).rotate((middle - start) + hint);
+    let new_middle = bend(start, direction, d, lengths, pole);
+    let new_end = start + direction * d;
+    pose.rotations[upper] = Q::between(middle - start, new_middle - start) * pose.rotations[upper];
+    pose.rotations[lower] = Q::between(was - middle, new_end - new_middle) * pose.rotations[lower];
+    pose.positions[lower] = new_middle;
+    pose.positions[end] = new_end;
+}
+
+/// A distance that never quite stretches a limb: as it is up to a share of the length, then ever less.
+#[inline(always)]
+fn soft<F: Lanes>(distance: F, [l1, l2]: [F; 2]) -> F {
+    let length = l1 + l2;
+    let (from, room) = (length * F::splat(SOFT), length * F::splat(HARD - SOFT));
+    let over = (distance - from).max(F::splat(0.0));
+    let soft = from + room * (F::splat(1.0) - (-(over / room)).exp());
+    F::select_lt(from, distance, soft, distance).max((l1 - l2).abs() + F::splat(1e-3))
+}

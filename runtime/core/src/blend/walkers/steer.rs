@@ -1,0 +1,165 @@
+//! From a trajectory to a position in the parameter box: heading, speeds and turning rate, eased.
+
+use super::block::Block;
+use super::body::LaneBody;
+use super::spring::Spring;
+use super::{Control, WalkersConfig};
+use crate::blend::records::{AxisRecord, MAX_AXES, axis};
+use crate::blend::space::BlendSpace;
+use crate::planar::wrap_angle;
+use glam::Vec2;
+use std::f32::consts::{FRAC_PI_2, PI};
+
+/// Least speed at which the direction of movement is used (m/s).
+const MOVING_MPS: f32 = 0.1;
+/// Least speed of a blend at which its direction is used (m/s).
+const STRIDING_MPS: f32 = 0.3;
+
+/// Fastest change of a parameter that is followed without delay, in widths of the box per second.
+const STEADY_PER_S: f32 = 0.8;
+
+/// What all walkers share in a step.
+pub(crate) struct Steering<'a> {
+    pub axes: &'a [AxisRecord],
+    /// Parameters are clamped to the box.
+    clamped: bool,
+    /// There are examples of side steps.
+    sideways: bool,
+    /// There are examples of back steps.
+    backward: bool,
+    dt_s: f32,
+    /// Share of a difference that is left after the step.
+    keep_heading: f32,
+    spring: Spring,
+    max_turning_rate: f32,
+}
+
+impl<'a> Steering<'a> {
+    pub fn new(space: &'a BlendSpace, config: &WalkersConfig, dt_s: f32) -> Self {
+        let axes = space.axes();
+        Self {
+            axes,
+            clamped: space.record().extrapolate == 0,
+            sideways: space.axis_of(axis::SIDE).is_some(),
+            backward: axes.iter().any(|a| a.kind == axis::SPEED && a.low < 0.0),
+            dt_s,
+            keep_heading: keep(dt_s, config.heading_half_life_s),
+            spring: Spring::new(dt_s, config.parameter_half_life_s),
+            max_turning_rate: config.max_turning_rate,
+        }
+    }
+
+    /// Moves the root of one lane onto its trajectory, turns it, and eases its parameters.
+    pub fn steer(&self, block: &mut Block, body: &LaneBody, lane: usize, control: &mut Control) {
+        let position = control.take_position(block.root(lane), self.dt_s);
+        let control = &*control;
+        let speed = control.velocity.length();
+        let placed = block.placed[lane] != 0.0;
+        let heading = block.root[2][lane];
+        let aim = self.aim(block, lane, control, speed);
+        let turned = if placed { self.turn(heading, block.aim[lane], aim) } else { wrap_angle(aim) };
+        if self.dt_s > 0.0 && placed {
+            block.turning[lane] = wrap_angle(turned - heading) / self.dt_s;
+        }
+        block.aim[lane] = aim;
+        block.root[0][lane] = position.x;
+        block.root[1][lane] = position.y;
+        block.root[2][lane] = turned;
+        block.speed[lane] = speed;
+        let asked = self.parameters(block, body, lane, control, speed);
+        if placed {
+            self.ease(block, lane, &asked);
+        } else {
+            (block.parameters[lane], block.parameter_rates[lane]) = (asked, [0.0; MAX_AXES]);
+        }
+        block.asked[lane] = asked;
+        block.placed[lane] = 1.0;
+    }
+
+    /// Follows parameters that change steadily without delay, and eases to those that jump.
+    fn ease(&self, block: &mut Block, lane: usize, asked: &[f32; MAX_AXES]) {
+        for (k, axis) in self.axes.iter().enumerate() {
+            let most = STEADY_PER_S * (axis.high - axis.low);
+            let change = asked[k] - block.asked[lane][k];
+            let steady = if self.dt_s > 0.0 { (change / self.dt_s).clamp(-most, most) } else { 0.0 };
+            let (p, rate) = (&mut block.parameters[lane][k], &mut block.parameter_rates[lane][k]);
+            let (left, left_rate) = self.spring.pull(*p - (asked[k] - steady * self.dt_s), *rate - steady);
+            (*p, *rate) = (asked[k] + left, steady + left_rate);
+        }
+    }
+
+    /// Heading to turn to (rad).
+    fn aim(&self, block: &Block, lane: usize, control: &Control, speed: f32) -> f32 {
+        let travel = control.velocity.x.atan2(control.velocity.y);
+        match control.heading {
+            Some(heading) if self.sideways || speed < MOVING_MPS => heading,
+            // Without side steps, the body has to face along or against the movement.
+            Some(heading) if self.backward && wrap_angle(travel - heading).abs() > FRAC_PI_2 => travel + PI,
+            None if speed < MOVING_MPS => block.aim[lane],
+            // The forward direction of the blend is laid on the trajectory's tangent (Kim, Kim and Shin 2003a, section
+            // 4.2.3).
+            _ => travel - lean(block.travel, lane),
+        }
+    }
+
+    /// Follows a heading that turns steadily without delay, and eases to one that jumps.
+    fn turn(&self, heading: f32, was: f32, aim: f32) -> f32 {
+        let most = self.max_turning_rate * self.dt_s;
+        let change = wrap_angle(aim - was);
+        let steady = if change.abs() <= most { change } else { 0.0 };
+        let left = wrap_angle(aim - heading - steady);
+        let turn = steady + left * (1.0 - self.keep_heading);
+        wrap_angle(heading + turn.clamp(-most, most))
+    }
+
+    /// Position in the parameter box for the movement, scaled to the body.
+    ///
+    /// Bodies of other sizes move alike at equal Froude numbers v^2 / (g l) (Alexander, *The gaits of bipedal and
+    /// quadrupedal animals*, 1984): speeds scale with the square root of the leg's length l, and so do times.
+    fn parameters(
+        &self,
+        block: &Block,
+        body: &LaneBody,
+        lane: usize,
+        control: &Control,
+        speed: f32,
+    ) -> [f32; MAX_AXES] {
+        let pace = body.pace[lane];
+        let (sin, cos) = block.root[2][lane].sin_cos();
+        let v = control.velocity / pace;
+        let (left, ahead) = (cos * v.x - sin * v.y, sin * v.x + cos * v.y);
+        // Without side steps, all movement is ahead or back.
+        let ahead = match (self.sideways, ahead < 0.0 && self.backward) {
+            (true, _) => ahead,
+            (false, true) => -speed / pace,
+            (false, false) => speed / pace,
+        };
+        let turning = control.turning_rate.unwrap_or(block.turning[lane]) * pace;
+        let mut styles = control.style.iter();
+        let mut p = [0.0; MAX_AXES];
+        for (p, axis) in p.iter_mut().zip(self.axes) {
+            *p = match axis.kind {
+                axis::SPEED => ahead,
+                axis::SIDE => left,
+                axis::GYRATION => turning,
+                _ => styles.next().copied().unwrap_or(0.0),
+            };
+            // Easing to a point beyond the box would take less time.
+            if self.clamped {
+                *p = p.clamp(axis.low, axis.high);
+            }
+        }
+        p
+    }
+}
+
+/// Angle between heading and movement of a blend; 0 if it stands or does not move ahead (rad).
+fn lean([left, ahead]: [[f32; 8]; 2], lane: usize) -> f32 {
+    let v = Vec2::new(left[lane], ahead[lane]);
+    if v.y > STRIDING_MPS { v.x.atan2(v.y) } else { 0.0 }
+}
+
+/// Share of a difference that is left after a time; 0 for a half-life of 0.
+fn keep(dt_s: f32, half_life_s: f32) -> f32 {
+    if half_life_s > 0.0 { (-dt_s / half_life_s).exp2() } else { 0.0 }
+}

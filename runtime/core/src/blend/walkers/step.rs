@@ -1,0 +1,357 @@
+//! One tick, in reading order: steer -> weigh -> advance -> blend -> retarget -> poses.
+//!
+//! Characters are handled in ranges of whole blocks; nothing in a range depends on another, so results do not depend
+//! on how walkers are split. Postures are blended one by one, with a lane for each joint, and retargeted by eights,
+//! with a lane for each character.
+
+use super::block::{Block, Foot};
+use super::body::{LEGS, LaneBody};
+use super::feet::{Bearing, Sole, Tread, tread};
+use super::reach::{lower, reach_foot, reach_hand, slow_knee, stretched, tiptoe};
+use super::spring::Spring;
+use super::steer::Steering;
+use super::{Control, WalkersConfig};
+use crate::blend::ground::{Ground, HeightField};
+use crate::blend::posture::Posture;
+use crate::blend::records::channel;
+use crate::blend::space::BlendSpace;
+use crate::contacts::Contacts;
+use crate::planar::Planar;
+use crate::pose::{
+    Lane, LanePose, LocalTransform, Mat3x4, ModelPose, Placement, load, to_model, write_locals, write_matrices,
+};
+use crate::skeleton::NUM_JOINTS;
+use glam::Vec2;
+use throng_base::simd::{Functions, LANES, Lanes, Q, V, Work, dispatch};
+
+/// Blocks of a range: 128 characters, whose state and poses fit the cache of a core.
+pub(crate) const RANGE_BLOCKS: usize = 16;
+/// Speed of a blend up to which its steps keep their own time (m/s).
+const STRIDING_MPS: f32 = 0.4;
+/// Time of a step that a foot takes by itself (s, of the database skeleton).
+const STEP_S: f32 = 0.35;
+/// Fastest turn of the knee of a leg in the air where the character stands, and how much faster it is for each m/s: a
+/// sprinter's turns at about 20 rad/s (rad/s, rad/m, of the database skeleton).
+const KNEE_RATE: f32 = 10.0;
+const KNEE_RATE_BY_SPEED: f32 = 1.8;
+/// Share of the reach at which a foot of a character that stands takes a step.
+const STANDING_REACH: f32 = 0.4;
+
+/// Time in which a difference in how far the hips are lowered halves (s).
+const DROP_HALF_LIFE_S: f32 = 0.03;
+/// Time in which a planted foot's height over the ground halves (s).
+const LANDING_HALF_LIFE_S: f32 = 0.02;
+/// Share of the blend that has a foot on the ground from which it is planted, and down to which it stays.
+const PLANTED: [f32; 2] = [0.65, 0.35];
+
+/// What all ranges of a step share.
+pub(crate) struct Tick<'a> {
+    space: &'a BlendSpace,
+    config: &'a WalkersConfig,
+    steering: Steering<'a>,
+    ground: &'a HeightField,
+    dt_s: f32,
+    /// Ticks a second; 0 for a tick of no time (1/s).
+    rate: f32,
+    /// What is left of a foot's turn in the air.
+    keep: f32,
+    /// How a foot's offset fades in the air.
+    air: Spring,
+    /// How a foot comes down to the ground.
+    landing: Spring,
+    /// How the hips are lowered.
+    drop: Spring,
+}
+
+impl<'a> Tick<'a> {
+    pub fn new(space: &'a BlendSpace, config: &'a WalkersConfig, dt_s: f32, ground: &'a HeightField) -> Self {
+        let keep = (-dt_s / config.foot_half_life_s).exp2();
+        let spring = |half_life_s| Spring::new(dt_s, half_life_s);
+        Self {
+            space,
+            config,
+            steering: Steering::new(space, config, dt_s),
+            ground,
+            dt_s,
+            rate: if dt_s > 0.0 { 1.0 / dt_s } else { 0.0 },
+            keep,
+            air: spring(config.foot_half_life_s),
+            landing: spring(LANDING_HALF_LIFE_S),
+            drop: spring(DROP_HALF_LIFE_S),
+        }
+    }
+}
+
+/// The walkers that one call handles.
+pub(crate) struct Range<'a> {
+    pub blocks: &'a mut [Block],
+    pub bodies: &'a [LaneBody],
+    /// One per walker; the last block may have empty lanes.
+    pub controls: &'a mut [Control],
+    /// (controls.len() * stride)
+    pub weights: &'a mut [f32],
+    /// (controls.len())
+    pub roots: &'a mut [Planar],
+    /// (controls.len())
+    pub model: &'a mut [[Mat3x4; NUM_JOINTS]],
+    /// (controls.len() * NUM_JOINTS, or 0 without local transforms)
+    pub locals: &'a mut [LocalTransform],
+}
+
+/// Moves a range on.
+pub(crate) fn step(range: Range<'_>, tick: &Tick<'_>) {
+    for (c, control) in range.controls.iter_mut().enumerate() {
+        let block = &mut range.blocks[c / LANES];
+        tick.steering.steer(block, &range.bodies[c / LANES], c % LANES, control);
+        range.roots[c] = block.root(c % LANES);
+    }
+    dispatch(Blend { range, tick });
+}
+
+/// What follows steering, for all blocks of a range.
+struct Blend<'a, 't> {
+    range: Range<'a>,
+    tick: &'a Tick<'t>,
+}
+
+impl Work for Blend<'_, '_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<F: Lanes>(self) {
+        let Range { blocks, bodies, controls, weights, model: matrices, locals, .. } = self.range;
+        let matrices = matrices.as_flattened_mut();
+        let space = self.tick.space;
+        let mut from = 0;
+        for (block, body) in blocks.iter_mut().zip(bodies) {
+            let count = LANES.min(controls.len() - from);
+            let weights = &mut weights[from * space.stride()..][..count * space.stride()];
+            space.weigh::<F>(&block.parameters[..count], weights);
+            let mut postures = [Posture::default(); LANES];
+            let mut importance = [[0.0; LANES]; 2];
+            for (lane, weights) in weights.chunks_exact(space.stride()).enumerate() {
+                advance::<F>(block, body, lane, weights, self.tick);
+                let place = space.place(block.phase[lane]);
+                space.blend::<F>(weights, &place, &mut postures[lane]);
+                let both = space.timing.importance::<F>(weights, place.rows, place.ratio);
+                [importance[0][lane], importance[1][lane]] = both;
+            }
+            let model = retarget::<F>(block, body, &postures, &importance, self.tick);
+            let joints = from * NUM_JOINTS..(from + count) * NUM_JOINTS;
+            write_matrices(&model, count, &mut matrices[joints.clone()]);
+            if let Some(locals) = locals.get_mut(joints) {
+                write_locals(|j| load(&body.offsets[j]), &model, count, locals);
+            }
+            from += count;
+        }
+    }
+}
+
+/// Moves the generic time of one lane on, a little faster or slower where that makes strides fit the speed.
+#[inline(always)]
+fn advance<F: Lanes>(block: &mut Block, body: &LaneBody, lane: usize, weights: &[f32], tick: &Tick<'_>) {
+    let timing = &tick.space.timing;
+    let [cycle_s, left, ahead] = timing.cycle::<F>(weights);
+    let pace = body.pace[lane];
+    let seconds = cycle_s.max(1e-3);
+    block.travel[0][lane] = left / seconds;
+    block.travel[1][lane] = ahead / seconds;
+    let stride_mps = (left * left + ahead * ahead).sqrt() / seconds;
+    let [slow, fast] = tick.config.tempo;
+    let fitting = (block.speed[lane] / pace / stride_mps.max(1e-3)).clamp(slow, fast);
+    let share = (stride_mps / STRIDING_MPS).min(1.0);
+    let tempo = 1.0 + (fitting - 1.0) * share * share;
+    block.phase[lane] = timing.advance::<F>(weights, block.phase[lane], tick.dt_s * tempo / pace);
+}
+
+/// Eight postures as one lane each.
+struct Transposed<F> {
+    rotations: [Q<F>; NUM_JOINTS],
+    hips: V<F>,
+    ankles: [V<F>; 2],
+    hands: [V<F>; 2],
+    contacts: [F; 2],
+    touches: [F; 2],
+}
+
+#[inline(always)]
+fn transpose<F: Lanes>(postures: &[Posture; LANES]) -> Transposed<F> {
+    let zero = F::splat(0.0);
+    let mut rotations = [Q::new(V::new(zero, zero, zero), zero); NUM_JOINTS];
+    for quad in 0..NUM_JOINTS.div_ceil(4) {
+        let mut c = [[zero; 4]; 4];
+        for (component, c) in c.iter_mut().enumerate() {
+            *c = F::columns(postures.each_ref().map(|p| &p.rotations[component].as_chunks().0[quad]));
+        }
+        for k in 0..4.min(NUM_JOINTS - 4 * quad) {
+            rotations[4 * quad + k] = Q::new(V::new(c[0][k], c[1][k], c[2][k]), c[3][k]);
+        }
+    }
+    let mut c = [zero; 20];
+    for quad in 0..5 {
+        let four = F::columns(postures.each_ref().map(|p| &p.channels.as_chunks().0[quad]));
+        c[4 * quad..][..4].copy_from_slice(&four);
+    }
+    let at = |channel: usize| c[channel - channel::HIPS];
+    let vector = |channel: usize| V::new(at(channel), at(channel + 1), at(channel + 2));
+    Transposed {
+        rotations,
+        hips: vector(channel::HIPS),
+        ankles: [vector(channel::LEFT_ANKLE), vector(channel::RIGHT_ANKLE)],
+        hands: [vector(channel::LEFT_HAND), vector(channel::RIGHT_HAND)],
+        contacts: [at(channel::LEFT_CONTACT), at(channel::RIGHT_CONTACT)],
+        touches: [at(channel::LEFT_TOUCH), at(channel::RIGHT_TOUCH)],
+    }
+}
+
+/// Puts the postures on the bodies and on the ground (Kim, Kim and Shin 2003a, sections 4.2.3 and 4.2.4).
+#[inline(always)]
+fn retarget<F: Lanes>(
+    block: &mut Block,
+    body: &LaneBody,
+    postures: &[Posture; LANES],
+    importance: &[Lane; 2],
+    tick: &Tick<'_>,
+) -> ModelPose<F> {
+    let t = transpose::<F>(postures);
+    let place = placement::<F>(block, tick.ground);
+    let mut root = t.hips * F::load(&body.scale);
+    root.y = root.y + F::load(&body.lift) + place.y;
+    let mut model = to_model(|j| load(&body.offsets[j]), &LanePose { root, rotations: t.rotations });
+    if !tick.config.retarget {
+        block.contacts = contacts(t.contacts.map(|c| [standing(c).to_array(); 2]));
+        return model;
+    }
+    let importance = [F::load(&importance[0]), F::load(&importance[1])];
+    let (left, left_bears) = plant(block, body, 0, &t, importance[0], &place, &model, tick);
+    let (right, right_bears) = plant(block, body, 1, &t, importance[1], &place, &model, tick);
+    let (mut soles, mut bearing) = ([left, right], [left_bears, right_bears]);
+    for (side, sole) in soles.iter_mut().enumerate() {
+        tiptoe(body, side, sole, &mut bearing[side], &model);
+    }
+    lower(body, &soles, importance, ([&mut block.drop, &mut block.drop_rate], &tick.drop), &mut model);
+    let pace = F::load(&body.pace);
+    let knee_rate = F::splat(KNEE_RATE) / pace + F::load(&block.speed) * F::splat(KNEE_RATE_BY_SPEED) / (pace * pace);
+    for (side, sole) in soles.iter_mut().enumerate() {
+        slow_knee(body, side, (&mut block.feet[side], sole), knee_rate * F::splat(tick.dt_s), &model);
+        release(&mut block.feet[side], &mut bearing[side], stretched(body, side, sole, &model));
+        reach_foot(body, side, sole, &mut model);
+    }
+    for (side, &touch) in t.touches.iter().enumerate() {
+        if touch.any_gt(F::splat(0.0)) {
+            let to = model.positions[0] + t.hands[side] * F::load(&body.arm_scale);
+            reach_hand(body, side, to, touch.max(F::splat(0.0)).min(F::splat(1.0)), &mut model);
+        }
+    }
+    block.contacts = contacts(bearing);
+    model
+}
+
+/// Lets a planted foot that the leg does not reach go, to take a step to where it belongs.
+#[inline(always)]
+fn release<F: Lanes>(foot: &mut Foot, bearing: &mut Bearing, stretched: F) {
+    let (zero, half) = (F::splat(0.0), F::splat(0.5));
+    let let_go = stretched * F::load(&foot.down);
+    foot.step = F::select_lt(half, let_go, zero, F::load(&foot.step)).to_array();
+    for part in bearing {
+        *part = F::select_lt(half, let_go, zero, F::load(part)).to_array();
+    }
+}
+
+/// Where eight characters stand.
+#[inline(always)]
+fn placement<F: Lanes>(block: &Block, ground: &HeightField) -> Placement<F> {
+    let [x, z, heading] = &block.root;
+    let (sin, cos) = F::load(heading).sin_cos();
+    let y = std::array::from_fn(|lane| ground.at(Vec2::new(x[lane], z[lane])).height);
+    Placement { x: F::load(x), y: F::from_array(y), z: F::load(z), sin, cos }
+}
+
+/// Where one foot goes, and which of its parts bear.
+///
+/// The examples' ankle is scaled to the body, and taken as far as its place matters; else the joint angles have it.
+#[inline(always)]
+#[expect(
+    clippy::too_many_arguments,
+    reason = "the parts of one foot; a record of them would be made for this call alone"
+)]
+fn plant<F: Lanes>(
+    block: &mut Block,
+    body: &LaneBody,
+    side: usize,
+    t: &Transposed<F>,
+    importance: F,
+    place: &Placement<F>,
+    model: &ModelPose<F>,
+    tick: &Tick<'_>,
+) -> (Sole<F>, Bearing) {
+    let (zero, one) = (F::splat(0.0), F::splat(1.0));
+    let (leg, scale) = (&body.legs[side], F::load(&body.scale));
+    let [_, _, foot, toe] = LEGS[side].map(|j| j.index());
+    let by_angles = model.positions[foot] - V::new(zero, place.y, zero);
+    let scaled = (t.hips + t.ankles[side]) * scale + load(&leg.ankle);
+    let mut ankle = by_angles + (scaled - by_angles) * importance;
+    let ground = ground_below(tick.ground, place, ankle, &block.feet[side]);
+    ankle.y = ankle.y + ground[0];
+    let other = &block.feet[1 - side];
+    // Who stands brings a foot back that is only a little off.
+    let going = (F::load(&block.speed) * F::splat(2.0)).min(one);
+    let share = F::splat(STANDING_REACH) + going * F::splat(1.0 - STANDING_REACH);
+    let [plants, stays] = PLANTED.map(F::splat);
+    let threshold = plants + (stays - plants) * F::load(&block.feet[side].down);
+    let tread_in = Tread {
+        leg,
+        place,
+        scale,
+        ground,
+        contact: F::select_lt(threshold, t.contacts[side], one, zero),
+        importance,
+        dt_s: F::splat(tick.dt_s),
+        rate: F::splat(tick.rate),
+        keep: F::splat(tick.keep),
+        air: &tick.air,
+        landing: &tick.landing,
+        step_s: F::splat(STEP_S) * F::load(&body.pace),
+        reach: F::splat(tick.config.foot_reach_m) * share * scale,
+        other_stands: F::select_lt(F::load(&other.step), one, zero, F::load(&other.down)),
+    };
+    let wanted = Sole { ankle, foot: model.rotations[foot], toe: model.rotations[toe] };
+    tread(&tread_in, &mut block.feet[side], wanted)
+}
+
+/// Height of the ground below a foot, and its slope along x and z of model space.
+#[inline(always)]
+fn ground_below<F: Lanes>(ground: &HeightField, place: &Placement<F>, ankle: V<F>, foot: &Foot) -> [F; 3] {
+    if ground.is_flat() {
+        return [F::splat(0.0); 3];
+    }
+    let at = place.to_world(ankle) + load(&foot.offset);
+    let (x, z) = (at.x.to_array(), at.z.to_array());
+    let below: [Ground; LANES] = std::array::from_fn(|lane| ground.at(Vec2::new(x[lane], z[lane])));
+    let [x, z] = [0, 1].map(|axis| F::from_array(below.map(|g| g.slope[axis])));
+    let slope = place.vector_to_model(V::new(x, F::splat(0.0), z));
+    [F::from_array(below.map(|g| g.height)), slope.x, slope.z]
+}
+
+/// 1 where more than half of the blend has a foot on the ground.
+#[inline(always)]
+fn standing<F: Lanes>(contact: F) -> F {
+    F::select_lt(F::splat(0.5), contact, F::splat(1.0), F::splat(0.0))
+}
+
+/// Bits of the parts that bear: heel and ball of the left foot, then of the right.
+fn contacts(bearing: [Bearing; 2]) -> [Contacts; LANES] {
+    const PARTS: [[Contacts; 2]; 2] =
+        [[Contacts::LEFT_HEEL, Contacts::LEFT_TOE], [Contacts::RIGHT_HEEL, Contacts::RIGHT_TOE]];
+    let mut all = [Contacts::NONE; LANES];
+    for (parts, bearing) in PARTS.iter().zip(&bearing) {
+        for (&part, bears) in parts.iter().zip(bearing) {
+            for (contacts, &bears) in all.iter_mut().zip(bears) {
+                if bears > 0.5 {
+                    contacts.insert(part);
+                }
+            }
+        }
+    }
+    all
+}

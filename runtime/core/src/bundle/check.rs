@@ -1,0 +1,149 @@
+//! Every stored index against its table, every number for being finite.
+
+mod blends;
+mod patches;
+
+pub(super) use blends::blends;
+pub(super) use patches::{patches, pose_groups};
+
+use super::{Bundle, tags};
+use crate::format::FormatError;
+use crate::policy::ActionTable;
+use crate::skeleton::{Joint, NUM_JOINTS, Skeleton};
+
+/// Offsets are finite and legs have a length.
+pub(super) fn skeleton(s: &Skeleton) -> Result<(), FormatError> {
+    for (i, o) in s.offsets.iter().chain(&s.tips).enumerate() {
+        if !(o.is_finite() && o.abs().max_element() < 1e3) {
+            return Err(FormatError::value(tags::SKELETON, 0, format!("offset {i} is {o}, not a length in metres")));
+        }
+    }
+    for j in [Joint::LeftShin, Joint::LeftFoot, Joint::RightShin, Joint::RightFoot] {
+        if s.offsets[j.index()].length() < 1e-3 {
+            return Err(FormatError::value(tags::SKELETON, 0, format!("{} lies in its parent", j.name())));
+        }
+    }
+    Ok(())
+}
+
+/// Clips tile the frames; rows are finite, their rotations not zero; contacts have seven bits and a byte a frame.
+pub(super) fn motion(t: &Bundle) -> Result<(), FormatError> {
+    let (frames, contacts) = (t.frames(), t.contacts());
+    if contacts.len() != frames.len() {
+        return Err(FormatError::layout(format!("{} contacts for {} frames", contacts.len(), frames.len())));
+    }
+    if t.meta().clips.len() != t.clips().len() {
+        let (names, clips) = (t.meta().clips.len(), t.clips().len());
+        return Err(FormatError::layout(format!("META names {names} clips, there are {clips}")));
+    }
+    let mut next = 0u64;
+    for (i, c) in t.clips().iter().enumerate() {
+        if u64::from(c.first_frame) != next || c.num_frames == 0 || c.mirrored > 1 || c.reserved != 0 {
+            return Err(FormatError::value(tags::CLIPS, i, format!("it does not follow the clip before it: {c:?}")));
+        }
+        next += u64::from(c.num_frames);
+    }
+    if next != frames.len() as u64 {
+        return Err(FormatError::layout(format!("clips hold {next} frames, there are {}", frames.len())));
+    }
+    for (i, row) in frames.iter().enumerate() {
+        let moderate = row.planar.iter().chain([&row.height]).all(|v| v.abs() < 1e6);
+        // Interpolation between neighbours must not meet a zero quaternion; half of unit length is far from that.
+        let long = |q: &[i16; 4]| q.iter().map(|&v| i64::from(v) * i64::from(v)).sum::<i64>() > 1 << 28;
+        if !moderate || !row.rotations.iter().all(long) {
+            return Err(FormatError::value(tags::FRAMES, i, "it holds a number that cannot be"));
+        }
+    }
+    rotations_continue(t)?;
+    match contacts.iter().position(|c| c.0 > 127) {
+        Some(i) => Err(FormatError::value(tags::CONTACTS, i, format!("{} is not seven bits", contacts[i].0))),
+        None => Ok(()),
+    }
+}
+
+/// Hits ascend by frame, name frames, joints and kinds that exist, and have moderate numbers.
+pub(super) fn hits(t: &Bundle) -> Result<(), FormatError> {
+    let (hits, num_kinds) = (t.hits(), t.meta().hit_kinds().count());
+    for (i, h) in hits.iter().enumerate() {
+        let wrong = |what: &str| Err(FormatError::value(tags::HITS, i, format!("{what}: {h:?}")));
+        if h.frame as usize >= t.frames().len() || i > 0 && hits[i - 1].frame > h.frame {
+            return wrong("its frame does not exist or comes before the last one");
+        }
+        if h.kind as usize >= num_kinds || h.joint as usize >= NUM_JOINTS || h.reserved != 0 {
+            return wrong("no such kind or joint");
+        }
+        let moderate = h.position.iter().chain([&h.speed_mps]).all(|v| v.abs() < 1e6) && h.speed_mps >= 0.0;
+        let unit = (h.direction().length() - 1.0).abs() < 1e-3;
+        if !(moderate && unit && h.force > 0.0 && h.force <= 1.0) {
+            return wrong("it holds a number that cannot be");
+        }
+    }
+    Ok(())
+}
+
+/// Neighbouring frames of a clip have rotations on the same side, so that interpolation never meets zero.
+fn rotations_continue(t: &Bundle) -> Result<(), FormatError> {
+    let dot = |a: &[i16; 4], b: &[i16; 4]| (0..4).map(|k| i64::from(a[k]) * i64::from(b[k])).sum::<i64>();
+    for c in t.clips() {
+        let first = c.first_frame as usize;
+        let rows = &t.frames()[first..first + c.num_frames as usize];
+        for (i, pair) in rows.windows(2).enumerate() {
+            if pair[0].rotations.iter().zip(&pair[1].rotations).any(|(a, b)| dot(a, b) < 0) {
+                return Err(FormatError::value(tags::FRAMES, first + i, "its rotations do not continue in the next"));
+            }
+        }
+    }
+    Ok(())
+}
+
+/// States and segments lie in the frames, segments inside their clips and end where their state is, actions exist.
+pub(super) fn graph(t: &Bundle) -> Result<(), FormatError> {
+    let g = t.graph();
+    let num_frames = t.frames().len();
+    for (i, s) in g.states.iter().enumerate() {
+        if s.frame as usize >= num_frames || s.standing > 1 {
+            return Err(FormatError::value(tags::STATES, i, format!("no such frame, there are {num_frames}: {s:?}")));
+        }
+    }
+    for (i, s) in g.segments.iter().enumerate() {
+        let wrong = |what: &str| Err(FormatError::value(tags::SEGMENTS, i, format!("{what}: {s:?}")));
+        let Some(clip) = t.clips().get(s.clip as usize) else {
+            return wrong("no such clip");
+        };
+        let Some(end) = g.states.get(s.end as usize) else {
+            return wrong("no such end state");
+        };
+        let last = u64::from(s.start) + u64::from(s.num_frames);
+        let clip_end = u64::from(clip.first_frame) + u64::from(clip.num_frames);
+        if s.num_frames == 0 || s.start < clip.first_frame || last >= clip_end || last != u64::from(end.frame) {
+            return wrong("it leaves its clip or does not end at its state");
+        }
+        if !s.displacement.iter().all(|v| v.abs() < 1e6) || s.reserved != 0 {
+            return wrong("its displacement cannot be");
+        }
+    }
+    if g.action_offsets.len() != g.states.len() + 1 {
+        let (states, offsets) = (g.states.len(), g.action_offsets.len());
+        return Err(FormatError::layout(format!("{offsets} action offsets for {states} states")));
+    }
+    if g.states.is_empty() && t.patches().patches.is_empty() && t.blends().spaces.is_empty() {
+        return Err(FormatError::layout(
+            "there is neither a motion graph nor a motion patch nor a blend space: nothing can be played",
+        ));
+    }
+    ActionTable::new(&g.action_offsets, &g.action_segments, g.segments.len())
+        .map_err(|e| FormatError::layout(e.to_string()))?;
+    let mut entered = vec![false; g.states.len()];
+    g.segments.iter().for_each(|s| entered[s.end as usize] = true);
+    if let Some(i) = entered.iter().position(|e| !e) {
+        return Err(FormatError::value(tags::STATES, i, "no segment leads to it"));
+    }
+    if g.action_errors.len() != g.action_segments.len() {
+        let (errors, actions) = (g.action_errors.len(), g.action_segments.len());
+        return Err(FormatError::layout(format!("{errors} errors for {actions} actions")));
+    }
+    match g.action_errors.iter().position(|e| !(*e >= 0.0 && *e < 1e9)) {
+        Some(i) => Err(FormatError::value(tags::ACTION_ERRORS, i, format!("{} is no distance", g.action_errors[i]))),
+        None => Ok(()),
+    }
+}

@@ -1,0 +1,173 @@
+//! Blend spaces: ranges tile their sections, numbers are moderate, references are unit, rates positive.
+
+use super::super::{Bundle, tags};
+use crate::blend::{
+    BlendRecord, ChannelRow, ExampleRecord, MAX_AXES, MAX_KNOTS, MAX_WEIGHT, NUM_CHANNELS, PADDED_JOINTS, ReferenceRow,
+    axis, channel,
+};
+use crate::format::FormatError;
+
+/// Numbers of examples and channels stay below this.
+const FAR: f32 = 1e4;
+/// How far the sum of a weight row may be from 1.
+const SUM_TOLERANCE: f32 = 1e-4;
+/// Frames more than a cycle ends within: it may end between two frames.
+const FRAME: u64 = 1;
+
+/// Every blend space, and nothing left over.
+pub fn blends(t: &Bundle) -> Result<(), FormatError> {
+    let all = t.blends();
+    let mut next = [0u64; 4];
+    let lengths = [all.examples.len(), all.weights.len(), all.references.len(), all.channels.len()];
+    for (i, b) in all.spaces.iter().enumerate() {
+        let wrong = |what: &str| Err(FormatError::value(tags::BLENDS, i, format!("{what}: {b:?}")));
+        let Some(knots) = knots(b) else {
+            return wrong("its axes cannot be");
+        };
+        let n = u64::from(b.num_examples);
+        let stride = n.next_multiple_of(8);
+        if n == 0 || u64::from(b.weight_stride) != stride || b.num_phases < 2 || b.extrapolate > 1 {
+            return wrong("it has no examples or phases, or its rows have another length");
+        }
+        if !(b.max_weight_error >= 0.0 && b.max_weight_error < MAX_WEIGHT) {
+            return wrong("its error cannot be");
+        }
+        let phases = u64::from(b.num_phases);
+        let starts = [b.first_example, b.first_weight, b.first_row, b.first_channel_row];
+        let sizes = [n, knots.saturating_mul(stride), phases, phases.saturating_mul(n)];
+        for (((next, start), size), len) in next.iter_mut().zip(starts).zip(sizes).zip(lengths) {
+            if u64::from(start) != *next || next.saturating_add(size) > len as u64 {
+                return wrong("its examples or rows do not follow those of the space before it");
+            }
+            *next += size;
+        }
+        let part = |k: usize| (next[k] - sizes[k]) as usize..next[k] as usize;
+        examples(t, b, &all.examples[part(0)])?;
+        weights(b, &all.weights[part(1)])?;
+        references(b, &all.references[part(2)])?;
+        channels(b, &all.channels[part(3)])?;
+    }
+    let tags = [tags::BLEND_EXAMPLES, tags::BLEND_WEIGHTS, tags::BLEND_REFERENCES, tags::BLEND_CHANNELS];
+    match tags.iter().zip(next).zip(lengths).find(|((_, used), len)| *used != *len as u64) {
+        Some(((tag, used), len)) => {
+            Err(FormatError::layout(format!("section {tag} has {len} elements, its blend spaces need {used}")))
+        }
+        None => names(t),
+    }
+}
+
+/// Number of knots of a space's weight table, or nothing where an axis cannot be.
+fn knots(b: &BlendRecord) -> Option<u64> {
+    let (used, rest) = b.axes.split_at_checked(b.num_axes as usize).filter(|(used, _)| !used.is_empty())?;
+    let moderate = used.iter().all(|a| a.low < a.high && a.low.abs() < FAR && a.high.abs() < FAR);
+    let kinds = used.iter().all(|a| a.kind <= axis::GYRATION && a.num_knots >= 2);
+    let unused = rest.iter().all(|a| *a == Default::default());
+    let knots = used.iter().fold(1u64, |n, a| n.saturating_mul(u64::from(a.num_knots)));
+    (moderate && kinds && unused && knots <= u64::from(MAX_KNOTS)).then_some(knots)
+}
+
+/// Every space has a name of its own, and names for its axes and examples.
+fn names(t: &Bundle) -> Result<(), FormatError> {
+    let (names, records) = (&t.meta().blends, &t.blends().spaces);
+    if names.len() != records.len() {
+        let (names, records) = (names.len(), records.len());
+        return Err(FormatError::layout(format!("META names {names} blend spaces, there are {records}")));
+    }
+    for (name, b) in names.iter().zip(records) {
+        if name.axes.len() != b.num_axes as usize || name.examples.len() != b.num_examples as usize {
+            let message = format!("META names other axes or examples of blend space `{}` than there are", name.name);
+            return Err(FormatError::layout(message));
+        }
+    }
+    let mut sorted: Vec<&str> = names.iter().map(|b| b.name.as_str()).collect();
+    sorted.sort_unstable();
+    match sorted.windows(2).find(|p| p[0] == p[1]) {
+        Some(pair) => Err(FormatError::layout(format!("META names two blend spaces `{}`", pair[0]))),
+        None => Ok(()),
+    }
+}
+
+/// Examples lie in their clips, and their numbers are moderate.
+fn examples(t: &Bundle, b: &BlendRecord, examples: &[ExampleRecord]) -> Result<(), FormatError> {
+    for (i, e) in examples.iter().enumerate() {
+        let wrong = |what: &str| {
+            let index = b.first_example as usize + i;
+            Err(FormatError::value(tags::BLEND_EXAMPLES, index, format!("{what}: {e:?}")))
+        };
+        let moving = [e.velocity[0], e.velocity[1], e.gyration];
+        let moderate = e.parameters.iter().chain(&moving).all(|v| v.abs() < FAR);
+        let unused = e.parameters[(b.num_axes as usize).min(MAX_AXES)..].iter().all(|p| *p == 0.0);
+        if !(moderate && unused && e.duration_s > 0.0 && e.duration_s < FAR) {
+            return wrong("it holds a number that cannot be");
+        }
+        let known = ExampleRecord::IS_STILL | ExampleRecord::IS_MIRRORED;
+        let still = e.flags & ExampleRecord::IS_STILL != 0;
+        let within = e.keytimes.iter().all(|k| (0.0..1.0).contains(k));
+        if e.flags & !known != 0 || e.reserved != 0 || !within || still && e.keytimes != [0.0; 3] {
+            return wrong("its flags or keytimes cannot be");
+        }
+        let Some(clip) = t.clips().get(e.clip as usize) else {
+            return wrong("no such clip");
+        };
+        let end = u64::from(e.first_frame) + u64::from(e.num_frames);
+        if e.num_frames == 0 || end > u64::from(clip.num_frames) + FRAME {
+            return wrong("it leaves its clip");
+        }
+    }
+    Ok(())
+}
+
+/// Weights sum to one; those beyond the examples are zero.
+fn weights(b: &BlendRecord, weights: &[f32]) -> Result<(), FormatError> {
+    let (stride, n) = (b.weight_stride as usize, b.num_examples as usize);
+    for (row, w) in weights.chunks_exact(stride).enumerate() {
+        let moderate = w.iter().all(|w| w.abs() < MAX_WEIGHT) && w[n..].iter().all(|w| *w == 0.0);
+        let scale = w.iter().fold(1.0f32, |s, w| s.max(w.abs()));
+        if !moderate || (w.iter().sum::<f32>() - 1.0).abs() > SUM_TOLERANCE * scale {
+            let index = b.first_weight as usize + row * stride;
+            return Err(FormatError::value(tags::BLEND_WEIGHTS, index, "this row's weights do not sum to 1"));
+        }
+    }
+    Ok(())
+}
+
+/// References are unit, the identity beyond the joints, and on the same side as those of the phase after them.
+fn references(b: &BlendRecord, rows: &[ReferenceRow]) -> Result<(), FormatError> {
+    let of = |row: &ReferenceRow, j: usize| row.components.map(|c| c[j]);
+    let dot = |p: [f32; 4], q: [f32; 4]| (0..4).map(|k| p[k] * q[k]).sum::<f32>();
+    for (i, row) in rows.iter().enumerate() {
+        let wrong = |what: &str| {
+            let index = b.first_row as usize + i;
+            Err(FormatError::value(tags::BLEND_REFERENCES, index, what.to_owned()))
+        };
+        let next = &rows[(i + 1) % rows.len()];
+        for j in 0..PADDED_JOINTS {
+            let q = of(row, j);
+            let unit = (dot(q, q) - 1.0).abs() < 1e-3;
+            if !unit || j >= crate::skeleton::NUM_JOINTS && q != [0.0, 0.0, 0.0, 1.0] {
+                return wrong("it holds a rotation that is not unit, or one of no joint");
+            }
+            if dot(q, of(next, j)).partial_cmp(&0.0) != Some(std::cmp::Ordering::Greater) {
+                return wrong("its rotations do not continue in the next");
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Channels are moderate, rates positive, contacts shares; what belongs to no joint or channel is zero.
+fn channels(b: &BlendRecord, rows: &[ChannelRow]) -> Result<(), FormatError> {
+    let joints = crate::skeleton::NUM_JOINTS;
+    for (i, row) in rows.iter().enumerate() {
+        let v = &row.values;
+        let moderate = v.iter().all(|v| v.abs() < FAR);
+        let log = channel::LOG.iter().all(|&at| v[at + joints..at + PADDED_JOINTS].iter().all(|v| *v == 0.0));
+        let end = v[channel::GYRATION + 1..NUM_CHANNELS].iter().all(|v| *v == 0.0);
+        let shares = v[channel::LEFT_CONTACT..channel::VELOCITY].iter().all(|v| (0.0..=1.0).contains(v));
+        if !(moderate && log && end && shares && v[channel::RATE] > 0.0) {
+            let index = b.first_channel_row as usize + i;
+            return Err(FormatError::value(tags::BLEND_CHANNELS, index, "it holds a number that cannot be"));
+        }
+    }
+    Ok(())
+}

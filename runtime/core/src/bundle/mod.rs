@@ -1,0 +1,257 @@
+//! Opening a bundle: map, check everything that could go wrong later, hand out views.
+
+mod check;
+mod policies;
+mod sections;
+
+pub use sections::tags;
+
+use crate::blend::{BlendSpace, Blends};
+use crate::contacts::Contacts;
+use crate::format::{AlignedBytes, ClipRecord, FormatError, FrameRow, Layout, Meta, Storage, Table, Tag};
+use crate::graph::MotionGraph;
+use crate::hits::HitRecord;
+use crate::patch::Patches;
+use crate::policy::{PolicyRecord, PolicyTable};
+use crate::skeleton::Skeleton;
+use sections::Sections;
+use std::path::Path;
+use std::sync::{Arc, OnceLock};
+use throng_base::{Error, Hash128, Result};
+
+/// An open bundle. A clone is cheap, and all clones share one file; nothing is copied but META and the skeleton.
+///
+/// A bundle is mapped, not read: pages come in as they are touched, and several processes share them. Everything that
+/// is read later is checked once, here: magic, version, lengths, alignment, padding, checksums, every stored
+/// index against its table, every number for being finite.
+#[derive(Clone, Debug)]
+pub struct Bundle {
+    shared: Arc<Shared>,
+    policies: Arc<[PolicyTable]>,
+}
+
+/// What the clones of a bundle share.
+#[derive(Debug)]
+struct Shared {
+    storage: Arc<Storage>,
+    meta: Meta,
+    skeleton: Skeleton,
+    sections: Sections,
+    graph: MotionGraph,
+    patches: Patches,
+    blends: Blends,
+    sizes: Vec<(Tag, usize)>,
+    fingerprint: u64,
+    hash: OnceLock<u128>,
+}
+
+impl Bundle {
+    /// Maps and checks a file.
+    ///
+    /// # Errors
+    /// [`FormatError`] says what is wrong with the file and what to do.
+    pub fn open(path: impl AsRef<Path>) -> Result<Self, FormatError> {
+        Self::new(Storage::map(path.as_ref())?, true)
+    }
+
+    /// As [`Bundle::open`], without comparing the sections' checksums. Everything that a view relies on for its
+    /// safety is checked all the same.
+    ///
+    /// # Errors
+    /// As [`Bundle::open`].
+    pub fn open_unverified(path: impl AsRef<Path>) -> Result<Self, FormatError> {
+        Self::new(Storage::map(path.as_ref())?, false)
+    }
+
+    /// As [`Bundle::open`], of bytes in memory.
+    ///
+    /// # Errors
+    /// As [`Bundle::open`].
+    pub fn from_bytes(bytes: AlignedBytes) -> Result<Self, FormatError> {
+        Self::new(Storage::Memory(bytes), true)
+    }
+
+    /// As [`Bundle::open_unverified`], of bytes in memory.
+    ///
+    /// # Errors
+    /// As [`Bundle::open`].
+    pub fn from_bytes_unverified(bytes: AlignedBytes) -> Result<Self, FormatError> {
+        Self::new(Storage::Memory(bytes), false)
+    }
+
+    fn new(storage: Storage, checksums: bool) -> Result<Self, FormatError> {
+        let layout = Layout::read(storage.bytes(), checksums)?;
+        let storage = Arc::new(storage);
+        let s = Sections::new(&storage, &layout)?;
+        let meta = Meta::decode(&s.meta)?;
+        let [record] = &*s.skeleton else {
+            return Err(FormatError::layout(format!("section SKEL has {} elements, expected 1", s.skeleton.len())));
+        };
+        let shared = Shared {
+            storage,
+            skeleton: Skeleton::from(record),
+            graph: MotionGraph {
+                states: s.states.clone(),
+                segments: s.segments.clone(),
+                action_offsets: s.action_offsets.clone(),
+                action_segments: s.action_segments.clone(),
+                action_errors: s.action_errors.clone(),
+            },
+            patches: Patches {
+                patches: s.patches.clone(),
+                edges: s.patch_edges.clone(),
+                cells: s.patch_cells.clone(),
+                links: s.patch_links.clone(),
+            },
+            blends: Blends {
+                spaces: s.blends.clone(),
+                examples: s.blend_examples.clone(),
+                weights: s.blend_weights.clone(),
+                references: s.blend_references.clone(),
+                channels: s.blend_channels.clone(),
+                names: meta.blends.iter().map(|b| b.name.clone()).collect(),
+                skeleton: Skeleton::from(record),
+                fingerprint: layout.fingerprint(),
+            },
+            meta,
+            sections: s,
+            sizes: layout.sizes().collect(),
+            fingerprint: layout.fingerprint(),
+            hash: OnceLock::new(),
+        };
+        let mut bundle = Self { shared: Arc::new(shared), policies: Arc::default() };
+        check::skeleton(bundle.skeleton())?;
+        check::motion(&bundle)?;
+        check::hits(&bundle)?;
+        check::graph(&bundle)?;
+        bundle.policies = policies::open(&bundle)?.into();
+        check::pose_groups(&bundle)?;
+        check::patches(&bundle)?;
+        check::blends(&bundle)?;
+        Ok(bundle)
+    }
+
+    /// What the bundle says of itself.
+    pub fn meta(&self) -> &Meta {
+        &self.shared.meta
+    }
+
+    /// The database skeleton.
+    pub fn skeleton(&self) -> &Skeleton {
+        &self.shared.skeleton
+    }
+
+    /// The clips' places in [`Bundle::frames`].
+    pub fn clips(&self) -> &Table<ClipRecord> {
+        &self.shared.sections.clips
+    }
+
+    /// Every frame of every clip.
+    pub fn frames(&self) -> &Table<FrameRow> {
+        &self.shared.sections.frames
+    }
+
+    /// Foot contacts (frames().len()).
+    pub fn contacts(&self) -> &Table<Contacts> {
+        &self.shared.sections.contacts
+    }
+
+    /// Effective hits, ascending by frame.
+    pub fn hits(&self) -> &Table<HitRecord> {
+        &self.shared.sections.hits
+    }
+
+    /// The motion graph.
+    pub fn graph(&self) -> &MotionGraph {
+        &self.shared.graph
+    }
+
+    /// The policies; their names are `meta().behaviours`.
+    pub fn policies(&self) -> &Arc<[PolicyTable]> {
+        &self.policies
+    }
+
+    /// What is stored of each policy beside its tables (policies().len()).
+    pub fn policy_records(&self) -> &[PolicyRecord] {
+        &self.shared.sections.policies
+    }
+
+    /// Number of the policy of a behaviour.
+    ///
+    /// # Errors
+    /// [`Error::Unknown`] with the names there are.
+    pub fn find_policy(&self, behaviour: &str) -> Result<usize> {
+        let names = &self.meta().behaviours;
+        names.iter().position(|b| b == behaviour).ok_or_else(|| unknown("behaviour", behaviour, names.clone()))
+    }
+
+    /// The policy of a behaviour.
+    ///
+    /// # Errors
+    /// As [`Bundle::find_policy`].
+    pub fn policy(&self, behaviour: &str) -> Result<PolicyTable> {
+        Ok(self.policies[self.find_policy(behaviour)?].clone())
+    }
+
+    /// The motion patches; empty where the bundle was built without them.
+    pub fn patches(&self) -> &Patches {
+        &self.shared.patches
+    }
+
+    /// Pose group of every frame, [`crate::patch::NONE`] where a frame has none; empty where frames were not
+    /// grouped (frames().len() or 0).
+    pub fn pose_groups(&self) -> &[u32] {
+        &self.shared.sections.pose_groups
+    }
+
+    /// The blend spaces; empty where the bundle was built without them.
+    pub fn blends(&self) -> &Blends {
+        &self.shared.blends
+    }
+
+    /// Number of the blend space of a name.
+    ///
+    /// # Errors
+    /// [`Error::Unknown`] with the names there are.
+    pub fn find_blend(&self, name: &str) -> Result<usize> {
+        let names = self.meta().blends.iter().map(|b| &b.name);
+        names.clone().position(|b| b == name).ok_or_else(|| unknown("blend space", name, names.cloned().collect()))
+    }
+
+    /// The blend space of a name, ready to be asked.
+    ///
+    /// # Errors
+    /// As [`Bundle::find_blend`].
+    pub fn blend(&self, name: &str) -> Result<BlendSpace> {
+        let space = BlendSpace::new(self.blends(), self.find_blend(name)?);
+        space.map_err(|e| unreachable!("checked when the bundle was opened: {e}"))
+    }
+
+    /// A number that tells this bundle's content from others: of the checksums of all sections, and the length.
+    pub fn fingerprint(&self) -> u64 {
+        self.shared.fingerprint
+    }
+
+    /// A hash of the whole content. All bytes are read when it is asked for the first time.
+    pub fn hash(&self) -> u128 {
+        *self.shared.hash.get_or_init(|| Hash128::of(self.shared.storage.bytes()))
+    }
+
+    /// Tag and length of every section, in file order (bytes).
+    pub fn section_sizes(&self) -> &[(Tag, usize)] {
+        &self.shared.sizes
+    }
+
+    /// Length of the bundle (bytes).
+    pub fn num_bytes(&self) -> usize {
+        self.shared.storage.bytes().len()
+    }
+
+    fn sections(&self) -> &Sections {
+        &self.shared.sections
+    }
+}
+
+fn unknown(what: &'static str, name: &str, known: Vec<String>) -> Error {
+    Error::Unknown { what, name: name.into(), known }
+}

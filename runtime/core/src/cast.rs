@@ -1,0 +1,173 @@
+//! What every group of moving people can do, whatever moves them.
+
+use crate::bundle::Bundle;
+use crate::planar::Planar;
+use crate::pose::Mat3x4;
+use crate::skeleton::{Joint, NUM_JOINTS};
+use glam::{Mat4, Vec3};
+use throng_base::{Error, Id, Result, Run};
+
+/// People of one kind of motion: characters, walkers, agents, inhabitants, sparring pairs.
+///
+/// Orders stay until they are changed. Whatever concerns one of them names it by its [`Id`].
+pub trait Cast {
+    /// How one enters.
+    type Start;
+    /// What one is to do.
+    type Order;
+    /// What happens to one.
+    type Event;
+
+    /// Lets one enter; allocates nothing within the capacity.
+    ///
+    /// # Errors
+    /// [`Error::Full`], [`Error::Occupied`], or what is wrong with the start.
+    fn spawn(&mut self, start: Self::Start) -> Result<Id>;
+
+    /// Lets one leave.
+    ///
+    /// # Errors
+    /// [`Error::Gone`].
+    fn despawn(&mut self, id: Id) -> Result<()>;
+
+    /// Puts one elsewhere at once; feet let go.
+    ///
+    /// # Errors
+    /// [`Error::Gone`], [`Error::Occupied`], [`Error::Value`].
+    fn place(&mut self, id: Id, root: Planar) -> Result<()>;
+
+    /// Says what one is to do from now on.
+    ///
+    /// # Errors
+    /// [`Error::Gone`], or why nobody can do that: [`Error::NoWay`], [`Error::Value`], [`Error::Index`].
+    fn order(&mut self, id: Id, order: Self::Order) -> Result<()>;
+
+    /// Moves time on (s). Results do not depend on `run`.
+    ///
+    /// # Errors
+    /// [`Error::Value`] for a time out of range; nothing has changed then.
+    fn step(&mut self, dt_s: f32, run: &dyn Run) -> Result<()>;
+
+    /// How far one has come with its order.
+    ///
+    /// # Errors
+    /// [`Error::Gone`].
+    fn status(&self, id: Id) -> Result<Status>;
+
+    /// What happened in the last step.
+    fn events(&self) -> &[(Id, Self::Event)];
+
+    /// Where everybody is, and in which pose.
+    fn bodies(&self) -> Bodies<'_>;
+
+    /// Appends all that the next steps depend on: versioned, with a checksum and a hash of bundle and setup.
+    fn save(&self, out: &mut Vec<u8>);
+
+    /// Goes back to what was saved.
+    ///
+    /// # Errors
+    /// [`Error::Snapshot`]; nothing has changed then.
+    fn load(&mut self, bytes: &[u8]) -> Result<()>;
+
+    /// A hash of the state: differs, but for one chance in 2^64, where the motion of anybody differs.
+    fn hash(&self) -> u64;
+
+    /// Goes on with another bundle: everybody takes the nearest pose of it, and eases over.
+    ///
+    /// # Errors
+    /// [`Error::Unknown`] where the new bundle lacks what somebody uses; nothing has changed then.
+    fn adopt(&mut self, new: &Bundle) -> Result<Adopted>;
+}
+
+/// How far one has come with an order.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Status {
+    /// It has none.
+    Idle,
+    /// On its way.
+    Going {
+        /// What is left of the way, as the crow flies where no route is known (m).
+        left_m: f32,
+    },
+    /// It is where it was sent, or does what it was told.
+    There,
+    /// It does not get on.
+    Blocked {
+        /// Who is in the way, where that is known.
+        by: Option<Id>,
+    },
+    /// No way leads there.
+    NoWay,
+}
+
+/// What a change of the bundle did.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Adopted {
+    /// How many were moved over.
+    pub num_characters: usize,
+    /// Largest distance of a joint between the old pose and the one taken (m).
+    pub farthest_m: f32,
+}
+
+/// Where people are and how they stand. Slices have one element each, in the same order.
+#[derive(Clone, Copy, Debug)]
+pub struct Bodies<'a> {
+    /// Who they are.
+    pub ids: &'a [Id],
+    /// Where they stand and look.
+    pub roots: &'a [Planar],
+    /// Joint to the character's own frame (num_bodies * [`NUM_JOINTS`], row by row).
+    pub model: &'a [[Mat3x4; NUM_JOINTS]],
+}
+
+/// One body.
+#[derive(Clone, Copy, Debug)]
+pub struct Body<'a> {
+    /// Where it stands and looks.
+    pub root: Planar,
+    /// Joint to the body's own frame.
+    pub model: &'a [Mat3x4; NUM_JOINTS],
+}
+
+impl<'a> Bodies<'a> {
+    /// The body of one.
+    pub fn get(&self, id: Id) -> Option<Body<'a>> {
+        // Ids ascend where nobody has left, so that most are found at once.
+        let at = match self.ids.get(id.index()) {
+            Some(found) if *found == id => id.index(),
+            _ => self.ids.iter().position(|&other| other == id)?,
+        };
+        Some(Body { root: self.roots[at], model: &self.model[at] })
+    }
+
+    /// Writes the matrices from joint to world (num_bodies).
+    ///
+    /// # Errors
+    /// [`Error::Length`] where `out` has another number of elements than there are bodies.
+    pub fn write_world(&self, out: &mut [[Mat3x4; NUM_JOINTS]]) -> Result<()> {
+        if out.len() != self.ids.len() {
+            let expected = format!("{}, one for each body", self.ids.len());
+            return Err(Error::Length { what: "out", got: out.len(), expected });
+        }
+        for ((to, root), model) in out.iter_mut().zip(self.roots).zip(self.model) {
+            let place = Mat3x4::from_rotation_translation(root.rotation(), root.translation());
+            for (to, joint) in to.iter_mut().zip(model) {
+                *to = place * *joint;
+            }
+        }
+        Ok(())
+    }
+}
+
+impl Body<'_> {
+    /// From a joint's frame to the world.
+    pub fn world(&self, joint: Joint) -> Mat4 {
+        Mat4::from_rotation_translation(self.root.rotation(), self.root.translation())
+            * self.model[joint.index()].to_mat4()
+    }
+
+    /// Where a joint is in the world (m).
+    pub fn position(&self, joint: Joint) -> Vec3 {
+        self.root.rotation() * self.model[joint.index()].translation() + self.root.translation()
+    }
+}

@@ -1,0 +1,89 @@
+//! Going on with another bundle.
+
+use super::block::{ROTATION_CODES, encode};
+use super::motion_set::MotionSet;
+use super::policy_cast::{PolicyCharacters, no_graph};
+use super::{Characters, SampleJob, Start, arrivals};
+use crate::bundle::Bundle;
+use crate::cast::Adopted;
+use crate::pose::{Mat3x4, PARENTS, set};
+use crate::skeleton::NUM_JOINTS;
+use glam::{Quat, Vec3};
+use throng_base::Result;
+
+/// Gives everybody the state of the new bundle with the nearest pose; what the poses differ by decays as after any
+/// transition. Nothing has changed where it fails.
+pub(super) fn adopt(cast: &mut PolicyCharacters, new: &Bundle) -> Result<Adopted> {
+    let motion_set = MotionSet::new(new);
+    let names = &cast.bundle.meta().behaviours;
+    let number = |policy: u32| Ok(new.find_policy(&names[policy as usize])? as u32);
+    let orders = cast.orders.iter().map(|o| o.renumbered(number)).collect::<Result<Vec<_>>>()?;
+    if motion_set.graph().states.is_empty() {
+        return Err(no_graph());
+    }
+    let poses = state_poses(&motion_set);
+    let arrivals = arrivals(&motion_set);
+    let mut characters = Characters::with_room(&motion_set, *cast.characters.config(), cast.capacity())?;
+    let mut out = Adopted { num_characters: cast.characters.num_characters(), farthest_m: 0.0 };
+    for at in 0..out.num_characters {
+        let old = &cast.characters;
+        let (shown, root) = (old.shown(at), old.root(at));
+        let (state, farthest_m) = nearest(shown, &poses);
+        out.farthest_m = out.farthest_m.max(farthest_m);
+        characters.enter(&motion_set, Start { root, state: state as u32 }, &arrivals, old.name(at));
+        characters.carry_over(old, at);
+        if let Some(shown) = shown {
+            ease(&mut characters, at, shown, &poses[state]);
+        }
+    }
+    cast.bundle = new.clone();
+    cast.motion_set = motion_set;
+    cast.arrivals = arrivals;
+    cast.characters = characters;
+    cast.orders.clone_from(&orders);
+    Ok(out)
+}
+
+/// Poses of all states (num_states).
+fn state_poses(motion_set: &MotionSet) -> Vec<[Mat3x4; NUM_JOINTS]> {
+    let frames: Vec<u32> = motion_set.graph().states.iter().map(|s| s.frame).collect();
+    let mut poses = vec![[Mat3x4::default(); NUM_JOINTS]; frames.len()];
+    let matrices = poses.as_flattened_mut();
+    let job = SampleJob { motion_set, frames: &frames, ratios: &vec![0.0; frames.len()], matrices };
+    job.run().unwrap_or_else(|e| unreachable!("frames of states exist: {e}"));
+    poses
+}
+
+/// The state whose joints are nearest to a pose, and the farthest of them (m); the first state for who has no pose yet.
+fn nearest(shown: Option<&[Mat3x4; NUM_JOINTS]>, poses: &[[Mat3x4; NUM_JOINTS]]) -> (usize, f32) {
+    let Some(shown) = shown else { return (0, 0.0) };
+    let squares = |pose: &[Mat3x4; NUM_JOINTS]| -> [f32; NUM_JOINTS] {
+        std::array::from_fn(|j| pose[j].translation().distance_squared(shown[j].translation()))
+    };
+    let distance = |pose| squares(pose).iter().sum::<f32>();
+    let state = (0..poses.len()).min_by(|&a, &b| distance(&poses[a]).total_cmp(&distance(&poses[b]))).unwrap_or(0);
+    (state, squares(&poses[state]).into_iter().fold(0.0, f32::max).sqrt())
+}
+
+/// What is shown differs from the new pose by offsets, which decay.
+fn ease(characters: &mut Characters, at: usize, shown: &[Mat3x4; NUM_JOINTS], pose: &[Mat3x4; NUM_JOINTS]) {
+    let (block, lane) = characters.lane_mut(at);
+    let local = |pose: &[Mat3x4; NUM_JOINTS], j: usize| match j {
+        0 => pose[0].rotation(),
+        _ => pose[PARENTS[j]].rotation().inverse() * pose[j].rotation(),
+    };
+    for j in 0..NUM_JOINTS {
+        let offset = (local(shown, j) * local(pose, j).inverse()).normalize();
+        encode(&mut block.offsets.rotation[j], lane, ROTATION_CODES, parameters(offset));
+        encode(&mut block.offsets.rotation_velocity[j], lane, 1.0, Vec3::ZERO);
+    }
+    set(&mut block.offsets.root, lane, shown[0].translation() - pose[0].translation());
+    set(&mut block.offsets.root_velocity, lane, Vec3::ZERO);
+    block.age_s[lane] = 0.0;
+}
+
+/// Modified Rodrigues parameters of the shorter of the two turns that a quaternion stands for.
+fn parameters(q: Quat) -> Vec3 {
+    let q = if q.w < 0.0 { -q } else { q };
+    Vec3::new(q.x, q.y, q.z) / (1.0 + q.w)
+}

@@ -1,0 +1,25 @@
+//! What inverse kinematics needs to know of the skeleton, taken from it once.
+
+use crate::pose::Leg;
+use crate::skeleton::Skeleton;
+use glam::Vec3;
+
+/// Limbs and points of a skeleton that joints are displaced by.
+#[derive(Clone, Debug)]
+pub(crate) struct Anatomy {
+    /// Left, right.
+    pub legs: [Leg; 2],
+    /// Middle of the head, in the head joint's frame (m).
+    pub head_centre: Vec3,
+}
+
+impl Anatomy {
+    pub fn new(skeleton: &Skeleton) -> Self {
+        Self { legs: Leg::both(skeleton), head_centre: head_centre(skeleton) }
+    }
+}
+
+/// Middle of the head, in the head joint's frame (m).
+pub fn head_centre(skeleton: &Skeleton) -> Vec3 {
+    skeleton.tips[0] * 0.5
+}

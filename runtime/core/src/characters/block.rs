@@ -1,0 +1,194 @@
+//! State of eight characters, laid out so that one load fetches a value of all eight.
+
+use super::motion_set::MotionSet;
+use super::reaction::Reaction;
+use crate::contacts::Contacts;
+use crate::graph::MotionSegment;
+use crate::planar::{Planar, wrap_angle};
+use crate::pose::{FootLock, Lane, Lane3, get, planar, set};
+use crate::skeleton::NUM_JOINTS;
+use glam::Vec3;
+use serde::{Deserialize, Serialize};
+use throng_base::simd::{LANES, Lanes, V};
+
+/// A vector of each character in short integers.
+pub(crate) type Code3 = [[i16; LANES]; 3];
+
+/// Codes of a rotation offset a unit: modified Rodrigues parameters are at most 1.
+pub(crate) const ROTATION_CODES: f32 = 32767.0;
+/// Codes of their rate of change a unit: up to 16, which is 64 rad/s; what is faster is cut off.
+pub(crate) const VELOCITY_CODES: f32 = 2048.0;
+
+/// Stands where a segment is played that was not chosen.
+pub(crate) const NO_STATE: u32 = u32::MAX;
+
+/// Stands for the segment of a character that was laid on a scheduled clip.
+pub(crate) const LAID: u32 = u32::MAX;
+
+/// Puts the vector of one lane in codes.
+pub(crate) fn encode(v: &mut Code3, lane: usize, codes: f32, to: Vec3) {
+    for (axis, value) in v.iter_mut().zip(to.to_array()) {
+        axis[lane] = (value * codes).round().clamp(-32767.0, 32767.0) as i16;
+    }
+}
+
+/// The vector of one lane of codes.
+pub(crate) fn decode(v: &Code3, lane: usize, codes: f32) -> Vec3 {
+    Vec3::new(f32::from(v[0][lane]), f32::from(v[1][lane]), f32::from(v[2][lane])) / codes
+}
+
+/// Loads the codes of all lanes as floats.
+#[inline(always)]
+pub(crate) fn load_codes<F: Lanes>(v: &Code3) -> V<F> {
+    V::new(F::integers(&v[0]), F::integers(&v[1]), F::integers(&v[2]))
+}
+
+/// The inertial offsets of the last transition: what the pose differed by, and how fast that changed.
+///
+/// Rotation offsets are modified Rodrigues parameters, applied on the parent's side; their velocities are per second.
+/// Both are kept as short integers, which halves what a step reads.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+#[repr(C, align(64))]
+pub(crate) struct Offsets {
+    pub rotation: [Code3; NUM_JOINTS],
+    pub rotation_velocity: [Code3; NUM_JOINTS],
+    /// Of the hips, in model space (m, m/s).
+    pub root: Lane3,
+    pub root_velocity: Lane3,
+}
+
+impl Offsets {
+    pub const ZERO: Self = Self {
+        rotation: [[[0; LANES]; 3]; NUM_JOINTS],
+        rotation_velocity: [[[0; LANES]; 3]; NUM_JOINTS],
+        root: [[0.0; LANES]; 3],
+        root_velocity: [[0.0; LANES]; 3],
+    };
+}
+
+/// State of eight characters.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+#[repr(C, align(64))]
+pub(crate) struct Block {
+    /// What random choices depend on, beside the seed and their number.
+    pub name: [u64; LANES],
+    /// Segment that is played; [`LAID`] where it is a scheduled clip.
+    pub segment: [u32; LANES],
+    /// First frame row of the segment or scheduled clip.
+    pub first: [u32; LANES],
+    /// Frames after it (> 0, but in lanes without a character).
+    pub length: [u32; LANES],
+    /// Time since the first frame; below 0 only where a scheduled clip was laid long before the last one ends (frames).
+    pub time: Lane,
+    /// Planar transform from the clip to the world: x, z, heading (m, m, rad).
+    pub clip_to_world: Lane3,
+    /// Planar root in the world at the last step: x, z, heading (m, m, rad).
+    pub root: Lane3,
+    /// Height of the clip's ground in the world, at time `drift_from` (m).
+    pub lift: Lane,
+    /// What a scheduled clip adds to place and lift for every frame after `drift_from`, along the world's axes (m/frame).
+    pub drift: Lane3,
+    /// The same to the heading (rad/frame).
+    pub turn: Lane,
+    /// (frames)
+    pub drift_from: Lane,
+    /// How fast the action is bent (rad/frame).
+    pub bend: Lane,
+    /// Time since the last transition (s).
+    pub age_s: Lane,
+    /// Choices made so far.
+    pub num_choices: [u32; LANES],
+    /// State of the last choice; [`NO_STATE`] where the segment was not chosen.
+    pub choice_state: [u32; LANES],
+    /// Planar root in the world at the last choice: x, z, heading (m, m, rad).
+    pub choice_root: Lane3,
+    /// Contacts at the last step.
+    pub contacts: [Contacts; LANES],
+    /// Left, right.
+    pub feet: [FootLock; 2],
+    pub offsets: Offsets,
+    pub reaction: Reaction,
+}
+
+impl Block {
+    pub const ZERO: Self = Self {
+        name: [0; LANES],
+        segment: [LAID; LANES],
+        first: [0; LANES],
+        length: [0; LANES],
+        time: [0.0; LANES],
+        clip_to_world: [[0.0; LANES]; 3],
+        root: [[0.0; LANES]; 3],
+        lift: [0.0; LANES],
+        drift: [[0.0; LANES]; 3],
+        turn: [0.0; LANES],
+        drift_from: [0.0; LANES],
+        bend: [0.0; LANES],
+        age_s: [f32::INFINITY; LANES],
+        num_choices: [0; LANES],
+        choice_state: [NO_STATE; LANES],
+        choice_root: [[0.0; LANES]; 3],
+        contacts: [Contacts::NONE; LANES],
+        feet: [FootLock::ZERO; 2],
+        offsets: Offsets::ZERO,
+        reaction: Reaction::ZERO,
+    };
+
+    /// Planar root of one lane at the last step.
+    pub fn root(&self, lane: usize) -> Planar {
+        planar(&self.root, lane)
+    }
+
+    /// Planar root of one lane at its last choice.
+    pub fn choice_root(&self, lane: usize) -> Planar {
+        planar(&self.choice_root, lane)
+    }
+
+    /// Planar transform from the clip to the world of one lane.
+    pub fn clip_to_world(&self, lane: usize) -> Planar {
+        planar(&self.clip_to_world, lane)
+    }
+
+    /// What is added for every frame in one lane (m/frame).
+    pub fn drift(&self, lane: usize) -> Vec3 {
+        get(&self.drift, lane)
+    }
+
+    /// Height of the clip's ground in one lane at a time within what it plays (m).
+    pub fn lift_at(&self, lane: usize, time: f32) -> f32 {
+        self.lift[lane] + self.drift[1][lane] * (time - self.drift_from[lane])
+    }
+
+    /// Planar root of one lane at the end of what it plays.
+    pub fn end(&self, lane: usize, motion_set: &MotionSet) -> Planar {
+        let last = motion_set.planar(self.first[lane] + self.length[lane]);
+        let (end, drift) = (self.clip_to_world(lane).compose(last), self.drift(lane));
+        let frames = self.length[lane] as f32 - self.drift_from[lane];
+        let heading = end.heading + self.turn[lane] * frames;
+        Planar::new(end.x + drift.x * frames, end.z + drift.z * frames, heading)
+    }
+
+    /// Puts a character at the end of a segment, on the frame of the state there.
+    pub fn start(&mut self, lane: usize, motion_set: &MotionSet, root: Planar, frame: u32, segment: u32) {
+        self.set_segment(lane, segment, &motion_set.graph.segments[segment as usize]);
+        self.time[lane] = self.length[lane] as f32;
+        self.set_clip_to_world(lane, root.compose(motion_set.planar(frame).inverse()));
+        set(&mut self.root, lane, Vec3::new(root.x, root.z, root.heading));
+    }
+
+    /// Plays a segment of the motion graph, which stands on the ground; time is left as it is.
+    pub fn set_segment(&mut self, lane: usize, id: u32, segment: &MotionSegment) {
+        self.segment[lane] = id;
+        self.first[lane] = segment.start;
+        self.length[lane] = segment.num_frames;
+        self.lift[lane] = 0.0;
+        set(&mut self.drift, lane, Vec3::ZERO);
+        self.turn[lane] = 0.0;
+        self.drift_from[lane] = 0.0;
+    }
+
+    /// Replaces it; the heading is wrapped.
+    pub fn set_clip_to_world(&mut self, lane: usize, to: Planar) {
+        set(&mut self.clip_to_world, lane, Vec3::new(to.x, to.z, wrap_angle(to.heading)));
+    }
+}

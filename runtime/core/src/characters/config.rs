@@ -1,0 +1,84 @@
+//! How characters move.
+
+use super::error::check;
+use super::{CharactersError, FootLockConfig, ReactionConfig};
+
+/// How a character chooses among the actions of its state.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Choice {
+    /// The stored best action of the nearest cell: a single load, whatever the policy's region. Needs exactly one goal;
+    /// more are looked ahead.
+    BestAction,
+    /// One-step look-ahead over values, then one of the best few at random; 0 always takes the best.
+    LookAhead {
+        /// See [`crate::policy::RankedActions::choose`] (>= 0).
+        temperature: f32,
+    },
+}
+
+/// How characters move.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CharactersConfig {
+    /// Seed of random choices.
+    pub seed: u64,
+    /// How actions are chosen.
+    pub choice: Choice,
+    /// Time in which the offset of a transition halves (s, > 0).
+    pub half_life_s: f32,
+    /// How feet are locked.
+    pub foot_lock: FootLockConfig,
+    /// How those who are struck give way, see [`super::Characters::push`].
+    pub reaction: ReactionConfig,
+    /// How far a walked action may be bent towards the target; 0 leaves motion as captured (Lee, Choi and Lee 2006, section 6, linear
+    /// path editing) (rad/m, >= 0).
+    pub bend_rad_per_m: f32,
+    /// Also write local transforms.
+    pub local_transforms: bool,
+    /// Also measure where the time of a step goes, see [`super::Characters::times`].
+    pub timed: bool,
+}
+
+impl Default for CharactersConfig {
+    fn default() -> Self {
+        Self {
+            seed: 1,
+            choice: Choice::LookAhead { temperature: 0.0 },
+            half_life_s: 0.1,
+            foot_lock: FootLockConfig::default(),
+            reaction: ReactionConfig::default(),
+            bend_rad_per_m: 0.0,
+            local_transforms: false,
+            timed: false,
+        }
+    }
+}
+
+impl CharactersConfig {
+    /// Every setting within its limits.
+    pub(super) fn check(&self) -> Result<(), CharactersError> {
+        check(
+            "half_life_s",
+            self.half_life_s,
+            self.half_life_s > 1e-3 && self.half_life_s < 10.0,
+            "between 0.001 and 10",
+        )?;
+        let lock = self.foot_lock.half_life_s;
+        check("foot_lock.half_life_s", lock, lock > 1e-3 && lock < 10.0, "between 0.001 and 10")?;
+        let planted = self.foot_lock.planted_half_life_s;
+        check(
+            "foot_lock.planted_half_life_s",
+            planted,
+            planted > 1e-3 && planted < 1e6,
+            "between 0.001 and a million",
+        )?;
+        let most = self.foot_lock.max_correction_m;
+        check("foot_lock.max_correction_m", most, (1e-3..10.0).contains(&most), "between 0.001 and 10")?;
+        self.reaction.check()?;
+        let bend = self.bend_rad_per_m;
+        check("bend_rad_per_m", bend, (0.0..10.0).contains(&bend), "between 0 and 10")?;
+        if let Choice::LookAhead { temperature } = self.choice {
+            check("temperature", temperature, (0.0..1e6).contains(&temperature), "between 0 and 1e6")?;
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,311 @@
+//! Control: a character that has come to the end of its segment chooses the next action.
+
+use super::block::{Block, LAID, NO_STATE};
+use super::blow::PassedHits;
+use super::motion_set::MotionSet;
+use super::order::Order;
+use super::scheduled_clip::to_root;
+use super::transition::{self, Change};
+use super::{CharactersConfig, Choice, Goal};
+use crate::planar::{Planar, wrap_angle};
+use crate::policy::{self, BestActionJob, LookAheadJob, RankedActions};
+use crate::pose::set;
+use glam::{Vec2, Vec3};
+use throng_base::simd::LANES;
+
+/// Characters that choose together; the batch lives on the stack.
+pub(crate) const BATCH: usize = 64;
+/// Behaviours that may be weighed against each other.
+pub(crate) const MAX_GOALS: usize = 4;
+
+/// What characters are asked to do.
+#[derive(Clone, Copy)]
+pub(crate) enum Asked<'a> {
+    /// The same behaviours of all.
+    All(&'a [Goal<'a>]),
+    /// Each has an order of its own.
+    Each(&'a [Order]),
+}
+
+/// A behaviour that one character is asked.
+#[derive(Clone, Copy, Default)]
+struct OwnGoal {
+    policy: usize,
+    weight: f32,
+    target: Vec3,
+}
+
+impl Asked<'_> {
+    /// The number of behaviours that one character is asked, and those.
+    fn of(&self, character: usize) -> (usize, [OwnGoal; MAX_GOALS]) {
+        let mut own = [OwnGoal::default(); MAX_GOALS];
+        match self {
+            Self::All(goals) => {
+                for (own, g) in own.iter_mut().zip(*goals) {
+                    *own = OwnGoal { policy: g.policy, weight: g.weight, target: g.targets[character] };
+                }
+                (goals.len(), own)
+            }
+            Self::Each(orders) => {
+                let order = &orders[character];
+                for (own, (&policy, &weight)) in own.iter_mut().zip(order.policies().iter().zip(order.weights())) {
+                    *own = OwnGoal { policy: policy as usize, weight, target: order.target() };
+                }
+                (order.policies().len(), own)
+            }
+        }
+    }
+}
+
+/// The characters of one range that wait for a choice.
+struct Pending {
+    len: usize,
+    characters: [u32; BATCH],
+    states: [u32; BATCH],
+    roots: [Planar; BATCH],
+    targets: [[Vec3; BATCH]; MAX_GOALS],
+    weights: [[f32; BATCH]; MAX_GOALS],
+    actions: [u8; BATCH],
+    /// Behaviours that all of them ask.
+    policies: [usize; MAX_GOALS],
+    num_goals: usize,
+}
+
+/// Lets every character of a range choose until each is inside a segment.
+///
+/// - `first`: number of the range's first character, which random choices depend on.
+/// - `passed`: takes the hits that new segments begin with.
+/// - `asked`: of all characters.
+pub(crate) fn choose(
+    blocks: &mut [Block],
+    passed: &mut PassedHits,
+    first: usize,
+    count: usize,
+    motion_set: &MotionSet,
+    config: &CharactersConfig,
+    asked: Asked<'_>,
+) {
+    let mut pending = Pending {
+        len: 0,
+        characters: [0; BATCH],
+        states: [0; BATCH],
+        roots: [Planar::IDENTITY; BATCH],
+        targets: [[Vec3::ZERO; BATCH]; MAX_GOALS],
+        weights: [[0.0; BATCH]; MAX_GOALS],
+        actions: [0; BATCH],
+        policies: [0; MAX_GOALS],
+        num_goals: 0,
+    };
+    let mut from = 0;
+    // Each pass handles up to a batch; a character whose next segment is over at once waits for another pass.
+    while from < count {
+        pending.len = 0;
+        let mut next = from;
+        while next < count && pending.len < BATCH {
+            collect(&mut pending, blocks, next, first, motion_set, asked);
+            next += 1;
+        }
+        if pending.len == 0 {
+            from = next;
+            continue;
+        }
+        select(&mut pending, blocks, motion_set, config);
+        apply(&pending, blocks, passed, first, motion_set, config);
+    }
+}
+
+/// Adds a character that has played its segment to the end.
+fn collect(
+    pending: &mut Pending,
+    blocks: &[Block],
+    character: usize,
+    first: usize,
+    motion_set: &MotionSet,
+    asked: Asked<'_>,
+) {
+    let (b, lane) = (&blocks[character / LANES], character % LANES);
+    if b.time[lane] < b.length[lane] as f32 || b.segment[lane] == LAID {
+        return;
+    }
+    let (num_goals, goals) = asked.of(first + character);
+    let policies = goals.map(|g| g.policy);
+    if pending.len == 0 {
+        (pending.num_goals, pending.policies) = (num_goals, policies);
+    } else if (pending.num_goals, pending.policies) != (num_goals, policies) {
+        // It is asked something else: its turn comes in another pass.
+        return;
+    }
+    let segment = &motion_set.graph.segments[b.segment[lane] as usize];
+    let root = b.clip_to_world(lane).compose(motion_set.planar(segment.start + segment.num_frames));
+    let i = pending.len;
+    pending.len += 1;
+    pending.characters[i] = character as u32;
+    pending.states[i] = segment.end;
+    pending.roots[i] = root;
+    for (g, goal) in goals[..num_goals].iter().enumerate() {
+        let t = goal.target;
+        let local = root.inverse_transform_point(Vec2::new(t.x, t.z));
+        let target = Vec3::new(local.x, t.y, local.y);
+        let active = motion_set.policies[goal.policy].region().contains(target);
+        pending.targets[g][i] = target;
+        pending.weights[g][i] = if active { goal.weight } else { 0.0 };
+    }
+}
+
+/// Fills in the actions.
+fn select(pending: &mut Pending, blocks: &[Block], motion_set: &MotionSet, config: &CharactersConfig) {
+    let (n, num_goals, policies) = (pending.len, pending.num_goals, pending.policies);
+    let states = &pending.states[..n];
+    match config.choice {
+        _ if num_goals == 0 => pending.actions[..n].fill(0),
+        Choice::BestAction if num_goals == 1 => {
+            let policy = &motion_set.policies[policies[0]];
+            let (targets, actions) = (&pending.targets[0][..n], &mut pending.actions[..n]);
+            let job = BestActionJob { policy, states, targets, choice: 0, actions };
+            job.run().unwrap_or_else(|e| unreachable!("states come from the tables, targets were checked: {e}"));
+        }
+        _ => {
+            let mut ranked = [RankedActions::NONE; BATCH];
+            let jobs: [policy::Goal<'_>; MAX_GOALS] = std::array::from_fn(|g| {
+                let g = g.min(num_goals - 1);
+                policy::Goal {
+                    policy: &motion_set.policies[policies[g]],
+                    weights: &pending.weights[g][..n],
+                    targets: &pending.targets[g][..n],
+                }
+            });
+            let job = LookAheadJob { goals: &jobs[..num_goals], states, ranked: &mut ranked[..n] };
+            job.run().unwrap_or_else(|e| unreachable!("states come from the tables, targets were checked: {e}"));
+            let temperature = match config.choice {
+                Choice::LookAhead { temperature } => temperature,
+                Choice::BestAction => 0.0,
+            };
+            for i in 0..n {
+                let c = pending.characters[i] as usize;
+                let (b, lane) = (&blocks[c / LANES], c % LANES);
+                let random = uniform(config.seed, b.name[lane], u64::from(b.num_choices[lane]));
+                pending.actions[i] = ranked[i].choose(temperature, random);
+            }
+        }
+    }
+}
+
+/// Starts the chosen segments.
+fn apply(
+    pending: &Pending,
+    blocks: &mut [Block],
+    passed: &mut PassedHits,
+    first: usize,
+    motion_set: &MotionSet,
+    config: &CharactersConfig,
+) {
+    let mut changes = [Change::default(); BATCH];
+    let mut num_changes = 0;
+    let rate = motion_set.rate_hz;
+    for i in 0..pending.len {
+        let character = pending.characters[i];
+        let (b, lane) = (&mut blocks[character as usize / LANES], character as usize % LANES);
+        let id = motion_set.graph.segments_of(pending.states[i])[usize::from(pending.actions[i])];
+        let new = &motion_set.graph.segments[id as usize];
+        let from = b.first[lane] + b.length[lane];
+        let left = b.time[lane] - b.length[lane] as f32;
+        b.set_clip_to_world(lane, pending.roots[i].compose(motion_set.planar(new.start).inverse()));
+        b.set_segment(lane, id, new);
+        b.choice_state[lane] = pending.states[i];
+        let root = pending.roots[i];
+        set(&mut b.choice_root, lane, Vec3::new(root.x, root.z, root.heading));
+        b.time[lane] = left;
+        b.num_choices[lane] = b.num_choices[lane].wrapping_add(1);
+        if !passed.is_off() {
+            passed.pass(motion_set, first as u32 + character, id, (0.0, left), b.clip_to_world(lane));
+        }
+        b.bend[lane] = match pending.num_goals {
+            0 => 0.0,
+            _ => bend(new.displacement(), new.num_frames, pending.targets[0][i], config.bend_rad_per_m),
+        };
+        if new.start != from {
+            let left_s = left / rate;
+            let age_s = b.age_s[lane] - left_s;
+            changes[num_changes] = Change { character, from, to: new.start, age_s, ..Change::default() };
+            num_changes += 1;
+            b.age_s[lane] = left_s;
+        }
+    }
+    for group in changes[..num_changes].chunks(LANES) {
+        transition::start(group, &motion_set.frames, rate, config.half_life_s, blocks);
+    }
+}
+
+/// Starts a segment now, from where the character stands (segment exists).
+pub(crate) fn play(
+    blocks: &mut [Block],
+    character: usize,
+    segment: u32,
+    motion_set: &MotionSet,
+    config: &CharactersConfig,
+) {
+    let (b, lane) = (&mut blocks[character / LANES], character % LANES);
+    let new = motion_set.graph.segments[segment as usize];
+    // The frame before it is in the same clip too.
+    let from = b.first[lane] + (b.time[lane].round() as u32).clamp(1, b.length[lane]);
+    let (lift, drift) = (b.lift_at(lane, b.time[lane]), to_root(b.root(lane), b.drift(lane)));
+    let change = Change { character: character as u32, from, to: new.start, age_s: b.age_s[lane], lift, drift };
+    b.set_clip_to_world(lane, b.root(lane).compose(motion_set.planar(new.start).inverse()));
+    b.set_segment(lane, segment, &new);
+    b.time[lane] = 0.0;
+    b.bend[lane] = 0.0;
+    b.age_s[lane] = 0.0;
+    b.choice_state[lane] = NO_STATE;
+    transition::start(&[change], &motion_set.frames, motion_set.rate_hz, config.half_life_s, blocks);
+}
+
+/// How fast an action is bent so that it ends nearer to facing the target, within the limit (rad/frame).
+///
+/// The linear path editing of Lee, Choi and Lee (2006), section 6: the change of heading grows linearly over the action.
+fn bend(displacement: Planar, num_frames: u32, target: Vec3, limit_rad_per_m: f32) -> f32 {
+    let path = displacement.x.hypot(displacement.z);
+    let limit = limit_rad_per_m * path;
+    if limit <= 0.0 {
+        return 0.0;
+    }
+    let left = Vec2::new(target.x - displacement.x, target.z - displacement.z);
+    if left.length() < path {
+        return 0.0;
+    }
+    wrap_angle(left.x.atan2(left.y) - displacement.heading).clamp(-limit, limit) / num_frames as f32
+}
+
+/// A number in [0, 1) that depends on nothing but its arguments (SplitMix64 over their combination).
+pub fn uniform(seed: u64, character: u64, draw: u64) -> f32 {
+    let mut z = seed ^ character.wrapping_mul(0x9E37_79B9_7F4A_7C15) ^ draw.wrapping_mul(0xD1B5_4A32_D192_ED03);
+    for _ in 0..2 {
+        z = z.wrapping_add(0x9E37_79B9_7F4A_7C15);
+        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+        z ^= z >> 31;
+    }
+    (z >> 40) as f32 / (1u64 << 24) as f32
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn random_numbers_are_spread_evenly() {
+        let n = 100_000u64;
+        let mean = (0..n).map(|i| f64::from(uniform(1, i % 100, i / 100))).sum::<f64>() / n as f64;
+        assert!((mean - 0.5).abs() < 0.01, "{mean}");
+        assert_ne!(uniform(1, 2, 3), uniform(1, 3, 2));
+    }
+
+    #[test]
+    fn bending_turns_towards_the_target_and_keeps_its_limit() {
+        let ahead = Planar::new(0.0, 1.0, 0.0);
+        let total = |target: Vec3| bend(ahead, 10, target, 0.2) * 10.0;
+        assert!((total(Vec3::new(0.1, 0.0, 5.0)) - (0.1f32).atan2(4.0)).abs() < 1e-6);
+        assert!((total(Vec3::new(5.0, 0.0, 1.0)) - 0.2).abs() < 1e-6);
+        assert!((total(Vec3::new(-5.0, 0.0, 1.0)) + 0.2).abs() < 1e-6);
+        assert_eq!(bend(ahead, 10, Vec3::new(5.0, 0.0, 1.0), 0.0), 0.0);
+    }
+}

@@ -1,0 +1,70 @@
+//! Moving one character from block to block.
+
+use super::block::{Block, Offsets};
+use super::reaction::{Reaction, Spring};
+use crate::contacts::Contacts;
+use crate::pose::FootLock;
+use throng_base::simd::LANES;
+
+/// What has a value for each of eight characters.
+pub(super) trait Lanewise {
+    /// Takes the value of one lane of another.
+    fn take(&mut self, lane: usize, from: &Self, from_lane: usize);
+}
+
+macro_rules! values {
+    ($($value:ty)+) => {$(
+        impl Lanewise for [$value; LANES] {
+            fn take(&mut self, lane: usize, from: &Self, from_lane: usize) {
+                self[lane] = from[from_lane];
+            }
+        }
+    )+};
+}
+
+values!(f32 u32 u64 i16 Contacts);
+
+impl<T: Lanewise, const N: usize> Lanewise for [T; N] {
+    fn take(&mut self, lane: usize, from: &Self, from_lane: usize) {
+        self.iter_mut().zip(from).for_each(|(to, from)| to.take(lane, from, from_lane));
+    }
+}
+
+/// The destructuring names every field, so that none can be forgotten.
+macro_rules! fields {
+    ($kind:ident { $($field:ident),+ }) => {
+        impl Lanewise for $kind {
+            fn take(&mut self, lane: usize, from: &Self, from_lane: usize) {
+                let Self { $($field),+ } = self;
+                $($field.take(lane, &from.$field, from_lane);)+
+            }
+        }
+    };
+}
+
+fields!(Offsets { rotation, rotation_velocity, root, root_velocity });
+fields!(FootLock { correction, ankle, toe, heel_down, toe_down });
+fields!(Spring { place, velocity, force });
+fields!(Reaction { active, trunk, head });
+fields!(Block {
+    name,
+    segment,
+    first,
+    length,
+    time,
+    clip_to_world,
+    root,
+    lift,
+    drift,
+    turn,
+    drift_from,
+    bend,
+    age_s,
+    num_choices,
+    choice_state,
+    choice_root,
+    contacts,
+    feet,
+    offsets,
+    reaction
+});

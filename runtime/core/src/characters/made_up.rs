@@ -1,0 +1,116 @@
+//! A small bundle for tests: two clips, four states, one policy.
+
+use crate::bundle::{Bundle, tags};
+use crate::contacts::Contacts;
+use crate::format::{AlignedBytes, BundleWriter, ClipMeta, ClipRecord, FrameRow, Meta, SkeletonRecord};
+use crate::graph::{MotionSegment, StateRecord};
+use crate::hits::HitRecord;
+use crate::planar::Planar;
+use crate::policy::{PolicyRecord, RewardRecord, SegmentRecord, TargetGrid};
+use crate::skeleton::{Joint, NUM_JOINTS, Skeleton};
+use bytemuck::Zeroable;
+use glam::Quat;
+
+/// Frames of each clip.
+pub const FRAMES: u32 = 60;
+
+/// Two clips of walking-like rotations and planted feet; states at frames 20 and 40 of each; every state may go
+/// on or change to the other clip.
+pub fn tables() -> Bundle {
+    tables_with(&[])
+}
+
+/// The same with effective hits.
+pub fn tables_with(hits: &[HitRecord]) -> Bundle {
+    let mut out = BundleWriter::new();
+    let clip = |name: &str| ClipMeta { name: name.into(), ..ClipMeta::default() };
+    let meta = Meta {
+        rate_hz: 30.0,
+        clips: vec![clip("a"), clip("b")],
+        behaviours: vec!["approach".into()],
+        ..Meta::default()
+    };
+    out.section(tags::META, &meta.encode().unwrap());
+    out.section(tags::SKELETON, &[SkeletonRecord::from(&Skeleton::default())]);
+    let record = |first_frame| ClipRecord { first_frame, num_frames: FRAMES, mirrored: 0, reserved: 0 };
+    out.section(tags::CLIPS, &[record(0), record(FRAMES)]);
+    let rows: Vec<FrameRow> = (0..2 * FRAMES).map(|f| row(f % FRAMES, f / FRAMES)).collect();
+    out.section(tags::FRAMES, &rows);
+    out.section(tags::CONTACTS, &vec![Contacts::LEFT; rows.len()]);
+    out.section(tags::HITS, hits);
+    let frames = [20, 40, FRAMES + 20, FRAMES + 40];
+    out.section(tags::STATES, &frames.map(|frame| StateRecord { frame, standing: 0 }));
+    // Segments: 0 -> 20 and 20 -> 40 in each clip.
+    let segments = [(0, 0, 0), (20, 1, 0), (FRAMES, 2, 1), (FRAMES + 20, 3, 1)];
+    let planar = |f: u32| {
+        let [x, z, h] = rows[f as usize].planar;
+        Planar::new(x, z, h)
+    };
+    let segment = |(start, end, clip): (u32, u32, u32)| {
+        let d = planar(start).to_local(planar(start + 20));
+        MotionSegment { start, num_frames: 20, end, clip, displacement: [d.x, d.z, d.heading], reserved: 0 }
+    };
+    let segments = segments.map(segment);
+    out.section(tags::SEGMENTS, &segments);
+    out.section(tags::ACTION_OFFSETS, &[0u32, 2, 4, 6, 8]);
+    out.section(tags::ACTION_SEGMENTS, &[1u32, 3, 0, 2, 3, 1, 2, 0]);
+    out.section(tags::ACTION_ERRORS, &[0.0f32; 8]);
+    let grid = TargetGrid::polar(4, 8, 6.0, 1.0, 1.0).unwrap();
+    let policy = PolicyRecord {
+        grid: *grid.record(),
+        reward: RewardRecord::new(0, 0, 1.0),
+        num_states: 4,
+        num_segments: 4,
+        num_choices: 1,
+        discount: 0.98,
+        epsilon: 1e-3,
+        ..PolicyRecord::default()
+    };
+    out.section(tags::POLICIES, &[policy]);
+    let known = segments.map(|s| SegmentRecord {
+        displacement: [s.displacement[2].cos(), s.displacement[2].sin(), s.displacement[0], s.displacement[1]],
+        weights: [0.0, 0.0, 0.0, 1.0],
+        discount: 0.7,
+        end: s.end,
+        ..SegmentRecord::zeroed()
+    });
+    out.section(tags::POLICY_SEGMENTS, &known);
+    out.section::<crate::policy::PathRecord>(tags::POLICY_PATHS, &[]);
+    out.section::<crate::policy::StateGridRecord>(tags::POLICY_STATE_GRIDS, &[]);
+    out.section(tags::POLICY_VALUES, &[0.0f32; 4 * 32]);
+    let best: Vec<u8> = (0..4 * 32).map(|i| (i / 3 % 2) as u8).collect();
+    out.section(tags::POLICY_BEST, &best);
+    out.section::<crate::patch::PatchRecord>(tags::PATCHES, &[]);
+    out.section::<crate::patch::EdgeRecord>(tags::PATCH_EDGES, &[]);
+    out.section::<crate::patch::CellRecord>(tags::PATCH_CELLS, &[]);
+    out.section::<crate::patch::LinkRecord>(tags::PATCH_LINKS, &[]);
+    out.section::<u32>(tags::POSE_GROUPS, &[]);
+    out.section::<crate::blend::BlendRecord>(tags::BLENDS, &[]);
+    out.section::<crate::blend::ExampleRecord>(tags::BLEND_EXAMPLES, &[]);
+    out.section::<f32>(tags::BLEND_WEIGHTS, &[]);
+    out.section::<crate::blend::ReferenceRow>(tags::BLEND_REFERENCES, &[]);
+    out.section::<crate::blend::ChannelRow>(tags::BLEND_CHANNELS, &[]);
+    let mut bytes = Vec::new();
+    out.write(&mut bytes).unwrap();
+    Bundle::from_bytes(AlignedBytes::from_slice(&bytes)).unwrap()
+}
+
+fn row(frame: u32, clip: u32) -> FrameRow {
+    let t = frame as f32 / 30.0;
+    let mut row = FrameRow {
+        planar: [0.1 * t, (1.0 + 0.2 * clip as f32) * t, (0.4 - 0.9 * clip as f32) * t],
+        height: 0.9 + 0.02 * (8.0 * t).sin(),
+        rotations: [[0; 4]; NUM_JOINTS],
+    };
+    for (j, code) in row.rotations.iter_mut().enumerate() {
+        let a = 0.3 * (3.0 * t + j as f32 + 0.5 * clip as f32).sin();
+        *code = FrameRow::encode(Quat::from_euler(glam::EulerRot::XYZ, a, 0.5 * a, -0.3 * a));
+    }
+    // Knees bent, so that a locked foot stays within reach.
+    for (j, angle) in
+        [(Joint::LeftThigh, -0.5), (Joint::LeftShin, 0.9), (Joint::RightThigh, -0.5), (Joint::RightShin, 0.9)]
+    {
+        row.rotations[j.index()] = FrameRow::encode(Quat::from_rotation_x(angle + 0.1 * (4.0 * t).sin()));
+    }
+    row
+}

@@ -1,0 +1,416 @@
+//! Characters: many characters, moved and posed together.
+
+mod adopt;
+mod anatomy;
+mod block;
+mod blow;
+mod config;
+mod control;
+mod decay;
+mod error;
+mod lanes;
+#[cfg(any(test, feature = "made-up"))]
+pub mod made_up;
+mod motion_set;
+mod order;
+mod policy_cast;
+mod reaction;
+mod room;
+mod sample_job;
+mod scheduled_clip;
+mod snapshot;
+mod step;
+#[cfg(test)]
+pub(crate) mod tests;
+mod times;
+mod transition;
+
+use crate::contacts::Contacts;
+use crate::planar::Planar;
+pub use crate::pose::FootLockConfig;
+use crate::pose::{LocalTransform, Mat3x4};
+use crate::skeleton::{Joint, NUM_JOINTS};
+pub use anatomy::head_centre;
+use block::Block;
+pub use blow::{Blow, MAX_BLOWS};
+use blow::{Blows, PassedHits};
+pub use config::{CharactersConfig, Choice};
+pub(crate) use control::Asked;
+pub use control::uniform;
+pub use error::CharactersError;
+use error::{check, check_index};
+use glam::{Vec2, Vec3};
+pub use motion_set::MotionSet;
+pub use order::Order;
+pub use policy_cast::{ARRIVED_M, PolicyCharacters, Spawn};
+pub use reaction::ReactionConfig;
+pub use sample_job::SampleJob;
+pub use scheduled_clip::ScheduledClip;
+pub use snapshot::CharactersSnapshot;
+use step::{RANGE_BLOCKS, Range, Tick};
+use throng_base::simd::LANES;
+use throng_base::{Inline, Run, run_each};
+use times::Clock;
+pub use times::StepTimes;
+
+/// Longest tick (s).
+pub const MAX_STEP_S: f32 = 1.0;
+/// Most behaviours weighed against each other in one step.
+pub const MAX_GOALS: usize = control::MAX_GOALS;
+
+/// Where a character starts.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Start {
+    /// Planar root in the world.
+    pub root: Planar,
+    /// State of the motion graph (< number of states).
+    pub state: u32,
+}
+
+/// A behaviour and where it is aimed.
+#[derive(Clone, Copy, Debug)]
+pub struct Goal<'a> {
+    /// Number of the policy.
+    pub policy: usize,
+    /// What its values count in the sum over goals; 0 switches it off, as does a target outside the policy's region.
+    /// A character all of whose goals are off takes the first action of its state.
+    pub weight: f32,
+    /// Target of every character in the world, for a space-time grid with the time left as y (m, s).
+    /// (number of characters)
+    pub targets: &'a [Vec3],
+}
+
+/// Characters that move together, eight to a block; all memory is allocated in [`Characters::new`] or
+/// [`Characters::new_laid`].
+///
+/// Every tick, [`Characters::step`] moves time on, lets characters at the end of a segment choose their next action by
+/// the policies, samples and blends their motion, locks planted feet, and leaves each character's planar root,
+/// contacts and joint matrices to be read.
+#[derive(Clone, Debug)]
+pub struct Characters {
+    config: CharactersConfig,
+    num_characters: usize,
+    /// Characters that choose for themselves; the others are laid on scheduled clips.
+    num_choosers: usize,
+    num_frames: usize,
+    num_segments: usize,
+    blocks: Vec<Block>,
+    passed: Vec<PassedHits>,
+    blows: Blows,
+    matrices: Vec<Mat3x4>,
+    locals: Vec<LocalTransform>,
+    times: StepTimes,
+}
+
+/// What a character knew when it took its action.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LastChoice {
+    /// State it was in.
+    pub state: u32,
+    /// Planar root in the world.
+    pub root: Planar,
+}
+
+impl Characters {
+    /// Puts a character at every start. Poses are there after the first step.
+    ///
+    /// # Errors
+    /// [`CharactersError::Index`] for a state that does not exist, [`CharactersError::Value`] for a start that is not
+    /// finite or a setting out of its range.
+    pub fn new(motion_set: &MotionSet, config: CharactersConfig, starts: &[Start]) -> Result<Self, CharactersError> {
+        config.check()?;
+        let n = starts.len();
+        let mut blocks = vec![Block::ZERO; n.div_ceil(LANES)];
+        let arrivals = arrivals(motion_set);
+        for (c, start) in starts.iter().enumerate() {
+            let limit = motion_set.graph.states.len();
+            let Some(state) = motion_set.graph.states.get(start.state as usize) else {
+                return Err(CharactersError::Index { what: "state", got: start.state as usize, limit });
+            };
+            let r = start.root;
+            for (what, got) in [("start x", r.x), ("start z", r.z), ("start heading", r.heading)] {
+                check(what, got, got.abs() < 1e6, "a finite number below 1e6")?;
+            }
+            blocks[c / LANES].start(c % LANES, motion_set, r, state.frame, arrivals[start.state as usize]);
+        }
+        Ok(Self::with_blocks(motion_set, config, blocks, n, n))
+    }
+
+    /// Memory for `n` characters beside their blocks.
+    fn with_blocks(
+        motion_set: &MotionSet,
+        config: CharactersConfig,
+        mut blocks: Vec<Block>,
+        n: usize,
+        num_choosers: usize,
+    ) -> Self {
+        const RANGE: usize = RANGE_BLOCKS * LANES;
+        let ranges = (0..n).step_by(RANGE).map(|first| RANGE.min(n - first));
+        let passed: Vec<_> = ranges.map(|count| PassedHits::new(count, motion_set)).collect();
+        let locals = if config.local_transforms { n * NUM_JOINTS } else { 0 };
+        for (c, name) in blocks.iter_mut().flat_map(|b| &mut b.name).enumerate() {
+            *name = c as u64;
+        }
+        Self {
+            config,
+            num_characters: n,
+            num_choosers,
+            num_frames: motion_set.frames.len(),
+            num_segments: motion_set.graph.segments.len(),
+            blocks,
+            blows: Blows::new(&passed),
+            passed,
+            matrices: vec![Mat3x4::default(); n * NUM_JOINTS],
+            locals: vec![LocalTransform::default(); locals],
+            times: StepTimes::default(),
+        }
+    }
+
+    /// Room for characters that enter later.
+    pub(super) fn with_room(
+        motion_set: &MotionSet,
+        config: CharactersConfig,
+        capacity: usize,
+    ) -> Result<Self, CharactersError> {
+        config.check()?;
+        let blocks = vec![Block::ZERO; capacity.div_ceil(LANES)];
+        let mut out = Self::with_blocks(motion_set, config, blocks, capacity, 0);
+        out.num_characters = 0;
+        Ok(out)
+    }
+
+    /// Number of characters.
+    pub fn num_characters(&self) -> usize {
+        self.num_characters
+    }
+
+    /// Moves every character on by `dt_s` on this thread. Allocates nothing.
+    ///
+    /// # Errors
+    /// [`CharactersError`] where `dt_s` is not in `0..=1`, goals do not fit, or the motion set is another bundle's;
+    /// nothing has moved then.
+    pub fn step(&mut self, motion_set: &MotionSet, dt_s: f32, goals: &[Goal<'_>]) -> Result<(), CharactersError> {
+        self.validate(motion_set, dt_s, goals)?;
+        self.run(motion_set, dt_s, Asked::All(goals), &Inline);
+        Ok(())
+    }
+
+    /// As [`Characters::step`], on the threads of the current rayon pool. The result is the same, bit by bit.
+    ///
+    /// # Errors
+    /// As [`Characters::step`].
+    #[cfg(feature = "rayon")]
+    pub fn par_step(&mut self, motion_set: &MotionSet, dt_s: f32, goals: &[Goal<'_>]) -> Result<(), CharactersError> {
+        self.validate(motion_set, dt_s, goals)?;
+        self.run(motion_set, dt_s, Asked::All(goals), &throng_base::Rayon);
+        Ok(())
+    }
+
+    /// One step of what was checked.
+    pub(super) fn run(&mut self, motion_set: &MotionSet, dt_s: f32, asked: Asked<'_>, run: &dyn Run) {
+        const POSES: usize = RANGE_BLOCKS * LANES * NUM_JOINTS;
+        let clock = self.config.timed.then(Clock::default);
+        let tick = Tick { dt_s, motion_set, config: &self.config, asked, clock: clock.as_ref() };
+        let n = self.num_characters;
+        let blocks = self.blocks[..n.div_ceil(LANES)].chunks_mut(RANGE_BLOCKS);
+        let matrices = self.matrices[..n * NUM_JOINTS].chunks_mut(POSES);
+        let mut locals = self.locals.chunks_mut(POSES);
+        let parts = blocks.zip(&mut self.passed).zip(matrices).enumerate();
+        let parts = parts.map(|(i, (part, m))| range(i, n, part, m, locals.next().unwrap_or_default()));
+        run_each(run, parts, |range| step::step(range, &tick));
+        self.blows.gather(&self.passed[..n.div_ceil(RANGE_BLOCKS * LANES)], motion_set);
+        self.times = clock.map_or(self.times, |c| c.times());
+    }
+
+    /// Planar root of a character in the world (character < num_characters).
+    pub fn root(&self, character: usize) -> Planar {
+        self.blocks[character / LANES].root(character % LANES)
+    }
+
+    /// Planted parts of a character's feet (character < num_characters).
+    pub fn contacts(&self, character: usize) -> Contacts {
+        self.blocks[character / LANES].contacts[character % LANES]
+    }
+
+    /// Segment that a character plays, and the time within it; `u32::MAX` where it is laid on a [`ScheduledClip`].
+    /// (frames, character < num_characters)
+    pub fn segment(&self, character: usize) -> (u32, f32) {
+        let (b, lane) = (&self.blocks[character / LANES], character % LANES);
+        (b.segment[lane], b.time[lane])
+    }
+
+    /// Choices a character has made so far (character < num_characters).
+    pub fn num_choices(&self, character: usize) -> u32 {
+        self.blocks[character / LANES].num_choices[character % LANES]
+    }
+
+    /// What the action a character plays was chosen by; none before the first choice and after [`Characters::play`].
+    /// The choice lies as far back as [`Characters::segment`] has played (character < num_characters).
+    pub fn last_choice(&self, character: usize) -> Option<LastChoice> {
+        let (b, lane) = (&self.blocks[character / LANES], character % LANES);
+        let state = b.choice_state[lane];
+        (state != block::NO_STATE).then(|| LastChoice { state, root: b.choice_root(lane) })
+    }
+
+    /// Lets a character leave what it plays and start a segment from where it stands, with a smooth transition.
+    /// After the segment it chooses for itself again.
+    ///
+    /// # Errors
+    /// [`CharactersError::Index`] for a character or segment that does not exist, [`CharactersError::OtherBundle`] as
+    /// [`Characters::step`]; nothing has changed then.
+    pub fn play(&mut self, motion_set: &MotionSet, character: usize, segment: u32) -> Result<(), CharactersError> {
+        self.check_bundle(motion_set)?;
+        check_index("character", character, self.num_characters)?;
+        check_index("segment", segment as usize, self.num_segments)?;
+        let laid = self.blocks[character / LANES].segment[character % LANES] == block::LAID;
+        control::play(&mut self.blocks, character, segment, motion_set, &self.config);
+        self.num_choosers += usize::from(laid);
+        Ok(())
+    }
+
+    /// Blows of the last step, in the order of characters (at most MAX_BLOWS a character).
+    ///
+    /// A character strikes where it passes the frame of an effective hit; a hit on the frame that a segment starts
+    /// with belongs to the segment before.
+    pub fn blows(&self) -> &[Blow] {
+        self.blows.get()
+    }
+
+    /// The next blow of the segment that a character plays, and the time until it; its place is where it would land
+    /// if the path were bent no further (s, character < num_characters).
+    pub fn next_blow(&self, motion_set: &MotionSet, character: usize) -> Option<(Blow, f32)> {
+        let (segment, time) = self.segment(character);
+        let start = motion_set.graph.segments.get(segment as usize)?.start;
+        let frames = |hit: u32| (motion_set.hits[hit as usize].frame - start) as f32 - time;
+        let hit = motion_set.hits_of(segment).find(|&hit| frames(hit) > 0.0)?;
+        let place = self.blocks[character / LANES].clip_to_world(character % LANES);
+        Some((Blow::new(motion_set, character as u32, hit, place), frames(hit) / motion_set.rate_hz))
+    }
+
+    /// Displaces a part of a character's body, which then comes back; see [`ReactionConfig`].
+    ///
+    /// The head (for head and neck) or the upper trunk reaches the displacement shortly after; what stands for limbs
+    /// moves the trunk by a share. Pushes add up to the largest displacement of the config.
+    ///
+    /// - `displacement`: in the world (m).
+    ///
+    /// # Errors
+    /// [`CharactersError::Index`] for a character that does not exist, [`CharactersError::Value`] for a displacement
+    /// that is not finite; nothing has changed then.
+    pub fn push(&mut self, character: usize, joint: Joint, displacement: Vec3) -> Result<(), CharactersError> {
+        check_index("character", character, self.num_characters)?;
+        let largest = displacement.abs().max_element();
+        check("displacement", largest, displacement.is_finite() && largest < 1e3, "finite and below 1e3")?;
+        if self.config.reaction.enabled {
+            let block = &mut self.blocks[character / LANES];
+            reaction::push(&mut block.reaction, character % LANES, &self.config.reaction, joint, displacement);
+        }
+        Ok(())
+    }
+
+    /// Moves a character over the ground as a whole, at the next step. Planted feet stay, where they are locked and as
+    /// far as the lock reaches, and follow when they are lifted.
+    ///
+    /// - `by`: x and z in the world (m).
+    ///
+    /// # Errors
+    /// As [`Characters::push`].
+    pub fn shift(&mut self, character: usize, by: Vec2) -> Result<(), CharactersError> {
+        check_index("character", character, self.num_characters)?;
+        let largest = by.abs().max_element();
+        check("shift", largest, by.is_finite() && largest < 1e3, "finite and below 1e3")?;
+        let (block, lane) = (&mut self.blocks[character / LANES], character % LANES);
+        block.clip_to_world[0][lane] += by.x;
+        block.clip_to_world[1][lane] += by.y;
+        Ok(())
+    }
+
+    /// Times of the last step's phases; zero unless [`CharactersConfig::timed`].
+    pub fn times(&self) -> StepTimes {
+        self.times
+    }
+
+    /// Joints of all characters in model space, which [`Characters::root`] places in the world.
+    /// (num_characters * NUM_JOINTS)
+    pub fn model_matrices(&self) -> &[Mat3x4] {
+        &self.matrices[..self.num_characters * NUM_JOINTS]
+    }
+
+    /// Joints of one character in model space (NUM_JOINTS, character < num_characters).
+    pub fn pose(&self, character: usize) -> &[Mat3x4] {
+        &self.matrices[character * NUM_JOINTS..][..NUM_JOINTS]
+    }
+
+    /// Joints of all characters relative to their parents; empty unless the config asks for them.
+    /// (num_characters * NUM_JOINTS)
+    pub fn local_transforms(&self) -> &[LocalTransform] {
+        &self.locals
+    }
+
+    /// World positions of one character's joints (m, character < num_characters).
+    pub fn joint_positions(&self, character: usize) -> [Vec3; NUM_JOINTS] {
+        let root = self.root(character);
+        let (turn, move_by) = (root.rotation(), root.translation());
+        let pose = self.pose(character);
+        std::array::from_fn(|j| turn * pose[j].translation() + move_by)
+    }
+
+    fn validate(&self, motion_set: &MotionSet, dt_s: f32, goals: &[Goal<'_>]) -> Result<(), CharactersError> {
+        self.check_bundle(motion_set)?;
+        check("dt_s", dt_s, (0.0..=MAX_STEP_S).contains(&dt_s), "between 0 and 1")?;
+        // Characters on scheduled clips choose nothing.
+        let fewest = usize::from(self.num_choosers > 0);
+        if goals.len() < fewest || goals.len() > MAX_GOALS {
+            let expected = "1 to 4";
+            return Err(CharactersError::Value { what: "the number of goals", got: goals.len() as f32, expected });
+        }
+        for g in goals {
+            let (got, expected) = (g.targets.len(), self.num_characters);
+            if got != expected {
+                return Err(CharactersError::Length { what: "targets", got, expected });
+            }
+            if g.policy >= motion_set.policies.len() {
+                return Err(CharactersError::Index { what: "policy", got: g.policy, limit: motion_set.policies.len() });
+            }
+            check("weight", g.weight, g.weight.abs() < 1e6, "a finite number below 1e6")?;
+            for t in g.targets {
+                let largest = t.abs().max_element();
+                check("target", largest, largest < 1e6 && !t.is_nan(), "finite coordinates below 1e6")?;
+            }
+        }
+        Ok(())
+    }
+
+    fn check_bundle(&self, motion_set: &MotionSet) -> Result<(), CharactersError> {
+        for (what, expected, got) in [
+            ("frames", self.num_frames, motion_set.frames.len()),
+            ("segments", self.num_segments, motion_set.graph.segments.len()),
+        ] {
+            if got != expected {
+                return Err(CharactersError::OtherBundle { what, expected, got });
+            }
+        }
+        Ok(())
+    }
+}
+
+/// A segment that ends in each state (number of states).
+fn arrivals(motion_set: &MotionSet) -> Vec<u32> {
+    let mut found = vec![0; motion_set.graph.states.len()];
+    for (i, s) in motion_set.graph.segments.iter().enumerate().rev() {
+        found[s.end as usize] = i as u32;
+    }
+    found
+}
+
+fn range<'a>(
+    index: usize,
+    num_characters: usize,
+    (blocks, passed): (&'a mut [Block], &'a mut PassedHits),
+    matrices: &'a mut [Mat3x4],
+    locals: &'a mut [LocalTransform],
+) -> Range<'a> {
+    let first = index * RANGE_BLOCKS * LANES;
+    let count = (num_characters - first).min(RANGE_BLOCKS * LANES);
+    Range { first, count, blocks, passed, matrices, locals }
+}

@@ -1,0 +1,97 @@
+//! What a step reads of a bundle, checked once.
+
+use crate::bundle::Bundle;
+use crate::contacts::Contacts;
+use crate::format::{ClipRecord, FrameRow, Table};
+use crate::graph::MotionGraph;
+use crate::hits::HitRecord;
+use crate::planar::Planar;
+use crate::policy::PolicyTable;
+use crate::skeleton::Skeleton;
+
+use super::anatomy::Anatomy;
+use std::sync::Arc;
+
+/// Everything of a bundle that characters need to move. Owned: it keeps the bundle's file open; clones are cheap.
+#[derive(Clone, Debug)]
+pub struct MotionSet {
+    pub(crate) frames: Table<FrameRow>,
+    pub(crate) contacts: Table<Contacts>,
+    pub(crate) clips: Table<ClipRecord>,
+    pub(crate) hits: Table<HitRecord>,
+    /// First hit of each segment, and the one after its last (number of segments).
+    segment_hits: Table<[u32; 2]>,
+    pub(crate) graph: MotionGraph,
+    pub(crate) policies: Arc<[PolicyTable]>,
+    pub(crate) skeleton: Skeleton,
+    pub(crate) anatomy: Anatomy,
+    /// Frames a second (Hz).
+    pub rate_hz: f32,
+}
+
+impl MotionSet {
+    /// Takes what is needed of an open bundle.
+    pub fn new(tables: &Bundle) -> Self {
+        Self {
+            frames: tables.frames().clone(),
+            contacts: tables.contacts().clone(),
+            clips: tables.clips().clone(),
+            hits: tables.hits().clone(),
+            segment_hits: segment_hits(tables.graph(), tables.hits()).into(),
+            graph: tables.graph().clone(),
+            policies: tables.policies().clone(),
+            skeleton: tables.skeleton().clone(),
+            anatomy: Anatomy::new(tables.skeleton()),
+            rate_hz: tables.meta().rate_hz as f32,
+        }
+    }
+
+    /// Number of policies; a [`super::Goal`] names one of them.
+    pub fn num_policies(&self) -> usize {
+        self.policies.len()
+    }
+
+    /// A policy, by number.
+    pub fn policy(&self, index: usize) -> Option<&PolicyTable> {
+        self.policies.get(index)
+    }
+
+    /// The motion graph.
+    pub fn graph(&self) -> &MotionGraph {
+        &self.graph
+    }
+
+    /// Effective hits, ascending by frame; a [`super::Blow`] names one of them.
+    pub fn hits(&self) -> &[HitRecord] {
+        &self.hits
+    }
+
+    /// Numbers of the hits that a segment passes: those on its start belong to the segment before.
+    /// (segment < number of segments)
+    pub fn hits_of(&self, segment: u32) -> std::ops::Range<u32> {
+        let [first, end] = self.segment_hits[segment as usize];
+        first..end
+    }
+
+    /// The skeleton of all characters.
+    pub fn skeleton(&self) -> &Skeleton {
+        &self.skeleton
+    }
+
+    /// Number of the clip that a frame belongs to (frame < number of frames).
+    pub(crate) fn clip_of(&self, frame: u32) -> usize {
+        self.clips.partition_point(|c| c.first_frame <= frame) - 1
+    }
+
+    /// Planar root of a frame within its clip.
+    pub fn planar(&self, frame: u32) -> Planar {
+        let [x, z, heading] = self.frames[frame as usize].planar;
+        Planar::new(x, z, heading)
+    }
+}
+
+/// The hits in `(start, start + num_frames]` of every segment.
+fn segment_hits(graph: &MotionGraph, hits: &[HitRecord]) -> Vec<[u32; 2]> {
+    let up_to = |frame: u32| hits.partition_point(|h| h.frame <= frame) as u32;
+    graph.segments.iter().map(|s| [up_to(s.start), up_to(s.start + s.num_frames)]).collect()
+}

@@ -1,0 +1,302 @@
+//! Characters as a cast: they come and go, each with an id and an order of its own.
+
+use super::motion_set::MotionSet;
+use super::order::Order;
+use super::{Asked, Blow, Characters, CharactersConfig, Start, arrivals};
+use crate::bundle::Bundle;
+use crate::cast::{Adopted, Bodies, Cast, Status};
+use crate::contacts::Contacts;
+use crate::planar::Planar;
+use crate::roster::Roster;
+use crate::skeleton::{Joint, NUM_JOINTS};
+use glam::{Vec2, Vec3};
+use throng_base::error::{check, check_index};
+use throng_base::{Error, Hash128, Id, Result, Run, SnapshotKind};
+
+/// One is where it was sent within this distance (m).
+pub const ARRIVED_M: f32 = 0.5;
+
+/// How a character enters.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Spawn {
+    /// Planar root in the world.
+    pub root: Planar,
+    /// State of the motion graph; none for one in which characters stand, where there is any.
+    pub state: Option<u32>,
+}
+
+impl Spawn {
+    /// Stands there.
+    pub fn standing(root: Planar) -> Self {
+        Self { root, state: None }
+    }
+}
+
+/// Characters that policies move, as a [`Cast`].
+///
+/// All memory is allocated in [`PolicyCharacters::with_capacity`] but for loading and adopting. Those who are there
+/// stand side by side in memory, so that those who have left take no time. Random choices depend on the seed, the id
+/// and the number of choices alone.
+#[derive(Clone, Debug)]
+pub struct PolicyCharacters {
+    pub(super) bundle: Bundle,
+    pub(super) motion_set: MotionSet,
+    pub(super) characters: Characters,
+    /// A segment that ends in each state.
+    pub(super) arrivals: Vec<u32>,
+    /// Those who are there, in the order of bodies.
+    roster: Roster,
+    pub(super) orders: Vec<Order>,
+    roots: Vec<Planar>,
+    events: Vec<(Id, Blow)>,
+}
+
+impl PolicyCharacters {
+    /// Room for so many characters.
+    ///
+    /// # Errors
+    /// [`Error::Value`] for a setting out of its range, [`Error::Unknown`] for a bundle without a motion graph.
+    pub fn with_capacity(bundle: &Bundle, capacity: usize, config: CharactersConfig) -> Result<Self> {
+        let motion_set = MotionSet::new(bundle);
+        if motion_set.graph().states.is_empty() {
+            return Err(no_graph());
+        }
+        let characters = Characters::with_room(&motion_set, config, capacity)?;
+        Ok(Self {
+            bundle: bundle.clone(),
+            arrivals: arrivals(&motion_set),
+            motion_set,
+            roster: Roster::with_capacity(capacity),
+            orders: Vec::with_capacity(capacity),
+            roots: Vec::with_capacity(capacity),
+            events: Vec::with_capacity(characters.most_blows()),
+            characters,
+        })
+    }
+
+    /// Most characters.
+    pub fn capacity(&self) -> usize {
+        self.roster.capacity()
+    }
+
+    /// What moves them.
+    pub fn motion_set(&self) -> &MotionSet {
+        &self.motion_set
+    }
+
+    /// Those who are there, in the order of bodies.
+    pub fn ids(&self) -> &[Id] {
+        self.roster.ids()
+    }
+
+    /// The order of a character.
+    ///
+    /// # Errors
+    /// [`Error::Gone`].
+    pub fn order_of(&self, id: Id) -> Result<&Order> {
+        Ok(&self.orders[self.roster.row(id)?])
+    }
+
+    /// Planted parts of a character's feet.
+    ///
+    /// # Errors
+    /// [`Error::Gone`].
+    pub fn contacts(&self, id: Id) -> Result<Contacts> {
+        Ok(self.characters.contacts(self.roster.row(id)?))
+    }
+
+    /// Displaces a part of a character's body, which then comes back; see [`Characters::push`].
+    ///
+    /// # Errors
+    /// [`Error::Gone`], or [`Error::Value`] for a displacement that is not finite.
+    pub fn push(&mut self, id: Id, joint: Joint, displacement: Vec3) -> Result<()> {
+        let largest = displacement.abs().max_element();
+        let good = displacement.is_finite() && largest < 1e3;
+        check("displacement", Some(id), largest.into(), good, "finite and below 1e3 (m)")?;
+        let at = self.roster.row(id)?;
+        self.characters.push(at, joint, displacement).unwrap_or_else(|e| unreachable!("checked: {e}"));
+        Ok(())
+    }
+
+    /// Lets a character leave what it plays and start a segment, see [`Characters::play`].
+    ///
+    /// # Errors
+    /// [`Error::Gone`], or [`Error::Index`] for a segment that does not exist.
+    pub fn play(&mut self, id: Id, segment: u32) -> Result<()> {
+        check_index("segment", Some(id), segment as usize, self.motion_set.graph().segments.len())?;
+        let at = self.roster.row(id)?;
+        self.characters.play(&self.motion_set, at, segment).unwrap_or_else(|e| unreachable!("checked: {e}"));
+        Ok(())
+    }
+
+    fn standing(&self) -> u32 {
+        self.motion_set.graph().states.iter().position(|s| s.standing == 1).unwrap_or(0) as u32
+    }
+
+    fn update_roots(&mut self) {
+        for (at, root) in self.roots.iter_mut().enumerate() {
+            *root = self.characters.root(at);
+        }
+    }
+
+    fn snapshot_kind(&self) -> SnapshotKind {
+        let mut setup = Hash128::default();
+        setup.bytes(&self.bundle.hash().to_le_bytes());
+        setup.bytes(format!("{:?}", self.characters.config()).as_bytes());
+        SnapshotKind { what: "policy characters", tag: *b"PCHR", version: 1, setup: setup.finish() }
+    }
+
+    /// Why a state cannot be that of these characters; nothing where it can.
+    fn refuse(&self, characters: &Characters, roster: &Roster, orders: &[Order]) -> Option<String> {
+        if !self.roster.clone().restore(roster) || orders.len() != roster.len() {
+            let capacity = self.roster.capacity();
+            return Some(format!(
+                "its ids are not those of {capacity} places; restore it into as many as it was taken of"
+            ));
+        }
+        for (at, (id, order)) in roster.ids().iter().zip(orders).enumerate() {
+            if let Err(e) = order.check(Some(*id), &self.motion_set) {
+                return Some(e.to_string());
+            }
+            if !characters.is_sound(&self.motion_set, at, name(*id)) {
+                return Some(format!("character {id} plays what the bundle does not have"));
+            }
+        }
+        None
+    }
+}
+
+/// What random choices depend on beside the seed and their number.
+fn name(id: Id) -> u64 {
+    u64::from(id.generation) << 32 | u64::from(id.index)
+}
+
+pub(super) fn no_graph() -> Error {
+    Error::Unknown { what: "motion graph", name: "of the bundle".into(), known: Vec::new() }
+}
+
+fn check_root(who: Option<Id>, root: Planar) -> Result<()> {
+    for (what, got) in [("x", root.x), ("z", root.z), ("heading", root.heading)] {
+        check(what, who, got.into(), got.abs() < 1e6, "a finite number below 1e6")?;
+    }
+    Ok(())
+}
+
+impl Cast for PolicyCharacters {
+    type Start = Spawn;
+    type Order = Order;
+    type Event = Blow;
+
+    /// Its pose is there after the next step.
+    fn spawn(&mut self, start: Spawn) -> Result<Id> {
+        let next = Some(self.roster.next()?);
+        let state = start.state.unwrap_or_else(|| self.standing());
+        check_index("state", next, state as usize, self.motion_set.graph().states.len())?;
+        check_root(next, start.root)?;
+        let id = self.roster.enter()?;
+        self.characters.enter(&self.motion_set, Start { root: start.root, state }, &self.arrivals, name(id));
+        self.orders.push(Order::IDLE);
+        self.roots.push(start.root);
+        Ok(id)
+    }
+
+    /// The last one takes its place in [`Cast::bodies`].
+    fn despawn(&mut self, id: Id) -> Result<()> {
+        let (at, _) = self.roster.leave(id)?;
+        self.characters.leave(at);
+        self.orders.swap_remove(at);
+        self.roots.swap_remove(at);
+        Ok(())
+    }
+
+    fn place(&mut self, id: Id, root: Planar) -> Result<()> {
+        let at = self.roster.row(id)?;
+        check_root(Some(id), root)?;
+        self.characters.put(&self.motion_set, at, root);
+        self.roots[at] = root;
+        Ok(())
+    }
+
+    fn order(&mut self, id: Id, order: Order) -> Result<()> {
+        let at = self.roster.row(id)?;
+        order.check(Some(id), &self.motion_set)?;
+        self.orders[at] = order;
+        Ok(())
+    }
+
+    fn step(&mut self, dt_s: f32, run: &dyn Run) -> Result<()> {
+        let good = (0.0..=super::MAX_STEP_S).contains(&dt_s);
+        check("dt_s", None, dt_s.into(), good, "between 0 and 1 (s)")?;
+        self.characters.run(&self.motion_set, dt_s, Asked::Each(&self.orders), run);
+        self.update_roots();
+        self.events.clear();
+        let ids = self.roster.ids();
+        self.events.extend(self.characters.blows().iter().map(|blow| (ids[blow.character as usize], *blow)));
+        Ok(())
+    }
+
+    /// Going until the place that the first behaviour brings to its target is within [`ARRIVED_M`] of it.
+    fn status(&self, id: Id) -> Result<Status> {
+        let at = self.roster.row(id)?;
+        let order = &self.orders[at];
+        let Some(policy) = order.policies().first().and_then(|&p| self.motion_set.policy(p as usize)) else {
+            return Ok(Status::Idle);
+        };
+        let target = self.roots[at].inverse_transform_point(Vec2::new(order.target().x, order.target().z));
+        let left_m = target.distance(Vec2::new(policy.centre().x, policy.centre().z));
+        Ok(if left_m <= ARRIVED_M { Status::There } else { Status::Going { left_m } })
+    }
+
+    fn events(&self) -> &[(Id, Blow)] {
+        &self.events
+    }
+
+    fn bodies(&self) -> Bodies<'_> {
+        let model = self.characters.model_matrices().as_chunks::<NUM_JOINTS>().0;
+        Bodies { ids: self.roster.ids(), roots: &self.roots, model }
+    }
+
+    fn save(&self, out: &mut Vec<u8>) {
+        self.snapshot_kind().write(&(self.characters.saved_blocks(), &self.roster, &self.orders), out);
+    }
+
+    /// Poses are there after the next step.
+    fn load(&mut self, bytes: &[u8]) -> Result<()> {
+        let kind = self.snapshot_kind();
+        let refuse = |why: String| Error::Snapshot { what: kind.what, why };
+        let ((blocks, roster, orders), rest): ((Vec<_>, Roster, Vec<Order>), _) = kind.read(bytes)?;
+        if !rest.is_empty() {
+            return Err(refuse(format!("{} bytes follow its end", rest.len())));
+        }
+        let mut characters = self.characters.clone();
+        if !characters.set_blocks(blocks, roster.len()) {
+            return Err(refuse("it has another number of characters than it says".into()));
+        }
+        if let Some(why) = self.refuse(&characters, &roster, &orders) {
+            return Err(refuse(why));
+        }
+        self.roster.restore(&roster);
+        self.characters = characters;
+        // The vector keeps its capacity.
+        self.orders.clone_from(&orders);
+        self.roots.clear();
+        self.roots.resize(roster.len(), Planar::IDENTITY);
+        self.update_roots();
+        self.events.clear();
+        Ok(())
+    }
+
+    fn hash(&self) -> u64 {
+        let mut bytes = Vec::new();
+        self.save(&mut bytes);
+        Hash128::of(&bytes) as u64
+    }
+
+    /// Everybody takes the state of the new motion graph whose pose is nearest to its own.
+    fn adopt(&mut self, new: &Bundle) -> Result<Adopted> {
+        super::adopt::adopt(self, new)
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,191 @@
+//! Courses: stretches of frames that a character is laid on by whoever moves it, in place of choosing by a policy.
+
+use super::block::{Block, LAID, NO_STATE};
+use super::motion_set::MotionSet;
+use super::transition::{self, Change};
+use super::{Characters, CharactersConfig, CharactersError, check, check_index};
+use crate::patch::Placement;
+use crate::planar::Planar;
+use crate::pose::set;
+use glam::{Vec2, Vec3};
+use throng_base::simd::LANES;
+
+/// A stretch of one clip, laid in the world.
+///
+/// The planar root of frame k is that of the clip, laid so that frame `from_offset` is at `root`, plus the share
+/// (k - from_offset) / (num_frames - from_offset) of `missing`: position and heading each change linearly, nothing is
+/// bent (Lee, Choi and Lee 2006, section 6).
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ScheduledClip {
+    /// First frame row.
+    pub frame: u32,
+    /// Frames up to the last one, which is in the same clip (> 0).
+    pub num_frames: u32,
+    /// Frame it begins at (< num_frames).
+    pub from_offset: u32,
+    /// Planar root in the world at that frame.
+    pub root: Planar,
+    /// Height of the clip's ground in the world at that frame (m).
+    pub lift: f32,
+    /// What is added until the last frame: along the world's axes, and about the vertical; y is to the lift.
+    pub missing: Placement,
+}
+
+impl ScheduledClip {
+    /// Planar root in the world at the last frame.
+    pub fn end(&self, motion_set: &MotionSet) -> Planar {
+        let first = motion_set.planar(self.frame + self.from_offset);
+        let end = self.root.compose(first.to_local(motion_set.planar(self.frame + self.num_frames)));
+        let m = self.missing;
+        Planar::new(end.x + m.x, end.z + m.z, end.heading + m.heading)
+    }
+
+    fn check(&self, motion_set: &MotionSet) -> Result<(), CharactersError> {
+        let last = self.frame as usize + self.num_frames as usize;
+        check_index("frame", last, motion_set.frames.len())?;
+        check_index("first frame of a scheduled clip", self.from_offset as usize, self.num_frames as usize)?;
+        if motion_set.clip_of(self.frame) != motion_set.clip_of(last as u32) {
+            let expected = "a number of frames that the clip has";
+            return Err(CharactersError::Value {
+                what: "length of a scheduled clip",
+                got: self.num_frames as f32,
+                expected,
+            });
+        }
+        let (r, m) = (self.root, self.missing);
+        let numbers = [("root x", r.x), ("root z", r.z), ("root heading", r.heading), ("lift", self.lift)];
+        let missing = [("missing x", m.x), ("missing y", m.y), ("missing z", m.z), ("missing heading", m.heading)];
+        for (what, got) in numbers.into_iter().chain(missing) {
+            check(what, got, got.abs() < 1e6, "a finite number below 1e6")?;
+        }
+        Ok(())
+    }
+
+    /// Puts it in a block; time and age are left as they are.
+    fn put(&self, b: &mut Block, lane: usize, motion_set: &MotionSet) {
+        let (m, share) = (self.missing, 1.0 / (self.num_frames - self.from_offset) as f32);
+        b.segment[lane] = LAID;
+        b.first[lane] = self.frame;
+        b.length[lane] = self.num_frames;
+        b.drift_from[lane] = self.from_offset as f32;
+        b.lift[lane] = self.lift;
+        set(&mut b.drift, lane, Vec3::new(m.x, m.y, m.z) * share);
+        b.turn[lane] = m.heading * share;
+        b.bend[lane] = 0.0;
+        b.choice_state[lane] = NO_STATE;
+        b.set_clip_to_world(lane, self.root.compose(motion_set.planar(self.frame + self.from_offset).inverse()));
+    }
+}
+
+impl Characters {
+    /// Puts characters on scheduled clips, each at the frame it begins at. They choose nothing: whoever made them lays them on
+    /// the next scheduled clip before the last one ends. Poses are there after the first step.
+    ///
+    /// # Errors
+    /// [`CharactersError::Index`] or [`CharactersError::Value`] for a scheduled clip that leaves its clip or is not finite, or a setting
+    /// out of its range.
+    pub fn new_laid(
+        motion_set: &MotionSet,
+        config: CharactersConfig,
+        scheduled_clips: &[ScheduledClip],
+    ) -> Result<Self, CharactersError> {
+        config.check()?;
+        let mut blocks = vec![Block::ZERO; scheduled_clips.len().div_ceil(LANES)];
+        for (c, scheduled_clip) in scheduled_clips.iter().enumerate() {
+            scheduled_clip.check(motion_set)?;
+            let (b, lane) = (&mut blocks[c / LANES], c % LANES);
+            scheduled_clip.put(b, lane, motion_set);
+            b.time[lane] = scheduled_clip.from_offset as f32;
+            set(
+                &mut b.root,
+                lane,
+                Vec3::new(scheduled_clip.root.x, scheduled_clip.root.z, scheduled_clip.root.heading),
+            );
+        }
+        Ok(Self::with_blocks(motion_set, config, blocks, scheduled_clips.len(), 0))
+    }
+
+    /// Lays a character on a scheduled clip, which it changes to exactly where what it plays ends.
+    ///
+    /// Call it before the step in which that comes to its end; the time that is left over then is spent on the scheduled clip.
+    /// Where [`ScheduledClip::root`] is [`Characters::scheduled_end`], nothing jumps: rotations, height and velocities go over
+    /// smoothly. A scheduled clip that is over within the same step may be followed by another one at once. Without another
+    /// scheduled clip, a character stays at the end of its last one.
+    ///
+    /// # Errors
+    /// [`CharactersError::Index`] or [`CharactersError::Value`] for a character that does not exist or a scheduled clip that leaves its
+    /// clip or is not finite, [`CharactersError::OtherBundle`] as [`Characters::step`]; nothing has changed then.
+    pub fn lay(
+        &mut self,
+        motion_set: &MotionSet,
+        character: usize,
+        scheduled_clip: &ScheduledClip,
+    ) -> Result<(), CharactersError> {
+        self.check_bundle(motion_set)?;
+        check_index("character", character, self.num_characters)?;
+        scheduled_clip.check(motion_set)?;
+        let (b, lane) = (&mut self.blocks[character / LANES], character % LANES);
+        let chose = b.segment[lane] != LAID;
+        lay(b, lane, scheduled_clip, motion_set, &self.config);
+        self.num_choosers -= usize::from(chose);
+        Ok(())
+    }
+
+    /// Where what a character plays will end, if it was not bent on the way.
+    /// (character < num_characters)
+    pub fn scheduled_end(&self, motion_set: &MotionSet, character: usize) -> Planar {
+        self.blocks[character / LANES].end(character % LANES, motion_set)
+    }
+
+    /// Frames that a character has left of what it plays (frames, character < num_characters).
+    pub fn frames_left(&self, character: usize) -> f32 {
+        let (b, lane) = (&self.blocks[character / LANES], character % LANES);
+        b.length[lane] as f32 - b.time[lane]
+    }
+
+    /// First frame row of what a character plays, and the time since it (frames).
+    /// (character < num_characters)
+    pub fn scheduled_clip(&self, character: usize) -> (u32, f32) {
+        let (b, lane) = (&self.blocks[character / LANES], character % LANES);
+        (b.first[lane], b.time[lane])
+    }
+
+    /// Height in the world of the ground of what a character plays; its poses contain it (m).
+    /// (character < num_characters)
+    pub fn lift(&self, character: usize) -> f32 {
+        let (b, lane) = (&self.blocks[character / LANES], character % LANES);
+        b.lift_at(lane, b.time[lane])
+    }
+}
+
+/// Changes to a scheduled clip at the end of what is played.
+fn lay(b: &mut Block, lane: usize, scheduled_clip: &ScheduledClip, motion_set: &MotionSet, config: &CharactersConfig) {
+    let left = b.length[lane] as f32 - b.time[lane];
+    let left_s = left / motion_set.rate_hz;
+    let from = b.first[lane] + b.length[lane];
+    let (lift, drift) = (b.lift_at(lane, b.length[lane] as f32), b.drift(lane));
+    scheduled_clip.put(b, lane, motion_set);
+    let change = Change {
+        character: lane as u32,
+        from,
+        to: scheduled_clip.frame + scheduled_clip.from_offset,
+        age_s: b.age_s[lane] + left_s,
+        lift: lift - scheduled_clip.lift,
+        drift: to_root(scheduled_clip.root, drift - b.drift(lane)),
+    };
+    b.time[lane] = scheduled_clip.from_offset as f32 - left;
+    if change.from != change.to || change.lift != 0.0 || change.drift != Vec3::ZERO {
+        b.age_s[lane] = -left_s;
+        let block = std::slice::from_mut(b);
+        transition::start(&[change], &motion_set.frames, motion_set.rate_hz, config.half_life_s, block);
+    }
+}
+
+/// A vector of the world in the frame of a planar root.
+pub(super) fn to_root(root: Planar, v: Vec3) -> Vec3 {
+    let local = Planar::new(0.0, 0.0, root.heading).inverse_transform_point(Vec2::new(v.x, v.z));
+    Vec3::new(local.x, v.y, local.y)
+}
+
+#[cfg(test)]
+mod tests;

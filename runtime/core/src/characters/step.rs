@@ -1,0 +1,188 @@
+//! One tick, in reading order: advance -> control -> sample -> reaction -> foot lock -> poses.
+//!
+//! Characters are handled in ranges of whole blocks; nothing in a range depends on another, so results do not
+//! depend on how characters are split.
+
+use super::block::{Block, LAID};
+use super::blow::PassedHits;
+use super::control;
+use super::decay::add_offsets;
+use super::motion_set::MotionSet;
+use super::reaction;
+use super::times::{Clock, Laps, Phase};
+use super::{Asked, CharactersConfig};
+use crate::contacts::Contacts;
+use crate::format::FrameRow;
+use crate::pose::{
+    Cursor, LocalTransform, Mat3x4, Placement, between, lock_foot, sample, shared, to_model, write_locals,
+    write_matrices,
+};
+use crate::skeleton::NUM_JOINTS;
+use throng_base::simd::{Functions, LANES, Lanes, Work, dispatch};
+
+/// Blocks of a range: 128 characters, whose state and poses fit the cache of a core.
+pub(crate) const RANGE_BLOCKS: usize = 16;
+
+/// What all ranges of a tick share.
+pub(crate) struct Tick<'a> {
+    pub dt_s: f32,
+    pub motion_set: &'a MotionSet,
+    pub config: &'a CharactersConfig,
+    pub asked: Asked<'a>,
+    /// Where times are added up, if they are wanted.
+    pub clock: Option<&'a Clock>,
+}
+
+/// The part of the characters that one call handles.
+pub(crate) struct Range<'a> {
+    /// Number of the first character.
+    pub first: usize,
+    /// Characters; the last block may have empty lanes.
+    pub count: usize,
+    pub blocks: &'a mut [Block],
+    /// Hits that are passed.
+    pub passed: &'a mut PassedHits,
+    /// (count * NUM_JOINTS)
+    pub matrices: &'a mut [Mat3x4],
+    /// (count * NUM_JOINTS, or 0 where no local transforms are wanted)
+    pub locals: &'a mut [LocalTransform],
+}
+
+/// The list.
+pub(crate) fn step(range: Range<'_>, tick: &Tick<'_>) {
+    let mut laps = Laps::start(tick.clock);
+    range.passed.clear();
+    advance(range.blocks, range.passed, range.first, range.count, tick);
+    laps.end(Phase::Advance);
+    control::choose(range.blocks, range.passed, range.first, range.count, tick.motion_set, tick.config, tick.asked);
+    range.passed.sort();
+    laps.end(Phase::Control);
+    let decay = reaction::Step::new(&tick.config.reaction, tick.dt_s);
+    dispatch(Pose { range, tick, decay });
+}
+
+/// The second half of the list: sample -> reaction -> foot lock -> poses, for all blocks of a range.
+struct Pose<'a, 't> {
+    range: Range<'a>,
+    tick: &'a Tick<'t>,
+    decay: reaction::Step,
+}
+
+impl Work for Pose<'_, '_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<F: Lanes>(self) {
+        let Range { blocks, matrices, locals, .. } = self.range;
+        let poses = matrices.chunks_mut(LANES * NUM_JOINTS);
+        for (i, (block, matrices)) in blocks.iter_mut().zip(poses).enumerate() {
+            let from = i * LANES * NUM_JOINTS;
+            let locals = locals.get_mut(from..).unwrap_or_default();
+            let len = locals.len().min(matrices.len());
+            pose::<F>(block, matrices, &mut locals[..len], self.tick, &self.decay);
+        }
+    }
+}
+
+/// Moves time on, turns the path of characters whose action is bent, and notes the hits that are passed.
+fn advance(blocks: &mut [Block], passed: &mut PassedHits, first: usize, count: usize, tick: &Tick<'_>) {
+    let frames = tick.dt_s * tick.motion_set.rate_hz;
+    for character in 0..count {
+        let (b, lane) = (&mut blocks[character / LANES], character % LANES);
+        if b.bend[lane] != 0.0 {
+            let played = frames.min(b.length[lane] as f32 - b.time[lane]).max(0.0);
+            let root = b.root(lane);
+            let mut turned = root;
+            turned.heading += b.bend[lane] * played;
+            let placed = root.to_local(b.clip_to_world(lane));
+            b.set_clip_to_world(lane, turned.compose(placed));
+        }
+        let from = b.time[lane];
+        b.time[lane] += frames;
+        if b.segment[lane] == LAID {
+            // Where nothing follows, it stays at the end.
+            b.time[lane] = b.time[lane].min(b.length[lane] as f32);
+        } else if !passed.is_off() {
+            let (span, place) = ((from, b.time[lane]), b.clip_to_world(lane));
+            passed.pass(tick.motion_set, (first + character) as u32, b.segment[lane], span, place);
+        }
+        b.age_s[lane] += tick.dt_s;
+    }
+}
+
+/// Samples a block, displaces those who were struck, locks feet and writes its poses.
+#[inline(always)]
+fn pose<F: Lanes>(
+    block: &mut Block,
+    matrices: &mut [Mat3x4],
+    locals: &mut [LocalTransform],
+    tick: &Tick<'_>,
+    decay: &reaction::Step,
+) {
+    let r = tick.motion_set;
+    let mut laps = Laps::start(tick.clock);
+    let mut at = [0usize; LANES];
+    let mut ratio = [0.0; LANES];
+    for lane in 0..LANES {
+        // The last frame of a clip has none after it, so it is reached from the one before.
+        let time = block.time[lane].max(0.0);
+        let whole = (time as u32).min(block.length[lane].saturating_sub(1));
+        at[lane] = (block.first[lane] + whole) as usize;
+        ratio[lane] = time - whole as f32;
+        block.contacts[lane] = r.contacts[at[lane] + usize::from(ratio[lane] > 0.5)];
+    }
+    let cursor = Cursor { rows: [at.map(|f| &r.frames[f]), at.map(|f| &r.frames[f + 1])], ratio: F::from_array(ratio) };
+    let place = place(block, &cursor);
+    let mut local = sample(&cursor);
+    local.root.y = local.root.y + place.y;
+    add_offsets(&mut local, block, tick.config.half_life_s);
+    let mut model = to_model(shared(&r.skeleton), &local);
+    laps.end(Phase::Sample);
+    if tick.config.reaction.enabled && reaction::any::<F>(&block.reaction) {
+        reaction::react(&r.anatomy, &tick.config.reaction, decay, &place, &mut block.reaction, &mut model);
+    }
+    laps.end(Phase::Reaction);
+    if tick.config.foot_lock.enabled {
+        let planted = |c: Contacts| block.contacts.map(|have| f32::from(u8::from(have.any(c))));
+        let parts = [
+            (planted(Contacts::LEFT_HEEL), planted(Contacts::LEFT_TOE)),
+            (planted(Contacts::RIGHT_HEEL), planted(Contacts::RIGHT_TOE)),
+        ];
+        for (foot, planted) in parts.into_iter().enumerate() {
+            let lock = &mut block.feet[foot];
+            lock_foot(&r.anatomy.legs[foot], &tick.config.foot_lock, tick.dt_s, planted, &place, lock, &mut model);
+        }
+    }
+    laps.end(Phase::FootLock);
+    write_matrices(&model, matrices.len() / NUM_JOINTS, matrices);
+    if !locals.is_empty() {
+        write_locals(shared(&r.skeleton), &model, locals.len() / NUM_JOINTS, locals);
+    }
+    laps.end(Phase::Poses);
+}
+
+/// Updates the planar roots.
+#[inline(always)]
+fn place<F: Lanes>(block: &mut Block, cursor: &Cursor<'_, F>) -> Placement<F> {
+    let [from, to] = &cursor.rows;
+    let planar = |rows: &[&FrameRow; LANES], k: usize| rows.map(|r| r.planar[k]);
+    let px = between(&planar(from, 0), &planar(to, 0), cursor.ratio);
+    let pz = between(&planar(from, 1), &planar(to, 1), cursor.ratio);
+    let ph = between(&planar(from, 2), &planar(to, 2), cursor.ratio);
+    let [tx, tz, th] = &block.clip_to_world;
+    let (tx, tz, th) = (F::load(tx), F::load(tz), F::load(th));
+    let (clip_sin, clip_cos) = th.sin_cos();
+    let x = clip_cos * px + clip_sin * pz + tx;
+    let z = clip_cos * pz - clip_sin * px + tz;
+    let since = F::load(&block.time).max(F::splat(0.0)) - F::load(&block.drift_from);
+    let [dx, dy, dz] = &block.drift;
+    let x = x + F::load(dx) * since;
+    let z = z + F::load(dz) * since;
+    let y = F::load(&block.lift) + F::load(dy) * since;
+    let heading = th + ph + F::load(&block.turn) * since;
+    x.store(&mut block.root[0]);
+    z.store(&mut block.root[1]);
+    heading.store(&mut block.root[2]);
+    let (sin, cos) = heading.sin_cos();
+    Placement { x, y, z, sin, cos }
+}

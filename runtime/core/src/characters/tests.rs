@@ -1,0 +1,232 @@
+//! Steps against a plain reference, one joint after the other, on made-up tables.
+
+use super::made_up::FRAMES;
+pub(crate) use super::made_up::{tables, tables_with};
+use super::*;
+use crate::hits::HitRecord;
+use glam::Quat;
+
+mod blows;
+mod reactions;
+mod replay;
+
+pub(crate) fn starts(n: usize) -> Vec<Start> {
+    (0..n).map(|i| Start { root: Planar::new(i as f32, -2.0, 0.5 * i as f32), state: i as u32 % 4 }).collect()
+}
+
+pub(crate) fn targets(n: usize) -> Vec<Vec3> {
+    (0..n).map(|i| Vec3::new(3.0 - i as f32, 0.0, 1.0 + 0.3 * i as f32)).collect()
+}
+
+/// World positions of all joints, straight from the rows.
+fn reference(r: &MotionSet, characters: &Characters, c: usize) -> [Vec3; NUM_JOINTS] {
+    let (segment, time) = characters.segment(c);
+    let frame = r.graph.segments[segment as usize].start as usize + time as usize;
+    let root = characters.root(c);
+    model(r, frame, frame + 1, time.fract()).map(|p| root.translation() + root.rotation() * p)
+}
+
+/// Model-space positions of all joints between two rows, joint after joint.
+fn model(r: &MotionSet, from: usize, to: usize, ratio: f32) -> [Vec3; NUM_JOINTS] {
+    let (a, b) = (&r.frames[from], &r.frames[to]);
+    let mut out = [(Vec3::ZERO, Quat::IDENTITY); NUM_JOINTS];
+    for j in Joint::ALL {
+        let q = a.rotation(j.index()).lerp(b.rotation(j.index()), ratio);
+        out[j.index()] = match j.parent() {
+            None => (Vec3::Y * (a.height + (b.height - a.height) * ratio), q),
+            Some(p) => {
+                let (position, rotation) = out[p.index()];
+                (position + rotation * r.skeleton.offsets[j.index()], rotation * q)
+            }
+        };
+    }
+    out.map(|t| t.0)
+}
+
+fn plain() -> CharactersConfig {
+    let foot_lock = FootLockConfig { enabled: false, ..FootLockConfig::default() };
+    CharactersConfig { foot_lock, ..CharactersConfig::default() }
+}
+
+#[test]
+fn poses_are_those_of_the_rows_once_a_transition_has_settled() {
+    let tables = tables();
+    let r = MotionSet::new(&tables);
+    let config = CharactersConfig { half_life_s: 0.005, ..plain() };
+    let mut characters = Characters::new(&r, config, &starts(7)).unwrap();
+    let targets = targets(7);
+    for _ in 0..14 {
+        characters.step(&r, 1.0 / 25.0, &[Goal { policy: 0, weight: 1.0, targets: &targets }]).unwrap();
+    }
+    for c in 0..7 {
+        assert!(characters.segment(c).1 > 2.0, "the transition has settled");
+        for (got, want) in characters.joint_positions(c).iter().zip(reference(&r, &characters, c)) {
+            assert!((*got - want).length() < 1e-4, "{got} {want}");
+        }
+    }
+}
+
+#[test]
+fn sampled_frames_are_those_of_the_rows() {
+    let tables = tables();
+    let r = MotionSet::new(&tables);
+    let (frames, ratios) = ([0, 33, 119, 60, 7], [0.0, 0.25, 0.0, 1.0, 0.5]);
+    let mut matrices = vec![Mat3x4::default(); 5 * NUM_JOINTS];
+    SampleJob { motion_set: &r, frames: &frames, ratios: &ratios, matrices: &mut matrices }.run().unwrap();
+    for (i, (&f, &ratio)) in frames.iter().zip(&ratios).enumerate() {
+        let want = model(&r, f as usize, (f as usize + 1).min(119), ratio);
+        for (got, want) in matrices[i * NUM_JOINTS..].iter().zip(want) {
+            assert!((got.translation() - want).length() < 1e-5);
+        }
+    }
+    let job = SampleJob { motion_set: &r, frames: &[120], ratios: &[0.0], matrices: &mut matrices[..NUM_JOINTS] };
+    assert!(matches!(job.run(), Err(CharactersError::Index { .. })));
+}
+
+#[test]
+fn nothing_jumps_where_segments_change() {
+    let tables = tables();
+    let r = MotionSet::new(&tables);
+    let mut characters = Characters::new(&r, plain(), &starts(9)).unwrap();
+    let targets = targets(9);
+    let goals = [Goal { policy: 0, weight: 1.0, targets: &targets }];
+    characters.step(&r, 0.0, &goals).unwrap();
+    let dt = 1.0 / 240.0;
+    let mut before: Vec<_> = (0..9).map(|c| characters.joint_positions(c)).collect();
+    let mut changes = 0;
+    for _ in 0..480 {
+        let old: Vec<_> = (0..9).map(|c| characters.segment(c).0).collect();
+        characters.step(&r, dt, &goals).unwrap();
+        for c in 0..9 {
+            changes += usize::from(characters.segment(c).0 != old[c]);
+            let now = characters.joint_positions(c);
+            for (a, b) in now.iter().zip(&before[c]) {
+                assert!((*a - *b).length() < 6.0 * dt, "faster than 6 m/s");
+            }
+            before[c] = now;
+        }
+    }
+    assert!(changes > 20, "{changes}");
+}
+
+#[test]
+fn roots_are_continuous_and_follow_the_segments() {
+    let tables = tables();
+    let r = MotionSet::new(&tables);
+    let mut characters = Characters::new(&r, plain(), &starts(4)).unwrap();
+    let targets = targets(4);
+    let goals = [Goal { policy: 0, weight: 1.0, targets: &targets }];
+    characters.step(&r, 0.0, &goals).unwrap();
+    let mut at: Vec<Planar> = (0..4).map(|c| characters.root(c)).collect();
+    for (c, s) in starts(4).iter().enumerate() {
+        assert!((at[c].x - s.root.x).abs() < 1e-5 && (at[c].z - s.root.z).abs() < 1e-5);
+    }
+    for _ in 0..5 {
+        let segments: Vec<_> = (0..4).map(|c| characters.segment(c).0).collect();
+        for _ in 0..20 {
+            characters.step(&r, 1.0 / 30.0, &goals).unwrap();
+        }
+        for c in 0..4 {
+            at[c] = at[c].compose(r.graph.segments[segments[c] as usize].displacement());
+            let got = characters.root(c);
+            assert!((got.x - at[c].x).abs() < 1e-3 && (got.z - at[c].z).abs() < 1e-3, "{got:?} {:?}", at[c]);
+        }
+    }
+}
+
+#[test]
+fn planted_feet_stay_where_they_are() {
+    let tables = tables();
+    let r = MotionSet::new(&tables);
+    let foot_lock = FootLockConfig { max_correction_m: 0.3, ..FootLockConfig::default() };
+    let mut characters =
+        Characters::new(&r, CharactersConfig { foot_lock, ..CharactersConfig::default() }, &starts(5)).unwrap();
+    let targets = targets(5);
+    let goals = [Goal { policy: 0, weight: 1.0, targets: &targets }];
+    for _ in 0..2 {
+        characters.step(&r, 1.0 / 60.0, &goals).unwrap();
+    }
+    let feet = |t: &Characters, c| {
+        let p = t.joint_positions(c);
+        (p[Joint::LeftFoot.index()] + p[Joint::LeftToe.index()]) * 0.5
+    };
+    let before: Vec<_> = (0..5).map(|c| feet(&characters, c)).collect();
+    for _ in 0..6 {
+        characters.step(&r, 1.0 / 60.0, &goals).unwrap();
+    }
+    for (c, b) in before.iter().enumerate() {
+        let moved = feet(&characters, c) - *b;
+        assert!(moved.x.hypot(moved.z) < 0.01, "{moved}");
+    }
+}
+
+#[test]
+fn legs_keep_their_lengths_and_locals_rebuild_the_pose() {
+    let tables = tables();
+    let r = MotionSet::new(&tables);
+    let config = CharactersConfig { local_transforms: true, ..CharactersConfig::default() };
+    let mut characters = Characters::new(&r, config, &starts(6)).unwrap();
+    let targets = targets(6);
+    for _ in 0..50 {
+        characters.step(&r, 1.0 / 60.0, &[Goal { policy: 0, weight: 1.0, targets: &targets }]).unwrap();
+        for c in 0..6 {
+            let (pose, locals) = (characters.pose(c), &characters.local_transforms()[c * NUM_JOINTS..][..NUM_JOINTS]);
+            let mut built = [(Vec3::ZERO, Quat::IDENTITY); NUM_JOINTS];
+            for j in Joint::ALL {
+                let (p, q) = j.parent().map_or((Vec3::ZERO, Quat::IDENTITY), |p| built[p.index()]);
+                let l = locals[j.index()];
+                built[j.index()] = (p + q * Vec3::from_array(l.translation), q * Quat::from_array(l.rotation));
+                let shown = pose[j.index()].translation();
+                assert!((built[j.index()].0 - shown).length() < 2e-3, "{j:?} {} {shown}", built[j.index()].0);
+                if let Some(parent) = j.parent() {
+                    let length = (shown - pose[parent.index()].translation()).length();
+                    assert!((length - r.skeleton.offsets[j.index()].length()).abs() < 2e-3, "{j:?}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn the_split_and_the_way_of_choosing_are_free() {
+    let tables = tables();
+    let r = MotionSet::new(&tables);
+    let n = 300;
+    let targets = targets(n);
+    let goals = [Goal { policy: 0, weight: 1.0, targets: &targets }];
+    for choice in [Choice::BestAction, Choice::LookAhead { temperature: 0.3 }] {
+        let config = CharactersConfig { choice, ..CharactersConfig::default() };
+        let mut whole = Characters::new(&r, config, &starts(n)).unwrap();
+        let mut split = whole.clone();
+        for _ in 0..100 {
+            whole.step(&r, 1.0 / 40.0, &goals).unwrap();
+            #[cfg(feature = "rayon")]
+            split.par_step(&r, 1.0 / 40.0, &goals).unwrap();
+            #[cfg(not(feature = "rayon"))]
+            split.step(&r, 1.0 / 40.0, &goals).unwrap();
+        }
+        assert_eq!(whole.model_matrices(), split.model_matrices());
+        assert!(whole.num_choices(0) > 2);
+    }
+}
+
+#[test]
+fn refuses_what_does_not_fit() {
+    let tables = tables();
+    let r = MotionSet::new(&tables);
+    let bad_state = [Start { root: Planar::IDENTITY, state: 4 }];
+    assert!(matches!(Characters::new(&r, plain(), &bad_state), Err(CharactersError::Index { .. })));
+    let mut characters = Characters::new(&r, plain(), &starts(2)).unwrap();
+    let targets = targets(2);
+    let goal = |policy, targets| [Goal { policy, weight: 1.0, targets }];
+    assert!(matches!(characters.step(&r, 0.1, &goal(0, &targets[..1])), Err(CharactersError::Length { .. })));
+    assert!(matches!(characters.step(&r, 0.1, &goal(1, &targets)), Err(CharactersError::Index { .. })));
+    assert!(matches!(characters.step(&r, f32::NAN, &goal(0, &targets)), Err(CharactersError::Value { .. })));
+    let far = [Vec3::NAN; 2];
+    assert!(matches!(characters.step(&r, 0.1, &goal(0, &far)), Err(CharactersError::Value { .. })));
+    assert!(characters.step(&r, 0.1, &[]).unwrap_err().to_string().contains("1 to 4"));
+    // The same clips, another graph.
+    let mut other = r.clone();
+    other.graph.segments = other.graph.segments.part(0..3).unwrap();
+    assert!(matches!(characters.step(&other, 0.1, &goal(0, &targets)), Err(CharactersError::OtherBundle { .. })));
+}

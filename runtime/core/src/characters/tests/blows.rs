@@ -1,0 +1,171 @@
+//! Effective hits that are passed as motion plays.
+
+use super::*;
+
+/// A hit at a frame; its place tells which it is.
+pub(crate) fn hit(frame: u32) -> HitRecord {
+    HitRecord {
+        frame,
+        kind: 0,
+        joint: Joint::LeftHand as u32,
+        force: 0.5,
+        position: [0.2, 1.3, 0.4 + 0.001 * frame as f32],
+        speed_mps: 5.0,
+        direction: [0.6, 0.0, 0.8],
+        reserved: 0,
+    }
+}
+
+/// Segments start at 0, 20 and, in the other clip, 60, 80; each plays 20 frames.
+fn hits() -> Vec<HitRecord> {
+    [0, 5, 20, 25, 33, 39, 40, 60, 66, 79, 80, 81, 90, 100].map(hit).to_vec()
+}
+
+/// What characters strike, from the segments they play: a plain replay of every character, frame by frame.
+fn expected(r: &MotionSet, before: &[(u32, f32)], after: &[(u32, f32)]) -> Vec<(u32, u32)> {
+    let mut out = Vec::new();
+    let offset = |s: u32, h: &HitRecord| h.frame as f32 - r.graph.segments[s as usize].start as f32;
+    for (c, (&(s0, t0), &(s1, t1))) in before.iter().zip(after).enumerate() {
+        let length = r.graph.segments[s0 as usize].num_frames as f32;
+        let mut add = |s: u32, from: f32, to: f32| {
+            for (i, h) in r.hits.iter().enumerate() {
+                let at = offset(s, h);
+                if at > from && at <= to && at <= 20.0 {
+                    out.push((c as u32, i as u32));
+                }
+            }
+        };
+        let changed = s0 != s1 || t1 < t0;
+        if changed {
+            add(s0, t0, length);
+            add(s1, 0.0, t1);
+        } else {
+            add(s0, t0, t1);
+        }
+    }
+    out
+}
+
+#[test]
+fn characters_strike_where_they_pass_the_frames_of_hits() {
+    let tables = tables_with(&hits());
+    let r = MotionSet::new(&tables);
+    let n = 150;
+    let targets = targets(n);
+    let goals = [Goal { policy: 0, weight: 1.0, targets: &targets }];
+    // 20 frames are no whole number of steps: segments change within steps and at their ends.
+    for dt in [1.0 / 60.0, 1.0 / 37.0, 1.0 / 30.0, 0.2] {
+        let mut characters = Characters::new(&r, plain(), &starts(n)).unwrap();
+        let playing = |t: &Characters| (0..n).map(|c| t.segment(c)).collect::<Vec<_>>();
+        characters.step(&r, 0.0, &goals).unwrap();
+        assert!(characters.blows().is_empty());
+        let mut struck = 0;
+        for _ in 0..90 {
+            let before = playing(&characters);
+            characters.step(&r, dt, &goals).unwrap();
+            let got: Vec<_> = characters.blows().iter().map(|b| (b.character, b.hit)).collect();
+            assert_eq!(got, expected(&r, &before, &playing(&characters)), "{dt}");
+            struck += got.len();
+        }
+        assert!(struck > n, "{struck}");
+    }
+}
+
+#[test]
+fn a_blow_is_where_the_clip_lies_in_the_world() {
+    let tables = tables_with(&hits());
+    let r = MotionSet::new(&tables);
+    let targets = targets(9);
+    let goals = [Goal { policy: 0, weight: 1.0, targets: &targets }];
+    for bend_rad_per_m in [0.0, 0.5] {
+        let mut characters = Characters::new(&r, CharactersConfig { bend_rad_per_m, ..plain() }, &starts(9)).unwrap();
+        let mut seen = 0;
+        for _ in 0..200 {
+            // A step a frame: a blow lies where the root is, then.
+            characters.step(&r, 1.0 / 30.0, &goals).unwrap();
+            for b in characters.blows() {
+                let (root, h) = (characters.root(b.character as usize), &r.hits[b.hit as usize]);
+                let want = root.rotation() * h.position() + root.translation();
+                assert!(b.point.distance(want) < 1e-4, "{} {want}", b.point);
+                assert!(b.direction.distance(root.rotation() * h.direction()) < 1e-5);
+                assert_eq!((b.joint, b.speed_mps, b.force), (Joint::LeftHand, 5.0, 0.5));
+                seen += 1;
+            }
+        }
+        assert!(seen > 20);
+    }
+}
+
+#[test]
+fn the_next_blow_is_the_one_that_comes_when_it_is_due() {
+    let tables = tables_with(&[5, 12, 33, 66, 90].map(hit));
+    let r = MotionSet::new(&tables);
+    let targets = targets(9);
+    let goals = [Goal { policy: 0, weight: 1.0, targets: &targets }];
+    let mut characters = Characters::new(&r, plain(), &starts(9)).unwrap();
+    let dt = 1.0 / 60.0;
+    let mut announced: Vec<Option<(Blow, f32)>> = vec![None; 9];
+    let (mut came, mut none) = (0, 0);
+    for _ in 0..300 {
+        characters.step(&r, dt, &goals).unwrap();
+        for c in 0..9 {
+            let struck = characters.blows().iter().find(|b| b.character == c as u32);
+            if let (Some((blow, due_s)), Some(struck)) = (announced[c], struck) {
+                assert_eq!(blow.hit, struck.hit);
+                assert!(due_s > -1e-4 && due_s < dt + 1e-4 && blow.point.distance(struck.point) < 1e-4);
+                came += 1;
+            }
+            announced[c] = characters.next_blow(&r, c);
+            none += u32::from(announced[c].is_none());
+        }
+    }
+    assert!(came > 30 && none > 30, "{came} {none}");
+}
+
+#[test]
+fn no_more_blows_of_a_character_in_a_step_than_there_is_room_for() {
+    let every: Vec<_> = (0..2 * FRAMES).map(hit).collect();
+    let tables = tables_with(&every);
+    let r = MotionSet::new(&tables);
+    let targets = targets(3);
+    let mut characters = Characters::new(&r, plain(), &starts(3)).unwrap();
+    for _ in 0..5 {
+        characters.step(&r, 1.0, &[Goal { policy: 0, weight: 1.0, targets: &targets }]).unwrap();
+        let of: Vec<_> = characters.blows().iter().map(|b| b.character).collect();
+        assert_eq!(of, [[0; MAX_BLOWS], [1; MAX_BLOWS], [2; MAX_BLOWS]].concat());
+    }
+}
+
+#[test]
+fn a_bundle_without_hits_has_no_blows() {
+    let tables = tables();
+    let r = MotionSet::new(&tables);
+    let targets = targets(3);
+    let mut characters = Characters::new(&r, plain(), &starts(3)).unwrap();
+    for _ in 0..50 {
+        characters.step(&r, 0.1, &[Goal { policy: 0, weight: 1.0, targets: &targets }]).unwrap();
+        assert!(characters.blows().is_empty() && characters.next_blow(&r, 0).is_none());
+    }
+}
+
+#[test]
+#[cfg(feature = "rayon")]
+fn blows_are_the_same_on_several_threads() {
+    let tables = tables_with(&hits());
+    let r = MotionSet::new(&tables);
+    let n = 300;
+    let targets = targets(n);
+    let goals = [Goal { policy: 0, weight: 1.0, targets: &targets }];
+    let mut whole = Characters::new(&r, CharactersConfig::default(), &starts(n)).unwrap();
+    let mut split = whole.clone();
+    for step in 0..100 {
+        whole.step(&r, 1.0 / 40.0, &goals).unwrap();
+        split.par_step(&r, 1.0 / 40.0, &goals).unwrap();
+        assert_eq!(whole.blows(), split.blows());
+        let by = Vec3::new(0.0, 0.02, 0.05);
+        for t in [&mut whole, &mut split] {
+            t.push(step % n, Joint::Head, by).unwrap();
+        }
+        assert!(whole.model_matrices() == split.model_matrices());
+    }
+}

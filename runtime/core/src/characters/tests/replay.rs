@@ -1,0 +1,106 @@
+//! Going back, taking a hand in, and asking why.
+
+use super::*;
+
+const DT: f32 = 1.0 / 60.0;
+
+#[test]
+fn a_restored_characters_repeats_what_followed_bit_by_bit() {
+    let tables = tables();
+    let r = MotionSet::new(&tables);
+    let n = 21;
+    let targets = targets(n);
+    let goals = [Goal { policy: 0, weight: 1.0, targets: &targets }];
+    let config = CharactersConfig { choice: Choice::LookAhead { temperature: 0.5 }, ..CharactersConfig::default() };
+    let mut characters = Characters::new(&r, config, &starts(n)).unwrap();
+    for _ in 0..37 {
+        characters.step(&r, DT, &goals).unwrap();
+    }
+    let kept = characters.snapshot();
+    let mut record = Vec::new();
+    for _ in 0..100 {
+        characters.step(&r, DT, &goals).unwrap();
+        record.push(characters.model_matrices().to_vec());
+    }
+    characters.restore(&kept).unwrap();
+    for poses in &record {
+        characters.step(&r, DT, &goals).unwrap();
+        assert!(characters.model_matrices() == poses.as_slice());
+    }
+    let mut other = Characters::new(&r, config, &starts(n - 1)).unwrap();
+    assert!(matches!(other.restore(&kept), Err(CharactersError::Length { .. })));
+    let mut cut = r.clone();
+    cut.frames = cut.frames.part(0..cut.frames.len() - 1).unwrap();
+    let mut other = Characters::new(&cut, config, &starts(n)).unwrap();
+    assert!(matches!(other.restore(&kept), Err(CharactersError::OtherBundle { what: "frames", .. })));
+}
+
+#[test]
+fn the_last_choice_is_the_state_and_place_the_segment_began_at() {
+    let tables = tables();
+    let r = MotionSet::new(&tables);
+    let targets = targets(9);
+    let goals = [Goal { policy: 0, weight: 1.0, targets: &targets }];
+    let mut characters = Characters::new(&r, plain(), &starts(9)).unwrap();
+    assert!((0..9).all(|c| characters.last_choice(c).is_none()));
+    for _ in 0..200 {
+        characters.step(&r, DT, &goals).unwrap();
+        for c in 0..9 {
+            let (segment, frames) = characters.segment(c);
+            let choice = characters.last_choice(c).unwrap();
+            assert!(r.graph.segments_of(choice.state).contains(&segment));
+            // Unbent motion: from the place of the choice, the segment's frames lead to the root.
+            let start = r.graph.segments[segment as usize].start;
+            let (from, to) = (r.planar(start), r.planar(start + frames.round() as u32));
+            let (root, led) = (characters.root(c), choice.root.compose(from.to_local(to)));
+            assert!((root.x - led.x).hypot(root.z - led.z) < 0.04, "{root:?} {led:?}");
+        }
+    }
+}
+
+#[test]
+fn a_played_segment_starts_at_once_and_without_a_jump() {
+    let tables = tables();
+    let r = MotionSet::new(&tables);
+    let targets = targets(3);
+    let goals = [Goal { policy: 0, weight: 1.0, targets: &targets }];
+    let mut characters = Characters::new(&r, plain(), &starts(3)).unwrap();
+    let dt = 1.0 / 240.0;
+    for _ in 0..50 {
+        characters.step(&r, dt, &goals).unwrap();
+    }
+    let others = [characters.segment(0).0, characters.segment(2).0];
+    let new = (characters.segment(1).0 + 2) % 4;
+    let before = characters.joint_positions(1);
+    characters.play(&r, 1, new).unwrap();
+    assert_eq!(characters.segment(1), (new, 0.0));
+    assert!(characters.last_choice(1).is_none());
+    assert_eq!(others, [characters.segment(0).0, characters.segment(2).0]);
+    characters.step(&r, dt, &goals).unwrap();
+    for (a, b) in characters.joint_positions(1).iter().zip(&before) {
+        assert!((*a - *b).length() < 6.0 * dt, "faster than 6 m/s");
+    }
+    for _ in 0..240 {
+        characters.step(&r, dt, &goals).unwrap();
+    }
+    assert!(characters.last_choice(1).is_some(), "it chooses for itself again");
+    assert!(matches!(characters.play(&r, 3, 0), Err(CharactersError::Index { what: "character", .. })));
+    assert!(matches!(characters.play(&r, 0, 4), Err(CharactersError::Index { what: "segment", .. })));
+}
+
+#[test]
+fn timing_a_step_changes_nothing_else() {
+    let tables = tables();
+    let r = MotionSet::new(&tables);
+    let targets = targets(40);
+    let goals = [Goal { policy: 0, weight: 1.0, targets: &targets }];
+    let mut plain_one = Characters::new(&r, plain(), &starts(40)).unwrap();
+    let mut timed = Characters::new(&r, CharactersConfig { timed: true, ..plain() }, &starts(40)).unwrap();
+    for _ in 0..30 {
+        plain_one.step(&r, DT, &goals).unwrap();
+        timed.step(&r, DT, &goals).unwrap();
+    }
+    assert!(plain_one.model_matrices() == timed.model_matrices());
+    assert_eq!(plain_one.times(), StepTimes::default());
+    assert!(timed.times().phases().iter().all(|p| p.1 >= 0.0) && timed.times().total_s() > 0.0);
+}

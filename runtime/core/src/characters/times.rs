@@ -1,0 +1,92 @@
+//! Where the time of a step goes.
+
+use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
+use std::time::Instant;
+
+/// Time of each phase of a step, summed over the threads that took part; zero where characters are not timed.
+///
+/// Ask for it with [`super::CharactersConfig::timed`]; reading the clock costs a step a few percent.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct StepTimes {
+    /// Moving time on, bending paths (s).
+    pub advance_s: f64,
+    /// Choosing actions, and starting transitions to them (s).
+    pub control_s: f64,
+    /// Sampling between frames, adding the offsets of transitions, model space (s).
+    pub sample_s: f64,
+    /// Displacing those who were struck (s).
+    pub reaction_s: f64,
+    /// Holding planted feet (s).
+    pub foot_lock_s: f64,
+    /// Writing matrices and local transforms (s).
+    pub poses_s: f64,
+}
+
+impl StepTimes {
+    /// Names and times, in the order of a step (s).
+    pub fn phases(&self) -> [(&'static str, f64); 6] {
+        [
+            ("advance", self.advance_s),
+            ("control", self.control_s),
+            ("sample", self.sample_s),
+            ("reaction", self.reaction_s),
+            ("foot lock", self.foot_lock_s),
+            ("poses", self.poses_s),
+        ]
+    }
+
+    /// All phases together (s).
+    pub fn total_s(&self) -> f64 {
+        self.phases().iter().map(|p| p.1).sum()
+    }
+}
+
+/// A phase of a step.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Phase {
+    Advance,
+    Control,
+    Sample,
+    Reaction,
+    FootLock,
+    Poses,
+}
+
+/// Adds up the times of a step's phases over all threads.
+#[derive(Debug, Default)]
+pub(crate) struct Clock([AtomicU64; 6]);
+
+impl Clock {
+    pub fn times(&self) -> StepTimes {
+        let of = |p: Phase| self.0[p as usize].load(Relaxed) as f64 * 1e-9;
+        StepTimes {
+            advance_s: of(Phase::Advance),
+            control_s: of(Phase::Control),
+            sample_s: of(Phase::Sample),
+            reaction_s: of(Phase::Reaction),
+            foot_lock_s: of(Phase::FootLock),
+            poses_s: of(Phase::Poses),
+        }
+    }
+}
+
+/// Reads the clock at the end of each phase, where characters are timed.
+pub(crate) struct Laps<'a> {
+    running: Option<(&'a Clock, Instant)>,
+}
+
+impl<'a> Laps<'a> {
+    pub fn start(clock: Option<&'a Clock>) -> Self {
+        Self { running: clock.map(|c| (c, Instant::now())) }
+    }
+
+    /// Gives the time since the last reading to a phase.
+    #[inline(always)]
+    pub fn end(&mut self, phase: Phase) {
+        if let Some((clock, since)) = &mut self.running {
+            let now = Instant::now();
+            clock.0[phase as usize].fetch_add((now - *since).as_nanos() as u64, Relaxed);
+            *since = now;
+        }
+    }
+}

@@ -1,0 +1,113 @@
+//! Checks a file's frame: header, section table, padding, checksums. What the records say is checked by `Bundle`.
+
+use super::{ALIGN, FormatError, Header, Kind, Section, Tag, crc32};
+use bytemuck::Pod;
+use std::ops::Range;
+
+/// Most sections a bundle may have; a larger count is damage.
+const MAX_SECTIONS: u32 = 1024;
+
+/// Where the sections of a checked file lie.
+#[derive(Debug)]
+pub struct Layout {
+    sections: Vec<(Section, Range<usize>)>,
+    fingerprint: u64,
+}
+
+impl Layout {
+    /// Checks the frame of `bytes`; section checksums only where `checksums` is set.
+    pub fn read(bytes: &[u8], checksums: bool) -> Result<Self, FormatError> {
+        Self::read_kind(bytes, checksums, Kind::BUNDLE)
+    }
+
+    /// The same of a file of another kind.
+    pub fn read_kind(bytes: &[u8], checksums: bool, kind: Kind) -> Result<Self, FormatError> {
+        let header = read_header(bytes, kind)?;
+        let table_end = size_of::<Header>() + header.num_sections as usize * size_of::<Section>();
+        let table = bytes
+            .get(size_of::<Header>()..table_end)
+            .ok_or(FormatError::Length { expected: table_end as u64, got: bytes.len() as u64 })?;
+        check("the section table", header.table_crc32, crc32(table))?;
+
+        let mut sections: Vec<(Section, Range<usize>)> = Vec::with_capacity(header.num_sections as usize);
+        let mut end = table_end;
+        for row in table.chunks_exact(size_of::<Section>()) {
+            let s: Section = bytemuck::pod_read_unaligned(row);
+            let range = s.range(bytes.len() as u64)?;
+            if range.start != end.next_multiple_of(ALIGN as usize) {
+                let start = range.start;
+                return Err(FormatError::layout(format!(
+                    "section {} starts at {start}, not after its forerunner",
+                    s.tag
+                )));
+            }
+            if s.reserved != 0 || bytes[end..range.start].iter().any(|&b| b != 0) {
+                return Err(FormatError::layout(format!("the padding before section {} is not zero", s.tag)));
+            }
+            if sections.iter().any(|(o, _)| o.tag == s.tag) {
+                return Err(FormatError::layout(format!("section {} stands there twice", s.tag)));
+            }
+            if checksums {
+                check(&format!("section {}", s.tag), s.crc32, crc32(&bytes[range.clone()]))?;
+            }
+            end = range.end;
+            sections.push((s, range));
+        }
+        if end != bytes.len() {
+            return Err(FormatError::Length { expected: end as u64, got: bytes.len() as u64 });
+        }
+        let fingerprint =
+            (u64::from(header.header_crc32) << 32 | u64::from(header.table_crc32)) ^ header.file_len.rotate_right(8);
+        Ok(Self { sections, fingerprint })
+    }
+
+    /// Byte range of the section of that tag, whose elements must be `T`.
+    pub fn section<T: Pod>(&self, tag: Tag) -> Result<Range<usize>, FormatError> {
+        let (s, range) = self.sections.iter().find(|(s, _)| s.tag == tag).ok_or(FormatError::Missing { tag })?;
+        if s.elem_size as usize != size_of::<T>() {
+            return Err(FormatError::layout(format!(
+                "section {tag} has elements of {} bytes, expected {}",
+                s.elem_size,
+                size_of::<T>()
+            )));
+        }
+        Ok(range.clone())
+    }
+
+    /// Tells the file from others, by the checksums in its header and its length.
+    pub fn fingerprint(&self) -> u64 {
+        self.fingerprint
+    }
+
+    /// Tag and length in bytes of every section, in file order.
+    pub fn sizes(&self) -> impl Iterator<Item = (Tag, usize)> + '_ {
+        self.sections.iter().map(|(s, r)| (s.tag, r.len()))
+    }
+}
+
+fn read_header(bytes: &[u8], kind: Kind) -> Result<Header, FormatError> {
+    let got = bytes.len() as u64;
+    let head = bytes.get(..size_of::<Header>());
+    if let Some(magic) = bytes.first_chunk::<8>()
+        && *magic != kind.magic
+    {
+        return Err(FormatError::Magic { what: kind.what, got: *magic });
+    }
+    let header: Header =
+        bytemuck::pod_read_unaligned(head.ok_or(FormatError::Length { expected: size_of::<Header>() as u64, got })?);
+    if header.version != kind.version {
+        return Err(FormatError::Version { what: kind.what, expected: kind.version, got: header.version });
+    }
+    check("the header", header.header_crc32, header.checksum())?;
+    if header.file_len != got {
+        return Err(FormatError::Length { expected: header.file_len, got });
+    }
+    if header.num_sections > MAX_SECTIONS || header.reserved != [0; 32] {
+        return Err(FormatError::layout("the header's reserved bytes or section count are not this version's"));
+    }
+    Ok(header)
+}
+
+fn check(what: &str, expected: u32, got: u32) -> Result<(), FormatError> {
+    if expected == got { Ok(()) } else { Err(FormatError::Checksum { what: what.to_owned(), expected, got }) }
+}

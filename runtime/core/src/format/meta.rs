@@ -1,0 +1,139 @@
+//! The META section: names, units, provenance, configuration; the only part of a bundle that is decoded, not viewed.
+
+use super::FormatError;
+use crate::hits::KIND_NAMES;
+use serde::{Deserialize, Serialize};
+
+/// Most bytes a META section may ask for while it is decoded (bytes).
+const LIMIT: usize = 64 << 20;
+/// Lowest and highest frame rate of a bundle: within it, a step plays a bounded number of segments (Hz).
+const RATES_HZ: std::ops::RangeInclusive<f64> = 1.0..=1000.0;
+
+/// What a bundle says of itself.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Meta {
+    /// The database's name.
+    pub name: String,
+    /// Program and version that wrote it.
+    pub generator: String,
+    /// Frames a second of the rows (Hz, 1 to 1000).
+    pub rate_hz: f64,
+    /// The configuration it was built with, as TOML.
+    pub config: String,
+    /// The files it was built from.
+    pub sources: Vec<SourceMeta>,
+    /// The clips, in the order of their records.
+    pub clips: Vec<ClipMeta>,
+    /// Names of the behaviours, in the order of their policies.
+    pub behaviours: Vec<String>,
+    /// Names of the kinds of hits that come from tags, after [`crate::hits::KIND_NAMES`].
+    pub hit_tags: Vec<String>,
+    /// The motion patches, in the order of their records.
+    pub patches: Vec<PatchMeta>,
+    /// What links of patches show, see [`crate::patch::LinkRecord::tag`].
+    pub link_tags: Vec<String>,
+    /// The unit objects that patches consist of, as TOML.
+    pub units: String,
+    /// The blend spaces, in the order of their records.
+    pub blends: Vec<BlendMeta>,
+    /// Number of pose groups; 0 where frames were not grouped.
+    pub pose_groups: u64,
+    /// Usable frames that went into the motion graph.
+    pub frames_in: u64,
+    /// Frames that its actions play.
+    pub frames_kept: u64,
+}
+
+/// A file of the input.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct SourceMeta {
+    /// Path as the configuration gives it.
+    pub path: String,
+    /// Length (bytes).
+    pub bytes: u64,
+    /// Hash of its content (XXH3, 128 bits).
+    pub hash: u128,
+}
+
+/// A clip and what is known of it.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct ClipMeta {
+    /// Unique name.
+    pub name: String,
+    /// File it came from.
+    pub source: String,
+    /// Names on runs of frames: name, first frame, frame after the last.
+    pub tags: Vec<(String, u32, u32)>,
+    /// Runs of frames that are left out and why: reason, first frame, frame after the last.
+    pub excluded: Vec<(String, u32, u32)>,
+}
+
+/// A motion patch: its name and the units it consists of.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct PatchMeta {
+    /// Unique name: the units', joined by `+`, and a number where several arrangements of them occur.
+    pub name: String,
+    /// Name of each unit object and where it stands in the patch's frame; the first one stands at the identity.
+    pub units: Vec<(String, crate::placement::Placement)>,
+}
+
+/// A blend space: its name, and those of its axes and examples.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct BlendMeta {
+    /// Unique name.
+    pub name: String,
+    /// Names of the axes, in order; unique in their space.
+    pub axes: Vec<String>,
+    /// Names of the examples, in order: the clip's, with frames where it gave several.
+    pub examples: Vec<String>,
+}
+
+impl Meta {
+    /// Names of the kinds of hits, by number: punch, kick, then those of tags.
+    pub fn hit_kinds(&self) -> impl Iterator<Item = &str> {
+        KIND_NAMES.into_iter().chain(self.hit_tags.iter().map(String::as_str))
+    }
+
+    /// The section's bytes.
+    ///
+    /// # Errors
+    /// [`FormatError::Layout`] where it cannot be encoded.
+    pub fn encode(&self) -> Result<Vec<u8>, FormatError> {
+        bincode::serde::encode_to_vec(self, bincode::config::standard())
+            .map_err(|e| FormatError::layout(format!("META cannot be written: {e}")))
+    }
+
+    /// Reads a section's bytes.
+    ///
+    /// # Errors
+    /// [`FormatError::Layout`] where they are damaged, ask for too much memory, or are followed by others.
+    pub fn decode(bytes: &[u8]) -> Result<Self, FormatError> {
+        let config = bincode::config::standard().with_limit::<LIMIT>();
+        let (meta, used): (Self, usize) = bincode::serde::decode_from_slice(bytes, config)
+            .map_err(|e| FormatError::layout(format!("META cannot be read: {e}")))?;
+        if used != bytes.len() {
+            return Err(FormatError::layout(format!("META has {} bytes, expected {used}", bytes.len())));
+        }
+        if !RATES_HZ.contains(&meta.rate_hz) {
+            return Err(FormatError::layout(format!("META gives a rate of {} Hz, expected 1 to 1000", meta.rate_hz)));
+        }
+        Ok(meta)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A rate that is infinite as `f32`, or so large that time no longer notices a segment's end, made steps endless.
+    #[test]
+    fn rates_that_no_step_could_follow_are_refused() {
+        let decode = |rate_hz| Meta::decode(&Meta { rate_hz, ..Meta::default() }.encode().unwrap());
+        for rate_hz in [f64::NAN, f64::INFINITY, 1e200, 1e30, 1000.1, 0.9, 0.0, -30.0] {
+            assert!(decode(rate_hz).is_err(), "{rate_hz}");
+        }
+        for rate_hz in [1.0, 30.0, 120.0, 1000.0] {
+            assert_eq!(decode(rate_hz).unwrap().rate_hz, rate_hz);
+        }
+    }
+}

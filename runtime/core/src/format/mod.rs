@@ -1,0 +1,36 @@
+//! The bundle: one little-endian file of checked, memory-mapped sections (`*.throng`).
+//!
+//! A 64-byte [`Header`] is followed by a table of [`Section`] rows and by the sections themselves, each starting
+//! on 64 bytes with zero padding between, in the order of the table, and nothing after the last. Sections hold
+//! plain-old-data records that are viewed in place.
+//!
+//! Version history (a number is never used twice; any change of layout or meaning takes the next one):
+//!
+//! - 1: 22 joints, frame rows of 192 bytes, motion graph, polar and box policies.
+//! - 2: effective hits, policies on space-time grids and on adaptive grids.
+//! - 3: pose groups and motion patches; contacts of seven bits; a motion graph may be absent where there are patches.
+//! - 4: blend spaces; a motion graph may be absent where there are any.
+
+#[cfg(not(target_endian = "little"))]
+compile_error!("bundles are little-endian and viewed in place; this target is big-endian");
+
+mod error;
+mod header;
+mod layout;
+mod meta;
+mod records;
+mod storage;
+mod table;
+mod writer;
+
+pub use error::FormatError;
+pub use header::Kind;
+pub use header::{ALIGN, Header, MAGIC, Section, Tag, VERSION};
+pub use layout::Layout;
+pub use meta::{BlendMeta, ClipMeta, Meta, PatchMeta, SourceMeta};
+pub use records::{ClipRecord, FrameRow, SkeletonRecord};
+pub use storage::AlignedBytes;
+pub use storage::Storage;
+pub use table::Table;
+pub use throng_base::crc32;
+pub use writer::BundleWriter;

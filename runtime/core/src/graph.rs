@@ -1,0 +1,66 @@
+//! The motion graph as it is stored: states, the actions each may take, and the segments of motion they play.
+
+use crate::format::Table;
+use crate::planar::Planar;
+use bytemuck::{Pod, Zeroable};
+
+/// A frame at which a character may choose.
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub struct StateRecord {
+    /// Its frame row.
+    pub frame: u32,
+    /// 1 where the character stands still, else 0.
+    pub standing: u32,
+}
+
+/// Motion between two choices: the frames `start ..= start + num_frames` of one clip.
+///
+/// The first frame takes the place of the state's frame that is left, the last one is the frame of the state `end`.
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub struct MotionSegment {
+    /// First frame row.
+    pub start: u32,
+    /// Frames played (> 0).
+    pub num_frames: u32,
+    /// State at the end.
+    pub end: u32,
+    /// Clip it lies in.
+    pub clip: u32,
+    /// Planar root of the last frame as seen from the first: x, z, heading (m, m, rad).
+    pub displacement: [f32; 3],
+    /// Zero.
+    pub reserved: u32,
+}
+
+impl MotionSegment {
+    /// Planar root of the last frame as seen from the first.
+    pub fn displacement(&self) -> Planar {
+        let [x, z, heading] = self.displacement;
+        Planar::new(x, z, heading)
+    }
+}
+
+/// A motion graph. Clones share the rows.
+#[derive(Clone, Debug)]
+pub struct MotionGraph {
+    /// States, ascending by frame.
+    pub states: Table<StateRecord>,
+    /// Segments, ascending by start.
+    pub segments: Table<MotionSegment>,
+    /// Actions of state s are `action_offsets[s]..action_offsets[s + 1]` (num_states + 1).
+    pub action_offsets: Table<u32>,
+    /// Segment of each action.
+    pub action_segments: Table<u32>,
+    /// How much the state's frame and the segment's first frame differ; 0 where a clip simply goes on.
+    pub action_errors: Table<f32>,
+}
+
+impl MotionGraph {
+    /// Segments of a state's actions (1 to 255, state < num_states).
+    pub fn segments_of(&self, state: u32) -> &[u32] {
+        let s = state as usize;
+        &self.action_segments[self.action_offsets[s] as usize..self.action_offsets[s + 1] as usize]
+    }
+}

@@ -1,0 +1,32 @@
+//! Opens bundles, answers policy queries, poses characters.
+//!
+//! A bundle (`*.throng`) is opened as [`Bundle`]; a [`characters::MotionSet`] takes the views a step needs;
+//! [`characters::Characters`] holds the characters. [`policy`] answers single queries without characters.
+
+pub mod blend;
+pub mod bundle;
+pub mod cast;
+pub mod characters;
+pub mod contacts;
+pub mod format;
+pub mod graph;
+pub mod hits;
+pub mod patch;
+mod placement;
+pub mod planar;
+pub mod policy;
+pub mod pose;
+mod roster;
+pub mod skeleton;
+
+pub use bundle::Bundle;
+pub use cast::{Adopted, Bodies, Body, Cast, Status};
+pub use contacts::Contacts;
+pub use format::FormatError;
+pub use hits::HitRecord;
+pub use planar::Planar;
+pub use pose::{LocalTransform, Mat3x4};
+pub use skeleton::{Joint, NUM_JOINTS, Skeleton};
+#[cfg(feature = "rayon")]
+pub use throng_base::Rayon;
+pub use throng_base::{self as base, Error, Id, Inline, Result, Run, glam, simd};

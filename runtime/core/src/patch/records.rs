@@ -1,0 +1,117 @@
+//! The records of the sections that hold motion patches.
+
+use crate::placement::Placement;
+use bytemuck::{Pod, Zeroable};
+use serde::{Deserialize, Serialize};
+
+/// Stands where there is no cell, edge or instance.
+pub const NONE: u32 = u32::MAX;
+
+/// A patch that is laid over its units' places and connects to others where they overlap.
+pub const KIND_BLOCK: u32 = 0;
+/// A patch that is laid side by side with copies of itself and connects to them across its edges.
+pub const KIND_TILE: u32 = 1;
+
+/// One motion patch: a building block and the motion embedded in it, as a graph of cells and links (Lee, Choi and Lee 2006, sections 4, 6).
+///
+/// The patch's frame is that of its first unit. Its cells are `first_cell..first_cell + num_cells`, its links
+/// `first_link..first_link + num_links`, its edges `first_edge..first_edge + num_edges`; a block has no edges.
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub struct PatchRecord {
+    /// [`KIND_BLOCK`] or [`KIND_TILE`].
+    pub kind: u32,
+    /// First cell.
+    pub first_cell: u32,
+    /// Number of cells.
+    pub num_cells: u32,
+    /// First link.
+    pub first_link: u32,
+    /// Number of links.
+    pub num_links: u32,
+    /// First edge.
+    pub first_edge: u32,
+    /// Number of edges.
+    pub num_edges: u32,
+    /// Zero.
+    pub reserved: u32,
+    /// Lowest corner of all that bodies reach (m).
+    pub min: [f32; 3],
+    /// Highest corner of all that bodies reach (m).
+    pub max: [f32; 3],
+}
+
+/// An edge of a tile, which its copies join.
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable, Serialize, Deserialize)]
+#[repr(C)]
+pub struct EdgeRecord {
+    /// Where the neighbour across it stands, as seen from the tile; its heading is 0 (m).
+    pub step: [f32; 3],
+    /// The opposite edge, within the patch: what leaves across this one enters the neighbour across that one.
+    pub opposite: u32,
+}
+
+/// Where links of a patch meet: places, headings and poses that are alike.
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable, Serialize, Deserialize)]
+#[repr(C)]
+pub struct CellRecord {
+    /// Planar root, and height of the hips, in the patch's frame: the mean over what lies in it.
+    pub placement: Placement,
+    /// Pose group.
+    pub group: u32,
+    /// Edge of a tile that is entered or left here, within the patch; [`NONE`] inside.
+    pub edge: u32,
+    /// For an exit, the entry cell (within the patch) of the neighbour across the edge; for an entry, the exit cell
+    /// of the neighbour that leads here; [`NONE`] inside.
+    pub twin: u32,
+    /// See [`CellRecord::IS_REST`] and the others.
+    pub flags: u32,
+    /// First link that begins here, within the patch; links are sorted by the cell they begin in.
+    pub first_link: u32,
+    /// Number of links that begin here.
+    pub num_links: u32,
+    /// Zero.
+    pub reserved: [u32; 2],
+}
+
+const _: () = assert!(size_of::<CellRecord>() == 48);
+
+impl CellRecord {
+    /// The character stands or sits still here and may stay: a link leads from the cell to itself.
+    pub const IS_REST: u32 = 1;
+    /// Links begin here at an edge of a tile.
+    pub const IS_ENTRY: u32 = 2;
+    /// Links end here at an edge of a tile; none begins here.
+    pub const IS_EXIT: u32 = 4;
+
+    /// True where all of `flags` are set.
+    pub fn is(&self, flags: u32) -> bool {
+        self.flags & flags == flags
+    }
+}
+
+/// Motion from one cell of a patch to another: the frames `frame ..= frame + num_frames` of one clip.
+///
+/// The planar root of frame k is `start` composed with what the clip moved since its first frame, plus k / num_frames
+/// of what is missing to `end` then: position and heading change linearly (Lee, Choi and Lee 2006, section 6). Where the motion lies in
+/// the patch as it was captured, nothing is missing.
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable, Serialize, Deserialize)]
+#[repr(C)]
+pub struct LinkRecord {
+    /// Cell it begins in, within the patch.
+    pub from: u32,
+    /// Cell it ends in, within the patch.
+    pub to: u32,
+    /// First frame row.
+    pub frame: u32,
+    /// Frames played (> 0).
+    pub num_frames: u16,
+    /// What it shows: 0 nothing in particular, else 1 + index into [`crate::format::Meta::link_tags`].
+    pub tag: u16,
+    /// Planar root of the first frame in the patch's frame; y is the height of the clip's ground.
+    pub start: Placement,
+    /// Planar root of the last frame in the patch's frame; y as in `start`. The heading counts full turns.
+    pub end: Placement,
+}
+
+const _: () = assert!(size_of::<LinkRecord>() == 48);

@@ -1,0 +1,161 @@
+//! The reward of an action, computed from four samples of its motion; offline and online use the same function.
+
+use super::error::PolicyError;
+use super::maths::{exp_neg, greatest};
+use super::table::SegmentRecord;
+use bytemuck::{Pod, Zeroable};
+use glam::Vec3;
+use std::f32::consts::LOG2_E;
+use throng_base::simd::{Functions, Lanes};
+
+/// [`RewardRecord::combine`]: the weighted samples are added.
+pub const COMBINE_SUM: u32 = 0;
+/// [`RewardRecord::combine`]: the largest weighted sample counts (Lee and Lee 2004, equations 2 and 5).
+pub const COMBINE_MAX: u32 = 1;
+/// [`RewardRecord::kernel`]: exp(-distance / scale), as in Lee and Lee (2004), equation 5.
+pub const KERNEL_EXPONENTIAL: u32 = 0;
+/// [`RewardRecord::kernel`]: 1 up to `scale`, 0 beyond: the impulsive signal of Lee and Lee (2004), equation 2 and 6.
+pub const KERNEL_WITHIN: u32 = 1;
+
+/// A reward as it is stored: how distances to samples become a number.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct RewardRecord {
+    /// [`COMBINE_SUM`] or [`COMBINE_MAX`].
+    pub combine: u32,
+    /// [`KERNEL_EXPONENTIAL`] or [`KERNEL_WITHIN`].
+    pub kernel: u32,
+    /// See the kernels (m, > 0).
+    pub scale: f32,
+    /// Distance at which a kernel is largest; kernels take the difference from it (m, >= 0).
+    pub offset: f32,
+    /// Factor on the whole reward: 1, or negative to reward distance instead of nearness.
+    pub gain: f32,
+    /// Height of the target on a space-time grid, where a target's Y is the time left (m).
+    pub height: f32,
+    /// Zero.
+    pub reserved: [u32; 2],
+}
+const _: () = assert!(size_of::<RewardRecord>() == 32);
+
+impl RewardRecord {
+    /// A reward with offset 0 and gain 1.
+    pub fn new(combine: u32, kernel: u32, scale: f32) -> Self {
+        Self { combine, kernel, scale, offset: 0.0, gain: 1.0, height: 0.0, reserved: [0; 2] }
+    }
+}
+
+/// A checked reward.
+///
+/// An action's reward for a target is the gain times the sum, or the largest, of `weight * kernel(distance)` over four
+/// samples of its motion: at its start, two within, and at its end (see [`super::SegmentRecord`]). Weights contain
+/// everything that does not depend on the target: the discount, the time that a sample stands for, the force of a blow.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Reward {
+    record: RewardRecord,
+    inverse_scale: f32,
+    /// Exponent of 2 in the exponential kernel (1/m).
+    exponent_per_metre: f32,
+}
+
+impl Reward {
+    /// Checks a stored reward.
+    ///
+    /// # Errors
+    /// [`PolicyError`] for an unknown `combine` or `kernel`, a scale that is not positive, or numbers out of range.
+    pub fn new(record: RewardRecord) -> Result<Self, PolicyError> {
+        for (what, got) in [("reward combine", record.combine), ("reward kernel", record.kernel)] {
+            if got > 1 {
+                return Err(PolicyError::Index { what, at: 0, got: got as usize, limit: 2 });
+            }
+        }
+        if !(record.scale > 1e-6 && record.scale < 1e6) {
+            let expected = "between 1e-6 and 1e6";
+            return Err(PolicyError::Value { what: "reward scale", at: 0, got: record.scale, expected });
+        }
+        for (what, got, low) in [
+            ("reward offset", record.offset, 0.0),
+            ("reward gain", record.gain, -1e3),
+            ("reward height", record.height, -1e3),
+        ] {
+            if !(low..=1e3).contains(&got) {
+                return Err(PolicyError::Value { what, at: 0, got, expected: "at most 1000, offsets from 0" });
+            }
+        }
+        let inverse_scale = record.scale.recip();
+        Ok(Self { record, inverse_scale, exponent_per_metre: -LOG2_E * inverse_scale })
+    }
+
+    /// The reward as it is stored.
+    pub fn record(&self) -> &RewardRecord {
+        &self.record
+    }
+
+    /// Kernel of the distance of one sample, before its weight.
+    #[inline(always)]
+    pub fn kernel(&self, distance: f32) -> f32 {
+        let ratio = (distance - self.record.offset).abs() * self.inverse_scale;
+        if self.record.kernel == KERNEL_EXPONENTIAL {
+            exp_neg(ratio)
+        } else if ratio <= 1.0 {
+            1.0
+        } else {
+            0.0
+        }
+    }
+
+    /// [`Self::kernel`] of eight lanes.
+    #[inline(always)]
+    pub(super) fn kernels<F: Lanes>(&self, distance: F) -> F {
+        let distance = (distance - F::splat(self.record.offset)).abs();
+        if self.record.kernel == KERNEL_EXPONENTIAL {
+            return (distance * F::splat(self.exponent_per_metre)).exp2_neg();
+        }
+        let ratio = distance * F::splat(self.inverse_scale);
+        F::select_lt(F::splat(1.0), ratio, F::splat(0.0), F::splat(1.0))
+    }
+
+    /// The factor on the whole reward.
+    #[inline(always)]
+    pub(super) fn gain(&self) -> f32 {
+        self.record.gain
+    }
+
+    /// [`Self::combine`] of eight lanes.
+    #[inline(always)]
+    pub(super) fn combined<F: Lanes>(&self, a: F, b: F) -> F {
+        if self.record.combine == COMBINE_SUM { a + b } else { a.max(b) }
+    }
+
+    /// The reward of a segment for a target in the frame of its start.
+    ///
+    /// - `POLAR`: false where heights count, as in a cylinder grid; the samples at the start and end are ignored then.
+    /// - `start_kernel`: [`Self::kernel`] of the target's distance at the start.
+    /// - `end_distance`: of the target from the segment's end (m).
+    #[inline(always)]
+    pub fn of_segment<const POLAR: bool>(
+        &self,
+        segment: &SegmentRecord,
+        target: Vec3,
+        start_kernel: f32,
+        end_distance: f32,
+    ) -> f32 {
+        let sample = |k: usize| {
+            let (dx, dz) = (target.x - segment.inner[2 * k], target.z - segment.inner[2 * k + 1]);
+            let dy = if POLAR { 0.0 } else { target.y - segment.heights[k] };
+            segment.weights[1 + k] * self.kernel((dx * dx + dz * dz + dy * dy).sqrt())
+        };
+        let inner = self.combine(sample(0), sample(1));
+        if !POLAR {
+            return self.record.gain * inner;
+        }
+        let end = segment.weights[3] * self.kernel(end_distance);
+        self.record.gain * self.combine(inner, self.combine(segment.weights[0] * start_kernel, end))
+    }
+
+    /// Combines two weighted samples.
+    #[inline(always)]
+    fn combine(&self, a: f32, b: f32) -> f32 {
+        if self.record.combine == COMBINE_SUM { a + b } else { greatest(a, b) }
+    }
+}

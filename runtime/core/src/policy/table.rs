@@ -1,0 +1,447 @@
+//! Policy tables as stored, and the checked view of them.
+
+use super::adaptive::{StateGridRecord, check_state_grids};
+use super::error::PolicyError;
+use super::grid::{GridRecord, TargetGrid};
+use super::region::RegionRecord;
+use super::reward::{Reward, RewardRecord};
+use super::space_time::PathRecord;
+use crate::format::Table;
+use bytemuck::{Pod, Zeroable};
+use glam::Vec3;
+use std::ops::Range;
+
+/// Marks an unused slot for an action.
+pub const NO_ACTION: u8 = 255;
+/// Most actions a state may have.
+pub const MAX_ACTIONS: usize = 255;
+
+/// The fixed-size part of a stored policy.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct PolicyRecord {
+    /// Grid of the target; in an adaptive policy the finest one.
+    pub grid: GridRecord,
+    /// How the samples of a [`SegmentRecord`] become a reward.
+    pub reward: RewardRecord,
+    /// Where the behaviour is active.
+    pub region: RegionRecord,
+    /// Centre of the grid in the character's frame: x, z (m).
+    pub centre: [f32; 2],
+    /// States of the motion graph.
+    pub num_states: u32,
+    /// Segments of the motion graph.
+    pub num_segments: u32,
+    /// Best actions stored per (state, cell) (1 to 4).
+    pub num_choices: u32,
+    /// Discount per frame at the database rate (> 0, < 1).
+    pub discount: f32,
+    /// Values are within this of the optimal ones (> 0). In an adaptive policy this holds for the values on the finest
+    /// grid that it was made from.
+    pub epsilon: f32,
+    /// Largest change of a value in one full sweep over the stored values, as measured; in an adaptive policy over the
+    /// values that it was made from.
+    pub residual: f32,
+    /// Number of full sweeps.
+    pub num_sweeps: u32,
+    /// 1 if every state has its own grid ([`StateGridRecord`]), else 0.
+    pub adaptive: u32,
+}
+const _: () = assert!(size_of::<PolicyRecord>() == 144);
+
+/// What a policy stores of a segment, one cache line. Actions of many states share a segment.
+///
+/// Positions and the displacement are relative to the grid's centre, [`PolicyRecord::centre`].
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct SegmentRecord {
+    /// Cosine and sine of the heading of the displacement, then its x and z (m).
+    pub displacement: [f32; 4],
+    /// Ground positions of the two inner samples: x, z, x, z (m).
+    pub inner: [f32; 4],
+    /// Weights of the four samples: at the start, the two inner ones, at the end (>= 0).
+    pub weights: [f32; 4],
+    /// Heights of the two inner samples; only read if the grid has heights (m).
+    pub heights: [f32; 2],
+    /// Discount to the power of the segment's frames (> 0, < 1).
+    pub discount: f32,
+    /// State at the end.
+    pub end: u32,
+}
+const _: () = assert!(size_of::<SegmentRecord>() == 64);
+
+impl SegmentRecord {
+    /// The sixteen fields, four by four.
+    #[inline(always)]
+    pub(super) fn quarters(&self) -> &[[f32; 4]; 4] {
+        bytemuck::cast_ref(self)
+    }
+
+    /// A target after the segment: x and z in the new frame, and the distance (m).
+    #[inline(always)]
+    pub fn target_after(&self, target: Vec3) -> [f32; 3] {
+        let [c, s, x, z] = self.displacement;
+        let (dx, dz) = (target.x - x, target.z - z);
+        [c * dx - s * dz, s * dx + c * dz, (dx * dx + dz * dz).sqrt()]
+    }
+}
+
+/// Checked view of states and their actions: which segment each action plays.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ActionTable {
+    offsets: Table<u32>,
+    segments: Table<u32>,
+    num_segments: usize,
+}
+
+impl ActionTable {
+    /// Checks and wraps the slices.
+    ///
+    /// - `offsets`: actions of state s are `offsets[s]..offsets[s + 1]` (num_states + 1).
+    /// - `segments`: segment of each action (num_actions, < num_segments).
+    ///
+    /// # Errors
+    /// [`PolicyError`] where offsets do not ascend from 0 to the number of actions, a state has no action or more
+    /// than [`MAX_ACTIONS`], or a segment does not exist.
+    pub fn new(
+        offsets: impl Into<Table<u32>>,
+        segments: impl Into<Table<u32>>,
+        num_segments: usize,
+    ) -> Result<Self, PolicyError> {
+        let (offsets, segments) = (offsets.into(), segments.into());
+        let (Some(&first), Some(&last)) = (offsets.first(), offsets.last()) else {
+            return Err(PolicyError::Length { what: "action offsets", got: 0, expected: 1 });
+        };
+        if first != 0 {
+            return Err(PolicyError::Index { what: "action offsets", at: 0, got: first as usize, limit: 1 });
+        }
+        if last as usize != segments.len() {
+            return Err(PolicyError::Length { what: "actions", got: segments.len(), expected: last as usize });
+        }
+        for (at, pair) in offsets.windows(2).enumerate() {
+            let (got, limit) = (pair[1] as usize, pair[0] as usize + MAX_ACTIONS + 1);
+            if pair[1] <= pair[0] || got >= limit {
+                return Err(PolicyError::Index { what: "action offsets", at: at + 1, got, limit });
+            }
+        }
+        check_indices("action segments", segments.iter().map(|&s| s as usize), num_segments)?;
+        Ok(Self { offsets, segments, num_segments })
+    }
+
+    /// Number of states.
+    pub fn num_states(&self) -> usize {
+        self.offsets.len() - 1
+    }
+
+    /// Number of actions of all states.
+    pub fn num_actions(&self) -> usize {
+        self.segments.len()
+    }
+
+    /// Number of segments.
+    pub fn num_segments(&self) -> usize {
+        self.num_segments
+    }
+
+    /// True if both views have equal contents; fast if they are views of the same table.
+    pub fn is_same(&self, other: &Self) -> bool {
+        self == other
+    }
+
+    /// Segments of a state's actions, in order (1 to 255, state < num_states).
+    #[inline]
+    pub fn segments_of(&self, state: u32) -> &[u32] {
+        let s = state as usize;
+        &self.segments[self.offsets[s] as usize..self.offsets[s + 1] as usize]
+    }
+}
+
+/// The rows of a policy.
+#[derive(Clone, Debug, Default)]
+pub struct PolicySlices {
+    /// Motion of each segment (num_segments).
+    pub segments: Table<SegmentRecord>,
+    /// On a space-time grid, the path of the guarded point over each segment (num_segments, 0 on other grids).
+    pub paths: Table<PathRecord>,
+    /// In an adaptive policy, the resolution of each state (num_states, 0 in other policies).
+    pub state_grids: Table<StateGridRecord>,
+    /// Value of each (state, cell) (num_states * num_cells, or the cells of all state grids).
+    pub values: Table<f32>,
+    /// Best actions of each (state, cell), best first, padded with [`NO_ACTION`] (values.len() * num_choices).
+    pub best: Table<u8>,
+}
+
+/// Checked view of one policy: the value and the best few actions of every (state, cell) (Lee and Lee 2004, section
+/// 4.2).
+///
+/// [`super::BestActionJob`] loads the stored best action of the nearest cell; [`super::LookAheadJob`] ranks all actions
+/// of a state by reward plus interpolated value of the successor.
+///
+/// # Source
+/// J. Lee and K. H. Lee, "Precomputing Avatar Behavior from Human Motion Data", SCA 2004, sections 3 to 5. Differs:
+/// values come from full sweeps to a measured residual instead of random updates; the distance between rings may grow;
+/// every state may have its own resolution, which section 7 suggests.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PolicyTable {
+    pub(super) grid: TargetGrid,
+    pub(super) reward: Reward,
+    pub(super) actions: ActionTable,
+    pub(super) segments: Table<SegmentRecord>,
+    pub(super) paths: Table<PathRecord>,
+    pub(super) state_grids: Table<StateGridRecord>,
+    pub(super) values: Table<f32>,
+    region: RegionRecord,
+    centre: Vec3,
+    best: Table<u8>,
+    num_choices: usize,
+    discount: f32,
+}
+
+impl PolicyTable {
+    /// Checks and wraps the record and slices of a policy.
+    ///
+    /// # Errors
+    /// [`PolicyError`] names the slice whose length, index or number does not fit; nothing panics later.
+    pub fn new(record: &PolicyRecord, actions: ActionTable, slices: PolicySlices) -> Result<Self, PolicyError> {
+        let grid = TargetGrid::new(record.grid)?;
+        let reward = Reward::new(record.reward)?;
+        check_length("policy states", record.num_states as usize, actions.num_states())?;
+        check_length("policy segments", record.num_segments as usize, actions.num_segments())?;
+        check_length("segments", slices.segments.len(), actions.num_segments())?;
+        check_indices("num_choices", [(record.num_choices as usize).wrapping_sub(1)], super::MAX_RANKED)?;
+        let num_choices = record.num_choices as usize;
+        let num_values = check_resolution(record, &grid, &slices.state_grids, actions.num_states())?;
+        check_length("values", slices.values.len(), num_values)?;
+        // The look-ahead counts places in the table with 32 bits.
+        check_indices("number of values", [num_values], u32::MAX as usize)?;
+        check_length("best actions", slices.best.len(), num_values * num_choices)?;
+        check_numbers("discount", &[record.discount], |v| v > 0.0 && v < 1.0, "between 0 and 1")?;
+        let figures = [record.epsilon, record.residual];
+        check_numbers("epsilon and residual", &figures, |v| (0.0..1e6).contains(&v), "between 0 and 1e6")?;
+        check_numbers("values", &slices.values, |v| v.abs() < 1e6, "below 1e6")?;
+        check_segments(&slices.segments, actions.num_states(), grid.is_polar())?;
+        record.region.check()?;
+        check_numbers("centre", &record.centre, |v| v.abs() < 1e3, "below 1000")?;
+        check_length("paths", slices.paths.len(), if grid.is_space_time() { actions.num_segments() } else { 0 })?;
+        check_paths(&slices.paths)?;
+        let table = Self {
+            grid,
+            reward,
+            actions,
+            segments: slices.segments,
+            paths: slices.paths,
+            state_grids: slices.state_grids,
+            values: slices.values,
+            region: record.region,
+            centre: Vec3::new(record.centre[0], 0.0, record.centre[1]),
+            best: slices.best,
+            num_choices,
+            discount: record.discount,
+        };
+        table.check_best()?;
+        Ok(table)
+    }
+
+    /// The target grid; in an adaptive policy the finest one, see [`Self::grid_of`].
+    pub fn grid(&self) -> &TargetGrid {
+        &self.grid
+    }
+
+    /// The reward.
+    pub fn reward(&self) -> &Reward {
+        &self.reward
+    }
+
+    /// Where the behaviour is active, in the character's frame.
+    pub fn region(&self) -> &RegionRecord {
+        &self.region
+    }
+
+    /// Centre of the grid in the character's frame (m).
+    pub fn centre(&self) -> Vec3 {
+        self.centre
+    }
+
+    /// A target relative to the grid's centre (m).
+    #[inline]
+    pub fn to_grid(&self, target: Vec3) -> Vec3 {
+        target - self.centre
+    }
+
+    /// The centre of a cell of a state's grid, in the character's frame (m, state < num_states, cell < num_cells of
+    /// that grid).
+    pub fn cell_target(&self, state: u32, cell: usize) -> Vec3 {
+        self.grid_of(state).cell_centre(cell) + self.centre
+    }
+
+    /// The cell of a state's grid that is nearest to a target in the character's frame (state < num_states).
+    #[inline]
+    pub fn nearest_cell(&self, state: u32, target: Vec3) -> usize {
+        let target = self.to_grid(target);
+        match self.state_grids.get(state as usize) {
+            None => self.grid.nearest_cell(target),
+            Some(own) => self.grid.nearest_cell_of(own.counts(), target),
+        }
+    }
+
+    /// States and their actions.
+    pub fn actions(&self) -> &ActionTable {
+        &self.actions
+    }
+
+    /// Motion of each segment.
+    pub fn segments(&self) -> &[SegmentRecord] {
+        &self.segments
+    }
+
+    /// On a space-time grid, the path of the guarded point over each segment; else empty.
+    pub fn paths(&self) -> &[PathRecord] {
+        &self.paths
+    }
+
+    /// Best actions stored per (state, cell).
+    pub fn num_choices(&self) -> usize {
+        self.num_choices
+    }
+
+    /// Number of values of all states.
+    pub fn num_values(&self) -> usize {
+        self.values.len()
+    }
+
+    /// Discount per frame at the database rate.
+    pub fn discount(&self) -> f32 {
+        self.discount
+    }
+
+    /// Range of a state's cells within the values (state < num_states).
+    #[inline]
+    fn cells_of(&self, state: u32) -> Range<usize> {
+        let (first, n) = match self.state_grids.get(state as usize) {
+            None => (state as usize * self.grid.num_cells(), self.grid.num_cells()),
+            Some(own) => (own.first as usize, own.num_cells()),
+        };
+        first..first + n
+    }
+
+    /// Values of a state (num_cells of its grid, state < num_states).
+    #[inline]
+    pub fn values_of(&self, state: u32) -> &[f32] {
+        &self.values[self.cells_of(state)]
+    }
+
+    /// The stored best actions of a cell of a state's grid, best first (num_choices, state < num_states, cell <
+    /// num_cells of that grid).
+    #[inline]
+    pub fn best_of(&self, state: u32, cell: usize) -> &[u8] {
+        let at = (self.cells_of(state).start + cell) * self.num_choices;
+        &self.best[at..at + self.num_choices]
+    }
+
+    /// Interpolated value of a state for a target in the character's frame (state < num_states).
+    pub fn value(&self, state: u32, target: Vec3) -> f32 {
+        self.value_in(state, &self.grid_of(state), self.grid.clamp(self.to_grid(target)))
+    }
+
+    /// Interpolated value of a state for a target relative to the grid's centre (state < num_states).
+    #[inline]
+    pub(super) fn value_in(&self, state: u32, grid: &TargetGrid, at: Vec3) -> f32 {
+        let stencil = grid.stencil(at.x, at.z);
+        let n = grid.num_plane_cells();
+        let values = self.values_of(state);
+        let (height, ratio) = grid.height_interval(at.y);
+        let of = |h: usize| stencil.interpolate(&values[h * n..][..n], grid.record().num_angles);
+        let low = of(height as usize);
+        if ratio > 0.0 { low + (of(height as usize + 1) - low) * ratio } else { low }
+    }
+
+    /// Checks that every stored action exists in its state and that every cell has a first choice.
+    fn check_best(&self) -> Result<(), PolicyError> {
+        for state in 0..self.actions.num_states() as u32 {
+            let limit = self.actions.segments_of(state).len();
+            let cells = self.cells_of(state);
+            let row = cells.start * self.num_choices..cells.end * self.num_choices;
+            for (at, &a) in row.clone().zip(&self.best[row]) {
+                let none_allowed = at % self.num_choices > 0;
+                if usize::from(a) >= limit && !(a == NO_ACTION && none_allowed) {
+                    return Err(PolicyError::Index { what: "best actions", at, got: a.into(), limit });
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Checks the resolution of the states. Returns the number of values.
+fn check_resolution(
+    record: &PolicyRecord,
+    grid: &TargetGrid,
+    state_grids: &[StateGridRecord],
+    num_states: usize,
+) -> Result<usize, PolicyError> {
+    check_indices("adaptive", [record.adaptive as usize], if grid.is_space_time() { 1 } else { 2 })?;
+    if record.adaptive == 0 {
+        check_length("state grids", state_grids.len(), 0)?;
+        return Ok(num_states * grid.num_cells());
+    }
+    check_length("state grids", state_grids.len(), num_states)?;
+    check_state_grids(state_grids, grid)
+}
+
+fn check_length(what: &'static str, got: usize, expected: usize) -> Result<(), PolicyError> {
+    if got == expected { Ok(()) } else { Err(PolicyError::Length { what, got, expected }) }
+}
+
+fn check_indices(
+    what: &'static str,
+    indices: impl IntoIterator<Item = usize>,
+    limit: usize,
+) -> Result<(), PolicyError> {
+    match indices.into_iter().enumerate().find(|&(_, got)| got >= limit) {
+        Some((at, got)) => Err(PolicyError::Index { what, at, got, limit }),
+        None => Ok(()),
+    }
+}
+
+fn check_numbers(
+    what: &'static str,
+    numbers: &[f32],
+    is_good: impl Fn(f32) -> bool,
+    expected: &'static str,
+) -> Result<(), PolicyError> {
+    match numbers.iter().enumerate().find(|&(_, &v)| !is_good(v)) {
+        Some((at, &got)) => Err(PolicyError::Value { what, at, got, expected }),
+        None => Ok(()),
+    }
+}
+
+/// Checks that paths are finite and have a duration.
+fn check_paths(paths: &[PathRecord]) -> Result<(), PolicyError> {
+    for p in paths {
+        check_numbers("path points", p.points.as_flattened(), |v| v.abs() < 1e6, "below 1e6")?;
+        check_numbers("path duration", &[p.duration_s], |v| v > 1e-6 && v < 1e6, "between 1e-6 and 1e6")?;
+    }
+    Ok(())
+}
+
+/// Checks that ends exist, numbers are finite and below their limits, and factors are in range.
+fn check_segments(segments: &[SegmentRecord], num_states: usize, polar: bool) -> Result<(), PolicyError> {
+    check_indices("segment end", segments.iter().map(|s| s.end as usize), num_states)?;
+    let moderate = |v: f32| v.abs() < 1e6;
+    for (at, s) in segments.iter().enumerate() {
+        let named = |result: Result<(), PolicyError>| {
+            result.map_err(|e| match e {
+                PolicyError::Value { what, got, expected, .. } => PolicyError::Value { what, at, got, expected },
+                other => other,
+            })
+        };
+        named(check_numbers("segment displacement", &s.displacement, moderate, "below 1e6"))?;
+        named(check_numbers("segment samples", &s.inner, moderate, "below 1e6"))?;
+        named(check_numbers("segment heights", &s.heights, moderate, "below 1e6"))?;
+        named(check_numbers("segment weights", &s.weights, |v| (0.0..1e6).contains(&v), "between 0 and 1e6"))?;
+        named(check_numbers("segment discount", &[s.discount], |v| v > 0.0 && v < 1.0, "between 0 and 1"))?;
+        let outer = [s.weights[0], s.weights[3]];
+        named(check_numbers("segment outer weights", &outer, |v| polar || v == 0.0, "0, as in a grid with heights"))?;
+    }
+    Ok(())
+}

@@ -1,0 +1,82 @@
+//! From local rotations to model space, for eight characters, and out into matrices.
+
+use super::matrix::{LocalTransform, Mat3x4};
+use super::sample::LanePose;
+use crate::skeleton::{Joint, NUM_JOINTS, Skeleton};
+use throng_base::simd::{LANES, Lanes, Q, V};
+
+/// Offsets of a skeleton that all lanes share, for [`to_model`] and [`write_locals`].
+#[inline(always)]
+pub(crate) fn shared<F: Lanes>(skeleton: &Skeleton) -> impl Fn(usize) -> V<F> {
+    |j| V::splat(skeleton.offsets[j])
+}
+
+/// Parent index of every joint; the hips' own index stands for none.
+pub(crate) const PARENTS: [usize; NUM_JOINTS] = {
+    let mut p = [0; NUM_JOINTS];
+    let mut i = 1;
+    while i < NUM_JOINTS {
+        p[i] = match Joint::ALL[i].parent() {
+            Some(j) => j.index(),
+            None => 0,
+        };
+        i += 1;
+    }
+    p
+};
+
+/// Rotation and position of every joint in model space.
+pub(crate) struct ModelPose<F> {
+    pub rotations: [Q<F>; NUM_JOINTS],
+    pub positions: [V<F>; NUM_JOINTS],
+}
+
+/// Applies the hierarchy; `offset` tells how far each joint lies from its parent in rest pose.
+#[inline(always)]
+pub(crate) fn to_model<F: Lanes>(offset: impl Fn(usize) -> V<F>, pose: &LanePose<F>) -> ModelPose<F> {
+    let mut out = ModelPose { rotations: pose.rotations, positions: [pose.root; NUM_JOINTS] };
+    for j in 1..NUM_JOINTS {
+        let (r, p) = (out.rotations[PARENTS[j]], out.positions[PARENTS[j]]);
+        out.rotations[j] = r * pose.rotations[j];
+        out.positions[j] = p + r.rotate(offset(j));
+    }
+    out
+}
+
+/// Writes the matrices of the first `count` lanes (count * NUM_JOINTS).
+#[inline(always)]
+pub(crate) fn write_matrices<F: Lanes>(pose: &ModelPose<F>, count: usize, out: &mut [Mat3x4]) {
+    for j in 0..NUM_JOINTS {
+        let m = pose.rotations[j].matrix();
+        let t = [pose.positions[j].x, pose.positions[j].y, pose.positions[j].z];
+        for row in 0..3 {
+            let rows = F::rows([m[row][0], m[row][1], m[row][2], t[row]]);
+            for lane in 0..count.min(LANES) {
+                out[lane * NUM_JOINTS + j].rows[row] = rows[lane];
+            }
+        }
+    }
+}
+
+/// Writes the local transforms of the first `count` lanes (count * NUM_JOINTS).
+///
+/// Foot locking moves joints in model space, so the local rotations are taken back from there.
+#[inline(always)]
+pub(crate) fn write_locals<F: Lanes>(
+    offset: impl Fn(usize) -> V<F>,
+    pose: &ModelPose<F>,
+    count: usize,
+    out: &mut [LocalTransform],
+) {
+    for j in 0..NUM_JOINTS {
+        let parent = PARENTS[j];
+        let q = if j == 0 { pose.rotations[0] } else { pose.rotations[parent].conjugate() * pose.rotations[j] };
+        let rotations = F::rows([q.v.x, q.v.y, q.v.z, q.w]);
+        let p = if j == 0 { pose.positions[0] } else { offset(j) };
+        let positions = F::rows([p.x, p.y, p.z, F::splat(0.0)]);
+        for lane in 0..count.min(LANES) {
+            let [x, y, z, padding] = positions[lane];
+            out[lane * NUM_JOINTS + j] = LocalTransform { rotation: rotations[lane], translation: [x, y, z], padding };
+        }
+    }
+}

@@ -1,0 +1,90 @@
+//! Legs that reach: the knee and ankle of a leg by analytic inverse kinematics.
+
+use super::hierarchy::ModelPose;
+use crate::skeleton::{Joint, Skeleton};
+use throng_base::simd::{Lanes, Q, V};
+
+/// Share of the leg's length past which a corrected leg is not stretched, so that the knee stays soft.
+const SOFT_REACH: f32 = 0.995;
+
+/// Squared length of a correction that is none (m^2).
+pub(crate) const NO_CORRECTION: f32 = 1e-10;
+
+/// The joints of one leg and their lengths.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Leg {
+    pub thigh: usize,
+    pub shin: usize,
+    pub foot: usize,
+    pub toe: usize,
+    thigh_length: f32,
+    shin_length: f32,
+    /// Height of the toe over the ground when the foot stands flat (m).
+    pub toe_height: f32,
+}
+
+impl Leg {
+    /// Left and right leg of a skeleton.
+    pub fn both(skeleton: &Skeleton) -> [Self; 2] {
+        use Joint::*;
+        let rest = skeleton.rest_positions();
+        [[LeftThigh, LeftShin, LeftFoot, LeftToe], [RightThigh, RightShin, RightFoot, RightToe]].map(|leg| {
+            let [thigh, shin, foot, toe] = leg.map(Joint::index);
+            Self {
+                thigh,
+                shin,
+                foot,
+                toe,
+                thigh_length: skeleton.offsets[shin].length(),
+                shin_length: skeleton.offsets[foot].length(),
+                toe_height: rest[toe].y,
+            }
+        })
+    }
+}
+
+/// Where the knee of a leg (or the elbow of an arm) lies that begins at `start` and ends `d` away in a direction.
+///
+/// - `lengths`: of the upper and the lower part (m).
+/// - `pole`: where the knee points; along the direction it is free.
+#[inline(always)]
+pub(crate) fn bend<F: Lanes>(start: V<F>, direction: V<F>, d: F, [l1, l2]: [F; 2], pole: V<F>) -> V<F> {
+    let pole = pole - direction * pole.dot(direction);
+    let pole = pole * (F::splat(1.0) / pole.length().max(F::splat(1e-6)));
+    let along = (l1 * l1 - l2 * l2 + d * d) / (d + d);
+    let across = (l1 * l1 - along * along).max(F::splat(0.0)).sqrt();
+    start + direction * along + pole * across
+}
+
+/// Moves the ankle by `correction` (model space) and bends the leg to reach; the foot keeps its orientation.
+#[inline(always)]
+pub(crate) fn move_leg<F: Lanes>(leg: &Leg, correction: V<F>, pose: &mut ModelPose<F>) {
+    let one = F::splat(1.0);
+    let (hip, knee, ankle) = (pose.positions[leg.thigh], pose.positions[leg.shin], pose.positions[leg.foot]);
+    let (l1, l2) = (F::splat(leg.thigh_length), F::splat(leg.shin_length));
+    let before = ankle - hip;
+    let aim = before + correction;
+    let reach = (F::splat(leg.thigh_length + leg.shin_length) * F::splat(SOFT_REACH)).max(before.length());
+    let distance = aim.length().max(F::splat(1e-4));
+    let d = distance.min(reach).max((l1 - l2).abs() + F::splat(1e-3));
+    let direction = aim * (one / distance);
+
+    // The knee stays in the plane it bends in; where the leg is straight, it bends towards the toes.
+    let forward = pose.rotations[leg.thigh].rotate(V::splat(glam::Vec3::Z));
+    let new_knee = bend(hip, direction, d, [l1, l2], (knee - hip) + forward * F::splat(0.02));
+    let new_ankle = hip + direction * d;
+
+    // Lanes that need no correction keep their leg to the last bit, whatever their neighbours do.
+    let amount = correction.dot(correction);
+    let chosen_v = |old: V<F>, new: V<F>| V::select_lt(F::splat(NO_CORRECTION), amount, new, old);
+    let chosen_q = |old: Q<F>, new: Q<F>| {
+        Q::new(chosen_v(old.v, new.v), F::select_lt(F::splat(NO_CORRECTION), amount, new.w, old.w))
+    };
+    let (thigh, shin) = (pose.rotations[leg.thigh], pose.rotations[leg.shin]);
+    pose.rotations[leg.thigh] = chosen_q(thigh, Q::between(knee - hip, new_knee - hip) * thigh);
+    pose.rotations[leg.shin] = chosen_q(shin, Q::between(ankle - knee, new_ankle - new_knee) * shin);
+    let toe = pose.positions[leg.toe];
+    pose.positions[leg.toe] = chosen_v(toe, toe + (new_ankle - ankle));
+    pose.positions[leg.shin] = chosen_v(knee, new_knee);
+    pose.positions[leg.foot] = chosen_v(ankle, new_ankle);
+}

@@ -1,0 +1,19 @@
+//! The posing kernel, eight characters at a time: frames are sampled, the hierarchy is applied, legs reach, feet are
+//! locked, and matrices come out.
+
+mod foot_lock;
+mod hierarchy;
+mod lanes;
+mod leg;
+mod matrix;
+mod placement;
+mod sample;
+
+pub use foot_lock::FootLockConfig;
+pub(crate) use foot_lock::{FootLock, lock_foot};
+pub(crate) use hierarchy::{ModelPose, PARENTS, shared, to_model, write_locals, write_matrices};
+pub(crate) use lanes::{Lane, Lane3, get, load, planar, set, store};
+pub(crate) use leg::{Leg, bend, move_leg};
+pub use matrix::{LocalTransform, Mat3x4};
+pub(crate) use placement::Placement;
+pub(crate) use sample::{Cursor, LanePose, between, sample};

@@ -1,0 +1,233 @@
+//! The skeleton: joints, parents, rest offsets.
+
+use glam::Vec3;
+
+/// Joints of the database skeleton.
+pub const NUM_JOINTS: usize = 22;
+
+/// The joints of the database skeleton, parents before children.
+#[allow(missing_docs)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "snake_case")]
+#[repr(u8)]
+pub enum Joint {
+    Hips = 0,
+    Spine,
+    Chest,
+    UpperChest,
+    Neck,
+    Head,
+    LeftClavicle,
+    LeftUpperArm,
+    LeftForearm,
+    LeftHand,
+    RightClavicle,
+    RightUpperArm,
+    RightForearm,
+    RightHand,
+    LeftThigh,
+    LeftShin,
+    LeftFoot,
+    LeftToe,
+    RightThigh,
+    RightShin,
+    RightFoot,
+    RightToe,
+}
+
+impl Joint {
+    /// Every joint, in index order.
+    pub const ALL: [Self; NUM_JOINTS] = {
+        use Joint::*;
+        [
+            Hips,
+            Spine,
+            Chest,
+            UpperChest,
+            Neck,
+            Head,
+            LeftClavicle,
+            LeftUpperArm,
+            LeftForearm,
+            LeftHand,
+            RightClavicle,
+            RightUpperArm,
+            RightForearm,
+            RightHand,
+            LeftThigh,
+            LeftShin,
+            LeftFoot,
+            LeftToe,
+            RightThigh,
+            RightShin,
+            RightFoot,
+            RightToe,
+        ]
+    };
+
+    /// Index in pose arrays.
+    pub const fn index(self) -> usize {
+        self as usize
+    }
+
+    /// The joint's name in snake_case, as profiles, configs and reports write it.
+    pub const fn name(self) -> &'static str {
+        use Joint::*;
+        match self {
+            Hips => "hips",
+            Spine => "spine",
+            Chest => "chest",
+            UpperChest => "upper_chest",
+            Neck => "neck",
+            Head => "head",
+            LeftClavicle => "left_clavicle",
+            LeftUpperArm => "left_upper_arm",
+            LeftForearm => "left_forearm",
+            LeftHand => "left_hand",
+            RightClavicle => "right_clavicle",
+            RightUpperArm => "right_upper_arm",
+            RightForearm => "right_forearm",
+            RightHand => "right_hand",
+            LeftThigh => "left_thigh",
+            LeftShin => "left_shin",
+            LeftFoot => "left_foot",
+            LeftToe => "left_toe",
+            RightThigh => "right_thigh",
+            RightShin => "right_shin",
+            RightFoot => "right_foot",
+            RightToe => "right_toe",
+        }
+    }
+
+    /// The joint of that snake_case name.
+    pub fn from_name(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|j| j.name() == name)
+    }
+
+    /// The parent joint; `None` for the hips.
+    pub const fn parent(self) -> Option<Self> {
+        use Joint::*;
+        Some(match self {
+            Hips => return None,
+            Spine | LeftThigh | RightThigh => Hips,
+            Chest => Spine,
+            UpperChest => Chest,
+            Neck | LeftClavicle | RightClavicle => UpperChest,
+            Head => Neck,
+            LeftUpperArm => LeftClavicle,
+            LeftForearm => LeftUpperArm,
+            LeftHand => LeftForearm,
+            RightUpperArm => RightClavicle,
+            RightForearm => RightUpperArm,
+            RightHand => RightForearm,
+            LeftShin => LeftThigh,
+            LeftFoot => LeftShin,
+            LeftToe => LeftFoot,
+            RightShin => RightThigh,
+            RightFoot => RightShin,
+            RightToe => RightFoot,
+        })
+    }
+
+    /// The same joint on the other side; joints of the middle are their own.
+    pub const fn mirrored(self) -> Self {
+        let i = self as usize;
+        Self::ALL[match i {
+            6..=9 | 14..=17 => i + 4,
+            10..=13 | 18..=21 => i - 4,
+            _ => i,
+        }]
+    }
+}
+
+/// A skeleton with the topology of [`Joint`] and proportions of its own.
+///
+/// Rest pose: every joint's rest rotation is the identity in model space (local axes are the model axes:
+/// X left, Y up, Z forward), the character stands in a T-pose: legs straight down, feet pointing along +Z,
+/// arms straight out along +X (left) and -X (right), palms down. The left side is +X.
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct Skeleton {
+    /// Offset from the parent joint in rest pose; the hips' is their height above the ground (m).
+    pub offsets: [Vec3; NUM_JOINTS],
+    /// End of the head from the head joint, and of each toe from the toe joint, in rest pose
+    /// (head top, left toe tip, right toe tip). Only drawing and heights use it (m).
+    pub tips: [Vec3; 3],
+}
+
+impl Skeleton {
+    /// Length of a leg: thigh plus shin, the mean of both sides (m).
+    pub fn leg_length(&self) -> f32 {
+        use Joint::*;
+        [LeftShin, LeftFoot, RightShin, RightFoot].iter().map(|j| self.offsets[j.index()].length()).sum::<f32>() * 0.5
+    }
+
+    /// Rest positions of all joints in model space (m).
+    pub fn rest_positions(&self) -> [Vec3; NUM_JOINTS] {
+        let mut p = [Vec3::ZERO; NUM_JOINTS];
+        for j in Joint::ALL {
+            let base = j.parent().map_or(Vec3::ZERO, |q| p[q.index()]);
+            p[j.index()] = base + self.offsets[j.index()];
+        }
+        p
+    }
+
+    /// Bottoms of the left and the right heel, from the ankle in the foot's frame: as far behind the ankle as feet are
+    /// for their length (m).
+    pub fn heels(&self) -> [Vec3; 2] {
+        /// As a share of how far the ball lies before the ankle.
+        const BEHIND: f32 = 0.3;
+        let rest = self.rest_positions();
+        let feet = [(Joint::LeftFoot, Joint::LeftToe), (Joint::RightFoot, Joint::RightToe)];
+        feet.map(|(foot, toe)| Vec3::new(0.0, -rest[foot.index()].y, -BEHIND * self.offsets[toe.index()].z))
+    }
+}
+
+impl Default for Skeleton {
+    /// An adult of 1.75 m (segment lengths after Winter, *Biomechanics and Motor Control of Human Movement*,
+    /// table of segment lengths as fractions of body height).
+    fn default() -> Self {
+        use Joint::*;
+        let mut o = [Vec3::ZERO; NUM_JOINTS];
+        let mut set = |j: Joint, x: f32, y: f32, z: f32| o[j.index()] = Vec3::new(x, y, z);
+        set(Hips, 0.0, 0.955, 0.0);
+        set(Spine, 0.0, 0.095, 0.0);
+        set(Chest, 0.0, 0.125, 0.0);
+        set(UpperChest, 0.0, 0.13, 0.0);
+        set(Neck, 0.0, 0.19, 0.0);
+        set(Head, 0.0, 0.09, 0.015);
+        for (s, clavicle, arm, forearm, hand) in [
+            (1.0, LeftClavicle, LeftUpperArm, LeftForearm, LeftHand),
+            (-1.0, RightClavicle, RightUpperArm, RightForearm, RightHand),
+        ] {
+            set(clavicle, s * 0.03, 0.14, 0.0);
+            set(arm, s * 0.155, 0.0, 0.0);
+            set(forearm, s * 0.29, 0.0, 0.0);
+            set(hand, s * 0.255, 0.0, 0.0);
+        }
+        for (s, thigh, shin, foot, toe) in
+            [(1.0, LeftThigh, LeftShin, LeftFoot, LeftToe), (-1.0, RightThigh, RightShin, RightFoot, RightToe)]
+        {
+            set(thigh, s * 0.092, -0.045, 0.0);
+            set(shin, 0.0, -0.42, 0.0);
+            set(foot, 0.0, -0.41, 0.0);
+            set(toe, 0.0, -0.06, 0.135);
+        }
+        Self { offsets: o, tips: [Vec3::new(0.0, 0.2, 0.0), Vec3::new(0.0, 0.0, 0.07), Vec3::new(0.0, 0.0, 0.07)] }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn parents_come_first_and_mirroring_is_its_own_inverse() {
+        for (i, j) in Joint::ALL.into_iter().enumerate() {
+            assert_eq!(j.index(), i);
+            assert!(j.parent().is_none_or(|p| p.index() < i));
+            assert_eq!(j.mirrored().mirrored(), j);
+            assert_eq!(j.mirrored().name().replace("right", "left"), j.name().replace("right", "left"));
+            assert_eq!(Joint::from_name(j.name()), Some(j));
+        }
+    }
+}

@@ -1,0 +1,44 @@
+//! Who is in the crowd.
+
+use glam::Vec3;
+
+/// How one enters the crowd.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Agent<V = Vec3> {
+    /// Centre (m).
+    pub position: V,
+    /// At the start (m/s, no longer than the largest speed).
+    pub velocity: V,
+    /// Of the disc or ball that nobody else enters (m, > 0).
+    pub radius: f32,
+    /// Largest acceleration, A in Kim, Kim and Shin (2003b), eq. 1: how fast it can speed up, turn and brake (m/s2, > 0).
+    pub acceleration: f32,
+    /// Desired speed, v_des in Kim, Kim and Shin (2003b), eq. 17 (m/s, >= 0).
+    pub speed: f32,
+    /// Where it goes: number in [`crate::Setup::routes`]. Without one it stays where it is until it has an order.
+    pub route: Option<usize>,
+    /// Its force field: number in [`crate::Setup::fields`].
+    pub field: usize,
+}
+
+impl<V: Default> Default for Agent<V> {
+    /// A pedestrian of average size at the origin, at rest.
+    fn default() -> Self {
+        Self::at(V::default())
+    }
+}
+
+impl<V: Default> Agent<V> {
+    /// A pedestrian of average size, at rest: 0.3 m, 1.3 m/s, 5 m/s2.
+    pub fn at(position: V) -> Self {
+        Self { position, velocity: V::default(), radius: 0.3, acceleration: 5.0, speed: 1.3, route: None, field: 0 }
+    }
+}
+
+impl<V> Agent<V> {
+    /// The same in another space.
+    pub fn map<W>(self, f: impl Fn(V) -> W) -> Agent<W> {
+        let Self { position, velocity, radius, acceleration, speed, route, field } = self;
+        Agent { position: f(position), velocity: f(velocity), radius, acceleration, speed, route, field }
+    }
+}

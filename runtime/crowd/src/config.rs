@@ -1,0 +1,165 @@
+//! What a crowd is made of.
+
+use crate::routes::streets::Streets;
+use crate::{Agent, Field, Interest, Obstacle, Route, SteeringConfig};
+use glam::Vec3;
+use serde::{Deserialize, Serialize};
+use throng_base::Result;
+use throng_base::error::check;
+
+/// How the crowd finds out when an agent has to act.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Scheme {
+    /// Bounds are registered in the cell of their centre (Kim, Kim and Shin 2003b, section 2.1): resetting and colliding
+    /// events.
+    #[default]
+    Registration,
+    /// For comparison: bounds are listed in every cell they occupy (Kim, Kim and Shin 2003a, section 2): entering,
+    /// leaving, resetting, colliding, contacting and separating events. No collision is looked for within a group of
+    /// agents in contact. The guarantee is the same.
+    #[cfg(feature = "baselines")]
+    Occupancy,
+    /// For comparison: everybody acts at every step of time, and where discs overlap the step is undone and half of it
+    /// tried (Kim, Kim and Shin 2003b, section 4). Nothing but the forces keeps agents apart.
+    #[cfg(feature = "baselines")]
+    Fixed,
+}
+
+impl Scheme {
+    /// Most events of one agent in a smallest interval: those that make it act, in `Occupancy` two of them, after each of
+    /// which its bound enters and leaves the cells behind every face of a box and meets somebody or not.
+    pub(crate) fn most_events(self) -> u32 {
+        match self {
+            #[cfg(feature = "baselines")]
+            Self::Occupancy => 2 * (1 + 2 * 6 + 2),
+            _ => 1,
+        }
+    }
+}
+
+/// How a crowd is run.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct CrowdConfig {
+    /// How it finds out when an agent has to act.
+    pub scheme: Scheme,
+    /// Smallest time between two events of one agent, and so of a pair (s, 0.001 to 1).
+    pub smallest_interval_s: f32,
+    /// Side of the cells that agents are registered in; 0 leaves it to the crowd. An agent sees those in its own and the
+    /// neighbouring cells (m, enough for everybody to stop within half of it, see [`crate::Crowd::cell_side`]).
+    pub cell_side_m: f32,
+    /// Step of `Scheme::Fixed` (s, 0.001 to 1).
+    #[cfg(feature = "baselines")]
+    pub step_s: f32,
+    /// How often a step of `Scheme::Fixed` is halved. At the end of the shortest step, agents that overlap lose the
+    /// velocity toward each other; overlaps that remain are counted (0 to 16).
+    #[cfg(feature = "baselines")]
+    pub halvings: u32,
+    /// Most agents at a time; memory for them is taken at once. 0 stands for those at the start.
+    pub capacity: usize,
+    /// Largest radius of agents to come; 0 stands for those at the start (m).
+    pub largest_radius_m: f32,
+    /// Largest desired speed of agents to come and of [`crate::Crowd::order`]; 0 stands for those at the start (m/s).
+    pub largest_speed_mps: f32,
+    /// The numbers of steering that were tuned by trial.
+    pub steering: SteeringConfig,
+}
+
+impl Default for CrowdConfig {
+    fn default() -> Self {
+        Self {
+            scheme: Scheme::default(),
+            smallest_interval_s: 0.1,
+            cell_side_m: 0.0,
+            #[cfg(feature = "baselines")]
+            step_s: 1.0 / 30.0,
+            #[cfg(feature = "baselines")]
+            halvings: 4,
+            capacity: 0,
+            largest_radius_m: 0.0,
+            largest_speed_mps: 0.0,
+            steering: SteeringConfig::default(),
+        }
+    }
+}
+
+impl CrowdConfig {
+    /// Every setting within its limits.
+    pub(crate) fn check(&self) -> Result<()> {
+        let within = |what, got: f32, least: f32, most: f32, expected| {
+            check(what, None, got.into(), (least..=most).contains(&got), expected)
+        };
+        within("config.smallest_interval_s", self.smallest_interval_s, 0.001, 1.0, "between 0.001 and 1")?;
+        #[cfg(feature = "baselines")]
+        within("config.step_s", self.step_s, 0.001, 1.0, "between 0.001 and 1")?;
+        #[cfg(feature = "baselines")]
+        within("config.halvings", self.halvings as f32, 0.0, 16.0, "at most 16")?;
+        within("config.largest_radius_m", self.largest_radius_m, 0.0, 999.0, "between 0 and 999")?;
+        within("config.largest_speed_mps", self.largest_speed_mps, 0.0, 999.0, "between 0 and 999")?;
+        self.steering.check()
+    }
+}
+
+/// What a crowd starts with, at time 0.
+#[derive(Clone, Debug)]
+pub struct Setup<V = Vec3> {
+    /// Who is there.
+    pub agents: Vec<Agent<V>>,
+    /// Routes of agents that start or enter on one; those with an order have a route of their own.
+    pub routes: Vec<Route<V>>,
+    /// Force fields of agents (>= 1 where there are agents).
+    pub fields: Vec<Field>,
+    /// What is in their way.
+    pub obstacles: Vec<Obstacle<V>>,
+    /// What attracts or repels them.
+    pub interests: Vec<Interest<V>>,
+    /// Finds the ways of orders round obstacles; without, agents go straight to where they are sent.
+    pub streets: Option<Streets>,
+    /// How the crowd is run.
+    pub config: CrowdConfig,
+}
+
+impl<V> Default for Setup<V> {
+    /// Nobody, nowhere, with the default field.
+    fn default() -> Self {
+        Self {
+            agents: Vec::new(),
+            routes: Vec::new(),
+            fields: vec![Field::default()],
+            obstacles: Vec::new(),
+            interests: Vec::new(),
+            streets: None,
+            config: CrowdConfig::default(),
+        }
+    }
+}
+
+impl Setup {
+    /// An empty crowd of pedestrians between the obstacles of some streets: radii up to 0.3 m, speeds up to 2 m/s.
+    ///
+    /// - `capacity`: most agents at a time.
+    pub fn in_streets(streets: &Streets, capacity: usize) -> Self {
+        Self {
+            obstacles: streets.obstacles().to_vec(),
+            streets: Some(streets.clone()),
+            config: CrowdConfig { capacity, largest_radius_m: 0.3, largest_speed_mps: 2.0, ..CrowdConfig::default() },
+            ..Self::default()
+        }
+    }
+}
+
+impl<V> Setup<V> {
+    /// The same in another space.
+    pub fn map<W>(self, f: impl Fn(V) -> W) -> Setup<W> {
+        Setup {
+            agents: self.agents.into_iter().map(|a| a.map(&f)).collect(),
+            routes: self.routes.into_iter().map(|r| r.map(&f)).collect(),
+            fields: self.fields,
+            obstacles: self.obstacles.into_iter().map(|o| o.map(&f)).collect(),
+            interests: self.interests.into_iter().map(|i| i.map(&f)).collect(),
+            streets: self.streets,
+            config: self.config,
+        }
+    }
+}

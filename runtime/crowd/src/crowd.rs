@@ -1,0 +1,301 @@
+//! The crowd as an application sees it: one type on the ground and in the air, compiled here.
+
+use crate::error::CrowdError;
+use crate::events::engine::Engine;
+use crate::events::event::{Counts, Event};
+use crate::routes::order::{Go, Status};
+use crate::space::Space;
+use crate::{Agent, AtEnd, Forces, Id, Route, Setup};
+use glam::{Vec2, Vec3};
+use throng_base::Run;
+
+/// Agents that act at their own events and never overlap.
+///
+/// Everybody has one next event. Between two of them an agent keeps its acceleration, so that its position at any time
+/// is known exactly. At an event it looks at its neighbours, asks the force field for the desired motion, and takes the
+/// nearest plan it can find for which the safety rule holds. Its next event is when its new bound touches another bound,
+/// an obstacle or the side of its region (Kim, Kim and Shin 2003b, section 2.1), though not before the smallest interval
+/// is over. The proof that nobody ever overlaps anybody is in `safety/rule.rs`; it asks nothing of forces or intervals.
+///
+/// Places are those of the world (m, Y up). On the ground, agents are discs in x and z; heights that are given are left
+/// out, and those that come back are 0. Within the capacity, nothing here allocates but orders, first orders of a place,
+/// and what returns or takes a `Vec`.
+///
+/// ```
+/// # fn main() -> throng_base::Result<()> {
+/// use throng_crowd::{Agent, AtEnd, Crowd, Go, Obstacle, Setup, Streets};
+/// use glam::Vec3;
+///
+/// let block = Obstacle::Box { min: Vec3::new(-2.0, 0.0, -2.0), max: Vec3::new(2.0, 3.0, 2.0) };
+/// let streets = Streets::new(&[block], 0.4)?;
+/// let mut crowd = Crowd::on_ground(Setup::in_streets(&streets, 20))?;
+/// let id = crowd.spawn(Agent::at(Vec3::new(-5.0, 0.0, 0.0)))?;
+/// crowd.order(id, Go::to(Vec3::new(5.0, 0.0, 0.0)).then(AtEnd::Leave))?;
+/// crowd.advance(20.0, &mut |event| println!("{event:?}"))?;
+/// assert_eq!(crowd.num_agents(), 0);
+/// # Ok(())
+/// # }
+/// ```
+#[derive(Clone, Debug)]
+pub struct Crowd {
+    engine: Either,
+}
+
+#[derive(Clone, Debug)]
+enum Either {
+    Ground(Engine<Vec2>),
+    Air(Engine<Vec3>),
+}
+
+/// Does the same with the engine of either space.
+macro_rules! each {
+    ($either:expr, $engine:ident => $answer:expr) => {
+        match $either {
+            Either::Ground($engine) => $answer,
+            Either::Air($engine) => $answer,
+        }
+    };
+}
+
+type Result<T> = std::result::Result<T, CrowdError>;
+
+impl Crowd {
+    /// A crowd of discs on the ground.
+    ///
+    /// # Errors
+    /// [`CrowdError`] for a setting out of its range, agents that overlap or could not brake in time, a start or subgoal
+    /// in an obstacle.
+    pub fn on_ground(setup: Setup) -> Result<Self> {
+        Ok(Self { engine: Either::Ground(Engine::new(setup.map(Space::from_world))?) })
+    }
+
+    /// A crowd of balls in the air.
+    ///
+    /// # Errors
+    /// As [`Crowd::on_ground`].
+    pub fn in_air(setup: Setup) -> Result<Self> {
+        Ok(Self { engine: Either::Air(Engine::new(setup)?) })
+    }
+
+    /// Lets time pass until `until_s`; tells everything that happens in its order. Allocates nothing.
+    ///
+    /// # Errors
+    /// [`CrowdError::Other`] for a time in the past, and [`CrowdError::Stalled`].
+    pub fn advance(&mut self, until_s: f64, on_event: &mut impl FnMut(&Event)) -> Result<()> {
+        self.advance_with(on_event, |crowd| crowd.run(until_s))
+    }
+
+    /// As [`Crowd::advance`], in parts that `run` runs; the result is the same, bit by bit. Pays from some thousand
+    /// agents on. Takes memory for the parts when it is called first.
+    ///
+    /// # Errors
+    /// As [`Crowd::advance`]. Some agents that act a little after those of a [`CrowdError::Stalled`] may have acted
+    /// before it was seen.
+    pub fn par_advance(&mut self, until_s: f64, run: &dyn Run, on_event: &mut impl FnMut(&Event)) -> Result<()> {
+        self.advance_with(on_event, |crowd| crowd.run_parallel(until_s, run))
+    }
+
+    /// Runs the engine in stretches, and tells the events of each after it: the engine knows nothing of the caller's
+    /// types, and need not be compiled anew for them.
+    #[inline]
+    fn advance_with(
+        &mut self,
+        on_event: &mut impl FnMut(&Event),
+        mut run: impl FnMut(&mut Self) -> Result<bool>,
+    ) -> Result<()> {
+        loop {
+            let done = run(self);
+            // A time that is refused leaves the events of before.
+            if !matches!(done, Err(CrowdError::Other(_))) {
+                self.events().iter().for_each(&mut *on_event);
+            }
+            if done? {
+                return Ok(());
+            }
+        }
+    }
+
+    /// Not inlined, so that it is compiled here and not with every caller.
+    #[inline(never)]
+    fn run(&mut self, until_s: f64) -> Result<bool> {
+        each!(&mut self.engine, e => e.run(until_s))
+    }
+
+    /// As [`Crowd::run`].
+    #[inline(never)]
+    fn run_parallel(&mut self, until_s: f64, run: &dyn Run) -> Result<bool> {
+        each!(&mut self.engine, e => e.run_parallel(until_s, run))
+    }
+
+    fn events(&self) -> &[Event] {
+        each!(&self.engine, e => &e.events)
+    }
+
+    /// Lets an agent enter, now.
+    ///
+    /// # Errors
+    /// [`CrowdError`] for a place that is taken, a full crowd, or a setting out of its range; nothing has changed then.
+    pub fn spawn(&mut self, agent: Agent) -> Result<Id> {
+        each!(&mut self.engine, e => e.spawn(agent.map(Space::from_world)))
+    }
+
+    /// Takes an agent out, now.
+    ///
+    /// # Errors
+    /// [`throng_base::Error::Gone`].
+    pub fn despawn(&mut self, id: Id) -> Result<()> {
+        each!(&mut self.engine, e => e.despawn(id))
+    }
+
+    /// Puts an agent elsewhere, at rest. It goes on with its order from there.
+    ///
+    /// # Errors
+    /// [`CrowdError`] for a place that is taken or out of range, or from which no way leads to its goal; nothing has
+    /// changed then.
+    pub fn place(&mut self, id: Id, position: Vec3) -> Result<()> {
+        each!(&mut self.engine, e => e.place(id, Space::from_world(position)))
+    }
+
+    /// Gives an agent an order, from its next event on; it holds until the next order.
+    ///
+    /// # Errors
+    /// [`throng_base::Error::NoWay`] where no way leads to the goal, and [`CrowdError`] for a goal in an obstacle or a
+    /// setting out of its range; nothing has changed then.
+    pub fn order(&mut self, id: Id, order: Go) -> Result<()> {
+        each!(&mut self.engine, e => e.order(id, &order.map(Space::from_world)))
+    }
+
+    /// How far an agent has come with its order.
+    ///
+    /// # Errors
+    /// [`throng_base::Error::Gone`].
+    pub fn status(&self, id: Id) -> Result<Status> {
+        each!(&self.engine, e => e.status(id).ok_or(throng_base::Error::Gone(id).into()))
+    }
+
+    /// Another route for agents to come and for [`Go::on_route`]; its number.
+    ///
+    /// # Errors
+    /// [`CrowdError`] for a route that cannot be.
+    pub fn add_route(&mut self, route: Route) -> Result<usize> {
+        each!(&mut self.engine, e => e.add_route(route.map(Space::from_world)))
+    }
+
+    /// Appends the whole state: about 155 bytes an agent on the ground and 180 in the air, and 20 or 28 bytes a square
+    /// of the density grid.
+    pub fn save(&self, out: &mut Vec<u8>) {
+        each!(&self.engine, e => e.save(out))
+    }
+
+    /// Goes back to a state of a crowd that was made with the same setup. What follows is what followed then, bit by bit.
+    ///
+    /// # Errors
+    /// [`throng_base::Error::Snapshot`]; nothing has changed then.
+    pub fn load(&mut self, bytes: &[u8]) -> Result<()> {
+        each!(&mut self.engine, e => e.load(bytes))
+    }
+
+    /// A hash of the state: differs, but for one chance in 2^64, where the motion of anybody differs.
+    pub fn hash(&self) -> u64 {
+        each!(&self.engine, e => e.hash())
+    }
+
+    /// The present (s).
+    pub fn now(&self) -> f64 {
+        each!(&self.engine, e => e.now)
+    }
+
+    /// Everybody in the crowd, in the order of their places.
+    pub fn ids(&self) -> impl Iterator<Item = Id> + '_ {
+        let (ground, air) = match &self.engine {
+            Either::Ground(e) => (Some(e.ids()), None),
+            Either::Air(e) => (None, Some(e.ids())),
+        };
+        ground.into_iter().flatten().chain(air.into_iter().flatten())
+    }
+
+    /// Number of agents.
+    pub fn num_agents(&self) -> usize {
+        each!(&self.engine, e => e.num_agents())
+    }
+
+    /// What an agent is; position and velocity are those of now, the route that of its order.
+    pub fn agent(&self, id: Id) -> Option<Agent> {
+        each!(&self.engine, e => e.agent(id).map(|a| a.map(Space::to_world)))
+    }
+
+    /// Where an agent is at `time_s`: exact from its last event to its next one, and a guess before and after (m).
+    pub fn position(&self, id: Id, time_s: f64) -> Option<Vec3> {
+        each!(&self.engine, e => e.plan(id).map(|p| p.at(time_s).0.to_world()))
+    }
+
+    /// How it moves at `time_s` (m/s).
+    pub fn velocity(&self, id: Id, time_s: f64) -> Option<Vec3> {
+        each!(&self.engine, e => e.plan(id).map(|p| p.at(time_s).1.to_world()))
+    }
+
+    /// Its velocity as a Kalman filter saw it at its last event, without abrupt changes: what a body is to follow (Kim,
+    /// Kim and Shin 2003b, section 2.1) (m/s).
+    pub fn smooth_velocity(&self, id: Id) -> Option<Vec3> {
+        each!(&self.engine, e => e.smooth_velocity(id).map(Space::to_world))
+    }
+
+    /// Its acceleration at `time_s` (m/s2).
+    pub fn acceleration(&self, id: Id, time_s: f64) -> Option<Vec3> {
+        each!(&self.engine, e => e.acceleration(id, time_s).map(Space::to_world))
+    }
+
+    /// Its time-varying bound at `time_s`: centre and radius (Kim, Kim and Shin 2003b, eq. 3 and 4) (m, from its last
+    /// event on).
+    pub fn bound(&self, id: Id, time_s: f64) -> Option<(Vec3, f32)> {
+        each!(&self.engine, e => e.bound(id, time_s).map(|(centre, radius)| (centre.to_world(), radius)))
+    }
+
+    /// When it acts next, unless another agent makes it act before (s).
+    pub fn next_event(&self, id: Id) -> Option<f64> {
+        each!(&self.engine, e => e.plan(id).map(|p| p.end))
+    }
+
+    /// When it acted last (s).
+    pub fn last_event(&self, id: Id) -> Option<f64> {
+        each!(&self.engine, e => e.plan(id).map(|p| p.start))
+    }
+
+    /// Both ends of the way of its centre if it brakes now with all its force (m).
+    pub fn stop_region(&self, id: Id) -> Option<(Vec3, Vec3)> {
+        each!(&self.engine, e => {
+            let (from, to) = e.plan(id).map(|p| p.stop_region((e.now - p.start) as f32))?;
+            Some((from.to_world(), to.to_world()))
+        })
+    }
+
+    /// Way along its route that is left (m).
+    pub fn way_left(&self, id: Id) -> Option<f32> {
+        each!(&self.engine, e => e.way_left(id))
+    }
+
+    /// Unit vector in which it wants to go now; zero where it is at its goal.
+    pub fn desired_direction(&self, id: Id) -> Option<Vec3> {
+        each!(&self.engine, e => e.desired_direction(id).map(Space::to_world))
+    }
+
+    /// What moves it now, term by term. Computed anew, and allocates: for one agent that is looked at.
+    pub fn forces(&self, id: Id) -> Option<Forces> {
+        each!(&self.engine, e => e.forces(id).map(|f| f.map(Space::to_world)))
+    }
+
+    /// How many events there were.
+    pub fn counts(&self) -> Counts {
+        each!(&self.engine, e => e.counts)
+    }
+
+    /// Side of the cells that agents are registered in (m).
+    pub fn cell_side(&self) -> f32 {
+        each!(&self.engine, e => e.cells.side())
+    }
+
+    /// What agents on a route do at its end.
+    pub fn at_end(&self, route: usize) -> Option<AtEnd> {
+        each!(&self.engine, e => e.at_end(route))
+    }
+}

@@ -1,0 +1,437 @@
+//! What an agent does at its event.
+
+use crate::events::schemes::{Meeting, SchemeRef};
+use crate::routes::spline::Cursor;
+use crate::safety::bound::Bound;
+use crate::safety::others::Others;
+use crate::safety::reach::Reach;
+use crate::safety::rule::{Candidate, Violation, lever, violation_of_solid};
+use crate::scenery::Scenery;
+use crate::space::cells::Cells;
+use crate::space::plan::Plan;
+use crate::steering::density_grid::DensityGrid;
+use crate::steering::filter::Filter;
+use crate::steering::forces::{Surroundings, Walker, felt_within, forces, minded_within};
+use crate::steering::keep_right::between_walls;
+use crate::steering::neighbours::{Heed, Look, Rows};
+use crate::steering::retreat::{Blocked, Half};
+use crate::steering::sight::{ROUNDING, Seen};
+use crate::{AtEnd, Forces, NONE, Space};
+use serde::{Deserialize, Serialize};
+use throng_base::simd::LANES;
+
+/// Why an agent acts next.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub(crate) enum Cause {
+    /// Its bound leaves its region.
+    #[default]
+    Region,
+    /// Its bound touches that of an agent.
+    Agent(u32),
+    /// Its bound touches an obstacle.
+    Obstacle(u32),
+}
+
+/// What the crowd knows of an agent beside its plan.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(crate) struct AgentState<V> {
+    pub route: u32,
+    pub field: u32,
+    pub generation: u32,
+    /// Cell that it is registered in; [`NONE`] for a free place.
+    pub cell: u32,
+    pub speed: f32,
+    pub cursor: Cursor,
+    pub filter: Filter<V>,
+    pub cause: Cause,
+    /// Shortest distance left along the route since it stepped back last (m).
+    pub least_left: f32,
+    /// When it made progress last (s).
+    pub progressed_at: f64,
+    /// Unit vector along which it wants to go, as others see it; zero at its goal.
+    pub intent: V,
+    pub is_there: bool,
+    pub is_stuck: bool,
+    /// A moving obstacle is in its place.
+    pub is_struck: bool,
+}
+
+/// Scratch memory of decisions, one for each thread.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Scratch<V> {
+    /// For the numbers of neighbours.
+    room: Vec<u32>,
+    seen: Vec<Seen<V>>,
+    pub rows: Rows,
+    /// Plans that may be in conflict with the agent's.
+    others: Others,
+}
+
+impl<V: Space> Scratch<V> {
+    pub fn new(capacity: usize, num_movers: usize) -> Self {
+        let most = capacity + num_movers;
+        let (room, rows) = (Cells::<V>::room(capacity), Rows::new(capacity.div_ceil(LANES)));
+        Self { room, seen: Vec::with_capacity(most), rows, others: Others::new(most) }
+    }
+}
+
+/// The result of an event.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Decision<V> {
+    pub plan: Plan<V>,
+    pub state: AgentState<V>,
+    pub leaves: bool,
+    /// Moving obstacle that is in its place.
+    pub struck_by: u32,
+}
+
+/// What the force field wants an agent to do, before the safety rule.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct DesiredMotion<V> {
+    pub state: AgentState<V>,
+    /// A plan from now on that has no end and no acceleration of its own yet.
+    pub fresh: Plan<V>,
+    pub acceleration: V,
+    /// Region around its cell, which it must not leave.
+    pub region: (V, V),
+    /// The first agent whose bound its own touches.
+    pub meeting: Meeting<V>,
+    /// Longest plan: near its goal, not so long that it would pass it (s).
+    pub longest: f32,
+}
+
+/// Decides for agents at a time; holds all that they may look at.
+pub(crate) struct Decider<'a, V> {
+    pub scenery: &'a Scenery<V>,
+    pub cells: &'a Cells<V>,
+    pub states: &'a [AgentState<V>],
+    pub grid: &'a DensityGrid<V>,
+    pub time: f64,
+}
+
+impl<V: Space> Decider<'_, V> {
+    /// What the force field wants an agent to do; with a scheme, also finds what a plan needs.
+    pub fn desired_motion(
+        &self,
+        agent: u32,
+        scheme: Option<SchemeRef<'_>>,
+        scratch: &mut Scratch<V>,
+    ) -> DesiredMotion<V> {
+        let old = self.cells.plan(agent);
+        let (position, velocity) = old.at(self.time);
+        let mut state = self.states[agent as usize];
+        self.update(&mut state, &old, position, velocity);
+        let mut walker = self.walker(&state, &old, position, velocity);
+        state.intent = if state.is_there { V::default() } else { walker.desired };
+        self.give_way(&state, &mut walker);
+        if walker.retreats {
+            // Regaining the ground it yielded counts as progress.
+            state.least_left = state.least_left.max(walker.left);
+        }
+        let at = self.cells.coordinates(position);
+        state.cell = self.cells.number(at);
+        let (centre, half) = (self.cells.centre(at), V::from_coordinates([self.cells.side(); 3]));
+        let region = (centre - half, centre + half);
+        let fresh = Plan { start: self.time, position, velocity, moving: f32::INFINITY, ..old };
+        let mut meeting = Meeting::new(&fresh, scheme.map(|_| region));
+        self.look_around((agent, at), &walker, &state, scheme.map(|t| (t, &mut meeting)), scratch);
+        let near = self.scenery.near(state.cell);
+        let f = self.feel(&walker, &state, near, scratch);
+        let slow = self.scenery.steering.slow_mps;
+        let soon = 2.0 * self.scenery.fields[state.field as usize].relaxation_s;
+        let slows = walker.left < soon * state.speed && velocity.length_squared() > slow * slow;
+        let longest = if slows { soon } else { f32::INFINITY };
+        DesiredMotion { state, fresh, acceleration: total(&f).at_most(old.limit), region, meeting, longest }
+    }
+
+    /// A new plan for an agent; `None` if it has to keep the one it has.
+    pub fn decide(&self, agent: u32, scheme: SchemeRef<'_>, scratch: &mut Scratch<V>) -> Option<Decision<V>> {
+        let old = self.cells.plan(agent);
+        let DesiredMotion { mut state, fresh, acceleration, region, meeting, longest } =
+            self.desired_motion(agent, Some(scheme), scratch);
+        let near = self.scenery.near(state.cell);
+        let (cause, length) = scheme.first_event(self, &fresh, &meeting, near);
+        let (cause, length) = if length > longest { (Cause::Region, longest) } else { (cause, length) };
+        let length = length.max(self.scenery.interval);
+        // A plan longer than the relaxation time reaches the desired velocity and does not pass it.
+        let desired = acceleration * (self.scenery.fields[state.field as usize].relaxation_s / length).min(1.0);
+        self.look_at_plans(&fresh, length, scratch);
+        let mut taken = self.safe(&fresh, desired, length, region, near, scratch);
+        if taken.is_none() && !self.scenery.movers.is_empty() {
+            // It may be too late to avoid a moving obstacle: get out of its way as far as other agents allow.
+            scratch.others.leave_out_movers();
+            taken = self.safe(&fresh, desired, self.scenery.interval, region, near, scratch);
+        }
+        let plan = match taken {
+            Some(plan) => plan,
+            None if old.end <= self.time => {
+                // A trapped agent that stands can wait: its neighbours make it act when they do.
+                let stands = fresh.velocity.length_squared() < 1e-6;
+                let length = if stands {
+                    self.scenery.steering.blocked_intervals * self.scenery.interval
+                } else {
+                    self.scenery.interval
+                };
+                let mut plan = Plan { end: self.time + f64::from(length), ..fresh };
+                plan.brake();
+                plan
+            }
+            None => return None,
+        };
+        state.cause = cause;
+        let leaves = self.leaves(&state);
+        let struck_by = self.struck(&plan);
+        state.is_struck = struck_by != NONE;
+        Some(Decision { plan, state, leaves, struck_by })
+    }
+
+    fn feel(&self, walker: &Walker<V>, state: &AgentState<V>, near: &[u32], scratch: &Scratch<V>) -> Forces<V> {
+        let (scenery, seen) = (self.scenery, &scratch.seen);
+        let walls = scenery.walls(state.cell);
+        let around = Surroundings {
+            seen,
+            solids: &scenery.solids,
+            near,
+            walls,
+            grid: self.grid,
+            interests: &scenery.interests,
+            steering: &scenery.steering,
+        };
+        forces(walker, &scenery.fields[state.field as usize], &around)
+    }
+
+    /// The forces on an agent now.
+    pub fn forces(&self, agent: u32, scratch: &mut Scratch<V>) -> Forces<V> {
+        let plan = self.cells.plan(agent);
+        let (position, velocity) = plan.at(self.time);
+        let mut state = self.states[agent as usize];
+        self.update(&mut state, &plan, position, velocity);
+        let mut walker = self.walker(&state, &plan, position, velocity);
+        self.give_way(&state, &mut walker);
+        let at = self.cells.coordinates(position);
+        state.cell = self.cells.number(at);
+        self.look_around((agent, at), &walker, &state, None, scratch);
+        let near = self.scenery.near(state.cell);
+        let f = self.feel(&walker, &state, near, scratch);
+        Forces { taken: plan.acceleration, ..f }
+    }
+
+    /// Follows the route, filters the velocity, and notes whether the agent makes progress.
+    fn update(&self, state: &mut AgentState<V>, plan: &Plan<V>, position: V, velocity: V) {
+        state.filter.observe(velocity, (self.time - plan.start) as f32, &self.scenery.steering);
+        let spline = &self.scenery.splines[state.route as usize];
+        spline.follow(&mut state.cursor, position, self.scenery.fields[state.field as usize].look_ahead_m);
+        state.is_there = spline.is_there(state.cursor, position);
+        if state.is_there && spline.at_end() == AtEnd::Again {
+            state.cursor = Cursor::default();
+            state.least_left = f32::INFINITY;
+        }
+        let left = spline.left(state.cursor, position);
+        if state.is_there || state.speed == 0.0 || left < state.least_left - self.scenery.steering.progress_m {
+            state.least_left = left;
+            state.progressed_at = self.time;
+            state.is_stuck = false;
+        } else if self.time - state.progressed_at > self.scenery.steering.stuck_after_s {
+            state.is_stuck = true;
+        }
+    }
+
+    /// Where an agent wants to go.
+    pub fn walker(&self, state: &AgentState<V>, plan: &Plan<V>, position: V, velocity: V) -> Walker<V> {
+        let spline = &self.scenery.splines[state.route as usize];
+        let field = &self.scenery.fields[state.field as usize];
+        let (desired, distance) = (spline.ahead(state.cursor, field.look_ahead_m) - position).unit_and_length();
+        let mut speed = state.speed;
+        if spline.at_end() == AtEnd::Stay {
+            // Comes to rest at the goal.
+            let to_goal = if distance < field.look_ahead_m { (spline.goal() - position).length() } else { distance };
+            speed = speed.min(to_goal / (2.0 * field.relaxation_s));
+            // At its goal it gives way to agents that pass.
+            speed *= (to_goal / spline.arrival_radius()).min(1.0);
+        }
+        let centre = plan.position + plan.velocity * (self.time - plan.start) as f32;
+        Walker {
+            position,
+            velocity,
+            radius: plan.radius,
+            limit: plan.limit,
+            desired,
+            speed,
+            left: spline.left(state.cursor, position),
+            retreats: false,
+            off_centre: position - centre,
+        }
+    }
+
+    /// Makes a blocked agent step back if others can only pass then.
+    fn give_way(&self, state: &AgentState<V>, walker: &mut Walker<V>) {
+        let (waited, steering) = (self.time - state.progressed_at, &self.scenery.steering);
+        if waited < steering.patience_on_left_s || state.is_there {
+            return;
+        }
+        let walls = self.scenery.walls(self.cells.number(self.cells.coordinates(walker.position)));
+        let between = between_walls(&self.scenery.solids, walls, walker.position, walker.desired.right(), steering);
+        let half = between.filter(|b| b.at_hand).map(|b| if b.place < 0.0 { Half::Left } else { Half::Right });
+        let blocked = Blocked { position: walker.position, ahead: walker.desired, waited, half };
+        if let Some(way) = blocked.retreat(self.grid, steering) {
+            *walker = Walker { desired: way, speed: steering.retreat_speed * state.speed, retreats: true, ..*walker };
+        }
+    }
+
+    /// Finds the neighbours that an agent reacts to; for a new plan also all others in its own and the neighbouring
+    /// cells, and, if the scheme asks for it, which of them it meets first.
+    fn look_around(
+        &self,
+        (agent, at): (u32, [i32; 3]),
+        me: &Walker<V>,
+        state: &AgentState<V>,
+        aim: Option<(SchemeRef<'_>, &mut Meeting<V>)>,
+        scratch: &mut Scratch<V>,
+    ) {
+        scratch.seen.clear();
+        let field = &self.scenery.fields[state.field as usize];
+        let heed = Heed {
+            perception: field.perception_m,
+            felt: felt_within(me, field),
+            horizon: minded_within(field, &self.scenery.steering),
+            room: field.comfort_m + ROUNDING,
+        };
+        let look = Look { cells: self.cells, at, time: self.time, agent, me, heed };
+        let Scratch { room, seen, rows, .. } = &mut *scratch;
+        match aim {
+            None => look.around(room, seen, None),
+            Some((SchemeRef { lists: Some(_) }, _)) => look.around(room, seen, Some(rows)),
+            Some((SchemeRef { lists: None }, meeting)) => {
+                look.around(room, seen, Some(rows));
+                meeting.look(self.cells, rows);
+            }
+        }
+        for mover in &self.scenery.movers {
+            let plan = mover.plan(self.time, 1.0);
+            let offset = plan.position - me.position;
+            let distance = offset.length();
+            let radii = me.radius + mover.radius;
+            if distance - mover.radius < 2.0 * self.cells.side() {
+                scratch.seen.push(Seen { offset, velocity: plan.velocity, distance, radii, yields: false });
+            }
+        }
+    }
+
+    /// When a bound touches an obstacle, if that is before `first`.
+    #[inline]
+    pub fn first_obstacle(&self, bound: &Bound<V>, near: &[u32], mut first: (Cause, f32)) -> (Cause, f32) {
+        for &s in near {
+            let contact = bound.first_contact_with(&self.scenery.solids[s as usize], self.time, first.1);
+            if contact < first.1 {
+                first = (Cause::Obstacle(self.scenery.owners[s as usize]), contact);
+            }
+        }
+        for mover in &self.scenery.movers {
+            let plan = mover.plan(self.time, 1.0);
+            let still = Bound { limit: 0.0, ..Bound::from(&plan) };
+            let contact = bound.first_contact(&still, self.time, first.1);
+            // Its motion is known up to the next point of its way; the agent looks again there.
+            let known = (plan.end - self.time) as f32;
+            let (cause, time) =
+                if contact <= known { (Cause::Obstacle(mover.obstacle), contact) } else { (Cause::Region, known) };
+            if time < first.1 {
+                first = (cause, time);
+            }
+        }
+        first
+    }
+
+    /// Finds the plans that a plan of a length has to be compared with.
+    fn look_at_plans(&self, fresh: &Plan<V>, length: f32, scratch: &mut Scratch<V>) {
+        scratch.others.clear();
+        let reach = Reach::new(self.cells, self.scenery.fastest, fresh, length);
+        reach.find(scratch.rows.all(), &mut scratch.others);
+        for mover in &self.scenery.movers {
+            let plan = mover.plan(self.time, length + 2.0 * self.scenery.speed / fresh.limit);
+            let way = plan.velocity.length() * (plan.end - plan.start) as f32;
+            let free = (plan.position - fresh.position).length() - plan.radius - way;
+            if free < reach.mine {
+                scratch.others.push(&plan);
+            }
+        }
+        scratch.others.prepare(fresh.position, self.time);
+    }
+
+    /// A plan near the desired one for which the safety rule holds.
+    fn safe(
+        &self,
+        fresh: &Plan<V>,
+        desired: V,
+        length: f32,
+        region: (V, V),
+        near: &[u32],
+        scratch: &Scratch<V>,
+    ) -> Option<Plan<V>> {
+        let (shortest, steering) = (self.scenery.interval, &self.scenery.steering);
+        let (mut a, mut length) = (desired, length);
+        for attempt in 0..steering.plan_tries {
+            let candidate = self.candidate(fresh, a, length);
+            if !candidate.stays_within(region.0, region.1) {
+                if length <= shortest {
+                    break;
+                }
+                length = (0.5 * length).max(shortest);
+                continue;
+            }
+            match self.worst(&candidate, near, scratch) {
+                None => return Some(candidate.plan),
+                Some(worst) => {
+                    // Slides along what is in the way.
+                    a = candidate.plan.acceleration
+                        + worst.away * (worst.depth * steering.push_factor / lever(&candidate));
+                    if attempt > 0 {
+                        length = (steering.retry_length * length).max(shortest);
+                    }
+                }
+            }
+        }
+        let stop = fresh.velocity * -shortest.recip();
+        for share in [0.5, 1.0] {
+            let candidate = self.candidate(fresh, stop * share, shortest);
+            let is_safe = candidate.stays_within(region.0, region.1) && self.worst(&candidate, near, scratch).is_none();
+            if is_safe {
+                return Some(candidate.plan);
+            }
+        }
+        None
+    }
+
+    /// A plan within the limits of acceleration and speed.
+    #[inline]
+    fn candidate(&self, fresh: &Plan<V>, a: V, length: f32) -> Candidate<V> {
+        let a = a.at_most(fresh.limit);
+        let fastest = self.scenery.fastest;
+        let a = ((fresh.velocity + a * length).at_most(fastest) - fresh.velocity) * length.recip();
+        Candidate::new(Plan { end: self.time + f64::from(length), acceleration: a.at_most(fresh.limit), ..*fresh })
+    }
+
+    /// The largest violation of a plan.
+    fn worst(&self, candidate: &Candidate<V>, near: &[u32], scratch: &Scratch<V>) -> Option<Violation<V>> {
+        let solids = near.iter().filter_map(|&s| violation_of_solid(candidate, &self.scenery.solids[s as usize]));
+        scratch.others.worst(candidate).into_iter().chain(solids).reduce(|a, b| if b.depth > a.depth { b } else { a })
+    }
+
+    /// True if an agent is to leave the crowd, as it is at the end of its route.
+    pub fn leaves(&self, state: &AgentState<V>) -> bool {
+        state.is_there && self.scenery.splines[state.route as usize].at_end() == AtEnd::Leave
+    }
+
+    /// Moving obstacle that overlaps an agent at the start of a plan; [`NONE`] if there is none.
+    pub fn struck(&self, plan: &Plan<V>) -> u32 {
+        let hits = |m: &&crate::scenery::Mover<V>| {
+            let apart = (m.plan(self.time, 1.0).position - plan.position).length();
+            apart < m.radius + plan.radius - 1e-3
+        };
+        self.scenery.movers.iter().find(hits).map_or(NONE, |m| m.obstacle)
+    }
+}
+
+/// Sum of the terms.
+pub(crate) fn total<V: Space>(f: &Forces<V>) -> V {
+    f.driving + f.interaction + f.decelerating + f.damping + f.turning + f.safety
+}

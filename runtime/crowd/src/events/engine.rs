@@ -1,0 +1,281 @@
+//! The engine: everybody's state, and the loop that takes events in the order of time.
+
+use crate::error::CrowdError;
+use crate::events::decide::{AgentState, Cause, Decider, Decision, Scratch};
+use crate::events::event::{Counts, Event, EventKind};
+use crate::events::prefetch::Prefetcher;
+use crate::events::queue::Calendar;
+use crate::events::schemes::{REGISTRATION, SchemeRef};
+use crate::events::watchdog::Watchdog;
+use crate::routes::streets::Streets;
+use crate::scenery::Scenery;
+use crate::space::cells::Cells;
+use crate::steering::density_grid::DensityGrid;
+use crate::{AtEnd, Id, NONE, Setup, Space};
+
+/// Most agents of a crowd that is taken to fit the processor's caches; in tests, none does. With 8000 it costs 4 to 8 %
+/// to prefetch, with 16 000 it saves 4 to 11 %, with 100 000 a quarter to a third.
+const FEW: usize = if cfg!(test) { 0 } else { 12_000 };
+
+/// Events after which the engine returns, so that they can be told before there are more.
+const FULL: usize = 1024;
+
+/// A crowd in two or three dimensions. See [`crate::Crowd`].
+#[derive(Clone, Debug)]
+pub(crate) struct Engine<V> {
+    pub scenery: Scenery<V>,
+    pub cells: Cells<V>,
+    pub states: Vec<AgentState<V>>,
+    /// Route that belongs to the place of an agent alone; [`NONE`] where there is none (capacity).
+    pub own_routes: Vec<u32>,
+    pub queue: Calendar,
+    pub prefetcher: Prefetcher,
+    /// Places that are free, the next one last.
+    pub free: Vec<u32>,
+    pub grid: DensityGrid<V>,
+    /// How often the grid was filled so far.
+    pub refreshes: u64,
+    pub now: f64,
+    pub counts: Counts,
+    /// What happened since [`Engine::run`] was called last.
+    pub events: Vec<Event>,
+    /// Takes the place of the engine's own scheme, if there is one.
+    #[cfg(feature = "baselines")]
+    pub baseline: Option<crate::events::baselines::Baseline<V>>,
+    pub scratch: Scratch<V>,
+    pub watchdog: Watchdog,
+    /// Finds the ways of orders.
+    pub streets: Option<Streets>,
+    /// Hash of all that a snapshot is meaningless without.
+    pub setup_hash: u128,
+    pub windows: crate::events::parallel::Windows<V>,
+}
+
+impl<V: Space> Engine<V> {
+    /// Puts everybody where they start, and takes all memory that [`Engine::run`] needs.
+    ///
+    /// # Errors
+    /// [`CrowdError`] for a setting out of its range, or a start or subgoal that cannot be.
+    pub fn new(setup: Setup<V>) -> Result<Self, CrowdError> {
+        let (scenery, cells, grid) = Scenery::new(&setup)?;
+        let capacity = setup.config.capacity.max(setup.agents.len());
+        // An event comes with a few others; a fixed step with some of everybody.
+        let most_events = FULL + 4 * capacity.max(64);
+        let mut engine = Self {
+            watchdog: Watchdog::new(capacity, scenery.interval, setup.config.scheme.most_events()),
+            scratch: Scratch::new(capacity, scenery.movers.len()),
+            #[cfg(feature = "baselines")]
+            baseline: crate::events::baselines::Baseline::new(&setup.config, &cells, capacity),
+            setup_hash: Self::hash_setup(&setup, &scenery, &cells),
+            scenery,
+            cells,
+            states: vec![AgentState { cell: NONE, ..AgentState::default() }; capacity],
+            own_routes: vec![NONE; capacity],
+            queue: Calendar::new(capacity),
+            prefetcher: Prefetcher::default(),
+            free: (0..capacity as u32).rev().collect(),
+            grid,
+            refreshes: 0,
+            now: 0.0,
+            windows: crate::events::parallel::Windows::default(),
+            counts: Counts::default(),
+            events: Vec::with_capacity(most_events),
+            streets: setup.streets,
+        };
+        for agent in &setup.agents {
+            engine.spawn(*agent)?;
+        }
+        Ok(engine)
+    }
+
+    /// Lets time pass until `until_s`, or until there are many events to tell; true where it came to the end.
+    ///
+    /// # Errors
+    /// [`CrowdError::Other`] for a time in the past, [`CrowdError::Stalled`].
+    pub fn run(&mut self, until_s: f64) -> Result<bool, CrowdError> {
+        self.check_time(until_s)?;
+        self.events.clear();
+        #[cfg(feature = "baselines")]
+        let result = match self.run_baseline(until_s) {
+            Some(result) => result,
+            None => self.run_registration(until_s),
+        };
+        #[cfg(not(feature = "baselines"))]
+        let result = self.run_registration(until_s);
+        let is_done = result?;
+        if is_done {
+            self.now = until_s;
+        }
+        Ok(is_done)
+    }
+
+    fn run_registration(&mut self, until_s: f64) -> Result<bool, CrowdError> {
+        while let Some((time, agent)) = self.queue.first(until_s) {
+            if self.is_full() {
+                return Ok(false);
+            }
+            self.refresh_grid_until(time);
+            self.now = time;
+            if self.states.len() - self.free.len() > FEW {
+                self.prefetch();
+            }
+            self.process_event(agent)?;
+        }
+        Ok(true)
+    }
+
+    /// True where events have to be told before there are more.
+    pub fn is_full(&self) -> bool {
+        self.events.len() >= FULL
+    }
+
+    pub fn check_time(&self, until_s: f64) -> Result<(), CrowdError> {
+        let is_good = (self.now..=1e9).contains(&until_s);
+        let expected = "at most 1e9, and not before the present: time does not go back, load a snapshot instead";
+        Ok(throng_base::error::check("time", None, until_s, is_good, expected)?)
+    }
+
+    pub fn check_id(&self, id: Id) -> Result<(), CrowdError> {
+        let is_here = self.states.get(id.index()).is_some_and(|s| s.cell != NONE && s.generation == id.generation);
+        if is_here { Ok(()) } else { Err(throng_base::Error::Gone(id).into()) }
+    }
+
+    pub fn id(&self, index: u32) -> Id {
+        Id { index, generation: self.states[index as usize].generation }
+    }
+
+    /// Takes an agent out of cells and queue; its place is not free yet.
+    pub fn take_out(&mut self, index: u32) {
+        let state = &mut self.states[index as usize];
+        self.cells.remove(state.cell, index);
+        self.queue.remove(index);
+        state.cell = NONE;
+        state.generation = state.generation.wrapping_add(1);
+    }
+
+    /// When the grid is filled next: times do not depend on when anybody asks for anything.
+    pub fn next_refresh(&self) -> f64 {
+        self.refreshes as f64 * self.scenery.steering.refresh_s
+    }
+
+    /// Fills the grid with everybody, if it is time to.
+    pub fn refresh_grid_until(&mut self, time: f64) {
+        if self.next_refresh() > time {
+            return;
+        }
+        // Nobody acts between refreshes that are due together: the last one shows what all of them would.
+        self.refreshes = (time / self.scenery.steering.refresh_s) as u64;
+        let now = self.next_refresh();
+        self.refreshes += 1;
+        self.grid.clear();
+        for (index, state) in (0u32..).zip(&self.states) {
+            if state.cell != NONE {
+                let plan = self.cells.plan(index);
+                let (position, velocity) = plan.at(now.max(plan.start));
+                self.grid.add(position, velocity, state.intent);
+            }
+        }
+    }
+
+    /// The next event of an agent, and of the agent whose bound it touches.
+    pub fn process_event(&mut self, agent: u32) -> Result<(), CrowdError> {
+        let cause = self.states[agent as usize].cause;
+        let partner = self.partner(cause);
+        self.watch(agent, partner)?;
+        self.tell(agent, self.kind(cause));
+        let renewed = partner.filter(|&p| self.is_renewed_with(p, agent, self.now));
+        self.decide(agent, REGISTRATION);
+        if let Some(renewed) = renewed.filter(|&p| self.states[p as usize].cell != NONE) {
+            self.decide(renewed, REGISTRATION);
+        }
+        Ok(())
+    }
+
+    /// True if the partner of a colliding event acts too: it has not acted since the agent did, so that its bound is the
+    /// one that is touched, nor within the smallest interval.
+    pub fn is_renewed_with(&self, partner: u32, agent: u32, time: f64) -> bool {
+        if self.states[partner as usize].cell == NONE {
+            return false;
+        }
+        let start = self.cells.plan(partner).start;
+        start <= self.cells.plan(agent).start && time - start >= f64::from(self.scenery.interval)
+    }
+
+    /// Lets an agent take a new plan; false where it has to keep the one it has.
+    pub fn decide(&mut self, agent: u32, scheme: SchemeRef<'_>) -> bool {
+        let Self { scenery, cells, states, grid, scratch, .. } = self;
+        let decider = Decider { scenery, cells, states, grid, time: self.now };
+        let Some(decision) = decider.decide(agent, scheme, scratch) else { return false };
+        self.queue.set(agent, decision.plan.end);
+        if self.apply(agent, &decision) {
+            self.free.push(agent);
+        }
+        true
+    }
+
+    /// Applies a decision; returns true if the agent left.
+    pub fn apply(&mut self, agent: u32, decision: &Decision<V>) -> bool {
+        self.counts.decisions += 1;
+        let before = self.states[agent as usize];
+        let state = decision.state;
+        self.cells.set(before.cell, state.cell, &decision.plan);
+        self.states[agent as usize] = state;
+        if state.is_there && !before.is_there {
+            self.tell(agent, EventKind::Arrived);
+        }
+        if state.is_stuck && !before.is_stuck {
+            self.tell(agent, EventKind::Stuck);
+        }
+        if state.is_struck && !before.is_struck {
+            self.tell(agent, EventKind::Struck { obstacle: decision.struck_by as usize });
+        }
+        if decision.leaves {
+            self.tell(agent, EventKind::Left);
+            self.take_out(agent);
+        }
+        decision.leaves
+    }
+
+    /// The agent behind a cause, if it is still there.
+    pub fn partner(&self, cause: Cause) -> Option<u32> {
+        match cause {
+            Cause::Agent(other) => Some(other).filter(|&o| self.states[o as usize].cell != NONE),
+            _ => None,
+        }
+    }
+
+    pub fn kind(&self, cause: Cause) -> EventKind {
+        match cause {
+            Cause::Region => EventKind::Resetting,
+            Cause::Agent(other) => EventKind::Colliding { other: self.id(other) },
+            Cause::Obstacle(obstacle) => EventKind::Meeting { obstacle: obstacle as usize },
+        }
+    }
+
+    /// Counts and notes an event of an agent that happens now.
+    pub fn tell(&mut self, agent: u32, kind: EventKind) {
+        self.counts.add(kind);
+        self.events.push(Event { time: self.now, agent: self.id(agent), kind });
+    }
+
+    /// Shows an event of an agent to the watchdog.
+    #[inline]
+    pub fn watch(&mut self, agent: u32, partner: Option<u32>) -> Result<(), CrowdError> {
+        let storm = match self.watchdog.note(agent, partner.unwrap_or(NONE), self.now) {
+            Ok(()) => return Ok(()),
+            Err(storm) => storm,
+        };
+        Err(CrowdError::Stalled {
+            first: self.id(agent),
+            second: Some(storm.partner).filter(|&p| p != NONE).map(|p| self.id(p)),
+            events: storm.events.into(),
+            most: storm.most.into(),
+            seconds: storm.seconds,
+        })
+    }
+
+    /// See [`AtEnd`]: what an agent of a route does at its end.
+    pub fn at_end(&self, route: usize) -> Option<AtEnd> {
+        self.scenery.splines.get(route).map(|s| s.at_end())
+    }
+}

@@ -1,0 +1,112 @@
+//! Events, and how many there were.
+
+use serde::{Deserialize, Serialize};
+use throng_base::Id;
+
+/// What made an agent act, or what it did.
+#[non_exhaustive]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum EventKind {
+    /// Its bound touched the side of its region, and is renewed.
+    Resetting,
+    /// Its bound touched that of another agent; both are renewed, unless the other one was in the meantime.
+    Colliding {
+        /// The other one.
+        other: Id,
+    },
+    /// Its bound touched an obstacle.
+    Meeting {
+        /// Number in [`crate::Setup::obstacles`].
+        obstacle: usize,
+    },
+    /// Its bound touched a face, and occupies the cells behind it (`Scheme::Occupancy`).
+    Entering,
+    /// Its bound occupies the cells behind a face no more (`Scheme::Occupancy`).
+    Leaving,
+    /// It touches another one, and neither moves relative to the other (`Scheme::Occupancy`).
+    Contacting {
+        /// The other one.
+        other: Id,
+    },
+    /// It moves relative to another one that it touched (`Scheme::Occupancy`).
+    Separating {
+        /// The other one.
+        other: Id,
+    },
+    /// It was at the end of its route.
+    Arrived,
+    /// It left the crowd at the end of its route, see [`crate::AtEnd::Leave`].
+    Left,
+    /// An obstacle that moves ran into it.
+    Struck {
+        /// Number in [`crate::Setup::obstacles`].
+        obstacle: usize,
+    },
+    /// It has made no progress for some time, see [`crate::SteeringConfig::stuck_after_s`].
+    Stuck,
+}
+
+/// Something that happened to an agent.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Event {
+    /// When (s).
+    pub time: f64,
+    /// The agent.
+    pub agent: Id,
+    /// What.
+    pub kind: EventKind,
+}
+
+/// How many events there were so far.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Counts {
+    /// See [`EventKind::Resetting`].
+    pub resetting: u64,
+    /// See [`EventKind::Colliding`]; each counts once.
+    pub colliding: u64,
+    /// See [`EventKind::Meeting`].
+    pub meeting: u64,
+    /// See [`EventKind::Entering`].
+    pub entering: u64,
+    /// See [`EventKind::Leaving`].
+    pub leaving: u64,
+    /// See [`EventKind::Contacting`].
+    pub contacting: u64,
+    /// See [`EventKind::Separating`].
+    pub separating: u64,
+    /// See [`EventKind::Arrived`].
+    pub arrived: u64,
+    /// See [`EventKind::Left`].
+    pub left: u64,
+    /// See [`EventKind::Struck`].
+    pub struck: u64,
+    /// See [`EventKind::Stuck`].
+    pub stuck: u64,
+    /// Times that an agent took a new plan.
+    pub decisions: u64,
+    /// Fixed steps that were taken, parts of one each for itself (`Scheme::Fixed`).
+    pub steps: u64,
+    /// Fixed steps that were undone, as somebody overlapped.
+    pub undone: u64,
+    /// Agents that overlapped others at the end of a shortest step, which was taken nevertheless.
+    pub overlaps: u64,
+}
+
+impl Counts {
+    /// Counts one event.
+    pub(crate) fn add(&mut self, kind: EventKind) {
+        *match kind {
+            EventKind::Resetting => &mut self.resetting,
+            EventKind::Colliding { .. } => &mut self.colliding,
+            EventKind::Meeting { .. } => &mut self.meeting,
+            EventKind::Entering => &mut self.entering,
+            EventKind::Leaving => &mut self.leaving,
+            EventKind::Contacting { .. } => &mut self.contacting,
+            EventKind::Separating { .. } => &mut self.separating,
+            EventKind::Arrived => &mut self.arrived,
+            EventKind::Left => &mut self.left,
+            EventKind::Struck { .. } => &mut self.struck,
+            EventKind::Stuck => &mut self.stuck,
+        } += 1;
+    }
+}

@@ -1,0 +1,15 @@
+//! Who acts when, and what an event does.
+
+#[cfg(feature = "baselines")]
+pub(crate) mod baselines;
+pub(crate) mod decide;
+pub(crate) mod engine;
+pub(crate) mod event;
+pub(crate) mod parallel;
+pub(crate) mod prefetch;
+mod query;
+pub(crate) mod queue;
+pub(crate) mod schemes;
+mod snapshot;
+mod spawn;
+pub(crate) mod watchdog;

@@ -1,0 +1,108 @@
+//! What can be asked of a crowd between its events.
+
+use crate::events::decide::{Decider, Scratch};
+use crate::events::engine::Engine;
+use crate::routes::order::Status;
+use crate::safety::bound::Bound;
+use crate::space::plan::Plan;
+use crate::{Agent, Forces, Id, NONE, Space};
+
+impl<V: Space> Engine<V> {
+    pub fn ids(&self) -> impl Iterator<Item = Id> + '_ {
+        let there = (0u32..).zip(&self.states).filter(|(_, s)| s.cell != NONE);
+        there.map(|(index, s)| Id { index, generation: s.generation })
+    }
+
+    pub fn num_agents(&self) -> usize {
+        self.states.len() - self.free.len()
+    }
+
+    pub fn plan(&self, id: Id) -> Option<Plan<V>> {
+        self.check_id(id).is_ok().then(|| self.cells.plan(id.index))
+    }
+
+    pub fn agent(&self, id: Id) -> Option<Agent<V>> {
+        let plan = self.plan(id)?;
+        let state = &self.states[id.index()];
+        let (position, velocity) = plan.at(self.now);
+        Some(Agent {
+            position,
+            velocity,
+            radius: plan.radius,
+            acceleration: plan.limit,
+            speed: state.speed,
+            route: Some(state.route as usize),
+            field: state.field as usize,
+        })
+    }
+
+    pub fn smooth_velocity(&self, id: Id) -> Option<V> {
+        self.check_id(id).is_ok().then(|| self.states[id.index()].filter.velocity)
+    }
+
+    pub fn acceleration(&self, id: Id, time_s: f64) -> Option<V> {
+        let plan = self.plan(id)?;
+        let moves = ((time_s - plan.start) as f32) < plan.moving;
+        Some(if moves { plan.acceleration } else { V::default() })
+    }
+
+    pub fn bound(&self, id: Id, time_s: f64) -> Option<(V, f32)> {
+        self.plan(id).map(|p| Bound::from(&p).at(time_s))
+    }
+
+    pub fn way_left(&self, id: Id) -> Option<f32> {
+        let plan = self.plan(id)?;
+        let state = &self.states[id.index()];
+        let (position, spline) = (plan.at(self.now).0, &self.scenery.splines[state.route as usize]);
+        let mut cursor = state.cursor;
+        spline.follow(&mut cursor, position, self.scenery.fields[state.field as usize].look_ahead_m);
+        Some(spline.left(cursor, position))
+    }
+
+    pub fn desired_direction(&self, id: Id) -> Option<V> {
+        let plan = self.plan(id)?;
+        let (position, velocity) = plan.at(self.now);
+        Some(self.decider(self.now).walker(&self.states[id.index()], &plan, position, velocity).desired)
+    }
+
+    pub fn forces(&self, id: Id) -> Option<Forces<V>> {
+        self.check_id(id).ok()?;
+        Some(self.decider(self.now).forces(id.index, &mut Scratch::default()))
+    }
+
+    pub fn status(&self, id: Id) -> Option<Status> {
+        let left_m = self.way_left(id)?;
+        let state = &self.states[id.index()];
+        let position = self.cells.plan(id.index).at(self.now).0;
+        let spline = &self.scenery.splines[state.route as usize];
+        Some(if spline.is_there(state.cursor, position) {
+            Status::There
+        } else if state.is_stuck {
+            Status::Blocked { by: self.in_front_of(id, position) }
+        } else {
+            Status::Going { left_m }
+        })
+    }
+
+    /// The nearest agent in front of another one, in its own cell or one next to it.
+    fn in_front_of(&self, id: Id, position: V) -> Option<Id> {
+        let ahead = self.desired_direction(id)?;
+        let mut nearest = (f32::INFINITY, None);
+        self.cells.around(self.cells.coordinates(position), |cell| {
+            self.cells.each(cell, |other| {
+                let (toward, distance) = (other.at(self.now).0 - position).unit_and_length();
+                // Within 60 degrees of where it wants to go.
+                if other.index != id.index && toward.dot(ahead) > 0.5 && distance < nearest.0 {
+                    nearest = (distance, Some(self.id(other.index)));
+                }
+            });
+        });
+        nearest.1
+    }
+
+    /// What an agent may look at.
+    pub fn decider(&self, time: f64) -> Decider<'_, V> {
+        let Self { scenery, cells, states, grid, .. } = self;
+        Decider { scenery, cells, states, grid, time }
+    }
+}

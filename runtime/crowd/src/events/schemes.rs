@@ -1,0 +1,197 @@
+//! When an agent acts next: the scheme of Kim, Kim and Shin (2003b), and where another one takes its place.
+
+use crate::Space;
+#[cfg(feature = "baselines")]
+use crate::events::baselines::occupancy::Occupancy;
+use crate::events::decide::{Cause, Decider};
+use crate::safety::bound::{Bound, fall_each};
+use crate::space::batch::bits;
+use crate::space::cells::Cells;
+use crate::space::plan::Plan;
+use crate::steering::neighbours::{Row, Rows};
+use throng_base::simd::{Lanes, Work, dispatch};
+
+/// How an agent at an event finds out when it acts next.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct SchemeRef<'a> {
+    /// Lists of the bounds in each cell (Kim, Kim and Shin 2003a, section 2).
+    pub lists: Option<&'a Occupancy>,
+}
+
+/// The scheme of Kim, Kim and Shin (2003b), section 2.1: a bound stays in the region around the cell it is registered
+/// in, so that it can only meet those who are registered in neighbouring cells.
+pub(crate) const REGISTRATION: SchemeRef<'static> = SchemeRef { lists: None };
+
+/// There are no lists.
+#[cfg(not(feature = "baselines"))]
+#[derive(Debug)]
+pub(crate) enum Occupancy {}
+
+#[cfg(not(feature = "baselines"))]
+impl Occupancy {
+    fn first_meeting<V: Space>(&self, _: &Decider<'_, V>, _: &Plan<V>) -> (Cause, f32) {
+        match *self {}
+    }
+}
+
+impl SchemeRef<'_> {
+    /// When the bound of a new plan touches something first, and what.
+    ///
+    /// - `meeting`: what the neighbour query found.
+    #[inline]
+    pub fn first_event<V: Space>(
+        self,
+        at: &Decider<'_, V>,
+        fresh: &Plan<V>,
+        meeting: &Meeting<V>,
+        near: &[u32],
+    ) -> (Cause, f32) {
+        let first = match self.lists {
+            None => meeting.first,
+            Some(lists) => lists.first_meeting(at, fresh),
+        };
+        at.first_obstacle(&meeting.bound, near, first)
+    }
+}
+
+/// The first neighbour whose bound an agent's bound touches. At an event it is known where everybody
+/// is, so that all bounds are taken as made then: a contact is never found late, and later than with old bounds.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Meeting<V> {
+    /// Bound of the agent, made at its event.
+    pub bound: Bound<V>,
+    /// What ends its plan, and after which time (s); later contacts do not matter.
+    pub first: (Cause, f32),
+}
+
+impl<V: Space> Meeting<V> {
+    /// Without neighbours yet: when the bound of a plan leaves its region, if it has one.
+    #[inline]
+    pub fn new(fresh: &Plan<V>, region: Option<(V, V)>) -> Self {
+        let bound = Bound::from(fresh);
+        Self { bound, first: (Cause::Region, region.map_or(f32::INFINITY, |r| bound.first_exit(r.0, r.1))) }
+    }
+
+    /// Finds the first contact among the neighbours; few of them are looked at closely.
+    pub fn look(&mut self, cells: &Cells<V>, rows: &Rows) {
+        dispatch(Look { meeting: self, cells, rows });
+    }
+
+    /// Neighbours of a row that may be met before the first known contact, and the earliest time for that, from first
+    /// tangents.
+    #[inline(always)]
+    fn soonest<F: Lanes>(&self, row: &Row) -> (u8, F) {
+        let (gap, rate) = (F::load(&row.gap), F::load(&row.away) - F::load(&row.toward));
+        let (growth, first) = (F::splat(self.bound.limit) + F::load(&row.limit), F::splat(self.first.1));
+        // The gap is gone at `first`.
+        let left = gap + (rate - F::splat(0.5) * growth * first) * first;
+        let some = row.there & left.bits_lt(F::splat(0.0));
+        if some == 0 {
+            return (0, F::splat(f32::INFINITY));
+        }
+        let soonest = F::splat(0.999) * fall_each(gap, rate, growth);
+        (some & soonest.bits_lt(first), soonest)
+    }
+
+    /// The first contact with a neighbour, if that is before the first known one.
+    #[inline]
+    fn meet(&mut self, other: &Plan<V>) {
+        let (x, v) = other.at(self.bound.start);
+        let (radii, growth) = (self.bound.radius + other.radius, self.bound.limit + other.limit);
+        let contact = self.bound.first_meeting(x - self.bound.position, v, radii, growth, self.first.1);
+        if contact < self.first.1 {
+            self.first = (Cause::Agent(other.index), contact);
+        }
+    }
+}
+
+/// See [`Meeting::look`].
+struct Look<'a, V> {
+    meeting: &'a mut Meeting<V>,
+    cells: &'a Cells<V>,
+    rows: &'a Rows,
+}
+
+impl<V: Space> Work for Look<'_, V> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<F: Lanes>(self) {
+        let Self { meeting, cells, rows } = self;
+        let Some((at, nearest)) = rows.nearest() else { return };
+        // An early contact leaves few neighbours that may be met before.
+        meeting.meet(&cells.plan(rows.all()[at].agents[nearest]));
+        for (n, row) in rows.all().iter().enumerate() {
+            let (some, soonest) = meeting.soonest::<F>(row);
+            if some == 0 {
+                continue;
+            }
+            let soonest = soonest.to_array();
+            for i in bits(some) {
+                if soonest[i] < meeting.first.1 && (n, i) != (at, nearest) {
+                    meeting.meet(&cells.plan(row.agents[i]));
+                }
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::steering::neighbours::tests::{NOW, crowd, rows_around};
+    use glam::{Vec2, Vec3};
+    use proptest::prelude::*;
+
+    /// The first of all meetings, each looked for by itself; or `first`, if that is before all of them.
+    fn first_of_all<V: Space>(bound: &Bound<V>, others: &[Plan<V>], first: f32) -> f32 {
+        let meeting = others.iter().map(|other| {
+            let mut alone = Meeting { bound: *bound, first: (Cause::Region, f32::INFINITY) };
+            alone.meet(other);
+            alone.first.1
+        });
+        meeting.fold(first, f32::min)
+    }
+
+    fn finds_the_first<V: Space>(mut plans: Vec<Plan<V>>, first: f32) -> Result<(), TestCaseError> {
+        // Nobody ever overlaps anybody.
+        let me = plans[0];
+        plans.retain(|p| p.index == 0 || (p.at(NOW).0 - me.at(NOW).0).length() > p.radius + me.radius + 1e-4);
+        (0..).zip(&mut plans).for_each(|(index, p)| p.index = index);
+        let plans = &plans[..];
+        let mut meeting = Meeting { bound: Bound::new(&plans[0], NOW), first: (Cause::Region, first) };
+        let (cells, rows) = rows_around(plans);
+        meeting.look(&cells, &rows);
+        let (cause, got) = meeting.first;
+        let found = rows.all().iter().flat_map(|r| bits(r.there).map(|i| cells.plan(r.agents[i])));
+        let found: Vec<Plan<V>> = found.collect();
+        let want = first_of_all(&meeting.bound, &found, first);
+        prop_assert!((got - want).abs() <= 1e-5 * want, "{cause:?} after {got} s, the first is after {want} s");
+        prop_assert_eq!(cause == Cause::Region, got == first, "an agent is met before what was known");
+        found.iter().try_for_each(|other| are_apart_until(&meeting.bound, other, got))
+    }
+
+    /// Samples two bounds that were made now.
+    fn are_apart_until<V: Space>(me: &Bound<V>, other: &Plan<V>, until: f32) -> Result<(), TestCaseError> {
+        for i in 0..100 {
+            let time = NOW + f64::from(until) * f64::from(i) / 100.0;
+            let (x, radius) = me.at(time);
+            let (y, its_radius) = Bound::new(other, NOW).at(time);
+            let gap = (x - y).length() - radius - its_radius;
+            prop_assert!(gap > -1e-4, "{gap} m to {} at {time}, met first after {until} s", other.index);
+        }
+        Ok(())
+    }
+
+    proptest! {
+        #[test]
+        fn first_contact_on_the_ground_is_first(plans in crowd::<Vec2>(), first in 0.05f32..2.0) {
+            finds_the_first(plans, first)?;
+        }
+
+        #[test]
+        fn first_contact_in_the_air_is_first(plans in crowd::<Vec3>(), first in 0.05f32..2.0) {
+            finds_the_first(plans, first)?;
+        }
+    }
+}

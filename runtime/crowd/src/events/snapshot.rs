@@ -1,0 +1,301 @@
+//! Keeping the whole state of a crowd, and telling two states apart.
+
+use crate::error::CrowdError;
+#[cfg(feature = "baselines")]
+use crate::events::baselines::Baseline;
+use crate::events::decide::{AgentState, Cause};
+use crate::events::engine::Engine;
+use crate::routes::spline::Spline;
+use crate::scenery::Scenery;
+use crate::space::cells::Cells;
+use crate::space::plan::Plan;
+use crate::steering::density_grid::DensityGrid;
+use crate::{Counts, NONE, Route, Setup, Space};
+use serde::{Deserialize, Serialize};
+use throng_base::{Error, Hash128, SnapshotKind, StateHash};
+
+/// Grows by one with every change of what is kept.
+const VERSION: u32 = 3;
+
+/// All that time changes.
+#[derive(Serialize, Deserialize)]
+#[serde(bound = "V: Space")]
+struct Saved<V> {
+    now: f64,
+    counts: Counts,
+    free: Vec<u32>,
+    states: Vec<AgentState<V>>,
+    routes: Vec<Route<V>>,
+    own_routes: Vec<u32>,
+    /// In the order in which they are put back into the cells.
+    plans: Vec<Plan<V>>,
+    grid: DensityGrid<V>,
+    refreshes: u64,
+    #[cfg(feature = "baselines")]
+    baseline: Option<Baseline<V>>,
+}
+
+/// Nobody can have walked farther from where everybody starts (m).
+const FARTHEST_M: f32 = 1e6;
+/// By how much rounding may bring a speed or an acceleration beyond its limit, as a factor. More would not do: no agent
+/// is looked for as far away as a faster one could come from, see [`crate::safety::reach`].
+const ROUNDING: f32 = 1.0 + 1e-5;
+/// Longest that a unit vector may be.
+const UNIT: f32 = 1.001;
+
+impl<V: Space> Engine<V> {
+    /// What a snapshot of this crowd is.
+    fn snapshot_kind(&self) -> SnapshotKind {
+        SnapshotKind { what: "crowd", tag: *b"CRWD", version: VERSION, setup: self.setup_hash }
+    }
+
+    /// Hash of all that a state is meaningless without: the space, fields, obstacles, config and sizes.
+    pub(crate) fn hash_setup(setup: &Setup<V>, scenery: &Scenery<V>, cells: &Cells<V>) -> u128 {
+        let Scenery { fields, obstacles, interests, radius, speed, stopping, .. } = scenery;
+        let sizes = [*radius, *speed, *stopping, cells.side(), V::DIMENSIONS as f32];
+        let capacity = setup.config.capacity.max(setup.agents.len());
+        let clearance = setup.streets.as_ref().map(|s| s.clearance());
+        let all = (fields, obstacles, interests, setup.config, sizes, cells.num_cells(), capacity, clearance);
+        let config = bincode::config::standard().with_fixed_int_encoding();
+        // Writing to memory what can be written cannot fail.
+        Hash128::of(&bincode::serde::encode_to_vec(all, config).unwrap_or_default())
+    }
+
+    /// Appends the whole state (about 155 bytes an agent on the ground and 180 in the air, of which a route of its own
+    /// with one subgoal takes 24 or 28; 20 or 28 bytes a square of the grid).
+    pub fn save(&self, out: &mut Vec<u8>) {
+        let saved = Saved {
+            now: self.now,
+            counts: self.counts,
+            free: self.free.clone(),
+            states: self.states.clone(),
+            routes: self.scenery.splines.iter().map(|s| s.route.clone()).collect(),
+            own_routes: self.own_routes.clone(),
+            plans: self.cells.plans(),
+            grid: self.grid.clone(),
+            refreshes: self.refreshes,
+            #[cfg(feature = "baselines")]
+            baseline: self.baseline.clone(),
+        };
+        self.snapshot_kind().write(&saved, out);
+    }
+
+    /// Goes back to a state of a crowd that was made with the same setup. What follows is what followed then, bit by bit.
+    ///
+    /// # Errors
+    /// [`Error::Snapshot`]; nothing has changed then.
+    pub fn load(&mut self, bytes: &[u8]) -> Result<(), CrowdError> {
+        let refused = |why: String| Err(Error::Snapshot { what: "crowd", why }.into());
+        let (saved, rest) = self.snapshot_kind().read::<Saved<V>>(bytes)?;
+        if !rest.is_empty() {
+            return refused(format!("{} bytes follow its end", rest.len()));
+        }
+        if let Err(why) = self.check_saved(&saved) {
+            return refused(why);
+        }
+        let splines = saved.routes.iter().enumerate().map(|(i, r)| Spline::new(i, r)).collect::<Result<_, _>>();
+        match splines {
+            Ok(splines) => self.scenery.splines = splines,
+            Err(e) => return refused(e.to_string()),
+        }
+        self.take_over(saved);
+        Ok(())
+    }
+
+    /// Puts a state that was checked in place of this one.
+    fn take_over(&mut self, saved: Saved<V>) {
+        (self.now, self.counts, self.states) = (saved.now, saved.counts, saved.states);
+        (self.grid, self.refreshes, self.own_routes) = (saved.grid, saved.refreshes, saved.own_routes);
+        self.grid.mark();
+        self.free.clear();
+        self.free.extend(&saved.free);
+        self.cells.clear();
+        self.queue.clear(self.now);
+        for plan in &saved.plans {
+            self.cells.insert(self.states[plan.index as usize].cell, plan);
+            self.watchdog.forget(plan.index);
+            self.queue.set(plan.index, plan.end);
+        }
+        #[cfg(feature = "baselines")]
+        {
+            self.baseline = saved.baseline;
+            if let Some(baseline) = &mut self.baseline {
+                baseline.reserve(&self.cells, self.states.len());
+            }
+            self.wait_for_all();
+        }
+    }
+
+    /// Why a state cannot be one of this crowd.
+    fn check_saved(&self, saved: &Saved<V>) -> Result<(), String> {
+        if [saved.states.len(), saved.own_routes.len()] != [self.states.len(); 2] {
+            return Err(format!("it holds {} agents, this crowd {}", saved.states.len(), self.states.len()));
+        }
+        let may_be_grid = saved.grid.fits(&self.grid) && saved.grid.may_be(self.scenery.fastest);
+        if !may_be_grid || !(0.0..=1e9).contains(&saved.now) || !self.may_have_seen(saved) {
+            return Err("its time or its grid cannot be".to_owned());
+        }
+        let capacity = saved.states.len();
+        let mut is_new = vec![true; capacity];
+        for plan in &saved.plans {
+            let number = plan.index as usize;
+            let is_good = saved.states.get(number).is_some_and(|m| self.may_be(m, saved.routes.len()));
+            if !is_good || !self.may_follow(plan, saved.now) || !std::mem::take(&mut is_new[number]) {
+                return Err(format!("agent {number} has a plan, route, field or cell that cannot be"));
+            }
+        }
+        let mut is_own = vec![false; saved.routes.len()];
+        for &route in saved.own_routes.iter().filter(|&&r| r != NONE) {
+            // Two that shared one would send each other elsewhere.
+            if is_own.get_mut(route as usize).is_none_or(|own| std::mem::replace(own, true)) {
+                return Err(format!("route {route} is of two agents, or of none"));
+            }
+        }
+        let num_there = saved.states.iter().filter(|m| m.cell != NONE).count();
+        for &number in &saved.free {
+            if !is_new.get_mut(number as usize).is_some_and(std::mem::take) {
+                return Err(format!("number {number} is free and taken"));
+            }
+        }
+        if num_there != saved.plans.len() || num_there + saved.free.len() != capacity {
+            return Err(format!("{num_there} agents have {} plans", saved.plans.len()));
+        }
+        #[cfg(feature = "baselines")]
+        self.check_saved_baseline(saved)?;
+        Ok(())
+    }
+
+    #[cfg(feature = "baselines")]
+    fn check_saved_baseline(&self, saved: &Saved<V>) -> Result<(), String> {
+        let mut of_agent = vec![None; saved.states.len()];
+        saved.plans.iter().for_each(|p| of_agent[p.index as usize] = Some(p));
+        let plan = |m: u32| of_agent.get(m as usize).copied().flatten();
+        let fits = match (&saved.baseline, &self.baseline) {
+            (None, None) => true,
+            (Some(kept), Some(own)) => kept.fits(own, self.cells.side(), saved.now, plan),
+            _ => false,
+        };
+        if fits { Ok(()) } else { Err("it is of another scheme, or damaged".to_owned()) }
+    }
+
+    /// Looks at the grid, and counts, that time allows.
+    fn may_have_seen(&self, saved: &Saved<V>) -> bool {
+        saved.refreshes as f64 <= saved.now / self.scenery.steering.refresh_s + 1.0
+    }
+
+    /// A plan that an agent of this crowd may follow now.
+    fn may_follow(&self, plan: &Plan<V>, now: f64) -> bool {
+        let within = |v: V, most: f32| v.is_finite() && v.length() <= most;
+        let fastest = self.scenery.fastest;
+        within(plan.position, FARTHEST_M)
+            && within(plan.velocity, ROUNDING * fastest)
+            && plan.limit > 0.0
+            && plan.limit < 1e6
+            && within(plan.acceleration, ROUNDING * plan.limit)
+            && plan.radius > 0.0
+            && plan.radius <= self.scenery.radius
+            && plan.moving >= 0.0
+            && (0.0..=now).contains(&plan.start)
+            && (now..=1e10).contains(&plan.end)
+    }
+
+    /// What an agent remembers fits this crowd.
+    fn may_be(&self, state: &AgentState<V>, num_routes: usize) -> bool {
+        let cause = match state.cause {
+            Cause::Agent(other) => (other as usize) < self.states.len(),
+            Cause::Region => true,
+            Cause::Obstacle(obstacle) => (obstacle as usize) < self.scenery.obstacles.len(),
+        };
+        let speed = (0.0..=self.scenery.speed).contains(&state.speed);
+        let is_there = (state.cell as usize) < self.cells.num_cells();
+        cause
+            && speed
+            && is_there
+            && state.intent.is_finite()
+            && state.intent.length() <= UNIT
+            && (state.route as usize) < num_routes
+            && (state.field as usize) < self.scenery.fields.len()
+    }
+
+    /// A number that differs, but for one chance in 2^64, where the motion of anybody differs.
+    pub fn hash(&self) -> u64 {
+        let mut hash = StateHash::new(self.now.to_bits());
+        for (index, state) in (0u32..).zip(&self.states).filter(|(_, m)| m.cell != NONE) {
+            let plan = self.cells.plan(index);
+            hash.add(u64::from(index) << 32 | u64::from(state.generation));
+            hash.add(plan.start.to_bits());
+            hash.add(plan.end.to_bits());
+            for v in [plan.position, plan.velocity, plan.acceleration] {
+                v.coordinates().iter().for_each(|c| hash.add(u64::from(c.to_bits())));
+            }
+            hash.add(u64::from(state.route) << 32 | u64::from(state.speed.to_bits()));
+        }
+        hash.get()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::tests::{Drive, crossing};
+    use glam::{Vec2, Vec3};
+
+    /// What becomes of a snapshot of a crowd that was changed by hand.
+    fn restored(change: impl FnOnce(&mut Engine<Vec2>)) -> Result<(), CrowdError> {
+        let mut crowd = Engine::new(crossing::<Vec2>(20, 1.0)).unwrap();
+        crowd.advance(1.0, &mut |_| {}).unwrap();
+        change(&mut crowd);
+        Engine::new(crossing::<Vec2>(20, 1.0)).unwrap().load(&crowd.bytes())
+    }
+
+    fn with_plan(change: impl FnOnce(&mut Plan<Vec2>)) -> Result<(), CrowdError> {
+        restored(|crowd| {
+            let (cell, mut plan) = (crowd.states[3].cell, crowd.cells.plan(3));
+            change(&mut plan);
+            crowd.cells.set(cell, cell, &plan);
+        })
+    }
+
+    #[test]
+    fn too_fast_agents_are_refused() {
+        let fastest = Engine::new(crossing::<Vec2>(20, 1.0)).unwrap().scenery.fastest;
+        let is_good = |speed: f32| with_plan(|p| p.velocity = Vec2::from_angle(0.7) * speed).is_ok();
+        assert!(is_good(fastest) && is_good(fastest * (1.0 + 5e-6)), "rounding is let be");
+        assert!(!is_good(fastest * 1.0001) && !is_good(fastest * 1.005) && !is_good(f32::NAN));
+        let is_good = |share: f32| with_plan(|p| p.acceleration = Vec2::from_angle(0.7) * (share * p.limit)).is_ok();
+        assert!(is_good(1.0) && !is_good(1.0001));
+    }
+
+    #[test]
+    fn intent_that_is_no_unit_vector_is_refused() {
+        let is_good = |intent| restored(|crowd| crowd.states[3].intent = intent).is_ok();
+        assert!(is_good(Vec2::ZERO) && is_good(Vec2::from_angle(2.0)));
+        assert!(!is_good(Vec2::X * 1.01) && !is_good(Vec2::NAN) && !is_good(Vec2::Y * f32::INFINITY));
+    }
+
+    #[test]
+    fn impossible_density_grid_is_refused() {
+        let is_good = |velocity, intent| restored(|crowd| crowd.grid.add(Vec2::ZERO, velocity, intent)).is_ok();
+        assert!(is_good(Vec2::X, Vec2::X) && is_good(Vec2::ZERO, Vec2::ZERO));
+        assert!(!is_good(Vec2::X * 90.0, Vec2::X) && !is_good(Vec2::X, Vec2::X * 20.0));
+        assert!(!is_good(Vec2::NAN, Vec2::X) && !is_good(Vec2::X, Vec2::NEG_Y * f32::INFINITY));
+    }
+
+    /// Bytes of each agent, and of each square of the grid.
+    fn size<V: Space>() -> [usize; 2] {
+        let config = bincode::config::standard().with_fixed_int_encoding();
+        let len = |num| {
+            let crowd = Engine::new(crossing::<V>(num, 1.0)).unwrap();
+            let grid = bincode::serde::encode_to_vec(&crowd.grid, config).unwrap().len();
+            [crowd.bytes().len() - grid, grid, crowd.grid.num_squares()]
+        };
+        let (few, many) = (len(100), len(300));
+        [(many[0] - few[0]) / 200, (many[1] - few[1]) / (many[2] - few[2])]
+    }
+
+    #[test]
+    fn snapshot_size_is_as_documented() {
+        assert_eq!(size::<Vec2>(), [151, 20]);
+        assert_eq!(size::<Vec3>(), [175, 28]);
+    }
+}

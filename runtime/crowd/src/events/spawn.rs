@@ -1,0 +1,247 @@
+//! Who enters the crowd, leaves it, is moved elsewhere and is sent somewhere.
+
+use crate::error::{CrowdError, check};
+use crate::events::decide::{AgentState, Cause};
+use crate::events::engine::Engine;
+use crate::routes::order::{Go, Way};
+use crate::routes::spline::Spline;
+use crate::safety::others::violation;
+use crate::safety::rule::{Candidate, MARGIN, room, violation_of_solid};
+use crate::scenery::check_agent;
+use crate::space::plan::Plan;
+use crate::steering::filter::Filter;
+use crate::{Agent, AtEnd, Id, NONE, Route, Space};
+use throng_base::Error;
+use throng_base::error::check_index;
+
+impl<V: Space> Engine<V> {
+    /// Lets an agent enter, now.
+    ///
+    /// # Errors
+    /// [`CrowdError`] for a place that is taken, a full crowd, or a setting out of its range; nothing has changed then.
+    pub fn spawn(&mut self, agent: Agent<V>) -> Result<Id, CrowdError> {
+        let Some(&index) = self.free.last() else {
+            return Err(Error::Full { capacity: self.states.len() }.into());
+        };
+        let id = self.id(index);
+        check_agent(id.index(), &agent, self.scenery.splines.len(), self.scenery.fields.len())?;
+        self.check_limits(id, &agent)?;
+        let plan = self.standing(index, agent.position, agent.velocity, (agent.radius, agent.acceleration));
+        self.scenery.check_place(id, agent.position)?;
+        self.check_room(id, &plan)?;
+        let route = match agent.route {
+            Some(route) => route,
+            None => self.set_own_route(index, &stay_at(agent.position))?,
+        };
+        self.free.pop();
+        let spline = &self.scenery.splines[route];
+        let cursor = spline.begin(agent.position);
+        let ahead = spline.ahead(cursor, self.scenery.fields[agent.field].look_ahead_m);
+        self.states[index as usize] = AgentState {
+            route: route as u32,
+            field: agent.field as u32,
+            generation: id.generation,
+            cell: self.cells.number(self.cells.coordinates(agent.position)),
+            speed: agent.speed,
+            cursor,
+            filter: Filter { velocity: agent.velocity, variance: 0.0 },
+            cause: Cause::Region,
+            least_left: spline.left(cursor, agent.position),
+            progressed_at: self.now,
+            intent: (ahead - agent.position).unit_and_length().0,
+            is_there: false,
+            is_stuck: false,
+            is_struck: false,
+        };
+        self.insert(&plan);
+        Ok(id)
+    }
+
+    /// A plan of an agent that appears now, and decides at once.
+    fn standing(&self, index: u32, position: V, velocity: V, (radius, limit): (f32, f32)) -> Plan<V> {
+        let (acceleration, moving) = (V::default(), f32::INFINITY);
+        Plan { start: self.now, end: self.now, position, velocity, acceleration, moving, radius, limit, index }
+    }
+
+    /// Registers the plan of an agent whose state is set.
+    fn insert(&mut self, plan: &Plan<V>) {
+        self.cells.insert(self.states[plan.index as usize].cell, plan);
+        self.watchdog.forget(plan.index);
+        self.queue.set(plan.index, self.now);
+        #[cfg(feature = "baselines")]
+        self.list(plan);
+    }
+
+    /// An agent is within what the crowd was made for.
+    fn check_limits(&self, id: Id, agent: &Agent<V>) -> Result<(), CrowdError> {
+        let (scenery, n) = (&self.scenery, id.index());
+        let expected = "at most `largest_radius_m` of the config";
+        check("agent.radius", n, agent.radius, agent.radius <= scenery.radius, expected)?;
+        let speed = agent.speed.max(agent.velocity.length() / scenery.steering.largest_speed_ratio);
+        check("agent.speed", n, speed, speed <= scenery.speed, "at most `largest_speed_mps` of the config")?;
+        let stops = scenery.fastest * scenery.fastest <= 2.0 * agent.acceleration * scenery.stopping * 1.001;
+        check("agent.acceleration", n, agent.acceleration, stops, "at least that of the weakest at the start")?;
+        #[cfg(feature = "baselines")]
+        self.check_baseline(n, agent)?;
+        Ok(())
+    }
+
+    /// There is room for an agent, even if it brakes at once.
+    fn check_room(&self, id: Id, plan: &Plan<V>) -> Result<(), CrowdError> {
+        let at = self.cells.coordinates(plan.position);
+        let candidate = Candidate::new(*plan);
+        let mut error = None;
+        self.cells.around(at, |cell| {
+            self.cells.each(cell, |other| {
+                if other.index == plan.index {
+                    return;
+                }
+                // Two that could brake at once only have to be apart.
+                let room = if other.end <= self.now {
+                    room(plan, other) - MARGIN
+                } else {
+                    violation(&candidate, other).map_or(1.0, |v| -v.depth)
+                };
+                if room < 0.0 {
+                    error = Some(CrowdError::Overlap { first: self.id(other.index), second: id, overlap_m: -room });
+                }
+            });
+        });
+        for &s in self.scenery.near(self.cells.number(at)) {
+            if violation_of_solid(&candidate, &self.scenery.solids[s as usize]).is_some() {
+                let obstacle = self.scenery.owners[s as usize] as usize;
+                error = Some(CrowdError::Inside { agent: id, obstacle });
+            }
+        }
+        error.map_or(Ok(()), Err)
+    }
+
+    /// Takes an agent out, now.
+    ///
+    /// # Errors
+    /// [`Error::Gone`].
+    pub fn despawn(&mut self, id: Id) -> Result<(), CrowdError> {
+        self.check_id(id)?;
+        self.take_out(id.index);
+        self.free.push(id.index);
+        #[cfg(feature = "baselines")]
+        self.unlist(id.index);
+        Ok(())
+    }
+
+    /// Puts an agent elsewhere, at rest. It goes on with its order from there.
+    ///
+    /// # Errors
+    /// [`CrowdError`] for a place that is taken or out of range, or from which no way leads to its goal; nothing has
+    /// changed then.
+    pub fn place(&mut self, id: Id, position: V) -> Result<(), CrowdError> {
+        self.check_id(id)?;
+        let good = position.is_finite() && position.length() <= 1e5;
+        check("position", id.index(), position.length(), good, "finite and within 1e5 m")?;
+        self.scenery.check_place(id, position)?;
+        let old = self.cells.plan(id.index);
+        let plan = self.standing(id.index, position, V::default(), (old.radius, old.limit));
+        self.check_room(id, &plan)?;
+        let state = self.states[id.index()];
+        if self.streets.is_some() && state.route == self.own_routes[id.index()] {
+            let route = &self.scenery.splines[state.route as usize].route;
+            if let Some(&goal) = route.subgoals.last() {
+                let subgoals = self.way(position, goal, old.radius)?;
+                let route = Route { subgoals, ..route.clone() };
+                self.set_own_route(id.index, &route)?;
+            }
+        }
+        self.cells.remove(state.cell, id.index);
+        #[cfg(feature = "baselines")]
+        self.unlist(id.index);
+        let spline = &self.scenery.splines[state.route as usize];
+        let cursor = spline.begin(position);
+        let state = &mut self.states[id.index()];
+        state.cell = self.cells.number(self.cells.coordinates(position));
+        state.cursor = cursor;
+        state.filter = Filter { velocity: V::default(), variance: 0.0 };
+        (state.cause, state.is_struck) = (Cause::Region, false);
+        (state.least_left, state.progressed_at) = (spline.left(cursor, position), self.now);
+        (state.is_there, state.is_stuck) = (false, false);
+        self.insert(&plan);
+        Ok(())
+    }
+
+    /// Another route for agents to come; its number.
+    ///
+    /// # Errors
+    /// [`CrowdError`] for a route that cannot be.
+    pub fn add_route(&mut self, route: Route<V>) -> Result<usize, CrowdError> {
+        let number = self.scenery.splines.len();
+        let spline = Spline::new(number, &route)?;
+        self.scenery.check_route(number, &spline)?;
+        self.scenery.splines.push(spline);
+        Ok(number)
+    }
+
+    /// Gives an agent an order, from its next event on.
+    ///
+    /// # Errors
+    /// [`Error::NoWay`], and [`CrowdError`] for an order that cannot be; nothing has changed then.
+    pub fn order(&mut self, id: Id, order: &Go<V>) -> Result<(), CrowdError> {
+        self.check_id(id)?;
+        let speed = order.speed_mps.unwrap_or(self.states[id.index()].speed);
+        let good = (0.0..=self.scenery.speed).contains(&speed);
+        check("speed", id.index(), speed, good, "at least 0, and at most `largest_speed_mps` of the config")?;
+        let plan = self.cells.plan(id.index);
+        let position = plan.at(self.now).0;
+        let number = match &order.way {
+            Way::Route(number) => {
+                check_index("route", Some(id), *number, self.scenery.splines.len())?;
+                *number
+            }
+            Way::To(_) | Way::Along(_) => {
+                let subgoals = match &order.way {
+                    Way::To(goal) => self.way(position, *goal, plan.radius)?,
+                    Way::Along(subgoals) => subgoals.clone(),
+                    Way::Route(_) => Vec::new(),
+                };
+                let route = Route { subgoals, arrival_radius: order.arrival_m, at_end: order.at_end };
+                let number = self.set_own_route(id.index, &route)?;
+                // Whatever route it was on before, it begins this one.
+                self.states[id.index()].route = NONE;
+                number
+            }
+        };
+        let spline = &self.scenery.splines[number];
+        let state = &mut self.states[id.index()];
+        state.cursor = if state.route == number as u32 { state.cursor } else { spline.begin(position) };
+        (state.route, state.speed) = (number as u32, speed);
+        (state.least_left, state.progressed_at) = (spline.left(state.cursor, position), self.now);
+        (state.is_there, state.is_stuck) = (false, false);
+        Ok(())
+    }
+
+    /// Subgoals of the way from a place to a goal: round obstacles where the crowd knows its streets, otherwise straight.
+    fn way(&self, from: V, goal: V, radius: f32) -> Result<Vec<V>, CrowdError> {
+        let Some(streets) = &self.streets else { return Ok(vec![goal]) };
+        let route = streets.subgoals(from.to_world(), goal.to_world(), radius)?;
+        Ok(route.into_iter().map(V::from_world).collect())
+    }
+
+    /// Gives an agent a route of its own, in place of the last one of that place: memory does not grow, however often
+    /// agents are sent. Returns its number.
+    fn set_own_route(&mut self, index: u32, route: &Route<V>) -> Result<usize, CrowdError> {
+        let own = self.own_routes[index as usize];
+        let number = if own == NONE { self.scenery.splines.len() } else { own as usize };
+        let spline = Spline::new(number, route)?;
+        self.scenery.check_route(number, &spline)?;
+        if own == NONE {
+            self.scenery.splines.push(spline);
+        } else {
+            self.scenery.splines[number] = spline;
+        }
+        self.own_routes[index as usize] = number as u32;
+        Ok(number)
+    }
+}
+
+/// The route of an agent that has no order.
+fn stay_at<V: Space>(position: V) -> Route<V> {
+    Route { subgoals: vec![position], arrival_radius: 0.5, at_end: AtEnd::Stay }
+}

@@ -1,0 +1,43 @@
+//! Crowds of agents without bodies: discs on the ground or balls in the air that never overlap.
+//!
+//! Each agent acts at its own events (Kim, Kim and Shin 2003a, 2003b). Between two of them it keeps its
+//! acceleration, so that its position at any time is known. At an event it asks a force field what it should do, and
+//! takes a plan that cannot end in an overlap. See [`Crowd`].
+//!
+//! - `space`: vectors in two and three dimensions, plans, cells, obstacles.
+//! - `routes`: where agents go.
+//! - `steering`: the force field, which says what an agent would do if it were safe.
+//! - `safety`: the rule by which no two agents ever overlap, and who has to be checked.
+//! - `scenery`: all that does not change while time passes.
+//! - `events`: who acts when, and what an event does. The crowd itself is here.
+
+mod agent;
+mod config;
+mod crowd;
+mod error;
+mod events;
+mod routes;
+mod safety;
+mod scenery;
+mod space;
+mod steering;
+#[cfg(test)]
+mod tests;
+
+pub use agent::Agent;
+pub use config::{CrowdConfig, Scheme, Setup};
+pub use crowd::Crowd;
+pub use error::CrowdError;
+pub use events::event::{Counts, Event, EventKind};
+pub use routes::order::{Go, Status};
+pub use routes::route::{AtEnd, Route};
+pub use routes::smooth::tie;
+pub use routes::streets::{NoWay, Streets};
+pub use space::Space;
+pub use space::obstacle::{Interest, Obstacle};
+pub use steering::config::SteeringConfig;
+pub use steering::field::{Field, Forces};
+pub use throng_base::Id;
+
+/// No agent, no cell, no route.
+const NONE: u32 = u32::MAX;

@@ -1,0 +1,170 @@
+//! Outlines of what stands in the way, from above: for ways round it.
+
+use crate::Obstacle;
+use glam::{Vec2, Vec3, Vec3Swizzles};
+use std::f32::consts::TAU;
+
+/// Something solid, from above.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum Outline {
+    /// All that is within `radius` of a line; a disc where its ends are one.
+    Wall {
+        /// One end (m).
+        from: Vec2,
+        /// The other end (m).
+        to: Vec2,
+        /// (m, >= 0)
+        radius: f32,
+    },
+    /// A polygon, its corners in order around it (m, >= 3).
+    Polygon(Vec<Vec2>),
+}
+
+impl Outline {
+    /// Of an obstacle; none of one that moves, and in the air none of what can be passed above or below.
+    ///
+    /// - `heights`: lowest and highest that agents in the air are (m); `None` on the ground.
+    pub fn of(obstacle: &Obstacle, heights: Option<[f32; 2]>) -> Option<Self> {
+        let spans = |low: Vec3, high: Vec3, radius: f32| {
+            heights.is_none_or(|[lowest, highest]| {
+                low.y.min(high.y) - radius <= lowest && low.y.max(high.y) + radius >= highest
+            })
+        };
+        match obstacle {
+            &Obstacle::Ball { centre, radius } if heights.is_none() => {
+                Some(Self::Wall { from: centre.xz(), to: centre.xz(), radius })
+            }
+            &Obstacle::Wall { from, to, radius } if spans(from, to, radius) => {
+                Some(Self::Wall { from: from.xz(), to: to.xz(), radius })
+            }
+            Obstacle::Polygon { corners } => Some(Self::Polygon(corners.iter().map(|c| c.xz()).collect())),
+            &Obstacle::Box { min, max } if spans(min, max, 0.0) => {
+                let (a, b) = (min.xz(), max.xz());
+                Some(Self::Polygon(vec![a, Vec2::new(b.x, a.y), b, Vec2::new(a.x, b.y)]))
+            }
+            _ => None,
+        }
+    }
+
+    /// Distance of a point; 0 inside (m).
+    pub fn distance(&self, p: Vec2) -> f32 {
+        self.distance_of_line(p, p)
+    }
+
+    /// Smallest distance of a straight line; 0 where it comes inside (m).
+    pub fn distance_of_line(&self, a: Vec2, b: Vec2) -> f32 {
+        match self {
+            Self::Wall { from, to, radius } => (line_to_line([a, b], [*from, *to]) - radius).max(0.0),
+            Self::Polygon(corners) if is_inside(corners, a) => 0.0,
+            Self::Polygon(corners) => edges(corners).map(|e| line_to_line([a, b], e)).fold(f32::INFINITY, f32::min),
+        }
+    }
+
+    /// Lowest and highest x and z (m).
+    pub fn bounds(&self) -> (Vec2, Vec2) {
+        match self {
+            Self::Wall { from, to, radius } => (from.min(*to) - *radius, from.max(*to) + *radius),
+            Self::Polygon(corners) => {
+                corners.iter().fold((Vec2::INFINITY, Vec2::NEG_INFINITY), |(l, h), c| (l.min(*c), h.max(*c)))
+            }
+        }
+    }
+
+    /// Points to go around it by: on circles about its corners, which keep `clearance` from them, and so does the
+    /// straight line between two neighbours of a circle.
+    pub fn points_around(&self, clearance: f32) -> Vec<Vec2> {
+        let (corners, radius): (&[Vec2], f32) = match self {
+            Self::Wall { from, to, radius } if from == to => (&[*from], *radius),
+            Self::Wall { from, to, radius } => (&[*from, *to], *radius),
+            Self::Polygon(corners) => (corners, 0.0),
+        };
+        // Larger circles need more points for the same detour.
+        let num = if radius > clearance { 24 } else { 12 };
+        let out = (radius + clearance) * 1.002 / (0.5 * TAU / num as f32).cos();
+        let away = |i: i32| Vec2::from_angle(TAU * i as f32 / num as f32) * out;
+        corners.iter().flat_map(|&c| (0..num).map(move |i| c + away(i))).collect()
+    }
+}
+
+/// Lines from each corner to the next.
+fn edges(corners: &[Vec2]) -> impl Iterator<Item = [Vec2; 2]> + '_ {
+    (0..corners.len()).map(|i| [corners[i], corners[(i + 1) % corners.len()]])
+}
+
+/// True where a ray from a point crosses the outline an odd number of times.
+fn is_inside(corners: &[Vec2], p: Vec2) -> bool {
+    let crosses =
+        |[a, b]: &[Vec2; 2]| (a.y > p.y) != (b.y > p.y) && p.x < a.x + (p.y - a.y) / (b.y - a.y) * (b.x - a.x);
+    edges(corners).filter(crosses).count() % 2 == 1
+}
+
+fn point_to_line(p: Vec2, [a, b]: [Vec2; 2]) -> f32 {
+    let along = b - a;
+    let square = along.length_squared();
+    let share = if square > 0.0 { ((p - a).dot(along) / square).clamp(0.0, 1.0) } else { 0.0 };
+    p.distance(a + share * along)
+}
+
+/// Smallest distance of two lines; 0 where they cross.
+fn line_to_line(one: [Vec2; 2], other: [Vec2; 2]) -> f32 {
+    let side = |[a, b]: [Vec2; 2], p: Vec2| (b - a).perp_dot(p - a);
+    let apart = |l: [Vec2; 2], m: [Vec2; 2]| side(l, m[0]) * side(l, m[1]) < 0.0;
+    if apart(one, other) && apart(other, one) {
+        return 0.0;
+    }
+    let ends = one.map(|p| point_to_line(p, other)).into_iter().chain(other.map(|p| point_to_line(p, one)));
+    ends.fold(f32::INFINITY, f32::min)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn point() -> impl Strategy<Value = Vec2> {
+        [-5.0f32..5.0, -5.0f32..5.0].prop_map(Vec2::from_array)
+    }
+
+    fn outline() -> impl Strategy<Value = Outline> {
+        prop_oneof![
+            (point(), point(), 0.0f32..1.0).prop_map(|(from, to, radius)| Outline::Wall { from, to, radius }),
+            (point(), 0.2f32..1.0).prop_map(|(c, radius)| Outline::Wall { from: c, to: c, radius }),
+            // A star about a centre is a simple polygon.
+            (point(), prop::collection::vec(0.5f32..2.0, 3..8)).prop_map(|(c, reach)| {
+                let n = reach.len() as f32;
+                let corner = |(i, r): (usize, &f32)| c + Vec2::from_angle(TAU * i as f32 / n) * *r;
+                Outline::Polygon(reach.iter().enumerate().map(corner).collect())
+            }),
+        ]
+    }
+
+    proptest! {
+        #[test]
+        fn distance_of_line_is_that_of_its_nearest_point(s in outline(), a in point(), b in point()) {
+            let sampled = (0..=2000).map(|i| s.distance(a.lerp(b, i as f32 / 2000.0))).fold(f32::INFINITY, f32::min);
+            let exact = s.distance_of_line(a, b);
+            prop_assert!(exact <= sampled + 1e-4 && sampled <= exact + 0.01, "{exact} {sampled}");
+        }
+
+        #[test]
+        fn points_around_a_corner_and_the_lines_between_them_keep_the_clearance(
+            c in point(), radius in 0.0f32..2.0, clearance in 0.1f32..1.0,
+        ) {
+            let disc = Outline::Wall { from: c, to: c, radius };
+            let around = disc.points_around(clearance);
+            for i in 0..around.len() {
+                let line = disc.distance_of_line(around[i], around[(i + 1) % around.len()]);
+                prop_assert!(line >= clearance && line < 1.1 * clearance + 0.1 * radius, "{line}");
+            }
+        }
+    }
+
+    #[test]
+    fn inside_is_at_no_distance() {
+        let square = Outline::Polygon([[0.0, 0.0], [4.0, 0.0], [4.0, 4.0], [0.0, 4.0]].map(Vec2::from_array).to_vec());
+        assert_eq!(square.distance(Vec2::new(1.0, 1.0)), 0.0);
+        assert_eq!(square.distance(Vec2::new(7.0, 8.0)), 5.0);
+        assert_eq!(square.distance_of_line(Vec2::new(-1.0, 2.0), Vec2::new(9.0, 2.0)), 0.0);
+        assert_eq!(square.bounds(), (Vec2::ZERO, Vec2::splat(4.0)));
+    }
+}

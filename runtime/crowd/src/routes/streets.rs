@@ -1,0 +1,437 @@
+//! Ways on the ground round what stands: the shortest ones that keep a clearance.
+//!
+//! A visibility graph: around every corner stand points at a little more than the clearance; points that see each other
+//! are joined, and A* (Hart, Nilsson and Raphael 1968) finds the shortest way. Scenes have tens of corners: for these the
+//! graph is small and, unlike a mesh of triangles, gives the shortest ways themselves.
+
+use crate::routes::outline::Outline;
+use crate::routes::smooth::tie;
+use crate::{AtEnd, Obstacle, Route};
+use glam::{Vec2, Vec3, Vec3Swizzles};
+use std::cmp::Ordering;
+use std::collections::BinaryHeap;
+use throng_base::error::check;
+use throng_base::{Error, Result};
+
+/// Ways round obstacles that keep a clearance.
+#[derive(Clone, Debug)]
+pub struct Streets {
+    obstacles: Vec<Obstacle>,
+    outlines: Vec<Outline>,
+    /// Obstacle that each outline is of.
+    owners: Vec<usize>,
+    bounds: Vec<(Vec2, Vec2)>,
+    clearance: f32,
+    /// How near to an obstacle a goal may be (m).
+    nearest: f32,
+    /// Points to go round corners by.
+    points: Vec<Vec2>,
+    /// Of each point: those that it sees, and how far they are (m).
+    seen: Vec<Vec<(u32, f32)>>,
+}
+
+/// Why there is no way.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum NoWay {
+    /// The start is in that obstacle.
+    Start(usize),
+    /// The goal is in that obstacle, or too near to it.
+    Goal(usize),
+    /// What stands separates the two, or leaves no gap that is wide enough.
+    Separated,
+}
+
+impl Streets {
+    /// For agents on the ground: x and z of the world.
+    ///
+    /// - `clearance_m`: that centres keep from everything that stands: the largest radius and some room (m, > 0). Goals may
+    ///   be as near as half of it.
+    ///
+    /// # Errors
+    /// [`Error::Value`] for a clearance out of range, or an obstacle that is not finite.
+    pub fn new(obstacles: &[Obstacle], clearance_m: f32) -> Result<Self> {
+        Self::with(obstacles, None, clearance_m, 0.5 * clearance_m)
+    }
+
+    /// As [`Streets::new`], with all that there is to choose.
+    ///
+    /// - `heights`: lowest and highest that agents in the air are: what they pass above or below is not gone round (m);
+    ///   `None` on the ground.
+    /// - `nearest_m`: how near to an obstacle a goal may be (m, 0 to `clearance_m`).
+    ///
+    /// # Errors
+    /// As [`Streets::new`].
+    pub fn with(obstacles: &[Obstacle], heights: Option<[f32; 2]>, clearance_m: f32, nearest_m: f32) -> Result<Self> {
+        let good = clearance_m > 0.0 && clearance_m < 1e6;
+        check("clearance_m", None, clearance_m.into(), good, "above 0 and below 1e6")?;
+        let good = (0.0..=clearance_m).contains(&nearest_m);
+        check("nearest_m", None, nearest_m.into(), good, "between 0 and the clearance")?;
+        let all = obstacles.iter().enumerate().filter_map(|(n, o)| Some((n, Outline::of(o, heights)?)));
+        let (owners, outlines): (Vec<_>, Vec<_>) = all.unzip();
+        let bounds: Vec<_> = outlines.iter().map(Outline::bounds).collect();
+        let odd = bounds.iter().position(|(low, high)| !low.is_finite() || !high.is_finite());
+        let expected = "one with coordinates that are finite";
+        check("number of an obstacle", None, odd.unwrap_or(0) as f64, odd.is_none(), expected)?;
+        let mut streets = Self {
+            obstacles: obstacles.to_vec(),
+            outlines,
+            owners,
+            bounds,
+            clearance: clearance_m,
+            nearest: nearest_m,
+            points: Vec::new(),
+            seen: Vec::new(),
+        };
+        let around: Vec<Vec2> = streets.outlines.iter().flat_map(|s| s.points_around(clearance_m)).collect();
+        for p in around {
+            if streets.is_clear(p, p, clearance_m) {
+                streets.join(p);
+            }
+        }
+        Ok(streets)
+    }
+
+    /// Clearance that ways keep (m).
+    pub fn clearance(&self) -> f32 {
+        self.clearance
+    }
+
+    /// True if nothing stands in any way.
+    pub fn is_open(&self) -> bool {
+        self.outlines.is_empty()
+    }
+
+    /// True if a place keeps the clearance from everything.
+    pub fn is_free(&self, at: Vec3) -> bool {
+        self.is_clear(at.xz(), at.xz(), self.clearance)
+    }
+
+    /// What ways lead round.
+    pub fn obstacles(&self) -> &[Obstacle] {
+        &self.obstacles
+    }
+
+    /// A route from one place to another.
+    ///
+    /// # Errors
+    /// [`Error::NoWay`] where an obstacle holds one of the places, or nothing leads from one to the other.
+    pub fn route(&self, from: Vec3, to: Vec3) -> Result<Route> {
+        Ok(Route { subgoals: self.subgoals(from, to, 0.0)?, arrival_radius: 0.5, at_end: AtEnd::Stay })
+    }
+
+    /// Subgoals of a route for an agent of a radius: the goal alone where the way is straight.
+    pub(crate) fn subgoals(&self, from: Vec3, to: Vec3, radius: f32) -> Result<Vec<Vec3>> {
+        let corners = self.corners(from, to).map_err(|_| Error::NoWay { from, to })?;
+        Ok(tie(&corners, radius))
+    }
+
+    /// Corners of the shortest way, with both its ends; heights go evenly from one to the other. The way keeps the
+    /// clearance; the legs of an end that is nearer to an obstacle keep as much as that end has.
+    ///
+    /// # Errors
+    /// [`NoWay`].
+    pub fn corners(&self, from: Vec3, to: Vec3) -> std::result::Result<Vec<Vec3>, NoWay> {
+        let flat = self.flat_corners(from.xz(), to.xz())?;
+        let all = length(&flat).max(1e-6);
+        let mut gone = 0.0;
+        let legs = std::iter::once(0.0).chain(flat.windows(2).map(|w| w[0].distance(w[1])));
+        let raise = |(p, leg): (&Vec2, f32)| {
+            gone += leg;
+            Vec3::new(p.x, from.y + (to.y - from.y) * (gone / all), p.y)
+        };
+        Ok(flat.iter().zip(legs).map(raise).collect())
+    }
+
+    fn flat_corners(&self, from: Vec2, to: Vec2) -> std::result::Result<Vec<Vec2>, NoWay> {
+        if let Some(i) = self.outlines.iter().position(|s| s.distance(from) <= 0.0) {
+            return Err(NoWay::Start(self.owners[i]));
+        }
+        if let Some(i) = self.outlines.iter().position(|s| s.distance(to) < self.nearest) {
+            return Err(NoWay::Goal(self.owners[i]));
+        }
+        // A hair less, so that rounding does not close the way out.
+        let at = |p: Vec2| self.outlines.iter().map(|s| s.distance(p)).fold(self.clearance, f32::min) * 0.999;
+        let (at_start, at_goal) = (at(from), at(to));
+        if self.is_clear(from, to, at_start.min(at_goal)) {
+            return Ok(vec![from, to]);
+        }
+        let ends = Ends { from, to, start: self.sees(from, at_start), goal: self.sees(to, at_goal) };
+        self.search(&ends).ok_or(NoWay::Separated)
+    }
+
+    /// Adds a point, joined with all that it sees.
+    fn join(&mut self, p: Vec2) {
+        let new = self.points.len();
+        let sees = self.sees(p, self.clearance);
+        for (n, distance) in sees.iter().enumerate().filter_map(|(n, d)| Some((n, (*d)?))) {
+            self.seen[n].push((new as u32, distance));
+        }
+        let smaller = sees.iter().enumerate().rev().filter_map(|(n, d)| Some((n as u32, (*d)?)));
+        self.seen.push(smaller.collect());
+        self.points.push(p);
+    }
+
+    /// How far the points are that can be seen with a clearance (points).
+    fn sees(&self, p: Vec2, clearance: f32) -> Vec<Option<f32>> {
+        self.points.iter().map(|&q| self.is_clear(p, q, clearance).then(|| p.distance(q))).collect()
+    }
+
+    /// True if a straight line keeps a clearance from everything.
+    fn is_clear(&self, a: Vec2, b: Vec2, clearance: f32) -> bool {
+        let (low, high) = (a.min(b) - clearance, a.max(b) + clearance);
+        let is_near = |(l, h): &(Vec2, Vec2)| l.cmple(high).all() && h.cmpge(low).all();
+        let mut near = self.outlines.iter().zip(&self.bounds).filter(|(_, b)| is_near(b));
+        near.all(|(s, _)| s.distance_of_line(a, b) >= clearance)
+    }
+
+    /// A* from the start to the goal, which do not see each other. Equal lengths are resolved by the order in which points
+    /// were joined.
+    fn search(&self, ends: &Ends) -> Option<Vec<Vec2>> {
+        let (goal, start) = (self.points.len(), self.points.len() + 1);
+        let place = |n: usize| match n {
+            _ if n == goal => ends.to,
+            _ if n == start => ends.from,
+            _ => self.points[n],
+        };
+        let mut best = vec![f32::INFINITY; start + 1];
+        let mut previous = vec![usize::MAX; start + 1];
+        let mut open = BinaryHeap::new();
+        best[start] = 0.0;
+        open.push(Open {
+            estimate: ends.from.distance(ends.to),
+            left: ends.from.distance(ends.to),
+            length: 0.0,
+            n: start,
+        });
+        while let Some(Open { length, n, .. }) = open.pop() {
+            if n == goal {
+                let mut way = vec![ends.to];
+                let mut at = previous[goal];
+                while at != usize::MAX {
+                    way.push(place(at));
+                    at = previous[at];
+                }
+                way.reverse();
+                return Some(way);
+            }
+            if best[n] < length {
+                continue;
+            }
+            let mut reach = |next: usize, far: f32| {
+                let then = length + far;
+                if then < best[next] {
+                    (best[next], previous[next]) = (then, n);
+                    let left = place(next).distance(ends.to);
+                    open.push(Open { estimate: then + left, left, length: then, n: next });
+                }
+            };
+            if n == start {
+                let seen = ends.start.iter().enumerate().rev();
+                seen.filter_map(|(next, far)| Some((next, (*far)?))).for_each(|(next, far)| reach(next, far));
+                continue;
+            }
+            let (smaller, larger): (Vec<_>, Vec<_>) = self.seen[n].iter().partition(|s| (s.0 as usize) < n);
+            smaller.into_iter().for_each(|(next, far)| reach(next as usize, far));
+            if let Some(far) = ends.goal[n] {
+                reach(goal, far);
+            }
+            larger.into_iter().rev().for_each(|(next, far)| reach(next as usize, far));
+        }
+        None
+    }
+}
+
+/// Both ends of a way, and how far the points are that they see.
+struct Ends {
+    from: Vec2,
+    to: Vec2,
+    start: Vec<Option<f32>>,
+    goal: Vec<Option<f32>>,
+}
+
+/// A point whose neighbours are to be looked at; the one with the smallest estimate comes first.
+#[derive(Clone, Copy, Debug)]
+struct Open {
+    /// Of the whole way (m).
+    estimate: f32,
+    /// In a straight line to the goal (m).
+    left: f32,
+    /// From the start (m).
+    length: f32,
+    n: usize,
+}
+
+impl Ord for Open {
+    fn cmp(&self, other: &Self) -> Ordering {
+        let order = other.estimate.total_cmp(&self.estimate).then(other.left.total_cmp(&self.left));
+        order.then(other.length.total_cmp(&self.length))
+    }
+}
+
+impl PartialOrd for Open {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl PartialEq for Open {
+    fn eq(&self, other: &Self) -> bool {
+        self.cmp(other).is_eq()
+    }
+}
+
+impl Eq for Open {}
+
+/// Length of a way (m).
+fn length(way: &[Vec2]) -> f32 {
+    way.windows(2).map(|w| w[0].distance(w[1])).sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::f32::consts::{FRAC_PI_2, SQRT_2};
+
+    fn ground([x, z]: [f32; 2]) -> Vec3 {
+        Vec3::new(x, 0.0, z)
+    }
+
+    fn wall(from: [f32; 2], to: [f32; 2]) -> Obstacle {
+        Obstacle::Wall { from: ground(from), to: ground(to), radius: 0.0 }
+    }
+
+    fn streets(obstacles: Vec<Obstacle>, clearance: f32, nearest: f32) -> Streets {
+        Streets::with(&obstacles, None, clearance, nearest).unwrap()
+    }
+
+    /// Length of the shortest way over a fine grid whose steps keep the clearance: brute force.
+    fn over_grid(map: &Streets, from: Vec2, to: Vec2, half: f32, step: f32) -> Option<f32> {
+        let n = (2.0 * half / step) as i32 + 1;
+        let at = |i: i32| Vec2::new((i % n) as f32, (i / n) as f32) * step - half;
+        let index = |p: Vec2| {
+            let c = ((p + half) / step).round();
+            c.y as i32 * n + c.x as i32
+        };
+        // Sixteen directions: ways over a grid are at most 3 % longer than straight ones.
+        let mut moves = Vec::new();
+        for dx in -2i32..=2 {
+            for dz in -2i32..=2 {
+                let is_primitive = (dx.abs(), dz.abs()) != (2, 2) && (dx, dz) != (0, 0) && dx.abs() + dz.abs() != 2
+                    || (dx.abs(), dz.abs()) == (1, 1);
+                if is_primitive {
+                    moves.push((dx, dz));
+                }
+            }
+        }
+        let mut best = vec![f32::INFINITY; (n * n) as usize];
+        let mut open = BinaryHeap::from([(std::cmp::Reverse(0u64), index(from))]);
+        best[index(from) as usize] = 0.0;
+        while let Some((_, i)) = open.pop() {
+            if i == index(to) {
+                return Some(best[i as usize]);
+            }
+            for (dx, dz) in &moves {
+                let (x, z) = (i % n + dx, i / n + dz);
+                if x < 0 || z < 0 || x >= n || z >= n {
+                    continue;
+                }
+                let j = z * n + x;
+                let then = best[i as usize] + at(i).distance(at(j));
+                if then < best[j as usize] - 1e-5 && map.is_clear(at(i), at(j), map.clearance) {
+                    best[j as usize] = then;
+                    open.push((std::cmp::Reverse((then * 1e4) as u64), j));
+                }
+            }
+        }
+        None
+    }
+
+    #[test]
+    fn ways_are_as_short_as_over_a_grid_and_keep_the_clearance() {
+        let scenes = [
+            vec![wall([0.0, -3.0], [0.0, 2.0])],
+            vec![wall([-1.0, -9.0], [-1.0, 2.0]), wall([1.5, -2.0], [1.5, 9.0])],
+            vec![
+                Obstacle::Polygon {
+                    corners: [[-1.0, -2.0], [1.0, -2.5], [2.0, 2.0], [0.0, 0.5], [-2.0, 3.0]].map(ground).to_vec(),
+                },
+                Obstacle::Ball { centre: ground([0.0, 4.5]), radius: 0.8 },
+            ],
+        ];
+        for (s, solids) in scenes.into_iter().enumerate() {
+            let map = streets(solids, 0.4, 0.3);
+            for (from, to) in [([-4.0, 0.0], [4.0, 0.0]), ([-4.0, -4.0], [4.0, 3.0]), ([-4.0, 2.0], [3.0, -1.0])] {
+                let (from, to) = (Vec2::from(from), Vec2::from(to));
+                let way = map.flat_corners(from, to).unwrap();
+                assert_eq!((way[0], way[way.len() - 1]), (from, to));
+                for leg in way.windows(2) {
+                    assert!(map.is_clear(leg[0], leg[1], 0.399), "scene {s}: {leg:?}");
+                }
+                let brute = over_grid(&map, from, to, 6.0, 0.1).expect("a way over the grid");
+                assert!(length(&way) <= 1.01 * brute, "scene {s}: {} against {brute}", length(&way));
+                assert!(length(&way) >= 0.95 * brute, "scene {s}: {} against {brute}", length(&way));
+            }
+        }
+    }
+
+    /// Around the end of a wall: a tangent, an arc, a tangent.
+    #[test]
+    fn way_round_a_wall_end_is_nearly_shortest() {
+        let map = streets(vec![wall([0.0, -50.0], [0.0, 0.0])], 1.0, 1.0);
+        let reach = SQRT_2;
+        let way = map.flat_corners(Vec2::new(-reach, 0.0), Vec2::new(reach, 0.0)).unwrap();
+        let exact = 2.0 * 1.0 + FRAC_PI_2;
+        assert!(length(&way) >= exact && length(&way) < 1.05 * exact, "{} against {exact}", length(&way));
+    }
+
+    #[test]
+    fn way_to_a_visible_goal_is_straight() {
+        let map = streets(vec![wall([0.0, -3.0], [0.0, -1.0])], 0.4, 0.4);
+        let ends = [Vec2::new(-2.0, 0.0), Vec2::new(2.0, 0.0)];
+        assert_eq!(map.flat_corners(ends[0], ends[1]), Ok(ends.to_vec()));
+    }
+
+    #[test]
+    fn narrow_gaps_and_goals_in_walls_are_refused() {
+        let gap = |half: f32| vec![wall([0.0, -9.0], [0.0, -half]), wall([0.0, half], [0.0, 9.0])];
+        let room = [[-9.0, -9.0], [9.0, -9.0], [9.0, 9.0], [-9.0, 9.0], [-9.0, -9.0]];
+        let around = || room.windows(2).map(|w| wall(w[0], w[1]));
+        let (from, to) = (Vec2::new(-3.0, 4.0), Vec2::new(3.0, 1.0));
+        let wide = streets(gap(0.6).into_iter().chain(around()).collect(), 0.5, 0.4).flat_corners(from, to);
+        assert!(wide.unwrap().len() > 2);
+        let narrow = streets(gap(0.4).into_iter().chain(around()).collect(), 0.5, 0.4).flat_corners(from, to);
+        assert_eq!(narrow, Err(NoWay::Separated));
+        let block =
+            Obstacle::Polygon { corners: [[2.0, 0.0], [4.0, 0.0], [4.0, 2.0], [2.0, 2.0]].map(ground).to_vec() };
+        let map = streets(vec![block], 0.5, 0.3);
+        assert_eq!(map.flat_corners(from, to), Err(NoWay::Goal(0)));
+        assert_eq!(map.flat_corners(to, from), Err(NoWay::Start(0)));
+        assert_eq!(map.flat_corners(from, Vec2::new(4.2, 1.0)), Err(NoWay::Goal(0)), "too near");
+        assert!(map.flat_corners(from, Vec2::new(4.4, 1.0)).is_ok(), "nearer than the clearance, but not too near");
+        assert!(map.flat_corners(Vec2::new(4.2, 1.0), from).is_ok(), "one who stands at the wall gets away from it");
+    }
+
+    #[test]
+    fn routes_turn_at_corners_and_are_refused_through_blocks() {
+        let block = Obstacle::Box { min: ground([-1.0, -4.0]), max: ground([1.0, 4.0]) };
+        let streets = Streets::new(&[block], 0.4).unwrap();
+        let (from, to) = (ground([-5.0, 0.0]), ground([5.0, 0.0]));
+        let route = streets.route(from, to).unwrap();
+        assert!(route.subgoals.len() > 3 && route.subgoals.iter().any(|p| p.z.abs() > 4.3), "{route:?}");
+        assert_eq!(streets.route(from, from + Vec3::Z).unwrap().subgoals, [from + Vec3::Z], "nothing is in the way");
+        let inside = streets.route(from, Vec3::ZERO).unwrap_err();
+        assert!(matches!(inside, Error::NoWay { to: Vec3::ZERO, .. }), "{inside}");
+        assert!(matches!(Streets::new(&[], 0.0), Err(Error::Value { what: "clearance_m", .. })));
+    }
+
+    #[test]
+    fn ways_in_the_air_pass_above_what_is_low_and_rise_evenly() {
+        let column = |x: f32, high: f32| Obstacle::Wall { from: Vec3::X * x, to: Vec3::new(x, high, 0.0), radius: 1.0 };
+        let streets = Streets::with(&[column(5.0, 3.0), column(0.0, 30.0)], Some([5.0, 20.0]), 1.5, 1.0).unwrap();
+        let (from, to) = (Vec3::new(-9.0, 6.0, 0.0), Vec3::new(9.0, 16.0, 0.0));
+        let way = streets.corners(from, to).unwrap();
+        assert!(way.len() > 2 && way[0] == from && way[way.len() - 1] == to, "{way:?}");
+        assert!(way.windows(2).all(|w| w[0].y < w[1].y), "{way:?}");
+        assert_eq!(streets.corners(from, Vec3::new(0.0, 9.0, 0.5)), Err(NoWay::Goal(1)));
+    }
+}

@@ -1,0 +1,169 @@
+//! Which stop regions a plan may reach: a first look that leaves few plans to compare exactly.
+
+use crate::Space;
+use crate::safety::others::Others;
+use crate::space::batch::bits;
+use crate::space::cells::Cells;
+use crate::space::plan::Plan;
+use crate::steering::neighbours::Row;
+use throng_base::simd::{Lanes, Work, dispatch};
+
+/// Room for rounding (m).
+const ROOM: f32 = 0.01;
+
+/// A plan with any acceleration.
+pub(crate) struct Reach<'a, V> {
+    pub cells: &'a Cells<V>,
+    /// Largest speed of anybody (m/s).
+    pub fastest: f32,
+    /// Where it starts.
+    pub fresh: &'a Plan<V>,
+    /// How long it is at most (s).
+    pub length: f32,
+    /// How far from its centre its stop region comes at most, to its edge (m).
+    pub mine: f32,
+}
+
+impl<'a, V: Space> Reach<'a, V> {
+    /// For a plan of a length at most, made at its start.
+    pub fn new(cells: &'a Cells<V>, fastest: f32, fresh: &'a Plan<V>, length: f32) -> Self {
+        let speed = fresh.velocity.length();
+        let fastest = fastest.max(speed);
+        let fast = (speed + fresh.limit * length).min(fastest);
+        let mine = fast * length + 0.5 * fast * fast / fresh.limit + fresh.radius + ROOM;
+        Self { cells, fastest, fresh, length, mine }
+    }
+
+    /// Adds the neighbours whose stop regions it may reach, of rows that were found at its start.
+    pub fn find(&self, rows: &[Row], others: &mut Others) {
+        dispatch(Find { reach: self, rows, others });
+    }
+}
+
+/// How far along some direction a stop region comes within a time: of an agent with a part of its velocity along that
+/// direction and a limit of acceleration.
+///
+/// - `stopping`: half the time in which it stops from the largest speed that it can have at the end (s).
+#[inline(always)]
+fn extent<F: Lanes>(part: F, (limit, stopping): (F, F), time: F) -> F {
+    let (zero, half) = (F::splat(0.0), F::splat(0.5));
+    let gain = limit * time;
+    (part.max(zero) + half * gain) * time + (part + gain).max(zero) * stopping
+}
+
+/// See [`Reach::find`].
+struct Find<'a, V> {
+    reach: &'a Reach<'a, V>,
+    rows: &'a [Row],
+    others: &'a mut Others,
+}
+
+impl<V: Space> Work for Find<'_, V> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<F: Lanes>(self) {
+        let &Reach { cells, fastest, fresh, length, .. } = self.reach;
+        let last = (fresh.velocity.length() + fresh.limit * length).min(fastest);
+        let mine = (F::splat(fresh.limit), F::splat(0.5 * last / fresh.limit));
+        let (length, half_fastest) = (F::splat(length), F::splat(0.5 * fastest));
+        for row in self.rows {
+            let limit = F::load(&row.limit);
+            let its = extent(-F::load(&row.away), (limit, half_fastest / limit), F::load(&row.until));
+            let room = F::load(&row.gap) - F::splat(ROOM) - its;
+            for i in bits(row.there & room.bits_lt(extent(F::load(&row.toward), mine, length))) {
+                self.others.push(&cells.plan(row.agents[i]));
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::safety::rule::{Candidate, room};
+    use crate::steering::neighbours::tests::{NOW, crowd, rows_around};
+    use glam::{Vec2, Vec3};
+    use proptest::prelude::*;
+    use throng_base::simd::Array;
+
+    /// Samples the stop regions of the first of some plans, with some acceleration from now on, and of all plans that it is not
+    /// compared with: they are apart.
+    fn leaves_out_only_who_is_apart<V: Space>(plans: &[Plan<V>], a: V, length: f32) -> Result<(), TestCaseError> {
+        let fastest = plans.iter().flat_map(|p| [p.velocity, p.at(p.end).1]).map(V::length).fold(0.0, f32::max);
+        let (cells, rows) = rows_around(plans);
+        let (position, velocity) = plans[0].at(NOW);
+        let fresh = Plan { start: NOW, position, velocity, moving: f32::INFINITY, ..plans[0] };
+        let reach = Reach::new(&cells, fastest, &fresh, length);
+        let mut others = Others::default();
+        reach.find(rows.all(), &mut others);
+        others.prepare(position, NOW);
+        for share in [0.3, 1.0] {
+            // As candidates are made.
+            let length = share * length;
+            let a = ((velocity + a.at_most(fresh.limit) * length).at_most(fastest) - velocity) * length.recip();
+            let me =
+                Candidate::new(Plan { end: NOW + f64::from(length), acceleration: a.at_most(fresh.limit), ..fresh });
+            let compared = others.within(me.reach());
+            for row in rows.all() {
+                for i in bits(row.there) {
+                    let other: Plan<V> = cells.plan(row.agents[i]);
+                    if compared.contains(&other.index) {
+                        continue;
+                    }
+                    for i in 0..=40 {
+                        let time = NOW + f64::from(i) * 0.015;
+                        let still = |p: &Plan<V>| {
+                            let (position, velocity) = p.at(time.min(p.end));
+                            Plan { position, velocity, ..*p }
+                        };
+                        let room = room(&still(&me.plan), &still(&other));
+                        prop_assert!(room > 0.0, "{} overlaps by {} m at {time}", other.index, -room);
+                    }
+                }
+            }
+        }
+        Ok(())
+    }
+
+    proptest! {
+        #[test]
+        fn skipped_plans_on_the_ground_stay_apart(
+            plans in crowd::<Vec2>(), a in [-5.0f32..5.0, -5.0f32..5.0], length in 0.05f32..0.5,
+        ) {
+            leaves_out_only_who_is_apart(&plans, Vec2::from_array(a), length)?;
+        }
+
+        #[test]
+        fn skipped_plans_in_the_air_stay_apart(
+            plans in crowd::<Vec3>(), a in [-5.0f32..5.0, -5.0f32..5.0, -5.0f32..5.0], length in 0.05f32..0.5,
+        ) {
+            leaves_out_only_who_is_apart(&plans, Vec3::from_array(a), length)?;
+        }
+
+        #[test]
+        fn extent_bounds_stop_regions(
+            v in [-1.1f32..1.1, -1.1f32..1.1], a in [-5.0f32..5.0, -5.0f32..5.0], length in 0.01f32..0.6, brakes in any::<bool>(),
+        ) {
+            const FASTEST: f32 = 1.6;
+            let (velocity, limit) = (Vec2::from_array(v), 5.0);
+            // As candidates are made: no faster at the end than anybody may be.
+            let last = (velocity + Vec2::from_array(a).clamp_length_max(limit) * length).clamp_length_max(FASTEST);
+            let acceleration = (last - velocity) / length;
+            let mut plan = Plan { velocity, acceleration, limit, moving: f32::INFINITY, ..Plan::default() };
+            if brakes {
+                plan.brake();
+            }
+            for direction in [Vec2::X, Vec2::from_angle(2.0), Vec2::from_angle(4.0)] {
+                let part = velocity.dot(direction);
+                let s = Array::splat;
+                let last = (velocity.length() + limit * length).min(FASTEST);
+                let most = extent(s(part), (s(limit), s(0.5 * last / limit)), s(length)).to_array()[0];
+                for i in 0..=50 {
+                    let (from, to) = plan.stop_region(length * i as f32 / 50.0);
+                    prop_assert!(from.dot(direction).max(to.dot(direction)) <= most + 1e-5, "{from} {to} {direction}: {most}");
+                }
+            }
+        }
+    }
+}

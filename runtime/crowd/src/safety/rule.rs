@@ -1,0 +1,347 @@
+//! The safety rule: why nobody ever overlaps anybody.
+//!
+//! The *stop region* S(s) of an agent at time s is what its disc or ball sweeps if it brakes with all its force from s
+//! on: all within its radius of the line from x to x + v|v| / 2A. An agent that brakes never leaves the stop
+//! region it had when it began to.
+//!
+//! Plans are made at different times. Let T be the time of an agent's next event; its plan until then is known to
+//! everybody. Agents keep this invariant: **for each pair (k, j) and all s from now on, S_k(min(s, T_k)) and
+//! S_j(min(s, T_j)) have no point in common**, and neither have S_k(min(s, T_k)) and an obstacle that stands. As
+//! a disc is a part of its stop region, nobody overlaps anybody before the next event. The invariant outlasts every
+//! event:
+//!
+//! - At T_k, k takes a plan for which it holds (found by [`crate::safety::others`]), or brakes. Braking is always right: then S_k(s) is
+//!   within S_k(T_k) for all s from T_k on, and that is disjoint from S_j(min(s, T_j)) for those s, as the invariant of
+//!   the old plan says.
+//! - Before T_k (another agent's colliding event, or an order) k may take a plan for which the
+//!   invariant holds, and otherwise keeps the one it has; then nothing has changed. To brake is *not* always right
+//!   here: others may have been told that k will be gone.
+//! - A newcomer is refused unless the invariant holds for a plan of braking; an agent that leaves takes its conditions away.
+//!
+//! By induction over the events, no two agents ever overlap. Nothing is asked of the forces.
+//!
+//! Only pairs that are registered in cells next to each other are compared. Everybody's stop region stays within its
+//! own region R, which reaches half a cell beyond its cell C: regions of cells that are not next to each other are
+//! disjoint. Of the pairs in such cells, only those whose stop regions can meet are compared (see `reach.rs`): those of
+//! the others cannot, whatever they do with their largest accelerations, as long as nobody is faster than
+//! the largest speed. `spawn` refuses faster agents, and `candidate` makes no plan that ends faster; in between, the speed of an
+//! agent that keeps its acceleration is never above that at both ends.
+//!
+//! Obstacles that move do not give way; they are taken for agents that never brake, over the time of a plan and of
+//! braking after it, though not beyond the next point of their way. A trapped agent may still be struck.
+
+use crate::Space;
+use crate::space::plan::{Plan, stop};
+use crate::space::solid::Solid;
+
+/// Room that is kept beyond what the rule asks for, against rounding, which is less than that within 500 m of the origin.
+/// (m)
+pub(crate) const MARGIN: f32 = 1e-4;
+
+/// A plan to be compared with others: both ends of its stop region now and at its end.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Candidate<V> {
+    pub plan: Plan<V>,
+    /// Until its end (s).
+    pub length: f32,
+    pub now: Segment<V>,
+    pub end: Segment<V>,
+    /// Bound on how the end of its stop region swerves from the direction of the acceleration, see [`curve`].
+    pub curve: f32,
+    pub is_straight: bool,
+}
+
+/// Both ends of a stop region.
+pub(crate) type Segment<V> = (V, V);
+
+/// By how much the safety rule is violated.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Violation<V> {
+    /// Unit vector away from what is in the way.
+    pub away: V,
+    /// How much farther that way the stop region would have to be (m, > 0).
+    pub depth: f32,
+}
+
+/// Bound on how the end of a stop region swerves from the direction of the acceleration: the part of its second
+/// derivative along the velocity, at most |a|^2 / 2A. None where all is on one line.
+#[inline]
+fn curve<V: Space>(plan: &Plan<V>) -> f32 {
+    if is_straight(plan) { 0.0 } else { plan.acceleration.length_squared() / (2.0 * plan.limit) }
+}
+
+/// True for an agent that brakes or starts from rest: both ends of its stop region move one way along one line, or stay.
+#[inline]
+fn is_straight<V: Space>(plan: &Plan<V>) -> bool {
+    plan.moving < f32::INFINITY || plan.velocity.length_squared() == 0.0
+}
+
+impl<V: Space> Candidate<V> {
+    #[inline]
+    pub fn new(plan: Plan<V>) -> Self {
+        let length = (plan.end - plan.start) as f32;
+        let (now, end) = (plan.stop_region(0.0), plan.stop_region(length));
+        Self { length, now, end, curve: curve(&plan), is_straight: is_straight(&plan), plan }
+    }
+
+    /// How far from where its centre is now it may come, with braking at the end: to its own edge, and a little more (m).
+    #[inline]
+    pub fn reach(&self) -> f32 {
+        reach(self.now, self.end, self.length, &self.plan, self.curve) + self.plan.radius + MARGIN
+    }
+
+    /// True where the stop region stays within a box along the axes.
+    #[inline]
+    pub fn stays_within(&self, min: V, max: V) -> bool {
+        let low = self.now.0.min(self.now.1).min(self.end.0).min(self.end.1);
+        let high = self.now.0.max(self.now.1).max(self.end.0).max(self.end.1);
+        let p = &self.plan;
+        let swerve = self.length * self.length * (0.25 * p.acceleration.length() + 0.125 * self.curve);
+        let room = (low - min).min(max - high).coordinates();
+        room.iter().take(V::DIMENSIONS).all(|&r| r >= p.radius + swerve + MARGIN)
+    }
+}
+
+/// How far the ends of a stop region come from where the centre is now, within a time.
+#[inline]
+fn reach<V: Space>(now: (V, V), end: (V, V), within: f32, plan: &Plan<V>, curve: f32) -> f32 {
+    let far = |x: V| (x - now.0).length_squared();
+    let farthest = far(now.1).max(far(end.0)).max(far(end.1));
+    farthest.sqrt() + 0.125 * within * within * (2.0 * plan.acceleration.length() + curve)
+}
+
+/// How far a stop region reaches at least along a direction.
+#[inline]
+fn least<V: Space>(ends: (V, V), along: V) -> f32 {
+    along.dot(ends.0).min(along.dot(ends.1))
+}
+
+/// Violation of the rule between a plan and a solid that stands; `None` if it holds.
+#[inline]
+pub(crate) fn violation_of_solid<V: Space>(me: &Candidate<V>, solid: &Solid<V>) -> Option<Violation<V>> {
+    let bend = 0.125 * me.length * me.length;
+    let mut best: Option<Violation<V>> = None;
+    for x in [me.end.1, me.now.0] {
+        let (n, distance) = solid.away(x);
+        if distance <= 0.0 {
+            continue;
+        }
+        let (now, end) = (least(me.now, n), least(me.end, n));
+        let apart = now.min(end) - solid.reach(n);
+        // An agent that only moves away from it may, see `others.rs`.
+        let margin = if end >= now { 0.0 } else { MARGIN };
+        let room = if me.is_straight { 0.0 } else { bend * (2.0 * n.dot(me.plan.acceleration).max(0.0) + me.curve) };
+        let violation = me.plan.radius + margin + room - apart;
+        if violation <= 0.0 {
+            return None;
+        }
+        if best.is_none_or(|b| violation < b.depth) {
+            best = Some(Violation { away: n, depth: violation });
+        }
+    }
+    best.or(Some(Violation { away: me.plan.velocity.unit_and_length().0 * -1.0, depth: me.plan.radius }))
+}
+
+/// How far a change of the acceleration by 1 m/s2 moves the far end of the stop region at the end of a plan, at least.
+#[inline]
+pub(crate) fn lever<V: Space>(me: &Candidate<V>) -> f32 {
+    let v = me.plan.velocity + me.plan.acceleration * me.length;
+    me.length * (0.5 * me.length + 0.5 * v.length() / me.plan.limit)
+}
+
+/// Room between two stop regions that stand; below zero where they overlap. For agents that are put somewhere.
+pub(crate) fn room<V: Space>(a: &Plan<V>, b: &Plan<V>) -> f32 {
+    let ends = |p: &Plan<V>| (p.position, stop(p.position, p.velocity, p.limit));
+    let ((a0, a1), (b0, b1)) = (ends(a), ends(b));
+    // The distance of two segments is that of an end of one to the other, or that of their lines between the ends.
+    let nearest = |from: V, to: V, x: V| {
+        let along = to - from;
+        ((x - from).dot(along) / along.length_squared().max(1e-12)).clamp(0.0, 1.0)
+    };
+    let apart = |s: f32, t: f32| (a0 + (a1 - a0) * s - b0 - (b1 - b0) * t).length();
+    let mut least = apart(0.0, nearest(b0, b1, a0))
+        .min(apart(1.0, nearest(b0, b1, a1)))
+        .min(apart(nearest(a0, a1, b0), 0.0))
+        .min(apart(nearest(a0, a1, b1), 1.0));
+    let (u, v, w) = (a1 - a0, b1 - b0, a0 - b0);
+    let steepness = u.length_squared() * v.length_squared() - u.dot(v) * u.dot(v);
+    let s = (u.dot(v) * v.dot(w) - v.length_squared() * u.dot(w)) / steepness;
+    if steepness > 0.0 && (0.0..=1.0).contains(&s) {
+        least = least.min(apart(s, nearest(b0, b1, a0 + u * s)));
+    }
+    least - a.radius - b.radius
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::safety::others::{Others, violation};
+    use glam::{Vec2, Vec3};
+    use proptest::collection::vec;
+    use proptest::prelude::*;
+
+    fn plan<V: Space>(index: u32) -> impl Strategy<Value = Plan<V>> {
+        let vector = || [-2.0f32..2.0, -2.0f32..2.0, -2.0f32..2.0].prop_map(V::from_coordinates);
+        (vector(), vector(), vector(), any::<bool>(), 0.02f64..0.4, 0.0f64..0.1, 0.1f32..0.5).prop_map(
+            move |(position, v, a, brakes, length, age, radius)| {
+                let start = 100.0 - if index == 0 { 0.0 } else { age };
+                let mut plan = Plan {
+                    start,
+                    end: 100.0 + length,
+                    position,
+                    velocity: v * 0.8,
+                    acceleration: (a * 2.5).at_most(5.0),
+                    moving: f32::INFINITY,
+                    radius,
+                    limit: 5.0,
+                    index,
+                };
+                if brakes {
+                    plan.brake();
+                }
+                plan
+            },
+        )
+    }
+
+    /// Samples the invariant: wherever no violation is found, or none is looked for, stop regions are apart at all times.
+    fn holds<V: Space>(me: &Plan<V>, other: &Plan<V>) -> Result<(), TestCaseError> {
+        if violation(&Candidate::new(*me), other).is_some() {
+            return Ok(());
+        }
+        for i in 0..=100 {
+            let s = 100.0 + f64::from(i) * 0.0045;
+            let still = |p: &Plan<V>| {
+                let (position, velocity) = p.at(s.min(p.end));
+                Plan { position, velocity, ..*p }
+            };
+            let room = room(&still(me), &still(other));
+            prop_assert!(room > 0.0, "stop regions overlap by {} m after {} s", -room, s - 100.0);
+        }
+        Ok(())
+    }
+
+    /// The largest violation is found, whatever plans were there before.
+    fn finds_the_worst<V: Space>(me: Plan<V>, before: &[Plan<V>], others: &[Plan<V>]) -> Result<(), TestCaseError> {
+        let me = Candidate::new(me);
+        let mut all = Others::default();
+        for plans in [before, others] {
+            all.clear();
+            plans.iter().for_each(|p| all.push(p));
+            all.prepare(me.plan.position, me.plan.start);
+        }
+        let one_by_one = others.iter().filter_map(|o| violation(&me, o)).map(|l| l.depth).reduce(f32::max);
+        prop_assert_eq!(all.worst(&me).map(|l| l.depth), one_by_one);
+        all.leave_out_movers();
+        prop_assert_eq!(all.worst(&me).map(|l| l.depth), one_by_one, "all are agents");
+        Ok(())
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(500))]
+
+        #[test]
+        fn the_worst_disc_is_found(me in plan::<Vec2>(0), before in vec(plan(1), 0..20), others in vec(plan(2), 0..20)) {
+            finds_the_worst(me, &before, &others)?;
+        }
+
+        #[test]
+        fn the_worst_ball_is_found(me in plan::<Vec3>(0), before in vec(plan(1), 0..20), others in vec(plan(2), 0..20)) {
+            finds_the_worst(me, &before, &others)?;
+        }
+
+        #[test]
+        fn movers_can_be_left_out(me in plan::<Vec2>(0), others in vec(plan(2), 1..20), mover in plan(crate::NONE)) {
+            let me = Candidate::new(me);
+            let mut all = Others::default();
+            others.iter().chain([&mover]).for_each(|p| all.push(p));
+            all.prepare(me.plan.position, me.plan.start);
+            all.leave_out_movers();
+            let agents = others.iter().filter_map(|o| violation(&me, o)).map(|l| l.depth).reduce(f32::max);
+            prop_assert_eq!(all.worst(&me).map(|l| l.depth), agents);
+        }
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(3000))]
+
+        #[test]
+        fn stop_regions_of_discs_stay_apart(me in plan::<Vec2>(0), other in plan::<Vec2>(1)) {
+            holds(&me, &other)?;
+        }
+
+        #[test]
+        fn stop_regions_of_balls_stay_apart(me in plan::<Vec3>(0), other in plan::<Vec3>(1)) {
+            holds(&me, &other)?;
+        }
+
+        #[test]
+        fn stop_regions_stay_out_of_solids(me in plan::<Vec2>(0), from in [-3.0f32..3.0, -3.0f32..3.0], to in [-3.0f32..3.0, -3.0f32..3.0]) {
+            let (from, to) = (Vec2::from_array(from), Vec2::from_array(to));
+            for solid in [Solid::Rod { from, to, radius: 0.1 }, Solid::Box { min: from.min(to), max: from.max(to) }] {
+                if violation_of_solid(&Candidate::new(me), &solid).is_some() {
+                    continue;
+                }
+                for i in 0..=100 {
+                    let s = (me.end - me.start) as f32 * i as f32 / 100.0;
+                    let (p, q) = me.stop_region(s);
+                    for j in 0..=10 {
+                        let x = p + (q - p) * (j as f32 / 10.0);
+                        prop_assert!(solid.away(x).1 >= me.radius, "{x} at {s}");
+                    }
+                }
+            }
+        }
+
+        #[test]
+        fn stays_within_is_never_wrong(me in plan::<Vec2>(0)) {
+            let (min, max) = (Vec2::splat(-2.5), Vec2::splat(2.5));
+            if Candidate::new(me).stays_within(min, max) {
+                for i in 0..=100 {
+                    let (p, q) = me.stop_region((me.end - me.start) as f32 * i as f32 / 100.0);
+                    let room = (p.min(q) - min).min(max - p.max(q)).min_element();
+                    prop_assert!(room >= me.radius, "{room}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn walking_behind_and_passing_beside_are_safe() {
+        let me = Plan {
+            start: 100.0,
+            end: 100.1,
+            velocity: Vec2::new(1.3, 0.0),
+            moving: f32::INFINITY,
+            radius: 0.3,
+            limit: 5.0,
+            ..Plan::default()
+        };
+        let ahead = Plan { position: Vec2::new(0.85, 0.0), ..me };
+        let beside = Plan { position: Vec2::new(0.3, 0.61), velocity: Vec2::new(-1.3, 0.0), ..me };
+        let against = Plan { position: Vec2::new(0.9, 0.1), velocity: Vec2::new(-1.3, 0.0), ..me };
+        let is_free = |p: &Plan<Vec2>| violation(&Candidate::new(me), p).is_none();
+        assert!(is_free(&ahead) && is_free(&beside) && !is_free(&against));
+    }
+
+    #[test]
+    fn agents_within_rounding_margin_may_separate() {
+        let still = |index, x: f32| Plan {
+            start: 99.9,
+            end: 100.2,
+            position: Vec2::new(x, 0.0),
+            radius: 0.3,
+            limit: 5.0,
+            index,
+            ..Plan::default()
+        };
+        let other = still(1, 0.600_05);
+        let wall = Solid::Rod { from: Vec2::new(0.300_05, -9.0), to: Vec2::new(0.300_05, 9.0), radius: 0.0 };
+        for (a, may) in [(Vec2::NEG_X, true), (Vec2::new(-1.0, 2.0), true), (Vec2::X, false)] {
+            let plan = Plan { start: 100.0, moving: f32::INFINITY, acceleration: a, ..still(0, 0.0) };
+            let candidate = Candidate::new(plan);
+            assert_eq!(violation(&candidate, &other).is_none(), may, "{a}");
+            assert_eq!(violation_of_solid(&candidate, &wall).is_none(), may, "{a}");
+        }
+    }
+}

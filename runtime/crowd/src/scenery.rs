@@ -1,0 +1,309 @@
+//! What surrounds the agents: obstacles by cell, routes, fields and limits.
+
+#[cfg(feature = "baselines")]
+use crate::Scheme;
+use crate::error::{CrowdError, check};
+use crate::routes::spline::Spline;
+#[cfg(feature = "baselines")]
+use crate::safety::bound::narrowest_cell;
+use crate::space::cells::Cells;
+use crate::space::plan::Plan;
+use crate::space::solid::{Solid, is_inside, solids};
+use crate::steering::config::SteeringConfig;
+use crate::steering::density_grid::DensityGrid;
+use crate::steering::keep_right::is_wall_within;
+use crate::{Agent, Field, Id, Interest, Obstacle, Setup, Space};
+use throng_base::error::check_index;
+use throng_base::prefetch;
+
+/// All that does not change while time passes.
+#[derive(Clone, Debug)]
+pub(crate) struct Scenery<V> {
+    pub fields: Vec<Field>,
+    pub splines: Vec<Spline<V>>,
+    /// What stands or moves, as it was given.
+    pub obstacles: Vec<Obstacle<V>>,
+    /// Which of the solids are whose (obstacles.len()).
+    ranges: Vec<std::ops::Range<usize>>,
+    pub solids: Vec<Solid<V>>,
+    /// Obstacle that each solid is a part of.
+    pub owners: Vec<u32>,
+    pub movers: Vec<Mover<V>>,
+    pub interests: Vec<Interest<V>>,
+    /// Where the lists of each cell begin in `near` and `walls`: those of cell c end where those of c + 1 begin. Empty
+    /// where there are no solids.
+    first: Vec<[u32; 2]>,
+    /// Solids that reach into the region of each cell.
+    near: Vec<u32>,
+    /// The same for those that are walls to somebody in the region, see [`is_wall_within`].
+    walls: Vec<u32>,
+    /// Smallest time between two events of an agent (s).
+    pub interval: f32,
+    /// Largest radius (m).
+    pub radius: f32,
+    /// Largest desired speed (m/s).
+    pub speed: f32,
+    /// Largest speed that anybody may have: more than the largest desired one, to give way (m/s).
+    pub fastest: f32,
+    /// Longest distance to stop from the largest speed (m).
+    pub stopping: f32,
+    pub steering: SteeringConfig,
+}
+
+/// A ball on its way.
+#[derive(Clone, Debug)]
+pub(crate) struct Mover<V> {
+    pub obstacle: u32,
+    pub radius: f32,
+    way: Vec<(f64, V)>,
+}
+
+impl<V: Space> Mover<V> {
+    /// Its motion from a time on: straight until `end`, which is not after the next point of its way.
+    pub fn plan(&self, time: f64, within: f32) -> Plan<V> {
+        let next = self.way.partition_point(|(t, _)| *t <= time);
+        let end = time + f64::from(within);
+        let (position, velocity, end) = match (next.checked_sub(1).map(|i| self.way[i]), self.way.get(next)) {
+            (Some((t0, x0)), Some(&(t1, x1))) => {
+                let velocity = (x1 - x0) * ((t1 - t0) as f32).recip();
+                (x0 + velocity * (time - t0) as f32, velocity, end.min(t1))
+            }
+            (Some((_, x)), None) => (x, V::default(), end),
+            (None, first) => {
+                let (t, x) = first.copied().unwrap_or_default();
+                (x, V::default(), end.min(t))
+            }
+        };
+        Plan {
+            start: time,
+            end,
+            position,
+            velocity,
+            acceleration: V::default(),
+            moving: f32::INFINITY,
+            radius: self.radius,
+            // It never brakes: its stop region is where it is.
+            limit: f32::INFINITY,
+            index: crate::NONE,
+        }
+    }
+}
+
+impl<V: Space> Scenery<V> {
+    /// Checks and prepares all that surrounds the agents, and makes empty cells.
+    pub fn new(setup: &Setup<V>) -> Result<(Self, Cells<V>, DensityGrid<V>), CrowdError> {
+        check_settings(setup)?;
+        let config = &setup.config;
+        let most = |least: f32, f: &dyn Fn(&Agent<V>) -> f32| setup.agents.iter().map(f).fold(least, f32::max);
+        let ratio = config.steering.largest_speed_ratio;
+        let radius = most(config.largest_radius_m, &|m| m.radius);
+        let speed = most(config.largest_speed_mps, &|m| m.speed.max(m.velocity.length() / ratio)).max(0.1);
+        let weakest = setup.agents.iter().map(|m| m.acceleration).fold(f32::INFINITY, f32::min);
+        let weakest = if weakest.is_finite() { weakest } else { 1.0 };
+        let fastest = ratio * speed;
+        let mut scenery = Self {
+            fields: setup.fields.clone(),
+            splines: Vec::with_capacity(setup.routes.len()),
+            obstacles: setup.obstacles.clone(),
+            ranges: Vec::new(),
+            solids: Vec::new(),
+            owners: Vec::new(),
+            movers: Vec::new(),
+            interests: setup.interests.clone(),
+            first: Vec::new(),
+            near: Vec::new(),
+            walls: Vec::new(),
+            interval: config.smallest_interval_s,
+            radius,
+            speed,
+            fastest,
+            steering: config.steering,
+            stopping: fastest * fastest / (2.0 * weakest),
+        };
+        let (low, high) = extents(setup);
+        let capacity = config.capacity.max(setup.agents.len());
+        let cells = Cells::new(scenery.side(setup)?, high - low, capacity);
+        let square = config.steering.square_radii * radius.max(1e-3);
+        let grid = DensityGrid::new(square, high - low, capacity);
+        scenery.add_obstacles()?;
+        for (index, route) in setup.routes.iter().enumerate() {
+            let spline = Spline::new(index, route)?;
+            scenery.check_route(index, &spline)?;
+            scenery.splines.push(spline);
+        }
+        for (agent, m) in setup.agents.iter().enumerate() {
+            scenery.check_place(Id::first(agent), m.position)?;
+        }
+        if !scenery.solids.is_empty() {
+            let (near, walls) =
+                (scenery.list(&cells, |_| Some(0.0)), scenery.list(&cells, |s| is_wall_within(s, &config.steering)));
+            scenery.first = near.0.into_iter().zip(walls.0).map(<[u32; 2]>::from).collect();
+            (scenery.near, scenery.walls) = (near.1, walls.1);
+        }
+        Ok((scenery, cells, grid))
+    }
+
+    /// Side of the cells: within the shortest plan, and half as long again, everybody has to be able to stop within half
+    /// of it.
+    fn side(&self, setup: &Setup<V>) -> Result<f32, CrowdError> {
+        let config = &setup.config;
+        let shortest = 1.5 * self.interval;
+        #[cfg(feature = "baselines")]
+        let shortest = if config.scheme == Scheme::Fixed { config.step_s.max(shortest) } else { shortest };
+        let need = 2.0 * (self.radius + self.stopping + self.fastest * shortest + 0.01);
+        #[cfg(feature = "baselines")]
+        let need = if config.scheme == Scheme::Occupancy {
+            let strongest = setup.agents.iter().map(|a| a.acceleration).fold(0.0, f32::max);
+            need.max(narrowest_cell(self.radius, strongest, config.steering.blocked_intervals * self.interval))
+        } else {
+            need
+        };
+        let got = config.cell_side_m;
+        if got == 0.0 {
+            return Ok(need.max(6.5 * self.radius));
+        }
+        let expected = "twice the radius, distance to stop and length of a shortest plan, or more; or 0";
+        throng_base::error::check("config.cell_side_m", None, got.into(), got >= need && got < 1e5, expected)?;
+        Ok(got)
+    }
+
+    /// Makes the solids of obstacles.
+    fn add_obstacles(&mut self) -> Result<(), CrowdError> {
+        for (index, obstacle) in self.obstacles.iter().enumerate() {
+            let bodies = solids(index, obstacle)?;
+            let range = self.solids.len()..self.solids.len() + bodies.len();
+            self.owners.resize(range.end, index as u32);
+            self.solids.extend(bodies);
+            self.ranges.push(range);
+            if let Obstacle::Mover { way, radius } = obstacle {
+                self.movers.push(Mover { obstacle: index as u32, radius: *radius, way: way.clone() });
+            }
+        }
+        Ok(())
+    }
+
+    /// No subgoal of a route is in an obstacle.
+    pub fn check_route(&self, route: usize, spline: &Spline<V>) -> Result<(), CrowdError> {
+        for ((obstacle, body), range) in self.obstacles.iter().enumerate().zip(&self.ranges) {
+            if let Some(subgoal) = spline.blocked_by(body, &self.solids[range.clone()]) {
+                return Err(CrowdError::Goal { route, subgoal, obstacle });
+            }
+        }
+        Ok(())
+    }
+
+    /// An agent's centre is in no polygon; of these, only the sides are solids.
+    pub fn check_place(&self, agent: Id, position: V) -> Result<(), CrowdError> {
+        let inside = |o: &Obstacle<V>| matches!(o, Obstacle::Polygon { corners } if is_inside(corners, position));
+        self.obstacles.iter().position(inside).map_or(Ok(()), |obstacle| Err(CrowdError::Inside { agent, obstacle }))
+    }
+
+    /// Prefetches where the lists of a cell are.
+    #[inline]
+    pub fn prefetch(&self, cell: u32) {
+        if let Some(first) = self.first.get(cell as usize) {
+            prefetch(first);
+        }
+    }
+
+    /// Solids that reach into the region of a cell.
+    #[inline]
+    pub fn near(&self, cell: u32) -> &[u32] {
+        self.listed(cell, 0, &self.near)
+    }
+
+    /// Solids that an agent in a cell sees beside it.
+    #[inline]
+    pub fn walls(&self, cell: u32) -> &[u32] {
+        self.listed(cell, 1, &self.walls)
+    }
+
+    #[inline]
+    fn listed<'a>(&self, cell: u32, kind: usize, all: &'a [u32]) -> &'a [u32] {
+        if self.first.is_empty() {
+            return &[];
+        }
+        let (first, next) = (self.first[cell as usize], self.first[cell as usize + 1]);
+        &all[first[kind] as usize..next[kind] as usize]
+    }
+
+    /// Lists solids by the cells whose regions they touch, or are within a distance of, if they are to be listed: where
+    /// those of each cell begin, and all of them.
+    fn list(&self, cells: &Cells<V>, within: impl Fn(&Solid<V>) -> Option<f32>) -> (Vec<u32>, Vec<u32>) {
+        let mut pairs = Vec::new();
+        for (number, solid) in (0u32..).zip(&self.solids) {
+            let Some(within) = within(solid) else { continue };
+            let (min, max) = solid.extents();
+            let side = V::from_coordinates([cells.side() + within; 3]);
+            let (low, high) = (cells.coordinates(min - side), cells.coordinates(max + side));
+            let folds = cells.folds();
+            let count =
+                |axis: usize| (i64::from(high[axis]) - i64::from(low[axis]) + 1).min(i64::from(folds[axis])) as i32;
+            let is_folded = (0..V::DIMENSIONS).any(|axis| count(axis) == folds[axis] as i32);
+            let axes =
+                [count(0), if V::DIMENSIONS > 1 { count(1) } else { 1 }, if V::DIMENSIONS > 2 { count(2) } else { 1 }];
+            for z in 0..axes[2] {
+                for y in 0..axes[1] {
+                    for x in 0..axes[0] {
+                        let at = [low[0] + x, low[1] + y, low[2] + z];
+                        let centre = cells.centre(at);
+                        if is_folded || solid.touches(centre - side, centre + side) {
+                            pairs.push((cells.number(at), number));
+                        }
+                    }
+                }
+            }
+        }
+        pairs.sort_unstable();
+        pairs.dedup();
+        let first = (0..=cells.num_cells() as u32).map(|c| pairs.partition_point(|p| p.0 < c) as u32).collect();
+        (first, pairs.into_iter().map(|p| p.1).collect())
+    }
+}
+
+/// Every setting within its limits.
+fn check_settings<V: Space>(setup: &Setup<V>) -> Result<(), CrowdError> {
+    setup.config.check()?;
+    setup.fields.iter().enumerate().try_for_each(|(n, field)| field.check(n))?;
+    for (n, interest) in setup.interests.iter().enumerate() {
+        let good = interest.position.is_finite() && interest.strength.is_finite();
+        let expected = "above 0 and below 1e6, with a strength and position that are finite";
+        let reach = interest.reach;
+        check("interest.reach", n, reach, good && reach > 0.0 && reach < 1e6, expected)?;
+    }
+    for (n, agent) in setup.agents.iter().enumerate() {
+        check_agent(n, agent, setup.routes.len(), setup.fields.len())?;
+    }
+    Ok(())
+}
+
+/// An agent's settings within their limits.
+pub(crate) fn check_agent<V: Space>(
+    n: usize,
+    agent: &Agent<V>,
+    num_routes: usize,
+    num_fields: usize,
+) -> Result<(), CrowdError> {
+    let far = agent.position.length();
+    check("agent.position", n, far, agent.position.is_finite() && far <= 1e5, "finite and within 1e5 m")?;
+    let radius = agent.radius;
+    check("agent.radius", n, radius, radius > 1e-3 && radius < 1e3, "between 0.001 and 1000")?;
+    let most = agent.acceleration;
+    check("agent.acceleration", n, most, most > 1e-2 && most < 1e4, "between 0.01 and 10000")?;
+    check("agent.speed", n, agent.speed, (0.0..1e3).contains(&agent.speed), "between 0 and 1000")?;
+    let fast = agent.velocity.length();
+    check("agent.velocity", n, fast, agent.velocity.is_finite() && fast < 1e3, "finite and below 1000")?;
+    if let Some(route) = agent.route {
+        check_index("route", Some(Id::first(n)), route, num_routes)?;
+    }
+    Ok(check_index("field", Some(Id::first(n)), agent.field, num_fields)?)
+}
+
+/// Box along the axes around all places that are named.
+fn extents<V: Space>(setup: &Setup<V>) -> (V, V) {
+    let agents = setup.agents.iter().map(|m| m.position);
+    let mut places =
+        agents.chain(setup.routes.iter().flat_map(|r| r.subgoals.iter().copied())).filter(|p| p.is_finite());
+    let first = places.next().unwrap_or_default();
+    places.fold((first, first), |(low, high), p| (low.min(p), high.max(p)))
+}

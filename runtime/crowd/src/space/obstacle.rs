@@ -1,0 +1,80 @@
+//! What stands or moves in the way.
+
+use glam::Vec3;
+use serde::{Deserialize, Serialize};
+
+/// Something that nobody enters.
+#[non_exhaustive]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Obstacle<V = Vec3> {
+    /// A disc or ball that stays where it is.
+    Ball {
+        /// Centre (m).
+        centre: V,
+        /// (m, > 0)
+        radius: f32,
+    },
+    /// A disc or ball on its way through points, at constant speed between two of them; it stops for nobody. Agents
+    /// get out of its way as far as they can: a trapped one is struck, and a [`crate::EventKind::Struck`] tells so.
+    Mover {
+        /// Where it is at which time. Before the first and after the last it stands still.
+        /// (s, m, >= 1, times rise)
+        way: Vec<(f64, V)>,
+        /// (m, > 0)
+        radius: f32,
+    },
+    /// A wall, or in 3-D a rod or column: all that is within `radius` of a line from `from` to `to`.
+    Wall {
+        /// One end (m).
+        from: V,
+        /// The other end (m).
+        to: V,
+        /// Half its thickness (m, >= 0).
+        radius: f32,
+    },
+    /// A solid polygon in 2-D, its corners in order around it.
+    Polygon {
+        /// (m, >= 3)
+        corners: Vec<V>,
+    },
+    /// A solid box along the axes, a rectangle in 2-D.
+    Box {
+        /// Smallest coordinates (m).
+        min: V,
+        /// Largest coordinates (m, > min).
+        max: V,
+    },
+}
+
+/// Something that draws agents near or drives them away: a window display, a puddle (Kim, Kim and Shin 2003b, eq. 17, second term).
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Interest<V = Vec3> {
+    /// Where it is (m).
+    pub position: V,
+    /// c_int in eq. 17 at its place, less with the distance: above 0 attracts, below 0 repels (m/s2).
+    pub strength: f32,
+    /// How far it is felt (m, > 0).
+    pub reach: f32,
+}
+
+impl<V> Obstacle<V> {
+    /// The same in another space.
+    pub fn map<W>(self, f: impl Fn(V) -> W) -> Obstacle<W> {
+        match self {
+            Self::Ball { centre, radius } => Obstacle::Ball { centre: f(centre), radius },
+            Self::Mover { way, radius } => {
+                Obstacle::Mover { way: way.into_iter().map(|(time, at)| (time, f(at))).collect(), radius }
+            }
+            Self::Wall { from, to, radius } => Obstacle::Wall { from: f(from), to: f(to), radius },
+            Self::Polygon { corners } => Obstacle::Polygon { corners: corners.into_iter().map(f).collect() },
+            Self::Box { min, max } => Obstacle::Box { min: f(min), max: f(max) },
+        }
+    }
+}
+
+impl<V> Interest<V> {
+    /// The same in another space.
+    pub fn map<W>(self, f: impl Fn(V) -> W) -> Interest<W> {
+        Interest { position: f(self.position), strength: self.strength, reach: self.reach }
+    }
+}

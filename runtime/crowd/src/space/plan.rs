@@ -1,0 +1,94 @@
+//! What an agent does until its next event: a parabola through space.
+
+use crate::Space;
+use serde::{Deserialize, Serialize};
+
+/// One agent's motion from its last event to its next one, as everybody near it may rely on.
+///
+/// The acceleration is constant; where it brakes to rest, until it stands. All others keep out of the
+/// [`Plan::stop_region`] that it has until `end`, see [`crate::safety::rule`].
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Plan<V> {
+    /// Last event (s).
+    pub start: f64,
+    /// Next event (s).
+    pub end: f64,
+    /// At the start (m).
+    pub position: V,
+    /// At the start (m/s).
+    pub velocity: V,
+    /// Until it stands (m/s2).
+    pub acceleration: V,
+    /// Time from the start after which it stands (s).
+    pub moving: f32,
+    /// Of its disc or ball (m).
+    pub radius: f32,
+    /// Largest acceleration (m/s2).
+    pub limit: f32,
+    /// Whose it is.
+    pub index: u32,
+}
+
+impl<V: Space> Plan<V> {
+    /// Position and velocity, `after` seconds from the start.
+    #[inline]
+    pub fn after(&self, after: f32) -> (V, V) {
+        let dt = after.min(self.moving);
+        let velocity = if after < self.moving { self.velocity + self.acceleration * dt } else { V::default() };
+        (self.position + (self.velocity + self.acceleration * (0.5 * dt)) * dt, velocity)
+    }
+
+    /// Position and velocity at a time, not before the start.
+    #[inline]
+    pub fn at(&self, time: f64) -> (V, V) {
+        self.after((time - self.start) as f32)
+    }
+
+    /// Brakes from here on with all its force.
+    pub fn brake(&mut self) {
+        let speed = self.velocity.length();
+        self.moving = speed / self.limit;
+        self.acceleration = if speed > 0.0 { self.velocity * -(self.limit / speed) } else { V::default() };
+    }
+
+    /// Ends of the way of its centre if it brakes with all its force, `after` seconds from the start: with the radius
+    /// around it, the stop region.
+    #[inline]
+    pub fn stop_region(&self, after: f32) -> (V, V) {
+        let (x, v) = self.after(after);
+        (x, stop(x, v, self.limit))
+    }
+}
+
+/// Where an agent that brakes with all its force comes to rest.
+#[inline]
+pub(crate) fn stop<V: Space>(position: V, velocity: V, limit: f32) -> V {
+    position + velocity * (velocity.length() * 0.5 / limit)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::Vec2;
+
+    #[test]
+    fn braking_ends_where_the_stop_region_says() {
+        let mut plan = Plan {
+            position: Vec2::new(1.0, 2.0),
+            velocity: Vec2::new(1.2, -0.5),
+            limit: 5.0,
+            radius: 0.3,
+            end: 1.0,
+            ..Plan::default()
+        };
+        let end = stop(plan.position, plan.velocity, plan.limit);
+        plan.brake();
+        let (x, v) = plan.after(2.0);
+        assert!((x - end).length() < 1e-6 && v == Vec2::ZERO, "{x} {end}");
+        for i in 0..20 {
+            let (from, to) = plan.stop_region(i as f32 * 0.02);
+            assert!((to - end).length() < 1e-5, "the end of the stop region stays, {to}");
+            assert!((from - plan.position).length() <= (end - plan.position).length() + 1e-6);
+        }
+    }
+}

@@ -1,0 +1,243 @@
+//! The density grid: how many agents are where, and how they move, seen from afar.
+
+use crate::Space;
+use serde::{Deserialize, Serialize};
+use throng_base::prefetch;
+
+/// Most squares for each agent that there can be.
+const MOST: usize = 16;
+/// Bits of a word.
+const WORD: usize = u64::BITS as usize;
+/// To be added to a number so that its last bit stands for 1 (numbers up to 2^22, up or down; squares farther away
+/// are larger or smaller than others).
+const INTEGER: f32 = (3 << 22) as f32;
+
+/// More than this cannot be counted one by one.
+const MOST_IN: f32 = (1 << 24) as f32;
+/// By how much rounding may make a sum of vectors longer than all of them together, as a factor.
+const ROUNDING: f32 = 1.001;
+
+/// How many agents are in each square of a grid, how they move and where they want to go, a short time ago.
+///
+/// An agent that looks for its way sees beyond its neighbours where others want to go the same way and where they come
+/// toward it: so lanes form before it meets anybody. The grid is a torus, as that of the cells.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub(crate) struct DensityGrid<V> {
+    per_m: f32,
+    bits: [u32; 3],
+    squares: Vec<Square<V>>,
+    /// A bit for each square, set where somebody is in it: so few that they stay in the processor's caches, while of a
+    /// large crowd that is spread out hardly any square does. Not kept, see [`DensityGrid::mark`].
+    #[serde(skip)]
+    anybody: Vec<u64>,
+    /// Where nobody is.
+    #[serde(skip)]
+    empty: Square<V>,
+}
+
+/// The agents in one square: how many, and the sums of how they move and of the unit vectors along which they want to.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Square<V> {
+    num: f32,
+    velocity: V,
+    intent: V,
+}
+
+impl<V: Space> Square<V> {
+    /// True if the sums can be those of as many agents, each no faster than `fastest`.
+    fn may_be(&self, fastest: f32) -> bool {
+        let most = |sum: V, each: f32| sum.is_finite() && sum.length() <= each * self.num * ROUNDING;
+        (0.0..=MOST_IN).contains(&self.num) && most(self.velocity, fastest) && most(self.intent, 1.0)
+    }
+
+    /// How many are there.
+    #[inline]
+    pub fn num(&self) -> f32 {
+        self.num
+    }
+
+    /// How much the agents of a square are in the way of one that goes along a unit vector, here divided by its speed: the
+    /// sum of how much slower than it each of them goes its way, as a share of its speed: 1 for one that stands, 2 for one
+    /// that comes toward it, 0 for one that goes along. One is left out: a few are seen better one by one.
+    #[inline]
+    pub fn against(&self, along_per_speed: V) -> f32 {
+        (self.num - self.velocity.dot(along_per_speed) - 1.0).max(0.0)
+    }
+
+    /// How many want to go against a unit vector; one that wants to cross it, or to stay, counts as half.
+    #[inline]
+    pub fn opposed(&self, along: V) -> f32 {
+        0.5 * (self.num - self.intent.dot(along)).max(0.0)
+    }
+
+    /// How many want to go along a unit vector; one that wants to cross it, or to stay, counts as half.
+    #[inline]
+    pub fn agreed(&self, along: V) -> f32 {
+        0.5 * (self.num + self.intent.dot(along)).max(0.0)
+    }
+}
+
+impl<V: Space> DensityGrid<V> {
+    /// Nobody anywhere; for squares of a side, most of them within `size`.
+    pub fn new(side: f32, size: V, capacity: usize) -> Self {
+        let mut bits = [0; 3];
+        for (axis, &length) in size.coordinates().iter().take(V::DIMENSIONS).enumerate() {
+            bits[axis] = ((length / side).min(1e6) as usize + 8).next_power_of_two().trailing_zeros();
+        }
+        while 1usize << bits.iter().sum::<u32>() > MOST * capacity.max(64) {
+            let longest = (0..3).max_by_key(|&axis| (bits[axis], axis)).unwrap_or(0);
+            bits[longest] -= 1;
+        }
+        let squares = vec![Square::default(); 1 << bits.iter().sum::<u32>()];
+        let anybody = vec![0; squares.len().div_ceil(WORD)];
+        Self { per_m: side.recip(), bits, squares, anybody, empty: Square::default() }
+    }
+
+    /// Squares in a metre.
+    #[inline]
+    pub fn per_m(&self) -> f32 {
+        self.per_m
+    }
+
+    /// Side of a square (m).
+    #[cfg(test)]
+    pub fn side(&self) -> f32 {
+        self.per_m.recip()
+    }
+
+    /// The square at a place (squares, see [`DensityGrid::per_m`]).
+    #[inline]
+    pub fn square(&self, at: V) -> &Square<V> {
+        let number = self.number(at);
+        if self.is_anybody_in(number) { &self.squares[number] } else { &self.empty }
+    }
+
+    /// Prefetches the squares along a way that hold agents (squares, see [`DensityGrid::per_m`]).
+    #[inline]
+    pub fn prefetch(&self, ways: impl Iterator<Item = V>) {
+        for at in ways {
+            let number = self.number(at);
+            if self.is_anybody_in(number) {
+                prefetch(&self.squares[number]);
+            }
+        }
+    }
+
+    #[inline]
+    fn is_anybody_in(&self, number: usize) -> bool {
+        self.anybody[number / WORD] >> (number % WORD) & 1 == 1
+    }
+
+    /// Number of a square.
+    #[inline]
+    fn number(&self, at: V) -> usize {
+        let at = at.coordinates();
+        let fold = |axis: usize| {
+            // The last bits of such a float are an integer: the nearest one, if not the one below.
+            let nearest = at[axis] + INTEGER;
+            let above = u32::from(nearest - INTEGER > at[axis]);
+            nearest.to_bits().wrapping_sub(above) & ((1 << self.bits[axis]) - 1)
+        };
+        let deep = if V::DIMENSIONS == 3 { fold(2) << self.bits[1] } else { 0 };
+        (((deep | fold(1)) << self.bits[0]) | fold(0)) as usize
+    }
+
+    /// Forgets everybody.
+    pub fn clear(&mut self) {
+        for (word, squares) in self.anybody.iter_mut().zip(self.squares.chunks_mut(WORD)) {
+            let mut left = std::mem::take(word);
+            while left != 0 {
+                squares[left.trailing_zeros() as usize] = Square::default();
+                left &= left - 1;
+            }
+        }
+    }
+
+    /// Adds an agent that wants to go along a unit vector, or nowhere.
+    #[inline]
+    pub fn add(&mut self, position: V, velocity: V, intent: V) {
+        let number = self.number(position * self.per_m);
+        self.anybody[number / WORD] |= 1 << (number % WORD);
+        let square = &mut self.squares[number];
+        square.num += 1.0;
+        square.velocity += velocity;
+        square.intent += intent;
+    }
+
+    #[cfg(test)]
+    pub fn num_squares(&self) -> usize {
+        self.squares.len()
+    }
+
+    /// True where it is as large as another one.
+    pub fn fits(&self, other: &Self) -> bool {
+        (self.per_m, self.bits, self.squares.len()) == (other.per_m, other.bits, other.squares.len())
+    }
+
+    /// True where agents that are no faster than `fastest` may have been added to it.
+    pub fn may_be(&self, fastest: f32) -> bool {
+        self.squares.iter().all(|s| s.may_be(fastest))
+    }
+
+    /// Finds out in which squares somebody is, for one that was kept.
+    pub fn mark(&mut self) {
+        let word = |some: &[Square<V>]| (0..).zip(some).fold(0, |word, (i, s)| word | u64::from(s.num > 0.0) << i);
+        self.anybody = self.squares.chunks(WORD).map(word).collect();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::Vec2;
+    use proptest::prelude::*;
+
+    /// From one whole number on to where the next one is.
+    fn share() -> impl Strategy<Value = f32> {
+        prop_oneof![Just(0.0f32), 0.0f32..0.99]
+    }
+
+    proptest! {
+        #[test]
+        fn squares_begin_at_whole_numbers(
+            corner in [-3000i16..3000, -3000i16..3000], inside in [share(), share()],
+        ) {
+            let mut grid = DensityGrid::new(1.0, Vec2::splat(20.0), 10);
+            prop_assert_eq!(grid.per_m(), 1.0);
+            let corner = Vec2::from_array(corner.map(f32::from));
+            grid.add(corner + Vec2::from_array(inside), Vec2::ZERO, Vec2::ZERO);
+            let middle = corner + 0.5;
+            for at in [middle, middle + 0.49, middle - 0.49, middle + Vec2::new(0.49, -0.49)] {
+                prop_assert_eq!(grid.square(at).num(), 1.0);
+            }
+            for beside in [Vec2::X, Vec2::Y, -Vec2::X, -Vec2::Y, Vec2::splat(7.0)] {
+                prop_assert_eq!(grid.square(middle + beside).num(), 0.0);
+            }
+        }
+    }
+
+    #[test]
+    fn tells_oncoming_from_following_agents() {
+        let mut grid = DensityGrid::new(1.2, Vec2::splat(20.0), 10);
+        let at = Vec2::new(5.0, -3.0);
+        for _ in 0..3 {
+            grid.add(at, Vec2::new(1.3, 0.0), Vec2::X);
+        }
+        grid.add(at, Vec2::ZERO, Vec2::NEG_X);
+        let there = at * grid.per_m();
+        let square = *grid.square(there);
+        assert_eq!(square.num(), 4.0);
+        assert!(square.against(Vec2::X / 1.3).abs() < 1e-5, "the one who stands is left out");
+        assert!((square.against(Vec2::NEG_X / 1.3) - 6.0).abs() < 1e-5, "2 each");
+        assert!((square.against(Vec2::Y / 1.3) - 3.0).abs() < 1e-5, "1 each for those who cross, less one");
+        assert_eq!((square.agreed(Vec2::X), square.opposed(Vec2::X)), (3.0, 1.0));
+        assert_eq!((square.agreed(Vec2::Y), square.opposed(Vec2::Y)), (2.0, 2.0));
+        assert_eq!(grid.square(there + Vec2::X).num(), 0.0);
+        let mut kept = DensityGrid { anybody: Vec::new(), ..grid.clone() };
+        kept.mark();
+        assert_eq!(kept.anybody, grid.anybody);
+        grid.clear();
+        assert!(grid.squares.iter().all(|s| *s == Square::default()) && grid.anybody.iter().all(|w| *w == 0));
+        assert_eq!(grid.square(there).num(), 0.0);
+    }
+}

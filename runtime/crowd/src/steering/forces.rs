@@ -1,0 +1,175 @@
+//! The force field at one instant (Kim, Kim and Shin 2003b, section 2.2).
+
+use crate::space::solid::Solid;
+use crate::steering::config::SteeringConfig;
+use crate::steering::density_grid::DensityGrid;
+use crate::steering::far_field::{Lean, coming, evades};
+use crate::steering::keep_right::{between_walls, keeps_right};
+use crate::steering::sight::{Seen, Sight};
+use crate::{Field, Forces, Interest, Space};
+use throng_base::simd::vectorize;
+
+/// The agent that the forces act on.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Walker<V> {
+    pub position: V,
+    pub velocity: V,
+    pub radius: f32,
+    /// Largest acceleration.
+    pub limit: f32,
+    /// Unit vector along the route.
+    pub desired: V,
+    /// Desired speed.
+    pub speed: f32,
+    /// Way to the goal.
+    pub left: f32,
+    /// It steps back, and keeps no room in front.
+    pub retreats: bool,
+    /// From the centre of its bound to where it is, x - x^ in eq. 23.
+    pub off_centre: V,
+}
+
+/// What acts on it.
+pub(crate) struct Surroundings<'a, V> {
+    pub seen: &'a [Seen<V>],
+    /// All solids that stand.
+    pub solids: &'a [Solid<V>],
+    /// Which of them are near.
+    pub near: &'a [u32],
+    /// Which of them it sees beside it, as [`between_walls`] wants them.
+    pub walls: &'a [u32],
+    pub grid: &'a DensityGrid<V>,
+    pub interests: &'a [Interest<V>],
+    pub steering: &'a SteeringConfig,
+}
+
+/// Forces on a walker.
+///
+/// Differs from Kim, Kim and Shin (2003b): the turning force has a part that looks ahead, toward the direction that leads on fastest (see
+/// [`Sight`]), beside eq. 22, which only knows who is near; the weights of eq. 16 take the desired velocity where that
+/// is larger, so that agents that were stopped try to go on. New are the room and the time that are kept behind agents in front
+/// (see [`pace`]), the preference for directions in which others want the same, which makes lanes (see
+/// [`crate::steering::far_field`]), that everybody keeps to the right between walls (see [`crate::steering::keep_right`]), and that the few step back
+/// before the many in a jam (see [`crate::steering::retreat`]).
+pub(crate) fn forces<V: Space>(me: &Walker<V>, field: &Field, around: &Surroundings<'_, V>) -> Forces<V> {
+    let &Surroundings { seen, solids, near, walls, grid, interests, steering } = around;
+    let mut sight = Sight::along(me.desired, me.speed, field.horizon_s, steering);
+    vectorize(|| sight.see_all(seen, -me.radius, field.comfort_m, minded_within(field, steering)));
+    for &s in near {
+        sight.see_solid(&solids[s as usize], me.position, me.radius);
+    }
+    let [coming, farther] = coming(grid, me.position, me.desired, me.left, steering);
+    let looks_out = coming + farther > 0.0 && !walls.is_empty();
+    let between = looks_out.then(|| between_walls(solids, walls, me.position, me.desired.right(), steering)).flatten();
+    let to_the_right = if me.retreats { 0.0 } else { keeps_right(coming, between, steering) };
+    let evades = if between.is_some() { 0.0 } else { evades(field, coming + farther, steering) };
+    let lean = Lean { coming, to_the_right, evades };
+    let (heading, free) = sight.choose(field, me, grid, &lean);
+    // Slower where the way is not free for long.
+    let mut speed = me.speed * (free / steering.clear_s).min(1.0);
+    let rate = field.relaxation_s.recip();
+    let driving = (me.desired * me.speed - me.velocity) * rate;
+    // Room behind agents in front; none to step aside, or to get in between agents that stand at their goals.
+    let room_kept = if me.retreats { 0.0 } else { (me.left / steering.pressing_m).min(1.0) };
+    let headway = field.headway_m * room_kept * heading.dot(me.desired).max(0.0).powi(2);
+    let mut f = Forces { driving, safety: me.off_centre * -field.safety, ..Forces::default() };
+    for interest in interests {
+        let (toward, distance) = (interest.position - me.position).unit_and_length();
+        f.interaction += toward * (interest.strength * (1.0 - distance / interest.reach).max(0.0));
+    }
+    let mut escape = V::default();
+    let far = felt_within(me, field);
+    for other in seen {
+        if other.distance - other.radii < far && other.distance > 0.0 {
+            feel(&mut f, me, field, other);
+            speed = speed.min(pace(heading, (headway, field.headway_s), steering.front_width, other));
+        }
+        if !other.yields {
+            escape += dodge(me, field, other);
+        }
+    }
+    for &s in near {
+        let (away, distance) = solids[s as usize].away(me.position);
+        if distance - me.radius < far && distance > 0.0 {
+            let offset = -away * distance;
+            feel(&mut f, me, field, &Seen { offset, velocity: V::default(), distance, radii: me.radius, yields: true });
+        }
+    }
+    f.turning += (heading * speed - me.desired * me.speed) * rate;
+    // An agent about to be run over does nothing but escape.
+    let rest = 1.0 - (escape.length() / me.limit).min(1.0);
+    f.driving = f.driving * rest;
+    f.turning = f.turning * rest + escape;
+    f
+}
+
+/// Gap within which others exert forces, beside being seen (m).
+#[inline]
+pub(crate) fn felt_within<V: Space>(me: &Walker<V>, field: &Field) -> f32 {
+    let behind_one = field.headway_m + field.headway_s * me.speed;
+    field.turning_m.max(field.decelerating_m).max(field.repulsion_m).max(behind_one)
+}
+
+/// Time beyond which a contact does not matter (s).
+#[inline]
+pub(crate) fn minded_within(field: &Field, steering: &SteeringConfig) -> f32 {
+    field.horizon_s.max(steering.open_s).max(steering.clear_s)
+}
+
+/// Largest speed along a heading behind another agent: with time to brake when that one does, and room left when both
+/// stand. So a dense group keeps gaps for others to pass, and those behind do not press.
+#[inline]
+fn pace<V: Space>(heading: V, (room, time): (f32, f32), front_width: f32, other: &Seen<V>) -> f32 {
+    let along = other.offset.dot(heading);
+    let beside = other.distance * other.distance - along * along;
+    let wide = other.radii * front_width;
+    if along <= 0.0 || beside > wide * wide {
+        return f32::INFINITY;
+    }
+    let gap = along - (other.radii * other.radii - beside).sqrt();
+    other.velocity.dot(heading).max(0.0) + ((gap - room) / time).max(0.0)
+}
+
+/// Adds the forces of one neighbour.
+#[inline]
+fn feel<V: Space>(f: &mut Forces<V>, me: &Walker<V>, field: &Field, other: &Seen<V>) {
+    let gap = other.distance - other.radii;
+    let toward = other.offset * other.distance.recip();
+    if gap < field.repulsion_m {
+        f.interaction += toward * (-field.repulsion * (1.0 - gap / field.repulsion_m));
+    }
+    let speed = me.velocity.dot(toward);
+    if speed <= 0.0 {
+        return;
+    }
+    if gap < field.decelerating_m {
+        let push = f.driving.dot(toward).max(0.0);
+        let weight = (field.braking * speed).min(1.0);
+        f.decelerating += toward * (-weight * (1.0 - gap / field.decelerating_m) * push);
+    }
+    let relative = other.velocity - me.velocity;
+    let approach = relative.dot(toward);
+    if gap < field.turning_m && approach < 0.0 {
+        let near = 1.0 - gap / field.turning_m;
+        f.damping += toward * ((field.braking * speed).min(1.0) * field.damping * approach * near);
+        // To the side that the relative motion leaves free; to the right where it leaves none.
+        let across = relative - toward * approach;
+        let side = across.length_squared();
+        let away = if side > 1e-4 { across * -side.sqrt().recip() } else { toward.right() };
+        f.turning += away * (field.avoiding * speed * field.turning * near);
+    }
+}
+
+/// Acceleration that escapes a moving obstacle: it makes the nearest approach far enough.
+fn dodge<V: Space>(me: &Walker<V>, field: &Field, other: &Seen<V>) -> V {
+    let relative = other.velocity - me.velocity;
+    let time = -other.offset.dot(relative) / relative.length_squared().max(1e-12);
+    if !(0.0..2.0 * field.horizon_s).contains(&time) {
+        return V::default();
+    }
+    let (away, miss) = (-(other.offset + relative * time)).unit_and_length();
+    let away = if miss > 1e-3 { away } else { relative.unit_and_length().0.right() };
+    let missing = other.radii + field.comfort_m + field.repulsion_m - miss;
+    // In half the time that is left.
+    away * (8.0 * missing.max(0.0) / (time * time).max(1e-3)).min(me.limit)
+}

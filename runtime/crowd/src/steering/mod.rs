@@ -1,0 +1,12 @@
+//! What an agent would do at an event: a force field over what it sees near and far.
+
+pub(crate) mod config;
+pub(crate) mod density_grid;
+pub(crate) mod far_field;
+pub(crate) mod field;
+pub(crate) mod filter;
+pub(crate) mod forces;
+pub(crate) mod keep_right;
+pub(crate) mod neighbours;
+pub(crate) mod retreat;
+pub(crate) mod sight;

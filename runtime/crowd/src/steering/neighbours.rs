@@ -1,0 +1,354 @@
+//! The neighbour query: who is registered near an agent, found once in each event, eight at a time.
+
+use crate::Space;
+use crate::space::batch::{Eight, Vectors, bits, nth};
+use crate::space::cells::{Cells, Kept};
+use crate::steering::forces::Walker;
+use crate::steering::sight::Seen;
+use throng_base::simd::{LANES, Lanes, Work, dispatch};
+
+/// About the time of the first contact: the agent that is nearest then is met early (s).
+const SOON_S: f32 = 0.2;
+
+/// Eight neighbours, as an agent finds them at its event.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Found<V, F> {
+    /// From the agent that looks (m).
+    pub offset: Vectors<V, F>,
+    /// (m/s)
+    pub velocity: Vectors<V, F>,
+    /// Of the centres (m).
+    pub distance: F,
+    /// Distance less the radii (m).
+    pub gap: F,
+    /// Speed of the agent that looks toward them, and theirs away from it (m/s).
+    pub toward: F,
+    pub away: F,
+    /// How far ahead they are, along where the agent wants to go (m).
+    pub ahead: F,
+    /// Their radii (m).
+    pub radius: F,
+    /// Their largest accelerations (m/s2).
+    pub limit: F,
+}
+
+/// What is kept of eight neighbours or fewer, as in [`Found`], for a new plan: more is needed of few of them only, once
+/// the length of the plan is known.
+#[derive(Clone, Copy, Debug, Default)]
+#[repr(C, align(64))]
+pub(crate) struct Row {
+    pub gap: Eight,
+    pub toward: Eight,
+    pub away: Eight,
+    pub limit: Eight,
+    /// How long their plans go on (s).
+    pub until: Eight,
+    pub agents: [u32; LANES],
+    /// Bit i is set where the i-th is somebody.
+    pub there: u8,
+}
+
+/// Room for rows, which are written in place.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Rows {
+    rows: Vec<Row>,
+    len: usize,
+    /// Row and place of the neighbour with the smallest gap a short time on.
+    nearest: Option<(u32, usize)>,
+    /// That gap (m).
+    least: f32,
+}
+
+impl Rows {
+    /// Memory for so many.
+    pub fn new(capacity: usize) -> Self {
+        Self { rows: vec![Row::default(); capacity], ..Self::default() }
+    }
+
+    /// Those that were found.
+    #[inline]
+    pub fn all(&self) -> &[Row] {
+        &self.rows[..self.len]
+    }
+
+    /// Row and place of a neighbour that is met early, if there is one.
+    #[inline]
+    pub fn nearest(&self) -> Option<(usize, usize)> {
+        self.nearest.map(|(row, place)| (row as usize, place))
+    }
+
+    /// Forgets all of them.
+    #[inline]
+    fn clear(&mut self) {
+        (self.len, self.nearest, self.least) = (0, None, f32::INFINITY);
+    }
+
+    /// Adds eight or fewer.
+    #[inline(always)]
+    fn push<V: Space, F: Lanes>(&mut self, agents: [u32; LANES], there: u8, until: &Eight, found: &Found<V, F>) {
+        let soon = found.gap + (found.away - found.toward) * F::splat(SOON_S);
+        let nearer = there & soon.bits_lt(F::splat(self.least));
+        if nearer != 0 {
+            let soon = soon.to_array();
+            for i in bits(nearer) {
+                if soon[i] < self.least {
+                    (self.least, self.nearest) = (soon[i], Some((self.len as u32, i)));
+                }
+            }
+        }
+        if self.len == self.rows.len() {
+            self.rows.push(Row::default());
+        }
+        let row = &mut self.rows[self.len];
+        self.len += 1;
+        (row.agents, row.there, row.until) = (agents, there, *until);
+        found.gap.store(&mut row.gap);
+        found.toward.store(&mut row.toward);
+        found.away.store(&mut row.away);
+        found.limit.store(&mut row.limit);
+    }
+}
+
+/// A query for everybody who is registered in a cell and its neighbours.
+pub(crate) struct Look<'a, V> {
+    pub cells: &'a Cells<V>,
+    /// Coordinates of the cell.
+    pub at: [i32; 3],
+    pub time: f64,
+    /// The agent that looks.
+    pub agent: u32,
+    pub me: &'a Walker<V>,
+    pub heed: Heed,
+}
+
+/// Which neighbours an agent reacts to.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Heed {
+    /// How far it sees (m).
+    pub perception: f32,
+    /// Gap within which it feels others (m).
+    pub felt: f32,
+    /// Time within which contacts matter (s).
+    pub horizon: f32,
+    /// Added to the radii of others (m).
+    pub room: f32,
+}
+
+impl<V: Space> Look<'_, V> {
+    /// Finds the neighbours within sight that the agent reacts to: those near enough for forces, and those in front that it
+    /// may meet if it goes straight at them (see [`crate::steering::sight::Sight::see_all`]). For a new plan, `rows` are
+    /// all others.
+    ///
+    /// - `room`: see [`Cells::agents_around`].
+    pub fn around(&self, room: &mut Vec<u32>, seen: &mut Vec<Seen<V>>, rows: Option<&mut Rows>) {
+        let around = self.cells.agents_around(self.at, room);
+        dispatch(Around { look: self, around, seen, rows });
+    }
+
+    #[inline(always)]
+    fn find<F: Lanes>(&self, kept: [&Kept; LANES]) -> Found<V, F> {
+        let age: Eight = kept.map(|k| (self.time - k.start) as f32);
+        let (plans, radius) = Kept::side_by_side::<V, F>(kept);
+        let (position, velocity) = plans.after(F::load(&age));
+        let offset = position - Vectors::splat(self.me.position);
+        let distance = offset.length_squared().sqrt();
+        let per_distance = F::splat(1.0) / distance.max(F::splat(1e-6));
+        Found {
+            offset,
+            velocity,
+            distance,
+            gap: distance - radius - F::splat(self.me.radius),
+            toward: Vectors::splat(self.me.velocity).dot(offset) * per_distance,
+            away: velocity.dot(offset) * per_distance,
+            ahead: Vectors::splat(self.me.desired).dot(offset),
+            radius,
+            limit: plans.limit,
+        }
+    }
+
+    /// Neighbours that the agent reacts to.
+    #[inline(always)]
+    fn heeds<F: Lanes>(&self, f: &Found<V, F>) -> u8 {
+        let heed = &self.heed;
+        let felt = f.gap.bits_lt(F::splat(heed.felt));
+        // Straight at them it comes nearer with its desired speed, less their own speed away from it.
+        let reach = F::splat(heed.horizon) * (F::splat(self.me.speed) - f.away);
+        let met = (f.gap - F::splat(heed.room)).bits_lt(reach);
+        let is_ahead = F::splat(-self.me.radius).bits_lt(f.ahead);
+        f.distance.bits_lt(F::splat(heed.perception)) & (felt | met & is_ahead)
+    }
+
+    /// Adds some of eight to the neighbours that are seen.
+    #[inline(always)]
+    fn see<F: Lanes>(&self, f: &Found<V, F>, which: u8, seen: &mut Vec<Seen<V>>) {
+        let (offset, velocity) = (f.offset.to_arrays(), f.velocity.to_arrays());
+        let (distance, radius) = (f.distance.to_array(), f.radius.to_array());
+        for i in bits(which) {
+            seen.push(Seen {
+                offset: nth(&offset, i),
+                velocity: nth(&velocity, i),
+                distance: distance[i],
+                radii: self.me.radius + radius[i],
+                yields: true,
+            });
+        }
+    }
+}
+
+/// See [`Look::around`].
+struct Around<'a, V> {
+    look: &'a Look<'a, V>,
+    around: &'a [u32],
+    seen: &'a mut Vec<Seen<V>>,
+    rows: Option<&'a mut Rows>,
+}
+
+impl<V: Space> Work for Around<'_, V> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<F: Lanes>(self) {
+        let Self { look, around, seen, mut rows } = self;
+        if let Some(rows) = &mut rows {
+            rows.clear();
+        }
+        for some in around.chunks(LANES) {
+            // Of fewer than eight, the first one fills the free places.
+            let agents: [u32; LANES] = std::array::from_fn(|i| some.get(i).copied().unwrap_or(some[0]));
+            let own = (0..LANES).fold(0u8, |own, i| own | u8::from(agents[i] == look.agent) << i);
+            let there = (0xFFu32 >> (LANES - some.len())) as u8 & !own;
+            let kept = agents.map(|m| look.cells.kept(m));
+            let found = look.find::<F>(kept);
+            let heeded = there & look.heeds(&found);
+            if heeded != 0 {
+                look.see(&found, heeded, seen);
+            }
+            if let Some(rows) = &mut rows {
+                let until: Eight = kept.map(|k| (k.end - look.time) as f32);
+                rows.push(agents, there, &until, &found);
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+pub(crate) mod tests {
+    use super::*;
+    use crate::space::plan::Plan;
+    use crate::steering::config::SteeringConfig;
+    use crate::steering::sight::Sight;
+    use glam::{Vec2, Vec3};
+    use proptest::prelude::*;
+
+    const HEED: Heed = Heed { perception: 2.0, felt: 0.3, horizon: 1.0, room: 0.02 };
+
+    /// Time at which the tests look.
+    pub(crate) const NOW: f64 = 10.0;
+
+    /// Agents of different ages, radii and lengths of plans that go about and brake, for the tests of what looks at rows.
+    pub(crate) fn crowd<V: Space>() -> impl Strategy<Value = Vec<Plan<V>>> {
+        let vector = || [-3.0f32..3.0, -3.0f32..3.0, -3.0f32..3.0].prop_map(V::from_coordinates);
+        let times = (0.0f64..0.3, 0.01f64..0.5);
+        let plan = (vector(), vector(), vector(), times, 0.1f32..0.4, any::<bool>()).prop_map(
+            |(position, v, a, (age, until), radius, brakes)| {
+                let mut plan = Plan {
+                    start: NOW - age,
+                    end: NOW + until,
+                    position,
+                    velocity: v * 0.5,
+                    acceleration: (a * 2.5).at_most(5.0),
+                    moving: f32::INFINITY,
+                    radius,
+                    limit: 5.0,
+                    ..Plan::default()
+                };
+                if brakes {
+                    plan.brake();
+                }
+                plan
+            },
+        );
+        proptest::collection::vec(plan, 2..60).prop_map(|mut plans| {
+            (0..).zip(&mut plans).for_each(|(index, p)| p.index = index);
+            plans
+        })
+    }
+
+    /// Cells with agents in them.
+    fn cells_of<V: Space>(plans: &[Plan<V>]) -> Cells<V> {
+        let mut cells = Cells::new(2.5, V::from_coordinates([9.0; 3]), plans.len());
+        for plan in plans {
+            cells.insert(cells.number(cells.coordinates(plan.position)), plan);
+        }
+        cells
+    }
+
+    /// Cells with agents in them, and what the first one finds around it.
+    pub(crate) fn rows_around<V: Space>(plans: &[Plan<V>]) -> (Cells<V>, Rows) {
+        let cells = cells_of(plans);
+        let (position, velocity) = plans[0].at(NOW);
+        let me = Walker { position, velocity, radius: plans[0].radius, limit: 5.0, ..Walker::default() };
+        let at = cells.coordinates(plans[0].position);
+        let mut rows = Rows::default();
+        let look = Look { cells: &cells, at, time: NOW, agent: 0, me: &me, heed: HEED };
+        look.around(&mut Vec::new(), &mut Vec::new(), Some(&mut rows));
+        (cells, rows)
+    }
+
+    /// All others are found where their plans say, and seen if they matter.
+    fn finds_everybody<V: Space>(plans: &[Plan<V>]) -> Result<(), TestCaseError> {
+        let cells = cells_of(plans);
+        let (position, velocity) = plans[0].at(NOW);
+        let desired = V::from_coordinates([0.6, -0.8, 0.0]);
+        let me = Walker { position, velocity, radius: 0.3, limit: 5.0, desired, speed: 1.3, ..Walker::default() };
+        let at = cells.coordinates(plans[0].position);
+        let see = |heed: Heed| {
+            let look = Look { cells: &cells, at, time: NOW, agent: 0, me: &me, heed };
+            let (mut rows, mut seen) = (Rows::default(), Vec::new());
+            look.around(&mut Vec::new(), &mut seen, Some(&mut rows));
+            (rows, seen)
+        };
+        let (rows, seen) = see(Heed { perception: 1e3, felt: 1e3, ..HEED });
+        let plans = rows.all().iter().flat_map(|r| bits(r.there).map(|i| cells.plan(r.agents[i])));
+        let found: Vec<Plan<V>> = plans.collect();
+        let mut around = Vec::new();
+        cells.around(at, |cell| cells.each(cell, |p| around.push(p.index)));
+        around.sort_unstable();
+        let mut indices: Vec<u32> = found.iter().map(|p| p.index).chain([0]).collect();
+        indices.sort_unstable();
+        prop_assert_eq!(&indices, &around);
+        prop_assert_eq!(seen.len(), found.len());
+        for (plan, seen) in found.iter().zip(&seen) {
+            let (x, v) = plan.at(NOW);
+            prop_assert_eq!((seen.offset, seen.velocity), (x - position, v));
+            prop_assert_eq!((seen.distance, seen.radii), ((x - position).length(), 0.3 + plan.radius));
+        }
+        heeds_who_matters(&me, &seen, &see(HEED).1)
+    }
+
+    /// A neighbour within sight that is skipped exerts no force, and is met before the horizon in no direction.
+    fn heeds_who_matters<V: Space>(me: &Walker<V>, all: &[Seen<V>], seen: &[Seen<V>]) -> Result<(), TestCaseError> {
+        prop_assert!(seen.iter().all(|s| s.distance < HEED.perception));
+        for other in all.iter().filter(|o| o.distance < HEED.perception) {
+            if !seen.iter().any(|s| (s.offset, s.velocity) == (other.offset, other.velocity)) {
+                prop_assert!(other.distance - other.radii > HEED.felt - 1e-5);
+                let mut sight = Sight::along(me.desired, me.speed, HEED.horizon, &SteeringConfig::DEFAULT);
+                sight.see_all(&[*other], -me.radius, 0.01, f32::INFINITY);
+                prop_assert!(sight.soonest() > HEED.horizon, "{other:?} is met after {} s", sight.soonest());
+            }
+        }
+        Ok(())
+    }
+
+    proptest! {
+        #[test]
+        fn finds_everybody_around_on_the_ground(plans in crowd::<Vec2>()) {
+            finds_everybody(&plans)?;
+        }
+
+        #[test]
+        fn finds_everybody_around_in_the_air(plans in crowd::<Vec3>()) {
+            finds_everybody(&plans)?;
+        }
+    }
+}

@@ -1,0 +1,123 @@
+//! The crowd as an application uses it.
+
+use crate::*;
+use glam::Vec3;
+use throng_base::{Error, Inline};
+
+fn ground(x: f32, z: f32) -> Vec3 {
+    Vec3::new(x, 0.0, z)
+}
+
+/// A block, and streets round it.
+fn streets() -> Streets {
+    let block = Obstacle::Box { min: Vec3::new(-2.0, 0.0, -3.0), max: Vec3::new(2.0, 3.0, 3.0) };
+    Streets::new(&[block], 0.4).unwrap()
+}
+
+fn other(e: CrowdError) -> Error {
+    e.into()
+}
+
+#[test]
+fn orders_lead_round_corners_and_stay_until_changed() {
+    let mut crowd = Crowd::on_ground(Setup::in_streets(&streets(), 4)).unwrap();
+    let id = crowd.spawn(Agent::at(ground(-5.0, 0.0))).unwrap();
+    crowd.advance(2.0, &mut |_| {}).unwrap();
+    assert_eq!(crowd.status(id).unwrap(), Status::There, "it has no order yet");
+    assert!(crowd.position(id, 2.0).unwrap().distance(ground(-5.0, 0.0)) < 0.1);
+    crowd.order(id, Go::to(ground(5.0, 0.0))).unwrap();
+    let left = crowd.way_left(id).unwrap();
+    assert!(left > 11.0 && crowd.status(id).unwrap() == Status::Going { left_m: left }, "{left} m round the block");
+    crowd.advance(20.0, &mut |_| {}).unwrap();
+    assert_eq!(crowd.status(id).unwrap(), Status::There);
+    crowd.order(id, Go::to(ground(-5.0, 0.0)).then(AtEnd::Leave).at_speed(2.0)).unwrap();
+    crowd.advance(40.0, &mut |_| {}).unwrap();
+    assert!(matches!(other(crowd.status(id).unwrap_err()), Error::Gone(gone) if gone == id));
+}
+
+#[test]
+fn impossible_orders_are_refused_and_change_nothing() {
+    let mut crowd = Crowd::on_ground(Setup::in_streets(&streets(), 4)).unwrap();
+    let id = crowd.spawn(Agent::at(ground(-5.0, 0.0))).unwrap();
+    let hash = crowd.hash();
+    assert!(matches!(other(crowd.order(id, Go::to(ground(0.0, 0.0))).unwrap_err()), Error::NoWay { .. }));
+    let fast = crowd.order(id, Go::to(ground(5.0, 0.0)).at_speed(9.0)).unwrap_err();
+    assert!(matches!(other(fast), Error::Value { what: "speed", who: Some(who), .. } if who == id));
+    let route = crowd.order(id, Go::on_route(7)).unwrap_err();
+    assert!(matches!(other(route), Error::Index { what: "route", got: 7, .. }));
+    assert!(crowd.order(id, Go::along(vec![ground(0.0, 1.0)])).is_err(), "in the block");
+    assert_eq!(crowd.hash(), hash);
+}
+
+#[test]
+fn placed_agents_go_on_with_their_order_from_there() {
+    let mut crowd = Crowd::on_ground(Setup::in_streets(&streets(), 4)).unwrap();
+    let [a, b] = [-5.0, -8.0].map(|x| crowd.spawn(Agent::at(ground(x, 0.0))).unwrap());
+    crowd.order(a, Go::to(ground(5.0, 0.0))).unwrap();
+    crowd.advance(1.0, &mut |_| {}).unwrap();
+    let hash = crowd.hash();
+    assert!(matches!(other(crowd.place(a, ground(-8.2, 0.0)).unwrap_err()), Error::Occupied { who, .. } if who == a));
+    assert!(crowd.place(a, Vec3::ZERO).is_err() && crowd.hash() == hash, "in the block");
+    crowd.place(a, ground(0.0, 9.0)).unwrap();
+    assert_eq!(crowd.position(a, 1.0), Some(ground(0.0, 9.0)));
+    crowd.advance(15.0, &mut |_| {}).unwrap();
+    assert_eq!([crowd.status(a).unwrap(), crowd.status(b).unwrap()], [Status::There; 2]);
+}
+
+#[test]
+fn blocked_agents_name_who_is_in_front() {
+    let mut setup = Setup::default();
+    setup.config.capacity = 2;
+    (setup.config.largest_radius_m, setup.config.largest_speed_mps) = (0.3, 1.3);
+    for z in [-0.4, 0.4] {
+        setup.obstacles.push(Obstacle::Wall { from: ground(-20.0, z), to: ground(20.0, z), radius: 0.0 });
+    }
+    setup.obstacles.push(Obstacle::Wall { from: ground(3.5, -0.4), to: ground(3.5, 0.4), radius: 0.0 });
+    let mut crowd = Crowd::on_ground(setup).unwrap();
+    let [a, b] = [0.0, 3.0].map(|x| crowd.spawn(Agent::at(ground(x, 0.0))).unwrap());
+    // Too narrow to pass, and the other one cannot go on.
+    crowd.order(a, Go::to(ground(9.0, 0.0))).unwrap();
+    crowd.order(b, Go::to(ground(3.0, 0.0)).within(0.01).at_speed(0.0)).unwrap();
+    crowd.advance(30.0, &mut |_| {}).unwrap();
+    assert_eq!(crowd.status(a).unwrap(), Status::Blocked { by: Some(b) });
+}
+
+#[test]
+fn air_and_ground_have_the_same_interface() {
+    for (in_air, goal) in [(false, Vec3::new(4.0, 0.0, 3.0)), (true, Vec3::new(4.0, 5.0, 3.0))] {
+        let mut setup = Setup { fields: vec![Field::COMMUTER, Field::BIRD], ..Setup::default() };
+        setup.agents.push(Agent { field: usize::from(in_air), ..Agent::at(Vec3::new(0.0, 0.0, 0.0)) });
+        let mut crowd = if in_air { Crowd::in_air(setup) } else { Crowd::on_ground(setup) }.unwrap();
+        let id = crowd.ids().next().unwrap();
+        crowd.order(id, Go::to(goal)).unwrap();
+        crowd.par_advance(15.0, &Inline, &mut |_| {}).unwrap();
+        assert!(crowd.position(id, 15.0).unwrap().distance(goal) < 0.5);
+        assert!(crowd.forces(id).is_some() && crowd.bound(id, 15.0).is_some());
+    }
+}
+
+#[test]
+fn every_flipped_bit_of_a_snapshot_is_refused() {
+    let mut setup = Setup::in_streets(&streets(), 3);
+    setup.agents.push(Agent::at(ground(-5.0, 0.0)));
+    let mut crowd = Crowd::on_ground(setup.clone()).unwrap();
+    let id = crowd.ids().next().unwrap();
+    crowd.order(id, Go::to(ground(5.0, 0.0))).unwrap();
+    crowd.advance(3.0, &mut |_| {}).unwrap();
+    let mut kept = Vec::new();
+    crowd.save(&mut kept);
+    let hash = crowd.hash();
+    let mut again = Crowd::on_ground(setup.clone()).unwrap();
+    for at in 0..kept.len() {
+        for bit in 0..8 {
+            kept[at] ^= 1 << bit;
+            assert!(matches!(other(again.load(&kept).unwrap_err()), Error::Snapshot { .. }), "bit {bit} of byte {at}");
+            kept[at] ^= 1 << bit;
+        }
+    }
+    again.load(&kept).unwrap();
+    assert_eq!(again.hash(), hash);
+    setup.config.steering.clear_s = 0.5;
+    assert!(Crowd::on_ground(setup.clone()).unwrap().load(&kept).is_err(), "of another setup");
+    assert!(Crowd::in_air(setup).unwrap().load(&kept).is_err(), "of another space");
+}

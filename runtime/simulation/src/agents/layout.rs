@@ -1,0 +1,197 @@
+//! A scene's agents as the crowd takes them: who starts where, on which way to which goal.
+
+use super::places::places;
+use super::ways::RouteMaps;
+use crate::scene::{AtEndConfig, GoalConfig, GroupConfig, Scene, point};
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg64Mcg;
+use std::sync::Arc;
+use throng_base::Result;
+use throng_crowd::{Agent, AtEnd, CrowdConfig, Obstacle, Route, Setup, Space, tie};
+
+/// Where everybody starts and goes.
+#[derive(Clone, Debug)]
+pub struct Layout<V> {
+    /// What the engine is given.
+    pub setup: Setup<V>,
+    /// Of each agent: its group in the scene.
+    pub groups: Vec<usize>,
+    /// Of each agent: the corners of its way from its start to its goal, both included (m).
+    pub ways: Vec<Vec<V>>,
+    /// Of each agent: how near to its goal is there (m).
+    pub arrivals: Vec<f32>,
+    /// Keys of obstacles in the file, for messages (obstacles).
+    pub(super) obstacle_keys: Vec<String>,
+    /// Of each group of the scene: lowest and highest coordinates of its agents' starts (m).
+    boxes: Vec<(V, V)>,
+    pub(super) scene: Arc<Scene>,
+    pub(super) maps: RouteMaps,
+}
+
+impl<V: Space> Layout<V> {
+    /// Lays the agents of a scene out.
+    ///
+    /// # Errors
+    /// [`throng_base::Error::Text`] where a goal is in an obstacle, or what stands leaves no way to it; it names the group
+    /// and the obstacle by their keys.
+    pub fn new(scene: &Arc<Scene>) -> Result<Self> {
+        let (obstacles, obstacle_keys) = obstacles_of(scene);
+        let mut layout = Self {
+            setup: Setup {
+                fields: vec![scene.agents.field],
+                obstacles,
+                config: CrowdConfig { scheme: scene.agents.engine, ..CrowdConfig::default() },
+                ..Setup::default()
+            },
+            groups: Vec::new(),
+            ways: Vec::new(),
+            arrivals: Vec::new(),
+            obstacle_keys,
+            boxes: Vec::new(),
+            scene: scene.clone(),
+            maps: RouteMaps::default(),
+        };
+        let mut rng = Pcg64Mcg::seed_from_u64(scene.seed);
+        for (g, group) in scene.groups.iter().enumerate() {
+            let place = group.place.as_ref().filter(|_| group.is_of_agents());
+            let starts: Vec<V> =
+                place.map_or(Vec::new(), |place| places(place, group.count, group.radius_m[1], &mut rng));
+            let wide = |(low, high): (V, V), &s: &V| (low.min(s), high.max(s));
+            let first = starts.first().copied().unwrap_or_default();
+            layout.boxes.push(starts.iter().fold((first, first), wide));
+            layout.groups.extend(std::iter::repeat_n(g, starts.len()));
+            layout.setup.agents.extend(starts.iter().map(|&s| agent(group, s, &mut rng)));
+        }
+        layout.setup.config.largest_speed_mps = layout.largest_speed();
+        if scene.agents.routes {
+            let maps = RouteMaps::new(&layout.setup.obstacles, layout.heights(), &scene.groups);
+            layout.maps = maps.map_err(|e| layout.explain(&e.into()))?;
+        }
+        for m in 0..layout.setup.agents.len() {
+            layout.send(m, &mut rng)?;
+        }
+        Ok(layout)
+    }
+
+    /// Number of agents.
+    pub fn num_agents(&self) -> usize {
+        self.groups.len()
+    }
+
+    /// What an agent does at the end of its first route.
+    pub fn at_end(&self, m: usize) -> Option<AtEnd> {
+        Some(self.setup.routes[self.setup.agents[m].route?].at_end)
+    }
+
+    /// Plans the way of an agent that starts.
+    fn send(&mut self, m: usize, rng: &mut Pcg64Mcg) -> Result<()> {
+        let scene = Arc::clone(&self.scene);
+        let (group, around) = (&scene.groups[self.groups[m]], self.boxes[self.groups[m]]);
+        let start = self.setup.agents[m].position;
+        let goal = group.goal.as_ref().unwrap_or(&GoalConfig::Stay {});
+        let (subgoals, at_end) = match goal {
+            GoalConfig::Wander { from, to, points: num } => {
+                let mut all: Vec<V> = self.maps.wander(self.groups[m], start, (from, to, *num), rng);
+                // Back to where the way begins again.
+                all.push(start);
+                (all, AtEndConfig::Again)
+            }
+            goal => {
+                let via = group.via.iter().map(|p| point(p));
+                (via.chain([goal_of(goal, around, start)]).collect(), group.at_end)
+            }
+        };
+        let way = self.way(m, start, &subgoals)?;
+        self.setup.agents[m].route = Some(self.setup.routes.len());
+        let subgoals = self.spline(m, &way);
+        self.setup.routes.push(Route { subgoals, arrival_radius: group.arrival_m, at_end: at_end.into() });
+        self.ways.push(way);
+        self.arrivals.push(group.arrival_m);
+        Ok(())
+    }
+
+    /// The way of an agent to a goal that it is told of later: corners and route.
+    ///
+    /// # Errors
+    /// As [`Layout::new`].
+    pub(super) fn new_way(
+        &mut self,
+        m: usize,
+        from: V,
+        goal: &GoalConfig,
+        (arrival_radius, at_end): (f32, AtEndConfig),
+    ) -> Result<Route<V>> {
+        let to = goal_of(goal, self.boxes[self.groups[m]], self.setup.agents[m].position);
+        let way = self.way(m, from, &[to])?;
+        let route = Route { subgoals: self.spline(m, &way), arrival_radius, at_end: at_end.into() };
+        (self.ways[m], self.arrivals[m]) = (way, arrival_radius);
+        Ok(route)
+    }
+
+    /// Corners of the way from a start through subgoals, both ends included.
+    fn way(&mut self, m: usize, start: V, subgoals: &[V]) -> Result<Vec<V>> {
+        let mut way = vec![start];
+        for &to in subgoals {
+            let from = way[way.len() - 1];
+            let leg = self.maps.leg(self.groups[m], m, from, to).map_err(|why| self.no_way(m, why, from, to))?;
+            way.extend(&leg[1..]);
+        }
+        Ok(way)
+    }
+
+    /// Subgoals of a way for the engine: the goal alone where it is straight ahead.
+    fn spline(&self, m: usize, way: &[V]) -> Vec<V> {
+        tie(way, self.setup.agents[m].radius)
+    }
+
+    /// Of everybody, and of what happenings ask for (m/s).
+    fn largest_speed(&self) -> f32 {
+        let told = self.scene.happenings.iter().filter_map(|h| h.speed_mps);
+        self.setup.agents.iter().map(|m| m.speed).chain(told).fold(0.0, f32::max)
+    }
+
+    /// Lowest and highest that agents start.
+    fn heights(&self) -> [f32; 2] {
+        let high = self.setup.agents.iter().map(|m| m.position.coordinates()[1]);
+        high.fold([f32::INFINITY, f32::NEG_INFINITY], |[l, h], y| [l.min(y), h.max(y)])
+    }
+}
+
+/// Obstacles of a scene, and the key of each in the file.
+fn obstacles_of<V: Space>(scene: &Scene) -> (Vec<Obstacle<V>>, Vec<String>) {
+    let of = |(i, o): (usize, &crate::scene::ObstacleConfig)| {
+        o.obstacles().into_iter().map(move |o| (o, format!("environment.obstacles[{i}]")))
+    };
+    scene.environment.obstacles.iter().enumerate().flat_map(of).unzip()
+}
+
+fn agent<V: Space>(group: &GroupConfig, position: V, rng: &mut Pcg64Mcg) -> Agent<V> {
+    let mut draw = |[low, high]: [f32; 2]| low + (high - low) * rng.random_range(0.0..1.0f32);
+    Agent {
+        position,
+        velocity: V::default(),
+        radius: draw(group.radius_m),
+        acceleration: draw(group.acceleration_mps2),
+        speed: draw(group.speed_mps),
+        route: None,
+        field: 0,
+    }
+}
+
+/// Where a goal is for one who starts at `start`.
+///
+/// - `around`: lowest and highest coordinates of its group's starts (m).
+fn goal_of<V: Space>(goal: &GoalConfig, around: (V, V), start: V) -> V {
+    match goal {
+        GoalConfig::Point { at } => point(at),
+        GoalConfig::Shift { by } => start + point(by),
+        GoalConfig::Opposite { centre } => point::<V>(centre) * 2.0 - start,
+        GoalConfig::Area { from, to } => {
+            let (low, high, at) = (around.0.coordinates(), around.1.coordinates(), start.coordinates());
+            let share = |i: usize| (at[i] - low[i]) / (high[i] - low[i]).max(1e-6);
+            let along = |i: usize| from.get(i).map_or(0.0, |f| f + (to[i] - f) * share(i));
+            V::from_coordinates(std::array::from_fn(along))
+        }
+        GoalConfig::Wander { .. } | GoalConfig::Stay {} => start,
+    }
+}

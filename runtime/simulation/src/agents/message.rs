@@ -1,0 +1,59 @@
+//! What is wrong with agents, in the words of their scene file.
+
+use super::layout::Layout;
+use throng_base::Error;
+use throng_crowd::{CrowdError, NoWay, Space};
+
+impl<V: Space> Layout<V> {
+    /// A way that does not exist, from one point to another.
+    pub(super) fn no_way(&self, m: usize, why: NoWay, from: V, to: V) -> Error {
+        let key = |obstacle: usize| &self.obstacle_keys[obstacle];
+        let who = self.who(m);
+        let place = |at: V| format!("{:.2?}", &at.coordinates()[..V::DIMENSIONS]);
+        let message = match why {
+            NoWay::Start(s) => format!("{who} starts in `{}`, at {}", key(s), place(from)),
+            NoWay::Goal(s) => {
+                let radius = self.scene.groups[self.groups[m]].radius_m[1];
+                format!("the goal {} of {who} is in `{}` or nearer than {radius:.2} m to it", place(to), key(s))
+            }
+            NoWay::Separated => format!("no way leads {who} from {} to {}", place(from), place(to)),
+        };
+        let help = "move it, open a gap in the obstacles that is wide enough, or set `agents.routes = false`";
+        self.fault(Some(m), message, help)
+    }
+
+    /// An agent, for messages.
+    pub(super) fn who(&self, m: usize) -> String {
+        let Some(&g) = self.groups.get(m) else { return format!("agent {m}") };
+        let name = &self.scene.groups[g].name;
+        if name.is_empty() { format!("agent {m} of `groups[{g}]`") } else { format!("agent {m} of \"{name}\"") }
+    }
+
+    /// What the engine found wrong, in the scene's words.
+    pub(super) fn explain(&self, e: &CrowdError) -> Error {
+        let obstacle = |o: usize| self.obstacle_keys.get(o).cloned().unwrap_or_else(|| format!("obstacle {o}"));
+        let message = match *e {
+            CrowdError::Overlap { first, second, overlap_m } => {
+                let (a, b) = (self.who(first.index()), self.who(second.index()));
+                let help = "give their groups more room (`place`), or smaller radii";
+                let message = format!("{a} and {b} overlap by {overlap_m:.3} m at the start");
+                return self.fault(Some(first.index()), message, help);
+            }
+            CrowdError::Inside { agent, obstacle: o } => {
+                format!("{} starts in `{}`", self.who(agent.index()), obstacle(o))
+            }
+            CrowdError::Goal { route, subgoal, obstacle: o } => {
+                let who = self.setup.agents.iter().position(|m| m.route == Some(route)).unwrap_or(usize::MAX);
+                format!("subgoal {subgoal} of {} is in `{}`", self.who(who), obstacle(o))
+            }
+            _ => e.to_string(),
+        };
+        self.fault(None, message, "correct the scene file")
+    }
+
+    /// An error about an agent's group, or about all.
+    fn fault(&self, m: Option<usize>, message: String, help: &str) -> Error {
+        let group = m.and_then(|m| self.groups.get(m));
+        self.scene.fault(&group.map_or("groups".into(), |g| format!("groups[{g}]")), format!("{message}; {help}"))
+    }
+}

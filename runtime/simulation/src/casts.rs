@@ -1,0 +1,56 @@
+//! The one list of all kinds of motion: a new kind gets a line at the end.
+
+use crate::Event;
+use crate::agents::Agents;
+use crate::boxing::{Bouts, Practice};
+use crate::inhabited::Inhabited;
+use crate::kind::{Kind, Tick};
+use crate::wander::Wanderers;
+use glam::{Vec2, Vec3};
+use throng_base::Result;
+use throng_core::{Contacts, Mat3x4, NUM_JOINTS, Planar};
+
+/// Makes the enum of all kinds of motion, without dynamic calls.
+macro_rules! kinds {
+    ($($(#[$doc:meta])* $name:ident($kind:ty)),* $(,)?) => {
+        /// Characters of a simulation who are moved together, by what moves them.
+        #[derive(Clone, Debug)]
+        pub enum Cast { $($(#[$doc])* $name($kind)),* }
+
+        impl Kind for Cast {
+            fn num_characters(&self) -> usize {
+                match self { $(Self::$name(k) => k.num_characters()),* }
+            }
+            fn step(&mut self, tick: &Tick<'_>, events: &mut Vec<Event>) -> Result<()> {
+                match self { $(Self::$name(k) => k.step(tick, events)),* }
+            }
+            fn root(&self, member: usize) -> Option<Planar> {
+                match self { $(Self::$name(k) => k.root(member)),* }
+            }
+            fn pose(&self, member: usize) -> Option<&[Mat3x4; NUM_JOINTS]> {
+                match self { $(Self::$name(k) => k.pose(member)),* }
+            }
+            fn contacts(&self, member: usize) -> Contacts {
+                match self { $(Self::$name(k) => k.contacts(member)),* }
+            }
+            fn soles(&self, member: usize) -> Option<[[Vec3; 2]; 2]> {
+                match self { $(Self::$name(k) => k.soles(member)),* }
+            }
+        }
+    };
+}
+
+kinds! {
+    /// Characters with policies, each with a target of its own.
+    Policy(Practice),
+    /// Pairs with policies who strike at each other.
+    Sparring(Bouts),
+    /// Blended bodies on random paths.
+    Paths(Wanderers),
+    /// Characters in a stitched world.
+    Patches(Inhabited),
+    /// Agents on the ground, with and without bodies.
+    Ground(Agents<Vec2>),
+    /// Agents in the air.
+    Air(Agents<Vec3>),
+}

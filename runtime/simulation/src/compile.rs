@@ -1,0 +1,179 @@
+//! A scene with everything that it names, opened and checked.
+
+use crate::scene::{Motion, Scene, WishConfig};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use throng_base::Result;
+use throng_core::Bundle;
+use throng_core::blend::BlendSpace;
+use throng_world::World;
+
+/// A scene with its bundles and worlds, ready to run. Clones share them.
+#[derive(Clone, Debug)]
+pub struct CompiledScene {
+    scene: Arc<Scene>,
+    /// Of each group that has one.
+    bundles: Vec<Option<Bundle>>,
+    /// Stitched worlds, each once.
+    worlds: Vec<OpenWorld>,
+    /// Of each group that has one: number of its world.
+    world_of: Vec<Option<usize>>,
+}
+
+/// A stitched world of a scene.
+#[derive(Clone, Debug)]
+pub struct OpenWorld {
+    /// Where it was read from.
+    pub path: PathBuf,
+    /// The world: file, graph and path costs.
+    pub world: World,
+}
+
+impl Scene {
+    /// Opens every bundle and world that the scene names, and finds all names in them.
+    ///
+    /// # Errors
+    /// Files that cannot be opened, and [`throng_base::Error::Text`] for names that a bundle does not have, with those that
+    /// it has.
+    pub fn open(&self) -> Result<CompiledScene> {
+        self.compile_with(None)
+    }
+
+    /// As [`Scene::open`], with a bundle in place of the scene's own; groups with bundles of their own keep theirs.
+    ///
+    /// # Errors
+    /// As [`Scene::open`].
+    pub fn compile(&self, bundle: &Bundle) -> Result<CompiledScene> {
+        self.compile_with(Some(bundle))
+    }
+
+    fn compile_with(&self, own: Option<&Bundle>) -> Result<CompiledScene> {
+        let mut opened: Vec<(PathBuf, Bundle)> = Vec::new();
+        let mut out = CompiledScene {
+            scene: Arc::new(self.clone()),
+            bundles: Vec::new(),
+            worlds: Vec::new(),
+            world_of: Vec::new(),
+        };
+        for (g, group) in self.groups.iter().enumerate() {
+            let own = own.filter(|_| group.bundle.is_none());
+            let bundle = match (self.bundle_of(g).0, own) {
+                _ if group.motion == Motion::None => None,
+                (_, Some(bundle)) => Some(bundle.clone()),
+                (None, None) => None,
+                (Some(path), None) => Some(open(self, g, path, &mut opened)?),
+            };
+            out.bundles.push(bundle);
+            let world = match self.world_of(g).0 {
+                Some(path) if group.motion == Motion::Patches => Some(out.open_world(g, path)?),
+                _ => None,
+            };
+            out.world_of.push(world);
+            out.check_names(g)?;
+        }
+        let blended = self.groups.iter().position(|g| !g.spaces.is_empty());
+        for (i, shown) in self.picture.shown.iter().enumerate() {
+            if let Some(g) = blended {
+                let key = format!("picture.shown[{i}].space");
+                out.bundle(g)?.find_blend(&shown.space).map_err(|e| self.fault(&key, e))?;
+            }
+        }
+        Ok(out)
+    }
+}
+
+/// A bundle, which is opened once.
+fn open(scene: &Scene, g: usize, path: &Path, opened: &mut Vec<(PathBuf, Bundle)>) -> Result<Bundle> {
+    if let Some((_, bundle)) = opened.iter().find(|o| o.0 == path) {
+        return Ok(bundle.clone());
+    }
+    let key = if scene.groups[g].bundle.is_some() { format!("groups[{g}].bundle") } else { "bundle".into() };
+    let help = "build it with `throng build`, or let `throng run` build it from `config`";
+    let bundle = Bundle::open(path).map_err(|e| scene.fault(&key, format!("{}: {e}; {help}", path.display())))?;
+    opened.push((path.to_path_buf(), bundle.clone()));
+    Ok(bundle)
+}
+
+impl CompiledScene {
+    /// The scene.
+    pub fn scene(&self) -> &Scene {
+        &self.scene
+    }
+
+    /// The scene, for those who keep it.
+    pub(crate) fn shared(&self) -> &Arc<Scene> {
+        &self.scene
+    }
+
+    /// The bundle of a group.
+    ///
+    /// # Errors
+    /// [`throng_base::Error::Text`] where the group has none.
+    pub fn bundle(&self, group: usize) -> Result<&Bundle> {
+        let found = self.bundles.get(group).and_then(Option::as_ref);
+        found.ok_or_else(|| self.scene.fault(&format!("groups[{group}]"), "expected a `bundle`, found none"))
+    }
+
+    /// The world of a group of patches.
+    pub fn world(&self, group: usize) -> Option<&OpenWorld> {
+        self.world_number(group).map(|w| &self.worlds[w])
+    }
+
+    /// Groups in the same world have the same number.
+    pub(crate) fn world_number(&self, group: usize) -> Option<usize> {
+        self.world_of.get(group).copied().flatten()
+    }
+
+    /// Seed of a group; that of the scene for the first one.
+    pub(crate) fn seed(&self, group: usize) -> u64 {
+        self.scene.seed ^ (group as u64).wrapping_mul(0x9E37_79B9_7F4A_7C15)
+    }
+
+    /// One of the blend spaces that a group names.
+    ///
+    /// # Errors
+    /// [`throng_base::Error::Text`] with the names that there are.
+    pub(crate) fn space(&self, group: usize, number: usize) -> Result<BlendSpace> {
+        let name = &self.scene.groups[group].spaces[number];
+        let space = self.bundle(group)?.blend(name);
+        space.map_err(|e| self.scene.fault(&format!("groups[{group}].spaces"), e))
+    }
+
+    fn open_world(&mut self, g: usize, path: &Path) -> Result<usize> {
+        if let Some(known) = self.worlds.iter().position(|w| w.path == path) {
+            return Ok(known);
+        }
+        let bundle = self.bundle(g)?;
+        let key = if self.scene.groups[g].world.is_some() {
+            format!("groups[{g}].world")
+        } else {
+            "environment.world".into()
+        };
+        let help = "stitch it with `throng stitch`, or let `throng run` stitch it from `world_config`";
+        let fault = |e: throng_base::Error| self.scene.fault(&key, format!("{e}; {help}"));
+        let world = World::open(path, bundle).map_err(fault)?;
+        self.worlds.push(OpenWorld { path: path.to_path_buf(), world });
+        Ok(self.worlds.len() - 1)
+    }
+
+    /// Finds all names of a group in its bundle.
+    fn check_names(&self, g: usize) -> Result<()> {
+        let group = &self.scene.groups[g];
+        for (i, behaviour) in group.behaviours.iter().enumerate() {
+            let found = self.bundle(g)?.find_policy(&behaviour.name);
+            found.map_err(|e| self.scene.fault(&format!("groups[{g}].behaviours[{i}].name"), e))?;
+        }
+        for t in 0..group.spaces.len() {
+            self.space(g, t)?;
+        }
+        for (i, w) in group.wishes.iter().enumerate() {
+            let WishConfig::Perform { tag, .. } = &w.wish else { continue };
+            let tags = &self.bundle(g)?.meta().link_tags;
+            if !tags.contains(tag) {
+                let why = format!("expected one of {}, found `{tag}`", tags.join(", "));
+                return Err(self.scene.fault(&format!("groups[{g}].wishes[{i}].wish.perform.tag"), why));
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,241 @@
+//! People who live in a stitched world and wish one thing after another.
+
+use crate::compile::CompiledScene;
+use crate::kind::{Kind, Tick, joints};
+use crate::scene::{Scene, WeightedWish, WishConfig};
+use crate::{Event, Happened};
+use rand::{Rng, RngExt, SeedableRng};
+use rand_pcg::Pcg64Mcg;
+use std::ops::Range;
+use std::sync::Arc;
+use throng_base::Result;
+use throng_core::characters::{CharactersConfig, MotionSet};
+use throng_core::{Contacts, Mat3x4, NUM_JOINTS, Planar};
+use throng_world::inhabitants::{Doing, Inhabitants, InhabitantsConfig, InhabitantsError, Wish, scatter};
+use throng_world::{Node, World, WorldGraph};
+
+/// Longest that somebody looks for what cannot be reached before it wishes something else (s).
+const GIVE_UP_S: f64 = 2.0;
+
+/// A wish as it is drawn: a kind, and what it needs.
+#[derive(Clone, Debug)]
+enum Choice {
+    Roam([f64; 2]),
+    Visit(Vec<Node>),
+    Perform(u16, [f64; 2]),
+}
+
+/// What can be wished for, and how often beside the others.
+type Shares = Vec<(f64, Choice)>;
+
+/// The characters of one world, who get a new wish whenever the last one is fulfilled.
+#[derive(Clone, Debug)]
+pub struct Inhabited {
+    scene: Arc<Scene>,
+    /// What messages call them.
+    key: String,
+    motion_set: MotionSet,
+    world: World,
+    inhabitants: Inhabitants,
+    /// What the characters of each group draw, by their shares.
+    choices: Vec<(Range<usize>, Shares)>,
+    rng: Pcg64Mcg,
+    /// When each character wishes something else, whatever has become of its wish (s).
+    until_s: Vec<f64>,
+    /// Who was told what to do, and wishes nothing of its own.
+    told: Vec<bool>,
+    /// Wishes of each that were fulfilled, as far as they were told.
+    fulfilled: Vec<u32>,
+    time_s: f64,
+}
+
+impl Inhabited {
+    /// Puts the characters of the groups of one world in place.
+    ///
+    /// # Errors
+    /// [`throng_base::Error::Text`] where the world has room for fewer, or for a box in which nobody can stay.
+    pub(crate) fn new(compiled: &CompiledScene, groups: &[usize]) -> Result<Self> {
+        let (scene, first) = (compiled.shared(), groups[0]);
+        let key = format!("groups[{first}]");
+        let Some(world) = compiled.world(first).map(|w| &w.world) else {
+            return Err(scene.fault(&key, "expected a `world`"));
+        };
+        let num: usize = groups.iter().map(|&g| scene.groups[g].count).sum();
+        let starts = scatter(world.graph(), num, compiled.seed(first));
+        if starts.len() < num {
+            let why = format!(
+                "expected room for {num} characters, found room for {}: each needs units of its own to stand on; \
+                 ask for fewer characters, or enlarge the world",
+                starts.len()
+            );
+            return Err(scene.fault(&format!("{key}.count"), why));
+        }
+        let (mut choices, mut counted) = (Vec::new(), 0);
+        for &g in groups {
+            let range = counted..counted + scene.groups[g].count;
+            counted = range.end;
+            choices.push((range, choices_of(compiled, g, world.graph())?));
+        }
+        let fault =
+            |e: InhabitantsError| scene.fault(&key, format!("{e}; correct the scene file, or stitch the world again"));
+        let motion_set = world.motion_set().clone();
+        let characters = CharactersConfig { seed: compiled.seed(first), ..CharactersConfig::default() };
+        let config = InhabitantsConfig { characters, ..InhabitantsConfig::default() };
+        let inhabitants = Inhabitants::new(&motion_set, world.graph(), config, &starts).map_err(fault)?;
+        let mut life = Self {
+            scene: Arc::clone(scene),
+            key: key.clone(),
+            motion_set,
+            world: world.clone(),
+            until_s: vec![0.0; num],
+            told: vec![false; num],
+            fulfilled: vec![0; num],
+            inhabitants,
+            choices,
+            rng: Pcg64Mcg::seed_from_u64(compiled.seed(first)),
+            time_s: 0.0,
+        };
+        life.wish().map_err(fault)?;
+        Ok(life)
+    }
+
+    /// The characters: what they do, hold and plan.
+    pub fn inhabitants(&self) -> &Inhabitants {
+        &self.inhabitants
+    }
+
+    /// The world that they live in.
+    pub fn graph(&self) -> &WorldGraph {
+        self.world.graph()
+    }
+
+    /// Tells a character what to do, until it is told something else; none lets it wish by itself again.
+    ///
+    /// # Errors
+    /// What the character cannot do; nothing has changed then.
+    pub fn tell(&mut self, character: usize, wish: Option<Wish>) -> Result<()> {
+        let told = self.inhabitants.set_wish(self.world.graph(), character, wish.unwrap_or_default());
+        told.map_err(|e| self.scene.fault(&self.key, e))?;
+        self.told[character] = wish.is_some();
+        // Its next own wish comes with the next step.
+        self.until_s[character] = self.time_s;
+        Ok(())
+    }
+
+    /// True for who was told what to do (character < number of characters).
+    pub fn is_told(&self, character: usize) -> bool {
+        self.told[character]
+    }
+
+    /// Gives a new wish to all whose time has come or who have what they wished for.
+    fn wish(&mut self) -> Result<(), InhabitantsError> {
+        for c in 0..self.inhabitants.num_characters() {
+            if self.told[c] {
+                continue;
+            }
+            let doing = self.inhabitants.status(c).doing;
+            if doing == Doing::Unreachable {
+                self.until_s[c] = self.until_s[c].min(self.time_s + GIVE_UP_S);
+            }
+            if doing == Doing::Arrived || self.time_s >= self.until_s[c] {
+                let (wish, until_s) = self.draw(c);
+                self.until_s[c] = until_s;
+                self.inhabitants.set_wish(self.world.graph(), c, wish)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Something to wish, and when it is over at the latest (s).
+    fn draw(&mut self, character: usize) -> (Wish, f64) {
+        let own = self.choices.iter().find(|c| c.0.contains(&character));
+        let Some((_, choices)) = own else { return (Wish::Roam, f64::INFINITY) };
+        let total: f64 = choices.iter().map(|k| k.0).sum();
+        let mut at = self.rng.random_range(0.0..total);
+        let found = choices.iter().find(|k| {
+            at -= k.0;
+            at < 0.0
+        });
+        match &found.unwrap_or(&choices[choices.len() - 1]).1 {
+            Choice::Roam(seconds) => (Wish::Roam, self.time_s + within(*seconds, &mut self.rng)),
+            Choice::Visit(places) => {
+                let node = places[self.rng.random_range(0..places.len())];
+                (Wish::GoTo { instance: node.instance }, f64::INFINITY)
+            }
+            Choice::Perform(tag, seconds) => {
+                let seconds = within(*seconds, &mut self.rng) as f32;
+                (Wish::Perform { tag: *tag, seconds }, f64::INFINITY)
+            }
+        }
+    }
+}
+
+/// What the characters of a group draw.
+fn choices_of(compiled: &CompiledScene, group: usize, graph: &WorldGraph) -> Result<Shares> {
+    let scene = compiled.scene();
+    let roaming = [WeightedWish::roaming()];
+    let wishes: &[WeightedWish] = match &scene.groups[group].wishes[..] {
+        [] => &roaming,
+        own => own,
+    };
+    let choice = |(i, w): (usize, &WeightedWish)| match &w.wish {
+        WishConfig::Roam { seconds } => Ok((w.share, Choice::Roam(*seconds))),
+        WishConfig::Perform { tag, seconds } => {
+            let tags = &compiled.bundle(group)?.meta().link_tags;
+            let number = tags.iter().position(|t| t == tag).unwrap_or(0) as u16 + 1;
+            Ok((w.share, Choice::Perform(number, *seconds)))
+        }
+        WishConfig::Visit { within } => {
+            let all = (0..graph.num_instances() as u32).flat_map(|i| graph.rest_cells(i));
+            let is_in = |n: &Node| {
+                let p = graph.place(*n);
+                within.is_none_or(|[x0, z0, x1, z1]| {
+                    (x0..=x1).contains(&f64::from(p.x)) && (z0..=z1).contains(&f64::from(p.z))
+                })
+            };
+            let places: Vec<Node> = all.filter(is_in).collect();
+            if places.is_empty() {
+                let why = format!("expected a place to stay within {within:?}, found none; enlarge it");
+                return Err(scene.fault(&format!("groups[{group}].wishes[{i}].wish.visit.within"), why));
+            }
+            Ok((w.share, Choice::Visit(places)))
+        }
+    };
+    wishes.iter().enumerate().map(choice).collect()
+}
+
+/// A time between two.
+fn within([low, high]: [f64; 2], rng: &mut impl Rng) -> f64 {
+    low + (high - low) * rng.random_range(0.0..1.0)
+}
+
+impl Kind for Inhabited {
+    fn num_characters(&self) -> usize {
+        self.inhabitants.num_characters()
+    }
+
+    fn step(&mut self, tick: &Tick<'_>, events: &mut Vec<Event>) -> Result<()> {
+        let moved = self.wish().and_then(|()| self.inhabitants.step(&self.motion_set, self.world.graph(), tick.dt_s));
+        moved.map_err(|e| self.scene.fault(&self.key, e))?;
+        self.time_s += f64::from(tick.dt_s);
+        for (c, known) in self.fulfilled.iter_mut().enumerate() {
+            let now = self.inhabitants.status(c).num_fulfilled;
+            if now > std::mem::replace(known, now) {
+                events.push(Event { time_s: tick.until_s, who: tick.first + c, happened: Happened::Fulfilled });
+            }
+        }
+        Ok(())
+    }
+
+    fn root(&self, member: usize) -> Option<Planar> {
+        Some(self.inhabitants.characters().root(member))
+    }
+
+    fn pose(&self, member: usize) -> Option<&[Mat3x4; NUM_JOINTS]> {
+        Some(joints(self.inhabitants.characters().pose(member)))
+    }
+
+    fn contacts(&self, member: usize) -> Contacts {
+        self.inhabitants.characters().contacts(member)
+    }
+}

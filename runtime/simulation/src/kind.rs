@@ -1,0 +1,49 @@
+//! What a simulation asks of each kind of motion. A new kind implements [`Kind`], and gets one line in `casts.rs`.
+
+use crate::Event;
+use glam::Vec3;
+use throng_base::{Result, Run};
+use throng_core::{Contacts, Mat3x4, NUM_JOINTS, Planar};
+
+/// One step of time.
+pub struct Tick<'a> {
+    /// How far time goes on (s, 0 to 1).
+    pub dt_s: f32,
+    /// The time at its end (s).
+    pub until_s: f64,
+    /// Number of the first character in the simulation, for events.
+    pub first: usize,
+    /// Whose threads work.
+    pub run: &'a dyn Run,
+}
+
+/// Characters of one kind of motion, numbered from 0.
+pub trait Kind {
+    /// Number of characters at the start.
+    fn num_characters(&self) -> usize;
+
+    /// Moves everybody on, and adds what happened.
+    ///
+    /// # Errors
+    /// What could not be done, with the group in the scene file.
+    fn step(&mut self, tick: &Tick<'_>, events: &mut Vec<Event>) -> Result<()>;
+
+    /// Where a character stands and looks; `None` where it has left.
+    fn root(&self, member: usize) -> Option<Planar>;
+
+    /// Joints in model space, which the root places in the world; `None` for one without a body, or who has left.
+    fn pose(&self, member: usize) -> Option<&[Mat3x4; NUM_JOINTS]>;
+
+    /// Planted parts of a character's feet.
+    fn contacts(&self, member: usize) -> Contacts;
+
+    /// Bottom of the heel and ball of both feet in the world, where bodies are fitted to skeletons of their own (m).
+    fn soles(&self, _member: usize) -> Option<[[Vec3; 2]; 2]> {
+        None
+    }
+}
+
+/// The joints of one character.
+pub(crate) fn joints(pose: &[Mat3x4]) -> &[Mat3x4; NUM_JOINTS] {
+    &pose.as_chunks().0[0]
+}

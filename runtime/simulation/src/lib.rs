@@ -1,0 +1,23 @@
+//! Scenes: groups of all kinds of motion on one clock.
+//!
+//! [`Scene`] is what a file says, [`CompiledScene`] the same with its bundles and worlds open, and [`Simulation`] what
+//! runs: characters with policies, sparring pairs, blended walkers, inhabitants of stitched worlds and agents without
+//! bodies, together.
+
+pub mod agents;
+pub mod boxing;
+mod casts;
+mod compile;
+pub mod inhabited;
+mod kind;
+mod paths;
+pub mod scene;
+mod simulation;
+pub mod sparring;
+pub mod wander;
+
+pub use casts::Cast;
+pub use compile::{CompiledScene, OpenWorld};
+pub use kind::{Kind, Tick};
+pub use scene::{Motion, Scene};
+pub use simulation::{Event, Group, Happened, Simulation};

@@ -1,0 +1,283 @@
+//! Checks of what a scene file says.
+
+use super::group::{GroupConfig, Motion, WishConfig};
+use super::place::PlaceConfig;
+use super::{Scene, SpaceConfig};
+use std::fmt::Display;
+use throng_base::Result as Checked;
+use toml::de::DeValue;
+
+/// A key, and what is wrong with its value.
+pub(super) type Fault = (String, String);
+
+/// Farthest that a coordinate of a scene may be from the origin (m).
+const FARTHEST_M: f32 = 1e5;
+/// Most behaviours that are weighed against each other.
+const MAX_BEHAVIOURS: usize = throng_core::characters::MAX_GOALS;
+
+/// Keys of a group that some kinds of motion have, and which.
+const KEYS: [(&str, &[Motion]); 18] = {
+    use Motion::{Blend, None as Bare, Patches, Policy, Sparring};
+    [
+        ("place", &[Bare, Blend, Policy, Sparring]),
+        ("goal", &[Bare, Blend]),
+        ("via", &[Bare, Blend]),
+        ("arrival_m", &[Bare, Blend]),
+        ("at_end", &[Bare, Blend]),
+        ("radius_m", &[Bare, Blend]),
+        ("speed_mps", &[Bare, Blend]),
+        ("acceleration_mps2", &[Bare, Blend]),
+        ("spaces", &[Blend]),
+        ("paths", &[Blend]),
+        ("style_by_speed", &[Blend]),
+        ("bodies", &[Blend]),
+        ("behaviours", &[Policy, Sparring]),
+        ("temperature", &[Policy, Sparring]),
+        ("target", &[Policy]),
+        ("world", &[Patches]),
+        ("world_config", &[Patches]),
+        ("wishes", &[Patches]),
+    ]
+};
+
+/// Refuses keys that mean nothing to what moves their group.
+pub(super) fn foreign_keys(scene: &Scene) -> Checked<()> {
+    let Some(table) = scene.source.table() else { return Ok(()) };
+    let groups = table.iter().find(|(k, _)| k.get_ref() == "groups").map(|(_, v)| v.get_ref());
+    let Some(DeValue::Array(groups)) = groups else { return Ok(()) };
+    for (group, value) in scene.groups.iter().zip(groups.iter()) {
+        let DeValue::Table(keys) = value.get_ref() else { continue };
+        for key in keys.keys() {
+            if let Some((name, motions)) = KEYS.iter().find(|k| k.0 == key.get_ref())
+                && !motions.contains(&group.motion)
+            {
+                let list: Vec<_> = motions.iter().map(|m| format!("\"{}\"", m.name())).collect();
+                let (own, list) = (group.motion.name(), list.join(" or "));
+                let why = format!("`{name}` is for groups with motion = {list}, and this one has \"{own}\"");
+                return Err(scene.source.error(key.span(), why));
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Checks all that a scene says.
+pub(super) fn scene(scene: &Scene) -> Result<(), Fault> {
+    check_numbers(&[("seconds", scene.seconds, 0.1, 1e5)])?;
+    check_numbers(&[("environment.hills_m", scene.environment.hills_m, 0.0, 10.0)])?;
+    let dimensions = scene.environment.space.dimensions();
+    if scene.groups.is_empty() {
+        return fault("groups", "expected at least one group, found none");
+    }
+    for (g, group) in scene.groups.iter().enumerate() {
+        group_of(scene, g, group)?;
+    }
+    check_count("groups", scene.num_characters())?;
+    for (i, obstacle) in scene.environment.obstacles.iter().enumerate() {
+        obstacle.find_fault(&format!("environment.obstacles[{i}]"), dimensions)?;
+    }
+    for (i, happening) in scene.happenings.iter().enumerate() {
+        happening.find_fault(&format!("happenings[{i}]"), dimensions)?;
+    }
+    let num_of_agents = scene.groups.iter().filter(|g| g.is_of_agents()).count();
+    if scene.measure.lanes.is_some() && num_of_agents < 2 {
+        return fault("measure.lanes", format!("expected two groups of agents that meet, found {num_of_agents}"));
+    }
+    let needs_ground =
+        [("measure.gate", scene.measure.gate.is_some()), ("measure.lanes", scene.measure.lanes.is_some())];
+    if let (SpaceConfig::Air, Some((key, _))) = (scene.environment.space, needs_ground.iter().find(|n| n.1)) {
+        return fault(key, "expected none in the air: leave it out, or set `environment.space = \"ground\"`");
+    }
+    scene.measure.find_fault()?;
+    scene.picture.find_fault()
+}
+
+fn group_of(scene: &Scene, g: usize, group: &GroupConfig) -> Result<(), Fault> {
+    let at = |name: &str| format!("groups[{g}].{name}");
+    let dimensions = scene.environment.space.dimensions();
+    check_count(&at("count"), group.count)?;
+    if group.motion != Motion::None && scene.bundle_of(g).0.is_none() {
+        let kind = group.motion.name();
+        return fault(&format!("groups[{g}]"), format!("\"{kind}\" needs a `bundle`, here or at the top of the file"));
+    }
+    let on_ground = scene.environment.space == SpaceConfig::Ground;
+    if group.is_of_agents() {
+        if group.motion == Motion::Blend && !on_ground {
+            return fault(&at("motion"), "bodies walk on the ground: expected \"none\" in the air, found \"blend\"");
+        }
+        agents(&at, group, dimensions)?;
+    } else if group.goal.is_some() {
+        return fault(&at("goal"), "expected either `goal` or `paths`, found both");
+    }
+    match group.motion {
+        Motion::None => Ok(()),
+        Motion::Blend => blended(&at, group),
+        Motion::Policy | Motion::Sparring => chosen(&at, group),
+        Motion::Patches if scene.world_of(g).0.is_none() => {
+            fault(&at("world"), "\"patches\" needs a stitched `world`, here or in `[environment]`")
+        }
+        Motion::Patches => wishes(&at, group),
+    }
+}
+
+/// Where agents start and go.
+fn agents(at: &impl Fn(&str) -> String, group: &GroupConfig, dimensions: usize) -> Result<(), Fault> {
+    match &group.place {
+        Some(PlaceConfig::Grid { .. }) => {
+            return fault(&at("place.grid"), "agents start in a `block`, `disc` or `ring`");
+        }
+        Some(place) => place.find_fault(&at("place"), dimensions)?,
+        None => return fault(&at("place"), "agents need a place to start: `block`, `disc` or `ring`"),
+    }
+    match &group.goal {
+        Some(goal) => goal.find_fault(&at("goal"), dimensions)?,
+        None if group.motion == Motion::Blend => return fault(&at("goal"), "expected `goal` or `paths`, found none"),
+        None => return fault(&at("goal"), "agents need a goal; `{ stay = {} }` lets them stand"),
+    }
+    for (i, point) in group.via.iter().enumerate() {
+        check_point(&at(&format!("via[{i}]")), point, dimensions)?;
+    }
+    check_numbers(&[(&at("arrival_m"), group.arrival_m, 0.01, 1000.0)])?;
+    check_ranges(&[
+        (&at("radius_m"), group.radius_m, 0.01, 100.0),
+        (&at("speed_mps"), group.speed_mps, 0.0, 100.0),
+        (&at("acceleration_mps2"), group.acceleration_mps2, 0.01, 1000.0),
+    ])
+}
+
+/// What blended bodies are like, and their paths.
+fn blended(at: &impl Fn(&str) -> String, group: &GroupConfig) -> Result<(), Fault> {
+    if group.spaces.is_empty() {
+        return fault(&at("spaces"), "expected at least one blend space, found none");
+    }
+    let b = group.bodies();
+    check_ranges(&[(&at("bodies.sizes"), b.sizes, 0.3, 3.0), (&at("bodies.legs"), b.legs, 0.5, 2.0)])?;
+    check_numbers(&[(&at("bodies.kinds"), b.kinds, 1, 10_000)])?;
+    if !group.style_by_speed.windows(2).all(|w| w[0][0] < w[1][0])
+        || !group.style_by_speed.iter().flatten().all(|v| v.abs() < 1e3)
+    {
+        return fault(&at("style_by_speed"), "expected (speed, value) that ascend by speed");
+    }
+    let Some(p) = &group.paths else { return Ok(()) };
+    if group.place.is_some() {
+        return fault(&at("place"), "paths start anywhere on their square: expected none beside `paths`");
+    }
+    check_ranges(&[(&at("paths.speeds"), p.speeds, 0.0, 20.0), (&at("paths.seconds"), p.seconds, 0.1, 1000.0)])?;
+    check_point(&at("paths.centre"), &p.centre, 2)?;
+    check_numbers(&[
+        (&at("paths.standing"), p.standing, 0.0, 1.0),
+        (&at("paths.acceleration"), p.acceleration, 0.01, 1000.0),
+        (&at("paths.max_gyration"), p.max_gyration, 0.0, 20.0),
+        (&at("paths.sideways"), p.sideways, 0.01, 1000.0),
+        (&at("paths.area_m"), p.area_m, 4.0, 10_000.0),
+    ])
+}
+
+/// What characters with behaviours weigh, and what they strike.
+fn chosen(at: &impl Fn(&str) -> String, group: &GroupConfig) -> Result<(), Fault> {
+    if group.motion == Motion::Sparring && !group.count.is_multiple_of(2) {
+        return fault(&at("count"), format!("expected an even number for pairs, found {}", group.count));
+    }
+    match &group.place {
+        None => {}
+        Some(place @ PlaceConfig::Grid { .. }) => place.find_fault(&at("place"), 2)?,
+        Some(_) => return fault(&at("place"), "expected a `grid`, found another place"),
+    }
+    check_numbers(&[
+        (&at("temperature"), group.temperature, 0.0, 1e3),
+        (&at("target.height_m"), group.target.height_m, -10.0, 10.0),
+        (&at("target.radius_m"), group.target.radius_m, 0.01, 1.0),
+    ])?;
+    let all = &group.behaviours;
+    if all.is_empty() || all.len() > MAX_BEHAVIOURS {
+        return fault(&at("behaviours"), format!("expected 1 to {MAX_BEHAVIOURS} behaviours, found {}", all.len()));
+    }
+    for (i, one) in all.iter().enumerate() {
+        check_numbers(&[(&at(&format!("behaviours[{i}].weight")), one.weight, -1e6, 1e6)])?;
+        if let Some(first) = all[..i].iter().position(|g| g.name == one.name) {
+            let why = format!("expected every behaviour once, found \"{}\" as in `behaviours[{first}]`", one.name);
+            return fault(&at(&format!("behaviours[{i}].name")), why);
+        }
+    }
+    let mut before = 0.0;
+    for p in &group.target.drag {
+        let moderate = [p.x_m, p.y_m, p.z_m].iter().all(|v| v.abs() < 1e3);
+        if !(p.time_s > before && p.time_s < 1e5 && moderate) {
+            let why = format!("expected times that ascend from above 0, and places, found {p:?}");
+            return fault(&at("target.drag"), why);
+        }
+        before = p.time_s;
+    }
+    Ok(())
+}
+
+/// What characters in a world wish.
+fn wishes(at: &impl Fn(&str) -> String, group: &GroupConfig) -> Result<(), Fault> {
+    for (i, w) in group.wishes.iter().enumerate() {
+        if !(w.share > 0.0 && w.share < 1e6) {
+            return fault(&at(&format!("wishes[{i}].share")), format!("expected more than 0, found {}", w.share));
+        }
+        if let Some([low, high]) = w.wish.seconds()
+            && !(0.0 < low && low <= high && high < 1e6)
+        {
+            let found = format!("expected two times that ascend from above 0, found {low} and {high}");
+            return fault(&at(&format!("wishes[{i}].wish.seconds")), found);
+        }
+        if let WishConfig::Visit { within: Some(b) } = &w.wish
+            && !(b.iter().all(|v| v.abs() < 1e6) && b[0] <= b[2] && b[1] <= b[3])
+        {
+            let why = format!("expected lowest x and z, then highest x and z, found {b:?}");
+            return fault(&at(&format!("wishes[{i}].wish.within")), why);
+        }
+    }
+    Ok(())
+}
+
+/// A fault of a key.
+pub(super) fn fault<T>(key: &str, why: impl Into<String>) -> Result<T, Fault> {
+    Err((key.into(), why.into()))
+}
+
+fn check_count(key: &str, count: usize) -> Result<(), Fault> {
+    check_numbers(&[(key, count, 1, 1_000_000)])
+}
+
+/// Numbers between bounds, as (key, value, lowest, highest); NaN is never between them.
+pub(super) fn check_numbers<N: PartialOrd + Display>(numbers: &[(&str, N, N, N)]) -> Result<(), Fault> {
+    match numbers.iter().find(|(_, value, low, high)| !(low <= value && value <= high)) {
+        Some((key, value, low, high)) => fault(key, format!("expected {low} to {high}, found {value}")),
+        None => Ok(()),
+    }
+}
+
+/// Ranges between bounds, as (key, range, lowest, highest).
+fn check_ranges(ranges: &[(&str, [f32; 2], f32, f32)]) -> Result<(), Fault> {
+    match ranges.iter().find(|(_, [from, to], low, high)| !(low <= from && from <= to && to <= high)) {
+        Some((key, [from, to], low, high)) => {
+            fault(key, format!("expected two numbers that ascend from {low} to {high}, found {from}, {to}"))
+        }
+        None => Ok(()),
+    }
+}
+
+/// A point with as many numbers as the scene's space has.
+pub(super) fn check_point(key: &str, point: &[f32], dimensions: usize) -> Result<(), Fault> {
+    if point.len() != dimensions {
+        let what = if dimensions == 2 { "2 numbers (x, z) on the ground" } else { "3 numbers (x, y, z) in the air" };
+        return fault(key, format!("expected {what}, found {}", point.len()));
+    }
+    match point.iter().find(|v| v.is_nan() || v.abs() > FARTHEST_M) {
+        Some(v) => fault(key, format!("expected -{FARTHEST_M} to {FARTHEST_M}, found {v}")),
+        None => Ok(()),
+    }
+}
+
+/// Two opposite corners, the lowest first.
+pub(super) fn check_corners(key: &str, from: &[f32], to: &[f32], dimensions: usize) -> Result<(), Fault> {
+    check_point(&format!("{key}.from"), from, dimensions)?;
+    check_point(&format!("{key}.to"), to, dimensions)?;
+    if from.iter().zip(to).any(|(a, b)| a >= b) {
+        return fault(key, format!("expected the lowest corner, then the highest, found {from:?} and {to:?}"));
+    }
+    Ok(())
+}

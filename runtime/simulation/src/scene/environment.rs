@@ -1,0 +1,107 @@
+//! Where everybody is, and how agents keep clear of each other.
+
+use super::obstacle::ObstacleConfig;
+use serde::{Deserialize, Serialize};
+use std::path::PathBuf;
+use throng_crowd::{Field, Scheme};
+
+/// Where everybody is.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(default, deny_unknown_fields)]
+pub struct EnvironmentConfig {
+    /// Points have two numbers on the ground (x, z) and three in the air (x, y, z) (m).
+    pub space: SpaceConfig,
+    /// What stands or moves in the way of agents.
+    pub obstacles: Vec<ObstacleConfig>,
+    /// Hills of this height for groups on `paths`; 0 is level ground (m, 0 to 10).
+    pub hills_m: f32,
+    /// Stitched world of the groups of patches that name none of their own, relative to this file's folder.
+    pub world: Option<PathBuf>,
+    /// World file (TOML) that the world is stitched from where it is missing or older.
+    pub world_config: Option<PathBuf>,
+}
+
+/// Where agents move.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "snake_case")]
+pub enum SpaceConfig {
+    /// Discs, on the ground.
+    #[default]
+    Ground,
+    /// Balls, in the air.
+    Air,
+}
+
+impl SpaceConfig {
+    /// Numbers of a point.
+    pub fn dimensions(self) -> usize {
+        match self {
+            Self::Ground => 2,
+            Self::Air => 3,
+        }
+    }
+}
+
+/// How agents keep clear of each other.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(default, deny_unknown_fields)]
+pub struct AgentsConfig {
+    /// What finds out when somebody has to act: events, occupancy or fixed.
+    #[serde(with = "engine")]
+    #[cfg_attr(feature = "schema", schemars(with = "String"))]
+    pub engine: Scheme,
+    /// Leads agents around obstacles that stand; otherwise they go straight and only give way.
+    pub routes: bool,
+    /// Parameters of the force field; those left out are as they come.
+    #[cfg_attr(feature = "schema", schemars(with = "std::collections::BTreeMap<String, f32>"))]
+    pub field: Field,
+}
+
+impl Default for AgentsConfig {
+    fn default() -> Self {
+        Self { engine: Scheme::default(), routes: true, field: Field::default() }
+    }
+}
+
+/// Names of schemes in files and reports.
+pub mod engine {
+    use serde::{Deserialize, Deserializer, Serializer, de::Error};
+    use throng_crowd::Scheme;
+
+    /// All engines and their names; those to compare with need the feature `baselines`.
+    pub const ALL: &[(&str, Scheme)] = &[
+        ("events", Scheme::Registration),
+        #[cfg(feature = "baselines")]
+        ("occupancy", Scheme::Occupancy),
+        #[cfg(feature = "baselines")]
+        ("fixed", Scheme::Fixed),
+    ];
+
+    /// The names, for messages.
+    pub fn names() -> String {
+        ALL.iter().map(|e| e.0).collect::<Vec<_>>().join(", ")
+    }
+
+    /// Its name.
+    pub fn name(scheme: Scheme) -> &'static str {
+        ALL.iter().find(|e| e.1 == scheme).map_or("", |e| e.0)
+    }
+
+    /// The engine of a name.
+    pub fn named(name: &str) -> Option<Scheme> {
+        ALL.iter().find(|e| e.0 == name).map(|e| e.1)
+    }
+
+    pub(super) fn serialize<S: Serializer>(scheme: &Scheme, to: S) -> Result<S::Ok, S::Error> {
+        to.serialize_str(name(*scheme))
+    }
+
+    pub(super) fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<Scheme, D::Error> {
+        let text = String::deserialize(from)?;
+        let known = names();
+        named(&text).ok_or_else(|| D::Error::custom(format!("expected one of {known}, found \"{text}\"")))
+    }
+}

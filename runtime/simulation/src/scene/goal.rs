@@ -1,0 +1,105 @@
+//! Where agents go.
+
+use super::check::{Fault, check_corners, check_numbers, check_point};
+use serde::{Deserialize, Serialize};
+use throng_crowd::AtEnd;
+
+/// Where a group goes.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub enum GoalConfig {
+    /// Everybody to the same point.
+    Point {
+        /// The point (m).
+        at: Vec<f32>,
+    },
+    /// Everybody as far in the same direction.
+    Shift {
+        /// How far (m).
+        by: Vec<f32>,
+    },
+    /// Everybody to the other side of a point, as far from it as they start.
+    Opposite {
+        /// The point (m).
+        centre: Vec<f32>,
+    },
+    /// Everybody to a place of their own between two corners, arranged as at the start.
+    Area {
+        /// Lowest corner (m).
+        from: Vec<f32>,
+        /// Highest corner (m).
+        to: Vec<f32>,
+    },
+    /// Everybody by chance through points between two corners, then from the first again.
+    Wander {
+        /// Lowest corner (m).
+        from: Vec<f32>,
+        /// Highest corner (m).
+        to: Vec<f32>,
+        /// Number of points (2 to 1000).
+        #[serde(default = "points")]
+        points: usize,
+    },
+    /// Everybody stays where they are.
+    Stay {},
+}
+
+fn points() -> usize {
+    12
+}
+
+/// What is done at a goal.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "snake_case")]
+pub enum AtEndConfig {
+    /// Stays.
+    #[default]
+    Stay,
+    /// Leaves the crowd.
+    Leave,
+    /// Begins the way again.
+    Again,
+}
+
+impl From<AtEndConfig> for AtEnd {
+    fn from(c: AtEndConfig) -> Self {
+        match c {
+            AtEndConfig::Stay => Self::Stay,
+            AtEndConfig::Leave => Self::Leave,
+            AtEndConfig::Again => Self::Again,
+        }
+    }
+}
+
+impl GoalConfig {
+    pub(super) fn find_fault(&self, key: &str, dimensions: usize) -> Result<(), Fault> {
+        match self {
+            Self::Point { at } => check_point(&format!("{key}.point.at"), at, dimensions),
+            Self::Shift { by } => check_point(&format!("{key}.shift.by"), by, dimensions),
+            Self::Opposite { centre } => check_point(&format!("{key}.opposite.centre"), centre, dimensions),
+            Self::Area { from, to } => check_corners(&format!("{key}.area"), from, to, dimensions),
+            Self::Wander { from, to, points } => {
+                check_corners(&format!("{key}.wander"), from, to, dimensions)?;
+                check_numbers(&[(&format!("{key}.wander.points"), *points, 2, 1000)])
+            }
+            Self::Stay {} => Ok(()),
+        }
+    }
+
+    pub(super) fn stretch(&mut self, by: f32) {
+        match self {
+            Self::Point { at } => scale(&mut [at], by),
+            Self::Shift { by: far } => scale(&mut [far], by),
+            Self::Opposite { centre } => scale(&mut [centre], by),
+            Self::Area { from, to } | Self::Wander { from, to, .. } => scale(&mut [from, to], by),
+            Self::Stay {} => {}
+        }
+    }
+}
+
+/// Multiplies the coordinates of points.
+pub(super) fn scale(points: &mut [&mut Vec<f32>], by: f32) {
+    points.iter_mut().flat_map(|p| p.iter_mut()).for_each(|v| *v *= by);
+}

@@ -1,0 +1,191 @@
+//! Scene files: who is there, what moves them, where, and what happens. One format for all kinds of motion.
+
+mod check;
+mod environment;
+mod goal;
+mod group;
+mod happening;
+mod measure;
+mod obstacle;
+mod old;
+mod place;
+mod source;
+
+pub use environment::{AgentsConfig, EnvironmentConfig, SpaceConfig, engine};
+pub use goal::{AtEndConfig, GoalConfig};
+pub use group::{
+    BehaviourConfig, BodiesConfig, DragPoint, GroupConfig, Motion, PathsConfig, StruckTargetConfig, WeightedWish,
+    WishConfig,
+};
+pub use happening::{HappeningConfig, NearConfig};
+pub use measure::{GateConfig, LanesConfig, MeasureConfig, PictureConfig, ShownStyle};
+pub(crate) use obstacle::point;
+pub use obstacle::{BoxConfig, DiscConfig, MoverConfig, ObstacleConfig, PolygonConfig, WallConfig, WayPoint};
+pub use place::PlaceConfig;
+
+use serde::{Deserialize, Serialize};
+use source::Source;
+use std::path::{Path, PathBuf};
+use throng_base::{Error, Result};
+
+/// What a scene file holds. Lengths are in metres, times in seconds.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct Scene {
+    /// Its name; the file's stem where absent.
+    #[serde(default)]
+    pub name: String,
+    /// Seed of places, paths and choices.
+    #[serde(default = "one")]
+    pub seed: u64,
+    /// How long it runs unless told otherwise (s, 0.1 to 100000).
+    #[serde(default = "seconds")]
+    pub seconds: f64,
+    /// Bundle of the groups that name none of their own, relative to this file's folder.
+    #[serde(default)]
+    pub bundle: Option<PathBuf>,
+    /// Config that the bundle is built from where it is missing.
+    #[serde(default)]
+    pub config: Option<PathBuf>,
+    /// Where everybody is.
+    #[serde(default)]
+    pub environment: EnvironmentConfig,
+    /// How agents keep clear of each other.
+    #[serde(default)]
+    pub agents: AgentsConfig,
+    /// Who is there (>= 1).
+    pub groups: Vec<GroupConfig>,
+    /// What agents hear of.
+    #[serde(default)]
+    pub happenings: Vec<HappeningConfig>,
+    /// What is measured, beside what always is.
+    #[serde(default)]
+    pub measure: MeasureConfig,
+    /// What the picture shows.
+    #[serde(default)]
+    pub picture: PictureConfig,
+    /// The file that it was read from.
+    #[serde(skip)]
+    source: Source,
+}
+
+fn one() -> u64 {
+    1
+}
+
+fn seconds() -> f64 {
+    15.0
+}
+
+impl Scene {
+    /// Reads a scene file. Paths in it start from its folder.
+    ///
+    /// # Errors
+    /// [`Error::Io`], or [`Error::Text`] with line and column of what is wrong.
+    pub fn load(path: impl AsRef<Path>) -> Result<Self> {
+        let path = path.as_ref();
+        let text = std::fs::read(path).map_err(|source| Error::Io { path: path.to_path_buf(), source })?;
+        Self::parse(&source::utf8(text, path)?, path)
+    }
+
+    /// Reads the text of a scene file; `path` gives its name, its folder and what messages call it.
+    ///
+    /// # Errors
+    /// As [`Scene::load`].
+    pub fn parse(text: &str, path: &Path) -> Result<Self> {
+        let source = Source::new(text, path);
+        old::refuse(&source)?;
+        let mut scene: Self = toml::from_str(text).map_err(|e| source.explain(&e))?;
+        scene.source = source;
+        if scene.name.is_empty() {
+            scene.name = path.file_stem().map_or_else(String::new, |s| s.to_string_lossy().into_owned());
+        }
+        let folder = path.parent().unwrap_or(Path::new(""));
+        scene.paths_mut().for_each(|p| *p = folder.join(&*p));
+        check::foreign_keys(&scene)?;
+        scene.check()?;
+        Ok(scene)
+    }
+
+    /// Checks all numbers.
+    ///
+    /// # Errors
+    /// [`Error::Text`] with the key, what was expected, and its place in the file where it stands there.
+    pub fn check(&self) -> Result<()> {
+        check::scene(self).map_err(|(key, why)| self.fault(&key, why))
+    }
+
+    /// An error about a key, such as `groups[0].place`.
+    pub fn fault(&self, key: &str, why: impl std::fmt::Display) -> Error {
+        self.source.at(key, format!("key `{key}`: {why}"))
+    }
+
+    /// Number of all characters and agents.
+    pub fn num_characters(&self) -> usize {
+        self.groups.iter().map(|g| g.count).sum()
+    }
+
+    /// The bundle of a group, and the config that it is built from (group < number of groups).
+    pub fn bundle_of(&self, group: usize) -> (Option<&Path>, Option<&Path>) {
+        let g = &self.groups[group];
+        match &g.bundle {
+            Some(bundle) => (Some(bundle), g.config.as_deref()),
+            None => (self.bundle.as_deref(), self.config.as_deref()),
+        }
+    }
+
+    /// The stitched world of a group, and the world file that it is stitched from (group < number of groups).
+    pub fn world_of(&self, group: usize) -> (Option<&Path>, Option<&Path>) {
+        let (g, e) = (&self.groups[group], &self.environment);
+        match &g.world {
+            Some(world) => (Some(world), g.world_config.as_deref()),
+            None => (e.world.as_deref(), e.world_config.as_deref()),
+        }
+    }
+
+    /// Takes another bundle, in place of the scene's and of those of all groups; nothing builds it where it is missing.
+    pub fn set_bundle(&mut self, bundle: &Path) {
+        (self.bundle, self.config) = (Some(bundle.to_path_buf()), None);
+        for group in &mut self.groups {
+            (group.bundle, group.config) = (None, None);
+        }
+    }
+
+    /// The scene with another number of characters: every group keeps its share, and where the scene grows, lengths are
+    /// stretched so that as many stand on a square (or cubic) metre as before.
+    pub fn resized(&self, characters: usize) -> Self {
+        let (mut scene, before) = (self.clone(), self.num_characters());
+        let mut given = 0;
+        let mut counted = 0;
+        for group in &mut scene.groups {
+            counted += group.count;
+            let upto = (characters as u128 * counted as u128 / before.max(1) as u128) as usize;
+            group.count = upto - given;
+            given = upto;
+        }
+        if self.measure.grows {
+            let stretch = characters as f64 / before.max(1) as f64;
+            scene.stretch(stretch.powf(1.0 / self.environment.space.dimensions() as f64) as f32);
+        }
+        scene
+    }
+
+    /// Multiplies all lengths of the layout; those of agents and what does not grow stay.
+    fn stretch(&mut self, by: f32) {
+        self.groups.iter_mut().for_each(|g| g.stretch(by));
+        self.environment.obstacles.iter_mut().filter(|o| o.grows).for_each(|o| o.stretch(by));
+        self.happenings.iter_mut().for_each(|h| h.stretch(by));
+    }
+
+    fn paths_mut(&mut self) -> impl Iterator<Item = &mut PathBuf> {
+        let e = &mut self.environment;
+        let own = [&mut self.bundle, &mut self.config, &mut e.world, &mut e.world_config];
+        let groups = self.groups.iter_mut();
+        let of_groups = groups.flat_map(|g| [&mut g.bundle, &mut g.config, &mut g.world, &mut g.world_config]);
+        own.into_iter().chain(of_groups).flatten()
+    }
+}
+
+#[cfg(test)]
+mod tests;

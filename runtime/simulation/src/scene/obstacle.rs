@@ -1,0 +1,207 @@
+//! What stands or moves in a crowd's way.
+
+use super::check::{Fault, check_corners, check_numbers, check_point, fault};
+use super::goal::scale;
+use serde::{Deserialize, Serialize};
+use throng_crowd::{Obstacle, Space};
+
+/// An obstacle.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct ObstacleConfig {
+    /// Its lengths are stretched with the layout of a scene that grows.
+    #[serde(default = "yes")]
+    pub grows: bool,
+    /// A disc on the ground, a ball in the air.
+    #[serde(default)]
+    pub disc: Option<DiscConfig>,
+    /// A disc or ball on its way, that stops for nobody.
+    #[serde(default)]
+    pub mover: Option<MoverConfig>,
+    /// A wall along a line; in the air a rod or column.
+    #[serde(default)]
+    pub wall: Option<WallConfig>,
+    /// A solid polygon, on the ground alone.
+    #[serde(default)]
+    pub polygon: Option<PolygonConfig>,
+    /// A solid box along the axes.
+    #[serde(default, rename = "box")]
+    pub solid_box: Option<BoxConfig>,
+}
+
+fn yes() -> bool {
+    true
+}
+
+/// A disc or ball.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct DiscConfig {
+    /// Its middle (m).
+    pub centre: Vec<f32>,
+    /// (m, 0.01 to 1000)
+    pub radius_m: f32,
+}
+
+/// A disc or ball on its way through points, at constant speed between two of them.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct MoverConfig {
+    /// (m, 0.01 to 1000)
+    pub radius_m: f32,
+    /// Where it is when (>= 1).
+    pub way: Vec<WayPoint>,
+}
+
+/// Where something is at a time.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct WayPoint {
+    /// When (s, >= 0, ascending).
+    pub time_s: f64,
+    /// Where (m).
+    pub at: Vec<f32>,
+}
+
+/// A wall.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct WallConfig {
+    /// From one to the next (m, >= 2).
+    pub points: Vec<Vec<f32>>,
+    /// Half its thickness; the radius of a column (m, 0 to 1000).
+    #[serde(default)]
+    pub radius_m: f32,
+}
+
+/// A polygon.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct PolygonConfig {
+    /// Its corners in order around it (m, >= 3).
+    pub corners: Vec<Vec<f32>>,
+}
+
+/// A box.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct BoxConfig {
+    /// Lowest corner (m).
+    pub from: Vec<f32>,
+    /// Highest corner (m).
+    pub to: Vec<f32>,
+}
+
+impl ObstacleConfig {
+    pub(super) fn find_fault(&self, key: &str, dimensions: usize) -> Result<(), Fault> {
+        let kinds = [
+            self.disc.is_some(),
+            self.mover.is_some(),
+            self.wall.is_some(),
+            self.polygon.is_some(),
+            self.solid_box.is_some(),
+        ];
+        let num = kinds.iter().filter(|k| **k).count();
+        if num != 1 {
+            return fault(key, format!("expected one of disc, mover, wall, polygon and box, found {num}"));
+        }
+        if let Some(d) = &self.disc {
+            check_point(&format!("{key}.disc.centre"), &d.centre, dimensions)?;
+            check_numbers(&[(&format!("{key}.disc.radius_m"), d.radius_m, 0.01, 1000.0)])?;
+        }
+        if let Some(m) = &self.mover {
+            m.find_fault(&format!("{key}.mover"), dimensions)?;
+        }
+        if let Some(w) = &self.wall {
+            check_points(&format!("{key}.wall.points"), &w.points, 2, dimensions)?;
+            check_numbers(&[(&format!("{key}.wall.radius_m"), w.radius_m, 0.0, 1000.0)])?;
+        }
+        if let Some(p) = &self.polygon {
+            if dimensions != 2 {
+                return fault(&format!("{key}.polygon"), "expected none in the air: use boxes, walls or discs");
+            }
+            check_points(&format!("{key}.polygon.corners"), &p.corners, 3, dimensions)?;
+        }
+        if let Some(b) = &self.solid_box {
+            check_corners(&format!("{key}.box"), &b.from, &b.to, dimensions)?;
+        }
+        Ok(())
+    }
+
+    pub(super) fn stretch(&mut self, by: f32) {
+        if let Some(d) = &mut self.disc {
+            scale(&mut [&mut d.centre], by);
+        }
+        if let Some(m) = &mut self.mover {
+            m.way.iter_mut().for_each(|w| scale(&mut [&mut w.at], by));
+        }
+        if let Some(w) = &mut self.wall {
+            w.points.iter_mut().for_each(|p| scale(&mut [p], by));
+        }
+        if let Some(p) = &mut self.polygon {
+            p.corners.iter_mut().for_each(|c| scale(&mut [c], by));
+        }
+        if let Some(b) = &mut self.solid_box {
+            scale(&mut [&mut b.from, &mut b.to], by);
+        }
+    }
+
+    /// What the crowd is given; a wall of several lines is several obstacles.
+    pub fn obstacles<V: Space>(&self) -> Vec<Obstacle<V>> {
+        let mut out = Vec::new();
+        if let Some(d) = &self.disc {
+            out.push(Obstacle::Ball { centre: point(&d.centre), radius: d.radius_m });
+        }
+        if let Some(m) = &self.mover {
+            let way = m.way.iter().map(|w| (w.time_s, point(&w.at))).collect();
+            out.push(Obstacle::Mover { way, radius: m.radius_m });
+        }
+        if let Some(w) = &self.wall {
+            let lines = w.points.windows(2);
+            out.extend(lines.map(|l| Obstacle::Wall { from: point(&l[0]), to: point(&l[1]), radius: w.radius_m }));
+        }
+        if let Some(p) = &self.polygon {
+            out.push(Obstacle::Polygon { corners: p.corners.iter().map(|c| point(c)).collect() });
+        }
+        if let Some(b) = &self.solid_box {
+            out.push(Obstacle::Box { min: point(&b.from), max: point(&b.to) });
+        }
+        out
+    }
+}
+
+impl MoverConfig {
+    fn find_fault(&self, key: &str, dimensions: usize) -> Result<(), Fault> {
+        check_numbers(&[(&format!("{key}.radius_m"), self.radius_m, 0.01, 1000.0)])?;
+        if self.way.is_empty() {
+            return fault(&format!("{key}.way"), "expected at least 1 point, found none");
+        }
+        for (i, w) in self.way.iter().enumerate() {
+            check_point(&format!("{key}.way[{i}].at"), &w.at, dimensions)?;
+            if !(0.0..1e6).contains(&w.time_s) || i > 0 && w.time_s <= self.way[i - 1].time_s {
+                let why = format!("expected times that ascend from 0, found {}", w.time_s);
+                return fault(&format!("{key}.way[{i}].time_s"), why);
+            }
+        }
+        Ok(())
+    }
+}
+
+fn check_points(key: &str, points: &[Vec<f32>], least: usize, dimensions: usize) -> Result<(), Fault> {
+    if points.len() < least {
+        return fault(key, format!("expected at least {least} points, found {}", points.len()));
+    }
+    points.iter().enumerate().try_for_each(|(i, p)| check_point(&format!("{key}[{i}]"), p, dimensions))
+}
+
+/// A point of a scene that has been checked.
+pub(crate) fn point<V: Space>(of: &[f32]) -> V {
+    V::from_coordinates([of[0], of[1], of.get(2).copied().unwrap_or(0.0)])
+}

@@ -1,0 +1,105 @@
+//! Where groups start.
+
+use super::check::{Fault, check_corners, check_numbers, check_point, fault};
+use super::goal::scale;
+use serde::{Deserialize, Serialize};
+
+/// Where a group starts, everybody at rest.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub enum PlaceConfig {
+    /// Rows and columns (and layers, in the air) between two corners.
+    Block {
+        /// Lowest corner (m).
+        from: Vec<f32>,
+        /// Highest corner (m).
+        to: Vec<f32>,
+        /// How far they stand off their rows: 1 as far as they can without touching (0 to 1).
+        #[serde(default = "jitter")]
+        jitter: f32,
+    },
+    /// A filled disc on the ground, or ball in the air, as large as the density asks for.
+    Disc {
+        /// Its middle (m).
+        centre: Vec<f32>,
+        /// Agents on a square metre, or in a cubic metre (1/m^2 or 1/m^3, 1e-6 to 100).
+        density: f32,
+    },
+    /// Rings about a middle, on the ground.
+    Ring {
+        /// The middle (m).
+        centre: Vec<f32>,
+        /// Between neighbours of a ring, and between rings (m, 0.02 to 1000).
+        spacing_m: f32,
+        /// Number of rings, one in the other (1 to 100).
+        #[serde(default = "one_ring")]
+        rings: usize,
+    },
+    /// A square grid on the ground, each character turned its own way: pairs face each other, and others their targets.
+    Grid {
+        /// Its middle (m).
+        #[serde(default)]
+        centre: [f32; 2],
+        /// Between neighbours: pairs, or characters with their targets (m, 0.5 to 1000).
+        #[serde(default = "spacing")]
+        spacing_m: f64,
+        /// Between a character and its opponent or target at the start (m, 0.1 to 1000).
+        #[serde(default = "distance")]
+        distance_m: f64,
+    },
+}
+
+fn spacing() -> f64 {
+    4.0
+}
+
+fn distance() -> f64 {
+    1.5
+}
+
+fn jitter() -> f32 {
+    0.5
+}
+
+fn one_ring() -> usize {
+    1
+}
+
+impl PlaceConfig {
+    pub(super) fn find_fault(&self, key: &str, dimensions: usize) -> Result<(), Fault> {
+        match self {
+            Self::Block { from, to, jitter } => {
+                check_corners(&format!("{key}.block"), from, to, dimensions)?;
+                check_numbers(&[(&format!("{key}.block.jitter"), *jitter, 0.0, 1.0)])
+            }
+            Self::Disc { centre, density } => {
+                check_point(&format!("{key}.disc.centre"), centre, dimensions)?;
+                check_numbers(&[(&format!("{key}.disc.density"), *density, 1e-6, 100.0)])
+            }
+            Self::Ring { centre, spacing_m, rings } => {
+                if dimensions != 2 {
+                    return fault(&format!("{key}.ring"), "expected none in the air: use disc or block");
+                }
+                check_point(&format!("{key}.ring.centre"), centre, dimensions)?;
+                check_numbers(&[(&format!("{key}.ring.spacing_m"), *spacing_m, 0.02, 1000.0)])?;
+                check_numbers(&[(&format!("{key}.ring.rings"), *rings, 1, 100)])
+            }
+            Self::Grid { centre, spacing_m, distance_m } => {
+                check_point(&format!("{key}.grid.centre"), centre, 2)?;
+                check_numbers(&[
+                    (&format!("{key}.grid.spacing_m"), *spacing_m, 0.5, 1e3),
+                    (&format!("{key}.grid.distance_m"), *distance_m, 0.1, 1e3),
+                ])
+            }
+        }
+    }
+
+    pub(super) fn stretch(&mut self, by: f32) {
+        match self {
+            Self::Block { from, to, .. } => scale(&mut [from, to], by),
+            Self::Disc { centre, .. } | Self::Ring { centre, .. } => scale(&mut [centre], by),
+            Self::Grid { .. } => {}
+        }
+    }
+}

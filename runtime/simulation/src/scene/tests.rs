@@ -1,0 +1,154 @@
+//! What scene files may say, and what is refused.
+
+use super::*;
+
+const BLOCK: &str = "place = { block = { from = [0.0, 0.0], to = [5.0, 5.0] } }\n";
+const GOAL: &str = "goal = { shift = { by = [9.0, 0.0] } }\n";
+
+fn load(text: &str) -> Result<Scene, String> {
+    Scene::parse(text, Path::new("folder/square.toml")).map_err(|e| e.to_string())
+}
+
+fn agents(more: &str) -> String {
+    format!("[[groups]]\nmotion = \"none\"\ncount = 10\n{BLOCK}{GOAL}{more}")
+}
+
+fn boxers(motion: &str, count: usize, more: &str) -> String {
+    format!(
+        "bundle = \"b.throng\"\n[[groups]]\nmotion = \"{motion}\"\ncount = {count}\n\
+         behaviours = [{{ name = \"approach\" }}]\n{more}"
+    )
+}
+
+fn walkers(more: &str) -> String {
+    format!("bundle = \"b.throng\"\n[[groups]]\nmotion = \"blend\"\ncount = 3\nspaces = [\"a\"]\n{more}")
+}
+
+fn children(more: &str) -> String {
+    format!(
+        "bundle = \"b.throng\"\nenvironment.world = \"w.world\"\n[[groups]]\nmotion = \"patches\"\ncount = 3\n{more}"
+    )
+}
+
+#[test]
+fn a_scene_has_defaults_its_file_s_name_and_paths_from_its_folder() {
+    let scene = load(&agents("")).unwrap();
+    assert_eq!((scene.name.as_str(), scene.num_characters(), scene.seed, scene.seconds), ("square", 10, 1, 15.0));
+    let scene = load(&children("config = \"c.toml\"\nbundle = \"own.throng\"\n")).unwrap();
+    let (bundle, config) = scene.bundle_of(0);
+    assert_eq!((bundle, config), (Some(Path::new("folder/own.throng")), Some(Path::new("folder/c.toml"))));
+    assert_eq!(scene.world_of(0), (Some(Path::new("folder/w.world")), None));
+}
+
+#[test]
+fn every_kind_of_motion_is_read() {
+    let all = [
+        agents(""),
+        boxers("sparring", 2, ""),
+        boxers("policy", 1, "target = { height_m = 1.4, drag = [{ time_s = 1.0 }] }\n"),
+        walkers("paths = {}\n"),
+        walkers(&format!("{BLOCK}{GOAL}")),
+        children("wishes = [{ wish = { perform = { tag = \"slide\", seconds = [1.0, 2.0] } } }]\n"),
+    ];
+    for text in all {
+        load(&text).unwrap_or_else(|e| panic!("{e}\n{text}"));
+    }
+}
+
+#[test]
+fn faults_name_line_key_and_what_was_expected() {
+    for (text, parts) in [
+        ("seconds = 0.0\n".to_owned() + &agents(""), ["square.toml:1:1: key `seconds`", "found 0"]),
+        ("seconds = 3.0\n".to_owned(), ["square.toml:1:1", "`groups`"]),
+        ("colour = 1\n".to_owned() + &agents(""), ["square.toml:1:1: unknown field `colour`", "throng schema"]),
+        ("secnds = 1\n".to_owned() + &agents(""), ["square.toml:1:1", "did you mean `seconds`?"]),
+        (agents("[environment]\nspace = \"air\"\n"), ["square.toml:4:", "3 numbers"]),
+        (agents("[agents]\nengine = \"magic\"\n"), ["square.toml:7:10", "occupancy"]),
+        (agents("").replace("count = 10", "count = 0"), ["square.toml:3:1: key `groups[0].count`", "found 0"]),
+        (agents("").replace("count = 10", "count = \"x\""), ["square.toml:3:9", "invalid type"]),
+        (agents("").replace("to = [5.0", "to = [-5.0"), ["`groups[0].place.block`", "lowest corner"]),
+        (agents("radius_m = [0.5, 0.2]\n"), ["`groups[0].radius_m`", "0.5, 0.2"]),
+        (agents("[agents.field]\nmagic = 1.0\n"), ["square.toml:7:1", "unknown field `magic`"]),
+        (
+            agents("[[environment.obstacles]]\nwall = { points = [[1.0, 2.0]] }\n"),
+            ["square.toml:7:", "`environment.obstacles[0].wall.points`"],
+        ),
+        (agents("[measure.lanes]\nalong = [1.0, 0.0]\n"), ["`measure.lanes`", "two groups"]),
+        (agents("[[happenings]]\ntime_s = -1.0\ngoal = { stay = {} }\n"), ["`happenings[0].time_s`", "found -1"]),
+        (agents("").replace(GOAL, ""), ["`groups[0].goal`", "stay"]),
+        (agents("").replace(BLOCK, ""), ["`groups[0].place`", "block"]),
+        (agents("temperature = 1.0\n"), ["square.toml:6:1", "\"policy\" or \"sparring\""]),
+        (boxers("sparring", 3, ""), ["`groups[0].count`", "even"]),
+        (boxers("sparring", 2, "target = {}\n"), ["square.toml:6:1", "\"policy\""]),
+        (boxers("sparring", 2, "temperature = nan\n"), ["`groups[0].temperature`", "found NaN"]),
+        (
+            boxers("policy", 2, "place = { grid = { distance_m = -1.0 } }\n"),
+            ["`groups[0].place.grid.distance_m`", "-1"],
+        ),
+        (boxers("policy", 2, "target = { drag = [{ time_s = 0.0 }] }\n"), ["`groups[0].target.drag`", "ascend"]),
+        (
+            boxers("policy", 2, "").replace("}]", "}, { name = \"approach\" }]"),
+            ["`groups[0].behaviours[1].name`", "every behaviour once"],
+        ),
+        (boxers("policy", 2, "").replace("[{ name = \"approach\" }]", "[]"), ["`groups[0].behaviours`", "1 to 4"]),
+        (boxers("policy", 2, "").replace("bundle", "#"), ["`groups[0]`", "needs a `bundle`"]),
+        (walkers(""), ["`groups[0].place`", "block"]),
+        (walkers("paths = {}\n").replace("[\"a\"]", "[]"), ["`groups[0].spaces`", "at least one"]),
+        (walkers("paths = { speeds = [3.0, 1.0] }\n"), ["`groups[0].paths.speeds`", "3, 1"]),
+        (walkers("paths = {}\nbodies = { kinds = 0 }\n"), ["`groups[0].bodies.kinds`", "found 0"]),
+        (walkers("paths = {}\n[environment]\nhills_m = -1.0\n"), ["`environment.hills_m`", "found -1"]),
+        (walkers("paths = {}\nstyle_by_speed = [[2.0, 0.0], [1.0, 1.0]]\n"), ["style_by_speed", "ascend"]),
+        (walkers(&format!("paths = {{}}\n{GOAL}")), ["`groups[0].goal`", "either"]),
+        (children("").replace("environment.world", "#"), ["`groups[0].world`", "stitched"]),
+        (children("wishes = [{ share = 0.0, wish = { visit = {} } }]\n"), ["`groups[0].wishes[0].share`", "found 0"]),
+        (
+            children("wishes = [{ wish = { roam = { seconds = [3.0, 2.0] } } }]\n"),
+            ["wishes[0].wish.seconds`", "3 and 2"],
+        ),
+        (children("wishes = [{ wish = { dance = {} } }]\n"), ["square.toml:6:", "dance"]),
+    ] {
+        let message = load(&text).expect_err(&text);
+        assert!(parts.iter().all(|p| message.contains(p)), "{parts:?}: {message}");
+    }
+    let bytes = source::utf8(b"name = \"a\"\n\xff\xfe".to_vec(), Path::new("duel.toml")).unwrap_err().to_string();
+    assert!(bytes.contains("duel.toml:2:1: expected a scene as TOML"), "{bytes}");
+}
+
+#[test]
+fn every_old_key_is_refused_with_its_new_place() {
+    for (key, now) in old::MOVED {
+        let message = load(&format!("name = \"a\"\n{key} = 1\n")).unwrap_err();
+        assert!(message.starts_with(&format!("folder/square.toml:2:1: `{key}` is a key of older")), "{message}");
+        assert!(message.ends_with(now), "{message}");
+    }
+    let message = load(&agents("").replace("motion = \"none\"\n", "")).unwrap_err();
+    assert!(message.contains("square.toml:1:1") && message.contains("add `motion = \"none\"`"), "{message}");
+}
+
+#[test]
+fn more_agents_keep_their_shares_and_their_density() {
+    let two = format!("{}{}", agents(""), agents("").replace("10", "30"));
+    let mut scene = load(&format!("measure.grows = true\n{two}")).unwrap();
+    let big = scene.resized(4000);
+    assert_eq!([big.groups[0].count, big.groups[1].count], [1000, 3000]);
+    let Some(PlaceConfig::Block { to, .. }) = &big.groups[0].place else { panic!("a block") };
+    assert!((to[0] - 50.0).abs() < 1e-3, "10 times as long: {to:?}");
+    scene.measure.grows = false;
+    assert_eq!(scene.resized(4000).groups[1].place, scene.groups[1].place);
+    assert_eq!(scene.resized(7).num_characters(), 7);
+}
+
+#[test]
+fn styles_change_linearly_between_the_speeds_that_are_given() {
+    let scene = load(&walkers("paths = {}\nstyle_by_speed = [[2.0, 0.0], [3.0, 1.0], [5.0, 2.0]]\n")).unwrap();
+    let style = |speed| scene.groups[0].style(speed);
+    assert_eq!([style(0.0), style(2.0), style(2.5), style(4.0), style(9.0)], [0.0, 0.0, 0.5, 1.5, 2.0]);
+}
+
+#[test]
+fn every_scene_of_the_project_is_read() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data/scenes");
+    let files = std::fs::read_dir(folder).unwrap().map(|f| f.unwrap().path());
+    let scenes: Vec<_> = files.map(|f| Scene::load(&f).unwrap_or_else(|e| panic!("{e}"))).collect();
+    assert!(scenes.len() >= 16);
+}

@@ -1,0 +1,308 @@
+//! The simulation: one clock, one order of events, one snapshot.
+
+use crate::agents::{Agents, Disc};
+use crate::boxing::{Bouts, Practice};
+use crate::casts::Cast;
+use crate::compile::CompiledScene;
+use crate::inhabited::Inhabited;
+use crate::kind::{Kind, Tick};
+use crate::scene::{Motion, Scene, SpaceConfig};
+use crate::sparring::Part;
+use crate::wander::Wanderers;
+use glam::Vec3;
+use std::ops::Range;
+use std::time::Instant;
+use throng_base::error::check;
+use throng_base::{Inline, Result, Run};
+use throng_core::{Contacts, Mat3x4, NUM_JOINTS, Planar};
+
+/// Longest step (s).
+const MAX_STEP_S: f64 = 1.0;
+/// Events of one character in one step for which there is memory from the start.
+const EVENTS_EACH: usize = 4;
+
+/// A scene that runs.
+///
+/// Characters are numbered from 0, group by group of [`Simulation::groups`]; a number is never given to another one.
+#[derive(Clone, Debug)]
+pub struct Simulation {
+    scene: CompiledScene,
+    casts: Vec<Cast>,
+    /// Number of the first character of each cast, and of all characters.
+    firsts: Vec<usize>,
+    groups: Vec<Group>,
+    events: Vec<Event>,
+    time_s: f64,
+    /// Time that each cast took so far, where it is measured (s).
+    busy_s: Option<Vec<f64>>,
+}
+
+/// A group of a simulation.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Group {
+    /// Its name; "group" and its number where the file gives none.
+    pub name: String,
+    /// What moves it.
+    pub motion: Motion,
+    /// Its number in the scene file.
+    pub number: usize,
+    /// Its characters.
+    pub characters: Range<usize>,
+    /// Number of the cast that it is part of.
+    pub cast: usize,
+}
+
+/// Something that happened.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Event {
+    /// When (s).
+    pub time_s: f64,
+    /// To whom, or by whom: number of a character.
+    pub who: usize,
+    /// What.
+    pub happened: Happened,
+}
+
+/// What happened to a character.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Happened {
+    /// Its blow hit its target.
+    Hit {
+        /// Where (m).
+        at: Vec3,
+    },
+    /// Its blow met its opponent.
+    Struck {
+        /// The opponent.
+        opponent: usize,
+        /// What of it; an arm has blocked the blow.
+        part: Part,
+        /// Where (m).
+        at: Vec3,
+    },
+    /// It has what it wished for.
+    Fulfilled,
+    /// It is at its goal.
+    Arrived,
+    /// It has left at its goal.
+    Left,
+    /// It does not get on.
+    Stuck,
+    /// A moving obstacle ran into it.
+    RunInto {
+        /// Number of the obstacle, as the crowd counts them.
+        obstacle: usize,
+    },
+}
+
+impl Simulation {
+    /// Puts everybody in place; poses are there at once.
+    ///
+    /// # Errors
+    /// [`throng_base::Error::Text`] for starts and goals that are impossible, with their keys in the scene file.
+    pub fn new(scene: &CompiledScene) -> Result<Self> {
+        let mut sim = Self {
+            scene: scene.clone(),
+            casts: Vec::new(),
+            firsts: vec![0],
+            groups: Vec::new(),
+            events: Vec::new(),
+            time_s: 0.0,
+            busy_s: None,
+        };
+        let groups = &scene.scene().groups;
+        let mut is_in = vec![false; groups.len()];
+        for g in 0..groups.len() {
+            if is_in[g] {
+                continue;
+            }
+            // Agents share one crowd, and inhabitants their world.
+            let is_with = |&o: &usize| {
+                let agents = groups[g].is_of_agents() && groups[o].is_of_agents();
+                o == g || agents || scene.world_number(g).is_some() && scene.world_number(g) == scene.world_number(o)
+            };
+            let together: Vec<usize> = (g..groups.len()).filter(is_with).collect();
+            together.iter().for_each(|&o| is_in[o] = true);
+            sim.casts.push(cast(scene, &together)?);
+            for o in together {
+                let first = sim.groups.last().map_or(0, |last| last.characters.end);
+                let characters = first..first + groups[o].count;
+                let (name, motion) = (groups[o].title(o), groups[o].motion);
+                sim.groups.push(Group { name, motion, number: o, characters, cast: sim.casts.len() - 1 });
+            }
+            sim.firsts.push(sim.groups.last().map_or(0, |last| last.characters.end));
+        }
+        sim.events.reserve(EVENTS_EACH * sim.num_characters());
+        sim.step_to(0.0, &Inline)?;
+        Ok(sim)
+    }
+
+    /// Moves everybody on by `dt_s` on this thread (s, 0 to 1). Allocates nothing, but for new routes of agents who hear of a
+    /// happening.
+    ///
+    /// # Errors
+    /// [`throng_base::Error::Value`] for a time out of range, and [`throng_base::Error::Text`] for agents who cannot do what a happening asks.
+    pub fn step(&mut self, dt_s: f64) -> Result<()> {
+        self.step_to(self.time_s + dt_s, &Inline)
+    }
+
+    /// As [`Simulation::step`], on threads of the caller's choice. The result is the same, bit by bit.
+    ///
+    /// # Errors
+    /// As [`Simulation::step`].
+    pub fn step_on(&mut self, dt_s: f64, run: &dyn Run) -> Result<()> {
+        self.step_to(self.time_s + dt_s, run)
+    }
+
+    /// Moves everybody on to a time: clocks that count steps stay exact this way (s).
+    ///
+    /// # Errors
+    /// As [`Simulation::step`].
+    pub fn step_to(&mut self, until_s: f64, run: &dyn Run) -> Result<()> {
+        let dt_s = until_s - self.time_s;
+        check("dt_s", None, dt_s, (0.0..=MAX_STEP_S).contains(&dt_s), "between 0 and 1")?;
+        self.events.clear();
+        for (c, cast) in self.casts.iter_mut().enumerate() {
+            let tick = Tick { dt_s: dt_s as f32, until_s, first: self.firsts[c], run };
+            let begin = self.busy_s.is_some().then(Instant::now);
+            cast.step(&tick, &mut self.events)?;
+            if let (Some(busy), Some(begin)) = (&mut self.busy_s, begin) {
+                busy[c] += begin.elapsed().as_secs_f64();
+            }
+        }
+        self.events.sort_unstable_by(|a, b| a.time_s.total_cmp(&b.time_s).then(a.who.cmp(&b.who)));
+        self.time_s = until_s;
+        Ok(())
+    }
+
+    /// The scene that runs.
+    pub fn scene(&self) -> &Scene {
+        self.scene.scene()
+    }
+
+    /// The scene that runs, with its bundles and worlds.
+    pub fn compiled(&self) -> &CompiledScene {
+        &self.scene
+    }
+
+    /// Simulated time (s).
+    pub fn time_s(&self) -> f64 {
+        self.time_s
+    }
+
+    /// Its groups, in the order of their characters' numbers.
+    pub fn groups(&self) -> &[Group] {
+        &self.groups
+    }
+
+    /// Number of all characters that started.
+    pub fn num_characters(&self) -> usize {
+        self.groups.last().map_or(0, |g| g.characters.end)
+    }
+
+    /// Where everybody stands and looks; `None` for those who have left (num_characters).
+    pub fn roots(&self) -> impl ExactSizeIterator<Item = Option<Planar>> + '_ {
+        (0..self.num_characters()).map(|who| self.root(who))
+    }
+
+    /// Joints of everybody in model space, which the roots place in the world; `None` for those who have left or have no
+    /// body (num_characters).
+    pub fn poses(&self) -> impl ExactSizeIterator<Item = Option<&[Mat3x4; NUM_JOINTS]>> + '_ {
+        (0..self.num_characters()).map(|who| self.pose(who))
+    }
+
+    /// What happened in the last step, in the order of time and of characters.
+    pub fn events(&self) -> &[Event] {
+        &self.events
+    }
+
+    /// Where a character stands and looks; `None` where it has left (who < num_characters).
+    pub fn root(&self, who: usize) -> Option<Planar> {
+        let (cast, member) = self.member(who);
+        cast.root(member)
+    }
+
+    /// Joints of a character in model space; `None` where it has left or has no body (who < num_characters).
+    pub fn pose(&self, who: usize) -> Option<&[Mat3x4; NUM_JOINTS]> {
+        let (cast, member) = self.member(who);
+        cast.pose(member)
+    }
+
+    /// World positions of a character's joints; `None` where it has left or has no body (m, who < num_characters).
+    pub fn joint_positions(&self, who: usize) -> Option<[Vec3; NUM_JOINTS]> {
+        let (root, pose) = (self.root(who)?, self.pose(who)?);
+        let (turn, by) = (root.rotation(), root.translation());
+        Some(std::array::from_fn(|j| turn * pose[j].translation() + by))
+    }
+
+    /// Planted parts of a character's feet (who < num_characters).
+    pub fn contacts(&self, who: usize) -> Contacts {
+        let (cast, member) = self.member(who);
+        cast.contacts(member)
+    }
+
+    /// Bottom of the heel and ball of both feet, where bodies are blended (m, who < num_characters).
+    pub fn soles(&self, who: usize) -> Option<[[Vec3; 2]; 2]> {
+        let (cast, member) = self.member(who);
+        cast.soles(member)
+    }
+
+    /// The disc or ball of an agent; `None` for other characters and those who have left (who < num_characters).
+    pub fn disc(&self, who: usize) -> Option<Disc> {
+        match self.member(who) {
+            (Cast::Ground(agents), member) => agents.disc(member),
+            (Cast::Air(agents), member) => agents.disc(member),
+            _ => None,
+        }
+    }
+
+    /// What a character is after: its target or its opponent's head (m, who < num_characters).
+    pub fn target(&self, who: usize) -> Option<Vec3> {
+        match self.member(who) {
+            (Cast::Policy(p), member) => Some(p.practice().targets()[member].position()),
+            (Cast::Sparring(s), member) => Some(s.sparring().heads()[member]),
+            _ => None,
+        }
+    }
+
+    /// All casts: groups of agents share one, and groups in the same world.
+    pub fn casts(&self) -> &[Cast] {
+        &self.casts
+    }
+
+    /// A cast, to tell its characters what to do (number < number of casts).
+    pub fn cast_mut(&mut self, number: usize) -> &mut Cast {
+        &mut self.casts[number]
+    }
+
+    /// The cast of a character, and its number there (who < num_characters).
+    pub fn member(&self, who: usize) -> (&Cast, usize) {
+        let cast = self.firsts.partition_point(|&f| f <= who) - 1;
+        (&self.casts[cast], who - self.firsts[cast])
+    }
+
+    /// Measures from now on how long casts take.
+    pub fn set_timed(&mut self) {
+        self.busy_s = Some(vec![0.0; self.casts.len()]);
+    }
+
+    /// Time that each cast took since [`Simulation::set_timed`]; empty before (s).
+    pub fn busy_s(&self) -> &[f64] {
+        self.busy_s.as_deref().unwrap_or_default()
+    }
+}
+
+/// The characters of groups that are moved together.
+fn cast(scene: &CompiledScene, groups: &[usize]) -> Result<Cast> {
+    let group = &scene.scene().groups[groups[0]];
+    Ok(match group.motion {
+        Motion::Policy => Cast::Policy(Practice::new(scene, groups[0])?),
+        Motion::Sparring => Cast::Sparring(Bouts::new(scene, groups[0])?),
+        Motion::Patches => Cast::Patches(Inhabited::new(scene, groups)?),
+        Motion::Blend if group.paths.is_some() => Cast::Paths(Wanderers::new(scene, groups[0])?),
+        Motion::Blend | Motion::None => match scene.scene().environment.space {
+            SpaceConfig::Ground => Cast::Ground(Agents::new(scene)?),
+            SpaceConfig::Air => Cast::Air(Agents::new(scene)?),
+        },
+    })
+}

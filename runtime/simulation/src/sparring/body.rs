@@ -1,0 +1,222 @@
+//! Bodies as capsules: what a blow can strike, and what bodies must not share.
+
+use super::config::within;
+use glam::{Vec2, Vec3};
+use throng_core::characters::CharactersError;
+use throng_core::planar::Planar;
+use throng_core::pose::Mat3x4;
+use throng_core::skeleton::{Joint, NUM_JOINTS, Skeleton};
+
+/// What of a body is struck.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Part {
+    /// The head.
+    Head,
+    /// The neck.
+    Neck,
+    /// Chest and waist.
+    Trunk,
+    /// The pelvis.
+    Pelvis,
+    /// Upper arm, forearm or hand: the blow is blocked.
+    Arm,
+    /// Thigh or shin.
+    Leg,
+}
+
+/// Radii of the capsules of the default skeleton; those of other bodies are as much larger as the bodies are tall.
+/// (m, 0.001 to 1)
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[allow(missing_docs)]
+pub struct BodyShape {
+    pub head_m: f32,
+    pub neck_m: f32,
+    pub chest_m: f32,
+    pub waist_m: f32,
+    pub pelvis_m: f32,
+    pub upper_arm_m: f32,
+    pub forearm_m: f32,
+    pub hand_m: f32,
+    pub thigh_m: f32,
+    pub shin_m: f32,
+}
+
+impl Default for BodyShape {
+    fn default() -> Self {
+        Self {
+            head_m: 0.1,
+            neck_m: 0.06,
+            chest_m: 0.12,
+            waist_m: 0.12,
+            pelvis_m: 0.12,
+            upper_arm_m: 0.05,
+            forearm_m: 0.045,
+            hand_m: 0.05,
+            thigh_m: 0.08,
+            shin_m: 0.055,
+        }
+    }
+}
+
+impl BodyShape {
+    pub(crate) fn check(&self) -> Result<(), CharactersError> {
+        for (what, got) in [
+            ("body.head_m", self.head_m),
+            ("body.neck_m", self.neck_m),
+            ("body.chest_m", self.chest_m),
+            ("body.waist_m", self.waist_m),
+            ("body.pelvis_m", self.pelvis_m),
+            ("body.upper_arm_m", self.upper_arm_m),
+            ("body.forearm_m", self.forearm_m),
+            ("body.hand_m", self.hand_m),
+            ("body.thigh_m", self.thigh_m),
+            ("body.shin_m", self.shin_m),
+        ] {
+            within(what, got, 1e-3, 1.0, "between 0.001 and 1")?;
+        }
+        Ok(())
+    }
+}
+
+/// Capsules of a body.
+pub const NUM_CAPSULES: usize = 15;
+/// The first of them are the core: head, neck, chest, waist, pelvis.
+pub const NUM_CORE: usize = 5;
+
+/// A capsule between two points.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Capsule {
+    /// Ends of its axis (m).
+    pub ends: [Vec3; 2],
+    /// (m)
+    pub radius: f32,
+}
+
+impl Capsule {
+    /// Length of its axis (m).
+    pub fn length(&self) -> f32 {
+        self.ends[0].distance(self.ends[1])
+    }
+}
+
+/// A capsule that is fixed to joints.
+#[derive(Clone, Copy, Debug)]
+struct Limb {
+    part: Part,
+    /// What is pushed where it is struck.
+    joint: Joint,
+    /// Ends of the axis, each in the frame of a joint (m).
+    ends: [(Joint, Vec3); 2],
+    radius: f32,
+}
+
+/// The capsules of a skeleton's bodies.
+#[derive(Clone, Debug)]
+pub struct Body {
+    limbs: [Limb; NUM_CAPSULES],
+    head_centre: Vec3,
+}
+
+/// Height of the top of the head above the ankles, in rest pose (m).
+fn height(skeleton: &Skeleton) -> f32 {
+    let rest = skeleton.rest_positions();
+    rest[Joint::Head.index()].y + skeleton.tips[0].y - rest[Joint::LeftFoot.index()].y
+}
+
+impl Body {
+    /// Fits capsules to a skeleton.
+    pub fn new(skeleton: &Skeleton, shape: &BodyShape) -> Self {
+        use Joint::*;
+        let rest = skeleton.rest_positions();
+        let scale = height(skeleton) / height(&Skeleton::default());
+        let at = |j: Joint, offset: Vec3| (j, offset);
+        let head_centre = throng_core::characters::head_centre(skeleton);
+        // Flat parts are capsules from side to side, shorter than the body is wide by about their radius.
+        let side = |j: Joint, outer: Joint, share: f32| {
+            let x = Vec3::X * ((rest[outer.index()].x - rest[j.index()].x).abs() * share);
+            [(j, x), (j, -x)]
+        };
+        let joint = |j: Joint| at(j, Vec3::ZERO);
+        let limb = |part, joint, ends, radius| Limb { part, joint, ends, radius: radius * scale };
+        let hand = |j: Joint| [joint(j), at(j, throng_core::hits::striking_offset(skeleton, j))];
+        Self {
+            head_centre,
+            limbs: [
+                limb(Part::Head, Head, [at(Head, head_centre * 0.7), at(Head, head_centre * 1.1)], shape.head_m),
+                limb(Part::Neck, Neck, [joint(Neck), joint(Head)], shape.neck_m),
+                limb(Part::Trunk, UpperChest, side(UpperChest, LeftUpperArm, 0.4), shape.chest_m),
+                limb(Part::Trunk, Chest, [joint(Spine), joint(Chest)], shape.waist_m),
+                limb(Part::Pelvis, Hips, side(Hips, LeftThigh, 0.5), shape.pelvis_m),
+                limb(Part::Arm, LeftUpperArm, [joint(LeftUpperArm), joint(LeftForearm)], shape.upper_arm_m),
+                limb(Part::Arm, LeftForearm, [joint(LeftForearm), joint(LeftHand)], shape.forearm_m),
+                limb(Part::Arm, LeftHand, hand(LeftHand), shape.hand_m),
+                limb(Part::Arm, RightUpperArm, [joint(RightUpperArm), joint(RightForearm)], shape.upper_arm_m),
+                limb(Part::Arm, RightForearm, [joint(RightForearm), joint(RightHand)], shape.forearm_m),
+                limb(Part::Arm, RightHand, hand(RightHand), shape.hand_m),
+                limb(Part::Leg, LeftThigh, [joint(LeftThigh), joint(LeftShin)], shape.thigh_m),
+                limb(Part::Leg, LeftShin, [joint(LeftShin), joint(LeftFoot)], shape.shin_m),
+                limb(Part::Leg, RightThigh, [joint(RightThigh), joint(RightShin)], shape.thigh_m),
+                limb(Part::Leg, RightShin, [joint(RightShin), joint(RightFoot)], shape.shin_m),
+            ],
+        }
+    }
+
+    /// The part that a capsule stands for (capsule < NUM_CAPSULES).
+    pub fn part(&self, capsule: usize) -> Part {
+        self.limbs[capsule].part
+    }
+
+    /// The joint that is pushed where a capsule is struck (capsule < NUM_CAPSULES).
+    pub fn joint(&self, capsule: usize) -> Joint {
+        self.limbs[capsule].joint
+    }
+
+    /// The capsules of a pose in the world.
+    pub fn capsules(&self, pose: &Posed<'_>) -> [Capsule; NUM_CAPSULES] {
+        std::array::from_fn(|i| self.capsule(i, pose))
+    }
+
+    /// The capsules of its core in the world.
+    pub fn core(&self, pose: &Posed<'_>) -> [Capsule; NUM_CORE] {
+        std::array::from_fn(|i| self.capsule(i, pose))
+    }
+
+    /// Middle of the head in the world (m).
+    pub fn head(&self, pose: &Posed<'_>) -> Vec3 {
+        pose.point(Joint::Head, self.head_centre)
+    }
+
+    fn capsule(&self, i: usize, pose: &Posed<'_>) -> Capsule {
+        let limb = &self.limbs[i];
+        Capsule { ends: limb.ends.map(|(joint, offset)| pose.point(joint, offset)), radius: limb.radius }
+    }
+}
+
+/// A character's pose, laid in the world.
+#[derive(Clone, Copy, Debug)]
+pub struct Posed<'a> {
+    pose: &'a [Mat3x4],
+    place: Vec3,
+    sin: f32,
+    cos: f32,
+}
+
+impl<'a> Posed<'a> {
+    /// - `pose`: in model space (NUM_JOINTS).
+    pub fn new(pose: &'a [Mat3x4], root: Planar) -> Self {
+        let (sin, cos) = root.heading.sin_cos();
+        Self { pose: &pose[..NUM_JOINTS], place: root.translation(), sin, cos }
+    }
+
+    /// The planar root's place: x and z (m).
+    pub fn root(&self) -> Vec2 {
+        Vec2::new(self.place.x, self.place.z)
+    }
+
+    /// World position of a point in a joint's frame (m).
+    pub fn point(&self, joint: Joint, offset: Vec3) -> Vec3 {
+        let [x, y, z] =
+            self.pose[joint.index()].rows.map(|r| r[0] * offset.x + r[1] * offset.y + r[2] * offset.z + r[3]);
+        Vec3::new(self.cos * x + self.sin * z, y, self.cos * z - self.sin * x) + self.place
+    }
+}

@@ -1,0 +1,116 @@
+//! How characters spar.
+
+use super::body::BodyShape;
+use super::goals;
+use throng_core::characters::{CharactersConfig, CharactersError, MotionSet};
+
+/// What a behaviour is about.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Aim {
+    /// The middle of the opponent's head, height included.
+    OpponentHead,
+    /// Where and when the opponent's next blow lands: x and z of the place, y the seconds until then, or
+    /// [`NO_THREAT_S`] where none is coming.
+    OpponentThreat,
+}
+
+/// Time until a blow where none is coming (s).
+pub const NO_THREAT_S: f32 = 1e3;
+
+/// A behaviour that all characters weigh.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SparringGoal {
+    /// Number of the policy.
+    pub policy: usize,
+    /// What its values count in the sum over goals; 0 switches it off.
+    pub weight: f32,
+    /// What it is about.
+    pub aim: Aim,
+}
+
+/// How far two bodies may come into each other.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SeparationConfig {
+    /// False lets bodies pass through each other.
+    pub enabled: bool,
+    /// Gap below which bodies already begin to part (m, 0 to 1).
+    pub margin_m: f32,
+    /// Fastest that two characters with a foot in the air part; one that stands on both feet takes a quarter of its
+    /// share (m/s, 0 to 10).
+    pub max_speed_mps: f32,
+    /// Overlap above which time counts as deep (m, 0 to 1).
+    pub deep_m: f32,
+}
+
+impl Default for SeparationConfig {
+    fn default() -> Self {
+        Self { enabled: true, margin_m: 0.04, max_speed_mps: 0.6, deep_m: 0.05 }
+    }
+}
+
+/// How characters spar.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SparringConfig {
+    /// How the characters move.
+    pub characters: CharactersConfig,
+    /// Behaviours (1 to MAX_GOALS).
+    pub goals: Vec<SparringGoal>,
+    /// How thick bodies are.
+    pub body: BodyShape,
+    /// How near to a body a blow must come to land (m, 0 to 1).
+    pub reach_m: f32,
+    /// Last part of a blow's way on which arms can be in it (m, 0 to 1).
+    pub block_m: f32,
+    /// Displacement of what is struck, for each metre a second of the blow (s, 0 to 1).
+    pub push_m_per_mps: f32,
+    /// How bodies are kept apart.
+    pub separation: SeparationConfig,
+}
+
+impl SparringConfig {
+    /// Towards goals, everything else as it is by default.
+    pub fn new(goals: Vec<SparringGoal>) -> Self {
+        Self { goals, ..Self::default() }
+    }
+
+    pub(super) fn check(&self, motion_set: &MotionSet) -> Result<(), CharactersError> {
+        goals::check(motion_set, self.goals.iter().map(|g| (g.policy, g.weight)))?;
+        self.body.check()?;
+        for (what, got) in [
+            ("reach_m", self.reach_m),
+            ("block_m", self.block_m),
+            ("push_m_per_mps", self.push_m_per_mps),
+            ("separation.margin_m", self.separation.margin_m),
+            ("separation.deep_m", self.separation.deep_m),
+        ] {
+            within(what, got, 0.0, 1.0, "between 0 and 1")?;
+        }
+        within("separation.max_speed_mps", self.separation.max_speed_mps, 0.0, 10.0, "between 0 and 10")
+    }
+}
+
+impl Default for SparringConfig {
+    /// Without goals, which [`SparringConfig::new`] takes.
+    fn default() -> Self {
+        Self {
+            characters: CharactersConfig::default(),
+            goals: Vec::new(),
+            body: BodyShape::default(),
+            reach_m: 0.06,
+            block_m: 0.15,
+            push_m_per_mps: 0.012,
+            separation: SeparationConfig::default(),
+        }
+    }
+}
+
+/// An error where a number is out of its range.
+pub(super) fn within(
+    what: &'static str,
+    got: f32,
+    least: f32,
+    most: f32,
+    expected: &'static str,
+) -> Result<(), CharactersError> {
+    if (least..=most).contains(&got) { Ok(()) } else { Err(CharactersError::Value { what, got, expected }) }
+}

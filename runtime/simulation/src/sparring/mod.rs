@@ -1,0 +1,28 @@
+//! Sparring: pairs of characters that strike at each other, and boxers that strike at targets (Lee and Lee 2004, section 6).
+//!
+//! [`Sparring`] takes each character's head as the other's target, tests at effective hits whose blow lands, and
+//! pushes what is struck. [`TargetPractice`] gives every character a [`StruckTarget`] of its own instead.
+
+mod body;
+mod bout;
+mod config;
+mod direct;
+mod distance;
+mod goals;
+mod landing;
+mod pair;
+mod practice;
+mod snapshot;
+mod tally;
+mod target;
+#[cfg(test)]
+mod tests;
+
+pub use body::{Body, BodyShape, Capsule, NUM_CAPSULES, NUM_CORE, Part, Posed};
+pub use bout::{Sparring, SparringFigures};
+pub use config::{Aim, NO_THREAT_S, SeparationConfig, SparringConfig, SparringGoal};
+pub use landing::Landing;
+pub use practice::{PracticeConfig, PracticeFigures, PracticeGoal, PracticeSnapshot, TargetHit, TargetPractice};
+pub use snapshot::SparringSnapshot;
+pub use tally::Tally;
+pub use target::{StruckTarget, TargetConfig};

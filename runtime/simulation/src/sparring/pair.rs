@@ -1,0 +1,91 @@
+//! Two bodies that come too near, and how they part again.
+
+use super::body::{Body, Posed};
+use super::config::SeparationConfig;
+use super::distance::overlap;
+use glam::{Vec2, Vec3};
+use throng_core::contacts::Contacts;
+
+/// Time in which the speed of parting adapts (s).
+const ADAPT_S: f32 = 0.15;
+/// Share that a character takes who stands on both feet: its legs can only lean.
+const STANDING_SHARE: f32 = 0.25;
+/// Time in which an overlap would be gone at the speed that is aimed at (s).
+const PART_S: f32 = 0.25;
+
+/// What is remembered of two opponents.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Pair {
+    /// Deepest overlap of their cores; 0 where they are apart (m).
+    pub overlap_m: f32,
+    /// Time spent deeper than the config allows (s).
+    pub deep_s: f32,
+    /// Deepest overlap so far (m).
+    pub max_overlap_m: f32,
+    /// How fast they are moved apart (m/s).
+    speed_mps: f32,
+    /// Along the ground from the first to the second, of unit length.
+    apart: Vec2,
+    /// What each takes of its half of the way.
+    shares: [f32; 2],
+}
+
+impl Pair {
+    /// Measures the overlap of two poses.
+    pub fn observe(
+        &mut self,
+        body: &Body,
+        poses: [&Posed<'_>; 2],
+        contacts: [Contacts; 2],
+        config: &SeparationConfig,
+        dt_s: f32,
+    ) {
+        let overlap = core_overlap(body, poses, config.margin_m);
+        self.overlap_m = overlap.max(0.0);
+        self.max_overlap_m = self.max_overlap_m.max(self.overlap_m);
+        if self.overlap_m > config.deep_m {
+            self.deep_s += dt_s;
+        }
+        let way = poses[1].root() - poses[0].root();
+        self.apart = way.try_normalize().unwrap_or(Vec2::Y);
+        let wanted =
+            if config.enabled { ((overlap + config.margin_m) / PART_S).min(config.max_speed_mps) } else { 0.0 };
+        let adapt = 1.0 - (-dt_s / ADAPT_S).exp();
+        self.speed_mps += (wanted - self.speed_mps) * adapt;
+        for (share, c) in self.shares.iter_mut().zip(contacts) {
+            let stands = c.any(Contacts::LEFT) && c.any(Contacts::RIGHT);
+            *share += (if stands { STANDING_SHARE } else { 1.0 } - *share) * adapt;
+        }
+    }
+
+    /// How far each of the two is to be moved in a step; `None` where they stay (m).
+    pub fn part(&self, dt_s: f32) -> Option<[Vec2; 2]> {
+        const SLOWEST_MPS: f32 = 1e-3;
+        let by = self.apart * (0.5 * self.speed_mps * dt_s);
+        (self.speed_mps > SLOWEST_MPS).then(|| [-by * self.shares[0], by * self.shares[1]])
+    }
+}
+
+/// Deepest overlap of the cores of two bodies, negative where there is a gap; gaps of the margin and more are all the
+/// same (m).
+fn core_overlap(body: &Body, [a, b]: [&Posed<'_>; 2], margin_m: f32) -> f32 {
+    /// No core is further from its pelvis than this (m).
+    const REACH: f32 = 1.1;
+    let hips = |p: &Posed<'_>| p.point(throng_core::Joint::Hips, Vec3::ZERO);
+    if hips(a).distance_squared(hips(b)) > (2.0 * REACH).powi(2) {
+        return -margin_m;
+    }
+    let (a, b) = (body.core(a), body.core(b));
+    let mut deepest = -margin_m;
+    for p in &a {
+        for q in &b {
+            // Spheres around the capsules first: most pairs are far apart.
+            let gap = (p.ends[0] + p.ends[1]).distance(q.ends[0] + q.ends[1]) * 0.5;
+            let reach = p.radius + q.radius + 0.5 * (p.length() + q.length());
+            if gap - reach < -deepest {
+                deepest = deepest.max(overlap(p, q));
+            }
+        }
+    }
+    deepest
+}

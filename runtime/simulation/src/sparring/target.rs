@@ -1,0 +1,87 @@
+//! A target that gives way when it is struck and comes back, such as a ball on a string (Lee and Lee 2004, section 6).
+
+use super::config::within;
+use glam::Vec3;
+use throng_core::characters::CharactersError;
+
+/// How a struck target moves.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TargetConfig {
+    /// Radius (m, 0.001 to 1).
+    pub radius_m: f32,
+    /// Furthest it swings out, for each metre a second of the blow (s, 0 to 1).
+    pub deflection_m_per_mps: f32,
+    /// Furthest it swings out at all (m, 0 to 10).
+    pub max_deflection_m: f32,
+    /// Time in which a deflection halves, roughly (s, 0.001 to 10).
+    pub half_life_s: f32,
+}
+
+impl Default for TargetConfig {
+    fn default() -> Self {
+        Self { radius_m: 0.12, deflection_m_per_mps: 0.06, max_deflection_m: 0.5, half_life_s: 0.4 }
+    }
+}
+
+impl TargetConfig {
+    pub(super) fn check(&self) -> Result<(), CharactersError> {
+        within("target.radius_m", self.radius_m, 1e-3, 1.0, "between 0.001 and 1")?;
+        within("target.deflection_m_per_mps", self.deflection_m_per_mps, 0.0, 1.0, "between 0 and 1")?;
+        within("target.max_deflection_m", self.max_deflection_m, 0.0, 10.0, "between 0 and 10")?;
+        within("target.half_life_s", self.half_life_s, 1e-3, 10.0, "between 0.001 and 10")
+    }
+
+    /// Rate of the critically damped spring (1/s).
+    fn rate(&self) -> f32 {
+        2.0 * std::f32::consts::LN_2 / self.half_life_s
+    }
+}
+
+/// A target that hangs at a home, which may be moved at any time.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct StruckTarget {
+    /// Where it hangs (m).
+    pub home: Vec3,
+    /// How far it is from there (m).
+    pub offset: Vec3,
+    /// How fast that changes (m/s).
+    pub velocity: Vec3,
+}
+
+impl StruckTarget {
+    /// At rest.
+    pub fn new(home: Vec3) -> Self {
+        Self { home, ..Self::default() }
+    }
+
+    /// Where it is (m).
+    pub fn position(&self) -> Vec3 {
+        self.home + self.offset
+    }
+
+    /// Strikes it: it will swing out in the direction of the blow, in proportion to its speed.
+    ///
+    /// - `direction`: of unit length.
+    pub fn strike(&mut self, config: &TargetConfig, direction: Vec3, speed_mps: f32) {
+        // From rest, a critically damped spring of rate y swings out to v / (e y).
+        let furthest = (speed_mps * config.deflection_m_per_mps).min(config.max_deflection_m);
+        self.velocity = direction * (furthest * std::f32::consts::E * config.rate());
+    }
+
+    /// Lets it move, exactly.
+    pub fn step(&mut self, config: &TargetConfig, dt_s: f32) {
+        let rate = config.rate();
+        let slope = self.velocity + self.offset * rate;
+        let line = self.offset + slope * dt_s;
+        let keep = (-rate * dt_s).exp();
+        self.velocity = (slope - line * rate) * keep;
+        self.offset = line * keep;
+        // Struck again on its way out, it stops at the limit.
+        let distance = self.offset.length();
+        if distance > config.max_deflection_m {
+            let out = self.offset / distance;
+            self.offset = out * config.max_deflection_m;
+            self.velocity -= out * self.velocity.dot(out).max(0.0);
+        }
+    }
+}

@@ -1,0 +1,184 @@
+//! Blended bodies of many sizes on random paths.
+
+use crate::Event;
+use crate::compile::CompiledScene;
+use crate::kind::{Kind, Tick, joints};
+use crate::paths::Wander;
+use crate::scene::{BodiesConfig, Scene};
+use glam::{Vec2, Vec3};
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg64Mcg;
+use std::sync::Arc;
+use throng_base::{Error, Id, Result};
+use throng_core::blend::HeightField;
+use throng_core::blend::walkers::{Control, WalkerStart, Walkers, WalkersConfig};
+use throng_core::{Cast, Contacts, Joint, Mat3x4, NUM_JOINTS, Planar, Skeleton};
+
+/// Most heights along a side of the ground, which take 64 MiB: those of a wider one lie farther apart.
+const GROUND_KNOTS: f32 = 4000.0;
+/// Least distance between two heights of the ground (m).
+const GROUND_SPACING_M: f32 = 0.5;
+/// Length of a hill (m).
+const HILL_M: f32 = 24.0;
+
+/// The walkers of one blend space.
+#[derive(Clone, Debug)]
+struct Troop {
+    walkers: Walkers,
+    ids: Vec<Id>,
+    paths: Vec<Wander>,
+    /// Speeds of bodies that move alike, over those of the database skeleton.
+    paces: Vec<f32>,
+}
+
+/// A group on random paths, who mind nobody.
+#[derive(Clone, Debug)]
+pub struct Wanderers {
+    scene: Arc<Scene>,
+    group: usize,
+    /// Characters take them in turn.
+    troops: Vec<Troop>,
+    ground: HeightField,
+}
+
+impl Wanderers {
+    /// Puts everybody in place.
+    ///
+    /// # Errors
+    /// [`throng_base::Error::Text`] for a blend space that the bundle does not have.
+    pub(crate) fn new(compiled: &CompiledScene, group: usize) -> Result<Self> {
+        let (scene, bundle) = (compiled.shared(), compiled.bundle(group)?);
+        let (config, seed) = (&scene.groups[group], compiled.seed(group));
+        let paths = config.paths.clone().unwrap_or_default();
+        let fault = |e: Error| scene.fault(&format!("groups[{group}]"), e);
+        let bodies = skeletons(&config.bodies(), bundle.skeleton(), seed);
+        let leg = bundle.skeleton().leg_length();
+        let ground = ground(scene.environment.hills_m, &paths).map_err(fault)?;
+        let mut troops = Vec::with_capacity(config.spaces.len());
+        for t in 0..config.spaces.len() {
+            let space = compiled.space(group, t)?;
+            let members: Vec<u64> = (t..config.count).step_by(config.spaces.len()).map(|c| c as u64).collect();
+            let mut wanders: Vec<Wander> = members.iter().map(|&c| Wander::new(&paths, seed, c)).collect();
+            let controls: Vec<Control> = wanders.iter_mut().map(|p| p.step(&paths, 0.0)).collect();
+            let start = |(&c, control): (&u64, &Control)| WalkerStart {
+                body: c as usize % bodies.len(),
+                root: root_of(control),
+                phase: (c as f32 * 0.381_966).fract(),
+            };
+            let starts = members.iter().zip(&controls).map(start);
+            let made = Walkers::with_capacity(space, &bodies, WalkersConfig::default(), members.len());
+            let made = made.and_then(|mut walkers| {
+                walkers.set_ground(ground.clone());
+                let ids = starts.map(|s| walkers.spawn(s)).collect::<Result<Vec<Id>>>()?;
+                Ok((walkers, ids))
+            });
+            let (walkers, ids) = made.map_err(fault)?;
+            let pace = |&c: &u64| (bodies[c as usize % bodies.len()].leg_length() / leg).sqrt();
+            let paces = members.iter().map(pace).collect();
+            troops.push(Troop { walkers, ids, paths: wanders, paces });
+        }
+        Ok(Self { scene: Arc::clone(scene), group, troops, ground })
+    }
+
+    /// The ground that they walk on.
+    pub fn ground(&self) -> &HeightField {
+        &self.ground
+    }
+
+    /// Speed at which a character's path leads on (m/s, member < num_characters).
+    pub fn speed(&self, member: usize) -> f32 {
+        self.troops[member % self.troops.len()].paths[member / self.troops.len()].speed()
+    }
+
+    /// The walkers among which a character is, and its number there (member < num_characters).
+    pub fn walkers_of(&self, member: usize) -> (&Walkers, usize) {
+        (&self.troops[member % self.troops.len()].walkers, member / self.troops.len())
+    }
+}
+
+impl Kind for Wanderers {
+    fn num_characters(&self) -> usize {
+        self.troops.iter().map(|t| t.walkers.len()).sum()
+    }
+
+    fn step(&mut self, tick: &Tick<'_>, _: &mut Vec<Event>) -> Result<()> {
+        let config = &self.scene.groups[self.group];
+        let Some(paths) = &config.paths else { return Ok(()) };
+        for t in &mut self.troops {
+            let fault = |e: Error| self.scene.fault(&format!("groups[{}]", self.group), e);
+            for ((path, pace), id) in t.paths.iter_mut().zip(&t.paces).zip(&t.ids) {
+                let mut control = path.step(paths, tick.dt_s);
+                control.style[0] = config.style(path.speed() / pace);
+                t.walkers.order(*id, control).map_err(fault)?;
+            }
+            t.walkers.step(tick.dt_s, tick.run).map_err(fault)?;
+        }
+        Ok(())
+    }
+
+    fn root(&self, member: usize) -> Option<Planar> {
+        let (walkers, w) = self.walkers_of(member);
+        Some(walkers.root(w))
+    }
+
+    fn pose(&self, member: usize) -> Option<&[Mat3x4; NUM_JOINTS]> {
+        let (walkers, w) = self.walkers_of(member);
+        Some(joints(walkers.pose(w)))
+    }
+
+    fn contacts(&self, member: usize) -> Contacts {
+        let (walkers, w) = self.walkers_of(member);
+        walkers.contacts(w)
+    }
+
+    fn soles(&self, member: usize) -> Option<[[Vec3; 2]; 2]> {
+        let (walkers, w) = self.walkers_of(member);
+        Some(walkers.soles(w))
+    }
+}
+
+/// Where a control is.
+fn root_of(control: &Control) -> Planar {
+    let at = control.position.unwrap_or_default();
+    Planar { x: at.x, z: at.y, heading: control.heading.unwrap_or(0.0) }
+}
+
+/// Hills under a square of paths; level ground where they have no height.
+fn ground(hills_m: f32, paths: &crate::scene::PathsConfig) -> Result<HeightField> {
+    if hills_m == 0.0 {
+        return Ok(HeightField::flat());
+    }
+    let half = 0.5 * paths.area_m + 20.0;
+    let spacing = (2.0 * half / GROUND_KNOTS).max(GROUND_SPACING_M);
+    let n = (2.0 * half / spacing).ceil() as usize + 1;
+    let wave = |v: f32| (v * std::f32::consts::TAU / HILL_M).sin();
+    let at = |i: usize| i as f32 * spacing - half;
+    let height = |k: usize| 0.25 * hills_m * (2.0 + wave(at(k % n)) + wave(0.7 * at(k / n) + 1.0));
+    let corner = Vec2::from(paths.centre) - Vec2::splat(half);
+    HeightField::new(corner, spacing, [n, n], (0..n * n).map(height).collect())
+}
+
+/// Skeletons of many sizes and proportions.
+pub fn skeletons(bodies: &BodiesConfig, database: &Skeleton, seed: u64) -> Vec<Skeleton> {
+    let mut rng = Pcg64Mcg::seed_from_u64(seed);
+    let mut draw = |[low, high]: [f32; 2]| low + (high - low) * rng.random_range(0.0..1.0f32);
+    (0..bodies.kinds).map(|_| body_of(database, draw(bodies.sizes), draw(bodies.legs))).collect()
+}
+
+/// A skeleton of another size whose legs are longer or shorter than that.
+///
+/// - `size`: of everything (size of the database skeleton).
+/// - `legs`: length of thighs and shins over that.
+pub fn body_of(database: &Skeleton, size: f32, legs: f32) -> Skeleton {
+    let mut out = database.clone();
+    let is_leg = |j: Joint| matches!(j, Joint::LeftShin | Joint::LeftFoot | Joint::RightShin | Joint::RightFoot);
+    for j in Joint::ALL {
+        out.offsets[j.index()] *= if is_leg(j) { size * legs } else { size };
+    }
+    out.tips.iter_mut().for_each(|t| *t *= size);
+    // The hips are as high as the legs leave them.
+    let leg = database.offsets[Joint::LeftShin.index()].length() + database.offsets[Joint::LeftFoot.index()].length();
+    let hips = database.offsets[Joint::Hips.index()];
+    out.offsets[Joint::Hips.index()] = size * (hips + Vec3::Y * (legs - 1.0) * leg);
+    out
+}

@@ -1,0 +1,122 @@
+//! What `stitch` works out of a world beforehand, so that opening it takes no search: the path hierarchy with its costs,
+//! ways to rest, narrow passages, open borders.
+
+use super::graph::Bounds;
+use super::path_hierarchy::PathHierarchy;
+use super::{WorldError, WorldGraph, pod};
+use serde::{Deserialize, Serialize};
+
+/// Most bytes that may be asked for while path costs are decoded (bytes).
+const LIMIT: usize = u32::MAX as usize;
+
+/// Path costs of a world, as its file keeps them.
+#[derive(Clone, Debug, Default)]
+pub struct PathCosts(pub(crate) Vec<u8>);
+
+impl PathCosts {
+    /// Works out the costs of a world (seconds for a world of a few hundred instances, on all threads with the feature
+    /// `rayon`).
+    ///
+    /// # Errors
+    /// [`WorldError::Layout`] where they cannot be encoded.
+    pub fn bake(graph: &WorldGraph) -> Result<Self, WorldError> {
+        let (to_rest, narrow, bounds) = graph.derived();
+        let baked = BakedRef { to_rest, narrow, bounds, hierarchy: graph.hierarchy() };
+        let bytes = bincode::serde::encode_to_vec(baked, bincode::config::legacy());
+        bytes.map(Self).map_err(|e| WorldError::layout(format!("path costs cannot be written: {e}")))
+    }
+
+    /// Length (bytes).
+    pub fn num_bytes(&self) -> usize {
+        self.0.len()
+    }
+}
+
+#[derive(Serialize)]
+struct BakedRef<'a> {
+    #[serde(with = "pod")]
+    to_rest: &'a [u32],
+    narrow: &'a [bool],
+    bounds: &'a Bounds,
+    hierarchy: &'a PathHierarchy,
+}
+
+/// The same, read from a file.
+#[derive(Deserialize)]
+pub(crate) struct Baked {
+    #[serde(with = "pod")]
+    pub to_rest: Vec<u32>,
+    pub narrow: Vec<bool>,
+    pub bounds: Bounds,
+    pub hierarchy: PathHierarchy,
+}
+
+impl Baked {
+    /// Decodes a section. What it says is checked by [`WorldGraph::from_baked`].
+    ///
+    /// # Errors
+    /// [`WorldError::Layout`] where it is damaged, asks for too much memory, or is followed by something else.
+    pub fn decode(bytes: &[u8]) -> Result<Self, WorldError> {
+        let config = bincode::config::legacy().with_limit::<LIMIT>();
+        match bincode::serde::borrow_decode_from_slice(bytes, config) {
+            Ok((baked, used)) if used == bytes.len() => Ok(baked),
+            Ok((_, used)) => Err(WorldError::layout(format!("WPTH has {} bytes, expected {used}", bytes.len()))),
+            Err(e) => Err(WorldError::layout(format!("WPTH cannot be read: {e}"))),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::made_up::{Tile, nodes, places};
+    use crate::plan::{Planner, Target};
+    use crate::{Step, WorldData};
+
+    fn floor(tile: &Tile) -> (WorldData, PathCosts) {
+        let world = tile.floor(&places([3, 4, 2]));
+        let costs = PathCosts::bake(&WorldGraph::new(&tile.patches(), &world.view()).unwrap()).unwrap();
+        (world, costs)
+    }
+
+    #[test]
+    fn planning_with_baked_costs_finds_the_same_paths() {
+        let tile = Tile::crossed_in(20, 16);
+        let (world, costs) = floor(&tile);
+        let made = WorldGraph::new(&tile.patches(), &world.view()).unwrap();
+        let read = WorldGraph::from_baked(&tile.patches(), &world.view(), Baked::decode(&costs.0).unwrap()).unwrap();
+        assert_eq!(PathCosts::bake(&read).unwrap().0, costs.0);
+        let (mut a, mut b) = (Planner::new(&made), Planner::new(&read));
+        let (mut steps_a, mut steps_b) = ([Step::NONE; 64], [Step::NONE; 64]);
+        let all = nodes(&made);
+        for (from, to) in all.iter().step_by(7).flat_map(|f| all.iter().step_by(11).map(move |t| (*f, *t))) {
+            let plan = a.plan(&made, from, Target::Node(to), &mut steps_a);
+            assert_eq!(plan, b.plan(&read, from, Target::Node(to), &mut steps_b));
+            assert_eq!(steps_a, steps_b);
+        }
+    }
+
+    #[test]
+    fn no_damage_to_costs_leads_out_of_their_tables() {
+        let tile = Tile::crossed_in(20, 16);
+        let (world, costs) = floor(&tile);
+        let all = nodes(&WorldGraph::new(&tile.patches(), &world.view()).unwrap());
+        let (mut steps, mut refused) = ([Step::NONE; 64], 0);
+        for at in (0..costs.0.len()).step_by(costs.0.len() / 2000 + 1) {
+            let mut bytes = costs.0.clone();
+            bytes[at] ^= 0x80;
+            let read = Baked::decode(&bytes).and_then(|b| WorldGraph::from_baked(&tile.patches(), &world.view(), b));
+            let Ok(graph) = read else {
+                refused += 1;
+                continue;
+            };
+            let mut planner = Planner::new(&graph);
+            for pair in all.windows(2).step_by(40) {
+                let _ = planner.plan_soon(&graph, pair[0], Target::Node(all[all.len() - 1]), &mut steps);
+                let _ = planner.plan_soon(&graph, all[0], Target::Node(pair[1]), &mut steps);
+            }
+        }
+        assert!(refused > 20, "{refused}");
+        assert!((0..costs.0.len()).step_by(97).all(|len| Baked::decode(&costs.0[..len]).is_err()));
+    }
+}

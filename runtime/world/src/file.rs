@@ -1,0 +1,189 @@
+//! World files (`*.world`): the frame of a bundle under a name of its own, with the records of a world.
+//!
+//! Version history (a number is never used twice; any change of layout or meaning takes the next one):
+//!
+//! - 1: units, instances, neighbours, bits of cells and links, adjacencies, joint tables, resources.
+//! - 2: path costs, which planners worked out at every start before; content hashes of the bundle and of the source.
+
+use super::baked::{Baked, PathCosts};
+use super::{AdjacencyRecord, InstanceRecord, JointRecord, JointTableRecord, Node, UnitRecord};
+use super::{WorldData, WorldError, WorldGraph, WorldMeta, WorldView, check, tags};
+use glam::Vec3;
+use std::{io, path::Path, sync::Arc};
+use throng_base::{Error, Result};
+use throng_core::Bundle;
+use throng_core::characters::MotionSet;
+use throng_core::format::{AlignedBytes, BundleWriter, FormatError, Kind, Layout, Storage, Table};
+
+/// First bytes of every world file.
+pub const WORLD_MAGIC: [u8; 8] = *b"\x89THWRLD\n";
+/// The version of world files that this code writes and reads.
+pub const WORLD_VERSION: u32 = 2;
+
+const KIND: Kind = Kind { what: "world", magic: WORLD_MAGIC, version: WORLD_VERSION };
+
+/// A world with the bundle it was stitched with, ready to plan in and to live in. Clones are cheap and share all of it.
+///
+/// As with [`Bundle`], everything that is relied on later is checked once, when it is opened. What planning knows of the
+/// world beforehand lies in the file, so that opening it takes milliseconds.
+#[derive(Clone, Debug)]
+pub struct World(Arc<Opened>);
+
+#[derive(Debug)]
+struct Opened {
+    meta: WorldMeta,
+    graph: WorldGraph,
+    motion_set: MotionSet,
+    num_bytes: usize,
+}
+
+impl World {
+    /// Maps and checks a file against the bundle it was stitched with.
+    ///
+    /// # Errors
+    /// [`Error::Io`], [`Error::Format`] with what is wrong with the file and what to do, or [`Error::OtherBundle`].
+    pub fn open(path: impl AsRef<Path>, bundle: &Bundle) -> Result<Self> {
+        let path = path.as_ref();
+        let open = || Self::new(Storage::map(path)?, bundle);
+        open().map_err(|e| match e {
+            WorldError::Frame(FormatError::Io { path, source }) => Error::Io { path, source },
+            WorldError::OtherBundle { expected, got, .. } => Error::OtherBundle { expected, got },
+            e => Error::Format { path: path.to_path_buf(), why: e.to_string() },
+        })
+    }
+
+    /// As [`World::open`], of bytes in memory.
+    ///
+    /// # Errors
+    /// [`WorldError`] says what is wrong, or that the world belongs to another bundle, and what to do.
+    pub fn from_bytes(bytes: AlignedBytes, bundle: &Bundle) -> Result<Self, WorldError> {
+        Self::new(Storage::Memory(bytes), bundle)
+    }
+
+    fn new(storage: Storage, bundle: &Bundle) -> Result<Self, WorldError> {
+        let layout = Layout::read_kind(storage.bytes(), true, KIND)?;
+        let storage = Arc::new(storage);
+        let view = WorldView {
+            units: Table::of_file(&storage, &layout.section::<UnitRecord>(tags::UNITS)?),
+            instances: Table::of_file(&storage, &layout.section::<InstanceRecord>(tags::INSTANCES)?),
+            neighbours: Table::of_file(&storage, &layout.section::<u32>(tags::NEIGHBOURS)?),
+            cell_words: Table::of_file(&storage, &layout.section::<u64>(tags::CELLS)?),
+            link_words: Table::of_file(&storage, &layout.section::<u64>(tags::LINKS)?),
+            adjacencies: Table::of_file(&storage, &layout.section::<AdjacencyRecord>(tags::ADJACENCIES)?),
+            tables: Table::of_file(&storage, &layout.section::<JointTableRecord>(tags::TABLES)?),
+            joints: Table::of_file(&storage, &layout.section::<JointRecord>(tags::JOINTS)?),
+            joints_by_b: Table::of_file(&storage, &layout.section::<u32>(tags::JOINTS_BY_B)?),
+            joint_words: Table::of_file(&storage, &layout.section::<u64>(tags::JOINT_BITS)?),
+            resources: Table::of_file(&storage, &layout.section::<u32>(tags::RESOURCES)?),
+        };
+        let meta = WorldMeta::decode(&storage.bytes()[layout.section::<u8>(tags::META)?])?;
+        if meta.bundle_hash != bundle.hash() {
+            let (expected, got) = (meta.bundle_hash, bundle.hash());
+            let given = bundle.meta().name.clone();
+            return Err(WorldError::OtherBundle { world: meta.name, bundle: meta.bundle, given, expected, got });
+        }
+        check::world(&view, bundle.patches())?;
+        let baked = Baked::decode(&storage.bytes()[layout.section::<u8>(tags::PATHS)?])?;
+        let graph = WorldGraph::from_baked(bundle.patches(), &view, baked)?;
+        let (motion_set, num_bytes) = (MotionSet::new(bundle), storage.bytes().len());
+        Ok(Self(Arc::new(Opened { meta, graph, motion_set, num_bytes })))
+    }
+
+    /// A world in memory, as it was stitched. Its path costs are worked out when the first path is planned.
+    ///
+    /// # Errors
+    /// As [`WorldGraph::new`].
+    pub fn from_data(data: &WorldData, bundle: &Bundle) -> Result<Self, WorldError> {
+        let graph = WorldGraph::new(bundle.patches(), &data.view())?;
+        let (meta, motion_set) = (data.meta.clone(), MotionSet::new(bundle));
+        Ok(Self(Arc::new(Opened { meta, graph, motion_set, num_bytes: 0 })))
+    }
+
+    /// What the world says of itself.
+    pub fn meta(&self) -> &WorldMeta {
+        &self.0.meta
+    }
+
+    /// The graph over it.
+    pub fn graph(&self) -> &WorldGraph {
+        &self.0.graph
+    }
+
+    /// The motion of its bundle.
+    pub fn motion_set(&self) -> &MotionSet {
+        &self.0.motion_set
+    }
+
+    /// The records.
+    pub fn view(&self) -> &WorldView {
+        self.0.graph.world()
+    }
+
+    /// Length of the file; 0 for a world in memory (bytes).
+    pub fn num_bytes(&self) -> usize {
+        self.0.num_bytes
+    }
+
+    /// The place nearest to a point where a character may stay.
+    ///
+    /// - `within_m`: no farther away than that (m).
+    ///
+    /// # Errors
+    /// [`Error::Value`] for a point that is not finite, or where the nearest place is farther away: `got` says how far.
+    pub fn near(&self, at: Vec3, within_m: f32) -> Result<Place> {
+        check_value("point", f64::from(at.length()), at.is_finite(), "finite")?;
+        let place =
+            self.graph().nearest_rest(at).map(|node| Place { node, at: self.graph().place(node).translation() });
+        let away = place.map_or(f32::INFINITY, |p| p.at.distance(at));
+        let expected = "no more than was asked for; name a point nearer to where one can stay";
+        check_value("distance to the nearest place to stay (m)", f64::from(away), away <= within_m, expected)?;
+        place.ok_or(Error::Value { what: "places to stay", who: None, got: 0.0, expected: "at least one" })
+    }
+}
+
+/// A place in a world where a character may stay.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Place {
+    /// The node of the world's graph.
+    pub node: Node,
+    /// Where that is: the hips (m).
+    pub at: Vec3,
+}
+
+fn check_value(what: &'static str, got: f64, good: bool, expected: &'static str) -> Result<()> {
+    throng_base::error::check(what, None, got, good, expected)
+}
+
+impl WorldData {
+    /// Writes the world as a file.
+    ///
+    /// - `paths`: of this world as it is, see [`PathCosts::bake`].
+    ///
+    /// # Errors
+    /// What `out` returns, or [`io::ErrorKind::InvalidData`] where the meta data cannot be encoded.
+    pub fn write(&self, paths: &PathCosts, out: &mut impl io::Write) -> io::Result<()> {
+        let mut file = BundleWriter::new();
+        file.section(tags::META, &self.meta.encode().map_err(|e| io::Error::new(io::ErrorKind::InvalidData, e))?);
+        file.section(tags::UNITS, &self.units);
+        file.section(tags::INSTANCES, &self.instances);
+        file.section(tags::NEIGHBOURS, &self.neighbours);
+        file.section(tags::CELLS, &self.cell_words);
+        file.section(tags::LINKS, &self.link_words);
+        file.section(tags::ADJACENCIES, &self.adjacencies);
+        file.section(tags::TABLES, &self.tables);
+        file.section(tags::JOINTS, &self.joints);
+        file.section(tags::JOINTS_BY_B, &self.joints_by_b);
+        file.section(tags::JOINT_BITS, &self.joint_words);
+        file.section(tags::RESOURCES, &self.resources);
+        file.section(tags::PATHS, &paths.0);
+        file.write_kind(out, KIND)
+    }
+
+    /// Checks the world as a file of it would be: every index against its table, every number for being finite.
+    ///
+    /// # Errors
+    /// [`WorldError::Value`] or [`WorldError::Layout`].
+    pub fn check(&self, patches: &throng_core::patch::Patches) -> Result<(), WorldError> {
+        check::world(&self.view(), patches)
+    }
+}

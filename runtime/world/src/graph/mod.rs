@@ -1,0 +1,239 @@
+//! The graph over a world: nodes are (instance, cell), edges are links and joints. It is never stored, only walked.
+
+mod bounds;
+mod joints;
+mod passages;
+mod rest;
+mod steps;
+
+pub(crate) use bounds::Bounds;
+pub(crate) use steps::{Crossing, Walk};
+pub use steps::{Node, Step};
+
+use super::baked::Baked;
+use super::path_hierarchy::PathHierarchy;
+use super::{InstanceRecord, WorldError, WorldView, is_set};
+use glam::Vec3;
+use joints::JointIndex;
+use std::sync::{Arc, OnceLock};
+use throng_core::patch::{CellRecord, KIND_TILE, LinkRecord, NONE, Patches, Placement};
+
+/// A world with its patches, and what is worked out of them once: where every instance's nodes are counted from, which
+/// way leads to rest, and which instances lead to which.
+#[derive(Clone, Debug)]
+pub struct WorldGraph {
+    patches: Patches,
+    world: WorldView,
+    /// Number of the first node of each instance, and of all nodes (instances + 1).
+    first_node: Vec<u32>,
+    /// Link of each node that leads towards the nearest rest cell within its instance; [`NONE`] where none does.
+    to_rest: Vec<u32>,
+    /// True for instances that are part of a narrow passage.
+    narrow: Vec<bool>,
+    /// Where joints are in their tables.
+    joints: JointIndex,
+    /// Which ways between instances are open.
+    pub(crate) bounds: Bounds,
+    /// What planning relies on, from the first planner on.
+    hierarchy: Arc<OnceLock<PathHierarchy>>,
+}
+
+impl WorldGraph {
+    /// Works out what is needed of a world that was checked, see [`super::World::open`] and
+    /// [`super::WorldData::check`].
+    ///
+    /// # Errors
+    /// [`WorldError::Layout`] where the world has no instance, or more nodes than can be counted.
+    pub fn new(patches: &Patches, world: &WorldView) -> Result<Self, WorldError> {
+        let mut graph = Self::bare(patches, world)?;
+        graph.to_rest = rest::ways(&graph);
+        graph.bounds = Bounds::new(&graph);
+        graph.narrow = passages::find(&graph);
+        Ok(graph)
+    }
+
+    /// The same with what a file keeps of it, which takes no search.
+    ///
+    /// # Errors
+    /// As [`WorldGraph::new`], and where what the file keeps does not go with the world.
+    pub(crate) fn from_baked(patches: &Patches, world: &WorldView, baked: Baked) -> Result<Self, WorldError> {
+        let mut graph = Self::bare(patches, world)?;
+        (graph.to_rest, graph.narrow, graph.bounds) = (baked.to_rest, baked.narrow, baked.bounds);
+        if !graph.is_sound() || !baked.hierarchy.is_sound(&graph) {
+            return Err(WorldError::layout("its path costs (section WPTH) are not those of its instances"));
+        }
+        let _ = graph.hierarchy.set(baked.hierarchy);
+        Ok(graph)
+    }
+
+    /// Counts nodes, and looks joints up.
+    fn bare(patches: &Patches, world: &WorldView) -> Result<Self, WorldError> {
+        if world.instances.is_empty() {
+            return Err(WorldError::layout("the world has no instance: nobody can be there"));
+        }
+        let mut first_node = Vec::with_capacity(world.instances.len() + 1);
+        let mut next = 0u32;
+        for r in &world.instances {
+            first_node.push(next);
+            next = next
+                .checked_add(patches.patches[r.patch as usize].num_cells)
+                .filter(|n| *n < NONE)
+                .ok_or_else(|| WorldError::layout("the world has more cells than can be counted"))?;
+        }
+        first_node.push(next);
+        Ok(Self {
+            patches: patches.clone(),
+            world: world.clone(),
+            first_node,
+            to_rest: Vec::new(),
+            narrow: Vec::new(),
+            joints: JointIndex::new(patches, world),
+            bounds: Bounds::default(),
+            hierarchy: Arc::default(),
+        })
+    }
+
+    /// What is worked out of a world once: see the fields.
+    pub(crate) fn derived(&self) -> (&[u32], &[bool], &Bounds) {
+        (&self.to_rest, &self.narrow, &self.bounds)
+    }
+
+    /// True where what was read from a file goes with the world: links to rest begin at their cells.
+    fn is_sound(&self) -> bool {
+        let to_rest = |instance: u32| {
+            let first = self.first_node[instance as usize] as usize;
+            let (links, here) = (self.links(instance), &self.to_rest[first..][..self.cells(instance).len()]);
+            let begins =
+                |(cell, &link): (u32, &u32)| link == NONE || links.get(link as usize).is_some_and(|l| l.from == cell);
+            (0u32..).zip(here).all(begins)
+        };
+        self.to_rest.len() == self.num_nodes()
+            && self.narrow.len() == self.num_instances()
+            && self.bounds.is_sound(&self.world)
+            && (0..self.num_instances() as u32).all(to_rest)
+    }
+
+    /// The world.
+    pub fn world(&self) -> &WorldView {
+        &self.world
+    }
+
+    /// The patches that it consists of.
+    pub fn patches(&self) -> &Patches {
+        &self.patches
+    }
+
+    /// Number of instances.
+    pub fn num_instances(&self) -> usize {
+        self.world.instances.len()
+    }
+
+    /// Number of nodes, those that are disabled among them.
+    pub fn num_nodes(&self) -> usize {
+        self.first_node[self.num_instances()] as usize
+    }
+
+    /// Number of a node among all.
+    pub(crate) fn index(&self, node: Node) -> usize {
+        (self.first_node[node.instance as usize] + node.cell) as usize
+    }
+
+    /// Number of cells of an instance.
+    pub(crate) fn num_cells(&self, instance: u32) -> u32 {
+        self.first_node[instance as usize + 1] - self.first_node[instance as usize]
+    }
+
+    /// An instance (instance < num_instances).
+    pub fn instance(&self, instance: u32) -> &InstanceRecord {
+        &self.world.instances[instance as usize]
+    }
+
+    /// True for an instance of a tile (instance < num_instances).
+    pub fn is_tile(&self, instance: u32) -> bool {
+        self.patches.patches[self.instance(instance).patch as usize].kind == KIND_TILE
+    }
+
+    /// Cells of an instance, disabled ones among them (instance < num_instances).
+    pub fn cells(&self, instance: u32) -> &[CellRecord] {
+        self.patches.cells_of(self.instance(instance).patch as usize)
+    }
+
+    /// Links of an instance, disabled ones among them (instance < num_instances).
+    pub fn links(&self, instance: u32) -> &[LinkRecord] {
+        self.patches.links_of(self.instance(instance).patch as usize)
+    }
+
+    /// The cell of a node (the node exists).
+    pub fn cell(&self, node: Node) -> &CellRecord {
+        &self.cells(node.instance)[node.cell as usize]
+    }
+
+    /// Where a node is in the world: planar root and height of the hips.
+    pub fn place(&self, node: Node) -> Placement {
+        self.instance(node.instance).placement.compose(self.cell(node).placement)
+    }
+
+    /// True where a cell is enabled and not an exit: those are the entries of neighbours (the node exists).
+    pub fn is_node(&self, node: Node) -> bool {
+        self.is_enabled(node) && !self.cell(node).is(CellRecord::IS_EXIT)
+    }
+
+    /// True where a character may stay (the node exists).
+    pub fn is_rest(&self, node: Node) -> bool {
+        let link = self.to_rest[self.index(node)];
+        link != NONE && self.links(node.instance)[link as usize].to == node.cell
+    }
+
+    /// True where a rest cell can be reached without leaving the instance (the node exists).
+    pub fn is_safe(&self, node: Node) -> bool {
+        self.to_rest[self.index(node)] != NONE
+    }
+
+    /// True where a character may come to rest on its way: within the instance, which is no narrow passage.
+    /// (the node exists)
+    pub fn is_stop(&self, node: Node) -> bool {
+        self.is_safe(node) && !self.narrow[node.instance as usize]
+    }
+
+    /// True where motion with a tag begins at a node inside of an instance, and a character may stay there.
+    pub fn begins(&self, node: Node, tag: u16) -> bool {
+        let cell = self.cell(node);
+        let mut links = cell.first_link..cell.first_link + cell.num_links;
+        let shows = |l| self.links(node.instance)[l as usize].tag == tag && self.step_along(node.instance, l).is_some();
+        self.is_safe(node) && cell.edge == NONE && links.any(shows)
+    }
+
+    /// Units that are held in an instance (instance < num_instances).
+    pub fn resources(&self, instance: u32) -> &[u32] {
+        let r = self.instance(instance);
+        &self.world.resources[r.first_resource as usize..][..r.num_resources as usize]
+    }
+
+    /// The first step towards rest from a node that is safe; at a rest cell, the one that stays there.
+    pub(crate) fn step_to_rest(&self, node: Node) -> Option<Step> {
+        let link = self.to_rest[self.index(node)];
+        if link == NONE { None } else { self.step_along(node.instance, link) }
+    }
+
+    /// True where a cell is enabled (the node exists).
+    pub fn is_enabled(&self, node: Node) -> bool {
+        is_set(&self.world.cell_words, self.instance(node.instance).first_cell_word, node.cell)
+    }
+
+    /// True where a link is enabled (instance < num_instances, the link within its patch).
+    pub fn is_link_enabled(&self, instance: u32, link: u32) -> bool {
+        is_set(&self.world.link_words, self.instance(instance).first_link_word, link)
+    }
+
+    /// What planning relies on; worked out when it is first asked for, and shared with clones.
+    pub(crate) fn hierarchy(&self) -> &PathHierarchy {
+        self.hierarchy.get_or_init(|| PathHierarchy::new(self))
+    }
+
+    /// Middle of all that bodies reach in an instance (m).
+    pub(crate) fn centre(&self, instance: u32) -> Vec3 {
+        let r = self.instance(instance);
+        let p = &self.patches.patches[r.patch as usize];
+        r.placement.transform_point((Vec3::from_array(p.min) + Vec3::from_array(p.max)) * 0.5)
+    }
+}

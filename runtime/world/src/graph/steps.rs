@@ -1,0 +1,270 @@
+//! Steps from node to node: along links, into and out of links of tiles, and across joints of cells.
+
+use super::WorldGraph;
+use crate::{AdjacencyRecord, InstanceRecord, JointRecord, JointTableRecord, is_set};
+use std::ops::Range;
+use throng_core::patch::{CellRecord, KIND_TILE, LinkRecord, NONE};
+
+/// A cell of an instance. An exit of a tile is the entry of its neighbour.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct Node {
+    /// The instance.
+    pub instance: u32,
+    /// The cell, within its patch.
+    pub cell: u32,
+}
+
+impl Node {
+    /// Stands where there is no node.
+    pub const NONE: Self = Self { instance: NONE, cell: NONE };
+}
+
+/// One edge of the graph over a world.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Step {
+    /// Where it leads.
+    pub to: Node,
+    /// Instance whose link is played.
+    pub instance: u32,
+    /// The link, within the patch; it begins at the node that is left, at one of its tile's links, or at a cell that is
+    /// joined to that node.
+    pub link: u32,
+    /// Frame of the link that it begins at.
+    pub from_offset: u16,
+    /// Frame of the link that it ends at (> from_offset).
+    pub to_offset: u16,
+}
+
+impl Step {
+    /// Stands where there is no step.
+    pub const NONE: Self = Self { to: Node::NONE, instance: NONE, link: NONE, from_offset: 0, to_offset: 0 };
+
+    /// Frames that it plays.
+    pub fn num_frames(&self) -> u32 {
+        u32::from(self.to_offset - self.from_offset)
+    }
+}
+
+/// What steps along an instance's links have in common.
+struct Part<'w> {
+    record: &'w InstanceRecord,
+    cells: &'w [CellRecord],
+    links: &'w [LinkRecord],
+}
+
+impl<'w> Part<'w> {
+    fn of(graph: &'w WorldGraph, instance: u32) -> Self {
+        let record = graph.instance(instance);
+        let patch = record.patch as usize;
+        Self { record, cells: graph.patches.cells_of(patch), links: graph.patches.links_of(patch) }
+    }
+
+    fn step_along(&self, graph: &WorldGraph, instance: u32, link: u32) -> Option<Step> {
+        if !is_set(&graph.world.link_words, self.record.first_link_word, link) {
+            return None;
+        }
+        let l = &self.links[link as usize];
+        let to = self.end_node(graph, instance, l)?;
+        Some(Step { to, instance, link, from_offset: 0, to_offset: l.num_frames })
+    }
+
+    fn end_node(&self, graph: &WorldGraph, instance: u32, link: &LinkRecord) -> Option<Node> {
+        if !is_set(&graph.world.cell_words, self.record.first_cell_word, link.to) {
+            return None;
+        }
+        let cell = &self.cells[link.to as usize];
+        if !cell.is(CellRecord::IS_EXIT) {
+            return Some(Node { instance, cell: link.to });
+        }
+        let slot = self.record.first_neighbour + cell.edge;
+        let entry = Node { instance: graph.world.neighbours[slot as usize], cell: cell.twin };
+        (entry.instance != NONE && graph.is_enabled(entry)).then_some(entry)
+    }
+}
+
+/// Who looks at the steps that can be taken from a node.
+pub(crate) trait Walk {
+    /// True where steps along the links of a cell are to be followed: of the node, or of a block's cell that is joined to
+    /// it.
+    fn leaves(&mut self, from: Node) -> bool;
+    /// Takes a step.
+    fn follow(&mut self, step: Step);
+}
+
+/// Looks at all of them.
+struct All<F>(F);
+
+impl<F: FnMut(Step)> Walk for All<F> {
+    fn leaves(&mut self, _: Node) -> bool {
+        true
+    }
+
+    fn follow(&mut self, step: Step) {
+        (self.0)(step);
+    }
+}
+
+/// What a joint leads to from a cell of a block.
+pub(crate) enum Crossing {
+    /// A cell of another block, which is left along a link.
+    Cell(Node),
+    /// The rest of a tile's link.
+    Link(Step),
+}
+
+impl WorldGraph {
+    /// The link that a step plays, none for [`Step::NONE`].
+    pub fn link(&self, step: &Step) -> Option<&LinkRecord> {
+        (step.link != NONE).then(|| &self.links(step.instance)[step.link as usize])
+    }
+
+    /// Distance over the ground from where a step's motion begins to where it ends, as a share of its link's.
+    /// (m)
+    pub fn length(&self, step: &Step) -> f32 {
+        self.link(step).map_or(0.0, |l| {
+            let share = step.num_frames() as f32 / f32::from(l.num_frames);
+            (l.end.translation() - l.start.translation()).length() * share
+        })
+    }
+
+    /// Calls `visit` with every step that can be taken from a node.
+    pub fn for_each_step(&self, node: Node, visit: impl FnMut(Step)) {
+        self.walk(node, &mut All(visit));
+    }
+
+    /// The same, and says before from where.
+    pub(crate) fn walk(&self, node: Node, walk: &mut impl Walk) {
+        if walk.leaves(node) {
+            self.for_each_link_step(node, |s| walk.follow(s));
+        }
+        if self.is_tile(node.instance) {
+            let cell = self.cell(node);
+            let links = cell.first_link..cell.first_link + cell.num_links;
+            self.for_each_way_out(node.instance, links, |s| walk.follow(s));
+            return;
+        }
+        // From cell to cell one goes on along a link: joints do not follow each other without motion, which would carry a
+        // character farther and farther from where its own motion ended.
+        self.for_each_crossing(node, |_, crossing| match crossing {
+            Crossing::Link(step) => walk.follow(step),
+            Crossing::Cell(to) if walk.leaves(to) => self.for_each_link_step(to, |s| walk.follow(s)),
+            Crossing::Cell(_) => {}
+        });
+    }
+
+    /// Steps along whole links from a cell.
+    fn for_each_link_step(&self, from: Node, mut visit: impl FnMut(Step)) {
+        let part = Part::of(self, from.instance);
+        let cell = &part.cells[from.cell as usize];
+        let links = cell.first_link..cell.first_link + cell.num_links;
+        links.filter_map(|l| part.step_along(self, from.instance, l)).for_each(&mut visit);
+    }
+
+    /// The step that plays a whole link, where the link and the node it leads to are enabled.
+    pub(crate) fn step_along(&self, instance: u32, link: u32) -> Option<Step> {
+        Part::of(self, instance).step_along(self, instance, link)
+    }
+
+    /// The node a link leads to: across an edge, the entry of the neighbour.
+    pub(crate) fn end_node(&self, instance: u32, link: &LinkRecord) -> Option<Node> {
+        Part::of(self, instance).end_node(self, instance, link)
+    }
+
+    /// True for the cells of an instance at which some step may end; for a tile all. Others are only passed, on the way
+    /// across a joint from another block's cell into a link that begins there: no way leads to them.
+    ///
+    /// (cells of the instance, instance < num_instances)
+    pub fn come_to(&self, instance: u32) -> Vec<bool> {
+        let mut cells = vec![self.is_tile(instance); self.cells(instance).len()];
+        for (link, l) in (0u32..).zip(self.links(instance)) {
+            cells[l.to as usize] |= self.is_link_enabled(instance, link);
+        }
+        let is_tile = |table: &JointTableRecord| self.patches.patches[table.patch_a as usize].kind == KIND_TILE;
+        for (_, adjacency, table) in self.adjacencies(instance).filter(|(_, a, t)| a.side == 1 && is_tile(t)) {
+            for (k, j) in self.joints(table).iter().enumerate() {
+                cells[j.b as usize] |= self.may_go(adjacency, k, true);
+            }
+        }
+        cells
+    }
+
+    /// Adjacencies of an instance, each with its table and number.
+    pub(crate) fn adjacencies(
+        &self,
+        instance: u32,
+    ) -> impl Iterator<Item = (usize, &AdjacencyRecord, &JointTableRecord)> {
+        let (r, world) = (self.instance(instance), &self.world);
+        let range = r.first_adjacency as usize..r.first_adjacency as usize + r.num_adjacencies as usize;
+        range.map(move |i| (i, &world.adjacencies[i], &world.tables[world.adjacencies[i].table as usize]))
+    }
+
+    /// Joints of a table, in their order.
+    pub(crate) fn joints(&self, table: &JointTableRecord) -> &[JointRecord] {
+        &self.world.joints[table.first_joint as usize..][..table.num_joints as usize]
+    }
+
+    /// Joints of an instance's cell, or on side a of a tile of its link, with their numbers in the table.
+    pub(crate) fn joints_at(
+        &self,
+        adjacency: &AdjacencyRecord,
+        table: &JointTableRecord,
+        at: u32,
+    ) -> impl Iterator<Item = (usize, &JointRecord)> {
+        let (joints, on_a) = (self.joints(table), adjacency.side == 0);
+        let order = &self.world.joints_by_b[table.first_joint as usize..][..table.num_joints as usize];
+        let places = match on_a {
+            true => self.joints.at_a(adjacency.table, at..at + 1),
+            false => self.joints.at_b(adjacency.table, at),
+        };
+        let number = move |k: usize| if on_a { k } else { order[k] as usize };
+        places.map(move |k| (number(k), &joints[number(k)]))
+    }
+
+    /// Steps that leave links of a tile before their ends, into blocks. The rest of a link may be disabled: joints have
+    /// bits of their own, set where what is played of the link is free of obstacles.
+    fn for_each_way_out(&self, instance: u32, links: Range<u32>, mut visit: impl FnMut(Step)) {
+        for (_, adjacency, table) in self.adjacencies(instance).filter(|(_, a, _)| a.side == 0) {
+            let joints = self.joints(table);
+            for k in self.joints.at_a(adjacency.table, links.clone()) {
+                let j = &joints[k];
+                let to = Node { instance: adjacency.other, cell: j.b };
+                if self.may_go(adjacency, k, true) && self.is_enabled(to) {
+                    visit(Step { to, instance, link: j.a, from_offset: 0, to_offset: j.a_offset as u16 });
+                }
+            }
+        }
+    }
+
+    /// Calls `visit` with all that joints of a block's cell lead to, each with its adjacency.
+    pub(crate) fn for_each_crossing(&self, node: Node, mut visit: impl FnMut(&AdjacencyRecord, Crossing)) {
+        for (_, adjacency, table) in self.adjacencies(node.instance) {
+            let to_b = adjacency.side == 0;
+            let into_tile = !to_b && self.patches.patches[table.patch_a as usize].kind == KIND_TILE;
+            for (k, j) in self.joints_at(adjacency, table, node.cell) {
+                if into_tile {
+                    if let Some(step) = self.enter_link(adjacency, k, j) {
+                        visit(adjacency, Crossing::Link(step));
+                    }
+                    continue;
+                }
+                let to = Node { instance: adjacency.other, cell: if to_b { j.b } else { j.a } };
+                if self.may_go(adjacency, k, to_b) && self.is_enabled(to) {
+                    visit(adjacency, Crossing::Cell(to));
+                }
+            }
+        }
+    }
+
+    /// From a cell of a block into a link of a tile, which is played to its end; what comes before may be disabled.
+    fn enter_link(&self, adjacency: &AdjacencyRecord, joint: usize, j: &JointRecord) -> Option<Step> {
+        let (instance, l) = (adjacency.other, &self.links(adjacency.other)[j.a as usize]);
+        let to = self.end_node(instance, l)?;
+        let step = Step { to, instance, link: j.a, from_offset: j.a_offset as u16, to_offset: l.num_frames };
+        self.may_go(adjacency, joint, false).then_some(step)
+    }
+
+    /// True where a joint may be taken, from side a to side b or back.
+    pub(crate) fn may_go(&self, adjacency: &AdjacencyRecord, joint: usize, to_b: bool) -> bool {
+        is_set(&self.world.joint_words, adjacency.first_word, 2 * joint as u32 + u32::from(!to_b))
+    }
+}

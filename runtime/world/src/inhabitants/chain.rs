@@ -1,0 +1,134 @@
+//! Chains: the steps that a character is sure to take, up to a node from which it can come to rest.
+
+use super::reservations::Reservations;
+use crate::plan::Space;
+use crate::{Node, Step, WorldGraph};
+use throng_core::characters::uniform;
+
+/// Most steps from one place where a character can come to rest to the next.
+pub(super) const MAX_CHAIN: usize = 128;
+/// Most nodes that are opened in looking for such a place.
+pub(super) const MAX_OPENED: usize = 4096;
+
+/// Chains of all characters; memory for all of them.
+#[derive(Clone, Debug)]
+pub(super) struct Chains {
+    steps: Vec<Step>,
+    /// The next step, and the one after the last.
+    ranges: Vec<[usize; 2]>,
+}
+
+impl Chains {
+    pub fn new(num_characters: usize) -> Self {
+        Self { steps: vec![Step::NONE; num_characters * MAX_CHAIN], ranges: vec![[0, 0]; num_characters] }
+    }
+
+    /// Steps that are left.
+    pub fn of(&self, character: usize) -> &[Step] {
+        let [next, end] = self.ranges[character];
+        &self.steps[character * MAX_CHAIN..][next..end]
+    }
+
+    /// Takes the next step.
+    pub fn pop(&mut self, character: usize) -> Option<Step> {
+        let step = *self.of(character).first()?;
+        self.ranges[character][0] += 1;
+        Some(step)
+    }
+
+    /// Replaces the chain by other steps (at most MAX_CHAIN).
+    pub fn set(&mut self, character: usize, steps: &[Step]) {
+        self.steps[character * MAX_CHAIN..][..steps.len()].copy_from_slice(steps);
+        self.ranges[character] = [0, steps.len()];
+    }
+
+    /// The same by one step, and room for those after it.
+    pub fn begin(&mut self, character: usize, step: Step) -> &mut [Step] {
+        let room = &mut self.steps[character * MAX_CHAIN..][..MAX_CHAIN];
+        room[0] = step;
+        self.ranges[character] = [0, 1];
+        &mut room[1..]
+    }
+
+    /// Adds steps that were put in the room, or takes the chain away where there are too many.
+    ///
+    /// - returns false where there are too many.
+    pub fn extend(&mut self, character: usize, num_steps: usize) -> bool {
+        let fits = num_steps < MAX_CHAIN;
+        self.ranges[character] = if fits { [0, 1 + num_steps] } else { [0, 0] };
+        fits
+    }
+}
+
+/// Who else holds a unit that a step needs.
+pub(super) fn holder(graph: &WorldGraph, reservations: &Reservations, character: u32, step: &Step) -> Option<u32> {
+    let other = |instance| reservations.other(graph.resources(instance), character);
+    let played = graph.link(step).is_some() && step.instance != step.to.instance;
+    other(step.to.instance).or_else(|| if played { other(step.instance) } else { None })
+}
+
+/// True where all units that a step needs are free or held by the character.
+pub(super) fn is_free(graph: &WorldGraph, reservations: &Reservations, character: u32, step: &Step) -> bool {
+    holder(graph, reservations, character, step).is_none()
+}
+
+/// A search for the nearest place to come to rest, through what is free, on ways that chance prefers.
+pub(super) struct ToSafety<'a> {
+    pub graph: &'a WorldGraph,
+    pub reservations: &'a Reservations,
+    pub character: u32,
+    pub seed: u64,
+    pub draw: u32,
+}
+
+impl Space for ToSafety<'_> {
+    fn admits(&self, instance: u32) -> bool {
+        self.reservations.are_free(self.graph.resources(instance), self.character)
+    }
+
+    fn is_target(&self, node: Node) -> bool {
+        self.graph.is_stop(node)
+    }
+
+    fn estimate(&mut self, _: Node) -> f32 {
+        0.0
+    }
+
+    fn cost(&self, step: &Step) -> f32 {
+        let chance = uniform(self.seed ^ u64::from(self.draw), u64::from(step.to.instance), u64::from(step.to.cell));
+        // A link of a tile may be entered from a block or left for one: the tile's units are needed too.
+        let free = self.graph.link(step).is_none() || self.admits(step.instance);
+        if free { step.num_frames() as f32 * (0.5 + chance) } else { f32::INFINITY }
+    }
+}
+
+/// A search for a way to one of the steps of a path.
+pub(super) struct ToPath<'a> {
+    pub graph: &'a WorldGraph,
+    pub reservations: &'a Reservations,
+    pub character: u32,
+    /// Where the character is.
+    pub at: Node,
+    /// The steps.
+    pub steps: &'a [Step],
+    /// True where it may lead through what others hold.
+    pub through: bool,
+}
+
+impl Space for ToPath<'_> {
+    fn admits(&self, instance: u32) -> bool {
+        self.through || self.reservations.are_free(self.graph.resources(instance), self.character)
+    }
+
+    fn is_target(&self, node: Node) -> bool {
+        node != self.at && self.steps.iter().any(|s| s.to == node)
+    }
+
+    fn estimate(&mut self, _: Node) -> f32 {
+        0.0
+    }
+
+    fn cost(&self, step: &Step) -> f32 {
+        step.num_frames() as f32
+    }
+}

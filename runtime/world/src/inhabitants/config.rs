@@ -1,0 +1,110 @@
+//! How inhabitants behave, what they wish for, and what they are doing.
+
+use super::InhabitantsError;
+use crate::Node;
+use glam::Vec3;
+use throng_core::characters::{CharactersConfig, MAX_STEP_S};
+
+/// How inhabitants behave.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct InhabitantsConfig {
+    /// How they move; its seed is that of random ways too.
+    pub characters: CharactersConfig,
+    /// How long somebody waits for a place that others hold before going out of their way (s, > 0).
+    pub patience_s: f32,
+    /// Most paths that are planned in one step; who asks for more waits for the next one (> 0).
+    pub plans_per_step: usize,
+    /// Steps of a planned path that are kept; the rest is planned again on the way (8 to 65536).
+    pub max_path: usize,
+}
+
+impl Default for InhabitantsConfig {
+    fn default() -> Self {
+        Self { characters: CharactersConfig::default(), patience_s: 4.0, plans_per_step: 4, max_path: 256 }
+    }
+}
+
+impl InhabitantsConfig {
+    pub(super) fn check(&self) -> Result<(), InhabitantsError> {
+        let value = |what, got, expected| Err(InhabitantsError::Value { what, got, expected });
+        if !(self.patience_s > 0.0 && self.patience_s < 1e6) {
+            return value("patience_s", self.patience_s, "more than 0 and below 1e6");
+        }
+        if self.plans_per_step == 0 {
+            return value("plans_per_step", 0.0, "at least 1");
+        }
+        if !(8..=65536).contains(&self.max_path) {
+            return value("max_path", self.max_path as f32, "between 8 and 65536");
+        }
+        Ok(())
+    }
+}
+
+/// What an inhabitant is to do.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Wish {
+    /// Wander about.
+    #[default]
+    Roam,
+    /// Go to where one can stay in an instance, and stay.
+    GoTo {
+        /// The instance.
+        instance: u32,
+    },
+    /// Go to the place nearest to a point where one can stay, and stay.
+    GoToPlace {
+        /// In the world (m).
+        place: Vec3,
+    },
+    /// Go to the nearest free instance whose motion shows a tag, and do that again and again, then stay.
+    Perform {
+        /// See [`throng_core::patch::LinkRecord::tag`] (1 to the number of tags).
+        tag: u16,
+        /// How long (s, >= 0).
+        seconds: f32,
+    },
+}
+
+/// What an inhabitant is about.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Doing {
+    /// Wanders.
+    #[default]
+    Roaming,
+    /// Has asked for a path, and is at rest or goes there.
+    Planning,
+    /// Follows its path.
+    Walking,
+    /// Waits for what others hold.
+    Waiting,
+    /// Makes room for others, or tries another way.
+    Detour,
+    /// Does what it was to perform.
+    Performing,
+    /// Has done what it was to do, and stays.
+    Arrived,
+    /// No way leads there; stays where it can.
+    Unreachable,
+}
+
+/// What can be told of an inhabitant.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Status {
+    /// Node that its motion leads to.
+    pub node: Node,
+    /// What it is to do.
+    pub wish: Wish,
+    /// What it is about.
+    pub doing: Doing,
+    /// Wishes that were fulfilled so far.
+    pub num_fulfilled: u32,
+    /// How long it has waited for what others hold (s).
+    pub waited_s: f32,
+}
+
+pub(super) fn check_time(dt_s: f32) -> Result<(), InhabitantsError> {
+    match (0.0..=MAX_STEP_S).contains(&dt_s) {
+        true => Ok(()),
+        false => Err(InhabitantsError::Value { what: "dt_s", got: dt_s, expected: "between 0 and 1" }),
+    }
+}

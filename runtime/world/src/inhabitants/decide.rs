@@ -1,0 +1,359 @@
+//! Control: who comes to the end of its motion in this step decides how to go on.
+//!
+//! Decisions are made in the order of the characters, on one thread; they are few.
+
+use super::chain::{self, MAX_CHAIN, MAX_OPENED, ToPath, ToSafety};
+use super::config::{Doing, Wish, check_time};
+use super::{Inhabitants, InhabitantsError, lay};
+use crate::plan::{Found, Target};
+use crate::{Node, Step, WorldGraph};
+use throng_core::characters::{MotionSet, uniform};
+
+/// Random steps that are tried before those that need no search are taken.
+const TRIES: usize = 4;
+/// Most times that a detour doubles.
+const MAX_IMPATIENCE: u32 = 3;
+/// Next steps of a path that are looked for a way to, and most steps of the way.
+const MAX_REJOINED: usize = 8;
+/// Most nodes that are opened in looking for it.
+const MAX_REJOIN_OPENED: usize = 1000;
+/// Steps of its path after which who lost patience is calmer again.
+const CALM_AFTER: u32 = 6;
+/// Share of its patience that somebody has with one whose way it bars itself: who gives way, and who insists.
+const GIVES_WAY: f32 = 0.25;
+const INSISTS: f32 = 4.0;
+/// Who lost patience walks this much further to avoid an instance that others hold (frames).
+const TOLL: f32 = 120.0;
+
+impl Inhabitants {
+    pub(super) fn control(
+        &mut self,
+        motion_set: &MotionSet,
+        graph: &WorldGraph,
+        dt_s: f32,
+    ) -> Result<(), InhabitantsError> {
+        self.check_world(graph)?;
+        check_time(dt_s)?;
+        self.plan_paths(graph);
+        let frames = dt_s * self.rate_hz;
+        for c in 0..self.states.len() {
+            while self.characters.frames_left(c) <= frames {
+                let Some(step) = self.decide(graph, c) else { break };
+                let from = std::mem::replace(&mut self.states[c].at, step.to);
+                let root = self.characters.scheduled_end(motion_set, c);
+                let Some(scheduled_clip) = lay::scheduled_clip(graph, motion_set, &step, Some(root)) else { break };
+                self.characters.lay(motion_set, c, &scheduled_clip)?;
+                self.release(graph, c, from, &step);
+            }
+        }
+        self.time_s += f64::from(dt_s);
+        Ok(())
+    }
+
+    /// Plans for those who asked first.
+    fn plan_paths(&mut self, graph: &WorldGraph) {
+        for _ in 0..self.config.plans_per_step {
+            let Some(c) = self.paths.next() else { return };
+            let from = self.chains.of(c).last().map_or(self.states[c].at, |s| s.to);
+            let Some(mut target) = self.paths.target(c) else { continue };
+            if let Target::Tag { instance, tag } = target
+                && !self.reservations.are_free(graph.resources(instance), c as u32)
+                && let Some(instance) = self.nearest_offer(graph, c, tag)
+            {
+                target = Target::Tag { instance, tag };
+                self.paths.forget(c, Some(target));
+            }
+            if target.is_at(graph, from) {
+                continue;
+            }
+            let (reservations, impatient) = (&self.reservations, self.states[c].impatience > 0);
+            let toll = |i: u32| {
+                let held = impatient && i != target.instance() && !reservations.are_free(graph.resources(i), c as u32);
+                if held { TOLL } else { 0.0 }
+            };
+            match self.planner.plan_around(graph, from, target, toll, self.paths.room(c)) {
+                Some(plan) => self.paths.set(c, from, plan),
+                None => self.states[c].doing = Doing::Unreachable,
+            }
+        }
+    }
+
+    /// The next step of a character.
+    fn decide(&mut self, graph: &WorldGraph, c: usize) -> Option<Step> {
+        if let Some(step) = self.chains.pop(c) {
+            self.count(graph, c, &step);
+            return Some(step);
+        }
+        if self.states[c].detour == 0 && self.time_s < self.states[c].until_s {
+            return self.rest(graph, c);
+        }
+        if self.states[c].detour > 0 {
+            self.states[c].detour -= 1;
+            self.states[c].doing = Doing::Detour;
+            if self.states[c].detour == 0 {
+                self.pause(c);
+            }
+            // On through: who only steps aside to rest has not gone far.
+            let at = self.states[c].at;
+            let on = self.pick(graph, c, |s| s.to != at && !graph.is_rest(s.to));
+            let step = on.and_then(|step| self.go(graph, c, step));
+            return step.or_else(|| self.roam(graph, c)).or_else(|| self.rest(graph, c));
+        }
+        let Some(target) = self.paths.target(c) else {
+            self.states[c].doing = Doing::Roaming;
+            return self.roam(graph, c).or_else(|| self.rest(graph, c));
+        };
+        if matches!(self.states[c].doing, Doing::Unreachable | Doing::Arrived) {
+            return self.rest(graph, c);
+        }
+        if self.has_performed(c) || target.is_at(graph, self.states[c].at) {
+            return self.there(graph, c, target);
+        }
+        let step = self.follow(graph, c);
+        step.iter().for_each(|step| self.count(graph, c, step));
+        step.or_else(|| self.rest(graph, c))
+    }
+
+    /// Counts a step towards how long was done what is to be performed. Of a slide, the first part is on the way to
+    /// where one may stop and begin again.
+    fn count(&mut self, graph: &WorldGraph, c: usize, step: &Step) {
+        let state = &mut self.states[c];
+        if let Wish::Perform { tag, .. } = state.wish
+            && graph.link(step).is_some_and(|l| l.tag == tag)
+        {
+            state.performed += step.num_frames();
+        }
+    }
+
+    /// True for who has done for long enough what it was to perform.
+    fn has_performed(&self, c: usize) -> bool {
+        let state = &self.states[c];
+        match state.wish {
+            Wish::Perform { seconds, .. } => state.performed > 0 && state.performed as f32 / self.rate_hz >= seconds,
+            _ => false,
+        }
+    }
+
+    /// At the target: stays, or does what was wished.
+    fn there(&mut self, graph: &WorldGraph, c: usize, target: Target) -> Option<Step> {
+        self.calm(c);
+        if let (Target::Tag { tag, .. }, Wish::Perform { seconds, .. }) = (target, self.states[c].wish)
+            && seconds > 0.0
+            && !self.has_performed(c)
+        {
+            self.states[c].doing = Doing::Performing;
+            let shown = self.pick(graph, c, |s| graph.link(s).is_some_and(|l| l.tag == tag));
+            let step = shown.and_then(|step| self.go(graph, c, step));
+            step.iter().for_each(|step| self.count(graph, c, step));
+            return step.or_else(|| self.rest(graph, c));
+        }
+        let state = &mut self.states[c];
+        state.doing = Doing::Arrived;
+        state.num_fulfilled += 1;
+        self.rest(graph, c)
+    }
+
+    /// Goes on to one of the next steps of its path, past some of them, on a way of its own: back to a path that was left
+    /// to wait, or around what others hold, unless it may lead through that too.
+    ///
+    /// - returns false where there is no such way, or none that is short.
+    fn rejoin(&mut self, graph: &WorldGraph, c: usize, past: usize, through: bool) -> bool {
+        let at = self.states[c].at;
+        let left = self.paths.of(c);
+        let next = &left[past.min(left.len())..left.len().min(past + MAX_REJOINED)];
+        if next.is_empty() {
+            return false;
+        }
+        let mut space =
+            ToPath { graph, reservations: &self.reservations, character: c as u32, at, steps: next, through };
+        let nodes = &mut self.planner.nodes;
+        let Found::Path(way) = nodes.search(graph, at, &mut space, MAX_REJOIN_OPENED) else { return false };
+        let mut steps = [Step::NONE; MAX_REJOINED];
+        let len = nodes.path(way, &mut steps);
+        if len > MAX_REJOINED {
+            return false;
+        }
+        let end = steps[..len].last().map(|s| s.to);
+        let Some(joined) = next.iter().position(|s| Some(s.to) == end) else { return false };
+        self.paths.rejoin(c, at, &steps[..len], past + joined);
+        true
+    }
+
+    /// Who else holds what the first steps of a character's path need.
+    fn barred(&self, graph: &WorldGraph, c: usize, num_steps: usize) -> Option<usize> {
+        let steps = &self.paths.of(c)[..num_steps];
+        steps.iter().find_map(|s| chain::holder(graph, &self.reservations, c as u32, s)).map(|h| h as usize)
+    }
+
+    /// Steps of a character's path up to where it may come to rest; none where they are not known.
+    fn stretch(&self, graph: &WorldGraph, c: usize) -> Option<&[Step]> {
+        let (path, target) = (self.paths.from(c, self.states[c].at), self.paths.target(c)?);
+        let last = path.iter().position(|s| graph.is_stop(s.to) || target.is_at(graph, s.to))?;
+        (last < MAX_CHAIN).then(|| &path[..=last])
+    }
+
+    /// The next steps of the path, where what they need is free.
+    fn follow(&mut self, graph: &WorldGraph, c: usize) -> Option<Step> {
+        if self.paths.begin(c).is_some_and(|from| from != self.states[c].at) {
+            let _ = self.rejoin(graph, c, 0, false) || self.rejoin(graph, c, 0, true);
+        }
+        let Some(steps) = self.stretch(graph, c) else {
+            self.states[c].doing = Doing::Planning;
+            self.paths.ask(c);
+            return None;
+        };
+        let mut len = steps.len();
+        if let Some(holder) = self.barred(graph, c, len) {
+            if self.rejoin(graph, c, len, false) {
+                len = self.stretch(graph, c).map_or(0, <[Step]>::len);
+            }
+            if len == 0 || self.barred(graph, c, len).is_some() {
+                self.refuse(graph, c, holder);
+                return None;
+            }
+        }
+        self.chains.set(c, &self.paths.from(c, self.states[c].at)[..len]);
+        self.paths.advance(c, len);
+        let state = &mut self.states[c];
+        state.doing = Doing::Walking;
+        state.refused_s = None;
+        state.progress += 1;
+        if state.progress >= CALM_AFTER {
+            (state.progress, state.impatience) = (0, state.impatience.saturating_sub(1));
+        }
+        self.reserve(graph, c)
+    }
+
+    /// Notes that another one holds what is needed; in the end patience is lost.
+    fn refuse(&mut self, graph: &WorldGraph, c: usize, holder: usize) {
+        // Of two who bar each other's way, one gives way soon and the other one late.
+        let share = match self.needs_what_is_held(graph, holder, c) {
+            true if holder < c => GIVES_WAY,
+            true => INSISTS,
+            false => 1.0,
+        };
+        let chance = self.chance(c);
+        let (now, patience_s) = (self.time_s, f64::from(self.config.patience_s * share * (0.5 + chance)));
+        let state = &mut self.states[c];
+        state.doing = Doing::Waiting;
+        state.progress = 0;
+        if now - *state.refused_s.get_or_insert(now) < patience_s {
+            return;
+        }
+        // Longer each time, so that it gets far enough out of the way.
+        state.refused_s = None;
+        state.detour = 1 + (chance * (2u32 << state.impatience) as f32) as u32;
+        state.impatience = (state.impatience + 1).min(MAX_IMPATIENCE);
+        self.paths.forget(c, self.paths.target(c));
+    }
+
+    /// After a detour others have time to pass.
+    fn pause(&mut self, c: usize) {
+        let longest_s = 0.5 * self.config.patience_s * (1u32 << self.states[c].impatience) as f32;
+        let pause_s = self.chance(c) * longest_s;
+        self.states[c].until_s = self.time_s + f64::from(pause_s);
+    }
+
+    /// True where the next steps of a character's path need what another one holds.
+    fn needs_what_is_held(&self, graph: &WorldGraph, character: usize, by: usize) -> bool {
+        let stretch = self.stretch(graph, character).map_or(0, <[Step]>::len);
+        stretch > 0 && self.barred(graph, character, stretch) == Some(by)
+    }
+
+    /// Nothing is in the way any more.
+    fn calm(&mut self, c: usize) {
+        let state = &mut self.states[c];
+        (state.refused_s, state.impatience, state.progress) = (None, 0, 0);
+    }
+
+    /// A random step to anywhere else, and what follows until a character can come to rest.
+    fn roam(&mut self, graph: &WorldGraph, c: usize) -> Option<Step> {
+        let at = self.states[c].at;
+        let rests = graph.is_rest(at);
+        for attempt in 0..TRIES {
+            // Who has rested first thinks of leaving, not of resting elsewhere.
+            let leave = rests && attempt < TRIES / 2;
+            let Some(step) = self.pick(graph, c, |s| s.to != at && !(leave && graph.is_rest(s.to))) else { continue };
+            if let Some(step) = self.go(graph, c, step) {
+                return Some(step);
+            }
+        }
+        let step = self.pick(graph, c, |s| s.to != at && graph.is_stop(s.to))?;
+        self.go(graph, c, step)
+    }
+
+    /// Stays at rest, or goes there within what is held.
+    fn rest(&mut self, graph: &WorldGraph, c: usize) -> Option<Step> {
+        let at = self.states[c].at;
+        if !graph.is_rest(at) {
+            return graph.step_to_rest(at);
+        }
+        let still = |s: &Step| s.to == at && graph.link(s).is_some_and(|l| l.tag == 0);
+        self.pick(graph, c, still).or_else(|| graph.step_to_rest(at))
+    }
+
+    /// Any of the steps that can be taken now and are wanted, with equal chances.
+    fn pick(&mut self, graph: &WorldGraph, c: usize, wanted: impl Fn(&Step) -> bool) -> Option<Step> {
+        let (seed, mut draws) = (self.config.characters.seed, self.states[c].draws);
+        let (mut chosen, mut count) = (None, 0u32);
+        graph.for_each_step(self.states[c].at, |step| {
+            if wanted(&step) && chain::is_free(graph, &self.reservations, c as u32, &step) {
+                count += 1;
+                draws = draws.wrapping_add(1);
+                if uniform(seed, c as u64, draws.into()) * (count as f32) < 1.0 {
+                    chosen = Some(step);
+                }
+            }
+        });
+        self.states[c].draws = draws;
+        chosen
+    }
+
+    /// Makes sure of a step, and of what follows until the character can come to rest.
+    fn go(&mut self, graph: &WorldGraph, c: usize, step: Step) -> Option<Step> {
+        if graph.is_stop(step.to) {
+            self.chains.set(c, &[step]);
+            return self.reserve(graph, c);
+        }
+        let (character, seed, draw) = (c as u32, self.config.characters.seed, self.states[c].draws);
+        let mut space = ToSafety { graph, reservations: &self.reservations, character, seed, draw };
+        let nodes = &mut self.planner.nodes;
+        let Found::Path(way) = nodes.search(graph, step.to, &mut space, MAX_OPENED) else { return None };
+        if nodes.cost(way) == f32::INFINITY {
+            return None;
+        }
+        let len = nodes.path(way, self.chains.begin(c, step));
+        if self.chains.extend(c, len) { self.reserve(graph, c) } else { None }
+    }
+
+    /// Takes what the chain needs, and its first step.
+    fn reserve(&mut self, graph: &WorldGraph, c: usize) -> Option<Step> {
+        for step in self.chains.of(c) {
+            if graph.link(step).is_some() {
+                self.reservations.take(graph.resources(step.instance), c as u32);
+            }
+            self.reservations.take(graph.resources(step.to.instance), c as u32);
+        }
+        self.chains.pop(c)
+    }
+
+    /// Lets go of what neither a step nor those after it need.
+    fn release(&mut self, graph: &WorldGraph, c: usize, from: Node, step: &Step) {
+        self.reservations.begin_release();
+        self.reservations.keep(graph.resources(from.instance));
+        for step in std::iter::once(step).chain(self.chains.of(c)) {
+            if graph.link(step).is_some() {
+                self.reservations.keep(graph.resources(step.instance));
+            }
+            self.reservations.keep(graph.resources(step.to.instance));
+        }
+        self.reservations.release(c as u32);
+    }
+
+    /// A random number of a character, in [0, 1).
+    fn chance(&mut self, c: usize) -> f32 {
+        let state = &mut self.states[c];
+        state.draws = state.draws.wrapping_add(1);
+        uniform(self.config.characters.seed, c as u64, state.draws.into())
+    }
+}

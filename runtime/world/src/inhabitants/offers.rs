@@ -1,0 +1,55 @@
+//! Which instances offer what: motion with a tag that begins where a character can come to, and can come to rest.
+
+use super::{Doing, Inhabitants, Wish};
+use crate::{Node, WorldGraph};
+
+/// Instances that offer each tag, by `tag - 1`.
+pub(super) fn by_tag(graph: &WorldGraph) -> Vec<Vec<u32>> {
+    let num_tags = graph.patches().links.iter().map(|l| usize::from(l.tag)).max().unwrap_or(0);
+    let mut out = vec![Vec::new(); num_tags];
+    for instance in 0..graph.num_instances() as u32 {
+        let mut come_to = None;
+        for l in graph.links(instance) {
+            let Some(list) = usize::from(l.tag).checked_sub(1).map(|t| &mut out[t]) else { continue };
+            let from = Node { instance, cell: l.from };
+            if list.last() == Some(&instance) || !graph.begins(from, l.tag) {
+                continue;
+            }
+            if come_to.get_or_insert_with(|| graph.come_to(instance))[l.from as usize] {
+                list.push(instance);
+            }
+        }
+    }
+    out
+}
+
+/// What waiting is weighed by against going elsewhere: who walks comes that far (m/s).
+const WALK_MPS: f32 = 1.2;
+/// Who has come to stay stays that long, as far as others can tell (s).
+const STAY_S: f32 = 60.0;
+
+impl Inhabitants {
+    /// The instance that offers a tag and is soonest to be had: near, and free or soon left by who holds it.
+    pub(super) fn nearest_offer(&self, graph: &WorldGraph, character: usize, tag: u16) -> Option<u32> {
+        let list = self.offers.get(usize::from(tag).checked_sub(1)?)?;
+        let here = graph.place(self.states[character].at).translation();
+        let far = |i: u32| (graph.centre(i) - here).length() + WALK_MPS * self.held_for_s(graph, character, i);
+        list.iter().copied().min_by(|&a, &b| far(a).total_cmp(&far(b)))
+    }
+
+    /// About how long others will hold an instance; 0 where it is free (s).
+    fn held_for_s(&self, graph: &WorldGraph, character: usize, instance: u32) -> f32 {
+        let others = graph.resources(instance).iter().filter_map(|&u| self.reservations.of(u)).map(|c| c as usize);
+        let stays = |c: usize| {
+            let (state, passes_s) = (&self.states[c], self.config.patience_s);
+            match (state.doing, state.wish) {
+                (Doing::Performing, Wish::Perform { seconds, .. }) => {
+                    (seconds - state.performed as f32 / self.rate_hz).max(passes_s)
+                }
+                (Doing::Arrived, _) => STAY_S,
+                _ => passes_s,
+            }
+        };
+        others.filter(|&c| c != character).map(stays).fold(0.0, f32::max)
+    }
+}

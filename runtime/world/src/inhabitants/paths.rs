@@ -1,0 +1,130 @@
+//! Planned paths of all characters, and the queue of those who wait for one.
+
+use crate::plan::{Plan, Target};
+use crate::{Node, Step};
+
+/// The path of one character.
+#[derive(Clone, Copy, Debug, Default)]
+struct Path {
+    /// Where it leads; none for those who roam.
+    target: Option<Target>,
+    /// Node that the next step begins at.
+    from: Option<Node>,
+    /// The next step, and the one after the last that is kept.
+    next: usize,
+    end: usize,
+    plan: Option<Plan>,
+    /// True while the character is in the queue.
+    asked: bool,
+}
+
+/// Paths of all characters; memory for all of them.
+#[derive(Clone, Debug)]
+pub(super) struct Paths {
+    paths: Vec<Path>,
+    steps: Vec<Step>,
+    max_path: usize,
+    /// Those who wait for a path, from `first` on around.
+    queue: Vec<u32>,
+    first: usize,
+    len: usize,
+}
+
+impl Paths {
+    pub fn new(num_characters: usize, max_path: usize) -> Self {
+        Self {
+            paths: vec![Path::default(); num_characters],
+            steps: vec![Step::NONE; num_characters * max_path],
+            max_path,
+            queue: vec![0; num_characters],
+            first: 0,
+            len: 0,
+        }
+    }
+
+    /// What is left of a path.
+    pub fn of(&self, character: usize) -> &[Step] {
+        let p = &self.paths[character];
+        &self.steps[character * self.max_path..][p.next..p.end]
+    }
+
+    /// What is left of a path that begins at a node; empty where it begins elsewhere.
+    pub fn from(&self, character: usize, node: Node) -> &[Step] {
+        if self.paths[character].from == Some(node) { self.of(character) } else { &[] }
+    }
+
+    pub fn plan(&self, character: usize) -> Option<&Plan> {
+        self.paths[character].plan.as_ref()
+    }
+
+    pub fn target(&self, character: usize) -> Option<Target> {
+        self.paths[character].target
+    }
+
+    /// Takes the first steps off a path.
+    pub fn advance(&mut self, character: usize, num_steps: usize) {
+        let p = &mut self.paths[character];
+        p.next += num_steps;
+        p.from = Some(self.steps[character * self.max_path + p.next - 1].to);
+    }
+
+    /// Lets a path begin at another node, from which other steps lead to where its step `joined` (of those left) ends.
+    /// Where there is no room, its last steps are given up.
+    pub fn rejoin(&mut self, character: usize, from: Node, way: &[Step], joined: usize) {
+        let p = &mut self.paths[character];
+        let steps = &mut self.steps[character * self.max_path..][..self.max_path];
+        let rest = p.next + joined + 1..p.end;
+        let at = rest.start.saturating_sub(way.len());
+        let room = self.max_path - at - way.len();
+        let kept = rest.start..rest.end.min(rest.start + room);
+        let end = at + way.len() + kept.len();
+        steps.copy_within(kept, at + way.len());
+        steps[at..at + way.len()].copy_from_slice(way);
+        (p.from, p.next, p.end) = (Some(from), at, end);
+    }
+
+    /// Node that the next step of a path begins at.
+    pub fn begin(&self, character: usize) -> Option<Node> {
+        self.paths[character].from
+    }
+
+    /// Forgets a path, for another target or none.
+    pub fn forget(&mut self, character: usize, target: Option<Target>) {
+        let p = &mut self.paths[character];
+        *p = Path { target, asked: p.asked, ..Path::default() };
+    }
+
+    /// Asks for a path.
+    pub fn ask(&mut self, character: usize) {
+        let p = &mut self.paths[character];
+        if !p.asked {
+            p.asked = true;
+            let n = self.queue.len();
+            self.queue[(self.first + self.len) % n] = character as u32;
+            self.len += 1;
+        }
+    }
+
+    /// The next one who waits for a path.
+    pub fn next(&mut self) -> Option<usize> {
+        if self.len == 0 {
+            return None;
+        }
+        let character = self.queue[self.first] as usize;
+        self.first = (self.first + 1) % self.queue.len();
+        self.len -= 1;
+        self.paths[character].asked = false;
+        Some(character)
+    }
+
+    /// Room for the steps of a path.
+    pub fn room(&mut self, character: usize) -> &mut [Step] {
+        &mut self.steps[character * self.max_path..][..self.max_path]
+    }
+
+    /// Takes the path whose steps were put in its room.
+    pub fn set(&mut self, character: usize, from: Node, plan: Plan) {
+        let p = &mut self.paths[character];
+        (p.from, p.next, p.end, p.plan) = (Some(from), 0, plan.num_stored, Some(plan));
+    }
+}

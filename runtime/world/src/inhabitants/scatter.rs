@@ -1,0 +1,64 @@
+//! Places for characters to begin at.
+
+use super::reservations::Reservations;
+use crate::{Node, WorldGraph};
+use glam::Vec3;
+use throng_core::characters::uniform;
+
+/// Rest cells at random places for up to `n` characters, each in an instance whose units nobody else has.
+///
+/// - returns fewer where the world has no room for more.
+pub fn scatter(graph: &WorldGraph, n: usize, seed: u64) -> Vec<Node> {
+    let mut order: Vec<u32> = (0..graph.num_instances() as u32).collect();
+    for i in (1..order.len()).rev() {
+        let other = (uniform(seed, 0, i as u64) * (i + 1) as f32) as usize;
+        order.swap(i, other.min(i));
+    }
+    let mut reservations = Reservations::new(graph.world().units.len(), 1);
+    let mut out = Vec::with_capacity(n.min(order.len()));
+    for instance in order {
+        if out.len() == n {
+            break;
+        }
+        let units = graph.resources(instance);
+        if units.iter().any(|&u| reservations.of(u).is_some()) {
+            continue;
+        }
+        let count = graph.rest_cells(instance).count();
+        let chosen = (uniform(seed, 1, u64::from(instance)) * count as f32) as usize;
+        if let Some(node) = graph.rest_cells(instance).nth(chosen.min(count.saturating_sub(1))) {
+            reservations.take(units, 0);
+            out.push(node);
+        }
+    }
+    out
+}
+
+impl WorldGraph {
+    /// Nodes of an instance where a character may stay (instance < num_instances).
+    pub fn rest_cells(&self, instance: u32) -> impl Iterator<Item = Node> + '_ {
+        (0..self.num_cells(instance)).map(move |cell| Node { instance, cell }).filter(|n| self.is_rest(*n))
+    }
+
+    /// The node nearest to a point where a character may stay (m).
+    pub fn nearest_rest(&self, point: Vec3) -> Option<Node> {
+        let mut best = (f32::INFINITY, None);
+        for instance in 0..self.num_instances() as u32 {
+            let r = self.instance(instance);
+            let p = &self.patches().patches[r.patch as usize];
+            let local = r.placement.inverse_transform_point(point);
+            let inside = local.clamp(Vec3::from_array(p.min), Vec3::from_array(p.max));
+            // Cells are on the ground of their patch or hips high; all of them lie in its bounds.
+            if (local - inside).length_squared() > best.0 {
+                continue;
+            }
+            for node in self.rest_cells(instance) {
+                let far = (self.place(node).translation() - point).length_squared();
+                if far < best.0 {
+                    best = (far, Some(node));
+                }
+            }
+        }
+        best.1
+    }
+}

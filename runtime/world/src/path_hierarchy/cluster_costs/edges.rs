@@ -1,0 +1,199 @@
+//! Edges: the graph within a cluster, with its entrances and exits.
+
+use super::super::plane::class;
+use super::{Beyond, Outline};
+use crate::graph::Crossing;
+use crate::{AdjacencyRecord, JointTableRecord, Node};
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+use throng_core::patch::{CellRecord, NONE};
+
+/// Where an exit ends.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+pub(super) struct Landing {
+    /// How many copies away from the tile; in another cluster, the number of the member and nothing.
+    pub offset: [i32; 2],
+    /// The cell there.
+    pub cell: u32,
+}
+
+/// A step out of a cluster.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct ExitStep {
+    /// The cell.
+    pub from: u32,
+    /// Where it leads to, as a number in [`Edges::exits`].
+    pub to: u32,
+    /// What it takes.
+    pub frames: u16,
+}
+
+/// The graph within a cluster. Its nodes are its cells; those of blocks again, where a link must follow, as after a joint
+/// between blocks; the cells beyond that entrances begin at. Exits are listed apart.
+pub(super) struct Edges<'p, 'a> {
+    outline: &'p Outline<'a>,
+    /// From node to node, in so many frames.
+    pub arcs: Vec<(u32, u32, u16)>,
+    /// Steps out.
+    pub exit_steps: Vec<ExitStep>,
+    /// Where entrances begin, by what lies beyond, the class of the cell there and the cell, and the number of each.
+    pub entrances: BTreeMap<(u32, u32, u32), u32>,
+    /// Where exits end, by what lies beyond, the sector that they lead to and the cell, and the number of each.
+    pub exits: BTreeMap<(u32, u32, Landing), u32>,
+}
+
+impl<'p, 'a> Edges<'p, 'a> {
+    /// Follows all that can be done from the cells of a cluster, and all that leads there.
+    pub fn new(outline: &'p Outline<'a>) -> Self {
+        let mut out = Self {
+            outline,
+            arcs: Vec::new(),
+            exit_steps: Vec::new(),
+            entrances: BTreeMap::new(),
+            exits: BTreeMap::new(),
+        };
+        out.add_members();
+        out
+    }
+
+    fn add_members(&mut self) {
+        let graph = self.outline.graph;
+        for &instance in &self.outline.clusters.members[self.outline.cluster as usize] {
+            let tile = graph.is_tile(instance);
+            for cell in 0..graph.num_cells(instance) {
+                let node = Node { instance, cell };
+                if !graph.is_node(node) {
+                    continue;
+                }
+                let from = self.cell(node);
+                if tile {
+                    graph.for_each_step(node, |s| self.add_exit(from, s.instance, s.to, s.num_frames() as u16));
+                } else {
+                    self.add_block_cell(node, from);
+                }
+            }
+            for (_, a, t) in graph.adjacencies(instance) {
+                if let Some(beyond) = self.outline.beyond(a.other) {
+                    self.add_entrances(instance, a, t, beyond);
+                }
+            }
+        }
+    }
+
+    fn cell(&self, node: Node) -> u32 {
+        self.outline.clusters.first_cell(node.instance) + node.cell
+    }
+
+    /// The cell of a block, where a link must follow.
+    fn linked(&self, node: Node) -> u32 {
+        self.outline.num_cells + self.cell(node)
+    }
+
+    fn add_block_cell(&mut self, node: Node, from: u32) {
+        let (graph, cell, linked) = (self.outline.graph, self.outline.graph.cell(node), self.linked(node));
+        self.arcs.push((from, linked, 0));
+        for link in cell.first_link..cell.first_link + cell.num_links {
+            if let Some(step) = graph.step_along(node.instance, link) {
+                self.arcs.push((linked, self.cell(step.to), step.num_frames() as u16));
+            }
+        }
+        graph.for_each_crossing(node, |_, crossing| match crossing {
+            Crossing::Link(s) => self.add_exit(from, s.instance, s.to, s.num_frames() as u16),
+            Crossing::Cell(to) => match self.outline.beyond(to.instance) {
+                None => self.arcs.push((from, self.linked(to), 0)),
+                Some(_) => {
+                    let cell = graph.cell(to);
+                    let links = cell.first_link..cell.first_link + cell.num_links;
+                    for s in links.filter_map(|l| graph.step_along(to.instance, l)) {
+                        self.add_exit(from, s.instance, s.to, s.num_frames() as u16);
+                    }
+                }
+            },
+        });
+    }
+
+    /// A step to a node, along a link of `through` where that is a tile.
+    fn add_exit(&mut self, from: u32, through: u32, to: Node, frames: u16) {
+        let outline = self.outline;
+        let Some(beyond) = outline.beyond(to.instance) else {
+            self.arcs.push((from, self.cell(to), frames));
+            return;
+        };
+        let beyond = match beyond {
+            Beyond::Tile(_) => Beyond::Tile(through),
+            Beyond::Cluster(_) => beyond,
+        };
+        let Some(&k) = outline.numbers.get(&beyond) else { return };
+        let offset = match beyond {
+            Beyond::Tile(tile) => outline.floors.offset(tile, to.instance),
+            Beyond::Cluster(d) => [outline.clusters.number(d, to.instance) as i32, 0],
+        };
+        let next = self.exits.len() as u32;
+        let landing = Landing { offset, cell: to.cell };
+        let to = *self.exits.entry((k, self.sector(to), landing)).or_insert(next);
+        self.exit_steps.push(ExitStep { from, to, frames });
+    }
+
+    /// Exits are told apart by the edge that a tile is entered by, or inside of one by heading.
+    fn sector(&self, to: Node) -> u32 {
+        let graph = self.outline.graph;
+        let p = &graph.patches().patches[graph.instance(to.instance).patch as usize];
+        let cell = graph.cell(to);
+        match class(cell, p.num_edges) {
+            inside if inside == p.num_edges => {
+                let quarters = (cell.placement.heading / std::f32::consts::FRAC_PI_2).round();
+                inside + quarters.rem_euclid(4.0) as u32
+            }
+            edge => edge,
+        }
+    }
+
+    /// Node of a cell that an entrance begins at.
+    fn entrance(&mut self, beyond: u32, class: u32, cell: u32) -> u32 {
+        let next = self.entrances.len() as u32;
+        2 * self.outline.num_cells + *self.entrances.entry((beyond, class, cell)).or_insert(next)
+    }
+
+    /// What leads into a member from an instance beyond.
+    fn add_entrances(&mut self, instance: u32, a: &AdjacencyRecord, t: &JointTableRecord, beyond: Beyond) {
+        let (outline, graph) = (self.outline, self.outline.graph);
+        let Some(&k) = outline.numbers.get(&beyond) else { return };
+        let to_b = a.side == 1;
+        let (cells, links) =
+            (graph.patches().cells_of(t.patch_a as usize), graph.patches().links_of(t.patch_a as usize));
+        let num_edges = graph.patches().patches[t.patch_a as usize].num_edges;
+        for (_, j) in graph.joints(t).iter().enumerate().filter(|(n, _)| graph.may_go(a, *n, to_b)) {
+            match (to_b, num_edges > 0) {
+                // Out of a tile's link into the block, or into a tile's link out of it.
+                (true, true) => {
+                    let to = Node { instance, cell: j.b };
+                    let from: &CellRecord = &cells[links[j.a as usize].from as usize];
+                    let tile = beyond.tile().is_some();
+                    let class = if tile { class(from, num_edges) } else { 0 };
+                    if graph.is_enabled(to) {
+                        // What leads here from another cluster is counted there.
+                        let frames = if tile { j.a_offset as u16 } else { 0 };
+                        let arc = (self.entrance(k, class, links[j.a as usize].from), self.cell(to), frames);
+                        self.arcs.push(arc);
+                    }
+                }
+                (false, true) => {
+                    let l = &links[j.a as usize];
+                    if let Some(to) = graph.end_node(instance, l).filter(|to| outline.beyond(to.instance).is_none()) {
+                        let arc = (self.entrance(k, 0, NONE), self.cell(to), 0);
+                        self.arcs.push(arc);
+                    }
+                }
+                (_, false) => {
+                    let to = Node { instance, cell: if to_b { j.b } else { j.a } };
+                    let cell = graph.cell(to);
+                    let links = cell.first_link..cell.first_link + cell.num_links;
+                    for s in links.filter(|_| graph.is_enabled(to)).filter_map(|l| graph.step_along(instance, l)) {
+                        let arc = (self.entrance(k, 0, NONE), self.cell(s.to), 0);
+                        self.arcs.push(arc);
+                    }
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,155 @@
+//! Cluster costs: least costs within clusters, found once for all that are alike.
+
+mod alike;
+mod edges;
+mod outline;
+mod search_graph;
+
+use super::dial::{Arcs, Dial, UNREACHED};
+use super::plane::Spot;
+use alike::least_across;
+use edges::Landing;
+pub(super) use outline::Outline;
+use search_graph::SearchGraph;
+use serde::{Deserialize, Serialize};
+
+/// What a cluster overlaps.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) enum Beyond {
+    /// A tile of a floor.
+    Tile(u32),
+    /// Another cluster.
+    Cluster(u32),
+}
+
+impl Beyond {
+    /// The tile, where it is one.
+    pub fn tile(self) -> Option<u32> {
+        if let Self::Tile(t) = self { Some(t) } else { None }
+    }
+
+    /// The cluster, where it is one.
+    pub fn cluster(self) -> Option<u32> {
+        if let Self::Cluster(d) = self { Some(d) } else { None }
+    }
+}
+
+/// Costs within clusters that are alike: from where they are entered, to where they are left.
+///
+/// An entrance begins at some cells, and an exit ends at some, each of them so much before or after the others: costs
+/// leave that out, which is counted where one comes to those cells or goes on from there. Costs to single cells are for
+/// who asks for them to search for, see [`ClusterCosts::back`].
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+pub(crate) struct ClusterCosts {
+    num_cells: u32,
+    /// Entrances: what each leads from, as a number in [`Outline::beyond`], and the cells there, each with what of the way is
+    /// counted on coming there.
+    pub entrances: Vec<(u32, Vec<Spot>)>,
+    /// Exits: what each leads to.
+    #[serde(with = "crate::pod")]
+    pub exits: Vec<u32>,
+    /// Where each exit leads to, with what of the way is counted on going on from there (frames).
+    spots: Vec<Vec<(Landing, u16)>>,
+    /// What costs to an exit are in the table beyond what they are (frames).
+    #[serde(with = "crate::pod")]
+    more: Vec<u16>,
+    /// States that each entrance begins at, see [`ClusterCosts::back`], with what is counted on coming there.
+    starts: Vec<Vec<(u32, u16)>>,
+    /// Least frames to leave by each exit, from each cell (exits * cells).
+    #[serde(with = "crate::pod")]
+    to_exit: Vec<u16>,
+    /// The same from each entrance (exits * entrances).
+    #[serde(with = "crate::pod")]
+    across: Vec<u16>,
+    /// What leads to each state.
+    back: Arcs<u32>,
+}
+
+impl ClusterCosts {
+    /// Searches from every entrance and to every exit.
+    pub fn new(outline: &Outline<'_>, search: &mut Dial) -> Self {
+        let search_graph = SearchGraph::new(outline);
+        let [mut entrances, exits] = search_graph.entrances_and_exits(search);
+        let mut out = Self { num_cells: outline.num_cells, ..Self::default() };
+        let mut across = Vec::new();
+        for alike in &exits {
+            search_graph.search_back(alike, search);
+            out.to_exit.extend((0..outline.num_cells).map(|c| search.cost(c)));
+            across.push(search_graph.costs_of_entrances(search));
+            out.exits.push(alike.beyond);
+            out.more.push(alike.most());
+            out.spots.push(alike.places.iter().map(|&(n, part)| (search_graph.landing(n), part)).collect());
+        }
+        let more = &out.more;
+        entrances.iter_mut().for_each(|alike| alike.fit(across.iter().zip(more).map(|(a, m)| (&a[..], *m))));
+        for (costs, more) in across.iter().zip(more) {
+            out.across.extend(entrances.iter().map(|alike| least_across(alike, costs, *more)));
+        }
+        for alike in &entrances {
+            out.starts.push(alike.places.iter().map(|&(n, part)| (search_graph.entrance_state(n), part)).collect());
+            out.entrances.push((
+                alike.beyond,
+                alike.places.iter().map(|&(n, part)| (search_graph.entrance_cell(n), part)).collect(),
+            ));
+        }
+        out.back = search_graph.back;
+        out
+    }
+
+    /// True where all that is looked up in a table read from a file is there.
+    ///
+    /// - `longest`: no link takes more (frames).
+    pub fn is_sound(&self, longest: u32) -> bool {
+        let (exits, states) = (self.exits.len(), self.num_states());
+        let mut starts = self.starts.iter().flatten();
+        self.starts.len() == self.entrances.len()
+            && self.spots.len() == exits
+            && self.more.len() == exits
+            && self.to_exit.len() == exits * self.num_cells as usize
+            && self.across.len() == exits * self.entrances.len()
+            && self.num_cells as usize <= states
+            && starts.all(|&(state, _)| (state as usize) < states)
+            && self.back.is_sound(|&to| to, longest)
+    }
+
+    /// Number of cells.
+    pub fn num_cells(&self) -> u32 {
+        self.num_cells
+    }
+
+    /// Number of states: the cells, those of blocks again where a link must follow, as after a joint between blocks, and
+    /// the cells beyond that entrances begin at.
+    pub fn num_states(&self) -> usize {
+        self.back.num_nodes()
+    }
+
+    /// From where a state is come to, in so many frames.
+    pub fn back(&self, state: u32) -> &[(u32, u16)] {
+        self.back.of(state)
+    }
+
+    /// States that an entrance begins at, each with what of the way is counted on coming there.
+    pub fn starts(&self, entrance: u32) -> &[(u32, u16)] {
+        &self.starts[entrance as usize]
+    }
+
+    /// Least frames from a cell to an exit. What lies at its cells may be below 0.
+    pub fn to_exit(&self, out: u32, cell: u32) -> f32 {
+        frames(self.to_exit[(out * self.num_cells + cell) as usize]) - f32::from(self.more[out as usize])
+    }
+
+    /// Least frames from an entrance to an exit.
+    pub fn across(&self, entrance: u32, out: u32) -> f32 {
+        frames(self.across[out as usize * self.entrances.len() + entrance as usize])
+    }
+
+    /// Where an exit leads to: how many copies away from the tile that it leads through, the cell there, and what is
+    /// counted on going on from it.
+    pub fn spots(&self, out: u32) -> impl ExactSizeIterator<Item = ([i32; 2], u32, f32)> {
+        self.spots[out as usize].iter().map(|(l, part)| (l.offset, l.cell, f32::from(*part)))
+    }
+}
+
+fn frames(cost: u16) -> f32 {
+    if cost == UNREACHED { f32::INFINITY } else { f32::from(cost) }
+}

@@ -1,0 +1,88 @@
+//! Outlines: what the costs of a cluster depends on.
+
+use super::super::clusters::Clusters;
+use super::super::floors::Floors;
+use super::Beyond;
+use crate::WorldGraph;
+use std::collections::BTreeMap;
+
+/// One cluster, and what its parts are numbered by.
+pub(crate) struct Outline<'a> {
+    /// The world.
+    pub graph: &'a WorldGraph,
+    /// All floors.
+    pub floors: &'a Floors,
+    /// All clusters.
+    pub clusters: &'a Clusters,
+    /// This one.
+    pub cluster: u32,
+    /// What it overlaps, in the order in which its members do.
+    pub beyond: Vec<Beyond>,
+    /// Number of each there.
+    pub numbers: BTreeMap<Beyond, u32>,
+    /// Cells of all members.
+    pub num_cells: u32,
+}
+
+impl<'a> Outline<'a> {
+    /// Numbers what a cluster overlaps.
+    pub fn new(graph: &'a WorldGraph, floors: &'a Floors, clusters: &'a Clusters, cluster: u32) -> Self {
+        let members = &clusters.members[cluster as usize];
+        let num_cells = members.iter().map(|&m| graph.num_cells(m)).sum();
+        let (beyond, numbers) = (Vec::new(), BTreeMap::new());
+        let mut out = Self { graph, floors, clusters, cluster, beyond, numbers, num_cells };
+        for &m in members {
+            for (_, a, _) in graph.adjacencies(m) {
+                let Some(beyond) = out.beyond(a.other) else { continue };
+                if out.numbers.contains_key(&beyond) {
+                    continue;
+                }
+                out.numbers.insert(beyond, out.beyond.len() as u32);
+                out.beyond.push(beyond);
+            }
+        }
+        out
+    }
+
+    /// What an instance is to the cluster; none for a member.
+    pub fn beyond(&self, instance: u32) -> Option<Beyond> {
+        match self.clusters.of(instance) {
+            None => Some(Beyond::Tile(instance)),
+            Some(d) => (d != self.cluster).then_some(Beyond::Cluster(d)),
+        }
+    }
+
+    /// All that its costs depend on: clusters with the same key have the same costs_in.
+    pub fn key(&self) -> Vec<u64> {
+        let (graph, world) = (self.graph, self.graph.world());
+        let members = &self.clusters.members[self.cluster as usize];
+        let number = |i: u32| match self.beyond(i) {
+            None => members.partition_point(|&m| m < i) as u64,
+            Some(beyond) => u64::MAX - u64::from(self.numbers.get(&beyond).copied().unwrap_or(u32::MAX)),
+        };
+        let mut key = Vec::new();
+        for &m in members {
+            let r = graph.instance(m);
+            let p = &graph.patches().patches[r.patch as usize];
+            key.push(r.patch.into());
+            key.extend(&world.cell_words[r.first_cell_word as usize..][..p.num_cells.div_ceil(64) as usize]);
+            key.extend(&world.link_words[r.first_link_word as usize..][..p.num_links.div_ceil(64) as usize]);
+            let neighbours = &world.neighbours[r.first_neighbour as usize..][..p.num_edges as usize];
+            key.extend(neighbours.iter().map(|&n| if n == throng_core::patch::NONE { u64::MAX } else { number(n) }));
+            for (_, a, t) in graph.adjacencies(m) {
+                key.extend([number(a.other), a.table.into(), a.side.into()]);
+                let words = (2 * t.num_joints).div_ceil(64) as usize;
+                key.extend(&world.joint_words[a.first_word as usize..][..words]);
+                if let Some(beyond) = self.beyond(a.other) {
+                    if let Beyond::Cluster(d) = beyond {
+                        key.push(self.clusters.number(d, a.other).into());
+                    }
+                    let o = graph.instance(a.other);
+                    let words = graph.num_cells(a.other).div_ceil(64) as usize;
+                    key.extend(&world.cell_words[o.first_cell_word as usize..][..words]);
+                }
+            }
+        }
+        key
+    }
+}

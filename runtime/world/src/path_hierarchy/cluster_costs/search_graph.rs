@@ -1,0 +1,124 @@
+//! Search graphs: the graph within a cluster, ready for searches.
+
+use super::super::dial::{Arcs, Dial, UNREACHED};
+use super::alike::{AlikePlaces, Group, part};
+use super::edges::{Edges, ExitStep, Landing};
+use super::{Beyond, Outline};
+use std::collections::BTreeMap;
+
+/// The graph within a cluster. Its nodes are those of [`Edges`].
+pub(super) struct SearchGraph {
+    num_cells: u32,
+    num_nodes: usize,
+    on: Arcs<u32>,
+    /// Turned around.
+    pub back: Arcs<u32>,
+    exit_steps: Vec<ExitStep>,
+    /// Where entrances begin: what lies beyond, the class of the cell there, and the cell.
+    entrances: Vec<(u32, u32, u32)>,
+    /// Where exits end: what lies beyond, the sector, and where that is.
+    exits: Vec<(u32, u32, Landing)>,
+    /// Whether what lies beyond is a tile.
+    is_tile: Vec<bool>,
+}
+
+impl SearchGraph {
+    /// Draws it up.
+    pub fn new(outline: &Outline<'_>) -> Self {
+        let Edges { arcs, exit_steps, entrances, exits, .. } = Edges::new(outline);
+        let num_nodes = 2 * outline.num_cells as usize + entrances.len();
+        Self {
+            num_cells: outline.num_cells,
+            num_nodes,
+            on: Arcs::new(num_nodes, arcs.iter().copied()),
+            back: Arcs::new(num_nodes, arcs.iter().map(|&(from, to, frames)| (to, from, frames))),
+            exit_steps,
+            entrances: by_number(&entrances),
+            exits: by_number(&exits),
+            is_tile: outline.beyond.iter().map(|b| matches!(b, Beyond::Tile(_))).collect(),
+        }
+    }
+
+    /// Entrances and out: cells of a kind of which one is as good as another one, but for when one is there.
+    pub fn entrances_and_exits(&self, search: &mut Dial) -> [Vec<AlikePlaces>; 2] {
+        let entrances = self.groups(self.entrances.iter().map(|i| (i.0, i.1)));
+        let exits = self.groups(self.exits.iter().map(|o| (o.0, o.1)));
+        let to = |group: &Group, search: &mut Dial| {
+            self.search_back(&AlikePlaces::of(group), search);
+            self.costs_of_entrances(search)
+        };
+        let costs_out: Vec<_> = exits.iter().map(|g| to(g, search)).collect();
+        let from = |group: &Group, search: &mut Dial| {
+            self.search_on(&AlikePlaces::of(group), search);
+            self.costs_of_exits(search)
+        };
+        let costs_in: Vec<_> = entrances.iter().map(|g| from(g, search)).collect();
+        [part(&entrances, &costs_out), part(&exits, &costs_in)]
+    }
+
+    /// Searches for the least frames to an exit, and [`AlikePlaces::most`] more.
+    pub fn search_back(&self, alike: &AlikePlaces, search: &mut Dial) {
+        let mut more = vec![None; self.exits.len()];
+        alike.places.iter().for_each(|&(n, part)| more[n as usize] = Some(alike.most() - part));
+        let sources =
+            self.exit_steps.iter().filter_map(|l| Some((l.from, l.frames.saturating_add(more[l.to as usize]?))));
+        search.run(self.num_nodes, sources, |search, node| {
+            self.back.of(node).iter().for_each(|&(from, frames)| search.reach(from, frames));
+        });
+    }
+
+    /// Searches for the least frames from an entrance, and [`AlikePlaces::most`] more.
+    fn search_on(&self, alike: &AlikePlaces, search: &mut Dial) {
+        let sources = alike.places.iter().map(|&(n, part)| (self.entrance_state(n), alike.most() - part));
+        search.run(self.num_nodes, sources, |search, node| {
+            self.on.of(node).iter().for_each(|&(to, frames)| search.reach(to, frames));
+        });
+    }
+
+    /// What was found where entrances begin.
+    pub fn costs_of_entrances(&self, search: &Dial) -> Vec<u16> {
+        (0..self.entrances.len() as u32).map(|n| search.cost(self.entrance_state(n))).collect()
+    }
+
+    /// What was found where exits end.
+    fn costs_of_exits(&self, search: &Dial) -> Vec<u16> {
+        let mut costs = vec![UNREACHED; self.exits.len()];
+        for l in &self.exit_steps {
+            let cost = &mut costs[l.to as usize];
+            *cost = (*cost).min(search.cost(l.from).saturating_add(l.frames));
+        }
+        costs
+    }
+
+    /// Node that an entrance begins at.
+    pub fn entrance_state(&self, number: u32) -> u32 {
+        2 * self.num_cells + number
+    }
+
+    /// Cell that an entrance begins at.
+    pub fn entrance_cell(&self, number: u32) -> u32 {
+        self.entrances[number as usize].2
+    }
+
+    /// Where an exit ends.
+    pub fn landing(&self, number: u32) -> Landing {
+        self.exits[number as usize].2
+    }
+
+    /// Those with the same key together.
+    fn groups(&self, keys: impl Iterator<Item = (u32, u32)>) -> Vec<Group> {
+        let mut groups = BTreeMap::new();
+        for (number, key) in (0..).zip(keys) {
+            let new = || Group { beyond: key.0, is_tile: self.is_tile[key.0 as usize], places: Vec::new() };
+            groups.entry(key).or_insert_with(new).places.push(number);
+        }
+        groups.into_values().collect()
+    }
+}
+
+/// Keys in the order of their numbers, which are 0 and up.
+fn by_number<K: Copy>(numbers: &BTreeMap<K, u32>) -> Vec<K> {
+    let mut list: Vec<_> = numbers.iter().map(|(k, n)| (*n, *k)).collect();
+    list.sort_by_key(|l| l.0);
+    list.into_iter().map(|l| l.1).collect()
+}

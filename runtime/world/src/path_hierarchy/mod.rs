@@ -1,0 +1,357 @@
+//! What planning knows of a world beforehand: least costs on open ground and within what is climbed or sat on.
+//!
+//! Tiles that fill a plane together are a *floor*; costs between them are those of the endless plane without obstacles,
+//! one table a patch. A floor with corners consists of *regions*, with portals from one to another. All else that overlaps
+//! is a *cluster*, with costs between its cells and its entrances and exits, one table for all clusters that are alike.
+//! All costs are bounds: no way costs less.
+
+mod cluster_costs;
+mod clusters;
+mod dial;
+mod floors;
+mod landmarks;
+mod plane;
+mod region_costs;
+mod regions;
+
+use super::WorldGraph;
+use cluster_costs::{Beyond, ClusterCosts, Outline};
+use clusters::Clusters;
+use dial::Dial;
+use floors::Floors;
+pub(crate) use landmarks::{Landmarks, ToLandmarks};
+pub(crate) use plane::{Look, Plane, Spot, class};
+use region_costs::RegionCosts;
+use serde::{Deserialize, Serialize};
+use std::collections::{BTreeMap, BTreeSet};
+use throng_core::patch::{NONE, PatchRecord};
+
+/// No exit leads farther from its tile than this (copies).
+const MAX_OFFSET: i32 = 1 << 25;
+
+/// An entrance of a cluster or region: where a search comes into it.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+pub(crate) enum Entrance {
+    /// From some cells of a tile, into a cluster.
+    Tile {
+        /// The tile.
+        tile: u32,
+        /// The cells, see [`Plane`].
+        goal: u32,
+    },
+    /// From another cluster into a cluster.
+    Cluster {
+        /// The other one.
+        from: u32,
+        /// This one.
+        to: u32,
+    },
+    /// From one region into another one, to cells of a tile there that are entered across an edge.
+    Portal {
+        /// The region that it leads from.
+        from: u32,
+        /// The tile.
+        tile: u32,
+        /// The cells, see [`Plane`].
+        goal: u32,
+    },
+}
+
+impl Entrance {
+    /// The region that it leads from where it is a portal, and the tile and its cells that it leads by; none where it leads
+    /// from another cluster.
+    pub fn tile(&self) -> Option<(Option<u32>, u32, u32)> {
+        match *self {
+            Self::Tile { tile, goal } => Some((None, tile, goal)),
+            Self::Portal { from, tile, goal } => Some((Some(from), tile, goal)),
+            Self::Cluster { .. } => None,
+        }
+    }
+}
+
+/// An exit of a cluster.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+pub(crate) struct Exit {
+    /// The cluster.
+    pub cluster: u32,
+    /// The tile whose links it leads along; none where it leads to another cluster.
+    pub tile: Option<u32>,
+    /// The other cluster.
+    pub to: Option<u32>,
+}
+
+/// Costs of a world's parts, see the module.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub(crate) struct PathHierarchy {
+    planes: Vec<Option<Plane>>,
+    /// Which tiles fill a plane together.
+    pub floors: Floors,
+    /// What else there is.
+    pub clusters: Clusters,
+    cluster_costs: Vec<ClusterCosts>,
+    /// Number in `cluster_costs` of each cluster.
+    #[serde(with = "crate::pod")]
+    costs_of: Vec<u32>,
+    /// First entrance and exit of each cluster (clusters + 1).
+    #[serde(with = "crate::pod")]
+    first: Vec<[u32; 2]>,
+    /// Entrances of clusters, then the portals between regions.
+    pub entrances: Vec<Entrance>,
+    /// Exits of clusters.
+    pub exits: Vec<Exit>,
+    /// Exits that lead to tiles of each region, by the tile that they lead through.
+    pub region_exits: Vec<Vec<u32>>,
+    /// Portals that lead into each region.
+    pub region_portals: Vec<Vec<u32>>,
+    /// Costs from the latter to the former.
+    pub region_costs: RegionCosts,
+    /// Costs to some entrances from all entrances and exits.
+    pub landmarks: Landmarks,
+}
+
+impl PathHierarchy {
+    /// Works it out, in a fraction of a second for worlds of a few thousand instances that are much alike.
+    pub fn new(graph: &WorldGraph) -> Self {
+        let patches = graph.patches();
+        let mut search = Dial::default();
+        let planes: Vec<_> = (0..patches.patches.len()).map(|p| Plane::new(patches, p, &mut search)).collect();
+        let floors = Floors::new(graph, &planes);
+        let clusters = Clusters::new(graph, &floors);
+        let num_regions = floors.num_regions();
+        let mut out = Self {
+            planes,
+            floors,
+            clusters,
+            cluster_costs: Vec::new(),
+            costs_of: Vec::new(),
+            first: vec![[0, 0]],
+            entrances: Vec::new(),
+            exits: Vec::new(),
+            region_exits: vec![Vec::new(); num_regions],
+            region_portals: vec![Vec::new(); num_regions],
+            region_costs: RegionCosts::default(),
+            landmarks: Landmarks::default(),
+        };
+        out.add_clusters(graph);
+        for exits in &mut out.region_exits {
+            exits.sort_by_key(|&o| out.exits[o as usize].tile);
+        }
+        for tile in 0..graph.num_instances() as u32 {
+            out.add_portals(graph, tile);
+        }
+        out.region_costs = RegionCosts::new(&out);
+        out.landmarks = Landmarks::new(graph, &out);
+        out
+    }
+
+    /// True where all that planning looks up in a hierarchy read from a file is there.
+    pub fn is_sound(&self, graph: &WorldGraph) -> bool {
+        let patches = graph.patches();
+        let records = &patches.patches;
+        let longest = patches.links.iter().map(|l| u32::from(l.num_frames)).max().unwrap_or(0);
+        let plane = |(p, plane): (&PatchRecord, &Option<Plane>)| {
+            plane.as_ref().is_none_or(|plane| plane.is_sound(p.num_cells, p.num_edges))
+        };
+        let costs = |cluster: u32| self.cluster_costs.get(*self.costs_of.get(cluster as usize)? as usize);
+        self.planes.len() == records.len()
+            && records.iter().zip(&self.planes).all(plane)
+            && self.floors.is_sound(graph, &self.planes)
+            && self.cluster_costs.iter().all(|c| c.is_sound(longest))
+            && (0..self.costs_of.len() as u32).all(|c| costs(c).is_some())
+            && self.clusters.is_sound(graph, |cluster| costs(cluster).map(ClusterCosts::num_cells))
+            && self.numbers_are_sound()
+            && self.entrances.iter().all(|e| self.is_entrance(graph, e))
+            && (0..self.exits.len() as u32).all(|e| self.is_exit(graph, e))
+            && self.region_costs.is_sound(self)
+            && self.landmarks.num_states() == self.entrances.len() + self.exits.len()
+    }
+
+    /// True where clusters have the entrances and exits of their costs, and those of regions exist.
+    fn numbers_are_sound(&self) -> bool {
+        let regions = self.floors.num_regions();
+        let counts = |(pair, &costs): (&[[u32; 2]], &u32)| {
+            let c = &self.cluster_costs[costs as usize];
+            let [[a, x], [b, y]] = [pair[0], pair[1]].map(|p| p.map(|n| n as usize));
+            a.checked_add(c.entrances.len()) == Some(b) && x.checked_add(c.exits.len()) == Some(y)
+        };
+        let is_portal = |&e: &u32| matches!(self.entrances.get(e as usize), Some(Entrance::Portal { .. }));
+        let is_tile_exit = |&e: &u32| self.exits.get(e as usize).is_some_and(|e| e.tile.is_some());
+        let ends = |[entrances, exits]: [u32; 2]| {
+            entrances as usize <= self.entrances.len() && exits as usize == self.exits.len()
+        };
+        self.first.len() == self.costs_of.len() + 1
+            && self.first.windows(2).zip(&self.costs_of).all(counts)
+            && self.first.last().is_some_and(|last| ends(*last))
+            && [self.region_exits.len(), self.region_portals.len()] == [regions; 2]
+            && self.region_exits.iter().flatten().all(is_tile_exit)
+            && self.region_portals.iter().flatten().all(is_portal)
+    }
+
+    fn is_entrance(&self, graph: &WorldGraph, entrance: &Entrance) -> bool {
+        let is_goal = |region: u32, goal: u32| {
+            let exists = (region as usize) < self.floors.num_regions();
+            exists && self.plane(region).is_some_and(|p| (goal as usize) < p.num_goals())
+        };
+        let is_tile = |tile: u32| (tile as usize) < graph.num_instances();
+        match *entrance {
+            Entrance::Tile { tile, goal } => {
+                is_tile(tile) && self.floors.region(tile).is_none_or(|region| is_goal(region, goal))
+            }
+            Entrance::Portal { from, tile, goal } => {
+                let to = || self.floors.region(tile);
+                is_tile(tile) && to().is_some_and(|to| is_goal(from, goal) && is_goal(to, goal))
+            }
+            Entrance::Cluster { from, to } => from.max(to) < self.num_clusters() as u32,
+        }
+    }
+
+    fn is_exit(&self, graph: &WorldGraph, number: u32) -> bool {
+        let exit = &self.exits[number as usize];
+        if exit.cluster as usize >= self.num_clusters() || !self.exits_of(exit.cluster).contains(&number) {
+            return false;
+        }
+        let Some(tile) = exit.tile else { return true };
+        let spots = self.costs_in(exit.cluster).spots(number - self.exits_of(exit.cluster).start);
+        (tile as usize) < graph.num_instances()
+            && spots
+                .into_iter()
+                .all(|(offset, cell, _)| cell < graph.num_cells(tile) && offset.iter().all(|o| o.abs() <= MAX_OFFSET))
+    }
+
+    /// The plane of a region's tiles.
+    pub fn plane(&self, region: u32) -> Option<&Plane> {
+        self.planes[self.floors.patch(region) as usize].as_ref()
+    }
+
+    /// The region that an entrance leads from, and the tile and its cells that it leads by; none where it leads from another
+    /// cluster.
+    pub fn leads_from(&self, entrance: u32) -> Option<(u32, u32, u32)> {
+        let (from, tile, goal) = self.entrances[entrance as usize].tile()?;
+        Some((from.or_else(|| self.floors.region(tile))?, tile, goal))
+    }
+
+    /// Cluster of an instance, and the number of its first cell there; none for a tile of a floor.
+    pub fn cluster(&self, instance: u32) -> Option<(u32, u32)> {
+        self.clusters.of(instance).map(|d| (d, self.clusters.first_cell(instance)))
+    }
+
+    /// Number of clusters.
+    pub fn num_clusters(&self) -> usize {
+        self.costs_of.len()
+    }
+
+    /// Costs within a cluster.
+    pub fn costs_in(&self, cluster: u32) -> &ClusterCosts {
+        &self.cluster_costs[self.costs_of[cluster as usize] as usize]
+    }
+
+    /// Entrances of a cluster.
+    pub fn entrances_of(&self, cluster: u32) -> std::ops::Range<u32> {
+        self.first[cluster as usize][0]..self.first[cluster as usize + 1][0]
+    }
+
+    /// Exits of a cluster.
+    pub fn exits_of(&self, cluster: u32) -> std::ops::Range<u32> {
+        self.first[cluster as usize][1]..self.first[cluster as usize + 1][1]
+    }
+
+    fn add_clusters(&mut self, graph: &WorldGraph) {
+        let (floors, clusters) = (&self.floors, &self.clusters);
+        let outlines: Vec<_> =
+            (0..clusters.members.len() as u32).map(|cluster| Outline::new(graph, floors, clusters, cluster)).collect();
+        let (mut known, mut kinds) = (BTreeMap::new(), Vec::new());
+        for outline in &outlines {
+            self.costs_of.push(*known.entry(outline.key()).or_insert_with(|| {
+                kinds.push(outline);
+                kinds.len() as u32 - 1
+            }));
+        }
+        self.cluster_costs = each(&kinds, |outline, search| ClusterCosts::new(outline, search));
+        let mut goals = entrance_cells(graph, &kinds, &self.cluster_costs);
+        let planes = (0u32..).zip(&self.planes).filter_map(|(patch, plane)| Some((patch, plane.as_ref()?)));
+        goals.extend(planes.flat_map(|(patch, p)| p.rests().into_iter().map(move |r| (patch, r))));
+        add_goals(&mut self.planes, goals);
+        for (outline, &costs_in) in outlines.iter().zip(&self.costs_of) {
+            let costs_in = &self.cluster_costs[costs_in as usize];
+            for &k in &costs_in.exits {
+                let beyond = outline.beyond[k as usize];
+                if let Some(region) = beyond.tile().and_then(|t| floors.region(t)) {
+                    self.region_exits[region as usize].push(self.exits.len() as u32);
+                }
+                self.exits.push(Exit { cluster: outline.cluster, tile: beyond.tile(), to: beyond.cluster() });
+            }
+            for (k, cells) in &costs_in.entrances {
+                self.entrances.push(match outline.beyond[*k as usize] {
+                    Beyond::Tile(tile) => {
+                        let plane = self.planes[graph.instance(tile).patch as usize].as_ref();
+                        Entrance::Tile { tile, goal: plane.and_then(|p| p.goal(cells)).unwrap_or(0) }
+                    }
+                    Beyond::Cluster(from) => Entrance::Cluster { from, to: outline.cluster },
+                });
+            }
+            self.first.push([self.entrances.len() as u32, self.exits.len() as u32]);
+        }
+    }
+
+    /// Adds the portals that lead to a tile.
+    fn add_portals(&mut self, graph: &WorldGraph, tile: u32) {
+        let Some(region) = self.floors.region(tile) else { return };
+        let (r, patches) = (graph.instance(tile), graph.patches());
+        for (goal, edge) in (0u32..).zip(patches.edges_of(r.patch as usize)) {
+            let other = graph.world().neighbours[(r.first_neighbour + goal) as usize];
+            if other == NONE || !graph.bounds.is_edge_open(graph.instance(other).first_neighbour + edge.opposite) {
+                continue;
+            }
+            if let Some(from) = self.floors.region(other).filter(|f| *f != region) {
+                self.region_portals[region as usize].push(self.entrances.len() as u32);
+                self.entrances.push(Entrance::Portal { from, tile, goal });
+            }
+        }
+    }
+}
+
+/// Patches with the cells that entrances of clusters begin in.
+fn entrance_cells(
+    graph: &WorldGraph,
+    outlines: &[&Outline<'_>],
+    cluster_costs: &[ClusterCosts],
+) -> BTreeSet<(u32, Vec<Spot>)> {
+    let mut goals = BTreeSet::new();
+    for (outline, costs_in) in outlines.iter().zip(cluster_costs) {
+        for (beyond, cells) in &costs_in.entrances {
+            let Some(tile) = outline.beyond[*beyond as usize].tile() else { continue };
+            goals.insert((graph.instance(tile).patch, cells.clone()));
+        }
+    }
+    goals
+}
+
+/// Adds cells of patches to the goals of their planes.
+fn add_goals(planes: &mut [Option<Plane>], goals: BTreeSet<(u32, Vec<Spot>)>) {
+    let goals: Vec<_> = goals.into_iter().filter(|(p, _)| planes[*p as usize].is_some()).collect();
+    let cells: BTreeSet<_> = goals.iter().flat_map(|(p, cells)| cells.iter().map(|c| (*p, c.0))).collect();
+    let cells: Vec<_> = cells.into_iter().collect();
+    let rows = each(&cells, |&(p, cell), search| planes[p as usize].as_ref().map(|plane| plane.rows_to(cell, search)));
+    let rows: BTreeMap<_, _> = cells.into_iter().zip(rows).filter_map(|(c, r)| Some((c, r?))).collect();
+    for (patch, cells) in goals {
+        let parts: Vec<_> = cells.iter().filter_map(|c| Some((rows.get(&(patch, c.0))?, c.1))).collect();
+        if let Some(plane) = planes[patch as usize].as_mut().filter(|p| p.goal(&cells).is_none()) {
+            let joined = plane.join(&parts);
+            plane.add(joined);
+        }
+    }
+}
+
+/// What searches find for each of a list.
+#[cfg(feature = "rayon")]
+fn each<T: Sync, R: Send>(list: &[T], find: impl Fn(&T, &mut Dial) -> R + Sync) -> Vec<R> {
+    use rayon::prelude::*;
+    list.par_iter().map_init(Dial::default, |search, item| find(item, search)).collect()
+}
+
+/// What searches find for each of a list.
+#[cfg(not(feature = "rayon"))]
+fn each<T, R>(list: &[T], find: impl Fn(&T, &mut Dial) -> R) -> Vec<R> {
+    let mut search = Dial::default();
+    list.iter().map(|item| find(item, &mut search)).collect()
+}

@@ -1,0 +1,413 @@
+//! Least costs on the endless plane of copies of a tile, without obstacles: found once a patch, looked up ever after.
+//!
+//! They are bounds: whatever stands on the ground, no way over it is faster.
+
+mod far;
+mod lattice;
+#[cfg(test)]
+mod tests;
+
+use super::dial::{Arcs, Dial, UNREACHED};
+use far::Back;
+use glam::Vec3;
+use lattice::lattice;
+use serde::{Deserialize, Serialize};
+use throng_core::patch::{CellRecord, NONE, Patches};
+
+/// Costs to the cells of a class are in the table up to this many copies away (copies).
+const RADIUS: i32 = 6;
+/// The same for other goals, of which there are many (copies).
+const GOAL_RADIUS: i32 = 3;
+/// Up to here the price to go by is in a table (copies).
+const FAR: i32 = 48;
+/// Ways may lead this far around them.
+const MARGIN: i32 = 2;
+
+/// A cell, and what it costs there beside the way (frames).
+pub(crate) type Spot = (u32, u16);
+
+/// A tile whose copies fill a plane. Its cells are of classes: those that are entered across each edge, and the inside.
+///
+/// Costs to *goals*, which are sets of cells, are in rows: of each goal one a direction for all that is far away, and then
+/// one an offset nearby. The first goals are the classes.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub(crate) struct Plane {
+    /// Steps across each edge, in copies along two directions.
+    #[serde(with = "crate::pod")]
+    pub steps: Vec<[i32; 2]>,
+    num_cells: u32,
+    /// Cells of each class.
+    classes: Vec<Vec<u32>>,
+    #[serde(skip)]
+    back: Back,
+    /// What a copy costs at least, for some directions: one or more (frames/copy).
+    #[serde(with = "crate::pod")]
+    prices: Vec<[f32; 2]>,
+    /// For each of them, what it leaves at least of a way from any cell to any other (frames).
+    #[serde(with = "crate::pod")]
+    leasts: Vec<f32>,
+    /// Number of the best price by offset (offsets up to `FAR`).
+    #[serde(with = "crate::pod")]
+    best_prices: Vec<u16>,
+    goals: Vec<Goal>,
+    /// Least frames from each cell, beyond what its row costs (rows * cells).
+    #[serde(with = "crate::pod")]
+    costs: Vec<u16>,
+    /// What a row costs at least: for a direction, what its price leaves (frames, rows).
+    #[serde(with = "crate::pod")]
+    least: Vec<f32>,
+    /// The least over cells of a class, beyond what the row costs (rows * classes).
+    #[serde(with = "crate::pod")]
+    least_of: Vec<u16>,
+    /// Most that costs of a row are below those of ways that were found; infinite where none was (rows).
+    #[serde(with = "crate::pod")]
+    lack: Vec<f32>,
+    /// Goal that consists of one cell alone; [`NONE`] where none does (cells).
+    #[serde(with = "crate::pod")]
+    goal_of: Vec<u32>,
+    /// Cells in which one can stay, and the goal of all of them.
+    #[serde(with = "crate::pod")]
+    rest_cells: Vec<u32>,
+    rest: Option<u32>,
+}
+
+/// Cells that ways lead to.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+struct Goal {
+    /// Each with what it costs to have come there.
+    cells: Vec<Spot>,
+    first_row: u32,
+    radius: i32,
+}
+
+/// Rows of a goal.
+pub(crate) struct Rows {
+    goal: Goal,
+    rows: Vec<Costs>,
+}
+
+/// What a row costs at least, costs beyond that, and their lack.
+struct Costs {
+    least: f32,
+    beyond: Vec<u16>,
+    lack: f32,
+}
+
+/// Where costs to a goal at an offset are found: for a cell, those of [`Plane::cost`] in a row, and so much more.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Look {
+    /// Number of the row.
+    pub row: u32,
+    /// (frames)
+    pub more: f32,
+}
+
+/// Class of a cell: its edge, past the last one the inside.
+pub(crate) fn class(cell: &CellRecord, num_edges: u32) -> u32 {
+    if cell.edge == NONE { num_edges } else { cell.edge }
+}
+
+impl Plane {
+    /// The table of a patch; none for blocks, and for tiles whose copies form a line or no lattice.
+    pub fn new(patches: &Patches, patch: usize, search: &mut Dial) -> Option<Self> {
+        let edges = patches.edges_of(patch);
+        let vectors: Vec<Vec3> = edges.iter().map(|e| Vec3::from_array(e.step)).collect();
+        let steps = lattice(&vectors)?;
+        let (cells, num_edges) = (patches.cells_of(patch), edges.len() as u32);
+        let back = arcs_back(patches, patch, &steps);
+        let prices = far::prices(&back, cells.len() as u32);
+        let mut out = Self {
+            steps,
+            num_cells: cells.len() as u32,
+            classes: (0..=num_edges).map(|c| cells_of(cells, c, num_edges).collect()).collect(),
+            leasts: Vec::new(),
+            best_prices: Vec::new(),
+            back,
+            prices: Vec::new(),
+            goals: Vec::new(),
+            costs: Vec::new(),
+            least: Vec::new(),
+            least_of: Vec::new(),
+            lack: Vec::new(),
+            goal_of: vec![NONE; cells.len()],
+            rest_cells: (0..cells.len() as u32).filter(|&c| cells[c as usize].is(CellRecord::IS_REST)).collect(),
+            rest: None,
+        };
+        let all: Vec<u32> = out.classes.concat();
+        for price in prices {
+            if let Some(rest) = far::rest(&out.back, price, all.iter().map(|&c| (c, 0)), out.num_cells) {
+                out.prices.push(price);
+                out.leasts.push(rest.into_iter().fold(f32::INFINITY, f32::min));
+            }
+        }
+        if out.prices.is_empty() {
+            // No way costs less than nothing.
+            out.prices.push([0.0, 0.0]);
+            out.leasts.push(0.0);
+        }
+        out.best_prices = offsets(FAR).map(|offset| out.best_price(offset) as u16).collect();
+        for class in 0..=num_edges as usize {
+            let cells: Vec<_> = out.classes[class].iter().map(|&c| (c, 0)).collect();
+            let rows = out.rows_of(&cells, RADIUS, search);
+            out.add(rows);
+        }
+        Some(out)
+    }
+
+    /// True where all that is looked up in a table read from a file is there.
+    ///
+    /// - `num_cells`, `num_edges`: of its patch.
+    pub fn is_sound(&self, num_cells: u32, num_edges: u32) -> bool {
+        let (rows, n, classes) = (self.least.len(), num_cells as usize, num_edges as usize + 1);
+        let is_goal = |g: u32| (g as usize) < self.goals.len();
+        let num_rows = |g: &Goal| self.prices.len() + (2 * g.radius as usize + 1).pow(2);
+        let goal = |g: &Goal| {
+            (0..=RADIUS).contains(&g.radius)
+                && g.first_row as usize + num_rows(g) <= rows
+                && g.cells.iter().all(|c| c.0 < num_cells)
+        };
+        self.num_cells == num_cells
+            && self.classes.len() == classes
+            && !self.prices.is_empty()
+            && self.leasts.len() == self.prices.len()
+            && self.best_prices.len() == (2 * FAR as usize + 1).pow(2)
+            && self.best_prices.iter().all(|&p| usize::from(p) < self.prices.len())
+            && (self.goals.len() >= classes && self.goals.iter().all(goal))
+            && self.costs.len() == rows * n
+            && self.least_of.len() == rows * classes
+            && self.lack.len() == rows
+            && (self.goal_of.len() == n && self.goal_of.iter().all(|&g| g == NONE || is_goal(g)))
+            && self.rest.is_none_or(is_goal)
+    }
+
+    /// Number of goals.
+    pub fn num_goals(&self) -> usize {
+        self.goals.len()
+    }
+
+    /// Number of a goal that was added.
+    pub fn goal(&self, cells: &[Spot]) -> Option<u32> {
+        self.goals.iter().position(|g| g.cells == cells).map(|g| g as u32)
+    }
+
+    /// Cells of a goal.
+    pub fn cells(&self, goal: u32) -> &[Spot] {
+        &self.goals[goal as usize].cells
+    }
+
+    /// The goal of one cell, or of all rest cells where none is given; none where there is no such goal.
+    pub fn goal_at(&self, cell: Option<u32>) -> Option<u32> {
+        cell.map_or(self.rest, |c| Some(self.goal_of[c as usize])).filter(|g| *g != NONE)
+    }
+
+    /// Cells in which one can stay, each as a goal, and all of them as one: where most ways lead to.
+    pub fn rests(&self) -> Vec<Vec<Spot>> {
+        let all = (!self.rest_cells.is_empty()).then(|| self.rest_cells.iter().map(|&c| (c, 0)).collect());
+        self.rest_cells.iter().map(|&c| vec![(c, 0)]).chain(all).collect()
+    }
+
+    /// Adds the rows of a goal.
+    pub fn add(&mut self, rows: Rows) {
+        let number = self.goals.len() as u32;
+        if let [(cell, 0)] = rows.goal.cells[..] {
+            self.goal_of[cell as usize] = number;
+        }
+        if rows.goal.cells.iter().copied().eq(self.rest_cells.iter().map(|&c| (c, 0))) {
+            self.rest = Some(number);
+        }
+        self.goals.push(Goal { first_row: self.least.len() as u32, ..rows.goal });
+        for row in rows.rows {
+            self.least.push(row.least);
+            self.lack.push(row.lack);
+            for class in &self.classes {
+                let of = class.iter().map(|&c| row.beyond[c as usize]);
+                self.least_of.push(of.min().unwrap_or(UNREACHED));
+            }
+            self.costs.extend(row.beyond);
+        }
+    }
+
+    /// Works out the rows of a cell, for goals that are no classes.
+    pub fn rows_to(&self, cell: u32, search: &mut Dial) -> Rows {
+        self.rows_of(&[(cell, 0)], GOAL_RADIUS, search)
+    }
+
+    /// The rows of a goal from those of its cells, each with what it costs there beside the way.
+    pub fn join(&self, parts: &[(&Rows, u16)]) -> Rows {
+        let cells = parts.iter().flat_map(|&(rows, cost)| rows.goal.cells.iter().map(move |c| (c.0, c.1 + cost)));
+        let goal = Goal { cells: cells.collect(), first_row: 0, radius: GOAL_RADIUS };
+        let num_rows = parts.first().map_or(0, |p| p.0.rows.len());
+        let rows = (0..num_rows).map(|k| {
+            let row = |p: &(&'_ Rows, u16)| p.0.rows[k].least + f32::from(p.1);
+            let least = parts.iter().map(row).fold(f32::INFINITY, f32::min);
+            let lack = parts.iter().map(|p| p.0.rows[k].lack).fold(0.0, f32::max);
+            let mut beyond = vec![UNREACHED; self.num_cells as usize];
+            for (rows, cost) in parts {
+                let more = (rows.rows[k].least + f32::from(*cost) - least) as u16;
+                for (to, from) in beyond.iter_mut().zip(&rows.rows[k].beyond).filter(|(_, from)| **from != UNREACHED) {
+                    *to = (*to).min(from.saturating_add(more).min(UNREACHED - 1));
+                }
+            }
+            Costs { least, beyond, lack }
+        });
+        Rows { rows: rows.collect(), goal }
+    }
+
+    /// Where costs to a goal are found, that many copies away.
+    pub fn look(&self, goal: u32, offset: [i32; 2]) -> Look {
+        let g = &self.goals[goal as usize];
+        if offset.iter().all(|w| w.abs() <= g.radius) {
+            return Look { row: g.first_row + self.prices.len() as u32 + offset_number(offset, g.radius), more: 0.0 };
+        }
+        self.look_far(g.first_row, offset)
+    }
+
+    fn look_far(&self, first_row: u32, offset: [i32; 2]) -> Look {
+        let k = match offset.iter().all(|w| w.abs() <= FAR) {
+            true => u32::from(self.best_prices[offset_number(offset, FAR) as usize]),
+            false => self.best_price(offset),
+        };
+        let (p, row) = (self.prices[k as usize], first_row + k);
+        Look { row, more: p[0] * offset[0] as f32 + p[1] * offset[1] as f32 + self.least[row as usize] }
+    }
+
+    /// Number of the price that most is known by of what a way costs.
+    fn best_price(&self, offset: [i32; 2]) -> u32 {
+        let mut best = (0, f32::NEG_INFINITY);
+        for ((k, p), least) in (0..).zip(&self.prices).zip(&self.leasts) {
+            let cost = p[0] * offset[0] as f32 + p[1] * offset[1] as f32 + least;
+            best = if cost > best.1 { (k, cost) } else { best };
+        }
+        best.0
+    }
+
+    /// Cost from a cell; infinite where there is no way (frames).
+    pub fn cost(&self, look: Look, cell: u32) -> f32 {
+        (frames(self.costs[(look.row * self.num_cells + cell) as usize]) + look.more).max(0.0)
+    }
+
+    /// The least cost from any cell of a class (frames).
+    pub fn least(&self, look: Look, class: u32) -> f32 {
+        let beyond = self.least_of[look.row as usize * self.classes.len() + class as usize];
+        (frames(beyond) + look.more).max(0.0)
+    }
+
+    /// The least cost from any cell (frames).
+    pub fn least_of_all(&self, look: Look) -> f32 {
+        (0..self.classes.len() as u32).map(|class| self.least(look, class)).fold(f32::INFINITY, f32::min)
+    }
+
+    /// The highest cost to a goal from any cell of another one nearby, beyond what that cell costs there: no way to the
+    /// best cell costs more. Infinite where the goal is far away, or that is not known (frames).
+    pub fn most(&self, to: u32, offset: [i32; 2], from: u32) -> f32 {
+        if offset.iter().any(|w| w.abs() > self.goals[to as usize].radius) {
+            return f32::INFINITY;
+        }
+        let look = self.look(to, offset);
+        let costs = self.cells(from).iter().map(|&(cell, cost)| self.cost(look, cell) - f32::from(cost));
+        costs.fold(0.0, f32::max) + self.lack[look.row as usize]
+    }
+
+    fn rows_of(&self, cells: &[Spot], radius: i32, search: &mut Dial) -> Rows {
+        let mut out = Rows { goal: Goal { cells: cells.to_vec(), first_row: 0, radius }, rows: Vec::new() };
+        for (&price, &least) in self.prices.iter().zip(&self.leasts) {
+            // Where no more is known, as much is left as of any way.
+            let rest = far::rest(&self.back, price, cells.iter().copied(), self.num_cells)
+                .unwrap_or_else(|| vec![least; self.num_cells as usize]);
+            let least = rest.iter().copied().fold(f32::INFINITY, f32::min);
+            let least = if least < f32::INFINITY { least.floor() } else { 0.0 };
+            let beyond = rest.iter().map(|r| whole(r - least)).collect();
+            out.rows.push(Costs { least, beyond, lack: f32::INFINITY });
+        }
+        self.add_near(&mut out, radius, search);
+        out
+    }
+
+    /// Adds a row for each offset nearby.
+    fn add_near(&self, rows: &mut Rows, radius: i32, search: &mut Dial) {
+        let (wide, n) = (radius + MARGIN, self.num_cells);
+        let across = 2 * wide + 1;
+        let number = |[x, z]: [i32; 2], cell: u32| ((x + wide) * across + z + wide) as u32 * n + cell;
+        let goal = rows.goal.cells.iter().map(|&(c, cost)| (number([0, 0], c), cost));
+        search.run((across * across) as usize * n as usize, goal, |search, state| {
+            let (tile, cell) = ((state / n) as i32, state % n);
+            let [x, z] = [tile / across - wide, tile % across - wide];
+            for &(([dx, dz], from), frames) in self.back.of(cell) {
+                let at = [x - dx, z - dz];
+                if at[0].abs() <= wide && at[1].abs() <= wide {
+                    search.reach(number(at, from), frames);
+                }
+            }
+        });
+        // Where no way leads at all, none leads from far away.
+        let leads: Vec<bool> = rows.rows[0].beyond.iter().map(|c| *c != UNREACHED).collect();
+        for (offset, around) in offsets(radius).zip(self.around(radius)) {
+            // The goal lies there as seen from where this is.
+            let found = |cell| frames(search.cost(number([-offset[0], -offset[1]], cell)));
+            let (mut beyond, mut lack) = (Vec::with_capacity(n as usize), 0f32);
+            for cell in 0..n {
+                let found = found(cell);
+                let cost = if leads[cell as usize] { found.min(around) } else { found };
+                beyond.push(whole(cost));
+                // As long as can be told is maybe longer.
+                let most = if whole(found) >= UNREACHED - 1 { f32::INFINITY } else { found };
+                lack = if cost < f32::INFINITY { lack.max(most - cost.floor()) } else { lack };
+            }
+            rows.rows.push(Costs { least: 0.0, beyond, lack });
+        }
+    }
+
+    /// For each offset, what a way costs at least that leads farther around than ways are followed for the table.
+    fn around(&self, radius: i32) -> Vec<f32> {
+        let along = |offset: [i32; 2]| {
+            let prices = self.prices.iter().zip(&self.leasts);
+            prices.map(|(p, l)| p[0] * offset[0] as f32 + p[1] * offset[1] as f32 + l).fold(0.0, f32::max)
+        };
+        // A link leads over two copies at most.
+        let rims = [radius + MARGIN + 1, radius + MARGIN + 2];
+        let rim = rims.iter().flat_map(|&w| (-w..=w).flat_map(move |a| [[a, w], [a, -w], [w, a], [-w, a]]));
+        let rim: Vec<_> = rim.map(|r| (r, along(r))).collect();
+        let offset = |to: [i32; 2]| {
+            rim.iter().map(|(r, out)| out + along([to[0] - r[0], to[1] - r[1]])).fold(f32::INFINITY, f32::min)
+        };
+        offsets(radius).map(offset).collect()
+    }
+}
+
+/// Arcs from each cell back to where links to it begin.
+fn arcs_back(patches: &Patches, patch: usize, steps: &[[i32; 2]]) -> Back {
+    let cells = patches.cells_of(patch);
+    let list = patches.links_of(patch).iter().map(|l| {
+        let to = &cells[l.to as usize];
+        let exit = to.is(CellRecord::IS_EXIT);
+        let (cell, step) = if exit { (to.twin, steps[to.edge as usize]) } else { (l.to, [0, 0]) };
+        (cell, (step, l.from), l.num_frames)
+    });
+    Arcs::new(cells.len(), list)
+}
+
+/// Cells of a class.
+fn cells_of(cells: &[CellRecord], of: u32, num_edges: u32) -> impl Iterator<Item = u32> {
+    let is = move |c: &CellRecord| !c.is(CellRecord::IS_EXIT) && class(c, num_edges) == of;
+    cells.iter().enumerate().filter(move |(_, c)| is(c)).map(|(k, _)| k as u32)
+}
+
+/// The offsets of a table, in their order (copies).
+fn offsets(radius: i32) -> impl Iterator<Item = [i32; 2]> {
+    let side = 2 * radius + 1;
+    (0..side * side).map(move |n| [n / side - radius, n % side - radius])
+}
+
+/// Number of an offset within the table.
+fn offset_number([du, dv]: [i32; 2], radius: i32) -> u32 {
+    ((du + radius) * (2 * radius + 1) + dv + radius) as u32
+}
+
+fn frames(cost: u16) -> f32 {
+    if cost == UNREACHED { f32::INFINITY } else { f32::from(cost) }
+}
+
+/// Whole frames, as few as there are at least.
+fn whole(cost: f32) -> u16 {
+    if cost == f32::INFINITY { UNREACHED } else { cost.floor().clamp(0.0, f32::from(UNREACHED) - 1.0) as u16 }
+}

@@ -1,0 +1,254 @@
+//! Path planning in two layers (Lee, Choi and Lee 2006, section 7): over the ways into and out of what stands on open ground, then over the
+//! motion itself, towards what the upper layer says is near.
+
+mod buckets;
+mod end;
+mod heap;
+mod inside;
+mod next_entrances;
+mod nodes;
+#[cfg(test)]
+mod tests;
+mod upper;
+
+use super::path_hierarchy::PathHierarchy;
+use super::{Node, Step, WorldGraph};
+pub(crate) use nodes::{Found, Nodes, Space};
+use upper::Upper;
+
+/// A way of [`Planner::plan`] takes at most this many times as long as the fastest one.
+pub const WORST: f32 = 1.05;
+
+/// Where a plan leads.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Target {
+    /// To one node.
+    Node(Node),
+    /// To any rest cell of an instance.
+    Rest {
+        /// The instance.
+        instance: u32,
+    },
+    /// To where motion with a tag begins.
+    Tag {
+        /// The instance.
+        instance: u32,
+        /// See [`throng_core::patch::LinkRecord::tag`].
+        tag: u16,
+    },
+}
+
+impl Target {
+    /// The instance that it is in.
+    pub fn instance(&self) -> u32 {
+        match *self {
+            Self::Node(node) => node.instance,
+            Self::Rest { instance } | Self::Tag { instance, .. } => instance,
+        }
+    }
+
+    /// True where a node is what was meant.
+    pub fn is_at(&self, graph: &WorldGraph, node: Node) -> bool {
+        match *self {
+            Self::Node(n) => n == node,
+            Self::Rest { instance } => node.instance == instance && graph.is_rest(node),
+            Self::Tag { instance, tag } => node.instance == instance && graph.begins(node, tag),
+        }
+    }
+}
+
+/// A way that was found.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Plan {
+    /// Steps of the whole way.
+    pub num_steps: usize,
+    /// Steps that there was room for: the first ones.
+    pub num_stored: usize,
+    /// Time it takes (frames).
+    pub num_frames: u32,
+    /// Sum of the distances from the start to the end of what is played (m).
+    pub length_m: f32,
+    /// No way takes less (frames).
+    pub least_frames: u32,
+    /// Ways opened in the upper layer: into and out of what is climbed, sat on or slid down, and from room to room.
+    pub opened_instances: usize,
+    /// Nodes opened in the lower layer.
+    pub opened_nodes: usize,
+}
+
+/// Plans ways through a world; all its memory is allocated when it is made.
+#[derive(Clone, Debug)]
+pub struct Planner {
+    upper: Upper,
+    pub(crate) nodes: Nodes,
+}
+
+impl Planner {
+    /// Memory for a world. What is known of the world beforehand is worked out by the first planner and kept with it.
+    pub fn new(graph: &WorldGraph) -> Self {
+        Self { upper: Upper::new(graph, graph.hierarchy()), nodes: Nodes::new(graph) }
+    }
+
+    /// Looks for a way from a node to a target that takes at most [`WORST`] times as long as the fastest one, and writes
+    /// as many of its first steps as there is room for; a way to where it begins has none. Allocates nothing.
+    ///
+    /// - returns `None` where no way leads there.
+    ///
+    /// (nodes and instances exist)
+    pub fn plan(&mut self, graph: &WorldGraph, from: Node, target: Target, out: &mut [Step]) -> Option<Plan> {
+        let plan = self.plan_soon(graph, from, target, out)?;
+        self.prove(graph, from, target, plan, out)
+    }
+
+    /// The same for who cannot wait: takes a way that may be worse. [`Plan::least_frames`] tells by how much at most.
+    pub fn plan_soon(&mut self, graph: &WorldGraph, from: Node, target: Target, out: &mut [Step]) -> Option<Plan> {
+        self.find(graph, from, target, &|_| 0.0, &[(HASTE, usize::MAX)], out)
+    }
+
+    /// As [`Planner::plan_soon`], with a toll for entering instances, which counts as time (frames).
+    pub(crate) fn plan_around(
+        &mut self,
+        graph: &WorldGraph,
+        from: Node,
+        target: Target,
+        toll: impl Fn(u32) -> f32,
+        out: &mut [Step],
+    ) -> Option<Plan> {
+        self.find(graph, from, target, &toll, &TRIES, out)
+    }
+
+    /// Looks for a way, as eagerly as `tries` say: what estimates count, and the most nodes that are opened.
+    fn find(
+        &mut self,
+        graph: &WorldGraph,
+        from: Node,
+        target: Target,
+        toll: &impl Fn(u32) -> f32,
+        tries: &[(f32, usize)],
+        out: &mut [Step],
+    ) -> Option<Plan> {
+        let (hierarchy, mut opened_nodes, mut opened_instances) = (graph.hierarchy(), 0, 0);
+        // Who finds no way among the best ones looks everywhere.
+        for most in [0.0, f32::INFINITY] {
+            if !self.upper.run(graph, hierarchy, target, from, most) {
+                return None;
+            }
+            opened_instances += self.upper.opened;
+            let least = self.upper.estimate(hierarchy, from).min(self.upper.limit);
+            for &(greed, most) in tries {
+                let mut way = TowardsTarget {
+                    graph,
+                    hierarchy,
+                    target,
+                    greed,
+                    limit: f32::INFINITY,
+                    upper: &mut self.upper,
+                    toll,
+                };
+                let found = self.nodes.search(graph, from, &mut way, most);
+                opened_nodes += self.nodes.opened;
+                if let Found::Path(way) = found {
+                    let plan = self.report(graph, way, out);
+                    let least_frames = (least.ceil() as u32).min(plan.num_frames);
+                    return Some(Plan { opened_nodes, opened_instances, least_frames, ..plan });
+                }
+            }
+        }
+        None
+    }
+
+    /// Makes sure that no way takes so much less than one that was just found, or finds the fastest one.
+    ///
+    /// All nodes are opened that such a way might lead through, and no others: of A* with estimates that count more, as
+    /// much as that way may be worse (Pohl 1970), they would only be a part (Thayer and Ruml 2008).
+    fn prove(&mut self, graph: &WorldGraph, from: Node, target: Target, plan: Plan, out: &mut [Step]) -> Option<Plan> {
+        let (hierarchy, enough) = (graph.hierarchy(), plan.num_frames as f32 / WORST);
+        let least_frames = plan.least_frames.max(enough.ceil() as u32);
+        if plan.least_frames as f32 >= enough {
+            return Some(plan);
+        }
+        let (mut opened_instances, mut opened_nodes) = (plan.opened_instances, plan.opened_nodes);
+        if self.upper.limit < enough {
+            self.upper.run(graph, hierarchy, target, from, enough);
+            opened_instances += self.upper.opened;
+        }
+        let mut way = TowardsTarget {
+            graph,
+            hierarchy,
+            target,
+            greed: 1.0,
+            limit: enough,
+            upper: &mut self.upper,
+            toll: &|_: u32| 0.0,
+        };
+        let found = self.nodes.search(graph, from, &mut way, usize::MAX);
+        opened_nodes += self.nodes.opened;
+        let Found::Path(way) = found else {
+            return Some(Plan { opened_nodes, opened_instances, least_frames, ..plan });
+        };
+        let plan = self.report(graph, way, out);
+        Some(Plan { opened_nodes, opened_instances, least_frames: plan.num_frames, ..plan })
+    }
+
+    /// Writes the steps of a way that was found.
+    fn report(&mut self, graph: &WorldGraph, way: u32, out: &mut [Step]) -> Plan {
+        let mut plan = Plan::default();
+        let mut at = self.nodes.turn(way);
+        while let Some((next, step)) = self.nodes.next(at) {
+            if let Some(slot) = out.get_mut(plan.num_steps) {
+                *slot = step;
+                plan.num_stored += 1;
+            }
+            plan.num_steps += 1;
+            plan.num_frames += step.num_frames();
+            plan.length_m += graph.length(&step);
+            at = next;
+        }
+        plan
+    }
+}
+
+/// What estimates count in looking for a first way (weighted A*, Pohl 1970).
+const HASTE: f32 = 1.12;
+/// The same, with the most nodes that are opened, where there are tolls, which estimates know nothing of.
+const TRIES: [(f32, usize); 3] = [(HASTE, 4000), (1.5, 10000), (3.0, usize::MAX)];
+
+/// The lower layer's space: everything, towards the target.
+struct TowardsTarget<'a, T> {
+    graph: &'a WorldGraph,
+    hierarchy: &'a PathHierarchy,
+    target: Target,
+    /// What estimates count.
+    greed: f32,
+    /// Ways that take as long are of no use (frames).
+    limit: f32,
+    upper: &'a mut Upper,
+    toll: &'a T,
+}
+
+impl<T: Fn(u32) -> f32> Space for TowardsTarget<'_, T> {
+    fn admits(&self, _: u32) -> bool {
+        true
+    }
+
+    fn is_target(&self, node: Node) -> bool {
+        self.target.is_at(self.graph, node)
+    }
+
+    fn estimate(&mut self, node: Node) -> f32 {
+        self.greed * self.upper.estimate(self.hierarchy, node)
+    }
+
+    fn cost(&self, step: &Step) -> f32 {
+        let toll = if step.to.instance == step.instance { 0.0 } else { (self.toll)(step.to.instance) };
+        step.num_frames() as f32 + toll
+    }
+
+    fn limit(&self) -> f32 {
+        self.limit
+    }
+
+    fn opens_again(&self) -> bool {
+        self.limit < f32::INFINITY
+    }
+}

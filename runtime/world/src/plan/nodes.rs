@@ -1,0 +1,234 @@
+//! The lower layer: A* over nodes, in memory that is used again by every search.
+
+use super::heap::Heap;
+use crate::graph::Walk;
+use crate::{Node, Step, WorldGraph};
+use bytemuck::{Pod, Zeroable};
+use throng_core::patch::NONE;
+
+/// What a search is about.
+pub(crate) trait Space {
+    /// True where the search may go into an instance.
+    fn admits(&self, instance: u32) -> bool;
+    /// True where it ends.
+    fn is_target(&self, node: Node) -> bool;
+    /// What it costs to go on from a node to the target; infinite where no way leads there (frames).
+    fn estimate(&mut self, node: Node) -> f32;
+    /// What a step costs (frames).
+    fn cost(&self, step: &Step) -> f32;
+    /// Ways that cost as much, with what it costs to go on, are not looked at (frames).
+    fn limit(&self) -> f32 {
+        f32::INFINITY
+    }
+    /// True where a node is opened again when a cheaper way to it turns up: only then is a way as good as estimates
+    /// promise which do not agree with each other, but it may take long.
+    fn opens_again(&self) -> bool {
+        true
+    }
+}
+
+/// Why a search ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Found {
+    /// At a target; the number is for [`Nodes::path`].
+    Path(u32),
+    /// There is none.
+    Nothing,
+    /// After the most nodes that it may open.
+    Limit,
+}
+
+/// Memory of searches over nodes: of all nodes of a world, touched only as far as searches go.
+#[derive(Clone, Debug)]
+pub(crate) struct Nodes {
+    /// [`State`] of each node.
+    states: Vec<[u32; 4]>,
+    /// Node before each, or after it on a way that was turned around.
+    parents: Vec<u32>,
+    /// The step that led to each; as whole numbers, since memory full of zeros costs nothing.
+    steps: Vec<[u32; 5]>,
+    heap: Heap,
+    stamp: u32,
+    /// Nodes opened by the last search.
+    pub opened: usize,
+}
+
+/// What is known of a node: together, since every step there asks for it.
+#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
+#[repr(C)]
+struct State {
+    /// The search that came to it, an even number, and 1 where it was opened.
+    stamp: u32,
+    /// Of the best way there, and from there on; not a number where nobody asked for that (frames).
+    cost: f32,
+    estimate: f32,
+    /// What the best way there had cost when the links from it were followed; infinite before (frames).
+    left: f32,
+}
+
+impl State {
+    /// Of a node that nobody came to.
+    fn new(stamp: u32) -> Self {
+        Self { stamp, cost: f32::INFINITY, estimate: f32::NAN, left: f32::INFINITY }
+    }
+
+    fn is_opened(&self) -> bool {
+        self.stamp & 1 == 1
+    }
+}
+
+impl Nodes {
+    /// Memory for a world (52 bytes a node).
+    pub fn new(graph: &WorldGraph) -> Self {
+        let room = graph.num_nodes();
+        Self {
+            states: vec![[0; 4]; room],
+            parents: vec![0; room],
+            steps: vec![[0; 5]; room],
+            heap: Heap::new(room),
+            stamp: 0,
+            opened: 0,
+        }
+    }
+
+    /// Looks for the cheapest way from a node to a target, opening at most `most` nodes.
+    pub fn search(&mut self, graph: &WorldGraph, from: Node, space: &mut impl Space, most: usize) -> Found {
+        self.begin();
+        let start = State { cost: 0.0, estimate: 0.0, ..State::new(self.stamp) };
+        self.reach(graph.index(from) as u32, start, NONE, &Step { to: from, ..Step::NONE }, f32::INFINITY);
+        while let Some((_, at)) = self.heap.pop() {
+            let node = self.step(at).to;
+            if space.is_target(node) {
+                return Found::Path(at);
+            }
+            if self.opened == most {
+                return Found::Limit;
+            }
+            self.opened += 1;
+            let state = self.state(at);
+            self.states[at as usize] = bytemuck::cast(State { stamp: self.stamp | 1, ..state });
+            let cost = state.cost;
+            graph.walk(node, &mut Opening { nodes: self, graph, space, at, cost });
+        }
+        Found::Nothing
+    }
+
+    /// Writes the first steps of a way, as many as there is room for, and returns how many it has.
+    pub fn path(&self, way: u32, out: &mut [Step]) -> usize {
+        let mut len = 0;
+        self.walk(way, |_| len += 1);
+        let mut at = len;
+        self.walk(way, |step| {
+            at -= 1;
+            if let Some(slot) = out.get_mut(at) {
+                *slot = step;
+            }
+        });
+        len
+    }
+
+    /// Calls `visit` with every step of a way, the last one first.
+    pub fn walk(&self, way: u32, mut visit: impl FnMut(Step)) {
+        let mut at = way;
+        while self.parents[at as usize] != NONE {
+            visit(self.step(at));
+            at = self.parents[at as usize];
+        }
+    }
+
+    /// Turns a way around, so that it can be followed from its beginning with [`Nodes::next`]; it is no way any more.
+    pub fn turn(&mut self, way: u32) -> u32 {
+        let (mut at, mut after) = (way, NONE);
+        while at != NONE {
+            after = std::mem::replace(&mut self.parents[at as usize], after);
+            std::mem::swap(&mut at, &mut after);
+        }
+        after
+    }
+
+    /// The step that follows on a way that was turned around, and where it leads to.
+    pub fn next(&self, at: u32) -> Option<(u32, Step)> {
+        let next = self.parents[at as usize];
+        (next != NONE).then(|| (next, self.step(next)))
+    }
+
+    /// Cost of a way (frames).
+    pub fn cost(&self, way: u32) -> f32 {
+        self.state(way).cost
+    }
+
+    fn begin(&mut self) {
+        self.stamp = self.stamp.wrapping_add(2);
+        if self.stamp == 0 {
+            self.states.fill([0; 4]);
+            self.stamp = 2;
+        }
+        self.opened = 0;
+        self.heap.clear();
+    }
+
+    /// What this search knows of a node.
+    fn state(&self, at: u32) -> State {
+        let state: State = bytemuck::cast(self.states[at as usize]);
+        if state.stamp & !1 == self.stamp { state } else { State::new(self.stamp) }
+    }
+
+    /// Notes the best way to a node so far, which is followed where it may cost less than `limit`.
+    fn reach(&mut self, at: u32, state: State, parent: u32, step: &Step, limit: f32) {
+        let i = at as usize;
+        self.states[i] = bytemuck::cast(state);
+        let key = state.cost + state.estimate;
+        if key >= limit {
+            return;
+        }
+        self.parents[i] = parent;
+        let offsets = u32::from(step.from_offset) << 16 | u32::from(step.to_offset);
+        self.steps[i] = [step.to.instance, step.to.cell, step.instance, step.link, offsets];
+        self.heap.push(at, key);
+    }
+
+    /// The step that led to a node.
+    fn step(&self, at: u32) -> Step {
+        let [to, cell, instance, link, offsets] = self.steps[at as usize];
+        let (from_offset, to_offset) = ((offsets >> 16) as u16, offsets as u16);
+        Step { to: Node { instance: to, cell }, instance, link, from_offset, to_offset }
+    }
+}
+
+/// A node that is opened.
+struct Opening<'a, S> {
+    nodes: &'a mut Nodes,
+    graph: &'a WorldGraph,
+    space: &'a mut S,
+    at: u32,
+    cost: f32,
+}
+
+impl<S: Space> Walk for Opening<'_, S> {
+    /// Where blocks overlap, many cells are joined to the same one: its links are followed for the first of them.
+    fn leaves(&mut self, from: Node) -> bool {
+        let at = self.graph.index(from) as u32;
+        let state = self.nodes.state(at);
+        let first = self.cost < state.left;
+        if first {
+            self.nodes.states[at as usize] = bytemuck::cast(State { left: self.cost, ..state });
+        }
+        first
+    }
+
+    fn follow(&mut self, step: Step) {
+        let (total, to) = (self.cost + self.space.cost(&step), self.graph.index(step.to) as u32);
+        let mut state = self.nodes.state(to);
+        if total >= state.cost || state.is_opened() && !self.space.opens_again() {
+            return;
+        }
+        if state.estimate.is_nan() {
+            if !self.space.admits(step.to.instance) {
+                return;
+            }
+            state.estimate = self.space.estimate(step.to);
+        }
+        state.cost = total;
+        self.nodes.reach(to, state, self.at, &step, self.space.limit());
+    }
+}

@@ -1,0 +1,348 @@
+//! The upper layer: what it costs at least to go on to the target from every way into a part of the world and out of one.
+
+#[cfg(test)]
+mod tests;
+
+use super::Target;
+use super::end::End;
+use super::heap::Heap;
+use super::next_entrances::{NextEntrance, NextEntrances};
+use crate::path_hierarchy::{Entrance, Landmarks, PathHierarchy, Spot, ToLandmarks};
+use crate::{Node, WorldGraph};
+use throng_core::patch::NONE;
+
+/// The search goes on to ways that cost this many times what the best one does, and so much more (frames).
+const BESIDE: f32 = 1.02;
+const BESIDE_FRAMES: f32 = 30.0;
+/// Costs that are compared at once.
+const WIDE: usize = 32;
+/// Stands for a cost that is not known.
+const UNKNOWN: i32 = i32::MAX;
+
+/// Memory of the upper layer, and what its last search found.
+#[derive(Clone, Debug)]
+pub(super) struct Upper {
+    /// Costs of the states (frames).
+    costs: Vec<f32>,
+    stamps: Vec<u32>,
+    /// Costs of those that regions are entered by, in whole frames at least; beside each other, to be compared soon.
+    known: Vec<i32>,
+    heap: Heap,
+    stamp: u32,
+    /// What it costs to landmarks from where the search is to come to.
+    from: ToLandmarks,
+    /// Ways on from a region that were opened: the first and the last, and the next of each.
+    chains: Vec<[u32; 2]>,
+    chain_stamps: Vec<u32>,
+    next: Vec<u32>,
+    next_stamps: Vec<u32>,
+    /// By instance.
+    next_entrances: Vec<NextEntrances>,
+    end: End,
+    /// No way that the search left out costs less (frames).
+    pub limit: f32,
+    /// States opened.
+    pub opened: usize,
+}
+
+impl Upper {
+    /// Memory for a world.
+    pub fn new(graph: &WorldGraph, hierarchy: &PathHierarchy) -> Self {
+        let num_states = hierarchy.entrances.len() + hierarchy.exits.len();
+        let num_regions = hierarchy.floors.num_regions();
+        Self {
+            from: Landmarks::none(),
+            costs: vec![0.0; num_states],
+            stamps: vec![0; num_states],
+            known: vec![UNKNOWN; hierarchy.region_costs.states.len()],
+            heap: Heap::new(num_states),
+            stamp: 0,
+            chains: vec![[NONE; 2]; num_regions],
+            chain_stamps: vec![0; num_regions],
+            next: vec![NONE; hierarchy.entrances.len()],
+            next_stamps: vec![0; hierarchy.entrances.len()],
+            next_entrances: vec![NextEntrances::default(); graph.num_instances()],
+            end: End::new(graph, hierarchy),
+            limit: 0.0,
+            opened: 0,
+        }
+    }
+
+    /// A* from the target backwards, until more ways on would hardly help whoever begins at `from`, nor be part of any way
+    /// that costs less than `most`.
+    ///
+    /// - returns false where no way leads from there to the target.
+    pub fn run(
+        &mut self,
+        graph: &WorldGraph,
+        hierarchy: &PathHierarchy,
+        target: Target,
+        from: Node,
+        most: f32,
+    ) -> bool {
+        self.begin();
+        self.meet_landmarks(hierarchy, from);
+        if !self.end.find(graph, hierarchy, target) {
+            return false;
+        }
+        let mut least = self.end.cost(hierarchy, from);
+        let limit = |least: f32| most.max(least * BESIDE + BESIDE_FRAMES);
+        self.limit = limit(least);
+        self.reach_from_end(hierarchy);
+        while let Some((key, state)) = self.heap.pop() {
+            self.limit = limit(least);
+            if key > self.limit {
+                return true;
+            }
+            let cost = self.costs[state as usize];
+            self.opened += 1;
+            match state.checked_sub(hierarchy.entrances.len() as u32) {
+                None => self.open_entrance(hierarchy, state, cost),
+                Some(out) => self.open_exit(hierarchy, out, cost),
+            }
+            least = least.min(self.cost_by(hierarchy, from, state, cost));
+        }
+        self.limit = f32::INFINITY;
+        least < f32::INFINITY
+    }
+
+    /// What it costs at least to go on from a node to the target; infinite where no way is known (frames).
+    pub fn estimate(&mut self, hierarchy: &PathHierarchy, node: Node) -> f32 {
+        let direct = self.end.cost(hierarchy, node);
+        if let Some((cluster, first)) = hierarchy.cluster(node.instance) {
+            return direct.min(self.through(hierarchy, cluster, first + node.cell)).max(0.0);
+        }
+        if self.next_entrances[node.instance as usize].stamp != self.stamp {
+            self.find_next_entrances(hierarchy, node.instance);
+        }
+        let plane = hierarchy.floors.region(node.instance).and_then(|r| hierarchy.plane(r));
+        plane.map_or(f32::INFINITY, |plane| self.next_entrances[node.instance as usize].cost(plane, node.cell, direct))
+    }
+
+    fn begin(&mut self) {
+        self.stamp = self.stamp.wrapping_add(1);
+        if self.stamp == 0 {
+            self.stamps.fill(0);
+            self.chain_stamps.fill(0);
+            self.next_stamps.fill(0);
+            self.next_entrances.fill(NextEntrances::default());
+            self.stamp = 1;
+        }
+        self.known.fill(UNKNOWN);
+        self.heap.clear();
+        self.opened = 0;
+    }
+
+    /// Finds out what it costs from a node to landmarks.
+    fn meet_landmarks(&mut self, hierarchy: &PathHierarchy, from: Node) {
+        self.from = Landmarks::none();
+        if let Some((cluster, first)) = hierarchy.cluster(from.instance) {
+            for (k, out) in (0..).zip(hierarchy.exits_of(cluster)) {
+                let cost = hierarchy.costs_in(cluster).to_exit(k, first + from.cell);
+                hierarchy.landmarks.meet(&mut self.from, hierarchy.entrances.len() as u32 + out, cost);
+            }
+            return;
+        }
+        let Some((region, plane)) = hierarchy.floors.region(from.instance).and_then(|r| Some((r, hierarchy.plane(r)?)))
+        else {
+            return;
+        };
+        for &entrance in &hierarchy.region_costs.leaving[region as usize] {
+            let Some((_, tile, goal)) = hierarchy.leads_from(entrance) else { continue };
+            let cost = plane.cost(plane.look(goal, hierarchy.floors.offset(from.instance, tile)), from.cell);
+            hierarchy.landmarks.meet(&mut self.from, entrance, cost);
+        }
+    }
+
+    fn reach_from_end(&mut self, hierarchy: &PathHierarchy) {
+        if let Some(cluster) = self.end.cluster {
+            for (k, entrance) in hierarchy.entrances_of(cluster).enumerate() {
+                self.reach(hierarchy, entrance, self.end.from_entrance[k]);
+            }
+        } else if let Some(region) = hierarchy.floors.region(self.end.instance) {
+            self.reach_end(hierarchy, region);
+        }
+    }
+
+    /// All that leads to the target's region.
+    fn reach_end(&mut self, hierarchy: &PathHierarchy, region: u32) {
+        let instance = self.end.instance;
+        let offset = |tile| hierarchy.floors.offset(tile, instance);
+        for &k in &hierarchy.region_exits[region as usize] {
+            let (out, state) = (&hierarchy.exits[k as usize], hierarchy.entrances.len() as u32 + k);
+            let Some(offset) = out.tile.map(offset) else { continue };
+            let spots = hierarchy.costs_in(out.cluster).spots(k - hierarchy.exits_of(out.cluster).start);
+            let costs = spots.map(|([u, v], cell, part)| {
+                part + self.end.cost_at(hierarchy, region, [offset[0] - u, offset[1] - v], cell)
+            });
+            let cost = costs.fold(f32::INFINITY, f32::min);
+            self.reach(hierarchy, state, cost);
+        }
+        for &portal in &hierarchy.region_portals[region as usize] {
+            let (Entrance::Portal { tile, goal, .. }, Some(plane)) =
+                (hierarchy.entrances[portal as usize], hierarchy.plane(region))
+            else {
+                continue;
+            };
+            let offset = hierarchy.floors.offset(tile, self.end.instance);
+            let cost = |&(cell, part): &Spot| f32::from(part) + self.end.cost_at(hierarchy, region, offset, cell);
+            let costs = plane.cells(goal).iter().map(cost);
+            let cost = costs.fold(f32::INFINITY, f32::min);
+            self.reach(hierarchy, portal, cost);
+        }
+    }
+
+    /// All that leads to a region, from which one goes on by an entrance.
+    fn reach_region(&mut self, hierarchy: &PathHierarchy, region: u32, entrance: u32, cost: f32) {
+        let (region_costs, whole) = (&hierarchy.region_costs, cost as i32);
+        let list = region_costs.list(region);
+        let Some(row) = region_costs.row(entrance, region) else {
+            for place in list {
+                self.reach_along(
+                    hierarchy,
+                    region_costs.states[place],
+                    cost,
+                    region_costs.cost(hierarchy, entrance, place),
+                );
+            }
+            return;
+        };
+        for (first, row) in list.step_by(WIDE).zip(row.chunks(WIDE)) {
+            let known = &self.known[first..first + row.len()];
+            // Hardly any cost less: so all of them are asked at once.
+            if row.iter().zip(known).fold(false, |any, (r, k)| any | (whole + i32::from(*r) < *k)) {
+                for (place, &frames) in (first..).zip(row) {
+                    self.reach_along(hierarchy, region_costs.states[place], cost, frames);
+                }
+            }
+        }
+    }
+
+    fn reach_along(&mut self, hierarchy: &PathHierarchy, state: u32, cost: f32, frames: u16) {
+        if frames != u16::MAX {
+            self.reach(hierarchy, state, cost + f32::from(frames));
+        }
+    }
+
+    /// True where a state is known to cost no more.
+    fn is_known(&self, state: u32, cost: f32) -> bool {
+        self.stamps[state as usize] == self.stamp && self.costs[state as usize] <= cost
+    }
+
+    fn reach(&mut self, hierarchy: &PathHierarchy, state: u32, cost: f32) {
+        if cost == f32::INFINITY || self.is_known(state, cost) {
+            return;
+        }
+        let s = state as usize;
+        self.stamps[s] = self.stamp;
+        self.costs[s] = cost;
+        if let Some(place) = hierarchy.region_costs.place(state) {
+            self.known[place] = cost.ceil() as i32;
+        }
+        let left = hierarchy.landmarks.least(&self.from, state);
+        self.heap.push(state, cost + left);
+    }
+
+    fn open_entrance(&mut self, hierarchy: &PathHierarchy, state: u32, cost: f32) {
+        let entrance = hierarchy.entrances[state as usize];
+        if let Entrance::Cluster { from, to } = entrance {
+            for out in hierarchy.exits_of(from).filter(|&o| hierarchy.exits[o as usize].to == Some(to)) {
+                self.reach(hierarchy, hierarchy.entrances.len() as u32 + out, cost);
+            }
+            return;
+        }
+        let Some((region, ..)) = hierarchy.leads_from(state) else { return };
+        if self.next_stamps[state as usize] != self.stamp {
+            if self.is_dominated(hierarchy, state, cost) {
+                return;
+            }
+            self.chain(region, state);
+        }
+        self.reach_region(hierarchy, region, state, cost);
+    }
+
+    /// True where another way on from a region costs no more from any of the cells that one begins at: who comes to them
+    /// might take that one as well.
+    fn is_dominated(&self, hierarchy: &PathHierarchy, state: u32, cost: f32) -> bool {
+        let is_less = |&(other, most): &(u32, u16)| {
+            let o = other as usize;
+            self.next_stamps[o] == self.stamp && self.costs[o] + f32::from(most) <= cost
+        };
+        hierarchy.region_costs.others(state).iter().any(is_less)
+    }
+
+    /// Adds a way on to those from a region.
+    fn chain(&mut self, region: u32, state: u32) {
+        let r = region as usize;
+        (self.next[state as usize], self.next_stamps[state as usize]) = (NONE, self.stamp);
+        if self.chain_stamps[r] == self.stamp {
+            self.next[self.chains[r][1] as usize] = state;
+            self.chains[r][1] = state;
+        } else {
+            (self.chain_stamps[r], self.chains[r]) = (self.stamp, [state; 2]);
+        }
+    }
+
+    /// The first way on from a region.
+    fn first_of(&self, region: u32) -> u32 {
+        if self.chain_stamps[region as usize] == self.stamp { self.chains[region as usize][0] } else { NONE }
+    }
+
+    fn open_exit(&mut self, hierarchy: &PathHierarchy, out: u32, cost: f32) {
+        let cluster = hierarchy.exits[out as usize].cluster;
+        let number = out - hierarchy.exits_of(cluster).start;
+        let costs_in = hierarchy.costs_in(cluster);
+        for (k, entrance) in hierarchy.entrances_of(cluster).enumerate() {
+            self.reach(hierarchy, entrance, cost + costs_in.across(k as u32, number));
+        }
+    }
+
+    /// What it costs to go on from a node by one of the entrances or out.
+    fn cost_by(&self, hierarchy: &PathHierarchy, node: Node, state: u32, cost: f32) -> f32 {
+        let Some(out) = state.checked_sub(hierarchy.entrances.len() as u32) else {
+            let Some((region, tile, goal)) = hierarchy.leads_from(state) else { return f32::INFINITY };
+            let Some(plane) =
+                hierarchy.plane(region).filter(|_| hierarchy.floors.region(node.instance) == Some(region))
+            else {
+                return f32::INFINITY;
+            };
+            return cost + plane.cost(plane.look(goal, hierarchy.floors.offset(node.instance, tile)), node.cell);
+        };
+        let cluster = hierarchy.exits[out as usize].cluster;
+        let number = out - hierarchy.exits_of(cluster).start;
+        match hierarchy.cluster(node.instance) {
+            Some((d, first)) if d == cluster => cost + hierarchy.costs_in(d).to_exit(number, first + node.cell),
+            _ => f32::INFINITY,
+        }
+    }
+
+    /// What it costs from a cell of a cluster by the exits of it.
+    fn through(&self, hierarchy: &PathHierarchy, cluster: u32, cell: u32) -> f32 {
+        let (costs_in, first) =
+            (hierarchy.costs_in(cluster), hierarchy.entrances.len() + hierarchy.exits_of(cluster).start as usize);
+        let mut least = f32::INFINITY;
+        for k in 0..hierarchy.exits_of(cluster).len() {
+            if self.stamps[first + k] == self.stamp {
+                least = least.min(self.costs[first + k] + costs_in.to_exit(k as u32, cell));
+            }
+        }
+        least
+    }
+
+    /// The best ways on from a tile.
+    fn find_next_entrances(&mut self, hierarchy: &PathHierarchy, tile: u32) {
+        let mut found = NextEntrances::new(self.stamp);
+        let Some((region, plane)) = hierarchy.floors.region(tile).and_then(|r| Some((r, hierarchy.plane(r)?))) else {
+            return;
+        };
+        let mut state = self.first_of(region);
+        while state != NONE {
+            if let Some((_, to, goal)) = hierarchy.entrances[state as usize].tile() {
+                let look = plane.look(goal, hierarchy.floors.offset(tile, to));
+                found.add(plane, NextEntrance { look, cost: self.costs[state as usize] });
+            }
+            state = self.next[state as usize];
+        }
+        self.next_entrances[tile as usize] = found;
+    }
+}

@@ -1,0 +1,58 @@
+//! The lists of JSON keys in `--help`, derived from the structs that are printed.
+
+use schemars::JsonSchema;
+use schemars::generate::SchemaSettings;
+use serde_json::{Map, Value};
+
+/// Every key of a printed struct, one a line, with what it means; entries of lists and objects are indented.
+///
+/// `name[]` is a list, `name{}` an object from names to values; `(optional)` keys are left out where they do not apply.
+pub fn of<T: JsonSchema>() -> String {
+    section::<T>("JSON keys")
+}
+
+/// As [`of`], below another heading.
+pub fn section<T: JsonSchema>(heading: &str) -> String {
+    let schema = SchemaSettings::draft2020_12().for_serialize().into_generator().into_root_schema_for::<T>();
+    let root = schema.to_value();
+    let mut lines = format!("{heading}:\n");
+    write(&mut lines, &root, &root, 1);
+    lines
+}
+
+/// Writes the keys of an object, and below each of them those of what it holds.
+fn write(out: &mut String, root: &Value, object: &Value, depth: usize) {
+    let Some(properties) = object["properties"].as_object() else { return };
+    let required: Vec<&str> = object["required"].as_array().into_iter().flatten().filter_map(Value::as_str).collect();
+    for (name, value) in properties {
+        let held = resolve(root, value);
+        let (mark, inner) = match held {
+            v if v["additionalProperties"].is_object() => ("{}", resolve(root, &v["additionalProperties"])),
+            v if v["items"].is_object() => ("[]", resolve(root, &v["items"])),
+            v => ("", v),
+        };
+        let optional = if required.contains(&name.as_str()) { "" } else { " (optional)" };
+        let text = description(value).or_else(|| description(held)).unwrap_or_default();
+        *out += &format!("{:1$}{name}{mark}{optional}: {text}\n", "", 2 * depth);
+        write(out, root, inner, depth + 1);
+    }
+}
+
+/// What a reference or an optional value stands for.
+fn resolve<'a>(root: &'a Value, value: &'a Value) -> &'a Value {
+    if let Some(name) = value["$ref"].as_str().and_then(|r| r.strip_prefix("#/$defs/")) {
+        return resolve(root, &root["$defs"][name]);
+    }
+    let some = |v: &&Value| v["type"] != "null";
+    match value["anyOf"].as_array().and_then(|all| all.iter().find(some)) {
+        Some(one) => resolve(root, one),
+        None => value,
+    }
+}
+
+/// The first paragraph of a doc comment, on one line.
+fn description(value: &Value) -> Option<String> {
+    let object: &Map<String, Value> = value.as_object()?;
+    let text = object.get("description")?.as_str()?;
+    Some(text.split("\n\n").next()?.split_whitespace().collect::<Vec<_>>().join(" "))
+}

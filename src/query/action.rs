@@ -1,0 +1,113 @@
+//! The action that a policy chooses.
+
+use super::parse_point;
+use crate::args::{Outcome, fail};
+use crate::{keys, output};
+use glam::Vec3;
+use schemars::JsonSchema;
+use serde::Serialize;
+use std::path::PathBuf;
+use throng_runtime::policy::{BestActionJob, MAX_ACTIONS};
+
+/// Ask a policy of a bundle for the action of a state and a target.
+#[derive(clap::Args)]
+#[command(after_long_help = keys::of::<Report>())]
+pub struct Args {
+    /// Bundle.
+    #[arg(value_name = "BUNDLE")]
+    file: PathBuf,
+    /// Name of the behaviour.
+    #[arg(long, default_value = "approach", value_name = "NAME")]
+    behaviour: String,
+    /// State of the motion graph.
+    #[arg(long)]
+    state: u32,
+    /// Target in the frame of the character, in metres: X to its left, Z ahead.
+    #[arg(long, value_name = "X,Z", allow_hyphen_values = true, value_parser = parse_point)]
+    target: [f32; 2],
+    /// Print one JSON object.
+    #[arg(long)]
+    json: bool,
+}
+
+#[derive(Serialize, JsonSchema)]
+struct Ranked {
+    /// Index within the state's actions.
+    action: usize,
+    /// Its score.
+    score: f32,
+}
+
+#[derive(Serialize, JsonSchema)]
+struct Report {
+    /// Name of the behaviour.
+    behaviour: String,
+    /// State that was asked about.
+    state: u32,
+    /// Target in the frame of the character: X to its left, Z ahead (m).
+    target_m: [f32; 2],
+    /// Best action, as an index within the actions of the state.
+    action: usize,
+    /// Value of the state for this target.
+    value: f32,
+    /// Score of the action: its reward, and the discounted value of where it leads.
+    score: f32,
+    /// Segment that the action plays.
+    segment: u32,
+    /// Frames of the segment.
+    frames: u32,
+    /// Stored best action of the nearest cell.
+    single_load_action: u8,
+    /// The best few actions, best first.
+    best: Vec<Ranked>,
+}
+
+pub fn run(args: &Args) -> Outcome {
+    let state = args.state;
+    let tables = crate::args::open(&args.file)?;
+    let policy = match tables.policy(&args.behaviour) {
+        Ok(policy) => policy,
+        Err(e) => return fail(format!("{}: {e}", args.file.display())),
+    };
+    let num_states = tables.graph().states.len();
+    if state as usize >= num_states {
+        return fail(format!(
+            "{}: no state {}; states count from 0 to {}",
+            args.file.display(),
+            state,
+            num_states.saturating_sub(1)
+        ));
+    }
+    let target = Vec3::new(args.target[0], 0.0, args.target[1]);
+    let mut scores = [0.0; MAX_ACTIONS];
+    let n = policy.action_scores(state, target, &mut scores)?;
+    let mut single_load = [0u8];
+    let (states, targets) = ([state], [target]);
+    BestActionJob { policy: &policy, states: &states, targets: &targets, choice: 0, actions: &mut single_load }
+        .run()?;
+    let mut order: Vec<usize> = (0..n).collect();
+    order.sort_by(|&a, &b| scores[b].total_cmp(&scores[a]).then(a.cmp(&b)));
+    let segment = tables.graph().segments_of(state)[order[0]];
+    let report = Report {
+        behaviour: args.behaviour.clone(),
+        state,
+        target_m: args.target,
+        action: order[0],
+        value: policy.value(state, target),
+        score: scores[order[0]],
+        segment,
+        frames: tables.graph().segments[segment as usize].num_frames,
+        single_load_action: single_load[0],
+        best: order.iter().take(4).map(|&a| Ranked { action: a, score: scores[a] }).collect(),
+    };
+    if args.json {
+        return output::json(&report);
+    }
+    let best: Vec<_> = report.best.iter().map(|r| format!("{} ({:.4})", r.action, r.score)).collect();
+    output::table(&[
+        ("action", format!("{} of {n}: segment {segment}, {} frames", report.action, report.frames)),
+        ("value", format!("{:.4}", report.value)),
+        ("best", best.join(", ")),
+        ("single load", format!("{}", report.single_load_action)),
+    ])
+}

@@ -1,0 +1,119 @@
+//! A path through a world.
+
+use super::parse_point;
+use crate::args::{CacheArgs, Outcome, fail};
+use crate::{keys, output, stitch};
+use schemars::JsonSchema;
+use serde::Serialize;
+use std::path::PathBuf;
+use std::time::Instant;
+use throng_precompute::stitch::WorldSource;
+use throng_runtime::world::plan::{Planner, Target};
+use throng_runtime::world::{Node, Step, WorldGraph};
+
+/// Steps of a path that are kept: half an hour of walking.
+const MAX_STEPS: usize = 4096;
+
+/// Plan a path through a world, between the places nearest to two points.
+#[derive(clap::Args)]
+#[command(after_long_help = keys::of::<Report<'static>>())]
+pub struct Args {
+    /// World file (`.toml`), which is stitched where that has not been done.
+    #[arg(value_name = "WORLD")]
+    file: PathBuf,
+    /// Where the path begins, in metres.
+    #[arg(long, value_name = "X,Z", allow_hyphen_values = true, value_parser = parse_point)]
+    from: [f32; 2],
+    /// Where the path ends, in metres.
+    #[arg(long, value_name = "X,Z", allow_hyphen_values = true, value_parser = parse_point)]
+    to: [f32; 2],
+    #[command(flatten)]
+    cache: CacheArgs,
+    /// Print one JSON object.
+    #[arg(long)]
+    json: bool,
+}
+
+/// What is printed.
+#[derive(Serialize, JsonSchema)]
+struct Report<'a> {
+    /// Name of the world.
+    world: &'a str,
+    /// Nearest place to the start where a character can stay (m).
+    from_m: [f32; 3],
+    /// Nearest place to the end where a character can stay (m).
+    to_m: [f32; 3],
+    /// Length of the path (m).
+    length_m: f32,
+    /// Time that the path takes (s).
+    duration_s: f64,
+    /// Steps of the path.
+    transitions: usize,
+    /// States of instances that the upper layer opened.
+    opened_instances: usize,
+    /// Nodes that the lower layer opened.
+    opened_nodes: usize,
+    /// Wall time of planning (s).
+    seconds: f64,
+    /// Places along the path: x, y, z (m).
+    path_m: Vec<[f32; 3]>,
+}
+
+/// Plans from the place nearest to one point to that nearest to another.
+pub fn run(args: &Args) -> Outcome {
+    let source = WorldSource::load(&args.file)?;
+    let tables = stitch::bundle(&source, &args.cache)?;
+    let world = stitch::open(&source, &args.file, &tables)?;
+    let graph = world.graph();
+    let (Some(start), Some(end)) = (nearest(graph, args.from), nearest(graph, args.to)) else {
+        return fail(format!("{}: there is no place in this world where a character can stay", args.file.display()));
+    };
+    let mut planner = Planner::new(graph);
+    let mut steps = vec![Step::NONE; MAX_STEPS];
+    let begin = Instant::now();
+    let Some(plan) = planner.plan(graph, start, Target::Node(end), &mut steps) else {
+        return fail(format!("{}: no way leads from {:?} to {:?}", args.file.display(), args.from, args.to));
+    };
+    let seconds = begin.elapsed().as_secs_f64();
+    let at = |node: Node| graph.place(node).translation().to_array();
+    let report = Report {
+        world: &source.name,
+        from_m: at(start),
+        to_m: at(end),
+        length_m: plan.length_m,
+        duration_s: f64::from(plan.num_frames) / tables.meta().rate_hz,
+        transitions: plan.num_steps,
+        opened_instances: plan.opened_instances,
+        opened_nodes: plan.opened_nodes,
+        seconds,
+        path_m: steps[..plan.num_stored].iter().map(|s| at(s.to)).collect(),
+    };
+    if args.json { output::json(&report) } else { print(&report) }
+}
+
+/// The place where one can stay that is nearest to a point of the ground plane.
+fn nearest(graph: &WorldGraph, [x, z]: [f32; 2]) -> Option<Node> {
+    let away = |n: &Node| {
+        let p = graph.place(*n);
+        (p.x - x).hypot(p.z - z)
+    };
+    let all = (0..graph.num_instances() as u32).flat_map(|i| graph.rest_cells(i));
+    all.min_by(|a, b| away(a).total_cmp(&away(b)))
+}
+
+fn print(r: &Report<'_>) -> Outcome {
+    let place = |p: [f32; 3]| format!("{:.1}, {:.1}, {:.1}", p[0], p[1], p[2]);
+    output::table(&[
+        ("path", format!("from ({}) to ({}) in {}", place(r.from_m), place(r.to_m), r.world)),
+        ("length", format!("{:.1} m, {:.1} s, {} transitions", r.length_m, r.duration_s, r.transitions)),
+        (
+            "planning",
+            format!(
+                "{:.2} ms; {} states of instances and {} nodes opened",
+                1e3 * r.seconds,
+                r.opened_instances,
+                r.opened_nodes
+            ),
+        ),
+    ])
+}

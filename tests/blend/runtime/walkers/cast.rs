@@ -1,0 +1,113 @@
+//! Entering, leaving, orders that stay, events.
+
+use super::*;
+use throng_runtime::blend::walkers::WalkerEvent;
+
+#[test]
+fn those_who_stay_do_not_notice_who_enters_and_leaves() {
+    let made_up = MadeUp::locomotion();
+    let mut alone = Outing::new(&made_up, WalkersConfig::default(), 5);
+    let mut walkers =
+        Walkers::with_capacity(made_up.space(), &bodies(), WalkersConfig::default(), 20).expect("walkers");
+    // Others before, between and behind them, who leave one after the other.
+    let mut others = Vec::new();
+    let mut ids = Vec::new();
+    for c in 0..20 {
+        let id = walkers.spawn(start(c / 4)).expect("room");
+        if c % 4 == 1 { ids.push(id) } else { others.push(id) }
+    }
+    for _ in 0..100 {
+        alone.step(wandering);
+        if let Some(id) = others.pop() {
+            walkers.order(id, Control::walk(Vec2::Y)).expect("an order");
+            walkers.despawn(id).expect("somebody");
+            assert!(matches!(walkers.order(id, Control::default()), Err(Error::Gone(gone)) if gone == id));
+        }
+        for (c, id) in ids.iter().enumerate() {
+            let (velocity, heading) = wandering(c, alone.time_s);
+            let control = Control { position: Some(alone.positions[c]), velocity, heading, ..Control::default() };
+            walkers.order(*id, control).expect("an order");
+        }
+        walkers.step(DT_S, &Inline).expect("a step");
+        for (c, id) in ids.iter().enumerate() {
+            let body = walkers.bodies().get(*id).expect("somebody");
+            assert_eq!((body.root, body.model), (alone.walkers.root(c), alone.walkers.pose(c)), "{c}");
+        }
+    }
+    assert_eq!((walkers.len(), walkers.bodies().model.len()), (5, 5));
+}
+
+#[test]
+fn walkers_beyond_the_capacity_are_refused() {
+    let mut outing = Outing::new(&MadeUp::locomotion(), WalkersConfig::default(), 3);
+    assert!(matches!(outing.walkers.spawn(start(3)), Err(Error::Full { capacity: 3 })));
+    outing.walkers.despawn(outing.ids[0]).expect("somebody");
+    let next = outing.walkers.spawn(start(3)).expect("room");
+    assert_ne!(next, outing.ids[0]);
+    assert!(outing.walkers.status(outing.ids[0]).is_err());
+}
+
+#[test]
+fn orders_stay_until_the_next_one() {
+    let mut outing = Outing::new(&MadeUp::locomotion(), WalkersConfig::default(), 2);
+    let [a, b] = [outing.ids[0], outing.ids[1]];
+    assert_eq!(outing.walkers.status(a).expect("somebody"), Status::Idle);
+    outing.walkers.order(a, Control::walk(Vec2::new(0.0, 1.5))).expect("an order");
+    let arc = Control { turning_rate: Some(0.5), ..Control::walk(Vec2::new(0.0, 1.0)) };
+    outing.walkers.order(b, arc).expect("an order");
+    for _ in 0..120 {
+        outing.walkers.step(DT_S, &Inline).expect("a step");
+    }
+    assert_eq!(outing.walkers.status(a).expect("somebody"), Status::There);
+    let (straight, turned) = (outing.walkers.root(0), outing.walkers.root(1));
+    assert!(straight.x.abs() < 1e-3 && (straight.z - 3.0).abs() < 1e-3, "{straight:?}");
+    // A radius of 2 m, and 1 rad of it.
+    let end = Vec2::new(4.0 + 2.0 * (1.0 - 1f32.cos()), 2.0 * 1f32.sin());
+    assert!(Vec2::new(turned.x, turned.z).distance(end) < 0.02, "{turned:?}, expected {end}");
+    outing.walkers.order(a, Control::default()).expect("an order");
+    outing.walkers.step(DT_S, &Inline).expect("a step");
+    assert_eq!(outing.walkers.root(0).z, straight.z);
+}
+
+#[test]
+fn placed_walkers_stand_there_at_once_and_go_on_from_there() {
+    let mut outing = Outing::new(&MadeUp::locomotion(), WalkersConfig::default(), 10);
+    (0..100).for_each(|_| outing.step(wandering));
+    let neighbour = *outing.walkers.pose(6);
+    let there = Planar::new(50.0, -20.0, 1.0);
+    outing.walkers.place(outing.ids[7], there).expect("somebody");
+    assert_eq!(outing.walkers.bodies().get(outing.ids[7]).expect("somebody").root, there);
+    assert_eq!(*outing.walkers.pose(6), neighbour, "others are posed anew");
+    let feet = |o: &Outing| [Joint::LeftFoot, Joint::RightFoot].map(|j| o.walkers.joint_positions(7)[j.index()]);
+    outing.walkers.order(outing.ids[7], Control::default()).expect("an order");
+    for _ in 0..10 {
+        outing.walkers.step(DT_S, &Inline).expect("a step");
+        for foot in feet(&outing) {
+            assert!(Vec2::new(foot.x - there.x, foot.z - there.z).length() < 1.2, "{foot}");
+        }
+    }
+}
+
+#[test]
+fn each_foot_comes_down_once_a_cycle() {
+    let mut outing = Outing::new(&MadeUp::locomotion(), WalkersConfig::default(), 5);
+    let straight: Course = |_, _| (Vec2::new(0.0, 1.2), None);
+    outing.step(straight);
+    assert!(outing.walkers.events().is_empty(), "a first pose is no step");
+    let (mut downs, mut cycles) = ([[0usize; 2]; 5], [0.0f32; 5]);
+    for i in 0..900 {
+        let before: Vec<f32> = (0..5).map(|c| outing.walkers.phase(c)).collect();
+        outing.step(straight);
+        for c in (0..5).filter(|_| i >= 100) {
+            cycles[c] += (outing.walkers.phase(c) - before[c]).rem_euclid(1.0);
+        }
+        for (id, event) in outing.walkers.events().iter().filter(|_| i >= 100) {
+            downs[id.index()][usize::from(*event == WalkerEvent::RightFootDown)] += 1;
+        }
+    }
+    for (c, (downs, cycles)) in downs.iter().zip(cycles).enumerate() {
+        for n in downs {
+            assert!(cycles > 5.0 && (*n as f32 - cycles).abs() < 2.0, "{c}: {n} steps in {cycles} cycles");
+        }
+    }
+}

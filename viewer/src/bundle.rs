@@ -1,0 +1,144 @@
+//! An open bundle with the views that a run needs.
+
+use std::fmt;
+use std::path::{Path, PathBuf};
+use throng_precompute::cache::Cache;
+use throng_precompute::config::BuildConfig;
+use throng_precompute::pipeline;
+use throng_precompute::progress::Progress;
+use throng_runtime::blend::BlendSpace;
+use throng_runtime::characters::MotionSet;
+use throng_runtime::format::{AlignedBytes, BlendMeta, ClipMeta, ClipRecord};
+use throng_runtime::{Bundle, Error, Planar};
+
+/// Outputs of the stages of a build are kept here, as `throng` does.
+pub const CACHE_FOLDER: &str = ".throng-cache";
+
+/// An open bundle.
+pub struct OpenBundle {
+    path: PathBuf,
+    tables: Bundle,
+    motion_set: MotionSet,
+    blends: Vec<BlendSpace>,
+}
+
+impl fmt::Debug for OpenBundle {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Bundle").field("path", &self.path).finish_non_exhaustive()
+    }
+}
+
+impl OpenBundle {
+    /// Reads and checks a bundle.
+    ///
+    /// It is read, not mapped: whatever is written over the file while it is shown cannot reach what is shown.
+    ///
+    /// # Errors
+    /// A message that names the file, what is wrong with it and the way out.
+    pub fn open(path: &Path) -> Result<Self, String> {
+        let fail = |e: &dyn fmt::Display| format!("{}: {e}", path.display());
+        let bytes = std::fs::read(path).map_err(|e| fail(&format!("{e}. Check the path and its permissions")))?;
+        let tables = Bundle::from_bytes(AlignedBytes::from_slice(&bytes)).map_err(|e| fail(&e))?;
+        let blends = (0..tables.blends().spaces.len()).map(|space| BlendSpace::new(tables.blends(), space));
+        let blends = blends.collect::<Result<_, _>>().map_err(|e| fail(&e))?;
+        Ok(Self { path: path.to_path_buf(), motion_set: MotionSet::new(&tables), blends, tables })
+    }
+
+    /// Reads the bundle of a scene or a world; one that is missing is built first, as `throng run` does.
+    ///
+    /// - `file`: the scene or the world, for messages.
+    /// - `config`: what the bundle is built from.
+    ///
+    /// # Errors
+    /// A message that names both files, what is wrong and the way out.
+    pub fn open_or_build(
+        file: &Path,
+        bundle: &Path,
+        config: Option<&Path>,
+        progress: &dyn Progress,
+    ) -> Result<Self, String> {
+        if !bundle.exists() {
+            let (file, missing) = (file.display(), bundle.display());
+            let config = config.ok_or_else(|| {
+                format!("{file}: its bundle {missing} is missing; run `throng build`, or correct the key `bundle`")
+            })?;
+            let built = BuildConfig::load(config)
+                .and_then(|c| pipeline::build(&c, bundle, &Cache::in_folder(CACHE_FOLDER), progress));
+            built.map_err(|e| {
+                format!(
+                    "{file}: its bundle {missing} is missing, and building it from {} failed: {e}",
+                    config.display()
+                )
+            })?;
+        }
+        Self::open(bundle).map_err(|e| format!("{}: its bundle: {e}", file.display()))
+    }
+
+    /// The file.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// The tables.
+    pub fn tables(&self) -> &Bundle {
+        &self.tables
+    }
+
+    /// What a step reads of them.
+    pub fn motion_set(&self) -> &MotionSet {
+        &self.motion_set
+    }
+
+    /// The blend spaces.
+    pub fn blends(&self) -> &[BlendSpace] {
+        &self.blends
+    }
+
+    /// A blend space.
+    ///
+    /// # Errors
+    /// [`Error::Index`] for one that does not exist.
+    pub fn blend(&self, number: usize) -> Result<&BlendSpace, Error> {
+        let limit = self.blends().len();
+        self.blends().get(number).ok_or(Error::Index { what: "blend space", who: None, got: number, limit })
+    }
+
+    /// Names of a blend space, its axes and its examples (number < number of spaces).
+    pub fn blend_meta(&self, number: usize) -> &BlendMeta {
+        &self.tables().meta().blends[number]
+    }
+
+    /// Frames a second of the database (Hz).
+    pub fn rate_hz(&self) -> f32 {
+        self.tables().meta().rate_hz as f32
+    }
+
+    /// Records and descriptions of the clips.
+    pub fn clips(&self) -> impl ExactSizeIterator<Item = (&ClipRecord, &ClipMeta)> {
+        self.tables().clips().iter().zip(&self.tables().meta().clips)
+    }
+
+    /// Number of the clip that a frame row lies in (row < number of frames).
+    pub fn clip_of(&self, row: u32) -> usize {
+        self.tables().clips().partition_point(|c| c.first_frame <= row).saturating_sub(1)
+    }
+
+    /// Name of a clip; empty where there is no such clip.
+    pub fn clip_name(&self, clip: usize) -> &str {
+        self.tables().meta().clips.get(clip).map_or("", |c| &c.name)
+    }
+
+    /// Planar root of a frame row within its clip (row < number of frames).
+    pub fn planar(&self, row: u32) -> Planar {
+        let [x, z, heading] = self.tables().frames()[row as usize].planar;
+        Planar::new(x, z, heading)
+    }
+
+    /// What a segment plays, for people: clip and frames within it (segment < number of segments).
+    pub fn describe_segment(&self, segment: u32) -> String {
+        let s = &self.tables().graph().segments[segment as usize];
+        let first = self.tables().clips()[s.clip as usize].first_frame;
+        let from = s.start - first;
+        format!("{} {}–{}", self.clip_name(s.clip as usize), from, from + s.num_frames)
+    }
+}

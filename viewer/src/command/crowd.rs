@@ -1,0 +1,69 @@
+//! What is drawn of a scene of a crowd, and what panels may ask of it.
+
+use crate::document::CrowdChoice;
+use crate::run::agents::What;
+use std::path::PathBuf;
+
+/// For which agents something is drawn.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Whose {
+    /// For none.
+    Nobody,
+    /// That of the selected agent.
+    #[default]
+    Selected,
+    /// For all.
+    All,
+}
+
+impl Whose {
+    /// All of them, with what they are called.
+    pub const ALL: [(Self, &'static str); 3] =
+        [(Self::Nobody, "none"), (Self::Selected, "selected"), (Self::All, "all")];
+}
+
+/// What is drawn of a scene of a crowd.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct CrowdLook {
+    /// Time-varying bounds.
+    pub bounds: Whose,
+    /// Ways to goals.
+    pub paths: Whose,
+    /// Cell, region and neighbour cells of the selected agent.
+    pub cells: bool,
+    /// Forces of the selected agent.
+    pub forces: bool,
+    /// Marks where something happened.
+    pub marks: bool,
+    /// Bodies, where the scene has some.
+    pub bodies: bool,
+    /// Kinds of events that are listed and marked.
+    pub kinds: [bool; What::COUNT],
+}
+
+impl Default for CrowdLook {
+    fn default() -> Self {
+        Self {
+            bounds: Whose::default(),
+            paths: Whose::default(),
+            cells: true,
+            forces: true,
+            marks: true,
+            bodies: true,
+            kinds: [true; What::COUNT],
+        }
+    }
+}
+
+/// A request of a panel about a scene of a crowd.
+#[derive(Clone, Debug, PartialEq)]
+pub enum CrowdCommand {
+    /// Draw more or less.
+    Look(CrowdLook),
+    /// Restart.
+    Begin(CrowdChoice),
+    /// Write the state.
+    Save(PathBuf),
+    /// Go on from a state that was written.
+    Restore(PathBuf),
+}

@@ -1,0 +1,87 @@
+//! What is selected in a world, what the mouse does there, and what panels may ask of it.
+
+use crate::document::world::Change;
+use std::path::PathBuf;
+use throng_runtime::patch::Placement;
+use throng_runtime::world::inhabitants::Wish;
+
+/// What a click does in a world.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Tool {
+    /// It selects a character, or a unit.
+    #[default]
+    Look,
+    /// It sends the selected character there.
+    Send,
+    /// Units are dragged over the ground.
+    Move,
+    /// It places a unit of the bundle.
+    Create(usize),
+}
+
+/// A unit that is about to be placed or moved.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Draft {
+    /// Its number in the bundle's set.
+    pub unit: usize,
+    /// Where it would stand.
+    pub at: Placement,
+}
+
+/// What is selected in a world.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct WorldLook {
+    /// What a click does.
+    pub tool: Tool,
+    /// Placed unit that is selected.
+    pub place: Option<usize>,
+    /// Instance that is selected; none follows the unit, or else the selected character.
+    pub instance: Option<u32>,
+    /// Link of the instance that is selected.
+    pub link: Option<u32>,
+    /// A unit that is about to be placed or moved.
+    pub draft: Option<Draft>,
+    /// Links of the instance are not drawn.
+    pub hides_links: bool,
+}
+
+/// A request of a panel about a world.
+#[derive(Clone, Debug, PartialEq)]
+pub enum WorldCommand {
+    /// Let a click do something else.
+    Tool(Tool),
+    /// Select a placed unit, or none.
+    SelectPlace(Option<usize>),
+    /// Select an instance; none follows the unit or the character.
+    SelectInstance(Option<u32>),
+    /// Select a link of the instance, or none.
+    SelectLink(Option<u32>),
+    /// Draw the links of the instance, or hide them.
+    ShowLinks(bool),
+    /// Show a unit where it would stand.
+    Draft(Option<Draft>),
+    /// Change what stands where.
+    Edit(Change),
+    /// Undo the last change.
+    Undo,
+    /// Redo the last undone change.
+    Redo,
+    /// Forget that an edit was refused.
+    ForgetRefused,
+    /// Give a character an order; none lets it decide for itself.
+    Tell {
+        /// Which character.
+        character: usize,
+        /// What it is to do.
+        wish: Option<Wish>,
+    },
+    /// Restart with that many characters, as far as there is room.
+    Populate {
+        /// How many.
+        characters: usize,
+        /// Seed of places and choices.
+        seed: u64,
+    },
+    /// Write the world as it is.
+    Save(PathBuf),
+}

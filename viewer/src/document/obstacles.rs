@@ -1,0 +1,118 @@
+//! Meshes of what stands in a crowd's way.
+
+use crate::render::SolidMesh;
+use crate::run::agents::Cast;
+use glam::{Quat, Vec2, Vec3};
+use std::f32::consts::TAU;
+use std::sync::Arc;
+use throng_precompute::scene::crowd::SeenObstacle;
+
+/// Height of what stands on the ground, which has none of its own (m).
+const HEIGHT_M: f32 = 0.35;
+/// Half the thickness of walls without any (m).
+const THIN_M: f32 = 0.04;
+/// Corners of a round.
+const AROUND: usize = 40;
+
+/// Meshes of all that stands: one of what hides what is behind it.
+pub fn meshes(cast: &Cast) -> Arc<[SolidMesh]> {
+    Arc::from([mesh_of(&cast.obstacles, cast.in_the_air)])
+}
+
+/// One mesh of all that stands and hides what is behind it.
+pub fn mesh_of(obstacles: &[SeenObstacle], in_the_air: bool) -> SolidMesh {
+    let mut mesh = SolidMesh::default();
+    for obstacle in obstacles {
+        match obstacle {
+            SeenObstacle::Ball { centre, radius } if in_the_air => mesh.add_bar(*centre, *centre, *radius),
+            SeenObstacle::Ball { centre, radius } => prism(&mut mesh, &round(*centre, *radius)),
+            SeenObstacle::Wall { from, to, radius } if in_the_air => {
+                mesh.add_bar(*from, *to, radius.max(THIN_M));
+            }
+            SeenObstacle::Wall { from, to, radius } => wall(&mut mesh, *from, *to, radius.max(THIN_M)),
+            SeenObstacle::Polygon(corners) => prism(&mut mesh, corners),
+            SeenObstacle::Box(low, high) if !in_the_air => {
+                let top = Vec3::new(high.x, low.y + HEIGHT_M, high.z);
+                mesh.add_box(0.5 * (*low + top), Quat::IDENTITY, 0.5 * (top - *low));
+            }
+            // Boxes in the air may surround all agents: only their edges are drawn. What moves is drawn where it is.
+            _ => {}
+        }
+    }
+    mesh
+}
+
+fn round(centre: Vec3, radius: f32) -> Vec<Vec3> {
+    let corner = |i: usize| {
+        let (s, c) = (TAU * i as f32 / AROUND as f32).sin_cos();
+        centre + Vec3::new(c, 0.0, s) * radius
+    };
+    (0..AROUND).map(corner).collect()
+}
+
+/// A wall along a line, with square ends that reach as far as its round ones.
+fn wall(mesh: &mut SolidMesh, from: Vec3, to: Vec3, radius: f32) {
+    let along = to - from;
+    let turn = Quat::from_rotation_y(along.x.atan2(along.z));
+    let half = Vec3::new(radius, 0.5 * HEIGHT_M, 0.5 * along.length() + radius);
+    mesh.add_box(0.5 * (from + to) + Vec3::Y * half.y, turn, half);
+}
+
+/// What stands on a polygon.
+fn prism(mesh: &mut SolidMesh, corners: &[Vec3]) {
+    let up = Vec3::Y * HEIGHT_M;
+    for (i, &a) in corners.iter().enumerate() {
+        let b = corners[(i + 1) % corners.len()];
+        mesh.add_triangle([a, b, b + up]);
+        mesh.add_triangle([a, b + up, a + up]);
+    }
+    let flat: Vec<Vec2> = corners.iter().map(|c| Vec2::new(c.x, c.z)).collect();
+    for [a, b, c] in ears(&flat) {
+        mesh.add_triangle([a, b, c].map(|i| corners[i] + up));
+    }
+}
+
+/// Triangles of a simple polygon, ear by ear.
+fn ears(corners: &[Vec2]) -> Vec<[usize; 3]> {
+    let area: f32 = (0..corners.len()).map(|i| corners[i].perp_dot(corners[(i + 1) % corners.len()])).sum();
+    let mut left: Vec<usize> = (0..corners.len()).collect();
+    if area < 0.0 {
+        left.reverse();
+    }
+    let mut out = Vec::new();
+    while left.len() > 3 {
+        let n = left.len();
+        let is_ear = |i: &usize| {
+            let [a, b, c] = [left[(i + n - 1) % n], left[*i], left[(i + 1) % n]];
+            let side = |p: usize, q: usize, r: usize| (corners[q] - corners[p]).perp_dot(corners[r] - corners[p]);
+            let holds = |&k: &usize| side(a, b, k) > 0.0 && side(b, c, k) > 0.0 && side(c, a, k) > 0.0;
+            side(a, b, c) > 0.0 && !left.iter().any(|k| ![a, b, c].contains(k) && holds(k))
+        };
+        // A polygon that crosses itself has none: something is cut off all the same.
+        let i = (0..n).find(is_ear).unwrap_or(0);
+        out.push([left[(i + n - 1) % n], left[i], left[(i + 1) % n]]);
+        left.remove(i);
+    }
+    if let [a, b, c] = left[..] {
+        out.push([a, b, c]);
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ears_fill_a_polygon_with_a_notch_whichever_way_it_turns() {
+        let mut corners = [[0.0, 0.0], [4.0, 0.0], [4.0, 4.0], [2.0, 1.0], [0.0, 4.0]].map(Vec2::from_array);
+        for _ in 0..2 {
+            let all = ears(&corners);
+            let area = |[a, b, c]: [usize; 3]| 0.5 * (corners[b] - corners[a]).perp_dot(corners[c] - corners[a]);
+            assert_eq!(all.len(), 3);
+            assert!(all.iter().all(|&t| area(t) > 0.0), "{all:?}");
+            assert!((all.iter().map(|&t| area(t)).sum::<f32>() - 10.0).abs() < 1e-4);
+            corners.reverse();
+        }
+    }
+}

@@ -1,0 +1,38 @@
+//! Bundles, scenes and motion that tests are made with.
+
+#[path = "../tests/common/boxing.rs"]
+pub(crate) mod boxing;
+
+#[path = "../tests/common/meeting.rs"]
+pub(crate) mod meeting;
+
+#[path = "../tests/common/paces.rs"]
+pub(crate) mod paces;
+
+#[path = "../tests/common/square.rs"]
+pub(crate) mod square;
+
+use crate::bundle::OpenBundle;
+use std::path::{Path, PathBuf};
+use throng_runtime::format::VERSION;
+
+/// The bundle of the current version that every checkout has.
+pub(crate) fn golden_path() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("../data/golden/tables_v{VERSION}.throng"))
+}
+
+/// The bundle that is always there.
+pub(crate) fn golden() -> OpenBundle {
+    OpenBundle::open(&golden_path()).unwrap()
+}
+
+/// A file of captured motion; none, with a word on it, where there is no captured motion.
+pub(crate) fn mocap(name: &str) -> Option<PathBuf> {
+    let beside = || Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/mocap");
+    let path = std::env::var_os("THRONG_MOCAP").map_or_else(beside, PathBuf::from).join(name);
+    if path.exists() {
+        return Some(path);
+    }
+    eprintln!("skipped: no captured motion at {}; set THRONG_MOCAP to its folder", path.display());
+    None
+}

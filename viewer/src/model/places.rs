@@ -1,0 +1,73 @@
+//! Where what the 3-D view shows is: what the camera frames, and whom it follows.
+
+use super::Model;
+use crate::document::{Document, SceneDocument, WorldDocument};
+use glam::Vec3;
+
+impl Model {
+    /// A box around all that is shown (m).
+    pub fn bounds(&self) -> (Vec3, Vec3) {
+        let points: Vec<Vec3> = match &self.document {
+            Document::Nothing => Vec::new(),
+            _ if self.shows_clip() || self.shows_blend() => self.around().collect(),
+            Document::Clip(_) => self.around().collect(),
+            Document::World(w) => of_world(w).collect(),
+            Document::Walkers(w) => w.run().moment().roots.iter().map(|r| r.translation()).collect(),
+            Document::CrowdScene(c) => c.run().cast().extents.into_iter().filter(|p| p.is_finite()).collect(),
+            Document::Scene(s) => of_scene(s).collect(),
+            Document::Bundle(b) => b.run.as_ref().map_or(Vec::new(), |run| {
+                let roots = (0..run.characters().num_characters()).map(|c| run.characters().root(c).translation());
+                roots.chain(run.targets().iter().copied()).collect()
+            }),
+        };
+        let Some(&first) = points.first() else { return (Vec3::new(-2.0, 0.0, -2.0), Vec3::new(2.0, 1.8, 2.0)) };
+        let (low, high) = points.iter().fold((first, first), |(l, h), &p| (l.min(p), h.max(p)));
+        let is_high =
+            self.shown_world().is_some() || self.shown_crowd_scene().is_some() || self.shown_scene().is_some();
+        let top = if is_high { high.y.max(1.8) } else { 1.8 };
+        (low.with_y(0.0) - Vec3::new(0.6, 0.0, 0.6), high.with_y(top) + Vec3::new(0.6, 0.0, 0.6))
+    }
+
+    /// The corners of a place for a clip's character and its next steps, which the camera follows (m).
+    fn around(&self) -> impl Iterator<Item = Vec3> {
+        // Room for characters walking beside it.
+        let is_wide = self.document.blend().is_some_and(|b| self.shows_blend() && b.1.bodies().len() > 1);
+        let half = if is_wide { 1.7 } else { 0.9 };
+        let corners = [Vec3::new(-half, 0.0, -0.9), Vec3::new(half, 0.0, 0.9)];
+        self.place_followed().into_iter().flat_map(move |at| corners.map(|c| at + c))
+    }
+
+    /// Place of the character that the camera follows (m).
+    pub fn place_followed(&self) -> Option<Vec3> {
+        let selected = self.selection.character;
+        match &self.document {
+            Document::Clip(motion) => motion.place(self.player.frame),
+            document if self.shows_clip() => Some(document.bundle()?.planar(self.shown_row()?).translation()),
+            Document::Nothing => None,
+            Document::World(w) => {
+                let c = selected.filter(|&c| c < w.run().num_characters())?;
+                Some(w.run().hips(c).with_y(0.0))
+            }
+            Document::Walkers(w) => w.run().moment().place(selected?),
+            Document::CrowdScene(c) => c.run().moment().agents.get(selected?)?.map(|s| s.at),
+            Document::Scene(s) => s.run().place(selected.filter(|&c| c < self.num_characters())?),
+            Document::Bundle(b) if self.shows_blend() => Some(b.blend.as_ref()?.moment().roots.first()?.translation()),
+            Document::Bundle(b) => Some(b.run.as_ref().ok()?.characters().root(selected?).translation()),
+        }
+    }
+}
+
+/// Corners of boxes around the units of a world, and its characters (m).
+fn of_world(world: &WorldDocument) -> impl Iterator<Item = Vec3> {
+    let of_units = world.placed().iter().flat_map(|p| {
+        let b = world.kit().geometries[p.unit].bounds.placed(p.placement);
+        [b.min, b.max]
+    });
+    of_units.filter(|p| p.is_finite()).chain((0..world.run().num_characters()).map(|c| world.run().hips(c)))
+}
+
+/// Where the characters of a scene are, and what they are after (m).
+fn of_scene(scene: &SceneDocument) -> impl Iterator<Item = Vec3> {
+    let (run, all) = (scene.run(), 0..scene.run().simulation().num_characters());
+    all.flat_map(|who| [run.place(who), run.simulation().target(who)]).flatten().filter(|p| p.is_finite())
+}

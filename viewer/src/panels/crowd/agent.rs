@@ -1,0 +1,134 @@
+//! The selected agent: how it moves, when it acts next, and what moves it.
+
+use super::{colour, swatch, who};
+use crate::command::Command;
+use crate::document::CrowdDocument;
+use crate::model::Model;
+use crate::panels::words;
+use crate::render::Rgba;
+use crate::run::agents::{Details, FORCE_TERMS, SeenAgent};
+use crate::stage::agents::{TAKEN, colour_of_force};
+use eframe::egui::{Color32, DragValue, Grid, Rect, RichText, Sense, Ui, pos2, vec2};
+use glam::Vec3;
+use throng_runtime::planar::wrap_angle;
+
+/// Width of the bars of forces (points).
+const BAR: f32 = 96.0;
+
+/// Shows the agent.
+pub fn show(ui: &mut Ui, model: &Model, crowd: &CrowdDocument, commands: &mut Vec<Command>) {
+    let run = crowd.run();
+    let n = run.cast().groups.len();
+    let Some(m) = model.selection.character.filter(|&m| m < n) else {
+        ui.horizontal_wrapped(|ui| {
+            ui.weak("Click an agent in the view, or");
+            if ui.small_button("select agent 0").clicked() {
+                commands.push(Command::SelectCharacter(Some(0)));
+            }
+        });
+        return;
+    };
+    ui.horizontal_wrapped(|ui| {
+        let mut number = m;
+        let label = ui.label("number");
+        if ui.add(DragValue::new(&mut number).range(0..=n - 1)).labelled_by(label.id).changed() {
+            commands.push(Command::SelectCharacter(Some(number)));
+        }
+        ui.label(who(crowd, m));
+        if ui.small_button("none").clicked() {
+            commands.push(Command::SelectCharacter(None));
+        }
+    });
+    let moment = run.moment();
+    let Some(seen) = &moment.agents[m] else {
+        ui.label("It has left the crowd.");
+        return;
+    };
+    let Some(details) = moment.details.as_ref().filter(|d| d.agent == m) else {
+        ui.label(format!("{:.2} m/s", seen.velocity.length()));
+        ui.weak("The recorded forces are those of the agent selected then. Go to the last step to see this agent's.");
+        return;
+    };
+    facts(ui, moment.time_s, run.cast().radii[m], seen, details);
+    ui.add_space(4.0);
+    forces(ui, seen, details);
+}
+
+fn facts(ui: &mut Ui, time_s: f64, radius: f32, seen: &SeenAgent, d: &Details) {
+    Grid::new("agent").num_columns(2).spacing([14.0, 3.0]).show(ui, |ui| {
+        let mut row = |name: &str, tip: &str, text: String| {
+            ui.label(name).on_hover_text(tip);
+            ui.label(text);
+            ui.end_row();
+        };
+        let speed = seen.velocity.length();
+        row("speed", "Now, and desired", format!("{speed:.2} m/s, {:.2} wanted", d.speed));
+        row("distance left", "Along its route", format!("{:.2} m", d.way_left));
+        let grown = seen.bound_radius - radius;
+        row(
+            "bound",
+            "Radius of its time-varying bound now",
+            format!("{:.2} m, {grown:.2} m of it grown", seen.bound_radius),
+        );
+        let [last, next] = d.events;
+        let tip = "Its last event, and its next one unless another agent causes one earlier";
+        row("acts", tip, format!("{:.0} ms ago, in {:.0} ms", 1e3 * (time_s - last), 1e3 * (next - time_s)));
+    });
+}
+
+/// A table of all terms: colour, name, a bar, a number and where it points.
+fn forces(ui: &mut Ui, seen: &SeenAgent, d: &Details) {
+    let dark = ui.visuals().dark_mode;
+    let ahead = if seen.velocity.length() > 0.05 { seen.velocity } else { d.desired };
+    ui.weak(format!("Forces in m/s², of at most {:.1}; directions from where it goes", d.limit));
+    let sum: Vec3 = d.forces.iter().sum();
+    let rows = FORCE_TERMS.iter().zip(d.forces).enumerate();
+    Grid::new("forces").num_columns(4).spacing([8.0, 2.0]).show(ui, |ui| {
+        for (i, ((name, tip), force)) in rows {
+            row(ui, (name, tip), colour(colour_of_force(i, dark)), force, (ahead, d.limit));
+        }
+        row(ui, ("sum", "All terms together"), ui.visuals().weak_text_color(), sum, (ahead, d.limit));
+        let taken = colour(Rgba::hex(TAKEN[usize::from(!dark)]));
+        let tip = "The acceleration that it took at its last event, after the safety rule";
+        row(ui, ("taken", tip), taken, d.taken, (ahead, d.limit));
+    });
+}
+
+fn row(ui: &mut Ui, (name, tip): (&str, &str), colour: Color32, force: Vec3, (ahead, limit): (Vec3, f32)) {
+    ui.horizontal(|ui| {
+        swatch(ui, colour);
+        ui.label(name).on_hover_text(tip);
+    });
+    let (rect, _) = ui.allocate_exact_size(vec2(BAR, 12.0), Sense::hover());
+    let painter = ui.painter();
+    painter.rect_filled(rect, 2.0, ui.visuals().extreme_bg_color);
+    let share = (force.length() / limit.max(1e-6)).min(1.0);
+    let bar = Rect::from_min_max(rect.min, pos2(rect.left() + share * rect.width(), rect.bottom()));
+    painter.rect_filled(bar, 2.0, colour);
+    ui.label(RichText::new(format!("{:>6.2}", force.length())).monospace());
+    ui.label(if force.length() < 5e-3 { String::new() } else { direction(force, ahead) });
+    ui.end_row();
+}
+
+/// Where a force points, for who goes some way; up and down where that is most of it.
+fn direction(force: Vec3, ahead: Vec3) -> String {
+    if force.y.abs() > 0.8 * force.length() {
+        return if force.y > 0.0 { "up".into() } else { "down".into() };
+    }
+    let heading = |v: Vec3| v.x.atan2(v.z);
+    words::direction(wrap_angle(heading(force) - heading(ahead)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn directions_are_relative_to_the_movement() {
+        // Who walks along +Z has +X at the left.
+        assert_eq!(direction(Vec3::X, Vec3::Z), "90° to the left");
+        assert_eq!(direction(Vec3::Z, Vec3::X), "90° to the right");
+        assert_eq!(direction(-Vec3::Z, Vec3::Z), "straight behind");
+        assert_eq!(direction(Vec3::new(0.1, -1.0, 0.0), Vec3::Z), "down");
+    }
+}

@@ -1,0 +1,252 @@
+//! What has happened to a crowd: the last events of every kind, and those of one agent.
+
+use super::rates::Rates;
+use glam::Vec3;
+use std::collections::VecDeque;
+use throng_runtime::crowd::EventKind;
+
+/// Events of a kind that are kept.
+const KEPT: usize = 1500;
+
+/// Kinds of events.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum What {
+    /// A bound touched the side of its region.
+    Resetting,
+    /// Two bounds touched.
+    Colliding,
+    /// A bound touched an obstacle.
+    Meeting,
+    /// A bound occupies cells that it did not.
+    Entering,
+    /// A bound occupies cells no more.
+    Leaving,
+    /// Two touch and stay together.
+    Contacting,
+    /// Two agents that touched separate.
+    Separating,
+    /// An agent reached the end of its route.
+    Arrived,
+    /// An agent left the crowd.
+    Left,
+    /// An obstacle that moves ran into an agent.
+    Struck,
+    /// An agent made no progress for 10 s.
+    Stuck,
+}
+
+/// The other party of an event.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum With {
+    /// None.
+    Nobody,
+    /// Another agent.
+    Agent(usize),
+    /// An obstacle.
+    Obstacle(usize),
+}
+
+impl What {
+    /// Number of kinds.
+    pub const COUNT: usize = 11;
+
+    /// All kinds, in their order.
+    pub const ALL: [Self; Self::COUNT] = [
+        Self::Resetting,
+        Self::Colliding,
+        Self::Meeting,
+        Self::Entering,
+        Self::Leaving,
+        Self::Contacting,
+        Self::Separating,
+        Self::Arrived,
+        Self::Left,
+        Self::Struck,
+        Self::Stuck,
+    ];
+
+    /// The kind of an event and the other party; none for an unknown kind.
+    pub fn of(kind: &EventKind) -> Option<(Self, With)> {
+        Some(match *kind {
+            EventKind::Resetting => (Self::Resetting, With::Nobody),
+            EventKind::Colliding { other } => (Self::Colliding, With::Agent(other.index())),
+            EventKind::Meeting { obstacle } => (Self::Meeting, With::Obstacle(obstacle)),
+            EventKind::Entering => (Self::Entering, With::Nobody),
+            EventKind::Leaving => (Self::Leaving, With::Nobody),
+            EventKind::Contacting { other } => (Self::Contacting, With::Agent(other.index())),
+            EventKind::Separating { other } => (Self::Separating, With::Agent(other.index())),
+            EventKind::Arrived => (Self::Arrived, With::Nobody),
+            EventKind::Left => (Self::Left, With::Nobody),
+            EventKind::Struck { obstacle } => (Self::Struck, With::Obstacle(obstacle)),
+            EventKind::Stuck => (Self::Stuck, With::Nobody),
+            _ => return None,
+        })
+    }
+
+    /// Its number among all kinds.
+    pub fn number(self) -> usize {
+        self as usize
+    }
+
+    /// What it is called.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Resetting => "resetting",
+            Self::Colliding => "colliding",
+            Self::Meeting => "meeting",
+            Self::Entering => "entering",
+            Self::Leaving => "leaving",
+            Self::Contacting => "contacting",
+            Self::Separating => "separating",
+            Self::Arrived => "arrived",
+            Self::Left => "left",
+            Self::Struck => "struck",
+            Self::Stuck => "stuck",
+        }
+    }
+
+    /// What it means, in a sentence.
+    pub fn meaning(self) -> &'static str {
+        match self {
+            Self::Resetting => "A bound touched the side of its region R and was reset",
+            Self::Colliding => "Two bounds touched; both were reset",
+            Self::Meeting => "A bound touched an obstacle and was reset",
+            Self::Entering => "A bound touched a face of a cell and occupies the cells behind it",
+            Self::Leaving => "A bound no longer occupies the cells behind a face",
+            Self::Contacting => "Two agents touch and rest against each other",
+            Self::Separating => "Two agents that touched separate",
+            Self::Arrived => "An agent reached the end of its route",
+            Self::Left => "An agent left the crowd at the end of its route",
+            Self::Struck => "An obstacle that moves ran into an agent",
+            Self::Stuck => "An agent made no progress toward its goal for 10 s",
+        }
+    }
+}
+
+/// Something that happened to an agent.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Happened {
+    /// When (s).
+    pub time_s: f64,
+    /// The character.
+    pub agent: usize,
+    /// What.
+    pub what: What,
+    /// The other party.
+    pub with: With,
+    /// Where it was (m).
+    pub at: Vec3,
+    /// Where the other agent was (m).
+    pub other_at: Option<Vec3>,
+}
+
+impl Happened {
+    /// True where it has to do with an agent.
+    pub fn is_about(&self, agent: usize) -> bool {
+        self.agent == agent || self.with == With::Agent(agent)
+    }
+}
+
+/// What has happened so far, as much of it as is kept.
+#[derive(Clone, Debug, Default)]
+pub struct EventLog {
+    /// In order of time. Kinds are kept apart, so that the many do not drive out the few.
+    kinds: [VecDeque<Happened>; What::COUNT],
+    watched: Option<usize>,
+    of_watched: VecDeque<Happened>,
+    totals: [u64; What::COUNT],
+    rates: Rates,
+}
+
+impl EventLog {
+    pub(super) fn add(&mut self, happened: Happened) {
+        self.totals[happened.what.number()] += 1;
+        push(&mut self.kinds[happened.what.number()], happened);
+        if self.watched.is_some_and(|m| happened.is_about(m)) {
+            push(&mut self.of_watched, happened);
+        }
+    }
+
+    /// Notes how many events there were until a time.
+    pub(super) fn mark(&mut self, time_s: f64, present: usize) {
+        self.rates.mark(time_s, present, self.totals);
+    }
+
+    /// Keeps the events of another agent apart from now on; those of before that are left, too.
+    pub(super) fn watch(&mut self, agent: Option<usize>) {
+        self.watched = agent;
+        let all = self.kinds.iter().flatten();
+        let mut old: Vec<Happened> = all.filter(|h| agent.is_some_and(|m| h.is_about(m))).copied().collect();
+        old.sort_by(|a, b| a.time_s.total_cmp(&b.time_s));
+        self.of_watched = old.into();
+    }
+
+    /// How many events of every kind there were, over time.
+    pub fn rates(&self) -> &Rates {
+        &self.rates
+    }
+
+    /// The last events of some kinds until a time, the latest first.
+    pub fn last(&self, shown: &[bool; What::COUNT], until_s: f64, most: usize) -> Vec<Happened> {
+        let kinds = self.kinds.iter().zip(shown).filter(|k| *k.1);
+        let before = |h: &&&Happened| h.time_s <= until_s;
+        let mut all: Vec<Happened> =
+            kinds.flat_map(|(k, _)| k.iter().rev().skip_while(|h| !before(&h)).take(most)).copied().collect();
+        // One agent's events at one time stay in the order in which they happened.
+        all.sort_by(|a, b| b.time_s.total_cmp(&a.time_s));
+        all.truncate(most);
+        all
+    }
+
+    /// The same of the agent that is watched.
+    pub fn last_of_watched(&self, shown: &[bool; What::COUNT], until_s: f64, most: usize) -> Vec<Happened> {
+        let is_shown = |h: &&Happened| h.time_s <= until_s && shown[h.what.number()];
+        self.of_watched.iter().rev().filter(is_shown).take(most).copied().collect()
+    }
+}
+
+fn push(list: &mut VecDeque<Happened>, happened: Happened) {
+    if list.len() == KEPT {
+        list.pop_front();
+    }
+    list.push_back(happened);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn event(time_s: f64, what: What, agent: usize, with: With) -> Happened {
+        Happened { time_s, agent, what, with, at: Vec3::ZERO, other_at: None }
+    }
+
+    #[test]
+    fn frequent_events_do_not_displace_rare_ones() {
+        let mut log = EventLog::default();
+        log.add(event(0.5, What::Stuck, 7, With::Nobody));
+        for i in 0..3 * KEPT {
+            log.add(event(1.0 + i as f64, What::Resetting, i, With::Nobody));
+        }
+        let all = [true; What::COUNT];
+        let newest = log.last(&all, f64::INFINITY, 2);
+        assert_eq!(newest.iter().map(|h| h.agent).collect::<Vec<_>>(), [3 * KEPT - 1, 3 * KEPT - 2]);
+        let mut rare = [false; What::COUNT];
+        rare[What::Stuck.number()] = true;
+        assert_eq!(log.last(&rare, f64::INFINITY, 9)[0].agent, 7);
+        assert!(log.last(&rare, 0.4, 9).is_empty(), "it has not happened yet");
+        let then = (2 * KEPT + 10) as f64 + 1.5;
+        assert_eq!(log.last(&all, then, 1)[0].agent, 2 * KEPT + 10);
+    }
+
+    #[test]
+    fn events_of_the_selected_agent_include_those_it_takes_part_in() {
+        let mut log = EventLog::default();
+        log.add(event(1.0, What::Colliding, 3, With::Agent(5)));
+        log.add(event(2.0, What::Colliding, 1, With::Agent(2)));
+        log.watch(Some(5));
+        log.add(event(3.0, What::Resetting, 5, With::Nobody));
+        let all = [true; What::COUNT];
+        let times = |until| log.last_of_watched(&all, until, 9).iter().map(|h| h.time_s).collect::<Vec<_>>();
+        assert_eq!((times(9.0), times(2.5)), (vec![3.0, 1.0], vec![1.0]));
+    }
+}

@@ -1,0 +1,85 @@
+//! How often events of every kind happen.
+
+use super::What;
+use std::collections::VecDeque;
+
+/// Time that rates are shown for (s).
+pub const WINDOW_S: f64 = 10.0;
+/// Time that one rate is a mean over (s).
+const BIN_S: f64 = 0.25;
+/// Marks that are kept: those of a minute, and the window before its first moment.
+const KEPT: usize = 70 * super::STEP_HZ as usize;
+
+/// How many events there had been at a time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Tally {
+    time_s: f64,
+    present: usize,
+    totals: [u64; What::COUNT],
+}
+
+/// How many events of every kind there were, over time.
+#[derive(Clone, Debug, Default)]
+pub struct Rates {
+    marks: VecDeque<Tally>,
+}
+
+impl Rates {
+    pub(super) fn mark(&mut self, time_s: f64, present: usize, totals: [u64; What::COUNT]) {
+        if self.marks.len() == KEPT {
+            self.marks.pop_front();
+        }
+        self.marks.push_back(Tally { time_s, present, totals });
+    }
+
+    /// The last mark that is not after a time.
+    fn at(&self, time_s: f64) -> Option<&Tally> {
+        let after = self.marks.partition_point(|m| m.time_s <= time_s + 1e-9);
+        self.marks.get(after.checked_sub(1)?)
+    }
+
+    /// Events of every kind until a time, since the run began.
+    pub fn totals(&self, until_s: f64) -> [u64; What::COUNT] {
+        self.at(until_s).map_or([0; What::COUNT], |m| m.totals)
+    }
+
+    /// Events of every kind of one agent in a second, in the order of time: (middle of a time span, rates), for the last
+    /// [`WINDOW_S`] before a time (s, 1/s).
+    pub fn before(&self, until_s: f64) -> Vec<(f64, [f64; What::COUNT])> {
+        let first = ((until_s - WINDOW_S).max(0.0) / BIN_S).ceil() as u64;
+        let last = (until_s / BIN_S).floor() as u64;
+        let bin = |i: u64| {
+            let (from, to) = (self.at(i as f64 * BIN_S)?, self.at((i + 1) as f64 * BIN_S)?);
+            let seconds = to.time_s - from.time_s;
+            let agent_seconds = 0.5 * (from.present + to.present) as f64 * seconds;
+            // What is older than the first mark is not known.
+            let rate = |k: usize| (to.totals[k] - from.totals[k]) as f64 / agent_seconds;
+            (agent_seconds > 0.0 && seconds > 0.5 * BIN_S)
+                .then(|| (0.5 * (from.time_s + to.time_s), std::array::from_fn(rate)))
+        };
+        (first..last).filter_map(bin).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rates_are_per_agent_and_second() {
+        let mut rates = Rates::default();
+        for step in 0..=20 * 60 {
+            let mut totals = [0; What::COUNT];
+            // Ten agents, each with three events a second; from 15 s on, twice as many collide.
+            totals[0] = step / 2;
+            totals[1] = u64::max(step, 900) - 900;
+            rates.mark(step as f64 / 60.0, 10, totals);
+        }
+        let before = rates.before(20.0);
+        assert_eq!(before.len(), 40);
+        assert!(before.iter().all(|(t, r)| (10.0..20.0).contains(t) && (r[0] - 3.0).abs() < 0.3), "{before:?}");
+        assert!(before.iter().all(|(t, r)| (r[1] - if *t < 15.0 { 0.0 } else { 6.0 }).abs() < 1e-6), "{before:?}");
+        assert_eq!((rates.totals(10.0)[0], rates.totals(-1.0)[0]), (300, 0));
+        assert_eq!(rates.before(2.0).len(), 8);
+    }
+}

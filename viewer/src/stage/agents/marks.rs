@@ -1,0 +1,91 @@
+//! Marks where something happened, which fade.
+
+use super::Brush;
+use crate::command::CrowdLook;
+use crate::render::{Rgba, Shapes};
+use crate::run::agents::{CrowdRun, Happened, What};
+use glam::Vec3;
+
+/// Time that a mark stays (s).
+const MARK_S: f64 = 0.6;
+/// What happens seldom stays longer (s).
+const RARE_S: f64 = 2.5;
+/// Marks of what happens all the time that are drawn at most: more would hide who they are about. Those of the selected
+/// agent are drawn all the same.
+const MAX_MARKS: usize = 120;
+/// Marks of what happens seldom that are drawn at most.
+const MAX_RARE: usize = 500;
+/// Height over the ground (m).
+const MARK_Y: f32 = 0.022;
+
+/// Colour of a kind of events, in the view and in the panel.
+pub fn colour_of(what: What, dark: bool) -> Rgba {
+    let (on_dark, on_light) = match what {
+        What::Resetting => (0x7d93b2, 0x5b7196),
+        What::Colliding => (0xff6b8a, 0xc2185b),
+        What::Meeting => (0xd9c24a, 0x8a7400),
+        What::Entering => (0xb493ff, 0x6b3fd0),
+        What::Leaving => (0x8f9bff, 0x4048c8),
+        What::Contacting => (0xf2877d, 0xa33a2e),
+        What::Separating => (0xb9c97a, 0x5d7010),
+        What::Arrived => (0x55d98b, 0x14803f),
+        What::Left => (0x4fd0d9, 0x0b7a86),
+        What::Struck => (0xff5df0, 0x9c0f9c),
+        What::Stuck => (0xff5f50, 0xc01f14),
+    };
+    Rgba::hex(if dark { on_dark } else { on_light })
+}
+
+/// How long a mark of a kind stays (s).
+fn stay_s(what: What) -> f64 {
+    match what {
+        What::Arrived | What::Left | What::Struck | What::Stuck => RARE_S,
+        _ => MARK_S,
+    }
+}
+
+/// Frequent events of all agents.
+fn is_quiet(what: What) -> bool {
+    matches!(what, What::Resetting | What::Entering | What::Leaving)
+}
+
+pub(super) fn lay_out(shapes: &mut Shapes, run: &CrowdRun, look: &CrowdLook, brush: &Brush<'_>) {
+    let now = run.moment().time_s;
+    let is_rare = What::ALL.map(|what| stay_s(what) > MARK_S);
+    let of_kinds = |rare: bool| std::array::from_fn(|k| look.kinds[k] && is_rare[k] == rare);
+    let usual = run.log().last(&of_kinds(false), now, MAX_MARKS);
+    let first_s = usual.last().map_or(now, |h| h.time_s);
+    let mut more = run.log().last_of_watched(&of_kinds(false), now, MAX_MARKS);
+    more.retain(|h| h.time_s < first_s);
+    for h in run.log().last(&of_kinds(true), now, MAX_RARE).iter().chain(&usual).chain(&more) {
+        let age = ((now - h.time_s) / stay_s(h.what)) as f32;
+        if age < 1.0 {
+            mark(shapes, brush, h, age);
+        }
+    }
+}
+
+/// A ring that grows and fades; between partners a line.
+///
+/// - `age`: 0 where it happens, 1 where the mark is gone.
+fn mark(shapes: &mut Shapes, brush: &Brush<'_>, h: &Happened, age: f32) {
+    let strength = (1.0 - age) * if is_quiet(h.what) { 0.45 } else { 0.8 };
+    let colour = colour_of(h.what, brush.dark).alpha(strength);
+    let lift = if brush.cast.in_the_air { Vec3::ZERO } else { Vec3::Y * MARK_Y };
+    let radius = brush.cast.radii.get(h.agent).copied().unwrap_or(0.3);
+    if let Some(other) = h.other_at {
+        shapes.line(h.at + lift, other + lift, 1.6, colour);
+    }
+    let grown = radius
+        * match h.what {
+            what if is_quiet(what) => 1.0 + 0.25 * age,
+            what if stay_s(what) > MARK_S => 1.2 + 1.6 * age,
+            _ => 1.05 + 0.6 * age,
+        };
+    if brush.cast.in_the_air {
+        shapes.circle(h.at, grown, 1.5, colour);
+    } else {
+        let width = (1.5 * brush.pixel_m).max(0.05 * radius).min(grown);
+        shapes.ring(h.at + lift, grown - width, grown, colour);
+    }
+}

@@ -1,0 +1,73 @@
+//! What stands or moves in a crowd's way.
+
+use super::Brush;
+use crate::document::CrowdDocument;
+use crate::render::{Rgba, Shapes, SolidInstance};
+use crate::stage::Layout;
+use glam::Vec3;
+use std::sync::Arc;
+use throng_precompute::scene::crowd::SeenObstacle;
+use throng_runtime::patch::Placement;
+
+pub(super) fn lay_out(out: &mut Layout, crowd: &CrowdDocument, time_s: f64, brush: &Brush<'_>) {
+    out.solids.meshes = Arc::clone(crowd.meshes());
+    let colour = Rgba::hex(if brush.dark { 0x77808d } else { 0x9aa1ab });
+    let placement = Placement::new(0.0, 0.0, 0.0, 0.0);
+    out.solids.instances.push(SolidInstance { mesh: 0, placement, colour });
+    for obstacle in &brush.cast.obstacles {
+        match obstacle {
+            SeenObstacle::Box(low, high) if brush.cast.in_the_air => edges(&mut out.shapes, *low, *high, colour),
+            SeenObstacle::Mover { way, radius } => mover(&mut out.shapes, brush, way, *radius, time_s),
+            _ => {}
+        }
+    }
+}
+
+pub(in crate::stage) fn edges(shapes: &mut Shapes, low: Vec3, high: Vec3, colour: Rgba) {
+    let corner = |i: usize| {
+        let pick = |axis: usize, bit: usize| if i & bit == 0 { low[axis] } else { high[axis] };
+        Vec3::new(pick(0, 1), pick(1, 2), pick(2, 4))
+    };
+    for i in 0..8usize {
+        for bit in [1, 2, 4].into_iter().filter(|bit| i & bit == 0) {
+            shapes.line(corner(i), corner(i | bit), 1.0, colour.alpha(0.7));
+        }
+    }
+}
+
+/// What moves, where it is now, and the way that it takes.
+fn mover(shapes: &mut Shapes, brush: &Brush<'_>, way: &[(f64, Vec3)], radius: f32, time_s: f64) {
+    let at = place(way, time_s);
+    let lift = Vec3::Y * if brush.cast.in_the_air { 0.0 } else { super::DISC_Y };
+    let points: Vec<Vec3> = way.iter().map(|w| w.1 + lift).collect();
+    shapes.polyline(&points, 1.5, brush.palette.target.alpha(0.5));
+    if brush.cast.in_the_air {
+        shapes.sphere(at, radius, brush.palette.target);
+    } else {
+        shapes.disc(at + lift, radius, brush.palette.target);
+    }
+}
+
+/// Where something is on its way (s, m).
+pub(in crate::stage) fn place(way: &[(f64, Vec3)], time_s: f64) -> Vec3 {
+    let next = way.partition_point(|w| w.0 <= time_s);
+    match (next.checked_sub(1).map(|i| way[i]), way.get(next)) {
+        (Some((from_s, from)), Some(&(to_s, to))) => from.lerp(to, ((time_s - from_s) / (to_s - from_s)) as f32),
+        (Some((_, last)), None) => last,
+        (None, first) => first.map_or(Vec3::ZERO, |f| f.1),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn moving_obstacles_wait_at_both_ends_of_their_path() {
+        let way = [(1.0, Vec3::ZERO), (3.0, Vec3::X), (4.0, Vec3::Z)];
+        for (time_s, at) in [(0.0, Vec3::ZERO), (2.0, Vec3::X * 0.5), (3.5, (Vec3::X + Vec3::Z) * 0.5), (9.0, Vec3::Z)]
+        {
+            assert!(place(&way, time_s).distance(at) < 1e-6, "{time_s}");
+        }
+    }
+}
