@@ -1,18 +1,16 @@
 //! Everything a panel may ask for.
 
-mod crowd;
+mod scene;
 mod world;
 
-pub use crowd::{CrowdCommand, CrowdLook, Whose};
+pub use scene::{SceneCommand, SceneLook, Whose};
 pub use world::{Draft, Tool, WorldCommand, WorldLook};
 
-use crate::document::SceneChoice;
 use crate::render::Camera;
 use crate::run::{Blending, Input, RunConfig};
 use crate::settings::PanelKind;
 use crate::settings::Settings;
 use std::path::PathBuf;
-use throng_precompute::scene::Scene;
 
 /// What the 3-D view shows of a bundle.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -48,25 +46,14 @@ pub enum Command {
     Restart,
     /// Start a run with another config.
     Configure(RunConfig),
-    /// Restart the scene, as changed.
-    ConfigureScene(Box<Scene>),
     /// Do something to the run.
     Input(Input),
     /// Blend something else, or on another body, and show it.
     Blend(Blending),
-    /// Restart the scene of walkers with that many and a seed.
-    Walkers {
-        /// How many.
-        characters: usize,
-        /// Seed of bodies and paths.
-        seed: u64,
-    },
-    /// Restart the scene of groups, with other numbers.
-    RestartScene(SceneChoice),
     /// Do something to the world.
     World(WorldCommand),
-    /// Do something to the scene of a crowd.
-    Crowd(CrowdCommand),
+    /// Do something to the scene.
+    Scene(SceneCommand),
 
     /// Select a character, or none.
     SelectCharacter(Option<usize>),

@@ -1,14 +1,13 @@
 //! All that the viewer knows: what is open, what is shown of it, what was said of it.
 
 mod commands;
-mod crowd;
 mod documents;
 mod places;
 mod played;
 mod shown;
 pub mod world;
 
-use crate::command::{CrowdLook, Stage, WorldLook};
+use crate::command::{SceneLook, Stage, WorldLook};
 use crate::document::{Document, Loader, Watch};
 use crate::render::Camera;
 use crate::settings::PanelKind;
@@ -35,8 +34,8 @@ pub struct Selection {
     pub clip: usize,
     /// What is selected in a world.
     pub world: WorldLook,
-    /// What is drawn of a scene of a crowd.
-    pub crowd: CrowdLook,
+    /// What is drawn of a scene.
+    pub scene: SceneLook,
 }
 
 /// The play head of a clip.
@@ -164,8 +163,8 @@ impl Model {
     /// The state that panels look at: the selected one, or that in which the selected character last chose.
     pub fn looked_at_state(&self) -> Option<u32> {
         let followed = || {
-            let (_, run) = self.document.crowd()?;
-            Some(run.characters().last_choice(self.selection.character?)?.state)
+            let c = self.document.chooser(self.selection.character?)?;
+            Some(c.characters.last_choice(c.number)?.state)
         };
         self.selection.state.or_else(followed)
     }
@@ -178,18 +177,17 @@ impl Model {
     /// True where something is still to be worked off while time stands still, so that the next frame has to be shown
     /// soon.
     pub fn is_busy(&self) -> bool {
-        self.shown_crowd_scene().is_some_and(|c| c.run().is_busy())
-            || self.document.world().is_some_and(|w| w.working().is_some())
-            || self.document.simulated().is_some_and(|s| s.restarting().is_some())
+        self.document.world().is_some_and(|w| w.working().is_some())
+            || self.document.scene().is_some_and(|s| s.restarting().is_some())
     }
 
     /// Number of characters of the crowd or the world, or of agents of a scene.
     pub fn num_characters(&self) -> usize {
-        let in_world = self.document.world().map(|w| w.run().num_characters());
-        let in_world = in_world.or_else(|| Some(self.document.walkers()?.run().num_characters()));
-        let in_world = in_world.or_else(|| Some(self.document.crowd_scene()?.run().cast().groups.len()));
-        let in_world = in_world.or_else(|| Some(self.document.simulated()?.run().simulation().num_characters()));
-        in_world.or_else(|| Some(self.document.crowd()?.1.config().characters)).unwrap_or(0)
+        match &self.document {
+            Document::World(w) => w.run().num_characters(),
+            Document::Scene(s) => s.run().simulation().num_characters(),
+            document => document.crowd().map_or(0, |(_, run)| run.config().characters),
+        }
     }
 
     /// Says something.
@@ -221,8 +219,6 @@ impl Model {
         self.times.steps = 0;
         if self.shows_clip() {
             self.advance_clip(wall_s);
-        } else if self.document.crowd_scene().is_some() {
-            self.times.steps = self.advance_crowd(wall_s);
         } else {
             self.times.steps = self.advance_run(wall_s);
         }

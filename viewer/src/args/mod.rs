@@ -7,7 +7,7 @@ pub use parse::{Adapter, Character, PanelChoice, Size, StageName, ThemeName, Vie
 
 use crate::render::Body;
 use std::path::PathBuf;
-use throng_precompute::scene::crowd::Engine;
+use throng_runtime::crowd::Scheme;
 
 /// Frames that run before a picture, unless given (1/60 s).
 pub const PICTURE_FRAMES: u32 = 150;
@@ -112,9 +112,9 @@ pub struct Args {
     /// Seed of places, targets and choices.
     #[arg(long)]
     pub seed: Option<u64>,
-    /// What finds out when an agent of a scene of a crowd has to act: events, occupancy or fixed.
+    /// What finds out when an agent of a scene has to act: events, occupancy or fixed.
     #[arg(long, value_name = "NAME", value_parser = parse::engine, requires = "file")]
-    pub engine: Option<Engine>,
+    pub engine: Option<Scheme>,
 }
 
 #[cfg(test)]
@@ -144,7 +144,7 @@ mod tests {
         assert_eq!((args.frames, args.characters, args.seed), (Some(3), Some(7), Some(9)));
         assert_eq!((args.panel.len(), args.character), (2, Some(Character(Some(2)))));
         assert_eq!((args.body, args.adapter, args.scale), (Some(Body::Capsules), Adapter::Any, Some(1.5)));
-        assert_eq!(parse("a.toml --engine fixed").expect("a right line").engine, Some(Engine::Fixed));
+        assert_eq!(parse("a.toml --engine fixed").expect("a right line").engine, Some(Scheme::Fixed));
         assert_eq!(parse("a.throng --bench 10,20").expect("a right line").bench, [10, 20]);
     }
 

@@ -6,7 +6,8 @@ use crate::run::MAX_CHARACTERS;
 use crate::settings::PanelKind;
 use eframe::egui::ThemePreference;
 use std::str::FromStr;
-use throng_precompute::scene::crowd::Engine;
+use throng_runtime::crowd::Scheme;
+use throng_runtime::simulation::scene::engine as engines;
 
 /// Sides that a picture may have (pixels).
 const SIDES: std::ops::RangeInclusive<u32> = 16..=8192;
@@ -152,9 +153,8 @@ pub(super) fn characters(text: &str) -> Result<usize, String> {
     number.ok_or_else(|| format!("`{text}` is no number of characters; expected 1 to {MAX_CHARACTERS}"))
 }
 
-pub(super) fn engine(text: &str) -> Result<Engine, String> {
-    let names = Engine::ALL.map(Engine::name).join(", ");
-    Engine::named(text).ok_or_else(|| format!("there is no such engine; expected one of {names}"))
+pub(super) fn engine(text: &str) -> Result<Scheme, String> {
+    engines::named(text).ok_or_else(|| format!("there is no such engine; expected one of {}", engines::names()))
 }
 
 pub(super) fn body(text: &str) -> Result<Body, String> {

@@ -2,12 +2,12 @@
 
 use super::{Args, PanelChoice};
 use crate::command::{Command, Stage, WorldCommand};
-use crate::document::{CrowdChoice, Document, SceneChoice};
+use crate::document::{Document, SceneChoice};
 use crate::model::Model;
 use crate::settings::Settings;
 use eframe::egui;
 use throng_precompute::progress::Progress;
-use throng_precompute::scene::SceneKind;
+use throng_runtime::simulation::scene::engine;
 
 /// Prints the stages of a build, on standard error.
 struct StageNames;
@@ -96,54 +96,32 @@ impl Args {
 
     /// Gives a scene another number of characters, another seed and another engine.
     fn change_scene(&self, ctx: &egui::Context, model: &mut Model) -> Result<(), String> {
-        if let Some(engine) = self.engine.filter(|_| model.document.crowd_scene().is_none()) {
-            let name = engine.name();
+        if let Some(scene) = model.document.scene() {
+            let old = scene.choice();
+            let choice = SceneChoice {
+                characters: self.characters.unwrap_or(old.characters),
+                seed: self.seed.unwrap_or(old.seed),
+                engine: self.engine.unwrap_or(old.engine),
+            };
+            let has_agents = scene.scene().groups.iter().any(|g| g.is_of_agents());
+            if has_agents || self.engine.is_none() {
+                return if choice == old { Ok(()) } else { model.restart_scene_now(choice) };
+            }
+        }
+        if let Some(engine) = self.engine {
+            let name = engine::name(engine);
             return Err(format!(
-                "--engine {name}: engines are for scenes of crowds, such as data/scenes/corridor.toml"
+                "--engine {name}: engines are for scenes with agents, such as data/scenes/corridor.toml"
             ));
         }
-        if let Some(scene) = model.document.simulated() {
-            let old = scene.choice();
-            let (characters, seed) = (self.characters.unwrap_or(old.characters), self.seed.unwrap_or(old.seed));
-            let choice = SceneChoice { characters, seed };
-            return if choice == old { Ok(()) } else { model.restart_scene_now(choice) };
-        }
         if let Some(world) = model.document.world() {
-            let (old, more) = (world.scene(), self.characters.is_some() || self.seed.is_some());
+            let (old, more) = (world.roamers(), self.characters.is_some() || self.seed.is_some());
             let (characters, seed) = (self.characters.unwrap_or(old.characters), self.seed.unwrap_or(old.seed));
             if more {
                 model.apply(ctx, Command::World(WorldCommand::Populate { characters, seed }));
             }
-            return Ok(());
         }
-        if let Some(walkers) = model.document.walkers() {
-            let (old, more) = (walkers.scene(), self.characters.is_some() || self.seed.is_some());
-            let (characters, seed) = (self.characters.unwrap_or(old.characters), self.seed.unwrap_or(old.seed));
-            if more {
-                model.apply(ctx, Command::Walkers { characters, seed });
-            }
-            return Ok(());
-        }
-        if let Some(crowd) = model.document.crowd_scene() {
-            let old = crowd.choice();
-            let (agents, seed) = (self.characters.unwrap_or(old.agents), self.seed.unwrap_or(old.seed));
-            let choice = CrowdChoice { engine: self.engine.unwrap_or(old.engine), agents, seed };
-            return if choice == old { Ok(()) } else { model.begin_crowd_now(choice) };
-        }
-        let Some(file) = model.document.scene() else { return Ok(()) };
-        let mut scene = file.scene.clone();
-        scene.seed = self.seed.unwrap_or(scene.seed);
-        scene.characters = self.characters.unwrap_or(scene.characters);
-        if scene.kind == SceneKind::Pairs && !scene.characters.is_multiple_of(2) {
-            return Err(format!("--characters {}: the scene is one of pairs; give an even number", scene.characters));
-        }
-        if scene != file.scene {
-            model.apply(ctx, Command::ConfigureScene(Box::new(scene)));
-        }
-        match &model.document {
-            Document::Bundle(b) => b.run.as_ref().map(|_| ()).map_err(Clone::clone),
-            _ => Ok(()),
-        }
+        Ok(())
     }
 
     fn check_stage(&self, stage: Stage, model: &Model) -> Result<(), String> {
@@ -223,7 +201,7 @@ mod tests {
     use crate::args::{Character, StageName};
     use crate::fixtures::golden_path as golden;
     use crate::settings::PanelKind;
-    use throng_precompute::scene::crowd::Engine;
+    use throng_runtime::crowd::Scheme;
     use throng_precompute::synth::{SynthConfig, SynthSet};
 
     fn opened(args: &Args) -> Result<Model, String> {
@@ -260,7 +238,7 @@ mod tests {
             (Args { file: Some("no.throng".into()), ..Args::default() }, "no.throng"),
             (Args { file: file.clone(), clip: Some("moonwalk".into()), ..Args::default() }, "there are "),
             (Args { file: file.clone(), frame: Some(1_000_000), ..Args::default() }, "frames, counted from 0"),
-            (Args { file: file.clone(), engine: Some(Engine::Fixed), ..Args::default() }, "scenes of crowds"),
+            (Args { file: file.clone(), engine: Some(Scheme::Fixed), ..Args::default() }, "scenes with agents"),
             (Args { file, character: Some(Character(Some(100))), ..Args::default() }, "has 100 characters"),
         ] {
             let e = opened(&args).expect_err(say);

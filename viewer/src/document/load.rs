@@ -1,31 +1,23 @@
 //! Opens files away from the window's thread.
 
 use super::notice::BuildNotice;
-use super::{CrowdDocument, RawMotion, SceneDocument, SceneFile, Stamp, WalkersDocument, WorldDocument};
+use super::{RawMotion, SceneDocument, Stamp, WorldDocument};
 use crate::bundle::OpenBundle;
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
 use throng_precompute::progress::Progress;
-use throng_precompute::scene::Scene;
-use throng_runtime::simulation::Scene as GroupScene;
 
 /// A file as it was read.
 #[derive(Debug)]
 pub enum Opened {
     /// A bundle.
     Bundle(Box<OpenBundle>),
-    /// A scene and its bundle.
-    Scene(Box<SceneFile>, Box<OpenBundle>),
     /// A motion file.
     Clip(Box<RawMotion>),
-    /// A world of motion patches, or a scene in one.
+    /// A world of motion patches.
     World(Box<WorldDocument>),
-    /// A scene of walkers.
-    Walkers(Box<WalkersDocument>),
-    /// A scene of a crowd.
-    CrowdScene(Box<CrowdDocument>),
-    /// A scene of groups.
-    Groups(Box<SceneDocument>),
+    /// A scene.
+    Scene(Box<SceneDocument>),
 }
 
 impl Opened {
@@ -36,43 +28,22 @@ impl Opened {
     /// # Errors
     /// A message that names the file, what is wrong with it and the way out.
     pub fn read(path: &Path, progress: &dyn Progress) -> Result<Self, String> {
-        if let Some(scene) = group_scene(path) {
-            return Ok(Self::Groups(Box::new(SceneDocument::open(path, scene?, progress)?)));
-        }
         let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase());
-        match extension.as_deref() {
-            Some("bvh" | "amc") => Ok(Self::Clip(Box::new(RawMotion::open(path)?))),
-            _ if WorldDocument::is_one(path) => Ok(Self::World(Box::new(WorldDocument::open(path, progress)?))),
-            _ if WalkersDocument::is_one(path) => Ok(Self::Walkers(Box::new(WalkersDocument::open(path, progress)?))),
-            _ if CrowdDocument::is_one(path) => Ok(Self::CrowdScene(Box::new(CrowdDocument::open(path, progress)?))),
-            _ if Scene::is_scene(path) => {
-                let (scene, bundle) = SceneFile::open(path, progress)?;
-                Ok(Self::Scene(Box::new(scene), Box::new(bundle)))
-            }
-            _ => Ok(Self::Bundle(Box::new(OpenBundle::open(path)?))),
-        }
+        Ok(match extension.as_deref() {
+            Some("bvh" | "amc") => Self::Clip(Box::new(RawMotion::open(path)?)),
+            Some("toml") if WorldDocument::is_one(path) => Self::World(Box::new(WorldDocument::open(path, progress)?)),
+            Some("toml") => Self::Scene(Box::new(SceneDocument::open(path, progress)?)),
+            _ => Self::Bundle(Box::new(OpenBundle::open(path)?)),
+        })
     }
 
     /// Files that it was read from, beside the one that was asked for.
     pub fn more_files(&self) -> Option<&Path> {
         match self {
-            Self::Scene(_, bundle) => Some(bundle.path()),
             Self::World(world) => Some(world.bundle().path()),
-            Self::Walkers(walkers) => Some(walkers.bundle().path()),
-            Self::CrowdScene(crowd) => crowd.bundle().map(OpenBundle::path),
-            Self::Groups(scene) => scene.bundle().map(OpenBundle::path),
+            Self::Scene(scene) => scene.bundle().map(OpenBundle::path),
             _ => None,
         }
-    }
-}
-
-/// The scene of a file that is one of groups; none of any other file.
-fn group_scene(path: &Path) -> Option<Result<GroupScene, String>> {
-    let is_toml = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("toml"));
-    match GroupScene::load(path).map_err(|e| e.to_string()) {
-        _ if !is_toml => None,
-        Ok(scene) => Some(Ok(scene)),
-        Err(why) => std::fs::read_to_string(path).is_ok_and(|t| t.contains("motion = ")).then_some(Err(why)),
     }
 }
 

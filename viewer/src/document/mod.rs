@@ -1,28 +1,21 @@
-//! What is open: nothing, a bundle, a scene on a bundle, a world of motion patches, a scene of walkers or of a crowd, or a
-//! raw motion file.
+//! What is open: nothing, a bundle, a scene, a world of motion patches, or a raw motion file.
 
 mod clip;
-mod crowd;
 mod load;
 mod notice;
 mod obstacles;
 mod scene;
-mod simulated;
-mod walkers;
 mod watch;
 pub mod world;
 
 pub use clip::RawMotion;
-pub use crowd::{CrowdChoice, CrowdDocument, MAX_MEMBERS};
 pub use load::{Loader, Opened};
-pub use scene::SceneFile;
-pub use simulated::{MAX_CHARACTERS, SceneChoice, SceneDocument, Standing, StandingUnit};
-pub use walkers::WalkersDocument;
+pub use scene::{MAX_CHARACTERS, SceneChoice, SceneDocument, Standing, StandingUnit};
 pub use watch::{Stamp, Watch};
 pub use world::WorldDocument;
 
 use crate::bundle::OpenBundle;
-use crate::run::{BlendRun, Head, Run};
+use crate::run::{BlendRun, Chooser, Head, Run};
 use std::path::{Path, PathBuf};
 
 /// What is open.
@@ -31,21 +24,17 @@ pub enum Document {
     /// Nothing yet.
     #[default]
     Nothing,
-    /// A bundle, and the crowd or the scene that runs on it.
+    /// A bundle, and the crowd that runs on it.
     Bundle(Box<BundleDocument>),
     /// A motion file as it is, and as a build would use it.
     Clip(Box<RawMotion>),
     /// A world of motion patches, and its inhabitants.
     World(Box<WorldDocument>),
-    /// A scene of walkers.
-    Walkers(Box<WalkersDocument>),
-    /// A scene of a crowd that acts at its own events.
-    CrowdScene(Box<CrowdDocument>),
-    /// A scene of groups, whatever moves them.
+    /// A scene: groups, whatever moves them.
     Scene(Box<SceneDocument>),
 }
 
-/// A bundle and the crowd or the scene that runs on it.
+/// A bundle and the crowd that runs on it.
 #[derive(Debug)]
 pub struct BundleDocument {
     /// The tables.
@@ -54,8 +43,6 @@ pub struct BundleDocument {
     pub run: Result<Run, String>,
     /// A character walking in one of its blend spaces; none if it has no such space.
     pub blend: Option<BlendRun>,
-    /// The scene that was opened; none if the bundle itself was.
-    pub scene: Option<SceneFile>,
 }
 
 impl Document {
@@ -63,11 +50,9 @@ impl Document {
     pub fn path(&self) -> Option<&Path> {
         match self {
             Self::Nothing => None,
-            Self::Bundle(b) => Some(b.scene.as_ref().map_or(b.bundle.path(), |s| &s.path)),
+            Self::Bundle(b) => Some(b.bundle.path()),
             Self::Clip(c) => Some(c.path()),
             Self::World(w) => Some(w.path()),
-            Self::Walkers(w) => Some(w.path()),
-            Self::CrowdScene(c) => Some(c.path()),
             Self::Scene(s) => Some(s.path()),
         }
     }
@@ -78,8 +63,6 @@ impl Document {
             Self::Nothing | Self::Clip(_) => None,
             Self::Bundle(b) => Some(&b.run.as_ref().ok()?.head),
             Self::World(w) => Some(&w.run().reel.head),
-            Self::Walkers(w) => Some(&w.run().reel.head),
-            Self::CrowdScene(c) => Some(&c.run().reel.head),
             Self::Scene(s) => Some(&s.run().head),
         }
     }
@@ -90,8 +73,6 @@ impl Document {
             Self::Nothing | Self::Clip(_) => None,
             Self::Bundle(b) => Some(&mut b.run.as_mut().ok()?.head),
             Self::World(w) => Some(&mut w.run_mut().reel.head),
-            Self::Walkers(w) => Some(&mut w.run_mut().reel.head),
-            Self::CrowdScene(c) => Some(&mut c.run_mut().reel.head),
             Self::Scene(s) => Some(&mut s.run_mut().head),
         }
     }
@@ -99,30 +80,11 @@ impl Document {
     /// All files that it is made of.
     pub fn files(&self) -> Vec<PathBuf> {
         let scene_bundle = match self {
-            Self::Bundle(b) if b.scene.is_some() => Some(b.bundle.path()),
             Self::World(w) => Some(w.bundle().path()),
-            Self::Walkers(w) => Some(w.bundle().path()),
-            Self::CrowdScene(c) => c.bundle().map(OpenBundle::path),
             Self::Scene(s) => s.bundle().map(OpenBundle::path),
             _ => None,
         };
         self.path().into_iter().chain(scene_bundle).map(Path::to_path_buf).collect()
-    }
-
-    /// The scene, where one is open.
-    pub fn scene(&self) -> Option<&SceneFile> {
-        match self {
-            Self::Bundle(b) => b.scene.as_ref(),
-            _ => None,
-        }
-    }
-
-    /// Why the scene that is open cannot be run.
-    pub fn scene_fault(&self) -> Option<&str> {
-        match self {
-            Self::Bundle(b) if b.scene.is_some() => b.run.as_ref().err().map(String::as_str),
-            _ => None,
-        }
     }
 
     /// The bundle, where one is open.
@@ -130,8 +92,6 @@ impl Document {
         match self {
             Self::Bundle(b) => Some(&b.bundle),
             Self::World(w) => Some(w.bundle()),
-            Self::Walkers(w) => Some(w.bundle()),
-            Self::CrowdScene(c) => c.bundle(),
             Self::Scene(s) => s.bundle(),
             _ => None,
         }
@@ -153,6 +113,15 @@ impl Document {
         }
     }
 
+    /// A character of a crowd or a scene that chooses by policies, and all that bears on its choices.
+    pub fn chooser(&self, character: usize) -> Option<Chooser<'_>> {
+        match self {
+            Self::Bundle(b) => b.run.as_ref().ok()?.chooser(&b.bundle, character),
+            Self::Scene(s) => s.chooser(character),
+            _ => None,
+        }
+    }
+
     /// The world, where one is open.
     pub fn world(&self) -> Option<&WorldDocument> {
         match self {
@@ -161,32 +130,8 @@ impl Document {
         }
     }
 
-    /// The scene of walkers, where one is open.
-    pub fn walkers(&self) -> Option<&WalkersDocument> {
-        match self {
-            Self::Walkers(w) => Some(w),
-            _ => None,
-        }
-    }
-
-    /// The same, to be changed.
-    pub fn walkers_mut(&mut self) -> Option<&mut WalkersDocument> {
-        match self {
-            Self::Walkers(w) => Some(w),
-            _ => None,
-        }
-    }
-
-    /// The scene of a crowd, where one is open.
-    pub fn crowd_scene(&self) -> Option<&CrowdDocument> {
-        match self {
-            Self::CrowdScene(c) => Some(c),
-            _ => None,
-        }
-    }
-
-    /// The scene of groups, where one is open.
-    pub fn simulated(&self) -> Option<&SceneDocument> {
+    /// The scene, where one is open.
+    pub fn scene(&self) -> Option<&SceneDocument> {
         match self {
             Self::Scene(s) => Some(s),
             _ => None,

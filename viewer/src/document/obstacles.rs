@@ -1,11 +1,9 @@
 //! Meshes of what stands in a crowd's way.
 
 use crate::render::SolidMesh;
-use crate::run::agents::Cast;
 use glam::{Quat, Vec2, Vec3};
 use std::f32::consts::TAU;
-use std::sync::Arc;
-use throng_precompute::scene::crowd::SeenObstacle;
+use throng_precompute::run::SeenObstacle;
 
 /// Height of what stands on the ground, which has none of its own (m).
 const HEIGHT_M: f32 = 0.35;
@@ -13,11 +11,6 @@ const HEIGHT_M: f32 = 0.35;
 const THIN_M: f32 = 0.04;
 /// Corners of a round.
 const AROUND: usize = 40;
-
-/// Meshes of all that stands: one of what hides what is behind it.
-pub fn meshes(cast: &Cast) -> Arc<[SolidMesh]> {
-    Arc::from([mesh_of(&cast.obstacles, cast.in_the_air)])
-}
 
 /// One mesh of all that stands and hides what is behind it.
 pub fn mesh_of(obstacles: &[SeenObstacle], in_the_air: bool) -> SolidMesh {

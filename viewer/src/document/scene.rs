@@ -1,26 +1,114 @@
-//! A scene file and the bundle that it is played on.
+//! A scene: its file, its bundles and worlds, and its run.
 
+use super::obstacles::mesh_of;
+use super::world::unit_mesh;
 use crate::bundle::OpenBundle;
+use crate::render::{Ray, SolidMesh};
+use crate::run::{Chooser, SceneRun};
+use glam::{Vec2, Vec3};
+use serde::{Deserialize, Serialize};
+use std::io::Write;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::mpsc::{Receiver, TryRecvError, channel};
+use throng_precompute::cache::Cache;
 use throng_precompute::config::BuildConfig;
+use throng_precompute::files::write_atomically;
 use throng_precompute::progress::Progress;
-use throng_precompute::scene::Scene;
+use throng_precompute::run::{Cached, SeenObstacle, ensure, seen_obstacle};
+use throng_precompute::stitch::Kit;
+use throng_runtime::blend::HeightField;
+use throng_runtime::crowd::Scheme;
+use throng_runtime::patch::Placement;
+use throng_runtime::simulation::scene::engine;
+use throng_runtime::simulation::{Cast, CompiledScene, Scene};
 
-/// A scene file.
-#[derive(Clone, Debug, PartialEq)]
-pub struct SceneFile {
-    /// The file.
-    pub path: PathBuf,
-    /// What it says.
-    pub scene: Scene,
+/// Most characters that a scene may be restarted with from the viewer.
+pub const MAX_CHARACTERS: usize = 100_000;
+
+/// First line of a saved state.
+const MAGIC: &str = "throng-viewer scene 1";
+/// Distance of the corners of hills as they are drawn (m).
+const HILL_STEP_M: f32 = 1.0;
+/// Hills are drawn so far beyond the square that characters keep to (m).
+const BEYOND_M: f32 = 6.0;
+
+/// What of a scene can be chosen.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct SceneChoice {
+    /// Number of characters and agents of all groups.
+    pub characters: usize,
+    /// Seed of places, paths and choices.
+    pub seed: u64,
+    /// What finds out when an agent has to act.
+    #[serde(with = "engine")]
+    pub engine: Scheme,
 }
 
-impl SceneFile {
-    /// Reads a scene file and opens its bundle, or builds it.
+/// What stands around the characters.
+#[derive(Clone, Debug, Default)]
+pub struct Standing {
+    /// A mesh of all obstacles that stand, the light and the dark fields of hills, then every unit of each world.
+    pub meshes: Arc<[SolidMesh]>,
+    /// The ground is not level.
+    pub has_hills: bool,
+    /// Units of worlds: number of the mesh, and the unit.
+    pub units: Vec<StandingUnit>,
+    /// Obstacles, also those that move.
+    pub obstacles: Vec<SeenObstacle>,
+    /// Agents move in the air.
+    pub in_the_air: bool,
+}
+
+/// A unit of a world where it stands.
+#[derive(Clone, Debug)]
+pub struct StandingUnit {
+    /// Number of its mesh.
+    pub mesh: u32,
+    /// Its name.
+    pub name: String,
+    /// It is walked on.
+    pub is_floor: bool,
+    /// Where it stands.
+    pub placement: Placement,
+}
+
+/// A run that is made on a thread of its own.
+#[derive(Debug)]
+struct Restart {
+    choice: SceneChoice,
+    made: Receiver<Result<(SceneRun, Standing), String>>,
+}
+
+/// A scene of groups that is open.
+#[derive(Debug)]
+pub struct SceneDocument {
+    path: PathBuf,
+    scene: Scene,
+    choice: SceneChoice,
+    run: SceneRun,
+    standing: Standing,
+    /// That of the first group that has one.
+    bundle: Option<OpenBundle>,
+    restart: Option<Restart>,
+    /// How often it was restarted.
+    num_runs: u32,
+}
+
+impl Standing {
+    /// Where a ray first meets the unit of a world (m).
+    pub fn meets(&self, ray: &Ray) -> Option<Vec3> {
+        let met = self.units.iter().filter_map(|u| self.meshes.get(u.mesh as usize)?.meets(ray, u.placement));
+        met.min_by(f32::total_cmp).map(|distance| ray.at(distance))
+    }
+}
+
+impl SceneDocument {
+    /// Reads a scene, makes the bundles and worlds that are missing, and puts all characters in place.
     ///
     /// # Errors
-    /// A message that names the file and line or key, or why the bundle cannot be opened, and the way out.
-    pub fn open(path: &Path, progress: &dyn Progress) -> Result<(Self, OpenBundle), String> {
+    /// A message that names the file, the line or key, or what could not be made, and the way out.
+    pub fn open(path: &Path, progress: &dyn Progress) -> Result<Self, String> {
         let scene = Scene::load(path).map_err(|e| match BuildConfig::load(path) {
             Ok(_) => format!(
                 "{}: this is the config of a build, not a scene; open the bundle that `throng build` makes of it",
@@ -28,33 +116,330 @@ impl SceneFile {
             ),
             Err(_) => e.to_string(),
         })?;
-        let bundle = OpenBundle::open_or_build(path, &scene.bundle, scene.config.as_deref(), progress)?;
-        Ok((Self { path: path.to_path_buf(), scene }, bundle))
+        let fail = |e: &dyn std::fmt::Display| format!("{}: {e}", path.display());
+        let cache = Cache::in_folder(crate::bundle::CACHE_FOLDER);
+        ensure(&scene, &Cached { cache: &cache, progress, tell: &|_| {} }).map_err(|e| fail(&e))?;
+        let compiled = scene.open().map_err(|e| e.to_string())?;
+        let (run, standing) = begin(&compiled, None)?;
+        let with_bundle = (0..scene.groups.len()).find(|&g| compiled.bundle(g).is_ok());
+        let bundle = with_bundle.and_then(|g| scene.bundle_of(g).0).map(OpenBundle::open).transpose()?;
+        let choice =
+            SceneChoice { characters: scene.num_characters(), seed: scene.seed, engine: scene.agents.engine };
+        Ok(Self { path: path.to_path_buf(), scene, choice, run, standing, bundle, restart: None, num_runs: 0 })
     }
+
+    /// The file.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// What it says.
+    pub fn scene(&self) -> &Scene {
+        &self.scene
+    }
+
+    /// What runs now.
+    pub fn choice(&self) -> SceneChoice {
+        self.choice
+    }
+
+    /// What is being made, and will run then.
+    pub fn restarting(&self) -> Option<SceneChoice> {
+        self.restart.as_ref().map(|r| r.choice)
+    }
+
+    /// The bundle of the first group that has one.
+    pub fn bundle(&self) -> Option<&OpenBundle> {
+        self.bundle.as_ref()
+    }
+
+    /// The characters and their record.
+    pub fn run(&self) -> &SceneRun {
+        &self.run
+    }
+
+    /// The same, to be played, stopped and rewound.
+    pub fn run_mut(&mut self) -> &mut SceneRun {
+        &mut self.run
+    }
+
+    /// What stands around the characters.
+    pub fn standing(&self) -> &Standing {
+        &self.standing
+    }
+
+    /// How often it was restarted.
+    pub fn num_runs(&self) -> u32 {
+        self.num_runs
+    }
+
+    /// A character that chooses by policies of the bundle, and all that bears on its choices; none for any other.
+    pub fn chooser(&self, who: usize) -> Option<Chooser<'_>> {
+        let simulation = self.run.simulation();
+        let group = simulation.groups().iter().find(|g| g.characters.contains(&who))?;
+        let bundle = self.bundle.as_ref()?;
+        if simulation.compiled().bundle(group.number).ok()?.hash() != bundle.tables().hash() {
+            return None;
+        }
+        let (goals, _, choice, number) = self.run.choosing(who)?;
+        let (characters, threat) = match simulation.member(who).0 {
+            Cast::Policy(p) => (p.practice().characters(), None),
+            Cast::Sparring(s) => (s.sparring().characters(), s.sparring().threats().get(number).copied()),
+            _ => return None,
+        };
+        Some(Chooser {
+            bundle,
+            characters,
+            number,
+            goals,
+            choice,
+            target: simulation.target(who)?,
+            threat,
+            single_load: false,
+            temperature: simulation.scene().groups[group.number].temperature as f32,
+            now: self.run.head.now(),
+        })
+    }
+
+    /// What every behaviour of a character's group is called and counts; none for a character that does not choose.
+    pub fn weights(&self, who: usize) -> Option<(Vec<&str>, &[f32])> {
+        let (_, weights, _, _) = self.run.choosing(who)?;
+        let group = self.run.simulation().groups().iter().find(|g| g.characters.contains(&who))?;
+        let behaviours = &self.scene.groups[group.number].behaviours;
+        Some((behaviours.iter().map(|b| b.name.as_str()).collect(), weights))
+    }
+
+    /// Restarts on a thread of its own; [`SceneDocument::take_in`] takes the run in when it is made. A new request replaces
+    /// an old one.
+    ///
+    /// - `kept`: the state to begin with, which [`SceneRun::snapshot`] gave.
+    /// - `wake`: called when it is made.
+    ///
+    /// # Errors
+    /// A message where numbers are out of range; nothing has changed then.
+    pub fn restart(
+        &mut self,
+        choice: SceneChoice,
+        kept: Option<Vec<u8>>,
+        wake: impl FnOnce() + Send + 'static,
+    ) -> Result<(), String> {
+        if !(1..=MAX_CHARACTERS).contains(&choice.characters) {
+            return Err(format!("expected 1 to {MAX_CHARACTERS} characters, found {}", choice.characters));
+        }
+        let mut scene = match choice.characters == self.scene.num_characters() {
+            true => self.scene.clone(),
+            false => self.scene.resized(choice.characters),
+        };
+        (scene.seed, scene.agents.engine) = (choice.seed, choice.engine);
+        scene.check().map_err(|e| e.to_string())?;
+        let (send, made) = channel();
+        self.restart = Some(Restart { choice, made });
+        std::thread::spawn(move || {
+            let run = scene.open().map_err(|e| e.to_string()).and_then(|compiled| begin(&compiled, kept.as_deref()));
+            // The receiver is gone if another restart was asked for meanwhile.
+            if send.send(run).is_ok() {
+                wake();
+            }
+        });
+        Ok(())
+    }
+
+    /// Takes in a run that has been made since the last call; true where one has.
+    ///
+    /// - `waits`: until it is made, where one is being made.
+    ///
+    /// # Errors
+    /// A message where it could not be made; the old one continues.
+    pub fn take_in(&mut self, waits: bool) -> Result<bool, String> {
+        let Some(restart) = &self.restart else { return Ok(false) };
+        let made = match waits {
+            true => restart.made.recv().map_err(|_| TryRecvError::Disconnected),
+            false => restart.made.try_recv(),
+        };
+        let made = match made {
+            Err(TryRecvError::Empty) => return Ok(false),
+            Err(TryRecvError::Disconnected) => Err("restarting failed unexpectedly".to_owned()),
+            Ok(made) => made,
+        };
+        let choice = restart.choice;
+        self.restart = None;
+        let (run, standing) = made?;
+        let old = std::mem::replace(&mut self.run, run);
+        self.run.head.play_like(&old.head);
+        (self.choice, self.standing) = (choice, standing);
+        self.num_runs += 1;
+        Ok(true)
+    }
+
+    /// Writes the state at the step shown.
+    ///
+    /// # Errors
+    /// A message that names the file and the reason.
+    pub fn save(&self, path: &Path) -> Result<(), String> {
+        let choice = serde_json::to_string(&self.choice).map_err(|e| e.to_string())?;
+        let state = self.run.snapshot();
+        write_atomically(path, |out| {
+            writeln!(out, "{MAGIC}\n{choice}")?;
+            out.write_all(&state)
+        })
+        .map_err(|e| e.to_string())
+    }
+
+    /// Goes on from a state that was written; as [`SceneDocument::restart`].
+    ///
+    /// # Errors
+    /// A message that names the file and what is wrong with it.
+    pub fn restore(&mut self, path: &Path, wake: impl FnOnce() + Send + 'static) -> Result<(), String> {
+        let name = path.display();
+        let bytes = std::fs::read(path).map_err(|e| format!("{name}: {e}"))?;
+        let mut parts = bytes.splitn(3, |&b| b == b'\n');
+        let (magic, choice, state) = (parts.next(), parts.next(), parts.next());
+        let wrong = || format!("{name}: this is not a saved state of a scene; the panel Control saves them");
+        let (Some(choice), Some(state)) = (choice.filter(|_| magic == Some(MAGIC.as_bytes())), state) else {
+            return Err(wrong());
+        };
+        let choice = serde_json::from_slice(choice).map_err(|_| wrong())?;
+        self.restart(choice, Some(state.to_vec()), wake).map_err(|e| format!("{name}: {e}"))
+    }
+}
+
+fn begin(compiled: &CompiledScene, kept: Option<&[u8]>) -> Result<(SceneRun, Standing), String> {
+    let run = SceneRun::new(compiled, kept).map_err(|e| e.to_string())?;
+    let standing = standing(compiled, &run)?;
+    Ok((run, standing))
+}
+
+/// Obstacles of the agents, and the units of all worlds.
+fn standing(compiled: &CompiledScene, run: &SceneRun) -> Result<Standing, String> {
+    let mut out = Standing::default();
+    let mut hills: [SolidMesh; 2] = Default::default();
+    for cast in run.simulation().casts() {
+        match cast {
+            Cast::Ground(agents) => {
+                out.obstacles = agents.layout().setup.obstacles.iter().filter_map(seen_obstacle).collect()
+            }
+            Cast::Air(agents) => {
+                out.obstacles = agents.layout().setup.obstacles.iter().filter_map(seen_obstacle).collect();
+                out.in_the_air = true;
+            }
+            Cast::Paths(wanderers) if !wanderers.ground().is_flat() => {
+                out.has_hills = true;
+                let areas = compiled.scene().groups.iter().filter_map(|g| Some(g.paths.as_ref()?.area_m));
+                hills = fields(wanderers.ground(), 0.5 * areas.fold(0.0, f32::max) + BEYOND_M);
+            }
+            _ => {}
+        }
+    }
+    let mut meshes = vec![mesh_of(&out.obstacles, out.in_the_air)];
+    meshes.extend(hills);
+    let mut seen: Vec<&Path> = Vec::new();
+    for g in 0..compiled.scene().groups.len() {
+        let (Some(world), (Some(bundle_path), _)) = (compiled.world(g), compiled.scene().bundle_of(g)) else {
+            continue;
+        };
+        if seen.contains(&world.path.as_path()) {
+            continue;
+        }
+        seen.push(&world.path);
+        let bundle = compiled.bundle(g).map_err(|e| e.to_string())?;
+        let kit = Kit::new(bundle, bundle_path).map_err(|e| e.to_string())?;
+        let first = meshes.len() as u32;
+        meshes.extend(kit.geometries.iter().map(|g| unit_mesh(g)));
+        out.units.extend(world.world.view().units.iter().map(|u| {
+            let unit = &kit.units.units[u.unit as usize];
+            let (mesh, name) = (first + u.unit, unit.name.clone());
+            StandingUnit { mesh, name, is_floor: unit.floor, placement: u.placement }
+        }));
+    }
+    out.meshes = meshes.into();
+    Ok(out)
+}
+
+/// Triangles of the ground, the light and the dark fields of a chequered board, by which slopes are seen.
+fn fields(ground: &HeightField, half: f32) -> [SolidMesh; 2] {
+    let n = (2.0 * half / HILL_STEP_M).ceil() as usize;
+    let corner = |i: usize, k: usize| {
+        let at = Vec2::new(i as f32, k as f32) * (2.0 * half / n as f32) - half;
+        Vec3::new(at.x, ground.at(at).height, at.y)
+    };
+    let mut fields: [SolidMesh; 2] = Default::default();
+    for (i, k) in (0..n).flat_map(|i| (0..n).map(move |k| (i, k))) {
+        let [a, b, c, d] = [corner(i, k), corner(i, k + 1), corner(i + 1, k + 1), corner(i + 1, k)];
+        let field = &mut fields[(i + k) % 2];
+        field.add_triangle([a, b, c]);
+        field.add_triangle([a, c, d]);
+    }
+    fields
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::fixtures::boxing::Boxing;
     use throng_precompute::progress::Silent;
 
-    fn refused(name: &str, text: &str) -> String {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join(name);
+    const GROUPS: &str = r#"
+bundle = "boxing.throng"
+[[groups]]
+name = "boxers"
+motion = "sparring"
+count = 4
+place = { grid = { centre = [20.0, 0.0], distance_m = 1.2 } }
+behaviours = [{ name = "approach" }, { name = "throw-punches", weight = 2.0 }]
+[[groups]]
+name = "crossing"
+motion = "none"
+count = 6
+place = { block = { from = [-6.0, -2.0], to = [-3.0, 2.0] } }
+goal = { shift = { by = [8.0, 0.0] } }
+at_end = "leave"
+[[environment.obstacles]]
+disc = { centre = [0.0, 0.0], radius_m = 0.5 }
+"#;
+
+    fn open(folder: &Path, text: &str) -> Result<SceneDocument, String> {
+        let path = folder.join("both.toml");
         std::fs::write(&path, text).unwrap();
-        SceneFile::open(&path, &Silent).map(|_| ()).unwrap_err()
+        SceneDocument::open(&path, Scene::load(&path).map_err(|e| e.to_string())?, &Silent)
+    }
+
+    /// Places of all characters and joints of all bodies, as bits.
+    fn seen(document: &SceneDocument) -> Vec<u32> {
+        let (run, all) = (document.run(), 0..document.run().simulation().num_characters());
+        let joints = |who| run.simulation().joint_positions(who).into_iter().flatten();
+        let points = all.flat_map(|who| run.place(who).into_iter().chain(joints(who)));
+        points.flat_map(|p| p.to_array()).map(f32::to_bits).collect()
     }
 
     #[test]
-    fn other_files_and_missing_bundles_are_refused_with_the_way_out() {
-        let goals = "[[groups]]\nmotion = \"sparring\"\ncount = 2\nbehaviours = [{ name = \"approach\" }]\n";
-        let e = refused("duel.toml", &format!("bundle = \"no.throng\"\nconfig = \"boxing.toml\"\n{goals}"));
-        assert!(e.contains("duel.toml") && e.contains("no.throng") && e.contains("boxing.toml"), "{e}");
-        let e = refused("duel.toml", &format!("bundle = \"no.throng\"\n{goals}"));
-        assert!(e.contains("no.throng is missing") && e.contains("`bundle`"), "{e}");
-        let e = refused("walk.toml", "name = \"walk\"\ninputs = [\"clips\"]\n");
-        assert!(e.contains("config of a build"), "{e}");
-        let e = refused("wrong.toml", "colour = 3\n");
-        assert!(e.contains("wrong.toml") && e.contains("colour"), "{e}");
+    fn groups_of_all_kinds_are_played_rewound_and_restarted() {
+        let boxing = Boxing::new();
+        let folder = boxing.bundle().parent().unwrap().to_path_buf();
+        let mut document = open(&folder, GROUPS).unwrap();
+        assert!(document.bundle().is_some() && document.standing().obstacles.len() == 1);
+        let mut frames = vec![seen(&document)];
+        for _ in 0..200 {
+            document.run_mut().step().unwrap();
+            frames.push(seen(&document));
+        }
+        assert!(frames[0] != frames[200] && document.run().trail(5, 1.0).count() > 8);
+        for step in [199, 60, 59, 130, 0, 200] {
+            document.run_mut().seek(step).unwrap();
+            assert_eq!(document.run().head.now(), step);
+            assert!(seen(&document) == frames[step as usize], "step {step} looks as it did");
+        }
+        document.run_mut().seek(150).unwrap();
+        let now_s = document.run().simulation().time_s();
+        assert!((now_s - 2.5).abs() < 1e-9 && document.run().events().all(|e| e.time_s <= now_s));
+        let choice = SceneChoice { characters: 20, seed: 9 };
+        document.restart(choice, || {}).unwrap();
+        assert_eq!(document.restarting(), Some(choice));
+        assert!(document.take_in(true).unwrap());
+        assert_eq!((document.choice(), document.run().simulation().num_characters()), (choice, 20));
+        assert_eq!(document.run().head.now(), 0);
+        assert!(document.restart(SceneChoice { characters: 0, ..choice }, || {}).unwrap_err().contains("1 to 100000"));
+        std::fs::remove_file(boxing.bundle()).unwrap();
+        let e = open(&folder, GROUPS).map(|_| ()).unwrap_err();
+        assert!(e.contains("both.toml") && e.contains("boxing.throng"), "{e}");
     }
 }

@@ -2,13 +2,12 @@
 
 use super::{FrameFigures, Headless, HeadlessError};
 use crate::args::{Args, BENCH_FRAMES, Size};
-use crate::command::{Command, CrowdCommand, WorldCommand};
-use crate::document::CrowdChoice;
+use crate::command::{Command, SceneCommand, WorldCommand};
+use crate::document::SceneChoice;
 use crate::model::Model;
 use crate::run::RunConfig;
 use serde::Serialize;
 use std::fmt;
-use throng_precompute::scene::{Scene, SceneKind};
 
 /// Frame times of crowds of several sizes.
 #[derive(Clone, Debug, Serialize)]
@@ -58,20 +57,12 @@ impl fmt::Display for BenchReport {
 /// Another number of characters, rounded up to pairs if the scene has pairs.
 fn with_characters(model: &Model, characters: usize) -> Command {
     if let Some(world) = model.document.world() {
-        return Command::World(WorldCommand::Populate { characters, seed: world.scene().seed });
+        return Command::World(WorldCommand::Populate { characters, seed: world.roamers().seed });
     }
-    if let Some(walkers) = model.document.walkers() {
-        return Command::Walkers { characters, seed: walkers.scene().seed };
+    match model.document.scene() {
+        Some(scene) => Command::Scene(SceneCommand::Restart(SceneChoice { characters, ..scene.choice() })),
+        None => Command::Configure(RunConfig { characters, ..model.settings.run }),
     }
-    if let Some(crowd) = model.document.crowd_scene() {
-        return Command::Crowd(CrowdCommand::Begin(CrowdChoice { agents: characters, ..crowd.choice() }));
-    }
-    let Some(file) = model.document.scene() else {
-        return Command::Configure(RunConfig { characters, ..model.settings.run });
-    };
-    let of_pairs = file.scene.kind == SceneKind::Pairs;
-    let characters = if of_pairs { characters.next_multiple_of(2) } else { characters };
-    Command::ConfigureScene(Box::new(Scene { characters, ..file.scene.clone() }))
 }
 
 /// Measures frames of every crowd that the arguments ask for.

@@ -1,7 +1,7 @@
 //! What commands do.
 
 use super::Model;
-use crate::command::{Command, CrowdCommand, Stage, WorldCommand};
+use crate::command::{Command, SceneCommand, Stage, WorldCommand};
 use crate::document::{Document, SceneChoice};
 use crate::run::{Blending, Head, Run};
 use crate::settings::PanelKind;
@@ -25,25 +25,19 @@ impl Model {
                 self.settings.run = config.limited();
                 self.restart(ctx);
             }
-            Command::ConfigureScene(scene) => {
-                if let Document::Bundle(b) = &mut self.document
-                    && let Some(file) = &mut b.scene
-                {
-                    file.scene = *scene;
-                }
-                self.restart(ctx);
-            }
             Command::Input(input) => {
                 if let Some((_, run)) = self.document.crowd_mut() {
                     run.input(input);
                     self.weights = run.weights().to_vec();
+                } else if let Document::Scene(scene) = &mut self.document
+                    && let Err(why) = scene.run_mut().input(input)
+                {
+                    self.complain(why.to_string());
                 }
             }
             Command::Blend(wanted) => self.blend(wanted),
-            Command::RestartScene(choice) => self.restart_scene(ctx, choice),
-            Command::Walkers { characters, seed } => self.apply_walkers(characters, seed),
             Command::World(command) => self.apply_to_world(command),
-            Command::Crowd(command) => self.apply_to_crowd(ctx, command),
+            Command::Scene(command) => self.apply_to_scene(ctx, command),
             Command::SelectCharacter(c) => {
                 let n = self.num_characters();
                 self.apply_to_world(WorldCommand::ForgetRefused);
@@ -67,19 +61,12 @@ impl Model {
 
     /// Restarts the run.
     fn restart(&mut self, ctx: &egui::Context) {
-        if let Some(choice) = self.document.crowd_scene().map(|c| c.choice()) {
-            return self.apply_to_crowd(ctx, CrowdCommand::Begin(choice));
-        }
-        if let Some(choice) = self.document.simulated().map(|s| s.choice()) {
-            return self.restart_scene(ctx, choice);
+        if let Some(choice) = self.document.scene().map(|s| s.choice()) {
+            return self.apply_to_scene(ctx, SceneCommand::Restart(choice));
         }
         if let Some(world) = self.document.world() {
-            let (characters, seed) = (world.scene().characters, world.scene().seed);
-            return self.populate(characters, seed);
-        }
-        if let Some(scene) = self.document.walkers().map(|w| w.scene()) {
-            let (characters, seed) = (scene.characters, scene.seed);
-            return self.apply_walkers(characters, seed);
+            let old = world.roamers();
+            return self.populate(old.characters, old.seed);
         }
         if self.shows_blend()
             && let Some((bundle, run)) = self.document.blend_mut()
@@ -91,33 +78,54 @@ impl Model {
         }
         let Document::Bundle(b) = &mut self.document else { return };
         let old = b.run.as_ref().map_or(Head::default(), |r| r.head);
-        b.run = match &b.scene {
-            Some(file) => Run::of_scene(&b.bundle, &file.scene),
-            None => Run::new(&b.bundle, self.settings.run, &self.weights),
-        };
+        b.run = Run::new(&b.bundle, self.settings.run, &self.weights);
         b.run.iter_mut().for_each(|run| run.head.play_like(&old));
         let n = b.run.as_ref().map_or(0, |r| r.config().characters);
         self.selection.character = self.selection.character.filter(|&c| c < n);
     }
 
-    /// Restarts a scene of groups.
-    fn restart_scene(&mut self, ctx: &egui::Context, choice: SceneChoice) {
+    fn apply_to_scene(&mut self, ctx: &egui::Context, command: SceneCommand) {
         let (waits, ctx) = (self.is_unhurried, ctx.clone());
+        let wake = move || ctx.request_repaint();
         let Document::Scene(scene) = &mut self.document else { return };
-        if let Err(why) = scene.restart(choice, move || ctx.request_repaint()) {
-            return self.complain(format!("The scene is unchanged: {why}"));
+        let done = match command {
+            SceneCommand::Look(look) => {
+                self.selection.scene = look;
+                return;
+            }
+            SceneCommand::Save(path) => {
+                return match scene.save(&path) {
+                    Ok(()) => self.say(format!("Saved {}", path.display())),
+                    Err(why) => self.complain(why),
+                };
+            }
+            SceneCommand::Restart(choice) => scene.restart(choice, None, wake),
+            SceneCommand::Restore(path) => scene.restore(&path, wake),
+        };
+        match done {
+            Ok(()) => self.take_in_scene(waits),
+            Err(why) => self.complain(format!("The scene is unchanged: {why}")),
         }
-        self.take_in_scene(waits);
     }
 
-    /// Restarts a scene of groups, and waits until it is ready.
+    /// Restarts a scene, and waits until it is ready.
     ///
     /// # Errors
     /// A message where that cannot be; the scene is unchanged then.
     pub fn restart_scene_now(&mut self, choice: SceneChoice) -> Result<(), String> {
         let Document::Scene(scene) = &mut self.document else { return Ok(()) };
-        scene.restart(choice, || {})?;
-        scene.take_in(true).map(|_| ())
+        scene.restart(choice, None, || {})?;
+        scene.take_in(true)?;
+        self.watch_selected();
+        Ok(())
+    }
+
+    /// Keeps the events of the selected agent.
+    pub(super) fn watch_selected(&mut self) {
+        let selected = self.selection.character;
+        if let Document::Scene(scene) = &mut self.document {
+            scene.run_mut().watch(selected);
+        }
     }
 
     /// Takes in a run of a scene that has been made meanwhile.
@@ -128,22 +136,13 @@ impl Model {
             Ok(true) => {
                 let n = self.num_characters();
                 self.selection.character = self.selection.character.filter(|&c| c < n);
+                self.watch_selected();
             }
             Err(why) => self.complain(format!("The scene is unchanged: {why}")),
         }
     }
 
     /// Restarts a scene of walkers.
-    fn apply_walkers(&mut self, characters: usize, seed: u64) {
-        if let Some(walkers) = self.document.walkers_mut()
-            && let Err(why) = walkers.populate(characters, seed)
-        {
-            self.complain(why);
-        }
-        let n = self.num_characters();
-        self.selection.character = self.selection.character.filter(|&c| c < n);
-    }
-
     /// Blends something else and shows it.
     fn blend(&mut self, wanted: Blending) {
         let Some((bundle, run)) = self.document.blend_mut() else { return };

@@ -3,7 +3,7 @@
 use super::{ClipPlayer, Model, Selection};
 use crate::bundle::OpenBundle;
 use crate::command::{Stage, WorldLook};
-use crate::document::{BundleDocument, CrowdDocument, Document, Opened, SceneFile, Stamp, Watch};
+use crate::document::{BundleDocument, Document, Opened, SceneDocument, Stamp, Watch};
 use crate::run::{BlendRun, Run};
 use crate::settings::PanelKind;
 use eframe::egui;
@@ -38,19 +38,13 @@ impl Model {
         let old = self.document.head().copied().filter(|_| is_reload);
         self.document = match opened {
             Opened::Clip(clip) => Document::Clip(clip),
-            Opened::Bundle(bundle) => self.with_run(*bundle, None, is_reload),
-            Opened::Scene(scene, bundle) => self.with_run(*bundle, Some(*scene), is_reload),
+            Opened::Bundle(bundle) => self.with_run(*bundle, is_reload),
             Opened::World(world) => Document::World(world),
-            Opened::Walkers(walkers) => Document::Walkers(walkers),
-            Opened::CrowdScene(crowd) => Document::CrowdScene(crowd),
-            Opened::Groups(scene) => Document::Scene(scene),
+            Opened::Scene(scene) => Document::Scene(scene),
         };
         if let Some(head) = self.document.head_mut() {
             head.play(true);
             old.iter().for_each(|old| head.play_like(old));
-        }
-        if let Some(why) = self.document.scene_fault().map(str::to_owned) {
-            self.complain(why);
         }
         let clips = self.document.bundle().map_or(0, |b| b.tables().clips().len());
         let policies = self.document.bundle().map_or(0, |b| b.tables().policies().len());
@@ -60,8 +54,8 @@ impl Model {
             self.stage = Stage::Crowd;
             self.views.clear();
             self.change_side_panel();
-            let are_discs = |c: &CrowdDocument| !c.run().cast().in_the_air && c.bundle().is_none();
-            if self.document.crowd_scene().is_some_and(are_discs) {
+            let are_discs = |s: &SceneDocument| !s.standing().in_the_air && s.bundle().is_none();
+            if self.document.scene().is_some_and(are_discs) {
                 // From straight above, +X at the right.
                 (self.settings.camera.yaw, self.settings.camera.pitch) = (0.0, FRAC_PI_2);
             }
@@ -77,18 +71,15 @@ impl Model {
         self.watch_selected();
     }
 
-    /// A bundle with a crowd or its scene.
-    fn with_run(&mut self, bundle: OpenBundle, scene: Option<SceneFile>, is_reload: bool) -> Document {
+    /// A bundle with a crowd.
+    fn with_run(&mut self, bundle: OpenBundle, is_reload: bool) -> Document {
         if !is_reload {
             // The weights belong to another bundle's behaviours.
             self.weights.clear();
         }
-        let run = match &scene {
-            Some(file) => Run::of_scene(&bundle, &file.scene),
-            None => Run::new(&bundle, self.settings.run, &self.weights),
-        };
+        let run = Run::new(&bundle, self.settings.run, &self.weights);
         let blend = self.walk_in(&bundle, is_reload);
-        Document::Bundle(Box::new(BundleDocument { bundle, run, blend, scene }))
+        Document::Bundle(Box::new(BundleDocument { bundle, run, blend }))
     }
 
     /// A character walking in a blend space of a bundle; after a reload, as before.
@@ -127,7 +118,7 @@ impl Model {
         // Crowds, worlds and blends each have a panel of their own.
         let here = match &self.document {
             Document::World(_) => PanelKind::Patches,
-            Document::CrowdScene(_) => PanelKind::Crowd,
+            Document::Scene(s) if s.scene().groups.iter().all(|g| g.is_of_agents()) => PanelKind::Crowd,
             Document::Bundle(b) if b.blend.is_some() && b.run.is_err() => PanelKind::Blend,
             _ => PanelKind::Control,
         };

@@ -12,8 +12,6 @@ impl Model {
             _ if self.shows_clip() || self.shows_blend() => self.around().collect(),
             Document::Clip(_) => self.around().collect(),
             Document::World(w) => of_world(w).collect(),
-            Document::Walkers(w) => w.run().moment().roots.iter().map(|r| r.translation()).collect(),
-            Document::CrowdScene(c) => c.run().cast().extents.into_iter().filter(|p| p.is_finite()).collect(),
             Document::Scene(s) => of_scene(s).collect(),
             Document::Bundle(b) => b.run.as_ref().map_or(Vec::new(), |run| {
                 let roots = (0..run.characters().num_characters()).map(|c| run.characters().root(c).translation());
@@ -22,8 +20,7 @@ impl Model {
         };
         let Some(&first) = points.first() else { return (Vec3::new(-2.0, 0.0, -2.0), Vec3::new(2.0, 1.8, 2.0)) };
         let (low, high) = points.iter().fold((first, first), |(l, h), &p| (l.min(p), h.max(p)));
-        let is_high =
-            self.shown_world().is_some() || self.shown_crowd_scene().is_some() || self.shown_scene().is_some();
+        let is_high = self.shown_world().is_some() || self.shown_scene().is_some();
         let top = if is_high { high.y.max(1.8) } else { 1.8 };
         (low.with_y(0.0) - Vec3::new(0.6, 0.0, 0.6), high.with_y(top) + Vec3::new(0.6, 0.0, 0.6))
     }
@@ -48,8 +45,6 @@ impl Model {
                 let c = selected.filter(|&c| c < w.run().num_characters())?;
                 Some(w.run().hips(c).with_y(0.0))
             }
-            Document::Walkers(w) => w.run().moment().place(selected?),
-            Document::CrowdScene(c) => c.run().moment().agents.get(selected?)?.map(|s| s.at),
             Document::Scene(s) => s.run().place(selected.filter(|&c| c < self.num_characters())?),
             Document::Bundle(b) if self.shows_blend() => Some(b.blend.as_ref()?.moment().roots.first()?.translation()),
             Document::Bundle(b) => Some(b.run.as_ref().ok()?.characters().root(selected?).translation()),

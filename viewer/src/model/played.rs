@@ -29,7 +29,6 @@ impl Model {
     fn step(&mut self) -> Result<(), String> {
         let shows_blend = self.shows_blend();
         match &mut self.document {
-            Document::Walkers(w) => w.step(),
             Document::World(w) => w.step().map_err(|e| e.to_string()),
             Document::Scene(s) => s.run_mut().step().map_err(|e| e.to_string()),
             Document::Bundle(b) => match (&mut b.blend, &mut b.run) {
@@ -37,8 +36,7 @@ impl Model {
                 (_, Ok(run)) => run.step(&b.bundle).map_err(|e| e.to_string()),
                 _ => Ok(()),
             },
-            // Its steps are taken in pieces, as time allows.
-            Document::CrowdScene(_) | Document::Clip(_) | Document::Nothing => Ok(()),
+            Document::Clip(_) | Document::Nothing => Ok(()),
         }
     }
 
@@ -99,22 +97,13 @@ impl Model {
                 Ok(())
             }
             Command::Seek(step) if !waits => self.seek(step),
-            Command::Step(by) if !waits && by > 0 => match &mut self.document {
-                Document::CrowdScene(crowd) => {
-                    crowd.run_mut().want(by as u32);
-                    return;
-                }
-                _ => (0..by).try_for_each(|_| self.step()),
-            },
+            Command::Step(by) if !waits && by > 0 => (0..by).try_for_each(|_| self.step()),
             Command::Step(by) if !waits => {
                 let to = head.now().saturating_add_signed(by);
                 self.seek(to)
             }
             _ => Ok(()),
         };
-        if let Document::CrowdScene(crowd) = &mut self.document {
-            crowd.run_mut().want_no_more();
-        }
         if let Err(why) = result {
             self.stop(&why);
         }

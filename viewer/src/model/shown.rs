@@ -3,7 +3,7 @@
 use super::Model;
 use crate::bundle::OpenBundle;
 use crate::command::Stage;
-use crate::document::{CrowdDocument, Document, SceneDocument};
+use crate::document::{Document, SceneDocument};
 use crate::run::Run;
 
 impl Model {
@@ -11,10 +11,9 @@ impl Model {
     pub fn shows_clip(&self) -> bool {
         match &self.document {
             Document::Nothing => false,
-            Document::CrowdScene(c) => self.stage == Stage::Clip && c.bundle().is_some(),
             Document::Scene(s) => self.stage == Stage::Clip && s.bundle().is_some(),
             Document::Bundle(b) => self.stage == Stage::Clip || (b.run.is_err() && b.blend.is_none()),
-            Document::World(_) | Document::Walkers(_) => self.stage == Stage::Clip,
+            Document::World(_) => self.stage == Stage::Clip,
             Document::Clip(_) => true,
         }
     }
@@ -27,19 +26,9 @@ impl Model {
         }
     }
 
-    /// True where the 3-D view shows a scene of walkers.
-    pub fn shows_walkers(&self) -> bool {
-        self.document.walkers().is_some() && !self.shows_clip()
-    }
-
-    /// The scene of a crowd that the 3-D view shows.
-    pub fn shown_crowd_scene(&self) -> Option<&CrowdDocument> {
-        self.document.crowd_scene().filter(|_| !self.shows_clip())
-    }
-
-    /// The scene of groups that the 3-D view shows.
+    /// The scene that the 3-D view shows.
     pub fn shown_scene(&self) -> Option<&SceneDocument> {
-        self.document.simulated().filter(|_| !self.shows_clip())
+        self.document.scene().filter(|_| !self.shows_clip())
     }
 
     /// True where a crowd was asked for and there is none.
@@ -59,8 +48,7 @@ impl Model {
     /// The stages that there are, in their order.
     pub fn stages(&self) -> Vec<Stage> {
         let d = &self.document;
-        let lives =
-            d.simulated().is_some() || d.world().is_some() || d.walkers().is_some() || d.crowd_scene().is_some();
+        let lives = d.scene().is_some() || d.world().is_some();
         let all = [
             (Stage::Crowd, lives || self.document.crowd().is_some()),
             (Stage::Blend, self.document.blend().is_some()),

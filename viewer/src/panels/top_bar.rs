@@ -6,6 +6,8 @@ use crate::document::Document;
 use crate::model::Model;
 use crate::render::Preset;
 use crate::settings::{BODIES, Colouring, RawView, Settings};
+use throng_runtime::crowd::Scheme;
+use throng_runtime::simulation::scene::engine;
 use eframe::egui::{self, MenuBar, ThemePreference, Ui};
 
 /// Shows the bar.
@@ -36,10 +38,8 @@ fn title(model: &Model) -> String {
         Document::Bundle(b) => {
             let t = b.bundle.tables();
             let bundle = b.bundle.path().file_name().unwrap_or_default().to_string_lossy();
-            let scene = b.scene.as_ref().map_or(String::new(), |s| format!("{} · ", s.scene.name));
-            let name = format!("{scene}{bundle}");
             let (clips, states, spaces) = (t.clips().len(), t.graph().states.len(), b.bundle.blends().len());
-            let mut parts = vec![name, format!("{clips} clips")];
+            let mut parts = vec![bundle.into_owned(), format!("{clips} clips")];
             if states > 0 || spaces == 0 {
                 parts.push(format!("{states} states · {} actions", t.graph().action_segments.len()));
             }
@@ -54,20 +54,14 @@ fn title(model: &Model) -> String {
             let edits = if w.revision() > 0 { " · edited" } else { "" };
             format!("{name} · {units} units · {instances} patches · {} characters{edits}", w.run().num_characters())
         }
-        Document::Walkers(w) => {
-            let file = w.path().file_name().unwrap_or_default().to_string_lossy();
-            let (spaces, characters) = (w.scene().spaces.join(", "), w.run().num_characters());
-            format!("{file} · {} · {spaces} · {characters} characters", w.scene().name)
-        }
-        Document::CrowdScene(c) => {
-            let file = c.path().file_name().unwrap_or_default().to_string_lossy();
-            format!("{file} · {}", crowd::in_words(c.choice()))
-        }
         Document::Scene(s) => {
             let file = s.path().file_name().unwrap_or_default().to_string_lossy();
-            let simulation = s.run().simulation();
-            let (groups, characters) = (simulation.groups().len(), simulation.num_characters());
-            format!("{file} · {groups} groups · {characters} characters")
+            let (groups, choice) = (s.run().simulation().groups().len(), s.choice());
+            let engine = match choice.engine == Scheme::default() {
+                true => String::new(),
+                false => format!(" · engine {}", engine::name(choice.engine)),
+            };
+            format!("{file} · {groups} groups · {} characters · seed {}{engine}", choice.characters, choice.seed)
         }
         Document::Clip(c) => {
             let name = c.path().file_name().unwrap_or_default().to_string_lossy();
@@ -184,13 +178,10 @@ fn panels(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
 }
 
 fn stages(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
-    let run = match model.document.scene() {
-        _ if model.document.world().is_some() => (Stage::Crowd, "World", "The characters of the world"),
-        _ if model.document.simulated().is_some() => (Stage::Crowd, "Scene", "The groups of the scene"),
-        _ if model.document.walkers().is_some() => (Stage::Crowd, "Scene", "The walkers of the scene"),
-        _ if model.document.crowd_scene().is_some() => (Stage::Crowd, "Scene", "The crowd of the scene"),
-        Some(_) => (Stage::Crowd, "Scene", "The run of the scene"),
-        None => (Stage::Crowd, "Crowd", "The run of a crowd"),
+    let run = match () {
+        () if model.document.world().is_some() => (Stage::Crowd, "World", "The characters of the world"),
+        () if model.document.scene().is_some() => (Stage::Crowd, "Scene", "The groups of the scene"),
+        () => (Stage::Crowd, "Crowd", "The run of a crowd"),
     };
     let all =
         [run, (Stage::Blend, "Blend", "A character walking in a blend space"), (Stage::Clip, "Clip", "A clip alone")];

@@ -9,11 +9,13 @@ use crate::command::Command;
 use crate::document::Document;
 use crate::model::Model;
 use crate::render::{self, Camera, Ray};
-use crate::run::{Input, Run, TargetMode};
-use crate::stage::{self, Layout, ValueCell, agents};
+use crate::run::{Input, TargetMode};
+use crate::stage::{self, Layout, ValueCell};
 use eframe::egui::text::{LayoutJob, TextFormat};
 use eframe::egui::{self, Align, Color32, CursorIcon, FontId, PointerButton, Pos2, Rect, Response, Sense, Ui};
 use glam::{Vec2, Vec3};
+use throng_runtime::simulation::Cast;
+use throng_runtime::world::inhabitants::Wish;
 
 /// A target can be taken hold of within this distance of the pointer (points).
 const GRAB: f32 = 16.0;
@@ -109,22 +111,22 @@ fn drag(ui: &Ui, response: &Response, model: &Model, state: &mut State, commands
     if drags_unit {
         return;
     }
-    let crowd = model.shown_crowd();
+    let targets = targets(model);
     if response.drag_started_by(PointerButton::Primary)
-        && let (Some((_, run)), Some(at)) = (crowd, ui.input(|i| i.pointer.press_origin()))
+        && let (Some(targets), Some(at)) = (&targets, ui.input(|i| i.pointer.press_origin()))
     {
-        let held = grabbed(model, run, rect, at);
+        let held = grabbed(model, targets, rect, at);
         state.dragged = held.map(|c| if shift { None } else { c });
     }
     if !response.dragged_by(PointerButton::Primary) {
         state.dragged = None;
     }
     if let (Some(character), Some(at)) = (state.dragged, response.interact_pointer_pos())
-        && let Some((_, run)) = crowd
+        && let Some(targets) = &targets
     {
         let ray = model.settings.camera.ray(within(rect, at), size(rect));
-        let home = run.home(character.unwrap_or(0));
-        let to = match home {
+        let held = targets.all.iter().find(|t| character.is_none_or(|c| c == t.0));
+        let to = match held.and_then(|t| t.2) {
             // A target in the air goes up and down while the Alt key is held, else it keeps its height.
             Some(home) if ui.input(|i| i.modifiers.alt) => upright(&ray, model.settings.camera, home),
             Some(home) => ray.meets_height(home.y),
@@ -136,8 +138,8 @@ fn drag(ui: &Ui, response: &Response, model: &Model, state: &mut State, commands
         ui.set_cursor_icon(CursorIcon::Grabbing);
         return;
     }
-    if let (Some((_, run)), Some(at)) = (crowd, response.hover_pos())
-        && grabbed(model, run, rect, at).is_some()
+    if let (Some(targets), Some(at)) = (&targets, response.hover_pos())
+        && grabbed(model, targets, rect, at).is_some()
     {
         ui.set_cursor_icon(CursorIcon::Grab);
     }
@@ -171,32 +173,53 @@ fn upright(ray: &Ray, camera: Camera, place: Vec3) -> Option<Vec3> {
     (distance.is_finite() && distance > 0.0).then(|| place.with_y(ray.at(distance).y.max(0.05)))
 }
 
-/// Character whose target is under the pointer.
-fn grabbed(model: &Model, run: &Run, rect: Rect, at: Pos2) -> Option<Option<usize>> {
-    if !run.has_movable_targets() {
-        return None;
+/// Targets that can be moved.
+struct Targets {
+    /// One is that of everybody.
+    is_shared: bool,
+    /// Character, its target, and where that hangs; none where it lies on the ground (m).
+    all: Vec<(usize, Vec3, Option<Vec3>)>,
+}
+
+/// Targets of the crowd or the scene that is shown; none where there are none.
+fn targets(model: &Model) -> Option<Targets> {
+    if let Some((_, run)) = model.shown_crowd() {
+        let all = run.targets().iter().enumerate().map(|(c, &t)| (c, t, None)).collect();
+        return Some(Targets { is_shared: run.config().targets == TargetMode::Shared, all });
     }
+    let simulation = model.shown_scene()?.run().simulation();
+    let mut all = Vec::new();
+    for group in simulation.groups() {
+        if let Cast::Policy(p) = &simulation.casts()[group.cast] {
+            let targets = group.characters.clone().zip(p.practice().targets());
+            all.extend(targets.map(|(who, t)| (who, t.position(), Some(t.home))));
+        }
+    }
+    (!all.is_empty()).then_some(Targets { is_shared: false, all })
+}
+
+/// Character whose target is under the pointer.
+fn grabbed(model: &Model, targets: &Targets, rect: Rect, at: Pos2) -> Option<Option<usize>> {
     let camera = model.settings.camera;
     let near = |target: Vec3| {
         let place = camera.project(target, size(rect))?;
         let distance = (place - within(rect, at)).length();
         (distance < GRAB).then_some(distance)
     };
-    if run.config().targets == TargetMode::Shared {
-        return near(run.targets()[0]).map(|_| None);
+    if targets.is_shared {
+        return near(targets.all.first()?.1).map(|_| None);
     }
-    let selected = model.selection.character.filter(|&c| c < run.targets().len());
-    if let Some(c) = selected
-        && (near(run.targets()[c]).is_some() || near(run.targets()[c] + Vec3::Y * 0.9).is_some())
+    let selected = targets.all.iter().find(|t| model.selection.character == Some(t.0));
+    if let Some(&(c, target, _)) = selected
+        && (near(target).is_some() || near(target + Vec3::Y * 0.9).is_some())
     {
         return Some(Some(c));
     }
-    if run.targets().len() > MAX_GRABBED || !model.settings.overlays.targets {
+    if targets.all.len() > MAX_GRABBED || !model.settings.overlays.targets {
         return None;
     }
-    let all = run.targets().iter().enumerate();
-    let found =
-        all.filter_map(|(c, &t)| Some((c, near(t).filter(|&d| d < GRAB_OTHERS)?))).min_by(|a, b| a.1.total_cmp(&b.1));
+    let reach = |t: &(usize, Vec3, Option<Vec3>)| Some((t.0, near(t.1).filter(|&d| d < GRAB_OTHERS)?));
+    let found = targets.all.iter().filter_map(reach).min_by(|a, b| a.1.total_cmp(&b.1));
     found.map(|(c, _)| Some(c))
 }
 
@@ -218,11 +241,9 @@ fn click(ui: &Ui, response: &Response, model: &Model, layout: &Layout, commands:
     if let Some(world) = model.shown_world() {
         return world::click(ui, model, world, layout, &ray, commands);
     }
-    if let Some(crowd) = model.shown_crowd_scene() {
-        let body = render::pick(&ray, &layout.skeleton, layout.poses(model), &layout.instances);
-        let body = body.and_then(|hit| agents::of_body(crowd, hit.character));
-        let hit = body.or_else(|| agents::pick(crowd, &model.settings.camera, &ray, size(rect)));
-        return commands.push(Command::SelectCharacter(hit));
+    let is_order = ui.input(|i| i.modifiers.command);
+    if is_order && let Some(input) = order(model, &ray) {
+        return commands.push(Command::Input(input));
     }
     if let Some(scene) = model.shown_scene() {
         let body = render::pick(&ray, &layout.skeleton, layout.poses(model), &layout.instances);
@@ -230,22 +251,31 @@ fn click(ui: &Ui, response: &Response, model: &Model, layout: &Layout, commands:
         let hit = body.or_else(|| stage::scene::pick(scene, &model.settings.camera, &ray, size(rect)));
         return commands.push(Command::SelectCharacter(hit));
     }
-    if model.shows_walkers() {
+    if model.shown_crowd().is_some() && !is_order {
         let hit = render::pick(&ray, &layout.skeleton, layout.poses(model), &layout.instances);
-        return commands.push(Command::SelectCharacter(hit.map(|h| h.character)));
+        commands.push(Command::SelectCharacter(hit.map(|h| h.character)));
     }
-    let Some((_, run)) = model.shown_crowd() else { return };
-    let everybody = run.config().targets == TargetMode::Shared;
-    if ui.input(|i| i.modifiers.command) && run.has_movable_targets() {
-        let who = if everybody { Some(None) } else { model.selection.character.map(Some) };
-        let height = model.selection.character.and_then(|c| run.home(c)).map_or(0.0, |h| h.y);
-        if let (Some(character), Some(to)) = (who, ray.meets_height(height)) {
-            commands.push(Command::Input(Input::Target { character, to }));
+}
+
+/// What a click with the command key tells: a target is put there, or an inhabitant of a world is sent there.
+fn order(model: &Model, ray: &Ray) -> Option<Input> {
+    let selected = model.selection.character;
+    let targets = targets(model);
+    let character = selected.filter(|_| targets.as_ref().is_none_or(|t| !t.is_shared));
+    let is_own = |t: &&(usize, Vec3, Option<Vec3>)| character.is_none_or(|c| c == t.0);
+    let shared_or_selected = targets.as_ref().filter(|t| t.is_shared || character.is_some());
+    if let Some(held) = shared_or_selected.and_then(|t| t.all.iter().find(is_own)) {
+        return Some(Input::Target { character, to: ray.meets_height(held.2.map_or(0.0, |home| home.y))? });
+    }
+    let scene = model.shown_scene()?;
+    let character = selected.filter(|&who| who < model.num_characters())?;
+    match scene.run().simulation().member(character).0 {
+        Cast::Patches(_) => {
+            let place = scene.standing().meets(ray).or(ray.meets_ground())?;
+            Some(Input::Wish { character, wish: Some(Wish::GoToPlace { place }) })
         }
-        return;
+        _ => None,
     }
-    let hit = render::pick(&ray, &layout.skeleton, layout.poses(model), &layout.instances);
-    commands.push(Command::SelectCharacter(hit.map(|h| h.character)));
 }
 
 /// Says what the cell of a policy under the pointer is worth, and what would be done there.

@@ -1,7 +1,6 @@
 //! What a run is made of.
 
 use serde::{Deserialize, Serialize};
-use throng_precompute::scene::Scene;
 use throng_runtime::characters::{CharactersConfig, Choice, FootLockConfig};
 
 /// Steps a second of simulated time (Hz).
@@ -87,18 +86,6 @@ impl RunConfig {
             temperature: finite(self.temperature, 0.0, 10.0, d.temperature),
             bend_rad_per_m: finite(self.bend_rad_per_m, 0.0, 2.0, d.bend_rad_per_m),
             ..self
-        }
-    }
-
-    /// What a scene says of the same things; where targets are is the scene's own.
-    pub fn of_scene(scene: &Scene) -> Self {
-        Self {
-            characters: scene.characters,
-            seed: scene.seed,
-            targets: TargetMode::Own,
-            spacing_m: scene.spacing_m as f32,
-            temperature: scene.temperature as f32,
-            ..Self::default()
         }
     }
 

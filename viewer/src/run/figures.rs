@@ -1,8 +1,9 @@
 //! What is measured of every step.
 
-use throng_precompute::scene::{Cast as SceneCast, Play};
+use throng_precompute::run::{AgentsNow, FeetMeter};
 use throng_precompute::slip::SlipMeter;
 use throng_runtime::characters::StepTimes;
+use throng_runtime::simulation::{Cast, Simulation};
 use throng_runtime::sparring::Tally;
 
 /// Speed of planted heels and toes over all characters at one step.
@@ -12,13 +13,17 @@ pub struct Slip {
     pub mean_mps: f32,
     /// 95th percentile (m/s).
     pub p95_mps: f32,
-    /// Planted heels and toes that were measured.
-    pub samples: u32,
 }
 
 impl From<&SlipMeter> for Slip {
     fn from(m: &SlipMeter) -> Self {
-        Self { mean_mps: m.mean_mps() as f32, p95_mps: m.p95_mps() as f32, samples: m.samples() as u32 }
+        Self { mean_mps: m.mean_mps() as f32, p95_mps: m.p95_mps() as f32 }
+    }
+}
+
+impl From<&FeetMeter> for Slip {
+    fn from(m: &FeetMeter) -> Self {
+        Self { mean_mps: m.mean_mps() as f32, p95_mps: m.p95_mps() as f32 }
     }
 }
 
@@ -44,19 +49,30 @@ impl BoutFigures {
     }
 }
 
-impl From<&Play> for BoutFigures {
-    fn from(play: &Play) -> Self {
-        match &play.cast {
-            SceneCast::Pairs(pairs) => {
-                let f = pairs.figures();
-                let penetration_m = Some(f.penetration_m);
-                Self { blows: f.blows, seconds: f.seconds, penetration_m, max_penetration_m: f.max_penetration_m }
-            }
-            SceneCast::Targets(practice) => {
-                let f = practice.figures();
-                Self { blows: f.blows, seconds: f.seconds, ..Self::default() }
-            }
+impl BoutFigures {
+    /// Of all groups that strike; none in a scene without any.
+    pub fn of(simulation: &Simulation) -> Option<Self> {
+        let mut all: Option<Self> = None;
+        for cast in simulation.casts() {
+            let own = match cast {
+                Cast::Sparring(s) => {
+                    let f = s.sparring().figures();
+                    let penetration_m = Some(f.penetration_m);
+                    Self { blows: f.blows, seconds: f.seconds, penetration_m, max_penetration_m: f.max_penetration_m }
+                }
+                Cast::Policy(p) => {
+                    let f = p.practice().figures();
+                    Self { blows: f.blows, seconds: f.seconds, ..Self::default() }
+                }
+                _ => continue,
+            };
+            let sum = all.get_or_insert_default();
+            sum.blows += own.blows;
+            sum.seconds = own.seconds;
+            sum.penetration_m = sum.penetration_m.into_iter().chain(own.penetration_m).reduce(f32::max);
+            sum.max_penetration_m = sum.max_penetration_m.max(own.max_penetration_m);
         }
+        all
     }
 }
 
@@ -71,6 +87,8 @@ pub struct StepFigures {
     pub slip: Slip,
     /// Characters within reach of their targets.
     pub at_target: usize,
-    /// What became of blows, in a scene.
+    /// What became of blows, where characters strike.
     pub bout: Option<BoutFigures>,
+    /// Of all agents, where there are any.
+    pub agents: Option<AgentsNow>,
 }

@@ -1,9 +1,8 @@
 //! What became of blows: marks that stay for a moment.
 
-use super::cast::Cast;
 use glam::Vec3;
-use throng_precompute::scene::Cast as SceneCast;
 use throng_runtime::characters::Blow;
+use throng_runtime::simulation::{Cast, Simulation};
 use throng_runtime::sparring::Part;
 
 /// What a blow met.
@@ -34,24 +33,33 @@ pub struct Mark {
     pub met: Met,
 }
 
-/// Blows of the last step of a scene; none in a crowd without a scene.
-pub(super) fn of_step(cast: &Cast, step: u32) -> impl Iterator<Item = Mark> {
-    let play = cast.play();
-    let blows = play.map_or(&[][..], |p| p.characters().blows());
-    blows.iter().map(move |b| {
-        let met = play.map_or(Met::Nothing, |p| met(&p.cast, b));
-        Mark { step, character: b.character as usize, point: b.point, direction: b.direction, force: b.force, met }
-    })
+/// Blows of the last step of all groups that strike.
+pub(super) fn of_step(simulation: &Simulation, step: u32, marks: &mut impl Extend<Mark>) {
+    for group in simulation.groups() {
+        let (first, cast) = (group.characters.start, &simulation.casts()[group.cast]);
+        let blows = match cast {
+            Cast::Sparring(s) => s.sparring().characters().blows(),
+            Cast::Policy(p) => p.practice().characters().blows(),
+            _ => continue,
+        };
+        marks.extend(blows.iter().map(|b| {
+            let (character, met) = (first + b.character as usize, met(cast, b));
+            Mark { step, character, point: b.point, direction: b.direction, force: b.force, met }
+        }));
+    }
 }
 
-fn met(cast: &SceneCast, blow: &Blow) -> Met {
+fn met(cast: &Cast, blow: &Blow) -> Met {
     let is_it = |b: &Blow| (b.character, b.hit) == (blow.character, blow.hit);
     match cast {
-        SceneCast::Pairs(pairs) => {
-            pairs.landed().iter().find(|l| is_it(&l.blow)).map_or(Met::Nothing, |l| Met::Body(l.part))
+        Cast::Sparring(s) => {
+            let landed = s.sparring().landed().iter().find(|l| is_it(&l.blow));
+            landed.map_or(Met::Nothing, |l| Met::Body(l.part))
         }
-        SceneCast::Targets(practice) => {
-            practice.hits().iter().find(|h| is_it(&h.blow)).map_or(Met::Nothing, |_| Met::Target)
+        Cast::Policy(p) => {
+            let hit = p.practice().hits().iter().find(|h| is_it(&h.blow));
+            hit.map_or(Met::Nothing, |_| Met::Target)
         }
+        _ => Met::Nothing,
     }
 }

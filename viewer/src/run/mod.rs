@@ -6,7 +6,7 @@
 pub mod agents;
 mod blend;
 mod blending;
-mod cast;
+mod choices;
 mod config;
 mod figures;
 mod marks;
@@ -14,13 +14,12 @@ mod recording;
 mod reel;
 mod scene;
 mod simulation;
-mod walkers;
 mod why;
 mod world;
 
 pub use blend::{BlendMoment, BlendRun};
 pub use blending::{Beside, Blending, LEGS, SIZES};
-pub use cast::{About, RunGoal};
+pub use choices::{About, Chooser, LastChoice, RunGoal};
 pub use config::{MAX_CHARACTERS, MAX_TARGET_M, RunConfig, STEP_HZ, TargetMode};
 pub use figures::{BoutFigures, Slip, StepFigures};
 pub use marks::{Mark, Met};
@@ -28,24 +27,19 @@ pub use recording::{RECORDED_STEPS, TRAIL_EVERY};
 pub use reel::{Head, Reel};
 pub use scene::SceneRun;
 pub use simulation::Input;
-pub use walkers::{WalkMoment, WalkRun};
-pub use why::{BehaviourScore, Candidate, Why};
+pub use why::{BehaviourScore, Candidate, Why, explain};
 pub use world::{Moment, WorldRun};
 
 use crate::bundle::OpenBundle;
 use glam::{Vec2, Vec3};
 use recording::Recording;
 use simulation::Simulation;
-use throng_precompute::BuildError;
-use throng_precompute::scene::{Cast as SceneCast, Play, Scene};
 use throng_runtime::characters::{Characters, CharactersError};
 
-/// A run of a crowd or a scene, with the record of its last minute.
+/// A run of a crowd, with the record of its last minute.
 #[derive(Clone, Debug)]
 pub struct Run {
     simulation: Simulation,
-    /// The scene that is run, if it is one.
-    scene: Option<Box<Scene>>,
     recording: Recording,
     /// Which of the recorded steps is shown.
     pub head: Head,
@@ -66,61 +60,10 @@ impl Run {
         let mut weights = if weights.is_empty() { vec![1.0] } else { weights.to_vec() };
         weights.resize(behaviours.min(throng_runtime::characters::MAX_GOALS), 0.0);
         let simulation = Simulation::new(bundle, config.limited(), weights).map_err(|e| e.to_string())?;
-        Self::begin(bundle, simulation, None)
-    }
-
-    /// Puts the characters of a scene at their starts and takes the first choices.
-    ///
-    /// # Errors
-    /// A message where the bundle lacks what the scene needs, with the way out.
-    pub fn of_scene(bundle: &OpenBundle, scene: &Scene) -> Result<Self, String> {
-        let simulation = Simulation::of_scene(bundle, scene).map_err(|e: BuildError| e.to_string())?;
-        Self::begin(bundle, simulation, Some(Box::new(scene.clone())))
-    }
-
-    fn begin(bundle: &OpenBundle, simulation: Simulation, scene: Option<Box<Scene>>) -> Result<Self, String> {
-        let recording = Recording::new(simulation.keyframe());
-        let last = StepFigures::default();
-        let mut run = Self { simulation, scene, recording, head: Head::default(), last };
+        let (recording, last) = (Recording::new(simulation.keyframe()), StepFigures::default());
+        let mut run = Self { simulation, recording, head: Head::default(), last };
         run.step(bundle).map_err(|e| e.to_string())?;
         Ok(run)
-    }
-
-    /// The scene that is run; none of a crowd.
-    pub fn scene(&self) -> Option<&Scene> {
-        self.scene.as_deref()
-    }
-
-    /// The scene as it stands; none of a crowd.
-    pub fn play_of_scene(&self) -> Option<&Play> {
-        self.simulation.cast.play()
-    }
-
-    /// Place of a target of a scene at rest; none if there is no such target (m).
-    pub fn home(&self, character: usize) -> Option<Vec3> {
-        match &self.play_of_scene()?.cast {
-            SceneCast::Pairs(_) => None,
-            SceneCast::Targets(practice) => practice.targets().get(character).map(|t| t.home),
-        }
-    }
-
-    /// Radius of the targets of a scene (m).
-    pub fn target_radius_m(&self) -> Option<f32> {
-        match &self.play_of_scene()?.cast {
-            SceneCast::Pairs(_) => None,
-            SceneCast::Targets(practice) => Some(practice.config().target.radius_m),
-        }
-    }
-
-    /// True where targets can be moved: not where each is an opponent's head.
-    pub fn has_movable_targets(&self) -> bool {
-        self.play_of_scene().is_none_or(|p| !p.homes.is_empty())
-    }
-
-    /// Blows of the last `seconds`.
-    pub fn marks(&self, seconds: f32) -> impl Iterator<Item = &Mark> {
-        let now = self.now();
-        self.recording.marks((now + 1).saturating_sub((seconds * STEP_HZ) as u32), now)
     }
 
     /// What it is made of.
@@ -130,7 +73,7 @@ impl Run {
 
     /// The characters as they are now.
     pub fn characters(&self) -> &Characters {
-        self.simulation.cast.characters()
+        &self.simulation.characters
     }
 
     /// Target of every character (m, number of characters).
@@ -141,11 +84,6 @@ impl Run {
     /// What is weighed against each other.
     pub fn goals(&self) -> &[RunGoal] {
         &self.simulation.goals
-    }
-
-    /// Coming blow of every character of a pair: x, seconds, z; empty without opponents.
-    pub fn threats(&self) -> &[Vec3] {
-        &self.simulation.around.threats
     }
 
     /// What every goal counts (number of goals).
@@ -232,34 +170,29 @@ impl Run {
         let next = self.simulation.around.step;
         // The target is shown where it is dragged to at once, even while time stands still.
         match &input {
-            // An opponent's head is not to be moved.
-            Input::Target { .. } if !self.has_movable_targets() => return,
-            Input::Target { character, to } if self.simulation.move_target(*character, *to).is_err() => return,
-            Input::Weights(weights) => self.simulation.around.weights.clone_from(weights),
-            Input::Target { .. } | Input::Play { .. } => {}
+            Input::Target { character, to } => self.simulation.move_target(*character, *to),
+            Input::Weights { weights, .. } => self.simulation.around.weights = weights.as_slice().into(),
+            Input::Play { .. } | Input::Wish { .. } => {}
         }
         self.recording.branch(next, input);
         self.show_now();
     }
 
-    /// Why a character plays what it plays; none before its first choice and where the segment was not chosen.
-    pub fn why(&self, bundle: &OpenBundle, character: usize) -> Option<Why> {
-        why::explain(bundle, self, character)
-    }
-
-    /// What a character's last choice was about, and at which step it was.
-    fn last_choice(&self, character: usize, about: About) -> (Vec3, u32) {
-        let a = &self.simulation.around;
-        let target = match about {
-            About::Target => a.choice_targets[character],
-            About::Threat => a.choice_threats[character],
-        };
-        (target, a.choice_steps[character])
-    }
-
-    /// Weights at a step, from the inputs before it.
-    fn weights_at(&self, step: u32) -> &[f32] {
-        self.recording.weights_at(step)
+    /// A character, and all that bears on its choices; none where it does not exist.
+    pub fn chooser<'a>(&'a self, bundle: &'a OpenBundle, character: usize) -> Option<Chooser<'a>> {
+        let (s, config) = (&self.simulation, &self.simulation.config);
+        Some(Chooser {
+            bundle,
+            characters: &s.characters,
+            number: character,
+            goals: &s.goals,
+            target: *s.around.targets.get(character)?,
+            choice: s.around.choices.last(character),
+            threat: None,
+            single_load: config.single_load,
+            temperature: config.temperature,
+            now: self.now(),
+        })
     }
 }
 

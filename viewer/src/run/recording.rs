@@ -1,7 +1,6 @@
 //! The record of a run: keyframes, inputs, figures and trails of the last minute.
 
 use super::figures::StepFigures;
-use super::marks::{self, Mark};
 use super::simulation::{Input, Keyframe, Simulation};
 use glam::Vec2;
 use std::collections::VecDeque;
@@ -11,8 +10,6 @@ use std::ops::RangeInclusive;
 pub const RECORDED_STEPS: u32 = 3600;
 /// Steps between two points of a trail.
 pub const TRAIL_EVERY: u32 = 12;
-/// Steps that the weights of a choice are remembered for, before the first step that can be shown.
-const LONGEST_ACTION: u32 = 600;
 /// Steps between two keyframes.
 const KEYFRAME_EVERY: u32 = 60;
 
@@ -23,29 +20,22 @@ pub(super) struct Recording {
     keyframes: VecDeque<Keyframe>,
     /// What happened before which step, in order.
     inputs: VecDeque<(u32, Input)>,
-    /// Weights that held before the first input.
-    first_weights: Vec<f32>,
     /// Figures of the steps from `first` on.
     figures: VecDeque<StepFigures>,
     first: u32,
     /// Planar positions of all characters at every [`TRAIL_EVERY`]th step.
     trails: VecDeque<(u32, Vec<Vec2>)>,
-    /// What became of blows, ascending by step.
-    marks: VecDeque<Mark>,
 }
 
 impl Recording {
     /// Of a run that has not taken a step.
     pub fn new(start: Keyframe) -> Self {
-        let first_weights = start.weights().to_vec();
         Self {
             keyframes: VecDeque::from([start]),
             inputs: VecDeque::new(),
-            first_weights,
             figures: VecDeque::new(),
             first: 0,
             trails: VecDeque::new(),
-            marks: VecDeque::new(),
         }
     }
 
@@ -58,16 +48,6 @@ impl Recording {
     pub fn inputs(&self, step: u32) -> impl Iterator<Item = &Input> {
         let from = self.inputs.partition_point(|i| i.0 < step);
         self.inputs.range(from..).take_while(move |i| i.0 == step).map(|i| &i.1)
-    }
-
-    /// Weights that a step was taken with.
-    pub fn weights_at(&self, step: u32) -> &[f32] {
-        let past = self.inputs.iter().rev().skip_while(|i| i.0 > step);
-        let mut weights = past.filter_map(|i| match &i.1 {
-            Input::Weights(w) => Some(w.as_slice()),
-            _ => None,
-        });
-        weights.next().unwrap_or(&self.first_weights)
     }
 
     /// The last keyframe from which a step can be reached by taking at least one.
@@ -93,9 +73,8 @@ impl Recording {
             return;
         }
         self.figures.push_back(figures);
-        self.marks.extend(marks::of_step(&s.cast, step));
         if step.is_multiple_of(TRAIL_EVERY) {
-            let places = (0..s.config.characters).map(|c| s.cast.characters().root(c)).map(|r| Vec2::new(r.x, r.z));
+            let places = (0..s.config.characters).map(|c| s.characters.root(c)).map(|r| Vec2::new(r.x, r.z));
             self.trails.push_back((step, places.collect()));
         }
         if self.figures.len() as u32 > RECORDED_STEPS + KEYFRAME_EVERY {
@@ -108,14 +87,8 @@ impl Recording {
         let Some(first) = self.keyframes.get(1).map(Keyframe::step) else { return };
         self.keyframes.pop_front();
         self.figures.drain(..(first - self.first) as usize);
-        // Choices that still play may lie before the first step that can be shown.
-        while let Some((_, input)) = self.inputs.pop_front_if(|i| i.0 + LONGEST_ACTION < first) {
-            if let Input::Weights(w) = input {
-                self.first_weights = w;
-            }
-        }
+        while self.inputs.pop_front_if(|i| i.0 < first).is_some() {}
         while self.trails.pop_front_if(|t| t.0 < first).is_some() {}
-        while self.marks.pop_front_if(|m| m.step < first).is_some() {}
         self.first = first;
     }
 
@@ -124,15 +97,9 @@ impl Recording {
         self.keyframes.truncate(self.keyframes.partition_point(|k| k.step() <= step).max(1));
         self.figures.truncate(step.saturating_sub(self.first) as usize);
         self.trails.truncate(self.trails.partition_point(|t| t.0 < step));
-        self.marks.truncate(self.marks.partition_point(|m| m.step < step));
         self.inputs.truncate(self.inputs.partition_point(|i| i.0 <= step));
         // Of many drags of one target within a step only the last one counts.
-        let replaces = |old: &(u32, Input)| match (&old.1, &input) {
-            (Input::Target { character: a, .. }, Input::Target { character: b, .. }) => old.0 == step && a == b,
-            (Input::Weights(_), Input::Weights(_)) => old.0 == step,
-            _ => false,
-        };
-        self.inputs.pop_back_if(|i| replaces(i));
+        self.inputs.pop_back_if(|last| last.0 == step && input.replaces(&last.1));
         self.inputs.push_back((step, input));
     }
 
@@ -153,16 +120,10 @@ impl Recording {
         places.filter_map(move |t| t.1.get(character).copied())
     }
 
-    /// Blows between two steps.
-    pub fn marks(&self, from: u32, to: u32) -> impl Iterator<Item = &Mark> {
-        let first = self.marks.partition_point(|m| m.step < from);
-        self.marks.range(first..).take_while(move |m| m.step <= to)
-    }
-
     /// Memory that it takes (bytes).
     pub fn num_bytes(&self) -> usize {
         let keyframes: usize = self.keyframes.iter().map(Keyframe::num_bytes).sum();
         let trails: usize = self.trails.iter().map(|t| size_of_val(t.1.as_slice())).sum();
-        keyframes + trails + self.figures.len() * size_of::<StepFigures>() + self.marks.len() * size_of::<Mark>()
+        keyframes + trails + self.figures.len() * size_of::<StepFigures>()
     }
 }

@@ -1,15 +1,24 @@
 //! A scene: groups moved by whatever moves them, played, stopped, and rewound over its last minute.
 //!
-//! Bodies are not recorded. The state of every second is; a step in between is found again by repeating the steps after
-//! the state before it, which gives the same bodies to the last bit.
+//! Bodies are not recorded. The state of every second is, and every input; a step in between is found again by repeating
+//! the steps after the state before it, which gives the same bodies to the last bit.
 
-use super::STEP_HZ;
+use super::agents::{EventLog, Happened, What, With, first_agent};
+use super::choices::{About, Choices, RunGoal};
+use super::figures::{BoutFigures, Slip, StepFigures};
+use super::marks::{self, Mark};
 use super::reel::Head;
+use super::{Input, STEP_HZ};
 use glam::Vec3;
 use std::collections::VecDeque;
 use std::fmt;
+use std::sync::Arc;
 use std::time::Instant;
-use throng_runtime::simulation::{CompiledScene, Event, Simulation};
+use throng_precompute::run::{AgentsMeter, FeetMeter};
+use throng_runtime::crowd::Event as CrowdEvent;
+use throng_runtime::simulation::agents::{Agents, in_world};
+use throng_runtime::simulation::{Cast, CompiledScene, Event, Simulation};
+use throng_runtime::sparring::Aim;
 use throng_runtime::{Inline, Rayon, Result, Run as Threads};
 
 /// Steps between two states.
@@ -22,70 +31,272 @@ const MAX_BYTES: usize = 512 << 20;
 const CHARACTER_BYTES: usize = 16 << 10;
 /// Steps between two points of a trail.
 const TRAIL_EVERY: u32 = 6;
+/// Steps between two looks at all agents.
+const LOOK_EVERY: u32 = 2;
 /// Characters from which on a step is split over threads.
 const PARALLEL_FROM: usize = 200;
 
-/// State of a scene at a step.
+/// Characters that choose by policies, in one group.
+#[derive(Clone, Debug)]
+struct Choosing {
+    cast: usize,
+    /// Number of the first of them.
+    first: usize,
+    goals: Arc<[RunGoal]>,
+    weights: Arc<[f32]>,
+    choices: Choices,
+}
+
+/// All that later steps depend on, and what was measured.
+#[derive(Clone)]
+struct State {
+    simulation: Simulation,
+    choosing: Vec<Choosing>,
+    feet: FeetMeter,
+    agents: Option<AgentsMeter>,
+    figures: StepFigures,
+}
+
+/// State of a scene at a step, before the inputs that were given there.
 #[derive(Clone)]
 struct Keyframe {
     step: u32,
-    state: Simulation,
+    state: State,
 }
 
 /// A scene that runs, with the record of its last minute.
 pub struct SceneRun {
-    simulation: Simulation,
+    state: State,
+    /// Number of the first agent; none without agents.
+    first_agent: Option<usize>,
     /// Which of the recorded steps is shown.
     pub head: Head,
     /// Ascending; the first is that of the first recorded step.
     keyframes: VecDeque<Keyframe>,
+    /// Inputs that took effect after the steps that they were given at, in order.
+    inputs: VecDeque<(u32, Input)>,
     /// Events of the recorded steps, with their steps.
     events: VecDeque<(u32, Event)>,
+    /// All events of agents.
+    log: EventLog,
+    /// Blows, ascending by step.
+    marks: VecDeque<Mark>,
+    /// What was measured at the recorded steps, without times of phases.
+    figures: VecDeque<(u32, StepFigures)>,
     /// Places of all characters at every [`TRAIL_EVERY`]th step; `None` for one that has left (m).
     trails: VecDeque<(u32, Vec<Option<Vec3>>)>,
-    /// Wall time of the last new step (s).
-    step_s: f64,
 }
 
 impl fmt::Debug for SceneRun {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_struct("SceneRun").field("time_s", &self.simulation.time_s()).field("head", &self.head).finish()
+        f.debug_struct("SceneRun").field("time_s", &self.simulation().time_s()).field("head", &self.head).finish()
+    }
+}
+
+impl State {
+    fn new(simulation: Simulation) -> Self {
+        let choosing = simulation.groups().iter().filter_map(|g| Choosing::new(&simulation, g.cast, &g.characters));
+        let mut state = Self {
+            choosing: choosing.collect(),
+            feet: FeetMeter::new(simulation.num_characters()),
+            agents: AgentsMeter::new(&simulation),
+            figures: StepFigures::default(),
+            simulation,
+        };
+        let simulation = &state.simulation;
+        // Everybody has chosen already, and stands.
+        for c in &mut state.choosing {
+            let (targets, threats) = around(&simulation.casts()[c.cast]);
+            c.observe(simulation, (&targets, &threats), 0);
+        }
+        state.feet.observe(0.0, simulation, 0..simulation.num_characters());
+        state.figures.agents = state.agents.as_mut().map(|meter| meter.observe(simulation));
+        state.figures.bout = BoutFigures::of(simulation);
+        state
+    }
+
+    /// One step of everybody, and what is measured of it.
+    fn advance_to(&mut self, step: u32) -> Result<()> {
+        let simulation = &mut self.simulation;
+        let before: Vec<_> = self.choosing.iter().map(|c| around(&simulation.casts()[c.cast])).collect();
+        let was_s = simulation.time_s();
+        let is_large = simulation.num_characters() >= PARALLEL_FROM;
+        let threads: &dyn Threads = if is_large { &Rayon } else { &Inline };
+        simulation.step_to(f64::from(step) / f64::from(STEP_HZ), threads)?;
+        for (c, (targets, threats)) in self.choosing.iter_mut().zip(&before) {
+            c.observe(simulation, (targets, threats), step);
+        }
+        self.feet.clear();
+        self.feet.observe((simulation.time_s() - was_s) as f32, simulation, 0..simulation.num_characters());
+        self.figures.slip = Slip::from(&self.feet);
+        self.figures.bout = BoutFigures::of(simulation);
+        if let Some(meter) = self.agents.as_mut().filter(|_| step.is_multiple_of(LOOK_EVERY)) {
+            self.figures.agents = Some(meter.observe(simulation));
+        }
+        Ok(())
+    }
+
+    /// Lets an input take effect.
+    fn take(&mut self, input: &Input) -> Result<()> {
+        match input {
+            Input::Target { character, to } => {
+                for c in &self.choosing {
+                    if let Cast::Policy(practice) = self.simulation.cast_mut(c.cast) {
+                        let all = 0..practice.practice().targets().len();
+                        let mut moved = all.filter(|&m| character.is_none_or(|who| who == c.first + m));
+                        moved.try_for_each(|m| practice.set_home(m, *to))?;
+                    }
+                }
+            }
+            Input::Weights { of, weights } => {
+                let Some(c) = self.choosing.iter_mut().rev().find(|c| c.first <= *of) else { return Ok(()) };
+                match self.simulation.cast_mut(c.cast) {
+                    Cast::Policy(practice) => practice.set_weights(weights)?,
+                    Cast::Sparring(bouts) => bouts.set_weights(weights)?,
+                    _ => {}
+                }
+                c.weights = weights.as_slice().into();
+            }
+            Input::Play { character, segment } => {
+                let Some(c) = self.choosing.iter().rev().find(|c| c.first <= *character) else { return Ok(()) };
+                match self.simulation.cast_mut(c.cast) {
+                    Cast::Policy(practice) => practice.play(character - c.first, *segment)?,
+                    Cast::Sparring(bouts) => bouts.play(character - c.first, *segment)?,
+                    _ => {}
+                }
+            }
+            Input::Wish { character, wish } => {
+                let member = self.simulation.member(*character).1;
+                let group = self.simulation.groups().iter().find(|g| g.characters.contains(character));
+                if let Some(Cast::Patches(people)) = group.map(|g| g.cast).map(|c| self.simulation.cast_mut(c)) {
+                    people.tell(member, *wish)?;
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+impl Choosing {
+    /// None for those who do not choose.
+    fn new(simulation: &Simulation, cast: usize, characters: &std::ops::Range<usize>) -> Option<Self> {
+        let goals: Vec<(RunGoal, f32)> = match &simulation.casts()[cast] {
+            Cast::Policy(p) => {
+                let goals = p.practice().config().goals.iter();
+                goals.map(|g| (RunGoal { policy: g.policy, about: About::Target }, g.weight)).collect()
+            }
+            Cast::Sparring(s) => {
+                let about = |aim| if aim == Aim::OpponentThreat { About::Threat } else { About::Target };
+                let goals = s.sparring().config().goals.iter();
+                goals.map(|g| (RunGoal { policy: g.policy, about: about(g.aim) }, g.weight)).collect()
+            }
+            _ => return None,
+        };
+        Some(Self {
+            cast,
+            first: characters.start,
+            goals: goals.iter().map(|g| g.0).collect(),
+            weights: goals.iter().map(|g| g.1).collect(),
+            choices: Choices::new(characters.len()),
+        })
+    }
+
+    fn observe(&mut self, simulation: &Simulation, about: (&[Vec3], &[Vec3]), step: u32) {
+        let characters = match &simulation.casts()[self.cast] {
+            Cast::Policy(p) => p.practice().characters(),
+            Cast::Sparring(s) => s.sparring().characters(),
+            _ => return,
+        };
+        self.choices.observe(characters, about, &self.weights, step);
+    }
+}
+
+/// Targets, and coming blows where there are opponents.
+fn around(cast: &Cast) -> (Vec<Vec3>, Vec<Vec3>) {
+    match cast {
+        Cast::Policy(p) => (p.practice().targets().iter().map(|t| t.position()).collect(), Vec::new()),
+        Cast::Sparring(s) => (s.sparring().heads().to_vec(), s.sparring().threats().to_vec()),
+        _ => Default::default(),
     }
 }
 
 impl SceneRun {
-    /// All characters where they start.
+    /// All characters where they start, or in a saved state.
+    ///
+    /// - `kept`: what [`SceneRun::snapshot`] gave for the same scene.
     ///
     /// # Errors
-    /// [`throng_runtime::Error`] for starts or goals that are impossible.
-    pub fn new(scene: &CompiledScene) -> Result<Self> {
-        let simulation = Simulation::new(scene)?;
-        let first = Keyframe { step: 0, state: simulation.clone() };
+    /// [`throng_runtime::Error`] for starts or goals that are impossible, or bytes that do not belong to the scene.
+    pub fn new(scene: &CompiledScene, kept: Option<&[u8]>) -> Result<Self> {
+        let mut simulation = Simulation::new(scene)?;
+        if let Some(bytes) = kept {
+            simulation.restore(bytes)?;
+        }
+        for cast in 0..simulation.casts().len() {
+            match simulation.cast_mut(cast) {
+                Cast::Ground(agents) => agents.record_events(),
+                Cast::Air(agents) => agents.record_events(),
+                _ => {}
+            }
+        }
+        let step = (simulation.time_s() * f64::from(STEP_HZ) + 1e-6) as u32;
+        let state = State::new(simulation);
+        let mut head = Head::default();
+        head.record(step..=step, step);
         let mut run = Self {
-            simulation,
-            head: Head::default(),
-            keyframes: VecDeque::from([first]),
+            first_agent: first_agent(&state.simulation),
+            keyframes: VecDeque::from([Keyframe { step, state: state.clone() }]),
+            state,
+            head,
+            inputs: VecDeque::new(),
             events: VecDeque::new(),
+            log: EventLog::default(),
+            marks: VecDeque::new(),
+            figures: VecDeque::new(),
             trails: VecDeque::new(),
-            step_s: 0.0,
         };
-        run.keep_trail(0);
+        run.figures.push_back((step, run.state.figures));
+        run.mark_log();
+        run.keep_trail(step);
         Ok(run)
     }
 
     /// The scene at the step shown.
     pub fn simulation(&self) -> &Simulation {
-        &self.simulation
+        &self.state.simulation
     }
 
-    /// Wall time of the last new step (s).
-    pub fn step_s(&self) -> f64 {
-        self.step_s
+    /// The state at the step shown, for [`SceneRun::new`].
+    pub fn snapshot(&self) -> Vec<u8> {
+        self.state.simulation.snapshot()
+    }
+
+    /// What was measured at the step shown.
+    pub fn figures(&self) -> StepFigures {
+        let now = self.head.now();
+        let kept = self.figures.partition_point(|f| f.0 < now);
+        self.figures.get(kept).map_or(self.state.figures, |f| f.1)
+    }
+
+    /// What was measured of every recorded step up to the one shown: step and figures.
+    pub fn history(&self) -> impl Iterator<Item = (u32, &StepFigures)> {
+        let now = self.head.now();
+        self.figures.iter().take_while(move |f| f.0 <= now).map(|(step, f)| (*step, f))
+    }
+
+    /// All events of agents; that of later than the step shown, too.
+    pub fn log(&self) -> &EventLog {
+        &self.log
+    }
+
+    /// Keeps the events of another agent apart from now on.
+    pub fn watch(&mut self, who: Option<usize>) {
+        self.log.watch(who);
     }
 
     /// Number of characters that are there.
     pub fn num_present(&self) -> usize {
-        self.simulation.roots().flatten().count()
+        self.simulation().roots().flatten().count()
     }
 
     /// One step forward: a recorded one, or a new one.
@@ -95,12 +306,14 @@ impl SceneRun {
     pub fn step(&mut self) -> Result<()> {
         let step = self.head.now() + 1;
         let begin = Instant::now();
-        self.advance_to(step)?;
-        if !self.head.on() {
-            self.step_s = begin.elapsed().as_secs_f64();
+        self.state.advance_to(step)?;
+        if self.head.on() {
+            self.take_inputs(step)
+        } else {
+            self.state.figures.wall_s = begin.elapsed().as_secs_f64();
             self.record(step);
+            Ok(())
         }
-        Ok(())
     }
 
     /// Shows a recorded step, the nearest one there is.
@@ -115,16 +328,58 @@ impl SceneRun {
         let before = &self.keyframes[after.saturating_sub(1)];
         let mut at = shown;
         if step < shown || before.step > shown {
-            self.simulation.clone_from(&before.state);
+            self.state.clone_from(&before.state);
             at = before.step;
+            self.take_inputs(at)?;
         }
-        (at + 1..=step).try_for_each(|step| self.advance_to(step))
+        for step in at + 1..=step {
+            self.state.advance_to(step)?;
+            self.take_inputs(step)?;
+        }
+        Ok(())
+    }
+
+    fn take_inputs(&mut self, step: u32) -> Result<()> {
+        let from = self.inputs.partition_point(|i| i.0 < step);
+        let here = self.inputs.iter().skip(from).take_while(|i| i.0 == step);
+        here.map(|i| &i.1).try_for_each(|input| self.state.take(input))
+    }
+
+    /// Lets an input take effect now. What was recorded after the step shown is dropped: it did not know of the input.
+    /// A target is kept within [`super::MAX_TARGET_M`]; one that is nowhere is not taken.
+    ///
+    /// # Errors
+    /// [`throng_runtime::Error`] for what cannot be done; nothing has changed then.
+    pub fn input(&mut self, input: Input) -> Result<()> {
+        let Some(input) = input.limited() else { return Ok(()) };
+        self.state.take(&input)?;
+        let now = self.head.now();
+        self.keyframes.truncate(self.keyframes.partition_point(|k| k.step <= now).max(1));
+        self.events.truncate(self.events.partition_point(|e| e.0 <= now));
+        self.marks.truncate(self.marks.partition_point(|m| m.step <= now));
+        self.figures.truncate(self.figures.partition_point(|f| f.0 <= now));
+        self.trails.truncate(self.trails.partition_point(|t| t.0 <= now));
+        self.inputs.truncate(self.inputs.partition_point(|i| i.0 <= now));
+        self.log.forget_after(self.state.simulation.time_s());
+        // Of many drags of one target at a step only the last one counts.
+        self.inputs.pop_back_if(|last| last.0 == now && input.replaces(&last.1));
+        self.inputs.push_back((now, input));
+        let first = *self.head.recorded().start();
+        self.head.record(first..=now, now);
+        Ok(())
     }
 
     /// Events of the recorded steps up to the one shown, the latest first.
     pub fn events(&self) -> impl Iterator<Item = &Event> {
         let now = self.head.now();
         self.events.iter().rev().skip_while(move |e| e.0 > now).map(|e| &e.1)
+    }
+
+    /// Blows of the last `seconds`, the latest first.
+    pub fn marks(&self, seconds: f32) -> impl Iterator<Item = &Mark> {
+        let now = self.head.now();
+        let from = (now + 1).saturating_sub((seconds * STEP_HZ) as u32);
+        self.marks.iter().rev().skip_while(move |m| m.step > now).take_while(move |m| m.step >= from)
     }
 
     /// Where a character has been during the last `seconds`, now and then, and now (m).
@@ -138,45 +393,95 @@ impl SceneRun {
     /// Where a character is: the middle of an agent in the air, else on the ground that it stands on; `None` if it has left
     /// (m).
     pub fn place(&self, who: usize) -> Option<Vec3> {
-        if let Some(disc) = self.simulation.disc(who) {
+        if let Some(disc) = self.simulation().disc(who) {
             return Some(disc.centre);
         }
-        let root = self.simulation.root(who)?.translation();
-        let Some(pose) = self.simulation.pose(who) else { return Some(root) };
+        let root = self.simulation().root(who)?.translation();
+        let Some(pose) = self.simulation().pose(who) else { return Some(root) };
         use throng_runtime::Joint::{LeftFoot, RightFoot};
         let ankle = [LeftFoot, RightFoot].map(|j| pose[j.index()].translation().y);
         Some(root.with_y(ankle[0].min(ankle[1])))
     }
 
-    fn advance_to(&mut self, step: u32) -> Result<()> {
-        let is_large = self.simulation.num_characters() >= PARALLEL_FROM;
-        let threads: &dyn Threads = if is_large { &Rayon } else { &Inline };
-        self.simulation.step_to(f64::from(step) / f64::from(STEP_HZ), threads)
+    /// What of a character's choices is recorded: goals, weights, and what its last choice was about; none for a character
+    /// that does not choose.
+    pub(crate) fn choosing(&self, who: usize) -> Option<(&[RunGoal], &[f32], &super::LastChoice, usize)> {
+        let c = self.state.choosing.iter().rev().find(|c| c.first <= who)?;
+        let number = who - c.first;
+        (number < c.choices.len()).then(|| (&*c.goals, &*c.weights, c.choices.last(number), number))
     }
 
     /// Records a new step, which is shown.
     fn record(&mut self, step: u32) {
-        self.events.extend(self.simulation.events().iter().map(|&e| (step, e)));
+        let simulation = &self.state.simulation;
+        self.events.extend(simulation.events().iter().map(|&e| (step, e)));
+        marks::of_step(simulation, step, &mut self.marks);
+        self.figures.push_back((step, self.state.figures));
+        self.log_events();
+        self.mark_log();
         self.keep_trail(step);
         if step.is_multiple_of(STATE_EVERY) {
-            self.keyframes.push_back(Keyframe { step, state: self.simulation.clone() });
+            self.keyframes.push_back(Keyframe { step, state: self.state.clone() });
         }
         let mut first = *self.head.recorded().start();
-        let bytes = self.keyframes.len() * self.simulation.num_characters() * CHARACTER_BYTES;
+        let bytes = self.keyframes.len() * self.simulation().num_characters() * CHARACTER_BYTES;
         let is_full = step - first > RECORDED_STEPS + STATE_EVERY || bytes > MAX_BYTES;
         if let Some(second) = self.keyframes.get(1).map(|k| k.step).filter(|_| is_full) {
             self.keyframes.pop_front();
+            while self.inputs.pop_front_if(|i| i.0 < second).is_some() {}
             while self.events.pop_front_if(|e| e.0 <= second).is_some() {}
+            while self.marks.pop_front_if(|m| m.step < second).is_some() {}
+            while self.figures.pop_front_if(|f| f.0 < second).is_some() {}
             while self.trails.pop_front_if(|t| t.0 < second).is_some() {}
             first = second;
         }
         self.head.record(first..=step, step);
     }
 
+    /// Writes the events of agents into the log, with where they happened.
+    fn log_events(&mut self) {
+        for cast in self.state.simulation.casts() {
+            match cast {
+                Cast::Ground(agents) => log(&mut self.log, self.first_agent, agents, &self.trails),
+                Cast::Air(agents) => log(&mut self.log, self.first_agent, agents, &self.trails),
+                _ => {}
+            }
+        }
+    }
+
+    /// Notes in the log how many events there were until now.
+    fn mark_log(&mut self) {
+        if let Some(agents) = self.state.figures.agents {
+            self.log.mark(self.state.simulation.time_s(), agents.present);
+        }
+    }
+
     fn keep_trail(&mut self, step: u32) {
         if step.is_multiple_of(TRAIL_EVERY) {
-            let places = (0..self.simulation.num_characters()).map(|who| self.place(who)).collect();
+            let places = (0..self.simulation().num_characters()).map(|who| self.place(who)).collect();
             self.trails.push_back((step, places));
         }
+    }
+}
+
+/// Writes the events of the last step into a log.
+fn log<V: throng_runtime::crowd::Space>(
+    log: &mut EventLog,
+    first: Option<usize>,
+    agents: &Agents<V>,
+    trails: &VecDeque<(u32, Vec<Option<Vec3>>)>,
+) {
+    let Some(first) = first else { return };
+    let place = |agent: usize, event: &CrowdEvent| {
+        let last = || *trails.back()?.1.get(first + agent)?;
+        agents.position(agent, event.time).map(in_world).or_else(last)
+    };
+    for event in agents.engine_events() {
+        let Some((what, with)) = What::of(&event.kind) else { continue };
+        let agent = event.agent.index();
+        let other_at = if let With::Agent(other) = with { place(other, event) } else { None };
+        let with = if let With::Agent(other) = with { With::Agent(first + other) } else { with };
+        let at = place(agent, event).unwrap_or_default();
+        log.add(Happened { time_s: event.time, agent: first + agent, what, with, at, other_at });
     }
 }

@@ -1,19 +1,22 @@
 //! The characters at one instant, and one step of them.
 
-use super::cast::{About, Cast, CastSnapshot, RunGoal};
+use super::choices::{About, Choices, RunGoal};
 use super::config::{RunConfig, STEP_HZ, TargetMode};
-use super::figures::{BoutFigures, Slip, StepFigures};
+use super::figures::{Slip, StepFigures};
 use crate::bundle::OpenBundle;
 use glam::Vec3;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use std::f32::consts::TAU;
+use std::sync::Arc;
 use std::time::Instant;
-use throng_precompute::BuildError;
-use throng_precompute::scene::Scene;
 use throng_precompute::slip::SlipMeter;
 use throng_runtime::Planar;
-use throng_runtime::characters::{Characters, CharactersError, Start};
+use throng_runtime::world::inhabitants::Wish;
+use throng_runtime::characters::{Characters, CharactersError, CharactersSnapshot, Goal, Start};
+
+/// Characters from which on a step is split over threads.
+const PARALLEL_FROM: usize = 1000;
 
 /// Something done to a run from outside. Inputs are recorded and repeated when the run is.
 #[derive(Clone, Debug, PartialEq)]
@@ -25,8 +28,13 @@ pub enum Input {
         /// Where to.
         to: Vec3,
     },
-    /// What every behaviour counts (number of behaviours).
-    Weights(Vec<f32>),
+    /// What every behaviour of a group counts.
+    Weights {
+        /// Any character of the group.
+        of: usize,
+        /// What each counts (number of behaviours).
+        weights: Vec<f32>,
+    },
     /// A character plays a segment at once.
     Play {
         /// Which character.
@@ -34,27 +42,48 @@ pub enum Input {
         /// Which segment.
         segment: u32,
     },
+    /// A character of a world is told what to do.
+    Wish {
+        /// Which character.
+        character: usize,
+        /// What; none lets it decide for itself.
+        wish: Option<Wish>,
+    },
+}
+
+impl Input {
+    /// The same where it can be taken: a target within bounds; none for one that is nowhere.
+    pub(super) fn limited(self) -> Option<Self> {
+        let most = Vec3::splat(super::MAX_TARGET_M);
+        match self {
+            Self::Target { to, .. } if to.is_nan() => None,
+            Self::Target { character, to } => Some(Self::Target { character, to: to.clamp(-most, most) }),
+            other => Some(other),
+        }
+    }
+
+    /// True where it makes an older input at the same step pointless.
+    pub(super) fn replaces(&self, old: &Self) -> bool {
+        match (old, self) {
+            (Self::Target { character: a, .. }, Self::Target { character: b, .. }) => a == b,
+            (Self::Weights { of: a, .. }, Self::Weights { of: b, .. }) => a == b,
+            (Self::Wish { character: a, .. }, Self::Wish { character: b, .. }) => a == b,
+            _ => false,
+        }
+    }
 }
 
 /// What of the run is not the characters' own: targets, weights, and when each character last chose.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub(super) struct Surroundings {
     /// What each character's next choice is about.
     pub targets: Vec<Vec3>,
-    /// Coming blows, for each character of a pair: x, seconds, z.
-    pub threats: Vec<Vec3>,
     /// Targets that each character has reached so far.
     pub reached: Vec<u32>,
     /// What every goal counts.
-    pub weights: Vec<f32>,
-    /// Step at which each character last chose.
-    pub choice_steps: Vec<u32>,
-    /// Choices each character had made by the last step.
-    pub num_choices: Vec<u32>,
-    /// Target of each character when it last chose.
-    pub choice_targets: Vec<Vec3>,
-    /// Coming blow when it last chose.
-    pub choice_threats: Vec<Vec3>,
+    pub weights: Arc<[f32]>,
+    /// What the last choices were about.
+    pub choices: Choices,
     /// The step that comes next.
     pub step: u32,
 }
@@ -62,7 +91,7 @@ pub(super) struct Surroundings {
 /// All that later steps depend on.
 #[derive(Clone, Debug)]
 pub(super) struct Keyframe {
-    cast: CastSnapshot,
+    characters: CharactersSnapshot,
     around: Surroundings,
 }
 
@@ -72,16 +101,13 @@ impl Keyframe {
         self.around.step
     }
 
-    pub fn weights(&self) -> &[f32] {
-        &self.around.weights
-    }
-
     /// Memory that it takes (bytes).
     pub fn num_bytes(&self) -> usize {
         let a = &self.around;
-        let vectors = a.targets.len() + a.threats.len() + a.choice_targets.len() + a.choice_threats.len();
-        let numbers = a.reached.len() + a.choice_steps.len() + a.num_choices.len() + a.weights.len();
-        self.cast.num_bytes() + vectors * size_of::<Vec3>() + 4 * numbers
+        self.characters.num_bytes()
+            + a.choices.num_bytes()
+            + a.targets.len() * size_of::<Vec3>()
+            + 4 * (a.reached.len() + a.weights.len())
     }
 }
 
@@ -89,7 +115,7 @@ impl Keyframe {
 #[derive(Clone, Debug)]
 pub(super) struct Simulation {
     pub config: RunConfig,
-    pub cast: Cast,
+    pub characters: Characters,
     /// What is weighed (number of weights).
     pub goals: Vec<RunGoal>,
     pub around: Surroundings,
@@ -105,38 +131,18 @@ impl Simulation {
         let (starts, targets) = scatter(&config, num_states);
         let characters = Characters::new(bundle.motion_set(), config.characters(), &starts)?;
         let goals = (0..weights.len()).map(|policy| RunGoal { policy, about: About::Target }).collect();
-        let around = Surroundings { targets, weights, ..Surroundings::default() };
-        Ok(Self::at_start(config, Cast::Crowd(Box::new(characters)), goals, around))
-    }
-
-    /// The characters of a scene where they start. No step has been taken.
-    pub fn of_scene(bundle: &OpenBundle, scene: &Scene) -> Result<Self, BuildError> {
-        let cast = Cast::Scene(Box::new(scene.play(bundle.tables(), bundle.motion_set())?));
-        let mut around = Surroundings { weights: cast.weights(), ..Surroundings::default() };
-        cast.observe(&mut around.targets, &mut around.threats);
-        let goals = cast.goals();
-        Ok(Self::at_start(RunConfig::of_scene(scene), cast, goals, around))
-    }
-
-    fn at_start(config: RunConfig, cast: Cast, goals: Vec<RunGoal>, around: Surroundings) -> Self {
         let n = config.characters;
-        let around = Surroundings {
-            reached: vec![0; n],
-            choice_steps: vec![0; n],
-            num_choices: vec![0; n],
-            choice_targets: around.targets.clone(),
-            choice_threats: around.threats.clone(),
-            ..around
-        };
-        Self { config, cast, goals, around, slip: SlipMeter::new(n) }
+        let (reached, choices) = (vec![0; n], Choices::new(n));
+        let around = Surroundings { targets, reached, weights: weights.into(), choices, step: 0 };
+        Ok(Self { config, characters, goals, around, slip: SlipMeter::new(n) })
     }
 
     pub fn keyframe(&self) -> Keyframe {
-        Keyframe { cast: self.cast.snapshot(), around: self.around.clone() }
+        Keyframe { characters: self.characters.snapshot(), around: self.around.clone() }
     }
 
     pub fn restore(&mut self, keyframe: &Keyframe) -> Result<(), CharactersError> {
-        self.cast.restore(&keyframe.cast)?;
+        self.characters.restore(&keyframe.characters)?;
         self.around.clone_from(&keyframe.around);
         self.slip.forget_step();
         Ok(())
@@ -145,69 +151,62 @@ impl Simulation {
     /// Lets an input take effect.
     pub fn take(&mut self, bundle: &OpenBundle, input: &Input) -> Result<(), CharactersError> {
         match input {
-            Input::Target { character, to } => self.move_target(*character, *to)?,
-            Input::Weights(weights) => self.around.weights.clone_from(weights),
-            Input::Play { character, segment } => self.cast.play_segment(bundle, *character, *segment)?,
+            Input::Target { character, to } => self.move_target(*character, *to),
+            Input::Weights { weights, .. } => self.around.weights = weights.as_slice().into(),
+            Input::Play { character, segment } => self.characters.play(bundle.motion_set(), *character, *segment)?,
+            Input::Wish { .. } => {}
         }
         Ok(())
     }
 
-    /// Moves a target; all targets if no character is named. Opponents' heads cannot be moved.
-    pub fn move_target(&mut self, character: Option<usize>, to: Vec3) -> Result<(), CharactersError> {
-        if self.cast.play().is_some() {
-            self.cast.move_target(character, to)?;
-            self.cast.observe(&mut self.around.targets, &mut self.around.threats);
-            return Ok(());
-        }
+    /// Moves a target; all targets if no character is named.
+    pub fn move_target(&mut self, character: Option<usize>, to: Vec3) {
+        let targets = &mut self.around.targets;
         match character {
-            None => self.around.targets.fill(to),
-            Some(c) => {
-                if let Some(target) = self.around.targets.get_mut(c) {
-                    *target = to;
-                }
-            }
+            None => targets.fill(to),
+            Some(c) => targets.get_mut(c).into_iter().for_each(|target| *target = to),
         }
-        Ok(())
     }
 
     /// One step; the very first one only takes the first choices. Measures it.
     pub fn step(&mut self, bundle: &OpenBundle) -> Result<StepFigures, CharactersError> {
         let dt = if self.around.step == 0 { 0.0 } else { 1.0 / STEP_HZ };
-        let a = &mut self.around;
         let begin = Instant::now();
-        self.cast.step(bundle, dt, (&self.goals, &a.weights), &a.targets)?;
+        self.move_characters(bundle, dt)?;
         let wall_s = begin.elapsed().as_secs_f64();
-        for c in 0..self.config.characters {
-            let made = self.cast.characters().num_choices(c);
-            if made != std::mem::replace(&mut a.num_choices[c], made) {
-                a.choice_steps[c] = a.step;
-                a.choice_targets[c] = a.targets[c];
-                if let Some(&threat) = a.threats.get(c) {
-                    a.choice_threats[c] = threat;
-                }
-            }
-        }
-        self.cast.observe(&mut a.targets, &mut a.threats);
+        let a = &mut self.around;
+        a.choices.observe(&self.characters, (&a.targets, &[]), &a.weights, a.step);
         let figures = StepFigures { wall_s, ..self.measure(dt) };
         self.around.step += 1;
-        if self.cast.play().is_none() && self.config.targets == TargetMode::Wander {
+        if self.config.targets == TargetMode::Wander {
             self.move_targets_on();
         }
         Ok(figures)
     }
 
+    fn move_characters(&mut self, bundle: &OpenBundle, dt: f32) -> Result<(), CharactersError> {
+        let (motion_set, a) = (bundle.motion_set(), &self.around);
+        let weighed = self.goals.iter().zip(a.weights.iter());
+        let all = weighed.map(|(g, &weight)| Goal { policy: g.policy, weight, targets: &a.targets });
+        // One behaviour alone can be loaded without looking ahead; those switched off do not count.
+        let none_counts = a.weights.iter().all(|&w| w == 0.0);
+        let goals: Vec<Goal<'_>> = all.filter(|g| g.weight != 0.0 || none_counts).collect();
+        match self.characters.num_characters() >= PARALLEL_FROM {
+            true => self.characters.par_step(motion_set, dt, &goals),
+            false => self.characters.step(motion_set, dt, &goals),
+        }
+    }
+
     fn measure(&mut self, dt: f32) -> StepFigures {
-        let characters = self.cast.characters();
         self.slip.clear();
-        self.slip.observe(characters, dt);
+        self.slip.observe(&self.characters, dt);
         let slip = Slip::from(&self.slip);
         let at_target = (0..self.config.characters).filter(|&c| self.is_at_target(c)).count();
-        let bout = self.cast.play().map(BoutFigures::from);
-        StepFigures { times: characters.times(), slip, at_target, bout, ..StepFigures::default() }
+        StepFigures { times: self.characters.times(), slip, at_target, ..StepFigures::default() }
     }
 
     fn is_at_target(&self, c: usize) -> bool {
-        let (root, target) = (self.cast.characters().root(c), self.around.targets[c]);
+        let (root, target) = (self.characters.root(c), self.around.targets[c]);
         (root.x - target.x).hypot(root.z - target.z) < self.config.reach_m
     }
 

@@ -1,7 +1,6 @@
 //! Why a character took its action: the scores of all it could have done, as they were when it chose.
 
-use super::{About, Run};
-use crate::bundle::OpenBundle;
+use super::{About, Chooser};
 use glam::{Vec2, Vec3};
 use throng_runtime::Planar;
 
@@ -65,14 +64,15 @@ pub struct Why {
     pub chosen: usize,
 }
 
-pub(super) fn explain(bundle: &OpenBundle, run: &Run, character: usize) -> Option<Why> {
-    let choice = run.characters().last_choice(character)?;
+/// Why a character plays what it plays; none before its first choice and where the segment was not chosen.
+pub fn explain(chooser: &Chooser<'_>) -> Option<Why> {
+    let (bundle, c) = (chooser.bundle, chooser.choice);
+    let choice = chooser.characters.last_choice(chooser.number)?;
     let seen = |target: Vec3| {
         let local = choice.root.inverse_transform_point(Vec2::new(target.x, target.z));
         Vec3::new(local.x, target.y, local.y)
     };
-    let (target, step) = run.last_choice(character, About::Target);
-    let weights = run.weights_at(step);
+    let (target, step) = (c.target, c.step);
     let graph = bundle.tables().graph();
     let segments = graph.segments_of(choice.state);
     let mut candidates: Vec<Candidate> = segments
@@ -88,21 +88,21 @@ pub(super) fn explain(bundle: &OpenBundle, run: &Run, character: usize) -> Optio
         .collect();
     let mut behaviours = Vec::new();
     let mut scores = vec![0.0; segments.len()];
-    for (goal, &weight) in run.goals().iter().zip(weights) {
+    for (goal, &weight) in chooser.goals.iter().zip(c.weights.iter()) {
         let table = bundle.motion_set().policy(goal.policy)?;
-        let target = seen(run.last_choice(character, goal.about).0);
+        let target = seen(chooser.was_about(goal.about));
         table.action_scores(choice.state, target, &mut scores).ok()?;
         let value = table.value(choice.state, target);
         let is_active = table.region().contains(target);
         let b = BehaviourScore { policy: goal.policy, weight, about: goal.about, target, is_active, value };
-        for (c, &score) in candidates.iter_mut().zip(&scores) {
-            c.by_behaviour.push(score);
-            c.score += b.counted() * score;
+        for (candidate, &score) in candidates.iter_mut().zip(&scores) {
+            candidate.by_behaviour.push(score);
+            candidate.score += b.counted() * score;
         }
         behaviours.push(b);
     }
     candidates.sort_by(|a, b| b.score.total_cmp(&a.score).then(a.action.cmp(&b.action)));
-    let played = run.characters().segment(character).0;
+    let played = chooser.characters.segment(chooser.number).0;
     let chosen = candidates.iter().position(|c| c.segment == played)?;
     let state = choice.state;
     Some(Why { step, state, root: choice.root, target, local_target: seen(target), behaviours, candidates, chosen })

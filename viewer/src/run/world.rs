@@ -8,9 +8,9 @@ use super::reel::Reel;
 use crate::bundle::OpenBundle;
 use glam::{Vec2, Vec3};
 use std::time::Instant;
-use throng_precompute::scene::world::Life;
-use throng_runtime::world::WorldGraph;
-use throng_runtime::world::inhabitants::{InhabitantsError, Status, Wish};
+use throng_runtime::characters::CharactersConfig;
+use throng_runtime::world::inhabitants::{Inhabitants, InhabitantsConfig, InhabitantsError, Status, Wish};
+use throng_runtime::world::{Node, WorldGraph};
 use throng_runtime::{Contacts, Mat3x4, NUM_JOINTS, Planar};
 
 /// Steps between two points of a trail.
@@ -32,7 +32,9 @@ pub struct Moment {
 /// Characters in a world, with the record of what was seen.
 #[derive(Clone, Debug)]
 pub struct WorldRun {
-    life: Life,
+    inhabitants: Inhabitants,
+    /// What each was told to do; all others roam.
+    told: Vec<Option<Wish>>,
     /// All of them at the recorded steps.
     pub reel: Reel<Moment>,
     /// Wall time of the last step (s).
@@ -40,25 +42,28 @@ pub struct WorldRun {
 }
 
 impl WorldRun {
-    /// All inhabitants at rest where they start.
+    /// All inhabitants at rest where they start; they roam.
     ///
     /// # Errors
-    /// [`InhabitantsError`] where the first step cannot be taken.
-    pub fn new(mut life: Life, bundle: &OpenBundle, graph: &WorldGraph) -> Result<Self, InhabitantsError> {
+    /// [`InhabitantsError`] where nobody can stay at a start, or two would share a unit.
+    pub fn new(bundle: &OpenBundle, graph: &WorldGraph, seed: u64, starts: &[Node]) -> Result<Self, InhabitantsError> {
+        let characters = CharactersConfig { seed, ..CharactersConfig::default() };
+        let config = InhabitantsConfig { characters, ..InhabitantsConfig::default() };
+        let mut inhabitants = Inhabitants::new(bundle.motion_set(), graph, config, starts)?;
         let begin = Instant::now();
-        life.step(bundle.motion_set(), graph, 0.0)?;
+        inhabitants.step(bundle.motion_set(), graph, 0.0)?;
         let step_s = begin.elapsed().as_secs_f64();
         let each = NUM_JOINTS * size_of::<Mat3x4>() + size_of::<(Planar, Contacts, Status)>();
-        let reel = Reel::new(life.inhabitants().num_characters() * each, Moment::of(&life));
-        Ok(Self { life, reel, step_s })
+        let reel = Reel::new(starts.len() * each, Moment::of(&inhabitants));
+        Ok(Self { inhabitants, told: vec![None; starts.len()], reel, step_s })
     }
 
     /// Takes a new step and shows it.
     fn live(&mut self, bundle: &OpenBundle, graph: &WorldGraph) -> Result<(), InhabitantsError> {
         let begin = Instant::now();
-        self.life.step(bundle.motion_set(), graph, 1.0 / STEP_HZ)?;
+        self.inhabitants.step(bundle.motion_set(), graph, 1.0 / STEP_HZ)?;
         self.step_s = begin.elapsed().as_secs_f64();
-        self.reel.push(Moment::of(&self.life));
+        self.reel.push(Moment::of(&self.inhabitants));
         Ok(())
     }
 
@@ -75,17 +80,18 @@ impl WorldRun {
     /// # Errors
     /// [`InhabitantsError`] for a place or a tag that is not there (character < num_characters).
     pub fn tell(&mut self, graph: &WorldGraph, character: usize, wish: Option<Wish>) -> Result<(), InhabitantsError> {
-        self.life.tell(graph, character, wish)?;
+        self.inhabitants.set_wish(graph, character, wish.unwrap_or_default())?;
+        self.told[character] = wish;
         self.reel.head.seek(u32::MAX);
         let mut last = self.reel.moment().clone();
-        last.minds[character] = self.life.inhabitants().status(character);
+        last.minds[character] = self.inhabitants.status(character);
         self.reel.replace(last);
         Ok(())
     }
 
     /// The order of a character (character < num_characters).
     pub fn told(&self, character: usize) -> Option<Wish> {
-        self.life.is_told(character).then(|| self.life.inhabitants().status(character).wish)
+        self.told[character]
     }
 
     /// All of them at the step shown.
@@ -102,13 +108,13 @@ impl WorldRun {
     }
 
     /// The characters in the present, with their paths and what they hold.
-    pub fn life(&self) -> &Life {
-        &self.life
+    pub fn inhabitants(&self) -> &Inhabitants {
+        &self.inhabitants
     }
 
     /// Number of characters.
     pub fn num_characters(&self) -> usize {
-        self.life.inhabitants().num_characters()
+        self.inhabitants.num_characters()
     }
 
     /// Where hips have been during the last `seconds`, now and then (m).
@@ -129,8 +135,7 @@ impl Moment {
         self.roots[character].translation().with_y(hips.y)
     }
 
-    fn of(life: &Life) -> Self {
-        let inhabitants = life.inhabitants();
+    fn of(inhabitants: &Inhabitants) -> Self {
         let (characters, all) = (inhabitants.characters(), 0..inhabitants.num_characters());
         Self {
             roots: all.clone().map(|c| characters.root(c)).collect(),

@@ -58,7 +58,7 @@ pub(super) fn put(poses: &mut Vec<Mat3x4>, pose: &[Mat3x4], stretch: &Stretch) {
 mod tests {
     use super::*;
     use glam::Quat;
-    use throng_precompute::scene::walkers::body_of;
+    use throng_runtime::simulation::wander::body_of;
 
     #[test]
     fn the_ends_of_limbs_come_to_lie_on_the_next_joints() {

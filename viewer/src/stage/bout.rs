@@ -2,9 +2,10 @@
 
 use super::{Layout, Palette};
 use crate::render::{Rgba, Shapes};
-use crate::run::{Mark, Met, Run, STEP_HZ};
+use crate::run::{Mark, Met, STEP_HZ, SceneRun};
 use glam::Vec3;
-use throng_runtime::sparring::Part;
+use throng_runtime::simulation::Cast;
+use throng_runtime::sparring::{Part, StruckTarget};
 
 /// Time that a mark stays (s).
 const MARK_S: f32 = 0.6;
@@ -34,42 +35,38 @@ pub fn colour_of(met: Met) -> Option<Rgba> {
     }
 }
 
-/// Colour of a character of a scene: those of a pair differ.
-pub(super) fn corner(run: &Run, character: usize, palette: &Palette) -> Rgba {
-    if run.has_movable_targets() {
-        palette.on_the_way
-    } else {
-        [palette.left, palette.right][character % 2].mix(palette.plain, 0.25)
-    }
+/// Colour of a character of a pair: opponents differ.
+pub(super) fn corner(member: usize, palette: &Palette) -> Rgba {
+    [palette.left, palette.right][member % 2].mix(palette.plain, 0.25)
 }
 
-/// Targets and marks.
-pub(super) fn lay_out(out: &mut Layout, run: &Run, selected: Option<usize>, palette: &Palette) {
-    if let Some(radius) = run.target_radius_m() {
-        for (c, &target) in run.targets().iter().enumerate() {
-            hanging(&mut out.shapes, run, (c, target), radius, selected == Some(c), palette);
+/// Targets that hang in the air, the selected one's opponent, and marks of blows.
+pub(super) fn lay_out(out: &mut Layout, run: &SceneRun, selected: Option<usize>, palette: &Palette) {
+    let simulation = run.simulation();
+    for group in simulation.groups() {
+        if let Cast::Policy(p) = &simulation.casts()[group.cast] {
+            let radius = p.practice().config().target.radius_m;
+            for (who, target) in group.characters.clone().zip(p.practice().targets()) {
+                hanging(&mut out.shapes, target, radius, selected == Some(who), palette);
+            }
         }
-    } else if let Some(c) = selected.filter(|&c| c < run.targets().len()) {
-        let (from, to) = (run.characters().root(c).translation(), run.characters().root(c ^ 1).translation());
+    }
+    if let Some(who) = selected.filter(|&who| who < simulation.num_characters())
+        && let (Cast::Sparring(_), member) = simulation.member(who)
+        && let (Some(own), Some(other)) = (simulation.root(who), simulation.root(who - member + (member ^ 1)))
+    {
+        let (from, to) = (own.translation(), other.translation());
         out.shapes.line(from.with_y(0.012), to.with_y(0.012), 1.5, palette.target.alpha(0.7));
     }
-    let recent: Vec<&Mark> = run.marks(MARK_S).collect();
-    for m in recent.iter().rev().take(MAX_MARKS) {
-        let age = (run.now() - m.step) as f32 / STEP_HZ / MARK_S;
+    for m in run.marks(MARK_S).take(MAX_MARKS) {
+        let age = (run.head.now() - m.step) as f32 / STEP_HZ / MARK_S;
         mark(&mut out.shapes, m, age.min(1.0), palette);
     }
 }
 
 /// A ball on a string, its shadow on the ground, and where it hangs while it swings.
-fn hanging(
-    shapes: &mut Shapes,
-    run: &Run,
-    (character, at): (usize, Vec3),
-    radius: f32,
-    is_selected: bool,
-    palette: &Palette,
-) {
-    let home = run.home(character).unwrap_or(at);
+fn hanging(shapes: &mut Shapes, target: &StruckTarget, radius: f32, is_selected: bool, palette: &Palette) {
+    let (home, at) = (target.home, target.position());
     shapes.line(
         home + Vec3::Y * STRING_M,
         at + (home + Vec3::Y * STRING_M - at).normalize() * radius,

@@ -1,10 +1,10 @@
 //! A crowd: place and colour of all characters, and the cues of the selected character.
 
-use super::{Layout, Palette, bout, cues, values};
+use super::{Layout, Palette, cues, values};
 use crate::bundle::OpenBundle;
 use crate::model::Model;
 use crate::render::{CharacterInstance, Emphasis, Rgba};
-use crate::run::{Run, TargetMode};
+use crate::run::{Chooser, Run, TargetMode};
 use crate::settings::Colouring;
 use glam::Vec3;
 
@@ -23,12 +23,9 @@ pub(super) fn lay_out(out: &mut Layout, model: &Model, bundle: &OpenBundle, run:
         colour: colour(model, bundle, run, c, palette),
         emphasis: if selected == Some(c) { Emphasis::Selected } else { Emphasis::None },
     }));
-    if run.scene().is_some() {
-        bout::lay_out(out, run, selected, palette);
-    }
     let o = model.settings.overlays;
-    if o.values {
-        values::lay_out(out, model, bundle, run, palette);
+    if let Some(chooser) = selected.and_then(|c| run.chooser(bundle, c)).filter(|_| o.values) {
+        values::lay_out(out, model, &chooser, palette);
     }
     let count = if o.of_all { n.min(MAX_CUES) } else { 0 };
     for c in (0..count).chain(selected.filter(|&c| c >= count && c < n)) {
@@ -36,14 +33,14 @@ pub(super) fn lay_out(out: &mut Layout, model: &Model, bundle: &OpenBundle, run:
         if o.trails {
             trail(out, run, c, is_selected, palette);
         }
-        if o.trajectory {
-            trajectory(out, bundle, run, c, palette);
+        if let Some(chooser) = run.chooser(bundle, c).filter(|_| o.trajectory) {
+            trajectory(out, &chooser, palette);
         }
         let characters = run.characters();
         let body = (characters.root(c), characters.pose(c));
         cues::body(&mut out.shapes, o, body, characters.contacts(c), palette);
     }
-    if o.targets && run.scene().is_none() {
+    if o.targets {
         targets(out, run, selected, palette);
     }
 }
@@ -51,24 +48,28 @@ pub(super) fn lay_out(out: &mut Layout, model: &Model, bundle: &OpenBundle, run:
 fn colour(model: &Model, bundle: &OpenBundle, run: &Run, c: usize, palette: &Palette) -> Rgba {
     match model.settings.colouring {
         Colouring::Plain => palette.plain,
-        // Opponents differ in colour; marks show which targets were struck.
-        Colouring::Target if run.scene().is_some() => bout::corner(run, c, palette),
         Colouring::Target => {
             let (root, target) = (run.characters().root(c), run.targets()[c]);
             let distance = (root.x - target.x).hypot(root.z - target.z);
             if distance < run.config().reach_m { palette.reached } else { palette.on_the_way }
         }
-        Colouring::Clip => {
-            let segment = run.characters().segment(c).0;
-            cues::category(bundle.tables().graph().segments[segment as usize].clip as usize)
-        }
-        Colouring::Speed => {
-            let s = &bundle.tables().graph().segments[run.characters().segment(c).0 as usize];
-            let metres = s.displacement[0].hypot(s.displacement[1]);
-            let speed = metres / s.num_frames as f32 * bundle.rate_hz();
-            palette.slow.mix(palette.fast, (speed / FAST_MPS).min(1.0))
-        }
+        Colouring::Clip | Colouring::Speed => match run.chooser(bundle, c) {
+            Some(chooser) => colour_of_segment(&chooser, model.settings.colouring, palette),
+            None => palette.plain,
+        },
     }
+}
+
+/// By the speed or the clip of the segment that is played.
+pub(super) fn colour_of_segment(chooser: &Chooser<'_>, colouring: Colouring, palette: &Palette) -> Rgba {
+    let segment = chooser.characters.segment(chooser.number).0;
+    let s = &chooser.bundle.tables().graph().segments[segment as usize];
+    if colouring == Colouring::Clip {
+        return cues::category(s.clip as usize);
+    }
+    let metres = s.displacement[0].hypot(s.displacement[1]);
+    let speed = metres / s.num_frames as f32 * chooser.bundle.rate_hz();
+    palette.slow.mix(palette.fast, (speed / FAST_MPS).min(1.0))
 }
 
 fn trail(out: &mut Layout, run: &Run, c: usize, is_selected: bool, palette: &Palette) {
@@ -78,10 +79,11 @@ fn trail(out: &mut Layout, run: &Run, c: usize, is_selected: bool, palette: &Pal
 }
 
 /// The ground path of the rest of the segment that is played, and the way it faces at the end.
-fn trajectory(out: &mut Layout, bundle: &OpenBundle, run: &Run, c: usize, palette: &Palette) {
-    let (segment, time) = run.characters().segment(c);
+pub(super) fn trajectory(out: &mut Layout, chooser: &Chooser<'_>, palette: &Palette) {
+    let (bundle, characters) = (chooser.bundle, chooser.characters);
+    let (segment, time) = characters.segment(chooser.number);
     let s = bundle.tables().graph().segments[segment as usize];
-    let root = run.characters().root(c);
+    let root = characters.root(chooser.number);
     let now = s.start + (time as u32).min(s.num_frames);
     let clip_to_world = root.compose(bundle.planar(now).inverse());
     let end = s.start + s.num_frames;

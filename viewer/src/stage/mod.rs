@@ -10,7 +10,6 @@ mod cues;
 mod raw;
 pub mod scene;
 mod values;
-mod walkers;
 pub mod world;
 
 use crate::document::Document;
@@ -108,23 +107,6 @@ impl Layout {
                 match s.bundle().filter(|_| model.shows_clip()) {
                     Some(bundle) => clip::lay_out(self, model, bundle, &palette),
                     None => scene::lay_out(self, model, s, &palette, dark),
-                }
-            }
-            Document::Walkers(w) => {
-                self.skeleton.clone_from(w.bundle().tables().skeleton());
-                self.solids.meshes = std::sync::Arc::clone(w.hills());
-                match model.shows_clip() {
-                    true => clip::lay_out(self, model, w.bundle(), &palette),
-                    false => walkers::lay_out(self, model, w, &palette, dark),
-                }
-            }
-            Document::CrowdScene(c) => {
-                if let Some(bundle) = c.bundle() {
-                    self.skeleton.clone_from(bundle.tables().skeleton());
-                }
-                match c.bundle().filter(|_| model.shows_clip()) {
-                    Some(bundle) => clip::lay_out(self, model, bundle, &palette),
-                    None => agents::lay_out(self, model, c, &palette, dark),
                 }
             }
             Document::Bundle(b) => {

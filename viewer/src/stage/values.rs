@@ -1,10 +1,9 @@
 //! Values of a policy's cells, drawn around the selected character.
 
 use super::{Layout, Palette};
-use crate::bundle::OpenBundle;
 use crate::model::Model;
 use crate::render::{Rgba, Shapes};
-use crate::run::Run;
+use crate::run::Chooser;
 use crate::theme::viridis;
 use crate::volume::Volume;
 use glam::Vec3;
@@ -27,14 +26,15 @@ pub struct ValueCell {
 
 /// Draws the cells of the selected policy, for the selected state, where the character stood when it
 /// chose in that state, else where it stands.
-pub(super) fn lay_out(out: &mut Layout, model: &Model, bundle: &OpenBundle, run: &Run, palette: &Palette) {
-    let (Some(c), Some(state)) = (model.selection.character, model.looked_at_state()) else { return };
-    let Some(policy) = bundle.motion_set().policy(model.selection.policy) else { return };
-    if state as usize >= policy.actions().num_states() || c >= run.characters().num_characters() {
+pub(super) fn lay_out(out: &mut Layout, model: &Model, chooser: &Chooser<'_>, palette: &Palette) {
+    let (characters, c) = (chooser.characters, chooser.number);
+    let Some(state) = model.looked_at_state() else { return };
+    let Some(policy) = chooser.bundle.motion_set().policy(model.selection.policy) else { return };
+    if state as usize >= policy.actions().num_states() {
         return;
     }
-    let choice = run.characters().last_choice(c).filter(|choice| choice.state == state);
-    let root = choice.map_or(run.characters().root(c), |choice| choice.root);
+    let choice = characters.last_choice(c).filter(|choice| choice.state == state);
+    let root = choice.map_or(characters.root(c), |choice| choice.root);
     let values = policy.values_of(state);
     let range = values.iter().fold([f32::INFINITY, f32::NEG_INFINITY], |[a, b], &v| [a.min(v), b.max(v)]);
     let cells = shown_cells(model, policy, state);

@@ -160,7 +160,7 @@ fn cues_of(out: &mut Layout, model: &Model, world: &WorldDocument, c: usize, pal
     if !run.reel.head.is_live() {
         return;
     }
-    let inhabitants = run.life().inhabitants();
+    let inhabitants = run.inhabitants();
     for unit in inhabitants.held(c) {
         if let Some(p) = world.placed().get(unit as usize) {
             let bounds = world.kit().geometries[p.unit].bounds;

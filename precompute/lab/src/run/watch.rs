@@ -41,6 +41,7 @@ pub(super) struct Watch {
 }
 
 /// Agents on the ground or in the air, if there are any.
+#[derive(Clone, Debug)]
 enum AgentsWatch {
     None,
     Ground(AgentWatch<Vec2>),
@@ -376,7 +377,57 @@ impl WorldWatch {
     }
 }
 
+/// What was measured of all agents until now.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct AgentsNow {
+    /// Agents that have not left.
+    pub present: usize,
+    /// Pairs that overlap by more than 1 mm now.
+    pub overlaps: u64,
+    /// Deepest overlap so far; zero or less if no agents have touched (m).
+    pub deepest_m: f64,
+    /// Mean speed toward the goal so far, along the planned route, of agents that had not arrived (m/s).
+    pub progress_mps: f64,
+    /// Agents that have reached their goal.
+    pub arrived: usize,
+    /// Agents that stayed within half a metre for 10 s on their way.
+    pub stuck: usize,
+}
+
+/// Measures all agents of a simulation.
+#[derive(Clone, Debug)]
+pub struct AgentsMeter {
+    watch: AgentsWatch,
+    cast: usize,
+}
+
+impl AgentsMeter {
+    /// Nothing seen yet; none for a simulation without agents.
+    pub fn new(sim: &Simulation) -> Option<Self> {
+        let (config, mut found) = (&sim.scene().measure, None);
+        for (cast, kind) in sim.casts().iter().enumerate() {
+            let watch = match kind {
+                Cast::Ground(a) => AgentsWatch::Ground(AgentWatch::new(a, config, (0..a.num_agents()).collect())),
+                Cast::Air(a) => AgentsWatch::Air(AgentWatch::new(a, config, (0..a.num_agents()).collect())),
+                _ => continue,
+            };
+            found = Some(Self { watch, cast });
+        }
+        found
+    }
+
+    /// Looks at all agents, at most 30 times a simulated second.
+    pub fn observe(&mut self, sim: &Simulation) -> AgentsNow {
+        match (&mut self.watch, &sim.casts()[self.cast]) {
+            (AgentsWatch::Ground(w), Cast::Ground(a)) => w.observe_now(a),
+            (AgentsWatch::Air(w), Cast::Air(a)) => w.observe_now(a),
+            _ => AgentsNow::default(),
+        }
+    }
+}
+
 /// Looks at some agents thirty times a second.
+#[derive(Clone, Debug)]
 pub(super) struct AgentWatch<V> {
     /// Their numbers in the crowd.
     members: Vec<usize>,
@@ -426,6 +477,20 @@ impl<V: Space> AgentWatch<V> {
         if let Some(lanes) = &mut self.lanes {
             let seen = all().filter_map(|m| Some((plan(at(m)?), self.goes_along[layout.groups[m]])));
             lanes.observe(time_s, &seen.collect::<Vec<_>>());
+        }
+    }
+
+    /// Looks at all of them, and says what was measured until now.
+    fn observe_now(&mut self, agents: &Agents<V>) -> AgentsNow {
+        let before = self.overlaps.over_1mm;
+        self.observe(agents);
+        AgentsNow {
+            present: self.places.len(),
+            overlaps: self.overlaps.over_1mm - before,
+            deepest_m: self.overlaps.max_m,
+            progress_mps: self.progress.progress_mps(),
+            arrived: self.progress.arrived(),
+            stuck: self.progress.stuck(),
         }
     }
 

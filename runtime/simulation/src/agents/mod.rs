@@ -43,6 +43,8 @@ pub struct Agents<V> {
     followers: Vec<Followers>,
     /// The engine runs on the threads of the current rayon pool.
     is_on_threads: bool,
+    /// All events of the last step, where they are recorded.
+    recorded: Option<Vec<CrowdEvent>>,
 }
 
 impl<V: Space> Agents<V> {
@@ -70,6 +72,7 @@ impl<V: Space> Agents<V> {
             ticks: 0,
             followers: Vec::new(),
             is_on_threads: false,
+            recorded: None,
             layout,
         };
         for (g, group) in scene.groups.iter().enumerate() {
@@ -85,6 +88,16 @@ impl<V: Space> Agents<V> {
     #[cfg(feature = "rayon")]
     pub fn set_threads(&mut self, threads: usize) {
         self.is_on_threads = threads > 1;
+    }
+
+    /// Records all events of the engine from now on, for [`Agents::engine_events`].
+    pub fn record_events(&mut self) {
+        self.recorded.get_or_insert_default();
+    }
+
+    /// All events of the engine in the last step, in their order; empty unless they are recorded.
+    pub fn engine_events(&self) -> &[CrowdEvent] {
+        self.recorded.as_deref().unwrap_or_default()
     }
 
     /// Lets time pass until `until_s`, without bodies. What happens does not depend on how often this is called on the way;
@@ -227,7 +240,11 @@ impl<V: Space> Agents<V> {
 impl<V: Space> Kind for Agents<V> {
     fn step(&mut self, tick: &Tick<'_>, events: &mut Vec<Event>) -> Result<()> {
         let first = tick.first;
+        // Taken out, so that the engine can be told to move on.
+        let mut recorded = self.recorded.take();
+        recorded.iter_mut().for_each(Vec::clear);
         let mut tell = |e: &CrowdEvent| {
+            recorded.iter_mut().for_each(|all| all.push(*e));
             let happened = match e.kind {
                 EventKind::Arrived => Happened::Arrived,
                 EventKind::Left => Happened::Left,
@@ -237,7 +254,9 @@ impl<V: Space> Kind for Agents<V> {
             };
             events.push(Event { time_s: e.time, who: first + e.agent.index(), happened });
         };
-        self.advance(tick.until_s, &mut tell)?;
+        let done = self.advance(tick.until_s, &mut tell);
+        self.recorded = recorded;
+        done?;
         // Taken out, so that they can look at the agents.
         let mut followers = std::mem::take(&mut self.followers);
         let done = followers.iter_mut().try_for_each(|f| f.step(self, tick));

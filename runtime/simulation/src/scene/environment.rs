@@ -95,11 +95,19 @@ pub mod engine {
         ALL.iter().find(|e| e.0 == name).map(|e| e.1)
     }
 
-    pub(super) fn serialize<S: Serializer>(scheme: &Scheme, to: S) -> Result<S::Ok, S::Error> {
+    /// Writes the name.
+    ///
+    /// # Errors
+    /// Those of the serializer.
+    pub fn serialize<S: Serializer>(scheme: &Scheme, to: S) -> Result<S::Ok, S::Error> {
         to.serialize_str(name(*scheme))
     }
 
-    pub(super) fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<Scheme, D::Error> {
+    /// Reads a name.
+    ///
+    /// # Errors
+    /// A message with the names that there are.
+    pub fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<Scheme, D::Error> {
         let text = String::deserialize(from)?;
         let known = names();
         named(&text).ok_or_else(|| D::Error::custom(format!("expected one of {known}, found \"{text}\"")))

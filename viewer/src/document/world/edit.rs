@@ -1,6 +1,6 @@
 //! Edits: units come, go and are moved, and the world is stitched again around them.
 
-use super::WorldDocument;
+use super::{Roamers, WorldDocument};
 use super::orders::{Change, Order, Work};
 use super::worker::{self, Begun, Done, Job, Outcome, Stitched};
 use std::collections::VecDeque;
@@ -8,7 +8,6 @@ use std::path::Path;
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, TryRecvError};
 use throng_precompute::environment::PlacedUnit;
-use throng_precompute::scene::world::WorldScene;
 use throng_runtime::patch::Placement;
 use throng_runtime::world::inhabitants::Wish;
 
@@ -144,8 +143,7 @@ impl WorldDocument {
             return Err(format!("the run can restart when {} is done", working.work.name()));
         }
         self.refused = None;
-        let scene = WorldScene { characters, seed, ..self.scene.clone() };
-        let done = worker::begin_anew(Arc::clone(&self.ground), scene);
+        let done = worker::begin_anew(Arc::clone(&self.ground), Roamers { characters, seed });
         let doing = format!("Finding room for {characters} characters");
         self.working = Some(Working { work: Work::Populate, doing, at: None, next: VecDeque::new(), done });
         Ok(())
@@ -170,7 +168,7 @@ impl WorldDocument {
             return;
         };
         let places = (0..self.run.num_characters()).map(|c| self.run.hips(c)).collect();
-        let done = worker::begin(Job { workshop, order, scene: self.scene.clone(), places });
+        let done = worker::begin(Job { workshop, order, seed: self.roamers.seed, places });
         self.working = Some(Working { work, doing, at, next: VecDeque::new(), done });
     }
 
@@ -241,7 +239,7 @@ impl WorldDocument {
     fn begin_with(&mut self, begun: Begun) {
         let mut run = begun.run;
         run.reel.head.play_like(&self.run.reel.head);
-        (self.run, self.scene) = (run, begun.scene);
+        (self.run, self.roamers) = (run, begun.roamers);
     }
 
     /// Shows another world; returns the place that came or was moved.

@@ -20,20 +20,26 @@ use std::fmt;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use throng_precompute::environment::{Environment, PlacedGeometry, PlacedUnit, Unit};
-use throng_precompute::scene::world::WorldScene;
 use throng_precompute::stitch::{Item, Kit, Library, Reason, StitchReport, Why, WorldSource};
 use throng_runtime::patch::{LinkRecord, Placement};
 use throng_runtime::world::WorldGraph;
 use throng_runtime::world::inhabitants::{InhabitantsError, Wish};
 use views::{Ground, Workshop};
 
+/// Characters that roam in a world.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Roamers {
+    /// How many.
+    pub characters: usize,
+    /// Seed of places and choices.
+    pub seed: u64,
+}
+
 /// A world that is open.
 pub struct WorldDocument {
     path: PathBuf,
     source: WorldSource,
-    scene: WorldScene,
-    /// The scene was opened, not the world itself.
-    is_scene: bool,
+    roamers: Roamers,
     kit: Arc<Kit>,
     /// None while an edit is under way.
     workshop: Option<Workshop>,
@@ -58,7 +64,7 @@ impl fmt::Debug for WorldDocument {
 }
 
 impl WorldDocument {
-    /// The file: of the world, or of the scene in it.
+    /// The file.
     pub fn path(&self) -> &Path {
         &self.path
     }
@@ -74,13 +80,8 @@ impl WorldDocument {
     }
 
     /// The inhabitants.
-    pub fn scene(&self) -> &WorldScene {
-        &self.scene
-    }
-
-    /// True where a scene was opened, false for a world of its own, in which a few roam.
-    pub fn is_scene(&self) -> bool {
-        self.is_scene
+    pub fn roamers(&self) -> Roamers {
+        self.roamers
     }
 
     /// The bundle's units, decoded.

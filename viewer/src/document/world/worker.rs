@@ -1,5 +1,6 @@
 //! Carries out edits on a thread of its own, and places new inhabitants, so that the window goes on drawing.
 
+use super::Roamers;
 use super::open::populate;
 use super::orders::{Change, Order, Work};
 use super::settle::settle;
@@ -10,7 +11,6 @@ use std::sync::Arc;
 use std::sync::mpsc::{Receiver, channel};
 use std::time::Instant;
 use throng_precompute::environment::{Environment, PlacedGeometry};
-use throng_precompute::scene::world::WorldScene;
 use throng_precompute::stitch::{Editor, StitchReport};
 
 /// What a worker is given.
@@ -18,8 +18,8 @@ pub(super) struct Job {
     pub workshop: Workshop,
     /// What the editor is to do.
     pub order: Order,
-    /// The inhabitants.
-    pub scene: WorldScene,
+    /// Seed of the inhabitants' choices.
+    pub seed: u64,
     /// Where they are (m).
     pub places: Vec<Vec3>,
 }
@@ -43,7 +43,7 @@ pub(super) enum Outcome {
 /// New inhabitants of a world.
 pub(super) struct Begun {
     /// With as many as there was room for.
-    pub scene: WorldScene,
+    pub roamers: Roamers,
     /// They at their first step.
     pub run: WorldRun,
 }
@@ -70,10 +70,10 @@ pub(super) fn begin(job: Job) -> Receiver<Done> {
 }
 
 /// Starts to place new inhabitants in a world.
-pub(super) fn begin_anew(ground: Arc<Ground>, mut scene: WorldScene) -> Receiver<Done> {
+pub(super) fn begin_anew(ground: Arc<Ground>, mut roamers: Roamers) -> Receiver<Done> {
     spawn(move || {
-        let run = populate(&mut scene, &ground);
-        Done { workshop: None, result: run.map(|run| Outcome::Begun(Box::new(Begun { scene, run }))) }
+        let run = populate(&mut roamers, &ground);
+        Done { workshop: None, result: run.map(|run| Outcome::Begun(Box::new(Begun { roamers, run }))) }
     })
 }
 
@@ -138,8 +138,7 @@ impl Job {
         let ground = Ground::new(self.workshop.shared_bundle(), world)?;
         let (bundle, graph) = (ground.bundle(), ground.graph());
         let (before, starts): (Vec<_>, Vec<_>) = settle(graph, &self.places).into_iter().unzip();
-        let life = self.scene.live_at(bundle.tables(), bundle.motion_set(), graph, &starts);
-        let run = WorldRun::new(life.map_err(|e| e.to_string())?, bundle, graph).map_err(|e| e.to_string())?;
+        let run = WorldRun::new(bundle, graph, self.seed, &starts).map_err(|e| e.to_string())?;
         let geometry = PlacedGeometry::new(&environment, &self.workshop.kit().geometries);
         Ok(Stitched { ground, environment, geometry, report, run, before, stitch_s: 0.0, total_s: 0.0 })
     }

@@ -65,9 +65,9 @@ const NO_SPACES: &str = "A blend space makes bodies from example motions at any 
 /// Shows the panel.
 pub fn show(ui: &mut Ui, model: &Model, state: &mut State, commands: &mut Vec<Command>) {
     state.focus = false;
-    if let Some(walkers) = model.document.walkers() {
-        let bundle = walkers.scene().bundle.display();
-        return empty(ui, "This is a scene of walkers", &format!("Open its bundle to see its blend spaces: {bundle}"));
+    if let (Some(_), Some(bundle)) = (model.document.scene(), model.document.bundle()) {
+        let bundle = bundle.path().display();
+        return empty(ui, "This is a scene", &format!("Open its bundle to see its blend spaces: {bundle}"));
     }
     let Some((bundle, run)) = model.document.blend() else {
         match model.document.bundle() {

@@ -1,18 +1,15 @@
-//! How the crowd or the scene is driven: behaviours and weights, targets, number of characters, seed.
+//! How the crowd or the scene is driven: behaviours and weights, targets, number of characters, seed, saved states.
 
 mod crowd;
-mod groups;
 mod scene;
 mod target;
-mod walkers;
 
 use crate::command::Command;
-use crate::document::{Document, SceneChoice};
+use crate::document::Document;
 use crate::model::Model;
-use crate::run::{Input, Run, RunConfig};
+use crate::run::{Input, RunConfig};
 use crate::settings::PanelKind;
 use eframe::egui::{Grid, Slider, Ui};
-use throng_precompute::scene::Scene;
 
 /// What the panel remembers.
 #[derive(Clone, Debug, Default)]
@@ -20,11 +17,7 @@ pub struct State {
     /// The config as it is dragged to: every change is a new run, so it takes effect when it is let go.
     dragged: Option<RunConfig>,
     /// The same of a scene.
-    dragged_scene: Option<Box<Scene>>,
-    /// Number and seed of a scene of walkers.
-    dragged_walkers: Option<(usize, u64)>,
-    /// Numbers of a scene of groups.
-    dragged_groups: Option<SceneChoice>,
+    scene: scene::State,
 }
 
 /// Shows the panel.
@@ -36,18 +29,8 @@ pub fn show(ui: &mut Ui, model: &Model, state: &mut State, commands: &mut Vec<Co
         }
         return;
     }
-    if let Some(scene) = model.document.simulated() {
-        return groups::show(ui, scene, model.selection.character, &mut state.dragged_groups, commands);
-    }
-    if let Some(scene) = model.document.walkers() {
-        return walkers::show(ui, scene, &mut state.dragged_walkers, commands);
-    }
-    if model.document.crowd_scene().is_some() {
-        ui.weak("The panel Crowd controls this scene.");
-        if ui.button("Open it").clicked() {
-            commands.push(Command::TogglePanel(PanelKind::Crowd));
-        }
-        return;
+    if let Some(scene) = model.document.scene() {
+        return scene::show(ui, model, scene, &mut state.scene, commands);
     }
     let Some(bundle) = model.document.bundle() else {
         ui.weak("Open a bundle to run a crowd: drop it on the window, or File > Open.");
@@ -70,33 +53,35 @@ pub fn show(ui: &mut Ui, model: &Model, state: &mut State, commands: &mut Vec<Co
             return;
         }
     };
-    behaviours(ui, bundle.tables().meta().behaviours.as_slice(), run, commands);
+    let names = &bundle.tables().meta().behaviours;
+    let weighed: Vec<&str> = run.goals().iter().map(|g| names.get(g.policy).map_or("behaviour", String::as_str)).collect();
+    behaviours(ui, &weighed, run.weights(), 0, commands);
+    if names.len() > weighed.len() {
+        ui.weak(format!("The first {} of {} behaviours can be weighed.", weighed.len(), names.len()));
+    }
     ui.add_space(8.0);
     target::show(ui, model, run, commands);
     ui.add_space(8.0);
-    match model.document.scene() {
-        Some(file) => scene::show(ui, &file.scene, &mut state.dragged_scene, commands),
-        None => crowd::show(ui, run.config(), &mut state.dragged, commands),
-    }
+    crowd::show(ui, run.config(), &mut state.dragged, commands);
 }
 
-fn behaviours(ui: &mut Ui, names: &[String], run: &Run, commands: &mut Vec<Command>) {
+/// Weights of behaviours.
+///
+/// - `of`: any character of the group that they are for.
+fn behaviours(ui: &mut Ui, names: &[&str], now: &[f32], of: usize, commands: &mut Vec<Command>) {
     ui.strong("Behaviours");
     ui.weak("Weight of each behaviour when an action is chosen; 0 switches it off.");
-    let mut weights = run.weights().to_vec();
+    let mut weights = now.to_vec();
     // A scene may weigh more.
     let most = weights.iter().fold(2.0, |most: f32, w| most.max(2.0 * w));
     Grid::new("weights").num_columns(2).show(ui, |ui| {
-        for (weight, goal) in weights.iter_mut().zip(run.goals()) {
-            ui.label(names.get(goal.policy).map_or("behaviour", String::as_str));
+        for (weight, name) in weights.iter_mut().zip(names) {
+            ui.label(*name);
             ui.add(Slider::new(weight, 0.0..=most).step_by(0.05).fixed_decimals(2));
             ui.end_row();
         }
     });
-    if run.scene().is_none() && names.len() > weights.len() {
-        ui.weak(format!("The first {} of {} behaviours can be weighed.", weights.len(), names.len()));
-    }
-    if weights != run.weights() {
-        commands.push(Command::Input(Input::Weights(weights)));
+    if weights != now {
+        commands.push(Command::Input(Input::Weights { of, weights }));
     }
 }

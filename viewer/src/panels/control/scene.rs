@@ -1,64 +1,190 @@
-//! What a scene is made of.
+//! A scene: who is there, how many, the seed, saved states, what the selected character is told, and what has happened.
 
-use crate::command::Command;
-use crate::run::MAX_CHARACTERS;
-use eframe::egui::{Button, DragValue, Grid, Response, Slider, Ui};
-use throng_precompute::scene::{Scene, SceneKind};
+use super::{behaviours, target};
+use crate::command::{Command, SceneCommand};
+use crate::document::{MAX_CHARACTERS, SceneChoice, SceneDocument};
+use crate::model::Model;
+use crate::panels::words;
+use crate::run::Input;
+use eframe::egui::{ComboBox, DragValue, Grid, Role, Slider, TextEdit, Ui, WidgetInfo};
+use std::path::PathBuf;
+use throng_runtime::crowd::Scheme;
+use throng_runtime::simulation::scene::engine;
+use throng_runtime::simulation::{Cast, Event, Group, Happened, Simulation};
+use throng_runtime::sparring::Part;
 
-/// Shows what a scene is made of.
-///
-/// - `dragged`: the scene as it is dragged to.
-pub fn show(ui: &mut Ui, scene: &Scene, dragged: &mut Option<Box<Scene>>, commands: &mut Vec<Command>) {
-    ui.strong(format!("Scene {}", scene.name));
+/// Events that are listed.
+const MAX_EVENTS: usize = 12;
+
+/// What the panel remembers.
+#[derive(Clone, Debug, Default)]
+pub struct State {
+    /// Numbers as they are dragged to.
+    dragged: Option<SceneChoice>,
+    /// File of a saved state as it was typed, and the scene that it is for.
+    file: Option<(PathBuf, String)>,
+}
+
+/// Shows the groups of a scene, what can be changed of it, and its last events.
+pub fn show(ui: &mut Ui, model: &Model, scene: &SceneDocument, state: &mut State, commands: &mut Vec<Command>) {
+    ui.strong(format!("Scene {}", scene.scene().name));
     ui.weak("A change restarts the scene; the file is not changed.");
-    let mut s = dragged.as_deref().unwrap_or(scene).clone();
-    let of_pairs = s.kind == SceneKind::Pairs;
-    let mut is_dragged = false;
-    Grid::new("scene").num_columns(2).spacing([8.0, 5.0]).show(ui, |ui| {
-        let mut row = |ui: &mut Ui, name: &str, tip: &str, add: &mut dyn FnMut(&mut Ui) -> Response| {
-            ui.label(name).on_hover_text(tip);
-            is_dragged |= add(ui).on_hover_text(tip).dragged();
-            ui.end_row();
-        };
-        if of_pairs {
-            let mut pairs = s.characters / 2;
-            row(ui, "pairs", "Number of pairs; characters 2i and 2i + 1 are opponents", &mut |ui| {
-                ui.add(Slider::new(&mut pairs, 1..=MAX_CHARACTERS / 2).update_while_editing(false).logarithmic(true))
-            });
-            s.characters = 2 * pairs;
-        } else {
-            row(ui, "characters", "Number of characters, each with its own target", &mut |ui| {
-                let slider = Slider::new(&mut s.characters, 1..=MAX_CHARACTERS);
-                ui.add(slider.update_while_editing(false).logarithmic(true))
-            });
+    choose(ui, scene, &mut state.dragged, commands);
+    saved(ui, scene, state, commands);
+    ui.add_space(8.0);
+    let simulation = scene.run().simulation();
+    groups(ui, simulation);
+    ui.add_space(8.0);
+    selected(ui, model, scene, commands);
+    ui.add_space(8.0);
+    ui.strong("Last events");
+    let mut events = scene.run().events().take(MAX_EVENTS).peekable();
+    if events.peek().is_none() {
+        ui.weak("Nothing has happened yet.");
+    }
+    for event in events {
+        if ui.link(told(event)).on_hover_text("Select this character").clicked() {
+            commands.push(Command::SelectCharacter(Some(event.who)));
         }
-        row(ui, "seed", "Seed of starting places and choices", &mut |ui| {
-            ui.add(DragValue::new(&mut s.seed).update_while_editing(false))
+    }
+}
+
+/// The selected character, and what it can be told.
+fn selected(ui: &mut Ui, model: &Model, scene: &SceneDocument, commands: &mut Vec<Command>) {
+    let simulation = scene.run().simulation();
+    let who = model.selection.character.filter(|&who| who < simulation.num_characters());
+    ui.strong("Selected");
+    let Some((who, text)) = who.and_then(|who| Some((who, words::character(simulation, who)?))) else {
+        ui.horizontal_wrapped(|ui| {
+            ui.weak("Click a character or an agent in the 3-D view, or");
+            if ui.small_button("select character 0").clicked() {
+                commands.push(Command::SelectCharacter(Some(0)));
+            }
         });
-        let apart = if of_pairs { "Between opponents at the start" } else { "Between a character and its target" };
-        row(ui, "distance", apart, &mut |ui| {
-            ui.add(Slider::new(&mut s.distance_m, 0.5..=6.0).update_while_editing(false).suffix(" m"))
-        });
-        row(ui, "spacing", "Between neighbours' places", &mut |ui| {
-            ui.add(Slider::new(&mut s.spacing_m, 1.0..=20.0).update_while_editing(false).suffix(" m"))
-        });
-        row(ui, "temperature", "Randomness of the choice among the best actions; 0 takes the best", &mut |ui| {
-            ui.add(Slider::new(&mut s.temperature, 0.0..=1.0).update_while_editing(false))
-        });
-        if !of_pairs {
-            row(ui, "target height", "Height of the middle of the targets", &mut |ui| {
-                ui.add(Slider::new(&mut s.target.height_m, 0.2..=2.2).update_while_editing(false).suffix(" m"))
+        return;
+    };
+    ui.label(text);
+    match simulation.member(who) {
+        (Cast::Policy(p), member) => target::hanging(ui, who, p.practice().targets()[member].home, commands),
+        (Cast::Sparring(_), member) => {
+            if ui.small_button("select its opponent").clicked() {
+                commands.push(Command::SelectCharacter(Some(who - member + (member ^ 1))));
+            }
+        }
+        (Cast::Patches(people), member) if people.is_told(member) => {
+            let tip = "It decides for itself again";
+            if ui.button("Let go").on_hover_text(tip).clicked() {
+                commands.push(Command::Input(Input::Wish { character: who, wish: None }));
+            }
+        }
+        (Cast::Patches(_), _) => _ = ui.weak("Ctrl and a click send it to a place."),
+        _ => {}
+    }
+    if let Some((names, weights)) = scene.weights(who) {
+        behaviours(ui, &names, weights, who, commands);
+    }
+}
+
+fn choose(ui: &mut Ui, scene: &SceneDocument, dragged: &mut Option<SceneChoice>, commands: &mut Vec<Command>) {
+    let now = scene.restarting().unwrap_or(scene.choice());
+    let mut wanted = dragged.unwrap_or(now);
+    let mut is_dragged = false;
+    Grid::new("choice").num_columns(2).spacing([8.0, 5.0]).show(ui, |ui| {
+        if scene.scene().groups.iter().any(|g| g.is_of_agents()) {
+            ui.label("engine").on_hover_text("How the events of agents are found and scheduled");
+            let combo = ComboBox::from_id_salt("engine").selected_text(engine::name(wanted.engine)).show_ui(ui, |ui| {
+                for &(name, scheme) in engine::ALL {
+                    ui.selectable_value(&mut wanted.engine, scheme, name).on_hover_text(meaning(scheme));
+                }
             });
+            combo.response.widget_info(|| WidgetInfo::labeled(Role::ComboBox, true, "Engine"));
+            combo.response.on_hover_text(meaning(wanted.engine));
+            ui.end_row();
+        }
+        let label = ui.label("characters").on_hover_text("Of all groups, each with its share");
+        let slider =
+            Slider::new(&mut wanted.characters, 1..=MAX_CHARACTERS).update_while_editing(false).logarithmic(true);
+        is_dragged |= ui.add(slider).labelled_by(label.id).dragged();
+        ui.end_row();
+        let label = ui.label("seed").on_hover_text("Of places, paths and choices");
+        ui.horizontal(|ui| {
+            let seed = DragValue::new(&mut wanted.seed).update_while_editing(false);
+            is_dragged |= ui.add(seed).labelled_by(label.id).dragged();
+            if ui.button("Restart").on_hover_text("With the same settings (R)").clicked() {
+                commands.push(Command::Restart);
+            }
+            if scene.restarting().is_some() {
+                ui.spinner();
+            }
+        });
+        ui.end_row();
+    });
+    *dragged = is_dragged.then_some(wanted);
+    if !is_dragged && wanted != now {
+        commands.push(Command::Scene(SceneCommand::Restart(wanted)));
+    }
+}
+
+/// What an engine is, in a sentence.
+fn meaning(scheme: Scheme) -> &'static str {
+    match scheme {
+        Scheme::Registration => "Bounds registered in cells: resetting and colliding events",
+        Scheme::Occupancy => "Bounds listed in every cell that they occupy, groups in contact",
+        Scheme::Fixed => "All agents act at every step: the baseline",
+    }
+}
+
+/// Saves the state at the step shown, and goes on from a saved one.
+fn saved(ui: &mut Ui, scene: &SceneDocument, state: &mut State, commands: &mut Vec<Command>) {
+    if state.file.as_ref().is_none_or(|f| f.0 != scene.path()) {
+        let suggested = scene.path().with_extension("state");
+        state.file = Some((scene.path().to_path_buf(), suggested.display().to_string()));
+    }
+    let Some((_, file)) = &mut state.file else { return };
+    ui.horizontal(|ui| {
+        let save = ui.button("Save").on_hover_text("Save the state at the step shown");
+        let restore = ui.button("Restore").on_hover_text("Continue from a saved state");
+        let field = ui.add(TextEdit::singleline(file).desired_width(f32::INFINITY));
+        field.widget_info(|| WidgetInfo::labeled(Role::TextInput, true, "Snapshot file"));
+        let path = PathBuf::from(file.trim());
+        if save.clicked() && !file.trim().is_empty() {
+            commands.push(Command::Scene(SceneCommand::Save(path)));
+        } else if restore.clicked() && !file.trim().is_empty() {
+            commands.push(Command::Scene(SceneCommand::Restore(path)));
         }
     });
-    if !of_pairs && !s.target.drag.is_empty() {
-        let tip = "The scene moves its targets; a target that you move stays there";
-        if ui.add(Button::new("Hold targets still")).on_hover_text(tip).clicked() {
-            s.target.drag.clear();
+}
+
+fn groups(ui: &mut Ui, simulation: &Simulation) {
+    Grid::new("groups").num_columns(3).striped(true).spacing([12.0, 4.0]).show(ui, |ui| {
+        ui.strong("group");
+        ui.strong("motion");
+        ui.strong("present");
+        ui.end_row();
+        for group in simulation.groups() {
+            ui.label(&group.name);
+            ui.label(group.motion.name());
+            ui.label(format!("{} of {}", present(simulation, group), group.characters.len()));
+            ui.end_row();
         }
-    }
-    *dragged = is_dragged.then(|| Box::new(s.clone()));
-    if s != *scene && !is_dragged {
-        commands.push(Command::ConfigureScene(Box::new(s)));
-    }
+    });
+}
+
+fn present(simulation: &Simulation, group: &Group) -> usize {
+    group.characters.clone().filter(|&who| simulation.root(who).is_some()).count()
+}
+
+/// An event in words.
+fn told(event: &Event) -> String {
+    let what = match event.happened {
+        Happened::Hit { .. } => "hit its target".to_owned(),
+        Happened::Struck { opponent, part: Part::Arm, .. } => format!("was blocked by {opponent}"),
+        Happened::Struck { opponent, .. } => format!("hit {opponent}"),
+        Happened::Fulfilled => "did what it wanted".to_owned(),
+        Happened::Arrived => "arrived at its goal".to_owned(),
+        Happened::Left => "left at its goal".to_owned(),
+        Happened::Stuck => "makes no progress".to_owned(),
+        Happened::RunInto { obstacle } => format!("was run into by obstacle {obstacle}"),
+    };
+    format!("{:.2} s  {} {what}", event.time_s, event.who)
 }

@@ -1,4 +1,4 @@
-//! The target of the selected character: a place on the ground, something to be struck, or an opponent.
+//! The target of the selected character: a place on the ground, or something to be struck.
 
 use crate::command::Command;
 use crate::model::Model;
@@ -6,9 +6,9 @@ use crate::run::{Input, MAX_TARGET_M, Run, TargetMode};
 use eframe::egui::{DragValue, Ui};
 use glam::Vec3;
 
-/// Shows the target, and lets it be moved where it is no opponent.
+/// Shows the target of the selected character of a crowd, and lets it be moved.
 pub fn show(ui: &mut Ui, model: &Model, run: &Run, commands: &mut Vec<Command>) {
-    ui.strong(if run.has_movable_targets() { "Target" } else { "Opponent" });
+    ui.strong("Target");
     let Some(c) = model.selection.character else {
         ui.horizontal_wrapped(|ui| {
             ui.weak("Click a character in the 3-D view, or");
@@ -19,7 +19,7 @@ pub fn show(ui: &mut Ui, model: &Model, run: &Run, commands: &mut Vec<Command>) 
         return;
     };
     let (root, target) = (run.characters().root(c), run.targets()[c]);
-    let mut to = home(run, c);
+    let mut to = target;
     ui.horizontal_wrapped(|ui| {
         let mut number = c;
         ui.label("of character");
@@ -27,28 +27,32 @@ pub fn show(ui: &mut Ui, model: &Model, run: &Run, commands: &mut Vec<Command>) 
         if ui.add(DragValue::new(&mut number).range(0..=last)).changed() {
             commands.push(Command::SelectCharacter(Some(number)));
         }
-        if !run.has_movable_targets() {
-            ui.label(format!("is character {}", c ^ 1));
-            if ui.small_button("select").clicked() {
-                commands.push(Command::SelectCharacter(Some(c ^ 1)));
-            }
-            return;
-        }
         coordinate(ui, "x", &mut to.x);
-        if run.scene().is_some() {
-            coordinate(ui, "y", &mut to.y);
-        }
         coordinate(ui, "z", &mut to.z);
     });
     ui.label(format!("{:.2} m away", (root.x - target.x).hypot(root.z - target.z)));
-    if to != home(run, c) {
+    if to != target {
         let who = (run.config().targets != TargetMode::Shared).then_some(c);
         commands.push(Command::Input(Input::Target { character: who, to }));
     }
     let tip = "All targets move to where this character stands";
-    if run.scene().is_none() && ui.button("Everybody comes here").on_hover_text(tip).clicked() {
+    if ui.button("Everybody comes here").on_hover_text(tip).clicked() {
         let here = Vec3::new(root.x, 0.0, root.z);
         commands.push(Command::Input(Input::Target { character: None, to: here }));
+    }
+}
+
+/// Shows where a target hangs that is to be struck, and lets it be moved.
+pub fn hanging(ui: &mut Ui, who: usize, home: Vec3, commands: &mut Vec<Command>) {
+    let mut to = home;
+    ui.horizontal_wrapped(|ui| {
+        ui.label("its target");
+        coordinate(ui, "x", &mut to.x);
+        coordinate(ui, "y", &mut to.y);
+        coordinate(ui, "z", &mut to.z);
+    });
+    if to != home {
+        commands.push(Command::Input(Input::Target { character: Some(who), to }));
     }
 }
 
@@ -56,9 +60,4 @@ fn coordinate(ui: &mut Ui, name: &str, value: &mut f32) {
     ui.label(name);
     let range = -MAX_TARGET_M..=MAX_TARGET_M;
     ui.add(DragValue::new(value).range(range).update_while_editing(false).speed(0.02).suffix(" m").fixed_decimals(2));
-}
-
-/// Where a target is at rest (m).
-fn home(run: &Run, character: usize) -> Vec3 {
-    run.home(character).unwrap_or(run.targets()[character])
 }

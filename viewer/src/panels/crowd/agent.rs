@@ -1,12 +1,12 @@
 //! The selected agent: how it moves, when it acts next, and what moves it.
 
-use super::{colour, swatch, who};
+use super::{colour, swatch};
 use crate::command::Command;
-use crate::document::CrowdDocument;
+use crate::document::SceneDocument;
 use crate::model::Model;
 use crate::panels::words;
 use crate::render::Rgba;
-use crate::run::agents::{Details, FORCE_TERMS, SeenAgent};
+use crate::run::agents::{Details, FORCE_TERMS, details, first_agent};
 use crate::stage::agents::{TAKEN, colour_of_force};
 use eframe::egui::{Color32, DragValue, Grid, Rect, RichText, Sense, Ui, pos2, vec2};
 use glam::Vec3;
@@ -16,59 +16,56 @@ use throng_runtime::planar::wrap_angle;
 const BAR: f32 = 96.0;
 
 /// Shows the agent.
-pub fn show(ui: &mut Ui, model: &Model, crowd: &CrowdDocument, commands: &mut Vec<Command>) {
-    let run = crowd.run();
-    let n = run.cast().groups.len();
-    let Some(m) = model.selection.character.filter(|&m| m < n) else {
+pub fn show(ui: &mut Ui, model: &Model, scene: &SceneDocument, commands: &mut Vec<Command>) {
+    let simulation = scene.run().simulation();
+    let (n, first) = (simulation.num_characters(), first_agent(simulation).unwrap_or(0));
+    let Some(who) = model.selection.character.filter(|&who| who < n) else {
         ui.horizontal_wrapped(|ui| {
             ui.weak("Click an agent in the view, or");
-            if ui.small_button("select agent 0").clicked() {
-                commands.push(Command::SelectCharacter(Some(0)));
+            if ui.small_button(format!("select agent {first}")).clicked() {
+                commands.push(Command::SelectCharacter(Some(first)));
             }
         });
         return;
     };
     ui.horizontal_wrapped(|ui| {
-        let mut number = m;
+        let mut number = who;
         let label = ui.label("number");
         if ui.add(DragValue::new(&mut number).range(0..=n - 1)).labelled_by(label.id).changed() {
             commands.push(Command::SelectCharacter(Some(number)));
         }
-        ui.label(who(crowd, m));
+        ui.label(super::who(scene, who));
         if ui.small_button("none").clicked() {
             commands.push(Command::SelectCharacter(None));
         }
     });
-    let moment = run.moment();
-    let Some(seen) = &moment.agents[m] else {
-        ui.label("It has left the crowd.");
+    let Some(details) = details(simulation, who) else {
+        ui.label(match simulation.root(who) {
+            Some(_) => "It is no agent: it is not in the crowd.",
+            None => "It has left the crowd.",
+        });
         return;
     };
-    let Some(details) = moment.details.as_ref().filter(|d| d.agent == m) else {
-        ui.label(format!("{:.2} m/s", seen.velocity.length()));
-        ui.weak("The recorded forces are those of the agent selected then. Go to the last step to see this agent's.");
-        return;
-    };
-    facts(ui, moment.time_s, run.cast().radii[m], seen, details);
+    facts(ui, simulation.time_s(), &details);
     ui.add_space(4.0);
-    forces(ui, seen, details);
+    forces(ui, &details);
 }
 
-fn facts(ui: &mut Ui, time_s: f64, radius: f32, seen: &SeenAgent, d: &Details) {
+fn facts(ui: &mut Ui, time_s: f64, d: &Details) {
     Grid::new("agent").num_columns(2).spacing([14.0, 3.0]).show(ui, |ui| {
         let mut row = |name: &str, tip: &str, text: String| {
             ui.label(name).on_hover_text(tip);
             ui.label(text);
             ui.end_row();
         };
-        let speed = seen.velocity.length();
+        let speed = d.velocity.length();
         row("speed", "Now, and desired", format!("{speed:.2} m/s, {:.2} wanted", d.speed));
         row("distance left", "Along its route", format!("{:.2} m", d.way_left));
-        let grown = seen.bound_radius - radius;
+        let grown = d.bound_radius - d.radius;
         row(
             "bound",
             "Radius of its time-varying bound now",
-            format!("{:.2} m, {grown:.2} m of it grown", seen.bound_radius),
+            format!("{:.2} m, {grown:.2} m of it grown", d.bound_radius),
         );
         let [last, next] = d.events;
         let tip = "Its last event, and its next one unless another agent causes one earlier";
@@ -77,9 +74,9 @@ fn facts(ui: &mut Ui, time_s: f64, radius: f32, seen: &SeenAgent, d: &Details) {
 }
 
 /// A table of all terms: colour, name, a bar, a number and where it points.
-fn forces(ui: &mut Ui, seen: &SeenAgent, d: &Details) {
+fn forces(ui: &mut Ui, d: &Details) {
     let dark = ui.visuals().dark_mode;
-    let ahead = if seen.velocity.length() > 0.05 { seen.velocity } else { d.desired };
+    let ahead = if d.velocity.length() > 0.05 { d.velocity } else { d.desired };
     ui.weak(format!("Forces in m/s², of at most {:.1}; directions from where it goes", d.limit));
     let sum: Vec3 = d.forces.iter().sum();
     let rows = FORCE_TERMS.iter().zip(d.forces).enumerate();

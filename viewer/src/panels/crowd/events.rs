@@ -2,7 +2,7 @@
 
 use super::{State, colour};
 use crate::command::Command;
-use crate::document::CrowdDocument;
+use crate::document::SceneDocument;
 use crate::model::Model;
 use crate::run::agents::{Happened, With};
 use crate::stage::agents::colour_of_event;
@@ -17,10 +17,10 @@ const TIME: f32 = 86.0;
 const KIND: f32 = 78.0;
 
 /// Shows the list.
-pub fn show(ui: &mut Ui, model: &Model, crowd: &CrowdDocument, state: &mut State, commands: &mut Vec<Command>) {
-    let (run, kinds) = (crowd.run(), &model.selection.crowd.kinds);
+pub fn show(ui: &mut Ui, model: &Model, scene: &SceneDocument, state: &mut State, commands: &mut Vec<Command>) {
+    let (run, kinds) = (scene.run(), &model.selection.scene.kinds);
     ui.checkbox(&mut state.only_selected, "of the selected agent only");
-    let now = run.moment().time_s;
+    let now = run.simulation().time_s();
     let list = match state.only_selected {
         true => run.log().last_of_watched(kinds, now, MOST),
         false => run.log().last(kinds, now, MOST),
@@ -36,7 +36,7 @@ pub fn show(ui: &mut Ui, model: &Model, crowd: &CrowdDocument, state: &mut State
     let area = ScrollArea::vertical().id_salt("events").max_height(HEIGHT).auto_shrink([false, true]);
     area.show_rows(ui, height, list.len(), |ui, rows| {
         for h in &list[rows] {
-            if row(ui, crowd, h, model.selection.character, height) {
+            if row(ui, scene, h, model.selection.character, height) {
                 commands.push(Command::SelectCharacter(Some(h.agent)));
             }
         }
@@ -44,7 +44,7 @@ pub fn show(ui: &mut Ui, model: &Model, crowd: &CrowdDocument, state: &mut State
 }
 
 /// One event; true where it was clicked.
-fn row(ui: &mut Ui, crowd: &CrowdDocument, h: &Happened, selected: Option<usize>, height: f32) -> bool {
+fn row(ui: &mut Ui, scene: &SceneDocument, h: &Happened, selected: Option<usize>, height: f32) -> bool {
     let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), height), Sense::click());
     let is_about = selected.is_some_and(|m| h.is_about(m));
     if is_about || response.hovered() {
@@ -60,7 +60,7 @@ fn row(ui: &mut Ui, crowd: &CrowdDocument, h: &Happened, selected: Option<usize>
     write(2.0, format!("{:>8.3} s", h.time_s), TextStyle::Monospace, visuals.weak_text_color());
     let kind = colour(colour_of_event(h.what, visuals.dark_mode));
     write(TIME, h.what.name().to_owned(), TextStyle::Body, kind);
-    write(TIME + KIND, in_words(crowd, h), TextStyle::Body, visuals.text_color());
+    write(TIME + KIND, in_words(scene, h), TextStyle::Body, visuals.text_color());
     let name = format!("Event {} {}", h.what.name(), h.agent);
     response.widget_info(|| WidgetInfo::labeled(Role::Button, true, &name));
     let clicked = response.clicked();
@@ -69,11 +69,11 @@ fn row(ui: &mut Ui, crowd: &CrowdDocument, h: &Happened, selected: Option<usize>
 }
 
 /// Agent of the event, and the other party.
-fn in_words(crowd: &CrowdDocument, h: &Happened) -> String {
-    let agent = super::who(crowd, h.agent);
+fn in_words(scene: &SceneDocument, h: &Happened) -> String {
+    let agent = super::who(scene, h.agent);
     match h.with {
         With::Nobody => agent,
-        With::Agent(other) => format!("{agent} – {}", super::who(crowd, other)),
+        With::Agent(other) => format!("{agent} – {}", super::who(scene, other)),
         With::Obstacle(o) => format!("{agent} – obstacle {o}"),
     }
 }

@@ -1,27 +1,29 @@
 //! What is measured of all agents.
 
-use crate::document::CrowdDocument;
+use crate::document::SceneDocument;
 use crate::panels::paint::time_text;
 use crate::theme::Palette;
 use eframe::egui::{Grid, RichText, Ui};
+use throng_runtime::simulation::Cast;
 
 /// Shows figures of the moment shown.
-pub fn show(ui: &mut Ui, crowd: &CrowdDocument) {
-    let (moment, cast) = (crowd.run().moment(), crowd.run().cast());
-    let f = moment.figures;
-    let there = moment.agents.iter().flatten();
-    let speed = there.map(|s| f64::from(s.velocity.length())).sum::<f64>() / f.present.max(1) as f64;
-    let desired = cast.speeds.iter().map(|&s| f64::from(s)).sum::<f64>() / cast.speeds.len().max(1) as f64;
+pub fn show(ui: &mut Ui, scene: &SceneDocument) {
+    let simulation = scene.run().simulation();
+    let Some(f) = scene.run().figures().agents else { return };
+    let discs = (0..simulation.num_characters()).filter_map(|who| simulation.disc(who));
+    let speed = discs.map(|d| f64::from(d.velocity.length())).sum::<f64>() / f.present.max(1) as f64;
+    let speeds: Vec<f64> = simulation.casts().iter().flat_map(desired_speeds).collect();
+    let n = speeds.len();
+    let desired = speeds.iter().sum::<f64>() / n.max(1) as f64;
     let palette = Palette::of(ui.visuals());
     let good = |is_good: bool| if is_good { palette.good } else { palette.warning };
-    let n = cast.groups.len();
     Grid::new("now").num_columns(2).spacing([14.0, 3.0]).show(ui, |ui| {
         let mut row = |name: &str, tip: &str, text: RichText| {
             ui.label(name).on_hover_text(tip);
             ui.label(text);
             ui.end_row();
         };
-        row("simulated", "Since the start of the scene", RichText::new(time_text(moment.time_s)));
+        row("simulated", "Since the start of the scene", RichText::new(time_text(simulation.time_s())));
         let left = if f.present < n { format!(", {} have left", n - f.present) } else { String::new() };
         row("agents", "Who is there", RichText::new(format!("{}{left}", f.present)));
         let tip = "Mean speed along planned paths so far, of agents not yet at their goals";
@@ -35,4 +37,13 @@ pub fn show(ui: &mut Ui, crowd: &CrowdDocument) {
         let stuck = RichText::new(f.stuck.to_string()).color(good(f.stuck == 0));
         row("stuck", "Agents that moved less than half a metre in 10 s on their way", stuck);
     });
+}
+
+/// Desired speeds of the agents among characters, at their start (m/s).
+fn desired_speeds(cast: &Cast) -> Vec<f64> {
+    match cast {
+        Cast::Ground(agents) => agents.layout().setup.agents.iter().map(|a| f64::from(a.speed)).collect(),
+        Cast::Air(agents) => agents.layout().setup.agents.iter().map(|a| f64::from(a.speed)).collect(),
+        _ => Vec::new(),
+    }
 }

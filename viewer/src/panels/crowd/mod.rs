@@ -1,47 +1,46 @@
-//! Scenes of crowds: engine, number of agents, what is drawn, figures, the selected agent, and what happens.
+//! Agents of a scene: what is drawn of them, figures, the selected agent, and what happens.
 
 mod agent;
-mod choose;
+mod drawn;
 mod events;
 mod figures;
 mod rates;
 
 use super::paint::empty;
-use crate::command::{Command, CrowdCommand, CrowdLook};
-use crate::document::{CrowdChoice, CrowdDocument};
+use crate::command::{Command, SceneCommand, SceneLook};
+use crate::document::SceneDocument;
 use crate::model::Model;
 use crate::render::Rgba;
+use crate::run::agents::first_agent;
+use crate::stage::agents::colour_of_group;
 use eframe::egui::{CollapsingHeader, Color32, RichText, Sense, Ui, vec2};
-use std::path::PathBuf;
-
-pub use choose::in_words;
 
 /// What the panel remembers.
 #[derive(Clone, Debug, Default)]
 pub struct State {
-    /// Engine, number of agents and seed as they are dragged to.
-    dragged: Option<CrowdChoice>,
-    /// File of a snapshot as it was typed, and the scene that it is for.
-    file: Option<(PathBuf, String)>,
     /// Only events of the selected agent are listed.
     only_selected: bool,
 }
 
-const NO_SCENE: &str = "Scenes of crowds need no bundle: data/scenes/corridor.toml, circle.toml, ring.toml, \
+const NO_SCENE: &str = "Scenes of agents need no bundle: data/scenes/corridor.toml, circle.toml, ring.toml, \
      bottleneck.toml, square.toml, flock.toml.";
 
 /// Shows the panel.
 pub fn show(ui: &mut Ui, model: &Model, state: &mut State, commands: &mut Vec<Command>) {
-    let Some(crowd) = model.document.crowd_scene() else {
-        return empty(ui, "No scene of a crowd is open", NO_SCENE);
+    let Some(scene) = model.document.scene().filter(|s| first_agent(s.run().simulation()).is_some()) else {
+        return empty(ui, "No scene with agents is open", NO_SCENE);
     };
-    choose::show(ui, crowd, state, commands);
-    ui.separator();
-    choose::drawn(ui, model, commands);
-    section(ui, "Now", |ui| figures::show(ui, crowd));
-    section(ui, "Agent", |ui| agent::show(ui, model, crowd, commands));
-    section(ui, "Event rate", |ui| rates::show(ui, model, crowd, commands));
-    section(ui, "Events", |ui| events::show(ui, model, crowd, state, commands));
+    ui.horizontal_wrapped(|ui| {
+        for (g, group) in scene.run().simulation().groups().iter().enumerate() {
+            swatch(ui, colour(colour_of_group(g)));
+            ui.label(&group.name);
+        }
+    });
+    drawn::show(ui, model, commands);
+    section(ui, "Now", |ui| figures::show(ui, scene));
+    section(ui, "Agent", |ui| agent::show(ui, model, scene, commands));
+    section(ui, "Event rate", |ui| rates::show(ui, model, scene, commands));
+    section(ui, "Events", |ui| events::show(ui, model, scene, state, commands));
 }
 
 fn section(ui: &mut Ui, title: &str, add: impl FnOnce(&mut Ui)) {
@@ -62,19 +61,19 @@ fn swatch(ui: &mut Ui, colour: Color32) {
 }
 
 /// Name of an agent, for people.
-fn who(crowd: &CrowdDocument, agent: usize) -> String {
-    let cast = crowd.run().cast();
-    match cast.groups.get(agent) {
-        Some(&g) if cast.names.len() > 1 => format!("{agent} ({})", cast.names[g]),
+fn who(scene: &SceneDocument, agent: usize) -> String {
+    let groups = scene.run().simulation().groups();
+    match groups.iter().find(|g| g.characters.contains(&agent)) {
+        Some(group) if groups.len() > 1 => format!("{agent} ({})", group.name),
         _ => agent.to_string(),
     }
 }
 
 /// Draws more or less.
-fn look(model: &Model, change: impl FnOnce(&mut CrowdLook)) -> Command {
-    let mut look = model.selection.crowd;
+fn look(model: &Model, change: impl FnOnce(&mut SceneLook)) -> Command {
+    let mut look = model.selection.scene;
     change(&mut look);
-    Command::Crowd(CrowdCommand::Look(look))
+    Command::Scene(SceneCommand::Look(look))
 }
 
 #[cfg(test)]

@@ -2,7 +2,7 @@
 
 use super::{colour, look};
 use crate::command::Command;
-use crate::document::CrowdDocument;
+use crate::document::SceneDocument;
 use crate::model::Model;
 use crate::run::agents::{WINDOW_S, What};
 use crate::stage::agents::colour_of_event;
@@ -17,9 +17,9 @@ const MARKS_S: [f64; 3] = [2.0, 10.0, 60.0];
 const COLUMNS: usize = 3;
 
 /// Shows the plot and the key.
-pub fn show(ui: &mut Ui, model: &Model, crowd: &CrowdDocument, commands: &mut Vec<Command>) {
-    let (run, dark) = (crowd.run(), ui.visuals().dark_mode);
-    let now = run.moment().time_s;
+pub fn show(ui: &mut Ui, model: &Model, scene: &SceneDocument, commands: &mut Vec<Command>) {
+    let (run, dark) = (scene.run(), ui.visuals().dark_mode);
+    let now = run.simulation().time_s();
     let rates = run.log().rates();
     ui.weak("Events of one agent in a second, over the last 10 s.");
     let before = rates.before(now);
@@ -42,7 +42,7 @@ pub fn show(ui: &mut Ui, model: &Model, crowd: &CrowdDocument, commands: &mut Ve
             HoverPosition::Elsewhere { .. } => None,
         });
     let totals = rates.totals(now);
-    let kinds = model.selection.crowd.kinds;
+    let kinds = model.selection.scene.kinds;
     plot.show(ui, |p| {
         for what in What::ALL.into_iter().filter(|w| kinds[w.number()] && totals[w.number()] > 0) {
             let points: PlotPoints<'_> = before.iter().map(|(t, r)| [*t, r[what.number()]]).collect();
@@ -60,7 +60,7 @@ fn key(ui: &mut Ui, model: &Model, totals: [u64; What::COUNT], commands: &mut Ve
     let there = What::ALL.into_iter().filter(|w| !is_special(w) || totals[w.number()] > 0);
     Grid::new("kinds").num_columns(COLUMNS).spacing([10.0, 2.0]).show(ui, |ui| {
         for (i, what) in there.enumerate() {
-            let is_on = model.selection.crowd.kinds[what.number()];
+            let is_on = model.selection.scene.kinds[what.number()];
             let inner = ui.horizontal(|ui| {
                 let (rect, _) = ui.allocate_exact_size(vec2(10.0, 10.0), Sense::hover());
                 let c = colour(colour_of_event(what, dark));

@@ -50,7 +50,7 @@ pub fn show(ui: &mut Ui, model: &Model, bundle: &OpenBundle, state: u32, own: &m
         ))
         .weak(),
     );
-    let player = model.document.crowd().and(model.selection.character);
+    let player = model.selection.character.filter(|&c| model.document.chooser(c).is_some());
     match player {
         Some(c) => ui.label(RichText::new(format!("Click an action: character {c} plays it.")).weak()),
         None => ui.label(RichText::new("No character is selected: a click shows the motion instead.").weak()),

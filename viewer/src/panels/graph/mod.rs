@@ -156,7 +156,10 @@ fn show_drawing(
     state.rect = rect;
     state.view.interact(ui, &drawn.layout, &response);
     let character = model.selection.character;
-    let playing = character.and_then(|c| Some(model.document.crowd()?.1.characters().segment(c)));
+    let playing = character.and_then(|c| {
+        let chooser = model.document.chooser(c)?;
+        Some(chooser.characters.segment(chooser.number))
+    });
     if let Some((segment, frames)) = playing.filter(|_| state.follow) {
         let bar = drawn.layout.bar(segment);
         let row = drawn.layout.lanes[bar.lane as usize].row;

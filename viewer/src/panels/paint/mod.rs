@@ -27,9 +27,6 @@ pub fn empty(ui: &mut Ui, title: &str, hint: &str) {
 /// What panels about bundles say of a document without one.
 pub fn no_bundle(ui: &mut Ui, document: &Document) {
     match document {
-        Document::CrowdScene(_) => {
-            empty(ui, "This is a scene of a crowd", "It has no bundle. The panel Crowd (F10) shows it.")
-        }
         Document::Scene(_) => empty(ui, "This scene has no bundle", "The panel Control (F1) shows its groups."),
         _ => nothing_open(ui),
     }

@@ -39,7 +39,7 @@ pub fn show(ui: &mut Ui, model: &Model, world: &WorldDocument, state: &mut State
 }
 
 fn population(ui: &mut Ui, world: &WorldDocument, state: &mut State, commands: &mut Vec<Command>) {
-    let (run, scene) = (world.run(), world.scene());
+    let (run, scene) = (world.run(), world.roamers());
     ui.horizontal_wrapped(|ui| {
         let mut n = state.characters.unwrap_or(run.num_characters());
         let field = DragValue::new(&mut n).range(1..=20_000).update_while_editing(false);
@@ -79,7 +79,7 @@ fn status(ui: &mut Ui, world: &WorldDocument, c: usize) {
     let run = world.run();
     let mind = run.moment().minds[c];
     let tags = &world.bundle().tables().meta().link_tags;
-    let inhabitants = run.life().inhabitants();
+    let inhabitants = run.inhabitants();
     Grid::new("character").num_columns(2).spacing([14.0, 3.0]).show(ui, |ui| {
         let mut row = |name: &str, value: String| {
             ui.label(name);

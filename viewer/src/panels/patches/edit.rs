@@ -96,7 +96,7 @@ fn edit(change: Change) -> Command {
 
 fn save(ui: &mut Ui, world: &WorldDocument, state: &mut State, commands: &mut Vec<Command>) {
     ui.horizontal(|ui| {
-        let file = state.file.get_or_insert_with(|| suggested(&world.scene().world).display().to_string());
+        let file = state.file.get_or_insert_with(|| suggested(world.path()).display().to_string());
         let button = ui.button("Save").on_hover_text("Write the world as a list of places");
         ui.add(TextEdit::singleline(file).desired_width(f32::INFINITY));
         if button.clicked() && !file.trim().is_empty() {

@@ -11,7 +11,7 @@ mod why;
 use crate::bundle::OpenBundle;
 use crate::command::Command;
 use crate::model::Model;
-use crate::run::About;
+use crate::run::{About, explain};
 use eframe::egui::{ComboBox, RichText, Ui};
 use glam::{Vec2, Vec3};
 use heat::Heat;
@@ -64,10 +64,8 @@ pub fn show(ui: &mut Ui, model: &Model, state: &mut State, commands: &mut Vec<Co
     };
     state.hovered_before = state.hovered.take();
     let character = model.selection.character;
-    let why = character.and_then(|c| {
-        let (bundle, run) = model.document.crowd()?;
-        run.why(bundle, c)
-    });
+    let chooser = character.and_then(|c| model.document.chooser(c));
+    let why = chooser.as_ref().and_then(explain);
     behaviour(ui, bundle, number, commands);
     facts(ui, bundle, policy, number);
     ui.separator();
@@ -84,7 +82,7 @@ pub fn show(ui: &mut Ui, model: &Model, state: &mut State, commands: &mut Vec<Co
         map::show(ui, &shown, state, commands);
     }
     ui.separator();
-    why::show(ui, model, state, why.as_ref(), commands);
+    why::show(ui, model, state, (chooser.as_ref(), why.as_ref()), commands);
 }
 
 /// Time left from which on a blow is none that is coming (s).
@@ -97,11 +95,10 @@ fn near(target: Vec3) -> Option<Vec3> {
 
 /// What a behaviour is about for the selected character, as it sees it now (m).
 fn local_target(model: &Model, policy: usize) -> Option<Vec3> {
-    let (_, run) = model.document.crowd()?;
-    let character = model.selection.character?;
-    let is_threat = run.goals().iter().any(|g| g.policy == policy && g.about == About::Threat);
-    let target = near(*if is_threat { run.threats() } else { run.targets() }.get(character)?)?;
-    let local = run.characters().root(character).inverse_transform_point(Vec2::new(target.x, target.z));
+    let chooser = model.document.chooser(model.selection.character?)?;
+    let is_threat = chooser.goals.iter().any(|g| g.policy == policy && g.about == About::Threat);
+    let target = near(chooser.about(if is_threat { About::Threat } else { About::Target })?)?;
+    let local = chooser.characters.root(chooser.number).inverse_transform_point(Vec2::new(target.x, target.z));
     Some(Vec3::new(local.x, target.y, local.y))
 }
 

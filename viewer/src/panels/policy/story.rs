@@ -3,21 +3,21 @@
 use super::chances;
 use crate::bundle::OpenBundle;
 use crate::panels::words;
-use crate::run::{About, BehaviourScore, RunConfig, STEP_HZ, Why};
+use crate::run::{About, BehaviourScore, Chooser, STEP_HZ, Why};
 use glam::Vec2;
 use throng_runtime::policy::RegionRecord;
 
 /// True where the stored best action of the nearest cell is loaded: weighing several behaviours needs a look ahead.
-pub fn is_single_load(why: &Why, config: &RunConfig) -> bool {
+pub fn is_single_load(why: &Why, chooser: &Chooser<'_>) -> bool {
     let weighed = why.behaviours.iter().filter(|b| b.weight != 0.0).count();
-    config.single_load && (weighed == 1 || (weighed == 0 && why.behaviours.len() == 1))
+    chooser.single_load && (weighed == 1 || (weighed == 0 && why.behaviours.len() == 1))
 }
 
 /// Chances of the candidates (number of candidates).
-pub fn chances(why: &Why, config: &RunConfig) -> Vec<f32> {
+pub fn chances(why: &Why, chooser: &Chooser<'_>) -> Vec<f32> {
     let scores: Vec<f32> = why.candidates.iter().map(|c| c.score).collect();
     // Where single loads are asked for, several behaviours are looked ahead without chance.
-    chances::of(&scores, if config.single_load { 0.0 } else { config.temperature })
+    chances::of(&scores, if chooser.single_load { 0.0 } else { chooser.temperature })
 }
 
 /// When, where and towards what the character chose.
@@ -57,15 +57,16 @@ pub fn inactivity(region: &RegionRecord, b: &BehaviourScore) -> String {
 }
 
 /// Which action it took, and by what rule.
-pub fn decision(why: &Why, bundle: &OpenBundle, config: &RunConfig) -> String {
+pub fn decision(why: &Why, chooser: &Chooser<'_>) -> String {
+    let bundle = chooser.bundle;
     let Some(taken) = why.candidates.get(why.chosen) else { return String::new() };
     let action = format!("{}: {}", bundle.describe_segment(taken.segment), words::way(taken.displacement));
     let n = why.candidates.len();
-    if why.behaviours.iter().all(|b| b.counted() == 0.0) && !is_single_load(why, config) {
+    if why.behaviours.iter().all(|b| b.counted() == 0.0) && !is_single_load(why, chooser) {
         return format!("No behaviour counted, so all {n} actions were alike; it took {action}.");
     }
     let gap = why.candidates[0].score - taken.score;
-    if is_single_load(why, config) {
+    if is_single_load(why, chooser) {
         let agreement = match why.chosen {
             0 => "Looking ahead agrees.".to_owned(),
             k => format!(
@@ -76,7 +77,7 @@ pub fn decision(why: &Why, bundle: &OpenBundle, config: &RunConfig) -> String {
         };
         return format!("It loaded the stored best action of the nearest cell, {action}. {agreement}");
     }
-    match (why.chosen, chances(why, config)[why.chosen]) {
+    match (why.chosen, chances(why, chooser)[why.chosen]) {
         (0, chance) if chance > 0.999 => format!("Of {n} actions it took the best, {action}."),
         (0, chance) => format!("Of {n} actions it took the best (its chance was {:.0} %), {action}.", 100.0 * chance),
         (k, chance) => format!(
@@ -91,6 +92,7 @@ pub fn decision(why: &Why, bundle: &OpenBundle, config: &RunConfig) -> String {
 mod tests {
     use super::super::tests::golden_run;
     use super::*;
+    use crate::run::{RunConfig, explain};
     use glam::Vec3;
 
     #[test]
@@ -111,12 +113,13 @@ mod tests {
         for (single_load, temperature) in [(false, 0.0), (false, 0.5), (true, 0.0)] {
             let (bundle, run) = golden_run(RunConfig { single_load, temperature, ..RunConfig::default() });
             for c in 0..run.config().characters {
-                let why = run.why(&bundle, c).unwrap();
-                let text = decision(&why, &bundle, run.config());
+                let chooser = run.chooser(&bundle, c).unwrap();
+                let why = explain(&chooser).unwrap();
+                let text = decision(&why, &chooser);
                 let played = bundle.describe_segment(run.characters().segment(c).0);
                 assert!(text.contains(&played), "{text}");
                 assert_eq!(text.contains("nearest cell"), single_load);
-                assert!((chances(&why, run.config()).iter().sum::<f32>() - 1.0).abs() < 1e-5);
+                assert!((chances(&why, &chooser).iter().sum::<f32>() - 1.0).abs() < 1e-5);
                 let text = situation(&why, &bundle, c, run.now());
                 assert!(text.contains(&format!("state {} ", why.state)), "{text}");
             }

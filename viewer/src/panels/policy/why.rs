@@ -6,7 +6,7 @@ use crate::command::Command;
 use crate::model::Model;
 use crate::panels::paint::{Cell, Click, Column, Table};
 use crate::panels::words;
-use crate::run::{Candidate, Run, Why};
+use crate::run::{Candidate, Chooser, Why};
 use crate::theme::viridis;
 use eframe::egui::{DragValue, Response, Ui};
 
@@ -22,12 +22,14 @@ const COLUMNS: [Column<'static>; 7] = [
 ];
 
 /// Shows the choice of the selected character.
-pub fn show(ui: &mut Ui, model: &Model, own: &mut State, why: Option<&Why>, commands: &mut Vec<Command>) {
+pub fn show(
+    ui: &mut Ui,
+    model: &Model,
+    own: &mut State,
+    (chooser, why): (Option<&Chooser<'_>>, Option<&Why>),
+    commands: &mut Vec<Command>,
+) {
     ui.strong("Why this action?");
-    let Some((bundle, run)) = model.document.crowd() else {
-        ui.weak("This bundle has no run.");
-        return;
-    };
     let Some(character) = model.selection.character else {
         ui.horizontal_wrapped(|ui| {
             ui.label("Click a character in the 3-D view, or");
@@ -37,14 +39,19 @@ pub fn show(ui: &mut Ui, model: &Model, own: &mut State, why: Option<&Why>, comm
         });
         return;
     };
+    let Some(chooser) = chooser else {
+        ui.weak(format!("Character {character} does not choose by the policies of this bundle."));
+        return;
+    };
     let Some(why) = why else {
         ui.label(format!(
             "Character {character} plays what it was told to; it chooses for itself again when that is over."
         ));
         return;
     };
-    ui.label(story::situation(why, bundle, character, run.now()));
-    ui.label(story::decision(why, bundle, run.config()));
+    let bundle = chooser.bundle;
+    ui.label(story::situation(why, bundle, character, chooser.now));
+    ui.label(story::decision(why, chooser));
     behaviours(ui, bundle, why);
     let most = why.candidates.len();
     ui.horizontal(|ui| {
@@ -62,7 +69,7 @@ pub fn show(ui: &mut Ui, model: &Model, own: &mut State, why: Option<&Why>, comm
             commands.push(show_motion(bundle, c.segment));
         }
     });
-    candidates(ui, bundle, run, why, own);
+    candidates(ui, chooser, why, own);
 }
 
 fn behaviours(ui: &mut Ui, bundle: &OpenBundle, why: &Why) {
@@ -79,13 +86,14 @@ fn behaviours(ui: &mut Ui, bundle: &OpenBundle, why: &Why) {
     }
 }
 
-fn candidates(ui: &mut Ui, bundle: &OpenBundle, run: &Run, why: &Why, own: &mut State) {
+fn candidates(ui: &mut Ui, chooser: &Chooser<'_>, why: &Why, own: &mut State) {
+    let bundle = chooser.bundle;
     let mut columns: Vec<Column<'_>> = COLUMNS.to_vec();
     if why.behaviours.len() > 1 {
         let by_each = why.behaviours.iter().map(|b| name(bundle, b.policy));
         columns.extend(by_each.map(|n| Column::number(n, "Score by this behaviour alone", 60.0).spare(3)));
     }
-    let chances = story::chances(why, run.config());
+    let chances = story::chances(why, chooser);
     let shown = own.shown.min(why.candidates.len());
     let table = Table {
         named_by: 1,

@@ -2,17 +2,17 @@
 
 use super::{COLOURS, SMOOTH, key, line, plot, row, section, smooth};
 use crate::render::Rgba;
-use crate::run::{BoutFigures, Run, STEP_HZ};
+use crate::run::{BoutFigures, STEP_HZ, StepFigures};
 use crate::stage::bout::{KINDS, colour_of};
 use eframe::egui::{Color32, Grid, Ui};
 
 /// Time that hits a minute are counted over, in the plot (s).
 const WINDOW_S: f32 = 10.0;
 
-/// Shows the figures of a scene.
-pub fn show(ui: &mut Ui, run: &Run) {
-    let Some(f) = run.figures().bout else { return };
-    let n = run.config().characters;
+/// Shows what became of blows up to the last of some steps.
+pub fn show(ui: &mut Ui, history: &[(u32, &StepFigures)], n: usize) {
+    let history: Vec<(u32, BoutFigures)> = history.iter().filter_map(|(s, f)| Some((*s, f.bout?))).collect();
+    let Some(&(_, f)) = history.last() else { return };
     section(ui, "Blows", |ui| {
         let share = |count: u32| {
             let percent = 100.0 * f64::from(count) / f64::from(f.blows.thrown.max(1));
@@ -41,7 +41,6 @@ pub fn show(ui: &mut Ui, run: &Run) {
                 }
             }
         });
-        let history: Vec<(u32, BoutFigures)> = run.history().filter_map(|(s, f)| Some((s, f.bout?))).collect();
         hits_a_minute(ui, &history, n);
         if f.penetration_m.is_some() {
             penetration(ui, &history);

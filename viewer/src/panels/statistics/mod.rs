@@ -3,8 +3,7 @@
 mod bout;
 
 use crate::model::Model;
-use crate::run::agents::CrowdRun;
-use crate::run::{Run, STEP_HZ};
+use crate::run::{Run, STEP_HZ, SceneRun, StepFigures};
 use eframe::egui::{self, CollapsingHeader, Color32, Grid, Ui};
 use egui_plot::{HoverPosition, Line, Plot, PlotPoints};
 use throng_runtime::Bundle;
@@ -27,19 +26,17 @@ const SMOOTH: usize = 6;
 pub fn show(ui: &mut Ui, model: &Model) {
     if let Some((_, run)) = model.document.crowd() {
         now(ui, model, run);
-        if run.scene().is_some() {
-            bout::show(ui, run);
-        }
         step_times(ui, run);
-        quality(ui, run);
+        slip(ui, &run.history().collect::<Vec<_>>());
+        at_target(ui, run);
     }
-    if let Some(crowd) = model.document.crowd_scene() {
-        of_crowd(ui, crowd.run());
+    if let Some(scene) = model.document.scene() {
+        of_scene(ui, scene.run());
     }
     frame_times(ui, model);
     match model.document.bundle() {
         Some(bundle) => memory(ui, bundle.tables(), model),
-        None if model.document.crowd_scene().is_some() => {}
+        None if model.document.scene().is_some() => {}
         None => {
             ui.weak("Open a bundle to see what its tables take and how fast a crowd runs on it.");
         }
@@ -50,10 +47,8 @@ fn now(ui: &mut Ui, model: &Model, run: &Run) {
     let f = run.figures();
     let n = run.config().characters;
     Grid::new("now").num_columns(2).spacing([14.0, 3.0]).show(ui, |ui| {
-        if run.scene().is_none() {
-            let share = 100.0 * f.at_target as f32 / n as f32;
-            row(ui, "characters at target", format!("{} of {n} ({share:.0} %)", f.at_target));
-        }
+        let share = 100.0 * f.at_target as f32 / n as f32;
+        row(ui, "characters at target", format!("{} of {n} ({share:.0} %)", f.at_target));
         row(ui, "foot slip", format!("{:.3} m/s mean, {:.3} at the 95th percentile", f.slip.mean_mps, f.slip.p95_mps));
         let per_character = 1e9 * f.wall_s / n as f64;
         row(ui, "step", format!("{:.3} ms, {per_character:.0} ns a character", 1e3 * f.wall_s));
@@ -66,16 +61,23 @@ fn now(ui: &mut Ui, model: &Model, run: &Run) {
     });
 }
 
-/// What the engine of a scene of a crowd takes.
-fn of_crowd(ui: &mut Ui, run: &CrowdRun) {
-    let (n, step_s) = (run.moment().figures.present.max(1) as f64, run.step_s());
-    Grid::new("crowd now").num_columns(2).spacing([14.0, 3.0]).show(ui, |ui| {
-        row(ui, "agents", run.moment().figures.present.to_string());
-        let per_agent = 1e6 * step_s * f64::from(STEP_HZ) / n;
-        row(ui, "step of the engine", format!("{:.3} ms, {per_agent:.1} µs an agent and second", 1e3 * step_s));
-        let kept = run.reel.head.recorded();
+/// What a step of a scene takes, and what its groups do.
+fn of_scene(ui: &mut Ui, run: &SceneRun) {
+    let (f, n) = (run.figures(), run.simulation().num_characters());
+    Grid::new("scene now").num_columns(2).spacing([14.0, 3.0]).show(ui, |ui| {
+        row(ui, "present", format!("{} of {n}", run.num_present()));
+        let each = 1e6 * f.wall_s * f64::from(STEP_HZ) / n.max(1) as f64;
+        row(ui, "step", format!("{:.3} ms, {each:.1} µs a character and second", 1e3 * f.wall_s));
+        let kept = run.head.recorded();
         row(ui, "record", format!("{:.1} s", (kept.end() - kept.start()) as f32 / STEP_HZ));
     });
+    let history: Vec<_> = run.history().collect();
+    if f.bout.is_some() {
+        bout::show(ui, &history, n);
+    }
+    if history.iter().any(|h| h.1.slip.mean_mps > 0.0) {
+        slip(ui, &history);
+    }
 }
 
 fn row(ui: &mut Ui, name: &str, text: String) {
@@ -85,10 +87,6 @@ fn row(ui: &mut Ui, name: &str, text: String) {
 }
 
 fn step_times(ui: &mut Ui, run: &Run) {
-    // Characters of a scene are not timed phase by phase.
-    if run.figures().times.total_s() == 0.0 {
-        return;
-    }
     section(ui, "Time of a step by phase", |ui| {
         ui.weak("Microseconds of all threads together, one phase on top of the other.");
         let history: Vec<_> = run.history().map(|(step, f)| (step, f.times.phases())).collect();
@@ -115,10 +113,10 @@ fn step_times(ui: &mut Ui, run: &Run) {
     });
 }
 
-fn quality(ui: &mut Ui, run: &Run) {
-    let steps = || run.history().map(|h| h.0);
+fn slip(ui: &mut Ui, history: &[(u32, &StepFigures)]) {
+    let steps = || history.iter().map(|h| h.0);
     section(ui, "Foot slip", |ui| {
-        let of = |f: fn(&crate::run::StepFigures) -> f32| run.history().map(|h| f64::from(f(h.1))).collect::<Vec<_>>();
+        let of = |f: fn(&StepFigures) -> f32| history.iter().map(|h| f64::from(f(h.1))).collect::<Vec<_>>();
         ui.horizontal(|ui| {
             key(ui, "mean", COLOURS[0]);
             key(ui, "95th percentile", COLOURS[1]);
@@ -128,13 +126,13 @@ fn quality(ui: &mut Ui, run: &Run) {
             p.line(line("95th percentile", COLOURS[1], smooth(steps(), &of(|f| f.slip.p95_mps))));
         });
     });
-    if run.scene().is_some() {
-        return;
-    }
+}
+
+fn at_target(ui: &mut Ui, run: &Run) {
     section(ui, "Characters at target", |ui| {
         let n = run.config().characters as f64;
         let share: Vec<f64> = run.history().map(|h| 100.0 * h.1.at_target as f64 / n).collect();
-        let of_all = line("at target", COLOURS[2], smooth(steps(), &share));
+        let of_all = line("at target", COLOURS[2], smooth(run.history().map(|h| h.0), &share));
         plot("at target", "%").include_y(100.0).show(ui, |p| p.line(of_all));
     });
 }

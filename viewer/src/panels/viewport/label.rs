@@ -29,20 +29,8 @@ fn describe(model: &Model) -> Option<String> {
         let patch = world.patch_name(mind.node.instance);
         return Some(format!("character {c} · {} · {} · on {patch}", words::doing(mind), words::wish(mind.wish, tags)));
     }
-    if let Some(scene) = model.document.simulated() {
+    if let Some(scene) = model.document.scene() {
         return words::character(scene.run().simulation(), model.selection.character?);
-    }
-    if let Some(walkers) = model.document.walkers() {
-        let c = model.selection.character?;
-        let speed = walkers.run().moment().speeds.get(c)?;
-        let size = walkers.body(c).leg_length() / walkers.bundle().tables().skeleton().leg_length();
-        return Some(format!("character {c} · {speed:.1} m/s · legs of {:.0} %", 100.0 * size));
-    }
-    if let Some(crowd) = model.document.crowd_scene() {
-        let (m, run) = (model.selection.character?, crowd.run());
-        let Some(seen) = run.moment().agents.get(m)? else { return Some(format!("agent {m} has left")) };
-        let group = &run.cast().names[run.cast().groups[m]];
-        return Some(format!("agent {m} · {group} · {:.2} m/s", seen.velocity.length()));
     }
     if let Some((bundle, run)) = model.document.blend().filter(|_| model.shows_blend()) {
         let b = run.blending();
@@ -53,6 +41,5 @@ fn describe(model: &Model) -> Option<String> {
     let (root, target) = (run.characters().root(c), run.targets()[c]);
     let distance = (root.x - target.x).hypot(root.z - target.z);
     let plays = bundle.describe_segment(run.characters().segment(c).0);
-    let what = if run.has_movable_targets() { "target" } else { "opponent" };
-    Some(format!("character {c} · {plays} · {what} {distance:.1}\u{a0}m\u{a0}away"))
+    Some(format!("character {c} · {plays} · target {distance:.1}\u{a0}m\u{a0}away"))
 }

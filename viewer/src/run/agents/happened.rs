@@ -159,7 +159,8 @@ pub struct EventLog {
 }
 
 impl EventLog {
-    pub(super) fn add(&mut self, happened: Happened) {
+    /// Adds an event, later than all others.
+    pub fn add(&mut self, happened: Happened) {
         self.totals[happened.what.number()] += 1;
         push(&mut self.kinds[happened.what.number()], happened);
         if self.watched.is_some_and(|m| happened.is_about(m)) {
@@ -168,17 +169,25 @@ impl EventLog {
     }
 
     /// Notes how many events there were until a time.
-    pub(super) fn mark(&mut self, time_s: f64, present: usize) {
+    pub fn mark(&mut self, time_s: f64, present: usize) {
         self.rates.mark(time_s, present, self.totals);
     }
 
     /// Keeps the events of another agent apart from now on; those of before that are left, too.
-    pub(super) fn watch(&mut self, agent: Option<usize>) {
+    pub fn watch(&mut self, agent: Option<usize>) {
         self.watched = agent;
         let all = self.kinds.iter().flatten();
         let mut old: Vec<Happened> = all.filter(|h| agent.is_some_and(|m| h.is_about(m))).copied().collect();
         old.sort_by(|a, b| a.time_s.total_cmp(&b.time_s));
         self.of_watched = old.into();
+    }
+
+    /// Forgets what happened after a time.
+    pub fn forget_after(&mut self, time_s: f64) {
+        for list in self.kinds.iter_mut().chain([&mut self.of_watched]) {
+            list.truncate(list.partition_point(|h| h.time_s <= time_s));
+        }
+        self.totals = self.rates.forget_after(time_s);
     }
 
     /// How many events of every kind there were, over time.
@@ -248,5 +257,8 @@ mod tests {
         let all = [true; What::COUNT];
         let times = |until| log.last_of_watched(&all, until, 9).iter().map(|h| h.time_s).collect::<Vec<_>>();
         assert_eq!((times(9.0), times(2.5)), (vec![3.0, 1.0], vec![1.0]));
+        log.forget_after(2.0);
+        let times = |until| log.last_of_watched(&all, until, 9).iter().map(|h| h.time_s).collect::<Vec<_>>();
+        assert_eq!((times(9.0), log.last(&all, 9.0, 9).len()), (vec![1.0], 2));
     }
 }

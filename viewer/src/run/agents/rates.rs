@@ -25,11 +25,17 @@ pub struct Rates {
 }
 
 impl Rates {
-    pub(super) fn mark(&mut self, time_s: f64, present: usize, totals: [u64; What::COUNT]) {
+    pub fn mark(&mut self, time_s: f64, present: usize, totals: [u64; What::COUNT]) {
         if self.marks.len() == KEPT {
             self.marks.pop_front();
         }
         self.marks.push_back(Tally { time_s, present, totals });
+    }
+
+    /// Forgets what there was after a time, and returns how many events of every kind there had been by then.
+    pub fn forget_after(&mut self, time_s: f64) -> [u64; What::COUNT] {
+        self.marks.truncate(self.marks.partition_point(|m| m.time_s <= time_s + 1e-9));
+        self.totals(time_s)
     }
 
     /// The last mark that is not after a time.

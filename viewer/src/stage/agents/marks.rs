@@ -1,9 +1,10 @@
 //! Marks where something happened, which fade.
 
 use super::Brush;
-use crate::command::CrowdLook;
+use crate::command::SceneLook;
 use crate::render::{Rgba, Shapes};
-use crate::run::agents::{CrowdRun, Happened, What};
+use crate::run::SceneRun;
+use crate::run::agents::{Happened, What};
 use glam::Vec3;
 
 /// Time that a mark stays (s).
@@ -15,6 +16,8 @@ const RARE_S: f64 = 2.5;
 const MAX_MARKS: usize = 120;
 /// Marks of what happens seldom that are drawn at most.
 const MAX_RARE: usize = 500;
+/// Radius of marks of agents who have left (m).
+const GONE_M: f32 = 0.3;
 /// Height over the ground (m).
 const MARK_Y: f32 = 0.022;
 
@@ -49,8 +52,8 @@ fn is_quiet(what: What) -> bool {
     matches!(what, What::Resetting | What::Entering | What::Leaving)
 }
 
-pub(super) fn lay_out(shapes: &mut Shapes, run: &CrowdRun, look: &CrowdLook, brush: &Brush<'_>) {
-    let now = run.moment().time_s;
+pub(super) fn lay_out(shapes: &mut Shapes, run: &SceneRun, look: &SceneLook, brush: &Brush<'_>) {
+    let now = run.simulation().time_s();
     let is_rare = What::ALL.map(|what| stay_s(what) > MARK_S);
     let of_kinds = |rare: bool| std::array::from_fn(|k| look.kinds[k] && is_rare[k] == rare);
     let usual = run.log().last(&of_kinds(false), now, MAX_MARKS);
@@ -60,19 +63,20 @@ pub(super) fn lay_out(shapes: &mut Shapes, run: &CrowdRun, look: &CrowdLook, bru
     for h in run.log().last(&of_kinds(true), now, MAX_RARE).iter().chain(&usual).chain(&more) {
         let age = ((now - h.time_s) / stay_s(h.what)) as f32;
         if age < 1.0 {
-            mark(shapes, brush, h, age);
+            let radius = run.simulation().disc(h.agent).map_or(GONE_M, |d| d.radius);
+            mark(shapes, brush, h, (radius, age));
         }
     }
 }
 
 /// A ring that grows and fades; between partners a line.
 ///
+/// - `radius`: of the agent (m).
 /// - `age`: 0 where it happens, 1 where the mark is gone.
-fn mark(shapes: &mut Shapes, brush: &Brush<'_>, h: &Happened, age: f32) {
+fn mark(shapes: &mut Shapes, brush: &Brush<'_>, h: &Happened, (radius, age): (f32, f32)) {
     let strength = (1.0 - age) * if is_quiet(h.what) { 0.45 } else { 0.8 };
     let colour = colour_of(h.what, brush.dark).alpha(strength);
-    let lift = if brush.cast.in_the_air { Vec3::ZERO } else { Vec3::Y * MARK_Y };
-    let radius = brush.cast.radii.get(h.agent).copied().unwrap_or(0.3);
+    let lift = if brush.in_the_air { Vec3::ZERO } else { Vec3::Y * MARK_Y };
     if let Some(other) = h.other_at {
         shapes.line(h.at + lift, other + lift, 1.6, colour);
     }
@@ -82,7 +86,7 @@ fn mark(shapes: &mut Shapes, brush: &Brush<'_>, h: &Happened, age: f32) {
             what if stay_s(what) > MARK_S => 1.2 + 1.6 * age,
             _ => 1.05 + 0.6 * age,
         };
-    if brush.cast.in_the_air {
+    if brush.in_the_air {
         shapes.circle(h.at, grown, 1.5, colour);
     } else {
         let width = (1.5 * brush.pixel_m).max(0.05 * radius).min(grown);

@@ -1,29 +1,28 @@
 //! What stands or moves in a crowd's way.
 
 use super::Brush;
-use crate::document::CrowdDocument;
-use crate::render::{Rgba, Shapes, SolidInstance};
-use crate::stage::Layout;
+use crate::document::Standing;
+use crate::render::{Rgba, Shapes};
 use glam::Vec3;
-use std::sync::Arc;
-use throng_precompute::scene::crowd::SeenObstacle;
-use throng_runtime::patch::Placement;
+use throng_precompute::run::SeenObstacle;
 
-pub(super) fn lay_out(out: &mut Layout, crowd: &CrowdDocument, time_s: f64, brush: &Brush<'_>) {
-    out.solids.meshes = Arc::clone(crowd.meshes());
-    let colour = Rgba::hex(if brush.dark { 0x77808d } else { 0x9aa1ab });
-    let placement = Placement::new(0.0, 0.0, 0.0, 0.0);
-    out.solids.instances.push(SolidInstance { mesh: 0, placement, colour });
-    for obstacle in &brush.cast.obstacles {
+/// Outlines of boxes in the air, and what moves; what else stands has a mesh.
+pub(in crate::stage) fn lay_out(shapes: &mut Shapes, standing: &Standing, time_s: f64, brush: &Brush<'_>) {
+    for obstacle in &standing.obstacles {
         match obstacle {
-            SeenObstacle::Box(low, high) if brush.cast.in_the_air => edges(&mut out.shapes, *low, *high, colour),
-            SeenObstacle::Mover { way, radius } => mover(&mut out.shapes, brush, way, *radius, time_s),
+            SeenObstacle::Box(low, high) if brush.in_the_air => edges(shapes, *low, *high, grey(brush.dark)),
+            SeenObstacle::Mover { way, radius } => mover(shapes, brush, way, *radius, time_s),
             _ => {}
         }
     }
 }
 
-pub(in crate::stage) fn edges(shapes: &mut Shapes, low: Vec3, high: Vec3, colour: Rgba) {
+/// Colour of what stands.
+pub(in crate::stage) fn grey(dark: bool) -> Rgba {
+    Rgba::hex(if dark { 0x77808d } else { 0x9aa1ab })
+}
+
+fn edges(shapes: &mut Shapes, low: Vec3, high: Vec3, colour: Rgba) {
     let corner = |i: usize| {
         let pick = |axis: usize, bit: usize| if i & bit == 0 { low[axis] } else { high[axis] };
         Vec3::new(pick(0, 1), pick(1, 2), pick(2, 4))
@@ -38,10 +37,10 @@ pub(in crate::stage) fn edges(shapes: &mut Shapes, low: Vec3, high: Vec3, colour
 /// What moves, where it is now, and the way that it takes.
 fn mover(shapes: &mut Shapes, brush: &Brush<'_>, way: &[(f64, Vec3)], radius: f32, time_s: f64) {
     let at = place(way, time_s);
-    let lift = Vec3::Y * if brush.cast.in_the_air { 0.0 } else { super::DISC_Y };
+    let lift = Vec3::Y * if brush.in_the_air { 0.0 } else { super::DISC_Y };
     let points: Vec<Vec3> = way.iter().map(|w| w.1 + lift).collect();
     shapes.polyline(&points, 1.5, brush.palette.target.alpha(0.5));
-    if brush.cast.in_the_air {
+    if brush.in_the_air {
         shapes.sphere(at, radius, brush.palette.target);
     } else {
         shapes.disc(at + lift, radius, brush.palette.target);
@@ -49,7 +48,7 @@ fn mover(shapes: &mut Shapes, brush: &Brush<'_>, way: &[(f64, Vec3)], radius: f3
 }
 
 /// Where something is on its way (s, m).
-pub(in crate::stage) fn place(way: &[(f64, Vec3)], time_s: f64) -> Vec3 {
+fn place(way: &[(f64, Vec3)], time_s: f64) -> Vec3 {
     let next = way.partition_point(|w| w.0 <= time_s);
     match (next.checked_sub(1).map(|i| way[i]), way.get(next)) {
         (Some((from_s, from)), Some(&(to_s, to))) => from.lerp(to, ((time_s - from_s) / (to_s - from_s)) as f32),

@@ -1,10 +1,11 @@
 //! The selected agent: its bound, cells, stop region and forces.
 
 use super::{BOUND_Y, Brush};
-use crate::command::{CrowdLook, Whose};
+use crate::command::{SceneLook, Whose};
 use crate::render::{Rgba, Shapes};
-use crate::run::agents::{CrowdRun, Details, SeenAgent};
+use crate::run::agents::{Details, bound, details};
 use glam::Vec3;
+use throng_runtime::simulation::Simulation;
 
 /// A force as large as the largest acceleration is an arrow of so many radii.
 const ARROW_RADII: f32 = 5.0;
@@ -28,19 +29,21 @@ pub fn colour_of_force(term: usize, dark: bool) -> Rgba {
     Rgba::hex(FORCES[term][usize::from(!dark)])
 }
 
-pub(super) fn lay_out(shapes: &mut Shapes, run: &CrowdRun, look: &CrowdLook, m: usize, brush: &Brush<'_>) {
-    let moment = run.moment();
-    let Some(seen) = moment.agents.get(m).and_then(Option::as_ref) else { return };
+pub(super) fn lay_out(shapes: &mut Shapes, simulation: &Simulation, look: &SceneLook, who: usize, brush: &Brush<'_>) {
+    let (Some((at, radius)), Some(details), Some(disc)) =
+        (bound(simulation, who), details(simulation, who), simulation.disc(who))
+    else {
+        return;
+    };
     if look.bounds != Whose::Nobody {
-        brush.round(shapes, seen.bound, seen.bound_radius, (2.5, brush.palette.selected));
+        brush.round(shapes, at, radius, (2.5, brush.palette.selected));
     }
-    let Some(details) = moment.details.as_ref().filter(|d| d.agent == m) else { return };
-    if look.cells && brush.cast.has_regions {
-        cells(shapes, details, brush);
+    if look.cells && brush.has_regions {
+        cells(shapes, &details, brush);
     }
     if look.forces {
-        stop_region(shapes, details, (m, seen), brush);
-        forces(shapes, details, (m, seen), brush);
+        stop_region(shapes, &details, brush);
+        forces(shapes, &details, disc.centre, brush);
     }
 }
 
@@ -52,13 +55,13 @@ fn cells(shapes: &mut Shapes, d: &Details, brush: &Brush<'_>) {
         let from = low - Vec3::splat(beyond * side);
         let to = low + Vec3::splat((1.0 + beyond) * side);
         // Boxes in the air lie over much of the view.
-        let strength = if brush.cast.in_the_air { 0.6 * strength } else { strength };
+        let strength = if brush.in_the_air { 0.6 * strength } else { strength };
         frame(shapes, from, to, (width, brush.palette.slow.alpha(strength)), brush);
     }
     for i in 1..3 {
         let from = low - Vec3::splat(side);
         let at = i as f32 * side;
-        let (colour, y) = (brush.palette.slow.alpha(0.3), if brush.cast.in_the_air { low.y } else { BOUND_Y });
+        let (colour, y) = (brush.palette.slow.alpha(0.3), if brush.in_the_air { low.y } else { BOUND_Y });
         for (a, b) in [(Vec3::X, Vec3::Z), (Vec3::Z, Vec3::X)] {
             let start = (from + a * at).with_y(y);
             shapes.line(start, start + b * (3.0 * side), 1.0, colour);
@@ -68,14 +71,14 @@ fn cells(shapes: &mut Shapes, d: &Details, brush: &Brush<'_>) {
 
 /// A square on the ground, the edges of a box in the air.
 fn frame(shapes: &mut Shapes, from: Vec3, to: Vec3, (width, colour): (f32, Rgba), brush: &Brush<'_>) {
-    let ys = if brush.cast.in_the_air { [from.y, to.y] } else { [BOUND_Y; 2] };
+    let ys = if brush.in_the_air { [from.y, to.y] } else { [BOUND_Y; 2] };
     let corner = |i: usize, y: f32| {
         let (right, up) = (matches!(i % 4, 1 | 2), matches!(i % 4, 2 | 3));
         Vec3::new(if right { to.x } else { from.x }, y, if up { to.z } else { from.z })
     };
     for i in 0..4 {
         shapes.line(corner(i, ys[0]), corner(i + 1, ys[0]), width, colour);
-        if brush.cast.in_the_air {
+        if brush.in_the_air {
             shapes.line(corner(i, ys[1]), corner(i + 1, ys[1]), width, colour);
             shapes.line(corner(i, ys[0]), corner(i, ys[1]), width, colour);
         }
@@ -83,16 +86,16 @@ fn frame(shapes: &mut Shapes, from: Vec3, to: Vec3, (width, colour): (f32, Rgba)
 }
 
 /// The way that it takes if it brakes with all its force, and how wide that is.
-fn stop_region(shapes: &mut Shapes, d: &Details, (m, _): (usize, &SeenAgent), brush: &Brush<'_>) {
+fn stop_region(shapes: &mut Shapes, d: &Details, brush: &Brush<'_>) {
     let [from, to] = d.stop;
-    let lift = Vec3::Y * if brush.cast.in_the_air { 0.0 } else { BOUND_Y };
+    let lift = Vec3::Y * if brush.in_the_air { 0.0 } else { BOUND_Y };
     let ahead = (to - from).normalize_or_zero();
-    let side = ahead.cross(Vec3::Y) * brush.cast.radii[m];
+    let side = ahead.cross(Vec3::Y) * d.radius;
     for side in [side, -side] {
         shapes.line(from + side + lift, to + side + lift, 1.5, brush.palette.target);
     }
-    let radius = brush.cast.radii[m];
-    if brush.cast.in_the_air {
+    let radius = d.radius;
+    if brush.in_the_air {
         shapes.circle(to, radius, 1.5, brush.palette.target);
     } else {
         shapes.ring(to + lift, radius - 1.5 * brush.pixel_m, radius, brush.palette.target);
@@ -100,10 +103,10 @@ fn stop_region(shapes: &mut Shapes, d: &Details, (m, _): (usize, &SeenAgent), br
 }
 
 /// An arrow for each term, and for what was done.
-fn forces(shapes: &mut Shapes, d: &Details, (m, seen): (usize, &SeenAgent), brush: &Brush<'_>) {
-    let radius = brush.cast.radii[m];
+fn forces(shapes: &mut Shapes, d: &Details, at: Vec3, brush: &Brush<'_>) {
+    let radius = d.radius;
     let scale = ARROW_RADII * radius / d.limit.max(1e-6);
-    let base = seen.at + Vec3::Y * if brush.cast.in_the_air { 0.0 } else { 0.05 };
+    let base = at + Vec3::Y * if brush.in_the_air { 0.0 } else { 0.05 };
     let thin = (1.6 * brush.pixel_m).clamp(0.03 * radius, 0.2 * radius);
     shapes.on_top(true);
     let taken = Rgba::hex(TAKEN[usize::from(!brush.dark)]);

@@ -54,6 +54,11 @@ impl FeetMeter {
         }
     }
 
+    /// Forgets what was measured, not the last step.
+    pub fn clear(&mut self) {
+        self.speeds = Speeds::default();
+    }
+
     /// True where anybody had a body.
     pub fn has_seen_bodies(&self) -> bool {
         self.has_seen_bodies

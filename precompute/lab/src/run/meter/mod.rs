@@ -7,7 +7,7 @@ mod overlap;
 mod progress;
 mod trunks;
 
-pub(super) use feet::FeetMeter;
+pub use feet::FeetMeter;
 
 pub(super) use gate::GateMeter;
 pub use gate::{Flow, HUMAN_FLOW_PER_M_S};

@@ -1,6 +1,6 @@
-//! What is drawn of a scene of a crowd, and what panels may ask of it.
+//! What is drawn of a scene, and what panels may ask of it.
 
-use crate::document::CrowdChoice;
+use crate::document::SceneChoice;
 use crate::run::agents::What;
 use std::path::PathBuf;
 
@@ -22,9 +22,9 @@ impl Whose {
         [(Self::Nobody, "none"), (Self::Selected, "selected"), (Self::All, "all")];
 }
 
-/// What is drawn of a scene of a crowd.
+/// What is drawn of the agents of a scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct CrowdLook {
+pub struct SceneLook {
     /// Time-varying bounds.
     pub bounds: Whose,
     /// Ways to goals.
@@ -41,7 +41,7 @@ pub struct CrowdLook {
     pub kinds: [bool; What::COUNT],
 }
 
-impl Default for CrowdLook {
+impl Default for SceneLook {
     fn default() -> Self {
         Self {
             bounds: Whose::default(),
@@ -55,13 +55,13 @@ impl Default for CrowdLook {
     }
 }
 
-/// A request of a panel about a scene of a crowd.
+/// A request of a panel about a scene.
 #[derive(Clone, Debug, PartialEq)]
-pub enum CrowdCommand {
+pub enum SceneCommand {
     /// Draw more or less.
-    Look(CrowdLook),
-    /// Restart.
-    Begin(CrowdChoice),
+    Look(SceneLook),
+    /// Restart, perhaps with other numbers.
+    Restart(SceneChoice),
     /// Write the state.
     Save(PathBuf),
     /// Go on from a state that was written.

@@ -1,0 +1,61 @@
+//! What is drawn of agents.
+
+use super::look;
+use crate::command::{Command, Whose};
+use crate::model::Model;
+use crate::settings::Settings;
+use eframe::egui::{Grid, Role, Ui, WidgetInfo};
+
+/// Shows what is drawn.
+pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
+    let now = model.selection.scene;
+    let (mut l, mut overlays) = (now, model.settings.overlays);
+    Grid::new("drawn").num_columns(2).spacing([8.0, 4.0]).show(ui, |ui| {
+        for (name, tip, whose) in [
+            ("bounds", "Time-varying bounds: where an agent can be, whatever it does", &mut l.bounds),
+            ("paths", "Planned paths to goals", &mut l.paths),
+        ] {
+            ui.label(name).on_hover_text(tip);
+            ui.horizontal(|ui| {
+                for (w, text) in Whose::ALL {
+                    let r = ui.selectable_label(*whose == w, text);
+                    r.widget_info(|| WidgetInfo::labeled(Role::RadioButton, true, format!("{name}: {text}")));
+                    if r.clicked() {
+                        *whose = w;
+                    }
+                }
+            });
+            ui.end_row();
+        }
+        ui.label("trails").on_hover_text("Where agents were in the last seconds");
+        let trails = if overlays.trails && overlays.of_all { Whose::All } else { Whose::Selected };
+        let trails = if overlays.trails { trails } else { Whose::Nobody };
+        ui.horizontal(|ui| {
+            for (w, text) in Whose::ALL {
+                let r = ui.selectable_label(trails == w, text);
+                r.widget_info(|| WidgetInfo::labeled(Role::RadioButton, true, format!("trails: {text}")));
+                if r.clicked() {
+                    overlays.trails = w != Whose::Nobody;
+                    overlays.of_all = w == Whose::All;
+                }
+            }
+        });
+        ui.end_row();
+    });
+    ui.horizontal_wrapped(|ui| {
+        ui.checkbox(&mut l.cells, "cells").on_hover_text("Cell C, region R and the cells α(C) of the selected agent");
+        ui.checkbox(&mut l.forces, "forces").on_hover_text("Each force of the selected agent, and its stop region");
+        ui.checkbox(&mut l.marks, "marks").on_hover_text("Marks at events; they fade");
+        if let Some(bundle) = model.document.bundle() {
+            let tip = format!("Blended from the examples of {}", bundle.path().display());
+            ui.checkbox(&mut l.bodies, "bodies").on_hover_text(tip);
+        }
+    });
+    if l != now {
+        commands.push(look(model, |look| *look = l));
+    }
+    if overlays != model.settings.overlays {
+        let settings = Settings { overlays, ..model.settings.clone() };
+        commands.push(Command::Settings(Box::new(settings)));
+    }
+}

@@ -1,0 +1,102 @@
+//! What moves an agent: its forces, its bound and its route.
+
+use glam::Vec3;
+use throng_runtime::crowd::{Crowd, Id};
+use throng_runtime::simulation::agents::in_world;
+use throng_runtime::simulation::{Cast, Simulation};
+
+/// Terms of the force field, with the equation of Kim, Kim and Shin 2003a that says what they are.
+pub const FORCE_TERMS: [(&str, &str); 6] = [
+    ("driving", "Toward the desired velocity along the route (eq. 17)"),
+    ("interaction", "Attraction and repulsion (eq. 17)"),
+    ("decelerating", "Slows down toward obstacles ahead (eq. 19)"),
+    ("damping", "Against approach (eq. 20)"),
+    ("turning", "Sideways (eq. 22)"),
+    ("safety", "To the centre of the bound (eq. 23)"),
+];
+
+/// More of one agent, in the world.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Details {
+    /// Its velocity (m/s).
+    pub velocity: Vec3,
+    /// Radius of its body (m).
+    pub radius: f32,
+    /// Radius of its time-varying bound (m).
+    pub bound_radius: f32,
+    /// Terms of the force field, in the order of [`FORCE_TERMS`] (m/s2).
+    pub forces: [Vec3; 6],
+    /// The acceleration that was taken after the safety rule (m/s2).
+    pub taken: Vec3,
+    /// Its largest acceleration (m/s2).
+    pub limit: f32,
+    /// Its desired speed (m/s).
+    pub speed: f32,
+    /// Where it wants to go; zero at its goal.
+    pub desired: Vec3,
+    /// Length of the route that is left (m).
+    pub way_left: f32,
+    /// Its last event, and its next one if nothing comes between (s).
+    pub events: [f64; 2],
+    /// Both ends of the path that its centre takes if it brakes (m).
+    pub stop: [Vec3; 2],
+    /// Lowest corner of the cell that it is registered in (m).
+    pub cell: Vec3,
+    /// Side of cells (m).
+    pub cell_side: f32,
+}
+
+/// Number of the first agent among all characters; none in a scene without agents.
+pub fn first_agent(simulation: &Simulation) -> Option<usize> {
+    let is_of_agents = |cast: usize| matches!(simulation.casts()[cast], Cast::Ground(_) | Cast::Air(_));
+    simulation.groups().iter().find(|g| is_of_agents(g.cast)).map(|g| g.characters.start)
+}
+
+/// The engine that an agent is in, and its name there; none for other characters.
+fn engine(simulation: &Simulation, who: usize) -> Option<(&Crowd, Id)> {
+    match simulation.member(who) {
+        (Cast::Ground(agents), member) => Some((agents.crowd(), agents.id(member))),
+        (Cast::Air(agents), member) => Some((agents.crowd(), agents.id(member))),
+        _ => None,
+    }
+}
+
+/// Centre and radius of the time-varying bound of an agent; none for other characters and those who have left (m).
+pub fn bound(simulation: &Simulation, who: usize) -> Option<(Vec3, f32)> {
+    let (crowd, id) = engine(simulation, who)?;
+    crowd.bound(id, crowd.now())
+}
+
+/// Corners of an agent's route, from where it was sent to its goal; none for other characters (m).
+pub fn way(simulation: &Simulation, who: usize) -> Vec<Vec3> {
+    match simulation.member(who) {
+        (Cast::Ground(agents), member) => agents.layout().ways[member].iter().map(|&p| in_world(p)).collect(),
+        (Cast::Air(agents), member) => agents.layout().ways[member].clone(),
+        _ => Vec::new(),
+    }
+}
+
+/// More of an agent; none for other characters and those who have left.
+pub fn details(simulation: &Simulation, who: usize) -> Option<Details> {
+    let (crowd, id) = engine(simulation, who)?;
+    let (agent, f) = (crowd.agent(id)?, crowd.forces(id)?);
+    let events = [crowd.last_event(id)?, crowd.next_event(id)?];
+    let (from, to) = crowd.stop_region(id)?;
+    // It was registered where it was at its last event.
+    let (side, then) = (crowd.cell_side(), crowd.position(id, events[0])?);
+    Some(Details {
+        velocity: crowd.velocity(id, crowd.now())?,
+        radius: agent.radius,
+        bound_radius: crowd.bound(id, crowd.now())?.1,
+        forces: [f.driving, f.interaction, f.decelerating, f.damping, f.turning, f.safety],
+        taken: f.taken,
+        limit: agent.acceleration,
+        speed: agent.speed,
+        desired: crowd.desired_direction(id)?,
+        way_left: crowd.way_left(id)?,
+        events,
+        stop: [from, to],
+        cell: (then / side).floor() * side,
+        cell_side: side,
+    })
+}
