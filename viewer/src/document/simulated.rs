@@ -13,7 +13,7 @@ use throng_precompute::progress::Progress;
 use throng_precompute::run::{Cached, SeenObstacle, ensure, seen_obstacle};
 use throng_precompute::stitch::Kit;
 use throng_runtime::patch::Placement;
-use throng_runtime::simulation::{Cast, CompiledScene, Scene};
+use throng_runtime::simulation::{CompiledScene, GroupCast, Scene};
 
 /// Most characters that a scene may be restarted with from the viewer.
 pub const MAX_CHARACTERS: usize = 100_000;
@@ -197,10 +197,10 @@ fn standing(compiled: &CompiledScene, run: &SceneRun) -> Result<Standing, String
     let mut out = Standing::default();
     for cast in run.simulation().casts() {
         match cast {
-            Cast::Ground(agents) => {
+            GroupCast::Ground(agents) => {
                 out.obstacles = agents.layout().setup.obstacles.iter().filter_map(seen_obstacle).collect()
             }
-            Cast::Air(agents) => {
+            GroupCast::Air(agents) => {
                 out.obstacles = agents.layout().setup.obstacles.iter().filter_map(seen_obstacle).collect();
                 out.in_the_air = true;
             }

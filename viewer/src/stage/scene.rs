@@ -104,17 +104,19 @@ fn character(
 
 /// By the group or the speed; opponents differ, and inhabitants of worlds show what they are doing.
 fn colour(colouring: Colouring, simulation: &Simulation, (group, who): (usize, usize), palette: &Palette) -> Rgba {
-    use throng_runtime::simulation::Cast;
+    use throng_runtime::simulation::GroupCast;
     match (colouring, simulation.member(who)) {
         (Colouring::Plain, _) => palette.plain,
-        (Colouring::Speed, (Cast::Paths(w), m)) => palette.slow.mix(palette.fast, (w.speed(m) / FAST_MPS).min(1.0)),
+        (Colouring::Speed, (GroupCast::Paths(w), m)) => {
+            palette.slow.mix(palette.fast, (w.speed(m) / FAST_MPS).min(1.0))
+        }
         (Colouring::Speed, _) => {
             let speed = simulation.disc(who).map_or(0.0, |d| d.velocity.length());
             palette.slow.mix(palette.fast, (speed / FAST_MPS).min(1.0))
         }
-        (Colouring::Target, (Cast::Patches(i), m)) => world::colour_of(i.inhabitants().status(m).doing),
-        (Colouring::Target, (Cast::Sparring(_), m)) if m % 2 == 0 => palette.slow,
-        (Colouring::Target, (Cast::Sparring(_), _)) => palette.on_the_way,
+        (Colouring::Target, (GroupCast::Patches(i), m)) => world::colour_of(i.inhabitants().status(m).doing),
+        (Colouring::Target, (GroupCast::Sparring(_), m)) if m % 2 == 0 => palette.slow,
+        (Colouring::Target, (GroupCast::Sparring(_), _)) => palette.on_the_way,
         (Colouring::Target | Colouring::Clip, _) => cues::category(group),
     }
 }
