@@ -11,7 +11,7 @@ use glam::Vec3;
 use throng_base::simd::LANES;
 
 /// Clears the lanes after the first `n`.
-fn clear_beyond(blocks: &mut [Block], n: usize) {
+pub(super) fn clear_beyond(blocks: &mut [Block], n: usize) {
     for at in n..blocks.len() * LANES {
         blocks[at / LANES].take(at % LANES, &Block::ZERO, 0);
     }
