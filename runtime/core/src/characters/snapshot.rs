@@ -3,6 +3,7 @@
 use super::block::{Block, LAID, NO_STATE};
 use super::lanes::Lanewise;
 use super::motion_set::MotionSet;
+use super::scheduled_clip::is_stretch;
 use super::step::{self, RANGE_BLOCKS, Tick};
 use super::{Asked, Characters, range};
 use crate::pose::Mat3x4;
@@ -64,6 +65,22 @@ impl Characters {
         Ok(())
     }
 
+    /// As [`Characters::restore`], of characters that are laid on scheduled clips, as many as there are room for. False where
+    /// they are no such characters; nothing has changed then.
+    pub fn restore_laid(&mut self, motion_set: &MotionSet, snapshot: &CharactersSnapshot) -> bool {
+        let CharactersSnapshot { blocks, num_characters: n, fingerprint } = snapshot;
+        let name = |c: usize| blocks[c / LANES].name[c % LANES];
+        let is_laid =
+            |c: usize| blocks[c / LANES].segment[c % LANES] == LAID && is_sound(blocks, motion_set, c, name(c));
+        let fits = *n <= self.matrices.len() / NUM_JOINTS && blocks.len() == n.div_ceil(LANES);
+        let good = fits && [*fingerprint; 2] == [self.fingerprint, motion_set.fingerprint] && (0..*n).all(is_laid);
+        if good {
+            self.set_blocks(blocks, *n);
+            self.pose_again(motion_set);
+        }
+        good
+    }
+
     /// State of all who are there, eight to a block; lanes of nobody are zero, whoever was there before.
     pub(super) fn saved_blocks(&self) -> Vec<Block> {
         let mut blocks = self.blocks[..self.num_characters.div_ceil(LANES)].to_vec();
@@ -112,10 +129,7 @@ pub(super) fn is_sound(blocks: &[Block], motion_set: &MotionSet, at: usize, name
     let (mut b, lane) = (blocks[at / LANES], at % LANES);
     let (first, length) = (b.first[lane], b.length[lane]);
     let (exists, earliest) = match b.segment[lane] {
-        LAID => {
-            let end = first as usize + length as usize;
-            (length > 0 && end < motion_set.frames.len(), f32::NEG_INFINITY)
-        }
+        LAID => (is_stretch(motion_set, first, length) && b.bend[lane] == 0.0, f32::NEG_INFINITY),
         segment => {
             let segment = motion_set.graph.segments.get(segment as usize);
             (segment.is_some_and(|s| (first, length) == (s.start, s.num_frames)), 0.0)

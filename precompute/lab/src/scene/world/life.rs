@@ -8,7 +8,7 @@ use throng_motion::error::BuildError;
 use throng_runtime::Bundle;
 use throng_runtime::characters::{CharactersConfig, MotionSet};
 use throng_runtime::world::inhabitants::{Doing, Inhabitants, InhabitantsConfig, InhabitantsError, Wish, scatter};
-use throng_runtime::world::{Node, WorldGraph};
+use throng_runtime::world::{Node, World, WorldGraph};
 
 /// Longest that somebody looks for what cannot be reached before it wishes something else (s).
 const GIVE_UP_S: f64 = 2.0;
@@ -61,7 +61,7 @@ impl WorldScene {
     pub fn live_at(
         &self,
         tables: &Bundle,
-        motion_set: &MotionSet,
+        _: &MotionSet,
         graph: &WorldGraph,
         starts: &[Node],
     ) -> Result<Life, BuildError> {
@@ -69,7 +69,8 @@ impl WorldScene {
         let kinds = kinds.collect::<Result<Vec<_>, BuildError>>()?;
         let characters = CharactersConfig { seed: self.seed, ..CharactersConfig::default() };
         let config = InhabitantsConfig { characters, ..InhabitantsConfig::default() };
-        let inhabitants = Inhabitants::new(motion_set, graph, config, starts).map_err(|e| self.fault(&e))?;
+        let world = World::from_graph(graph, tables);
+        let inhabitants = Inhabitants::new(&world, config, starts).map_err(|e| self.fault(&e))?;
         let mut life = Life {
             until_s: vec![0.0; inhabitants.num_characters()],
             told: vec![false; inhabitants.num_characters()],
@@ -129,9 +130,9 @@ impl Life {
     ///
     /// # Errors
     /// [`InhabitantsError`] where `dt_s` is not in `0..=1`, or for another world or motion set.
-    pub fn step(&mut self, motion_set: &MotionSet, graph: &WorldGraph, dt_s: f32) -> Result<(), InhabitantsError> {
+    pub fn step(&mut self, _: &MotionSet, graph: &WorldGraph, dt_s: f32) -> Result<(), InhabitantsError> {
         self.wish(graph)?;
-        self.inhabitants.step(motion_set, graph, dt_s)?;
+        self.inhabitants.step(dt_s)?;
         self.time_s += f64::from(dt_s);
         Ok(())
     }
@@ -151,7 +152,7 @@ impl Life {
     /// # Errors
     /// As [`Inhabitants::set_wish`]; nothing has changed then.
     pub fn tell(&mut self, graph: &WorldGraph, character: usize, wish: Option<Wish>) -> Result<(), InhabitantsError> {
-        self.inhabitants.set_wish(graph, character, wish.unwrap_or_default())?;
+        self.inhabitants.set_wish(character, wish.unwrap_or_default())?;
         self.told[character] = wish.is_some();
         // Its next own wish comes with the next step.
         self.until_s[character] = self.time_s;
@@ -181,7 +182,7 @@ impl Life {
             if doing == Doing::Arrived || self.time_s >= self.until_s[c] {
                 let (wish, until_s) = self.draw();
                 self.until_s[c] = until_s;
-                self.inhabitants.set_wish(graph, c, wish)?;
+                self.inhabitants.set_wish(c, wish)?;
             }
         }
         Ok(())
