@@ -5,10 +5,9 @@
 mod made_up;
 
 use std::time::Instant;
-use throng_runtime::characters::MotionSet;
 use throng_runtime::world::inhabitants::{Inhabitants, InhabitantsConfig, Wish, scatter};
 use throng_runtime::world::plan::{Planner, Target};
-use throng_runtime::world::{Step, WorldGraph};
+use throng_runtime::world::{Step, World, WorldGraph};
 
 const DT: f32 = 1.0 / 60.0;
 
@@ -19,24 +18,24 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let rows = vec!["#".repeat(side); side];
     let tables = made_up::tables();
     let world = made_up::world(&tables, &rows.iter().map(String::as_str).collect::<Vec<_>>());
-    let graph = WorldGraph::new(tables.patches(), &world.view())?;
-    let motion_set = MotionSet::new(&tables);
-    let starts = scatter(&graph, characters, 1);
+    let world = World::from_data(&world, &tables)?;
+    let graph = world.graph();
+    let starts = scatter(graph, characters, 1);
     for commuting in [false, true] {
-        let mut people = Inhabitants::new(&motion_set, &graph, InhabitantsConfig::default(), &starts)?;
+        let mut people = Inhabitants::new(&world, InhabitantsConfig::default(), &starts)?;
         let others = (0..characters).map(|c| (c * 7919 % graph.num_instances()) as u32);
         for (c, instance) in others.enumerate().filter(|_| commuting) {
-            people.set_wish(&graph, c, Wish::GoTo { instance })?;
+            people.set_wish(c, Wish::GoTo { instance })?;
         }
         let begin = Instant::now();
         for _ in 0..steps {
-            people.step(&motion_set, &graph, DT)?;
+            people.step(DT)?;
         }
         let per_second = steps as f64 / begin.elapsed().as_secs_f64();
         let what = if commuting { "go somewhere" } else { "roam" };
         println!("{characters} characters on {side} x {side} tiles {what}: {per_second:.0} steps/s on one core");
     }
-    across(&graph);
+    across(graph);
     Ok(())
 }
 

@@ -22,14 +22,13 @@ pub fn run(bundle: &Path, world: &Path) -> Result<(), Box<dyn std::error::Error>
     let bundle = Bundle::open(bundle)?;
     // Path costs lie in the file, so that this takes milliseconds.
     let world = World::open(world, &bundle)?;
-    let (motion_set, graph) = (world.motion_set(), world.graph());
 
     // Places far from each other where somebody can stand; everybody roams until told otherwise.
-    let starts = scatter(graph, 10, 1);
-    let mut people = Inhabitants::new(motion_set, graph, InhabitantsConfig::default(), &starts)?;
-    people.set_wish(graph, 0, Wish::GoToPlace { place: Vec3::ZERO })?;
+    let starts = scatter(world.graph(), 10, 1);
+    let mut people = Inhabitants::new(&world, InhabitantsConfig::default(), &starts)?;
+    people.set_wish(0, Wish::GoToPlace { place: Vec3::ZERO })?;
     for _ in 0..30 * 60 {
-        people.step(motion_set, graph, 1.0 / 60.0)?;
+        people.step(1.0 / 60.0)?;
     }
 
     let root = people.characters().root(0);

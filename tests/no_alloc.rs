@@ -18,7 +18,7 @@ use throng_runtime::characters::{Characters, CharactersConfig, Choice, Goal, Mot
 use throng_runtime::crowd::{Agent, AtEnd, Crowd, CrowdConfig, Obstacle, Route, Scheme, Setup};
 use throng_runtime::policy::{self, BestActionJob, LookAheadJob, RankedActions};
 use throng_runtime::sparring::{PracticeConfig, PracticeGoal, Sparring, TargetPractice};
-use throng_runtime::world::WorldGraph;
+use throng_runtime::world::World;
 use throng_runtime::world::inhabitants::{Inhabitants, InhabitantsConfig, Wish, scatter};
 use throng_runtime::{Cast, Id, Inline, Mat3x4, NUM_JOINTS};
 
@@ -128,10 +128,9 @@ fn a_step_towards_two_goals_allocates_nothing() {
 fn inhabitants_allocate_nothing() {
     let tables = made_up::tables();
     let world = made_up::world(&tables, &["#########", "#b#####b#", "###...###", "##b######", "#########"]);
-    let graph = WorldGraph::new(tables.patches(), &world.view()).expect("a world");
-    let motion_set = MotionSet::new(&tables);
-    let starts = scatter(&graph, 14, 2);
-    let mut people = Inhabitants::new(&motion_set, &graph, InhabitantsConfig::default(), &starts).expect("inhabitants");
+    let world = World::from_data(&world, &tables).expect("a world");
+    let starts = scatter(world.graph(), 14, 2);
+    let mut people = Inhabitants::new(&world, InhabitantsConfig::default(), &starts).expect("inhabitants");
     let mut n = 0;
     for round in 0..20u32 {
         for c in 0..starts.len() {
@@ -140,9 +139,9 @@ fn inhabitants_allocate_nothing() {
                 1 => Wish::GoTo { instance: (7 * c as u32 + 11 * round) % 40 },
                 _ => Wish::Perform { tag: made_up::SIT, seconds: 4.0 },
             };
-            n += allocations(|| people.set_wish(&graph, c, wish).expect("a wish"));
+            n += allocations(|| people.set_wish(c, wish).expect("a wish"));
         }
-        n += allocations(|| (0..900).for_each(|_| people.step(&motion_set, &graph, 1.0 / 30.0).expect("a step")));
+        n += allocations(|| (0..900).for_each(|_| people.step(1.0 / 30.0).expect("a step")));
     }
     let fulfilled: u32 = (0..starts.len()).map(|c| people.status(c).num_fulfilled).sum();
     assert!(fulfilled > 40, "{fulfilled} wishes are too few to prove anything");

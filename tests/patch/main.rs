@@ -11,6 +11,7 @@ mod made_up_world;
 #[path = "../format/patch.rs"]
 mod parts;
 mod plan;
+mod saved_inhabitants;
 mod stitch;
 mod tiles;
 mod world_file;

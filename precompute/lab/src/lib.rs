@@ -5,6 +5,5 @@ pub mod matching;
 pub mod measure;
 pub mod picture;
 pub mod run;
-pub mod scene;
 pub mod slip;
 pub mod trial;

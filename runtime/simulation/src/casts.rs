@@ -15,9 +15,9 @@ macro_rules! kinds {
     ($($(#[$doc:meta])* $name:ident($kind:ty)),* $(,)?) => {
         /// Characters of a simulation who are moved together, by what moves them.
         #[derive(Clone, Debug)]
-        pub enum Cast { $($(#[$doc])* $name($kind)),* }
+        pub enum GroupCast { $($(#[$doc])* $name($kind)),* }
 
-        impl Kind for Cast {
+        impl Kind for GroupCast {
             fn num_characters(&self) -> usize {
                 match self { $(Self::$name(k) => k.num_characters()),* }
             }

@@ -9,10 +9,10 @@ use rand_pcg::Pcg64Mcg;
 use std::ops::Range;
 use std::sync::Arc;
 use throng_base::Result;
-use throng_core::characters::{CharactersConfig, MotionSet};
+use throng_core::characters::CharactersConfig;
 use throng_core::{Contacts, Mat3x4, NUM_JOINTS, Planar};
 use throng_world::inhabitants::{Doing, Inhabitants, InhabitantsConfig, InhabitantsError, Wish, scatter};
-use throng_world::{Node, World, WorldGraph};
+use throng_world::{Node, WorldGraph};
 
 /// Longest that somebody looks for what cannot be reached before it wishes something else (s).
 const GIVE_UP_S: f64 = 2.0;
@@ -34,8 +34,6 @@ pub struct Inhabited {
     scene: Arc<Scene>,
     /// What messages call them.
     key: String,
-    motion_set: MotionSet,
-    world: World,
     inhabitants: Inhabitants,
     /// What the characters of each group draw, by their shares.
     choices: Vec<(Range<usize>, Shares)>,
@@ -78,15 +76,12 @@ impl Inhabited {
         }
         let fault =
             |e: InhabitantsError| scene.fault(&key, format!("{e}; correct the scene file, or stitch the world again"));
-        let motion_set = world.motion_set().clone();
         let characters = CharactersConfig { seed: compiled.seed(first), ..CharactersConfig::default() };
         let config = InhabitantsConfig { characters, ..InhabitantsConfig::default() };
-        let inhabitants = Inhabitants::new(&motion_set, world.graph(), config, &starts).map_err(fault)?;
+        let inhabitants = Inhabitants::new(world, config, &starts).map_err(fault)?;
         let mut life = Self {
             scene: Arc::clone(scene),
             key: key.clone(),
-            motion_set,
-            world: world.clone(),
             until_s: vec![0.0; num],
             told: vec![false; num],
             fulfilled: vec![0; num],
@@ -106,7 +101,7 @@ impl Inhabited {
 
     /// The world that they live in.
     pub fn graph(&self) -> &WorldGraph {
-        self.world.graph()
+        self.inhabitants.world().graph()
     }
 
     /// Tells a character what to do, until it is told something else; none lets it wish by itself again.
@@ -114,7 +109,7 @@ impl Inhabited {
     /// # Errors
     /// What the character cannot do; nothing has changed then.
     pub fn tell(&mut self, character: usize, wish: Option<Wish>) -> Result<()> {
-        let told = self.inhabitants.set_wish(self.world.graph(), character, wish.unwrap_or_default());
+        let told = self.inhabitants.set_wish(character, wish.unwrap_or_default());
         told.map_err(|e| self.scene.fault(&self.key, e))?;
         self.told[character] = wish.is_some();
         // Its next own wish comes with the next step.
@@ -140,7 +135,7 @@ impl Inhabited {
             if doing == Doing::Arrived || self.time_s >= self.until_s[c] {
                 let (wish, until_s) = self.draw(c);
                 self.until_s[c] = until_s;
-                self.inhabitants.set_wish(self.world.graph(), c, wish)?;
+                self.inhabitants.set_wish(c, wish)?;
             }
         }
         Ok(())
@@ -215,7 +210,7 @@ impl Kind for Inhabited {
     }
 
     fn step(&mut self, tick: &Tick<'_>, events: &mut Vec<Event>) -> Result<()> {
-        let moved = self.wish().and_then(|()| self.inhabitants.step(&self.motion_set, self.world.graph(), tick.dt_s));
+        let moved = self.wish().and_then(|()| self.inhabitants.step(tick.dt_s));
         moved.map_err(|e| self.scene.fault(&self.key, e))?;
         self.time_s += f64::from(tick.dt_s);
         for (c, known) in self.fulfilled.iter_mut().enumerate() {

@@ -16,7 +16,7 @@ mod simulation;
 pub mod sparring;
 pub mod wander;
 
-pub use casts::Cast;
+pub use casts::GroupCast;
 pub use compile::{CompiledScene, OpenWorld};
 pub use kind::{Kind, Tick};
 pub use scene::{Motion, Scene};

@@ -2,7 +2,7 @@
 
 use crate::agents::{Agents, Disc};
 use crate::boxing::{Bouts, Practice};
-use crate::casts::Cast;
+use crate::casts::GroupCast;
 use crate::compile::CompiledScene;
 use crate::inhabited::Inhabited;
 use crate::kind::{Kind, Tick};
@@ -27,7 +27,7 @@ const EVENTS_EACH: usize = 4;
 #[derive(Clone, Debug)]
 pub struct Simulation {
     scene: CompiledScene,
-    casts: Vec<Cast>,
+    casts: Vec<GroupCast>,
     /// Number of the first character of each cast, and of all characters.
     firsts: Vec<usize>,
     groups: Vec<Group>,
@@ -250,8 +250,8 @@ impl Simulation {
     /// The disc or ball of an agent; `None` for other characters and those who have left (who < num_characters).
     pub fn disc(&self, who: usize) -> Option<Disc> {
         match self.member(who) {
-            (Cast::Ground(agents), member) => agents.disc(member),
-            (Cast::Air(agents), member) => agents.disc(member),
+            (GroupCast::Ground(agents), member) => agents.disc(member),
+            (GroupCast::Air(agents), member) => agents.disc(member),
             _ => None,
         }
     }
@@ -259,24 +259,24 @@ impl Simulation {
     /// What a character is after: its target or its opponent's head (m, who < num_characters).
     pub fn target(&self, who: usize) -> Option<Vec3> {
         match self.member(who) {
-            (Cast::Policy(p), member) => Some(p.practice().targets()[member].position()),
-            (Cast::Sparring(s), member) => Some(s.sparring().heads()[member]),
+            (GroupCast::Policy(p), member) => Some(p.practice().targets()[member].position()),
+            (GroupCast::Sparring(s), member) => Some(s.sparring().heads()[member]),
             _ => None,
         }
     }
 
     /// All casts: groups of agents share one, and groups in the same world.
-    pub fn casts(&self) -> &[Cast] {
+    pub fn casts(&self) -> &[GroupCast] {
         &self.casts
     }
 
     /// A cast, to tell its characters what to do (number < number of casts).
-    pub fn cast_mut(&mut self, number: usize) -> &mut Cast {
+    pub fn cast_mut(&mut self, number: usize) -> &mut GroupCast {
         &mut self.casts[number]
     }
 
     /// The cast of a character, and its number there (who < num_characters).
-    pub fn member(&self, who: usize) -> (&Cast, usize) {
+    pub fn member(&self, who: usize) -> (&GroupCast, usize) {
         let cast = self.firsts.partition_point(|&f| f <= who) - 1;
         (&self.casts[cast], who - self.firsts[cast])
     }
@@ -293,16 +293,16 @@ impl Simulation {
 }
 
 /// The characters of groups that are moved together.
-fn cast(scene: &CompiledScene, groups: &[usize]) -> Result<Cast> {
+fn cast(scene: &CompiledScene, groups: &[usize]) -> Result<GroupCast> {
     let group = &scene.scene().groups[groups[0]];
     Ok(match group.motion {
-        Motion::Policy => Cast::Policy(Practice::new(scene, groups[0])?),
-        Motion::Sparring => Cast::Sparring(Bouts::new(scene, groups[0])?),
-        Motion::Patches => Cast::Patches(Inhabited::new(scene, groups)?),
-        Motion::Blend if group.paths.is_some() => Cast::Paths(Wanderers::new(scene, groups[0])?),
+        Motion::Policy => GroupCast::Policy(Practice::new(scene, groups[0])?),
+        Motion::Sparring => GroupCast::Sparring(Bouts::new(scene, groups[0])?),
+        Motion::Patches => GroupCast::Patches(Inhabited::new(scene, groups)?),
+        Motion::Blend if group.paths.is_some() => GroupCast::Paths(Wanderers::new(scene, groups[0])?),
         Motion::Blend | Motion::None => match scene.scene().environment.space {
-            SpaceConfig::Ground => Cast::Ground(Agents::new(scene)?),
-            SpaceConfig::Air => Cast::Air(Agents::new(scene)?),
+            SpaceConfig::Ground => GroupCast::Ground(Agents::new(scene)?),
+            SpaceConfig::Air => GroupCast::Air(Agents::new(scene)?),
         },
     })
 }

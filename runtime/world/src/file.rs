@@ -9,8 +9,9 @@ use super::baked::{Baked, PathCosts};
 use super::{AdjacencyRecord, InstanceRecord, JointRecord, JointTableRecord, Node, UnitRecord};
 use super::{WorldData, WorldError, WorldGraph, WorldMeta, WorldView, check, tags};
 use glam::Vec3;
-use std::{io, path::Path, sync::Arc};
-use throng_base::{Error, Result};
+use std::sync::{Arc, OnceLock};
+use std::{io, path::Path};
+use throng_base::{Error, Hash128, Result};
 use throng_core::Bundle;
 use throng_core::characters::MotionSet;
 use throng_core::format::{AlignedBytes, BundleWriter, FormatError, Kind, Layout, Storage, Table};
@@ -34,7 +35,9 @@ struct Opened {
     meta: WorldMeta,
     graph: WorldGraph,
     motion_set: MotionSet,
+    bundle_hash: u128,
     num_bytes: usize,
+    hash: OnceLock<u128>,
 }
 
 impl World {
@@ -85,8 +88,12 @@ impl World {
         check::world(&view, bundle.patches())?;
         let baked = Baked::decode(&storage.bytes()[layout.section::<u8>(tags::PATHS)?])?;
         let graph = WorldGraph::from_baked(bundle.patches(), &view, baked)?;
-        let (motion_set, num_bytes) = (MotionSet::new(bundle), storage.bytes().len());
-        Ok(Self(Arc::new(Opened { meta, graph, motion_set, num_bytes })))
+        Ok(Self::opened(meta, graph, bundle, storage.bytes().len()))
+    }
+
+    fn opened(meta: WorldMeta, graph: WorldGraph, bundle: &Bundle, num_bytes: usize) -> Self {
+        let (motion_set, bundle_hash) = (MotionSet::new(bundle), bundle.hash());
+        Self(Arc::new(Opened { meta, graph, motion_set, bundle_hash, num_bytes, hash: OnceLock::new() }))
     }
 
     /// A world in memory, as it was stitched. Its path costs are worked out when the first path is planned.
@@ -94,9 +101,12 @@ impl World {
     /// # Errors
     /// As [`WorldGraph::new`].
     pub fn from_data(data: &WorldData, bundle: &Bundle) -> Result<Self, WorldError> {
-        let graph = WorldGraph::new(bundle.patches(), &data.view())?;
-        let (meta, motion_set) = (data.meta.clone(), MotionSet::new(bundle));
-        Ok(Self(Arc::new(Opened { meta, graph, motion_set, num_bytes: 0 })))
+        Ok(Self::opened(data.meta.clone(), WorldGraph::new(bundle.patches(), &data.view())?, bundle, 0))
+    }
+
+    /// The same of a graph over the bundle's patches.
+    pub fn from_graph(graph: &WorldGraph, bundle: &Bundle) -> Self {
+        Self::opened(WorldMeta::default(), graph.clone(), bundle, 0)
     }
 
     /// What the world says of itself.
@@ -122,6 +132,30 @@ impl World {
     /// Length of the file; 0 for a world in memory (bytes).
     pub fn num_bytes(&self) -> usize {
         self.0.num_bytes
+    }
+
+    /// Content hash of its bundle.
+    pub fn bundle_hash(&self) -> u128 {
+        self.0.bundle_hash
+    }
+
+    /// Content hash of the rows and of the bundle; found when it is first asked for.
+    pub fn hash(&self) -> u128 {
+        *self.0.hash.get_or_init(|| {
+            let (mut hash, view) = (Hash128::default(), self.view());
+            hash.bytes(&self.bundle_hash().to_le_bytes());
+            hash.bytes(bytemuck::cast_slice(&view.units));
+            hash.bytes(bytemuck::cast_slice(&view.instances));
+            hash.bytes(bytemuck::cast_slice(&view.neighbours));
+            hash.bytes(bytemuck::cast_slice(&view.cell_words));
+            hash.bytes(bytemuck::cast_slice(&view.link_words));
+            hash.bytes(bytemuck::cast_slice(&view.adjacencies));
+            hash.bytes(bytemuck::cast_slice(&view.tables));
+            hash.bytes(bytemuck::cast_slice(&view.joints));
+            hash.bytes(bytemuck::cast_slice(&view.joint_words));
+            hash.bytes(bytemuck::cast_slice(&view.resources));
+            hash.finish()
+        })
     }
 
     /// The place nearest to a point where a character may stay.

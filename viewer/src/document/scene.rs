@@ -21,7 +21,7 @@ use throng_runtime::blend::HeightField;
 use throng_runtime::crowd::Scheme;
 use throng_runtime::patch::Placement;
 use throng_runtime::simulation::scene::engine;
-use throng_runtime::simulation::{Cast, CompiledScene, Scene};
+use throng_runtime::simulation::{GroupCast, CompiledScene, Scene};
 
 /// Most characters that a scene may be restarted with from the viewer.
 pub const MAX_CHARACTERS: usize = 100_000;
@@ -183,8 +183,8 @@ impl SceneDocument {
         }
         let (goals, _, choice, number) = self.run.choosing(who)?;
         let (characters, threat) = match simulation.member(who).0 {
-            Cast::Policy(p) => (p.practice().characters(), None),
-            Cast::Sparring(s) => (s.sparring().characters(), s.sparring().threats().get(number).copied()),
+            GroupCast::Policy(p) => (p.practice().characters(), None),
+            GroupCast::Sparring(s) => (s.sparring().characters(), s.sparring().threats().get(number).copied()),
             _ => return None,
         };
         Some(Chooser {
@@ -315,14 +315,14 @@ fn standing(compiled: &CompiledScene, run: &SceneRun) -> Result<Standing, String
     let mut hills: [SolidMesh; 2] = Default::default();
     for cast in run.simulation().casts() {
         match cast {
-            Cast::Ground(agents) => {
+            GroupCast::Ground(agents) => {
                 out.obstacles = agents.layout().setup.obstacles.iter().filter_map(seen_obstacle).collect()
             }
-            Cast::Air(agents) => {
+            GroupCast::Air(agents) => {
                 out.obstacles = agents.layout().setup.obstacles.iter().filter_map(seen_obstacle).collect();
                 out.in_the_air = true;
             }
-            Cast::Paths(wanderers) if !wanderers.ground().is_flat() => {
+            GroupCast::Paths(wanderers) if !wanderers.ground().is_flat() => {
                 out.has_hills = true;
                 let areas = compiled.scene().groups.iter().filter_map(|g| Some(g.paths.as_ref()?.area_m));
                 hills = fields(wanderers.ground(), 0.5 * areas.fold(0.0, f32::max) + BEYOND_M);

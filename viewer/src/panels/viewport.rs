@@ -14,7 +14,7 @@ use crate::stage::{self, Layout, ValueCell};
 use eframe::egui::text::{LayoutJob, TextFormat};
 use eframe::egui::{self, Align, Color32, CursorIcon, FontId, PointerButton, Pos2, Rect, Response, Sense, Ui};
 use glam::{Vec2, Vec3};
-use throng_runtime::simulation::Cast;
+use throng_runtime::simulation::GroupCast;
 use throng_runtime::world::inhabitants::Wish;
 
 /// A target can be taken hold of within this distance of the pointer (points).
@@ -190,7 +190,7 @@ fn targets(model: &Model) -> Option<Targets> {
     let simulation = model.shown_scene()?.run().simulation();
     let mut all = Vec::new();
     for group in simulation.groups() {
-        if let Cast::Policy(p) = &simulation.casts()[group.cast] {
+        if let GroupCast::Policy(p) = &simulation.casts()[group.cast] {
             let targets = group.characters.clone().zip(p.practice().targets());
             all.extend(targets.map(|(who, t)| (who, t.position(), Some(t.home))));
         }
@@ -270,7 +270,7 @@ fn order(model: &Model, ray: &Ray) -> Option<Input> {
     let scene = model.shown_scene()?;
     let character = selected.filter(|&who| who < model.num_characters())?;
     match scene.run().simulation().member(character).0 {
-        Cast::Patches(_) => {
+        GroupCast::Patches(_) => {
             let place = scene.standing().meets(ray).or(ray.meets_ground())?;
             Some(Input::Wish { character, wish: Some(Wish::GoToPlace { place }) })
         }

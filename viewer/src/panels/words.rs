@@ -2,7 +2,7 @@
 
 use glam::{Vec2, Vec3};
 use throng_runtime::Planar;
-use throng_runtime::simulation::{Cast, Simulation};
+use throng_runtime::simulation::{GroupCast, Simulation};
 use throng_runtime::world::inhabitants::{Doing, Status, Wish};
 
 /// Turns smaller than this are not worth a word (degrees).
@@ -101,11 +101,11 @@ pub fn character(simulation: &Simulation, who: usize) -> Option<String> {
         Some(format!("{:.1}\u{a0}m\u{a0}away", (root - target).with_y(0.0).length()))
     };
     let what = match cast {
-        Cast::Policy(_) => format!("target {}", simulation.target(who).and_then(away)?),
-        Cast::Sparring(_) => format!("opponent {}", simulation.target(who).and_then(away)?),
-        Cast::Patches(inhabited) => doing(&inhabited.inhabitants().status(member)),
-        Cast::Paths(wanderers) => format!("{:.1} m/s", wanderers.speed(member)),
-        Cast::Ground(_) | Cast::Air(_) => format!("{:.2} m/s", simulation.disc(who)?.velocity.length()),
+        GroupCast::Policy(_) => format!("target {}", simulation.target(who).and_then(away)?),
+        GroupCast::Sparring(_) => format!("opponent {}", simulation.target(who).and_then(away)?),
+        GroupCast::Patches(inhabited) => doing(&inhabited.inhabitants().status(member)),
+        GroupCast::Paths(wanderers) => format!("{:.1} m/s", wanderers.speed(member)),
+        GroupCast::Ground(_) | GroupCast::Air(_) => format!("{:.2} m/s", simulation.disc(who)?.velocity.length()),
     };
     Some(format!("{who} · {name} · {what}"))
 }

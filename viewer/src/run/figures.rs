@@ -3,7 +3,7 @@
 use throng_precompute::run::{AgentsNow, FeetMeter};
 use throng_precompute::slip::SlipMeter;
 use throng_runtime::characters::StepTimes;
-use throng_runtime::simulation::{Cast, Simulation};
+use throng_runtime::simulation::{GroupCast, Simulation};
 use throng_runtime::sparring::Tally;
 
 /// Speed of planted heels and toes over all characters at one step.
@@ -55,12 +55,12 @@ impl BoutFigures {
         let mut all: Option<Self> = None;
         for cast in simulation.casts() {
             let own = match cast {
-                Cast::Sparring(s) => {
+                GroupCast::Sparring(s) => {
                     let f = s.sparring().figures();
                     let penetration_m = Some(f.penetration_m);
                     Self { blows: f.blows, seconds: f.seconds, penetration_m, max_penetration_m: f.max_penetration_m }
                 }
-                Cast::Policy(p) => {
+                GroupCast::Policy(p) => {
                     let f = p.practice().figures();
                     Self { blows: f.blows, seconds: f.seconds, ..Self::default() }
                 }

@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 use throng_runtime::characters::Blow;
-use throng_runtime::simulation::{Cast, Simulation};
+use throng_runtime::simulation::{GroupCast, Simulation};
 use throng_runtime::sparring::Part;
 
 /// What a blow met.
@@ -38,8 +38,8 @@ pub(super) fn of_step(simulation: &Simulation, step: u32, marks: &mut impl Exten
     for group in simulation.groups() {
         let (first, cast) = (group.characters.start, &simulation.casts()[group.cast]);
         let blows = match cast {
-            Cast::Sparring(s) => s.sparring().characters().blows(),
-            Cast::Policy(p) => p.practice().characters().blows(),
+            GroupCast::Sparring(s) => s.sparring().characters().blows(),
+            GroupCast::Policy(p) => p.practice().characters().blows(),
             _ => continue,
         };
         marks.extend(blows.iter().map(|b| {
@@ -49,14 +49,14 @@ pub(super) fn of_step(simulation: &Simulation, step: u32, marks: &mut impl Exten
     }
 }
 
-fn met(cast: &Cast, blow: &Blow) -> Met {
+fn met(cast: &GroupCast, blow: &Blow) -> Met {
     let is_it = |b: &Blow| (b.character, b.hit) == (blow.character, blow.hit);
     match cast {
-        Cast::Sparring(s) => {
+        GroupCast::Sparring(s) => {
             let landed = s.sparring().landed().iter().find(|l| is_it(&l.blow));
             landed.map_or(Met::Nothing, |l| Met::Body(l.part))
         }
-        Cast::Policy(p) => {
+        GroupCast::Policy(p) => {
             let hit = p.practice().hits().iter().find(|h| is_it(&h.blow));
             hit.map_or(Met::Nothing, |_| Met::Target)
         }

@@ -17,7 +17,7 @@ use std::time::Instant;
 use throng_precompute::run::{AgentsMeter, FeetMeter};
 use throng_runtime::crowd::Event as CrowdEvent;
 use throng_runtime::simulation::agents::{Agents, in_world};
-use throng_runtime::simulation::{Cast, CompiledScene, Event, Simulation};
+use throng_runtime::simulation::{GroupCast, CompiledScene, Event, Simulation};
 use throng_runtime::sparring::Aim;
 use throng_runtime::{Inline, Rayon, Result, Run as Threads};
 
@@ -141,7 +141,7 @@ impl State {
         match input {
             Input::Target { character, to } => {
                 for c in &self.choosing {
-                    if let Cast::Policy(practice) = self.simulation.cast_mut(c.cast) {
+                    if let GroupCast::Policy(practice) = self.simulation.cast_mut(c.cast) {
                         let all = 0..practice.practice().targets().len();
                         let mut moved = all.filter(|&m| character.is_none_or(|who| who == c.first + m));
                         moved.try_for_each(|m| practice.set_home(m, *to))?;
@@ -151,8 +151,8 @@ impl State {
             Input::Weights { of, weights } => {
                 let Some(c) = self.choosing.iter_mut().rev().find(|c| c.first <= *of) else { return Ok(()) };
                 match self.simulation.cast_mut(c.cast) {
-                    Cast::Policy(practice) => practice.set_weights(weights)?,
-                    Cast::Sparring(bouts) => bouts.set_weights(weights)?,
+                    GroupCast::Policy(practice) => practice.set_weights(weights)?,
+                    GroupCast::Sparring(bouts) => bouts.set_weights(weights)?,
                     _ => {}
                 }
                 c.weights = weights.as_slice().into();
@@ -160,15 +160,15 @@ impl State {
             Input::Play { character, segment } => {
                 let Some(c) = self.choosing.iter().rev().find(|c| c.first <= *character) else { return Ok(()) };
                 match self.simulation.cast_mut(c.cast) {
-                    Cast::Policy(practice) => practice.play(character - c.first, *segment)?,
-                    Cast::Sparring(bouts) => bouts.play(character - c.first, *segment)?,
+                    GroupCast::Policy(practice) => practice.play(character - c.first, *segment)?,
+                    GroupCast::Sparring(bouts) => bouts.play(character - c.first, *segment)?,
                     _ => {}
                 }
             }
             Input::Wish { character, wish } => {
                 let member = self.simulation.member(*character).1;
                 let group = self.simulation.groups().iter().find(|g| g.characters.contains(character));
-                if let Some(Cast::Patches(people)) = group.map(|g| g.cast).map(|c| self.simulation.cast_mut(c)) {
+                if let Some(GroupCast::Patches(people)) = group.map(|g| g.cast).map(|c| self.simulation.cast_mut(c)) {
                     people.tell(member, *wish)?;
                 }
             }
@@ -181,11 +181,11 @@ impl Choosing {
     /// None for those who do not choose.
     fn new(simulation: &Simulation, cast: usize, characters: &std::ops::Range<usize>) -> Option<Self> {
         let goals: Vec<(RunGoal, f32)> = match &simulation.casts()[cast] {
-            Cast::Policy(p) => {
+            GroupCast::Policy(p) => {
                 let goals = p.practice().config().goals.iter();
                 goals.map(|g| (RunGoal { policy: g.policy, about: About::Target }, g.weight)).collect()
             }
-            Cast::Sparring(s) => {
+            GroupCast::Sparring(s) => {
                 let about = |aim| if aim == Aim::OpponentThreat { About::Threat } else { About::Target };
                 let goals = s.sparring().config().goals.iter();
                 goals.map(|g| (RunGoal { policy: g.policy, about: about(g.aim) }, g.weight)).collect()
@@ -203,8 +203,8 @@ impl Choosing {
 
     fn observe(&mut self, simulation: &Simulation, about: (&[Vec3], &[Vec3]), step: u32) {
         let characters = match &simulation.casts()[self.cast] {
-            Cast::Policy(p) => p.practice().characters(),
-            Cast::Sparring(s) => s.sparring().characters(),
+            GroupCast::Policy(p) => p.practice().characters(),
+            GroupCast::Sparring(s) => s.sparring().characters(),
             _ => return,
         };
         self.choices.observe(characters, about, &self.weights, step);
@@ -212,10 +212,10 @@ impl Choosing {
 }
 
 /// Targets, and coming blows where there are opponents.
-fn around(cast: &Cast) -> (Vec<Vec3>, Vec<Vec3>) {
+fn around(cast: &GroupCast) -> (Vec<Vec3>, Vec<Vec3>) {
     match cast {
-        Cast::Policy(p) => (p.practice().targets().iter().map(|t| t.position()).collect(), Vec::new()),
-        Cast::Sparring(s) => (s.sparring().heads().to_vec(), s.sparring().threats().to_vec()),
+        GroupCast::Policy(p) => (p.practice().targets().iter().map(|t| t.position()).collect(), Vec::new()),
+        GroupCast::Sparring(s) => (s.sparring().heads().to_vec(), s.sparring().threats().to_vec()),
         _ => Default::default(),
     }
 }
@@ -234,8 +234,8 @@ impl SceneRun {
         }
         for cast in 0..simulation.casts().len() {
             match simulation.cast_mut(cast) {
-                Cast::Ground(agents) => agents.record_events(),
-                Cast::Air(agents) => agents.record_events(),
+                GroupCast::Ground(agents) => agents.record_events(),
+                GroupCast::Air(agents) => agents.record_events(),
                 _ => {}
             }
         }
@@ -442,8 +442,8 @@ impl SceneRun {
     fn log_events(&mut self) {
         for cast in self.state.simulation.casts() {
             match cast {
-                Cast::Ground(agents) => log(&mut self.log, self.first_agent, agents, &self.trails),
-                Cast::Air(agents) => log(&mut self.log, self.first_agent, agents, &self.trails),
+                GroupCast::Ground(agents) => log(&mut self.log, self.first_agent, agents, &self.trails),
+                GroupCast::Air(agents) => log(&mut self.log, self.first_agent, agents, &self.trails),
                 _ => {}
             }
         }

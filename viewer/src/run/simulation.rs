@@ -141,8 +141,8 @@ impl Simulation {
         Keyframe { characters: self.characters.snapshot(), around: self.around.clone() }
     }
 
-    pub fn restore(&mut self, keyframe: &Keyframe) -> Result<(), CharactersError> {
-        self.characters.restore(&keyframe.characters)?;
+    pub fn restore(&mut self, bundle: &OpenBundle, keyframe: &Keyframe) -> throng_runtime::Result<()> {
+        self.characters.restore(bundle.motion_set(), &keyframe.characters)?;
         self.around.clone_from(&keyframe.around);
         self.slip.forget_step();
         Ok(())

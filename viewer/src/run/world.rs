@@ -5,12 +5,11 @@
 
 use super::STEP_HZ;
 use super::reel::Reel;
-use crate::bundle::OpenBundle;
 use glam::{Vec2, Vec3};
 use std::time::Instant;
 use throng_runtime::characters::CharactersConfig;
 use throng_runtime::world::inhabitants::{Inhabitants, InhabitantsConfig, InhabitantsError, Status, Wish};
-use throng_runtime::world::{Node, WorldGraph};
+use throng_runtime::world::{Node, World};
 use throng_runtime::{Contacts, Mat3x4, NUM_JOINTS, Planar};
 
 /// Steps between two points of a trail.
@@ -46,12 +45,12 @@ impl WorldRun {
     ///
     /// # Errors
     /// [`InhabitantsError`] where nobody can stay at a start, or two would share a unit.
-    pub fn new(bundle: &OpenBundle, graph: &WorldGraph, seed: u64, starts: &[Node]) -> Result<Self, InhabitantsError> {
+    pub fn new(world: &World, seed: u64, starts: &[Node]) -> Result<Self, InhabitantsError> {
         let characters = CharactersConfig { seed, ..CharactersConfig::default() };
         let config = InhabitantsConfig { characters, ..InhabitantsConfig::default() };
-        let mut inhabitants = Inhabitants::new(bundle.motion_set(), graph, config, starts)?;
+        let mut inhabitants = Inhabitants::new(world, config, starts)?;
         let begin = Instant::now();
-        inhabitants.step(bundle.motion_set(), graph, 0.0)?;
+        inhabitants.step(0.0)?;
         let step_s = begin.elapsed().as_secs_f64();
         let each = NUM_JOINTS * size_of::<Mat3x4>() + size_of::<(Planar, Contacts, Status)>();
         let reel = Reel::new(starts.len() * each, Moment::of(&inhabitants));
@@ -59,9 +58,9 @@ impl WorldRun {
     }
 
     /// Takes a new step and shows it.
-    fn live(&mut self, bundle: &OpenBundle, graph: &WorldGraph) -> Result<(), InhabitantsError> {
+    fn live(&mut self) -> Result<(), InhabitantsError> {
         let begin = Instant::now();
-        self.inhabitants.step(bundle.motion_set(), graph, 1.0 / STEP_HZ)?;
+        self.inhabitants.step(1.0 / STEP_HZ)?;
         self.step_s = begin.elapsed().as_secs_f64();
         self.reel.push(Moment::of(&self.inhabitants));
         Ok(())
@@ -71,16 +70,16 @@ impl WorldRun {
     ///
     /// # Errors
     /// [`InhabitantsError`] where a step cannot be taken.
-    pub fn step(&mut self, bundle: &OpenBundle, graph: &WorldGraph) -> Result<(), InhabitantsError> {
-        if self.reel.head.on() { Ok(()) } else { self.live(bundle, graph) }
+    pub fn step(&mut self) -> Result<(), InhabitantsError> {
+        if self.reel.head.on() { Ok(()) } else { self.live() }
     }
 
     /// Gives a character an order, at the last step; none lets it decide for itself.
     ///
     /// # Errors
     /// [`InhabitantsError`] for a place or a tag that is not there (character < num_characters).
-    pub fn tell(&mut self, graph: &WorldGraph, character: usize, wish: Option<Wish>) -> Result<(), InhabitantsError> {
-        self.inhabitants.set_wish(graph, character, wish.unwrap_or_default())?;
+    pub fn tell(&mut self, character: usize, wish: Option<Wish>) -> Result<(), InhabitantsError> {
+        self.inhabitants.set_wish(character, wish.unwrap_or_default())?;
         self.told[character] = wish;
         self.reel.head.seek(u32::MAX);
         let mut last = self.reel.moment().clone();

@@ -4,7 +4,7 @@ use super::{Layout, Palette};
 use crate::render::{Rgba, Shapes};
 use crate::run::{Mark, Met, STEP_HZ, SceneRun};
 use glam::Vec3;
-use throng_runtime::simulation::Cast;
+use throng_runtime::simulation::GroupCast;
 use throng_runtime::sparring::{Part, StruckTarget};
 
 /// Time that a mark stays (s).
@@ -44,7 +44,7 @@ pub(super) fn corner(member: usize, palette: &Palette) -> Rgba {
 pub(super) fn lay_out(out: &mut Layout, run: &SceneRun, selected: Option<usize>, palette: &Palette) {
     let simulation = run.simulation();
     for group in simulation.groups() {
-        if let Cast::Policy(p) = &simulation.casts()[group.cast] {
+        if let GroupCast::Policy(p) = &simulation.casts()[group.cast] {
             let radius = p.practice().config().target.radius_m;
             for (who, target) in group.characters.clone().zip(p.practice().targets()) {
                 hanging(&mut out.shapes, target, radius, selected == Some(who), palette);
@@ -52,7 +52,7 @@ pub(super) fn lay_out(out: &mut Layout, run: &SceneRun, selected: Option<usize>,
         }
     }
     if let Some(who) = selected.filter(|&who| who < simulation.num_characters())
-        && let (Cast::Sparring(_), member) = simulation.member(who)
+        && let (GroupCast::Sparring(_), member) = simulation.member(who)
         && let (Some(own), Some(other)) = (simulation.root(who), simulation.root(who - member + (member ^ 1)))
     {
         let (from, to) = (own.translation(), other.translation());

@@ -8,7 +8,7 @@ use crate::render::{Camera, CharacterInstance, Emphasis, Ray, Rgba, SolidInstanc
 use crate::settings::Colouring;
 use glam::{Vec2, Vec3};
 use throng_runtime::patch::Placement;
-use throng_runtime::simulation::{Cast, Simulation};
+use throng_runtime::simulation::{GroupCast, Simulation};
 
 /// Cues of all characters are drawn for so many at most.
 const MAX_CUES: usize = 1500;
@@ -93,21 +93,21 @@ fn colour(colouring: Colouring, scene: &SceneDocument, (group, who): (usize, usi
     let by_speed = |share: f32| palette.slow.mix(palette.fast, share.min(1.0));
     match (colouring, simulation.member(who)) {
         (Colouring::Plain, _) => palette.plain,
-        (Colouring::Speed, (Cast::Paths(w), m)) => by_speed(w.speed(m) / FAST_MPS),
-        (Colouring::Speed, (Cast::Ground(a), m)) => {
+        (Colouring::Speed, (GroupCast::Paths(w), m)) => by_speed(w.speed(m) / FAST_MPS),
+        (Colouring::Speed, (GroupCast::Ground(a), m)) => {
             by_speed(simulation.disc(who).map_or(0.0, |d| d.velocity.length()) / desired(a.layout().setup.agents[m].speed))
         }
-        (Colouring::Speed, (Cast::Air(a), m)) => {
+        (Colouring::Speed, (GroupCast::Air(a), m)) => {
             by_speed(simulation.disc(who).map_or(0.0, |d| d.velocity.length()) / desired(a.layout().setup.agents[m].speed))
         }
-        (Colouring::Speed | Colouring::Clip, (Cast::Policy(_) | Cast::Sparring(_), _)) => match scene.chooser(who) {
+        (Colouring::Speed | Colouring::Clip, (GroupCast::Policy(_) | GroupCast::Sparring(_), _)) => match scene.chooser(who) {
             Some(chooser) => crowd::colour_of_segment(&chooser, colouring, palette),
             None => palette.plain,
         },
         (Colouring::Speed, _) => palette.plain,
-        (Colouring::Target, (Cast::Patches(i), m)) => world::colour_of(i.inhabitants().status(m).doing),
-        (Colouring::Target, (Cast::Sparring(_), m)) => bout::corner(m, palette),
-        (Colouring::Target, (Cast::Policy(_), _)) => palette.on_the_way,
+        (Colouring::Target, (GroupCast::Patches(i), m)) => world::colour_of(i.inhabitants().status(m).doing),
+        (Colouring::Target, (GroupCast::Sparring(_), m)) => bout::corner(m, palette),
+        (Colouring::Target, (GroupCast::Policy(_), _)) => palette.on_the_way,
         (Colouring::Target | Colouring::Clip, _) => cues::category(group),
     }
 }

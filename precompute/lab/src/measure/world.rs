@@ -2,7 +2,6 @@
 
 mod paths;
 
-use crate::scene::world::{SharedWish, WishConfig, WorldScene};
 pub use paths::PathFigures;
 use serde::Serialize;
 use std::path::Path;
@@ -11,9 +10,9 @@ use throng_bake::stitch::{Editor, Kit, WorldSource};
 use throng_motion::error::BuildError;
 use throng_motion::progress::Silent;
 use throng_runtime::Bundle;
-use throng_runtime::characters::MotionSet;
 use throng_runtime::format::AlignedBytes;
 use throng_runtime::patch::Placement;
+use throng_runtime::world::inhabitants::{Inhabitants, InhabitantsConfig, InhabitantsError, scatter};
 use throng_runtime::world::{PathCosts, World, WorldData, WorldGraph};
 
 /// Moves of a unit that are timed, and how far each goes on from the one before (m).
@@ -81,7 +80,7 @@ pub struct EditFigures {
 /// - `path`: of the world file, for messages.
 ///
 /// # Errors
-/// As [`Kit::new`], [`Editor::new`] and [`WorldScene::live`].
+/// As [`Kit::new`], [`Editor::new`] and [`Inhabitants::new`].
 pub fn world(tables: &Bundle, source: &WorldSource, path: &Path) -> Result<WorldFigures, BuildError> {
     let kit = Kit::new(tables, &source.bundle)?;
     let environment = source.environment(&kit.units, path)?;
@@ -100,7 +99,7 @@ pub fn world(tables: &Bundle, source: &WorldSource, path: &Path) -> Result<World
     let world = World::from_bytes(file, tables).map_err(|e| fail(e.to_string()))?;
     let open_seconds = begin.elapsed().as_secs_f64();
     let (paths, paths_soon) = paths::measure(world.graph(), tables.meta().rate_hz, open_seconds);
-    let (characters, steps_per_second) = life(source, tables, world.graph())?;
+    let (characters, steps_per_second) = life(&world)?;
     Ok(WorldFigures {
         world: source.name.clone(),
         instances: report.instances,
@@ -203,23 +202,14 @@ fn free_places(editor: &Editor<'_>, places: &[usize], length: f32) -> Vec<Placem
 }
 
 /// How fast people walk about.
-fn life(source: &WorldSource, tables: &Bundle, graph: &WorldGraph) -> Result<(usize, f64), BuildError> {
-    let room = throng_runtime::world::inhabitants::scatter(graph, CHARACTERS, 1).len();
-    let roam = SharedWish { share: 1.0, wish: WishConfig::Roam { seconds: [1e3, 1e3] } };
-    let scene = WorldScene {
-        name: source.name.clone(),
-        world: Default::default(),
-        characters: room.max(1),
-        seed: 1,
-        wishes: vec![roam],
-        picture: Default::default(),
-    };
-    let motion_set = MotionSet::new(tables);
-    let mut life = scene.live(tables, &motion_set, graph)?;
+fn life(world: &World) -> Result<(usize, f64), BuildError> {
+    let starts = scatter(world.graph(), CHARACTERS, 1);
+    let wrong = |e: InhabitantsError| fail(e.to_string());
+    let mut people = Inhabitants::new(world, InhabitantsConfig::default(), &starts).map_err(wrong)?;
     let steps = (LIFE_S * STEP_HZ) as usize;
     let begin = Instant::now();
     for _ in 0..steps {
-        life.step(&motion_set, graph, 1.0 / STEP_HZ).map_err(|e| fail(e.to_string()))?;
+        people.step(1.0 / STEP_HZ).map_err(wrong)?;
     }
-    Ok((scene.characters, steps as f64 / begin.elapsed().as_secs_f64()))
+    Ok((starts.len(), steps as f64 / begin.elapsed().as_secs_f64()))
 }

@@ -4,7 +4,7 @@ use super::watch::{LOOK_S, Watch};
 use glam::Vec3;
 use throng_runtime::crowd::{Obstacle, Space};
 use throng_runtime::simulation::agents::{Agents, in_world};
-use throng_runtime::simulation::{Cast, Event, Simulation};
+use throng_runtime::simulation::{Event, GroupCast, Simulation};
 use throng_runtime::{NUM_JOINTS, Planar};
 
 /// Moments of agents that are kept, the first and the last included.
@@ -169,11 +169,11 @@ impl Recorder {
         let mut record = Record::default();
         for (g, group) in sim.groups().iter().enumerate().filter(|_| is_on) {
             match &sim.casts()[group.cast] {
-                Cast::Policy(_) | Cast::Sparring(_) => {
+                GroupCast::Policy(_) | GroupCast::Sparring(_) => {
                     record.fights.push(FightRecord { group: g, ..FightRecord::default() });
                 }
-                Cast::Paths(_) => record.paths.push(PathsRecord { group: g, ..PathsRecord::default() }),
-                Cast::Patches(_) if record.worlds.iter().all(|w| w.cast != group.cast) => {
+                GroupCast::Paths(_) => record.paths.push(PathsRecord { group: g, ..PathsRecord::default() }),
+                GroupCast::Patches(_) if record.worlds.iter().all(|w| w.cast != group.cast) => {
                     let num = group.characters.len().min(FOLLOWED[1]);
                     let followed = match sim.scene().picture.follow {
                         Some(one) => vec![one.min(sim.num_characters() - 1)],
@@ -186,8 +186,8 @@ impl Recorder {
                         looks: Vec::new(),
                     });
                 }
-                Cast::Ground(a) if record.agents.is_none() => record.agents = Some(begin(a, sim)),
-                Cast::Air(a) if record.agents.is_none() => record.agents = Some(begin(a, sim)),
+                GroupCast::Ground(a) if record.agents.is_none() => record.agents = Some(begin(a, sim)),
+                GroupCast::Air(a) if record.agents.is_none() => record.agents = Some(begin(a, sim)),
                 _ => {}
             }
         }
@@ -205,7 +205,7 @@ impl Recorder {
             for p in &mut record.paths {
                 let characters = sim.groups()[p.group].characters.clone().take(FOLLOWED[0]);
                 let speed = |who| match sim.member(who) {
-                    (Cast::Paths(w), member) => w.speed(member),
+                    (GroupCast::Paths(w), member) => w.speed(member),
                     _ => 0.0,
                 };
                 let poses = characters.clone().filter_map(|who| sim.joint_positions(who)).collect();
@@ -219,8 +219,8 @@ impl Recorder {
         if let Some(agents) = &mut record.agents {
             for cast in sim.casts() {
                 match cast {
-                    Cast::Ground(a) => agents.observe(a, time_s, self.seconds),
-                    Cast::Air(a) => agents.observe(a, time_s, self.seconds),
+                    GroupCast::Ground(a) => agents.observe(a, time_s, self.seconds),
+                    GroupCast::Air(a) => agents.observe(a, time_s, self.seconds),
                     _ => {}
                 }
             }
@@ -239,8 +239,8 @@ impl Recorder {
         if let Some(agents) = &mut self.record.agents {
             for cast in sim.casts() {
                 match cast {
-                    Cast::Ground(a) => agents.keep_ways(a),
-                    Cast::Air(a) => agents.keep_ways(a),
+                    GroupCast::Ground(a) => agents.keep_ways(a),
+                    GroupCast::Air(a) => agents.keep_ways(a),
                     _ => {}
                 }
             }
@@ -252,7 +252,7 @@ impl Recorder {
 impl FightRecord {
     fn observe(&mut self, sim: &Simulation) {
         let all = sim.groups()[self.group].characters.clone();
-        let is_pair = matches!(sim.member(all.start).0, Cast::Sparring(_));
+        let is_pair = matches!(sim.member(all.start).0, GroupCast::Sparring(_));
         let shown = all.start..all.end.min(all.start + if is_pair { 2 } else { 1 });
         let target = sim.target(all.start).filter(|_| !is_pair);
         let poses = shown.clone().filter_map(|who| sim.joint_positions(who)).collect();
@@ -266,7 +266,8 @@ fn begin<V: Space>(agents: &Agents<V>, sim: &Simulation) -> AgentsRecord {
     let layout = agents.layout();
     let num = agents.num_agents();
     let every = num.div_ceil(TRAILED).max(1);
-    let of_agents = sim.groups().iter().filter(|g| matches!(sim.casts()[g.cast], Cast::Ground(_) | Cast::Air(_)));
+    let of_agents =
+        sim.groups().iter().filter(|g| matches!(sim.casts()[g.cast], GroupCast::Ground(_) | GroupCast::Air(_)));
     let (numbers, names): (Vec<usize>, Vec<String>) = of_agents.map(|g| (g.number, g.name.clone())).unzip();
     let group = |g: &usize| numbers.iter().position(|n| n == g).unwrap_or(0);
     AgentsRecord {

@@ -11,7 +11,7 @@ use throng_bake::stitch::Kit;
 use throng_motion::error::BuildError;
 use throng_runtime::crowd::Space;
 use throng_runtime::simulation::agents::Agents;
-use throng_runtime::simulation::{Cast, CompiledScene, Kind, Simulation};
+use throng_runtime::simulation::{CompiledScene, GroupCast, Kind, Simulation};
 use throng_runtime::{Error, Inline};
 
 /// Looks at agents a simulated second (Hz).
@@ -134,8 +134,8 @@ pub fn run_agents(scene: &CompiledScene, seconds: Option<f64>, threads: usize) -
     let pool = pool.map_err(|e| wrong(e.to_string()))?;
     let mut sim = Simulation::new(scene).map_err(fault)?;
     pool.install(|| match sim.cast_mut(0) {
-        Cast::Ground(agents) => measure(agents, &scene.scene().measure, scene, seconds, threads),
-        Cast::Air(agents) => measure(agents, &scene.scene().measure, scene, seconds, threads),
+        GroupCast::Ground(agents) => measure(agents, &scene.scene().measure, scene, seconds, threads),
+        GroupCast::Air(agents) => measure(agents, &scene.scene().measure, scene, seconds, threads),
         _ => Err(wrong("expected a scene of agents, with `motion = \"none\"`".into())),
     })
 }

@@ -10,7 +10,7 @@ use throng_motion::error::BuildError;
 use throng_runtime::crowd::{AtEnd, Counts, Space};
 use throng_runtime::simulation::agents::{Agents, plan};
 use throng_runtime::simulation::scene::{MeasureConfig, engine};
-use throng_runtime::simulation::{Cast, Motion, Simulation};
+use throng_runtime::simulation::{GroupCast, Motion, Simulation};
 use throng_runtime::sparring::Tally;
 use throng_runtime::world::inhabitants::Doing;
 use throng_runtime::{Joint, NUM_JOINTS};
@@ -65,12 +65,12 @@ impl Watch {
             let first = sim.groups().iter().find(|g| g.cast == c).map_or(0, |g| g.characters.start);
             let members = of(c).into_iter().flat_map(|g| sim.groups()[g].characters.clone());
             match cast {
-                Cast::Patches(_) => watch.worlds.push(WorldWatch::new(sim, c, members.collect())?),
-                Cast::Ground(a) => {
+                GroupCast::Patches(_) => watch.worlds.push(WorldWatch::new(sim, c, members.collect())?),
+                GroupCast::Ground(a) => {
                     watch.agents =
                         AgentsWatch::Ground(AgentWatch::new(a, config, members.map(|m| m - first).collect()));
                 }
-                Cast::Air(a) => {
+                GroupCast::Air(a) => {
                     watch.agents = AgentsWatch::Air(AgentWatch::new(a, config, members.map(|m| m - first).collect()));
                 }
                 _ => {}
@@ -88,8 +88,8 @@ impl Watch {
             let group = &sim.groups()[g];
             for who in group.characters.clone() {
                 match sim.member(who) {
-                    (Cast::Policy(_) | Cast::Sparring(_), _) => self.fights.observe(sim, who),
-                    (Cast::Paths(p), member) => self.paths.observe(sim, who, p.speed(member), p.ground(), dt_s),
+                    (GroupCast::Policy(_) | GroupCast::Sparring(_), _) => self.fights.observe(sim, who),
+                    (GroupCast::Paths(p), member) => self.paths.observe(sim, who, p.speed(member), p.ground(), dt_s),
                     _ => {}
                 }
             }
@@ -98,14 +98,15 @@ impl Watch {
             self.worlds.iter_mut().for_each(|w| w.look(sim));
         }
         if due(1.0 / LOOK_HZ) {
-            match (&mut self.agents, sim.casts().iter().find(|c| matches!(c, Cast::Ground(_) | Cast::Air(_)))) {
-                (AgentsWatch::Ground(w), Some(Cast::Ground(a))) => w.observe(a),
-                (AgentsWatch::Air(w), Some(Cast::Air(a))) => w.observe(a),
+            match (&mut self.agents, sim.casts().iter().find(|c| matches!(c, GroupCast::Ground(_) | GroupCast::Air(_))))
+            {
+                (AgentsWatch::Ground(w), Some(GroupCast::Ground(a))) => w.observe(a),
+                (AgentsWatch::Air(w), Some(GroupCast::Air(a))) => w.observe(a),
                 _ => {}
             }
         }
-        if let (AgentsWatch::Ground(w), Some(Cast::Ground(a))) =
-            (&mut self.agents, sim.casts().iter().find(|c| matches!(c, Cast::Ground(_))))
+        if let (AgentsWatch::Ground(w), Some(GroupCast::Ground(a))) =
+            (&mut self.agents, sim.casts().iter().find(|c| matches!(c, GroupCast::Ground(_))))
         {
             w.observe_bodies(sim, a);
         }
@@ -120,12 +121,12 @@ impl Watch {
     ///
     /// - `rate`: steps of everybody a second, for the total alone.
     pub fn figures(&self, sim: &Simulation, seconds: f64, rate: Option<f64>) -> Figures {
-        let number = |of: &dyn Fn(Motion, &Cast) -> bool| {
+        let number = |of: &dyn Fn(Motion, &GroupCast) -> bool| {
             let groups = self.groups.iter().map(|&g| &sim.groups()[g]);
             let num: usize = groups.filter(|g| of(g.motion, &sim.casts()[g.cast])).map(|g| g.characters.len()).sum();
             (num > 0).then_some(num)
         };
-        let is_agent = |_: Motion, cast: &Cast| matches!(cast, Cast::Ground(_) | Cast::Air(_));
+        let is_agent = |_: Motion, cast: &GroupCast| matches!(cast, GroupCast::Ground(_) | GroupCast::Air(_));
         let characters = number(&|m, c| !is_agent(m, c));
         let has_feet = self.feet.has_seen_bodies();
         let mut figures = Figures {
@@ -136,17 +137,19 @@ impl Watch {
             blows: number(&|m, _| matches!(m, Motion::Policy | Motion::Sparring))
                 .map(|n| self.fights.figures(sim, &self.groups, n, seconds)),
             world: (!self.worlds.is_empty()).then(|| WorldWatch::figures(&self.worlds, sim, seconds)),
-            paths: number(&|_, c| matches!(c, Cast::Paths(_))).map(|_| self.paths.figures()),
+            paths: number(&|_, c| matches!(c, GroupCast::Paths(_))).map(|_| self.paths.figures()),
             foot_slip_mean_mps: has_feet.then(|| self.feet.mean_mps()),
             foot_slip_p95_mps: has_feet.then(|| self.feet.p95_mps()),
             ..Figures::default()
         };
         let mut stuck = (!self.worlds.is_empty()).then(|| self.worlds.iter().map(|w| w.stuck.len()).sum());
-        let cast = sim.casts().iter().position(|c| matches!(c, Cast::Ground(_) | Cast::Air(_)));
+        let cast = sim.casts().iter().position(|c| matches!(c, GroupCast::Ground(_) | GroupCast::Air(_)));
         let wall = |c: usize| rate.and_then(|_| sim.busy_s().get(c)).map(|&s| (s, s));
         let of_agents = match (&self.agents, cast.map(|c| (c, &sim.casts()[c]))) {
-            (AgentsWatch::Ground(w), Some((c, Cast::Ground(a)))) => Some((w.stuck(), w.figures(a, seconds, wall(c)))),
-            (AgentsWatch::Air(w), Some((c, Cast::Air(a)))) => Some((w.stuck(), w.figures(a, seconds, wall(c)))),
+            (AgentsWatch::Ground(w), Some((c, GroupCast::Ground(a)))) => {
+                Some((w.stuck(), w.figures(a, seconds, wall(c))))
+            }
+            (AgentsWatch::Air(w), Some((c, GroupCast::Air(a)))) => Some((w.stuck(), w.figures(a, seconds, wall(c)))),
             _ => None,
         };
         if let Some((num, crowd)) = of_agents {
@@ -184,14 +187,14 @@ impl FightWatch {
         let (mut blows, mut penetration, mut deep_s, mut num_pairs) = (Tally::default(), 0.0f32, 0.0, 0);
         for &g in groups {
             match &sim.casts()[sim.groups()[g].cast] {
-                Cast::Sparring(s) => {
+                GroupCast::Sparring(s) => {
                     let f = s.sparring().figures();
                     blows += f.blows;
                     penetration = penetration.max(f.max_penetration_m);
                     deep_s += f64::from(f.deep_s);
                     num_pairs += s.sparring().num_pairs();
                 }
-                Cast::Policy(p) => blows += p.practice().figures().blows,
+                GroupCast::Policy(p) => blows += p.practice().figures().blows,
                 _ => {}
             }
         }
@@ -310,7 +313,7 @@ impl WorldWatch {
     }
 
     fn look(&mut self, sim: &Simulation) {
-        let Cast::Patches(people) = &sim.casts()[self.cast] else { return };
+        let GroupCast::Patches(people) = &sim.casts()[self.cast] else { return };
         let trunk = |p: [Vec3; NUM_JOINTS]| [p[Joint::Hips.index()], p[Joint::Neck.index()]];
         let trunks: Vec<[Vec3; 2]> =
             self.members.iter().filter_map(|&who| sim.joint_positions(who)).map(trunk).collect();
@@ -361,7 +364,7 @@ impl WorldWatch {
         let mut f = InhabitedFigures::default();
         let (mut fulfilled, mut travelled_m, mut waiting, mut looks) = (0u32, 0.0, 0u64, 0u64);
         for w in all {
-            let Cast::Patches(people) = &sim.casts()[w.cast] else { continue };
+            let GroupCast::Patches(people) = &sim.casts()[w.cast] else { continue };
             let of = |who: &usize| people.inhabitants().status(sim.member(*who).1).num_fulfilled;
             fulfilled += w.members.iter().map(of).sum::<u32>();
             (travelled_m, waiting, looks) = (travelled_m + w.travelled_m, waiting + w.waiting, looks + w.looks);
@@ -407,8 +410,8 @@ impl AgentsMeter {
         let (config, mut found) = (&sim.scene().measure, None);
         for (cast, kind) in sim.casts().iter().enumerate() {
             let watch = match kind {
-                Cast::Ground(a) => AgentsWatch::Ground(AgentWatch::new(a, config, (0..a.num_agents()).collect())),
-                Cast::Air(a) => AgentsWatch::Air(AgentWatch::new(a, config, (0..a.num_agents()).collect())),
+                GroupCast::Ground(a) => AgentsWatch::Ground(AgentWatch::new(a, config, (0..a.num_agents()).collect())),
+                GroupCast::Air(a) => AgentsWatch::Air(AgentWatch::new(a, config, (0..a.num_agents()).collect())),
                 _ => continue,
             };
             found = Some(Self { watch, cast });
@@ -419,8 +422,8 @@ impl AgentsMeter {
     /// Looks at all agents, at most 30 times a simulated second.
     pub fn observe(&mut self, sim: &Simulation) -> AgentsNow {
         match (&mut self.watch, &sim.casts()[self.cast]) {
-            (AgentsWatch::Ground(w), Cast::Ground(a)) => w.observe_now(a),
-            (AgentsWatch::Air(w), Cast::Air(a)) => w.observe_now(a),
+            (AgentsWatch::Ground(w), GroupCast::Ground(a)) => w.observe_now(a),
+            (AgentsWatch::Air(w), GroupCast::Air(a)) => w.observe_now(a),
             _ => AgentsNow::default(),
         }
     }
@@ -534,7 +537,7 @@ impl<V: Space> AgentWatch<V> {
 impl AgentWatch<Vec2> {
     /// How far bodies are from their discs.
     fn observe_bodies(&mut self, sim: &Simulation, agents: &Agents<Vec2>) {
-        let first = sim.groups().iter().find(|g| matches!(sim.casts()[g.cast], Cast::Ground(_)));
+        let first = sim.groups().iter().find(|g| matches!(sim.casts()[g.cast], GroupCast::Ground(_)));
         let first = first.map_or(0, |g| g.characters.start);
         for &m in &self.members {
             if let (Some(at), Some(pose)) = (agents.position(m, agents.crowd().now()), sim.joint_positions(first + m)) {

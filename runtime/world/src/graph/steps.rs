@@ -2,11 +2,12 @@
 
 use super::WorldGraph;
 use crate::{AdjacencyRecord, InstanceRecord, JointRecord, JointTableRecord, is_set};
+use serde::{Deserialize, Serialize};
 use std::ops::Range;
 use throng_core::patch::{CellRecord, KIND_TILE, LinkRecord, NONE};
 
 /// A cell of an instance. An exit of a tile is the entry of its neighbour.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub struct Node {
     /// The instance.
     pub instance: u32,
@@ -20,7 +21,7 @@ impl Node {
 }
 
 /// One edge of the graph over a world.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Step {
     /// Where it leads.
     pub to: Node,

@@ -3,6 +3,7 @@
 use super::InhabitantsError;
 use crate::Node;
 use glam::Vec3;
+use serde::{Deserialize, Serialize};
 use throng_core::characters::{CharactersConfig, MAX_STEP_S};
 
 /// How inhabitants behave.
@@ -41,7 +42,7 @@ impl InhabitantsConfig {
 }
 
 /// What an inhabitant is to do.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub enum Wish {
     /// Wander about.
     #[default]
@@ -65,8 +66,15 @@ pub enum Wish {
     },
 }
 
+impl Wish {
+    /// True where it leads nowhere.
+    pub(super) fn is_roaming(&self) -> bool {
+        *self == Self::Roam
+    }
+}
+
 /// What an inhabitant is about.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Doing {
     /// Wanders.
     #[default]

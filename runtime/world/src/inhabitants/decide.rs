@@ -4,21 +4,21 @@
 
 use super::chain::{self, MAX_CHAIN, MAX_OPENED, ToPath, ToSafety};
 use super::config::{Doing, Wish, check_time};
-use super::{Inhabitants, InhabitantsError, lay};
+use super::{InhabitantState, Inhabitants, InhabitantsError, lay};
 use crate::plan::{Found, Target};
-use crate::{Node, Step, WorldGraph};
-use throng_core::characters::{MotionSet, uniform};
+use crate::{Step, World, WorldGraph};
+use throng_core::characters::uniform;
 
 /// Random steps that are tried before those that need no search are taken.
 const TRIES: usize = 4;
 /// Most times that a detour doubles.
-const MAX_IMPATIENCE: u32 = 3;
+pub(super) const MAX_IMPATIENCE: u32 = 3;
 /// Next steps of a path that are looked for a way to, and most steps of the way.
 const MAX_REJOINED: usize = 8;
 /// Most nodes that are opened in looking for it.
 const MAX_REJOIN_OPENED: usize = 1000;
 /// Steps of its path after which who lost patience is calmer again.
-const CALM_AFTER: u32 = 6;
+pub(super) const CALM_AFTER: u32 = 6;
 /// Share of its patience that somebody has with one whose way it bars itself: who gives way, and who insists.
 const GIVES_WAY: f32 = 0.25;
 const INSISTS: f32 = 4.0;
@@ -26,24 +26,20 @@ const INSISTS: f32 = 4.0;
 const TOLL: f32 = 120.0;
 
 impl Inhabitants {
-    pub(super) fn control(
-        &mut self,
-        motion_set: &MotionSet,
-        graph: &WorldGraph,
-        dt_s: f32,
-    ) -> Result<(), InhabitantsError> {
-        self.check_world(graph)?;
+    pub(super) fn control(&mut self, world: &World, dt_s: f32) -> Result<(), InhabitantsError> {
         check_time(dt_s)?;
+        let (motion_set, graph) = (world.motion_set(), world.graph());
         self.plan_paths(graph);
         let frames = dt_s * self.rate_hz;
         for c in 0..self.states.len() {
             while self.characters.frames_left(c) <= frames {
                 let Some(step) = self.decide(graph, c) else { break };
                 let from = std::mem::replace(&mut self.states[c].at, step.to);
+                self.states[c].through = [from.instance, step.instance];
                 let root = self.characters.scheduled_end(motion_set, c);
                 let Some(scheduled_clip) = lay::scheduled_clip(graph, motion_set, &step, Some(root)) else { break };
                 self.characters.lay(motion_set, c, &scheduled_clip)?;
-                self.release(graph, c, from, &step);
+                self.release(graph, c);
             }
         }
         self.time_s += f64::from(dt_s);
@@ -121,7 +117,7 @@ impl Inhabitants {
         if let Wish::Perform { tag, .. } = state.wish
             && graph.link(step).is_some_and(|l| l.tag == tag)
         {
-            state.performed += step.num_frames();
+            state.performed = state.performed.saturating_add(step.num_frames());
         }
     }
 
@@ -149,7 +145,7 @@ impl Inhabitants {
         }
         let state = &mut self.states[c];
         state.doing = Doing::Arrived;
-        state.num_fulfilled += 1;
+        state.num_fulfilled = state.num_fulfilled.wrapping_add(1);
         self.rest(graph, c)
     }
 
@@ -337,17 +333,12 @@ impl Inhabitants {
         self.chains.pop(c)
     }
 
-    /// Lets go of what neither a step nor those after it need.
-    fn release(&mut self, graph: &WorldGraph, c: usize, from: Node, step: &Step) {
+    /// Lets go of what neither the present step nor those after it need.
+    fn release(&mut self, graph: &WorldGraph, c: usize) {
         self.reservations.begin_release();
-        self.reservations.keep(graph.resources(from.instance));
-        for step in std::iter::once(step).chain(self.chains.of(c)) {
-            if graph.link(step).is_some() {
-                self.reservations.keep(graph.resources(step.instance));
-            }
-            self.reservations.keep(graph.resources(step.to.instance));
-        }
-        self.reservations.release(c as u32);
+        let reservations = &mut self.reservations;
+        needs(graph, &self.states[c], self.chains.of(c), |units| reservations.keep(units));
+        reservations.release(c as u32);
     }
 
     /// A random number of a character, in [0, 1).
@@ -355,5 +346,17 @@ impl Inhabitants {
         let state = &mut self.states[c];
         state.draws = state.draws.wrapping_add(1);
         uniform(self.config.characters.seed, c as u64, state.draws.into())
+    }
+}
+
+/// Calls `visit` with the units that a character needs: of the present step and of those after it.
+pub(super) fn needs(graph: &WorldGraph, state: &InhabitantState, chain: &[Step], mut visit: impl FnMut(&[u32])) {
+    state.through.iter().for_each(|&instance| visit(graph.resources(instance)));
+    visit(graph.resources(state.at.instance));
+    for step in chain {
+        if graph.link(step).is_some() {
+            visit(graph.resources(step.instance));
+        }
+        visit(graph.resources(step.to.instance));
     }
 }

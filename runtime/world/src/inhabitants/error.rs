@@ -64,14 +64,6 @@ pub enum InhabitantsError {
         /// What it may be.
         expected: &'static str,
     },
-    /// The world is not the one they were put in.
-    #[error("the inhabitants were put in a world of {expected} nodes, this one has {got}; put them in anew")]
-    OtherWorld {
-        /// Nodes of their world.
-        expected: usize,
-        /// Nodes of this one.
-        got: usize,
-    },
     /// What the characters refuse.
     #[error(transparent)]
     Characters(#[from] CharactersError),

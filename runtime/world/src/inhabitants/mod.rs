@@ -9,23 +9,27 @@ mod offers;
 mod paths;
 mod reservations;
 mod scatter;
+mod snapshot;
 
 pub use config::{Doing, InhabitantsConfig, Status, Wish};
 pub use error::InhabitantsError;
 pub use scatter::scatter;
 
 use super::plan::{Plan, Planner, Target};
-use super::{Node, Step, WorldGraph};
+use super::{Node, Step, World, WorldGraph};
 use chain::Chains;
 use paths::Paths;
 use reservations::Reservations;
-use throng_core::characters::{Characters, MotionSet};
+use serde::{Deserialize, Serialize};
+use throng_core::characters::Characters;
 
 /// What is remembered of an inhabitant.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 struct InhabitantState {
     /// Node that its motion leads to.
     at: Node,
+    /// Instances that its motion leads through: where it began, and whose link it plays.
+    through: [u32; 2],
     wish: Wish,
     doing: Doing,
     num_fulfilled: u32,
@@ -52,8 +56,8 @@ struct InhabitantState {
 /// holds, tries again, and after a while makes a random detour, longer each time.
 #[derive(Clone, Debug)]
 pub struct Inhabitants {
+    world: World,
     config: InhabitantsConfig,
-    num_nodes: usize,
     characters: Characters,
     states: Vec<InhabitantState>,
     chains: Chains,
@@ -72,13 +76,9 @@ impl Inhabitants {
     /// # Errors
     /// [`InhabitantsError`] for a start that does not exist, where nobody can stay or whose units another one holds, and
     /// for a setting out of its range.
-    pub fn new(
-        motion_set: &MotionSet,
-        graph: &WorldGraph,
-        config: InhabitantsConfig,
-        starts: &[Node],
-    ) -> Result<Self, InhabitantsError> {
+    pub fn new(world: &World, config: InhabitantsConfig, starts: &[Node]) -> Result<Self, InhabitantsError> {
         config.check()?;
+        let (motion_set, graph) = (world.motion_set(), world.graph());
         let mut reservations = Reservations::new(graph.world().units.len(), starts.len());
         let mut scheduled_clips = Vec::with_capacity(starts.len());
         for (c, &node) in starts.iter().enumerate() {
@@ -97,6 +97,7 @@ impl Inhabitants {
         }
         let state = |&at| InhabitantState {
             at,
+            through: [at.instance; 2],
             wish: Wish::Roam,
             doing: Doing::Roaming,
             num_fulfilled: 0,
@@ -109,7 +110,7 @@ impl Inhabitants {
             performed: 0,
         };
         Ok(Self {
-            num_nodes: graph.num_nodes(),
+            world: world.clone(),
             characters: Characters::new_laid(motion_set, config.characters, &scheduled_clips)?,
             states: starts.iter().map(state).collect(),
             chains: Chains::new(starts.len()),
@@ -126,11 +127,11 @@ impl Inhabitants {
     /// Moves everybody on by `dt_s` on this thread. Allocates nothing.
     ///
     /// # Errors
-    /// [`InhabitantsError`] where `dt_s` is not in `0..=1`, or the world or motion set is another one; nothing has moved
-    /// then.
-    pub fn step(&mut self, motion_set: &MotionSet, graph: &WorldGraph, dt_s: f32) -> Result<(), InhabitantsError> {
-        self.control(motion_set, graph, dt_s)?;
-        Ok(self.characters.step(motion_set, dt_s, &[])?)
+    /// [`InhabitantsError`] where `dt_s` is not in `0..=1`; nothing has moved then.
+    pub fn step(&mut self, dt_s: f32) -> Result<(), InhabitantsError> {
+        let world = self.world.clone();
+        self.control(&world, dt_s)?;
+        Ok(self.characters.step(world.motion_set(), dt_s, &[])?)
     }
 
     /// As [`Inhabitants::step`], on the threads of the current rayon pool. The result is the same, bit by bit.
@@ -138,9 +139,15 @@ impl Inhabitants {
     /// # Errors
     /// As [`Inhabitants::step`].
     #[cfg(feature = "rayon")]
-    pub fn par_step(&mut self, motion_set: &MotionSet, graph: &WorldGraph, dt_s: f32) -> Result<(), InhabitantsError> {
-        self.control(motion_set, graph, dt_s)?;
-        Ok(self.characters.par_step(motion_set, dt_s, &[])?)
+    pub fn par_step(&mut self, dt_s: f32) -> Result<(), InhabitantsError> {
+        let world = self.world.clone();
+        self.control(&world, dt_s)?;
+        Ok(self.characters.par_step(world.motion_set(), dt_s, &[])?)
+    }
+
+    /// The world that they live in.
+    pub fn world(&self) -> &World {
+        &self.world
     }
 
     /// Number of characters.
@@ -192,10 +199,9 @@ impl Inhabitants {
     /// # Errors
     /// [`InhabitantsError`] for a character, instance or tag that does not exist, or a place where nobody can stay;
     /// nothing has changed then.
-    pub fn set_wish(&mut self, graph: &WorldGraph, character: usize, wish: Wish) -> Result<(), InhabitantsError> {
-        self.check_world(graph)?;
+    pub fn set_wish(&mut self, character: usize, wish: Wish) -> Result<(), InhabitantsError> {
         check_index("character", character, self.states.len())?;
-        let target = self.target_of(graph, character, wish)?;
+        let target = self.target_of(self.world.graph(), character, wish)?;
         self.paths.forget(character, target);
         let state = &mut self.states[character];
         state.wish = wish;
@@ -206,13 +212,6 @@ impl Inhabitants {
             self.paths.ask(character);
         }
         Ok(())
-    }
-
-    fn check_world(&self, graph: &WorldGraph) -> Result<(), InhabitantsError> {
-        match graph.num_nodes() == self.num_nodes {
-            true => Ok(()),
-            false => Err(InhabitantsError::OtherWorld { expected: self.num_nodes, got: graph.num_nodes() }),
-        }
     }
 
     /// Where a wish leads; none for roaming.

@@ -1,15 +1,17 @@
 //! Planned paths of all characters, and the queue of those who wait for one.
 
+use super::snapshot::{are_steps, is_node};
 use crate::plan::{Plan, Target};
-use crate::{Node, Step};
+use crate::{Node, Step, WorldGraph};
+use serde::{Deserialize, Serialize};
 
 /// The path of one character.
-#[derive(Clone, Copy, Debug, Default)]
-struct Path {
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(super) struct Path {
     /// Where it leads; none for those who roam.
-    target: Option<Target>,
+    pub target: Option<Target>,
     /// Node that the next step begins at.
-    from: Option<Node>,
+    pub from: Option<Node>,
     /// The next step, and the one after the last that is kept.
     next: usize,
     end: usize,
@@ -17,6 +19,9 @@ struct Path {
     /// True while the character is in the queue.
     asked: bool,
 }
+
+/// Of all characters: their paths and what is left of the steps, and those who wait for one in their order.
+pub(super) type SavedPaths = (Vec<Path>, Vec<Vec<Step>>, Vec<u32>);
 
 /// Paths of all characters; memory for all of them.
 #[derive(Clone, Debug)]
@@ -115,6 +120,39 @@ impl Paths {
         self.len -= 1;
         self.paths[character].asked = false;
         Some(character)
+    }
+
+    /// What [`Paths::restore`] takes back.
+    pub fn saved(&self) -> SavedPaths {
+        let waiting = (0..self.len).map(|k| self.queue[(self.first + k) % self.queue.len()]);
+        let steps = (0..self.paths.len()).map(|c| self.of(c).to_vec());
+        (self.paths.clone(), steps.collect(), waiting.collect())
+    }
+
+    /// Takes back what was saved of as many characters; false where it does not fit together.
+    pub fn restore(&mut self, graph: &WorldGraph, (paths, steps, waiting): &SavedPaths) -> bool {
+        let n = self.paths.len();
+        let is_sound = |(path, steps): (&Path, &Vec<Step>)| {
+            path.next <= path.end
+                && path.end <= self.max_path
+                && steps.len() == path.end - path.next
+                && path.target.is_none_or(|t| t.exists(graph))
+                && (steps.is_empty() || path.from.is_some_and(|from| are_steps(graph, from, steps)))
+                && path.from.is_none_or(|from| is_node(graph, from))
+        };
+        let mut asked = vec![false; n];
+        let once = |c: &u32| asked.get_mut(*c as usize).is_some_and(|a| !std::mem::replace(a, true));
+        if [paths.len(), steps.len()] != [n; 2] || !waiting.iter().all(once) || !paths.iter().zip(steps).all(is_sound) {
+            return false;
+        }
+        self.paths.clone_from(paths);
+        for (c, (path, steps)) in self.paths.iter_mut().zip(steps).enumerate() {
+            path.asked = asked[c];
+            self.steps[c * self.max_path..][path.next..path.end].copy_from_slice(steps);
+        }
+        self.queue[..waiting.len()].copy_from_slice(waiting);
+        (self.first, self.len) = (0, waiting.len());
+        true
     }
 
     /// Room for the steps of a path.

@@ -14,13 +14,14 @@ mod upper;
 use super::path_hierarchy::PathHierarchy;
 use super::{Node, Step, WorldGraph};
 pub(crate) use nodes::{Found, Nodes, Space};
+use serde::{Deserialize, Serialize};
 use upper::Upper;
 
 /// A way of [`Planner::plan`] takes at most this many times as long as the fastest one.
 pub const WORST: f32 = 1.05;
 
 /// Where a plan leads.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Target {
     /// To one node.
     Node(Node),
@@ -47,6 +48,12 @@ impl Target {
         }
     }
 
+    /// True where the world has what is named.
+    pub(crate) fn exists(&self, graph: &WorldGraph) -> bool {
+        let has_cell = |node: Node| node.cell < graph.num_cells(node.instance);
+        (self.instance() as usize) < graph.num_instances() && !matches!(*self, Self::Node(n) if !has_cell(n))
+    }
+
     /// True where a node is what was meant.
     pub fn is_at(&self, graph: &WorldGraph, node: Node) -> bool {
         match *self {
@@ -58,7 +65,7 @@ impl Target {
 }
 
 /// A way that was found.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Plan {
     /// Steps of the whole way.
     pub num_steps: usize,

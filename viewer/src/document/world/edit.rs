@@ -253,7 +253,7 @@ impl WorldDocument {
             let Some(wish) = self.run.told(before) else { continue };
             // Patches have other numbers now.
             let is_kept = !matches!(wish, Wish::GoTo { .. });
-            if !is_kept || run.tell(new.ground.graph(), character, Some(wish)).is_err() {
+            if !is_kept || run.tell(character, Some(wish)).is_err() {
                 free += 1;
             }
         }

@@ -201,7 +201,7 @@ impl WorldDocument {
         if self.working.is_some() {
             return Ok(());
         }
-        self.run.step(self.ground.bundle(), self.ground.graph())
+        self.run.step()
     }
 
     /// The run, to be played, stopped and rewound.
@@ -217,7 +217,7 @@ impl WorldDocument {
         if character >= self.run.num_characters() {
             return Err(format!("there is no character {character}"));
         }
-        self.run.tell(self.ground.graph(), character, wish).map_err(|e| e.to_string())
+        self.run.tell(character, wish).map_err(|e| e.to_string())
     }
 
     /// The environment as it is.

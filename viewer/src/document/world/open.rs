@@ -39,7 +39,7 @@ impl WorldDocument {
             .map_err(|e| format!("{}: {e}", path.display()))?;
         let stitched = workshop.with(|editor| (editor.world().clone(), editor.report().clone()));
         let (world, report) = stitched.ok_or("stitching the world ended unexpectedly")?;
-        let ground = Arc::new(Ground::new(bundle, world)?);
+        let ground = Arc::new(Ground::new(bundle, &world)?);
         let mut roamers = Roamers { characters: ROAMERS, seed: 1 };
         let run = populate(&mut roamers, &ground)?;
         Ok(Self {
@@ -67,7 +67,7 @@ impl WorldDocument {
 pub(super) fn populate(roamers: &mut Roamers, ground: &Ground) -> Result<WorldRun, String> {
     let starts = scatter(ground.graph(), roamers.characters, roamers.seed);
     roamers.characters = starts.len();
-    WorldRun::new(ground.bundle(), ground.graph(), roamers.seed, &starts).map_err(|e| e.to_string())
+    WorldRun::new(ground.world(), roamers.seed, &starts).map_err(|e| e.to_string())
 }
 
 /// Triangles of a unit.

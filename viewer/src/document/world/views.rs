@@ -1,4 +1,4 @@
-//! The editor that stitches a world, and the graph that is walked.
+//! The editor that stitches a world, and the world that is walked.
 
 use crate::bundle::OpenBundle;
 use std::sync::Arc;
@@ -6,7 +6,7 @@ use std::sync::mpsc::{Sender, channel};
 use throng_precompute::environment::Environment;
 use throng_precompute::progress::Silent;
 use throng_precompute::stitch::{Editor, Kit, StitchConfig};
-use throng_runtime::world::{WorldData, WorldGraph};
+use throng_runtime::world::{World, WorldData, WorldGraph};
 
 /// Work for the thread of an editor.
 type Request = Box<dyn FnOnce(&mut Editor<'_>) + Send>;
@@ -70,25 +70,29 @@ impl Workshop {
     }
 }
 
-/// A stitched world with the graph over it.
+/// A stitched world and its bundle.
 pub(super) struct Ground {
     bundle: Arc<OpenBundle>,
-    graph: WorldGraph,
+    world: World,
 }
 
 impl Ground {
     /// # Errors
     /// A message where the world cannot be walked.
-    pub fn new(bundle: Arc<OpenBundle>, world: WorldData) -> Result<Self, String> {
-        let graph = WorldGraph::new(bundle.tables().patches(), &world.view()).map_err(|e| e.to_string())?;
-        Ok(Self { bundle, graph })
+    pub fn new(bundle: Arc<OpenBundle>, world: &WorldData) -> Result<Self, String> {
+        let world = World::from_data(world, bundle.tables()).map_err(|e| e.to_string())?;
+        Ok(Self { bundle, world })
     }
 
     pub fn bundle(&self) -> &OpenBundle {
         &self.bundle
     }
 
+    pub fn world(&self) -> &World {
+        &self.world
+    }
+
     pub fn graph(&self) -> &WorldGraph {
-        &self.graph
+        self.world.graph()
     }
 }

@@ -135,10 +135,9 @@ impl Job {
     fn settled(&self) -> Result<Stitched, String> {
         let look = |e: &mut Editor<'_>| (e.world().clone(), e.environment().clone(), e.report().clone());
         let (world, environment, report) = self.workshop.with(look).ok_or(self.ended())?;
-        let ground = Ground::new(self.workshop.shared_bundle(), world)?;
-        let (bundle, graph) = (ground.bundle(), ground.graph());
-        let (before, starts): (Vec<_>, Vec<_>) = settle(graph, &self.places).into_iter().unzip();
-        let run = WorldRun::new(bundle, graph, self.seed, &starts).map_err(|e| e.to_string())?;
+        let ground = Ground::new(self.workshop.shared_bundle(), &world)?;
+        let (before, starts): (Vec<_>, Vec<_>) = settle(ground.graph(), &self.places).into_iter().unzip();
+        let run = WorldRun::new(ground.world(), self.seed, &starts).map_err(|e| e.to_string())?;
         let geometry = PlacedGeometry::new(&environment, &self.workshop.kit().geometries);
         Ok(Stitched { ground, environment, geometry, report, run, before, stitch_s: 0.0, total_s: 0.0 })
     }

@@ -10,7 +10,7 @@ use eframe::egui::{ComboBox, DragValue, Grid, Role, Slider, TextEdit, Ui, Widget
 use std::path::PathBuf;
 use throng_runtime::crowd::Scheme;
 use throng_runtime::simulation::scene::engine;
-use throng_runtime::simulation::{Cast, Event, Group, Happened, Simulation};
+use throng_runtime::simulation::{GroupCast, Event, Group, Happened, Simulation};
 use throng_runtime::sparring::Part;
 
 /// Events that are listed.
@@ -65,19 +65,19 @@ fn selected(ui: &mut Ui, model: &Model, scene: &SceneDocument, commands: &mut Ve
     };
     ui.label(text);
     match simulation.member(who) {
-        (Cast::Policy(p), member) => target::hanging(ui, who, p.practice().targets()[member].home, commands),
-        (Cast::Sparring(_), member) => {
+        (GroupCast::Policy(p), member) => target::hanging(ui, who, p.practice().targets()[member].home, commands),
+        (GroupCast::Sparring(_), member) => {
             if ui.small_button("select its opponent").clicked() {
                 commands.push(Command::SelectCharacter(Some(who - member + (member ^ 1))));
             }
         }
-        (Cast::Patches(people), member) if people.is_told(member) => {
+        (GroupCast::Patches(people), member) if people.is_told(member) => {
             let tip = "It decides for itself again";
             if ui.button("Let go").on_hover_text(tip).clicked() {
                 commands.push(Command::Input(Input::Wish { character: who, wish: None }));
             }
         }
-        (Cast::Patches(_), _) => _ = ui.weak("Ctrl and a click send it to a place."),
+        (GroupCast::Patches(_), _) => _ = ui.weak("Ctrl and a click send it to a place."),
         _ => {}
     }
     if let Some((names, weights)) = scene.weights(who) {

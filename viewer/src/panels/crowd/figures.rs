@@ -4,7 +4,7 @@ use crate::document::SceneDocument;
 use crate::panels::paint::time_text;
 use crate::theme::Palette;
 use eframe::egui::{Grid, RichText, Ui};
-use throng_runtime::simulation::Cast;
+use throng_runtime::simulation::GroupCast;
 
 /// Shows figures of the moment shown.
 pub fn show(ui: &mut Ui, scene: &SceneDocument) {
@@ -40,10 +40,10 @@ pub fn show(ui: &mut Ui, scene: &SceneDocument) {
 }
 
 /// Desired speeds of the agents among characters, at their start (m/s).
-fn desired_speeds(cast: &Cast) -> Vec<f64> {
+fn desired_speeds(cast: &GroupCast) -> Vec<f64> {
     match cast {
-        Cast::Ground(agents) => agents.layout().setup.agents.iter().map(|a| f64::from(a.speed)).collect(),
-        Cast::Air(agents) => agents.layout().setup.agents.iter().map(|a| f64::from(a.speed)).collect(),
+        GroupCast::Ground(agents) => agents.layout().setup.agents.iter().map(|a| f64::from(a.speed)).collect(),
+        GroupCast::Air(agents) => agents.layout().setup.agents.iter().map(|a| f64::from(a.speed)).collect(),
         _ => Vec::new(),
     }
 }

@@ -3,7 +3,7 @@
 use glam::Vec3;
 use throng_runtime::crowd::{Crowd, Id};
 use throng_runtime::simulation::agents::in_world;
-use throng_runtime::simulation::{Cast, Simulation};
+use throng_runtime::simulation::{GroupCast, Simulation};
 
 /// Terms of the force field, with the equation of Kim, Kim and Shin 2003a that says what they are.
 pub const FORCE_TERMS: [(&str, &str); 6] = [
@@ -48,15 +48,15 @@ pub struct Details {
 
 /// Number of the first agent among all characters; none in a scene without agents.
 pub fn first_agent(simulation: &Simulation) -> Option<usize> {
-    let is_of_agents = |cast: usize| matches!(simulation.casts()[cast], Cast::Ground(_) | Cast::Air(_));
+    let is_of_agents = |cast: usize| matches!(simulation.casts()[cast], GroupCast::Ground(_) | GroupCast::Air(_));
     simulation.groups().iter().find(|g| is_of_agents(g.cast)).map(|g| g.characters.start)
 }
 
 /// The engine that an agent is in, and its name there; none for other characters.
 fn engine(simulation: &Simulation, who: usize) -> Option<(&Crowd, Id)> {
     match simulation.member(who) {
-        (Cast::Ground(agents), member) => Some((agents.crowd(), agents.id(member))),
-        (Cast::Air(agents), member) => Some((agents.crowd(), agents.id(member))),
+        (GroupCast::Ground(agents), member) => Some((agents.crowd(), agents.id(member))),
+        (GroupCast::Air(agents), member) => Some((agents.crowd(), agents.id(member))),
         _ => None,
     }
 }
@@ -70,8 +70,8 @@ pub fn bound(simulation: &Simulation, who: usize) -> Option<(Vec3, f32)> {
 /// Corners of an agent's route, from where it was sent to its goal; none for other characters (m).
 pub fn way(simulation: &Simulation, who: usize) -> Vec<Vec3> {
     match simulation.member(who) {
-        (Cast::Ground(agents), member) => agents.layout().ways[member].iter().map(|&p| in_world(p)).collect(),
-        (Cast::Air(agents), member) => agents.layout().ways[member].clone(),
+        (GroupCast::Ground(agents), member) => agents.layout().ways[member].iter().map(|&p| in_world(p)).collect(),
+        (GroupCast::Air(agents), member) => agents.layout().ways[member].clone(),
         _ => Vec::new(),
     }
 }

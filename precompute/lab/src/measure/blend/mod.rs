@@ -15,6 +15,8 @@ use throng_bake::config::BuildConfig;
 use throng_bake::examples::BlendConfig;
 use throng_bake::examples::cardinal::CardinalBasis;
 use throng_motion::error::BuildError;
+use throng_runtime::simulation::scene::BodiesConfig;
+use throng_runtime::simulation::wander::skeletons;
 use throng_runtime::blend::walkers::{Control, WalkerStart, Walkers, WalkersConfig};
 use throng_runtime::blend::{BlendSpace, MAX_AXES, Posture, axis};
 use throng_runtime::{Bundle, Cast, Inline, NUM_JOINTS, Planar};
@@ -198,7 +200,7 @@ fn retargeted(
     out: &mut BlendFigures,
 ) -> Result<(), BuildError> {
     let n = parameters.len();
-    let bodies = crate::scene::walkers::BodiesConfig::default().make(tables.skeleton(), 1);
+    let bodies = skeletons(&BodiesConfig::default(), tables.skeleton(), 1);
     let start = |c: usize| WalkerStart {
         body: c % bodies.len(),
         root: Planar::new((c % 32) as f32 * 3.0, (c / 32) as f32 * 3.0, 0.0),

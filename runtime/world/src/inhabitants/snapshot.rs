@@ -1,0 +1,115 @@
+//! Saves the state of inhabitants and goes back to it.
+
+use super::chain::MAX_CHAIN;
+use super::decide::{CALM_AFTER, MAX_IMPATIENCE, needs};
+use super::paths::SavedPaths;
+use super::reservations::Reservations;
+use super::{InhabitantState, Inhabitants};
+use crate::{Node, Step, WorldGraph};
+use throng_base::{Error, Hash128, Result, SnapshotKind};
+use throng_core::characters::CharactersSnapshot;
+
+/// Time, bodies, minds, chains, paths. Reservations follow from these.
+type Saved = (f64, CharactersSnapshot, Vec<InhabitantState>, Vec<Vec<Step>>, SavedPaths);
+
+/// A character's motion ends this far from its node at most: more is a sign of damage (m).
+const ASTRAY_M: f32 = 1.0;
+
+impl Inhabitants {
+    /// Appends all that the next steps depend on: versioned, with a checksum and a hash of world, bundle and config.
+    pub fn save(&self, out: &mut Vec<u8>) {
+        let chains = (0..self.states.len()).map(|c| self.chains.of(c)).collect::<Vec<_>>();
+        let state = (self.time_s, self.characters.snapshot(), &self.states, chains, self.paths.saved());
+        self.snapshot_kind().write(&state, out);
+    }
+
+    /// Goes back to what was saved; poses are those of then, but for rounding.
+    ///
+    /// # Errors
+    /// [`Error::Snapshot`]; nothing has changed then.
+    pub fn load(&mut self, bytes: &[u8]) -> Result<()> {
+        let kind = self.snapshot_kind();
+        let refuse = |why: String| Error::Snapshot { what: kind.what, why };
+        let saved: Saved = kind.read_all(bytes)?;
+        self.restore(&saved).map_err(|what| refuse(format!("{what}; it is damaged")))
+    }
+
+    /// A hash of the state: differs, but for one chance in 2^64, where the motion of anybody differs.
+    pub fn hash(&self) -> u64 {
+        let mut bytes = Vec::new();
+        self.save(&mut bytes);
+        Hash128::of(&bytes) as u64
+    }
+
+    fn snapshot_kind(&self) -> SnapshotKind {
+        let mut setup = Hash128::default();
+        setup.bytes(&self.world.hash().to_le_bytes());
+        setup.bytes(format!("{:?} {}", self.config, self.states.len()).as_bytes());
+        SnapshotKind { what: "inhabitants", tag: *b"INHB", version: 1, setup: setup.finish() }
+    }
+
+    /// Takes a state that may be anybody's, or changes nothing and says what does not fit.
+    fn restore(&mut self, (time_s, characters, states, chains, paths): &Saved) -> Result<(), &'static str> {
+        let (world, n) = (self.world.clone(), self.states.len());
+        let graph = world.graph();
+        let (mut bodies, mut held) = (self.characters.clone(), Reservations::new(graph.world().units.len(), n));
+        let (mut new_chains, mut new_paths) = (self.chains.clone(), self.paths.clone());
+        let check = |good: bool, what| if good { Ok(()) } else { Err(what) };
+        check((0.0..1e12).contains(time_s), "its time is out of range")?;
+        check([states.len(), chains.len()] == [n; 2], "its rows do not fit together")?;
+        check(bodies.restore_laid(world.motion_set(), characters), "its motion is not of the bundle")?;
+        check(bodies.num_characters() == n, "its rows do not fit together")?;
+        check(states.iter().all(|s| is_sound(graph, s)), "somebody is where the world has no place")?;
+        for (c, (state, chain)) in states.iter().zip(chains).enumerate() {
+            let (end, place) = (bodies.scheduled_end(world.motion_set(), c), graph.place(state.at));
+            check((end.x - place.x).hypot(end.z - place.z) < ASTRAY_M, "somebody's motion leads elsewhere")?;
+            check(chain.len() <= MAX_CHAIN && are_steps(graph, state.at, chain), "somebody goes where no step leads")?;
+            check(
+                state.wish.is_roaming() == paths.0.get(c).is_none_or(|p| p.target.is_none()),
+                "a wish has no target",
+            )?;
+            new_chains.set(c, chain);
+            let mut are_free = true;
+            needs(graph, state, chain, |units| {
+                are_free &= held.are_free(units, c as u32);
+                held.take(units, c as u32);
+            });
+            check(are_free, "two hold the same unit")?;
+        }
+        check(new_paths.restore(graph, paths), "its paths are not of the world")?;
+        (self.time_s, self.characters, self.reservations) = (*time_s, bodies, held);
+        (self.chains, self.paths) = (new_chains, new_paths);
+        self.states.clone_from(states);
+        Ok(())
+    }
+}
+
+fn is_sound(graph: &WorldGraph, state: &InhabitantState) -> bool {
+    is_node(graph, state.at)
+        && state.through.iter().all(|&i| (i as usize) < graph.num_instances())
+        && state.impatience <= MAX_IMPATIENCE
+        && state.progress <= CALM_AFTER
+        && state.until_s.is_finite()
+        && state.refused_s.is_none_or(f64::is_finite)
+}
+
+/// True for a node that the world has.
+pub(super) fn is_node(graph: &WorldGraph, node: Node) -> bool {
+    (node.instance as usize) < graph.num_instances()
+        && node.cell < graph.num_cells(node.instance)
+        && graph.is_node(node)
+}
+
+/// True where steps can be taken one after the other from a node (the node exists).
+pub(super) fn are_steps(graph: &WorldGraph, from: Node, steps: &[Step]) -> bool {
+    if !is_node(graph, from) {
+        return false;
+    }
+    let mut at = from;
+    steps.iter().all(|step| {
+        let mut can_be_taken = false;
+        graph.for_each_step(at, |s| can_be_taken |= s == *step);
+        at = step.to;
+        can_be_taken && is_node(graph, at)
+    })
+}

@@ -1,0 +1,127 @@
+//! Inhabitants that are saved at any moment and go on as if nothing had happened.
+
+use crate::inhabitants::open;
+use crate::made_up_world::SIT;
+use throng_runtime::Error;
+use throng_runtime::base::crc32;
+use throng_runtime::characters::CharactersConfig;
+use throng_runtime::world::World;
+use throng_runtime::world::inhabitants::{Doing, Inhabitants, InhabitantsConfig, Wish, scatter};
+
+const DT: f32 = 1.0 / 30.0;
+/// Where the checksum of a snapshot lies, and where its state begins.
+const CHECKSUM: usize = 40;
+const BODY: usize = 44;
+
+/// Two rooms with benches, and a narrow way between them.
+fn rooms() -> World {
+    open(&["#####.#####", "#b#######b#", "#####.#####"])
+}
+
+fn busy(world: &World, seed: u64) -> Inhabitants {
+    let characters = CharactersConfig { seed, ..CharactersConfig::default() };
+    let config = InhabitantsConfig { characters, max_path: 16, ..InhabitantsConfig::default() };
+    Inhabitants::new(world, config, &scatter(world.graph(), 9, seed)).expect("inhabitants")
+}
+
+/// Some steps; whoever is there goes somewhere else. What is wished depends on the state alone.
+fn go_on(people: &mut Inhabitants, num_steps: usize) {
+    for _ in 0..num_steps {
+        for c in 0..people.num_characters() {
+            let status = people.status(c);
+            let n = status.num_fulfilled + 1;
+            let is_free = status.wish == Wish::Roam && c % 4 != 0 || status.doing == Doing::Unreachable;
+            if is_free || status.doing == Doing::Arrived {
+                let wish = match c % 3 {
+                    1 => Wish::Perform { tag: SIT, seconds: 1.0 + c as f32 },
+                    _ => Wish::GoTo { instance: (7 * c as u32 + 13 * n) % 31 },
+                };
+                people.set_wish(c, wish).expect("a wish");
+            }
+        }
+        people.step(DT).expect("a step");
+    }
+}
+
+fn saved(people: &Inhabitants) -> Vec<u8> {
+    let mut out = Vec::new();
+    people.save(&mut out);
+    out
+}
+
+#[test]
+fn who_is_loaded_goes_on_as_if_nothing_had_happened() {
+    let world = rooms();
+    for seed in 1..4 {
+        let (mut people, mut other) = (busy(&world, seed), busy(&world, seed));
+        for moment in [0, 1, 37, 200, 113, 611, 40] {
+            go_on(&mut people, moment);
+            let bytes = saved(&people);
+            let mut undisturbed = people.clone();
+            go_on(&mut undisturbed, 300);
+            go_on(&mut people, 77);
+            people.load(&bytes).expect("its own snapshot");
+            other.load(&bytes).expect("a snapshot of the same");
+            assert_eq!((saved(&other), people.hash()), (bytes, other.hash()));
+            for again in [&mut people, &mut other] {
+                go_on(again, 300);
+                assert_eq!(saved(again), saved(&undisturbed), "seed {seed}, {moment} steps on");
+                assert_eq!(again.characters().model_matrices(), undisturbed.characters().model_matrices());
+                for c in 0..again.num_characters() {
+                    assert!(again.held(c).count() > 0 && again.path(c) == undisturbed.path(c));
+                    assert!(again.held(c).all(|u| undisturbed.holder(u) == Some(c as u32)));
+                }
+            }
+        }
+        assert!((0..9).map(|c| people.status(c).num_fulfilled).sum::<u32>() > 5);
+    }
+}
+
+#[test]
+fn what_is_cut_damaged_or_foreign_is_refused_and_changes_nothing() {
+    let world = rooms();
+    let mut people = busy(&world, 2);
+    go_on(&mut people, 400);
+    let (bytes, before) = (saved(&people), people.hash());
+    let mut refuse = |bytes: &[u8], why: &str| {
+        assert!(matches!(people.load(bytes), Err(Error::Snapshot { .. })), "{why}");
+        assert_eq!(people.hash(), before, "{why}");
+    };
+    for len in (0..bytes.len()).step_by(97).chain(0..64) {
+        refuse(&bytes[..len], "cut");
+    }
+    for i in (0..bytes.len()).step_by(61).chain(0..64) {
+        let mut damaged = bytes.clone();
+        damaged[i] ^= 1 << (i % 8);
+        refuse(&damaged, "damaged");
+    }
+    refuse(&[&bytes[..], &[0]].concat(), "more than one");
+    refuse(&saved(&busy(&open(&["#####", "#b###", "#####"]), 2)), "of another world");
+    refuse(&saved(&busy(&world, 3)), "of another seed");
+}
+
+/// Not even who mends the checksum makes anybody panic.
+#[test]
+fn nothing_that_can_be_loaded_panics() {
+    let world = rooms();
+    let mut people = busy(&world, 1);
+    go_on(&mut people, 500);
+    let bytes = saved(&people);
+    let mut num_loaded = 0;
+    for i in (BODY..bytes.len()).step_by(5) {
+        let mut forged = bytes.clone();
+        forged[i] ^= [1, 0x80, 0xff][i % 3];
+        let sum = crc32(&forged[BODY..]);
+        forged[CHECKSUM..BODY].copy_from_slice(&sum.to_le_bytes());
+        match people.load(&forged) {
+            Ok(()) => {
+                num_loaded += 1;
+                for _ in 0..30 {
+                    people.step(1.0).expect("a step");
+                }
+            }
+            Err(e) => assert!(matches!(e, Error::Snapshot { .. }), "{e}"),
+        }
+    }
+    assert!(num_loaded > 0);
+}
