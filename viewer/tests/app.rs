@@ -9,7 +9,9 @@ use egui_kittest::kittest::Queryable;
 use glam::Vec3;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use throng_viewer::command::Command;
+use throng_runtime::simulation::GroupCast;
+use throng_viewer::command::{Command, SceneCommand};
+use throng_viewer::document::{SceneChoice, SceneDocument};
 use throng_viewer::panels::PANELS;
 use throng_viewer::run::Run;
 use throng_viewer::settings::PanelKind;
@@ -26,6 +28,16 @@ impl egui::DroppedFile for Dropped {
     fn bytes(&self) -> Result<Vec<u8>, String> {
         std::fs::read(&self.0).map_err(|e| e.to_string())
     }
+}
+
+fn scene(v: &Viewing) -> &SceneDocument {
+    v.model().document.scene().expect("a scene")
+}
+
+/// Where the first character's target hangs (m).
+fn home(v: &Viewing) -> Vec3 {
+    let GroupCast::Policy(practice) = &scene(v).run().simulation().casts()[0] else { panic!("no targets") };
+    practice.practice().targets()[0].home
 }
 
 fn run(v: &Viewing) -> &Run {
@@ -240,24 +252,26 @@ fn a_dropped_scene_runs_and_counts_its_blows() {
     v.until("the scene", |v| v.model().document.scene().is_some());
     assert_eq!(v.model().settings.recent[0].file_name(), Some("pairs.toml".as_ref()));
     v.apply(Command::TogglePanel(PanelKind::Statistics));
-    let thrown = |v: &Viewing| run(v).figures().bout.expect("figures of blows").blows.thrown;
+    let thrown = |v: &Viewing| scene(v).run().figures().bout.expect("figures of blows").blows.thrown;
     v.until("some blows", |v| thrown(v) > 3);
     v.harness.get_by_label("thrown");
     v.harness.get_by_label("blocked");
     v.apply(Command::Play(false));
     v.harness.run_steps(2);
-    let (last, seen) = (run(&v).now(), poses(&v));
+    let joints = |v: &Viewing| (0..4).map(|who| scene(v).run().simulation().joint_positions(who)).collect::<Vec<_>>();
+    let (last, seen) = (scene(&v).run().head.now(), joints(&v));
     v.apply(Command::Seek(0));
     assert_eq!(thrown(&v), 0);
     v.apply(Command::Seek(last));
-    assert!(poses(&v) == seen, "another bout after scrubbing back and on");
+    assert!(joints(&v) == seen, "another bout after scrubbing back and on");
     assert!(v.model().messages.iter().all(|m| !m.is_error), "{:?}", v.model().messages);
 
-    let changed = throng_precompute::scene::Scene { characters: 8, ..run(&v).scene().expect("a scene").clone() };
-    v.apply(Command::ConfigureScene(Box::new(changed)));
-    assert_eq!(run(&v).characters().num_characters(), 8);
+    let choice = SceneChoice { characters: 8, ..scene(&v).choice() };
+    v.apply(Command::Scene(SceneCommand::Restart(choice)));
+    v.until("eight boxers", |v| v.model().num_characters() == 8);
     v.apply(Command::Restart);
-    assert_eq!((run(&v).characters().num_characters(), run(&v).now()), (8, 0));
+    v.until("the start", |v| scene(v).num_runs() == 2);
+    assert_eq!((v.model().num_characters(), scene(&v).run().head.now()), (8, 0));
 }
 
 #[test]
@@ -272,15 +286,15 @@ fn a_hanging_target_dragged_in_the_view_keeps_its_height_unless_alt_is_held() {
         let at = camera.project(home, rect.size().into_glam()).expect("the target is in the view");
         pos2(rect.left() + at.x, rect.top() + at.y)
     };
-    let old = run(&v).home(0).expect("a home");
+    let old = home(&v);
     drag(&mut v, place(old), place(old) + egui::vec2(50.0, 30.0));
-    let moved = run(&v).home(0).expect("a home");
+    let moved = home(&v);
     assert!((moved.y - old.y).abs() < 1e-4 && moved.distance(old) > 0.1, "{old} became {moved}");
     assert_eq!(v.model().settings.camera, camera, "the camera moved instead");
 
     v.harness.event(egui::Event::ModifiersChanged(Modifiers::ALT));
     drag(&mut v, place(moved), place(moved) - egui::vec2(0.0, 40.0));
-    let lifted = run(&v).home(0).expect("a home");
+    let lifted = home(&v);
     assert!(lifted.y > moved.y + 0.05, "{moved} became {lifted}");
     assert!((lifted - moved).with_y(0.0).length() < 1e-3);
 }

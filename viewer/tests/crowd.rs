@@ -8,18 +8,23 @@ use eframe::egui::{self, Key, Modifiers, PointerButton, Pos2, vec2};
 use egui_kittest::kittest::Queryable;
 use glam::Vec2;
 use throng_viewer::args::{Args, Character, PanelChoice, Size};
-use throng_viewer::command::{Command, CrowdCommand};
-use throng_viewer::document::{CrowdChoice, CrowdDocument};
+use throng_viewer::command::{Command, SceneCommand};
+use throng_viewer::document::{SceneChoice, SceneDocument};
 use throng_viewer::headless::draw_picture;
 use throng_viewer::panels::PANELS;
 use throng_viewer::settings::PanelKind;
 
-fn crowd(v: &Viewing) -> &CrowdDocument {
-    v.model().document.crowd_scene().expect("a scene of a crowd")
+fn scene(v: &Viewing) -> &SceneDocument {
+    v.model().document.scene().expect("a scene")
 }
 
 fn now(v: &Viewing) -> u32 {
-    crowd(v).run().reel.head.now()
+    scene(v).run().head.now()
+}
+
+/// Where everybody is (m).
+fn places(v: &Viewing) -> Vec<Option<glam::Vec3>> {
+    (0..v.model().num_characters()).map(|who| scene(v).run().place(who)).collect()
 }
 
 fn has_no_errors(v: &Viewing) -> bool {
@@ -29,7 +34,7 @@ fn has_no_errors(v: &Viewing) -> bool {
 /// Where an agent is on the screen.
 fn on_screen(v: &Viewing, agent: usize) -> Pos2 {
     let rect = v.harness.get_by_label("3-D view").rect();
-    let at = crowd(v).run().moment().agents[agent].expect("it is there").at;
+    let at = scene(v).run().place(agent).expect("it is there");
     let at = v.model().settings.camera.project(at, Vec2::new(rect.width(), rect.height())).expect("in view");
     rect.min + vec2(at.x, at.y)
 }
@@ -55,7 +60,7 @@ fn a_scene_opens_plays_and_is_paused_stepped_and_rewound() {
     v.until("a second", |v| now(v) >= 60);
     v.harness.get_by_label("Pause").click();
     v.harness.run_steps(2);
-    let (last, seen) = (now(&v), crowd(&v).run().moment().clone());
+    let (last, seen) = (now(&v), places(&v));
     v.harness.run_steps(5);
     assert_eq!(now(&v), last);
 
@@ -65,7 +70,6 @@ fn a_scene_opens_plays_and_is_paused_stepped_and_rewound() {
     assert_eq!(v.model().selection.character, Some(7));
     v.harness.run_steps(2);
     v.harness.get_by_label("driving");
-    assert_eq!(crowd(&v).run().moment().details.as_ref().map(|d| d.agent), Some(7));
 
     v.harness.key_press(Key::ArrowRight);
     v.harness.run_steps(3);
@@ -74,7 +78,7 @@ fn a_scene_opens_plays_and_is_paused_stepped_and_rewound() {
     v.harness.run_steps(3);
     assert_eq!(now(&v), last + 2);
     v.apply(Command::Seek(last));
-    assert!(crowd(&v).run().moment().agents == seen.agents);
+    assert_eq!(places(&v), seen);
     v.apply(Command::Step(-20));
     v.harness.run_steps(2);
     assert_eq!(now(&v), last - 20);
@@ -96,30 +100,30 @@ fn a_scene_restarts_with_other_numbers_and_is_saved() {
     v.until("half a second", |v| now(v) >= 30);
     v.apply(Command::Play(false));
     v.apply(Command::SelectCharacter(Some(20)));
-    let file = meeting.folder().join("kept.crowd");
-    v.apply(Command::Crowd(CrowdCommand::Save(file.clone())));
-    let (hash, time_s) = (crowd(&v).run().state_hash(), crowd(&v).run().moment().time_s);
+    let file = meeting.folder().join("kept.state");
+    v.apply(Command::Scene(SceneCommand::Save(file.clone())));
+    let (hash, time_s) = (scene(&v).run().simulation().hash(), scene(&v).run().simulation().time_s());
 
-    let choice = CrowdChoice { agents: 10, ..crowd(&v).choice() };
-    v.apply(Command::Crowd(CrowdCommand::Begin(choice)));
+    let choice = SceneChoice { characters: 10, ..scene(&v).choice() };
+    v.apply(Command::Scene(SceneCommand::Restart(choice)));
     v.until("ten agents", |v| v.model().num_characters() == 10);
     assert_eq!((v.model().selection.character, now(&v), v.model().is_playing()), (None, 0, false));
-    v.apply(Command::Crowd(CrowdCommand::Restore(file)));
+    v.apply(Command::Scene(SceneCommand::Restore(file)));
     v.until("those of before", |v| v.model().num_characters() == 24);
-    assert_eq!((crowd(&v).run().state_hash(), crowd(&v).run().moment().time_s), (hash, time_s));
+    assert_eq!((scene(&v).run().simulation().hash(), scene(&v).run().simulation().time_s()), (hash, time_s));
 
-    let runs = crowd(&v).num_runs();
+    let runs = scene(&v).num_runs();
     v.harness.key_press(Key::R);
-    v.until("the start", |v| crowd(v).num_runs() > runs);
-    assert_eq!(crowd(&v).run().moment().time_s, 0.0);
+    v.until("the start", |v| scene(v).num_runs() > runs);
+    assert_eq!(scene(&v).run().simulation().time_s(), 0.0);
     // All panels have something to say of it.
     for panel in PANELS {
         v.apply(Command::TogglePanel(panel.kind));
         v.harness.run_steps(2);
     }
     assert!(has_no_errors(&v), "{:?}", v.model().messages);
-    let impossible = CrowdChoice { agents: 1, ..choice };
-    v.apply(Command::Crowd(CrowdCommand::Begin(impossible)));
+    let impossible = SceneChoice { characters: 0, ..choice };
+    v.apply(Command::Scene(SceneCommand::Restart(impossible)));
     assert!(v.model().messages.iter().any(|m| m.is_error && m.text.contains("is unchanged")));
     assert_eq!(v.model().num_characters(), 24);
 }

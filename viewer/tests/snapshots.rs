@@ -15,7 +15,7 @@ use egui_kittest::kittest::Queryable;
 use egui_kittest::{SnapshotOptions, SnapshotResults};
 use throng_runtime::patch::Placement;
 use throng_viewer::args::{Args, Character, PanelChoice, ThemeName};
-use throng_viewer::command::{Command, CrowdCommand, CrowdLook, Tool, Whose, WorldCommand};
+use throng_viewer::command::{Command, SceneCommand, SceneLook, Tool, Whose, WorldCommand};
 use throng_viewer::document::world::Change;
 use throng_viewer::panels::PANELS;
 use throng_viewer::run::{Beside, Blending};
@@ -221,12 +221,12 @@ fn scenes_of_crowds() {
     for (args, name) in [(people, "view_people"), (light, "view_people_light")] {
         compare(&mut results, rest_at(Viewing::new(&args, SIZE), MET), name);
     }
-    let all = CrowdLook { bounds: Whose::All, paths: Whose::All, ..CrowdLook::default() };
+    let all = SceneLook { bounds: Whose::All, paths: Whose::All, ..SceneLook::default() };
     let flock = Args { file: Some(meeting.flock(12)), ..alone.clone() };
     let light = Args { theme: Some(ThemeName::Light), ..alone.clone() };
     for (args, name) in [(alone, "view_meeting"), (light, "view_meeting_light"), (flock, "view_flock")] {
         let mut v = Viewing::new(&args, SIZE);
-        v.apply(Command::Crowd(CrowdCommand::Look(all)));
+        v.apply(Command::Scene(SceneCommand::Look(all)));
         compare(&mut results, rest_at(v, MET), name);
     }
 }

@@ -201,8 +201,8 @@ mod tests {
     use crate::args::{Character, StageName};
     use crate::fixtures::golden_path as golden;
     use crate::settings::PanelKind;
-    use throng_runtime::crowd::Scheme;
     use throng_precompute::synth::{SynthConfig, SynthSet};
+    use throng_runtime::crowd::Scheme;
 
     fn opened(args: &Args) -> Result<Model, String> {
         let mut model = Model::new(args.settings(Settings::default()));

@@ -21,7 +21,7 @@ use throng_runtime::blend::HeightField;
 use throng_runtime::crowd::Scheme;
 use throng_runtime::patch::Placement;
 use throng_runtime::simulation::scene::engine;
-use throng_runtime::simulation::{GroupCast, CompiledScene, Scene};
+use throng_runtime::simulation::{CompiledScene, GroupCast, Scene};
 
 /// Most characters that a scene may be restarted with from the viewer.
 pub const MAX_CHARACTERS: usize = 100_000;
@@ -123,8 +123,7 @@ impl SceneDocument {
         let (run, standing) = begin(&compiled, None)?;
         let with_bundle = (0..scene.groups.len()).find(|&g| compiled.bundle(g).is_ok());
         let bundle = with_bundle.and_then(|g| scene.bundle_of(g).0).map(OpenBundle::open).transpose()?;
-        let choice =
-            SceneChoice { characters: scene.num_characters(), seed: scene.seed, engine: scene.agents.engine };
+        let choice = SceneChoice { characters: scene.num_characters(), seed: scene.seed, engine: scene.agents.engine };
         Ok(Self { path: path.to_path_buf(), scene, choice, run, standing, bundle, restart: None, num_runs: 0 })
     }
 
@@ -376,6 +375,8 @@ fn fields(ground: &HeightField, half: f32) -> [SolidMesh; 2] {
 mod tests {
     use super::*;
     use crate::fixtures::boxing::Boxing;
+    use crate::fixtures::meeting::Meeting;
+    use crate::fixtures::paces::Paces;
     use throng_precompute::progress::Silent;
 
     const GROUPS: &str = r#"
@@ -400,7 +401,7 @@ disc = { centre = [0.0, 0.0], radius_m = 0.5 }
     fn open(folder: &Path, text: &str) -> Result<SceneDocument, String> {
         let path = folder.join("both.toml");
         std::fs::write(&path, text).unwrap();
-        SceneDocument::open(&path, Scene::load(&path).map_err(|e| e.to_string())?, &Silent)
+        SceneDocument::open(&path, &Silent)
     }
 
     /// Places of all characters and joints of all bodies, as bits.
@@ -431,15 +432,79 @@ disc = { centre = [0.0, 0.0], radius_m = 0.5 }
         document.run_mut().seek(150).unwrap();
         let now_s = document.run().simulation().time_s();
         assert!((now_s - 2.5).abs() < 1e-9 && document.run().events().all(|e| e.time_s <= now_s));
-        let choice = SceneChoice { characters: 20, seed: 9 };
-        document.restart(choice, || {}).unwrap();
+        let choice = SceneChoice { characters: 20, seed: 9, ..document.choice() };
+        document.restart(choice, None, || {}).unwrap();
         assert_eq!(document.restarting(), Some(choice));
         assert!(document.take_in(true).unwrap());
         assert_eq!((document.choice(), document.run().simulation().num_characters()), (choice, 20));
         assert_eq!(document.run().head.now(), 0);
-        assert!(document.restart(SceneChoice { characters: 0, ..choice }, || {}).unwrap_err().contains("1 to 100000"));
+        assert!(
+            document.restart(SceneChoice { characters: 0, ..choice }, None, || {}).unwrap_err().contains("1 to 100000")
+        );
         std::fs::remove_file(boxing.bundle()).unwrap();
         let e = open(&folder, GROUPS).map(|_| ()).unwrap_err();
         assert!(e.contains("both.toml") && e.contains("boxing.throng"), "{e}");
+    }
+
+    #[test]
+    fn a_saved_state_is_restored_and_anything_else_refused() {
+        let meeting = Meeting::new();
+        let mut document = SceneDocument::open(&meeting.scene(12), &Silent).unwrap();
+        assert!(document.bundle().is_none());
+        let file = meeting.folder().join("a.state");
+        (0..90).for_each(|_| document.run_mut().step().unwrap());
+        document.save(&file).unwrap();
+        let at = seen(&document);
+        document.restart(SceneChoice { characters: 8, ..document.choice() }, None, || {}).unwrap();
+        assert!(document.take_in(true).unwrap());
+        assert_eq!(document.run().simulation().num_characters(), 8);
+        document.restore(&file, || {}).unwrap();
+        assert!(document.take_in(true).unwrap());
+        assert_eq!((document.choice().characters, document.run().head.now(), document.num_runs()), (24, 90, 2));
+        assert!(seen(&document) == at);
+        std::fs::write(&file, "something else").unwrap();
+        let e = document.restore(&file, || {}).unwrap_err();
+        assert!(e.contains("a.state") && e.contains("not a saved state"), "{e}");
+    }
+
+    #[test]
+    fn a_missing_bundle_of_bodies_is_built() {
+        let paces = Paces::new();
+        let path = paces.crowd(2);
+        std::fs::remove_file(paces.bundle()).unwrap();
+        let document = SceneDocument::open(&path, &Silent).unwrap();
+        assert!(paces.bundle().exists() && document.run().simulation().pose(0).is_some());
+        std::fs::write(paces.bundle(), "no bundle").unwrap();
+        let e = SceneDocument::open(&path, &Silent).map(|_| ()).unwrap_err();
+        assert!(e.contains("people.toml") && e.contains("paces.throng"), "{e}");
+        std::fs::remove_file(paces.bundle()).unwrap();
+        std::fs::remove_file(paces.folder().join("paces.toml")).unwrap();
+        let e = SceneDocument::open(&path, &Silent).map(|_| ()).unwrap_err();
+        assert!(e.contains("people.toml") && e.contains("paces.throng") && e.contains("paces.toml"), "{e}");
+    }
+
+    #[test]
+    fn impossible_scenes_are_refused_by_name() {
+        let meeting = Meeting::new();
+        let path = meeting.scene(12);
+        let text = std::fs::read_to_string(&path).unwrap();
+        for (from, to, say) in [("count = 12", "count = 0", "count"), ("[-9.0, -3.0]", "[-2.2, -3.0]", "overlap")] {
+            std::fs::write(&path, text.replacen(from, to, 1)).unwrap();
+            let e = SceneDocument::open(&path, &Silent).map(|_| ()).unwrap_err();
+            assert!(e.contains("meeting") && e.contains(say), "{e}");
+        }
+        for (text, say) in [
+            ("name = \"walk\"\ninputs = [\"clips\"]\n", "config of a build"),
+            ("colour = 3\n", "colour"),
+            (
+                "bundle = \"no.throng\"\nconfig = \"nowhere.toml\"\n[[groups]]\nmotion = \"sparring\"\ncount = 2\n\
+              behaviours = [{ name = \"approach\" }]\n",
+                "nowhere.toml",
+            ),
+        ] {
+            std::fs::write(&path, text).unwrap();
+            let e = SceneDocument::open(&path, &Silent).map(|_| ()).unwrap_err();
+            assert!(e.contains("meeting.toml") && e.contains(say), "{e}");
+        }
     }
 }

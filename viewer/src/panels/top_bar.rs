@@ -6,9 +6,9 @@ use crate::document::Document;
 use crate::model::Model;
 use crate::render::Preset;
 use crate::settings::{BODIES, Colouring, RawView, Settings};
+use eframe::egui::{self, MenuBar, ThemePreference, Ui};
 use throng_runtime::crowd::Scheme;
 use throng_runtime::simulation::scene::engine;
-use eframe::egui::{self, MenuBar, ThemePreference, Ui};
 
 /// Shows the bar.
 pub fn show(ui: &mut Ui, model: &Model, states: &mut PanelStates, commands: &mut Vec<Command>) {

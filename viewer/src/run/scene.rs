@@ -17,7 +17,7 @@ use std::time::Instant;
 use throng_precompute::run::{AgentsMeter, FeetMeter};
 use throng_runtime::crowd::Event as CrowdEvent;
 use throng_runtime::simulation::agents::{Agents, in_world};
-use throng_runtime::simulation::{GroupCast, CompiledScene, Event, Simulation};
+use throng_runtime::simulation::{CompiledScene, Event, GroupCast, Simulation};
 use throng_runtime::sparring::Aim;
 use throng_runtime::{Inline, Rayon, Result, Run as Threads};
 
@@ -485,3 +485,6 @@ fn log<V: throng_runtime::crowd::Space>(
         log.add(Happened { time_s: event.time, agent: first + agent, what, with, at, other_at });
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -12,8 +12,8 @@ use std::sync::Arc;
 use std::time::Instant;
 use throng_precompute::slip::SlipMeter;
 use throng_runtime::Planar;
-use throng_runtime::world::inhabitants::Wish;
 use throng_runtime::characters::{Characters, CharactersError, CharactersSnapshot, Goal, Start};
+use throng_runtime::world::inhabitants::Wish;
 
 /// Characters from which on a step is split over threads.
 const PARALLEL_FROM: usize = 1000;

@@ -94,16 +94,18 @@ fn colour(colouring: Colouring, scene: &SceneDocument, (group, who): (usize, usi
     match (colouring, simulation.member(who)) {
         (Colouring::Plain, _) => palette.plain,
         (Colouring::Speed, (GroupCast::Paths(w), m)) => by_speed(w.speed(m) / FAST_MPS),
-        (Colouring::Speed, (GroupCast::Ground(a), m)) => {
-            by_speed(simulation.disc(who).map_or(0.0, |d| d.velocity.length()) / desired(a.layout().setup.agents[m].speed))
+        (Colouring::Speed, (GroupCast::Ground(a), m)) => by_speed(
+            simulation.disc(who).map_or(0.0, |d| d.velocity.length()) / desired(a.layout().setup.agents[m].speed),
+        ),
+        (Colouring::Speed, (GroupCast::Air(a), m)) => by_speed(
+            simulation.disc(who).map_or(0.0, |d| d.velocity.length()) / desired(a.layout().setup.agents[m].speed),
+        ),
+        (Colouring::Speed | Colouring::Clip, (GroupCast::Policy(_) | GroupCast::Sparring(_), _)) => {
+            match scene.chooser(who) {
+                Some(chooser) => crowd::colour_of_segment(&chooser, colouring, palette),
+                None => palette.plain,
+            }
         }
-        (Colouring::Speed, (GroupCast::Air(a), m)) => {
-            by_speed(simulation.disc(who).map_or(0.0, |d| d.velocity.length()) / desired(a.layout().setup.agents[m].speed))
-        }
-        (Colouring::Speed | Colouring::Clip, (GroupCast::Policy(_) | GroupCast::Sparring(_), _)) => match scene.chooser(who) {
-            Some(chooser) => crowd::colour_of_segment(&chooser, colouring, palette),
-            None => palette.plain,
-        },
         (Colouring::Speed, _) => palette.plain,
         (Colouring::Target, (GroupCast::Patches(i), m)) => world::colour_of(i.inhabitants().status(m).doing),
         (Colouring::Target, (GroupCast::Sparring(_), m)) => bout::corner(m, palette),

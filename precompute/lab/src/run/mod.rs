@@ -21,8 +21,8 @@ pub use record::{
     WorldRecord, seen_obstacle,
 };
 pub use report::{GroupReport, RunConfig, SceneReport, geometry, run, run_agents};
-pub use watch::{AgentsMeter, AgentsNow};
 pub use styles::{StyleWalk, curve, walk_styles};
+pub use watch::{AgentsMeter, AgentsNow};
 
 /// The JSON schema of scene files.
 pub fn scene_schema() -> serde_json::Value {

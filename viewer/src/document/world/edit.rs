@@ -1,8 +1,8 @@
 //! Edits: units come, go and are moved, and the world is stitched again around them.
 
-use super::{Roamers, WorldDocument};
 use super::orders::{Change, Order, Work};
 use super::worker::{self, Begun, Done, Job, Outcome, Stitched};
+use super::{Roamers, WorldDocument};
 use std::collections::VecDeque;
 use std::path::Path;
 use std::sync::Arc;

@@ -1,8 +1,8 @@
 //! Opens worlds, which are stitched in memory.
 
-use super::{Roamers, WorldDocument};
 use super::orders::Made;
 use super::views::{Ground, Workshop};
+use super::{Roamers, WorldDocument};
 use crate::bundle::OpenBundle;
 use crate::render::SolidMesh;
 use crate::run::WorldRun;

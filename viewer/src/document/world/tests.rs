@@ -40,7 +40,7 @@ fn populate(world: &mut WorldDocument, characters: usize, seed: u64) {
     assert!(why.iter().all(|w| w.contains("room for characters") && !w.contains("edit")), "{why:?}");
     assert_eq!((world.run().num_characters(), world.run().reel.head.now()), (before, now));
     assert_eq!(world.take_in(true), Some(Taken::Begun));
-    assert_eq!((world.scene().characters, world.scene().seed), (world.run().num_characters(), seed));
+    assert_eq!(world.roamers(), Roamers { characters: world.run().num_characters(), seed });
     assert_eq!(world.run().reel.head.now(), 0);
 }
 
@@ -58,7 +58,7 @@ fn a_world_is_populated_edited_and_saved() {
     let square = Square::new();
     let mut world = WorldDocument::open(&square.world(3), &Silent).unwrap();
     assert_eq!((world.placed().len(), world.graph().num_instances()), (10, 9));
-    assert!(world.run().num_characters() >= 2 && !world.is_scene());
+    assert!(world.run().num_characters() >= 2);
     lives(&mut world);
     is_picked(&world);
     edits(&mut world);
@@ -66,13 +66,10 @@ fn a_world_is_populated_edited_and_saved() {
     works_meanwhile(&mut world);
     saves(&world, square.folder());
     survives_its_threads(&mut world);
-    let mut scene = WorldDocument::open(&square.scene(2), &Silent).unwrap();
-    assert!(scene.is_scene() && scene.run().num_characters() == 2);
-    run_for(&mut scene, 30);
-    assert!(WorldDocument::open(&square.scene(500), &Silent).unwrap_err().contains("room for"));
-    // A change of their number takes as many as there is room for.
-    populate(&mut scene, 500, 3);
-    assert!((3..=9).contains(&scene.run().num_characters()), "{}", scene.run().num_characters());
+    // As many as there is room for.
+    let mut world = WorldDocument::open(&square.world(3), &Silent).unwrap();
+    populate(&mut world, 500, 3);
+    assert!((3..=9).contains(&world.run().num_characters()), "{}", world.run().num_characters());
 }
 
 fn lives(world: &mut WorldDocument) {
@@ -99,7 +96,7 @@ fn lives(world: &mut WorldDocument) {
         }
     }
     let (mind, hips) = (world.run().moment().minds[0], world.run().hips(0));
-    let plan = world.run().life().inhabitants().plan(0);
+    let plan = world.run().inhabitants().plan(0);
     assert_eq!(mind.doing, Doing::Arrived, "{mind:?} at {hips}: {plan:?}");
     assert!((hips - place).with_y(0.0).length() < 1.4, "{hips}");
     assert_eq!(world.run().told(0), Some(Wish::GoToPlace { place }));

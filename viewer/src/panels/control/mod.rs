@@ -54,7 +54,8 @@ pub fn show(ui: &mut Ui, model: &Model, state: &mut State, commands: &mut Vec<Co
         }
     };
     let names = &bundle.tables().meta().behaviours;
-    let weighed: Vec<&str> = run.goals().iter().map(|g| names.get(g.policy).map_or("behaviour", String::as_str)).collect();
+    let weighed: Vec<&str> =
+        run.goals().iter().map(|g| names.get(g.policy).map_or("behaviour", String::as_str)).collect();
     behaviours(ui, &weighed, run.weights(), 0, commands);
     if names.len() > weighed.len() {
         ui.weak(format!("The first {} of {} behaviours can be weighed.", weighed.len(), names.len()));
@@ -85,3 +86,6 @@ fn behaviours(ui: &mut Ui, names: &[&str], now: &[f32], of: usize, commands: &mu
         commands.push(Command::Input(Input::Weights { of, weights }));
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -10,7 +10,7 @@ use eframe::egui::{ComboBox, DragValue, Grid, Role, Slider, TextEdit, Ui, Widget
 use std::path::PathBuf;
 use throng_runtime::crowd::Scheme;
 use throng_runtime::simulation::scene::engine;
-use throng_runtime::simulation::{GroupCast, Event, Group, Happened, Simulation};
+use throng_runtime::simulation::{Event, Group, GroupCast, Happened, Simulation};
 use throng_runtime::sparring::Part;
 
 /// Events that are listed.

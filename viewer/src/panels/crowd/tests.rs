@@ -24,11 +24,11 @@ fn overlays_can_be_switched() {
     let meeting = Meeting::new();
     let mut harness = panel(&meeting, 60);
     for (label, is_done) in [
-        ("bounds: all", (|m| m.selection.crowd.bounds == crate::command::Whose::All) as fn(&Model) -> bool),
-        ("paths: none", |m| m.selection.crowd.paths == crate::command::Whose::Nobody),
+        ("bounds: all", (|m| m.selection.scene.bounds == crate::command::Whose::All) as fn(&Model) -> bool),
+        ("paths: none", |m| m.selection.scene.paths == crate::command::Whose::Nobody),
         ("trails: all", |m| m.settings.overlays.trails && m.settings.overlays.of_all),
-        ("cells", |m| !m.selection.crowd.cells),
-        ("Kind colliding", |m| !m.selection.crowd.kinds[1]),
+        ("cells", |m| !m.selection.scene.cells),
+        ("Kind colliding", |m| !m.selection.scene.kinds[1]),
     ] {
         assert!(!is_done(&harness.state().model), "{label}");
         let at = harness.get_by_label(label).rect().center();
@@ -46,7 +46,7 @@ fn bodies_can_be_left_out_where_there_are_some() {
     harness.run_steps(3);
     let at = harness.get_by_label("bodies").rect().center();
     click(&mut harness, at);
-    assert!(!harness.state().model.selection.crowd.bodies);
+    assert!(!harness.state().model.selection.scene.bodies);
 }
 
 #[test]
@@ -54,8 +54,8 @@ fn a_click_on_an_event_selects_its_agent_and_shows_its_forces() {
     let meeting = Meeting::new();
     let mut harness = panel(&meeting, 90);
     assert!(harness.query_by_label("driving").is_none());
-    let crowd = harness.state().model.document.crowd_scene().unwrap();
-    let last = crowd.run().log().last(&[true; crate::run::agents::What::COUNT], f64::INFINITY, 1)[0];
+    let scene = harness.state().model.document.scene().unwrap();
+    let last = scene.run().log().last(&[true; crate::run::agents::What::COUNT], f64::INFINITY, 1)[0];
     let name = format!("Event {} {}", last.what.name(), last.agent);
     let at = harness.get_all_by_label(&name).next().unwrap().rect().center();
     click(&mut harness, at);
@@ -68,23 +68,4 @@ fn a_click_on_an_event_selects_its_agent_and_shows_its_forces() {
     click(&mut harness, at);
     assert!(harness.state().state.only_selected);
     assert!(harness.get_all_by_label(&name).next().is_some());
-}
-
-#[test]
-fn a_scene_is_restarted_saved_and_restored() {
-    let meeting = Meeting::new();
-    let mut harness = panel(&meeting, 30);
-    let press = |harness: &mut Harness<'static, Trial<State>>, label: &str| {
-        let at = harness.get_by_label(label).rect().center();
-        click(harness, at);
-    };
-    let time = |harness: &Harness<'static, Trial<State>>| {
-        harness.state().model.document.crowd_scene().unwrap().run().moment().time_s
-    };
-    press(&mut harness, "Save");
-    assert!(meeting.folder().join("meeting.crowd").exists());
-    press(&mut harness, "Restart");
-    assert_eq!(time(&harness), 0.0);
-    press(&mut harness, "Restore");
-    assert!((time(&harness) - 0.5).abs() < 1e-9);
 }

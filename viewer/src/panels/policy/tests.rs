@@ -52,7 +52,7 @@ fn the_motion_of_a_candidate_can_be_shown() {
     let mut h = panel(|m| m.selection.character = Some(4));
     h.step();
     let (bundle, run) = h.state().model.document.crowd().unwrap();
-    let why = run.why(bundle, 4).unwrap();
+    let why = explain(&run.chooser(bundle, 4).unwrap()).unwrap();
     let second = why.candidates[1].segment;
     let record = bundle.tables().graph().segments[second as usize];
     let frame = record.start - bundle.tables().clips()[record.clip as usize].first_frame;

@@ -1,9 +1,11 @@
+use super::super::scene::pick;
 use super::*;
-use crate::command::{Command, CrowdCommand, CrowdLook};
+use crate::command::{Command, SceneCommand, SceneLook};
 use crate::fixtures::meeting::Meeting;
 use crate::fixtures::paces::Paces;
 use crate::settings::Settings;
 use eframe::egui;
+use glam::Vec2;
 use std::path::Path;
 use throng_precompute::progress::Silent;
 
@@ -34,22 +36,22 @@ fn all_agents_are_drawn_and_details_of_the_selected_one() {
         let mut model = open(&path);
         advance(&mut model, 90);
         let ctx = egui::Context::default();
-        let quiet = CrowdLook { marks: false, bounds: Whose::Nobody, paths: Whose::Nobody, ..CrowdLook::default() };
-        model.apply(&ctx, Command::Crowd(CrowdCommand::Look(quiet)));
+        let quiet = SceneLook { marks: false, bounds: Whose::Nobody, paths: Whose::Nobody, ..SceneLook::default() };
+        model.apply(&ctx, Command::Scene(SceneCommand::Look(quiet)));
         let plain = len(&model);
         assert!(plain >= 24, "{plain}");
-        model.apply(&ctx, Command::Crowd(CrowdCommand::Look(CrowdLook { bounds: Whose::All, ..quiet })));
+        model.apply(&ctx, Command::Scene(SceneCommand::Look(SceneLook { bounds: Whose::All, ..quiet })));
         assert_eq!(len(&model), plain + 24);
-        model.apply(&ctx, Command::Crowd(CrowdCommand::Look(CrowdLook { paths: Whose::All, ..quiet })));
+        model.apply(&ctx, Command::Scene(SceneCommand::Look(SceneLook { paths: Whose::All, ..quiet })));
         assert!(len(&model) >= plain + 48);
-        model.apply(&ctx, Command::Crowd(CrowdCommand::Look(CrowdLook { marks: true, ..quiet })));
+        model.apply(&ctx, Command::Scene(SceneCommand::Look(SceneLook { marks: true, ..quiet })));
         assert!(len(&model) > plain, "nothing has happened within 1.5 s");
-        model.apply(&ctx, Command::Crowd(CrowdCommand::Look(quiet)));
+        model.apply(&ctx, Command::Scene(SceneCommand::Look(quiet)));
         model.apply(&ctx, Command::SelectCharacter(Some(5)));
         let selected = len(&model);
         assert!(selected > plain + 12, "{plain} {selected}");
-        let fewer = CrowdLook { cells: false, forces: false, ..quiet };
-        model.apply(&ctx, Command::Crowd(CrowdCommand::Look(fewer)));
+        let fewer = SceneLook { cells: false, forces: false, ..quiet };
+        model.apply(&ctx, Command::Scene(SceneCommand::Look(fewer)));
         assert!(len(&model) < selected - 10);
     }
 }
@@ -63,14 +65,14 @@ fn bodies_are_drawn_over_discs_and_can_be_selected() {
     layout.lay_out(&model, true);
     assert_eq!(layout.instances.len(), 8);
     assert_eq!(layout.poses(&model).len(), 8 * throng_runtime::NUM_JOINTS);
-    let crowd = model.document.crowd_scene().unwrap();
+    let run = model.document.scene().unwrap().run();
     for (i, instance) in layout.instances.iter().enumerate() {
-        let at = crowd.run().moment().agents[of_body(crowd, i).unwrap()].unwrap().at;
+        let at = run.place(layout.drawn[i]).unwrap();
         assert!(instance.root.translation().distance(at) < 0.3, "{i}");
     }
     let ctx = egui::Context::default();
-    let discs = CrowdLook { bodies: false, ..CrowdLook::default() };
-    model.apply(&ctx, Command::Crowd(CrowdCommand::Look(discs)));
+    let discs = SceneLook { bodies: false, ..SceneLook::default() };
+    model.apply(&ctx, Command::Scene(SceneCommand::Look(discs)));
     layout.lay_out(&model, true);
     assert!(layout.instances.is_empty() && layout.poses(&model).is_empty());
     // The clips that bodies are made of can be shown.
@@ -85,16 +87,16 @@ fn a_ray_through_an_agent_selects_it() {
     for path in [meeting.scene(12), meeting.flock(12)] {
         let mut model = open(&path);
         advance(&mut model, 30);
-        let crowd = model.document.crowd_scene().unwrap();
+        let scene = model.document.scene().unwrap();
         let (camera, view) = (model.settings.camera, Vec2::new(800.0, 500.0));
         let mut found = 0;
-        for (m, seen) in crowd.run().moment().agents.iter().enumerate() {
-            let pixel = camera.project(seen.unwrap().at, view).unwrap();
-            found += usize::from(pick(crowd, &camera, &camera.ray(pixel, view), view) == Some(m));
+        for m in 0..24 {
+            let pixel = camera.project(scene.run().place(m).unwrap(), view).unwrap();
+            found += usize::from(pick(scene, &camera, &camera.ray(pixel, view), view) == Some(m));
         }
         // In the air one may hide another.
         assert!(found >= 20, "{found} of 24");
         let beside = camera.ray(Vec2::new(2.0, 2.0), view);
-        assert_eq!(pick(crowd, &camera, &beside, view), None);
+        assert_eq!(pick(scene, &camera, &beside, view), None);
     }
 }

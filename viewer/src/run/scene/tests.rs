@@ -1,0 +1,199 @@
+//! A scene against itself: played, rewound, told something, saved.
+
+use super::*;
+use crate::document::SceneDocument;
+use crate::fixtures::boxing::Boxing;
+use crate::fixtures::meeting::Meeting;
+use crate::fixtures::paces::Paces;
+use crate::run::{Met, explain};
+use std::path::Path;
+use throng_precompute::progress::Silent;
+use throng_runtime::NUM_JOINTS;
+
+fn open(path: &Path) -> SceneDocument {
+    SceneDocument::open(path, &Silent).unwrap()
+}
+
+fn steps(run: &mut SceneRun, count: u32) {
+    (0..count).for_each(|_| run.step().unwrap());
+}
+
+/// Where everybody and every joint is, as bits.
+fn poses(run: &SceneRun) -> Vec<u32> {
+    let simulation = run.simulation();
+    let joints = |who| simulation.joint_positions(who).into_iter().flatten();
+    let points = (0..simulation.num_characters()).flat_map(|who| run.place(who).into_iter().chain(joints(who)));
+    points.flat_map(|p| p.to_array()).map(f32::to_bits).collect()
+}
+
+fn targets(run: &SceneRun) -> Vec<Option<Vec3>> {
+    (0..run.simulation().num_characters()).map(|who| run.simulation().target(who)).collect()
+}
+
+fn home(run: &SceneRun) -> Vec3 {
+    let GroupCast::Policy(practice) = &run.simulation().casts()[0] else { panic!("no targets") };
+    practice.practice().targets()[0].home
+}
+
+#[test]
+fn a_recorded_bout_looks_and_counts_as_it_did() {
+    let boxing = Boxing::new();
+    let mut document = open(&boxing.pairs(4));
+    let run = document.run_mut();
+    let marks = |run: &SceneRun| run.marks(2.0).copied().collect::<Vec<_>>();
+    let state = |run: &SceneRun| {
+        let f = run.figures();
+        (poses(run), marks(run), f.bout, f.slip, targets(run))
+    };
+    let mut seen = vec![state(run)];
+    for step in 1..=600 {
+        if step == 130 {
+            run.input(Input::Weights { of: 2, weights: vec![1.0, 0.5, 0.0] }).unwrap();
+        }
+        if step == 200 {
+            run.input(Input::Play { character: 1, segment: 2 }).unwrap();
+        }
+        run.step().unwrap();
+        seen.push(state(run));
+    }
+    let bout = run.figures().bout.unwrap();
+    assert!(bout.blows.thrown > 0 && bout.penetration_m.is_some(), "{bout:?}");
+    assert_eq!(bout.blows.thrown, bout.blows.landed + bout.blows.blocked + bout.blows.missed);
+    for step in [600, 0, 61, 60, 131, 130, 201, 599, 300] {
+        run.seek(step).unwrap();
+        assert!(state(run) == seen[step as usize], "step {step}");
+    }
+    // Opponents' heads stay where they are.
+    run.input(Input::Target { character: Some(0), to: Vec3::ZERO }).unwrap();
+    assert!(targets(run) == seen[300].4);
+    assert_eq!(run.head.recorded(), 0..=300);
+}
+
+#[test]
+fn marks_show_the_result_of_every_blow() {
+    let boxing = Boxing::new();
+    let mut document = open(&boxing.pairs(6));
+    let run = document.run_mut();
+    steps(run, 900);
+    let blows = run.figures().bout.unwrap().blows;
+    let all: Vec<Mark> = run.marks(60.0).copied().collect();
+    let count = |is: fn(Met) -> bool| all.iter().filter(|m| is(m.met)).count() as u32;
+    assert_eq!(all.len() as u32, blows.thrown);
+    assert_eq!(count(|m| matches!(m, Met::Body(_))), blows.landed + blows.blocked);
+    assert_eq!(count(|m| m == Met::Nothing), blows.missed);
+    assert!(all.is_sorted_by(|a, b| a.step >= b.step));
+}
+
+#[test]
+fn a_target_gives_way_comes_back_and_hangs_where_it_is_put() {
+    let boxing = Boxing::new();
+    let mut document = open(&boxing.targets(1));
+    let run = document.run_mut();
+    let at_rest = home(run);
+    let mut furthest = 0.0f32;
+    for _ in 0..1800 {
+        run.step().unwrap();
+        assert_eq!(home(run), at_rest);
+        furthest = furthest.max(targets(run)[0].unwrap().distance(at_rest));
+    }
+    assert!(run.figures().bout.unwrap().blows.landed > 0, "{:?}", run.figures().bout);
+    assert!(furthest > 0.05, "{furthest}");
+    let struck = run.marks(30.0).find(|m| m.met == Met::Target).unwrap().step;
+    run.seek(struck.saturating_add(10).min(1800)).unwrap();
+    run.seek(struck).unwrap();
+    let there = at_rest + Vec3::new(0.4, 0.1, 0.3);
+    run.input(Input::Target { character: Some(0), to: there }).unwrap();
+    assert_eq!(home(run), there);
+    run.step().unwrap();
+    assert_eq!((home(run), run.head.now()), (there, struck + 1));
+    // Going back before the input and on again repeats it.
+    run.seek(struck.saturating_sub(1)).unwrap();
+    assert_eq!(home(run), at_rest);
+    run.seek(struck + 1).unwrap();
+    assert_eq!(home(run), there);
+}
+
+#[test]
+fn the_reasons_of_a_boxer_name_what_it_does_and_which_behaviours_did_not_count() {
+    let boxing = Boxing::new();
+    let mut document = open(&boxing.pairs(8));
+    let mut inactive = 0;
+    for step in 0..300 {
+        document.run_mut().step().unwrap();
+        if step % 30 != 0 {
+            continue;
+        }
+        for c in 0..8 {
+            let chooser = document.chooser(c).unwrap();
+            let why = explain(&chooser).unwrap();
+            assert_eq!(why.behaviours.len(), 3);
+            assert_eq!(why.candidates[why.chosen].segment, chooser.characters.segment(c).0);
+            let best = why.candidates[0].score;
+            assert!(best - why.candidates[why.chosen].score < 1e-4, "character {c} at {step}");
+            for s in &why.behaviours {
+                let policy = chooser.bundle.motion_set().policy(s.policy).unwrap();
+                assert_eq!(s.is_active, policy.region().contains(s.target));
+                inactive += u32::from(!s.is_active);
+            }
+        }
+    }
+    assert!(inactive > 0, "nobody was ever out of reach");
+    assert_eq!(document.weights(3).unwrap().0, ["approach", "throw-punches", "evade"]);
+}
+
+#[test]
+fn walkers_on_hills_are_played_and_rewound() {
+    let paces = Paces::new();
+    let mut document = open(&paces.scene(7, 0.5));
+    assert!(document.standing().has_hills && document.standing().meshes.len() == 3);
+    let run = document.run_mut();
+    steps(run, 90);
+    let seen = poses(run);
+    assert!(seen.len() == 7 * 3 * (NUM_JOINTS + 1));
+    run.seek(10).unwrap();
+    assert!(poses(run) != seen);
+    run.seek(90).unwrap();
+    assert!(poses(run) == seen && run.trail(2, 1.0).count() > 8);
+}
+
+#[test]
+fn agents_are_measured_and_their_events_logged() {
+    let meeting = Meeting::new();
+    let mut document = open(&meeting.scene(12));
+    let run = document.run_mut();
+    run.watch(Some(3));
+    steps(run, 240);
+    let figures = run.figures().agents.unwrap();
+    assert!(figures.present == 24 && figures.overlaps == 0 && figures.progress_mps > 0.3, "{figures:?}");
+    let all = [true; What::COUNT];
+    let log = run.log();
+    let of_one = log.last_of_watched(&all, 9.0, 999);
+    assert!(!of_one.is_empty() && of_one.iter().all(|h| h.is_about(3)));
+    assert!(log.last(&all, 2.0, 99).iter().all(|h| h.time_s <= 2.0 && h.at.is_finite()));
+    assert_eq!(log.rates().totals(9.0).iter().sum::<u64>() > 100, true);
+    // What is told in the past drops what came after it.
+    run.seek(120).unwrap();
+    run.input(Input::Target { character: None, to: Vec3::ZERO }).unwrap();
+    assert!(run.log().last(&all, 9.0, 99).iter().all(|h| h.time_s <= 2.0));
+    steps(run, 10);
+    assert_eq!(run.head.recorded(), 0..=130);
+}
+
+#[test]
+fn a_saved_scene_goes_on_as_before() {
+    let (meeting, boxing) = (Meeting::new(), Boxing::new());
+    for path in [meeting.scene(6), meeting.flock(6), boxing.pairs(2), boxing.targets(2)] {
+        let mut document = open(&path);
+        steps(document.run_mut(), 97);
+        let bytes = document.run().snapshot();
+        let compiled = document.run().simulation().compiled().clone();
+        steps(document.run_mut(), 50);
+        let mut again = SceneRun::new(&compiled, Some(&bytes)).unwrap();
+        assert_eq!(again.head.recorded(), 97..=97);
+        steps(&mut again, 50);
+        assert!(poses(&again) == poses(document.run()), "{}", path.display());
+        again.seek(97).unwrap();
+        again.seek(147).unwrap();
+        assert!(poses(&again) == poses(document.run()), "{}", path.display());
+    }
+}
