@@ -208,12 +208,15 @@ fn scenes_of_crowds() {
     };
     let light = Args { theme: Some(ThemeName::Light), ..args.clone() };
     for (args, name) in [(args.clone(), "panel_crowd_scene"), (light, "panel_crowd_scene_light")] {
-        let mut v = rest_at(Viewing::new(&args, vec2(1000.0, 1330.0)), MET);
-        // The name of the folder is another one every time.
-        let field = v.harness.get_by_label("Snapshot file").rect();
-        v.harness.mask(field);
+        let v = rest_at(Viewing::new(&args, vec2(1000.0, 1330.0)), MET);
         compare(&mut results, v, name);
     }
+    let control = Args { panel: vec![PanelChoice::Open(PanelKind::Control)], ..args.clone() };
+    let mut v = rest_at(Viewing::new(&control, vec2(1000.0, 640.0)), MET);
+    // The name of the folder is another one every time.
+    let field = v.harness.get_by_label("Snapshot file").rect();
+    v.harness.mask(field);
+    compare(&mut results, v, "panel_control_scene");
     let alone = Args { panel: vec![PanelChoice::None], ..args };
     let paces = Paces::new();
     let people = Args { file: Some(paces.crowd(8)), ..alone.clone() };

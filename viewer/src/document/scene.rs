@@ -7,7 +7,6 @@ use crate::render::{Ray, SolidMesh};
 use crate::run::{Chooser, SceneRun};
 use glam::{Vec2, Vec3};
 use serde::{Deserialize, Serialize};
-use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, TryRecvError, channel};

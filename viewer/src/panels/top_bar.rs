@@ -1,6 +1,6 @@
 //! The bar at the top: file, view, panels, help.
 
-use super::{PANELS, PanelStates, crowd};
+use super::{PANELS, PanelStates};
 use crate::command::{Command, Stage};
 use crate::document::Document;
 use crate::model::Model;

@@ -32,7 +32,7 @@ pub struct LastChoice {
     pub target: Vec3,
     /// Where and when the opponent's next blow was to land: x, seconds, z; zero without an opponent.
     pub threat: Vec3,
-    /// What every goal counted (number of goals).
+    /// What every goal counted; empty where that is not known, because it was before a saved state (number of goals).
     pub weights: Arc<[f32]>,
 }
 

@@ -18,7 +18,7 @@ use throng_precompute::run::{AgentsMeter, FeetMeter};
 use throng_runtime::crowd::Event as CrowdEvent;
 use throng_runtime::simulation::agents::{Agents, in_world};
 use throng_runtime::simulation::{CompiledScene, Event, GroupCast, Simulation};
-use throng_runtime::sparring::Aim;
+use throng_runtime::sparring::{Aim, NO_THREAT_S};
 use throng_runtime::{Inline, Rayon, Result, Run as Threads};
 
 /// Steps between two states.
@@ -104,10 +104,17 @@ impl State {
             simulation,
         };
         let simulation = &state.simulation;
-        // Everybody has chosen already, and stands.
+        // Everybody has chosen already; what choices before a saved state were about is not known.
+        let is_at_start = simulation.time_s() == 0.0;
         for c in &mut state.choosing {
-            let (targets, threats) = around(&simulation.casts()[c.cast]);
+            let (targets, mut threats) = around(&simulation.casts()[c.cast]);
+            threats.fill(Vec3::new(0.0, NO_THREAT_S, 0.0));
+            let weights = std::mem::replace(&mut c.weights, Arc::from([]));
+            if is_at_start {
+                c.weights = Arc::clone(&weights);
+            }
             c.observe(simulation, (&targets, &threats), 0);
+            c.weights = weights;
         }
         state.feet.observe(0.0, simulation, 0..simulation.num_characters());
         state.figures.agents = state.agents.as_mut().map(|meter| meter.observe(simulation));

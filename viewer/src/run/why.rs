@@ -67,7 +67,7 @@ pub struct Why {
 /// Why a character plays what it plays; none before its first choice and where the segment was not chosen.
 pub fn explain(chooser: &Chooser<'_>) -> Option<Why> {
     let (bundle, c) = (chooser.bundle, chooser.choice);
-    let choice = chooser.characters.last_choice(chooser.number)?;
+    let choice = chooser.characters.last_choice(chooser.number).filter(|_| !c.weights.is_empty())?;
     let seen = |target: Vec3| {
         let local = choice.root.inverse_transform_point(Vec2::new(target.x, target.z));
         Vec3::new(local.x, target.y, local.y)

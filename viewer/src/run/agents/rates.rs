@@ -25,6 +25,7 @@ pub struct Rates {
 }
 
 impl Rates {
+    /// Notes how many events of every kind there were until a time, later than all others (s).
     pub fn mark(&mut self, time_s: f64, present: usize, totals: [u64; What::COUNT]) {
         if self.marks.len() == KEPT {
             self.marks.pop_front();
