@@ -3,6 +3,7 @@
 use super::{own, scene};
 use glam::Vec2;
 use throng_precompute::run::{Figures, RunConfig, run, run_agents};
+use throng_runtime::Inline;
 use throng_runtime::simulation::Scene;
 use throng_runtime::simulation::agents::Agents;
 
@@ -40,7 +41,7 @@ fn ways_around_walls_are_walked_without_touching_them() {
     let mut nearest = f32::INFINITY;
     for step in 0..=1800 {
         let t = f64::from(step) / 30.0;
-        live.advance(t, &mut |_| {}).expect("it goes on");
+        live.advance(t, &Inline, &mut |_| {}).expect("it goes on");
         for m in 0..4 {
             let at = live.position(m, t).expect("it is there");
             nearest = solids.iter().map(|s| gap(at, *s)).fold(nearest, f32::min);
@@ -111,7 +112,7 @@ fn those_who_stand_give_way_to_an_obstacle_on_its_way() {
     let mut nearest = f32::INFINITY;
     for step in 0..=720 {
         let t = f64::from(step) / 30.0;
-        live.advance(t, &mut |_| {}).expect("it goes on");
+        live.advance(t, &Inline, &mut |_| {}).expect("it goes on");
         let mover = Vec2::new(-12.0 + t as f32, 0.3);
         for m in 0..12 {
             nearest = nearest.min(live.position(m, t).expect("it is there").distance(mover) - 0.8);

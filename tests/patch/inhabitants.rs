@@ -257,7 +257,7 @@ fn results_do_not_depend_on_the_number_of_threads() {
                 people.set_wish(c, Wish::GoTo { instance: (c * 7 % 400) as u32 }).unwrap();
             }
             for _ in 0..300 {
-                people.par_step(DT).unwrap();
+                people.step_on(DT, &throng_runtime::Rayon).unwrap();
             }
             let nodes: Vec<_> = (0..200).map(|c| people.status(c).node).collect();
             (nodes, people.characters().model_matrices().to_vec())

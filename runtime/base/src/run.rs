@@ -8,6 +8,11 @@ use std::sync::{Mutex, PoisonError};
 pub trait Run: Sync {
     /// Calls `part` once with every number below `num_parts`, and returns when all calls have.
     fn run(&self, num_parts: usize, part: &(dyn Fn(usize) + Sync));
+
+    /// False where parts run one after the other: what takes work to be split is not split then.
+    fn is_parallel(&self) -> bool {
+        true
+    }
 }
 
 /// Parts that one call of [`Run::run`] gets at most.
@@ -37,6 +42,10 @@ impl Run for Inline {
     fn run(&self, num_parts: usize, part: &(dyn Fn(usize) + Sync)) {
         (0..num_parts).for_each(part);
     }
+
+    fn is_parallel(&self) -> bool {
+        false
+    }
 }
 
 /// On rayon's current pool.
@@ -49,6 +58,10 @@ impl Run for Rayon {
     fn run(&self, num_parts: usize, part: &(dyn Fn(usize) + Sync)) {
         use rayon::prelude::*;
         (0..num_parts).into_par_iter().for_each(part);
+    }
+
+    fn is_parallel(&self) -> bool {
+        rayon::current_num_threads() > 1
     }
 }
 

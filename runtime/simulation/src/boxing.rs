@@ -1,7 +1,7 @@
 //! Characters with policies: each with a target of its own, or in pairs who strike at each other.
 
 use crate::compile::CompiledScene;
-use crate::kind::{Kind, Tick, joints};
+use crate::kind::{Kind, Tick, joints, refused};
 use crate::scene::{DragPoint, GroupConfig, Motion, PlaceConfig, Scene};
 use crate::sparring::{Aim, PracticeConfig, PracticeGoal, Sparring, SparringConfig, SparringGoal, TargetPractice};
 use crate::{Event, Happened};
@@ -10,7 +10,7 @@ use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use std::f32::consts::TAU;
 use std::sync::Arc;
-use throng_base::{Error, Result};
+use throng_base::{Bytes, Error, Result, SnapshotKind};
 use throng_core::characters::{Characters, CharactersConfig, CharactersError, Choice, MotionSet, Start};
 use throng_core::policy::{KIND_CYLINDER, KIND_SPACE_TIME, RegionRecord};
 use throng_core::{Bundle, Contacts, Mat3x4, NUM_JOINTS, Planar};
@@ -29,7 +29,8 @@ pub struct Practice {
     practice: TargetPractice,
     /// Where targets hang when nobody drags them (m).
     homes: Vec<Vec3>,
-    drag: Vec<DragPoint>,
+    /// They are dragged as the scene says.
+    is_dragged: bool,
     time_s: f64,
 }
 
@@ -37,6 +38,8 @@ pub struct Practice {
 #[derive(Clone, Debug)]
 struct Setup {
     scene: Arc<Scene>,
+    /// Its number in the scene.
+    group: usize,
     /// What messages call it.
     key: String,
     motion_set: MotionSet,
@@ -45,7 +48,7 @@ struct Setup {
 impl Setup {
     fn new(compiled: &CompiledScene, group: usize) -> Result<Self> {
         let motion_set = MotionSet::new(compiled.bundle(group)?);
-        Ok(Self { scene: Arc::clone(compiled.shared()), key: format!("groups[{group}]"), motion_set })
+        Ok(Self { scene: Arc::clone(compiled.shared()), group, key: format!("groups[{group}]"), motion_set })
     }
 
     fn fault(&self, e: CharactersError) -> Error {
@@ -146,7 +149,8 @@ impl Practice {
         let mut config = PracticeConfig { characters: characters(compiled, group), ..PracticeConfig::new(goals) };
         config.target.radius_m = own.target.radius_m as f32;
         let practice = TargetPractice::new(&setup.motion_set, config, &starts, &homes).map_err(|e| setup.fault(e))?;
-        Ok(Self { practice, homes, drag: own.target.drag.clone(), time_s: 0.0, setup })
+        let is_dragged = !own.target.drag.is_empty();
+        Ok(Self { practice, homes, is_dragged, time_s: 0.0, setup })
     }
 
     /// The characters and their targets.
@@ -164,9 +168,8 @@ impl Practice {
     /// [`Error::Text`] for a character that does not exist, or a place that is not finite; nothing has changed then.
     pub fn set_home(&mut self, character: usize, home: Vec3) -> Result<()> {
         self.practice.set_home(character, home).map_err(|e| self.setup.fault(e))?;
-        if !self.drag.is_empty() {
+        if std::mem::take(&mut self.is_dragged) {
             // Everybody's target stays where it has been dragged to.
-            self.drag.clear();
             self.homes = self.practice.targets().iter().map(|t| t.home).collect();
         }
         self.homes[character] = home;
@@ -271,7 +274,8 @@ impl Kind for Bouts {
     of_characters!();
 
     fn step(&mut self, tick: &Tick<'_>, events: &mut Vec<Event>) -> Result<()> {
-        self.sparring.step(&self.setup.motion_set, tick.dt_s).map_err(|e| self.setup.fault(e))?;
+        let done = self.sparring.step_on(&self.setup.motion_set, tick.dt_s, tick.run);
+        done.map_err(|e| self.setup.fault(e))?;
         events.extend(self.sparring.landed().iter().map(|l| Event {
             time_s: tick.until_s,
             who: tick.first + l.blow.character as usize,
@@ -279,23 +283,54 @@ impl Kind for Bouts {
         }));
         Ok(())
     }
+
+    fn save(&self, out: &mut Vec<u8>) {
+        self.sparring.save(out);
+    }
+
+    fn load(&mut self, bytes: &[u8], _: f64) -> Result<()> {
+        self.sparring.load(&self.setup.motion_set, bytes)
+    }
 }
+
+/// Targets that are dragged, around a snapshot of [`TargetPractice`].
+const DRAGGED: SnapshotKind = SnapshotKind { what: "practice", tag: *b"DRAG", version: 1, setup: 0 };
 
 impl Kind for Practice {
     of_characters!();
 
     fn step(&mut self, tick: &Tick<'_>, events: &mut Vec<Event>) -> Result<()> {
         self.time_s += f64::from(tick.dt_s);
-        let by = dragged(&self.drag, self.time_s);
-        for (c, home) in self.homes.iter().enumerate().filter(|_| !self.drag.is_empty()) {
+        let by = dragged(&self.setup.scene.groups[self.setup.group].target.drag, self.time_s);
+        for (c, home) in self.homes.iter().enumerate().filter(|_| self.is_dragged) {
             self.practice.set_home(c, *home + by).map_err(|e| self.setup.fault(e))?;
         }
-        self.practice.step(&self.setup.motion_set, tick.dt_s).map_err(|e| self.setup.fault(e))?;
+        let done = self.practice.step_on(&self.setup.motion_set, tick.dt_s, tick.run);
+        done.map_err(|e| self.setup.fault(e))?;
         events.extend(self.practice.hits().iter().map(|h| Event {
             time_s: tick.until_s,
             who: tick.first + h.blow.character as usize,
             happened: Happened::Hit { at: h.blow.point },
         }));
+        Ok(())
+    }
+
+    fn save(&self, out: &mut Vec<u8>) {
+        let mut practice = Bytes::default();
+        self.practice.save(&mut practice.0);
+        DRAGGED.write(&(&self.homes, self.is_dragged, self.time_s, practice), out);
+    }
+
+    fn load(&mut self, bytes: &[u8], _: f64) -> Result<()> {
+        let (homes, is_dragged, time_s, practice): (Vec<Vec3>, bool, f64, Bytes) = DRAGGED.read_all(bytes)?;
+        let near = |home: &Vec3| home.is_finite() && home.abs().max_element() <= 1e5;
+        let may_be_dragged = !self.setup.scene.groups[self.setup.group].target.drag.is_empty();
+        let good = homes.len() == self.homes.len() && homes.iter().all(near) && (0.0..1e9).contains(&time_s);
+        if !good || is_dragged && !may_be_dragged {
+            return Err(refused(DRAGGED.what, "its targets hang nowhere"));
+        }
+        self.practice.load(&self.setup.motion_set, &practice.0)?;
+        (self.homes, self.is_dragged, self.time_s) = (homes, is_dragged, time_s);
         Ok(())
     }
 }

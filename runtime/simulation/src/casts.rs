@@ -24,6 +24,15 @@ macro_rules! kinds {
             fn step(&mut self, tick: &Tick<'_>, events: &mut Vec<Event>) -> Result<()> {
                 match self { $(Self::$name(k) => k.step(tick, events)),* }
             }
+            fn save(&self, out: &mut Vec<u8>) {
+                match self { $(Self::$name(k) => k.save(out)),* }
+            }
+            fn load(&mut self, bytes: &[u8], time_s: f64) -> Result<()> {
+                match self { $(Self::$name(k) => k.load(bytes, time_s)),* }
+            }
+            fn hash(&self) -> u64 {
+                match self { $(Self::$name(k) => k.hash()),* }
+            }
             fn root(&self, member: usize) -> Option<Planar> {
                 match self { $(Self::$name(k) => k.root(member)),* }
             }

@@ -3,7 +3,7 @@
 use crate::scene::{Motion, Scene, WishConfig};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use throng_base::Result;
+use throng_base::{Hash128, Result};
 use throng_core::Bundle;
 use throng_core::blend::BlendSpace;
 use throng_world::World;
@@ -103,6 +103,16 @@ impl CompiledScene {
     /// The scene, for those who keep it.
     pub(crate) fn shared(&self) -> &Arc<Scene> {
         &self.scene
+    }
+
+    /// Content hash of the scene, its bundles and its worlds; their paths do not count.
+    pub fn hash(&self) -> u128 {
+        let mut hash = Hash128::default();
+        hash.bytes(self.scene.content().as_bytes());
+        let bundles = self.bundles.iter().map(|b| b.as_ref().map_or(0, Bundle::hash));
+        let worlds = self.world_of.iter().map(|w| w.map_or(0, |w| self.worlds[w].world.hash()));
+        bundles.chain(worlds).for_each(|of| hash.bytes(&of.to_le_bytes()));
+        hash.finish()
     }
 
     /// The bundle of a group.

@@ -1,14 +1,14 @@
 //! People who live in a stitched world and wish one thing after another.
 
 use crate::compile::CompiledScene;
-use crate::kind::{Kind, Tick, joints};
+use crate::kind::{Kind, Tick, joints, refused};
 use crate::scene::{Scene, WeightedWish, WishConfig};
 use crate::{Event, Happened};
 use rand::{Rng, RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use std::ops::Range;
 use std::sync::Arc;
-use throng_base::Result;
+use throng_base::{Bytes, Result, SnapshotKind};
 use throng_core::characters::CharactersConfig;
 use throng_core::{Contacts, Mat3x4, NUM_JOINTS, Planar};
 use throng_world::inhabitants::{Doing, Inhabitants, InhabitantsConfig, InhabitantsError, Wish, scatter};
@@ -16,6 +16,9 @@ use throng_world::{Node, WorldGraph};
 
 /// Longest that somebody looks for what cannot be reached before it wishes something else (s).
 const GIVE_UP_S: f64 = 2.0;
+
+/// Wishes, around a snapshot of [`Inhabitants`].
+const WISHES: SnapshotKind = SnapshotKind { what: "inhabitants", tag: *b"WISH", version: 1, setup: 0 };
 
 /// A wish as it is drawn: a kind, and what it needs.
 #[derive(Clone, Debug)]
@@ -210,7 +213,7 @@ impl Kind for Inhabited {
     }
 
     fn step(&mut self, tick: &Tick<'_>, events: &mut Vec<Event>) -> Result<()> {
-        let moved = self.wish().and_then(|()| self.inhabitants.step(tick.dt_s));
+        let moved = self.wish().and_then(|()| self.inhabitants.step_on(tick.dt_s, tick.run));
         moved.map_err(|e| self.scene.fault(&self.key, e))?;
         self.time_s += f64::from(tick.dt_s);
         for (c, known) in self.fulfilled.iter_mut().enumerate() {
@@ -219,6 +222,27 @@ impl Kind for Inhabited {
                 events.push(Event { time_s: tick.until_s, who: tick.first + c, happened: Happened::Fulfilled });
             }
         }
+        Ok(())
+    }
+
+    fn save(&self, out: &mut Vec<u8>) {
+        let mut inhabitants = Bytes::default();
+        self.inhabitants.save(&mut inhabitants.0);
+        let minds = (&self.rng, &self.until_s, &self.told, &self.fulfilled, self.time_s);
+        WISHES.write(&(minds, inhabitants), out);
+    }
+
+    fn load(&mut self, bytes: &[u8], _: f64) -> Result<()> {
+        let (minds, inhabitants): (_, Bytes) = WISHES.read_all(bytes)?;
+        let (rng, until_s, told, fulfilled, time_s): (Pcg64Mcg, Vec<f64>, Vec<bool>, Vec<u32>, f64) = minds;
+        let n = self.until_s.len();
+        let are_times = until_s.iter().all(|t| !t.is_nan()) && (0.0..1e9).contains(&time_s);
+        if [until_s.len(), told.len(), fulfilled.len()] != [n; 3] || !are_times {
+            return Err(refused(WISHES.what, "somebody wishes what nobody can"));
+        }
+        self.inhabitants.load(&inhabitants.0)?;
+        (self.rng, self.until_s, self.told) = (rng, until_s, told);
+        (self.fulfilled, self.time_s) = (fulfilled, time_s);
         Ok(())
     }
 

@@ -2,8 +2,9 @@
 
 use crate::Event;
 use glam::Vec3;
-use throng_base::{Result, Run};
-use throng_core::{Contacts, Mat3x4, NUM_JOINTS, Planar};
+use throng_base::{Error, Hash128, Id, Result, Run};
+use throng_core::blend::walkers::Walkers;
+use throng_core::{Cast, Contacts, Mat3x4, NUM_JOINTS, Planar};
 
 /// One step of time.
 pub struct Tick<'a> {
@@ -28,6 +29,25 @@ pub trait Kind {
     /// What could not be done, with the group in the scene file.
     fn step(&mut self, tick: &Tick<'_>, events: &mut Vec<Event>) -> Result<()>;
 
+    /// Appends all that the next steps depend on: versioned, with a checksum.
+    fn save(&self, out: &mut Vec<u8>);
+
+    /// Goes back to what characters of the same scene have saved. What follows is the same, bit by bit; poses are there at
+    /// once, though a leg may be a centimetre off until the next step.
+    ///
+    /// - `time_s`: the time then (s).
+    ///
+    /// # Errors
+    /// [`throng_base::Error::Snapshot`]. A part may have been loaded then: [`crate::Simulation::restore`] undoes that.
+    fn load(&mut self, bytes: &[u8], time_s: f64) -> Result<()>;
+
+    /// A hash of the state: differs, but for one chance in 2^64, where the motion of anybody differs.
+    fn hash(&self) -> u64 {
+        let mut bytes = Vec::new();
+        self.save(&mut bytes);
+        Hash128::of(&bytes) as u64
+    }
+
     /// Where a character stands and looks; `None` where it has left.
     fn root(&self, member: usize) -> Option<Planar>;
 
@@ -47,3 +67,17 @@ pub trait Kind {
 pub(crate) fn joints(pose: &[Mat3x4]) -> &[Mat3x4; NUM_JOINTS] {
     &pose.as_chunks().0[0]
 }
+
+/// Goes back to walkers, who are those there have been from the start.
+pub(crate) fn load_walkers(walkers: &mut Walkers, ids: &[Id], bytes: &[u8]) -> Result<()> {
+    walkers.load(bytes)?;
+    if walkers.bodies().ids == ids { Ok(()) } else { Err(refused("walkers", "they are others")) }
+}
+
+/// Bytes that are no snapshot.
+pub(crate) fn refused(what: &'static str, why: &str) -> Error {
+    Error::Snapshot { what, why: format!("{why}; it is damaged") }
+}
+
+/// Characters of one part of a step that is split.
+pub(crate) const PART: usize = 256;

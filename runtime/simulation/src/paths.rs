@@ -66,6 +66,13 @@ impl Wander {
         }
     }
 
+    /// False for numbers that no path has.
+    pub fn may_be(&self) -> bool {
+        let Self { rng: _, position, heading, speed, gyration, aim, left_s } = self;
+        let all = [position.x, position.y, *heading, *speed, *gyration, aim[0], aim[1], *left_s];
+        all.iter().all(|v| v.abs() < 1e5)
+    }
+
     /// Speed that it moves at (m/s).
     pub fn speed(&self) -> f32 {
         self.speed

@@ -5,7 +5,7 @@ use crate::boxing::{Bouts, Practice};
 use crate::casts::GroupCast;
 use crate::compile::CompiledScene;
 use crate::inhabited::Inhabited;
-use crate::kind::{Kind, Tick};
+use crate::kind::{Kind, Tick, refused};
 use crate::scene::{Motion, Scene, SpaceConfig};
 use crate::sparring::Part;
 use crate::wander::Wanderers;
@@ -13,7 +13,7 @@ use glam::Vec3;
 use std::ops::Range;
 use std::time::Instant;
 use throng_base::error::check;
-use throng_base::{Inline, Result, Run};
+use throng_base::{Bytes, Inline, Result, Run, SnapshotKind, StateHash};
 use throng_core::{Contacts, Mat3x4, NUM_JOINTS, Planar};
 
 /// Longest step (s).
@@ -173,6 +173,53 @@ impl Simulation {
         self.events.sort_unstable_by(|a, b| a.time_s.total_cmp(&b.time_s).then(a.who.cmp(&b.who)));
         self.time_s = until_s;
         Ok(())
+    }
+
+    /// All that the next steps depend on, of everybody, with their bodies, happenings and the time: versioned, with a
+    /// checksum and the content hash of the scene, its bundles and its worlds.
+    pub fn snapshot(&self) -> Vec<u8> {
+        let saved = |cast: &GroupCast| {
+            let mut bytes = Bytes::default();
+            cast.save(&mut bytes.0);
+            bytes
+        };
+        let mut out = Vec::new();
+        self.snapshot_kind().write(&(self.time_s, self.casts.iter().map(saved).collect::<Vec<_>>()), &mut out);
+        out
+    }
+
+    /// Goes back to a snapshot of this scene. What follows is what followed then, bit by bit. Poses are there at once,
+    /// though a leg may be a centimetre off until the next step; events come with that.
+    ///
+    /// # Errors
+    /// [`throng_base::Error::Snapshot`] for bytes that are damaged, or of another scene, bundle or world; nothing has
+    /// changed then.
+    pub fn restore(&mut self, bytes: &[u8]) -> Result<()> {
+        let kind = self.snapshot_kind();
+        let (time_s, saved): (f64, Vec<Bytes>) = kind.read_all(bytes)?;
+        if saved.len() != self.casts.len() || !(0.0..1e9).contains(&time_s) {
+            return Err(refused(kind.what, "it has another time or other groups"));
+        }
+        let before = self.casts.clone();
+        let mut both = self.casts.iter_mut().zip(&saved);
+        if let Err(e) = both.try_for_each(|(cast, bytes)| cast.load(&bytes.0, time_s)) {
+            self.casts = before;
+            return Err(e);
+        }
+        self.time_s = time_s;
+        self.events.clear();
+        Ok(())
+    }
+
+    /// A hash of the state: differs, but for one chance in 2^64, where the motion of anybody differs.
+    pub fn hash(&self) -> u64 {
+        let mut hash = StateHash::new(self.time_s.to_bits());
+        self.casts.iter().for_each(|cast| hash.add(cast.hash()));
+        hash.get()
+    }
+
+    fn snapshot_kind(&self) -> SnapshotKind {
+        SnapshotKind { what: "simulation", tag: *b"SIMU", version: 1, setup: self.scene.hash() }
     }
 
     /// The scene that runs.

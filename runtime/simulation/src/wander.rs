@@ -2,14 +2,14 @@
 
 use crate::Event;
 use crate::compile::CompiledScene;
-use crate::kind::{Kind, Tick, joints};
+use crate::kind::{Kind, PART, Tick, joints, load_walkers, refused};
 use crate::paths::Wander;
 use crate::scene::{BodiesConfig, Scene};
 use glam::{Vec2, Vec3};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use std::sync::Arc;
-use throng_base::{Error, Id, Result};
+use throng_base::{Bytes, Error, Id, Result, SnapshotKind, run_each};
 use throng_core::blend::HeightField;
 use throng_core::blend::walkers::{Control, WalkerStart, Walkers, WalkersConfig};
 use throng_core::{Cast, Contacts, Joint, Mat3x4, NUM_JOINTS, Planar, Skeleton};
@@ -29,7 +29,12 @@ struct Troop {
     paths: Vec<Wander>,
     /// Speeds of bodies that move alike, over those of the database skeleton.
     paces: Vec<f32>,
+    /// Where paths lead at the end of the step.
+    controls: Vec<Control>,
 }
+
+/// Paths and the walkers on them, troop by troop.
+const PATHS: SnapshotKind = SnapshotKind { what: "wanderers", tag: *b"WAND", version: 1, setup: 0 };
 
 /// A group on random paths, who mind nobody.
 #[derive(Clone, Debug)]
@@ -75,7 +80,7 @@ impl Wanderers {
             let (walkers, ids) = made.map_err(fault)?;
             let pace = |&c: &u64| (bodies[c as usize % bodies.len()].leg_length() / leg).sqrt();
             let paces = members.iter().map(pace).collect();
-            troops.push(Troop { walkers, ids, paths: wanders, paces });
+            troops.push(Troop { walkers, ids, paths: wanders, paces, controls });
         }
         Ok(Self { scene: Arc::clone(scene), group, troops, ground })
     }
@@ -106,12 +111,40 @@ impl Kind for Wanderers {
         let Some(paths) = &config.paths else { return Ok(()) };
         for t in &mut self.troops {
             let fault = |e: Error| self.scene.fault(&format!("groups[{}]", self.group), e);
-            for ((path, pace), id) in t.paths.iter_mut().zip(&t.paces).zip(&t.ids) {
-                let mut control = path.step(paths, tick.dt_s);
-                control.style[0] = config.style(path.speed() / pace);
-                t.walkers.order(*id, control).map_err(fault)?;
-            }
+            let parts = t.paths.chunks_mut(PART).zip(t.paces.chunks(PART)).zip(t.controls.chunks_mut(PART));
+            run_each(tick.run, parts, |((own, paces), controls)| {
+                for ((path, pace), control) in own.iter_mut().zip(paces).zip(controls) {
+                    *control = path.step(paths, tick.dt_s);
+                    control.style[0] = config.style(path.speed() / pace);
+                }
+            });
+            let mut orders = t.ids.iter().zip(&t.controls);
+            orders.try_for_each(|(&id, &control)| t.walkers.order(id, control)).map_err(fault)?;
             t.walkers.step(tick.dt_s, tick.run).map_err(fault)?;
+        }
+        Ok(())
+    }
+
+    fn save(&self, out: &mut Vec<u8>) {
+        let troop = |t: &Troop| {
+            let mut walkers = Bytes::default();
+            t.walkers.save(&mut walkers.0);
+            (t.paths.clone(), walkers)
+        };
+        PATHS.write(&self.troops.iter().map(troop).collect::<Vec<_>>(), out);
+    }
+
+    fn load(&mut self, bytes: &[u8], _: f64) -> Result<()> {
+        let troops: Vec<(Vec<Wander>, Bytes)> = PATHS.read_all(bytes)?;
+        if troops.len() != self.troops.len() {
+            return Err(refused(PATHS.what, "it has other blend spaces"));
+        }
+        for (own, (paths, walkers)) in self.troops.iter_mut().zip(troops) {
+            if paths.len() != own.paths.len() || !paths.iter().all(Wander::may_be) {
+                return Err(refused(PATHS.what, "its paths lead nowhere"));
+            }
+            load_walkers(&mut own.walkers, &own.ids, &walkers.0)?;
+            own.paths = paths;
         }
         Ok(())
     }

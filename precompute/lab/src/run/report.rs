@@ -12,7 +12,7 @@ use throng_motion::error::BuildError;
 use throng_runtime::crowd::Space;
 use throng_runtime::simulation::agents::Agents;
 use throng_runtime::simulation::{CompiledScene, GroupCast, Kind, Simulation};
-use throng_runtime::{Error, Inline};
+use throng_runtime::{Error, Inline, Rayon, Run};
 
 /// Looks at agents a simulated second (Hz).
 pub(super) const LOOK_HZ: f64 = 30.0;
@@ -147,16 +147,16 @@ fn measure<V: Space>(
     seconds: f64,
     threads: usize,
 ) -> Result<Figures, BuildError> {
-    live.set_threads(threads);
+    let run: &dyn Run = if threads > 1 { &Rayon } else { &Inline };
     let mut alone = live.clone();
     let (begin, running) = (Instant::now(), (threads == 1).then(running_s).flatten());
-    alone.advance(seconds, &mut |_| {}).map_err(fault)?;
+    alone.advance(seconds, run, &mut |_| {}).map_err(fault)?;
     let wall_s = begin.elapsed().as_secs_f64();
     let ran = running.and_then(|begin| Some(running_s()? - begin)).filter(|s| *s > TOLD_S);
     let members: Vec<usize> = (0..live.num_characters()).collect();
     let mut watch = AgentWatch::new(live, config, members);
     for frame in 0..=(seconds * LOOK_HZ).ceil() as u64 {
-        live.advance((frame as f64 / LOOK_HZ).min(seconds), &mut |_| {}).map_err(fault)?;
+        live.advance((frame as f64 / LOOK_HZ).min(seconds), run, &mut |_| {}).map_err(fault)?;
         watch.observe(live);
     }
     let (timed, hash) = (alone.crowd().hash(), live.crowd().hash());

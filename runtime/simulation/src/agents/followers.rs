@@ -2,11 +2,11 @@
 
 use super::{Agents, plan};
 use crate::compile::CompiledScene;
-use crate::kind::Tick;
+use crate::kind::{PART, Tick, load_walkers, refused};
 use crate::wander::skeletons;
 use glam::{Vec2, Vec3};
 use std::sync::Arc;
-use throng_base::Result;
+use throng_base::{Bytes, Result, run_each};
 use throng_core::blend::walkers::{Control, WalkerStart, Walkers, WalkersConfig};
 use throng_core::{Cast, Contacts, Mat3x4, NUM_JOINTS, Planar};
 use throng_crowd::{Id, Space};
@@ -72,10 +72,42 @@ impl Followers {
     /// Moves all bodies on, to where their agents are.
     pub fn step<V: Space>(&mut self, agents: &Agents<V>, tick: &Tick<'_>) -> Result<()> {
         for t in &mut self.troops {
-            t.agents.iter().zip(&mut t.controls).for_each(|(&m, c)| steer(agents, m, tick.until_s, c));
+            let parts = t.agents.chunks(PART).zip(t.controls.chunks_mut(PART));
+            run_each(tick.run, parts, |(own, controls)| {
+                own.iter().zip(controls).for_each(|(&m, c)| steer(agents, m, tick.until_s, c));
+            });
             let mut pairs = t.ids.iter().zip(&t.controls);
             let told = pairs.try_for_each(|(&id, &control)| t.walkers.order(id, control));
             told.and_then(|()| t.walkers.step(tick.dt_s, tick.run)).map_err(|e| self.scene.fault(&self.key, e))?;
+        }
+        Ok(())
+    }
+
+    /// What the next steps depend on, troop by troop: what bodies were told last, and the walkers.
+    pub fn saved(&self) -> Vec<(Vec<Control>, Bytes)> {
+        let troop = |t: &Troop| {
+            let mut walkers = Bytes::default();
+            t.walkers.save(&mut walkers.0);
+            (t.controls.clone(), walkers)
+        };
+        self.troops.iter().map(troop).collect()
+    }
+
+    /// Goes back to what was saved.
+    ///
+    /// # Errors
+    /// [`throng_base::Error::Snapshot`]; a part may have been loaded then.
+    pub fn load(&mut self, troops: Vec<(Vec<Control>, Bytes)>) -> Result<()> {
+        if troops.len() != self.troops.len() {
+            return Err(refused("bodies", "it has other blend spaces"));
+        }
+        for (own, (controls, walkers)) in self.troops.iter_mut().zip(troops) {
+            let mut told = own.ids.iter().zip(&controls);
+            if controls.len() != own.ids.len() || !told.all(|(&id, c)| c.check(id).is_ok()) {
+                return Err(refused("bodies", "they are told what cannot be"));
+            }
+            load_walkers(&mut own.walkers, &own.ids, &walkers.0)?;
+            own.controls = controls;
         }
         Ok(())
     }

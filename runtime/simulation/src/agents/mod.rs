@@ -4,6 +4,7 @@ mod followers;
 mod layout;
 mod message;
 mod places;
+mod snapshot;
 mod ways;
 
 pub use layout::Layout;
@@ -14,7 +15,7 @@ use crate::scene::{HappeningConfig, Motion, NearConfig, point};
 use crate::{Event, Happened};
 use followers::Followers;
 use glam::{Vec2, Vec3};
-use throng_base::Result;
+use throng_base::{Result, Run};
 use throng_core::{Contacts, Mat3x4, NUM_JOINTS, Planar};
 use throng_crowd::{Crowd, Event as CrowdEvent, EventKind, Go, Id, Route, Space};
 
@@ -41,9 +42,10 @@ pub struct Agents<V> {
     pub(super) ticks: u64,
     /// Bodies of the groups that have any, in the order of groups.
     followers: Vec<Followers>,
-    /// The engine runs on the threads of the current rayon pool.
-    is_on_threads: bool,
 }
+
+/// Agents from which on an engine gains by being run in parts.
+const PARALLEL_FROM: usize = 2000;
 
 impl<V: Space> Agents<V> {
     /// Puts everybody where they start.
@@ -69,7 +71,6 @@ impl<V: Space> Agents<V> {
             told: Vec::with_capacity(4 * num),
             ticks: 0,
             followers: Vec::new(),
-            is_on_threads: false,
             layout,
         };
         for (g, group) in scene.groups.iter().enumerate() {
@@ -81,23 +82,17 @@ impl<V: Space> Agents<V> {
         Ok(agents)
     }
 
-    /// Lets the engine run on so many threads of the current rayon pool from now on; what happens is the same.
-    #[cfg(feature = "rayon")]
-    pub fn set_threads(&mut self, threads: usize) {
-        self.is_on_threads = threads > 1;
-    }
-
-    /// Lets time pass until `until_s`, without bodies. What happens does not depend on how often this is called on the way;
-    /// all of it is told to `on_event` in its order.
+    /// Lets time pass until `until_s`, without bodies. What happens depends neither on `run` nor on how often this is called
+    /// on the way; all of it is told to `on_event` in its order.
     ///
     /// # Errors
     /// [`throng_base::Error::Text`] where the engine does not get on, or a happening's goal cannot be reached.
-    pub fn advance(&mut self, until_s: f64, on_event: &mut impl FnMut(&CrowdEvent)) -> Result<()> {
+    pub fn advance(&mut self, until_s: f64, run: &dyn Run, on_event: &mut impl FnMut(&CrowdEvent)) -> Result<()> {
         loop {
             let next = self.happenings.get(self.happened).map_or(f64::INFINITY, |h| h.time_s);
             let tick = if self.is_told_on() { (self.ticks + 1) as f64 * NEWS_S } else { f64::INFINITY };
             let stop = until_s.min(next).min(tick);
-            self.advance_engine(stop, on_event)?;
+            self.advance_engine(stop, run, on_event)?;
             if stop == next {
                 self.happen()?;
             } else if stop == tick {
@@ -113,7 +108,7 @@ impl<V: Space> Agents<V> {
         self.happenings[..self.happened].iter().any(|h| h.told_on)
     }
 
-    fn advance_engine(&mut self, until_s: f64, on_event: &mut impl FnMut(&CrowdEvent)) -> Result<()> {
+    fn advance_engine(&mut self, until_s: f64, run: &dyn Run, on_event: &mut impl FnMut(&CrowdEvent)) -> Result<()> {
         let (knows, told, happenings) = (&self.knows, &mut self.told, &self.happenings);
         let mut hear = |e: &CrowdEvent| {
             on_event(e);
@@ -124,10 +119,9 @@ impl<V: Space> Agents<V> {
                 told.push((who, news));
             }
         };
-        let done = match self.is_on_threads {
-            #[cfg(feature = "rayon")]
-            true => self.crowd.par_advance(until_s, &throng_base::Rayon, &mut hear),
-            _ => self.crowd.advance(until_s, &mut hear),
+        let done = match run.is_parallel() && self.ids.len() >= PARALLEL_FROM {
+            true => self.crowd.par_advance(until_s, run, &mut hear),
+            false => self.crowd.advance(until_s, &mut hear),
         };
         done.map_err(|e| self.layout.explain(&e))
     }
@@ -237,12 +231,20 @@ impl<V: Space> Kind for Agents<V> {
             };
             events.push(Event { time_s: e.time, who: first + e.agent.index(), happened });
         };
-        self.advance(tick.until_s, &mut tell)?;
+        self.advance(tick.until_s, tick.run, &mut tell)?;
         // Taken out, so that they can look at the agents.
         let mut followers = std::mem::take(&mut self.followers);
         let done = followers.iter_mut().try_for_each(|f| f.step(self, tick));
         self.followers = followers;
         done
+    }
+
+    fn save(&self, out: &mut Vec<u8>) {
+        self.write(out);
+    }
+
+    fn load(&mut self, bytes: &[u8], time_s: f64) -> Result<()> {
+        self.read(bytes, time_s)
     }
 
     fn num_characters(&self) -> usize {

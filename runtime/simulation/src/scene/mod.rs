@@ -178,6 +178,13 @@ impl Scene {
         self.happenings.iter_mut().for_each(|h| h.stretch(by));
     }
 
+    /// All that it says, whichever files hold it and its bundles.
+    pub(crate) fn content(&self) -> String {
+        let mut scene = Self { source: Source::default(), name: String::new(), ..self.clone() };
+        scene.paths_mut().for_each(|p| *p = PathBuf::new());
+        format!("{scene:?}")
+    }
+
     fn paths_mut(&mut self) -> impl Iterator<Item = &mut PathBuf> {
         let e = &mut self.environment;
         let own = [&mut self.bundle, &mut self.config, &mut e.world, &mut e.world_config];

@@ -21,6 +21,7 @@ use chain::Chains;
 use paths::Paths;
 use reservations::Reservations;
 use serde::{Deserialize, Serialize};
+use throng_base::{Inline, Run};
 use throng_core::characters::Characters;
 
 /// What is remembered of an inhabitant.
@@ -129,20 +130,17 @@ impl Inhabitants {
     /// # Errors
     /// [`InhabitantsError`] where `dt_s` is not in `0..=1`; nothing has moved then.
     pub fn step(&mut self, dt_s: f32) -> Result<(), InhabitantsError> {
-        let world = self.world.clone();
-        self.control(&world, dt_s)?;
-        Ok(self.characters.step(world.motion_set(), dt_s, &[])?)
+        self.step_on(dt_s, &Inline)
     }
 
-    /// As [`Inhabitants::step`], on the threads of the current rayon pool. The result is the same, bit by bit.
+    /// As [`Inhabitants::step`], on threads of the caller's choice. The result is the same, bit by bit.
     ///
     /// # Errors
     /// As [`Inhabitants::step`].
-    #[cfg(feature = "rayon")]
-    pub fn par_step(&mut self, dt_s: f32) -> Result<(), InhabitantsError> {
+    pub fn step_on(&mut self, dt_s: f32, run: &dyn Run) -> Result<(), InhabitantsError> {
         let world = self.world.clone();
         self.control(&world, dt_s)?;
-        Ok(self.characters.par_step(world.motion_set(), dt_s, &[])?)
+        Ok(self.characters.step_on(world.motion_set(), dt_s, &[], run)?)
     }
 
     /// The world that they live in.

@@ -100,7 +100,11 @@ impl Control {
         Vec2::new(root.x, root.z) + self.velocity * dt_s
     }
 
-    pub(super) fn check(&self, who: Id) -> Result<()> {
+    /// Checks all numbers.
+    ///
+    /// # Errors
+    /// [`throng_base::Error::Value`] for one that is not finite, or 1e6 and more.
+    pub fn check(&self, who: Id) -> Result<()> {
         let position = self.position.unwrap_or_default();
         for (what, got) in [
             ("position x", position.x),

@@ -1,0 +1,175 @@
+//! Promise: whatever moves, a snapshot brings all of it back, on any number of threads, and bytes of anybody do no harm.
+
+mod damage;
+#[path = "../../../../tests/patch/made_up_world.rs"]
+mod made_up_world;
+mod scenes;
+
+use std::sync::atomic::{AtomicUsize, Ordering};
+use throng_base::{Inline, Run};
+use throng_core::{Mat3x4, NUM_JOINTS, Planar};
+use throng_simulation::{CompiledScene, Event, GroupCast, Happened, Simulation};
+
+const DT: f64 = 1.0 / 30.0;
+
+/// All that can be seen of a simulation.
+#[derive(Debug, PartialEq)]
+struct Seen {
+    hash: u64,
+    roots: Vec<Option<Planar>>,
+    poses: Vec<Option<[Mat3x4; NUM_JOINTS]>>,
+    events: Vec<Event>,
+}
+
+fn see(sim: &Simulation) -> Seen {
+    let poses = sim.poses().map(|p| p.copied()).collect();
+    Seen { hash: sim.hash(), roots: sim.roots().collect(), poses, events: sim.events().to_vec() }
+}
+
+fn new(scene: &CompiledScene) -> Simulation {
+    Simulation::new(scene).unwrap_or_else(|e| panic!("{e}"))
+}
+
+/// What is seen after each of some steps.
+fn watch(sim: &mut Simulation, steps: usize, run: &dyn Run) -> Vec<Seen> {
+    let step = |_| {
+        sim.step_on(DT, run).unwrap_or_else(|e| panic!("{e}"));
+        see(sim)
+    };
+    (0..steps).map(step).collect()
+}
+
+/// So many threads, which take one part after the other.
+struct Threads(usize);
+
+impl Run for Threads {
+    fn run(&self, num_parts: usize, part: &(dyn Fn(usize) + Sync)) {
+        let next = AtomicUsize::new(0);
+        std::thread::scope(|scope| {
+            for _ in 0..self.0 {
+                scope.spawn(|| {
+                    while let Some(k) = Some(next.fetch_add(1, Ordering::Relaxed)).filter(|k| *k < num_parts) {
+                        part(k);
+                    }
+                });
+            }
+        });
+    }
+}
+
+/// The first step after which two runs differ.
+fn differ(a: &[Seen], b: &[Seen]) -> Option<usize> {
+    (0..a.len().max(b.len())).find(|&k| a.get(k) != b.get(k))
+}
+
+#[test]
+fn what_follows_a_snapshot_repeats_bit_by_bit() {
+    for (name, scene) in scenes::all() {
+        let mut sim = new(&scene);
+        // At the start, in the middle of bouts, while news are told on, and later.
+        for steps in [0, 7, 30, 45] {
+            watch(&mut sim, steps, &Inline);
+            let (bytes, hash) = (sim.snapshot(), sim.hash());
+            let poses = see(&sim).poses;
+            let undisturbed = watch(&mut sim, 40, &Inline);
+            assert_ne!(sim.hash(), hash, "{name}");
+            for (mut other, who) in [(new(&scene), "fresh"), (sim.clone(), "live")] {
+                other.restore(&bytes).unwrap_or_else(|e| panic!("{name}, {who}: {e}"));
+                assert!(other.hash() == hash && other.snapshot() == bytes, "{name}, {who}");
+                assert!(other.events().is_empty());
+                for (then, now) in poses.iter().zip(other.poses()) {
+                    let joints = then.iter().flatten().zip(now.into_iter().flatten());
+                    let apart = joints.map(|(a, b)| (a.translation() - b.translation()).length());
+                    // Feet of blended bodies are put down anew.
+                    assert!(then.is_some() == now.is_some() && apart.fold(0.0, f32::max) < 0.02, "{name}, {who}");
+                }
+                let again = watch(&mut other, 40, &Inline);
+                assert_eq!(differ(&undisturbed, &again), None, "{name}, {who}: first step that differs");
+            }
+            sim.restore(&bytes).unwrap_or_else(|e| panic!("{name}: {e}"));
+        }
+    }
+}
+
+#[test]
+fn scenes_are_busy_enough_to_prove_anything() {
+    let mut happened = std::collections::BTreeSet::new();
+    for (_, scene) in scenes::all() {
+        let mut sim = new(&scene);
+        let events = watch(&mut sim, 150, &Inline).into_iter().flat_map(|s| s.events);
+        happened.extend(events.map(|e| match e.happened {
+            Happened::Hit { .. } => "hit",
+            Happened::Struck { .. } => "struck",
+            Happened::Fulfilled => "fulfilled",
+            Happened::Arrived => "arrived",
+            Happened::Left => "left",
+            Happened::Stuck => "stuck",
+            Happened::RunInto { .. } => "run into",
+        }));
+    }
+    for what in ["hit", "struck", "fulfilled", "arrived", "left"] {
+        assert!(happened.contains(what), "nobody is {what}: {happened:?}");
+    }
+}
+
+#[test]
+fn threads_change_nothing() {
+    for (name, scene) in scenes::all() {
+        let alone = watch(&mut new(&scene), 60, &Inline);
+        for threads in [1, 2, 5] {
+            let together = watch(&mut new(&scene), 60, &Threads(threads));
+            assert_eq!(differ(&alone, &together), None, "{name}, {threads} threads: first step that differs");
+        }
+    }
+}
+
+#[test]
+fn many_are_moved_alike_on_several_threads() {
+    // More than fit in a part, and enough agents for their engine to be run in parts.
+    let many = [
+        scenes::SPARRING.replace("count = 18", "count = 300"),
+        scenes::PATHS.replace("count = 19", "count = 700"),
+        "[[groups]]\nmotion = \"none\"\ncount = 2100\nplace = { disc = { centre = [0.0, 0.0], density = 0.7 } }\n\
+         goal = { opposite = { centre = [0.0, 0.0] } }\n"
+            .to_owned(),
+    ];
+    let scene = scenes::compile(&many.concat(), &scenes::boxing(0.0));
+    let (mut alone, mut together) = (new(&scene), new(&scene));
+    let (first, second) = (watch(&mut alone, 12, &Inline), watch(&mut together, 12, &Threads(3)));
+    assert_eq!(differ(&first, &second), None);
+    let bytes = alone.snapshot();
+    let first = watch(&mut alone, 5, &Inline);
+    together.restore(&bytes).unwrap();
+    assert_eq!(differ(&first, &watch(&mut together, 5, &Threads(2))), None);
+}
+
+#[test]
+fn what_is_told_from_outside_is_kept() {
+    let scene = scenes::compile(&[scenes::POLICY, scenes::SPARRING, scenes::PATCHES].concat(), &scenes::boxing(0.0));
+    let mut sim = new(&scene);
+    let before = sim.snapshot();
+    let calm = watch(&mut sim, 30, &Inline);
+    for cast in 0..3 {
+        match sim.cast_mut(cast) {
+            GroupCast::Policy(p) => {
+                p.set_home(2, glam::Vec3::new(1.0, 1.4, 0.0)).unwrap();
+                p.set_weights(&[0.3]).unwrap();
+            }
+            GroupCast::Sparring(s) => {
+                s.set_weights(&[-1.0]).unwrap();
+                s.play(3, 1).unwrap();
+            }
+            GroupCast::Patches(p) => p.tell(1, Some(throng_world::inhabitants::Wish::Roam)).unwrap(),
+            _ => unreachable!("three kinds"),
+        }
+    }
+    let bytes = sim.snapshot();
+    let told = watch(&mut sim, 30, &Inline);
+    for mut other in [new(&scene), sim.clone()] {
+        other.restore(&bytes).unwrap();
+        assert_eq!(differ(&told, &watch(&mut other, 30, &Inline)), None);
+    }
+    // Back to before anything was told, targets are dragged again.
+    sim.restore(&before).unwrap();
+    assert_eq!(differ(&calm, &watch(&mut sim, 30, &Inline)), None);
+}

@@ -1,0 +1,177 @@
+//! Small scenes of every kind of motion, on bundles that take no time to make.
+
+use super::made_up_world;
+use std::path::{Path, PathBuf};
+use std::sync::OnceLock;
+use throng_core::characters::made_up::tables_with;
+use throng_core::{Bundle, HitRecord, Joint};
+use throng_simulation::{CompiledScene, Scene};
+use throng_world::{PathCosts, WorldGraph};
+
+/// Boxers who strike in the first half of every segment, ever further ahead of them; `further` tells bundles apart (m).
+pub fn boxing(further: f32) -> Bundle {
+    let hit = |frame: u32, k: u32| HitRecord {
+        frame,
+        kind: 0,
+        joint: Joint::LeftHand as u32,
+        force: 1.0,
+        position: [0.05 * (k as f32 - 2.0), 1.4, 0.3 + further + 0.15 * k as f32],
+        speed_mps: 6.0,
+        direction: [0.0, 0.0, 1.0],
+        reserved: 0,
+    };
+    let starts = [0, 20, 60, 80];
+    let hits: Vec<_> = starts.iter().flat_map(|f| (0..5).map(move |k| hit(f + 1 + 2 * k, k))).collect();
+    tables_with(&hits)
+}
+
+/// A bundle of motion patches and worlds of them, in a folder that is there while the tests run.
+fn folder() -> &'static Path {
+    static FOLDER: OnceLock<tempfile::TempDir> = OnceLock::new();
+    let made = FOLDER.get_or_init(|| {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let write = |name: &str, bytes: &[u8]| std::fs::write(folder.path().join(name), bytes).expect("a file");
+        let tables = made_up_world::tables();
+        write("floor.throng", &made_up_world::bundle("made up"));
+        for (name, rows) in [
+            ("floor.world", ["#####", "#b##b", "###b#", "#####"]),
+            ("other.world", ["#####", "#b#b##", "#####", "####"]),
+        ] {
+            let world = made_up_world::world(&tables, &rows);
+            let graph = WorldGraph::new(tables.patches(), &world.view()).expect("a graph");
+            let mut bytes = Vec::new();
+            world.write(&PathCosts::bake(&graph).expect("path costs"), &mut bytes).expect("a world");
+            write(name, &bytes);
+        }
+        folder
+    });
+    made.path()
+}
+
+/// The golden tables of the current version, which have a blend space.
+fn golden() -> PathBuf {
+    let name = format!("../../data/golden/tables_v{}.throng", throng_core::format::VERSION);
+    PathBuf::from(env!("CARGO_MANIFEST_DIR")).join(name)
+}
+
+pub const POLICY: &str = r#"
+[[groups]]
+motion = "policy"
+count = 11
+place = { grid = { centre = [60.0, 0.0], spacing_m = 4.0, distance_m = 0.9 } }
+temperature = 0.3
+behaviours = [{ name = "approach" }]
+target = { height_m = 1.4, drag = [{ time_s = 0.7, x_m = 0.4 }, { time_s = 1.9, z_m = 0.3 }] }
+"#;
+
+pub const SPARRING: &str = r#"
+[[groups]]
+motion = "sparring"
+count = 18
+place = { grid = { centre = [-60.0, 0.0], spacing_m = 4.0, distance_m = 1.0 } }
+temperature = 0.2
+behaviours = [{ name = "approach", weight = 0.5 }]
+"#;
+
+pub const PATHS: &str = r#"
+[[groups]]
+motion = "blend"
+bundle = "GOLDEN"
+count = 19
+spaces = ["walks", "walks"]
+paths = { speeds = [0.0, 2.0], area_m = 20.0, seconds = [0.3, 1.0], centre = [0.0, 60.0] }
+"#;
+
+pub const PATCHES: &str = r#"
+[[groups]]
+motion = "patches"
+bundle = "FOLDER/floor.throng"
+world = "FOLDER/floor.world"
+count = 5
+wishes = [
+    { share = 1.0, wish = { perform = { tag = "sit", seconds = [0.5, 1.5] } } },
+    { share = 1.0, wish = { roam = { seconds = [0.5, 2.0] } } },
+    { share = 1.0, wish = { visit = {} } },
+]
+"#;
+
+/// Agents with bodies and without, who hear of something after a second, and tell it on.
+pub const AGENTS: &str = r#"
+[[groups]]
+motion = "blend"
+bundle = "GOLDEN"
+count = 9
+spaces = ["walks", "walks"]
+place = { block = { from = [-9.0, -5.0], to = [-3.0, 5.0] } }
+goal = { shift = { by = [2.5, 0.0] } }
+at_end = "leave"
+arrival_m = 1.0
+
+[[groups]]
+motion = "none"
+count = 14
+place = { block = { from = [2.0, -6.0], to = [9.0, 6.0] } }
+goal = { wander = { from = [-9.0, -6.0], to = [9.0, 6.0] } }
+
+[[environment.obstacles]]
+wall = { points = [[0.0, -1.5], [0.0, 1.5]], radius_m = 0.2 }
+
+[[environment.obstacles]]
+mover = { radius_m = 0.4, way = [{ time_s = 0.0, at = [-15.0, 0.3] }, { time_s = 12.0, at = [12.0, 0.3] }] }
+
+[[happenings]]
+time_s = 1.0
+near = { at = [4.0, 0.0], radius_m = 4.0 }
+goal = { area = { from = [-9.0, -3.0], to = [-3.0, 3.0] } }
+speed_mps = 2.0
+told_on = true
+
+[[happenings]]
+time_s = 2.5
+goal = { area = { from = [3.0, -3.0], to = [9.0, 3.0] } }
+"#;
+
+pub const AIR: &str = r#"
+environment.space = "air"
+agents.routes = false
+
+[[groups]]
+motion = "none"
+count = 16
+place = { block = { from = [-9.0, 0.0, -3.0], to = [-2.0, 5.0, 3.0] } }
+goal = { shift = { by = [12.0, 0.0, 0.0] } }
+
+[[groups]]
+motion = "none"
+count = 16
+place = { block = { from = [2.0, 0.0, -3.0], to = [9.0, 5.0, 3.0] } }
+goal = { shift = { by = [-12.0, 0.0, 0.0] } }
+
+[[happenings]]
+time_s = 1.0
+goal = { point = { at = [0.0, 9.0, 0.0] } }
+"#;
+
+/// Groups of a scene, on a bundle of boxing.
+pub fn compile(groups: &str, bundle: &Bundle) -> CompiledScene {
+    let text = groups.replace("FOLDER", &folder().to_string_lossy()).replace("GOLDEN", &golden().to_string_lossy());
+    let scene = Scene::parse(&format!("bundle = \"own.throng\"\n{text}"), Path::new("scene.toml"));
+    scene.and_then(|s| s.compile(bundle)).unwrap_or_else(|e| panic!("{e}"))
+}
+
+/// A scene of each kind of motion, and one in which all of them meet.
+pub fn all() -> Vec<(&'static str, CompiledScene)> {
+    let boxing = boxing(0.0);
+    let mixed = [POLICY, SPARRING, PATHS, PATCHES, AGENTS].concat();
+    let hilly = format!("environment.hills_m = 1.5\n{PATHS}");
+    let texts = [
+        ("policy", POLICY),
+        ("sparring", SPARRING),
+        ("paths", &hilly),
+        ("patches", PATCHES),
+        ("agents", AGENTS),
+        ("air", AIR),
+        ("mixed", &mixed),
+    ];
+    texts.map(|(name, text)| (name, compile(text, &boxing))).into()
+}
