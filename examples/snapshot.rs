@@ -1,14 +1,14 @@
-//! Saving and restoring: the same for every cast. What follows is the same, bit by bit.
+//! Saving and restoring a whole simulation: time, everybody, their bodies, and what they have heard of. What follows is the
+//! same, bit by bit.
 //!
 //! ```sh
 //! cargo run --release -- build data/locomotion.toml
 //! cargo run --release --example snapshot -- locomotion.throng ahead-neutral
 //! ```
 
-use glam::Vec2;
 use std::path::Path;
-use throng_runtime::blend::walkers::{Control, WalkerStart, Walkers, WalkersConfig};
-use throng_runtime::{Bundle, Cast, Inline};
+use throng_runtime::Bundle;
+use throng_runtime::simulation::{Scene, Simulation};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut args = std::env::args().skip(1);
@@ -16,32 +16,50 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     run(next("locomotion.throng").as_ref(), &next("ahead-neutral"))
 }
 
-/// Saves a walker, lets it walk on, goes back, and lets it walk again.
+/// People cross a square. After half a second they hear that they have to turn back.
+const SCENE: &str = r#"
+bundle = "locomotion.throng"
+
+[[groups]]
+motion = "blend"
+count = 12
+spaces = ["SPACE"]
+place = { block = { from = [-8.0, -4.0], to = [-4.0, 4.0] } }
+goal = { shift = { by = [12.0, 0.0] } }
+
+[[happenings]]
+time_s = 0.5
+goal = { area = { from = [-8.0, -4.0], to = [-4.0, 4.0] } }
+"#;
+
+/// Saves a scene, lets it go on, goes back, and lets it go on again.
 pub fn run(bundle: &Path, space: &str) -> Result<(), Box<dyn std::error::Error>> {
-    let bundle = Bundle::open(bundle)?;
-    let mut walkers = Walkers::with_capacity(bundle.blend(space)?, &[], WalkersConfig::default(), 4)?;
-    let id = walkers.spawn(WalkerStart::default())?;
-    walkers.order(id, Control::walk(Vec2::new(0.0, 1.0)))?;
-    walk_a_second(&mut walkers)?;
+    let scene = Scene::parse(&SCENE.replace("SPACE", space), "square.toml".as_ref())?;
+    let scene = scene.compile(&Bundle::open(bundle)?)?;
+    let mut people = Simulation::new(&scene)?;
+    go_on(&mut people)?;
 
-    let mut bytes = Vec::new();
-    walkers.save(&mut bytes);
-    let then = walkers.hash();
-    walk_a_second(&mut walkers)?;
-    let later = walkers.hash();
-    walkers.load(&bytes)?;
-    assert_eq!(walkers.hash(), then);
-    walk_a_second(&mut walkers)?;
-    assert_eq!(walkers.hash(), later, "the second second repeats");
+    let mut bytes = people.snapshot();
+    go_on(&mut people)?;
+    let later = people.hash();
 
-    // Damaged bytes are refused, and nothing changes.
+    // Into a new simulation of the same scene, such as after a restart, or into the one that runs.
+    let mut others = Simulation::new(&scene)?;
+    for simulation in [&mut others, &mut people] {
+        simulation.restore(&bytes)?;
+        go_on(simulation)?;
+        assert_eq!(simulation.hash(), later, "the same second repeats");
+    }
+
+    // Damaged bytes, and those of another scene or bundle, are refused, and nothing changes.
     let last = bytes.len() - 1;
     bytes[last] ^= 1;
-    println!("{} bytes; damaged ones: {}", bytes.len(), walkers.load(&bytes).expect_err("a checksum"));
-    assert_eq!(walkers.hash(), later);
+    println!("{} bytes; damaged ones: {}", bytes.len(), people.restore(&bytes).expect_err("a checksum"));
+    assert_eq!(people.hash(), later);
     Ok(())
 }
 
-fn walk_a_second(walkers: &mut Walkers) -> throng_runtime::Result<()> {
-    (0..60).try_for_each(|_| walkers.step(1.0 / 60.0, &Inline))
+/// A second goes by.
+fn go_on(people: &mut Simulation) -> throng_runtime::Result<()> {
+    (0..60).try_for_each(|_| people.step(1.0 / 60.0))
 }

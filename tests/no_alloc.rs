@@ -17,6 +17,7 @@ use throng_runtime::blend::{HeightField, MAX_AXES, Posture};
 use throng_runtime::characters::{Characters, CharactersConfig, Choice, Goal, MotionSet, SampleJob};
 use throng_runtime::crowd::{Agent, AtEnd, Crowd, CrowdConfig, Obstacle, Route, Scheme, Setup};
 use throng_runtime::policy::{self, BestActionJob, LookAheadJob, RankedActions};
+use throng_runtime::simulation::{Scene, Simulation};
 use throng_runtime::sparring::{PracticeConfig, PracticeGoal, Sparring, TargetPractice};
 use throng_runtime::world::World;
 use throng_runtime::world::inhabitants::{Inhabitants, InhabitantsConfig, Wish, scatter};
@@ -169,6 +170,63 @@ fn sparring_and_practice_allocate_nothing() {
     let n = allocations(|| (0..600).for_each(|_| practice.step(&motion_set, 1.0 / 60.0).expect("a step")));
     assert!(practice.figures().blows.landed > 10, "{:?}", practice.figures().blows);
     assert_eq!(n, 0);
+}
+
+/// Boxers, pairs, walkers on paths, agents with bodies and agents without; nothing happens that sends anybody elsewhere.
+const SCENE: &str = r#"
+bundle = "boxing.throng"
+[[groups]]
+motion = "policy"
+count = 6
+behaviours = [{ name = "approach" }]
+target = { drag = [{ time_s = 1.0, x_m = 0.2 }, { time_s = 2.0 }] }
+[[groups]]
+motion = "sparring"
+count = 20
+place = { grid = { centre = [40.0, 0.0], spacing_m = 4.0, distance_m = 0.9 } }
+behaviours = [{ name = "approach" }, { name = "evade" }]
+[[groups]]
+motion = "blend"
+bundle = "GOLDEN"
+count = 20
+spaces = ["walks"]
+paths = { area_m = 20.0 }
+[[groups]]
+motion = "blend"
+bundle = "GOLDEN"
+count = 20
+spaces = ["walks", "walks"]
+place = { block = { from = [-20.0, -8.0], to = [-12.0, 8.0] } }
+goal = { shift = { by = [30.0, 0.0] } }
+[[groups]]
+motion = "none"
+count = 20
+place = { block = { from = [12.0, -8.0], to = [20.0, 8.0] } }
+goal = { shift = { by = [-30.0, 0.0] } }
+"#;
+
+#[test]
+fn a_simulation_allocates_nothing() {
+    let golden = format!("data/golden/tables_v{}.throng", throng_runtime::format::VERSION);
+    let golden = std::path::absolute(golden).expect("a path");
+    let scene = Scene::parse(&SCENE.replace("GOLDEN", &golden.to_string_lossy()), "scene.toml".as_ref());
+    let scene = scene.and_then(|s| s.compile(&common::boxing_tables())).expect("a scene");
+    let mut sim = Simulation::new(&scene).expect("a simulation");
+    let mut events = 0;
+    let mut go_on = |sim: &mut Simulation| {
+        allocations(|| {
+            for _ in 0..300 {
+                sim.step(1.0 / 60.0).expect("a step");
+                events += sim.events().len();
+            }
+        })
+    };
+    assert_eq!(go_on(&mut sim), 0);
+    // Nor does one that goes on from a snapshot.
+    let bytes = sim.snapshot();
+    sim.restore(&bytes).expect("its own state");
+    assert_eq!(go_on(&mut sim), 0);
+    assert!(events > 0, "a scene in which nothing happens proves little");
 }
 
 #[test]

@@ -33,7 +33,7 @@ pub trait Kind {
     fn save(&self, out: &mut Vec<u8>);
 
     /// Goes back to what characters of the same scene have saved. What follows is the same, bit by bit; poses are there at
-    /// once, those of bodies that are blended or sampled but for rounding.
+    /// once, though a leg may be a centimetre off until the next step.
     ///
     /// - `time_s`: the time then (s).
     ///

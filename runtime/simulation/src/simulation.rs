@@ -188,8 +188,8 @@ impl Simulation {
         out
     }
 
-    /// Goes back to a snapshot of this scene. What follows is what followed then, bit by bit; until then poses are those
-    /// of then but for rounding, and there are no events.
+    /// Goes back to a snapshot of this scene. What follows is what followed then, bit by bit. Poses are there at once,
+    /// though a leg may be a centimetre off until the next step; events come with that.
     ///
     /// # Errors
     /// [`throng_base::Error::Snapshot`] for bytes that are damaged, or of another scene, bundle or world; nothing has

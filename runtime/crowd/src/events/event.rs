@@ -93,6 +93,15 @@ pub struct Counts {
 }
 
 impl Counts {
+    /// True where each of them is.
+    pub(crate) fn is_below(&self, most: u64) -> bool {
+        let Self { resetting, colliding, meeting, entering, leaving, contacting, separating, .. } = *self;
+        let Self { arrived, left, struck, stuck, decisions, steps, undone, overlaps, .. } = *self;
+        let of_events = [resetting, colliding, meeting, entering, leaving, contacting, separating];
+        let others = [arrived, left, struck, stuck, decisions, steps, undone, overlaps];
+        of_events.iter().chain(&others).all(|&count| count < most)
+    }
+
     /// Counts one event.
     pub(crate) fn add(&mut self, kind: EventKind) {
         *match kind {

@@ -175,9 +175,9 @@ impl<V: Space> Engine<V> {
         if fits { Ok(()) } else { Err("it is of another scheme, or damaged".to_owned()) }
     }
 
-    /// Looks at the grid, and counts, that time allows.
+    /// Looks at the grid that time allows, and counts that leave room for more.
     fn may_have_seen(&self, saved: &Saved<V>) -> bool {
-        saved.refreshes as f64 <= saved.now / self.scenery.steering.refresh_s + 1.0
+        saved.refreshes as f64 <= saved.now / self.scenery.steering.refresh_s + 1.0 && saved.counts.is_below(1 << 62)
     }
 
     /// A plan that an agent of this crowd may follow now.

@@ -80,7 +80,8 @@ fn what_follows_a_snapshot_repeats_bit_by_bit() {
                 for (then, now) in poses.iter().zip(other.poses()) {
                     let joints = then.iter().flatten().zip(now.into_iter().flatten());
                     let apart = joints.map(|(a, b)| (a.translation() - b.translation()).length());
-                    assert!(then.is_some() == now.is_some() && apart.fold(0.0, f32::max) < 1e-3, "{name}, {who}");
+                    // Feet of blended bodies are put down anew.
+                    assert!(then.is_some() == now.is_some() && apart.fold(0.0, f32::max) < 0.02, "{name}, {who}");
                 }
                 let again = watch(&mut other, 40, &Inline);
                 assert_eq!(differ(&undisturbed, &again), None, "{name}, {who}: first step that differs");
@@ -106,7 +107,7 @@ fn scenes_are_busy_enough_to_prove_anything() {
             Happened::RunInto { .. } => "run into",
         }));
     }
-    for what in ["hit", "struck", "fulfilled", "left"] {
+    for what in ["hit", "struck", "fulfilled", "arrived", "left"] {
         assert!(happened.contains(what), "nobody is {what}: {happened:?}");
     }
 }

@@ -33,7 +33,10 @@ fn folder() -> &'static Path {
         let write = |name: &str, bytes: &[u8]| std::fs::write(folder.path().join(name), bytes).expect("a file");
         let tables = made_up_world::tables();
         write("floor.throng", &made_up_world::bundle("made up"));
-        for (name, rows) in [("floor.world", ["#####", "#b##b", "###b#", "#####"]), ("other.world", ["######"; 4])] {
+        for (name, rows) in [
+            ("floor.world", ["#####", "#b##b", "###b#", "#####"]),
+            ("other.world", ["#####", "#b#b##", "#####", "####"]),
+        ] {
             let world = made_up_world::world(&tables, &rows);
             let graph = WorldGraph::new(tables.patches(), &world.view()).expect("a graph");
             let mut bytes = Vec::new();
@@ -100,9 +103,9 @@ bundle = "GOLDEN"
 count = 9
 spaces = ["walks", "walks"]
 place = { block = { from = [-9.0, -5.0], to = [-3.0, 5.0] } }
-goal = { shift = { by = [11.0, 0.0] } }
+goal = { shift = { by = [2.5, 0.0] } }
 at_end = "leave"
-arrival_m = 1.5
+arrival_m = 1.0
 
 [[groups]]
 motion = "none"
