@@ -2,6 +2,7 @@
 
 use super::Model;
 use crate::document::{Document, SceneDocument, WorldDocument};
+use crate::run::agents::way;
 use glam::Vec3;
 
 impl Model {
@@ -61,8 +62,12 @@ fn of_world(world: &WorldDocument) -> impl Iterator<Item = Vec3> {
     of_units.filter(|p| p.is_finite()).chain((0..world.run().num_characters()).map(|c| world.run().hips(c)))
 }
 
-/// Where the characters of a scene are, and what they are after (m).
+/// Where the characters of a scene are, what they are after, and both ends of the routes of agents (m).
 fn of_scene(scene: &SceneDocument) -> impl Iterator<Item = Vec3> {
     let (run, all) = (scene.run(), 0..scene.run().simulation().num_characters());
-    all.flat_map(|who| [run.place(who), run.simulation().target(who)]).flatten().filter(|p| p.is_finite())
+    let points = all.flat_map(|who| {
+        let route = way(run.simulation(), who);
+        [run.place(who), run.simulation().target(who), route.first().copied(), route.last().copied()]
+    });
+    points.flatten().filter(|p| p.is_finite())
 }

@@ -61,7 +61,8 @@ fn title(model: &Model) -> String {
                 true => String::new(),
                 false => format!(" · engine {}", engine::name(choice.engine)),
             };
-            format!("{file} · {groups} groups · {} characters · seed {}{engine}", choice.characters, choice.seed)
+            let s = if groups == 1 { "" } else { "s" };
+            format!("{file} · {groups} group{s} · {} characters · seed {}{engine}", choice.characters, choice.seed)
         }
         Document::Clip(c) => {
             let name = c.path().file_name().unwrap_or_default().to_string_lossy();

@@ -81,6 +81,7 @@ impl Square {
     }
 
     /// A scene of so many characters in that world.
+    #[allow(dead_code)] // Not every crate that has this file opens scenes.
     pub fn scene(&self, characters: usize) -> PathBuf {
         let path = self.folder.path().join("scene.toml");
         let text = format!(
