@@ -184,7 +184,7 @@ target = { drag = [{ time_s = 1.0, x_m = 0.2 }, { time_s = 2.0 }] }
 motion = "sparring"
 count = 20
 place = { grid = { centre = [40.0, 0.0], spacing_m = 4.0, distance_m = 0.9 } }
-behaviours = [{ name = "approach" }, { name = "evade" }]
+behaviours = [{ name = "approach" }, { name = "throw-punches", weight = 2.0 }, { name = "evade" }]
 [[groups]]
 motion = "blend"
 bundle = "GOLDEN"
@@ -197,12 +197,12 @@ bundle = "GOLDEN"
 count = 20
 spaces = ["walks", "walks"]
 place = { block = { from = [-20.0, -8.0], to = [-12.0, 8.0] } }
-goal = { shift = { by = [30.0, 0.0] } }
+goal = { shift = { by = [8.0, 0.0] } }
 [[groups]]
 motion = "none"
 count = 20
 place = { block = { from = [12.0, -8.0], to = [20.0, 8.0] } }
-goal = { shift = { by = [-30.0, 0.0] } }
+goal = { shift = { by = [-8.0, 0.0] } }
 "#;
 
 #[test]
