@@ -67,7 +67,7 @@ fn report(motion_set: &MotionSet, characters: usize, steps: usize) -> Result<(),
     }
     let plain = CharactersConfig { reaction: ReactionConfig { enabled: false, ..moving.reaction }, ..moving };
     let mut alone = Characters::new(motion_set, plain, &starts(motion_set, characters))?;
-    alone.restore(&sparring.characters().snapshot())?;
+    alone.restore(motion_set, &sparring.characters().snapshot())?;
     let (heads, threats) = (sparring.heads().to_vec(), sparring.threats().to_vec());
     let mut copy = sparring.characters().model_matrices().to_vec();
 

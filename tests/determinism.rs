@@ -6,9 +6,9 @@ use glam::Vec3;
 use std::path::Path;
 use throng_precompute::cache::{Cache, content_hash};
 use throng_precompute::trial::{self, TrialConfig};
-use throng_runtime::Bundle;
 use throng_runtime::characters::{Characters, CharactersConfig, Choice, Goal, MotionSet};
 use throng_runtime::sparring::Sparring;
+use throng_runtime::{Bundle, Rayon};
 
 fn on_threads<T: Send>(num_threads: usize, work: impl FnOnce() -> T + Send) -> T {
     rayon::ThreadPoolBuilder::new().num_threads(num_threads).build().expect("a thread pool").install(work)
@@ -131,7 +131,8 @@ fn pairs_spar_the_same_on_any_number_of_threads() {
     let met = alone.iter().map(|a| a.1.len()).sum::<usize>();
     assert!(met > 100, "{met} blows that met are too few to prove anything");
     for num_threads in [1, 2, 8] {
-        let together = on_threads(num_threads, || run(&|s| s.par_step(&motion_set, 1.0 / 30.0).expect("a step")));
+        let together =
+            on_threads(num_threads, || run(&|s| s.step_on(&motion_set, 1.0 / 30.0, &Rayon).expect("a step")));
         let differs = (0..alone.len()).find(|&k| alone[k] != together[k]);
         assert_eq!(differs, None, "{num_threads} threads: first step that differs");
     }

@@ -18,4 +18,4 @@ pub use prefetch::prefetch;
 #[cfg(feature = "rayon")]
 pub use run::Rayon;
 pub use run::{Inline, Run, run_each};
-pub use snapshot::SnapshotKind;
+pub use snapshot::{Bytes, SnapshotKind};

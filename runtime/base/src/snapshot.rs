@@ -1,7 +1,8 @@
 //! The one frame of all snapshots: what is kept, of which version and setup, and a checksum.
 
 use crate::{Error, Result, crc32};
-use serde::{Serialize, de::DeserializeOwned};
+use serde::de::{DeserializeOwned, Visitor};
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 const MAGIC: [u8; 8] = *b"THRGSNAP";
 /// Magic, kind, version, setup, length, checksum.
@@ -73,6 +74,45 @@ impl SnapshotKind {
             Err(e) => refuse(e.to_string()),
         }
     }
+
+    /// As [`SnapshotKind::read`], where nothing may follow.
+    ///
+    /// # Errors
+    /// As [`SnapshotKind::read`], and for bytes that follow.
+    pub fn read_all<T: DeserializeOwned>(&self, bytes: &[u8]) -> Result<T> {
+        match self.read(bytes)? {
+            (state, []) => Ok(state),
+            (_, rest) => Err(Error::Snapshot { what: self.what, why: format!("{} bytes follow its end", rest.len()) }),
+        }
+    }
+}
+
+/// Bytes within a snapshot, such as a snapshot of a part: written at once, not one by one.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Bytes(pub Vec<u8>);
+
+impl Serialize for Bytes {
+    fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
+        to.serialize_bytes(&self.0)
+    }
+}
+
+impl<'de> Deserialize<'de> for Bytes {
+    fn deserialize<D: Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
+        struct Kept;
+        impl Visitor<'_> for Kept {
+            type Value = Bytes;
+
+            fn expecting(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+                f.write_str("bytes")
+            }
+
+            fn visit_byte_buf<E>(self, bytes: Vec<u8>) -> Result<Bytes, E> {
+                Ok(Bytes(bytes))
+            }
+        }
+        from.deserialize_byte_buf(Kept)
+    }
 }
 
 fn config() -> bincode::config::Configuration<bincode::config::LittleEndian, bincode::config::Fixint> {
@@ -92,6 +132,16 @@ mod tests {
         bytes.push(9);
         let (state, rest): (Vec<f32>, _) = KIND.read(&bytes[2..]).unwrap();
         assert_eq!((state, rest), (vec![3.0, 4.0], &[9][..]));
+    }
+
+    #[test]
+    fn parts_come_back_as_they_were() {
+        let parts = vec![Bytes(vec![1, 2, 255]), Bytes::default()];
+        let mut bytes = Vec::new();
+        KIND.write(&parts, &mut bytes);
+        assert_eq!(KIND.read_all::<Vec<Bytes>>(&bytes).unwrap(), parts);
+        bytes.push(0);
+        assert!(KIND.read_all::<Vec<Bytes>>(&bytes).is_err(), "a byte follows");
     }
 
     #[test]

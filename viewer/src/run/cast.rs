@@ -4,7 +4,7 @@ use super::Input;
 use crate::bundle::OpenBundle;
 use glam::Vec3;
 use throng_precompute::scene::{Cast as SceneCast, Play, PlaySnapshot};
-use throng_runtime::characters::{Characters, CharactersError, CharactersSnapshot, Goal};
+use throng_runtime::characters::{Characters, CharactersError, CharactersSnapshot, Goal, MotionSet};
 use throng_runtime::sparring::Aim;
 
 /// Characters from which on a step of a crowd is split over threads.
@@ -162,10 +162,10 @@ impl Cast {
         }
     }
 
-    pub fn restore(&mut self, snapshot: &CastSnapshot) -> Result<(), CharactersError> {
+    pub fn restore(&mut self, motion_set: &MotionSet, snapshot: &CastSnapshot) -> throng_runtime::Result<()> {
         match (self, snapshot) {
-            (Self::Crowd(characters), CastSnapshot::Crowd(s)) => characters.restore(s),
-            (Self::Scene(play), CastSnapshot::Scene(s)) => play.restore(s),
+            (Self::Crowd(characters), CastSnapshot::Crowd(s)) => characters.restore(motion_set, s),
+            (Self::Scene(play), CastSnapshot::Scene(s)) => play.restore(motion_set, s),
             _ => unreachable!("a run's record is of its own cast"),
         }
     }

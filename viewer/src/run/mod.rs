@@ -207,13 +207,13 @@ impl Run {
     /// Shows a recorded step, the nearest one there is.
     ///
     /// # Errors
-    /// [`CharactersError`] where a step cannot be repeated.
-    pub fn seek(&mut self, bundle: &OpenBundle, step: u32) -> Result<(), CharactersError> {
+    /// [`throng_runtime::Error`] where a step cannot be repeated.
+    pub fn seek(&mut self, bundle: &OpenBundle, step: u32) -> throng_runtime::Result<()> {
         self.head.seek(step);
         let step = self.head.now();
         let keyframe = self.recording.keyframe_before(step);
         if step < self.simulation.around.step.saturating_sub(1) || keyframe.step() > self.simulation.around.step {
-            self.simulation.restore(keyframe)?;
+            self.simulation.restore(bundle, keyframe)?;
         }
         while self.simulation.around.step <= step {
             self.step(bundle)?;

@@ -135,8 +135,8 @@ impl Simulation {
         Keyframe { cast: self.cast.snapshot(), around: self.around.clone() }
     }
 
-    pub fn restore(&mut self, keyframe: &Keyframe) -> Result<(), CharactersError> {
-        self.cast.restore(&keyframe.cast)?;
+    pub fn restore(&mut self, bundle: &OpenBundle, keyframe: &Keyframe) -> throng_runtime::Result<()> {
+        self.cast.restore(bundle.motion_set(), &keyframe.cast)?;
         self.around.clone_from(&keyframe.around);
         self.slip.forget_step();
         Ok(())

@@ -10,23 +10,35 @@ use throng_base::simd::LANES;
 pub(super) trait Lanewise {
     /// Takes the value of one lane of another.
     fn take(&mut self, lane: usize, from: &Self, from_lane: usize);
+
+    /// True where every number of a lane is finite and below 1e7.
+    fn is_near(&self, lane: usize) -> bool;
 }
 
 macro_rules! values {
-    ($($value:ty)+) => {$(
+    ($is_near:expr, $($value:ty)+) => {$(
         impl Lanewise for [$value; LANES] {
             fn take(&mut self, lane: usize, from: &Self, from_lane: usize) {
                 self[lane] = from[from_lane];
+            }
+
+            fn is_near(&self, lane: usize) -> bool {
+                $is_near(self[lane])
             }
         }
     )+};
 }
 
-values!(f32 u32 u64 i16 Contacts);
+values!(|v: f32| v.abs() < 1e7, f32);
+values!(|_| true, u32 u64 i16 Contacts);
 
 impl<T: Lanewise, const N: usize> Lanewise for [T; N] {
     fn take(&mut self, lane: usize, from: &Self, from_lane: usize) {
         self.iter_mut().zip(from).for_each(|(to, from)| to.take(lane, from, from_lane));
+    }
+
+    fn is_near(&self, lane: usize) -> bool {
+        self.iter().all(|v| v.is_near(lane))
     }
 }
 
@@ -37,6 +49,11 @@ macro_rules! fields {
             fn take(&mut self, lane: usize, from: &Self, from_lane: usize) {
                 let Self { $($field),+ } = self;
                 $($field.take(lane, &from.$field, from_lane);)+
+            }
+
+            fn is_near(&self, lane: usize) -> bool {
+                let Self { $($field),+ } = self;
+                $($field.is_near(lane))&&+
             }
         }
     };

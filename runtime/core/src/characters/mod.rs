@@ -94,6 +94,8 @@ pub struct Characters {
     num_choosers: usize,
     num_frames: usize,
     num_segments: usize,
+    /// Of the bundle's content.
+    fingerprint: u64,
     blocks: Vec<Block>,
     passed: Vec<PassedHits>,
     blows: Blows,
@@ -157,6 +159,7 @@ impl Characters {
             num_choosers,
             num_frames: motion_set.frames.len(),
             num_segments: motion_set.graph.segments.len(),
+            fingerprint: motion_set.fingerprint,
             blocks,
             blows: Blows::new(&passed),
             passed,
@@ -190,8 +193,22 @@ impl Characters {
     /// [`CharactersError`] where `dt_s` is not in `0..=1`, goals do not fit, or the motion set is another bundle's;
     /// nothing has moved then.
     pub fn step(&mut self, motion_set: &MotionSet, dt_s: f32, goals: &[Goal<'_>]) -> Result<(), CharactersError> {
+        self.step_on(motion_set, dt_s, goals, &Inline)
+    }
+
+    /// As [`Characters::step`], on threads of the caller's choice. The result is the same, bit by bit.
+    ///
+    /// # Errors
+    /// As [`Characters::step`].
+    pub fn step_on(
+        &mut self,
+        motion_set: &MotionSet,
+        dt_s: f32,
+        goals: &[Goal<'_>],
+        run: &dyn Run,
+    ) -> Result<(), CharactersError> {
         self.validate(motion_set, dt_s, goals)?;
-        self.run(motion_set, dt_s, Asked::All(goals), &Inline);
+        self.run(motion_set, dt_s, Asked::All(goals), run);
         Ok(())
     }
 
@@ -201,9 +218,7 @@ impl Characters {
     /// As [`Characters::step`].
     #[cfg(feature = "rayon")]
     pub fn par_step(&mut self, motion_set: &MotionSet, dt_s: f32, goals: &[Goal<'_>]) -> Result<(), CharactersError> {
-        self.validate(motion_set, dt_s, goals)?;
-        self.run(motion_set, dt_s, Asked::All(goals), &throng_base::Rayon);
-        Ok(())
+        self.step_on(motion_set, dt_s, goals, &throng_base::Rayon)
     }
 
     /// One step of what was checked.

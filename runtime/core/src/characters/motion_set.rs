@@ -25,6 +25,8 @@ pub struct MotionSet {
     pub(crate) policies: Arc<[PolicyTable]>,
     pub(crate) skeleton: Skeleton,
     pub(crate) anatomy: Anatomy,
+    /// Tells the bundle's content from others.
+    pub(crate) fingerprint: u64,
     /// Frames a second (Hz).
     pub rate_hz: f32,
 }
@@ -42,6 +44,7 @@ impl MotionSet {
             policies: tables.policies().clone(),
             skeleton: tables.skeleton().clone(),
             anatomy: Anatomy::new(tables.skeleton()),
+            fingerprint: tables.fingerprint(),
             rate_hz: tables.meta().rate_hz as f32,
         }
     }

@@ -1,7 +1,9 @@
 //! Characters as a cast: they come and go, each with an id and an order of its own.
 
+use super::block::Block;
 use super::motion_set::MotionSet;
 use super::order::Order;
+use super::snapshot::is_sound;
 use super::{Asked, Blow, Characters, CharactersConfig, Start, arrivals};
 use crate::bundle::Bundle;
 use crate::cast::{Adopted, Bodies, Cast, Status};
@@ -11,6 +13,7 @@ use crate::roster::Roster;
 use crate::skeleton::{Joint, NUM_JOINTS};
 use glam::{Vec2, Vec3};
 use throng_base::error::{check, check_index};
+use throng_base::simd::LANES;
 use throng_base::{Error, Hash128, Id, Result, Run, SnapshotKind};
 
 /// One is where it was sent within this distance (m).
@@ -147,8 +150,9 @@ impl PolicyCharacters {
     }
 
     /// Why a state cannot be that of these characters; nothing where it can.
-    fn refuse(&self, characters: &Characters, roster: &Roster, orders: &[Order]) -> Option<String> {
-        if !self.roster.clone().restore(roster) || orders.len() != roster.len() {
+    fn refuse(&self, blocks: &[Block], roster: &Roster, orders: &[Order]) -> Option<String> {
+        let n = roster.len();
+        if !self.roster.clone().restore(roster) || (orders.len(), blocks.len()) != (n, n.div_ceil(LANES)) {
             let capacity = self.roster.capacity();
             return Some(format!(
                 "its ids are not those of {capacity} places; restore it into as many as it was taken of"
@@ -158,7 +162,7 @@ impl PolicyCharacters {
             if let Err(e) = order.check(Some(*id), &self.motion_set) {
                 return Some(e.to_string());
             }
-            if !characters.is_sound(&self.motion_set, at, name(*id)) {
+            if !is_sound(blocks, &self.motion_set, at, name(*id)) {
                 return Some(format!("character {id} plays what the bundle does not have"));
             }
         }
@@ -260,23 +264,15 @@ impl Cast for PolicyCharacters {
         self.snapshot_kind().write(&(self.characters.saved_blocks(), &self.roster, &self.orders), out);
     }
 
-    /// Poses are there after the next step.
     fn load(&mut self, bytes: &[u8]) -> Result<()> {
         let kind = self.snapshot_kind();
-        let refuse = |why: String| Error::Snapshot { what: kind.what, why };
-        let ((blocks, roster, orders), rest): ((Vec<_>, Roster, Vec<Order>), _) = kind.read(bytes)?;
-        if !rest.is_empty() {
-            return Err(refuse(format!("{} bytes follow its end", rest.len())));
-        }
-        let mut characters = self.characters.clone();
-        if !characters.set_blocks(blocks, roster.len()) {
-            return Err(refuse("it has another number of characters than it says".into()));
-        }
-        if let Some(why) = self.refuse(&characters, &roster, &orders) {
-            return Err(refuse(why));
+        let (blocks, roster, orders): (Vec<Block>, Roster, Vec<Order>) = kind.read_all(bytes)?;
+        if let Some(why) = self.refuse(&blocks, &roster, &orders) {
+            return Err(Error::Snapshot { what: kind.what, why });
         }
         self.roster.restore(&roster);
-        self.characters = characters;
+        self.characters.set_blocks(&blocks, roster.len());
+        self.characters.pose_again(&self.motion_set);
         // The vector keeps its capacity.
         self.orders.clone_from(&orders);
         self.roots.clear();

@@ -1,21 +1,14 @@
 //! Characters that come and go: who is there stays side by side.
 
-use super::block::{Block, LAID};
+use super::block::Block;
 use super::lanes::Lanewise;
 use super::motion_set::MotionSet;
 use super::{Characters, CharactersConfig, Start};
 use crate::planar::Planar;
-use crate::pose::{FootLock, LocalTransform, Mat3x4, get, set};
+use crate::pose::{FootLock, LocalTransform, Mat3x4, set};
 use crate::skeleton::NUM_JOINTS;
 use glam::Vec3;
 use throng_base::simd::LANES;
-
-/// Clears the lanes after the first `n`.
-pub(super) fn clear_beyond(blocks: &mut [Block], n: usize) {
-    for at in n..blocks.len() * LANES {
-        blocks[at / LANES].take(at % LANES, &Block::ZERO, 0);
-    }
-}
 
 impl Characters {
     pub(super) fn config(&self) -> &CharactersConfig {
@@ -25,13 +18,6 @@ impl Characters {
     /// Most blows of a step.
     pub(super) fn most_blows(&self) -> usize {
         self.blows.room()
-    }
-
-    /// State of all who are there, eight to a block; lanes of nobody are zero, whoever was there before.
-    pub(super) fn saved_blocks(&self) -> Vec<Block> {
-        let mut blocks = self.blocks[..self.num_characters.div_ceil(LANES)].to_vec();
-        clear_beyond(&mut blocks, self.num_characters);
-        blocks
     }
 
     /// One more, after the last one (there is room, the state exists).
@@ -101,32 +87,5 @@ impl Characters {
         block.num_choices[lane] = from.num_choices[lane];
         block.reaction.take(lane, &from.reaction, lane);
         self.matrices[at * NUM_JOINTS..][..NUM_JOINTS].copy_from_slice(old.pose(at));
-    }
-
-    /// Takes the state of `n` characters; poses are there after the next step. False where it does not fit.
-    pub(super) fn set_blocks(&mut self, blocks: Vec<Block>, n: usize) -> bool {
-        if blocks.len() != n.div_ceil(LANES) || n * NUM_JOINTS > self.matrices.len() {
-            return false;
-        }
-        self.blocks.fill(Block::ZERO);
-        self.blocks[..blocks.len()].copy_from_slice(&blocks);
-        clear_beyond(&mut self.blocks[..blocks.len()], n);
-        self.matrices.fill(Mat3x4::default());
-        (self.num_characters, self.num_choosers) = (n, n);
-        true
-    }
-
-    /// True where one plays a segment that there is, somewhere (at < num_characters).
-    pub(super) fn is_sound(&self, motion_set: &MotionSet, at: usize, name: u64) -> bool {
-        let (b, lane) = (&self.blocks[at / LANES], at % LANES);
-        let Some(segment) = motion_set.graph.segments.get(b.segment[lane] as usize) else { return false };
-        let numbers = [get(&b.clip_to_world, lane), get(&b.root, lane), get(&b.drift, lane)];
-        let near = |v: f32| v.abs() < 1e7;
-        b.segment[lane] != LAID
-            && (b.first[lane], b.length[lane]) == (segment.start, segment.num_frames)
-            && b.name[lane] == name
-            && numbers.iter().all(|v| v.to_array().into_iter().all(near))
-            && [b.time[lane], b.lift[lane], b.turn[lane], b.drift_from[lane], b.bend[lane]].into_iter().all(near)
-            && b.time[lane] >= 0.0
     }
 }

@@ -158,12 +158,6 @@ impl Characters {
     }
 }
 
-/// True where so many frames after a frame (> 0) belong to the same clip.
-pub(super) fn is_stretch(motion_set: &MotionSet, frame: u32, num_frames: u32) -> bool {
-    let last = frame as usize + num_frames as usize;
-    num_frames > 0 && last < motion_set.frames.len() && motion_set.clip_of(frame) == motion_set.clip_of(last as u32)
-}
-
 /// Changes to a scheduled clip at the end of what is played.
 fn lay(b: &mut Block, lane: usize, scheduled_clip: &ScheduledClip, motion_set: &MotionSet, config: &CharactersConfig) {
     let left = b.length[lane] as f32 - b.time[lane];

@@ -1,22 +1,24 @@
 //! Saves the state of characters and restores it.
 
-use super::block::{Block, LAID};
-use super::room::clear_beyond;
-use super::scheduled_clip::is_stretch;
-use super::{Characters, CharactersError, MotionSet};
-use crate::pose::{Mat3x4, get};
+use super::block::{Block, LAID, NO_STATE};
+use super::lanes::Lanewise;
+use super::motion_set::MotionSet;
+use super::step::{self, RANGE_BLOCKS, Tick};
+use super::{Asked, Characters, range};
+use crate::pose::Mat3x4;
+use crate::skeleton::NUM_JOINTS;
 use serde::{Deserialize, Serialize};
 use throng_base::simd::LANES;
+use throng_base::{Error, Result};
 
-/// State of characters at one instant: all that their next steps depend on, without poses.
-/// (about 520 bytes a character)
+/// State of characters at one instant: all that their next steps depend on, without poses. It can be written and read,
+/// and be of anybody then: [`Characters::restore`] checks it. (about 520 bytes a character)
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct CharactersSnapshot {
     blocks: Vec<Block>,
     num_characters: usize,
-    num_choosers: usize,
-    num_frames: usize,
-    num_segments: usize,
+    /// Of the bundle's content.
+    fingerprint: u64,
 }
 
 impl CharactersSnapshot {
@@ -24,70 +26,122 @@ impl CharactersSnapshot {
     pub fn num_bytes(&self) -> usize {
         size_of_val(self.blocks.as_slice())
     }
+
+    /// Changes the first block.
+    #[cfg(test)]
+    pub(super) fn spoil(&mut self, spoil: fn(&mut Block)) {
+        spoil(&mut self.blocks[0]);
+    }
 }
 
 impl Characters {
     /// Saves the state.
     pub fn snapshot(&self) -> CharactersSnapshot {
-        CharactersSnapshot {
-            blocks: self.saved_blocks(),
-            num_characters: self.num_characters,
-            num_choosers: self.num_choosers,
-            num_frames: self.num_frames,
-            num_segments: self.num_segments,
-        }
+        let (num_characters, fingerprint) = (self.num_characters, self.fingerprint);
+        CharactersSnapshot { blocks: self.saved_blocks(), num_characters, fingerprint }
     }
 
-    /// Goes back to a snapshot. Steps from there repeat those of the saved characters bit by bit where motion set,
-    /// config and goals are the same; poses are there after the first of them.
+    /// Goes back to a snapshot. Steps from there repeat those of the saved characters bit by bit where config and goals
+    /// are the same; poses are those of then, but for rounding. There are no blows until the next step.
     ///
     /// # Errors
-    /// [`CharactersError::Length`] where the snapshot is of another number of characters, [`CharactersError::OtherBundle`] where
-    /// it is of characters on another bundle; nothing has changed then.
-    pub fn restore(&mut self, snapshot: &CharactersSnapshot) -> Result<(), CharactersError> {
-        let (got, expected) = (snapshot.num_characters, self.num_characters);
-        if got != expected || snapshot.blocks.len() != got.div_ceil(LANES) {
-            return Err(CharactersError::Length { what: "snapshot", got, expected });
+    /// [`Error::Snapshot`] where it is of another number of characters or another bundle, or damaged; nothing has
+    /// changed then.
+    pub fn restore(&mut self, motion_set: &MotionSet, snapshot: &CharactersSnapshot) -> Result<()> {
+        let (n, expected) = (snapshot.num_characters, self.num_characters);
+        if n != expected {
+            let why = format!("it has {n} characters, expected {expected}");
+            return Err(Error::Snapshot { what: "characters", why });
         }
-        for (what, got, expected) in
-            [("frames", snapshot.num_frames, self.num_frames), ("segments", snapshot.num_segments, self.num_segments)]
-        {
-            if got != expected {
-                return Err(CharactersError::OtherBundle { what, expected, got });
-            }
+        self.restore_any(motion_set, snapshot)
+    }
+
+    /// As [`Characters::restore`], whatever their number, as far as there is room.
+    ///
+    /// # Errors
+    /// As [`Characters::restore`].
+    pub fn restore_any(&mut self, motion_set: &MotionSet, snapshot: &CharactersSnapshot) -> Result<()> {
+        let CharactersSnapshot { blocks, num_characters: n, fingerprint } = snapshot;
+        let refuse = |why: String| Err(Error::Snapshot { what: "characters", why });
+        let room = self.matrices.len() / NUM_JOINTS;
+        if *n > room || blocks.len() != n.div_ceil(LANES) {
+            return refuse(format!("it has {n} characters, there is room for {room}"));
         }
-        self.blocks[..snapshot.blocks.len()].copy_from_slice(&snapshot.blocks);
-        self.num_choosers = snapshot.num_choosers;
+        if [*fingerprint; 2] != [self.fingerprint, motion_set.fingerprint] {
+            return refuse("it was taken with another bundle".into());
+        }
+        if let Some(c) = (0..*n).find(|&c| !is_sound(blocks, motion_set, c, c as u64)) {
+            return refuse(format!("character {c} plays what the bundle does not have, or is nowhere"));
+        }
+        self.set_blocks(blocks, *n);
+        self.pose_again(motion_set);
         Ok(())
     }
 
-    /// Goes back to bytes that may be anybody's: characters that are laid on scheduled clips, as many as there are room
-    /// for. Poses are there after the next step. False where they are no such characters; nothing has changed then.
-    pub fn restore_laid(&mut self, motion_set: &MotionSet, snapshot: &CharactersSnapshot) -> bool {
-        let n = snapshot.num_characters;
-        let room = self.matrices.len() / crate::NUM_JOINTS;
-        if n > room || snapshot.blocks.len() != n.div_ceil(LANES) {
-            return false;
-        }
-        if !(0..n).all(|c| is_laid(motion_set, &snapshot.blocks[c / LANES], c % LANES)) {
-            return false;
-        }
+    /// State of all who are there, eight to a block; lanes of nobody are zero, whoever was there before.
+    pub(super) fn saved_blocks(&self) -> Vec<Block> {
+        let mut blocks = self.blocks[..self.num_characters.div_ceil(LANES)].to_vec();
+        clear_beyond(&mut blocks, self.num_characters);
+        blocks
+    }
+
+    /// Takes the state of `n` characters (blocks: n / 8, rounded up; there is room).
+    pub(super) fn set_blocks(&mut self, blocks: &[Block], n: usize) {
         self.blocks.fill(Block::ZERO);
-        self.blocks[..snapshot.blocks.len()].copy_from_slice(&snapshot.blocks);
-        clear_beyond(&mut self.blocks, n);
+        self.blocks[..blocks.len()].copy_from_slice(blocks);
+        clear_beyond(&mut self.blocks[..blocks.len()], n);
+        self.num_characters = n;
+        self.num_choosers = (0..n).filter(|c| self.blocks[c / LANES].segment[c % LANES] != LAID).count();
+    }
+
+    /// Poses everybody as they stand, and forgets the blows of the last step: nothing moves on.
+    pub(super) fn pose_again(&mut self, motion_set: &MotionSet) {
+        const POSES: usize = RANGE_BLOCKS * LANES * NUM_JOINTS;
+        let n = self.num_characters;
+        let kept = self.blocks.clone();
         self.matrices.fill(Mat3x4::default());
-        (self.num_characters, self.num_choosers) = (n, 0);
-        true
+        let tick = Tick { dt_s: 0.0, motion_set, config: &self.config, asked: Asked::All(&[]), clock: None };
+        let blocks = self.blocks[..n.div_ceil(LANES)].chunks_mut(RANGE_BLOCKS);
+        let matrices = self.matrices[..n * NUM_JOINTS].chunks_mut(POSES);
+        let mut locals = self.locals.chunks_mut(POSES);
+        for (i, (part, matrices)) in blocks.zip(&mut self.passed).zip(matrices).enumerate() {
+            step::pose_all(range(i, n, part, matrices, locals.next().unwrap_or_default()), &tick);
+        }
+        self.blocks.copy_from_slice(&kept);
+        self.blows.gather(&[], motion_set);
     }
 }
 
-/// True where one is laid on a stretch of a clip, somewhere.
-fn is_laid(motion_set: &MotionSet, b: &Block, lane: usize) -> bool {
-    let near = |v: f32| v.abs() < 1e7;
-    let places = [get(&b.clip_to_world, lane), get(&b.root, lane), get(&b.drift, lane)];
-    b.segment[lane] == LAID
-        && is_stretch(motion_set, b.first[lane], b.length[lane])
-        && places.iter().all(|v| v.to_array().into_iter().all(near))
-        && [b.time[lane], b.lift[lane], b.turn[lane], b.drift_from[lane]].into_iter().all(near)
-        && b.bend[lane] == 0.0
+/// Clears the lanes after the first `n`.
+fn clear_beyond(blocks: &mut [Block], n: usize) {
+    for at in n..blocks.len() * LANES {
+        blocks[at / LANES].take(at % LANES, &Block::ZERO, 0);
+    }
+}
+
+/// True where one plays something that there is, somewhere (at < blocks.len() * LANES).
+///
+/// - `name`: what its random choices depend on.
+pub(super) fn is_sound(blocks: &[Block], motion_set: &MotionSet, at: usize, name: u64) -> bool {
+    let (mut b, lane) = (blocks[at / LANES], at % LANES);
+    let (first, length) = (b.first[lane], b.length[lane]);
+    // Who is laid on clips chooses nothing.
+    let named = b.name[lane] == name || b.segment[lane] == LAID;
+    let (exists, earliest) = match b.segment[lane] {
+        LAID => {
+            let end = first as usize + length as usize;
+            (length > 0 && end < motion_set.frames.len(), f32::NEG_INFINITY)
+        }
+        segment => {
+            let segment = motion_set.graph.segments.get(segment as usize);
+            (segment.is_some_and(|s| (first, length) == (s.start, s.num_frames)), 0.0)
+        }
+    };
+    let state = b.choice_state[lane];
+    let chose = state == NO_STATE || (state as usize) < motion_set.graph.states.len();
+    // Endless before the first transition; rounding may leave less than 0 where a scheduled clip was just begun.
+    let aged = b.age_s[lane] > -1e-3;
+    b.age_s[lane] = 0.0;
+    let in_time = (earliest..=length as f32).contains(&b.time[lane]);
+    exists && chose && aged && in_time && named && b.is_near(lane)
 }

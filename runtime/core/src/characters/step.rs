@@ -57,11 +57,16 @@ pub(crate) fn step(range: Range<'_>, tick: &Tick<'_>) {
     control::choose(range.blocks, range.passed, range.first, range.count, tick.motion_set, tick.config, tick.asked);
     range.passed.sort();
     laps.end(Phase::Control);
+    pose_all(range, tick);
+}
+
+/// The second half of the list: sample -> reaction -> foot lock -> poses, for all blocks of a range.
+pub(crate) fn pose_all(range: Range<'_>, tick: &Tick<'_>) {
     let decay = reaction::Step::new(&tick.config.reaction, tick.dt_s);
     dispatch(Pose { range, tick, decay });
 }
 
-/// The second half of the list: sample -> reaction -> foot lock -> poses, for all blocks of a range.
+/// The arguments of [`pose_all`].
 struct Pose<'a, 't> {
     range: Range<'a>,
     tick: &'a Tick<'t>,

@@ -86,10 +86,7 @@ impl<V: Space> Engine<V> {
     /// [`Error::Snapshot`]; nothing has changed then.
     pub fn load(&mut self, bytes: &[u8]) -> Result<(), CrowdError> {
         let refused = |why: String| Err(Error::Snapshot { what: "crowd", why }.into());
-        let (saved, rest) = self.snapshot_kind().read::<Saved<V>>(bytes)?;
-        if !rest.is_empty() {
-            return refused(format!("{} bytes follow its end", rest.len()));
-        }
+        let saved: Saved<V> = self.snapshot_kind().read_all(bytes)?;
         if let Err(why) = self.check_saved(&saved) {
             return refused(why);
         }

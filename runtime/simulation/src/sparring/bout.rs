@@ -7,6 +7,8 @@ use super::landing::{Landing, meet};
 use super::pair::Pair;
 use super::tally::{Outcome, Tally};
 use glam::Vec3;
+use serde::{Deserialize, Serialize};
+use throng_base::{Inline, Run, run_each};
 use throng_core::characters::{Blow, Characters, CharactersError, MAX_BLOWS, MotionSet, SampleJob, Start};
 use throng_core::pose::Mat3x4;
 use throng_core::skeleton::NUM_JOINTS;
@@ -21,12 +23,14 @@ pub struct Sparring {
     body: Body,
     pub(super) characters: Characters,
     pub(super) state: State,
-    landings: Vec<Landing>,
-    num_landings: usize,
+    pub(super) landings: Vec<Landing>,
+    pub(super) num_landings: usize,
+    /// Content hash of how they spar, but for weights.
+    pub(super) setup: u128,
 }
 
 /// What the next steps depend on, beside the characters.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct State {
     /// The opponent's head, for each character (m).
     pub heads: Vec<Vec3>,
@@ -76,7 +80,8 @@ impl Sparring {
             seconds: 0.0,
         };
         let room = if motion_set.hits().is_empty() { 0 } else { n * MAX_BLOWS };
-        Ok(Self { config, body, characters, state, landings: vec![Landing::NONE; room], num_landings: 0 })
+        let landings = vec![Landing::NONE; room];
+        Ok(Self { setup: config.hash(), config, body, characters, state, landings, num_landings: 0 })
     }
 
     /// Moves all pairs on by `dt_s` on this thread. Allocates nothing.
@@ -84,38 +89,25 @@ impl Sparring {
     /// # Errors
     /// As [`Characters::step`].
     pub fn step(&mut self, motion_set: &MotionSet, dt_s: f32) -> Result<(), CharactersError> {
-        let goals = goals(&self.config, &self.state);
-        self.characters.step(motion_set, dt_s, goals.get())?;
-        let s = &mut self.state;
-        let parts = s.pairs.iter_mut().zip(s.heads.chunks_exact_mut(2)).zip(s.threats.chunks_exact_mut(2));
-        for (i, ((pair, heads), threats)) in parts.enumerate() {
-            observe(
-                Observed { index: i, pair, heads, threats },
-                &self.characters,
-                motion_set,
-                &self.body,
-                &self.config,
-                dt_s,
-            );
-        }
-        self.resolve(dt_s)
+        self.step_on(motion_set, dt_s, &Inline)
     }
 
-    /// As [`Sparring::step`], on the threads of the current rayon pool. The result is the same, bit by bit.
+    /// As [`Sparring::step`], on threads of the caller's choice. The result is the same, bit by bit.
     ///
     /// # Errors
     /// As [`Characters::step`].
-    #[cfg(feature = "rayon")]
-    pub fn par_step(&mut self, motion_set: &MotionSet, dt_s: f32) -> Result<(), CharactersError> {
-        use rayon::prelude::*;
-        /// Pairs of one task.
-        const TASK: usize = 64;
-        let goals = goals(&self.config, &self.state);
-        self.characters.par_step(motion_set, dt_s, goals.get())?;
+    pub fn step_on(&mut self, motion_set: &MotionSet, dt_s: f32, run: &dyn Run) -> Result<(), CharactersError> {
+        /// Pairs of one part.
+        const PART: usize = 64;
+        self.characters.step_on(motion_set, dt_s, goals(&self.config, &self.state).get(), run)?;
         let (s, characters, body, config) = (&mut self.state, &self.characters, &self.body, &self.config);
-        let parts = s.pairs.par_iter_mut().zip(s.heads.par_chunks_exact_mut(2)).zip(s.threats.par_chunks_exact_mut(2));
-        parts.with_min_len(TASK).enumerate().for_each(|(i, ((pair, heads), threats))| {
-            observe(Observed { index: i, pair, heads, threats }, characters, motion_set, body, config, dt_s);
+        let parts = s.pairs.chunks_mut(PART).zip(s.heads.chunks_mut(2 * PART)).zip(s.threats.chunks_mut(2 * PART));
+        run_each(run, parts.enumerate(), |(part, ((pairs, heads), threats))| {
+            let of_pair = pairs.iter_mut().zip(heads.chunks_exact_mut(2)).zip(threats.chunks_exact_mut(2));
+            for (i, ((pair, heads), threats)) in of_pair.enumerate() {
+                let to = Observed { index: part * PART + i, pair, heads, threats };
+                observe(to, characters, motion_set, body, config, dt_s);
+            }
         });
         self.resolve(dt_s)
     }

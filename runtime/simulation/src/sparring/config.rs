@@ -2,6 +2,7 @@
 
 use super::body::BodyShape;
 use super::goals;
+use throng_base::Hash128;
 use throng_core::characters::{CharactersConfig, CharactersError, MotionSet};
 
 /// What a behaviour is about.
@@ -71,6 +72,13 @@ impl SparringConfig {
     /// Towards goals, everything else as it is by default.
     pub fn new(goals: Vec<SparringGoal>) -> Self {
         Self { goals, ..Self::default() }
+    }
+
+    /// Content hash, but for weights.
+    pub(super) fn hash(&self) -> u128 {
+        let goals: Vec<(usize, Aim)> = self.goals.iter().map(|g| (g.policy, g.aim)).collect();
+        let numbers = (self.reach_m, self.block_m, self.push_m_per_mps, self.separation);
+        Hash128::of(format!("{:?}", (self.characters, goals, self.body, numbers)).as_bytes())
     }
 
     pub(super) fn check(&self, motion_set: &MotionSet) -> Result<(), CharactersError> {

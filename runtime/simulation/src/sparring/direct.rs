@@ -12,7 +12,7 @@ impl Sparring {
     /// [`CharactersError::Length`] where there are not as many weights as goals, [`CharactersError::Value`] for one that is
     /// not finite or too large; nothing has changed then.
     pub fn set_weights(&mut self, weights: &[f32]) -> Result<(), CharactersError> {
-        check(weights, self.config.goals.len())?;
+        check_weights(weights, self.config.goals.len())?;
         self.config.goals.iter_mut().zip(weights).for_each(|(goal, &weight)| goal.weight = weight);
         Ok(())
     }
@@ -32,7 +32,7 @@ impl TargetPractice {
     /// # Errors
     /// As [`Sparring::set_weights`].
     pub fn set_weights(&mut self, weights: &[f32]) -> Result<(), CharactersError> {
-        check(weights, self.config.goals.len())?;
+        check_weights(weights, self.config.goals.len())?;
         self.config.goals.iter_mut().zip(weights).for_each(|(goal, &weight)| goal.weight = weight);
         Ok(())
     }
@@ -46,7 +46,7 @@ impl TargetPractice {
     }
 }
 
-fn check(weights: &[f32], expected: usize) -> Result<(), CharactersError> {
+pub(super) fn check_weights(weights: &[f32], expected: usize) -> Result<(), CharactersError> {
     if weights.len() != expected {
         return Err(CharactersError::Length { what: "weights", got: weights.len(), expected });
     }

@@ -22,7 +22,6 @@ pub use body::{Body, BodyShape, Capsule, NUM_CAPSULES, NUM_CORE, Part, Posed};
 pub use bout::{Sparring, SparringFigures};
 pub use config::{Aim, NO_THREAT_S, SeparationConfig, SparringConfig, SparringGoal};
 pub use landing::Landing;
-pub use practice::{PracticeConfig, PracticeFigures, PracticeGoal, PracticeSnapshot, TargetHit, TargetPractice};
-pub use snapshot::SparringSnapshot;
+pub use practice::{PracticeConfig, PracticeFigures, PracticeGoal, TargetHit, TargetPractice};
 pub use tally::Tally;
 pub use target::{StruckTarget, TargetConfig};

@@ -4,6 +4,7 @@ use super::body::{Body, Posed};
 use super::config::SeparationConfig;
 use super::distance::overlap;
 use glam::{Vec2, Vec3};
+use serde::{Deserialize, Serialize};
 use throng_core::contacts::Contacts;
 
 /// Time in which the speed of parting adapts (s).
@@ -14,7 +15,7 @@ const STANDING_SHARE: f32 = 0.25;
 const PART_S: f32 = 0.25;
 
 /// What is remembered of two opponents.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Pair {
     /// Deepest overlap of their cores; 0 where they are apart (m).
     pub overlap_m: f32,
@@ -31,6 +32,13 @@ pub(crate) struct Pair {
 }
 
 impl Pair {
+    /// False for numbers that no pair has.
+    pub fn may_be(&self) -> bool {
+        let [a, b] = self.shares;
+        let lengths = [self.overlap_m, self.max_overlap_m, self.speed_mps, self.apart.x, self.apart.y, a, b];
+        lengths.iter().all(|v| v.abs() <= 100.0) && (0.0..1e9).contains(&self.deep_s)
+    }
+
     /// Measures the overlap of two poses.
     pub fn observe(
         &mut self,

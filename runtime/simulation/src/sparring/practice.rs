@@ -5,9 +5,9 @@ use super::goals::{self, Goals};
 use super::tally::{Outcome, Tally};
 use super::target::{StruckTarget, TargetConfig};
 use glam::Vec3;
-use throng_core::characters::{
-    Blow, Characters, CharactersConfig, CharactersError, CharactersSnapshot, MAX_BLOWS, MotionSet, Start,
-};
+use serde::{Deserialize, Serialize};
+use throng_base::{Hash128, Inline, Run};
+use throng_core::characters::{Blow, Characters, CharactersConfig, CharactersError, MAX_BLOWS, MotionSet, Start};
 
 /// A behaviour that all characters weigh, about their target.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -35,6 +35,12 @@ impl PracticeConfig {
     /// Towards goals, everything else as it is by default.
     pub fn new(goals: Vec<PracticeGoal>) -> Self {
         Self { goals, ..Self::default() }
+    }
+
+    /// Content hash, but for weights.
+    fn hash(&self) -> u128 {
+        let goals: Vec<usize> = self.goals.iter().map(|g| g.policy).collect();
+        Hash128::of(format!("{:?}", (self.characters, goals, self.target, self.reach_m)).as_bytes())
     }
 }
 
@@ -72,35 +78,21 @@ pub struct PracticeFigures {
 pub struct TargetPractice {
     pub(super) config: PracticeConfig,
     pub(super) characters: Characters,
-    state: State,
+    pub(super) state: State,
     hits: Vec<TargetHit>,
-    num_hits: usize,
+    pub(super) num_hits: usize,
+    /// Content hash of how they strike, but for weights.
+    pub(super) setup: u128,
 }
 
 /// What the next steps depend on, beside the characters.
-#[derive(Clone, Debug, Default, PartialEq)]
-struct State {
-    targets: Vec<StruckTarget>,
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(super) struct State {
+    pub targets: Vec<StruckTarget>,
     /// Where targets are (m).
-    positions: Vec<Vec3>,
-    tallies: Vec<Tally>,
-    seconds: f64,
-}
-
-/// What boxers and targets remember at one instant: all that their next steps depend on, and the running figures.
-#[derive(Clone, Debug, Default)]
-pub struct PracticeSnapshot {
-    characters: CharactersSnapshot,
-    state: State,
-}
-
-impl PracticeSnapshot {
-    /// Memory that it takes (bytes).
-    pub fn num_bytes(&self) -> usize {
-        let s = &self.state;
-        let vectors = size_of_val(s.targets.as_slice()) + size_of_val(s.positions.as_slice());
-        self.characters.num_bytes() + vectors + size_of_val(s.tallies.as_slice())
-    }
+    pub positions: Vec<Vec3>,
+    pub tallies: Vec<Tally>,
+    pub seconds: f64,
 }
 
 impl TargetPractice {
@@ -133,7 +125,7 @@ impl TargetPractice {
             seconds: 0.0,
         };
         let none = TargetHit { blow: Blow::NONE, depth_m: 0.0 };
-        Ok(Self { config, characters, state, hits: vec![none; room], num_hits: 0 })
+        Ok(Self { setup: config.hash(), config, characters, state, hits: vec![none; room], num_hits: 0 })
     }
 
     /// Moves all boxers and targets on by `dt_s` on this thread. Allocates nothing.
@@ -141,18 +133,15 @@ impl TargetPractice {
     /// # Errors
     /// As [`Characters::step`].
     pub fn step(&mut self, motion_set: &MotionSet, dt_s: f32) -> Result<(), CharactersError> {
-        self.characters.step(motion_set, dt_s, goals_of(&self.config, &self.state).get())?;
-        self.strike(dt_s);
-        Ok(())
+        self.step_on(motion_set, dt_s, &Inline)
     }
 
-    /// As [`TargetPractice::step`], on the threads of the current rayon pool. The result is the same, bit by bit.
+    /// As [`TargetPractice::step`], on threads of the caller's choice. The result is the same, bit by bit.
     ///
     /// # Errors
     /// As [`Characters::step`].
-    #[cfg(feature = "rayon")]
-    pub fn par_step(&mut self, motion_set: &MotionSet, dt_s: f32) -> Result<(), CharactersError> {
-        self.characters.par_step(motion_set, dt_s, goals_of(&self.config, &self.state).get())?;
+    pub fn step_on(&mut self, motion_set: &MotionSet, dt_s: f32, run: &dyn Run) -> Result<(), CharactersError> {
+        self.characters.step_on(motion_set, dt_s, goals_of(&self.config, &self.state).get(), run)?;
         self.strike(dt_s);
         Ok(())
     }
@@ -204,21 +193,6 @@ impl TargetPractice {
         let mut f = PracticeFigures { seconds: self.state.seconds, ..PracticeFigures::default() };
         self.state.tallies.iter().for_each(|t| f.blows += *t);
         f
-    }
-
-    /// Keeps what boxers and targets remember.
-    pub fn snapshot(&self) -> PracticeSnapshot {
-        PracticeSnapshot { characters: self.characters.snapshot(), state: self.state.clone() }
-    }
-
-    /// Goes back to a snapshot, see [`Characters::restore`].
-    ///
-    /// # Errors
-    /// As [`Characters::restore`]; nothing has changed then.
-    pub fn restore(&mut self, snapshot: &PracticeSnapshot) -> Result<(), CharactersError> {
-        self.characters.restore(&snapshot.characters)?;
-        self.state.clone_from(&snapshot.state);
-        Ok(())
     }
 
     /// Moves targets on, and strikes those that blows reach.

@@ -1,9 +1,10 @@
 //! What became of blows.
 
+use serde::{Deserialize, Serialize};
 use std::ops::AddAssign;
 
 /// Numbers of blows; those thrown are landed, blocked or missed.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Tally {
     /// Effective hits that were reached.
     pub thrown: u32,
@@ -27,6 +28,13 @@ impl Tally {
     /// Share of the blows thrown that landed; 0 where none was thrown.
     pub fn landed_fraction(&self) -> f32 {
         self.landed as f32 / self.thrown.max(1) as f32
+    }
+
+    /// True where each of some is the sum of its parts, and there is room for as many again.
+    pub(super) fn may_be(all: &[Self]) -> bool {
+        let parts = |t: &Self| u64::from(t.landed) + u64::from(t.blocked) + u64::from(t.missed);
+        let thrown: u64 = all.iter().map(|t| u64::from(t.thrown)).sum();
+        all.iter().all(|t| parts(t) == u64::from(t.thrown)) && thrown <= u64::from(u32::MAX / 2)
     }
 
     /// Counts one blow.

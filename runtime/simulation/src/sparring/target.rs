@@ -2,6 +2,7 @@
 
 use super::config::within;
 use glam::Vec3;
+use serde::{Deserialize, Serialize};
 use throng_core::characters::CharactersError;
 
 /// How a struck target moves.
@@ -38,7 +39,7 @@ impl TargetConfig {
 }
 
 /// A target that hangs at a home, which may be moved at any time.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct StruckTarget {
     /// Where it hangs (m).
     pub home: Vec3,
@@ -52,6 +53,12 @@ impl StruckTarget {
     /// At rest.
     pub fn new(home: Vec3) -> Self {
         Self { home, ..Self::default() }
+    }
+
+    /// False for places and velocities that no target has.
+    pub(super) fn may_be(&self) -> bool {
+        let near = |v: Vec3, most: f32| v.abs().max_element() <= most && !v.is_nan();
+        near(self.home, 1e5) && near(self.offset, 100.0) && near(self.velocity, 1e6)
     }
 
     /// Where it is (m).

@@ -23,18 +23,15 @@ impl Inhabitants {
         self.snapshot_kind().write(&state, out);
     }
 
-    /// Goes back to what was saved. Poses are there after the next step.
+    /// Goes back to what was saved.
     ///
     /// # Errors
     /// [`Error::Snapshot`]; nothing has changed then.
     pub fn load(&mut self, bytes: &[u8]) -> Result<()> {
         let kind = self.snapshot_kind();
-        let refuse = |why: String| Error::Snapshot { what: kind.what, why };
-        let (saved, rest): (Saved, _) = kind.read(bytes)?;
-        if !rest.is_empty() {
-            return Err(refuse(format!("{} bytes follow its end", rest.len())));
-        }
-        self.restore(&saved).map_err(|what| refuse(format!("{what}; it is damaged")))
+        let saved: Saved = kind.read_all(bytes)?;
+        let refuse = |what| Error::Snapshot { what: kind.what, why: format!("{what}; it is damaged") };
+        self.restore(&saved).map_err(refuse)
     }
 
     /// A hash of the state: differs, but for one chance in 2^64, where the motion of anybody differs.
@@ -60,8 +57,9 @@ impl Inhabitants {
         let check = |good: bool, what| if good { Ok(()) } else { Err(what) };
         check((0.0..1e12).contains(time_s), "its time is out of range")?;
         check([states.len(), chains.len()] == [n; 2], "its rows do not fit together")?;
-        check(bodies.restore_laid(world.motion_set(), characters), "its motion is not of the bundle")?;
-        check(bodies.num_characters() == n, "its rows do not fit together")?;
+        bodies.restore_any(world.motion_set(), characters).map_err(|_| "its motion is not of the bundle")?;
+        let is_laid = |c| bodies.segment(c).0 == u32::MAX;
+        check(bodies.num_characters() == n && (0..n).all(is_laid), "its rows do not fit together")?;
         check(states.iter().all(|s| is_sound(graph, s)), "somebody is where the world has no place")?;
         for (c, (state, chain)) in states.iter().zip(chains).enumerate() {
             let (end, place) = (bodies.scheduled_end(world.motion_set(), c), graph.place(state.at));

@@ -132,6 +132,13 @@ impl Block {
         self.contacts[lane] = from.contacts[from_lane];
     }
 
+    /// True where every number of a lane is finite and below 1e7.
+    pub fn is_near(&self, lane: usize) -> bool {
+        let points = [self.parameters[lane], self.parameter_rates[lane], self.asked[lane]];
+        let mut own = *self;
+        points.iter().flatten().copied().chain(own.lanes().map(|of| of[lane])).all(|v| v.abs() < 1e7)
+    }
+
     /// Puts the root of a lane elsewhere; its feet forget where they stood.
     pub fn place(&mut self, lane: usize, root: Planar) {
         for (axis, value) in self.root.iter_mut().zip([root.x, root.z, root.heading]) {

@@ -123,16 +123,18 @@ impl Cast for Walkers {
     }
 
     fn load(&mut self, bytes: &[u8]) -> Result<()> {
-        let (kept, rest): (State, _) = self.kind().read(bytes)?;
+        let kept: State = self.kind().read_all(bytes)?;
         let refuse = |why: &str| Err(Error::Snapshot { what: "walkers", why: why.into() });
-        if !rest.is_empty() {
-            return refuse("bytes follow its end");
-        }
         let n = kept.roster.len();
         let lengths = [kept.bodies.len(), kept.orders.len(), kept.ordered.len()];
         let has_bodies = kept.bodies.iter().all(|&body| (body as usize) < self.skeletons.len());
         if lengths != [n; 3] || kept.blocks.len() != n.div_ceil(LANES) || !has_bodies {
             return refuse("its rows do not fit together; it is damaged");
+        }
+        let can_be =
+            |row: usize, id: Id| kept.orders[row].check(id).is_ok() && kept.blocks[row / LANES].is_near(row % LANES);
+        if !kept.roster.ids().iter().enumerate().all(|(row, &id)| can_be(row, id)) {
+            return refuse("it has numbers that cannot be; it is damaged");
         }
         if !self.state.roster.restore(&kept.roster) {
             return refuse("its ids do not fit together; it is damaged");

@@ -186,7 +186,7 @@ fn a_restored_characters_goes_on_giving_way() {
     t[0].push(2, Joint::Head, Vec3::new(0.1, 0.0, -0.1)).unwrap();
     (0..7).for_each(|_| step(&r, &mut t, DT));
     let kept = t[0].snapshot();
-    t[1].restore(&kept).unwrap();
+    t[1].restore(&r, &kept).unwrap();
     for _ in 0..40 {
         step(&r, &mut t, DT);
         assert!(t[0].model_matrices() == t[1].model_matrices());

@@ -17,22 +17,51 @@ fn a_restored_characters_repeats_what_followed_bit_by_bit() {
         characters.step(&r, DT, &goals).unwrap();
     }
     let kept = characters.snapshot();
+    let seen = characters.model_matrices().to_vec();
     let mut record = Vec::new();
     for _ in 0..100 {
         characters.step(&r, DT, &goals).unwrap();
         record.push(characters.model_matrices().to_vec());
     }
-    characters.restore(&kept).unwrap();
+    characters.restore(&r, &kept).unwrap();
+    let moved = seen.iter().zip(characters.model_matrices()).map(|(a, b)| (a.translation() - b.translation()).length());
+    assert!(moved.fold(0.0, f32::max) < 1e-5, "poses are there at once");
     for poses in &record {
         characters.step(&r, DT, &goals).unwrap();
         assert!(characters.model_matrices() == poses.as_slice());
     }
-    let mut other = Characters::new(&r, config, &starts(n - 1)).unwrap();
-    assert!(matches!(other.restore(&kept), Err(CharactersError::Length { .. })));
-    let mut cut = r.clone();
-    cut.frames = cut.frames.part(0..cut.frames.len() - 1).unwrap();
-    let mut other = Characters::new(&cut, config, &starts(n)).unwrap();
-    assert!(matches!(other.restore(&kept), Err(CharactersError::OtherBundle { what: "frames", .. })));
+    let refused = |characters: &mut Characters, r: &MotionSet, kept: &CharactersSnapshot| {
+        let before = characters.model_matrices().to_vec();
+        let e = characters.restore(r, kept).unwrap_err();
+        assert!(matches!(e, throng_base::Error::Snapshot { .. }) && characters.model_matrices() == before, "{e}");
+    };
+    refused(&mut Characters::new(&r, config, &starts(n - 1)).unwrap(), &r, &kept);
+    let hit = crate::HitRecord {
+        frame: 5,
+        kind: 0,
+        joint: 0,
+        force: 1.0,
+        position: [0.0, 1.5, 0.5],
+        speed_mps: 6.0,
+        direction: [0.0, 0.0, 1.0],
+        reserved: 0,
+    };
+    let other = MotionSet::new(&tables_with(&[hit]));
+    refused(&mut Characters::new(&other, config, &starts(n)).unwrap(), &other, &kept);
+    refused(&mut characters, &other, &kept);
+    let bad: [fn(&mut block::Block); 6] = [
+        |b| b.segment[3] = 900,
+        |b| b.first[3] += 1,
+        |b| b.time[3] = f32::NAN,
+        |b| b.name[3] = 9,
+        |b| b.choice_state[3] = 77,
+        |b| b.reaction.head.place[1][3] = f32::INFINITY,
+    ];
+    for spoil in bad {
+        let mut kept = kept.clone();
+        kept.spoil(spoil);
+        refused(&mut characters, &r, &kept);
+    }
 }
 
 #[test]

@@ -1,6 +1,7 @@
 //! Pairs that spar.
 
 use super::*;
+use throng_base::{Error, Run};
 
 const DT: f32 = 1.0 / 60.0;
 
@@ -177,8 +178,9 @@ fn restored_pairs_repeat_what_followed_bit_by_bit() {
     let r = MotionSet::new(&tables);
     let mut s = Sparring::new(&r, config(), &facing(7, 1.2)).unwrap();
     (0..4).for_each(|_| s.step(&r, DT).unwrap());
-    let kept = s.snapshot();
-    assert!(kept.num_bytes() > 14 * 100);
+    let mut kept = Vec::new();
+    s.save(&mut kept);
+    assert!(kept.len() < 14 * 700, "{}", kept.len());
     let run = |s: &mut Sparring| {
         let step = |_| {
             s.step(&r, DT).unwrap();
@@ -188,14 +190,30 @@ fn restored_pairs_repeat_what_followed_bit_by_bit() {
     };
     let first = run(&mut s);
     assert!(first.iter().any(|f| !f.1.is_empty()));
-    s.restore(&kept).unwrap();
+    s.load(&r, &kept).unwrap();
+    assert!(s.landed().is_empty());
     assert!(first == run(&mut s));
-    let mut other = Sparring::new(&r, config(), &facing(6, 1.2)).unwrap();
-    assert!(matches!(other.restore(&kept), Err(CharactersError::Length { .. })));
+    let refused = |config, n| Sparring::new(&r, config, &facing(n, 1.2)).unwrap().load(&r, &kept).unwrap_err();
+    assert!(matches!(refused(config(), 6), Error::Snapshot { .. }), "other pairs");
+    assert!(
+        matches!(refused(SparringConfig { reach_m: 0.1, ..config() }, 7), Error::Snapshot { .. }),
+        "another config"
+    );
+}
+
+/// Two parts at once, the later one first.
+struct Two;
+
+impl Run for Two {
+    fn run(&self, num_parts: usize, part: &(dyn Fn(usize) + Sync)) {
+        std::thread::scope(|scope| {
+            scope.spawn(|| (num_parts / 2..num_parts).for_each(part));
+            (0..num_parts / 2).rev().for_each(part);
+        });
+    }
 }
 
 #[test]
-#[cfg(feature = "rayon")]
 fn pairs_spar_the_same_on_several_threads() {
     let tables = striking();
     let r = MotionSet::new(&tables);
@@ -203,7 +221,7 @@ fn pairs_spar_the_same_on_several_threads() {
     let mut together = alone.clone();
     for _ in 0..60 {
         alone.step(&r, DT).unwrap();
-        together.par_step(&r, DT).unwrap();
+        together.step_on(&r, DT, &Two).unwrap();
         assert!(alone.characters().model_matrices() == together.characters().model_matrices());
         assert_eq!(alone.landed(), together.landed());
     }

@@ -103,7 +103,8 @@ fn restored_practice_repeats_what_followed() {
     let r = MotionSet::new(&tables);
     let mut practice = practice(&tables, 5);
     (0..15).for_each(|_| practice.step(&r, 1.0 / 60.0).unwrap());
-    let kept = practice.snapshot();
+    let mut kept = Vec::new();
+    practice.save(&mut kept);
     let run = |p: &mut TargetPractice| {
         let step = |_| {
             p.step(&r, 1.0 / 60.0).unwrap();
@@ -112,7 +113,7 @@ fn restored_practice_repeats_what_followed() {
         (0..100).map(step).collect::<Vec<_>>()
     };
     let first = run(&mut practice);
-    practice.restore(&kept).unwrap();
+    practice.load(&r, &kept).unwrap();
     assert!(first == run(&mut practice));
 }
 
