@@ -241,10 +241,10 @@ impl Inhabitants {
 
     /// Notes that another one holds what is needed; in the end patience is lost, unless one's place is taken for good.
     fn refuse(&mut self, graph: &WorldGraph, c: usize, holder: usize) {
-        let does = self.states[holder].doing;
-        let is_taken = matches!(does, Doing::Arrived | Doing::Blocked) && self.taken_by(graph, c).is_some();
+        let (stays, is_blocked) = (self.stays(holder), self.states[holder].doing == Doing::Blocked);
+        let is_taken = (stays || is_blocked) && self.taken_by(graph, c).is_some();
         // Who lost patience has looked for a way round.
-        let is_shut_in = does == Doing::Arrived && self.states[c].impatience > 0;
+        let is_shut_in = stays && self.states[c].impatience > 0;
         // Of two who bar each other's way, one gives way soon and the other one late.
         let share = match self.needs_what_is_held(graph, holder, c) {
             true if holder < c => GIVES_WAY,
@@ -258,7 +258,7 @@ impl Inhabitants {
             self.paths.ask(c);
             return;
         }
-        self.states[holder].in_the_way |= !is_taken && does == Doing::Blocked;
+        self.states[holder].in_the_way |= !is_taken && is_blocked;
         let state = &mut self.states[c];
         state.doing = if is_taken || is_shut_in { Doing::Blocked } else { Doing::Waiting };
         state.progress = 0;

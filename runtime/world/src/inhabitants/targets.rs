@@ -1,6 +1,6 @@
 //! Where wishes lead: to places that there are, and that nobody else has.
 
-use super::{Doing, Inhabitants, Wish};
+use super::{Doing, InhabitantEvent, Inhabitants, Wish};
 use crate::plan::Target;
 use crate::{Node, WorldGraph};
 use glam::Vec3;
@@ -99,7 +99,13 @@ impl Inhabitants {
     pub(super) fn taken_by(&self, graph: &WorldGraph, c: usize) -> Option<usize> {
         let target = self.paths.target(c).filter(|t| !matches!(t, Target::Tag { .. }))?;
         let other = self.reservations.other(graph.resources(target.instance()), c as u32)? as usize;
-        (self.states[other].doing == Doing::Arrived).then_some(other)
+        self.stays(other).then_some(other)
+    }
+
+    /// True for who has come to stay. Who came in this step may be told to go on before the next one.
+    pub(super) fn stays(&self, c: usize) -> bool {
+        let came = (self.roster.ids()[c], InhabitantEvent::Fulfilled);
+        self.states[c].doing == Doing::Arrived && !self.events.contains(&came)
     }
 
     /// Sends one who is to go near a place to another free place there; false where there is none.
