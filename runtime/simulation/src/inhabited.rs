@@ -11,7 +11,9 @@ use std::sync::Arc;
 use throng_base::{Bytes, Error, Id, Result, SnapshotKind};
 use throng_core::characters::CharactersConfig;
 use throng_core::{Cast, Contacts, Mat3x4, NUM_JOINTS, Planar};
-use throng_world::inhabitants::{Doing, InhabitantEvent, Inhabitants, InhabitantsConfig, Wish, scatter};
+use throng_world::inhabitants::{
+    Doing, InhabitantEvent, InhabitantState, Inhabitants, InhabitantsConfig, Wish, scatter,
+};
 use throng_world::{Node, WorldGraph};
 
 /// Longest that somebody looks for what cannot be reached before it wishes something else (s).
@@ -117,6 +119,11 @@ impl Inhabited {
         Ok(())
     }
 
+    /// What a character does, and where (character < number of characters).
+    pub fn state(&self, character: usize) -> InhabitantState {
+        self.inhabitants.state(self.id(character)).unwrap_or_else(|e| unreachable!("nobody leaves: {e}"))
+    }
+
     /// The inhabitant of a number (character < number of characters); nobody leaves.
     fn id(&self, character: usize) -> Id {
         self.inhabitants.ids()[character]
@@ -133,7 +140,7 @@ impl Inhabited {
             if self.told[c] {
                 continue;
             }
-            let doing = self.inhabitants.state(self.id(c))?.doing;
+            let doing = self.state(c).doing;
             if doing == Doing::Unreachable {
                 self.until_s[c] = self.until_s[c].min(self.time_s + GIVE_UP_S);
             }

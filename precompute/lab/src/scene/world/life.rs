@@ -5,10 +5,10 @@ use glam::Vec3;
 use rand::{Rng, RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use throng_motion::error::BuildError;
-use throng_runtime::Bundle;
 use throng_runtime::characters::{CharactersConfig, MotionSet};
-use throng_runtime::world::inhabitants::{Doing, Inhabitants, InhabitantsConfig, InhabitantsError, Wish, scatter};
+use throng_runtime::world::inhabitants::{Doing, Inhabitants, InhabitantsConfig, Wish, scatter};
 use throng_runtime::world::{Node, World, WorldGraph};
+use throng_runtime::{Bundle, Cast, Error, Id, Inline};
 
 /// Longest that somebody looks for what cannot be reached before it wishes something else (s).
 const GIVE_UP_S: f64 = 2.0;
@@ -70,10 +70,11 @@ impl WorldScene {
         let characters = CharactersConfig { seed: self.seed, ..CharactersConfig::default() };
         let config = InhabitantsConfig { characters, ..InhabitantsConfig::default() };
         let world = World::from_graph(graph, tables);
-        let inhabitants = Inhabitants::new(&world, config, starts).map_err(|e| self.fault(&e))?;
+        let mut inhabitants = Inhabitants::new(&world, starts.len(), config).map_err(|e| self.fault(&e))?;
+        starts.iter().try_for_each(|&s| inhabitants.spawn(s).map(|_| ())).map_err(|e| self.fault(&e))?;
         let mut life = Life {
-            until_s: vec![0.0; inhabitants.num_characters()],
-            told: vec![false; inhabitants.num_characters()],
+            until_s: vec![0.0; inhabitants.ids().len()],
+            told: vec![false; inhabitants.ids().len()],
             inhabitants,
             kinds,
             rng: Pcg64Mcg::seed_from_u64(self.seed),
@@ -116,7 +117,7 @@ impl WorldScene {
         }
     }
 
-    fn fault(&self, e: &InhabitantsError) -> BuildError {
+    fn fault(&self, e: &Error) -> BuildError {
         self.wrong(format!("scene \"{}\": {e}", self.name), "Correct the scene file, or stitch the world again")
     }
 
@@ -129,10 +130,10 @@ impl Life {
     /// Moves everybody on by `dt_s` on this thread.
     ///
     /// # Errors
-    /// [`InhabitantsError`] where `dt_s` is not in `0..=1`, or for another world or motion set.
-    pub fn step(&mut self, _: &MotionSet, graph: &WorldGraph, dt_s: f32) -> Result<(), InhabitantsError> {
+    /// [`Error`] where `dt_s` is not in `0..=1`, or for another world or motion set.
+    pub fn step(&mut self, _: &MotionSet, graph: &WorldGraph, dt_s: f32) -> Result<(), Error> {
         self.wish(graph)?;
-        self.inhabitants.step(dt_s)?;
+        self.inhabitants.step(dt_s, &Inline)?;
         self.time_s += f64::from(dt_s);
         Ok(())
     }
@@ -150,9 +151,9 @@ impl Life {
     /// Tells a character what to do, until it is told something else; none lets it wish by itself again.
     ///
     /// # Errors
-    /// As [`Inhabitants::set_wish`]; nothing has changed then.
-    pub fn tell(&mut self, graph: &WorldGraph, character: usize, wish: Option<Wish>) -> Result<(), InhabitantsError> {
-        self.inhabitants.set_wish(character, wish.unwrap_or_default())?;
+    /// As [`Cast::order`]; nothing has changed then.
+    pub fn tell(&mut self, graph: &WorldGraph, character: usize, wish: Option<Wish>) -> Result<(), Error> {
+        self.inhabitants.order(Id::first(character), wish.unwrap_or_default())?;
         self.told[character] = wish.is_some();
         // Its next own wish comes with the next step.
         self.until_s[character] = self.time_s;
@@ -170,19 +171,19 @@ impl Life {
     }
 
     /// Gives a new wish to all whose time has come or who have what they wished for.
-    fn wish(&mut self, graph: &WorldGraph) -> Result<(), InhabitantsError> {
-        for c in 0..self.inhabitants.num_characters() {
+    fn wish(&mut self, graph: &WorldGraph) -> Result<(), Error> {
+        for c in 0..self.inhabitants.ids().len() {
             if self.told[c] {
                 continue;
             }
-            let doing = self.inhabitants.status(c).doing;
+            let doing = self.inhabitants.state(Id::first(c))?.doing;
             if doing == Doing::Unreachable {
                 self.until_s[c] = self.until_s[c].min(self.time_s + GIVE_UP_S);
             }
             if doing == Doing::Arrived || self.time_s >= self.until_s[c] {
                 let (wish, until_s) = self.draw();
                 self.until_s[c] = until_s;
-                self.inhabitants.set_wish(c, wish)?;
+                self.inhabitants.order(Id::first(c), wish)?;
             }
         }
         Ok(())
