@@ -8,6 +8,7 @@ use std::time::Instant;
 use throng_runtime::world::inhabitants::{Inhabitants, InhabitantsConfig, Wish, scatter};
 use throng_runtime::world::plan::{Planner, Target};
 use throng_runtime::world::{Step, World, WorldGraph};
+use throng_runtime::{Cast, Inline};
 
 const DT: f32 = 1.0 / 60.0;
 
@@ -22,14 +23,14 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let graph = world.graph();
     let starts = scatter(graph, characters, 1);
     for commuting in [false, true] {
-        let mut people = Inhabitants::new(&world, InhabitantsConfig::default(), &starts)?;
-        let others = (0..characters).map(|c| (c * 7919 % graph.num_instances()) as u32);
-        for (c, instance) in others.enumerate().filter(|_| commuting) {
-            people.set_wish(c, Wish::GoTo { instance })?;
+        let mut people = Inhabitants::new(&world, starts.len(), InhabitantsConfig::default())?;
+        for (c, &start) in starts.iter().enumerate() {
+            let (id, instance) = (people.spawn(start)?, (c * 7919 % graph.num_instances()) as u32);
+            people.order(id, if commuting { Wish::GoTo { instance } } else { Wish::Roam })?;
         }
         let begin = Instant::now();
         for _ in 0..steps {
-            people.step(DT)?;
+            people.step(DT, &Inline)?;
         }
         let per_second = steps as f64 / begin.elapsed().as_secs_f64();
         let what = if commuting { "go somewhere" } else { "roam" };

@@ -1,4 +1,4 @@
-//! A world of motion patches: people roam, one of them is sent to a place.
+//! A world of motion patches: ten people are sent near a place, each to a free spot of its own.
 //!
 //! ```sh
 //! cargo run --release -- stitch data/worlds/playground-small.toml
@@ -7,9 +7,9 @@
 
 use glam::Vec3;
 use std::path::Path;
-use throng_runtime::Bundle;
 use throng_runtime::world::World;
 use throng_runtime::world::inhabitants::{Inhabitants, InhabitantsConfig, Wish, scatter};
+use throng_runtime::{Bundle, Cast, Error, Inline, Planar};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut args = std::env::args().skip(1);
@@ -17,27 +17,38 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     run(next("playground.throng").as_ref(), next("playground-small.world").as_ref())
 }
 
-/// Lets ten people live in a world for half a minute.
+/// Lets ten people live in a world for a minute.
 pub fn run(bundle: &Path, world: &Path) -> Result<(), Box<dyn std::error::Error>> {
     let bundle = Bundle::open(bundle)?;
     // Path costs lie in the file, so that this takes milliseconds.
     let world = World::open(world, &bundle)?;
-
+    let mut kids = Inhabitants::new(&world, 10, InhabitantsConfig::default())?;
     // Places far from each other where somebody can stand; everybody roams until told otherwise.
-    let starts = scatter(world.graph(), 10, 1);
-    let mut people = Inhabitants::new(&world, InhabitantsConfig::default(), &starts)?;
-    people.set_wish(0, Wish::GoToPlace { place: Vec3::ZERO })?;
-    for _ in 0..30 * 60 {
-        people.step(1.0 / 60.0)?;
+    for start in scatter(world.graph(), 10, 1) {
+        kids.spawn(start)?;
     }
 
-    let root = people.characters().root(0);
-    println!(
-        "{} people; the first one is at ({:.1}, {:.1}): {:?}",
-        starts.len(),
-        root.x,
-        root.z,
-        people.status(0).doing
-    );
+    // Each takes the nearest place that nobody else has; who finds none waits.
+    let place = world.near(Vec3::ZERO, 20.0)?.at;
+    for id in kids.ids().to_vec() {
+        kids.order(id, Wish::GoNear { place, within_m: 3.0 })?;
+    }
+    for _ in 0..60 * 60 {
+        kids.step(1.0 / 60.0, &Inline)?;
+    }
+    for &id in kids.ids() {
+        println!("{id}: {:?}", kids.status(id)?);
+    }
+
+    // What cannot be is an error at once, and says who.
+    let first = kids.ids()[0];
+    let far = Wish::GoNear { place: Vec3::new(500.0, 0.0, 0.0), within_m: 3.0 };
+    assert!(matches!(kids.order(first, far), Err(Error::Value { who, .. }) if who == Some(first)));
+    // One is put to the nearest free place beside another one, where there is any, and goes home.
+    let other = kids.bodies().roots[1];
+    if let Err(e) = kids.place(first, Planar::new(other.x, other.z, 0.0)) {
+        println!("{e}");
+    }
+    kids.despawn(first)?;
     Ok(())
 }

@@ -131,21 +131,25 @@ fn inhabitants_allocate_nothing() {
     let world = made_up::world(&tables, &["#########", "#b#####b#", "###...###", "##b######", "#########"]);
     let world = World::from_data(&world, &tables).expect("a world");
     let starts = scatter(world.graph(), 14, 2);
-    let mut people = Inhabitants::new(&world, InhabitantsConfig::default(), &starts).expect("inhabitants");
-    let mut n = 0;
+    let mut people = Inhabitants::new(&world, starts.len(), InhabitantsConfig::default()).expect("room");
+    let mut n = allocations(|| starts.iter().for_each(|&start| _ = people.spawn(start).expect("a start")));
+    let ids = people.ids().to_vec();
     for round in 0..20u32 {
-        for c in 0..starts.len() {
-            let wish = match c % 3 {
+        for &id in &ids {
+            let wish = match id.index % 3 {
                 0 => Wish::Roam,
-                1 => Wish::GoTo { instance: (7 * c as u32 + 11 * round) % 40 },
+                1 => Wish::GoTo { instance: (7 * id.index + 11 * round) % 40 },
                 _ => Wish::Perform { tag: made_up::SIT, seconds: 4.0 },
             };
-            n += allocations(|| people.set_wish(c, wish).expect("a wish"));
+            n += allocations(|| people.order(id, wish).expect("a wish"));
         }
-        n += allocations(|| (0..900).for_each(|_| people.step(1.0 / 30.0).expect("a step")));
+        n += allocations(|| (0..900).for_each(|_| people.step(1.0 / 30.0, &Inline).expect("a step")));
     }
-    let fulfilled: u32 = (0..starts.len()).map(|c| people.status(c).num_fulfilled).sum();
+    let fulfilled: u32 = ids.iter().map(|id| people.state(*id).expect("there").num_fulfilled).sum();
     assert!(fulfilled > 40, "{fulfilled} wishes are too few to prove anything");
+    let back = people.characters().root(1);
+    n += allocations(|| people.despawn(ids[0]).expect("there"));
+    n += allocations(|| people.place(ids[1], back).expect("its own place is free"));
     assert_eq!(n, 0);
 }
 
@@ -184,7 +188,7 @@ target = { drag = [{ time_s = 1.0, x_m = 0.2 }, { time_s = 2.0 }] }
 motion = "sparring"
 count = 20
 place = { grid = { centre = [40.0, 0.0], spacing_m = 4.0, distance_m = 0.9 } }
-behaviours = [{ name = "approach" }, { name = "evade" }]
+behaviours = [{ name = "approach" }, { name = "throw-punches", weight = 2.0 }, { name = "evade" }]
 [[groups]]
 motion = "blend"
 bundle = "GOLDEN"
@@ -197,12 +201,12 @@ bundle = "GOLDEN"
 count = 20
 spaces = ["walks", "walks"]
 place = { block = { from = [-20.0, -8.0], to = [-12.0, 8.0] } }
-goal = { shift = { by = [30.0, 0.0] } }
+goal = { shift = { by = [8.0, 0.0] } }
 [[groups]]
 motion = "none"
 count = 20
 place = { block = { from = [12.0, -8.0], to = [20.0, 8.0] } }
-goal = { shift = { by = [-30.0, 0.0] } }
+goal = { shift = { by = [-8.0, 0.0] } }
 "#;
 
 #[test]

@@ -1,11 +1,12 @@
 //! Characters in made-up worlds: nobody enters what others hold, and everybody keeps arriving.
 
 use crate::made_up_world::{self, SIDE, SIT};
-use throng_runtime::NUM_JOINTS;
+use glam::Vec3;
 use throng_runtime::characters::CharactersConfig;
 use throng_runtime::patch::Placement;
-use throng_runtime::world::inhabitants::{Doing, Inhabitants, InhabitantsConfig, InhabitantsError, Wish, scatter};
-use throng_runtime::world::{Node, World};
+use throng_runtime::world::inhabitants::{Doing, InhabitantEvent, Inhabitants, InhabitantsConfig, Wish, scatter};
+use throng_runtime::world::{Node, Place, World};
+use throng_runtime::{Cast, Error, Id, Inline, NUM_JOINTS, Planar, Rayon, Status};
 
 const DT: f32 = 1.0 / 30.0;
 const PLAIN: [&str; 5] = ["#####"; 5];
@@ -16,6 +17,13 @@ pub fn open(rows: &[&str]) -> World {
     World::from_data(&made_up_world::world(&tables, rows), &tables).expect("a world")
 }
 
+/// Everybody at rest where they start.
+fn people_at(world: &World, starts: &[Node]) -> Inhabitants {
+    let mut people = Inhabitants::new(world, starts.len(), InhabitantsConfig::default()).expect("room");
+    starts.iter().for_each(|&start| _ = people.spawn(start).expect("a start"));
+    people
+}
+
 /// The tile that stands at a column and row.
 fn tile(world: &World, x: i32, z: i32) -> u32 {
     let at = |p: Placement| p.x == x as f32 * SIDE && p.z == z as f32 * SIDE;
@@ -24,16 +32,16 @@ fn tile(world: &World, x: i32, z: i32) -> u32 {
 
 /// Everyone whose root is well inside a tile holds it, and every unit's holder knows of it.
 fn nobody_is_where_others_hold(world: &World, people: &Inhabitants) {
-    for c in 0..people.num_characters() {
+    for c in 0..people.ids().len() {
         let root = people.characters().root(c);
         for (unit, u) in world.view().units.iter().enumerate().filter(|(_, u)| u.unit == made_up_world::FLOOR) {
             let inside = |a: f32, b: f32| (a - b).abs() < SIDE * 0.5 - 0.1;
             if inside(root.x, u.placement.x) && inside(root.z, u.placement.z) {
-                assert_eq!(people.holder(unit as u32), Some(c as u32), "character {c} is in unit {unit}");
+                assert_eq!(people.holder(unit as u32), Some(Id::first(c)), "character {c} is in unit {unit}");
             }
         }
-        assert!(people.held(c).all(|u| people.holder(u) == Some(c as u32)));
-        assert!(people.held(c).count() > 0);
+        assert!(people.held(Id::first(c)).unwrap().all(|u| people.holder(u) == Some(Id::first(c))));
+        assert!(people.held(Id::first(c)).unwrap().count() > 0);
     }
 }
 
@@ -43,13 +51,13 @@ fn nobody_enters_a_held_unit_and_motion_ends_where_its_node_is() {
     let graph = world.graph();
     let starts = scatter(graph, 12, 3);
     assert_eq!(starts.len(), 12);
-    let mut people = Inhabitants::new(&world, InhabitantsConfig::default(), &starts).unwrap();
+    let mut people = people_at(&world, &starts);
     let mut been = std::collections::BTreeSet::new();
     for _ in 0..3000 {
-        people.step(DT).unwrap();
+        people.step(DT, &Inline).unwrap();
         nobody_is_where_others_hold(&world, &people);
         for c in 0..12 {
-            let status = people.status(c);
+            let status = people.state(Id::first(c)).unwrap();
             been.insert(status.node.instance);
             let (end, node) = (people.characters().scheduled_end(world.motion_set(), c), graph.place(status.node));
             let away = (end.x - node.x).hypot(end.z - node.z);
@@ -64,13 +72,13 @@ fn nobody_enters_a_held_unit_and_motion_ends_where_its_node_is() {
 fn nothing_jumps() {
     let world = open(&["###", "#b#", "###"]);
     let graph = world.graph();
-    let mut people = Inhabitants::new(&world, InhabitantsConfig::default(), &scatter(graph, 3, 1)).unwrap();
-    people.set_wish(0, Wish::Perform { tag: SIT, seconds: 3.0 }).unwrap();
+    let mut people = people_at(&world, &scatter(graph, 3, 1));
+    people.order(Id::first(0), Wish::Perform { tag: SIT, seconds: 3.0 }).unwrap();
     let dt = 1.0 / 120.0;
-    people.step(0.0).unwrap();
+    people.step(0.0, &Inline).unwrap();
     let mut before: Vec<_> = (0..3).map(|c| people.characters().joint_positions(c)).collect();
     for step in 0..4000 {
-        people.step(dt).unwrap();
+        people.step(dt, &Inline).unwrap();
         for c in 0..3 {
             let now = people.characters().joint_positions(c);
             for j in 0..NUM_JOINTS {
@@ -80,7 +88,7 @@ fn nothing_jumps() {
             before[c] = now;
         }
     }
-    assert_eq!(people.status(0).num_fulfilled, 1);
+    assert_eq!(people.state(Id::first(0)).unwrap().num_fulfilled, 1);
 }
 
 /// Lets everyone walk to and fro between two places, and returns how often each arrived in each part of the time.
@@ -88,25 +96,25 @@ fn commute(world: &World, ends: &[[u32; 2]], seconds: f32, parts: usize, check: 
     let graph = world.graph();
     let starts: Vec<Node> =
         ends.iter().map(|[from, _]| graph.rest_cells(*from).next().expect("a place to stand")).collect();
-    let mut people = Inhabitants::new(world, InhabitantsConfig::default(), &starts).unwrap();
+    let mut people = people_at(world, &starts);
     let mut seen = vec![0; ends.len()];
     for (c, [_, to]) in ends.iter().enumerate() {
-        people.set_wish(c, Wish::GoTo { instance: *to }).unwrap();
+        people.order(Id::first(c), Wish::GoTo { instance: *to }).unwrap();
     }
     let steps = (seconds / DT) as usize;
     let mut out = vec![vec![0; parts]; ends.len()];
     for step in 0..steps {
-        people.step(DT).unwrap();
+        people.step(DT, &Inline).unwrap();
         if check && step % 10 == 0 {
             nobody_is_where_others_hold(world, &people);
         }
         for c in 0..ends.len() {
-            let status = people.status(c);
+            let status = people.state(Id::first(c)).unwrap();
             if status.num_fulfilled > seen[c] {
                 seen[c] = status.num_fulfilled;
                 out[c][step * parts / steps] += 1;
                 let to = ends[c][seen[c].is_multiple_of(2) as usize];
-                people.set_wish(c, Wish::GoTo { instance: to }).unwrap();
+                people.order(Id::first(c), Wish::GoTo { instance: to }).unwrap();
             }
         }
     }
@@ -150,23 +158,23 @@ fn a_narrow_passage_that_is_walked_both_ways_does_not_clog() {
 fn a_bench_is_sat_on_by_one_after_the_other() {
     let world = open(&["####", "#b##", "####"]);
     let graph = world.graph();
-    let mut people = Inhabitants::new(&world, InhabitantsConfig::default(), &scatter(graph, 3, 8)).unwrap();
+    let mut people = people_at(&world, &scatter(graph, 3, 8));
     let bench = graph.num_instances() as u32 - 1;
     for c in 0..3 {
-        people.set_wish(c, Wish::Perform { tag: SIT, seconds: 5.0 }).unwrap();
+        people.order(Id::first(c), Wish::Perform { tag: SIT, seconds: 5.0 }).unwrap();
     }
     let (mut sat, mut seated) = ([0.0f32; 3], 0);
     for _ in 0..9000 {
-        people.step(DT).unwrap();
+        people.step(DT, &Inline).unwrap();
         for c in 0..3 {
-            let status = people.status(c);
+            let status = people.state(Id::first(c)).unwrap();
             if status.doing == Doing::Performing {
                 assert_eq!(status.node.instance, bench);
                 sat[c] += DT;
             }
             if status.doing == Doing::Arrived && status.wish != Wish::Roam {
                 seated += 1;
-                people.set_wish(c, Wish::Roam).unwrap();
+                people.order(Id::first(c), Wish::Roam).unwrap();
             }
         }
     }
@@ -179,21 +187,21 @@ fn seat_beside_one_taken_for(seconds: f32) -> usize {
     let world = open(&["############", "b##########b", "############"]);
     let graph = world.graph();
     let starts = [[1, 1], [3, 2]].map(|[x, z]| graph.rest_cells(tile(&world, x, z)).next().unwrap());
-    let mut people = Inhabitants::new(&world, InhabitantsConfig::default(), &starts).unwrap();
-    people.set_wish(0, Wish::Perform { tag: SIT, seconds }).unwrap();
+    let mut people = people_at(&world, &starts);
+    people.order(Id::first(0), Wish::Perform { tag: SIT, seconds }).unwrap();
     let mut has_asked = false;
     for _ in 0..9000 {
-        people.step(DT).unwrap();
-        let doing = [0, 1].map(|c| people.status(c).doing);
+        people.step(DT, &Inline).unwrap();
+        let doing = [0, 1].map(|c| people.state(Id::first(c)).unwrap().doing);
         if doing[0] == Doing::Performing && !has_asked {
-            people.set_wish(1, Wish::Perform { tag: SIT, seconds: 1.0 }).unwrap();
+            people.order(Id::first(1), Wish::Perform { tag: SIT, seconds: 1.0 }).unwrap();
             has_asked = true;
         }
         if doing[0] == Doing::Arrived {
-            people.set_wish(0, Wish::Roam).unwrap();
+            people.order(Id::first(0), Wish::Roam).unwrap();
         }
         if doing[1] == Doing::Performing {
-            let bench = people.status(1).node.instance as usize;
+            let bench = people.state(Id::first(1)).unwrap().node.instance as usize;
             return bench + 2 - graph.num_instances();
         }
     }
@@ -225,22 +233,22 @@ fn the_nearest_place_to_a_point_is_gone_to() {
     let world = open(&PLAIN);
     let graph = world.graph();
     let from = graph.rest_cells(tile(&world, 0, 0)).next().unwrap();
-    let mut people = Inhabitants::new(&world, InhabitantsConfig::default(), &[from]).unwrap();
-    let place = glam::Vec3::new(3.2 * SIDE, 0.0, 4.4 * SIDE);
-    people.set_wish(0, Wish::GoToPlace { place }).unwrap();
-    people.step(DT).unwrap();
-    let plan = *people.plan(0).expect("a plan");
-    assert_eq!(people.path(0).len(), plan.num_stored);
+    let mut people = people_at(&world, &[from]);
+    let place = world.near(Vec3::new(3.2 * SIDE, 0.0, 4.4 * SIDE), 2.0).unwrap();
+    people.order(Id::first(0), Wish::GoToPlace { place }).unwrap();
+    people.step(DT, &Inline).unwrap();
+    let plan = *people.plan(Id::first(0)).unwrap().expect("a plan");
+    assert_eq!(people.path(Id::first(0)).unwrap().len(), plan.num_stored);
     assert!(plan.length_m > 4.0 * SIDE && plan.opened_nodes > 0);
     // Nothing but open ground: the upper layer has nothing to do.
     assert_eq!(plan.opened_instances, 0);
     let mut steps = 0;
-    while people.status(0).doing != Doing::Arrived {
-        people.step(DT).unwrap();
+    while people.state(Id::first(0)).unwrap().doing != Doing::Arrived {
+        people.step(DT, &Inline).unwrap();
         steps += 1;
         assert!(steps < 3000);
     }
-    assert_eq!(people.status(0).node.instance, tile(&world, 3, 4));
+    assert_eq!(people.state(Id::first(0)).unwrap().node.instance, tile(&world, 3, 4));
 }
 
 #[test]
@@ -252,14 +260,14 @@ fn results_do_not_depend_on_the_number_of_threads() {
     let on = |threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         pool.install(|| {
-            let mut people = Inhabitants::new(&world, InhabitantsConfig::default(), &starts).unwrap();
+            let mut people = people_at(&world, &starts);
             for c in 0..50 {
-                people.set_wish(c, Wish::GoTo { instance: (c * 7 % 400) as u32 }).unwrap();
+                people.order(Id::first(c), Wish::GoTo { instance: (c * 7 % 400) as u32 }).unwrap();
             }
             for _ in 0..300 {
-                people.step_on(DT, &throng_runtime::Rayon).unwrap();
+                people.step(DT, &Rayon).unwrap();
             }
-            let nodes: Vec<_> = (0..200).map(|c| people.status(c).node).collect();
+            let nodes: Vec<_> = (0..200).map(|c| people.state(Id::first(c)).unwrap().node).collect();
             (nodes, people.characters().model_matrices().to_vec())
         })
     };
@@ -269,25 +277,164 @@ fn results_do_not_depend_on_the_number_of_threads() {
 
 #[test]
 fn starts_and_wishes_that_cannot_be_are_refused() {
-    let world = open(&["###", "#b#", "###"]);
+    let world = open(&["###.###", "#b#.###", "###.###"]);
     let graph = world.graph();
-    let new = |starts: &[Node]| Inhabitants::new(&world, InhabitantsConfig::default(), starts);
-    let rest = graph.rest_cells(4).next().unwrap();
-    let entry = Node { instance: 4, cell: 0 };
-    assert_eq!(new(&[entry]).unwrap_err(), InhabitantsError::Start { character: 0, node: entry });
-    assert!(matches!(new(&[rest, rest]), Err(InhabitantsError::Held { character: 1, other: 0, .. })));
-    assert!(matches!(new(&[Node { instance: 99, cell: 0 }]), Err(InhabitantsError::Index { .. })));
-    let config = InhabitantsConfig { patience_s: f32::NAN, ..InhabitantsConfig::default() };
-    assert!(Inhabitants::new(&world, config, &[rest]).is_err());
-    let characters = CharactersConfig { half_life_s: 0.0, ..CharactersConfig::default() };
-    let config = InhabitantsConfig { characters, ..InhabitantsConfig::default() };
-    assert!(matches!(Inhabitants::new(&world, config, &[rest]), Err(InhabitantsError::Characters(_))));
-    let mut people = new(&[rest]).unwrap();
-    assert!(matches!(people.set_wish(1, Wish::Roam), Err(InhabitantsError::Index { .. })));
-    assert!(matches!(people.set_wish(0, Wish::GoTo { instance: 50 }), Err(InhabitantsError::Index { .. })));
-    let chat = Wish::Perform { tag: made_up_world::CHAT, seconds: 1.0 };
-    assert_eq!(people.set_wish(0, chat), Err(InhabitantsError::NoTag { tag: made_up_world::CHAT }));
-    let nowhere = Wish::GoToPlace { place: glam::Vec3::NAN };
-    assert!(matches!(people.set_wish(0, nowhere), Err(InhabitantsError::Value { .. })));
-    assert!(matches!(people.step(2.0), Err(InhabitantsError::Value { .. })));
+    let rest = graph.rest_cells(1).next().unwrap();
+    let new = |config| Inhabitants::new(&world, 2, config);
+    let mut people = new(InhabitantsConfig::default()).unwrap();
+    let [first, next] = [Id::first(0), Id::first(1)];
+    assert_eq!(people.spawn(rest).unwrap(), first);
+    let mut refuse = |start| people.spawn(start).unwrap_err();
+    assert!(matches!(refuse(Node { instance: 1, cell: 0 }), Error::Value { who, .. } if who == Some(next)));
+    assert!(matches!(refuse(Node { instance: 99, cell: 0 }), Error::Index { who, .. } if who == Some(next)));
+    assert!(matches!(refuse(rest), Error::Occupied { who, by } if who == next && by == "0"));
+    assert_eq!(people.spawn(graph.rest_cells(0).next().unwrap()).unwrap(), next);
+    assert!(matches!(people.spawn(rest), Err(Error::Full { capacity: 2 })));
+    let half_life_s = CharactersConfig { half_life_s: 0.0, ..CharactersConfig::default() };
+    for config in [
+        InhabitantsConfig { patience_s: f32::NAN, ..InhabitantsConfig::default() },
+        InhabitantsConfig { characters: half_life_s, ..InhabitantsConfig::default() },
+    ] {
+        assert!(matches!(new(config), Err(Error::Value { .. })));
+    }
+    let before = people.hash();
+    let mut refuse = |wish| people.order(first, wish).unwrap_err();
+    assert!(matches!(refuse(Wish::GoTo { instance: 50 }), Error::Index { who: Some(Id { index: 0, .. }), .. }));
+    let entry = Place { node: Node { instance: 1, cell: 0 }, at: Vec3::ZERO };
+    for wish in [
+        Wish::Perform { tag: made_up_world::CHAT, seconds: 1.0 },
+        Wish::Perform { tag: SIT, seconds: f32::NAN },
+        Wish::GoToPlace { place: entry },
+        Wish::GoNear { place: Vec3::NAN, within_m: 1.0 },
+        Wish::GoNear { place: Vec3::new(500.0, 0.0, 0.0), within_m: 3.0 },
+    ] {
+        assert!(matches!(refuse(wish), Error::Value { who: Some(Id { index: 0, .. }), .. }), "{wish:?}");
+    }
+    // Over there is another room.
+    let there = world.near(Vec3::new(5.0 * SIDE, 1.0, SIDE), 1.0).unwrap();
+    for wish in [Wish::GoTo { instance: there.node.instance }, Wish::GoToPlace { place: there }] {
+        let error = refuse(wish);
+        assert!(matches!(error, Error::NoWay { who: Some(Id { index: 0, .. }), .. }), "{error}");
+    }
+    assert!(matches!(people.step(2.0, &Inline), Err(Error::Value { .. })));
+    let other = made_up_world::named("another");
+    assert!(matches!(people.adopt(&other), Err(Error::OtherBundle { .. })));
+    assert!(people.adopt(&made_up_world::tables()).is_ok());
+    assert_eq!(people.hash(), before);
+    people.despawn(next).unwrap();
+    assert!(matches!(people.order(next, Wish::Roam), Err(Error::Gone(id)) if id == next));
+    assert!(people.status(next).is_err() && people.state(next).is_err() && people.despawn(next).is_err());
+}
+
+#[test]
+fn who_leaves_makes_room_and_everybody_else_goes_on() {
+    let world = open(&PLAIN);
+    let starts = scatter(world.graph(), 12, 4);
+    let mut people = people_at(&world, &starts);
+    let mut gone = Vec::new();
+    for round in 0..60u32 {
+        for (k, &id) in people.ids().to_vec().iter().enumerate() {
+            if people.state(id).unwrap().doing != Doing::Walking {
+                people.order(id, Wish::GoTo { instance: (k as u32 * 7 + round * 3) % 25 }).unwrap();
+            }
+        }
+        (0..40).for_each(|_| people.step(DT, &Inline).unwrap());
+        let leaves = people.ids()[round as usize % people.ids().len()];
+        people.despawn(leaves).unwrap();
+        gone.push(leaves);
+        for (row, &id) in people.ids().iter().enumerate() {
+            assert!(people.held(id).unwrap().count() > 0);
+            assert!(people.held(id).unwrap().all(|u| people.holder(u) == Some(id)));
+            let (body, root) = (people.bodies().get(id).unwrap(), people.characters().root(row));
+            assert_eq!((body.root, body.model[0]), (root, people.characters().pose(row)[0]));
+        }
+        let held: usize = people.ids().iter().map(|id| people.held(*id).unwrap().count()).sum();
+        assert_eq!((0..25).filter(|u| people.holder(*u).is_some()).count(), held, "nobody holds what another one left");
+        let free = (0..25).find(|u| people.holder(*u).is_none()).expect("a free tile");
+        let id = people.spawn(world.graph().rest_cells(free).next().unwrap()).unwrap();
+        assert!(!gone.contains(&id), "no id is used twice");
+    }
+}
+
+#[test]
+fn who_is_put_elsewhere_goes_on_from_there() {
+    let world = open(&PLAIN);
+    let graph = world.graph();
+    let starts = [tile(&world, 0, 0), tile(&world, 4, 4)].map(|t| graph.rest_cells(t).next().unwrap());
+    let mut people = people_at(&world, &starts);
+    let [a, b] = [0, 1].map(Id::first);
+    let place = world.near(Vec3::new(0.0, 1.0, 4.0 * SIDE), 1.0).unwrap();
+    people.order(a, Wish::GoToPlace { place }).unwrap();
+    (0..50).for_each(|_| people.step(DT, &Inline).unwrap());
+    people.place(a, Planar::new(3.0 * SIDE + 0.2, 0.3, 1.5)).unwrap();
+    let root = people.bodies().get(a).unwrap().root;
+    assert!((root.x - 3.0 * SIDE).abs() + root.z.abs() < 1e-3 && (root.heading - 1.57).abs() < 0.1, "{root:?}");
+    assert_eq!(people.held(a).unwrap().collect::<Vec<_>>(), [tile(&world, 3, 0)]);
+    let Status::Going { left_m } = people.status(a).unwrap() else { panic!("it has an order") };
+    assert!((left_m - 5.0 * SIDE).abs() < 0.1, "{left_m}");
+    assert!(matches!(people.place(b, root), Err(Error::Occupied { who, by }) if who == b && by == "0"));
+    assert!(matches!(people.place(b, Planar::new(-9.0, 0.0, 0.0)), Err(Error::Value { who, .. }) if who == Some(b)));
+    let mut steps = 0;
+    while people.status(a).unwrap() != Status::There {
+        people.step(DT, &Inline).unwrap();
+        steps += 1;
+        assert!(steps < 3000);
+    }
+    assert_eq!(people.events(), [(a, InhabitantEvent::Fulfilled)]);
+    assert_eq!(people.state(a).unwrap().node, place.node);
+}
+
+/// Ten people who are sent to ten points around a centre.
+pub fn ten_sent(wish: impl Fn(&World, Vec3) -> Wish) -> (World, Inhabitants) {
+    let world = open(&["#######"; 7]);
+    let mut people = people_at(&world, &scatter(world.graph(), 10, 6));
+    for c in 0..10 {
+        let at = Vec3::new(2.0 * SIDE + (c % 4) as f32, 1.0, 3.0 * SIDE + (c / 4) as f32);
+        let wish = wish(&world, at);
+        people.order(Id::first(c), wish).unwrap();
+    }
+    (0..5400).for_each(|_| people.step(DT, &Inline).unwrap());
+    (world, people)
+}
+
+#[test]
+pub fn ten_sent_to_places_a_metre_apart_stand_or_wait_and_say_for_whom() {
+    let to_place = |world: &World, at| Wish::GoToPlace { place: world.near(at, 2.0).unwrap() };
+    let (_, mut people) = ten_sent(to_place);
+    let ids = people.ids().to_vec();
+    let status = |people: &Inhabitants| ids.iter().map(|id| people.status(*id).unwrap()).collect::<Vec<_>>();
+    let nodes = |people: &Inhabitants| ids.iter().map(|id| people.state(*id).unwrap().node).collect::<Vec<_>>();
+    let (stand, stood) = (status(&people), nodes(&people));
+    let mut there = 0;
+    for s in &stand {
+        match *s {
+            Status::There => there += 1,
+            Status::Blocked { by: Some(by) } => assert_eq!(stand[by.index()], Status::There),
+            s => panic!("{s:?}: {stand:?}"),
+        }
+    }
+    assert!((3..10).contains(&there), "{stand:?}");
+    for _ in 0..3600 {
+        people.step(DT, &Inline).unwrap();
+        assert_eq!(nodes(&people), stood);
+    }
+    // One goes away: another one takes its place.
+    let is_waited_for = |id: &&Id| stand.contains(&Status::Blocked { by: Some(**id) });
+    // Its tile can still be entered.
+    let x = |id: &Id| people.bodies().get(*id).unwrap().root.x;
+    let left = *ids.iter().filter(is_waited_for).min_by(|a, b| x(a).total_cmp(&x(b))).expect("who is waited for");
+    people.despawn(left).unwrap();
+    (0..3600).for_each(|_| people.step(DT, &Inline).unwrap());
+    let now = people.ids().iter().filter(|id| people.status(**id).unwrap() == Status::There).count();
+    assert_eq!(now, there);
+}
+
+#[test]
+pub fn ten_sent_near_a_place_all_come_near_it() {
+    let (world, people) = ten_sent(|_, at| Wish::GoNear { place: at, within_m: 2.5 * SIDE });
+    for (c, &id) in people.ids().iter().enumerate() {
+        let at = Vec3::new(2.0 * SIDE + (c % 4) as f32, 1.0, 3.0 * SIDE + (c / 4) as f32);
+        assert_eq!(people.status(id).unwrap(), Status::There, "{c}");
+        assert!(world.graph().place(people.state(id).unwrap().node).translation().distance(at) < 2.5 * SIDE);
+    }
 }

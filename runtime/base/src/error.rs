@@ -90,8 +90,10 @@ pub enum Error {
         capacity: usize,
     },
     /// No way leads there.
-    #[error("no way leads from {from} to {to}; name a place that can be reached")]
+    #[error("{}no way leads from {from} to {to}; name a place that can be reached", of(.who))]
     NoWay {
+        /// Who was to go there.
+        who: Option<Id>,
         /// Where it begins (m).
         from: Vec3,
         /// Where it should end (m).
@@ -106,7 +108,9 @@ pub enum Error {
         by: String,
     },
     /// Made with another bundle.
-    #[error("this was made with another bundle ({expected:032x}, not {got:032x}); make it anew, or `adopt` the bundle")]
+    #[error(
+        "this was made with another bundle ({expected:032x}, not {got:032x}); make it anew (stitch a world again), or `adopt` the bundle"
+    )]
     OtherBundle {
         /// Content hash of the bundle it was made with.
         expected: u128,

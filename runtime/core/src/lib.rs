@@ -26,6 +26,7 @@ pub use format::FormatError;
 pub use hits::HitRecord;
 pub use planar::Planar;
 pub use pose::{LocalTransform, Mat3x4};
+pub use roster::Roster;
 pub use skeleton::{Joint, NUM_JOINTS, Skeleton};
 #[cfg(feature = "rayon")]
 pub use throng_base::Rayon;

@@ -8,7 +8,7 @@ const FREE: u32 = u32::MAX;
 
 /// Which id is in which row. Rows have no gaps: the last one moves to where one becomes free.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub(crate) struct Roster {
+pub struct Roster {
     /// Id in each row.
     ids: Vec<Id>,
     /// Generation and row of each index, or [`FREE`] (capacity).

@@ -8,10 +8,12 @@ use rand::{Rng, RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use std::ops::Range;
 use std::sync::Arc;
-use throng_base::{Bytes, Result, SnapshotKind};
+use throng_base::{Bytes, Error, Id, Result, SnapshotKind};
 use throng_core::characters::CharactersConfig;
-use throng_core::{Contacts, Mat3x4, NUM_JOINTS, Planar};
-use throng_world::inhabitants::{Doing, Inhabitants, InhabitantsConfig, InhabitantsError, Wish, scatter};
+use throng_core::{Cast, Contacts, Mat3x4, NUM_JOINTS, Planar};
+use throng_world::inhabitants::{
+    Doing, InhabitantEvent, InhabitantState, Inhabitants, InhabitantsConfig, Wish, scatter,
+};
 use throng_world::{Node, WorldGraph};
 
 /// Longest that somebody looks for what cannot be reached before it wishes something else (s).
@@ -45,8 +47,6 @@ pub struct Inhabited {
     until_s: Vec<f64>,
     /// Who was told what to do, and wishes nothing of its own.
     told: Vec<bool>,
-    /// Wishes of each that were fulfilled, as far as they were told.
-    fulfilled: Vec<u32>,
     time_s: f64,
 }
 
@@ -77,17 +77,16 @@ impl Inhabited {
             counted = range.end;
             choices.push((range, choices_of(compiled, g, world.graph())?));
         }
-        let fault =
-            |e: InhabitantsError| scene.fault(&key, format!("{e}; correct the scene file, or stitch the world again"));
+        let fault = |e: Error| scene.fault(&key, format!("{e}; correct the scene file, or stitch the world again"));
         let characters = CharactersConfig { seed: compiled.seed(first), ..CharactersConfig::default() };
         let config = InhabitantsConfig { characters, ..InhabitantsConfig::default() };
-        let inhabitants = Inhabitants::new(world, config, &starts).map_err(fault)?;
+        let mut inhabitants = Inhabitants::new(world, num, config).map_err(fault)?;
+        starts.into_iter().try_for_each(|start| inhabitants.spawn(start).map(|_| ())).map_err(fault)?;
         let mut life = Self {
             scene: Arc::clone(scene),
             key: key.clone(),
             until_s: vec![0.0; num],
             told: vec![false; num],
-            fulfilled: vec![0; num],
             inhabitants,
             choices,
             rng: Pcg64Mcg::seed_from_u64(compiled.seed(first)),
@@ -112,12 +111,22 @@ impl Inhabited {
     /// # Errors
     /// What the character cannot do; nothing has changed then.
     pub fn tell(&mut self, character: usize, wish: Option<Wish>) -> Result<()> {
-        let told = self.inhabitants.set_wish(character, wish.unwrap_or_default());
+        let told = self.inhabitants.order(self.id(character), wish.unwrap_or_default());
         told.map_err(|e| self.scene.fault(&self.key, e))?;
         self.told[character] = wish.is_some();
         // Its next own wish comes with the next step.
         self.until_s[character] = self.time_s;
         Ok(())
+    }
+
+    /// What a character does, and where (character < number of characters).
+    pub fn state(&self, character: usize) -> InhabitantState {
+        self.inhabitants.state(self.id(character)).unwrap_or_else(|e| unreachable!("nobody leaves: {e}"))
+    }
+
+    /// The inhabitant of a number (character < number of characters); nobody leaves.
+    fn id(&self, character: usize) -> Id {
+        self.inhabitants.ids()[character]
     }
 
     /// True for who was told what to do (character < number of characters).
@@ -126,19 +135,23 @@ impl Inhabited {
     }
 
     /// Gives a new wish to all whose time has come or who have what they wished for.
-    fn wish(&mut self) -> Result<(), InhabitantsError> {
-        for c in 0..self.inhabitants.num_characters() {
+    fn wish(&mut self) -> Result<()> {
+        for c in 0..self.num_characters() {
             if self.told[c] {
                 continue;
             }
-            let doing = self.inhabitants.status(c).doing;
+            let doing = self.state(c).doing;
             if doing == Doing::Unreachable {
                 self.until_s[c] = self.until_s[c].min(self.time_s + GIVE_UP_S);
             }
             if doing == Doing::Arrived || self.time_s >= self.until_s[c] {
                 let (wish, until_s) = self.draw(c);
                 self.until_s[c] = until_s;
-                self.inhabitants.set_wish(c, wish)?;
+                match self.inhabitants.order(self.id(c), wish) {
+                    // It draws again at the next step.
+                    Err(Error::NoWay { .. }) => self.until_s[c] = self.time_s,
+                    told => told?,
+                }
             }
         }
         Ok(())
@@ -209,18 +222,15 @@ fn within([low, high]: [f64; 2], rng: &mut impl Rng) -> f64 {
 
 impl Kind for Inhabited {
     fn num_characters(&self) -> usize {
-        self.inhabitants.num_characters()
+        self.inhabitants.ids().len()
     }
 
     fn step(&mut self, tick: &Tick<'_>, events: &mut Vec<Event>) -> Result<()> {
-        let moved = self.wish().and_then(|()| self.inhabitants.step_on(tick.dt_s, tick.run));
+        let moved = self.wish().and_then(|()| self.inhabitants.step(tick.dt_s, tick.run));
         moved.map_err(|e| self.scene.fault(&self.key, e))?;
         self.time_s += f64::from(tick.dt_s);
-        for (c, known) in self.fulfilled.iter_mut().enumerate() {
-            let now = self.inhabitants.status(c).num_fulfilled;
-            if now > std::mem::replace(known, now) {
-                events.push(Event { time_s: tick.until_s, who: tick.first + c, happened: Happened::Fulfilled });
-            }
+        for (id, _) in self.inhabitants.events().iter().filter(|(_, event)| *event == InhabitantEvent::Fulfilled) {
+            events.push(Event { time_s: tick.until_s, who: tick.first + id.index(), happened: Happened::Fulfilled });
         }
         Ok(())
     }
@@ -228,21 +238,23 @@ impl Kind for Inhabited {
     fn save(&self, out: &mut Vec<u8>) {
         let mut inhabitants = Bytes::default();
         self.inhabitants.save(&mut inhabitants.0);
-        let minds = (&self.rng, &self.until_s, &self.told, &self.fulfilled, self.time_s);
+        let minds = (&self.rng, &self.until_s, &self.told, self.time_s);
         WISHES.write(&(minds, inhabitants), out);
     }
 
     fn load(&mut self, bytes: &[u8], _: f64) -> Result<()> {
         let (minds, inhabitants): (_, Bytes) = WISHES.read_all(bytes)?;
-        let (rng, until_s, told, fulfilled, time_s): (Pcg64Mcg, Vec<f64>, Vec<bool>, Vec<u32>, f64) = minds;
-        let n = self.until_s.len();
+        let (rng, until_s, told, time_s): (Pcg64Mcg, Vec<f64>, Vec<bool>, f64) = minds;
         let are_times = until_s.iter().all(|t| !t.is_nan()) && (0.0..1e9).contains(&time_s);
-        if [until_s.len(), told.len(), fulfilled.len()] != [n; 3] || !are_times {
+        if [until_s.len(), told.len()] != [self.until_s.len(); 2] || !are_times {
             return Err(refused(WISHES.what, "somebody wishes what nobody can"));
         }
+        let ids = self.inhabitants.ids().to_vec();
         self.inhabitants.load(&inhabitants.0)?;
-        (self.rng, self.until_s, self.told) = (rng, until_s, told);
-        (self.fulfilled, self.time_s) = (fulfilled, time_s);
+        if self.inhabitants.ids() != ids {
+            return Err(refused(WISHES.what, "they are others"));
+        }
+        (self.rng, self.until_s, self.told, self.time_s) = (rng, until_s, told, time_s);
         Ok(())
     }
 

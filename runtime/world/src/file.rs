@@ -9,6 +9,7 @@ use super::baked::{Baked, PathCosts};
 use super::{AdjacencyRecord, InstanceRecord, JointRecord, JointTableRecord, Node, UnitRecord};
 use super::{WorldData, WorldError, WorldGraph, WorldMeta, WorldView, check, tags};
 use glam::Vec3;
+use serde::{Deserialize, Serialize};
 use std::sync::{Arc, OnceLock};
 use std::{io, path::Path};
 use throng_base::{Error, Hash128, Result};
@@ -176,7 +177,7 @@ impl World {
 }
 
 /// A place in a world where a character may stay.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Place {
     /// The node of the world's graph.
     pub node: Node,

@@ -321,7 +321,7 @@ impl WorldWatch {
         self.look_around(sim);
         for (k, trunk) in trunks.iter().enumerate() {
             let (_, member) = sim.member(self.members[k]);
-            let (doing, progress) = (people.inhabitants().status(member).doing, &mut self.progress[k]);
+            let (doing, progress) = (people.state(member).doing, &mut self.progress[k]);
             self.looks += 1;
             self.waiting += u64::from(doing == Doing::Waiting);
             let at_will = matches!(doing, Doing::Performing | Doing::Arrived);
@@ -365,7 +365,7 @@ impl WorldWatch {
         let (mut fulfilled, mut travelled_m, mut waiting, mut looks) = (0u32, 0.0, 0u64, 0u64);
         for w in all {
             let GroupCast::Patches(people) = &sim.casts()[w.cast] else { continue };
-            let of = |who: &usize| people.inhabitants().status(sim.member(*who).1).num_fulfilled;
+            let of = |who: &usize| people.state(sim.member(*who).1).num_fulfilled;
             fulfilled += w.members.iter().map(of).sum::<u32>();
             (travelled_m, waiting, looks) = (travelled_m + w.travelled_m, waiting + w.waiting, looks + w.looks);
             f.character_overlaps += w.trunks.count();

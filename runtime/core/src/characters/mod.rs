@@ -169,8 +169,11 @@ impl Characters {
         }
     }
 
-    /// Room for characters that enter later.
-    pub(super) fn with_room(
+    /// Room for characters that enter later: see [`Characters::enter_laid`].
+    ///
+    /// # Errors
+    /// [`CharactersError::Value`] for a setting out of its range.
+    pub fn with_room(
         motion_set: &MotionSet,
         config: CharactersConfig,
         capacity: usize,

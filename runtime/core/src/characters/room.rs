@@ -1,6 +1,6 @@
 //! Characters that come and go: who is there stays side by side.
 
-use super::block::Block;
+use super::block::{Block, LAID};
 use super::lanes::Lanewise;
 use super::motion_set::MotionSet;
 use super::{Characters, CharactersConfig, Start};
@@ -37,8 +37,9 @@ impl Characters {
     }
 
     /// One leaves, and the last one takes its place (at < num_characters).
-    pub(super) fn leave(&mut self, at: usize) {
+    pub fn leave(&mut self, at: usize) {
         let last = self.num_characters - 1;
+        self.num_choosers -= usize::from(self.blocks[at / LANES].segment[at % LANES] != LAID);
         let from = self.blocks[last / LANES];
         self.blocks[at / LANES].take(at % LANES, &from, last % LANES);
         self.blocks[last / LANES].take(last % LANES, &Block::ZERO, 0);
@@ -47,7 +48,6 @@ impl Characters {
             self.locals.copy_within(last * NUM_JOINTS..(last + 1) * NUM_JOINTS, at * NUM_JOINTS);
         }
         self.num_characters -= 1;
-        self.num_choosers -= 1;
     }
 
     /// Puts one elsewhere, with free feet (at < num_characters).

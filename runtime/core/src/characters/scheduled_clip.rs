@@ -1,12 +1,14 @@
 //! Courses: stretches of frames that a character is laid on by whoever moves it, in place of choosing by a policy.
 
 use super::block::{Block, LAID, NO_STATE};
+use super::lanes::Lanewise;
 use super::motion_set::MotionSet;
 use super::transition::{self, Change};
 use super::{Characters, CharactersConfig, CharactersError, check, check_index};
 use crate::patch::Placement;
 use crate::planar::Planar;
-use crate::pose::set;
+use crate::pose::{Mat3x4, set};
+use crate::skeleton::NUM_JOINTS;
 use glam::{Vec2, Vec3};
 use throng_base::simd::LANES;
 
@@ -89,20 +91,53 @@ impl Characters {
         config: CharactersConfig,
         scheduled_clips: &[ScheduledClip],
     ) -> Result<Self, CharactersError> {
-        config.check()?;
-        let mut blocks = vec![Block::ZERO; scheduled_clips.len().div_ceil(LANES)];
-        for (c, scheduled_clip) in scheduled_clips.iter().enumerate() {
-            scheduled_clip.check(motion_set)?;
-            let (b, lane) = (&mut blocks[c / LANES], c % LANES);
-            scheduled_clip.put(b, lane, motion_set);
-            b.time[lane] = scheduled_clip.from_offset as f32;
-            set(
-                &mut b.root,
-                lane,
-                Vec3::new(scheduled_clip.root.x, scheduled_clip.root.z, scheduled_clip.root.heading),
-            );
-        }
-        Ok(Self::with_blocks(motion_set, config, blocks, scheduled_clips.len(), 0))
+        let mut out = Self::with_room(motion_set, config, scheduled_clips.len())?;
+        scheduled_clips.iter().try_for_each(|clip| out.enter_laid(motion_set, clip))?;
+        Ok(out)
+    }
+
+    /// One more, after the last one, on a scheduled clip; see [`Characters::new_laid`]. Its pose is there after the next
+    /// step. Allocates nothing.
+    ///
+    /// # Errors
+    /// As [`Characters::lay`], and [`CharactersError::Index`] where there is no room; nothing has changed then.
+    pub fn enter_laid(
+        &mut self,
+        motion_set: &MotionSet,
+        scheduled_clip: &ScheduledClip,
+    ) -> Result<(), CharactersError> {
+        let at = self.num_characters;
+        check_index("character", at, self.matrices.len() / NUM_JOINTS)?;
+        self.blocks[at / LANES].take(at % LANES, &Block::ZERO, 0);
+        self.num_characters += 1;
+        let started = self.start_laid(motion_set, at, scheduled_clip);
+        self.num_characters -= usize::from(started.is_err());
+        started?;
+        self.matrices[at * NUM_JOINTS..][..NUM_JOINTS].fill(Mat3x4::default());
+        Ok(())
+    }
+
+    /// Puts a character on a scheduled clip at once, with free feet and without a transition.
+    ///
+    /// # Errors
+    /// As [`Characters::lay`].
+    pub fn start_laid(
+        &mut self,
+        motion_set: &MotionSet,
+        character: usize,
+        scheduled_clip: &ScheduledClip,
+    ) -> Result<(), CharactersError> {
+        self.check_bundle(motion_set)?;
+        check_index("character", character, self.num_characters)?;
+        scheduled_clip.check(motion_set)?;
+        let (b, lane, root) = (&mut self.blocks[character / LANES], character % LANES, scheduled_clip.root);
+        self.num_choosers -= usize::from(b.segment[lane] != LAID);
+        b.take(lane, &Block::ZERO, 0);
+        b.name[lane] = character as u64;
+        scheduled_clip.put(b, lane, motion_set);
+        b.time[lane] = scheduled_clip.from_offset as f32;
+        set(&mut b.root, lane, Vec3::new(root.x, root.z, root.heading));
+        Ok(())
     }
 
     /// Lays a character on a scheduled clip, which it changes to exactly where what it plays ends.
@@ -156,12 +191,6 @@ impl Characters {
         let (b, lane) = (&self.blocks[character / LANES], character % LANES);
         b.lift_at(lane, b.time[lane])
     }
-}
-
-/// True where so many frames after a frame (> 0) belong to the same clip.
-pub(super) fn is_stretch(motion_set: &MotionSet, frame: u32, num_frames: u32) -> bool {
-    let last = frame as usize + num_frames as usize;
-    num_frames > 0 && last < motion_set.frames.len() && motion_set.clip_of(frame) == motion_set.clip_of(last as u32)
 }
 
 /// Changes to a scheduled clip at the end of what is played.

@@ -3,7 +3,6 @@
 use super::block::{Block, LAID, NO_STATE};
 use super::lanes::Lanewise;
 use super::motion_set::MotionSet;
-use super::scheduled_clip::is_stretch;
 use super::step::{self, RANGE_BLOCKS, Tick};
 use super::{Asked, Characters, range};
 use crate::pose::Mat3x4;
@@ -49,10 +48,24 @@ impl Characters {
     /// [`Error::Snapshot`] where it is of another number of characters or another bundle, or damaged; nothing has
     /// changed then.
     pub fn restore(&mut self, motion_set: &MotionSet, snapshot: &CharactersSnapshot) -> Result<()> {
+        let (n, expected) = (snapshot.num_characters, self.num_characters);
+        if n != expected {
+            let why = format!("it has {n} characters, expected {expected}");
+            return Err(Error::Snapshot { what: "characters", why });
+        }
+        self.restore_any(motion_set, snapshot)
+    }
+
+    /// As [`Characters::restore`], whatever their number, as far as there is room.
+    ///
+    /// # Errors
+    /// As [`Characters::restore`].
+    pub fn restore_any(&mut self, motion_set: &MotionSet, snapshot: &CharactersSnapshot) -> Result<()> {
         let CharactersSnapshot { blocks, num_characters: n, fingerprint } = snapshot;
         let refuse = |why: String| Err(Error::Snapshot { what: "characters", why });
-        if *n != self.num_characters || blocks.len() != n.div_ceil(LANES) {
-            return refuse(format!("it has {n} characters, expected {}", self.num_characters));
+        let room = self.matrices.len() / NUM_JOINTS;
+        if *n > room || blocks.len() != n.div_ceil(LANES) {
+            return refuse(format!("it has {n} characters, there is room for {room}"));
         }
         if [*fingerprint; 2] != [self.fingerprint, motion_set.fingerprint] {
             return refuse("it was taken with another bundle".into());
@@ -63,22 +76,6 @@ impl Characters {
         self.set_blocks(blocks, *n);
         self.pose_again(motion_set);
         Ok(())
-    }
-
-    /// As [`Characters::restore`], of characters that are laid on scheduled clips, as many as there are room for. False where
-    /// they are no such characters; nothing has changed then.
-    pub fn restore_laid(&mut self, motion_set: &MotionSet, snapshot: &CharactersSnapshot) -> bool {
-        let CharactersSnapshot { blocks, num_characters: n, fingerprint } = snapshot;
-        let name = |c: usize| blocks[c / LANES].name[c % LANES];
-        let is_laid =
-            |c: usize| blocks[c / LANES].segment[c % LANES] == LAID && is_sound(blocks, motion_set, c, name(c));
-        let fits = *n <= self.matrices.len() / NUM_JOINTS && blocks.len() == n.div_ceil(LANES);
-        let good = fits && [*fingerprint; 2] == [self.fingerprint, motion_set.fingerprint] && (0..*n).all(is_laid);
-        if good {
-            self.set_blocks(blocks, *n);
-            self.pose_again(motion_set);
-        }
-        good
     }
 
     /// State of all who are there, eight to a block; lanes of nobody are zero, whoever was there before.
@@ -128,8 +125,13 @@ fn clear_beyond(blocks: &mut [Block], n: usize) {
 pub(super) fn is_sound(blocks: &[Block], motion_set: &MotionSet, at: usize, name: u64) -> bool {
     let (mut b, lane) = (blocks[at / LANES], at % LANES);
     let (first, length) = (b.first[lane], b.length[lane]);
+    // Who is laid on clips chooses nothing.
+    let named = b.name[lane] == name || b.segment[lane] == LAID;
     let (exists, earliest) = match b.segment[lane] {
-        LAID => (is_stretch(motion_set, first, length) && b.bend[lane] == 0.0, f32::NEG_INFINITY),
+        LAID => {
+            let end = first as usize + length as usize;
+            (length > 0 && end < motion_set.frames.len(), f32::NEG_INFINITY)
+        }
         segment => {
             let segment = motion_set.graph.segments.get(segment as usize);
             (segment.is_some_and(|s| (first, length) == (s.start, s.num_frames)), 0.0)
@@ -137,9 +139,9 @@ pub(super) fn is_sound(blocks: &[Block], motion_set: &MotionSet, at: usize, name
     };
     let state = b.choice_state[lane];
     let chose = state == NO_STATE || (state as usize) < motion_set.graph.states.len();
-    // Endless before the first transition.
-    let aged = b.age_s[lane] >= 0.0;
+    // Endless before the first transition, and below 0 where a scheduled clip is laid but has not begun.
+    let aged = b.age_s[lane] > -1e3;
     b.age_s[lane] = 0.0;
     let in_time = (earliest..=length as f32).contains(&b.time[lane]);
-    exists && chose && aged && in_time && b.name[lane] == name && b.is_near(lane)
+    exists && chose && aged && in_time && named && b.is_near(lane)
 }

@@ -121,7 +121,7 @@ impl Streets {
 
     /// Subgoals of a route for an agent of a radius: the goal alone where the way is straight.
     pub(crate) fn subgoals(&self, from: Vec3, to: Vec3, radius: f32) -> Result<Vec<Vec3>> {
-        let corners = self.corners(from, to).map_err(|_| Error::NoWay { from, to })?;
+        let corners = self.corners(from, to).map_err(|_| Error::NoWay { who: None, from, to })?;
         Ok(tie(&corners, radius))
     }
 

@@ -5,10 +5,13 @@ mod damage;
 mod made_up_world;
 mod scenes;
 
+// Made-up worlds name what they need as applications do.
+extern crate self as throng_runtime;
+
 use std::sync::atomic::{AtomicUsize, Ordering};
-use throng_base::{Inline, Run};
-use throng_core::{Mat3x4, NUM_JOINTS, Planar};
+use throng_core::*;
 use throng_simulation::{CompiledScene, Event, GroupCast, Happened, Simulation};
+use throng_world as world;
 
 const DT: f64 = 1.0 / 30.0;
 
@@ -159,7 +162,7 @@ fn what_is_told_from_outside_is_kept() {
                 s.set_weights(&[-1.0]).unwrap();
                 s.play(3, 1).unwrap();
             }
-            GroupCast::Patches(p) => p.tell(1, Some(throng_world::inhabitants::Wish::Roam)).unwrap(),
+            GroupCast::Patches(p) => p.tell(1, Some(world::inhabitants::Wish::Roam)).unwrap(),
             _ => unreachable!("three kinds"),
         }
     }

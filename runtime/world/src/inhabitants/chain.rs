@@ -42,6 +42,12 @@ impl Chains {
         self.ranges[character] = [0, steps.len()];
     }
 
+    /// Gives a character the chain of another one.
+    pub fn copy(&mut self, from: usize, to: usize) {
+        self.steps.copy_within(from * MAX_CHAIN..(from + 1) * MAX_CHAIN, to * MAX_CHAIN);
+        self.ranges[to] = self.ranges[from];
+    }
+
     /// The same by one step, and room for those after it.
     pub fn begin(&mut self, character: usize, step: Step) -> &mut [Step] {
         let room = &mut self.steps[character * MAX_CHAIN..][..MAX_CHAIN];

@@ -1,9 +1,10 @@
 //! How inhabitants behave, what they wish for, and what they are doing.
 
-use super::InhabitantsError;
-use crate::Node;
+use crate::{Node, Place};
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
+use throng_base::Result;
+use throng_base::error::check;
 use throng_core::characters::{CharactersConfig, MAX_STEP_S};
 
 /// How inhabitants behave.
@@ -26,18 +27,12 @@ impl Default for InhabitantsConfig {
 }
 
 impl InhabitantsConfig {
-    pub(super) fn check(&self) -> Result<(), InhabitantsError> {
-        let value = |what, got, expected| Err(InhabitantsError::Value { what, got, expected });
-        if !(self.patience_s > 0.0 && self.patience_s < 1e6) {
-            return value("patience_s", self.patience_s, "more than 0 and below 1e6");
-        }
-        if self.plans_per_step == 0 {
-            return value("plans_per_step", 0.0, "at least 1");
-        }
-        if !(8..=65536).contains(&self.max_path) {
-            return value("max_path", self.max_path as f32, "between 8 and 65536");
-        }
-        Ok(())
+    pub(super) fn check(&self) -> Result<()> {
+        let patience = self.patience_s;
+        check("patience_s", None, patience.into(), patience > 0.0 && patience < 1e6, "more than 0 and below 1e6")?;
+        check("plans_per_step", None, self.plans_per_step as f64, self.plans_per_step > 0, "at least 1")?;
+        let max = self.max_path;
+        check("max_path", None, max as f64, (8..=65536).contains(&max), "between 8 and 65536")
     }
 }
 
@@ -52,10 +47,18 @@ pub enum Wish {
         /// The instance.
         instance: u32,
     },
-    /// Go to the place nearest to a point where one can stay, and stay.
+    /// Go to a place, and stay.
     GoToPlace {
+        /// See [`crate::World::near`].
+        place: Place,
+    },
+    /// Go to where the free place to stay is that is nearest to a point, and stay there; to another one where somebody else is
+    /// sooner.
+    GoNear {
         /// In the world (m).
         place: Vec3,
+        /// No farther away than that, for the hips of who stays there (m).
+        within_m: f32,
     },
     /// Go to the nearest free instance whose motion shows a tag, and do that again and again, then stay.
     Perform {
@@ -93,11 +96,13 @@ pub enum Doing {
     Arrived,
     /// No way leads there; stays where it can.
     Unreachable,
+    /// Another one stays in its place: waits until it leaves.
+    Blocked,
 }
 
 /// What can be told of an inhabitant.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Status {
+pub struct InhabitantState {
     /// Node that its motion leads to.
     pub node: Node,
     /// What it is to do.
@@ -110,9 +115,6 @@ pub struct Status {
     pub waited_s: f32,
 }
 
-pub(super) fn check_time(dt_s: f32) -> Result<(), InhabitantsError> {
-    match (0.0..=MAX_STEP_S).contains(&dt_s) {
-        true => Ok(()),
-        false => Err(InhabitantsError::Value { what: "dt_s", got: dt_s, expected: "between 0 and 1" }),
-    }
+pub(super) fn check_time(dt_s: f32) -> Result<()> {
+    check("dt_s", None, dt_s.into(), (0.0..=MAX_STEP_S).contains(&dt_s), "between 0 and 1 (s)")
 }

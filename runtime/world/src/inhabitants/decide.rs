@@ -3,10 +3,11 @@
 //! Decisions are made in the order of the characters, on one thread; they are few.
 
 use super::chain::{self, MAX_CHAIN, MAX_OPENED, ToPath, ToSafety};
-use super::config::{Doing, Wish, check_time};
-use super::{InhabitantState, Inhabitants, InhabitantsError, lay};
+use super::config::{Doing, Wish};
+use super::{InhabitantEvent, Inhabitants, State, lay};
 use crate::plan::{Found, Target};
 use crate::{Step, World, WorldGraph};
+use throng_base::Result;
 use throng_core::characters::uniform;
 
 /// Random steps that are tried before those that need no search are taken.
@@ -24,10 +25,11 @@ const GIVES_WAY: f32 = 0.25;
 const INSISTS: f32 = 4.0;
 /// Who lost patience walks this much further to avoid an instance that others hold (frames).
 const TOLL: f32 = 120.0;
+/// The same where they stay (frames).
+const TOLL_OF_WHO_STAYS: f32 = 3000.0;
 
 impl Inhabitants {
-    pub(super) fn control(&mut self, world: &World, dt_s: f32) -> Result<(), InhabitantsError> {
-        check_time(dt_s)?;
+    pub(super) fn control(&mut self, world: &World, dt_s: f32) -> Result<()> {
         let (motion_set, graph) = (world.motion_set(), world.graph());
         self.plan_paths(graph);
         let frames = dt_s * self.rate_hz;
@@ -50,7 +52,7 @@ impl Inhabitants {
     fn plan_paths(&mut self, graph: &WorldGraph) {
         for _ in 0..self.config.plans_per_step {
             let Some(c) = self.paths.next() else { return };
-            let from = self.chains.of(c).last().map_or(self.states[c].at, |s| s.to);
+            let from = self.end(c);
             let Some(mut target) = self.paths.target(c) else { continue };
             if let Target::Tag { instance, tag } = target
                 && !self.reservations.are_free(graph.resources(instance), c as u32)
@@ -59,17 +61,31 @@ impl Inhabitants {
                 target = Target::Tag { instance, tag };
                 self.paths.forget(c, Some(target));
             }
+            if !self.reservations.are_free(graph.resources(target.instance()), c as u32)
+                && self.turn_to_free(graph, c)
+                && let Some(free) = self.paths.target(c)
+            {
+                target = free;
+            }
             if target.is_at(graph, from) {
                 continue;
             }
             let (reservations, impatient) = (&self.reservations, self.states[c].impatience > 0);
+            let states = &self.states;
             let toll = |i: u32| {
-                let held = impatient && i != target.instance() && !reservations.are_free(graph.resources(i), c as u32);
-                if held { TOLL } else { 0.0 }
+                let is_passed = impatient && i != target.instance();
+                match reservations.other(graph.resources(i), c as u32).filter(|_| is_passed) {
+                    None => 0.0,
+                    Some(other) if states[other as usize].doing == Doing::Arrived => TOLL_OF_WHO_STAYS,
+                    Some(_) => TOLL,
+                }
             };
             match self.planner.plan_around(graph, from, target, toll, self.paths.room(c)) {
                 Some(plan) => self.paths.set(c, from, plan),
-                None => self.states[c].doing = Doing::Unreachable,
+                None => {
+                    self.states[c].doing = Doing::Unreachable;
+                    self.events.push((self.roster.ids()[c], InhabitantEvent::NoWay));
+                }
             }
         }
     }
@@ -146,6 +162,7 @@ impl Inhabitants {
         let state = &mut self.states[c];
         state.doing = Doing::Arrived;
         state.num_fulfilled = state.num_fulfilled.wrapping_add(1);
+        self.events.push((self.roster.ids()[c], InhabitantEvent::Fulfilled));
         self.rest(graph, c)
     }
 
@@ -194,7 +211,9 @@ impl Inhabitants {
             let _ = self.rejoin(graph, c, 0, false) || self.rejoin(graph, c, 0, true);
         }
         let Some(steps) = self.stretch(graph, c) else {
-            self.states[c].doing = Doing::Planning;
+            if self.states[c].doing != Doing::Blocked {
+                self.states[c].doing = Doing::Planning;
+            }
             self.paths.ask(c);
             return None;
         };
@@ -220,8 +239,12 @@ impl Inhabitants {
         self.reserve(graph, c)
     }
 
-    /// Notes that another one holds what is needed; in the end patience is lost.
+    /// Notes that another one holds what is needed; in the end patience is lost, unless one's place is taken for good.
     fn refuse(&mut self, graph: &WorldGraph, c: usize, holder: usize) {
+        let (stays, is_blocked) = (self.stays(holder), self.states[holder].doing == Doing::Blocked);
+        let is_taken = (stays || is_blocked) && self.taken_by(graph, c).is_some();
+        // Who lost patience has looked for a way round.
+        let is_shut_in = stays && self.states[c].impatience > 0;
         // Of two who bar each other's way, one gives way soon and the other one late.
         let share = match self.needs_what_is_held(graph, holder, c) {
             true if holder < c => GIVES_WAY,
@@ -230,10 +253,25 @@ impl Inhabitants {
         };
         let chance = self.chance(c);
         let (now, patience_s) = (self.time_s, f64::from(self.config.patience_s * share * (0.5 + chance)));
+        if is_taken && self.turn_to_free(graph, c) {
+            self.states[c].doing = Doing::Planning;
+            self.paths.ask(c);
+            return;
+        }
+        self.states[holder].in_the_way |= !is_taken && is_blocked;
         let state = &mut self.states[c];
-        state.doing = Doing::Waiting;
+        state.doing = if is_taken || is_shut_in { Doing::Blocked } else { Doing::Waiting };
         state.progress = 0;
-        if now - *state.refused_s.get_or_insert(now) < patience_s {
+        let waits = now - *state.refused_s.get_or_insert(now) < patience_s;
+        let makes_room = std::mem::take(&mut state.in_the_way);
+        if state.doing == Doing::Blocked && !makes_room {
+            if is_shut_in && !is_taken && !waits {
+                state.refused_s = None;
+                self.paths.forget(c, self.paths.target(c));
+            }
+            return;
+        }
+        if state.doing == Doing::Waiting && waits {
             return;
         }
         // Longer each time, so that it gets far enough out of the way.
@@ -252,8 +290,13 @@ impl Inhabitants {
 
     /// True where the next steps of a character's path need what another one holds.
     fn needs_what_is_held(&self, graph: &WorldGraph, character: usize, by: usize) -> bool {
-        let stretch = self.stretch(graph, character).map_or(0, <[Step]>::len);
-        stretch > 0 && self.barred(graph, character, stretch) == Some(by)
+        self.barred_by(graph, character) == Some(by)
+    }
+
+    /// Who holds what the next steps of a character's path need.
+    pub(super) fn barred_by(&self, graph: &WorldGraph, c: usize) -> Option<usize> {
+        let stretch = self.stretch(graph, c)?.len();
+        self.barred(graph, c, stretch)
     }
 
     /// Nothing is in the way any more.
@@ -290,13 +333,13 @@ impl Inhabitants {
 
     /// Any of the steps that can be taken now and are wanted, with equal chances.
     fn pick(&mut self, graph: &WorldGraph, c: usize, wanted: impl Fn(&Step) -> bool) -> Option<Step> {
-        let (seed, mut draws) = (self.config.characters.seed, self.states[c].draws);
+        let (seed, name, mut draws) = (self.config.characters.seed, self.name(c), self.states[c].draws);
         let (mut chosen, mut count) = (None, 0u32);
         graph.for_each_step(self.states[c].at, |step| {
             if wanted(&step) && chain::is_free(graph, &self.reservations, c as u32, &step) {
                 count += 1;
                 draws = draws.wrapping_add(1);
-                if uniform(seed, c as u64, draws.into()) * (count as f32) < 1.0 {
+                if uniform(seed, name, draws.into()) * (count as f32) < 1.0 {
                     chosen = Some(step);
                 }
             }
@@ -335,22 +378,28 @@ impl Inhabitants {
 
     /// Lets go of what neither the present step nor those after it need.
     fn release(&mut self, graph: &WorldGraph, c: usize) {
-        self.reservations.begin_release();
+        self.reservations.clear_marks();
         let reservations = &mut self.reservations;
-        needs(graph, &self.states[c], self.chains.of(c), |units| reservations.keep(units));
+        needs(graph, &self.states[c], self.chains.of(c), |units| reservations.mark(units));
         reservations.release(c as u32);
     }
 
     /// A random number of a character, in [0, 1).
     fn chance(&mut self, c: usize) -> f32 {
-        let state = &mut self.states[c];
+        let (name, state) = (self.name(c), &mut self.states[c]);
         state.draws = state.draws.wrapping_add(1);
-        uniform(self.config.characters.seed, c as u64, state.draws.into())
+        uniform(self.config.characters.seed, name, state.draws.into())
+    }
+
+    /// What random numbers of a character depend on, beside the seed and their number.
+    fn name(&self, c: usize) -> u64 {
+        let id = self.roster.ids()[c];
+        u64::from(id.generation) << 32 | u64::from(id.index)
     }
 }
 
 /// Calls `visit` with the units that a character needs: of the present step and of those after it.
-pub(super) fn needs(graph: &WorldGraph, state: &InhabitantState, chain: &[Step], mut visit: impl FnMut(&[u32])) {
+pub(super) fn needs(graph: &WorldGraph, state: &State, chain: &[Step], mut visit: impl FnMut(&[u32])) {
     state.through.iter().for_each(|&instance| visit(graph.resources(instance)));
     visit(graph.resources(state.at.instance));
     for step in chain {

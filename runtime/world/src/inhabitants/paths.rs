@@ -110,6 +110,24 @@ impl Paths {
         }
     }
 
+    /// A character leaves, and the last one takes its place.
+    pub fn leave(&mut self, character: usize, last: usize) {
+        let n = self.queue.len();
+        let mut kept = 0;
+        for k in 0..self.len {
+            let who = self.queue[(self.first + k) % n] as usize;
+            if who != character {
+                let who = if who == last { character } else { who };
+                self.queue[(self.first + kept) % n] = who as u32;
+                kept += 1;
+            }
+        }
+        self.len = kept;
+        self.paths.swap(character, last);
+        self.paths[last] = Path::default();
+        self.steps.copy_within(last * self.max_path..(last + 1) * self.max_path, character * self.max_path);
+    }
+
     /// The next one who waits for a path.
     pub fn next(&mut self) -> Option<usize> {
         if self.len == 0 {
@@ -122,16 +140,15 @@ impl Paths {
         Some(character)
     }
 
-    /// What [`Paths::restore`] takes back.
-    pub fn saved(&self) -> SavedPaths {
+    /// Of the first `n` characters, what [`Paths::restore`] takes back.
+    pub fn saved(&self, n: usize) -> SavedPaths {
         let waiting = (0..self.len).map(|k| self.queue[(self.first + k) % self.queue.len()]);
-        let steps = (0..self.paths.len()).map(|c| self.of(c).to_vec());
-        (self.paths.clone(), steps.collect(), waiting.collect())
+        let steps = (0..n).map(|c| self.of(c).to_vec());
+        (self.paths[..n].to_vec(), steps.collect(), waiting.collect())
     }
 
-    /// Takes back what was saved of as many characters; false where it does not fit together.
-    pub fn restore(&mut self, graph: &WorldGraph, (paths, steps, waiting): &SavedPaths) -> bool {
-        let n = self.paths.len();
+    /// Takes back what was saved of `n` characters (there is room); false where it does not fit together.
+    pub fn restore(&mut self, graph: &WorldGraph, (paths, steps, waiting): &SavedPaths, n: usize) -> bool {
         let is_sound = |(path, steps): (&Path, &Vec<Step>)| {
             path.next <= path.end
                 && path.end <= self.max_path
@@ -145,7 +162,8 @@ impl Paths {
         if [paths.len(), steps.len()] != [n; 2] || !waiting.iter().all(once) || !paths.iter().zip(steps).all(is_sound) {
             return false;
         }
-        self.paths.clone_from(paths);
+        self.paths.fill(Path::default());
+        self.paths[..n].copy_from_slice(paths);
         for (c, (path, steps)) in self.paths.iter_mut().zip(steps).enumerate() {
             path.asked = asked[c];
             self.steps[c * self.max_path..][path.next..path.end].copy_from_slice(steps);

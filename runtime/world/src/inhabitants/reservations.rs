@@ -11,8 +11,8 @@ pub(super) struct Reservations {
     next: Vec<u32>,
     /// First unit of each character.
     first: Vec<u32>,
-    /// Units that are to be kept carry the stamp of the last release.
-    kept: Vec<u32>,
+    /// Units that are marked carry the stamp.
+    marks: Vec<u32>,
     stamp: u32,
 }
 
@@ -22,7 +22,7 @@ impl Reservations {
             holder: vec![NONE; num_units],
             next: vec![NONE; num_units],
             first: vec![NONE; num_characters],
-            kept: vec![0; num_units],
+            marks: vec![0; num_units],
             stamp: 0,
         }
     }
@@ -53,33 +53,49 @@ impl Reservations {
         }
     }
 
-    /// Begins a release: what is kept is then named by [`Reservations::keep`], the rest is let go by [`Reservations::release`].
-    pub fn begin_release(&mut self) {
+    /// Takes all marks away.
+    pub fn clear_marks(&mut self) {
         self.stamp = self.stamp.wrapping_add(1);
         if self.stamp == 0 {
-            self.kept.fill(0);
+            self.marks.fill(0);
             self.stamp = 1;
         }
     }
 
-    pub fn keep(&mut self, units: &[u32]) {
+    /// Marks units.
+    pub fn mark(&mut self, units: &[u32]) {
         for &u in units {
-            self.kept[u as usize] = self.stamp;
+            self.marks[u as usize] = self.stamp;
         }
     }
 
-    /// Lets go of what a character holds and was not named since [`Reservations::begin_release`].
+    /// True where one of these units is marked.
+    pub fn is_any_marked(&self, units: &[u32]) -> bool {
+        units.iter().any(|&u| self.marks[u as usize] == self.stamp)
+    }
+
+    /// Lets go of what a character holds and is not marked.
     pub fn release(&mut self, character: u32) {
         let mut unit = std::mem::replace(&mut self.first[character as usize], NONE);
         while unit != NONE {
             let after = self.next[unit as usize];
-            if self.kept[unit as usize] == self.stamp {
+            if self.marks[unit as usize] == self.stamp {
                 self.next[unit as usize] = self.first[character as usize];
                 self.first[character as usize] = unit;
             } else {
                 self.holder[unit as usize] = NONE;
             }
             unit = after;
+        }
+    }
+
+    /// Gives all that a character holds to another one, who holds nothing.
+    pub fn hand_over(&mut self, from: u32, to: u32) {
+        let mut unit = std::mem::replace(&mut self.first[from as usize], NONE);
+        self.first[to as usize] = unit;
+        while unit != NONE {
+            self.holder[unit as usize] = to;
+            unit = self.next[unit as usize];
         }
     }
 
@@ -101,12 +117,17 @@ mod tests {
         h.take(&[1, 5], 1);
         assert!(h.are_free(&[0, 3], 0) && !h.are_free(&[0, 3], 1));
         h.take(&[0, 3], 0);
-        h.begin_release();
-        h.keep(&[2, 3, 5]);
+        h.clear_marks();
+        h.mark(&[2, 3, 5]);
         h.release(0);
         let mut held: Vec<_> = h.units(0).collect();
         held.sort_unstable();
         assert_eq!(held, [2, 3]);
         assert_eq!((0..6).map(|u| h.of(u)).collect::<Vec<_>>(), [None, Some(1), Some(0), Some(0), None, Some(1)]);
+        h.clear_marks();
+        h.release(0);
+        h.hand_over(1, 0);
+        assert_eq!((0..6).map(|u| h.of(u)).collect::<Vec<_>>(), [None, Some(0), None, None, None, Some(0)]);
+        assert!(h.units(1).next().is_none() && h.units(0).count() == 2);
     }
 }

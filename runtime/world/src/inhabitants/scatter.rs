@@ -4,6 +4,7 @@ use super::reservations::Reservations;
 use crate::{Node, WorldGraph};
 use glam::Vec3;
 use throng_core::characters::uniform;
+use throng_core::patch::{CellRecord, NONE};
 
 /// Rest cells at random places for up to `n` characters, each in an instance whose units nobody else has.
 ///
@@ -40,8 +41,38 @@ impl WorldGraph {
         (0..self.num_cells(instance)).map(move |cell| Node { instance, cell }).filter(|n| self.is_rest(*n))
     }
 
-    /// The node nearest to a point where a character may stay (m).
+    /// False for a node of a tile that nothing leads to from its edges.
+    fn is_entered(&self, node: Node) -> bool {
+        if !self.is_tile(node.instance) || self.instance(node.instance).num_adjacencies > 0 {
+            return true;
+        }
+        let (cells, links) = (self.cells(node.instance), self.links(node.instance));
+        let across =
+            |edge: u32| self.world().neighbours[(self.instance(node.instance).first_neighbour + edge) as usize];
+        let (mut found, mut next) = (vec![node.cell], 0);
+        while let Some(&cell) = found.get(next) {
+            let here = &cells[cell as usize];
+            if here.is(CellRecord::IS_ENTRY) && here.edge != NONE && across(here.edge) != NONE {
+                return true;
+            }
+            let into = (0..).zip(links).filter(|(k, l)| l.to == cell && self.is_link_enabled(node.instance, *k));
+            for from in into.map(|(_, l)| l.from) {
+                if !found.contains(&from) && self.is_enabled(Node { cell: from, ..node }) {
+                    found.push(from);
+                }
+            }
+            next += 1;
+        }
+        false
+    }
+
+    /// The node nearest to a point where a character may stay, and to which it can come (m).
     pub fn nearest_rest(&self, point: Vec3) -> Option<Node> {
+        self.nearest_rest_of(point, |_| true)
+    }
+
+    /// The same in the instances that are wanted.
+    pub(crate) fn nearest_rest_of(&self, point: Vec3, is_wanted: impl Fn(u32) -> bool) -> Option<Node> {
         let mut best = (f32::INFINITY, None);
         for instance in 0..self.num_instances() as u32 {
             let r = self.instance(instance);
@@ -49,12 +80,12 @@ impl WorldGraph {
             let local = r.placement.inverse_transform_point(point);
             let inside = local.clamp(Vec3::from_array(p.min), Vec3::from_array(p.max));
             // Cells are on the ground of their patch or hips high; all of them lie in its bounds.
-            if (local - inside).length_squared() > best.0 {
+            if (local - inside).length_squared() > best.0 || !is_wanted(instance) {
                 continue;
             }
             for node in self.rest_cells(instance) {
                 let far = (self.place(node).translation() - point).length_squared();
-                if far < best.0 {
+                if far < best.0 && self.is_entered(node) {
                     best = (far, Some(node));
                 }
             }

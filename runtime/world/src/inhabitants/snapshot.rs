@@ -4,61 +4,60 @@ use super::chain::MAX_CHAIN;
 use super::decide::{CALM_AFTER, MAX_IMPATIENCE, needs};
 use super::paths::SavedPaths;
 use super::reservations::Reservations;
-use super::{InhabitantState, Inhabitants};
+use super::{Inhabitants, State};
 use crate::{Node, Step, WorldGraph};
 use throng_base::{Error, Hash128, Result, SnapshotKind};
+use throng_core::Roster;
 use throng_core::characters::CharactersSnapshot;
 
-/// Time, bodies, minds, chains, paths. Reservations follow from these.
-type Saved = (f64, CharactersSnapshot, Vec<InhabitantState>, Vec<Vec<Step>>, SavedPaths);
+/// Time, ids, bodies, states, chains, paths. Reservations follow from these.
+type Saved = (f64, Roster, CharactersSnapshot, Vec<State>, Vec<Vec<Step>>, SavedPaths);
 
 /// A character's motion ends this far from its node at most: more is a sign of damage (m).
 const ASTRAY_M: f32 = 1.0;
 
 impl Inhabitants {
-    /// Appends all that the next steps depend on: versioned, with a checksum and a hash of world, bundle and config.
-    pub fn save(&self, out: &mut Vec<u8>) {
+    /// Appends all that the next steps depend on.
+    pub(super) fn write(&self, out: &mut Vec<u8>) {
         let chains = (0..self.states.len()).map(|c| self.chains.of(c)).collect::<Vec<_>>();
-        let state = (self.time_s, self.characters.snapshot(), &self.states, chains, self.paths.saved());
+        let paths = self.paths.saved(self.states.len());
+        let state = (self.time_s, &self.roster, self.characters.snapshot(), &self.states, chains, paths);
         self.snapshot_kind().write(&state, out);
     }
 
-    /// Goes back to what was saved; poses are those of then, but for rounding.
+    /// Takes what was written back, but for events and roots.
     ///
     /// # Errors
     /// [`Error::Snapshot`]; nothing has changed then.
-    pub fn load(&mut self, bytes: &[u8]) -> Result<()> {
+    pub(super) fn read(&mut self, bytes: &[u8]) -> Result<()> {
         let kind = self.snapshot_kind();
-        let refuse = |why: String| Error::Snapshot { what: kind.what, why };
         let saved: Saved = kind.read_all(bytes)?;
-        self.restore(&saved).map_err(|what| refuse(format!("{what}; it is damaged")))
-    }
-
-    /// A hash of the state: differs, but for one chance in 2^64, where the motion of anybody differs.
-    pub fn hash(&self) -> u64 {
-        let mut bytes = Vec::new();
-        self.save(&mut bytes);
-        Hash128::of(&bytes) as u64
+        let refuse = |what| Error::Snapshot { what: kind.what, why: format!("{what}; it is damaged") };
+        self.restore(&saved).map_err(refuse)
     }
 
     fn snapshot_kind(&self) -> SnapshotKind {
         let mut setup = Hash128::default();
         setup.bytes(&self.world.hash().to_le_bytes());
-        setup.bytes(format!("{:?} {}", self.config, self.states.len()).as_bytes());
+        setup.bytes(format!("{:?} {}", self.config, self.capacity()).as_bytes());
         SnapshotKind { what: "inhabitants", tag: *b"INHB", version: 1, setup: setup.finish() }
     }
 
     /// Takes a state that may be anybody's, or changes nothing and says what does not fit.
-    fn restore(&mut self, (time_s, characters, states, chains, paths): &Saved) -> Result<(), &'static str> {
-        let (world, n) = (self.world.clone(), self.states.len());
+    fn restore(&mut self, (time_s, roster, characters, states, chains, paths): &Saved) -> Result<(), &'static str> {
+        let (world, n) = (self.world.clone(), roster.len());
         let graph = world.graph();
-        let (mut bodies, mut held) = (self.characters.clone(), Reservations::new(graph.world().units.len(), n));
+        let (mut bodies, mut held) =
+            (self.characters.clone(), Reservations::new(graph.world().units.len(), self.capacity()));
+        let mut new_roster = self.roster.clone();
         let (mut new_chains, mut new_paths) = (self.chains.clone(), self.paths.clone());
         let check = |good: bool, what| if good { Ok(()) } else { Err(what) };
         check((0.0..1e12).contains(time_s), "its time is out of range")?;
+        check(new_roster.restore(roster), "its ids do not fit together")?;
         check([states.len(), chains.len()] == [n; 2], "its rows do not fit together")?;
-        check(bodies.restore_laid(world.motion_set(), characters), "its motion is not of the bundle")?;
-        check(bodies.num_characters() == n, "its rows do not fit together")?;
+        bodies.restore_any(world.motion_set(), characters).map_err(|_| "its motion is not of the bundle")?;
+        let is_laid = |c| bodies.segment(c).0 == u32::MAX;
+        check(bodies.num_characters() == n && (0..n).all(is_laid), "its rows do not fit together")?;
         check(states.iter().all(|s| is_sound(graph, s)), "somebody is where the world has no place")?;
         for (c, (state, chain)) in states.iter().zip(chains).enumerate() {
             let (end, place) = (bodies.scheduled_end(world.motion_set(), c), graph.place(state.at));
@@ -76,15 +75,15 @@ impl Inhabitants {
             });
             check(are_free, "two hold the same unit")?;
         }
-        check(new_paths.restore(graph, paths), "its paths are not of the world")?;
-        (self.time_s, self.characters, self.reservations) = (*time_s, bodies, held);
+        check(new_paths.restore(graph, paths, n), "its paths are not of the world")?;
+        (self.time_s, self.roster, self.characters, self.reservations) = (*time_s, new_roster, bodies, held);
         (self.chains, self.paths) = (new_chains, new_paths);
         self.states.clone_from(states);
         Ok(())
     }
 }
 
-fn is_sound(graph: &WorldGraph, state: &InhabitantState) -> bool {
+fn is_sound(graph: &WorldGraph, state: &State) -> bool {
     is_node(graph, state.at)
         && state.through.iter().all(|&i| (i as usize) < graph.num_instances())
         && state.impatience <= MAX_IMPATIENCE

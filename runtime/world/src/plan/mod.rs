@@ -124,6 +124,11 @@ impl Planner {
         self.find(graph, from, target, &toll, &TRIES, out)
     }
 
+    /// True unless it is plain, from what is known of the world beforehand, that no way leads from a node to a target.
+    pub(crate) fn may_lead(&mut self, graph: &WorldGraph, from: Node, target: Target) -> bool {
+        self.upper.run(graph, graph.hierarchy(), target, from, 0.0)
+    }
+
     /// Looks for a way, as eagerly as `tries` say: what estimates count, and the most nodes that are opened.
     fn find(
         &mut self,

@@ -1,0 +1,228 @@
+//! Inhabitants as a cast: they enter, leave, take orders, are saved and loaded.
+
+use super::config::check_time;
+use super::targets::check_place;
+use super::{Doing, Inhabitants, State, Wish, lay};
+use crate::plan::Target;
+use crate::{Node, WorldGraph};
+use glam::{Vec2, Vec3};
+use throng_base::error::check;
+use throng_base::{Error, Hash128, Id, Result, Run};
+use throng_core::characters::ScheduledClip;
+use throng_core::planar::wrap_angle;
+use throng_core::{Adopted, Bodies, Bundle, Cast, NUM_JOINTS, Planar, Status};
+
+/// Who is put elsewhere comes to a place to stay that is no farther away than this (m).
+pub const PLACED_WITHIN_M: f32 = 1.5;
+
+/// What happened to an inhabitant.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum InhabitantEvent {
+    /// It has done what it was to do.
+    Fulfilled,
+    /// It found no way to where it was to go.
+    NoWay,
+}
+
+impl Inhabitants {
+    /// What one plays who stands at a node (one can stay there).
+    fn standing(&self, graph: &WorldGraph, node: Node) -> Option<ScheduledClip> {
+        let rest = graph.step_to_rest(node)?;
+        lay::scheduled_clip(graph, self.world.motion_set(), &rest, None)
+    }
+
+    /// That nobody else holds a unit of an instance.
+    fn check_free(&self, graph: &WorldGraph, who: Id, c: u32, instance: u32) -> Result<()> {
+        match self.reservations.other(graph.resources(instance), c) {
+            None => Ok(()),
+            Some(other) => Err(Error::Occupied { who, by: self.roster.ids()[other as usize].to_string() }),
+        }
+    }
+
+    /// The free place to stay that is nearest to where one is to be put, and there the one with the nearest heading.
+    fn place_for(&self, graph: &WorldGraph, id: Id, c: usize, root: Planar) -> Result<Node> {
+        let point = Vec3::new(root.x, graph.place(self.states[c].at).y, root.z);
+        let away = |node: Node| graph.place(node).translation().distance(point);
+        let is_free = |i| self.reservations.are_free(graph.resources(i), c as u32);
+        let Some(node) = graph.nearest_rest_of(point, is_free).filter(|n| away(*n) <= PLACED_WITHIN_M) else {
+            let nearest = graph.nearest_rest(point);
+            let far = nearest.map_or(f32::INFINITY, away);
+            let expected = "at most 1.5; name a point nearer to where one can stay";
+            check("distance to the nearest place to stay (m)", Some(id), far.into(), far <= PLACED_WITHIN_M, expected)?;
+            self.check_free(graph, id, c as u32, nearest.map_or(0, |n| n.instance))?;
+            return Err(Error::Occupied { who: id, by: "somebody".into() });
+        };
+        let turned = |n: &Node| wrap_angle(graph.place(*n).heading - root.heading).abs();
+        let beside = graph.rest_cells(node.instance).filter(|n| away(*n) <= away(node) + 0.1);
+        Ok(beside.min_by(|a, b| turned(a).total_cmp(&turned(b))).unwrap_or(node))
+    }
+
+    fn update_roots(&mut self) {
+        self.roots.clear();
+        self.roots.extend((0..self.states.len()).map(|c| self.characters.root(c)));
+    }
+
+    /// What is left of the way: of the path where all of it is known, as the crow flies otherwise (m).
+    fn left_m(&self, c: usize, target: Target) -> f32 {
+        let graph = self.world.graph();
+        let known = self.paths.plan(c).is_some_and(|p| p.num_stored == p.num_steps) && !self.paths.of(c).is_empty();
+        if known {
+            return self.chains.of(c).iter().chain(self.paths.of(c)).map(|s| graph.length(s)).sum();
+        }
+        let to = self.place_of(target);
+        Vec2::new(self.roots[c].x, self.roots[c].z).distance(Vec2::new(to.x, to.z))
+    }
+}
+
+impl Cast for Inhabitants {
+    /// A node where one can stay: of [`crate::World::near`] or [`super::scatter`].
+    type Start = Node;
+    type Order = Wish;
+    type Event = InhabitantEvent;
+
+    /// At rest; roams until it is told something else. Its pose is there after the next step.
+    ///
+    /// # Errors
+    /// [`Error::Full`], [`Error::Occupied`] where another one holds what is needed there, [`Error::Index`] or
+    /// [`Error::Value`] for a node that does not exist or where nobody can stay.
+    fn spawn(&mut self, start: Node) -> Result<Id> {
+        let (world, next, c) = (self.world.clone(), self.roster.next()?, self.states.len());
+        let graph = world.graph();
+        check_place(graph, Some(next), start)?;
+        self.check_free(graph, next, c as u32, start.instance)?;
+        let clip = self.standing(graph, start).unwrap_or_default();
+        self.characters.enter_laid(world.motion_set(), &clip)?;
+        let id = self.roster.enter()?;
+        self.states.push(State::at(start));
+        self.roots.push(clip.root);
+        self.chains.set(c, &[]);
+        self.paths.forget(c, None);
+        self.reservations.take(graph.resources(start.instance), c as u32);
+        Ok(id)
+    }
+
+    /// What it held is free at once. The last one takes its place in [`Cast::bodies`].
+    fn despawn(&mut self, id: Id) -> Result<()> {
+        let (at, last) = self.roster.leave(id)?;
+        self.reservations.clear_marks();
+        self.reservations.release(at as u32);
+        if at < last {
+            self.reservations.hand_over(last as u32, at as u32);
+            self.chains.copy(last, at);
+        }
+        self.paths.leave(at, last);
+        self.characters.leave(at);
+        self.states.swap_remove(at);
+        self.roots.swap_remove(at);
+        Ok(())
+    }
+
+    /// To the nearest free place to stay on its floor, within [`PLACED_WITHIN_M`], where it goes on with its order.
+    ///
+    /// # Errors
+    /// [`Error::Gone`], [`Error::Occupied`], or [`Error::Value`] for a root that is not finite or far from every place.
+    fn place(&mut self, id: Id, root: Planar) -> Result<()> {
+        let c = self.roster.row(id)?;
+        for (what, got) in [("x", root.x), ("z", root.z), ("heading", root.heading)] {
+            check(what, Some(id), got.into(), got.abs() < 1e6, "a finite number below 1e6")?;
+        }
+        let world = self.world.clone();
+        let graph = world.graph();
+        let node = self.place_for(graph, id, c, root)?;
+        let clip = self.standing(graph, node).unwrap_or_default();
+        self.characters.start_laid(world.motion_set(), c, &clip)?;
+        self.reservations.clear_marks();
+        self.reservations.release(c as u32);
+        self.reservations.take(graph.resources(node.instance), c as u32);
+        let state = &mut self.states[c];
+        *state = State { at: node, through: [node.instance; 2], ..*state }.wishing(state.wish);
+        self.roots[c] = clip.root;
+        self.chains.set(c, &[]);
+        let target = self.paths.target(c);
+        self.paths.forget(c, target);
+        if target.is_some() {
+            self.paths.ask(c);
+        }
+        Ok(())
+    }
+
+    /// It begins with that at the end of what it is sure to do.
+    ///
+    /// # Errors
+    /// [`Error::Gone`], [`Error::NoWay`] where it is plain that no way leads there, [`Error::Index`] or [`Error::Value`]
+    /// for a place, instance or tag that is not there or where nobody can stay.
+    fn order(&mut self, id: Id, wish: Wish) -> Result<()> {
+        let c = self.roster.row(id)?;
+        let target = self.target_of(id, c, wish)?;
+        self.paths.forget(c, target);
+        self.states[c] = self.states[c].wishing(wish);
+        if target.is_some() {
+            self.paths.ask(c);
+        }
+        Ok(())
+    }
+
+    fn step(&mut self, dt_s: f32, run: &dyn Run) -> Result<()> {
+        check_time(dt_s)?;
+        let world = self.world.clone();
+        self.events.clear();
+        self.control(&world, dt_s)?;
+        self.characters.step_on(world.motion_set(), dt_s, &[], run)?;
+        self.update_roots();
+        Ok(())
+    }
+
+    /// [`Status::Blocked`] for who waits: for a way that others hold, or for its place, in which another one stays.
+    fn status(&self, id: Id) -> Result<Status> {
+        let c = self.roster.row(id)?;
+        let graph = self.world.graph();
+        let Some(target) = self.paths.target(c) else { return Ok(Status::Idle) };
+        Ok(match self.states[c].doing {
+            Doing::Arrived | Doing::Performing => Status::There,
+            Doing::Unreachable => Status::NoWay,
+            Doing::Waiting | Doing::Blocked => {
+                let by = self.taken_by(graph, c).or_else(|| self.barred_by(graph, c));
+                Status::Blocked { by: by.map(|other| self.roster.ids()[other]) }
+            }
+            _ => Status::Going { left_m: self.left_m(c, target) },
+        })
+    }
+
+    fn events(&self) -> &[(Id, InhabitantEvent)] {
+        &self.events
+    }
+
+    fn bodies(&self) -> Bodies<'_> {
+        let model = self.characters.model_matrices().as_chunks::<NUM_JOINTS>().0;
+        Bodies { ids: self.roster.ids(), roots: &self.roots, model }
+    }
+
+    fn save(&self, out: &mut Vec<u8>) {
+        self.write(out);
+    }
+
+    fn load(&mut self, bytes: &[u8]) -> Result<()> {
+        self.read(bytes)?;
+        self.events.clear();
+        self.update_roots();
+        Ok(())
+    }
+
+    fn hash(&self) -> u64 {
+        let mut bytes = Vec::new();
+        self.save(&mut bytes);
+        Hash128::of(&bytes) as u64
+    }
+
+    /// A world belongs to its bundle: there is no other one to go on with.
+    ///
+    /// # Errors
+    /// [`Error::OtherBundle`] for another bundle. Open the world that was stitched with it, and put everybody in anew.
+    fn adopt(&mut self, new: &Bundle) -> Result<Adopted> {
+        let (expected, got) = (self.world.bundle_hash(), new.hash());
+        match expected == got {
+            true => Ok(Adopted { num_characters: self.states.len(), farthest_m: 0.0 }),
+            false => Err(Error::OtherBundle { expected, got }),
+        }
+    }
+}

@@ -1,0 +1,125 @@
+//! Where wishes lead: to places that there are, and that nobody else has.
+
+use super::{Doing, InhabitantEvent, Inhabitants, Wish};
+use crate::plan::Target;
+use crate::{Node, WorldGraph};
+use glam::Vec3;
+use throng_base::error::{check, check_index};
+use throng_base::{Error, Id, Result};
+
+impl Inhabitants {
+    /// Where a wish leads; none for roaming.
+    ///
+    /// # Errors
+    /// As [`throng_core::Cast::order`] of inhabitants.
+    pub(super) fn target_of(&mut self, id: Id, c: usize, wish: Wish) -> Result<Option<Target>> {
+        let (world, who) = (self.world.clone(), Some(id));
+        let graph = world.graph();
+        let target = match wish {
+            Wish::Roam => return Ok(None),
+            Wish::GoTo { instance } => {
+                check_index("instance", who, instance as usize, graph.num_instances())?;
+                let has_place = graph.rest_cells(instance).next().is_some();
+                check("instance", who, instance.into(), has_place, "one in which one can stay")?;
+                Target::Rest { instance }
+            }
+            Wish::GoToPlace { place } => {
+                check_place(graph, who, place.node)?;
+                Target::Node(place.node)
+            }
+            Wish::GoNear { place, within_m } => {
+                let nearest = world.near(place, within_m).map_err(|e| match e {
+                    Error::Value { what, got, expected, .. } => Error::Value { what, who, got, expected },
+                    e => e,
+                })?;
+                let instance = self.free_near(graph, c, place, within_m).unwrap_or(nearest.node.instance);
+                Target::Rest { instance }
+            }
+            Wish::Perform { tag, seconds } => {
+                check("seconds", who, seconds.into(), (0.0..1e9).contains(&seconds), "not negative and below 1e9 (s)")?;
+                let offer = self.nearest_offer(graph, c, tag);
+                check(
+                    "tag",
+                    who,
+                    tag.into(),
+                    offer.is_some(),
+                    "one of motion that begins where one can come to and stay",
+                )?;
+                // Another instance may offer it where no way leads to this one.
+                return Ok(offer.map(|instance| Target::Tag { instance, tag }));
+            }
+        };
+        let from = self.end(c);
+        // Who names a place is told for sure.
+        let leads = match wish {
+            Wish::GoToPlace { .. } | Wish::GoNear { .. } => {
+                self.planner.plan_soon(graph, from, target, &mut []).is_some()
+            }
+            _ => self.planner.may_lead(graph, from, target),
+        };
+        if !target.is_at(graph, from) && !leads {
+            let [from, to] = [graph.place(from).translation(), self.place_of(target)];
+            return Err(Error::NoWay { who, from, to });
+        }
+        Ok(Some(target))
+    }
+
+    /// Node that all that a character is sure to do leads to.
+    pub(super) fn end(&self, c: usize) -> Node {
+        self.chains.of(c).last().map_or(self.states[c].at, |s| s.to)
+    }
+
+    /// About where a target is (m).
+    pub(super) fn place_of(&self, target: Target) -> Vec3 {
+        let graph = self.world.graph();
+        match target {
+            Target::Node(node) => graph.place(node).translation(),
+            Target::Rest { instance } | Target::Tag { instance, .. } => graph.centre(instance),
+        }
+    }
+
+    /// The instance of the place to stay that is nearest to a point, of those that nobody else holds or is on the way to.
+    pub(super) fn free_near(&mut self, graph: &WorldGraph, c: usize, point: Vec3, within_m: f32) -> Option<u32> {
+        self.reservations.clear_marks();
+        for other in (0..self.states.len()).filter(|&other| other != c) {
+            if let Some(target) = self.paths.target(other) {
+                self.reservations.mark(graph.resources(target.instance()));
+            }
+        }
+        let reservations = &self.reservations;
+        let is_free = |instance| {
+            let units = graph.resources(instance);
+            reservations.are_free(units, c as u32) && !reservations.is_any_marked(units)
+        };
+        let node = graph.nearest_rest_of(point, is_free)?;
+        (graph.place(node).translation().distance(point) <= within_m).then_some(node.instance)
+    }
+
+    /// Who stays where a character is to go and stay.
+    pub(super) fn taken_by(&self, graph: &WorldGraph, c: usize) -> Option<usize> {
+        let target = self.paths.target(c).filter(|t| !matches!(t, Target::Tag { .. }))?;
+        let other = self.reservations.other(graph.resources(target.instance()), c as u32)? as usize;
+        self.stays(other).then_some(other)
+    }
+
+    /// True for who has come to stay. Who came in this step may be told to go on before the next one.
+    pub(super) fn stays(&self, c: usize) -> bool {
+        let came = (self.roster.ids()[c], InhabitantEvent::Fulfilled);
+        self.states[c].doing == Doing::Arrived && !self.events.contains(&came)
+    }
+
+    /// Sends one who is to go near a place to another free place there; false where there is none.
+    pub(super) fn turn_to_free(&mut self, graph: &WorldGraph, c: usize) -> bool {
+        let Wish::GoNear { place, within_m } = self.states[c].wish else { return false };
+        let Some(instance) = self.free_near(graph, c, place, within_m) else { return false };
+        self.paths.forget(c, Some(Target::Rest { instance }));
+        true
+    }
+}
+
+/// That one can stay at a node.
+pub(super) fn check_place(graph: &WorldGraph, who: Option<Id>, node: Node) -> Result<()> {
+    check_index("instance", who, node.instance as usize, graph.num_instances())?;
+    check_index("cell", who, node.cell as usize, graph.num_cells(node.instance) as usize)?;
+    check("cell", who, node.cell.into(), graph.is_rest(node), "one where one can stay, see `World::near` and `scatter`")
+}
