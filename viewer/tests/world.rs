@@ -144,7 +144,7 @@ fn units_are_edited_and_characters_get_orders() {
     click(&mut v, at);
     v.harness.run_steps(3);
     let told = v.model().document.world().and_then(|w| w.run().told(0));
-    let Some(Wish::GoToPlace { place }) = told else { panic!("{told:?}") };
+    let Some(Wish::GoNear { place, .. }) = told else { panic!("{told:?}") };
     assert!(place.distance(Vec3::new(5.6, 0.0, 5.6)) < 0.3, "{place}");
     v.harness.get_by_label("Roam").click();
     v.harness.run_steps(3);

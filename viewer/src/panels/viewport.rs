@@ -272,7 +272,7 @@ fn order(model: &Model, ray: &Ray) -> Option<Input> {
     match scene.run().simulation().member(character).0 {
         GroupCast::Patches(_) => {
             let place = scene.standing().meets(ray).or(ray.meets_ground())?;
-            Some(Input::Wish { character, wish: Some(Wish::GoToPlace { place }) })
+            Some(Input::Wish { character, wish: Some(Wish::GoNear { place, within_m: world::SENT_WITHIN_M }) })
         }
         _ => None,
     }

@@ -3,7 +3,7 @@
 use glam::{Vec2, Vec3};
 use throng_runtime::Planar;
 use throng_runtime::simulation::{GroupCast, Simulation};
-use throng_runtime::world::inhabitants::{Doing, Status, Wish};
+use throng_runtime::world::inhabitants::{Doing, InhabitantState, Wish};
 
 /// Turns smaller than this are not worth a word (degrees).
 const STRAIGHT_DEG: f32 = 3.0;
@@ -74,7 +74,7 @@ fn side(degrees: f32) -> &'static str {
 }
 
 /// What an inhabitant of a world is about, and how long it has waited.
-pub fn doing(mind: &Status) -> String {
+pub fn doing(mind: &InhabitantState) -> String {
     let word = match mind.doing {
         Doing::Roaming => "roams",
         Doing::Planning => "plans a path",
@@ -84,6 +84,7 @@ pub fn doing(mind: &Status) -> String {
         Doing::Performing => "does it",
         Doing::Arrived => "is there",
         Doing::Unreachable => "finds no path",
+        Doing::Blocked => "waits: its place is taken",
     };
     word.to_owned()
 }
@@ -103,7 +104,7 @@ pub fn character(simulation: &Simulation, who: usize) -> Option<String> {
     let what = match cast {
         GroupCast::Policy(_) => format!("target {}", simulation.target(who).and_then(away)?),
         GroupCast::Sparring(_) => format!("opponent {}", simulation.target(who).and_then(away)?),
-        GroupCast::Patches(inhabited) => doing(&inhabited.inhabitants().status(member)),
+        GroupCast::Patches(inhabited) => doing(&inhabited.state(member)),
         GroupCast::Paths(wanderers) => format!("{:.1} m/s", wanderers.speed(member)),
         GroupCast::Ground(_) | GroupCast::Air(_) => format!("{:.2} m/s", simulation.disc(who)?.velocity.length()),
     };
@@ -117,7 +118,8 @@ pub fn wish(wish: Wish, tags: &[String]) -> String {
     match wish {
         Wish::Roam => "roam".to_owned(),
         Wish::GoTo { instance } => format!("go to patch {instance}"),
-        Wish::GoToPlace { place } => format!("go to {:.1}, {:.1}, {:.1} m", place.x, place.y, place.z),
+        Wish::GoToPlace { place } => format!("go to {:.1}, {:.1}, {:.1} m", place.at.x, place.at.y, place.at.z),
+        Wish::GoNear { place, .. } => format!("go near {:.1}, {:.1}, {:.1} m", place.x, place.y, place.z),
         Wish::Perform { tag, seconds } => {
             let name = tags.get(usize::from(tag).wrapping_sub(1)).map_or("something", String::as_str);
             format!("{name} for {seconds:.0} s")

@@ -8,9 +8,9 @@ use super::reel::Reel;
 use glam::{Vec2, Vec3};
 use std::time::Instant;
 use throng_runtime::characters::CharactersConfig;
-use throng_runtime::world::inhabitants::{Inhabitants, InhabitantsConfig, InhabitantsError, Status, Wish};
+use throng_runtime::world::inhabitants::{InhabitantState, Inhabitants, InhabitantsConfig, Wish};
 use throng_runtime::world::{Node, World};
-use throng_runtime::{Contacts, Mat3x4, NUM_JOINTS, Planar};
+use throng_runtime::{Cast, Contacts, Id, Inline, Mat3x4, NUM_JOINTS, Planar, Result};
 
 /// Steps between two points of a trail.
 const TRAIL_EVERY: u32 = 6;
@@ -25,7 +25,7 @@ pub struct Moment {
     /// What is planted (number of characters).
     pub contacts: Vec<Contacts>,
     /// What each of them is doing (number of characters).
-    pub minds: Vec<Status>,
+    pub minds: Vec<InhabitantState>,
 }
 
 /// Characters in a world, with the record of what was seen.
@@ -44,23 +44,24 @@ impl WorldRun {
     /// All inhabitants at rest where they start; they roam.
     ///
     /// # Errors
-    /// [`InhabitantsError`] where nobody can stay at a start, or two would share a unit.
-    pub fn new(world: &World, seed: u64, starts: &[Node]) -> Result<Self, InhabitantsError> {
+    /// [`throng_runtime::Error`] where nobody can stay at a start, or two would share a unit.
+    pub fn new(world: &World, seed: u64, starts: &[Node]) -> Result<Self> {
         let characters = CharactersConfig { seed, ..CharactersConfig::default() };
         let config = InhabitantsConfig { characters, ..InhabitantsConfig::default() };
-        let mut inhabitants = Inhabitants::new(world, config, starts)?;
+        let mut inhabitants = Inhabitants::new(world, starts.len(), config)?;
+        starts.iter().try_for_each(|&start| inhabitants.spawn(start).map(|_| ()))?;
         let begin = Instant::now();
-        inhabitants.step(0.0)?;
+        inhabitants.step(0.0, &Inline)?;
         let step_s = begin.elapsed().as_secs_f64();
-        let each = NUM_JOINTS * size_of::<Mat3x4>() + size_of::<(Planar, Contacts, Status)>();
+        let each = NUM_JOINTS * size_of::<Mat3x4>() + size_of::<(Planar, Contacts, InhabitantState)>();
         let reel = Reel::new(starts.len() * each, Moment::of(&inhabitants));
         Ok(Self { inhabitants, told: vec![None; starts.len()], reel, step_s })
     }
 
     /// Takes a new step and shows it.
-    fn live(&mut self) -> Result<(), InhabitantsError> {
+    fn live(&mut self) -> Result<()> {
         let begin = Instant::now();
-        self.inhabitants.step(1.0 / STEP_HZ)?;
+        self.inhabitants.step(1.0 / STEP_HZ, &Inline)?;
         self.step_s = begin.elapsed().as_secs_f64();
         self.reel.push(Moment::of(&self.inhabitants));
         Ok(())
@@ -69,21 +70,21 @@ impl WorldRun {
     /// One step forward: a recorded one, or a new one.
     ///
     /// # Errors
-    /// [`InhabitantsError`] where a step cannot be taken.
-    pub fn step(&mut self) -> Result<(), InhabitantsError> {
+    /// [`throng_runtime::Error`] where a step cannot be taken.
+    pub fn step(&mut self) -> Result<()> {
         if self.reel.head.on() { Ok(()) } else { self.live() }
     }
 
     /// Gives a character an order, at the last step; none lets it decide for itself.
     ///
     /// # Errors
-    /// [`InhabitantsError`] for a place or a tag that is not there (character < num_characters).
-    pub fn tell(&mut self, character: usize, wish: Option<Wish>) -> Result<(), InhabitantsError> {
-        self.inhabitants.set_wish(character, wish.unwrap_or_default())?;
+    /// [`throng_runtime::Error`] for a place or a tag that is not there (character < num_characters).
+    pub fn tell(&mut self, character: usize, wish: Option<Wish>) -> Result<()> {
+        self.inhabitants.order(self.id(character), wish.unwrap_or_default())?;
         self.told[character] = wish;
         self.reel.head.seek(u32::MAX);
         let mut last = self.reel.moment().clone();
-        last.minds[character] = self.inhabitants.status(character);
+        last.minds[character] = self.inhabitants.state(self.id(character))?;
         self.reel.replace(last);
         Ok(())
     }
@@ -111,9 +112,14 @@ impl WorldRun {
         &self.inhabitants
     }
 
+    /// Name of a character; nobody leaves (character < num_characters).
+    pub fn id(&self, character: usize) -> Id {
+        self.inhabitants.ids()[character]
+    }
+
     /// Number of characters.
     pub fn num_characters(&self) -> usize {
-        self.inhabitants.num_characters()
+        self.inhabitants.ids().len()
     }
 
     /// Where hips have been during the last `seconds`, now and then (m).
@@ -135,12 +141,12 @@ impl Moment {
     }
 
     fn of(inhabitants: &Inhabitants) -> Self {
-        let (characters, all) = (inhabitants.characters(), 0..inhabitants.num_characters());
+        let (characters, all) = (inhabitants.characters(), 0..inhabitants.ids().len());
         Self {
             roots: all.clone().map(|c| characters.root(c)).collect(),
             poses: characters.model_matrices().to_vec(),
             contacts: all.clone().map(|c| characters.contacts(c)).collect(),
-            minds: all.map(|c| inhabitants.status(c)).collect(),
+            minds: inhabitants.ids().iter().filter_map(|&id| inhabitants.state(id).ok()).collect(),
         }
     }
 }

@@ -107,7 +107,7 @@ fn colour(colouring: Colouring, scene: &SceneDocument, (group, who): (usize, usi
             }
         }
         (Colouring::Speed, _) => palette.plain,
-        (Colouring::Target, (GroupCast::Patches(i), m)) => world::colour_of(i.inhabitants().status(m).doing),
+        (Colouring::Target, (GroupCast::Patches(i), m)) => world::colour_of(i.state(m).doing),
         (Colouring::Target, (GroupCast::Sparring(_), m)) => bout::corner(m, palette),
         (Colouring::Target, (GroupCast::Policy(_), _)) => palette.on_the_way,
         (Colouring::Target | Colouring::Clip, _) => cues::category(group),

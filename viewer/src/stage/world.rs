@@ -27,7 +27,7 @@ pub const DISABLED: Rgba = Rgba::hex(0xe0564f);
 pub const PLANNED: Rgba = Rgba::hex(0xf2b134);
 
 /// What the colours of characters tell, for a key.
-pub const KINDS: [(Doing, &str); 7] = [
+pub const KINDS: [(Doing, &str); 8] = [
     (Doing::Roaming, "roams"),
     (Doing::Walking, "on its way"),
     (Doing::Waiting, "waits"),
@@ -35,6 +35,7 @@ pub const KINDS: [(Doing, &str); 7] = [
     (Doing::Performing, "performs"),
     (Doing::Arrived, "there"),
     (Doing::Unreachable, "finds no path"),
+    (Doing::Blocked, "its place is taken"),
 ];
 
 /// Colour of what a character is doing.
@@ -47,6 +48,7 @@ pub fn colour_of(doing: Doing) -> Rgba {
         Doing::Performing => Rgba::hex(0x8f6fd6),
         Doing::Arrived => Rgba::hex(0x2fb39b),
         Doing::Unreachable => Rgba::hex(0x9c2f2f),
+        Doing::Blocked => Rgba::hex(0xd98f8f),
     }
 }
 
@@ -161,15 +163,17 @@ fn cues_of(out: &mut Layout, model: &Model, world: &WorldDocument, c: usize, pal
         return;
     }
     let inhabitants = run.inhabitants();
-    for unit in inhabitants.held(c) {
+    let id = run.id(c);
+    for unit in inhabitants.held(id).into_iter().flatten() {
         if let Some(p) = world.placed().get(unit as usize) {
             let bounds = world.kit().geometries[p.unit].bounds;
             outline(out, bounds, p.placement, palette.selected.alpha(0.35));
         }
     }
-    way(out, world, inhabitants.reserved(c), palette.slow);
-    way(out, world, inhabitants.path(c), PLANNED);
-    if let Some(last) = inhabitants.path(c).last() {
+    let path = inhabitants.path(id).unwrap_or_default();
+    way(out, world, inhabitants.reserved(id).unwrap_or_default(), palette.slow);
+    way(out, world, path, PLANNED);
+    if let Some(last) = path.last() {
         let at = world.graph().place(last.to).translation();
         out.shapes.sphere(at, 0.08, PLANNED);
     }

@@ -9,11 +9,11 @@ use std::time::Instant;
 use throng_bake::stitch::{Editor, Kit, WorldSource};
 use throng_motion::error::BuildError;
 use throng_motion::progress::Silent;
-use throng_runtime::Bundle;
 use throng_runtime::format::AlignedBytes;
 use throng_runtime::patch::Placement;
-use throng_runtime::world::inhabitants::{Inhabitants, InhabitantsConfig, InhabitantsError, scatter};
+use throng_runtime::world::inhabitants::{Inhabitants, InhabitantsConfig, scatter};
 use throng_runtime::world::{PathCosts, World, WorldData, WorldGraph};
+use throng_runtime::{Bundle, Cast, Error, Inline};
 
 /// Moves of a unit that are timed, and how far each goes on from the one before (m).
 const EDITS: usize = 7;
@@ -204,12 +204,13 @@ fn free_places(editor: &Editor<'_>, places: &[usize], length: f32) -> Vec<Placem
 /// How fast people walk about.
 fn life(world: &World) -> Result<(usize, f64), BuildError> {
     let starts = scatter(world.graph(), CHARACTERS, 1);
-    let wrong = |e: InhabitantsError| fail(e.to_string());
-    let mut people = Inhabitants::new(world, InhabitantsConfig::default(), &starts).map_err(wrong)?;
+    let wrong = |e: Error| fail(e.to_string());
+    let mut people = Inhabitants::new(world, starts.len(), InhabitantsConfig::default()).map_err(wrong)?;
+    starts.iter().try_for_each(|&start| people.spawn(start).map(|_| ())).map_err(wrong)?;
     let steps = (LIFE_S * STEP_HZ) as usize;
     let begin = Instant::now();
     for _ in 0..steps {
-        people.step(1.0 / STEP_HZ).map_err(wrong)?;
+        people.step(1.0 / STEP_HZ, &Inline).map_err(wrong)?;
     }
     Ok((starts.len(), steps as f64 / begin.elapsed().as_secs_f64()))
 }

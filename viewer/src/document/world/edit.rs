@@ -252,7 +252,7 @@ impl WorldDocument {
         for (character, &before) in new.before.iter().enumerate() {
             let Some(wish) = self.run.told(before) else { continue };
             // Patches have other numbers now.
-            let is_kept = !matches!(wish, Wish::GoTo { .. });
+            let is_kept = !matches!(wish, Wish::GoTo { .. } | Wish::GoToPlace { .. });
             if !is_kept || run.tell(character, Some(wish)).is_err() {
                 free += 1;
             }

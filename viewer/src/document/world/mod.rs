@@ -23,7 +23,7 @@ use throng_precompute::environment::{Environment, PlacedGeometry, PlacedUnit, Un
 use throng_precompute::stitch::{Item, Kit, Library, Reason, StitchReport, Why, WorldSource};
 use throng_runtime::patch::{LinkRecord, Placement};
 use throng_runtime::world::WorldGraph;
-use throng_runtime::world::inhabitants::{InhabitantsError, Wish};
+use throng_runtime::world::inhabitants::Wish;
 use views::{Ground, Workshop};
 
 /// Characters that roam in a world.
@@ -196,8 +196,8 @@ impl WorldDocument {
     /// One step forward, or a recorded one, unless an edit is under way.
     ///
     /// # Errors
-    /// [`InhabitantsError`] where a step cannot be taken.
-    pub fn step(&mut self) -> Result<(), InhabitantsError> {
+    /// [`throng_runtime::Error`] where a step cannot be taken.
+    pub fn step(&mut self) -> throng_runtime::Result<()> {
         if self.working.is_some() {
             return Ok(());
         }

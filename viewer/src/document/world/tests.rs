@@ -87,7 +87,8 @@ fn lives(world: &mut WorldDocument) {
     assert!(!world.run().reel.head.is_live() && all_are_on_panels(world));
     // An order is given at the last step.
     let place = panel(2, 2).translation();
-    world.tell(0, Some(Wish::GoToPlace { place })).unwrap();
+    let wish = Wish::GoNear { place, within_m: 5.0 };
+    world.tell(0, Some(wish)).unwrap();
     assert!(world.run().reel.head.is_live() && world.run().reel.head.now() == 200);
     for _ in 0..180 {
         run_for(world, 60);
@@ -96,10 +97,10 @@ fn lives(world: &mut WorldDocument) {
         }
     }
     let (mind, hips) = (world.run().moment().minds[0], world.run().hips(0));
-    let plan = world.run().inhabitants().plan(0);
+    let plan = world.run().inhabitants().plan(world.run().id(0));
     assert_eq!(mind.doing, Doing::Arrived, "{mind:?} at {hips}: {plan:?}");
     assert!((hips - place).with_y(0.0).length() < 1.4, "{hips}");
-    assert_eq!(world.run().told(0), Some(Wish::GoToPlace { place }));
+    assert_eq!(world.run().told(0), Some(wish));
     world.tell(0, None).unwrap();
     assert_eq!(world.run().told(0), None);
     assert!(world.tell(7, None).is_err());

@@ -79,7 +79,7 @@ fn status(ui: &mut Ui, world: &WorldDocument, c: usize) {
     let run = world.run();
     let mind = run.moment().minds[c];
     let tags = &world.bundle().tables().meta().link_tags;
-    let inhabitants = run.inhabitants();
+    let (inhabitants, id) = (run.inhabitants(), run.id(c));
     Grid::new("character").num_columns(2).spacing([14.0, 3.0]).show(ui, |ui| {
         let mut row = |name: &str, value: String| {
             ui.label(name);
@@ -94,7 +94,8 @@ fn status(ui: &mut Ui, world: &WorldDocument, c: usize) {
             return;
         }
         let rate = world.bundle().rate_hz();
-        match inhabitants.plan(c) {
+        let plan = inhabitants.plan(id).ok().flatten();
+        match plan {
             Some(p) => row(
                 "way",
                 format!(
@@ -102,20 +103,21 @@ fn status(ui: &mut Ui, world: &WorldDocument, c: usize) {
                     p.length_m,
                     p.num_frames as f32 / rate,
                     p.num_steps,
-                    inhabitants.path(c).len()
+                    inhabitants.path(id).map_or(0, <[_]>::len)
                 ),
             ),
             None => row("way", "no path is planned".into()),
         }
-        if let Some(p) = inhabitants.plan(c) {
+        if let Some(p) = plan {
             row("planning", format!("opened {} instances, {} nodes", p.opened_instances, p.opened_nodes));
         }
         let name = |u: u32| world.placed().get(u as usize).map_or("unit", |p| &world.unit(p.unit).name);
-        let held: Vec<String> = inhabitants.held(c).map(|u| format!("{} {u}", name(u))).collect();
+        let held: Vec<String> =
+            inhabitants.held(id).into_iter().flatten().map(|u| format!("{} {u}", name(u))).collect();
         row("holds", held.join(", "));
-        if let Some(step) = inhabitants.path(c).first().filter(|_| mind.doing == Doing::Waiting) {
+        if let Some(step) = inhabitants.path(id).unwrap_or_default().first().filter(|_| mind.doing == Doing::Waiting) {
             let wanted = world.graph().resources(step.to.instance).iter();
-            let others = wanted.filter_map(|&u| Some((u, inhabitants.holder(u).filter(|&h| h as usize != c)?)));
+            let others = wanted.filter_map(|&u| Some((u, inhabitants.holder(u).filter(|&h| h != id)?.index())));
             let text: Vec<String> =
                 others.map(|(u, holder)| format!("{} {u}, which {holder} holds", name(u))).collect();
             row("waits for", if text.is_empty() { "units farther along its path".into() } else { text.join("; ") });

@@ -13,6 +13,8 @@ use std::f32::consts::PI;
 use throng_runtime::patch::Placement;
 use throng_runtime::world::inhabitants::Wish;
 
+/// A character is sent to a free place so near to where one has clicked (m).
+pub const SENT_WITHIN_M: f32 = 5.0;
 /// One press of a key turns a unit by this (rad).
 const TURN: f32 = PI / 12.0;
 /// The same with Shift (rad).
@@ -146,7 +148,7 @@ pub fn click(ui: &Ui, model: &Model, world: &WorldDocument, layout: &Layout, ray
     let sends = look.tool == Tool::Send || ui.input(|i| i.modifiers.command);
     if sends && let Some(character) = model.selection.character {
         if let Some((_, place)) = world.pick(ray) {
-            let wish = Some(Wish::GoToPlace { place });
+            let wish = Some(Wish::GoNear { place, within_m: SENT_WITHIN_M });
             commands.push(Command::World(WorldCommand::Tell { character, wish }));
         }
         return;
