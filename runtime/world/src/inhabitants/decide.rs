@@ -242,7 +242,10 @@ impl Inhabitants {
         self.reserve(graph, c)
     }
 
-    /// Notes that another one holds what is needed; in the end patience is lost, unless one's place is taken for good.
+    /// Notes that another one holds what is needed.
+    ///
+    /// Who waits for one who goes on loses patience in the end and makes a detour. Who finds its place taken by one who
+    /// stays waits, and makes room for others who ask for it; so does who lost patience too often.
     fn refuse(&mut self, graph: &WorldGraph, c: usize, holder: usize) {
         let is_blocked = self.states[holder].doing == Doing::Blocked;
         let is_settled = is_blocked || self.stays(holder);
