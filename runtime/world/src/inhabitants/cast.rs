@@ -93,6 +93,7 @@ impl Cast for Inhabitants {
         let clip = self.standing(graph, start).unwrap_or_default();
         self.characters.enter_laid(world.motion_set(), &clip)?;
         let id = self.roster.enter()?;
+        self.num_orders = self.num_orders.wrapping_add(1);
         self.states.push(State::at(start));
         self.roots.push(clip.root);
         self.chains.set(c, &[]);
@@ -104,6 +105,7 @@ impl Cast for Inhabitants {
     /// What it held is free at once. The last one takes its place in [`Cast::bodies`].
     fn despawn(&mut self, id: Id) -> Result<()> {
         let (at, last) = self.roster.leave(id)?;
+        self.num_orders = self.num_orders.wrapping_add(1);
         self.reservations.clear_marks();
         self.reservations.release(at as u32);
         if at < last {
@@ -129,6 +131,7 @@ impl Cast for Inhabitants {
         let world = self.world.clone();
         let graph = world.graph();
         let node = self.place_for(graph, id, c, root)?;
+        self.num_orders = self.num_orders.wrapping_add(1);
         let clip = self.standing(graph, node).unwrap_or_default();
         self.characters.start_laid(world.motion_set(), c, &clip)?;
         self.reservations.clear_marks();
@@ -154,6 +157,7 @@ impl Cast for Inhabitants {
     fn order(&mut self, id: Id, wish: Wish) -> Result<()> {
         let c = self.roster.row(id)?;
         let target = self.target_of(id, c, wish)?;
+        self.num_orders = self.num_orders.wrapping_add(1);
         self.paths.forget(c, target);
         self.states[c] = self.states[c].wishing(wish);
         if target.is_some() {

@@ -96,7 +96,7 @@ pub enum Doing {
     Arrived,
     /// No way leads there; stays where it can.
     Unreachable,
-    /// Another one stays in its place: waits until it leaves.
+    /// Another one stays in its place, or in its way for good: waits until that one leaves.
     Blocked,
 }
 

@@ -18,6 +18,9 @@ pub(super) const MAX_IMPATIENCE: u32 = 3;
 const MAX_REJOINED: usize = 8;
 /// Most nodes that are opened in looking for it.
 const MAX_REJOIN_OPENED: usize = 1000;
+/// Times that somebody loses patience before it stays blocked: with those who go on, and with those who do not.
+pub(super) const MAX_TRIES: u32 = 20;
+const MAX_TRIES_SETTLED: u32 = 3;
 /// Steps of its path after which who lost patience is calmer again.
 pub(super) const CALM_AFTER: u32 = 6;
 /// Share of its patience that somebody has with one whose way it bars itself: who gives way, and who insists.
@@ -239,12 +242,15 @@ impl Inhabitants {
         self.reserve(graph, c)
     }
 
-    /// Notes that another one holds what is needed; in the end patience is lost, unless one's place is taken for good.
+    /// Notes that another one holds what is needed.
+    ///
+    /// Who waits for one who goes on loses patience in the end and makes a detour. Who finds its place taken by one who
+    /// stays waits, and makes room for others who ask for it; so does who lost patience too often.
     fn refuse(&mut self, graph: &WorldGraph, c: usize, holder: usize) {
-        let (stays, is_blocked) = (self.stays(holder), self.states[holder].doing == Doing::Blocked);
-        let is_taken = (stays || is_blocked) && self.taken_by(graph, c).is_some();
-        // Who lost patience has looked for a way round.
-        let is_shut_in = stays && self.states[c].impatience > 0;
+        let is_blocked = self.states[holder].doing == Doing::Blocked;
+        let is_settled = is_blocked || self.stays(holder);
+        let is_taken = is_settled && self.taken_by(graph, c).is_some();
+        self.forget_tries(c);
         // Of two who bar each other's way, one gives way soon and the other one late.
         let share = match self.needs_what_is_held(graph, holder, c) {
             true if holder < c => GIVES_WAY,
@@ -253,32 +259,54 @@ impl Inhabitants {
         };
         let chance = self.chance(c);
         let (now, patience_s) = (self.time_s, f64::from(self.config.patience_s * share * (0.5 + chance)));
-        if is_taken && self.turn_to_free(graph, c) {
-            self.states[c].doing = Doing::Planning;
-            self.paths.ask(c);
+        let [tries, tries_settled] = self.states[c].tries;
+        let gives_up = tries >= MAX_TRIES || is_settled && tries_settled >= MAX_TRIES_SETTLED;
+        if is_taken && !gives_up && self.try_another(graph, c) || gives_up && self.stay_near(graph, c) {
             return;
         }
-        self.states[holder].in_the_way |= !is_taken && is_blocked;
+        self.states[holder].in_the_way |= is_blocked && !is_taken && !gives_up;
         let state = &mut self.states[c];
-        state.doing = if is_taken || is_shut_in { Doing::Blocked } else { Doing::Waiting };
+        state.doing = if is_taken || gives_up { Doing::Blocked } else { Doing::Waiting };
         state.progress = 0;
         let waits = now - *state.refused_s.get_or_insert(now) < patience_s;
-        let makes_room = std::mem::take(&mut state.in_the_way);
+        let makes_room = std::mem::take(&mut state.in_the_way) && !gives_up;
         if state.doing == Doing::Blocked && !makes_room {
-            if is_shut_in && !is_taken && !waits {
+            if !waits {
+                // Another way may have become free.
                 state.refused_s = None;
-                self.paths.forget(c, self.paths.target(c));
+                self.paths.ask(c);
             }
             return;
         }
-        if state.doing == Doing::Waiting && waits {
+        if state.doing == Doing::Waiting && waits || is_settled && self.try_another(graph, c) {
             return;
         }
+        let state = &mut self.states[c];
+        state.tries = [state.tries[0] + 1, state.tries[1] + u32::from(is_settled)];
         // Longer each time, so that it gets far enough out of the way.
         state.refused_s = None;
         state.detour = 1 + (chance * (2u32 << state.impatience) as f32) as u32;
         state.impatience = (state.impatience + 1).min(MAX_IMPATIENCE);
         self.paths.forget(c, self.paths.target(c));
+    }
+
+    /// Tries count since anybody was last told something: where nobody is, everybody comes to rest in the end.
+    fn forget_tries(&mut self, c: usize) {
+        let state = &mut self.states[c];
+        if std::mem::replace(&mut state.told, self.num_orders) != self.num_orders {
+            state.tries = [0; 2];
+        }
+    }
+
+    /// Sends one who is to go near a place to another free place there; false where there is none.
+    fn try_another(&mut self, graph: &WorldGraph, c: usize) -> bool {
+        let turned = self.turn_to_free(graph, c);
+        if turned {
+            self.states[c].doing = Doing::Planning;
+            self.states[c].tries[1] += 1;
+            self.paths.ask(c);
+        }
+        turned
     }
 
     /// After a detour others have time to pass.

@@ -52,6 +52,9 @@ struct State {
     performed: u32,
     /// True where it is blocked, and somebody else cannot pass.
     in_the_way: bool,
+    /// Times that it lost patience, and of these with who does not go on; since when, see `num_orders`.
+    tries: [u32; 2],
+    told: u32,
 }
 
 impl State {
@@ -71,6 +74,8 @@ impl State {
             until_s: 0.0,
             performed: 0,
             in_the_way: false,
+            tries: [0; 2],
+            told: 0,
         }
     }
 
@@ -107,6 +112,8 @@ pub struct Inhabitants {
     events: Vec<(Id, InhabitantEvent)>,
     rate_hz: f32,
     time_s: f64,
+    /// Times that somebody was told something, entered, left or was put elsewhere.
+    num_orders: u32,
 }
 
 impl Inhabitants {
@@ -132,6 +139,7 @@ impl Inhabitants {
             events: Vec::with_capacity(2 * capacity),
             rate_hz: motion_set.rate_hz,
             time_s: 0.0,
+            num_orders: 0,
             config,
         })
     }

@@ -1,7 +1,7 @@
 //! Saves the state of inhabitants and goes back to it.
 
 use super::chain::MAX_CHAIN;
-use super::decide::{CALM_AFTER, MAX_IMPATIENCE, needs};
+use super::decide::{CALM_AFTER, MAX_IMPATIENCE, MAX_TRIES, needs};
 use super::paths::SavedPaths;
 use super::reservations::Reservations;
 use super::{Inhabitants, State};
@@ -10,8 +10,8 @@ use throng_base::{Error, Hash128, Result, SnapshotKind};
 use throng_core::Roster;
 use throng_core::characters::CharactersSnapshot;
 
-/// Time, ids, bodies, states, chains, paths. Reservations follow from these.
-type Saved = (f64, Roster, CharactersSnapshot, Vec<State>, Vec<Vec<Step>>, SavedPaths);
+/// Time, number of orders, ids, bodies, states, chains, paths. Reservations follow from these.
+type Saved = ((f64, u32), Roster, CharactersSnapshot, Vec<State>, Vec<Vec<Step>>, SavedPaths);
 
 /// A character's motion ends this far from its node at most: more is a sign of damage (m).
 const ASTRAY_M: f32 = 1.0;
@@ -21,7 +21,8 @@ impl Inhabitants {
     pub(super) fn write(&self, out: &mut Vec<u8>) {
         let chains = (0..self.states.len()).map(|c| self.chains.of(c)).collect::<Vec<_>>();
         let paths = self.paths.saved(self.states.len());
-        let state = (self.time_s, &self.roster, self.characters.snapshot(), &self.states, chains, paths);
+        let state =
+            ((self.time_s, self.num_orders), &self.roster, self.characters.snapshot(), &self.states, chains, paths);
         self.snapshot_kind().write(&state, out);
     }
 
@@ -44,7 +45,10 @@ impl Inhabitants {
     }
 
     /// Takes a state that may be anybody's, or changes nothing and says what does not fit.
-    fn restore(&mut self, (time_s, roster, characters, states, chains, paths): &Saved) -> Result<(), &'static str> {
+    fn restore(
+        &mut self,
+        ((time_s, num_orders), roster, characters, states, chains, paths): &Saved,
+    ) -> Result<(), &'static str> {
         let (world, n) = (self.world.clone(), roster.len());
         let graph = world.graph();
         let (mut bodies, mut held) =
@@ -76,7 +80,8 @@ impl Inhabitants {
             check(are_free, "two hold the same unit")?;
         }
         check(new_paths.restore(graph, paths, n), "its paths are not of the world")?;
-        (self.time_s, self.roster, self.characters, self.reservations) = (*time_s, new_roster, bodies, held);
+        (self.time_s, self.num_orders) = (*time_s, *num_orders);
+        (self.roster, self.characters, self.reservations) = (new_roster, bodies, held);
         (self.chains, self.paths) = (new_chains, new_paths);
         self.states.clone_from(states);
         Ok(())
@@ -88,6 +93,7 @@ fn is_sound(graph: &WorldGraph, state: &State) -> bool {
         && state.through.iter().all(|&i| (i as usize) < graph.num_instances())
         && state.impatience <= MAX_IMPATIENCE
         && state.progress <= CALM_AFTER
+        && state.tries.iter().all(|t| *t <= 2 * MAX_TRIES)
         && state.until_s.is_finite()
         && state.refused_s.is_none_or(f64::is_finite)
 }

@@ -32,7 +32,7 @@ impl Inhabitants {
                     Error::Value { what, got, expected, .. } => Error::Value { what, who, got, expected },
                     e => e,
                 })?;
-                let instance = self.free_near(graph, c, place, within_m).unwrap_or(nearest.node.instance);
+                let instance = self.free_near(graph, c, place, within_m, None).unwrap_or(nearest.node.instance);
                 Target::Rest { instance }
             }
             Wish::Perform { tag, seconds } => {
@@ -79,7 +79,9 @@ impl Inhabitants {
     }
 
     /// The instance of the place to stay that is nearest to a point, of those that nobody else holds or is on the way to.
-    pub(super) fn free_near(&mut self, graph: &WorldGraph, c: usize, point: Vec3, within_m: f32) -> Option<u32> {
+    ///
+    /// - `but`: not that one.
+    fn free_near(&mut self, graph: &WorldGraph, c: usize, point: Vec3, within_m: f32, but: Option<u32>) -> Option<u32> {
         self.reservations.clear_marks();
         for other in (0..self.states.len()).filter(|&other| other != c) {
             if let Some(target) = self.paths.target(other) {
@@ -89,7 +91,7 @@ impl Inhabitants {
         let reservations = &self.reservations;
         let is_free = |instance| {
             let units = graph.resources(instance);
-            reservations.are_free(units, c as u32) && !reservations.is_any_marked(units)
+            but != Some(instance) && reservations.are_free(units, c as u32) && !reservations.is_any_marked(units)
         };
         let node = graph.nearest_rest_of(point, is_free)?;
         (graph.place(node).translation().distance(point) <= within_m).then_some(node.instance)
@@ -111,9 +113,23 @@ impl Inhabitants {
     /// Sends one who is to go near a place to another free place there; false where there is none.
     pub(super) fn turn_to_free(&mut self, graph: &WorldGraph, c: usize) -> bool {
         let Wish::GoNear { place, within_m } = self.states[c].wish else { return false };
-        let Some(instance) = self.free_near(graph, c, place, within_m) else { return false };
+        let now = self.paths.target(c).map(|t| t.instance());
+        let Some(instance) = self.free_near(graph, c, place, within_m, now) else { return false };
         self.paths.forget(c, Some(Target::Rest { instance }));
         true
+    }
+
+    /// Lets one who is to go near a place stay where it is, if that is near enough; false where it is not.
+    pub(super) fn stay_near(&mut self, graph: &WorldGraph, c: usize) -> bool {
+        let (Wish::GoNear { place, within_m }, here) = (self.states[c].wish, self.states[c].at.instance) else {
+            return false;
+        };
+        let is_near = |node: Node| graph.place(node).translation().distance(place) <= within_m;
+        let is_enough = graph.rest_cells(here).any(is_near);
+        if is_enough {
+            self.paths.forget(c, Some(Target::Rest { instance: here }));
+        }
+        is_enough
     }
 }
 
