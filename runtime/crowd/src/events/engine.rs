@@ -7,6 +7,7 @@ use crate::events::prefetch::Prefetcher;
 use crate::events::queue::Calendar;
 use crate::events::schemes::{REGISTRATION, SchemeRef};
 use crate::events::watchdog::Watchdog;
+use crate::routes::spline::Spline;
 use crate::routes::streets::Streets;
 use crate::scenery::Scenery;
 use crate::space::cells::Cells;
@@ -57,8 +58,14 @@ impl<V: Space> Engine<V> {
     /// # Errors
     /// [`CrowdError`] for a setting out of its range, or a start or subgoal that cannot be.
     pub fn new(setup: Setup<V>) -> Result<Self, CrowdError> {
-        let (scenery, cells, grid) = Scenery::new(&setup)?;
+        let (mut scenery, cells, grid) = Scenery::new(&setup)?;
         let capacity = setup.config.capacity.max(setup.agents.len());
+        let mut own_routes = vec![NONE; capacity];
+        // Those to come need no memory for their first route.
+        for own in own_routes.iter_mut().take(setup.config.capacity) {
+            *own = scenery.splines.len() as u32;
+            scenery.splines.push(Spline::staying(V::default()));
+        }
         // An event comes with a few others; a fixed step with some of everybody.
         let most_events = FULL + 4 * capacity.max(64);
         let mut engine = Self {
@@ -70,7 +77,7 @@ impl<V: Space> Engine<V> {
             scenery,
             cells,
             states: vec![AgentState { cell: NONE, ..AgentState::default() }; capacity],
-            own_routes: vec![NONE; capacity],
+            own_routes,
             queue: Calendar::new(capacity),
             prefetcher: Prefetcher::default(),
             free: (0..capacity as u32).rev().collect(),
