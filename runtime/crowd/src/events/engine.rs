@@ -29,6 +29,10 @@ pub(crate) struct Engine<V> {
     pub states: Vec<AgentState<V>>,
     /// Route that belongs to the place of an agent alone; [`NONE`] where there is none (capacity).
     pub own_routes: Vec<u32>,
+    /// Routes for places that have none yet, so that whoever comes there takes no memory.
+    pub spare: Vec<Spline<V>>,
+    /// Places for which memory is taken at once.
+    pub room: usize,
     pub queue: Calendar,
     pub prefetcher: Prefetcher,
     /// Places that are free, the next one last.
@@ -58,14 +62,8 @@ impl<V: Space> Engine<V> {
     /// # Errors
     /// [`CrowdError`] for a setting out of its range, or a start or subgoal that cannot be.
     pub fn new(setup: Setup<V>) -> Result<Self, CrowdError> {
-        let (mut scenery, cells, grid) = Scenery::new(&setup)?;
+        let (scenery, cells, grid) = Scenery::new(&setup)?;
         let capacity = setup.config.capacity.max(setup.agents.len());
-        let mut own_routes = vec![NONE; capacity];
-        // Those to come need no memory for their first route.
-        for own in own_routes.iter_mut().take(setup.config.capacity) {
-            *own = scenery.splines.len() as u32;
-            scenery.splines.push(Spline::staying(V::default()));
-        }
         // An event comes with a few others; a fixed step with some of everybody.
         let most_events = FULL + 4 * capacity.max(64);
         let mut engine = Self {
@@ -77,7 +75,9 @@ impl<V: Space> Engine<V> {
             scenery,
             cells,
             states: vec![AgentState { cell: NONE, ..AgentState::default() }; capacity],
-            own_routes,
+            own_routes: vec![NONE; capacity],
+            spare: Vec::new(),
+            room: setup.config.capacity,
             queue: Calendar::new(capacity),
             prefetcher: Prefetcher::default(),
             free: (0..capacity as u32).rev().collect(),
@@ -92,6 +92,7 @@ impl<V: Space> Engine<V> {
         for agent in &setup.agents {
             engine.spawn(*agent)?;
         }
+        engine.fill_spare();
         Ok(engine)
     }
 

@@ -178,6 +178,7 @@ impl<V: Space> Engine<V> {
         let spline = Spline::new(number, &route)?;
         self.scenery.check_route(number, &spline)?;
         self.scenery.splines.push(spline);
+        self.scenery.splines.reserve(self.spare.len());
         Ok(number)
     }
 
@@ -235,11 +236,17 @@ impl<V: Space> Engine<V> {
         let own = &mut self.own_routes[index as usize];
         if *own == NONE {
             *own = self.scenery.splines.len() as u32;
-            self.scenery.splines.push(Spline::staying(at));
-        } else {
-            self.scenery.splines[*own as usize].stay(at);
+            self.scenery.splines.push(self.spare.pop().unwrap_or_else(|| Spline::staying(at)));
         }
+        self.scenery.splines[*own as usize].stay(at);
         *own as usize
+    }
+
+    /// Takes memory for the first routes of those to come.
+    pub fn fill_spare(&mut self) {
+        let missing = self.own_routes.iter().take(self.room).filter(|&&own| own == NONE).count();
+        self.spare.resize(missing, Spline::staying(V::default()));
+        self.scenery.splines.reserve(missing);
     }
 
     /// Gives an agent a route of its own, in place of the last one of that place: memory does not grow, however often

@@ -47,6 +47,8 @@ fn impossible_orders_are_refused_and_change_nothing() {
     let route = crowd.order(id, Go::on_route(7)).unwrap_err();
     assert!(matches!(other(route), Error::Index { what: "route", got: 7, .. }));
     assert!(crowd.order(id, Go::along(vec![ground(0.0, 1.0)])).is_err(), "in the block");
+    let lost = crowd.spawn(Agent { route: Some(1), ..Agent::at(ground(-9.0, 0.0)) }).unwrap_err();
+    assert!(matches!(other(lost), Error::Index { what: "route", got: 1, .. }));
     assert_eq!(crowd.hash(), hash);
 }
 
