@@ -136,8 +136,9 @@ fn inhabitants_allocate_nothing() {
     let ids = people.ids().to_vec();
     for round in 0..20u32 {
         for &id in &ids {
-            let wish = match id.index % 3 {
+            let wish = match id.index % 4 {
                 0 => Wish::Roam,
+                3 => Wish::GoNear { place: Vec3::new((round % 9) as f32 * 2.0, 1.0, 1.0), within_m: 4.0 },
                 1 => Wish::GoTo { instance: (7 * id.index + 11 * round) % 40 },
                 _ => Wish::Perform { tag: made_up::SIT, seconds: 4.0 },
             };

@@ -37,11 +37,6 @@ impl Roster {
         self.slots.len()
     }
 
-    /// Number of rows.
-    pub fn len(&self) -> usize {
-        self.ids.len()
-    }
-
     /// The row of an id.
     ///
     /// # Errors

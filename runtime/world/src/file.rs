@@ -105,11 +105,6 @@ impl World {
         Ok(Self::opened(data.meta.clone(), WorldGraph::new(bundle.patches(), &data.view())?, bundle, 0))
     }
 
-    /// The same of a graph over the bundle's patches.
-    pub fn from_graph(graph: &WorldGraph, bundle: &Bundle) -> Self {
-        Self::opened(WorldMeta::default(), graph.clone(), bundle, 0)
-    }
-
     /// What the world says of itself.
     pub fn meta(&self) -> &WorldMeta {
         &self.0.meta

@@ -151,7 +151,7 @@ impl PolicyCharacters {
 
     /// Why a state cannot be that of these characters; nothing where it can.
     fn refuse(&self, blocks: &[Block], roster: &Roster, orders: &[Order]) -> Option<String> {
-        let n = roster.len();
+        let n = roster.ids().len();
         if !self.roster.clone().restore(roster) || (orders.len(), blocks.len()) != (n, n.div_ceil(LANES)) {
             let capacity = self.roster.capacity();
             return Some(format!(
@@ -271,12 +271,12 @@ impl Cast for PolicyCharacters {
             return Err(Error::Snapshot { what: kind.what, why });
         }
         self.roster.restore(&roster);
-        self.characters.set_blocks(&blocks, roster.len());
+        self.characters.set_blocks(&blocks, roster.ids().len());
         self.characters.pose_again(&self.motion_set);
         // The vector keeps its capacity.
         self.orders.clone_from(&orders);
         self.roots.clear();
-        self.roots.resize(roster.len(), Planar::IDENTITY);
+        self.roots.resize(roster.ids().len(), Planar::IDENTITY);
         self.update_roots();
         self.events.clear();
         Ok(())

@@ -34,7 +34,10 @@ pub(super) const MOVED: [(&str, &str); 23] = [
 /// Refuses what no scene file has any more.
 pub(super) fn refuse(source: &Source) -> Result<()> {
     let Some(table) = source.table() else { return Ok(()) };
-    for (key, value) in table.iter() {
+    // In the order of the file: the table itself is sorted by name.
+    let mut keys: Vec<_> = table.iter().collect();
+    keys.sort_by_key(|(key, _)| key.span().start);
+    for (key, value) in keys {
         let name = key.get_ref().as_ref();
         if let Some((_, now)) = MOVED.iter().find(|m| m.0 == name) {
             return Err(source.error(key.span(), format!("`{name}` is a key of older scene files: write {now}")));

@@ -17,7 +17,7 @@ impl Sparring {
         self.snapshot_kind().write(&(weights, &self.state, self.characters.snapshot()), out);
     }
 
-    /// Goes back to what was saved, see [`throng_core::characters::Characters::load`].
+    /// Goes back to what was saved, see [`throng_core::characters::Characters::restore`].
     ///
     /// # Errors
     /// [`Error::Snapshot`]; nothing has changed then.

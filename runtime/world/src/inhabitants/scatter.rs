@@ -1,7 +1,7 @@
 //! Places for characters to begin at.
 
 use super::reservations::Reservations;
-use crate::{Node, WorldGraph};
+use crate::{Node, WorldGraph, is_set};
 use glam::Vec3;
 use throng_core::characters::uniform;
 use throng_core::patch::{CellRecord, NONE};
@@ -41,29 +41,34 @@ impl WorldGraph {
         (0..self.num_cells(instance)).map(move |cell| Node { instance, cell }).filter(|n| self.is_rest(*n))
     }
 
-    /// False for a node of a tile that nothing leads to from its edges.
+    /// False for a node of a tile that nothing leads to from its edges. Allocates nothing.
     fn is_entered(&self, node: Node) -> bool {
-        if !self.is_tile(node.instance) || self.instance(node.instance).num_adjacencies > 0 {
+        let (cells, links) = (self.cells(node.instance), self.links(node.instance));
+        // One bit each; what has more of them is taken for entered, as is what blocks lead into.
+        let mut found = [0u64; 64];
+        if !self.is_tile(node.instance) || self.instance(node.instance).num_adjacencies > 0 || cells.len() > 64 * 64 {
             return true;
         }
-        let (cells, links) = (self.cells(node.instance), self.links(node.instance));
-        let across =
-            |edge: u32| self.world().neighbours[(self.instance(node.instance).first_neighbour + edge) as usize];
-        let (mut found, mut next) = (vec![node.cell], 0);
-        while let Some(&cell) = found.get(next) {
-            let here = &cells[cell as usize];
-            if here.is(CellRecord::IS_ENTRY) && here.edge != NONE && across(here.edge) != NONE {
-                return true;
-            }
-            let into = (0..).zip(links).filter(|(k, l)| l.to == cell && self.is_link_enabled(node.instance, *k));
-            for from in into.map(|(_, l)| l.from) {
-                if !found.contains(&from) && self.is_enabled(Node { cell: from, ..node }) {
-                    found.push(from);
+        let first = self.instance(node.instance).first_neighbour;
+        let is_entry = |cell: &CellRecord| {
+            cell.is(CellRecord::IS_ENTRY)
+                && cell.edge != NONE
+                && self.world().neighbours[(first + cell.edge) as usize] != NONE
+        };
+        found[node.cell as usize / 64] |= 1 << (node.cell % 64);
+        loop {
+            let before = found;
+            for (k, l) in (0..).zip(links) {
+                let is_new = is_set(&found, 0, l.to) && !is_set(&found, 0, l.from);
+                if is_new && self.is_link_enabled(node.instance, k) && self.is_enabled(Node { cell: l.from, ..node }) {
+                    found[l.from as usize / 64] |= 1 << (l.from % 64);
                 }
             }
-            next += 1;
+            let is_entered = (0..).zip(cells).any(|(k, cell)| is_set(&found, 0, k) && is_entry(cell));
+            if is_entered || found == before {
+                return is_entered;
+            }
         }
-        false
     }
 
     /// The node nearest to a point where a character may stay, and to which it can come (m).

@@ -49,7 +49,7 @@ impl Inhabitants {
         &mut self,
         ((time_s, num_orders), roster, characters, states, chains, paths): &Saved,
     ) -> Result<(), &'static str> {
-        let (world, n) = (self.world.clone(), roster.len());
+        let (world, n) = (self.world.clone(), roster.ids().len());
         let graph = world.graph();
         let (mut bodies, mut held) =
             (self.characters.clone(), Reservations::new(graph.world().units.len(), self.capacity()));

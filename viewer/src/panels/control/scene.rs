@@ -66,10 +66,8 @@ fn selected(ui: &mut Ui, model: &Model, scene: &SceneDocument, commands: &mut Ve
     ui.label(text);
     match simulation.member(who) {
         (GroupCast::Policy(p), member) => target::hanging(ui, who, p.practice().targets()[member].home, commands),
-        (GroupCast::Sparring(_), member) => {
-            if ui.small_button("select its opponent").clicked() {
-                commands.push(Command::SelectCharacter(Some(who - member + (member ^ 1))));
-            }
+        (GroupCast::Sparring(_), member) if ui.small_button("select its opponent").clicked() => {
+            commands.push(Command::SelectCharacter(Some(who - member + (member ^ 1))));
         }
         (GroupCast::Patches(people), member) if people.is_told(member) => {
             let tip = "It decides for itself again";

@@ -170,7 +170,7 @@ fn agents_are_measured_and_their_events_logged() {
     let of_one = log.last_of_watched(&all, 9.0, 999);
     assert!(!of_one.is_empty() && of_one.iter().all(|h| h.is_about(3)));
     assert!(log.last(&all, 2.0, 99).iter().all(|h| h.time_s <= 2.0 && h.at.is_finite()));
-    assert_eq!(log.rates().totals(9.0).iter().sum::<u64>() > 100, true);
+    assert!(log.rates().totals(9.0).iter().sum::<u64>() > 100);
     // What is told in the past drops what came after it.
     run.seek(120).unwrap();
     run.input(Input::Target { character: None, to: Vec3::ZERO }).unwrap();

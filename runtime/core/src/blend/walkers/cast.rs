@@ -129,7 +129,7 @@ impl Cast for Walkers {
     fn load(&mut self, bytes: &[u8]) -> Result<()> {
         let kept: State = self.kind().read_all(bytes)?;
         let refuse = |why: &str| Err(Error::Snapshot { what: "walkers", why: why.into() });
-        let n = kept.roster.len();
+        let n = kept.roster.ids().len();
         let lengths = [kept.bodies.len(), kept.orders.len(), kept.ordered.len()];
         let has_bodies = kept.bodies.iter().all(|&body| (body as usize) < self.skeletons.len());
         if lengths != [n; 3] || kept.blocks.len() != n.div_ceil(LANES) || !has_bodies {

@@ -145,7 +145,7 @@ impl Walkers {
 
     /// Number of walkers.
     pub fn len(&self) -> usize {
-        self.state.roster.len()
+        self.state.roster.ids().len()
     }
 
     /// True if there is nobody.
