@@ -1,4 +1,4 @@
-//! Policy characters: opens a bundle, places characters, steps them towards their targets, reads their poses.
+//! Policy characters: people enter, are told where to go one by one, and walk there.
 //!
 //! ```sh
 //! cargo run --release -- demo
@@ -7,37 +7,34 @@
 
 use glam::Vec3;
 use std::path::Path;
-use throng_runtime::characters::{Characters, CharactersConfig, Goal, MotionSet, Start};
-use throng_runtime::{Bundle, Joint, NUM_JOINTS, Planar};
+use throng_runtime::characters::{CharactersConfig, Order, PolicyCharacters, Spawn};
+use throng_runtime::{Bundle, Cast, Id, Inline, Joint, Planar};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     run(std::env::args().nth(1).unwrap_or_else(|| "demo.throng".into()).as_ref())
 }
 
-/// Lets a hundred characters of a bundle walk for ten seconds.
+/// Lets two hundred characters of a bundle enter, and one of them walk for ten seconds.
 pub fn run(bundle: &Path) -> Result<(), Box<dyn std::error::Error>> {
-    // Mapped and checked once; all else borrows from it.
-    let tables = Bundle::open(bundle)?;
-    let motion_set = MotionSet::new(&tables);
-    let approach = tables.find_policy("approach")?;
+    let bundle = Bundle::open(bundle)?;
+    let approach = bundle.find_policy("approach")?;
+    let mut people = PolicyCharacters::with_capacity(&bundle, 200, CharactersConfig::default())?;
+    let places = (0..200).map(|i| Planar::new(2.0 * (i % 20) as f32, 2.0 * (i / 20) as f32, 0.0));
+    let ids = places.map(|root| people.spawn(Spawn::standing(root))).collect::<Result<Vec<Id>, _>>()?;
 
-    // A row of characters, a metre apart, facing +Z, each in some state of the motion graph.
-    let num_states = tables.graph().states.len() as u32;
-    let starts: Vec<Start> =
-        (0..100).map(|i| Start { root: Planar::new(i as f32, 0.0, 0.0), state: i * 7 % num_states }).collect();
-    let targets: Vec<Vec3> = (0..100).map(|i| Vec3::new(i as f32, 0.0, 5.0)).collect();
-    let mut characters = Characters::new(&motion_set, CharactersConfig::default(), &starts)?;
-
-    // Ten seconds at 60 Hz. A step allocates nothing.
-    let goals = [Goal { policy: approach, weight: 1.0, targets: &targets }];
+    // Only who changes is told. The order stays.
+    let click = Vec3::new(30.0, 0.0, 25.0);
+    people.order(ids[17], Order::aim(approach, click))?;
     for _ in 0..600 {
-        characters.step(&motion_set, 1.0 / 60.0, &goals)?;
+        people.step(1.0 / 60.0, &Inline)?;
     }
 
-    // Joints in model space, for a renderer; the root places each character in the world.
-    assert_eq!(characters.model_matrices().len(), 100 * NUM_JOINTS);
-    let root = characters.root(0);
-    let head = characters.joint_positions(0)[Joint::Head.index()];
-    println!("character 0 stands at ({:.2}, {:.2}), its head {:.2} m above the ground", root.x, root.z, head.y);
+    let body = people.bodies().get(ids[17]).ok_or("it is there")?;
+    println!(
+        "it stands at {:?}, its head at {:.2}: {:?}",
+        body.root,
+        body.position(Joint::Head),
+        people.status(ids[17])?
+    );
     Ok(())
 }

@@ -15,13 +15,13 @@ use std::hint::black_box;
 use throng_runtime::blend::walkers::{Control, WalkerStart, Walkers, WalkersConfig};
 use throng_runtime::blend::{HeightField, MAX_AXES, Posture};
 use throng_runtime::characters::{Characters, CharactersConfig, Choice, Goal, MotionSet, SampleJob};
-use throng_runtime::crowd::{Agent, AtEnd, Crowd, CrowdConfig, Obstacle, Route, Scheme, Setup};
+use throng_runtime::crowd::{Agent, AtEnd, Crowd, CrowdConfig, Go, Obstacle, Route, Scheme, Setup, Streets};
 use throng_runtime::policy::{self, BestActionJob, LookAheadJob, RankedActions};
-use throng_runtime::simulation::{Scene, Simulation};
+use throng_runtime::simulation::{Pedestrians, Scene, Simulation};
 use throng_runtime::sparring::{PracticeConfig, PracticeGoal, Sparring, TargetPractice};
 use throng_runtime::world::World;
 use throng_runtime::world::inhabitants::{Inhabitants, InhabitantsConfig, Wish, scatter};
-use throng_runtime::{Cast, Id, Inline, Mat3x4, NUM_JOINTS};
+use throng_runtime::{Cast, Id, Inline, Mat3x4, NUM_JOINTS, Planar};
 
 thread_local! {
     /// Allocations of this thread; what the test harness does on others does not count.
@@ -319,6 +319,43 @@ fn batches_of_blending_allocate_nothing() {
     });
     assert_eq!(n, 0);
     assert!(postures.iter().all(|p| *p != Posture::default()));
+}
+
+#[test]
+fn pedestrians_allocate_nothing_but_for_orders() {
+    const N: usize = 40;
+    let streets = Streets::new(&[], 0.4).expect("streets");
+    let crowd = Crowd::on_ground(Setup::in_streets(&streets, N)).expect("a crowd");
+    let space = made_up_blend::MadeUp::locomotion().space();
+    let mut people = Pedestrians::new(crowd, space, &[], WalkersConfig::default()).expect("pedestrians");
+    let (mut kept, mut num_left) = (Vec::new(), 0);
+    for round in 0..3 {
+        let spawn = |people: &mut Pedestrians| {
+            let newcomers = (people.bodies().ids.len()..N).map(|i| Vec3::new((i % 8) as f32, 0.0, (i / 8) as f32));
+            newcomers.filter(|at| people.spawn(Agent::at(*at)).is_ok()).count()
+        };
+        let mut num_new = 0;
+        assert_eq!(allocations(|| num_new = spawn(&mut people)), 0, "round {round}");
+        assert!(num_new > 5, "round {round}: {num_new} enter");
+        let ids = people.bodies().ids.to_vec();
+        let (&idle, others) = ids.split_last().expect("people");
+        for &id in others {
+            people.order(id, Go::to(Vec3::new(3.0, 0.0, 9.0)).within(3.0).then(AtEnd::Leave)).expect("a way");
+        }
+        let moved = allocations(|| {
+            people.place(idle, Planar::new(-9.0 - round as f32, 5.0, 1.0)).expect("room");
+            for _ in 0..400 {
+                people.step(1.0 / 60.0, &Inline).expect("a step");
+                num_left += people.events().len();
+            }
+            people.despawn(idle).expect("it stays there");
+        });
+        assert_eq!(moved, 0, "round {round}");
+        kept.clear();
+        people.save(&mut kept);
+        people.load(&kept).expect("its own bytes");
+    }
+    assert!(num_left > N, "{num_left} events are too few to prove anything");
 }
 
 /// Agents who meet, arrive, leave, stay or go round, past a wall and somebody who does not give way.

@@ -130,14 +130,19 @@ pub struct Body<'a> {
 }
 
 impl<'a> Bodies<'a> {
+    /// The row of one.
+    pub fn row(&self, id: Id) -> Option<usize> {
+        // Ids ascend where nobody has left, so that most are found at once.
+        match self.ids.get(id.index()) {
+            Some(found) if *found == id => Some(id.index()),
+            _ => self.ids.iter().position(|&other| other == id),
+        }
+    }
+
     /// The body of one.
     pub fn get(&self, id: Id) -> Option<Body<'a>> {
-        // Ids ascend where nobody has left, so that most are found at once.
-        let at = match self.ids.get(id.index()) {
-            Some(found) if *found == id => id.index(),
-            _ => self.ids.iter().position(|&other| other == id)?,
-        };
-        Some(Body { root: self.roots[at], model: &self.model[at] })
+        let row = self.row(id)?;
+        Some(Body { root: self.roots[row], model: &self.model[row] })
     }
 
     /// Writes the matrices from joint to world (num_bodies).

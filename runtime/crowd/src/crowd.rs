@@ -18,8 +18,8 @@ use throng_base::Run;
 /// is over. The proof that nobody ever overlaps anybody is in `safety/rule.rs`; it asks nothing of forces or intervals.
 ///
 /// Places are those of the world (m, Y up). On the ground, agents are discs in x and z; heights that are given are left
-/// out, and those that come back are 0. Within the capacity, nothing here allocates but orders, first orders of a place,
-/// and what returns or takes a `Vec`.
+/// out, and those that come back are 0. Within [`CrowdConfig::capacity`](crate::CrowdConfig), nothing here allocates but
+/// orders, who is placed on its way, and what returns or takes a `Vec`.
 ///
 /// ```
 /// # fn main() -> throng_base::Result<()> {
@@ -147,7 +147,8 @@ impl Crowd {
         each!(&mut self.engine, e => e.despawn(id))
     }
 
-    /// Puts an agent elsewhere, at rest. It goes on with its order from there.
+    /// Puts an agent elsewhere, at rest. It goes on with its order from there; who has none, or was where it was sent,
+    /// stays there.
     ///
     /// # Errors
     /// [`CrowdError`] for a place that is taken or out of range, or from which no way leads to its goal; nothing has
@@ -212,6 +213,16 @@ impl Crowd {
             Either::Air(e) => (None, Some(e.ids())),
         };
         ground.into_iter().flatten().chain(air.into_iter().flatten())
+    }
+
+    /// Most agents at a time.
+    pub fn capacity(&self) -> usize {
+        each!(&self.engine, e => e.states.len())
+    }
+
+    /// True where agents are discs on the ground.
+    pub fn is_on_ground(&self) -> bool {
+        matches!(self.engine, Either::Ground(_))
     }
 
     /// Number of agents.

@@ -2,7 +2,7 @@
 //!
 //! [`Scene`] is what a file says, [`CompiledScene`] the same with its bundles and worlds open, and [`Simulation`] what
 //! runs: characters with policies, sparring pairs, blended walkers, inhabitants of stitched worlds and agents without
-//! bodies, together.
+//! bodies, together. [`Pedestrians`] are agents with bodies on their own, without a scene.
 
 pub mod agents;
 pub mod boxing;
@@ -11,6 +11,7 @@ mod compile;
 pub mod inhabited;
 mod kind;
 mod paths;
+mod pedestrians;
 pub mod scene;
 mod simulation;
 pub mod sparring;
@@ -19,5 +20,6 @@ pub mod wander;
 pub use casts::GroupCast;
 pub use compile::{CompiledScene, OpenWorld};
 pub use kind::{Kind, Tick};
+pub use pedestrians::Pedestrians;
 pub use scene::{Motion, Scene};
 pub use simulation::{Event, Group, Happened, Simulation};

@@ -7,6 +7,7 @@ use crate::events::prefetch::Prefetcher;
 use crate::events::queue::Calendar;
 use crate::events::schemes::{REGISTRATION, SchemeRef};
 use crate::events::watchdog::Watchdog;
+use crate::routes::spline::Spline;
 use crate::routes::streets::Streets;
 use crate::scenery::Scenery;
 use crate::space::cells::Cells;
@@ -28,6 +29,10 @@ pub(crate) struct Engine<V> {
     pub states: Vec<AgentState<V>>,
     /// Route that belongs to the place of an agent alone; [`NONE`] where there is none (capacity).
     pub own_routes: Vec<u32>,
+    /// Routes for places that have none yet, so that whoever comes there takes no memory.
+    pub spare: Vec<Spline<V>>,
+    /// Places for which memory is taken at once.
+    pub room: usize,
     pub queue: Calendar,
     pub prefetcher: Prefetcher,
     /// Places that are free, the next one last.
@@ -71,6 +76,8 @@ impl<V: Space> Engine<V> {
             cells,
             states: vec![AgentState { cell: NONE, ..AgentState::default() }; capacity],
             own_routes: vec![NONE; capacity],
+            spare: Vec::new(),
+            room: setup.config.capacity,
             queue: Calendar::new(capacity),
             prefetcher: Prefetcher::default(),
             free: (0..capacity as u32).rev().collect(),
@@ -85,6 +92,7 @@ impl<V: Space> Engine<V> {
         for agent in &setup.agents {
             engine.spawn(*agent)?;
         }
+        engine.fill_spare();
         Ok(engine)
     }
 

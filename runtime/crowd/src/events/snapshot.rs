@@ -103,6 +103,7 @@ impl<V: Space> Engine<V> {
     fn take_over(&mut self, saved: Saved<V>) {
         (self.now, self.counts, self.states) = (saved.now, saved.counts, saved.states);
         (self.grid, self.refreshes, self.own_routes) = (saved.grid, saved.refreshes, saved.own_routes);
+        self.fill_spare();
         self.grid.mark();
         self.free.clear();
         self.free.extend(&saved.free);

@@ -31,7 +31,7 @@ impl<V: Space> Engine<V> {
         self.check_room(id, &plan)?;
         let route = match agent.route {
             Some(route) => route,
-            None => self.set_own_route(index, &stay_at(agent.position))?,
+            None => self.stay(index, agent.position),
         };
         self.free.pop();
         let spline = &self.scenery.splines[route];
@@ -129,7 +129,7 @@ impl<V: Space> Engine<V> {
         Ok(())
     }
 
-    /// Puts an agent elsewhere, at rest. It goes on with its order from there.
+    /// Puts an agent elsewhere, at rest. Who has come to the end of its own way stays there; others go on with their order.
     ///
     /// # Errors
     /// [`CrowdError`] for a place that is taken or out of range, or from which no way leads to its goal; nothing has
@@ -137,19 +137,21 @@ impl<V: Space> Engine<V> {
     pub fn place(&mut self, id: Id, position: V) -> Result<(), CrowdError> {
         self.check_id(id)?;
         let good = position.is_finite() && position.length() <= 1e5;
-        check("position", id.index(), position.length(), good, "finite and within 1e5 m")?;
+        let far = f64::from(position.length());
+        throng_base::error::check("position", Some(id), far, good, "finite and within 1e5 m")?;
         self.scenery.check_place(id, position)?;
         let old = self.cells.plan(id.index);
         let plan = self.standing(id.index, position, V::default(), (old.radius, old.limit));
         self.check_room(id, &plan)?;
         let state = self.states[id.index()];
-        if self.streets.is_some() && state.route == self.own_routes[id.index()] {
-            let route = &self.scenery.splines[state.route as usize].route;
-            if let Some(&goal) = route.subgoals.last() {
-                let subgoals = self.way(position, goal, old.radius)?;
-                let route = Route { subgoals, ..route.clone() };
-                self.set_own_route(id.index, &route)?;
-            }
+        let spline = &self.scenery.splines[state.route as usize];
+        let is_own = state.route == self.own_routes[id.index()];
+        if is_own && spline.at_end() == AtEnd::Stay && spline.is_there(state.cursor, old.at(self.now).0) {
+            self.stay(id.index, position);
+        } else if is_own && self.streets.is_some() {
+            let subgoals = self.way(id, position, spline.goal(), old.radius)?;
+            let route = Route { subgoals, ..spline.route.clone() };
+            self.set_own_route(id.index, &route)?;
         }
         self.cells.remove(state.cell, id.index);
         #[cfg(feature = "baselines")]
@@ -176,6 +178,7 @@ impl<V: Space> Engine<V> {
         let spline = Spline::new(number, &route)?;
         self.scenery.check_route(number, &spline)?;
         self.scenery.splines.push(spline);
+        self.scenery.splines.reserve(self.spare.len());
         Ok(number)
     }
 
@@ -187,7 +190,8 @@ impl<V: Space> Engine<V> {
         self.check_id(id)?;
         let speed = order.speed_mps.unwrap_or(self.states[id.index()].speed);
         let good = (0.0..=self.scenery.speed).contains(&speed);
-        check("speed", id.index(), speed, good, "at least 0, and at most `largest_speed_mps` of the config")?;
+        let expected = "at least 0, and at most `largest_speed_mps` of the config";
+        throng_base::error::check("speed", Some(id), speed.into(), good, expected)?;
         let plan = self.cells.plan(id.index);
         let position = plan.at(self.now).0;
         let number = match &order.way {
@@ -197,7 +201,7 @@ impl<V: Space> Engine<V> {
             }
             Way::To(_) | Way::Along(_) => {
                 let subgoals = match &order.way {
-                    Way::To(goal) => self.way(position, *goal, plan.radius)?,
+                    Way::To(goal) => self.way(id, position, *goal, plan.radius)?,
                     Way::Along(subgoals) => subgoals.clone(),
                     Way::Route(_) => Vec::new(),
                 };
@@ -218,10 +222,31 @@ impl<V: Space> Engine<V> {
     }
 
     /// Subgoals of the way from a place to a goal: round obstacles where the crowd knows its streets, otherwise straight.
-    fn way(&self, from: V, goal: V, radius: f32) -> Result<Vec<V>, CrowdError> {
+    fn way(&self, id: Id, from: V, goal: V, radius: f32) -> Result<Vec<V>, CrowdError> {
         let Some(streets) = &self.streets else { return Ok(vec![goal]) };
-        let route = streets.subgoals(from.to_world(), goal.to_world(), radius)?;
-        Ok(route.into_iter().map(V::from_world).collect())
+        match streets.subgoals(from.to_world(), goal.to_world(), radius) {
+            Ok(route) => Ok(route.into_iter().map(V::from_world).collect()),
+            Err(Error::NoWay { from, to, .. }) => Err(Error::NoWay { who: Some(id), from, to }.into()),
+            Err(e) => Err(e.into()),
+        }
+    }
+
+    /// Lets an agent stay at a place, on a route of its own. Returns its number.
+    fn stay(&mut self, index: u32, at: V) -> usize {
+        let own = &mut self.own_routes[index as usize];
+        if *own == NONE {
+            *own = self.scenery.splines.len() as u32;
+            self.scenery.splines.push(self.spare.pop().unwrap_or_else(|| Spline::staying(at)));
+        }
+        self.scenery.splines[*own as usize].stay(at);
+        *own as usize
+    }
+
+    /// Takes memory for the first routes of those to come.
+    pub fn fill_spare(&mut self) {
+        let missing = self.own_routes.iter().take(self.room).filter(|&&own| own == NONE).count();
+        self.spare.resize(missing, Spline::staying(V::default()));
+        self.scenery.splines.reserve(missing);
     }
 
     /// Gives an agent a route of its own, in place of the last one of that place: memory does not grow, however often
@@ -239,9 +264,4 @@ impl<V: Space> Engine<V> {
         self.own_routes[index as usize] = number as u32;
         Ok(number)
     }
-}
-
-/// The route of an agent that has no order.
-fn stay_at<V: Space>(position: V) -> Route<V> {
-    Route { subgoals: vec![position], arrival_radius: 0.5, at_end: AtEnd::Stay }
 }

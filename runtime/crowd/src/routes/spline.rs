@@ -73,7 +73,25 @@ impl<V: Space> Piece<V> {
     }
 }
 
+/// How near to its place an agent stays that has no order (m).
+const STAY_M: f32 = 0.5;
+
 impl<V: Space> Spline<V> {
+    /// Of one who stays at a place.
+    pub fn staying(at: V) -> Self {
+        let route = Route { subgoals: vec![at], arrival_radius: STAY_M, at_end: AtEnd::Stay };
+        Self { route, pieces: Vec::new(), goal: at }
+    }
+
+    /// Makes it that of one who stays at a place. Allocates nothing.
+    pub fn stay(&mut self, at: V) {
+        self.route.subgoals.clear();
+        self.route.subgoals.push(at);
+        (self.route.arrival_radius, self.route.at_end) = (STAY_M, AtEnd::Stay);
+        self.pieces.clear();
+        self.goal = at;
+    }
+
     /// Lays cubics through the subgoals of a route.
     ///
     /// # Errors

@@ -46,6 +46,7 @@ impl<V: Space> From<&Plan<V>> for Bound<V> {
 
 impl<V: Space> Bound<V> {
     /// The bound of an agent that follows a plan, made at a time of it.
+    #[cfg(any(test, feature = "baselines"))]
     #[inline]
     pub fn new(plan: &Plan<V>, time: f64) -> Self {
         let (position, velocity) = plan.at(time);

@@ -40,12 +40,15 @@ fn impossible_orders_are_refused_and_change_nothing() {
     let mut crowd = Crowd::on_ground(Setup::in_streets(&streets(), 4)).unwrap();
     let id = crowd.spawn(Agent::at(ground(-5.0, 0.0))).unwrap();
     let hash = crowd.hash();
-    assert!(matches!(other(crowd.order(id, Go::to(ground(0.0, 0.0))).unwrap_err()), Error::NoWay { .. }));
+    let no_way = other(crowd.order(id, Go::to(ground(0.0, 0.0))).unwrap_err());
+    assert!(matches!(no_way, Error::NoWay { who: Some(who), .. } if who == id));
     let fast = crowd.order(id, Go::to(ground(5.0, 0.0)).at_speed(9.0)).unwrap_err();
     assert!(matches!(other(fast), Error::Value { what: "speed", who: Some(who), .. } if who == id));
     let route = crowd.order(id, Go::on_route(7)).unwrap_err();
     assert!(matches!(other(route), Error::Index { what: "route", got: 7, .. }));
     assert!(crowd.order(id, Go::along(vec![ground(0.0, 1.0)])).is_err(), "in the block");
+    let lost = crowd.spawn(Agent { route: Some(1), ..Agent::at(ground(-9.0, 0.0)) }).unwrap_err();
+    assert!(matches!(other(lost), Error::Index { what: "route", got: 1, .. }));
     assert_eq!(crowd.hash(), hash);
 }
 
@@ -62,6 +65,22 @@ fn placed_agents_go_on_with_their_order_from_there() {
     assert_eq!(crowd.position(a, 1.0), Some(ground(0.0, 9.0)));
     crowd.advance(15.0, &mut |_| {}).unwrap();
     assert_eq!([crowd.status(a).unwrap(), crowd.status(b).unwrap()], [Status::There; 2]);
+}
+
+#[test]
+fn who_is_there_stays_where_it_is_put() {
+    let mut crowd = Crowd::on_ground(Setup::in_streets(&streets(), 4)).unwrap();
+    let [idle, there] = [-5.0, -8.0].map(|x| crowd.spawn(Agent::at(ground(x, 0.0))).unwrap());
+    crowd.order(there, Go::to(ground(-8.0, 2.0))).unwrap();
+    crowd.advance(5.0, &mut |_| {}).unwrap();
+    for (id, x) in [(idle, 5.0), (there, 8.0)] {
+        crowd.place(id, ground(x, 0.0)).unwrap();
+        assert_eq!(crowd.status(id).unwrap(), Status::There);
+    }
+    crowd.advance(15.0, &mut |_| {}).unwrap();
+    for (id, x) in [(idle, 5.0), (there, 8.0)] {
+        assert!(crowd.position(id, 15.0).unwrap().distance(ground(x, 0.0)) < 0.1);
+    }
 }
 
 #[test]

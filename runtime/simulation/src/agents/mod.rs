@@ -5,6 +5,7 @@ mod layout;
 mod message;
 mod places;
 mod snapshot;
+pub(crate) mod troop;
 mod ways;
 
 pub use layout::Layout;
@@ -17,7 +18,7 @@ use followers::Followers;
 use glam::{Vec2, Vec3};
 use throng_base::{Result, Run};
 use throng_core::{Contacts, Mat3x4, NUM_JOINTS, Planar};
-use throng_crowd::{Crowd, Event as CrowdEvent, EventKind, Go, Id, Route, Space};
+use throng_crowd::{Crowd, CrowdError, Event as CrowdEvent, EventKind, Go, Id, Route, Space};
 
 /// Time between moments at which news are told on, whatever the times that are looked at (s).
 const NEWS_S: f64 = 1.0 / 30.0;
@@ -132,11 +133,7 @@ impl<V: Space> Agents<V> {
                 told.push((who, news));
             }
         };
-        let done = match run.is_parallel() && self.ids.len() >= PARALLEL_FROM {
-            true => self.crowd.par_advance(until_s, run, &mut hear),
-            false => self.crowd.advance(until_s, &mut hear),
-        };
-        done.map_err(|e| self.layout.explain(&e))
+        advance(&mut self.crowd, until_s, run, &mut hear).map_err(|e| self.layout.explain(&e))
     }
 
     /// The next happening: those who are near hear of it.
@@ -239,23 +236,13 @@ impl<V: Space> Kind for Agents<V> {
         recorded.iter_mut().for_each(Vec::clear);
         let mut tell = |e: &CrowdEvent| {
             recorded.iter_mut().for_each(|all| all.push(*e));
-            let happened = match e.kind {
-                EventKind::Arrived => Happened::Arrived,
-                EventKind::Left => Happened::Left,
-                EventKind::Stuck => Happened::Stuck,
-                EventKind::Struck { obstacle } => Happened::RunInto { obstacle },
-                _ => return,
-            };
-            events.push(Event { time_s: e.time, who: first + e.agent.index(), happened });
+            let who = first + e.agent.index();
+            events.extend(happened(e.kind).map(|happened| Event { time_s: e.time, who, happened }));
         };
         let done = self.advance(tick.until_s, tick.run, &mut tell);
         self.recorded = recorded;
         done?;
-        // Taken out, so that they can look at the agents.
-        let mut followers = std::mem::take(&mut self.followers);
-        let done = followers.iter_mut().try_for_each(|f| f.step(self, tick));
-        self.followers = followers;
-        done
+        self.followers.iter_mut().try_for_each(|f| f.step(&self.crowd, tick))
     }
 
     fn save(&self, out: &mut Vec<u8>) {
@@ -320,6 +307,30 @@ impl<V: Space> Agents<V> {
     /// The bodies among which that of an agent is.
     fn followers_of(&self, agent: usize) -> Option<&Followers> {
         self.followers.iter().find(|f| f.holds(agent))
+    }
+}
+
+/// Lets time pass for a crowd, in parts where that pays.
+pub(crate) fn advance(
+    crowd: &mut Crowd,
+    until_s: f64,
+    run: &dyn Run,
+    on_event: &mut impl FnMut(&CrowdEvent),
+) -> std::result::Result<(), CrowdError> {
+    match run.is_parallel() && crowd.num_agents() >= PARALLEL_FROM {
+        true => crowd.par_advance(until_s, run, on_event),
+        false => crowd.advance(until_s, on_event),
+    }
+}
+
+/// What an event of a crowd is to those who watch; `None` where agents only look at each other anew.
+pub(crate) fn happened(kind: EventKind) -> Option<Happened> {
+    match kind {
+        EventKind::Arrived => Some(Happened::Arrived),
+        EventKind::Left => Some(Happened::Left),
+        EventKind::Stuck => Some(Happened::Stuck),
+        EventKind::Struck { obstacle } => Some(Happened::RunInto { obstacle }),
+        _ => None,
     }
 }
 

@@ -1,10 +1,10 @@
 //! Keeping all agents of a scene: their crowd, who knows of what, their ways and bodies.
 
+use super::troop::SavedTroop;
 use super::{Agents, NEWS_S};
 use crate::kind::refused;
 use serde::{Deserialize, Serialize};
 use throng_base::{Bytes, Result, SnapshotKind};
-use throng_core::blend::walkers::Control;
 use throng_crowd::Space;
 
 const KIND: SnapshotKind = SnapshotKind { what: "agents", tag: *b"AGNT", version: 1, setup: 0 };
@@ -25,7 +25,7 @@ struct Saved<V> {
     ways: Vec<Vec<V>>,
     arrivals: Vec<f32>,
     /// Of each group with bodies.
-    followers: Vec<Vec<(Vec<Control>, Bytes)>>,
+    followers: Vec<Vec<SavedTroop>>,
 }
 
 impl<V: Space> Agents<V> {
@@ -55,7 +55,7 @@ impl<V: Space> Agents<V> {
         if self.crowd.now() != time_s {
             return Err(refused(KIND.what, "its crowd is at another time"));
         }
-        for (own, troops) in self.followers.iter_mut().zip(saved.followers) {
+        for (own, troops) in self.followers.iter_mut().zip(&saved.followers) {
             own.load(troops)?;
         }
         (self.happened, self.ticks) = (saved.happened, saved.ticks);

@@ -3,6 +3,11 @@
 use super::*;
 
 const BLOCK: &str = "place = { block = { from = [0.0, 0.0], to = [5.0, 5.0] } }\n";
+/// The engines that this build knows.
+const ENGINES: &str = match cfg!(feature = "baselines") {
+    true => "expected one of events, occupancy, fixed, found",
+    false => "expected one of events, found",
+};
 const GOAL: &str = "goal = { shift = { by = [9.0, 0.0] } }\n";
 
 fn load(text: &str) -> Result<Scene, String> {
@@ -63,7 +68,7 @@ fn faults_name_line_key_and_what_was_expected() {
         ("colour = 1\n".to_owned() + &agents(""), ["square.toml:1:1: unknown field `colour`", "throng schema"]),
         ("secnds = 1\n".to_owned() + &agents(""), ["square.toml:1:1", "did you mean `seconds`?"]),
         (agents("[environment]\nspace = \"air\"\n"), ["square.toml:4:", "3 numbers"]),
-        (agents("[agents]\nengine = \"magic\"\n"), ["square.toml:7:10", "occupancy"]),
+        (agents("[agents]\nengine = \"magic\"\n"), ["square.toml:7:10", ENGINES]),
         (agents("").replace("count = 10", "count = 0"), ["square.toml:3:1: key `groups[0].count`", "found 0"]),
         (agents("").replace("count = 10", "count = \"x\""), ["square.toml:3:9", "invalid type"]),
         (agents("").replace("to = [5.0", "to = [-5.0"), ["`groups[0].place.block`", "lowest corner"]),

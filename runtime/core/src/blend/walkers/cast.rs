@@ -66,6 +66,10 @@ impl Cast for Walkers {
         if row < last {
             self.put_body(row);
         }
+        if let Some(body) = self.bodies.get_mut(last / LANES) {
+            // Free lanes are alike however they became free, and so are snapshots of them.
+            body.put(last % LANES, self.space.skeleton(), self.space.skeleton());
+        }
         Ok(())
     }
 

@@ -1,0 +1,143 @@
+//! Bodies that follow agents of a crowd.
+
+use crate::kind::{PART, refused};
+use glam::{Vec2, Vec3Swizzles};
+use serde::{Deserialize, Serialize};
+use throng_base::{Bytes, Error, Result, Run, run_each};
+use throng_core::blend::walkers::{Control, WalkerStart, Walkers};
+use throng_core::{Bodies, Cast, Planar};
+use throng_crowd::{Crowd, Id};
+
+/// Slower agents keep their heading (m/s).
+const SLOW_MPS: f32 = 0.3;
+
+/// Bodies of one blend space, row by row as their walkers.
+#[derive(Clone, Debug)]
+pub(crate) struct Troop {
+    walkers: Walkers,
+    /// Whose bodies they are.
+    pub agents: Vec<Id>,
+    controls: Vec<Control>,
+}
+
+/// What the next steps of a troop depend on, beside the crowd and whose bodies they are.
+#[derive(Serialize, Deserialize)]
+pub(crate) struct SavedTroop {
+    /// What bodies were told last.
+    controls: Vec<Control>,
+    walkers: Bytes,
+}
+
+impl Troop {
+    /// Nobody yet; takes all memory that walkers of this capacity need.
+    pub fn new(walkers: Walkers) -> Self {
+        let room = walkers.capacity();
+        Self { walkers, agents: Vec::with_capacity(room), controls: Vec::with_capacity(room) }
+    }
+
+    /// Gives an agent a body where it is now. It faces the way that the agent moves, or `ahead` where it is slow.
+    ///
+    /// - `num_bodies`: agents take the walkers' skeletons in turn, by their numbers in the crowd.
+    ///
+    /// # Errors
+    /// [`Error::Gone`], [`Error::Full`].
+    pub fn enter(&mut self, crowd: &Crowd, agent: Id, ahead: Vec2, num_bodies: usize) -> Result<()> {
+        let now = crowd.now();
+        let motion = crowd.position(agent, now).zip(crowd.velocity(agent, now));
+        let (at, velocity) = motion.map(|(at, v)| (at.xz(), v.xz())).ok_or(Error::Gone(agent))?;
+        let ahead = if velocity.length() > SLOW_MPS { velocity } else { ahead };
+        let heading = ahead.x.atan2(ahead.y);
+        let phase = (agent.index as f32 * 0.381_966).fract();
+        let body = agent.index() % num_bodies;
+        self.walkers.spawn(WalkerStart { body, root: Planar { x: at.x, z: at.y, heading }, phase })?;
+        self.agents.push(agent);
+        self.controls.push(standing(at, heading));
+        Ok(())
+    }
+
+    /// Takes the body of a row away; the last one takes its row (row < number of bodies).
+    pub fn leave(&mut self, row: usize) -> Result<()> {
+        self.walkers.despawn(self.walkers.bodies().ids[row])?;
+        self.agents.swap_remove(row);
+        self.controls.swap_remove(row);
+        Ok(())
+    }
+
+    /// Puts the body of a row elsewhere (row < number of bodies).
+    pub fn place(&mut self, row: usize, root: Planar) -> Result<()> {
+        self.controls[row] = standing(Vec2::new(root.x, root.z), root.heading);
+        self.walkers.place(self.walkers.bodies().ids[row], root)
+    }
+
+    /// Moves all bodies on, to where their agents are now.
+    pub fn step(&mut self, crowd: &Crowd, dt_s: f32, run: &dyn Run) -> Result<()> {
+        let now = crowd.now();
+        let parts = self.agents.chunks(PART).zip(self.controls.chunks_mut(PART));
+        run_each(run, parts, |(agents, controls)| {
+            agents.iter().zip(controls).for_each(|(&agent, control)| steer(crowd, agent, now, control));
+        });
+        for (row, &control) in self.controls.iter().enumerate() {
+            self.walkers.order(self.walkers.bodies().ids[row], control)?;
+        }
+        self.walkers.step(dt_s, run)
+    }
+
+    /// The walkers.
+    pub fn walkers(&self) -> &Walkers {
+        &self.walkers
+    }
+
+    /// The walkers, to move them to another bundle.
+    pub fn walkers_mut(&mut self) -> &mut Walkers {
+        &mut self.walkers
+    }
+
+    /// The bodies, by the names of their agents.
+    pub fn bodies(&self) -> Bodies<'_> {
+        Bodies { ids: &self.agents, ..self.walkers.bodies() }
+    }
+
+    /// What the next steps depend on.
+    pub fn saved(&self) -> SavedTroop {
+        let mut walkers = Bytes::default();
+        self.walkers.save(&mut walkers.0);
+        SavedTroop { controls: self.controls.clone(), walkers }
+    }
+
+    /// Goes back to what was saved, of the agents that it has.
+    ///
+    /// # Errors
+    /// [`Error::Snapshot`]; a part may have been loaded then.
+    pub fn load(&mut self, saved: &SavedTroop) -> Result<()> {
+        let SavedTroop { controls, walkers } = saved;
+        let mut told = self.agents.iter().zip(controls);
+        if controls.len() != self.agents.len() || !told.all(|(&id, c)| c.check(id).is_ok()) {
+            return Err(refused("bodies", "they are told what cannot be"));
+        }
+        self.walkers.load(&walkers.0)?;
+        if self.walkers.len() != self.agents.len() {
+            return Err(refused("bodies", "they are others"));
+        }
+        // The vector keeps its capacity.
+        self.controls.clone_from(controls);
+        Ok(())
+    }
+}
+
+/// What a body is told that stands.
+fn standing(at: Vec2, heading: f32) -> Control {
+    Control { position: Some(at), heading: Some(heading), ..Control::default() }
+}
+
+/// What a body is asked: to be where its agent is, and to move as it does. Those who stand keep their heading, those who
+/// have left stay where they were.
+fn steer(crowd: &Crowd, agent: Id, time_s: f64, control: &mut Control) {
+    let (Some(at), Some(velocity)) = (crowd.position(agent, time_s), crowd.smooth_velocity(agent)) else {
+        control.velocity = Vec2::ZERO;
+        return;
+    };
+    (control.position, control.velocity) = (Some(at.xz()), velocity.xz());
+    if control.velocity.length() > SLOW_MPS {
+        control.heading = Some(control.velocity.x.atan2(control.velocity.y));
+    }
+}

@@ -1,0 +1,233 @@
+//! Agents with bodies as a cast: they enter and leave, find their way, keep clear of each other, are saved and loaded.
+
+use crate::Happened;
+use crate::agents::troop::{SavedTroop, Troop};
+use crate::agents::{advance, happened};
+use crate::kind::refused;
+use glam::{Vec2, Vec3, Vec3Swizzles};
+use serde::{Deserialize, Serialize};
+use throng_base::error::check;
+use throng_base::{Bytes, Error, Hash128, Result, Run, SnapshotKind};
+use throng_core::blend::BlendSpace;
+use throng_core::blend::walkers::{MAX_STEP_S, Walkers, WalkersConfig};
+use throng_core::{Adopted, Bodies, Bundle, Cast, Planar, Skeleton, Status};
+use throng_crowd::{Agent, Crowd, CrowdError, Go, Id};
+
+/// Events of each agent in a step for which there is room from the start.
+const EVENTS: usize = 4;
+
+/// Both parts have a hash of their setup.
+const KIND: SnapshotKind = SnapshotKind { what: "pedestrians", tag: *b"PEDS", version: 1, setup: 0 };
+
+/// All that time changes.
+#[derive(Serialize, Deserialize)]
+struct Saved {
+    crowd: Bytes,
+    /// Whose bodies they are, row by row.
+    agents: Vec<Id>,
+    troop: SavedTroop,
+}
+
+/// Agents of a crowd on the ground, each with a blended body that follows its disc.
+///
+/// All memory is taken in [`Pedestrians::new`], but for orders, for loading and adopting, and for the parts of large
+/// crowds that several threads run (from the first step). Ids are those of the crowd.
+///
+/// ```no_run
+/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+/// use glam::Vec3;
+/// use throng_core::{Bundle, Cast, Inline};
+/// use throng_crowd::{Agent, AtEnd, Crowd, Go, Setup, Streets};
+/// use throng_simulation::Pedestrians;
+///
+/// let bundle = Bundle::open("locomotion.throng")?;
+/// let crowd = Crowd::on_ground(Setup::in_streets(&Streets::new(&[], 0.4)?, 320))?;
+/// let mut people = Pedestrians::new(crowd, bundle.blend("ahead-neutral")?, &[], Default::default())?;
+/// let id = people.spawn(Agent::at(Vec3::ZERO))?;
+/// people.order(id, Go::to(Vec3::new(9.0, 0.0, 0.0)).then(AtEnd::Leave))?;
+/// people.step(1.0 / 60.0, &Inline)?;
+/// # Ok(())
+/// # }
+/// ```
+#[derive(Clone, Debug)]
+pub struct Pedestrians {
+    crowd: Crowd,
+    troop: Troop,
+    /// Bodies that agents take in turn.
+    num_bodies: usize,
+    events: Vec<(Id, Happened)>,
+}
+
+impl Pedestrians {
+    /// Gives bodies to a crowd: to all who are there, and to those who will enter.
+    ///
+    /// - `bodies`: skeletons that agents take in turn, by their places in the crowd, as in
+    ///   [`Walkers::with_capacity`]; none stands for the skeleton of the examples.
+    ///
+    /// # Errors
+    /// [`Error::Value`] for a crowd in the air, or for a body or setting out of range.
+    pub fn new(crowd: Crowd, space: BlendSpace, bodies: &[Skeleton], config: WalkersConfig) -> Result<Self> {
+        let dimensions = if crowd.is_on_ground() { 2.0 } else { 3.0 };
+        let expected = "2: bodies walk on the ground; make the crowd with `Crowd::on_ground`";
+        check("number of dimensions of the crowd", None, dimensions, crowd.is_on_ground(), expected)?;
+        let walkers = Walkers::with_capacity(space, bodies, config, crowd.capacity())?;
+        let mut people = Self {
+            troop: Troop::new(walkers),
+            num_bodies: bodies.len().max(1),
+            events: Vec::with_capacity(EVENTS * crowd.capacity()),
+            crowd,
+        };
+        people.crowd.ids().collect::<Vec<_>>().into_iter().try_for_each(|id| people.give_body(id))?;
+        Ok(people)
+    }
+
+    /// The crowd: where agents are at any time, how they move, and why.
+    pub fn crowd(&self) -> &Crowd {
+        &self.crowd
+    }
+
+    /// The bodies as walkers, row by row as in [`Cast::bodies`]: feet, phases and weights.
+    pub fn walkers(&self) -> &Walkers {
+        self.troop.walkers()
+    }
+
+    /// Facing the way that the agent moves or is to go.
+    fn give_body(&mut self, id: Id) -> Result<()> {
+        let ahead = self.crowd.desired_direction(id).map_or(Vec2::ZERO, |ahead| ahead.xz());
+        self.troop.enter(&self.crowd, id, ahead, self.num_bodies)
+    }
+
+    fn row(&self, id: Id) -> Result<usize> {
+        self.troop.bodies().row(id).ok_or(Error::Gone(id))
+    }
+
+    /// Goes back to what was saved; a part may have been loaded where that is refused.
+    fn read(&mut self, saved: &Saved) -> Result<()> {
+        self.crowd.load(&saved.crowd.0)?;
+        let mut agents = saved.agents.clone();
+        agents.sort_unstable();
+        if !self.crowd.ids().eq(agents) {
+            return Err(refused(KIND.what, "bodies are of others than those who are there"));
+        }
+        self.troop.agents.clone_from(&saved.agents);
+        self.troop.load(&saved.troop)?;
+        self.events.clear();
+        Ok(())
+    }
+}
+
+impl Cast for Pedestrians {
+    type Start = Agent;
+    type Order = Go;
+    /// [`Happened::Arrived`], [`Happened::Left`], [`Happened::Stuck`] or [`Happened::RunInto`].
+    type Event = Happened;
+
+    /// # Errors
+    /// [`Error::Full`], [`Error::Occupied`] for a place that somebody or an obstacle takes, [`Error::Value`] or
+    /// [`Error::Index`] for what is wrong with the agent.
+    fn spawn(&mut self, start: Agent) -> Result<Id> {
+        let id = self.crowd.spawn(start)?;
+        if let Err(e) = self.give_body(id) {
+            self.crowd.despawn(id)?;
+            return Err(e);
+        }
+        Ok(id)
+    }
+
+    /// The last one takes its place in [`Cast::bodies`].
+    fn despawn(&mut self, id: Id) -> Result<()> {
+        let row = self.row(id)?;
+        self.crowd.despawn(id)?;
+        self.troop.leave(row)
+    }
+
+    /// At rest. It goes on with its order from there; who has none, or was where it was sent, stays there.
+    ///
+    /// # Errors
+    /// [`Error::Gone`], [`Error::Occupied`] for a place that somebody or an obstacle takes, [`Error::NoWay`] where its
+    /// order cannot be followed from there, [`Error::Value`].
+    fn place(&mut self, id: Id, root: Planar) -> Result<()> {
+        let row = self.row(id)?;
+        check("heading", Some(id), root.heading.into(), root.heading.abs() < 1e6, "a finite number below 1e6 (rad)")?;
+        self.crowd.place(id, Vec3::new(root.x, 0.0, root.z))?;
+        self.troop.place(row, root)
+    }
+
+    /// From the agent's next event on.
+    ///
+    /// # Errors
+    /// [`Error::Gone`], [`Error::NoWay`], [`Error::Occupied`] for subgoals in an obstacle, [`Error::Value`] for a speed or
+    /// place out of range, [`Error::Index`] for a route that does not exist.
+    fn order(&mut self, id: Id, order: Go) -> Result<()> {
+        self.crowd.order(id, order).map_err(|e| match e {
+            CrowdError::Goal { subgoal, obstacle, .. } => {
+                Error::Occupied { who: id, by: format!("obstacle {obstacle}, at subgoal {subgoal} of its way,") }
+            }
+            e => e.into(),
+        })
+    }
+
+    /// # Errors
+    /// [`Error::Value`] for a time out of range (0 to 1 s); nothing has changed then. The same error names an agent that
+    /// acts too often for time to pass ([`CrowdError::Stalled`]).
+    fn step(&mut self, dt_s: f32, run: &dyn Run) -> Result<()> {
+        check("dt_s", None, dt_s.into(), (0.0..=MAX_STEP_S).contains(&dt_s), "between 0 and 1")?;
+        self.events.clear();
+        let events = &mut self.events;
+        let until_s = self.crowd.now() + f64::from(dt_s);
+        let done = advance(&mut self.crowd, until_s, run, &mut |e| {
+            events.extend(happened(e.kind).map(|happened| (e.agent, happened)));
+        });
+        // Who left by itself takes its body along, even where time did not get to its end.
+        for &(id, happened) in &self.events {
+            if let (Happened::Left, Some(row)) = (happened, self.troop.bodies().row(id)) {
+                self.troop.leave(row)?;
+            }
+        }
+        done?;
+        self.troop.step(&self.crowd, dt_s, run)
+    }
+
+    /// Never [`Status::Idle`] nor [`Status::NoWay`]: who has no order is where it should be, and an order without a way
+    /// is refused.
+    fn status(&self, id: Id) -> Result<Status> {
+        Ok(match self.crowd.status(id)? {
+            throng_crowd::Status::Going { left_m } => Status::Going { left_m },
+            throng_crowd::Status::There => Status::There,
+            throng_crowd::Status::Blocked { by } => Status::Blocked { by },
+        })
+    }
+
+    /// In the order of their times.
+    fn events(&self) -> &[(Id, Happened)] {
+        &self.events
+    }
+
+    fn bodies(&self) -> Bodies<'_> {
+        self.troop.bodies()
+    }
+
+    fn save(&self, out: &mut Vec<u8>) {
+        let mut crowd = Bytes::default();
+        self.crowd.save(&mut crowd.0);
+        KIND.write(&Saved { crowd, agents: self.troop.agents.clone(), troop: self.troop.saved() }, out);
+    }
+
+    fn load(&mut self, bytes: &[u8]) -> Result<()> {
+        let saved: Saved = KIND.read_all(bytes)?;
+        // Tried on a clone, so that nothing changes where a part is refused.
+        self.clone().read(&saved)?;
+        self.read(&saved)
+    }
+
+    fn hash(&self) -> u64 {
+        let mut bytes = Vec::new();
+        self.save(&mut bytes);
+        Hash128::of(&bytes) as u64
+    }
+
+    /// Takes the blend space of the same name, see [`Walkers`]; ways and places stay.
+    fn adopt(&mut self, new: &Bundle) -> Result<Adopted> {
+        self.troop.walkers_mut().adopt(new)
+    }
+}
