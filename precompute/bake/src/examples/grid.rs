@@ -5,6 +5,7 @@ use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 use rayon::prelude::*;
 use throng_core::blend::{AxisRecord, MAX_AXES, MAX_KNOTS, WeightGrid};
+use throng_core::format::Table;
 
 /// Random points at which a table is compared with the exact functions, and as many lines that show the error along
 /// each axis.
@@ -37,7 +38,7 @@ pub struct WeightTable {
     /// Numbers of a row: the examples, filled up to a multiple of 8 with zeros.
     pub stride: usize,
     /// The rows (knots * stride).
-    pub weights: Vec<f32>,
+    pub weights: Table<f32>,
     /// Largest error of an interpolated weight against the exact one.
     pub max_error: f64,
 }
@@ -164,7 +165,7 @@ fn fill(basis: &CardinalBasis, grid: &Grid) -> WeightTable {
             normalise(&mut row[..n]);
         },
     );
-    WeightTable { grid: grid.clone(), stride, weights, max_error: 0.0 }
+    WeightTable { grid: grid.clone(), stride, weights: weights.into(), max_error: 0.0 }
 }
 
 /// Lets the largest weight take what rounding left of the sum 1.
@@ -224,13 +225,19 @@ impl WeightTable {
     ///
     /// - `out`: receives the weights (number of examples).
     pub fn weights(&self, at: &[f64], out: &mut [f64]) {
-        let axes = self.grid.axes();
+        self.read(self.as_read().as_ref(), at, out);
+    }
+
+    /// The table as the runtime reads it; it shares the rows.
+    fn as_read(&self) -> Option<WeightGrid> {
+        WeightGrid::new(&self.grid.axes()[..self.grid.knots.len()], self.stride, &self.weights)
+    }
+
+    fn read(&self, grid: Option<&WeightGrid>, at: &[f64], out: &mut [f64]) {
         let mut parameters = [0.0; MAX_AXES];
         parameters.iter_mut().zip(at).for_each(|(p, a)| *p = *a as f32);
         let mut row = vec![0.0; self.stride];
-        if let Some(grid) = WeightGrid::new(&axes[..self.grid.knots.len()], self.stride, &self.weights) {
-            grid.interpolate(&parameters, &mut row);
-        }
+        grid.into_iter().for_each(|grid| grid.interpolate(&parameters, &mut row));
         out.iter_mut().zip(&row).for_each(|(o, w)| *o = f64::from(*w));
     }
 
@@ -238,11 +245,11 @@ impl WeightTable {
     /// knots, evenly chosen, and what lies beside them.
     fn largest_error(&self, basis: &CardinalBasis, most: usize) -> f64 {
         let (n, d, total) = (basis.num_examples(), basis.num_axes(), self.grid.num_knots());
-        let every = total.div_ceil(most).max(1);
+        let (every, grid) = (total.div_ceil(most).max(1), self.as_read());
         let error = |rows: &mut [Vec<f64>; 2], at: &[f64]| {
             let [exact, stored] = rows;
             basis.weights(at, exact);
-            self.weights(at, stored);
+            self.read(grid.as_ref(), at, stored);
             exact.iter().zip(stored).map(|(a, b)| (a - *b).abs()).fold(0.0, f64::max)
         };
         let rows = || [vec![0.0; n], vec![0.0; n]];

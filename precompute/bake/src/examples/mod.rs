@@ -211,7 +211,7 @@ fn space(
         example_names: chosen.iter().map(|c| c.name.clone()).collect(),
         record: record(config, &table, chosen.len()),
         examples: chosen.iter().map(example).collect(),
-        weights: table.weights,
+        weights: table.weights.to_vec(),
         references: postures.references,
         channels: postures.channels,
     };
