@@ -91,7 +91,7 @@ pub enum Status {
     },
     /// It is where it was sent, or does what it was told.
     There,
-    /// It does not get on.
+    /// It makes no progress.
     Blocked {
         /// Who is in the way, where that is known.
         by: Option<Id>,

@@ -1,8 +1,8 @@
 //! Scenes: groups of all kinds of motion on one clock.
 //!
 //! [`Scene`] is what a file says, [`CompiledScene`] the same with its bundles and worlds open, and [`Simulation`] what
-//! runs: characters with policies, sparring pairs, blended walkers, inhabitants of stitched worlds and agents without
-//! bodies, together. [`Pedestrians`] are agents with bodies on their own, without a scene.
+//! runs: characters with policies, sparring pairs, blended walkers, inhabitants of stitched worlds, and agents with or
+//! without bodies, together. [`Pedestrians`] are agents with bodies on their own, without a scene.
 
 pub mod agents;
 pub mod boxing;

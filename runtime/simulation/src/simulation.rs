@@ -80,19 +80,33 @@ pub enum Happened {
         /// Where (m).
         at: Vec3,
     },
-    /// It has what it wished for.
+    /// Its wish is fulfilled.
     Fulfilled,
     /// It is at its goal.
     Arrived,
     /// It has left at its goal.
     Left,
-    /// It does not get on.
+    /// It makes no progress.
     Stuck,
     /// A moving obstacle ran into it.
     RunInto {
         /// Number of the obstacle, as the crowd counts them.
         obstacle: usize,
     },
+}
+
+impl Happened {
+    /// Order of what happens to one character at one time.
+    fn rank(&self) -> u8 {
+        match self {
+            Self::Hit { .. } | Self::Struck { .. } => 0,
+            Self::Fulfilled => 1,
+            Self::Arrived => 2,
+            Self::Stuck => 3,
+            Self::RunInto { .. } => 4,
+            Self::Left => 5,
+        }
+    }
 }
 
 impl Simulation {
@@ -157,7 +171,7 @@ impl Simulation {
     /// Moves everybody on to a time: clocks that count steps stay exact this way (s).
     ///
     /// # Errors
-    /// As [`Simulation::step`].
+    /// As [`Simulation::step`]. But for a time out of range some have moved then: go on from a snapshot.
     pub fn step_to(&mut self, until_s: f64, run: &dyn Run) -> Result<()> {
         let dt_s = until_s - self.time_s;
         check("dt_s", None, dt_s, (0.0..=MAX_STEP_S).contains(&dt_s), "between 0 and 1")?;
@@ -170,7 +184,9 @@ impl Simulation {
                 busy[c] += begin.elapsed().as_secs_f64();
             }
         }
-        self.events.sort_unstable_by(|a, b| a.time_s.total_cmp(&b.time_s).then(a.who.cmp(&b.who)));
+        // What happens to one at one time stays in the order in which it comes.
+        let key = |e: &Event| (e.who, e.happened.rank());
+        self.events.sort_unstable_by(|a, b| a.time_s.total_cmp(&b.time_s).then(key(a).cmp(&key(b))));
         self.time_s = until_s;
         Ok(())
     }

@@ -320,12 +320,16 @@ fn standing(compiled: &CompiledScene, run: &SceneRun) -> Result<Standing, String
                 out.obstacles = agents.layout().setup.obstacles.iter().filter_map(seen_obstacle).collect();
                 out.in_the_air = true;
             }
-            GroupCast::Paths(wanderers) if !wanderers.ground().is_flat() => {
-                out.has_hills = true;
-                let areas = compiled.scene().groups.iter().filter_map(|g| Some(g.paths.as_ref()?.area_m));
-                hills = fields(wanderers.ground(), 0.5 * areas.fold(0.0, f32::max) + BEYOND_M);
-            }
             _ => {}
+        }
+    }
+    for group in run.simulation().groups() {
+        let paths = compiled.scene().groups[group.number].paths.as_ref();
+        if let (Some(paths), GroupCast::Paths(wanderers)) = (paths, &run.simulation().casts()[group.cast])
+            && !wanderers.ground().is_flat()
+        {
+            out.has_hills = true;
+            add_fields(&mut hills, wanderers.ground(), paths.centre.into(), 0.5 * paths.area_m + BEYOND_M);
         }
     }
     let mut meshes = vec![mesh_of(&out.obstacles, out.in_the_air)];
@@ -354,20 +358,20 @@ fn standing(compiled: &CompiledScene, run: &SceneRun) -> Result<Standing, String
 }
 
 /// Triangles of the ground, the light and the dark fields of a chequered board, by which slopes are seen.
-fn fields(ground: &HeightField, half: f32) -> [SolidMesh; 2] {
+///
+/// - `centre`, `half`: of the square that is drawn, and half its side (m).
+fn add_fields(fields: &mut [SolidMesh; 2], ground: &HeightField, centre: Vec2, half: f32) {
     let n = (2.0 * half / HILL_STEP_M).ceil() as usize;
     let corner = |i: usize, k: usize| {
-        let at = Vec2::new(i as f32, k as f32) * (2.0 * half / n as f32) - half;
+        let at = centre + Vec2::new(i as f32, k as f32) * (2.0 * half / n as f32) - half;
         Vec3::new(at.x, ground.at(at).height, at.y)
     };
-    let mut fields: [SolidMesh; 2] = Default::default();
     for (i, k) in (0..n).flat_map(|i| (0..n).map(move |k| (i, k))) {
         let [a, b, c, d] = [corner(i, k), corner(i, k + 1), corner(i + 1, k + 1), corner(i + 1, k)];
         let field = &mut fields[(i + k) % 2];
         field.add_triangle([a, b, c]);
         field.add_triangle([a, c, d]);
     }
-    fields
 }
 
 #[cfg(test)]

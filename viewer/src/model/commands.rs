@@ -116,8 +116,15 @@ impl Model {
         let Document::Scene(scene) = &mut self.document else { return Ok(()) };
         scene.restart(choice, None, || {})?;
         scene.take_in(true)?;
-        self.watch_selected();
+        self.limit_selected();
         Ok(())
+    }
+
+    /// Selects nobody where there are no longer so many characters.
+    fn limit_selected(&mut self) {
+        let n = self.num_characters();
+        self.selection.character = self.selection.character.filter(|&c| c < n);
+        self.watch_selected();
     }
 
     /// Keeps the events of the selected agent.
@@ -134,15 +141,12 @@ impl Model {
         match scene.take_in(waits) {
             Ok(false) => {}
             Ok(true) => {
-                let n = self.num_characters();
-                self.selection.character = self.selection.character.filter(|&c| c < n);
-                self.watch_selected();
+                self.limit_selected();
             }
             Err(why) => self.complain(format!("The scene is unchanged: {why}")),
         }
     }
 
-    /// Restarts a scene of walkers.
     /// Blends something else and shows it.
     fn blend(&mut self, wanted: Blending) {
         let Some((bundle, run)) = self.document.blend_mut() else { return };

@@ -21,7 +21,7 @@ impl Model {
         let of_unit = || look.place.map(|p| world.instances_of(p).first().copied());
         let of_character = || {
             let c = self.selection.character?;
-            Some(world.run().moment().minds.get(c)?.node.instance)
+            Some(world.run().moment().states.get(c)?.node.instance)
         };
         let found = look.instance.or_else(|| of_unit().unwrap_or_else(of_character));
         found.filter(|&i| (i as usize) < world.graph().num_instances())

@@ -110,7 +110,7 @@ pub const PANELS: &[Panel] = &[
     Panel {
         kind: PanelKind::Crowd,
         title: "Crowd",
-        purpose: "scenes of crowds: engine and number of agents, bounds, events, forces, event rates",
+        purpose: "agents of a scene: bounds, events, forces, event rates",
         key: Key::F10,
         show: |ui, model, states, commands| crowd::show(ui, model, &mut states.crowd, commands),
     },

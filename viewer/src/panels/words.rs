@@ -74,12 +74,12 @@ fn side(degrees: f32) -> &'static str {
 }
 
 /// What an inhabitant of a world is about, and how long it has waited.
-pub fn doing(mind: &InhabitantState) -> String {
-    let word = match mind.doing {
+pub fn doing(state: &InhabitantState) -> String {
+    let word = match state.doing {
         Doing::Roaming => "roams",
         Doing::Planning => "plans a path",
         Doing::Walking => "on its way",
-        Doing::Waiting => return format!("has waited {:.1} s for others", mind.waited_s),
+        Doing::Waiting => return format!("has waited {:.1} s for others", state.waited_s),
         Doing::Detour => "makes way for others",
         Doing::Performing => "does it",
         Doing::Arrived => "is there",

@@ -1,7 +1,7 @@
-//! A recorded run of a crowd: played, stopped, stepped, and rewound over its last minute.
+//! Recorded runs of crowds, scenes, worlds and blends: played, stopped, stepped, and rewound over their last minute.
 //!
-//! Poses are not recorded. A keyframe every second and every input since are; a step in between is found again by
-//! repeating the steps from the keyframe before it, which give the same poses to the last bit.
+//! Crowds and scenes keep a state every second and every input; a step in between is found again by repeating the steps
+//! from the state before it, which give the same poses to the last bit. Worlds and blends keep poses.
 
 pub mod agents;
 mod blend;

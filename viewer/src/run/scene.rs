@@ -27,8 +27,13 @@ const STATE_EVERY: u32 = 60;
 const RECORDED_STEPS: u32 = 3600;
 /// Memory that states may take (bytes).
 const MAX_BYTES: usize = 512 << 20;
-/// About what the state of a character takes (bytes).
-const CHARACTER_BYTES: usize = 16 << 10;
+/// About what a state takes for a character with a body, for an agent without one, and for a node of a world, of which a
+/// planner remembers something (bytes).
+const BODY_BYTES: usize = 16 << 10;
+const AGENT_BYTES: usize = 1 << 10;
+const NODE_BYTES: usize = 64;
+/// States that are kept whatever they take: two, so that a second can be gone back.
+const LEAST_STATES: usize = 2;
 /// Steps between two points of a trail.
 const TRAIL_EVERY: u32 = 6;
 /// Steps between two looks at all agents.
@@ -69,6 +74,8 @@ pub struct SceneRun {
     state: State,
     /// Number of the first agent; none without agents.
     first_agent: Option<usize>,
+    /// About what a state takes (bytes).
+    state_bytes: usize,
     /// Which of the recorded steps is shown.
     pub head: Head,
     /// Ascending; the first is that of the first recorded step.
@@ -218,6 +225,16 @@ impl Choosing {
     }
 }
 
+/// About what a state of a simulation takes (bytes).
+fn state_bytes(simulation: &Simulation) -> usize {
+    let bodies = simulation.poses().flatten().count();
+    let worlds = simulation.casts().iter().map(|cast| match cast {
+        GroupCast::Patches(people) => people.graph().num_nodes() * NODE_BYTES,
+        _ => 0,
+    });
+    bodies * BODY_BYTES + simulation.num_characters() * AGENT_BYTES + worlds.sum::<usize>()
+}
+
 /// Targets, and coming blows where there are opponents.
 fn around(cast: &GroupCast) -> (Vec<Vec3>, Vec<Vec3>) {
     match cast {
@@ -252,6 +269,7 @@ impl SceneRun {
         head.record(step..=step, step);
         let mut run = Self {
             first_agent: first_agent(&state.simulation),
+            state_bytes: state_bytes(&state.simulation),
             keyframes: VecDeque::from([Keyframe { step, state: state.clone() }]),
             state,
             head,
@@ -339,9 +357,14 @@ impl SceneRun {
             at = before.step;
             self.take_inputs(at)?;
         }
-        for step in at + 1..=step {
-            self.state.advance_to(step)?;
-            self.take_inputs(step)?;
+        while at < step {
+            let done = self.state.advance_to(at + 1).and_then(|()| self.take_inputs(at + 1));
+            if done.is_err() {
+                // What is shown is as far as it came.
+                self.head.seek(at);
+                return done;
+            }
+            at += 1;
         }
         Ok(())
     }
@@ -431,12 +454,12 @@ impl SceneRun {
             self.keyframes.push_back(Keyframe { step, state: self.state.clone() });
         }
         let mut first = *self.head.recorded().start();
-        let bytes = self.keyframes.len() * self.simulation().num_characters() * CHARACTER_BYTES;
-        let is_full = step - first > RECORDED_STEPS + STATE_EVERY || bytes > MAX_BYTES;
+        let is_large = self.keyframes.len() * self.state_bytes > MAX_BYTES && self.keyframes.len() > LEAST_STATES;
+        let is_full = step - first > RECORDED_STEPS + STATE_EVERY || is_large;
         if let Some(second) = self.keyframes.get(1).map(|k| k.step).filter(|_| is_full) {
             self.keyframes.pop_front();
             while self.inputs.pop_front_if(|i| i.0 < second).is_some() {}
-            while self.events.pop_front_if(|e| e.0 <= second).is_some() {}
+            while self.events.pop_front_if(|e| e.0 < second).is_some() {}
             while self.marks.pop_front_if(|m| m.step < second).is_some() {}
             while self.figures.pop_front_if(|f| f.0 < second).is_some() {}
             while self.trails.pop_front_if(|t| t.0 < second).is_some() {}

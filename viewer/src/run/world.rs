@@ -25,7 +25,7 @@ pub struct Moment {
     /// What is planted (number of characters).
     pub contacts: Vec<Contacts>,
     /// What each of them is doing (number of characters).
-    pub minds: Vec<InhabitantState>,
+    pub states: Vec<InhabitantState>,
 }
 
 /// Characters in a world, with the record of what was seen.
@@ -84,7 +84,7 @@ impl WorldRun {
         self.told[character] = wish;
         self.reel.head.seek(u32::MAX);
         let mut last = self.reel.moment().clone();
-        last.minds[character] = self.inhabitants.state(self.id(character))?;
+        last.states[character] = self.inhabitants.state(self.id(character))?;
         self.reel.replace(last);
         Ok(())
     }
@@ -146,7 +146,7 @@ impl Moment {
             roots: all.clone().map(|c| characters.root(c)).collect(),
             poses: characters.model_matrices().to_vec(),
             contacts: all.clone().map(|c| characters.contacts(c)).collect(),
-            minds: inhabitants.ids().iter().filter_map(|&id| inhabitants.state(id).ok()).collect(),
+            states: inhabitants.ids().iter().filter_map(|&id| inhabitants.state(id).ok()).collect(),
         }
     }
 }

@@ -23,7 +23,7 @@ pub use values::ValueCell;
 pub struct Layout {
     /// Skeleton of all characters.
     pub skeleton: Skeleton,
-    /// Poses of a clip, of walkers and of agents; those of a crowd are its own.
+    /// Poses of a clip, a blend or a scene; those of a crowd are its own.
     poses: Vec<Mat3x4>,
     /// Place and colour of every character.
     pub instances: Vec<CharacterInstance>,

@@ -133,7 +133,7 @@ fn standing(out: &mut Layout, standing: &Standing, brush: &Brush<'_>) {
     }));
 }
 
-/// The character without a body that a ray meets, or nearly so.
+/// The character whose disc or place a ray meets, or nearly so.
 pub fn pick(scene: &SceneDocument, camera: &Camera, ray: &Ray, view: Vec2) -> Option<usize> {
     let simulation = scene.run().simulation();
     let missed = |who: usize| {

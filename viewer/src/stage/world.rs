@@ -136,8 +136,8 @@ fn inhabitants(out: &mut Layout, model: &Model, world: &WorldDocument, palette: 
     let moment = world.run().moment();
     let selected = model.selection.character;
     let colour = |c: usize| match model.settings.colouring {
-        Colouring::Target => colour_of(moment.minds[c].doing),
-        Colouring::Clip => cues::category(moment.minds[c].node.instance as usize),
+        Colouring::Target => colour_of(moment.states[c].doing),
+        Colouring::Clip => cues::category(moment.states[c].node.instance as usize),
         Colouring::Speed | Colouring::Plain => palette.plain,
     };
     out.instances.extend(moment.roots.iter().enumerate().map(|(c, &root)| CharacterInstance {

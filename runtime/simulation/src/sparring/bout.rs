@@ -57,7 +57,7 @@ pub struct SparringFigures {
 }
 
 impl Sparring {
-    /// Puts characters at their starts. [Size of starts: even]
+    /// Puts characters at their starts (an even number).
     ///
     /// # Errors
     /// [`CharactersError::Odd`] for a character without an opponent, [`CharactersError::Index`] for a policy that does not

@@ -92,13 +92,13 @@ fn lives(world: &mut WorldDocument) {
     assert!(world.run().reel.head.is_live() && world.run().reel.head.now() == 200);
     for _ in 0..180 {
         run_for(world, 60);
-        if world.run().moment().minds[0].doing == Doing::Arrived {
+        if world.run().moment().states[0].doing == Doing::Arrived {
             break;
         }
     }
-    let (mind, hips) = (world.run().moment().minds[0], world.run().hips(0));
+    let (state, hips) = (world.run().moment().states[0], world.run().hips(0));
     let plan = world.run().inhabitants().plan(world.run().id(0));
-    assert_eq!(mind.doing, Doing::Arrived, "{mind:?} at {hips}: {plan:?}");
+    assert_eq!(state.doing, Doing::Arrived, "{state:?} at {hips}: {plan:?}");
     assert!((hips - place).with_y(0.0).length() < 1.4, "{hips}");
     assert_eq!(world.run().told(0), Some(wish));
     world.tell(0, None).unwrap();

@@ -46,9 +46,8 @@ pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
         ui.checkbox(&mut l.cells, "cells").on_hover_text("Cell C, region R and the cells α(C) of the selected agent");
         ui.checkbox(&mut l.forces, "forces").on_hover_text("Each force of the selected agent, and its stop region");
         ui.checkbox(&mut l.marks, "marks").on_hover_text("Marks at events; they fade");
-        if let Some(bundle) = model.document.bundle() {
-            let tip = format!("Blended from the examples of {}", bundle.path().display());
-            ui.checkbox(&mut l.bodies, "bodies").on_hover_text(tip);
+        if has_bodies(model) {
+            ui.checkbox(&mut l.bodies, "bodies").on_hover_text("Bodies of agents, over their discs");
         }
     });
     if l != now {
@@ -58,4 +57,10 @@ pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
         let settings = Settings { overlays, ..model.settings.clone() };
         commands.push(Command::Settings(Box::new(settings)));
     }
+}
+
+/// True where some agent has a body.
+fn has_bodies(model: &Model) -> bool {
+    let Some(simulation) = model.document.scene().map(|s| s.run().simulation()) else { return false };
+    (0..simulation.num_characters()).any(|who| simulation.disc(who).is_some() && simulation.pose(who).is_some())
 }

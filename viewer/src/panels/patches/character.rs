@@ -51,9 +51,9 @@ fn population(ui: &mut Ui, world: &WorldDocument, state: &mut State, commands: &
             commands.push(Command::World(WorldCommand::Populate { characters: n, seed }));
         }
         ui.label("characters");
-        let minds = &run.moment().minds;
-        let waiting = minds.iter().filter(|m| m.doing == Doing::Waiting).count();
-        let done: u32 = minds.iter().map(|m| m.num_fulfilled).sum();
+        let states = &run.moment().states;
+        let waiting = states.iter().filter(|m| m.doing == Doing::Waiting).count();
+        let done: u32 = states.iter().map(|m| m.num_fulfilled).sum();
         let tip = format!("The last step of all of them took {:.2} ms", 1e3 * run.step_s());
         ui.weak(format!("{waiting} wait · {done} orders done")).on_hover_text(tip);
     });
@@ -77,7 +77,7 @@ fn population(ui: &mut Ui, world: &WorldDocument, state: &mut State, commands: &
 
 fn status(ui: &mut Ui, world: &WorldDocument, c: usize) {
     let run = world.run();
-    let mind = run.moment().minds[c];
+    let seen = run.moment().states[c];
     let tags = &world.bundle().tables().meta().link_tags;
     let (inhabitants, id) = (run.inhabitants(), run.id(c));
     Grid::new("character").num_columns(2).spacing([14.0, 3.0]).show(ui, |ui| {
@@ -86,9 +86,9 @@ fn status(ui: &mut Ui, world: &WorldDocument, c: usize) {
             ui.add(Label::new(value).wrap());
             ui.end_row();
         };
-        row("is to", words::wish(mind.wish, tags));
-        row("now", words::doing(&mind));
-        row("patch", format!("{} ({})", world.patch_name(mind.node.instance), mind.node.instance));
+        row("is to", words::wish(seen.wish, tags));
+        row("now", words::doing(&seen));
+        row("patch", format!("{} ({})", world.patch_name(seen.node.instance), seen.node.instance));
         if !run.reel.head.is_live() {
             row("way", "known at the last step only".into());
             return;
@@ -115,7 +115,7 @@ fn status(ui: &mut Ui, world: &WorldDocument, c: usize) {
         let held: Vec<String> =
             inhabitants.held(id).into_iter().flatten().map(|u| format!("{} {u}", name(u))).collect();
         row("holds", held.join(", "));
-        if let Some(step) = inhabitants.path(id).unwrap_or_default().first().filter(|_| mind.doing == Doing::Waiting) {
+        if let Some(step) = inhabitants.path(id).unwrap_or_default().first().filter(|_| seen.doing == Doing::Waiting) {
             let wanted = world.graph().resources(step.to.instance).iter();
             let others = wanted.filter_map(|&u| Some((u, inhabitants.holder(u).filter(|&h| h != id)?.index())));
             let text: Vec<String> =

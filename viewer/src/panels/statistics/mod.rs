@@ -246,6 +246,12 @@ fn section_name(tag: &str) -> String {
         "BEXM" => "examples",
         "BWGT" => "weights of examples",
         "BREF" | "BCHN" => "postures",
+        "PGRD" => "grids of states",
+        "PATC" => "motion patches",
+        "PEDG" => "edges of tiles",
+        "PCEL" => "cells of patches",
+        "PLNK" => "links of patches",
+        "GRPS" => "pose groups",
         _ => return tag.to_owned(),
     };
     format!("{name} ({tag})")

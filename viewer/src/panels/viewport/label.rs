@@ -24,10 +24,14 @@ fn describe(model: &Model) -> Option<String> {
     }
     if let Some(world) = model.document.world() {
         let c = model.selection.character?;
-        let mind = world.run().moment().minds.get(c)?;
+        let state = world.run().moment().states.get(c)?;
         let tags = &world.bundle().tables().meta().link_tags;
-        let patch = world.patch_name(mind.node.instance);
-        return Some(format!("character {c} · {} · {} · on {patch}", words::doing(mind), words::wish(mind.wish, tags)));
+        let patch = world.patch_name(state.node.instance);
+        return Some(format!(
+            "character {c} · {} · {} · on {patch}",
+            words::doing(state),
+            words::wish(state.wish, tags)
+        ));
     }
     if let Some(scene) = model.document.scene() {
         return words::character(scene.run().simulation(), model.selection.character?);

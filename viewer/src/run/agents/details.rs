@@ -5,7 +5,7 @@ use throng_runtime::crowd::{Crowd, Id};
 use throng_runtime::simulation::agents::in_world;
 use throng_runtime::simulation::{GroupCast, Simulation};
 
-/// Terms of the force field, with the equation of Kim, Kim and Shin 2003a that says what they are.
+/// Terms of the force field, with the equation of Kim, Kim and Shin 2003b that says what they are.
 pub const FORCE_TERMS: [(&str, &str); 6] = [
     ("driving", "Toward the desired velocity along the route (eq. 17)"),
     ("interaction", "Attraction and repulsion (eq. 17)"),

@@ -37,7 +37,7 @@ impl Limb {
     ];
 }
 
-/// How one limb moves. [Size of all: num_frames]
+/// How one limb moves (num_frames each).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Track {
     /// The tip of the fist or the ball of the foot, in the world (m).
