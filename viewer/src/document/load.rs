@@ -38,11 +38,11 @@ impl Opened {
     }
 
     /// Files that it was read from, beside the one that was asked for.
-    pub fn more_files(&self) -> Option<&Path> {
+    pub fn more_files(&self) -> Vec<PathBuf> {
         match self {
-            Self::World(world) => Some(world.bundle().path()),
-            Self::Scene(scene) => scene.bundle().map(OpenBundle::path),
-            _ => None,
+            Self::World(world) => vec![world.bundle().path().to_path_buf()],
+            Self::Scene(scene) => scene.more_files(),
+            Self::Bundle(_) | Self::Clip(_) => Vec::new(),
         }
     }
 }
@@ -74,7 +74,8 @@ impl Loader {
         std::thread::spawn(move || {
             let before = Stamp::of(&owned);
             let result = Opened::read(&owned, &notice);
-            let stamp = Stamp::with(before, result.as_ref().ok().and_then(Opened::more_files));
+            let more = result.as_ref().map_or(Vec::new(), Opened::more_files);
+            let stamp = Stamp::with(before, &more);
             // The receiver is gone if another file was asked for meanwhile.
             if send.send(Loaded { path: owned, stamp, result }).is_ok() {
                 wake();

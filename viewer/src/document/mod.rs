@@ -77,14 +77,13 @@ impl Document {
         }
     }
 
-    /// All files that it is made of.
-    pub fn files(&self) -> Vec<PathBuf> {
-        let scene_bundle = match self {
-            Self::World(w) => Some(w.bundle().path()),
-            Self::Scene(s) => s.bundle().map(OpenBundle::path),
-            _ => None,
-        };
-        self.path().into_iter().chain(scene_bundle).map(Path::to_path_buf).collect()
+    /// Files that it is made of, beside the one that was opened.
+    pub fn more_files(&self) -> Vec<PathBuf> {
+        match self {
+            Self::World(w) => vec![w.bundle().path().to_path_buf()],
+            Self::Scene(s) => s.more_files(),
+            Self::Nothing | Self::Bundle(_) | Self::Clip(_) => Vec::new(),
+        }
     }
 
     /// The bundle, where one is open.

@@ -20,7 +20,7 @@ use throng_runtime::blend::HeightField;
 use throng_runtime::crowd::Scheme;
 use throng_runtime::patch::Placement;
 use throng_runtime::simulation::scene::engine;
-use throng_runtime::simulation::{CompiledScene, GroupCast, Scene};
+use throng_runtime::simulation::{CompiledScene, GroupCast, Motion, Scene};
 
 /// Most characters that a scene may be restarted with from the viewer.
 pub const MAX_CHARACTERS: usize = 100_000;
@@ -149,6 +149,20 @@ impl SceneDocument {
     /// The bundle of the first group that has one.
     pub fn bundle(&self) -> Option<&OpenBundle> {
         self.bundle.as_ref()
+    }
+
+    /// Bundles, worlds and world files that it is made of and that are there, each once.
+    pub fn more_files(&self) -> Vec<PathBuf> {
+        let mut files = Vec::new();
+        for (g, group) in self.scene.groups.iter().enumerate().filter(|(_, g)| g.motion != Motion::None) {
+            let (world, source) = self.scene.world_of(g);
+            let of_world = [world, source].into_iter().filter(|_| group.motion == Motion::Patches);
+            files.extend(of_world.chain([self.scene.bundle_of(g).0]).flatten().map(Path::to_path_buf));
+        }
+        files.retain(|f| f.exists());
+        files.sort();
+        files.dedup();
+        files
     }
 
     /// The characters and their record.

@@ -1,6 +1,6 @@
 //! Notices when the open file changes on disk.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant, SystemTime};
 
 /// Interval between two looks at a file.
@@ -20,11 +20,12 @@ impl Stamp {
         Some(Self { modified: meta.modified().ok()?, len: meta.len() })
     }
 
-    /// Of two files that belong together: changed where either is.
-    pub fn with(first: Option<Self>, more: Option<&Path>) -> Option<Self> {
-        let Some(more) = more else { return first };
-        let (a, b) = (first?, Self::of(more)?);
-        Some(Self { modified: a.modified.max(b.modified), len: a.len.wrapping_add(b.len) })
+    /// Of files that belong together: changed where any of them is.
+    pub fn with(first: Option<Self>, more: &[PathBuf]) -> Option<Self> {
+        more.iter().try_fold(first?, |a, path| {
+            let b = Self::of(path)?;
+            Some(Self { modified: a.modified.max(b.modified), len: a.len.wrapping_add(b.len) })
+        })
     }
 }
 
@@ -45,8 +46,8 @@ impl Watch {
         Self { reported: stamp, seen: stamp, looked: Instant::now() }
     }
 
-    /// True once for every new version of a file, or of one that belongs to it.
-    pub fn has_changed(&mut self, path: &Path, more: Option<&Path>) -> bool {
+    /// True once for every new version of a file, or of those that belong to it.
+    pub fn has_changed(&mut self, path: &Path, more: &[PathBuf]) -> bool {
         if self.looked.elapsed() < EVERY {
             return false;
         }

@@ -8,7 +8,7 @@ use crate::run::{BlendRun, Run};
 use crate::settings::PanelKind;
 use eframe::egui;
 use std::f32::consts::FRAC_PI_2;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use throng_precompute::progress::Progress;
 
 impl Model {
@@ -129,9 +129,8 @@ impl Model {
 
     pub(super) fn look_for_changes(&mut self, ctx: &egui::Context) {
         let Some(path) = self.document.path().map(Path::to_path_buf) else { return };
-        let files = self.document.files();
-        let more = files.get(1).map(PathBuf::as_path);
-        if self.loader.path().is_none() && self.watch.as_mut().is_some_and(|w| w.has_changed(&path, more)) {
+        let more = self.document.more_files();
+        if self.loader.path().is_none() && self.watch.as_mut().is_some_and(|w| w.has_changed(&path, &more)) {
             self.start_reading(ctx, &path);
         }
     }
@@ -151,7 +150,7 @@ impl Model {
     pub fn open_now(&mut self, path: &Path, progress: &dyn Progress) -> Result<(), String> {
         let before = Stamp::of(path);
         let opened = Opened::read(path, progress)?;
-        self.watch = Some(Watch::from(Stamp::with(before, opened.more_files())));
+        self.watch = Some(Watch::from(Stamp::with(before, &opened.more_files())));
         self.settings.remember(path);
         self.show(opened, false);
         Ok(())
