@@ -43,7 +43,7 @@ pub struct FightRecord {
     pub group: usize,
     /// They, every step.
     pub frames: Vec<FightFrame>,
-    /// What became of their blows.
+    /// What became of their blows; characters are numbered from the first of the group.
     pub events: Vec<Event>,
     /// Planar roots of the whole group at the end.
     pub roots: Vec<Planar>,
@@ -257,7 +257,8 @@ impl FightRecord {
         let target = sim.target(all.start).filter(|_| !is_pair);
         let poses = shown.clone().filter_map(|who| sim.joint_positions(who)).collect();
         self.frames.push(FightFrame { time_s: sim.time_s() as f32, poses, target });
-        self.events.extend(sim.events().iter().filter(|e| shown.contains(&e.who)).copied());
+        let own = sim.events().iter().filter(|e| shown.contains(&e.who));
+        self.events.extend(own.map(|e| Event { who: e.who - all.start, ..*e }));
     }
 }
 
