@@ -1,13 +1,16 @@
-//! What every crate of the runtime shares: ids, errors, snapshots, hashes, threads, vectors of eight floats.
+//! What every crate of the runtime shares: ids, errors, files, snapshots, hashes, threads, vectors of eight floats.
 
 mod checksum;
 pub mod error;
+pub mod file;
 mod hash;
 mod id;
 mod prefetch;
 mod run;
 pub mod simd;
 mod snapshot;
+#[cfg(feature = "text")]
+pub mod text;
 
 pub use checksum::crc32;
 pub use error::{Error, Result};

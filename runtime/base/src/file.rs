@@ -1,0 +1,91 @@
+//! The one way in which files are read.
+
+use crate::{Error, Result};
+use std::fs::{File, Metadata};
+use std::io::Read;
+use std::path::Path;
+
+/// Most bytes of a text that people write: scenes, settings, sidecars (16 MiB).
+pub const MAX_TEXT_BYTES: u64 = 16 << 20;
+
+/// Opens a regular file, at most `max_bytes` long. Devices, pipes and folders are refused without waiting for them.
+///
+/// - `what`: what the file holds, with its article, for messages ("a scene").
+///
+/// # Errors
+/// [`Error::Io`] with what the system says; [`Error::Format`] for what is no regular file or longer.
+pub fn open_file(path: &Path, what: &str, max_bytes: u64) -> Result<(File, u64)> {
+    let io = |source| Error::Io { path: path.to_path_buf(), source };
+    let regular = |m: &Metadata| match m.is_file() {
+        true => Ok(()),
+        false => {
+            let kind = if m.is_dir() { "a folder" } else { "a device or a pipe" };
+            Err(Error::Format { path: path.to_path_buf(), why: format!("is {kind}, expected {what} in a regular file") })
+        }
+    };
+    // Opening a pipe waits for its writer: look before.
+    regular(&std::fs::metadata(path).map_err(io)?)?;
+    let file = File::open(path).map_err(io)?;
+    let metadata = file.metadata().map_err(io)?;
+    regular(&metadata)?;
+    if metadata.len() > max_bytes {
+        return Err(too_long(path, what, metadata.len(), max_bytes));
+    }
+    Ok((file, metadata.len()))
+}
+
+/// Reads a regular file, at most `max_bytes` long.
+///
+/// # Errors
+/// As [`open_file`], also where memory is short.
+pub fn read_file(path: &Path, what: &str, max_bytes: u64) -> Result<Vec<u8>> {
+    let io = |source| Error::Io { path: path.to_path_buf(), source };
+    let (file, length) = open_file(path, what, max_bytes)?;
+    let mut bytes = Vec::new();
+    bytes.try_reserve_exact(length as usize).map_err(|e| io(std::io::Error::other(e)))?;
+    // The file may grow while it is read.
+    file.take(max_bytes + 1).read_to_end(&mut bytes).map_err(io)?;
+    match bytes.len() as u64 {
+        read if read > max_bytes => Err(too_long(path, what, read, max_bytes)),
+        _ => Ok(bytes),
+    }
+}
+
+fn too_long(path: &Path, what: &str, found: u64, max_bytes: u64) -> Error {
+    let mb = |bytes: u64| bytes as f64 / 1e6;
+    let why =
+        format!("has {:.1} MB, but {what} may have {:.0} MB at most; is this the right file?", mb(found), mb(max_bytes));
+    Error::Format { path: path.to_path_buf(), why }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_file_up_to_the_limit_is_read_and_anything_else_is_refused_by_name() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.toml");
+        std::fs::write(&path, [7; 10]).unwrap();
+        assert_eq!(read_file(&path, "a scene", 10).unwrap(), [7; 10]);
+        let why = |path: &Path, max| read_file(path, "a scene", max).unwrap_err().to_string();
+        assert!(why(&path, 9).contains("a scene may have"), "{}", why(&path, 9));
+        assert!(why(folder.path(), 9).contains("is a folder, expected a scene"));
+        assert!(why(&folder.path().join("b"), 9).contains("cannot be read"));
+        #[cfg(unix)]
+        assert!(why(Path::new("/dev/zero"), 9).contains("is a device or a pipe"));
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_pipe_is_refused_without_waiting_for_its_writer() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("pipe");
+        let made = std::process::Command::new("mkfifo").arg(&path).status();
+        if made.is_ok_and(|s| s.success()) {
+            assert!(read_file(&path, "a scene", 9).unwrap_err().to_string().contains("is a device or a pipe"));
+        } else {
+            eprintln!("skipped: there is no mkfifo");
+        }
+    }
+}

@@ -1,0 +1,121 @@
+//! TOML files that people write: every fault names file, line and column, and for an unknown name the nearest known one.
+
+mod value;
+
+use crate::file::{MAX_TEXT_BYTES, read_file};
+use crate::{Error, Result};
+use serde::de::DeserializeOwned;
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+use toml::de::{DeTable, DeValue};
+use value::{Fault, Value};
+
+/// A TOML text, and the file that it stands in.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Source {
+    path: PathBuf,
+    text: String,
+}
+
+impl Source {
+    /// Reads a file; `what` is what it holds, with its article, for messages ("a scene").
+    ///
+    /// # Errors
+    /// As [`read_file`]; [`Error::Text`] at the first byte that is not UTF-8.
+    pub fn read(path: &Path, what: &str) -> Result<Self> {
+        String::from_utf8(read_file(path, what, MAX_TEXT_BYTES)?).map(|text| Self::new(&text, path)).map_err(|e| {
+            let good = e.utf8_error().valid_up_to();
+            let read = Self::new(&String::from_utf8_lossy(&e.as_bytes()[..good]), path);
+            read.error(good..good, format!("expected {what} as TOML in UTF-8, found other bytes"))
+        })
+    }
+
+    /// A text; `path` is what messages call it.
+    pub fn new(text: &str, path: &Path) -> Self {
+        Self { path: path.to_path_buf(), text: text.into() }
+    }
+
+    /// The file.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// The whole text.
+    pub fn text(&self) -> &str {
+        &self.text
+    }
+
+    /// The struct that the text stands for; `help` ends messages that name no nearest key.
+    ///
+    /// # Errors
+    /// [`Error::Text`].
+    pub fn parse<T: DeserializeOwned>(&self, help: &str) -> Result<T> {
+        let toml = |e: toml::de::Error| Fault { why: e.message().into(), span: e.span() };
+        DeTable::parse(&self.text)
+            .map_err(toml)
+            .and_then(|table| {
+                let span = table.span();
+                T::deserialize(Value { value: &DeValue::Table(table.into_inner()), span })
+            })
+            .map_err(|Fault { why, span }| {
+                let way_out = nearest_key(&why).map_or_else(|| help.to_string(), did_you_mean);
+                let why = format!("{}. {way_out}", why.trim_end().trim_end_matches('.'));
+                self.error(span.unwrap_or(0..0), why)
+            })
+    }
+
+    /// An error at bytes of the text.
+    pub fn error(&self, span: Range<usize>, why: String) -> Error {
+        let before = self.text.get(..span.start).unwrap_or_default();
+        let line = before.matches('\n').count() + 1;
+        let column = before.chars().rev().take_while(|&c| c != '\n').count() + 1;
+        Error::Text { path: self.path.clone(), line, column, why }
+    }
+
+    /// An error at a key such as `groups[0].place`, or at the last part of it that stands in the text.
+    pub fn at(&self, key: &str, why: String) -> Error {
+        let span = self.table().and_then(|t| find(&t, key)).unwrap_or(0..0);
+        self.error(span, why)
+    }
+
+    /// The text as a table; `None` where it is none.
+    pub fn table(&self) -> Option<DeTable<'_>> {
+        Some(DeTable::parse(&self.text).ok()?.into_inner())
+    }
+}
+
+/// Bytes of a key, or of the last part of it that is there.
+fn find(table: &DeTable<'_>, key: &str) -> Option<Range<usize>> {
+    let (first, rest) = key.split_once('.').unwrap_or((key, ""));
+    let (name, index) = first.split_once('[').unwrap_or((first, ""));
+    let (at, value) = table.iter().find(|(k, _)| k.get_ref() == name)?;
+    let (mut span, mut value) = (at.span(), value);
+    if let (Ok(index), DeValue::Array(items)) = (index.trim_end_matches(']').parse::<usize>(), value.get_ref())
+        && let Some(item) = items.get(index)
+    {
+        (span, value) = (item.span(), item);
+    }
+    match value.get_ref() {
+        DeValue::Table(inner) if !rest.is_empty() => Some(find(inner, rest).unwrap_or(span)),
+        _ => Some(span),
+    }
+}
+
+/// The key that a message such as "unknown field `a`, expected one of `b`, `c`" most likely meant.
+fn nearest_key(message: &str) -> Option<&str> {
+    let mut quoted = message.strip_prefix("unknown ")?.split('`').skip(1).step_by(2);
+    nearest(quoted.next()?, quoted)
+}
+
+/// The known name that is most like a word (Jaro and Winkler); `None` where none is like it.
+pub fn nearest<'a>(word: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+    let likeness = known.into_iter().map(|name| (strsim::jaro_winkler(word, name), name));
+    likeness.max_by(|a, b| a.0.total_cmp(&b.0)).filter(|&(likeness, _)| likeness > 0.6).map(|(_, name)| name)
+}
+
+fn did_you_mean(name: &str) -> String {
+    format!("Did you mean `{name}`?")
+}
+
+#[cfg(test)]
+mod tests;
