@@ -130,7 +130,7 @@ fn amc_faults_are_named_by_place() {
             (
                 "thigh 90 0",
                 "thihg 90 0",
-                "a.amc:6:1: expected a frame number or the name of a joint, found `thihg`. a.asf has no such joint (nearest: `thigh`)",
+                "a.amc:6:1: expected a frame number or the name of a joint, found `thihg`. a.asf has no such joint. Did you mean `thigh`?",
             ),
             ("thigh 90 0\n", "", "a.amc:4:1: expected a line for `thigh` in frame 1, found a frame without it"),
             (

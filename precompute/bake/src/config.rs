@@ -10,12 +10,12 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
+use throng_base::text::Source;
 use throng_motion::annotate::{AnnotateConfig, Sidecar};
 use throng_motion::error::BuildError;
 use throng_motion::import::ImportConfig;
 use throng_motion::resample::ResampleConfig;
 use throng_motion::retarget::RetargetConfig;
-use throng_motion::toml_file;
 use throng_synth::SynthInput;
 
 /// A build. Every table but `inputs` or `synth` may be left out.
@@ -105,7 +105,7 @@ impl BuildConfig {
     /// [`BuildError::Io`], or [`BuildError::Config`] with file, line and column, and for an unknown key the nearest
     /// known one.
     pub fn load(path: &Path) -> Result<Self, BuildError> {
-        let mut config = Self::parse(&toml_file::read_text(path, "config")?, path)?;
+        let mut config = Self::of(&Source::read(path, "a config")?)?;
         if config.name.is_empty() {
             config.name = path.file_stem().map_or_else(String::new, |s| s.to_string_lossy().into_owned());
         }
@@ -122,9 +122,12 @@ impl BuildConfig {
     /// # Errors
     /// [`BuildError::Config`] as [`BuildConfig::load`].
     pub fn parse(text: &str, path: &Path) -> Result<Self, BuildError> {
-        let help = "`throng schema` prints what a config may hold.";
-        let config: Self = toml_file::parse(text, path, help)?;
-        config.check(path)?;
+        Self::of(&Source::new(text, path))
+    }
+
+    fn of(source: &Source) -> Result<Self, BuildError> {
+        let config: Self = source.parse("`throng schema` prints what a config may hold.")?;
+        config.check(source.path())?;
         Ok(config)
     }
 
@@ -183,7 +186,7 @@ mod tests {
         let path = folder.path().join("x.toml");
         std::fs::write(&path, b"name = \"a\"\n\xff\xfe").unwrap();
         let e = BuildConfig::load(&path).unwrap_err().to_string();
-        assert!(e.contains("x.toml:2: expected a config as TOML"), "{e}");
+        assert!(e.contains("x.toml:2:1: expected a config as TOML"), "{e}");
     }
 
     #[test]

@@ -14,6 +14,9 @@ pub enum ImportError {
         /// What the system said.
         source: std::io::Error,
     },
+    /// A file of settings that cannot be read, or says something wrong.
+    #[error(transparent)]
+    Settings(#[from] throng_base::Error),
     /// The text is not what the format asks for.
     #[error("{}:{line}:{column}: expected {expected}, found {found}. {help}", path.display())]
     Syntax {
@@ -49,6 +52,9 @@ pub enum BuildError {
     /// A file of the input.
     #[error(transparent)]
     Import(#[from] ImportError),
+    /// A file that cannot be read, or says something wrong.
+    #[error(transparent)]
+    File(#[from] throng_base::Error),
     /// The configuration.
     #[error("{message}")]
     Config {

@@ -12,7 +12,6 @@ pub mod progress;
 pub mod raw;
 pub mod resample;
 pub mod retarget;
-pub mod toml_file;
 
 pub use clip::{Clip, ClipSet};
 pub use error::{BuildError, ImportError, Warnings};

@@ -20,7 +20,10 @@ pub fn open_file(path: &Path, what: &str, max_bytes: u64) -> Result<(File, u64)>
         true => Ok(()),
         false => {
             let kind = if m.is_dir() { "a folder" } else { "a device or a pipe" };
-            Err(Error::Format { path: path.to_path_buf(), why: format!("is {kind}, expected {what} in a regular file") })
+            Err(Error::Format {
+                path: path.to_path_buf(),
+                why: format!("is {kind}, expected {what} in a regular file"),
+            })
         }
     };
     // Opening a pipe waits for its writer: look before.
@@ -53,8 +56,11 @@ pub fn read_file(path: &Path, what: &str, max_bytes: u64) -> Result<Vec<u8>> {
 
 fn too_long(path: &Path, what: &str, found: u64, max_bytes: u64) -> Error {
     let mb = |bytes: u64| bytes as f64 / 1e6;
-    let why =
-        format!("has {:.1} MB, but {what} may have {:.0} MB at most; is this the right file?", mb(found), mb(max_bytes));
+    let why = format!(
+        "has {:.1} MB, but {what} may have {:.0} MB at most; is this the right file?",
+        mb(found),
+        mb(max_bytes)
+    );
     Error::Format { path: path.to_path_buf(), why }
 }
 

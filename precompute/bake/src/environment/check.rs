@@ -2,8 +2,8 @@
 
 use super::{Shape, Unit, UnitSet};
 use std::path::Path;
+use throng_base::text::Source;
 use throng_motion::error::BuildError;
-use throng_motion::toml_file;
 
 /// Sizes and positions within a unit are smaller than this (m).
 const MAX_LENGTH: f32 = 1e4;
@@ -14,7 +14,7 @@ impl UnitSet {
     /// # Errors
     /// [`BuildError::Io`], or [`BuildError::Config`] with file and line, or file, unit and key.
     pub fn load(path: &Path) -> Result<Self, BuildError> {
-        Self::parse(&toml_file::read_text(path, "unit file")?, path)
+        Self::of(&Source::read(path, "a unit file")?)
     }
 
     /// Reads the text of a unit file; mesh files are taken from the folder of `path`.
@@ -22,8 +22,13 @@ impl UnitSet {
     /// # Errors
     /// [`BuildError::Config`] as [`UnitSet::load`].
     pub fn parse(text: &str, path: &Path) -> Result<Self, BuildError> {
+        Self::of(&Source::new(text, path))
+    }
+
+    fn of(source: &Source) -> Result<Self, BuildError> {
         let help = "A unit file has `[[units]]` with `name`, `shapes`, `region`, `symmetry`, `tile` and `floor`.";
-        let mut set: Self = toml_file::parse(text, path, help)?;
+        let mut set: Self = source.parse(help)?;
+        let path = source.path();
         let folder = path.parent().unwrap_or(Path::new(""));
         for shape in set.units.iter_mut().flat_map(|u| &mut u.shapes) {
             if let Shape::Mesh { file } = shape {

@@ -6,9 +6,9 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
+use throng_base::text;
 use throng_core::patch::Placement;
 use throng_motion::error::BuildError;
-use throng_motion::toml_file;
 
 /// Most units of an environment.
 const MAX_UNITS: usize = 1_000_000;
@@ -59,9 +59,8 @@ impl EnvironmentFile {
     /// # Errors
     /// [`BuildError::Io`], or [`BuildError::Config`] with file, line and column.
     pub fn load(path: &Path) -> Result<Self, BuildError> {
-        let text = toml_file::read_text(path, "environment")?;
-        let help = "An environment has `units`, `place` and `prefabs`.";
-        let mut file: Self = toml_file::parse(&text, path, help)?;
+        let source = text::Source::read(path, "an environment")?;
+        let mut file: Self = source.parse("An environment has `units`, `place` and `prefabs`.")?;
         if file.name.is_empty() {
             file.name = path.file_stem().map_or_else(String::new, |s| s.to_string_lossy().into_owned());
         }
@@ -141,9 +140,9 @@ impl<'a> Layout<'a> {
         if self.units.find(name).is_none() && !self.file.prefabs.contains_key(name) {
             let known = self.units.units.iter().map(|u| u.name.as_str());
             let known = known.chain(self.file.prefabs.keys().map(String::as_str));
-            let nearest = toml_file::nearest(name, known).map_or(String::new(), |n| format!(". Did you mean `{n}`?"));
+            let meant = text::did_you_mean(name, known);
             let place = self.file.units.display();
-            return self.fault(index, "unit", format!("no unit of {place} and no prefab is called `{name}`{nearest}"));
+            return self.fault(index, "unit", format!("no unit of {place} and no prefab is called `{name}`.{meant}"));
         }
         Ok(())
     }

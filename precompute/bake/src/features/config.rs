@@ -3,9 +3,9 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
+use throng_base::text;
 use throng_core::{Joint, NUM_JOINTS};
 use throng_motion::error::BuildError;
-use throng_motion::toml_file;
 
 /// Weights of the six features of Lee, Choi and Lee (2006), section 3.
 ///
@@ -111,11 +111,11 @@ fn check(key: &str, value: f64) -> Result<f64, BuildError> {
 }
 
 fn unknown_joint(name: &str) -> BuildError {
-    let nearest = toml_file::nearest(name, Joint::ALL[1..].iter().map(|j| j.name())).unwrap_or_default();
+    let meant = text::did_you_mean(name, Joint::ALL[1..].iter().map(|j| j.name()));
     let message = if name == Joint::Hips.name() {
         "features.joint_weights.hips: the hips are weighted by orientation_weight. Remove the entry.".to_owned()
     } else {
-        format!("features.joint_weights.{name}: no such joint. Did you mean {nearest}?")
+        format!("features.joint_weights.{name}: no such joint.{meant}")
     };
     BuildError::Config { message }
 }

@@ -9,12 +9,12 @@ use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::{Component, Path, PathBuf};
 use std::sync::Arc;
+use throng_base::text::Source;
 use throng_core::Bundle;
 use throng_core::patch::Patches;
 use throng_motion::error::BuildError;
 use throng_motion::files::write_atomically;
 use throng_motion::progress::Progress;
-use throng_motion::toml_file;
 use throng_world::{PathCosts, WorldData, WorldGraph};
 
 /// A world that is to be stitched.
@@ -45,9 +45,9 @@ impl WorldSource {
     /// # Errors
     /// [`BuildError::Io`], or [`BuildError::Config`] with file, line and column.
     pub fn load(path: &Path) -> Result<Self, BuildError> {
-        let text = toml_file::read_text(path, "world")?;
+        let source = Source::read(path, "a world")?;
         let help = "A world has `bundle`, `config`, `stitch`, `place` and `prefabs`; data/worlds/ has examples.";
-        let mut world: Self = toml_file::parse(&text, path, help)?;
+        let mut world: Self = source.parse(help)?;
         if world.name.is_empty() {
             world.name = path.file_stem().map_or_else(String::new, |s| s.to_string_lossy().into_owned());
         }
@@ -59,8 +59,9 @@ impl WorldSource {
 
     /// True for the text of a world, as against other files in TOML.
     pub fn is_one(path: &Path) -> bool {
-        let text = std::fs::read_to_string(path).unwrap_or_default();
-        text.parse::<toml::Table>().is_ok_and(|t| t.contains_key("place") && t.contains_key("bundle"))
+        let has_keys =
+            |source: Source| source.table().is_some_and(|t| ["place", "bundle"].iter().all(|&k| t.contains_key(k)));
+        Source::read(path, "a world").is_ok_and(has_keys)
     }
 
     /// Where the stitched world is kept unless something else is said: beside the bundle, as `NAME.world`.

@@ -28,12 +28,12 @@ use crate::clip::{Clip, ClipSet, Exclusion, ExclusionReason, FrameRange, Tag};
 use crate::error::BuildError;
 use crate::import::ImportedSet;
 use crate::mirror;
-use crate::toml_file::nearest;
 pub use hit::SidecarHit;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::Path;
+use throng_base::text::{Source, did_you_mean};
 
 /// Ranges, names and hits for one clip.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -120,50 +120,27 @@ impl Default for Marked {
     }
 }
 
-/// The ranges again, with their places in the text.
-#[derive(Deserialize)]
-struct Located {
-    #[serde(default)]
-    exclude: Vec<toml::Spanned<toml::Value>>,
-    #[serde(default)]
-    tags: Vec<toml::Spanned<toml::Value>>,
-    #[serde(default)]
-    hits: Vec<toml::Spanned<toml::Value>>,
-}
-
 impl Sidecar {
     /// Reads the sidecar's text; `origin` is the file as errors name it.
     ///
     /// # Errors
     /// [`BuildError::Config`] with file, line and key.
     pub fn parse(text: &str, origin: &str) -> Result<Self, BuildError> {
-        let line_of = |offset: usize| text[..offset.min(text.len())].matches('\n').count() + 1;
-        let sidecar: Self = toml::from_str(text).map_err(|e| BuildError::Config {
-            message: format!(
-                "{origin}:{}: {}. Expected `unit`, `exclude = [[start, end], ...]`, `[[tags]]` with name, start, end, \
-                 `[[hits]]` with name, joint, at, and `automatic_hits`.",
-                line_of(e.span().map_or(0, |s| s.start)),
-                e.message().trim_end_matches('.')
-            ),
-        })?;
-        sidecar.check(origin, |list, i| {
-            let located: Located = toml::from_str(text).ok()?;
-            let spans = match list {
-                "exclude" => located.exclude,
-                "tags" => located.tags,
-                _ => located.hits,
-            };
-            spans.get(i).map(|s| line_of(s.span().start))
-        })?;
+        Self::of(&Source::new(text, Path::new(origin)))
+    }
+
+    fn of(source: &Source) -> Result<Self, BuildError> {
+        let sidecar: Self = source.parse(
+            "Expected `unit`, `exclude = [[start, end], ...]`, `[[tags]]` with name, start, end, `[[hits]]` with name, \
+             joint, at, and `automatic_hits`.",
+        )?;
+        sidecar.check().map_err(|(key, why)| source.at(&key, format!("{key}: {why}")))?;
         Ok(sidecar)
     }
 
     /// Refuses ranges that end before they start, names without letters, and joints that do not exist.
-    fn check(&self, origin: &str, line: impl Fn(&str, usize) -> Option<usize>) -> Result<(), BuildError> {
-        let fault = |list: &str, i: usize, what: String| {
-            let place = line(list, i).map_or_else(|| origin.to_string(), |l| format!("{origin}:{l}"));
-            Err(BuildError::Config { message: format!("{place}: {list}[{i}]: {what}") })
-        };
+    fn check(&self) -> Result<(), (String, String)> {
+        let fault = |list: &str, i: usize, what: String| Err((format!("{list}[{i}]"), what));
         let sound = |start: f64, end: f64| start >= 0.0 && start.is_finite() && end > start;
         for (i, [start, end]) in self.exclude.iter().enumerate() {
             if !sound(*start, *end) {
@@ -213,7 +190,7 @@ impl Sidecars {
         source_rate_hz: f64,
         origin: &str,
     ) -> Result<(), BuildError> {
-        sidecar.check(origin, |_, _| None)?;
+        sidecar.check().map_err(|(key, why)| BuildError::Config { message: format!("{origin}: {key}: {why}") })?;
         self.entries.insert(clip_name.into(), Entry { sidecar, source_rate_hz, origin: origin.into() });
         Ok(())
     }
@@ -224,14 +201,13 @@ impl Sidecars {
     /// [`BuildError::Io`] for a file that cannot be read, [`BuildError::Config`] for one that is wrong.
     pub fn insert_beside(&mut self, clip_name: &str, file: &Path, source_rate_hz: f64) -> Result<bool, BuildError> {
         let path = file.with_extension("toml");
-        let text = match std::fs::read_to_string(&path) {
-            Ok(text) => text,
-            Err(e) if e.kind() == std::io::ErrorKind::NotFound => return Ok(false),
-            Err(source) => return Err(BuildError::Io { path, source }),
+        let source = match Source::read(&path, "a sidecar") {
+            Err(throng_base::Error::Io { source, .. }) if source.kind() == std::io::ErrorKind::NotFound => {
+                return Ok(false);
+            }
+            source => source?,
         };
-        let origin = path.display().to_string();
-        let sidecar = Sidecar::parse(&text, &origin)?;
-        self.insert(clip_name, sidecar, source_rate_hz, &origin)?;
+        self.insert(clip_name, Sidecar::of(&source)?, source_rate_hz, &path.display().to_string())?;
         Ok(true)
     }
 
@@ -260,10 +236,9 @@ impl Sidecars {
             if clips.clips.iter().any(|c| original_name(c) == name) {
                 continue;
             }
-            let nearest = nearest(name, clips.clips.iter().map(original_name));
-            let nearest = nearest.map_or(String::new(), |n| format!(" The nearest name is `{n}`."));
+            let meant = did_you_mean(name, clips.clips.iter().map(original_name));
             let origin = &entry.origin;
-            return Err(BuildError::Config { message: format!("{origin}: there is no clip `{name}`.{nearest}") });
+            return Err(BuildError::Config { message: format!("{origin}: there is no clip `{name}`.{meant}") });
         }
         Ok(())
     }

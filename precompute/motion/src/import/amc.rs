@@ -5,10 +5,10 @@ use super::scan::{Mark, Scanner, parse_count, text};
 use super::source::{FrameSink, SourceClip, content_error};
 use crate::error::{ImportError, Warnings};
 use crate::raw::SourceFormat;
-use crate::toml_file::nearest;
 use glam::{DQuat, DVec3};
 use std::collections::HashMap;
 use std::path::Path;
+use throng_base::text::did_you_mean;
 
 const HELP: &str = "The file is cut short or damaged: compare it with an intact copy.";
 /// Rate of files that name none: the CMU database was captured at 120 Hz and its files do not say so.
@@ -211,11 +211,8 @@ fn wrong_count(scan: &Scanner, mark: Mark, detail: &AsfJoint) -> ImportError {
 #[cold]
 fn unknown_joint(scan: &Scanner, mark: Mark, word: &[u8], asf: &Asf) -> ImportError {
     let word = text(word);
-    let near = nearest(&word, asf.joints.iter().filter(|j| !j.is_end).map(|j| j.name.as_str()));
-    let help = format!(
-        "{} has no such joint{}; name the right skeleton with `asf` in the config.",
-        asf.path.display(),
-        near.map_or_else(String::new, |j| format!(" (nearest: `{j}`)")),
-    );
+    let meant = did_you_mean(&word, asf.joints.iter().filter(|j| !j.is_end).map(|j| j.name.as_str()));
+    let help =
+        format!("{} has no such joint.{meant} Name the right skeleton with `asf` in the config.", asf.path.display());
     scan.error(mark, "a frame number or the name of a joint", &help)
 }

@@ -1,11 +1,10 @@
 //! Skeleton profiles: which joint of a known source skeleton plays which role.
 
-use super::source::content_error;
 use crate::ImportError;
 use crate::raw::RawJoint;
-use crate::toml_file::nearest;
 use std::collections::BTreeMap;
 use std::path::Path;
+use throng_base::text::{Source, did_you_mean};
 use throng_core::{Joint, NUM_JOINTS};
 
 /// The profiles that are built in.
@@ -62,14 +61,18 @@ impl Profile {
     /// # Errors
     /// [`ImportError::Content`] for TOML faults, unknown roles and missing required roles.
     pub fn parse(toml_text: &str, path: &Path) -> Result<Self, ImportError> {
-        let help = "See data/skeletons/README.md for how a profile is written";
-        let file: ProfileFile = toml::from_str(toml_text).map_err(|e| content_error(path, e.to_string(), help))?;
+        Self::of(&Source::new(toml_text, path))
+    }
+
+    fn of(source: &Source) -> Result<Self, ImportError> {
+        let help = "See data/skeletons/README.md for how a profile is written.";
+        let file: ProfileFile = source.parse(help)?;
         let mut roles = Vec::new();
         for (role, names) in file.roles {
             let Some(joint) = Joint::from_name(&role) else {
-                let near = nearest(&role, Joint::ALL.into_iter().map(Joint::name));
-                let message = format!("unknown role `{role}` (nearest: `{}`)", near.unwrap_or_default());
-                return Err(content_error(path, message, help));
+                let meant = did_you_mean(&role, Joint::ALL.into_iter().map(Joint::name));
+                let why = format!("unknown role `{role}`.{meant} {help}");
+                return Err(source.at(&format!("roles.{role}"), why).into());
             };
             roles.push((joint, names));
         }
@@ -114,8 +117,7 @@ pub(super) fn plain(name: &str) -> &str {
 pub fn load_profiles(files: &[std::path::PathBuf]) -> Result<Vec<Profile>, ImportError> {
     let mut profiles = Vec::new();
     for path in files {
-        let text = std::fs::read_to_string(path).map_err(|source| ImportError::Io { path: path.clone(), source })?;
-        profiles.push(Profile::parse(&text, path)?);
+        profiles.push(Profile::of(&Source::read(path, "a skeleton profile")?)?);
     }
     for text in BUILT_IN {
         profiles.push(Profile::parse(text, Path::new("built-in skeleton profile"))?);
@@ -139,7 +141,7 @@ mod tests {
     #[test]
     fn an_unknown_role_is_refused_with_the_nearest_one() {
         let e = Profile::parse("name='a'\nsource='b'\n[roles]\nleft_shn='x'", Path::new("p.toml")).unwrap_err();
-        assert!(e.to_string().contains("p.toml: unknown role `left_shn` (nearest: `left_shin`)"), "{e}");
+        assert!(e.to_string().contains("p.toml:4:1: unknown role `left_shn`. Did you mean `left_shin`?"), "{e}");
     }
 
     #[test]

@@ -58,7 +58,10 @@ impl Source {
                 T::deserialize(Value { value: &DeValue::Table(table.into_inner()), span })
             })
             .map_err(|Fault { why, span }| {
-                let way_out = nearest_key(&why).map_or_else(|| help.to_string(), did_you_mean);
+                let way_out = match nearest_key(&why) {
+                    Some(name) => format!("Did you mean `{name}`?"),
+                    None => help.into(),
+                };
                 let why = format!("{}. {way_out}", why.trim_end().trim_end_matches('.'));
                 self.error(span.unwrap_or(0..0), why)
             })
@@ -108,13 +111,14 @@ fn nearest_key(message: &str) -> Option<&str> {
 }
 
 /// The known name that is most like a word (Jaro and Winkler); `None` where none is like it.
-pub fn nearest<'a>(word: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+fn nearest<'a>(word: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     let likeness = known.into_iter().map(|name| (strsim::jaro_winkler(word, name), name));
-    likeness.max_by(|a, b| a.0.total_cmp(&b.0)).filter(|&(likeness, _)| likeness > 0.6).map(|(_, name)| name)
+    likeness.max_by(|a, b| a.0.total_cmp(&b.0)).filter(|&(likeness, _)| likeness > 0.75).map(|(_, name)| name)
 }
 
-fn did_you_mean(name: &str) -> String {
-    format!("Did you mean `{name}`?")
+/// " Did you mean `NAME`?" for the end of a message about an unknown word; empty where no known name is like it.
+pub fn did_you_mean<'a>(word: &str, known: impl IntoIterator<Item = &'a str>) -> String {
+    nearest(word, known).map_or_else(String::new, |name| format!(" Did you mean `{name}`?"))
 }
 
 #[cfg(test)]

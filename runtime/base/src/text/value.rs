@@ -98,7 +98,9 @@ impl<'de> Deserializer<'de> for Value<'_> {
                 let (name, content) = table.iter().next().expect("one");
                 visitor.visit_enum(Variant { name: name.get_ref(), span: name.span(), content: Some(content.into()) })
             }
-            DeValue::Table(table) => Err(Fault::custom(format!("expected a table with one key, found {}", table.len()))),
+            DeValue::Table(table) => {
+                Err(Fault::custom(format!("expected a table with one key, found {}", table.len())))
+            }
             _ => Err(Fault::custom("expected a string, or a table with one key")),
         }
         .map_err(|e| e.at(&span))
@@ -194,11 +196,7 @@ impl<'de> VariantAccess<'de> for Content<'_> {
         self.needed()?.deserialize_any(visitor)
     }
 
-    fn struct_variant<V: Visitor<'de>>(
-        self,
-        fields: &'static [&'static str],
-        visitor: V,
-    ) -> Result<V::Value, Fault> {
+    fn struct_variant<V: Visitor<'de>>(self, fields: &'static [&'static str], visitor: V) -> Result<V::Value, Fault> {
         let content = self.needed()?;
         if let DeValue::Table(table) = content.value
             && let Some((key, _)) = table.iter().find(|(key, _)| !fields.contains(&key.get_ref().as_ref()))

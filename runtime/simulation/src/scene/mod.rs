@@ -9,7 +9,6 @@ mod measure;
 mod obstacle;
 mod old;
 mod place;
-mod source;
 
 pub use environment::{AgentsConfig, EnvironmentConfig, SpaceConfig, engine};
 pub use goal::{AtEndConfig, GoalConfig};
@@ -24,8 +23,8 @@ pub use obstacle::{BoxConfig, DiscConfig, MoverConfig, ObstacleConfig, PolygonCo
 pub use place::PlaceConfig;
 
 use serde::{Deserialize, Serialize};
-use source::Source;
 use std::path::{Path, PathBuf};
+use throng_base::text::Source;
 use throng_base::{Error, Result};
 
 /// What a scene file holds. Lengths are in metres, times in seconds.
@@ -70,6 +69,8 @@ pub struct Scene {
     source: Source,
 }
 
+const HELP: &str = "`throng schema --of scene` lists all keys, and data/scenes/ has examples.";
+
 fn one() -> u64 {
     1
 }
@@ -85,8 +86,7 @@ impl Scene {
     /// [`Error::Io`], or [`Error::Text`] with line and column of what is wrong.
     pub fn load(path: impl AsRef<Path>) -> Result<Self> {
         let path = path.as_ref();
-        let text = std::fs::read(path).map_err(|source| Error::Io { path: path.to_path_buf(), source })?;
-        Self::parse(&source::utf8(text, path)?, path)
+        Self::of(Source::read(path, "a scene")?)
     }
 
     /// Reads the text of a scene file; `path` gives its name, its folder and what messages call it.
@@ -94,15 +94,19 @@ impl Scene {
     /// # Errors
     /// As [`Scene::load`].
     pub fn parse(text: &str, path: &Path) -> Result<Self> {
-        let source = Source::new(text, path);
+        Self::of(Source::new(text, path))
+    }
+
+    fn of(source: Source) -> Result<Self> {
         old::refuse(&source)?;
-        let mut scene: Self = toml::from_str(text).map_err(|e| source.explain(&e))?;
-        scene.source = source;
+        let mut scene: Self = source.parse(HELP)?;
+        let path = source.path();
         if scene.name.is_empty() {
             scene.name = path.file_stem().map_or_else(String::new, |s| s.to_string_lossy().into_owned());
         }
         let folder = path.parent().unwrap_or(Path::new(""));
         scene.paths_mut().for_each(|p| *p = folder.join(&*p));
+        scene.source = source;
         check::foreign_keys(&scene)?;
         scene.check()?;
         Ok(scene)

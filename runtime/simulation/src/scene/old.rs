@@ -1,7 +1,7 @@
 //! Scene files of before there was one format: refused, with the new place of each key.
 
-use super::source::Source;
 use throng_base::Result;
+use throng_base::text::Source;
 use toml::de::DeValue;
 
 /// Keys that stood at the top of a file, and where they stand now.

@@ -66,7 +66,7 @@ fn faults_name_line_key_and_what_was_expected() {
         ("seconds = 0.0\n".to_owned() + &agents(""), ["square.toml:1:1: key `seconds`", "found 0"]),
         ("seconds = 3.0\n".to_owned(), ["square.toml:1:1", "`groups`"]),
         ("colour = 1\n".to_owned() + &agents(""), ["square.toml:1:1: unknown field `colour`", "throng schema"]),
-        ("secnds = 1\n".to_owned() + &agents(""), ["square.toml:1:1", "did you mean `seconds`?"]),
+        ("secnds = 1\n".to_owned() + &agents(""), ["square.toml:1:1", "Did you mean `seconds`?"]),
         (agents("[environment]\nspace = \"air\"\n"), ["square.toml:4:", "3 numbers"]),
         (agents("[agents]\nengine = \"magic\"\n"), ["square.toml:7:10", ENGINES]),
         (agents("").replace("count = 10", "count = 0"), ["square.toml:3:1: key `groups[0].count`", "found 0"]),
@@ -115,7 +115,10 @@ fn faults_name_line_key_and_what_was_expected() {
         let message = load(&text).expect_err(&text);
         assert!(parts.iter().all(|p| message.contains(p)), "{parts:?}: {message}");
     }
-    let bytes = source::utf8(b"name = \"a\"\n\xff\xfe".to_vec(), Path::new("duel.toml")).unwrap_err().to_string();
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("duel.toml");
+    std::fs::write(&file, b"name = \"a\"\n\xff\xfe").unwrap();
+    let bytes = Scene::load(&file).unwrap_err().to_string();
     assert!(bytes.contains("duel.toml:2:1: expected a scene as TOML"), "{bytes}");
 }
 

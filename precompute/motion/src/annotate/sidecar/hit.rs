@@ -1,9 +1,9 @@
 //! A hit that people mark by hand.
 
 use crate::clip::HitKind;
-use crate::toml_file::nearest;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use throng_base::text::did_you_mean;
 use throng_core::Joint;
 
 /// A hit: at one moment, or at the fastest moment of a range.
@@ -46,8 +46,8 @@ impl SidecarHit {
     /// The joint of that name, or what is wrong with the name.
     pub(super) fn joint(&self) -> Result<Joint, String> {
         Joint::from_name(&self.joint).ok_or_else(|| {
-            let nearest = nearest(&self.joint, Joint::ALL.into_iter().map(Joint::name)).unwrap_or_default();
-            format!("`{}`: there is no joint `{}`. Did you mean `{nearest}`?", self.name, self.joint)
+            let meant = did_you_mean(&self.joint, Joint::ALL.into_iter().map(Joint::name));
+            format!("`{}`: there is no joint `{}`.{meant}", self.name, self.joint)
         })
     }
 

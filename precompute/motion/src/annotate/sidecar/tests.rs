@@ -84,7 +84,7 @@ fn what_is_wrong_with_a_hit_is_named_by_line() {
     ];
     for (rest, say) in cases {
         let m = message(hit(rest));
-        assert!(m.starts_with("x.toml:6: hits[0]: ") && m.contains(say), "{m}");
+        assert!(m.starts_with("x.toml:6:1: hits[0]: ") && m.contains(say), "{m}");
     }
     let m = message(hit("name = \"jab\"\nat = 1"));
     assert!(m.contains("x.toml:6:") && m.contains("joint"), "{m}");
