@@ -257,16 +257,16 @@ macro_rules! of_characters {
             self.characters().num_characters()
         }
 
-        fn root(&self, member: usize) -> Option<Planar> {
-            Some(self.characters().root(member))
+        fn root(&self, number: usize) -> Option<Planar> {
+            Some(self.characters().root(number))
         }
 
-        fn pose(&self, member: usize) -> Option<&[Mat3x4; NUM_JOINTS]> {
-            Some(joints(self.characters().pose(member)))
+        fn pose(&self, number: usize) -> Option<&[Mat3x4; NUM_JOINTS]> {
+            Some(joints(self.characters().pose(number)))
         }
 
-        fn contacts(&self, member: usize) -> Contacts {
-            self.characters().contacts(member)
+        fn contacts(&self, number: usize) -> Contacts {
+            self.characters().contacts(number)
         }
     };
 }

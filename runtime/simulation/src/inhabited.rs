@@ -258,15 +258,15 @@ impl Kind for Inhabited {
         Ok(())
     }
 
-    fn root(&self, member: usize) -> Option<Planar> {
-        Some(self.inhabitants.characters().root(member))
+    fn root(&self, number: usize) -> Option<Planar> {
+        Some(self.inhabitants.characters().root(number))
     }
 
-    fn pose(&self, member: usize) -> Option<&[Mat3x4; NUM_JOINTS]> {
-        Some(joints(self.inhabitants.characters().pose(member)))
+    fn pose(&self, number: usize) -> Option<&[Mat3x4; NUM_JOINTS]> {
+        Some(joints(self.inhabitants.characters().pose(number)))
     }
 
-    fn contacts(&self, member: usize) -> Contacts {
-        self.inhabitants.characters().contacts(member)
+    fn contacts(&self, number: usize) -> Contacts {
+        self.inhabitants.characters().contacts(number)
     }
 }

@@ -49,13 +49,13 @@ pub trait Kind {
     }
 
     /// Where a character stands and looks; `None` where it has left.
-    fn root(&self, member: usize) -> Option<Planar>;
+    fn root(&self, number: usize) -> Option<Planar>;
 
     /// Joints in model space, which the root places in the world; `None` for one without a body, or who has left.
-    fn pose(&self, member: usize) -> Option<&[Mat3x4; NUM_JOINTS]>;
+    fn pose(&self, number: usize) -> Option<&[Mat3x4; NUM_JOINTS]>;
 
     /// Planted parts of a character's feet.
-    fn contacts(&self, member: usize) -> Contacts;
+    fn contacts(&self, number: usize) -> Contacts;
 
     /// Bottom of the heel and ball of both feet in the world, where bodies are fitted to skeletons of their own (m).
     fn soles(&self, _member: usize) -> Option<[[Vec3; 2]; 2]> {

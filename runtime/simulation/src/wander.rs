@@ -62,16 +62,16 @@ impl Wanderers {
         let mut troops = Vec::with_capacity(config.spaces.len());
         for t in 0..config.spaces.len() {
             let space = compiled.space(group, t)?;
-            let members: Vec<u64> = (t..config.count).step_by(config.spaces.len()).map(|c| c as u64).collect();
-            let mut wanders: Vec<Wander> = members.iter().map(|&c| Wander::new(&paths, seed, c)).collect();
+            let numbers: Vec<u64> = (t..config.count).step_by(config.spaces.len()).map(|c| c as u64).collect();
+            let mut wanders: Vec<Wander> = numbers.iter().map(|&c| Wander::new(&paths, seed, c)).collect();
             let controls: Vec<Control> = wanders.iter_mut().map(|p| p.step(&paths, 0.0)).collect();
             let start = |(&c, control): (&u64, &Control)| WalkerStart {
                 body: c as usize % bodies.len(),
                 root: root_of(control),
                 phase: (c as f32 * 0.381_966).fract(),
             };
-            let starts = members.iter().zip(&controls).map(start);
-            let made = Walkers::with_capacity(space, &bodies, WalkersConfig::default(), members.len());
+            let starts = numbers.iter().zip(&controls).map(start);
+            let made = Walkers::with_capacity(space, &bodies, WalkersConfig::default(), numbers.len());
             let made = made.and_then(|mut walkers| {
                 walkers.set_ground(ground.clone());
                 let ids = starts.map(|s| walkers.spawn(s)).collect::<Result<Vec<Id>>>()?;
@@ -79,7 +79,7 @@ impl Wanderers {
             });
             let (walkers, ids) = made.map_err(fault)?;
             let pace = |&c: &u64| (bodies[c as usize % bodies.len()].leg_length() / leg).sqrt();
-            let paces = members.iter().map(pace).collect();
+            let paces = numbers.iter().map(pace).collect();
             troops.push(Troop { walkers, ids, paths: wanders, paces, controls });
         }
         Ok(Self { scene: Arc::clone(scene), group, troops, ground })
@@ -90,14 +90,14 @@ impl Wanderers {
         &self.ground
     }
 
-    /// Speed at which a character's path leads on (m/s, member < num_characters).
-    pub fn speed(&self, member: usize) -> f32 {
-        self.troops[member % self.troops.len()].paths[member / self.troops.len()].speed()
+    /// Speed at which a character's path leads on (m/s, number < num_characters).
+    pub fn speed(&self, number: usize) -> f32 {
+        self.troops[number % self.troops.len()].paths[number / self.troops.len()].speed()
     }
 
-    /// The walkers among which a character is, and its number there (member < num_characters).
-    pub fn walkers_of(&self, member: usize) -> (&Walkers, usize) {
-        (&self.troops[member % self.troops.len()].walkers, member / self.troops.len())
+    /// The walkers among which a character is, and its number there (number < num_characters).
+    pub fn walkers_of(&self, number: usize) -> (&Walkers, usize) {
+        (&self.troops[number % self.troops.len()].walkers, number / self.troops.len())
     }
 }
 
@@ -149,23 +149,23 @@ impl Kind for Wanderers {
         Ok(())
     }
 
-    fn root(&self, member: usize) -> Option<Planar> {
-        let (walkers, w) = self.walkers_of(member);
+    fn root(&self, number: usize) -> Option<Planar> {
+        let (walkers, w) = self.walkers_of(number);
         Some(walkers.root(w))
     }
 
-    fn pose(&self, member: usize) -> Option<&[Mat3x4; NUM_JOINTS]> {
-        let (walkers, w) = self.walkers_of(member);
+    fn pose(&self, number: usize) -> Option<&[Mat3x4; NUM_JOINTS]> {
+        let (walkers, w) = self.walkers_of(number);
         Some(joints(walkers.pose(w)))
     }
 
-    fn contacts(&self, member: usize) -> Contacts {
-        let (walkers, w) = self.walkers_of(member);
+    fn contacts(&self, number: usize) -> Contacts {
+        let (walkers, w) = self.walkers_of(number);
         walkers.contacts(w)
     }
 
-    fn soles(&self, member: usize) -> Option<[[Vec3; 2]; 2]> {
-        let (walkers, w) = self.walkers_of(member);
+    fn soles(&self, number: usize) -> Option<[[Vec3; 2]; 2]> {
+        let (walkers, w) = self.walkers_of(number);
         Some(walkers.soles(w))
     }
 }

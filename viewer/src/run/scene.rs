@@ -180,7 +180,7 @@ impl State {
                 }
             }
             Input::Wish { character, wish } => {
-                let member = self.simulation.member(*character).1;
+                let member = self.simulation.locate(*character).1;
                 let group = self.simulation.groups().iter().find(|g| g.characters.contains(character));
                 if let Some(GroupCast::Patches(people)) = group.map(|g| g.cast).map(|c| self.simulation.cast_mut(c)) {
                     people.tell(member, *wish)?;
