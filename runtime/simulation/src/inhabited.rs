@@ -1,7 +1,7 @@
 //! People who live in a stitched world and wish one thing after another.
 
 use crate::compile::CompiledScene;
-use crate::kind::{Kind, Tick, joints, refused};
+use crate::kind::{Kind, Tick, joints, load_same, refused};
 use crate::scene::{Scene, WeightedWish, WishConfig};
 use crate::{Event, Happened};
 use rand::{Rng, RngExt, SeedableRng};
@@ -249,11 +249,7 @@ impl Kind for Inhabited {
         if [until_s.len(), told.len()] != [self.until_s.len(); 2] || !are_times {
             return Err(refused(WISHES.what, "somebody wishes what nobody can"));
         }
-        let ids = self.inhabitants.ids().to_vec();
-        self.inhabitants.load(&inhabitants.0)?;
-        if self.inhabitants.ids() != ids {
-            return Err(refused(WISHES.what, "they are others"));
-        }
+        load_same(&mut self.inhabitants, &inhabitants.0)?;
         (self.rng, self.until_s, self.told, self.time_s) = (rng, until_s, told, time_s);
         Ok(())
     }

@@ -2,7 +2,7 @@
 
 use crate::Event;
 use crate::compile::CompiledScene;
-use crate::kind::{Kind, PART, Tick, joints, load_walkers, refused};
+use crate::kind::{Kind, PART, Tick, joints, load_same, refused};
 use crate::paths::Wander;
 use crate::scene::{BodiesConfig, Scene};
 use glam::{Vec2, Vec3};
@@ -143,7 +143,7 @@ impl Kind for Wanderers {
             if paths.len() != own.paths.len() || !paths.iter().all(Wander::may_be) {
                 return Err(refused(PATHS.what, "its paths lead nowhere"));
             }
-            load_walkers(&mut own.walkers, &own.ids, &walkers.0)?;
+            load_same(&mut own.walkers, &walkers.0)?;
             own.paths = paths;
         }
         Ok(())

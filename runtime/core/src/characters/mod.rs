@@ -41,7 +41,7 @@ pub use error::CharactersError;
 use error::{check, check_index};
 use glam::{Vec2, Vec3};
 pub use motion_set::MotionSet;
-pub use order::Order;
+pub use order::{Order, Policy};
 pub use policy_cast::{ARRIVED_M, PolicyCharacters, Spawn};
 pub use reaction::ReactionConfig;
 pub use sample_job::SampleJob;
