@@ -32,7 +32,6 @@ pub struct Practice {
     homes: Vec<Vec3>,
     /// They are dragged as the scene says.
     is_dragged: bool,
-    time_s: f64,
 }
 
 /// Where a group of either kind is in the scene.
@@ -70,7 +69,8 @@ fn behaviours(compiled: &CompiledScene, group: usize) -> Result<(Order, Vec<usiz
 
 fn characters(compiled: &CompiledScene, group: usize) -> CharactersConfig {
     let choice = Choice::LookAhead { temperature: compiled.scene().groups[group].temperature as f32 };
-    CharactersConfig { seed: compiled.seed(group), choice, ..CharactersConfig::default() }
+    let (seed, first_number) = (compiled.scene().seed, compiled.first_number(group) as u64);
+    CharactersConfig { seed, first_number, choice, ..CharactersConfig::default() }
 }
 
 impl Bouts {
@@ -81,7 +81,7 @@ impl Bouts {
     pub(crate) fn new(compiled: &CompiledScene, group: usize) -> Result<Self> {
         let (setup, bundle) = (Setup::new(compiled, group), compiled.bundle(group)?);
         let (order, numbers) = behaviours(compiled, group)?;
-        let (starts, _) = places(setup.config(), bundle, compiled.seed(group));
+        let (starts, _) = places(compiled, group)?;
         let config = SparringConfig { characters: characters(compiled, group), ..SparringConfig::default() };
         let mut sparring = Sparring::with_capacity(bundle, starts.len() / 2, config).map_err(|e| setup.fault(e))?;
         for pair in starts.as_chunks().0 {
@@ -126,7 +126,7 @@ impl Practice {
             let key = format!("{}.target", setup.key);
             return Err(setup.scene.fault(&key, out_of_reach(&regions, "target", h, help)));
         }
-        let (starts, homes) = places(own, bundle, compiled.seed(group));
+        let (starts, homes) = places(compiled, group)?;
         let mut config = PracticeConfig { characters: characters(compiled, group), ..PracticeConfig::default() };
         config.target.radius_m = own.target.radius_m as f32;
         let made = TargetPractice::with_capacity(bundle, starts.len(), config).and_then(|mut practice| {
@@ -137,7 +137,7 @@ impl Practice {
             Ok(practice)
         });
         let (practice, is_dragged) = (made.map_err(|e| setup.fault(e))?, !own.target.drag.is_empty());
-        Ok(Self { practice, homes, is_dragged, time_s: 0.0, setup })
+        Ok(Self { practice, homes, is_dragged, setup })
     }
 
     /// The characters and their targets.
@@ -178,21 +178,27 @@ fn id_of(cast: &impl Cast, character: usize) -> Result<Id> {
 
 /// Where characters start, and where their targets hang: pairs, or characters with targets, on a square grid, each
 /// turned its own way.
-fn places(group: &GroupConfig, bundle: &Bundle, seed: u64) -> (Vec<Spawn>, Vec<Vec3>) {
+///
+/// Those of earlier groups of the same kind are drawn first, so that everybody is turned as in one group of all.
+fn places(compiled: &CompiledScene, number: usize) -> Result<(Vec<Spawn>, Vec<Vec3>)> {
+    let (scene, group) = (compiled.scene(), &compiled.scene().groups[number]);
     let (about, spacing, distance) = match group.place {
         Some(PlaceConfig::Grid { centre, spacing_m, distance_m }) => (centre, spacing_m as f32, distance_m as f32),
         _ => ([0.0; 2], 4.0, 1.5),
     };
-    let mut rng = Pcg64Mcg::seed_from_u64(seed);
+    let mut rng = Pcg64Mcg::seed_from_u64(scene.seed);
     let per_place = if group.motion == Motion::Sparring { 2 } else { 1 };
     let num_places = group.count / per_place;
     let side = (num_places as f32).sqrt().ceil() as usize;
     let middle = 0.5 * (side as f32 - 1.0);
-    let states = resting_states(bundle);
+    let states = resting_states(compiled.bundle(number)?);
+    let num_before = compiled.first_number(number) / per_place;
+    let num_alike: usize = scene.groups.iter().filter(|g| g.motion == group.motion).map(|g| g.count).sum();
     let (mut starts, mut homes) = (Vec::new(), Vec::new());
-    for i in 0..num_places {
+    for drawn in 0..num_before + num_places {
         let place = |k: usize| (k as f32 - middle) * spacing;
-        let heading = if num_places == 1 { 0.0 } else { rng.random_range(0.0..TAU) };
+        let heading = if num_alike == per_place { 0.0 } else { rng.random_range(0.0..TAU) };
+        let i = drawn.saturating_sub(num_before);
         let centre = Planar::new(place(i % side) + about[0], place(i / side) + about[1], heading);
         let half = 0.5 * distance;
         for (z, turn) in [(-half, 0.0), (half, std::f32::consts::PI)].into_iter().take(per_place) {
@@ -202,7 +208,8 @@ fn places(group: &GroupConfig, bundle: &Bundle, seed: u64) -> (Vec<Spawn>, Vec<V
             homes.push(Vec3::new(home.x, group.target.height_m as f32, home.z));
         }
     }
-    (starts, homes)
+    let before = num_before * per_place;
+    Ok((starts.split_off(before), homes.split_off(before)))
 }
 
 fn out_of_reach(regions: &[RegionRecord], what: &str, height: f32, help: &str) -> String {
@@ -309,14 +316,13 @@ impl Kind for Bouts {
 }
 
 /// Targets that are dragged, around a snapshot of [`TargetPractice`].
-const DRAGGED: SnapshotKind = SnapshotKind { what: "practice", tag: *b"DRAG", version: 1, setup: 0 };
+const DRAGGED: SnapshotKind = SnapshotKind { what: "practice", tag: *b"DRAG", version: 2, setup: 0 };
 
 impl Kind for Practice {
     of_cast!(practice);
 
     fn step(&mut self, tick: &Tick<'_>, events: &mut Vec<Event>) -> Result<()> {
-        self.time_s += f64::from(tick.dt_s);
-        let by = dragged(&self.setup.config().target.drag, self.time_s);
+        let by = dragged(&self.setup.config().target.drag, tick.until_s);
         if self.is_dragged {
             (0..self.homes.len()).try_for_each(|c| self.hang(c, self.homes[c] + by))?;
         }
@@ -332,19 +338,19 @@ impl Kind for Practice {
     fn save(&self, out: &mut Vec<u8>) {
         let mut practice = Bytes::default();
         self.practice.save(&mut practice.0);
-        DRAGGED.write(&(&self.homes, self.is_dragged, self.time_s, practice), out);
+        DRAGGED.write(&(&self.homes, self.is_dragged, practice), out);
     }
 
     fn load(&mut self, bytes: &[u8], _: f64) -> Result<()> {
-        let (homes, is_dragged, time_s, practice): (Vec<Vec3>, bool, f64, Bytes) = DRAGGED.read_all(bytes)?;
+        let (homes, is_dragged, practice): (Vec<Vec3>, bool, Bytes) = DRAGGED.read_all(bytes)?;
         let near = |home: &Vec3| home.is_finite() && home.abs().max_element() <= 1e5;
         let may_be_dragged = !self.setup.config().target.drag.is_empty();
-        let good = homes.len() == self.homes.len() && homes.iter().all(near) && (0.0..1e9).contains(&time_s);
+        let good = homes.len() == self.homes.len() && homes.iter().all(near);
         if !good || is_dragged && !may_be_dragged {
             return Err(refused(DRAGGED.what, "its targets hang nowhere"));
         }
         load_same(&mut self.practice, &practice.0)?;
-        (self.homes, self.is_dragged, self.time_s) = (homes, is_dragged, time_s);
+        (self.homes, self.is_dragged) = (homes, is_dragged);
         Ok(())
     }
 }

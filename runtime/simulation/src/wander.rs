@@ -41,8 +41,10 @@ const PATHS: SnapshotKind = SnapshotKind { what: "wanderers", tag: *b"WAND", ver
 pub struct Wanderers {
     scene: Arc<Scene>,
     group: usize,
-    /// Characters take them in turn.
+    /// Characters take them in turn, by their numbers among all groups on paths.
     troops: Vec<Troop>,
+    /// Number of the first character among those.
+    first: usize,
     ground: HeightField,
 }
 
@@ -53,7 +55,8 @@ impl Wanderers {
     /// [`throng_base::Error::Text`] for a blend space that the bundle does not have.
     pub(crate) fn new(compiled: &CompiledScene, group: usize) -> Result<Self> {
         let (scene, bundle) = (compiled.shared(), compiled.bundle(group)?);
-        let (config, seed) = (&scene.groups[group], compiled.seed(group));
+        let (config, seed) = (&scene.groups[group], scene.seed);
+        let first = compiled.first_number(group);
         let paths = config.paths.clone().unwrap_or_default();
         let fault = |e: Error| scene.fault(&format!("groups[{group}]"), e);
         let bodies = skeletons(&config.bodies(), bundle.skeleton(), seed);
@@ -62,7 +65,8 @@ impl Wanderers {
         let mut troops = Vec::with_capacity(config.spaces.len());
         for t in 0..config.spaces.len() {
             let space = compiled.space(group, t)?;
-            let numbers: Vec<u64> = (t..config.count).step_by(config.spaces.len()).map(|c| c as u64).collect();
+            let numbers: Vec<u64> =
+                (first..first + config.count).filter(|c| c % config.spaces.len() == t).map(|c| c as u64).collect();
             let mut wanders: Vec<Wander> = numbers.iter().map(|&c| Wander::new(&paths, seed, c)).collect();
             let controls: Vec<Control> = wanders.iter_mut().map(|p| p.step(&paths, 0.0)).collect();
             let start = |(&c, control): (&u64, &Control)| WalkerStart {
@@ -82,7 +86,7 @@ impl Wanderers {
             let paces = numbers.iter().map(pace).collect();
             troops.push(Troop { walkers, ids, paths: wanders, paces, controls });
         }
-        Ok(Self { scene: Arc::clone(scene), group, troops, ground })
+        Ok(Self { scene: Arc::clone(scene), group, troops, first, ground })
     }
 
     /// The ground that they walk on.
@@ -92,12 +96,19 @@ impl Wanderers {
 
     /// Speed at which a character's path leads on (m/s, number < num_characters).
     pub fn speed(&self, number: usize) -> f32 {
-        self.troops[number % self.troops.len()].paths[number / self.troops.len()].speed()
+        let (troop, w) = self.troop_of(number);
+        troop.paths[w].speed()
     }
 
     /// The walkers among which a character is, and its number there (number < num_characters).
     pub fn walkers_of(&self, number: usize) -> (&Walkers, usize) {
-        (&self.troops[number % self.troops.len()].walkers, number / self.troops.len())
+        let (troop, w) = self.troop_of(number);
+        (&troop.walkers, w)
+    }
+
+    fn troop_of(&self, number: usize) -> (&Troop, usize) {
+        let num = self.troops.len();
+        (&self.troops[(self.first + number) % num], number / num)
     }
 }
 
