@@ -80,6 +80,8 @@ pub struct Goal<'a> {
     pub targets: &'a [Vec3],
 }
 
+/// The engine beneath [`PolicyCharacters`], which applications use: rows without ids or orders.
+///
 /// Characters that move together, eight to a block; all memory is allocated in [`Characters::new`] or
 /// [`Characters::new_laid`].
 ///

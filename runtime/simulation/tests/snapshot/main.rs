@@ -201,11 +201,11 @@ fn choices_do_not_depend_on_how_a_group_is_split() {
 }
 
 /// What a character has chosen at random, apart from where a grid puts it: choices made and segment, or the body.
-fn chosen(sim: &Simulation, who: usize) -> std::result::Result<(u32, u32), Option<[Mat3x4; NUM_JOINTS]>> {
+fn chosen(sim: &Simulation, who: usize) -> (Option<(u32, u32)>, Option<[Mat3x4; NUM_JOINTS]>) {
     let (characters, number) = match sim.locate(who) {
         (GroupCast::Policy(p), number) => (p.practice().characters(), number),
         (GroupCast::Sparring(s), number) => (s.sparring().characters(), number),
-        _ => return Err(sim.pose(who).copied()),
+        _ => return (None, sim.pose(who).copied()),
     };
-    Ok((characters.num_choices(number), characters.segment(number).0))
+    (Some((characters.num_choices(number), characters.segment(number).0)), None)
 }
