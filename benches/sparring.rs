@@ -11,9 +11,11 @@ use throng_precompute::cache::Cache;
 use throng_precompute::config::BuildConfig;
 use throng_precompute::pipeline;
 use throng_precompute::progress::Silent;
-use throng_runtime::characters::{Characters, CharactersConfig, Choice, Goal, MotionSet, ReactionConfig, Start};
-use throng_runtime::sparring::{Aim, Sparring, SparringConfig, SparringGoal};
-use throng_runtime::{Bundle, Planar};
+use throng_runtime::characters::{
+    Characters, CharactersConfig, Choice, Goal, MotionSet, Order, ReactionConfig, Spawn, Start,
+};
+use throng_runtime::sparring::{Sparring, SparringConfig};
+use throng_runtime::{Bundle, Cast, Inline, Planar};
 
 /// What is baked: the two behaviours of Lee and Lee (2004) on grids of their size, and evasion.
 const CONFIG: &str = r#"
@@ -45,28 +47,31 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let bundle = folder.path().join("bench.throng");
     build(&bundle, if whole { 4.0 } else { 0.5 })?;
     let tables = Bundle::open(&bundle)?;
-    let motion_set = MotionSet::new(&tables);
     let (sizes, steps): (&[usize], usize) = if whole { (&[30, 1000], 600) } else { (&[4], 3) };
     for &characters in sizes {
-        report(&motion_set, characters, steps)?;
+        report(&tables, characters, steps)?;
     }
     Ok(())
 }
 
-fn report(motion_set: &MotionSet, characters: usize, steps: usize) -> Result<(), Box<dyn std::error::Error>> {
+fn report(tables: &Bundle, characters: usize, steps: usize) -> Result<(), Box<dyn std::error::Error>> {
     let choice = Choice::LookAhead { temperature: 0.05 };
     let moving = CharactersConfig { choice, ..CharactersConfig::default() };
-    let goal = |policy, aim| SparringGoal { policy, weight: 1.0, aim };
-    let goals = [Aim::OpponentHead, Aim::OpponentHead, Aim::OpponentThreat];
-    let goals: Vec<_> = goals.into_iter().enumerate().map(|(policy, aim)| goal(policy, aim)).collect();
-    let config = SparringConfig { characters: moving, ..SparringConfig::new(goals) };
-    let mut sparring = Sparring::new(motion_set, config, &starts(motion_set, characters))?;
+    let (motion_set, starts) = (&MotionSet::new(tables), starts(tables, characters));
+    let config = SparringConfig { characters: moving, ..SparringConfig::default() };
+    let mut sparring = Sparring::with_capacity(tables, starts.len() / 2, config)?;
+    for pair in starts.as_chunks::<2>().0 {
+        let first = sparring.spawn(pair.map(|Start { root, state }| Spawn { root, state: Some(state) }))?;
+        for id in [first, sparring.opponent(first)?] {
+            sparring.order(id, (0..3).fold(Order::IDLE, |order, policy| order.and(policy, 1.0)))?;
+        }
+    }
     // Until everybody has come to blows.
     for _ in 0..steps {
-        sparring.step(motion_set, DT)?;
+        sparring.step(DT, &Inline)?;
     }
     let plain = CharactersConfig { reaction: ReactionConfig { enabled: false, ..moving.reaction }, ..moving };
-    let mut alone = Characters::new(motion_set, plain, &starts(motion_set, characters))?;
+    let mut alone = Characters::new(motion_set, plain, &starts)?;
     alone.restore(motion_set, &sparring.characters().snapshot())?;
     let (heads, threats) = (sparring.heads().to_vec(), sparring.threats().to_vec());
     let mut copy = sparring.characters().model_matrices().to_vec();
@@ -74,7 +79,7 @@ fn report(motion_set: &MotionSet, characters: usize, steps: usize) -> Result<(),
     // Taking turns, so that whatever else the machine does meets all three alike.
     let mut times = [Vec::new(), Vec::new(), Vec::new()];
     for _ in 0..steps {
-        times[0].push(timed(|| sparring.step(motion_set, DT))?);
+        times[0].push(timed(|| sparring.step(DT, &Inline))?);
         let goal = |policy, targets| Goal { policy, weight: 1.0, targets };
         let goals: [Goal<'_>; 3] = [goal(0, &heads), goal(1, &heads), goal(2, &threats)];
         times[1].push(timed(|| alone.step(motion_set, DT, &goals))?);
@@ -114,8 +119,8 @@ fn undisturbed_mean(times: Vec<f64>) -> f64 {
 }
 
 /// Pairs on a square, two metres apart and face to face.
-fn starts(motion_set: &MotionSet, characters: usize) -> Vec<Start> {
-    let num_states = motion_set.graph().states.len();
+fn starts(tables: &Bundle, characters: usize) -> Vec<Start> {
+    let num_states = tables.graph().states.len();
     let start = |c: usize| {
         let pair = c / 2;
         let middle = Planar::new(4.0 * (pair % 32) as f32, 4.0 * (pair / 32) as f32, pair as f32);

@@ -7,7 +7,7 @@
 
 use glam::Vec3;
 use std::path::Path;
-use throng_runtime::characters::{CharactersConfig, Order, PolicyCharacters, Spawn};
+use throng_runtime::characters::{CharactersConfig, PolicyCharacters, Spawn};
 use throng_runtime::{Bundle, Cast, Id, Inline, Joint, Planar};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -17,14 +17,14 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 /// Lets two hundred characters of a bundle enter, and one of them walk for ten seconds.
 pub fn run(bundle: &Path) -> Result<(), Box<dyn std::error::Error>> {
     let bundle = Bundle::open(bundle)?;
-    let approach = bundle.find_policy("approach")?;
+    let approach = bundle.policy("approach")?;
     let mut people = PolicyCharacters::with_capacity(&bundle, 200, CharactersConfig::default())?;
     let places = (0..200).map(|i| Planar::new(2.0 * (i % 20) as f32, 2.0 * (i / 20) as f32, 0.0));
     let ids = places.map(|root| people.spawn(Spawn::standing(root))).collect::<Result<Vec<Id>, _>>()?;
 
     // Only who changes is told. The order stays.
     let click = Vec3::new(30.0, 0.0, 25.0);
-    people.order(ids[17], Order::aim(approach, click))?;
+    people.order(ids[17], approach.aim(click))?;
     for _ in 0..600 {
         people.step(1.0 / 60.0, &Inline)?;
     }

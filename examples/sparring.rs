@@ -5,10 +5,11 @@
 //! cargo run --release --example sparring -- boxing.throng
 //! ```
 
+use glam::Vec3;
 use std::path::Path;
-use throng_runtime::characters::{MotionSet, Start};
-use throng_runtime::sparring::{Aim, Sparring, SparringConfig, SparringGoal};
-use throng_runtime::{Bundle, Planar};
+use throng_runtime::characters::Spawn;
+use throng_runtime::sparring::{Sparring, SparringConfig};
+use throng_runtime::{Bundle, Cast, Inline, Planar};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     run(std::env::args().nth(1).unwrap_or_else(|| "boxing.throng".into()).as_ref())
@@ -17,25 +18,21 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 /// Lets two boxers spar for half a minute.
 pub fn run(bundle: &Path) -> Result<(), Box<dyn std::error::Error>> {
     let bundle = Bundle::open(bundle)?;
-    let motion_set = MotionSet::new(&bundle);
-    // Come near, strike, and be elsewhere when a blow lands.
-    let goal = |name, weight, aim| {
-        Ok::<_, throng_runtime::Error>(SparringGoal { policy: bundle.find_policy(name)?, weight, aim })
-    };
-    let goals = vec![
-        goal("approach", 1.0, Aim::OpponentHead)?,
-        goal("throw-punches", 2.0, Aim::OpponentHead)?,
-        goal("evade", 1.0, Aim::OpponentThreat)?,
-    ];
-    // Face to face, an arm's length apart; characters 2k and 2k + 1 are opponents.
-    let starts = [Planar::IDENTITY, Planar::new(0.0, 0.9, std::f32::consts::PI)].map(|root| Start { root, state: 0 });
-    let mut sparring = Sparring::new(&motion_set, SparringConfig::new(goals), &starts)?;
+    // Come near, strike, and be elsewhere when a blow lands; whom all that is about is found at every step.
+    let (punches, evade) = (bundle.policy("throw-punches")?, bundle.policy("evade")?);
+    let fight = bundle.policy("approach")?.aim(Vec3::ZERO).and(punches.number(), 2.0).and(evade.number(), 1.0);
+    let mut sparring = Sparring::with_capacity(&bundle, 1, SparringConfig::default())?;
+    // Face to face, an arm's length apart.
+    let roots = [Planar::IDENTITY, Planar::new(0.0, 0.9, std::f32::consts::PI)];
+    let first = sparring.spawn(roots.map(Spawn::standing))?;
+    for id in [first, sparring.opponent(first)?] {
+        sparring.order(id, fight)?;
+    }
     let mut num_landed = 0;
     for _ in 0..30 * 60 {
-        sparring.step(&motion_set, 1.0 / 60.0)?;
-        num_landed += sparring.landed().len();
+        sparring.step(1.0 / 60.0, &Inline)?;
+        num_landed += sparring.events().len();
     }
-    let figures = sparring.figures();
-    println!("{num_landed} blows landed or were blocked: {figures:?}");
+    println!("{num_landed} blows landed or were blocked: {:?}", sparring.figures());
     Ok(())
 }

@@ -8,7 +8,7 @@ use throng_precompute::cache::{Cache, content_hash};
 use throng_precompute::trial::{self, TrialConfig};
 use throng_runtime::characters::{Characters, CharactersConfig, Choice, Goal, MotionSet};
 use throng_runtime::sparring::Sparring;
-use throng_runtime::{Bundle, Rayon};
+use throng_runtime::{Bundle, Cast, Inline, Rayon};
 
 fn on_threads<T: Send>(num_threads: usize, work: impl FnOnce() -> T + Send) -> T {
     rayon::ThreadPoolBuilder::new().num_threads(num_threads).build().expect("a thread pool").install(work)
@@ -116,23 +116,21 @@ fn steps_give_the_same_bytes_on_any_number_of_threads() {
 #[test]
 fn pairs_spar_the_same_on_any_number_of_threads() {
     let tables = common::boxing_tables();
-    let motion_set = MotionSet::new(&tables);
     // Everything that can be read of pairs after each of some steps.
     let run = |step: &(dyn Fn(&mut Sparring) + Sync)| {
-        let mut sparring = Sparring::new(&motion_set, common::boxing(), &common::pairs(&tables, N)).expect("pairs");
+        let mut sparring = common::sparring(&tables, N).expect("pairs");
         let one_step = |_| {
             step(&mut sparring);
             let of = [content_hash(&bytes_of(sparring.characters()))];
-            (of, sparring.landed().to_vec(), sparring.heads().to_vec(), sparring.threats().to_vec(), sparring.figures())
+            (of, sparring.events().to_vec(), sparring.heads().to_vec(), sparring.threats().to_vec(), sparring.figures())
         };
         (0..200).map(one_step).collect::<Vec<_>>()
     };
-    let alone = run(&|s| s.step(&motion_set, 1.0 / 30.0).expect("a step"));
+    let alone = run(&|s| s.step(1.0 / 30.0, &Inline).expect("a step"));
     let met = alone.iter().map(|a| a.1.len()).sum::<usize>();
     assert!(met > 100, "{met} blows that met are too few to prove anything");
     for num_threads in [1, 2, 8] {
-        let together =
-            on_threads(num_threads, || run(&|s| s.step_on(&motion_set, 1.0 / 30.0, &Rayon).expect("a step")));
+        let together = on_threads(num_threads, || run(&|s| s.step(1.0 / 30.0, &Rayon).expect("a step")));
         let differs = (0..alone.len()).find(|&k| alone[k] != together[k]);
         assert_eq!(differs, None, "{num_threads} threads: first step that differs");
     }

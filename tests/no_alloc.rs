@@ -14,11 +14,11 @@ use std::cell::Cell;
 use std::hint::black_box;
 use throng_runtime::blend::walkers::{Control, WalkerStart, Walkers, WalkersConfig};
 use throng_runtime::blend::{HeightField, MAX_AXES, Posture};
-use throng_runtime::characters::{Characters, CharactersConfig, Choice, Goal, MotionSet, SampleJob};
+use throng_runtime::characters::{Characters, CharactersConfig, Choice, Goal, MotionSet, Order, SampleJob, Spawn};
 use throng_runtime::crowd::{Agent, AtEnd, Crowd, CrowdConfig, Go, Obstacle, Route, Scheme, Setup, Streets};
 use throng_runtime::policy::{self, BestActionJob, LookAheadJob, RankedActions};
 use throng_runtime::simulation::{Pedestrians, Scene, Simulation};
-use throng_runtime::sparring::{PracticeConfig, PracticeGoal, Sparring, TargetPractice};
+use throng_runtime::sparring::{PracticeConfig, TargetPractice};
 use throng_runtime::world::World;
 use throng_runtime::world::inhabitants::{Inhabitants, InhabitantsConfig, Wish, scatter};
 use throng_runtime::{Cast, Id, Inline, Mat3x4, NUM_JOINTS, Planar};
@@ -157,22 +157,30 @@ fn inhabitants_allocate_nothing() {
 #[test]
 fn sparring_and_practice_allocate_nothing() {
     let tables = common::boxing_tables();
-    let motion_set = MotionSet::new(&tables);
-    let starts = common::pairs(&tables, 40);
-    let mut sparring = Sparring::new(&motion_set, common::boxing(), &starts).expect("pairs");
-    sparring.step(&motion_set, 0.0).expect("a first step");
-    let n = allocations(|| (0..600).for_each(|_| sparring.step(&motion_set, 1.0 / 60.0).expect("a step")));
+    let mut sparring = common::sparring(&tables, 40).expect("pairs");
+    sparring.step(0.0, &Inline).expect("a first step");
+    let n = allocations(|| (0..600).for_each(|_| sparring.step(1.0 / 60.0, &Inline).expect("a step")));
     let blows = sparring.figures().blows;
     assert!(blows.landed + blows.blocked > 10, "{blows:?} are too few to prove anything");
     assert_eq!(n, 0);
     // One step that plays many segments.
-    assert_eq!(allocations(|| sparring.step(&motion_set, 1.0).expect("a long step")), 0);
+    assert_eq!(allocations(|| sparring.step(1.0, &Inline).expect("a long step")), 0);
+    // A pair leaves, and another one takes its place.
+    let n = allocations(|| {
+        sparring.despawn(sparring.bodies().ids[3]).expect("it is there");
+        sparring.spawn([Spawn::standing(Planar::IDENTITY); 2]).expect("there is room");
+    });
+    assert_eq!(n, 0);
 
-    let goals = (0..2).map(|policy| PracticeGoal { policy, weight: 1.0 }).collect();
-    let homes: Vec<Vec3> = starts.iter().map(|s| s.root.translation() + s.root.rotation() * HOME).collect();
-    let config = PracticeConfig::new(goals);
-    let mut practice = TargetPractice::new(&motion_set, config, &starts, &homes).expect("boxers with targets");
-    let n = allocations(|| (0..600).for_each(|_| practice.step(&motion_set, 1.0 / 60.0).expect("a step")));
+    let starts = common::pairs(&tables, 40).concat();
+    let mut practice = TargetPractice::with_capacity(&tables, starts.len(), PracticeConfig::default()).expect("boxers");
+    let mut enter = |start: Spawn| {
+        let home = start.root.translation() + start.root.rotation() * HOME;
+        practice.spawn(start).and_then(|id| practice.order(id, Order::aim(0, home).and(1, 1.0)))
+    };
+    let n = allocations(|| starts.iter().for_each(|start| enter(*start).expect("there is room")));
+    assert_eq!(n, 0);
+    let n = allocations(|| (0..600).for_each(|_| practice.step(1.0 / 60.0, &Inline).expect("a step")));
     assert!(practice.figures().blows.landed > 10, "{:?}", practice.figures().blows);
     assert_eq!(n, 0);
 }

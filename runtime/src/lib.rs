@@ -1,8 +1,8 @@
 //! What an application links: the crates of the runtime under one name.
 //!
-//! A bundle (`*.throng`) is opened as [`Bundle`]; a [`characters::MotionSet`] takes the views a step needs;
-//! [`characters::Characters`] holds and poses them. [`policy`] answers single queries without characters. Features
-//! add [`crowd`] (agents without bodies), [`world`] (patch worlds) and [`sparring`].
+//! A bundle (`*.throng`) is opened as [`Bundle`]; [`characters::PolicyCharacters`] and [`blend::walkers::Walkers`] are
+//! [`Cast`]s that move and pose people. [`policy`] answers single queries without characters. Features add [`crowd`]
+//! (agents without bodies), [`world`] (patch worlds) and [`sparring`].
 
 pub use throng_core::*;
 #[cfg(feature = "crowd")]

@@ -66,7 +66,7 @@ pub fn run(args: &Args) -> Outcome {
     let state = args.state;
     let tables = crate::args::open(&args.file)?;
     let policy = match tables.policy(&args.behaviour) {
-        Ok(policy) => policy,
+        Ok(policy) => policy.table().clone(),
         Err(e) => return fail(format!("{}: {e}", args.file.display())),
     };
     let num_states = tables.graph().states.len();

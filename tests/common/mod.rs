@@ -11,10 +11,10 @@ use throng_precompute::policy::GridConfig;
 use throng_precompute::progress::Silent;
 use throng_precompute::report::BuildReport;
 use throng_precompute::synth::{self, SynthConfig, SynthSet};
-use throng_runtime::characters::{CharactersConfig, Choice, Start};
+use throng_runtime::characters::{CharactersConfig, Choice, Order, Spawn, Start};
 use throng_runtime::format::AlignedBytes;
-use throng_runtime::sparring::{Aim, SparringConfig, SparringGoal};
-use throng_runtime::{Bundle, Planar};
+use throng_runtime::sparring::{Sparring, SparringConfig};
+use throng_runtime::{Bundle, Cast, Planar, Result};
 
 /// Writes synthetic clips of a total length into a folder (min).
 pub fn write_clips(folder: &Path, minutes: f64) {
@@ -96,25 +96,30 @@ kind = "evade"
 grid = { rings = 4, angles = 8, times = 4 }
 "#;
 
-/// Boxers of [`boxing_tables`], each weighing all of its behaviours.
-pub fn boxing() -> SparringConfig {
-    let aims = [Aim::OpponentHead, Aim::OpponentHead, Aim::OpponentThreat];
-    let goal = |(policy, aim)| SparringGoal { policy, weight: if policy == 1 { 2.0 } else { 1.0 }, aim };
+/// Pairs of [`boxing_tables`], each boxer weighing all behaviours.
+pub fn sparring(tables: &Bundle, n: usize) -> Result<Sparring> {
     let characters =
         CharactersConfig { choice: Choice::LookAhead { temperature: 0.01 }, ..CharactersConfig::default() };
-    SparringConfig { characters, ..SparringConfig::new(aims.into_iter().enumerate().map(goal).collect()) }
+    let mut sparring = Sparring::with_capacity(tables, n, SparringConfig { characters, ..SparringConfig::default() })?;
+    for pair in pairs(tables, n) {
+        let first = sparring.spawn(pair)?;
+        for id in [first, sparring.opponent(first)?] {
+            sparring.order(id, Order::IDLE.and(0, 1.0).and(1, 2.0).and(2, 1.0))?;
+        }
+    }
+    Ok(sparring)
 }
 
 /// Pairs face to face, within reach of each other.
-pub fn pairs(tables: &Bundle, n: usize) -> Vec<Start> {
+pub fn pairs(tables: &Bundle, n: usize) -> Vec<[Spawn; 2]> {
     let states = tables.graph().states.len();
     let start = |i: usize| {
         let (pair, far) = (i / 2, i % 2 == 1);
         let side = if far { Planar::new(0.0, 0.9, std::f32::consts::PI) } else { Planar::IDENTITY };
         let root = Planar::new(3.0 * pair as f32, 0.0, 0.7 * pair as f32).compose(side);
-        Start { root, state: (i * 37 % states) as u32 }
+        Spawn { root, state: Some((i * 37 % states) as u32) }
     };
-    (0..2 * n).map(start).collect()
+    (0..n).map(|pair| [2 * pair, 2 * pair + 1].map(start)).collect()
 }
 
 /// Characters on a line, facing all around, in all kinds of states.

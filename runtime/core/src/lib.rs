@@ -1,7 +1,7 @@
 //! Opens bundles, answers policy queries, poses characters.
 //!
-//! A bundle (`*.throng`) is opened as [`Bundle`]; a [`characters::MotionSet`] takes the views a step needs;
-//! [`characters::Characters`] holds the characters. [`policy`] answers single queries without characters.
+//! A bundle (`*.throng`) is opened as [`Bundle`]; [`characters::PolicyCharacters`] and [`blend::walkers::Walkers`] are
+//! [`Cast`]s that move and pose people. [`policy`] answers single queries without characters.
 
 pub mod blend;
 pub mod bundle;

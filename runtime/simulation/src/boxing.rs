@@ -1,19 +1,20 @@
 //! Characters with policies: each with a target of its own, or in pairs who strike at each other.
 
 use crate::compile::CompiledScene;
-use crate::kind::{Kind, Tick, joints, refused};
+use crate::kind::{Kind, Tick, load_same, refused};
 use crate::scene::{DragPoint, GroupConfig, Motion, PlaceConfig, Scene};
-use crate::sparring::{Aim, PracticeConfig, PracticeGoal, Sparring, SparringConfig, SparringGoal, TargetPractice};
+use crate::sparring::{PracticeConfig, Sparring, SparringConfig, TargetPractice};
 use crate::{Event, Happened};
 use glam::Vec3;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use std::f32::consts::TAU;
 use std::sync::Arc;
-use throng_base::{Bytes, Error, Result, SnapshotKind};
-use throng_core::characters::{Characters, CharactersConfig, CharactersError, Choice, MotionSet, Start};
+use throng_base::error::check_index;
+use throng_base::{Bytes, Error, Id, Result, SnapshotKind};
+use throng_core::characters::{CharactersConfig, Choice, Order, Spawn};
 use throng_core::policy::{KIND_CYLINDER, KIND_SPACE_TIME, RegionRecord};
-use throng_core::{Bundle, Contacts, Mat3x4, NUM_JOINTS, Planar};
+use throng_core::{Bundle, Cast, Contacts, Mat3x4, NUM_JOINTS, Planar};
 
 /// A group of pairs who spar.
 #[derive(Clone, Debug)]
@@ -31,10 +32,9 @@ pub struct Practice {
     homes: Vec<Vec3>,
     /// They are dragged as the scene says.
     is_dragged: bool,
-    time_s: f64,
 }
 
-/// What a group of either kind is made of.
+/// Where a group of either kind is in the scene.
 #[derive(Clone, Debug)]
 struct Setup {
     scene: Arc<Scene>,
@@ -42,35 +42,35 @@ struct Setup {
     group: usize,
     /// What messages call it.
     key: String,
-    motion_set: MotionSet,
 }
 
 impl Setup {
-    fn new(compiled: &CompiledScene, group: usize) -> Result<Self> {
-        let motion_set = MotionSet::new(compiled.bundle(group)?);
-        Ok(Self { scene: Arc::clone(compiled.shared()), group, key: format!("groups[{group}]"), motion_set })
+    fn new(compiled: &CompiledScene, group: usize) -> Self {
+        Self { scene: Arc::clone(compiled.shared()), group, key: format!("groups[{group}]") }
     }
 
-    fn fault(&self, e: CharactersError) -> Error {
+    fn config(&self) -> &GroupConfig {
+        &self.scene.groups[self.group]
+    }
+
+    fn fault(&self, e: Error) -> Error {
         self.scene.fault(&self.key, e)
     }
 }
 
-/// Numbers and weights of a group's policies.
-fn policies(compiled: &CompiledScene, group: usize) -> Result<(Vec<usize>, Vec<f32>)> {
+/// What a group's characters weigh, and the numbers of those policies.
+fn behaviours(compiled: &CompiledScene, group: usize) -> Result<(Order, Vec<usize>)> {
     let (bundle, behaviours) = (compiled.bundle(group)?, &compiled.scene().groups[group].behaviours);
-    let numbers = behaviours.iter().map(|b| bundle.find_policy(&b.name)).collect::<Result<_>>()?;
-    Ok((numbers, behaviours.iter().map(|b| b.weight as f32).collect()))
+    let numbers: Vec<usize> = behaviours.iter().map(|b| bundle.find_policy(&b.name)).collect::<Result<_>>()?;
+    let weighed = |order: Order, (&policy, weight)| order.and(policy, weight);
+    let weights = behaviours.iter().map(|b| b.weight as f32);
+    Ok((numbers.iter().zip(weights).fold(Order::IDLE, weighed), numbers))
 }
 
 fn characters(compiled: &CompiledScene, group: usize) -> CharactersConfig {
     let choice = Choice::LookAhead { temperature: compiled.scene().groups[group].temperature as f32 };
-    CharactersConfig { seed: compiled.seed(group), choice, ..CharactersConfig::default() }
-}
-
-/// True for a policy about an opponent's next blow.
-fn is_threat(bundle: &Bundle, policy: usize) -> bool {
-    bundle.policy_records()[policy].grid.kind == KIND_SPACE_TIME
+    let (seed, first_number) = (compiled.scene().seed, compiled.first_number(group) as u64);
+    CharactersConfig { seed, first_number, choice, ..CharactersConfig::default() }
 }
 
 impl Bouts {
@@ -79,14 +79,17 @@ impl Bouts {
     /// # Errors
     /// [`Error::Text`] for heads that nobody can reach.
     pub(crate) fn new(compiled: &CompiledScene, group: usize) -> Result<Self> {
-        let (setup, bundle) = (Setup::new(compiled, group)?, compiled.bundle(group)?);
-        let (numbers, weights) = policies(compiled, group)?;
-        let (starts, _) = places(&setup.scene.groups[group], bundle, compiled.seed(group));
-        let aim = |policy| if is_threat(bundle, policy) { Aim::OpponentThreat } else { Aim::OpponentHead };
-        let goal = |(&policy, weight): (&usize, f32)| SparringGoal { policy, weight, aim: aim(policy) };
-        let goals = numbers.iter().zip(weights).map(goal).collect();
-        let config = SparringConfig { characters: characters(compiled, group), ..SparringConfig::new(goals) };
-        let sparring = Sparring::new(&setup.motion_set, config, &starts).map_err(|e| setup.fault(e))?;
+        let (setup, bundle) = (Setup::new(compiled, group), compiled.bundle(group)?);
+        let (order, numbers) = behaviours(compiled, group)?;
+        let (starts, _) = places(compiled, group)?;
+        let config = SparringConfig { characters: characters(compiled, group), ..SparringConfig::default() };
+        let mut sparring = Sparring::with_capacity(bundle, starts.len() / 2, config).map_err(|e| setup.fault(e))?;
+        for pair in starts.as_chunks().0 {
+            let first = sparring.spawn(*pair).map_err(|e| setup.fault(e))?;
+            for id in [first, sparring.opponent(first)?] {
+                sparring.order(id, order).map_err(|e| setup.fault(e))?;
+            }
+        }
         let regions = hit_regions(bundle, &numbers);
         match sparring.heads().first() {
             Some(first) if !sparring.heads().iter().any(|h| is_reached(&regions, h.y, HALF_HEAD_M)) => {
@@ -101,26 +104,6 @@ impl Bouts {
     pub fn sparring(&self) -> &Sparring {
         &self.sparring
     }
-
-    fn characters(&self) -> &Characters {
-        self.sparring.characters()
-    }
-
-    /// Sets what each behaviour of the group counts from the next step on; 0 switches it off.
-    ///
-    /// # Errors
-    /// [`Error::Text`] where there are not as many weights as behaviours, or one is not finite or too large.
-    pub fn set_weights(&mut self, weights: &[f32]) -> Result<()> {
-        self.sparring.set_weights(weights).map_err(|e| self.setup.fault(e))
-    }
-
-    /// Lets a character play a segment at once, see [`Characters::play`].
-    ///
-    /// # Errors
-    /// [`Error::Text`] for a character or segment that does not exist.
-    pub fn play(&mut self, character: usize, segment: u32) -> Result<()> {
-        self.sparring.play(&self.setup.motion_set, character, segment).map_err(|e| self.setup.fault(e))
-    }
 }
 
 impl Practice {
@@ -129,10 +112,10 @@ impl Practice {
     /// # Errors
     /// [`Error::Text`] for a behaviour that targets give no reason for, or a target nobody can reach.
     pub(crate) fn new(compiled: &CompiledScene, group: usize) -> Result<Self> {
-        let (setup, bundle) = (Setup::new(compiled, group)?, compiled.bundle(group)?);
-        let own = &setup.scene.groups[group];
-        let (numbers, weights) = policies(compiled, group)?;
-        if let Some(i) = numbers.iter().position(|&p| is_threat(bundle, p)) {
+        let (setup, bundle) = (Setup::new(compiled, group), compiled.bundle(group)?);
+        let own = setup.config();
+        let (order, numbers) = behaviours(compiled, group)?;
+        if let Some(i) = numbers.iter().position(|&p| bundle.policy_records()[p].grid.kind == KIND_SPACE_TIME) {
             let why = "it answers an opponent's blows, and targets do not strike; leave it out, or set `motion = \"sparring\"`";
             return Err(setup.scene.fault(&format!("{}.behaviours[{i}]", setup.key), why));
         }
@@ -143,14 +126,18 @@ impl Practice {
             let key = format!("{}.target", setup.key);
             return Err(setup.scene.fault(&key, out_of_reach(&regions, "target", h, help)));
         }
-        let (starts, homes) = places(own, bundle, compiled.seed(group));
-        let goal = |(&policy, weight): (&usize, f32)| PracticeGoal { policy, weight };
-        let goals = numbers.iter().zip(weights).map(goal).collect();
-        let mut config = PracticeConfig { characters: characters(compiled, group), ..PracticeConfig::new(goals) };
+        let (starts, homes) = places(compiled, group)?;
+        let mut config = PracticeConfig { characters: characters(compiled, group), ..PracticeConfig::default() };
         config.target.radius_m = own.target.radius_m as f32;
-        let practice = TargetPractice::new(&setup.motion_set, config, &starts, &homes).map_err(|e| setup.fault(e))?;
-        let is_dragged = !own.target.drag.is_empty();
-        Ok(Self { practice, homes, is_dragged, time_s: 0.0, setup })
+        let made = TargetPractice::with_capacity(bundle, starts.len(), config).and_then(|mut practice| {
+            for (start, home) in starts.into_iter().zip(&homes) {
+                let id = practice.spawn(start)?;
+                practice.order(id, order.around(*home))?;
+            }
+            Ok(practice)
+        });
+        let (practice, is_dragged) = (made.map_err(|e| setup.fault(e))?, !own.target.drag.is_empty());
+        Ok(Self { practice, homes, is_dragged, setup })
     }
 
     /// The characters and their targets.
@@ -158,16 +145,12 @@ impl Practice {
         &self.practice
     }
 
-    fn characters(&self) -> &Characters {
-        self.practice.characters()
-    }
-
     /// Moves the place where a character's target hangs, as a hand does: from now on the scene's own drags it no more.
     ///
     /// # Errors
     /// [`Error::Text`] for a character that does not exist, or a place that is not finite; nothing has changed then.
     pub fn set_home(&mut self, character: usize, home: Vec3) -> Result<()> {
-        self.practice.set_home(character, home).map_err(|e| self.setup.fault(e))?;
+        self.hang(character, home)?;
         if std::mem::take(&mut self.is_dragged) {
             // Everybody's target stays where it has been dragged to.
             self.homes = self.practice.targets().iter().map(|t| t.home).collect();
@@ -176,50 +159,57 @@ impl Practice {
         Ok(())
     }
 
-    /// As [`Bouts::set_weights`].
-    ///
-    /// # Errors
-    /// As [`Bouts::set_weights`].
-    pub fn set_weights(&mut self, weights: &[f32]) -> Result<()> {
-        self.practice.set_weights(weights).map_err(|e| self.setup.fault(e))
+    fn hang(&mut self, character: usize, home: Vec3) -> Result<()> {
+        let id = id_of(&self.practice, character);
+        let told = id.and_then(|id| self.practice.order(id, self.practice.order_of(id)?.around(home)));
+        told.map_err(|e| self.setup.fault(e))
     }
+}
 
-    /// As [`Bouts::play`].
-    ///
-    /// # Errors
-    /// As [`Bouts::play`].
-    pub fn play(&mut self, character: usize, segment: u32) -> Result<()> {
-        self.practice.play(&self.setup.motion_set, character, segment).map_err(|e| self.setup.fault(e))
-    }
+/// The id of a character of a scene, where nobody leaves.
+///
+/// # Errors
+/// [`Error::Index`].
+fn id_of(cast: &impl Cast, character: usize) -> Result<Id> {
+    let ids = cast.bodies().ids;
+    check_index("character", None, character, ids.len())?;
+    Ok(ids[character])
 }
 
 /// Where characters start, and where their targets hang: pairs, or characters with targets, on a square grid, each
 /// turned its own way.
-fn places(group: &GroupConfig, bundle: &Bundle, seed: u64) -> (Vec<Start>, Vec<Vec3>) {
+///
+/// Those of earlier groups of the same kind are drawn first, so that everybody is turned as in one group of all.
+fn places(compiled: &CompiledScene, number: usize) -> Result<(Vec<Spawn>, Vec<Vec3>)> {
+    let (scene, group) = (compiled.scene(), &compiled.scene().groups[number]);
     let (about, spacing, distance) = match group.place {
         Some(PlaceConfig::Grid { centre, spacing_m, distance_m }) => (centre, spacing_m as f32, distance_m as f32),
         _ => ([0.0; 2], 4.0, 1.5),
     };
-    let mut rng = Pcg64Mcg::seed_from_u64(seed);
+    let mut rng = Pcg64Mcg::seed_from_u64(scene.seed);
     let per_place = if group.motion == Motion::Sparring { 2 } else { 1 };
     let num_places = group.count / per_place;
     let side = (num_places as f32).sqrt().ceil() as usize;
     let middle = 0.5 * (side as f32 - 1.0);
-    let states = resting_states(bundle);
+    let states = resting_states(compiled.bundle(number)?);
+    let num_before = compiled.first_number(number) / per_place;
+    let num_alike: usize = scene.groups.iter().filter(|g| g.motion == group.motion).map(|g| g.count).sum();
     let (mut starts, mut homes) = (Vec::new(), Vec::new());
-    for i in 0..num_places {
+    for drawn in 0..num_before + num_places {
         let place = |k: usize| (k as f32 - middle) * spacing;
-        let heading = if num_places == 1 { 0.0 } else { rng.random_range(0.0..TAU) };
+        let heading = if num_alike == per_place { 0.0 } else { rng.random_range(0.0..TAU) };
+        let i = drawn.saturating_sub(num_before);
         let centre = Planar::new(place(i % side) + about[0], place(i / side) + about[1], heading);
         let half = 0.5 * distance;
         for (z, turn) in [(-half, 0.0), (half, std::f32::consts::PI)].into_iter().take(per_place) {
             let root = centre.compose(Planar::new(0.0, z, turn));
-            starts.push(Start { root, state: states[rng.random_range(0..states.len())] });
+            starts.push(Spawn { root, state: Some(states[rng.random_range(0..states.len())]) });
             let home = centre.compose(Planar::new(0.0, -z, 0.0));
             homes.push(Vec3::new(home.x, group.target.height_m as f32, home.z));
         }
     }
-    (starts, homes)
+    let before = num_before * per_place;
+    Ok((starts.split_off(before), homes.split_off(before)))
 }
 
 fn out_of_reach(regions: &[RegionRecord], what: &str, height: f32, help: &str) -> String {
@@ -250,36 +240,68 @@ fn resting_states(bundle: &Bundle) -> Vec<u32> {
     if standing.is_empty() { (0..all.len() as u32).collect() } else { standing }
 }
 
-/// What both kinds have in common.
-macro_rules! of_characters {
-    () => {
-        fn num_characters(&self) -> usize {
-            self.characters().num_characters()
-        }
+/// What can be told both kinds.
+macro_rules! told {
+    ($kind:ident, $cast:ident) => {
+        impl $kind {
+            /// Sets what each behaviour of the group counts from the next step on; 0 switches it off.
+            ///
+            /// # Errors
+            /// [`Error::Text`] where there are not as many weights as behaviours, or one is not finite or too large;
+            /// nothing has changed then.
+            pub fn set_weights(&mut self, weights: &[f32]) -> Result<()> {
+                for id in self.$cast.bodies().ids.to_vec() {
+                    let order = self.$cast.order_of(id).and_then(|order| order.weighed(weights));
+                    order.and_then(|order| self.$cast.order(id, order)).map_err(|e| self.setup.fault(e))?;
+                }
+                Ok(())
+            }
 
-        fn root(&self, member: usize) -> Option<Planar> {
-            Some(self.characters().root(member))
-        }
-
-        fn pose(&self, member: usize) -> Option<&[Mat3x4; NUM_JOINTS]> {
-            Some(joints(self.characters().pose(member)))
-        }
-
-        fn contacts(&self, member: usize) -> Contacts {
-            self.characters().contacts(member)
+            /// Lets a character play a segment at once, see [`throng_core::characters::PolicyCharacters::play`].
+            ///
+            /// # Errors
+            /// [`Error::Text`] for a character or segment that does not exist.
+            pub fn play(&mut self, character: usize, segment: u32) -> Result<()> {
+                let id = id_of(&self.$cast, character);
+                id.and_then(|id| self.$cast.play(id, segment)).map_err(|e| self.setup.fault(e))
+            }
         }
     };
 }
+
+told!(Bouts, sparring);
+told!(Practice, practice);
+
+/// What both kinds answer alike.
+macro_rules! of_cast {
+    ($cast:ident) => {
+        fn num_characters(&self) -> usize {
+            self.$cast.bodies().ids.len()
+        }
+
+        fn root(&self, number: usize) -> Option<Planar> {
+            Some(self.$cast.bodies().roots[number])
+        }
+
+        fn pose(&self, number: usize) -> Option<&[Mat3x4; NUM_JOINTS]> {
+            Some(&self.$cast.bodies().model[number])
+        }
+
+        fn contacts(&self, number: usize) -> Contacts {
+            self.$cast.characters().contacts(number)
+        }
+    };
+}
+
 impl Kind for Bouts {
-    of_characters!();
+    of_cast!(sparring);
 
     fn step(&mut self, tick: &Tick<'_>, events: &mut Vec<Event>) -> Result<()> {
-        let done = self.sparring.step_on(&self.setup.motion_set, tick.dt_s, tick.run);
-        done.map_err(|e| self.setup.fault(e))?;
-        events.extend(self.sparring.landed().iter().map(|l| Event {
+        self.sparring.step(tick.dt_s, tick.run).map_err(|e| self.setup.fault(e))?;
+        events.extend(self.sparring.events().iter().map(|(id, l)| Event {
             time_s: tick.until_s,
-            who: tick.first + l.blow.character as usize,
-            happened: Happened::Struck { opponent: tick.first + l.opponent as usize, part: l.part, at: l.blow.point },
+            who: tick.first + id.index(),
+            happened: Happened::Struck { opponent: tick.first + l.opponent.index(), part: l.part, at: l.blow.point },
         }));
         Ok(())
     }
@@ -289,27 +311,25 @@ impl Kind for Bouts {
     }
 
     fn load(&mut self, bytes: &[u8], _: f64) -> Result<()> {
-        self.sparring.load(&self.setup.motion_set, bytes)
+        load_same(&mut self.sparring, bytes)
     }
 }
 
 /// Targets that are dragged, around a snapshot of [`TargetPractice`].
-const DRAGGED: SnapshotKind = SnapshotKind { what: "practice", tag: *b"DRAG", version: 1, setup: 0 };
+const DRAGGED: SnapshotKind = SnapshotKind { what: "practice", tag: *b"DRAG", version: 2, setup: 0 };
 
 impl Kind for Practice {
-    of_characters!();
+    of_cast!(practice);
 
     fn step(&mut self, tick: &Tick<'_>, events: &mut Vec<Event>) -> Result<()> {
-        self.time_s += f64::from(tick.dt_s);
-        let by = dragged(&self.setup.scene.groups[self.setup.group].target.drag, self.time_s);
-        for (c, home) in self.homes.iter().enumerate().filter(|_| self.is_dragged) {
-            self.practice.set_home(c, *home + by).map_err(|e| self.setup.fault(e))?;
+        let by = dragged(&self.setup.config().target.drag, tick.until_s);
+        if self.is_dragged {
+            (0..self.homes.len()).try_for_each(|c| self.hang(c, self.homes[c] + by))?;
         }
-        let done = self.practice.step_on(&self.setup.motion_set, tick.dt_s, tick.run);
-        done.map_err(|e| self.setup.fault(e))?;
-        events.extend(self.practice.hits().iter().map(|h| Event {
+        self.practice.step(tick.dt_s, tick.run).map_err(|e| self.setup.fault(e))?;
+        events.extend(self.practice.events().iter().map(|(id, h)| Event {
             time_s: tick.until_s,
-            who: tick.first + h.blow.character as usize,
+            who: tick.first + id.index(),
             happened: Happened::Hit { at: h.blow.point },
         }));
         Ok(())
@@ -318,19 +338,19 @@ impl Kind for Practice {
     fn save(&self, out: &mut Vec<u8>) {
         let mut practice = Bytes::default();
         self.practice.save(&mut practice.0);
-        DRAGGED.write(&(&self.homes, self.is_dragged, self.time_s, practice), out);
+        DRAGGED.write(&(&self.homes, self.is_dragged, practice), out);
     }
 
     fn load(&mut self, bytes: &[u8], _: f64) -> Result<()> {
-        let (homes, is_dragged, time_s, practice): (Vec<Vec3>, bool, f64, Bytes) = DRAGGED.read_all(bytes)?;
+        let (homes, is_dragged, practice): (Vec<Vec3>, bool, Bytes) = DRAGGED.read_all(bytes)?;
         let near = |home: &Vec3| home.is_finite() && home.abs().max_element() <= 1e5;
-        let may_be_dragged = !self.setup.scene.groups[self.setup.group].target.drag.is_empty();
-        let good = homes.len() == self.homes.len() && homes.iter().all(near) && (0.0..1e9).contains(&time_s);
+        let may_be_dragged = !self.setup.config().target.drag.is_empty();
+        let good = homes.len() == self.homes.len() && homes.iter().all(near);
         if !good || is_dragged && !may_be_dragged {
             return Err(refused(DRAGGED.what, "its targets hang nowhere"));
         }
-        self.practice.load(&self.setup.motion_set, &practice.0)?;
-        (self.homes, self.is_dragged, self.time_s) = (homes, is_dragged, time_s);
+        load_same(&mut self.practice, &practice.0)?;
+        (self.homes, self.is_dragged) = (homes, is_dragged);
         Ok(())
     }
 }

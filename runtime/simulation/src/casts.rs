@@ -33,17 +33,17 @@ macro_rules! kinds {
             fn hash(&self) -> u64 {
                 match self { $(Self::$name(k) => k.hash()),* }
             }
-            fn root(&self, member: usize) -> Option<Planar> {
-                match self { $(Self::$name(k) => k.root(member)),* }
+            fn root(&self, number: usize) -> Option<Planar> {
+                match self { $(Self::$name(k) => k.root(number)),* }
             }
-            fn pose(&self, member: usize) -> Option<&[Mat3x4; NUM_JOINTS]> {
-                match self { $(Self::$name(k) => k.pose(member)),* }
+            fn pose(&self, number: usize) -> Option<&[Mat3x4; NUM_JOINTS]> {
+                match self { $(Self::$name(k) => k.pose(number)),* }
             }
-            fn contacts(&self, member: usize) -> Contacts {
-                match self { $(Self::$name(k) => k.contacts(member)),* }
+            fn contacts(&self, number: usize) -> Contacts {
+                match self { $(Self::$name(k) => k.contacts(number)),* }
             }
-            fn soles(&self, member: usize) -> Option<[[Vec3; 2]; 2]> {
-                match self { $(Self::$name(k) => k.soles(member)),* }
+            fn soles(&self, number: usize) -> Option<[[Vec3; 2]; 2]> {
+                match self { $(Self::$name(k) => k.soles(number)),* }
             }
         }
     };

@@ -1,6 +1,6 @@
 //! A scene with everything that it names, opened and checked.
 
-use crate::scene::{Motion, Scene, WishConfig};
+use crate::scene::{GroupConfig, Motion, Scene, WishConfig};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use throng_base::{Hash128, Result};
@@ -134,9 +134,13 @@ impl CompiledScene {
         self.world_of.get(group).copied().flatten()
     }
 
-    /// Seed of a group; that of the scene for the first one.
-    pub(crate) fn seed(&self, group: usize) -> u64 {
-        self.scene.seed ^ (group as u64).wrapping_mul(0x9E37_79B9_7F4A_7C15)
+    /// Number of a group's first character, counted over all groups with the same kind of motion: what random choices
+    /// depend on, beside the seed.
+    pub(crate) fn first_number(&self, group: usize) -> usize {
+        let groups = &self.scene.groups;
+        let is_alike =
+            |g: &&GroupConfig| (g.motion, g.paths.is_some()) == (groups[group].motion, groups[group].paths.is_some());
+        groups[..group].iter().filter(is_alike).map(|g| g.count).sum()
     }
 
     /// One of the blend spaces that a group names.

@@ -1,7 +1,7 @@
 //! People who live in a stitched world and wish one thing after another.
 
 use crate::compile::CompiledScene;
-use crate::kind::{Kind, Tick, joints, refused};
+use crate::kind::{Kind, Tick, joints, load_same, refused};
 use crate::scene::{Scene, WeightedWish, WishConfig};
 use crate::{Event, Happened};
 use rand::{Rng, RngExt, SeedableRng};
@@ -9,7 +9,6 @@ use rand_pcg::Pcg64Mcg;
 use std::ops::Range;
 use std::sync::Arc;
 use throng_base::{Bytes, Error, Id, Result, SnapshotKind};
-use throng_core::characters::CharactersConfig;
 use throng_core::{Cast, Contacts, Mat3x4, NUM_JOINTS, Planar};
 use throng_world::inhabitants::{
     Doing, InhabitantEvent, InhabitantState, Inhabitants, InhabitantsConfig, Wish, scatter,
@@ -20,7 +19,7 @@ use throng_world::{Node, WorldGraph};
 const GIVE_UP_S: f64 = 2.0;
 
 /// Wishes, around a snapshot of [`Inhabitants`].
-const WISHES: SnapshotKind = SnapshotKind { what: "inhabitants", tag: *b"WISH", version: 1, setup: 0 };
+const WISHES: SnapshotKind = SnapshotKind { what: "inhabitants", tag: *b"WISH", version: 2, setup: 0 };
 
 /// A wish as it is drawn: a kind, and what it needs.
 #[derive(Clone, Debug)]
@@ -42,12 +41,12 @@ pub struct Inhabited {
     inhabitants: Inhabitants,
     /// What the characters of each group draw, by their shares.
     choices: Vec<(Range<usize>, Shares)>,
-    rng: Pcg64Mcg,
+    /// What each character draws its wishes from.
+    rngs: Vec<Pcg64Mcg>,
     /// When each character wishes something else, whatever has become of its wish (s).
     until_s: Vec<f64>,
     /// Who was told what to do, and wishes nothing of its own.
     told: Vec<bool>,
-    time_s: f64,
 }
 
 impl Inhabited {
@@ -62,7 +61,7 @@ impl Inhabited {
             return Err(scene.fault(&key, "expected a `world`"));
         };
         let num: usize = groups.iter().map(|&g| scene.groups[g].count).sum();
-        let starts = scatter(world.graph(), num, compiled.seed(first));
+        let starts = scatter(world.graph(), num, scene.seed);
         if starts.len() < num {
             let why = format!(
                 "expected room for {num} characters, found room for {}: each needs units of its own to stand on; \
@@ -71,15 +70,17 @@ impl Inhabited {
             );
             return Err(scene.fault(&format!("{key}.count"), why));
         }
-        let (mut choices, mut counted) = (Vec::new(), 0);
+        let (mut choices, mut rngs, mut counted) = (Vec::new(), Vec::with_capacity(num), 0);
         for &g in groups {
             let range = counted..counted + scene.groups[g].count;
             counted = range.end;
+            let numbers = compiled.first_number(g) as u64..;
+            let rng = |number: u64| Pcg64Mcg::seed_from_u64(scene.seed ^ number.wrapping_mul(0x9E37_79B9_7F4A_7C15));
+            rngs.extend(numbers.map(rng).take(scene.groups[g].count));
             choices.push((range, choices_of(compiled, g, world.graph())?));
         }
         let fault = |e: Error| scene.fault(&key, format!("{e}; correct the scene file, or stitch the world again"));
-        let characters = CharactersConfig { seed: compiled.seed(first), ..CharactersConfig::default() };
-        let config = InhabitantsConfig { characters, ..InhabitantsConfig::default() };
+        let config = InhabitantsConfig::default();
         let mut inhabitants = Inhabitants::new(world, num, config).map_err(fault)?;
         starts.into_iter().try_for_each(|start| inhabitants.spawn(start).map(|_| ())).map_err(fault)?;
         let mut life = Self {
@@ -89,10 +90,9 @@ impl Inhabited {
             told: vec![false; num],
             inhabitants,
             choices,
-            rng: Pcg64Mcg::seed_from_u64(compiled.seed(first)),
-            time_s: 0.0,
+            rngs,
         };
-        life.wish().map_err(fault)?;
+        life.wish(0.0).map_err(fault)?;
         Ok(life)
     }
 
@@ -115,7 +115,7 @@ impl Inhabited {
         told.map_err(|e| self.scene.fault(&self.key, e))?;
         self.told[character] = wish.is_some();
         // Its next own wish comes with the next step.
-        self.until_s[character] = self.time_s;
+        self.until_s[character] = 0.0;
         Ok(())
     }
 
@@ -135,21 +135,21 @@ impl Inhabited {
     }
 
     /// Gives a new wish to all whose time has come or who have what they wished for.
-    fn wish(&mut self) -> Result<()> {
+    fn wish(&mut self, now_s: f64) -> Result<()> {
         for c in 0..self.num_characters() {
             if self.told[c] {
                 continue;
             }
             let doing = self.state(c).doing;
             if doing == Doing::Unreachable {
-                self.until_s[c] = self.until_s[c].min(self.time_s + GIVE_UP_S);
+                self.until_s[c] = self.until_s[c].min(now_s + GIVE_UP_S);
             }
-            if doing == Doing::Arrived || self.time_s >= self.until_s[c] {
-                let (wish, until_s) = self.draw(c);
+            if doing == Doing::Arrived || now_s >= self.until_s[c] {
+                let (wish, until_s) = self.draw(c, now_s);
                 self.until_s[c] = until_s;
                 match self.inhabitants.order(self.id(c), wish) {
                     // It draws again at the next step.
-                    Err(Error::NoWay { .. }) => self.until_s[c] = self.time_s,
+                    Err(Error::NoWay { .. }) => self.until_s[c] = now_s,
                     told => told?,
                 }
             }
@@ -158,23 +158,24 @@ impl Inhabited {
     }
 
     /// Something to wish, and when it is over at the latest (s).
-    fn draw(&mut self, character: usize) -> (Wish, f64) {
+    fn draw(&mut self, character: usize, now_s: f64) -> (Wish, f64) {
         let own = self.choices.iter().find(|c| c.0.contains(&character));
         let Some((_, choices)) = own else { return (Wish::Roam, f64::INFINITY) };
         let total: f64 = choices.iter().map(|k| k.0).sum();
-        let mut at = self.rng.random_range(0.0..total);
+        let rng = &mut self.rngs[character];
+        let mut at = rng.random_range(0.0..total);
         let found = choices.iter().find(|k| {
             at -= k.0;
             at < 0.0
         });
         match &found.unwrap_or(&choices[choices.len() - 1]).1 {
-            Choice::Roam(seconds) => (Wish::Roam, self.time_s + within(*seconds, &mut self.rng)),
+            Choice::Roam(seconds) => (Wish::Roam, now_s + within(*seconds, rng)),
             Choice::Visit(places) => {
-                let node = places[self.rng.random_range(0..places.len())];
+                let node = places[rng.random_range(0..places.len())];
                 (Wish::GoTo { instance: node.instance }, f64::INFINITY)
             }
             Choice::Perform(tag, seconds) => {
-                let seconds = within(*seconds, &mut self.rng) as f32;
+                let seconds = within(*seconds, rng) as f32;
                 (Wish::Perform { tag: *tag, seconds }, f64::INFINITY)
             }
         }
@@ -226,9 +227,8 @@ impl Kind for Inhabited {
     }
 
     fn step(&mut self, tick: &Tick<'_>, events: &mut Vec<Event>) -> Result<()> {
-        let moved = self.wish().and_then(|()| self.inhabitants.step(tick.dt_s, tick.run));
+        let moved = self.wish(tick.until_s).and_then(|()| self.inhabitants.step(tick.dt_s, tick.run));
         moved.map_err(|e| self.scene.fault(&self.key, e))?;
-        self.time_s += f64::from(tick.dt_s);
         for (id, _) in self.inhabitants.events().iter().filter(|(_, event)| *event == InhabitantEvent::Fulfilled) {
             events.push(Event { time_s: tick.until_s, who: tick.first + id.index(), happened: Happened::Fulfilled });
         }
@@ -238,35 +238,31 @@ impl Kind for Inhabited {
     fn save(&self, out: &mut Vec<u8>) {
         let mut inhabitants = Bytes::default();
         self.inhabitants.save(&mut inhabitants.0);
-        let minds = (&self.rng, &self.until_s, &self.told, self.time_s);
+        let minds = (&self.rngs, &self.until_s, &self.told);
         WISHES.write(&(minds, inhabitants), out);
     }
 
     fn load(&mut self, bytes: &[u8], _: f64) -> Result<()> {
         let (minds, inhabitants): (_, Bytes) = WISHES.read_all(bytes)?;
-        let (rng, until_s, told, time_s): (Pcg64Mcg, Vec<f64>, Vec<bool>, f64) = minds;
-        let are_times = until_s.iter().all(|t| !t.is_nan()) && (0.0..1e9).contains(&time_s);
-        if [until_s.len(), told.len()] != [self.until_s.len(); 2] || !are_times {
+        let (rngs, until_s, told): (Vec<Pcg64Mcg>, Vec<f64>, Vec<bool>) = minds;
+        let are_times = until_s.iter().all(|t| !t.is_nan());
+        if [rngs.len(), until_s.len(), told.len()] != [self.until_s.len(); 3] || !are_times {
             return Err(refused(WISHES.what, "somebody wishes what nobody can"));
         }
-        let ids = self.inhabitants.ids().to_vec();
-        self.inhabitants.load(&inhabitants.0)?;
-        if self.inhabitants.ids() != ids {
-            return Err(refused(WISHES.what, "they are others"));
-        }
-        (self.rng, self.until_s, self.told, self.time_s) = (rng, until_s, told, time_s);
+        load_same(&mut self.inhabitants, &inhabitants.0)?;
+        (self.rngs, self.until_s, self.told) = (rngs, until_s, told);
         Ok(())
     }
 
-    fn root(&self, member: usize) -> Option<Planar> {
-        Some(self.inhabitants.characters().root(member))
+    fn root(&self, number: usize) -> Option<Planar> {
+        Some(self.inhabitants.characters().root(number))
     }
 
-    fn pose(&self, member: usize) -> Option<&[Mat3x4; NUM_JOINTS]> {
-        Some(joints(self.inhabitants.characters().pose(member)))
+    fn pose(&self, number: usize) -> Option<&[Mat3x4; NUM_JOINTS]> {
+        Some(joints(self.inhabitants.characters().pose(number)))
     }
 
-    fn contacts(&self, member: usize) -> Contacts {
-        self.inhabitants.characters().contacts(member)
+    fn contacts(&self, number: usize) -> Contacts {
+        self.inhabitants.characters().contacts(number)
     }
 }

@@ -2,8 +2,7 @@
 
 use crate::Event;
 use glam::Vec3;
-use throng_base::{Error, Hash128, Id, Result, Run};
-use throng_core::blend::walkers::Walkers;
+use throng_base::{Error, Hash128, Result, Run};
 use throng_core::{Cast, Contacts, Mat3x4, NUM_JOINTS, Planar};
 
 /// One step of time.
@@ -49,13 +48,13 @@ pub trait Kind {
     }
 
     /// Where a character stands and looks; `None` where it has left.
-    fn root(&self, member: usize) -> Option<Planar>;
+    fn root(&self, number: usize) -> Option<Planar>;
 
     /// Joints in model space, which the root places in the world; `None` for one without a body, or who has left.
-    fn pose(&self, member: usize) -> Option<&[Mat3x4; NUM_JOINTS]>;
+    fn pose(&self, number: usize) -> Option<&[Mat3x4; NUM_JOINTS]>;
 
     /// Planted parts of a character's feet.
-    fn contacts(&self, member: usize) -> Contacts;
+    fn contacts(&self, number: usize) -> Contacts;
 
     /// Bottom of the heel and ball of both feet in the world, where bodies are fitted to skeletons of their own (m).
     fn soles(&self, _member: usize) -> Option<[[Vec3; 2]; 2]> {
@@ -68,10 +67,11 @@ pub(crate) fn joints(pose: &[Mat3x4]) -> &[Mat3x4; NUM_JOINTS] {
     &pose.as_chunks().0[0]
 }
 
-/// Goes back to walkers, who are those there have been from the start.
-pub(crate) fn load_walkers(walkers: &mut Walkers, ids: &[Id], bytes: &[u8]) -> Result<()> {
-    walkers.load(bytes)?;
-    if walkers.bodies().ids == ids { Ok(()) } else { Err(refused("walkers", "they are others")) }
+/// Goes back to what a cast has saved, in which nobody has entered or left since.
+pub(crate) fn load_same(cast: &mut impl Cast, bytes: &[u8]) -> Result<()> {
+    let ids = cast.bodies().ids.to_vec();
+    cast.load(bytes)?;
+    if cast.bodies().ids == ids { Ok(()) } else { Err(refused("characters", "they are others")) }
 }
 
 /// Bytes that are no snapshot.

@@ -281,14 +281,14 @@ impl Simulation {
 
     /// Where a character stands and looks; `None` where it has left (who < num_characters).
     pub fn root(&self, who: usize) -> Option<Planar> {
-        let (cast, member) = self.member(who);
-        cast.root(member)
+        let (cast, number) = self.locate(who);
+        cast.root(number)
     }
 
     /// Joints of a character in model space; `None` where it has left or has no body (who < num_characters).
     pub fn pose(&self, who: usize) -> Option<&[Mat3x4; NUM_JOINTS]> {
-        let (cast, member) = self.member(who);
-        cast.pose(member)
+        let (cast, number) = self.locate(who);
+        cast.pose(number)
     }
 
     /// World positions of a character's joints; `None` where it has left or has no body (m, who < num_characters).
@@ -300,30 +300,30 @@ impl Simulation {
 
     /// Planted parts of a character's feet (who < num_characters).
     pub fn contacts(&self, who: usize) -> Contacts {
-        let (cast, member) = self.member(who);
-        cast.contacts(member)
+        let (cast, number) = self.locate(who);
+        cast.contacts(number)
     }
 
     /// Bottom of the heel and ball of both feet, where bodies are blended (m, who < num_characters).
     pub fn soles(&self, who: usize) -> Option<[[Vec3; 2]; 2]> {
-        let (cast, member) = self.member(who);
-        cast.soles(member)
+        let (cast, number) = self.locate(who);
+        cast.soles(number)
     }
 
     /// The disc or ball of an agent; `None` for other characters and those who have left (who < num_characters).
     pub fn disc(&self, who: usize) -> Option<Disc> {
-        match self.member(who) {
-            (GroupCast::Ground(agents), member) => agents.disc(member),
-            (GroupCast::Air(agents), member) => agents.disc(member),
+        match self.locate(who) {
+            (GroupCast::Ground(agents), number) => agents.disc(number),
+            (GroupCast::Air(agents), number) => agents.disc(number),
             _ => None,
         }
     }
 
     /// What a character is after: its target or its opponent's head (m, who < num_characters).
     pub fn target(&self, who: usize) -> Option<Vec3> {
-        match self.member(who) {
-            (GroupCast::Policy(p), member) => Some(p.practice().targets()[member].position()),
-            (GroupCast::Sparring(s), member) => Some(s.sparring().heads()[member]),
+        match self.locate(who) {
+            (GroupCast::Policy(p), number) => Some(p.practice().targets()[number].position()),
+            (GroupCast::Sparring(s), number) => Some(s.sparring().heads()[number]),
             _ => None,
         }
     }
@@ -339,7 +339,7 @@ impl Simulation {
     }
 
     /// The cast of a character, and its number there (who < num_characters).
-    pub fn member(&self, who: usize) -> (&GroupCast, usize) {
+    pub fn locate(&self, who: usize) -> (&GroupCast, usize) {
         let cast = self.firsts.partition_point(|&f| f <= who) - 1;
         (&self.casts[cast], who - self.firsts[cast])
     }

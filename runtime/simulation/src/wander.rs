@@ -2,7 +2,7 @@
 
 use crate::Event;
 use crate::compile::CompiledScene;
-use crate::kind::{Kind, PART, Tick, joints, load_walkers, refused};
+use crate::kind::{Kind, PART, Tick, joints, load_same, refused};
 use crate::paths::Wander;
 use crate::scene::{BodiesConfig, Scene};
 use glam::{Vec2, Vec3};
@@ -41,8 +41,10 @@ const PATHS: SnapshotKind = SnapshotKind { what: "wanderers", tag: *b"WAND", ver
 pub struct Wanderers {
     scene: Arc<Scene>,
     group: usize,
-    /// Characters take them in turn.
+    /// Characters take them in turn, by their numbers among all groups on paths.
     troops: Vec<Troop>,
+    /// Number of the first character among those.
+    first: usize,
     ground: HeightField,
 }
 
@@ -53,7 +55,8 @@ impl Wanderers {
     /// [`throng_base::Error::Text`] for a blend space that the bundle does not have.
     pub(crate) fn new(compiled: &CompiledScene, group: usize) -> Result<Self> {
         let (scene, bundle) = (compiled.shared(), compiled.bundle(group)?);
-        let (config, seed) = (&scene.groups[group], compiled.seed(group));
+        let (config, seed) = (&scene.groups[group], scene.seed);
+        let first = compiled.first_number(group);
         let paths = config.paths.clone().unwrap_or_default();
         let fault = |e: Error| scene.fault(&format!("groups[{group}]"), e);
         let bodies = skeletons(&config.bodies(), bundle.skeleton(), seed);
@@ -62,16 +65,17 @@ impl Wanderers {
         let mut troops = Vec::with_capacity(config.spaces.len());
         for t in 0..config.spaces.len() {
             let space = compiled.space(group, t)?;
-            let members: Vec<u64> = (t..config.count).step_by(config.spaces.len()).map(|c| c as u64).collect();
-            let mut wanders: Vec<Wander> = members.iter().map(|&c| Wander::new(&paths, seed, c)).collect();
+            let numbers: Vec<u64> =
+                (first..first + config.count).filter(|c| c % config.spaces.len() == t).map(|c| c as u64).collect();
+            let mut wanders: Vec<Wander> = numbers.iter().map(|&c| Wander::new(&paths, seed, c)).collect();
             let controls: Vec<Control> = wanders.iter_mut().map(|p| p.step(&paths, 0.0)).collect();
             let start = |(&c, control): (&u64, &Control)| WalkerStart {
                 body: c as usize % bodies.len(),
                 root: root_of(control),
                 phase: (c as f32 * 0.381_966).fract(),
             };
-            let starts = members.iter().zip(&controls).map(start);
-            let made = Walkers::with_capacity(space, &bodies, WalkersConfig::default(), members.len());
+            let starts = numbers.iter().zip(&controls).map(start);
+            let made = Walkers::with_capacity(space, &bodies, WalkersConfig::default(), numbers.len());
             let made = made.and_then(|mut walkers| {
                 walkers.set_ground(ground.clone());
                 let ids = starts.map(|s| walkers.spawn(s)).collect::<Result<Vec<Id>>>()?;
@@ -79,10 +83,10 @@ impl Wanderers {
             });
             let (walkers, ids) = made.map_err(fault)?;
             let pace = |&c: &u64| (bodies[c as usize % bodies.len()].leg_length() / leg).sqrt();
-            let paces = members.iter().map(pace).collect();
+            let paces = numbers.iter().map(pace).collect();
             troops.push(Troop { walkers, ids, paths: wanders, paces, controls });
         }
-        Ok(Self { scene: Arc::clone(scene), group, troops, ground })
+        Ok(Self { scene: Arc::clone(scene), group, troops, first, ground })
     }
 
     /// The ground that they walk on.
@@ -90,14 +94,21 @@ impl Wanderers {
         &self.ground
     }
 
-    /// Speed at which a character's path leads on (m/s, member < num_characters).
-    pub fn speed(&self, member: usize) -> f32 {
-        self.troops[member % self.troops.len()].paths[member / self.troops.len()].speed()
+    /// Speed at which a character's path leads on (m/s, number < num_characters).
+    pub fn speed(&self, number: usize) -> f32 {
+        let (troop, w) = self.troop_of(number);
+        troop.paths[w].speed()
     }
 
-    /// The walkers among which a character is, and its number there (member < num_characters).
-    pub fn walkers_of(&self, member: usize) -> (&Walkers, usize) {
-        (&self.troops[member % self.troops.len()].walkers, member / self.troops.len())
+    /// The walkers among which a character is, and its number there (number < num_characters).
+    pub fn walkers_of(&self, number: usize) -> (&Walkers, usize) {
+        let (troop, w) = self.troop_of(number);
+        (&troop.walkers, w)
+    }
+
+    fn troop_of(&self, number: usize) -> (&Troop, usize) {
+        let num = self.troops.len();
+        (&self.troops[(self.first + number) % num], number / num)
     }
 }
 
@@ -143,29 +154,29 @@ impl Kind for Wanderers {
             if paths.len() != own.paths.len() || !paths.iter().all(Wander::may_be) {
                 return Err(refused(PATHS.what, "its paths lead nowhere"));
             }
-            load_walkers(&mut own.walkers, &own.ids, &walkers.0)?;
+            load_same(&mut own.walkers, &walkers.0)?;
             own.paths = paths;
         }
         Ok(())
     }
 
-    fn root(&self, member: usize) -> Option<Planar> {
-        let (walkers, w) = self.walkers_of(member);
+    fn root(&self, number: usize) -> Option<Planar> {
+        let (walkers, w) = self.walkers_of(number);
         Some(walkers.root(w))
     }
 
-    fn pose(&self, member: usize) -> Option<&[Mat3x4; NUM_JOINTS]> {
-        let (walkers, w) = self.walkers_of(member);
+    fn pose(&self, number: usize) -> Option<&[Mat3x4; NUM_JOINTS]> {
+        let (walkers, w) = self.walkers_of(number);
         Some(joints(walkers.pose(w)))
     }
 
-    fn contacts(&self, member: usize) -> Contacts {
-        let (walkers, w) = self.walkers_of(member);
+    fn contacts(&self, number: usize) -> Contacts {
+        let (walkers, w) = self.walkers_of(number);
         walkers.contacts(w)
     }
 
-    fn soles(&self, member: usize) -> Option<[[Vec3; 2]; 2]> {
-        let (walkers, w) = self.walkers_of(member);
+    fn soles(&self, number: usize) -> Option<[[Vec3; 2]; 2]> {
+        let (walkers, w) = self.walkers_of(number);
         Some(walkers.soles(w))
     }
 }

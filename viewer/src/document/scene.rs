@@ -194,7 +194,7 @@ impl SceneDocument {
             return None;
         }
         let (goals, _, choice, number) = self.run.choosing(who)?;
-        let (characters, threat) = match simulation.member(who).0 {
+        let (characters, threat) = match simulation.locate(who).0 {
             GroupCast::Policy(p) => (p.practice().characters(), None),
             GroupCast::Sparring(s) => (s.sparring().characters(), s.sparring().threats().get(number).copied()),
             _ => return None,

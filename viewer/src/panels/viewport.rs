@@ -269,7 +269,7 @@ fn order(model: &Model, ray: &Ray) -> Option<Input> {
     }
     let scene = model.shown_scene()?;
     let character = selected.filter(|&who| who < model.num_characters())?;
-    match scene.run().simulation().member(character).0 {
+    match scene.run().simulation().locate(character).0 {
         GroupCast::Patches(_) => {
             let place = scene.standing().meets(ray).or(ray.meets_ground())?;
             Some(Input::Wish { character, wish: Some(Wish::GoNear { place, within_m: world::SENT_WITHIN_M }) })

@@ -96,7 +96,7 @@ pub fn character(simulation: &Simulation, who: usize) -> Option<String> {
     if simulation.root(who).is_none() {
         return Some(format!("{who} · {name} · has left"));
     }
-    let (cast, member) = simulation.member(who);
+    let (cast, member) = simulation.locate(who);
     let away = |target: Vec3| {
         let root = simulation.root(who)?.translation();
         Some(format!("{:.1}\u{a0}m\u{a0}away", (root - target).with_y(0.0).length()))

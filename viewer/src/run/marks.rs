@@ -1,6 +1,7 @@
 //! What became of blows: marks that stay for a moment.
 
 use glam::Vec3;
+use throng_runtime::Cast;
 use throng_runtime::characters::Blow;
 use throng_runtime::simulation::{GroupCast, Simulation};
 use throng_runtime::sparring::Part;
@@ -53,11 +54,11 @@ fn met(cast: &GroupCast, blow: &Blow) -> Met {
     let is_it = |b: &Blow| (b.character, b.hit) == (blow.character, blow.hit);
     match cast {
         GroupCast::Sparring(s) => {
-            let landed = s.sparring().landed().iter().find(|l| is_it(&l.blow));
-            landed.map_or(Met::Nothing, |l| Met::Body(l.part))
+            let landed = s.sparring().events().iter().find(|(_, l)| is_it(&l.blow));
+            landed.map_or(Met::Nothing, |(_, l)| Met::Body(l.part))
         }
         GroupCast::Policy(p) => {
-            let hit = p.practice().hits().iter().find(|h| is_it(&h.blow));
+            let hit = p.practice().events().iter().find(|(_, h)| is_it(&h.blow));
             hit.map_or(Met::Nothing, |_| Met::Target)
         }
         _ => Met::Nothing,

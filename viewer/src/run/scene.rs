@@ -18,7 +18,7 @@ use throng_precompute::run::{AgentsMeter, FeetMeter};
 use throng_runtime::crowd::Event as CrowdEvent;
 use throng_runtime::simulation::agents::{Agents, in_world};
 use throng_runtime::simulation::{CompiledScene, Event, GroupCast, Simulation};
-use throng_runtime::sparring::{Aim, NO_THREAT_S};
+use throng_runtime::sparring::NO_THREAT_S;
 use throng_runtime::{Inline, Rayon, Result, Run as Threads};
 
 /// Steps between two states.
@@ -180,10 +180,10 @@ impl State {
                 }
             }
             Input::Wish { character, wish } => {
-                let member = self.simulation.member(*character).1;
+                let number = self.simulation.locate(*character).1;
                 let group = self.simulation.groups().iter().find(|g| g.characters.contains(character));
                 if let Some(GroupCast::Patches(people)) = group.map(|g| g.cast).map(|c| self.simulation.cast_mut(c)) {
-                    people.tell(member, *wish)?;
+                    people.tell(number, *wish)?;
                 }
             }
         }
@@ -194,23 +194,21 @@ impl State {
 impl Choosing {
     /// None for those who do not choose.
     fn new(simulation: &Simulation, cast: usize, characters: &std::ops::Range<usize>) -> Option<Self> {
-        let goals: Vec<(RunGoal, f32)> = match &simulation.casts()[cast] {
-            GroupCast::Policy(p) => {
-                let goals = p.practice().config().goals.iter();
-                goals.map(|g| (RunGoal { policy: g.policy, about: About::Target }, g.weight)).collect()
-            }
-            GroupCast::Sparring(s) => {
-                let about = |aim| if aim == Aim::OpponentThreat { About::Threat } else { About::Target };
-                let goals = s.sparring().config().goals.iter();
-                goals.map(|g| (RunGoal { policy: g.policy, about: about(g.aim) }, g.weight)).collect()
-            }
+        let boxers = match &simulation.casts()[cast] {
+            GroupCast::Policy(p) => p.practice().boxers(),
+            GroupCast::Sparring(s) => s.sparring().boxers(),
             _ => return None,
+        };
+        let order = boxers.order_of(*boxers.ids().first()?).ok()?;
+        let goal = |&policy: &u32| {
+            let is_threat = boxers.motion_set().policy(policy as usize)?.grid().is_space_time();
+            Some(RunGoal { policy: policy as usize, about: if is_threat { About::Threat } else { About::Target } })
         };
         Some(Self {
             cast,
             first: characters.start,
-            goals: goals.iter().map(|g| g.0).collect(),
-            weights: goals.iter().map(|g| g.1).collect(),
+            goals: order.policies().iter().filter_map(goal).collect(),
+            weights: order.weights().into(),
             choices: Choices::new(characters.len()),
         })
     }

@@ -52,7 +52,7 @@ pub(super) fn lay_out(out: &mut Layout, run: &SceneRun, selected: Option<usize>,
         }
     }
     if let Some(who) = selected.filter(|&who| who < simulation.num_characters())
-        && let (GroupCast::Sparring(_), member) = simulation.member(who)
+        && let (GroupCast::Sparring(_), member) = simulation.locate(who)
         && let (Some(own), Some(other)) = (simulation.root(who), simulation.root(who - member + (member ^ 1)))
     {
         let (from, to) = (own.translation(), other.translation());

@@ -91,7 +91,7 @@ fn character(
 fn colour(colouring: Colouring, scene: &SceneDocument, (group, who): (usize, usize), palette: &Palette) -> Rgba {
     let simulation = scene.run().simulation();
     let by_speed = |share: f32| palette.slow.mix(palette.fast, share.min(1.0));
-    match (colouring, simulation.member(who)) {
+    match (colouring, simulation.locate(who)) {
         (Colouring::Plain, _) => palette.plain,
         (Colouring::Speed, (GroupCast::Paths(w), m)) => by_speed(w.speed(m) / FAST_MPS),
         (Colouring::Speed, (GroupCast::Ground(a), m)) => by_speed(

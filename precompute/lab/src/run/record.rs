@@ -204,7 +204,7 @@ impl Recorder {
         if step.is_multiple_of(((LOOK_S * hz).round() as usize).max(1)) {
             for p in &mut record.paths {
                 let characters = sim.groups()[p.group].characters.clone().take(FOLLOWED[0]);
-                let speed = |who| match sim.member(who) {
+                let speed = |who| match sim.locate(who) {
                     (GroupCast::Paths(w), member) => w.speed(member),
                     _ => 0.0,
                 };
@@ -252,7 +252,7 @@ impl Recorder {
 impl FightRecord {
     fn observe(&mut self, sim: &Simulation) {
         let all = sim.groups()[self.group].characters.clone();
-        let is_pair = matches!(sim.member(all.start).0, GroupCast::Sparring(_));
+        let is_pair = matches!(sim.locate(all.start).0, GroupCast::Sparring(_));
         let shown = all.start..all.end.min(all.start + if is_pair { 2 } else { 1 });
         let target = sim.target(all.start).filter(|_| !is_pair);
         let poses = shown.clone().filter_map(|who| sim.joint_positions(who)).collect();

@@ -87,7 +87,7 @@ impl Watch {
         for &g in &self.groups {
             let group = &sim.groups()[g];
             for who in group.characters.clone() {
-                match sim.member(who) {
+                match sim.locate(who) {
                     (GroupCast::Policy(_) | GroupCast::Sparring(_), _) => self.fights.observe(sim, who),
                     (GroupCast::Paths(p), member) => self.paths.observe(sim, who, p.speed(member), p.ground(), dt_s),
                     _ => {}
@@ -320,7 +320,7 @@ impl WorldWatch {
         self.trunks.observe(&trunks);
         self.look_around(sim);
         for (k, trunk) in trunks.iter().enumerate() {
-            let (_, member) = sim.member(self.members[k]);
+            let (_, member) = sim.locate(self.members[k]);
             let (doing, progress) = (people.state(member).doing, &mut self.progress[k]);
             self.looks += 1;
             self.waiting += u64::from(doing == Doing::Waiting);
@@ -365,7 +365,7 @@ impl WorldWatch {
         let (mut fulfilled, mut travelled_m, mut waiting, mut looks) = (0u32, 0.0, 0u64, 0u64);
         for w in all {
             let GroupCast::Patches(people) = &sim.casts()[w.cast] else { continue };
-            let of = |who: &usize| people.state(sim.member(*who).1).num_fulfilled;
+            let of = |who: &usize| people.state(sim.locate(*who).1).num_fulfilled;
             fulfilled += w.members.iter().map(of).sum::<u32>();
             (travelled_m, waiting, looks) = (travelled_m + w.travelled_m, waiting + w.waiting, looks + w.looks);
             f.character_overlaps += w.trunks.count();

@@ -185,14 +185,6 @@ impl Bundle {
         names.iter().position(|b| b == behaviour).ok_or_else(|| unknown("behaviour", behaviour, names.clone()))
     }
 
-    /// The policy of a behaviour.
-    ///
-    /// # Errors
-    /// As [`Bundle::find_policy`].
-    pub fn policy(&self, behaviour: &str) -> Result<PolicyTable> {
-        Ok(self.policies[self.find_policy(behaviour)?].clone())
-    }
-
     /// The motion patches; empty where the bundle was built without them.
     pub fn patches(&self) -> &Patches {
         &self.shared.patches

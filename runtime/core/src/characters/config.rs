@@ -21,6 +21,9 @@ pub enum Choice {
 pub struct CharactersConfig {
     /// Seed of random choices.
     pub seed: u64,
+    /// Number of the first character: random choices depend on the seed and on who chooses, so that characters who are
+    /// split into several casts choose as they would together.
+    pub first_number: u64,
     /// How actions are chosen.
     pub choice: Choice,
     /// Time in which the offset of a transition halves (s, > 0).
@@ -42,6 +45,7 @@ impl Default for CharactersConfig {
     fn default() -> Self {
         Self {
             seed: 1,
+            first_number: 0,
             choice: Choice::LookAhead { temperature: 0.0 },
             half_life_s: 0.1,
             foot_lock: FootLockConfig::default(),

@@ -37,7 +37,7 @@ struct OwnGoal {
 
 impl Asked<'_> {
     /// The number of behaviours that one character is asked, and those.
-    fn of(&self, character: usize) -> (usize, [OwnGoal; MAX_GOALS]) {
+    fn of(&self, character: usize, motion_set: &MotionSet) -> (usize, [OwnGoal; MAX_GOALS]) {
         let mut own = [OwnGoal::default(); MAX_GOALS];
         match self {
             Self::All(goals) => {
@@ -49,7 +49,8 @@ impl Asked<'_> {
             Self::Each(orders) => {
                 let order = &orders[character];
                 for (own, (&policy, &weight)) in own.iter_mut().zip(order.policies().iter().zip(order.weights())) {
-                    *own = OwnGoal { policy: policy as usize, weight, target: order.target() };
+                    let policy = policy as usize;
+                    *own = OwnGoal { policy, weight, target: order.about(&motion_set.policies[policy]) };
                 }
                 (order.policies().len(), own)
             }
@@ -127,7 +128,7 @@ fn collect(
     if b.time[lane] < b.length[lane] as f32 || b.segment[lane] == LAID {
         return;
     }
-    let (num_goals, goals) = asked.of(first + character);
+    let (num_goals, goals) = asked.of(first + character, motion_set);
     let policies = goals.map(|g| g.policy);
     if pending.len == 0 {
         (pending.num_goals, pending.policies) = (num_goals, policies);
@@ -183,7 +184,8 @@ fn select(pending: &mut Pending, blocks: &[Block], motion_set: &MotionSet, confi
             for i in 0..n {
                 let c = pending.characters[i] as usize;
                 let (b, lane) = (&blocks[c / LANES], c % LANES);
-                let random = uniform(config.seed, b.name[lane], u64::from(b.num_choices[lane]));
+                let number = config.first_number.wrapping_add(b.name[lane]);
+                let random = uniform(config.seed, number, u64::from(b.num_choices[lane]));
                 pending.actions[i] = ranked[i].choose(temperature, random);
             }
         }

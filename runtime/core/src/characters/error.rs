@@ -24,12 +24,6 @@ pub enum CharactersError {
         /// How many there are.
         limit: usize,
     },
-    /// A character without an opponent.
-    #[error("{got} starts are not pairs: characters 2i and 2i + 1 spar with each other, add a start or take one away")]
-    Odd {
-        /// Number of starts.
-        got: usize,
-    },
     /// A number out of its range.
     #[error("{what} is {got}, expected {expected}")]
     Value {
@@ -70,7 +64,6 @@ impl From<CharactersError> for throng_base::Error {
             CharactersError::Value { what, got, expected } => {
                 Self::Value { what, who: None, got: got.into(), expected }
             }
-            CharactersError::Odd { got } => Self::Length { what: "starts", got, expected: "an even number".into() },
             CharactersError::OtherBundle { what, expected, got } => {
                 Self::Length { what, got, expected: format!("{expected}, as in the bundle they were made with") }
             }

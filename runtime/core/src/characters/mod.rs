@@ -41,7 +41,7 @@ pub use error::CharactersError;
 use error::{check, check_index};
 use glam::{Vec2, Vec3};
 pub use motion_set::MotionSet;
-pub use order::Order;
+pub use order::{Order, Policy};
 pub use policy_cast::{ARRIVED_M, PolicyCharacters, Spawn};
 pub use reaction::ReactionConfig;
 pub use sample_job::SampleJob;
@@ -80,6 +80,8 @@ pub struct Goal<'a> {
     pub targets: &'a [Vec3],
 }
 
+/// The engine beneath [`PolicyCharacters`], which applications use: rows without ids or orders.
+///
 /// Characters that move together, eight to a block; all memory is allocated in [`Characters::new`] or
 /// [`Characters::new_laid`].
 ///

@@ -2,10 +2,49 @@
 
 use super::control::MAX_GOALS;
 use super::motion_set::MotionSet;
+use crate::bundle::Bundle;
+use crate::policy::PolicyTable;
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
 use throng_base::error::{check, check_index};
-use throng_base::{Id, Result};
+use throng_base::{Error, Id, Result};
+
+/// A policy of a bundle, to make orders of.
+#[derive(Clone, Debug)]
+pub struct Policy {
+    number: usize,
+    table: PolicyTable,
+}
+
+impl Bundle {
+    /// The policy of a behaviour.
+    ///
+    /// # Errors
+    /// [`Error::Unknown`] with the names there are.
+    pub fn policy(&self, behaviour: &str) -> Result<Policy> {
+        let number = self.find_policy(behaviour)?;
+        Ok(Policy { number, table: self.policies()[number].clone() })
+    }
+}
+
+impl Policy {
+    /// An order to follow it.
+    ///
+    /// - `target`: in the world; for a space-time grid with the time left as y (m, s).
+    pub fn aim(&self, target: Vec3) -> Order {
+        Order::aim(self.number, target)
+    }
+
+    /// Its number in the bundle.
+    pub fn number(&self) -> usize {
+        self.number
+    }
+
+    /// Its values and actions, to ask without characters.
+    pub fn table(&self) -> &PolicyTable {
+        &self.table
+    }
+}
 
 /// Weighted behaviours around one target; stays until it is changed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -14,19 +53,26 @@ pub struct Order {
     weights: [f32; MAX_GOALS],
     num_goals: u32,
     target: Vec3,
+    /// What policies on space-time grids are about.
+    threat: Vec3,
 }
 
 impl Order {
     /// Nothing to do: the first action of each state is taken.
-    pub const IDLE: Self =
-        Self { policies: [0; MAX_GOALS], weights: [0.0; MAX_GOALS], num_goals: 0, target: Vec3::ZERO };
+    pub const IDLE: Self = Self {
+        policies: [0; MAX_GOALS],
+        weights: [0.0; MAX_GOALS],
+        num_goals: 0,
+        target: Vec3::ZERO,
+        threat: Vec3::ZERO,
+    };
 
     /// One behaviour.
     ///
     /// - `policy`: its number, see [`crate::Bundle::find_policy`].
     /// - `target`: in the world; for a space-time grid with the time left as y (m, s).
     pub fn aim(policy: usize, target: Vec3) -> Self {
-        Self { target, ..Self::IDLE }.and(policy, 1.0)
+        Self::IDLE.around(target).and(policy, 1.0)
     }
 
     /// Adds a behaviour around the same target. Where there are more than [`super::MAX_GOALS`], the order is refused.
@@ -43,7 +89,33 @@ impl Order {
 
     /// The same behaviours around another target (m).
     pub fn around(self, target: Vec3) -> Self {
-        Self { target, ..self }
+        Self { target, threat: target, ..self }
+    }
+
+    /// The same behaviours, those on space-time grids around a place of their own.
+    ///
+    /// - `threat`: x and z of the place, y the seconds left (m, s, m).
+    pub fn threatened(self, threat: Vec3) -> Self {
+        Self { threat, ..self }
+    }
+
+    /// The same behaviours with other weights (policies().len()).
+    ///
+    /// # Errors
+    /// [`Error::Length`].
+    pub fn weighed(mut self, weights: &[f32]) -> Result<Self> {
+        let (got, n) = (weights.len(), self.policies().len());
+        if got != n {
+            let expected = format!("{n}, one for each behaviour");
+            return Err(Error::Length { what: "weights", got, expected });
+        }
+        self.weights[..n].copy_from_slice(weights);
+        Ok(self)
+    }
+
+    /// What a policy of it is about (m).
+    pub(super) fn about(&self, policy: &PolicyTable) -> Vec3 {
+        if policy.grid().is_space_time() { self.threat } else { self.target }
     }
 
     /// The target (m).
@@ -76,8 +148,14 @@ impl Order {
             check_index("policy", who, policy as usize, motion_set.num_policies())?;
             check("weight", who, weight.into(), weight.abs() < 1e6, "a finite number below 1e6")?;
         }
-        let Vec3 { x, y, z } = self.target;
-        for (what, got) in [("target x", x), ("target y", y), ("target z", z)] {
+        self.check_target(who)
+    }
+
+    /// What it is about, alone.
+    pub(super) fn check_target(&self, who: Option<Id>) -> Result<()> {
+        let (Vec3 { x, y, z }, threat) = (self.target, self.threat);
+        let largest = if threat.is_nan() { f32::NAN } else { threat.abs().max_element() };
+        for (what, got) in [("target x", x), ("target y", y), ("target z", z), ("threat", largest)] {
             check(what, who, got.into(), got.abs() < 1e6, "a finite number below 1e6 (m)")?;
         }
         Ok(())

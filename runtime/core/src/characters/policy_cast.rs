@@ -108,6 +108,49 @@ impl PolicyCharacters {
         Ok(self.characters.contacts(self.roster.row(id)?))
     }
 
+    /// The engine beneath: blows, segments and choices by row, in the order of [`PolicyCharacters::ids`].
+    pub fn characters(&self) -> &Characters {
+        &self.characters
+    }
+
+    /// Row of a character, in the order of bodies.
+    ///
+    /// # Errors
+    /// [`Error::Gone`].
+    pub fn row(&self, id: Id) -> Result<usize> {
+        self.roster.row(id)
+    }
+
+    /// Moves what all orders are about; behaviours and weights stay.
+    ///
+    /// - `targets`, `threats`: see [`Order::around`] and [`Order::threatened`] (number of characters, in the order of
+    ///   bodies).
+    ///
+    /// # Errors
+    /// [`Error::Length`], or [`Error::Value`] for what is not finite; some orders may have changed then.
+    pub fn aim_all(&mut self, targets: &[Vec3], threats: &[Vec3]) -> Result<()> {
+        let n = self.orders.len();
+        for (what, got) in [("targets", targets.len()), ("threats", threats.len())] {
+            if got != n {
+                return Err(Error::Length { what, got, expected: format!("{n}, one for each character") });
+            }
+        }
+        for (at, order) in self.orders.iter_mut().enumerate() {
+            *order = order.around(targets[at]).threatened(threats[at]);
+            order.check_target(Some(self.roster.ids()[at]))?;
+        }
+        Ok(())
+    }
+
+    /// Moves a character over the ground as a whole, at the next step; see [`Characters::shift`].
+    ///
+    /// # Errors
+    /// [`Error::Gone`], or [`Error::Value`] for a distance that is not finite.
+    pub fn shift(&mut self, id: Id, by: Vec2) -> Result<()> {
+        let at = self.roster.row(id)?;
+        Ok(self.characters.shift(at, by)?)
+    }
+
     /// Displaces a part of a character's body, which then comes back; see [`Characters::push`].
     ///
     /// # Errors
@@ -132,7 +175,8 @@ impl PolicyCharacters {
         Ok(())
     }
 
-    fn standing(&self) -> u32 {
+    /// State of the motion graph in which characters stand who enter without one.
+    pub fn standing(&self) -> u32 {
         self.motion_set.graph().states.iter().position(|s| s.standing == 1).unwrap_or(0) as u32
     }
 
@@ -146,7 +190,7 @@ impl PolicyCharacters {
         let mut setup = Hash128::default();
         setup.bytes(&self.bundle.hash().to_le_bytes());
         setup.bytes(format!("{:?}", self.characters.config()).as_bytes());
-        SnapshotKind { what: "policy characters", tag: *b"PCHR", version: 1, setup: setup.finish() }
+        SnapshotKind { what: "policy characters", tag: *b"PCHR", version: 2, setup: setup.finish() }
     }
 
     /// Why a state cannot be that of these characters; nothing where it can.
@@ -246,7 +290,8 @@ impl Cast for PolicyCharacters {
         let Some(policy) = order.policies().first().and_then(|&p| self.motion_set.policy(p as usize)) else {
             return Ok(Status::Idle);
         };
-        let target = self.roots[at].inverse_transform_point(Vec2::new(order.target().x, order.target().z));
+        let about = order.about(policy);
+        let target = self.roots[at].inverse_transform_point(Vec2::new(about.x, about.z));
         let left_m = target.distance(Vec2::new(policy.centre().x, policy.centre().z));
         Ok(if left_m <= ARRIVED_M { Status::There } else { Status::Going { left_m } })
     }

@@ -39,11 +39,11 @@ impl Followers {
         let mut troops = Vec::with_capacity(config.spaces.len());
         for t in 0..config.spaces.len() {
             let space = compiled.space(group, t)?;
-            let members = (first..first + config.count).filter(|m| m % config.spaces.len() == t);
-            let room = members.clone().count();
+            let numbers = (first..first + config.count).filter(|m| m % config.spaces.len() == t);
+            let room = numbers.clone().count();
             let made = Walkers::with_capacity(space, &bodies, WalkersConfig::default(), room).and_then(|walkers| {
                 let mut troop = Troop::new(walkers);
-                for m in members {
+                for m in numbers {
                     let way = &agents.layout.ways[m];
                     let ahead = way.get(1).map_or(Vec2::Y, |&next| plan(next - way[0]));
                     troop.enter(&agents.crowd, agents.id(m), ahead, bodies.len())?;

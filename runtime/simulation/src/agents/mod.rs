@@ -257,24 +257,24 @@ impl<V: Space> Kind for Agents<V> {
         self.num_agents()
     }
 
-    fn root(&self, member: usize) -> Option<Planar> {
-        match self.followers_of(member) {
-            Some(f) => self.position(member, self.crowd.now()).map(|_| f.root(member)),
-            None => self.disc(member).map(|d| d.root),
+    fn root(&self, number: usize) -> Option<Planar> {
+        match self.followers_of(number) {
+            Some(f) => self.position(number, self.crowd.now()).map(|_| f.root(number)),
+            None => self.disc(number).map(|d| d.root),
         }
     }
 
-    fn pose(&self, member: usize) -> Option<&[Mat3x4; NUM_JOINTS]> {
-        let followers = self.followers_of(member)?;
-        self.position(member, self.crowd.now()).map(|_| followers.pose(member))
+    fn pose(&self, number: usize) -> Option<&[Mat3x4; NUM_JOINTS]> {
+        let followers = self.followers_of(number)?;
+        self.position(number, self.crowd.now()).map(|_| followers.pose(number))
     }
 
-    fn contacts(&self, member: usize) -> Contacts {
-        self.followers_of(member).map_or(Contacts::NONE, |f| f.contacts(member))
+    fn contacts(&self, number: usize) -> Contacts {
+        self.followers_of(number).map_or(Contacts::NONE, |f| f.contacts(number))
     }
 
-    fn soles(&self, member: usize) -> Option<[[Vec3; 2]; 2]> {
-        self.followers_of(member).map(|f| f.soles(member))
+    fn soles(&self, number: usize) -> Option<[[Vec3; 2]; 2]> {
+        self.followers_of(number).map(|f| f.soles(number))
     }
 }
 

@@ -1,36 +1,33 @@
-//! Pairs of characters of one set.
+//! Pairs of characters of one bundle.
 
 use super::body::{Body, Posed};
-use super::config::{Aim, NO_THREAT_S, SparringConfig};
-use super::goals::Goals;
+use super::config::{NO_THREAT_S, SparringConfig};
 use super::landing::{Landing, meet};
 use super::pair::Pair;
+use super::snapshot;
 use super::tally::{Outcome, Tally};
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
-use throng_base::{Inline, Run, run_each};
-use throng_core::characters::{Blow, Characters, CharactersError, MAX_BLOWS, MotionSet, SampleJob, Start};
-use throng_core::pose::Mat3x4;
-use throng_core::skeleton::NUM_JOINTS;
+use throng_base::{Error, Hash128, Id, Result, Run, SnapshotKind, run_each};
+use throng_core::characters::{Blow, Characters, MAX_BLOWS, MotionSet, Order, PolicyCharacters, SampleJob, Spawn};
+use throng_core::{Adopted, Bodies, Bundle, Cast, Mat3x4, NUM_JOINTS, Planar, Status};
 
-/// Pairs of characters that spar: 2i and 2i + 1 are opponents. All memory is allocated in [`Sparring::new`].
+/// Pairs of characters that spar: those in rows 2i and 2i + 1 are opponents.
 ///
 /// A step aims every behaviour at the opponent, moves the characters, tests which blows land on which part of the
-/// opponent's body, pushes that part in the direction of the blow, and moves bodies apart that overlap.
+/// opponent's body, pushes that part in the direction of the blow, and moves bodies apart that overlap. All memory is
+/// allocated in [`Sparring::with_capacity`], but for loading and adopting.
 #[derive(Clone, Debug)]
 pub struct Sparring {
-    pub(super) config: SparringConfig,
+    config: SparringConfig,
     body: Body,
-    pub(super) characters: Characters,
-    pub(super) state: State,
-    pub(super) landings: Vec<Landing>,
-    pub(super) num_landings: usize,
-    /// Content hash of how they spar, but for weights.
-    pub(super) setup: u128,
+    boxers: PolicyCharacters,
+    state: State,
+    events: Vec<(Id, Landing)>,
 }
 
 /// What the next steps depend on, beside the characters.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub(super) struct State {
     /// The opponent's head, for each character (m).
     pub heads: Vec<Vec3>,
@@ -57,64 +54,33 @@ pub struct SparringFigures {
 }
 
 impl Sparring {
-    /// Puts characters at their starts (an even number).
+    /// Room for so many pairs.
     ///
     /// # Errors
-    /// [`CharactersError::Odd`] for a character without an opponent, [`CharactersError::Index`] for a policy that does not
-    /// exist, [`CharactersError::Value`] for a setting out of its range, and as [`Characters::new`].
-    pub fn new(motion_set: &MotionSet, config: SparringConfig, starts: &[Start]) -> Result<Self, CharactersError> {
-        if !starts.len().is_multiple_of(2) {
-            return Err(CharactersError::Odd { got: starts.len() });
-        }
-        config.check(motion_set)?;
-        let characters = Characters::new(motion_set, config.characters, starts)?;
-        let body = Body::new(motion_set.skeleton(), &config.body);
-        let mut heads = start_heads(motion_set, &body, starts)?;
-        heads.chunks_exact_mut(2).for_each(|pair| pair.swap(0, 1));
-        let n = starts.len();
+    /// [`Error::Value`] for a setting out of its range, and as [`PolicyCharacters::with_capacity`].
+    pub fn with_capacity(bundle: &Bundle, num_pairs: usize, config: SparringConfig) -> Result<Self> {
+        config.check()?;
+        let n = 2 * num_pairs;
+        let boxers = PolicyCharacters::with_capacity(bundle, n, config.characters)?;
         let state = State {
-            heads,
-            threats: vec![Vec3::new(0.0, NO_THREAT_S, 0.0); n],
-            pairs: vec![Pair::default(); n / 2],
-            tallies: vec![Tally::default(); n],
+            heads: Vec::with_capacity(n),
+            threats: Vec::with_capacity(n),
+            pairs: Vec::with_capacity(num_pairs),
+            tallies: Vec::with_capacity(n),
             seconds: 0.0,
         };
-        let room = if motion_set.hits().is_empty() { 0 } else { n * MAX_BLOWS };
-        let landings = vec![Landing::NONE; room];
-        Ok(Self { setup: config.hash(), config, body, characters, state, landings, num_landings: 0 })
+        let events = Vec::with_capacity(if bundle.hits().is_empty() { 0 } else { n * MAX_BLOWS });
+        Ok(Self { body: Body::new(bundle.skeleton(), &config.body), config, boxers, state, events })
     }
 
-    /// Moves all pairs on by `dt_s` on this thread. Allocates nothing.
-    ///
-    /// # Errors
-    /// As [`Characters::step`].
-    pub fn step(&mut self, motion_set: &MotionSet, dt_s: f32) -> Result<(), CharactersError> {
-        self.step_on(motion_set, dt_s, &Inline)
+    /// Who spars, row by row as in [`Cast::bodies`].
+    pub fn boxers(&self) -> &PolicyCharacters {
+        &self.boxers
     }
 
-    /// As [`Sparring::step`], on threads of the caller's choice. The result is the same, bit by bit.
-    ///
-    /// # Errors
-    /// As [`Characters::step`].
-    pub fn step_on(&mut self, motion_set: &MotionSet, dt_s: f32, run: &dyn Run) -> Result<(), CharactersError> {
-        /// Pairs of one part.
-        const PART: usize = 64;
-        self.characters.step_on(motion_set, dt_s, goals(&self.config, &self.state).get(), run)?;
-        let (s, characters, body, config) = (&mut self.state, &self.characters, &self.body, &self.config);
-        let parts = s.pairs.chunks_mut(PART).zip(s.heads.chunks_mut(2 * PART)).zip(s.threats.chunks_mut(2 * PART));
-        run_each(run, parts.enumerate(), |(part, ((pairs, heads), threats))| {
-            let of_pair = pairs.iter_mut().zip(heads.chunks_exact_mut(2)).zip(threats.chunks_exact_mut(2));
-            for (i, ((pair, heads), threats)) in of_pair.enumerate() {
-                let to = Observed { index: part * PART + i, pair, heads, threats };
-                observe(to, characters, motion_set, body, config, dt_s);
-            }
-        });
-        self.resolve(dt_s)
-    }
-
-    /// The characters.
+    /// The characters, row by row: blows, segments and choices.
     pub fn characters(&self) -> &Characters {
-        &self.characters
+        self.boxers.characters()
     }
 
     /// How they spar.
@@ -132,24 +98,47 @@ impl Sparring {
         self.state.pairs.len()
     }
 
-    /// Blows of the last step that met the opponent's body, blocked ones among them, in the order of characters.
-    pub fn landed(&self) -> &[Landing] {
-        &self.landings[..self.num_landings]
+    /// Who spars with a character.
+    ///
+    /// # Errors
+    /// [`Error::Gone`].
+    pub fn opponent(&self, id: Id) -> Result<Id> {
+        Ok(self.boxers.ids()[self.boxers.row(id)? ^ 1])
     }
 
-    /// The opponent's head, for each character: what [`Aim::OpponentHead`] is about (m).
+    /// The order of a character, around what it was about at the last step.
+    ///
+    /// # Errors
+    /// [`Error::Gone`].
+    pub fn order_of(&self, id: Id) -> Result<Order> {
+        Ok(*self.boxers.order_of(id)?)
+    }
+
+    /// Lets a character play a segment at once, see [`PolicyCharacters::play`].
+    ///
+    /// # Errors
+    /// As [`PolicyCharacters::play`].
+    pub fn play(&mut self, id: Id, segment: u32) -> Result<()> {
+        self.boxers.play(id, segment)
+    }
+
+    /// The opponent's head, for each character: what behaviours about a place are about (m, row by row).
     pub fn heads(&self) -> &[Vec3] {
         &self.state.heads
     }
 
-    /// The opponent's next blow, for each character: what [`Aim::OpponentThreat`] is about (m, s, m).
+    /// The opponent's next blow, for each character: what behaviours on space-time grids are about; x and z of the
+    /// place, y the seconds until then, or [`NO_THREAT_S`] where none is coming (m, s, m, row by row).
     pub fn threats(&self) -> &[Vec3] {
         &self.state.threats
     }
 
-    /// What became of a character's blows (character < num_characters).
-    pub fn tally(&self, character: usize) -> Tally {
-        self.state.tallies[character]
+    /// What became of a character's blows.
+    ///
+    /// # Errors
+    /// [`Error::Gone`].
+    pub fn tally(&self, id: Id) -> Result<Tally> {
+        Ok(self.state.tallies[self.boxers.row(id)?])
     }
 
     /// Deepest overlap of a pair's bodies at the last step; 0 where they are apart (m, pair < num_pairs).
@@ -157,7 +146,7 @@ impl Sparring {
         self.state.pairs[pair].overlap_m
     }
 
-    /// What has happened so far.
+    /// What has happened so far, of those who are there.
     pub fn figures(&self) -> SparringFigures {
         let mut f = SparringFigures { seconds: self.state.seconds, ..SparringFigures::default() };
         self.state.tallies.iter().for_each(|t| f.blows += *t);
@@ -170,11 +159,11 @@ impl Sparring {
     }
 
     /// Lets blows land and bodies part, after all have been observed.
-    fn resolve(&mut self, dt_s: f32) -> Result<(), CharactersError> {
+    fn resolve(&mut self, dt_s: f32) -> Result<()> {
         self.state.seconds += f64::from(dt_s);
-        self.num_landings = 0;
-        for i in 0..self.characters.blows().len() {
-            let blow = self.characters.blows()[i];
+        self.events.clear();
+        for i in 0..self.boxers.events().len() {
+            let (id, blow) = self.boxers.events()[i];
             let landing = self.land(blow);
             self.state.tallies[blow.character as usize].count(match &landing {
                 Some(l) if l.is_blocked() => Outcome::Blocked,
@@ -183,15 +172,13 @@ impl Sparring {
             });
             if let Some(landing) = landing {
                 let displacement = blow.direction * (blow.speed_mps * self.config.push_m_per_mps);
-                self.characters.push(landing.opponent as usize, landing.joint, displacement)?;
-                self.landings[self.num_landings] = landing;
-                self.num_landings += 1;
+                self.boxers.push(landing.opponent, landing.joint, displacement)?;
+                self.events.push((id, landing));
             }
         }
         for (i, pair) in self.state.pairs.iter().enumerate() {
-            if let Some(by) = pair.part(dt_s) {
-                self.characters.shift(2 * i, by[0])?;
-                self.characters.shift(2 * i + 1, by[1])?;
+            for (k, by) in pair.part(dt_s).into_iter().flatten().enumerate() {
+                self.boxers.shift(self.boxers.ids()[2 * i + k], by)?;
             }
         }
         Ok(())
@@ -199,14 +186,137 @@ impl Sparring {
 
     /// Where a blow meets the opponent.
     fn land(&self, blow: Blow) -> Option<Landing> {
-        let opponent = blow.character ^ 1;
-        let c = opponent as usize;
-        let pose = Posed::new(self.characters.pose(c), self.characters.root(c));
+        let (c, characters) = (blow.character as usize ^ 1, self.characters());
+        let pose = Posed::new(characters.pose(c), characters.root(c));
         let (capsule, depth_m) = meet(&self.config, &self.body, &pose, &blow)?;
         let (part, joint) = (self.body.part(capsule), self.body.joint(capsule));
-        Some(Landing { blow, opponent, part, joint, depth_m })
+        Some(Landing { blow, opponent: self.boxers.ids()[c], part, joint, depth_m })
+    }
+
+    /// Where the heads of a pair are as it enters (m).
+    fn start_heads(&self, pair: [Spawn; 2]) -> Result<[Vec3; 2]> {
+        let motion_set = self.boxers.motion_set();
+        let state = |start: Spawn| start.state.unwrap_or_else(|| self.boxers.standing());
+        let frames = pair.map(|start| motion_set.graph().states[state(start) as usize].frame);
+        let mut poses = [[Mat3x4::default(); NUM_JOINTS]; 2];
+        SampleJob { motion_set, frames: &frames, ratios: &[0.0; 2], matrices: poses.as_flattened_mut() }.run()?;
+        Ok([0, 1].map(|k| self.body.head(&Posed::new(&poses[k], pair[k].root))))
+    }
+
+    fn snapshot_kind(&self) -> SnapshotKind {
+        SnapshotKind { what: "sparring", tag: *b"SPAR", version: 2, setup: self.config.hash() }
     }
 }
+
+impl Cast for Sparring {
+    /// A pair enters together.
+    type Start = [Spawn; 2];
+    /// Behaviours and their weights; what they are about is set at every step.
+    type Order = Order;
+    /// A blow that met the opponent, or was blocked.
+    type Event = Landing;
+
+    /// The first one's id; [`Sparring::opponent`] gives the second one's.
+    fn spawn(&mut self, pair: [Spawn; 2]) -> Result<Id> {
+        if self.boxers.ids().len() + 2 > self.boxers.capacity() {
+            return Err(Error::Full { capacity: self.boxers.capacity() });
+        }
+        let first = self.boxers.spawn(pair[0])?;
+        if let Err(e) = self.boxers.spawn(pair[1]) {
+            self.boxers.despawn(first)?;
+            return Err(e);
+        }
+        let [own, other] = self.start_heads(pair)?;
+        self.state.heads.extend([other, own]);
+        self.state.threats.extend([NO_THREAT; 2]);
+        self.state.pairs.push(Pair::default());
+        self.state.tallies.extend([Tally::default(); 2]);
+        Ok(first)
+    }
+
+    /// The opponent leaves too. The last pair takes their place in [`Cast::bodies`].
+    fn despawn(&mut self, id: Id) -> Result<()> {
+        let first = self.boxers.row(id)? & !1;
+        for row in [first + 1, first] {
+            self.boxers.despawn(self.boxers.ids()[row])?;
+            self.state.heads.swap_remove(row);
+            self.state.threats.swap_remove(row);
+            self.state.tallies.swap_remove(row);
+        }
+        self.state.pairs.swap_remove(first / 2);
+        Ok(())
+    }
+
+    /// One of a pair alone: its opponent comes after it.
+    fn place(&mut self, id: Id, root: Planar) -> Result<()> {
+        let row = self.boxers.row(id)?;
+        let old = self.characters().root(row);
+        self.boxers.place(id, root)?;
+        let head = &mut self.state.heads[row ^ 1];
+        *head = root.rotation() * (old.rotation().inverse() * (*head - old.translation())) + root.translation();
+        Ok(())
+    }
+
+    fn order(&mut self, id: Id, order: Order) -> Result<()> {
+        self.boxers.order(id, order)
+    }
+
+    fn step(&mut self, dt_s: f32, run: &dyn Run) -> Result<()> {
+        /// Pairs of one part.
+        const PART: usize = 64;
+        self.boxers.aim_all(&self.state.heads, &self.state.threats)?;
+        self.boxers.step(dt_s, run)?;
+        let (s, boxers, body, config) = (&mut self.state, &self.boxers, &self.body, &self.config);
+        let parts = s.pairs.chunks_mut(PART).zip(s.heads.chunks_mut(2 * PART)).zip(s.threats.chunks_mut(2 * PART));
+        run_each(run, parts.enumerate(), |(part, ((pairs, heads), threats))| {
+            let of_pair = pairs.iter_mut().zip(heads.chunks_exact_mut(2)).zip(threats.chunks_exact_mut(2));
+            for (i, ((pair, heads), threats)) in of_pair.enumerate() {
+                let to = Observed { index: part * PART + i, pair, heads, threats };
+                observe(to, boxers.characters(), boxers.motion_set(), body, config, dt_s);
+            }
+        });
+        self.resolve(dt_s)
+    }
+
+    /// As that of [`PolicyCharacters`], with the opponent as target.
+    fn status(&self, id: Id) -> Result<Status> {
+        self.boxers.status(id)
+    }
+
+    /// In the order of rows.
+    fn events(&self) -> &[(Id, Landing)] {
+        &self.events
+    }
+
+    fn bodies(&self) -> Bodies<'_> {
+        self.boxers.bodies()
+    }
+
+    fn save(&self, out: &mut Vec<u8>) {
+        snapshot::save(self.snapshot_kind(), &self.boxers, &self.state, out);
+    }
+
+    fn load(&mut self, bytes: &[u8]) -> Result<()> {
+        self.state = snapshot::load(self.snapshot_kind(), &mut self.boxers, bytes)?;
+        self.events.clear();
+        Ok(())
+    }
+
+    fn hash(&self) -> u64 {
+        let mut bytes = Vec::new();
+        self.save(&mut bytes);
+        Hash128::of(&bytes) as u64
+    }
+
+    fn adopt(&mut self, new: &Bundle) -> Result<Adopted> {
+        let adopted = self.boxers.adopt(new)?;
+        self.body = Body::new(new.skeleton(), &self.config.body);
+        Ok(adopted)
+    }
+}
+
+/// What a character sees whose opponent strikes at nothing.
+const NO_THREAT: Vec3 = Vec3::new(0.0, NO_THREAT_S, 0.0);
 
 /// What is written of one pair after a step.
 struct Observed<'a> {
@@ -233,30 +343,9 @@ fn observe(
         to.heads[k] = body.head(&poses[opponent]);
         to.threats[k] = match characters.next_blow(motion_set, pair[opponent]) {
             Some((blow, due_s)) => Vec3::new(blow.point.x, due_s, blow.point.z),
-            None => Vec3::new(0.0, NO_THREAT_S, 0.0),
+            None => NO_THREAT,
         };
     }
     let contacts = pair.map(|c| characters.contacts(c));
     to.pair.observe(body, [&poses[0], &poses[1]], contacts, &config.separation, dt_s);
-}
-
-/// The goals of a step.
-fn goals<'a>(config: &SparringConfig, state: &'a State) -> Goals<'a> {
-    Goals::new(config.goals.iter().map(|g| {
-        let targets = match g.aim {
-            Aim::OpponentHead => &state.heads,
-            Aim::OpponentThreat => &state.threats,
-        };
-        (g.policy, g.weight, targets.as_slice())
-    }))
-}
-
-/// Heads of characters as they start (m).
-fn start_heads(motion_set: &MotionSet, body: &Body, starts: &[Start]) -> Result<Vec<Vec3>, CharactersError> {
-    let frames: Vec<u32> = starts.iter().map(|s| motion_set.graph().states[s.state as usize].frame).collect();
-    let mut matrices = vec![Mat3x4::default(); starts.len() * NUM_JOINTS];
-    let ratios = vec![0.0; starts.len()];
-    SampleJob { motion_set, frames: &frames, ratios: &ratios, matrices: &mut matrices }.run()?;
-    let poses = matrices.chunks_exact(NUM_JOINTS).zip(starts);
-    Ok(poses.map(|(pose, start)| body.head(&Posed::new(pose, start.root))).collect())
 }

@@ -1,33 +1,12 @@
 //! How characters spar.
 
 use super::body::BodyShape;
-use super::goals;
-use throng_base::Hash128;
-use throng_core::characters::{CharactersConfig, CharactersError, MotionSet};
-
-/// What a behaviour is about.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Aim {
-    /// The middle of the opponent's head, height included.
-    OpponentHead,
-    /// Where and when the opponent's next blow lands: x and z of the place, y the seconds until then, or
-    /// [`NO_THREAT_S`] where none is coming.
-    OpponentThreat,
-}
+use throng_base::error::check;
+use throng_base::{Hash128, Result};
+use throng_core::characters::CharactersConfig;
 
 /// Time until a blow where none is coming (s).
 pub const NO_THREAT_S: f32 = 1e3;
-
-/// A behaviour that all characters weigh.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SparringGoal {
-    /// Number of the policy.
-    pub policy: usize,
-    /// What its values count in the sum over goals; 0 switches it off.
-    pub weight: f32,
-    /// What it is about.
-    pub aim: Aim,
-}
 
 /// How far two bodies may come into each other.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -50,12 +29,10 @@ impl Default for SeparationConfig {
 }
 
 /// How characters spar.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SparringConfig {
     /// How the characters move.
     pub characters: CharactersConfig,
-    /// Behaviours (1 to MAX_GOALS).
-    pub goals: Vec<SparringGoal>,
     /// How thick bodies are.
     pub body: BodyShape,
     /// How near to a body a blow must come to land (m, 0 to 1).
@@ -69,20 +46,13 @@ pub struct SparringConfig {
 }
 
 impl SparringConfig {
-    /// Towards goals, everything else as it is by default.
-    pub fn new(goals: Vec<SparringGoal>) -> Self {
-        Self { goals, ..Self::default() }
-    }
-
-    /// Content hash, but for weights.
+    /// Content hash, but for how the characters move.
     pub(super) fn hash(&self) -> u128 {
-        let goals: Vec<(usize, Aim)> = self.goals.iter().map(|g| (g.policy, g.aim)).collect();
-        let numbers = (self.reach_m, self.block_m, self.push_m_per_mps, self.separation);
-        Hash128::of(format!("{:?}", (self.characters, goals, self.body, numbers)).as_bytes())
+        let numbers = (self.body, self.reach_m, self.block_m, self.push_m_per_mps, self.separation);
+        Hash128::of(format!("{numbers:?}").as_bytes())
     }
 
-    pub(super) fn check(&self, motion_set: &MotionSet) -> Result<(), CharactersError> {
-        goals::check(motion_set, self.goals.iter().map(|g| (g.policy, g.weight)))?;
+    pub(super) fn check(&self) -> Result<()> {
         self.body.check()?;
         for (what, got) in [
             ("reach_m", self.reach_m),
@@ -98,11 +68,9 @@ impl SparringConfig {
 }
 
 impl Default for SparringConfig {
-    /// Without goals, which [`SparringConfig::new`] takes.
     fn default() -> Self {
         Self {
             characters: CharactersConfig::default(),
-            goals: Vec::new(),
             body: BodyShape::default(),
             reach_m: 0.06,
             block_m: 0.15,
@@ -113,12 +81,6 @@ impl Default for SparringConfig {
 }
 
 /// An error where a number is out of its range.
-pub(super) fn within(
-    what: &'static str,
-    got: f32,
-    least: f32,
-    most: f32,
-    expected: &'static str,
-) -> Result<(), CharactersError> {
-    if (least..=most).contains(&got) { Ok(()) } else { Err(CharactersError::Value { what, got, expected }) }
+pub(super) fn within(what: &'static str, got: f32, least: f32, most: f32, expected: &'static str) -> Result<()> {
+    check(what, None, got.into(), (least..=most).contains(&got), expected)
 }

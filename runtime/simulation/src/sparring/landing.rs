@@ -3,6 +3,7 @@
 use super::body::{Body, NUM_CAPSULES, Part, Posed};
 use super::config::SparringConfig;
 use super::distance::{nearest_points, point_to_segment};
+use throng_base::Id;
 use throng_core::characters::Blow;
 use throng_core::skeleton::Joint;
 
@@ -12,7 +13,7 @@ pub struct Landing {
     /// The blow.
     pub blow: Blow,
     /// Who is struck.
-    pub opponent: u32,
+    pub opponent: Id,
     /// What of them.
     pub part: Part,
     /// The joint that is pushed.
@@ -26,10 +27,6 @@ impl Landing {
     pub fn is_blocked(&self) -> bool {
         self.part == Part::Arm
     }
-
-    /// Stands in memory that holds no landing.
-    pub(super) const NONE: Self =
-        Self { blow: Blow::NONE, opponent: 0, part: Part::Head, joint: Joint::Head, depth_m: 0.0 };
 }
 
 /// The capsule that a blow meets, and how deep: an arm that lies in the last part of its way, else the capsule

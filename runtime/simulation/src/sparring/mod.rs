@@ -1,14 +1,13 @@
 //! Sparring: pairs of characters that strike at each other, and boxers that strike at targets (Lee and Lee 2004, section 6).
 //!
 //! [`Sparring`] takes each character's head as the other's target, tests at effective hits whose blow lands, and
-//! pushes what is struck. [`TargetPractice`] gives every character a [`StruckTarget`] of its own instead.
+//! pushes what is struck. [`TargetPractice`] gives every character a [`StruckTarget`] of its own instead. Both are a
+//! [`throng_core::Cast`] of [`throng_core::characters::PolicyCharacters`], told by the same orders.
 
 mod body;
 mod bout;
 mod config;
-mod direct;
 mod distance;
-mod goals;
 mod landing;
 mod pair;
 mod practice;
@@ -20,8 +19,8 @@ mod tests;
 
 pub use body::{Body, BodyShape, Capsule, NUM_CAPSULES, NUM_CORE, Part, Posed};
 pub use bout::{Sparring, SparringFigures};
-pub use config::{Aim, NO_THREAT_S, SeparationConfig, SparringConfig, SparringGoal};
+pub use config::{NO_THREAT_S, SeparationConfig, SparringConfig};
 pub use landing::Landing;
-pub use practice::{PracticeConfig, PracticeFigures, PracticeGoal, TargetHit, TargetPractice};
+pub use practice::{PracticeConfig, PracticeFigures, TargetHit, TargetPractice};
 pub use tally::Tally;
 pub use target::{StruckTarget, TargetConfig};

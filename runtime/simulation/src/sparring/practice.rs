@@ -1,54 +1,30 @@
 //! Boxers who each strike at a target of their own.
 
 use super::config::within;
-use super::goals::{self, Goals};
+use super::snapshot;
 use super::tally::{Outcome, Tally};
 use super::target::{StruckTarget, TargetConfig};
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
-use throng_base::{Hash128, Inline, Run};
-use throng_core::characters::{Blow, Characters, CharactersConfig, CharactersError, MAX_BLOWS, MotionSet, Start};
-
-/// A behaviour that all characters weigh, about their target.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct PracticeGoal {
-    /// Number of the policy.
-    pub policy: usize,
-    /// What its values count in the sum over goals; 0 switches it off.
-    pub weight: f32,
-}
+use throng_base::error::check;
+use throng_base::{Hash128, Id, Result, Run, SnapshotKind};
+use throng_core::characters::{Blow, Characters, CharactersConfig, MAX_BLOWS, Order, PolicyCharacters, Spawn};
+use throng_core::{Adopted, Bodies, Bundle, Cast, Planar, Status};
 
 /// How characters strike at targets.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PracticeConfig {
     /// How the characters move.
     pub characters: CharactersConfig,
-    /// Behaviours (1 to MAX_GOALS).
-    pub goals: Vec<PracticeGoal>,
     /// How targets move.
     pub target: TargetConfig,
     /// How near to a target a blow must come to hit it (m, 0 to 1).
     pub reach_m: f32,
 }
 
-impl PracticeConfig {
-    /// Towards goals, everything else as it is by default.
-    pub fn new(goals: Vec<PracticeGoal>) -> Self {
-        Self { goals, ..Self::default() }
-    }
-
-    /// Content hash, but for weights.
-    fn hash(&self) -> u128 {
-        let goals: Vec<usize> = self.goals.iter().map(|g| g.policy).collect();
-        Hash128::of(format!("{:?}", (self.characters, goals, self.target, self.reach_m)).as_bytes())
-    }
-}
-
 impl Default for PracticeConfig {
-    /// Without goals, which [`PracticeConfig::new`] takes.
     fn default() -> Self {
-        let (characters, target) = (CharactersConfig::default(), TargetConfig::default());
-        Self { characters, goals: Vec::new(), target, reach_m: 0.08 }
+        Self { characters: CharactersConfig::default(), target: TargetConfig::default(), reach_m: 0.08 }
     }
 }
 
@@ -70,23 +46,21 @@ pub struct PracticeFigures {
     pub blows: Tally,
 }
 
-/// Boxers with a target each. All memory is allocated in [`TargetPractice::new`].
+/// Boxers with a target each, which hangs where the order says; who has no order has no target.
 ///
 /// A step aims every behaviour at the target, moves the characters, tests which blows come near enough, and lets what is
-/// hit swing out in the direction of the blow.
+/// hit swing out in the direction of the blow. All memory is allocated in [`TargetPractice::with_capacity`], but for
+/// loading and adopting.
 #[derive(Clone, Debug)]
 pub struct TargetPractice {
-    pub(super) config: PracticeConfig,
-    pub(super) characters: Characters,
-    pub(super) state: State,
-    hits: Vec<TargetHit>,
-    pub(super) num_hits: usize,
-    /// Content hash of how they strike, but for weights.
-    pub(super) setup: u128,
+    config: PracticeConfig,
+    boxers: PolicyCharacters,
+    state: State,
+    events: Vec<(Id, TargetHit)>,
 }
 
 /// What the next steps depend on, beside the characters.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub(super) struct State {
     pub targets: Vec<StruckTarget>,
     /// Where targets are (m).
@@ -96,76 +70,32 @@ pub(super) struct State {
 }
 
 impl TargetPractice {
-    /// Puts characters at their starts and hangs up their targets.
-    ///
-    /// - `homes`: where targets hang (m, starts.len()).
+    /// Room for so many boxers.
     ///
     /// # Errors
-    /// [`CharactersError::Length`] where homes do not fit, [`CharactersError::Index`] for a policy that does not
-    /// exist, [`CharactersError::Value`] for a number out of its range, and as [`Characters::new`].
-    pub fn new(
-        motion_set: &MotionSet,
-        config: PracticeConfig,
-        starts: &[Start],
-        homes: &[Vec3],
-    ) -> Result<Self, CharactersError> {
-        if homes.len() != starts.len() {
-            return Err(CharactersError::Length { what: "homes", got: homes.len(), expected: starts.len() });
-        }
-        goals::check(motion_set, config.goals.iter().map(|g| (g.policy, g.weight)))?;
+    /// [`throng_base::Error::Value`] for a setting out of its range, and as [`PolicyCharacters::with_capacity`].
+    pub fn with_capacity(bundle: &Bundle, capacity: usize, config: PracticeConfig) -> Result<Self> {
         config.target.check()?;
         within("reach_m", config.reach_m, 0.0, 1.0, "between 0 and 1")?;
-        homes.iter().try_for_each(|&h| check_home(h))?;
-        let characters = Characters::new(motion_set, config.characters, starts)?;
-        let room = if motion_set.hits().is_empty() { 0 } else { starts.len() * MAX_BLOWS };
+        let boxers = PolicyCharacters::with_capacity(bundle, capacity, config.characters)?;
         let state = State {
-            targets: homes.iter().map(|&home| StruckTarget::new(home)).collect(),
-            positions: homes.to_vec(),
-            tallies: vec![Tally::default(); starts.len()],
+            targets: Vec::with_capacity(capacity),
+            positions: Vec::with_capacity(capacity),
+            tallies: Vec::with_capacity(capacity),
             seconds: 0.0,
         };
-        let none = TargetHit { blow: Blow::NONE, depth_m: 0.0 };
-        Ok(Self { setup: config.hash(), config, characters, state, hits: vec![none; room], num_hits: 0 })
+        let events = Vec::with_capacity(if bundle.hits().is_empty() { 0 } else { capacity * MAX_BLOWS });
+        Ok(Self { config, boxers, state, events })
     }
 
-    /// Moves all boxers and targets on by `dt_s` on this thread. Allocates nothing.
-    ///
-    /// # Errors
-    /// As [`Characters::step`].
-    pub fn step(&mut self, motion_set: &MotionSet, dt_s: f32) -> Result<(), CharactersError> {
-        self.step_on(motion_set, dt_s, &Inline)
+    /// Who strikes, row by row as in [`Cast::bodies`].
+    pub fn boxers(&self) -> &PolicyCharacters {
+        &self.boxers
     }
 
-    /// As [`TargetPractice::step`], on threads of the caller's choice. The result is the same, bit by bit.
-    ///
-    /// # Errors
-    /// As [`Characters::step`].
-    pub fn step_on(&mut self, motion_set: &MotionSet, dt_s: f32, run: &dyn Run) -> Result<(), CharactersError> {
-        self.characters.step_on(motion_set, dt_s, goals_of(&self.config, &self.state).get(), run)?;
-        self.strike(dt_s);
-        Ok(())
-    }
-
-    /// Moves the home of a target; the target follows at once.
-    ///
-    /// # Errors
-    /// [`CharactersError::Index`] for a character that does not exist, [`CharactersError::Value`] for a place that is not
-    /// finite; nothing has changed then.
-    pub fn set_home(&mut self, character: usize, home: Vec3) -> Result<(), CharactersError> {
-        let limit = self.state.targets.len();
-        if character >= limit {
-            return Err(CharactersError::Index { what: "character", got: character, limit });
-        }
-        check_home(home)?;
-        let target = &mut self.state.targets[character];
-        target.home = home;
-        self.state.positions[character] = target.position();
-        Ok(())
-    }
-
-    /// The characters.
+    /// The characters, row by row: blows, segments and choices.
     pub fn characters(&self) -> &Characters {
-        &self.characters
+        self.boxers.characters()
     }
 
     /// How they strike.
@@ -173,22 +103,36 @@ impl TargetPractice {
         &self.config
     }
 
-    /// The targets (number of characters).
+    /// The targets, row by row.
     pub fn targets(&self) -> &[StruckTarget] {
         &self.state.targets
     }
 
-    /// Blows of the last step that hit, in the order of characters.
-    pub fn hits(&self) -> &[TargetHit] {
-        &self.hits[..self.num_hits]
+    /// The order of a character, around the place where its target hangs.
+    ///
+    /// # Errors
+    /// [`throng_base::Error::Gone`].
+    pub fn order_of(&self, id: Id) -> Result<Order> {
+        Ok(self.boxers.order_of(id)?.around(self.state.targets[self.boxers.row(id)?].home))
     }
 
-    /// What became of a character's blows (character < num_characters).
-    pub fn tally(&self, character: usize) -> Tally {
-        self.state.tallies[character]
+    /// Lets a character play a segment at once, see [`PolicyCharacters::play`].
+    ///
+    /// # Errors
+    /// As [`PolicyCharacters::play`].
+    pub fn play(&mut self, id: Id, segment: u32) -> Result<()> {
+        self.boxers.play(id, segment)
     }
 
-    /// What has happened so far.
+    /// What became of a character's blows.
+    ///
+    /// # Errors
+    /// [`throng_base::Error::Gone`].
+    pub fn tally(&self, id: Id) -> Result<Tally> {
+        Ok(self.state.tallies[self.boxers.row(id)?])
+    }
+
+    /// What has happened so far, of those who are there.
     pub fn figures(&self) -> PracticeFigures {
         let mut f = PracticeFigures { seconds: self.state.seconds, ..PracticeFigures::default() };
         self.state.tallies.iter().for_each(|t| f.blows += *t);
@@ -196,33 +140,111 @@ impl TargetPractice {
     }
 
     /// Moves targets on, and strikes those that blows reach.
-    fn strike(&mut self, dt_s: f32) {
+    fn strike(&mut self, dt_s: f32) -> Result<()> {
         let (s, config) = (&mut self.state, &self.config);
         s.seconds += f64::from(dt_s);
         s.targets.iter_mut().for_each(|t| t.step(&config.target, dt_s));
-        self.num_hits = 0;
-        for blow in self.characters.blows() {
+        self.events.clear();
+        for &(id, blow) in self.boxers.events() {
             let c = blow.character as usize;
             let distance = s.targets[c].position().distance(blow.point);
             let depth_m = config.target.radius_m + config.reach_m - distance;
-            if depth_m >= 0.0 {
+            let is_hit = depth_m >= 0.0 && !self.boxers.order_of(id)?.policies().is_empty();
+            if is_hit {
                 s.targets[c].strike(&config.target, blow.direction, blow.speed_mps);
-                self.hits[self.num_hits] = TargetHit { blow: *blow, depth_m };
-                self.num_hits += 1;
+                self.events.push((id, TargetHit { blow, depth_m }));
             }
-            s.tallies[c].count(if depth_m >= 0.0 { Outcome::Landed } else { Outcome::Missed });
+            s.tallies[c].count(if is_hit { Outcome::Landed } else { Outcome::Missed });
         }
         for (position, target) in s.positions.iter_mut().zip(&s.targets) {
             *position = target.position();
         }
+        Ok(())
+    }
+
+    fn snapshot_kind(&self) -> SnapshotKind {
+        let setup = Hash128::of(format!("{:?}", (self.config.target, self.config.reach_m)).as_bytes());
+        SnapshotKind { what: "target practice", tag: *b"PRAC", version: 2, setup }
     }
 }
 
-fn goals_of<'a>(config: &PracticeConfig, state: &'a State) -> Goals<'a> {
-    Goals::new(config.goals.iter().map(|g| (g.policy, g.weight, state.positions.as_slice())))
-}
+impl Cast for TargetPractice {
+    type Start = Spawn;
+    /// Behaviours and their weights, around the place where the target hangs; the target follows at once.
+    type Order = Order;
+    /// A blow that hit the target.
+    type Event = TargetHit;
 
-fn check_home(home: Vec3) -> Result<(), CharactersError> {
-    let largest = if home.is_nan() { f32::NAN } else { home.abs().max_element() };
-    within("home", largest, 0.0, 1e5, "finite coordinates below 1e5")
+    fn spawn(&mut self, start: Spawn) -> Result<Id> {
+        let id = self.boxers.spawn(start)?;
+        self.state.targets.push(StruckTarget::default());
+        self.state.positions.push(Vec3::ZERO);
+        self.state.tallies.push(Tally::default());
+        Ok(id)
+    }
+
+    /// The last one takes its place in [`Cast::bodies`].
+    fn despawn(&mut self, id: Id) -> Result<()> {
+        let row = self.boxers.row(id)?;
+        self.boxers.despawn(id)?;
+        self.state.targets.swap_remove(row);
+        self.state.positions.swap_remove(row);
+        self.state.tallies.swap_remove(row);
+        Ok(())
+    }
+
+    fn place(&mut self, id: Id, root: Planar) -> Result<()> {
+        self.boxers.place(id, root)
+    }
+
+    fn order(&mut self, id: Id, order: Order) -> Result<()> {
+        let (row, home) = (self.boxers.row(id)?, order.target());
+        let largest = if home.is_nan() { f32::NAN } else { home.abs().max_element() };
+        check("target", Some(id), largest.into(), largest <= 1e5, "finite coordinates up to 1e5 (m)")?;
+        self.boxers.order(id, order)?;
+        let target = &mut self.state.targets[row];
+        target.home = home;
+        self.state.positions[row] = target.position();
+        Ok(())
+    }
+
+    fn step(&mut self, dt_s: f32, run: &dyn Run) -> Result<()> {
+        self.boxers.aim_all(&self.state.positions, &self.state.positions)?;
+        self.boxers.step(dt_s, run)?;
+        self.strike(dt_s)
+    }
+
+    /// As that of [`PolicyCharacters`].
+    fn status(&self, id: Id) -> Result<Status> {
+        self.boxers.status(id)
+    }
+
+    /// In the order of rows.
+    fn events(&self) -> &[(Id, TargetHit)] {
+        &self.events
+    }
+
+    fn bodies(&self) -> Bodies<'_> {
+        self.boxers.bodies()
+    }
+
+    fn save(&self, out: &mut Vec<u8>) {
+        snapshot::save(self.snapshot_kind(), &self.boxers, &self.state, out);
+    }
+
+    fn load(&mut self, bytes: &[u8]) -> Result<()> {
+        self.state = snapshot::load(self.snapshot_kind(), &mut self.boxers, bytes)?;
+        self.events.clear();
+        Ok(())
+    }
+
+    fn hash(&self) -> u64 {
+        let mut bytes = Vec::new();
+        self.save(&mut bytes);
+        Hash128::of(&bytes) as u64
+    }
+
+    fn adopt(&mut self, new: &Bundle) -> Result<Adopted> {
+        self.boxers.adopt(new)
+    }
 }

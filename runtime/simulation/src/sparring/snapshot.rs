@@ -1,91 +1,66 @@
-//! Keeping what sparring characters and practising ones remember, to go back to it.
+//! Keeping characters that strike, and what is remembered beside them, to go back to it.
 
-use super::bout::{self, Sparring};
-use super::direct::check_weights;
 use super::pair::Pair;
-use super::practice::{self, TargetPractice};
 use super::tally::Tally;
 use super::target::StruckTarget;
+use super::{bout, practice};
+use crate::kind::refused;
 use glam::Vec3;
-use throng_base::{Error, Result, SnapshotKind};
-use throng_core::characters::{CharactersSnapshot, MotionSet};
+use serde::{Serialize, de::DeserializeOwned};
+use throng_base::{Bytes, Result, SnapshotKind};
+use throng_core::Cast;
+use throng_core::characters::PolicyCharacters;
 
-impl Sparring {
-    /// Appends all that the next steps depend on, weights and figures among it (about 600 bytes a character).
-    pub fn save(&self, out: &mut Vec<u8>) {
-        let weights: Vec<f32> = self.config.goals.iter().map(|g| g.weight).collect();
-        self.snapshot_kind().write(&(weights, &self.state, self.characters.snapshot()), out);
-    }
+/// What the next steps depend on, beside the characters.
+pub(super) trait Remembered: Serialize + DeserializeOwned {
+    /// False for numbers that so many characters cannot have.
+    fn may_be(&self, num_characters: usize) -> bool;
+}
 
-    /// Goes back to what was saved, see [`throng_core::characters::Characters::restore`].
-    ///
-    /// # Errors
-    /// [`Error::Snapshot`]; nothing has changed then.
-    pub fn load(&mut self, motion_set: &MotionSet, bytes: &[u8]) -> Result<()> {
-        let kind = self.snapshot_kind();
-        let (weights, state, characters): (Vec<f32>, bout::State, CharactersSnapshot) = kind.read_all(bytes)?;
-        let own = &self.state;
-        let lengths = |s: &bout::State| [s.heads.len(), s.threats.len(), s.pairs.len(), s.tallies.len()];
-        let good = check_weights(&weights, self.config.goals.len()).is_ok()
-            && lengths(&state) == lengths(own)
-            && state.heads.iter().chain(&state.threats).all(may_be_aim)
-            && state.pairs.iter().all(Pair::may_be)
-            && Tally::may_be(&state.tallies)
-            && (0.0..1e9).contains(&state.seconds);
-        if !good {
-            return Err(damaged(kind));
-        }
-        self.characters.restore(motion_set, &characters)?;
-        self.config.goals.iter_mut().zip(weights).for_each(|(goal, weight)| goal.weight = weight);
-        (self.state, self.num_landings) = (state, 0);
-        Ok(())
-    }
-
-    fn snapshot_kind(&self) -> SnapshotKind {
-        SnapshotKind { what: "sparring", tag: *b"SPAR", version: 1, setup: self.setup }
+impl Remembered for bout::State {
+    fn may_be(&self, n: usize) -> bool {
+        [self.heads.len(), self.threats.len(), 2 * self.pairs.len(), self.tallies.len()] == [n; 4]
+            && self.heads.iter().chain(&self.threats).all(may_be_aim)
+            && self.pairs.iter().all(Pair::may_be)
+            && Tally::may_be(&self.tallies)
+            && (0.0..1e9).contains(&self.seconds)
     }
 }
 
-impl TargetPractice {
-    /// As [`Sparring::save`].
-    pub fn save(&self, out: &mut Vec<u8>) {
-        let weights: Vec<f32> = self.config.goals.iter().map(|g| g.weight).collect();
-        self.snapshot_kind().write(&(weights, &self.state, self.characters.snapshot()), out);
+impl Remembered for practice::State {
+    fn may_be(&self, n: usize) -> bool {
+        [self.targets.len(), self.positions.len(), self.tallies.len()] == [n; 3]
+            && self.targets.iter().all(StruckTarget::may_be)
+            && self.positions.iter().all(may_be_aim)
+            && Tally::may_be(&self.tallies)
+            && (0.0..1e9).contains(&self.seconds)
     }
+}
 
-    /// As [`Sparring::load`].
-    ///
-    /// # Errors
-    /// As [`Sparring::load`].
-    pub fn load(&mut self, motion_set: &MotionSet, bytes: &[u8]) -> Result<()> {
-        let kind = self.snapshot_kind();
-        let (weights, state, characters): (Vec<f32>, practice::State, CharactersSnapshot) = kind.read_all(bytes)?;
-        let lengths = |s: &practice::State| [s.targets.len(), s.positions.len(), s.tallies.len()];
-        let good = check_weights(&weights, self.config.goals.len()).is_ok()
-            && lengths(&state) == lengths(&self.state)
-            && state.targets.iter().all(StruckTarget::may_be)
-            && state.positions.iter().all(may_be_aim)
-            && Tally::may_be(&state.tallies)
-            && (0.0..1e9).contains(&state.seconds);
-        if !good {
-            return Err(damaged(kind));
-        }
-        self.characters.restore(motion_set, &characters)?;
-        self.config.goals.iter_mut().zip(weights).for_each(|(goal, weight)| goal.weight = weight);
-        (self.state, self.num_hits) = (state, 0);
-        Ok(())
-    }
+/// Appends both (about 780 bytes a character).
+pub(super) fn save(kind: SnapshotKind, characters: &PolicyCharacters, state: &impl Remembered, out: &mut Vec<u8>) {
+    let mut bytes = Bytes::default();
+    characters.save(&mut bytes.0);
+    kind.write(&(bytes, state), out);
+}
 
-    fn snapshot_kind(&self) -> SnapshotKind {
-        SnapshotKind { what: "target practice", tag: *b"PRAC", version: 1, setup: self.setup }
+/// Goes back to characters that were saved, and returns what was remembered beside them.
+///
+/// # Errors
+/// [`throng_base::Error::Snapshot`]; nothing has changed then.
+pub(super) fn load<S: Remembered>(kind: SnapshotKind, characters: &mut PolicyCharacters, bytes: &[u8]) -> Result<S> {
+    let (saved, state): (Bytes, S) = kind.read_all(bytes)?;
+    // Tried on a clone, so that nothing changes where a part is refused.
+    let mut tried = characters.clone();
+    tried.load(&saved.0)?;
+    if !state.may_be(tried.ids().len()) {
+        return Err(refused(kind.what, "it holds numbers that cannot be"));
     }
+    characters.load(&saved.0)?;
+    Ok(state)
 }
 
 /// What characters can be asked to aim at.
 fn may_be_aim(at: &Vec3) -> bool {
     at.is_finite() && at.abs().max_element() < 1e6
-}
-
-fn damaged(kind: SnapshotKind) -> Error {
-    Error::Snapshot { what: kind.what, why: "it holds numbers that cannot be; it is damaged".into() }
 }

@@ -4,9 +4,11 @@ use super::body::{Body, BodyShape, NUM_CORE, Part, Posed};
 use super::landing::meet;
 use super::*;
 use glam::{Quat, Vec3};
+use throng_base::{Error, Id, Inline, Result};
+use throng_core::Cast;
 use throng_core::bundle::Bundle;
 use throng_core::characters::made_up::tables_with;
-use throng_core::characters::{Blow, CharactersConfig, CharactersError, MotionSet, Start};
+use throng_core::characters::{Blow, CharactersConfig, Order, Spawn};
 use throng_core::contacts::Contacts;
 use throng_core::hits::{HitRecord, striking_offset};
 use throng_core::planar::Planar;
@@ -42,16 +44,28 @@ fn hit(frame: u32, position: Vec3, direction: Vec3) -> HitRecord {
 }
 
 /// Pairs, some way apart and face to face.
-fn facing(num_pairs: usize, distance: f32) -> Vec<Start> {
+fn facing(num_pairs: usize, distance: f32) -> Vec<[Spawn; 2]> {
     let pair = |i: usize| {
         let (x, heading) = (5.0 * i as f32, 0.3 * i as f32);
         let first = Planar::new(x, -2.0, heading);
         let second = first.compose(Planar::new(0.0, distance, std::f32::consts::PI));
-        [first, second].map(|root| Start { root, state: (i % 4) as u32 })
+        [first, second].map(|root| Spawn { root, state: Some((i % 4) as u32) })
     };
-    (0..num_pairs).flat_map(pair).collect()
+    (0..num_pairs).map(pair).collect()
+}
+
+/// Pairs that follow the first policy.
+fn spar(tables: &Bundle, config: SparringConfig, pairs: &[[Spawn; 2]]) -> Result<Sparring> {
+    let mut sparring = Sparring::with_capacity(tables, pairs.len(), config)?;
+    for pair in pairs {
+        let first = sparring.spawn(*pair)?;
+        for id in [first, sparring.opponent(first)?] {
+            sparring.order(id, Order::aim(0, Vec3::ZERO))?;
+        }
+    }
+    Ok(sparring)
 }
 
 fn config() -> SparringConfig {
-    SparringConfig::new(vec![SparringGoal { policy: 0, weight: 1.0, aim: Aim::OpponentHead }])
+    SparringConfig::default()
 }

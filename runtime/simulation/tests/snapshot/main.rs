@@ -176,3 +176,36 @@ fn what_is_told_from_outside_is_kept() {
     sim.restore(&before).unwrap();
     assert_eq!(differ(&calm, &watch(&mut sim, 30, &Inline)), None);
 }
+
+#[test]
+fn choices_do_not_depend_on_how_a_group_is_split() {
+    for (kind, count, parts) in [
+        (scenes::POLICY, 11, [4, 7]),
+        (scenes::SPARRING, 18, [6, 12]),
+        (scenes::PATHS, 19, [8, 11]),
+        (scenes::PATCHES, 5, [2, 3]),
+    ] {
+        let with = |n: usize| kind.replace(&format!("count = {count}"), &format!("count = {n}"));
+        let groups = [kind.to_owned(), parts.map(with).concat()];
+        let [mut whole, mut split] = groups.map(|text| new(&scenes::compile(&text, &scenes::boxing(0.0))));
+        assert_eq!((whole.groups().len(), split.groups().len()), (1, 2));
+        for step in 0..120 {
+            for sim in [&mut whole, &mut split] {
+                sim.step(DT).unwrap();
+            }
+            for who in 0..count {
+                assert_eq!(chosen(&whole, who), chosen(&split, who), "step {step}, {who} of {kind}");
+            }
+        }
+    }
+}
+
+/// What a character has chosen at random, apart from where a grid puts it: choices made and segment, or the body.
+fn chosen(sim: &Simulation, who: usize) -> (Option<(u32, u32)>, Option<[Mat3x4; NUM_JOINTS]>) {
+    let (characters, number) = match sim.locate(who) {
+        (GroupCast::Policy(p), number) => (p.practice().characters(), number),
+        (GroupCast::Sparring(s), number) => (s.sparring().characters(), number),
+        _ => return (None, sim.pose(who).copied()),
+    };
+    (Some((characters.num_choices(number), characters.segment(number).0)), None)
+}

@@ -64,7 +64,7 @@ fn selected(ui: &mut Ui, model: &Model, scene: &SceneDocument, commands: &mut Ve
         return;
     };
     ui.label(text);
-    match simulation.member(who) {
+    match simulation.locate(who) {
         (GroupCast::Policy(p), member) => target::hanging(ui, who, p.practice().targets()[member].home, commands),
         (GroupCast::Sparring(_), member) if ui.small_button("select its opponent").clicked() => {
             commands.push(Command::SelectCharacter(Some(who - member + (member ^ 1))));

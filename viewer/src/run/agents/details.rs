@@ -54,7 +54,7 @@ pub fn first_agent(simulation: &Simulation) -> Option<usize> {
 
 /// The engine that an agent is in, and its name there; none for other characters.
 fn engine(simulation: &Simulation, who: usize) -> Option<(&Crowd, Id)> {
-    match simulation.member(who) {
+    match simulation.locate(who) {
         (GroupCast::Ground(agents), member) => Some((agents.crowd(), agents.id(member))),
         (GroupCast::Air(agents), member) => Some((agents.crowd(), agents.id(member))),
         _ => None,
@@ -69,7 +69,7 @@ pub fn bound(simulation: &Simulation, who: usize) -> Option<(Vec3, f32)> {
 
 /// Corners of an agent's route, from where it was sent to its goal; none for other characters (m).
 pub fn way(simulation: &Simulation, who: usize) -> Vec<Vec3> {
-    match simulation.member(who) {
+    match simulation.locate(who) {
         (GroupCast::Ground(agents), member) => agents.layout().ways[member].iter().map(|&p| in_world(p)).collect(),
         (GroupCast::Air(agents), member) => agents.layout().ways[member].clone(),
         _ => Vec::new(),

@@ -1,7 +1,7 @@
 //! Pairs that spar.
 
 use super::*;
-use throng_base::{Error, Run};
+use throng_base::Run;
 
 const DT: f32 = 1.0 / 60.0;
 
@@ -16,24 +16,21 @@ fn striking() -> Bundle {
 /// Tables of one blow, ten frames after the start, that is aimed at the head of an opponent at a distance.
 fn aimed(distance: f32) -> Bundle {
     let tables = striking();
-    let r = MotionSet::new(&tables);
-    let mut pair = Sparring::new(&r, config(), &facing(1, distance)).unwrap();
-    pair.step(&r, 0.0).unwrap();
-    (0..20).for_each(|_| pair.step(&r, DT).unwrap());
+    let mut pair = spar(&tables, config(), &facing(1, distance)).unwrap();
+    pair.step(0.0, &Inline).unwrap();
+    (0..20).for_each(|_| pair.step(DT, &Inline).unwrap());
     // Both characters play the frames from 20 or from 80: as seen from the first one's root now.
     let root = pair.characters().root(0);
     let local = root.rotation().inverse() * (pair.heads()[0] - root.translation());
     let (segment, _) = pair.characters().segment(0);
-    let frame = r.graph().segments[segment as usize].start + 10;
-    drop(r);
+    let frame = tables.graph().segments[segment as usize].start + 10;
     tables_with(&[hit(frame, local, Vec3::new(0.8, 0.0, 0.6))])
 }
 
 #[test]
 fn each_ones_target_is_the_others_head() {
     let tables = striking();
-    let r = MotionSet::new(&tables);
-    let mut s = Sparring::new(&r, config(), &facing(3, 3.0)).unwrap();
+    let mut s = spar(&tables, config(), &facing(3, 3.0)).unwrap();
     let check = |s: &Sparring, tolerance: f32| {
         for c in 0..6 {
             let joints = s.characters().joint_positions(c ^ 1);
@@ -45,25 +42,24 @@ fn each_ones_target_is_the_others_head() {
         }
     };
     let at_start = s.heads().to_vec();
-    s.step(&r, 0.0).unwrap();
+    s.step(0.0, &Inline).unwrap();
     check(&s, 1e-4);
     for c in 0..6 {
         assert!(s.heads()[c].distance(at_start[c]) < 0.3, "known before the first pose");
     }
-    (0..30).for_each(|_| s.step(&r, DT).unwrap());
+    (0..30).for_each(|_| s.step(DT, &Inline).unwrap());
     check(&s, 1e-4);
 }
 
 #[test]
 fn threats_are_the_opponents_next_blow() {
     let tables = striking();
-    let r = MotionSet::new(&tables);
-    let mut s = Sparring::new(&r, config(), &facing(2, 3.0)).unwrap();
+    let mut s = spar(&tables, config(), &facing(2, 3.0)).unwrap();
     let (mut coming, mut none) = (0, 0);
     for _ in 0..100 {
-        s.step(&r, DT).unwrap();
+        s.step(DT, &Inline).unwrap();
         for c in 0..4 {
-            match s.characters().next_blow(&r, c ^ 1) {
+            match s.characters().next_blow(s.boxers().motion_set(), c ^ 1) {
                 Some((b, due_s)) => {
                     let off = s.threats()[c] - Vec3::new(b.point.x, due_s, b.point.z);
                     // Bodies may have parted since.
@@ -83,20 +79,19 @@ fn threats_are_the_opponents_next_blow() {
 #[test]
 fn a_blow_at_the_head_lands_there_and_pushes_it() {
     let tables = aimed(3.0);
-    let r = MotionSet::new(&tables);
     let separation = SeparationConfig { enabled: false, ..SeparationConfig::default() };
     let config = SparringConfig { separation, ..config() };
-    let mut s = Sparring::new(&r, config.clone(), &facing(1, 3.0)).unwrap();
+    let mut s = spar(&tables, config, &facing(1, 3.0)).unwrap();
     let soft = SparringConfig { push_m_per_mps: 0.0, ..config };
-    let mut twin = Sparring::new(&r, soft, &facing(1, 3.0)).unwrap();
+    let mut twin = spar(&tables, soft, &facing(1, 3.0)).unwrap();
     let mut landed = Vec::new();
     let mut pushed = 0.0f32;
-    s.step(&r, 0.0).unwrap();
-    twin.step(&r, 0.0).unwrap();
+    s.step(0.0, &Inline).unwrap();
+    twin.step(0.0, &Inline).unwrap();
     for _ in 0..30 {
-        s.step(&r, DT).unwrap();
-        twin.step(&r, DT).unwrap();
-        landed.extend_from_slice(s.landed());
+        s.step(DT, &Inline).unwrap();
+        twin.step(DT, &Inline).unwrap();
+        landed.extend(s.events().iter().map(|e| e.1));
         if let Some(l) = landed.first() {
             // The head of the struck one, against one that was not pushed.
             let c = l.blow.character as usize;
@@ -104,7 +99,7 @@ fn a_blow_at_the_head_lands_there_and_pushes_it() {
         }
     }
     let first = landed.iter().find(|l| l.blow.character == 0).unwrap();
-    assert_eq!((first.opponent, first.part, first.joint), (1, Part::Head, Joint::Head));
+    assert_eq!((first.opponent, first.part, first.joint), (Id::first(1), Part::Head, Joint::Head));
     assert!(!first.is_blocked() && first.depth_m > 0.1, "right in the middle: {}", first.depth_m);
     let asked = 6.0 * s.config().push_m_per_mps;
     assert!(pushed > 0.6 * asked && pushed < 1.3 * asked, "{pushed} of {asked}");
@@ -113,17 +108,16 @@ fn a_blow_at_the_head_lands_there_and_pushes_it() {
 #[test]
 fn every_blow_is_counted_once() {
     let tables = striking();
-    let r = MotionSet::new(&tables);
-    let mut s = Sparring::new(&r, config(), &facing(20, 1.2)).unwrap();
+    let mut s = spar(&tables, config(), &facing(20, 1.2)).unwrap();
     let (mut thrown, mut landed, mut blocked) = (0, 0, 0);
     for _ in 0..200 {
-        s.step(&r, DT).unwrap();
+        s.step(DT, &Inline).unwrap();
         thrown += s.characters().blows().len();
-        blocked += s.landed().iter().filter(|l| l.is_blocked()).count();
-        landed += s.landed().iter().filter(|l| !l.is_blocked()).count();
-        for l in s.landed() {
+        blocked += s.events().iter().filter(|(_, l)| l.is_blocked()).count();
+        landed += s.events().iter().filter(|(_, l)| !l.is_blocked()).count();
+        for (id, l) in s.events() {
             assert!(s.characters().blows().contains(&l.blow));
-            assert_eq!(l.opponent, l.blow.character ^ 1);
+            assert_eq!((l.opponent, l.blow.character), (s.opponent(*id).unwrap(), id.index));
             assert!(l.depth_m >= 0.0);
         }
     }
@@ -132,24 +126,23 @@ fn every_blow_is_counted_once() {
     assert_eq!(all.thrown, all.landed + all.blocked + all.missed);
     assert!(landed + blocked > 10 && all.missed > 10 && thrown > 500, "{all:?}");
     let mut sum = Tally::default();
-    (0..40).for_each(|c| sum += s.tally(c));
+    (0..40).for_each(|c| sum += s.tally(Id::first(c)).unwrap());
     assert_eq!(sum, all);
 }
 
 #[test]
 fn bodies_that_overlap_part() {
     let tables = tables_with(&[]);
-    let r = MotionSet::new(&tables);
     // Side by side and into each other, on paths that cross.
     let roots = [Planar::IDENTITY, Planar::new(0.25, 0.0, 0.0)];
-    let starts = roots.map(|root| Start { root, state: 0 });
+    let starts = [roots.map(|root| Spawn { root, state: Some(0) })];
     let run = |enabled: bool| {
         let separation = SeparationConfig { enabled, ..SeparationConfig::default() };
-        let mut s = Sparring::new(&r, SparringConfig { separation, ..config() }, &starts).unwrap();
-        s.step(&r, 0.0).unwrap();
+        let mut s = spar(&tables, SparringConfig { separation, ..config() }, &starts).unwrap();
+        s.step(0.0, &Inline).unwrap();
         let mut path = Vec::new();
         for _ in 0..20 {
-            s.step(&r, DT).unwrap();
+            s.step(DT, &Inline).unwrap();
             path.push((
                 s.overlap_m(0),
                 s.characters().root(0).translation().distance(s.characters().root(1).translation()),
@@ -175,25 +168,24 @@ fn bodies_that_overlap_part() {
 #[test]
 fn restored_pairs_repeat_what_followed_bit_by_bit() {
     let tables = striking();
-    let r = MotionSet::new(&tables);
-    let mut s = Sparring::new(&r, config(), &facing(7, 1.2)).unwrap();
-    (0..4).for_each(|_| s.step(&r, DT).unwrap());
+    let mut s = spar(&tables, config(), &facing(7, 1.2)).unwrap();
+    (0..4).for_each(|_| s.step(DT, &Inline).unwrap());
     let mut kept = Vec::new();
     s.save(&mut kept);
-    assert!(kept.len() < 14 * 700, "{}", kept.len());
+    assert!(kept.len() < 14 * 800, "{}", kept.len());
     let run = |s: &mut Sparring| {
         let step = |_| {
-            s.step(&r, DT).unwrap();
-            (s.characters().model_matrices().to_vec(), s.landed().to_vec(), s.heads().to_vec(), s.figures())
+            s.step(DT, &Inline).unwrap();
+            (s.characters().model_matrices().to_vec(), s.events().to_vec(), s.heads().to_vec(), s.figures())
         };
         (0..120).map(step).collect::<Vec<_>>()
     };
     let first = run(&mut s);
     assert!(first.iter().any(|f| !f.1.is_empty()));
-    s.load(&r, &kept).unwrap();
-    assert!(s.landed().is_empty());
+    s.load(&kept).unwrap();
+    assert!(s.events().is_empty());
     assert!(first == run(&mut s));
-    let refused = |config, n| Sparring::new(&r, config, &facing(n, 1.2)).unwrap().load(&r, &kept).unwrap_err();
+    let refused = |config, n| spar(&tables, config, &facing(n, 1.2)).unwrap().load(&kept).unwrap_err();
     assert!(matches!(refused(config(), 6), Error::Snapshot { .. }), "other pairs");
     assert!(
         matches!(refused(SparringConfig { reach_m: 0.1, ..config() }, 7), Error::Snapshot { .. }),
@@ -216,14 +208,13 @@ impl Run for Two {
 #[test]
 fn pairs_spar_the_same_on_several_threads() {
     let tables = striking();
-    let r = MotionSet::new(&tables);
-    let mut alone = Sparring::new(&r, config(), &facing(300, 1.2)).unwrap();
+    let mut alone = spar(&tables, config(), &facing(300, 1.2)).unwrap();
     let mut together = alone.clone();
     for _ in 0..60 {
-        alone.step(&r, DT).unwrap();
-        together.step_on(&r, DT, &Two).unwrap();
+        alone.step(DT, &Inline).unwrap();
+        together.step(DT, &Two).unwrap();
         assert!(alone.characters().model_matrices() == together.characters().model_matrices());
-        assert_eq!(alone.landed(), together.landed());
+        assert_eq!(alone.events(), together.events());
     }
     assert_eq!(alone.figures(), together.figures());
     assert!(alone.figures().blows.landed > 0);
@@ -232,23 +223,73 @@ fn pairs_spar_the_same_on_several_threads() {
 #[test]
 fn refuses_what_does_not_fit() {
     let tables = striking();
-    let r = MotionSet::new(&tables);
-    let new = |config: SparringConfig, n: usize| Sparring::new(&r, config, &facing(2, 2.0)[..n]);
-    assert!(matches!(new(config(), 3), Err(CharactersError::Odd { got: 3 })));
-    assert!(matches!(
-        new(SparringConfig::default(), 2),
-        Err(CharactersError::Value { what: "the number of goals", .. })
-    ));
-    let goal = SparringGoal { policy: 1, weight: 1.0, aim: Aim::OpponentHead };
-    assert!(matches!(new(SparringConfig::new(vec![goal]), 2), Err(CharactersError::Index { what: "policy", .. })));
-    let goal = SparringGoal { policy: 0, weight: f32::NAN, aim: Aim::OpponentHead };
-    assert!(matches!(new(SparringConfig::new(vec![goal]), 2), Err(CharactersError::Value { what: "weight", .. })));
+    let new = |config: SparringConfig| spar(&tables, config, &facing(2, 2.0));
     let body = BodyShape { head_m: 0.0, ..BodyShape::default() };
-    let thin = SparringConfig { body, ..config() };
-    assert!(matches!(new(thin, 2), Err(CharactersError::Value { what: "body.head_m", .. })));
+    assert!(matches!(new(SparringConfig { body, ..config() }), Err(Error::Value { what: "body.head_m", .. })));
     let characters = CharactersConfig { half_life_s: -1.0, ..CharactersConfig::default() };
-    assert!(matches!(new(SparringConfig { characters, ..config() }, 2), Err(CharactersError::Value { .. })));
-    let mut none = new(config(), 0).unwrap();
-    none.step(&r, DT).unwrap();
+    assert!(matches!(new(SparringConfig { characters, ..config() }), Err(Error::Value { .. })));
+    let mut none = spar(&tables, config(), &[]).unwrap();
+    none.step(DT, &Inline).unwrap();
     assert_eq!(none.figures().blows, Tally::default());
+    assert!(matches!(none.spawn(facing(1, 2.0)[0]), Err(Error::Full { capacity: 0 })));
+    let mut two = new(config()).unwrap();
+    let last = two.bodies().ids[3];
+    let refused = [(1, 1.0), (0, f32::NAN)].map(|(policy, weight)| two.order(last, Order::IDLE.and(policy, weight)));
+    let [Err(Error::Index { who: a, .. }), Err(Error::Value { who: b, .. })] = refused else { panic!("{refused:?}") };
+    assert_eq!([a, b], [Some(last); 2]);
+    let mut pair = facing(1, 2.0)[0];
+    pair[1].state = Some(99);
+    two.despawn(last).unwrap();
+    assert!(matches!(two.spawn(pair), Err(Error::Index { what: "state", .. })));
+    assert_eq!((two.bodies().ids.len(), two.num_pairs()), (2, 1), "half a pair does not enter");
+}
+
+#[test]
+fn a_pair_leaves_together_and_the_others_go_on_as_before() {
+    let tables = striking();
+    let mut s = spar(&tables, config(), &facing(3, 1.2)).unwrap();
+    (0..40).for_each(|_| s.step(DT, &Inline).unwrap());
+    let mut all = s.clone();
+    let ids = s.bodies().ids.to_vec();
+    // Either of the two takes the other one along; the last pair takes their rows.
+    s.despawn(ids[1]).unwrap();
+    assert_eq!(s.bodies().ids, [ids[4], ids[5], ids[2], ids[3]]);
+    assert_eq!((s.opponent(ids[5]).unwrap(), s.opponent(ids[2]).unwrap()), (ids[4], ids[3]));
+    for gone in &ids[..2] {
+        assert!(matches!(s.status(*gone), Err(Error::Gone(id)) if id == *gone));
+    }
+    for _ in 0..60 {
+        s.step(DT, &Inline).unwrap();
+        all.step(DT, &Inline).unwrap();
+        for id in &ids[2..] {
+            let [a, b] = [&s, &all].map(|of| of.bodies().get(*id).map(|body| (body.root, *body.model)));
+            assert!(a == b && s.tally(*id).unwrap() == all.tally(*id).unwrap());
+        }
+    }
+    let again = s.spawn(facing(1, 1.2)[0]).unwrap();
+    assert!((again.index(), again.generation) == (0, 1) && s.num_pairs() == 3);
+    assert_eq!(s.tally(again).unwrap(), Tally::default());
+}
+
+#[test]
+fn who_is_placed_elsewhere_is_aimed_at_there() {
+    let tables = striking();
+    let mut s = spar(&tables, config(), &facing(1, 3.0)).unwrap();
+    (0..10).for_each(|_| s.step(DT, &Inline).unwrap());
+    let id = s.bodies().ids[1];
+    s.place(id, Planar::new(8.0, 9.0, 1.0)).unwrap();
+    let told = s.heads()[0];
+    s.step(0.0, &Inline).unwrap();
+    assert!(told.distance(s.heads()[0]) < 1e-3 && s.heads()[0].distance(Vec3::new(8.0, told.y, 9.0)) < 0.5);
+}
+
+#[test]
+fn another_bundle_is_adopted() {
+    let (tables, other) = (striking(), tables_with(&[]));
+    let mut s = spar(&tables, config(), &facing(2, 1.2)).unwrap();
+    (0..30).for_each(|_| s.step(DT, &Inline).unwrap());
+    assert_eq!(s.adopt(&other).unwrap().num_characters, 4);
+    let thrown = s.figures().blows.thrown;
+    (0..60).for_each(|_| s.step(DT, &Inline).unwrap());
+    assert!(thrown > 0 && s.figures().blows.thrown == thrown, "nobody strikes in the new one");
 }

@@ -48,17 +48,17 @@ fn how_a_target_moves_does_not_depend_on_the_step() {
 
 /// Practice of characters whose targets hang where their blows go, beside those of the odd ones.
 fn practice(tables: &Bundle, n: usize) -> TargetPractice {
-    let r = MotionSet::new(tables);
-    let starts: Vec<Start> =
-        (0..n).map(|i| Start { root: Planar::new(3.0 * i as f32, 1.0, 0.4 * i as f32), state: 0 }).collect();
-    let config = PracticeConfig::new(vec![PracticeGoal { policy: 0, weight: 1.0 }]);
-    let homes = vec![Vec3::new(0.0, 50.0, 0.0); n];
-    let mut practice = TargetPractice::new(&r, config, &starts, &homes).unwrap();
-    practice.step(&r, 0.0).unwrap();
+    let mut practice = TargetPractice::with_capacity(tables, n, PracticeConfig::default()).unwrap();
+    for i in 0..n {
+        let root = Planar::new(3.0 * i as f32, 1.0, 0.4 * i as f32);
+        let id = practice.spawn(Spawn { root, state: Some(0) }).unwrap();
+        practice.order(id, Order::aim(0, Vec3::new(0.0, 50.0, 0.0))).unwrap();
+    }
+    practice.step(0.0, &Inline).unwrap();
     for c in 0..n {
-        let (blow, _) = practice.characters().next_blow(&r, c).unwrap();
+        let (blow, _) = practice.characters().next_blow(practice.boxers().motion_set(), c).unwrap();
         let aside = if c % 2 == 0 { 0.1 } else { 0.3 };
-        practice.set_home(c, blow.point + Vec3::Y * aside).unwrap();
+        practice.order(Id::first(c), Order::aim(0, blow.point + Vec3::Y * aside)).unwrap();
     }
     practice
 }
@@ -71,25 +71,24 @@ fn practice_tables() -> Bundle {
 #[test]
 fn blows_that_come_near_enough_hit_and_deflect_the_target() {
     let tables = practice_tables();
-    let r = MotionSet::new(&tables);
     let mut practice = practice(&tables, 6);
     let mut hit = [0; 6];
     for _ in 0..12 {
-        practice.step(&r, 1.0 / 60.0).unwrap();
-        for h in practice.hits() {
-            hit[h.blow.character as usize] += 1;
+        practice.step(1.0 / 60.0, &Inline).unwrap();
+        for (id, h) in practice.events() {
+            hit[id.index()] += 1;
             // The radius and the reach, less the tenth of a metre that it hangs too high.
             let config = practice.config();
             let depth = config.target.radius_m + config.reach_m - 0.1;
             assert!((h.depth_m - depth).abs() < 1e-3, "{}", h.depth_m);
-            let target = practice.targets()[h.blow.character as usize];
+            let target = practice.targets()[id.index()];
             assert!(target.velocity.normalize().distance(h.blow.direction) < 1e-4);
         }
     }
     assert_eq!(hit, [1, 0, 1, 0, 1, 0]);
     for c in 0..6 {
         let landed = u32::from(c % 2 == 0);
-        assert_eq!(practice.tally(c), Tally { thrown: 1, landed, blocked: 0, missed: 1 - landed });
+        assert_eq!(practice.tally(Id::first(c)).unwrap(), Tally { thrown: 1, landed, blocked: 0, missed: 1 - landed });
         assert_eq!(practice.targets()[c].offset.length() > 0.01, landed == 1);
     }
     let blows = practice.figures().blows;
@@ -100,39 +99,51 @@ fn blows_that_come_near_enough_hit_and_deflect_the_target() {
 #[test]
 fn restored_practice_repeats_what_followed() {
     let tables = practice_tables();
-    let r = MotionSet::new(&tables);
     let mut practice = practice(&tables, 5);
-    (0..15).for_each(|_| practice.step(&r, 1.0 / 60.0).unwrap());
+    (0..15).for_each(|_| practice.step(1.0 / 60.0, &Inline).unwrap());
     let mut kept = Vec::new();
     practice.save(&mut kept);
     let run = |p: &mut TargetPractice| {
         let step = |_| {
-            p.step(&r, 1.0 / 60.0).unwrap();
+            p.step(1.0 / 60.0, &Inline).unwrap();
             (p.characters().model_matrices().to_vec(), p.targets().to_vec(), p.figures())
         };
         (0..100).map(step).collect::<Vec<_>>()
     };
     let first = run(&mut practice);
-    practice.load(&r, &kept).unwrap();
+    practice.load(&kept).unwrap();
     assert!(first == run(&mut practice));
 }
 
 #[test]
 fn refuses_what_does_not_fit() {
     let tables = practice_tables();
-    let r = MotionSet::new(&tables);
-    let starts = [Start { root: Planar::IDENTITY, state: 0 }];
-    let good = PracticeConfig::new(vec![PracticeGoal { policy: 0, weight: 1.0 }]);
-    let new = |config: &PracticeConfig, homes: &[Vec3]| TargetPractice::new(&r, config.clone(), &starts, homes);
-    assert!(matches!(new(&good, &[]), Err(CharactersError::Length { what: "homes", .. })));
-    assert!(matches!(new(&good, &[Vec3::NAN]), Err(CharactersError::Value { what: "home", .. })));
-    assert!(matches!(
-        new(&PracticeConfig::default(), &[Vec3::Y]),
-        Err(CharactersError::Value { what: "the number of goals", .. })
-    ));
-    let far = PracticeConfig { reach_m: -1.0, ..good.clone() };
-    assert!(matches!(new(&far, &[Vec3::Y]), Err(CharactersError::Value { what: "reach_m", .. })));
-    let mut practice = new(&good, &[Vec3::Y]).unwrap();
-    assert!(matches!(practice.set_home(1, Vec3::Y), Err(CharactersError::Index { what: "character", .. })));
-    assert!(matches!(practice.set_home(0, Vec3::INFINITY), Err(CharactersError::Value { what: "home", .. })));
+    let far = PracticeConfig { reach_m: -1.0, ..PracticeConfig::default() };
+    let refused = TargetPractice::with_capacity(&tables, 1, far);
+    assert!(matches!(refused, Err(Error::Value { what: "reach_m", .. })));
+    let mut practice = practice(&tables, 1);
+    let (id, before) = (Id::first(0), practice.hash());
+    for at in [Vec3::NAN, Vec3::INFINITY] {
+        let e = practice.order(id, Order::aim(0, at)).unwrap_err();
+        assert!(matches!(e, Error::Value { what: "target", who, .. } if who == Some(id)), "{e}");
+    }
+    assert!(matches!(practice.order(id, Order::aim(1, Vec3::Y)), Err(Error::Index { what: "policy", .. })));
+    assert!(matches!(practice.order(Id::first(1), Order::IDLE), Err(Error::Gone(_))));
+    assert_eq!(practice.hash(), before);
+}
+
+#[test]
+fn boxers_come_and_go_with_their_targets() {
+    let tables = practice_tables();
+    let mut practice = practice(&tables, 3);
+    let ids = practice.bodies().ids.to_vec();
+    let last = practice.targets()[2];
+    practice.despawn(ids[0]).unwrap();
+    assert_eq!((practice.bodies().ids, practice.targets()[0]), (&[ids[2], ids[1]][..], last));
+    assert_eq!(practice.order_of(ids[2]).unwrap().target(), last.home);
+    // Who has no order has no target, wherever it strikes.
+    let new = practice.spawn(Spawn::standing(Planar::IDENTITY)).unwrap();
+    (0..60).for_each(|_| practice.step(1.0 / 60.0, &Inline).unwrap());
+    let tally = practice.tally(new).unwrap();
+    assert!(tally.thrown > 0 && tally.landed == 0, "{tally:?}");
 }
