@@ -144,8 +144,22 @@ pub type Result<T, E = Error> = std::result::Result<T, E>;
 ///
 /// # Errors
 /// As said.
-pub fn check(what: &'static str, who: Option<Id>, got: f64, good: bool, expected: &'static str) -> Result<()> {
-    if good { Ok(()) } else { Err(Error::Value { what, who, got, expected }) }
+pub fn check(
+    what: &'static str,
+    who: Option<Id>,
+    got: impl Into<f64>,
+    good: bool,
+    expected: &'static str,
+) -> Result<()> {
+    if good { Ok(()) } else { Err(Error::Value { what, who, got: got.into(), expected }) }
+}
+
+/// [`Error::Length`] unless `got` is as long as `expected`.
+///
+/// # Errors
+/// As said.
+pub fn check_length(what: &'static str, got: usize, expected: usize) -> Result<()> {
+    if got == expected { Ok(()) } else { Err(Error::Length { what, got, expected: expected.to_string() }) }
 }
 
 /// [`Error::Index`] unless `got < limit`.

@@ -88,7 +88,7 @@ impl CrowdConfig {
     /// Every setting within its limits.
     pub(crate) fn check(&self) -> Result<()> {
         let within = |what, got: f32, least: f32, most: f32, expected| {
-            check(what, None, got.into(), (least..=most).contains(&got), expected)
+            check(what, None, got, (least..=most).contains(&got), expected)
         };
         within("config.smallest_interval_s", self.smallest_interval_s, 0.001, 1.0, "between 0.001 and 1")?;
         #[cfg(feature = "baselines")]

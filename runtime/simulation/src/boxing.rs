@@ -11,7 +11,7 @@ use rand_pcg::Pcg64Mcg;
 use std::f32::consts::TAU;
 use std::sync::Arc;
 use throng_base::{Bytes, Error, Result, SnapshotKind};
-use throng_core::characters::{Characters, CharactersConfig, CharactersError, Choice, MotionSet, Start};
+use throng_core::characters::{Characters, CharactersConfig, Choice, MotionSet, Start};
 use throng_core::policy::{KIND_CYLINDER, KIND_SPACE_TIME, RegionRecord};
 use throng_core::{Bundle, Contacts, Mat3x4, NUM_JOINTS, Planar};
 
@@ -51,7 +51,7 @@ impl Setup {
         Ok(Self { scene: Arc::clone(compiled.shared()), group, key: format!("groups[{group}]"), motion_set })
     }
 
-    fn fault(&self, e: CharactersError) -> Error {
+    fn fault(&self, e: Error) -> Error {
         self.scene.fault(&self.key, e)
     }
 }

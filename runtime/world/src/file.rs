@@ -12,7 +12,7 @@ use glam::Vec3;
 use serde::{Deserialize, Serialize};
 use std::sync::{Arc, OnceLock};
 use std::{io, path::Path};
-use throng_base::{Error, Hash128, Result};
+use throng_base::{Error, Hash128, Result, error};
 use throng_core::Bundle;
 use throng_core::characters::MotionSet;
 use throng_core::format::{AlignedBytes, BundleWriter, FormatError, Kind, Layout, Storage, Table};
@@ -161,12 +161,12 @@ impl World {
     /// # Errors
     /// [`Error::Value`] for a point that is not finite, or where the nearest place is farther away: `got` says how far.
     pub fn near(&self, at: Vec3, within_m: f32) -> Result<Place> {
-        check_value("point", f64::from(at.length()), at.is_finite(), "finite")?;
+        error::check("point", None, at.length(), at.is_finite(), "finite")?;
         let place =
             self.graph().nearest_rest(at).map(|node| Place { node, at: self.graph().place(node).translation() });
         let away = place.map_or(f32::INFINITY, |p| p.at.distance(at));
         let expected = "no more than was asked for; name a point nearer to where one can stay";
-        check_value("distance to the nearest place to stay (m)", f64::from(away), away <= within_m, expected)?;
+        error::check("distance to the nearest place to stay (m)", None, away, away <= within_m, expected)?;
         place.ok_or(Error::Value { what: "places to stay", who: None, got: 0.0, expected: "at least one" })
     }
 }
@@ -178,10 +178,6 @@ pub struct Place {
     pub node: Node,
     /// Where that is: the hips (m).
     pub at: Vec3,
-}
-
-fn check_value(what: &'static str, got: f64, good: bool, expected: &'static str) -> Result<()> {
-    throng_base::error::check(what, None, got, good, expected)
 }
 
 impl WorldData {

@@ -17,7 +17,6 @@ pub use space::BlendSpace;
 
 use crate::format::Table;
 use crate::skeleton::Skeleton;
-use throng_base::{Error, Result};
 
 pub use records::{
     AxisRecord, BlendRecord, ChannelRow, ExampleRecord, MAX_AXES, MAX_WEIGHT, NUM_CHANNELS, PADDED_JOINTS,
@@ -43,8 +42,4 @@ pub struct Blends {
     pub skeleton: Skeleton,
     /// Tells these tables from others.
     pub fingerprint: u64,
-}
-
-fn check_length(what: &'static str, got: usize, expected: usize) -> Result<()> {
-    if got == expected { Ok(()) } else { Err(Error::Length { what, got, expected: expected.to_string() }) }
 }

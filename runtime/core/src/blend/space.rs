@@ -3,10 +3,11 @@
 use super::grid::WeightGrid;
 use super::records::{AxisRecord, BlendRecord, ChannelRow, ExampleRecord, MAX_AXES, ReferenceRow};
 use super::warp::Timing;
-use super::{Blends, check_length, slopes};
+use super::{Blends, slopes};
 use crate::format::{FormatError, Table};
 use crate::skeleton::Skeleton;
 use throng_base::Result;
+use throng_base::error::check_length;
 use throng_base::simd::{LANES, Lanes, Work, dispatch};
 
 /// One blend space of a bundle (Kim, Kim and Shin 2003a, section 4). Owned: it keeps the bundle's file open.

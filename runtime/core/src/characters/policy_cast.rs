@@ -115,7 +115,7 @@ impl PolicyCharacters {
     pub fn push(&mut self, id: Id, joint: Joint, displacement: Vec3) -> Result<()> {
         let largest = displacement.abs().max_element();
         let good = displacement.is_finite() && largest < 1e3;
-        check("displacement", Some(id), largest.into(), good, "finite and below 1e3 (m)")?;
+        check("displacement", Some(id), largest, good, "finite and below 1e3 (m)")?;
         let at = self.roster.row(id)?;
         self.characters.push(at, joint, displacement).unwrap_or_else(|e| unreachable!("checked: {e}"));
         Ok(())
@@ -181,7 +181,7 @@ pub(super) fn no_graph() -> Error {
 
 fn check_root(who: Option<Id>, root: Planar) -> Result<()> {
     for (what, got) in [("x", root.x), ("z", root.z), ("heading", root.heading)] {
-        check(what, who, got.into(), got.abs() < 1e6, "a finite number below 1e6")?;
+        check(what, who, got, got.abs() < 1e6, "a finite number below 1e6")?;
     }
     Ok(())
 }
@@ -230,7 +230,7 @@ impl Cast for PolicyCharacters {
 
     fn step(&mut self, dt_s: f32, run: &dyn Run) -> Result<()> {
         let good = (0.0..=super::MAX_STEP_S).contains(&dt_s);
-        check("dt_s", None, dt_s.into(), good, "between 0 and 1 (s)")?;
+        check("dt_s", None, dt_s, good, "between 0 and 1 (s)")?;
         self.characters.run(&self.motion_set, dt_s, Asked::Each(&self.orders), run);
         self.update_roots();
         self.events.clear();

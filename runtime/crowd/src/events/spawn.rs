@@ -191,7 +191,7 @@ impl<V: Space> Engine<V> {
         let speed = order.speed_mps.unwrap_or(self.states[id.index()].speed);
         let good = (0.0..=self.scenery.speed).contains(&speed);
         let expected = "at least 0, and at most `largest_speed_mps` of the config";
-        throng_base::error::check("speed", Some(id), speed.into(), good, expected)?;
+        throng_base::error::check("speed", Some(id), speed, good, expected)?;
         let plan = self.cells.plan(id.index);
         let position = plan.at(self.now).0;
         let number = match &order.way {

@@ -63,9 +63,9 @@ impl Streets {
     /// As [`Streets::new`].
     pub fn with(obstacles: &[Obstacle], heights: Option<[f32; 2]>, clearance_m: f32, nearest_m: f32) -> Result<Self> {
         let good = clearance_m > 0.0 && clearance_m < 1e6;
-        check("clearance_m", None, clearance_m.into(), good, "above 0 and below 1e6")?;
+        check("clearance_m", None, clearance_m, good, "above 0 and below 1e6")?;
         let good = (0.0..=clearance_m).contains(&nearest_m);
-        check("nearest_m", None, nearest_m.into(), good, "between 0 and the clearance")?;
+        check("nearest_m", None, nearest_m, good, "between 0 and the clearance")?;
         let all = obstacles.iter().enumerate().filter_map(|(n, o)| Some((n, Outline::of(o, heights)?)));
         let (owners, outlines): (Vec<_>, Vec<_>) = all.unzip();
         let bounds: Vec<_> = outlines.iter().map(Outline::bounds).collect();

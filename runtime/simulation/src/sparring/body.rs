@@ -2,7 +2,7 @@
 
 use super::config::within;
 use glam::{Vec2, Vec3};
-use throng_core::characters::CharactersError;
+use throng_base::Result;
 use throng_core::planar::Planar;
 use throng_core::pose::Mat3x4;
 use throng_core::skeleton::{Joint, NUM_JOINTS, Skeleton};
@@ -59,7 +59,7 @@ impl Default for BodyShape {
 }
 
 impl BodyShape {
-    pub(crate) fn check(&self) -> Result<(), CharactersError> {
+    pub(crate) fn check(&self) -> Result<()> {
         for (what, got) in [
             ("body.head_m", self.head_m),
             ("body.neck_m", self.neck_m),

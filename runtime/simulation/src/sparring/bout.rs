@@ -8,8 +8,8 @@ use super::pair::Pair;
 use super::tally::{Outcome, Tally};
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
-use throng_base::{Inline, Run, run_each};
-use throng_core::characters::{Blow, Characters, CharactersError, MAX_BLOWS, MotionSet, SampleJob, Start};
+use throng_base::{Error, Inline, Result, Run, run_each};
+use throng_core::characters::{Blow, Characters, MAX_BLOWS, MotionSet, SampleJob, Start};
 use throng_core::pose::Mat3x4;
 use throng_core::skeleton::NUM_JOINTS;
 
@@ -60,11 +60,11 @@ impl Sparring {
     /// Puts characters at their starts (an even number).
     ///
     /// # Errors
-    /// [`CharactersError::Odd`] for a character without an opponent, [`CharactersError::Index`] for a policy that does not
-    /// exist, [`CharactersError::Value`] for a setting out of its range, and as [`Characters::new`].
-    pub fn new(motion_set: &MotionSet, config: SparringConfig, starts: &[Start]) -> Result<Self, CharactersError> {
+    /// [`Error::Length`] for a character without an opponent, [`Error::Index`] for a policy that does not
+    /// exist, [`Error::Value`] for a setting out of its range, and as [`Characters::new`].
+    pub fn new(motion_set: &MotionSet, config: SparringConfig, starts: &[Start]) -> Result<Self> {
         if !starts.len().is_multiple_of(2) {
-            return Err(CharactersError::Odd { got: starts.len() });
+            return Err(Error::Length { what: "starts", got: starts.len(), expected: "an even number".into() });
         }
         config.check(motion_set)?;
         let characters = Characters::new(motion_set, config.characters, starts)?;
@@ -88,7 +88,7 @@ impl Sparring {
     ///
     /// # Errors
     /// As [`Characters::step`].
-    pub fn step(&mut self, motion_set: &MotionSet, dt_s: f32) -> Result<(), CharactersError> {
+    pub fn step(&mut self, motion_set: &MotionSet, dt_s: f32) -> Result<()> {
         self.step_on(motion_set, dt_s, &Inline)
     }
 
@@ -96,7 +96,7 @@ impl Sparring {
     ///
     /// # Errors
     /// As [`Characters::step`].
-    pub fn step_on(&mut self, motion_set: &MotionSet, dt_s: f32, run: &dyn Run) -> Result<(), CharactersError> {
+    pub fn step_on(&mut self, motion_set: &MotionSet, dt_s: f32, run: &dyn Run) -> Result<()> {
         /// Pairs of one part.
         const PART: usize = 64;
         self.characters.step_on(motion_set, dt_s, goals(&self.config, &self.state).get(), run)?;
@@ -170,7 +170,7 @@ impl Sparring {
     }
 
     /// Lets blows land and bodies part, after all have been observed.
-    fn resolve(&mut self, dt_s: f32) -> Result<(), CharactersError> {
+    fn resolve(&mut self, dt_s: f32) -> Result<()> {
         self.state.seconds += f64::from(dt_s);
         self.num_landings = 0;
         for i in 0..self.characters.blows().len() {
@@ -252,7 +252,7 @@ fn goals<'a>(config: &SparringConfig, state: &'a State) -> Goals<'a> {
 }
 
 /// Heads of characters as they start (m).
-fn start_heads(motion_set: &MotionSet, body: &Body, starts: &[Start]) -> Result<Vec<Vec3>, CharactersError> {
+fn start_heads(motion_set: &MotionSet, body: &Body, starts: &[Start]) -> Result<Vec<Vec3>> {
     let frames: Vec<u32> = starts.iter().map(|s| motion_set.graph().states[s.state as usize].frame).collect();
     let mut matrices = vec![Mat3x4::default(); starts.len() * NUM_JOINTS];
     let ratios = vec![0.0; starts.len()];

@@ -2,8 +2,9 @@
 
 use super::body::BodyShape;
 use super::goals;
-use throng_base::Hash128;
-use throng_core::characters::{CharactersConfig, CharactersError, MotionSet};
+use throng_base::error::check;
+use throng_base::{Hash128, Result};
+use throng_core::characters::{CharactersConfig, MotionSet};
 
 /// What a behaviour is about.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -81,7 +82,7 @@ impl SparringConfig {
         Hash128::of(format!("{:?}", (self.characters, goals, self.body, numbers)).as_bytes())
     }
 
-    pub(super) fn check(&self, motion_set: &MotionSet) -> Result<(), CharactersError> {
+    pub(super) fn check(&self, motion_set: &MotionSet) -> Result<()> {
         goals::check(motion_set, self.goals.iter().map(|g| (g.policy, g.weight)))?;
         self.body.check()?;
         for (what, got) in [
@@ -113,12 +114,6 @@ impl Default for SparringConfig {
 }
 
 /// An error where a number is out of its range.
-pub(super) fn within(
-    what: &'static str,
-    got: f32,
-    least: f32,
-    most: f32,
-    expected: &'static str,
-) -> Result<(), CharactersError> {
-    if (least..=most).contains(&got) { Ok(()) } else { Err(CharactersError::Value { what, got, expected }) }
+pub(super) fn within(what: &'static str, got: f32, least: f32, most: f32, expected: &'static str) -> Result<()> {
+    check(what, None, got, (least..=most).contains(&got), expected)
 }

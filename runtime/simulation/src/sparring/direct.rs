@@ -3,15 +3,17 @@
 use super::bout::Sparring;
 use super::config::within;
 use super::practice::TargetPractice;
-use throng_core::characters::{CharactersError, MotionSet};
+use throng_base::Result;
+use throng_base::error::check_length;
+use throng_core::characters::MotionSet;
 
 impl Sparring {
     /// Sets what each goal of the config counts from the next step on; 0 switches it off.
     ///
     /// # Errors
-    /// [`CharactersError::Length`] where there are not as many weights as goals, [`CharactersError::Value`] for one that is
+    /// [`Error::Length`] where there are not as many weights as goals, [`Error::Value`] for one that is
     /// not finite or too large; nothing has changed then.
-    pub fn set_weights(&mut self, weights: &[f32]) -> Result<(), CharactersError> {
+    pub fn set_weights(&mut self, weights: &[f32]) -> Result<()> {
         check_weights(weights, self.config.goals.len())?;
         self.config.goals.iter_mut().zip(weights).for_each(|(goal, &weight)| goal.weight = weight);
         Ok(())
@@ -21,7 +23,7 @@ impl Sparring {
     ///
     /// # Errors
     /// As [`throng_core::characters::Characters::play`].
-    pub fn play(&mut self, motion_set: &MotionSet, character: usize, segment: u32) -> Result<(), CharactersError> {
+    pub fn play(&mut self, motion_set: &MotionSet, character: usize, segment: u32) -> Result<()> {
         self.characters.play(motion_set, character, segment)
     }
 }
@@ -31,7 +33,7 @@ impl TargetPractice {
     ///
     /// # Errors
     /// As [`Sparring::set_weights`].
-    pub fn set_weights(&mut self, weights: &[f32]) -> Result<(), CharactersError> {
+    pub fn set_weights(&mut self, weights: &[f32]) -> Result<()> {
         check_weights(weights, self.config.goals.len())?;
         self.config.goals.iter_mut().zip(weights).for_each(|(goal, &weight)| goal.weight = weight);
         Ok(())
@@ -41,14 +43,12 @@ impl TargetPractice {
     ///
     /// # Errors
     /// As [`throng_core::characters::Characters::play`].
-    pub fn play(&mut self, motion_set: &MotionSet, character: usize, segment: u32) -> Result<(), CharactersError> {
+    pub fn play(&mut self, motion_set: &MotionSet, character: usize, segment: u32) -> Result<()> {
         self.characters.play(motion_set, character, segment)
     }
 }
 
-pub(super) fn check_weights(weights: &[f32], expected: usize) -> Result<(), CharactersError> {
-    if weights.len() != expected {
-        return Err(CharactersError::Length { what: "weights", got: weights.len(), expected });
-    }
+pub(super) fn check_weights(weights: &[f32], expected: usize) -> Result<()> {
+    check_length("weights", weights.len(), expected)?;
     weights.iter().try_for_each(|&w| within("weight", w, -1e6, 1e6, "a finite number below 1e6"))
 }

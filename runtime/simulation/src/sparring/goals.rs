@@ -2,26 +2,18 @@
 
 use super::config::within;
 use glam::Vec3;
-use throng_core::characters::{CharactersError, Goal, MAX_GOALS, MotionSet};
+use throng_base::Result;
+use throng_base::error::{self, check_index};
+use throng_core::characters::{Goal, MAX_GOALS, MotionSet};
 
-/// Numbers of goals that there may be, as [`MAX_GOALS`] sets them.
-const EXPECTED: &str = "1 to 4";
 const _: () = assert!(MAX_GOALS == 4, "the message names it");
 
 /// Checks that behaviours exist: their policies and weights.
-pub(super) fn check(
-    motion_set: &MotionSet,
-    goals: impl ExactSizeIterator<Item = (usize, f32)>,
-) -> Result<(), CharactersError> {
-    if goals.len() == 0 || goals.len() > MAX_GOALS {
-        let got = goals.len() as f32;
-        return Err(CharactersError::Value { what: "the number of goals", got, expected: EXPECTED });
-    }
-    let limit = motion_set.num_policies();
+pub(super) fn check(motion_set: &MotionSet, goals: impl ExactSizeIterator<Item = (usize, f32)>) -> Result<()> {
+    let n = goals.len();
+    error::check("the number of goals", None, n as f64, (1..=MAX_GOALS).contains(&n), "1 to 4")?;
     for (policy, weight) in goals {
-        if policy >= limit {
-            return Err(CharactersError::Index { what: "policy", got: policy, limit });
-        }
+        check_index("policy", None, policy, motion_set.num_policies())?;
         within("weight", weight, -1e6, 1e6, "a finite number below 1e6")?;
     }
     Ok(())

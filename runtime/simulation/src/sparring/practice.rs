@@ -6,8 +6,9 @@ use super::tally::{Outcome, Tally};
 use super::target::{StruckTarget, TargetConfig};
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
-use throng_base::{Hash128, Inline, Run};
-use throng_core::characters::{Blow, Characters, CharactersConfig, CharactersError, MAX_BLOWS, MotionSet, Start};
+use throng_base::error::{check_index, check_length};
+use throng_base::{Hash128, Inline, Result, Run};
+use throng_core::characters::{Blow, Characters, CharactersConfig, MAX_BLOWS, MotionSet, Start};
 
 /// A behaviour that all characters weigh, about their target.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -101,17 +102,10 @@ impl TargetPractice {
     /// - `homes`: where targets hang (m, starts.len()).
     ///
     /// # Errors
-    /// [`CharactersError::Length`] where homes do not fit, [`CharactersError::Index`] for a policy that does not
-    /// exist, [`CharactersError::Value`] for a number out of its range, and as [`Characters::new`].
-    pub fn new(
-        motion_set: &MotionSet,
-        config: PracticeConfig,
-        starts: &[Start],
-        homes: &[Vec3],
-    ) -> Result<Self, CharactersError> {
-        if homes.len() != starts.len() {
-            return Err(CharactersError::Length { what: "homes", got: homes.len(), expected: starts.len() });
-        }
+    /// [`Error::Length`] where homes do not fit, [`Error::Index`] for a policy that does not
+    /// exist, [`Error::Value`] for a number out of its range, and as [`Characters::new`].
+    pub fn new(motion_set: &MotionSet, config: PracticeConfig, starts: &[Start], homes: &[Vec3]) -> Result<Self> {
+        check_length("homes", homes.len(), starts.len())?;
         goals::check(motion_set, config.goals.iter().map(|g| (g.policy, g.weight)))?;
         config.target.check()?;
         within("reach_m", config.reach_m, 0.0, 1.0, "between 0 and 1")?;
@@ -132,7 +126,7 @@ impl TargetPractice {
     ///
     /// # Errors
     /// As [`Characters::step`].
-    pub fn step(&mut self, motion_set: &MotionSet, dt_s: f32) -> Result<(), CharactersError> {
+    pub fn step(&mut self, motion_set: &MotionSet, dt_s: f32) -> Result<()> {
         self.step_on(motion_set, dt_s, &Inline)
     }
 
@@ -140,7 +134,7 @@ impl TargetPractice {
     ///
     /// # Errors
     /// As [`Characters::step`].
-    pub fn step_on(&mut self, motion_set: &MotionSet, dt_s: f32, run: &dyn Run) -> Result<(), CharactersError> {
+    pub fn step_on(&mut self, motion_set: &MotionSet, dt_s: f32, run: &dyn Run) -> Result<()> {
         self.characters.step_on(motion_set, dt_s, goals_of(&self.config, &self.state).get(), run)?;
         self.strike(dt_s);
         Ok(())
@@ -149,13 +143,10 @@ impl TargetPractice {
     /// Moves the home of a target; the target follows at once.
     ///
     /// # Errors
-    /// [`CharactersError::Index`] for a character that does not exist, [`CharactersError::Value`] for a place that is not
+    /// [`Error::Index`] for a character that does not exist, [`Error::Value`] for a place that is not
     /// finite; nothing has changed then.
-    pub fn set_home(&mut self, character: usize, home: Vec3) -> Result<(), CharactersError> {
-        let limit = self.state.targets.len();
-        if character >= limit {
-            return Err(CharactersError::Index { what: "character", got: character, limit });
-        }
+    pub fn set_home(&mut self, character: usize, home: Vec3) -> Result<()> {
+        check_index("character", None, character, self.state.targets.len())?;
         check_home(home)?;
         let target = &mut self.state.targets[character];
         target.home = home;
@@ -222,7 +213,7 @@ fn goals_of<'a>(config: &PracticeConfig, state: &'a State) -> Goals<'a> {
     Goals::new(config.goals.iter().map(|g| (g.policy, g.weight, state.positions.as_slice())))
 }
 
-fn check_home(home: Vec3) -> Result<(), CharactersError> {
+fn check_home(home: Vec3) -> Result<()> {
     let largest = if home.is_nan() { f32::NAN } else { home.abs().max_element() };
     within("home", largest, 0.0, 1e5, "finite coordinates below 1e5")
 }

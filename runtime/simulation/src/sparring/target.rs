@@ -3,7 +3,7 @@
 use super::config::within;
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
-use throng_core::characters::CharactersError;
+use throng_base::Result;
 
 /// How a struck target moves.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -25,7 +25,7 @@ impl Default for TargetConfig {
 }
 
 impl TargetConfig {
-    pub(super) fn check(&self) -> Result<(), CharactersError> {
+    pub(super) fn check(&self) -> Result<()> {
         within("target.radius_m", self.radius_m, 1e-3, 1.0, "between 0.001 and 1")?;
         within("target.deflection_m_per_mps", self.deflection_m_per_mps, 0.0, 1.0, "between 0 and 1")?;
         within("target.max_deflection_m", self.max_deflection_m, 0.0, 10.0, "between 0 and 10")?;

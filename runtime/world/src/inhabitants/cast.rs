@@ -48,7 +48,7 @@ impl Inhabitants {
             let nearest = graph.nearest_rest(point);
             let far = nearest.map_or(f32::INFINITY, away);
             let expected = "at most 1.5; name a point nearer to where one can stay";
-            check("distance to the nearest place to stay (m)", Some(id), far.into(), far <= PLACED_WITHIN_M, expected)?;
+            check("distance to the nearest place to stay (m)", Some(id), far, far <= PLACED_WITHIN_M, expected)?;
             self.check_free(graph, id, c as u32, nearest.map_or(0, |n| n.instance))?;
             return Err(Error::Occupied { who: id, by: "somebody".into() });
         };
@@ -126,7 +126,7 @@ impl Cast for Inhabitants {
     fn place(&mut self, id: Id, root: Planar) -> Result<()> {
         let c = self.roster.row(id)?;
         for (what, got) in [("x", root.x), ("z", root.z), ("heading", root.heading)] {
-            check(what, Some(id), got.into(), got.abs() < 1e6, "a finite number below 1e6")?;
+            check(what, Some(id), got, got.abs() < 1e6, "a finite number below 1e6")?;
         }
         let world = self.world.clone();
         let graph = world.graph();

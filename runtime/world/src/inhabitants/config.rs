@@ -29,7 +29,7 @@ impl Default for InhabitantsConfig {
 impl InhabitantsConfig {
     pub(super) fn check(&self) -> Result<()> {
         let patience = self.patience_s;
-        check("patience_s", None, patience.into(), patience > 0.0 && patience < 1e6, "more than 0 and below 1e6")?;
+        check("patience_s", None, patience, patience > 0.0 && patience < 1e6, "more than 0 and below 1e6")?;
         check("plans_per_step", None, self.plans_per_step as f64, self.plans_per_step > 0, "at least 1")?;
         let max = self.max_path;
         check("max_path", None, max as f64, (8..=65536).contains(&max), "between 8 and 65536")
@@ -116,5 +116,5 @@ pub struct InhabitantState {
 }
 
 pub(super) fn check_time(dt_s: f32) -> Result<()> {
-    check("dt_s", None, dt_s.into(), (0.0..=MAX_STEP_S).contains(&dt_s), "between 0 and 1 (s)")
+    check("dt_s", None, dt_s, (0.0..=MAX_STEP_S).contains(&dt_s), "between 0 and 1 (s)")
 }

@@ -20,7 +20,7 @@ impl Inhabitants {
             Wish::GoTo { instance } => {
                 check_index("instance", who, instance as usize, graph.num_instances())?;
                 let has_place = graph.rest_cells(instance).next().is_some();
-                check("instance", who, instance.into(), has_place, "one in which one can stay")?;
+                check("instance", who, instance, has_place, "one in which one can stay")?;
                 Target::Rest { instance }
             }
             Wish::GoToPlace { place } => {
@@ -36,15 +36,9 @@ impl Inhabitants {
                 Target::Rest { instance }
             }
             Wish::Perform { tag, seconds } => {
-                check("seconds", who, seconds.into(), (0.0..1e9).contains(&seconds), "not negative and below 1e9 (s)")?;
+                check("seconds", who, seconds, (0.0..1e9).contains(&seconds), "not negative and below 1e9 (s)")?;
                 let offer = self.nearest_offer(graph, c, tag);
-                check(
-                    "tag",
-                    who,
-                    tag.into(),
-                    offer.is_some(),
-                    "one of motion that begins where one can come to and stay",
-                )?;
+                check("tag", who, tag, offer.is_some(), "one of motion that begins where one can come to and stay")?;
                 // Another instance may offer it where no way leads to this one.
                 return Ok(offer.map(|instance| Target::Tag { instance, tag }));
             }
@@ -137,5 +131,5 @@ impl Inhabitants {
 pub(super) fn check_place(graph: &WorldGraph, who: Option<Id>, node: Node) -> Result<()> {
     check_index("instance", who, node.instance as usize, graph.num_instances())?;
     check_index("cell", who, node.cell as usize, graph.num_cells(node.instance) as usize)?;
-    check("cell", who, node.cell.into(), graph.is_rest(node), "one where one can stay, see `World::near` and `scatter`")
+    check("cell", who, node.cell, graph.is_rest(node), "one where one can stay, see `World::near` and `scatter`")
 }

@@ -91,7 +91,7 @@ impl Cast for Walkers {
     }
 
     fn step(&mut self, dt_s: f32, run: &dyn Run) -> Result<()> {
-        error::check("dt_s", None, f64::from(dt_s), (0.0..=MAX_STEP_S).contains(&dt_s), "between 0 and 1")?;
+        error::check("dt_s", None, dt_s, (0.0..=MAX_STEP_S).contains(&dt_s), "between 0 and 1")?;
         self.stood.clear();
         for row in 0..self.len() {
             let is_new = self.state.blocks[row / LANES].placed[row % LANES] == 0.0;

@@ -4,6 +4,7 @@ use super::*;
 use crate::characters::tests::{starts, tables, targets};
 use crate::characters::{CharactersConfig, FootLockConfig, Goal};
 use crate::skeleton::{Joint, NUM_JOINTS};
+use throng_base::Error;
 
 const RATE: f32 = 30.0;
 
@@ -196,5 +197,5 @@ fn courses_that_leave_their_clip_or_are_nowhere_are_refused() {
         assert!(Characters::new_laid(&r, CharactersConfig::default(), &[c]).is_err(), "{c:?}");
         assert!(characters.lay(&r, 0, &c).is_err(), "{c:?}");
     }
-    assert!(matches!(characters.lay(&r, 1, &good), Err(CharactersError::Index { .. })));
+    assert!(matches!(characters.lay(&r, 1, &good), Err(Error::Index { .. })));
 }

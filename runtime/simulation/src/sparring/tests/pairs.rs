@@ -234,20 +234,17 @@ fn refuses_what_does_not_fit() {
     let tables = striking();
     let r = MotionSet::new(&tables);
     let new = |config: SparringConfig, n: usize| Sparring::new(&r, config, &facing(2, 2.0)[..n]);
-    assert!(matches!(new(config(), 3), Err(CharactersError::Odd { got: 3 })));
-    assert!(matches!(
-        new(SparringConfig::default(), 2),
-        Err(CharactersError::Value { what: "the number of goals", .. })
-    ));
+    assert!(matches!(new(config(), 3), Err(Error::Length { what: "starts", got: 3, .. })));
+    assert!(matches!(new(SparringConfig::default(), 2), Err(Error::Value { what: "the number of goals", .. })));
     let goal = SparringGoal { policy: 1, weight: 1.0, aim: Aim::OpponentHead };
-    assert!(matches!(new(SparringConfig::new(vec![goal]), 2), Err(CharactersError::Index { what: "policy", .. })));
+    assert!(matches!(new(SparringConfig::new(vec![goal]), 2), Err(Error::Index { what: "policy", .. })));
     let goal = SparringGoal { policy: 0, weight: f32::NAN, aim: Aim::OpponentHead };
-    assert!(matches!(new(SparringConfig::new(vec![goal]), 2), Err(CharactersError::Value { what: "weight", .. })));
+    assert!(matches!(new(SparringConfig::new(vec![goal]), 2), Err(Error::Value { what: "weight", .. })));
     let body = BodyShape { head_m: 0.0, ..BodyShape::default() };
     let thin = SparringConfig { body, ..config() };
-    assert!(matches!(new(thin, 2), Err(CharactersError::Value { what: "body.head_m", .. })));
+    assert!(matches!(new(thin, 2), Err(Error::Value { what: "body.head_m", .. })));
     let characters = CharactersConfig { half_life_s: -1.0, ..CharactersConfig::default() };
-    assert!(matches!(new(SparringConfig { characters, ..config() }, 2), Err(CharactersError::Value { .. })));
+    assert!(matches!(new(SparringConfig { characters, ..config() }, 2), Err(Error::Value { .. })));
     let mut none = new(config(), 0).unwrap();
     none.step(&r, DT).unwrap();
     assert_eq!(none.figures().blows, Tally::default());

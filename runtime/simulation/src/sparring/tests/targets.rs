@@ -124,15 +124,15 @@ fn refuses_what_does_not_fit() {
     let starts = [Start { root: Planar::IDENTITY, state: 0 }];
     let good = PracticeConfig::new(vec![PracticeGoal { policy: 0, weight: 1.0 }]);
     let new = |config: &PracticeConfig, homes: &[Vec3]| TargetPractice::new(&r, config.clone(), &starts, homes);
-    assert!(matches!(new(&good, &[]), Err(CharactersError::Length { what: "homes", .. })));
-    assert!(matches!(new(&good, &[Vec3::NAN]), Err(CharactersError::Value { what: "home", .. })));
+    assert!(matches!(new(&good, &[]), Err(Error::Length { what: "homes", .. })));
+    assert!(matches!(new(&good, &[Vec3::NAN]), Err(Error::Value { what: "home", .. })));
     assert!(matches!(
         new(&PracticeConfig::default(), &[Vec3::Y]),
-        Err(CharactersError::Value { what: "the number of goals", .. })
+        Err(Error::Value { what: "the number of goals", .. })
     ));
     let far = PracticeConfig { reach_m: -1.0, ..good.clone() };
-    assert!(matches!(new(&far, &[Vec3::Y]), Err(CharactersError::Value { what: "reach_m", .. })));
+    assert!(matches!(new(&far, &[Vec3::Y]), Err(Error::Value { what: "reach_m", .. })));
     let mut practice = new(&good, &[Vec3::Y]).unwrap();
-    assert!(matches!(practice.set_home(1, Vec3::Y), Err(CharactersError::Index { what: "character", .. })));
-    assert!(matches!(practice.set_home(0, Vec3::INFINITY), Err(CharactersError::Value { what: "home", .. })));
+    assert!(matches!(practice.set_home(1, Vec3::Y), Err(Error::Index { what: "character", .. })));
+    assert!(matches!(practice.set_home(0, Vec3::INFINITY), Err(Error::Value { what: "home", .. })));
 }
