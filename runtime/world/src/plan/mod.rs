@@ -1,9 +1,7 @@
 //! Path planning in two layers (Lee, Choi and Lee 2006, section 7): over the ways into and out of what stands on open ground, then over the
 //! motion itself, towards what the upper layer says is near.
 
-mod buckets;
 mod end;
-mod heap;
 mod inside;
 mod next_entrances;
 mod nodes;

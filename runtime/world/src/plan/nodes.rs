@@ -1,7 +1,7 @@
 //! The lower layer: A* over nodes, in memory that is used again by every search.
 
-use super::heap::Heap;
 use crate::graph::Walk;
+use crate::queue::Heap;
 use crate::{Node, Step, WorldGraph};
 use bytemuck::{Pod, Zeroable};
 use throng_core::patch::NONE;

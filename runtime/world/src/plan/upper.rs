@@ -5,9 +5,9 @@ mod tests;
 
 use super::Target;
 use super::end::End;
-use super::heap::Heap;
 use super::next_entrances::{NextEntrance, NextEntrances};
 use crate::path_hierarchy::{Entrance, Landmarks, PathHierarchy, Spot, ToLandmarks};
+use crate::queue::Heap;
 use crate::{Node, WorldGraph};
 use throng_core::patch::NONE;
 
