@@ -6,8 +6,8 @@ use std::path::{Path, PathBuf};
 use throng_precompute::cache::Cache;
 use throng_precompute::config::BuildConfig;
 use throng_precompute::slip::{SoleMeter, Soles};
-use throng_runtime::blend::walkers::{Control, WalkerStart, Walkers, WalkersConfig};
 use throng_runtime::blend::{BlendSpace, ExampleRecord, axis};
+use throng_runtime::walkers::{Control, WalkerStart, Walkers, WalkersConfig};
 use throng_runtime::{Bundle, Cast, Inline};
 
 const DT_S: f32 = 1.0 / 60.0;

@@ -3,7 +3,7 @@
 use crate::Event;
 use glam::Vec3;
 use throng_base::{Error, Hash128, Id, Result, Run};
-use throng_core::blend::walkers::Walkers;
+use throng_core::walkers::Walkers;
 use throng_core::{Cast, Contacts, Mat3x4, NUM_JOINTS, Planar};
 
 /// One step of time.

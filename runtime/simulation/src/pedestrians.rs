@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 use throng_base::error::check;
 use throng_base::{Bytes, Error, Hash128, Result, Run, SnapshotKind};
 use throng_core::blend::BlendSpace;
-use throng_core::blend::walkers::{MAX_STEP_S, Walkers, WalkersConfig};
+use throng_core::walkers::{MAX_STEP_S, Walkers, WalkersConfig};
 use throng_core::{Adopted, Bodies, Bundle, Cast, Planar, Skeleton, Status};
 use throng_crowd::{Agent, Crowd, CrowdError, Go, Id};
 

@@ -5,7 +5,7 @@
 //! - 1: units, instances, neighbours, bits of cells and links, adjacencies, joint tables, resources.
 //! - 2: path costs, which planners worked out at every start before; content hashes of the bundle and of the source.
 
-use super::baked::{Baked, PathCosts};
+use super::graph::{Baked, PathCosts};
 use super::{AdjacencyRecord, InstanceRecord, JointRecord, JointTableRecord, Node, UnitRecord};
 use super::{WorldData, WorldError, WorldGraph, WorldMeta, WorldView, check, tags};
 use glam::Vec3;

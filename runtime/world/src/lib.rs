@@ -1,6 +1,5 @@
 //! Worlds: patches stitched together over a target environment (Lee, Choi and Lee 2006, section 5).
 
-mod baked;
 mod check;
 mod error;
 mod file;
@@ -15,10 +14,9 @@ mod queue;
 mod records;
 pub mod tags;
 
-pub use baked::PathCosts;
 pub use error::WorldError;
 pub use file::{Place, WORLD_MAGIC, WORLD_VERSION, World};
-pub use graph::{Node, Step, WorldGraph};
+pub use graph::{Node, PathCosts, Step, WorldGraph};
 pub use records::{AdjacencyRecord, InstanceRecord, JointRecord, JointTableRecord, UnitRecord};
 
 use serde::{Deserialize, Serialize};

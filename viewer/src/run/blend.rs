@@ -5,9 +5,9 @@ use super::blending::Blending;
 use super::reel::Reel;
 use crate::bundle::OpenBundle;
 use glam::Vec2;
-use throng_runtime::blend::walkers::{Control, WalkerStart, Walkers, WalkersConfig};
 use throng_runtime::blend::{BlendSpace, MAX_AXES, axis};
 use throng_runtime::simulation::wander::body_of;
+use throng_runtime::walkers::{Control, WalkerStart, Walkers, WalkersConfig};
 use throng_runtime::{Cast, Contacts, Error, Id, Inline, Mat3x4, NUM_JOINTS, Planar, Skeleton};
 
 /// Half-life of the difference between the requested and the blended point (s).

@@ -7,7 +7,6 @@ mod posture;
 mod records;
 mod slopes;
 mod space;
-pub mod walkers;
 mod warp;
 
 pub use grid::{MAX_KNOTS, WeightGrid};

@@ -14,7 +14,7 @@ use throng_base::simd::{LANES, Lanes, Work, dispatch};
 ///
 /// A query has three steps, each a batch over slices: [`BlendSpace::weights`] maps parameters to the weights of the
 /// examples, [`BlendSpace::advance`] moves generic time on by blended rates, and [`BlendSpace::pose`] blends postures.
-/// [`super::walkers::Walkers`] does all of it for characters on trajectories.
+/// [`crate::walkers::Walkers`] does all of it for characters on trajectories.
 #[derive(Clone, Debug)]
 pub struct BlendSpace {
     pub(crate) record: BlendRecord,

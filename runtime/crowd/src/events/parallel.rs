@@ -276,7 +276,7 @@ impl<V: Space> Engine<V> {
 mod tests {
     use super::*;
     use crate::EventKind;
-    use crate::tests::{Drive, crossing};
+    use crate::tests::drive::{Drive, crossing};
     use glam::Vec2;
 
     #[test]

@@ -235,7 +235,7 @@ impl<V: Space> Engine<V> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::tests::{Drive, crossing};
+    use crate::tests::drive::{Drive, crossing};
     use glam::{Vec2, Vec3};
 
     /// What becomes of a snapshot of a crowd that was changed by hand.

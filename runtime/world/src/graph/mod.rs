@@ -1,16 +1,18 @@
 //! The graph over a world: nodes are (instance, cell), edges are links and joints. It is never stored, only walked.
 
+mod baked;
 mod bounds;
 mod joints;
 mod passages;
 mod rest;
 mod steps;
 
+pub(crate) use baked::Baked;
+pub use baked::PathCosts;
 pub(crate) use bounds::Bounds;
 pub(crate) use steps::{Crossing, Walk};
 pub use steps::{Node, Step};
 
-use super::baked::Baked;
 use super::path_hierarchy::PathHierarchy;
 use super::{InstanceRecord, WorldView, is_set};
 use glam::Vec3;

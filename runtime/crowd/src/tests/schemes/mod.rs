@@ -7,7 +7,7 @@ use self::invariants::lists_are_exact;
 use crate::events::baselines::Baseline;
 use crate::events::baselines::occupancy::Occupancy;
 use crate::events::engine::Engine;
-use crate::tests::Drive;
+use crate::tests::drive::Drive;
 use crate::*;
 use glam::{Vec2, Vec3};
 use std::collections::BTreeMap;

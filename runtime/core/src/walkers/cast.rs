@@ -1,12 +1,12 @@
 //! Walkers as a cast: they enter, leave, take orders, are saved and loaded.
 
 use super::{Control, MAX_STEP_S, State, WalkerStart, Walkers, config};
-use crate::blend::walkers::block::Block;
 use crate::bundle::Bundle;
 use crate::cast::{Adopted, Bodies, Cast, Status};
 use crate::contacts::Contacts;
 use crate::planar::Planar;
 use crate::skeleton::NUM_JOINTS;
+use crate::walkers::block::Block;
 use serde::{Deserialize, Serialize};
 use throng_base::simd::LANES;
 use throng_base::{Error, Hash128, Id, Result, Run, SnapshotKind, error};

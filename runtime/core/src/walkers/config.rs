@@ -1,7 +1,7 @@
 //! What walkers are told: settings, starts and orders, and the limits of their numbers.
 
 use super::body::{ARMS, LEGS};
-use crate::blend::records::MAX_AXES;
+use crate::blend::MAX_AXES;
 use crate::planar::Planar;
 use crate::skeleton::{Joint, Skeleton};
 use glam::Vec2;

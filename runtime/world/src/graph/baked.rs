@@ -1,9 +1,9 @@
 //! What `stitch` works out of a world beforehand, so that opening it takes no search: the path hierarchy with its costs,
 //! ways to rest, narrow passages, open borders.
 
-use super::graph::Bounds;
-use super::path_hierarchy::PathHierarchy;
-use super::{WorldGraph, pod};
+use super::{Bounds, WorldGraph};
+use crate::path_hierarchy::PathHierarchy;
+use crate::pod;
 use serde::{Deserialize, Serialize};
 use throng_core::format::FormatError;
 
