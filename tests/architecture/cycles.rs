@@ -4,7 +4,7 @@ use crate::workspace::{Crate, code, crates, sources};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
-/// Who uses whom, and in which files.
+/// Which modules a module uses, and in which files.
 type Uses = BTreeMap<String, BTreeMap<String, BTreeSet<String>>>;
 
 /// Modules that may need each other: crate, the two modules, and why.

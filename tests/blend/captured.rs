@@ -51,7 +51,7 @@ fn feet_hold(tables: &Bundle, number: usize) {
     }
     assert!(meter.samples() > 600, "{name}: feet are planted in {} ticks", meter.samples());
     assert!(meter.p95_mps() < 0.02, "{name}: planted feet slip by {} m/s", meter.p95_mps());
-    assert!(moved < 0.1, "{name}: feet of who stands move by {moved} m/s");
+    assert!(moved < 0.1, "{name}: feet of a standing character move by {moved} m/s");
 }
 
 #[test]

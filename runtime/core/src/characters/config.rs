@@ -28,7 +28,7 @@ pub struct CharactersConfig {
     pub half_life_s: f32,
     /// How feet are locked.
     pub foot_lock: FootLockConfig,
-    /// How those who are struck give way, see [`super::Characters::push`].
+    /// How struck characters give way, see [`super::Characters::push`].
     pub reaction: ReactionConfig,
     /// How far a walked action may be bent towards the target; 0 leaves motion as captured (Lee, Choi and Lee 2006, section 6, linear
     /// path editing) (rad/m, >= 0).

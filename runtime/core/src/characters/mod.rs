@@ -14,10 +14,10 @@ mod motion_set;
 mod order;
 mod policy_cast;
 mod reaction;
-mod room;
 mod sample_job;
 mod scheduled_clip;
 mod snapshot;
+mod spawn;
 mod step;
 #[cfg(test)]
 pub(crate) mod tests;
@@ -169,7 +169,7 @@ impl Characters {
     ///
     /// # Errors
     /// [`Error::Value`] for a setting out of its range.
-    pub fn with_room(motion_set: &MotionSet, config: CharactersConfig, capacity: usize) -> Result<Self> {
+    pub fn with_capacity(motion_set: &MotionSet, config: CharactersConfig, capacity: usize) -> Result<Self> {
         config.check()?;
         let blocks = vec![Block::ZERO; capacity.div_ceil(LANES)];
         let mut out = Self::with_blocks(motion_set, config, blocks, capacity, 0);

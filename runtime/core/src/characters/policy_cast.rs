@@ -64,7 +64,7 @@ impl PolicyCharacters {
         if motion_set.graph().states.is_empty() {
             return Err(no_graph());
         }
-        let characters = Characters::with_room(&motion_set, config, capacity)?;
+        let characters = Characters::with_capacity(&motion_set, config, capacity)?;
         Ok(Self {
             bundle: bundle.clone(),
             arrivals: arrivals(&motion_set),

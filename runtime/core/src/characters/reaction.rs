@@ -13,7 +13,7 @@ use throng_base::Result;
 use throng_base::error::check;
 use throng_base::simd::{LANES, Lanes, Q, V};
 
-/// How those who are struck give way.
+/// How struck characters give way.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ReactionConfig {
     /// False leaves bodies as the clips move them.

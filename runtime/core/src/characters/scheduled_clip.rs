@@ -1,4 +1,4 @@
-//! Courses: stretches of frames that a character is laid on by whoever moves it, in place of choosing by a policy.
+//! Scheduled clips: stretches of frames that a character plays in place of choosing by a policy.
 
 use super::block::{Block, LAID, NO_STATE};
 use super::lanes::Lanewise;
@@ -77,7 +77,7 @@ impl ScheduledClip {
 }
 
 impl Characters {
-    /// Puts characters on scheduled clips, each at the frame it begins at. They choose nothing: whoever made them lays them on
+    /// Puts characters on scheduled clips, each at the frame it begins at. They choose nothing: the caller lays them on
     /// the next scheduled clip before the last one ends. Poses are there after the first step.
     ///
     /// # Errors
@@ -88,7 +88,7 @@ impl Characters {
         config: CharactersConfig,
         scheduled_clips: &[ScheduledClip],
     ) -> Result<Self> {
-        let mut out = Self::with_room(motion_set, config, scheduled_clips.len())?;
+        let mut out = Self::with_capacity(motion_set, config, scheduled_clips.len())?;
         scheduled_clips.iter().try_for_each(|clip| out.enter_laid(motion_set, clip))?;
         Ok(out)
     }
@@ -97,7 +97,7 @@ impl Characters {
     /// step. Allocates nothing.
     ///
     /// # Errors
-    /// As [`Characters::lay`], and [`Error::Index`] where there is no room; nothing has changed then.
+    /// As [`Characters::lay`], and [`Error::Index`] beyond the capacity; nothing has changed then.
     pub fn enter_laid(&mut self, motion_set: &MotionSet, scheduled_clip: &ScheduledClip) -> Result<()> {
         let at = self.num_characters;
         check_index("character", None, at, self.matrices.len() / NUM_JOINTS)?;

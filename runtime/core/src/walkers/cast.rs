@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 use throng_base::simd::LANES;
 use throng_base::{Error, Hash128, Id, Result, Run, SnapshotKind, error};
 
-/// What happened to a walker.
+/// An event of a walker.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum WalkerEvent {
     /// The left foot came down.
@@ -187,7 +187,7 @@ impl Walkers {
         SnapshotKind { what: "walkers", tag: *b"WALK", version: 1, setup: self.setup }
     }
 
-    /// Bodies and poses of everybody, from the state.
+    /// Bodies and poses of all walkers, from the state.
     fn pose_again(&mut self) {
         self.bodies.clear();
         self.resize();

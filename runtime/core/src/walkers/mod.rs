@@ -148,7 +148,7 @@ impl Walkers {
         self.state.roster.ids().len()
     }
 
-    /// True if there is nobody.
+    /// True without walkers.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }

@@ -408,7 +408,7 @@ mod tests {
         assert_eq!(map.flat_corners(to, from), Err(NoWay::Start(0)));
         assert_eq!(map.flat_corners(from, Vec2::new(4.2, 1.0)), Err(NoWay::Goal(0)), "too near");
         assert!(map.flat_corners(from, Vec2::new(4.4, 1.0)).is_ok(), "nearer than the clearance, but not too near");
-        assert!(map.flat_corners(Vec2::new(4.2, 1.0), from).is_ok(), "one who stands at the wall gets away from it");
+        assert!(map.flat_corners(Vec2::new(4.2, 1.0), from).is_ok(), "an agent at the wall gets away from it");
     }
 
     #[test]

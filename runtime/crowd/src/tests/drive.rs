@@ -94,7 +94,7 @@ pub(super) fn to<V: Space>(goal: V) -> Route<V> {
     Route { subgoals: vec![goal], arrival_radius: 0.5, at_end: AtEnd::Stay }
 }
 
-/// Agents on a jittered lattice who want to go to the other side of it.
+/// Agents on a jittered lattice that want to go to the other side of it.
 pub(crate) fn crossing<V: Space>(num: usize, spacing: f32) -> Setup<V> {
     let mut shares = Shares(3);
     let across = (num as f32).powf(1.0 / V::DIMENSIONS as f32).ceil() as usize;

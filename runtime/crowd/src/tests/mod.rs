@@ -7,7 +7,7 @@ mod jams;
 mod schemes;
 
 use crate::events::engine::Engine;
-use crate::safety::rule::room;
+use crate::safety::rule::clearance;
 use crate::space::plan::Plan;
 use crate::*;
 use drive::*;
@@ -26,8 +26,14 @@ fn check_stop_regions<V: Space>(crowd: &Engine<V>, time: f64) {
         .collect();
     for (i, a) in plans.iter().enumerate() {
         for b in &plans[..i] {
-            let room = room(a, b);
-            assert!(room > 0.0, "stop regions of {} and {} overlap by {} m at {time}", a.index, b.index, -room);
+            let clearance = clearance(a, b);
+            assert!(
+                clearance > 0.0,
+                "stop regions of {} and {} overlap by {} m at {time}",
+                a.index,
+                b.index,
+                -clearance
+            );
         }
     }
 }

@@ -72,7 +72,7 @@ impl WorldGraph {
     /// Counts nodes, and looks joints up.
     fn bare(patches: &Patches, world: &WorldView) -> Result<Self, FormatError> {
         if world.instances.is_empty() {
-            return Err(FormatError::layout("the world has no instance: nobody can be there"));
+            return Err(FormatError::layout("the world has no instance: no character can be there"));
         }
         let mut first_node = Vec::with_capacity(world.instances.len() + 1);
         let mut next = 0u32;

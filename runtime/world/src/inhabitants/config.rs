@@ -12,9 +12,9 @@ use throng_core::characters::{CharactersConfig, MAX_STEP_S};
 pub struct InhabitantsConfig {
     /// How they move; its seed is that of random ways too.
     pub characters: CharactersConfig,
-    /// How long somebody waits for a place that others hold before going out of their way (s, > 0).
+    /// How long a character waits for a reserved place before it makes a detour (s, > 0).
     pub patience_s: f32,
-    /// Most paths that are planned in one step; who asks for more waits for the next one (> 0).
+    /// Most paths that are planned in one step; further requests wait for the next one (> 0).
     pub plans_per_step: usize,
     /// Steps of a planned path that are kept; the rest is planned again on the way (8 to 65536).
     pub max_path: usize,
@@ -52,12 +52,12 @@ pub enum Wish {
         /// See [`crate::World::near`].
         place: Place,
     },
-    /// Go to where the free place to stay is that is nearest to a point, and stay there; to another one where somebody else is
+    /// Go to where the free place to stay is that is nearest to a point, and stay there; to another one where it is taken
     /// sooner.
     GoNear {
         /// In the world (m).
         place: Vec3,
-        /// No farther away than that, for the hips of who stays there (m).
+        /// Largest distance of the hips from the point (m).
         within_m: f32,
     },
     /// Go to the nearest free instance whose motion shows a tag, and do that again and again, then stay.
@@ -88,7 +88,7 @@ pub enum Doing {
     Walking,
     /// Waits for what others hold.
     Waiting,
-    /// Makes room for others, or tries another way.
+    /// Moves out of the way, or tries another way.
     Detour,
     /// Does what it was to perform.
     Performing,

@@ -1,4 +1,4 @@
-//! Where wishes lead: to places that there are, and that nobody else has.
+//! Where wishes lead: to places that exist and are free.
 
 use super::{Doing, InhabitantEvent, Inhabitants, Wish};
 use crate::plan::Target;
@@ -72,7 +72,7 @@ impl Inhabitants {
         }
     }
 
-    /// The instance of the place to stay that is nearest to a point, of those that nobody else holds or is on the way to.
+    /// The instance of the place to stay that is nearest to a point, of those that are free and no other character's target.
     ///
     /// - `but`: not that one.
     fn free_near(&mut self, graph: &WorldGraph, c: usize, point: Vec3, within_m: f32, but: Option<u32>) -> Option<u32> {
@@ -98,13 +98,13 @@ impl Inhabitants {
         self.stays(other).then_some(other)
     }
 
-    /// True for who has come to stay. Who came in this step may be told to go on before the next one.
+    /// True for a character that has come to stay. One that came in this step may be told to go on before the next one.
     pub(super) fn stays(&self, c: usize) -> bool {
         let came = (self.roster.ids()[c], InhabitantEvent::Fulfilled);
         self.states[c].doing == Doing::Arrived && !self.events.contains(&came)
     }
 
-    /// Sends one who is to go near a place to another free place there; false where there is none.
+    /// Sends a character to another free place near its target; false where there is none.
     pub(super) fn turn_to_free(&mut self, graph: &WorldGraph, c: usize) -> bool {
         let Wish::GoNear { place, within_m } = self.states[c].wish else { return false };
         let now = self.paths.target(c).map(|t| t.instance());
@@ -113,7 +113,7 @@ impl Inhabitants {
         true
     }
 
-    /// Lets one who is to go near a place stay where it is, if that is near enough; false where it is not.
+    /// Lets a character stay where it is, if that is near enough to its target; false where it is not.
     pub(super) fn stay_near(&mut self, graph: &WorldGraph, c: usize) -> bool {
         let (Wish::GoNear { place, within_m }, here) = (self.states[c].wish, self.states[c].at.instance) else {
             return false;

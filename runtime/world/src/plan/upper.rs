@@ -68,7 +68,7 @@ impl Upper {
         }
     }
 
-    /// A* from the target backwards, until more ways on would hardly help whoever begins at `from`, nor be part of any way
+    /// A* from the target backwards, until more ways on would hardly help from `from`, nor be part of any way
     /// that costs less than `most`.
     ///
     /// - returns false where no way leads from there to the target.

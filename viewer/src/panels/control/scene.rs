@@ -1,4 +1,4 @@
-//! A scene: who is there, how many, the seed, saved states, what the selected character is told, and what has happened.
+//! A scene: groups, numbers, seed, saved states, orders of the selected character, and events.
 
 use super::{behaviours, target};
 use crate::command::{Command, SceneCommand};

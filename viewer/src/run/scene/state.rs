@@ -65,7 +65,7 @@ impl State {
         state
     }
 
-    /// One step of everybody, and what is measured of it.
+    /// One step of all characters, and its measures.
     pub fn advance_to(&mut self, step: u32) -> Result<()> {
         let simulation = &mut self.simulation;
         let before: Vec<_> = self.choosing.iter().map(|c| around(&simulation.casts()[c.cast])).collect();
@@ -128,7 +128,7 @@ impl State {
 }
 
 impl Choosing {
-    /// None for those who do not choose.
+    /// None for a group without policies.
     fn new(simulation: &Simulation, cast: usize, characters: &std::ops::Range<usize>) -> Option<Self> {
         let goals: Vec<(RunGoal, f32)> = match &simulation.casts()[cast] {
             GroupCast::Policy(p) => {
