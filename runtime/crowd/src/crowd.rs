@@ -147,8 +147,7 @@ impl Crowd {
         each!(&mut self.engine, e => e.despawn(id))
     }
 
-    /// Puts an agent elsewhere, at rest. It goes on with its order from there; who has none, or was where it was sent,
-    /// stays there.
+    /// Puts an agent elsewhere, at rest. It goes on with its order from there, or stays without one.
     ///
     /// # Errors
     /// [`CrowdError`] for a place that is taken or out of range, or from which no way leads to its goal; nothing has

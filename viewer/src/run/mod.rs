@@ -34,6 +34,7 @@ use crate::bundle::OpenBundle;
 use glam::{Vec2, Vec3};
 use recording::Recording;
 use simulation::Simulation;
+use throng_runtime::Result;
 use throng_runtime::characters::Characters;
 
 /// A run of a crowd, with the record of its last minute.

@@ -37,9 +37,9 @@ impl Spawn {
 
 /// Characters that policies move, as a [`Cast`].
 ///
-/// All memory is allocated in [`PolicyCharacters::with_capacity`] but for loading and adopting. Those who are there
-/// stand side by side in memory, so that those who have left take no time. Random choices depend on the seed, the id
-/// and the number of choices alone.
+/// All memory is allocated in [`PolicyCharacters::with_capacity`] but for loading and adopting. Present
+/// characters lie side by side in memory, so that those that left take no time. Random choices depend on the seed, the
+/// id and the number of choices alone.
 #[derive(Clone, Debug)]
 pub struct PolicyCharacters {
     pub(super) bundle: Bundle,
@@ -47,7 +47,7 @@ pub struct PolicyCharacters {
     pub(super) characters: Characters,
     /// A segment that ends in each state.
     pub(super) arrivals: Vec<u32>,
-    /// Those who are there, in the order of bodies.
+    /// Ids of present characters, in the order of bodies.
     roster: Roster,
     pub(super) orders: Vec<Order>,
     roots: Vec<Planar>,
@@ -87,7 +87,7 @@ impl PolicyCharacters {
         &self.motion_set
     }
 
-    /// Those who are there, in the order of bodies.
+    /// Ids of present characters, in the order of bodies.
     pub fn ids(&self) -> &[Id] {
         self.roster.ids()
     }

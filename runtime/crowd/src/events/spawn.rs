@@ -130,7 +130,7 @@ impl<V: Space> Engine<V> {
         Ok(())
     }
 
-    /// Puts an agent elsewhere, at rest. Who has come to the end of its own way stays there; others go on with their order.
+    /// Puts an agent elsewhere, at rest. It goes on with its order from there, or stays without one.
     ///
     /// # Errors
     /// [`CrowdError`] for a place that is taken or out of range, or from which no way leads to its goal; nothing has

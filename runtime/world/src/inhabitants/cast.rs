@@ -221,7 +221,7 @@ impl Cast for Inhabitants {
     /// A world belongs to its bundle: there is no other one to go on with.
     ///
     /// # Errors
-    /// [`Error::OtherBundle`] for another bundle. Open the world that was stitched with it, and spawn the characters again.
+    /// [`Error::OtherBundle`] for another bundle: open the world that was stitched with it, and spawn again.
     fn adopt(&mut self, new: &Bundle) -> Result<Adopted> {
         let (expected, got) = (self.world.bundle_hash(), new.hash());
         match expected == got {

@@ -52,7 +52,7 @@ pub enum Wish {
         /// See [`crate::World::near`].
         place: Place,
     },
-    /// Go to where the free place to stay is that is nearest to a point, and stay there; to another one where it is taken
+    /// Go to the free place that is nearest to a point, and stay there; to another one where it is taken
     /// sooner.
     GoNear {
         /// In the world (m).

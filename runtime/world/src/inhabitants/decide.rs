@@ -18,7 +18,7 @@ pub(super) const MAX_IMPATIENCE: u32 = 3;
 const MAX_REJOINED: usize = 8;
 /// Most nodes that are opened in looking for it.
 const MAX_REJOIN_OPENED: usize = 1000;
-/// Times that a character loses patience before it stays blocked: behind characters that go on, and behind ones that do not.
+/// Times that a character loses patience before it stays blocked: in all, and behind characters that stay.
 pub(super) const MAX_TRIES: u32 = 20;
 const MAX_TRIES_SETTLED: u32 = 3;
 /// Steps of its path after which a character is patient again.
@@ -244,8 +244,8 @@ impl Inhabitants {
 
     /// Notes that another one holds what is needed.
     ///
-    /// Who waits for one who goes on loses patience in the end and makes a detour. Who finds its place taken by one who
-    /// stays waits, and makes room for others who ask for it; so does who lost patience too often.
+    /// Behind a character that goes on, it waits, loses patience and makes a detour. If its place is taken by one that
+    /// stays, or it lost patience too often, it waits and moves out of the way of others.
     fn refuse(&mut self, graph: &WorldGraph, c: usize, holder: usize) {
         let is_blocked = self.states[holder].doing == Doing::Blocked;
         let is_settled = is_blocked || self.stays(holder);

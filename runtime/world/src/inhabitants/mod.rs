@@ -91,14 +91,14 @@ impl State {
 /// [`Inhabitants::new`], but for saving and loading.
 ///
 /// Each holds the units of the instance it is in, and takes all that it needs up to the next node from which a rest
-/// cell can be reached without more. Others keep out of them. Who does not get what it needs goes to rest within what it
-/// holds, tries again, and after a while makes a random detour, longer each time. Who finds its place taken by one who
-/// stays there waits where it is, and moves out of their way, until the place is free or it is told something else.
+/// cell can be reached without more. Others keep out of them. A character refused a reservation rests within the units
+/// it holds, tries again, and after a while makes a random detour, longer each time. If its place is taken by one that
+/// stays, it waits, and moves out of the way of others, until the place is free or it gets another order.
 #[derive(Clone, Debug)]
 pub struct Inhabitants {
     world: World,
     config: InhabitantsConfig,
-    /// Those who are there, in the order of bodies. All that follows is in the same order.
+    /// Ids of present characters, in the order of bodies. All that follows is in the same order.
     roster: Roster,
     characters: Characters,
     roots: Vec<Planar>,
@@ -154,7 +154,7 @@ impl Inhabitants {
         self.roster.capacity()
     }
 
-    /// Those who are there, in the order of bodies.
+    /// Ids of present characters, in the order of bodies.
     pub fn ids(&self) -> &[Id] {
         self.roster.ids()
     }

@@ -72,7 +72,7 @@ impl Inhabitants {
         }
     }
 
-    /// The instance of the place to stay that is nearest to a point, of those that are free and no other character's target.
+    /// The instance of the free place to stay that is nearest to a point and no other character's target.
     ///
     /// - `but`: not that one.
     fn free_near(&mut self, graph: &WorldGraph, c: usize, point: Vec3, within_m: f32, but: Option<u32>) -> Option<u32> {

@@ -261,8 +261,7 @@ impl Upper {
         self.reach_region(hierarchy, region, state, cost);
     }
 
-    /// True where another way on from a region costs no more from any of the cells that one begins at: who comes to them
-    /// might take that one as well.
+    /// True where another way on from the region costs no more from any of the cells that this one begins at.
     fn is_dominated(&self, hierarchy: &PathHierarchy, state: u32, cost: f32) -> bool {
         let is_less = |&(other, most): &(u32, u16)| {
             let o = other as usize;
